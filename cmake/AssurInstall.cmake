@@ -1,0 +1,36 @@
+# cmake --install: libraries, headers, the command, and packages for CMake and pkg-config.
+include(CMakePackageConfigHelpers)
+
+get_property(ASSUR_PACKAGES GLOBAL PROPERTY ASSUR_FOUND_PACKAGES)
+get_property(ASSUR_LIBRARIES GLOBAL PROPERTY ASSUR_PRIVATE_LIBRARIES)
+list(REMOVE_DUPLICATES ASSUR_LIBRARIES)
+list(JOIN ASSUR_LIBRARIES " " ASSUR_LIBRARIES)
+
+set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/assur)
+install(TARGETS assur_core EXPORT assurCoreTargets FILE_SET HEADERS)
+install(TARGETS assur EXPORT assurTargets)
+if(TARGET assur_command)
+  install(TARGETS assur_command)
+endif()
+install(EXPORT assurCoreTargets NAMESPACE assur:: DESTINATION ${package_folder})
+install(EXPORT assurTargets NAMESPACE assur:: DESTINATION ${package_folder})
+
+configure_package_config_file(cmake/assurConfig.cmake.in assurConfig.cmake INSTALL_DESTINATION ${package_folder})
+write_basic_package_version_file(assurConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/assurConfig.cmake ${PROJECT_BINARY_DIR}/assurConfigVersion.cmake
+  DESTINATION ${package_folder})
+if(NOT BUILD_SHARED_LIBS)
+  # A static assur asks its user for the libraries behind it.
+  list(TRANSFORM ASSUR_PACKAGES REPLACE "(.+)" "cmake/Find\\1.cmake" OUTPUT_VARIABLE find_modules)
+  install(FILES ${find_modules} cmake/SuiteSparseLibrary.cmake DESTINATION ${package_folder})
+endif()
+
+# pkg-config files that stay right when the installed tree is moved.
+file(RELATIVE_PATH ASSUR_PREFIX_FROM_PC /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
+string(REGEX REPLACE "/$" "" ASSUR_PREFIX_FROM_PC ${ASSUR_PREFIX_FROM_PC})
+foreach(name IN ITEMS assur_core assur)
+  configure_file(cmake/${name}.pc.in ${name}.pc @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/${name}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+endforeach()
+
+install(FILES LICENSE README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})

@@ -1,0 +1,52 @@
+# Every package that the build looks for, in one place.
+#
+#   assur_package(NAME required|optional DEBIAN package FOR "what it is for" [arguments of find_package])
+#
+# collects what is missing, so that one configure run names all of it.
+
+function(assur_note line)
+  set_property(GLOBAL APPEND PROPERTY ASSUR_SUMMARY "${line}")
+endfunction()
+
+macro(assur_package name need)
+  cmake_parse_arguments(package "" "DEBIAN;FOR" "" ${ARGN})
+  find_package(${name} QUIET ${package_UNPARSED_ARGUMENTS})
+  if(${name}_FOUND)
+    assur_note("  found    ${name} ${${name}_VERSION}: ${package_FOR}")
+  elseif(${need} STREQUAL required)
+    assur_note("  MISSING  ${name}: ${package_FOR} (Debian: apt install ${package_DEBIAN})")
+    set_property(GLOBAL APPEND PROPERTY ASSUR_MISSING ${package_DEBIAN})
+  else()
+    assur_note("  without  ${name}: ${package_FOR} (Debian: apt install ${package_DEBIAN})")
+  endif()
+endmacro()
+
+function(assur_summary)
+  get_property(lines GLOBAL PROPERTY ASSUR_SUMMARY)
+  list(JOIN lines "\n" text)
+  message(STATUS "assur ${PROJECT_VERSION}, ${CMAKE_BUILD_TYPE}\n${text}")
+endfunction()
+
+assur_package(Eigen3 required DEBIAN libeigen3-dev FOR "dense linear algebra" 3.4 NO_MODULE)
+assur_package(nlohmann_json required DEBIAN nlohmann-json3-dev FOR "scene files" 3.10)
+assur_package(muparser required DEBIAN libmuparser-dev FOR "expressions in scene files")
+assur_package(CXSparse required DEBIAN libsuitesparse-dev FOR "kinematic structure")
+assur_package(BTF required DEBIAN libsuitesparse-dev FOR "kinematic structure")
+assur_package(SQLiteCpp required DEBIAN libsqlitecpp-dev FOR "tuning database")
+assur_package(CLI11 required DEBIAN libcli11-dev FOR "the command assur")
+assur_package(KLU optional DEBIAN libsuitesparse-dev FOR "backend klu")
+assur_package(Boost optional DEBIAN libboost-dev FOR "reference solutions in quad precision" 1.74)
+if(BUILD_TESTING)
+  assur_package(GTest optional DEBIAN libgtest-dev FOR "tests")
+endif()
+if(ASSUR_BENCH)
+  assur_package(benchmark optional DEBIAN libbenchmark-dev FOR "benchmarks")
+endif()
+
+get_property(missing GLOBAL PROPERTY ASSUR_MISSING)
+if(missing)
+  list(REMOVE_DUPLICATES missing)
+  list(JOIN missing " " missing)
+  assur_summary()
+  message(FATAL_ERROR "Required packages are missing. On Debian 12: apt-get install ${missing}")
+endif()

@@ -1,0 +1,24 @@
+# What all of our own targets share. Nothing here is global: a project that embeds assur keeps its own flags.
+
+# assur_target(TARGET): language level, warnings, floating point, sanitizers.
+function(assur_target target)
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF)
+  target_compile_options(${target} PRIVATE
+    -Wall -Wextra -Wpedantic -Wshadow -Wconversion
+    # GCC 12 takes `"text" + string` for overlapping memory (its bug 105651).
+    $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-restrict>
+    $<$<BOOL:${ASSUR_WERROR}>:-Werror>)
+  # A contracted multiplication and addition rounds once instead of twice; where it happens depends on the optimiser.
+  # Off, results are the same bits at every optimisation level.
+  target_compile_options(${target} PRIVATE -ffp-contract=off)
+  # Threads are handed down as a budget, never taken by Eigen; its temporaries stay off the heap, so that the steady
+  # state allocates nothing. Of its code only what is under the MPL is taken.
+  target_compile_definitions(${target} PRIVATE
+    EIGEN_DONT_PARALLELIZE EIGEN_STACK_ALLOCATION_LIMIT=1048576 EIGEN_MPL2_ONLY)
+  if(ASSUR_SANITIZE)
+    target_compile_options(${target} PRIVATE
+      -fsanitize=${ASSUR_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+    target_link_options(${target} PUBLIC -fsanitize=${ASSUR_SANITIZE})
+  endif()
+endfunction()

@@ -1,0 +1,12 @@
+// Everything: kinematic analysis of multibody systems by group equations.
+#pragma once
+
+#include "assur/backend.hpp"    // IWYU pragma: export
+#include "assur/law.hpp"        // IWYU pragma: export
+#include "assur/plan.hpp"       // IWYU pragma: export
+#include "assur/report.hpp"     // IWYU pragma: export
+#include "assur/scene.hpp"      // IWYU pragma: export
+#include "assur/simulator.hpp"  // IWYU pragma: export
+#include "assur/status.hpp"     // IWYU pragma: export
+#include "assur/strategy.hpp"   // IWYU pragma: export
+#include "assur/structure.hpp"  // IWYU pragma: export

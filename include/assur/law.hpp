@@ -1,0 +1,79 @@
+// Laws: scalars as functions of time with two derivatives. SI units and rad.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace assur {
+
+// A value with its first and second time derivative.
+template <class T>
+struct Jet {
+  T value{};
+  T rate{};
+  T acceleration{};
+};
+using Motion = Jet<double>;
+
+// offset + sum amplitude * sin(2 pi frequency t + phase)
+struct Harmonic {
+  double amplitude = 0;
+  double frequency = 0;  // Hz
+  double phase = 0;      // rad
+};
+
+// A value; copies share their parts. Laws add up: Law::constant(1) + Law::harmonics({...}).
+class Law {
+ public:
+  struct Polynomial {
+    std::vector<double> coefficients;  // c0 + c1 t + c2 t^2 + ..., absolute t
+  };
+  struct Harmonics {
+    std::vector<Harmonic> terms;
+    double offset = 0;
+  };
+  // C2 cubic spline: not-a-knot ends (2 points: a line, 3 points: a parabola), or periodic with the last value
+  // equal to the first.
+  struct Spline {
+    std::vector<double> time;    // ascending, at least 2
+    std::vector<double> value;   // same size
+    std::vector<double> second;  // second derivative at the knots
+    bool periodic = false;
+  };
+  struct Function {
+    std::function<Motion(double)> motion;
+  };
+  using Part = std::variant<Polynomial, Harmonics, Spline, Function>;
+
+  Law() = default;  // constant zero
+  // All of these throw Error (input) for a number that is not finite.
+  [[nodiscard]] static Law constant(double value);
+  [[nodiscard]] static Law polynomial(std::vector<double> coefficients);
+  [[nodiscard]] static Law harmonics(std::vector<Harmonic> terms, double offset = 0);
+  // Throws Error (input) if the times do not ascend, sizes differ, or a periodic table does not close.
+  [[nodiscard]] static Law table(std::vector<double> time, std::vector<double> value, bool periodic = false);
+  // t -> {value, rate, acceleration}; must be callable at any time of the run, and again after a rejected step.
+  [[nodiscard]] static Law function(std::function<Motion(double)> motion);
+
+  friend Law operator+(const Law& a, const Law& b);
+
+  // NaN outside the range of a table (4 units in the last place more count as inside: times of a grid are rounded).
+  [[nodiscard]] Motion operator()(double t) const;
+
+  // True if value does not depend on time: a driver with such a law does not move anything.
+  [[nodiscard]] bool is_constant() const;
+
+  // True if t lies within every (non-periodic) table.
+  [[nodiscard]] bool covers(double t) const;
+
+  [[nodiscard]] const std::vector<Part>& parts() const { return *parts_; }
+
+ private:
+  explicit Law(std::vector<Part> parts) : parts_(std::make_shared<const std::vector<Part>>(std::move(parts))) {}
+  std::shared_ptr<const std::vector<Part>> parts_ = std::make_shared<const std::vector<Part>>();
+};
+
+}  // namespace assur

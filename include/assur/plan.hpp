@@ -1,0 +1,50 @@
+// Scene + strategy -> everything that a simulator needs, prepared.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "assur/backend.hpp"
+#include "assur/scene.hpp"
+#include "assur/strategy.hpp"
+#include "assur/structure.hpp"
+
+namespace assur {
+
+// One strategy for each class of a structure.
+struct Plan {
+  struct Choice {
+    std::int32_t group_class = 0;
+    Shape shape;
+    Strategy strategy;
+    std::string reason;  // "forced", "no measurements: dense up to 9 unknowns", ...
+  };
+  Formulation formulation = Formulation::groups;
+  Predictor predictor;            // resolved: never automatic
+  std::vector<Choice> choices;    // one for each class
+};
+
+struct PrepareOptions {
+  std::string strategy = "auto";  // or a strategy text, which is then forced
+  // Drivers that the program sets itself with Simulator::set(); their laws serve until the first set().
+  std::vector<std::string> controlled;
+};
+
+// A scene made ready: immutable, shared by any number of simulators.
+struct Prepared {
+  std::shared_ptr<const Scene> scene;
+  std::shared_ptr<const Structure> structure;
+  Plan plan;
+  std::span<const Backend> table;  // where the plan's backends are found
+  std::vector<std::string> controlled;
+};
+
+// Analyses the scene and assembles its start posture. Throws Error: input for a strategy text that does not parse or an
+// undetermined scene (the free unknowns are named), numerical if the start posture cannot be assembled (group and most
+// violated constraint are named), environment if a forced strategy cannot run here (and why).
+[[nodiscard]] Prepared prepare(const Scene& scene, const PrepareOptions& options = {});
+
+}  // namespace assur

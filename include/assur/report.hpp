@@ -1,0 +1,57 @@
+// What a run did and how good it is.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "assur/status.hpp"
+
+namespace assur {
+
+// Work done, counted: group instances, not calls. Lanes that are idle do not count.
+struct Counters {
+  std::int64_t steps = 0;               // grid times reached
+  std::int64_t substeps = 0;            // accepted steps between grid times
+  std::int64_t rejected = 0;            // steps that were halved
+  std::int64_t group_solutions = 0;     // groups solved for their position
+  std::int64_t newton_iterations = 0;   // corrections, summed over groups
+  std::int64_t most_iterations = 0;     // of one group in one step
+  std::int64_t evaluated_equations = 0;  // scalar residuals evaluated
+  std::int64_t factorizations = 0;
+  std::int64_t factorized_unknowns = 0;  // sum of their orders
+  std::int64_t solved_unknowns = 0;      // unknowns obtained by back-substitution, summed over right-hand sides
+  std::int64_t branch_checks = 0;        // uniqueness balls measured anew
+  std::int64_t stored_values = 0;        // doubles in the trajectory
+};
+
+// Relative errors, the worst of the run; the definitions are those of README.md, "Error".
+struct ErrorFigures {
+  double position = 0;      // max |Phi_i| / (sum |dPhi_i/dq_j| |q_j| + |constant|)
+  double velocity = 0;      // normwise residual of the linear systems
+  double acceleration = 0;
+  std::optional<double> forward_position;  // against a reference in quad precision
+  std::optional<double> forward_velocity;
+  std::optional<double> forward_acceleration;
+};
+
+// Something that happened at a time: a limit reached, a change point passed, ...
+struct Event {
+  double time = 0;         // where it was noticed
+  double until = 0;        // end of the bracket, = time if there is none
+  std::string group;
+  Code kind = Code::ok;
+  double figure = 0;       // residual, contraction, smallest pivot
+};
+
+struct Report {
+  Counters counters;
+  ErrorFigures error;
+  Status status;              // ok, or why the run stopped
+  double reached = 0;         // last time with a valid posture
+  std::vector<Event> events;
+  std::vector<std::string> fallbacks;  // whatever was done otherwise than planned, with the reason
+};
+
+}  // namespace assur

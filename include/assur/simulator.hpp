@@ -1,0 +1,109 @@
+// Runs a plan: the only mutable type, and the owner of every workspace. After construction step() allocates nothing,
+// locks nothing, throws nothing and reads no file, except on a reported numerical event, with backends marked steady.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <iosfwd>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "assur/law.hpp"
+#include "assur/plan.hpp"
+#include "assur/report.hpp"
+
+namespace assur {
+
+// Results of a run: rows of doubles in SI units, contiguous [time][output].
+class Trajectory {
+ public:
+  [[nodiscard]] const std::vector<std::string>& columns() const { return columns_; }  // "C.x", "C.vx", "angle.rate", ...
+  [[nodiscard]] const std::vector<double>& times() const { return times_; }
+  [[nodiscard]] std::size_t rows() const { return times_.size(); }
+  // Index of a column; throws Error (input) with a list of the columns if there is none of that name.
+  [[nodiscard]] std::size_t index(std::string_view column) const;
+  [[nodiscard]] std::span<const double> row(std::size_t k) const {
+    return {values_.data() + k * columns_.size(), columns_.size()};
+  }
+  [[nodiscard]] double operator()(std::size_t row, std::size_t column) const {
+    return values_[row * columns_.size() + column];
+  }
+  [[nodiscard]] double last(std::string_view column) const { return (*this)(rows() - 1, index(column)); }
+  [[nodiscard]] const std::vector<double>& values() const { return values_; }  // rows x columns
+
+ private:
+  friend class Simulator;
+  std::vector<std::string> columns_;
+  std::vector<double> times_;
+  std::vector<double> values_;
+};
+
+// t, then every column; 17 significant digits, so that reading it back gives the same doubles.
+void write_csv(std::ostream& out, const Trajectory& trajectory);
+
+// What a control loop asks of one step.
+struct StepLimits {
+  int iterations = 0;       // exactly this many Newton iterations for each group but those of the first level (the
+                            // paper's tEnd2); 0: as many as convergence takes
+  int most_iterations = 12;  // then the step is halved
+  double seconds = 0;        // deadline of one step by the monotonic clock; 0: none
+};
+
+class Simulator {
+ public:
+  // Throws Error (environment) if the plan asks for something that cannot run here.
+  explicit Simulator(Prepared prepared, StepLimits limits = {});
+  Simulator(Simulator&&) noexcept;
+  Simulator& operator=(Simulator&&) noexcept;
+  ~Simulator();
+
+  // The assembled start posture is the state after construction, at the scene's start time.
+  [[nodiscard]] double time() const;
+
+  // Moves to time t, which may be earlier than time(), by continuation: the step is halved where needed. On failure the
+  // last good posture is kept (time() says which) and the status says why.
+  Status step(double t);
+
+  // Control: the driver's value, rate and acceleration at the next step (SI units; angle, distance or coordinate
+  // drivers). Throws Error (input) for a name that is no controlled driver.
+  void set(std::string_view driver, double value, double rate = 0, double acceleration = 0);
+
+  // One grid step further with what has been set; the other drivers follow their laws.
+  Status step();
+
+  // From the start over the scene's time grid, or over `times` (ascending). Stops at the first failure: what was
+  // reached is kept. `observer` (k rows done of n) may return false to stop.
+  using Observer = std::function<bool(std::int64_t done, std::int64_t of)>;
+  Trajectory run(const Observer& observer = {});
+  Trajectory run(std::span<const double> times, const Observer& observer = {});
+
+  // Back to the assembled start posture; counters and events are cleared.
+  void reset();
+
+  // The outputs at time(), in the order of columns().
+  [[nodiscard]] const std::vector<std::string>& columns() const;
+  [[nodiscard]] std::span<const double> outputs() const;
+  [[nodiscard]] double output(std::string_view column) const;
+
+  [[nodiscard]] const Report& report() const;
+  [[nodiscard]] const Prepared& prepared() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+struct ForwardError {
+  double position = 0, velocity = 0, acceleration = 0;
+};
+
+// True forward error of a trajectory by a reference in quad precision (113 bits): same parameters, same times, laws and
+// residuals in quad, refined with a factorisation in double. The worst over the outputs of max over the times of
+// |x - x_ref| / max over the run |x_ref| (lengths: at least the characteristic length). Throws Error (environment) if
+// this build has no quad arithmetic, numerical if the reference does not converge.
+[[nodiscard]] ForwardError forward_error(const Prepared& prepared, const Trajectory& trajectory);
+
+}  // namespace assur

@@ -1,0 +1,53 @@
+// A strategy is a value with a text form that round-trips:
+//   formulation/backend[:W][+float][+refine][+reuse=step|run][+once][+predict=PREDICTOR][+chunks=C] [PxQ]
+// with PREDICTOR = taylor:0..2 | hermite:5 | past:0..5, e.g. "irreducible/klu+once+predict=hermite:5".
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace assur {
+
+enum class Formulation : std::uint8_t { global, groups, irreducible };
+
+enum class Reuse : std::uint8_t { fresh, step, run };
+
+struct Predictor {
+  enum class Kind : std::uint8_t {
+    automatic,  // chosen from the derivatives that are computed anyway
+    taylor,     // q + dt q' + dt^2/2 q'', up to `order`
+    hermite,    // two-step quintic Hermite on q, q', q'' (order is always 5)
+    past,       // polynomial of degree `order` through the last order + 1 postures; needs no derivatives
+  };
+  Kind kind = Kind::automatic;
+  std::int32_t order = 0;
+
+  friend bool operator==(const Predictor&, const Predictor&) = default;
+};
+
+struct Strategy {
+  Formulation formulation = Formulation::groups;
+  std::string backend = "eigen";
+  std::int32_t lanes = 1;  // W, instances of a class solved side by side (up to)
+  bool single = false;     // +float
+  bool refine = false;     // +refine
+  Reuse reuse = Reuse::fresh;
+  bool once = false;       // one factorisation per step, taken at the prediction
+  Predictor predictor;
+  std::int32_t chunks = 1;
+  std::int32_t p = 1;  // packs at once
+  std::int32_t q = 1;  // threads inside each one's linear algebra
+
+  friend bool operator==(const Strategy&, const Strategy&) = default;
+};
+
+// Throws Error (input) that shows the grammar and the part that does not fit.
+[[nodiscard]] Strategy parse_strategy(std::string_view text);
+
+// The shortest text that parses to `strategy`.
+[[nodiscard]] std::string to_string(const Strategy& strategy);
+
+[[nodiscard]] std::string_view name(Formulation formulation) noexcept;
+
+}  // namespace assur

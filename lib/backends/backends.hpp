@@ -1,0 +1,41 @@
+// What the backends share, and the three functions that each brings to its row of the table.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "assur/backend.hpp"
+
+namespace assur {
+
+namespace eigen {
+std::string why_not(const Shape& shape, ThreadBudget budget);
+std::unique_ptr<LinearSolver> make(ThreadBudget budget);
+std::string version();
+}  // namespace eigen
+
+namespace klu {
+std::string why_not(const Shape& shape, ThreadBudget budget);
+std::unique_ptr<LinearSolver> make(ThreadBudget budget);
+std::string version();
+}  // namespace klu
+
+// Throws Error (input) unless the pattern is as backend.hpp describes it and there is at least one lane.
+void check_analysis(const Pattern& pattern, int lanes);
+
+// Throws Error (input) unless a span called `what` has the size that the analysed pattern asks for.
+void check_size(std::string_view what, std::size_t actual, std::size_t expected);
+
+// Status of the worst lane: not_finite before singular, then the lowest lane.
+Status worst(std::span<const Code> lanes);
+
+// NaN in one lane of interleaved numbers.
+void fill_with_nan(std::span<double> interleaved, int lanes, int lane);
+
+// values[k] = interleaved[k * lanes + lane]. Returns max |values|, or NaN if one of them is not finite.
+double take_lane(std::span<const double> interleaved, int lanes, int lane, std::span<double> values);
+
+}  // namespace assur

@@ -1,0 +1,88 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "assur/backend.hpp"
+#include "backends/backends.hpp"
+
+namespace assur {
+namespace {
+
+constexpr std::array kCore = {
+    Backend{"eigen", eigen::why_not, eigen::make, true, "MPL-2.0", eigen::version},
+};
+
+[[noreturn]] void refuse(std::string what) { throw Error(Error::Kind::input, std::move(what)); }
+
+}  // namespace
+
+std::span<const Backend> core_backends() { return kCore; }
+
+const Backend& find_backend(std::span<const Backend> table, std::string_view id) {
+  std::string known;
+  for (const Backend& backend : table) {
+    if (backend.id == id) return backend;
+    known += (known.empty() ? "" : ", ") + std::string(backend.id);
+    const std::string why_not = backend.why_not(Shape{}, ThreadBudget{});
+    if (!why_not.empty()) known += " (cannot run: " + why_not + ")";
+  }
+  refuse("there is no backend \"" + std::string(id) + "\"; the backends are " + known);
+}
+
+void check_analysis(const Pattern& pattern, int lanes) {
+  const auto size = [](const auto& array) { return std::to_string(array.size()); };
+  if (lanes < 1) refuse("a solver needs at least one lane, not " + std::to_string(lanes));
+  if (pattern.n < 0 || pattern.column_start.size() != static_cast<std::size_t>(pattern.n) + 1) {
+    refuse("a pattern needs n + 1 column starts, not " + size(pattern.column_start) +
+           " for n = " + std::to_string(pattern.n));
+  }
+  if (pattern.column_start.front() != 0 || pattern.column_start.back() != pattern.nnz() ||
+      !std::is_sorted(pattern.column_start.begin(), pattern.column_start.end())) {
+    refuse("the column starts of a pattern must ascend from 0 to its " + size(pattern.row) + " nonzeros");
+  }
+  for (std::int32_t column = 0; column < pattern.n; ++column) {
+    std::int32_t last = -1;
+    for (auto k = pattern.column_start[static_cast<std::size_t>(column)];
+         k < pattern.column_start[static_cast<std::size_t>(column) + 1]; ++k) {
+      const std::int32_t row = pattern.row[static_cast<std::size_t>(k)];
+      if (row <= last || row >= pattern.n) {
+        refuse("the rows of column " + std::to_string(column) + " of a pattern must ascend within 0 to n - 1");
+      }
+      last = row;
+    }
+  }
+}
+
+void check_size(std::string_view what, std::size_t actual, std::size_t expected) {
+  if (actual == expected) return;
+  refuse("a solver expects " + std::to_string(expected) + " " + std::string(what) + ", not " + std::to_string(actual));
+}
+
+Status worst(std::span<const Code> lanes) {
+  for (Code code : {Code::not_finite, Code::singular}) {
+    const auto found = std::find(lanes.begin(), lanes.end(), code);
+    if (found != lanes.end()) return {code, static_cast<std::int32_t>(found - lanes.begin())};
+  }
+  return {};
+}
+
+void fill_with_nan(std::span<double> interleaved, int lanes, int lane) {
+  for (auto i = static_cast<std::size_t>(lane); i < interleaved.size(); i += static_cast<std::size_t>(lanes)) {
+    interleaved[i] = std::numeric_limits<double>::quiet_NaN();
+  }
+}
+
+double take_lane(std::span<const double> interleaved, int lanes, int lane, std::span<double> values) {
+  const auto stride = static_cast<std::size_t>(lanes);
+  double largest = 0, poison = 0;  // poison: 0 as long as every value is finite, else NaN
+  for (std::size_t k = 0, from = static_cast<std::size_t>(lane); k < values.size(); ++k, from += stride) {
+    const double value = interleaved[from];
+    values[k] = value;
+    largest = std::max(largest, std::abs(value));
+    poison += value * 0;
+  }
+  return largest + poison;
+}
+
+}  // namespace assur

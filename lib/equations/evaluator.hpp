@@ -1,0 +1,35 @@
+// Runs a Program over the W lanes of a pack. All arrays are [slot][lane]: slot i of lane l is x[i * W + l].
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "equations/program.hpp"
+#include "scene/system.hpp"
+
+namespace assur {
+
+class Evaluator {
+ public:
+  virtual ~Evaluator() = default;
+
+  // Inputs of the step: the parts of the forms that do not depend on the unknowns. coefficients: see bind().
+  virtual void set_inputs(const double* coefficients, const double* inputs) = 0;
+
+  // phi: equations; jacobian: nnz of the pattern, null: not wanted.
+  virtual void evaluate(const double* unknowns, double* phi, double* jacobian) = 0;
+
+  // scale_i = sum_j |dPhi_i/dq_j| |q_j| + |constant|, at the posture of the last evaluate().
+  virtual void scale(double* scale) = 0;
+
+  // -Phi_h h', at the posture of the last evaluate().
+  virtual void velocity_rhs(const double* input_rates, double* rhs) = 0;
+
+  // -(Phi_h h'' + d/dt(Phi_q) q'), after velocity_rhs() with the same rates.
+  virtual void acceleration_rhs(const double* unknown_rates, const double* input_accelerations, double* rhs) = 0;
+};
+
+// lanes: 1, 2, 4, 8 or 16. `system` gives the callbacks; it and `program` must outlive the evaluator.
+[[nodiscard]] std::unique_ptr<Evaluator> make_evaluator(const System& system, const Program& program, int lanes);
+
+}  // namespace assur

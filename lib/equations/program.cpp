@@ -1,0 +1,289 @@
+#include "equations/program.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <tuple>
+
+namespace assur {
+namespace {
+
+std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+class Compiler {
+ public:
+  Compiler(const GroupClass& c, Pattern pattern) : c_(c) {
+    p_.n = c.n;
+    p_.inputs = c.inputs;
+    p_.equations_count = static_cast<std::int32_t>(c.equations.size());
+    p_.pattern = std::move(pattern);
+    p_.unknown_block = c.unknown_block;
+    p_.equation_block = c.equation_block;
+    p_.blocks = c.blocks;
+    p_.registers = c.n + c.inputs;
+  }
+
+  Program run() {
+    for (std::int32_t f = 0; f < c_.forms(); ++f) form(f);
+    for (const GroupClass::Equation& e : c_.equations) equation(e);
+    callbacks();
+    jacobian();
+    return std::move(p_);
+  }
+
+ private:
+  // A class's form as the program sees it.
+  struct Value {
+    std::int32_t reg = -1;       // -1: constant
+    std::int32_t constant = -1;  // coefficient, if constant
+    bool moves = false, unknown = false;
+  };
+
+  std::span<const GroupClass::Term> terms(std::int32_t f) const {
+    return {c_.terms.data() + c_.form_start[idx(f)], c_.terms.data() + c_.form_start[idx(f) + 1]};
+  }
+
+  std::int32_t coefficient(Coefficient k) {
+    std::sort(std::begin(k.constant), std::end(k.constant), std::greater<>());
+    const auto key = std::tuple(k.literal, k.constant[0], k.constant[1], k.constant[2]);
+    const auto [found, added] = known_.emplace(key, static_cast<std::int32_t>(p_.coefficients.size()));
+    if (added) p_.coefficients.push_back(k);
+    return found->second;
+  }
+  // Class constants: -1 = +1, -2 = -1, else a slot.
+  static Coefficient of(std::int32_t constant) {
+    Coefficient k;
+    if (constant == -2) k.literal = -1;
+    if (constant >= 0) k.constant[0] = constant;
+    return k;
+  }
+  static Coefficient times(Coefficient a, const Coefficient& b) {
+    a.literal *= b.literal;
+    for (const std::int32_t c : b.constant) {
+      if (c >= 0) *std::find(std::begin(a.constant), std::end(a.constant), -1) = c;
+    }
+    return a;
+  }
+
+  bool moves(std::int32_t coordinate) const {
+    return coordinate >= c_.n && c_.input_moves[idx(coordinate - c_.n)] != 0;
+  }
+
+  void form(std::int32_t f) {
+    Value v;
+    std::vector<GroupClass::Term> constants, unknowns, inputs;
+    for (const GroupClass::Term& t : terms(f)) {
+      (t.coordinate < 0 ? constants : t.coordinate < c_.n ? unknowns : inputs).push_back(t);
+      v.moves |= moves(t.coordinate);
+      v.unknown |= t.coordinate >= 0 && t.coordinate < c_.n;
+    }
+    if (unknowns.empty() && inputs.empty()) {
+      // A form has at most one constant term: equal coordinates are merged when it is made.
+      v.constant = coefficient(constants.empty() ? Coefficient{0.0, {-1, -1, -1}} : of(constants[0].constant));
+      values_.push_back(v);
+      return;
+    }
+    if (constants.empty() && unknowns.size() + inputs.size() == 1) {
+      const GroupClass::Term t = unknowns.empty() ? inputs[0] : unknowns[0];
+      if (t.constant == -1) {
+        v.reg = t.coordinate;
+        values_.push_back(v);
+        return;
+      }
+    }
+    Program::Form out{};
+    out.reg = v.reg = p_.registers++;
+    out.offset = constants.empty() ? -1 : coefficient(of(constants[0].constant));
+    const auto put = [&](const std::vector<GroupClass::Term>& list, bool only_moving) {
+      const auto begin = static_cast<std::int32_t>(p_.operands.size());
+      for (const GroupClass::Term& t : list) {
+        if (!only_moving || moves(t.coordinate)) p_.operands.push_back({coefficient(of(t.constant)), t.coordinate});
+      }
+      return std::pair(begin, static_cast<std::int32_t>(p_.operands.size()));
+    };
+    std::tie(out.inputs_begin, out.inputs_end) = put(inputs, false);
+    std::tie(out.unknowns_begin, out.unknowns_end) = put(unknowns, false);
+    std::tie(out.moving_begin, out.moving_end) = put(inputs, true);
+    p_.forms.push_back(out);
+    values_.push_back(v);
+  }
+
+  void equation(const GroupClass::Equation& e) {
+    Program::Equation out{};
+    out.products_begin = static_cast<std::int32_t>(p_.products.size());
+    out.linear = out.offset = -1;
+    out.callback = e.callback;
+    out.row = e.row;
+    if (e.linear >= 0) {
+      const Value& v = values_[idx(e.linear)];
+      out.linear = v.reg;
+      out.offset = v.constant;
+      out.linear_moves = v.moves;
+      out.linear_unknown = v.unknown;
+    }
+    if (e.callback < 0) {
+      for (std::int32_t i = e.products_begin; i < e.products_end; ++i) product(c_.products[idx(i)]);
+    }
+    out.products_end = static_cast<std::int32_t>(p_.products.size());
+    p_.equations.push_back(out);
+  }
+
+  // A constant factor is drawn into the coefficient, the other one is then linear: b = -1.
+  void product(const GroupClass::Product& q) {
+    const Value &a = values_[idx(q.a)], &b = values_[idx(q.b)];
+    Program::Product out{};
+    Coefficient k = of(q.constant);
+    if (a.reg < 0) k = times(k, p_.coefficients[idx(a.constant)]);
+    if (b.reg < 0) k = times(k, p_.coefficients[idx(b.constant)]);
+    out.coefficient = coefficient(k);
+    out.constant = a.reg < 0 && b.reg < 0;
+    const Value &first = a.reg < 0 ? b : a, &second = a.reg < 0 ? a : b;
+    out.a = first.reg;
+    out.b = second.reg;
+    out.a_moves = first.moves;
+    out.b_moves = second.moves;
+    out.a_unknown = first.unknown;
+    out.b_unknown = second.unknown;
+    p_.products.push_back(out);
+  }
+
+  void callbacks() {
+    for (std::int32_t i = 0; i < p_.equations_count; ++i) {
+      const GroupClass::Equation& e = c_.equations[idx(i)];
+      if (e.callback < 0) continue;
+      if (p_.callbacks.empty() || p_.callbacks.back().callback != e.callback) {
+        Program::CallbackUse use{e.callback, i, {}};
+        for (std::int32_t k = e.products_begin; k < e.products_end; ++k) {
+          const Value& v = values_[idx(c_.products[idx(k)].a)];
+          use.arguments.push_back(v.reg >= 0 ? v.reg : ~v.constant);
+        }
+        p_.callbacks.push_back(std::move(use));
+      }
+    }
+  }
+
+  void jacobian() {
+    std::vector<std::map<std::int32_t, std::int32_t>> nonzero(idx(p_.equations_count));  // row -> column -> index
+    for (std::int32_t column = 0; column < p_.n; ++column) {
+      for (std::int32_t k = p_.pattern.column_start[idx(column)]; k < p_.pattern.column_start[idx(column) + 1]; ++k) {
+        nonzero[idx(p_.pattern.row[idx(k)])][column] = k;
+      }
+    }
+    std::vector<std::vector<Program::Operand>> entry(idx(p_.pattern.nnz()));
+    // d(form)/d(unknown) * coefficient * register
+    const auto through = [&](std::int32_t row, std::int32_t form, const Coefficient& k, std::int32_t reg) {
+      for (const GroupClass::Term& t : terms(form)) {
+        if (t.coordinate < 0 || t.coordinate >= c_.n) continue;
+        Coefficient total = times(k, of(t.constant));
+        std::vector<Program::Operand>& sum = entry[idx(nonzero[idx(row)].at(t.coordinate))];
+        // f * f gives the same operand twice: once with the double coefficient.
+        const std::int32_t id = coefficient(total);
+        const auto same = std::find_if(sum.begin(), sum.end(),
+                                       [&](const Program::Operand& o) { return o.coefficient == id && o.reg == reg; });
+        if (same == sum.end()) {
+          sum.push_back({id, reg});
+        } else {
+          total.literal *= 2;
+          same->coefficient = coefficient(total);
+        }
+      }
+    };
+    for (std::int32_t i = 0; i < p_.equations_count; ++i) {
+      const GroupClass::Equation& e = c_.equations[idx(i)];
+      if (e.callback >= 0) {
+        callback_row(i, e, nonzero[idx(i)]);
+        continue;
+      }
+      if (e.linear >= 0) through(i, e.linear, Coefficient{}, -1);
+      for (std::int32_t k = e.products_begin; k < e.products_end; ++k) {
+        const GroupClass::Product& q = c_.products[idx(k)];
+        const Value &a = values_[idx(q.a)], &b = values_[idx(q.b)];
+        const auto side = [&](std::int32_t form, const Value& other) {
+          if (other.reg >= 0) {
+            through(i, form, of(q.constant), other.reg);
+          } else {
+            through(i, form, times(of(q.constant), p_.coefficients[idx(other.constant)]), -1);
+          }
+        };
+        side(q.a, b);
+        side(q.b, a);
+      }
+    }
+    for (const auto& sum : entry) {
+      const auto begin = static_cast<std::int32_t>(p_.entry_operands.size());
+      p_.entry_operands.insert(p_.entry_operands.end(), sum.begin(), sum.end());
+      p_.entries.push_back({begin, static_cast<std::int32_t>(p_.entry_operands.size())});
+    }
+  }
+
+  void callback_row(std::int32_t row, const GroupClass::Equation& e, const std::map<std::int32_t, std::int32_t>& nonzero) {
+    const auto use = std::find_if(p_.callbacks.begin(), p_.callbacks.end(),
+                                  [&](const Program::CallbackUse& u) { return u.callback == e.callback; });
+    for (std::int32_t k = e.products_begin; k < e.products_end; ++k) {
+      for (const GroupClass::Term& t : terms(c_.products[idx(k)].a)) {
+        if (t.coordinate < 0 || t.coordinate >= c_.n) continue;
+        p_.callback_entries.push_back({nonzero.at(t.coordinate), static_cast<std::int32_t>(use - p_.callbacks.begin()),
+                                       row - use->first_equation, k - e.products_begin, coefficient(of(t.constant))});
+      }
+    }
+  }
+
+  const GroupClass& c_;
+  Program p_;
+  std::vector<Value> values_;  // forms of the class
+  std::map<std::tuple<double, std::int32_t, std::int32_t, std::int32_t>, std::int32_t> known_;  // coefficients
+};
+
+double value(std::int32_t constant, std::span<const double> constants) {
+  return constant == -1 ? 1.0 : constant == -2 ? -1.0 : constants[idx(constant)];
+}
+
+}  // namespace
+
+Program compile(const GroupClass& group_class, Pattern pattern) { return Compiler(group_class, std::move(pattern)).run(); }
+
+void bind(const Program& p, std::span<const double> constants, double* out, std::size_t stride) {
+  for (const Coefficient& k : p.coefficients) {
+    double v = k.literal;
+    for (const std::int32_t c : k.constant) {
+      if (c >= 0) v *= constants[idx(c)];
+    }
+    *out = v;
+    out += stride;
+  }
+}
+
+void lipschitz(const GroupClass& c, std::span<const double> constants, double* out, std::size_t stride) {
+  for (std::size_t i = 0; i < c.equations.size(); ++i) {
+    const GroupClass::Equation& e = c.equations[i];
+    double sum = e.callback >= 0 ? std::numeric_limits<double>::infinity() : 0;
+    const std::int32_t block = c.equation_block[i];
+    // Coefficient sums of a form over the block's unknowns and over everything that moves.
+    const auto sums = [&](std::int32_t f) {
+      double in_block = 0, moving = 0;
+      for (std::int32_t t = c.form_start[idx(f)]; t < c.form_start[idx(f) + 1]; ++t) {
+        const GroupClass::Term& term = c.terms[idx(t)];
+        const double a = std::abs(value(term.constant, constants));
+        if (term.coordinate < 0) continue;
+        if (term.coordinate < c.n) {
+          moving += a;
+          if (c.unknown_block[idx(term.coordinate)] == block) in_block += a;
+        } else if (c.input_moves[idx(term.coordinate - c.n)] != 0) {
+          moving += a;
+        }
+      }
+      return std::pair(in_block, moving);
+    };
+    if (e.callback < 0) {
+      for (std::int32_t k = e.products_begin; k < e.products_end; ++k) {
+        const auto [a_block, a_moving] = sums(c.products[idx(k)].a);
+        const auto [b_block, b_moving] = sums(c.products[idx(k)].b);
+        sum += std::abs(value(c.products[idx(k)].constant, constants)) * (a_block * b_moving + a_moving * b_block);
+      }
+    }
+    out[i * stride] = sum;
+  }
+}
+
+}  // namespace assur

@@ -1,0 +1,83 @@
+#include <algorithm>
+
+#include "assur/plan.hpp"
+
+namespace assur {
+namespace {
+
+// Dense LU up to here, sparse beyond. Not measured on the machine at hand: it only makes a plan exist. (One thread, factor and
+// three solves, n = 15: dense 2.7 us, KLU refactor 1.1 us; at n = 3 the call itself dominates and dense wins.)
+constexpr std::int32_t kDenseUpTo = 8;
+
+Predictor automatic_predictor(const Structure& s) {
+  const bool all = std::all_of(s.groups.begin(), s.groups.end(), [](const Group& g) { return g.wanted_derivatives == 2; });
+  // Where accelerations are not wanted, past positions predict as well and cost no factorisation.
+  return all ? Predictor{Predictor::Kind::hermite, 5} : Predictor{Predictor::Kind::past, 5};
+}
+
+void refuse_undetermined(const Structure& s) {
+  if (s.undetermined.empty()) return;
+  std::string names;
+  for (std::size_t i = 0; i < s.undetermined.size(); ++i) {
+    if (i == 12) {
+      names += ", ... (" + std::to_string(s.undetermined.size()) + " in all)";
+      break;
+    }
+    names += (i == 0 ? "" : ", ") + s.undetermined[i];
+  }
+  throw Error(Error::Kind::input, "undetermined: nothing fixes " + names + "; add a constraint or a driver");
+}
+
+}  // namespace
+
+Prepared prepare(const Scene& scene, const PrepareOptions& options) {
+  const bool automatic = options.strategy == "auto";
+  const Strategy wanted = parse_strategy(automatic ? "irreducible/eigen" : options.strategy);
+  if (wanted.p * wanted.q != 1 || wanted.chunks != 1 || wanted.single || wanted.refine || wanted.reuse != Reuse::fresh) {
+    throw Error(Error::Kind::environment,
+                "strategy " + options.strategy +
+                    " cannot run here: this version has one thread, double precision and a fresh or +once Jacobian");
+  }
+  StructureOptions structure_options;
+  structure_options.formulation = wanted.formulation;
+  structure_options.controlled = options.controlled;
+  if (wanted.predictor.kind == Predictor::Kind::taylor) structure_options.predictor_derivatives = wanted.predictor.order;
+  if (wanted.predictor.kind == Predictor::Kind::hermite) structure_options.predictor_derivatives = 2;
+
+  Prepared out;
+  out.scene = std::make_shared<const Scene>(scene);
+  out.controlled = options.controlled;
+  auto structure = std::make_shared<Structure>(analyze(scene, structure_options));
+  refuse_undetermined(*structure);
+  if (!structure->cannot_assemble.empty()) throw Error(Error::Kind::numerical, structure->cannot_assemble);
+  out.table = backends();
+  out.plan.formulation = wanted.formulation;
+  out.plan.predictor = wanted.predictor.kind == Predictor::Kind::automatic ? automatic_predictor(*structure) : wanted.predictor;
+
+  std::vector<std::int32_t> groups(structure->classes.size(), 0);
+  for (const Group& g : structure->groups) ++groups[static_cast<std::size_t>(g.group_class)];
+  const bool has_klu = find_backend(out.table, "klu").why_not({}, {}).empty();
+  for (std::size_t c = 0; c < structure->classes.size(); ++c) {
+    Plan::Choice choice;
+    choice.group_class = static_cast<std::int32_t>(c);
+    choice.shape = {structure->classes[c].n, structure->pattern(choice.group_class).nnz(), groups[c],
+                    1 + structure->classes[c].derivatives};
+    choice.strategy = wanted;
+    choice.strategy.predictor = out.plan.predictor;
+    choice.reason = "forced";
+    if (automatic) {
+      const bool sparse = has_klu && choice.shape.n > kDenseUpTo;
+      choice.strategy.backend = sparse ? "klu" : "eigen";
+      choice.reason = "not measured: dense up to " + std::to_string(kDenseUpTo) + " unknowns, sparse beyond";
+    }
+    const Backend& backend = find_backend(out.table, choice.strategy.backend);
+    if (const std::string why = backend.why_not(choice.shape, {}); !why.empty()) {
+      throw Error(Error::Kind::environment, "backend " + choice.strategy.backend + " cannot run here: " + why);
+    }
+    out.plan.choices.push_back(std::move(choice));
+  }
+  out.structure = std::move(structure);
+  return out;
+}
+
+}  // namespace assur

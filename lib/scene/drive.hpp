@@ -1,0 +1,77 @@
+// Known coordinates at a time: the laws, the frames that they make, the coordinates that drivers fix.
+#pragma once
+
+#include "scene/jet.hpp"
+#include "scene/law_evaluate.hpp"
+#include "scene/system.hpp"
+
+namespace assur {
+
+// Columns of Rz(psi) Ry(theta) Rx(phi), one after the other.
+template <class T>
+void euler_zyx(const Jet<T>& psi, const Jet<T>& theta, const Jet<T>& phi, Jet<T> (&r)[9]) {
+  const Jet<T> cz = cos(psi), sz = sin(psi), cy = cos(theta), sy = sin(theta), cx = cos(phi), sx = sin(phi);
+  r[0] = cz * cy;
+  r[1] = sz * cy;
+  r[2] = -sy;
+  r[3] = cz * sy * sx - sz * cx;
+  r[4] = sz * sy * sx + cz * cx;
+  r[5] = cy * sx;
+  r[6] = cz * sy * cx + sz * sx;
+  r[7] = sz * sy * cx - cz * sx;
+  r[8] = cy * cx;
+}
+
+// Sets the driven coordinates of q, rate and acceleration (null: not wanted). law(input, k) gives the jet of the k-th
+// law of System::inputs[input] in SI units.
+template <class T, class LawJet>
+void drive(const System& s, LawJet&& law, T* q, T* rate, T* acceleration) {
+  const auto put = [&](Index coordinate, const Jet<T>& j) {
+    q[coordinate] = j.value;
+    if (rate != nullptr) rate[coordinate] = j.rate;
+    if (acceleration != nullptr) acceleration[coordinate] = j.acceleration;
+  };
+  for (std::size_t i = 0; i < s.inputs.size(); ++i) {
+    const DriverInput& in = s.inputs[i];
+    const T scale = T(1 / s.unit(in.dimension));  // a power of two
+    const auto scaled = [&](Jet<T> j) { return Jet<T>{j.value * scale, j.rate * scale, j.acceleration * scale}; };
+    switch (in.kind) {
+      case DriverInput::Kind::scalar:
+        put(in.first, scaled(law(i, 0)));
+        break;
+      case DriverInput::Kind::direction: {
+        const Jet<T> angle = law(i, 0);
+        put(in.first, cos(angle));
+        put(in.first + 1, sin(angle));
+        break;
+      }
+      case DriverInput::Kind::frame: {
+        const int dim = s.dimension;
+        for (int k = 0; k < dim; ++k) put(in.first + k, scaled(law(i, k)));
+        if (in.count == dim) break;
+        if (dim == 2) {
+          const Jet<T> angle = law(i, 2);
+          put(in.first + 2, cos(angle));
+          put(in.first + 3, sin(angle));
+        } else {
+          Jet<T> r[9];
+          euler_zyx<T>(law(i, 3), law(i, 4), law(i, 5), r);
+          for (int k = 0; k < 9; ++k) put(in.first + 3 + k, r[k]);
+        }
+        break;
+      }
+    }
+  }
+  const auto sum = [&](Index form, const T* x) {
+    T total = 0;
+    for (const Term& t : s.form(form)) total += T(s.constants[static_cast<std::size_t>(t.constant)]) * x[t.coordinate];
+    return total;
+  };
+  for (const Assignment& a : s.assignments) {
+    q[a.coordinate] = sum(a.form, q);
+    if (rate != nullptr) rate[a.coordinate] = sum(a.form, rate);
+    if (acceleration != nullptr) acceleration[a.coordinate] = sum(a.form, acceleration);
+  }
+}
+
+}  // namespace assur

@@ -1,0 +1,119 @@
+// Arithmetic on a value and its first two time derivatives. T is double or a multiprecision float: functions are
+// found by argument-dependent lookup beside those of std.
+#pragma once
+
+#include <cmath>
+#include <type_traits>
+
+#include "assur/law.hpp"
+
+namespace assur {
+
+template <class T>
+using Scalar = std::type_identity_t<T>;  // takes part in no deduction, so that 2 * Jet<quad> works
+
+template <class T>
+Jet<T> operator+(const Jet<T>& a, const Jet<T>& b) {
+  return {a.value + b.value, a.rate + b.rate, a.acceleration + b.acceleration};
+}
+template <class T>
+Jet<T> operator-(const Jet<T>& a, const Jet<T>& b) {
+  return {a.value - b.value, a.rate - b.rate, a.acceleration - b.acceleration};
+}
+template <class T>
+Jet<T> operator-(const Jet<T>& a) {
+  return {-a.value, -a.rate, -a.acceleration};
+}
+template <class T>
+Jet<T> operator*(const Jet<T>& a, const Jet<T>& b) {
+  return {a.value * b.value, a.rate * b.value + a.value * b.rate,
+          a.acceleration * b.value + 2 * (a.rate * b.rate) + a.value * b.acceleration};
+}
+template <class T>
+Jet<T> operator/(const Jet<T>& a, const Jet<T>& b) {
+  const T value = a.value / b.value;  // from a = value * b, differentiated twice
+  const T rate = (a.rate - value * b.rate) / b.value;
+  const T acceleration = (a.acceleration - 2 * (rate * b.rate) - value * b.acceleration) / b.value;
+  return {value, rate, acceleration};
+}
+
+template <class T>
+Jet<T> operator+(const Jet<T>& a, const Scalar<T>& b) {
+  return {a.value + b, a.rate, a.acceleration};
+}
+template <class T>
+Jet<T> operator+(const Scalar<T>& a, const Jet<T>& b) {
+  return b + a;
+}
+template <class T>
+Jet<T> operator-(const Jet<T>& a, const Scalar<T>& b) {
+  return {a.value - b, a.rate, a.acceleration};
+}
+template <class T>
+Jet<T> operator-(const Scalar<T>& a, const Jet<T>& b) {
+  return {a - b.value, -b.rate, -b.acceleration};
+}
+template <class T>
+Jet<T> operator*(const Jet<T>& a, const Scalar<T>& b) {
+  return {a.value * b, a.rate * b, a.acceleration * b};
+}
+template <class T>
+Jet<T> operator*(const Scalar<T>& a, const Jet<T>& b) {
+  return b * a;
+}
+template <class T>
+Jet<T> operator/(const Jet<T>& a, const Scalar<T>& b) {
+  return {a.value / b, a.rate / b, a.acceleration / b};
+}
+template <class T>
+Jet<T> operator/(const Scalar<T>& a, const Jet<T>& b) {
+  return Jet<T>{a} / b;
+}
+
+template <class T>
+Jet<T>& operator+=(Jet<T>& a, const Jet<T>& b) {
+  return a = a + b;
+}
+template <class T>
+Jet<T>& operator-=(Jet<T>& a, const Jet<T>& b) {
+  return a = a - b;
+}
+
+// Derivatives are not finite where value is 0.
+template <class T>
+Jet<T> sqrt(const Jet<T>& a) {
+  using std::sqrt;
+  const T root = sqrt(a.value);  // from a = root * root, differentiated twice
+  const T rate = a.rate / (2 * root);
+  const T acceleration = (a.acceleration / 2 - rate * rate) / root;
+  return {root, rate, acceleration};
+}
+
+template <class T>
+Jet<T> sin(const Jet<T>& a) {
+  using std::cos;
+  using std::sin;
+  const T s = sin(a.value), c = cos(a.value);
+  return {s, c * a.rate, c * a.acceleration - s * a.rate * a.rate};
+}
+
+template <class T>
+Jet<T> cos(const Jet<T>& a) {
+  using std::cos;
+  using std::sin;
+  const T s = sin(a.value), c = cos(a.value);
+  return {c, -s * a.rate, -s * a.acceleration - c * a.rate * a.rate};
+}
+
+// Angle of (x, y) from +x in (-pi, pi]. Derivatives are not finite at the origin.
+template <class T>
+Jet<T> atan2(const Jet<T>& y, const Jet<T>& x) {
+  using std::atan2;
+  const T square = x.value * x.value + y.value * y.value;
+  const T rate = (x.value * y.rate - y.value * x.rate) / square;
+  const T radial = (x.value * x.rate + y.value * y.rate) / square;
+  const T acceleration = (x.value * y.acceleration - y.value * x.acceleration) / square - 2 * (rate * radial);
+  return {atan2(y.value, x.value), rate, acceleration};
+}
+
+}  // namespace assur

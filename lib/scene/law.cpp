@@ -1,0 +1,212 @@
+#include "assur/law.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <span>
+#include <utility>
+
+#include "assur/status.hpp"
+#include "scene/law_evaluate.hpp"
+
+namespace assur {
+namespace {
+
+[[noreturn]] void refuse(std::string what) { throw Error(Error::Kind::input, std::move(what)); }
+
+std::string text(double number) {  // the shortest that reads back the same
+  char digits[32];
+  return {digits, std::to_chars(digits, digits + sizeof digits, number).ptr};
+}
+
+std::string at(std::string_view array, std::size_t i) { return std::string(array) + "[" + std::to_string(i) + "]"; }
+
+void check_finite(std::string_view array, std::span<const double> numbers) {
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    if (!std::isfinite(numbers[i])) refuse(at(array, i) + " of a law is not a finite number");
+  }
+}
+
+void check_table(std::span<const double> time, std::span<const double> value) {
+  if (time.size() != value.size()) {
+    refuse("a table needs one value for each time, not " + std::to_string(value.size()) + " values for " +
+           std::to_string(time.size()) + " times");
+  }
+  if (time.size() < 2) refuse("a table needs at least 2 rows, not " + std::to_string(time.size()));
+  check_finite("time", time);
+  check_finite("value", value);
+  for (std::size_t i = 1; i < time.size(); ++i) {
+    if (time[i] > time[i - 1]) continue;
+    refuse("the times of a table must ascend, but " + at("time", i) + " = " + text(time[i]) + " follows " +
+           text(time[i - 1]));
+  }
+}
+
+// Rows i of lower[i] x[i-1] + diagonal[i] x[i] + upper[i] x[i+1] = right[i], diagonally dominant.
+struct Tridiagonal {
+  std::vector<double> lower, diagonal, upper, right;  // same size
+
+  explicit Tridiagonal(std::size_t n) : lower(n), diagonal(n), upper(n), right(n) {}
+};
+
+// x of the system; each column of `more` is overwritten by the solution for it. Thomas' algorithm.
+std::vector<double> solve(Tridiagonal system, std::vector<double>* more = nullptr) {
+  const std::size_t n = system.diagonal.size();
+  auto& [lower, diagonal, upper, x] = system;
+  for (std::size_t i = 1; i < n; ++i) {
+    const double factor = lower[i] / diagonal[i - 1];
+    diagonal[i] -= factor * upper[i - 1];
+    x[i] -= factor * x[i - 1];
+    if (more) (*more)[i] -= factor * (*more)[i - 1];
+  }
+  for (std::size_t i = n; i-- > 0;) {
+    x[i] = (x[i] - (i + 1 < n ? upper[i] * x[i + 1] : 0)) / diagonal[i];
+    if (more) (*more)[i] = ((*more)[i] - (i + 1 < n ? upper[i] * (*more)[i + 1] : 0)) / diagonal[i];
+  }
+  return std::move(x);
+}
+
+// Length and slope of each interval of a table.
+struct Intervals {
+  std::vector<double> length, slope;  // points - 1
+
+  Intervals(std::span<const double> time, std::span<const double> value) {
+    for (std::size_t i = 0; i + 1 < time.size(); ++i) {
+      length.push_back(time[i + 1] - time[i]);
+      slope.push_back((value[i + 1] - value[i]) / length.back());
+    }
+  }
+};
+
+// Row of the continuous first derivative at the knot between intervals `left` and `right`.
+void set_row(Tridiagonal& system, std::size_t row, const Intervals& in, std::size_t left, std::size_t right) {
+  system.lower[row] = in.length[left];
+  system.diagonal[row] = 2 * (in.length[left] + in.length[right]);
+  system.upper[row] = in.length[right];
+  system.right[row] = 6 * (in.slope[right] - in.slope[left]);
+}
+
+// Second derivatives at the knots; the third derivative is continuous at the second knot and the last but one.
+std::vector<double> not_a_knot(std::span<const double> time, std::span<const double> value) {
+  const std::size_t n = time.size();
+  const Intervals in(time, value);
+  const auto& h = in.length;
+  if (n == 2) return {0, 0};
+  if (n == 3) return std::vector<double>(3, 2 * (in.slope[1] - in.slope[0]) / (h[0] + h[1]));
+
+  Tridiagonal inner(n - 2);  // knots 1 .. n-2; the end knots are eliminated, their rows scaled by h1 / (h0 + h1)
+  for (std::size_t i = 0; i < n - 2; ++i) set_row(inner, i, in, i, i + 1);
+  const double h0 = h[0], h1 = h[1], g0 = h[n - 2], g1 = h[n - 3];
+  inner.diagonal.front() = 2 * h1 + h0;
+  inner.upper.front() = h1 - h0;
+  inner.right.front() *= h1 / (h0 + h1);
+  inner.diagonal.back() = 2 * g1 + g0;
+  inner.lower.back() = g1 - g0;
+  inner.right.back() *= g1 / (g0 + g1);
+
+  const std::vector<double> m = solve(std::move(inner));
+  std::vector<double> second(n);
+  std::copy(m.begin(), m.end(), second.begin() + 1);
+  second[0] = second[1] + (second[1] - second[2]) * (h0 / h1);
+  second[n - 1] = second[n - 2] + (second[n - 2] - second[n - 3]) * (g0 / g1);
+  return second;
+}
+
+// Second derivatives of the spline that closes: knots 1 .. n-1 as a + b * (that of knot 0), then the row of knot 0.
+std::vector<double> closed(std::span<const double> time, std::span<const double> value) {
+  const Intervals in(time, value);
+  const std::size_t intervals = in.length.size();
+  if (intervals == 1) return {0, 0};
+
+  Tridiagonal inner(intervals - 1);
+  for (std::size_t i = 0; i + 1 < intervals; ++i) set_row(inner, i, in, i, i + 1);
+  std::vector<double> b(intervals - 1, 0.0);
+  b.front() -= inner.lower.front();
+  b.back() -= inner.upper.back();
+  const std::vector<double> a = solve(std::move(inner), &b);
+
+  const double last = in.length.back(), first = in.length.front();
+  const double right = 6 * (in.slope.front() - in.slope.back()) - last * a.back() - first * a.front();
+  const double m0 = right / (2 * (last + first) + last * b.back() + first * b.front());
+  std::vector<double> second{m0};
+  for (std::size_t i = 0; i < a.size(); ++i) second.push_back(a[i] + b[i] * m0);
+  second.push_back(m0);
+  return second;
+}
+
+struct IsConstant {
+  bool operator()(const Law::Polynomial& p) const {
+    return std::all_of(p.coefficients.begin() + (p.coefficients.empty() ? 0 : 1), p.coefficients.end(),
+                       [](double c) { return c == 0; });
+  }
+  bool operator()(const Law::Harmonics& h) const {
+    return std::all_of(h.terms.begin(), h.terms.end(),
+                       [](const Harmonic& term) { return term.amplitude == 0 || term.frequency == 0; });
+  }
+  bool operator()(const Law::Spline& s) const {
+    return std::all_of(s.value.begin(), s.value.end(), [&](double v) { return v == s.value.front(); });
+  }
+  bool operator()(const Law::Function&) const { return false; }
+};
+
+}  // namespace
+
+Law Law::constant(double value) { return polynomial({value}); }
+
+Law Law::polynomial(std::vector<double> coefficients) {
+  check_finite("polynomial", coefficients);
+  return Law({Polynomial{std::move(coefficients)}});
+}
+
+Law Law::harmonics(std::vector<Harmonic> terms, double offset) {
+  check_finite("offset", {&offset, 1});
+  for (const Harmonic& term : terms) {
+    const double numbers[] = {term.amplitude, term.frequency, term.phase};
+    if (!std::all_of(std::begin(numbers), std::end(numbers), [](double x) { return std::isfinite(x); })) {
+      refuse(at("harmonics", static_cast<std::size_t>(&term - terms.data())) +
+             " of a law has an amplitude, frequency or phase that is not a finite number");
+    }
+  }
+  return Law({Harmonics{std::move(terms), offset}});
+}
+
+Law Law::table(std::vector<double> time, std::vector<double> value, bool periodic) {
+  check_table(time, value);
+  if (periodic) {
+    double largest = 0;
+    for (double v : value) largest = std::max(largest, std::abs(v));
+    if (std::abs(value.back() - value.front()) > 1e-12 * largest) {
+      refuse("a periodic table must end with its first value, " + text(value.front()) + ", not with " +
+             text(value.back()));
+    }
+    value.back() = value.front();  // what the rounding of a computed table leaves open is closed
+  }
+  std::vector<double> second = periodic ? closed(time, value) : not_a_knot(time, value);
+  return Law({Spline{std::move(time), std::move(value), std::move(second), periodic}});
+}
+
+Law Law::function(std::function<Motion(double)> motion) {
+  if (!motion) refuse("the function of a law is empty");
+  return Law({Function{std::move(motion)}});
+}
+
+Law operator+(const Law& a, const Law& b) {
+  std::vector<Law::Part> parts = a.parts();
+  parts.insert(parts.end(), b.parts().begin(), b.parts().end());
+  return Law(std::move(parts));
+}
+
+Motion Law::operator()(double t) const { return evaluate(*this, t); }
+
+bool Law::is_constant() const {
+  return std::all_of(parts().begin(), parts().end(), [](const Part& part) { return std::visit(IsConstant{}, part); });
+}
+
+bool Law::covers(double t) const {
+  return std::all_of(parts().begin(), parts().end(), [&](const Part& part) {
+    const auto* spline = std::get_if<Spline>(&part);
+    return !spline || law_detail::covers(*spline, t);
+  });
+}
+
+}  // namespace assur

@@ -1,0 +1,17 @@
+// Scene -> System: every constraint, driver and body as equations.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+
+#include "scene/system.hpp"
+
+namespace assur {
+
+// `controlled`: drivers that the program sets itself; they count as moving even if their law is constant.
+// `declared_groups`: false forgets the scene's groups, so that every coordinate which a driver fixes vanishes.
+[[nodiscard]] System lower(std::shared_ptr<const Scene> scene, std::span<const std::string> controlled = {},
+                           bool declared_groups = true);
+
+}  // namespace assur

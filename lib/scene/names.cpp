@@ -1,0 +1,94 @@
+#include "scene/names.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+namespace assur {
+namespace {
+
+bool is_letter(char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '_'; }
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+
+// Insertions, deletions, replacements and swaps of neighbours that turn a into b, without regard to case; `limit` + 1
+// if there are more than `limit`.
+std::size_t edit_distance(std::string_view a, std::string_view b, std::size_t limit) {
+  if (std::max(a.size(), b.size()) - std::min(a.size(), b.size()) > limit) return limit + 1;
+  std::vector<std::size_t> before, previous, row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    before = std::move(previous);
+    previous = row;
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const bool same = lower(a[i - 1]) == lower(b[j - 1]);
+      row[j] = std::min({previous[j] + 1, row[j - 1] + 1, previous[j - 1] + (same ? 0 : 1)});
+      const bool swapped = i > 1 && j > 1 && lower(a[i - 1]) == lower(b[j - 2]) && lower(a[i - 2]) == lower(b[j - 1]);
+      if (swapped) row[j] = std::min(row[j], before[j - 2] + 1);
+    }
+  }
+  return std::min(row[b.size()], limit + 1);
+}
+
+std::string joined(const std::vector<std::string_view>& words, std::string_view before_last) {
+  std::string text;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (i > 0) text += i + 1 == words.size() ? before_last : ", ";
+    text += words[i];
+  }
+  return text;
+}
+
+}  // namespace
+
+Where Where::operator/(std::string_view key) const {
+  std::string text = text_ + '/';
+  for (const char c : key) {
+    if (c == '~') {
+      text += "~0";
+    } else if (c == '/') {
+      text += "~1";
+    } else {
+      text += c;
+    }
+  }
+  return Where(std::move(text));
+}
+
+Where Where::operator/(std::size_t index) const { return Where(text_ + '/' + std::to_string(index)); }
+
+bool is_name(std::string_view text) {
+  return !text.empty() && is_letter(text.front()) &&
+         std::all_of(text.begin(), text.end(), [](char c) { return is_letter(c) || is_digit(c); });
+}
+
+std::string near_miss(std::string_view word, const std::vector<std::string_view>& candidates) {
+  std::size_t best = word.size() <= 1 ? 0 : word.size() <= 5 ? 1 : 2;  // slips that leave the word recognisable
+  std::string_view found;
+  for (const std::string_view candidate : candidates) {
+    const std::size_t distance = edit_distance(word, candidate, best);
+    if (distance > best || (distance == best && !found.empty())) continue;
+    best = distance;
+    found = candidate;
+  }
+  return std::string(found);
+}
+
+std::string suggestion(std::string_view word, const std::vector<std::string_view>& candidates) {
+  const std::string near = near_miss(word, candidates);
+  return near.empty() ? "" : "; did you mean " + in_quotes(near) + "?";
+}
+
+std::string in_quotes(std::string_view text) { return "'" + std::string(text) + "'"; }
+
+std::string list_of(const std::vector<std::string_view>& words) { return joined(words, ", "); }
+std::string one_of(const std::vector<std::string_view>& words) { return joined(words, " or "); }
+
+std::string shortest(double number) {
+  if (std::isnan(number)) return "nan";  // with or without sign
+  char digits[32];
+  return {digits, std::to_chars(digits, digits + sizeof digits, number).ptr};
+}
+
+}  // namespace assur

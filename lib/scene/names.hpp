@@ -1,0 +1,46 @@
+// Names, places and words of messages: what every finding about a scene is made of.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace assur {
+
+// A JSON pointer (RFC 6901), grown by '/': Where("/points") / "B" / "at" / 1.
+class Where {
+ public:
+  Where() = default;
+  explicit Where(std::string pointer) : text_(std::move(pointer)) {}
+
+  [[nodiscard]] Where operator/(std::string_view key) const;  // '~' and '/' in the key are escaped
+  [[nodiscard]] Where operator/(std::size_t index) const;
+  [[nodiscard]] const std::string& text() const { return text_; }
+
+ private:
+  std::string text_;
+};
+
+// [A-Za-z_][A-Za-z0-9_]*
+[[nodiscard]] bool is_name(std::string_view text);
+
+// The candidate that `word` is most likely a slip of the finger for; "" if none is near. Ties: the first.
+[[nodiscard]] std::string near_miss(std::string_view word, const std::vector<std::string_view>& candidates);
+
+// "; did you mean 'B'?", or "" if nothing is near.
+[[nodiscard]] std::string suggestion(std::string_view word, const std::vector<std::string_view>& candidates);
+
+// 'text'
+[[nodiscard]] std::string in_quotes(std::string_view text);
+
+// a, b, c
+[[nodiscard]] std::string list_of(const std::vector<std::string_view>& words);
+
+// a, b or c
+[[nodiscard]] std::string one_of(const std::vector<std::string_view>& words);
+
+// The shortest text that reads back as the same double.
+[[nodiscard]] std::string shortest(double number);
+
+}  // namespace assur

@@ -1,0 +1,89 @@
+#include "scene/outputs.hpp"
+
+#include <algorithm>
+
+namespace assur {
+namespace {
+
+Output of_item(const System& s, const Item& item) {
+  Output out;
+  out.name = item.name;
+  for (int k = 0; k < item.components; ++k) {
+    MeasureForms part;
+    part.name = item.components == 1 ? item.name : item.name + "." + "xyz"[k];
+    part.forms = {item.form[k]};
+    part.dimension = item.dimension;
+    out.parts.push_back(std::move(part));
+  }
+  (void)s;
+  return out;
+}
+
+Output of_measure(const MeasureForms& measure) {
+  Output out;
+  out.name = measure.name;
+  out.parts = {measure};
+  out.is_measure = true;
+  return out;
+}
+
+bool is_fixed(const System& s, const Item& item) {
+  for (int k = 0; k < item.components; ++k) {
+    for (const Term& t : s.form(item.form[k])) {
+      if (t.coordinate != kOne) return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+std::vector<Output> wanted_outputs(const System& s) {
+  std::vector<Output> out;
+  if (s.scene->outputs().empty()) {
+    for (const Item& item : s.items) {
+      if (!item.hidden && !is_fixed(s, item)) out.push_back(of_item(s, item));
+    }
+    for (const MeasureForms& m : s.measures) out.push_back(of_measure(m));
+    return out;
+  }
+  std::unordered_map<std::string_view, const MeasureForms*> measure;
+  for (const MeasureForms& m : s.measures) measure.emplace(m.name, &m);
+  for (const std::string& text : s.scene->outputs()) {
+    const auto find = [&](const std::string& name) -> bool {
+      if (const auto m = measure.find(name); m != measure.end()) {
+        out.push_back(of_measure(*m->second));
+        return true;
+      }
+      if (const auto i = s.item_of.find(name); i != s.item_of.end()) {
+        out.push_back(of_item(s, s.items[static_cast<std::size_t>(i->second)]));
+        return true;
+      }
+      return false;
+    };
+    if (find(text)) continue;
+    const std::size_t dot = text.rfind('.');
+    if (dot == std::string::npos || !find(text.substr(0, dot))) {
+      throw Error(Error::Kind::input, {{"/outputs", "'" + text + "' is no point, vector, scalar or measure"}});
+    }
+    const std::string part = text.substr(dot + 1);
+    const int d = part == "position" || part == "value" ? 0 : part == "velocity" || part == "rate" ? 1 : 2;
+    for (int k = 0; k < 3; ++k) out.back().wanted[k] = k == d;
+  }
+  return out;
+}
+
+void append_columns(const Output& o, std::vector<std::string>& columns) {
+  static constexpr const char* kScalar[3] = {"", ".rate", ".acceleration"};
+  static constexpr const char* kVector[3] = {".", ".v", ".a"};
+  for (int d = 0; d < 3; ++d) {
+    if (!o.wanted[d]) continue;
+    if (o.parts.size() == 1) {
+      columns.push_back(o.name + kScalar[d]);
+    } else {
+      for (std::size_t k = 0; k < o.parts.size(); ++k) columns.push_back(o.name + kVector[d] + "xyz"[k]);
+    }
+  }
+}
+
+}  // namespace assur

@@ -1,0 +1,233 @@
+#include "scene/samples.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "scene/names.hpp"
+
+namespace assur::samples {
+namespace {
+
+constexpr double kMany = 1e7;  // more would not fit the index type
+
+Option count(std::string_view name, double value, double least, double most, std::string_view meaning,
+             std::int64_t multiple = 1) {
+  return {name, meaning, value, Option::Kind::count, least, most, multiple};
+}
+Option real(std::string_view name, double value, double least, double most, std::string_view meaning) {
+  return {name, meaning, value, Option::Kind::real, least, most};
+}
+Option word(std::string_view name, std::vector<std::string_view> words, std::string_view meaning) {
+  return {name, meaning, 0, Option::Kind::word, 0, 0, 1, std::move(words)};
+}
+Option omega(double value, std::string_view meaning) { return real("omega", value, 1e-9, 1e9, meaning); }
+Option step(double value) { return real("step", value, 1e-12, 1e12, "time step, s"); }
+Option steps(double value) { return count("steps", value, 1, 1e12, "number of time steps"); }
+
+std::vector<Sample> make_table() {
+  return {
+      {"almost_parallelogram",
+       "four-bar that is a parallelogram but for delta",
+       "",
+       {real("delta", 1e-6, -0.75, 0.75, "rocker less crank, m"), step(0.01), steps(100)},
+       almost_parallelogram},
+      {"andrews",
+       "Andrews' squeezer, one turn of the crank in 72 steps",
+       "",
+       {real("xb", -0.03635, -1, 1, "x of the fixed point B, m"), omega(1, "speed of the crank, rad/s")},
+       andrews},
+      {"four_bar",
+       "crank-rocker and four-bars in series",
+       "loops",
+       {count("loops", 1, 1, kMany, "number of four-bars"), omega(2 * std::numbers::pi, "speed of the crank, rad/s"),
+        step(0.001), steps(1000)},
+       four_bar},
+      {"gough",
+       "forward kinematics of Dietmaier's Stewart-Gough platform with 40 postures",
+       "posture",
+       {count("posture", 1, 1, 40, "the posture that the guess is close to")},
+       gough},
+      {"hexapod",
+       "platform on six legs between similar hexagons",
+       "",
+       {word("drive", {"pose", "legs"}, "what is driven; by its legs it is undetermined"),
+        omega(1, "speed of the motion, rad/s"), step(0.01), steps(1000)},
+       hexapod},
+      {"n_four_bar",
+       "rhombi in series, IFToMM A02 as kinematics",
+       "loops",
+       {count("loops", 40, 1, kMany, "number of four-bars"), step(0.01), steps(1000)},
+       n_four_bar},
+      {"rings",
+       "planar rings: one driven terminal, and legs that depend on it",
+       "",
+       {count("legs", 6, 1, kMany, "number of groups after the terminal"),
+        count("n", 120, 12, kMany, "unknowns of each leg", 2),
+        count("terminal", 24, 12, kMany, "unknowns of the terminal", 2), omega(1, "speed of the drivers, rad/s"),
+        step(0.01), steps(1000)},
+       rings},
+      {"slider_crank",
+       "slider-crank, one turn per second",
+       "",
+       {real("offset", 0, -0.19, 0.19, "distance of the rail from the crank's axis, m"), step(0.001), steps(1000)},
+       slider_crank},
+      {"stewart",
+       "the paper's Stewart platform, driven by its pose",
+       "",
+       {count("legs", 6, 3, kMany, "legs; another number than 6 is spread evenly"),
+        count("platforms", 1, 1, kMany, "copies, out of step with each other"), omega(1, "speed of the motion, rad/s"),
+        step(0.01), steps(1000)},
+       stewart},
+  };
+}
+
+[[noreturn]] void refuse(std::string what) { throw Error(Error::Kind::input, std::move(what)); }
+
+std::string_view name_of(std::string_view text) { return text.substr(0, text.find(':')); }
+
+const Sample* find(std::string_view name) {
+  const auto rows = table();
+  const auto row = std::find_if(rows.begin(), rows.end(), [name](const Sample& s) { return s.name == name; });
+  return row == rows.end() ? nullptr : &*row;
+}
+
+const Sample& find_or_refuse(std::string_view name) {
+  if (const Sample* row = find(name)) return *row;
+  std::vector<std::string_view> names;
+  for (const Sample& row : table()) names.push_back(row.name);
+  const std::string near = suggestion(name, names);
+  refuse("there is no sample " + in_quotes(name) + near + (near.empty() ? "; it" : " It") + " should be " +
+         one_of(names));
+}
+
+std::optional<double> number(std::string_view text) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+// "a multiple of 2 from 12 to 1e+07"
+std::string allowed(const Option& option) {
+  if (option.kind == Option::Kind::word) return one_of(option.words);
+  const std::string range = " from " + shortest(option.least) + " to " + shortest(option.most);
+  if (option.kind == Option::Kind::real) return "a number" + range;
+  return (option.multiple == 1 ? "a whole number" : "a multiple of " + std::to_string(option.multiple)) + range;
+}
+
+bool accepts(const Option& option, double value) {
+  if (option.kind == Option::Kind::word || !(value >= option.least && value <= option.most)) return false;
+  return option.kind == Option::Kind::real || std::fmod(value, static_cast<double>(option.multiple)) == 0;
+}
+
+// One call of a sample: its options as they are set.
+class Request {
+ public:
+  explicit Request(const Sample& row) : row_(row), values_(row.options) {}
+
+  // "64", "legs=8,omega=2": what stands behind the colon.
+  void read(std::string_view text) {
+    if (!row_.counted.empty() && text.find('=') == std::string_view::npos) return assign(row_.counted, text);
+    std::vector<std::string_view> seen;
+    for (std::size_t begin = 0; begin <= text.size();) {
+      const std::size_t end = std::min(text.find(',', begin), text.size());
+      const std::string_view item = text.substr(begin, end - begin);
+      const std::size_t equals = item.find('=');
+      if (equals == std::string_view::npos) refuse_with_usage(in_quotes(item) + " should be option=value");
+      const std::string_view name = item.substr(0, equals);
+      if (std::find(seen.begin(), seen.end(), name) != seen.end()) refuse_with_usage(in_quotes(name) + " is set twice");
+      seen.push_back(name);
+      assign(name, item.substr(equals + 1));
+      begin = end + 1;
+    }
+  }
+
+  void set(std::string_view name, double value) {
+    const Option& option = find_option(name);
+    if (!accepts(option, value)) refuse_value(option, shortest(value));
+    values_.set(name, value);
+  }
+
+  [[nodiscard]] Scene make() const { return row_.make(values_); }
+
+ private:
+  void assign(std::string_view name, std::string_view text) {
+    const Option& option = find_option(name);
+    const auto word = std::find(option.words.begin(), option.words.end(), text);
+    if (word != option.words.end()) return values_.set(name, static_cast<double>(word - option.words.begin()));
+    const std::optional<double> value = number(text);
+    if (!value || !accepts(option, *value)) refuse_value(option, text);
+    values_.set(name, *value);
+  }
+
+  [[nodiscard]] const Option& find_option(std::string_view name) const {
+    std::vector<std::string_view> names;
+    for (const Option& option : row_.options) {
+      if (option.name == name) return option;
+      names.push_back(option.name);
+    }
+    refuse_with_usage("it has no option " + in_quotes(name) + suggestion(name, names));
+  }
+
+  [[noreturn]] void refuse_value(const Option& option, std::string_view text) const {
+    refuse_with_usage("option " + in_quotes(option.name) + " (" + std::string(option.meaning) + ") should be " +
+                      allowed(option) + ", not " + in_quotes(text));
+  }
+
+  // Closes every message with the sample's options and their defaults.
+  [[noreturn]] void refuse_with_usage(const std::string& what) const {
+    std::string usage;
+    for (const Option& option : row_.options) {
+      (usage += usage.empty() ? "" : ",").append(option.name).append("=");
+      usage += option.words.empty() ? shortest(option.value) : std::string(option.words.front());
+    }
+    std::string text = "sample " + in_quotes(row_.name) + ": " + what + (what.ends_with('?') ? "" : ".") + " Write ";
+    if (!row_.counted.empty()) text.append(row_.name).append(":N for ").append(row_.counted).append("=N, or ");
+    refuse(text.append(row_.name).append(":").append(usage).append(" or some of these options"));
+  }
+
+  const Sample& row_;
+  Values values_;
+};
+
+}  // namespace
+
+Values::Values(std::span<const Option> options) : options_(options) {
+  for (const Option& option : options) value_.push_back(option.value);
+}
+
+std::string_view Values::word(std::string_view option) const {
+  const std::size_t i = index(option);
+  return options_[i].words[static_cast<std::size_t>(value_[i])];
+}
+
+std::size_t Values::index(std::string_view option) const {
+  const auto same = [option](const Option& o) { return o.name == option; };
+  return static_cast<std::size_t>(std::find_if(options_.begin(), options_.end(), same) - options_.begin());
+}
+
+std::span<const Sample> table() {
+  static const std::vector<Sample> rows = make_table();
+  return rows;
+}
+
+}  // namespace assur::samples
+
+namespace assur {
+
+bool is_sample(std::string_view text) { return samples::find(samples::name_of(text)) != nullptr; }
+
+Scene sample(std::string_view text, const Parameters& set) {
+  const std::string_view name = samples::name_of(text);
+  samples::Request request(samples::find_or_refuse(name));
+  if (name.size() < text.size()) request.read(text.substr(name.size() + 1));
+  for (const auto& [option, value] : set) request.set(option, value);
+  return request.make();
+}
+
+}  // namespace assur

@@ -1,0 +1,67 @@
+// Mechanisms that are named by a text: "stewart", "four_bar:64", "rings:legs=6,n=120,terminal=24".
+// A sample is one row of the table in samples.cpp and one function in samples/.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "assur/scene.hpp"
+
+namespace assur::samples {
+
+// What can be set, in the text ("stewart:legs=8") or as a parameter beside it; the parameter wins.
+struct Option {
+  enum class Kind : std::uint8_t { count, real, word };
+
+  std::string_view name;
+  std::string_view meaning;
+  double value = 0;  // default; of a word: its position in `words`
+  Kind kind = Kind::real;
+  double least = 0, most = 0;  // allowed, both included
+  std::int64_t multiple = 1;   // a count is a multiple of this
+  std::vector<std::string_view> words = {};
+};
+
+// The options of one call.
+class Values {
+ public:
+  explicit Values(std::span<const Option> options);
+
+  [[nodiscard]] double operator[](std::string_view option) const { return value_[index(option)]; }
+  [[nodiscard]] int count(std::string_view option) const { return static_cast<int>(value_[index(option)]); }
+  [[nodiscard]] std::string_view word(std::string_view option) const;
+
+  void set(std::string_view option, double value) { value_[index(option)] = value; }
+
+ private:
+  [[nodiscard]] std::size_t index(std::string_view option) const;
+
+  std::span<const Option> options_;
+  std::vector<double> value_;
+};
+
+struct Sample {
+  std::string_view name;
+  std::string_view summary;
+  std::string_view counted;  // the option that a bare number sets: 64 of "four_bar:64"; "" if there is none
+  std::vector<Option> options;
+  Scene (*make)(const Values&);
+};
+
+// Every sample, in alphabetic order.
+[[nodiscard]] std::span<const Sample> table();
+
+// One function for each row; the geometry stands beside each definition.
+Scene almost_parallelogram(const Values&);
+Scene andrews(const Values&);
+Scene four_bar(const Values&);
+Scene gough(const Values&);
+Scene hexapod(const Values&);
+Scene n_four_bar(const Values&);
+Scene rings(const Values&);
+Scene slider_crank(const Values&);
+Scene stewart(const Values&);
+
+}  // namespace assur::samples

@@ -1,0 +1,28 @@
+#include <cmath>
+
+#include "scene/samples.hpp"
+#include "scene/samples/geometry.hpp"
+
+namespace assur::samples {
+
+// Crank 0.1 about O, rod 0.3 from B to C, C on the rail through Q = (0, offset) along x; one turn per second.
+// slide.lambda is the displacement of C along the rail.
+Scene slider_crank(const Values& values) {
+  const double crank = 0.1, rod = 0.3, offset = values["offset"];
+  return SceneBuilder("slider_crank", 2)
+      .fixed_point("O", {0, 0, 0})
+      .fixed_point("Q", {0, offset, 0})
+      .fixed_vector("rail", {1, 0, 0})
+      .point("B", {crank, 0, 0})
+      .point("C", {crank + std::sqrt(rod * rod - offset * offset), offset, 0})
+      .constrain("crank", Distance{"O", "B", crank})
+      .constrain("rod", Distance{"B", "C", rod})
+      .constrain("slide", OnLine{"C", "Q", "rail"})
+      .drive("motor", PointAngle{"O", "B", "", Law::polynomial({0, kTurn})})
+      .measure("displacement", MeasuredCoordinate{"slide.lambda"})
+      .measure("rod_angle", AbsoluteAngle{"B", "C"})
+      .time(0, values["steps"] * values["step"], values["step"])
+      .build();
+}
+
+}  // namespace assur::samples

@@ -1,0 +1,116 @@
+#include "assur/scene.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "scene/names.hpp"
+#include "scene/triple.hpp"
+#include "scene/validation.hpp"
+
+namespace assur {
+namespace {
+
+// Lengths this far from 1 are typing errors rather than rounding: they are told.
+constexpr double kNearlyUnit = 1e-6;
+
+void normalise(Triple& at, const Where& where, std::vector<Diagnostic>& warnings) {
+  const double length = triple::norm(at);
+  if (length == 1) return;
+  if (std::abs(length - 1) > kNearlyUnit) {
+    warnings.push_back({where.text(), "the vector has length " + shortest(length) + " and is normalised"});
+  }
+  at = triple::scale(1 / length, at);
+}
+
+void refuse_if_any(std::vector<Diagnostic> findings) {
+  if (!findings.empty()) throw Error(Error::Kind::input, std::move(findings));
+}
+
+}  // namespace
+
+Scene Scene::with_outputs(std::vector<std::string> outputs) const {
+  Scene scene = *this;
+  scene.outputs_ = std::move(outputs);
+  refuse_if_any(Validation(scene, {}).outputs());
+  return scene;
+}
+
+Scene Scene::with_time(TimeGrid time) const {
+  Scene scene = *this;
+  scene.time_ = time;
+  refuse_if_any(Validation(scene, {}).time());
+  return scene;
+}
+
+SceneBuilder::SceneBuilder(std::string name, int dimension) {
+  scene_.name_ = std::move(name);
+  scene_.dimension_ = dimension;
+}
+
+SceneBuilder& SceneBuilder::add(Point point) {
+  scene_.points_.push_back(std::move(point));
+  return *this;
+}
+SceneBuilder& SceneBuilder::add(Vector vector) {
+  scene_.vectors_.push_back(std::move(vector));
+  return *this;
+}
+SceneBuilder& SceneBuilder::add(Body body) {
+  scene_.bodies_.push_back(std::move(body));
+  return *this;
+}
+SceneBuilder& SceneBuilder::add(Constraint constraint) {
+  scene_.constraints_.push_back(std::move(constraint));
+  return *this;
+}
+SceneBuilder& SceneBuilder::add(Driver driver) {
+  scene_.drivers_.push_back(std::move(driver));
+  return *this;
+}
+SceneBuilder& SceneBuilder::add(Measure measure) {
+  scene_.measures_.push_back(std::move(measure));
+  return *this;
+}
+SceneBuilder& SceneBuilder::add(DeclaredGroup group) {
+  scene_.groups_.push_back(std::move(group));
+  return *this;
+}
+SceneBuilder& SceneBuilder::output(std::string name) {
+  scene_.outputs_.push_back(std::move(name));
+  return *this;
+}
+SceneBuilder& SceneBuilder::time(double start, double end, double step) {
+  scene_.time_ = {start, end, step};
+  // build() takes three zeros for a grid that was never given.
+  if (step == 0) diagnose({"/time/step", "the step is 0 s; it must be > 0"});
+  return *this;
+}
+SceneBuilder& SceneBuilder::diagnose(Diagnostic diagnostic) {
+  found_.push_back(std::move(diagnostic));
+  return *this;
+}
+
+Scene SceneBuilder::build() const {
+  Validation validation(scene_, found_);
+  const std::vector<Diagnostic> more = validation.scene();
+  std::vector<Diagnostic> findings;
+  for (const Diagnostic& finding : found_) {
+    if (!finding.what.empty()) findings.push_back(finding);
+  }
+  findings.insert(findings.end(), more.begin(), more.end());
+  refuse_if_any(std::move(findings));
+
+  Scene scene = scene_;
+  for (Vector& vector : scene.vectors_) normalise(vector.at, Where("/vectors") / vector.name / "at", scene.warnings_);
+  scene.bodies_.clear();
+  for (const std::size_t b : validation.body_order()) {
+    Body body = scene_.bodies_[b];
+    for (Member& member : body.vectors) {
+      normalise(member.local, Where("/bodies") / body.name / "vectors" / member.name, scene.warnings_);
+    }
+    scene.bodies_.push_back(std::move(body));
+  }
+  return scene;
+}
+
+}  // namespace assur

@@ -1,0 +1,157 @@
+#include "scene/symbols.hpp"
+
+#include <algorithm>
+
+namespace assur {
+namespace {
+
+// The pointer of a point, vector, ... whose list entry or body member it is.
+Where place(NameKind kind, std::string_view name) { return Where("/" + std::string(section(kind))) / name; }
+
+// True if what stands at `pointer` as a whole brings names with it.
+bool defines_names(std::string_view pointer) {
+  static constexpr std::string_view kSections[] = {"",        "/points",      "/vectors", "/bodies",
+                                                   "/groups", "/constraints", "/drivers", "/measures"};
+  static constexpr std::string_view kBodies = "/bodies/";
+  if (pointer.substr(0, kBodies.size()) != kBodies) {
+    return std::find(std::begin(kSections), std::end(kSections), pointer) != std::end(kSections);
+  }
+  const std::string_view body = pointer.substr(kBodies.size());
+  const std::string_view part = body.substr(std::min(body.size(), body.find('/')));
+  return part.empty() || part == "/points" || part == "/vectors";
+}
+
+}  // namespace
+
+std::string_view with_article(NameKind kind) {
+  switch (kind) {
+    case NameKind::point:
+      return "a point";
+    case NameKind::vector:
+      return "a vector";
+    case NameKind::body:
+      return "a body";
+    case NameKind::constraint:
+      return "a constraint";
+    case NameKind::driver:
+      return "a driver";
+    case NameKind::measure:
+      return "a measure";
+    case NameKind::group:
+      return "a group";
+  }
+  return "unknown";
+}
+
+std::string_view section(NameKind kind) {
+  switch (kind) {
+    case NameKind::point:
+      return "points";
+    case NameKind::vector:
+      return "vectors";
+    case NameKind::body:
+      return "bodies";
+    case NameKind::constraint:
+      return "constraints";
+    case NameKind::driver:
+      return "drivers";
+    case NameKind::measure:
+      return "measures";
+    case NameKind::group:
+      return "groups";
+  }
+  return "unknown";
+}
+
+Known::Known(const std::vector<Diagnostic>& findings) {
+  for (const Diagnostic& finding : findings) {
+    const std::string& where = finding.where;
+    below_[where] = true;
+    hides_names_ = hides_names_ || defines_names(where);
+    for (std::size_t end = where.rfind('/'); end != std::string::npos && end > 0; end = where.rfind('/', end - 1)) {
+      below_.emplace(where.substr(0, end), false);
+    }
+    below_.emplace("", false);
+  }
+}
+
+bool Known::at_or_above(std::string_view pointer) const {
+  if (below_.empty()) return false;
+  for (std::string above(pointer);;) {
+    const auto found = below_.find(above);
+    if (found != below_.end() && found->second) return true;
+    if (above.empty()) return false;
+    above.resize(above.rfind('/'));
+  }
+}
+
+Symbols::Symbols(const Scene& scene, const Known& known) {
+  const auto enter_all = [&](NameKind kind, const auto& items, auto&& fixed, auto&& at) {
+    for (std::size_t i = 0; i < items.size(); ++i) {
+      enter(items[i].name, place(kind, items[i].name), {kind, i, -1, fixed(items[i]), false, at(items[i])}, known);
+    }
+  };
+  const auto is_fixed = [](const auto& item) { return item.fixed; };
+  const auto written = [](const auto& item) { return item.at; };
+  const auto never = [](const auto&) { return false; };
+  const auto nowhere = [](const auto&) { return Triple{}; };
+
+  symbols_.reserve(2 * (scene.points().size() + scene.vectors().size() + scene.constraints().size()));
+  enter_all(NameKind::point, scene.points(), is_fixed, written);
+  enter_all(NameKind::vector, scene.vectors(), is_fixed, written);
+  enter_all(NameKind::body, scene.bodies(), never, nowhere);
+  for (std::size_t b = 0; b < scene.bodies().size(); ++b) {
+    const Body& body = scene.bodies()[b];
+    const Where where = place(NameKind::body, body.name);
+    const auto members = [&](NameKind kind, const std::vector<Member>& list) {
+      for (std::size_t i = 0; i < list.size(); ++i) {
+        enter(list[i].name, where / section(kind) / list[i].name,
+              {kind, i, static_cast<std::int64_t>(b), false, false, {}}, known);
+      }
+    };
+    members(NameKind::point, body.points);
+    members(NameKind::vector, body.vectors);
+  }
+  enter_all(NameKind::constraint, scene.constraints(), never, nowhere);
+  enter_all(NameKind::driver, scene.drivers(), never, nowhere);
+  enter_all(NameKind::measure, scene.measures(), never, nowhere);
+  enter_all(NameKind::group, scene.groups(), never, nowhere);
+}
+
+void Symbols::enter(std::string_view name, const Where& where, Symbol symbol, const Known& known) {
+  symbol.broken = known.at_or_below(where.text()) || known.at_or_above(where.text());
+  if (!is_name(name)) {
+    symbol.broken = true;
+    findings_.push_back({where.text(), in_quotes(name) + " is no name; use letters, digits and _, and no digit first"});
+  } else if (name == "ground" && symbol.kind != NameKind::body) {
+    findings_.push_back({where.text(), "'ground' is the name of the fixed body; choose another name"});
+  }
+  const auto [found, is_new] = symbols_.emplace(name, symbol);
+  if (is_new) {
+    order_.emplace_back(name, symbol.kind);
+  } else {
+    found->second.broken = true;  // which of the two is meant cannot be told
+    findings_.push_back({where.text(), in_quotes(name) + " is " + std::string(with_article(found->second.kind)) +
+                                           " already; all kinds share one set of names"});
+  }
+}
+
+const Symbol* Symbols::find(std::string_view name) const {
+  const auto found = symbols_.find(name);
+  return found == symbols_.end() ? nullptr : &found->second;
+}
+
+Symbol* Symbols::find(std::string_view name) {
+  const auto found = symbols_.find(name);
+  return found == symbols_.end() ? nullptr : &found->second;
+}
+
+std::vector<std::string_view> Symbols::names(std::initializer_list<NameKind> kinds) const {
+  std::vector<std::string_view> found;
+  for (const auto& [name, kind] : order_) {
+    if (std::find(kinds.begin(), kinds.end(), kind) != kinds.end()) found.push_back(name);
+  }
+  return found;
+}
+
+}  // namespace assur

@@ -1,0 +1,88 @@
+#include "scene/system.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "scene/drive.hpp"
+
+namespace assur {
+
+double System::unit(int power) const { return std::ldexp(1.0, length_exponent * power); }
+
+std::string System::coordinate_name(Index coordinate) const {
+  const Coordinate& c = coordinates[static_cast<std::size_t>(coordinate)];
+  if (c.item < 0) return "1";
+  const std::string& name = items[static_cast<std::size_t>(c.item)].name;
+  return c.component < 0 ? name : name + "." + "xyz"[c.component];
+}
+
+std::string System::equation_name(Index equation) const {
+  const Equation& e = equations[static_cast<std::size_t>(equation)];
+  return sources[static_cast<std::size_t>(e.source)].name;
+}
+
+void System::mentioned(Index equation, std::vector<Index>& out) const {
+  out.clear();
+  const Equation& e = equations[static_cast<std::size_t>(equation)];
+  const auto take = [&](Index f) {
+    for (const Term& t : form(f)) {
+      if (t.coordinate != kOne) out.push_back(t.coordinate);
+    }
+  };
+  if (e.callback >= 0) {
+    for (const Index f : callbacks[static_cast<std::size_t>(e.callback)].coordinates) take(f);
+  }
+  if (e.linear >= 0) take(e.linear);
+  for (const Product& p : products_of(e)) {
+    take(p.a);
+    take(p.b);
+  }
+  std::sort(out.begin(), out.end());
+  out.erase(std::unique(out.begin(), out.end()), out.end());
+}
+
+double residual_scale(const System& s, Index equation, std::span<const double> q) {
+  const Equation& e = s.equations[static_cast<std::size_t>(equation)];
+  if (e.callback >= 0) {
+    double sum = 0;
+    gradient<double>(s, equation, q, [&](Index c, double g) { sum += std::abs(g * q[static_cast<std::size_t>(c)]); });
+    return sum;
+  }
+  const auto magnitude = [&](Index f) {
+    double sum = 0;
+    for (const Term& t : s.form(f)) {
+      sum += std::abs(s.constants[static_cast<std::size_t>(t.constant)] * q[static_cast<std::size_t>(t.coordinate)]);
+    }
+    return sum;
+  };
+  const auto is_constant = [&](Index f) {
+    const auto terms = s.form(f);
+    return std::all_of(terms.begin(), terms.end(), [](const Term& t) { return t.coordinate == kOne; });
+  };
+  double sum = e.linear >= 0 ? magnitude(e.linear) : 0;
+  for (const Product& p : s.products_of(e)) {
+    const double c = std::abs(s.constants[static_cast<std::size_t>(p.constant)]);
+    const double a = std::abs(form_value<double>(s, p.a, q)), b = std::abs(form_value<double>(s, p.b, q));
+    // A product of constants counts once, as the constant that it is.
+    sum += is_constant(p.a) && is_constant(p.b) ? c * a * b : c * (magnitude(p.a) * b + a * magnitude(p.b));
+  }
+  return sum;
+}
+
+Status drive(const System& s, double t, double* q, double* rate, double* acceleration) {
+  Status status;
+  drive<double>(
+      s,
+      [&](std::size_t input, int k) {
+        const Law& law = s.inputs[input].laws[static_cast<std::size_t>(k)];
+        if (status.ok() && !law.covers(t)) status = {Code::out_of_range, s.inputs[input].driver, t};
+        return law(t);
+      },
+      q, rate, acceleration);
+  for (const DriverInput& in : s.inputs) {
+    if (status.ok() && in.must_not_vanish && !(q[in.first] > 0)) status = {Code::actuator_zero, in.driver, q[in.first]};
+  }
+  return status;
+}
+
+}  // namespace assur

@@ -1,0 +1,231 @@
+#include "scene/validation.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "scene/triple.hpp"
+
+namespace assur {
+namespace {
+
+// What constraints with auxiliary unknowns bring along.
+bool has_auxiliary(const Constraint& constraint, std::string_view part) {
+  if (part == "mu") return std::holds_alternative<OnPlane>(constraint.kind);
+  return part == "lambda" &&
+         (std::holds_alternative<Parallel>(constraint.kind) || std::holds_alternative<OnLine>(constraint.kind) ||
+          std::holds_alternative<OnPlane>(constraint.kind));
+}
+
+std::size_t rank_of_section(const std::string& pointer) {
+  static constexpr std::string_view kOrder[] = {"points",   "vectors", "bodies",  "constraints", "drivers",
+                                                "measures", "groups",  "outputs", "time"};
+  const std::string_view section = std::string_view(pointer).substr(0, pointer.find('/', 1));
+  const auto found = std::find_if(std::begin(kOrder), std::end(kOrder),
+                                  [&](std::string_view name) { return !section.empty() && section.substr(1) == name; });
+  return found == std::end(kOrder) ? 0 : static_cast<std::size_t>(found - std::begin(kOrder)) + 1;
+}
+
+}  // namespace
+
+Validation::Validation(const Scene& scene, const std::vector<Diagnostic>& known)
+    : scene_(scene), known_(known), symbols_(scene, known_) {}
+
+std::vector<Diagnostic> Validation::scene() {
+  if (dimension() != 2 && dimension() != 3) {  // nothing else can be judged
+    report(Where("/dimension"), "the dimension is 2 or 3, not " + std::to_string(dimension()));
+    return sorted();
+  }
+  for (const Diagnostic& finding : symbols_.findings()) report(Where(finding.where), finding.what);
+  check_points();
+  check_vectors();
+  check_bodies();
+  check_constraints();
+  check_drivers();
+  check_measures();
+  check_groups();
+  check_outputs();
+  check_time();
+  return sorted();
+}
+
+std::vector<Diagnostic> Validation::outputs() {
+  check_outputs();
+  return sorted();
+}
+
+std::vector<Diagnostic> Validation::time() {
+  check_time();
+  for (const Driver& driver : scene_.drivers()) {
+    const Where where = Where("/drivers") / driver.name;
+    std::visit(
+        [&](const auto& kind) {
+          if constexpr (requires { kind.law; }) {
+            check_law(kind.law, where / "law");
+          } else {
+            for (std::size_t k = 0; k < kind.translation.size(); ++k)
+              check_law(kind.translation[k], where / "translation" / k);
+            for (const Law& law : kind.rotation) check_law(law, where / "rotation");
+          }
+        },
+        driver.kind);
+  }
+  return sorted();
+}
+
+void Validation::report(const Where& where, std::string what) {
+  if (known_.at_or_above(where.text()) || known_.at_or_below(where.text())) return;
+  found_.push_back({where.text(), std::move(what)});
+}
+
+std::vector<Diagnostic> Validation::sorted() {
+  std::stable_sort(found_.begin(), found_.end(), [](const Diagnostic& a, const Diagnostic& b) {
+    return rank_of_section(a.where) < rank_of_section(b.where);
+  });
+  return std::move(found_);
+}
+
+// ---- names
+
+void Validation::unknown_name(const std::string& name, std::initializer_list<NameKind> kinds, const Where& where) {
+  if (known_.hides_names()) return;
+  const std::string_view kind = kinds.size() == 1 ? with_article(*kinds.begin()).substr(2) : "point or vector";
+  std::string what = "there is no " + std::string(kind) + " " + in_quotes(name);
+  if (suggestions_left_-- > 0) what += suggestion(name, symbols_.names(kinds));
+  report(where, std::move(what));
+}
+
+const Symbol* Validation::want(const std::string& name, NameKind kind, const Where& where) {
+  const Symbol* symbol = symbols_.find(name);
+  if (symbol == nullptr) {
+    unknown_name(name, {kind}, where);
+  } else if (symbol->kind != kind && !symbol->broken) {
+    report(where, in_quotes(name) + " is " + std::string(with_article(symbol->kind)) + "; " +
+                      std::string(with_article(kind)) + " is wanted here");
+  }
+  return symbol != nullptr && symbol->kind == kind ? symbol : nullptr;
+}
+
+Validation::Involved Validation::point(const std::string& name, const Where& where) {
+  const Symbol* symbol = want(name, NameKind::point, where);
+  if (symbol == nullptr || symbol->broken) return {};
+  return {true, symbol->fixed, symbol->at};
+}
+
+Validation::Involved Validation::vector(const std::string& name, const Where& where) {
+  const Symbol* symbol = want(name, NameKind::vector, where);
+  if (symbol == nullptr || symbol->broken) return {};
+  return {true, symbol->fixed, symbol->at};
+}
+
+Validation::Involved Validation::point_or_vector(const std::string& name, const Where& where) {
+  const Symbol* symbol = symbols_.find(name);
+  if (symbol == nullptr) {
+    unknown_name(name, {NameKind::point, NameKind::vector}, where);
+    return {};
+  }
+  if (symbol->broken) return {};
+  if (symbol->kind == NameKind::point || symbol->kind == NameKind::vector) return {true, symbol->fixed, symbol->at};
+  report(where,
+         in_quotes(name) + " is " + std::string(with_article(symbol->kind)) + "; a point or vector is wanted here");
+  return {};
+}
+
+Validation::Involved Validation::direction(const Direction& direction, const Where& where) {
+  if (!direction.is_pair()) {
+    const Symbol* symbol = symbols_.find(direction.first);
+    if (symbol != nullptr && symbol->kind == NameKind::point && !symbol->broken) {
+      report(where,
+             in_quotes(direction.first) + " is a point; a direction is a vector or a pair of points [\"A\", \"B\"]");
+      return {};
+    }
+    return vector(direction.first, where);
+  }
+  const Involved from = point(direction.first, where / std::size_t{0});
+  const Involved to = point(direction.second, where / std::size_t{1});
+  if (direction.first == direction.second) {
+    report(where, "a direction from " + in_quotes(direction.first) + " to itself; two different points are wanted");
+    return {};
+  }
+  return {from.usable && to.usable, from.fixed && to.fixed, triple::subtract(to.at, from.at)};
+}
+
+Validation::Scalar Validation::scalar(const std::string& text, const Where& where) {
+  const std::size_t dot = text.rfind('.');
+  const std::string name = text.substr(0, dot);
+  const std::string part = dot == std::string::npos ? "" : text.substr(dot + 1);
+  const std::string components = dimension() == 2 ? ".x or .y" : ".x, .y or .z";
+  const Symbol* symbol = symbols_.find(name);
+  if (symbol == nullptr) {
+    const auto kinds = {NameKind::point, NameKind::vector, NameKind::constraint};
+    if (known_.hides_names()) return {};
+    std::string what = "there is no point, vector or constraint " + in_quotes(name);
+    if (suggestions_left_-- > 0) what += suggestion(name, symbols_.names(kinds));
+    report(where, std::move(what));
+    return {};
+  }
+  if (symbol->broken) return {};
+  if (symbol->kind == NameKind::constraint) {
+    const Constraint& constraint = scene_.constraints()[symbol->index];
+    if (has_auxiliary(constraint, part)) return {true, false};
+    const bool any = has_auxiliary(constraint, "lambda");
+    report(where, in_quotes(text) + " is no coordinate; constraint " + in_quotes(name) + " has " +
+                      (any ? has_auxiliary(constraint, "mu") ? "'lambda' and 'mu'" : "'lambda'" : "none"));
+    return {};
+  }
+  if (symbol->kind != NameKind::point && symbol->kind != NameKind::vector) {
+    report(where, in_quotes(name) + " is " + std::string(with_article(symbol->kind)) +
+                      "; a coordinate is that of a point or vector, or a constraint's lambda or mu");
+    return {};
+  }
+  const bool in_space = part == "z" && dimension() == 3;
+  if (part == "x" || part == "y" || in_space) return {true, symbol->fixed};
+  report(where, in_quotes(text) + " is no coordinate; write " + in_quotes(name) + " with " + components);
+  return {};
+}
+
+bool Validation::finite(double number, const Where& where) {
+  if (std::isfinite(number)) return true;
+  report(where, "the value is " + shortest(number) + "; a finite number is wanted");
+  return false;
+}
+
+// ---- points, vectors, time
+
+void Validation::check_triple(const Triple& at, const Where& where, bool is_direction) {
+  bool all_finite = true;
+  for (std::size_t k = 0; k < 3; ++k) all_finite = (std::isfinite(at[k]) || finite(at[k], where / k)) && all_finite;
+  if (!all_finite) return;
+  if (dimension() == 2 && at[2] != 0) report(where / std::size_t{2}, "a plane scene has no z; write 0 or leave it out");
+  if (is_direction && triple::norm(at) == 0) report(where, "a unit vector cannot be made of zeros; give its direction");
+}
+
+void Validation::check_points() {
+  for (const Point& point : scene_.points()) check_triple(point.at, Where("/points") / point.name / "at", false);
+}
+
+void Validation::check_vectors() {
+  for (const Vector& vector : scene_.vectors()) check_triple(vector.at, Where("/vectors") / vector.name / "at", true);
+}
+
+void Validation::check_time() {
+  const TimeGrid& time = scene_.time();
+  const Where where("/time");
+  const bool all_finite =
+      finite(time.start, where / "start") & finite(time.end, where / "end") & finite(time.step, where / "step");
+  if (!all_finite || (time.start == 0 && time.end == 0 && time.step == 0)) return;  // zeros: no grid given
+  if (!(time.step > 0)) {
+    report(where / "step", "the step is " + shortest(time.step) + " s; it must be > 0");
+  } else if (time.end < time.start) {
+    report(where / "end",
+           "the end, " + shortest(time.end) + " s, comes before the start, " + shortest(time.start) + " s");
+  } else {
+    const double steps = (time.end - time.start) / time.step;
+    if (std::abs(steps - std::round(steps)) > 1e-9) {
+      report(where / "step", "(end - start) / step is " + shortest(steps) +
+                                 "; a whole number of steps is wanted, e.g. to the end " +
+                                 shortest(time.start + std::ceil(steps) * time.step));
+    }
+  }
+}
+
+}  // namespace assur

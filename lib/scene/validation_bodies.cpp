@@ -1,0 +1,208 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "scene/triple.hpp"
+#include "scene/validation.hpp"
+
+namespace assur {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+// Below this sine two directions count as one: no frame can be built on them in double precision.
+constexpr double kParallel = 1e-8;
+
+// Columns: the local axes in ground coordinates.
+struct Frame {
+  Triple origin{}, x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
+
+  [[nodiscard]] Triple turn(const Triple& local) const {
+    return triple::add(triple::scale(local[0], x), triple::add(triple::scale(local[1], y), triple::scale(local[2], z)));
+  }
+};
+
+Triple unit(const Triple& a) { return triple::scale(1 / triple::norm(a), a); }
+bool appears_before(const std::vector<std::string>& names, std::size_t i) {
+  const auto end = names.begin() + static_cast<std::ptrdiff_t>(i);
+  return std::find(names.begin(), end, names[i]) != end;
+}
+Triple turned_left(const Triple& a) { return {-a[1], a[0], 0}; }
+
+}  // namespace
+
+void Validation::check_bodies() {
+  order_bodies();
+  for (const std::size_t b : body_order_) {
+    const Body& body = scene_.bodies()[b];
+    const Where where = Where("/bodies") / body.name;
+    if (body.name != "ground") {
+      check_base(body, where);
+    } else if (!body.origin.empty() || !body.frame.empty() || !body.base.empty()) {
+      report(where, "the ground is the fixed frame itself; it has members, but no origin, frame or base");
+    }
+    for (const Member& point : body.points) check_triple(point.local, where / "points" / point.name, false);
+    for (const Member& vector : body.vectors) check_triple(vector.local, where / "vectors" / vector.name, true);
+    place_members(body, where);
+  }
+}
+
+// Depth first without recursion: a chain of bodies may be long.
+void Validation::order_bodies() {
+  enum class State : std::uint8_t { fresh, open, done };
+  const auto& bodies = scene_.bodies();
+  std::vector<std::vector<std::size_t>> owners(bodies.size());
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const auto add = [&](const std::string& name) {
+      const Symbol* symbol = symbols_.find(name);
+      if (symbol != nullptr && symbol->is_derived()) owners[b].push_back(static_cast<std::size_t>(symbol->body));
+    };
+    add(bodies[b].origin);
+    for (const std::string& name : bodies[b].frame) add(name);
+    for (const std::string& name : bodies[b].base) add(name);
+  }
+  std::vector<State> state(bodies.size(), State::fresh);
+  std::vector<std::size_t> next(bodies.size(), 0), path;
+  for (std::size_t start = 0; start < bodies.size(); ++start) {
+    if (state[start] != State::fresh) continue;
+    path = {start};
+    state[start] = State::open;
+    while (!path.empty()) {
+      const std::size_t b = path.back();
+      if (next[b] == owners[b].size()) {
+        state[b] = State::done;
+        body_order_.push_back(b);
+        path.pop_back();
+        continue;
+      }
+      const std::size_t owner = owners[b][next[b]++];
+      if (state[owner] == State::fresh) {
+        state[owner] = State::open;
+        path.push_back(owner);
+      } else if (state[owner] == State::open) {
+        std::string circle;
+        for (auto i = std::find(path.begin(), path.end(), owner); i != path.end(); ++i)
+          circle += bodies[*i].name + " -> ";
+        report(Where("/bodies") / bodies[owner].name,
+               "bodies are built on each other's members in a circle: " + circle + bodies[owner].name);
+        for (auto i = std::find(path.begin(), path.end(), owner); i != path.end(); ++i) {
+          if (Symbol* symbol = symbols_.find(bodies[*i].name)) symbol->broken = true;
+        }
+      }
+    }
+  }
+}
+
+void Validation::check_base(const Body& body, const Where& where) {
+  const std::string shapes = dimension() == 3
+                                 ? "an origin with a frame of three vectors, a base of three points, or an origin alone"
+                                 : "a base of two points, an origin with a frame of one vector, or an origin alone";
+  if (body.origin.empty() && body.frame.empty() && body.base.empty()) {
+    report(where, "a body needs " + shapes);
+  } else if (!body.base.empty() && (!body.origin.empty() || !body.frame.empty())) {
+    report(where, "a body has either a base or an origin, not both: " + shapes);
+  } else if (!body.base.empty()) {
+    const std::size_t wanted = dimension() == 3 ? 3 : 2;
+    if (body.base.size() != wanted) {
+      report(where / "base", "a base has " + std::to_string(wanted) + " points in " + std::to_string(dimension()) +
+                                 "D, not " + std::to_string(body.base.size()));
+    }
+    std::vector<Involved> points;
+    for (std::size_t i = 0; i < body.base.size(); ++i) {
+      points.push_back(point(body.base[i], where / "base" / i));
+      if (!appears_before(body.base, i)) continue;
+      report(where / "base" / i, in_quotes(body.base[i]) + " is in this base already; its points are different ones");
+      points.back().usable = false;
+    }
+    if (body.base.size() != wanted) return;
+    if (!std::all_of(points.begin(), points.end(), [](const Involved& p) { return p.usable; })) return;
+    const Triple along = triple::subtract(points[1].at, points[0].at);
+    const double length = triple::norm(along);
+    if (length == 0) {
+      report(where / "base", in_quotes(body.base[0]) + " and " + in_quotes(body.base[1]) +
+                                 " are at the same place; a base needs different points");
+    } else if (wanted == 3) {
+      const Triple third = triple::subtract(points[2].at, points[0].at);
+      const double area = triple::norm(triple::cross(along, third));
+      if (!(area > kParallel * length * triple::norm(third)) && std::isfinite(area)) {
+        report(where / "base", in_quotes(body.base[0]) + ", " + in_quotes(body.base[1]) + " and " +
+                                   in_quotes(body.base[2]) + " lie on one line; a base needs points that do not");
+      }
+    }
+  } else {
+    check_frame(body, where);
+  }
+}
+
+void Validation::check_frame(const Body& body, const Where& where) {
+  if (body.origin.empty()) {
+    report(where, "a frame needs an \"origin\", the name of a point");
+  } else {
+    (void)point(body.origin, where / "origin");
+  }
+  if (body.frame.empty()) return;  // translates
+  const std::size_t wanted = dimension() == 3 ? 3 : 1;
+  if (body.frame.size() != wanted) {
+    report(where / "frame", dimension() == 3 ? "a frame has three vectors u, v, w = u x v"
+                                             : "a frame has one vector in the plane; the other is at its left");
+  }
+  for (std::size_t i = 0; i < body.frame.size(); ++i) {
+    (void)vector(body.frame[i], where / "frame" / i);
+    if (appears_before(body.frame, i)) {
+      report(where / "frame" / i,
+             in_quotes(body.frame[i]) + " is in this frame already; its vectors are different ones");
+    }
+  }
+}
+
+// Where the members are as written and whether they are fixed; NaN and broken where the base is.
+void Validation::place_members(const Body& body, const Where& where) {
+  const Symbol* self = symbols_.find(body.name);
+  bool usable = self != nullptr && !self->broken && !known_.at_or_below(where.text());
+  bool fixed = true;
+  const auto at = [&](const std::string& name, NameKind kind) {
+    const Symbol* symbol = symbols_.find(name);
+    if (symbol == nullptr || symbol->broken || symbol->kind != kind) {
+      usable = false;
+      return Triple{kNan, kNan, kNan};
+    }
+    fixed = fixed && symbol->fixed;
+    return symbol->at;
+  };
+
+  Frame frame;
+  if (body.name != "ground") {
+    if (body.base.size() >= 2) {
+      frame.origin = at(body.base[0], NameKind::point);
+      frame.x = unit(triple::subtract(at(body.base[1], NameKind::point), frame.origin));
+      frame.y = turned_left(frame.x);
+      if (dimension() == 3 && body.base.size() == 3) {
+        const Triple third = triple::subtract(at(body.base[2], NameKind::point), frame.origin);
+        frame.z = unit(triple::cross(frame.x, third));
+        frame.y = triple::cross(frame.z, frame.x);
+      }
+    } else {
+      frame.origin = at(body.origin, NameKind::point);
+      if (!body.frame.empty()) frame.x = unit(at(body.frame[0], NameKind::vector));
+      if (!body.frame.empty()) frame.y = turned_left(frame.x);
+      if (body.frame.size() == 3) {
+        frame.y = unit(at(body.frame[1], NameKind::vector));
+        frame.z = unit(at(body.frame[2], NameKind::vector));
+      }
+    }
+  }
+  // A body that translates turns no vector.
+  const bool turns = !body.frame.empty() || !body.base.empty();
+  const auto place = [&](const Member& member, bool is_point) {
+    Symbol* symbol = symbols_.find(member.name);
+    if (symbol == nullptr || !symbol->is_derived()) return;
+    const Triple turned = frame.turn(member.local);
+    symbol->at = is_point ? triple::add(frame.origin, turned) : unit(turned);
+    symbol->fixed = fixed || (!is_point && !turns);
+    symbol->broken = symbol->broken || !usable || !triple::is_finite(symbol->at);
+  };
+  for (const Member& point : body.points) place(point, true);
+  for (const Member& vector : body.vectors) place(vector, false);
+}
+
+}  // namespace assur

@@ -1,0 +1,206 @@
+#include <algorithm>
+#include <cmath>
+
+#include "scene/triple.hpp"
+#include "scene/validation.hpp"
+
+namespace assur {
+namespace {
+
+std::string pair_key(const std::string& a, const std::string& b) { return a < b ? a + " " + b : b + " " + a; }
+std::string key(const Direction& d) { return d.is_pair() ? pair_key(d.first, d.second) : d.first; }
+
+// Numbers of a law that could be broken; functions are not called: they may belong to a running program.
+struct IsFinite {
+  bool operator()(const Law::Polynomial& p) const {
+    return std::all_of(p.coefficients.begin(), p.coefficients.end(), [](double c) { return std::isfinite(c); });
+  }
+  bool operator()(const Law::Harmonics& h) const {
+    return std::isfinite(h.offset) && std::all_of(h.terms.begin(), h.terms.end(), [](const Harmonic& term) {
+             return std::isfinite(term.amplitude) && std::isfinite(term.frequency) && std::isfinite(term.phase);
+           });
+  }
+  bool operator()(const Law::Spline&) const { return true; }  // made by Law::table, which checks
+  bool operator()(const Law::Function&) const { return true; }
+};
+
+bool calls_program(const Law& law) {
+  return std::any_of(law.parts().begin(), law.parts().end(),
+                     [](const Law::Part& part) { return std::holds_alternative<Law::Function>(part); });
+}
+
+}  // namespace
+
+void Validation::check_drivers() {
+  for (const Driver& driver : scene_.drivers()) {
+    const Where where = Where("/drivers") / driver.name;
+    if (known_.at_or_above(where.text())) continue;
+    std::visit([&](const auto& kind) { check(kind, driver, where); }, driver.kind);
+  }
+}
+
+void Validation::check_law(const Law& law, const Where& where) {
+  if (!std::all_of(law.parts().begin(), law.parts().end(),
+                   [](const auto& part) { return std::visit(IsFinite{}, part); })) {
+    report(where, "the law has a number that is not finite");
+    return;
+  }
+  const TimeGrid& time = scene_.time();
+  const bool grid_is_fine = std::isfinite(time.start) && std::isfinite(time.end) && time.end >= time.start;
+  if (!grid_is_fine || known_.at_or_below("/time")) return;
+  if (law.covers(time.start) && law.covers(time.end)) return;
+  for (const Law::Part& part : law.parts()) {
+    const auto* table = std::get_if<Law::Spline>(&part);
+    if (table == nullptr || table->periodic) continue;
+    report(where, "its table goes from t = " + shortest(table->time.front()) + " to " + shortest(table->time.back()) +
+                      ", the time grid from " + shortest(time.start) + " to " + shortest(time.end) +
+                      "; the table must cover the grid or be periodic");
+    return;
+  }
+}
+
+void Validation::check_driven(std::initializer_list<Involved> involved, const Where& where) {
+  const bool all_fixed =
+      std::all_of(involved.begin(), involved.end(), [](const Involved& i) { return i.usable && i.fixed; });
+  if (all_fixed) report(where, "everything here is fixed, so nothing can be driven; drive something that moves");
+}
+
+void Validation::claim(const std::string& what, const Driver& driver, const Where& where) {
+  const auto [found, is_new] = claimed_.emplace(what, driver.name);
+  const bool told = !found_.empty() && found_.back().where == where.text();
+  if (is_new || found->second == driver.name || told) return;
+  report(where, in_quotes(found->second) + " drives the same already; one driver for each motion");
+}
+
+void Validation::claim_point(const std::string& name, const Driver& driver, const Where& where) {
+  for (int k = 0; k < dimension(); ++k) claim(name + "." + "xyz"[k], driver, where);
+}
+
+void Validation::check(const PointAngle& d, const Driver& driver, const Where& where) {
+  const Where pair = where / "angle";
+  check_law(d.law, where / "law");
+  const Involved a = point(d.a, pair / std::size_t{0}), b = point(d.b, pair / std::size_t{1});
+  if (d.a == d.b && a.usable) {
+    report(pair, "a direction from " + in_quotes(d.a) + " to itself; two different points are wanted");
+    return;
+  }
+  check_driven({a, b}, pair);
+  check_arm(d, a, b, where);
+  if (!a.usable || !b.usable || (a.fixed && b.fixed)) return;
+  if (a.fixed) {
+    claim_point(d.b, driver, pair);
+  } else if (b.fixed) {
+    claim_point(d.a, driver, pair);
+  } else {
+    claim("angle " + pair_key(d.a, d.b), driver, pair);
+  }
+}
+
+// The axis, and that there is an arm to turn.
+void Validation::check_arm(const PointAngle& d, const Involved& a, const Involved& b, const Where& where) {
+  const Triple arm = triple::subtract(b.at, a.at);
+  const bool placed = a.usable && b.usable && triple::is_finite(arm);
+  if (dimension() == 2) {
+    if (!d.axis.empty()) report(where / "axis", "in the plane every axis is the normal; leave \"axis\" out");
+    const auto gives_radius = [&](const Constraint& c) {
+      const auto* distance = std::get_if<Distance>(&c.kind);
+      return distance != nullptr && distance->value && pair_key(distance->p, distance->q) == pair_key(d.a, d.b);
+    };
+    const auto& constraints = scene_.constraints();
+    if (placed && triple::norm(arm) == 0 && std::none_of(constraints.begin(), constraints.end(), gives_radius)) {
+      report(where / "angle", in_quotes(d.a) + " and " + in_quotes(d.b) +
+                                  " are at the same place, so the radius is 0; give a distance or different positions");
+    }
+    return;
+  }
+  if (d.axis.empty()) {
+    report(where, "an angle in 3D needs an \"axis\", the name of a vector");
+    return;
+  }
+  const Involved axis = vector(d.axis, where / "axis");
+  if (!axis.usable) return;
+  if (!axis.fixed) {
+    report(where / "axis", in_quotes(d.axis) +
+                               " moves; about a moving axis use the relative form, the angle from one direction to " +
+                               "another: \"angle\": [[\"A\", \"B\"], [\"C\", \"D\"]]");
+  } else if (placed &&
+             !(triple::norm(triple::cross(axis.at, arm)) > 1e-9 * triple::norm(arm) * triple::norm(axis.at))) {
+    report(where / "angle", "there is no arm across the axis from " + in_quotes(d.a) + " to " + in_quotes(d.b) +
+                                ", so no angle about it; choose another axis or other positions");
+  }
+}
+
+void Validation::check(const RelativeAngle& d, const Driver& driver, const Where& where) {
+  const Where pair = where / "angle";
+  check_law(d.law, where / "law");
+  const Involved from = direction(d.d, pair / std::size_t{0}), to = direction(d.e, pair / std::size_t{1});
+  if (from.usable && key(d.d) == key(d.e)) {
+    report(pair, "an angle from a direction to itself; two different directions are wanted");
+    return;
+  }
+  check_driven({from, to}, pair);
+  if (dimension() == 2) {
+    if (!d.axis.empty()) report(where / "axis", "in the plane every axis is the normal; leave \"axis\" out");
+  } else if (d.axis.empty()) {
+    report(where, "an angle in 3D needs an \"axis\", the name of a vector");
+  } else {
+    (void)vector(d.axis, where / "axis");
+  }
+  claim("angle from " + std::min(key(d.d), key(d.e)) + " to " + std::max(key(d.d), key(d.e)), driver, pair);
+}
+
+void Validation::check(const DrivenDistance& d, const Driver& driver, const Where& where) {
+  const Where pair = where / "distance";
+  check_law(d.law, where / "law");
+  const Involved a = point(d.a, pair / std::size_t{0}), b = point(d.b, pair / std::size_t{1});
+  if (d.a == d.b && a.usable) {
+    report(pair, "a distance from " + in_quotes(d.a) + " to itself; two different points are wanted");
+    return;
+  }
+  check_driven({a, b}, pair);
+  claim("distance " + pair_key(d.a, d.b), driver, pair);
+  if (calls_program(d.law)) return;
+  const double start = d.law(scene_.time().start).value;
+  if (start <= 0) {  // NaN, outside a table, is reported above
+    report(where / "law", "the distance at the start is " + shortest(start) + "; a driven distance must stay > 0");
+  }
+}
+
+void Validation::check(const DrivenCoordinate& d, const Driver& driver, const Where& where) {
+  check_law(d.law, where / "law");
+  const Scalar coordinate = scalar(d.coordinate, where / "coordinate");
+  if (!coordinate.usable) return;
+  check_driven({{true, coordinate.fixed, {}}}, where / "coordinate");
+  claim(d.coordinate, driver, where / "coordinate");
+}
+
+void Validation::check(const Pose& d, const Driver& driver, const Where& where) {
+  const Where rotation = where / "rotation";
+  const Where angles = dimension() == 3 ? rotation / "euler_zyx" : rotation / "angle";
+  for (std::size_t k = 0; k < d.translation.size(); ++k) check_law(d.translation[k], where / "translation" / k);
+  for (std::size_t k = 0; k < d.rotation.size(); ++k) check_law(d.rotation[k], dimension() == 3 ? angles / k : angles);
+  if (static_cast<int>(d.translation.size()) != dimension()) {
+    report(where / "translation", "a pose in " + std::to_string(dimension()) + "D has " + std::to_string(dimension()) +
+                                      " translations, not " + std::to_string(d.translation.size()));
+  }
+  const Symbol* symbol = want(d.body, NameKind::body, where / "pose");
+  if (symbol == nullptr || symbol->broken) return;
+  const Body& body = scene_.bodies()[symbol->index];
+  if (body.name == "ground") {
+    report(where / "pose", "the ground does not move; name another body");
+    return;
+  }
+  const bool turns = !body.frame.empty() || !body.base.empty();
+  const std::size_t wanted = !turns ? 0 : dimension() == 3 ? 3 : 1;
+  if (d.rotation.size() != wanted) {
+    report(rotation, wanted == 0
+                         ? in_quotes(body.name) + " has an origin alone and only translates; leave \"rotation\" out"
+                     : wanted == 1 ? "a pose in 2D has one rotation, {\"angle\": law}"
+                                   : "a pose in 3D has three rotations, {\"euler_zyx\": [psi, theta, phi]}");
+  }
+  if (!body.origin.empty()) claim_point(body.origin, driver, where / "pose");
+  for (const std::string& name : body.frame) claim_point(name, driver, where / "pose");
+  for (const std::string& name : body.base) claim_point(name, driver, where / "pose");
+}
+
+}  // namespace assur

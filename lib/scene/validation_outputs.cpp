@@ -1,0 +1,146 @@
+#include <algorithm>
+
+#include "scene/validation.hpp"
+
+namespace assur {
+namespace {
+
+const std::vector<std::string_view> kPointParts = {"position", "velocity", "acceleration"};
+const std::vector<std::string_view> kScalarParts = {"value", "rate", "acceleration"};
+
+bool contains(const std::vector<std::string_view>& words, std::string_view word) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+}  // namespace
+
+// ---- measures
+
+void Validation::check_measures() {
+  for (const Measure& measure : scene_.measures()) {
+    const Where where = Where("/measures") / measure.name;
+    if (known_.at_or_above(where.text())) continue;
+    std::visit([&](const auto& kind) { check(kind, where); }, measure.kind);
+  }
+}
+
+void Validation::check(const AbsoluteAngle& m, const Where& where) {
+  const Where pair = where / "angle";
+  (void)point(m.a, pair / std::size_t{0});
+  (void)point(m.b, pair / std::size_t{1});
+  if (m.a == m.b) report(pair, "a direction from " + in_quotes(m.a) + " to itself; two different points are wanted");
+  if (dimension() == 3) {
+    report(pair, "an absolute angle is for the plane; in 3D write two directions, [[\"A\", \"B\"], [\"C\", \"D\"]]");
+  }
+}
+
+void Validation::check(const AngleBetween& m, const Where& where) {
+  const Where pair = where / "angle";
+  (void)direction(m.d, pair / std::size_t{0});
+  (void)direction(m.e, pair / std::size_t{1});
+  if (m.d.first == m.e.first && m.d.second == m.e.second) {
+    report(pair, "an angle from a direction to itself; two different directions are wanted");
+  }
+  if (m.axis.empty()) return;
+  if (dimension() == 2) {
+    report(where / "axis", "in the plane every axis is the normal; leave \"axis\" out");
+  } else {
+    (void)vector(m.axis, where / "axis");
+  }
+}
+
+void Validation::check(const MeasuredDistance& m, const Where& where) {
+  const Where pair = where / "distance";
+  (void)point(m.a, pair / std::size_t{0});
+  (void)point(m.b, pair / std::size_t{1});
+  if (m.a == m.b) report(pair, "a distance from " + in_quotes(m.a) + " to itself; two different points are wanted");
+}
+
+void Validation::check(const MeasuredCoordinate& m, const Where& where) {
+  (void)scalar(m.coordinate, where / "coordinate");
+}
+
+// ---- declared groups
+
+void Validation::check_groups() {
+  std::unordered_map<std::string, std::string> group_of;
+  for (const DeclaredGroup& group : scene_.groups()) {
+    const Where where = Where("/groups") / group.name;
+    if (known_.at_or_above(where.text())) continue;
+    if (group.unknowns.empty())
+      report(where / "unknowns", "a group needs at least one unknown; list some, or remove it");
+    for (std::size_t i = 0; i < group.unknowns.size(); ++i) {
+      const Where here = where / "unknowns" / i;
+      check_unknown(group.unknowns[i], here);
+      const auto [found, is_new] = group_of.emplace(group.unknowns[i], group.name);
+      if (!is_new) {
+        report(here, in_quotes(group.unknowns[i]) + " is in group " + in_quotes(found->second) +
+                         " already; groups do not overlap");
+      }
+    }
+  }
+}
+
+void Validation::check_unknown(const std::string& name, const Where& where) {
+  if (name.find('.') != std::string::npos) {
+    const std::string owner = name.substr(0, name.rfind('.'));
+    const Symbol* symbol = symbols_.find(owner);
+    if (symbol != nullptr && (symbol->kind == NameKind::point || symbol->kind == NameKind::vector)) {
+      report(where, "a group takes points and vectors as a whole; write " + in_quotes(owner));
+    } else {
+      (void)scalar(name, where);
+    }
+    return;
+  }
+  if (!point_or_vector(name, where).usable) return;
+  const Symbol* symbol = symbols_.find(name);
+  if (symbol->is_derived()) {
+    report(where, in_quotes(name) + " is a member of body " +
+                      in_quotes(scene_.bodies()[static_cast<std::size_t>(symbol->body)].name) +
+                      " and no unknown; list the points and vectors of the body's base");
+  } else if (symbol->fixed) {
+    report(where, in_quotes(name) + " is fixed; a group lists unknowns");
+  }
+}
+
+// ---- outputs
+
+void Validation::check_outputs() {
+  const auto& outputs = scene_.outputs();
+  for (std::size_t i = 0; i < outputs.size(); ++i) check_output(outputs[i], Where("/outputs") / i);
+}
+
+void Validation::check_output(const std::string& text, const Where& where) {
+  const std::size_t first = text.find('.');
+  const std::string name = text.substr(0, first);
+  std::string part = first == std::string::npos ? "" : text.substr(first + 1);
+  const Symbol* symbol = symbols_.find(name);
+  if (symbol == nullptr) {
+    if (known_.hides_names()) return;
+    std::string what = "there is no point, vector or measure " + in_quotes(name);
+    if (suggestions_left_-- > 0) {
+      what += suggestion(name, symbols_.names({NameKind::point, NameKind::vector, NameKind::measure}));
+    }
+    report(where, std::move(what));
+    return;
+  }
+  if (symbol->broken) return;
+  const std::vector<std::string_view>* parts = &kScalarParts;
+  std::string owner = name;
+  if (symbol->kind == NameKind::point || symbol->kind == NameKind::vector) {
+    parts = &kPointParts;
+  } else if (symbol->kind == NameKind::constraint && !part.empty()) {
+    const std::size_t second = part.find('.');
+    owner = name + "." + part.substr(0, second);
+    if (!scalar(owner, where).usable) return;
+    part = second == std::string::npos ? "" : part.substr(second + 1);
+  } else if (symbol->kind != NameKind::measure) {
+    report(where, in_quotes(name) + " is " + std::string(with_article(symbol->kind)) +
+                      "; an output is a point, a vector, a measure or a constraint's lambda or mu");
+    return;
+  }
+  if (text == owner || contains(*parts, part)) return;
+  report(where, in_quotes(owner) + " has no part " + in_quotes(part) + "; expected " + one_of(*parts));
+}
+
+}  // namespace assur

@@ -1,0 +1,204 @@
+#include "simulation/branch.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace assur {
+namespace {
+
+constexpr std::int32_t kDense = 64;
+constexpr int kHagerRounds = 3;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+// out = a^-1 by Gauss-Jordan with row pivoting (column-major, n x n; a is overwritten). False: singular.
+bool invert(double* a, double* out, std::int32_t n) {
+  std::fill_n(out, idx(n) * idx(n), 0.0);
+  for (std::int32_t i = 0; i < n; ++i) out[i * n + i] = 1;
+  for (std::int32_t c = 0; c < n; ++c) {
+    std::int32_t pivot = c;
+    for (std::int32_t r = c + 1; r < n; ++r) {
+      if (std::abs(a[c * n + r]) > std::abs(a[c * n + pivot])) pivot = r;
+    }
+    const double p = a[c * n + pivot];
+    if (!(std::abs(p) > 0) || !std::isfinite(p)) return false;
+    if (pivot != c) {
+      for (std::int32_t j = 0; j < n; ++j) {
+        std::swap(a[j * n + c], a[j * n + pivot]);
+        std::swap(out[j * n + c], out[j * n + pivot]);
+      }
+    }
+    for (std::int32_t j = 0; j < n; ++j) {
+      a[j * n + c] /= p;
+      out[j * n + c] /= p;
+    }
+    for (std::int32_t r = 0; r < n; ++r) {
+      const double f = a[c * n + r];
+      if (r == c || f == 0) continue;
+      for (std::int32_t j = 0; j < n; ++j) {
+        a[j * n + r] -= f * a[j * n + c];
+        out[j * n + r] -= f * out[j * n + c];
+      }
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+BlockConditions::BlockConditions(const GroupClass& group_class, const Program& p, int lanes)
+    : program_(p), lanes_(lanes) {
+  place_.resize(idx(p.n));
+  row_place_.resize(idx(p.n));
+  std::vector<std::vector<std::int32_t>> unknowns(idx(p.blocks)), equations(idx(p.blocks)), nonzeros(idx(p.blocks));
+  for (std::int32_t i = 0; i < p.n; ++i) {
+    auto& u = unknowns[idx(p.unknown_block[idx(i)])];
+    place_[idx(i)] = static_cast<std::int32_t>(u.size());
+    u.push_back(i);
+    auto& e = equations[idx(p.equation_block[idx(i)])];
+    row_place_[idx(i)] = static_cast<std::int32_t>(e.size());
+    e.push_back(i);
+  }
+  nonzero_column_.resize(idx(p.pattern.nnz()));
+  for (std::int32_t c = 0; c < p.n; ++c) {
+    for (std::int32_t k = p.pattern.column_start[idx(c)]; k < p.pattern.column_start[idx(c) + 1]; ++k) {
+      nonzero_column_[idx(k)] = c;
+      const std::int32_t b = p.unknown_block[idx(c)];
+      if (p.equation_block[idx(p.pattern.row[idx(k)])] == b) nonzeros[idx(b)].push_back(k);
+    }
+  }
+  unknown_start_ = nonzero_start_ = {0};
+  std::int32_t largest = 0;
+  bool has_large = false;
+  for (std::int32_t b = 0; b < p.blocks; ++b) {
+    unknowns_.insert(unknowns_.end(), unknowns[idx(b)].begin(), unknowns[idx(b)].end());
+    equations_.insert(equations_.end(), equations[idx(b)].begin(), equations[idx(b)].end());
+    nonzeros_.insert(nonzeros_.end(), nonzeros[idx(b)].begin(), nonzeros[idx(b)].end());
+    unknown_start_.push_back(static_cast<std::int32_t>(unknowns_.size()));
+    nonzero_start_.push_back(static_cast<std::int32_t>(nonzeros_.size()));
+    if (size(b) <= kDense) {
+      largest = std::max(largest, size(b));
+    } else {
+      has_large = true;
+    }
+  }
+  matrix_.resize(idx(largest) * idx(largest));
+  inverse_.resize(matrix_.size());
+  if (has_large) vector_.resize(idx(p.n) * idx(lanes));
+  find_reads(group_class);
+}
+
+void BlockConditions::find_reads(const GroupClass& c) {
+  std::vector<std::int32_t> last(idx(c.n + c.inputs), -1);  // block that has listed the coordinate already
+  std::vector<std::vector<std::int32_t>> reads(idx(c.blocks));
+  for (std::size_t i = 0; i < c.equations.size(); ++i) {
+    const std::int32_t b = c.equation_block[i];
+    const auto take = [&](std::int32_t form) {
+      for (std::int32_t t = c.form_start[idx(form)]; t < c.form_start[idx(form) + 1]; ++t) {
+        const std::int32_t x = c.terms[idx(t)].coordinate;
+        if (x < 0 || (x >= c.n && c.input_moves[idx(x - c.n)] == 0) || last[idx(x)] == b) continue;
+        last[idx(x)] = b;
+        reads[idx(b)].push_back(x);
+      }
+    };
+    const GroupClass::Equation& e = c.equations[i];
+    if (e.linear >= 0) take(e.linear);
+    for (std::int32_t k = e.products_begin; k < e.products_end; ++k) {
+      take(c.products[idx(k)].a);
+      if (c.products[idx(k)].b >= 0) take(c.products[idx(k)].b);
+    }
+  }
+  reads_start_ = {0};
+  for (const auto& r : reads) {
+    reads_.insert(reads_.end(), r.begin(), r.end());
+    reads_start_.push_back(static_cast<std::int32_t>(reads_.size()));
+  }
+}
+
+bool BlockConditions::needs_solver(std::int32_t b) const { return size(b) > kDense; }
+
+std::span<const std::int32_t> BlockConditions::unknowns(std::int32_t b) const {
+  return {unknowns_.data() + unknown_start_[idx(b)], idx(size(b))};
+}
+std::span<const std::int32_t> BlockConditions::equations(std::int32_t b) const {
+  return {equations_.data() + unknown_start_[idx(b)], idx(size(b))};
+}
+
+void BlockConditions::extract(const double* jacobian, std::int32_t b, int lane, std::vector<double>& out) const {
+  const std::int32_t n = size(b);
+  std::fill_n(out.data(), idx(n) * idx(n), 0.0);
+  for (std::int32_t i = nonzero_start_[idx(b)]; i < nonzero_start_[idx(b) + 1]; ++i) {
+    const std::int32_t k = nonzeros_[idx(i)];
+    const std::int32_t column = place_[idx(nonzero_column_[idx(k)])];
+    const std::int32_t row = row_place_[idx(program_.pattern.row[idx(k)])];
+    out[idx(column * n + row)] = jacobian[k * lanes_ + lane];
+  }
+}
+
+void BlockConditions::measure(std::int32_t b, const double* jacobian, const double* lipschitz, LinearSolver* solver,
+                              double* omega) {
+  if (needs_solver(b)) {
+    sparse_omega(b, lipschitz, *solver, omega);
+    return;
+  }
+  for (int w = 0; w < lanes_; ++w) omega[w] = dense_omega(b, w, jacobian, lipschitz);
+}
+
+double BlockConditions::dense_omega(std::int32_t b, int lane, const double* jacobian, const double* lipschitz) {
+  const std::int32_t n = size(b);
+  extract(jacobian, b, lane, matrix_);
+  if (!invert(matrix_.data(), inverse_.data(), n)) return kInfinity;
+  const auto rows = equations(b);
+  double worst = 0;
+  for (std::int32_t r = 0; r < n; ++r) {
+    double sum = 0;
+    for (std::int32_t c = 0; c < n; ++c) sum += std::abs(inverse_[idx(c * n + r)]) * lipschitz[rows[idx(c)] * lanes_ + lane];
+    worst = std::max(worst, sum);
+  }
+  return std::isfinite(worst) ? worst : kInfinity;
+}
+
+// Hager's power method for | J^-1 D |_inf = | (J^-1 D)^T |_1, all lanes at once; right-hand sides live on the block only,
+// so the answers on the block are those of the block alone.
+void BlockConditions::sparse_omega(std::int32_t b, const double* lipschitz, LinearSolver& solver, double* omega) {
+  const auto columns = unknowns(b), rows = equations(b);
+  const std::int32_t n = size(b);
+  const auto at = [&](std::int32_t i, int w) -> double& { return vector_[idx(i * lanes_ + w)]; };
+  std::fill_n(omega, lanes_, 0.0);
+  // Start: the row of J^-1 D that meets a vector of ones worst.
+  std::fill(vector_.begin(), vector_.end(), 0.0);
+  for (int w = 0; w < lanes_; ++w) {
+    for (const std::int32_t r : rows) at(r, w) = lipschitz[r * lanes_ + w];
+  }
+  for (int round = 0; round < kHagerRounds; ++round) {
+    if (!solver.solve(vector_, 1).ok()) break;
+    for (int w = 0; w < lanes_; ++w) {
+      std::int32_t worst = columns[0];
+      for (const std::int32_t c : columns) {
+        if (!(std::abs(at(c, w)) <= std::abs(at(worst, w)))) worst = c;
+      }
+      for (std::int32_t i = 0; i < program_.n; ++i) at(i, w) = 0;
+      at(worst, w) = 1;
+    }
+    if (!solver.solve(vector_, 1, Transpose::yes).ok()) break;
+    for (int w = 0; w < lanes_; ++w) {
+      double sum = 0;
+      for (std::int32_t k = 0; k < n; ++k) {
+        const double z = at(rows[idx(k)], w) * lipschitz[rows[idx(k)] * lanes_ + w];
+        sum += std::abs(z);
+      }
+      omega[w] = std::isfinite(sum) ? std::max(omega[w], sum) : kInfinity;
+      for (const std::int32_t r : rows) at(r, w) = std::copysign(lipschitz[r * lanes_ + w], at(r, w));
+      for (std::int32_t i = 0; i < program_.n; ++i) {
+        if (program_.equation_block[idx(i)] != b) at(i, w) = 0;
+      }
+    }
+  }
+  for (int w = 0; w < lanes_; ++w) {
+    if (omega[w] == 0) omega[w] = kInfinity;  // no solve succeeded
+  }
+}
+
+}  // namespace assur

@@ -1,0 +1,65 @@
+// Staying on the branch. Around a posture q0 with Jacobian J0 of an irreducible block, the affine Lipschitz constant
+//   omega = | |J0^-1| k |_inf,   k_i = Lipschitz constant of row i of the Jacobian in the maximum norm,
+// makes J regular, and the solution unique, wherever omega |q - q0|_inf < 1 (Banach; Deuflhard 2004, section 2.1). The
+// measured posture is the anchor: steps inside its ball cost one maximum norm, and omega is measured anew only when the
+// ball is used up. J0^-1 itself is needed only up to blocks of 64; beyond, Hager's estimate (Higham 1988) takes its place.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "assur/backend.hpp"
+#include "assur/structure.hpp"
+#include "equations/program.hpp"
+
+namespace assur {
+
+inline constexpr double kBall = 0.7;          // part of the ball that a step may use
+inline constexpr double kKantorovich = 0.25;  // largest omega * |first correction| at the prediction
+
+class BlockConditions {
+ public:
+  BlockConditions(const GroupClass& group_class, const Program& program, int lanes);
+
+  // omega of one block in every lane from the Jacobian's values; infinite where the block is singular. `solver` holds a
+  // factorisation of the same Jacobian if needs_solver(block). lipschitz: equations x lanes; omega: lanes.
+  void measure(std::int32_t block, const double* jacobian, const double* lipschitz, LinearSolver* solver, double* omega);
+
+  [[nodiscard]] bool needs_solver(std::int32_t block) const;
+
+  // The coordinates that a block reads and that move: local numbers, unknowns and inputs.
+  [[nodiscard]] std::span<const std::int32_t> reads(std::int32_t block) const {
+    return {reads_.data() + reads_start(block), reads_.data() + reads_start(block + 1)};
+  }
+  [[nodiscard]] std::size_t reads_start(std::int32_t block) const {
+    return static_cast<std::size_t>(reads_start_[static_cast<std::size_t>(block)]);
+  }
+
+  // Dense copy of one block of one lane, column-major: size x size.
+  void extract(const double* jacobian, std::int32_t block, int lane, std::vector<double>& out) const;
+  [[nodiscard]] std::int32_t size(std::int32_t block) const {
+    return unknown_start_[static_cast<std::size_t>(block) + 1] - unknown_start_[static_cast<std::size_t>(block)];
+  }
+  [[nodiscard]] std::span<const std::int32_t> unknowns(std::int32_t block) const;
+  [[nodiscard]] std::span<const std::int32_t> equations(std::int32_t block) const;
+
+ private:
+  void find_reads(const GroupClass& group_class);
+  double dense_omega(std::int32_t block, int lane, const double* jacobian, const double* lipschitz);
+  void sparse_omega(std::int32_t block, const double* lipschitz, LinearSolver& solver, double* omega);
+
+  const Program& program_;
+  int lanes_;
+  std::vector<std::int32_t> unknown_start_, unknowns_;    // by block
+  std::vector<std::int32_t> equations_;                   // by block, same starts
+  std::vector<std::int32_t> place_;                       // unknown -> column within its block
+  std::vector<std::int32_t> row_place_;                   // equation -> row within its block
+  std::vector<std::int32_t> nonzero_start_, nonzeros_;    // by block: indices of its entries
+  std::vector<std::int32_t> nonzero_column_;              // nnz: column of each entry
+  std::vector<double> matrix_, inverse_;                  // largest dense block
+  std::vector<std::int32_t> reads_start_, reads_;         // by block
+  std::vector<double> vector_;                            // n x lanes, if there are large blocks
+};
+
+}  // namespace assur

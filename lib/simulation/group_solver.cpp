@@ -1,0 +1,348 @@
+#include "simulation/group_solver.hpp"
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace assur {
+namespace {
+
+constexpr double kEps = std::numeric_limits<double>::epsilon();
+constexpr double kConverged = 8 * kEps;      // relative residual of a solved equation
+constexpr double kRoundingLevel = 1e-12;     // where a residual that no longer falls is taken for rounding
+constexpr double kLinear = 8 * kEps;         // normwise residual of a refined linear system
+constexpr int kMostRefinements = 6;
+constexpr double kFold = 1e-3;               // cosine between left null vector and input motion that makes a fold
+
+std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+void StepErrors::merge(const StepErrors& o) {
+  position = std::max(position, o.position);
+  velocity = std::max(velocity, o.velocity);
+  acceleration = std::max(acceleration, o.acceleration);
+}
+
+GroupSolver::GroupSolver(const System& system, const Structure& structure, std::int32_t group_class,
+                         const Plan::Choice& choice, std::span<const Backend> table)
+    : class_(structure.classes[idx(group_class)]),
+      strategy_(choice.strategy),
+      program_(compile(class_, structure.pattern(group_class))),
+      lanes_(strategy_.lanes),
+      evaluator_(make_evaluator(system, program_, lanes_)),
+      blocks_(class_, program_, lanes_) {
+  const Backend& backend = find_backend(table, strategy_.backend);
+  const std::string why_not = backend.why_not(choice.shape, ThreadBudget{strategy_.q});
+  if (!why_not.empty()) throw Error(Error::Kind::environment, "backend " + strategy_.backend + ": " + why_not);
+  solver_ = backend.make(ThreadBudget{strategy_.q});
+  if (!solver_->analyze(program_.pattern, lanes_).ok()) {
+    throw Error(Error::Kind::environment, "backend " + strategy_.backend + " cannot analyse the pattern of a group");
+  }
+  const std::size_t w = idx(lanes_), n = idx(program_.n) * w;
+  inputs_.resize(idx(program_.inputs) * w);
+  input_rates_.resize(inputs_.size());
+  input_accelerations_.resize(inputs_.size());
+  for (std::vector<double>* v : {&phi_, &scale_, &correction_, &rhs_, &residual_, &magnitude_}) v->resize(n);
+  jacobian_.resize(idx(program_.pattern.nnz()) * w);
+}
+
+void GroupSolver::bind(const System& system, const Structure& structure, Pack& pack) const {
+  const std::size_t w = idx(lanes_);
+  pack.coefficients.resize(program_.coefficients.size() * w);
+  pack.lipschitz.resize(idx(program_.n) * w);
+  pack.anchor.resize(blocks_.reads_start(program_.blocks) * w);
+  pack.omega.assign(idx(program_.blocks) * w, 0.0);
+  pack.ball_used.assign(idx(program_.blocks), 0.0);
+  std::vector<double> constants(idx(class_.constants));
+  for (std::size_t lane = 0; lane < w; ++lane) {
+    const Group& g = structure.groups[idx(pack.groups[lane < pack.groups.size() ? lane : 0])];
+    for (std::size_t i = 0; i < constants.size(); ++i) constants[i] = system.constants[idx(g.constants[i])];
+    assur::bind(program_, constants, pack.coefficients.data() + lane, w);
+    lipschitz(class_, constants, pack.lipschitz.data() + lane, w);
+  }
+}
+
+void GroupSolver::gather(const Pack& pack, const double* state, std::vector<double>& out) const {
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = state[pack.inputs[i]];
+}
+
+Status GroupSolver::fail(const Pack& pack, Code code, double figure, std::int32_t lane) const {
+  return {code, pack.groups[std::min(idx(lane), pack.groups.size() - 1)], figure};
+}
+
+Status GroupSolver::solve(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
+                          StepErrors& errors) {
+  gather(pack, state[0], inputs_);
+  evaluator_->set_inputs(pack.coefficients.data(), inputs_.data());
+  double* x = state[0] + pack.unknowns;
+  if (const Status s = newton(pack, x, attempt, counters, errors); !s.ok()) return s;
+  if (const Status s = derivatives(pack, state, counters, errors); !s.ok()) return s;
+  return check_branch(pack, x, attempt, counters);
+}
+
+double GroupSolver::relative_residual(const Pack& pack) const {
+  double worst = 0;
+  for (std::size_t i = 0; i < phi_.size(); ++i) {
+    if (static_cast<int>(i % idx(lanes_)) >= pack.used) continue;
+    const double r = scale_[i] > 0 ? std::abs(phi_[i]) / scale_[i] : std::abs(phi_[i]);
+    if (!(r <= worst)) worst = r;
+  }
+  return worst;
+}
+
+Status GroupSolver::factorize(const Pack& pack, Counters& counters) {
+  counters.factorizations += pack.used;
+  counters.factorized_unknowns += std::int64_t{pack.used} * program_.n;
+  const Status s = solver_->factorize(jacobian_);
+  // An idle lane repeats lane 0 and fails with it.
+  return s.ok() ? s : fail(pack, s.code, s.figure, s.where < pack.used ? std::max(s.where, 0) : 0);
+}
+
+Status GroupSolver::newton(Pack& pack, double* x, const Attempt& attempt, Counters& counters, StepErrors& errors) {
+  const std::size_t w = idx(lanes_);
+  const std::int64_t evaluated = std::int64_t{pack.used} * program_.n;
+  evaluator_->evaluate(x, phi_.data(), jacobian_.data());
+  evaluator_->scale(scale_.data());
+  counters.evaluated_equations += evaluated;
+  counters.group_solutions += pack.used;
+  factored_at_solution_ = false;
+  bool factored = false;
+  double relative = relative_residual(pack), before = 0, last_norm = 0;
+  int iteration = 0;
+  for (;; ++iteration) {
+    if (!std::isfinite(relative)) return fail(pack, Code::not_finite, relative);
+    if (attempt.iterations > 0) {
+      if (iteration == attempt.iterations) break;
+    } else {
+      if (relative <= kConverged) break;
+      if (iteration > 0 && relative <= kRoundingLevel && relative > before / 4) break;
+      if (iteration == attempt.most_iterations) return fail(pack, Code::not_converged, relative);
+    }
+    if (!(strategy_.once && factored)) {
+      if (const Status s = factorize(pack, counters); !s.ok()) return s;
+      factored = true;
+    }
+    std::copy(phi_.begin(), phi_.end(), correction_.begin());
+    if (const Status s = solver_->solve(correction_, 1); !s.ok()) return fail(pack, s.code, s.figure);
+    counters.solved_unknowns += evaluated;
+    counters.newton_iterations += pack.used;
+
+    double norm = 0;
+    for (std::size_t i = 0; i < correction_.size(); ++i) {
+      x[i] -= correction_[i];
+      if (static_cast<int>(i % w) < pack.used) norm = std::max(norm, std::abs(correction_[i]));
+    }
+    if (!std::isfinite(norm)) return fail(pack, Code::not_finite, norm);
+    if (attempt.branch == Attempt::Branch::inside && class_.quadratic && iteration == 0) {
+      // Newton-Kantorovich: from omega |first correction| <= 1/4 the iteration converges to the one solution nearby.
+      for (std::size_t i = 0; i < correction_.size(); ++i) {
+        const std::size_t lane = i % w;
+        if (static_cast<int>(lane) >= pack.used || correction_[i] == 0) continue;
+        const std::size_t block = idx(program_.unknown_block[i / w]);
+        const double omega = pack.omega[block * w + lane] / (1 - pack.ball_used[block]);
+        const double h = omega * std::abs(correction_[i]);
+        if (!(h <= kKantorovich)) return fail(pack, Code::branch_unknown, h, static_cast<std::int32_t>(lane));
+      }
+    }
+    // Without a constant second derivative two corrections have to contract tenfold.
+    const bool must_contract = !class_.quadratic || attempt.branch == Attempt::Branch::pass;
+    if (iteration > 0 && must_contract && attempt.iterations == 0 && norm > 0.1 * last_norm && relative > kRoundingLevel) {
+      return fail(pack, Code::not_converged, norm / last_norm);
+    }
+    last_norm = norm;
+    before = relative;
+    evaluator_->evaluate(x, phi_.data(), jacobian_.data());
+    counters.evaluated_equations += evaluated;
+    relative = relative_residual(pack);
+  }
+  counters.most_iterations = std::max<std::int64_t>(counters.most_iterations, iteration);
+  errors.position = std::max(errors.position, relative);
+  if (strategy_.once && !factored) {
+    if (const Status s = factorize(pack, counters); !s.ok()) return s;
+    factored_at_solution_ = true;
+  }
+  return {};
+}
+
+double GroupSolver::residual_of(const Pack& pack, const double* x, const std::vector<double>& b,
+                                std::vector<double>& r) const {
+  const std::size_t w = idx(lanes_);
+  std::copy(b.begin(), b.end(), r.begin());
+  std::vector<double>& rows = const_cast<GroupSolver*>(this)->magnitude_;
+  std::fill(rows.begin(), rows.end(), 0.0);
+  for (std::int32_t c = 0; c < program_.n; ++c) {
+    for (std::int32_t k = program_.pattern.column_start[idx(c)]; k < program_.pattern.column_start[idx(c) + 1]; ++k) {
+      const std::size_t row = idx(program_.pattern.row[idx(k)]) * w;
+      const double *a = jacobian_.data() + idx(k) * w, *v = x + idx(c) * w;
+      for (std::size_t l = 0; l < w; ++l) {
+        r[row + l] -= a[l] * v[l];
+        rows[row + l] += std::abs(a[l]);
+      }
+    }
+  }
+  double worst = 0;
+  for (std::size_t l = 0; l < idx(pack.used); ++l) {
+    double norm_r = 0, norm_a = 0, norm_x = 0, norm_b = 0;
+    for (std::size_t i = l; i < r.size(); i += w) {
+      if (!(std::abs(r[i]) <= norm_r)) norm_r = std::abs(r[i]);
+      norm_a = std::max(norm_a, rows[i]);
+      norm_x = std::max(norm_x, std::abs(x[i]));
+      norm_b = std::max(norm_b, std::abs(b[i]));
+    }
+    const double scale = norm_a * norm_x + norm_b;
+    const double relative = scale > 0 ? norm_r / scale : norm_r;
+    if (!(relative <= worst)) worst = relative;
+  }
+  return worst;
+}
+
+Status GroupSolver::linear(Pack& pack, const std::vector<double>& b, double* x, int first_wanted, Counters& counters,
+                           double& error) {
+  const std::size_t w = idx(lanes_);
+  std::copy(b.begin(), b.end(), x);
+  // With a factorisation from elsewhere the whole solution is needed to refine it.
+  const int first = factored_at_solution_ ? first_wanted : 0;
+  const std::span<double> out(x, b.size());
+  if (const Status s = solver_->solve(out, 1, Transpose::no, first); !s.ok()) return fail(pack, s.code, s.figure);
+  counters.solved_unknowns += std::int64_t{pack.used} * (program_.n - first);
+  if (first > 0) {  // what was not solved for is nobody's business
+    std::fill_n(x, idx(first) * w, 0.0);
+    return {};
+  }
+  double residual = residual_of(pack, x, b, residual_);
+  for (int k = 0; !factored_at_solution_ && residual > kLinear; ++k) {
+    if (k == kMostRefinements) {
+      // The posture is too far from where the factorisation was taken: take it here.
+      if (const Status s = factorize(pack, counters); !s.ok()) return s;
+      factored_at_solution_ = true;
+      return linear(pack, b, x, first_wanted, counters, error);
+    }
+    if (const Status s = solver_->solve(residual_, 1); !s.ok()) return fail(pack, s.code, s.figure);
+    counters.solved_unknowns += std::int64_t{pack.used} * program_.n;
+    for (std::size_t i = 0; i < b.size(); ++i) x[i] += residual_[i];
+    const double next = residual_of(pack, x, b, residual_);
+    if (!(next < residual / 2)) {
+      residual = next;
+      if (next <= 4 * kLinear) break;
+      continue;
+    }
+    residual = next;
+  }
+  if (!std::isfinite(residual)) return fail(pack, Code::not_finite, residual);
+  error = std::max(error, residual);
+  return {};
+}
+
+Status GroupSolver::derivatives(Pack& pack, double* const (&state)[3], Counters& counters, StepErrors& errors) {
+  if (class_.derivatives == 0) return {};
+  if (!strategy_.once) {
+    if (const Status s = factorize(pack, counters); !s.ok()) return s;
+    factored_at_solution_ = true;
+  }
+  double* rate = state[1] + pack.unknowns;
+  gather(pack, state[1], input_rates_);
+  evaluator_->velocity_rhs(input_rates_.data(), rhs_.data());
+  const int wanted_rate = class_.derivatives == 1 ? class_.first_wanted : 0;
+  if (const Status s = linear(pack, rhs_, rate, wanted_rate, counters, errors.velocity); !s.ok()) return s;
+  if (class_.derivatives == 1) return {};
+  gather(pack, state[2], input_accelerations_);
+  evaluator_->acceleration_rhs(rate, input_accelerations_.data(), rhs_.data());
+  return linear(pack, rhs_, state[2] + pack.unknowns, class_.first_wanted, counters, errors.acceleration);
+}
+
+// ---- branch
+
+double GroupSolver::ball_use(const Pack& pack, const double* x, std::int32_t b, std::int32_t& worst_lane) const {
+  const std::size_t w = idx(lanes_);
+  const double* anchor = pack.anchor.data() + blocks_.reads_start(b) * w;
+  double moved[16] = {};
+  for (const std::int32_t c : blocks_.reads(b)) {
+    const double* at = c < program_.n ? x + idx(c) * w : inputs_.data() + idx(c - program_.n) * w;
+    for (std::size_t l = 0; l < w; ++l) moved[l] = std::max(moved[l], std::abs(at[l] - anchor[l]));
+    anchor += w;
+  }
+  double worst = 0;
+  for (std::size_t l = 0; l < idx(pack.used); ++l) {
+    const double used = moved[l] == 0 ? 0 : pack.omega[idx(b) * w + l] * moved[l];
+    if (!(used <= worst)) {
+      worst = used;
+      worst_lane = static_cast<std::int32_t>(l);
+    }
+  }
+  return worst;
+}
+
+void GroupSolver::set_anchor(Pack& pack, const double* x, std::int32_t b, Counters& counters) {
+  counters.branch_checks += pack.used;
+  const std::size_t w = idx(lanes_);
+  if (blocks_.needs_solver(b) && !factored_at_solution_) factored_at_solution_ = solver_->factorize(jacobian_).ok();
+  blocks_.measure(b, jacobian_.data(), pack.lipschitz.data(), solver_.get(), pack.omega.data() + idx(b) * w);
+  double* anchor = pack.anchor.data() + blocks_.reads_start(b) * w;
+  for (const std::int32_t c : blocks_.reads(b)) {
+    std::copy_n(c < program_.n ? x + idx(c) * w : inputs_.data() + idx(c - program_.n) * w, w, anchor);
+    anchor += w;
+  }
+  pack.ball_used[idx(b)] = 0;
+}
+
+Status GroupSolver::check_branch(Pack& pack, const double* x, const Attempt& attempt, Counters& counters) {
+  if (!class_.quadratic) return {};
+  for (std::int32_t b = 0; b < program_.blocks; ++b) {
+    double& before = pack.ball_used[idx(b)];
+    if (attempt.branch == Attempt::Branch::inside) {
+      std::int32_t lane = 0;
+      const double used = ball_use(pack, x, b, lane);
+      if (!(used <= kBall)) return fail(pack, Code::branch_unknown, used, lane);
+      const bool lasts = used + 2 * std::max(used - before, 0.0) <= kBall;
+      before = used;
+      if (lasts) continue;
+    }
+    // At the start, after a change point, and before the next steps of this length leave the ball.
+    set_anchor(pack, x, b, counters);
+  }
+  return {};
+}
+
+Status GroupSolver::diagnose(Pack& pack, double* const (&state)[3]) {
+  const std::size_t w = idx(lanes_);
+  gather(pack, state[0], inputs_);
+  evaluator_->set_inputs(pack.coefficients.data(), inputs_.data());
+  evaluator_->evaluate(state[0] + pack.unknowns, phi_.data(), jacobian_.data());
+  gather(pack, state[1], input_rates_);
+  evaluator_->velocity_rhs(input_rates_.data(), rhs_.data());
+  // What the inputs and the group's other blocks ask of a block: rhs - J v over the unknowns of others.
+  const double* rate = state[1] + pack.unknowns;
+  for (std::int32_t c = 0; c < program_.n; ++c) {
+    for (std::int32_t k = program_.pattern.column_start[idx(c)]; k < program_.pattern.column_start[idx(c) + 1]; ++k) {
+      const std::int32_t row = program_.pattern.row[idx(k)];
+      if (program_.equation_block[idx(row)] == program_.unknown_block[idx(c)]) continue;
+      for (std::size_t l = 0; l < w; ++l) rhs_[idx(row) * w + l] -= jacobian_[idx(k) * w + l] * rate[idx(c) * w + l];
+    }
+  }
+  Status worst = fail(pack, Code::branch_unknown, 1.0);
+  std::vector<double> matrix;
+  for (int lane = 0; lane < pack.used; ++lane) {
+    for (std::int32_t b = 0; b < program_.blocks; ++b) {
+      const auto n = static_cast<Eigen::Index>(blocks_.size(b));
+      if (n > 400) continue;  // minutes for a dense SVD
+      matrix.resize(static_cast<std::size_t>(n * n));
+      blocks_.extract(jacobian_.data(), b, lane, matrix);
+      const Eigen::JacobiSVD<Eigen::MatrixXd> svd(Eigen::Map<const Eigen::MatrixXd>(matrix.data(), n, n),
+                                                  Eigen::ComputeFullU);
+      const double ratio = svd.singularValues()[n - 1] / svd.singularValues()[0];
+      if (!(ratio < worst.figure)) continue;
+      worst = fail(pack, Code::branch_unknown, ratio, lane);
+      if (ratio > 0.05) continue;
+      // At a fold the block cannot follow: what is asked of it points along the left null vector.
+      Eigen::VectorXd g(n);
+      for (Eigen::Index i = 0; i < n; ++i) g[i] = rhs_[idx(blocks_.equations(b)[static_cast<std::size_t>(i)]) * w + idx(lane)];
+      const double asked = std::abs(svd.matrixU().col(n - 1).dot(g));
+      worst.code = asked > kFold * g.norm() ? Code::limit_reached : Code::change_point_passed;
+    }
+  }
+  return worst;
+}
+
+}  // namespace assur

@@ -1,0 +1,101 @@
+// Solves the packs of one group class: position by Newton, velocity and acceleration by one factorisation.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "assur/plan.hpp"
+#include "assur/report.hpp"
+#include "assur/simulator.hpp"
+#include "equations/evaluator.hpp"
+#include "equations/program.hpp"
+#include "simulation/branch.hpp"
+
+namespace assur {
+
+// Errors of one attempt; merged into the report when the step is accepted.
+struct StepErrors {
+  double position = 0, velocity = 0, acceleration = 0;
+  void merge(const StepErrors& o);
+};
+
+// How a step is solved.
+struct Attempt {
+  enum class Branch : std::uint8_t {
+    start,   // the posture is given: measure the ball around it
+    inside,  // stay inside the ball
+    pass,    // through a change point: convergence is all that is asked
+  };
+  Branch branch = Branch::inside;
+  int iterations = 0;        // exactly so many; 0: until convergence
+  int most_iterations = 12;
+};
+
+// W instances of a class. All arrays are owned by the simulator; lanes beyond `used` repeat lane 0.
+struct Pack {
+  std::int32_t group_class = 0;
+  std::int32_t level = 0;
+  std::int32_t used = 1;           // lanes that hold a group
+  std::vector<std::int32_t> groups;  // used: indices into Structure::groups
+  std::size_t unknowns = 0;        // address of the first unknown in the state arrays
+  std::vector<std::int32_t> inputs;  // inputs x W addresses in the state arrays
+  std::vector<double> coefficients;  // coefficients x W
+  std::vector<double> lipschitz;     // equations x W
+  std::vector<double> anchor;        // by block, what it reads x W: where omega was measured
+  std::vector<double> omega;         // blocks x W
+  std::vector<double> ball_used;     // blocks: part of the ball used at the last posture inside it
+};
+
+class GroupSolver {
+ public:
+  // Throws Error (environment) if the backend cannot run here.
+  GroupSolver(const System& system, const Structure& structure, std::int32_t group_class, const Plan::Choice& choice,
+              std::span<const Backend> table);
+
+  [[nodiscard]] int lanes() const { return lanes_; }
+  [[nodiscard]] const Program& program() const { return program_; }
+
+  // Sets up what the pack holds for this class (its groups, inputs and address are there already).
+  void bind(const System& system, const Structure& structure, Pack& pack) const;
+
+  // state[d]: d-th derivative of all coordinates, with the prediction in the pack's unknowns.
+  // On failure `where` is the group and the pack's unknowns are unspecified.
+  [[nodiscard]] Status solve(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
+                             StepErrors& errors);
+
+  // Why the last accepted posture of a pack is as far as it goes, from the block's smallest singular value (dense SVD;
+  // allocates): limit_reached, change_point_passed (passing may be tried) or branch_unknown.
+  [[nodiscard]] Status diagnose(Pack& pack, double* const (&state)[3]);
+
+ private:
+  void gather(const Pack& pack, const double* state, std::vector<double>& out) const;
+  [[nodiscard]] Status newton(Pack& pack, double* x, const Attempt& attempt, Counters& counters, StepErrors& errors);
+  [[nodiscard]] Status check_branch(Pack& pack, const double* x, const Attempt& attempt, Counters& counters);
+  [[nodiscard]] Status derivatives(Pack& pack, double* const (&state)[3], Counters& counters, StepErrors& errors);
+  // x = J^-1 b with refinement where the factorisation is that of another posture; returns the normwise residual.
+  [[nodiscard]] Status linear(Pack& pack, const std::vector<double>& b, double* x, int first_wanted, Counters& counters,
+                              double& error);
+  [[nodiscard]] double residual_of(const Pack& pack, const double* x, const std::vector<double>& b,
+                                   std::vector<double>& r) const;
+  [[nodiscard]] double relative_residual(const Pack& pack) const;
+  [[nodiscard]] Status factorize(const Pack& pack, Counters& counters);
+  [[nodiscard]] Status fail(const Pack& pack, Code code, double figure, std::int32_t lane = 0) const;
+  void set_anchor(Pack& pack, const double* x, std::int32_t block, Counters& counters);
+  [[nodiscard]] double ball_use(const Pack& pack, const double* x, std::int32_t block, std::int32_t& worst_lane) const;
+
+  const GroupClass& class_;
+  Strategy strategy_;
+  Program program_;
+  int lanes_ = 1;
+  std::unique_ptr<Evaluator> evaluator_;
+  std::unique_ptr<LinearSolver> solver_;
+  BlockConditions blocks_;
+  std::vector<double> inputs_, input_rates_, input_accelerations_;  // inputs x W
+  std::vector<double> phi_, scale_, correction_, rhs_, residual_, jacobian_;
+  std::vector<double> magnitude_;  // n x W: scratch of residual_of
+  bool factored_at_solution_ = false;
+};
+
+}  // namespace assur

@@ -1,0 +1,106 @@
+#include "simulation/inputs.hpp"
+
+#include <algorithm>
+
+#include "scene/drive.hpp"
+
+namespace assur {
+namespace {
+
+// Quintic through value, rate and acceleration at both ends.
+Motion blend(const Motion& a, const Motion& b, double start, double end, double t) {
+  if (t == end) return b;
+  if (t == start) return a;
+  const double d = end - start;
+  const Jet<double> s{(t - start) / d, 1 / d, 0}, r = 1.0 - s;
+  const Jet<double> s3 = s * s * s, r3 = r * r * r;
+  const Jet<double> one_b = s3 * (10.0 + s * (6.0 * s - 15.0)), one_a = r3 * (10.0 + r * (6.0 * r - 15.0));
+  const Jet<double> rate_a = r3 * s * (4.0 - 3.0 * r), rate_b = s3 * r * (4.0 - 3.0 * s);
+  return a.value * one_a + b.value * one_b + (d * a.rate) * rate_a - (d * b.rate) * rate_b +
+         (d * d / 2 * a.acceleration) * (r3 * s * s) + (d * d / 2 * b.acceleration) * (s3 * r * r);
+}
+
+}  // namespace
+
+Inputs::Inputs(const System& system, const std::vector<std::string>& controlled) : system_(system) {
+  for (std::size_t i = 0; i < system.inputs.size(); ++i) {
+    const DriverInput& in = system.inputs[i];
+    const std::string& name = system.scene->drivers()[static_cast<std::size_t>(in.driver)].name;
+    if (std::find(controlled.begin(), controlled.end(), name) == controlled.end()) continue;
+    if (in.kind != DriverInput::Kind::frame) {
+      add_control(name, i, 0);
+      continue;
+    }
+    static const std::vector<std::string> kSpace = {"x", "y", "z", "psi", "theta", "phi"}, kPlane = {"x", "y", "angle"};
+    const auto& parts = system.dimension == 3 ? kSpace : kPlane;
+    for (std::size_t k = 0; k < in.laws.size(); ++k) {
+      add_control(name + "." + parts[k], i, static_cast<int>(k));
+    }
+  }
+}
+
+void Inputs::add_control(std::string name, std::size_t input, int law) {
+  Control& c = controls_.emplace_back();
+  c.name = std::move(name);
+  c.input = input;
+  c.law = law;
+}
+
+Motion Inputs::law_at(std::size_t input, int law, double t) const {
+  for (const Control& c : controls_) {
+    if (c.set && c.input == input && c.law == law) return blend(c.from, c.to, c.start, c.end, t);
+  }
+  return system_.inputs[input].laws[static_cast<std::size_t>(law)](t);
+}
+
+Status Inputs::drive(double t, double* const (&state)[3]) const {
+  assur::drive<double>(
+      system_, [&](std::size_t input, int law) { return law_at(input, law, t); }, state[0], state[1], state[2]);
+  for (std::size_t i = 0; i < system_.inputs.size(); ++i) {
+    const DriverInput& in = system_.inputs[i];
+    for (Index k = in.first; k < in.first + in.count; ++k) {
+      if (state[0][k] != state[0][k]) return {Code::out_of_range, -1, t};
+    }
+    if (in.must_not_vanish && !(state[0][in.first] > 0)) return {Code::actuator_zero, -1, state[0][in.first]};
+  }
+  return {};
+}
+
+void Inputs::set(std::string_view driver, const Motion& motion) {
+  for (Control& c : controls_) {
+    if (c.name != driver) continue;
+    c.next = motion;
+    c.pending = true;
+    return;
+  }
+  std::string known;
+  for (const Control& c : controls_) known += (known.empty() ? "" : ", ") + c.name;
+  throw Error(Error::Kind::input, "'" + std::string(driver) + "' is no controlled driver; " +
+                                      (known.empty() ? "name them in PrepareOptions::controlled" : "there are: " + known));
+}
+
+void Inputs::begin_step(double now, double next) {
+  for (Control& c : controls_) {
+    if (!c.set && !c.pending) continue;
+    if (!c.set) c.from = system_.inputs[c.input].laws[static_cast<std::size_t>(c.law)](now);
+    c.to = c.pending ? c.next : Motion{c.from.value, 0, 0};  // not renewed: it comes to rest where it is
+    c.set = true;
+    c.pending = false;
+    c.start = now;
+    c.end = next;
+  }
+}
+
+void Inputs::end_step(double now) {
+  for (Control& c : controls_) {
+    if (!c.set) continue;
+    c.from = c.to = blend(c.from, c.to, c.start, c.end, now);
+    c.start = c.end = now;
+  }
+}
+
+void Inputs::reset() {
+  for (Control& c : controls_) c.set = c.pending = false;
+}
+
+}  // namespace assur

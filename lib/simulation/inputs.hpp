@@ -1,0 +1,44 @@
+// The drivers at a time: laws, and what a control program has set instead.
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "assur/plan.hpp"
+#include "scene/system.hpp"
+
+namespace assur {
+
+class Inputs {
+ public:
+  Inputs(const System& system, const std::vector<std::string>& controlled);
+
+  // Known coordinates at time t; state[d]: d-th derivative, indexed by coordinate.
+  [[nodiscard]] Status drive(double t, double* const (&state)[3]) const;
+
+  // What a controlled driver reaches at the next step. Throws Error (input) for any other name.
+  void set(std::string_view driver, const Motion& motion);
+  // Between `now` and `next` the controlled drivers run from where they are to where they were set; end_step() says how
+  // far the step came.
+  void begin_step(double now, double next);
+  void end_step(double now);
+  void reset();
+
+ private:
+  struct Control {
+    std::string name;
+    std::size_t input = 0;
+    int law = 0;
+    bool set = false;      // else the law serves
+    bool pending = false;  // `next` waits for the next step
+    Motion next, from, to;
+    double start = 0, end = 0;
+  };
+  void add_control(std::string name, std::size_t input, int law);
+  [[nodiscard]] Motion law_at(std::size_t input, int law, double t) const;
+
+  const System& system_;
+  std::vector<Control> controls_;
+};
+
+}  // namespace assur

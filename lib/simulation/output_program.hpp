@@ -1,0 +1,80 @@
+// Outputs and measures from a state: forms over addresses, then jets.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "scene/jet.hpp"
+#include "scene/outputs.hpp"
+#include "scene/system.hpp"
+
+namespace assur {
+
+// Value, rate and acceleration of a measure from the jets of its forms (internal units).
+template <class T>
+Jet<T> evaluate_measure(MeasureForms::Kind kind, std::span<const Jet<T>> f, int dimension) {
+  const auto dot = [&](std::size_t a, std::size_t b) {
+    Jet<T> sum = f[a] * f[b];
+    for (int k = 1; k < dimension; ++k) sum = sum + f[a + static_cast<std::size_t>(k)] * f[b + static_cast<std::size_t>(k)];
+    return sum;
+  };
+  const auto cross = [&](std::size_t a, std::size_t b, int k) {
+    const std::size_t i = static_cast<std::size_t>((k + 1) % 3), j = static_cast<std::size_t>((k + 2) % 3);
+    return f[a + i] * f[b + j] - f[a + j] * f[b + i];
+  };
+  switch (kind) {
+    case MeasureForms::Kind::form:
+      return f[0];
+    case MeasureForms::Kind::distance:
+      return sqrt(dot(0, 0));
+    case MeasureForms::Kind::absolute_angle:
+      return atan2(f[1], f[0]);
+    case MeasureForms::Kind::signed_angle:
+      if (dimension == 2) return atan2(f[0] * f[3] - f[1] * f[2], dot(0, 2));
+      return atan2(f[6] * cross(0, 3, 0) + f[7] * cross(0, 3, 1) + f[8] * cross(0, 3, 2), dot(0, 3));
+    case MeasureForms::Kind::unsigned_angle: {
+      const Jet<T> x = cross(0, 3, 0), y = cross(0, 3, 1), z = cross(0, 3, 2);
+      const Jet<T> square = x * x + y * y + z * z;
+      // At 0 and pi the angle has a kink: value only, the rate is none.
+      if (!(square.value > T(0))) return {dot(0, 3).value < T(0) ? acos(T(-1)) : T(0), T(0), T(0)};
+      return atan2(sqrt(square), dot(0, 3));
+    }
+  }
+  return {};
+}
+
+// A flat program: one entry for each part, in the order of wanted_outputs().
+class OutputProgram {
+ public:
+  // `address`: coordinates -> index into the state arrays; -1: not available (never read by a needed output).
+  OutputProgram(const System& system, std::span<const std::int32_t> address);
+
+  [[nodiscard]] const std::vector<std::string>& columns() const { return columns_; }
+
+  // state[d]: d-th derivative. out: one double for each column, SI units.
+  // `previous`: the row before at a time dt earlier, to unwrap signed angles; null: the first row.
+  void evaluate(const double* const (&state)[3], double* out, const double* previous, double dt) const;
+
+ private:
+  struct TermAt {
+    std::int32_t address;
+    double factor;
+  };
+  struct Part {
+    MeasureForms::Kind kind;
+    std::int32_t forms_begin, forms_end;
+    double unit;
+    std::int32_t column[3];  // of value, rate, acceleration; -1: not wanted
+    int derivatives;
+    bool angle;
+  };
+  int dimension_;
+  std::vector<TermAt> terms_;
+  std::vector<std::int32_t> form_start_ = {0};
+  std::vector<Part> parts_;
+  std::vector<std::string> columns_;
+};
+
+}  // namespace assur

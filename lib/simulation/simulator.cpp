@@ -1,0 +1,454 @@
+#include "assur/simulator.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include "simulation/group_solver.hpp"
+#include "simulation/inputs.hpp"
+#include "simulation/output_program.hpp"
+#include "simulation/predictor.hpp"
+
+namespace assur {
+namespace {
+
+constexpr int kHalvings = 20;           // a step is halved down to 2^-20
+constexpr double kConsistent = 1e-10;   // relative residual of a redundant equation that still holds
+constexpr std::size_t kEventsReserved = 64;
+
+std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+struct Simulator::Impl {
+  Impl(Prepared p, StepLimits l)
+      : prepared(std::move(p)),
+        limits(l),
+        structure(*prepared.structure),
+        system(*structure.system),
+        inputs(system, prepared.controlled) {
+    lay_out();
+    outputs = std::make_unique<OutputProgram>(system, address);
+    row.resize(outputs->columns().size());
+    previous_row.resize(row.size());
+    report.events.reserve(kEventsReserved);
+    start();
+  }
+
+  // ---- construction
+
+  // Addresses: every coordinate of the system has its own place first (known and static ones live there), the unknowns
+  // of the packs follow as [pack][coordinate][lane].
+  void lay_out() {
+    address.assign(system.coordinates.size(), -1);
+    for (std::size_t c = 0; c < address.size(); ++c) {
+      if (system.coordinates[c].role != Role::unknown) address[c] = static_cast<std::int32_t>(c);
+    }
+    for (const std::int32_t c : structure.static_coordinates) address[idx(c)] = c;
+    for (const Plan::Choice& choice : prepared.plan.choices) {
+      solvers.push_back(std::make_unique<GroupSolver>(system, structure, choice.group_class, choice, prepared.table));
+    }
+    fill_packs();
+    first_unknown = system.coordinates.size();
+    std::size_t next = first_unknown;
+    for (Pack& pack : packs) {
+      const std::size_t w = idx(solver(pack).lanes());
+      pack.unknowns = next;
+      next += idx(solver(pack).program().n) * w;
+      for (std::size_t lane = 0; lane < pack.groups.size(); ++lane) {
+        const Group& g = structure.groups[idx(pack.groups[lane])];
+        for (std::size_t i = 0; i < g.unknowns.size(); ++i) {
+          address[idx(g.unknowns[i])] = static_cast<std::int32_t>(pack.unknowns + i * w + lane);
+        }
+      }
+    }
+    for (Pack& pack : packs) {
+      const std::size_t w = idx(solver(pack).lanes());
+      const std::size_t count = idx(solver(pack).program().inputs);
+      pack.inputs.resize(count * w);
+      for (std::size_t lane = 0; lane < w; ++lane) {
+        const Group& g = structure.groups[idx(pack.groups[lane < pack.groups.size() ? lane : 0])];
+        for (std::size_t i = 0; i < count; ++i) pack.inputs[i * w + lane] = address[idx(g.inputs[i])];
+      }
+      solver(pack).bind(system, structure, pack);
+    }
+    for (int d = 0; d < 3; ++d) {
+      values[d].assign(next, 0.0);
+      last[d].assign(next - first_unknown, 0.0);
+    }
+    depth = postures_read(prepared.plan.predictor);
+    levels = derivatives_read(prepared.plan.predictor) + 1;
+    history.resize(idx(depth - 1));
+    for (auto& posture : history) {
+      for (int d = 0; d < levels; ++d) posture[idx(d)].assign(next - first_unknown, 0.0);
+    }
+    times.reserve(idx(depth));
+    if (structure.watch.group_class >= 0) lay_out_watch();
+  }
+
+  // Groups of one class on one level, up to W side by side.
+  void fill_packs() {
+    std::vector<std::int32_t> open(structure.classes.size(), -1);
+    std::int32_t level = -1;
+    for (std::size_t g = 0; g < structure.groups.size(); ++g) {
+      const Group& group = structure.groups[g];
+      if (group.level != level) {
+        std::fill(open.begin(), open.end(), -1);
+        level = group.level;
+      }
+      std::int32_t& pack = open[idx(group.group_class)];
+      const int lanes = solver_of(group.group_class).lanes();
+      if (pack < 0 || packs[idx(pack)].used == lanes) {
+        pack = static_cast<std::int32_t>(packs.size());
+        packs.emplace_back();
+        packs.back().group_class = group.group_class;
+        packs.back().level = level;
+        packs.back().used = 0;
+      }
+      packs[idx(pack)].groups.push_back(static_cast<std::int32_t>(g));
+      ++packs[idx(pack)].used;
+    }
+    std::stable_sort(packs.begin(), packs.end(), [](const Pack& a, const Pack& b) { return a.level < b.level; });
+    passing.assign(packs.size(), 0);
+  }
+
+  void lay_out_watch() {
+    const GroupClass& c = structure.classes[idx(structure.watch.group_class)];
+    watch_program = std::make_unique<Program>(compile(c, structure.pattern(structure.watch.group_class)));
+    watch = make_evaluator(system, *watch_program, 1);
+    std::vector<double> constants;
+    for (const std::int32_t k : structure.watch.constants) constants.push_back(system.constants[idx(k)]);
+    watch_coefficients.resize(watch_program->coefficients.size());
+    bind(*watch_program, constants, watch_coefficients.data(), 1);
+    watch_inputs.resize(structure.watch.inputs.size());
+    watch_phi.resize(c.equations.size());
+    watch_scale.resize(c.equations.size());
+  }
+
+  GroupSolver& solver_of(std::int32_t group_class) { return *solvers[idx(group_class)]; }
+  GroupSolver& solver(const Pack& pack) { return solver_of(pack.group_class); }
+
+  void start() {
+    now = prepared.scene->time().start;
+    inputs.reset();
+    report = Report{};
+    report.events.reserve(kEventsReserved);
+    report.fallbacks.clear();
+    times.clear();
+    for (int d = 0; d < 3; ++d) std::fill(values[d].begin(), values[d].end(), 0.0);
+    values[0][kOne] = 1.0;
+    for (std::size_t c = 0; c < address.size(); ++c) {
+      if (address[c] >= 0) values[0][idx(address[c])] = structure.start[c];
+    }
+    repeat_in_idle_lanes();
+    StepErrors errors;
+    const Status s = solve_at(now, Attempt::Branch::start, errors);
+    if (!s.ok()) {
+      const std::string group = s.where >= 0 ? " in group " + structure.groups[idx(s.where)].name : "";
+      throw Error(Error::Kind::numerical,
+                  "the start posture has no " + std::string(s.code == Code::singular ? "velocities" : "solution") + ": " +
+                      std::string(name(s.code)) + group +
+                      (s.code == Code::singular ? "; the Jacobian is singular there, start elsewhere on the path" : ""));
+    }
+    accept(now, errors);
+    report.reached = now;
+    fill_row(false);
+  }
+
+  void repeat_in_idle_lanes() {
+    for (const Pack& pack : packs) {
+      const int w = solver(pack).lanes();
+      double* x = values[0].data() + pack.unknowns;
+      for (std::int32_t i = 0; i < solver(pack).program().n; ++i) {
+        for (int lane = pack.used; lane < w; ++lane) x[i * w + lane] = x[i * w];
+      }
+    }
+  }
+
+  // ---- one posture
+
+  // Known coordinates at t, then level after level, pack after pack.
+  Status solve_at(double t, Attempt::Branch branch, StepErrors& errors) {
+    double* const state[3] = {values[0].data(), values[1].data(), values[2].data()};
+    if (const Status s = inputs.drive(t, state); !s.ok()) return s;
+    for (std::size_t p = 0; p < packs.size(); ++p) {
+      if (deadline_passed()) return {Code::deadline, packs[p].groups[0], limits.seconds};
+      Attempt attempt;
+      attempt.branch = passing[p] != 0 ? Attempt::Branch::pass : branch;
+      attempt.iterations = packs[p].level > 0 && branch == Attempt::Branch::inside ? limits.iterations : 0;
+      attempt.most_iterations = limits.most_iterations;
+      if (const Status s = solver(packs[p]).solve(packs[p], state, attempt, report.counters, errors); !s.ok()) {
+        failed_pack = p;
+        return s;
+      }
+    }
+    return check_watched(errors);
+  }
+
+  Status check_watched(StepErrors& errors) {
+    if (watch == nullptr) return {};
+    for (std::size_t i = 0; i < watch_inputs.size(); ++i) {
+      watch_inputs[i] = values[0][idx(address[idx(structure.watch.inputs[i])])];
+    }
+    watch->set_inputs(watch_coefficients.data(), watch_inputs.data());
+    watch->evaluate(nullptr, watch_phi.data(), nullptr);
+    watch->scale(watch_scale.data());
+    report.counters.evaluated_equations += static_cast<std::int64_t>(watch_phi.size());
+    for (std::size_t i = 0; i < watch_phi.size(); ++i) {
+      const double r = watch_scale[i] > 0 ? std::abs(watch_phi[i]) / watch_scale[i] : std::abs(watch_phi[i]);
+      if (!(r <= kConsistent)) return {Code::inconsistent, -1, r};
+      errors.position = std::max(errors.position, r);
+    }
+    return {};
+  }
+
+  void predict(double t) {
+    const PredictionWeights w = prediction_weights(prepared.plan.predictor, times, t);
+    double* x = values[0].data() + first_unknown;
+    const std::size_t n = last[0].size();
+    const auto add = [&](const std::vector<double>& from, double weight, bool first) {
+      for (std::size_t i = 0; i < n; ++i) x[i] = (first ? 0.0 : x[i]) + weight * from[i];
+    };
+    bool first = true;
+    for (int p = 0; p < w.postures; ++p) {
+      for (int d = 0; d < levels; ++d) {
+        const double weight = w.weight[idx(p)][idx(d)];
+        if (weight == 0) continue;
+        add(p == 0 ? last[d] : history[idx(p - 1)][idx(d)], weight, first);
+        first = false;
+      }
+    }
+  }
+
+  void accept(double t, const StepErrors& errors) {
+    if (!times.empty() && depth > 1) {
+      std::rotate(history.begin(), history.end() - 1, history.end());
+      for (int d = 0; d < levels; ++d) history[0][idx(d)].swap(last[d]);
+    }
+    for (int d = 0; d < 3; ++d) {
+      std::copy(values[d].begin() + static_cast<std::ptrdiff_t>(first_unknown), values[d].end(), last[d].begin());
+    }
+    if (times.size() == idx(depth)) times.pop_back();
+    times.insert(times.begin(), t);
+    now = t;
+    report.reached = t;
+    report.error.position = std::max(report.error.position, errors.position);
+    report.error.velocity = std::max(report.error.velocity, errors.velocity);
+    report.error.acceleration = std::max(report.error.acceleration, errors.acceleration);
+    ++report.counters.substeps;
+  }
+
+  // Back to the last accepted posture.
+  void restore() {
+    for (int d = 0; d < 3; ++d) {
+      std::copy(last[d].begin(), last[d].end(), values[d].begin() + static_cast<std::ptrdiff_t>(first_unknown));
+    }
+    double* const state[3] = {values[0].data(), values[1].data(), values[2].data()};
+    (void)inputs.drive(now, state);
+  }
+
+  bool deadline_passed() const { return limits.seconds > 0 && std::chrono::steady_clock::now() > deadline; }
+
+  // ---- one step
+
+  Status step_to(double t) {
+    if (t == now) return {};
+    if (limits.seconds > 0) {
+      deadline = std::chrono::steady_clock::now() +
+                 std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(limits.seconds));
+    }
+    const double from = now, span = t - now, smallest = std::abs(std::ldexp(span, -kHalvings));
+    inputs.begin_step(now, t);
+    Status status;
+    double h = span;
+    while (now != t) {
+      const double target = std::abs(t - now) <= std::abs(h) * 1.0000001 ? t : now + h;
+      const Status s = try_step(target, Attempt::Branch::inside);
+      if (s.ok()) {
+        h = std::min(std::abs(2 * h), std::abs(span)) * (span < 0 ? -1 : 1);
+        continue;
+      }
+      ++report.counters.rejected;
+      if (!worth_halving(s.code)) {
+        status = s;
+        break;
+      }
+      if (std::abs(h) > smallest * 1.5) {
+        h = (target - now) / 2;
+        continue;
+      }
+      status = at_the_limit(s, target, t);
+      if (!status.ok()) break;
+      h = smallest * (span < 0 ? -1 : 1);
+    }
+    if (!status.ok()) restore();
+    inputs.end_step(now);
+    if (status.ok()) {
+      ++report.counters.steps;
+      fill_row(true, t - from);
+    }
+    report.status = status;
+    return status;
+  }
+
+  static bool worth_halving(Code code) {
+    return code == Code::branch_unknown || code == Code::not_converged || code == Code::singular ||
+           code == Code::not_finite;
+  }
+
+  Status try_step(double target, Attempt::Branch branch) {
+    predict(target);
+    StepErrors errors;
+    const Status s = solve_at(target, branch, errors);
+    if (s.ok()) accept(target, errors);
+    return s;
+  }
+
+  // The smallest step fails: is this a limit, a change point that can be passed, or unknown?
+  Status at_the_limit(const Status& failed, double target, double t) {
+    restore();
+    double* const state[3] = {values[0].data(), values[1].data(), values[2].data()};
+    if (structure.classes[idx(packs[failed_pack].group_class)].derivatives == 0) estimate_rates();
+    Status found = solver(packs[failed_pack]).diagnose(packs[failed_pack], state);
+    if (found.code == Code::change_point_passed && !pass(target, t)) found.code = Code::branch_unknown;
+    if (found.code == Code::branch_unknown && failed.code == Code::not_converged && found.figure > 0.05) found = failed;
+    const std::string& group = structure.groups[idx(found.where >= 0 ? found.where : failed.where)].name;
+    const bool passed = found.code == Code::change_point_passed;
+    report.events.push_back({passed ? last_before_pass : now, passed ? now : target, group, found.code, found.figure});
+    return passed ? Status{} : found;
+  }
+
+  // Where no velocities are computed, differences of the last two postures say where the motion goes.
+  void estimate_rates() {
+    if (times.size() < 2 || depth < 2) return;
+    const double dt = times[0] - times[1];
+    for (std::size_t i = 0; i < last[0].size(); ++i) {
+      values[1][first_unknown + i] = (last[0][i] - history[0][0][i]) / dt;
+    }
+  }
+
+  // Over a change point by the smooth continuation, with the shortest step that converges on the other side. Other packs
+  // may be at one of theirs at the same time.
+  bool pass(double target, double t) {
+    last_before_pass = now;
+    const double smallest = target - now;
+    bool passed = false;
+    for (int k = 0; k <= kHalvings && !passed; ++k) {
+      const double h = std::ldexp(smallest, k);
+      const double to = std::abs(t - now) <= std::abs(h) ? t : now + h;
+      std::fill(passing.begin(), passing.end(), 0);
+      passing[failed_pack] = 1;
+      for (std::size_t more = 0; more < packs.size(); ++more) {
+        if (try_step(to, Attempt::Branch::inside).ok()) {
+          passed = true;
+          break;
+        }
+        if (passing[failed_pack] != 0) break;
+        passing[failed_pack] = 1;
+      }
+    }
+    std::fill(passing.begin(), passing.end(), 0);
+    if (!passed) restore();
+    return passed;
+  }
+
+  // ---- results
+
+  void fill_row(bool unwrap, double dt = 0) {
+    const double* const state[3] = {values[0].data(), values[1].data(), values[2].data()};
+    row.swap(previous_row);
+    outputs->evaluate(state, row.data(), unwrap ? previous_row.data() : nullptr, dt);
+  }
+
+  Prepared prepared;
+  StepLimits limits;
+  const Structure& structure;
+  const System& system;
+  Inputs inputs;
+  std::vector<std::int32_t> address;  // coordinates -> index into values[d]; -1: not computed
+  std::vector<std::unique_ptr<GroupSolver>> solvers;  // classes
+  std::vector<Pack> packs;                            // by level
+  std::vector<std::uint8_t> passing;                  // packs: on the way through a change point
+  std::size_t first_unknown = 0;
+  std::vector<double> values[3];  // the posture at hand and its derivatives
+  std::vector<double> last[3];    // unknowns of the last accepted posture
+  std::vector<std::array<std::vector<double>, 3>> history;  // older ones, newest first, derivatives < levels
+  std::vector<double> times;      // of last and history
+  int depth = 1, levels = 1;
+  double now = 0;
+  double last_before_pass = 0;
+  std::size_t failed_pack = 0;
+  std::chrono::steady_clock::time_point deadline;
+  std::unique_ptr<Program> watch_program;
+  std::unique_ptr<Evaluator> watch;
+  std::vector<double> watch_coefficients, watch_inputs, watch_phi, watch_scale;
+  std::unique_ptr<OutputProgram> outputs;
+  std::vector<double> row, previous_row;
+  Report report;
+};
+
+Simulator::Simulator(Prepared prepared, StepLimits limits) : impl_(std::make_unique<Impl>(std::move(prepared), limits)) {}
+Simulator::Simulator(Simulator&&) noexcept = default;
+Simulator& Simulator::operator=(Simulator&&) noexcept = default;
+Simulator::~Simulator() = default;
+
+double Simulator::time() const { return impl_->now; }
+
+Status Simulator::step(double t) { return impl_->step_to(t); }
+
+void Simulator::set(std::string_view driver, double value, double rate, double acceleration) {
+  impl_->inputs.set(driver, {value, rate, acceleration});
+}
+
+Status Simulator::step() { return impl_->step_to(impl_->now + impl_->prepared.scene->time().step); }
+
+void Simulator::reset() { impl_->start(); }
+
+Trajectory Simulator::run(const Observer& observer) {
+  const TimeGrid& grid = impl_->prepared.scene->time();
+  std::vector<double> times;
+  for (std::int64_t k = 0; k <= grid.steps(); ++k) times.push_back(grid.time(k));
+  return run(times, observer);
+}
+
+Trajectory Simulator::run(std::span<const double> times, const Observer& observer) {
+  reset();
+  Trajectory out;
+  out.columns_ = impl_->outputs->columns();
+  try {
+    out.values_.reserve(times.size() * out.columns_.size());
+    out.times_.reserve(times.size());
+  } catch (const std::exception&) {
+    throw Error(Error::Kind::environment, "no memory for " + std::to_string(times.size()) + " times x " +
+                                              std::to_string(out.columns_.size()) +
+                                              " values; ask for fewer outputs or a shorter run");
+  }
+  const auto of = static_cast<std::int64_t>(times.size());
+  for (const double t : times) {
+    if (!impl_->step_to(t).ok()) break;
+    out.times_.push_back(t);
+    out.values_.insert(out.values_.end(), impl_->row.begin(), impl_->row.end());
+    if (observer && !observer(static_cast<std::int64_t>(out.times_.size()), of)) {
+      if (static_cast<std::int64_t>(out.times_.size()) < of) impl_->report.status = {Code::interrupted, -1, t};
+      break;
+    }
+  }
+  impl_->report.counters.stored_values = static_cast<std::int64_t>(out.values_.size());
+  return out;
+}
+
+const std::vector<std::string>& Simulator::columns() const { return impl_->outputs->columns(); }
+std::span<const double> Simulator::outputs() const { return impl_->row; }
+
+double Simulator::output(std::string_view column) const {
+  const auto& columns = impl_->outputs->columns();
+  const auto found = std::find(columns.begin(), columns.end(), column);
+  if (found == columns.end()) throw Error(Error::Kind::input, "no column '" + std::string(column) + "'");
+  return impl_->row[static_cast<std::size_t>(found - columns.begin())];
+}
+
+const Report& Simulator::report() const { return impl_->report; }
+const Prepared& Simulator::prepared() const { return impl_->prepared; }
+
+}  // namespace assur

@@ -1,0 +1,184 @@
+#include "structure/assembly.hpp"
+
+#include <Eigen/SparseLU>
+#include <Eigen/SparseCholesky>
+#include <cmath>
+#include <limits>
+
+#include "structure/dense_block.hpp"
+
+namespace assur {
+namespace {
+
+constexpr double kEps = std::numeric_limits<double>::epsilon();
+constexpr double kSatisfied = 64 * kEps;   // relative residual of an equation that holds
+constexpr Eigen::Index kDense = 96;        // larger blocks are factored sparse
+constexpr int kNewtonSteps = 60;
+constexpr int kFitSteps = 400;
+
+// A direct solution with what assembly asks of it: singular or not, and the sign of the determinant.
+class Linearization {
+ public:
+  explicit Linearization(const DenseBlock& block, const std::vector<double>& q) {
+    if (block.rows() <= kDense) {
+      const Eigen::MatrixXd j = block.jacobian(q);
+      // Rows to unit length: rank and condition do not depend on the units of an equation.
+      scale_ = j.rowwise().norm().cwiseMax(std::numeric_limits<double>::min()).cwiseInverse();
+      dense_.compute(scale_.asDiagonal() * j);
+      const auto u = dense_.matrixLU().diagonal().cwiseAbs();
+      rcond_ = u.size() == 0 ? 1 : u.minCoeff() / u.maxCoeff();
+      if (rcond_ > 0 && std::isfinite(rcond_)) rcond_ = std::min(rcond_, dense_.rcond());
+      sign_ = dense_.determinant() < 0 ? -1 : 1;
+      is_dense_ = true;
+    } else {
+      Eigen::SparseMatrix<double> j = block.sparse_jacobian(q);
+      j.makeCompressed();
+      sparse_.compute(j);
+      rcond_ = sparse_.info() == Eigen::Success && std::isfinite(sparse_.logAbsDeterminant()) ? 1 : 0;
+      if (rcond_ > 0) sign_ = sparse_.signDeterminant() < 0 ? -1 : 1;
+    }
+    if (!std::isfinite(rcond_)) rcond_ = 0;
+  }
+  [[nodiscard]] double rcond() const { return rcond_; }
+  [[nodiscard]] int sign() const { return sign_; }
+  [[nodiscard]] Eigen::VectorXd solve(const Eigen::VectorXd& b) const {
+    if (is_dense_) return dense_.solve(scale_.asDiagonal() * b);
+    return sparse_.solve(b);
+  }
+
+ private:
+  bool is_dense_ = false;
+  Eigen::VectorXd scale_;
+  Eigen::PartialPivLU<Eigen::MatrixXd> dense_;
+  Eigen::SparseLU<Eigen::SparseMatrix<double>> sparse_;
+  double rcond_ = 0;
+  int sign_ = 1;
+};
+
+Eigen::VectorXd gather(std::span<const Index> unknowns, const std::vector<double>& q) {
+  Eigen::VectorXd x(static_cast<Eigen::Index>(unknowns.size()));
+  for (Eigen::Index i = 0; i < x.size(); ++i) x[i] = q[static_cast<std::size_t>(unknowns[static_cast<std::size_t>(i)])];
+  return x;
+}
+void scatter(std::span<const Index> unknowns, const Eigen::VectorXd& x, std::vector<double>& q) {
+  for (Eigen::Index i = 0; i < x.size(); ++i) q[static_cast<std::size_t>(unknowns[static_cast<std::size_t>(i)])] = x[i];
+}
+
+void name_worst(const System& s, std::span<const Index> equations, const std::vector<double>& q, BlockAssembly& out) {
+  for (const Index e : equations) {
+    double square = 0;
+    gradient<double>(s, e, q, [&](Index c, double g) {
+      if (c != kOne) square += g * g;
+    });
+    const double violation = std::abs(residual<double>(s, e, q)) / std::max(std::sqrt(square), 1e-300);
+    if (out.worst_equation < 0 || violation > out.violation) {
+      out.worst_equation = e;
+      out.violation = violation;
+    }
+  }
+}
+
+}  // namespace
+
+BlockAssembly assemble(const System& s, std::span<const Index> equations, std::span<const Index> unknowns,
+                       std::vector<double>& q, std::vector<Index>& column) {
+  const DenseBlock block(s, equations, unknowns, column);
+  BlockAssembly out;
+  int first_sign = 0;
+  bool decidable = true;
+  bool fitted = false;
+  for (int step = 0; step < kNewtonSteps; ++step) {
+    const double residual_now = block.relative_residual(q);
+    if (!(residual_now < HUGE_VAL)) break;
+    const Linearization j(block, q);
+    if (step == 0) {
+      first_sign = j.sign();
+      decidable = j.rcond() > 1e-8;
+    } else if (j.sign() != first_sign && j.rcond() > 1e-8) {
+      out.mode = BlockAssembly::Mode::other;
+    }
+    if (residual_now <= kSatisfied) {
+      out.converged = true;
+      out.singular = j.rcond() < 16 * kEps * static_cast<double>(unknowns.size());
+      if (!out.singular) {  // one more correction to the rounding level
+        const Eigen::VectorXd x = gather(unknowns, q);
+        scatter(unknowns, x - j.solve(block.residuals(q)), q);
+        if (!(block.relative_residual(q) <= std::max(residual_now, 4 * kEps))) scatter(unknowns, x, q);
+      }
+      break;
+    }
+    const Eigen::VectorXd x = gather(unknowns, q);
+    bool accepted = false;
+    if (j.rcond() > kEps) {
+      const Eigen::VectorXd p = -j.solve(block.residuals(q));
+      for (double alpha = 1; alpha > 1e-4 && p.allFinite(); alpha /= 2) {
+        scatter(unknowns, x + alpha * p, q);
+        const Eigen::VectorXd next = j.solve(block.residuals(q));
+        // The second test: at the rounding level of a badly conditioned block no correction contracts.
+        if (next.allFinite() && (next.norm() <= (1 - alpha / 4) * p.norm() || block.relative_residual(q) <= kSatisfied)) {
+          accepted = true;
+          break;
+        }
+      }
+    }
+    if (!accepted) {
+      scatter(unknowns, x, q);
+      if (fitted) break;
+      fitted = true;
+      fit(s, equations, unknowns, q, column);
+    }
+  }
+  if (!out.converged) {
+    name_worst(s, equations, q, out);
+  } else if (!decidable && (first_sign != 0) && fitted) {
+    out.mode = BlockAssembly::Mode::not_decidable;
+  } else if (!decidable) {
+    out.mode = out.singular ? BlockAssembly::Mode::same : BlockAssembly::Mode::not_decidable;
+  }
+  return out;
+}
+
+double fit(const System& s, std::span<const Index> equations, std::span<const Index> unknowns, std::vector<double>& q,
+           std::vector<Index>& column) {
+  const DenseBlock block(s, equations, unknowns, column);
+  double mu = 1e-3;
+  double best = block.residuals(q).squaredNorm();
+  for (int step = 0; step < kFitSteps; ++step) {
+    if (block.relative_residual(q) <= 4 * kEps) break;
+    const Eigen::SparseMatrix<double> j = block.sparse_jacobian(q);
+    const Eigen::VectorXd phi = block.residuals(q), x = gather(unknowns, q);
+    const Eigen::VectorXd g = j.transpose() * phi;
+    bool improved = false;
+    for (int attempt = 0; attempt < 40 && !improved; ++attempt) {
+      // min |J p + phi|^2 + mu^2 |p|^2 as a least-squares system: J^T J alone would square the condition.
+      Eigen::VectorXd p;
+      if (block.columns() <= kDense) {
+        Eigen::MatrixXd a(block.rows() + block.columns(), block.columns());
+        a << Eigen::MatrixXd(j), mu * Eigen::MatrixXd::Identity(block.columns(), block.columns());
+        Eigen::VectorXd b = Eigen::VectorXd::Zero(a.rows());
+        b.head(block.rows()) = -phi;
+        p = a.householderQr().solve(b);
+      } else {
+        Eigen::SparseMatrix<double> identity(block.columns(), block.columns());
+        identity.setIdentity();
+        Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> normal(j.transpose() * j + mu * mu * identity);
+        p = normal.solve(-g);
+      }
+      scatter(unknowns, x + p, q);
+      const double now = block.residuals(q).squaredNorm();
+      if (p.allFinite() && now < best) {
+        improved = true;
+        best = now;
+        mu = std::max(mu / 10, 1e-14);
+      } else {
+        scatter(unknowns, x, q);
+        mu *= 4;
+        if (mu > 1e8) return block.relative_residual(q);
+      }
+    }
+    if (!improved) break;
+  }
+  return block.relative_residual(q);
+}
+
+}  // namespace assur

@@ -1,0 +1,40 @@
+// Group classes: equations in local numbering, the same for all groups that differ in values only.
+#pragma once
+
+#include <unordered_map>
+#include <vector>
+
+#include "assur/structure.hpp"
+#include "scene/system.hpp"
+
+namespace assur {
+
+// What the class of a group depends on beside its equations.
+struct GroupContent {
+  std::vector<Index> unknowns;   // in the order wanted; those not needed in the highest derivative first
+  std::vector<Index> equations;
+  Index blocks = 1;
+  std::vector<Index> unknown_block, equation_block;
+  Index derivatives = 2;
+  Index first_wanted = 0;
+};
+
+class ClassTable {
+ public:
+  // `moves`: coordinates, 0 if the value never changes.
+  ClassTable(const System& system, const std::vector<std::uint8_t>& moves);
+
+  // Finds or adds the class of a group and fills group.group_class, unknowns, equations, inputs, constants.
+  void classify(const GroupContent& content, Group& group);
+
+  [[nodiscard]] std::vector<GroupClass> take() { return std::move(classes_); }
+
+ private:
+  const System& system_;
+  const std::vector<std::uint8_t>& moves_;
+  std::vector<Index> local_coordinate_;  // scratch: coordinates, -2: not in this group
+  std::vector<GroupClass> classes_;
+  std::unordered_multimap<std::size_t, Index> by_hash_;
+};
+
+}  // namespace assur

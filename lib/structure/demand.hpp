@@ -1,0 +1,20 @@
+// What the outputs need, traced back through the structure.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "scene/outputs.hpp"
+#include "structure/blocks.hpp"
+
+namespace assur {
+
+// Highest derivative needed of each coordinate by the outputs themselves; -1: none.
+[[nodiscard]] std::vector<std::int8_t> needed_by_outputs(const System& system, const std::vector<Output>& outputs);
+
+// A set of equations solved together reads all its coordinates up to the derivative that it computes.
+// Raises `need` of the coordinates that the equations mention to at least `derivatives`.
+void require_inputs(const System& system, std::span<const Index> equations, int derivatives,
+                    std::vector<std::int8_t>& need);
+
+}  // namespace assur

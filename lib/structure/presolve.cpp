@@ -1,0 +1,151 @@
+#include "structure/presolve.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace assur {
+namespace {
+
+constexpr double kPivotShare = 0.5;       // of the largest coefficient: x = sum c_j / c_p q_j amplifies no rounding by more
+constexpr std::size_t kLongestForm = 12;  // longer ones would cost more than the unknown that they save
+
+struct Affine {
+  struct Part {
+    Index coordinate;
+    double factor;
+    Index constant;  // the constant behind the factor, kPlus or kMinus if it is a literal, -1 if it is new
+  };
+  std::vector<Part> parts;
+};
+
+class Presolve {
+ public:
+  explicit Presolve(System& s) : s_(s), eliminated_(s.coordinates.size(), -1), used_(s.coordinates.size(), 0) {}
+
+  Index run(std::vector<Index>& equations, std::vector<Index>& unknowns) {
+    std::vector<Index> mentioned;
+    for (const Index e : equations) {
+      s_.mentioned(e, mentioned);
+      for (const Index c : mentioned) ++used_[idx(c)];
+    }
+    std::vector<Index> left;
+    for (const Index e : equations) {
+      if (!eliminate(s_.equations[idx(e)])) left.push_back(e);
+    }
+    const auto count = static_cast<Index>(equations.size() - left.size());
+    if (count == 0) return 0;
+    equations = std::move(left);
+    std::erase_if(unknowns, [&](Index u) { return eliminated_[idx(u)] >= 0; });
+    rewrite_forms();
+    return count;
+  }
+
+ private:
+  static std::size_t idx(Index i) { return static_cast<std::size_t>(i); }
+
+  static bool is_literal(const Affine::Part& p) { return p.constant >= 0 && p.constant < kLiterals; }
+
+  void add(Affine& sum, const Affine::Part& p) const {
+    const auto same = std::find_if(sum.parts.begin(), sum.parts.end(),
+                                   [&](const Affine::Part& o) { return o.coordinate == p.coordinate; });
+    if (same == sum.parts.end()) {
+      sum.parts.push_back(p);
+    } else if (is_literal(*same) && is_literal(p) && same->constant != p.constant) {
+      sum.parts.erase(same);  // +1 and -1 cancel by type
+    } else {
+      same->factor += p.factor;
+      same->constant = -1;
+    }
+  }
+
+  // The form with every eliminated coordinate replaced, those in the replacements as well.
+  Affine resolve(Index form) const {
+    Affine out;
+    for (const Term& t : s_.form(form)) {
+      resolve_term({t.coordinate, s_.constants[idx(t.constant)], t.constant}, out);
+    }
+    return out;
+  }
+  void resolve_term(const Affine::Part& p, Affine& out) const {
+    const Index by = eliminated_[idx(p.coordinate)];
+    if (by < 0) {
+      add(out, p);
+      return;
+    }
+    for (const Affine::Part& r : replacement_[idx(by)].parts) {
+      const Index constant = p.constant == kPlus ? r.constant : -1;
+      resolve_term({r.coordinate, p.factor * r.factor, constant}, out);
+    }
+  }
+
+  bool eliminate(const Equation& e) {
+    if (e.linear < 0 || e.callback >= 0 || e.products_begin != e.products_end) return false;
+    const Affine row = resolve(e.linear);
+    if (row.parts.size() > kLongestForm) return false;
+    double largest = 0;
+    for (const auto& p : row.parts) {
+      if (s_.coordinates[idx(p.coordinate)].role == Role::unknown) largest = std::max(largest, std::abs(p.factor));
+    }
+    const Affine::Part* pivot = nullptr;
+    for (const auto& p : row.parts) {
+      if (s_.coordinates[idx(p.coordinate)].role != Role::unknown || std::abs(p.factor) < kPivotShare * largest ||
+          p.factor == 0) {
+        continue;
+      }
+      if (pivot == nullptr || used_[idx(p.coordinate)] < used_[idx(pivot->coordinate)]) pivot = &p;
+    }
+    if (pivot == nullptr) return false;
+    Affine replacement;
+    for (const auto& p : row.parts) {
+      if (&p == pivot) continue;
+      // A literal over a literal stays one.
+      Index constant = -1;
+      if (is_literal(p) && is_literal(*pivot)) {
+        constant = p.constant == pivot->constant ? kMinus : kPlus;
+      }
+      replacement.parts.push_back({p.coordinate, -p.factor / pivot->factor, constant});
+      ++used_[idx(p.coordinate)];
+    }
+    eliminated_[idx(pivot->coordinate)] = static_cast<Index>(replacement_.size());
+    replacement_.push_back(std::move(replacement));
+    return true;
+  }
+
+  Index constant_of(const Affine::Part& p) {
+    if (p.constant >= 0) return p.constant;
+    s_.constants.push_back(p.factor);
+    return static_cast<Index>(s_.constants.size()) - 1;
+  }
+
+  void rewrite_forms() {
+    std::vector<Index> start = {0};
+    std::vector<Term> terms;
+    terms.reserve(s_.terms.size());
+    for (Index f = 0; f < s_.forms(); ++f) {
+      const auto old = s_.form(f);
+      const bool touched =
+          std::any_of(old.begin(), old.end(), [&](const Term& t) { return eliminated_[idx(t.coordinate)] >= 0; });
+      if (!touched) {
+        terms.insert(terms.end(), old.begin(), old.end());
+      } else {
+        for (const Affine::Part& p : resolve(f).parts) terms.push_back({p.coordinate, constant_of(p)});
+      }
+      start.push_back(static_cast<Index>(terms.size()));
+    }
+    s_.form_start = std::move(start);
+    s_.terms = std::move(terms);
+  }
+
+  System& s_;
+  std::vector<Index> eliminated_;  // coordinates: index into replacement_, -1: still there
+  std::vector<Affine> replacement_;
+  std::vector<Index> used_;        // equations that mention the coordinate
+};
+
+}  // namespace
+
+Index presolve(System& system, std::vector<Index>& equations, std::vector<Index>& unknowns) {
+  return Presolve(system).run(equations, unknowns);
+}
+
+}  // namespace assur

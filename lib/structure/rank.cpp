@@ -1,0 +1,111 @@
+#include "structure/rank.hpp"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <limits>
+#include <set>
+
+#include "structure/assembly.hpp"
+#include "structure/dense_block.hpp"
+
+namespace assur {
+namespace {
+
+constexpr double kEps = std::numeric_limits<double>::epsilon();
+constexpr double kNonzero = 1e-8;       // entries of a null vector that count, relative to the largest
+constexpr Eigen::Index kLargest = 3000;  // dense QR: minutes beyond
+
+using Qr = Eigen::ColPivHouseholderQR<Eigen::MatrixXd>;
+
+// Rows, then columns, to unit length.
+Eigen::MatrixXd scaled(Eigen::MatrixXd j) {
+  for (Eigen::Index i = 0; i < j.rows(); ++i) {
+    if (const double n = j.row(i).norm(); n > 0) j.row(i) /= n;
+  }
+  for (Eigen::Index i = 0; i < j.cols(); ++i) {
+    if (const double n = j.col(i).norm(); n > 0) j.col(i) /= n;
+  }
+  return j;
+}
+
+Qr factor(const Eigen::MatrixXd& a) {
+  Qr qr(a.rows(), a.cols());
+  // n eps sigma_1, with room for postures that are themselves good to a few eps only.
+  qr.setThreshold(64 * kEps * static_cast<double>(std::max(a.rows(), a.cols())));
+  qr.compute(a);
+  return qr;
+}
+
+// Column k >= rank of a pivoted QR as a combination of the first `rank` ones: the null vector's other entries.
+Eigen::VectorXd combination(const Qr& qr, Eigen::Index k) {
+  const Eigen::Index r = qr.rank();
+  return qr.matrixR()
+      .topLeftCorner(r, r)
+      .template triangularView<Eigen::Upper>()
+      .solve(qr.matrixR().col(k).head(r));
+}
+
+}  // namespace
+
+RankStudy study_rank(const System& s, std::span<const Index> equations, std::span<const Index> unknowns,
+                     std::vector<double>& q, std::vector<Index>& column) {
+  RankStudy out;
+  const DenseBlock block(s, equations, unknowns, column);
+  if (std::max(block.rows(), block.columns()) > kLargest) {
+    throw Error(Error::Kind::input, "a part with " + std::to_string(block.columns()) + " unknowns and " +
+                                        std::to_string(block.rows()) +
+                                        " equations is not regular by its structure, and too large (3000) to find out "
+                                        "numerically which equations are redundant; split the scene to locate them");
+  }
+  out.residual = fit(s, equations, unknowns, q, column);
+
+  const TimeGrid& grid = s.scene->time();
+  std::vector<Eigen::MatrixXd> postures = {scaled(block.jacobian(q))};
+  std::vector<double> on_path = q;
+  for (int step = 1; step <= 7 && grid.step > 0; ++step) {
+    if (!drive(s, grid.start + step * grid.step, on_path.data(), nullptr, nullptr).ok()) break;
+    if (fit(s, equations, unknowns, on_path, column) > 1e-10) break;
+    if (step == 3 || step == 7) postures.push_back(scaled(block.jacobian(on_path)));
+  }
+
+  std::size_t best = 0;
+  std::vector<Eigen::Index> rank;
+  for (std::size_t i = 0; i < postures.size(); ++i) {
+    rank.push_back(factor(postures[i].transpose()).rank());
+    if (rank[i] > rank[best]) best = i;
+  }
+  out.rank = static_cast<Index>(rank[best]);
+  out.singular_start = rank[0] < rank[best];
+
+  const Qr rows = factor(postures[best].transpose());
+  const auto equation_at = [&](Eigen::Index k) {
+    return equations[static_cast<std::size_t>(rows.colsPermutation().indices()[k])];
+  };
+  for (Eigen::Index k = 0; k < block.rows(); ++k) (k < rank[best] ? out.kept : out.dropped).push_back(equation_at(k));
+  for (Eigen::Index k = rank[best]; k < block.rows(); ++k) {
+    const Eigen::VectorXd c = combination(rows, k);
+    std::set<std::string> names = {s.equation_name(equation_at(k))};
+    for (Eigen::Index i = 0; i < c.size(); ++i) {
+      if (std::abs(c[i]) > kNonzero * std::max(1.0, c.cwiseAbs().maxCoeff())) names.insert(s.equation_name(equation_at(i)));
+    }
+    out.redundant.push_back({{names.begin(), names.end()}, s.equation_name(equation_at(k))});
+  }
+  std::sort(out.kept.begin(), out.kept.end());
+
+  const Qr columns = factor(postures[best]);
+  std::set<Index> undetermined;
+  for (Eigen::Index k = columns.rank(); k < block.columns(); ++k) {
+    const auto unknown_at = [&](Eigen::Index i) {
+      return unknowns[static_cast<std::size_t>(columns.colsPermutation().indices()[i])];
+    };
+    const Eigen::VectorXd c = combination(columns, k);
+    undetermined.insert(unknown_at(k));
+    for (Eigen::Index i = 0; i < c.size(); ++i) {
+      if (std::abs(c[i]) > kNonzero * std::max(1.0, c.cwiseAbs().maxCoeff())) undetermined.insert(unknown_at(i));
+    }
+  }
+  out.undetermined.assign(undetermined.begin(), undetermined.end());
+  return out;
+}
+
+}  // namespace assur

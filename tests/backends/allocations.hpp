@@ -1,0 +1,11 @@
+// Counts every call that takes memory, from this program and the libraries that it loads.
+#pragma once
+
+#include <cstdint>
+
+namespace assur::test {
+
+// Calls of malloc and its relatives, operator new included, since the program started.
+std::int64_t allocations();
+
+}  // namespace assur::test

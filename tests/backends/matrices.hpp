@@ -1,0 +1,170 @@
+// Matrices that every linear solver is held to: one pattern, the values of each lane drawn anew.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <numeric>
+#include <random>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "assur/backend.hpp"
+
+namespace assur::test {
+
+inline constexpr double kEps = std::numeric_limits<double>::epsilon();
+using Random = std::mt19937_64;
+
+inline double uniform(Random& random, double low, double high) {
+  return std::uniform_real_distribution<double>(low, high)(random);
+}
+// Magnitude in [0.5, 1], either sign: nothing accidentally tiny.
+inline double nonzero(Random& random) { return uniform(random, 0.5, 1) * (random() % 2 ? 1 : -1); }
+
+struct Matrix {
+  Pattern pattern;
+  std::vector<double> values;
+};
+
+// From a dense n x n array of columns; `in` tells what belongs to the pattern.
+inline Matrix compress(int n, const std::function<bool(int, int)>& in, const std::function<double(int, int)>& value) {
+  Matrix a;
+  a.pattern.n = n;
+  a.pattern.column_start.push_back(0);
+  for (int j = 0; j < n; ++j) {
+    for (int i = 0; i < n; ++i) {
+      if (!in(i, j)) continue;
+      a.pattern.row.push_back(i);
+      a.values.push_back(value(i, j));
+    }
+    a.pattern.column_start.push_back(a.pattern.nnz());
+  }
+  return a;
+}
+
+inline std::vector<int> shuffled(int n, Random& random) {
+  std::vector<int> order(static_cast<std::size_t>(n));
+  std::iota(order.begin(), order.end(), 0);
+  std::shuffle(order.begin(), order.end(), random);
+  return order;
+}
+
+inline Matrix dense(int n, Random& random) {
+  return compress(
+      n, [](int, int) { return true; }, [&](int, int) { return nonzero(random); });
+}
+
+// A permuted diagonal of 4s and `more` small entries a column. The pattern depends on n and `more` only.
+inline Matrix sparse(int n, int more, Random& random) {
+  Random fixed(static_cast<std::uint64_t>(100 * n + more));
+  const std::vector<int> diagonal = shuffled(n, fixed);
+  std::vector<std::vector<bool>> in(static_cast<std::size_t>(n), std::vector<bool>(static_cast<std::size_t>(n)));
+  for (std::size_t j = 0; j < in.size(); ++j) {
+    in[j][static_cast<std::size_t>(diagonal[j])] = true;
+    for (int k = 0; k < more; ++k) in[j][fixed() % in.size()] = true;
+  }
+  return compress(
+      n, [&](int i, int j) { return in[static_cast<std::size_t>(j)][static_cast<std::size_t>(i)]; },
+      [&](int i, int j) { return i == diagonal[static_cast<std::size_t>(j)] ? 4 * nonzero(random) : nonzero(random); });
+}
+
+// Rows and columns of an upper triangle (or, with blocks > 1, an upper block triangle) in random order.
+inline Matrix permuted_triangle(int n, int block, Random& random) {
+  Random fixed(static_cast<std::uint64_t>(n));
+  const std::vector<int> p = shuffled(n, fixed), q = shuffled(n, fixed);
+  const auto at = [](const std::vector<int>& order, int i) { return order[static_cast<std::size_t>(i)]; };
+  return compress(
+      n, [&](int i, int j) { return at(p, i) / block <= at(q, j) / block; },
+      [&](int i, int j) { return at(p, i) == at(q, j) ? 4 * nonzero(random) : nonzero(random); });
+}
+
+// Jacobian of a plane ring of n / 2 points, each at a fixed distance from its neighbours and from its own anchor, with
+// 3n nonzeros and a condition of 5 to 16: the larger groups of the paper.
+inline Matrix ring(int n, Random& random) {
+  const int m = n / 2;
+  const double pi = std::acos(-1.0), turn = uniform(random, 0, 2 * pi);  // turned as a whole
+  const auto angle = [&](int i) { return 2 * pi * i / m + turn; };
+  const auto point = [&](int i, int axis) {
+    const double radius = m * std::cos(pi / 6) / (2 * pi) + 0.5 + (i % 2 ? 0.25 : -0.25);
+    return radius * (axis == 0 ? std::cos(angle(i)) : std::sin(angle(i)));
+  };
+  const auto entry = [&](int row, int column) {  // row 2i: distance to the anchor, 2i + 1: to the next point
+    const int i = row / 2, next = (i + 1) % m, p = column / 2, axis = column % 2;
+    const double anchor = angle(i) + (i % 2 ? -pi / 6 : pi / 6);
+    if (row % 2 == 0) return -2 * (axis == 0 ? std::cos(anchor) : std::sin(anchor));
+    return 2 * (point(i, axis) - point(next, axis)) * (p == i ? 1 : -1);
+  };
+  const auto in = [&](int row, int column) {
+    const int i = row / 2, p = column / 2;
+    return p == i || (row % 2 == 1 && p == (i + 1) % m);
+  };
+  return compress(n, in, entry);
+}
+
+inline void scale(Matrix& a, const std::function<double(int, int)>& factor) {
+  for (int j = 0; j < a.pattern.n; ++j) {
+    for (auto k = a.pattern.column_start[static_cast<std::size_t>(j)];
+         k < a.pattern.column_start[static_cast<std::size_t>(j) + 1]; ++k) {
+      a.values[static_cast<std::size_t>(k)] *= factor(a.pattern.row[static_cast<std::size_t>(k)], j);
+    }
+  }
+}
+
+// One row repeats another, bit by bit: elimination ends at an exact zero.
+inline Matrix repeated_row(int n, Random& random) {
+  Matrix a = dense(n, random);
+  for (int j = 0; j < n; ++j) {
+    a.values[static_cast<std::size_t>(j * n + n - 1)] = a.values[static_cast<std::size_t>(j * n)];
+  }
+  return a;
+}
+
+// values[k * lanes + lane] of several lanes
+inline std::vector<double> interleave(const std::vector<std::vector<double>>& lanes) {
+  std::vector<double> all;
+  for (std::size_t k = 0; k < lanes[0].size(); ++k) {
+    for (const auto& lane : lanes) all.push_back(lane[k]);
+  }
+  return all;
+}
+
+inline std::vector<double> lane_of(std::span<const double> interleaved, int lanes, int lane) {
+  std::vector<double> values;
+  for (auto k = static_cast<std::size_t>(lane); k < interleaved.size(); k += static_cast<std::size_t>(lanes)) {
+    values.push_back(interleaved[k]);
+  }
+  return values;
+}
+
+// Normwise backward error |b - A x| / (|A| |x| + |b|) in the maximum norm (Rigal & Gaches 1967); A' if transposed.
+inline double backward_error(const Matrix& a, std::span<const double> x, std::span<const double> b,
+                             Transpose transpose = Transpose::no) {
+  const std::size_t n = b.size();
+  std::vector<long double> residual(b.begin(), b.end()), row_sum(n);
+  for (std::size_t j = 0; j < n; ++j) {
+    for (auto k = a.pattern.column_start[j]; k < a.pattern.column_start[j + 1]; ++k) {
+      auto to = static_cast<std::size_t>(a.pattern.row[static_cast<std::size_t>(k)]), from = j;
+      if (transpose == Transpose::yes) std::swap(to, from);
+      const long double value = a.values[static_cast<std::size_t>(k)];
+      residual[to] -= value * x[from];
+      row_sum[to] += std::abs(value);
+    }
+  }
+  const auto norm = [](const auto& v) {
+    long double largest = 0;
+    for (auto element : v) {
+      const auto size = std::abs(static_cast<long double>(element));
+      if (!(size <= largest)) largest = size;  // NaN stays
+    }
+    return largest;
+  };
+  if (n == 0 || norm(b) == 0) return 0;
+  return static_cast<double>(norm(residual) / (norm(row_sum) * norm(x) + norm(b)));
+}
+
+}  // namespace assur::test

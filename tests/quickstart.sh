@@ -1,0 +1,63 @@
+#!/usr/bin/env bash
+# What ./quickstart does on a machine that lacks packages, played with stand-ins for the tools that would change it.
+set -euo pipefail
+quickstart=$1
+stage=$(mktemp -d)
+trap 'rm -rf "$stage"' EXIT
+mkdir -p "$stage/bin" "$stage/tree/build"
+cp "$quickstart" "$stage/tree/quickstart"
+export CALLS="$stage/calls"
+
+# stand_in NAME 'script': a program of that name which notes its call.
+stand_in() {
+  printf '#!/bin/bash\necho "%s $*" >>"$CALLS"\n%s\n' "$1" "${2:-}" >"$stage/bin/$1"
+  chmod +x "$stage/bin/$1"
+}
+stand_in cmake
+stand_in ctest
+stand_in apt-get
+stand_in sudo 'exit 1'
+stand_in dpkg-query 'for absent in $ABSENT; do [[ ${!#} == "$absent" ]] && exit 1; done; echo "installed "'
+printf '#!/bin/bash\necho "assur $*" >>"$CALLS"\n' >"$stage/tree/build/assur"
+chmod +x "$stage/tree/build/assur"
+
+# play USER-ID ABSENT ARGUMENTS...: sets status, output and calls.
+play() {
+  stand_in id "echo $1"
+  export ABSENT=$2
+  : >"$CALLS"
+  status=0
+  output=$(PATH="$stage/bin:$PATH" "$stage/tree/quickstart" "${@:3}" 2>&1 </dev/null) || status=$?
+  calls=$(grep -vE '^(dpkg-query|id) ' "$CALLS" || true)
+}
+fail() { printf 'FAILED: %s\nstatus %s\n%s\ncalls:\n%s\n' "$1" "$status" "$output" "$calls"; exit 1; }
+contains() { [[ $1 == *"$2"* ]]; }
+
+play 1000 ""
+[[ $status -eq 0 ]] || fail "nothing missing: it builds without root"
+! contains "$calls" apt-get || fail "nothing missing: apt-get is left alone"
+contains "$calls" "assur run stewart" || fail "it runs the Stewart platform"
+
+play 1000 "" test
+[[ $status -eq 0 && ${calls##*$'\n'} == ctest* ]] || fail "test: ctest has the last word"
+
+play 1000 "libcli11-dev libeigen3-dev"
+[[ $status -eq 1 ]] || fail "required packages missing without root: status 1"
+contains "$output" "apt-get install libeigen3-dev libcli11-dev" || fail "it names what to install"
+contains "$output" "CLI11 2.1" || fail "it names the libraries as they are called elsewhere"
+! contains "$calls" cmake || fail "it does not build"
+
+play 1000 "libboost-dev"
+[[ $status -eq 0 ]] && contains "$output" libboost-dev || fail "an optional package missing: said, and it goes on"
+
+if grep -q '^ID=debian' /etc/os-release; then
+  play 0 "libgtest-dev cmake" test
+  expected=$'apt-get -q update\napt-get -q install -y --no-install-recommends cmake libgtest-dev'
+  contains "$calls" "$expected" || fail "as root: installs what is missing and nothing else"
+fi
+
+play 0 "" bogus
+[[ $status -eq 2 ]] && contains "$output" usage || fail "a wrong argument: usage, status 2"
+play 0 "" --help
+[[ $status -eq 0 ]] && contains "$output" usage || fail "--help: usage, status 0"
+echo "quickstart does what it says"

@@ -1,0 +1,197 @@
+// The mechanisms of scenes/ are the samples of the same name.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "assur/scene.hpp"
+
+namespace assur {
+namespace {
+
+constexpr double kRounding = 4e-16;  // dimensions, O(1): an expression's rounding against the sample's
+constexpr double kGuess = 1e-5;      // files give guesses to five decimals or more
+
+template <class T>
+std::map<std::string, T> by_name(const std::vector<T>& items) {
+  std::map<std::string, T> map;
+  for (const T& item : items) map.emplace(item.name, item);
+  return map;
+}
+
+void expect_near(const Triple& a, const Triple& b, double tolerance) {
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(a[i], b[i], tolerance);
+}
+void expect_same(const std::optional<double>& a, const std::optional<double>& b) {
+  ASSERT_EQ(a.has_value(), b.has_value());
+  if (a) {
+    EXPECT_NEAR(*a, *b, kRounding);
+  }
+}
+void expect_same(const Direction& a, const Direction& b) {
+  EXPECT_EQ(a.first, b.first);
+  EXPECT_EQ(a.second, b.second);
+}
+void expect_same(const Law& a, const Law& b) {
+  for (const double t : {0.0, 0.4, 3.0}) {
+    EXPECT_NEAR(a(t).value, b(t).value, 8 * kRounding * (1 + std::abs(b(t).value)));
+    EXPECT_NEAR(a(t).rate, b(t).rate, 8 * kRounding * (1 + std::abs(b(t).rate)));
+    EXPECT_NEAR(a(t).acceleration, b(t).acceleration, 8 * kRounding * (1 + std::abs(b(t).acceleration)));
+  }
+}
+void expect_same(const std::vector<Law>& a, const std::vector<Law>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) expect_same(a[i], b[i]);
+}
+
+void expect_same(const Point& a, const Point& b) {
+  EXPECT_EQ(a.fixed, b.fixed);
+  expect_near(a.at, b.at, a.fixed ? kRounding : kGuess);
+}
+void expect_same(const Vector& a, const Vector& b) {
+  EXPECT_EQ(a.fixed, b.fixed);
+  EXPECT_EQ(a.unit, b.unit);
+  expect_near(a.at, b.at, a.fixed ? kRounding : kGuess);
+}
+void expect_same(const Member& a, const Member& b) { expect_near(a.local, b.local, kRounding); }
+
+template <class T>
+void expect_same_items(const std::vector<T>& a, const std::vector<T>& b);
+
+void expect_same(const Body& a, const Body& b) {
+  EXPECT_EQ(a.origin, b.origin);
+  EXPECT_EQ(a.frame, b.frame);
+  EXPECT_EQ(a.base, b.base);
+  expect_same_items(a.points, b.points);
+  expect_same_items(a.vectors, b.vectors);
+}
+
+void expect_same(const Distance& a, const Distance& b) {
+  EXPECT_EQ(a.p + " " + a.q, b.p + " " + b.q);
+  expect_same(a.value, b.value);
+}
+void expect_same(const Dot& a, const Dot& b) {
+  expect_same(a.d, b.d);
+  expect_same(a.e, b.e);
+  expect_same(a.value, b.value);
+}
+void expect_same(const Linear& a, const Linear& b) {
+  ASSERT_EQ(a.terms.size(), b.terms.size());
+  for (std::size_t i = 0; i < a.terms.size(); ++i) {
+    EXPECT_EQ(a.terms[i].first, b.terms[i].first);
+    EXPECT_NEAR(a.terms[i].second, b.terms[i].second, kRounding);
+  }
+  expect_near(a.value, b.value, kRounding);
+}
+void expect_same(const OnLine& a, const OnLine& b) {
+  EXPECT_EQ(a.p + " " + a.a, b.p + " " + b.a);
+  expect_same(a.d, b.d);
+}
+
+void expect_same(const PointAngle& a, const PointAngle& b) {
+  EXPECT_EQ(a.a + " " + a.b + " " + a.axis, b.a + " " + b.b + " " + b.axis);
+  expect_same(a.law, b.law);
+}
+void expect_same(const DrivenDistance& a, const DrivenDistance& b) {
+  EXPECT_EQ(a.a + " " + a.b, b.a + " " + b.b);
+  expect_same(a.law, b.law);
+}
+void expect_same(const Pose& a, const Pose& b) {
+  EXPECT_EQ(a.body, b.body);
+  expect_same(a.translation, b.translation);
+  expect_same(a.rotation, b.rotation);
+}
+
+void expect_same(const AbsoluteAngle& a, const AbsoluteAngle& b) { EXPECT_EQ(a.a + " " + a.b, b.a + " " + b.b); }
+void expect_same(const AngleBetween& a, const AngleBetween& b) {
+  expect_same(a.d, b.d);
+  expect_same(a.e, b.e);
+  EXPECT_EQ(a.axis, b.axis);
+}
+void expect_same(const MeasuredCoordinate& a, const MeasuredCoordinate& b) { EXPECT_EQ(a.coordinate, b.coordinate); }
+
+// A kind that no file uses needs its comparison here before it can be compared.
+template <class Kind>
+void expect_same(const Kind&, const Kind&) {
+  ADD_FAILURE() << "no comparison is written for this kind";
+}
+
+template <class... Kinds>
+void expect_same_kind(const std::variant<Kinds...>& a, const std::variant<Kinds...>& b) {
+  ASSERT_EQ(a.index(), b.index());
+  std::visit([&b]<class Kind>(const Kind& kind) { expect_same(kind, std::get<Kind>(b)); }, a);
+}
+void expect_same(const Constraint& a, const Constraint& b) { expect_same_kind(a.kind, b.kind); }
+void expect_same(const Driver& a, const Driver& b) { expect_same_kind(a.kind, b.kind); }
+void expect_same(const Measure& a, const Measure& b) { expect_same_kind(a.kind, b.kind); }
+void expect_same(const DeclaredGroup& a, const DeclaredGroup& b) {
+  EXPECT_EQ(a.unknowns, b.unknowns);
+  EXPECT_EQ(a.keep, b.keep);
+}
+
+template <class T>
+void expect_same_items(const std::vector<T>& a, const std::vector<T>& b) {
+  EXPECT_EQ(a.size(), b.size());
+  const auto others = by_name(b);
+  for (const T& item : a) {
+    SCOPED_TRACE(item.name);
+    const auto other = others.find(item.name);
+    if (other == others.end()) {
+      ADD_FAILURE() << "only in the file";
+    } else {
+      expect_same(item, other->second);
+    }
+  }
+}
+
+void expect_same(const Scene& file, const Scene& sample) {
+  EXPECT_EQ(file.name(), sample.name());
+  EXPECT_EQ(file.dimension(), sample.dimension());
+  expect_same_items(file.points(), sample.points());
+  expect_same_items(file.vectors(), sample.vectors());
+  expect_same_items(file.bodies(), sample.bodies());
+  expect_same_items(file.constraints(), sample.constraints());
+  expect_same_items(file.drivers(), sample.drivers());
+  expect_same_items(file.measures(), sample.measures());
+  expect_same_items(file.groups(), sample.groups());
+  EXPECT_EQ(file.outputs(), sample.outputs());
+  EXPECT_NEAR(file.time().start, sample.time().start, 0);
+  EXPECT_NEAR(file.time().end, sample.time().end, kRounding * sample.time().end);
+  EXPECT_NEAR(file.time().step, sample.time().step, kRounding);
+}
+
+const std::filesystem::path kScenes = std::filesystem::path(ASSUR_SOURCE_DIR) / "scenes";
+
+TEST(SceneFiles, AreTheSamplesOfTheirName) {
+  int files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(kScenes)) {
+    const std::string name = entry.path().stem().string();
+    if (entry.path().extension() != ".json" || !is_sample(name)) continue;  // the schema is here too
+    SCOPED_TRACE(name);
+    const Scene scene = read_scene(entry.path());
+    EXPECT_TRUE(scene.warnings().empty());
+    expect_same(scene, sample(name));
+    ++files;
+  }
+  EXPECT_EQ(files, 6);
+}
+
+TEST(SceneFiles, FollowTheirParameters) {
+  const auto compare = [](const std::string& name, const Parameters& set) {
+    SCOPED_TRACE(name);
+    expect_same(read_scene(kScenes / (name + ".json"), set), sample(name, set));
+  };
+  compare("stewart", {{"omega", 2}, {"step", 0.002}, {"steps", 500}});
+  compare("four_bar", {{"omega", 1}});
+  compare("slider_crank", {{"offset", 0.05}});
+  compare("andrews", {{"xb", 0.03635}, {"omega", 3}});
+  compare("almost_parallelogram", {{"delta", 1e-9}, {"step", 0.005}, {"steps", 200}});
+}
+
+}  // namespace
+}  // namespace assur

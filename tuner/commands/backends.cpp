@@ -1,0 +1,64 @@
+#include <iostream>
+
+#include "assur/backend.hpp"
+#include "commands/commands.hpp"
+#include "output/json.hpp"
+#include "output/page.hpp"
+
+namespace assur::command {
+namespace {
+
+using output::Json;
+using output::Table;
+
+struct Row {
+  const Backend& backend;
+  std::string version, why_not;
+};
+
+Json to_json(const std::vector<Row>& rows) {
+  Json list = Json::array();
+  for (const Row& row : rows) {
+    list.push_back({{"id", row.backend.id},
+                    {"available", row.why_not.empty()},
+                    {"why_not", row.why_not.empty() ? Json(nullptr) : Json(row.why_not)},
+                    {"version", row.version.empty() ? Json(nullptr) : Json(row.version)},
+                    {"licence", row.backend.licence},
+                    {"steady", row.backend.steady}});
+  }
+  return {{"backends", std::move(list)}};
+}
+
+void print(output::Page& page, const std::vector<Row>& rows) {
+  using enum Table::Align;
+  Table table({left, left, left, left, left});
+  table.row({"backend", "runs here", "version", "licence", "steady"});
+  for (const Row& row : rows) {
+    table.row({std::string(row.backend.id), row.why_not.empty() ? "yes" : "no", row.version,
+               std::string(row.backend.licence), row.backend.steady ? "yes" : "no"});
+  }
+  page.table(table);
+  page.gap();
+  page.fact("steady", "allocates nothing after the first factorisation");
+  for (const Row& row : rows) {
+    if (!row.why_not.empty()) page.fact(row.backend.id, row.why_not);
+  }
+}
+
+}  // namespace
+
+int backends(const Common& common) {
+  std::vector<Row> rows;
+  for (const Backend& backend : assur::backends()) {
+    rows.push_back({backend, backend.version(), backend.why_not(Shape{}, ThreadBudget{})});
+  }
+  if (common.json) {
+    output::print(std::cout, to_json(rows));
+  } else {
+    output::Page page(std::cout);
+    print(page, rows);
+  }
+  return kDone;
+}
+
+}  // namespace assur::command

@@ -1,0 +1,45 @@
+// The commands of `assur`, one file each. They print to standard output, or to standard error what is no result, and
+// return the exit status; assur::Error is caught by main().
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "assur/scene.hpp"
+#include "assur/strategy.hpp"
+
+namespace assur::command {
+
+enum Exit : int { kDone = 0, kNumerical = 1, kBadInput = 2, kEnvironment = 3, kInterrupted = 130 };
+
+// Options that every command takes.
+struct Common {
+  bool json = false;   // standard output is one JSON object and nothing else
+  bool quiet = false;  // nothing but results and errors
+  Parameters set;      // --set name=value
+};
+
+struct InspectOptions {
+  std::string scene;
+  std::vector<std::string> outputs;  // empty: those of the scene
+  Formulation formulation = Formulation::groups;
+};
+
+struct RunOptions {
+  std::string scene;
+  std::optional<double> start, dt;    // s; those of the scene if left out
+  std::optional<std::int64_t> steps;  // left out: up to the scene's end
+  std::vector<std::string> outputs;   // empty: those of the scene
+  std::string strategy = "auto";
+  int iterations = 0;                 // 0: as many as convergence takes
+  std::string csv;                    // "-": standard output; empty: none
+  bool reference = false;
+};
+
+int inspect(const Common& common, const InspectOptions& options);
+int run(const Common& common, const RunOptions& options);
+int backends(const Common& common);
+
+}  // namespace assur::command

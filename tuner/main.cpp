@@ -1,0 +1,192 @@
+// The command `assur`: options, and the way from exceptions to exit statuses.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <iostream>
+#include <map>
+#include <new>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "commands/commands.hpp"
+#include "output/json.hpp"
+
+namespace {
+
+using namespace assur;
+using namespace assur::command;
+
+// CLI11's help without its types in capitals.
+class HelpFormatter : public CLI::Formatter {
+ public:
+  HelpFormatter() { column_width(25); }
+  std::string make_option_opts(const CLI::Option* option) const override {
+    return option->get_positional() || option->get_type_size() == 0 ? "" : " " + option->get_type_name_plain();
+  }
+};
+
+// What main() needs to know after parsing: options by command, and the command chosen.
+struct Invocation {
+  Common common;
+  InspectOptions inspect;
+  RunOptions run;
+  std::function<int()> chosen;
+};
+
+// "name=value" with a finite number.
+void take_parameter(Parameters& set, const std::string& text) {
+  const std::size_t equals = text.find('=');
+  double value = 0;
+  if (equals == 0 || equals == std::string::npos || !CLI::detail::lexical_cast(text.substr(equals + 1), value) ||
+      !std::isfinite(value)) {
+    throw CLI::ValidationError("--set", "expects name=number, not \"" + text + "\"");
+  }
+  if (!set.emplace(text.substr(0, equals), value).second) {
+    throw CLI::ValidationError("--set", "is given twice for \"" + text.substr(0, equals) + "\"");
+  }
+}
+
+std::string finite(const std::string& text) {
+  double value = 0;
+  return CLI::detail::lexical_cast(text, value) && std::isfinite(value) ? "" : "expects a number, not \"" + text + "\"";
+}
+
+void add_common(CLI::App& app, Common& common) {
+  app.add_flag("--json", common.json, "Standard output is one JSON object");
+  app.add_flag("--quiet", common.quiet, "Nothing but results and errors");
+  app.set_help_flag("-h,--help", "Show this help");
+  app.set_version_flag("--version", "assur " ASSUR_VERSION, "Show the version");
+}
+
+void add_scene(CLI::App& app, Common& common, std::string& scene, std::vector<std::string>& outputs) {
+  app.add_option("scene", scene, "A file or a sample: stewart, four_bar:64, ...")->required()->type_name("");
+  app.add_option("--outputs", outputs, "What is wanted: C, C.velocity, angle, ...")
+      ->delimiter(',')->allow_extra_args(false)->type_name("A,B");
+  app.add_option_function<std::vector<std::string>>(
+         "--set",
+         [&common](const std::vector<std::string>& texts) {
+           for (const std::string& text : texts) take_parameter(common.set, text);
+         },
+         "Give a parameter of the scene another value; may be repeated")
+      ->allow_extra_args(false)->type_name("name=value");
+}
+
+void add_inspect(CLI::App& app, Invocation& call) {
+  CLI::App& inspect = *app.add_subcommand("inspect", "Kinematic structure of a scene, before any solving");
+  add_scene(inspect, call.common, call.inspect.scene, call.inspect.outputs);
+  static const std::map<std::string, Formulation> kFormulations = {
+      {"global", Formulation::global}, {"groups", Formulation::groups}, {"irreducible", Formulation::irreducible}};
+  inspect.add_option("--formulation", call.inspect.formulation, "global, groups (the default) or irreducible")
+      ->transform(CLI::Validator(
+          [](std::string& text) -> std::string {
+            const auto found = kFormulations.find(text);
+            if (found == kFormulations.end()) return "expects global, groups or irreducible, not \"" + text + "\"";
+            text = std::to_string(static_cast<int>(found->second));
+            return "";
+          },
+          "", "formulation"))
+      ->type_name("NAME");
+  add_common(inspect, call.common);
+  inspect.callback([&call] { call.chosen = [&call] { return command::inspect(call.common, call.inspect); }; });
+}
+
+void add_run(CLI::App& app, Invocation& call) {
+  CLI::App& run = *app.add_subcommand("run", "Motion of a scene: position, velocity, acceleration");
+  RunOptions& o = call.run;
+  add_scene(run, call.common, o.scene, o.outputs);
+  const CLI::Validator number([](std::string& text) { return finite(text); }, "", "number");
+  run.add_option("--start", o.start, "First time, s")->check(number)->type_name("T");
+  run.add_option("--dt", o.dt, "Time step, s")->check(number)->type_name("S");
+  run.add_option("--steps", o.steps, "Number of steps")->check(CLI::NonNegativeNumber)->type_name("N");
+  run.add_option("--strategy", o.strategy, "How to solve it, e.g. groups/klu+once; auto by default")->type_name("TEXT");
+  run.add_option("--iterations", o.iterations, "Exactly so many Newton iterations beyond the first level")
+      ->check(CLI::PositiveNumber)->type_name("N");
+  CLI::Option* csv = run.add_option("--csv", o.csv, "Write the trajectory; - for standard output")->type_name("FILE");
+  run.add_flag("--reference", o.reference, "Compare with a solution in quad precision");
+  add_common(run, call.common);
+  run.callback([&call, csv] {
+    if (csv->count() > 0 && call.run.csv.empty()) throw CLI::ValidationError("--csv", "expects a file name");
+    if (call.common.json && call.run.csv == "-") {
+      throw CLI::ValidationError("--csv", "cannot share standard output with --json; give a file");
+    }
+    call.chosen = [&call] { return command::run(call.common, call.run); };
+  });
+}
+
+void add_backends(CLI::App& app, Invocation& call) {
+  CLI::App& backends = *app.add_subcommand("backends", "Linear solvers of this build, and why one cannot run");
+  add_common(backends, call.common);
+  backends.callback([&call] { call.chosen = [&call] { return command::backends(call.common); }; });
+}
+
+Exit exit_of(Error::Kind kind) {
+  switch (kind) {
+    case Error::Kind::input: return kBadInput;
+    case Error::Kind::numerical: return kNumerical;
+    case Error::Kind::environment: return kEnvironment;
+  }
+  return kEnvironment;
+}
+
+// "error: " in front of each line; or the JSON object.
+Exit report(const Error& error, bool json) {
+  if (json) {
+    output::print(std::cout, output::to_json(error));
+  } else {
+    std::istringstream lines(error.what());
+    for (std::string line; std::getline(lines, line);) std::cerr << "error: " << line << '\n';
+  }
+  return exit_of(error.kind());
+}
+
+// Bad usage: what is wrong, and where help is.
+Exit refuse(const CLI::App& app, const CLI::ParseError& error, bool json) {
+  std::string command = "assur";
+  for (const CLI::App* chosen : app.get_subcommands()) command += " " + chosen->get_name();
+  const Exit status = report(Error(Error::Kind::input, error.what()), json);
+  if (!json) std::cerr << "See " << command << " --help.\n";
+  return status;
+}
+
+int perform(const Invocation& call) {
+  try {
+    return call.chosen();
+  } catch (const Error& error) {
+    return report(error, call.common.json);
+  } catch (const std::bad_alloc&) {
+    return report(Error(Error::Kind::environment, "out of memory"), call.common.json);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::ios::sync_with_stdio(false);
+  CLI::App app("Kinematic analysis of multibody systems by group equations.", "assur");
+  Invocation call;
+  app.require_subcommand(1);
+  add_run(app, call);
+  add_inspect(app, call);
+  add_backends(app, call);
+  add_common(app, call.common);
+  const bool json = std::any_of(argv, argv + argc, [](const char* word) { return std::strcmp(word, "--json") == 0; });
+
+  int status = kDone;
+  try {
+    app.parse(argc, argv);
+    status = perform(call);
+  } catch (const CLI::Success& help_or_version) {
+    status = app.exit(help_or_version);
+  } catch (const CLI::ParseError& error) {
+    status = refuse(app, error, json);
+  }
+  std::cout.flush();
+  if (!std::cout) {
+    std::cerr << "error: cannot write to standard output: " << std::strerror(errno) << '\n';
+    return kEnvironment;
+  }
+  return status;
+}

@@ -1,0 +1,90 @@
+#include "measure/step_times.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace assur::measure {
+namespace {
+
+constexpr double kShort = 1e-6;       // s: shorter steps are measured in blocks
+constexpr double kBlockLength = 4e-6; // s: the clock's own 30 ns or so are below one per cent of it
+constexpr int kTrial = 64;            // steps that decide on blocks; the longest block
+constexpr int kClockCalls = 101;      // whose median is the cost of one
+
+double ranked(std::vector<double>& values, double share) {
+  const auto rank = static_cast<std::ptrdiff_t>(std::ceil(share * static_cast<double>(values.size()))) - 1;
+  const auto at = values.begin() + std::max<std::ptrdiff_t>(rank, 0);
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+// The power of two that makes blocks of `step` seconds long enough, at most kTrial.
+int block_for(double step) {
+  int block = 1;
+  while (block < kTrial && block * step < kBlockLength) block *= 2;
+  return block;
+}
+
+std::vector<double> joined(const std::vector<double>& samples, int block) {
+  std::vector<double> sums;
+  const auto length = static_cast<std::size_t>(block);
+  for (std::size_t i = 0; i + length <= samples.size(); i += length) {
+    double sum = 0;
+    for (std::size_t k = i; k < i + length; ++k) sum += samples[k];
+    sums.push_back(sum);
+  }
+  return sums;
+}
+
+}  // namespace
+
+double StepTimes::steady() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+StepTimes::StepTimes(std::int64_t steps, Clock clock) : clock_(std::move(clock)) {
+  std::vector<double> costs;
+  for (int i = 0; i < kClockCalls; ++i) {
+    const double before = clock_();
+    costs.push_back(clock_() - before);
+  }
+  cost_ = ranked(costs, 0.5);
+  samples_.reserve(static_cast<std::size_t>(std::max<std::int64_t>(steps, 0)));
+}
+
+void StepTimes::read() {
+  const double now = clock_();
+  if (started_) {
+    samples_.push_back(std::max(0.0, now - last_ - cost_));
+    if (block_ == 1 && samples_.size() == kTrial) consider_blocks();
+  } else {
+    first_ = now;
+    started_ = true;
+  }
+  until_read_ = block_;
+  last_ = clock_();
+}
+
+void StepTimes::consider_blocks() {
+  std::vector<double> trial = samples_;
+  const double median = ranked(trial, 0.5);
+  if (median >= kShort) return;
+  block_ = block_for(median);
+  samples_ = joined(samples_, block_);
+}
+
+StepTimes::Figures StepTimes::figures() const {
+  if (samples_.empty()) return {0, 0, 0, 1};
+  std::vector<double> samples = samples_;
+  int block = block_;
+  if (const double median = ranked(samples, 0.5); block == 1 && median < kShort) {
+    block = std::min(block_for(median), static_cast<int>(samples.size()));
+    samples = joined(samples_, block);
+  }
+  for (double& s : samples) s /= block;
+  const double most = *std::max_element(samples.begin(), samples.end());
+  return {ranked(samples, 0.5), ranked(samples, 0.99), most, block};
+}
+
+}  // namespace assur::measure

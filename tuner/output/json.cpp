@@ -1,0 +1,23 @@
+#include "output/json.hpp"
+
+namespace assur::output {
+namespace {
+
+const char* name(Error::Kind kind) {
+  switch (kind) {
+    case Error::Kind::input: return "input";
+    case Error::Kind::numerical: return "numerical";
+    case Error::Kind::environment: return "environment";
+  }
+  return "unknown";
+}
+
+}  // namespace
+
+Json to_json(const Error& error) {
+  Json diagnostics = Json::array();
+  for (const Diagnostic& d : error.diagnostics()) diagnostics.push_back({{"where", d.where}, {"what", d.what}});
+  return {{"error", {{"kind", name(error.kind())}, {"diagnostics", diagnostics}}}};
+}
+
+}  // namespace assur::output

@@ -1,0 +1,21 @@
+// Standard output of --json.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <ostream>
+
+#include "assur/status.hpp"
+
+namespace assur::output {
+
+using Json = nlohmann::ordered_json;
+
+// One object, two spaces of indentation; bytes that are no UTF-8 are replaced.
+inline void print(std::ostream& out, const Json& object) {
+  out << object.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
+}
+
+// {"error": {"kind": ..., "diagnostics": [{"where": ..., "what": ...}]}}
+[[nodiscard]] Json to_json(const Error& error);
+
+}  // namespace assur::output

@@ -1,0 +1,49 @@
+// A page of text for people: facts with a label, and tables. 80 columns.
+#pragma once
+
+#include <ostream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace assur::output {
+
+// Rows of aligned columns, two spaces between them.
+class Table {
+ public:
+  enum class Align { left, right };
+
+  explicit Table(std::vector<Align> columns) : columns_(std::move(columns)) {}
+
+  // As many cells as columns.
+  Table& row(std::vector<std::string> cells) {
+    rows_.push_back(std::move(cells));
+    return *this;
+  }
+  [[nodiscard]] bool empty() const { return rows_.empty(); }
+
+  // Each line with `indent` spaces in front and none behind.
+  void print(std::ostream& out, std::size_t indent) const;
+
+ private:
+  std::vector<Align> columns_;
+  std::vector<std::vector<std::string>> rows_;
+};
+
+class Page {
+ public:
+  explicit Page(std::ostream& out) : out_(out) {}
+
+  void title(std::string_view text);
+  void gap() { out_ << '\n'; }
+
+  // "  label           text", the text wrapped under itself. An empty label continues the fact above.
+  void fact(std::string_view label, std::string_view text);
+
+  void table(const Table& table);
+
+ private:
+  std::ostream& out_;
+};
+
+}  // namespace assur::output

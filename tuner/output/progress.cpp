@@ -1,0 +1,55 @@
+#include "output/progress.hpp"
+
+#include <unistd.h>
+
+#include <cmath>
+#include <string>
+
+#include "output/format.hpp"
+
+namespace assur::output {
+namespace {
+
+constexpr double kRedraw = 0.1;  // s between two pictures of the bar
+constexpr double kLine = 5;      // s between two lines
+constexpr int kBarWidth = 30;    // columns
+constexpr std::string_view kEraseLine = "\r\x1b[K";
+
+std::string bar(double share) {
+  const int full = static_cast<int>(share * kBarWidth);
+  std::string text;
+  for (int i = 0; i < kBarWidth; ++i) text += i < full ? "━" : "╌";
+  return text;
+}
+
+// "3 s", "12 min", "2.5 h": rough, as an estimate is.
+std::string roughly(double seconds) {
+  if (seconds < 90) return number(std::ceil(seconds)) + " s";
+  if (seconds < 5400) return number(std::round(seconds / 60)) + " min";
+  return number(std::round(seconds / 360) / 10) + " h";
+}
+
+}  // namespace
+
+Progress::Style Progress::style_of_standard_error() { return isatty(STDERR_FILENO) == 1 ? Style::bar : Style::lines; }
+
+void Progress::print(double seconds, std::int64_t done, std::int64_t of) {
+  const double share = of > 0 ? static_cast<double>(done) / static_cast<double>(of) : 1;
+  std::string text = grouped(done) + " of " + counted(of, "step");
+  if (done > 0 && done < of) text += ", about " + roughly(seconds / share - seconds) + " left";
+  const std::string percent = number(std::floor(100 * share)) + " %";
+  if (style_ == Style::bar) {
+    out_ << kEraseLine << "  " << bar(share) << "  " << percent << "  " << text << std::flush;
+    drawn_ = true;
+  } else {
+    out_ << percent << ", " << text << std::endl;
+  }
+  due_ = seconds + (style_ == Style::bar ? kRedraw : kLine);
+}
+
+void Progress::clear() {
+  if (drawn_) out_ << kEraseLine << std::flush;
+  drawn_ = false;
+}
+
+}  // namespace assur::output

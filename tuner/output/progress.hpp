@@ -1,0 +1,38 @@
+// How far a long run is, on standard error: a bar that redraws itself on a terminal, else a line now and then.
+#pragma once
+
+#include <cstdint>
+#include <ostream>
+
+namespace assur::output {
+
+class Progress {
+ public:
+  enum class Style : std::uint8_t { none, lines, bar };
+
+  // bar if standard error is a terminal, else lines.
+  [[nodiscard]] static Style style_of_standard_error();
+
+  Progress(std::ostream& out, Style style) : out_(out), style_(style) {}
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+  ~Progress() { clear(); }
+
+  // `done` of `of` steps after `seconds`. Prints nothing within the first second, and rarely after it.
+  void show(double seconds, std::int64_t done, std::int64_t of) {
+    if (seconds >= due_ && style_ != Style::none) print(seconds, done, of);
+  }
+
+  // Takes the bar away.
+  void clear();
+
+ private:
+  void print(double seconds, std::int64_t done, std::int64_t of);
+
+  std::ostream& out_;
+  Style style_;
+  double due_ = 1;  // s: a shorter run needs no progress
+  bool drawn_ = false;
+};
+
+}  // namespace assur::output

@@ -1,0 +1,198 @@
+#include "output/run_report.hpp"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "output/format.hpp"
+#include "output/left_out.hpp"
+#include "output/status_text.hpp"
+
+namespace assur::output {
+namespace {
+
+constexpr std::size_t kMostRows = 12;  // more classes, events, fallbacks are counted
+
+template <class T>
+Json or_null(const std::optional<T>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+double mean_iterations(const Counters& c) {
+  return c.group_solutions > 0 ? static_cast<double>(c.newton_iterations) / static_cast<double>(c.group_solutions) : 0;
+}
+
+// The highest derivative that any group computes.
+std::int32_t derivatives(const Structure& s) {
+  std::int32_t highest = 0;
+  for (const Group& g : s.groups) highest = std::max(highest, g.derivatives);
+  return highest;
+}
+
+// Classes that are solved in the same way for the same reason.
+struct PlanLine {
+  std::vector<std::int32_t> classes;
+  std::int64_t groups = 0;
+  std::int32_t least = 0, most = 0;  // unknowns
+  std::string strategy, reason;
+};
+
+std::vector<PlanLine> plan_lines(const Plan& plan) {
+  std::vector<PlanLine> lines;
+  std::map<std::pair<std::string, std::string>, std::size_t> place;
+  const bool one_each = plan.choices.size() <= kMostRows;
+  for (const Plan::Choice& c : plan.choices) {
+    const std::string strategy = to_string(c.strategy);
+    const auto [at, is_new] = place.try_emplace({strategy, c.reason}, lines.size());
+    if (is_new || one_each) {
+      at->second = lines.size();
+      lines.push_back({{}, 0, c.shape.n, c.shape.n, strategy, c.reason});
+    }
+    PlanLine& line = lines[at->second];
+    line.classes.push_back(c.group_class);
+    line.groups += c.shape.groups;
+    line.least = std::min(line.least, c.shape.n);
+    line.most = std::max(line.most, c.shape.n);
+  }
+  return lines;
+}
+
+void print_plan(Page& page, const Plan& plan) {
+  using enum Table::Align;
+  const std::vector<PlanLine> lines = plan_lines(plan);
+  page.gap();
+  Table table({left, right, right, left});
+  table.row({"class", "groups", "unknowns", "strategy"});
+  for (const PlanLine& line : lines) {
+    table.row({line.classes.size() == 1 ? std::to_string(line.classes.front())
+                                        : grouped(static_cast<std::int64_t>(line.classes.size())) + " classes",
+               grouped(line.groups),
+               line.least == line.most ? grouped(line.most) : grouped(line.least) + "-" + grouped(line.most),
+               line.strategy});
+  }
+  page.table(table);
+  page.gap();
+  std::map<std::string, std::vector<std::string>> by_reason;
+  for (const PlanLine& line : lines) {
+    for (const std::int32_t c : line.classes) by_reason[line.reason].push_back(std::to_string(c));
+  }
+  std::string_view label = "reason";
+  for (const auto& [reason, classes] : by_reason) {
+    page.fact(label, by_reason.size() == 1 ? reason : "class " + listed(classes, kMostRows) + ": " + reason);
+    label = "";
+  }
+}
+
+void print_times(Page& page, const RunSummary& s) {
+  page.fact("time", duration(s.seconds) + " for " + counted(s.steps, "step"));
+  if (!s.step_seconds) return;
+  const auto& f = *s.step_seconds;
+  page.fact("step", duration(f.median) + " median, " + duration(f.p99) + " p99, " + duration(f.max) + " max" +
+                        (f.block > 1 ? " (means of " + std::to_string(f.block) + " steps)" : ""));
+}
+
+void print_work(Page& page, const Counters& c) {
+  page.fact("Newton", fixed(mean_iterations(c)) + " iterations mean, " + grouped(c.most_iterations) + " max");
+  page.fact("factorizations", grouped(c.factorizations));
+  if (c.substeps > 0 || c.rejected > 0) {
+    page.fact("substeps", grouped(c.substeps) + " between grid times, " + grouped(c.rejected) + " steps halved");
+  }
+}
+
+void print_errors(Page& page, const ErrorFigures& e, std::int32_t highest) {
+  using enum Table::Align;
+  Table table({left, right, right, right});
+  const auto label = [](std::string text) { return text.append(16 - text.size(), ' '); };
+  table.row({label("error"), "position", "velocity", "acceleration"});
+  table.row({label("  residual"), error_figure(e.position), highest < 1 ? "-" : error_figure(e.velocity),
+             highest < 2 ? "-" : error_figure(e.acceleration)});
+  if (e.forward_position) {
+    const auto figure = [](const std::optional<double>& v) { return v ? error_figure(*v) : std::string("-"); };
+    table.row({label("  forward"), figure(e.forward_position), figure(e.forward_velocity),
+               figure(e.forward_acceleration)});
+  }
+  page.gap();
+  page.table(table);
+  page.gap();
+}
+
+void print_events(Page& page, const Report& report) {
+  const auto list = [&](std::string_view label, std::size_t count, const auto& text) {
+    for (std::size_t i = 0; i < std::min(count, kMostRows); ++i) page.fact(i == 0 ? label : "", text(i));
+    if (count > kMostRows) page.fact("", "and " + grouped(static_cast<std::int64_t>(count - kMostRows)) + " more");
+  };
+  list("events", report.events.size(), [&](std::size_t i) {
+    const Event& e = report.events[i];
+    return time_of(e) + (e.group.empty() ? "" : ", group " + e.group) + ": " + explained(e.kind);
+  });
+  list("fallbacks", report.fallbacks.size(), [&](std::size_t i) { return report.fallbacks[i]; });
+}
+
+}  // namespace
+
+Json to_json(const RunSummary& s) {
+  Json plan = Json::array();
+  for (const Plan::Choice& c : s.prepared.plan.choices) {
+    plan.push_back({{"class", c.group_class},
+                    {"n", c.shape.n},
+                    {"groups", c.shape.groups},
+                    {"strategy", to_string(c.strategy)},
+                    {"reason", c.reason}});
+  }
+  Json step_seconds = {{"median", nullptr}, {"p99", nullptr}, {"max", nullptr}, {"block", 1}};
+  if (s.step_seconds) {
+    const auto& f = *s.step_seconds;
+    step_seconds = {{"median", f.median}, {"p99", f.p99}, {"max", f.max}, {"block", f.block}};
+  }
+  Json events = Json::array();
+  for (const Event& e : s.report.events) {
+    events.push_back({{"time", e.time},
+                      {"until", e.until},
+                      {"group", e.group},
+                      {"kind", name(e.kind)},
+                      {"figure", e.figure}});
+  }
+  const Counters& c = s.report.counters;
+  const ErrorFigures& e = s.report.error;
+  const std::int32_t highest = derivatives(*s.prepared.structure);
+  return {{"scene", s.prepared.scene->name()},
+          {"strategy", s.strategy},
+          {"plan", std::move(plan)},
+          {"steps", s.steps},
+          {"seconds", s.seconds},
+          {"step_seconds", std::move(step_seconds)},
+          {"newton_iterations", {{"mean", mean_iterations(c)}, {"max", c.most_iterations}}},
+          {"factorizations", c.factorizations},
+          {"substeps", c.substeps},
+          {"rejected", c.rejected},
+          {"error",
+           {{"position", e.position},
+            {"velocity", highest < 1 ? Json(nullptr) : Json(e.velocity)},
+            {"acceleration", highest < 2 ? Json(nullptr) : Json(e.acceleration)},
+            {"forward_position", or_null(e.forward_position)},
+            {"forward_velocity", or_null(e.forward_velocity)},
+            {"forward_acceleration", or_null(e.forward_acceleration)},
+            {"certified_radius", nullptr}}},
+          {"left_out", to_json(s.prepared.structure->left_out)},
+          {"status", name(s.report.status.code)},
+          {"reached", s.report.reached},
+          {"events", std::move(events)},
+          {"fallbacks", s.report.fallbacks}};
+}
+
+void print(Page& page, const RunSummary& s) {
+  const TimeGrid& time = s.prepared.scene->time();
+  page.title(s.prepared.scene->name() + ": " + counted(s.steps_wanted, "step") + " of " + number(time.step) +
+             " s from t = " + number(time.start) + " s");
+  print_plan(page, s.prepared.plan);
+  page.gap();
+  print_times(page, s);
+  print_work(page, s.report.counters);
+  print_errors(page, s.report.error, derivatives(*s.prepared.structure));
+  print(page, s.prepared.structure->left_out);
+  print_events(page, s.report);
+  const Code code = s.report.status.code;
+  page.fact("status", explained(code) + (code == Code::ok ? "" : ", reached t = " + number(s.report.reached) + " s"));
+}
+
+}  // namespace assur::output

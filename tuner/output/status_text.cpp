@@ -1,0 +1,48 @@
+#include "output/status_text.hpp"
+
+#include <array>
+#include <cstdio>
+
+namespace assur::output {
+namespace {
+
+// Times need more digits than other numbers: an event is looked up by its time.
+std::string moment(double t) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.10g", t);
+  return text.data();
+}
+
+std::string_view meaning(Code code) {
+  switch (code) {
+    case Code::ok: return "done";
+    case Code::singular: return "the equations are singular";
+    case Code::not_finite: return "a value is not finite";
+    case Code::not_converged: return "Newton's method did not converge";
+    case Code::limit_reached: return "the mechanism cannot move further";
+    case Code::change_point_passed: return "two branches cross; the smooth continuation was taken";
+    case Code::branch_unknown: return "which branch continues the motion could not be decided";
+    case Code::inconsistent: return "a redundant equation is no longer satisfied";
+    case Code::out_of_range: return "a law was asked for a time outside its table";
+    case Code::actuator_zero: return "a driven distance has reached zero";
+    case Code::deadline: return "the time allowed for the step ran out";
+    case Code::interrupted: return "interrupted";
+  }
+  return "unknown";
+}
+
+}  // namespace
+
+std::string explained(Code code) {
+  std::string text(meaning(code));
+  if (code != Code::ok && text != name(code)) text += " (" + std::string(name(code)) + ")";
+  return text;
+}
+
+std::string time_of(const Event& event) {
+  std::string text = "t = " + moment(event.time);
+  if (event.until != event.time) text += " ... " + moment(event.until);
+  return text + " s";
+}
+
+}  // namespace assur::output
