@@ -1,14 +1,16 @@
 // The command `assur`: options, and the way from exceptions to exit statuses.
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <functional>
 #include <iostream>
 #include <map>
+#include <memory>
 #include <new>
+#include <sstream>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "commands/commands.hpp"
@@ -24,7 +26,7 @@ class HelpFormatter : public CLI::Formatter {
  public:
   HelpFormatter() { column_width(25); }
   std::string make_option_opts(const CLI::Option* option) const override {
-    return option->get_positional() || option->get_type_size() == 0 ? "" : " " + option->get_type_name_plain();
+    return option->get_positional() || option->get_type_size() == 0 ? "" : " " + option->get_type_name();
   }
 };
 
@@ -49,9 +51,24 @@ void take_parameter(Parameters& set, const std::string& text) {
   }
 }
 
-std::string finite(const std::string& text) {
-  double value = 0;
-  return CLI::detail::lexical_cast(text, value) && std::isfinite(value) ? "" : "expects a number, not \"" + text + "\"";
+// Checks of options; without a name, so that the help stays plain.
+CLI::Validator finite_number() {
+  return CLI::Validator(
+      [](std::string& text) {
+        double value = 0;
+        const bool fits = CLI::detail::lexical_cast(text, value) && std::isfinite(value);
+        return fits ? std::string() : "expects a number, not \"" + text + "\"";
+      },
+      "");
+}
+CLI::Validator whole_number(int least) {
+  return CLI::Validator(
+      [least](std::string& text) {
+        int value = 0;
+        const bool fits = CLI::detail::lexical_cast(text, value) && value >= least;
+        return fits ? std::string() : "expects a whole number from " + std::to_string(least) + ", not \"" + text + "\"";
+      },
+      "");
 }
 
 void add_common(CLI::App& app, Common& common) {
@@ -62,16 +79,19 @@ void add_common(CLI::App& app, Common& common) {
 }
 
 void add_scene(CLI::App& app, Common& common, std::string& scene, std::vector<std::string>& outputs) {
-  app.add_option("scene", scene, "A file or a sample: stewart, four_bar:64, ...")->required()->type_name("");
+  app.add_option("SCENE", scene, "A file or a sample: stewart, four_bar:64, ...")->required()->type_name("");
   app.add_option("--outputs", outputs, "What is wanted: C, C.velocity, angle, ...")
-      ->delimiter(',')->allow_extra_args(false)->type_name("A,B");
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->type_name("A,B");
   app.add_option_function<std::vector<std::string>>(
          "--set",
          [&common](const std::vector<std::string>& texts) {
            for (const std::string& text : texts) take_parameter(common.set, text);
          },
-         "Give a parameter of the scene another value; may be repeated")
-      ->allow_extra_args(false)->type_name("name=value");
+         "Another value for a parameter; may be repeated")
+      ->allow_extra_args(false)
+      ->type_name("name=value");
 }
 
 void add_inspect(CLI::App& app, Invocation& call) {
@@ -81,13 +101,13 @@ void add_inspect(CLI::App& app, Invocation& call) {
       {"global", Formulation::global}, {"groups", Formulation::groups}, {"irreducible", Formulation::irreducible}};
   inspect.add_option("--formulation", call.inspect.formulation, "global, groups (the default) or irreducible")
       ->transform(CLI::Validator(
-          [](std::string& text) -> std::string {
+          [](std::string& text) {
             const auto found = kFormulations.find(text);
             if (found == kFormulations.end()) return "expects global, groups or irreducible, not \"" + text + "\"";
             text = std::to_string(static_cast<int>(found->second));
-            return "";
+            return std::string();
           },
-          "", "formulation"))
+          ""))
       ->type_name("NAME");
   add_common(inspect, call.common);
   inspect.callback([&call] { call.chosen = [&call] { return command::inspect(call.common, call.inspect); }; });
@@ -97,13 +117,13 @@ void add_run(CLI::App& app, Invocation& call) {
   CLI::App& run = *app.add_subcommand("run", "Motion of a scene: position, velocity, acceleration");
   RunOptions& o = call.run;
   add_scene(run, call.common, o.scene, o.outputs);
-  const CLI::Validator number([](std::string& text) { return finite(text); }, "", "number");
-  run.add_option("--start", o.start, "First time, s")->check(number)->type_name("T");
-  run.add_option("--dt", o.dt, "Time step, s")->check(number)->type_name("S");
-  run.add_option("--steps", o.steps, "Number of steps")->check(CLI::NonNegativeNumber)->type_name("N");
-  run.add_option("--strategy", o.strategy, "How to solve it, e.g. groups/klu+once; auto by default")->type_name("TEXT");
-  run.add_option("--iterations", o.iterations, "Exactly so many Newton iterations beyond the first level")
-      ->check(CLI::PositiveNumber)->type_name("N");
+  run.add_option("--start", o.start, "First time, s")->check(finite_number())->type_name("T");
+  run.add_option("--dt", o.dt, "Time step, s")->check(finite_number())->type_name("S");
+  run.add_option("--steps", o.steps, "Number of steps")->check(whole_number(0))->type_name("N");
+  run.add_option("--strategy", o.strategy, "How to solve it: auto (the default), groups/klu, ...")->type_name("TEXT");
+  run.add_option("--iterations", o.iterations, "Newton iterations, fixed, but in the first level")
+      ->check(whole_number(1))
+      ->type_name("N");
   CLI::Option* csv = run.add_option("--csv", o.csv, "Write the trajectory; - for standard output")->type_name("FILE");
   run.add_flag("--reference", o.reference, "Compare with a solution in quad precision");
   add_common(run, call.common);
@@ -124,9 +144,12 @@ void add_backends(CLI::App& app, Invocation& call) {
 
 Exit exit_of(Error::Kind kind) {
   switch (kind) {
-    case Error::Kind::input: return kBadInput;
-    case Error::Kind::numerical: return kNumerical;
-    case Error::Kind::environment: return kEnvironment;
+    case Error::Kind::input:
+      return kBadInput;
+    case Error::Kind::numerical:
+      return kNumerical;
+    case Error::Kind::environment:
+      return kEnvironment;
   }
   return kEnvironment;
 }
@@ -142,11 +165,23 @@ Exit report(const Error& error, bool json) {
   return exit_of(error.kind());
 }
 
+// What is wrong with the arguments; CLI11 words it well but for what it does not know.
+std::string explained(const CLI::App& app, const CLI::ParseError& error) {
+  const bool unknown = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr;
+  if (!unknown && !app.get_subcommands().empty()) return error.what();
+  const std::vector<std::string> words = app.remaining(true);
+  const auto option = std::find_if(words.begin(), words.end(), [](const auto& word) { return word.starts_with("-"); });
+  if (option != words.end()) return "there is no option " + *option;
+  if (words.empty()) return "a command is missing";
+  return app.get_subcommands().empty() ? "there is no command " + words.front()
+                                       : "one argument too many: " + words.front();
+}
+
 // Bad usage: what is wrong, and where help is.
 Exit refuse(const CLI::App& app, const CLI::ParseError& error, bool json) {
   std::string command = "assur";
   for (const CLI::App* chosen : app.get_subcommands()) command += " " + chosen->get_name();
-  const Exit status = report(Error(Error::Kind::input, error.what()), json);
+  const Exit status = report(Error(Error::Kind::input, explained(app, error)), json);
   if (!json) std::cerr << "See " << command << " --help.\n";
   return status;
 }
@@ -167,6 +202,8 @@ int main(int argc, char** argv) {
   std::ios::sync_with_stdio(false);
   CLI::App app("Kinematic analysis of multibody systems by group equations.", "assur");
   Invocation call;
+  app.formatter(std::make_shared<HelpFormatter>());
+  app.footer("Exit status: 0 done, 1 numerical failure, 2 bad usage or bad scene,\n3 environment, 130 interrupted.");
   app.require_subcommand(1);
   add_run(app, call);
   add_inspect(app, call);
@@ -184,7 +221,7 @@ int main(int argc, char** argv) {
     status = refuse(app, error, json);
   }
   std::cout.flush();
-  if (!std::cout) {
+  if (!std::cout && status != kEnvironment) {
     std::cerr << "error: cannot write to standard output: " << std::strerror(errno) << '\n';
     return kEnvironment;
   }

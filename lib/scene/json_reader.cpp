@@ -155,7 +155,10 @@ Scene JsonReader::read(const std::string& name) {
   Object scene(*this, document_.root, Where(),
                {"assur", "name", "dimension", "parameters", "points", "vectors", "bodies", "constraints", "drivers",
                 "measures", "groups", "outputs", "time"});
-  if (!scene.is_object() || !read_version(scene)) throw Error(Error::Kind::input, std::move(findings_));
+  if (!scene.is_object() || !read_version(scene)) {
+    std::erase_if(findings_, [](const Diagnostic& finding) { return finding.what.empty(); });
+    throw Error(Error::Kind::input, std::move(findings_));
+  }
   read_dimension(scene);
   const JsonNode* title = scene.find("name");
   std::string own_name = title ? text(*title, scene.where() / "name", "\"four_bar\"") : name;

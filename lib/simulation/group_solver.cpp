@@ -13,7 +13,7 @@ constexpr double kConverged = 8 * kEps;      // relative residual of a solved eq
 constexpr double kRoundingLevel = 1e-12;     // where a residual that no longer falls is taken for rounding
 constexpr double kLinear = 8 * kEps;         // normwise residual of a refined linear system
 constexpr int kMostRefinements = 6;
-constexpr double kFold = 1e-3;               // cosine between left null vector and input motion that makes a fold
+constexpr double kFold = 30;                 // velocity over input velocity near a singularity that makes it a fold
 
 std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -321,6 +321,11 @@ Status GroupSolver::diagnose(Pack& pack, double* const (&state)[3]) {
       for (std::size_t l = 0; l < w; ++l) rhs_[idx(row) * w + l] -= jacobian_[idx(k) * w + l] * rate[idx(c) * w + l];
     }
   }
+  const auto input_rate = [&](std::size_t lane) {
+    double largest = 0;
+    for (std::size_t i = lane; i < input_rates_.size(); i += w) largest = std::max(largest, std::abs(input_rates_[i]));
+    return largest;
+  };
   Status worst = fail(pack, Code::branch_unknown, 1.0);
   std::vector<double> matrix;
   for (int lane = 0; lane < pack.used; ++lane) {
@@ -335,11 +340,11 @@ Status GroupSolver::diagnose(Pack& pack, double* const (&state)[3]) {
       if (!(ratio < worst.figure)) continue;
       worst = fail(pack, Code::branch_unknown, ratio, lane);
       if (ratio > 0.05) continue;
-      // At a fold the block cannot follow: what is asked of it points along the left null vector.
+      // Towards a fold the velocity along the null vector grows like 1/sigma; at a change point it stays bounded.
       Eigen::VectorXd g(n);
       for (Eigen::Index i = 0; i < n; ++i) g[i] = rhs_[idx(blocks_.equations(b)[static_cast<std::size_t>(i)]) * w + idx(lane)];
-      const double asked = std::abs(svd.matrixU().col(n - 1).dot(g));
-      worst.code = asked > kFold * g.norm() ? Code::limit_reached : Code::change_point_passed;
+      const double velocity = std::abs(svd.matrixU().col(n - 1).dot(g)) / svd.singularValues()[n - 1];
+      worst.code = velocity > kFold * input_rate(idx(lane)) ? Code::limit_reached : Code::change_point_passed;
     }
   }
   return worst;

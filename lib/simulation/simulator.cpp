@@ -313,10 +313,24 @@ struct Simulator::Impl {
     Status found = solver(packs[failed_pack]).diagnose(packs[failed_pack], state);
     if (found.code == Code::change_point_passed && !pass(target, t)) found.code = Code::branch_unknown;
     if (found.code == Code::branch_unknown && failed.code == Code::not_converged && found.figure > 0.05) found = failed;
-    const std::string& group = structure.groups[idx(found.where >= 0 ? found.where : failed.where)].name;
     const bool passed = found.code == Code::change_point_passed;
-    report.events.push_back({passed ? last_before_pass : now, passed ? now : target, group, found.code, found.figure});
+    record({passed ? last_before_pass : now, passed ? now : target,
+            structure.groups[idx(found.where >= 0 ? found.where : failed.where)].name, found.code, found.figure},
+           std::abs(t - target));
     return passed ? Status{} : found;
+  }
+
+  // The shortest steps through one change point are one event.
+  void record(Event event, double step) {
+    if (!report.events.empty()) {
+      Event& before = report.events.back();
+      if (before.kind == event.kind && before.group == event.group && std::abs(event.time - before.until) <= step) {
+        before.until = event.until;
+        before.figure = std::min(before.figure, event.figure);
+        return;
+      }
+    }
+    report.events.push_back(std::move(event));
   }
 
   // Where no velocities are computed, differences of the last two postures say where the motion goes.

@@ -142,7 +142,8 @@ TEST(Json, BodiesAndPoses) {
     "points": {"O": {"at": [0, 0, 1]}, "Q": {"at": [2, 0, 0]}, "A": {"at": [0, 0, 0]}, "B": {"at": [1, 0, 0]},
                "C": {"at": [0, 1, 0]}},
     "vectors": {"u": {"at": [1, 0, 0]}, "v": {"at": [0, 1, 0]}, "w": {"at": [0, 0, 1]}},
-    "bodies": {"terminal": {"origin": "O", "frame": ["u", "v", "w"], "points": {"P1": [0.3, 0, 0]}, "vectors": {"t1": [0, 1, 0]}},
+    "bodies": {"terminal": {"origin": "O", "frame": ["u", "v", "w"], "points": {"P1": [0.3, 0, 0]},
+      "vectors": {"t1": [0, 1, 0]}},
                "plate": {"base": ["A", "B", "C"], "points": {"M": [0.1, 0.2, 0.3]}},
                "cart": {"origin": "Q", "points": {"K": [1, 1, 1]}},
                "ground": {"points": {"G": [0, 0, 0]}}},
@@ -175,14 +176,16 @@ TEST(Json, PoseInThePlane) {
   const Scene scene = parse_scene(plane(R"(
     "points": {"A": {"at": [0, 0]}, "B": {"at": [1, 0]}},
     "bodies": {"bar": {"base": ["A", "B"]}},
-    "drivers": {"carry": {"pose": "bar", "translation": [{"constant": 1}, {"constant": 2}], "rotation": {"angle": {"constant": 3}}}})"));
+    "drivers": {"carry": {"pose": "bar", "translation": [{"constant": 1}, {"constant": 2}],
+      "rotation": {"angle": {"constant": 3}}}})"));
   ASSERT_EQ(as<Pose>(scene.drivers()[0]).rotation.size(), 1u);
   EXPECT_EQ(as<Pose>(scene.drivers()[0]).rotation[0](0).value, 3);
 }
 
 TEST(Json, DriversAndMeasuresInSpace) {
   const Scene scene = parse_scene(space(R"(
-    "points": {"A": {"at": [0, 0, 0], "fixed": true}, "B": {"at": [1, 0, 0]}, "C": {"at": [0, 1, 0]}, "D": {"at": [0, 1, 1]}},
+    "points": {"A": {"at": [0, 0, 0], "fixed": true}, "B": {"at": [1, 0, 0]}, "C": {"at": [0, 1, 0]},
+      "D": {"at": [0, 1, 1]}},
     "vectors": {"z": {"at": [0, 0, 1], "fixed": true}, "u": {"at": [1, 0, 0]}, "v": {"at": [0, 1, 0]}},
     "constraints": {"slot": {"on_line": ["D", "A", "u"]}},
     "drivers": {"turn": {"angle": ["A", "B"], "axis": "z", "law": {"constant": 0}},
@@ -207,7 +210,8 @@ TEST(Json, DriversAndMeasuresInSpace) {
 TEST(Json, AngleOfMembersIsAnAngleOfPoints) {
   const Scene scene = parse_scene(plane(R"(
     "points": {"A": {"at": [0, 0]}, "B": {"at": [1, 0]}},
-    "bodies": {"bar": {"base": ["A", "B"], "points": {"M": [0, 1]}}, "ground": {"points": {"G": [0, 0]}, "vectors": {"x": [1, 0]}}},
+    "bodies": {"bar": {"base": ["A", "B"], "points": {"M": [0, 1]}}, "ground": {"points": {"G": [0, 0]},
+      "vectors": {"x": [1, 0]}}},
     "drivers": {"turn": {"angle": ["G", "M"], "law": {"constant": 0}}},
     "measures": {"lean": {"angle": ["x", ["A", "M"]]}})"));
   EXPECT_EQ(as<PointAngle>(scene.drivers()[0]).b, "M");
@@ -242,8 +246,10 @@ TEST(Json, Laws) {
 TEST(Json, ExpressionsWhereverANumberStands) {
   const std::string text = plane(R"x(
     "parameters": {"rod": "=2*crank", "crank": 0.8, "omega": "=2*pi"},
-    "points": {"A": {"at": [0, 0], "fixed": true}, "B": {"at": ["=crank", "=sin(0)"]}, "C": {"at": ["=crank + rod", 1]}},
-    "constraints": {"link": {"distance": ["B", "C"], "value": "=rod+0.1"}, "half": {"linear": [["C", "=1/2"]], "value": "=crank"}},
+    "points": {"A": {"at": [0, 0], "fixed": true}, "B": {"at": ["=crank", "=sin(0)"]},
+      "C": {"at": ["=crank + rod", 1]}},
+    "constraints": {"link": {"distance": ["B", "C"], "value": "=rod+0.1"}, "half": {"linear": [["C", "=1/2"]],
+      "value": "=crank"}},
     "drivers": {"motor": {"angle": ["A", "B"], "law": {"polynomial": [0, "=omega"]}}},
     "time": {"start": "=0", "end": "=rod/1.6", "step": "=1/8"})x");
   const Scene scene = parse_scene(text);

@@ -33,8 +33,8 @@ struct RunOptions {
   std::optional<std::int64_t> steps;  // left out: up to the scene's end
   std::vector<std::string> outputs;   // empty: those of the scene
   std::string strategy = "auto";
-  int iterations = 0;                 // 0: as many as convergence takes
-  std::string csv;                    // "-": standard output; empty: none
+  int iterations = 0;  // 0: as many as convergence takes
+  std::string csv;     // "-": standard output; empty: none
   bool reference = false;
 };
 

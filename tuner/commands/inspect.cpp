@@ -17,9 +17,9 @@ using output::Json;
 using output::Page;
 using output::Table;
 
-constexpr std::size_t kMostRows = 20;      // more groups are shown by class
-constexpr std::size_t kMostClasses = 40;   // more classes are counted
-constexpr std::size_t kLongestName = 24;   // columns
+constexpr std::size_t kMostRows = 20;     // more groups are shown by class
+constexpr std::size_t kMostClasses = 40;  // more classes are counted
+constexpr std::size_t kLongestName = 20;  // columns
 
 std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -27,7 +27,6 @@ std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 struct ClassFigures {
   std::int64_t groups = 0;
   const Group* first = nullptr;
-  const Group* last = nullptr;
   std::int32_t lowest_level = 0, highest_level = 0;
   std::int32_t nnz = 0;
   std::int32_t fill = -1;  // -1: the Jacobian is singular at the start posture
@@ -43,7 +42,6 @@ std::vector<ClassFigures> class_figures(const Structure& s) {
       f.nnz = s.pattern(g.group_class).nnz();
       if (s.cannot_assemble.empty()) f.fill = s.fill(g);
     }
-    f.last = &g;
     f.highest_level = g.level;  // groups ascend by level
   }
   return figures;
@@ -170,17 +168,15 @@ Table group_table(const Structure& s, const std::vector<ClassFigures>& figures) 
   return table;
 }
 
-// One row for each class: "SG_HS1 ... SG_HS6000".
+// One row for each class, with the name of its first group.
 Table class_table(const std::vector<ClassFigures>& figures) {
   using enum Table::Align;
   Table table({right, right, left, right, right, right, left, left});
-  table.row({"class", "groups", "from ... to", "unknowns", "nonzeros", "fill", "levels", "up to"});
+  table.row({"class", "groups", "first", "unknowns", "nonzeros", "fill", "levels", "up to"});
   for (std::size_t c = 0; c < std::min(figures.size(), kMostClasses); ++c) {
     const ClassFigures& f = figures[c];
-    const std::string first = output::shortened(f.first->name, kLongestName / 2);
-    const std::string last = output::shortened(f.last->name, kLongestName / 2);
     const std::string level = std::to_string(f.lowest_level);
-    table.row({std::to_string(c), grouped(f.groups), f.groups == 1 ? first : first + " ... " + last,
+    table.row({std::to_string(c), grouped(f.groups), output::shortened(f.first->name, kLongestName - 6),
                unknowns_of(*f.first), grouped(f.nnz), fill_of(f),
                f.lowest_level == f.highest_level ? level : level + "-" + std::to_string(f.highest_level),
                up_to(*f.first)});
@@ -213,8 +209,9 @@ std::string blocks_of(const GroupClass& c) {
     const std::size_t run = static_cast<std::size_t>(run_end - sizes.begin()) - k;
     const std::size_t written = run > 3 ? run : 1;
     text += text.empty() ? "" : " + ";
-    text += terms == kMostTerms ? "..." : written > 1 ? std::to_string(run) + " x " + std::to_string(sizes[k])
-                                                      : std::to_string(sizes[k]);
+    text += terms == kMostTerms ? "..."
+            : written > 1       ? std::to_string(run) + " x " + std::to_string(sizes[k])
+                                : std::to_string(sizes[k]);
     k += written;
   }
   return text;
@@ -239,9 +236,9 @@ void print_irreducible(Page& page, const Structure& s, const Irreducible& split)
       say("class " + std::to_string(c) + ": " + grouped(s.classes[c].n) + " = " + blocks_of(s.classes[c]));
     }
   }
-  const std::string left = split.sizes.size() == 1 ? counted(split.groups, "group") + " of " +
-                                                         grouped(split.sizes.begin()->first)
-                                                   : counted(split.groups, "group") + ": " + sizes_of(split);
+  const std::string left = split.sizes.size() == 1
+                               ? counted(split.groups, "group") + " of " + grouped(split.sizes.begin()->first)
+                               : counted(split.groups, "group") + ": " + sizes_of(split);
   say(split.eliminated > 0
           ? "linear equations eliminate " + counted(split.eliminated, "unknown") + ", which leaves " + left
           : left + "; no linear equation eliminates an unknown");
@@ -278,7 +275,7 @@ void print(Page& page, const Scene& scene, const Structure& s, const std::vector
   print_counts(page, s);
   print_groups(page, s, figures);
   page.gap();
-  print_irreducible(page, s, split);
+  if (split.groups > 0) print_irreducible(page, s, split);
   output::print(page, s.left_out);
   print_findings(page, scene, s);
 }

@@ -7,10 +7,10 @@
 namespace assur::measure {
 namespace {
 
-constexpr double kShort = 1e-6;       // s: shorter steps are measured in blocks
-constexpr double kBlockLength = 4e-6; // s: the clock's own 30 ns or so are below one per cent of it
-constexpr int kTrial = 64;            // steps that decide on blocks; the longest block
-constexpr int kClockCalls = 101;      // whose median is the cost of one
+constexpr double kShort = 1e-6;        // s: shorter steps are measured in blocks
+constexpr double kBlockLength = 4e-6;  // s: the clock's own 30 ns or so are below one per cent of it
+constexpr int kTrial = 64;             // steps that decide on blocks; the longest block
+constexpr int kClockCalls = 101;       // whose median is the cost of one
 
 double ranked(std::vector<double>& values, double share) {
   const auto rank = static_cast<std::ptrdiff_t>(std::ceil(share * static_cast<double>(values.size()))) - 1;

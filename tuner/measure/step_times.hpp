@@ -41,11 +41,11 @@ class StepTimes {
   void consider_blocks();
 
   Clock clock_;
-  double cost_ = 0;                // s of one clock call
-  double first_ = 0, last_ = 0;    // readings
+  double cost_ = 0;              // s of one clock call
+  double first_ = 0, last_ = 0;  // readings
   bool started_ = false;
   int block_ = 1, until_read_ = 1;
-  std::vector<double> samples_;    // s for `block_` steps
+  std::vector<double> samples_;  // s for `block_` steps
 };
 
 }  // namespace assur::measure

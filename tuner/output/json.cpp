@@ -5,9 +5,12 @@ namespace {
 
 const char* name(Error::Kind kind) {
   switch (kind) {
-    case Error::Kind::input: return "input";
-    case Error::Kind::numerical: return "numerical";
-    case Error::Kind::environment: return "environment";
+    case Error::Kind::input:
+      return "input";
+    case Error::Kind::numerical:
+      return "numerical";
+    case Error::Kind::environment:
+      return "environment";
   }
   return "unknown";
 }

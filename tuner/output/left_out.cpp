@@ -45,8 +45,8 @@ void print(Page& page, const LeftOut& left_out) {
   std::map<std::string_view, std::vector<std::string>> by_fate;
   for (const LeftOut::Level& l : left_out.levels) by_fate[fate(l)].push_back(l.group);
   for (const auto& [what, groups] : by_fate) {
-    say(std::string(what) + ": " + (groups.size() > 20 ? counted(static_cast<std::int64_t>(groups.size()), "group")
-                                                       : listed(groups)));
+    say(std::string(what) + ": " +
+        (groups.size() > 20 ? counted(static_cast<std::int64_t>(groups.size()), "group") : listed(groups)));
   }
   if (!label.empty()) say("nothing: the outputs need all of it");
 }

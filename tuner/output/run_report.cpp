@@ -108,8 +108,8 @@ void print_errors(Page& page, const ErrorFigures& e, std::int32_t highest) {
              highest < 2 ? "-" : error_figure(e.acceleration)});
   if (e.forward_position) {
     const auto figure = [](const std::optional<double>& v) { return v ? error_figure(*v) : std::string("-"); };
-    table.row({label("  forward"), figure(e.forward_position), figure(e.forward_velocity),
-               figure(e.forward_acceleration)});
+    table.row(
+        {label("  forward"), figure(e.forward_position), figure(e.forward_velocity), figure(e.forward_acceleration)});
   }
   page.gap();
   page.table(table);
@@ -146,11 +146,8 @@ Json to_json(const RunSummary& s) {
   }
   Json events = Json::array();
   for (const Event& e : s.report.events) {
-    events.push_back({{"time", e.time},
-                      {"until", e.until},
-                      {"group", e.group},
-                      {"kind", name(e.kind)},
-                      {"figure", e.figure}});
+    events.push_back(
+        {{"time", e.time}, {"until", e.until}, {"group", e.group}, {"kind", name(e.kind)}, {"figure", e.figure}});
   }
   const Counters& c = s.report.counters;
   const ErrorFigures& e = s.report.error;
@@ -192,7 +189,9 @@ void print(Page& page, const RunSummary& s) {
   print(page, s.prepared.structure->left_out);
   print_events(page, s.report);
   const Code code = s.report.status.code;
-  page.fact("status", explained(code) + (code == Code::ok ? "" : ", reached t = " + number(s.report.reached) + " s"));
+  page.fact("status", code == Code::ok ? "done"
+                                       : std::string(name(code)) + " after " + counted(s.steps, "step") +
+                                             ", at t = " + number(s.report.reached) + " s");
 }
 
 }  // namespace assur::output

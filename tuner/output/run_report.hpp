@@ -15,10 +15,10 @@ namespace assur::output {
 struct RunSummary {
   const Prepared& prepared;
   const Report& report;
-  std::string strategy;               // as asked for
-  std::int64_t steps = 0;             // done
+  std::string strategy;    // as asked for
+  std::int64_t steps = 0;  // done
   std::int64_t steps_wanted = 0;
-  double seconds = 0;                 // the run, start to end
+  double seconds = 0;                                       // the run, start to end
   std::optional<measure::StepTimes::Figures> step_seconds;  // none if there was no step
 };
 

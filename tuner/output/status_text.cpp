@@ -15,18 +15,30 @@ std::string moment(double t) {
 
 std::string_view meaning(Code code) {
   switch (code) {
-    case Code::ok: return "done";
-    case Code::singular: return "the equations are singular";
-    case Code::not_finite: return "a value is not finite";
-    case Code::not_converged: return "Newton's method did not converge";
-    case Code::limit_reached: return "the mechanism cannot move further";
-    case Code::change_point_passed: return "two branches cross; the smooth continuation was taken";
-    case Code::branch_unknown: return "which branch continues the motion could not be decided";
-    case Code::inconsistent: return "a redundant equation is no longer satisfied";
-    case Code::out_of_range: return "a law was asked for a time outside its table";
-    case Code::actuator_zero: return "a driven distance has reached zero";
-    case Code::deadline: return "the time allowed for the step ran out";
-    case Code::interrupted: return "interrupted";
+    case Code::ok:
+      return "done";
+    case Code::singular:
+      return "the equations are singular";
+    case Code::not_finite:
+      return "a value is not finite";
+    case Code::not_converged:
+      return "Newton's method did not converge";
+    case Code::limit_reached:
+      return "the mechanism cannot move further";
+    case Code::change_point_passed:
+      return "two branches cross; the smooth continuation was taken";
+    case Code::branch_unknown:
+      return "which branch continues the motion could not be decided";
+    case Code::inconsistent:
+      return "a redundant equation is no longer satisfied";
+    case Code::out_of_range:
+      return "a law was asked for a time outside its table";
+    case Code::actuator_zero:
+      return "a driven distance has reached zero";
+    case Code::deadline:
+      return "the time allowed for the step ran out";
+    case Code::interrupted:
+      return "interrupted";
   }
   return "unknown";
 }
