@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -40,6 +41,9 @@ struct Prepared {
   Plan plan;
   std::span<const Backend> table;  // where the plan's backends are found
   std::vector<std::string> controlled;
+  // Chooses anew among redundant equations at a posture (all coordinates, internal units) and time; empty if there are
+  // none.
+  std::function<Prepared(std::vector<double> posture, double time)> reselect;
 };
 
 // Analyses the scene and assembles its start posture. Throws Error: input for a strategy text that does not parse or an

@@ -52,6 +52,9 @@ struct GroupClass {
   friend bool operator==(const GroupClass&, const GroupClass&) = default;
 };
 
+// Nonzeros of a class's Jacobian, columns in the order of its unknowns, rows in the order of its equations.
+[[nodiscard]] Pattern jacobian_pattern(const GroupClass& group_class);
+
 struct Group {
   std::string name;
   std::int32_t of = 0;           // unknowns before the cut; n of the class are solved
@@ -106,8 +109,9 @@ struct Structure {
   LeftOut left_out;
 
   std::vector<std::int32_t> checks;        // equations that are watched, not solved
-  // The watched ones whose coordinates are all known or solved, as a group without unknowns; group_class -1: none.
+  // The watched ones that move, as a group without unknowns.
   Group watch;
+  GroupClass watch_class;                  // no equations: nothing to watch
   std::vector<std::int32_t> static_coordinates;  // solved once
   std::vector<double> start;               // assembled posture, all coordinates, internal units
   std::vector<Diagnostic> notes;           // assembly: other mode than the guess, a singular start, ...
@@ -117,7 +121,6 @@ struct Structure {
   [[nodiscard]] Shape shape(const Group& group) const;
   // Nonzeros of L + U of a group's Jacobian at the start posture, columns ordered by COLAMD-like minimum degree.
   [[nodiscard]] std::int32_t fill(const Group& group) const;
-  // Nonzeros of the class's Jacobian, columns in the order of its unknowns, rows in the order of its equations.
   [[nodiscard]] Pattern pattern(std::int32_t group_class) const;
 };
 
@@ -127,6 +130,10 @@ struct StructureOptions {
   std::int32_t predictor_derivatives = 0;
   // Drivers that the program sets itself; they count as moving even if their law is constant.
   std::vector<std::string> controlled;
+  // Where to look instead of the guess at the scene's start: a posture (all coordinates of Structure::system, internal
+  // units) and its time. The independent ones among redundant equations are chosen there.
+  std::vector<double> posture;
+  double time = 0;
 };
 
 // Finds the groups of a scene and assembles its start posture. Throws Error (input) for a declared group that is no

@@ -28,9 +28,7 @@ void refuse_undetermined(const Structure& s) {
   throw Error(Error::Kind::input, "undetermined: nothing fixes " + names + "; add a constraint or a driver");
 }
 
-}  // namespace
-
-Prepared prepare(const Scene& scene, const PrepareOptions& options) {
+Prepared prepare_at(const Scene& scene, const PrepareOptions& options, std::vector<double> posture, double time) {
   const bool automatic = options.strategy == "auto";
   const Strategy wanted = parse_strategy(automatic ? "irreducible/eigen" : options.strategy);
   if (wanted.p * wanted.q != 1 || wanted.chunks != 1 || wanted.single || wanted.refine || wanted.reuse != Reuse::fresh) {
@@ -41,6 +39,8 @@ Prepared prepare(const Scene& scene, const PrepareOptions& options) {
   StructureOptions structure_options;
   structure_options.formulation = wanted.formulation;
   structure_options.controlled = options.controlled;
+  structure_options.posture = std::move(posture);
+  structure_options.time = time;
   if (wanted.predictor.kind == Predictor::Kind::taylor) structure_options.predictor_derivatives = wanted.predictor.order;
   if (wanted.predictor.kind == Predictor::Kind::hermite) structure_options.predictor_derivatives = 2;
 
@@ -76,8 +76,15 @@ Prepared prepare(const Scene& scene, const PrepareOptions& options) {
     }
     out.plan.choices.push_back(std::move(choice));
   }
+  if (!structure->redundant.empty()) {
+    out.reselect = [scene, options](std::vector<double> at, double t) { return prepare_at(scene, options, std::move(at), t); };
+  }
   out.structure = std::move(structure);
   return out;
 }
+
+}  // namespace
+
+Prepared prepare(const Scene& scene, const PrepareOptions& options) { return prepare_at(scene, options, {}, 0); }
 
 }  // namespace assur

@@ -152,13 +152,12 @@ void JsonReader::each(const JsonNode* section, const Where& where,
 // ---- the scene
 
 Scene JsonReader::read(const std::string& name) {
+  check_version();
   Object scene(*this, document_.root, Where(),
                {"assur", "name", "dimension", "parameters", "points", "vectors", "bodies", "constraints", "drivers",
                 "measures", "groups", "outputs", "time"});
-  if (!scene.is_object() || !read_version(scene)) {
-    std::erase_if(findings_, [](const Diagnostic& finding) { return finding.what.empty(); });
-    throw Error(Error::Kind::input, std::move(findings_));
-  }
+  if (!scene.is_object()) throw Error(Error::Kind::input, std::move(findings_));
+  (void)scene.need("assur", "the version of the format, \"assur\": 1");
   read_dimension(scene);
   const JsonNode* title = scene.find("name");
   std::string own_name = title ? text(*title, scene.where() / "name", "\"four_bar\"") : name;
@@ -187,11 +186,10 @@ Scene JsonReader::read(const std::string& name) {
 }
 
 // Another version may mean anything: then nothing else is read.
-bool JsonReader::read_version(Object& scene) {
-  const JsonNode* version = scene.need("assur", "the version of the format, \"assur\": 1");
-  if (version == nullptr || (version->is(Type::number) && version->number == 1)) return true;
-  note(scene.where() / "assur", "this version of the format is not known; \"assur\": 1 is");
-  return false;
+void JsonReader::check_version() const {
+  const JsonNode* version = document_.root.find("assur");
+  if (version == nullptr || (version->is(Type::number) && version->number == 1)) return;
+  throw Error(Error::Kind::input, {{"/assur", "this version of the format is not known; \"assur\": 1 is"}});
 }
 
 void JsonReader::read_dimension(Object& scene) {

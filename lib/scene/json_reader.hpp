@@ -76,7 +76,7 @@ class JsonReader {
             const std::function<void(const std::string&, const JsonNode&, const Where&)>& read);
 
   // sections (json_reader.cpp, json_sections.cpp)
-  bool read_version(Object& scene);
+  void check_version() const;
   void read_dimension(Object& scene);
   void read_parameters(const JsonNode* section);
   void remember_names(const JsonNode& scene);

@@ -23,6 +23,8 @@ class Inputs {
   void begin_step(double now, double next);
   void end_step(double now);
   void reset();
+  // Takes over what was set in `other`, of the same scene.
+  void continue_from(const Inputs& other) { controls_ = other.controls_; }
 
  private:
   struct Control {

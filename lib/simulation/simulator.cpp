@@ -22,7 +22,7 @@ std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 }  // namespace
 
 struct Simulator::Impl {
-  Impl(Prepared p, StepLimits l)
+  Impl(Prepared p, StepLimits l, double start_time)
       : prepared(std::move(p)),
         limits(l),
         structure(*prepared.structure),
@@ -32,8 +32,7 @@ struct Simulator::Impl {
     outputs = std::make_unique<OutputProgram>(system, address);
     row.resize(outputs->columns().size());
     previous_row.resize(row.size());
-    report.events.reserve(kEventsReserved);
-    start();
+    start(start_time);
   }
 
   // ---- construction
@@ -84,7 +83,7 @@ struct Simulator::Impl {
       for (int d = 0; d < levels; ++d) posture[idx(d)].assign(next - first_unknown, 0.0);
     }
     times.reserve(idx(depth));
-    if (structure.watch.group_class >= 0) lay_out_watch();
+    if (!structure.watch_class.equations.empty()) lay_out_watch();
   }
 
   // Groups of one class on one level, up to W side by side.
@@ -114,8 +113,8 @@ struct Simulator::Impl {
   }
 
   void lay_out_watch() {
-    const GroupClass& c = structure.classes[idx(structure.watch.group_class)];
-    watch_program = std::make_unique<Program>(compile(c, structure.pattern(structure.watch.group_class)));
+    const GroupClass& c = structure.watch_class;
+    watch_program = std::make_unique<Program>(compile(c, jacobian_pattern(c)));
     watch = make_evaluator(system, *watch_program, 1);
     std::vector<double> constants;
     for (const std::int32_t k : structure.watch.constants) constants.push_back(system.constants[idx(k)]);
@@ -129,12 +128,11 @@ struct Simulator::Impl {
   GroupSolver& solver_of(std::int32_t group_class) { return *solvers[idx(group_class)]; }
   GroupSolver& solver(const Pack& pack) { return solver_of(pack.group_class); }
 
-  void start() {
-    now = prepared.scene->time().start;
+  void start(double time) {
+    now = time;
     inputs.reset();
     report = Report{};
     report.events.reserve(kEventsReserved);
-    report.fallbacks.clear();
     times.clear();
     for (int d = 0; d < 3; ++d) std::fill(values[d].begin(), values[d].end(), 0.0);
     values[0][kOne] = 1.0;
@@ -236,7 +234,6 @@ struct Simulator::Impl {
     report.error.position = std::max(report.error.position, errors.position);
     report.error.velocity = std::max(report.error.velocity, errors.velocity);
     report.error.acceleration = std::max(report.error.acceleration, errors.acceleration);
-    ++report.counters.substeps;
   }
 
   // Back to the last accepted posture.
@@ -252,7 +249,9 @@ struct Simulator::Impl {
 
   // ---- one step
 
-  Status step_to(double t) {
+  // `may_reselect`: at a singularity return with wants_reselection set, if there are redundant equations to choose from.
+  Status step_to(double t, bool may_reselect) {
+    wants_reselection = false;
     if (t == now) return {};
     if (limits.seconds > 0) {
       deadline = std::chrono::steady_clock::now() +
@@ -267,6 +266,7 @@ struct Simulator::Impl {
       const Status s = try_step(target, Attempt::Branch::inside);
       if (s.ok()) {
         h = std::min(std::abs(2 * h), std::abs(span)) * (span < 0 ? -1 : 1);
+        if (now != t) ++report.counters.substeps;
         continue;
       }
       ++report.counters.rejected;
@@ -277,6 +277,11 @@ struct Simulator::Impl {
       if (std::abs(h) > smallest * 1.5) {
         h = (target - now) / 2;
         continue;
+      }
+      if (may_reselect && prepared.reselect && now != selected_at) {
+        wants_reselection = true;
+        status = s;
+        break;
       }
       status = at_the_limit(s, target, t);
       if (!status.ok()) break;
@@ -367,6 +372,33 @@ struct Simulator::Impl {
     return passed;
   }
 
+  // ---- redundant equations
+
+  // The same motion with another independent set of the redundant equations, chosen at the last accepted posture; null if
+  // that is the set at hand or cannot be started there.
+  std::unique_ptr<Impl> reselected() {
+    std::vector<double> posture = system.guess;  // coordinates that presolve eliminated follow from the others
+    for (std::size_t c = 0; c < address.size(); ++c) {
+      if (address[c] >= 0) posture[c] = values[0][idx(address[c])];
+    }
+    try {
+      Prepared chosen = prepared.reselect(std::move(posture), now);
+      if (chosen.structure->checks == structure.checks) return nullptr;
+      chosen.reselect = prepared.reselect;
+      auto next = std::make_unique<Impl>(std::move(chosen), limits, now);
+      next->inputs.continue_from(inputs);
+      next->selected_at = now;
+      next->first_structure = first_structure != nullptr ? first_structure : std::make_shared<const Prepared>(prepared);
+      next->report = std::move(report);
+      next->row = row;
+      next->report.fallbacks.push_back("t = " + std::to_string(now) +
+                                       " s: an equation set became singular; another one of the redundant equations is solved");
+      return next;
+    } catch (const Error&) {
+      return nullptr;
+    }
+  }
+
   // ---- results
 
   void fill_row(bool unwrap, double dt = 0) {
@@ -392,6 +424,8 @@ struct Simulator::Impl {
   int depth = 1, levels = 1;
   double now = 0;
   double last_before_pass = 0;
+  bool wants_reselection = false;
+  double selected_at = std::numeric_limits<double>::quiet_NaN();  // time of the last reselection
   std::size_t failed_pack = 0;
   std::chrono::steady_clock::time_point deadline;
   std::unique_ptr<Program> watch_program;
@@ -399,25 +433,44 @@ struct Simulator::Impl {
   std::vector<double> watch_coefficients, watch_inputs, watch_phi, watch_scale;
   std::unique_ptr<OutputProgram> outputs;
   std::vector<double> row, previous_row;
+  std::shared_ptr<const Prepared> first_structure;  // what reset() goes back to, after a reselection
   Report report;
 };
 
-Simulator::Simulator(Prepared prepared, StepLimits limits) : impl_(std::make_unique<Impl>(std::move(prepared), limits)) {}
+Simulator::Simulator(Prepared prepared, StepLimits limits) {
+  const double start = prepared.scene->time().start;
+  impl_ = std::make_unique<Impl>(std::move(prepared), limits, start);
+}
 Simulator::Simulator(Simulator&&) noexcept = default;
 Simulator& Simulator::operator=(Simulator&&) noexcept = default;
 Simulator::~Simulator() = default;
 
 double Simulator::time() const { return impl_->now; }
 
-Status Simulator::step(double t) { return impl_->step_to(t); }
+Status Simulator::step(double t) {
+  Status status = impl_->step_to(t, true);
+  if (!impl_->wants_reselection) return status;
+  if (auto next = impl_->reselected()) {
+    impl_ = std::move(next);
+    return step(t);
+  }
+  return impl_->step_to(t, false);
+}
 
 void Simulator::set(std::string_view driver, double value, double rate, double acceleration) {
   impl_->inputs.set(driver, {value, rate, acceleration});
 }
 
-Status Simulator::step() { return impl_->step_to(impl_->now + impl_->prepared.scene->time().step); }
+Status Simulator::step() { return step(impl_->now + impl_->prepared.scene->time().step); }
 
-void Simulator::reset() { impl_->start(); }
+void Simulator::reset() {
+  const double start = impl_->prepared.scene->time().start;
+  if (impl_->first_structure != nullptr) {
+    impl_ = std::make_unique<Impl>(*impl_->first_structure, impl_->limits, start);
+  } else {
+    impl_->start(start);
+  }
+}
 
 Trajectory Simulator::run(const Observer& observer) {
   const TimeGrid& grid = impl_->prepared.scene->time();
@@ -440,7 +493,7 @@ Trajectory Simulator::run(std::span<const double> times, const Observer& observe
   }
   const auto of = static_cast<std::int64_t>(times.size());
   for (const double t : times) {
-    if (!impl_->step_to(t).ok()) break;
+    if (!step(t).ok()) break;
     out.times_.push_back(t);
     out.values_.insert(out.values_.end(), impl_->row.begin(), impl_->row.end());
     if (observer && !observer(static_cast<std::int64_t>(out.times_.size()), of)) {

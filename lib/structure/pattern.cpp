@@ -23,8 +23,9 @@ Shape Structure::shape(const Group& group) const {
   return s;
 }
 
-Pattern Structure::pattern(std::int32_t group_class) const {
-  const GroupClass& c = classes[idx(group_class)];
+Pattern Structure::pattern(std::int32_t group_class) const { return jacobian_pattern(classes[idx(group_class)]); }
+
+Pattern jacobian_pattern(const GroupClass& c) {
   std::vector<std::set<Index>> rows(idx(c.n));  // for each column
   for (Index i = 0; i < c.n; ++i) {
     const GroupClass::Equation& e = c.equations[idx(i)];

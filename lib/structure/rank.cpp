@@ -47,7 +47,7 @@ Eigen::VectorXd combination(const Qr& qr, Eigen::Index k) {
 
 }  // namespace
 
-RankStudy study_rank(const System& s, std::span<const Index> equations, std::span<const Index> unknowns,
+RankStudy study_rank(const System& s, std::span<const Index> equations, std::span<const Index> unknowns, double time,
                      std::vector<double>& q, std::vector<Index>& column) {
   RankStudy out;
   const DenseBlock block(s, equations, unknowns, column);
@@ -63,7 +63,7 @@ RankStudy study_rank(const System& s, std::span<const Index> equations, std::spa
   std::vector<Eigen::MatrixXd> postures = {scaled(block.jacobian(q))};
   std::vector<double> on_path = q;
   for (int step = 1; step <= 7 && grid.step > 0; ++step) {
-    if (!drive(s, grid.start + step * grid.step, on_path.data(), nullptr, nullptr).ok()) break;
+    if (!drive(s, time + step * grid.step, on_path.data(), nullptr, nullptr).ok()) break;
     if (fit(s, equations, unknowns, on_path, column) > 1e-10) break;
     if (step == 3 || step == 7) postures.push_back(scaled(block.jacobian(on_path)));
   }
@@ -82,13 +82,26 @@ RankStudy study_rank(const System& s, std::span<const Index> equations, std::spa
     return equations[static_cast<std::size_t>(rows.colsPermutation().indices()[k])];
   };
   for (Eigen::Index k = 0; k < block.rows(); ++k) (k < rank[best] ? out.kept : out.dropped).push_back(equation_at(k));
-  for (Eigen::Index k = rank[best]; k < block.rows(); ++k) {
-    const Eigen::VectorXd c = combination(rows, k);
-    std::set<std::string> names = {s.equation_name(equation_at(k))};
-    for (Eigen::Index i = 0; i < c.size(); ++i) {
-      if (std::abs(c[i]) > kNonzero * std::max(1.0, c.cwiseAbs().maxCoeff())) names.insert(s.equation_name(equation_at(i)));
+  // The null vectors of every posture: an entry may vanish in one of them by chance.
+  std::vector<std::set<std::string>> names(static_cast<std::size_t>(block.rows() - rank[best]));
+  for (const Eigen::MatrixXd& posture : postures) {
+    const Eigen::MatrixXd permuted = rows.colsPermutation().transpose() * posture;
+    const Eigen::MatrixXd kept = permuted.topRows(rank[best]).transpose();
+    const Qr basis = factor(kept);
+    if (basis.rank() < rank[best]) continue;
+    for (Eigen::Index k = rank[best]; k < block.rows(); ++k) {
+      const Eigen::VectorXd c = basis.solve(permuted.row(k).transpose());
+      for (Eigen::Index i = 0; i < c.size(); ++i) {
+        if (std::abs(c[i]) > kNonzero * std::max(1.0, c.cwiseAbs().maxCoeff())) {
+          names[static_cast<std::size_t>(k - rank[best])].insert(s.equation_name(equation_at(i)));
+        }
+      }
     }
-    out.redundant.push_back({{names.begin(), names.end()}, s.equation_name(equation_at(k))});
+  }
+  for (Eigen::Index k = rank[best]; k < block.rows(); ++k) {
+    std::set<std::string>& set = names[static_cast<std::size_t>(k - rank[best])];
+    set.insert(s.equation_name(equation_at(k)));
+    out.redundant.push_back({{set.begin(), set.end()}, s.equation_name(equation_at(k))});
   }
   std::sort(out.kept.begin(), out.kept.end());
 

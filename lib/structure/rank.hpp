@@ -19,9 +19,9 @@ struct RankStudy {
   double residual = 0;                     // relative, of all equations at the start; large: inconsistent
 };
 
-// Looks at the start posture (q, which is fitted to the equations first) and at two further postures on the path.
+// Looks at the posture q at `time`, which is fitted to the equations first, and at two further postures on the path.
 [[nodiscard]] RankStudy study_rank(const System& system, std::span<const Index> equations,
-                                   std::span<const Index> unknowns, std::vector<double>& q,
+                                   std::span<const Index> unknowns, double time, std::vector<double>& q,
                                    std::vector<Index>& column);
 
 }  // namespace assur

@@ -39,7 +39,8 @@ class Analysis {
     out_.formulation = options.formulation;
     out_.notes = s_.notes;
     column_.assign(s_.coordinates.size(), -1);
-    q_ = s_.guess;
+    q_ = options.posture.empty() ? s_.guess : options.posture;
+    time_ = options.posture.empty() ? scene.time().start : options.time;
   }
 
   Structure run() {
@@ -47,6 +48,7 @@ class Analysis {
     split_equations();
     blocks_ = decompose(s_, equations_, unknowns_);
     assemble_start();
+    check_handedness();
     if (out_.cannot_assemble.empty()) eliminate_linear_equations();
     find_what_moves();
     form_groups();
@@ -113,6 +115,24 @@ class Analysis {
     if (blocks_.square() && singular.empty()) return;
     if (!out_.cannot_assemble.empty() && blocks_.square()) return;
     study_doubtful_parts(singular);
+  }
+
+  // The equations of a frame driven inside a declared group hold for its mirror image as well.
+  void check_handedness() {
+    for (const Frame& f : s_.frames) {
+      if (!out_.cannot_assemble.empty() || !out_.undetermined.empty()) return;
+      double a[3][3];
+      for (int j = 0; j < 3; ++j) {
+        for (int k = 0; k < 3; ++k) a[j][k] = form_value<double>(s_, s_.items[idx(f.item[j])].form[k], q_);
+      }
+      const double volume = a[0][0] * (a[1][1] * a[2][2] - a[1][2] * a[2][1]) +
+                            a[0][1] * (a[1][2] * a[2][0] - a[1][0] * a[2][2]) +
+                            a[0][2] * (a[1][0] * a[2][1] - a[1][1] * a[2][0]);
+      if (volume > 0) continue;
+      const std::string& body = s_.scene->bodies()[idx(f.body)].name;
+      out_.cannot_assemble = "the frame of body " + body +
+                             " was assembled as its mirror image; start its vectors nearer to a right-handed frame";
+    }
   }
 
   // Returns the blocks whose Jacobian is rank-deficient at the assembled posture.
@@ -186,7 +206,7 @@ class Analysis {
     }
     for (const Index r : doubtful) {
       const auto& [equations, unknowns] = parts[r];
-      take(study_rank(s_, equations, unknowns, q_, column_), static_cast<Index>(unknowns.size()), kept);
+      take(study_rank(s_, equations, unknowns, time_, q_, column_), static_cast<Index>(unknowns.size()), kept);
     }
     std::sort(kept.begin(), kept.end());
     equations_ = std::move(kept);
@@ -368,8 +388,9 @@ class Analysis {
         for (const Index u : blocks_.unknowns_of(b)) need[idx(u)] = 2;
       }
     }
-    // Block by block from the last: which are needed at all.
+    // Block by block from the last: which are needed at all. What is watched has to be known.
     std::vector<std::int8_t> positions = need;
+    require_inputs(s_, out_.checks, 0, positions);
     block_needed_.assign(idx(blocks_.size()), 0);
     for (Index b = blocks_.size() - 1; b >= 0; --b) {
       const auto u = blocks_.unknowns_of(b);
@@ -448,7 +469,7 @@ class Analysis {
       if (d.wanted < 2) out_.left_out.levels.push_back({d.name, d.derivatives, d.derivatives > d.wanted});
       out_.groups.push_back(std::move(group));
     }
-    watch_what_is_not_solved(table);
+    watch_what_is_not_solved();
     out_.classes = table.take();
     // Levels without a gap, now that static and unneeded groups are gone.
     std::set<Index> used;
@@ -460,7 +481,7 @@ class Analysis {
     out_.levels = static_cast<Index>(level_of.size());
   }
 
-  void watch_what_is_not_solved(ClassTable& table) {
+  void watch_what_is_not_solved() {
     GroupContent watched;
     watched.derivatives = 0;
     watched.blocks = 0;
@@ -475,7 +496,9 @@ class Analysis {
       if (available && moving) watched.equations.push_back(e);
     }
     watched.equation_block.assign(watched.equations.size(), 0);
-    if (!watched.equations.empty()) table.classify(watched, out_.watch);
+    ClassTable table(s_, moves_);
+    table.classify(watched, out_.watch);
+    out_.watch_class = table.take().front();
     out_.watch.name = "redundant equations";
   }
 
@@ -521,10 +544,18 @@ class Analysis {
   [[nodiscard]] std::string all_names(Index b) const { return names(b, 1000, ", "); }
   [[nodiscard]] std::string names(Index b, std::size_t most, const char* separator) const {
     std::vector<std::string> found;
-    for (const Index u : blocks_.unknowns_of(b)) {
-      const std::string& name = s_.items[idx(s_.coordinates[idx(u)].item)].name;
-      if (std::find(found.begin(), found.end(), name) == found.end()) found.push_back(name);
-      if (found.size() > most) break;
+    const auto unknowns = blocks_.unknowns_of(b);
+    for (std::size_t k = 0; k < unknowns.size() && found.size() <= most;) {
+      // A whole point or vector by its name, else coordinate by coordinate.
+      const Index id = s_.coordinates[idx(unknowns[k])].item;
+      std::size_t end = k;
+      while (end < unknowns.size() && s_.coordinates[idx(unknowns[end])].item == id) ++end;
+      if (static_cast<int>(end - k) == s_.items[idx(id)].components) {
+        found.push_back(s_.items[idx(id)].name);
+      } else {
+        for (std::size_t i = k; i < end; ++i) found.push_back(s_.coordinate_name(unknowns[i]));
+      }
+      k = end;
     }
     std::string out;
     for (std::size_t i = 0; i < std::min(found.size(), most); ++i) out += (i == 0 ? "" : separator) + found[i];
@@ -544,6 +575,7 @@ class Analysis {
   std::vector<Index> equations_, unknowns_;
   Blocks blocks_;
   std::vector<double> q_;
+  double time_ = 0;                         // of q_
   std::vector<Index> column_;               // scratch of DenseBlock
   std::vector<std::uint8_t> moves_;         // coordinates
   std::vector<std::uint8_t> block_moves_;   // blocks

@@ -125,7 +125,7 @@ int run(const Common& common, const RunOptions& options) {
   csv.write(trajectory);
 
   Report report = simulator.report();
-  if (options.reference) {
+  if (options.reference && trajectory.rows() > 0 && report.status.code != Code::interrupted) {
     const ForwardError forward = forward_error(prepared, trajectory);
     report.error.forward_position = forward.position;
     report.error.forward_velocity = forward.velocity;

@@ -61,6 +61,10 @@ void print_plan(Page& page, const Plan& plan) {
   using enum Table::Align;
   const std::vector<PlanLine> lines = plan_lines(plan);
   page.gap();
+  if (lines.empty()) {
+    page.fact("plan", "nothing has to be solved");
+    return;
+  }
   Table table({left, right, right, left});
   table.row({"class", "groups", "unknowns", "strategy"});
   for (const PlanLine& line : lines) {
@@ -94,9 +98,7 @@ void print_times(Page& page, const RunSummary& s) {
 void print_work(Page& page, const Counters& c) {
   page.fact("Newton", fixed(mean_iterations(c)) + " iterations mean, " + grouped(c.most_iterations) + " max");
   page.fact("factorizations", grouped(c.factorizations));
-  if (c.substeps > 0 || c.rejected > 0) {
-    page.fact("substeps", grouped(c.substeps) + " between grid times, " + grouped(c.rejected) + " steps halved");
-  }
+  if (c.rejected > 0) page.fact("halved", counted(c.rejected, "step") + "; " + grouped(c.substeps) + " were taken");
 }
 
 void print_errors(Page& page, const ErrorFigures& e, std::int32_t highest) {
@@ -182,7 +184,6 @@ void print(Page& page, const RunSummary& s) {
   page.title(s.prepared.scene->name() + ": " + counted(s.steps_wanted, "step") + " of " + number(time.step) +
              " s from t = " + number(time.start) + " s");
   print_plan(page, s.prepared.plan);
-  page.gap();
   print_times(page, s);
   print_work(page, s.report.counters);
   print_errors(page, s.report.error, derivatives(*s.prepared.structure));

@@ -1,0 +1,150 @@
+// The forward error of a trajectory against the motion in quad precision.
+//
+// For each named output (a point with all its components) and each derivative: max over the times of |x - x_ref| over
+// max |x_ref|, both in the maximum norm. What |x_ref| is at least, so that an output which rests has an error as well:
+// one internal unit of its dimension (lengths: the characteristic length; angles: 1 rad), for rates times the fastest
+// rate w of the driven coordinates in the run, for accelerations times their largest acceleration or w^2.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "assur/simulator.hpp"
+#include "scene/outputs.hpp"
+#include "simulation/output_program.hpp"
+#include "simulation/reference_motion.hpp"
+
+namespace assur {
+namespace {
+
+constexpr double kSameMotion = 1e-3;  // beyond, one of the two is taken to be on another branch
+constexpr int kPieces = 16;           // in which the reference then repeats its step
+
+// NaN once, NaN for ever.
+void raise(double& worst, double value) {
+  if (!std::isnan(worst) && !(value <= worst)) worst = value;
+}
+
+// Jets of an output's components in SI units.
+std::vector<Jet<Quad>> evaluate(const ReferenceMotion& motion, const Output& output) {
+  const System& s = motion.system();
+  std::vector<Jet<Quad>> out;
+  for (const MeasureForms& part : output.parts) {
+    Jet<Quad> forms[9];
+    for (std::size_t f = 0; f < part.forms.size(); ++f) {
+      const auto of = [&](std::size_t d) { return form_value<Quad>(s, part.forms[f], motion.state().q[d]); };
+      forms[f] = {of(0), of(1), of(2)};
+    }
+    out.push_back(evaluate_measure<Quad>(part.kind, {forms, 9}, s.dimension) * Quad(s.unit(part.dimension)));
+  }
+  return out;
+}
+
+bool is_signed_angle(const MeasureForms& part) {
+  return part.kind == MeasureForms::Kind::absolute_angle || part.kind == MeasureForms::Kind::signed_angle;
+}
+
+class Comparison {
+ public:
+  Comparison(const Prepared& prepared, const Trajectory& trajectory) : trajectory_(trajectory), motion_(prepared) {
+    std::vector<std::string> columns;
+    for (Output& o : wanted_outputs(motion_.system())) {
+      append_columns(o, columns);
+      outputs_.emplace_back().output = std::move(o);
+    }
+    if (columns != trajectory.columns()) {
+      throw Error(Error::Kind::input, "the trajectory has other columns than the scene: compare it with its own");
+    }
+    if (trajectory.rows() == 0) throw Error(Error::Kind::input, "the trajectory has no row: nothing to compare");
+  }
+
+  ForwardError run() {
+    for (std::size_t k = 0; k < trajectory_.rows(); ++k) {
+      follow(k);
+      for (std::size_t d = 0; d < 3; ++d) raise(scale_[d], motion_.scale(static_cast<int>(d)));
+      for (Compared& o : outputs_) {
+        for (std::size_t d = 0; d < 3; ++d) {
+          raise(o.figures[d].difference, o.now[d].difference);
+          raise(o.figures[d].size, o.now[d].size);
+        }
+      }
+    }
+    double worst[3] = {};
+    for (const Compared& o : outputs_) {
+      const double unit = motion_.system().unit(o.output.parts.front().dimension);
+      for (std::size_t d = 0; d < 3; ++d) {
+        const auto& [difference, size] = o.figures[d];
+        if (difference != 0) raise(worst[d], difference / std::max(size, scale_[d] * unit));
+      }
+    }
+    return {worst[0], worst[1], worst[2]};
+  }
+
+ private:
+  struct Figure {
+    double difference = 0, size = 0;  // |x - x_ref|, |x_ref|; 0 for what is not asked for
+  };
+  struct Compared {
+    Output output;
+    Figure figures[3];  // the worst of the run
+    Figure now[3];
+  };
+
+  // Moves the reference to row k. Where the two part, it repeats the step in smaller ones, to be sure that it is not the
+  // reference which left the branch; as long as they stay apart it is not asked again.
+  void follow(std::size_t k) {
+    const ReferenceMotion::State before = motion_.state();
+    motion_.advance(trajectory_.times()[k]);
+    const bool apart = !compare(k);
+    if (apart && !apart_) {
+      motion_.restore(before);
+      motion_.advance(trajectory_.times()[k], kPieces);
+      apart_ = !compare(k);
+    } else {
+      apart_ = apart;
+    }
+  }
+
+  // Fills `now`; true if the trajectory shows the same motion.
+  bool compare(std::size_t k) {
+    bool same = true;
+    std::size_t column = 0;
+    for (Compared& o : outputs_) {
+      const std::vector<Jet<Quad>> jets = evaluate(motion_, o.output);
+      const double unit = motion_.system().unit(o.output.parts.front().dimension);
+      for (std::size_t d = 0; d < 3; ++d) {
+        o.now[d] = {};
+        if (!o.output.wanted[d]) continue;
+        for (std::size_t i = 0; i < jets.size(); ++i, ++column) {
+          const Quad x = trajectory_(k, column);
+          Quad reference = d == 0 ? jets[i].value : d == 1 ? jets[i].rate : jets[i].acceleration;
+          if (d == 0 && is_signed_angle(o.output.parts[i])) reference += turns(x - reference);
+          raise(o.now[d].difference, static_cast<double>(abs(x - reference)));
+          raise(o.now[d].size, static_cast<double>(abs(reference)));
+        }
+        const double least = motion_.scale(static_cast<int>(d)) * unit;
+        same = same && o.now[d].difference <= kSameMotion * std::max(o.now[d].size, least);
+      }
+    }
+    return same;
+  }
+
+  // The multiple of 2 pi next to an angle: which turn the trajectory counts is its own affair.
+  static Quad turns(const Quad& angle) {
+    static const Quad kTurn = 2 * acos(Quad(-1));
+    return kTurn * std::round(static_cast<double>(angle) / (2 * std::numbers::pi));
+  }
+
+  const Trajectory& trajectory_;
+  ReferenceMotion motion_;
+  std::vector<Compared> outputs_;
+  double scale_[3] = {};
+  bool apart_ = false;
+};
+
+}  // namespace
+
+ForwardError forward_error(const Prepared& prepared, const Trajectory& trajectory) {
+  return Comparison(prepared, trajectory).run();
+}
+
+}  // namespace assur

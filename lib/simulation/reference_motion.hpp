@@ -1,0 +1,90 @@
+// The motion of a scene in quad precision (113 bits), by continuation from the assembled start: the yardstick of forward
+// errors. It shares the scene's equations with the simulator, and nothing of its programs, groups, presolve or solvers.
+#pragma once
+
+#include <Eigen/Dense>
+#include <Eigen/SparseLU>
+#include <array>
+#include <boost/multiprecision/cpp_bin_float.hpp>
+#include <span>
+#include <vector>
+
+#include "assur/plan.hpp"
+#include "scene/system.hpp"
+#include "structure/blocks.hpp"
+#include "structure/dense_block.hpp"
+
+namespace assur {
+
+using Quad = boost::multiprecision::cpp_bin_float_quad;
+
+// LU in double of a block's Jacobian: dense up to 96 unknowns, sparse beyond.
+class ReferenceLu {
+ public:
+  void compute(const DenseBlock& block, const std::vector<double>& q);
+  [[nodiscard]] Eigen::VectorXd solve(const Eigen::VectorXd& b) const;  // NaN if singular
+  [[nodiscard]] int determinant_sign() const;                           // 0 if singular
+
+ private:
+  bool is_dense_ = true;
+  Eigen::PartialPivLU<Eigen::MatrixXd> dense_;
+  Eigen::SparseLU<Eigen::SparseMatrix<double>> sparse_;
+};
+
+class ReferenceMotion {
+ public:
+  struct State {
+    double time = 0;
+    std::array<std::vector<Quad>, 3> q;  // value and two derivatives of every coordinate, internal units
+    std::vector<int> determinant_sign;   // blocks; 0: not known yet
+  };
+
+  // At the scene's start. Solves only what the outputs need. Throws Error (numerical) if the start does not converge.
+  explicit ReferenceMotion(const Prepared& prepared);
+
+  // Follows the motion to time t in steps of at most 1/pieces of the way, halved where Newton does not contract or a
+  // determinant changes its sign. Throws Error (numerical) that names time and unknowns if the posture is lost.
+  void advance(double t, int pieces = 1);
+
+  [[nodiscard]] const System& system() const { return system_; }  // without presolve
+  [[nodiscard]] const State& state() const { return state_; }
+  void restore(State state) { state_ = std::move(state); }
+
+  // What a d-th derivative is measured against at least: 1, the fastest rate w of the driven coordinates at time(), their
+  // largest acceleration or w^2; internal units.
+  [[nodiscard]] double scale(int d) const { return scale_[static_cast<std::size_t>(d)]; }
+
+ private:
+  struct Block {
+    std::span<const Index> equations, unknowns;
+    std::vector<Index> forms;  // each once
+    bool moves = true;
+    double tolerance = 0;      // of the last correction of the position
+    std::size_t index = 0;
+  };
+
+  void find_blocks(const Structure& structure);
+  void drive(double t);
+  void predict(double t);
+  [[nodiscard]] bool step(double t, bool any_sign);
+  [[nodiscard]] bool solve(const Block& block, bool any_sign);
+  [[nodiscard]] bool approach(const Block& block, const DenseBlock& jacobian);
+  [[nodiscard]] bool refine(const Block& block, int d);
+  [[nodiscard]] Quad equation(Index e, int d) const;
+  [[nodiscard]] Quad callback(Index e, int d) const;
+  [[noreturn]] void refuse(double t) const;
+
+  System system_;
+  Blocks decomposition_;
+  std::vector<Block> blocks_;  // those that the outputs need, in solving order
+  std::vector<Quad> constants_;
+  State state_;
+  std::array<std::vector<Quad>, 3> form_;  // derivatives of the forms of the block at hand
+  std::array<double, 3> scale_{1, 0, 0};
+  std::vector<double> rounded_;            // state_.q[0] in double
+  std::vector<Index> column_;              // scratch of DenseBlock
+  ReferenceLu lu_;
+  Index lost_ = -1;                        // an unknown of the block that failed last
+};
+
+}  // namespace assur

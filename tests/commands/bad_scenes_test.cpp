@@ -1,0 +1,63 @@
+// Every file of tests/data/bad_scenes through the command: the exact lines, exit status 2, nothing on standard output.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <sstream>
+
+#include "commands/command.hpp"
+
+namespace assur {
+namespace {
+
+const std::filesystem::path kFolder = std::filesystem::path(ASSUR_SOURCE_DIR) / "tests/data/bad_scenes";
+
+std::vector<std::string> scenes() {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(kFolder)) {
+    if (entry.path().extension() == ".json") names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+std::vector<std::string> expected_lines(const std::string& scene) {
+  std::istringstream stream(content(kFolder / (scene + ".expected")));
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+class BadScene : public testing::TestWithParam<std::string> {};
+
+TEST_P(BadScene, IsRefusedWithTheExpectedLines) {
+  std::string expected;
+  for (const std::string& line : expected_lines(GetParam())) expected += "error: " + line + "\n";
+  const Outcome outcome = run_command({"run", GetParam() + ".json"}, {kFolder, {}, {}});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_EQ(outcome.err, expected);
+}
+
+INSTANTIATE_TEST_SUITE_P(Folder, BadScene, testing::ValuesIn(scenes()), [](const auto& test) { return test.param; });
+
+TEST(BadScenes, WithJsonEveryLineIsADiagnostic) {
+  const Outcome outcome = run_command({"inspect", "several_findings.json", "--json"}, {kFolder, {}, {}});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(outcome.err, "");
+  std::vector<std::string> lines;
+  for (const auto& d : outcome.json()["error"]["diagnostics"]) {
+    const std::string where = d["where"];
+    lines.push_back((where.empty() ? "" : where + ": ") + std::string(d["what"]));
+  }
+  EXPECT_EQ(lines, expected_lines("several_findings"));
+  EXPECT_GE(lines.size(), 2u);
+}
+
+TEST(BadScenes, AFileThatCannotBeReadIsAnErrorOfTheEnvironment) {
+  const Outcome outcome = run_command({"run", "no_such_scene.json"});
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_EQ(outcome.err.rfind("error: no_such_scene.json: ", 0), 0u) << outcome.err;
+}
+
+}  // namespace
+}  // namespace assur

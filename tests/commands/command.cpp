@@ -1,0 +1,84 @@
+#include "commands/command.hpp"
+
+#include <fcntl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <stdexcept>
+#include <thread>
+
+namespace assur {
+namespace {
+
+using namespace std::chrono_literals;
+
+void redirect(int descriptor, const std::string& file) {
+  const int to = open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  if (to < 0 || dup2(to, descriptor) < 0) _exit(99);
+}
+
+[[noreturn]] void become(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
+                         const std::string& out, const std::string& err) {
+  redirect(STDOUT_FILENO, out);
+  redirect(STDERR_FILENO, err);
+  if (!folder.empty() && chdir(folder.c_str()) != 0) _exit(98);
+  std::vector<char*> words = {const_cast<char*>(ASSUR_COMMAND)};
+  for (const std::string& a : arguments) words.push_back(const_cast<char*>(a.c_str()));
+  words.push_back(nullptr);
+  execv(ASSUR_COMMAND, words.data());
+  _exit(97);
+}
+
+}  // namespace
+
+std::vector<std::string> Outcome::lines() const {
+  std::vector<std::string> found;
+  std::istringstream stream(out);
+  for (std::string line; std::getline(stream, line);) found.push_back(line);
+  return found;
+}
+
+Outcome run_command(const std::vector<std::string>& arguments, const Setting& setting) {
+  const Scratch scratch;
+  const std::string out = setting.out.empty() ? scratch.file("out") : setting.out.string();
+  const std::string err = scratch.file("err", "");
+  const pid_t child = fork();
+  if (child < 0) throw std::runtime_error("fork failed");
+  if (child == 0) become(arguments, setting.folder, out, err);
+
+  int status = 0;
+  if (!setting.interrupt_when_err.empty()) {
+    while (content(err).find(setting.interrupt_when_err) == std::string::npos) {
+      if (waitpid(child, &status, WNOHANG) == child) throw std::runtime_error("ended too early: " + content(err));
+      std::this_thread::sleep_for(10ms);
+    }
+    kill(child, SIGINT);
+  }
+  waitpid(child, &status, 0);
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, setting.out.empty() ? content(out) : "", content(err)};
+}
+
+std::string content(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+Scratch::Scratch() {
+  std::string pattern = (std::filesystem::temp_directory_path() / "assur-test-XXXXXX").string();
+  if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("no temporary folder: " + pattern);
+  folder_ = pattern;
+}
+
+Scratch::~Scratch() { std::filesystem::remove_all(folder_); }
+
+std::string Scratch::file(const std::string& name, const std::string& text) const {
+  std::ofstream(file(name)) << text;
+  return file(name);
+}
+
+}  // namespace assur

@@ -1,0 +1,45 @@
+// Runs the command as a user does.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace assur {
+
+struct Outcome {
+  int status = -1;  // exit status; -1: ended by a signal
+  std::string out, err;
+
+  [[nodiscard]] nlohmann::json json() const { return nlohmann::json::parse(out); }
+  [[nodiscard]] std::vector<std::string> lines() const;  // of out
+};
+
+struct Setting {
+  std::filesystem::path folder;    // where it runs; empty: here
+  std::filesystem::path out;       // where standard output goes; empty: into Outcome::out
+  std::string interrupt_when_err;  // SIGINT is sent once standard error contains this; empty: never
+};
+
+[[nodiscard]] Outcome run_command(const std::vector<std::string>& arguments, const Setting& setting = {});
+
+[[nodiscard]] std::string content(const std::filesystem::path& file);
+
+// A folder of its own for each test, removed with it.
+class Scratch {
+ public:
+  Scratch();
+  ~Scratch();
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+
+  [[nodiscard]] std::string file(const std::string& name) const { return (folder_ / name).string(); }
+  [[nodiscard]] std::string file(const std::string& name, const std::string& text) const;  // written
+
+ private:
+  std::filesystem::path folder_;
+};
+
+}  // namespace assur

@@ -1,0 +1,161 @@
+#include <gtest/gtest.h>
+
+#include "assur/structure.hpp"
+#include "commands/command.hpp"
+#include "output/format.hpp"
+
+namespace assur {
+namespace {
+
+TEST(Inspect, StewartHasTheGroupsOfThePaper) {
+  const Outcome outcome = run_command({"inspect", "stewart", "--json"});
+  ASSERT_EQ(outcome.status, 0);
+  EXPECT_EQ(outcome.err, "");
+  const auto json = outcome.json();
+  EXPECT_EQ(json["scene"], "stewart");
+  EXPECT_EQ(json["dimension"], 3);
+  EXPECT_EQ(json["unknowns"], 12 + 6 * 15);
+  EXPECT_EQ(json["equations"], 12 + 6 * 15);
+  EXPECT_EQ(json["derived"], 6 * (3 + 3));  // P1..P6 and t1..t6
+  EXPECT_EQ(json["eliminated"], 0);
+  EXPECT_EQ(json["mobility"], 6);
+  EXPECT_EQ(json["undetermined"].size(), 0u);
+  EXPECT_EQ(json["redundant"].size(), 0u);
+  EXPECT_EQ(json["levels"], 2);
+  EXPECT_EQ(json["classes"], 2);
+  ASSERT_EQ(json["groups"].size(), 7u);
+  for (const auto& group : json["groups"]) {
+    const bool terminal = group["name"] == "SG_T";
+    EXPECT_EQ(group["n"], terminal ? 12 : 15);
+    EXPECT_EQ(group["of"], group["n"]);
+    EXPECT_EQ(group["nnz"], terminal ? 39 : 48);
+    EXPECT_GE(group["fill"], group["nnz"]);
+    EXPECT_EQ(group["level"], terminal ? 0 : 1);
+  }
+  EXPECT_EQ(json["left_out"]["unknowns"], 0);
+}
+
+TEST(Inspect, OutputsCutTheGroups) {
+  const Outcome outcome = run_command({"inspect", "stewart", "--json", "--outputs", "handle1.value,handle2.value"});
+  ASSERT_EQ(outcome.status, 0);
+  const auto json = outcome.json();
+  ASSERT_EQ(json["groups"].size(), 3u);
+  for (std::size_t i = 1; i < 3; ++i) {
+    EXPECT_EQ(json["groups"][i]["n"], 9);
+    EXPECT_EQ(json["groups"][i]["of"], 15);
+    EXPECT_EQ(json["groups"][i]["derivatives"], 0);
+  }
+  const auto left_out = json["left_out"];
+  EXPECT_EQ(left_out["groups"], (nlohmann::json{"SG_HS3", "SG_HS4", "SG_HS5", "SG_HS6"}));
+  EXPECT_EQ(left_out["unknowns"], 4 * 15 + 2 * 6);
+  EXPECT_EQ(left_out["equations"], left_out["unknowns"]);
+  EXPECT_EQ(left_out["static_groups"], 0);
+  ASSERT_FALSE(left_out["levels"].empty());
+  for (const auto& level : left_out["levels"]) {
+    EXPECT_EQ(level["derivatives"], 0);
+    EXPECT_EQ(level["for_predictor"], false);
+  }
+}
+
+// Everything in the JSON that stands in the structure is the structure's.
+TEST(Inspect, JsonIsTheStructure) {
+  for (const std::string scene : {"andrews", "slider_crank", "four_bar:5", "rings:legs=2,n=12"}) {
+    for (const Formulation formulation : {Formulation::global, Formulation::groups, Formulation::irreducible}) {
+      const std::string text(name(formulation));
+      const Outcome outcome = run_command({"inspect", scene, "--json", "--formulation", text});
+      ASSERT_EQ(outcome.status, 0) << scene;
+      const auto json = outcome.json();
+      StructureOptions options;
+      options.formulation = formulation;
+      const Structure s = analyze(sample(scene), options);
+      EXPECT_EQ(json["formulation"], text);
+      EXPECT_EQ(json["coordinates"], s.coordinates);
+      EXPECT_EQ(json["unknowns"], s.unknowns);
+      EXPECT_EQ(json["derived"], s.derived);
+      EXPECT_EQ(json["equations"], s.equations);
+      EXPECT_EQ(json["eliminated"], s.eliminated);
+      EXPECT_EQ(json["levels"], s.levels);
+      EXPECT_EQ(json["classes"], s.classes.size());
+      ASSERT_EQ(json["groups"].size(), s.groups.size());
+      for (std::size_t g = 0; g < s.groups.size(); ++g) {
+        EXPECT_EQ(json["groups"][g]["name"], s.groups[g].name);
+        EXPECT_EQ(json["groups"][g]["n"], s.groups[g].unknowns.size());
+        EXPECT_EQ(json["groups"][g]["nnz"], s.shape(s.groups[g]).nnz);
+        EXPECT_EQ(json["groups"][g]["fill"], s.fill(s.groups[g]));
+        EXPECT_EQ(json["groups"][g]["class"], s.groups[g].group_class);
+      }
+    }
+  }
+}
+
+TEST(Inspect, IrreducibleGroupsAreShownBeforeAndAfterPresolve) {
+  const auto json = run_command({"inspect", "stewart", "--json"}).json()["irreducible"];
+  EXPECT_EQ(json["eliminated"], 6 * 6);  // B - A = L1 e and P - B = L2 r in each leg
+  EXPECT_EQ(json["groups"], 6 * 3);
+  EXPECT_EQ(json["sizes"], (nlohmann::json::parse(R"([{"n": 3, "groups": 18}])")));
+  EXPECT_EQ(json["blocks_of_classes"][1], (nlohmann::json{9, 3, 3}));
+}
+
+TEST(Inspect, UndeterminedUnknownsAreNamedAndNoFailure) {
+  const Outcome outcome = run_command({"inspect", "hexapod:drive=legs", "--json"});
+  ASSERT_EQ(outcome.status, 0);
+  const auto undetermined = outcome.json()["undetermined"];
+  ASSERT_FALSE(undetermined.empty());
+  const Outcome page = run_command({"inspect", "hexapod:drive=legs"});
+  EXPECT_NE(page.out.find("\n  undetermined    " + std::string(undetermined[0]) + ", "), std::string::npos) << page.out;
+}
+
+TEST(Inspect, ThePage) {
+  const Outcome outcome = run_command({"inspect", "stewart", "--outputs", "handle1,handle2.value"});
+  ASSERT_EQ(outcome.status, 0);
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_EQ(outcome.out, R"(stewart, 3D
+
+  coordinates       156  of points, vectors and auxiliaries
+  derived            36  of body members: no unknowns, no equations
+  unknowns          102
+  equations         102
+  mobility            6  without the drivers
+  groups              3  as declared, else irreducible
+  classes             3  of groups with the same equations
+  levels              2  of groups that do not need each other
+
+  level  group   unknowns  nonzeros  fill  class  up to
+      0  SG_T          12        39    39      0  acceleration
+      1  SG_HS1   9 of 15        21    27      1  acceleration
+      1  SG_HS2   9 of 15        21    28      2  position
+
+  irreducible     class 0: 12 = 1 + 1 + 1 + 3 + 3 + 3
+                  linear equations eliminate 36 unknowns, which leaves 2 groups
+                  of 3
+  left out        72 unknowns, 72 equations
+                  4 groups: SG_HS3, SG_HS4, SG_HS5, SG_HS6
+                  no velocity, no acceleration: SG_HS2
+)");
+}
+
+TEST(Inspect, PagesFitIntoEightyColumns) {
+  for (const std::string scene : {"stewart", "stewart:platforms=20", "four_bar:30", "gough", "andrews", "slider_crank",
+                                  "hexapod:drive=legs", "rings:legs=6,n=120,terminal=24"}) {
+    const Outcome outcome = run_command({"inspect", scene});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    for (const std::string& line : outcome.lines()) EXPECT_LE(output::display_width(line), 80u) << line;
+  }
+}
+
+TEST(Inspect, ALargeSceneIsShownByClass) {
+  const Outcome outcome = run_command({"inspect", "four_bar:20000"});
+  ASSERT_EQ(outcome.status, 0);
+  EXPECT_LT(outcome.lines().size(), 25u);
+  EXPECT_NE(outcome.out.find("\n      0  20,000  B1 "), std::string::npos) << outcome.out;
+}
+
+TEST(Inspect, AnUnknownOutputIsABadScene) {
+  const Outcome outcome = run_command({"inspect", "stewart", "--outputs", "handle1,handel2"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_EQ(outcome.err.rfind("error: /outputs/1: ", 0), 0u) << outcome.err;
+}
+
+}  // namespace
+}  // namespace assur

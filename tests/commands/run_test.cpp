@@ -1,0 +1,251 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <sstream>
+
+#include "assur/simulator.hpp"
+#include "commands/command.hpp"
+#include "output/format.hpp"
+
+namespace assur {
+namespace {
+
+std::string csv_of(const Scene& scene) {
+  Simulator simulator(prepare(scene));
+  std::ostringstream out;
+  write_csv(out, simulator.run());
+  return out.str();
+}
+
+std::vector<double> times_of(const std::string& csv) {
+  std::istringstream stream(csv);
+  std::vector<double> times;
+  std::string line;
+  std::getline(stream, line);
+  while (std::getline(stream, line)) times.push_back(std::stod(line));
+  return times;
+}
+
+// The crank turns until coupler and rocker are in line: |B - D| = 2 at cos theta = 1/4.
+const char* const kFold = R"({
+  "assur": 1, "name": "fold", "dimension": 2,
+  "points": {"A": {"at": [0, 0], "fixed": true}, "D": {"at": [2, 0], "fixed": true},
+             "B": {"at": [1, 0]}, "C": {"at": [1.5, 0.8]}},
+  "constraints": {"coupler": {"distance": ["B", "C"], "value": 1}, "rocker": {"distance": ["D", "C"], "value": 1}},
+  "drivers": {"motor": {"angle": ["A", "B"], "law": {"polynomial": [0, 1]}}},
+  "time": {"start": 0, "end": 2, "step": 0.01}
+})";
+const double kFoldTime = std::acos(0.25);
+
+TEST(Run, JsonTellsWhatWasDone) {
+  const Outcome outcome = run_command({"run", "stewart", "--json", "--quiet", "--strategy", "groups/eigen"});
+  ASSERT_EQ(outcome.status, 0);
+  EXPECT_EQ(outcome.err, "");
+  const auto json = outcome.json();
+  EXPECT_EQ(json["scene"], "stewart");
+  EXPECT_EQ(json["strategy"], "groups/eigen");
+  EXPECT_EQ(json["status"], "ok");
+  EXPECT_EQ(json["steps"], 1000);
+  EXPECT_EQ(json["reached"], 10.0);
+  ASSERT_EQ(json["plan"].size(), 2u);
+  EXPECT_EQ(json["plan"][0]["n"], 12);
+  EXPECT_EQ(json["plan"][1]["n"], 15);
+  EXPECT_EQ(json["plan"][1]["groups"], 6);
+  EXPECT_EQ(json["plan"][1]["reason"], "forced");
+  EXPECT_EQ(parse_strategy(json["plan"][1]["strategy"].get<std::string>()).backend, "eigen");
+  EXPECT_GE(json["factorizations"], 7 * 1000);
+  EXPECT_LE(json["newton_iterations"]["mean"], json["newton_iterations"]["max"]);
+  EXPECT_GT(json["newton_iterations"]["mean"], 0);
+  for (const char* key : {"position", "velocity", "acceleration"}) {
+    EXPECT_GT(json["error"][key], 0) << key;
+    EXPECT_LE(json["error"][key], 1e-14) << key;
+    EXPECT_TRUE(json["error"][std::string("forward_") + key].is_null());
+  }
+  EXPECT_TRUE(json["error"]["certified_radius"].is_null());
+  EXPECT_TRUE(json["left_out"].contains("static_groups"));
+  EXPECT_TRUE(json["events"].empty());
+  EXPECT_TRUE(json["fallbacks"].empty());
+}
+
+TEST(Run, StepTimesAddUpToTheRun) {
+  const auto json = run_command({"run", "stewart", "--json"}).json();
+  const auto step = json["step_seconds"];
+  const double median = step["median"], p99 = step["p99"], max = step["max"];
+  EXPECT_GT(median, 0);
+  EXPECT_LE(median, p99);
+  EXPECT_LE(p99, max);
+  // Half of the steps take at least the median.
+  EXPECT_LE(500 * median, json["seconds"]);
+  EXPECT_EQ(step["block"] == 1, median >= 1e-6);
+}
+
+TEST(Run, CsvIsTheTrajectoryOfTheLibrary) {
+  const Scratch scratch;
+  const std::string expected = csv_of(sample("andrews"));
+  const Outcome to_file = run_command({"run", "andrews", "--csv", scratch.file("motion.csv")});
+  EXPECT_EQ(to_file.status, 0);
+  EXPECT_EQ(content(scratch.file("motion.csv")), expected);
+
+  const Outcome to_output = run_command({"run", "andrews", "--csv", "-"});
+  EXPECT_EQ(to_output.status, 0);
+  EXPECT_EQ(to_output.out, expected);
+  EXPECT_EQ(to_output.err.rfind("andrews: 72 steps", 0), 0u) << to_output.err;
+
+  const Outcome quiet = run_command({"run", "andrews", "--csv", "-", "--quiet"});
+  EXPECT_EQ(quiet.out, expected);
+  EXPECT_EQ(quiet.err, "");
+}
+
+TEST(Run, TheTimeGridComesFromTheOptions) {
+  const auto times = [](std::vector<std::string> options) {
+    options.insert(options.begin(), {"run", "four_bar", "--quiet", "--csv", "-"});
+    const Outcome outcome = run_command(options);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return times_of(outcome.out);
+  };
+  const TimeGrid scene = sample("four_bar").time();
+  EXPECT_EQ(times({"--steps", "0"}), std::vector<double>{scene.start});
+  EXPECT_EQ(times({"--steps", "2"}), (std::vector<double>{scene.start, scene.time(1), scene.time(2)}));
+  EXPECT_EQ(times({"--start", "-0.25", "--dt", "0.125", "--steps", "3"}),
+            (std::vector<double>{-0.25, -0.125, 0, 0.125}));
+  const auto halved = times({"--dt", "0.0005"});
+  ASSERT_EQ(halved.size(), static_cast<std::size_t>(2 * scene.steps() + 1));
+  EXPECT_EQ(halved[3], scene.start + 3 * 0.0005);
+}
+
+TEST(Run, AStepThatDoesNotDivideTheTimeIsRefused) {
+  const Outcome outcome = run_command({"run", "stewart", "--dt", "0.3"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_EQ(outcome.err,
+            "error: --dt: from 0 s to the scene's end at 10 s it takes 33.3333 steps of 0.3 s, which is no "
+            "whole number; say how many with --steps\n");
+  EXPECT_EQ(run_command({"run", "stewart", "--dt", "-0.01", "--steps", "3"}).status, 2);
+  EXPECT_EQ(run_command({"run", "stewart", "--dt", "0", "--steps", "3"}).status, 2);
+}
+
+TEST(Run, OutputsAndParametersReachTheScene) {
+  const Outcome outcome = run_command({"run", "stewart", "--quiet", "--csv", "-", "--steps", "5", "--outputs",
+                                       "handle1.value,O.position", "--set", "omega=2"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  TimeGrid grid = sample("stewart").time();
+  grid.end = grid.time(5);
+  const Scene scene = sample("stewart", {{"omega", 2}}).with_outputs({"handle1.value", "O.position"}).with_time(grid);
+  EXPECT_EQ(outcome.out, csv_of(scene));
+  EXPECT_EQ(outcome.lines()[0], "t,handle1,O.x,O.y,O.z");
+}
+
+TEST(Run, DerivativesThatAreNotComputedHaveNoError) {
+  const auto json = run_command({"run", "stewart", "--json", "--steps", "20", "--outputs", "handle1.value"}).json();
+  EXPECT_TRUE(json["error"]["acceleration"].is_null());
+  EXPECT_LE(json["error"]["position"], 1e-14);
+  EXPECT_EQ(json["left_out"]["groups"].empty(), false);
+}
+
+TEST(Run, IterationsAreFixedBeyondTheFirstLevel) {
+  const auto json = run_command({"run", "stewart", "--json", "--strategy", "groups/eigen", "--iterations", "3"}).json();
+  EXPECT_EQ(json["status"], "ok");
+  EXPECT_EQ(json["newton_iterations"]["max"], 3);
+}
+
+TEST(Run, ReferenceGivesTheForwardError) {
+  const Outcome outcome = run_command({"run", "andrews", "--json", "--reference"});
+  if (outcome.status == 3) GTEST_SKIP() << "built without quad arithmetic";
+  ASSERT_EQ(outcome.status, 0) << outcome.out;
+  const auto error = outcome.json()["error"];
+  for (const char* key : {"forward_position", "forward_velocity", "forward_acceleration"}) {
+    EXPECT_GT(error[key], 0) << key;
+    EXPECT_LE(error[key], 1e-11) << key;
+  }
+}
+
+TEST(Run, AFailureKeepsWhatIsDoneAndSaysWhere) {
+  const Scratch scratch;
+  const std::string scene = scratch.file("fold.json", kFold);
+  const Outcome page = run_command({"run", scene, "--csv", scratch.file("motion.csv")});
+  EXPECT_EQ(page.status, 1);
+  EXPECT_EQ(page.err.rfind("error: t = 1.31", 0), 0u) << page.err;
+  EXPECT_NE(page.err.find("group C: the mechanism cannot move further (limit_reached)\n"), std::string::npos)
+      << page.err;
+  const auto times = times_of(content(scratch.file("motion.csv")));
+  EXPECT_EQ(times.back(), 131 * 0.01);
+  EXPECT_EQ(times.size(), 132u);
+
+  const Outcome outcome = run_command({"run", scene, "--json"});
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_EQ(outcome.err, "");
+  const auto json = outcome.json();
+  EXPECT_EQ(json["status"], "limit_reached");
+  EXPECT_EQ(json["steps"], 131);
+  ASSERT_FALSE(json["events"].empty());
+  const auto event = json["events"].back();
+  EXPECT_EQ(event["kind"], "limit_reached");
+  EXPECT_EQ(event["group"], "C");
+  EXPECT_LE(event["time"], kFoldTime);
+  EXPECT_GE(event["until"], kFoldTime);
+}
+
+TEST(Run, AMechanismThatCannotBeAssembledIsANumericalFailure) {
+  const Outcome outcome = run_command({"run", "andrews", "--set", "xb=0.03635"});
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_EQ(outcome.err.rfind("error: group ", 0), 0u) << outcome.err;
+  const Outcome json = run_command({"run", "andrews", "--set", "xb=0.03635", "--json"});
+  EXPECT_EQ(json.status, 1);
+  EXPECT_EQ(json.json()["error"]["kind"], "numerical");
+}
+
+TEST(Run, WhatCannotRunHereIsSaid) {
+  EXPECT_EQ(run_command({"run", "hexapod:drive=legs"}).status, 2);
+  EXPECT_EQ(run_command({"run", "stewart", "--strategy", "groups/nonesuch"}).status, 2);
+  EXPECT_EQ(run_command({"run", "stewart", "--strategy", "quickly"}).status, 2);
+  const Outcome threads = run_command({"run", "stewart", "--strategy", "groups/eigen 1x2"});
+  EXPECT_EQ(threads.status, 3);
+  EXPECT_EQ(threads.err.rfind("error: ", 0), 0u);
+}
+
+TEST(Run, ACsvThatCannotBeWrittenIsAnErrorOfTheEnvironment) {
+  const Scratch scratch;
+  const std::string nowhere = scratch.file("no/such/folder.csv");
+  const Outcome outcome = run_command({"run", "andrews", "--csv", nowhere});
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_EQ(outcome.err, "error: --csv: cannot write " + nowhere + ": No such file or directory\n");
+  if (!std::filesystem::exists("/dev/full")) return;
+  const Outcome full = run_command({"run", "andrews", "--csv", "/dev/full"});
+  EXPECT_EQ(full.status, 3);
+  EXPECT_EQ(full.err, "error: --csv: cannot write /dev/full: No space left on device\n");
+  const Outcome piped = run_command({"run", "andrews", "--csv", "-"}, {{}, "/dev/full", {}});
+  EXPECT_EQ(piped.status, 3);
+  EXPECT_EQ(piped.err, "error: --csv: cannot write to standard output: No space left on device\n");
+}
+
+TEST(Run, AnInterruptKeepsWhatIsDone) {
+  const Scratch scratch;
+  const std::string csv = scratch.file("motion.csv");
+  const std::vector<std::string> arguments = {"run",       "four_bar:400", "--steps", "1000000",
+                                              "--outputs", "B1.position",  "--csv",   csv};
+  const Outcome outcome = run_command(arguments, {{}, {}, " of 1,000,000 steps"});
+  EXPECT_EQ(outcome.status, 130);
+  EXPECT_NE(outcome.out.find("\n  status          interrupted after "), std::string::npos) << outcome.out;
+  const std::size_t rows = times_of(content(csv)).size();
+  EXPECT_GT(rows, 1u);
+  EXPECT_LT(rows, 1000001u);
+  EXPECT_EQ(content(csv).back(), '\n');
+}
+
+TEST(Run, ThePageFitsAndNamesEverything) {
+  for (const std::string scene : {"stewart", "four_bar:30", "gough", "andrews", "rings:legs=6,n=120,terminal=24"}) {
+    const Outcome outcome = run_command({"run", scene, "--steps", "10"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_EQ(outcome.err, "");
+    for (const std::string& line : outcome.lines()) EXPECT_LE(output::display_width(line), 80u) << line;
+    for (const char* label : {"time", "step", "Newton", "factorizations", "error", "left out", "status"}) {
+      EXPECT_NE(outcome.out.find(std::string("\n  ") + label + " "), std::string::npos) << label << "\n" << outcome.out;
+    }
+    EXPECT_EQ(outcome.lines().back(), "  status          done");
+  }
+}
+
+}  // namespace
+}  // namespace assur

@@ -1,0 +1,95 @@
+// Options, help, and what a wrong call gets.
+#include <gtest/gtest.h>
+
+#include "commands/command.hpp"
+#include "output/format.hpp"
+
+namespace assur {
+namespace {
+
+struct Misuse {
+  std::vector<std::string> arguments;
+  std::string message, help;
+};
+
+TEST(Usage, AWrongCallSaysWhatIsWrongAndWhereHelpIs) {
+  const std::vector<Misuse> cases = {
+      {{}, "a command is missing", "assur"},
+      {{"rum"}, "there is no command rum", "assur"},
+      {{"--bogus"}, "there is no option --bogus", "assur"},
+      {{"run"}, "SCENE is required", "assur run"},
+      {{"run", "stewart", "gough"}, "one argument too many: gough", "assur run"},
+      {{"run", "stewart", "--threads", "2"}, "there is no option --threads", "assur run"},
+      {{"run", "stewart", "--steps", "-3"}, "--steps: expects a whole number from 0, not \"-3\"", "assur run"},
+      {{"run", "stewart", "--steps", "1.5"}, "--steps: expects a whole number from 0, not \"1.5\"", "assur run"},
+      {{"run", "stewart", "--iterations", "0"}, "--iterations: expects a whole number from 1, not \"0\"", "assur run"},
+      {{"run", "stewart", "--dt", "nan"}, "--dt: expects a number, not \"nan\"", "assur run"},
+      {{"run", "stewart", "--start", "soon"}, "--start: expects a number, not \"soon\"", "assur run"},
+      {{"run", "stewart", "--set", "omega"}, "--set: expects name=number, not \"omega\"", "assur run"},
+      {{"run", "stewart", "--set", "omega=1x"}, "--set: expects name=number, not \"omega=1x\"", "assur run"},
+      {{"run", "stewart", "--set", "omega=1", "--set", "omega=2"}, "--set: is given twice for \"omega\"", "assur run"},
+      {{"run", "stewart", "--csv", ""}, "--csv: expects a file name", "assur run"},
+      {{"inspect", "stewart", "--formulation", "dense"},
+       "--formulation: expects global, groups or irreducible, not \"dense\"",
+       "assur inspect"},
+      {{"backends", "eigen"}, "one argument too many: eigen", "assur backends"},
+  };
+  for (const Misuse& c : cases) {
+    const Outcome outcome = run_command(c.arguments);
+    EXPECT_EQ(outcome.status, 2) << c.message;
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_EQ(outcome.err, "error: " + c.message + "\nSee " + c.help + " --help.\n");
+  }
+}
+
+TEST(Usage, WithJsonAWrongCallIsAnObject) {
+  const Outcome outcome = run_command({"run", "stewart", "--json", "--csv", "-"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(outcome.err, "");
+  const auto error = outcome.json()["error"];
+  EXPECT_EQ(error["kind"], "input");
+  EXPECT_EQ(error["diagnostics"][0]["what"], "--csv: cannot share standard output with --json; give a file");
+}
+
+TEST(Usage, HelpFitsThePageAndNamesEveryOption) {
+  const std::vector<std::string> common = {"--json", "--quiet", "--help", "--version"};
+  const std::vector<std::pair<std::vector<std::string>, std::vector<std::string>>> cases = {
+      {{"--help"}, {"run", "inspect", "backends"}},
+      {{"run", "--help"},
+       {"SCENE", "--set", "--start", "--dt", "--steps", "--outputs", "--strategy", "--iterations", "--csv",
+        "--reference"}},
+      {{"inspect", "--help"}, {"SCENE", "--set", "--outputs", "--formulation"}},
+      {{"backends", "--help"}, {}},
+  };
+  for (const auto& [arguments, words] : cases) {
+    const Outcome outcome = run_command(arguments);
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_EQ(outcome.err, "");
+    for (const std::string& line : outcome.lines()) EXPECT_LE(output::display_width(line), 80u) << line;
+    for (const auto* list : {&common, &words}) {
+      for (const std::string& word : *list) EXPECT_NE(outcome.out.find(word), std::string::npos) << word;
+    }
+  }
+}
+
+TEST(Usage, VersionIsThatOfTheProject) {
+  for (const auto& arguments : {std::vector<std::string>{"--version"}, {"run", "--version"}}) {
+    const Outcome outcome = run_command(arguments);
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_EQ(outcome.out, "assur " ASSUR_VERSION "\n");
+  }
+}
+
+TEST(Usage, CommonOptionsMayStandBeforeTheCommand) {
+  EXPECT_EQ(run_command({"--json", "backends"}).json(), run_command({"backends", "--json"}).json());
+}
+
+TEST(Usage, AFullStandardOutputIsAnErrorOfTheEnvironment) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
+  const Outcome outcome = run_command({"backends"}, {{}, "/dev/full", {}});
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_EQ(outcome.err, "error: cannot write to standard output: No space left on device\n");
+}
+
+}  // namespace
+}  // namespace assur

@@ -1,0 +1,62 @@
+// What the tests of the simulation share: a run, and how far two of them are apart.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <ostream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "assur/simulator.hpp"
+
+namespace assur {
+
+// For messages of failed tests.
+inline void PrintTo(Code code, std::ostream* out) { *out << name(code); }
+
+}  // namespace assur
+
+namespace assur::test {
+
+inline constexpr double kEps = std::numeric_limits<double>::epsilon();
+
+inline Simulator simulator(const Scene& scene, const std::string& strategy = "auto", StepLimits limits = {},
+                           std::vector<std::string> controlled = {}) {
+  return Simulator(prepare(scene, {strategy, std::move(controlled)}), limits);
+}
+
+struct Run {
+  Simulator simulator;
+  Trajectory trajectory;
+
+  [[nodiscard]] const Report& report() const { return simulator.report(); }
+  [[nodiscard]] const Counters& counters() const { return report().counters; }
+};
+
+inline Run run(const Scene& scene, const std::string& strategy = "auto", StepLimits limits = {}) {
+  Simulator s = simulator(scene, strategy, limits);
+  Trajectory t = s.run();
+  return {std::move(s), std::move(t)};
+}
+
+// The largest difference of two runs over the largest value of the column, over all columns of the first.
+inline double difference(const Trajectory& a, const Trajectory& b) {
+  if (a.rows() != b.rows() || a.rows() == 0) return std::numeric_limits<double>::infinity();
+  double worst = 0;
+  for (std::size_t c = 0; c < a.columns().size(); ++c) {
+    const std::size_t other = b.index(a.columns()[c]);
+    double off = 0, largest = 0;
+    for (std::size_t k = 0; k < a.rows(); ++k) {
+      const double d = std::abs(a(k, c) - b(k, other));
+      if (!(d <= off)) off = d;
+      largest = std::max(largest, std::abs(a(k, c)));
+    }
+    const double relative = largest > 0 ? off / largest : off;
+    if (!(relative <= worst)) worst = relative;
+  }
+  return worst;
+}
+
+}  // namespace assur::test
