@@ -52,12 +52,12 @@ void take_parameter(Parameters& set, const std::string& text) {
 }
 
 // Checks of options; without a name, so that the help stays plain.
-CLI::Validator finite_number() {
+CLI::Validator number(double above, const std::string& what) {
   return CLI::Validator(
-      [](std::string& text) {
+      [above, what](std::string& text) {
         double value = 0;
-        const bool fits = CLI::detail::lexical_cast(text, value) && std::isfinite(value);
-        return fits ? std::string() : "expects a number, not \"" + text + "\"";
+        const bool fits = CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value > above;
+        return fits ? std::string() : "expects a number" + what + ", not \"" + text + "\"";
       },
       "");
 }
@@ -117,8 +117,8 @@ void add_run(CLI::App& app, Invocation& call) {
   CLI::App& run = *app.add_subcommand("run", "Motion of a scene: position, velocity, acceleration");
   RunOptions& o = call.run;
   add_scene(run, call.common, o.scene, o.outputs);
-  run.add_option("--start", o.start, "First time, s")->check(finite_number())->type_name("T");
-  run.add_option("--dt", o.dt, "Time step, s")->check(finite_number())->type_name("S");
+  run.add_option("--start", o.start, "First time, s")->check(number(-HUGE_VAL, ""))->type_name("T");
+  run.add_option("--dt", o.dt, "Time step, s")->check(number(0, " > 0"))->type_name("S");
   run.add_option("--steps", o.steps, "Number of steps")->check(whole_number(0))->type_name("N");
   run.add_option("--strategy", o.strategy, "How to solve it: auto (the default), groups/klu, ...")->type_name("TEXT");
   run.add_option("--iterations", o.iterations, "Newton iterations, fixed, but in the first level")

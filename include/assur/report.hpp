@@ -29,7 +29,9 @@ struct Counters {
 // Relative errors, the worst of the run; the definitions are those of README.md, "Error".
 struct ErrorFigures {
   double position = 0;      // max |Phi_i| / (sum |dPhi_i/dq_j| |q_j| + |constant|)
-  double velocity = 0;      // normwise residual of the linear systems
+  // Normwise residuals of the linear systems, |J x - b| / (|J| |x| + |b|) in the maximum norm. A system of which only some
+  // unknowns were solved for (the last back-substitution stops at those wanted) has none.
+  double velocity = 0;
   double acceleration = 0;
   std::optional<double> forward_position;  // against a reference in quad precision
   std::optional<double> forward_velocity;

@@ -44,8 +44,9 @@ GroupSolver::GroupSolver(const System& system, const Structure& structure, std::
   inputs_.resize(idx(program_.inputs) * w);
   input_rates_.resize(inputs_.size());
   input_accelerations_.resize(inputs_.size());
-  for (std::vector<double>* v : {&phi_, &scale_, &correction_, &rhs_, &residual_, &magnitude_}) v->resize(n);
+  for (std::vector<double>* v : {&phi_, &scale_, &correction_, &rhs_, &residual_}) v->resize(n);
   jacobian_.resize(idx(program_.pattern.nnz()) * w);
+  jacobian_norm_.resize(w);
 }
 
 void GroupSolver::bind(const System& system, const Structure& structure, Pack& pack) const {
@@ -166,32 +167,41 @@ Status GroupSolver::newton(Pack& pack, double* x, const Attempt& attempt, Counte
   return {};
 }
 
-double GroupSolver::residual_of(const Pack& pack, const double* x, const std::vector<double>& b,
-                                std::vector<double>& r) const {
+// |J|_inf of every lane, once for the systems that share it.
+void GroupSolver::measure_jacobian() {
   const std::size_t w = idx(lanes_);
-  std::copy(b.begin(), b.end(), r.begin());
-  std::vector<double>& rows = const_cast<GroupSolver*>(this)->magnitude_;
-  std::fill(rows.begin(), rows.end(), 0.0);
+  std::fill(residual_.begin(), residual_.end(), 0.0);
+  for (std::size_t k = 0; k < program_.pattern.row.size(); ++k) {
+    double* sum = residual_.data() + idx(program_.pattern.row[k]) * w;
+    for (std::size_t l = 0; l < w; ++l) sum[l] += std::abs(jacobian_[k * w + l]);
+  }
+  std::fill(jacobian_norm_.begin(), jacobian_norm_.end(), 0.0);
+  for (std::size_t i = 0; i < residual_.size(); ++i) {
+    jacobian_norm_[i % w] = std::max(jacobian_norm_[i % w], residual_[i]);
+  }
+}
+
+// residual_ = b - J x; returns |residual| / (|J| |x| + |b|), maximum norms, of the worst lane.
+double GroupSolver::linear_residual(const Pack& pack, const double* x, const std::vector<double>& b) {
+  const std::size_t w = idx(lanes_);
+  std::copy(b.begin(), b.end(), residual_.begin());
   for (std::int32_t c = 0; c < program_.n; ++c) {
+    const double* v = x + idx(c) * w;
     for (std::int32_t k = program_.pattern.column_start[idx(c)]; k < program_.pattern.column_start[idx(c) + 1]; ++k) {
-      const std::size_t row = idx(program_.pattern.row[idx(k)]) * w;
-      const double *a = jacobian_.data() + idx(k) * w, *v = x + idx(c) * w;
-      for (std::size_t l = 0; l < w; ++l) {
-        r[row + l] -= a[l] * v[l];
-        rows[row + l] += std::abs(a[l]);
-      }
+      double* r = residual_.data() + idx(program_.pattern.row[idx(k)]) * w;
+      const double* a = jacobian_.data() + idx(k) * w;
+      for (std::size_t l = 0; l < w; ++l) r[l] -= a[l] * v[l];
     }
   }
   double worst = 0;
   for (std::size_t l = 0; l < idx(pack.used); ++l) {
-    double norm_r = 0, norm_a = 0, norm_x = 0, norm_b = 0;
-    for (std::size_t i = l; i < r.size(); i += w) {
-      if (!(std::abs(r[i]) <= norm_r)) norm_r = std::abs(r[i]);
-      norm_a = std::max(norm_a, rows[i]);
+    double norm_r = 0, norm_x = 0, norm_b = 0;
+    for (std::size_t i = l; i < b.size(); i += w) {
+      if (!(std::abs(residual_[i]) <= norm_r)) norm_r = std::abs(residual_[i]);
       norm_x = std::max(norm_x, std::abs(x[i]));
       norm_b = std::max(norm_b, std::abs(b[i]));
     }
-    const double scale = norm_a * norm_x + norm_b;
+    const double scale = jacobian_norm_[l] * norm_x + norm_b;
     const double relative = scale > 0 ? norm_r / scale : norm_r;
     if (!(relative <= worst)) worst = relative;
   }
@@ -211,7 +221,7 @@ Status GroupSolver::linear(Pack& pack, const std::vector<double>& b, double* x, 
     std::fill_n(x, idx(first) * w, 0.0);
     return {};
   }
-  double residual = residual_of(pack, x, b, residual_);
+  double residual = linear_residual(pack, x, b);
   for (int k = 0; !factored_at_solution_ && residual > kLinear; ++k) {
     if (k == kMostRefinements) {
       // The posture is too far from where the factorisation was taken: take it here.
@@ -222,7 +232,7 @@ Status GroupSolver::linear(Pack& pack, const std::vector<double>& b, double* x, 
     if (const Status s = solver_->solve(residual_, 1); !s.ok()) return fail(pack, s.code, s.figure);
     counters.solved_unknowns += std::int64_t{pack.used} * program_.n;
     for (std::size_t i = 0; i < b.size(); ++i) x[i] += residual_[i];
-    const double next = residual_of(pack, x, b, residual_);
+    const double next = linear_residual(pack, x, b);
     if (!(next < residual / 2)) {
       residual = next;
       if (next <= 4 * kLinear) break;
@@ -241,6 +251,7 @@ Status GroupSolver::derivatives(Pack& pack, double* const (&state)[3], Counters&
     if (const Status s = factorize(pack, counters); !s.ok()) return s;
     factored_at_solution_ = true;
   }
+  measure_jacobian();
   double* rate = state[1] + pack.unknowns;
   gather(pack, state[1], input_rates_);
   evaluator_->velocity_rhs(input_rates_.data(), rhs_.data());
@@ -277,7 +288,7 @@ double GroupSolver::ball_use(const Pack& pack, const double* x, std::int32_t b, 
 void GroupSolver::set_anchor(Pack& pack, const double* x, std::int32_t b, Counters& counters) {
   counters.branch_checks += pack.used;
   const std::size_t w = idx(lanes_);
-  if (blocks_.needs_solver(b) && !factored_at_solution_) factored_at_solution_ = solver_->factorize(jacobian_).ok();
+  if (blocks_.needs_solver(b) && !factored_at_solution_) factored_at_solution_ = factorize(pack, counters).ok();
   blocks_.measure(b, jacobian_.data(), pack.lipschitz.data(), solver_.get(), pack.omega.data() + idx(b) * w);
   double* anchor = pack.anchor.data() + blocks_.reads_start(b) * w;
   for (const std::int32_t c : blocks_.reads(b)) {

@@ -77,8 +77,8 @@ class GroupSolver {
   // x = J^-1 b with refinement where the factorisation is that of another posture; returns the normwise residual.
   [[nodiscard]] Status linear(Pack& pack, const std::vector<double>& b, double* x, int first_wanted, Counters& counters,
                               double& error);
-  [[nodiscard]] double residual_of(const Pack& pack, const double* x, const std::vector<double>& b,
-                                   std::vector<double>& r) const;
+  void measure_jacobian();
+  [[nodiscard]] double linear_residual(const Pack& pack, const double* x, const std::vector<double>& b);
   [[nodiscard]] double relative_residual(const Pack& pack) const;
   [[nodiscard]] Status factorize(const Pack& pack, Counters& counters);
   [[nodiscard]] Status fail(const Pack& pack, Code code, double figure, std::int32_t lane = 0) const;
@@ -94,7 +94,7 @@ class GroupSolver {
   BlockConditions blocks_;
   std::vector<double> inputs_, input_rates_, input_accelerations_;  // inputs x W
   std::vector<double> phi_, scale_, correction_, rhs_, residual_, jacobian_;
-  std::vector<double> magnitude_;  // n x W: scratch of residual_of
+  std::vector<double> jacobian_norm_;  // W
   bool factored_at_solution_ = false;
 };
 

@@ -91,9 +91,13 @@ void Inputs::begin_step(double now, double next) {
   }
 }
 
-void Inputs::end_step(double now) {
+void Inputs::end_step(double now, bool will_be_repeated) {
   for (Control& c : controls_) {
     if (!c.set) continue;
+    if (will_be_repeated && !c.pending) {
+      c.next = c.to;
+      c.pending = true;
+    }
     c.from = c.to = blend(c.from, c.to, c.start, c.end, now);
     c.start = c.end = now;
   }

@@ -1,5 +1,7 @@
 #include "assur/simulator.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -18,6 +20,20 @@ constexpr double kConsistent = 1e-10;   // relative residual of a redundant equa
 constexpr std::size_t kEventsReserved = 64;
 
 std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+// Memory that is promised but not there ends the process later, so it is asked for first.
+void reserve(std::vector<double>& values, std::size_t rows, std::size_t columns) {
+  const double wanted = static_cast<double>(rows) * static_cast<double>(columns) * sizeof(double);
+  const double free = static_cast<double>(sysconf(_SC_AVPHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+  try {
+    if (wanted < free) return values.reserve(rows * columns);
+  } catch (const std::exception&) {
+  }
+  throw Error(Error::Kind::environment, "no memory for " + std::to_string(rows) + " times x " + std::to_string(columns) +
+                                            " values (" + std::to_string(std::llround(wanted / 1048576)) + " MiB, " +
+                                            std::to_string(std::llround(free / 1048576)) +
+                                            " free); ask for fewer outputs or a shorter run");
+}
 
 }  // namespace
 
@@ -288,7 +304,7 @@ struct Simulator::Impl {
       h = smallest * (span < 0 ? -1 : 1);
     }
     if (!status.ok()) restore();
-    inputs.end_step(now);
+    inputs.end_step(now, wants_reselection);
     if (status.ok()) {
       ++report.counters.steps;
       fill_row(true, t - from);
@@ -483,14 +499,8 @@ Trajectory Simulator::run(std::span<const double> times, const Observer& observe
   reset();
   Trajectory out;
   out.columns_ = impl_->outputs->columns();
-  try {
-    out.values_.reserve(times.size() * out.columns_.size());
-    out.times_.reserve(times.size());
-  } catch (const std::exception&) {
-    throw Error(Error::Kind::environment, "no memory for " + std::to_string(times.size()) + " times x " +
-                                              std::to_string(out.columns_.size()) +
-                                              " values; ask for fewer outputs or a shorter run");
-  }
+  reserve(out.values_, times.size(), out.columns_.size());
+  out.times_.reserve(times.size());
   const auto of = static_cast<std::int64_t>(times.size());
   for (const double t : times) {
     if (!step(t).ok()) break;

@@ -44,12 +44,14 @@ TEST(BadScenes, WithJsonEveryLineIsADiagnostic) {
   const Outcome outcome = run_command({"inspect", "several_findings.json", "--json"}, {kFolder, {}, {}});
   EXPECT_EQ(outcome.status, 2);
   EXPECT_EQ(outcome.err, "");
+  const auto json = outcome.json();
+  EXPECT_EQ(json["error"]["kind"], "input");
   std::vector<std::string> lines;
-  for (const auto& d : outcome.json()["error"]["diagnostics"]) {
-    const std::string where = d["where"];
-    lines.push_back((where.empty() ? "" : where + ": ") + std::string(d["what"]));
+  for (const auto& d : json["error"]["diagnostics"]) {
+    lines.push_back("several_findings.json: " + std::string(d["where"]) + ": " + std::string(d["what"]));
   }
   EXPECT_EQ(lines, expected_lines("several_findings"));
+  EXPECT_EQ(json["error"]["message"].get<std::string>() + "\n", content(kFolder / "several_findings.expected"));
   EXPECT_GE(lines.size(), 2u);
 }
 

@@ -120,8 +120,6 @@ TEST(Run, AStepThatDoesNotDivideTheTimeIsRefused) {
   EXPECT_EQ(outcome.err,
             "error: --dt: from 0 s to the scene's end at 10 s it takes 33.3333 steps of 0.3 s, which is no "
             "whole number; say how many with --steps\n");
-  EXPECT_EQ(run_command({"run", "stewart", "--dt", "-0.01", "--steps", "3"}).status, 2);
-  EXPECT_EQ(run_command({"run", "stewart", "--dt", "0", "--steps", "3"}).status, 2);
 }
 
 TEST(Run, OutputsAndParametersReachTheScene) {
@@ -181,8 +179,9 @@ TEST(Run, AFailureKeepsWhatIsDoneAndSaysWhere) {
   const auto event = json["events"].back();
   EXPECT_EQ(event["kind"], "limit_reached");
   EXPECT_EQ(event["group"], "C");
+  EXPECT_GE(event["time"], 1.31);
   EXPECT_LE(event["time"], kFoldTime);
-  EXPECT_GE(event["until"], kFoldTime);
+  EXPECT_LE(event["time"], event["until"]);
 }
 
 TEST(Run, AMechanismThatCannotBeAssembledIsANumericalFailure) {
@@ -223,8 +222,8 @@ TEST(Run, ACsvThatCannotBeWrittenIsAnErrorOfTheEnvironment) {
 TEST(Run, AnInterruptKeepsWhatIsDone) {
   const Scratch scratch;
   const std::string csv = scratch.file("motion.csv");
-  const std::vector<std::string> arguments = {"run",       "four_bar:400", "--steps", "1000000",
-                                              "--outputs", "B1.position",  "--csv",   csv};
+  const std::vector<std::string> arguments = {"run",       "four_bar:400",  "--steps", "1000000",
+                                              "--outputs", "B400.position", "--csv",   csv};
   const Outcome outcome = run_command(arguments, {{}, {}, " of 1,000,000 steps"});
   EXPECT_EQ(outcome.status, 130);
   EXPECT_NE(outcome.out.find("\n  status          interrupted after "), std::string::npos) << outcome.out;

@@ -27,7 +27,14 @@ inline Simulator simulator(const Scene& scene, const std::string& strategy = "au
   return Simulator(prepare(scene, {strategy, std::move(controlled)}), limits);
 }
 
-struct Run {
+// The solvers of this build: dense and, where it is there, sparse.
+inline std::vector<std::string> solvers() {
+  if (find_backend(backends(), "klu").why_not({}, {}).empty()) return {"eigen", "klu"};
+  return {"eigen"};
+}
+inline std::string sparse() { return solvers().back(); }
+
+struct Result {
   Simulator simulator;
   Trajectory trajectory;
 
@@ -35,7 +42,7 @@ struct Run {
   [[nodiscard]] const Counters& counters() const { return report().counters; }
 };
 
-inline Run run(const Scene& scene, const std::string& strategy = "auto", StepLimits limits = {}) {
+inline Result run(const Scene& scene, const std::string& strategy = "auto", StepLimits limits = {}) {
   Simulator s = simulator(scene, strategy, limits);
   Trajectory t = s.run();
   return {std::move(s), std::move(t)};

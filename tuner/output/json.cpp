@@ -20,7 +20,7 @@ const char* name(Error::Kind kind) {
 Json to_json(const Error& error) {
   Json diagnostics = Json::array();
   for (const Diagnostic& d : error.diagnostics()) diagnostics.push_back({{"where", d.where}, {"what", d.what}});
-  return {{"error", {{"kind", name(error.kind())}, {"diagnostics", diagnostics}}}};
+  return {{"error", {{"kind", name(error.kind())}, {"message", error.what()}, {"diagnostics", diagnostics}}}};
 }
 
 }  // namespace assur::output

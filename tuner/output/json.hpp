@@ -15,7 +15,7 @@ inline void print(std::ostream& out, const Json& object) {
   out << object.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
 }
 
-// {"error": {"kind": ..., "diagnostics": [{"where": ..., "what": ...}]}}
+// {"error": {"kind": ..., "message": what(), "diagnostics": [{"where": ..., "what": ...}]}}
 [[nodiscard]] Json to_json(const Error& error);
 
 }  // namespace assur::output

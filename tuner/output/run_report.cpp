@@ -98,7 +98,7 @@ void print_times(Page& page, const RunSummary& s) {
 void print_work(Page& page, const Counters& c) {
   page.fact("Newton", fixed(mean_iterations(c)) + " iterations mean, " + grouped(c.most_iterations) + " max");
   page.fact("factorizations", grouped(c.factorizations));
-  if (c.rejected > 0) page.fact("halved", counted(c.rejected, "step") + "; " + grouped(c.substeps) + " were taken");
+  if (c.rejected > 0) page.fact("substeps", grouped(c.substeps) + " accepted, " + grouped(c.rejected) + " halved");
 }
 
 void print_errors(Page& page, const ErrorFigures& e, std::int32_t highest) {
