@@ -877,8 +877,7 @@ class Lowering {
     for (int k = 0; k < dim(); ++k) {
       Terms linear;
       for (std::size_t i = 0; i < c.terms.size(); ++i) append(linear, item(c.terms[i].first).form[k], factor[i]);
-      const double v = c.value[static_cast<std::size_t>(k)];
-      if (v != 0) append(linear, constant_form(-v, points), kPlus);
+      append(linear, constant_form(-c.value[static_cast<std::size_t>(k)], points), kPlus);  // a zero stays in the pattern
       equation(from, {}, linear);
     }
   }

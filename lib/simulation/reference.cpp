@@ -1,12 +1,16 @@
 // The forward error of a trajectory against the motion in quad precision.
 //
 // For each named output (a point with all its components) and each derivative: max over the times of |x - x_ref| over
-// max |x_ref|, both in the maximum norm. What |x_ref| is at least, so that an output which rests has an error as well:
-// one internal unit of its dimension (lengths: the characteristic length; angles: 1 rad), for rates times the fastest
-// rate w of the driven coordinates in the run, for accelerations times their largest acceleration or w^2.
+// max |x_ref|, both in the maximum norm. |x_ref| counts as one internal unit of its dimension at least (lengths: the
+// characteristic length; angles: 1 rad), and for an output that rests: rates as one unit for each turn at the fastest
+// rate w of the driven coordinates in the run (times w / 2 pi), accelerations likewise (times w^2 / 4 pi^2, with the
+// largest acceleration of a driven coordinate in place of w^2 if that is larger).
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "assur/simulator.hpp"
 #include "scene/outputs.hpp"
@@ -68,6 +72,9 @@ class Comparison {
         }
       }
     }
+    constexpr double kTurn = 2 * std::numbers::pi;
+    scale_[1] /= kTurn;
+    scale_[2] /= kTurn * kTurn;
     double worst[3] = {};
     for (const Compared& o : outputs_) {
       const double unit = motion_.system().unit(o.output.parts.front().dimension);
@@ -89,8 +96,8 @@ class Comparison {
     Figure now[3];
   };
 
-  // Moves the reference to row k. Where the two part, it repeats the step in smaller ones, to be sure that it is not the
-  // reference which left the branch; as long as they stay apart it is not asked again.
+  // Moves the reference to row k. Where the two part, it repeats the step in smaller ones, to be sure that it is not
+  // the reference which left the branch; as long as they stay apart it is not asked again.
   void follow(std::size_t k) {
     const ReferenceMotion::State before = motion_.state();
     motion_.advance(trajectory_.times()[k]);

@@ -57,8 +57,7 @@ int ReferenceLu::determinant_sign() const {
 }
 
 ReferenceMotion::ReferenceMotion(const Prepared& prepared)
-    : system_(lower(prepared.scene, prepared.controlled,
-                    prepared.structure->formulation != Formulation::irreducible)) {
+    : system_(lower(prepared.scene, prepared.controlled, prepared.structure->formulation != Formulation::irreducible)) {
   const std::size_t n = system_.coordinates.size();
   column_.assign(n, -1);
   rounded_.assign(n, 0.0);
@@ -194,6 +193,7 @@ bool ReferenceMotion::solve(const Block& block, bool any_sign) {
   for (const Index u : block.unknowns) state_.q[0][idx(u)] = rounded_[idx(u)];
   for (int d = 0; d < 3; ++d) {
     if (!refine(block, d)) return false;
+    evaluate_forms(block, d);  // with the last correction
   }
   for (const Index u : block.unknowns) rounded_[idx(u)] = static_cast<double>(state_.q[0][idx(u)]);
   return true;
@@ -219,6 +219,15 @@ bool ReferenceMotion::approach(const Block& block, const DenseBlock& jacobian) {
   return false;
 }
 
+void ReferenceMotion::evaluate_forms(const Block& block, int d) {
+  const std::vector<Quad>& q = state_.q[static_cast<std::size_t>(d)];
+  for (const Index f : block.forms) {
+    Quad& sum = form_[static_cast<std::size_t>(d)][idx(f)];
+    sum = 0;
+    for (const Term& t : system_.form(f)) sum += constants_[idx(t.constant)] * q[idx(t.coordinate)];
+  }
+}
+
 // The d-th derivative of the block's unknowns, from residuals in quad and corrections in double.
 bool ReferenceMotion::refine(const Block& block, int d) {
   std::vector<Quad>& q = state_.q[static_cast<std::size_t>(d)];
@@ -226,13 +235,7 @@ bool ReferenceMotion::refine(const Block& block, int d) {
   Eigen::VectorXd left(static_cast<Eigen::Index>(block.unknowns.size()));
   double before = HUGE_VAL;
   for (int k = 0; k < kMostCorrections; ++k) {
-    for (const Index f : block.forms) {
-      Quad& sum = form_[static_cast<std::size_t>(d)][idx(f)];
-      sum = 0;
-      for (const Term& t : system_.form(f)) {
-        if (d == 0 || t.coordinate != kOne) sum += constants_[idx(t.constant)] * q[idx(t.coordinate)];
-      }
-    }
+    evaluate_forms(block, d);
     for (Eigen::Index i = 0; i < left.size(); ++i) {
       left[i] = static_cast<double>(equation(block.equations[static_cast<std::size_t>(i)], d));
     }

@@ -1,5 +1,6 @@
-// The motion of a scene in quad precision (113 bits), by continuation from the assembled start: the yardstick of forward
-// errors. It shares the scene's equations with the simulator, and nothing of its programs, groups, presolve or solvers.
+// The motion of a scene in quad precision (113 bits), by continuation from the assembled start: the yardstick of
+// forward errors. It shares the scene's equations with the simulator, and nothing of its programs, groups, presolve or
+// solvers.
 #pragma once
 
 #include <Eigen/Dense>
@@ -50,8 +51,8 @@ class ReferenceMotion {
   [[nodiscard]] const State& state() const { return state_; }
   void restore(State state) { state_ = std::move(state); }
 
-  // What a d-th derivative is measured against at least: 1, the fastest rate w of the driven coordinates at time(), their
-  // largest acceleration or w^2; internal units.
+  // What a d-th derivative is measured against at least: 1, the fastest rate w of the driven coordinates at time(),
+  // their largest acceleration or w^2; internal units.
   [[nodiscard]] double scale(int d) const { return scale_[static_cast<std::size_t>(d)]; }
 
  private:
@@ -59,7 +60,7 @@ class ReferenceMotion {
     std::span<const Index> equations, unknowns;
     std::vector<Index> forms;  // each once
     bool moves = true;
-    double tolerance = 0;      // of the last correction of the position
+    double tolerance = 0;  // of the last correction of the position
     std::size_t index = 0;
   };
 
@@ -69,6 +70,7 @@ class ReferenceMotion {
   [[nodiscard]] bool step(double t, bool any_sign);
   [[nodiscard]] bool solve(const Block& block, bool any_sign);
   [[nodiscard]] bool approach(const Block& block, const DenseBlock& jacobian);
+  void evaluate_forms(const Block& block, int d);
   [[nodiscard]] bool refine(const Block& block, int d);
   [[nodiscard]] Quad equation(Index e, int d) const;
   [[nodiscard]] Quad callback(Index e, int d) const;
@@ -81,10 +83,10 @@ class ReferenceMotion {
   State state_;
   std::array<std::vector<Quad>, 3> form_;  // derivatives of the forms of the block at hand
   std::array<double, 3> scale_{1, 0, 0};
-  std::vector<double> rounded_;            // state_.q[0] in double
-  std::vector<Index> column_;              // scratch of DenseBlock
+  std::vector<double> rounded_;  // state_.q[0] in double
+  std::vector<Index> column_;    // scratch of DenseBlock
   ReferenceLu lu_;
-  Index lost_ = -1;                        // an unknown of the block that failed last
+  Index lost_ = -1;  // an unknown of the block that failed last
 };
 
 }  // namespace assur

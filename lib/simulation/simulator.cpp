@@ -6,11 +6,13 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <optional>
 
-#include "simulation/group_solver.hpp"
 #include "simulation/inputs.hpp"
+#include "simulation/layout.hpp"
 #include "simulation/output_program.hpp"
-#include "simulation/predictor.hpp"
+#include "simulation/state.hpp"
+#include "simulation/watch.hpp"
 
 namespace assur {
 namespace {
@@ -43,117 +45,28 @@ struct Simulator::Impl {
         limits(l),
         structure(*prepared.structure),
         system(*structure.system),
-        inputs(system, prepared.controlled) {
-    lay_out();
-    outputs = std::make_unique<OutputProgram>(system, address);
-    row.resize(outputs->columns().size());
+        inputs(system, prepared.controlled),
+        layout(lay_out(prepared)),
+        packs(layout.packs),
+        outputs(system, layout.address) {
+    state.resize(layout.first_unknown, layout.size, prepared.plan.predictor);
+    if (!structure.watch_class.equations.empty()) watch.emplace(system, structure, layout.address);
+    passing.assign(packs.size(), 0);
+    row.resize(outputs.columns().size());
     previous_row.resize(row.size());
     start(start_time);
   }
 
-  // ---- construction
-
-  // Addresses: every coordinate of the system has its own place first (known and static ones live there), the unknowns
-  // of the packs follow as [pack][coordinate][lane].
-  void lay_out() {
-    address.assign(system.coordinates.size(), -1);
-    for (std::size_t c = 0; c < address.size(); ++c) {
-      if (system.coordinates[c].role != Role::unknown) address[c] = static_cast<std::int32_t>(c);
-    }
-    for (const std::int32_t c : structure.static_coordinates) address[idx(c)] = c;
-    for (const Plan::Choice& choice : prepared.plan.choices) {
-      solvers.push_back(std::make_unique<GroupSolver>(system, structure, choice.group_class, choice, prepared.table));
-    }
-    fill_packs();
-    first_unknown = system.coordinates.size();
-    std::size_t next = first_unknown;
-    for (Pack& pack : packs) {
-      const std::size_t w = idx(solver(pack).lanes());
-      pack.unknowns = next;
-      next += idx(solver(pack).program().n) * w;
-      for (std::size_t lane = 0; lane < pack.groups.size(); ++lane) {
-        const Group& g = structure.groups[idx(pack.groups[lane])];
-        for (std::size_t i = 0; i < g.unknowns.size(); ++i) {
-          address[idx(g.unknowns[i])] = static_cast<std::int32_t>(pack.unknowns + i * w + lane);
-        }
-      }
-    }
-    for (Pack& pack : packs) {
-      const std::size_t w = idx(solver(pack).lanes());
-      const std::size_t count = idx(solver(pack).program().inputs);
-      pack.inputs.resize(count * w);
-      for (std::size_t lane = 0; lane < w; ++lane) {
-        const Group& g = structure.groups[idx(pack.groups[lane < pack.groups.size() ? lane : 0])];
-        for (std::size_t i = 0; i < count; ++i) pack.inputs[i * w + lane] = address[idx(g.inputs[i])];
-      }
-      solver(pack).bind(system, structure, pack);
-    }
-    for (int d = 0; d < 3; ++d) {
-      values[d].assign(next, 0.0);
-      last[d].assign(next - first_unknown, 0.0);
-    }
-    depth = postures_read(prepared.plan.predictor);
-    levels = derivatives_read(prepared.plan.predictor) + 1;
-    history.resize(idx(depth - 1));
-    for (auto& posture : history) {
-      for (int d = 0; d < levels; ++d) posture[idx(d)].assign(next - first_unknown, 0.0);
-    }
-    times.reserve(idx(depth));
-    if (!structure.watch_class.equations.empty()) lay_out_watch();
-  }
-
-  // Groups of one class on one level, up to W side by side.
-  void fill_packs() {
-    std::vector<std::int32_t> open(structure.classes.size(), -1);
-    std::int32_t level = -1;
-    for (std::size_t g = 0; g < structure.groups.size(); ++g) {
-      const Group& group = structure.groups[g];
-      if (group.level != level) {
-        std::fill(open.begin(), open.end(), -1);
-        level = group.level;
-      }
-      std::int32_t& pack = open[idx(group.group_class)];
-      const int lanes = solver_of(group.group_class).lanes();
-      if (pack < 0 || packs[idx(pack)].used == lanes) {
-        pack = static_cast<std::int32_t>(packs.size());
-        packs.emplace_back();
-        packs.back().group_class = group.group_class;
-        packs.back().level = level;
-        packs.back().used = 0;
-      }
-      packs[idx(pack)].groups.push_back(static_cast<std::int32_t>(g));
-      ++packs[idx(pack)].used;
-    }
-    std::stable_sort(packs.begin(), packs.end(), [](const Pack& a, const Pack& b) { return a.level < b.level; });
-    passing.assign(packs.size(), 0);
-  }
-
-  void lay_out_watch() {
-    const GroupClass& c = structure.watch_class;
-    watch_program = std::make_unique<Program>(compile(c, jacobian_pattern(c)));
-    watch = make_evaluator(system, *watch_program, 1);
-    std::vector<double> constants;
-    for (const std::int32_t k : structure.watch.constants) constants.push_back(system.constants[idx(k)]);
-    watch_coefficients.resize(watch_program->coefficients.size());
-    bind(*watch_program, constants, watch_coefficients.data(), 1);
-    watch_inputs.resize(structure.watch.inputs.size());
-    watch_phi.resize(c.equations.size());
-    watch_scale.resize(c.equations.size());
-  }
-
-  GroupSolver& solver_of(std::int32_t group_class) { return *solvers[idx(group_class)]; }
-  GroupSolver& solver(const Pack& pack) { return solver_of(pack.group_class); }
+  GroupSolver& solver(const Pack& pack) { return *layout.solvers[idx(pack.group_class)]; }
 
   void start(double time) {
     now = time;
     inputs.reset();
     report = Report{};
     report.events.reserve(kEventsReserved);
-    times.clear();
-    for (int d = 0; d < 3; ++d) std::fill(values[d].begin(), values[d].end(), 0.0);
-    values[0][kOne] = 1.0;
-    for (std::size_t c = 0; c < address.size(); ++c) {
-      if (address[c] >= 0) values[0][idx(address[c])] = structure.start[c];
+    state.clear();
+    for (std::size_t c = 0; c < layout.address.size(); ++c) {
+      if (layout.address[c] >= 0) state.at(0)[layout.address[c]] = structure.start[c];
     }
     repeat_in_idle_lanes();
     StepErrors errors;
@@ -173,7 +86,7 @@ struct Simulator::Impl {
   void repeat_in_idle_lanes() {
     for (const Pack& pack : packs) {
       const int w = solver(pack).lanes();
-      double* x = values[0].data() + pack.unknowns;
+      double* x = state.at(0) + pack.unknowns;
       for (std::int32_t i = 0; i < solver(pack).program().n; ++i) {
         for (int lane = pack.used; lane < w; ++lane) x[i * w + lane] = x[i * w];
       }
@@ -184,15 +97,15 @@ struct Simulator::Impl {
 
   // Known coordinates at t, then level after level, pack after pack.
   Status solve_at(double t, Attempt::Branch branch, StepErrors& errors) {
-    double* const state[3] = {values[0].data(), values[1].data(), values[2].data()};
-    if (const Status s = inputs.drive(t, state); !s.ok()) return s;
+    double* const q[3] = {state.at(0), state.at(1), state.at(2)};
+    if (const Status s = inputs.drive(t, q); !s.ok()) return s;
     for (std::size_t p = 0; p < packs.size(); ++p) {
       if (deadline_passed()) return {Code::deadline, packs[p].groups[0], limits.seconds};
       Attempt attempt;
       attempt.branch = passing[p] != 0 ? Attempt::Branch::pass : branch;
       attempt.iterations = packs[p].level > 0 && branch == Attempt::Branch::inside ? limits.iterations : 0;
       attempt.most_iterations = limits.most_iterations;
-      if (const Status s = solver(packs[p]).solve(packs[p], state, attempt, report.counters, errors); !s.ok()) {
+      if (const Status s = solver(packs[p]).solve(packs[p], q, attempt, report.counters, errors); !s.ok()) {
         failed_pack = p;
         return s;
       }
@@ -201,50 +114,16 @@ struct Simulator::Impl {
   }
 
   Status check_watched(StepErrors& errors) {
-    if (watch == nullptr) return {};
-    for (std::size_t i = 0; i < watch_inputs.size(); ++i) {
-      watch_inputs[i] = values[0][idx(address[idx(structure.watch.inputs[i])])];
-    }
-    watch->set_inputs(watch_coefficients.data(), watch_inputs.data());
-    watch->evaluate(nullptr, watch_phi.data(), nullptr);
-    watch->scale(watch_scale.data());
-    report.counters.evaluated_equations += static_cast<std::int64_t>(watch_phi.size());
-    for (std::size_t i = 0; i < watch_phi.size(); ++i) {
-      const double r = watch_scale[i] > 0 ? std::abs(watch_phi[i]) / watch_scale[i] : std::abs(watch_phi[i]);
-      if (!(r <= kConsistent)) return {Code::inconsistent, -1, r};
-      errors.position = std::max(errors.position, r);
-    }
+    if (!watch) return {};
+    report.counters.evaluated_equations += static_cast<std::int64_t>(watch->equations());
+    const double r = watch->residual(state.at(0));
+    if (!(r <= kConsistent)) return {Code::inconsistent, -1, r};
+    errors.position = std::max(errors.position, r);
     return {};
   }
 
-  void predict(double t) {
-    const PredictionWeights w = prediction_weights(prepared.plan.predictor, times, t);
-    double* x = values[0].data() + first_unknown;
-    const std::size_t n = last[0].size();
-    const auto add = [&](const std::vector<double>& from, double weight, bool first) {
-      for (std::size_t i = 0; i < n; ++i) x[i] = (first ? 0.0 : x[i]) + weight * from[i];
-    };
-    bool first = true;
-    for (int p = 0; p < w.postures; ++p) {
-      for (int d = 0; d < levels; ++d) {
-        const double weight = w.weight[idx(p)][idx(d)];
-        if (weight == 0) continue;
-        add(p == 0 ? last[d] : history[idx(p - 1)][idx(d)], weight, first);
-        first = false;
-      }
-    }
-  }
-
   void accept(double t, const StepErrors& errors) {
-    if (!times.empty() && depth > 1) {
-      std::rotate(history.begin(), history.end() - 1, history.end());
-      for (int d = 0; d < levels; ++d) history[0][idx(d)].swap(last[d]);
-    }
-    for (int d = 0; d < 3; ++d) {
-      std::copy(values[d].begin() + static_cast<std::ptrdiff_t>(first_unknown), values[d].end(), last[d].begin());
-    }
-    if (times.size() == idx(depth)) times.pop_back();
-    times.insert(times.begin(), t);
+    state.accept(t);
     now = t;
     report.reached = t;
     report.error.position = std::max(report.error.position, errors.position);
@@ -254,11 +133,9 @@ struct Simulator::Impl {
 
   // Back to the last accepted posture.
   void restore() {
-    for (int d = 0; d < 3; ++d) {
-      std::copy(last[d].begin(), last[d].end(), values[d].begin() + static_cast<std::ptrdiff_t>(first_unknown));
-    }
-    double* const state[3] = {values[0].data(), values[1].data(), values[2].data()};
-    (void)inputs.drive(now, state);
+    state.restore();
+    double* const q[3] = {state.at(0), state.at(1), state.at(2)};
+    (void)inputs.drive(now, q);
   }
 
   bool deadline_passed() const { return limits.seconds > 0 && std::chrono::steady_clock::now() > deadline; }
@@ -319,7 +196,7 @@ struct Simulator::Impl {
   }
 
   Status try_step(double target, Attempt::Branch branch) {
-    predict(target);
+    state.predict(target);
     StepErrors errors;
     const Status s = solve_at(target, branch, errors);
     if (s.ok()) accept(target, errors);
@@ -329,9 +206,9 @@ struct Simulator::Impl {
   // The smallest step fails: is this a limit, a change point that can be passed, or unknown?
   Status at_the_limit(const Status& failed, double target, double t) {
     restore();
-    double* const state[3] = {values[0].data(), values[1].data(), values[2].data()};
-    if (structure.classes[idx(packs[failed_pack].group_class)].derivatives == 0) estimate_rates();
-    Status found = solver(packs[failed_pack]).diagnose(packs[failed_pack], state);
+    if (structure.classes[idx(packs[failed_pack].group_class)].derivatives == 0) state.estimate_rates();
+    double* const q[3] = {state.at(0), state.at(1), state.at(2)};
+    Status found = solver(packs[failed_pack]).diagnose(packs[failed_pack], q);
     if (found.code == Code::change_point_passed && !pass(target, t)) found.code = Code::branch_unknown;
     if (found.code == Code::branch_unknown && failed.code == Code::not_converged && found.figure > 0.05) found = failed;
     const bool passed = found.code == Code::change_point_passed;
@@ -352,15 +229,6 @@ struct Simulator::Impl {
       }
     }
     report.events.push_back(std::move(event));
-  }
-
-  // Where no velocities are computed, differences of the last two postures say where the motion goes.
-  void estimate_rates() {
-    if (times.size() < 2 || depth < 2) return;
-    const double dt = times[0] - times[1];
-    for (std::size_t i = 0; i < last[0].size(); ++i) {
-      values[1][first_unknown + i] = (last[0][i] - history[0][0][i]) / dt;
-    }
   }
 
   // Over a change point by the smooth continuation, with the shortest step that converges on the other side. Other packs
@@ -394,8 +262,8 @@ struct Simulator::Impl {
   // that is the set at hand or cannot be started there.
   std::unique_ptr<Impl> reselected() {
     std::vector<double> posture = system.guess;  // coordinates that presolve eliminated follow from the others
-    for (std::size_t c = 0; c < address.size(); ++c) {
-      if (address[c] >= 0) posture[c] = values[0][idx(address[c])];
+    for (std::size_t c = 0; c < posture.size(); ++c) {
+      if (layout.address[c] >= 0) posture[c] = state.at(0)[layout.address[c]];
     }
     try {
       Prepared chosen = prepared.reselect(std::move(posture), now);
@@ -418,9 +286,9 @@ struct Simulator::Impl {
   // ---- results
 
   void fill_row(bool unwrap, double dt = 0) {
-    const double* const state[3] = {values[0].data(), values[1].data(), values[2].data()};
+    const double* const q[3] = {state.at(0), state.at(1), state.at(2)};
     row.swap(previous_row);
-    outputs->evaluate(state, row.data(), unwrap ? previous_row.data() : nullptr, dt);
+    outputs.evaluate(q, row.data(), unwrap ? previous_row.data() : nullptr, dt);
   }
 
   Prepared prepared;
@@ -428,26 +296,18 @@ struct Simulator::Impl {
   const Structure& structure;
   const System& system;
   Inputs inputs;
-  std::vector<std::int32_t> address;  // coordinates -> index into values[d]; -1: not computed
-  std::vector<std::unique_ptr<GroupSolver>> solvers;  // classes
-  std::vector<Pack> packs;                            // by level
-  std::vector<std::uint8_t> passing;                  // packs: on the way through a change point
-  std::size_t first_unknown = 0;
-  std::vector<double> values[3];  // the posture at hand and its derivatives
-  std::vector<double> last[3];    // unknowns of the last accepted posture
-  std::vector<std::array<std::vector<double>, 3>> history;  // older ones, newest first, derivatives < levels
-  std::vector<double> times;      // of last and history
-  int depth = 1, levels = 1;
+  Layout layout;
+  std::vector<Pack>& packs;
+  OutputProgram outputs;
+  State state;
+  std::optional<Watch> watch;
+  std::vector<std::uint8_t> passing;  // packs: on the way through a change point
   double now = 0;
   double last_before_pass = 0;
   bool wants_reselection = false;
   double selected_at = std::numeric_limits<double>::quiet_NaN();  // time of the last reselection
   std::size_t failed_pack = 0;
   std::chrono::steady_clock::time_point deadline;
-  std::unique_ptr<Program> watch_program;
-  std::unique_ptr<Evaluator> watch;
-  std::vector<double> watch_coefficients, watch_inputs, watch_phi, watch_scale;
-  std::unique_ptr<OutputProgram> outputs;
   std::vector<double> row, previous_row;
   std::shared_ptr<const Prepared> first_structure;  // what reset() goes back to, after a reselection
   Report report;
@@ -498,7 +358,7 @@ Trajectory Simulator::run(const Observer& observer) {
 Trajectory Simulator::run(std::span<const double> times, const Observer& observer) {
   reset();
   Trajectory out;
-  out.columns_ = impl_->outputs->columns();
+  out.columns_ = impl_->outputs.columns();
   reserve(out.values_, times.size(), out.columns_.size());
   out.times_.reserve(times.size());
   const auto of = static_cast<std::int64_t>(times.size());
@@ -515,11 +375,11 @@ Trajectory Simulator::run(std::span<const double> times, const Observer& observe
   return out;
 }
 
-const std::vector<std::string>& Simulator::columns() const { return impl_->outputs->columns(); }
+const std::vector<std::string>& Simulator::columns() const { return impl_->outputs.columns(); }
 std::span<const double> Simulator::outputs() const { return impl_->row; }
 
 double Simulator::output(std::string_view column) const {
-  const auto& columns = impl_->outputs->columns();
+  const auto& columns = impl_->outputs.columns();
   const auto found = std::find(columns.begin(), columns.end(), column);
   if (found == columns.end()) throw Error(Error::Kind::input, "no column '" + std::string(column) + "'");
   return impl_->row[static_cast<std::size_t>(found - columns.begin())];

@@ -1,7 +1,8 @@
 #include "structure/assembly.hpp"
 
-#include <Eigen/SparseLU>
+#include <Eigen/SVD>
 #include <Eigen/SparseCholesky>
+#include <Eigen/SparseLU>
 #include <cmath>
 #include <limits>
 
@@ -15,6 +16,7 @@ constexpr double kSatisfied = 64 * kEps;   // relative residual of an equation t
 constexpr Eigen::Index kDense = 96;        // larger blocks are factored sparse
 constexpr int kNewtonSteps = 60;
 constexpr int kFitSteps = 400;
+constexpr double kNudge = 0.1;             // internal units: typical lengths are 1
 
 // A direct solution with what assembly asks of it: singular or not, and the sign of the determinant.
 class Linearization {
@@ -64,18 +66,65 @@ void scatter(std::span<const Index> unknowns, const Eigen::VectorXd& x, std::vec
   for (Eigen::Index i = 0; i < x.size(); ++i) q[static_cast<std::size_t>(unknowns[static_cast<std::size_t>(i)])] = x[i];
 }
 
-void name_worst(const System& s, std::span<const Index> equations, const std::vector<double>& q, BlockAssembly& out) {
-  for (const Index e : equations) {
-    double square = 0;
-    gradient<double>(s, e, q, [&](Index c, double g) {
-      if (c != kOne) square += g * g;
-    });
-    const double violation = std::abs(residual<double>(s, e, q)) / std::max(std::sqrt(square), 1e-300);
+void name_worst(const DenseBlock& block, std::span<const Index> equations, const std::vector<double>& q,
+                BlockAssembly& out) {
+  const Eigen::SparseMatrix<double, Eigen::RowMajor> j = block.sparse_jacobian(q);
+  const Eigen::VectorXd phi = block.residuals(q);
+  for (Eigen::Index i = 0; i < block.rows(); ++i) {
+    const double violation = std::abs(phi[i]) / std::max(j.row(i).norm(), std::numeric_limits<double>::min());
     if (out.worst_equation < 0 || violation > out.violation) {
-      out.worst_equation = e;
+      out.worst_equation = equations[static_cast<std::size_t>(i)];
       out.violation = violation;
     }
   }
+}
+
+// Levenberg-Marquardt down to a stationary point of the sum of squares.
+void descend(const DenseBlock& block, std::span<const Index> unknowns, std::vector<double>& q) {
+  double mu = 1e-3;
+  double best = block.residuals(q).squaredNorm();
+  for (int step = 0; step < kFitSteps; ++step) {
+    if (block.relative_residual(q) <= 4 * kEps) break;
+    const Eigen::SparseMatrix<double> j = block.sparse_jacobian(q);
+    const Eigen::VectorXd phi = block.residuals(q), x = gather(unknowns, q);
+    const Eigen::VectorXd g = j.transpose() * phi;
+    bool improved = false;
+    for (int attempt = 0; attempt < 40 && !improved; ++attempt) {
+      // min |J p + phi|^2 + mu^2 |p|^2 as a least-squares system: J^T J alone would square the condition.
+      Eigen::VectorXd p;
+      if (block.columns() <= kDense) {
+        Eigen::MatrixXd a(block.rows() + block.columns(), block.columns());
+        a << Eigen::MatrixXd(j), mu * Eigen::MatrixXd::Identity(block.columns(), block.columns());
+        Eigen::VectorXd b = Eigen::VectorXd::Zero(a.rows());
+        b.head(block.rows()) = -phi;
+        p = a.householderQr().solve(b);
+      } else {
+        Eigen::SparseMatrix<double> identity(block.columns(), block.columns());
+        identity.setIdentity();
+        Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> normal(j.transpose() * j + mu * mu * identity);
+        p = normal.solve(-g);
+      }
+      scatter(unknowns, x + p, q);
+      const double now = block.residuals(q).squaredNorm();
+      if (p.allFinite() && now < best) {
+        improved = true;
+        best = now;
+        mu = std::max(mu / 10, 1e-14);
+      } else {
+        scatter(unknowns, x, q);
+        mu *= 4;
+        if (mu > 1e8) return;
+      }
+    }
+    if (!improved) break;
+  }
+}
+
+// Moves along the direction in which the equations change least: a guess on a line of symmetry leads to a stationary
+// point on that line, which is no solution.
+void leave_saddle(const DenseBlock& block, std::span<const Index> unknowns, std::vector<double>& q) {
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(block.jacobian(q), Eigen::ComputeFullV);
+  scatter(unknowns, gather(unknowns, q) + kNudge * svd.matrixV().rightCols(1), q);
 }
 
 }  // namespace
@@ -94,8 +143,8 @@ BlockAssembly assemble(const System& s, std::span<const Index> equations, std::s
     if (step == 0) {
       first_sign = j.sign();
       decidable = j.rcond() > 1e-8;
-    } else if (j.sign() != first_sign && j.rcond() > 1e-8) {
-      out.mode = BlockAssembly::Mode::other;
+    } else if (j.rcond() > 1e-8) {
+      out.mode = j.sign() == first_sign ? BlockAssembly::Mode::same : BlockAssembly::Mode::other;
     }
     if (residual_now <= kSatisfied) {
       out.converged = true;
@@ -129,7 +178,7 @@ BlockAssembly assemble(const System& s, std::span<const Index> equations, std::s
     }
   }
   if (!out.converged) {
-    name_worst(s, equations, q, out);
+    name_worst(block, equations, q, out);
   } else if (!decidable && (first_sign != 0) && fitted) {
     out.mode = BlockAssembly::Mode::not_decidable;
   } else if (!decidable) {
@@ -141,43 +190,13 @@ BlockAssembly assemble(const System& s, std::span<const Index> equations, std::s
 double fit(const System& s, std::span<const Index> equations, std::span<const Index> unknowns, std::vector<double>& q,
            std::vector<Index>& column) {
   const DenseBlock block(s, equations, unknowns, column);
-  double mu = 1e-3;
-  double best = block.residuals(q).squaredNorm();
-  for (int step = 0; step < kFitSteps; ++step) {
-    if (block.relative_residual(q) <= 4 * kEps) break;
-    const Eigen::SparseMatrix<double> j = block.sparse_jacobian(q);
-    const Eigen::VectorXd phi = block.residuals(q), x = gather(unknowns, q);
-    const Eigen::VectorXd g = j.transpose() * phi;
-    bool improved = false;
-    for (int attempt = 0; attempt < 40 && !improved; ++attempt) {
-      // min |J p + phi|^2 + mu^2 |p|^2 as a least-squares system: J^T J alone would square the condition.
-      Eigen::VectorXd p;
-      if (block.columns() <= kDense) {
-        Eigen::MatrixXd a(block.rows() + block.columns(), block.columns());
-        a << Eigen::MatrixXd(j), mu * Eigen::MatrixXd::Identity(block.columns(), block.columns());
-        Eigen::VectorXd b = Eigen::VectorXd::Zero(a.rows());
-        b.head(block.rows()) = -phi;
-        p = a.householderQr().solve(b);
-      } else {
-        Eigen::SparseMatrix<double> identity(block.columns(), block.columns());
-        identity.setIdentity();
-        Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> normal(j.transpose() * j + mu * mu * identity);
-        p = normal.solve(-g);
-      }
-      scatter(unknowns, x + p, q);
-      const double now = block.residuals(q).squaredNorm();
-      if (p.allFinite() && now < best) {
-        improved = true;
-        best = now;
-        mu = std::max(mu / 10, 1e-14);
-      } else {
-        scatter(unknowns, x, q);
-        mu *= 4;
-        if (mu > 1e8) return block.relative_residual(q);
-      }
-    }
-    if (!improved) break;
-  }
+  descend(block, unknowns, q);
+  const double reached = block.relative_residual(q);
+  if (reached <= kSatisfied || std::max(block.rows(), block.columns()) > kDense) return reached;
+  const Eigen::VectorXd x = gather(unknowns, q);
+  leave_saddle(block, unknowns, q);
+  descend(block, unknowns, q);
+  if (!(block.relative_residual(q) < reached)) scatter(unknowns, x, q);
   return block.relative_residual(q);
 }
 

@@ -11,6 +11,9 @@
 
 namespace assur {
 
+// Of the terms of an equation, internal units: C.y = 0 alone would leave an error of 100 % at C.y = 1e-30.
+inline constexpr double kLeastScale = 0x1p-10;
+
 class DenseBlock {
  public:
   // `column` is scratch shared by all blocks: one entry for each coordinate, all -1 between uses.
@@ -29,13 +32,13 @@ class DenseBlock {
     return phi;
   }
 
-  // max |Phi_i| / (sum |dPhi_i/dq_j| |q_j| + |constant|)
+  // max |Phi_i| / (sum |dPhi_i/dq_j| |q_j| + |constant|), the denominator at least kLeastScale
   [[nodiscard]] double relative_residual(const std::vector<double>& q) const {
     double worst = 0;
     for (const Index e : equations_) {
       const double scale = residual_scale(system_, e, q);
       const double phi = std::abs(residual<double>(system_, e, q));
-      worst = std::max(worst, !(phi <= 1e300) ? HUGE_VAL : scale > 0 ? phi / scale : phi);
+      worst = std::max(worst, !(phi <= 1e300) ? HUGE_VAL : phi / std::max(scale, kLeastScale));
     }
     return worst;
   }

@@ -36,6 +36,11 @@ Qr factor(const Eigen::MatrixXd& a) {
   return qr;
 }
 
+// Entries of a null vector beside the one that is 1: are they part of it?
+bool counts(const Eigen::VectorXd& c, Eigen::Index i) {
+  return std::abs(c[i]) > kNonzero * std::max(1.0, c.cwiseAbs().maxCoeff());
+}
+
 // Column k >= rank of a pivoted QR as a combination of the first `rank` ones: the null vector's other entries.
 Eigen::VectorXd combination(const Qr& qr, Eigen::Index k) {
   const Eigen::Index r = qr.rank();
@@ -56,6 +61,10 @@ RankStudy study_rank(const System& s, std::span<const Index> equations, std::spa
                                         std::to_string(block.rows()) +
                                         " equations is not regular by its structure, and too large (3000) to find out "
                                         "numerically which equations are redundant; split the scene to locate them");
+  }
+  if (equations.empty()) {  // unknowns that nothing mentions
+    out.undetermined.assign(unknowns.begin(), unknowns.end());
+    return out;
   }
   out.residual = fit(s, equations, unknowns, q, column);
 
@@ -85,6 +94,7 @@ RankStudy study_rank(const System& s, std::span<const Index> equations, std::spa
   // The null vectors of every posture: an entry may vanish in one of them by chance.
   std::vector<std::set<std::string>> names(static_cast<std::size_t>(block.rows() - rank[best]));
   for (const Eigen::MatrixXd& posture : postures) {
+    if (rank[best] == 0) break;
     const Eigen::MatrixXd permuted = rows.colsPermutation().transpose() * posture;
     const Eigen::MatrixXd kept = permuted.topRows(rank[best]).transpose();
     const Qr basis = factor(kept);
@@ -92,7 +102,7 @@ RankStudy study_rank(const System& s, std::span<const Index> equations, std::spa
     for (Eigen::Index k = rank[best]; k < block.rows(); ++k) {
       const Eigen::VectorXd c = basis.solve(permuted.row(k).transpose());
       for (Eigen::Index i = 0; i < c.size(); ++i) {
-        if (std::abs(c[i]) > kNonzero * std::max(1.0, c.cwiseAbs().maxCoeff())) {
+        if (counts(c, i)) {
           names[static_cast<std::size_t>(k - rank[best])].insert(s.equation_name(equation_at(i)));
         }
       }
@@ -114,7 +124,7 @@ RankStudy study_rank(const System& s, std::span<const Index> equations, std::spa
     const Eigen::VectorXd c = combination(columns, k);
     undetermined.insert(unknown_at(k));
     for (Eigen::Index i = 0; i < c.size(); ++i) {
-      if (std::abs(c[i]) > kNonzero * std::max(1.0, c.cwiseAbs().maxCoeff())) undetermined.insert(unknown_at(i));
+      if (counts(c, i)) undetermined.insert(unknown_at(i));
     }
   }
   out.undetermined.assign(undetermined.begin(), undetermined.end());

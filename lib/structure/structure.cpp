@@ -159,9 +159,13 @@ class Analysis {
 
   void refuse_block(Index b, const BlockAssembly& a) {
     if (!out_.cannot_assemble.empty()) return;
+    std::vector<Index> mentioned;
+    s_.mentioned(a.worst_equation, mentioned);
+    const bool is_length =
+        std::any_of(mentioned.begin(), mentioned.end(), [&](Index c) { return s_.coordinates[idx(c)].dimension == 1; });
     out_.cannot_assemble = "group " + group_or_block_name(b) + " cannot be assembled: '" +
                            s_.equation_name(a.worst_equation) + "' is violated most, by " +
-                           shortened(a.violation * s_.unit(1)) + " m";
+                           (is_length ? shortened(a.violation * s_.unit(1)) + " m" : shortened(a.violation));
   }
 
   // Connected components that hold a structural surplus or a singular block.

@@ -194,6 +194,23 @@ TEST(Run, AMechanismThatCannotBeAssembledIsANumericalFailure) {
   EXPECT_EQ(json.json()["error"]["kind"], "numerical");
 }
 
+TEST(Run, NotesOfTheSceneAreShownByInspectAndRun) {
+  const Scratch scratch;
+  std::string text = kFold;
+  text.replace(text.find("\"drivers\""), 0, "\"vectors\": {\"e\": {\"at\": [3, 4], \"fixed\": true}},\n  ");
+  const std::string scene = scratch.file("note.json", text);
+  for (const std::string command : {"inspect", "run"}) {
+    std::vector<std::string> arguments = {command, scene};
+    if (command == "run") arguments.insert(arguments.end(), {"--steps", "2"});
+    const Outcome page = run_command(arguments);
+    EXPECT_EQ(page.status, 0) << page.err;
+    EXPECT_NE(page.out.find("\n  notes           /vectors/e/at: the vector has length 5"), std::string::npos)
+        << page.out;
+    arguments.push_back("--json");
+    EXPECT_EQ(run_command(arguments).json()["notes"][0]["where"], "/vectors/e/at");
+  }
+}
+
 TEST(Run, WhatCannotRunHereIsSaid) {
   EXPECT_EQ(run_command({"run", "hexapod:drive=legs"}).status, 2);
   EXPECT_EQ(run_command({"run", "stewart", "--strategy", "groups/nonesuch"}).status, 2);

@@ -22,6 +22,14 @@ TEST(Page, FactsAreAlignedAndWrappedUnderThemselves) {
                 "  a label that is too long text\n");
 }
 
+TEST(Page, ListsNameTheFirstAndCountTheRest) {
+  std::ostringstream out;
+  Page(out).list("notes", std::vector<std::string>(14, "text"));
+  std::string expected = "  notes           text\n";
+  for (int i = 1; i < 12; ++i) expected += "                  text\n";
+  EXPECT_EQ(out.str(), expected + "                  and 2 more\n");
+}
+
 TEST(Page, TableColumnsAreAsWideAsTheirWidestCell) {
   using enum Table::Align;
   std::ostringstream out;

@@ -191,7 +191,7 @@ TEST(Stewart, FixedIterationsAreTakenBeyondTheFirstLevel) {
     EXPECT_EQ(of_first, work.iterations_of_first(free.counters()));  // as many as it takes
     // The start posture is assembled already.
     EXPECT_EQ(c.newton_iterations - of_first, n * (c.group_solutions - work.of_first(c) - 6));
-    EXPECT_EQ(c.most_iterations, n);
+    EXPECT_EQ(c.most_iterations, std::max<std::int64_t>(n, free.counters().most_iterations));
     // The paper's single iteration is enough at 1 rad/s and dt = 0.01.
     EXPECT_LE(r.report().error.position, 1e-14) << n;
   }

@@ -54,7 +54,7 @@ TEST(Groups, StewartGlobal) {
   const Structure s = structure(sample("stewart"), global);
   ASSERT_EQ(s.groups.size(), 1u);
   EXPECT_EQ(s.levels, 1);
-  EXPECT_EQ(s.shape(s.groups[0]), (Shape{102, 39 + 6 * (48 + 12), 1, 3}));  // P_k: O and a row of u, v, w in three equations
+  EXPECT_EQ(s.shape(s.groups[0]), (Shape{102, 39 + 6 * (48 + 12 + 9), 1, 3}));  // P_k and t_k: rows of O, u, v, w
   EXPECT_EQ(look::class_of(s, s.groups[0]).blocks, 3 + 3 + 6 * 3);
 }
 
@@ -261,10 +261,10 @@ TEST(DeclaredGroups, OnlyWhatLiesBetweenIsNamed) {
 TEST(DeclaredGroups, CutThroughABlock) {
   const Scene scene = dyads()
                           .point("P", {1.5, 1, 0})
-                          .point("Q", {2.5, 1, 0})
+                          .point("Q", {2.5, 1.4, 0})
                           .constrain("PC", Distance{"P", "C", {}})
                           .constrain("QP", Distance{"Q", "P", {}})
-                          .constrain("PB", Distance{{"Q"}, {"B"}, {}})
+                          .constrain("QB", Distance{"Q", "B", {}})
                           .constrain("across", Dot{{"P", "Q"}, {"C", "B"}, {}})
                           .add(DeclaredGroup{"half", {"P"}})
                           .build();

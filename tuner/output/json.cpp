@@ -18,9 +18,14 @@ const char* name(Error::Kind kind) {
 }  // namespace
 
 Json to_json(const Error& error) {
-  Json diagnostics = Json::array();
-  for (const Diagnostic& d : error.diagnostics()) diagnostics.push_back({{"where", d.where}, {"what", d.what}});
-  return {{"error", {{"kind", name(error.kind())}, {"message", error.what()}, {"diagnostics", diagnostics}}}};
+  return {{"error",
+           {{"kind", name(error.kind())}, {"message", error.what()}, {"diagnostics", to_json(error.diagnostics())}}}};
+}
+
+Json to_json(const std::vector<Diagnostic>& diagnostics) {
+  Json list = Json::array();
+  for (const Diagnostic& d : diagnostics) list.push_back({{"where", d.where}, {"what", d.what}});
+  return list;
 }
 
 }  // namespace assur::output

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 #include <ostream>
+#include <vector>
 
 #include "assur/status.hpp"
 
@@ -17,5 +18,8 @@ inline void print(std::ostream& out, const Json& object) {
 
 // {"error": {"kind": ..., "message": what(), "diagnostics": [{"where": ..., "what": ...}]}}
 [[nodiscard]] Json to_json(const Error& error);
+
+// [{"where": ..., "what": ...}]
+[[nodiscard]] Json to_json(const std::vector<Diagnostic>& diagnostics);
 
 }  // namespace assur::output

@@ -40,7 +40,12 @@ class Page {
   // "  label           text", the text wrapped under itself. An empty label continues the fact above.
   void fact(std::string_view label, std::string_view text);
 
+  // Each text as a fact, the label once; what goes beyond kMostListed is counted.
+  void list(std::string_view label, const std::vector<std::string>& texts);
+
   void table(const Table& table);
+
+  static constexpr std::size_t kMostListed = 12;
 
  private:
   std::ostream& out_;

@@ -6,12 +6,13 @@
 
 #include "output/format.hpp"
 #include "output/left_out.hpp"
+#include "output/notes.hpp"
 #include "output/status_text.hpp"
 
 namespace assur::output {
 namespace {
 
-constexpr std::size_t kMostRows = 12;  // more classes, events, fallbacks are counted
+constexpr std::size_t kMostRows = 12;  // more classes are summed up
 
 template <class T>
 Json or_null(const std::optional<T>& value) {
@@ -119,15 +120,12 @@ void print_errors(Page& page, const ErrorFigures& e, std::int32_t highest) {
 }
 
 void print_events(Page& page, const Report& report) {
-  const auto list = [&](std::string_view label, std::size_t count, const auto& text) {
-    for (std::size_t i = 0; i < std::min(count, kMostRows); ++i) page.fact(i == 0 ? label : "", text(i));
-    if (count > kMostRows) page.fact("", "and " + grouped(static_cast<std::int64_t>(count - kMostRows)) + " more");
-  };
-  list("events", report.events.size(), [&](std::size_t i) {
-    const Event& e = report.events[i];
-    return time_of(e) + (e.group.empty() ? "" : ", group " + e.group) + ": " + explained(e.kind);
-  });
-  list("fallbacks", report.fallbacks.size(), [&](std::size_t i) { return report.fallbacks[i]; });
+  std::vector<std::string> events;
+  for (const Event& e : report.events) {
+    events.push_back(time_of(e) + (e.group.empty() ? "" : ", group " + e.group) + ": " + explained(e.kind));
+  }
+  page.list("events", events);
+  page.list("fallbacks", report.fallbacks);
 }
 
 }  // namespace
@@ -175,6 +173,7 @@ Json to_json(const RunSummary& s) {
           {"left_out", to_json(s.prepared.structure->left_out)},
           {"status", name(s.report.status.code)},
           {"reached", s.report.reached},
+          {"notes", to_json(notes(*s.prepared.scene, *s.prepared.structure))},
           {"events", std::move(events)},
           {"fallbacks", s.report.fallbacks}};
 }
@@ -188,6 +187,7 @@ void print(Page& page, const RunSummary& s) {
   print_work(page, s.report.counters);
   print_errors(page, s.report.error, derivatives(*s.prepared.structure));
   print(page, s.prepared.structure->left_out);
+  print_notes(page, *s.prepared.scene, *s.prepared.structure);
   print_events(page, s.report);
   const Code code = s.report.status.code;
   page.fact("status", code == Code::ok ? "done"

@@ -1,0 +1,76 @@
+#include "simulation/layout.hpp"
+
+#include <algorithm>
+
+namespace assur {
+namespace {
+
+std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+std::vector<Pack> fill_packs(const Structure& structure, const std::vector<std::unique_ptr<GroupSolver>>& solvers) {
+  std::vector<Pack> packs;
+  std::vector<std::int32_t> open(structure.classes.size(), -1);  // the pack of each class that has a lane left
+  std::int32_t level = -1;
+  for (std::size_t g = 0; g < structure.groups.size(); ++g) {
+    const Group& group = structure.groups[g];
+    if (group.level != level) {
+      std::fill(open.begin(), open.end(), -1);
+      level = group.level;
+    }
+    std::int32_t& pack = open[idx(group.group_class)];
+    if (pack < 0 || packs[idx(pack)].used == solvers[idx(group.group_class)]->lanes()) {
+      pack = static_cast<std::int32_t>(packs.size());
+      packs.emplace_back();
+      packs.back().group_class = group.group_class;
+      packs.back().level = level;
+      packs.back().used = 0;
+    }
+    packs[idx(pack)].groups.push_back(static_cast<std::int32_t>(g));
+    ++packs[idx(pack)].used;
+  }
+  return packs;
+}
+
+}  // namespace
+
+Layout lay_out(const Prepared& prepared) {
+  const Structure& structure = *prepared.structure;
+  const System& system = *structure.system;
+  Layout out;
+  for (const Plan::Choice& choice : prepared.plan.choices) {
+    out.solvers.push_back(std::make_unique<GroupSolver>(system, structure, choice.group_class, choice, prepared.table));
+  }
+  out.packs = fill_packs(structure, out.solvers);
+
+  out.address.assign(system.coordinates.size(), -1);
+  for (std::size_t c = 0; c < out.address.size(); ++c) {
+    if (system.coordinates[c].role != Role::unknown) out.address[c] = static_cast<std::int32_t>(c);
+  }
+  for (const std::int32_t c : structure.static_coordinates) out.address[idx(c)] = c;
+  out.first_unknown = out.size = system.coordinates.size();
+  for (Pack& pack : out.packs) {
+    const GroupSolver& solver = *out.solvers[idx(pack.group_class)];
+    const std::size_t w = idx(solver.lanes());
+    pack.unknowns = out.size;
+    out.size += idx(solver.program().n) * w;
+    for (std::size_t lane = 0; lane < pack.groups.size(); ++lane) {
+      const Group& g = structure.groups[idx(pack.groups[lane])];
+      for (std::size_t i = 0; i < g.unknowns.size(); ++i) {
+        out.address[idx(g.unknowns[i])] = static_cast<std::int32_t>(pack.unknowns + i * w + lane);
+      }
+    }
+  }
+  for (Pack& pack : out.packs) {
+    const GroupSolver& solver = *out.solvers[idx(pack.group_class)];
+    const std::size_t w = idx(solver.lanes()), count = idx(solver.program().inputs);
+    pack.inputs.resize(count * w);
+    for (std::size_t lane = 0; lane < w; ++lane) {
+      const Group& g = structure.groups[idx(pack.groups[lane < pack.groups.size() ? lane : 0])];
+      for (std::size_t i = 0; i < count; ++i) pack.inputs[i * w + lane] = out.address[idx(g.inputs[i])];
+    }
+    solver.bind(system, structure, pack);
+  }
+  return out;
+}
+
+}  // namespace assur

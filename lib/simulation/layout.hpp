@@ -1,0 +1,25 @@
+// Where everything lies: known and static coordinates first, each in its own place; then the unknowns of the packs as
+// [pack][coordinate][lane].
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "simulation/group_solver.hpp"
+
+namespace assur {
+
+struct Layout {
+  std::vector<std::int32_t> address;  // coordinates of the system -> index into the state arrays; -1: not computed
+  std::size_t first_unknown = 0;
+  std::size_t size = 0;
+  std::vector<std::unique_ptr<GroupSolver>> solvers;  // classes
+  std::vector<Pack> packs;                            // by level
+};
+
+// Groups of one class on one level side by side, up to as many as the strategy has lanes.
+// Throws Error (environment) if a backend of the plan cannot run here.
+[[nodiscard]] Layout lay_out(const Prepared& prepared);
+
+}  // namespace assur

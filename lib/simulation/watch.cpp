@@ -1,0 +1,33 @@
+#include "simulation/watch.hpp"
+
+#include <cmath>
+
+namespace assur {
+
+Watch::Watch(const System& system, const Structure& structure, std::span<const std::int32_t> address)
+    : program_(compile(structure.watch_class, jacobian_pattern(structure.watch_class))),
+      evaluator_(make_evaluator(system, program_, 1)),
+      coefficients_(program_.coefficients.size()),
+      inputs_(structure.watch.inputs.size()),
+      phi_(structure.watch_class.equations.size()),
+      scale_(phi_.size()) {
+  std::vector<double> constants;
+  for (const std::int32_t k : structure.watch.constants) constants.push_back(system.constants[static_cast<std::size_t>(k)]);
+  bind(program_, constants, coefficients_.data(), 1);
+  for (const std::int32_t c : structure.watch.inputs) addresses_.push_back(address[static_cast<std::size_t>(c)]);
+}
+
+double Watch::residual(const double* q) {
+  for (std::size_t i = 0; i < inputs_.size(); ++i) inputs_[i] = q[addresses_[i]];
+  evaluator_->set_inputs(coefficients_.data(), inputs_.data());
+  evaluator_->evaluate(nullptr, phi_.data(), nullptr);
+  evaluator_->scale(scale_.data());
+  double worst = 0;
+  for (std::size_t i = 0; i < phi_.size(); ++i) {
+    const double r = scale_[i] > 0 ? std::abs(phi_[i]) / scale_[i] : std::abs(phi_[i]);
+    if (!(r <= worst)) worst = r;
+  }
+  return worst;
+}
+
+}  // namespace assur

@@ -1,0 +1,31 @@
+// Redundant equations: not solved, but evaluated at every posture.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "assur/structure.hpp"
+#include "equations/evaluator.hpp"
+
+namespace assur {
+
+class Watch {
+ public:
+  // `address`: coordinates -> index into the state arrays.
+  Watch(const System& system, const Structure& structure, std::span<const std::int32_t> address);
+
+  [[nodiscard]] std::size_t equations() const { return phi_.size(); }
+
+  // Largest relative residual at the posture q.
+  [[nodiscard]] double residual(const double* q);
+
+ private:
+  Program program_;
+  std::unique_ptr<Evaluator> evaluator_;
+  std::vector<double> coefficients_;
+  std::vector<std::int32_t> addresses_;  // inputs
+  std::vector<double> inputs_, phi_, scale_;
+};
+
+}  // namespace assur

@@ -1,0 +1,195 @@
+// The start posture from a poor guess.
+#include "structure/assembly.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <regex>
+
+#include "assur/plan.hpp"
+#include "references/perturb.hpp"
+#include "structure/look.hpp"
+
+namespace assur {
+namespace {
+
+using enum Formulation;
+using look::structure;
+
+struct Poor {
+  const char* sample;
+  double size;  // of the perturbation, m
+};
+class PoorGuess : public testing::TestWithParam<Poor> {};
+
+// 20 to 50 % of the mechanism's typical length, every coordinate; lengths are explicit in these samples.
+TEST_P(PoorGuess, ComesToAPosture) {
+  const auto [name, size] = GetParam();
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    const Scene scene = references::perturbed(sample(name), size, seed);
+    for (const Formulation f : {groups, irreducible}) {
+      const Structure s = structure(scene, f);
+      EXPECT_EQ(s.cannot_assemble, "") << "seed " << seed;
+      EXPECT_LE(look::start_residual(s), 1e-14) << "seed " << seed;
+    }
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Samples, PoorGuess,
+                         testing::Values(Poor{"four_bar", 0.4}, Poor{"four_bar:5", 0.5}, Poor{"slider_crank", 0.05},
+                                         Poor{"andrews", 0.01}, Poor{"stewart", 0.15}),
+                         [](const auto& poor) {
+                           std::string name = poor.param.sample;
+                           std::erase(name, ':');
+                           return name;
+                         });
+
+// ---- the mode of the guess
+
+Scene dyad(const Triple& guess) {
+  return SceneBuilder("dyad", 2)
+      .fixed_point("A", {0, 0, 0})
+      .fixed_point("B", {2, 0, 0})
+      .point("P", guess)
+      .constrain("PA", Distance{"P", "A", 1.5})
+      .constrain("PB", Distance{"P", "B", 1.2})
+      .time(0, 1, 0.1)
+      .build();
+}
+constexpr const char* kOther = "was assembled in another mode than its guess";
+constexpr const char* kUndecidable = "is not decidable";
+
+// The modes of a dyad are the sides of AB.
+TEST(AssemblyMode, IsToldExactlyWhenTheSideChanges) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> x(-1, 3), y(-2, 2);
+  int crossed = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Triple guess = {x(random), y(random), 0};
+    const Structure s = structure(dyad(guess), groups);
+    ASSERT_EQ(s.cannot_assemble, "");
+    const bool other = look::start(s, "P.y") * guess[1] < 0;
+    crossed += other;
+    EXPECT_EQ(look::notes(s).find(kOther) != std::string::npos, other) << guess[0] << ", " << guess[1];
+    EXPECT_EQ(look::notes(s).find(kUndecidable), std::string::npos);
+  }
+  RecordProperty("crossed", crossed);
+}
+
+TEST(AssemblyMode, OnTheLineIsNotDecidable) {
+  for (const double x : {0.5, 1.0, 1.4, 3.0}) {
+    const Structure s = structure(dyad({x, 0, 0}), groups);
+    ASSERT_EQ(s.cannot_assemble, "");
+    EXPECT_NE(look::notes(s).find("group P: "), std::string::npos) << look::notes(s);
+    EXPECT_NE(look::notes(s).find(kUndecidable), std::string::npos) << x;
+  }
+}
+
+TEST(AssemblyMode, AGoodGuessIsNotCommentedOn) {
+  for (const char* name : {"four_bar:10", "andrews", "slider_crank", "stewart", "gough", "hexapod",
+                           "rings:legs=2,n=60,terminal=24", "n_four_bar:20"}) {
+    for (const Formulation f : {global, groups, irreducible}) EXPECT_EQ(look::notes(structure(sample(name), f)), "");
+  }
+}
+
+// Many times the other leg of a Stewart platform: the mirror image of B is the other mode of its leg.
+TEST(AssemblyMode, MirroredHandle) {
+  const Scene scene = sample("stewart");
+  const double before = look::start(structure(scene, groups), "B1.x");
+  SceneBuilder b("stewart", 3);
+  for (Point x : scene.points()) b.add(x);
+  for (Vector x : scene.vectors()) {
+    if (x.name == "d1") x.at = {-x.at[0], -x.at[1], -x.at[2]};
+    b.add(x);
+  }
+  for (const Body& x : scene.bodies()) b.add(x);
+  for (const Constraint& x : scene.constraints()) b.add(x);
+  for (const Driver& x : scene.drivers()) b.add(x);
+  b.time(0, 1, 0.01);
+  const Structure s = structure(b.build(), groups);
+  EXPECT_EQ(look::notes(s), "");  // -d is as good as d: another start, and stays there
+  EXPECT_EQ(look::start(s, "B1.x"), before);
+}
+
+// ---- impossible
+
+double violation(const std::string& message) {
+  std::smatch match;
+  return std::regex_search(message, match, std::regex("violated most, by ([0-9.e+-]+) m$")) ? std::stod(match[1]) : -1;
+}
+
+TEST(AssemblyRefused, AndrewsWithTheMisprint) {
+  const Scene scene = sample("andrews:xb=0.03635");
+  const std::string what = look::error(Error::Kind::numerical, [&] { (void)prepare(scene); });
+  const bool g = what.rfind("group G cannot be assembled: 'G", 0) == 0, h = what.rfind("group H cannot be assembled: 'H", 0) == 0;
+  EXPECT_TRUE(g || h) << what;
+  // E is fixed by its own dyad; GE + GA (or HE + HA) = 0.06 are too short for EA, the worst rod has to give half of the
+  // gap at least.
+  const Triple F = {0.007, 0, 0}, B = {0.03635, 0.03273, 0}, A = {-0.06934, -0.00227, 0};
+  const double bf = std::hypot(B[0] - F[0], B[1] - F[1]), along = (bf * bf + 0.028 * 0.028 - 0.035 * 0.035) / (2 * bf);
+  const double across = std::sqrt(0.028 * 0.028 - along * along);
+  const double ux = (B[0] - F[0]) / bf, uy = (B[1] - F[1]) / bf;
+  double least = 1, most = 0;
+  for (const int side : {-1, 1}) {
+    const double gap = std::hypot(F[0] + along * ux - side * across * uy - A[0], F[1] + along * uy + side * across * ux - A[1]) - 0.06;
+    least = std::min(least, gap);
+    most = std::max(most, gap);
+  }
+  ASSERT_GT(least, 0);
+  EXPECT_GE(violation(what), least / 3) << what;
+  EXPECT_LE(violation(what), most) << what;
+}
+
+TEST(AssemblyRefused, ByATenthOfAPercent) {
+  SceneBuilder b("short", 2);
+  b.fixed_point("A", {0, 0, 0}).fixed_point("B", {2, 0, 0}).point("P", {1, 0.3, 0});
+  b.constrain("left", Distance{"P", "A", 0.999}).constrain("right", Distance{"P", "B", 0.999}).time(0, 1, 0.1);
+  const Structure s = structure(b.build(), groups);
+  EXPECT_EQ(s.cannot_assemble.rfind("group P cannot be assembled: '", 0), 0u) << s.cannot_assemble;
+  EXPECT_NEAR(violation(s.cannot_assemble), 0.001, 1e-6);  // half of the gap of 0.002, by symmetry, to first order
+}
+
+// A length is named in metres whatever the units inside, and a declared group by its own name.
+TEST(AssemblyRefused, NamesDeclaredGroupAndMetres) {
+  for (const double scale : {1e-3, 1.0, 1e4}) {
+    SceneBuilder b("short", 2);
+    b.fixed_point("A", {0, 0, 0}).fixed_point("B", {2 * scale, 0, 0}).point("P", {scale, 0.3 * scale, 0});
+    b.constrain("left", Distance{"P", "A", 0.9 * scale}).constrain("right", Distance{"P", "B", 0.9 * scale});
+    b.add(DeclaredGroup{"dyad", {"P"}}).time(0, 1, 0.1);
+    const Structure s = structure(b.build(), groups);
+    EXPECT_EQ(s.cannot_assemble.rfind("group dyad cannot be assembled: '", 0), 0u) << s.cannot_assemble;
+    // The least squares are at (1, 0); |Phi| / |grad Phi| = (1 - 0.9^2) / 2 there, printed with three digits.
+    EXPECT_NEAR(violation(s.cannot_assemble), 0.095 * scale, 1e-4 * scale) << s.cannot_assemble;
+  }
+}
+
+// What has no length is given none: 0.9^2 + 0.9^2 > 1.
+TEST(AssemblyRefused, ADirectionHasNoMetres) {
+  SceneBuilder b("turned", 3);
+  b.fixed_vector("x", {1, 0, 0}).fixed_vector("y", {0, 1, 0}).vector("u", {0.6, 0.6, 0.5});
+  b.constrain("to_x", Dot{"u", "x", 0.9}).constrain("to_y", Dot{"u", "y", 0.9}).time(0, 1, 0.1);
+  const Structure s = structure(b.build(), groups);
+  EXPECT_EQ(s.cannot_assemble.rfind("group u cannot be assembled: '", 0), 0u) << s.cannot_assemble;
+  EXPECT_EQ(violation(s.cannot_assemble), -1) << s.cannot_assemble;
+}
+
+// Guesses on a line of symmetry, where least squares alone stands still.
+TEST(Assembly, FromALineOfSymmetry) {
+  for (const double x : {-1.0, 0.5, 1.0, 1.4, 3.0}) {
+    const Structure s = structure(dyad({x, 0, 0}), groups);
+    EXPECT_EQ(s.cannot_assemble, "") << x;
+    EXPECT_LE(look::start_residual(s), 1e-15) << x;
+  }
+}
+
+// Nothing to start from: the gradient of a distance is null where the points coincide.
+TEST(Assembly, FromCoincidentPoints) {
+  SceneBuilder b("dyad", 2);
+  b.fixed_point("A", {0, 0, 0}).fixed_point("B", {2, 0, 0}).point("P", {0, 0, 0});
+  b.constrain("PA", Distance{"P", "A", 1.5}).constrain("PB", Distance{"P", "B", 1.2}).time(0, 1, 0.1);
+  const Structure s = structure(b.build(), groups);
+  EXPECT_EQ(s.cannot_assemble, "");
+  EXPECT_LE(look::start_residual(s), 1e-15);
+}
+
+}  // namespace
+}  // namespace assur

@@ -1,0 +1,219 @@
+// Redundant equations and undetermined unknowns, by name.
+#include "structure/rank.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "assur/plan.hpp"
+#include "assur/simulator.hpp"
+#include "structure/bricard.hpp"
+#include "structure/look.hpp"
+
+namespace assur {
+namespace {
+
+using enum Formulation;
+using look::structure;
+using Names = std::vector<std::string>;
+
+// Three parallel rods of length 1 on a coupler; the third is as long as asked. A dyad P hangs on the coupler.
+SceneBuilder parallelogram(double third, double start = 1.0) {
+  const Triple crank = {std::cos(start), std::sin(start), 0};
+  SceneBuilder b("parallelogram", 2);
+  b.fixed_point("A0", {0, 0, 0}).fixed_point("A1", {2, 0, 0}).fixed_point("A2", {0.5, 0, 0}).fixed_point("D", {4, 0, 0});
+  b.point("B0", crank).point("B1", {crank[0] + 2, crank[1], 0});
+  b.add(Body{"coupler", "", {}, {"B0", "B1"}, {{"M", {0.5, 0, 0}}}, {}});
+  b.constrain("coupler_length", Distance{"B0", "B1", 2.0});
+  b.constrain("rocker", Distance{"A1", "B1", 1.0});
+  b.constrain("third", Distance{"A2", "M", third});
+  b.point("P", {crank[0] + 3, crank[1] + 1, 0});
+  b.constrain("PB", Distance{"P", "B1", 2.0}).constrain("PD", Distance{"P", "D", 2.0});
+  b.drive("motor", PointAngle{"A0", "B0", "", Law::polynomial({start, 1})});
+  return b.time(0, 1, 0.01);
+}
+
+TEST(Rank, AThirdParallelRodIsRedundant) {
+  for (const Formulation f : {global, groups, irreducible}) {
+    const Structure s = structure(parallelogram(1).build(), f);
+    EXPECT_EQ(s.cannot_assemble, "");
+    EXPECT_TRUE(s.undetermined.empty());
+    ASSERT_EQ(s.redundant.size(), 1u);
+    // The coupler's length moves B1 along the coupler, both rods move it across themselves: only they depend.
+    EXPECT_EQ(s.redundant[0].constraints, (Names{"rocker", "third"}));
+    EXPECT_TRUE(s.redundant[0].dropped == "rocker" || s.redundant[0].dropped == "third");
+    ASSERT_EQ(s.checks.size(), 1u);
+    EXPECT_EQ(s.system->equation_name(s.checks[0]), s.redundant[0].dropped);
+    EXPECT_EQ(s.watch.equations, s.checks);
+    EXPECT_EQ(s.mobility, 1);
+    EXPECT_LE(look::start_residual(s), 1e-15);
+    EXPECT_EQ(look::solved(s), 4);
+  }
+}
+
+TEST(Rank, TheRedundantMechanismRuns) {
+  for (const char* strategy : {"groups/eigen", "irreducible/eigen", "global/eigen"}) {
+    Simulator simulator(prepare(parallelogram(1).build(), {strategy, {}}));
+    const Trajectory run = simulator.run();
+    EXPECT_TRUE(simulator.report().status.ok());
+    ASSERT_EQ(run.rows(), 101u);
+    const std::size_t x = run.index("B1.x"), y = run.index("B1.y");
+    for (std::size_t k = 0; k < run.rows(); ++k) {
+      // Residuals of 1e-14, relative to terms of about 20; the inverse of (coupler, rocker) is about 1/2.
+      EXPECT_NEAR(run(k, x), 2 + std::cos(1 + run.times()[k]), 1e-13);
+      EXPECT_NEAR(run(k, y), std::sin(1 + run.times()[k]), 1e-13);
+    }
+    EXPECT_LE(simulator.report().error.position, 1e-14);  // of the watched row as well
+  }
+}
+
+// The dropped row is no free pass: the length of the third rod must go on to fit.
+TEST(Rank, ADroppedRowThatCeasesToHoldStopsTheRun) {
+  // Redundant at the start and to first order, but the third rod hangs on a point that leaves the circle.
+  SceneBuilder b("leaving", 2);
+  b.fixed_point("A", {0, 0, 0}).fixed_point("C", {1, 0, 0}).point("S", {0.5, 0, 0});
+  b.point("B", {1, 1, 0}).constrain("height", FixedCoordinate{"B.y", 1});
+  b.constrain("rod", Distance{"S", "B", std::hypot(0.5, 1)});
+  b.constrain("stop", Distance{"C", "B", 1.0});
+  b.drive("slide", DrivenCoordinate{"S.x", Law::polynomial({0.5, 0, 0, 0, 1e-3})});
+  b.drive("lift", DrivenCoordinate{"S.y", Law::constant(0)});
+  const Scene scene = b.time(0, 1, 0.1).build();
+  const Structure s = structure(scene, groups);
+  if (!s.cannot_assemble.empty()) return;  // seen before the run: as good
+  Simulator simulator(prepare(scene, {"groups/eigen", {}}));
+  (void)simulator.run();
+  EXPECT_FALSE(simulator.report().status.ok()) << s.redundant.size() << s.redundant[0].dropped << s.checks.size() << s.watch.equations.size() << " " << simulator.report().error.position;
+}
+
+TEST(Rank, ARodTooLongContradictsByName) {
+  const Scene scene = parallelogram(1 + 1e-3).build();
+  const Structure s = structure(scene, groups);
+  EXPECT_EQ(s.cannot_assemble.rfind("these contradict each other: ", 0), 0u) << s.cannot_assemble;
+  for (const char* name : {"'rocker'", "'third'"}) EXPECT_NE(s.cannot_assemble.find(name), std::string::npos);
+  for (const char* name : {"'PB'", "'PD'"}) EXPECT_EQ(s.cannot_assemble.find(name), std::string::npos);
+  EXPECT_EQ(look::error(Error::Kind::numerical, [&] { (void)prepare(scene); }), s.cannot_assemble);
+}
+
+// Consistent to rounding only: lengths that were measured, not typed.
+TEST(Rank, RoundingIsNoContradiction) {
+  const Structure s = structure(parallelogram(1 + 4e-16).build(), groups);
+  EXPECT_EQ(s.cannot_assemble, "");
+  EXPECT_EQ(s.redundant.size(), 1u);
+}
+
+TEST(Rank, AFixedPointWithThreeRods) {
+  SceneBuilder b("tripod", 2);
+  b.fixed_point("A", {0, 0, 0}).fixed_point("B", {2, 0, 0}).fixed_point("C", {1, 3, 0}).point("P", {0.9, 1.1, 0});
+  b.constrain("PA", Distance{"P", "A", std::sqrt(2.0)}).constrain("PB", Distance{"P", "B", std::sqrt(2.0)});
+  b.constrain("PC", Distance{"P", "C", 2.0});
+  b.time(0, 1, 0.1);
+  const Structure s = structure(b.build(), groups);
+  EXPECT_EQ(s.cannot_assemble, "");
+  ASSERT_EQ(s.redundant.size(), 1u);
+  EXPECT_EQ(s.redundant[0].constraints, (Names{"PA", "PB", "PC"}));
+  EXPECT_EQ(s.mobility, 0);
+  EXPECT_NEAR(look::start(s, "P.x"), 1, 1e-14);
+  EXPECT_NEAR(look::start(s, "P.y"), 1, 1e-14);
+}
+
+TEST(Rank, SimilarHexagonsAreUndeterminedByTheirLegs) {
+  const Structure s = structure(sample("hexapod:drive=legs"), groups);
+  EXPECT_FALSE(s.undetermined.empty());
+  const std::set<std::string> names(s.undetermined.begin(), s.undetermined.end());
+  EXPECT_TRUE(names.contains("u.x")) << "the self-motion turns the platform";
+  for (const std::string& n : names) EXPECT_TRUE(std::string("Ouvw").find(n[0]) != std::string::npos) << n;
+  EXPECT_EQ(s.mobility, 6);
+  EXPECT_NE(look::error(Error::Kind::input, [] { (void)prepare(sample("hexapod:drive=legs")); })
+                .find("undetermined: nothing fixes "),
+            std::string::npos);
+}
+
+TEST(Rank, AMissingDriverLeavesUnknownsFree) {
+  SceneBuilder b("four_bar", 2);
+  b.fixed_point("A", {0, 0, 0}).fixed_point("D", {2, 0, 0}).point("B", {0.8, 0, 0}).point("C", {1.5, 1.2, 0});
+  b.constrain("crank", Distance{"A", "B", 0.8}).constrain("coupler", Distance{"B", "C", 1.8});
+  b.constrain("rocker", Distance{"D", "C", 1.3});
+  b.point("P", {1, 3, 0}).constrain("PA", Distance{"P", "A", 2.5}).constrain("PD", Distance{"P", "D", 2.5});
+  b.time(0, 1, 0.1);
+  const Structure s = structure(b.build(), groups);
+  EXPECT_EQ(std::set<std::string>(s.undetermined.begin(), s.undetermined.end()),
+            (std::set<std::string>{"B.x", "B.y", "C.x", "C.y"}));
+  EXPECT_EQ(s.mobility, 1);
+  EXPECT_NE(look::error(Error::Kind::input, [&] { (void)prepare(b.build()); }).find("undetermined: nothing fixes B."),
+            std::string::npos);
+}
+
+// One free point, and one that is both free and part of an impossible set: both are told apart.
+TEST(Rank, AFreePointIsUndeterminedAlone) {
+  const Structure s = structure(parallelogram(1).point("free", {1, 1, 0}).build(), groups);
+  EXPECT_EQ(s.undetermined, (Names{"free.x", "free.y"}));
+  EXPECT_EQ(s.redundant.size(), 1u);
+  EXPECT_EQ(s.mobility, 3);
+}
+
+// ---- a singular start is no redundancy
+
+TEST(Rank, StartAtAChangePoint) {
+  SceneBuilder b("parallelogram", 2);
+  b.fixed_point("A0", {0, 0, 0}).fixed_point("A1", {2, 0, 0}).point("B0", {1, 0, 0}).point("B1", {3, 0, 0});
+  b.constrain("coupler", Distance{"B0", "B1", 2.0}).constrain("rocker", Distance{"A1", "B1", 1.0});
+  b.drive("motor", PointAngle{"A0", "B0", "", Law::polynomial({0, 1})}).time(0, 1, 0.01);
+  const Structure s = structure(b.build(), groups);
+  EXPECT_TRUE(s.redundant.empty());
+  EXPECT_TRUE(s.undetermined.empty());
+  EXPECT_EQ(s.cannot_assemble, "");
+  EXPECT_EQ(s.mobility, 1);
+  EXPECT_NE(look::notes(s).find("the start posture is singular"), std::string::npos) << look::notes(s);
+}
+
+TEST(Rank, StartAtADeadPoint) {
+  SceneBuilder b("slider_crank", 2);
+  b.fixed_point("O", {0, 0, 0}).point("B", {0.1, 0, 0}).point("C", {0.4, 0, 0});
+  b.constrain("crank", Distance{"O", "B", 0.1}).constrain("rod", Distance{"B", "C", 0.3});
+  b.constrain("rail", FixedCoordinate{"C.y", 0});
+  b.drive("piston", DrivenCoordinate{"C.x", Law::polynomial({0.4, 0, -0.05})}).time(0, 1, 0.01);
+  const Structure s = structure(b.build(), groups);
+  EXPECT_TRUE(s.redundant.empty());
+  EXPECT_TRUE(s.undetermined.empty());
+  EXPECT_EQ(s.cannot_assemble, "");
+  EXPECT_NE(look::notes(s).find("the start posture is singular"), std::string::npos) << look::notes(s);
+}
+
+// ---- Bricard: mobility 1 with one equation more than unknowns
+
+TEST(Rank, BricardHasOneRedundantEquation) {
+  for (const Formulation f : {global, groups, irreducible}) {
+    const Structure s = structure(bricard(), f);
+    EXPECT_EQ(s.cannot_assemble, "");
+    EXPECT_TRUE(s.undetermined.empty());
+    EXPECT_EQ(s.equations, s.unknowns + 1);
+    EXPECT_EQ(s.mobility, 1);
+    ASSERT_EQ(s.redundant.size(), 1u);
+    EXPECT_GT(s.redundant[0].constraints.size(), 1u);
+    EXPECT_LE(look::start_residual(s), 1e-15);
+  }
+}
+
+TEST(Rank, BricardRuns) {
+  Simulator simulator(prepare(bricard(), {"groups/eigen", {}}));
+  const Trajectory run = simulator.run();
+  EXPECT_TRUE(simulator.report().status.ok()) << name(simulator.report().status.code);
+  ASSERT_EQ(run.rows(), 101u);
+  EXPECT_LE(simulator.report().error.position, 1e-14);
+  // Opposite hinges of the cube turn alike: the line P1 P4 is a symmetry of lengths, |P0 P3| = |P1 P4| = |P2 P5|.
+  const auto distance = [&](std::size_t row, const std::string& a, const std::string& b) {
+    const auto at = [&](const std::string& p, std::size_t k) {
+      static const std::map<std::string, Triple> fixed = {{"P5", {0, 0, 1}}, {"P0", {0, 0, 0}}};
+      if (const auto f = fixed.find(p); f != fixed.end()) return f->second[k];
+      return run(row, run.index(p + "." + "xyz"[k]));
+    };
+    return std::hypot(at(a, 0) - at(b, 0), at(a, 1) - at(b, 1), at(a, 2) - at(b, 2));
+  };
+  for (std::size_t k = 0; k < run.rows(); k += 10) {
+    EXPECT_NEAR(distance(k, "P0", "P3"), distance(k, "P1", "P4"), 1e-12);
+    EXPECT_NEAR(distance(k, "P0", "P3"), distance(k, "P2", "P5"), 1e-12);
+  }
+}
+
+}  // namespace
+}  // namespace assur

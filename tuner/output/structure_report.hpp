@@ -1,0 +1,26 @@
+// What `assur inspect` says about a kinematic structure.
+#pragma once
+
+#include <cstdint>
+#include <map>
+
+#include "assur/structure.hpp"
+#include "output/json.hpp"
+#include "output/page.hpp"
+
+namespace assur::output {
+
+// What the structure cannot split further, after the equations that are linear have been taken out.
+struct Irreducible {
+  std::int64_t groups = 0, eliminated = 0;
+  std::map<std::int32_t, std::int64_t> sizes;  // unknowns of a group -> groups
+};
+
+// Of a structure in the formulation `irreducible`.
+[[nodiscard]] Irreducible irreducible(const Structure& s);
+
+[[nodiscard]] Json to_json(const Scene& scene, const Structure& s, const Irreducible& split);
+
+void print(Page& page, const Scene& scene, const Structure& s, const Irreducible& split);
+
+}  // namespace assur::output
