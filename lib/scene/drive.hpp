@@ -22,16 +22,17 @@ void euler_zyx(const Jet<T>& psi, const Jet<T>& theta, const Jet<T>& phi, Jet<T>
   r[8] = cy * cx;
 }
 
-// Sets the driven coordinates of q, rate and acceleration (null: not wanted). law(input, k) gives the jet of the k-th
+// Sets the driven coordinates listed in q, rate and acceleration (null: not wanted). law(input, k) gives the jet of the k-th
 // law of System::inputs[input] in SI units.
 template <class T, class LawJet>
-void drive(const System& s, LawJet&& law, T* q, T* rate, T* acceleration) {
+void drive(const System& s, const Driven& driven, LawJet&& law, T* q, T* rate, T* acceleration) {
   const auto put = [&](Index coordinate, const Jet<T>& j) {
     q[coordinate] = j.value;
     if (rate != nullptr) rate[coordinate] = j.rate;
     if (acceleration != nullptr) acceleration[coordinate] = j.acceleration;
   };
-  for (std::size_t i = 0; i < s.inputs.size(); ++i) {
+  for (const Index input : driven.inputs) {
+    const auto i = static_cast<std::size_t>(input);
     const DriverInput& in = s.inputs[i];
     const T scale = T(1 / s.unit(in.dimension));  // a power of two
     const auto scaled = [&](Jet<T> j) { return Jet<T>{j.value * scale, j.rate * scale, j.acceleration * scale}; };
@@ -67,7 +68,8 @@ void drive(const System& s, LawJet&& law, T* q, T* rate, T* acceleration) {
     for (const Term& t : s.form(form)) total += T(s.constants[static_cast<std::size_t>(t.constant)]) * x[t.coordinate];
     return total;
   };
-  for (const Assignment& a : s.assignments) {
+  for (const Index i : driven.assignments) {
+    const Assignment& a = s.assignments[static_cast<std::size_t>(i)];
     q[a.coordinate] = sum(a.form, q);
     if (rate != nullptr) rate[a.coordinate] = sum(a.form, rate);
     if (acceleration != nullptr) acceleration[a.coordinate] = sum(a.form, acceleration);

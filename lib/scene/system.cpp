@@ -70,10 +70,29 @@ double residual_scale(const System& s, Index equation, std::span<const double> q
   return sum;
 }
 
+Driven all_driven(const System& s) { return driven_behind(s, std::vector<std::uint8_t>(s.coordinates.size(), 1)); }
+
+Driven driven_behind(const System& s, std::vector<std::uint8_t> needed) {
+  Driven out;
+  for (auto a = s.assignments.rbegin(); a != s.assignments.rend(); ++a) {
+    if (needed[static_cast<std::size_t>(a->coordinate)] == 0) continue;
+    out.assignments.push_back(static_cast<Index>(s.assignments.rend() - a) - 1);
+    for (const Term& t : s.form(a->form)) needed[static_cast<std::size_t>(t.coordinate)] = 1;
+  }
+  std::reverse(out.assignments.begin(), out.assignments.end());
+  for (std::size_t i = 0; i < s.inputs.size(); ++i) {
+    const auto first = needed.begin() + s.inputs[i].first;
+    if (std::find(first, first + s.inputs[i].count, 1) != first + s.inputs[i].count) {
+      out.inputs.push_back(static_cast<Index>(i));
+    }
+  }
+  return out;
+}
+
 Status drive(const System& s, double t, double* q, double* rate, double* acceleration) {
   Status status;
   drive<double>(
-      s,
+      s, all_driven(s),
       [&](std::size_t input, int k) {
         const Law& law = s.inputs[input].laws[static_cast<std::size_t>(k)];
         if (status.ok() && !law.covers(t)) status = {Code::out_of_range, s.inputs[input].driver, t};

@@ -230,6 +230,15 @@ void gradient(const System& s, Index equation, std::span<const T> q, Add&& add) 
 // sum_j |dPhi/dq_j| |q_j| + |constant|: what a residual is measured against.
 double residual_scale(const System& s, Index equation, std::span<const double> q);
 
+// The inputs and assignments that somebody reads.
+struct Driven {
+  std::vector<Index> inputs;       // indices into System::inputs
+  std::vector<Index> assignments;  // indices into System::assignments, in order
+};
+[[nodiscard]] Driven all_driven(const System& s);
+// Only those behind the coordinates that are marked.
+[[nodiscard]] Driven driven_behind(const System& s, std::vector<std::uint8_t> needed);
+
 // Sets the driven coordinates of q (and of its derivatives where not null) at time t.
 // Returns out_of_range, actuator_zero or ok; `where` is the driver.
 Status drive(const System& s, double t, double* q, double* rate, double* acceleration);

@@ -12,6 +12,7 @@ constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr double kConverged = 8 * kEps;      // relative residual of a solved equation
 constexpr double kRoundingLevel = 1e-12;     // where a residual that no longer falls is taken for rounding
 constexpr double kLinear = 8 * kEps;         // normwise residual of a refined linear system
+constexpr int kMostSearching = 40;           // iterations at a fold, where they gain one bit each
 constexpr int kMostRefinements = 6;
 constexpr double kFold = 30;                 // velocity over input velocity near a singularity that makes it a fold
 
@@ -79,6 +80,7 @@ Status GroupSolver::solve(Pack& pack, double* const (&state)[3], const Attempt& 
   evaluator_->set_inputs(pack.coefficients.data(), inputs_.data());
   double* x = state[0] + pack.unknowns;
   if (const Status s = newton(pack, x, attempt, counters, errors); !s.ok()) return s;
+  if (attempt.branch == Attempt::Branch::anywhere) return {};
   if (const Status s = derivatives(pack, state, counters, errors); !s.ok()) return s;
   return check_branch(pack, x, attempt, counters);
 }
@@ -119,7 +121,7 @@ Status GroupSolver::newton(Pack& pack, double* x, const Attempt& attempt, Counte
     } else {
       if (relative <= kConverged) break;
       if (iteration > 0 && relative <= kRoundingLevel && relative > before / 4) break;
-      if (iteration == attempt.most_iterations) return fail(pack, Code::not_converged, relative);
+      if (iteration == (attempt.branch == Attempt::Branch::anywhere ? kMostSearching : attempt.most_iterations)) return fail(pack, Code::not_converged, relative);
     }
     if (!(strategy_.once && factored)) {
       if (const Status s = factorize(pack, counters); !s.ok()) return s;
@@ -148,7 +150,8 @@ Status GroupSolver::newton(Pack& pack, double* x, const Attempt& attempt, Counte
       }
     }
     // Without a constant second derivative two corrections have to contract tenfold.
-    const bool must_contract = !class_.quadratic || attempt.branch == Attempt::Branch::pass;
+    const bool must_contract = attempt.branch == Attempt::Branch::pass ||
+                               (!class_.quadratic && attempt.branch != Attempt::Branch::anywhere);
     if (iteration > 0 && must_contract && attempt.iterations == 0 && norm > 0.1 * last_norm && relative > kRoundingLevel) {
       return fail(pack, Code::not_converged, norm / last_norm);
     }

@@ -26,7 +26,8 @@ struct Attempt {
   enum class Branch : std::uint8_t {
     start,   // the posture is given: measure the ball around it
     inside,  // stay inside the ball
-    pass,    // through a change point: convergence is all that is asked
+    pass,    // through a change point: corrections have to contract
+    anywhere,  // is there a solution at all? nothing is kept
   };
   Branch branch = Branch::inside;
   int iterations = 0;        // exactly so many; 0: until convergence

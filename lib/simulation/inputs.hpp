@@ -13,6 +13,9 @@ class Inputs {
  public:
   Inputs(const System& system, const std::vector<std::string>& controlled);
 
+  // Only drivers behind the coordinates that are marked are evaluated from now on.
+  void keep(std::vector<std::uint8_t> needed) { driven_ = driven_behind(system_, std::move(needed)); }
+
   // Known coordinates at time t; state[d]: d-th derivative, indexed by coordinate.
   [[nodiscard]] Status drive(double t, double* const (&state)[3]) const;
 
@@ -40,6 +43,7 @@ class Inputs {
   [[nodiscard]] Motion law_at(std::size_t input, int law, double t) const;
 
   const System& system_;
+  Driven driven_;
   std::vector<Control> controls_;
 };
 

@@ -53,6 +53,11 @@ class OutputProgram {
 
   [[nodiscard]] const std::vector<std::string>& columns() const { return columns_; }
 
+  // Marks the addresses that are read.
+  void mark(std::vector<std::uint8_t>& addresses) const {
+    for (const TermAt& t : terms_) addresses[static_cast<std::size_t>(t.address)] = 1;
+  }
+
   // state[d]: d-th derivative. out: one double for each column, SI units.
   // `previous`: the row before at a time dt earlier, to unwrap signed angles; null: the first row.
   void evaluate(const double* const (&state)[3], double* out, const double* previous, double dt) const;

@@ -100,6 +100,11 @@ void ReferenceMotion::find_blocks(const Structure& structure) {
     require_inputs(system_, decomposition_.equations_of(b), 0, need);
   }
 
+  // Those marked now include the inputs of every block that is needed.
+  std::vector<std::uint8_t> read(need.size());
+  std::transform(need.begin(), need.end(), read.begin(), [](std::int8_t n) { return n >= 0 ? 1 : 0; });
+  driven_ = driven_behind(system_, std::move(read));
+
   for (Index b = 0; b < decomposition_.size(); ++b) {
     Block block;
     block.equations = decomposition_.equations_of(b);
@@ -172,7 +177,7 @@ void ReferenceMotion::drive(double t) {
   const auto law = [&](std::size_t input, int k) {
     return evaluate<Quad>(system_.inputs[input].laws[static_cast<std::size_t>(k)], Quad(t));
   };
-  assur::drive<Quad>(system_, law, state_.q[0].data(), state_.q[1].data(), state_.q[2].data());
+  assur::drive<Quad>(system_, all_driven(system_), law, state_.q[0].data(), state_.q[1].data(), state_.q[2].data());
   scale_ = {1, 0, 0};
   for (std::size_t c = 0; c < rounded_.size(); ++c) {
     rounded_[c] = static_cast<double>(state_.q[0][c]);

@@ -77,6 +77,7 @@ class ReferenceMotion {
   [[noreturn]] void refuse(double t) const;
 
   System system_;
+  Driven driven_;  // what the needed blocks and the outputs read
   Blocks decomposition_;
   std::vector<Block> blocks_;  // those that the outputs need, in solving order
   std::vector<Quad> constants_;

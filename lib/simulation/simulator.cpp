@@ -52,9 +52,22 @@ struct Simulator::Impl {
     state.resize(layout.first_unknown, layout.size, prepared.plan.predictor);
     if (!structure.watch_class.equations.empty()) watch.emplace(system, structure, layout.address);
     passing.assign(packs.size(), 0);
+    keep_what_is_read();
     row.resize(outputs.columns().size());
     previous_row.resize(row.size());
     start(start_time);
+  }
+
+  // Drivers behind nothing that is computed are left out.
+  void keep_what_is_read() {
+    std::vector<std::uint8_t> read(layout.size, 0);
+    for (const Pack& pack : packs) {
+      for (const std::int32_t a : pack.inputs) read[idx(a)] = 1;
+    }
+    outputs.mark(read);
+    for (const std::int32_t c : structure.watch.inputs) read[idx(layout.address[idx(c)])] = 1;
+    read.resize(system.coordinates.size());  // known coordinates lie at their own index
+    inputs.keep(std::move(read));
   }
 
   GroupSolver& solver(const Pack& pack) { return *layout.solvers[idx(pack.group_class)]; }
@@ -102,7 +115,7 @@ struct Simulator::Impl {
     for (std::size_t p = 0; p < packs.size(); ++p) {
       if (deadline_passed()) return {Code::deadline, packs[p].groups[0], limits.seconds};
       Attempt attempt;
-      attempt.branch = passing[p] != 0 ? Attempt::Branch::pass : branch;
+      attempt.branch = passing[p] != 0 && branch == Attempt::Branch::inside ? Attempt::Branch::pass : branch;
       attempt.iterations = packs[p].level > 0 && branch == Attempt::Branch::inside ? limits.iterations : 0;
       attempt.most_iterations = limits.most_iterations;
       if (const Status s = solver(packs[p]).solve(packs[p], q, attempt, report.counters, errors); !s.ok()) {
@@ -212,6 +225,7 @@ struct Simulator::Impl {
     if (found.code == Code::change_point_passed && !pass(target, t)) found.code = Code::branch_unknown;
     if (found.code == Code::branch_unknown && failed.code == Code::not_converged && found.figure > 0.05) found = failed;
     const bool passed = found.code == Code::change_point_passed;
+    if (found.code == Code::limit_reached) target = first_without_solution(target, t);
     record({passed ? last_before_pass : now, passed ? now : target,
             structure.groups[idx(found.where >= 0 ? found.where : failed.where)].name, found.code, found.figure},
            std::abs(t - target));
@@ -229,6 +243,22 @@ struct Simulator::Impl {
       }
     }
     report.events.push_back(std::move(event));
+  }
+
+  // Steps end a little before a fold, where the ball around the posture shrinks to nothing; the fold itself lies before
+  // the first time at which Newton's method finds no solution at all.
+  double first_without_solution(double target, double t) {
+    const double smallest = target - now;
+    for (int k = 0; k <= kHalvings; ++k) {
+      const double h = std::ldexp(smallest, k);
+      target = std::abs(t - now) <= std::abs(h) ? t : now + h;
+      state.predict(target);
+      StepErrors errors;
+      const bool exists = solve_at(target, Attempt::Branch::anywhere, errors).ok();
+      if (!exists) break;
+    }
+    restore();
+    return target;
   }
 
   // Over a change point by the smooth continuation, with the shortest step that converges on the other side. Other packs
