@@ -138,6 +138,9 @@ Status GroupSolver::newton(Pack& pack, double* x, const Attempt& attempt, Counte
       if (static_cast<int>(i % w) < pack.used) norm = std::max(norm, std::abs(correction_[i]));
     }
     if (!std::isfinite(norm)) return fail(pack, Code::not_finite, norm);
+    if (attempt.branch == Attempt::Branch::pass && iteration == 0 && !(norm <= attempt.largest_correction)) {
+      return fail(pack, Code::branch_unknown, norm);
+    }
     if (attempt.branch == Attempt::Branch::inside && class_.quadratic && iteration == 0) {
       // Newton-Kantorovich: from omega |first correction| <= 1/4 the iteration converges to the one solution nearby.
       for (std::size_t i = 0; i < correction_.size(); ++i) {

@@ -32,6 +32,7 @@ struct Attempt {
   Branch branch = Branch::inside;
   int iterations = 0;        // exactly so many; 0: until convergence
   int most_iterations = 12;
+  double largest_correction = 0;  // pass: the first one, in the maximum norm; a larger one may lead to the other branch
 };
 
 // W instances of a class. All arrays are owned by the simulator; lanes beyond `used` repeat lane 0.

@@ -177,7 +177,7 @@ void ReferenceMotion::drive(double t) {
   const auto law = [&](std::size_t input, int k) {
     return evaluate<Quad>(system_.inputs[input].laws[static_cast<std::size_t>(k)], Quad(t));
   };
-  assur::drive<Quad>(system_, all_driven(system_), law, state_.q[0].data(), state_.q[1].data(), state_.q[2].data());
+  assur::drive<Quad>(system_, driven_, law, state_.q[0].data(), state_.q[1].data(), state_.q[2].data());
   scale_ = {1, 0, 0};
   for (std::size_t c = 0; c < rounded_.size(); ++c) {
     rounded_[c] = static_cast<double>(state_.q[0][c]);

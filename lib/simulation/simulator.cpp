@@ -18,6 +18,9 @@ namespace assur {
 namespace {
 
 constexpr int kHalvings = 20;           // a step is halved down to 2^-20
+constexpr int kReach = 12;              // a change point is passed from 2^12 of the shortest steps before it to as many beyond
+constexpr int kMoreHalvings = 6;        // of the shortest step, on the way back from a change point
+constexpr double kSure = 1e-3;          // largest correction over the distance of the branches: in doubt neither is taken
 constexpr double kConsistent = 1e-10;   // relative residual of a redundant equation that still holds
 constexpr std::size_t kEventsReserved = 64;
 
@@ -74,6 +77,7 @@ struct Simulator::Impl {
 
   void start(double time) {
     now = time;
+    deadline = std::chrono::steady_clock::time_point::max();  // it is for steps
     inputs.reset();
     report = Report{};
     report.events.reserve(kEventsReserved);
@@ -118,6 +122,10 @@ struct Simulator::Impl {
       attempt.branch = passing[p] != 0 && branch == Attempt::Branch::inside ? Attempt::Branch::pass : branch;
       attempt.iterations = packs[p].level > 0 && branch == Attempt::Branch::inside ? limits.iterations : 0;
       attempt.most_iterations = limits.most_iterations;
+      if (attempt.branch == Attempt::Branch::pass) {
+        const std::size_t count = idx(solver(packs[p]).program().n) * idx(solver(packs[p]).lanes());
+        attempt.largest_correction = largest_correction * state.predicted_move(packs[p].unknowns, count);
+      }
       if (const Status s = solver(packs[p]).solve(packs[p], q, attempt, report.counters, errors); !s.ok()) {
         failed_pack = p;
         return s;
@@ -195,10 +203,8 @@ struct Simulator::Impl {
     }
     if (!status.ok()) restore();
     inputs.end_step(now, wants_reselection);
-    if (status.ok()) {
-      ++report.counters.steps;
-      fill_row(true, t - from);
-    }
+    if (status.ok()) ++report.counters.steps;
+    if (now != from) fill_row(true, now - from);
     report.status = status;
     return status;
   }
@@ -261,29 +267,39 @@ struct Simulator::Impl {
     return target;
   }
 
-  // Over a change point by the smooth continuation, with the shortest step that converges on the other side. Other packs
-  // may be at one of theirs at the same time.
+  // Over a change point by the smooth continuation. Close to it a posture is uncertain by eps / distance and its rates by
+  // eps / distance^2, so the step starts well before it and lands as far beyond, where the branches are apart by more
+  // than any error. Other packs may be at one of theirs at the same time.
   bool pass(double target, double t) {
     last_before_pass = now;
-    const double smallest = target - now;
+    const std::size_t at_its_change_point = failed_pack;
+    const double change = now, smallest = target - now, reach = std::ldexp(smallest, kReach);
     bool passed = false;
-    for (int k = 0; k <= kHalvings && !passed; ++k) {
-      const double h = std::ldexp(smallest, k);
-      const double to = std::abs(t - now) <= std::abs(h) ? t : now + h;
-      std::fill(passing.begin(), passing.end(), 0);
-      passing[failed_pack] = 1;
-      for (std::size_t more = 0; more < packs.size(); ++more) {
-        if (try_step(to, Attempt::Branch::inside).ok()) {
-          passed = true;
-          break;
-        }
+    if (step_back(change - reach, smallest)) {
+      const double to = std::abs(t - change) <= std::abs(reach) ? t : change + reach;
+      passing[at_its_change_point] = 1;
+      largest_correction = kSure * (to - change) / (to - now);
+      for (std::size_t more = 0; more < packs.size() && !passed; ++more) {
+        passed = try_step(to, Attempt::Branch::inside).ok();
         if (passing[failed_pack] != 0) break;
         passing[failed_pack] = 1;
       }
+      std::fill(passing.begin(), passing.end(), 0);
     }
-    std::fill(passing.begin(), passing.end(), 0);
     if (!passed) restore();
     return passed;
+  }
+
+  bool step_back(double until, double h) {
+    const double shortest = std::abs(std::ldexp(h, -kMoreHalvings));
+    while (now != until) {
+      if (try_step(std::abs(until - now) <= std::abs(h) ? until : now - h, Attempt::Branch::inside).ok()) {
+        h *= 2;
+      } else if (std::abs(h /= 2) < shortest) {
+        return false;
+      }
+    }
+    return true;
   }
 
   // ---- redundant equations
@@ -334,6 +350,7 @@ struct Simulator::Impl {
   std::vector<std::uint8_t> passing;  // packs: on the way through a change point
   double now = 0;
   double last_before_pass = 0;
+  double largest_correction = 0;  // of a step through a change point, over the move that was predicted
   bool wants_reselection = false;
   double selected_at = std::numeric_limits<double>::quiet_NaN();  // time of the last reselection
   std::size_t failed_pack = 0;

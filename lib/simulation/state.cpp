@@ -1,6 +1,7 @@
 #include "simulation/state.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace assur {
 
@@ -37,6 +38,14 @@ void State::predict(double t) {
       for (std::size_t i = 0; i < from.size(); ++i) x[i] += weight * from[i];
     }
   }
+}
+
+double State::predicted_move(std::size_t address, std::size_t count) const {
+  double largest = 0;
+  for (std::size_t i = address; i < address + count; ++i) {
+    largest = std::max(largest, std::abs(values_[0][i] - last_[0][i - first_unknown_]));
+  }
+  return largest;
 }
 
 void State::accept(double t) {

@@ -21,6 +21,8 @@ class State {
   void clear();
   // Unknowns of the next posture, from the accepted ones.
   void predict(double t);
+  // Largest move, over `count` unknowns from an address on, from the last accepted posture to the prediction.
+  [[nodiscard]] double predicted_move(std::size_t address, std::size_t count) const;
   void accept(double t);
   // Unknowns of the last accepted posture.
   void restore();

@@ -1,0 +1,69 @@
+// Groups side by side in lanes are the same groups.
+#include <gtest/gtest.h>
+
+#include "simulation/run.hpp"
+
+namespace assur {
+namespace {
+
+using test::kEps;
+using test::Result;
+
+// Elimination orders differ between one lane and several (pivots are chosen for all lanes together), so results agree to
+// the errors of both: residuals of 8 eps at the condition of a group (23 for a leg, 16 for a ring), of accelerations at
+// its square.
+constexpr double kTolerance = 2 * 8 * 23 * 23 * kEps;
+
+void expect_the_same_motion(const Scene& scene, const std::string& formulation, const std::vector<std::string>& solvers) {
+  const Result one = test::run(scene, formulation + "/eigen");
+  ASSERT_TRUE(one.report().status.ok());
+  for (const std::string& solver : solvers) {
+    SCOPED_TRACE(scene.name() + " " + formulation + "/" + solver);
+    const Result r = test::run(scene, formulation + "/" + solver);
+    ASSERT_EQ(r.report().status.code, Code::ok);
+    EXPECT_LE(test::difference(one.trajectory, r.trajectory), kTolerance);
+    EXPECT_LE(r.report().error.position, 1e-14);
+    // Group instances are counted, idle lanes are not. A step that one lane rejects is solved in all of its pack.
+    EXPECT_EQ(r.counters().steps, one.counters().steps);
+    const auto groups = static_cast<std::int64_t>(r.simulator.prepared().structure->groups.size());
+    EXPECT_LE(r.counters().group_solutions, groups * (1 + r.counters().steps + r.counters().substeps + r.counters().rejected));
+    EXPECT_GE(r.counters().group_solutions, groups * (1 + r.counters().steps + r.counters().substeps));
+    EXPECT_EQ(r.counters().factorizations, r.counters().newton_iterations + r.counters().group_solutions);
+  }
+}
+
+std::vector<std::string> with_lanes() {
+  std::vector<std::string> out;
+  for (const std::string& solver : test::solvers()) {
+    for (const char* lanes : {":2", ":4", ":8", ":16"}) out.push_back(solver + lanes);
+  }
+  return out;
+}
+
+// Six legs: two, one or none of the packs have idle lanes.
+TEST(Lanes, LegsOfThePlatform) {
+  expect_the_same_motion(sample("stewart:steps=200"), "groups", with_lanes());
+  expect_the_same_motion(sample("stewart:steps=200"), "irreducible", with_lanes());
+  expect_the_same_motion(sample("stewart:steps=100"), "global", {"eigen:4", test::sparse() + ":4"});
+}
+
+TEST(Lanes, ManyGroupsOfAClass) {
+  expect_the_same_motion(sample("stewart:legs=11,steps=100"), "groups", with_lanes());
+  expect_the_same_motion(sample("rings:legs=5,n=24,steps=100"), "groups", with_lanes());
+  expect_the_same_motion(sample("andrews"), "groups", with_lanes());
+}
+
+TEST(Lanes, OnceAndPositionsAlone) {
+  const Scene handles = sample("stewart:steps=200").with_outputs({"handle1.value", "handle2.value", "handle6.value"});
+  const Result one = test::run(handles, "groups/eigen");
+  for (const std::string& solver : with_lanes()) {
+    for (const std::string option : {"", "+once"}) {
+      const Result r = test::run(handles, "groups/" + solver + option);
+      ASSERT_TRUE(r.report().status.ok()) << solver;
+      EXPECT_LE(test::difference(one.trajectory, r.trajectory), kTolerance) << solver << option;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace assur

@@ -1,0 +1,129 @@
+// The results of a run, by name and as CSV.
+#include <gtest/gtest.h>
+
+#include <charconv>
+#include <sstream>
+
+#include "simulation/run.hpp"
+
+namespace assur {
+namespace {
+
+using test::Result;
+
+TEST(Trajectory, HasTheColumnsOfTheOutputsInTheirOrder) {
+  const Scene scene = sample("slider_crank:step=0.1,steps=10");
+  EXPECT_EQ(test::run(scene.with_outputs({"rod_angle", "C.velocity", "slide.lambda"})).trajectory.columns(),
+            (std::vector<std::string>{"rod_angle", "rod_angle.rate", "rod_angle.acceleration", "C.vx", "C.vy",
+                                      "slide.lambda", "slide.lambda.rate", "slide.lambda.acceleration"}));
+  EXPECT_EQ(test::run(scene.with_outputs({"C.acceleration", "displacement.value", "B"})).trajectory.columns(),
+            (std::vector<std::string>{"C.ax", "C.ay", "displacement", "B.x", "B.y", "B.vx", "B.vy", "B.ax", "B.ay"}));
+  EXPECT_EQ(test::run(sample("gough").with_outputs({"B1.position"})).trajectory.columns(),
+            (std::vector<std::string>{"B1.x", "B1.y", "B1.z"}));
+}
+
+TEST(Trajectory, WithoutOutputsHasEverythingThatMoves) {
+  const Trajectory t = test::run(sample("slider_crank:step=0.1,steps=10")).trajectory;
+  for (const std::string name : {"B.x", "C.ay", "slide.lambda", "displacement.rate", "rod_angle.acceleration"}) {
+    EXPECT_NO_THROW((void)t.index(name)) << name;
+  }
+  EXPECT_THROW((void)t.index("O.x"), Error);  // fixed
+}
+
+TEST(Trajectory, RowsAreGridTimes) {
+  const Scene scene = sample("four_bar:loops=2,step=0.01,steps=40");
+  const Result r = test::run(scene);
+  ASSERT_EQ(r.trajectory.rows(), 41u);
+  EXPECT_EQ(r.trajectory.values().size(), 41 * r.trajectory.columns().size());
+  for (std::int64_t k = 0; k <= 40; ++k) {
+    EXPECT_EQ(r.trajectory.times()[static_cast<std::size_t>(k)], scene.time().time(k));
+  }
+  const std::size_t c = r.trajectory.index("B2.y");
+  EXPECT_EQ(r.trajectory.last("B2.y"), r.trajectory(40, c));
+  EXPECT_EQ(r.trajectory.row(40)[c], r.trajectory(40, c));
+  EXPECT_EQ(r.trajectory.last("B2.y"), r.simulator.output("B2.y"));
+  EXPECT_EQ(r.simulator.outputs()[c], r.simulator.output("B2.y"));
+  EXPECT_EQ(r.simulator.columns(), r.trajectory.columns());
+}
+
+TEST(Trajectory, UnknownColumnIsRefusedWithTheKnownOnes) {
+  const Result r = test::run(sample("four_bar:step=0.1,steps=2").with_outputs({"B1"}));
+  try {
+    (void)r.trajectory.index("B1.q");
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind(), Error::Kind::input);
+    EXPECT_STREQ(e.what(), "no column 'B1.q'; there are: B1.x, B1.y, B1.vx, B1.vy, B1.ax, B1.ay");
+  }
+  EXPECT_THROW((void)r.simulator.output("B1.q"), Error);
+}
+
+TEST(Trajectory, OwnTimesAndAnObserverThatStops) {
+  const Scene scene = sample("four_bar:step=0.1,steps=10");
+  Simulator s = test::simulator(scene);
+  const std::vector<double> times = {0.05, 0.051, 0.4, 0.73};
+  const Trajectory own = s.run(times);
+  EXPECT_EQ(own.times(), times);
+  EXPECT_EQ(s.report().counters.steps, 4);
+  const Trajectory grid = s.run();
+  EXPECT_NEAR(own.last("B1.x"), test::run(scene.with_time({0, 0.73, 0.73 / 100})).trajectory.last("B1.x"), 1e-14);
+
+  std::vector<std::int64_t> seen;
+  const Trajectory stopped = s.run([&](std::int64_t done, std::int64_t of) {
+    EXPECT_EQ(of, 11);
+    seen.push_back(done);
+    return done < 4;
+  });
+  EXPECT_EQ(seen, (std::vector<std::int64_t>{1, 2, 3, 4}));
+  ASSERT_EQ(stopped.rows(), 4u);
+  EXPECT_EQ(s.report().status.code, Code::interrupted);
+  EXPECT_EQ(s.report().counters.stored_values, static_cast<std::int64_t>(4 * stopped.columns().size()));
+  for (std::size_t i = 0; i < stopped.values().size(); ++i) EXPECT_EQ(stopped.values()[i], grid.values()[i]);
+}
+
+TEST(Trajectory, CsvReadsBackTheSameDoubles) {
+  const Trajectory t = test::run(sample("andrews")).trajectory;
+  std::ostringstream out;
+  write_csv(out, t);
+  std::istringstream in(out.str());
+  std::string line, header = "t";
+  ASSERT_TRUE(std::getline(in, line));
+  for (const std::string& c : t.columns()) header += "," + c;
+  EXPECT_EQ(line, header);
+  for (std::size_t k = 0; k < t.rows(); ++k) {
+    ASSERT_TRUE(std::getline(in, line)) << k;
+    std::istringstream cells(line);
+    std::vector<double> values;
+    for (std::string cell; std::getline(cells, cell, ',');) {
+      double v = 0;
+      const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), v);
+      ASSERT_TRUE(error == std::errc() && end == cell.data() + cell.size()) << cell;
+      values.push_back(v);
+    }
+    ASSERT_EQ(values.size(), t.columns().size() + 1);
+    EXPECT_EQ(values[0], t.times()[k]);
+    for (std::size_t c = 0; c < t.columns().size(); ++c) EXPECT_EQ(values[c + 1], t(k, c)) << k << " " << c;
+  }
+  EXPECT_FALSE(std::getline(in, line));
+}
+
+// B1 of the sample turns back and forth; the crank goes round: its angle is unwrapped over ten turns.
+TEST(Trajectory, AnglesAreUnwrapped) {
+  const Scene four_bar = sample("four_bar:step=0.01,steps=1000");
+  SceneBuilder builder("four_bar", 2);
+  for (const Point& p : four_bar.points()) builder.add(p);
+  for (const Constraint& c : four_bar.constraints()) builder.add(c);
+  for (const Driver& d : four_bar.drivers()) builder.add(d);
+  builder.measure("crank_angle", AbsoluteAngle{"A0", "B0"}).measure("back", AbsoluteAngle{"B0", "A0"});
+  builder.output("crank_angle.value").output("back.value").time(0, 10, 0.01);
+  const Trajectory t = test::run(builder.build()).trajectory;
+  for (std::size_t k = 0; k < t.rows(); ++k) {
+    const double angle = 6.283185307179586 * t.times()[k];
+    // The law's own rounding: a few eps of the angle.
+    ASSERT_NEAR(t(k, 0), angle, 4 * test::kEps * (1 + angle)) << k;
+    ASSERT_NEAR(t(k, 1), angle + 3.141592653589793, 4 * test::kEps * (4 + angle)) << k;  // starts at pi, not at -pi
+  }
+}
+
+}  // namespace
+}  // namespace assur
