@@ -247,9 +247,7 @@ class EvaluatorOf final : public Evaluator {
       for (int w = 0; w < W; ++w) {
         load(c, value_, w, scratch_[c].x);
         block(use).callback->residual(scratch_[c].x, scratch_[c].phi);
-        for (std::size_t r = 0; r < scratch_[c].phi.size(); ++r) {
-          phi[(static_cast<std::size_t>(use.first_equation) + r) * W + static_cast<std::size_t>(w)] = scratch_[c].phi[r];
-        }
+        for (const Program::CallbackRow& r : use.rows) phi[r.equation * W + w] = scratch_[c].phi[static_cast<std::size_t>(r.row)];
       }
     }
   }
@@ -287,13 +285,12 @@ class EvaluatorOf final : public Evaluator {
   void for_each_argument(Use&& use_it) const {
     for (std::size_t c = 0; c < p_.callbacks.size(); ++c) {
       const Program::CallbackUse& use = p_.callbacks[c];
-      for (std::size_t r = 0; r < scratch_[c].phi.size(); ++r) {
+      for (const Program::CallbackRow& r : use.rows) {
         for (std::size_t a = 0; a < use.arguments.size(); ++a) {
           if (use.arguments[a] < 0) continue;
           for (int w = 0; w < W; ++w) {
-            use_it((static_cast<std::size_t>(use.first_equation) + r) * W + static_cast<std::size_t>(w),
-                   static_cast<std::size_t>(use.arguments[a] * W + w),
-                   callback_derivative(c, static_cast<Index>(r), static_cast<Index>(a), w));
+            use_it(static_cast<std::size_t>(r.equation * W + w), static_cast<std::size_t>(use.arguments[a] * W + w),
+                   callback_derivative(c, r.row, static_cast<Index>(a), w));
           }
         }
       }
@@ -321,9 +318,7 @@ class EvaluatorOf final : public Evaluator {
         load(c, value_, w, scratch_[c].x);
         load(c, rate_, w, scratch_[c].rate);
         block(use).callback->curvature(scratch_[c].x, scratch_[c].rate, scratch_[c].phi);
-        for (std::size_t r = 0; r < scratch_[c].phi.size(); ++r) {
-          rhs[(static_cast<std::size_t>(use.first_equation) + r) * W + static_cast<std::size_t>(w)] -= scratch_[c].phi[r];
-        }
+        for (const Program::CallbackRow& r : use.rows) rhs[r.equation * W + w] -= scratch_[c].phi[static_cast<std::size_t>(r.row)];
       }
     }
   }

@@ -152,15 +152,20 @@ class Compiler {
     for (std::int32_t i = 0; i < p_.equations_count; ++i) {
       const GroupClass::Equation& e = c_.equations[idx(i)];
       if (e.callback < 0) continue;
-      if (p_.callbacks.empty() || p_.callbacks.back().callback != e.callback) {
-        Program::CallbackUse use{e.callback, i, {}};
+      auto use = use_of(e.callback);
+      if (use == p_.callbacks.end()) {
+        use = p_.callbacks.insert(use, {e.callback, {}, {}});
         for (std::int32_t k = e.products_begin; k < e.products_end; ++k) {
           const Value& v = values_[idx(c_.products[idx(k)].a)];
-          use.arguments.push_back(v.reg >= 0 ? v.reg : ~v.constant);
+          use->arguments.push_back(v.reg >= 0 ? v.reg : ~v.constant);
         }
-        p_.callbacks.push_back(std::move(use));
       }
+      use->rows.push_back({i, e.row});
     }
+  }
+  std::vector<Program::CallbackUse>::iterator use_of(std::int32_t callback) {
+    return std::find_if(p_.callbacks.begin(), p_.callbacks.end(),
+                        [&](const Program::CallbackUse& u) { return u.callback == callback; });
   }
 
   void jacobian() {
@@ -192,7 +197,7 @@ class Compiler {
     for (std::int32_t i = 0; i < p_.equations_count; ++i) {
       const GroupClass::Equation& e = c_.equations[idx(i)];
       if (e.callback >= 0) {
-        callback_row(i, e, nonzero[idx(i)]);
+        callback_row(e, nonzero[idx(i)]);
         continue;
       }
       if (e.linear >= 0) through(i, e.linear, Coefficient{}, -1);
@@ -217,14 +222,13 @@ class Compiler {
     }
   }
 
-  void callback_row(std::int32_t row, const GroupClass::Equation& e, const std::map<std::int32_t, std::int32_t>& nonzero) {
-    const auto use = std::find_if(p_.callbacks.begin(), p_.callbacks.end(),
-                                  [&](const Program::CallbackUse& u) { return u.callback == e.callback; });
+  void callback_row(const GroupClass::Equation& e, const std::map<std::int32_t, std::int32_t>& nonzero) {
+    const auto use = static_cast<std::int32_t>(use_of(e.callback) - p_.callbacks.begin());
     for (std::int32_t k = e.products_begin; k < e.products_end; ++k) {
       for (const GroupClass::Term& t : terms(c_.products[idx(k)].a)) {
         if (t.coordinate < 0 || t.coordinate >= c_.n) continue;
-        p_.callback_entries.push_back({nonzero.at(t.coordinate), static_cast<std::int32_t>(use - p_.callbacks.begin()),
-                                       row - use->first_equation, k - e.products_begin, coefficient(of(t.constant))});
+        p_.callback_entries.push_back(
+            {nonzero.at(t.coordinate), use, e.row, k - e.products_begin, coefficient(of(t.constant))});
       }
     }
   }
@@ -243,7 +247,7 @@ double value(std::int32_t constant, std::span<const double> constants) {
 
 Program compile(const GroupClass& group_class, Pattern pattern) { return Compiler(group_class, std::move(pattern)).run(); }
 
-void bind(const Program& p, std::span<const double> constants, double* out, std::size_t stride) {
+void Bind::operator()(const Program& p, std::span<const double> constants, double* out, std::size_t stride) const {
   for (const Coefficient& k : p.coefficients) {
     double v = k.literal;
     for (const std::int32_t c : k.constant) {

@@ -64,9 +64,12 @@ struct Program {
   std::vector<Equation> equations;
   std::vector<Entry> entries;          // nnz
   std::vector<Operand> entry_operands;
+  struct CallbackRow {
+    std::int32_t equation, row;        // local equation, row of the callback
+  };
   struct CallbackUse {
     std::int32_t callback;             // index into System::callbacks
-    std::int32_t first_equation;       // local
+    std::vector<CallbackRow> rows;     // those that belong to the group: redundant ones may be missing
     std::vector<std::int32_t> arguments;  // registers; ~coefficient for a constant one
   };
   std::vector<CallbackUse> callbacks;
@@ -82,7 +85,11 @@ struct Program {
 [[nodiscard]] Program compile(const GroupClass& group_class, Pattern pattern);
 
 // Coefficients of one instance: out[k * stride] for every coefficient k of the program.
-void bind(const Program& program, std::span<const double> constants, double* out, std::size_t stride);
+// An object, so that a call without `assur::` cannot find std::bind, which takes the same arguments and does nothing.
+struct Bind {
+  void operator()(const Program& program, std::span<const double> constants, double* out, std::size_t stride) const;
+};
+inline constexpr Bind bind;
 
 // Row-wise Lipschitz constants of the Jacobian of each irreducible block in the maximum norm, for one instance:
 // |J_i.(x) - J_i.(y)|_1 <= lipschitz_i |x - y|_inf, columns of the row's block only. Infinite for callback rows.

@@ -10,7 +10,9 @@ namespace {
 constexpr std::int32_t kDenseUpTo = 8;
 
 Predictor automatic_predictor(const Structure& s) {
-  const bool all = std::all_of(s.groups.begin(), s.groups.end(), [](const Group& g) { return g.wanted_derivatives == 2; });
+  const bool all = std::all_of(s.groups.begin(), s.groups.end(), [&](const Group& g) {
+    return g.wanted_derivatives == 2 && s.classes[static_cast<std::size_t>(g.group_class)].first_wanted == 0;
+  });
   // Where accelerations are not wanted, past positions predict as well and cost no factorisation.
   return all ? Predictor{Predictor::Kind::hermite, 5} : Predictor{Predictor::Kind::past, 5};
 }

@@ -76,6 +76,7 @@ class Lowering {
   }
 
   System run() {
+    note_lengths();
     declare_points_and_vectors();
     declare_bodies();
     declare_auxiliaries();
@@ -88,6 +89,7 @@ class Lowering {
     drive_what_is_left();
     declare_measures();
     set_driven_guess();
+    for (Item& it : s_.items) it.fixed = is_fixed(it);
     return std::move(s_);
   }
 
@@ -251,6 +253,13 @@ class Lowering {
 
   // ---- declarations
 
+  void note_lengths() {
+    for (const Constraint& c : scene_().constraints()) {
+      const auto* d = std::get_if<Distance>(&c.kind);
+      if (d != nullptr && d->value) given_length_[pair_key(d->p, d->q)] = *d->value;
+    }
+  }
+
   void declare_points_and_vectors() {
     for (const Point& p : scene_().points()) declare(p.name, p.at, p.fixed, 1);
     for (const Vector& v : scene_().vectors()) {
@@ -333,10 +342,41 @@ class Lowering {
     return {e1, cross(e3, e1), e3};
   }
 
+  // Local coordinates of a base of points: (0, 0), (length, 0) and in space (x, y). Lengths are those of distance
+  // constraints with a value, else of the points as written.
+  struct BaseShape {
+    double length, x = 0, y = 0;
+  };
+  BaseShape base_shape(const Body& b) const {
+    const auto given = [&](std::size_t i, std::size_t j) { return given_length_.find(pair_key(b.base[i], b.base[j])); };
+    const auto length = [&](std::size_t i, std::size_t j) {
+      const auto found = given(i, j);
+      return found != given_length_.end() ? found->second : norm(at(b.base[j]) - at(b.base[i]));
+    };
+    BaseShape shape{length(0, 1)};
+    if (dim() == 2) return shape;
+    const auto none = given_length_.end();
+    if (given(0, 1) == none && given(0, 2) == none && given(1, 2) == none) {
+      const Triple3 axes = base_axes(b);
+      const Triple third = at(b.base[2]) - at(b.base[0]);
+      shape.x = dot(third, axes[0]);
+      shape.y = dot(third, axes[1]);
+      return shape;
+    }
+    const double p = shape.length, q = length(0, 2), r = length(1, 2);
+    if (!(p < q + r && q < p + r && r < p + q)) {
+      throw Error(Error::Kind::input, {{"/bodies/" + b.name + "/base",
+                                        "the distances between its three points make no triangle; each must be smaller "
+                                        "than the sum of the others"}});
+    }
+    shape.x = ((p - r) * (p + r) + q * q) / (2 * p);
+    shape.y = std::sqrt((q - shape.x) * (q + shape.x));
+    return shape;
+  }
+
   void declare_base_members(const Body& b) {
     const Item a = item(b.base[0]), second = item(b.base[1]);
-    const Triple ab = at(b.base[1]) - at(b.base[0]);
-    const double length = norm(ab);
+    const auto [length, cx, cy] = base_shape(b);
     if (dim() == 2) {
       const auto member = [&](const Member& m, bool point) {
         const double alpha = m.local[0] / length, beta = m.local[1] / length;
@@ -357,14 +397,11 @@ class Lowering {
       return;
     }
     const Item third = item(b.base[2]);
-    const Triple3 axes = base_axes(b);
-    const Triple ac = at(b.base[2]) - at(b.base[0]);
-    const double cx = dot(ac, axes[0]), cy = dot(ac, axes[1]);
     const auto out_of_plane = [](const Member& m) { return m.local[2] != 0; };
     const bool with_normal = std::any_of(b.points.begin(), b.points.end(), out_of_plane) ||
                              std::any_of(b.vectors.begin(), b.vectors.end(), out_of_plane);
     if (with_normal) {
-      declare(b.name + ".normal", axes[2], false, 0);
+      declare(b.name + ".normal", base_axes(b)[2], false, 0);
       no_unit_.insert(b.name + ".normal");
       area_[b.name] = length * cy;
     }
@@ -642,38 +679,26 @@ class Lowering {
   std::vector<PoseTarget> pose_targets(const Body& b, Index n) {
     std::vector<PoseTarget> out;
     const auto axis = [&](int j, int k) { return input_form(n, dim() + j * dim() + k); };
-    const auto add = [&](const std::string& name, const Triple& local, bool point) {
+    const auto add = [&](const std::string& name, bool point, std::initializer_list<std::pair<int, double>> local) {
       PoseTarget t{name, {-1, -1, -1}};
       for (int k = 0; k < dim(); ++k) {
         Terms terms;
         if (point) append(terms, input_form(n, k), kPlus);
-        if (dim() == 3) {
-          for (int j = 0; j < 3; ++j) {
-            const double l = local[static_cast<std::size_t>(j)];
-            if (l != 0) append(terms, axis(j, k), l == 1 && !point ? kPlus : constant(l, point));
-          }
-        } else {
-          if (local[0] != 0) append(terms, axis(0, k), local[0] == 1 && !point ? kPlus : constant(local[0], point));
-        }
+        for (const auto& [j, l] : local) append(terms, axis(j, k), point ? constant(l, 1) : kPlus);
         t.form[k] = form(terms);
       }
       out.push_back(t);
     };
     if (!b.frame.empty()) {
-      add(b.origin, {0, 0, 0}, true);
-      for (std::size_t j = 0; j < b.frame.size(); ++j) {
-        Triple local{};
-        local[j] = 1;
-        add(b.frame[j], local, false);
-      }
+      add(b.origin, true, {});
+      for (std::size_t j = 0; j < b.frame.size(); ++j) add(b.frame[j], false, {{static_cast<int>(j), 1}});
     } else if (!b.base.empty()) {
-      const Triple3 axes = base_axes(b);
-      for (const std::string& p : b.base) {
-        const Triple r = at(p) - at(b.base[0]);
-        add(p, {dot(r, axes[0]), p == b.base[0] || p == b.base[1] ? 0 : dot(r, axes[1]), 0}, true);
-      }
+      const BaseShape shape = base_shape(b);
+      add(b.base[0], true, {});
+      add(b.base[1], true, {{0, shape.length}});
+      if (b.base.size() > 2) add(b.base[2], true, {{0, shape.x}, {1, shape.y}});
     } else {
-      add(b.origin, {0, 0, 0}, true);
+      add(b.origin, true, {});
     }
     return out;
   }
@@ -688,6 +713,8 @@ class Lowering {
       if (!b.frame.empty() && dim() == 3) {
         for (const std::string& a : b.frame) no_unit_.insert(a);
         if (framed.insert(b.frame).second) frame_equations(b, static_cast<Index>(i));
+      } else if (!b.frame.empty() && posed_by_equations(b)) {
+        no_unit_.insert(b.frame[0]);
       } else if (!b.base.empty()) {
         base_equations(b);
       }
@@ -1070,6 +1097,7 @@ class Lowering {
   std::unordered_set<Index> declared_;
   std::unordered_set<std::string> absorbed_;
   std::set<std::pair<std::string, std::string>> written_;  // pairs whose distance is an equation already
+  std::map<std::pair<std::string, std::string>, double> given_length_;  // of distance constraints, by their points
   std::unordered_map<std::string, double> radius_;         // of angle drivers
   std::unordered_map<std::string, double> area_;           // of bodies with a normal
   std::unordered_set<std::string> posed_;

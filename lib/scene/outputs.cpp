@@ -5,7 +5,7 @@
 namespace assur {
 namespace {
 
-Output of_item(const System& s, const Item& item) {
+Output of_item(const Item& item) {
   Output out;
   out.name = item.name;
   for (int k = 0; k < item.components; ++k) {
@@ -15,7 +15,6 @@ Output of_item(const System& s, const Item& item) {
     part.dimension = item.dimension;
     out.parts.push_back(std::move(part));
   }
-  (void)s;
   return out;
 }
 
@@ -27,22 +26,13 @@ Output of_measure(const MeasureForms& measure) {
   return out;
 }
 
-bool is_fixed(const System& s, const Item& item) {
-  for (int k = 0; k < item.components; ++k) {
-    for (const Term& t : s.form(item.form[k])) {
-      if (t.coordinate != kOne) return false;
-    }
-  }
-  return true;
-}
-
 }  // namespace
 
 std::vector<Output> wanted_outputs(const System& s) {
   std::vector<Output> out;
   if (s.scene->outputs().empty()) {
     for (const Item& item : s.items) {
-      if (!item.hidden && !is_fixed(s, item)) out.push_back(of_item(s, item));
+      if (!item.hidden && !item.fixed) out.push_back(of_item(item));
     }
     for (const MeasureForms& m : s.measures) out.push_back(of_measure(m));
     return out;
@@ -56,7 +46,7 @@ std::vector<Output> wanted_outputs(const System& s) {
         return true;
       }
       if (const auto i = s.item_of.find(name); i != s.item_of.end()) {
-        out.push_back(of_item(s, s.items[static_cast<std::size_t>(i->second)]));
+        out.push_back(of_item(s.items[static_cast<std::size_t>(i->second)]));
         return true;
       }
       return false;

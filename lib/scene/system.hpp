@@ -73,6 +73,7 @@ struct Item {
   std::int8_t dimension = 0;   // power of length
   bool derived = false;        // a body's member
   bool hidden = false;         // a driver's input: no output
+  bool fixed = false;          // as the scene has it; presolve may find more that never moves
 };
 
 // The known scalars of one driver, in consecutive coordinates from `first`.

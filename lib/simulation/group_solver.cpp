@@ -50,6 +50,11 @@ GroupSolver::GroupSolver(const System& system, const Structure& structure, std::
   jacobian_norm_.resize(w);
 }
 
+void GroupSolver::forget() {
+  if (has_pivots_) (void)solver_->analyze(program_.pattern, lanes_);
+  has_pivots_ = false;
+}
+
 void GroupSolver::bind(const System& system, const Structure& structure, Pack& pack) const {
   const std::size_t w = idx(lanes_);
   pack.coefficients.resize(program_.coefficients.size() * w);
@@ -96,6 +101,7 @@ double GroupSolver::relative_residual(const Pack& pack) const {
 }
 
 Status GroupSolver::factorize(const Pack& pack, Counters& counters) {
+  has_pivots_ = true;
   counters.factorizations += pack.used;
   counters.factorized_unknowns += std::int64_t{pack.used} * program_.n;
   const Status s = solver_->factorize(jacobian_);

@@ -59,6 +59,9 @@ class GroupSolver {
   [[nodiscard]] int lanes() const { return lanes_; }
   [[nodiscard]] const Program& program() const { return program_; }
 
+  // Pivots of an earlier run, so that runs repeat bit for bit.
+  void forget();
+
   // Sets up what the pack holds for this class (its groups, inputs and address are there already).
   void bind(const System& system, const Structure& structure, Pack& pack) const;
 
@@ -98,6 +101,7 @@ class GroupSolver {
   std::vector<double> phi_, scale_, correction_, rhs_, residual_, jacobian_;
   std::vector<double> jacobian_norm_;  // W
   bool factored_at_solution_ = false;
+  bool has_pivots_ = false;
 };
 
 }  // namespace assur

@@ -106,30 +106,37 @@ void ReferenceMotion::find_blocks(const Structure& structure) {
   driven_ = driven_behind(system_, std::move(read));
 
   for (Index b = 0; b < decomposition_.size(); ++b) {
-    Block block;
-    block.equations = decomposition_.equations_of(b);
-    block.unknowns = decomposition_.unknowns_of(b);
-    block.moves = false;
-    block.tolerance = kConverged;
-    for (const Index e : block.equations) {
-      const Equation& equation = system_.equations[idx(e)];
-      if (equation.linear >= 0) block.forms.push_back(equation.linear);
-      for (const Product& p : system_.products_of(equation)) block.forms.insert(block.forms.end(), {p.a, p.b});
-      if (equation.callback >= 0) {
-        const auto& arguments = system_.callbacks[idx(equation.callback)].coordinates;
-        block.forms.insert(block.forms.end(), arguments.begin(), arguments.end());
-        block.tolerance = kConvergedCallback;
-      }
+    Block block = block_of(b);
+    const auto reads_moving = [&](Index e) {
       system_.mentioned(e, mentioned);
-      block.moves |= std::any_of(mentioned.begin(), mentioned.end(), [&](Index c) { return moves[idx(c)] != 0; });
-    }
-    std::sort(block.forms.begin(), block.forms.end());
-    block.forms.erase(std::unique(block.forms.begin(), block.forms.end()), block.forms.end());
+      return std::any_of(mentioned.begin(), mentioned.end(), [&](Index c) { return moves[idx(c)] != 0; });
+    };
+    block.moves = std::any_of(block.equations.begin(), block.equations.end(), reads_moving);
     for (const Index u : block.unknowns) moves[idx(u)] = block.moves ? 1 : 0;
     if (needed[idx(b)] == 0) continue;
     block.index = blocks_.size();
     blocks_.push_back(std::move(block));
   }
+}
+
+ReferenceMotion::Block ReferenceMotion::block_of(Index b) const {
+  Block block;
+  block.equations = decomposition_.equations_of(b);
+  block.unknowns = decomposition_.unknowns_of(b);
+  block.tolerance = kConverged;
+  for (const Index e : block.equations) {
+    const Equation& equation = system_.equations[idx(e)];
+    if (equation.linear >= 0) block.forms.push_back(equation.linear);
+    for (const Product& p : system_.products_of(equation)) block.forms.insert(block.forms.end(), {p.a, p.b});
+    if (equation.callback >= 0) {
+      const auto& arguments = system_.callbacks[idx(equation.callback)].coordinates;
+      block.forms.insert(block.forms.end(), arguments.begin(), arguments.end());
+      block.tolerance = kConvergedCallback;
+    }
+  }
+  std::sort(block.forms.begin(), block.forms.end());
+  block.forms.erase(std::unique(block.forms.begin(), block.forms.end()), block.forms.end());
+  return block;
 }
 
 void ReferenceMotion::advance(double t, int pieces) {
@@ -138,6 +145,7 @@ void ReferenceMotion::advance(double t, int pieces) {
   while (state_.time != t) {
     const bool last = std::abs(t - state_.time) <= std::abs(h) * (1 + 1e-12);
     const double target = last ? t : state_.time + h;
+    if (target == state_.time) refuse(t);  // halved below the spacing of doubles
     // The sign of a determinant changes at a change point only: passed, if at all, with the smallest step.
     const bool smallest = std::abs(h) <= std::ldexp(std::abs(span), -kHalvings);
     if (step(target, smallest)) {

@@ -65,6 +65,7 @@ class ReferenceMotion {
   };
 
   void find_blocks(const Structure& structure);
+  [[nodiscard]] Block block_of(Index b) const;
   void drive(double t);
   void predict(double t);
   [[nodiscard]] bool step(double t, bool any_sign);

@@ -20,6 +20,7 @@ namespace {
 constexpr int kHalvings = 20;           // a step is halved down to 2^-20
 constexpr int kReach = 12;              // a change point is passed from 2^12 of the shortest steps before it to as many beyond
 constexpr int kMoreHalvings = 6;        // of the shortest step, on the way back from a change point
+constexpr double kApart = 1.0 / 16;     // of the reach: a step that ends nearer to the change point is in doubt
 constexpr double kSure = 1e-3;          // largest correction over the distance of the branches: in doubt neither is taken
 constexpr double kConsistent = 1e-10;   // relative residual of a redundant equation that still holds
 constexpr std::size_t kEventsReserved = 64;
@@ -79,6 +80,7 @@ struct Simulator::Impl {
     now = time;
     deadline = std::chrono::steady_clock::time_point::max();  // it is for steps
     inputs.reset();
+    for (const auto& solver : layout.solvers) solver->forget();
     report = Report{};
     report.events.reserve(kEventsReserved);
     state.clear();
@@ -202,9 +204,10 @@ struct Simulator::Impl {
       h = smallest * (span < 0 ? -1 : 1);
     }
     if (!status.ok()) restore();
-    inputs.end_step(now, wants_reselection);
+    const bool stands_still = inputs.end_step(now, wants_reselection);
     if (status.ok()) ++report.counters.steps;
     if (now != from) fill_row(true, now - from);
+    if (stands_still) state.stand_still();
     report.status = status;
     return status;
   }
@@ -274,9 +277,9 @@ struct Simulator::Impl {
     last_before_pass = now;
     const std::size_t at_its_change_point = failed_pack;
     const double change = now, smallest = target - now, reach = std::ldexp(smallest, kReach);
+    const double to = std::abs(t - change) <= std::abs(reach) ? t : change + reach;
     bool passed = false;
-    if (step_back(change - reach, smallest)) {
-      const double to = std::abs(t - change) <= std::abs(reach) ? t : change + reach;
+    if (std::abs(to - change) >= kApart * std::abs(reach) && step_back(change - reach, smallest)) {
       passing[at_its_change_point] = 1;
       largest_correction = kSure * (to - change) / (to - now);
       for (std::size_t more = 0; more < packs.size() && !passed; ++more) {
@@ -290,9 +293,11 @@ struct Simulator::Impl {
     return passed;
   }
 
+  // The older of the postures close to the change point are of no use to the predictor.
   bool step_back(double until, double h) {
-    const double shortest = std::abs(std::ldexp(h, -kMoreHalvings));
+    const double from = now, shortest = std::abs(std::ldexp(h, -kMoreHalvings));
     while (now != until) {
+      if (std::abs(now - from) < std::abs(until - from) / 4) state.forget();
       if (try_step(std::abs(until - now) <= std::abs(h) ? until : now - h, Attempt::Branch::inside).ok()) {
         h *= 2;
       } else if (std::abs(h /= 2) < shortest) {

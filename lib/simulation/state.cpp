@@ -60,6 +60,15 @@ void State::accept(double t) {
   times_.insert(times_.begin(), t);
 }
 
+void State::forget() {
+  while (times_.size() > 1) times_.pop_back();
+}
+
+void State::stand_still() {
+  forget();
+  for (int d = 1; d < 3; ++d) std::fill(last_[d].begin(), last_[d].end(), 0.0);
+}
+
 void State::restore() {
   for (int d = 0; d < 3; ++d) {
     std::copy(last_[d].begin(), last_[d].end(), values_[d].begin() + static_cast<std::ptrdiff_t>(first_unknown_));

@@ -24,6 +24,10 @@ class State {
   // Largest move, over `count` unknowns from an address on, from the last accepted posture to the prediction.
   [[nodiscard]] double predicted_move(std::size_t address, std::size_t count) const;
   void accept(double t);
+  // The older postures: the next prediction is from the last accepted one alone.
+  void forget();
+  // The next prediction is the last accepted posture itself.
+  void stand_still();
   // Unknowns of the last accepted posture.
   void restore();
   // Where no velocities are computed: those of the unknowns from the last two accepted postures.

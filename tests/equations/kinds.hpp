@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,7 @@ struct Kind {
   // Members of bodies as they must come out.
   Path members = [](double) { return Posture<QuadJet>{}; };
 };
+inline void PrintTo(const Kind& kind, std::ostream* out) { *out << kind.name; }  // what a failed test says
 
 [[nodiscard]] std::vector<Kind> in_the_plane();
 [[nodiscard]] std::vector<Kind> in_space();

@@ -67,7 +67,7 @@ SceneBuilder with_body(const char* name, const Path& path) {
   return b;
 }
 Where member(double t) { return kMotion.point({0.5, 0.25, -0.75}, t); }
-const Triple kA = {0.5, -1, 0.25};
+const Triple kA = {0.5, -1, 0.25}, kB = {0.5, 0.25, 0.25};
 Kind kind(const std::string& name, const SceneBuilder& b, const Path& path) { return {name, b.build(), path}; }
 
 // ---- bodies and poses
@@ -124,7 +124,7 @@ Kind pose(const std::string& base, bool declared) {
 }
 
 // Six actuators of a free body; its joints are no similar hexagons.
-Kind actuated(bool on_points) {
+Kind actuated(bool on_points, bool poor = false) {
   const Triple ground[6] = {{1, 0, -1}, {0.5, 1, -1.5}, {-0.5, 1.25, -1}, {-1, 0, -1.25}, {-0.5, -1, -1}, {0.75, -1, -1.5}};
   const Triple joint[6] = {{0.5, -0.25, 0.125}, {0.5, 0.25, 0}, {0, 0.5, -0.25}, {-0.25, 0.5, 0}, {-0.5, -0.25, 0.25}, {0, -0.5, 0}};
   const Path path = [=](double t) {
@@ -144,7 +144,11 @@ Kind actuated(bool on_points) {
   SceneBuilder b("actuated", 3);
   grid(b);
   if (on_points) {
-    place(b, path, {"E1", "E2", "E3"}).constrain("edge", Distance{"E3", "E1", {}});  // the body's as well: written once
+    const Triple third = start(path, "E3");
+    place(b, path, {"E1", "E2"}).point("E3", poor ? Triple{third[0] + 0.0625, third[1], third[2] - 0.0625} : third);
+    // Edges of the body as well: written once; with values, a poor guess is no other shape.
+    b.constrain("edge", Distance{"E3", "E1", std::sqrt(1.625)});
+    if (poor) b.constrain("other", Distance{"E2", "E3", std::sqrt(3.125)});
   } else {
     place(b, path, {"O"}, {"u", "v", "w"});
   }
@@ -161,7 +165,7 @@ Kind actuated(bool on_points) {
                                       })});
   }
   b.add(body);
-  Kind k = kind(on_points ? "body on three points" : "body with a frame", b, path);
+  Kind k = kind(on_points ? std::string("body on three points") + (poor ? ", poor guess" : "") : "body with a frame", b, path);
   k.members = [joint = std::vector<Triple>(joint, joint + 6)](double t) {
     Posture<QuadJet> m;
     for (std::size_t i = 0; i < 6; ++i) m["P" + std::to_string(i)] = kMotion.point(joint[i], t);
@@ -209,17 +213,18 @@ Kind distances() {
   return kind("distance", b, path);
 }
 
-Kind equal_distances() {  // |X - A| = |O - M| and = |X - O|; X.x driven
+Kind equal_distances() {  // |X - B| = |O - M| and = |X - O|; X.x driven
   const Path path = path_of([](double t, auto& p) {
     const QuadJet x = at(kSlide, t) * 0.25, square = number(0.25 + 0.0625 + 0.5625);
-    // X = A + r with r.x known, |r|^2 = square and |r - (O - A)|^2 = square: in the plane of y and z.
-    const Where d = p["O"] - exact(kA);
-    const QuadJet rx = x - kA[0], dd = d[1] * d[1] + d[2] * d[2], k = dot(d, d) / 2 - rx * d[0];
+    // X = B + r with r.x known, |r|^2 = square and |r - (O - B)|^2 = square: in the plane of y and z.
+    const Where d = p["O"] - exact(kB);
+    const QuadJet rx = x - kB[0], dd = d[1] * d[1] + d[2] * d[2], k = dot(d, d) / 2 - rx * d[0];
     const QuadJet along = k / dd, rest = sqrt((square - rx * rx) / dd - along * along);
-    p["X"] = exact(kA) + Where{rx, along * d[1] - rest * d[2], along * d[2] + rest * d[1]};
+    p["X"] = exact(kB) + Where{rx, along * d[1] - rest * d[2], along * d[2] + rest * d[1]};
   });
   SceneBuilder b = with_body("equal", path);
-  place(b, path, {"X"}).constrain("first", EqualDistance{"X", "A", "M", "O"}).constrain("second", EqualDistance{"X", "A", "O", "X"});
+  b.fixed_point("B", kB);
+  place(b, path, {"X"}).constrain("first", EqualDistance{"X", "B", "M", "O"}).constrain("second", EqualDistance{"X", "B", "O", "X"});
   b.drive("x", DrivenCoordinate{"X.x", follow_coordinate(path, "X", 0)});
   return kind("equal_distance", b, path);
 }
@@ -295,7 +300,7 @@ Kind arms() {
     Posture<QuadJet> p;
     const Where n = unit(exact(axis));
     p["P"] = exact(kA) + turned(exact(at_start), n, at(kTurn, t) - 0.3);
-    p["Q"] = p["P"] + turned(exact(second), fixed(0, 0, 1), at(kSwing, t) - at(kSwing, 0));
+    p["Q"] = p["P"] + turned(exact(second), fixed(0, 0, 1), at(kSwing, t) - at(kSwing, 0).value);
     p["R"] = p["Q"] + turned(exact(at_start), n, at(kTurn, t) - 0.3);
     return p;
   };
@@ -352,7 +357,7 @@ Kind relative_angles() {
 
 std::vector<Kind> in_space() {
   std::vector<Kind> all = {distances(), equal_distances(), dots(), parallels(), lines_and_planes(), linears(), arms(),
-                           arm_with_length(), relative_angles(), actuated(false), actuated(true)};
+                           arm_with_length(), relative_angles(), actuated(false), actuated(true), actuated(true, true)};
   for (int axis = 0; axis < 3; ++axis) all.push_back(hinged(axis));
   for (const std::string base : {"frame", "base", "flat base", "translating"}) {
     for (const bool declared : {false, true}) all.push_back(pose(base, declared));

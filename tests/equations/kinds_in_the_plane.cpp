@@ -168,18 +168,20 @@ Kind actuators() {
 }
 
 // A coupler with members: the base's length is a constraint of its own, or the body's.
-Kind base(bool written) {
+Kind base(bool written, bool poor = false) {
   const Path path = path_of([](double t, auto& p) {
     p["C"] = intersect_circles(crank(t), 1.75, fixed(2, 0.25), 1.25);
     const Where along = QuadJet{Quad(1) / Quad(1.75)} * (p["C"] - p["P"]);
     p["X"] = p["P"] + QuadJet{0.5} * along + QuadJet{-0.25} * left_of(along) - fixed(0, 1.5);
   });
   SceneBuilder b = with_crank("base", path);
-  place(b, path, {"C", "X"}).constrain("rocker", Distance{"D", "C", 1.25});
+  const Triple c = start(path, "C");
+  b.point("C", poor ? Triple{1.0625 * c[0], 1.0625 * c[1], 0} : c);  // a poor guess is no other shape
+  place(b, path, {"X"}).constrain("rocker", Distance{"D", "C", 1.25});
   if (written) b.constrain("coupler", Distance{"C", "P", 1.75});
   b.add(Body{"coupler_body", "", {}, {"P", "C"}, {{"M", {0.5, -0.25, 0}}}, {{"m", {0.6, 0.8, 0}}}});
   b.constrain("hangs", Linear{{{"X", 1}, {"M", -1}}, {0, -1.5, 0}});
-  Kind k = kind(written ? "body on two points, length written" : "body on two points", b, path);
+  Kind k = kind("body on two points" + std::string(written ? ", length written" : "") + (poor ? ", poor guess" : ""), b, path);
   k.members = [path](double t) {
     const Posture<QuadJet> p = path(t);
     const Where along = QuadJet{Quad(1) / Quad(1.75)} * (p.at("C") - p.at("P"));
@@ -232,7 +234,7 @@ Kind pose(const std::string& base, bool declared) {
 
 std::vector<Kind> in_the_plane() {
   std::vector<Kind> all = {distances(), equal_distances(), dots(), fixed_direction(), parallels(), linears(), lines(),
-                           relative_angle(), arms(), actuators(), base(false), base(true)};
+                           relative_angle(), arms(), actuators(), base(false), base(true), base(true, true)};
   for (const std::string base : {"frame", "base", "translating"}) {
     for (const bool declared : {false, true}) all.push_back(pose(base, declared));
   }

@@ -219,7 +219,7 @@ class Pack {
       }
       std::vector<double> constants;
       for (const Index k : group.constants) constants.push_back(lane.system.constants[idx(k)]);
-      bind(program_, std::span<const double>(constants), coefficients_.data() + l, w_);
+      bind(program_, constants, coefficients_.data() + l, w_);
       lanes_.push_back(std::move(lane));
     }
   }
@@ -347,6 +347,18 @@ TEST_P(EveryKind, RunsAlongItsPath) {
   }
 }
 
+// Given lengths decide over the guess, and are refused where they make no body.
+TEST(BodyOnThreePoints, LengthsThatMakeNoTriangle) {
+  SceneBuilder b("impossible", 3);
+  b.point("A", {0, 0, 0}).point("B", {1, 0, 0}).point("C", {0, 1, 0});
+  b.add(Body{"plate", "", {}, {"A", "B", "C"}, {{"M", {0.5, 0.5, 0.25}}}, {}});
+  b.constrain("AB", Distance{"A", "B", 1.0}).constrain("BC", Distance{"C", "B", 3.0}).time(0, 1, 0.1);
+  const Scene scene = b.build();
+  EXPECT_EQ(look::error(Error::Kind::input, [&] { (void)lower(std::make_shared<const Scene>(scene)); }),
+            "/bodies/plate/base: the distances between its three points make no triangle; each must be smaller than the "
+            "sum of the others");
+}
+
 std::string test_name(const testing::TestParamInfo<Kind>& kind) {
   std::string out;
   for (const char c : kind.param.name) {
@@ -359,8 +371,4 @@ INSTANTIATE_TEST_SUITE_P(Plane, EveryKind, testing::ValuesIn(kinds::in_the_plane
 INSTANTIATE_TEST_SUITE_P(Space, EveryKind, testing::ValuesIn(kinds::in_space()), test_name);
 
 }  // namespace
-
-// gtest prints parameters by name.
-void PrintTo(const kinds::Kind& kind, std::ostream* out) { *out << kind.name; }
-
 }  // namespace assur

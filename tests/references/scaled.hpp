@@ -22,13 +22,15 @@ inline std::unordered_map<std::string, int> powers_of_length(const Scene& scene)
   const auto of = [&](const Direction& d) { return d.is_pair() ? 1 : power.at(d.first); };
   for (const Constraint& c : scene.constraints()) {
     if (const auto* line = std::get_if<OnLine>(&c.kind)) power[c.name + ".lambda"] = 1 - of(line->d);
-    if (const auto* parallel = std::get_if<Parallel>(&c.kind)) power[c.name + ".lambda"] = of(parallel->e) - of(parallel->d);
+    if (const auto* parallel = std::get_if<Parallel>(&c.kind))
+      power[c.name + ".lambda"] = of(parallel->e) - of(parallel->d);
   }
   for (const Measure& m : scene.measures()) {
     power[m.name] = 0;
     if (std::holds_alternative<MeasuredDistance>(m.kind)) power[m.name] = 1;
     if (const auto* c = std::get_if<MeasuredCoordinate>(&m.kind)) {
-      const bool of_point = c->coordinate.ends_with(".x") || c->coordinate.ends_with(".y") || c->coordinate.ends_with(".z");
+      const bool of_point =
+          c->coordinate.ends_with(".x") || c->coordinate.ends_with(".y") || c->coordinate.ends_with(".z");
       power[m.name] = power.at(of_point ? c->coordinate.substr(0, c->coordinate.size() - 2) : c->coordinate);
     }
   }

@@ -137,8 +137,9 @@ TEST(Rings, DenseAndGlobalAreTheSameMotion) {
     const Result r = test::run(scene, strategy);
     ASSERT_TRUE(r.report().status.ok());
     EXPECT_LE(r.counters().most_iterations, 2);
-    // Two solutions with residuals of 8 eps each at condition 16, the accelerations another factor of it.
-    EXPECT_LE(test::difference(groups.trajectory, r.trajectory), 2 * 8 * 16 * 16 * kEps);
+    // Two solutions with residuals of 8 eps each, at condition 16 in the terminal and 16 again in the legs that it
+    // moves; rates take in the error of the position at condition 16.
+    EXPECT_LE(test::difference(groups.trajectory, r.trajectory), 2 * 8 * 16 * 16 * 16 * kEps);
   }
 }
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 #include <string>
 #include <unordered_map>
 
@@ -75,11 +74,5 @@ class Deviation {
   std::unordered_map<std::string, std::size_t> column_;
   std::unordered_map<std::string, Item> items_;
 };
-
-inline std::string text(const Motion& m) {
-  std::ostringstream out;
-  out << "position " << m.value << ", velocity " << m.rate << ", acceleration " << m.acceleration;
-  return out.str();
-}
 
 }  // namespace assur::test

@@ -9,12 +9,13 @@ namespace {
 using test::kEps;
 using test::Result;
 
-// Elimination orders differ between one lane and several (pivots are chosen for all lanes together), so results agree to
-// the errors of both: residuals of 8 eps at the condition of a group (23 for a leg, 16 for a ring), of accelerations at
-// its square.
+// Elimination orders differ between one lane and several (pivots are chosen for all lanes together), so results agree
+// to the errors of both: residuals of 8 eps at the condition of a group (23 for a leg, 16 for a ring), of accelerations
+// at its square.
 constexpr double kTolerance = 2 * 8 * 23 * 23 * kEps;
 
-void expect_the_same_motion(const Scene& scene, const std::string& formulation, const std::vector<std::string>& solvers) {
+void expect_the_same_motion(const Scene& scene, const std::string& formulation,
+                            const std::vector<std::string>& solvers) {
   const Result one = test::run(scene, formulation + "/eigen");
   ASSERT_TRUE(one.report().status.ok());
   for (const std::string& solver : solvers) {
@@ -26,7 +27,8 @@ void expect_the_same_motion(const Scene& scene, const std::string& formulation, 
     // Group instances are counted, idle lanes are not. A step that one lane rejects is solved in all of its pack.
     EXPECT_EQ(r.counters().steps, one.counters().steps);
     const auto groups = static_cast<std::int64_t>(r.simulator.prepared().structure->groups.size());
-    EXPECT_LE(r.counters().group_solutions, groups * (1 + r.counters().steps + r.counters().substeps + r.counters().rejected));
+    EXPECT_LE(r.counters().group_solutions,
+              groups * (1 + r.counters().steps + r.counters().substeps + r.counters().rejected));
     EXPECT_GE(r.counters().group_solutions, groups * (1 + r.counters().steps + r.counters().substeps));
     EXPECT_EQ(r.counters().factorizations, r.counters().newton_iterations + r.counters().group_solutions);
   }

@@ -1,8 +1,6 @@
 // The paper's platform: accuracy in every formulation, and what is left out where only the handles' angles are wanted.
 #include <gtest/gtest.h>
 
-#include <iostream>
-
 #include "references/stewart.hpp"
 #include "simulation/deviation.hpp"
 
@@ -63,9 +61,6 @@ TEST(Stewart, MeetsTheClosedFormInEveryFormulation) {
       EXPECT_LE(off.value, 1e-13);
       EXPECT_LE(off.rate, 1e-12);
       EXPECT_LE(off.acceleration, 1e-11);
-      std::cout << formulation << "/" << backend << ": " << test::text(off) << "; residuals " << error.position << " "
-                << error.velocity << " " << error.acceleration << "; iterations " << r.counters().newton_iterations
-                << " of " << r.counters().group_solutions << ", most " << r.counters().most_iterations << "\n";
     }
   }
 }
@@ -109,7 +104,8 @@ void expect_work(const Counters& c, const Work& w, bool derivatives) {
 TEST(Stewart, WorkOfTheFullRunIsCounted) {
   // In `irreducible` the terminal is driven, and 15 = 3 + 3 + 3 + 6 that presolve eliminates.
   const std::size_t columns = 9 * (4 + 6 * 5 + 6 * 2) + 6 * 3;  // O, u, v, w; B, e, r, c, d; P, t; angles
-  for (const Work& w : {Work{"groups/" + test::sparse(), 12, 6, 15}, Work{"irreducible/" + test::sparse(), 0, 18, 3}, Work{"global/" + test::sparse(), 0, 1, 102}}) {
+  for (const Work& w : {Work{"groups/" + test::sparse(), 12, 6, 15}, Work{"irreducible/" + test::sparse(), 0, 18, 3},
+                        Work{"global/" + test::sparse(), 0, 1, 102}}) {
     SCOPED_TRACE(w.strategy);
     const Result r = test::run(sample("stewart"), w.strategy);
     ASSERT_TRUE(r.report().status.ok());
@@ -121,8 +117,9 @@ TEST(Stewart, WorkOfTheFullRunIsCounted) {
 
 TEST(Stewart, HandlesAloneNeedNoDerivativesAndNoDeeperBlocks) {
   const Scene scene = sample("stewart"), handles = scene.with_outputs(kHandles);
-  for (const Work& w : {Work{"groups/eigen", 12, 6, 9}, Work{"groups/" + test::sparse(), 12, 6, 9}, Work{"irreducible/eigen", 0, 6, 3},
-                        Work{"irreducible/" + test::sparse(), 0, 6, 3}, Work{"global/" + test::sparse(), 0, 1, 66}}) {
+  for (const Work& w :
+       {Work{"groups/eigen", 12, 6, 9}, Work{"groups/" + test::sparse(), 12, 6, 9}, Work{"irreducible/eigen", 0, 6, 3},
+        Work{"irreducible/" + test::sparse(), 0, 6, 3}, Work{"global/" + test::sparse(), 0, 1, 66}}) {
     SCOPED_TRACE(w.strategy);
     const Result full = test::run(scene, w.strategy), r = test::run(handles, w.strategy);
     ASSERT_TRUE(r.report().status.ok());
@@ -143,10 +140,6 @@ TEST(Stewart, HandlesAloneNeedNoDerivativesAndNoDeeperBlocks) {
       EXPECT_EQ(level.derivatives, 0) << level.group;
       EXPECT_FALSE(level.for_predictor) << level.group;
     }
-    std::cout << w.strategy << ": factorizations " << r.counters().factorizations << " of "
-              << full.counters().factorizations << ", solved " << r.counters().solved_unknowns << " of "
-              << full.counters().solved_unknowns << ", evaluated " << r.counters().evaluated_equations << " of "
-              << full.counters().evaluated_equations << "\n";
 
     // The same angles.
     for (std::size_t leg = 0; leg < 6; ++leg) {
@@ -158,7 +151,8 @@ TEST(Stewart, HandlesAloneNeedNoDerivativesAndNoDeeperBlocks) {
 
 TEST(Stewart, DerivativesForThePredictorAloneAreListed) {
   const Scene handles = sample("stewart").with_outputs(kHandles);
-  for (const Work& w : {Work{"groups/" + test::sparse() + "+predict=taylor:2", 12, 6, 9}, Work{"irreducible/" + test::sparse() + "+predict=taylor:2", 0, 6, 3}}) {
+  for (const Work& w : {Work{"groups/" + test::sparse() + "+predict=taylor:2", 12, 6, 9},
+                        Work{"irreducible/" + test::sparse() + "+predict=taylor:2", 0, 6, 3}}) {
     SCOPED_TRACE(w.strategy);
     const Result r = test::run(handles, w.strategy);
     ASSERT_TRUE(r.report().status.ok());

@@ -1,7 +1,6 @@
 // Motions and postures against tables of reference: Andrews' squeezer, Dietmaier's platform with 40 postures.
 #include <gtest/gtest.h>
 
-#include <iostream>
 #include <numbers>
 
 #include "references/perturb.hpp"
@@ -45,7 +44,6 @@ TEST(Andrews, FollowsTheTableOverAWholeTurn) {
     EXPECT_LE(off.rate, 1e-11);
     EXPECT_LE(off.acceleration, 1e-11);
     EXPECT_LE(r.report().error.position, 1e-14);
-    std::cout << strategy << ": " << test::text(off) << ", residual " << r.report().error.position << "\n";
   }
 }
 
@@ -84,9 +82,7 @@ struct Ivp {
 
  private:
   // kBeta + kRate s + kAcceleration s^2 / 2 = 0, the root nearer to s = 0
-  static double before() {
-    return -2 * kBeta / (kRate + std::sqrt(kRate * kRate - 2 * kBeta * kAcceleration));
-  }
+  static double before() { return -2 * kBeta / (kRate + std::sqrt(kRate * kRate - 2 * kBeta * kAcceleration)); }
   [[nodiscard]] Scene make() const {
     const Scene andrews = sample("andrews");
     SceneBuilder builder("andrews", 2);
@@ -124,7 +120,6 @@ TEST(Andrews, MeetsTheReferenceOfTheIvpTestSet) {
     EXPECT_NEAR(turns(s.output("beta") - Ivp::kBeta), 0, 1e-13);
     EXPECT_NEAR(s.output("beta.rate"), Ivp::kRate, 1e-13 * Ivp::kRate);
     EXPECT_NEAR(s.output("beta.acceleration"), Ivp::kAcceleration, 1e-13 * -Ivp::kAcceleration);
-    std::cout << strategy << ": " << theta << " " << gamma << " " << delta << " " << epsilon << "\n";
   }
 }
 
@@ -134,7 +129,6 @@ TEST(Andrews, MeetsTheReferenceOfTheIvpTestSet) {
 TEST(Gough, AllFortyPosturesAreFoundFromAPerturbedGuess) {
   const auto table = references::read_gough();
   ASSERT_EQ(table.size(), 40u);
-  double worst = 0;
   for (const references::GoughRow& row : table) {
     const Scene scene = sample("gough", {{"posture", row.posture}});
     for (unsigned draw = 0; draw < 10; ++draw) {
@@ -153,10 +147,8 @@ TEST(Gough, AllFortyPosturesAreFoundFromAPerturbedGuess) {
       compare("v", row.v);
       compare("w", references::cross(row.u, row.v));
       EXPECT_LE(off, 4e-15 * row.condition) << "posture " << row.posture << ", seed " << seed;
-      worst = std::max(worst, off / row.condition);
     }
   }
-  std::cout << "gough: worst error / condition " << worst << "\n";
 }
 
 }  // namespace

@@ -1,0 +1,190 @@
+// A control loop: drivers set by the program, deadlines, steps that fail and leave everything as it was.
+#include <gtest/gtest.h>
+
+#include "simulation/run.hpp"
+
+namespace assur {
+namespace {
+
+using test::kEps;
+using test::Result;
+
+constexpr double kOmega = 6.283185307179586;
+
+TEST(Control, TracksALawThatIsSetStepByStep) {
+  const Scene scene = sample("four_bar:loops=3,step=0.005,steps=400");
+  const Law law = Law::polynomial({0, 1, 0.5}) + Law::harmonics({{0.2, 1.5, 0.3}}, -0.2 * std::sin(0.3));
+  for (const std::string strategy : {"groups/eigen", "irreducible/eigen+once", "global/eigen+predict=taylor:1"}) {
+    SCOPED_TRACE(strategy);
+    // The same mechanism with the law in the scene.
+    SceneBuilder builder("four_bar", 2);
+    for (const Point& p : scene.points()) builder.add(p);
+    for (const Constraint& c : scene.constraints()) builder.add(c);
+    builder.drive("motor", PointAngle{"A0", "B0", "", law}).time(0, 2, 0.005);
+    Simulator by_law = test::simulator(builder.build(), strategy);
+    Simulator by_hand = test::simulator(scene.with_outputs({"B1", "B3"}), strategy, {}, {"motor"});
+    double worst[3] = {};
+    for (int k = 1; k <= 400; ++k) {
+      const double t = by_hand.time() + 0.005;
+      const Motion m = law(t);
+      by_hand.set("motor", m.value, m.rate, m.acceleration);
+      ASSERT_TRUE(by_hand.step().ok()) << k;
+      ASSERT_TRUE(by_law.step(t).ok()) << k;
+      ASSERT_EQ(by_hand.time(), t);
+      for (std::size_t c = 0; c < by_hand.columns().size(); ++c) {
+        const std::string& column = by_hand.columns()[c];
+        const int d = column[3] == 'v' ? 1 : column[3] == 'a' ? 2 : 0;
+        const double reference = by_law.output(column);
+        worst[d] = std::max(worst[d], std::abs(by_hand.outputs()[c] - reference) / std::max(1.0, std::abs(reference)));
+      }
+    }
+    EXPECT_LE(worst[0], 1e-12);
+    EXPECT_LE(worst[1], 1e-12);
+    EXPECT_LE(worst[2], 1e-12);
+  }
+}
+
+TEST(Control, SetsThePartsOfAPose) {
+  const Scene scene = sample("stewart");
+  Simulator by_law = test::simulator(scene, "groups/eigen");
+  Simulator by_hand = test::simulator(scene, "groups/eigen", {}, {"pose"});
+  for (const Driver& driver : scene.drivers()) {
+    const auto& pose = std::get<Pose>(driver.kind);
+    const char* const names[6] = {"pose.x", "pose.y", "pose.z", "pose.psi", "pose.theta", "pose.phi"};
+    for (int k = 1; k <= 100; ++k) {
+      const double t = by_hand.time() + 0.01;
+      for (std::size_t i = 0; i < 6; ++i) {
+        const Motion m = (i < 3 ? pose.translation[i] : pose.rotation[i - 3])(t);
+        by_hand.set(names[i], m.value, m.rate, m.acceleration);
+      }
+      ASSERT_TRUE(by_hand.step().ok());
+      ASSERT_TRUE(by_law.step(t).ok());
+    }
+  }
+  for (const std::string& column : by_law.columns()) {
+    EXPECT_NEAR(by_hand.output(column), by_law.output(column), 1e-12 * (1 + std::abs(by_law.output(column)))) << column;
+  }
+}
+
+TEST(Control, UnknownDriverIsRefused) {
+  Simulator s = test::simulator(sample("four_bar"), "auto", {}, {"motor"});
+  try {
+    s.set("moter", 1);
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind(), Error::Kind::input);
+    EXPECT_STREQ(e.what(), "'moter' is no controlled driver; there are: motor");
+  }
+  Simulator uncontrolled = test::simulator(sample("four_bar"));
+  EXPECT_THROW(uncontrolled.set("motor", 1), Error);
+}
+
+// Crank 1, coupler 1, rocker 1.2, ground 2: it cannot reach cos(angle) < 0.04.
+Scene limited() {
+  SceneBuilder builder("limited", 2);
+  builder.fixed_point("A0", {0, 0, 0}).fixed_point("A1", {2, 0, 0});
+  builder.point("B", {std::cos(0.5), std::sin(0.5), 0}).point("C", {1.7, 1.1, 0});
+  builder.constrain("crank", Distance{"A0", "B", 1.0});
+  builder.constrain("coupler", Distance{"B", "C", 1.0});
+  builder.constrain("rocker", Distance{"A1", "C", 1.2});
+  builder.drive("motor", PointAngle{"A0", "B", "", Law::constant(0.5)});
+  builder.measure("angle", AbsoluteAngle{"A0", "B"});
+  return builder.time(0, 1, 0.01).build();
+}
+
+double coupler_error(const Simulator& s) {
+  return std::abs(std::hypot(s.output("C.x") - s.output("B.x"), s.output("C.y") - s.output("B.y")) - 1);
+}
+
+TEST(Control, ImpossibleAimKeepsTheLastGoodPosture) {
+  for (const std::string strategy : {"groups/eigen", "global/eigen+predict=past:3", "irreducible/eigen+once"}) {
+    SCOPED_TRACE(strategy);
+    Simulator s = test::simulator(limited(), strategy, {}, {"motor"});
+    for (int k = 1; k <= 10; ++k) {
+      s.set("motor", 0.5 + 0.05 * k, 5);
+      ASSERT_TRUE(s.step().ok()) << k;
+    }
+    const double before = s.time();
+    s.set("motor", 2.5);
+    const Status failed = s.step();
+    EXPECT_EQ(failed.code, Code::limit_reached);
+    EXPECT_EQ(s.report().status.code, failed.code);
+    // The posture is one on the way, and the outputs are those of that time.
+    EXPECT_GE(s.time(), before);
+    EXPECT_LT(s.time(), before + 0.01);
+    EXPECT_EQ(s.report().reached, s.time());
+    EXPECT_GE(s.output("angle"), 1.0 - 1e-12);
+    EXPECT_LE(s.output("angle"), std::acos(0.04));
+    EXPECT_NEAR(s.output("B.x"), std::cos(s.output("angle")), 8 * kEps);
+    EXPECT_LE(coupler_error(s), 32 * kEps);
+    EXPECT_EQ(s.time() > before, s.output("angle") > 1.0 + 1e-12);
+    // And the loop goes on with an aim that can be reached.
+    const double now = s.time();
+    s.set("motor", 1.2);
+    ASSERT_TRUE(s.step().ok());
+    EXPECT_EQ(s.time(), now + 0.01);
+    EXPECT_NEAR(s.output("angle"), 1.2, 8 * kEps);
+    EXPECT_LE(coupler_error(s), 32 * kEps);
+    s.set("motor", 1.1);
+    ASSERT_TRUE(s.step().ok());
+    EXPECT_NEAR(s.output("angle"), 1.1, 8 * kEps);
+    EXPECT_TRUE(s.report().status.ok());
+  }
+}
+
+TEST(Control, ADriverThatIsNotSetAgainRests) {
+  Simulator s = test::simulator(sample("four_bar:step=0.01"), "auto", {}, {"motor"});
+  s.set("motor", 0.1, 3, 2);
+  ASSERT_TRUE(s.step().ok());
+  EXPECT_NEAR(s.output("B0.vy"), 0.8 * 3 * std::cos(0.1), 32 * kEps);
+  ASSERT_TRUE(s.step().ok());
+  EXPECT_NEAR(s.output("B0.x"), 0.8 * std::cos(0.1), 4 * kEps);
+  EXPECT_EQ(s.output("B0.vx"), 0);
+  EXPECT_EQ(s.output("B1.vx"), 0);
+  EXPECT_EQ(s.output("B1.ax"), 0);
+}
+
+TEST(Control, UntilTheFirstSetTheLawServes) {
+  Simulator s = test::simulator(sample("four_bar:step=0.01"), "auto", {}, {"motor"});
+  for (int k = 1; k <= 7; ++k) ASSERT_TRUE(s.step().ok());
+  EXPECT_NEAR(s.output("B0.x"), 0.8 * std::cos(kOmega * s.time()), 8 * kEps);
+  // Taken over on the way, without a jump.
+  s.set("motor", kOmega * (s.time() + 0.01), kOmega);
+  ASSERT_TRUE(s.step().ok());
+  EXPECT_NEAR(s.output("B0.x"), 0.8 * std::cos(kOmega * s.time()), 8 * kEps);
+}
+
+TEST(Control, DeadlineKeepsTheState) {
+  Simulator s = test::simulator(sample("stewart"), "groups/eigen", {.seconds = 1e-9});
+  const std::vector<double> before(s.outputs().begin(), s.outputs().end());
+  const Status late = s.step(0.01);
+  EXPECT_EQ(late.code, Code::deadline);
+  EXPECT_EQ(s.report().status.code, Code::deadline);
+  EXPECT_EQ(s.time(), 0);
+  EXPECT_EQ(s.report().counters.steps, 0);
+  EXPECT_EQ(before, std::vector<double>(s.outputs().begin(), s.outputs().end()));
+  s.reset();  // is no step
+  EXPECT_TRUE(s.report().status.ok());
+
+  Simulator in_time = test::simulator(sample("stewart"), "groups/eigen", {.seconds = 100});
+  EXPECT_TRUE(in_time.step(0.01).ok());
+  EXPECT_EQ(in_time.time(), 0.01);
+}
+
+TEST(Control, IterationsAreExactBeyondTheFirstLevel) {
+  const Scene scene = sample("four_bar:loops=4,step=0.001");
+  for (const int n : {1, 2, 5}) {
+    Simulator s = test::simulator(scene, "groups/eigen", {.iterations = n});
+    const std::int64_t of_start = s.report().counters.newton_iterations;
+    for (int k = 1; k <= 20; ++k) ASSERT_TRUE(s.step(0.001 * k).ok());
+    // Loops 2, 3 and 4: n each; loop 1 what it takes.
+    const std::int64_t rest = s.report().counters.newton_iterations - of_start - 20 * 3 * n;
+    EXPECT_GE(rest, 0) << n;
+    EXPECT_LE(rest, 2 * 20) << n;
+    EXPECT_EQ(s.report().counters.rejected, 0);
+    EXPECT_LE(s.report().error.position, 1e-14);
+  }
+}
+
+}  // namespace
+}  // namespace assur

@@ -1,0 +1,147 @@
+// Mechanisms driven to where they cannot go further, and drivers that end.
+#include <gtest/gtest.h>
+
+#include "simulation/run.hpp"
+
+namespace assur {
+namespace {
+
+using test::kEps;
+using test::Result;
+
+struct Limit {
+  std::string name;
+  Scene scene;
+  double time;        // closed form
+  std::string group;  // that reaches it
+};
+
+// Crank 1, coupler 1, rocker 1.2, ground 2: coupler and rocker are in line where |B A1| = 2.2, at cos theta = 0.04.
+Limit four_bar() {
+  SceneBuilder builder("limited", 2);
+  builder.fixed_point("A0", {0, 0, 0}).fixed_point("A1", {2, 0, 0});
+  builder.point("B", {std::cos(0.5), std::sin(0.5), 0}).point("C", {1.7, 1.1, 0});
+  builder.constrain("crank", Distance{"A0", "B", 1.0});
+  builder.constrain("coupler", Distance{"B", "C", 1.0});
+  builder.constrain("rocker", Distance{"A1", "C", 1.2});
+  builder.drive("motor", PointAngle{"A0", "B", "", Law::polynomial({0.5, 1})}).time(0, 2, 0.01);
+  return {"four_bar", builder.build(), std::acos(0.04) - 0.5, "C"};
+}
+
+// Crank 0.3, rod 0.2: the rod is across the rail at sin theta = 2/3.
+Limit slider_crank() {
+  SceneBuilder builder("limited_slider", 2);
+  builder.fixed_point("O", {0, 0, 0}).fixed_vector("rail", {1, 0, 0});
+  builder.point("B", {0.3, 0, 0}).point("C", {0.5, 0, 0});
+  builder.constrain("crank", Distance{"O", "B", 0.3});
+  builder.constrain("rod", Distance{"B", "C", 0.2});
+  builder.constrain("slide", OnLine{"C", "O", "rail"});
+  builder.drive("motor", PointAngle{"O", "B", "", Law::polynomial({0, 1})}).time(0, 1, 0.01);
+  return {"slider_crank", builder.build(), std::asin(2.0 / 3), ""};
+}
+
+void expect_limit(const Limit& limit, const std::string& strategy) {
+  SCOPED_TRACE(limit.name + " " + strategy);
+  const Result r = test::run(limit.scene, strategy);
+  EXPECT_EQ(r.report().status.code, Code::limit_reached);
+  ASSERT_EQ(r.report().events.size(), 1u);
+  const Event& e = r.report().events[0];
+  EXPECT_EQ(e.kind, Code::limit_reached);
+  EXPECT_LE(e.time, limit.time);
+  EXPECT_GE(e.until, limit.time);
+  EXPECT_LE(e.until - e.time, 0.01 / 1024) << "at " << e.time - limit.time;
+  if (!limit.group.empty() && strategy.rfind("global", 0) != 0) {
+    EXPECT_EQ(e.group, limit.group);
+  }
+  // Everything up to there is kept.
+  ASSERT_EQ(r.trajectory.rows(), static_cast<std::size_t>(std::floor(limit.time / 0.01)) + 1);
+  EXPECT_EQ(r.trajectory.times().back(), limit.scene.time().time(static_cast<std::int64_t>(r.trajectory.rows()) - 1));
+  EXPECT_EQ(r.report().reached, e.time);
+  EXPECT_EQ(r.simulator.time(), e.time);
+  EXPECT_LE(r.report().error.position, 1e-14);
+}
+
+TEST(Limit, OfAFourBarIsBracketed) {
+  const Limit limit = four_bar();
+  for (const std::string formulation : {"global", "groups", "irreducible"}) {
+    for (const std::string& solver : test::solvers()) expect_limit(limit, formulation + "/" + solver);
+  }
+  for (const std::string option :
+       {"+once", "+predict=taylor:0", "+predict=taylor:1", "+predict=taylor:2", "+predict=past:3"}) {
+    expect_limit(limit, "groups/eigen" + option);
+  }
+}
+
+TEST(Limit, OfASliderCrankIsBracketed) {
+  const Limit limit = slider_crank();
+  for (const std::string formulation : {"global", "groups", "irreducible"}) {
+    for (const std::string& solver : test::solvers()) expect_limit(limit, formulation + "/" + solver);
+  }
+}
+
+TEST(Limit, IsFoundWithPositionsAlone) {
+  Limit limit = four_bar();
+  limit.scene = limit.scene.with_outputs({"C.position"});
+  for (const std::string formulation : {"global", "groups", "irreducible"}) expect_limit(limit, formulation + "/eigen");
+}
+
+// Up to the limit C is where the two circles meet, on the side of the guess.
+TEST(Limit, RowsBeforeItAreRight) {
+  const Limit limit = four_bar();
+  const Result r = test::run(limit.scene, "groups/eigen");
+  for (std::size_t k = 0; k < r.trajectory.rows(); ++k) {
+    const double angle = 0.5 + r.trajectory.times()[k], bx = std::cos(angle), by = std::sin(angle);
+    const double dx = 2 - bx, dy = -by, square = dx * dx + dy * dy;
+    const double along = (square + 1 - 1.44) / (2 * square), across = std::sqrt(1 / square - along * along);
+    // sigma: sine between coupler and rocker; both closed form and posture are off by some eps / sigma.
+    const double sigma = across * square / 1.2;
+    ASSERT_NEAR(r.trajectory(k, r.trajectory.index("C.x")), bx + along * dx - across * dy, 64 * kEps / sigma) << k;
+    ASSERT_NEAR(r.trajectory(k, r.trajectory.index("C.y")), by + along * dy + across * dx, 64 * kEps / sigma) << k;
+  }
+}
+
+TEST(Limit, IsALimitBackwardsAsWell) {
+  const Limit limit = four_bar();
+  Simulator s = test::simulator(limit.scene, "groups/eigen");
+  // The crank turns back through 0 to the limit on the other side.
+  EXPECT_EQ(s.step(-2.1).code, Code::limit_reached);
+  ASSERT_EQ(s.report().events.size(), 1u);
+  const double mirrored = -std::acos(0.04) - 0.5;
+  EXPECT_GE(s.report().events[0].time, mirrored);
+  EXPECT_LE(s.report().events[0].until, mirrored);
+  // It can go back from there.
+  EXPECT_TRUE(s.step(0).ok());
+}
+
+TEST(Limit, OfALawsTableIsOutOfRange) {
+  SceneBuilder builder("tabled", 2);
+  builder.fixed_point("A0", {0, 0, 0}).point("B", {1, 0, 0});
+  builder.drive("motor", PointAngle{"A0", "B", "", Law::table({0, 0.3, 0.7, 1}, {0, 0.2, 0.3, 0.9})}).time(0, 1, 0.1);
+  Simulator s = test::simulator(builder.build());
+  ASSERT_TRUE(s.step(1).ok());
+  const double x = s.output("B.x");
+  EXPECT_EQ(s.step(1.5).code, Code::out_of_range);
+  EXPECT_EQ(s.report().status.code, Code::out_of_range);
+  EXPECT_EQ(s.time(), 1);
+  EXPECT_EQ(s.output("B.x"), x);
+  EXPECT_TRUE(s.step(0.9).ok());
+}
+
+TEST(Limit, OfADrivenDistanceIsZero) {
+  SceneBuilder builder("shrinking", 2);
+  builder.fixed_point("A", {0, 0, 0}).fixed_vector("rail", {0.8, 0.6, 0}).point("P", {0.8, 0.6, 0});
+  builder.constrain("slide", OnLine{"P", "A", "rail"});
+  builder.drive("actuator", DrivenDistance{"A", "P", Law::polynomial({1, -1})}).time(0, 0.5, 0.1);
+  Simulator s = test::simulator(builder.build());
+  ASSERT_TRUE(s.step(0.9).ok());
+  EXPECT_NEAR(s.output("slide.lambda"), 0.1, 8 * kEps);
+  for (const double t : {1.0, 1.5}) {
+    EXPECT_EQ(s.step(t).code, Code::actuator_zero) << t;
+    EXPECT_EQ(s.time(), 0.9);
+    EXPECT_NEAR(s.output("slide.lambda"), 0.1, 8 * kEps);
+  }
+  EXPECT_TRUE(s.step(0.95).ok());
+}
+
+}  // namespace
+}  // namespace assur
