@@ -72,6 +72,7 @@ struct Backend {
   std::string (*why_not)(const Shape&, ThreadBudget);        // "" if it can run here and now
   std::unique_ptr<LinearSolver> (*make)(ThreadBudget);       // call only if why_not() is ""
   bool steady;                                               // allocates nothing after the first factorisation
+  bool keeps_pivots;                                         // starts from those of its last matrix: one solver for each pack
   std::string_view licence;                                  // SPDX identifier of the library behind it
   std::string (*version)();                                  // of the library behind it; "" if absent
 };

@@ -33,14 +33,11 @@ GroupSolver::GroupSolver(const System& system, const Structure& structure, std::
       program_(compile(class_, structure.pattern(group_class))),
       lanes_(strategy_.lanes),
       evaluator_(make_evaluator(system, program_, lanes_)),
+      backend_(find_backend(table, strategy_.backend)),
       blocks_(class_, program_, lanes_) {
-  const Backend& backend = find_backend(table, strategy_.backend);
-  const std::string why_not = backend.why_not(choice.shape, ThreadBudget{strategy_.q});
+  const std::string why_not = backend_.why_not(choice.shape, ThreadBudget{strategy_.q});
   if (!why_not.empty()) throw Error(Error::Kind::environment, "backend " + strategy_.backend + ": " + why_not);
-  solver_ = backend.make(ThreadBudget{strategy_.q});
-  if (!solver_->analyze(program_.pattern, lanes_).ok()) {
-    throw Error(Error::Kind::environment, "backend " + strategy_.backend + " cannot analyse the pattern of a group");
-  }
+  if (!backend_.keeps_pivots) shared_ = make_solver();
   const std::size_t w = idx(lanes_), n = idx(program_.n) * w;
   inputs_.resize(idx(program_.inputs) * w);
   input_rates_.resize(inputs_.size());
@@ -50,9 +47,16 @@ GroupSolver::GroupSolver(const System& system, const Structure& structure, std::
   jacobian_norm_.resize(w);
 }
 
-void GroupSolver::forget() {
-  if (has_pivots_) (void)solver_->analyze(program_.pattern, lanes_);
-  has_pivots_ = false;
+std::unique_ptr<LinearSolver> GroupSolver::make_solver() const {
+  auto solver = backend_.make(ThreadBudget{strategy_.q});
+  if (!solver->analyze(program_.pattern, lanes_).ok()) {
+    throw Error(Error::Kind::environment, "backend " + strategy_.backend + " cannot analyse the pattern of a group");
+  }
+  return solver;
+}
+
+void GroupSolver::forget(Pack& pack) const {
+  if (backend_.keeps_pivots) pack.solver = make_solver();
 }
 
 void GroupSolver::bind(const System& system, const Structure& structure, Pack& pack) const {
@@ -81,6 +85,7 @@ Status GroupSolver::fail(const Pack& pack, Code code, double figure, std::int32_
 
 Status GroupSolver::solve(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
                           StepErrors& errors) {
+  solver_ = pack.solver ? pack.solver.get() : shared_.get();
   gather(pack, state[0], inputs_);
   evaluator_->set_inputs(pack.coefficients.data(), inputs_.data());
   double* x = state[0] + pack.unknowns;
@@ -101,7 +106,6 @@ double GroupSolver::relative_residual(const Pack& pack) const {
 }
 
 Status GroupSolver::factorize(const Pack& pack, Counters& counters) {
-  has_pivots_ = true;
   counters.factorizations += pack.used;
   counters.factorized_unknowns += std::int64_t{pack.used} * program_.n;
   const Status s = solver_->factorize(jacobian_);
@@ -301,7 +305,7 @@ void GroupSolver::set_anchor(Pack& pack, const double* x, std::int32_t b, Counte
   counters.branch_checks += pack.used;
   const std::size_t w = idx(lanes_);
   if (blocks_.needs_solver(b) && !factored_at_solution_) factored_at_solution_ = factorize(pack, counters).ok();
-  blocks_.measure(b, jacobian_.data(), pack.lipschitz.data(), solver_.get(), pack.omega.data() + idx(b) * w);
+  blocks_.measure(b, jacobian_.data(), pack.lipschitz.data(), solver_, pack.omega.data() + idx(b) * w);
   double* anchor = pack.anchor.data() + blocks_.reads_start(b) * w;
   for (const std::int32_t c : blocks_.reads(b)) {
     std::copy_n(c < program_.n ? x + idx(c) * w : inputs_.data() + idx(c - program_.n) * w, w, anchor);

@@ -48,6 +48,7 @@ struct Pack {
   std::vector<double> anchor;        // by block, what it reads x W: where omega was measured
   std::vector<double> omega;         // blocks x W
   std::vector<double> ball_used;     // blocks: part of the ball used at the last posture inside it
+  std::unique_ptr<LinearSolver> solver;  // with pivots of its own; null: the class's serves
 };
 
 class GroupSolver {
@@ -59,8 +60,8 @@ class GroupSolver {
   [[nodiscard]] int lanes() const { return lanes_; }
   [[nodiscard]] const Program& program() const { return program_; }
 
-  // Pivots of an earlier run, so that runs repeat bit for bit.
-  void forget();
+  // Drops the pivots of an earlier run, so that runs repeat bit for bit.
+  void forget(Pack& pack) const;
 
   // Sets up what the pack holds for this class (its groups, inputs and address are there already).
   void bind(const System& system, const Structure& structure, Pack& pack) const;
@@ -75,6 +76,7 @@ class GroupSolver {
   [[nodiscard]] Status diagnose(Pack& pack, double* const (&state)[3]);
 
  private:
+  [[nodiscard]] std::unique_ptr<LinearSolver> make_solver() const;
   void gather(const Pack& pack, const double* state, std::vector<double>& out) const;
   [[nodiscard]] Status newton(Pack& pack, double* x, const Attempt& attempt, Counters& counters, StepErrors& errors);
   [[nodiscard]] Status check_branch(Pack& pack, const double* x, const Attempt& attempt, Counters& counters);
@@ -95,13 +97,14 @@ class GroupSolver {
   Program program_;
   int lanes_ = 1;
   std::unique_ptr<Evaluator> evaluator_;
-  std::unique_ptr<LinearSolver> solver_;
+  const Backend& backend_;
+  std::unique_ptr<LinearSolver> shared_;
+  LinearSolver* solver_ = nullptr;  // the pack's at hand, or shared_
   BlockConditions blocks_;
   std::vector<double> inputs_, input_rates_, input_accelerations_;  // inputs x W
   std::vector<double> phi_, scale_, correction_, rhs_, residual_, jacobian_;
   std::vector<double> jacobian_norm_;  // W
   bool factored_at_solution_ = false;
-  bool has_pivots_ = false;
 };
 
 }  // namespace assur

@@ -22,8 +22,8 @@ class Inputs {
   // What a controlled driver reaches at the next step. Throws Error (input) for any other name.
   void set(std::string_view driver, const Motion& motion);
   // Between `now` and `next` the controlled drivers run from where they are to where they were set; end_step() says how
-  // far the step came, and whether the rest of it follows with the same aim; if not, those that did not arrive stand still,
-  // and it returns true.
+  // far the step came, and whether the rest of it follows with the same aim. If not, those that did not arrive stand
+  // still, and it returns true.
   void begin_step(double now, double next);
   bool end_step(double now, bool will_be_repeated);
   void reset();

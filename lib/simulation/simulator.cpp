@@ -18,10 +18,10 @@ namespace assur {
 namespace {
 
 constexpr int kHalvings = 20;           // a step is halved down to 2^-20
-constexpr int kReach = 12;              // a change point is passed from 2^12 of the shortest steps before it to as many beyond
+constexpr int kReach = 12;              // a change point is passed from 2^12 of the shortest steps before it to beyond
 constexpr int kMoreHalvings = 6;        // of the shortest step, on the way back from a change point
-constexpr double kApart = 1.0 / 16;     // of the reach: a step that ends nearer to the change point is in doubt
-constexpr double kSure = 1e-3;          // largest correction over the distance of the branches: in doubt neither is taken
+constexpr double kApart = 1.0 / 16;     // of that reach: a step that ends nearer to the change point is in doubt
+constexpr double kSure = 1e-3;          // largest correction over the distance of the branches
 constexpr double kConsistent = 1e-10;   // relative residual of a redundant equation that still holds
 constexpr std::size_t kEventsReserved = 64;
 
@@ -80,7 +80,7 @@ struct Simulator::Impl {
     now = time;
     deadline = std::chrono::steady_clock::time_point::max();  // it is for steps
     inputs.reset();
-    for (const auto& solver : layout.solvers) solver->forget();
+    for (Pack& pack : packs) solver(pack).forget(pack);
     report = Report{};
     report.events.reserve(kEventsReserved);
     state.clear();
@@ -279,7 +279,7 @@ struct Simulator::Impl {
     const double change = now, smallest = target - now, reach = std::ldexp(smallest, kReach);
     const double to = std::abs(t - change) <= std::abs(reach) ? t : change + reach;
     bool passed = false;
-    if (std::abs(to - change) >= kApart * std::abs(reach) && step_back(change - reach, smallest)) {
+    if (std::abs(to - change) >= kApart * std::abs(reach) && walk(change - reach, smallest, change)) {
       passing[at_its_change_point] = 1;
       largest_correction = kSure * (to - change) / (to - now);
       for (std::size_t more = 0; more < packs.size() && !passed; ++more) {
@@ -289,18 +289,24 @@ struct Simulator::Impl {
       }
       std::fill(passing.begin(), passing.end(), 0);
     }
-    if (!passed) restore();
+    if (!passed) {
+      walk(change, smallest, change);
+      restore();
+    }
     return passed;
   }
 
-  // The older of the postures close to the change point are of no use to the predictor.
-  bool step_back(double until, double h) {
-    const double from = now, shortest = std::abs(std::ldexp(h, -kMoreHalvings));
+  // By continuation to `until`, in steps of about h. Predictions away from a change point do not read the older of the
+  // postures close to it.
+  bool walk(double until, double h, double change) {
+    h = std::abs(h);
+    const double shortest = std::ldexp(h, -kMoreHalvings);
     while (now != until) {
-      if (std::abs(now - from) < std::abs(until - from) / 4) state.forget();
-      if (try_step(std::abs(until - now) <= std::abs(h) ? until : now - h, Attempt::Branch::inside).ok()) {
+      if (std::abs(now - change) < std::abs(until - change) / 4) state.forget();
+      const double left = until - now;
+      if (try_step(std::abs(left) <= h ? until : now + std::copysign(h, left), Attempt::Branch::inside).ok()) {
         h *= 2;
-      } else if (std::abs(h /= 2) < shortest) {
+      } else if ((h /= 2) < shortest) {
         return false;
       }
     }

@@ -16,6 +16,9 @@ constexpr double kSatisfied = 64 * kEps;   // relative residual of an equation t
 constexpr Eigen::Index kDense = 96;        // larger blocks are factored sparse
 constexpr int kNewtonSteps = 60;
 constexpr int kFitSteps = 400;
+constexpr int kPolishSteps = 10;
+constexpr double kNear = 0.25;             // internal units
+constexpr double kStuck = 1e-8;            // relative residual: least squares that end above it are at no posture
 constexpr double kNudge = 0.1;             // internal units: typical lengths are 1
 
 // A direct solution with what assembly asks of it: singular or not, and the sign of the determinant.
@@ -127,6 +130,23 @@ void leave_saddle(const DenseBlock& block, std::span<const Index> unknowns, std:
   scatter(unknowns, gather(unknowns, q) + kNudge * svd.matrixV().rightCols(1), q);
 }
 
+// Undamped Newton stays on the posture of a good guess even where that is badly conditioned, which damping may leave for
+// one nearby. False, and q as it was, if it does not converge within kNear of the guess.
+bool polish(const DenseBlock& block, std::span<const Index> unknowns, std::vector<double>& q) {
+  const Eigen::VectorXd guess = gather(unknowns, q);
+  for (int step = 0; step < kPolishSteps; ++step) {
+    if (block.relative_residual(q) <= kSatisfied) return true;
+    const Linearization j(block, q);
+    if (!(j.rcond() > kEps)) break;
+    const Eigen::VectorXd x = gather(unknowns, q) - j.solve(block.residuals(q));
+    if (!((x - guess).lpNorm<Eigen::Infinity>() <= kNear)) break;
+    scatter(unknowns, x, q);
+  }
+  if (block.relative_residual(q) <= kSatisfied) return true;
+  scatter(unknowns, guess, q);
+  return false;
+}
+
 }  // namespace
 
 BlockAssembly assemble(const System& s, std::span<const Index> equations, std::span<const Index> unknowns,
@@ -143,6 +163,7 @@ BlockAssembly assemble(const System& s, std::span<const Index> equations, std::s
     if (step == 0) {
       first_sign = j.sign();
       decidable = j.rcond() > 1e-8;
+      if (residual_now > kSatisfied && polish(block, unknowns, q)) continue;
     } else if (j.rcond() > 1e-8) {
       out.mode = j.sign() == first_sign ? BlockAssembly::Mode::same : BlockAssembly::Mode::other;
     }
@@ -192,7 +213,7 @@ double fit(const System& s, std::span<const Index> equations, std::span<const In
   const DenseBlock block(s, equations, unknowns, column);
   descend(block, unknowns, q);
   const double reached = block.relative_residual(q);
-  if (reached <= kSatisfied || std::max(block.rows(), block.columns()) > kDense) return reached;
+  if (reached <= kStuck || std::max(block.rows(), block.columns()) > kDense) return reached;
   const Eigen::VectorXd x = gather(unknowns, q);
   leave_saddle(block, unknowns, q);
   descend(block, unknowns, q);

@@ -1,0 +1,256 @@
+#include "scene/forms.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "scene/triple.hpp"
+
+namespace assur {
+namespace {
+
+std::size_t idx(Index i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+Forms::Forms(std::shared_ptr<const Scene> scene, int length_exponent) {
+  s_.scene = std::move(scene);
+  s_.dimension = s_.scene->dimension();
+  s_.length_exponent = length_exponent;
+  s_.constants = {1.0, -1.0};
+  s_.coordinates.push_back({-1, -1, 0, Role::one, false});
+  s_.guess.push_back(1.0);
+}
+
+// ---- constants and forms
+
+double Forms::scaled(double value, int power) const { return std::ldexp(value, -s_.length_exponent * power); }
+
+Index Forms::internal_constant(double value) {
+  s_.constants.push_back(value);
+  return static_cast<Index>(s_.constants.size()) - 1;
+}
+
+Index Forms::constant(double value, int power) { return internal_constant(scaled(value, power)); }
+
+Index Forms::form(const Terms& terms) {
+  s_.terms.insert(s_.terms.end(), terms.begin(), terms.end());
+  s_.form_start.push_back(static_cast<Index>(s_.terms.size()));
+  return s_.forms() - 1;
+}
+
+// A literal times a value is the value's constant, or a new one.
+Index Forms::times(Index a, Index b) {
+  if (a == kPlus) return b;
+  if (b == kPlus) return a;
+  if (a == kMinus && b == kMinus) return kPlus;
+  return internal_constant(value(a) * value(b));
+}
+
+void Forms::append(Terms& terms, Index f, Index factor) {
+  const Index begin = s_.form_start[idx(f)], end = s_.form_start[idx(f) + 1];
+  for (Index i = begin; i < end; ++i) {
+    const Term t = s_.terms[idx(i)];
+    const Index c = times(factor, t.constant);
+    const auto same =
+        std::find_if(terms.begin(), terms.end(), [&](const Term& o) { return o.coordinate == t.coordinate; });
+    // Both ends on one body: the coefficients add up; a literal sum of zero drops out by type.
+    const auto cancels = [&] { return same->constant < kLiterals && c < kLiterals && same->constant != c; };
+    if (same == terms.end()) {
+      terms.push_back({t.coordinate, c});
+    } else if (t.coordinate != kOne && cancels()) {
+      terms.erase(same);
+    } else {
+      same->constant = internal_constant(value(same->constant) + value(c));
+    }
+  }
+}
+
+Index Forms::combination(std::initializer_list<std::pair<Index, Index>> parts) {
+  Terms terms;
+  for (const auto& [f, factor] : parts) append(terms, f, factor);
+  return form(terms);
+}
+
+// ---- items and coordinates
+
+Index Forms::add_item(Item item) {
+  const Index id = static_cast<Index>(s_.items.size());
+  s_.item_of.emplace(item.name, id);
+  s_.items.push_back(std::move(item));
+  return id;
+}
+
+const Item& Forms::item(const std::string& name) const { return s_.items[idx(item_index(name))]; }
+
+Index Forms::add_coordinate(Index item, int component, int power, Role role, double guess, bool moving) {
+  s_.coordinates.push_back({item, static_cast<std::int8_t>(component), static_cast<std::int8_t>(power), role, moving});
+  s_.guess.push_back(scaled(guess, power));
+  return static_cast<Index>(s_.coordinates.size()) - 1;
+}
+
+void Forms::declare(const std::string& name, const Triple& at, bool fixed, int power) {
+  Item item;
+  item.name = name;
+  item.components = static_cast<std::int8_t>(dimension());
+  item.dimension = static_cast<std::int8_t>(power);
+  const Index id = add_item(item);
+  for (int k = 0; k < dimension(); ++k) {
+    const double a = at[static_cast<std::size_t>(k)];
+    s_.items[idx(id)].form[k] =
+        fixed ? constant_form(a, power) : coordinate_form(add_coordinate(id, k, power, Role::unknown, a));
+  }
+}
+
+void Forms::declare_derived(const std::string& name, int power, const Index (&components)[3]) {
+  Item item;
+  item.name = name;
+  item.components = static_cast<std::int8_t>(dimension());
+  item.dimension = static_cast<std::int8_t>(power);
+  item.derived = true;
+  std::copy_n(components, 3, item.form);
+  add_item(item);
+}
+
+void Forms::declare_scalar(const std::string& name, int power, double guess) {
+  Item item;
+  item.name = name;
+  item.dimension = static_cast<std::int8_t>(power);
+  const Index id = add_item(item);
+  s_.items[idx(id)].form[0] = coordinate_form(add_coordinate(id, -1, power, Role::unknown, guess));
+}
+
+Index Forms::scalar_form(const std::string& text) const {
+  const auto whole = s_.item_of.find(text);
+  if (whole != s_.item_of.end()) return s_.items[idx(whole->second)].form[0];
+  const std::size_t point = text.rfind('.');
+  return item(text.substr(0, point)).form[text[point + 1] - 'x'];
+}
+
+int Forms::scalar_dimension(const std::string& text) const {
+  const auto whole = s_.item_of.find(text);
+  if (whole != s_.item_of.end()) return s_.items[idx(whole->second)].dimension;
+  return item(text.substr(0, text.rfind('.'))).dimension;
+}
+
+Forms::Components Forms::direction(const Direction& d) {
+  Components c{};
+  if (!d.is_pair()) {
+    const Item& v = item(d.first);
+    std::copy_n(v.form, 3, c.form);
+    c.power = v.dimension;
+    return c;
+  }
+  const Item &a = item(d.first), &b = item(d.second);
+  for (int k = 0; k < dimension(); ++k) c.form[k] = difference(b.form[k], a.form[k]);
+  c.power = 1;
+  return c;
+}
+
+Triple Forms::at(const Item& item) const {
+  Triple r{};
+  for (int k = 0; k < item.components; ++k) {
+    r[static_cast<std::size_t>(k)] =
+        std::ldexp(form_value<double>(s_, item.form[k], s_.guess), s_.length_exponent * item.dimension);
+  }
+  return r;
+}
+
+Triple Forms::at(const Direction& d) const {
+  return d.is_pair() ? triple::subtract(at(d.second), at(d.first)) : at(d.first);
+}
+
+// ---- what is known
+
+bool Forms::is_fixed(const Item& item) const {
+  for (int k = 0; k < item.components; ++k) {
+    for (const Term& t : s_.form(item.form[k])) {
+      if (t.coordinate != kOne) return false;
+    }
+  }
+  return true;
+}
+
+bool Forms::all_known(const Item& item) const {
+  for (int k = 0; k < item.components; ++k) {
+    for (const Term& t : s_.form(item.form[k])) {
+      if (s_.coordinates[idx(t.coordinate)].role == Role::unknown) return false;
+    }
+  }
+  return true;
+}
+
+Index Forms::own_coordinate(Index form) const {
+  const auto terms = s_.form(form);
+  if (terms.size() != 1 || terms[0].constant != kPlus) return -1;
+  return s_.coordinates[idx(terms[0].coordinate)].role == Role::unknown ? terms[0].coordinate : -1;
+}
+
+// ---- equations
+
+Index Forms::source(std::string name) {
+  s_.sources.push_back({std::move(name)});
+  row_ = 0;
+  return static_cast<Index>(s_.sources.size()) - 1;
+}
+
+void Forms::equation(Index source, const std::vector<Product>& products, const Terms& linear) {
+  Equation e;
+  e.products_begin = static_cast<Index>(s_.products.size());
+  s_.products.insert(s_.products.end(), products.begin(), products.end());
+  e.products_end = static_cast<Index>(s_.products.size());
+  e.linear = linear.empty() ? -1 : form(linear);
+  e.source = source;
+  e.row = row_++;
+  s_.equations.push_back(e);
+}
+
+void Forms::callback_row(Index source, Index callback, Index row) {
+  Equation e;
+  e.products_begin = e.products_end = static_cast<Index>(s_.products.size());
+  e.source = source;
+  e.row = row;
+  e.callback = callback;
+  s_.equations.push_back(e);
+}
+
+void Forms::unit_equation(Index source, const Item& vector) {
+  std::vector<Product> products;
+  add_dot(products, vector.form, vector.form);
+  equation(source, products, {{kOne, kMinus}});
+}
+
+void Forms::distance_equation(Index source, const Item& p, const Item& q, double length) {
+  std::vector<Product> products;
+  add_square(products, p, q, kPlus);
+  const Index l = constant_form(length, 1);
+  products.push_back({l, l, kMinus});
+  equation(source, products, {});
+}
+
+void Forms::orthogonal_equation(Index source, const Index* d, const Index* e) {
+  std::vector<Product> products;
+  add_dot(products, d, e);
+  equation(source, products, {});
+}
+
+void Forms::cross_equation(Index source, const Index* c, const Index* a, const Index* b) {
+  for (int k = 0; k < 3; ++k) {
+    Terms linear;
+    append(linear, c[k], kPlus);
+    const int i = kNext[k], j = kAfter[k];
+    equation(source, {{a[i], b[j], kMinus}, {a[j], b[i], kPlus}}, linear);
+  }
+}
+
+void Forms::add_dot(std::vector<Product>& products, const Index* d, const Index* e) const {
+  for (int k = 0; k < dimension(); ++k) products.push_back({d[k], e[k], kPlus});
+}
+
+void Forms::add_square(std::vector<Product>& products, const Item& p, const Item& q, Index factor) {
+  for (int k = 0; k < dimension(); ++k) {
+    const Index d = difference(p.form[k], q.form[k]);
+    products.push_back({d, d, factor});
+  }
+}
+
+}  // namespace assur

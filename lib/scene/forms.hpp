@@ -1,0 +1,96 @@
+// A System under construction: named items, linear forms and quadratic equations, in internal units.
+#pragma once
+
+#include <initializer_list>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "scene/system.hpp"
+
+namespace assur {
+
+using Terms = std::vector<Term>;
+
+// The two components after each one.
+inline constexpr int kNext[3] = {1, 2, 0};
+inline constexpr int kAfter[3] = {2, 0, 1};
+
+class Forms {
+ public:
+  // The components of a point, a vector or a pair's difference.
+  struct Components {
+    Index form[3];
+    int power;  // of length
+  };
+
+  Forms(std::shared_ptr<const Scene> scene, int length_exponent);
+
+  [[nodiscard]] const Scene& scene() const { return *s_.scene; }
+  [[nodiscard]] int dimension() const { return s_.dimension; }
+  [[nodiscard]] System& system() { return s_; }
+  [[nodiscard]] const System& system() const { return s_; }
+
+  // Constants and forms. Values are in SI units, `power` is their power of length.
+  Index constant(double value, int power = 0);
+  Index form(const Terms& terms);
+  Index constant_form(double value, int power) { return form({{kOne, constant(value, power)}}); }
+  Index combination(std::initializer_list<std::pair<Index, Index>> parts);  // (form, constant)
+  Index difference(Index a, Index b) { return combination({{a, kPlus}, {b, kMinus}}); }
+  // terms += constant `factor` * form f
+  void append(Terms& terms, Index f, Index factor);
+
+  // Items and coordinates. References to items last until the next one is added.
+  Index add_item(Item item);
+  Index add_coordinate(Index item, int component, int power, Role role, double guess, bool moving = true);
+  Index coordinate_form(Index coordinate) { return form({{coordinate, kPlus}}); }
+  void declare(const std::string& name, const Triple& at, bool fixed, int power);          // a point or vector
+  void declare_derived(const std::string& name, int power, const Index (&components)[3]);  // a body's member
+  void declare_scalar(const std::string& name, int power, double guess);
+
+  // Both throw std::out_of_range for a name that a valid scene cannot contain.
+  [[nodiscard]] const Item& item(const std::string& name) const;
+  [[nodiscard]] Index item_index(const std::string& name) const { return s_.item_of.at(name); }
+
+  // "P.x" or "name.lambda"
+  [[nodiscard]] Index scalar_form(const std::string& text) const;
+  [[nodiscard]] int scalar_dimension(const std::string& text) const;
+
+  [[nodiscard]] Components direction(const Direction& d);
+  [[nodiscard]] int power(const Direction& d) const { return d.is_pair() ? 1 : int{item(d.first).dimension}; }
+
+  // Posture as written, SI units.
+  [[nodiscard]] Triple at(const Item& item) const;
+  [[nodiscard]] Triple at(const std::string& name) const { return at(item(name)); }
+  [[nodiscard]] Triple at(const Direction& d) const;
+
+  // What is known.
+  [[nodiscard]] bool is_fixed(const Item& item) const;   // a constant
+  [[nodiscard]] bool all_known(const Item& item) const;  // fixed or driven
+  // The unknown coordinate that the form consists of; -1: it is something else.
+  [[nodiscard]] Index own_coordinate(Index form) const;
+
+  // Equations = 0; those that follow a source() are its rows.
+  Index source(std::string name);
+  void equation(Index source, const std::vector<Product>& products, const Terms& linear);
+  void callback_row(Index source, Index callback, Index row);
+  void unit_equation(Index source, const Item& vector);
+  void distance_equation(Index source, const Item& p, const Item& q, double length);
+  void orthogonal_equation(Index source, const Index* d, const Index* e);
+  void cross_equation(Index source, const Index* c, const Index* a, const Index* b);  // c = a x b
+  // products += d . e, factor 1; += and -= |p - q|^2
+  void add_dot(std::vector<Product>& products, const Index* d, const Index* e) const;
+  void add_square(std::vector<Product>& products, const Item& p, const Item& q, Index factor);
+
+ private:
+  [[nodiscard]] double scaled(double value, int power) const;
+  [[nodiscard]] double value(Index constant) const { return s_.constants[static_cast<std::size_t>(constant)]; }
+  Index internal_constant(double value);
+  Index times(Index a, Index b);
+
+  System s_;
+  Index row_ = 0;
+};
+
+}  // namespace assur

@@ -1,0 +1,263 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "scene/lowering_parts.hpp"
+
+namespace assur {
+
+namespace {
+
+// Local axes of a base of three points, in ground coordinates as written.
+std::array<Triple, 3> base_axes(const Forms& forms, const Body& body) {
+  const Triple a = forms.at(body.base[0]);
+  const Triple x = direction_of(triple::subtract(forms.at(body.base[1]), a));
+  const Triple z = direction_of(triple::cross(x, triple::subtract(forms.at(body.base[2]), a)));
+  return {x, triple::cross(z, x), z};
+}
+
+}  // namespace
+
+BaseShape base_shape(const Forms& forms, const Shared& shared, const Body& b) {
+  const auto is_given = [&](std::size_t i, std::size_t j) {
+    return shared.lengths.count(pair_key(b.base[i], b.base[j])) != 0;
+  };
+  const auto length = [&](std::size_t i, std::size_t j) {
+    const auto given = shared.lengths.find(pair_key(b.base[i], b.base[j]));
+    if (given != shared.lengths.end()) return given->second;
+    return length_of(triple::subtract(forms.at(b.base[j]), forms.at(b.base[i])));
+  };
+  BaseShape shape{length(0, 1)};
+  if (forms.dimension() == 2) return shape;
+  if (!is_given(0, 1) && !is_given(0, 2) && !is_given(1, 2)) {
+    const auto [x, y, z] = base_axes(forms, b);
+    const Triple third = triple::subtract(forms.at(b.base[2]), forms.at(b.base[0]));
+    shape.x = triple::dot(third, x);
+    shape.y = triple::dot(third, y);
+    return shape;
+  }
+  const double p = shape.length, q = length(0, 2), r = length(1, 2);
+  if (!(p < q + r && q < p + r && r < p + q)) {
+    throw Error(Error::Kind::input, {{"/bodies/" + b.name + "/base",
+                                      "the distances between its three points make no triangle; each must be smaller "
+                                      "than the sum of the others"}});
+  }
+  shape.x = ((p - r) * (p + r) + q * q) / (2 * p);
+  shape.y = std::sqrt((q - shape.x) * (q + shape.x));
+  return shape;
+}
+
+// ---- members
+
+void BodyWriter::declare_members() {
+  for (const Body& b : forms_.scene().bodies()) {
+    if (b.name == "ground") {
+      for (const Member& m : b.points) forms_.declare(m.name, m.local, true, 1);
+      for (const Member& m : b.vectors) forms_.declare(m.name, m.local, true, 0);
+    } else if (!b.frame.empty()) {
+      declare_in_frame(b);
+    } else if (b.base.empty()) {
+      declare_translating(b);
+    } else if (forms_.dimension() == 2) {
+      declare_in_plane(b);
+    } else {
+      declare_in_space(b);
+    }
+  }
+}
+
+void BodyWriter::declare_translating(const Body& b) {
+  const Item o = forms_.item(b.origin);
+  for (const Member& m : b.points) {
+    Index f[3] = {-1, -1, -1};
+    for (int k = 0; k < forms_.dimension(); ++k) {
+      const Index local = forms_.constant_form(m.local[static_cast<std::size_t>(k)], 1);
+      f[k] = forms_.combination({{o.form[k], kPlus}, {local, kPlus}});
+    }
+    forms_.declare_derived(m.name, 1, f);
+  }
+  for (const Member& m : b.vectors) {
+    Index f[3] = {-1, -1, -1};
+    for (int k = 0; k < forms_.dimension(); ++k) {
+      f[k] = forms_.constant_form(m.local[static_cast<std::size_t>(k)], 0);
+    }
+    forms_.declare_derived(m.name, 0, f);
+  }
+}
+
+void BodyWriter::declare_in_frame(const Body& b) {
+  const Item o = forms_.item(b.origin);
+  std::vector<Item> axes;
+  for (const std::string& a : b.frame) axes.push_back(forms_.item(a));
+  const auto declare = [&](const Member& m, int power) {
+    Index f[3] = {-1, -1, -1};
+    for (int k = 0; k < forms_.dimension(); ++k) {
+      Terms terms;
+      if (power == 1) forms_.append(terms, o.form[k], kPlus);
+      if (forms_.dimension() == 3) {
+        for (std::size_t j = 0; j < 3; ++j) {
+          forms_.append(terms, axes[j].form[k], forms_.constant(m.local[j], power));
+        }
+      } else {  // the second axis is the first one turned left
+        forms_.append(terms, axes[0].form[k], forms_.constant(m.local[0], power));
+        forms_.append(terms, axes[0].form[1 - k], forms_.constant(k == 0 ? -m.local[1] : m.local[1], power));
+      }
+      f[k] = forms_.form(terms);
+    }
+    forms_.declare_derived(m.name, power, f);
+  };
+  for (const Member& m : b.points) declare(m, 1);
+  for (const Member& m : b.vectors) declare(m, 0);
+}
+
+// A + alpha (B - A) + beta (B - A) turned left; vectors without A.
+void BodyWriter::declare_in_plane(const Body& b) {
+  const Item first = forms_.item(b.base[0]), second = forms_.item(b.base[1]);
+  const double length = base_shape(forms_, shared_, b).length;
+  const auto declare = [&](const Member& m, int power) {
+    const double alpha = m.local[0] / length, beta = m.local[1] / length;
+    Index f[3] = {-1, -1, -1};
+    for (int k = 0; k < 2; ++k) {
+      const Index along = forms_.difference(second.form[k], first.form[k]);
+      const Index across = forms_.difference(second.form[1 - k], first.form[1 - k]);
+      Terms terms;
+      if (power == 1) forms_.append(terms, first.form[k], kPlus);
+      forms_.append(terms, along, forms_.constant(alpha, power - 1));
+      forms_.append(terms, across, forms_.constant(k == 0 ? -beta : beta, power - 1));
+      f[k] = forms_.form(terms);
+    }
+    forms_.declare_derived(m.name, power, f);
+  };
+  for (const Member& m : b.points) declare(m, 1);
+  for (const Member& m : b.vectors) declare(m, 0);
+}
+
+// A + alpha (B - A) + beta (C - A) + z normal; vectors without A. The normal is there if a member leaves the plane.
+void BodyWriter::declare_in_space(const Body& b) {
+  const Item first = forms_.item(b.base[0]), second = forms_.item(b.base[1]), third = forms_.item(b.base[2]);
+  const auto [length, cx, cy] = base_shape(forms_, shared_, b);
+  const auto out_of_plane = [](const Member& m) { return m.local[2] != 0; };
+  const bool with_normal = std::any_of(b.points.begin(), b.points.end(), out_of_plane) ||
+                           std::any_of(b.vectors.begin(), b.vectors.end(), out_of_plane);
+  const std::string normal = b.name + ".normal";
+  if (with_normal) {
+    forms_.declare(normal, base_axes(forms_, b)[2], false, 0);
+    shared_.without_norm.insert(normal);
+    area_[b.name] = length * cy;
+  }
+  const auto declare = [&](const Member& m, int power) {
+    const double beta = m.local[1] / cy, alpha = (m.local[0] - beta * cx) / length;
+    Index f[3] = {-1, -1, -1};
+    for (int k = 0; k < 3; ++k) {
+      Terms terms;
+      if (power == 1) forms_.append(terms, first.form[k], kPlus);
+      const Index a = forms_.constant(alpha, power - 1);
+      forms_.append(terms, forms_.difference(second.form[k], first.form[k]), a);
+      const Index c = forms_.constant(beta, power - 1);
+      forms_.append(terms, forms_.difference(third.form[k], first.form[k]), c);
+      if (with_normal) forms_.append(terms, forms_.item(normal).form[k], forms_.constant(m.local[2], power));
+      f[k] = forms_.form(terms);
+    }
+    forms_.declare_derived(m.name, power, f);
+  };
+  for (const Member& m : b.points) declare(m, 1);
+  for (const Member& m : b.vectors) declare(m, 0);
+}
+
+// ---- equations
+
+void BodyWriter::write_equations() {
+  std::set<std::vector<std::string>> framed;
+  const auto& bodies = forms_.scene().bodies();
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const Body& b = bodies[i];
+    if (b.name == "ground") continue;
+    if (!b.frame.empty() && forms_.dimension() == 3) {
+      for (const std::string& a : b.frame) shared_.without_norm.insert(a);
+      if (framed.insert(b.frame).second) write_frame(b, static_cast<Index>(i));
+    } else if (!b.frame.empty() && posed_by_equations(b)) {
+      shared_.without_norm.insert(b.frame[0]);
+    } else if (!b.base.empty()) {
+      write_base(b);
+    }
+  }
+}
+
+// Then the driver writes the equations of the body's base.
+bool BodyWriter::posed_by_equations(const Body& b) const {
+  const auto& drivers = forms_.scene().drivers();
+  for (std::size_t i = 0; i < drivers.size(); ++i) {
+    const auto* p = std::get_if<Pose>(&drivers[i].kind);
+    if (p != nullptr && p->body == b.name && !shared_.fixes[i]) return true;
+  }
+  return false;
+}
+
+void BodyWriter::write_frame(const Body& b, Index index) {
+  const Item axis[3] = {forms_.item(b.frame[0]), forms_.item(b.frame[1]), forms_.item(b.frame[2])};
+  int known = -1, unknown = 0;
+  for (int j = 0; j < 3; ++j) {
+    if (forms_.all_known(axis[j])) {
+      known = j;
+    } else {
+      ++unknown;
+    }
+  }
+  if (unknown == 0) return;
+  forms_.system().frames.push_back(
+      {{forms_.item_index(b.frame[0]), forms_.item_index(b.frame[1]), forms_.item_index(b.frame[2])}, index});
+  if (posed_by_equations(b)) return;
+  const Index from = forms_.source("body " + b.name);
+  if (known >= 0) return write_frame_about(from, axis[known], axis[kNext[known]], axis[kAfter[known]]);
+  forms_.unit_equation(from, axis[0]);
+  forms_.unit_equation(from, axis[1]);
+  forms_.orthogonal_equation(from, axis[0].form, axis[1].form);
+  forms_.cross_equation(from, axis[2].form, axis[0].form, axis[1].form);
+}
+
+// With one axis known: a unit vector across it and the third by the cross product.
+void BodyWriter::write_frame_about(Index from, const Item& known, const Item& next, const Item& after) {
+  if (!forms_.all_known(next)) {
+    forms_.unit_equation(from, next);
+    forms_.orthogonal_equation(from, next.form, known.form);
+  }
+  if (!forms_.all_known(after)) forms_.cross_equation(from, after.form, known.form, next.form);
+}
+
+void BodyWriter::write_base(const Body& b) {
+  // A distance that another body or a constraint has written already is not written again.
+  const auto keep_distance = [&](const std::string& p, const std::string& q) {
+    const Item a = forms_.item(p), c = forms_.item(q);
+    if ((forms_.all_known(a) && forms_.all_known(c)) || !shared_.distances.insert(pair_key(p, q)).second) return;
+    forms_.distance_equation(forms_.source("body " + b.name), a, c,
+                             length_of(triple::subtract(forms_.at(p), forms_.at(q))));
+  };
+  if (!posed_by_equations(b)) {
+    keep_distance(b.base[0], b.base[1]);
+    if (forms_.dimension() == 3) {
+      keep_distance(b.base[0], b.base[2]);
+      keep_distance(b.base[1], b.base[2]);
+    }
+  }
+  if (const auto area = area_.find(b.name); area != area_.end()) write_normal(b, area->second);
+}
+
+// area * normal = (B - A) x (C - A)
+void BodyWriter::write_normal(const Body& b, double area) {
+  const Item n = forms_.item(b.name + ".normal");
+  const Item first = forms_.item(b.base[0]), second = forms_.item(b.base[1]), third = forms_.item(b.base[2]);
+  const Index from = forms_.source("body " + b.name);
+  Index x[3], y[3];
+  for (int k = 0; k < 3; ++k) {
+    x[k] = forms_.difference(second.form[k], first.form[k]);
+    y[k] = forms_.difference(third.form[k], first.form[k]);
+  }
+  for (int k = 0; k < 3; ++k) {
+    Terms linear;
+    forms_.append(linear, n.form[k], forms_.constant(area, 2));
+    const int i = kNext[k], j = kAfter[k];
+    forms_.equation(from, {{x[i], y[j], kMinus}, {x[j], y[i], kPlus}}, linear);
+  }
+}
+
+}  // namespace assur

@@ -1,0 +1,173 @@
+#include <algorithm>
+#include <map>
+
+#include "scene/lowering_parts.hpp"
+
+namespace assur {
+namespace {
+
+using triple::dot;
+using triple::subtract;
+
+// lambda of e = lambda d
+double ratio(const Triple& d, const Triple& e) {
+  const double dd = dot(d, d);
+  return dd > 0 ? dot(d, e) / dd : 0;
+}
+
+}  // namespace
+
+// ---- before the equations
+
+void ConstraintWriter::note_lengths() {
+  for (const Constraint& c : forms_.scene().constraints()) {
+    const auto* d = std::get_if<Distance>(&c.kind);
+    if (d != nullptr && d->value) shared_.lengths[pair_key(d->p, d->q)] = *d->value;
+  }
+}
+
+void ConstraintWriter::declare_auxiliaries() {
+  Forms& f = forms_;
+  for (const Constraint& c : f.scene().constraints()) {
+    if (const auto* p = std::get_if<Parallel>(&c.kind)) {
+      f.declare_scalar(c.name + ".lambda", f.power(p->e) - f.power(p->d), ratio(f.at(p->d), f.at(p->e)));
+    } else if (const auto* l = std::get_if<OnLine>(&c.kind)) {
+      f.declare_scalar(c.name + ".lambda", 1 - f.power(l->d), ratio(f.at(l->d), subtract(f.at(l->p), f.at(l->a))));
+    } else if (const auto* o = std::get_if<OnPlane>(&c.kind)) {
+      const Triple d = f.at(o->d), e = f.at(o->e), r = subtract(f.at(o->p), f.at(o->a));
+      const double dd = dot(d, d), de = dot(d, e), ee = dot(e, e), det = dd * ee - de * de;
+      const double lambda = det > 0 ? (dot(d, r) * ee - dot(e, r) * de) / det : 0;
+      const double mu = det > 0 ? (dot(e, r) * dd - dot(d, r) * de) / det : 0;
+      f.declare_scalar(c.name + ".lambda", 1 - f.power(o->d), lambda);
+      f.declare_scalar(c.name + ".mu", 1 - f.power(o->e), mu);
+    }
+  }
+}
+
+void ConstraintWriter::absorb_distances() {
+  std::map<Pair, std::string> angle_of;
+  for (const Driver& d : forms_.scene().drivers()) {
+    if (const auto* a = std::get_if<PointAngle>(&d.kind)) angle_of[pair_key(a->a, a->b)] = d.name;
+  }
+  for (const Constraint& c : forms_.scene().constraints()) {
+    const auto* d = std::get_if<Distance>(&c.kind);
+    if (d == nullptr) continue;
+    shared_.distances.insert(pair_key(d->p, d->q));
+    const auto found = angle_of.find(pair_key(d->p, d->q));
+    if (found == angle_of.end()) continue;
+    shared_.absorbed.insert(c.name);
+    if (d->value) shared_.radius[found->second] = *d->value;
+  }
+}
+
+// ---- equations
+
+void ConstraintWriter::write_equations() {
+  for (const Constraint& c : forms_.scene().constraints()) {
+    if (shared_.absorbed.count(c.name) != 0) continue;
+    std::visit([&](const auto& kind) { write(c.name, kind); }, c.kind);
+  }
+}
+
+void ConstraintWriter::write(const std::string& name, const Distance& c) {
+  const double length = c.value ? *c.value : length_of(subtract(forms_.at(c.p), forms_.at(c.q)));
+  forms_.distance_equation(forms_.source(name), forms_.item(c.p), forms_.item(c.q), length);
+}
+
+void ConstraintWriter::write(const std::string& name, const EqualDistance& c) {
+  std::vector<Product> products;
+  forms_.add_square(products, forms_.item(c.p), forms_.item(c.q), kPlus);
+  forms_.add_square(products, forms_.item(c.r), forms_.item(c.s), kMinus);
+  forms_.equation(forms_.source(name), products, {});
+}
+
+void ConstraintWriter::write(const std::string& name, const Dot& c) {
+  const Forms::Components d = forms_.direction(c.d), e = forms_.direction(c.e);
+  std::vector<Product> products;
+  forms_.add_dot(products, d.form, e.form);
+  const double value = c.value ? *c.value : dot(forms_.at(c.d), forms_.at(c.e));
+  const Index known = forms_.constant(-value, d.power + e.power);
+  forms_.equation(forms_.source(name), products, {{kOne, known}});
+}
+
+// e - lambda d = 0
+void ConstraintWriter::write(const std::string& name, const Parallel& c) {
+  const Forms::Components d = forms_.direction(c.d), e = forms_.direction(c.e);
+  const Index lambda = forms_.item(name + ".lambda").form[0];
+  const Index from = forms_.source(name);
+  for (int k = 0; k < forms_.dimension(); ++k) {
+    Terms linear;
+    forms_.append(linear, e.form[k], kPlus);
+    forms_.equation(from, {{lambda, d.form[k], kMinus}}, linear);
+  }
+}
+
+// P - A - lambda d = 0
+void ConstraintWriter::write(const std::string& name, const OnLine& c) {
+  const Forms::Components d = forms_.direction(c.d);
+  const Item &p = forms_.item(c.p), &a = forms_.item(c.a);
+  const Index lambda = forms_.item(name + ".lambda").form[0];
+  const Index from = forms_.source(name);
+  for (int k = 0; k < forms_.dimension(); ++k) {
+    Terms linear;
+    forms_.append(linear, p.form[k], kPlus);
+    forms_.append(linear, a.form[k], kMinus);
+    forms_.equation(from, {{lambda, d.form[k], kMinus}}, linear);
+  }
+}
+
+// P - A - lambda d - mu e = 0
+void ConstraintWriter::write(const std::string& name, const OnPlane& c) {
+  const Forms::Components d = forms_.direction(c.d), e = forms_.direction(c.e);
+  const Item &p = forms_.item(c.p), &a = forms_.item(c.a);
+  const Index lambda = forms_.item(name + ".lambda").form[0], mu = forms_.item(name + ".mu").form[0];
+  const Index from = forms_.source(name);
+  for (int k = 0; k < forms_.dimension(); ++k) {
+    Terms linear;
+    forms_.append(linear, p.form[k], kPlus);
+    forms_.append(linear, a.form[k], kMinus);
+    forms_.equation(from, {{lambda, d.form[k], kMinus}, {mu, e.form[k], kMinus}}, linear);
+  }
+}
+
+void ConstraintWriter::write(const std::string& name, const Linear& c) {
+  const auto is_point = [&](const auto& term) { return forms_.item(term.first).dimension == 1; };
+  const bool points = std::any_of(c.terms.begin(), c.terms.end(), is_point);
+  const Index from = forms_.source(name);
+  std::vector<Index> factor;
+  for (const auto& term : c.terms) factor.push_back(forms_.constant(term.second, points && !is_point(term) ? 1 : 0));
+  for (int k = 0; k < forms_.dimension(); ++k) {
+    Terms linear;
+    for (std::size_t i = 0; i < c.terms.size(); ++i) {
+      forms_.append(linear, forms_.item(c.terms[i].first).form[k], factor[i]);
+    }
+    // A zero stays in the pattern.
+    forms_.append(linear, forms_.constant_form(-c.value[static_cast<std::size_t>(k)], points), kPlus);
+    forms_.equation(from, {}, linear);
+  }
+}
+
+void ConstraintWriter::write(const std::string& name, const FixedCoordinate& c) {
+  Terms linear;
+  forms_.append(linear, forms_.scalar_form(c.coordinate), kPlus);
+  forms_.append(linear, forms_.constant_form(-c.value, forms_.scalar_dimension(c.coordinate)), kPlus);
+  forms_.equation(forms_.source(name), {}, linear);
+}
+
+void ConstraintWriter::write(const std::string& name, const Callback& c) {
+  System& s = forms_.system();
+  CallbackBlock block;
+  block.callback = &c;
+  for (const std::string& coordinate : c.coordinates) {
+    block.coordinates.push_back(forms_.scalar_form(coordinate));
+    block.unit.push_back(s.unit(forms_.scalar_dimension(coordinate)));
+  }
+  block.first_equation = static_cast<Index>(s.equations.size());
+  const Index from = forms_.source(name);
+  for (Index row = 0; row < c.equations; ++row) {
+    forms_.callback_row(from, static_cast<Index>(s.callbacks.size()), row);
+  }
+  s.callbacks.push_back(std::move(block));
+}
+
+}  // namespace assur

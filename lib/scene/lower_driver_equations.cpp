@@ -1,0 +1,90 @@
+#include "scene/lowering_parts.hpp"
+
+namespace assur {
+
+void DriverWriter::write_equations() {
+  const auto& drivers = forms_.scene().drivers();
+  for (std::size_t i = 0; i < drivers.size(); ++i) {
+    if (shared_.fixes[i]) continue;
+    const Index n = static_cast<Index>(i);
+    const Index from = forms_.source("driver " + drivers[i].name);
+    std::visit([&](const auto& kind) { write(from, drivers[i], kind, n); }, drivers[i].kind);
+  }
+}
+
+void DriverWriter::write_equal(Index from, Index f, Index g) {
+  Terms linear;
+  forms_.append(linear, f, kPlus);
+  forms_.append(linear, g, kMinus);
+  forms_.equation(from, {}, linear);
+}
+
+void DriverWriter::write(Index from, const Driver&, const DrivenCoordinate& c, Index n) {
+  write_equal(from, forms_.scalar_form(c.coordinate), input_form(n, 0));
+}
+
+void DriverWriter::write(Index from, const Driver& d, const PointAngle& a, Index n) {
+  const Item& to = forms_.item(a.b);
+  for (int k = 0; k < forms_.dimension(); ++k) write_equal(from, to.form[k], arm_end(d, a, n, k));
+}
+
+void DriverWriter::write(Index from, const Driver&, const DrivenDistance& d, Index n) {
+  std::vector<Product> products;
+  forms_.add_square(products, forms_.item(d.a), forms_.item(d.b), kPlus);
+  products.push_back({input_form(n, 0), input_form(n, 0), kMinus});
+  forms_.equation(from, products, {});
+}
+
+// d . e = rho cos, axis . (d x e) = rho sin with the auxiliary rho = |d||e| > 0: regular in every posture.
+void DriverWriter::write(Index from, const Driver& driver, const RelativeAngle& r, Index n) {
+  const Forms::Components d = forms_.direction(r.d), e = forms_.direction(r.e);
+  const Index rho = forms_.item(driver.name + ".rho").form[0];
+  std::vector<Product> products;
+  forms_.add_dot(products, d.form, e.form);
+  products.push_back({rho, input_form(n, 0), kMinus});
+  forms_.equation(from, products, {});
+  products.clear();
+  if (forms_.dimension() == 2) {
+    products = {{d.form[0], e.form[1], kPlus}, {d.form[1], e.form[0], kMinus}};
+  } else if (forms_.is_fixed(forms_.item(r.axis))) {
+    const Triple a = forms_.at(r.axis);
+    for (int k = 0; k < 3; ++k) {
+      const double c = a[static_cast<std::size_t>(k)];
+      products.push_back({d.form[kNext[k]], e.form[kAfter[k]], forms_.constant(c)});
+      products.push_back({d.form[kAfter[k]], e.form[kNext[k]], forms_.constant(-c)});
+    }
+  } else {
+    const Item& across = forms_.item(driver.name + ".across");
+    forms_.cross_equation(from, across.form, forms_.item(r.axis).form, d.form);
+    forms_.add_dot(products, across.form, e.form);
+  }
+  products.push_back({rho, input_form(n, 1), kMinus});
+  forms_.equation(from, products, {});
+}
+
+// In a declared group the base stays unknown.
+void DriverWriter::write(Index from, const Driver&, const Pose& p, Index n) {
+  const Body& b = body(p.body);
+  if (b.frame.size() == 3) return write_posed_frame(from, b, n);
+  for (const PoseTarget& t : pose_targets(b, n)) {
+    const Item& item = forms_.item(t.item);
+    for (int k = 0; k < forms_.dimension(); ++k) write_equal(from, item.form[k], t.form[k]);
+  }
+}
+
+// O = o, |u| = |v| = |w| = 1, u.v = u.w = v.w = 0, v.a = w.a = w.b = 0.
+void DriverWriter::write_posed_frame(Index from, const Body& b, Index n) {
+  for (int k = 0; k < 3; ++k) write_equal(from, forms_.item(b.origin).form[k], input_form(n, k));
+  const Item &u = forms_.item(b.frame[0]), &v = forms_.item(b.frame[1]), &w = forms_.item(b.frame[2]);
+  for (const Item* axis : {&u, &v, &w}) forms_.unit_equation(from, *axis);
+  forms_.orthogonal_equation(from, u.form, v.form);
+  forms_.orthogonal_equation(from, u.form, w.form);
+  forms_.orthogonal_equation(from, v.form, w.form);
+  const Index a[3] = {input_form(n, 3), input_form(n, 4), input_form(n, 5)};
+  const Index c[3] = {input_form(n, 6), input_form(n, 7), input_form(n, 8)};
+  forms_.orthogonal_equation(from, v.form, a);
+  forms_.orthogonal_equation(from, w.form, a);
+  forms_.orthogonal_equation(from, w.form, c);
+}
+
+}  // namespace assur

@@ -1,0 +1,192 @@
+#include <algorithm>
+
+#include "scene/lowering_parts.hpp"
+
+namespace assur {
+namespace {
+
+std::size_t idx(Index i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+// ---- declarations
+
+void DriverWriter::declare_auxiliaries() {
+  for (const Driver& d : forms_.scene().drivers()) {
+    const auto* r = std::get_if<RelativeAngle>(&d.kind);
+    if (r == nullptr) continue;
+    const Triple from = forms_.at(r->d), to = forms_.at(r->e);
+    forms_.declare_scalar(d.name + ".rho", forms_.power(r->d) + forms_.power(r->e), length_of(from) * length_of(to));
+    if (forms_.dimension() == 3 && !forms_.is_fixed(forms_.item(r->axis))) {
+      const std::string across = d.name + ".across";
+      forms_.declare(across, triple::cross(forms_.at(r->axis), from), false, forms_.power(r->d));
+      shared_.without_norm.insert(across);
+    }
+  }
+}
+
+void DriverWriter::declare_inputs() {
+  using K = DriverInput::Kind;
+  const auto& drivers = forms_.scene().drivers();
+  for (std::size_t i = 0; i < drivers.size(); ++i) {
+    const Driver& d = drivers[i];
+    const Index n = static_cast<Index>(i);
+    if (const auto* a = std::get_if<PointAngle>(&d.kind)) {
+      declare_input(d, n, K::direction, {a->law}, 0, 2);
+    } else if (const auto* r = std::get_if<RelativeAngle>(&d.kind)) {
+      declare_input(d, n, K::direction, {r->law}, 0, 2);
+    } else if (const auto* l = std::get_if<DrivenDistance>(&d.kind)) {
+      declare_input(d, n, K::scalar, {l->law}, 1, 1);
+      forms_.system().inputs.back().must_not_vanish = true;
+    } else if (const auto* c = std::get_if<DrivenCoordinate>(&d.kind)) {
+      declare_input(d, n, K::scalar, {c->law}, forms_.scalar_dimension(c->coordinate), 1);
+    } else if (const auto* p = std::get_if<Pose>(&d.kind)) {
+      std::vector<Law> laws = p->translation;
+      laws.insert(laws.end(), p->rotation.begin(), p->rotation.end());
+      const int dim = forms_.dimension();
+      declare_input(d, n, K::frame, std::move(laws), 1, p->rotation.empty() ? dim : dim == 3 ? 12 : 4);
+    }
+  }
+}
+
+void DriverWriter::declare_input(const Driver& driver, Index index, DriverInput::Kind kind, std::vector<Law> laws,
+                                 int power, Index count) {
+  System& s = forms_.system();
+  DriverInput in;
+  in.driver = index;
+  in.kind = kind;
+  in.first = static_cast<Index>(s.coordinates.size());
+  in.count = count;
+  in.dimension = static_cast<std::int8_t>(power);
+  const bool moving = controlled_.count(driver.name) != 0 ||
+                      !std::all_of(laws.begin(), laws.end(), [](const Law& l) { return l.is_constant(); });
+  in.laws = std::move(laws);
+  Item item;
+  item.name = driver.name;
+  item.dimension = static_cast<std::int8_t>(power);
+  item.hidden = true;
+  const Index id = forms_.add_item(item);
+  first_form_.push_back(s.forms());
+  const bool scalar = kind == DriverInput::Kind::scalar;
+  for (Index k = 0; k < count; ++k) {
+    const bool translation = kind == DriverInput::Kind::frame && k < forms_.dimension();
+    const Index f = forms_.coordinate_form(
+        forms_.add_coordinate(id, scalar ? -1 : k, translation || scalar ? power : 0, Role::driven, 0, moving));
+    if (k < 3) s.items[idx(id)].form[k] = f;
+  }
+  s.inputs.push_back(std::move(in));
+}
+
+// ---- coordinates that drivers fix
+
+void DriverWriter::fix_coordinates() {
+  const auto& drivers = forms_.scene().drivers();
+  shared_.fixes.assign(drivers.size(), false);
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (std::size_t i = 0; i < drivers.size(); ++i) {
+      if (!shared_.fixes[i] && fix(drivers[i], static_cast<Index>(i))) changed = shared_.fixes[i] = true;
+    }
+  }
+}
+
+bool DriverWriter::fix(const Driver& d, Index n) {
+  const auto own = [&](const Item& item, int k) { return forms_.own_coordinate(item.form[k]); };
+  if (const auto* c = std::get_if<DrivenCoordinate>(&d.kind)) {
+    const Index coordinate = forms_.own_coordinate(forms_.scalar_form(c->coordinate));
+    if (coordinate < 0 || shared_.in_groups.count(coordinate) != 0) return false;
+    assign(coordinate, input_form(n, 0));
+    return true;
+  }
+  if (const auto* a = std::get_if<PointAngle>(&d.kind)) {
+    const Item &from = forms_.item(a->a), &to = forms_.item(a->b);
+    if (!forms_.all_known(from) || !can_be_fixed(to)) return false;
+    for (int k = 0; k < forms_.dimension(); ++k) assign(own(to, k), arm_end(d, *a, n, k));
+    return true;
+  }
+  if (const auto* p = std::get_if<Pose>(&d.kind)) {
+    const std::vector<PoseTarget> targets = pose_targets(body(p->body), n);
+    const auto free = [&](const PoseTarget& t) { return can_be_fixed(forms_.item(t.item)); };
+    if (!std::all_of(targets.begin(), targets.end(), free)) return false;
+    for (const PoseTarget& t : targets) {
+      for (int k = 0; k < forms_.dimension(); ++k) assign(own(forms_.item(t.item), k), t.form[k]);
+    }
+    return true;
+  }
+  return false;
+}
+
+// Coordinates of its own may vanish: not derived ones, not those of declared groups.
+bool DriverWriter::can_be_fixed(const Item& item) const {
+  for (int k = 0; k < item.components; ++k) {
+    const Index c = forms_.own_coordinate(item.form[k]);
+    if (c < 0 || shared_.in_groups.count(c) != 0) return false;
+  }
+  return true;
+}
+
+void DriverWriter::assign(Index coordinate, Index form) {
+  System& s = forms_.system();
+  const auto terms = s.form(form);
+  s.coordinates[idx(coordinate)].role = Role::driven;
+  s.coordinates[idx(coordinate)].moving =
+      std::any_of(terms.begin(), terms.end(), [&](const Term& t) { return s.coordinates[idx(t.coordinate)].moving; });
+  s.assignments.push_back({coordinate, form});
+}
+
+// B = A + r (cos, sin) in the plane; A + z n + r (cos e1 + sin e2) about a fixed axis n in space.
+Index DriverWriter::arm_end(const Driver& d, const PointAngle& a, Index n, int k) {
+  const Triple ab = triple::subtract(forms_.at(a.b), forms_.at(a.a));
+  const auto given = shared_.radius.find(d.name);
+  const double length = given != shared_.radius.end() ? given->second : length_of(ab);
+  Terms terms;
+  forms_.append(terms, forms_.item(a.a).form[k], kPlus);
+  if (forms_.dimension() == 2) {
+    forms_.append(terms, input_form(n, k), forms_.constant(length, 1));
+    return forms_.form(terms);
+  }
+  const Triple axis = forms_.at(a.axis);
+  const double z = triple::dot(ab, axis);
+  const Triple e1 = direction_of(triple::subtract(ab, triple::scale(z, axis))), e2 = triple::cross(axis, e1);
+  const double r = std::sqrt(length * length - z * z);
+  const auto at_k = [&](const Triple& v) { return v[static_cast<std::size_t>(k)]; };
+  forms_.append(terms, forms_.constant_form(z * at_k(axis), 1), kPlus);
+  forms_.append(terms, input_form(n, 0), forms_.constant(r * at_k(e1), 1));
+  forms_.append(terms, input_form(n, 1), forms_.constant(r * at_k(e2), 1));
+  return forms_.form(terms);
+}
+
+std::vector<DriverWriter::PoseTarget> DriverWriter::pose_targets(const Body& b, Index n) {
+  using Local = std::initializer_list<std::pair<Index, double>>;  // (axis, local coordinate), zeros left out
+  const Index dim = forms_.dimension();
+  std::vector<PoseTarget> out;
+  const auto add = [&](const std::string& name, bool point, Local local) {
+    PoseTarget t{name, {-1, -1, -1}};
+    for (Index k = 0; k < dim; ++k) {
+      Terms terms;
+      if (point) forms_.append(terms, input_form(n, k), kPlus);
+      for (const auto& [j, l] : local) {
+        forms_.append(terms, input_form(n, dim + j * dim + k), point ? forms_.constant(l, 1) : kPlus);
+      }
+      t.form[k] = forms_.form(terms);
+    }
+    out.push_back(t);
+  };
+  if (b.base.empty()) {
+    add(b.origin, true, {});
+    for (std::size_t j = 0; j < b.frame.size(); ++j) add(b.frame[j], false, {{static_cast<Index>(j), 1}});
+    return out;
+  }
+  const BaseShape shape = base_shape(forms_, shared_, b);
+  add(b.base[0], true, {});
+  add(b.base[1], true, {{0, shape.length}});
+  if (b.base.size() > 2) add(b.base[2], true, {{0, shape.x}, {1, shape.y}});
+  return out;
+}
+
+const Body& DriverWriter::body(const std::string& name) const {
+  const auto& bodies = forms_.scene().bodies();
+  return *std::find_if(bodies.begin(), bodies.end(), [&](const Body& b) { return b.name == name; });
+}
+
+}  // namespace assur

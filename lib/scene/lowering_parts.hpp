@@ -1,0 +1,144 @@
+// The parts of lower(), each a writer of some of a scene's declarations and equations. Constants, forms and equations
+// are numbered as they are written, so the order of calls is part of the result.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <span>
+#include <string>
+#include <unordered_map>
+#include <unordered_set>
+#include <utility>
+#include <vector>
+
+#include "scene/forms.hpp"
+#include "scene/triple.hpp"
+
+namespace assur {
+
+using Pair = std::pair<std::string, std::string>;
+inline Pair pair_key(const std::string& a, const std::string& b) { return std::minmax(a, b); }
+
+// Fewer roundings than triple::norm, which guards against overflow.
+inline double length_of(const Triple& a) { return std::sqrt(triple::dot(a, a)); }
+inline Triple direction_of(const Triple& a) { return triple::scale(1 / length_of(a), a); }
+
+// What one part finds out and another one needs to know.
+struct Shared {
+  std::unordered_set<std::string> without_norm;    // vectors whose |v| = 1 is not an equation of its own
+  std::unordered_set<Index> in_groups;             // coordinates that belong to declared groups
+  std::unordered_set<std::string> absorbed;        // distance constraints that an angle driver takes over
+  std::unordered_map<std::string, double> radius;  // angle drivers: the value of the distance absorbed
+  std::map<Pair, double> lengths;                  // of distance constraints that have a value
+  std::set<Pair> distances;                        // pairs of points whose distance is an equation already
+  std::vector<bool> fixes;                         // drivers that fix coordinates, so that no equation is left
+};
+
+// Local coordinates of a base of points: (0, 0), (length, 0) and in space (x, y). Lengths are those of distance
+// constraints with a value, else of the points as written. Throws Error (input) if three lengths make no triangle.
+struct BaseShape {
+  double length, x = 0, y = 0;
+};
+[[nodiscard]] BaseShape base_shape(const Forms& forms, const Shared& shared, const Body& body);
+
+// Members as forms of their base; equations that keep a base rigid.
+class BodyWriter {
+ public:
+  BodyWriter(Forms& forms, Shared& shared) : forms_(forms), shared_(shared) {}
+
+  void declare_members();
+  void write_equations();
+
+ private:
+  void declare_translating(const Body& body);
+  void declare_in_frame(const Body& body);
+  void declare_in_plane(const Body& body);
+  void declare_in_space(const Body& body);
+
+  [[nodiscard]] bool posed_by_equations(const Body& body) const;
+  void write_frame(const Body& body, Index index);
+  void write_frame_about(Index source, const Item& fixed, const Item& next, const Item& after);
+  void write_base(const Body& body);
+  void write_normal(const Body& body, double area);
+
+  Forms& forms_;
+  Shared& shared_;
+  std::unordered_map<std::string, double> area_;  // bodies with a normal
+};
+
+class ConstraintWriter {
+ public:
+  ConstraintWriter(Forms& forms, Shared& shared) : forms_(forms), shared_(shared) {}
+
+  void note_lengths();
+  void declare_auxiliaries();
+  // A distance between the points of an angle driver is its radius.
+  void absorb_distances();
+  void write_equations();
+
+ private:
+  void write(const std::string& name, const Distance& c);
+  void write(const std::string& name, const EqualDistance& c);
+  void write(const std::string& name, const Dot& c);
+  void write(const std::string& name, const Parallel& c);
+  void write(const std::string& name, const OnLine& c);
+  void write(const std::string& name, const OnPlane& c);
+  void write(const std::string& name, const Linear& c);
+  void write(const std::string& name, const FixedCoordinate& c);
+  void write(const std::string& name, const Callback& c);
+
+  Forms& forms_;
+  Shared& shared_;
+};
+
+class DriverWriter {
+ public:
+  DriverWriter(Forms& forms, Shared& shared, std::span<const std::string> controlled)
+      : forms_(forms), shared_(shared), controlled_(controlled.begin(), controlled.end()) {}
+
+  void declare_auxiliaries();
+  // The known scalars of each driver, as hidden coordinates.
+  void declare_inputs();
+  // As long as something changes, coordinates that drivers fix become known.
+  void fix_coordinates();
+  // Drivers that fix no coordinates add equations.
+  void write_equations();
+
+ private:
+  // A point or vector of a body's base, as forms of its driver's frame.
+  struct PoseTarget {
+    std::string item;
+    Index form[3];
+  };
+
+  void declare_input(const Driver& driver, Index index, DriverInput::Kind kind, std::vector<Law> laws, int power,
+                     Index count);
+  [[nodiscard]] Index input_form(Index driver, Index k) const {
+    return first_form_[static_cast<std::size_t>(driver)] + k;
+  }
+
+  bool fix(const Driver& driver, Index index);
+  [[nodiscard]] bool can_be_fixed(const Item& item) const;
+  void assign(Index coordinate, Index form);
+  Index arm_end(const Driver& driver, const PointAngle& angle, Index index, int k);
+  std::vector<PoseTarget> pose_targets(const Body& body, Index index);
+  [[nodiscard]] const Body& body(const std::string& name) const;
+
+  // (lower_driver_equations.cpp)
+  void write(Index source, const Driver& driver, const DrivenCoordinate& c, Index index);
+  void write(Index source, const Driver& driver, const PointAngle& a, Index index);
+  void write(Index source, const Driver& driver, const DrivenDistance& d, Index index);
+  void write(Index source, const Driver& driver, const RelativeAngle& r, Index index);
+  void write(Index source, const Driver& driver, const Pose& p, Index index);
+  void write_posed_frame(Index source, const Body& body, Index index);
+  void write_equal(Index source, Index f, Index g);
+
+  Forms& forms_;
+  Shared& shared_;
+  std::unordered_set<std::string> controlled_;
+  std::vector<Index> first_form_;  // drivers: form of the first input
+};
+
+}  // namespace assur

@@ -1,0 +1,97 @@
+#include "structure/cut.hpp"
+
+#include <algorithm>
+
+#include "scene/outputs.hpp"
+#include "structure/demand.hpp"
+
+namespace assur {
+namespace {
+
+std::size_t idx(Index i) { return static_cast<std::size_t>(i); }
+
+// A block moves if one of its inputs does.
+void find_what_moves(const System& s, const Blocks& blocks, Cut& cut) {
+  cut.moves.assign(s.coordinates.size(), 0);
+  for (std::size_t c = 0; c < s.coordinates.size(); ++c) {
+    cut.moves[c] = s.coordinates[c].role == Role::driven && s.coordinates[c].moving ? 1 : 0;
+  }
+  std::vector<Index> mentioned;
+  cut.block_moves.assign(idx(blocks.size()), 0);
+  for (Index b = 0; b < blocks.size(); ++b) {
+    for (const Index e : blocks.equations_of(b)) {
+      s.mentioned(e, mentioned);
+      for (const Index c : mentioned) cut.block_moves[idx(b)] |= cut.moves[idx(c)];
+    }
+    for (const Index u : blocks.unknowns_of(b)) cut.moves[idx(u)] = cut.block_moves[idx(b)];
+  }
+}
+
+// From the last block back: which are needed at all.
+void find_needed_blocks(const System& s, const Blocks& blocks, std::span<const Index> checks,
+                        std::vector<std::int8_t> need, Cut& cut) {
+  require_inputs(s, checks, 0, need);
+  cut.block_needed.assign(idx(blocks.size()), 0);
+  for (Index b = blocks.size() - 1; b >= 0; --b) {
+    const auto u = blocks.unknowns_of(b);
+    if (std::none_of(u.begin(), u.end(), [&](Index c) { return need[idx(c)] >= 0; })) continue;
+    cut.block_needed[idx(b)] = 1;
+    require_inputs(s, blocks.equations_of(b), 0, need);
+  }
+}
+
+// From the last group back: the derivatives that it computes, `at_least` so many, are those needed of its unknowns; its
+// inputs follow. Inside the group only what others want counts as needed: the last back-substitution may stop there.
+void find_derivatives(const System& s, const Blocks& blocks, const std::vector<Draft>& drafts, int at_least,
+                      int Cut::Derivatives::*result, std::vector<std::int8_t>& need, Cut& cut) {
+  std::vector<Index> group_at(s.coordinates.size(), -1);
+  for (std::size_t g = 0; g < drafts.size(); ++g) {
+    for (const Index b : drafts[g].blocks) {
+      for (const Index u : blocks.unknowns_of(b)) group_at[idx(u)] = static_cast<Index>(g);
+    }
+  }
+  std::vector<Index> mentioned;
+  for (std::size_t g = drafts.size(); g-- > 0;) {
+    int derivatives = -1;
+    for (const Index b : drafts[g].blocks) {
+      if (!cut.solved_each_step(b)) continue;
+      derivatives = std::max(derivatives, at_least);
+      for (const Index u : blocks.unknowns_of(b)) derivatives = std::max(derivatives, int{need[idx(u)]});
+    }
+    cut.groups[g].*result = derivatives;
+    if (derivatives < 0) continue;
+    for (const Index b : drafts[g].blocks) {
+      if (!cut.solved_each_step(b)) continue;
+      for (const Index e : blocks.equations_of(b)) {
+        s.mentioned(e, mentioned);
+        for (const Index c : mentioned) {
+          const int n = group_at[idx(c)] == static_cast<Index>(g) ? 0 : derivatives;
+          need[idx(c)] = std::max(need[idx(c)], static_cast<std::int8_t>(n));
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+
+Cut cut_to_outputs(const System& s, const Blocks& blocks, const std::vector<Draft>& drafts,
+                   std::span<const Index> checks, int predictor_derivatives) {
+  Cut cut;
+  cut.groups.resize(drafts.size());
+  std::vector<std::int8_t> need = needed_by_outputs(s, wanted_outputs(s));
+  for (const Draft& d : drafts) {
+    if (!d.keep) continue;
+    for (const Index b : d.blocks) {
+      for (const Index u : blocks.unknowns_of(b)) need[idx(u)] = 2;
+    }
+  }
+  find_what_moves(s, blocks, cut);
+  find_needed_blocks(s, blocks, checks, need, cut);
+  find_derivatives(s, blocks, drafts, 0, &Cut::Derivatives::wanted, need, cut);
+  find_derivatives(s, blocks, drafts, predictor_derivatives, &Cut::Derivatives::computed, need, cut);
+  cut.need = std::move(need);
+  return cut;
+}
+
+}  // namespace assur

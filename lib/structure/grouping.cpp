@@ -1,0 +1,129 @@
+#include "structure/grouping.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <set>
+#include <tuple>
+
+#include "structure/block_names.hpp"
+
+namespace assur {
+namespace {
+
+std::size_t idx(Index i) { return static_cast<std::size_t>(i); }
+
+class Grouping {
+ public:
+  Grouping(const System& system, const Blocks& blocks) : s_(system), blocks_(blocks) {}
+
+  std::vector<Draft> run(Formulation formulation) {
+    group_of_.assign(idx(blocks_.size()), -1);
+    if (formulation == Formulation::global) {
+      drafts_.push_back({"all", {}, 0, 0, false});
+      std::fill(group_of_.begin(), group_of_.end(), 0);
+    } else if (formulation == Formulation::groups) {
+      declared_groups();
+    }
+    for (Index b = 0; b < blocks_.size(); ++b) {
+      if (group_of_[idx(b)] < 0) {
+        group_of_[idx(b)] = static_cast<Index>(drafts_.size());
+        drafts_.push_back({block_name(s_, blocks_, b), {}, 0, 0, false});
+      }
+      Draft& d = drafts_[idx(group_of_[idx(b)])];
+      d.blocks.push_back(b);
+      d.of += static_cast<Index>(blocks_.unknowns_of(b).size());
+    }
+    order_groups();
+    return std::move(drafts_);
+  }
+
+ private:
+  void declared_groups() {
+    std::vector<Index> declared(s_.coordinates.size(), -1);
+    for (std::size_t g = 0; g < s_.groups.size(); ++g) {
+      drafts_.push_back({s_.groups[g].name, {}, 0, 0, s_.groups[g].keep});
+      for (const Index u : s_.groups[g].unknowns) declared[idx(u)] = static_cast<Index>(g);
+    }
+    for (Index b = 0; b < blocks_.size(); ++b) {
+      const auto unknowns = blocks_.unknowns_of(b);
+      const Index g = declared[idx(unknowns.front())];
+      for (const Index u : unknowns) {
+        if (declared[idx(u)] == g) continue;
+        const Index other = std::max(g, declared[idx(u)]);
+        throw Error(Error::Kind::input,
+                    {{"/groups/" + s_.groups[idx(other)].name,
+                      "must be a union of irreducible groups, but cuts through " + block_name(s_, blocks_, b) +
+                          ": either all of it (" + all_names(s_, blocks_, b) + ") or nothing belongs to the group"}});
+      }
+      group_of_[idx(b)] = g;
+    }
+  }
+
+  // Levels by longest path among groups; a cycle means that an outside block lies between two of a group.
+  void order_groups() {
+    const std::size_t n = drafts_.size();
+    std::vector<std::set<Index>> needs(n);
+    for (Index b = 0; b < blocks_.size(); ++b) {
+      for (const Index o : blocks_.needs_of(b)) {
+        if (group_of_[idx(o)] != group_of_[idx(b)]) needs[idx(group_of_[idx(b)])].insert(group_of_[idx(o)]);
+      }
+    }
+    std::vector<std::vector<Index>> feeds(n);
+    std::vector<Index> waiting(n), ready, order;
+    for (std::size_t g = 0; g < n; ++g) {
+      waiting[g] = static_cast<Index>(needs[g].size());
+      for (const Index o : needs[g]) feeds[idx(o)].push_back(static_cast<Index>(g));
+      if (waiting[g] == 0) ready.push_back(static_cast<Index>(g));
+    }
+    while (!ready.empty()) {
+      const Index g = ready.back();
+      ready.pop_back();
+      order.push_back(g);
+      for (const Index f : feeds[idx(g)]) {
+        drafts_[idx(f)].level = std::max(drafts_[idx(f)].level, drafts_[idx(g)].level + 1);
+        if (--waiting[idx(f)] == 0) ready.push_back(f);
+      }
+    }
+    if (order.size() != n) refuse_cycle(waiting, needs);
+    // In solving order.
+    std::vector<Index> sorted(n);
+    std::iota(sorted.begin(), sorted.end(), 0);
+    std::sort(sorted.begin(), sorted.end(), [&](Index x, Index y) {
+      const auto key = [&](Index g) {
+        const Draft& d = drafts_[idx(g)];
+        return std::tuple(d.level, d.blocks.empty() ? Index{0} : d.blocks.front(), g);
+      };
+      return key(x) < key(y);
+    });
+    std::vector<Draft> drafts;
+    for (const Index g : sorted) drafts.push_back(std::move(drafts_[idx(g)]));
+    drafts_ = std::move(drafts);
+  }
+
+  [[noreturn]] void refuse_cycle(const std::vector<Index>& waiting, const std::vector<std::set<Index>>& needs) const {
+    for (std::size_t g = 0; g < s_.groups.size(); ++g) {
+      if (waiting[g] == 0) continue;
+      for (const Index o : needs[g]) {
+        if (waiting[idx(o)] == 0) continue;
+        throw Error(Error::Kind::input, {{"/groups/" + s_.groups[g].name,
+                                          "needs " + drafts_[idx(o)].name +
+                                              ", which in turn needs this group: it lies between blocks of the "
+                                              "group and must belong to it"}});
+      }
+    }
+    throw Error(Error::Kind::input, {{"/groups", "the declared groups need each other in a circle"}});
+  }
+
+  const System& s_;
+  const Blocks& blocks_;
+  std::vector<Index> group_of_;  // blocks -> drafts_
+  std::vector<Draft> drafts_;
+};
+
+}  // namespace
+
+std::vector<Draft> form_groups(const System& system, const Blocks& blocks, Formulation formulation) {
+  return Grouping(system, blocks).run(formulation);
+}
+
+}  // namespace assur
