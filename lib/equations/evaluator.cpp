@@ -24,8 +24,8 @@ class EvaluatorOf final : public Evaluator {
     for (const Program::CallbackUse& use : p_.callbacks) {
       const Callback& c = *system_.callbacks[static_cast<std::size_t>(use.callback)].callback;
       const std::size_t m = use.arguments.size(), r = static_cast<std::size_t>(c.equations);
-      scratch_.push_back({std::vector<double>(m), std::vector<double>(m), std::vector<double>(r),
-                          std::vector<double>(r * m * W)});
+      scratch_.push_back(
+          {std::vector<double>(m), std::vector<double>(m), std::vector<double>(r), std::vector<double>(r * m * W)});
     }
   }
 
@@ -69,7 +69,8 @@ class EvaluatorOf final : public Evaluator {
   }
 
   void scale(double* scale) override {
-    for (Index i = 0; i < (p_.n + p_.inputs) * W; ++i) magnitude_[static_cast<std::size_t>(i)] = std::abs(value_[static_cast<std::size_t>(i)]);
+    for (Index i = 0; i < (p_.n + p_.inputs) * W; ++i)
+      magnitude_[static_cast<std::size_t>(i)] = std::abs(value_[static_cast<std::size_t>(i)]);
     for (const Program::Form& f : p_.forms) {
       double* out = magnitude_.data() + f.reg * W;
       for (int w = 0; w < W; ++w) out[w] = f.offset >= 0 ? std::abs(k_[f.offset * W + w]) : 0.0;
@@ -222,9 +223,9 @@ class EvaluatorOf final : public Evaluator {
   // ---- callbacks: lane after lane, in SI units
 
   struct Scratch {
-    std::vector<double> x, rate;    // arguments
-    std::vector<double> phi;        // rows
-    std::vector<double> jacobian;   // rows x arguments x lanes, as given at the last callback_jacobian()
+    std::vector<double> x, rate;   // arguments
+    std::vector<double> phi;       // rows
+    std::vector<double> jacobian;  // rows x arguments x lanes, as given at the last callback_jacobian()
   };
 
   const CallbackBlock& block(const Program::CallbackUse& use) const {
@@ -236,7 +237,9 @@ class EvaluatorOf final : public Evaluator {
     for (std::size_t i = 0; i < use.arguments.size(); ++i) {
       const Index a = use.arguments[i];
       // A constant argument has no rate; value_ and rate_ are the only registers loaded.
-      const double v = a >= 0 ? from[static_cast<std::size_t>(a * W + lane)] : &from == &value_ ? k_[~a * W + lane] : 0.0;
+      const double v = a >= 0             ? from[static_cast<std::size_t>(a * W + lane)]
+                       : &from == &value_ ? k_[~a * W + lane]
+                                          : 0.0;
       x[i] = v * block(use).unit[i];
     }
   }
@@ -247,7 +250,8 @@ class EvaluatorOf final : public Evaluator {
       for (int w = 0; w < W; ++w) {
         load(c, value_, w, scratch_[c].x);
         block(use).callback->residual(scratch_[c].x, scratch_[c].phi);
-        for (const Program::CallbackRow& r : use.rows) phi[r.equation * W + w] = scratch_[c].phi[static_cast<std::size_t>(r.row)];
+        for (const Program::CallbackRow& r : use.rows)
+          phi[r.equation * W + w] = scratch_[c].phi[static_cast<std::size_t>(r.row)];
       }
     }
   }
@@ -299,9 +303,8 @@ class EvaluatorOf final : public Evaluator {
 
   void callback_inputs(const Registers& d, double* rhs) {
     callback_matrix();
-    for_each_argument([&](std::size_t row, std::size_t argument, double derivative) {
-      rhs[row] -= derivative * d[argument];
-    });
+    for_each_argument(
+        [&](std::size_t row, std::size_t argument, double derivative) { rhs[row] -= derivative * d[argument]; });
   }
 
   void callback_scale(double* scale) {
@@ -318,7 +321,8 @@ class EvaluatorOf final : public Evaluator {
         load(c, value_, w, scratch_[c].x);
         load(c, rate_, w, scratch_[c].rate);
         block(use).callback->curvature(scratch_[c].x, scratch_[c].rate, scratch_[c].phi);
-        for (const Program::CallbackRow& r : use.rows) rhs[r.equation * W + w] -= scratch_[c].phi[static_cast<std::size_t>(r.row)];
+        for (const Program::CallbackRow& r : use.rows)
+          rhs[r.equation * W + w] -= scratch_[c].phi[static_cast<std::size_t>(r.row)];
       }
     }
   }
@@ -334,12 +338,18 @@ class EvaluatorOf final : public Evaluator {
 
 std::unique_ptr<Evaluator> make_evaluator(const System& system, const Program& program, int lanes) {
   switch (lanes) {
-    case 1: return std::make_unique<EvaluatorOf<1>>(system, program);
-    case 2: return std::make_unique<EvaluatorOf<2>>(system, program);
-    case 4: return std::make_unique<EvaluatorOf<4>>(system, program);
-    case 8: return std::make_unique<EvaluatorOf<8>>(system, program);
-    case 16: return std::make_unique<EvaluatorOf<16>>(system, program);
-    default: throw std::invalid_argument("lanes must be 1, 2, 4, 8 or 16");
+    case 1:
+      return std::make_unique<EvaluatorOf<1>>(system, program);
+    case 2:
+      return std::make_unique<EvaluatorOf<2>>(system, program);
+    case 4:
+      return std::make_unique<EvaluatorOf<4>>(system, program);
+    case 8:
+      return std::make_unique<EvaluatorOf<8>>(system, program);
+    case 16:
+      return std::make_unique<EvaluatorOf<16>>(system, program);
+    default:
+      throw std::invalid_argument("lanes must be 1, 2, 4, 8 or 16");
   }
 }
 

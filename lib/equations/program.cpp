@@ -235,7 +235,7 @@ class Compiler {
 
   const GroupClass& c_;
   Program p_;
-  std::vector<Value> values_;  // forms of the class
+  std::vector<Value> values_;                                                                   // forms of the class
   std::map<std::tuple<double, std::int32_t, std::int32_t, std::int32_t>, std::int32_t> known_;  // coefficients
 };
 
@@ -245,7 +245,9 @@ double value(std::int32_t constant, std::span<const double> constants) {
 
 }  // namespace
 
-Program compile(const GroupClass& group_class, Pattern pattern) { return Compiler(group_class, std::move(pattern)).run(); }
+Program compile(const GroupClass& group_class, Pattern pattern) {
+  return Compiler(group_class, std::move(pattern)).run();
+}
 
 void Bind::operator()(const Program& p, std::span<const double> constants, double* out, std::size_t stride) const {
   for (const Coefficient& k : p.coefficients) {

@@ -1,6 +1,7 @@
-// The constraint program of a group class: Phi, its Jacobian, the right-hand sides of velocity and acceleration, over the
-// lanes of a pack. It is data without numbers or pointers: coordinates and coefficients are slots, so every instance of
-// the class, and every member of an ensemble, runs the same program. Differences (forms) come first, then products.
+// The constraint program of a group class: Phi, its Jacobian, the right-hand sides of velocity and acceleration, over
+// the lanes of a pack. It is data without numbers or pointers: coordinates and coefficients are slots, so every
+// instance of the class, and every member of an ensemble, runs the same program. Differences (forms) come first, then
+// products.
 #pragma once
 
 #include <cstdint>
@@ -28,7 +29,7 @@ struct Program {
   };
   struct Form {
     std::int32_t reg;
-    std::int32_t offset;               // coefficient of the constant part, -1: none
+    std::int32_t offset;                        // coefficient of the constant part, -1: none
     std::int32_t inputs_begin, inputs_end;      // operands that are inputs
     std::int32_t unknowns_begin, unknowns_end;  // operands that are unknowns
     std::int32_t moving_begin, moving_end;      // operands that are inputs and move
@@ -38,14 +39,14 @@ struct Program {
     std::int32_t coefficient;  // of the whole product
     bool a_moves, b_moves;     // an input that moves is behind it
     bool a_unknown, b_unknown;
-    bool constant;             // both factors are constant forms: part of the constant of the equation
+    bool constant;  // both factors are constant forms: part of the constant of the equation
   };
   struct Equation {
     std::int32_t products_begin, products_end;
-    std::int32_t linear;            // register, -1: none
+    std::int32_t linear;  // register, -1: none
     bool linear_moves, linear_unknown;
-    std::int32_t offset;            // coefficient: constant linear form, -1: none
-    std::int32_t callback, row;     // -1: none
+    std::int32_t offset;         // coefficient: constant linear form, -1: none
+    std::int32_t callback, row;  // -1: none
   };
   // One nonzero of the Jacobian: sum of coefficient * register (reg -1: the coefficient alone).
   struct Entry {
@@ -62,14 +63,14 @@ struct Program {
   std::vector<Form> forms;
   std::vector<Product> products;
   std::vector<Equation> equations;
-  std::vector<Entry> entries;          // nnz
+  std::vector<Entry> entries;  // nnz
   std::vector<Operand> entry_operands;
   struct CallbackRow {
-    std::int32_t equation, row;        // local equation, row of the callback
+    std::int32_t equation, row;  // local equation, row of the callback
   };
   struct CallbackUse {
-    std::int32_t callback;             // index into System::callbacks
-    std::vector<CallbackRow> rows;     // those that belong to the group: redundant ones may be missing
+    std::int32_t callback;                // index into System::callbacks
+    std::vector<CallbackRow> rows;        // those that belong to the group: redundant ones may be missing
     std::vector<std::int32_t> arguments;  // registers; ~coefficient for a constant one
   };
   std::vector<CallbackUse> callbacks;

@@ -125,8 +125,10 @@ Kind pose(const std::string& base, bool declared) {
 
 // Six actuators of a free body; its joints are no similar hexagons.
 Kind actuated(bool on_points, bool poor = false) {
-  const Triple ground[6] = {{1, 0, -1}, {0.5, 1, -1.5}, {-0.5, 1.25, -1}, {-1, 0, -1.25}, {-0.5, -1, -1}, {0.75, -1, -1.5}};
-  const Triple joint[6] = {{0.5, -0.25, 0.125}, {0.5, 0.25, 0}, {0, 0.5, -0.25}, {-0.25, 0.5, 0}, {-0.5, -0.25, 0.25}, {0, -0.5, 0}};
+  const Triple ground[6] = {{1, 0, -1},     {0.5, 1, -1.5}, {-0.5, 1.25, -1},
+                            {-1, 0, -1.25}, {-0.5, -1, -1}, {0.75, -1, -1.5}};
+  const Triple joint[6] = {{0.5, -0.25, 0.125}, {0.5, 0.25, 0},      {0, 0.5, -0.25},
+                           {-0.25, 0.5, 0},     {-0.5, -0.25, 0.25}, {0, -0.5, 0}};
   const Path path = [=](double t) {
     Posture<QuadJet> p;
     if (on_points) {
@@ -165,7 +167,8 @@ Kind actuated(bool on_points, bool poor = false) {
                                       })});
   }
   b.add(body);
-  Kind k = kind(on_points ? std::string("body on three points") + (poor ? ", poor guess" : "") : "body with a frame", b, path);
+  Kind k = kind(on_points ? std::string("body on three points") + (poor ? ", poor guess" : "") : "body with a frame", b,
+                path);
   k.members = [joint = std::vector<Triple>(joint, joint + 6)](double t) {
     Posture<QuadJet> m;
     for (std::size_t i = 0; i < 6; ++i) m["P" + std::to_string(i)] = kMotion.point(joint[i], t);
@@ -224,7 +227,9 @@ Kind equal_distances() {  // |X - B| = |O - M| and = |X - O|; X.x driven
   });
   SceneBuilder b = with_body("equal", path);
   b.fixed_point("B", kB);
-  place(b, path, {"X"}).constrain("first", EqualDistance{"X", "B", "M", "O"}).constrain("second", EqualDistance{"X", "B", "O", "X"});
+  place(b, path, {"X"})
+      .constrain("first", EqualDistance{"X", "B", "M", "O"})
+      .constrain("second", EqualDistance{"X", "B", "O", "X"});
   b.drive("x", DrivenCoordinate{"X.x", follow_coordinate(path, "X", 0)});
   return kind("equal_distance", b, path);
 }
@@ -356,8 +361,9 @@ Kind relative_angles() {
 }  // namespace
 
 std::vector<Kind> in_space() {
-  std::vector<Kind> all = {distances(), equal_distances(), dots(), parallels(), lines_and_planes(), linears(), arms(),
-                           arm_with_length(), relative_angles(), actuated(false), actuated(true), actuated(true, true)};
+  std::vector<Kind> all = {distances(),        equal_distances(), dots(),         parallels(),
+                           lines_and_planes(), linears(),         arms(),         arm_with_length(),
+                           relative_angles(),  actuated(false),   actuated(true), actuated(true, true)};
   for (int axis = 0; axis < 3; ++axis) all.push_back(hinged(axis));
   for (const std::string base : {"frame", "base", "flat base", "translating"}) {
     for (const bool declared : {false, true}) all.push_back(pose(base, declared));

@@ -34,7 +34,8 @@ Path path_of(std::function<void(double, Posture<QuadJet>&)> rest) {
 Kind kind(const std::string& name, const SceneBuilder& b, const Path& path) { return {name, b.build(), path}; }
 
 Kind distances() {
-  const Path path = path_of([](double t, auto& p) { p["C"] = intersect_circles(crank(t), 1.75, fixed(2, 0.25), 1.25); });
+  const Path path =
+      path_of([](double t, auto& p) { p["C"] = intersect_circles(crank(t), 1.75, fixed(2, 0.25), 1.25); });
   SceneBuilder b = with_crank("distance", path);
   place(b, path, {"C"}).constrain("coupler", Distance{"P", "C", 1.75}).constrain("rocker", Distance{"D", "C", {}});
   return kind("distance", b, path);
@@ -46,13 +47,15 @@ Kind equal_distances() {  // |P - D| = |Q - A|, Q on the line y = 1/2
     p["Q"] = {sqrt(dot(d, d) - 0.25), QuadJet{0.5}, QuadJet{}};
   });
   SceneBuilder b = with_crank("equal", path);
-  place(b, path, {"Q"}).constrain("equal", EqualDistance{"P", "D", "Q", "A"}).constrain("height", FixedCoordinate{"Q.y", 0.5});
+  place(b, path, {"Q"})
+      .constrain("equal", EqualDistance{"P", "D", "Q", "A"})
+      .constrain("height", FixedCoordinate{"Q.y", 0.5});
   return kind("equal_distance and coordinate", b, path);
 }
 
 Kind dots() {
   const Path path = path_of([](double t, auto& p) {
-    p["u"] = heading(at(kTurn, t) + 0.5);                                             // across d by 0.5 rad
+    p["u"] = heading(at(kTurn, t) + 0.5);                                         // across d by 0.5 rad
     p["Q"] = crank(t) + QuadJet{0.5} * p["u"] + QuadJet{0.25} * left_of(p["u"]);  // by its coordinates in u
   });
   SceneBuilder b = with_crank("dot", path);
@@ -111,7 +114,9 @@ Kind lines() {
   });
   SceneBuilder b = with_crank("on_line", path);
   b.fixed_vector("d", {0.6, 0.8, 0});
-  place(b, path, {"Q", "R"}).constrain("rail", OnLine{"Q", "D", "d"}).drive("slider", DrivenCoordinate{"rail.lambda", kSlide});
+  place(b, path, {"Q", "R"})
+      .constrain("rail", OnLine{"Q", "D", "d"})
+      .drive("slider", DrivenCoordinate{"rail.lambda", kSlide});
   b.constrain("pair", OnLine{"R", "Q", {"Q", "P"}}).constrain("quarter", FixedCoordinate{"pair.lambda", 0.25});
   return kind("on_line and lambda", b, path);
 }
@@ -141,7 +146,9 @@ Kind arms() {
   });
   SceneBuilder b = with_crank("arms", path);
   place(b, path, {"Q", "C", "E", "F"});
-  b.constrain("l1", Distance{"Q", "P", 0.5}).constrain("l2", Distance{"E", "C", 0.625}).constrain("l3", Distance{"E", "F", 0.25});
+  b.constrain("l1", Distance{"Q", "P", 0.5})
+      .constrain("l2", Distance{"E", "C", 0.625})
+      .constrain("l3", Distance{"E", "F", 0.25});
   b.constrain("coupler", Distance{"Q", "C", 1.75}).constrain("rocker", Distance{"D", "C", 1.25});
   b.drive("second", PointAngle{"P", "Q", "", kSwing}).drive("third", PointAngle{"C", "E", "", kSlide});
   b.drive("fourth", PointAngle{"E", "F", "", kTurn});
@@ -181,7 +188,8 @@ Kind base(bool written, bool poor = false) {
   if (written) b.constrain("coupler", Distance{"C", "P", 1.75});
   b.add(Body{"coupler_body", "", {}, {"P", "C"}, {{"M", {0.5, -0.25, 0}}}, {{"m", {0.6, 0.8, 0}}}});
   b.constrain("hangs", Linear{{{"X", 1}, {"M", -1}}, {0, -1.5, 0}});
-  Kind k = kind("body on two points" + std::string(written ? ", length written" : "") + (poor ? ", poor guess" : ""), b, path);
+  Kind k = kind("body on two points" + std::string(written ? ", length written" : "") + (poor ? ", poor guess" : ""), b,
+                path);
   k.members = [path](double t) {
     const Posture<QuadJet> p = path(t);
     const Where along = QuadJet{Quad(1) / Quad(1.75)} * (p.at("C") - p.at("P"));
@@ -233,8 +241,9 @@ Kind pose(const std::string& base, bool declared) {
 }  // namespace
 
 std::vector<Kind> in_the_plane() {
-  std::vector<Kind> all = {distances(), equal_distances(), dots(), fixed_direction(), parallels(), linears(), lines(),
-                           relative_angle(), arms(), actuators(), base(false), base(true), base(true, true)};
+  std::vector<Kind> all = {distances(),     equal_distances(), dots(), fixed_direction(), parallels(), linears(),
+                           lines(),         relative_angle(),  arms(), actuators(),       base(false), base(true),
+                           base(true, true)};
   for (const std::string base : {"frame", "base", "translating"}) {
     for (const bool declared : {false, true}) all.push_back(pose(base, declared));
   }

@@ -104,7 +104,8 @@ TEST_P(EveryKind, DeterminesItsPath) {
       const std::vector<double> q = doubles(values(on_path(s, kind(), t)));
       std::vector<Index> column(s.coordinates.size(), -1);
       for (std::size_t j = 0; j < unknowns.size(); ++j) column[idx(unknowns[j])] = static_cast<Index>(j);
-      Eigen::MatrixXd j = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(rows.size()));
+      Eigen::MatrixXd j =
+          Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(rows.size()));
       for (std::size_t i = 0; i < rows.size(); ++i) {
         gradient<double>(s, rows[i], q, [&](Index c, double g) {
           if (column[idx(c)] >= 0) j(static_cast<Eigen::Index>(i), column[idx(c)]) += g;
@@ -207,7 +208,8 @@ class Pack {
     std::uniform_real_distribution<double> unit(-1, 1);
     for (std::size_t l = 0; l < w_; ++l) {
       Lane lane{*structure.system, *structure.system, structure.start, {}, {}};
-      for (std::size_t k = idx(kLiterals); k < lane.system.constants.size(); ++k) lane.system.constants[k] *= 1 + 0.1 * unit(random);
+      for (std::size_t k = idx(kLiterals); k < lane.system.constants.size(); ++k)
+        lane.system.constants[k] *= 1 + 0.1 * unit(random);
       for (double& k : lane.absolute.constants) k = 2 * std::abs(k);
       lane.rate.assign(lane.q.size(), 0);
       lane.acceleration.assign(lane.q.size(), 0);
@@ -237,7 +239,8 @@ class Pack {
     for (std::size_t l = 0; l < w_; ++l) {
       const Lane& lane = lanes_[l];
       std::vector<double> reach = absolute(lane.q);
-      for (std::size_t c = 1; c < reach.size(); ++c) reach[c] += std::abs(lane.rate[c]) + std::abs(lane.acceleration[c]);
+      for (std::size_t c = 1; c < reach.size(); ++c)
+        reach[c] += std::abs(lane.rate[c]) + std::abs(lane.acceleration[c]);
       Eigen::MatrixXd j = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(n));
       for (std::size_t c = 0; c < n; ++c) {
         for (Index k = pattern_.column_start[c]; k < pattern_.column_start[c + 1]; ++k) {
@@ -259,7 +262,8 @@ class Pack {
         double j_rate = 0, j_acceleration = 0;
         for (std::size_t c = 0; c < n; ++c) {
           j_rate += j(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(c)) * lane.rate[idx(group_.unknowns[c])];
-          j_acceleration += j(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(c)) * lane.acceleration[idx(group_.unknowns[c])];
+          j_acceleration += j(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(c)) *
+                            lane.acceleration[idx(group_.unknowns[c])];
         }
         EXPECT_NEAR(j_rate - velocity[i * w_ + l], static_cast<double>(first), 64 * kEps * moving) << what;
         EXPECT_NEAR(j_acceleration - acceleration[i * w_ + l], static_cast<double>(second), 64 * kEps * moving) << what;
@@ -271,7 +275,8 @@ class Pack {
   [[nodiscard]] bool moves(Index coordinate) const {
     if (std::find(group_.unknowns.begin(), group_.unknowns.end(), coordinate) != group_.unknowns.end()) return true;
     const auto input = std::find(group_.inputs.begin(), group_.inputs.end(), coordinate);
-    return input != group_.inputs.end() && class_.input_moves[static_cast<std::size_t>(input - group_.inputs.begin())] != 0;
+    return input != group_.inputs.end() &&
+           class_.input_moves[static_cast<std::size_t>(input - group_.inputs.begin())] != 0;
   }
   [[nodiscard]] std::vector<double> gather(const std::vector<Index>& slots, std::vector<double> Lane::*of) const {
     std::vector<double> out;
@@ -287,7 +292,8 @@ class Pack {
       const auto found = g.find(group_.unknowns[c]);
       const double expected = found == g.end() ? 0 : found->second;
       EXPECT_NEAR(row[static_cast<Eigen::Index>(c)], expected, 16 * kEps * (bound + std::abs(expected)))
-          << structure_.system->equation_name(equation) << " " << structure_.system->coordinate_name(group_.unknowns[c]);
+          << structure_.system->equation_name(equation) << " "
+          << structure_.system->coordinate_name(group_.unknowns[c]);
     }
   }
   static Quad along(const Lane& lane, Index equation, int s) {
@@ -340,7 +346,8 @@ TEST_P(EveryKind, RunsAlongItsPath) {
           };
           EXPECT_NEAR(value("", "."), static_cast<double>(expected.value), 1e-12) << item << strategy;
           EXPECT_NEAR(value(".rate", ".v"), static_cast<double>(expected.rate), 1e-11) << item << strategy;
-          EXPECT_NEAR(value(".acceleration", ".a"), static_cast<double>(expected.acceleration), 1e-10) << item << strategy;
+          EXPECT_NEAR(value(".acceleration", ".a"), static_cast<double>(expected.acceleration), 1e-10)
+              << item << strategy;
         }
       }
     }
@@ -354,9 +361,10 @@ TEST(BodyOnThreePoints, LengthsThatMakeNoTriangle) {
   b.add(Body{"plate", "", {}, {"A", "B", "C"}, {{"M", {0.5, 0.5, 0.25}}}, {}});
   b.constrain("AB", Distance{"A", "B", 1.0}).constrain("BC", Distance{"C", "B", 3.0}).time(0, 1, 0.1);
   const Scene scene = b.build();
-  EXPECT_EQ(look::error(Error::Kind::input, [&] { (void)lower(std::make_shared<const Scene>(scene)); }),
-            "/bodies/plate/base: the distances between its three points make no triangle; each must be smaller than the "
-            "sum of the others");
+  EXPECT_EQ(
+      look::error(Error::Kind::input, [&] { (void)lower(std::make_shared<const Scene>(scene)); }),
+      "/bodies/plate/base: the distances between its three points make no triangle; each must be smaller than the "
+      "sum of the others");
 }
 
 std::string test_name(const testing::TestParamInfo<Kind>& kind) {

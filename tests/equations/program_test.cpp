@@ -71,7 +71,8 @@ TEST(ProgramCallback, IsEvaluatedInSiUnitsInEveryLane) {
         const double vx = rates[l] * unit, vy = rates[w + l] * unit;
         EXPECT_NEAR(rhs[row * w + l], -2 * (vx * vx + vy * vy), 16 * kEps * (vx * vx + vy * vy));
         for (Index column = 0; column < 2; ++column) {
-          for (Index e = program.pattern.column_start[idx(column)]; e < program.pattern.column_start[idx(column) + 1]; ++e) {
+          for (Index e = program.pattern.column_start[idx(column)]; e < program.pattern.column_start[idx(column) + 1];
+               ++e) {
             if (program.pattern.row[idx(e)] != static_cast<Index>(row)) continue;
             const double q = column == 0 ? x : y;  // d phi / d (q / unit)
             EXPECT_NEAR(j[idx(e) * w + l], 2 * q * unit, 16 * kEps * std::abs(q) * unit);
@@ -110,7 +111,8 @@ TEST(ProgramCallback, PartOfItsRows) {
   for (const Index i : g.inputs) inputs.push_back(s.start[idx(i)]);
   for (const Index i : g.unknowns) unknowns.push_back(s.start[idx(i)] + 0.125);
   // One value behind the end, which nobody may write.
-  std::vector<double> phi(3, 77), j(idx(program.pattern.nnz()) + 1, 77), scale(3, 77), rhs(3, 77), none(inputs.size(), 0);
+  std::vector<double> phi(3, 77), j(idx(program.pattern.nnz()) + 1, 77), scale(3, 77), rhs(3, 77),
+      none(inputs.size(), 0);
   evaluator->set_inputs(k.data(), inputs.data());
   evaluator->evaluate(unknowns.data(), phi.data(), j.data());
   evaluator->scale(scale.data());
@@ -204,7 +206,8 @@ TEST(ProgramSharing, GroupsOfAClassFillTheSameSlots) {
 TEST(ProgramSharing, LanesAreOfFiveSizes) {
   const Structure s = structure(sample("four_bar"), groups);
   const Program program = compile(s.classes[0], s.pattern(0));
-  for (const int bad : {0, 3, 5, 32, -1}) EXPECT_THROW((void)make_evaluator(*s.system, program, bad), std::invalid_argument);
+  for (const int bad : {0, 3, 5, 32, -1})
+    EXPECT_THROW((void)make_evaluator(*s.system, program, bad), std::invalid_argument);
 }
 
 }  // namespace

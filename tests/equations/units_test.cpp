@@ -47,7 +47,9 @@ TEST_P(Units, PowersOfTwoChangeNoBit) {
 INSTANTIATE_TEST_SUITE_P(Samples, Units,
                          testing::Values("stewart", "andrews", "four_bar:3", "slider_crank:offset=0.05", "gough",
                                          "rings:legs=1,n=12"),
-                         [](const auto& row) { return std::string(row.param).substr(0, std::string(row.param).find(':')); });
+                         [](const auto& row) {
+                           return std::string(row.param).substr(0, std::string(row.param).find(':'));
+                         });
 
 // Typical lengths are about 1 inside, whatever they are outside.
 TEST(Units, TypicalLengthsAreOne) {

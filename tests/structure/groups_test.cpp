@@ -122,10 +122,10 @@ TEST(Groups, GoughStandsStill) {
 }
 
 TEST(Groups, MobilityOfTheSamples) {
-  const std::pair<const char*, int> expected[] = {{"four_bar", 1},     {"four_bar:64", 1}, {"stewart", 6},
-                                                  {"andrews", 1},      {"slider_crank", 1}, {"n_four_bar:40", 1},
-                                                  {"hexapod", 6},      {"stewart:platforms=3", 18},
-                                                  {"almost_parallelogram", 1}};
+  const std::pair<const char*, int> expected[] = {
+      {"four_bar", 1}, {"four_bar:64", 1},          {"stewart", 6},
+      {"andrews", 1},  {"slider_crank", 1},         {"n_four_bar:40", 1},
+      {"hexapod", 6},  {"stewart:platforms=3", 18}, {"almost_parallelogram", 1}};
   for (const auto& [name, mobility] : expected) {
     for (const Formulation f : {global, groups, irreducible}) {
       const Structure s = structure(sample(name), f);
@@ -182,8 +182,8 @@ TEST(Classes, ZeroComponentsStay) {
   const Structure s = structure(b.build(), groups);
   const auto class_of = [&](const std::string& name) { return look::group(s, name).group_class; };
   EXPECT_EQ(class_of("Pd+lined.lambda"), class_of("Pe+linee.lambda"));
-  EXPECT_EQ(class_of("Rd.x") , class_of("Re.x"));
-  EXPECT_EQ(class_of("Rd.y") , class_of("Re.y"));
+  EXPECT_EQ(class_of("Rd.x"), class_of("Re.x"));
+  EXPECT_EQ(class_of("Rd.y"), class_of("Re.y"));
 }
 
 // Fixed or moving, input or constant: roles decide.
@@ -235,9 +235,10 @@ TEST(DeclaredGroups, AUnionOfBlocksIsOneGroup) {
 
 TEST(DeclaredGroups, AnOutsideBlockBetweenTwoBlocksIsNamed) {
   const Scene scene = chain().add(DeclaredGroup{"PR", {"P", "R"}}).build();
-  EXPECT_EQ(look::error(Error::Kind::input, [&] { (void)structure(scene, groups); }),
-            "/groups/PR: needs Q, which in turn needs this group: it lies between blocks of the group and must belong to "
-            "it");
+  EXPECT_EQ(
+      look::error(Error::Kind::input, [&] { (void)structure(scene, groups); }),
+      "/groups/PR: needs Q, which in turn needs this group: it lies between blocks of the group and must belong to "
+      "it");
   EXPECT_EQ(structure(scene, irreducible).groups.size(), 3u);  // declared groups are ignored there
   EXPECT_EQ(structure(scene, global).groups.size(), 1u);
 }
@@ -253,9 +254,10 @@ TEST(DeclaredGroups, OnlyWhatLiesBetweenIsNamed) {
                           .constrain("TB", Distance{"T", "B", {}})
                           .add(DeclaredGroup{"QS", {"Q", "S"}})
                           .build();
-  EXPECT_EQ(look::error(Error::Kind::input, [&] { (void)structure(scene, groups); }),
-            "/groups/QS: needs R, which in turn needs this group: it lies between blocks of the group and must belong to "
-            "it");
+  EXPECT_EQ(
+      look::error(Error::Kind::input, [&] { (void)structure(scene, groups); }),
+      "/groups/QS: needs R, which in turn needs this group: it lies between blocks of the group and must belong to "
+      "it");
 }
 
 TEST(DeclaredGroups, CutThroughABlock) {

@@ -61,7 +61,8 @@ TEST(Presolve, Counts) {
 
 // P = C + (0.5, 0.25): no unknown is left of P, its constant stands on the right-hand side.
 TEST(Presolve, ConstantsOnTheRightHandSide) {
-  const Presolved p(plane().point("P", {1, 1, 0}).constrain("offset", Linear{{{"P", 2}, {"C", -2}}, {1, 0.5, 0}}).build());
+  const Presolved p(
+      plane().point("P", {1, 1, 0}).constrain("offset", Linear{{{"P", 2}, {"C", -2}}, {1, 0.5, 0}}).build());
   EXPECT_EQ(p.eliminated, 2);
   EXPECT_TRUE(p.equations.empty());
   EXPECT_TRUE(p.left().empty());
@@ -133,7 +134,9 @@ TEST(Presolve, LongFormsStay) {
     b.point("P", {0, 0, 0});
     for (int i = 0; i < n; ++i) {
       const std::string q = "Q" + std::to_string(i);
-      b.point(q, {1, 1 + 0.1 * i, 0}).constrain("rod" + q, Distance{q, "B", {}}).constrain("link" + q, Distance{q, "C", {}});
+      b.point(q, {1, 1 + 0.1 * i, 0})
+          .constrain("rod" + q, Distance{q, "B", {}})
+          .constrain("link" + q, Distance{q, "C", {}});
       sum.terms.emplace_back(q, 1);
     }
     b.constrain("sum", sum);
@@ -154,9 +157,11 @@ TEST(Presolve, ProductsStay) {
 }
 
 TEST(Presolve, FormulationsAgree) {
-  for (const char* name : {"stewart", "andrews", "four_bar:10", "slider_crank:offset=0.05", "rings:legs=2,n=24", "gough"}) {
+  for (const char* name :
+       {"stewart", "andrews", "four_bar:10", "slider_crank:offset=0.05", "rings:legs=2,n=24", "gough"}) {
     const Scene scene = references::perturbed(sample(name), 1e-3, 3);
-    const Structure all = structure(scene, global), declared = structure(scene, groups), small = structure(scene, irreducible);
+    const Structure all = structure(scene, global), declared = structure(scene, groups),
+                    small = structure(scene, irreducible);
     for (const Item& item : all.system->items) {
       if (item.hidden) continue;
       for (int k = 0; k < item.components; ++k) {
