@@ -41,10 +41,10 @@ enum class Transpose : std::uint8_t { no, yes };
 
 // Health of the last factorisation of one lane.
 struct Figures {
-  bool ok = false;                      // false: singular, or not finite
-  double pivot_growth = 0;              // max |U| / max |A|, columnwise maximum for klu's reciprocal growth
-  double reciprocal_condition = 0;      // a cheap estimate: min |u_ii| / max |u_ii|; 0 if singular
-  int determinant_sign = 0;             // -1, 0, +1
+  bool ok = false;                  // false: singular, or not finite
+  double pivot_growth = 0;          // max |U| / max |A|, columnwise maximum for klu's reciprocal growth
+  double reciprocal_condition = 0;  // a cheap estimate: min |u_ii| / max |u_ii|; 0 if singular
+  int determinant_sign = 0;         // -1, 0, +1
 };
 
 class LinearSolver {
@@ -68,13 +68,13 @@ class LinearSolver {
 
 // One row of the table of solvers.
 struct Backend {
-  std::string_view id;  // stored in the database: never renamed
-  std::string (*why_not)(const Shape&, ThreadBudget);        // "" if it can run here and now
-  std::unique_ptr<LinearSolver> (*make)(ThreadBudget);       // call only if why_not() is ""
-  bool steady;                                               // allocates nothing after the first factorisation
-  bool keeps_pivots;                                         // starts from those of its last matrix: one solver for each pack
-  std::string_view licence;                                  // SPDX identifier of the library behind it
-  std::string (*version)();                                  // of the library behind it; "" if absent
+  std::string_view id;                                  // stored in the database: never renamed
+  std::string (*why_not)(const Shape&, ThreadBudget);   // "" if it can run here and now
+  std::unique_ptr<LinearSolver> (*make)(ThreadBudget);  // call only if why_not() is ""
+  bool steady;                                          // allocates nothing after the first factorisation
+  bool keeps_pivots;         // starts from those of its last matrix: one solver for each pack
+  std::string_view licence;  // SPDX identifier of the library behind it
+  std::string (*version)();  // of the library behind it; "" if absent
 };
 
 // Every backend of this build, present or absent, in the order of registry.cpp. In assur::assur.

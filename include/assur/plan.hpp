@@ -24,8 +24,8 @@ struct Plan {
     std::string reason;  // "forced", "no measurements: dense up to 9 unknowns", ...
   };
   Formulation formulation = Formulation::groups;
-  Predictor predictor;            // resolved: never automatic
-  std::vector<Choice> choices;    // one for each class
+  Predictor predictor;          // resolved: never automatic
+  std::vector<Choice> choices;  // one for each class
 };
 
 struct PrepareOptions {

@@ -12,12 +12,12 @@ namespace assur {
 
 // Work done, counted: group instances, not calls. Lanes that are idle do not count.
 struct Counters {
-  std::int64_t steps = 0;               // grid times reached
-  std::int64_t substeps = 0;            // accepted steps between grid times
-  std::int64_t rejected = 0;            // steps that were halved
-  std::int64_t group_solutions = 0;     // groups solved for their position
-  std::int64_t newton_iterations = 0;   // corrections, summed over groups
-  std::int64_t most_iterations = 0;     // of one group in one step
+  std::int64_t steps = 0;                // grid times reached
+  std::int64_t substeps = 0;             // accepted steps between grid times
+  std::int64_t rejected = 0;             // steps that were halved
+  std::int64_t group_solutions = 0;      // groups solved for their position
+  std::int64_t newton_iterations = 0;    // corrections, summed over groups
+  std::int64_t most_iterations = 0;      // of one group in one step
   std::int64_t evaluated_equations = 0;  // scalar residuals evaluated
   std::int64_t factorizations = 0;
   std::int64_t factorized_unknowns = 0;  // sum of their orders
@@ -28,9 +28,9 @@ struct Counters {
 
 // Relative errors, the worst of the run; the definitions are those of README.md, "Error".
 struct ErrorFigures {
-  double position = 0;      // max |Phi_i| / (sum |dPhi_i/dq_j| |q_j| + |constant|)
-  // Normwise residuals of the linear systems, |J x - b| / (|J| |x| + |b|) in the maximum norm. A system of which only some
-  // unknowns were solved for (the last back-substitution stops at those wanted) has none.
+  double position = 0;  // max |Phi_i| / (sum |dPhi_i/dq_j| |q_j| + |constant|)
+  // Normwise residuals of the linear systems, |J x - b| / (|J| |x| + |b|) in the maximum norm. A system of which only
+  // some unknowns were solved for (the last back-substitution stops at those wanted) has none.
   double velocity = 0;
   double acceleration = 0;
   std::optional<double> forward_position;  // against a reference in quad precision
@@ -40,18 +40,18 @@ struct ErrorFigures {
 
 // Something that happened at a time: a limit reached, a change point passed, ...
 struct Event {
-  double time = 0;         // where it was noticed
-  double until = 0;        // end of the bracket, = time if there is none
+  double time = 0;   // where it was noticed
+  double until = 0;  // end of the bracket, = time if there is none
   std::string group;
   Code kind = Code::ok;
-  double figure = 0;       // residual, contraction, smallest pivot
+  double figure = 0;  // residual, contraction, smallest pivot
 };
 
 struct Report {
   Counters counters;
   ErrorFigures error;
-  Status status;              // ok, or why the run stopped
-  double reached = 0;         // last time with a valid posture
+  Status status;       // ok, or why the run stopped
+  double reached = 0;  // last time with a valid posture
   std::vector<Event> events;
   std::vector<std::string> fallbacks;  // whatever was done otherwise than planned, with the reason
 };

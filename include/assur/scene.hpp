@@ -44,7 +44,8 @@ struct Member {
 };
 
 // A moving frame. Exactly one of these bases:
-//   3D: origin + frame of three unit vectors (u, v, w), or base of three points, not collinear (local axes: x from the first to
+//   3D: origin + frame of three unit vectors (u, v, w), or base of three points, not collinear (local axes: x from the
+//   first to
 //       the second, y in their plane towards the third, z = x cross y)
 //   2D: base of two points (local axes: x from the first to the second, y to its left), or origin + frame of one vector
 //   an origin alone: a body that translates
@@ -90,7 +91,7 @@ struct Linear {  // sum factor * (point or vector) = value
   std::vector<std::pair<std::string, double>> terms;
   Triple value{};
 };
-struct FixedCoordinate {  // one coordinate is a constant
+struct FixedCoordinate {   // one coordinate is a constant
   std::string coordinate;  // "P.x"
   double value = 0;
 };
@@ -180,6 +181,7 @@ struct DeclaredGroup {
   bool keep = false;                  // do not shrink to what the outputs need
 };
 
+// Seconds; (end - start) / step is a whole number within 1e-9.
 struct TimeGrid {
   double start = 0;
   double end = 0;
@@ -209,6 +211,7 @@ class Scene {
 
   // The same mechanism with other wanted outputs; throws Error (input) for a name that is not there.
   [[nodiscard]] Scene with_outputs(std::vector<std::string> outputs) const;
+  // Over another time grid; throws Error (input) if it has no whole number of steps.
   [[nodiscard]] Scene with_time(TimeGrid time) const;
 
  private:

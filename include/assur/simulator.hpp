@@ -20,7 +20,9 @@ namespace assur {
 // Results of a run: rows of doubles in SI units, contiguous [time][output].
 class Trajectory {
  public:
-  [[nodiscard]] const std::vector<std::string>& columns() const { return columns_; }  // "C.x", "C.vx", "angle.rate", ...
+  [[nodiscard]] const std::vector<std::string>& columns() const {
+    return columns_;
+  }  // "C.x", "C.vx", "angle.rate", ...
   [[nodiscard]] const std::vector<double>& times() const { return times_; }
   [[nodiscard]] std::size_t rows() const { return times_.size(); }
   // Index of a column; throws Error (input) with a list of the columns if there is none of that name.
@@ -31,6 +33,7 @@ class Trajectory {
   [[nodiscard]] double operator()(std::size_t row, std::size_t column) const {
     return values_[row * columns_.size() + column];
   }
+  // In the last row; a trajectory without rows has none.
   [[nodiscard]] double last(std::string_view column) const { return (*this)(rows() - 1, index(column)); }
   [[nodiscard]] const std::vector<double>& values() const { return values_; }  // rows x columns
 
@@ -46,8 +49,8 @@ void write_csv(std::ostream& out, const Trajectory& trajectory);
 
 // What a control loop asks of one step.
 struct StepLimits {
-  int iterations = 0;       // exactly this many Newton iterations for each group but those of the first level (the
-                            // paper's tEnd2); 0: as many as convergence takes
+  int iterations = 0;        // exactly this many Newton iterations for each group but those of the first level (the
+                             // paper's tEnd2); 0: as many as convergence takes
   int most_iterations = 12;  // then the step is halved
   double seconds = 0;        // deadline of one step by the monotonic clock; 0: none
 };
@@ -68,7 +71,7 @@ class Simulator {
   Status step(double t);
 
   // Control: the driver's value, rate and acceleration at the next step (SI units; angle, distance or coordinate
-  // drivers). Throws Error (input) for a name that is no controlled driver.
+  // drivers). Throws Error (input) for a name that is no controlled driver; a value that is not finite fails that step.
   void set(std::string_view driver, double value, double rate = 0, double acceleration = 0);
 
   // One grid step further with what has been set; the other drivers follow their laws.

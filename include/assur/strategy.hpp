@@ -1,6 +1,6 @@
 // A strategy is a value with a text form that round-trips:
 //   formulation/backend[:W][+float][+refine][+reuse=step|run][+once][+predict=PREDICTOR][+chunks=C] [PxQ]
-// with PREDICTOR = taylor:0..2 | hermite:5 | past:0..5, e.g. "irreducible/klu+once+predict=hermite:5".
+// with W = 1, 2, 4, 8 or 16 and PREDICTOR = taylor:0..2 | hermite:5 | past:0..5, e.g. "irreducible/klu+once+predict=hermite:5".
 #pragma once
 
 #include <cstdint>
@@ -33,7 +33,7 @@ struct Strategy {
   bool single = false;     // +float
   bool refine = false;     // +refine
   Reuse reuse = Reuse::fresh;
-  bool once = false;       // one factorisation per step, taken at the prediction
+  bool once = false;  // one factorisation per step, taken at the prediction
   Predictor predictor;
   std::int32_t chunks = 1;
   std::int32_t p = 1;  // packs at once

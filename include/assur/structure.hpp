@@ -28,25 +28,25 @@ struct GroupClass {
   };
   struct Equation {
     std::int32_t products_begin, products_end;  // of a callback: its arguments, the forms `a`
-    std::int32_t linear;         // form, -1: none
-    std::int32_t callback, row;  // -1: none
+    std::int32_t linear;                        // form, -1: none
+    std::int32_t callback, row;                 // -1: none
     friend bool operator==(const Equation&, const Equation&) = default;
   };
 
-  std::int32_t n = 0;          // unknowns = equations
+  std::int32_t n = 0;  // unknowns = equations
   std::int32_t inputs = 0;
-  std::int32_t constants = 0;  // slots
+  std::int32_t constants = 0;             // slots
   std::vector<std::uint8_t> input_moves;  // inputs: 0 if it never changes
   std::vector<std::int32_t> form_start;   // forms + 1
   std::vector<Term> terms;
   std::vector<Product> products;
-  std::vector<Equation> equations;        // n
-  std::int32_t blocks = 1;                // irreducible blocks, numbered in solving order
+  std::vector<Equation> equations;           // n
+  std::int32_t blocks = 1;                   // irreducible blocks, numbered in solving order
   std::vector<std::int32_t> unknown_block;   // n
   std::vector<std::int32_t> equation_block;  // n
-  std::int32_t derivatives = 2;           // highest time derivative computed
-  std::int32_t first_wanted = 0;          // unknowns before it are not needed in the highest derivative
-  bool quadratic = true;                  // false: contains callback equations
+  std::int32_t derivatives = 2;              // highest time derivative computed
+  std::int32_t first_wanted = 0;             // unknowns before it are not needed in the highest derivative
+  bool quadratic = true;                     // false: contains callback equations
 
   [[nodiscard]] std::int32_t forms() const { return static_cast<std::int32_t>(form_start.size()) - 1; }
   friend bool operator==(const GroupClass&, const GroupClass&) = default;
@@ -57,10 +57,10 @@ struct GroupClass {
 
 struct Group {
   std::string name;
-  std::int32_t of = 0;           // unknowns before the cut; n of the class are solved
-  std::int32_t level = 0;        // groups of one level are independent of each other
+  std::int32_t of = 0;     // unknowns before the cut; n of the class are solved
+  std::int32_t level = 0;  // groups of one level are independent of each other
   std::int32_t group_class = -1;
-  std::int32_t derivatives = 2;  // highest derivative computed
+  std::int32_t derivatives = 2;         // highest derivative computed
   std::int32_t wanted_derivatives = 2;  // highest derivative that an output needs; the rest is for the predictor
   // What fills the class's slots: indices into the coordinates and constants of the system.
   std::vector<std::int32_t> unknowns;   // n
@@ -76,10 +76,10 @@ struct LeftOut {
   std::int64_t equations = 0;
   struct Level {
     std::string group;
-    std::int32_t derivatives;   // highest derivative computed, of 2
-    bool for_predictor;         // some of them only to predict the next posture
+    std::int32_t derivatives;  // highest derivative computed, of 2
+    bool for_predictor;        // some of them only to predict the next posture
   };
-  std::vector<Level> levels;    // groups that compute less than accelerations, or compute them for the predictor only
+  std::vector<Level> levels;  // groups that compute less than accelerations, or compute them for the predictor only
   std::int64_t static_groups = 0;  // no moving driver: solved once
 };
 
@@ -94,27 +94,27 @@ struct Structure {
   Formulation formulation = Formulation::groups;
 
   std::vector<GroupClass> classes;
-  std::vector<Group> groups;             // in solving order, levels ascend
+  std::vector<Group> groups;  // in solving order, levels ascend
   std::int32_t levels = 0;
 
   // Counts of the scene, before anything is left out.
   std::int64_t coordinates = 0;  // scalars of points, vectors and auxiliaries
   std::int64_t unknowns = 0;
-  std::int64_t derived = 0;      // scalars of body members
+  std::int64_t derived = 0;  // scalars of body members
   std::int64_t equations = 0;
-  std::int64_t eliminated = 0;   // by presolve
-  std::int64_t mobility = 0;     // degrees of freedom without the drivers: unknowns - rank + driven freedoms
+  std::int64_t eliminated = 0;            // by presolve
+  std::int64_t mobility = 0;              // degrees of freedom without the drivers: unknowns - rank + driven freedoms
   std::vector<std::string> undetermined;  // unknowns that nothing fixes
   std::vector<Redundancy> redundant;
   LeftOut left_out;
 
-  std::vector<std::int32_t> checks;        // equations that are watched, not solved
+  std::vector<std::int32_t> checks;  // equations that are watched, not solved
   // The watched ones that move, as a group without unknowns.
   Group watch;
-  GroupClass watch_class;                  // no equations: nothing to watch
+  GroupClass watch_class;                        // no equations: nothing to watch
   std::vector<std::int32_t> static_coordinates;  // solved once
-  std::vector<double> start;               // assembled posture, all coordinates, internal units
-  std::vector<Diagnostic> notes;           // assembly: other mode than the guess, a singular start, ...
+  std::vector<double> start;                     // assembled posture, all coordinates, internal units
+  std::vector<Diagnostic> notes;                 // assembly: other mode than the guess, a singular start, ...
   // Why the start posture cannot be assembled: the group and its most violated constraint; empty: it can.
   std::string cannot_assemble;
 

@@ -13,7 +13,8 @@ class Evaluator {
  public:
   virtual ~Evaluator() = default;
 
-  // Inputs of the step: the parts of the forms that do not depend on the unknowns. coefficients: see bind().
+  // Inputs of the step: the parts of the forms that do not depend on the unknowns. coefficients: see
+  // bind_coefficients().
   virtual void set_inputs(const double* coefficients, const double* inputs) = 0;
 
   // phi: equations; jacobian: nnz of the pattern, null: not wanted.

@@ -249,7 +249,7 @@ Program compile(const GroupClass& group_class, Pattern pattern) {
   return Compiler(group_class, std::move(pattern)).run();
 }
 
-void Bind::operator()(const Program& p, std::span<const double> constants, double* out, std::size_t stride) const {
+void bind_coefficients(const Program& p, std::span<const double> constants, double* out, std::size_t stride) {
   for (const Coefficient& k : p.coefficients) {
     double v = k.literal;
     for (const std::int32_t c : k.constant) {

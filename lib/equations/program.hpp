@@ -86,11 +86,7 @@ struct Program {
 [[nodiscard]] Program compile(const GroupClass& group_class, Pattern pattern);
 
 // Coefficients of one instance: out[k * stride] for every coefficient k of the program.
-// An object, so that a call without `assur::` cannot find std::bind, which takes the same arguments and does nothing.
-struct Bind {
-  void operator()(const Program& program, std::span<const double> constants, double* out, std::size_t stride) const;
-};
-inline constexpr Bind bind;
+void bind_coefficients(const Program& program, std::span<const double> constants, double* out, std::size_t stride);
 
 // Row-wise Lipschitz constants of the Jacobian of each irreducible block in the maximum norm, for one instance:
 // |J_i.(x) - J_i.(y)|_1 <= lipschitz_i |x - y|_inf, columns of the row's block only. Infinite for callback rows.

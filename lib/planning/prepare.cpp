@@ -5,8 +5,9 @@
 namespace assur {
 namespace {
 
-// Dense LU up to here, sparse beyond. Not measured on the machine at hand: it only makes a plan exist. (One thread, factor and
-// three solves, n = 15: dense 2.7 us, KLU refactor 1.1 us; at n = 3 the call itself dominates and dense wins.)
+// Dense LU up to here, sparse beyond. Not measured on the machine at hand: it only makes a plan exist. (One thread,
+// factor and three solves, n = 15: dense 2.7 us, KLU refactor 1.1 us; at n = 3 the call itself dominates and dense
+// wins.)
 constexpr std::int32_t kDenseUpTo = 8;
 
 Predictor automatic_predictor(const Structure& s) {
@@ -33,7 +34,8 @@ void refuse_undetermined(const Structure& s) {
 Prepared prepare_at(const Scene& scene, const PrepareOptions& options, std::vector<double> posture, double time) {
   const bool automatic = options.strategy == "auto";
   const Strategy wanted = parse_strategy(automatic ? "irreducible/eigen" : options.strategy);
-  if (wanted.p * wanted.q != 1 || wanted.chunks != 1 || wanted.single || wanted.refine || wanted.reuse != Reuse::fresh) {
+  if (wanted.p * wanted.q != 1 || wanted.chunks != 1 || wanted.single || wanted.refine ||
+      wanted.reuse != Reuse::fresh) {
     throw Error(Error::Kind::environment,
                 "strategy " + options.strategy +
                     " cannot run here: this version has one thread, double precision and a fresh or +once Jacobian");
@@ -43,7 +45,8 @@ Prepared prepare_at(const Scene& scene, const PrepareOptions& options, std::vect
   structure_options.controlled = options.controlled;
   structure_options.posture = std::move(posture);
   structure_options.time = time;
-  if (wanted.predictor.kind == Predictor::Kind::taylor) structure_options.predictor_derivatives = wanted.predictor.order;
+  if (wanted.predictor.kind == Predictor::Kind::taylor)
+    structure_options.predictor_derivatives = wanted.predictor.order;
   if (wanted.predictor.kind == Predictor::Kind::hermite) structure_options.predictor_derivatives = 2;
 
   Prepared out;
@@ -54,7 +57,8 @@ Prepared prepare_at(const Scene& scene, const PrepareOptions& options, std::vect
   if (!structure->cannot_assemble.empty()) throw Error(Error::Kind::numerical, structure->cannot_assemble);
   out.table = backends();
   out.plan.formulation = wanted.formulation;
-  out.plan.predictor = wanted.predictor.kind == Predictor::Kind::automatic ? automatic_predictor(*structure) : wanted.predictor;
+  out.plan.predictor =
+      wanted.predictor.kind == Predictor::Kind::automatic ? automatic_predictor(*structure) : wanted.predictor;
 
   std::vector<std::int32_t> groups(structure->classes.size(), 0);
   for (const Group& g : structure->groups) ++groups[static_cast<std::size_t>(g.group_class)];
@@ -79,7 +83,9 @@ Prepared prepare_at(const Scene& scene, const PrepareOptions& options, std::vect
     out.plan.choices.push_back(std::move(choice));
   }
   if (!structure->redundant.empty()) {
-    out.reselect = [scene, options](std::vector<double> at, double t) { return prepare_at(scene, options, std::move(at), t); };
+    out.reselect = [scene, options](std::vector<double> at, double t) {
+      return prepare_at(scene, options, std::move(at), t);
+    };
   }
   out.structure = std::move(structure);
   return out;

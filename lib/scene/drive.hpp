@@ -22,8 +22,8 @@ void euler_zyx(const Jet<T>& psi, const Jet<T>& theta, const Jet<T>& phi, Jet<T>
   r[8] = cy * cx;
 }
 
-// Sets the driven coordinates listed in q, rate and acceleration (null: not wanted). law(input, k) gives the jet of the k-th
-// law of System::inputs[input] in SI units.
+// Sets the driven coordinates listed in q, rate and acceleration (null: not wanted). law(input, k) gives the jet of the
+// k-th law of System::inputs[input] in SI units.
 template <class T, class LawJet>
 void drive(const System& s, const Driven& driven, LawJet&& law, T* q, T* rate, T* acceleration) {
   const auto put = [&](Index coordinate, const Jet<T>& j) {

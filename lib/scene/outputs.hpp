@@ -9,9 +9,9 @@
 namespace assur {
 
 struct Output {
-  std::string name;                 // "C", "rocker_angle", "slider.lambda"
-  std::vector<MeasureForms> parts;  // one for each component of a point or vector, one for a measure or a scalar
-  bool is_measure = false;          // of the scene; parts then has one element
+  std::string name;                     // "C", "rocker_angle", "slider.lambda"
+  std::vector<MeasureForms> parts;      // one for each component of a point or vector, one for a measure or a scalar
+  bool is_measure = false;              // of the scene; parts then has one element
   bool wanted[3] = {true, true, true};  // value, first and second derivative
 
   // Highest derivative wanted.

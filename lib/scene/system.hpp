@@ -23,10 +23,10 @@ namespace assur {
 
 using Index = std::int32_t;
 
-inline constexpr Index kOne = 0;            // coordinate: the constant 1
-inline constexpr Index kPlus = 0;           // constant: +1
-inline constexpr Index kMinus = 1;          // constant: -1
-inline constexpr Index kLiterals = 2;       // constants below are part of an equation's type, the others are values
+inline constexpr Index kOne = 0;       // coordinate: the constant 1
+inline constexpr Index kPlus = 0;      // constant: +1
+inline constexpr Index kMinus = 1;     // constant: -1
+inline constexpr Index kLiterals = 2;  // constants below are part of an equation's type, the others are values
 
 enum class Role : std::uint8_t {
   one,      // coordinate 0
@@ -35,11 +35,11 @@ enum class Role : std::uint8_t {
 };
 
 struct Coordinate {
-  Index item = -1;              // index into System::items
-  std::int8_t component = 0;    // 0, 1, 2 = x, y, z; -1: the item is a scalar
-  std::int8_t dimension = 0;    // power of length
+  Index item = -1;            // index into System::items
+  std::int8_t component = 0;  // 0, 1, 2 = x, y, z; -1: the item is a scalar
+  std::int8_t dimension = 0;  // power of length
   Role role = Role::unknown;
-  bool moving = true;           // driven coordinates: false if every law behind it is constant
+  bool moving = true;  // driven coordinates: false if every law behind it is constant
 };
 
 struct Term {
@@ -48,7 +48,7 @@ struct Term {
 };
 
 struct Product {
-  Index a, b;      // forms
+  Index a, b;  // forms
   Index constant;
 };
 
@@ -87,9 +87,9 @@ struct DriverInput {
   Kind kind = Kind::scalar;
   Index first = 0;
   Index count = 0;
-  std::vector<Law> laws;          // scalar, direction: 1; frame: the translation's, then the rotation's
-  std::int8_t dimension = 0;      // of a scalar or of the translation
-  bool must_not_vanish = false;   // a driven distance
+  std::vector<Law> laws;         // scalar, direction: 1; frame: the translation's, then the rotation's
+  std::int8_t dimension = 0;     // of a scalar or of the translation
+  bool must_not_vanish = false;  // a driven distance
 };
 
 // coordinate := form, in order; the forms use known coordinates only.
@@ -99,9 +99,9 @@ struct Assignment {
 };
 
 struct CallbackBlock {
-  const Callback* callback = nullptr;   // owned by the scene
-  std::vector<Index> coordinates;       // forms of its arguments
-  std::vector<double> unit;             // SI value of one internal unit, for each argument
+  const Callback* callback = nullptr;  // owned by the scene
+  std::vector<Index> coordinates;      // forms of its arguments
+  std::vector<double> unit;            // SI value of one internal unit, for each argument
   Index first_equation = 0;
 };
 
@@ -134,7 +134,7 @@ class System {
   int length_exponent = 0;  // one internal length unit is 2^length_exponent m
 
   std::vector<Coordinate> coordinates;
-  std::vector<double> guess;      // for each coordinate, internal units; driven ones at the start time
+  std::vector<double> guess;  // for each coordinate, internal units; driven ones at the start time
   std::vector<double> constants;
   std::vector<Index> form_start = {0};
   std::vector<Term> terms;

@@ -154,14 +154,15 @@ double BlockConditions::dense_omega(std::int32_t b, int lane, const double* jaco
   double worst = 0;
   for (std::int32_t r = 0; r < n; ++r) {
     double sum = 0;
-    for (std::int32_t c = 0; c < n; ++c) sum += std::abs(inverse_[idx(c * n + r)]) * lipschitz[rows[idx(c)] * lanes_ + lane];
+    for (std::int32_t c = 0; c < n; ++c)
+      sum += std::abs(inverse_[idx(c * n + r)]) * lipschitz[rows[idx(c)] * lanes_ + lane];
     worst = std::max(worst, sum);
   }
   return std::isfinite(worst) ? worst : kInfinity;
 }
 
-// Hager's power method for | J^-1 D |_inf = | (J^-1 D)^T |_1, all lanes at once; right-hand sides live on the block only,
-// so the answers on the block are those of the block alone.
+// Hager's power method for | J^-1 D |_inf = | (J^-1 D)^T |_1, all lanes at once; right-hand sides live on the block
+// only, so the answers on the block are those of the block alone.
 void BlockConditions::sparse_omega(std::int32_t b, const double* lipschitz, LinearSolver& solver, double* omega) {
   const auto columns = unknowns(b), rows = equations(b);
   const std::int32_t n = size(b);

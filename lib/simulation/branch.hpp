@@ -2,7 +2,8 @@
 //   omega = | |J0^-1| k |_inf,   k_i = Lipschitz constant of row i of the Jacobian in the maximum norm,
 // makes J regular, and the solution unique, wherever omega |q - q0|_inf < 1 (Banach; Deuflhard 2004, section 2.1). The
 // measured posture is the anchor: steps inside its ball cost one maximum norm, and omega is measured anew only when the
-// ball is used up. J0^-1 itself is needed only up to blocks of 64; beyond, Hager's estimate (Higham 1988) takes its place.
+// ball is used up. J0^-1 itself is needed only up to blocks of 64; beyond, Hager's estimate (Higham 1988) takes its
+// place.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +25,8 @@ class BlockConditions {
 
   // omega of one block in every lane from the Jacobian's values; infinite where the block is singular. `solver` holds a
   // factorisation of the same Jacobian if needs_solver(block). lipschitz: equations x lanes; omega: lanes.
-  void measure(std::int32_t block, const double* jacobian, const double* lipschitz, LinearSolver* solver, double* omega);
+  void measure(std::int32_t block, const double* jacobian, const double* lipschitz, LinearSolver* solver,
+               double* omega);
 
   [[nodiscard]] bool needs_solver(std::int32_t block) const;
 
@@ -51,15 +53,15 @@ class BlockConditions {
 
   const Program& program_;
   int lanes_;
-  std::vector<std::int32_t> unknown_start_, unknowns_;    // by block
-  std::vector<std::int32_t> equations_;                   // by block, same starts
-  std::vector<std::int32_t> place_;                       // unknown -> column within its block
-  std::vector<std::int32_t> row_place_;                   // equation -> row within its block
-  std::vector<std::int32_t> nonzero_start_, nonzeros_;    // by block: indices of its entries
-  std::vector<std::int32_t> nonzero_column_;              // nnz: column of each entry
-  std::vector<double> matrix_, inverse_;                  // largest dense block
-  std::vector<std::int32_t> reads_start_, reads_;         // by block
-  std::vector<double> vector_;                            // n x lanes, if there are large blocks
+  std::vector<std::int32_t> unknown_start_, unknowns_;  // by block
+  std::vector<std::int32_t> equations_;                 // by block, same starts
+  std::vector<std::int32_t> place_;                     // unknown -> column within its block
+  std::vector<std::int32_t> row_place_;                 // equation -> row within its block
+  std::vector<std::int32_t> nonzero_start_, nonzeros_;  // by block: indices of its entries
+  std::vector<std::int32_t> nonzero_column_;            // nnz: column of each entry
+  std::vector<double> matrix_, inverse_;                // largest dense block
+  std::vector<std::int32_t> reads_start_, reads_;       // by block
+  std::vector<double> vector_;                          // n x lanes, if there are large blocks
 };
 
 }  // namespace assur

@@ -9,12 +9,12 @@ namespace assur {
 namespace {
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
-constexpr double kConverged = 8 * kEps;      // relative residual of a solved equation
-constexpr double kRoundingLevel = 1e-12;     // where a residual that no longer falls is taken for rounding
-constexpr double kLinear = 8 * kEps;         // normwise residual of a refined linear system
-constexpr int kMostSearching = 40;           // iterations at a fold, where they gain one bit each
+constexpr double kConverged = 8 * kEps;   // relative residual of a solved equation
+constexpr double kRoundingLevel = 1e-12;  // where a residual that no longer falls is taken for rounding
+constexpr double kLinear = 8 * kEps;      // normwise residual of a refined linear system
+constexpr int kMostSearching = 40;        // iterations at a fold, where they gain one bit each
 constexpr int kMostRefinements = 6;
-constexpr double kFold = 30;                 // velocity over input velocity near a singularity that makes it a fold
+constexpr double kFold = 30;  // velocity over input velocity near a singularity that makes it a fold
 
 std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -70,7 +70,7 @@ void GroupSolver::bind(const System& system, const Structure& structure, Pack& p
   for (std::size_t lane = 0; lane < w; ++lane) {
     const Group& g = structure.groups[idx(pack.groups[lane < pack.groups.size() ? lane : 0])];
     for (std::size_t i = 0; i < constants.size(); ++i) constants[i] = system.constants[idx(g.constants[i])];
-    assur::bind(program_, constants, pack.coefficients.data() + lane, w);
+    bind_coefficients(program_, constants, pack.coefficients.data() + lane, w);
     lipschitz(class_, constants, pack.lipschitz.data() + lane, w);
   }
 }
@@ -131,7 +131,8 @@ Status GroupSolver::newton(Pack& pack, double* x, const Attempt& attempt, Counte
     } else {
       if (relative <= kConverged) break;
       if (iteration > 0 && relative <= kRoundingLevel && relative > before / 4) break;
-      if (iteration == (attempt.branch == Attempt::Branch::anywhere ? kMostSearching : attempt.most_iterations)) return fail(pack, Code::not_converged, relative);
+      if (iteration == (attempt.branch == Attempt::Branch::anywhere ? kMostSearching : attempt.most_iterations))
+        return fail(pack, Code::not_converged, relative);
     }
     if (!(strategy_.once && factored)) {
       if (const Status s = factorize(pack, counters); !s.ok()) return s;
@@ -163,9 +164,10 @@ Status GroupSolver::newton(Pack& pack, double* x, const Attempt& attempt, Counte
       }
     }
     // Without a constant second derivative two corrections have to contract tenfold.
-    const bool must_contract = attempt.branch == Attempt::Branch::pass ||
-                               (!class_.quadratic && attempt.branch != Attempt::Branch::anywhere);
-    if (iteration > 0 && must_contract && attempt.iterations == 0 && norm > 0.1 * last_norm && relative > kRoundingLevel) {
+    const bool must_contract =
+        attempt.branch == Attempt::Branch::pass || (!class_.quadratic && attempt.branch != Attempt::Branch::anywhere);
+    if (iteration > 0 && must_contract && attempt.iterations == 0 && norm > 0.1 * last_norm &&
+        relative > kRoundingLevel) {
       return fail(pack, Code::not_converged, norm / last_norm);
     }
     last_norm = norm;
@@ -369,7 +371,8 @@ Status GroupSolver::diagnose(Pack& pack, double* const (&state)[3]) {
       if (ratio > 0.05) continue;
       // Towards a fold the velocity along the null vector grows like 1/sigma; at a change point it stays bounded.
       Eigen::VectorXd g(n);
-      for (Eigen::Index i = 0; i < n; ++i) g[i] = rhs_[idx(blocks_.equations(b)[static_cast<std::size_t>(i)]) * w + idx(lane)];
+      for (Eigen::Index i = 0; i < n; ++i)
+        g[i] = rhs_[idx(blocks_.equations(b)[static_cast<std::size_t>(i)]) * w + idx(lane)];
       const double velocity = std::abs(svd.matrixU().col(n - 1).dot(g)) / svd.singularValues()[n - 1];
       worst.code = velocity > kFold * input_rate(idx(lane)) ? Code::limit_reached : Code::change_point_passed;
     }

@@ -24,13 +24,13 @@ struct StepErrors {
 // How a step is solved.
 struct Attempt {
   enum class Branch : std::uint8_t {
-    start,   // the posture is given: measure the ball around it
-    inside,  // stay inside the ball
-    pass,    // through a change point: corrections have to contract
+    start,     // the posture is given: measure the ball around it
+    inside,    // stay inside the ball
+    pass,      // through a change point: corrections have to contract
     anywhere,  // is there a solution at all? nothing is kept
   };
   Branch branch = Branch::inside;
-  int iterations = 0;        // exactly so many; 0: until convergence
+  int iterations = 0;  // exactly so many; 0: until convergence
   int most_iterations = 12;
   double largest_correction = 0;  // pass: the first one, in the maximum norm; a larger one may lead to the other branch
 };
@@ -39,15 +39,15 @@ struct Attempt {
 struct Pack {
   std::int32_t group_class = 0;
   std::int32_t level = 0;
-  std::int32_t used = 1;           // lanes that hold a group
-  std::vector<std::int32_t> groups;  // used: indices into Structure::groups
-  std::size_t unknowns = 0;        // address of the first unknown in the state arrays
-  std::vector<std::int32_t> inputs;  // inputs x W addresses in the state arrays
-  std::vector<double> coefficients;  // coefficients x W
-  std::vector<double> lipschitz;     // equations x W
-  std::vector<double> anchor;        // by block, what it reads x W: where omega was measured
-  std::vector<double> omega;         // blocks x W
-  std::vector<double> ball_used;     // blocks: part of the ball used at the last posture inside it
+  std::int32_t used = 1;                 // lanes that hold a group
+  std::vector<std::int32_t> groups;      // used: indices into Structure::groups
+  std::size_t unknowns = 0;              // address of the first unknown in the state arrays
+  std::vector<std::int32_t> inputs;      // inputs x W addresses in the state arrays
+  std::vector<double> coefficients;      // coefficients x W
+  std::vector<double> lipschitz;         // equations x W
+  std::vector<double> anchor;            // by block, what it reads x W: where omega was measured
+  std::vector<double> omega;             // blocks x W
+  std::vector<double> ball_used;         // blocks: part of the ball used at the last posture inside it
   std::unique_ptr<LinearSolver> solver;  // with pivots of its own; null: the class's serves
 };
 

@@ -22,7 +22,8 @@ Motion blend(const Motion& a, const Motion& b, double start, double end, double 
 
 }  // namespace
 
-Inputs::Inputs(const System& system, const std::vector<std::string>& controlled) : system_(system), driven_(all_driven(system)) {
+Inputs::Inputs(const System& system, const std::vector<std::string>& controlled)
+    : system_(system), driven_(all_driven(system)) {
   for (std::size_t i = 0; i < system.inputs.size(); ++i) {
     const DriverInput& in = system.inputs[i];
     const std::string& name = system.scene->drivers()[static_cast<std::size_t>(in.driver)].name;
@@ -55,7 +56,8 @@ Motion Inputs::law_at(std::size_t input, int law, double t) const {
 
 Status Inputs::drive(double t, double* const (&state)[3]) const {
   assur::drive<double>(
-      system_, driven_, [&](std::size_t input, int law) { return law_at(input, law, t); }, state[0], state[1], state[2]);
+      system_, driven_, [&](std::size_t input, int law) { return law_at(input, law, t); }, state[0], state[1],
+      state[2]);
   for (const Index i : driven_.inputs) {
     const DriverInput& in = system_.inputs[static_cast<std::size_t>(i)];
     for (Index k = in.first; k < in.first + in.count; ++k) {
@@ -75,8 +77,9 @@ void Inputs::set(std::string_view driver, const Motion& motion) {
   }
   std::string known;
   for (const Control& c : controls_) known += (known.empty() ? "" : ", ") + c.name;
-  throw Error(Error::Kind::input, "'" + std::string(driver) + "' is no controlled driver; " +
-                                      (known.empty() ? "name them in PrepareOptions::controlled" : "there are: " + known));
+  throw Error(Error::Kind::input,
+              "'" + std::string(driver) + "' is no controlled driver; " +
+                  (known.empty() ? "name them in PrepareOptions::controlled" : "there are: " + known));
 }
 
 void Inputs::begin_step(double now, double next) {

@@ -25,7 +25,8 @@ OutputProgram::OutputProgram(const System& s, std::span<const std::int32_t> addr
                 m.kind == MeasureForms::Kind::absolute_angle || m.kind == MeasureForms::Kind::signed_angle};
       for (const Index f : m.forms) {
         for (const Term& t : s.form(f)) {
-          terms_.push_back({address[static_cast<std::size_t>(t.coordinate)], s.constants[static_cast<std::size_t>(t.constant)]});
+          terms_.push_back(
+              {address[static_cast<std::size_t>(t.coordinate)], s.constants[static_cast<std::size_t>(t.constant)]});
         }
         form_start_.push_back(static_cast<std::int32_t>(terms_.size()));
       }
@@ -44,7 +45,8 @@ void OutputProgram::evaluate(const double* const (&state)[3], double* out, const
     for (std::int32_t f = part.forms_begin; f < part.forms_end; ++f) {
       double sum[3] = {};
       for (int d = 0; d <= part.derivatives; ++d) {
-        for (std::int32_t t = form_start_[static_cast<std::size_t>(f)]; t < form_start_[static_cast<std::size_t>(f) + 1]; ++t) {
+        for (std::int32_t t = form_start_[static_cast<std::size_t>(f)];
+             t < form_start_[static_cast<std::size_t>(f) + 1]; ++t) {
           const TermAt& term = terms_[static_cast<std::size_t>(t)];
           sum[d] += term.factor * state[d][term.address];
         }

@@ -17,7 +17,8 @@ template <class T>
 Jet<T> evaluate_measure(MeasureForms::Kind kind, std::span<const Jet<T>> f, int dimension) {
   const auto dot = [&](std::size_t a, std::size_t b) {
     Jet<T> sum = f[a] * f[b];
-    for (int k = 1; k < dimension; ++k) sum = sum + f[a + static_cast<std::size_t>(k)] * f[b + static_cast<std::size_t>(k)];
+    for (int k = 1; k < dimension; ++k)
+      sum = sum + f[a + static_cast<std::size_t>(k)] * f[b + static_cast<std::size_t>(k)];
     return sum;
   };
   const auto cross = [&](std::size_t a, std::size_t b, int k) {

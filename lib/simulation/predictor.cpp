@@ -52,17 +52,23 @@ double amplification(const PredictionWeights& w) {
 
 int postures_read(const Predictor& p) {
   switch (p.kind) {
-    case Predictor::Kind::hermite: return 2;
-    case Predictor::Kind::past: return p.order + 1;
-    default: return 1;
+    case Predictor::Kind::hermite:
+      return 2;
+    case Predictor::Kind::past:
+      return p.order + 1;
+    default:
+      return 1;
   }
 }
 
 int derivatives_read(const Predictor& p) {
   switch (p.kind) {
-    case Predictor::Kind::hermite: return 2;
-    case Predictor::Kind::taylor: return p.order;
-    default: return 0;
+    case Predictor::Kind::hermite:
+      return 2;
+    case Predictor::Kind::taylor:
+      return p.order;
+    default:
+      return 0;
   }
 }
 

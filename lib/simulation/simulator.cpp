@@ -17,12 +17,12 @@
 namespace assur {
 namespace {
 
-constexpr int kHalvings = 20;           // a step is halved down to 2^-20
-constexpr int kReach = 12;              // a change point is passed from 2^12 of the shortest steps before it to beyond
-constexpr int kMoreHalvings = 6;        // of the shortest step, on the way back from a change point
-constexpr double kApart = 1.0 / 16;     // of that reach: a step that ends nearer to the change point is in doubt
-constexpr double kSure = 1e-3;          // largest correction over the distance of the branches
-constexpr double kConsistent = 1e-10;   // relative residual of a redundant equation that still holds
+constexpr int kHalvings = 20;          // a step is halved down to 2^-20
+constexpr int kReach = 12;             // a change point is passed from 2^12 of the shortest steps before it to beyond
+constexpr int kMoreHalvings = 6;       // of the shortest step, on the way back from a change point
+constexpr double kApart = 1.0 / 16;    // of that reach: a step that ends nearer to the change point is in doubt
+constexpr double kSure = 1e-3;         // largest correction over the distance of the branches
+constexpr double kConsistent = 1e-10;  // relative residual of a redundant equation that still holds
 constexpr std::size_t kEventsReserved = 64;
 
 std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
@@ -35,10 +35,10 @@ void reserve(std::vector<double>& values, std::size_t rows, std::size_t columns)
     if (wanted < free) return values.reserve(rows * columns);
   } catch (const std::exception&) {
   }
-  throw Error(Error::Kind::environment, "no memory for " + std::to_string(rows) + " times x " + std::to_string(columns) +
-                                            " values (" + std::to_string(std::llround(wanted / 1048576)) + " MiB, " +
-                                            std::to_string(std::llround(free / 1048576)) +
-                                            " free); ask for fewer outputs or a shorter run");
+  throw Error(Error::Kind::environment,
+              "no memory for " + std::to_string(rows) + " times x " + std::to_string(columns) + " values (" +
+                  std::to_string(std::llround(wanted / 1048576)) + " MiB, " +
+                  std::to_string(std::llround(free / 1048576)) + " free); ask for fewer outputs or a shorter run");
 }
 
 }  // namespace
@@ -92,10 +92,11 @@ struct Simulator::Impl {
     const Status s = solve_at(now, Attempt::Branch::start, errors);
     if (!s.ok()) {
       const std::string group = s.where >= 0 ? " in group " + structure.groups[idx(s.where)].name : "";
-      throw Error(Error::Kind::numerical,
-                  "the start posture has no " + std::string(s.code == Code::singular ? "velocities" : "solution") + ": " +
-                      std::string(name(s.code)) + group +
-                      (s.code == Code::singular ? "; the Jacobian is singular there, start elsewhere on the path" : ""));
+      throw Error(
+          Error::Kind::numerical,
+          "the start posture has no " + std::string(s.code == Code::singular ? "velocities" : "solution") + ": " +
+              std::string(name(s.code)) + group +
+              (s.code == Code::singular ? "; the Jacobian is singular there, start elsewhere on the path" : ""));
     }
     accept(now, errors);
     report.reached = now;
@@ -165,13 +166,14 @@ struct Simulator::Impl {
 
   // ---- one step
 
-  // `may_reselect`: at a singularity return with wants_reselection set, if there are redundant equations to choose from.
+  // `may_reselect`: at a singularity return with wants_reselection set, if there are redundant equations to choose
+  // from.
   Status step_to(double t, bool may_reselect) {
     wants_reselection = false;
     if (t == now) return {};
     if (limits.seconds > 0) {
-      deadline = std::chrono::steady_clock::now() +
-                 std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(limits.seconds));
+      deadline = std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+                                                        std::chrono::duration<double>(limits.seconds));
     }
     const double from = now, span = t - now, smallest = std::abs(std::ldexp(span, -kHalvings));
     inputs.begin_step(now, t);
@@ -270,9 +272,9 @@ struct Simulator::Impl {
     return target;
   }
 
-  // Over a change point by the smooth continuation. Close to it a posture is uncertain by eps / distance and its rates by
-  // eps / distance^2, so the step starts well before it and lands as far beyond, where the branches are apart by more
-  // than any error. Other packs may be at one of theirs at the same time.
+  // Over a change point by the smooth continuation. Close to it a posture is uncertain by eps / distance and its rates
+  // by eps / distance^2, so the step starts well before it and lands as far beyond, where the branches are apart by
+  // more than any error. Other packs may be at one of theirs at the same time.
   bool pass(double target, double t) {
     last_before_pass = now;
     const std::size_t at_its_change_point = failed_pack;
@@ -315,8 +317,8 @@ struct Simulator::Impl {
 
   // ---- redundant equations
 
-  // The same motion with another independent set of the redundant equations, chosen at the last accepted posture; null if
-  // that is the set at hand or cannot be started there.
+  // The same motion with another independent set of the redundant equations, chosen at the last accepted posture; null
+  // if that is the set at hand or cannot be started there.
   std::unique_ptr<Impl> reselected() {
     std::vector<double> posture = system.guess;  // coordinates that presolve eliminated follow from the others
     for (std::size_t c = 0; c < posture.size(); ++c) {
@@ -332,8 +334,9 @@ struct Simulator::Impl {
       next->first_structure = first_structure != nullptr ? first_structure : std::make_shared<const Prepared>(prepared);
       next->report = std::move(report);
       next->row = row;
-      next->report.fallbacks.push_back("t = " + std::to_string(now) +
-                                       " s: an equation set became singular; another one of the redundant equations is solved");
+      next->report.fallbacks.push_back(
+          "t = " + std::to_string(now) +
+          " s: an equation set became singular; another one of the redundant equations is solved");
       return next;
     } catch (const Error&) {
       return nullptr;

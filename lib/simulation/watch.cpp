@@ -12,8 +12,9 @@ Watch::Watch(const System& system, const Structure& structure, std::span<const s
       phi_(structure.watch_class.equations.size()),
       scale_(phi_.size()) {
   std::vector<double> constants;
-  for (const std::int32_t k : structure.watch.constants) constants.push_back(system.constants[static_cast<std::size_t>(k)]);
-  bind(program_, constants, coefficients_.data(), 1);
+  for (const std::int32_t k : structure.watch.constants)
+    constants.push_back(system.constants[static_cast<std::size_t>(k)]);
+  bind_coefficients(program_, constants, coefficients_.data(), 1);
   for (const std::int32_t c : structure.watch.inputs) addresses_.push_back(address[static_cast<std::size_t>(c)]);
 }
 

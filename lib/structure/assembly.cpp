@@ -12,14 +12,14 @@ namespace assur {
 namespace {
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
-constexpr double kSatisfied = 64 * kEps;   // relative residual of an equation that holds
-constexpr Eigen::Index kDense = 96;        // larger blocks are factored sparse
+constexpr double kSatisfied = 64 * kEps;  // relative residual of an equation that holds
+constexpr Eigen::Index kDense = 96;       // larger blocks are factored sparse
 constexpr int kNewtonSteps = 60;
 constexpr int kFitSteps = 400;
 constexpr int kPolishSteps = 10;
-constexpr double kNear = 0.25;             // internal units
-constexpr double kStuck = 1e-8;            // relative residual: least squares that end above it are at no posture
-constexpr double kNudge = 0.1;             // internal units: typical lengths are 1
+constexpr double kNear = 0.25;   // internal units
+constexpr double kStuck = 1e-8;  // relative residual: least squares that end above it are at no posture
+constexpr double kNudge = 0.1;   // internal units: typical lengths are 1
 
 // A direct solution with what assembly asks of it: singular or not, and the sign of the determinant.
 class Linearization {
@@ -130,8 +130,8 @@ void leave_saddle(const DenseBlock& block, std::span<const Index> unknowns, std:
   scatter(unknowns, gather(unknowns, q) + kNudge * svd.matrixV().rightCols(1), q);
 }
 
-// Undamped Newton stays on the posture of a good guess even where that is badly conditioned, which damping may leave for
-// one nearby. False, and q as it was, if it does not converge within kNear of the guess.
+// Undamped Newton stays on the posture of a good guess even where that is badly conditioned, which damping may leave
+// for one nearby. False, and q as it was, if it does not converge within kNear of the guess.
 bool polish(const DenseBlock& block, std::span<const Index> unknowns, std::vector<double>& q) {
   const Eigen::VectorXd guess = gather(unknowns, q);
   for (int step = 0; step < kPolishSteps; ++step) {
@@ -185,7 +185,8 @@ BlockAssembly assemble(const System& s, std::span<const Index> equations, std::s
         scatter(unknowns, x + alpha * p, q);
         const Eigen::VectorXd next = j.solve(block.residuals(q));
         // The second test: at the rounding level of a badly conditioned block no correction contracts.
-        if (next.allFinite() && (next.norm() <= (1 - alpha / 4) * p.norm() || block.relative_residual(q) <= kSatisfied)) {
+        if (next.allFinite() &&
+            (next.norm() <= (1 - alpha / 4) * p.norm() || block.relative_residual(q) <= kSatisfied)) {
           accepted = true;
           break;
         }

@@ -20,7 +20,8 @@ struct FreeDecomposition {
 std::unique_ptr<cs_di, FreeSparse> incidence(const System& s, std::span<const Index> equations,
                                              std::span<const Index> unknowns) {
   std::vector<Index> column(s.coordinates.size(), -1);
-  for (std::size_t j = 0; j < unknowns.size(); ++j) column[static_cast<std::size_t>(unknowns[j])] = static_cast<Index>(j);
+  for (std::size_t j = 0; j < unknowns.size(); ++j)
+    column[static_cast<std::size_t>(unknowns[j])] = static_cast<Index>(j);
   std::unique_ptr<cs_di, FreeSparse> triplets(cs_di_spalloc(static_cast<int>(equations.size()),
                                                             static_cast<int>(unknowns.size()),
                                                             static_cast<int>(equations.size() * 4 + 1), 1, 1));

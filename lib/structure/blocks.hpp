@@ -10,19 +10,19 @@
 namespace assur {
 
 struct Blocks {
-  // Block b holds unknowns and as many equations [start[b], start[b + 1]); blocks come in solving order, sorted by level,
-  // then by their first unknown.
+  // Block b holds unknowns and as many equations [start[b], start[b + 1]); blocks come in solving order, sorted by
+  // level, then by their first unknown.
   std::vector<Index> start = {0};
   std::vector<Index> equations;
   std::vector<Index> unknowns;
-  std::vector<Index> level;             // blocks
+  std::vector<Index> level;              // blocks
   std::vector<Index> needs_start = {0};  // blocks + 1
-  std::vector<Index> needs;             // blocks whose unknowns a block reads
+  std::vector<Index> needs;              // blocks whose unknowns a block reads
 
   // Structurally over- and underdetermined parts: both empty if every unknown is matched with an equation.
-  std::vector<Index> surplus_equations;   // of the overdetermined part, more equations than unknowns
-  std::vector<Index> surplus_unknowns;    // of the underdetermined part
-  std::vector<Index> over_unknowns;       // unknowns of the overdetermined part
+  std::vector<Index> surplus_equations;  // of the overdetermined part, more equations than unknowns
+  std::vector<Index> surplus_unknowns;   // of the underdetermined part
+  std::vector<Index> over_unknowns;      // unknowns of the overdetermined part
   std::vector<Index> under_equations;
 
   [[nodiscard]] Index size() const { return static_cast<Index>(start.size()) - 1; }

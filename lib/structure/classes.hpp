@@ -11,7 +11,7 @@ namespace assur {
 
 // What the class of a group depends on beside its equations.
 struct GroupContent {
-  std::vector<Index> unknowns;   // in the order wanted; those not needed in the highest derivative first
+  std::vector<Index> unknowns;  // in the order wanted; those not needed in the highest derivative first
   std::vector<Index> equations;
   Index blocks = 1;
   std::vector<Index> unknown_block, equation_block;

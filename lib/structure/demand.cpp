@@ -19,7 +19,8 @@ std::vector<std::int8_t> needed_by_outputs(const System& s, const std::vector<Ou
   return need;
 }
 
-void require_inputs(const System& s, std::span<const Index> equations, int derivatives, std::vector<std::int8_t>& need) {
+void require_inputs(const System& s, std::span<const Index> equations, int derivatives,
+                    std::vector<std::int8_t>& need) {
   std::vector<Index> mentioned;
   for (const Index e : equations) {
     s.mentioned(e, mentioned);

@@ -62,7 +62,8 @@ class DenseBlock {
  private:
   template <class Put>
   void entries(const std::vector<double>& q, Put&& put) const {
-    for (std::size_t j = 0; j < unknowns_.size(); ++j) column_[static_cast<std::size_t>(unknowns_[j])] = static_cast<Index>(j);
+    for (std::size_t j = 0; j < unknowns_.size(); ++j)
+      column_[static_cast<std::size_t>(unknowns_[j])] = static_cast<Index>(j);
     for (Eigen::Index i = 0; i < rows(); ++i) {
       gradient<double>(system_, equations_[static_cast<std::size_t>(i)], q, [&](Index c, double value) {
         const Index j = column_[static_cast<std::size_t>(c)];

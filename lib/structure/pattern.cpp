@@ -17,8 +17,8 @@ Shape Structure::shape(const Group& group) const {
   Shape s;
   s.n = c.n;
   s.nnz = pattern(group.group_class).nnz();
-  s.groups = static_cast<Index>(std::count_if(groups.begin(), groups.end(),
-                                              [&](const Group& g) { return g.group_class == group.group_class; }));
+  s.groups = static_cast<Index>(
+      std::count_if(groups.begin(), groups.end(), [&](const Group& g) { return g.group_class == group.group_class; }));
   s.rhs = 1 + group.derivatives;
   return s;
 }

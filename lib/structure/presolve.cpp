@@ -6,7 +6,7 @@
 namespace assur {
 namespace {
 
-constexpr double kPivotShare = 0.5;       // of the largest coefficient: x = sum c_j / c_p q_j amplifies no rounding by more
+constexpr double kPivotShare = 0.5;  // of the largest coefficient: x = sum c_j / c_p q_j amplifies no rounding by more
 constexpr std::size_t kLongestForm = 12;  // longer ones would cost more than the unknown that they save
 
 struct Affine {
@@ -139,7 +139,7 @@ class Presolve {
   System& s_;
   std::vector<Index> eliminated_;  // coordinates: index into replacement_, -1: still there
   std::vector<Affine> replacement_;
-  std::vector<Index> used_;        // equations that mention the coordinate
+  std::vector<Index> used_;  // equations that mention the coordinate
 };
 
 }  // namespace

@@ -12,7 +12,7 @@ namespace assur {
 namespace {
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
-constexpr double kNonzero = 1e-8;       // entries of a null vector that count, relative to the largest
+constexpr double kNonzero = 1e-8;        // entries of a null vector that count, relative to the largest
 constexpr Eigen::Index kLargest = 3000;  // dense QR: minutes beyond
 
 using Qr = Eigen::ColPivHouseholderQR<Eigen::MatrixXd>;
@@ -44,10 +44,7 @@ bool counts(const Eigen::VectorXd& c, Eigen::Index i) {
 // Column k >= rank of a pivoted QR as a combination of the first `rank` ones: the null vector's other entries.
 Eigen::VectorXd combination(const Qr& qr, Eigen::Index k) {
   const Eigen::Index r = qr.rank();
-  return qr.matrixR()
-      .topLeftCorner(r, r)
-      .template triangularView<Eigen::Upper>()
-      .solve(qr.matrixR().col(k).head(r));
+  return qr.matrixR().topLeftCorner(r, r).template triangularView<Eigen::Upper>().solve(qr.matrixR().col(k).head(r));
 }
 
 }  // namespace

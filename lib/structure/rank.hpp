@@ -10,13 +10,13 @@
 namespace assur {
 
 struct RankStudy {
-  std::vector<Index> kept;                 // an independent set of the equations
-  std::vector<Index> dropped;              // the others
-  std::vector<Redundancy> redundant;       // one for each dropped equation
-  std::vector<Index> undetermined;         // unknowns in the null space of every posture
-  Index rank = 0;                          // the largest over the postures
-  bool singular_start = false;             // the rank at the start is smaller than elsewhere on the path
-  double residual = 0;                     // relative, of all equations at the start; large: inconsistent
+  std::vector<Index> kept;            // an independent set of the equations
+  std::vector<Index> dropped;         // the others
+  std::vector<Redundancy> redundant;  // one for each dropped equation
+  std::vector<Index> undetermined;    // unknowns in the null space of every posture
+  Index rank = 0;                     // the largest over the postures
+  bool singular_start = false;        // the rank at the start is smaller than elsewhere on the path
+  double residual = 0;                // relative, of all equations at the start; large: inconsistent
 };
 
 // Looks at the posture q at `time`, which is fitted to the equations first, and at two further postures on the path.

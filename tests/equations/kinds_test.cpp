@@ -221,7 +221,7 @@ class Pack {
       }
       std::vector<double> constants;
       for (const Index k : group.constants) constants.push_back(lane.system.constants[idx(k)]);
-      bind(program_, constants, coefficients_.data() + l, w_);
+      bind_coefficients(program_, constants, coefficients_.data() + l, w_);
       lanes_.push_back(std::move(lane));
     }
   }

@@ -51,7 +51,7 @@ TEST(ProgramCallback, IsEvaluatedInSiUnitsInEveryLane) {
       const auto evaluator = make_evaluator(*s.system, program, lanes);
       std::vector<double> constants, k(program.coefficients.size() * w), inputs, unknowns;
       for (const Index i : g.constants) constants.push_back(s.system->constants[idx(i)]);
-      for (std::size_t l = 0; l < w; ++l) bind(program, constants, k.data() + l, w);
+      for (std::size_t l = 0; l < w; ++l) bind_coefficients(program, constants, k.data() + l, w);
       for (const Index i : g.inputs) inputs.insert(inputs.end(), w, s.start[idx(i)]);
       for (const Index i : g.unknowns) {
         for (std::size_t l = 0; l < w; ++l) unknowns.push_back(s.start[idx(i)] + 0.125 * static_cast<double>(l + 1));
@@ -107,7 +107,7 @@ TEST(ProgramCallback, PartOfItsRows) {
   const auto evaluator = make_evaluator(*s.system, program, 1);
   std::vector<double> constants, k(program.coefficients.size()), inputs, unknowns;
   for (const Index i : g.constants) constants.push_back(s.system->constants[idx(i)]);
-  bind(program, constants, k.data(), 1);
+  bind_coefficients(program, constants, k.data(), 1);
   for (const Index i : g.inputs) inputs.push_back(s.start[idx(i)]);
   for (const Index i : g.unknowns) unknowns.push_back(s.start[idx(i)] + 0.125);
   // One value behind the end, which nobody may write.
