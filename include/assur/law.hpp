@@ -56,6 +56,7 @@ class Law {
   // Throws Error (input) if the times do not ascend, sizes differ, or a periodic table does not close.
   [[nodiscard]] static Law table(std::vector<double> time, std::vector<double> value, bool periodic = false);
   // t -> {value, rate, acceleration}; must be callable at any time of the run, and again after a rejected step.
+  // What it throws passes through the step that asked.
   [[nodiscard]] static Law function(std::function<Motion(double)> motion);
 
   friend Law operator+(const Law& a, const Law& b);

@@ -45,8 +45,7 @@ struct Member {
 
 // A moving frame. Exactly one of these bases:
 //   3D: origin + frame of three unit vectors (u, v, w), or base of three points, not collinear (local axes: x from the
-//   first to
-//       the second, y in their plane towards the third, z = x cross y)
+//       first to the second, y in their plane towards the third, z = x cross y)
 //   2D: base of two points (local axes: x from the first to the second, y to its left), or origin + frame of one vector
 //   an origin alone: a body that translates
 // The name "ground" is the fixed frame: its members are fixed.

@@ -1,6 +1,7 @@
 // A strategy is a value with a text form that round-trips:
 //   formulation/backend[:W][+float][+refine][+reuse=step|run][+once][+predict=PREDICTOR][+chunks=C] [PxQ]
-// with W = 1, 2, 4, 8 or 16 and PREDICTOR = taylor:0..2 | hermite:5 | past:0..5, e.g. "irreducible/klu+once+predict=hermite:5".
+// with W = 1, 2, 4, 8 or 16 and PREDICTOR = taylor:0..2 | hermite:5 | past:0..5,
+// e.g. "irreducible/klu+once+predict=hermite:5".
 #pragma once
 
 #include <cstdint>
