@@ -31,6 +31,16 @@ void refuse_undetermined(const Structure& s) {
   throw Error(Error::Kind::input, "undetermined: nothing fixes " + names + "; add a constraint or a driver");
 }
 
+void check_controlled(const Scene& scene, const std::vector<std::string>& controlled) {
+  std::string known;
+  for (const Driver& d : scene.drivers()) known += (known.empty() ? "" : ", ") + d.name;
+  for (const std::string& name : controlled) {
+    if (std::none_of(scene.drivers().begin(), scene.drivers().end(), [&](const Driver& d) { return d.name == name; })) {
+      throw Error(Error::Kind::input, "'" + name + "' cannot be controlled, it is no driver; there are: " + known);
+    }
+  }
+}
+
 Prepared prepare_at(const Scene& scene, const PrepareOptions& options, std::vector<double> posture, double time) {
   const bool automatic = options.strategy == "auto";
   const Strategy wanted = parse_strategy(automatic ? "irreducible/eigen" : options.strategy);
@@ -40,6 +50,7 @@ Prepared prepare_at(const Scene& scene, const PrepareOptions& options, std::vect
                 "strategy " + options.strategy +
                     " cannot run here: this version has one thread, double precision and a fresh or +once Jacobian");
   }
+  check_controlled(scene, options.controlled);
   StructureOptions structure_options;
   structure_options.formulation = wanted.formulation;
   structure_options.controlled = options.controlled;

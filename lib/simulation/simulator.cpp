@@ -28,13 +28,10 @@ constexpr std::size_t kEventsReserved = 64;
 std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 // Memory that is promised but not there ends the process later, so it is asked for first.
-void reserve(std::vector<double>& values, std::size_t rows, std::size_t columns) {
+void check_memory(std::size_t rows, std::size_t columns) {
   const double wanted = static_cast<double>(rows) * static_cast<double>(columns) * sizeof(double);
   const double free = static_cast<double>(sysconf(_SC_AVPHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
-  try {
-    if (wanted < free) return values.reserve(rows * columns);
-  } catch (const std::exception&) {
-  }
+  if (wanted < free) return;
   throw Error(Error::Kind::environment,
               "no memory for " + std::to_string(rows) + " times x " + std::to_string(columns) + " values (" +
                   std::to_string(std::llround(wanted / 1048576)) + " MiB, " +
@@ -375,6 +372,9 @@ struct Simulator::Impl {
 };
 
 Simulator::Simulator(Prepared prepared, StepLimits limits) {
+  if (limits.iterations < 0 || limits.most_iterations < 1 || !(limits.seconds >= 0)) {
+    throw Error(Error::Kind::input, "StepLimits need iterations >= 0, most_iterations >= 1 and seconds >= 0");
+  }
   const double start = prepared.scene->time().start;
   impl_ = std::make_unique<Impl>(std::move(prepared), limits, start);
 }
@@ -411,6 +411,8 @@ void Simulator::reset() {
 
 Trajectory Simulator::run(const Observer& observer) {
   const TimeGrid& grid = impl_->prepared.scene->time();
+  // The grid itself, the trajectory's times and its values.
+  check_memory(static_cast<std::size_t>(grid.steps()) + 1, columns().size() + 2);
   std::vector<double> times;
   for (std::int64_t k = 0; k <= grid.steps(); ++k) times.push_back(grid.time(k));
   return run(times, observer);
@@ -420,7 +422,8 @@ Trajectory Simulator::run(std::span<const double> times, const Observer& observe
   reset();
   Trajectory out;
   out.columns_ = impl_->outputs.columns();
-  reserve(out.values_, times.size(), out.columns_.size());
+  check_memory(times.size(), out.columns_.size() + 1);
+  out.values_.reserve(times.size() * out.columns_.size());
   out.times_.reserve(times.size());
   const auto of = static_cast<std::int64_t>(times.size());
   for (const double t : times) {
