@@ -37,6 +37,9 @@ struct ThreadBudget {
   std::int32_t threads = 1;
 };
 
+// What a solver factorises and solves in. Values and right-hand sides are double either way.
+enum class Precision : std::uint8_t { binary64, binary32 };
+
 enum class Transpose : std::uint8_t { no, yes };
 
 // Health of the last factorisation of one lane.
@@ -45,6 +48,14 @@ struct Figures {
   double pivot_growth = 0;          // max |U| / max |A|, columnwise maximum for klu's reciprocal growth
   double reciprocal_condition = 0;  // a cheap estimate: min |u_ii| / max |u_ii|; 0 if singular
   int determinant_sign = 0;         // -1, 0, +1
+};
+
+// What a solver did beyond plain factorisations and solutions, in all since analyze().
+struct Effort {
+  std::int64_t redone = 0;     // lanes factorised with pivots of their own, because those of the class did not serve
+  std::int64_t renewed = 0;    // pivot orders chosen anew
+  std::int64_t refined = 0;    // steps of iterative refinement
+  std::int64_t in_double = 0;  // lanes factorised in double, because float did not converge
 };
 
 class LinearSolver {
@@ -64,15 +75,23 @@ class LinearSolver {
                                      int first_wanted = 0) = 0;
 
   [[nodiscard]] virtual Figures figures(int lane) const = 0;
+
+  [[nodiscard]] virtual Effort effort() const { return {}; }
+
+  // Another solver for the same pattern and lanes, which shares what no longer changes (analysis, pivot order); null
+  // where a new one is as good.
+  [[nodiscard]] virtual std::unique_ptr<LinearSolver> clone() const { return nullptr; }
 };
 
 // One row of the table of solvers.
 struct Backend {
-  std::string_view id;                                  // stored in the database: never renamed
-  std::string (*why_not)(const Shape&, ThreadBudget);   // "" if it can run here and now
-  std::unique_ptr<LinearSolver> (*make)(ThreadBudget);  // call only if why_not() is ""
-  bool steady;                                          // allocates nothing after the first factorisation
+  std::string_view id;                                 // stored in the database: never renamed
+  std::string (*why_not)(const Shape&, ThreadBudget);  // "" if it can run here and now
+  // Call only if why_not() is "", with binary32 only where `single` is set.
+  std::unique_ptr<LinearSolver> (*make)(ThreadBudget, Precision);
+  bool steady;               // allocates nothing after the first factorisation
   bool keeps_pivots;         // starts from those of its last matrix: one solver for each pack
+  bool single;               // can factorise in float
   std::string_view licence;  // SPDX identifier of the library behind it
   std::string (*version)();  // of the library behind it; "" if absent
 };

@@ -13,13 +13,13 @@ namespace assur {
 
 namespace eigen {
 std::string why_not(const Shape& shape, ThreadBudget budget);
-std::unique_ptr<LinearSolver> make(ThreadBudget budget);
+std::unique_ptr<LinearSolver> make(ThreadBudget budget, Precision precision);
 std::string version();
 }  // namespace eigen
 
 namespace klu {
 std::string why_not(const Shape& shape, ThreadBudget budget);
-std::unique_ptr<LinearSolver> make(ThreadBudget budget);
+std::unique_ptr<LinearSolver> make(ThreadBudget budget, Precision precision);
 std::string version();
 }  // namespace klu
 

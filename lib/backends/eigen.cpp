@@ -152,7 +152,7 @@ std::string why_not(const Shape& shape, ThreadBudget) {
          std::to_string(kMostUnknowns);
 }
 
-std::unique_ptr<LinearSolver> make(ThreadBudget) { return std::make_unique<DenseSolver>(); }
+std::unique_ptr<LinearSolver> make(ThreadBudget, Precision) { return std::make_unique<DenseSolver>(); }
 
 std::string version() {
   return std::to_string(EIGEN_WORLD_VERSION) + "." + std::to_string(EIGEN_MAJOR_VERSION) + "." +

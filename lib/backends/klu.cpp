@@ -235,7 +235,7 @@ Figures KluSolver::figures(int index) const {
 
 std::string why_not(const Shape&, ThreadBudget) { return ""; }
 
-std::unique_ptr<LinearSolver> make(ThreadBudget) { return std::make_unique<KluSolver>(); }
+std::unique_ptr<LinearSolver> make(ThreadBudget, Precision) { return std::make_unique<KluSolver>(); }
 
 std::string version() {
   return std::to_string(KLU_MAIN_VERSION) + "." + std::to_string(KLU_SUB_VERSION) + "." +

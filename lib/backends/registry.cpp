@@ -7,10 +7,10 @@
 namespace assur {
 namespace {
 
-// id, why_not, make, steady, keeps_pivots, licence, version
+// id, why_not, make, steady, keeps_pivots, single, licence, version
 constexpr std::array kTable = {
-    Backend{"eigen", eigen::why_not, eigen::make, true, false, "MPL-2.0", eigen::version},
-    Backend{"klu", klu::why_not, klu::make, true, true, "LGPL-2.1-or-later", klu::version},
+    Backend{"eigen", eigen::why_not, eigen::make, true, false, false, "MPL-2.0", eigen::version},
+    Backend{"klu", klu::why_not, klu::make, true, true, false, "LGPL-2.1-or-later", klu::version},
 };
 
 }  // namespace

@@ -48,7 +48,7 @@ GroupSolver::GroupSolver(const System& system, const Structure& structure, std::
 }
 
 std::unique_ptr<LinearSolver> GroupSolver::make_solver() const {
-  auto solver = backend_.make(ThreadBudget{strategy_.q});
+  auto solver = backend_.make(ThreadBudget{strategy_.q}, Precision::binary64);
   if (!solver->analyze(program_.pattern, lanes_).ok()) {
     throw Error(Error::Kind::environment, "backend " + strategy_.backend + " cannot analyse the pattern of a group");
   }

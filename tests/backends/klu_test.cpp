@@ -16,7 +16,7 @@ class Klu : public testing::Test {
     const Backend& klu = find_backend(backends(), "klu");
     const std::string why_not = klu.why_not(Shape{}, ThreadBudget{});
     if (!why_not.empty()) GTEST_SKIP() << why_not;
-    solver_ = klu.make(ThreadBudget{});
+    solver_ = klu.make(ThreadBudget{}, Precision::binary64);
   }
 
   // Factorises, and returns the backward error of one solution. New pivots are what allocates.
@@ -36,7 +36,7 @@ class Klu : public testing::Test {
 };
 
 TEST_F(Klu, DeterminantSignIsThatOfDenseElimination) {
-  const auto dense_solver = find_backend(backends(), "eigen").make(ThreadBudget{});
+  const auto dense_solver = find_backend(backends(), "eigen").make(ThreadBudget{}, Precision::binary64);
   Random random(11);
   int negative = 0;
   for (int trial = 0; trial < 300; ++trial) {

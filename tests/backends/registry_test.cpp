@@ -14,7 +14,7 @@ TEST(Registry, ListsEveryBackendOnceAndPresentOnesAreComplete) {
     EXPECT_FALSE(backend.licence.empty());
     const bool present = backend.why_not(Shape{}, ThreadBudget{}).empty();
     EXPECT_EQ(backend.version().empty(), !present) << backend.id;
-    EXPECT_EQ(backend.make(ThreadBudget{}) != nullptr, present) << backend.id;
+    EXPECT_EQ(backend.make(ThreadBudget{}, Precision::binary64) != nullptr, present) << backend.id;
   }
   EXPECT_TRUE(ids.contains("eigen"));
   EXPECT_TRUE(ids.contains("klu"));
@@ -51,7 +51,7 @@ std::string refusal(std::span<const Backend> table, std::string_view id) {
 TEST(Registry, AnUnknownIdIsAnsweredWithTheKnownOnes) {
   const Backend table[] = {
       core_backends()[0],
-      {"gone", [](const Shape&, ThreadBudget) { return std::string("install it"); }, nullptr, true, false, "MIT",
+      {"gone", [](const Shape&, ThreadBudget) { return std::string("install it"); }, nullptr, true, false, false, "MIT",
        nullptr},
   };
   EXPECT_EQ(&find_backend(table, "gone"), &table[1]);  // an absent one is still a row

@@ -162,7 +162,7 @@ TEST_P(SolverContract, EveryLaneOfEveryCaseEndsAsItMust) {
     std::vector<std::vector<double>> values;
     for (int lane = 0; lane < lanes; ++lane) values.push_back(matrices.emplace_back(c.lane(random)).values);
     const Pattern& pattern = matrices[0].pattern;
-    const auto solver = backend->make(ThreadBudget{});
+    const auto solver = backend->make(ThreadBudget{}, Precision::binary64);
     ASSERT_TRUE(solver->analyze(pattern, lanes).ok());
 
     // Twice: the second factorisation may take another path.
@@ -202,7 +202,7 @@ INSTANTIATE_TEST_SUITE_P(Backends, SolverContract,
 
 class OneSolver : public testing::TestWithParam<const Backend*> {
  protected:
-  std::unique_ptr<LinearSolver> solver_ = GetParam()->make(ThreadBudget{});
+  std::unique_ptr<LinearSolver> solver_ = GetParam()->make(ThreadBudget{}, Precision::binary64);
 };
 
 // Solutions of each lane in a pack must not depend on its neighbours, bit by bit.
