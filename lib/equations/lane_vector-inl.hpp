@@ -68,12 +68,20 @@ struct Lanes {
     for (int i = 0; i < kVectors; ++i) a.v[i] = hn::Max(a.v[i], b.v[i]);
     return a;
   }
-  // where positive(a) ? a : otherwise
-  friend HWY_INLINE Lanes positive_or(Lanes a, const Lanes& otherwise) {
+  // test > 0 ? yes : no
+  friend HWY_INLINE Lanes if_positive(const Lanes& test, Lanes yes, const Lanes& no) {
     for (int i = 0; i < kVectors; ++i) {
-      a.v[i] = hn::IfThenElse(hn::Gt(a.v[i], hn::Zero(D())), a.v[i], otherwise.v[i]);
+      yes.v[i] = hn::IfThenElse(hn::Gt(test.v[i], hn::Zero(D())), yes.v[i], no.v[i]);
     }
-    return a;
+    return yes;
+  }
+  // The largest lane; NaN if there is one.
+  HWY_INLINE double largest() const {
+    double lane[W];
+    store(lane);
+    double top = lane[0];
+    for (int w = 1; w < W; ++w) top = lane[w] > top || lane[w] != lane[w] ? lane[w] : top;
+    return top;
   }
 };
 
