@@ -6,6 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "backends/refined.hpp"
+
 namespace assur {
 namespace {
 
@@ -41,7 +43,6 @@ GroupSolver::GroupSolver(const System& system, const Structure& structure, std::
       kernels_(lane_kernels(lanes_)) {
   const std::string why_not = backend_.why_not(choice.shape, ThreadBudget{strategy_.q});
   if (!why_not.empty()) throw Error(Error::Kind::environment, "backend " + strategy_.backend + ": " + why_not);
-  if (!own_solvers_) shared_ = make_solver();
   const std::size_t w = idx(lanes_), n = idx(program_.n) * w;
   inputs_.resize(idx(program_.inputs) * w);
   input_rates_.resize(inputs_.size());
@@ -68,17 +69,17 @@ void GroupSolver::sort_by_rows() {
 }
 
 std::unique_ptr<LinearSolver> GroupSolver::make_solver() const {
-  auto solver = backend_.make(ThreadBudget{strategy_.q}, Precision::binary64);
+  auto solver = assur::make_solver(backend_, ThreadBudget{strategy_.q},
+                                   strategy_.single ? Precision::binary32 : Precision::binary64, strategy_.refine);
   if (!solver->analyze(program_.pattern, lanes_).ok()) {
     throw Error(Error::Kind::environment, "backend " + strategy_.backend + " cannot analyse the pattern of a group");
   }
   return solver;
 }
 
-void GroupSolver::forget(Pack& pack) {
-  pack.solver.reset();
-  pack.factored = false;
+void GroupSolver::restart() {
   first_ = nullptr;
+  if (!own_solvers_) shared_ = make_solver();
 }
 
 void GroupSolver::choose_solver(Pack& pack) {
@@ -90,11 +91,6 @@ void GroupSolver::choose_solver(Pack& pack) {
     if (first_ == nullptr) first_ = pack.solver.get();
   }
   solver_ = pack.solver.get();
-}
-
-Effort GroupSolver::effort(const Pack& pack) const {
-  const LinearSolver* solver = own_solvers_ ? pack.solver.get() : shared_.get();
-  return solver != nullptr ? solver->effort() : Effort{};
 }
 
 void GroupSolver::bind(const System& system, const Structure& structure, Pack& pack) const {

@@ -63,12 +63,12 @@ class GroupSolver {
   [[nodiscard]] int lanes() const { return lanes_; }
   [[nodiscard]] const Program& program() const { return program_; }
 
-  // Drops pivots and factors of an earlier run, so that runs repeat bit for bit. The next solve() of each pack makes
-  // its solver: the first one chooses the pivots, the others start from them.
-  void forget(Pack& pack);
+  // Drops what an earlier run left behind, so that runs repeat bit for bit; the packs drop their own solvers. The next
+  // solve() of each pack makes its solver: the first one chooses the pivots, the others start from them.
+  void restart();
 
-  // What the solvers of `pack` did beyond plain factorisations; where all packs share one, the first tells.
-  [[nodiscard]] Effort effort(const Pack& pack) const;
+  // What the solver that all packs share did; each pack's own one tells for itself.
+  [[nodiscard]] Effort effort() const { return shared_ ? shared_->effort() : Effort{}; }
 
   // Sets up what the pack holds for this class (its groups, inputs and address are there already).
   void bind(const System& system, const Structure& structure, Pack& pack) const;
