@@ -9,6 +9,8 @@
 
 #include <hwy/highway.h>
 
+#include <limits>
+
 HWY_BEFORE_NAMESPACE();
 namespace assur::HWY_NAMESPACE {
 
@@ -77,11 +79,14 @@ struct Lanes {
   }
   // The largest lane; NaN if there is one.
   HWY_INLINE double largest() const {
-    double lane[W];
-    store(lane);
-    double top = lane[0];
-    for (int w = 1; w < W; ++w) top = lane[w] > top || lane[w] != lane[w] ? lane[w] : top;
-    return top;
+    V top = v[0];
+    auto missing = hn::IsNaN(v[0]);
+    for (int i = 1; i < kVectors; ++i) {
+      top = hn::Max(top, v[i]);
+      missing = hn::Or(missing, hn::IsNaN(v[i]));
+    }
+    if (HWY_UNLIKELY(!hn::AllFalse(D(), missing))) return std::numeric_limits<double>::quiet_NaN();
+    return hn::GetLane(hn::MaxOfLanes(D(), top));
   }
 };
 
