@@ -146,7 +146,7 @@ Status GroupSolver::newton(Pack& pack, double* x, const Attempt& attempt, Counte
   counters.evaluated_equations += evaluated;
   counters.group_solutions += pack.used;
   factored_at_solution_ = factored_in_step_ = false;
-  bool usable = strategy_.reuse == Reuse::run && pack.factored;
+  bool usable = strategy_.reuse == Reuse::run && pack.factored, stale = false;
   double relative = kernels_.largest_ratio(phi_.data(), inverse_scale_.data(), program_.n), before = 0, last_norm = 0;
   int iteration = 0;
   for (;; ++iteration) {
@@ -155,10 +155,15 @@ Status GroupSolver::newton(Pack& pack, double* x, const Attempt& attempt, Counte
       if (iteration == attempt.iterations) break;
     } else {
       if (relative <= kConverged) break;
-      if (iteration > 0 && relative <= kRoundingLevel && relative > before / 4) break;
+      if (iteration > 0 && relative <= kRoundingLevel && relative > before / 4) {
+        // Rounding, or factors that no longer fit.
+        if (!stale) break;
+        usable = false;
+      }
       if (iteration == (attempt.branch == Attempt::Branch::anywhere ? kMostSearching : attempt.most_iterations))
         return fail(pack, Code::not_converged, relative);
     }
+    stale = usable;
     if (!usable) {
       if (const Status s = factorize(pack, counters); !s.ok()) return s;
     }
