@@ -108,7 +108,7 @@ Status KluSolver::analyze(const Pattern& pattern, int lanes) {
     lanes_.emplace_back().numeric = {nullptr, FreeNumeric{&common_}};
   }
   code_.assign(lanes_.size(), Code::singular);
-  if (n_ == 0) return {};  // KLU knows no empty matrix
+  if (row_.empty()) return {};  // KLU knows no empty matrix
 
   symbolic_ = {klu_analyze(pattern.n, column_start_.data(), row_.data(), &common_), FreeSymbolic{&common_}};
   if (!symbolic_ && common_.status != KLU_SINGULAR) throw std::bad_alloc();
