@@ -5,6 +5,7 @@
 
 #include "assur/backend.hpp"
 #include "backends/matrices.hpp"
+#include "backends/symmetric_mumps.hpp"
 
 namespace assur::test {
 
@@ -13,6 +14,7 @@ inline std::vector<const Backend*> available() {
   for (const Backend& backend : backends()) {
     if (backend.why_not(Shape{}, ThreadBudget{}).empty()) rows.push_back(&backend);
   }
+  if (symmetric_mumps()) rows.push_back(symmetric_mumps());
   return rows;
 }
 

@@ -89,11 +89,9 @@ std::vector<Case> growing() {
 // Where one row repeats another bit by bit, elimination ends at an exact zero if it treats both alike. Kernels of the
 // BLAS and symmetric pivots need not.
 constexpr double kNoSign = std::numeric_limits<double>::infinity();  // condition
-const std::map<std::string_view, Outcome> kNotBitByBit = {{"lapack", Outcome::either},
-                                                          {"team", Outcome::either},
-                                                          {"umfpack", Outcome::either},
-                                                          {"mumps", Outcome::either},
-                                                          {"ma27", Outcome::either}};
+const std::map<std::string_view, Outcome> kNotBitByBit = {
+    {"lapack", Outcome::either}, {"team", Outcome::either}, {"umfpack", Outcome::either},
+    {"mumps", Outcome::either},  {"ma27", Outcome::either}, {"symmetric_mumps", Outcome::either}};
 
 std::vector<Case> refused() {
   return {
@@ -153,6 +151,7 @@ Told told_by(std::string_view id) {
       {"team", {.partial_pivoting = true}},
       {"mumps", {.growth = false}},
       {"ma27", {.growth = false, .condition = false, .sign = false}},
+      {"symmetric_mumps", {.growth = false, .condition = false, .sign = false}},
   };
   const auto found = table.find(id);
   return found == table.end() ? Told{} : found->second;
