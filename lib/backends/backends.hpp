@@ -23,6 +23,24 @@ std::unique_ptr<LinearSolver> make(ThreadBudget budget, Precision precision);
 std::string version();
 }  // namespace klu
 
+namespace umfpack {
+std::string why_not(const Shape& shape, ThreadBudget budget);
+std::unique_ptr<LinearSolver> make(ThreadBudget budget, Precision precision);
+std::string version();
+}  // namespace umfpack
+
+namespace mumps {
+std::string why_not(const Shape& shape, ThreadBudget budget);
+std::unique_ptr<LinearSolver> make(ThreadBudget budget, Precision precision);
+std::string version();
+}  // namespace mumps
+
+namespace ma27 {
+std::string why_not(const Shape& shape, ThreadBudget budget);
+std::unique_ptr<LinearSolver> make(ThreadBudget budget, Precision precision);
+std::string version();
+}  // namespace ma27
+
 namespace lanes {
 std::string why_not(const Shape& shape, ThreadBudget budget);
 std::unique_ptr<LinearSolver> make(ThreadBudget budget, Precision precision);
