@@ -10,7 +10,7 @@ namespace assur {
 namespace {
 
 constexpr std::array kCore = {
-    Backend{"eigen", eigen::why_not, eigen::make, true, false, false, "MPL-2.0", eigen::version},
+    Backend{"eigen", eigen::why_not, eigen::make, true, false, true, "MPL-2.0", eigen::version},
 };
 
 [[noreturn]] void refuse(std::string what) { throw Error(Error::Kind::input, std::move(what)); }
