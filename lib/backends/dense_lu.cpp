@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "assur/backend.hpp"
@@ -54,11 +55,15 @@ bool eliminate_panel(const Block<T>& a, std::int32_t* pivot) {
   for (Index k = 0; k < a.columns; ++k) {
     T* column = a.column(k);
     Index p = k;
-    for (Index i = k + 1; i < a.rows; ++i) {
-      if (std::abs(column[i]) > std::abs(column[p])) p = i;
+    T largest = std::abs(column[k]);
+    for (Index i = k + 1; i < a.rows; ++i) {  // without a branch, which would often be foretold wrongly
+      const T size = std::abs(column[i]);
+      const bool larger = size > largest;
+      largest = larger ? size : largest;
+      p = larger ? i : p;
     }
     pivot[k] = static_cast<std::int32_t>(p);
-    if (column[p] == 0 || !std::isfinite(column[p])) return false;
+    if (!(largest > 0 && largest <= std::numeric_limits<T>::max())) return false;
     if (p != k) {
       for (Index j = 0; j < a.columns; ++j) std::swap(a(k, j), a(p, j));
     }

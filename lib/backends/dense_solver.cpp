@@ -123,29 +123,39 @@ Status DenseSolver<T>::solve(std::span<double> b_to_x, int rhs, Transpose transp
   return worst(code_);
 }
 
-// Power of two that brings the largest of n numbers close to 1; 1 if there is none, and in double.
-template <class T>
-double scale_of(const double* b, Index n, Index step) {
-  if constexpr (std::is_same_v<T, double>) return 1;
+// Exponent of the largest of n numbers, such that two to its power and its inverse are ordinary numbers; 0 if there is
+// none.
+int exponent_of(const double* b, Index n, Index step) {
   double largest = 0;
   for (Index i = 0; i < n; ++i) largest = std::max(largest, std::abs(b[i * step]));
-  return largest > 0 && std::isfinite(largest) ? std::exp2(-std::clamp(std::ilogb(largest), -1000, 1000)) : 1;
+  return largest > 0 && std::isfinite(largest) ? std::clamp(std::ilogb(largest), -1000, 1000) : 0;
 }
 
 template <class T>
 void DenseSolver<T>::solve_lane(double* b_to_x, Index columns, Transpose transpose, Index first_wanted, int lane) {
+  constexpr bool kScaled = !std::is_same_v<T, double>;
   const Block<T> x{right_.data(), n_, columns, n_};
-  double scale[kRightSides];
+  int exponent[kRightSides];
   for (Index r = 0; r < columns; ++r) {
     const double* b = b_to_x + r * n_ * lanes_;
-    scale[r] = scale_of<T>(b, n_, lanes_);
-    for (Index i = 0; i < n_; ++i) x(i, r) = static_cast<T>(b[i * lanes_] * scale[r]);
+    if constexpr (kScaled) {
+      exponent[r] = exponent_of(b, n_, lanes_);
+      const double scale = std::ldexp(1.0, -exponent[r]);
+      for (Index i = 0; i < n_; ++i) x(i, r) = static_cast<T>(b[i * lanes_] * scale);
+    } else {
+      for (Index i = 0; i < n_; ++i) x(i, r) = b[i * lanes_];
+    }
   }
   if (transpose == Transpose::yes) first_wanted = 0;
   lu_->solve(matrix(lane), pivot(lane), x, transpose, first_wanted);
   for (Index r = 0; r < columns; ++r) {
     double* to = b_to_x + r * n_ * lanes_;
-    for (Index i = first_wanted; i < n_; ++i) to[i * lanes_] = static_cast<double>(x(i, r)) / scale[r];
+    if constexpr (kScaled) {
+      const double scale = std::ldexp(1.0, exponent[r]);
+      for (Index i = first_wanted; i < n_; ++i) to[i * lanes_] = x(i, r) * scale;
+    } else {
+      for (Index i = first_wanted; i < n_; ++i) to[i * lanes_] = x(i, r);
+    }
   }
 }
 

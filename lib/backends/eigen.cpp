@@ -21,17 +21,19 @@ class EigenLu final : public DenseLu<T> {
 
   void solve(const Block<T>& lu, const std::int32_t* pivot, const Block<T>& x, Transpose transpose,
              Index first_wanted) override {
-    const auto swap = [&](Index k) {
-      for (Index r = 0; r < x.columns; ++r) std::swap(x(k, r), x(pivot[k] - 1, r));
-    };
+    const auto swap = [&](T* column, Index k) { std::swap(column[k], column[pivot[k] - 1]); };
     if (transpose == Transpose::no) {  // P A = L U
-      for (Index k = 0; k < x.rows; ++k) swap(k);
+      for (Index r = 0; r < x.columns; ++r) {
+        for (Index k = 0; k < x.rows; ++k) swap(x.column(r), k);
+      }
       solve_lower(lu, x);
       solve_upper(lu, x, first_wanted);
     } else {  // A' = U' L' P
       solve_upper_transposed(lu, x);
       solve_lower_transposed(lu, x);
-      for (Index k = x.rows; k-- > 0;) swap(k);
+      for (Index r = 0; r < x.columns; ++r) {
+        for (Index k = x.rows; k-- > 0;) swap(x.column(r), k);
+      }
     }
   }
 };
