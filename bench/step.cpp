@@ -6,40 +6,10 @@
 #include <vector>
 
 #include "assur/assur.hpp"
-#include "machine.hpp"
+#include "program.hpp"
 
 namespace assur::bench {
 namespace {
-
-constexpr int kWarm = 10;  // steps: the predictors have their history, the solvers their memory
-
-void step(benchmark::State& state, const Scene& scene, const std::string& strategy) {
-  Simulator simulator(prepare(scene, {strategy, {}}));
-  // Beyond the end of the grid the motion of the samples goes on.
-  std::int64_t k = 0;
-  const auto advance = [&] { return simulator.step(scene.time().time(++k)); };
-  for (int i = 0; i < kWarm; ++i) {
-    if (!advance().ok()) return state.SkipWithError("a step failed");
-  }
-  const Counters before = simulator.report().counters;
-  for ([[maybe_unused]] auto _ : state) {
-    if (const Status status = advance(); !status.ok()) {
-      return state.SkipWithError(std::string(name(status.code)).c_str());
-    }
-  }
-  const Counters& after = simulator.report().counters;
-  const auto over = [](std::int64_t work, std::int64_t of) {
-    return static_cast<double>(work) / static_cast<double>(of);
-  };
-  state.counters["iterations"] =
-      over(after.newton_iterations - before.newton_iterations, after.group_solutions - before.group_solutions);
-  state.counters["factorizations"] = over(after.factorizations - before.factorizations, state.iterations());
-  state.counters["substeps"] = over(after.substeps - before.substeps, state.iterations());
-  const ErrorFigures& error = simulator.report().error;
-  state.counters["position"] = error.position;
-  state.counters["velocity"] = error.velocity;
-  state.counters["acceleration"] = error.acceleration;
-}
 
 void register_all() {
   for (const std::string text :
@@ -47,11 +17,11 @@ void register_all() {
     const Scene scene = sample(text);
     for (const std::string formulation : {"global", "groups", "irreducible"}) {
       for (const std::string solver : {"eigen", "klu"}) {
-        if (!find_backend(backends(), solver).why_not({}, {}).empty()) continue;
         for (const std::string once : {"", "+once"}) {
           for (const std::string predictor : {"hermite:5", "past:5", "taylor:2"}) {
             const std::string strategy = formulation + "/" + solver + once + "+predict=" + predictor;
-            benchmark::RegisterBenchmark((text + " " + strategy).c_str(), step, scene, strategy);
+            if (!why_not(strategy).empty()) continue;
+            benchmark::RegisterBenchmark((text + " " + strategy).c_str(), time_steps, scene, strategy);
           }
         }
       }
@@ -62,19 +32,4 @@ void register_all() {
 }  // namespace
 }  // namespace assur::bench
 
-int main(int argc, char** argv) {
-  // What honest times need, unless the command line says otherwise.
-  std::string defaults[] = {"--benchmark_enable_random_interleaving=true", "--benchmark_repetitions=5",
-                            "--benchmark_report_aggregates_only=true", "--benchmark_min_time=0.05",
-                            "--benchmark_counters_tabular=true"};
-  std::vector<char*> arguments = {argv[0]};
-  for (std::string& argument : defaults) arguments.push_back(argument.data());
-  arguments.insert(arguments.end(), argv + 1, argv + argc);
-  int count = static_cast<int>(arguments.size());
-  benchmark::Initialize(&count, arguments.data());
-  if (benchmark::ReportUnrecognizedArguments(count, arguments.data())) return 2;
-  assur::bench::describe_machine();
-  assur::bench::register_all();
-  benchmark::RunSpecifiedBenchmarks();
-  benchmark::Shutdown();
-}
+int main(int argc, char** argv) { return assur::bench::run_program(argc, argv, assur::bench::register_all); }
