@@ -30,13 +30,12 @@ int run_program(int argc, char** argv, void (*register_all)()) {
 }
 
 std::string why_not(const std::string& strategy) {
-  const Strategy wanted = parse_strategy(strategy);
-  for (const Backend& backend : backends()) {
-    if (backend.id != wanted.backend) continue;
-    if (wanted.single && !backend.single) return "it has no float";
-    return backend.why_not({}, ThreadBudget{wanted.q});
+  try {
+    const Simulator small(prepare(sample("four_bar:1"), {strategy, {}}));
+    return "";
+  } catch (const Error& error) {
+    return error.what();
   }
-  return "this build has no such backend";
 }
 
 void time_steps(benchmark::State& state, const Scene& scene, const std::string& strategy) {
