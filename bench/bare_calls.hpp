@@ -51,7 +51,7 @@ extern "C" {
 void dgetrf_(const int* m, const int* n, double* a, const int* lda, int* pivot, int* info);
 void dgetrs_(const char* trans, const int* n, const int* nrhs, const double* a, const int* lda, const int* pivot,
              double* b, const int* ldb, int* info, std::size_t trans_length);
-void openblas_set_num_threads(int threads);
+[[gnu::weak]] void openblas_set_num_threads(int threads);  // null in another LAPACK
 }
 
 // Nonzeros scattered into a dense matrix, dgetrf, dgetrs.

@@ -369,7 +369,7 @@ void register_library() {
 void register_all() {
   register_library<BareKlu>();
 #ifdef ASSUR_BENCH_LAPACK
-  openblas_set_num_threads(1);
+  if (openblas_set_num_threads != nullptr) openblas_set_num_threads(1);
   register_library<BareLapack>();
 #endif
 }
