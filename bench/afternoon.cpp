@@ -24,6 +24,7 @@ Afternoon<Mechanism>::Afternoon(Mechanism mechanism, double tolerance)
   mechanism_.guess(q_.data());
   klu_defaults(&common_);
   common_.scale = -1;  // rows of one mechanism are alike: unscaled and unchecked it is a fifth faster
+  common_.tol = 1;     // partial pivoting, once: blocks of two or three have no fill to save
   symbolic_ = klu_analyze(n_, columns_.start.data(), columns_.row.data(), &common_);
 }
 
