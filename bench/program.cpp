@@ -1,5 +1,6 @@
 #include "program.hpp"
 
+#include <algorithm>
 #include <vector>
 
 #include "assur/assur.hpp"
@@ -29,12 +30,14 @@ int run_program(int argc, char** argv, void (*register_all)()) {
   return 0;
 }
 
-std::string why_not(const std::string& strategy) {
+bool worth_timing(const Scene& scene, const std::string& strategy) {
   try {
-    const Simulator small(prepare(sample("four_bar:1"), {strategy, {}}));
-    return "";
-  } catch (const Error& error) {
-    return error.what();
+    const Prepared prepared = prepare(scene, {strategy, {}});
+    const std::int32_t lanes = parse_strategy(strategy).lanes;
+    return std::any_of(prepared.plan.choices.begin(), prepared.plan.choices.end(),
+                       [lanes](const Plan::Choice& choice) { return choice.strategy.lanes == lanes; });
+  } catch (const Error&) {
+    return false;  // it cannot run here: the command `assur backends` says why
   }
 }
 

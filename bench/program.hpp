@@ -13,8 +13,8 @@ namespace assur::bench {
 // random, 5 repetitions of 0.05 s, aggregates only. Returns the exit status.
 int run_program(int argc, char** argv, void (*register_all)());
 
-// "" if the strategy can run here and now, else why it cannot: tried on a small scene.
-[[nodiscard]] std::string why_not(const std::string& strategy);
+// False if the strategy cannot run here, or if no class has groups for its lanes: fewer lanes are then the same.
+[[nodiscard]] bool worth_timing(const Scene& scene, const std::string& strategy);
 
 // Times one step of `scene` after another; work and errors of those very steps are its counters.
 void time_steps(benchmark::State& state, const Scene& scene, const std::string& strategy);

@@ -50,7 +50,7 @@ void register_mechanism(const std::string& text, const Scene& scene, const Mecha
        {"irreducible/lanes+predict=hermite:5", "irreducible/lanes+once+predict=hermite:5",
         "irreducible/lanes:8+predict=hermite:5", "irreducible/lanes:8+once+predict=hermite:5",
         "irreducible/klu+predict=hermite:5", "irreducible/eigen+predict=hermite:5", "global/klu+predict=hermite:5"}) {
-    if (!why_not(strategy).empty()) continue;
+    if (!worth_timing(scene, strategy)) continue;
     benchmark::RegisterBenchmark((text + " " + strategy).c_str(), time_steps, scene, strategy);
   }
 }

@@ -51,7 +51,7 @@ void register_family(const Family& family) {
         for (const std::string& policy : family.policies) {
           for (const std::string& predictor : family.predictors) {
             const std::string strategy = formulation + "/" + solver + policy + "+predict=" + predictor;
-            if (!why_not(strategy).empty()) continue;
+            if (!worth_timing(scene, strategy)) continue;
             benchmark::RegisterBenchmark((text + " " + strategy).c_str(), time_steps, scene, strategy);
           }
         }

@@ -28,6 +28,7 @@ function(assur_summary)
 endfunction()
 
 assur_package(Eigen3 required DEBIAN libeigen3-dev FOR "dense linear algebra" 3.4 NO_MODULE)
+assur_package(hwy required DEBIAN libhwy-dev FOR "SIMD lanes" 1.0.3 CONFIG)
 assur_package(nlohmann_json required DEBIAN nlohmann-json3-dev FOR "scene files" 3.10)
 assur_package(muparser required DEBIAN libmuparser-dev FOR "expressions in scene files")
 assur_package(CXSparse required DEBIAN libsuitesparse-dev FOR "kinematic structure")

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "assur/backend.hpp"
 #include "assur/status.hpp"
 
 namespace assur {
@@ -49,6 +50,7 @@ struct Event {
 
 struct Report {
   Counters counters;
+  Effort effort;  // of all solvers, beyond plain factorisations; lanes of a pack count one by one
   ErrorFigures error;
   Status status;       // ok, or why the run stopped
   double reached = 0;  // last time with a valid posture

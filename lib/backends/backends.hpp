@@ -23,6 +23,12 @@ std::unique_ptr<LinearSolver> make(ThreadBudget budget, Precision precision);
 std::string version();
 }  // namespace klu
 
+namespace lanes {
+std::string why_not(const Shape& shape, ThreadBudget budget);
+std::unique_ptr<LinearSolver> make(ThreadBudget budget, Precision precision);
+std::string version();
+}  // namespace lanes
+
 // Throws Error (input) unless the pattern is as backend.hpp describes it and there is at least one lane.
 void check_analysis(const Pattern& pattern, int lanes);
 

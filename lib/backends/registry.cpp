@@ -11,6 +11,7 @@ namespace {
 constexpr std::array kTable = {
     Backend{"eigen", eigen::why_not, eigen::make, true, false, false, "MPL-2.0", eigen::version},
     Backend{"klu", klu::why_not, klu::make, true, true, false, "LGPL-2.1-or-later", klu::version},
+    Backend{"lanes", lanes::why_not, lanes::make, true, true, true, "Apache-2.0", lanes::version},
 };
 
 }  // namespace

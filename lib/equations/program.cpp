@@ -21,7 +21,7 @@ class Compiler {
     p_.unknown_block = c.unknown_block;
     p_.equation_block = c.equation_block;
     p_.blocks = c.blocks;
-    p_.registers = c.n + c.inputs;
+    p_.registers = c.n + c.inputs + 1;
   }
 
   Program run() {
@@ -94,58 +94,69 @@ class Compiler {
     }
     Program::Form out{};
     out.reg = v.reg = p_.registers++;
-    out.offset = constants.empty() ? -1 : coefficient(of(constants[0].constant));
-    const auto put = [&](const std::vector<GroupClass::Term>& list, bool only_moving) {
-      const auto begin = static_cast<std::int32_t>(p_.operands.size());
+    const auto put = [&](const std::vector<GroupClass::Term>& list, bool moving) {
       for (const GroupClass::Term& t : list) {
-        if (!only_moving || moves(t.coordinate)) p_.operands.push_back({coefficient(of(t.constant)), t.coordinate});
+        if (moves(t.coordinate) == moving) p_.operands.push_back({coefficient(of(t.constant)), t.coordinate});
       }
-      return std::pair(begin, static_cast<std::int32_t>(p_.operands.size()));
+      return static_cast<std::int32_t>(p_.operands.size());
     };
-    std::tie(out.inputs_begin, out.inputs_end) = put(inputs, false);
-    std::tie(out.unknowns_begin, out.unknowns_end) = put(unknowns, false);
-    std::tie(out.moving_begin, out.moving_end) = put(inputs, true);
+    out.begin = static_cast<std::int32_t>(p_.operands.size());
+    if (!constants.empty()) p_.operands.push_back({coefficient(of(constants[0].constant)), p_.one()});
+    out.moving = put(inputs, false);
+    out.unknowns = put(inputs, true);
+    out.end = put(unknowns, false);
     p_.forms.push_back(out);
     values_.push_back(v);
   }
 
   void equation(const GroupClass::Equation& e) {
     Program::Equation out{};
-    out.products_begin = static_cast<std::int32_t>(p_.products.size());
-    out.linear = out.offset = -1;
+    const auto here = [&](std::int32_t Program::Range::*side) {
+      const auto at = [](const auto& list) { return static_cast<std::int32_t>(list.size()); };
+      out.linear.*side = at(p_.linear);
+      out.products.*side = at(p_.products);
+      out.input_linear.*side = at(p_.input_linear);
+      out.input_products.*side = at(p_.input_products);
+      out.curvature.*side = at(p_.curvature);
+    };
+    here(&Program::Range::begin);
     out.callback = e.callback;
     out.row = e.row;
-    if (e.linear >= 0) {
-      const Value& v = values_[idx(e.linear)];
-      out.linear = v.reg;
-      out.offset = v.constant;
-      out.linear_moves = v.moves;
-      out.linear_unknown = v.unknown;
-    }
+    if (e.linear >= 0) linear(Coefficient{}, values_[idx(e.linear)]);
     if (e.callback < 0) {
       for (std::int32_t i = e.products_begin; i < e.products_end; ++i) product(c_.products[idx(i)]);
     }
-    out.products_end = static_cast<std::int32_t>(p_.products.size());
+    here(&Program::Range::end);
     p_.equations.push_back(out);
   }
 
-  // A constant factor is drawn into the coefficient, the other one is then linear: b = -1.
+  void linear(const Coefficient& k, const Value& v) {
+    if (v.reg < 0) {
+      p_.linear.push_back({coefficient(times(k, p_.coefficients[idx(v.constant)])), p_.one()});
+      return;
+    }
+    p_.linear.push_back({coefficient(k), v.reg});
+    if (v.moves) p_.input_linear.push_back(p_.linear.back());
+  }
+
+  // A constant factor is drawn into the coefficient.
   void product(const GroupClass::Product& q) {
     const Value &a = values_[idx(q.a)], &b = values_[idx(q.b)];
-    Program::Product out{};
-    Coefficient k = of(q.constant);
-    if (a.reg < 0) k = times(k, p_.coefficients[idx(a.constant)]);
-    if (b.reg < 0) k = times(k, p_.coefficients[idx(b.constant)]);
-    out.coefficient = coefficient(k);
-    out.constant = a.reg < 0 && b.reg < 0;
-    const Value &first = a.reg < 0 ? b : a, &second = a.reg < 0 ? a : b;
-    out.a = first.reg;
-    out.b = second.reg;
-    out.a_moves = first.moves;
-    out.b_moves = second.moves;
-    out.a_unknown = first.unknown;
-    out.b_unknown = second.unknown;
-    p_.products.push_back(out);
+    const Coefficient k = of(q.constant);
+    if (a.reg < 0) return linear(times(k, p_.coefficients[idx(a.constant)]), b);
+    if (b.reg < 0) return linear(times(k, p_.coefficients[idx(b.constant)]), a);
+    Coefficient twice = k;
+    twice.literal *= 2;
+    p_.products.push_back({coefficient(k), a.reg, b.reg});
+    if (a.reg == b.reg) {
+      if (a.moves) p_.input_products.push_back({coefficient(twice), a.reg, a.reg});
+    } else {
+      if (a.moves) p_.input_products.push_back({coefficient(k), a.reg, b.reg});
+      if (b.moves) p_.input_products.push_back({coefficient(k), b.reg, a.reg});
+    }
+    if ((a.moves || a.unknown) && (b.moves || b.unknown)) {
+      p_.curvature.push_back({coefficient(twice), a.reg, b.reg});
+    }
   }
 
   void callbacks() {
@@ -200,7 +211,7 @@ class Compiler {
         callback_row(e, nonzero[idx(i)]);
         continue;
       }
-      if (e.linear >= 0) through(i, e.linear, Coefficient{}, -1);
+      if (e.linear >= 0) through(i, e.linear, Coefficient{}, p_.one());
       for (std::int32_t k = e.products_begin; k < e.products_end; ++k) {
         const GroupClass::Product& q = c_.products[idx(k)];
         const Value &a = values_[idx(q.a)], &b = values_[idx(q.b)];
@@ -208,7 +219,7 @@ class Compiler {
           if (other.reg >= 0) {
             through(i, form, of(q.constant), other.reg);
           } else {
-            through(i, form, times(of(q.constant), p_.coefficients[idx(other.constant)]), -1);
+            through(i, form, times(of(q.constant), p_.coefficients[idx(other.constant)]), p_.one());
           }
         };
         side(q.a, b);

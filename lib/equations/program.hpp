@@ -21,49 +21,42 @@ struct Coefficient {
   friend bool operator==(const Coefficient&, const Coefficient&) = default;
 };
 
-// Registers: 0..n-1 unknowns, n..n+inputs-1 inputs, then the forms that are no plain coordinate.
+// Registers: 0..n-1 unknowns, n..n+inputs-1 inputs, then the number one, then the forms that are no plain coordinate.
+// Every list is walked from its begin to its end; a range is [begin, end) of the list that its comment names.
 struct Program {
-  struct Operand {
-    std::int32_t coefficient;
-    std::int32_t reg;
+  struct Operand {  // coefficient * register
+    std::int32_t coefficient, reg;
   };
-  struct Form {
-    std::int32_t reg;
-    std::int32_t offset;                        // coefficient of the constant part, -1: none
-    std::int32_t inputs_begin, inputs_end;      // operands that are inputs
-    std::int32_t unknowns_begin, unknowns_end;  // operands that are unknowns
-    std::int32_t moving_begin, moving_end;      // operands that are inputs and move
+  struct Product {  // coefficient * a * b
+    std::int32_t coefficient, a, b;
   };
-  struct Product {
-    std::int32_t a, b;         // registers, or -1 for a constant form: its value is coefficient a_constant / b_constant
-    std::int32_t coefficient;  // of the whole product
-    bool a_moves, b_moves;     // an input that moves is behind it
-    bool a_unknown, b_unknown;
-    bool constant;  // both factors are constant forms: part of the constant of the equation
-  };
-  struct Equation {
-    std::int32_t products_begin, products_end;
-    std::int32_t linear;  // register, -1: none
-    bool linear_moves, linear_unknown;
-    std::int32_t offset;         // coefficient: constant linear form, -1: none
-    std::int32_t callback, row;  // -1: none
-  };
-  // One nonzero of the Jacobian: sum of coefficient * register (reg -1: the coefficient alone).
-  struct Entry {
+  struct Range {
     std::int32_t begin, end;
+  };
+  // A register as a sum of `operands`: constant part and inputs that stand still, inputs that move, unknowns.
+  struct Form {
+    std::int32_t reg, begin, moving, unknowns, end;
+  };
+  // Phi_i = linear + products; -Phi_h h' = -(input_linear + input_products), where the rate of register a enters; what
+  // velocities add to accelerations = -curvature, where the rates of both enter.
+  struct Equation {
+    Range linear, products, input_linear, input_products, curvature;
+    std::int32_t callback, row;  // -1: none
   };
   struct CallbackEntry {  // chain rule through an argument of a callback: J[row, argument] * coefficient
     std::int32_t nonzero, callback, row, argument, coefficient;
   };
 
   std::int32_t n = 0, inputs = 0, equations_count = 0, registers = 0;
+  [[nodiscard]] std::int32_t one() const { return n + inputs; }
   Pattern pattern;
   std::vector<Coefficient> coefficients;
-  std::vector<Operand> operands;
   std::vector<Form> forms;
-  std::vector<Product> products;
+  std::vector<Operand> operands;  // of forms
   std::vector<Equation> equations;
-  std::vector<Entry> entries;  // nnz
+  std::vector<Operand> linear, input_linear;
+  std::vector<Product> products, input_products, curvature;
+  std::vector<Range> entries;  // nnz: each nonzero of the Jacobian as a sum of `entry_operands`
   std::vector<Operand> entry_operands;
   struct CallbackRow {
     std::int32_t equation, row;  // local equation, row of the callback

@@ -41,14 +41,39 @@ void check_controlled(const Scene& scene, const std::vector<std::string>& contro
   }
 }
 
+struct ClassSize {
+  std::int32_t groups = 0;
+  std::int32_t side_by_side = 0;  // most groups on one level
+};
+
+std::vector<ClassSize> class_sizes(const Structure& s) {
+  std::vector<ClassSize> sizes(s.classes.size());
+  std::vector<std::int32_t> on_level(s.classes.size(), 0), level(s.classes.size(), -1);
+  for (const Group& g : s.groups) {  // level after level
+    const auto c = static_cast<std::size_t>(g.group_class);
+    on_level[c] = level[c] == g.level ? on_level[c] + 1 : 1;
+    level[c] = g.level;
+    ++sizes[c].groups;
+    sizes[c].side_by_side = std::max(sizes[c].side_by_side, on_level[c]);
+  }
+  return sizes;
+}
+
+void check_backend(const Backend& backend, const Plan::Choice& choice) {
+  const auto refuse = [&](const std::string& why) {
+    throw Error(Error::Kind::environment, "backend " + std::string(backend.id) + " cannot run here: " + why);
+  };
+  const std::string why_not = backend.why_not(choice.shape, ThreadBudget{choice.strategy.q});
+  if (!why_not.empty()) refuse(why_not);
+  if (choice.strategy.single && !backend.single) refuse("it has no float version; leave out +float");
+}
+
 Prepared prepare_at(const Scene& scene, const PrepareOptions& options, std::vector<double> posture, double time) {
   const bool automatic = options.strategy == "auto";
   const Strategy wanted = parse_strategy(automatic ? "irreducible/eigen" : options.strategy);
-  if (wanted.p * wanted.q != 1 || wanted.chunks != 1 || wanted.single || wanted.refine ||
-      wanted.reuse != Reuse::fresh) {
+  if (wanted.p != 1 || wanted.chunks != 1) {
     throw Error(Error::Kind::environment,
-                "strategy " + options.strategy +
-                    " cannot run here: this version has one thread, double precision and a fresh or +once Jacobian");
+                "strategy " + options.strategy + " cannot run here: this version solves one pack at a time (1xQ)");
   }
   check_controlled(scene, options.controlled);
   StructureOptions structure_options;
@@ -71,13 +96,12 @@ Prepared prepare_at(const Scene& scene, const PrepareOptions& options, std::vect
   out.plan.predictor =
       wanted.predictor.kind == Predictor::Kind::automatic ? automatic_predictor(*structure) : wanted.predictor;
 
-  std::vector<std::int32_t> groups(structure->classes.size(), 0);
-  for (const Group& g : structure->groups) ++groups[static_cast<std::size_t>(g.group_class)];
+  const std::vector<ClassSize> sizes = class_sizes(*structure);
   const bool has_klu = find_backend(out.table, "klu").why_not({}, {}).empty();
   for (std::size_t c = 0; c < structure->classes.size(); ++c) {
     Plan::Choice choice;
     choice.group_class = static_cast<std::int32_t>(c);
-    choice.shape = {structure->classes[c].n, structure->pattern(choice.group_class).nnz(), groups[c],
+    choice.shape = {structure->classes[c].n, structure->pattern(choice.group_class).nnz(), sizes[c].groups,
                     1 + structure->classes[c].derivatives};
     choice.strategy = wanted;
     choice.strategy.predictor = out.plan.predictor;
@@ -87,10 +111,9 @@ Prepared prepare_at(const Scene& scene, const PrepareOptions& options, std::vect
       choice.strategy.backend = sparse ? "klu" : "eigen";
       choice.reason = "not measured: dense up to " + std::to_string(kDenseUpTo) + " unknowns, sparse beyond";
     }
-    const Backend& backend = find_backend(out.table, choice.strategy.backend);
-    if (const std::string why = backend.why_not(choice.shape, {}); !why.empty()) {
-      throw Error(Error::Kind::environment, "backend " + choice.strategy.backend + " cannot run here: " + why);
-    }
+    // W is "up to": lanes that no group could fill would be computed for nothing.
+    while (choice.strategy.lanes / 2 >= sizes[c].side_by_side) choice.strategy.lanes /= 2;
+    check_backend(find_backend(out.table, choice.strategy.backend), choice);
     out.plan.choices.push_back(std::move(choice));
   }
   if (!structure->redundant.empty()) {

@@ -10,7 +10,9 @@ namespace assur {
 // Columns of Rz(psi) Ry(theta) Rx(phi), one after the other.
 template <class T>
 void euler_zyx(const Jet<T>& psi, const Jet<T>& theta, const Jet<T>& phi, Jet<T> (&r)[9]) {
-  const Jet<T> cz = cos(psi), sz = sin(psi), cy = cos(theta), sy = sin(theta), cx = cos(phi), sx = sin(phi);
+  const auto [cz, sz] = cos_sin(psi);
+  const auto [cy, sy] = cos_sin(theta);
+  const auto [cx, sx] = cos_sin(phi);
   r[0] = cz * cy;
   r[1] = sz * cy;
   r[2] = -sy;
@@ -41,9 +43,9 @@ void drive(const System& s, const Driven& driven, LawJet&& law, T* q, T* rate, T
         put(in.first, scaled(law(i, 0)));
         break;
       case DriverInput::Kind::direction: {
-        const Jet<T> angle = law(i, 0);
-        put(in.first, cos(angle));
-        put(in.first + 1, sin(angle));
+        const CosSin<T> d = cos_sin<T>(law(i, 0));
+        put(in.first, d.cosine);
+        put(in.first + 1, d.sine);
         break;
       }
       case DriverInput::Kind::frame: {
@@ -51,9 +53,9 @@ void drive(const System& s, const Driven& driven, LawJet&& law, T* q, T* rate, T
         for (int k = 0; k < dim; ++k) put(in.first + k, scaled(law(i, k)));
         if (in.count == dim) break;
         if (dim == 2) {
-          const Jet<T> angle = law(i, 2);
-          put(in.first + 2, cos(angle));
-          put(in.first + 3, sin(angle));
+          const CosSin<T> d = cos_sin<T>(law(i, 2));
+          put(in.first + 2, d.cosine);
+          put(in.first + 3, d.sine);
         } else {
           Jet<T> r[9];
           euler_zyx<T>(law(i, 3), law(i, 4), law(i, 5), r);

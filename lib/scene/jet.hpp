@@ -89,20 +89,26 @@ Jet<T> sqrt(const Jet<T>& a) {
   return {root, rate, acceleration};
 }
 
+// cos and sin of an angle, at the cost of one pair.
+template <class T>
+struct CosSin {
+  Jet<T> cosine, sine;
+};
+template <class T>
+CosSin<T> cos_sin(const Jet<T>& a) {
+  using std::cos;
+  using std::sin;
+  const T s = sin(a.value), c = cos(a.value);
+  return {{c, -s * a.rate, -s * a.acceleration - c * a.rate * a.rate},
+          {s, c * a.rate, c * a.acceleration - s * a.rate * a.rate}};
+}
 template <class T>
 Jet<T> sin(const Jet<T>& a) {
-  using std::cos;
-  using std::sin;
-  const T s = sin(a.value), c = cos(a.value);
-  return {s, c * a.rate, c * a.acceleration - s * a.rate * a.rate};
+  return cos_sin(a).sine;
 }
-
 template <class T>
 Jet<T> cos(const Jet<T>& a) {
-  using std::cos;
-  using std::sin;
-  const T s = sin(a.value), c = cos(a.value);
-  return {c, -s * a.rate, -s * a.acceleration - c * a.rate * a.rate};
+  return cos_sin(a).cosine;
 }
 
 // Angle of (x, y) from +x in (-pi, pi]. Derivatives are not finite at the origin.

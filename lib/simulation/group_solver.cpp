@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
+
+#include "backends/refined.hpp"
 
 namespace assur {
 namespace {
@@ -14,7 +17,8 @@ constexpr double kRoundingLevel = 1e-12;  // where a residual that no longer fal
 constexpr double kLinear = 8 * kEps;      // normwise residual of a refined linear system
 constexpr int kMostSearching = 40;        // iterations at a fold, where they gain one bit each
 constexpr int kMostRefinements = 6;
-constexpr double kFold = 30;  // velocity over input velocity near a singularity that makes it a fold
+constexpr double kContraction = 0.1;  // of successive corrections
+constexpr double kFold = 30;          // velocity over input velocity near a singularity that makes it a fold
 
 std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -34,29 +38,59 @@ GroupSolver::GroupSolver(const System& system, const Structure& structure, std::
       lanes_(strategy_.lanes),
       evaluator_(make_evaluator(system, program_, lanes_)),
       backend_(find_backend(table, strategy_.backend)),
-      blocks_(class_, program_, lanes_) {
+      own_solvers_(backend_.keeps_pivots || strategy_.reuse == Reuse::run),
+      blocks_(class_, program_, lanes_),
+      kernels_(lane_kernels(lanes_)) {
   const std::string why_not = backend_.why_not(choice.shape, ThreadBudget{strategy_.q});
   if (!why_not.empty()) throw Error(Error::Kind::environment, "backend " + strategy_.backend + ": " + why_not);
-  if (!backend_.keeps_pivots) shared_ = make_solver();
   const std::size_t w = idx(lanes_), n = idx(program_.n) * w;
   inputs_.resize(idx(program_.inputs) * w);
   input_rates_.resize(inputs_.size());
   input_accelerations_.resize(inputs_.size());
-  for (std::vector<double>* v : {&phi_, &scale_, &correction_, &rhs_, &residual_}) v->resize(n);
+  for (std::vector<double>* v : {&phi_, &inverse_scale_, &correction_, &rhs_, &residual_}) v->resize(n);
   jacobian_.resize(idx(program_.pattern.nnz()) * w);
   jacobian_norm_.resize(w);
+  largest_correction_.resize(idx(program_.blocks) * w);
+  sort_by_rows();
+}
+
+void GroupSolver::sort_by_rows() {
+  const Pattern& p = program_.pattern;
+  row_start_.assign(idx(program_.n) + 1, 0);
+  for (const std::int32_t r : p.row) ++row_start_[idx(r) + 1];
+  for (std::size_t r = 0; r < idx(program_.n); ++r) row_start_[r + 1] += row_start_[r];
+  row_entries_.resize(p.row.size());
+  std::vector<std::int32_t> next(row_start_.begin(), row_start_.end() - 1);
+  for (std::int32_t c = 0; c < program_.n; ++c) {
+    for (std::int32_t k = p.column_start[idx(c)]; k < p.column_start[idx(c) + 1]; ++k) {
+      row_entries_[idx(next[idx(p.row[idx(k)])]++)] = {k, c};
+    }
+  }
 }
 
 std::unique_ptr<LinearSolver> GroupSolver::make_solver() const {
-  auto solver = backend_.make(ThreadBudget{strategy_.q}, Precision::binary64);
+  auto solver = assur::make_solver(backend_, ThreadBudget{strategy_.q},
+                                   strategy_.single ? Precision::binary32 : Precision::binary64, strategy_.refine);
   if (!solver->analyze(program_.pattern, lanes_).ok()) {
     throw Error(Error::Kind::environment, "backend " + strategy_.backend + " cannot analyse the pattern of a group");
   }
   return solver;
 }
 
-void GroupSolver::forget(Pack& pack) const {
-  if (backend_.keeps_pivots) pack.solver = make_solver();
+void GroupSolver::restart() {
+  first_ = nullptr;
+  if (!own_solvers_) shared_ = make_solver();
+}
+
+void GroupSolver::choose_solver(Pack& pack) {
+  solver_ = shared_.get();
+  if (!own_solvers_) return;
+  if (!pack.solver) {
+    if (first_ != nullptr) pack.solver = first_->clone();
+    if (!pack.solver) pack.solver = make_solver();
+    if (first_ == nullptr) first_ = pack.solver.get();
+  }
+  solver_ = pack.solver.get();
 }
 
 void GroupSolver::bind(const System& system, const Structure& structure, Pack& pack) const {
@@ -76,7 +110,7 @@ void GroupSolver::bind(const System& system, const Structure& structure, Pack& p
 }
 
 void GroupSolver::gather(const Pack& pack, const double* state, std::vector<double>& out) const {
-  for (std::size_t i = 0; i < out.size(); ++i) out[i] = state[pack.inputs[i]];
+  kernels_.gather(pack.input_rows.data(), pack.inputs.data(), program_.inputs, state, out.data());
 }
 
 Status GroupSolver::fail(const Pack& pack, Code code, double figure, std::int32_t lane) const {
@@ -85,7 +119,7 @@ Status GroupSolver::fail(const Pack& pack, Code code, double figure, std::int32_
 
 Status GroupSolver::solve(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
                           StepErrors& errors) {
-  solver_ = pack.solver ? pack.solver.get() : shared_.get();
+  choose_solver(pack);
   gather(pack, state[0], inputs_);
   evaluator_->set_inputs(pack.coefficients.data(), inputs_.data());
   double* x = state[0] + pack.unknowns;
@@ -95,34 +129,25 @@ Status GroupSolver::solve(Pack& pack, double* const (&state)[3], const Attempt& 
   return check_branch(pack, x, attempt, counters);
 }
 
-double GroupSolver::relative_residual(const Pack& pack) const {
-  double worst = 0;
-  for (std::size_t i = 0; i < phi_.size(); ++i) {
-    if (static_cast<int>(i % idx(lanes_)) >= pack.used) continue;
-    const double r = scale_[i] > 0 ? std::abs(phi_[i]) / scale_[i] : std::abs(phi_[i]);
-    if (!(r <= worst)) worst = r;
-  }
-  return worst;
-}
-
-Status GroupSolver::factorize(const Pack& pack, Counters& counters) {
+Status GroupSolver::factorize(Pack& pack, Counters& counters) {
   counters.factorizations += pack.used;
   counters.factorized_unknowns += std::int64_t{pack.used} * program_.n;
   const Status s = solver_->factorize(jacobian_);
+  pack.factored = factored_in_step_ = s.ok();
   // An idle lane repeats lane 0 and fails with it.
   return s.ok() ? s : fail(pack, s.code, s.figure, s.where < pack.used ? std::max(s.where, 0) : 0);
 }
 
 Status GroupSolver::newton(Pack& pack, double* x, const Attempt& attempt, Counters& counters, StepErrors& errors) {
-  const std::size_t w = idx(lanes_);
   const std::int64_t evaluated = std::int64_t{pack.used} * program_.n;
   evaluator_->evaluate(x, phi_.data(), jacobian_.data());
-  evaluator_->scale(scale_.data());
+  evaluator_->scale(inverse_scale_.data());
+  kernels_.invert_scale(inverse_scale_.data(), program_.n);
   counters.evaluated_equations += evaluated;
   counters.group_solutions += pack.used;
-  factored_at_solution_ = false;
-  bool factored = false;
-  double relative = relative_residual(pack), before = 0, last_norm = 0;
+  factored_at_solution_ = factored_in_step_ = false;
+  bool usable = strategy_.reuse == Reuse::run && pack.factored, stale = false;
+  double relative = kernels_.largest_ratio(phi_.data(), inverse_scale_.data(), program_.n), before = 0, last_norm = 0;
   int iteration = 0;
   for (;; ++iteration) {
     if (!std::isfinite(relative)) return fail(pack, Code::not_finite, relative);
@@ -130,105 +155,85 @@ Status GroupSolver::newton(Pack& pack, double* x, const Attempt& attempt, Counte
       if (iteration == attempt.iterations) break;
     } else {
       if (relative <= kConverged) break;
-      if (iteration > 0 && relative <= kRoundingLevel && relative > before / 4) break;
+      if (iteration > 0 && relative <= kRoundingLevel && relative > before / 4) {
+        // Rounding, or factors that no longer fit.
+        if (!stale) break;
+        usable = false;
+      }
       if (iteration == (attempt.branch == Attempt::Branch::anywhere ? kMostSearching : attempt.most_iterations))
         return fail(pack, Code::not_converged, relative);
     }
-    if (!(strategy_.once && factored)) {
+    stale = usable;
+    if (!usable) {
       if (const Status s = factorize(pack, counters); !s.ok()) return s;
-      factored = true;
     }
     std::copy(phi_.begin(), phi_.end(), correction_.begin());
     if (const Status s = solver_->solve(correction_, 1); !s.ok()) return fail(pack, s.code, s.figure);
     counters.solved_unknowns += evaluated;
     counters.newton_iterations += pack.used;
 
-    double norm = 0;
-    for (std::size_t i = 0; i < correction_.size(); ++i) {
-      x[i] -= correction_[i];
-      if (static_cast<int>(i % w) < pack.used) norm = std::max(norm, std::abs(correction_[i]));
-    }
+    const double norm = correct(x);
     if (!std::isfinite(norm)) return fail(pack, Code::not_finite, norm);
     if (attempt.branch == Attempt::Branch::pass && iteration == 0 && !(norm <= attempt.largest_correction)) {
       return fail(pack, Code::branch_unknown, norm);
     }
     if (attempt.branch == Attempt::Branch::inside && class_.quadratic && iteration == 0) {
-      // Newton-Kantorovich: from omega |first correction| <= 1/4 the iteration converges to the one solution nearby.
-      for (std::size_t i = 0; i < correction_.size(); ++i) {
-        const std::size_t lane = i % w;
-        if (static_cast<int>(lane) >= pack.used || correction_[i] == 0) continue;
-        const std::size_t block = idx(program_.unknown_block[i / w]);
-        const double omega = pack.omega[block * w + lane] / (1 - pack.ball_used[block]);
-        const double h = omega * std::abs(correction_[i]);
-        if (!(h <= kKantorovich)) return fail(pack, Code::branch_unknown, h, static_cast<std::int32_t>(lane));
-      }
+      if (const Status s = kantorovich(pack); !s.ok()) return s;
     }
     // Without a constant second derivative two corrections have to contract tenfold.
     const bool must_contract =
         attempt.branch == Attempt::Branch::pass || (!class_.quadratic && attempt.branch != Attempt::Branch::anywhere);
-    if (iteration > 0 && must_contract && attempt.iterations == 0 && norm > 0.1 * last_norm &&
-        relative > kRoundingLevel) {
+    const bool contracts = iteration == 0 || norm <= kContraction * last_norm || relative <= kRoundingLevel;
+    if (must_contract && attempt.iterations == 0 && !contracts) {
       return fail(pack, Code::not_converged, norm / last_norm);
     }
+    // Factors of another posture serve as long as the corrections contract.
+    usable = (strategy_.once || strategy_.reuse != Reuse::fresh) && contracts;
     last_norm = norm;
     before = relative;
     evaluator_->evaluate(x, phi_.data(), jacobian_.data());
     counters.evaluated_equations += evaluated;
-    relative = relative_residual(pack);
+    relative = kernels_.largest_ratio(phi_.data(), inverse_scale_.data(), program_.n);
   }
   counters.most_iterations = std::max<std::int64_t>(counters.most_iterations, iteration);
   errors.position = std::max(errors.position, relative);
-  if (strategy_.once && !factored) {
-    if (const Status s = factorize(pack, counters); !s.ok()) return s;
-    factored_at_solution_ = true;
+  return {};
+}
+
+// x -= correction_; returns its largest element.
+double GroupSolver::correct(double* x) {
+  double norm = 0;
+  for (std::int32_t b = 0; b < program_.blocks; ++b) {
+    const auto unknowns = blocks_.unknowns(b);
+    const double largest = kernels_.correct(unknowns.data(), static_cast<std::int32_t>(unknowns.size()),
+                                            correction_.data(), x, largest_correction_.data() + b * lanes_);
+    if (!(largest <= norm)) norm = largest;
+  }
+  return norm;
+}
+
+// From omega |first correction| <= 1/4 the iteration converges to the one solution nearby.
+Status GroupSolver::kantorovich(const Pack& pack) const {
+  for (std::int32_t b = 0; b < program_.blocks; ++b) {
+    const double left = 1 - pack.ball_used[idx(b)];
+    const double *omega = pack.omega.data() + b * lanes_, *largest = largest_correction_.data() + b * lanes_;
+    for (int l = 0; l < pack.used; ++l) {
+      if (largest[l] == 0 || omega[l] * largest[l] <= kKantorovich * left) continue;
+      return fail(pack, Code::branch_unknown, omega[l] * largest[l] / left, l);
+    }
   }
   return {};
 }
 
-// |J|_inf of every lane, once for the systems that share it.
-void GroupSolver::measure_jacobian() {
-  const std::size_t w = idx(lanes_);
-  std::fill(residual_.begin(), residual_.end(), 0.0);
-  for (std::size_t k = 0; k < program_.pattern.row.size(); ++k) {
-    double* sum = residual_.data() + idx(program_.pattern.row[k]) * w;
-    for (std::size_t l = 0; l < w; ++l) sum[l] += std::abs(jacobian_[k * w + l]);
-  }
-  std::fill(jacobian_norm_.begin(), jacobian_norm_.end(), 0.0);
-  for (std::size_t i = 0; i < residual_.size(); ++i) {
-    jacobian_norm_[i % w] = std::max(jacobian_norm_[i % w], residual_[i]);
-  }
-}
-
 // residual_ = b - J x; returns |residual| / (|J| |x| + |b|), maximum norms, of the worst lane.
-double GroupSolver::linear_residual(const Pack& pack, const double* x, const std::vector<double>& b) {
-  const std::size_t w = idx(lanes_);
-  std::copy(b.begin(), b.end(), residual_.begin());
-  for (std::int32_t c = 0; c < program_.n; ++c) {
-    const double* v = x + idx(c) * w;
-    for (std::int32_t k = program_.pattern.column_start[idx(c)]; k < program_.pattern.column_start[idx(c) + 1]; ++k) {
-      double* r = residual_.data() + idx(program_.pattern.row[idx(k)]) * w;
-      const double* a = jacobian_.data() + idx(k) * w;
-      for (std::size_t l = 0; l < w; ++l) r[l] -= a[l] * v[l];
-    }
-  }
-  double worst = 0;
-  for (std::size_t l = 0; l < idx(pack.used); ++l) {
-    double norm_r = 0, norm_x = 0, norm_b = 0;
-    for (std::size_t i = l; i < b.size(); i += w) {
-      if (!(std::abs(residual_[i]) <= norm_r)) norm_r = std::abs(residual_[i]);
-      norm_x = std::max(norm_x, std::abs(x[i]));
-      norm_b = std::max(norm_b, std::abs(b[i]));
-    }
-    const double scale = jacobian_norm_[l] * norm_x + norm_b;
-    const double relative = scale > 0 ? norm_r / scale : norm_r;
-    if (!(relative <= worst)) worst = relative;
-  }
-  return worst;
+double GroupSolver::linear_residual(const double* x, const std::vector<double>& b) {
+  const bool measure = !std::exchange(jacobian_measured_, true);
+  return kernels_.residual(row_start_.data(), row_entries_.data(), program_.n, jacobian_.data(), x, b.data(),
+                           residual_.data(), jacobian_norm_.data(), measure);
 }
 
 Status GroupSolver::linear(Pack& pack, const std::vector<double>& b, double* x, int first_wanted, Counters& counters,
                            double& error) {
-  const std::size_t w = idx(lanes_);
   std::copy(b.begin(), b.end(), x);
   // With a factorisation from elsewhere the whole solution is needed to refine it.
   const int first = factored_at_solution_ ? first_wanted : 0;
@@ -236,10 +241,10 @@ Status GroupSolver::linear(Pack& pack, const std::vector<double>& b, double* x, 
   if (const Status s = solver_->solve(out, 1, Transpose::no, first); !s.ok()) return fail(pack, s.code, s.figure);
   counters.solved_unknowns += std::int64_t{pack.used} * (program_.n - first);
   if (first > 0) {  // what was not solved for is nobody's business
-    std::fill_n(x, idx(first) * w, 0.0);
+    std::fill_n(x, idx(first * lanes_), 0.0);
     return {};
   }
-  double residual = linear_residual(pack, x, b);
+  double residual = linear_residual(x, b);
   for (int k = 0; !factored_at_solution_ && residual > kLinear; ++k) {
     if (k == kMostRefinements) {
       // The posture is too far from where the factorisation was taken: take it here.
@@ -250,7 +255,7 @@ Status GroupSolver::linear(Pack& pack, const std::vector<double>& b, double* x, 
     if (const Status s = solver_->solve(residual_, 1); !s.ok()) return fail(pack, s.code, s.figure);
     counters.solved_unknowns += std::int64_t{pack.used} * program_.n;
     for (std::size_t i = 0; i < b.size(); ++i) x[i] += residual_[i];
-    const double next = linear_residual(pack, x, b);
+    const double next = linear_residual(x, b);
     if (!(next < residual / 2)) {
       residual = next;
       if (next <= 4 * kLinear) break;
@@ -265,11 +270,13 @@ Status GroupSolver::linear(Pack& pack, const std::vector<double>& b, double* x, 
 
 Status GroupSolver::derivatives(Pack& pack, double* const (&state)[3], Counters& counters, StepErrors& errors) {
   if (class_.derivatives == 0) return {};
-  if (!strategy_.once) {
+  // +once: the factors of the prediction (or, with +reuse=run, of an earlier step) serve, with refinement.
+  const bool at_hand = strategy_.reuse == Reuse::run ? pack.factored : factored_in_step_;
+  if (!(strategy_.once && at_hand)) {
     if (const Status s = factorize(pack, counters); !s.ok()) return s;
     factored_at_solution_ = true;
   }
-  measure_jacobian();
+  jacobian_measured_ = false;
   double* rate = state[1] + pack.unknowns;
   gather(pack, state[1], input_rates_);
   evaluator_->velocity_rhs(input_rates_.data(), rhs_.data());
@@ -283,24 +290,28 @@ Status GroupSolver::derivatives(Pack& pack, double* const (&state)[3], Counters&
 
 // ---- branch
 
-double GroupSolver::ball_use(const Pack& pack, const double* x, std::int32_t b, std::int32_t& worst_lane) const {
-  const std::size_t w = idx(lanes_);
-  const double* anchor = pack.anchor.data() + blocks_.reads_start(b) * w;
-  double moved[16] = {};
+double GroupSolver::ball_use(const Pack& pack, const double* x, std::int32_t b) const {
+  const auto reads = blocks_.reads(b);
+  return kernels_.ball_use(reads.data(), static_cast<std::int32_t>(reads.size()), program_.n, x, inputs_.data(),
+                           pack.anchor.data() + blocks_.reads_start(b) * idx(lanes_), pack.omega.data() + b * lanes_);
+}
+
+// The lane that uses most of a ball, for the message.
+std::int32_t GroupSolver::lane_that_moved_most(const Pack& pack, const double* x, std::int32_t b) const {
+  const double* anchor = pack.anchor.data() + blocks_.reads_start(b) * idx(lanes_);
+  double worst = -1;
+  std::int32_t found = 0;
   for (const std::int32_t c : blocks_.reads(b)) {
-    const double* at = c < program_.n ? x + idx(c) * w : inputs_.data() + idx(c - program_.n) * w;
-    for (std::size_t l = 0; l < w; ++l) moved[l] = std::max(moved[l], std::abs(at[l] - anchor[l]));
-    anchor += w;
-  }
-  double worst = 0;
-  for (std::size_t l = 0; l < idx(pack.used); ++l) {
-    const double used = moved[l] == 0 ? 0 : pack.omega[idx(b) * w + l] * moved[l];
-    if (!(used <= worst)) {
+    const double* at = c < program_.n ? x + c * lanes_ : inputs_.data() + (c - program_.n) * lanes_;
+    for (std::int32_t l = 0; l < pack.used; ++l) {
+      const double used = pack.omega[idx(b * lanes_ + l)] * std::abs(at[l] - anchor[l]);
+      if (used <= worst) continue;
       worst = used;
-      worst_lane = static_cast<std::int32_t>(l);
+      found = l;
     }
+    anchor += lanes_;
   }
-  return worst;
+  return found;
 }
 
 void GroupSolver::set_anchor(Pack& pack, const double* x, std::int32_t b, Counters& counters) {
@@ -321,9 +332,8 @@ Status GroupSolver::check_branch(Pack& pack, const double* x, const Attempt& att
   for (std::int32_t b = 0; b < program_.blocks; ++b) {
     double& before = pack.ball_used[idx(b)];
     if (attempt.branch == Attempt::Branch::inside) {
-      std::int32_t lane = 0;
-      const double used = ball_use(pack, x, b, lane);
-      if (!(used <= kBall)) return fail(pack, Code::branch_unknown, used, lane);
+      const double used = ball_use(pack, x, b);
+      if (!(used <= kBall)) return fail(pack, Code::branch_unknown, used, lane_that_moved_most(pack, x, b));
       const bool lasts = used + 2 * std::max(used - before, 0.0) <= kBall;
       before = used;
       if (lasts) continue;

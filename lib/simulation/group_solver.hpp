@@ -12,6 +12,7 @@
 #include "equations/evaluator.hpp"
 #include "equations/program.hpp"
 #include "simulation/branch.hpp"
+#include "simulation/lane_kernels.hpp"
 
 namespace assur {
 
@@ -43,12 +44,14 @@ struct Pack {
   std::vector<std::int32_t> groups;      // used: indices into Structure::groups
   std::size_t unknowns = 0;              // address of the first unknown in the state arrays
   std::vector<std::int32_t> inputs;      // inputs x W addresses in the state arrays
+  std::vector<InputRow> input_rows;      // inputs: the same, where one address tells all
   std::vector<double> coefficients;      // coefficients x W
   std::vector<double> lipschitz;         // equations x W
   std::vector<double> anchor;            // by block, what it reads x W: where omega was measured
   std::vector<double> omega;             // blocks x W
   std::vector<double> ball_used;         // blocks: part of the ball used at the last posture inside it
-  std::unique_ptr<LinearSolver> solver;  // with pivots of its own; null: the class's serves
+  std::unique_ptr<LinearSolver> solver;  // with pivots or factors of its own; null: the class's serves
+  bool factored = false;                 // +reuse=run: `solver` holds factors of an earlier posture
 };
 
 class GroupSolver {
@@ -60,8 +63,12 @@ class GroupSolver {
   [[nodiscard]] int lanes() const { return lanes_; }
   [[nodiscard]] const Program& program() const { return program_; }
 
-  // Drops the pivots of an earlier run, so that runs repeat bit for bit.
-  void forget(Pack& pack) const;
+  // Drops what an earlier run left behind, so that runs repeat bit for bit; the packs drop their own solvers. The next
+  // solve() of each pack makes its solver: the first one chooses the pivots, the others start from them.
+  void restart();
+
+  // What the solver that all packs share did; each pack's own one tells for itself.
+  [[nodiscard]] Effort effort() const { return shared_ ? shared_->effort() : Effort{}; }
 
   // Sets up what the pack holds for this class (its groups, inputs and address are there already).
   void bind(const System& system, const Structure& structure, Pack& pack) const;
@@ -76,7 +83,9 @@ class GroupSolver {
   [[nodiscard]] Status diagnose(Pack& pack, double* const (&state)[3]);
 
  private:
+  void sort_by_rows();
   [[nodiscard]] std::unique_ptr<LinearSolver> make_solver() const;
+  void choose_solver(Pack& pack);
   void gather(const Pack& pack, const double* state, std::vector<double>& out) const;
   [[nodiscard]] Status newton(Pack& pack, double* x, const Attempt& attempt, Counters& counters, StepErrors& errors);
   [[nodiscard]] Status check_branch(Pack& pack, const double* x, const Attempt& attempt, Counters& counters);
@@ -84,13 +93,14 @@ class GroupSolver {
   // x = J^-1 b with refinement where the factorisation is that of another posture; returns the normwise residual.
   [[nodiscard]] Status linear(Pack& pack, const std::vector<double>& b, double* x, int first_wanted, Counters& counters,
                               double& error);
-  void measure_jacobian();
-  [[nodiscard]] double linear_residual(const Pack& pack, const double* x, const std::vector<double>& b);
-  [[nodiscard]] double relative_residual(const Pack& pack) const;
-  [[nodiscard]] Status factorize(const Pack& pack, Counters& counters);
+  [[nodiscard]] double linear_residual(const double* x, const std::vector<double>& b);
+  [[nodiscard]] double correct(double* x);
+  [[nodiscard]] Status kantorovich(const Pack& pack) const;
+  [[nodiscard]] Status factorize(Pack& pack, Counters& counters);
   [[nodiscard]] Status fail(const Pack& pack, Code code, double figure, std::int32_t lane = 0) const;
+  [[nodiscard]] std::int32_t lane_that_moved_most(const Pack& pack, const double* x, std::int32_t block) const;
   void set_anchor(Pack& pack, const double* x, std::int32_t block, Counters& counters);
-  [[nodiscard]] double ball_use(const Pack& pack, const double* x, std::int32_t block, std::int32_t& worst_lane) const;
+  [[nodiscard]] double ball_use(const Pack& pack, const double* x, std::int32_t block) const;
 
   const GroupClass& class_;
   Strategy strategy_;
@@ -98,13 +108,20 @@ class GroupSolver {
   int lanes_ = 1;
   std::unique_ptr<Evaluator> evaluator_;
   const Backend& backend_;
+  bool own_solvers_;  // one for each pack
   std::unique_ptr<LinearSolver> shared_;
-  LinearSolver* solver_ = nullptr;  // the pack's at hand, or shared_
+  const LinearSolver* first_ = nullptr;  // of the packs' own ones: what the others are cloned from
+  LinearSolver* solver_ = nullptr;       // the pack's at hand, or shared_
   BlockConditions blocks_;
+  const LaneKernels& kernels_;
+  std::vector<std::int32_t> row_start_;                             // n + 1
+  std::vector<RowEntry> row_entries_;                               // nnz: the Jacobian by rows
   std::vector<double> inputs_, input_rates_, input_accelerations_;  // inputs x W
-  std::vector<double> phi_, scale_, correction_, rhs_, residual_, jacobian_;
-  std::vector<double> jacobian_norm_;  // W
-  bool factored_at_solution_ = false;
+  std::vector<double> phi_, inverse_scale_, correction_, rhs_, residual_, jacobian_;
+  std::vector<double> jacobian_norm_;       // W
+  std::vector<double> largest_correction_;  // blocks x W
+  bool jacobian_measured_ = false;
+  bool factored_in_step_ = false, factored_at_solution_ = false;
 };
 
 }  // namespace assur

@@ -31,6 +31,24 @@ std::vector<Pack> fill_packs(const Structure& structure, const std::vector<std::
   return packs;
 }
 
+// How the addresses of the lanes follow each other, for each input.
+std::vector<InputRow> input_rows(const std::vector<std::int32_t>& addresses, std::size_t count, std::size_t lanes) {
+  std::vector<InputRow> rows(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::int32_t* at = addresses.data() + i * lanes;
+    const auto step_by = [&](std::int32_t step) {
+      for (std::size_t l = 1; l < lanes; ++l) {
+        if (at[l] != at[l - 1] + step) return false;
+      }
+      return true;
+    };
+    rows[i] = {at[0], step_by(0)   ? InputRow::Kind::same
+                      : step_by(1) ? InputRow::Kind::consecutive
+                                   : InputRow::Kind::scattered};
+  }
+  return rows;
+}
+
 }  // namespace
 
 Layout lay_out(const Prepared& prepared) {
@@ -68,6 +86,7 @@ Layout lay_out(const Prepared& prepared) {
       const Group& g = structure.groups[idx(pack.groups[lane < pack.groups.size() ? lane : 0])];
       for (std::size_t i = 0; i < count; ++i) pack.inputs[i * w + lane] = out.address[idx(g.inputs[i])];
     }
+    pack.input_rows = input_rows(pack.inputs, count, w);
     solver.bind(system, structure, pack);
   }
   return out;

@@ -7,39 +7,69 @@ namespace assur {
 
 OutputProgram::OutputProgram(const System& s, std::span<const std::int32_t> address) : dimension_(s.dimension) {
   for (const Output& o : wanted_outputs(s)) {
-    const auto first = static_cast<std::int32_t>(columns_.size());
+    const auto parts = static_cast<std::int32_t>(o.parts.size());
+    auto next = static_cast<std::int32_t>(columns_.size());
     append_columns(o, columns_);
-    std::int32_t place[3], next = first;
+    std::int32_t first[3];  // column of the first part
     for (int d = 0; d < 3; ++d) {
-      place[d] = o.wanted[d] ? next : -1;
-      if (o.wanted[d]) next += static_cast<std::int32_t>(o.parts.size());
+      first[d] = o.wanted[d] ? next : -1;
+      if (o.wanted[d]) next += parts;
     }
-    for (std::size_t k = 0; k < o.parts.size(); ++k) {
-      const MeasureForms& m = o.parts[k];
-      Part part{m.kind,
-                static_cast<std::int32_t>(form_start_.size()) - 1,
-                0,
-                s.unit(m.dimension),
-                {-1, -1, -1},
-                o.derivatives(),
-                m.kind == MeasureForms::Kind::absolute_angle || m.kind == MeasureForms::Kind::signed_angle};
-      for (const Index f : m.forms) {
-        for (const Term& t : s.form(f)) {
-          terms_.push_back(
-              {address[static_cast<std::size_t>(t.coordinate)], s.constants[static_cast<std::size_t>(t.constant)]});
-        }
-        form_start_.push_back(static_cast<std::int32_t>(terms_.size()));
-      }
-      part.forms_end = static_cast<std::int32_t>(form_start_.size()) - 1;
-      for (int d = 0; d < 3; ++d) {
-        if (place[d] >= 0) part.column[d] = place[d] + static_cast<std::int32_t>(k);
-      }
-      parts_.push_back(part);
+    for (std::int32_t k = 0; k < parts; ++k) {
+      const auto column = [&](int d) { return first[d] < 0 ? -1 : first[d] + k; };
+      add(s, address, o.parts[static_cast<std::size_t>(k)], {column(0), column(1), column(2)}, o.derivatives());
     }
   }
 }
 
+void OutputProgram::add(const System& s, std::span<const std::int32_t> address, const MeasureForms& m,
+                        const std::array<std::int32_t, 3>& column, int derivatives) {
+  const auto term_at = [&](const Term& t) {
+    return TermAt{address[static_cast<std::size_t>(t.coordinate)], s.constants[static_cast<std::size_t>(t.constant)]};
+  };
+  const double unit = s.unit(m.dimension);
+  if (m.kind == MeasureForms::Kind::form) {
+    const auto begin = static_cast<std::int32_t>(sum_terms_.size());
+    for (const Term& t : s.form(m.forms[0])) {
+      sum_terms_.push_back(term_at(t));
+      sum_terms_.back().factor *= unit;  // a power of two
+    }
+    for (std::size_t d = 0; d < 3; ++d) {
+      if (column[d] >= 0) sums_[d].push_back({column[d], begin, static_cast<std::int32_t>(sum_terms_.size())});
+    }
+    return;
+  }
+  Part part{m.kind,
+            static_cast<std::int32_t>(form_start_.size()) - 1,
+            0,
+            unit,
+            column,
+            derivatives,
+            m.kind == MeasureForms::Kind::absolute_angle || m.kind == MeasureForms::Kind::signed_angle};
+  for (const Index f : m.forms) {
+    for (const Term& t : s.form(f)) terms_.push_back(term_at(t));
+    form_start_.push_back(static_cast<std::int32_t>(terms_.size()));
+  }
+  part.forms_end = static_cast<std::int32_t>(form_start_.size()) - 1;
+  parts_.push_back(part);
+}
+
+void OutputProgram::mark(std::vector<std::uint8_t>& addresses) const {
+  for (const TermAt& t : terms_) addresses[static_cast<std::size_t>(t.address)] = 1;
+  for (const TermAt& t : sum_terms_) addresses[static_cast<std::size_t>(t.address)] = 1;
+}
+
 void OutputProgram::evaluate(const double* const (&state)[3], double* out, const double* previous, double dt) const {
+  for (std::size_t d = 0; d < 3; ++d) {
+    for (const Sum& sum : sums_[d]) {
+      double total = 0;
+      for (std::int32_t t = sum.begin; t < sum.end; ++t) {
+        const TermAt& term = sum_terms_[static_cast<std::size_t>(t)];
+        total += term.factor * state[d][term.address];
+      }
+      out[sum.column] = total;
+    }
+  }
   for (const Part& part : parts_) {
     Jet<double> forms[9];
     for (std::int32_t f = part.forms_begin; f < part.forms_end; ++f) {
@@ -60,7 +90,7 @@ void OutputProgram::evaluate(const double* const (&state)[3], double* out, const
       m.value += 2 * std::numbers::pi * std::round((expected - m.value) / (2 * std::numbers::pi));
     }
     const double value[3] = {m.value, m.rate, m.acceleration};
-    for (int d = 0; d < 3; ++d) {
+    for (std::size_t d = 0; d < 3; ++d) {
       if (part.column[d] >= 0) out[part.column[d]] = value[d] * part.unit;
     }
   }

@@ -1,6 +1,7 @@
 // Outputs and measures from a state: forms over addresses, then jets.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -55,9 +56,7 @@ class OutputProgram {
   [[nodiscard]] const std::vector<std::string>& columns() const { return columns_; }
 
   // Marks the addresses that are read.
-  void mark(std::vector<std::uint8_t>& addresses) const {
-    for (const TermAt& t : terms_) addresses[static_cast<std::size_t>(t.address)] = 1;
-  }
+  void mark(std::vector<std::uint8_t>& addresses) const;
 
   // state[d]: d-th derivative. out: one double for each column, SI units.
   // `previous`: the row before at a time dt earlier, to unwrap signed angles; null: the first row.
@@ -72,11 +71,20 @@ class OutputProgram {
     MeasureForms::Kind kind;
     std::int32_t forms_begin, forms_end;
     double unit;
-    std::int32_t column[3];  // of value, rate, acceleration; -1: not wanted
+    std::array<std::int32_t, 3> column;  // of value, rate, acceleration; -1: not wanted
     int derivatives;
     bool angle;
   };
+  // A column that is linear in the coordinates, or in a derivative of theirs: terms in SI units.
+  struct Sum {
+    std::int32_t column, begin, end;
+  };
+  void add(const System& system, std::span<const std::int32_t> address, const MeasureForms& part,
+           const std::array<std::int32_t, 3>& column, int derivatives);
+
   int dimension_;
+  std::array<std::vector<Sum>, 3> sums_;  // by derivative
+  std::vector<TermAt> sum_terms_;
   std::vector<TermAt> terms_;
   std::vector<std::int32_t> form_start_ = {0};
   std::vector<Part> parts_;

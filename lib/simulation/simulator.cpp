@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "simulation/inputs.hpp"
 #include "simulation/layout.hpp"
@@ -77,8 +78,13 @@ struct Simulator::Impl {
     now = time;
     deadline = std::chrono::steady_clock::time_point::max();  // it is for steps
     inputs.reset();
-    for (Pack& pack : packs) solver(pack).forget(pack);
+    for (const auto& s : layout.solvers) s->restart();
+    for (Pack& pack : packs) {
+      pack.solver.reset();
+      pack.factored = false;
+    }
     report = Report{};
+    effort_lines = 0;
     report.events.reserve(kEventsReserved);
     state.clear();
     for (std::size_t c = 0; c < layout.address.size(); ++c) {
@@ -329,6 +335,7 @@ struct Simulator::Impl {
       next->inputs.continue_from(inputs);
       next->selected_at = now;
       next->first_structure = first_structure != nullptr ? first_structure : std::make_shared<const Prepared>(prepared);
+      drop_effort_lines();
       next->report = std::move(report);
       next->row = row;
       next->report.fallbacks.push_back(
@@ -341,6 +348,33 @@ struct Simulator::Impl {
   }
 
   // ---- results
+
+  void drop_effort_lines() { report.fallbacks.resize(report.fallbacks.size() - std::exchange(effort_lines, 0)); }
+
+  // What the solvers had to do beyond what was planned, as a sum and in words.
+  void report_effort() {
+    Effort sum;
+    const auto add = [&](const Effort& e) {
+      sum.redone += e.redone;
+      sum.renewed += e.renewed;
+      sum.refined += e.refined;
+      sum.in_double += e.in_double;
+    };
+    for (const auto& s : layout.solvers) add(s->effort());
+    for (const Pack& pack : packs) {
+      if (pack.solver) add(pack.solver->effort());
+    }
+    report.effort = sum;
+    drop_effort_lines();
+    const auto say = [&](std::int64_t count, const std::string& what) {
+      if (count == 0) return;
+      report.fallbacks.push_back(std::to_string(count) + what);
+      ++effort_lines;
+    };
+    say(sum.redone, " factorisations of one lane with pivots of its own, where those of the class did not serve");
+    say(sum.renewed, " pivot orders chosen anew");
+    say(sum.in_double, " factorisations of one lane in double, where float did not serve");
+  }
 
   void fill_row(bool unwrap, double dt = 0) {
     const double* const q[3] = {state.at(0), state.at(1), state.at(2)};
@@ -369,6 +403,7 @@ struct Simulator::Impl {
   std::vector<double> row, previous_row;
   std::shared_ptr<const Prepared> first_structure;  // what reset() goes back to, after a reselection
   Report report;
+  std::size_t effort_lines = 0;  // at the end of report.fallbacks
 };
 
 Simulator::Simulator(Prepared prepared, StepLimits limits) {
@@ -449,7 +484,10 @@ double Simulator::output(std::string_view column) const {
   return impl_->row[static_cast<std::size_t>(found - columns.begin())];
 }
 
-const Report& Simulator::report() const { return impl_->report; }
+const Report& Simulator::report() const {
+  impl_->report_effort();
+  return impl_->report;
+}
 const Prepared& Simulator::prepared() const { return impl_->prepared; }
 
 }  // namespace assur

@@ -167,4 +167,39 @@ inline double backward_error(const Matrix& a, std::span<const double> x, std::sp
   return static_cast<double>(norm(residual) / (norm(row_sum) * norm(x) + norm(b)));
 }
 
+// Componentwise backward error max_i |b - A x|_i / (|A| |x| + |b|)_i (Oettli & Prager 1964); A' if transposed.
+inline double componentwise_error(const Matrix& a, std::span<const double> x, std::span<const double> b,
+                                  Transpose transpose = Transpose::no) {
+  std::vector<long double> residual(b.begin(), b.end()), weight(b.size());
+  for (std::size_t i = 0; i < b.size(); ++i) weight[i] = std::abs(residual[i]);
+  for (std::size_t j = 0; j < b.size(); ++j) {
+    for (auto k = a.pattern.column_start[j]; k < a.pattern.column_start[j + 1]; ++k) {
+      auto to = static_cast<std::size_t>(a.pattern.row[static_cast<std::size_t>(k)]), from = j;
+      if (transpose == Transpose::yes) std::swap(to, from);
+      const long double product = static_cast<long double>(a.values[static_cast<std::size_t>(k)]) * x[from];
+      residual[to] -= product;
+      weight[to] += std::abs(product);
+    }
+  }
+  long double largest = 0;
+  for (std::size_t i = 0; i < b.size(); ++i) {
+    const long double error = residual[i] == 0 ? 0 : std::abs(residual[i]) / weight[i];
+    if (!(error <= largest)) largest = error;  // NaN stays
+  }
+  return static_cast<double>(largest);
+}
+
+// Wilkinson's matrix: elimination by partial pivoting doubles its last column at each step.
+inline Matrix wilkinson(int n) {
+  return compress(
+      n, [](int, int) { return true; }, [n](int i, int j) { return j == n - 1 || i == j ? 1.0
+                                                                   : i > j              ? -1.0
+                                                                                        : 0.0; });
+}
+
+inline Matrix hilbert(int n) {
+  return compress(
+      n, [](int, int) { return true; }, [](int i, int j) { return 1.0 / (i + j + 1); });
+}
+
 }  // namespace assur::test

@@ -21,7 +21,7 @@ TEST(Registry, ListsEveryBackendOnceAndPresentOnesAreComplete) {
 }
 
 TEST(Registry, CoreBackendsAreRowsOfTheTable) {
-  ASSERT_EQ(core_backends().size(), 1u);
+  ASSERT_EQ(core_backends().size(), 2u);
   for (const Backend& core : core_backends()) {
     const Backend& row = find_backend(backends(), core.id);
     EXPECT_EQ(row.why_not, core.why_not);

@@ -1,0 +1,284 @@
+// Sparse LU of many instances of one matrix side by side: pivots and fill are fixed once, from the values of all lanes;
+// from then on each factorisation runs the same straight-line program in SIMD lanes.
+//
+// No pivot is chosen there, so every factorisation is watched (Limits). A lane that does not keep to the limits is
+// redone alone, with pivots of its own, in the same call, and the class's pivots are chosen anew where that keeps
+// happening. The computed factors are exact for A + E with |E| <= n eps |L| |U| (Higham, Accuracy and Stability of
+// Numerical Algorithms, theorem 9.3); `growth` bounds |L| |U| row by row against |A|, so that a limit on it is one on
+// the backward error of each equation, whatever its scale.
+#include "assur/backend.hpp"
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "backends/backends.hpp"
+#include "backends/lanes_alone.hpp"
+#include "backends/lanes_factors.hpp"
+#include "backends/lanes_kernels.hpp"
+#include "backends/lanes_order.hpp"
+#include "backends/lanes_program.hpp"
+
+namespace assur::lanes {
+namespace {
+
+constexpr std::int64_t kRecent = 8;           // factorisations: two redone within so many ask for new pivots
+constexpr std::int64_t kMostPatience = 4096;  // factorisations between two renewals, at most
+constexpr std::int32_t kMostNonzeros = 100'000;
+
+class LanesSolver final : public LinearSolver {
+ public:
+  explicit LanesSolver(Precision precision) : precision_(precision) {}
+
+  Status analyze(const Pattern& pattern, int lanes) override;
+  Status factorize(std::span<const double> values) override;
+  Status solve(std::span<double> b_to_x, int rhs, Transpose transpose, int first_wanted) override;
+  Figures figures(int lane) const override;
+  Effort effort() const override { return effort_; }
+  std::unique_ptr<LinearSolver> clone() const override;
+
+ private:
+  void prepare(std::shared_ptr<const Pattern> pattern, int lanes);
+  [[nodiscard]] std::uint32_t every_lane() const { return (1u << lanes_) - 1; }
+  [[nodiscard]] std::uint32_t finite_lanes(std::span<const double> values);
+  void choose_pivots(std::span<const double> values, std::uint32_t wanted);
+  [[nodiscard]] std::uint32_t run(std::span<const double> values);
+  [[nodiscard]] Status rescue(std::span<const double> values, std::uint32_t alarmed);
+  [[nodiscard]] std::uint32_t redo(std::span<const double> values, std::uint32_t alarmed);
+  [[nodiscard]] int twin(std::span<const double> values, int lane, std::uint32_t among) const;
+  [[nodiscard]] bool renewal_is_due();
+
+  Precision precision_;
+  std::shared_ptr<const Pattern> pattern_;
+  int lanes_ = 0;
+  Limits limits_{};
+  std::unique_ptr<Factors> factors_;
+  Effort effort_;
+
+  // What follows is read only while some lane is not served by the pivots of the class.
+  bool all_served_ = false;
+  std::vector<Code> code_;                         // lanes
+  std::vector<int> server_;                        // lanes: whose `alone_` serves it; -1: the class's factors
+  std::vector<std::unique_ptr<LaneAlone>> alone_;  // lanes; null until needed
+  std::vector<double> lane_values_;                // nnz
+  std::vector<double> lane_right_;                 // lanes x kRightSides x n
+
+  std::int64_t count_ = 0, last_redone_ = -kRecent, last_renewed_ = 0;  // factorisations
+  std::int64_t patience_ = kRecent;                                     // between two renewals
+};
+
+Status LanesSolver::analyze(const Pattern& pattern, int lanes) {
+  check_analysis(pattern, lanes);
+  if (lanes > kMostLanes || !std::has_single_bit(static_cast<unsigned>(lanes))) {
+    throw Error(Error::Kind::input, "the backend lanes has 1, 2, 4, 8 or 16 lanes, not " + std::to_string(lanes));
+  }
+  prepare(std::make_shared<const Pattern>(pattern), lanes);
+  return {};
+}
+
+void LanesSolver::prepare(std::shared_ptr<const Pattern> pattern, int lanes) {
+  pattern_ = std::move(pattern);
+  lanes_ = lanes;
+  limits_ = limits(pattern_->n, precision_);
+  factors_ = std::make_unique<Factors>(lanes, precision_);
+  effort_ = {};
+  all_served_ = false;
+  const auto w = static_cast<std::size_t>(lanes);
+  code_.assign(w, Code::singular);
+  server_.assign(w, -1);
+  alone_.clear();
+  alone_.resize(w);
+  lane_values_.resize(pattern_->row.size());
+  lane_right_.clear();
+  count_ = last_renewed_ = 0;
+  last_redone_ = -kRecent;
+  patience_ = kRecent;
+}
+
+std::unique_ptr<LinearSolver> LanesSolver::clone() const {
+  auto other = std::make_unique<LanesSolver>(precision_);
+  if (pattern_) {
+    other->prepare(pattern_, lanes_);
+    if (factors_->program()) other->factors_->set_program(factors_->program());
+  }
+  return other;
+}
+
+Status LanesSolver::factorize(std::span<const double> values) {
+  check_size("values", values.size(), pattern_->row.size() * static_cast<std::size_t>(lanes_));
+  ++count_;
+  if (!factors_->program()) choose_pivots(values, finite_lanes(values));
+  const std::uint32_t alarmed = run(values);
+  if (alarmed == 0 && all_served_) return {};
+  return rescue(values, alarmed);
+}
+
+// Lanes that the pivots of the class do not serve.
+std::uint32_t LanesSolver::run(std::span<const double> values) {
+  return factors_->program() ? factors_->factorize(values, limits_).any() : every_lane();
+}
+
+std::uint32_t LanesSolver::finite_lanes(std::span<const double> values) {
+  std::uint32_t finite = 0;
+  for (int lane = 0; lane < lanes_; ++lane) {
+    if (std::isfinite(take_lane(values, lanes_, lane, lane_values_))) finite |= 1u << lane;
+  }
+  return finite;
+}
+
+// The first rule whose pivots keep growth within bounds in all wanted lanes, or that which does in most of them. What
+// is there stays if no matrix of these lanes has a full set of pivots.
+void LanesSolver::choose_pivots(std::span<const double> values, std::uint32_t wanted) {
+  std::shared_ptr<const Program> best;
+  int most = -1;
+  for (const PivotRule& rule : kRules) {
+    if (rule.rook) continue;  // pivots in common are hardly to be found
+    const Order order = markowitz_order(*pattern_, values, lanes_, wanted, rule);
+    if (!order.complete(pattern_->n)) break;
+    factors_->set_program(std::make_shared<const Program>(write_program(*pattern_, order)));
+    const int served = std::popcount(wanted & ~factors_->factorize(values, limits_).growth);
+    if (served > most) {
+      most = served;
+      best = factors_->program();
+    }
+    if ((wanted & ~order.served) == 0 && served == std::popcount(wanted)) break;
+  }
+  if (best && factors_->program() != best) factors_->set_program(best);
+}
+
+Status LanesSolver::rescue(std::span<const double> values, std::uint32_t alarmed) {
+  std::uint32_t redone = redo(values, alarmed);
+  if (redone != 0 && renewal_is_due()) {
+    std::uint32_t regular = 0;
+    for (int lane = 0; lane < lanes_; ++lane) {
+      if (code_[static_cast<std::size_t>(lane)] == Code::ok) regular |= 1u << lane;
+    }
+    ++effort_.renewed;
+    choose_pivots(values, regular);
+    (void)redo(values, run(values));
+  }
+  all_served_ = std::all_of(code_.begin(), code_.end(), [](Code c) { return c == Code::ok; }) &&
+                std::all_of(server_.begin(), server_.end(), [](int s) { return s < 0; });
+  return worst(code_);
+}
+
+// Those lanes of `alarmed` that have pivots of their own now; sets code_ and server_ of all lanes.
+std::uint32_t LanesSolver::redo(std::span<const double> values, std::uint32_t alarmed) {
+  std::uint32_t redone = 0;
+  for (int lane = 0; lane < lanes_; ++lane) {
+    Code& code = code_[static_cast<std::size_t>(lane)];
+    int& server = server_[static_cast<std::size_t>(lane)];
+    code = Code::ok;
+    server = -1;
+    if ((alarmed >> lane & 1u) == 0) continue;
+    if (const int other = twin(values, lane, alarmed); other >= 0) {
+      code = code_[static_cast<std::size_t>(other)];
+      server = server_[static_cast<std::size_t>(other)];
+      continue;
+    }
+    if (!std::isfinite(take_lane(values, lanes_, lane, lane_values_))) {
+      code = Code::not_finite;
+      continue;
+    }
+    auto& alone = alone_[static_cast<std::size_t>(lane)];
+    if (!alone) alone = std::make_unique<LaneAlone>(pattern_);
+    code = alone->factorize(lane_values_);
+    if (code != Code::ok) continue;
+    server = lane;
+    redone |= 1u << lane;
+    ++effort_.redone;
+  }
+  if (redone != 0) lane_right_.resize(static_cast<std::size_t>(lanes_ * kRightSides * pattern_->n));
+  return redone;
+}
+
+// A lane before this one, among those, with the same bits in all values; -1 if there is none. Idle lanes are twins of
+// lane 0.
+int LanesSolver::twin(std::span<const double> values, int lane, std::uint32_t among) const {
+  const auto w = static_cast<std::size_t>(lanes_), l = static_cast<std::size_t>(lane);
+  for (std::size_t other = 0; other < l; ++other) {
+    if ((among >> other & 1u) == 0) continue;
+    std::size_t k = 0;
+    while (k < values.size() && std::memcmp(&values[k + other], &values[k + l], sizeof(double)) == 0) k += w;
+    if (k >= values.size()) return static_cast<int>(other);
+  }
+  return -1;
+}
+
+// Two factorisations with lanes redone within a few, and not too soon after the last renewal: each one doubles the time
+// to the next, and a long time without makes up for it.
+bool LanesSolver::renewal_is_due() {
+  const bool again = count_ - last_redone_ < kRecent;
+  last_redone_ = count_;
+  const std::int64_t since = count_ - last_renewed_;
+  if (!again || since < patience_) return false;
+  patience_ = since >= 16 * patience_ ? kRecent : std::min(2 * patience_, kMostPatience);
+  last_renewed_ = count_;
+  return true;
+}
+
+Status LanesSolver::solve(std::span<double> b_to_x, int rhs, Transpose transpose, int first_wanted) {
+  const auto n = static_cast<std::size_t>(pattern_->n), w = static_cast<std::size_t>(lanes_);
+  check_size("numbers on the right-hand side", b_to_x.size(), n * static_cast<std::size_t>(rhs) * w);
+  if (first_wanted < 0 || first_wanted > pattern_->n) {
+    throw Error(Error::Kind::input, "the first wanted of " + std::to_string(n) + " unknowns cannot be number " +
+                                        std::to_string(first_wanted));
+  }
+  if (all_served_) {
+    factors_->solve(b_to_x.data(), rhs, transpose, first_wanted);
+    return {};
+  }
+  for (int done = 0; done < rhs; done += kRightSides) {
+    const int some = std::min(kRightSides, rhs - done);
+    const std::size_t size = n * static_cast<std::size_t>(some);
+    double* const b = b_to_x.data() + static_cast<std::size_t>(done) * n * w;
+    const auto own = [&](std::size_t lane) { return lane_right_.data() + lane * n * kRightSides; };
+    for (std::size_t lane = 0; lane < w; ++lane) {
+      for (std::size_t i = 0; server_[lane] >= 0 && i < size; ++i) own(lane)[i] = b[i * w + lane];
+    }
+    if (factors_->program()) factors_->solve(b, some, transpose, first_wanted);
+    for (std::size_t lane = 0; lane < w; ++lane) {
+      if (server_[lane] < 0) continue;
+      alone_[static_cast<std::size_t>(server_[lane])]->solve(own(lane), some, transpose, first_wanted);
+      for (std::size_t i = 0; i < size; ++i) b[i * w + lane] = own(lane)[i];
+    }
+  }
+  for (int lane = 0; lane < lanes_; ++lane) {
+    if (code_[static_cast<std::size_t>(lane)] != Code::ok) fill_with_nan(b_to_x, lanes_, lane);
+  }
+  return worst(code_);
+}
+
+Figures LanesSolver::figures(int lane) const {
+  const auto l = static_cast<std::size_t>(lane);
+  if (code_[l] != Code::ok) return {};
+  return server_[l] < 0 ? factors_->figures(lane) : alone_[static_cast<std::size_t>(server_[l])]->figures();
+}
+
+}  // namespace
+
+std::string why_not(const Shape& shape, ThreadBudget) {
+  if (shape.nnz <= kMostNonzeros) return "";
+  return "an elimination of " + std::to_string(shape.nnz) +
+         " nonzeros, written down step by step, is too long; the limit is " + std::to_string(kMostNonzeros);
+}
+
+std::unique_ptr<LinearSolver> make(ThreadBudget, Precision precision) {
+  return std::make_unique<LanesSolver>(precision);
+}
+
+std::string version() {
+  return std::to_string(HWY_MAJOR) + "." + std::to_string(HWY_MINOR) + "." + std::to_string(HWY_PATCH) + " " +
+         instruction_set();
+}
+
+}  // namespace assur::lanes

@@ -1,0 +1,30 @@
+#include "backends/lanes_alone.hpp"
+
+#include <limits>
+#include <utility>
+
+namespace assur::lanes {
+
+LaneAlone::LaneAlone(std::shared_ptr<const Pattern> pattern)
+    : pattern_(std::move(pattern)),
+      limits_(limits(pattern_->n, Precision::binary64)),
+      factors_(1, Precision::binary64) {}
+
+Code LaneAlone::factorize(std::span<const double> values) {
+  if (good_ && factors_.factorize(values, limits_).any() == 0) return Code::ok;
+  good_ = false;
+  for (const PivotRule& rule : kRules) {
+    // Elimination with divisions decides what is singular: a small pivot that it leaves is one to live with.
+    const Order order = markowitz_order(*pattern_, values, 1, 1, rule);
+    if (!order.complete(pattern_->n)) return Code::singular;
+    factors_.set_program(std::make_shared<const Program>(write_program(*pattern_, order)));
+    const Alarms alarms = factors_.factorize(values, limits_);
+    good_ = alarms.any() == 0;
+    if (alarms.growth == 0) return Code::ok;
+  }
+  Limits finite = limits_;  // nothing better can be had
+  finite.growth = std::numeric_limits<double>::infinity();
+  return factors_.factorize(values, finite).growth == 0 ? Code::ok : Code::singular;
+}
+
+}  // namespace assur::lanes

@@ -1,0 +1,70 @@
+#include "backends/lanes_factors.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace assur::lanes {
+namespace {
+
+constexpr double kGrowth = 64;
+
+template <class T>
+Limits limits_of(std::int32_t n) {
+  // A pivot below 4 n eps of its row may be nothing but the rounding of a zero.
+  return {kGrowth, 4 * n * static_cast<double>(std::numeric_limits<T>::epsilon()),
+          1e10 * static_cast<double>(std::numeric_limits<T>::min())};
+}
+
+// Rows as the program leaves them: growth is that of their sums of magnitudes, U taken before its division.
+template <class T>
+Figures measure(const Program& p, const T* slots, std::size_t lanes, std::size_t lane) {
+  double growth = 0, smallest = std::numeric_limits<double>::infinity(), largest = 0;
+  int sign = p.permutation_sign;
+  const auto at = [&](std::size_t slot) { return static_cast<double>(slots[slot * lanes + lane]); };
+  for (std::size_t i = 0; i < p.n; ++i) {
+    const double pivot = 1 / at(p.pivot_slot[i]), size_of_a = at(p.size_slot + i);
+    double lower = std::abs(pivot), upper = 0;
+    for (std::size_t k = 0; k < p.lower_count(i); ++k) lower += std::abs(at(p.pivot_slot[i] - 1 - k));
+    for (std::size_t k = 0; k < p.upper_count(i); ++k) upper += std::abs(at(p.upper_slot[i] + k));
+    growth = std::max(growth, (lower + upper * std::abs(pivot)) / size_of_a);
+    smallest = std::min(smallest, std::abs(pivot));
+    largest = std::max(largest, std::abs(pivot));
+    if (pivot < 0) sign = -sign;
+  }
+  return {true, growth, smallest / largest, sign};
+}
+
+}  // namespace
+
+Limits limits(std::int32_t n, Precision precision) {
+  return precision == Precision::binary64 ? limits_of<double>(n) : limits_of<float>(n);
+}
+
+Factors::Factors(int lanes, Precision precision)
+    : lanes_(lanes), precision_(precision), kernels_(kernels(lanes, precision)) {}
+
+void Factors::set_program(std::shared_ptr<const Program> program) {
+  const std::size_t slot =
+      static_cast<std::size_t>(lanes_) * (precision_ == Precision::binary64 ? sizeof(double) : sizeof(float));
+  slots_ = Buffer(program->slots * slot);
+  work_ = Buffer(kRightSides * program->n * slot);
+  program_ = std::move(program);
+}
+
+void Factors::solve(double* b_to_x, int rhs, Transpose transpose, int first_wanted) {
+  if (transpose == Transpose::no) {
+    kernels_.solve(*program_, slots_.get(), b_to_x, rhs, first_wanted, work_.get());
+  } else {
+    kernels_.solve_transposed(*program_, slots_.get(), b_to_x, rhs, work_.get());
+  }
+}
+
+Figures Factors::figures(int lane) const {
+  if (program_->n == 0) return {true, 1, 1, 1};
+  const auto lanes = static_cast<std::size_t>(lanes_), l = static_cast<std::size_t>(lane);
+  return precision_ == Precision::binary64 ? measure(*program_, static_cast<const double*>(slots_.get()), lanes, l)
+                                           : measure(*program_, static_cast<const float*>(slots_.get()), lanes, l);
+}
+
+}  // namespace assur::lanes

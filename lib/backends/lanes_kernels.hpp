@@ -1,0 +1,42 @@
+// The inner loops: a Program run over interleaved lanes, compiled for several instruction sets.
+#pragma once
+
+#include <cstdint>
+
+#include "assur/backend.hpp"
+#include "backends/lanes_program.hpp"
+
+namespace assur::lanes {
+
+inline constexpr int kMostLanes = 16;
+inline constexpr int kRightSides = 4;  // solved at once
+
+// What a lane is held to, row by row, with |row| the sum of the magnitudes in a row.
+struct Limits {
+  double growth;    // of |row of L and, unscaled, of U| * max |u_ij| so far, over |row of A|; not met: poison, too
+  double pivot;     // least pivot over |row of A|
+  double smallest;  // least pivot
+};
+
+// Bit l: lane l did not keep to a limit.
+struct Alarms {
+  std::uint32_t growth = 0, pivot = 0;
+
+  [[nodiscard]] std::uint32_t any() const { return growth | pivot; }
+};
+
+// For one number of lanes and one precision. Arrays of the solver: slots (program.slots x lanes) and work
+// (kRightSides x n x lanes), in that precision and aligned to 64 bytes; those of the caller in double.
+struct Kernels {
+  Alarms (*factorize)(const Program& program, const double* values, void* slots, const Limits& limits);
+  void (*solve)(const Program& program, const void* slots, double* b_to_x, int rhs, int first_wanted, void* work);
+  void (*solve_transposed)(const Program& program, const void* slots, double* b_to_x, int rhs, void* work);
+};
+
+// The best that this processor can run; lanes: 1, 2, 4, 8 or 16.
+[[nodiscard]] Kernels kernels(int lanes, Precision precision);
+
+// The instruction set of kernels(), e.g. "AVX3".
+[[nodiscard]] const char* instruction_set();
+
+}  // namespace assur::lanes

@@ -1,0 +1,50 @@
+// Factorisation and solution of a sparse matrix on a fixed pivot order, written down as data: the operands of every
+// multiplication in the order of their use. With U's unit diagonal, P A Q = L U:
+//
+//   row i of L   l_ik = a_ik - sum_m l_im u_mk,   k <= i
+//   row i of U   u_ij = (a_ij - sum_m l_im u_mj) / l_ii
+//   forward      y_i = (b_i - sum_k l_ik y_k) / l_ii
+//   backward     x_i = y_i - sum_j u_ij x_j
+//
+// Factors stand in `slots`, each as wide as the lanes: the rows of L one after the other, each with the reciprocal of
+// its pivot at the end; then the rows of U in the order of the backward substitution; then, for each row, |row of A|,
+// the sum of its magnitudes.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "assur/backend.hpp"
+#include "backends/lanes_order.hpp"
+
+namespace assur::lanes {
+
+struct Program {
+  using Index = std::uint32_t;
+  static constexpr Index kZero = 0xFFFFFFFF;  // as a source: the entry is fill
+
+  Index n = 0, slots = 0;
+  int permutation_sign = 0;  // of rows and columns together
+
+  // For each row: entries of L left of the diagonal, entries of U, slot of the first of these. Then for each entry (L,
+  // the diagonal, U): its source among the nonzeros or kZero, the number of its products, and for each the slots of l
+  // and u.
+  std::vector<Index> factor;
+  // For each row: row of the matrix, entries of L; for each entry its position in y.
+  std::vector<Index> forward;
+  // For each row, from the last on: its position in y, unknown of the matrix, entries of U; for each its position in y.
+  std::vector<Index> backward;
+  std::vector<Index> wanted_rows;  // n + 1: rows of `backward` that unknowns from first_wanted on need
+
+  // Where to find a row out of this order, n each: its reciprocal, its U, its places in `forward` and `backward`.
+  std::vector<Index> pivot_slot, upper_slot, forward_row, backward_row;
+  Index size_slot = 0;  // of |row 0 of A|
+
+  [[nodiscard]] Index lower_count(std::size_t row) const { return forward[forward_row[row] + 1]; }
+  [[nodiscard]] Index upper_count(std::size_t row) const { return backward[backward_row[row] + 2]; }
+};
+
+// The order must be complete.
+[[nodiscard]] Program write_program(const Pattern& pattern, const Order& order);
+
+}  // namespace assur::lanes

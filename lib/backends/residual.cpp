@@ -1,0 +1,136 @@
+#include "backends/residual.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+namespace assur {
+namespace {
+
+// Calls visit(lanes) with the number of lanes as a constant where it is a usual one: inner loops become vectors.
+template <int W>
+struct Lanes {
+  constexpr operator std::size_t() const { return W; }
+};
+template <typename Visit>
+void with_lanes(std::size_t lanes, const Visit& visit) {
+  switch (lanes) {
+    case 1:
+      return visit(Lanes<1>{});
+    case 2:
+      return visit(Lanes<2>{});
+    case 4:
+      return visit(Lanes<4>{});
+    case 8:
+      return visit(Lanes<8>{});
+    case 16:
+      return visit(Lanes<16>{});
+    default:
+      return visit(lanes);
+  }
+}
+
+// entry(k, to, from) for each nonzero: it stands in row `to`, times unknown `from`.
+template <typename Entry>
+void for_each_entry(const PackSystem& system, const Entry& entry) {
+  const Pattern& p = system.pattern;
+  const bool transposed = system.transpose == Transpose::yes;
+  for (std::size_t j = 0; j < static_cast<std::size_t>(p.n); ++j) {
+    const auto end = static_cast<std::size_t>(p.column_start[j + 1]);
+    for (auto k = static_cast<std::size_t>(p.column_start[j]); k < end; ++k) {
+      const auto i = static_cast<std::size_t>(p.row[k]);
+      transposed ? entry(k, j, i) : entry(k, i, j);
+    }
+  }
+}
+
+// element(i, lane) of n x lanes numbers, lanes innermost.
+template <typename Element>
+void for_each_element(std::size_t size, std::size_t lanes, const Element& element) {
+  with_lanes(lanes, [&](auto w) {
+    for (std::size_t i = 0; i < size; i += w) {
+      for (std::size_t lane = 0; lane < w; ++lane) element(i + lane, lane);
+    }
+  });
+}
+
+// norm = max(norm, size), but NaN if a size is or was not finite: NaN loses every comparison, but no sum.
+void raise(double& norm, double size) { norm = (size > norm ? size : norm) + size * 0; }
+
+}  // namespace
+
+void subtract_product(const PackSystem& system, std::span<const double> x, std::span<double> residual) {
+  const double* __restrict const a = system.values.data();
+  const double* __restrict const from_x = x.data();
+  double* __restrict const r = residual.data();
+  with_lanes(static_cast<std::size_t>(system.lanes), [&](auto w) {
+    for_each_entry(system, [&](std::size_t k, std::size_t to, std::size_t from) {
+      for (std::size_t lane = 0; lane < w; ++lane) r[to * w + lane] -= a[k * w + lane] * from_x[from * w + lane];
+    });
+  });
+}
+
+void subtract_product(const PackSystem& system, std::span<const double> x, std::span<double> residual,
+                      std::span<double> weight) {
+  const double* __restrict const a = system.values.data();
+  const double* __restrict const from_x = x.data();
+  double* __restrict const r = residual.data();
+  double* __restrict const sum = weight.data();
+  for (std::size_t i = 0; i < residual.size(); ++i) sum[i] = std::abs(r[i]);
+  with_lanes(static_cast<std::size_t>(system.lanes), [&](auto w) {
+    for_each_entry(system, [&](std::size_t k, std::size_t to, std::size_t from) {
+      for (std::size_t lane = 0; lane < w; ++lane) {
+        const double product = a[k * w + lane] * from_x[from * w + lane];
+        r[to * w + lane] -= product;
+        sum[to * w + lane] += std::abs(product);
+      }
+    });
+  });
+}
+
+void norms(std::span<const double> x, std::span<double> norm) {
+  std::fill(norm.begin(), norm.end(), 0.0);
+  for_each_element(x.size(), norm.size(), [&](std::size_t i, std::size_t lane) { raise(norm[lane], std::abs(x[i])); });
+}
+
+void matrix_norms(const PackSystem& system, std::span<double> norm, std::span<double> sum) {
+  std::fill(sum.begin(), sum.end(), 0.0);
+  with_lanes(static_cast<std::size_t>(system.lanes), [&](auto w) {
+    for_each_entry(system, [&](std::size_t k, std::size_t to, std::size_t) {
+      for (std::size_t lane = 0; lane < w; ++lane) sum[to * w + lane] += std::abs(system.values[k * w + lane]);
+    });
+  });
+  norms(sum, norm);
+}
+
+void componentwise_errors(std::span<const double> residual, std::span<const double> weight, std::span<double> error) {
+  std::fill(error.begin(), error.end(), 0.0);
+  for_each_element(residual.size(), error.size(), [&](std::size_t i, std::size_t lane) {
+    const double r = std::abs(residual[i]);
+    raise(error[lane], r <= 0 ? 0 : r / weight[i]);
+  });
+}
+
+void raise_vanishing_weights(const PackSystem& system, std::span<const double> x, std::span<double> weight,
+                             std::span<double> largest) {
+  const auto lanes = static_cast<std::size_t>(system.lanes);
+  const double vanishing = 1000 * system.pattern.n * std::numeric_limits<double>::epsilon();
+  std::fill(largest.begin(), largest.end(), 0.0);
+  for_each_entry(system, [&](std::size_t k, std::size_t to, std::size_t) {
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      double& row = largest[to * lanes + lane];
+      row = std::max(row, std::abs(system.values[k * lanes + lane]));
+    }
+  });
+  for (std::size_t lane = 0; lane < lanes; ++lane) {
+    double norm_of_x = 0;
+    for (std::size_t i = lane; i < x.size(); i += lanes) norm_of_x = std::max(norm_of_x, std::abs(x[i]));
+    for (std::size_t i = lane; i < x.size(); i += lanes) {
+      const double product = largest[i] * norm_of_x;
+      if (weight[i] <= vanishing * product) weight[i] += product;
+    }
+  }
+}
+
+}  // namespace assur

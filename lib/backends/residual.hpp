@@ -1,0 +1,39 @@
+// Residuals of interleaved systems in double, and the backward errors that they amount to.
+#pragma once
+
+#include <span>
+
+#include "assur/backend.hpp"
+
+namespace assur {
+
+// One right-hand side of a pack: values are nnz x lanes, x is n x lanes.
+struct PackSystem {
+  const Pattern& pattern;
+  std::span<const double> values;
+  int lanes;
+  Transpose transpose;
+};
+
+// residual holds b and becomes b - A x, n x lanes; A' if transposed.
+void subtract_product(const PackSystem& system, std::span<const double> x, std::span<double> residual);
+
+// The same; weight, n x lanes, becomes |A| |x| + |b|.
+void subtract_product(const PackSystem& system, std::span<const double> x, std::span<double> residual,
+                      std::span<double> weight);
+
+// norm[lane] = max |x_i|; NaN if one of them is not finite.
+void norms(std::span<const double> x, std::span<double> norm);
+
+// norm[lane] = max_i sum_j |a_ij|, the maximum norm of A, or of A'; NaN if a value is not finite. sum: n x lanes.
+void matrix_norms(const PackSystem& system, std::span<double> norm, std::span<double> sum);
+
+// error[lane] = max_i |r_i| / weight_i, 0/0 = 0 (Oettli & Prager 1964); NaN if a residual is not finite.
+void componentwise_errors(std::span<const double> residual, std::span<const double> weight, std::span<double> error);
+
+// Adds to weight_i, wherever it is so small beside max_j |a_ij| max |x| that r_i is nothing but the rounding errors of
+// unknowns that should vanish, that product (Arioli, Demmel & Duff 1989, section 2). largest: n x lanes.
+void raise_vanishing_weights(const PackSystem& system, std::span<const double> x, std::span<double> weight,
+                             std::span<double> largest);
+
+}  // namespace assur

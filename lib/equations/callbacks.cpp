@@ -1,0 +1,116 @@
+#include "equations/callbacks.hpp"
+
+#include <cmath>
+
+namespace assur {
+namespace {
+
+std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+CallbackRows::CallbackRows(const System& system, const Program& program, int lanes)
+    : system_(system), program_(program), lanes_(lanes) {
+  for (const Program::CallbackUse& use : program.callbacks) {
+    const std::size_t m = use.arguments.size(), r = idx(block(use).callback->equations);
+    scratch_.push_back({std::vector<double>(m), std::vector<double>(m), std::vector<double>(r),
+                        std::vector<double>(r * m * idx(lanes))});
+  }
+}
+
+const CallbackBlock& CallbackRows::block(const Program::CallbackUse& use) const {
+  return system_.callbacks[idx(use.callback)];
+}
+
+// constants: what a constant argument takes; null: it has no rate.
+void CallbackRows::load(const Program::CallbackUse& use, const double* constants, const double* from, int lane,
+                        std::vector<double>& x) const {
+  for (std::size_t i = 0; i < use.arguments.size(); ++i) {
+    const std::int32_t a = use.arguments[i];
+    const double v = a >= 0 ? from[a * lanes_ + lane] : constants != nullptr ? constants[~a * lanes_ + lane] : 0.0;
+    x[i] = v * block(use).unit[i];
+  }
+}
+
+void CallbackRows::residuals(const double* coefficients, const double* value, double* phi) {
+  for (std::size_t c = 0; c < scratch_.size(); ++c) {
+    const Program::CallbackUse& use = program_.callbacks[c];
+    for (int w = 0; w < lanes_; ++w) {
+      load(use, coefficients, value, w, scratch_[c].x);
+      block(use).callback->residual(scratch_[c].x, scratch_[c].phi);
+      for (const Program::CallbackRow& r : use.rows) phi[r.equation * lanes_ + w] = scratch_[c].phi[idx(r.row)];
+    }
+  }
+}
+
+void CallbackRows::matrix(const double* coefficients, const double* value) {
+  for (std::size_t c = 0; c < scratch_.size(); ++c) {
+    const Program::CallbackUse& use = program_.callbacks[c];
+    Scratch& s = scratch_[c];
+    const std::size_t size = s.jacobian.size() / idx(lanes_);
+    for (int w = 0; w < lanes_; ++w) {
+      load(use, coefficients, value, w, s.x);
+      block(use).callback->jacobian(s.x, {s.jacobian.data() + idx(w) * size, size});
+    }
+  }
+}
+
+double CallbackRows::derivative(std::size_t c, std::int32_t row, std::int32_t argument, int lane) const {
+  const Scratch& s = scratch_[c];
+  const std::size_t m = s.x.size(), size = s.jacobian.size() / idx(lanes_);
+  return s.jacobian[idx(lane) * size + idx(row) * m + idx(argument)] * block(program_.callbacks[c]).unit[idx(argument)];
+}
+
+void CallbackRows::jacobian(const double* coefficients, const double* value, double* jacobian) {
+  matrix(coefficients, value);
+  for (const Program::CallbackEntry& e : program_.callback_entries) {
+    for (int w = 0; w < lanes_; ++w) {
+      jacobian[e.nonzero * lanes_ + w] +=
+          derivative(idx(e.callback), e.row, e.argument, w) * coefficients[e.coefficient * lanes_ + w];
+    }
+  }
+}
+
+template <class Use>
+void CallbackRows::for_each_argument(Use&& use_it) const {
+  for (std::size_t c = 0; c < scratch_.size(); ++c) {
+    const Program::CallbackUse& use = program_.callbacks[c];
+    for (const Program::CallbackRow& r : use.rows) {
+      for (std::size_t a = 0; a < use.arguments.size(); ++a) {
+        if (use.arguments[a] < 0) continue;
+        for (int w = 0; w < lanes_; ++w) {
+          use_it(r.equation * lanes_ + w, use.arguments[a] * lanes_ + w,
+                 derivative(c, r.row, static_cast<std::int32_t>(a), w));
+        }
+      }
+    }
+  }
+}
+
+void CallbackRows::scale(const double* coefficients, const double* value, double* scale) {
+  matrix(coefficients, value);
+  for_each_argument([&](std::int32_t row, std::int32_t argument, double derivative) {
+    scale[row] += std::abs(derivative * value[argument]);
+  });
+}
+
+void CallbackRows::rates(const double* coefficients, const double* value, const double* rate, double* rhs) {
+  matrix(coefficients, value);
+  for_each_argument(
+      [&](std::int32_t row, std::int32_t argument, double derivative) { rhs[row] -= derivative * rate[argument]; });
+}
+
+void CallbackRows::curvature(const double* coefficients, const double* value, const double* rate, double* rhs) {
+  for (std::size_t c = 0; c < scratch_.size(); ++c) {
+    const Program::CallbackUse& use = program_.callbacks[c];
+    Scratch& s = scratch_[c];
+    for (int w = 0; w < lanes_; ++w) {
+      load(use, coefficients, value, w, s.x);
+      load(use, nullptr, rate, w, s.rate);
+      block(use).callback->curvature(s.x, s.rate, s.phi);
+      for (const Program::CallbackRow& r : use.rows) rhs[r.equation * lanes_ + w] -= s.phi[idx(r.row)];
+    }
+  }
+}
+
+}  // namespace assur

@@ -1,0 +1,48 @@
+// Callback groups within a constraint program: lane after lane, in SI units, while everything else runs side by side.
+#pragma once
+
+#include <vector>
+
+#include "equations/program.hpp"
+#include "scene/system.hpp"
+
+namespace assur {
+
+// Registers and coefficients are those of the evaluator: register i of lane l is x[i * lanes + l].
+class CallbackRows {
+ public:
+  CallbackRows(const System& system, const Program& program, int lanes);
+
+  [[nodiscard]] bool empty() const { return program_.callbacks.empty(); }
+
+  void residuals(const double* coefficients, const double* value, double* phi);
+  // Adds to the entries of the Jacobian.
+  void jacobian(const double* coefficients, const double* value, double* jacobian);
+  // scale += |dPhi/dx| |x|
+  void scale(const double* coefficients, const double* value, double* scale);
+  // rhs -= dPhi/dx rate
+  void rates(const double* coefficients, const double* value, const double* rate, double* rhs);
+  // rhs -= d/dt(dPhi/dx) rate
+  void curvature(const double* coefficients, const double* value, const double* rate, double* rhs);
+
+ private:
+  struct Scratch {
+    std::vector<double> x, rate;   // arguments
+    std::vector<double> phi;       // rows
+    std::vector<double> jacobian;  // lanes x rows x arguments
+  };
+  [[nodiscard]] const CallbackBlock& block(const Program::CallbackUse& use) const;
+  void load(const Program::CallbackUse& use, const double* constants, const double* from, int lane,
+            std::vector<double>& x) const;
+  void matrix(const double* coefficients, const double* value);
+  [[nodiscard]] double derivative(std::size_t use, std::int32_t row, std::int32_t argument, int lane) const;
+  template <class Use>
+  void for_each_argument(Use&& use_it) const;
+
+  const System& system_;
+  const Program& program_;
+  int lanes_;
+  std::vector<Scratch> scratch_;  // uses
+};
+
+}  // namespace assur

@@ -1,0 +1,97 @@
+// W doubles side by side, one for each lane of a pack, in the vectors of the target that is being compiled. Included
+// once for each target, inside its HWY_NAMESPACE (see Highway, "foreach_target.h").
+#if defined(ASSUR_LANE_VECTOR_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef ASSUR_LANE_VECTOR_INL
+#undef ASSUR_LANE_VECTOR_INL
+#else
+#define ASSUR_LANE_VECTOR_INL
+#endif
+
+#include <hwy/highway.h>
+
+#include <limits>
+
+HWY_BEFORE_NAMESPACE();
+namespace assur::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+template <int W>
+struct Lanes {
+  using D = hn::CappedTag<double, W>;
+  using V = hn::Vec<D>;
+  static constexpr int kEach = static_cast<int>(hn::MaxLanes(D()));  // lanes of one vector
+  static constexpr int kVectors = W / kEach;
+  V v[kVectors];
+
+  static HWY_INLINE Lanes load(const double* from) {
+    Lanes out;
+    for (int i = 0; i < kVectors; ++i) out.v[i] = hn::LoadU(D(), from + i * kEach);
+    return out;
+  }
+  static HWY_INLINE Lanes set(double x) {
+    Lanes out;
+    for (int i = 0; i < kVectors; ++i) out.v[i] = hn::Set(D(), x);
+    return out;
+  }
+  HWY_INLINE void store(double* to) const {
+    for (int i = 0; i < kVectors; ++i) hn::StoreU(v[i], D(), to + i * kEach);
+  }
+
+  friend HWY_INLINE Lanes operator+(Lanes a, const Lanes& b) {
+    for (int i = 0; i < kVectors; ++i) a.v[i] = hn::Add(a.v[i], b.v[i]);
+    return a;
+  }
+  friend HWY_INLINE Lanes operator-(Lanes a, const Lanes& b) {
+    for (int i = 0; i < kVectors; ++i) a.v[i] = hn::Sub(a.v[i], b.v[i]);
+    return a;
+  }
+  friend HWY_INLINE Lanes operator*(Lanes a, const Lanes& b) {
+    for (int i = 0; i < kVectors; ++i) a.v[i] = hn::Mul(a.v[i], b.v[i]);
+    return a;
+  }
+  friend HWY_INLINE Lanes operator/(Lanes a, const Lanes& b) {
+    for (int i = 0; i < kVectors; ++i) a.v[i] = hn::Div(a.v[i], b.v[i]);
+    return a;
+  }
+  // sum + a * b and sum - a * b, rounded once where the target can
+  HWY_INLINE void add_product(const Lanes& a, const Lanes& b) {
+    for (int i = 0; i < kVectors; ++i) v[i] = hn::MulAdd(a.v[i], b.v[i], v[i]);
+  }
+  HWY_INLINE void subtract_product(const Lanes& a, const Lanes& b) {
+    for (int i = 0; i < kVectors; ++i) v[i] = hn::NegMulAdd(a.v[i], b.v[i], v[i]);
+  }
+  friend HWY_INLINE Lanes abs(Lanes a) {
+    for (int i = 0; i < kVectors; ++i) a.v[i] = hn::Abs(a.v[i]);
+    return a;
+  }
+  // Elementwise; what it does with NaN differs between targets.
+  friend HWY_INLINE Lanes max(Lanes a, const Lanes& b) {
+    for (int i = 0; i < kVectors; ++i) a.v[i] = hn::Max(a.v[i], b.v[i]);
+    return a;
+  }
+  // test > 0 ? yes : no
+  friend HWY_INLINE Lanes if_positive(const Lanes& test, Lanes yes, const Lanes& no) {
+    for (int i = 0; i < kVectors; ++i) {
+      yes.v[i] = hn::IfThenElse(hn::Gt(test.v[i], hn::Zero(D())), yes.v[i], no.v[i]);
+    }
+    return yes;
+  }
+  // The largest lane; NaN if there is one.
+  HWY_INLINE double largest() const {
+    V top = v[0];
+    auto missing = hn::IsNaN(v[0]);
+    for (int i = 1; i < kVectors; ++i) {
+      top = hn::Max(top, v[i]);
+      missing = hn::Or(missing, hn::IsNaN(v[i]));
+    }
+    if (HWY_UNLIKELY(!hn::AllFalse(D(), missing))) return std::numeric_limits<double>::quiet_NaN();
+    return hn::GetLane(hn::MaxOfLanes(D(), top));
+  }
+};
+
+// NOLINTNEXTLINE(google-readability-namespace-comments)
+}  // namespace assur::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif  // include guard for each target

@@ -1,0 +1,51 @@
+// The loops of a group step over the W lanes of a pack, in the SIMD target of the machine. All arrays are [row][lane].
+// Idle lanes repeat lane 0, so what is largest over all lanes is largest over those that are used. A NaN anywhere makes
+// the result NaN.
+#pragma once
+
+#include <cstdint>
+
+namespace assur {
+
+// Where the inputs of a pack come from: one row for each.
+struct InputRow {
+  enum class Kind : std::uint8_t { same, consecutive, scattered };  // addresses of the lanes
+  std::int32_t address = 0;                                         // of lane 0
+  Kind kind = Kind::scattered;
+};
+
+// A Jacobian by rows: row r has entries [row_start[r], row_start[r + 1]).
+struct RowEntry {
+  std::int32_t nonzero, column;
+};
+
+struct LaneKernels {
+  // out[i] = state[addresses[i]] for rows x W addresses.
+  void (*gather)(const InputRow* rows, const std::int32_t* addresses, std::int32_t count, const double* state,
+                 double* out);
+
+  // scale -> 1 / scale, and 1 where the scale is 0.
+  void (*invert_scale)(double* scale, std::int32_t count);
+
+  // max |phi| * inverse_scale
+  double (*largest_ratio)(const double* phi, const double* inverse_scale, std::int32_t count);
+
+  // x -= correction over the unknowns of one block; largest: W, |correction|. Returns the largest of all.
+  double (*correct)(const std::int32_t* unknowns, std::int32_t count, const double* correction, double* x,
+                    double* largest);
+
+  // residual = b - J x; returns the largest |residual| / (|J| |x| + |b|) of a lane, maximum norms. norm: W, |J|;
+  // `measure` computes it first.
+  double (*residual)(const std::int32_t* row_start, const RowEntry* entries, std::int32_t n, const double* jacobian,
+                     const double* x, const double* b, double* residual, double* norm, bool measure);
+
+  // Largest over the lanes of omega * largest |coordinate - anchor|: how much of a ball is used. Coordinates: unknowns
+  // below n, inputs from there on.
+  double (*ball_use)(const std::int32_t* coordinates, std::int32_t count, std::int32_t n, const double* unknowns,
+                     const double* inputs, const double* anchor, const double* omega);
+};
+
+// lanes: 1, 2, 4, 8 or 16.
+[[nodiscard]] const LaneKernels& lane_kernels(int lanes);
+
+}  // namespace assur

@@ -1,0 +1,243 @@
+// The decorators: refinement, float with double behind it, residual check.
+#include "backends/refined.hpp"
+
+#include <gtest/gtest.h>
+
+#include "assur/backend.hpp"
+#include "backends/allocations.hpp"
+#include "backends/matrices.hpp"
+#include "backends/plain_lu.hpp"
+
+namespace assur::test {
+namespace {
+
+std::vector<double> right_sides(std::size_t size, Random& random) {
+  std::vector<double> b(size);
+  for (double& element : b) element = nonzero(random);
+  return b;
+}
+
+// One right-hand side in one lane, or in each of several.
+struct Solution {
+  Status status;
+  double componentwise, normwise;  // errors, the worst of the lanes
+};
+Solution solve(LinearSolver& solver, const std::vector<Matrix>& lanes, Transpose transpose = Transpose::no,
+               int rhs = 1) {
+  const int w = static_cast<int>(lanes.size());
+  const auto n = static_cast<std::size_t>(lanes[0].pattern.n);
+  std::vector<std::vector<double>> values;
+  for (const Matrix& a : lanes) values.push_back(a.values);
+  EXPECT_TRUE(solver.analyze(lanes[0].pattern, w).ok());
+  (void)solver.factorize(interleave(values));
+  Random random(3);
+  const auto b = right_sides(n * lanes.size() * static_cast<std::size_t>(rhs), random);
+  auto x = b;
+  Solution result{solver.solve(x, rhs, transpose, 0), 0, 0};
+  for (int lane = 0; lane < w; ++lane) {
+    const auto xs = lane_of(x, w, lane), bs = lane_of(b, w, lane);
+    for (std::size_t r = 0; r < static_cast<std::size_t>(rhs); ++r) {
+      const auto xr = std::span(xs).subspan(r * n, n), br = std::span(bs).subspan(r * n, n);
+      const Matrix& a = lanes[static_cast<std::size_t>(lane)];
+      result.componentwise = std::max(result.componentwise, componentwise_error(a, xr, br, transpose));
+      result.normwise = std::max(result.normwise, backward_error(a, xr, br, transpose));
+    }
+  }
+  return result;
+}
+
+std::unique_ptr<LinearSolver> plain() { return kPlainLu.make({}, Precision::binary64); }
+std::unique_ptr<LinearSolver> refine() { return make_solver(kPlainLu, {}, Precision::binary64, true); }
+std::unique_ptr<LinearSolver> in_float(bool refine = false) {
+  return make_solver(kPlainLu, {}, Precision::binary32, refine);
+}
+
+TEST(Refined, WhatGrowthHasSpoiltIsRepaired) {
+  const Matrix a = wilkinson(60);
+  EXPECT_GT(solve(*plain(), {a}).normwise, 1e-6);  // growth of 2^59
+  for (Transpose transpose : {Transpose::no, Transpose::yes}) {
+    const auto solver = refine();
+    const Solution repaired = solve(*solver, {a}, transpose);
+    EXPECT_TRUE(repaired.status.ok());
+    EXPECT_LE(repaired.componentwise, 61 * kEps);
+    EXPECT_LE(solver->effort().refined, 3);  // Skeel: one step mostly suffices
+  }
+}
+
+TEST(Refined, FloatReachesDoubleWithoutItWhereItsConditionAllows) {
+  Random random(8);
+  for (int lanes : {1, 2, 3, 8}) {
+    for (Transpose transpose : {Transpose::no, Transpose::yes}) {
+      std::vector<Matrix> matrices;
+      for (int lane = 0; lane < lanes; ++lane) matrices.push_back(sparse(15, 3, random));
+      const auto solver = in_float();
+      const Solution solution = solve(*solver, matrices, transpose, 6);
+      EXPECT_TRUE(solution.status.ok());
+      EXPECT_LE(solution.normwise, 16 * kEps);
+      EXPECT_EQ(solver->effort().in_double, 0);
+      EXPECT_GE(solver->effort().refined, lanes * 6);  // float alone has 1e-7
+      EXPECT_LE(solver->effort().refined, lanes * 6 * 4);
+    }
+  }
+}
+
+TEST(Refined, LanesThatFloatCannotSolveAreFactorisedInDoubleAndOnlyThose) {
+  Random random(8);
+  const Matrix good = dense(12, random);
+  Matrix overflows = good, vanishes = good;
+  scale(overflows, [](int, int) { return 1e50; });
+  scale(vanishes, [](int, int) { return 1e-50; });
+  Matrix ill = hilbert(12);  // condition 1e16
+  const std::vector<Matrix> lanes = {good, overflows, ill, vanishes, good};
+  for (bool componentwise : {false, true}) {
+    const auto solver = in_float(componentwise);
+    const Solution solution = solve(*solver, lanes, Transpose::no, 5);
+    EXPECT_TRUE(solution.status.ok());
+    EXPECT_LE(solution.normwise, 120 * kEps);
+    EXPECT_EQ(solver->effort().in_double, 3);
+    EXPECT_LE(solution.componentwise, componentwise ? 14 * kEps : 1);
+    std::vector<double> x(12 * 5, 1.0);
+    EXPECT_TRUE(solver->solve(x, 1, Transpose::no, 0).ok());
+    EXPECT_EQ(solver->effort().in_double, 3);  // once for each factorisation
+  }
+}
+
+TEST(Refined, ALaneDoesNotDependOnItsNeighbours) {
+  Random random(5);
+  const Matrix a = dense(9, random), ill = hilbert(9);
+  for (const auto& make : {+[] { return refine(); }, +[] { return in_float(); }}) {
+    const auto alone = make(), beside = make();
+    ASSERT_TRUE(alone->analyze(a.pattern, 1).ok());
+    ASSERT_TRUE(alone->factorize(a.values).ok());
+    ASSERT_TRUE(beside->analyze(a.pattern, 2).ok());
+    ASSERT_TRUE(beside->factorize(interleave({ill.values, a.values})).ok());
+    const auto b = right_sides(9, random);
+    auto x = b, both = interleave({b, b});
+    ASSERT_TRUE(alone->solve(x, 1, Transpose::no, 0).ok());
+    ASSERT_TRUE(beside->solve(both, 1, Transpose::no, 0).ok());
+    EXPECT_EQ(lane_of(both, 2, 1), x);
+  }
+}
+
+TEST(Refined, SingularAndNotFiniteStayWhatTheyAre) {
+  Random random(5);
+  const Matrix good = dense(5, random), singular = repeated_row(5, random);
+  Matrix nan = good;
+  nan.values[7] = std::numeric_limits<double>::quiet_NaN();
+  for (const auto& make : {+[] { return refine(); }, +[] { return in_float(); }}) {
+    const auto solver = make();
+    ASSERT_TRUE(solver->analyze(good.pattern, 3).ok());
+    const Status one = solver->factorize(interleave({good.values, singular.values, good.values}));
+    EXPECT_EQ(one.code, Code::singular);
+    EXPECT_EQ(one.where, 1);
+    const Status worse = solver->factorize(interleave({good.values, singular.values, nan.values}));
+    EXPECT_EQ(worse.code, Code::not_finite);
+    EXPECT_EQ(worse.where, 2);
+    std::vector<double> x(15, 1.0);
+    EXPECT_EQ(solver->solve(x, 1, Transpose::no, 0).code, Code::not_finite);
+    EXPECT_TRUE(std::isfinite(x[0]));
+    EXPECT_TRUE(std::isnan(x[1]) && std::isnan(x[2]));
+  }
+}
+
+// The last two equations ask two unknowns to vanish, but pivots come from the others, so that rounding errors remain:
+// in those rows a componentwise error of 1 is no failure.
+TEST(Refined, UnknownsThatVanishRaiseNoAlarm) {
+  Random random(5);
+  int errors_of_one = 0;
+  for (int trial = 0; trial < 50; ++trial) {
+    const Matrix a = compress(
+        6, [](int i, int j) { return i < 4 || j < 2; },
+        [&](int i, int) { return i < 4 ? nonzero(random) : 0.1 * nonzero(random); });
+    const auto solver = refine();
+    ASSERT_TRUE(solver->analyze(a.pattern, 1).ok());
+    ASSERT_TRUE(solver->factorize(a.values).ok());
+    const std::vector<double> b = {nonzero(random), nonzero(random), nonzero(random), nonzero(random), 0, 0};
+    std::vector<double> x = b;
+    EXPECT_TRUE(solver->solve(x, 1, Transpose::no, 0).ok());
+    EXPECT_LE(backward_error(a, x, b), 7 * kEps);
+    errors_of_one += componentwise_error(a, x, b) > 0.1;
+  }
+  EXPECT_GT(errors_of_one, 0);
+}
+
+// A solver whose answers are wrong in the first digit: refinement cannot save those, and the check sees them.
+class Wrong final : public LinearSolver {
+ public:
+  explicit Wrong(double factor) : factor_(factor) {}
+  Status analyze(const Pattern& pattern, int lanes) override { return right_.analyze(pattern, lanes); }
+  Status factorize(std::span<const double> values) override { return right_.factorize(values); }
+  Status solve(std::span<double> x, int rhs, Transpose transpose, int) override {
+    const Status status = right_.solve(x, rhs, transpose, 0);
+    for (double& element : x) element *= factor_;
+    return status;
+  }
+  [[nodiscard]] Figures figures(int lane) const override { return right_.figures(lane); }
+
+ private:
+  PlainLu<double> right_;
+  double factor_;
+};
+
+TEST(Refined, TheResidualCheckSeesAWrongSolution) {
+  Random random(5);
+  const Matrix a = dense(9, random);
+  EXPECT_TRUE(solve(*checked(plain()), {a, a, a}).status.ok());
+  for (double factor : {1 + 1e-10, 0.5, -1.0}) {
+    const Solution solution = solve(*checked(std::make_unique<Wrong>(factor)), {a}, Transpose::no, 5);
+    EXPECT_EQ(solution.status.code, Code::not_converged);
+    EXPECT_EQ(solution.status.where, 0);
+    EXPECT_NEAR(solution.status.figure, solution.normwise, 10 * 9 * kEps);  // residuals in double and long double
+  }
+  const Solution infinite = solve(*checked(std::make_unique<Wrong>(HUGE_VAL)), {a, a, a});
+  EXPECT_EQ(infinite.status.code, Code::not_converged);
+}
+
+TEST(Refined, WhatCannotBeRefinedIsNotConverged) {
+  static constexpr Backend kWrong = {"wrong",
+                                     kPlainLu.why_not,
+                                     [](ThreadBudget, Precision) -> std::unique_ptr<LinearSolver> {
+                                       return std::make_unique<Wrong>(3.0);  // each correction makes it worse
+                                     },
+                                     true,
+                                     false,
+                                     true,
+                                     "Apache-2.0",
+                                     kPlainLu.version};
+  Random random(5);
+  const Solution solution = solve(*make_solver(kWrong, {}, Precision::binary64, true), {dense(9, random)});
+  EXPECT_EQ(solution.status.code, Code::not_converged);
+  EXPECT_GT(solution.status.figure, 0.1);
+}
+
+TEST(Refined, FloatOfABackendWithoutItIsRefused) {
+  Backend row = kPlainLu;
+  row.single = false;
+  try {
+    (void)make_solver(row, {}, Precision::binary32, false);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), Error::Kind::environment);
+    EXPECT_STREQ(error.what(), "backend plain_lu cannot factorise in float: leave out +float");
+  }
+}
+
+TEST(Refined, AllocatesNothingAfterTheAnalysis) {
+  Random random(5);
+  const Matrix a = dense(12, random), ill = hilbert(12);
+  const auto both = interleave({a.values, ill.values});
+  for (const auto& make : {+[] { return refine(); }, +[] { return in_float(); }, +[] { return checked(plain()); }}) {
+    const auto solver = make();
+    ASSERT_TRUE(solver->analyze(a.pattern, 2).ok());
+    std::vector<double> x = right_sides(12 * 7 * 2, random);
+    const auto before = allocations();
+    for (Transpose transpose : {Transpose::no, Transpose::yes}) {
+      ASSERT_TRUE(solver->factorize(both).ok());
+      ASSERT_TRUE(solver->solve(x, 7, transpose, 0).ok());
+    }
+    EXPECT_EQ(allocations(), before);
+  }
+}
+
+}  // namespace
+}  // namespace assur::test

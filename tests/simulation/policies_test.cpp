@@ -1,0 +1,118 @@
+// Which factorisation serves what: fresh ones, one for a step, one for many steps, one in float.
+#include <gtest/gtest.h>
+
+#include "simulation/run.hpp"
+
+namespace assur {
+namespace {
+
+using test::kEps;
+using test::Result;
+
+// Positions to residuals of 8 eps, derivatives to normwise residuals of 32 eps, at the condition of a group (23 for a
+// leg, 16 for a ring), of accelerations at its square; the two runs differ by at most twice that.
+constexpr double kTolerance = 2 * 32 * 23 * 23 * kEps;
+
+// Work of a run beyond the start posture, for each group and step.
+struct Work {
+  double factorizations, iterations;
+};
+Work work(const Result& r) {
+  const auto groups = static_cast<double>(r.simulator.prepared().structure->groups.size());
+  const double solutions = groups * static_cast<double>(r.counters().steps + r.counters().substeps);
+  return {(static_cast<double>(r.counters().factorizations) - groups) / solutions,
+          static_cast<double>(r.counters().newton_iterations) / solutions};
+}
+
+struct Policy {
+  const char* options;
+  double least, most;  // factorisations for each group and step
+};
+
+// From the last posture it takes several iterations.
+TEST(Policies, SayHowManyFactorisationsAStepTakes) {
+  const Scene scene = sample("stewart:steps=40");
+  for (const std::string& solver : test::solvers()) {
+    const Result reference = test::run(scene, "groups/" + solver + "+predict=taylor:0");
+    ASSERT_TRUE(reference.report().status.ok());
+    const double iterations = work(reference).iterations;
+    ASSERT_GT(iterations, 1.5);
+    EXPECT_NEAR(work(reference).factorizations, iterations + 1, 1e-9);
+    for (const Policy& policy :
+         {Policy{"+reuse=step", 1.9, 2.1}, Policy{"+reuse=run", 0.9, 1.1}, Policy{"+once", 0.9, 1.1},
+          Policy{"+reuse=step+once", 0.9, 1.1}, Policy{"+reuse=run+once", 0.001, 0.5}}) {
+      SCOPED_TRACE(solver + policy.options);
+      const Result r = test::run(scene, "groups/" + solver + policy.options + "+predict=taylor:0");
+      ASSERT_TRUE(r.report().status.ok());
+      EXPECT_GE(work(r).factorizations, policy.least);
+      EXPECT_LE(work(r).factorizations, policy.most);
+      EXPECT_LE(test::difference(reference.trajectory, r.trajectory), kTolerance);
+      EXPECT_LE(r.report().error.position, 1e-14);
+      EXPECT_LE(r.report().error.velocity, 32 * kEps);
+      EXPECT_LE(r.report().error.acceleration, 32 * kEps);
+    }
+  }
+}
+
+TEST(Policies, FactorsAreKeptOnlyAsLongAsCorrectionsContract) {
+  const Result small = test::run(sample("rings:legs=6,n=24,steps=200,step=0.01"), "groups/eigen+reuse=run+once");
+  const Result large = test::run(sample("rings:legs=6,n=24,steps=200,step=0.1"), "groups/eigen+reuse=run+once");
+  ASSERT_TRUE(small.report().status.ok() && large.report().status.ok());
+  EXPECT_LT(2 * work(small).factorizations, work(large).factorizations);
+}
+
+TEST(Policies, RunsRepeatBitForBit) {
+  for (const std::string& solver : test::solvers()) {
+    for (const std::string options : {"+reuse=run", "+reuse=run+once", "+once", "+refine"}) {
+      Simulator s = test::simulator(sample("stewart:steps=50"), "groups/" + solver + options);
+      const Trajectory first = s.run(), second = s.run();
+      EXPECT_EQ(test::difference(first, second), 0) << solver << options;
+    }
+  }
+}
+
+TEST(Policies, RefinementIsCounted) {
+  const Result r = test::run(sample("stewart:steps=50"), "groups/eigen+refine");
+  ASSERT_TRUE(r.report().status.ok());
+  EXPECT_GT(r.report().effort.refined, 0);
+  EXPECT_EQ(r.report().effort.in_double, 0);
+  EXPECT_TRUE(r.report().fallbacks.empty());
+  EXPECT_LE(r.report().error.acceleration,
+            test::run(sample("stewart:steps=50"), "groups/eigen").report().error.acceleration);
+}
+
+TEST(Policies, FloatServesWhereDoubleDoes) {
+  for (const Backend& backend : backends()) {
+    if (!backend.single || !backend.why_not({}, {}).empty()) continue;
+    for (const std::string text : {"stewart:steps=100", "four_bar:5", "rings:legs=6,n=24,steps=50"}) {
+      for (const std::string lanes : {"", ":8", ":16"}) {
+        SCOPED_TRACE(text + " " + std::string(backend.id) + lanes);
+        const Result reference = test::run(sample(text), "groups/eigen");
+        const Result r = test::run(sample(text), "groups/" + std::string(backend.id) + lanes + "+float");
+        ASSERT_TRUE(r.report().status.ok());
+        EXPECT_LE(test::difference(reference.trajectory, r.trajectory), kTolerance);
+        EXPECT_LE(r.report().error.position, 1e-14);
+        EXPECT_GT(r.report().effort.refined, 0);
+        EXPECT_EQ(r.report().effort.in_double, 0);
+      }
+    }
+  }
+}
+
+std::string refusal(const std::string& strategy) {
+  try {
+    (void)prepare(sample("four_bar:1"), {strategy, {}});
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), Error::Kind::environment);
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(Policies, WhatABackendHasNotIsRefused) {
+  if (test::sparse() != "klu") GTEST_SKIP() << "no KLU";
+  EXPECT_EQ(refusal("groups/klu+float"), "backend klu cannot run here: it has no float version; leave out +float");
+}
+
+}  // namespace
+}  // namespace assur
