@@ -40,7 +40,9 @@ class EigenLu final : public DenseLu<T> {
 
 }  // namespace
 
-std::string why_not(const Shape& shape, ThreadBudget) { return why_not_dense(shape); }
+std::string why_not(const Shape& shape, ThreadBudget budget) {
+  return budget.threads > 1 ? "it runs on one thread" : why_not_dense(shape);
+}
 
 std::unique_ptr<LinearSolver> make(ThreadBudget, Precision precision) {
   if (precision == Precision::binary32) return make_dense_solver<float>(std::make_unique<EigenLu<float>>());

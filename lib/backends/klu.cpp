@@ -336,7 +336,7 @@ Figures KluSolver::figures(int index) const {
 
 }  // namespace
 
-std::string why_not(const Shape&, ThreadBudget) { return ""; }
+std::string why_not(const Shape&, ThreadBudget budget) { return budget.threads > 1 ? "it runs on one thread" : ""; }
 
 std::unique_ptr<LinearSolver> make(ThreadBudget, Precision) { return std::make_unique<KluSolver>(); }
 

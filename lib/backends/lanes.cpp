@@ -266,7 +266,8 @@ Figures LanesSolver::figures(int lane) const {
 
 }  // namespace
 
-std::string why_not(const Shape& shape, ThreadBudget) {
+std::string why_not(const Shape& shape, ThreadBudget budget) {
+  if (budget.threads > 1) return "it runs on one thread";
   if (shape.nnz <= kMostNonzeros) return "";
   return "an elimination of " + std::to_string(shape.nnz) +
          " nonzeros, written down step by step, is too long; the limit is " + std::to_string(kMostNonzeros);

@@ -132,7 +132,7 @@ Figures UmfpackSolver::lane_figures(int index) const {
 
 }  // namespace
 
-std::string why_not(const Shape&, ThreadBudget) { return ""; }
+std::string why_not(const Shape&, ThreadBudget budget) { return budget.threads > 1 ? "it runs on one thread" : ""; }
 
 std::unique_ptr<LinearSolver> make(ThreadBudget, Precision) { return std::make_unique<UmfpackSolver>(); }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <ostream>
 #include <string>
 #include <utility>
@@ -48,19 +49,32 @@ inline Result run(const Scene& scene, const std::string& strategy = "auto", Step
   return {std::move(s), std::move(t)};
 }
 
-// The largest difference of two runs over the largest value of the column, over all columns of the first.
+// Value, velocity or acceleration of a point or vector, or a column of its own kind.
+inline std::string kind_of(const std::string& column) {
+  const std::string last = column.substr(column.rfind('.') + 1);
+  return last == "x" || last == "y" || last == "z" ? "x" : last.size() == 2 ? last.substr(0, 1) : column;
+}
+
+// The largest difference of two runs over the largest value of all columns of its kind, over all columns of the first:
+// a coordinate that stays near zero is as uncertain as its neighbours are.
 inline double difference(const Trajectory& a, const Trajectory& b) {
   if (a.rows() != b.rows() || a.rows() == 0) return std::numeric_limits<double>::infinity();
-  double worst = 0;
+  struct Kind {
+    double off = 0, largest = 0;
+  };
+  std::map<std::string, Kind> kinds;
   for (std::size_t c = 0; c < a.columns().size(); ++c) {
     const std::size_t other = b.index(a.columns()[c]);
-    double off = 0, largest = 0;
+    Kind& kind = kinds[kind_of(a.columns()[c])];
     for (std::size_t k = 0; k < a.rows(); ++k) {
       const double d = std::abs(a(k, c) - b(k, other));
-      if (!(d <= off)) off = d;
-      largest = std::max(largest, std::abs(a(k, c)));
+      if (!(d <= kind.off)) kind.off = d;
+      kind.largest = std::max(kind.largest, std::abs(a(k, c)));
     }
-    const double relative = largest > 0 ? off / largest : off;
+  }
+  double worst = 0;
+  for (const auto& [name, kind] : kinds) {
+    const double relative = kind.largest > 0 ? kind.off / kind.largest : kind.off;
     if (!(relative <= worst)) worst = relative;
   }
   return worst;
