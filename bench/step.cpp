@@ -1,57 +1,58 @@
 // Time of one step with velocity and acceleration: scene x formulation x solver x predictor, with and without +once;
-// the errors of the very steps that were timed beside it. Candidates are interleaved at random.
+// the errors of the very steps that were timed beside it. What cannot run here is left out.
 #include <benchmark/benchmark.h>
 
 #include <string>
 #include <vector>
 
 #include "assur/assur.hpp"
-#include "machine.hpp"
+#include "program.hpp"
 
 namespace assur::bench {
 namespace {
 
-constexpr int kWarm = 10;  // steps: the predictors have their history, the solvers their memory
+using Texts = std::vector<std::string>;
 
-void step(benchmark::State& state, const Scene& scene, const std::string& strategy) {
-  Simulator simulator(prepare(scene, {strategy, {}}));
-  // Beyond the end of the grid the motion of the samples goes on.
-  std::int64_t k = 0;
-  const auto advance = [&] { return simulator.step(scene.time().time(++k)); };
-  for (int i = 0; i < kWarm; ++i) {
-    if (!advance().ok()) return state.SkipWithError("a step failed");
-  }
-  const Counters before = simulator.report().counters;
-  for ([[maybe_unused]] auto _ : state) {
-    if (const Status status = advance(); !status.ok()) {
-      return state.SkipWithError(std::string(name(status.code)).c_str());
-    }
-  }
-  const Counters& after = simulator.report().counters;
-  const auto over = [](std::int64_t work, std::int64_t of) {
-    return static_cast<double>(work) / static_cast<double>(of);
-  };
-  state.counters["iterations"] =
-      over(after.newton_iterations - before.newton_iterations, after.group_solutions - before.group_solutions);
-  state.counters["factorizations"] = over(after.factorizations - before.factorizations, state.iterations());
-  state.counters["substeps"] = over(after.substeps - before.substeps, state.iterations());
-  const ErrorFigures& error = simulator.report().error;
-  state.counters["position"] = error.position;
-  state.counters["velocity"] = error.velocity;
-  state.counters["acceleration"] = error.acceleration;
-}
+// Everything of a family is combined with everything else of it.
+struct Family {
+  Texts scenes, formulations, solvers, policies, predictors;
+};
 
-void register_all() {
-  for (const std::string text :
-       {"stewart", "four_bar:1", "four_bar:10", "four_bar:100", "andrews", "rings:legs=6,n=120"}) {
+const Texts kScenes = {"stewart", "four_bar:1", "four_bar:10", "four_bar:100", "andrews", "rings:legs=6,n=120"};
+const Texts kRings = {"rings:legs=8,n=30", "rings:legs=64,n=30", "rings:legs=16,n=120", "rings:legs=8,n=360",
+                      "rings:legs=8,n=720"};
+
+// Few steps of large groups take long: about seven minutes in all.
+const Family kFamilies[] = {
+    {kScenes,
+     {"global", "groups", "irreducible"},
+     {"eigen", "klu"},
+     {"", "+once"},
+     {"hermite:5", "past:5", "taylor:2"}},
+    {kScenes,
+     {"groups", "irreducible"},
+     {"lapack", "lanes", "lanes:8", "lanes:8+float", "lanes:16+float", "eigen+float", "lapack+float"},
+     {"", "+once"},
+     {"hermite:5"}},
+    {{"stewart"},
+     {"groups", "irreducible"},
+     {"klu", "lanes:8"},
+     {"+refine", "+reuse=step", "+reuse=run"},
+     {"hermite:5"}},
+    {{"stewart", "four_bar:10"}, {"groups"}, {"umfpack", "mumps", "team"}, {""}, {"hermite:5"}},
+    {kRings, {"groups"}, {"klu", "lanes:8", "lanes:16", "lanes:8+float"}, {"", "+once"}, {"hermite:5"}},
+};
+
+void register_family(const Family& family) {
+  for (const std::string& text : family.scenes) {
     const Scene scene = sample(text);
-    for (const std::string formulation : {"global", "groups", "irreducible"}) {
-      for (const std::string solver : {"eigen", "klu"}) {
-        if (!find_backend(backends(), solver).why_not({}, {}).empty()) continue;
-        for (const std::string once : {"", "+once"}) {
-          for (const std::string predictor : {"hermite:5", "past:5", "taylor:2"}) {
-            const std::string strategy = formulation + "/" + solver + once + "+predict=" + predictor;
-            benchmark::RegisterBenchmark((text + " " + strategy).c_str(), step, scene, strategy);
+    for (const std::string& formulation : family.formulations) {
+      for (const std::string& solver : family.solvers) {
+        for (const std::string& policy : family.policies) {
+          for (const std::string& predictor : family.predictors) {
+            const std::string strategy = formulation + "/" + solver + policy + "+predict=" + predictor;
+            if (!worth_timing(scene, strategy)) continue;
+            benchmark::RegisterBenchmark((text + " " + strategy).c_str(), time_steps, scene, strategy);
           }
         }
       }
@@ -59,22 +60,11 @@ void register_all() {
   }
 }
 
+void register_all() {
+  for (const Family& family : kFamilies) register_family(family);
+}
+
 }  // namespace
 }  // namespace assur::bench
 
-int main(int argc, char** argv) {
-  // What honest times need, unless the command line says otherwise.
-  std::string defaults[] = {"--benchmark_enable_random_interleaving=true", "--benchmark_repetitions=5",
-                            "--benchmark_report_aggregates_only=true", "--benchmark_min_time=0.05",
-                            "--benchmark_counters_tabular=true"};
-  std::vector<char*> arguments = {argv[0]};
-  for (std::string& argument : defaults) arguments.push_back(argument.data());
-  arguments.insert(arguments.end(), argv + 1, argv + argc);
-  int count = static_cast<int>(arguments.size());
-  benchmark::Initialize(&count, arguments.data());
-  if (benchmark::ReportUnrecognizedArguments(count, arguments.data())) return 2;
-  assur::bench::describe_machine();
-  assur::bench::register_all();
-  benchmark::RunSpecifiedBenchmarks();
-  benchmark::Shutdown();
-}
+int main(int argc, char** argv) { return assur::bench::run_program(argc, argv, assur::bench::register_all); }

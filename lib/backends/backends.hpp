@@ -17,6 +17,18 @@ std::unique_ptr<LinearSolver> make(ThreadBudget budget, Precision precision);
 std::string version();
 }  // namespace eigen
 
+namespace lapack {
+std::string why_not(const Shape& shape, ThreadBudget budget);
+std::unique_ptr<LinearSolver> make(ThreadBudget budget, Precision precision);
+std::string version();
+}  // namespace lapack
+
+namespace team {
+std::string why_not(const Shape& shape, ThreadBudget budget);
+std::unique_ptr<LinearSolver> make(ThreadBudget budget, Precision precision);
+std::string version();
+}  // namespace team
+
 namespace klu {
 std::string why_not(const Shape& shape, ThreadBudget budget);
 std::unique_ptr<LinearSolver> make(ThreadBudget budget, Precision precision);

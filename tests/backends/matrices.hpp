@@ -115,13 +115,25 @@ inline void scale(Matrix& a, const std::function<double(int, int)>& factor) {
   }
 }
 
-// One row repeats another, bit by bit: elimination ends at an exact zero.
+// One row repeats another. The product of two triangles of small integers with ones on the diagonal: elimination is
+// exact, fused or not, in any order of its sums, and ends at an exact zero.
 inline Matrix repeated_row(int n, Random& random) {
-  Matrix a = dense(n, random);
-  for (int j = 0; j < n; ++j) {
-    a.values[static_cast<std::size_t>(j * n + n - 1)] = a.values[static_cast<std::size_t>(j * n)];
-  }
-  return a;
+  const auto below = [&](int i, int j) { return i < j ? 0.0 : i == j ? 1.0 : random() % 2 ? 1.0 : -1.0; };
+  const Matrix l = compress(
+      n, [](int, int) { return true; }, below);
+  const Matrix u = compress(
+      n, [](int, int) { return true; }, [&](int i, int j) { return below(j, i); });
+  return compress(
+      n, [](int, int) { return true; },
+      [&](int i, int j) {
+        double sum = 0;
+        for (int k = 0; k < n; ++k) {
+          const auto row = static_cast<std::size_t>(k * n + (i == n - 1 ? 0 : i)),
+                     column = static_cast<std::size_t>(j * n + k);
+          sum += l.values[row] * u.values[column];
+        }
+        return sum;
+      });
 }
 
 // values[k * lanes + lane] of several lanes

@@ -1,0 +1,379 @@
+// Honest baselines: what the library costs over a hand-written loop over the very same calls of KLU and LAPACK, with
+// the same number of factorisations and solutions. `ratio` is the library's time over that of the hand, block by block
+// in turns, the median of it; at most 1.15 is asked for.
+//   solver: one factorisation and three solutions of each of six groups, our backend against bare calls
+//   legs:   position, velocity and acceleration of the six legs of `stewart`, groups/BACKEND+predict=hermite:5 against
+//           the leg written by hand; the terminal is given to both
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "assur/assur.hpp"
+#include "bare_calls.hpp"
+#include "leg_by_hand.hpp"
+#include "matrices.hpp"
+#include "program.hpp"
+#include "simulation/inputs.hpp"
+#include "simulation/layout.hpp"
+#include "simulation/state.hpp"
+
+namespace assur::bench {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds(Clock::time_point from) { return std::chrono::duration<double>(Clock::now() - from).count(); }
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Times of both sides of one comparison, block after block.
+struct Times {
+  std::vector<double> library, hand;
+
+  void report(benchmark::State& state, double per_block) const {
+    std::vector<double> ratio;
+    for (std::size_t i = 0; i < hand.size(); ++i) ratio.push_back(library[i] / hand[i]);
+    state.counters["library"] = median(library) / per_block;
+    state.counters["hand"] = median(hand) / per_block;
+    state.counters["ratio"] = median(ratio);
+  }
+};
+
+// ---- the solver alone
+
+constexpr int kGroups = 6;
+constexpr int kSolves = 3;
+constexpr double kBlock = 2e-4;  // s: long against the clock, short against the disturbances of a busy machine
+
+template <class Bare>
+void compare_solvers(benchmark::State& state, const std::string& kind, int n) {
+  const std::vector<test::Matrix> matrices = make_matrices(kind, n, kGroups);
+  const Pattern& pattern = matrices[0].pattern;
+  const Backend& backend = find_backend(backends(), Bare::kBackend);
+  std::vector<std::unique_ptr<Bare>> bare;
+  std::vector<std::unique_ptr<LinearSolver>> ours;
+  for (int g = 0; g < kGroups; ++g) {
+    bare.push_back(std::make_unique<Bare>(pattern));
+    ours.push_back(backend.make(ThreadBudget{}, Precision::binary64));
+    if (!ours.back()->analyze(pattern, 1).ok()) return state.SkipWithError("an analysis failed");
+  }
+  test::Random random(1);
+  std::vector<double> right, x(static_cast<std::size_t>(pattern.n));
+  for (std::size_t i = 0; i < x.size(); ++i) right.push_back(test::nonzero(random));
+
+  bool ok = true;
+  const auto sweep = [&](auto& solvers, const auto& factorize, const auto& solve) {
+    for (std::size_t g = 0; g < kGroups; ++g) {
+      ok = factorize(*solvers[g], matrices[g].values) && ok;
+      for (int i = 0; i < kSolves; ++i) {
+        std::copy(right.begin(), right.end(), x.begin());
+        ok = solve(*solvers[g]) && ok;
+      }
+      benchmark::DoNotOptimize(x.data());
+    }
+  };
+  const auto by_hand = [&] {
+    sweep(
+        bare, [](Bare& s, const std::vector<double>& values) { return s.factorize(values.data()); },
+        [&](Bare& s) { return s.solve(x.data()); });
+  };
+  const auto by_library = [&] {
+    sweep(
+        ours, [](LinearSolver& s, const std::vector<double>& values) { return s.factorize(values).ok(); },
+        [&](LinearSolver& s) { return s.solve(x, 1).ok(); });
+  };
+  const auto block = [](const auto& work, int repeats) {
+    const auto start = Clock::now();
+    for (int i = 0; i < repeats; ++i) work();
+    return seconds(start);
+  };
+  by_hand();
+  by_library();
+  const int repeats = std::max(1, static_cast<int>(kBlock / block(by_hand, 10) * 10));
+  Times times;
+  for ([[maybe_unused]] auto _ : state) {
+    times.hand.push_back(block(by_hand, repeats));
+    times.library.push_back(block(by_library, repeats));
+    state.SetIterationTime(times.library.back());
+  }
+  if (!ok) return state.SkipWithError("a factorisation or solution failed");
+  times.report(state, repeats * kGroups);
+}
+
+// ---- the six legs
+
+constexpr int kLegs = 6;
+constexpr int kWarm = 10;                                                  // steps
+constexpr double kConverged = 8 * std::numeric_limits<double>::epsilon();  // as in the library, and so is the rest
+constexpr double kRoundingLevel = 1e-12;
+constexpr int kMostIterations = 12;
+constexpr double kSame = 1e-10;  // m: the two motions agree
+
+std::string leg_name(const char* name, int leg) { return name + std::to_string(leg + 1); }
+
+// The library's own parts, so that the legs can be timed without the terminal before them.
+class LegsByLibrary {
+ public:
+  LegsByLibrary(const Scene& scene, const std::string& backend, double t)
+      : prepared_(prepare(scene, {"groups/" + backend + "+predict=hermite:5", {}})),
+        structure_(*prepared_.structure),
+        inputs_(*structure_.system, {}),
+        layout_(lay_out(prepared_)) {
+    state_.resize(layout_.first_unknown, layout_.size, prepared_.plan.predictor);
+    for (std::size_t c = 0; c < layout_.address.size(); ++c) {
+      if (layout_.address[c] >= 0) state_.at(0)[layout_.address[c]] = structure_.start[c];
+    }
+    ok_ = drive(t) && solve(0, Attempt::Branch::start) && solve(1, Attempt::Branch::start);
+    state_.accept(t);
+  }
+
+  // The terminal at time t.
+  bool prepare_step(double t) {
+    ok_ = ok_ && drive(t) && (solve(0, Attempt::Branch::inside) || solve(0, Attempt::Branch::start));
+    return ok_;
+  }
+  // The legs at time t, and the prediction for the step after it.
+  bool step(double t, double next) {
+    counters_ = {};
+    held_ = solve(1, Attempt::Branch::inside);
+    // Outside the ball of its branch check the simulator halves the step; here a new ball is measured.
+    ok_ = ok_ && (held_ || solve(1, Attempt::Branch::start));
+    state_.accept(t);
+    state_.predict(next);
+    return ok_;
+  }
+  void predict(double t) { state_.predict(t); }
+  // The last posture in place of the prediction.
+  void restore() { state_.restore(); }
+
+  [[nodiscard]] bool ok() const { return ok_; }
+  [[nodiscard]] bool held() const { return held_; }  // the last step of the legs, at the first attempt
+  [[nodiscard]] const Counters& counters() const { return counters_; }  // of that step
+
+  // d-th derivative of a point or vector, SI units
+  [[nodiscard]] Vec value(const std::string& name, int d) const {
+    const System& s = *structure_.system;
+    const Item& item = s.items[static_cast<std::size_t>(s.item_of.at(name))];
+    Vec out{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (const Term& t : s.form(item.form[i])) {
+        const std::int32_t address = layout_.address[static_cast<std::size_t>(t.coordinate)];
+        out[i] += s.constants[static_cast<std::size_t>(t.constant)] * state_.at(d)[address] * s.unit(item.dimension);
+      }
+    }
+    return out;
+  }
+  [[nodiscard]] Terminal terminal(int d) const { return {value("O", d), value("u", d), value("v", d)}; }
+
+ private:
+  GroupSolver& solver(const Pack& pack) { return *layout_.solvers[static_cast<std::size_t>(pack.group_class)]; }
+  bool drive(double t) {
+    double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
+    return inputs_.drive(t, q).ok();
+  }
+  // level 0: the terminal, 1: the legs
+  bool solve(int level, Attempt::Branch branch) {
+    double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
+    Attempt attempt;
+    attempt.branch = branch;
+    for (Pack& pack : layout_.packs) {
+      if (pack.level == level && !solver(pack).solve(pack, q, attempt, counters_, errors_).ok()) return false;
+    }
+    return true;
+  }
+
+  Prepared prepared_;
+  const Structure& structure_;
+  Inputs inputs_;
+  Layout layout_;
+  State state_;
+  Counters counters_;
+  StepErrors errors_;
+  bool ok_ = false, held_ = true;
+};
+
+// The same by hand.
+template <class Bare>
+class LegsByHand {
+ public:
+  using Unknowns = LegByHand::Unknowns;
+
+  LegsByHand(const Scene& scene, const LegsByLibrary& start) : jacobian_(LegByHand::pattern().row.size()) {
+    const auto at = [](const auto& all, const std::string& name) {
+      return std::find_if(all.begin(), all.end(), [&](const auto& x) { return x.name == name; });
+    };
+    const Body& terminal = scene.bodies().at(0);
+    for (int k = 0; k < kLegs; ++k) {
+      Leg& leg = legs_.emplace_back(
+          LegByHand(at(scene.points(), leg_name("A", k))->at, at(scene.vectors(), leg_name("a", k))->at,
+                    at(terminal.points, leg_name("P", k))->local, at(terminal.vectors, leg_name("t", k))->local));
+      for (int d = 0; d < 3; ++d) {
+        auto* to = (d == 0 ? leg.q : d == 1 ? leg.v : leg.a).data();
+        for (const char* name : {"B", "e", "r", "c", "d"}) {
+          const Vec x = start.value(leg_name(name, k), d);
+          to = std::copy(x.begin(), x.end(), to);
+        }
+      }
+      predict(leg, scene.time().step, true);
+    }
+  }
+
+  // Inputs: the terminal with both derivatives at the time of the step. The next step is dt later.
+  bool step(const Terminal& value, const Terminal& rate, const Terminal& acceleration, double dt) {
+    iterations_ = 0;
+    for (Leg& leg : legs_) {
+      leg.equations.set_inputs(value);
+      if (!newton(leg) || !leg.solver->factorize(jacobian_.data())) return false;
+      leg.equations.velocity(rate, leg.v);
+      if (!leg.solver->solve(leg.v.data())) return false;
+      leg.equations.acceleration(leg.v, acceleration, leg.a);
+      if (!leg.solver->solve(leg.a.data())) return false;
+      predict(leg, dt, false);
+    }
+    return true;
+  }
+
+  [[nodiscard]] std::int64_t iterations() const { return iterations_; }  // of all legs in the last step
+  // B of a leg at the last step
+  [[nodiscard]] Vec B(int leg) const {
+    const Unknowns& q = legs_[static_cast<std::size_t>(leg)].last_q;
+    return {q[0], q[1], q[2]};
+  }
+
+ private:
+  struct Leg {
+    explicit Leg(const LegByHand& leg) : equations(leg), solver(std::make_unique<Bare>(LegByHand::pattern())) {}
+    LegByHand equations;
+    std::unique_ptr<Bare> solver;
+    Unknowns q{}, v{}, a{};                 // at hand: q is the prediction before a step
+    Unknowns last_q{}, last_v{}, last_a{};  // of the last step
+  };
+
+  bool newton(Leg& leg) {
+    double worst = leg.equations.evaluate(leg.q, phi_, jacobian_.data());
+    for (int k = 0; !(worst <= kConverged); ++k) {
+      if (k == kMostIterations || !leg.solver->factorize(jacobian_.data()) || !leg.solver->solve(phi_.data()))
+        return false;
+      for (std::size_t i = 0; i < phi_.size(); ++i) leg.q[i] -= phi_[i];
+      ++iterations_;
+      const double before = worst;
+      worst = leg.equations.evaluate(leg.q, phi_, jacobian_.data());
+      if (worst <= kRoundingLevel && worst > before / 4) break;
+    }
+    return true;
+  }
+
+  // Accepts the posture at hand and extrapolates: the quintic through the last two, with their rates and accelerations,
+  // at equal steps; Taylor from the first.
+  void predict(Leg& leg, double h, bool first) {
+    const Unknowns q = leg.q;
+    for (std::size_t i = 0; i < q.size(); ++i) {
+      leg.q[i] = first ? q[i] + h * leg.v[i] + h * h / 2 * leg.a[i]
+                       : 32 * q[i] - 31 * leg.last_q[i] - h * (16 * leg.v[i] + 14 * leg.last_v[i]) +
+                             h * h * (4 * leg.a[i] - 2 * leg.last_a[i]);
+    }
+    leg.last_q = q, leg.last_v = leg.v, leg.last_a = leg.a;
+  }
+
+  std::vector<Leg> legs_;
+  Unknowns phi_{};
+  std::vector<double> jacobian_;
+  std::int64_t iterations_ = 0;
+};
+
+template <class Bare>
+void compare_legs(benchmark::State& state) {
+  const Scene scene = sample("stewart");
+  const double dt = scene.time().step;
+  LegsByLibrary library(scene, std::string(Bare::kBackend), 0);
+  if (!library.ok()) return state.SkipWithError("the start failed");
+  LegsByHand<Bare> hand(scene, library);
+  library.predict(dt);
+  Times times;
+  std::int64_t k = 0, iterations = 0, iterations_by_hand = 0, factorizations = 0;
+  double difference = 0;
+  const auto step = [&] {
+    const double t = scene.time().time(++k), next = scene.time().time(k + 1);
+    if (!library.prepare_step(t)) return false;
+    const Terminal terminal[] = {library.terminal(0), library.terminal(1), library.terminal(2)};
+    auto start = Clock::now();
+    bool ok = hand.step(terminal[0], terminal[1], terminal[2], dt);
+    times.hand.push_back(seconds(start));
+    start = Clock::now();
+    ok = library.step(t, next) && ok;
+    times.library.push_back(seconds(start));
+    if (!library.held()) {
+      times.hand.pop_back();
+      times.library.pop_back();
+    }
+    return ok;
+  };
+  const auto compare = [&] {
+    library.restore();
+    for (int leg = 0; leg < kLegs; ++leg) {
+      const Vec ours = library.value(leg_name("B", leg), 0), theirs = hand.B(leg);
+      for (std::size_t i = 0; i < 3; ++i) difference = std::max(difference, std::abs(ours[i] - theirs[i]));
+    }
+    library.predict(scene.time().time(k + 1));
+  };
+  for (int i = 0; i < kWarm; ++i) {
+    if (!step()) return state.SkipWithError("a step failed");
+  }
+  times = {};
+  for ([[maybe_unused]] auto _ : state) {
+    if (!step()) return state.SkipWithError("a step failed");
+    state.SetIterationTime(times.library.empty() ? 0 : times.library.back());
+    compare();
+    iterations += library.counters().newton_iterations;
+    factorizations += library.counters().factorizations;
+    iterations_by_hand += hand.iterations();
+  }
+  if (!(difference <= kSame)) return state.SkipWithError("the two motions differ");
+  times.report(state, 1);
+  const auto steps = static_cast<double>(state.iterations());
+  state.counters["iterations"] = static_cast<double>(iterations) / kLegs / steps;
+  state.counters["factorizations"] = static_cast<double>(factorizations) / kLegs / steps;
+  state.counters["by_hand"] = static_cast<double>(iterations_by_hand) / kLegs / steps;
+  state.counters["difference"] = difference;
+}
+
+template <class Bare>
+void register_library() {
+  const std::string id(Bare::kBackend);
+  const auto row = std::find_if(backends().begin(), backends().end(), [&](const Backend& b) { return b.id == id; });
+  if (row == backends().end() || !row->why_not({}, {}).empty()) return;
+  struct Size {
+    const char* kind;
+    int n;
+  };
+  for (const auto& [kind, n] : {Size{"legs", 15}, {"ring", 30}, {"ring", 120}, {"ring", 360}}) {
+    benchmark::RegisterBenchmark(("solver " + id + " " + kind + " n=" + std::to_string(n)).c_str(),
+                                 compare_solvers<Bare>, std::string(kind), n)
+        ->UseManualTime();
+  }
+  benchmark::RegisterBenchmark(("legs groups/" + id).c_str(), compare_legs<Bare>)->UseManualTime();
+}
+
+void register_all() {
+  register_library<BareKlu>();
+#ifdef ASSUR_BENCH_LAPACK
+  if (openblas_set_num_threads != nullptr) openblas_set_num_threads(1);
+  register_library<BareLapack>();
+#endif
+}
+
+}  // namespace
+}  // namespace assur::bench
+
+int main(int argc, char** argv) { return assur::bench::run_program(argc, argv, assur::bench::register_all); }

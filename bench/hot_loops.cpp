@@ -1,0 +1,44 @@
+// Some hot loops, for counting instructions: SCENE, STRATEGY and a number of steps on the command line. Only
+// run_hot_loop() is counted (instructions.sh names it to callgrind); preparing and warming up come before it.
+#include <cstdint>
+#include <cstdio>
+#include <exception>
+#include <string>
+
+#include "assur/assur.hpp"
+
+namespace {
+
+constexpr std::int64_t kWarm = 20;  // steps
+
+}  // namespace
+
+// Not inlined, and not mangled: callgrind toggles its collection here.
+extern "C" [[gnu::noinline]] bool run_hot_loop(assur::Simulator& simulator, const assur::TimeGrid& grid,
+                                               std::int64_t first, std::int64_t steps) {
+  for (std::int64_t k = first; k < first + steps; ++k) {
+    if (!simulator.step(grid.time(k)).ok()) return false;
+  }
+  return true;
+}
+
+int main(int argc, char** argv) {
+  if (argc != 4) {
+    std::fprintf(stderr, "usage: %s SCENE STRATEGY STEPS\n", argv[0]);
+    return 2;
+  }
+  try {
+    const assur::Scene scene = assur::open_scene(argv[1]);
+    assur::Simulator simulator(assur::prepare(scene, {argv[2], {}}));
+    const std::int64_t steps = std::stoll(argv[3]);
+    for (std::int64_t k = 1; k <= kWarm; ++k) {
+      if (!simulator.step(scene.time().time(k)).ok()) return 1;
+    }
+    if (!run_hot_loop(simulator, scene.time(), kWarm + 1, steps)) return 1;
+    std::printf("position error %.3g\n", simulator.report().error.position);
+    return 0;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 3;
+  }
+}

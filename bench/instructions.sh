@@ -1,0 +1,28 @@
+#!/bin/sh
+# Instructions per step of some hot loops, counted by callgrind: the same on every machine that runs the same code, so a
+# later change can be held against them. valgrind shows programs an AVX2 processor: what is counted is the AVX2 path.
+#
+#   bench/instructions.sh [BUILD [STEPS]]     build/ and 200 steps unless told otherwise
+set -eu
+program=${1:-build}/bench/hot_loops
+steps=${2:-200}
+[ -x "$program" ] || { echo "$program is not there; build it first" >&2; exit 3; }
+command -v valgrind >/dev/null || { echo "valgrind is missing (Debian: apt install valgrind)" >&2; exit 3; }
+work=$(mktemp -d)
+trap 'rm -r "$work"' EXIT
+
+# count SCENE STRATEGY
+count() {
+  if ! valgrind --tool=callgrind --callgrind-out-file="$work/out" --toggle-collect=run_hot_loop \
+      "$program" "$1" "$2" "$steps" >"$work/log" 2>&1; then
+    printf '%-14s %-44s cannot run: %s\n' "$1" "$2" "$(grep -v '^==' "$work/log" | head -1 | cut -c1-100)"
+    return
+  fi
+  total=$(sed -n 's/^\(summary\|totals\): *\([0-9]*\).*/\2/p' "$work/out" | head -1)
+  printf '%-14s %-44s %12d\n' "$1" "$2" $((total / steps))
+}
+
+printf '%-14s %-44s %12s\n' scene strategy instructions
+for solver in klu lanes:8 lanes:8+once; do count stewart "groups/$solver+predict=hermite:5"; done
+for solver in eigen lanes:8 lanes:8+once; do count stewart "irreducible/$solver+predict=hermite:5"; done
+for solver in eigen klu lanes lanes+once; do count four_bar:100 "irreducible/$solver+predict=hermite:5"; done

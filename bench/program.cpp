@@ -1,0 +1,72 @@
+#include "program.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "assur/assur.hpp"
+#include "machine.hpp"
+
+namespace assur::bench {
+namespace {
+
+constexpr int kWarm = 10;  // steps: the predictors have their history, the solvers their memory
+
+}  // namespace
+
+int run_program(int argc, char** argv, void (*register_all)()) {
+  std::string defaults[] = {"--benchmark_enable_random_interleaving=true", "--benchmark_repetitions=5",
+                            "--benchmark_report_aggregates_only=true", "--benchmark_min_time=0.05",
+                            "--benchmark_counters_tabular=true"};
+  std::vector<char*> arguments = {argv[0]};
+  for (std::string& argument : defaults) arguments.push_back(argument.data());
+  arguments.insert(arguments.end(), argv + 1, argv + argc);
+  int count = static_cast<int>(arguments.size());
+  benchmark::Initialize(&count, arguments.data());
+  if (benchmark::ReportUnrecognizedArguments(count, arguments.data())) return 2;
+  describe_machine();
+  register_all();
+  benchmark::RunSpecifiedBenchmarks();
+  benchmark::Shutdown();
+  return 0;
+}
+
+bool worth_timing(const Scene& scene, const std::string& strategy) {
+  try {
+    const Prepared prepared = prepare(scene, {strategy, {}});
+    const std::int32_t lanes = parse_strategy(strategy).lanes;
+    return std::any_of(prepared.plan.choices.begin(), prepared.plan.choices.end(),
+                       [lanes](const Plan::Choice& choice) { return choice.strategy.lanes == lanes; });
+  } catch (const Error&) {
+    return false;  // it cannot run here: the command `assur backends` says why
+  }
+}
+
+void time_steps(benchmark::State& state, const Scene& scene, const std::string& strategy) {
+  Simulator simulator(prepare(scene, {strategy, {}}));
+  // Beyond the end of the grid the motion of the samples goes on.
+  std::int64_t k = 0;
+  const auto advance = [&] { return simulator.step(scene.time().time(++k)); };
+  for (int i = 0; i < kWarm; ++i) {
+    if (!advance().ok()) return state.SkipWithError("a step failed");
+  }
+  const Counters before = simulator.report().counters;
+  for ([[maybe_unused]] auto _ : state) {
+    if (const Status status = advance(); !status.ok()) {
+      return state.SkipWithError(std::string(name(status.code)).c_str());
+    }
+  }
+  const Counters& after = simulator.report().counters;
+  const auto over = [](std::int64_t work, std::int64_t of) {
+    return static_cast<double>(work) / static_cast<double>(of);
+  };
+  state.counters["iterations"] =
+      over(after.newton_iterations - before.newton_iterations, after.group_solutions - before.group_solutions);
+  state.counters["factorizations"] = over(after.factorizations - before.factorizations, state.iterations());
+  state.counters["substeps"] = over(after.substeps - before.substeps, state.iterations());
+  const ErrorFigures& error = simulator.report().error;
+  state.counters["position"] = error.position;
+  state.counters["velocity"] = error.velocity;
+  state.counters["acceleration"] = error.acceleration;
+}
+
+}  // namespace assur::bench

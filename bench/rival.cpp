@@ -1,0 +1,74 @@
+// The library against what a good engineer writes in an afternoon for one mechanism (afternoon.hpp), in one run: one
+// thread, the same outputs with velocity and acceleration, and the largest relative residual of the steps that were
+// timed beside each. A scene of a file is read from it; a file has one loop, so longer chains are samples.
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "afternoon.hpp"
+#include "assur/assur.hpp"
+#include "program.hpp"
+
+namespace assur::bench {
+namespace {
+
+constexpr int kWarm = 10;  // steps
+
+// Where only 1e-12 is asked for, some steps save an iteration.
+constexpr double kLoose = 1e-12;
+
+template <class Mechanism>
+void time_rival(benchmark::State& state, const Mechanism& mechanism, double tolerance, double dt) {
+  Afternoon<Mechanism> rival(mechanism, tolerance);
+  std::int64_t k = 0;
+  for (; k < kWarm; ++k) {
+    if (!rival.step(dt * static_cast<double>(k))) return state.SkipWithError("a step failed");
+  }
+  double worst = 0;
+  std::size_t iterations = 0;
+  for ([[maybe_unused]] auto _ : state) {
+    if (!rival.step(dt * static_cast<double>(k++))) return state.SkipWithError("a step failed");
+    benchmark::DoNotOptimize(rival.acceleration().data());
+    worst = std::max(worst, rival.residual());
+    iterations += rival.iterations();
+  }
+  state.counters["iterations"] = static_cast<double>(iterations) / static_cast<double>(state.iterations());
+  state.counters["position"] = worst;
+}
+
+// Rows of one mechanism; `scene` gives what the rival has as unknowns.
+template <class Mechanism>
+void register_mechanism(const std::string& text, const Scene& scene, const Mechanism& mechanism) {
+  const double dt = scene.time().step;
+  for (const double tolerance : {kRivalTolerance, kLoose}) {
+    benchmark::RegisterBenchmark((text + (tolerance == kLoose ? " afternoon, to 1e-12" : " afternoon")).c_str(),
+                                 time_rival<Mechanism>, mechanism, tolerance, dt);
+  }
+  for (const std::string strategy :
+       {"irreducible/lanes+predict=hermite:5", "irreducible/lanes+once+predict=hermite:5",
+        "irreducible/lanes:8+predict=hermite:5", "irreducible/lanes:8+once+predict=hermite:5",
+        "irreducible/klu+predict=hermite:5", "irreducible/eigen+predict=hermite:5", "global/klu+predict=hermite:5"}) {
+    if (!worth_timing(scene, strategy)) continue;
+    benchmark::RegisterBenchmark((text + " " + strategy).c_str(), time_steps, scene, strategy);
+  }
+}
+
+void register_all() {
+  std::vector<std::string> points;
+  for (int i = 1; i <= 6; ++i) points.push_back("B" + std::to_string(i));
+  const std::string file = ASSUR_SOURCE_DIR "/scenes/stewart.json";
+  register_mechanism("stewart", read_scene(file).with_outputs(points), StewartHandles());
+  for (const int loops : {1, 10, 100}) {
+    points.clear();
+    for (int i = 1; i <= loops; ++i) points.push_back("B" + std::to_string(i));
+    const std::string text = "four_bar:" + std::to_string(loops);
+    register_mechanism(text, sample(text).with_outputs(points), FourBarChain(loops));
+  }
+}
+
+}  // namespace
+}  // namespace assur::bench
+
+int main(int argc, char** argv) { return assur::bench::run_program(argc, argv, assur::bench::register_all); }

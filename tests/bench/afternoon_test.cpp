@@ -1,0 +1,88 @@
+// The rival of the benchmarks is a fair one only if it computes the same motion.
+#include "afternoon.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "simulation/run.hpp"
+
+namespace assur {
+namespace {
+
+using bench::Afternoon;
+
+struct Off {
+  double value = 0, rate = 0, acceleration = 0;
+};
+
+// The largest difference between rival and library over the largest value of the run.
+template <class Mechanism>
+Off compare(const Scene& whole, const Mechanism& mechanism, int points) {
+  std::vector<std::string> names;
+  for (int i = 1; i <= points; ++i) names.push_back("B" + std::to_string(i));
+  const Scene scene = whole.with_outputs(names);
+  const test::Result library = test::run(scene, "irreducible/eigen");
+  EXPECT_TRUE(library.report().status.ok());
+
+  Afternoon<Mechanism> rival(mechanism);
+  const auto d = static_cast<std::size_t>(scene.dimension());
+  EXPECT_EQ(library.trajectory.columns().size(), 3 * d * names.size());
+  double off[3] = {}, largest[3] = {};
+  for (std::size_t k = 0; k < library.trajectory.rows(); ++k) {
+    const bool ok = rival.step(library.trajectory.times()[k]);
+    EXPECT_TRUE(ok) << k;
+    if (!ok) break;
+    EXPECT_LE(rival.residual(), bench::kRivalTolerance);
+    const std::span<const double> of_rival[3] = {rival.position(), rival.velocity(), rival.acceleration()};
+    for (std::size_t i = 0; i < d * names.size(); ++i) {
+      for (std::size_t part = 0; part < 3; ++part) {  // columns of a point: x y (z) vx vy (vz) ax ay (az)
+        const double expected = library.trajectory(k, i / d * 3 * d + part * d + i % d);
+        const double difference = std::abs(of_rival[part][i] - expected);
+        if (!(difference <= off[part])) off[part] = difference;
+        largest[part] = std::max(largest[part], std::abs(expected));
+      }
+    }
+  }
+  return {off[0] / largest[0], off[1] / largest[1], off[2] / largest[2]};
+}
+
+constexpr double kRequired = 1e-10;  // of a rival, whatever the condition would allow
+
+// Both hold every equation to 8 eps of its terms: 2 x 8 eps x condition apart; each derivative takes the condition once
+// more.
+void expect_within(const Off& off, double condition) {
+  const double residual = 2 * 8 * test::kEps;
+  EXPECT_LE(off.value, std::min(kRequired, residual * condition));
+  EXPECT_LE(off.rate, std::min(kRequired, residual * std::pow(condition, 2)));
+  EXPECT_LE(off.acceleration, std::min(kRequired, residual * std::pow(condition, 3)));
+  EXPECT_GT(off.value, 0);  // two programs, not one
+}
+
+// |J^-1| times what residuals are measured against, over the largest coordinate: at most 4.7 on this motion.
+constexpr double kLegCondition = 5;
+// Across the rocker of a loop: three lengths over the sine between the last two, at least 1/2. Errors are handed on.
+constexpr double kLoopCondition = 6;
+
+TEST(Afternoon, StewartAsTheLibrary) {
+  expect_within(compare(sample("stewart"), bench::StewartHandles(), 6), kLegCondition);
+}
+
+TEST(Afternoon, StewartAsTheFile) {
+  const Scene file = read_scene(ASSUR_SOURCE_DIR "/scenes/stewart.json");
+  expect_within(compare(file, bench::StewartHandles(), 6), kLegCondition);
+}
+
+TEST(Afternoon, ChainsAsTheLibrary) {
+  for (const int loops : {1, 10, 100}) {
+    SCOPED_TRACE(loops);
+    expect_within(compare(sample("four_bar:" + std::to_string(loops)), bench::FourBarChain(loops), loops),
+                  kLoopCondition * loops);
+  }
+}
+
+}  // namespace
+}  // namespace assur
