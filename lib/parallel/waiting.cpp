@@ -5,8 +5,8 @@
 namespace assur {
 namespace {
 
-constexpr int kSpins = 400;    // some 10 us: longer than threads of one team are apart as a rule
-constexpr int kYields = 2000;  // about 1 ms on a free core: longer than what lies between two factorisations of a step
+constexpr int kSpins = 400;   // some 10 us: longer than threads of one team are apart as a rule
+constexpr int kYields = 500;  // some 200 us on a free core: what one takes for a panel that the others wait for
 
 void relax() {
 #if defined(__x86_64__) || defined(__i386__)
