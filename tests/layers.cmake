@@ -3,7 +3,7 @@
 # source is forgotten in lib/CMakeLists.txt.
 cmake_minimum_required(VERSION 3.25)
 set(layers scene structure equations parallel backends planning simulation)
-set(foreign "^#include [<\"](nlohmann|muParser|cs\\.h|btf\\.h|klu\\.h|suitesparse|SQLite|CLI|boost)")
+set(foreign "^#include [<\"](nlohmann|muParser|cs\\.h|btf\\.h|klu\\.h|umfpack|dmumps|suitesparse|SQLite|CLI|boost)")
 set(findings "")
 file(READ ${LIB}/CMakeLists.txt listed)
 

@@ -44,10 +44,11 @@ enum class Transpose : std::uint8_t { no, yes };
 
 // Health of the last factorisation of one lane.
 struct Figures {
-  bool ok = false;                  // false: singular, or not finite
-  double pivot_growth = 0;          // max |U| / max |A|, columnwise maximum for klu's reciprocal growth
+  bool ok = false;  // false: singular, or not finite
+  // What a library does not tell is 0, also where ok is true.
+  double pivot_growth = 0;          // max |U| / max |A|, where a backend scales rows: of the scaled matrix
   double reciprocal_condition = 0;  // a cheap estimate: min |u_ii| / max |u_ii|; 0 if singular
-  int determinant_sign = 0;         // -1, 0, +1
+  int determinant_sign = 0;         // -1, +1; 0 if singular
 };
 
 // What a solver did beyond plain factorisations and solutions, in all since analyze().

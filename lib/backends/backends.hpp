@@ -17,11 +17,41 @@ std::unique_ptr<LinearSolver> make(ThreadBudget budget, Precision precision);
 std::string version();
 }  // namespace eigen
 
+namespace lapack {
+std::string why_not(const Shape& shape, ThreadBudget budget);
+std::unique_ptr<LinearSolver> make(ThreadBudget budget, Precision precision);
+std::string version();
+}  // namespace lapack
+
+namespace team {
+std::string why_not(const Shape& shape, ThreadBudget budget);
+std::unique_ptr<LinearSolver> make(ThreadBudget budget, Precision precision);
+std::string version();
+}  // namespace team
+
 namespace klu {
 std::string why_not(const Shape& shape, ThreadBudget budget);
 std::unique_ptr<LinearSolver> make(ThreadBudget budget, Precision precision);
 std::string version();
 }  // namespace klu
+
+namespace umfpack {
+std::string why_not(const Shape& shape, ThreadBudget budget);
+std::unique_ptr<LinearSolver> make(ThreadBudget budget, Precision precision);
+std::string version();
+}  // namespace umfpack
+
+namespace mumps {
+std::string why_not(const Shape& shape, ThreadBudget budget);
+std::unique_ptr<LinearSolver> make(ThreadBudget budget, Precision precision);
+std::string version();
+}  // namespace mumps
+
+namespace ma27 {
+std::string why_not(const Shape& shape, ThreadBudget budget);
+std::unique_ptr<LinearSolver> make(ThreadBudget budget, Precision precision);
+std::string version();
+}  // namespace ma27
 
 namespace lanes {
 std::string why_not(const Shape& shape, ThreadBudget budget);

@@ -10,7 +10,7 @@ namespace assur {
 namespace {
 
 constexpr std::array kCore = {
-    Backend{"eigen", eigen::why_not, eigen::make, true, false, false, "MPL-2.0", eigen::version},
+    Backend{"eigen", eigen::why_not, eigen::make, true, false, true, "MPL-2.0", eigen::version},
     Backend{"lanes", lanes::why_not, lanes::make, true, true, true, "Apache-2.0", lanes::version},
 };
 

@@ -1,7 +1,9 @@
 #include "backends/dense_lu.hpp"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "assur/backend.hpp"
@@ -11,20 +13,24 @@ namespace {
 
 constexpr Index kPanel = 24;  // columns eliminated by plain loops; measured on n = 3 to 720
 constexpr Index kLeaf = 8;    // unknowns of a triangular system solved by plain loops; measured as well
-constexpr Index kTile = 192;  // of a matrix product: two tiles need 0.6 MB of stack
+constexpr Index kTile = 192;  // of a matrix product: two tiles of doubles need 0.6 MB of stack
 
-using Map = Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
-Map map(const Block& b) { return {b.data, b.rows, b.columns, Eigen::OuterStride<>(b.stride)}; }
+template <class T>
+auto map(const Block<T>& b) {
+  using Matrix = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;
+  return Eigen::Map<Matrix, 0, Eigen::OuterStride<>>(b.data, b.rows, b.columns, Eigen::OuterStride<>(b.stride));
+}
 
 // c -= a b, or a' b
-void subtract_product(const Block& c, const Block& a, const Block& b, Transpose transpose = Transpose::no) {
+template <class T>
+void subtract_product(const Block<T>& c, const Block<T>& a, const Block<T>& b, Transpose transpose = Transpose::no) {
   const Index depth = b.rows;
   for (Index j = 0; j < c.columns; j += kTile) {
     for (Index k = 0; k < depth; k += kTile) {
       for (Index i = 0; i < c.rows; i += kTile) {
         const Index m = std::min(kTile, c.rows - i), n = std::min(kTile, c.columns - j);
         const Index d = std::min(kTile, depth - k);
-        const Block part = c.block(i, j, m, n), right = b.block(k, j, d, n);
+        const Block<T> part = c.block(i, j, m, n), right = b.block(k, j, d, n);
         if (transpose == Transpose::no) {
           map(part).noalias() -= map(a.block(i, k, m, d)) * map(right);
         } else {
@@ -35,31 +41,37 @@ void subtract_product(const Block& c, const Block& a, const Block& b, Transpose 
   }
 }
 
-void swap_rows(const Block& a, const Index* pivot, Index count) {
+template <class T>
+void swap_rows(const Block<T>& a, const std::int32_t* pivot, Index count) {
   for (Index j = 0; j < a.columns; ++j) {
-    double* column = a.column(j);
+    T* column = a.column(j);
     for (Index k = 0; k < count; ++k) std::swap(column[k], column[pivot[k]]);
   }
 }
 
 // Plain right-looking elimination of a few columns. False at a pivot that is zero or not finite.
-bool eliminate_panel(const Block& a, Index* pivot) {
+template <class T>
+bool eliminate_panel(const Block<T>& a, std::int32_t* pivot) {
   for (Index k = 0; k < a.columns; ++k) {
-    double* column = a.column(k);
+    T* column = a.column(k);
     Index p = k;
-    for (Index i = k + 1; i < a.rows; ++i) {
-      if (std::abs(column[i]) > std::abs(column[p])) p = i;
+    T largest = std::abs(column[k]);
+    for (Index i = k + 1; i < a.rows; ++i) {  // without a branch, which would often be foretold wrongly
+      const T size = std::abs(column[i]);
+      const bool larger = size > largest;
+      largest = larger ? size : largest;
+      p = larger ? i : p;
     }
-    pivot[k] = p;
-    if (column[p] == 0 || !std::isfinite(column[p])) return false;
+    pivot[k] = static_cast<std::int32_t>(p);
+    if (!(largest > 0 && largest <= std::numeric_limits<T>::max())) return false;
     if (p != k) {
       for (Index j = 0; j < a.columns; ++j) std::swap(a(k, j), a(p, j));
     }
-    const double divisor = column[k];
+    const T divisor = column[k];
     for (Index i = k + 1; i < a.rows; ++i) column[i] /= divisor;
     for (Index j = k + 1; j < a.columns; ++j) {
-      double* other = a.column(j);
-      const double factor = other[k];
+      T* other = a.column(j);
+      const T factor = other[k];
       if (factor == 0) continue;  // often, in the few columns of a mechanism's equations
       for (Index i = k + 1; i < a.rows; ++i) other[i] -= column[i] * factor;
     }
@@ -70,11 +82,12 @@ bool eliminate_panel(const Block& a, Index* pivot) {
 }  // namespace
 
 // Each triangular solution halves its matrix: the other half is a product.
-void solve_lower(const Block& l, const Block& x) {
+template <class T>
+void solve_lower(const Block<T>& l, const Block<T>& x) {
   const Index n = l.columns;
   if (n <= kLeaf) {
     for (Index r = 0; r < x.columns; ++r) {
-      double* v = x.column(r);
+      T* v = x.column(r);
       for (Index j = 0; j < n; ++j) {
         for (Index i = j + 1; i < n; ++i) v[i] -= l(i, j) * v[j];
       }
@@ -82,17 +95,18 @@ void solve_lower(const Block& l, const Block& x) {
     return;
   }
   const Index h = n / 2;
-  const Block top = x.block(0, 0, h, x.columns), bottom = x.block(h, 0, n - h, x.columns);
+  const Block<T> top = x.block(0, 0, h, x.columns), bottom = x.block(h, 0, n - h, x.columns);
   solve_lower(l.block(0, 0, h, h), top);
   subtract_product(bottom, l.block(h, 0, n - h, h), top);
   solve_lower(l.block(h, h, n - h, n - h), bottom);
 }
 
-void solve_upper(const Block& u, const Block& x, Index first) {
+template <class T>
+void solve_upper(const Block<T>& u, const Block<T>& x, Index first) {
   const Index n = u.columns;
   if (n <= kLeaf) {
     for (Index r = 0; r < x.columns; ++r) {
-      double* v = x.column(r);
+      T* v = x.column(r);
       for (Index j = n; j-- > first;) {
         v[j] /= u(j, j);
         for (Index i = first; i < j; ++i) v[i] -= u(i, j) * v[j];
@@ -101,18 +115,19 @@ void solve_upper(const Block& u, const Block& x, Index first) {
     return;
   }
   const Index h = n / 2;
-  const Block bottom = x.block(h, 0, n - h, x.columns);
+  const Block<T> bottom = x.block(h, 0, n - h, x.columns);
   solve_upper(u.block(h, h, n - h, n - h), bottom, std::max<Index>(first - h, 0));
   if (first >= h) return;
   subtract_product(x.block(first, 0, h - first, x.columns), u.block(first, h, h - first, n - h), bottom);
   solve_upper(u.block(0, 0, h, h), x.block(0, 0, h, x.columns), first);
 }
 
-void solve_upper_transposed(const Block& u, const Block& x) {
+template <class T>
+void solve_upper_transposed(const Block<T>& u, const Block<T>& x) {
   const Index n = u.columns;
   if (n <= kLeaf) {
     for (Index r = 0; r < x.columns; ++r) {
-      double* v = x.column(r);
+      T* v = x.column(r);
       for (Index j = 0; j < n; ++j) {
         for (Index i = 0; i < j; ++i) v[j] -= u(i, j) * v[i];
         v[j] /= u(j, j);
@@ -121,17 +136,18 @@ void solve_upper_transposed(const Block& u, const Block& x) {
     return;
   }
   const Index h = n / 2;
-  const Block top = x.block(0, 0, h, x.columns), bottom = x.block(h, 0, n - h, x.columns);
+  const Block<T> top = x.block(0, 0, h, x.columns), bottom = x.block(h, 0, n - h, x.columns);
   solve_upper_transposed(u.block(0, 0, h, h), top);
   subtract_product(bottom, u.block(0, h, h, n - h), top, Transpose::yes);
   solve_upper_transposed(u.block(h, h, n - h, n - h), bottom);
 }
 
-void solve_lower_transposed(const Block& l, const Block& x) {
+template <class T>
+void solve_lower_transposed(const Block<T>& l, const Block<T>& x) {
   const Index n = l.columns;
   if (n <= kLeaf) {
     for (Index r = 0; r < x.columns; ++r) {
-      double* v = x.column(r);
+      T* v = x.column(r);
       for (Index j = n; j-- > 0;) {
         for (Index i = j + 1; i < n; ++i) v[j] -= l(i, j) * v[i];
       }
@@ -139,26 +155,38 @@ void solve_lower_transposed(const Block& l, const Block& x) {
     return;
   }
   const Index h = n / 2;
-  const Block top = x.block(0, 0, h, x.columns), bottom = x.block(h, 0, n - h, x.columns);
+  const Block<T> top = x.block(0, 0, h, x.columns), bottom = x.block(h, 0, n - h, x.columns);
   solve_lower_transposed(l.block(h, h, n - h, n - h), bottom);
   subtract_product(top, l.block(h, 0, n - h, h), bottom, Transpose::yes);
   solve_lower_transposed(l.block(0, 0, h, h), top);
 }
 
-bool eliminate(const Block& a, Index* pivot) {
+template <class T>
+bool eliminate(const Block<T>& a, std::int32_t* pivot) {
   const Index n = a.columns;
   if (n <= kPanel) return eliminate_panel(a, pivot);
   const Index h = n / 2;
-  const Block left = a.block(0, 0, a.rows, h), right = a.block(0, h, a.rows, n - h);
+  const Block<T> left = a.block(0, 0, a.rows, h), right = a.block(0, h, a.rows, n - h);
   if (!eliminate(left, pivot)) return false;
   swap_rows(right, pivot, h);
-  const Block top = right.block(0, 0, h, n - h), rest = right.block(h, 0, a.rows - h, n - h);
+  const Block<T> top = right.block(0, 0, h, n - h), rest = right.block(h, 0, a.rows - h, n - h);
   solve_lower(left.block(0, 0, h, h), top);
   subtract_product(rest, left.block(h, 0, a.rows - h, h), top);
   if (!eliminate(rest, pivot + h)) return false;
   swap_rows(left.block(h, 0, a.rows - h, h), pivot + h, n - h);
-  for (Index k = h; k < n; ++k) pivot[k] += h;
+  for (Index k = h; k < n; ++k) pivot[k] += static_cast<std::int32_t>(h);
   return true;
 }
+
+template void solve_lower(const Block<double>&, const Block<double>&);
+template void solve_lower(const Block<float>&, const Block<float>&);
+template void solve_upper(const Block<double>&, const Block<double>&, Index);
+template void solve_upper(const Block<float>&, const Block<float>&, Index);
+template void solve_upper_transposed(const Block<double>&, const Block<double>&);
+template void solve_upper_transposed(const Block<float>&, const Block<float>&);
+template void solve_lower_transposed(const Block<double>&, const Block<double>&);
+template void solve_lower_transposed(const Block<float>&, const Block<float>&);
+template bool eliminate(const Block<double>&, std::int32_t*);
+template bool eliminate(const Block<float>&, std::int32_t*);
 
 }  // namespace assur::eigen

@@ -33,7 +33,7 @@ namespace {
 
 constexpr std::int64_t kRecent = 8;           // factorisations: two redone within so many ask for new pivots
 constexpr std::int64_t kMostPatience = 4096;  // factorisations between two renewals, at most
-constexpr std::int32_t kMostNonzeros = 100'000;
+constexpr std::int32_t kMostNonzeros = 90'000;
 
 class LanesSolver final : public LinearSolver {
  public:

@@ -7,12 +7,12 @@
 namespace assur::lanes {
 namespace {
 
-constexpr double kGrowth = 64;
+constexpr double kGrowthPerUnknown = 16, kMostGrowth = 4096;
 
 template <class T>
 Limits limits_of(std::int32_t n) {
   // A pivot below 4 n eps of its row may be nothing but the rounding of a zero.
-  return {kGrowth, 4 * n * static_cast<double>(std::numeric_limits<T>::epsilon()),
+  return {std::min(kGrowthPerUnknown * n, kMostGrowth), 4 * n * static_cast<double>(std::numeric_limits<T>::epsilon()),
           1e10 * static_cast<double>(std::numeric_limits<T>::min())};
 }
 

@@ -13,12 +13,14 @@
 
 namespace assur::lanes {
 
-// Pivots within their rows, from the sparsest to the safest; where one does not keep growth within bounds the next is
+// From the sparsest factors to the safest. Where the pivots of one do not keep growth within its limit the next is
 // tried.
-inline constexpr PivotRule kRules[] = {{.threshold = 0.1}, {.threshold = 0.5}, {.threshold = 1}, {.rook = true}};
+inline constexpr PivotRule kRules[] = {
+    {.threshold = 0.1, .shallow = true}, {.threshold = 0.1}, {.threshold = 0.5}, {.threshold = 1}, {.rook = true}};
 
-// Limits for matrices of order n. Backward errors stay below n eps where the rows of the factors, multiplied, are up to
-// `growth` times those of the matrix.
+// For matrices of order n. One rounding in the product of the rows of L and U that growth measures makes a backward
+// error of growth * eps / 2: at most 8 n eps. Measured with entries that turn at phases of their own, n = 2 to 720,
+// 3.9 million lanes of which a quarter were redone: at most 2.0 n eps.
 [[nodiscard]] Limits limits(std::int32_t n, Precision precision);
 
 class Factors {

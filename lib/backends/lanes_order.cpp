@@ -4,12 +4,14 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <string>
 
 namespace assur::lanes {
 namespace {
 
 using Index = std::int32_t;
-constexpr int kLists = 16;  // rows and columns of least count looked at for one pivot (Zlatev 1980), each
+constexpr double kLeastRatio = 1e-3;  // of a pivot to its row, where no other serves all lanes
+constexpr int kLists = 16;            // rows and columns of least count looked at for one pivot (Zlatev 1980), each
 
 std::size_t idx(Index i) { return static_cast<std::size_t>(i); }
 
@@ -57,13 +59,13 @@ class Elimination {
   struct Candidate {
     Index row = -1, entry = -1;
     std::int64_t cost = std::numeric_limits<std::int64_t>::max();
+    Index level = 0;           // pivots on the longest chain that it waits for
     double ratio = 0;          // to the largest of its row, in the worst lane
     std::uint32_t serves = 0;  // lanes
-
-    [[nodiscard]] bool better(const Candidate& o) const { return cost != o.cost ? cost < o.cost : ratio > o.ratio; }
   };
 
   [[nodiscard]] Candidate candidate(Index row, Index entry) const;
+  [[nodiscard]] bool better(const Candidate& a, const Candidate& b) const;
   [[nodiscard]] bool largest_of_column(Index column, int lane, double size) const;
   [[nodiscard]] Index find(Index row, Index column) const;
   [[nodiscard]] Candidate search() const;
@@ -76,11 +78,13 @@ class Elimination {
   std::size_t lanes_;
   PivotRule rule_;
   std::uint32_t served_;
+  std::int64_t products_ = 0;
   std::vector<Row> rows_;
   std::vector<std::vector<Index>> columns_;  // rows of each column
   Buckets by_row_, by_column_;
-  std::vector<Index> place_;   // n: entry of a column in the row at hand, or -1
-  std::vector<double> ratio_;  // lanes
+  std::vector<Index> place_;                     // n: entry of a column in the row at hand, or -1
+  std::vector<double> ratio_;                    // lanes
+  std::vector<Index> row_level_, column_level_;  // n
 };
 
 Elimination::Elimination(const Pattern& pattern, std::span<const double> values, int lanes, std::uint32_t wanted,
@@ -94,7 +98,9 @@ Elimination::Elimination(const Pattern& pattern, std::span<const double> values,
       by_row_(n_),
       by_column_(n_),
       place_(idx(n_), -1),
-      ratio_(lanes_) {
+      ratio_(lanes_),
+      row_level_(idx(n_)),
+      column_level_(idx(n_)) {
   for (Index j = 0; j < n_; ++j) {
     for (Index k = pattern.column_start[idx(j)]; k < pattern.column_start[idx(j) + 1]; ++k) {
       Row& row = rows_[idx(pattern.row[idx(k)])];
@@ -149,6 +155,7 @@ Elimination::Candidate Elimination::candidate(Index i, Index entry) const {
   const Row& row = rows_[idx(i)];
   const Index column = row.column[idx(entry)];
   Candidate c{.row = i, .entry = entry};
+  c.level = std::max(row_level_[idx(i)], column_level_[idx(column)]);
   c.cost =
       static_cast<std::int64_t>(row.column.size() - 1) * static_cast<std::int64_t>(columns_[idx(column)].size() - 1);
   c.ratio = 1;
@@ -156,12 +163,19 @@ Elimination::Candidate Elimination::candidate(Index i, Index entry) const {
   for (std::uint32_t left = served_; left != 0; left &= left - 1) {
     const int l = std::countr_zero(left);
     const double size = std::abs(value[l]), largest = row.largest[idx(l)];
-    if (!(size > 0) || size < (rule_.rook ? 1 : rule_.threshold) * largest) continue;
+    const double ratio = size > 0 ? size / largest : 0;
+    c.ratio = std::min(c.ratio, ratio);
+    if (!(ratio > 0) || ratio < (rule_.rook ? 1 : rule_.threshold)) continue;
     if (rule_.rook && !largest_of_column(column, l, size)) continue;
-    c.ratio = std::min(c.ratio, size / largest);
     c.serves |= 1u << l;
   }
   return c;
+}
+
+bool Elimination::better(const Candidate& a, const Candidate& b) const {
+  if (a.cost != b.cost) return a.cost < b.cost;
+  if (rule_.shallow && a.level != b.level) return a.level < b.level;
+  return a.ratio > b.ratio;
 }
 
 // The cheapest entry that serves every lane, among the rows and columns of least count; row -1 if there is none.
@@ -169,7 +183,7 @@ Elimination::Candidate Elimination::search() const {
   Candidate best;
   int looked_at = 0;
   const auto consider = [&](const Candidate& c) {
-    if (c.serves == served_ && c.better(best)) best = c;
+    if (c.serves == served_ && better(c, best)) best = c;
   };
   for (Index count = 1; count <= n_; ++count) {
     const auto finished = [&] {
@@ -186,22 +200,34 @@ Elimination::Candidate Elimination::search() const {
   return best;
 }
 
-// The entry that serves most lanes, of these the cheapest; row -1 if none serves any.
+// The largest entry in the worst lane; if that one is too small, the entry that serves most lanes, of these the
+// cheapest. Row -1 if there is none.
 Elimination::Candidate Elimination::compromise() const {
-  Candidate best;
+  Candidate largest, most;
   for (Index i = 0; i < n_; ++i) {
     for (Index e = 0; e < static_cast<Index>(rows_[idx(i)].column.size()); ++e) {
       const Candidate c = candidate(i, e);
-      const int more = std::popcount(c.serves) - std::popcount(best.serves);
-      if (c.serves != 0 && (more > 0 || (more == 0 && c.better(best)))) best = c;
+      const int more = std::popcount(c.serves) - std::popcount(most.serves);
+      if (c.serves != 0 && (more > 0 || (more == 0 && better(c, most)))) most = c;
+      if (c.ratio > largest.ratio) largest = c;
     }
   }
-  return best;
+  if (rule_.rook || largest.ratio < kLeastRatio) return most;
+  largest.serves = served_;
+  return largest;
 }
 
 void Elimination::eliminate(const Candidate& pivot) {
   const Row& row = rows_[idx(pivot.row)];
   const Index column = row.column[idx(pivot.entry)];
+  products_ += pivot.cost;
+  if (products_ > kMostProducts) {
+    throw Error(Error::Kind::environment, "the backend lanes writes an elimination down step by step; that of " +
+                                              std::to_string(n_) + " unknowns takes more than " +
+                                              std::to_string(kMostProducts) + " products: use another backend");
+  }
+  for (Index j : row.column) column_level_[idx(j)] = std::max(column_level_[idx(j)], pivot.level + 1);
+  for (Index i : columns_[idx(column)]) row_level_[idx(i)] = std::max(row_level_[idx(i)], pivot.level + 1);
   by_row_.remove(pivot.row);
   by_column_.remove(column);
   for (Index j : row.column) std::erase(columns_[idx(j)], pivot.row);

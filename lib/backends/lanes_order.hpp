@@ -10,10 +10,15 @@
 
 namespace assur::lanes {
 
+inline constexpr std::int64_t kMostProducts = 10'000'000;  // of one elimination; its program then takes 80 MB
+
 // Which entries may be pivots. `threshold`: not smaller than this times the largest of its row, among what is left of
-// the matrix; with `rook` not smaller than any other of its row and of its column.
+// the matrix; with `rook` not smaller than any other of its row and of its column. Of entries that cost the same the
+// one that waits for the fewest others is taken if `shallow` (less fill on rings, more to do side by side), else the
+// largest against its row (less growth).
 struct PivotRule {
   double threshold = 0.1;
+  bool shallow = false;
   bool rook = false;
 };
 
@@ -25,8 +30,9 @@ struct Order {
 };
 
 // values: nnz x lanes, interleaved; at most 32 lanes. wanted: bit l: lane l takes part; its values must be finite.
-// Where the lanes have no pivot in common, the entry that serves most of them is taken and the others are given up.
-// Takes memory and, for sparse matrices, time of about that of a hundred factorisations.
+// Where the lanes have no such pivot in common, the largest in its worst lane is taken, and where that is next to
+// nothing, the one that serves most lanes: the others are given up. Takes memory and, for sparse matrices, the time of
+// a few hundred factorisations. Throws Error (environment) if there are more than kMostProducts.
 [[nodiscard]] Order markowitz_order(const Pattern& pattern, std::span<const double> values, int lanes,
                                     std::uint32_t wanted, PivotRule rule);
 

@@ -116,10 +116,8 @@ Program write_program(const Pattern& pattern, const Order& order) {
   std::iota(back.rbegin(), back.rend(), Index{0});
   std::stable_sort(back.begin(), back.end(), [&](Index a, Index b) { return need[a] > need[b]; });
   p.wanted_rows.assign(n + 1, 0);
-  for (Index first = 0; first <= n; ++first) {
-    p.wanted_rows[first] =
-        static_cast<Index>(std::count_if(need.begin(), need.end(), [&](Index last) { return last >= first; }));
-  }
+  for (Index last : need) ++p.wanted_rows[last];
+  std::partial_sum(p.wanted_rows.rbegin(), p.wanted_rows.rend(), p.wanted_rows.rbegin());
 
   std::vector<Index> l_start(n), u_start(n);
   for (Index i = 0; i < n; ++i) {

@@ -57,9 +57,9 @@ class Refined final : public LinearSolver {
   void factorize_in_double(std::size_t lane);
   void solve_chunk(std::span<double> x, std::size_t count, Transpose transpose);
   void improve(By by, std::span<double> x, std::size_t count, Transpose transpose);
+  void refine(By by, std::span<double> x, std::size_t count, Transpose transpose);
   void correct(By by, std::size_t count, Transpose transpose);
   void measure(std::span<const double> x, std::size_t count, Transpose transpose);
-  void measure_leniently(std::span<const double> x, std::size_t count, Transpose transpose);
   double normwise_error(std::size_t column, Transpose transpose) const;
   LinearSolver& solver(By by) { return by == By::inner ? *inner_ : *in_double_; }
   PackSystem system(Transpose transpose) const { return {pattern_, values_, static_cast<int>(lanes_), transpose}; }
@@ -96,12 +96,13 @@ class Refined final : public LinearSolver {
   std::vector<double> given_;                             // n x kRightSides x lanes: the right-hand sides b
   std::vector<double> residual_;                          // n x kRightSides x lanes: b - A x, then the correction
   std::vector<double> before_;                            // n x kRightSides x lanes: x before its last correction
-  std::vector<double> weight_;                            // n x lanes
+  std::vector<double> weight_, column_, row_;             // n x lanes: for componentwise errors
   // A column is one right-hand side in one lane: kRightSides x lanes.
   std::vector<double> norm_of_b_, norm_of_x_, norm_of_residual_;
   std::vector<double> scale_;  // of a residual that is solved in float: a power of two
   std::vector<double> error_, new_error_;
   std::vector<char> open_;          // still being improved
+  bool lenient_ = false;            // measure by raised weights
   std::vector<double> lane_error_;  // lanes: the worst of this solve
 };
 
@@ -124,7 +125,7 @@ void Refined::allocate() {
   norm_of_a_.assign(lanes_, 0.0);
   norm_of_a_transposed_.assign(lanes_, 0.0);
   for (auto* chunk : {&given_, &residual_, &before_}) chunk->assign(n_ * kRightSides * lanes_, 0.0);
-  weight_.assign(n_ * lanes_, 0.0);
+  for (auto* side : {&weight_, &column_, &row_}) side->assign(n_ * lanes_, 0.0);
   for (auto* columns : {&norm_of_b_, &norm_of_x_, &norm_of_residual_, &scale_, &error_, &new_error_}) {
     columns->assign(kRightSides * lanes_, 0.0);
   }
@@ -205,13 +206,8 @@ void Refined::solve_chunk(std::span<double> x, std::size_t count, Transpose tran
 // Solves and refines the lanes that `by` solves; each column ends with an error in error_.
 void Refined::improve(By by, std::span<double> x, std::size_t count, Transpose transpose) {
   const std::size_t columns = count * lanes_;
-  bool any = false;
-  for (std::size_t column = 0; column < columns; ++column) {
-    open_[column] = by_[column % lanes_] == by;
-    any = any || open_[column];
-    if (open_[column]) error_[column] = kWorst;
-  }
-  if (!any) return;
+  for (std::size_t column = 0; column < columns; ++column) open_[column] = by_[column % lanes_] == by;
+  if (std::none_of(open_.begin(), open_.end(), [](char open) { return open; })) return;
 
   std::copy_n(given_.begin(), x.size(), residual_.begin());
   for (std::size_t r = 0; r < count; ++r) {
@@ -223,10 +219,27 @@ void Refined::improve(By by, std::span<double> x, std::size_t count, Transpose t
     if (open_[column]) x[i] = residual_[i];
   });
 
+  lenient_ = false;
+  refine(by, x, count, transpose);
+  if (goal_.measure == Goal::Measure::normwise) return;
+  lenient_ = true;
+  bool any = false;
+  for (std::size_t column = 0; column < columns; ++column) {
+    open_[column] = by_[column % lanes_] == by && !(error_[column] <= goal_.bound);
+    any = any || open_[column];
+  }
+  if (any) refine(by, x, count, transpose);
+}
+
+// Refines the open columns, until none is open.
+void Refined::refine(By by, std::span<double> x, std::size_t count, Transpose transpose) {
+  for (std::size_t column = 0; column < count * lanes_; ++column) {
+    if (open_[column]) error_[column] = kWorst;
+  }
   for (int round = 0;; ++round) {
     measure(x, count, transpose);
-    any = false;
-    for (std::size_t column = 0; column < columns; ++column) {
+    bool any = false;
+    for (std::size_t column = 0; column < count * lanes_; ++column) {
       if (!open_[column]) continue;
       const double old_error = error_[column], new_error = new_error_[column];
       if (new_error < old_error) {
@@ -239,14 +252,13 @@ void Refined::improve(By by, std::span<double> x, std::size_t count, Transpose t
       any = any || open_[column];
       effort_.refined += open_[column];
     }
-    if (!any) break;
+    if (!any) return;
     std::copy(x.begin(), x.end(), before_.begin());
     correct(by, count, transpose);
     for_each(count, [&](std::size_t i, std::size_t column) {
       if (open_[column]) x[i] += residual_[i];
     });
   }
-  if (goal_.measure == Goal::Measure::componentwise) measure_leniently(x, count, transpose);
 }
 
 // residual_ = A^-1 residual_. Float has a narrow range, so it gets right-hand sides of size 1.
@@ -272,6 +284,7 @@ void Refined::measure(std::span<const double> x, std::size_t count, Transpose tr
     const auto columns = [&](std::vector<double>& all) { return std::span(all).subspan(r * lanes_, lanes_); };
     if (goal_.measure == Goal::Measure::componentwise) {
       subtract_product(system(transpose), side(x, r), residual, weight_);
+      if (lenient_) raise_vanishing_weights(system(transpose), side(x, r), weight_, column_, row_);
       componentwise_errors(residual, weight_, columns(new_error_));
       if (in_double_) norms(residual, columns(norm_of_residual_));
       continue;
@@ -289,23 +302,6 @@ double Refined::normwise_error(std::size_t column, Transpose transpose) const {
   const double norm_of_a = (transpose == Transpose::no ? norm_of_a_ : norm_of_a_transposed_)[column % lanes_];
   const double residual = norm_of_residual_[column];
   return residual <= 0 ? 0 : residual / (norm_of_a * norm_of_x_[column] + norm_of_b_[column]);
-}
-
-// Where unknowns should vanish, a componentwise error stays at 1 however small they are: such rows get other weights.
-void Refined::measure_leniently(std::span<const double> x, std::size_t count, Transpose transpose) {
-  for (std::size_t r = 0; r < count; ++r) {
-    const auto errors = std::span(error_).subspan(r * lanes_, lanes_);
-    if (std::all_of(errors.begin(), errors.end(), [&](double error) { return error <= goal_.bound; })) continue;
-    const std::span<double> residual = side(residual_, r);
-    std::copy_n(side(given_, r).begin(), residual.size(), residual.begin());
-    subtract_product(system(transpose), side(x, r), residual, weight_);
-    raise_vanishing_weights(system(transpose), side(x, r), weight_, side(before_, r));
-    const auto lenient = std::span(new_error_).subspan(r * lanes_, lanes_);
-    componentwise_errors(residual, weight_, lenient);
-    for (std::size_t lane = 0; lane < lanes_; ++lane) {
-      if (lenient[lane] < errors[lane]) errors[lane] = lenient[lane];
-    }
-  }
 }
 
 Figures Refined::figures(int lane) const {

@@ -113,21 +113,28 @@ void componentwise_errors(std::span<const double> residual, std::span<const doub
 }
 
 void raise_vanishing_weights(const PackSystem& system, std::span<const double> x, std::span<double> weight,
-                             std::span<double> largest) {
+                             std::span<double> column, std::span<double> row) {
   const auto lanes = static_cast<std::size_t>(system.lanes);
   const double vanishing = 1000 * system.pattern.n * std::numeric_limits<double>::epsilon();
-  std::fill(largest.begin(), largest.end(), 0.0);
-  for_each_entry(system, [&](std::size_t k, std::size_t to, std::size_t) {
+  std::fill(column.begin(), column.end(), 0.0);
+  std::fill(row.begin(), row.end(), 0.0);
+  for_each_entry(system, [&](std::size_t k, std::size_t, std::size_t from) {
     for (std::size_t lane = 0; lane < lanes; ++lane) {
-      double& row = largest[to * lanes + lane];
-      row = std::max(row, std::abs(system.values[k * lanes + lane]));
+      double& largest = column[from * lanes + lane];
+      largest = std::max(largest, std::abs(system.values[k * lanes + lane]));
+    }
+  });
+  for_each_entry(system, [&](std::size_t k, std::size_t to, std::size_t from) {
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      double& largest = row[to * lanes + lane];
+      largest = std::max(largest, std::abs(system.values[k * lanes + lane]) / column[from * lanes + lane]);
     }
   });
   for (std::size_t lane = 0; lane < lanes; ++lane) {
     double norm_of_x = 0;
-    for (std::size_t i = lane; i < x.size(); i += lanes) norm_of_x = std::max(norm_of_x, std::abs(x[i]));
+    for (std::size_t i = lane; i < x.size(); i += lanes) norm_of_x = std::max(norm_of_x, column[i] * std::abs(x[i]));
     for (std::size_t i = lane; i < x.size(); i += lanes) {
-      const double product = largest[i] * norm_of_x;
+      const double product = row[i] * norm_of_x;
       if (weight[i] <= vanishing * product) weight[i] += product;
     }
   }

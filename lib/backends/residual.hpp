@@ -31,9 +31,10 @@ void matrix_norms(const PackSystem& system, std::span<double> norm, std::span<do
 // error[lane] = max_i |r_i| / weight_i, 0/0 = 0 (Oettli & Prager 1964); NaN if a residual is not finite.
 void componentwise_errors(std::span<const double> residual, std::span<const double> weight, std::span<double> error);
 
-// Adds to weight_i, wherever it is so small beside max_j |a_ij| max |x| that r_i is nothing but the rounding errors of
-// unknowns that should vanish, that product (Arioli, Demmel & Duff 1989, section 2). largest: n x lanes.
+// Where unknowns should vanish but hold rounding errors, r_i stays as large as weight_i however small both are. Such a
+// weight is raised by max_j |a_ij| max |x| (Arioli, Demmel & Duff 1989, section 2), the columns of A scaled to 1 for
+// it. column, row: workspace, n x lanes each.
 void raise_vanishing_weights(const PackSystem& system, std::span<const double> x, std::span<double> weight,
-                             std::span<double> largest);
+                             std::span<double> column, std::span<double> row);
 
 }  // namespace assur

@@ -22,9 +22,11 @@ class EvaluatorOf final : public Evaluator {
   EvaluatorOf(const System& system, const Program& program)
       : p_(program),
         callbacks_(system, program, W),
-        memory_(5 * static_cast<std::size_t>(program.registers) * W),
+        memory_(7 * static_cast<std::size_t>(program.registers) * W),
         value_(memory_.data()),
-        input_rate_(value_ + program.registers * W),
+        base_(value_ + program.registers * W),
+        base_magnitude_(base_ + program.registers * W),
+        input_rate_(base_magnitude_ + program.registers * W),
         rate_(input_rate_ + program.registers * W),
         acceleration_(rate_ + program.registers * W),
         magnitude_(acceleration_ + program.registers * W) {
@@ -34,11 +36,23 @@ class EvaluatorOf final : public Evaluator {
   void set_inputs(const double* coefficients, const double* inputs) override {
     k_ = coefficients;
     copy(inputs, p_.inputs, value_ + p_.n * W);
+    for (const Program::Form& f : p_.forms) {
+      L total = L::set(0), magnitude = L::set(0);
+      for (const Program::Operand* o = at(p_.operands, f.begin); o != at(p_.operands, f.unknowns); ++o) {
+        const L term = k(o->coefficient) * reg(value_, o->reg);
+        total = total + term;
+        magnitude = magnitude + abs(term);
+      }
+      total.store(base_ + f.reg * W);
+      magnitude.store(base_magnitude_ + f.reg * W);
+    }
   }
 
   void evaluate(const double* unknowns, double* phi, double* jacobian) override {
     copy(unknowns, p_.n, value_);
-    for (const Program::Form& f : p_.forms) sum(f.begin, f.end, value_, L::set(0)).store(value_ + f.reg * W);
+    for (const Program::Form& f : p_.forms) {
+      sum(f.unknowns, f.end, value_, reg(base_, f.reg)).store(value_ + f.reg * W);
+    }
     for (const Program::Equation& e : p_.equations) {
       L total = L::set(0);
       for (const Program::Operand* o = at(p_.linear, e.linear.begin); o != at(p_.linear, e.linear.end); ++o) {
@@ -69,8 +83,8 @@ class EvaluatorOf final : public Evaluator {
   void scale(double* scale) override {
     for (int i = 0; i <= p_.one(); ++i) abs(reg(value_, i)).store(magnitude_ + i * W);
     for (const Program::Form& f : p_.forms) {
-      L total = L::set(0);
-      for (const Program::Operand* o = at(p_.operands, f.begin); o != at(p_.operands, f.end); ++o) {
+      L total = reg(base_magnitude_, f.reg);
+      for (const Program::Operand* o = at(p_.operands, f.unknowns); o != at(p_.operands, f.end); ++o) {
         total.add_product(abs(k(o->coefficient)), reg(magnitude_, o->reg));
       }
       total.store(magnitude_ + f.reg * W);
@@ -163,8 +177,9 @@ class EvaluatorOf final : public Evaluator {
   const Program& p_;
   CallbackRows callbacks_;
   std::vector<double> memory_;
-  double *value_, *input_rate_, *rate_, *acceleration_, *magnitude_;  // registers x W
-  const double* k_ = nullptr;                                         // coefficients of the pack at hand
+  // registers x W; base: what constants and inputs add to a form
+  double *value_, *base_, *base_magnitude_, *input_rate_, *rate_, *acceleration_, *magnitude_;
+  const double* k_ = nullptr;  // coefficients of the pack at hand
 };
 
 Evaluator* make(const System& system, const Program& program, int lanes) {

@@ -12,6 +12,23 @@ namespace assur::HWY_NAMESPACE {
 namespace {
 
 template <int W>
+std::size_t combine_by(const double* const* sources, const double* weights, std::int32_t count, std::size_t from,
+                       std::size_t size, double* out) {
+  for (; from + W <= size; from += W) {
+    Lanes<W> sum = Lanes<W>::set(0);
+    for (std::int32_t j = 0; j < count; ++j) {
+      sum.add_product(Lanes<W>::set(weights[j]), Lanes<W>::load(sources[j] + from));
+    }
+    sum.store(out + from);
+  }
+  return from;
+}
+void combine(const double* const* sources, const double* weights, std::int32_t count, std::size_t size, double* out) {
+  const std::size_t from = combine_by<8>(sources, weights, count, 0, size, out);
+  combine_by<1>(sources, weights, count, from, size, out);
+}
+
+template <int W>
 struct Kernels {
   using L = Lanes<W>;
 
@@ -113,8 +130,13 @@ struct Kernels {
 };
 
 template <int W>
-constexpr LaneKernels kTable = {Kernels<W>::gather,  Kernels<W>::invert_scale, Kernels<W>::largest_ratio,
-                                Kernels<W>::correct, Kernels<W>::residual,     Kernels<W>::ball_use};
+constexpr LaneKernels kTable = {combine,
+                                Kernels<W>::gather,
+                                Kernels<W>::invert_scale,
+                                Kernels<W>::largest_ratio,
+                                Kernels<W>::correct,
+                                Kernels<W>::residual,
+                                Kernels<W>::ball_use};
 
 const LaneKernels* table(int lanes) {
   switch (lanes) {

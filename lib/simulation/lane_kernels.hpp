@@ -3,6 +3,7 @@
 // the result NaN.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 namespace assur {
@@ -20,6 +21,10 @@ struct RowEntry {
 };
 
 struct LaneKernels {
+  // out = sum of weights * sources, elementwise.
+  void (*combine)(const double* const* sources, const double* weights, std::int32_t count, std::size_t size,
+                  double* out);
+
   // out[i] = state[addresses[i]] for rows x W addresses.
   void (*gather)(const InputRow* rows, const std::int32_t* addresses, std::int32_t count, const double* state,
                  double* out);

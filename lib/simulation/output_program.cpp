@@ -34,9 +34,7 @@ void OutputProgram::add(const System& s, std::span<const std::int32_t> address, 
       sum_terms_.push_back(term_at(t));
       sum_terms_.back().factor *= unit;  // a power of two
     }
-    for (std::size_t d = 0; d < 3; ++d) {
-      if (column[d] >= 0) sums_[d].push_back({column[d], begin, static_cast<std::int32_t>(sum_terms_.size())});
-    }
+    sums_.push_back({begin, static_cast<std::int32_t>(sum_terms_.size()), column});
     return;
   }
   Part part{m.kind,
@@ -60,14 +58,14 @@ void OutputProgram::mark(std::vector<std::uint8_t>& addresses) const {
 }
 
 void OutputProgram::evaluate(const double* const (&state)[3], double* out, const double* previous, double dt) const {
-  for (std::size_t d = 0; d < 3; ++d) {
-    for (const Sum& sum : sums_[d]) {
-      double total = 0;
-      for (std::int32_t t = sum.begin; t < sum.end; ++t) {
-        const TermAt& term = sum_terms_[static_cast<std::size_t>(t)];
-        total += term.factor * state[d][term.address];
-      }
-      out[sum.column] = total;
+  for (const Sum& sum : sums_) {
+    double total[3] = {};
+    for (std::int32_t t = sum.begin; t < sum.end; ++t) {
+      const TermAt& term = sum_terms_[static_cast<std::size_t>(t)];
+      for (std::size_t d = 0; d < 3; ++d) total[d] += term.factor * state[d][term.address];
+    }
+    for (std::size_t d = 0; d < 3; ++d) {
+      if (sum.column[d] >= 0) out[sum.column[d]] = total[d];
     }
   }
   for (const Part& part : parts_) {

@@ -75,15 +75,16 @@ class OutputProgram {
     int derivatives;
     bool angle;
   };
-  // A column that is linear in the coordinates, or in a derivative of theirs: terms in SI units.
+  // What is linear in the coordinates: terms in SI units, the same for value, rate and acceleration.
   struct Sum {
-    std::int32_t column, begin, end;
+    std::int32_t begin, end;
+    std::array<std::int32_t, 3> column;  // -1: not wanted
   };
   void add(const System& system, std::span<const std::int32_t> address, const MeasureForms& part,
            const std::array<std::int32_t, 3>& column, int derivatives);
 
   int dimension_;
-  std::array<std::vector<Sum>, 3> sums_;  // by derivative
+  std::vector<Sum> sums_;
   std::vector<TermAt> sum_terms_;
   std::vector<TermAt> terms_;
   std::vector<std::int32_t> form_start_ = {0};

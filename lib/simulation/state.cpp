@@ -28,16 +28,17 @@ void State::clear() {
 
 void State::predict(double t) {
   const PredictionWeights w = prediction_weights(predictor_, times_, t);
-  double* x = values_[0].data() + first_unknown_;
-  std::fill_n(x, last_[0].size(), 0.0);
+  const double* sources[3 * kMostPostures];
+  double weights[3 * kMostPostures];
+  std::int32_t count = 0;
   for (std::size_t p = 0; p < static_cast<std::size_t>(w.postures); ++p) {
     for (std::size_t d = 0; d < static_cast<std::size_t>(levels_); ++d) {
-      const double weight = w.weight[p][d];
-      if (weight == 0) continue;
-      const std::vector<double>& from = p == 0 ? last_[d] : history_[p - 1][d];
-      for (std::size_t i = 0; i < from.size(); ++i) x[i] += weight * from[i];
+      if (w.weight[p][d] == 0) continue;
+      sources[count] = (p == 0 ? last_[d] : history_[p - 1][d]).data();
+      weights[count++] = w.weight[p][d];
     }
   }
+  kernels_.combine(sources, weights, count, last_[0].size(), values_[0].data() + first_unknown_);
 }
 
 double State::predicted_move(std::size_t address, std::size_t count) const {

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "simulation/lane_kernels.hpp"
 #include "simulation/predictor.hpp"
 
 namespace assur {
@@ -34,6 +35,7 @@ class State {
   void estimate_rates();
 
  private:
+  const LaneKernels& kernels_ = lane_kernels(1);
   Predictor predictor_;
   std::size_t first_unknown_ = 0;
   std::size_t depth_ = 1;  // postures that the predictor reads

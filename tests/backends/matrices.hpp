@@ -115,13 +115,25 @@ inline void scale(Matrix& a, const std::function<double(int, int)>& factor) {
   }
 }
 
-// One row repeats another, bit by bit: elimination ends at an exact zero.
+// One row repeats another. The product of two triangles of small integers with ones on the diagonal: elimination is
+// exact, fused or not, in any order of its sums, and ends at an exact zero.
 inline Matrix repeated_row(int n, Random& random) {
-  Matrix a = dense(n, random);
-  for (int j = 0; j < n; ++j) {
-    a.values[static_cast<std::size_t>(j * n + n - 1)] = a.values[static_cast<std::size_t>(j * n)];
-  }
-  return a;
+  const auto below = [&](int i, int j) { return i < j ? 0.0 : i == j ? 1.0 : random() % 2 ? 1.0 : -1.0; };
+  const Matrix l = compress(
+      n, [](int, int) { return true; }, below);
+  const Matrix u = compress(
+      n, [](int, int) { return true; }, [&](int i, int j) { return below(j, i); });
+  return compress(
+      n, [](int, int) { return true; },
+      [&](int i, int j) {
+        double sum = 0;
+        for (int k = 0; k < n; ++k) {
+          const auto row = static_cast<std::size_t>(k * n + (i == n - 1 ? 0 : i)),
+                     column = static_cast<std::size_t>(j * n + k);
+          sum += l.values[row] * u.values[column];
+        }
+        return sum;
+      });
 }
 
 // values[k * lanes + lane] of several lanes
@@ -195,6 +207,61 @@ inline Matrix wilkinson(int n) {
       n, [](int, int) { return true; }, [n](int i, int j) { return j == n - 1 || i == j ? 1.0
                                                                    : i > j              ? -1.0
                                                                                         : 0.0; });
+}
+
+// Growth of 2^(n - 1) under partial pivoting, with a random part (Higham & Higham, SIAM J. Matrix Anal. Appl. 10, 1989,
+// theorem 2.2): M [T d], M unit lower triangular with -1 below the diagonal, T upper triangular with n - 1 columns,
+// d = (1, 2, 4, ...), the last column scaled to the largest entry. Whole numbers: elimination is exact, ties stay ties.
+inline Matrix gfpp(int n, Random& random) {
+  const auto size = static_cast<std::size_t>(n);
+  std::vector<std::vector<double>> a(size, std::vector<double>(size));  // columns
+  double largest = 0;
+  for (std::size_t j = 0; j + 1 < size; ++j) {
+    double above = 0;
+    for (std::size_t i = 0; i < size; ++i) {
+      const double t = i > j ? 0 : i == j ? n : static_cast<double>(random() % 3) - 1;  // well conditioned
+      a[j][i] = t - above;
+      above += t;
+      largest = std::max(largest, std::abs(a[j][i]));
+    }
+  }
+  a[size - 1].assign(size, largest);  // M d = (1, 1, 1, ...)
+  return compress(
+      n, [](int, int) { return true; },
+      [&](int i, int j) { return a[static_cast<std::size_t>(j)][static_cast<std::size_t>(i)]; });
+}
+
+// Kahan's triangle (SIAM Review 8, 1966): its pivots hide how nearly singular it is.
+inline Matrix kahan(int n, double angle) {
+  return compress(
+      n, [](int i, int j) { return i <= j; },
+      [angle](int i, int j) { return std::pow(std::sin(angle), i) * (i == j ? 1 : -std::cos(angle)); });
+}
+
+// Q1 D Q2 with singular values from 1 to 1 / condition in geometric steps, Q1 and Q2 random products of reflections.
+inline Matrix with_condition(int n, double condition, Random& random) {
+  const auto size = static_cast<std::size_t>(n);
+  std::vector<std::vector<long double>> a(size, std::vector<long double>(size));
+  for (std::size_t i = 0; i < size; ++i) {
+    a[i][i] = std::pow(static_cast<long double>(condition), -static_cast<long double>(i) / (n - 1));
+  }
+  for (int side = 0; side < 2 * n; ++side) {  // reflects columns, then rows, in turn
+    std::vector<long double> v(size);
+    long double square = 0;
+    for (long double& element : v) {
+      element = uniform(random, -1, 1);
+      square += element * element;
+    }
+    const auto at = [&](std::size_t i, std::size_t j) -> long double& { return side % 2 ? a[j][i] : a[i][j]; };
+    for (std::size_t j = 0; j < size; ++j) {
+      long double product = 0;
+      for (std::size_t i = 0; i < size; ++i) product += v[i] * at(i, j);
+      for (std::size_t i = 0; i < size; ++i) at(i, j) -= 2 * product / square * v[i];
+    }
+  }
+  return compress(
+      n, [](int, int) { return true; },
+      [&](int i, int j) { return static_cast<double>(a[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)]); });
 }
 
 inline Matrix hilbert(int n) {

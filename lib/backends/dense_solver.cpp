@@ -1,0 +1,195 @@
+#include "backends/dense_solver.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <new>
+#include <type_traits>
+#include <vector>
+
+#include "backends/backends.hpp"
+
+namespace assur {
+namespace {
+
+constexpr Index kRightSides = 4;               // solved at once
+constexpr std::int32_t kMostUnknowns = 16384;  // 2 GiB for each lane, in double
+
+template <class T>
+class DenseSolver final : public LinearSolver {
+ public:
+  explicit DenseSolver(std::unique_ptr<DenseLu<T>> lu) : lu_(std::move(lu)) {}
+  Status analyze(const Pattern& pattern, int lanes) override;
+  Status factorize(std::span<const double> values) override;
+  Status solve(std::span<double> b_to_x, int rhs, Transpose transpose, int first_wanted) override;
+  Figures figures(int lane) const override;
+
+ private:
+  Block<T> matrix(int lane) { return {factors_.data() + lane * n_ * n_, n_, n_, n_}; }
+  std::int32_t* pivot(int lane) { return pivot_.data() + lane * n_; }
+  double spread(const double* values, const Block<T>& a);
+  Code factorize_lane(const double* values, int lane);
+  void solve_lane(double* b_to_x, Index columns, Transpose transpose, Index first_wanted, int lane);
+
+  std::unique_ptr<DenseLu<T>> lu_;
+  Index n_ = 0;
+  int lanes_ = 0;
+  std::vector<Index> place_;         // nnz: where a nonzero stands in a dense matrix
+  std::vector<T> factors_;           // lanes x n x n, column-major: L below the diagonal, U on and above it
+  std::vector<std::int32_t> pivot_;  // lanes x n
+  std::vector<T> right_;             // n x kRightSides
+  std::vector<double> largest_;      // lanes: max |A|
+  std::vector<Code> code_;           // lanes
+};
+
+template <class T>
+Status DenseSolver<T>::analyze(const Pattern& pattern, int lanes) {
+  check_analysis(pattern, lanes);
+  n_ = pattern.n;
+  lanes_ = lanes;
+  const auto n = static_cast<std::size_t>(n_), w = static_cast<std::size_t>(lanes);
+  try {
+    place_.clear();
+    for (std::size_t j = 0; j < n; ++j) {
+      for (auto k = pattern.column_start[j]; k < pattern.column_start[j + 1]; ++k) {
+        place_.push_back(pattern.row[static_cast<std::size_t>(k)] + static_cast<Index>(j) * n_);
+      }
+    }
+    factors_.resize(w * n * n);
+    pivot_.resize(w * n);
+    right_.resize(n * kRightSides);
+    largest_.assign(w, 0.0);
+    code_.assign(w, Code::singular);  // until factorised
+    lu_->prepare(n_);
+  } catch (const std::bad_alloc&) {
+    throw Error(Error::Kind::environment, "no memory for " + std::to_string(lanes) + " dense factors of " +
+                                              std::to_string(n) + " unknowns; use a sparse backend");
+  }
+  return {};
+}
+
+template <class T>
+Status DenseSolver<T>::factorize(std::span<const double> values) {
+  check_size("values", values.size(), place_.size() * static_cast<std::size_t>(lanes_));
+  for (int lane = 0; lane < lanes_; ++lane) {
+    code_[static_cast<std::size_t>(lane)] = factorize_lane(values.data() + lane, lane);
+  }
+  return worst(code_);
+}
+
+// Returns max |a|, or NaN if an element is not finite.
+template <class T>
+double DenseSolver<T>::spread(const double* values, const Block<T>& a) {
+  std::fill_n(a.data, n_ * n_, T{0});
+  T largest = 0, poison = 0;  // poison: 0 as long as every value is finite, else NaN
+  for (const Index place : place_) {
+    const T value = static_cast<T>(*values);
+    a.data[place] = value;
+    largest = std::max(largest, std::abs(value));
+    poison += value * 0;
+    values += lanes_;
+  }
+  return largest + poison;
+}
+
+template <class T>
+Code DenseSolver<T>::factorize_lane(const double* values, int lane) {
+  const Block<T> a = matrix(lane);
+  double& largest = largest_[static_cast<std::size_t>(lane)];
+  largest = spread(values, a);
+  if (!std::isfinite(largest)) return Code::not_finite;
+  if (n_ == 0) return Code::ok;
+  if (!lu_->factorize(a, pivot(lane))) return Code::singular;
+  // What overflows on the way ends on the diagonal.
+  T poison = 0;
+  for (Index j = 0; j < n_; ++j) poison += a(j, j) * 0;
+  return poison == 0 ? Code::ok : Code::singular;
+}
+
+template <class T>
+Status DenseSolver<T>::solve(std::span<double> b_to_x, int rhs, Transpose transpose, int first_wanted) {
+  const auto w = static_cast<std::size_t>(lanes_);
+  check_size("numbers on the right-hand side", b_to_x.size(),
+             static_cast<std::size_t>(n_) * static_cast<std::size_t>(rhs) * w);
+  for (int lane = 0; lane < lanes_; ++lane) {
+    if (code_[static_cast<std::size_t>(lane)] != Code::ok) {
+      fill_with_nan(b_to_x, lanes_, lane);
+      continue;
+    }
+    if (n_ == 0) continue;
+    for (Index r = 0; r < rhs; r += kRightSides) {
+      solve_lane(b_to_x.data() + r * n_ * lanes_ + lane, std::min(kRightSides, rhs - r), transpose, first_wanted, lane);
+    }
+  }
+  return worst(code_);
+}
+
+// Exponent of the largest of n numbers, such that two to its power and its inverse are ordinary numbers; 0 if there is
+// none.
+int exponent_of(const double* b, Index n, Index step) {
+  double largest = 0;
+  for (Index i = 0; i < n; ++i) largest = std::max(largest, std::abs(b[i * step]));
+  return largest > 0 && std::isfinite(largest) ? std::clamp(std::ilogb(largest), -1000, 1000) : 0;
+}
+
+template <class T>
+void DenseSolver<T>::solve_lane(double* b_to_x, Index columns, Transpose transpose, Index first_wanted, int lane) {
+  constexpr bool kScaled = !std::is_same_v<T, double>;
+  const Block<T> x{right_.data(), n_, columns, n_};
+  int exponent[kRightSides];
+  for (Index r = 0; r < columns; ++r) {
+    const double* b = b_to_x + r * n_ * lanes_;
+    if constexpr (kScaled) {
+      exponent[r] = exponent_of(b, n_, lanes_);
+      const double scale = std::ldexp(1.0, -exponent[r]);
+      for (Index i = 0; i < n_; ++i) x(i, r) = static_cast<T>(b[i * lanes_] * scale);
+    } else {
+      for (Index i = 0; i < n_; ++i) x(i, r) = b[i * lanes_];
+    }
+  }
+  if (transpose == Transpose::yes) first_wanted = 0;
+  lu_->solve(matrix(lane), pivot(lane), x, transpose, first_wanted);
+  for (Index r = 0; r < columns; ++r) {
+    double* to = b_to_x + r * n_ * lanes_;
+    if constexpr (kScaled) {
+      const double scale = std::ldexp(1.0, exponent[r]);
+      for (Index i = first_wanted; i < n_; ++i) to[i * lanes_] = x(i, r) * scale;
+    } else {
+      for (Index i = first_wanted; i < n_; ++i) to[i * lanes_] = x(i, r);
+    }
+  }
+}
+
+template <class T>
+Figures DenseSolver<T>::figures(int lane) const {
+  if (code_[static_cast<std::size_t>(lane)] != Code::ok) return {};
+  if (n_ == 0) return {true, 1, 1, 1};
+  const T* factors = factors_.data() + lane * n_ * n_;
+  const auto u = [&](Index i, Index j) { return static_cast<double>(factors[i + j * n_]); };
+  double largest = 0, smallest_pivot = std::abs(u(0, 0)), largest_pivot = 0;
+  int sign = 1;
+  for (Index j = 0; j < n_; ++j) {
+    for (Index i = 0; i <= j; ++i) largest = std::max(largest, std::abs(u(i, j)));
+    smallest_pivot = std::min(smallest_pivot, std::abs(u(j, j)));
+    largest_pivot = std::max(largest_pivot, std::abs(u(j, j)));
+    if (u(j, j) < 0) sign = -sign;
+    if (pivot_[static_cast<std::size_t>(lane * n_ + j)] != j + 1) sign = -sign;
+  }
+  return {true, largest / largest_[static_cast<std::size_t>(lane)], smallest_pivot / largest_pivot, sign};
+}
+
+}  // namespace
+
+template <class T>
+std::unique_ptr<LinearSolver> make_dense_solver(std::unique_ptr<DenseLu<T>> lu) {
+  return std::make_unique<DenseSolver<T>>(std::move(lu));
+}
+template std::unique_ptr<LinearSolver> make_dense_solver<double>(std::unique_ptr<DenseLu<double>>);
+template std::unique_ptr<LinearSolver> make_dense_solver<float>(std::unique_ptr<DenseLu<float>>);
+
+std::string why_not_dense(const Shape& shape) {
+  if (shape.n <= kMostUnknowns) return "";
+  return "dense factors of " + std::to_string(shape.n) + " unknowns are too large; the limit is " +
+         std::to_string(kMostUnknowns);
+}
+
+}  // namespace assur

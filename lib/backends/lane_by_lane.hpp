@@ -1,0 +1,33 @@
+// A solver whose library knows nothing of lanes: each is taken out of the pack, treated and put back.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "assur/backend.hpp"
+
+namespace assur {
+
+class LaneByLane : public LinearSolver {
+ public:
+  Status analyze(const Pattern& pattern, int lanes) final;
+  Status factorize(std::span<const double> values) final;
+  Status solve(std::span<double> b_to_x, int rhs, Transpose transpose, int first_wanted) final;
+  [[nodiscard]] Figures figures(int lane) const final;
+
+ protected:
+  // What a library is asked for. None of them sees a pattern without nonzeros, values that are not finite, or a lane
+  // without factors.
+  virtual void analyze_lanes(const Pattern& pattern, int lanes) = 0;
+  virtual Code factorize_lane(std::span<const double> values, int lane) = 0;                      // values: nnz
+  virtual void solve_lane(std::span<double> b_to_x, int rhs, Transpose transpose, int lane) = 0;  // n x rhs
+  [[nodiscard]] virtual Figures lane_figures(int lane) const = 0;
+
+ private:
+  std::size_t n_ = 0;
+  std::vector<double> values_;  // nnz, of one lane
+  std::vector<double> right_;   // n x some right-hand sides, of one lane
+  std::vector<Code> code_;      // lanes
+};
+
+}  // namespace assur

@@ -1,0 +1,54 @@
+// Multifrontal LU by MUMPS, sequential version, on one thread at a time. Each lane is a matrix of its own, analysis
+// included: MUMPS keeps analysis and factors in one place.
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "backends/backends.hpp"
+#include "backends/lane_by_lane.hpp"
+#include "backends/mumps_matrix.hpp"
+
+namespace assur::mumps {
+namespace {
+
+class MumpsSolver final : public LaneByLane {
+  void analyze_lanes(const Pattern& pattern, int lanes) override {
+    lanes_.clear();  // they look into row_ and column_
+    row_.clear();
+    column_.clear();
+    for (int j = 0; j < pattern.n; ++j) {
+      for (auto k = pattern.column_start[static_cast<std::size_t>(j)];
+           k < pattern.column_start[static_cast<std::size_t>(j) + 1]; ++k) {
+        row_.push_back(pattern.row[static_cast<std::size_t>(k)] + 1);
+        column_.push_back(j + 1);
+      }
+    }
+    for (int lane = 0; lane < lanes; ++lane) {
+      lanes_.push_back(std::make_unique<Matrix>(Symmetry::none));
+      lanes_.back()->analyze(pattern.n, row_, column_);
+    }
+  }
+  Code factorize_lane(std::span<const double> values, int lane) override { return matrix(lane).factorize(values); }
+  void solve_lane(std::span<double> b_to_x, int rhs, Transpose transpose, int lane) override {
+    matrix(lane).solve(b_to_x, rhs, transpose);
+  }
+  [[nodiscard]] Figures lane_figures(int lane) const override { return matrix(lane).figures(); }
+
+  [[nodiscard]] Matrix& matrix(int lane) const { return *lanes_[static_cast<std::size_t>(lane)]; }
+
+  std::vector<int> row_, column_;  // nnz: from 1 on, as Fortran counts
+  std::vector<std::unique_ptr<Matrix>> lanes_;
+};
+
+}  // namespace
+
+std::string why_not(const Shape&, ThreadBudget budget) {
+  if (budget.threads <= 1) return "";
+  return "the sequential MUMPS crashes when several threads use it: ask for one thread";
+}
+
+std::unique_ptr<LinearSolver> make(ThreadBudget, Precision) { return std::make_unique<MumpsSolver>(); }
+
+std::string version() { return MUMPS_VERSION; }
+
+}  // namespace assur::mumps

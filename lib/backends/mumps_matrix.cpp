@@ -1,0 +1,103 @@
+#include "backends/mumps_matrix.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <new>
+#include <string>
+#include <thread>
+
+namespace assur::mumps {
+namespace {
+
+// Jobs, controls and results by the numbers of the MUMPS users' guide, which counts from 1.
+enum Job : int { kStart = -1, kEnd = -2, kAnalyze = 1, kFactorize = 2, kSolve = 3 };
+constexpr int kUseWorld = -987654;     // communicator of the sequential version
+constexpr int kMostWorkspace = 10000;  // per cent beyond MUMPS's estimate
+
+std::atomic<bool> in_use{false};  // a thread is inside MUMPS
+
+[[noreturn]] void fail(int code, int detail) {
+  if (code == -5 || code == -7 || code == -13) throw std::bad_alloc();
+  throw Error(Error::Kind::environment,
+              "MUMPS fails with INFO(1) = " + std::to_string(code) + ", INFO(2) = " + std::to_string(detail));
+}
+
+}  // namespace
+
+Matrix::Matrix(Symmetry symmetry) {
+  data_.sym = static_cast<int>(symmetry);
+  data_.par = 1;
+  data_.comm_fortran = kUseWorld;
+  call(kStart);
+  if (data_.infog[0] < 0) fail(data_.infog[0], data_.infog[1]);
+  const auto control = [&](int number) -> MUMPS_INT& { return data_.icntl[number - 1]; };
+  for (int stream : {1, 2, 3, 4}) control(stream) = 0;  // print nothing
+  control(6) = symmetry == Symmetry::none ? 1 : 0;      // a transversal by pattern: values are not known yet
+  control(12) = 1;                                      // no compressed ordering, which needs values too
+  control(16) = 1;                                      // one thread
+  control(33) = 1;                                      // compute the determinant
+  data_.cntl[0] = 0.5;  // as for KLU: with less, the chain of pivots of a ring multiplies their ratios
+}
+
+Matrix::~Matrix() {
+  while (in_use.exchange(true)) std::this_thread::yield();  // a destructor cannot refuse
+  data_.job = kEnd;
+  dmumps_c(&data_);
+  in_use = false;
+}
+
+void Matrix::call(int job) {
+  if (in_use.exchange(true)) {
+    throw Error(Error::Kind::environment,
+                "two threads call MUMPS at once, which its sequential version does not survive: use another backend");
+  }
+  data_.job = job;
+  dmumps_c(&data_);
+  in_use = false;
+}
+
+void Matrix::analyze(int order, std::span<int> row, std::span<int> column) {
+  values_.resize(row.size());
+  data_.n = order;
+  data_.nnz = static_cast<MUMPS_INT8>(row.size());
+  data_.irn = row.data();
+  data_.jcn = column.data();
+  data_.a = values_.data();
+  call(kAnalyze);
+  structurally_singular_ = data_.infog[0] == -6;
+  if (data_.infog[0] < 0 && !structurally_singular_) fail(data_.infog[0], data_.infog[1]);
+}
+
+Code Matrix::factorize(std::span<const double> values) {
+  if (structurally_singular_) return Code::singular;
+  std::copy(values.begin(), values.end(), values_.begin());
+  call(kFactorize);
+  while (data_.infog[0] == -8 || data_.infog[0] == -9) {  // workspace was too small for the pivots of these values
+    if (data_.icntl[13] >= kMostWorkspace) throw std::bad_alloc();
+    data_.icntl[13] *= 2;
+    call(kFactorize);
+  }
+  if (data_.infog[0] == -10) return Code::singular;
+  if (data_.infog[0] < 0) fail(data_.infog[0], data_.infog[1]);
+  return Code::ok;
+}
+
+void Matrix::solve(std::span<double> b_to_x, int rhs, Transpose transpose) {
+  data_.rhs = b_to_x.data();
+  data_.nrhs = rhs;
+  data_.lrhs = data_.n;
+  data_.icntl[8] = transpose == Transpose::no ? 1 : 0;
+  call(kSolve);
+  if (data_.infog[0] < 0) fail(data_.infog[0], data_.infog[1]);
+}
+
+Figures Matrix::figures() const {
+  const double smallest = data_.rinfog[18],
+               largest = data_.rinfog[20];  // RINFOG(19), (21): pivots of the scaled matrix
+  return {true, 0, smallest / largest, data_.rinfog[11] < 0 ? -1 : 1};
+}
+
+std::unique_ptr<SymmetricSolver> make_symmetric() { return std::make_unique<Matrix>(Symmetry::indefinite); }
+
+}  // namespace assur::mumps

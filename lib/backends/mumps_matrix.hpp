@@ -1,0 +1,43 @@
+// One matrix in MUMPS, sequential version: unsymmetric, or symmetric indefinite by one triangle.
+#pragma once
+
+#include <dmumps_c.h>
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "assur/backend.hpp"
+#include "backends/augmented.hpp"
+
+namespace assur::mumps {
+
+enum class Symmetry : int { none = 0, indefinite = 2 };  // values of MUMPS's own SYM
+
+// MUMPS 5.5 crashes when two threads are inside it, whatever matrices they work on. There is no lock here to slow down
+// the usual case: a call that meets another one throws Error (environment).
+class Matrix final : public SymmetricSolver {
+ public:
+  explicit Matrix(Symmetry symmetry);
+  Matrix(const Matrix&) = delete;
+  Matrix& operator=(const Matrix&) = delete;
+  ~Matrix() override;
+
+  void analyze(int order, std::span<int> row, std::span<int> column) override;
+  Code factorize(std::span<const double> values) override;
+  void solve(std::span<double> b_to_x, int rhs) override { solve(b_to_x, rhs, Transpose::no); }
+  void solve(std::span<double> b_to_x, int rhs, Transpose transpose);
+  [[nodiscard]] Figures figures() const;  // of the last factorisation, which was ok; no pivot growth
+
+ private:
+  void call(int job);
+
+  DMUMPS_STRUC_C data_{};
+  std::vector<double> values_;  // nnz: MUMPS keeps no copy and scales none
+  bool structurally_singular_ = false;
+};
+
+// Symmetric indefinite, for make_augmented.
+[[nodiscard]] std::unique_ptr<SymmetricSolver> make_symmetric();
+
+}  // namespace assur::mumps

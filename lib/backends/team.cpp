@@ -1,0 +1,54 @@
+// Dense LU by a team of threads of the solver's own: the only dense backend whose threads do not mind those of other
+// solvers.
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "backends/backends.hpp"
+#include "backends/blas.hpp"
+#include "backends/dense_solver.hpp"
+#include "backends/team_lu.hpp"
+#include "parallel/blas_threads.hpp"
+
+namespace assur::team {
+namespace {
+
+template <class T>
+class Solver final : public DenseLu<T> {
+ public:
+  explicit Solver(int threads) : team_(threads) {}
+
+  void prepare(Index n) override { lu_.emplace(n); }
+
+  bool factorize(const Block<T>& a, std::int32_t* pivot) override { return lu_->factorize(a, pivot, team_); }
+
+  // Reads each factor once, which more threads do no faster.
+  void solve(const Block<T>& lu, const std::int32_t* pivot, const Block<T>& x, Transpose transpose, Index) override {
+    const BlasThreads one(1);
+    blas::getrs(lu, pivot, x, transpose);
+  }
+
+ private:
+  Team team_;
+  std::optional<TeamLu<T>> lu_;
+};
+
+}  // namespace
+
+std::string why_not(const Shape& shape, ThreadBudget) {
+  const std::string too_large = why_not_dense(shape);
+  if (!too_large.empty()) return too_large;
+  return why_not_blas_threads(1);  // in each thread
+}
+
+std::unique_ptr<LinearSolver> make(ThreadBudget budget, Precision precision) {
+  if (precision == Precision::binary32) {
+    return make_dense_solver<float>(std::make_unique<Solver<float>>(budget.threads));
+  }
+  return make_dense_solver<double>(std::make_unique<Solver<double>>(budget.threads));
+}
+
+std::string version() { return blas_version(); }
+
+}  // namespace assur::team

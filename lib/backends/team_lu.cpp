@@ -1,0 +1,138 @@
+#include "backends/team_lu.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "backends/blas.hpp"
+#include "parallel/blas_threads.hpp"
+#include "parallel/waiting.hpp"
+
+namespace assur {
+namespace {
+
+constexpr Index kPanel = 48;         // columns; measured on n = 100 to 2000 with one and two threads
+constexpr Index kTile = 4 * kPanel;  // wide enough for the kernels, narrow enough for the threads to end together
+
+}  // namespace
+
+template <class T>
+TeamLu<T>::TeamLu(Index n)
+    : n_(n),
+      panels_((n + kPanel - 1) / kPanel),
+      tiles_((n + kTile - 1) / kTile),
+      updated_(static_cast<std::size_t>(tiles_)) {}
+
+template <class T>
+bool TeamLu<T>::factorize(const Block<T>& a, std::int32_t* pivot, Team& team) {
+  a_ = a;
+  pivot_ = pivot;
+  failed_ = false;
+  next_.value = 0;
+  factorized_.value = 0;
+  for (Counter& tile : updated_) tile.value = 0;
+  if (tiles_ > 1) {
+    team.run([this](int rank) noexcept { work(rank); });
+  } else {
+    work(0);
+  }
+  for (Index k = kPanel; k < n_; ++k) pivot_[k] += static_cast<std::int32_t>(k - k % kPanel);  // from the top of a
+  return !failed_;
+}
+
+// Items are numbered through; those of a panel are found by walking the list along with the others.
+template <class T>
+void TeamLu<T>::work(int rank) noexcept {
+  const BlasThreads one(1);
+  if (rank == 0) {
+    factorize_panel(0);
+    advance(factorized_.value);
+  }
+  Index panel = 0, first = 0;  // first: number of the first item of this panel
+  for (;;) {
+    const Index number = next_.value.fetch_add(1, std::memory_order_relaxed);
+    while (panel + 1 < panels_ && number - first >= items(panel)) first += items(panel++);
+    if (panel + 1 < panels_) {
+      do_item(panel, number - first);
+    } else if (number - first + 1 < panels_) {
+      await(factorized_, panels_);
+      if (!failed_) swap_left(number - first);
+    } else {
+      return;
+    }
+  }
+}
+
+// One for the next panel, and one for each tile that has columns right of it.
+template <class T>
+Index TeamLu<T>::items(Index panel) const {
+  return 1 + (end(panel + 1) < n_ ? tiles_ - end(panel + 1) / kTile : 0);
+}
+
+template <class T>
+Index TeamLu<T>::end(Index panel) const {
+  return std::min((panel + 1) * kPanel, n_);
+}
+
+template <class T>
+void TeamLu<T>::do_item(Index panel, Index item) noexcept {
+  const Index next_end = end(panel + 1);
+  const Index tile = item == 0 ? end(panel) / kTile : next_end / kTile + item - 1;
+  Counter& updated = updated_[static_cast<std::size_t>(tile)];
+  await(factorized_, panel + 1);
+  await(updated, panel);
+  if (item == 0) {
+    if (!failed_) {
+      update(panel, end(panel), next_end);
+      factorize_panel(panel + 1);
+    }
+    advance(factorized_.value);
+  } else {
+    if (!failed_) update(panel, std::max(tile * kTile, next_end), std::min((tile + 1) * kTile, n_));
+    advance(updated.value);
+  }
+}
+
+template <class T>
+void TeamLu<T>::await(const Counter& counter, Index value) const {
+  const auto wanted = static_cast<std::uint32_t>(value);
+  for (std::uint32_t is; (is = counter.value.load(std::memory_order_acquire)) < wanted;) wait_while(counter.value, is);
+}
+
+template <class T>
+void TeamLu<T>::factorize_panel(Index panel) {
+  const Index first = panel * kPanel, columns = end(panel) - first;
+  const Block<T> block = a_.block(first, first, n_ - first, columns);
+  if (!blas::getrf(block, pivot_ + first)) failed_ = true;
+  for (Index k = 0; k < columns; ++k) {
+    if (!std::isfinite(block(k, k))) failed_ = true;
+  }
+}
+
+// Pivots are counted from the top of their panel until all is done. Columns `first` to `last`, right of the panel: rows
+// swapped, U by substitution, the product taken off the rest.
+template <class T>
+void TeamLu<T>::update(Index panel, Index first, Index last) {
+  const Index top = panel * kPanel, width = end(panel) - top, below = n_ - top - width, columns = last - first;
+  const Block<T> upper = a_.block(top, first, width, columns);
+  blas::swap_rows(a_.block(top, first, n_ - top, columns), pivot_ + top, width);
+  blas::solve_unit_lower(a_.block(top, top, width, width), upper);
+  blas::subtract_product(a_.block(top + width, first, below, columns), a_.block(top + width, top, below, width), upper);
+}
+
+// Column by column, since a column fits into the cache.
+template <class T>
+void TeamLu<T>::swap_left(Index panel) {
+  for (Index j = panel * kPanel; j < end(panel); ++j) {
+    for (Index later = panel + 1; later < panels_; ++later) {
+      T* const column = a_.column(j) + later * kPanel;
+      const std::int32_t* const pivot = pivot_ + later * kPanel;
+      for (Index k = 0; k < end(later) - later * kPanel; ++k) std::swap(column[k], column[pivot[k] - 1]);
+    }
+  }
+}
+
+template class TeamLu<double>;
+template class TeamLu<float>;
+
+}  // namespace assur

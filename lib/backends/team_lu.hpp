@@ -1,0 +1,57 @@
+// Blocked right-looking LU with partial pivoting by the threads of a team, over BLAS kernels that run in one thread.
+//
+// The matrix is cut into panels of kPanel columns and into tiles of kTile; the cuts depend on its order alone, so that
+// the result is the same, bit by bit, for every number of threads. The work is one list:
+//
+//   for each panel k:  [ update panel k + 1 by panel k and factorise it ]   the look-ahead: first, since all wait for
+//   it
+//                      [ update each tile right of it by panel k ]
+//   then for each panel:  [ swap its rows by the pivots of the later panels ]
+//
+// from which each thread takes the next item when it is free. An item waits for the panel and for the columns that it
+// needs; both come from earlier items, which are taken, so that no order of the threads can hang.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <vector>
+
+#include "backends/block.hpp"
+#include "parallel/team.hpp"
+
+namespace assur {
+
+template <class T>
+class TeamLu {
+ public:
+  // For matrices of order n.
+  explicit TeamLu(Index n);
+
+  // P a = L U in place; pivot: the row swapped with each row, counted from 1. False at a pivot that is zero or not
+  // finite.
+  [[nodiscard]] bool factorize(const Block<T>& a, std::int32_t* pivot, Team& team);
+
+ private:
+  struct alignas(64) Counter {
+    std::atomic<std::uint32_t> value{0};
+  };
+
+  void work(int rank) noexcept;
+  void do_item(Index panel, Index item) noexcept;
+  void factorize_panel(Index panel);
+  void update(Index panel, Index first, Index last);
+  void swap_left(Index panel);
+  Index items(Index panel) const;
+  Index end(Index panel) const;
+  void await(const Counter& counter, Index value) const;
+
+  Index n_, panels_, tiles_;
+  Block<T> a_{};
+  std::int32_t* pivot_ = nullptr;
+  Counter next_;                  // item of the list that is taken next
+  Counter factorized_;            // panels
+  std::vector<Counter> updated_;  // tiles: by how many panels
+  std::atomic<bool> failed_ = false;
+};
+
+}  // namespace assur

@@ -1,0 +1,127 @@
+#include "parallel/blas_threads.hpp"
+
+#include <dlfcn.h>
+
+#include <array>
+#include <string>
+
+namespace assur {
+namespace {
+
+template <class Function>
+Function* find(const char* symbol) {
+  return reinterpret_cast<Function*>(dlsym(RTLD_DEFAULT, symbol));
+}
+
+// What the loaded library offers; null if it does not. Looked up rather than linked, so that one program runs with any.
+struct Library {
+  int (*mkl_set_threads)(int) = find<int(int)>("MKL_Set_Num_Threads_Local");  // of this thread; returns those before
+  void (*mkl_version)(char*, int) = find<void(char*, int)>("MKL_Get_Version_String");
+
+  int (*openblas_parallel)() = find<int()>("openblas_get_parallel");
+  int (*openblas_threads)() = find<int()>("openblas_get_num_threads");
+  char* (*openblas_config)() = find<char*()>("openblas_get_config");
+  char* (*openblas_core)() = find<char*()>("openblas_get_corename");
+
+  // OpenBLAS asks OpenMP how many threads the calling thread may use, a number that each thread has of its own. Its own
+  // openblas_set_num_threads() changes one of the whole process as well.
+  int (*omp_threads)() = find<int()>("omp_get_max_threads");
+  void (*omp_set_threads)(int) = find<void(int)>("omp_set_num_threads");
+  int (*omp_in_parallel)() = find<int()>("omp_in_parallel");
+
+  enum class Kind { mkl, openmp, pthreads, sequential, unknown } kind = Kind::unknown;
+
+  Library() {
+    if (mkl_set_threads) {
+      kind = Kind::mkl;
+    } else if (openblas_parallel && openblas_threads && openblas_config && openblas_core) {
+      switch (openblas_parallel()) {
+        case 0:
+          kind = Kind::sequential;
+          break;
+        case 1:
+          kind = Kind::pthreads;
+          break;
+        case 2:
+          if (omp_threads && omp_set_threads && omp_in_parallel) kind = Kind::openmp;
+          break;
+        default:
+          break;
+      }
+    }
+  }
+};
+
+const Library& library() {
+  static const Library found;
+  return found;
+}
+
+}  // namespace
+
+std::string blas_version() {
+  const Library& blas = library();
+  if (blas.kind == Library::Kind::mkl) {
+    std::array<char, 200> text{};
+    if (blas.mkl_version) blas.mkl_version(text.data(), static_cast<int>(text.size()) - 1);
+    const std::string version = text.data();
+    return version.substr(0, version.find_last_not_of(' ') + 1);
+  }
+  if (!blas.openblas_config || !blas.openblas_core) return "LAPACK";
+  const std::string config = blas.openblas_config();  // "OpenBLAS 0.3.21 NO_LAPACKE DYNAMIC_ARCH ..."
+  const auto number = config.find(' ');
+  const char* threads = blas.kind == Library::Kind::openmp       ? "OpenMP"
+                        : blas.kind == Library::Kind::pthreads   ? "pthreads"
+                        : blas.kind == Library::Kind::sequential ? "one thread"
+                                                                 : "threads unknown";
+  return config.substr(0, config.find(' ', number + 1)) + ", " + threads + ", " + blas.openblas_core();
+}
+
+std::string why_not_blas_threads(int threads) {
+  const Library& blas = library();
+  const std::string wanted = std::to_string(threads) + (threads == 1 ? " thread" : " threads");
+  switch (blas.kind) {
+    case Library::Kind::mkl:
+      return "";
+    case Library::Kind::openmp:
+      if (threads == 1 || !blas.omp_in_parallel()) return "";
+      return blas_version() + " uses one thread within an OpenMP parallel region, not " + std::to_string(threads);
+    case Library::Kind::pthreads: {
+      const int all = blas.openblas_threads();
+      if (threads == all) return "";
+      return blas_version() + " is loaded, whose threads are those of the whole process: " + std::to_string(all) +
+             ", not " + std::to_string(threads) + "; set OPENBLAS_NUM_THREADS=" + std::to_string(threads) +
+             ", or let the loader find the OpenMP build (Debian: libopenblas0-openmp)";
+    }
+    case Library::Kind::sequential:
+      if (threads == 1) return "";
+      return blas_version() + " is loaded, which cannot use " + wanted;
+    case Library::Kind::unknown:
+      // Taken for one thread, which is what the reference implementation uses.
+      if (threads == 1) return "";
+      return "the threads of the LAPACK library that is loaded cannot be set to " + std::to_string(threads) +
+             "; OpenBLAS (its OpenMP build) and MKL can";
+  }
+  return "";
+}
+
+BlasThreads::BlasThreads(int threads) {
+  const Library& blas = library();
+  if (blas.kind == Library::Kind::mkl) {
+    before_ = blas.mkl_set_threads(threads);
+  } else if (blas.kind == Library::Kind::openmp) {
+    before_ = blas.omp_threads();
+    if (before_ != threads) blas.omp_set_threads(threads);
+  }
+}
+
+BlasThreads::~BlasThreads() {
+  const Library& blas = library();
+  if (blas.kind == Library::Kind::mkl) {
+    blas.mkl_set_threads(before_);
+  } else if (blas.kind == Library::Kind::openmp && blas.omp_threads() != before_) {
+    blas.omp_set_threads(before_);
+  }
+}
+
+}  // namespace assur

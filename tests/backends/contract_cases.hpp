@@ -1,0 +1,45 @@
+// The table of the contract test: which matrices are solved, and how each backend must end on them.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "assur/backend.hpp"
+#include "backends/matrices.hpp"
+
+namespace assur::test {
+
+enum class Outcome {
+  solved,      // ok, with a normwise backward error of at most 10 n eps
+  grows,       // ok, but growth may spoil it: what a solver in double misses, refinement brings within 10 n eps
+  singular,    // refused
+  not_finite,  // refused
+  either,      // singular, or solved
+};
+
+struct Case {
+  std::string name;
+  std::function<Matrix(Random&)> lane;  // one lane; the pattern is the same at every call
+  Outcome outcome = Outcome::solved;
+  std::map<std::string_view, Outcome> except = {};  // backends that end otherwise
+  double condition = 0;  // in the maximum norm, roughly; 0: below 1e10 after scaling of rows and columns
+  double growth = 0;     // where partial pivoting in the natural order shows at least this growth
+
+  [[nodiscard]] Outcome expected(std::string_view id) const {
+    const auto found = except.find(id);
+    return found == except.end() ? outcome : found->second;
+  }
+};
+const std::vector<Case>& cases();
+
+// What figures() of a backend tell beside `ok`.
+struct Told {
+  bool growth = true, condition = true, sign = true;
+  bool partial_pivoting = false;  // in the natural order of the columns
+};
+Told told_by(std::string_view id);
+
+}  // namespace assur::test

@@ -1,0 +1,103 @@
+// Stands in for HSL's shared library in tests: the four entries of MA27 (argument lists of its specification, version
+// 1.0.0, section 2.1) over dense elimination with partial pivoting. It honours what a caller may rely on: lengths of
+// workspace that are too small are refused with the length that would do, singularity is a warning, nothing is printed.
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+namespace {
+
+// A holds the dense factors, column-major, IW the rows that were exchanged.
+constexpr int kTooFewIntegers = -3, kTooFewReals = -4, kRankDeficient = 3;
+
+bool eliminate(double* a, int* exchanged, std::size_t n) {
+  const auto at = [&](std::size_t i, std::size_t j) -> double& { return a[j * n + i]; };
+  for (std::size_t k = 0; k < n; ++k) {
+    std::size_t p = k;
+    for (std::size_t i = k + 1; i < n; ++i) {
+      if (std::abs(at(i, k)) > std::abs(at(p, k))) p = i;
+    }
+    if (at(p, k) == 0) return false;
+    exchanged[k] = static_cast<int>(p);
+    for (std::size_t j = 0; j < n; ++j) std::swap(at(k, j), at(p, j));
+    for (std::size_t i = k + 1; i < n; ++i) at(i, k) /= at(k, k);
+    for (std::size_t j = k + 1; j < n; ++j) {
+      if (at(k, j) == 0) continue;
+      for (std::size_t i = k + 1; i < n; ++i) at(i, j) -= at(i, k) * at(k, j);
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+extern "C" {
+
+void ma27id_(int* icntl, double* cntl) {
+  std::fill_n(icntl, 30, 0);
+  std::fill_n(cntl, 5, 0.0);
+  icntl[0] = icntl[1] = 6;  // streams for messages, which a library must turn off
+  cntl[0] = 0.1;
+}
+
+void ma27ad_(const int* n, const int* nz, const int*, const int*, int*, const int* liw, int* ikeep, int*, int* nsteps,
+             int* iflag, int*, double*, int* info, double* ops) {
+  std::fill_n(info, 20, 0);
+  if (*liw < 2 * *nz + 3 * *n + 1) {
+    info[0] = kTooFewIntegers;
+    info[1] = 2 * *nz + 3 * *n + 1;
+    return;
+  }
+  for (int i = 0; i < 3 * *n; ++i) ikeep[i] = i;
+  *nsteps = *n;
+  *ops = *iflag;
+  info[4] = *nz + *n;  // too little on purpose: pivoting needs more than this promises
+  info[5] = *nz;
+}
+
+void ma27bd_(const int* n, const int* nz, const int* irn, const int* icn, double* a, const int* la, int* iw,
+             const int* liw, int* ikeep, const int* nsteps, int* maxfrt, int*, int* icntl, double*, int* info) {
+  const auto order = static_cast<std::size_t>(*n), nonzeros = static_cast<std::size_t>(*nz);
+  const bool kept = *nsteps == *n && ikeep[3 * *n - 1] == 3 * *n - 1;
+  info[0] = kept && icntl[0] <= 0 && icntl[1] <= 0 ? 0 : -7;
+  if (info[0] < 0) return;
+  if (*liw < *n) {
+    info[0] = kTooFewIntegers;
+    info[1] = *n;
+    return;
+  }
+  const std::size_t needed = order * order + nonzeros;
+  if (static_cast<std::size_t>(*la) < needed) {
+    info[0] = kTooFewReals;
+    info[1] = static_cast<int>(needed);
+    return;
+  }
+  double* const values = a + order * order;
+  std::copy_backward(a, a + nonzeros, values + nonzeros);
+  std::fill_n(a, order * order, 0.0);
+  for (std::size_t k = 0; k < nonzeros; ++k) {
+    const auto i = static_cast<std::size_t>(irn[k] - 1), j = static_cast<std::size_t>(icn[k] - 1);
+    a[j * order + i] += values[k];
+    if (i != j) a[i * order + j] += values[k];
+  }
+  *maxfrt = *n;
+  if (!eliminate(a, iw, order)) info[0] = kRankDeficient;
+}
+
+void ma27cd_(const int* n, double* a, const int*, int* iw, const int*, double* w, const int* maxfrt, double* rhs, int*,
+             const int*, int*, int* info) {
+  const auto order = static_cast<std::size_t>(*n);
+  info[0] = 0;
+  std::fill_n(w, *maxfrt, 0.0);
+  const auto at = [&](std::size_t i, std::size_t j) { return a[j * order + i]; };
+  for (std::size_t k = 0; k < order; ++k) std::swap(rhs[k], rhs[iw[k]]);
+  for (std::size_t j = 0; j < order; ++j) {
+    for (std::size_t i = j + 1; i < order; ++i) rhs[i] -= at(i, j) * rhs[j];
+  }
+  for (std::size_t j = order; j-- > 0;) {
+    rhs[j] /= at(j, j);
+    for (std::size_t i = 0; i < j; ++i) rhs[i] -= at(i, j) * rhs[j];
+  }
+}
+}
