@@ -134,6 +134,7 @@ class LegsByLibrary {
     for (std::size_t c = 0; c < layout_.address.size(); ++c) {
       if (layout_.address[c] >= 0) state_.at(0)[layout_.address[c]] = structure_.start[c];
     }
+    for (const auto& solver : layout_.solvers) solver->restart();
     ok_ = drive(t) && solve(0, Attempt::Branch::start) && solve(1, Attempt::Branch::start);
     state_.accept(t);
   }
