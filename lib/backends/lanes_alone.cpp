@@ -1,6 +1,5 @@
 #include "backends/lanes_alone.hpp"
 
-#include <limits>
 #include <utility>
 
 namespace assur::lanes {
@@ -22,9 +21,7 @@ Code LaneAlone::factorize(std::span<const double> values) {
     good_ = alarms.any() == 0;
     if (alarms.growth == 0) return Code::ok;
   }
-  Limits finite = limits_;  // nothing better can be had
-  finite.growth = std::numeric_limits<double>::infinity();
-  return factors_.factorize(values, finite).growth == 0 ? Code::ok : Code::singular;
+  return factors_.finite() ? Code::ok : Code::singular;  // nothing better can be had
 }
 
 }  // namespace assur::lanes

@@ -3,7 +3,6 @@
 
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "assur/backend.hpp"
 #include "backends/lanes_factors.hpp"

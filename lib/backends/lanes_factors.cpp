@@ -13,21 +13,22 @@ template <class T>
 Limits limits_of(std::int32_t n) {
   // A pivot below 4 n eps of its row may be nothing but the rounding of a zero.
   return {std::min(kGrowthPerUnknown * n, kMostGrowth), 4 * n * static_cast<double>(std::numeric_limits<T>::epsilon()),
-          1e10 * static_cast<double>(std::numeric_limits<T>::min())};
+          std::sqrt(10 * static_cast<double>(std::numeric_limits<T>::min()))};
 }
 
-// Rows as the program leaves them: growth is that of their sums of magnitudes, U taken before its division.
+// Growth is that of rows in 2-norms, U taken before its division.
 template <class T>
 Figures measure(const Program& p, const T* slots, std::size_t lanes, std::size_t lane) {
   double growth = 0, smallest = std::numeric_limits<double>::infinity(), largest = 0;
   int sign = p.permutation_sign;
   const auto at = [&](std::size_t slot) { return static_cast<double>(slots[slot * lanes + lane]); };
   for (std::size_t i = 0; i < p.n; ++i) {
-    const double pivot = 1 / at(p.pivot_slot[i]), size_of_a = at(p.size_slot + i);
+    const double pivot = 1 / at(p.pivot_slot[i]), of_a = at(p.square_slot + i);
     double lower = std::abs(pivot), upper = 0;
-    for (std::size_t k = 0; k < p.lower_count(i); ++k) lower += std::abs(at(p.pivot_slot[i] - 1 - k));
-    for (std::size_t k = 0; k < p.upper_count(i); ++k) upper += std::abs(at(p.upper_slot[i] + k));
-    growth = std::max(growth, (lower + upper * std::abs(pivot)) / size_of_a);
+    for (std::size_t k = 0; k < p.lower_count(i); ++k) lower = std::hypot(lower, at(p.pivot_slot[i] - 1 - k));
+    for (std::size_t k = 0; k < p.upper_count(i); ++k) upper = std::hypot(upper, at(p.upper_slot[i] + k));
+    // A row whose squares are none in this precision has no figure.
+    if (of_a > 0 && std::isfinite(of_a)) growth = std::max(growth, std::hypot(lower, upper * pivot) / std::sqrt(of_a));
     smallest = std::min(smallest, std::abs(pivot));
     largest = std::max(largest, std::abs(pivot));
     if (pivot < 0) sign = -sign;
@@ -58,6 +59,15 @@ void Factors::solve(double* b_to_x, int rhs, Transpose transpose, int first_want
   } else {
     kernels_.solve_transposed(*program_, slots_.get(), b_to_x, rhs, work_.get());
   }
+}
+
+bool Factors::finite() const {
+  const auto all = [&](const auto* slots) {
+    const auto* end = slots + program_->square_slot * static_cast<std::size_t>(lanes_);
+    return std::all_of(slots, end, [](auto value) { return std::isfinite(value); });
+  };
+  return precision_ == Precision::binary64 ? all(static_cast<const double*>(slots_.get()))
+                                           : all(static_cast<const float*>(slots_.get()));
 }
 
 Figures Factors::figures(int lane) const {

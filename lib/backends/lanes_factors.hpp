@@ -35,6 +35,7 @@ class Factors {
     return kernels_.factorize(*program_, values.data(), slots_.get(), limits);
   }
   void solve(double* b_to_x, int rhs, Transpose transpose, int first_wanted);
+  [[nodiscard]] bool finite() const;  // the factors, in every lane
   [[nodiscard]] Figures figures(int lane) const;
 
  private:

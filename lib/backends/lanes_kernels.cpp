@@ -111,25 +111,19 @@ HWY_INLINE L reciprocal(const L& a) {
   return r;
 }
 template <class L>
-HWY_INLINE L add_size(const L& sum, const L& a) {
+HWY_INLINE L add_square(const L& sum, const L& a) {
   L r;
-  for (int i = 0; i < L::kVectors; ++i) r.v[i] = hn::Add(sum.v[i], hn::Abs(a.v[i]));
-  return r;
-}
-template <class L>
-HWY_INLINE L larger_size(const L& largest, const L& a) {
-  L r;
-  for (int i = 0; i < L::kVectors; ++i) r.v[i] = hn::Max(largest.v[i], hn::Abs(a.v[i]));
+  for (int i = 0; i < L::kVectors; ++i) r.v[i] = hn::MulAdd(a.v[i], a.v[i], sum.v[i]);
   return r;
 }
 
 // The next entry of a row: its value in A minus its products.
 template <class L, class T>
-HWY_INLINE L entry(const Index*& op, const double* values, const T* slots, L& size_of_a) {
+HWY_INLINE L entry(const Index*& op, const double* values, const T* slots, L& square_of_a) {
   L a;
   if (*op != Program::kZero) {
     a = take<L>(values + *op * L::kStride);
-    size_of_a = add_size(size_of_a, a);
+    square_of_a = add_square(square_of_a, a);
   } else {
     a = L::set(0);
   }
@@ -144,40 +138,40 @@ HWY_INLINE L entry(const Index*& op, const double* values, const T* slots, L& si
 template <class L, class T>
 HWY_INLINE Alarms factorize_part(const Program& p, const double* values, T* slots, const Limits& limits) {
   constexpr typename L::D d;
-  const auto growth = hn::Set(d, static_cast<T>(limits.growth)), pivot = hn::Set(d, static_cast<T>(limits.pivot)),
-             smallest = hn::Set(d, static_cast<T>(limits.smallest));
+  const auto square = [](double x) { return static_cast<T>(x * x); };
+  const auto shrink = hn::Set(d, square(1 / limits.growth)), pivot = hn::Set(d, square(limits.pivot)),
+             smallest = hn::Set(d, square(limits.smallest));
   L largest_u = L::set(1);
   hn::Mask<typename L::D> grown[L::kVectors], small[L::kVectors];
   for (int i = 0; i < L::kVectors; ++i) grown[i] = small[i] = hn::FirstN(d, 0);
 
   const Index* op = p.factor.data();
-  T *l = slots, *row_size = slots + p.size_slot * L::kStride;
-  for (Index row = 0; row < p.n; ++row, row_size += L::kStride) {
+  T *l = slots, *row_square = slots + p.square_slot * L::kStride;
+  for (Index row = 0; row < p.n; ++row, row_square += L::kStride) {
     Index left = op[0], right = op[1];
     T* u = slots + op[2] * L::kStride;
     op += 3;
-    L size_of_a = L::set(0), size = L::set(0), largest = L::set(0);
+    L of_a = L::set(0), of_l = L::set(0), of_u = L::set(0);  // squares
     for (; left != 0; --left, l += L::kStride) {
-      const L e = entry<L>(op, values, slots, size_of_a);
+      const L e = entry<L>(op, values, slots, of_a);
       e.store(l);
-      size = add_size(size, e);
+      of_l = add_square(of_l, e);
     }
-    const L diagonal = entry<L>(op, values, slots, size_of_a), r = reciprocal(diagonal);
-    size = add_size(size, diagonal);
+    const L diagonal = entry<L>(op, values, slots, of_a), r = reciprocal(diagonal);
     r.store(l);
     l += L::kStride;
     for (; right != 0; --right, u += L::kStride) {
-      const L e = entry<L>(op, values, slots, size_of_a);
+      const L e = entry<L>(op, values, slots, of_a);
       times(e, r).store(u);
-      size = add_size(size, e);
-      largest = larger_size(largest, e);
+      of_u = add_square(of_u, e);
     }
-    size_of_a.store(row_size);
+    of_a.store(row_square);
     for (int i = 0; i < L::kVectors; ++i) {
+      const auto of_d = hn::Mul(diagonal.v[i], diagonal.v[i]), of_row = hn::Add(hn::Add(of_l.v[i], of_d), of_u.v[i]);
       // Strict, and false for NaN: infinities and zero rows are alarms.
-      grown[i] = hn::Or(grown[i], hn::Not(hn::Lt(hn::Mul(size.v[i], largest_u.v[i]), hn::Mul(size_of_a.v[i], growth))));
-      small[i] = hn::Or(small[i], hn::Not(hn::Ge(hn::Abs(diagonal.v[i]), hn::MulAdd(size_of_a.v[i], pivot, smallest))));
-      largest_u.v[i] = hn::Max(largest_u.v[i], hn::Mul(largest.v[i], hn::Abs(r.v[i])));
+      grown[i] = hn::Or(grown[i], hn::Not(hn::Lt(hn::Mul(hn::Mul(of_row, shrink), largest_u.v[i]), of_a.v[i])));
+      small[i] = hn::Or(small[i], hn::Not(hn::Ge(of_d, hn::MulAdd(of_a.v[i], pivot, smallest))));
+      largest_u.v[i] = hn::Max(largest_u.v[i], hn::Mul(hn::Mul(of_u.v[i], r.v[i]), r.v[i]));
     }
   }
   Alarms alarms;

@@ -11,9 +11,10 @@ namespace assur::lanes {
 inline constexpr int kMostLanes = 16;
 inline constexpr int kRightSides = 4;  // solved at once
 
-// What a lane is held to, row by row, with |row| the sum of the magnitudes in a row.
+// What a lane is held to, row by row, in 2-norms. Their squares must be numbers: rows below 1e-150 or above 1e150 (in
+// float 1e-18, 1e18) are alarms.
 struct Limits {
-  double growth;    // of |row of L and, unscaled, of U| * max |u_ij| so far, over |row of A|; not met: poison, too
+  double growth;    // of |row of L and, undivided, of U| * the largest |row of U| so far, over |row of A|
   double pivot;     // least pivot over |row of A|
   double smallest;  // least pivot
 };

@@ -129,7 +129,7 @@ Program write_program(const Pattern& pattern, const Order& order) {
     u_start[i] = p.slots;
     p.slots += static_cast<Index>(f.u[i].size());
   }
-  p.size_slot = p.slots;
+  p.square_slot = p.slots;
   p.slots += n;
 
   struct Product {

@@ -7,8 +7,8 @@
 //   backward     x_i = y_i - sum_j u_ij x_j
 //
 // Factors stand in `slots`, each as wide as the lanes: the rows of L one after the other, each with the reciprocal of
-// its pivot at the end; then the rows of U in the order of the backward substitution; then, for each row, |row of A|,
-// the sum of its magnitudes.
+// its pivot at the end; then the rows of U in the order of the backward substitution; then, for each row, the sum
+// of its squares in A.
 #pragma once
 
 #include <cstdint>
@@ -38,7 +38,7 @@ struct Program {
 
   // Where to find a row out of this order, n each: its reciprocal, its U, its places in `forward` and `backward`.
   std::vector<Index> pivot_slot, upper_slot, forward_row, backward_row;
-  Index size_slot = 0;  // of |row 0 of A|
+  Index square_slot = 0;  // of the squares of row 0 of A
 
   [[nodiscard]] Index lower_count(std::size_t row) const { return forward[forward_row[row] + 1]; }
   [[nodiscard]] Index upper_count(std::size_t row) const { return backward[backward_row[row] + 2]; }

@@ -310,6 +310,17 @@ TEST(Lanes, LanesThatCannotAgreeDoNotMakeItThrash) {
   EXPECT_LE(solver->effort().renewed, 7);  // after 8, 16, ..., 512 steps
 }
 
+TEST(Lanes, NumbersWhoseSquaresAreNoneAreFactorisedAlone) {
+  const auto solver = make();
+  ASSERT_TRUE(solver->analyze(two(4).pattern, 4).ok());
+  step(*solver, twos({4, 5, 6, 7}));
+  Pack pack = twos({4, 5, 6, 7});
+  scale(pack.matrices[1], [](int, int) { return 1e-250; });
+  scale(pack.matrices[2], [](int, int) { return 1e250; });
+  step(*solver, pack);
+  EXPECT_EQ(solver->effort().redone, 2);
+}
+
 TEST(Lanes, NumbersBeyondTheRangeOfFloatAreFactorisedInDouble) {
   const auto solver = make(Precision::binary32);
   ASSERT_TRUE(solver->analyze(two(4).pattern, 2).ok());
