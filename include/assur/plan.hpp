@@ -25,6 +25,9 @@ struct Plan {
   };
   Formulation formulation = Formulation::groups;
   Predictor predictor;          // resolved: never automatic
+  std::int32_t lanes = 1;       // W asked for: of a class, or, where mechanisms run side by side, mechanisms
+  std::int32_t chunks = 1;      // of the time grid, run side by side
+  std::int32_t threads = 1;     // p
   std::vector<Choice> choices;  // one for each class
 };
 

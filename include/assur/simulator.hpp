@@ -95,6 +95,8 @@ class Simulator {
   [[nodiscard]] const Prepared& prepared() const;
 
  private:
+  [[nodiscard]] bool run_in_chunks(std::span<const double> times, const Observer& observer, Trajectory& out);
+  friend std::vector<double> posture_of(const Simulator& simulator);
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -71,10 +71,6 @@ void check_backend(const Backend& backend, const Plan::Choice& choice) {
 Prepared prepare_at(const Scene& scene, const PrepareOptions& options, std::vector<double> posture, double time) {
   const bool automatic = options.strategy == "auto";
   const Strategy wanted = parse_strategy(automatic ? "irreducible/eigen" : options.strategy);
-  if (wanted.p != 1 || wanted.chunks != 1) {
-    throw Error(Error::Kind::environment,
-                "strategy " + options.strategy + " cannot run here: this version solves one pack at a time (1xQ)");
-  }
   check_controlled(scene, options.controlled);
   StructureOptions structure_options;
   structure_options.formulation = wanted.formulation;
@@ -96,6 +92,9 @@ Prepared prepare_at(const Scene& scene, const PrepareOptions& options, std::vect
   out.plan.predictor =
       wanted.predictor.kind == Predictor::Kind::automatic ? automatic_predictor(*structure) : wanted.predictor;
 
+  out.plan.lanes = wanted.lanes;
+  out.plan.chunks = wanted.chunks;
+  out.plan.threads = wanted.p;
   const std::vector<ClassSize> sizes = class_sizes(*structure);
   const bool has_klu = find_backend(out.table, "klu").why_not({}, {}).empty();
   for (std::size_t c = 0; c < structure->classes.size(); ++c) {

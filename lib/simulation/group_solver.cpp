@@ -93,20 +93,21 @@ void GroupSolver::choose_solver(Pack& pack) {
   solver_ = pack.solver.get();
 }
 
-void GroupSolver::bind(const System& system, const Structure& structure, Pack& pack) const {
+void GroupSolver::size(Pack& pack) const {
   const std::size_t w = idx(lanes_);
   pack.coefficients.resize(program_.coefficients.size() * w);
   pack.lipschitz.resize(idx(program_.n) * w);
   pack.anchor.resize(blocks_.reads_start(program_.blocks) * w);
   pack.omega.assign(idx(program_.blocks) * w, 0.0);
   pack.ball_used.assign(idx(program_.blocks), 0.0);
-  std::vector<double> constants(idx(class_.constants));
-  for (std::size_t lane = 0; lane < w; ++lane) {
-    const Group& g = structure.groups[idx(pack.groups[lane < pack.groups.size() ? lane : 0])];
-    for (std::size_t i = 0; i < constants.size(); ++i) constants[i] = system.constants[idx(g.constants[i])];
-    bind_coefficients(program_, constants, pack.coefficients.data() + lane, w);
-    lipschitz(class_, constants, pack.lipschitz.data() + lane, w);
-  }
+}
+
+void GroupSolver::bind_lane(const System& system, const Group& group, Pack& pack, int lane) const {
+  std::vector<double> constants;
+  constants.reserve(group.constants.size());
+  for (const std::int32_t k : group.constants) constants.push_back(system.constants[idx(k)]);
+  bind_coefficients(program_, constants, pack.coefficients.data() + lane, idx(lanes_));
+  lipschitz(class_, constants, pack.lipschitz.data() + lane, idx(lanes_));
 }
 
 void GroupSolver::gather(const Pack& pack, const double* state, std::vector<double>& out) const {

@@ -70,8 +70,10 @@ class GroupSolver {
   // What the solver that all packs share did; each pack's own one tells for itself.
   [[nodiscard]] Effort effort() const { return shared_ ? shared_->effort() : Effort{}; }
 
-  // Sets up what the pack holds for this class (its groups, inputs and address are there already).
-  void bind(const System& system, const Structure& structure, Pack& pack) const;
+  // Makes room in the pack for what it holds of this class.
+  void size(Pack& pack) const;
+  // One lane of the pack is `group`, with the constants of `system`.
+  void bind_lane(const System& system, const Group& group, Pack& pack, int lane) const;
 
   // state[d]: d-th derivative of all coordinates, with the prediction in the pack's unknowns.
   // On failure `where` is the group and the pack's unknowns are unspecified.

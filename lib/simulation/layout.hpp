@@ -22,4 +22,8 @@ struct Layout {
 // Throws Error (environment) if a backend of the plan cannot run here.
 [[nodiscard]] Layout lay_out(const Prepared& prepared);
 
+// For instances of the whole structure side by side, one in each lane: every group is a pack, and addresses, those of
+// known coordinates as well, are of lane 0, the other lanes next to it. Nothing is bound to the lanes yet.
+[[nodiscard]] Layout lay_out_side_by_side(const Prepared& prepared, int lanes);
+
 }  // namespace assur

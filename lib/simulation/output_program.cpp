@@ -57,6 +57,14 @@ void OutputProgram::mark(std::vector<std::uint8_t>& addresses) const {
   for (const TermAt& t : sum_terms_) addresses[static_cast<std::size_t>(t.address)] = 1;
 }
 
+std::vector<std::size_t> OutputProgram::angles() const {
+  std::vector<std::size_t> columns;
+  for (const Part& part : parts_) {
+    if (part.angle && part.column[0] >= 0) columns.push_back(static_cast<std::size_t>(part.column[0]));
+  }
+  return columns;
+}
+
 void OutputProgram::evaluate(const double* const (&state)[3], double* out, const double* previous, double dt) const {
   for (const Sum& sum : sums_) {
     double total[3] = {};

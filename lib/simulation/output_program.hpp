@@ -55,6 +55,9 @@ class OutputProgram {
 
   [[nodiscard]] const std::vector<std::string>& columns() const { return columns_; }
 
+  // Columns of signed angles, which are unwrapped along a run.
+  [[nodiscard]] std::vector<std::size_t> angles() const;
+
   // Marks the addresses that are read.
   void mark(std::vector<std::uint8_t>& addresses) const;
 
