@@ -41,8 +41,9 @@ constexpr double kRelaxed = 0.5;  // keep a pivot on the diagonal if no entry be
                                   // half the fill of partial pivoting on rings, the same on random matrices
 constexpr double kPartial = 1;    // partial pivoting
 constexpr double kGrowth = 64;    // backward errors measured up to a growth of 300: at most 5 n eps
-constexpr double kSmallestRow = 0.25,
-                 kLargestRow = 2;  // of a row's largest entry times its scale, in [1/2, 1) at first
+// Of a row's largest entry times its scale; in [1/2, 1) at first.
+constexpr double kSmallestRow = 0.25;
+constexpr double kLargestRow = 2;
 
 struct FreeSymbolic {
   klu_common* common;
@@ -167,12 +168,10 @@ Code KluSolver::factorize_lane(std::span<const double> values, int index) {
 
 // False if there are no scales yet, or they no longer fit.
 bool KluSolver::scale(std::span<const double> values, const Lane& lane) {
-  const double* const by = lane.entry_scale.data();
-  const bool small =
-      Largest(0).of(values.size(), [&](std::size_t k) { return scaled_[k] = values[k] * by[k]; }) <= kLargestRow;
+  for (std::size_t k = 0; k < values.size(); ++k) scaled_[k] = values[k] * lane.entry_scale[k];
   bool large = true;
   for (const std::uint32_t k : lane.of_row) large &= std::abs(scaled_[k]) >= kSmallestRow;
-  return small && large;
+  return large && all_within(scaled_, kLargestRow);
 }
 
 void KluSolver::choose_scales(std::span<const double> values, Lane& lane) const {

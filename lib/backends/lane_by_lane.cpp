@@ -1,10 +1,8 @@
 #include "backends/lane_by_lane.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <limits>
 
 #include "backends/backends.hpp"
@@ -13,15 +11,6 @@ namespace assur {
 namespace {
 
 constexpr std::size_t kRightSides = 4;  // given to a library at once
-
-// In integers, which become vectors: infinity and NaN are larger than any finite number.
-bool all_finite(std::span<const double> values) {
-  constexpr auto kMagnitude = ~std::uint64_t{0} >> 1;
-  constexpr auto kLargest = std::bit_cast<std::uint64_t>(std::numeric_limits<double>::max());
-  std::uint64_t below_zero = 0;  // its sign
-  for (const double value : values) below_zero |= kLargest - (std::bit_cast<std::uint64_t>(value) & kMagnitude);
-  return below_zero <= kMagnitude;
-}
 
 }  // namespace
 
@@ -47,7 +36,10 @@ Status LaneByLane::factorize(std::span<const double> values) {
 Code LaneByLane::take_and_factorize(std::span<const double> values, int lane) {
   if (values_.empty()) return n_ == 0 ? Code::ok : Code::singular;
   const int lanes = static_cast<int>(code_.size());
-  if (lanes == 1) return all_finite(values) ? factorize_lane(values, lane) : Code::not_finite;
+  if (lanes == 1) {
+    const bool finite = all_within(values, std::numeric_limits<double>::max());
+    return finite ? factorize_lane(values, lane) : Code::not_finite;
+  }
   return std::isfinite(take_lane(values, lanes, lane, values_)) ? factorize_lane(values_, lane) : Code::not_finite;
 }
 

@@ -127,20 +127,6 @@ TEST_F(Klu, RowsMayChangeTheirSize) {
   }
 }
 
-// Rows that shrink or grow against the others at any rate.
-TEST_F(Klu, NoRowIsMeasuredByWhatItWas) {
-  const int n = 15;
-  Random random(9);
-  Matrix a = sparse(n, 3, random);
-  ASSERT_TRUE(solver_->analyze(a.pattern, 1).ok());
-  for (int k = 0; k < 300; ++k) {
-    EXPECT_LE(step(a), 10 * n * kEps);
-    const auto row = static_cast<int>(random() % n);
-    const double factor = std::pow(10, uniform(random, -8, 8));
-    scale(a, [&](int i, int) { return i == row ? factor : 1.0; });
-  }
-}
-
 TEST_F(Klu, EachLaneHasItsOwnPivots) {
   Random random(6);
   const Matrix a = sparse(15, 3, random);
