@@ -282,7 +282,7 @@ void compare_legs(benchmark::State& state) {
 }
 
 template <class Bare>
-void register_library() {
+void register_library(const std::string& against = "") {
   const std::string id(Bare::kBackend);
   const auto row = std::find_if(backends().begin(), backends().end(), [&](const Backend& b) { return b.id == id; });
   if (row == backends().end() || !row->why_not({}, {}).empty()) return;
@@ -291,15 +291,16 @@ void register_library() {
     int n;
   };
   for (const auto& [kind, n] : {Size{"legs", 15}, {"ring", 30}, {"ring", 120}, {"ring", 360}}) {
-    benchmark::RegisterBenchmark(("solver " + id + " " + kind + " n=" + std::to_string(n)).c_str(),
+    benchmark::RegisterBenchmark(("solver " + id + " " + kind + " n=" + std::to_string(n) + against).c_str(),
                                  compare_solvers<Bare>, std::string(kind), n)
         ->UseManualTime();
   }
-  benchmark::RegisterBenchmark(("legs groups/" + id).c_str(), compare_legs<Bare>)->UseManualTime();
+  benchmark::RegisterBenchmark(("legs groups/" + id + against).c_str(), compare_legs<Bare>)->UseManualTime();
 }
 
 void register_all() {
   register_library<BareKlu>();
+  register_library<BareKluUnscaled>(", by hand unscaled");
 #ifdef ASSUR_BENCH_LAPACK
   if (openblas_set_num_threads != nullptr) openblas_set_num_threads(1);
   register_library<BareLapack>();
