@@ -51,6 +51,16 @@ void take_parameter(Parameters& set, const std::string& text) {
   }
 }
 
+// "A,B", without an empty name.
+void take_names(std::vector<std::string>& names, const std::string& text) {
+  for (std::size_t from = 0, comma = 0; comma != std::string::npos; from = comma + 1) {
+    comma = text.find(',', from);
+    names.push_back(text.substr(from, comma - from));
+    if (names.back().empty())
+      throw CLI::ValidationError("--outputs", "expects names such as A,B, not \"" + text + "\"");
+  }
+}
+
 // Checks of options; without a name, so that the help stays plain.
 CLI::Validator number(double above, const std::string& what) {
   return CLI::Validator(
@@ -80,8 +90,12 @@ void add_common(CLI::App& app, Common& common) {
 
 void add_scene(CLI::App& app, Common& common, std::string& scene, std::vector<std::string>& outputs) {
   app.add_option("SCENE", scene, "A file or a sample: stewart, four_bar:64, ...")->required()->type_name("");
-  app.add_option("--outputs", outputs, "What is wanted: C, C.velocity, angle, ...")
-      ->delimiter(',')
+  app.add_option_function<std::vector<std::string>>(
+         "--outputs",
+         [&outputs](const std::vector<std::string>& texts) {
+           for (const std::string& text : texts) take_names(outputs, text);
+         },
+         "What is wanted: C, C.velocity, angle, ...")
       ->allow_extra_args(false)
       ->type_name("A,B");
   app.add_option_function<std::vector<std::string>>(

@@ -46,9 +46,9 @@ struct ErrorFigures {
 
 // Something that happened at a time: a limit reached, a change point passed, ...
 struct Event {
-  double time = 0;   // where it was noticed
-  double until = 0;  // end of the bracket, = time if there is none
-  std::string group;
+  double time = 0;    // where it was noticed
+  double until = 0;   // end of the bracket, = time if there is none
+  std::string group;  // or the driver that was set to what is not finite; "": none
   Code kind = Code::ok;
   double figure = 0;  // residual, contraction, smallest pivot
 };

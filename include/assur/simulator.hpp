@@ -71,14 +71,16 @@ class Simulator {
   Status step(double t);
 
   // Control: the driver's value, rate and acceleration at the next step (SI units; angle, distance or coordinate
-  // drivers). Throws Error (input) for a name that is no controlled driver; a value that is not finite fails that step.
+  // drivers). Throws Error (input) for a name that is no controlled driver. A value that is not finite fails that step
+  // as not_finite, with an event that names the driver; nothing of what was set for it is kept.
   void set(std::string_view driver, double value, double rate = 0, double acceleration = 0);
 
   // One grid step further with what has been set; the other drivers follow their laws.
   Status step();
 
-  // From the start over the scene's time grid, or over `times` (ascending). Stops at the first failure: what was
-  // reached is kept. `observer` (k rows done of n) may return false to stop.
+  // From the start over the scene's time grid, or over `times`. Stops at the first failure: what was reached is
+  // kept. `observer` (k rows done of n) may return false to stop. Throws Error (input) if `times` descend anywhere or
+  // are not finite.
   using Observer = std::function<bool(std::int64_t done, std::int64_t of)>;
   Trajectory run(const Observer& observer = {});
   Trajectory run(std::span<const double> times, const Observer& observer = {});

@@ -135,7 +135,7 @@ void BodyWriter::declare_in_plane(const Body& b) {
 // A + alpha (B - A) + beta (C - A) + z normal; vectors without A. The normal is there if a member leaves the plane.
 void BodyWriter::declare_in_space(const Body& b) {
   const Item first = forms_.item(b.base[0]), second = forms_.item(b.base[1]), third = forms_.item(b.base[2]);
-  const auto [length, cx, cy] = base_shape(forms_, shared_, b);
+  const BaseShape shape = base_shape(forms_, shared_, b);
   const auto out_of_plane = [](const Member& m) { return m.local[2] != 0; };
   const bool with_normal = std::any_of(b.points.begin(), b.points.end(), out_of_plane) ||
                            std::any_of(b.vectors.begin(), b.vectors.end(), out_of_plane);
@@ -143,10 +143,10 @@ void BodyWriter::declare_in_space(const Body& b) {
   if (with_normal) {
     forms_.declare(normal, base_axes(forms_, b)[2], false, 0);
     shared_.without_norm.insert(normal);
-    area_[b.name] = length * cy;
+    area_[b.name] = shape.length * shape.y;
   }
   const auto declare = [&](const Member& m, int power) {
-    const double beta = m.local[1] / cy, alpha = (m.local[0] - beta * cx) / length;
+    const double beta = m.local[1] / shape.y, alpha = (m.local[0] - beta * shape.x) / shape.length;
     Index f[3] = {-1, -1, -1};
     for (int k = 0; k < 3; ++k) {
       Terms terms;

@@ -1,6 +1,9 @@
 #include "scene/outputs.hpp"
 
 #include <algorithm>
+#include <array>
+#include <functional>
+#include <unordered_map>
 
 namespace assur {
 namespace {
@@ -24,6 +27,19 @@ Output of_measure(const MeasureForms& measure) {
   out.parts = {measure};
   out.is_measure = true;
   return out;
+}
+
+// A column stands once, where it is first asked for.
+void drop_repeated(std::vector<Output>& outputs) {
+  std::unordered_map<std::string, std::array<bool, 3>> taken;
+  for (Output& o : outputs) {
+    auto& before = taken[o.name];
+    for (std::size_t d = 0; d < 3; ++d) {
+      o.wanted[d] = o.wanted[d] && !before[d];
+      before[d] = before[d] || o.wanted[d];
+    }
+  }
+  std::erase_if(outputs, [](const Output& o) { return std::none_of(o.wanted, o.wanted + 3, std::identity{}); });
 }
 
 }  // namespace
@@ -60,6 +76,7 @@ std::vector<Output> wanted_outputs(const System& s) {
     const int d = part == "position" || part == "value" ? 0 : part == "velocity" || part == "rate" ? 1 : 2;
     for (int k = 0; k < 3; ++k) out.back().wanted[k] = k == d;
   }
+  drop_repeated(out);
   return out;
 }
 

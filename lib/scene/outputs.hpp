@@ -18,7 +18,7 @@ struct Output {
   [[nodiscard]] int derivatives() const { return wanted[2] ? 2 : wanted[1] ? 1 : 0; }
 };
 
-// In the order asked for; everything that is not fixed if the scene asks for nothing in particular.
+// In the order asked for, nothing twice; everything that is not fixed if the scene asks for nothing in particular.
 [[nodiscard]] std::vector<Output> wanted_outputs(const System& system);
 
 // Columns of one output in the order value, rate, acceleration: "C.x C.y C.vx ..." or "m m.rate m.acceleration".

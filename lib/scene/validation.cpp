@@ -220,7 +220,8 @@ void Validation::check_time() {
            "the end, " + shortest(time.end) + " s, comes before the start, " + shortest(time.start) + " s");
   } else {
     const double steps = (time.end - time.start) / time.step;
-    if (std::abs(steps - std::round(steps)) > 1e-9) {
+    const bool too_long = std::round(steps) == 0 && time.end > time.start;
+    if (too_long || std::abs(steps - std::round(steps)) > 1e-9) {
       report(where / "step", "(end - start) / step is " + shortest(steps) +
                                  "; a whole number of steps is wanted, e.g. to the end " +
                                  shortest(time.start + std::ceil(steps) * time.step));

@@ -1,6 +1,7 @@
 #include "simulation/inputs.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "scene/drive.hpp"
 
@@ -80,6 +81,22 @@ void Inputs::set(std::string_view driver, const Motion& motion) {
   throw Error(Error::Kind::input,
               "'" + std::string(driver) + "' is no controlled driver; " +
                   (known.empty() ? "name them in PrepareOptions::controlled" : "there are: " + known));
+}
+
+const std::string* Inputs::not_finite(double& value) const {
+  for (const Control& c : controls_) {
+    if (!c.pending) continue;
+    for (const double v : {c.next.value, c.next.rate, c.next.acceleration}) {
+      if (std::isfinite(v)) continue;
+      value = v;
+      return &c.name;
+    }
+  }
+  return nullptr;
+}
+
+void Inputs::drop_pending() {
+  for (Control& c : controls_) c.pending = false;
 }
 
 void Inputs::begin_step(double now, double next) {

@@ -1,6 +1,7 @@
 // The drivers at a time: laws, and what a control program has set instead.
 #pragma once
 
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -21,6 +22,10 @@ class Inputs {
 
   // What a controlled driver reaches at the next step. Throws Error (input) for any other name.
   void set(std::string_view driver, const Motion& motion);
+  // The first driver set to what is not finite, with that value; null if there is none.
+  [[nodiscard]] const std::string* not_finite(double& value) const;
+  // Forgets what has been set since the last step.
+  void drop_pending();
   // Between `now` and `next` the controlled drivers run from where they are to where they were set; end_step() says how
   // far the step came, and whether the rest of it follows with the same aim. If not, those that did not arrive stand
   // still, and it returns true.

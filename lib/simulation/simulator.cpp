@@ -28,6 +28,19 @@ constexpr std::size_t kEventsReserved = 64;
 
 std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 
+void check_times(std::span<const double> times) {
+  const auto refuse = [](std::size_t k, const std::string& what) {
+    throw Error(Error::Kind::input, "time " + std::to_string(k) + " of the run " + what);
+  };
+  for (std::size_t k = 0; k < times.size(); ++k) {
+    if (!std::isfinite(times[k])) refuse(k, "is " + std::to_string(times[k]) + "; it must be finite");
+    if (k > 0 && times[k] < times[k - 1]) {
+      refuse(k,
+             "is " + std::to_string(times[k]) + " s, after " + std::to_string(times[k - 1]) + " s; times must ascend");
+    }
+  }
+}
+
 }  // namespace
 
 struct Simulator::Impl {
@@ -162,6 +175,7 @@ struct Simulator::Impl {
   Status step_to(double t, bool may_reselect) {
     wants_reselection = false;
     if (t == now) return {};
+    if (const Status s = check_aim(t); !s.ok()) return report.status = s;
     if (limits.seconds > 0) {
       deadline = std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
                                                         std::chrono::duration<double>(limits.seconds));
@@ -203,6 +217,17 @@ struct Simulator::Impl {
     if (stands_still) state.stand_still();
     report.status = status;
     return status;
+  }
+
+  // Is it somewhere? A driver that was set to nowhere is named by an event, and nothing moves.
+  Status check_aim(double t) {
+    if (!std::isfinite(t)) return {Code::not_finite, -1, t};
+    double value = 0;
+    const std::string* const driver = inputs.not_finite(value);
+    if (driver == nullptr) return {};
+    record({now, t, *driver, Code::not_finite, value}, std::abs(t - now));
+    inputs.drop_pending();
+    return {Code::not_finite, -1, value};
   }
 
   static bool worth_halving(Code code) {
@@ -455,6 +480,7 @@ Trajectory Simulator::run(const Observer& observer) {
 }
 
 Trajectory Simulator::run(std::span<const double> times, const Observer& observer) {
+  check_times(times);
   reset();
   Trajectory out;
   out.columns_ = impl_->outputs.columns();

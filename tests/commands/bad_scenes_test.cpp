@@ -1,27 +1,18 @@
 // Every file of tests/data/bad_scenes through the command: the exact lines, exit status 2, nothing on standard output.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <sstream>
 
 #include "commands/command.hpp"
+#include "scene/bad_scenes.hpp"
 
 namespace assur {
 namespace {
 
-const std::filesystem::path kFolder = std::filesystem::path(ASSUR_SOURCE_DIR) / "tests/data/bad_scenes";
-
-std::vector<std::string> scenes() {
-  std::vector<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(kFolder)) {
-    if (entry.path().extension() == ".json") names.push_back(entry.path().stem().string());
-  }
-  std::sort(names.begin(), names.end());
-  return names;
-}
+using bad_scenes::kFolder;
 
 std::vector<std::string> expected_lines(const std::string& scene) {
-  std::istringstream stream(content(kFolder / (scene + ".expected")));
+  std::istringstream stream(bad_scenes::expected(scene));
   std::vector<std::string> lines;
   for (std::string line; std::getline(stream, line);) lines.push_back(line);
   return lines;
@@ -38,7 +29,8 @@ TEST_P(BadScene, IsRefusedWithTheExpectedLines) {
   EXPECT_EQ(outcome.err, expected);
 }
 
-INSTANTIATE_TEST_SUITE_P(Folder, BadScene, testing::ValuesIn(scenes()), [](const auto& test) { return test.param; });
+INSTANTIATE_TEST_SUITE_P(Folder, BadScene, testing::ValuesIn(bad_scenes::names()),
+                         [](const auto& test) { return test.param; });
 
 TEST(BadScenes, WithJsonEveryLineIsADiagnostic) {
   const Outcome outcome = run_command({"inspect", "several_findings.json", "--json"}, {kFolder, {}, {}});
@@ -51,7 +43,7 @@ TEST(BadScenes, WithJsonEveryLineIsADiagnostic) {
     lines.push_back("several_findings.json: " + std::string(d["where"]) + ": " + std::string(d["what"]));
   }
   EXPECT_EQ(lines, expected_lines("several_findings"));
-  EXPECT_EQ(json["error"]["message"].get<std::string>() + "\n", content(kFolder / "several_findings.expected"));
+  EXPECT_EQ(json["error"]["message"].get<std::string>() + "\n", bad_scenes::expected("several_findings"));
   EXPECT_GE(lines.size(), 2u);
 }
 

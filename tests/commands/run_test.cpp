@@ -113,13 +113,55 @@ TEST(Run, TheTimeGridComesFromTheOptions) {
   EXPECT_EQ(halved[3], scene.start + 3 * 0.0005);
 }
 
-TEST(Run, AStepThatDoesNotDivideTheTimeIsRefused) {
-  const Outcome outcome = run_command({"run", "stewart", "--dt", "0.3"});
-  EXPECT_EQ(outcome.status, 2);
-  EXPECT_EQ(outcome.out, "");
-  EXPECT_EQ(outcome.err,
-            "error: --dt: from 0 s to the scene's end at 10 s it takes 33.3333 steps of 0.3 s, which is no "
-            "whole number; say how many with --steps\n");
+TEST(Run, AGridOfNoWholeNumberOfStepsIsRefused) {
+  struct Case {
+    std::vector<std::string> options;
+    std::string message;
+  };
+  const std::string wanted = " s, where a whole number from 1 is wanted; say how many with --steps\n";
+  const Case cases[] = {
+      {{"--dt", "0.3"}, "--dt: from 0 s to the scene's end at 10 s it takes 33.3333 steps of 0.3" + wanted},
+      {{"--dt", "20"}, "--dt: from 0 s to the scene's end at 10 s it takes 0.5 steps of 20" + wanted},
+      // Nearer to none than any rounding of the grid.
+      {{"--dt", "1e11"}, "--dt: from 0 s to the scene's end at 10 s it takes 1e-10 steps of 1e+11" + wanted},
+      {{"--start", "10"}, "--start: from 10 s to the scene's end at 10 s it takes 0 steps of 0.01" + wanted},
+  };
+  for (const Case& c : cases) {
+    std::vector<std::string> arguments = {"run", "stewart"};
+    arguments.insert(arguments.end(), c.options.begin(), c.options.end());
+    const Outcome outcome = run_command(arguments);
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_EQ(outcome.err, "error: " + c.message);
+  }
+}
+
+TEST(Run, ASceneWithoutTimesTakesThemFromTheOptions) {
+  const Scratch scratch;
+  std::string text = kFold;
+  const std::size_t time = text.find("\"time\"");
+  ASSERT_NE(time, std::string::npos);
+  text.erase(text.rfind(',', time), text.find('}', time) + 1 - text.rfind(',', time));
+  const std::string scene = scratch.file("no_time.json", text);
+  const Outcome outcome = run_command({"run", scene, "--quiet", "--csv", "-", "--dt", "0.5", "--steps", "2"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(times_of(outcome.out), (std::vector<double>{0, 0.5, 1}));
+
+  const Outcome no_step = run_command({"run", scene, "--steps", "3"});
+  EXPECT_EQ(no_step.status, 2);
+  EXPECT_EQ(no_step.err, "error: --dt: the scene has no time step; say how long one is\n");
+  const Outcome no_end = run_command({"run", scene, "--dt", "0.5"});
+  EXPECT_EQ(no_end.status, 2);
+  EXPECT_EQ(no_end.err.rfind("error: --dt: from 0 s to the scene's end at 0 s it takes 0 steps", 0), 0u) << no_end.err;
+}
+
+TEST(Run, AnOutputAskedForTwiceIsOneColumn) {
+  const auto header = [](const std::string& outputs) {
+    return run_command({"run", "slider_crank", "--quiet", "--csv", "-", "--steps", "1", "--outputs", outputs})
+        .lines()
+        .at(0);
+  };
+  EXPECT_EQ(header("C.velocity,B.position,C.velocity"), "t,C.vx,C.vy,B.x,B.y");
 }
 
 TEST(Run, OutputsAndParametersReachTheScene) {

@@ -33,6 +33,12 @@ inline void PrintTo(const Kind& kind, std::ostream* out) { *out << kind.name; } 
 
 // ---- to write them with
 
+inline const Law kTurn = Law::polynomial({0.3, 1.1, 0.2});
+inline const Law kSwing = Law::harmonics({{0.4, 0.3, 0.2}}, 0.9);
+inline const Law kSlide = Law::polynomial({0.5, 0.25, -0.125});
+
+inline QuadJet at(const Law& law, double t) { return evaluate<Quad>(law, Quad(t)); }
+inline Where scalar(const QuadJet& s) { return {s, QuadJet{}, QuadJet{}}; }
 inline Where fixed(double x, double y, double z = 0) { return {QuadJet{x}, QuadJet{y}, QuadJet{z}}; }
 inline Triple start(const Path& path, const std::string& name) {
   const Where at = path(0).at(name);

@@ -7,13 +7,7 @@ namespace {
 
 using namespace references;  // NOLINT
 
-const Law kTurn = Law::polynomial({0.3, 1.1, 0.2});
-const Law kSwing = Law::harmonics({{0.4, 0.3, 0.2}}, 0.9);
-const Law kSlide = Law::polynomial({0.5, 0.25, -0.125});
-
-QuadJet at(const Law& law, double t) { return evaluate<Quad>(law, Quad(t)); }
 QuadJet number(double x) { return QuadJet{x}; }
-Where scalar(const QuadJet& s) { return {s, QuadJet{}, QuadJet{}}; }
 Where exact(const Triple& a) { return exactly<QuadJet>(a); }
 
 // v turned about the unit axis n (Rodrigues).

@@ -6,14 +6,8 @@ namespace {
 
 using namespace references;  // NOLINT
 
-const Law kTurn = Law::polynomial({0.3, 1.1, 0.2});
-const Law kSwing = Law::harmonics({{0.4, 0.3, 0.2}}, 0.9);
-const Law kSlide = Law::polynomial({0.5, 0.25, -0.125});
-
-QuadJet at(const Law& law, double t) { return evaluate<Quad>(law, Quad(t)); }
 Where heading(const QuadJet& angle) { return {cos(angle), sin(angle), QuadJet{}}; }
 Where left_of(const Where& v) { return {-v[1], v[0], QuadJet{}}; }
-Where scalar(const QuadJet& s) { return {s, QuadJet{}, QuadJet{}}; }
 
 // P at the end of a crank of radius 0.75 about A = (0, 0).
 Where crank(double t) { return QuadJet{0.75} * heading(at(kTurn, t)); }

@@ -238,6 +238,12 @@ TEST(Scene, WithTime) {
             "grid or be "
             "periodic");
   EXPECT_EQ(findings([&] { return scene.with_time({0, 1, -1}); }), "/time/step: the step is -1 s; it must be > 0");
+  EXPECT_EQ(scene.with_time({0.5, 0.5, 0.25}).time().steps(), 0);  // one posture
+  // None at all is no rounding of one step.
+  EXPECT_EQ(findings([&] {
+              return scene.with_time({0, 1, 1e10});
+            }),
+            "/time/step: (end - start) / step is 1e-10; a whole number of steps is wanted, e.g. to the end 1e+10");
 }
 
 }  // namespace

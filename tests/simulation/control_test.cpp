@@ -1,6 +1,7 @@
 // A control loop: drivers set by the program, deadlines, steps that fail and leave everything as it was.
 #include <gtest/gtest.h>
 
+#include "simulation/limited.hpp"
 #include "simulation/run.hpp"
 
 namespace assur {
@@ -79,17 +80,9 @@ TEST(Control, UnknownDriverIsRefused) {
   EXPECT_THROW(uncontrolled.set("motor", 1), Error);
 }
 
-// Crank 1, coupler 1, rocker 1.2, ground 2: it cannot reach cos(angle) < 0.04.
+// It cannot reach cos(angle) < 0.04.
 Scene limited() {
-  SceneBuilder builder("limited", 2);
-  builder.fixed_point("A0", {0, 0, 0}).fixed_point("A1", {2, 0, 0});
-  builder.point("B", {std::cos(0.5), std::sin(0.5), 0}).point("C", {1.7, 1.1, 0});
-  builder.constrain("crank", Distance{"A0", "B", 1.0});
-  builder.constrain("coupler", Distance{"B", "C", 1.0});
-  builder.constrain("rocker", Distance{"A1", "C", 1.2});
-  builder.drive("motor", PointAngle{"A0", "B", "", Law::constant(0.5)});
-  builder.measure("angle", AbsoluteAngle{"A0", "B"});
-  return builder.time(0, 1, 0.01).build();
+  return test::limited_four_bar(Law::constant(0.5)).measure("angle", AbsoluteAngle{"A0", "B"}).time(0, 1, 0.01).build();
 }
 
 double coupler_error(const Simulator& s) {
@@ -142,6 +135,48 @@ TEST(Control, ADriverThatIsNotSetAgainRests) {
   EXPECT_EQ(s.output("B0.vx"), 0);
   EXPECT_EQ(s.output("B1.vx"), 0);
   EXPECT_EQ(s.output("B1.ax"), 0);
+}
+
+TEST(Control, WhatIsNotFiniteFailsTheStepAndNamesTheDriver) {
+  const std::string strategy = "groups/eigen";
+  for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
+    for (int part = 0; part < 3; ++part) {
+      Simulator s = test::simulator(sample("four_bar:step=0.01"), strategy, {}, {"motor"});
+      s.set("motor", 0.1, 3);
+      ASSERT_TRUE(s.step().ok());
+      const std::vector<double> before(s.outputs().begin(), s.outputs().end());
+      const double now = s.time();
+      for (int again = 0; again < 3; ++again) {
+        s.set("motor", part == 0 ? bad : 0.2, part == 1 ? bad : 3, part == 2 ? bad : 0);
+        EXPECT_EQ(s.step().code, Code::not_finite);
+      }
+      EXPECT_EQ(s.report().status.code, Code::not_finite);
+      ASSERT_EQ(s.report().events.size(), 1u);  // however often
+      const Event& e = s.report().events[0];
+      EXPECT_EQ(e.group, "motor");
+      EXPECT_EQ(e.kind, Code::not_finite);
+      EXPECT_EQ(e.time, now);
+      EXPECT_EQ(e.until, now + 0.01);
+      EXPECT_FALSE(std::isfinite(e.figure));
+      EXPECT_EQ(s.time(), now);
+      EXPECT_EQ(before, std::vector<double>(s.outputs().begin(), s.outputs().end()));
+      // Forgotten with the step; the loop goes on.
+      s.set("motor", 0.15, 3);
+      ASSERT_TRUE(s.step().ok());
+      EXPECT_NEAR(s.output("B0.x"), 0.8 * std::cos(0.15), 4 * kEps);
+    }
+  }
+}
+
+TEST(Control, APartOfAPoseThatIsNotFiniteIsNamed) {
+  Simulator s = test::simulator(sample("stewart"), "groups/eigen", {}, {"pose"});
+  s.set("pose.z", 0.5);
+  s.set("pose.theta", std::nan(""));
+  EXPECT_EQ(s.step().code, Code::not_finite);
+  ASSERT_EQ(s.report().events.size(), 1u);
+  EXPECT_EQ(s.report().events[0].group, "pose.theta");
+  // Nothing that was set for that step is kept, so that the laws still serve.
+  ASSERT_TRUE(s.step().ok());
 }
 
 TEST(Control, UntilTheFirstSetTheLawServes) {

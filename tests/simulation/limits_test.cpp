@@ -1,6 +1,7 @@
 // Mechanisms driven to where they cannot go further, and drivers that end.
 #include <gtest/gtest.h>
 
+#include "simulation/limited.hpp"
 #include "simulation/run.hpp"
 
 namespace assur {
@@ -16,16 +17,9 @@ struct Limit {
   std::string group;  // that reaches it
 };
 
-// Crank 1, coupler 1, rocker 1.2, ground 2: coupler and rocker are in line where |B A1| = 2.2, at cos theta = 0.04.
 Limit four_bar() {
-  SceneBuilder builder("limited", 2);
-  builder.fixed_point("A0", {0, 0, 0}).fixed_point("A1", {2, 0, 0});
-  builder.point("B", {std::cos(0.5), std::sin(0.5), 0}).point("C", {1.7, 1.1, 0});
-  builder.constrain("crank", Distance{"A0", "B", 1.0});
-  builder.constrain("coupler", Distance{"B", "C", 1.0});
-  builder.constrain("rocker", Distance{"A1", "C", 1.2});
-  builder.drive("motor", PointAngle{"A0", "B", "", Law::polynomial({0.5, 1})}).time(0, 2, 0.01);
-  return {"four_bar", builder.build(), std::acos(0.04) - 0.5, "C"};
+  const Scene scene = test::limited_four_bar(Law::polynomial({0.5, 1})).time(0, 2, 0.01).build();
+  return {"four_bar", scene, std::acos(0.04) - 0.5, "C"};
 }
 
 // Crank 0.3, rod 0.2: the rod is across the rail at sin theta = 2/3.

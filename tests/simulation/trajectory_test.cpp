@@ -22,6 +22,18 @@ TEST(Trajectory, HasTheColumnsOfTheOutputsInTheirOrder) {
             (std::vector<std::string>{"B1.x", "B1.y", "B1.z"}));
 }
 
+TEST(Trajectory, HasNoColumnTwice) {
+  const Scene scene = sample("slider_crank:step=0.1,steps=10");
+  const auto columns = [&](std::vector<std::string> outputs) {
+    return test::simulator(scene.with_outputs(std::move(outputs))).columns();
+  };
+  EXPECT_EQ(columns({"C", "rod_angle.rate", "C", "rod_angle.rate", "C.velocity"}),
+            (std::vector<std::string>{"C.x", "C.y", "C.vx", "C.vy", "C.ax", "C.ay", "rod_angle.rate"}));
+  // What is still missing follows where the rest is asked for.
+  EXPECT_EQ(columns({"C.velocity", "B.position", "C"}),
+            (std::vector<std::string>{"C.vx", "C.vy", "B.x", "B.y", "C.x", "C.y", "C.ax", "C.ay"}));
+}
+
 TEST(Trajectory, WithoutOutputsHasEverythingThatMoves) {
   const Trajectory t = test::run(sample("slider_crank:step=0.1,steps=10")).trajectory;
   for (const std::string name : {"B.x", "C.ay", "slide.lambda", "displacement.rate", "rod_angle.acceleration"}) {
@@ -79,6 +91,38 @@ TEST(Trajectory, OwnTimesAndAnObserverThatStops) {
   EXPECT_EQ(s.report().status.code, Code::interrupted);
   EXPECT_EQ(s.report().counters.stored_values, static_cast<std::int64_t>(4 * stopped.columns().size()));
   for (std::size_t i = 0; i < stopped.values().size(); ++i) EXPECT_EQ(stopped.values()[i], grid.values()[i]);
+}
+
+TEST(Trajectory, OwnTimesThatDescendOrAreNotFiniteAreRefused) {
+  Simulator s = test::simulator(sample("four_bar:step=0.1,steps=10"));
+  ASSERT_TRUE(s.step(0.1).ok());
+  const auto refusal = [&](const std::vector<double>& times) -> std::string {
+    try {
+      (void)s.run(times);
+      return "none";
+    } catch (const Error& e) {
+      EXPECT_EQ(e.kind(), Error::Kind::input);
+      return e.what();
+    }
+  };
+  EXPECT_EQ(refusal({0, 0.2, 0.125}), "time 2 of the run is 0.125000 s, after 0.200000 s; times must ascend");
+  EXPECT_EQ(refusal({std::nan(""), 0.2}), "time 0 of the run is nan; it must be finite");
+  EXPECT_EQ(refusal({0, HUGE_VAL}), "time 1 of the run is inf; it must be finite");
+  EXPECT_EQ(s.time(), 0.1);  // nothing was begun
+  EXPECT_EQ(refusal({0, 0.2, 0.2}), "none");
+}
+
+TEST(Trajectory, AStepToNowhereIsNotFinite) {
+  for (const std::string controlled : {"", "motor"}) {
+    Simulator s = test::simulator(sample("four_bar"), "auto", {},
+                                  controlled.empty() ? std::vector<std::string>{} : std::vector{controlled});
+    for (const double t : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
+      EXPECT_EQ(s.step(t).code, Code::not_finite);
+      EXPECT_EQ(s.report().status.code, Code::not_finite);
+      EXPECT_EQ(s.time(), 0);
+    }
+    EXPECT_TRUE(s.step(0.001).ok());
+  }
 }
 
 TEST(Trajectory, CsvReadsBackTheSameDoubles) {

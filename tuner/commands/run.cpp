@@ -26,17 +26,18 @@ TimeGrid grid_of(const TimeGrid& scene, const RunOptions& options) {
   TimeGrid grid = scene;
   grid.start = options.start.value_or(scene.start);
   grid.step = options.dt.value_or(scene.step);
+  if (!(grid.step > 0)) throw Error(Error::Kind::input, {{"--dt", "the scene has no time step; say how long one is"}});
   if (options.steps) {
     grid.end = grid.time(*options.steps);
     return grid;
   }
   const double steps = (grid.end - grid.start) / grid.step;
-  if (steps < 0 || std::abs(steps - std::round(steps)) > kWholeSteps * std::max(1.0, steps)) {
+  if (std::round(steps) < 1 || std::abs(steps - std::round(steps)) > kWholeSteps * std::max(1.0, steps)) {
     throw Error(Error::Kind::input,
                 {{options.dt ? "--dt" : "--start",
                   "from " + output::number(grid.start) + " s to the scene's end at " + output::number(grid.end) +
                       " s it takes " + output::number(steps) + " steps of " + output::number(grid.step) +
-                      " s, which is no whole number; say how many with --steps"}});
+                      " s, where a whole number from 1 is wanted; say how many with --steps"}});
   }
   return grid;
 }
