@@ -4,7 +4,7 @@
 #include <hwy/foreach_target.h>  // before what is compiled once for each target
 
 #include "equations/evaluator.hpp"
-#include "equations/program_run-inl.hpp"
+#include "equations/lane_vector-inl.hpp"
 
 #include <stdexcept>
 
@@ -20,69 +20,165 @@ class EvaluatorOf final : public Evaluator {
 
  public:
   EvaluatorOf(const System& system, const Program& program)
-      : p_(program), run_(program), callbacks_(system, program, W) {}
+      : p_(program),
+        callbacks_(system, program, W),
+        memory_(7 * static_cast<std::size_t>(program.registers) * W),
+        value_(memory_.data()),
+        base_(value_ + program.registers * W),
+        base_magnitude_(base_ + program.registers * W),
+        input_rate_(base_magnitude_ + program.registers * W),
+        rate_(input_rate_ + program.registers * W),
+        acceleration_(rate_ + program.registers * W),
+        magnitude_(acceleration_ + program.registers * W) {
+    L::set(1).store(value_ + p_.one() * W);
+  }
 
   void set_inputs(const double* coefficients, const double* inputs) override {
     k_ = coefficients;
-    run_.set_coefficients(coefficients);
-    copy(inputs, p_.inputs, run_.values() + p_.n * W);
-    run_.forms_of_inputs();
+    copy(inputs, p_.inputs, value_ + p_.n * W);
+    for (const Program::Form& f : p_.forms) {
+      L total = L::set(0), magnitude = L::set(0);
+      for (const Program::Operand* o = at(p_.operands, f.begin); o != at(p_.operands, f.unknowns); ++o) {
+        const L term = k(o->coefficient) * reg(value_, o->reg);
+        total = total + term;
+        magnitude = magnitude + abs(term);
+      }
+      total.store(base_ + f.reg * W);
+      magnitude.store(base_magnitude_ + f.reg * W);
+    }
   }
 
   void evaluate(const double* unknowns, double* phi, double* jacobian) override {
-    copy(unknowns, p_.n, run_.values());
-    run_.forms_of_unknowns();
-    double* out = phi;
-    for (const Program::Equation& e : p_.equations) put(run_.residual(e), out);
-    out = jacobian;
+    copy(unknowns, p_.n, value_);
+    for (const Program::Form& f : p_.forms) {
+      sum(f.unknowns, f.end, value_, reg(base_, f.reg)).store(value_ + f.reg * W);
+    }
+    for (const Program::Equation& e : p_.equations) {
+      L total = L::set(0);
+      for (const Program::Operand* o = at(p_.linear, e.linear.begin); o != at(p_.linear, e.linear.end); ++o) {
+        total.add_product(k(o->coefficient), reg(value_, o->reg));
+      }
+      for (const Program::Product* q = at(p_.products, e.products.begin); q != at(p_.products, e.products.end); ++q) {
+        total.add_product(k(q->coefficient), reg(value_, q->a) * reg(value_, q->b));
+      }
+      total.store(phi);
+      phi += W;
+    }
     if (jacobian != nullptr) {
-      for (const Program::Range& r : p_.entries) put(run_.entry(r), out);
+      double* entry = jacobian;
+      for (const Program::Range& r : p_.entries) {
+        L total = L::set(0);
+        for (const Program::Operand* o = at(p_.entry_operands, r.begin); o != at(p_.entry_operands, r.end); ++o) {
+          total.add_product(k(o->coefficient), reg(value_, o->reg));
+        }
+        total.store(entry);
+        entry += W;
+      }
     }
     if (callbacks_.empty()) return;
-    callbacks_.residuals(k_, run_.values(), phi);
-    if (jacobian != nullptr) callbacks_.jacobian(k_, run_.values(), jacobian);
+    callbacks_.residuals(k_, value_, phi - p_.equations_count * W);
+    if (jacobian != nullptr) callbacks_.jacobian(k_, value_, jacobian);
   }
 
   void scale(double* scale) override {
-    run_.forms_of_magnitudes();
-    double* out = scale;
-    for (const Program::Equation& e : p_.equations) put(run_.scale(e), out);
-    if (!callbacks_.empty()) callbacks_.scale(k_, run_.values(), scale);
+    for (int i = 0; i <= p_.one(); ++i) abs(reg(value_, i)).store(magnitude_ + i * W);
+    for (const Program::Form& f : p_.forms) {
+      L total = reg(base_magnitude_, f.reg);
+      for (const Program::Operand* o = at(p_.operands, f.unknowns); o != at(p_.operands, f.end); ++o) {
+        total.add_product(abs(k(o->coefficient)), reg(magnitude_, o->reg));
+      }
+      total.store(magnitude_ + f.reg * W);
+    }
+    for (const Program::Equation& e : p_.equations) {
+      L total = L::set(0);
+      for (const Program::Operand* o = at(p_.linear, e.linear.begin); o != at(p_.linear, e.linear.end); ++o) {
+        total.add_product(abs(k(o->coefficient)), reg(magnitude_, o->reg));
+      }
+      for (const Program::Product* q = at(p_.products, e.products.begin); q != at(p_.products, e.products.end); ++q) {
+        L terms = reg(magnitude_, q->a) * abs(reg(value_, q->b));
+        terms.add_product(abs(reg(value_, q->a)), reg(magnitude_, q->b));
+        total.add_product(abs(k(q->coefficient)), terms);
+      }
+      total.store(scale);
+      scale += W;
+    }
+    if (!callbacks_.empty()) callbacks_.scale(k_, value_, scale - p_.equations_count * W);
   }
 
   void velocity_rhs(const double* input_rates, double* rhs) override {
-    copy(input_rates, p_.inputs, run_.input_rates() + p_.n * W);
-    run_.forms_of_input_rates();
-    double* out = rhs;
-    for (const Program::Equation& e : p_.equations) put(run_.velocity_rhs(e), out);
-    if (!callbacks_.empty()) callbacks_.rates(k_, run_.values(), run_.input_rates(), rhs);
+    set_input_derivatives(input_rates, input_rate_);
+    for (std::size_t i = 0; i < p_.equations.size(); ++i) {
+      input_terms(p_.equations[i], input_rate_, L::set(0)).store(rhs + i * W);
+    }
+    if (!callbacks_.empty()) callbacks_.rates(k_, value_, input_rate_, rhs);
   }
 
   void acceleration_rhs(const double* unknown_rates, const double* input_accelerations, double* rhs) override {
-    copy(unknown_rates, p_.n, run_.rates());
-    copy(run_.input_rates() + p_.n * W, p_.inputs, run_.rates() + p_.n * W);
-    run_.forms_of_rates();
-    copy(input_accelerations, p_.inputs, run_.input_accelerations() + p_.n * W);
-    run_.forms_of_input_accelerations();
-    double* out = rhs;
-    for (const Program::Equation& e : p_.equations) put(run_.acceleration_rhs(e), out);
+    copy(unknown_rates, p_.n, rate_);
+    copy(input_rate_ + p_.n * W, p_.inputs, rate_ + p_.n * W);
+    for (const Program::Form& f : p_.forms) {
+      sum(f.unknowns, f.end, rate_, reg(input_rate_, f.reg)).store(rate_ + f.reg * W);
+    }
+    set_input_derivatives(input_accelerations, acceleration_);
+    for (std::size_t i = 0; i < p_.equations.size(); ++i) {
+      const Program::Equation& e = p_.equations[i];
+      L total = L::set(0);
+      for (const Program::Product* q = at(p_.curvature, e.curvature.begin); q != at(p_.curvature, e.curvature.end);
+           ++q) {
+        total.subtract_product(k(q->coefficient), reg(rate_, q->a) * reg(rate_, q->b));
+      }
+      input_terms(e, acceleration_, total).store(rhs + i * W);
+    }
     if (callbacks_.empty()) return;
-    callbacks_.rates(k_, run_.values(), run_.input_accelerations(), rhs);
-    callbacks_.curvature(k_, run_.values(), run_.rates(), rhs);
+    callbacks_.rates(k_, value_, acceleration_, rhs);
+    callbacks_.curvature(k_, value_, rate_, rhs);
   }
 
  private:
+  template <class T>
+  static HWY_INLINE const T* at(const std::vector<T>& list, std::int32_t i) {
+    return list.data() + i;
+  }
+  static HWY_INLINE L reg(const double* registers, std::int32_t i) { return L::load(registers + i * W); }
+  HWY_INLINE L k(std::int32_t i) const { return L::load(k_ + i * W); }
+
   static void copy(const double* from, std::int32_t count, double* to) {
     for (std::int32_t i = 0; i < count; ++i) L::load(from + i * W).store(to + i * W);
   }
-  static HWY_INLINE void put(const L& value, double*& to) {
-    value.store(to);
-    to += W;
+
+  HWY_INLINE L sum(std::int32_t begin, std::int32_t end, const double* registers, L total) const {
+    for (const Program::Operand* o = at(p_.operands, begin); o != at(p_.operands, end); ++o) {
+      total.add_product(k(o->coefficient), reg(registers, o->reg));
+    }
+    return total;
+  }
+
+  // Derivatives of inputs and of what the forms take from them; those of the unknowns and of fixed forms stay zero.
+  void set_input_derivatives(const double* inputs, double* out) const {
+    copy(inputs, p_.inputs, out + p_.n * W);
+    for (const Program::Form& f : p_.forms) {
+      if (f.moving != f.unknowns) sum(f.moving, f.unknowns, out, L::set(0)).store(out + f.reg * W);
+    }
+  }
+
+  // total - sum over what moves of dPhi/dh * derivative
+  HWY_INLINE L input_terms(const Program::Equation& e, const double* derivative, L total) const {
+    for (const Program::Operand* o = at(p_.input_linear, e.input_linear.begin);
+         o != at(p_.input_linear, e.input_linear.end); ++o) {
+      total.subtract_product(k(o->coefficient), reg(derivative, o->reg));
+    }
+    for (const Program::Product* q = at(p_.input_products, e.input_products.begin);
+         q != at(p_.input_products, e.input_products.end); ++q) {
+      total.subtract_product(k(q->coefficient), reg(derivative, q->a) * reg(value_, q->b));
+    }
+    return total;
   }
 
   const Program& p_;
-  ProgramRun<W> run_;
   CallbackRows callbacks_;
+  std::vector<double> memory_;
+  // registers x W; base: what constants and inputs add to a form
+  double *value_, *base_, *base_magnitude_, *input_rate_, *rate_, *acceleration_, *magnitude_;
   const double* k_ = nullptr;  // coefficients of the pack at hand
 };
 

@@ -100,7 +100,8 @@ void GroupSolver::choose_solver(Pack& pack) {
 
 void GroupSolver::bind(const System& system, const Structure& structure, Pack& pack) const {
   const std::size_t w = idx(lanes_);
-  pack.coefficients.resize(program_.coefficients.size() * w);
+  pack.coefficients.assign((idx(one_coefficient(program_)) + 1) * w, 0.0);
+  std::fill_n(pack.coefficients.begin() + one_coefficient(program_) * lanes_, w, 1.0);
   pack.lipschitz.resize(idx(program_.n) * w);
   pack.anchor.resize(blocks_.reads_start(program_.blocks) * w);
   pack.omega.assign(idx(program_.blocks) * w, 0.0);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "assur/backend.hpp"
+#include "equations/program.hpp"
 #include "simulation/lane_kernels.hpp"
 
 namespace assur {
@@ -19,7 +20,7 @@ struct Pack {
   std::size_t unknowns = 0;              // address of the first unknown in the state arrays
   std::vector<std::int32_t> inputs;      // inputs x W addresses in the state arrays
   std::vector<InputRow> input_rows;      // inputs: the same, where one address tells all
-  std::vector<double> coefficients;      // coefficients x W
+  std::vector<double> coefficients;      // (coefficients, 0, 1) x W
   std::vector<double> lipschitz;         // equations x W
   std::vector<double> anchor;            // by block, what it reads x W: where omega was measured
   std::vector<double> omega;             // blocks x W
@@ -27,5 +28,11 @@ struct Pack {
   std::unique_ptr<LinearSolver> solver;  // with pivots or factors of its own; null: the class's serves
   bool factored = false;                 // +reuse=run: `solver` holds factors of an earlier posture
 };
+
+// Among the coefficients of a pack, after those of the program.
+[[nodiscard]] inline std::int32_t zero_coefficient(const Program& p) {
+  return static_cast<std::int32_t>(p.coefficients.size());
+}
+[[nodiscard]] inline std::int32_t one_coefficient(const Program& p) { return zero_coefficient(p) + 1; }
 
 }  // namespace assur

@@ -28,8 +28,8 @@ class SmallStep {
                                  SmallStepFigures& figures) = 0;
 };
 
-// Null if the class has none: up to 4 unknowns in one irreducible block of quadratic equations. All arguments but
-// lanes must outlive it.
+// Null if the class has none: 2 or 3 unknowns in one irreducible block of separable equations. `program` and `blocks`
+// must outlive it.
 [[nodiscard]] std::unique_ptr<SmallStep> make_small_step(const GroupClass& group_class, const Program& program,
                                                          const BlockConditions& blocks, int lanes);
 
