@@ -1,9 +1,13 @@
-#include "parallel/blas_threads.hpp"
+#include "parallel/thread_state.hpp"
 
 #include <dlfcn.h>
+#include <pthread.h>
 
 #include <array>
+#include <cstring>
 #include <string>
+
+#include "assur/status.hpp"
 
 namespace assur {
 namespace {
@@ -123,5 +127,29 @@ BlasThreads::~BlasThreads() {
     blas.omp_set_threads(before_);
   }
 }
+
+std::vector<int> allowed_processors() {
+  std::array<cpu_set_t, 8> set{};
+  std::vector<int> processors;
+  if (pthread_getaffinity_np(pthread_self(), sizeof(set), set.data()) != 0) return processors;
+  for (int processor = 0; processor < static_cast<int>(8 * sizeof(set)); ++processor) {
+    if (CPU_ISSET_S(static_cast<unsigned>(processor), sizeof(set), set.data())) processors.push_back(processor);
+  }
+  return processors;
+}
+
+Pinned::Pinned(int processor) : before_{} {
+  std::array<cpu_set_t, 8> one{};
+  CPU_SET_S(static_cast<unsigned>(processor), sizeof(one), one.data());
+  int failure = pthread_getaffinity_np(pthread_self(), sizeof(before_), before_.data());
+  if (failure == 0) failure = pthread_setaffinity_np(pthread_self(), sizeof(one), one.data());
+  if (failure != 0) {
+    throw Error(Error::Kind::environment, "cannot pin a thread to processor " + std::to_string(processor) + ": " +
+                                              std::strerror(failure) + "; pin to processors that it may run on");
+  }
+}
+
+// Fails where the processors of before have been taken from this process since; it then runs where it may.
+Pinned::~Pinned() { pthread_setaffinity_np(pthread_self(), sizeof(before_), before_.data()); }
 
 }  // namespace assur

@@ -1,4 +1,4 @@
-#include "parallel/blas_threads.hpp"
+#include "parallel/thread_state.hpp"
 
 #include <dlfcn.h>
 #include <gtest/gtest.h>
