@@ -21,14 +21,7 @@
 #include "backends/allocations.hpp"
 #include "parallel/barrier.hpp"
 #include "parallel/thread_state.hpp"
-
-#if defined(__SANITIZE_THREAD__)
-#define ASSUR_THREAD_SANITIZER
-#elif defined(__has_feature)
-#if __has_feature(thread_sanitizer)
-#define ASSUR_THREAD_SANITIZER
-#endif
-#endif
+#include "sanitizers.hpp"
 
 namespace assur::test {
 namespace {
