@@ -4,6 +4,7 @@
 #include <pthread.h>
 
 #include <array>
+#include <atomic>
 #include <cstring>
 #include <string>
 
@@ -24,11 +25,12 @@ struct Library {
 
   int (*openblas_parallel)() = find<int()>("openblas_get_parallel");
   int (*openblas_threads)() = find<int()>("openblas_get_num_threads");
+  void (*openblas_set_threads)(int) = find<void(int)>("openblas_set_num_threads");
   char* (*openblas_config)() = find<char*()>("openblas_get_config");
   char* (*openblas_core)() = find<char*()>("openblas_get_corename");
 
-  // OpenBLAS asks OpenMP how many threads the calling thread may use, a number that each thread has of its own. Its own
-  // openblas_set_num_threads() changes one of the whole process as well.
+  // The build for OpenMP asks it how many threads the calling thread may use, a number that each thread has of its own,
+  // and notes it, if it is not 1, as the number of the whole process, which openblas_set_num_threads() sets.
   int (*omp_threads)() = find<int()>("omp_get_max_threads");
   void (*omp_set_threads)(int) = find<void(int)>("omp_set_num_threads");
   int (*omp_in_parallel)() = find<int()>("omp_in_parallel");
@@ -38,7 +40,7 @@ struct Library {
   Library() {
     if (mkl_set_threads) {
       kind = Kind::mkl;
-    } else if (openblas_parallel && openblas_threads && openblas_config && openblas_core) {
+    } else if (openblas_parallel && openblas_threads && openblas_set_threads && openblas_config && openblas_core) {
       switch (openblas_parallel()) {
         case 0:
           kind = Kind::sequential;
@@ -60,6 +62,32 @@ const Library& library() {
   static const Library found;
   return found;
 }
+
+// OpenBLAS's number of the whole process, which calls side by side would write over: kept from the first that begins
+// until the last has ended.
+class ProcessNumber {
+ public:
+  void borrow(const Library& blas) {
+    State state = state_.load();
+    while (!state_.compare_exchange_weak(
+        state, {state.borrowers + 1, state.borrowers == 0 ? blas.openblas_threads() : state.before})) {
+    }
+  }
+  void give_back(const Library& blas) {
+    State state = state_.load();
+    do {
+      const bool last = state.borrowers == 1;  // while it is still a borrower: who comes now keeps the same number
+      if (last && blas.openblas_threads() != state.before) blas.openblas_set_threads(state.before);
+    } while (!state_.compare_exchange_weak(state, {state.borrowers - 1, state.before}));
+  }
+
+ private:
+  struct State {
+    int borrowers = 0, before = 0;
+  };
+  std::atomic<State> state_;
+};
+ProcessNumber process_number;
 
 }  // namespace
 
@@ -115,6 +143,8 @@ BlasThreads::BlasThreads(int threads) {
     before_ = blas.mkl_set_threads(threads);
   } else if (blas.kind == Library::Kind::openmp) {
     before_ = blas.omp_threads();
+    shares_ = threads != 1;
+    if (shares_) process_number.borrow(blas);
     if (before_ != threads) blas.omp_set_threads(threads);
   }
 }
@@ -123,8 +153,9 @@ BlasThreads::~BlasThreads() {
   const Library& blas = library();
   if (blas.kind == Library::Kind::mkl) {
     blas.mkl_set_threads(before_);
-  } else if (blas.kind == Library::Kind::openmp && blas.omp_threads() != before_) {
-    blas.omp_set_threads(before_);
+  } else if (blas.kind == Library::Kind::openmp) {
+    if (shares_) process_number.give_back(blas);
+    if (blas.omp_threads() != before_) blas.omp_set_threads(before_);
   }
 }
 

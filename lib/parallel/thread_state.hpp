@@ -28,6 +28,7 @@ class BlasThreads {
 
  private:
   int before_ = 0;
+  bool shares_ = false;  // its calls may use more than one thread
 };
 
 // Processors (logical, numbered by the system, ascending) that the calling thread may run on; empty if it is not told.

@@ -3,9 +3,16 @@
 #include <dlfcn.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <regex>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "assur/backend.hpp"
+#include "assur/status.hpp"
 
 namespace assur::test {
 namespace {
@@ -55,6 +62,53 @@ TEST(Blas, TheBuildThatWasLinkedIsTheOneThatIsLoaded) {
 #else
   GTEST_SKIP() << "another LAPACK, or none";
 #endif
+}
+
+// ---- processors
+
+TEST(Pinned, KeepsTheThreadOnOneProcessorUntilTheEndOfTheScope) {
+  const std::vector<int> before = allowed_processors();
+  if (before.empty()) GTEST_SKIP() << "the system does not tell where threads may run";
+  for (const int processor : before) {
+    const Pinned pinned(processor);
+    EXPECT_EQ(allowed_processors(), std::vector<int>{processor});
+    std::vector<int> of_a_new_thread;
+    std::thread([&] { of_a_new_thread = allowed_processors(); }).join();
+    EXPECT_EQ(of_a_new_thread, std::vector<int>{processor});
+  }
+  EXPECT_EQ(allowed_processors(), before);
+}
+
+TEST(Pinned, RefusesAProcessorThatIsNotThere) {
+  const std::vector<int> before = allowed_processors();
+  EXPECT_THROW(const Pinned pinned(8191), Error);
+  EXPECT_EQ(allowed_processors(), before);
+}
+
+// ---- nobody else
+
+TEST(ThreadState, IsChangedInOneFileOfTheLibrary) {
+  const std::regex change(
+      "omp_set_|openblas_set_num_threads|goto_set_num_threads|MKL_Set_|mkl_set_|bli_thread_set|"
+      "sched_setaffinity|pthread_setaffinity|pthread_attr_setaffinity|setpriority|sched_setscheduler|"
+      "pthread_setschedparam|setenv|putenv|pragma omp|omp\\.h");
+  const std::filesystem::path lib = std::filesystem::path(ASSUR_SOURCE_DIR) / "lib";
+  int files = 0, allowed = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(lib)) {
+    if (!entry.is_regular_file()) continue;
+    ++files;
+    std::ifstream stream(entry.path());
+    const std::string text{std::istreambuf_iterator<char>(stream), {}};
+    std::smatch found;
+    if (!std::regex_search(text, found, change)) continue;
+    if (std::filesystem::relative(entry.path(), lib) == "parallel/thread_state.cpp") {
+      ++allowed;
+    } else {
+      ADD_FAILURE() << entry.path() << ": " << found.str() << " belongs into lib/parallel/thread_state.cpp";
+    }
+  }
+  EXPECT_EQ(allowed, 1) << "the scan finds what it looks for";
+  EXPECT_GT(files, 50);
 }
 
 }  // namespace
