@@ -18,9 +18,13 @@ void relax() {
 
 }  // namespace
 
-void wait_while(const std::atomic<std::uint32_t>& word, std::uint32_t old) {
+void wait_while(const std::atomic<std::uint32_t>& word, std::uint32_t old, Waiting waiting) {
   const auto changed = [&] { return word.load(std::memory_order_acquire) != old; };
-  for (int i = 0; i < kSpins; ++i) {
+  while (waiting == Waiting::pinned) {
+    if (changed()) return;
+    relax();
+  }
+  for (int i = 0; i < kSpins && waiting == Waiting::shared; ++i) {
     if (changed()) return;
     relax();
   }

@@ -4,13 +4,15 @@
 #include <cerrno>
 #include <cstddef>
 
+#include "sanitizers.hpp"
+
 namespace {
 std::atomic<std::int64_t> count{0};
 }
 
 std::int64_t assur::test::allocations() { return count.load(); }
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if defined(ASSUR_ADDRESS_SANITIZER) || defined(ASSUR_THREAD_SANITIZER)
 // Declared here: gcc brings the function, but not its header.
 extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*)(const volatile void*, std::size_t),
                                                          void (*)(const volatile void*));
