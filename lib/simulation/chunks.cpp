@@ -9,6 +9,8 @@
 namespace assur {
 namespace {
 
+constexpr std::size_t kOverlap = 2;  // rows of a chunk from the first of the next one on, at most
+
 // Both postures solve the same equations; within the ball in which a solution is unique they are the same.
 bool same_posture(const std::vector<double>& a, const std::vector<double>& b, const std::vector<double>& uniqueness) {
   if (a.size() != b.size() || uniqueness.size() != b.size()) return false;
@@ -36,25 +38,27 @@ ChunkedRun run_in_chunks(const Prepared& prepared, const StepLimits& limits, std
                          const ChunkGrid& grid, std::vector<Variant> starts, const Simulator::Observer& observer) {
   const std::size_t chunks = grid.first.size();
   Tiles tiles(prepared, limits, chunks);
-  const std::size_t columns = tiles.first().columns().size(), size = grid.rows * columns;
-  std::vector<double> rows(chunks * size);
+  const std::size_t columns = tiles.first().columns().size();
+  ChunkedRun out;
+  out.values.resize(times.size() * columns);
+  std::vector<double> overlaps(chunks * kOverlap * columns);
   std::vector<LaneRun> runs(chunks);
   for (std::size_t c = 0; c < chunks; ++c) {
     runs[c].variant = std::move(starts[c]);
     runs[c].times = times.subspan(grid.first[c], grid.rows);
-    runs[c].rows = rows.data() + c * size;
-    runs[c].posture_wanted = c + 1 < chunks ? grid.first[c + 1] - grid.first[c] : grid.rows - 1;
+    runs[c].rows = out.values.data() + grid.first[c] * columns;
+    runs[c].beyond = overlaps.data() + c * kOverlap * columns;
+    if (c + 1 < chunks) runs[c].split = grid.first[c + 1] - grid.first[c];
+    runs[c].posture_wanted = c + 1 < chunks ? runs[c].split : grid.rows - 1;
   }
   tiles.run(runs, observer, static_cast<std::int64_t>(chunks * grid.rows));
 
-  ChunkedRun out;
-  out.values.resize(times.size() * columns);
   const std::vector<std::size_t> angles = tiles.first().angles();
   for (std::size_t c = 0; c < chunks; ++c) {
     LaneRun& run = runs[c];
     if (c > 0) {
       const LaneRun& before = runs[c - 1];
-      const double* const border = before.rows + before.posture_wanted * columns;
+      const double* const border = before.row(before.split, columns);
       if (!same_posture(before.posture, run.variant.posture, run.uniqueness)) {
         out.fallbacks.push_back("the chunk from t = " + std::to_string(run.times[0]) +
                                 " s on began on another branch than the one before ended; it was run again");
@@ -62,10 +66,8 @@ ChunkedRun run_in_chunks(const Prepared& prepared, const StepLimits& limits, std
         run.done = 0;
         tiles.first().run_alone(run);
       }
-      shift_by_turns(angles, border, run.rows, run.rows, run.done, columns);
+      shift_by_turns(angles, border, std::vector<double>(run.rows, run.rows + columns).data(), run, 0, columns);
     }
-    std::copy_n(run.rows, run.done * columns,
-                out.values.begin() + static_cast<std::ptrdiff_t>(grid.first[c] * columns));
     out.rows = grid.first[c] + run.done;
     out.status = run.status;
     out.posture = run.posture;

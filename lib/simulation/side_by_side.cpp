@@ -13,13 +13,13 @@ void Totals::merge(const Totals& o) {
   error.merge(o.error);
 }
 
-void shift_by_turns(std::span<const std::size_t> angles, const double* before, const double* at_the_same_time,
-                    double* rows, std::size_t count, std::size_t columns) {
+void shift_by_turns(std::span<const std::size_t> angles, const double* before, const double* here, LaneRun& run,
+                    std::size_t from, std::size_t columns) {
   constexpr double kTurn = 2 * std::numbers::pi;
   for (const std::size_t c : angles) {
-    const double shift = kTurn * std::round((before[c] - at_the_same_time[c]) / kTurn);
+    const double shift = kTurn * std::round((before[c] - here[c]) / kTurn);
     if (shift == 0) continue;
-    for (std::size_t k = 0; k < count; ++k) rows[k * columns + c] += shift;
+    for (std::size_t k = from; k < run.done; ++k) run.row(k, columns)[c] += shift;
   }
 }
 
@@ -35,9 +35,9 @@ void SideBySide::clear_totals() {
 }
 
 void SideBySide::write_row(int lane, LaneRun& run, std::size_t row) {
-  double* const to = run.rows + row * columns().size();
-  const bool first = row == 0;
-  tile_.fill_row(lane, to, first ? nullptr : to - columns().size(), first ? 0 : run.times[row] - run.times[row - 1]);
+  const std::size_t size = columns().size();
+  const double* const before = row > 0 ? run.row(row - 1, size) : nullptr;
+  tile_.fill_row(lane, run.row(row, size), before, row > 0 ? run.times[row] - run.times[row - 1] : 0);
   run.done = row + 1;
   if (row == run.posture_wanted) run.posture = tile_.posture(lane);
 }
@@ -114,7 +114,7 @@ void SideBySide::alone(LaneRun& lane, Variant at, std::size_t row, bool to_the_e
   try {
     Simulator simulator(std::move(prepared), limits_);
     const std::size_t columns = simulator.columns().size();
-    double* const first = lane.rows + row * columns;
+    double* const first = lane.row(row, columns);
     const bool restarted = lane.done > row;  // the row is there already: its angles are unwrapped
     std::vector<double> start(simulator.outputs().begin(), simulator.outputs().end());
     if (!restarted) std::copy(start.begin(), start.end(), first);
@@ -131,13 +131,10 @@ void SideBySide::alone(LaneRun& lane, Variant at, std::size_t row, bool to_the_e
         lane.alone_from = at.time;
       }
       if (!status.ok()) break;
-      std::copy(simulator.outputs().begin(), simulator.outputs().end(), lane.rows + k * columns);
+      std::copy(simulator.outputs().begin(), simulator.outputs().end(), lane.row(k, columns));
       lane.done = k + 1;
     }
-    if (restarted) {
-      const auto angles = tile_.outputs().angles();
-      shift_by_turns(angles, first, start.data(), first + columns, lane.done - row - 1, columns);
-    }
+    if (restarted) shift_by_turns(angles(), first, start.data(), lane, row + 1, columns);
     if (lane.posture_wanted >= row && lane.posture_wanted + 1 == lane.done) lane.posture = posture_of(simulator);
     lane.status = status;
     lane.events = simulator.report().events;

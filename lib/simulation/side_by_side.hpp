@@ -16,10 +16,12 @@ namespace assur {
 struct LaneRun {
   Variant variant;
   std::span<const double> times;  // the first one is that of the variant
-  double* rows = nullptr;         // times x columns, filled
-  std::size_t done = 0;           // rows filled
-  Status status;                  // ok, or why the run stopped
-  bool alone = false;             // from the time `alone_from` on
+  double* rows = nullptr;         // of results, filled: `split` of them, the others behind `beyond`
+  double* beyond = nullptr;
+  std::size_t split = static_cast<std::size_t>(-1);
+  std::size_t done = 0;  // rows filled
+  Status status;         // ok, or why the run stopped
+  bool alone = false;    // from the time `alone_from` on
   double alone_from = 0;
   std::vector<Event> events;
 
@@ -27,6 +29,10 @@ struct LaneRun {
   std::size_t posture_wanted = static_cast<std::size_t>(-1);
   std::vector<double> posture;
   std::vector<double> uniqueness;  // at the start, see Tile
+
+  [[nodiscard]] double* row(std::size_t k, std::size_t columns) const {
+    return k < split ? rows + k * columns : beyond + (k - split) * columns;
+  }
 };
 
 // What the runs of a tile add up to.
@@ -70,8 +76,9 @@ class SideBySide {
   bool stopped_ = false;
 };
 
-// Whole turns that `row` has to be shifted by so that its angles follow those of `before`, at the same time.
-void shift_by_turns(std::span<const std::size_t> angles, const double* before, const double* at_the_same_time,
-                    double* rows, std::size_t count, std::size_t columns);
+// Adds whole turns to the angles of a run, from a row on, so that they follow those of the row `before`, which is of
+// the same time as `here`.
+void shift_by_turns(std::span<const std::size_t> angles, const double* before, const double* here, LaneRun& run,
+                    std::size_t from, std::size_t columns);
 
 }  // namespace assur

@@ -521,8 +521,8 @@ bool Simulator::run_in_chunks(std::span<const double> times, const Observer& obs
   }
   Counters counters = impl_->report.counters;
   counters.steps = 0;  // those between the starts are not of the grid
-  const ChunkedRun run = assur::run_in_chunks(impl_->prepared, impl_->limits, times, grid, std::move(starts), observer);
-  out.values_ = run.values;
+  ChunkedRun run = assur::run_in_chunks(impl_->prepared, impl_->limits, times, grid, std::move(starts), observer);
+  out.values_ = std::move(run.values);
   out.times_.assign(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(run.rows));
 
   impl_ = impl_->at(run.posture, out.times_.back());
