@@ -28,6 +28,7 @@ void OutputProgram::add(const System& s, std::span<const std::int32_t> address, 
     return TermAt{address[static_cast<std::size_t>(t.coordinate)], s.constants[static_cast<std::size_t>(t.constant)]};
   };
   const double unit = s.unit(m.dimension);
+  if (m.kind == MeasureForms::Kind::form && add_line(s, address, m.forms[0], unit, column)) return;
   if (m.kind == MeasureForms::Kind::form) {
     const auto begin = static_cast<std::int32_t>(sum_terms_.size());
     for (const Term& t : s.form(m.forms[0])) {
@@ -52,12 +53,43 @@ void OutputProgram::add(const System& s, std::span<const std::int32_t> address, 
   parts_.push_back(part);
 }
 
+bool OutputProgram::add_line(const System& s, std::span<const std::int32_t> address, Index form, double unit,
+                             const std::array<std::int32_t, 3>& column) {
+  Line line{address[kOne], -1, 0, 0};
+  bool moves = false;
+  for (const Term& t : s.form(form)) {
+    const double factor = s.constants[static_cast<std::size_t>(t.constant)] * unit;  // a power of two
+    if (t.coordinate == kOne) {
+      line.offset += factor;
+      continue;
+    }
+    if (moves) return false;
+    moves = true;
+    line.address = address[static_cast<std::size_t>(t.coordinate)];
+    line.factor = factor;
+  }
+  for (std::size_t d = 0; d < 3; ++d) {
+    if (column[d] < 0) continue;
+    line.column = column[d];
+    lines_[d].push_back(line);
+    if (d > 0) lines_[d].back().offset = 0;
+  }
+  return true;
+}
+
 void OutputProgram::mark(std::vector<std::uint8_t>& addresses) const {
+  for (const auto& lines : lines_) {
+    for (const Line& l : lines) addresses[static_cast<std::size_t>(l.address)] = 1;
+  }
   for (const TermAt& t : terms_) addresses[static_cast<std::size_t>(t.address)] = 1;
   for (const TermAt& t : sum_terms_) addresses[static_cast<std::size_t>(t.address)] = 1;
 }
 
 void OutputProgram::evaluate(const double* const (&state)[3], double* out, const double* previous, double dt) const {
+  for (std::size_t d = 0; d < 3; ++d) {
+    const double* x = state[d];
+    for (const Line& l : lines_[d]) out[l.column] = l.offset + l.factor * x[l.address];
+  }
   for (const Sum& sum : sums_) {
     double total[3] = {};
     for (std::int32_t t = sum.begin; t < sum.end; ++t) {
