@@ -48,9 +48,9 @@ HWY_INLINE SinCos sin_cos_of(V angle) {
   const V shift = hn::Set(d, 0x1.8p52);
   const V shifted = hn::MulAdd(angle, hn::Set(d, 0x1.45f306dc9c883p-1), shift), n = hn::Sub(shifted, shift);
   const V first = hn::NegMulAdd(n, hn::Set(d, kHalfPi[0]), angle);
-  const V r = hn::NegMulAdd(n, hn::Set(d, kHalfPi[1]), first);
-  const V lost = hn::NegMulAdd(n, hn::Set(d, kHalfPi[1]), hn::Sub(first, r));
-  const V rest = hn::NegMulAdd(n, hn::Set(d, kHalfPi[2]), lost);  // the angle is n pi/2 + r + rest
+  const V second = hn::Mul(n, hn::Set(d, kHalfPi[1])), of_product = hn::MulSub(n, hn::Set(d, kHalfPi[1]), second);
+  const V r = hn::Sub(first, second), lost = hn::Sub(hn::Sub(first, r), second);
+  const V rest = hn::NegMulAdd(n, hn::Set(d, kHalfPi[2]), hn::Sub(lost, of_product));  // angle = n pi/2 + r + rest
 
   const V one = hn::Set(d, 1), z = hn::Mul(r, r), half = hn::Mul(z, hn::Set(d, 0.5));
   const V of_rest = hn::NegMulAdd(half, rest, rest);

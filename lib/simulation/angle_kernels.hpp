@@ -19,8 +19,8 @@ struct HarmonicBlock {
 };
 
 struct AngleKernels {
-  // Within 1 unit in the last place; NaN where the angle is not finite. Arrays: count, padded; the padding of the
-  // results is arbitrary.
+  // Within 1 unit in the last place, 2 where the result is below 2^-30; NaN where the angle is not finite. Arrays:
+  // count, padded; the padding of the results is arbitrary.
   void (*sin_cos)(const double* angles, std::size_t count, double* sines, double* cosines);
 
   // Adds the terms at time t, and their derivatives, to the slots.

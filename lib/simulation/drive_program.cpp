@@ -25,10 +25,11 @@ DriveProgram::DriveProgram(const System& system, const Driven& driven) {
   add_slots(system, driven, true);
   angles_ = scale_.size();
   add_slots(system, driven, false);
-  slots_ = scale_.size();
-  const std::size_t padded = (slots_ + kAngleBlock - 1) / kAngleBlock * kAngleBlock;
+  laws_ = scale_.size();
+  const std::size_t padded = (laws_ + kAngleBlock - 1) / kAngleBlock * kAngleBlock;
   for (std::vector<double>* v : {&base_, &jets_[0], &jets_[1], &jets_[2], &sines_, &cosines_}) v->resize(padded);
-  held_.resize(slots_);
+  held_.resize(laws_);
+  slot_of_.resize(system.coordinates.size(), -1);
   for (const Index input : driven.inputs) add_input(system, idx(input));
   for (const Index i : driven.assignments) add_assignment(system, system.assignments[idx(i)]);
 }
@@ -48,13 +49,28 @@ void DriveProgram::add_input(const System& system, std::size_t input) {
   const DriverInput& in = system.inputs[input];
   for (std::size_t k = 0; k < in.laws.size(); ++k) add_law(slot(input, static_cast<int>(k)), in.laws[k]);
   if (in.kind == DriverInput::Kind::direction) {
-    directions_.push_back({slot(input, 0), in.first});
+    add_copies(add_turn(directions_, slot(input, 0), 2), in.first, 2);
     return;
   }
-  const int copies = in.kind == DriverInput::Kind::scalar ? 1 : system.dimension;
-  for (int k = 0; k < copies; ++k) copies_.push_back({slot(input, k), in.first + k});
-  if (in.count == copies) return;
-  (system.dimension == 2 ? directions_ : frames_).push_back({slot(input, copies), in.first + copies});
+  const int straight = in.kind == DriverInput::Kind::scalar ? 1 : system.dimension;
+  add_copies(slot(input, 0), in.first, straight);
+  if (in.count == straight) return;
+  const std::int32_t angle = slot(input, straight), results = in.count - straight;
+  add_copies(add_turn(system.dimension == 2 ? directions_ : frames_, angle, results), in.first + straight, results);
+}
+
+std::int32_t DriveProgram::add_turn(std::vector<Turn>& turns, std::int32_t angle, std::int32_t results) {
+  const auto result = static_cast<std::int32_t>(jets_[0].size());
+  turns.push_back({angle, result});
+  for (auto& jet : jets_) jet.resize(jet.size() + idx(results));
+  return result;
+}
+
+void DriveProgram::add_copies(std::int32_t slot, Index coordinate, std::int32_t count) {
+  for (std::int32_t k = 0; k < count; ++k) {
+    copies_.push_back({slot + k, coordinate + k});
+    slot_of_[idx(coordinate + k)] = slot + k;
+  }
 }
 
 void DriveProgram::add_law(std::int32_t slot, const Law& law) {
@@ -97,20 +113,12 @@ void DriveProgram::add_assignment(const System& system, const Assignment& assign
   const auto terms = system.form(assignment.form);
   const auto factor = [&](const Term& t) { return system.constants[idx(t.constant)]; };
   const auto begin = static_cast<std::int32_t>(terms_.size());
-  if (terms.size() == 1 && factor(terms[0]) == 1) {
-    const Index from = terms[0].coordinate;
-    if (!sums_.empty()) {
-      Sum& run = sums_.back();
-      if (run.count > 0 && assignment.coordinate == run.coordinate + run.count && from == run.from + run.count) {
-        ++run.count;
-        return;
-      }
-    }
-    sums_.push_back({assignment.coordinate, from, 1, begin, begin});
+  if (terms.size() == 1 && factor(terms[0]) == 1 && slot_of_[idx(terms[0].coordinate)] >= 0) {
+    add_copies(slot_of_[idx(terms[0].coordinate)], assignment.coordinate, 1);
     return;
   }
   for (const Term& t : terms) terms_.push_back({t.coordinate, factor(t)});
-  sums_.push_back({assignment.coordinate, 0, 0, begin, static_cast<std::int32_t>(terms_.size())});
+  sums_.push_back({assignment.coordinate, begin, static_cast<std::int32_t>(terms_.size())});
 }
 
 std::int32_t DriveProgram::slot(std::size_t input, int law) const {
@@ -148,33 +156,12 @@ void DriveProgram::replace(std::int32_t slot, const Motion& motion) {
 }
 
 void DriveProgram::place(double* const (&state)[3]) {
-  kernels_->sin_cos(jets_[0].data(), angles_, sines_.data(), cosines_.data());
-  const auto put = [&](Index coordinate, const Motion& m) {
-    state[0][coordinate] = m.value;
-    state[1][coordinate] = m.rate;
-    state[2][coordinate] = m.acceleration;
-  };
-  const auto turned = [&](std::int32_t slot) {
-    const std::size_t i = idx(slot);
-    return cos_sin<double>({jets_[0][i], jets_[1][i], jets_[2][i]}, cosines_[i], sines_[i]);
-  };
-  for (const Copy& c : copies_) {
-    put(c.coordinate, {jets_[0][idx(c.slot)], jets_[1][idx(c.slot)], jets_[2][idx(c.slot)]});
-  }
-  for (const Turn& turn : directions_) {
-    const CosSin<double> at = turned(turn.slot);
-    put(turn.first, at.cosine);
-    put(turn.first + 1, at.sine);
-  }
-  for (const Turn& turn : frames_) {
-    Motion r[9];
-    euler_zyx(turned(turn.slot), turned(turn.slot + 1), turned(turn.slot + 2), r);
-    for (int k = 0; k < 9; ++k) put(turn.first + k, r[k]);
-  }
-  for (double* x : state) {
+  turn();
+  for (std::size_t d = 0; d < 3; ++d) {
+    const double* jet = jets_[d].data();
+    double* x = state[d];
+    for (const Copy& c : copies_) x[c.coordinate] = jet[c.slot];
     for (const Sum& s : sums_) {
-      for (Index k = 0; k < s.count; ++k) x[s.coordinate + k] = x[s.from + k];
-      if (s.count > 0) continue;
       double total = 0;
       for (std::int32_t t = s.begin; t < s.end; ++t) total += terms_[idx(t)].factor * x[terms_[idx(t)].coordinate];
       x[s.coordinate] = total;
@@ -182,9 +169,32 @@ void DriveProgram::place(double* const (&state)[3]) {
   }
 }
 
+void DriveProgram::turn() {
+  kernels_->sin_cos(jets_[0].data(), angles_, sines_.data(), cosines_.data());
+  const auto at = [&](std::int32_t angle) {
+    const std::size_t i = idx(angle);
+    return cos_sin<double>({jets_[0][i], jets_[1][i], jets_[2][i]}, cosines_[i], sines_[i]);
+  };
+  const auto put = [&](std::int32_t slot, const Motion& m) {
+    jets_[0][idx(slot)] = m.value;
+    jets_[1][idx(slot)] = m.rate;
+    jets_[2][idx(slot)] = m.acceleration;
+  };
+  for (const Turn& turn : directions_) {
+    const CosSin<double> both = at(turn.angle);
+    put(turn.result, both.cosine);
+    put(turn.result + 1, both.sine);
+  }
+  for (const Turn& turn : frames_) {
+    Motion r[9];
+    euler_zyx(at(turn.angle), at(turn.angle + 1), at(turn.angle + 2), r);
+    for (std::int32_t k = 0; k < 9; ++k) put(turn.result + k, r[k]);
+  }
+}
+
 bool DriveProgram::defined() const {
   bool ok = true;
-  for (std::size_t i = 0; i < slots_; ++i) ok &= jets_[0][i] == jets_[0][i];
+  for (std::size_t i = 0; i < laws_; ++i) ok &= jets_[0][i] == jets_[0][i];
   for (std::size_t i = 0; i < angles_; ++i) ok &= cosines_[i] == cosines_[i];  // none for an infinite angle
   return ok;
 }

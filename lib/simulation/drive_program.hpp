@@ -40,40 +40,44 @@ class DriveProgram {
     std::int32_t slot;
     Index coordinate;
   };
-  // Directions and frames: the angles lie from a slot on, their coordinates from `first`.
+  // Cosine and sine of an angle, or the frame of three, as jets from a slot on.
   struct Turn {
-    std::int32_t slot;
-    Index first;
+    std::int32_t angle, result;  // slots
   };
-  struct Sum {  // `count` coordinates that repeat others, or one that is a sum of terms
-    Index coordinate, from, count;
+  struct Sum {
+    Index coordinate;
     std::int32_t begin, end;  // range in terms_
   };
   struct TermOf {
     Index coordinate;
     double factor;
   };
+  void turn();
   void add_slots(const System& system, const Driven& driven, bool angles);
   void add_law(std::int32_t slot, const Law& law);
   void add_term(std::int32_t slot, const Harmonic& term);
   void add_input(const System& system, std::size_t input);
+  std::int32_t add_turn(std::vector<Turn>& turns, std::int32_t angle, std::int32_t results);
+  void add_copies(std::int32_t slot, Index coordinate, std::int32_t count);
   void add_assignment(const System& system, const Assignment& assignment);
 
   const AngleKernels* kernels_ = &angle_kernels();
   std::vector<std::int32_t> first_slot_;  // inputs: first law in slot_
   std::vector<std::int32_t> slot_;        // laws
-  std::size_t angles_ = 0;                // the first slots
-  std::size_t slots_ = 0;                 // without padding
-  std::vector<double> scale_;             // slots: internal units in one SI unit, a power of two
-  std::vector<double> base_;              // slots: what is constant
-  std::vector<double> jets_[3];           // slots: value, rate, acceleration
-  std::vector<double> sines_, cosines_;   // angles
-  std::vector<std::uint8_t> held_;        // slots
+  // Slots: angles, other laws, padding, then what turns make of the angles.
+  std::size_t angles_ = 0;
+  std::size_t laws_ = 0;                 // and angles
+  std::vector<double> scale_;            // laws: internal units in one SI unit, a power of two
+  std::vector<double> base_;             // laws, padded: what is constant
+  std::vector<double> jets_[3];          // slots: value, rate, acceleration
+  std::vector<double> sines_, cosines_;  // angles, padded
+  std::vector<std::uint8_t> held_;       // laws
   std::vector<HarmonicBlock> harmonics_;
   std::vector<Polynomial> polynomials_;
   std::vector<double> coefficients_;
   std::vector<Other> others_;
   std::vector<Copy> copies_;
+  std::vector<std::int32_t> slot_of_;  // coordinates; -1: a sum
   std::vector<Turn> directions_, frames_;
   std::vector<Sum> sums_;
   std::vector<TermOf> terms_;

@@ -1,5 +1,6 @@
 #include "simulation/output_program.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -55,7 +56,7 @@ void OutputProgram::add(const System& s, std::span<const std::int32_t> address, 
 
 bool OutputProgram::add_line(const System& s, std::span<const std::int32_t> address, Index form, double unit,
                              const std::array<std::int32_t, 3>& column) {
-  Line line{address[kOne], -1, 0, 0};
+  Line line{address[kOne], column, 0, 0};
   bool moves = false;
   for (const Term& t : s.form(form)) {
     const double factor = s.constants[static_cast<std::size_t>(t.constant)] * unit;  // a power of two
@@ -68,27 +69,29 @@ bool OutputProgram::add_line(const System& s, std::span<const std::int32_t> addr
     line.address = address[static_cast<std::size_t>(t.coordinate)];
     line.factor = factor;
   }
-  for (std::size_t d = 0; d < 3; ++d) {
-    if (column[d] < 0) continue;
-    line.column = column[d];
-    lines_[d].push_back(line);
-    if (d > 0) lines_[d].back().offset = 0;
-  }
+  const bool all = std::all_of(column.begin(), column.end(), [](std::int32_t c) { return c >= 0; });
+  (all ? motions_ : lines_).push_back(line);
   return true;
 }
 
 void OutputProgram::mark(std::vector<std::uint8_t>& addresses) const {
-  for (const auto& lines : lines_) {
-    for (const Line& l : lines) addresses[static_cast<std::size_t>(l.address)] = 1;
+  for (const auto* lines : {&motions_, &lines_}) {
+    for (const Line& l : *lines) addresses[static_cast<std::size_t>(l.address)] = 1;
   }
   for (const TermAt& t : terms_) addresses[static_cast<std::size_t>(t.address)] = 1;
   for (const TermAt& t : sum_terms_) addresses[static_cast<std::size_t>(t.address)] = 1;
 }
 
 void OutputProgram::evaluate(const double* const (&state)[3], double* out, const double* previous, double dt) const {
-  for (std::size_t d = 0; d < 3; ++d) {
-    const double* x = state[d];
-    for (const Line& l : lines_[d]) out[l.column] = l.offset + l.factor * x[l.address];
+  for (const Line& l : motions_) {
+    out[l.column[0]] = l.offset + l.factor * state[0][l.address];
+    out[l.column[1]] = l.factor * state[1][l.address];
+    out[l.column[2]] = l.factor * state[2][l.address];
+  }
+  for (const Line& l : lines_) {
+    for (std::size_t d = 0; d < 3; ++d) {
+      if (l.column[d] >= 0) out[l.column[d]] = (d == 0 ? l.offset : 0) + l.factor * state[d][l.address];
+    }
   }
   for (const Sum& sum : sums_) {
     double total[3] = {};

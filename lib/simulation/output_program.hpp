@@ -77,7 +77,8 @@ class OutputProgram {
   };
   // What is linear in one coordinate, in SI units: offset + factor * coordinate.
   struct Line {
-    std::int32_t address, column;
+    std::int32_t address;
+    std::array<std::int32_t, 3> column;  // of value, rate, acceleration; -1: not wanted
     double factor, offset;
   };
   // What is linear in more of them: terms in SI units, the same for value, rate and acceleration.
@@ -92,7 +93,8 @@ class OutputProgram {
                 const std::array<std::int32_t, 3>& column);
 
   int dimension_;
-  std::array<std::vector<Line>, 3> lines_;  // of values, rates, accelerations
+  std::vector<Line> motions_;  // value, rate and acceleration wanted
+  std::vector<Line> lines_;    // not all of them
   std::vector<Sum> sums_;
   std::vector<TermAt> sum_terms_;
   std::vector<TermAt> terms_;
