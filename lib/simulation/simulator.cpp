@@ -18,7 +18,8 @@
 namespace assur {
 namespace {
 
-constexpr int kHalvings = 20;          // a step is halved down to 2^-20
+constexpr int kHalvings = 20;  // a step is halved down to 2^-20
+constexpr double kSmallest = 1.0 / (1 << kHalvings);
 constexpr int kReach = 12;             // a change point is passed from 2^12 of the shortest steps before it to beyond
 constexpr int kMoreHalvings = 6;       // of the shortest step, on the way back from a change point
 constexpr double kApart = 1.0 / 16;    // of that reach: a step that ends nearer to the change point is in doubt
@@ -180,7 +181,7 @@ struct Simulator::Impl {
       deadline = std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
                                                         std::chrono::duration<double>(limits.seconds));
     }
-    const double from = now, span = t - now, smallest = std::abs(std::ldexp(span, -kHalvings));
+    const double from = now, span = t - now, smallest = std::abs(span) * kSmallest;
     inputs.begin_step(now, t);
     Status status;
     double h = span;
