@@ -67,25 +67,26 @@ int parity(const int* permutation, std::vector<bool>& seen) {
   return sign;
 }
 
-// max |number| that neither NaN nor infinity escapes: as bits, both are larger than any finite size. Four at a time,
-// for the sake of speed.
+// Sizes as integers, where comparing is cheap: infinity and NaN are larger than any finite one.
+constexpr auto kMagnitude = ~std::uint64_t{0} >> 1;
+constexpr std::uint64_t magnitude(double number) { return std::bit_cast<std::uint64_t>(number) & kMagnitude; }
+
+// max |number| that neither NaN nor infinity escapes. Four at a time, for the sake of speed.
 class Largest {
  public:
-  explicit Largest(double at_least) { size_[0] = bits(at_least); }
+  explicit Largest(double at_least) { size_[0] = magnitude(at_least); }
 
   template <typename At>
   double of(std::size_t count, const At& at) {
     std::size_t k = 0;
     for (; k + 4 <= count; k += 4) {
-      for (std::size_t i = 0; i < 4; ++i) size_[i] = std::max(size_[i], bits(at(k + i)));
+      for (std::size_t i = 0; i < 4; ++i) size_[i] = std::max(size_[i], magnitude(at(k + i)));
     }
-    for (; k < count; ++k) size_[0] = std::max(size_[0], bits(at(k)));
+    for (; k < count; ++k) size_[0] = std::max(size_[0], magnitude(at(k)));
     return std::bit_cast<double>(std::max(std::max(size_[0], size_[1]), std::max(size_[2], size_[3])));
   }
 
  private:
-  static std::uint64_t bits(double number) { return std::bit_cast<std::uint64_t>(number) & ~(std::uint64_t{1} << 63); }
-
   std::uint64_t size_[4] = {};
 };
 
@@ -168,10 +169,17 @@ Code KluSolver::factorize_lane(std::span<const double> values, int index) {
 
 // False if there are no scales yet, or they no longer fit.
 bool KluSolver::scale(std::span<const double> values, const Lane& lane) {
-  for (std::size_t k = 0; k < values.size(); ++k) scaled_[k] = values[k] * lane.entry_scale[k];
+  const double* __restrict const from = values.data();
+  const double* __restrict const by = lane.entry_scale.data();
+  double* __restrict const to = scaled_.data();
+  std::uint64_t above = 0;  // in its highest bit: a difference was negative
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    to[k] = from[k] * by[k];
+    above |= magnitude(kLargestRow) - magnitude(to[k]);
+  }
   bool large = true;
-  for (const std::uint32_t k : lane.of_row) large &= std::abs(scaled_[k]) >= kSmallestRow;
-  return large && all_within(scaled_, kLargestRow);
+  for (const std::uint32_t k : lane.of_row) large &= std::abs(to[k]) >= kSmallestRow;
+  return large && above <= kMagnitude;
 }
 
 void KluSolver::choose_scales(std::span<const double> values, Lane& lane) const {
