@@ -4,8 +4,6 @@
 #include <limits>
 #include <utility>
 
-#include "scene/drive.hpp"
-
 namespace assur {
 namespace {
 
@@ -42,6 +40,7 @@ Tile::Tile(const Prepared& prepared, const StepLimits& limits)
   const System& system = *structure_->system;
   outputs_.assign(idx(lanes_), OutputProgram(system, layout_.address));
   watch_.resize(idx(lanes_));
+  drive_.resize(idx(lanes_));
   for (auto& v : known_) v.resize(system.coordinates.size() * idx(lanes_));
 
   std::vector<std::uint8_t> read(layout_.size, 0), needed(system.coordinates.size(), 0);
@@ -57,6 +56,7 @@ Tile::Tile(const Prepared& prepared, const StepLimits& limits)
   for (const Index i : driven_.inputs) {
     const DriverInput& in = system.inputs[idx(i)];
     for (Index k = 0; k < in.count; ++k) driven_coordinates_.push_back(in.first + k);
+    if (in.must_not_vanish) positive_.push_back(in.first);
   }
   for (const Index i : driven_.assignments) driven_coordinates_.push_back(system.assignments[idx(i)].coordinate);
 }
@@ -96,6 +96,7 @@ void Tile::bind() {
   for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
     const System& system = *variants_[lane]->system;
     outputs_[lane] = OutputProgram(system, layout_.address);
+    drive_[lane].emplace(system, driven_);
     if (!structure_->watch_class.equations.empty()) watch_[lane].emplace(system, *structure_, layout_.address);
   }
   alike_ = driven_alike();
@@ -147,17 +148,14 @@ Status Tile::drive(std::span<const double> times) {
 Status Tile::drive_lane(std::size_t lane, double time) {
   const System& system = *variants_[lane]->system;
   const std::size_t first = lane * system.coordinates.size();
-  double* const q = known_[0].data() + first;
-  assur::drive<double>(
-      system, driven_, [&](std::size_t input, int law) { return system.inputs[input].laws[idx(law)](time); }, q,
-      known_[1].data() + first, known_[2].data() + first);
+  double* const q[3] = {known_[0].data() + first, known_[1].data() + first, known_[2].data() + first};
+  DriveProgram& program = *drive_[lane];
+  program.evaluate(time);
+  program.place(q);
   const auto where = static_cast<std::int32_t>(lane);
-  for (const Index i : driven_.inputs) {
-    const DriverInput& in = system.inputs[idx(i)];
-    for (Index k = in.first; k < in.first + in.count; ++k) {
-      if (q[k] != q[k]) return {Code::out_of_range, where, time};
-    }
-    if (in.must_not_vanish && !(q[in.first] > 0)) return {Code::actuator_zero, where, q[in.first]};
+  if (!program.defined()) return {Code::out_of_range, where, time};
+  for (const Index c : positive_) {
+    if (!(q[0][c] > 0)) return {Code::actuator_zero, where, q[0][c]};
   }
   return {};
 }

@@ -12,6 +12,7 @@
 #include "assur/plan.hpp"
 #include "assur/report.hpp"
 #include "assur/simulator.hpp"
+#include "simulation/drive_program.hpp"
 #include "simulation/layout.hpp"
 #include "simulation/output_program.hpp"
 #include "simulation/state.hpp"
@@ -75,8 +76,10 @@ class Tile {
   Layout layout_;
   Driven driven_;
   std::vector<Index> driven_coordinates_;
-  std::vector<OutputProgram> outputs_;       // lanes
-  std::vector<std::optional<Watch>> watch_;  // lanes
+  std::vector<Index> positive_;                     // coordinates: driven distances
+  std::vector<std::optional<DriveProgram>> drive_;  // lanes
+  std::vector<OutputProgram> outputs_;              // lanes
+  std::vector<std::optional<Watch>> watch_;         // lanes
   State state_;
   std::vector<const Variant*> variants_;  // lanes in use
   bool alike_ = false;                    // the drivers of all lanes are the same
