@@ -82,7 +82,7 @@ class ProcessNumber {
   }
 
  private:
-  struct State {
+  struct alignas(8) State {  // else clang takes a library for atomics
     int borrowers = 0, before = 0;
   };
   std::atomic<State> state_;
