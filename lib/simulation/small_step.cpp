@@ -236,7 +236,7 @@ class SmallStepOf final : public SmallStep {
       scale[i] = if_positive(scale[i], scale[i], L::set(1));
     }
     Column phi_before;
-    std::copy_n(phi, N, phi_before);
+    for (int i = 0; i < N; ++i) phi_before[i] = L::set(0);
     int iteration = 0;
     for (; !at_most(phi, scale, kConverged); ++iteration) {
       if (iteration == most_iterations) return false;
@@ -245,7 +245,7 @@ class SmallStepOf final : public SmallStep {
         if (!std::isfinite(relative)) return false;
         if (only_rounding_is_left(relative, largest_ratio(phi_before, scale))) break;
       }
-      std::copy_n(phi, N, phi_before);
+      for (int i = 0; i < N; ++i) phi_before[i] = phi[i];
       Matrix jacobian;
       differentiate(u, jacobian);
       if (!lu_.factorize(jacobian, pack.swaps.data())) return false;
