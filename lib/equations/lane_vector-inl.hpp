@@ -99,6 +99,12 @@ struct Lanes {
     for (int i = 0; i < kVectors; ++i) all = hn::AllTrue(D(), hn::Lt(a.v[i], b.v[i])) && all;
     return all;
   }
+  // a <= b in every lane
+  friend HWY_INLINE bool all_at_most(const Lanes& a, const Lanes& b) {
+    bool all = true;
+    for (int i = 0; i < kVectors; ++i) all = hn::AllTrue(D(), hn::Le(a.v[i], b.v[i])) && all;
+    return all;
+  }
   // The largest lane; NaN if there is one.
   HWY_INLINE double largest() const {
     V top = v[0];

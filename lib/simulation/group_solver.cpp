@@ -133,6 +133,7 @@ Status GroupSolver::solve(Pack& pack, double* const (&state)[3], const Attempt& 
   if (const Status s = newton(pack, x, attempt, counters, errors); !s.ok()) return s;
   if (attempt.branch == Attempt::Branch::anywhere) return {};
   if (const Status s = derivatives(pack, state, counters, errors); !s.ok()) return s;
+  if (small_step_) small_step_->choose_pivots(pack, state[0]);
   return check_branch(pack, x, attempt, counters);
 }
 
@@ -144,7 +145,7 @@ void GroupSolver::set_inputs(const Pack& pack, const double* state) {
 bool GroupSolver::small_step(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
                              StepErrors& errors, Status& status) {
   if (attempt.branch != Attempt::Branch::inside || attempt.iterations > 0) return false;
-  SmallStepFigures figures;
+  SmallStepFigures figures{0, errors.position, errors.velocity, errors.acceleration, 0};
   if (!small_step_->run(pack, state, attempt.most_iterations, figures)) return false;
   const int factorizations = figures.iterations + (class_.derivatives > 0 ? 1 : 0);
   const std::int64_t unknowns = std::int64_t{pack.used} * program_.n;
@@ -155,8 +156,9 @@ bool GroupSolver::small_step(Pack& pack, double* const (&state)[3], const Attemp
   counters.factorizations += std::int64_t{pack.used} * factorizations;
   counters.factorized_unknowns += unknowns * factorizations;
   counters.solved_unknowns += unknowns * (figures.iterations + class_.derivatives);
-  errors.merge({figures.position, figures.velocity, figures.acceleration});
+  errors = {figures.position, figures.velocity, figures.acceleration};
   if (stays_inside(figures.ball_used, pack.ball_used[0])) return true;
+  small_step_->choose_pivots(pack, state[0]);
   set_inputs(pack, state[0]);
   const double* x = state[0] + pack.unknowns;
   evaluator_->evaluate(x, phi_.data(), jacobian_.data());

@@ -25,6 +25,7 @@ struct Pack {
   std::vector<double> anchor;            // by block, what it reads x W: where omega was measured
   std::vector<double> omega;             // blocks x W
   std::vector<double> ball_used;         // blocks: part of the ball used at the last posture inside it
+  std::vector<double> swaps;             // of a small step: see SmallLu
   std::unique_ptr<LinearSolver> solver;  // with pivots or factors of its own; null: the class's serves
   bool factored = false;                 // +reuse=run: `solver` holds factors of an earlier posture
 };

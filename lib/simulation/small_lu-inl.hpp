@@ -1,6 +1,7 @@
 // Dense LU of W matrices of order N side by side, in registers: for the smallest groups a list of operations would take
-// longer to read than to carry out. Each lane has its own pivots, the largest of its column against its row. Included
-// once for each target, inside its HWY_NAMESPACE (see Highway, "foreach_target.h").
+// longer to read than to carry out. Each lane has its own order of rows, chosen now and then: to compare pivots each
+// time would take as long as the rest. Included once for each target, inside its HWY_NAMESPACE (see Highway,
+// "foreach_target.h").
 #if defined(ASSUR_SMALL_LU_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef ASSUR_SMALL_LU_INL
 #undef ASSUR_SMALL_LU_INL
@@ -25,26 +26,53 @@ class SmallLu {
         least_pivot_(square(lanes::limits(N, Precision::binary64).pivot)),
         smallest_(square(lanes::limits(N, Precision::binary64).smallest)) {}
 
-  // Watched as the backend `lanes` watches it: false if a lane does not keep to its limits, or is not finite.
-  [[nodiscard]] HWY_INLINE bool factorize(const L (&matrix)[N][N]) {
-    L of_a[N];  // squares of a row
+  static constexpr int kSwaps = N * (N - 1) / 2;
+
+  // Rows k and i > k change places before column k where swaps[...] > 0, kSwaps x W: so that the pivot is the largest
+  // of its column against its row.
+  static void choose_swaps(const L (&matrix)[N][N], double* swaps) {
+    L f[N][N], of_a[N];
     for (int i = 0; i < N; ++i) {
-      of_a[i] = L::set(0);
-      for (int j = 0; j < N; ++j) {
-        f_[i][j] = matrix[i][j];
-        of_a[i].add_product(matrix[i][j], matrix[i][j]);
+      for (int j = 0; j < N; ++j) f[i][j] = matrix[i][j];
+      of_a[i] = squares(f[i]);
+    }
+    for (int k = 0; k < N; ++k) {
+      for (int i = k + 1; i < N; ++i, swaps += W) {
+        (f[i][k] * f[i][k] * of_a[k] - f[k][k] * f[k][k] * of_a[i]).store(swaps);
+        const auto swap = less(L::set(0), L::load(swaps));
+        for (int j = 0; j < N; ++j) swap_if(swap, f[k][j], f[i][j]);
+        swap_if(swap, of_a[k], of_a[i]);
+      }
+      for (int i = k + 1; i < N; ++i) {
+        const L factor = f[i][k] / f[k][k];
+        for (int j = k + 1; j < N; ++j) f[i][j].subtract_product(factor, f[k][j]);
       }
     }
+  }
+
+  // Watched as the backend `lanes` watches it: false if a lane does not keep to its limits, or is not finite.
+  [[nodiscard]] HWY_INLINE bool factorize(const L (&matrix)[N][N], const double* swaps) {
+    for (int i = 0; i < N; ++i) {
+      for (int j = 0; j < N; ++j) f_[i][j] = matrix[i][j];
+    }
+    for (int k = 0; k < N; ++k) {
+      for (int i = k + 1; i < N; ++i, swaps += W) {
+        swap_[k][i] = less(L::set(0), L::load(swaps));
+        for (int j = 0; j < N; ++j) swap_if(swap_[k][i], f_[k][j], f_[i][j]);
+      }
+    }
+    L of_a[N];
+    for (int i = 0; i < N; ++i) of_a[i] = squares(f_[i]);
     const L shrink = L::set(least_shrink_), pivot = L::set(least_pivot_), smallest = L::set(smallest_);
-    L largest_u = L::set(1);
+    L largest_u = L::set(1), determinant = f_[0][0];
+    if (N == 2) {
+      determinant = f_[0][0] * f_[1][1];
+      determinant.subtract_product(f_[1][0], f_[0][1]);
+    }
     bool good = true;
     for (int k = 0; k < N; ++k) {
-      for (int i = k + 1; i < N; ++i) {
-        swap_[k][i] = less(f_[k][k] * f_[k][k] * of_a[i], f_[i][k] * f_[i][k] * of_a[k]);
-        for (int j = 0; j < N; ++j) swap_if(swap_[k][i], f_[k][j], f_[i][j]);
-        swap_if(swap_[k][i], of_a[k], of_a[i]);
-      }
-      reciprocal_[k] = L::set(1) / f_[k][k];
+      // The second of two pivots is determinant / first: so both divisions run at a time.
+      reciprocal_[k] = N == 2 && k == 1 ? f_[0][0] / determinant : L::set(1) / f_[k][k];
       const L of_pivot = f_[k][k] * f_[k][k];
       L of_l = of_pivot, of_u = L::set(0);
       for (int j = 0; j < k; ++j) of_l.add_product(f_[k][j], f_[k][j]);
@@ -77,11 +105,16 @@ class SmallLu {
 
  private:
   static double square(double x) { return x * x; }
+  static HWY_INLINE L squares(const L (&row)[N]) {
+    L sum = row[0] * row[0];
+    for (int j = 1; j < N; ++j) sum.add_product(row[j], row[j]);
+    return sum;
+  }
 
   double least_shrink_, least_pivot_, smallest_;  // limits, squared
   L f_[N][N];                                     // L and, right of its diagonal, U
   L reciprocal_[N];                               // of the pivots
-  typename L::Mask swap_[N][N];                   // rows k and i > k, before column k
+  typename L::Mask swap_[N][N];                   // rows k and i > k
 };
 
 // NOLINTNEXTLINE(google-readability-namespace-comments)

@@ -204,10 +204,21 @@ class SmallStepOf final : public SmallStep {
         reads_(blocks.reads(0)),
         c_(group_class, program, std::move(separable)) {}
 
+  void choose_pivots(Pack& pack, const double* state) override {
+    Column x, phi;
+    Matrix u, jacobian;
+    load(state + pack.unknowns, x);
+    c_.set_inputs(pack, state);
+    evaluate(x, u, phi);
+    differentiate(u, jacobian);
+    pack.swaps.resize(SmallLu<W, N>::kSwaps * W);
+    SmallLu<W, N>::choose_swaps(jacobian, pack.swaps.data());
+  }
+
   bool run(const Pack& pack, double* const (&state)[3], int most_iterations, SmallStepFigures& figures) override {
     Column x;
     Matrix u;  // a_ij x_j + b_ij
-    for (int i = 0; i < N; ++i) x[i] = L::load(state[0] + pack.unknowns + i * W);
+    load(state[0] + pack.unknowns, x);
     c_.set_inputs(pack, state[0]);
     if (!newton(pack, x, u, most_iterations, figures)) return false;
     if (derivatives_ > 0 && !derivatives(pack, x, u, state, figures)) return false;
@@ -218,21 +229,26 @@ class SmallStepOf final : public SmallStep {
 
  private:
   HWY_INLINE bool newton(const Pack& pack, Column& x, Matrix& u, int most_iterations, SmallStepFigures& figures) {
-    Column phi, inverse_scale;
+    Column phi, scale;
     evaluate(x, u, phi);
-    const L one = L::set(1);
     for (int i = 0; i < N; ++i) {
-      const L scale = scale_of(i, x, u);
-      inverse_scale[i] = one / if_positive(scale, scale, one);
+      scale[i] = scale_of(i, x, u);
+      scale[i] = if_positive(scale[i], scale[i], L::set(1));
     }
-    double relative = largest_ratio(phi, inverse_scale), before = 0;
+    Column phi_before;
+    for (int i = 0; i < N; ++i) phi_before[i] = L::set(0);
     int iteration = 0;
-    for (; !(relative <= kConverged); ++iteration) {
-      if (!std::isfinite(relative) || iteration == most_iterations) return false;
-      if (iteration > 0 && only_rounding_is_left(relative, before)) break;
+    for (; !at_most(phi, scale, kConverged); ++iteration) {
+      if (iteration == most_iterations) return false;
+      if (iteration > 0) {
+        const double relative = largest_ratio(phi, scale);
+        if (!std::isfinite(relative)) return false;
+        if (only_rounding_is_left(relative, largest_ratio(phi_before, scale))) break;
+      }
+      for (int i = 0; i < N; ++i) phi_before[i] = phi[i];
       Matrix jacobian;
       differentiate(u, jacobian);
-      if (!lu_.factorize(jacobian)) return false;
+      if (!lu_.factorize(jacobian, pack.swaps.data())) return false;
       Column correction;
       lu_.solve(phi, correction);
       L largest = L::set(0), poison = L::set(0);
@@ -242,12 +258,10 @@ class SmallStepOf final : public SmallStep {
         poison.add_product(correction[i], L::set(0));
       }
       if (iteration == 0 && !is_near(pack, largest + poison)) return false;
-      before = relative;
       evaluate(x, u, phi);
-      relative = largest_ratio(phi, inverse_scale);
     }
     figures.iterations = iteration;
-    figures.position = relative;
+    if (!at_most(phi, scale, figures.position)) figures.position = largest_ratio(phi, scale);
     return true;
   }
 
@@ -255,7 +269,7 @@ class SmallStepOf final : public SmallStep {
                               SmallStepFigures& figures) {
     Matrix jacobian;
     differentiate(u, jacobian);
-    if (!lu_.factorize(jacobian)) return false;
+    if (!lu_.factorize(jacobian, pack.swaps.data())) return false;
     const L norm = norm_of(jacobian);
     c_.set_rates(pack, state[1]);
     Column rhs, rate;
@@ -265,7 +279,7 @@ class SmallStepOf final : public SmallStep {
     }
     c_.subtract_rates(x, rhs);
     lu_.solve(rhs, rate);
-    figures.velocity = residual(jacobian, norm, rate, rhs);
+    figures.velocity = residual(jacobian, norm, rate, rhs, figures.velocity);
     store(rate, state[1] + pack.unknowns);
     if (derivatives_ > 1) {
       c_.set_accelerations(pack, state[2]);
@@ -282,7 +296,7 @@ class SmallStepOf final : public SmallStep {
       c_.subtract_accelerations(x, rate, rhs);
       Column acceleration;
       lu_.solve(rhs, acceleration);
-      figures.acceleration = residual(jacobian, norm, acceleration, rhs);
+      figures.acceleration = residual(jacobian, norm, acceleration, rhs, figures.acceleration);
       store(acceleration, state[2] + pack.unknowns);
     }
     return std::isfinite(figures.velocity + figures.acceleration);
@@ -330,10 +344,16 @@ class SmallStepOf final : public SmallStep {
     return used.largest() <= kKantorovich * (1 - pack.ball_used[0]);
   }
 
-  static HWY_INLINE double largest_ratio(const Column& phi, const Column& inverse_scale) {
+  // |phi| <= bound * scale everywhere: no division, and false for NaN.
+  static HWY_INLINE bool at_most(const Column& phi, const Column& scale, double bound) {
+    bool all = true;
+    for (int i = 0; i < N; ++i) all = all_at_most(abs(phi[i]), L::set(bound) * scale[i]) && all;
+    return all;
+  }
+  static HWY_INLINE double largest_ratio(const Column& phi, const Column& scale) {
     L largest = L::set(0), poison = L::set(0);
     for (int i = 0; i < N; ++i) {
-      const L ratio = phi[i] * inverse_scale[i];
+      const L ratio = phi[i] / scale[i];
       largest = max(largest, abs(ratio));
       poison.add_product(ratio, L::set(0));
     }
@@ -351,8 +371,9 @@ class SmallStepOf final : public SmallStep {
     return largest;
   }
 
-  // |b - J x| / (|J| |x| + |b|), maximum norms, of the worst lane.
-  static HWY_INLINE double residual(const Matrix& jacobian, const L& norm, const Column& x, const Column& b) {
+  // The larger of `worst` and |b - J x| / (|J| |x| + |b|), maximum norms, in every lane.
+  static HWY_INLINE double residual(const Matrix& jacobian, const L& norm, const Column& x, const Column& b,
+                                    double worst) {
     L norm_r = L::set(0), norm_x = L::set(0), norm_b = L::set(0), poison = L::set(0);
     for (int i = 0; i < N; ++i) {
       L rest = b[i];
@@ -363,9 +384,15 @@ class SmallStepOf final : public SmallStep {
       poison.add_product(rest, L::set(0));
     }
     norm_b.add_product(norm, norm_x);
-    return (norm_r / if_positive(norm_b, norm_b, L::set(1)) + poison).largest();
+    norm_r = norm_r + poison;
+    norm_b = if_positive(norm_b, norm_b, L::set(1));
+    if (HWY_LIKELY(all_at_most(norm_r, L::set(worst) * norm_b))) return worst;
+    return (norm_r / norm_b).largest();
   }
 
+  static HWY_INLINE void load(const double* from, Column& to) {
+    for (int i = 0; i < N; ++i) to[i] = L::load(from + i * W);
+  }
   static HWY_INLINE void store(const Column& from, double* to) {
     for (int i = 0; i < N; ++i) from[i].store(to + i * W);
   }
@@ -400,8 +427,6 @@ SmallStep* make(const GroupClass& group_class, const Program& program, const Blo
       return of_size<4>(group_class, program, blocks, std::move(separable));
     case 8:
       return of_size<8>(group_class, program, blocks, std::move(separable));
-    case 16:
-      return of_size<16>(group_class, program, blocks, std::move(separable));
     default:
       return nullptr;
   }

@@ -13,13 +13,17 @@ namespace assur {
 
 struct SmallStepFigures {
   int iterations = 0;
-  double position = 0, velocity = 0, acceleration = 0;  // relative residuals, of the worst lane
+  // Relative residuals: the worst so far, before and after.
+  double position = 0, velocity = 0, acceleration = 0;
   double ball_used = 0;
 };
 
 class SmallStep {
  public:
   virtual ~SmallStep() = default;
+
+  // The order of the pack's rows in each lane, from a posture; run() needs one. The first one takes memory.
+  virtual void choose_pivots(Pack& pack, const double* state) = 0;
 
   // state[d]: d-th derivative of all coordinates, with the prediction in the pack's unknowns. True: they are solved, by
   // the same rules as in GroupSolver. False: the factorisation, the convergence or the Kantorovich number of some lane
@@ -28,8 +32,8 @@ class SmallStep {
                                  SmallStepFigures& figures) = 0;
 };
 
-// Null if the class has none: 2 or 3 unknowns in one irreducible block of separable equations. `program` and `blocks`
-// must outlive it.
+// Null if the class has none: 2 or 3 unknowns in one irreducible block of separable equations, in up to 8 lanes.
+// `program` and `blocks` must outlive it.
 [[nodiscard]] std::unique_ptr<SmallStep> make_small_step(const GroupClass& group_class, const Program& program,
                                                          const BlockConditions& blocks, int lanes);
 
