@@ -16,15 +16,17 @@ constexpr double kRounding = 1e-12;  // a residual below it that no longer falls
 // ---- Newton's method
 
 template <class Mechanism>
-Afternoon<Mechanism>::Afternoon(Mechanism mechanism, double tolerance)
+Afternoon<Mechanism>::Afternoon(Mechanism mechanism, KluOptions options, double tolerance)
     : mechanism_(std::move(mechanism)), tolerance_(tolerance), columns_(mechanism_.columns()) {
   n_ = static_cast<int>(columns_.start.size()) - 1;
   for (std::vector<double>* x : {&q_, &v_, &a_, &correction_}) x->resize(static_cast<std::size_t>(n_));
   jacobian_.resize(columns_.row.size());
   mechanism_.guess(q_.data());
   klu_defaults(&common_);
-  common_.scale = -1;  // rows of one mechanism are alike: unscaled and unchecked it is a fifth faster
-  common_.tol = 1;     // partial pivoting, once: blocks of two or three have no fill to save
+  if (options == KluOptions::unscaled) {
+    common_.scale = -1;
+    common_.tol = 1;
+  }
   symbolic_ = klu_analyze(n_, columns_.start.data(), columns_.row.data(), &common_);
 }
 

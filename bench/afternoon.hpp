@@ -1,7 +1,7 @@
 // The rival: what a good engineer writes in an afternoon for one mechanism. One global Newton iteration in natural
 // coordinates from a Taylor prediction; residuals and Jacobian by hand, straight into compressed columns; KLU with
-// block triangular form, analysed once and refactorised for each iteration and once for velocity and acceleration. It
-// uses nothing of the library, so that its motion can also be held against it.
+// block triangular form and its defaults, analysed once and refactorised for each iteration and once for velocity and
+// acceleration. It uses nothing of the library, so that its motion can also be held against it.
 #pragma once
 
 #include <klu.h>
@@ -16,6 +16,11 @@ namespace assur::bench {
 
 // The same bound as the library's own for a solved equation: |Phi_i| / (sum_j |dPhi_i/dq_j| |q_j| + |constant|).
 inline constexpr double kRivalTolerance = 8 * std::numeric_limits<double>::epsilon();
+
+enum class KluOptions {
+  defaults,  // klu_defaults: rows scaled by their largest, pivots kept on the diagonal down to 0.001 of their column
+  unscaled,  // rows of one mechanism are alike: no scaling, no checks; partial pivoting, as small blocks have no fill
+};
 
 // Compressed columns, as KLU takes them.
 struct Columns {
@@ -32,7 +37,7 @@ struct Columns {
 template <class Mechanism>
 class Afternoon {
  public:
-  explicit Afternoon(Mechanism mechanism, double tolerance = kRivalTolerance);
+  explicit Afternoon(Mechanism mechanism, KluOptions options = {}, double tolerance = kRivalTolerance);
   Afternoon(const Afternoon&) = delete;
   Afternoon& operator=(const Afternoon&) = delete;
   ~Afternoon();

@@ -1,9 +1,10 @@
 // Honest baselines: what the library costs over a hand-written loop over the very same calls of KLU and LAPACK, with
-// the same number of factorisations and solutions. `ratio` is the library's time over that of the hand, block by block
-// in turns, the median of it; at most 1.15 is asked for.
+// the same number of factorisations and solutions. Ratios are the library's time over that of the hand, block by block
+// in turns, the median of them; at most 1.15 is asked for.
 //   solver: one factorisation and three solutions of each of six groups, our backend against bare calls
 //   legs:   position, velocity and acceleration of the six legs of `stewart`, groups/BACKEND+predict=hermite:5 against
-//           the leg written by hand; the terminal is given to both
+//           the leg written by hand, the terminal given to all: `hand` checks what the library checks, `unchecked`
+//           nothing, `calls` are those of KLU or LAPACK alone
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -17,7 +18,7 @@
 
 #include "assur/assur.hpp"
 #include "bare_calls.hpp"
-#include "leg_by_hand.hpp"
+#include "legs_by_hand.hpp"
 #include "matrices.hpp"
 #include "program.hpp"
 #include "simulation/inputs.hpp"
@@ -37,16 +38,20 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
+double median_ratio(const std::vector<double>& a, const std::vector<double>& b) {
+  std::vector<double> ratio;
+  for (std::size_t i = 0; i < a.size(); ++i) ratio.push_back(a[i] / b[i]);
+  return median(ratio);
+}
+
 // Times of both sides of one comparison, block after block.
 struct Times {
   std::vector<double> library, hand;
 
   void report(benchmark::State& state, double per_block) const {
-    std::vector<double> ratio;
-    for (std::size_t i = 0; i < hand.size(); ++i) ratio.push_back(library[i] / hand[i]);
     state.counters["library"] = median(library) / per_block;
     state.counters["hand"] = median(hand) / per_block;
-    state.counters["ratio"] = median(ratio);
+    state.counters["ratio"] = median_ratio(library, hand);
   }
 };
 
@@ -114,13 +119,9 @@ void compare_solvers(benchmark::State& state, const std::string& kind, int n) {
 // ---- the six legs
 
 constexpr int kLegs = 6;
-constexpr int kWarm = 10;                                                  // steps
-constexpr double kConverged = 8 * std::numeric_limits<double>::epsilon();  // as in the library, and so is the rest
-constexpr double kRoundingLevel = 1e-12;
-constexpr int kMostIterations = 12;
-constexpr double kSame = 1e-10;  // m: the two motions agree
-
-std::string leg_name(const char* name, int leg) { return name + std::to_string(leg + 1); }
+constexpr int kWarm = 10;        // steps
+constexpr double kSame = 1e-10;  // m: the motions agree
+constexpr double kConverged = 8 * std::numeric_limits<double>::epsilon();
 
 // The library's own parts, so that the legs can be timed without the terminal before them.
 class LegsByLibrary {
@@ -204,127 +205,45 @@ class LegsByLibrary {
   bool ok_ = false, held_ = true;
 };
 
-// The same by hand.
-template <class Bare>
-class LegsByHand {
- public:
-  using Unknowns = LegByHand::Unknowns;
-
-  LegsByHand(const Scene& scene, const LegsByLibrary& start) : jacobian_(LegByHand::pattern().row.size()) {
-    const auto at = [](const auto& all, const std::string& name) {
-      return std::find_if(all.begin(), all.end(), [&](const auto& x) { return x.name == name; });
-    };
-    const Body& terminal = scene.bodies().at(0);
-    for (int k = 0; k < kLegs; ++k) {
-      Leg& leg = legs_.emplace_back(
-          LegByHand(at(scene.points(), leg_name("A", k))->at, at(scene.vectors(), leg_name("a", k))->at,
-                    at(terminal.points, leg_name("P", k))->local, at(terminal.vectors, leg_name("t", k))->local));
-      for (int d = 0; d < 3; ++d) {
-        auto* to = (d == 0 ? leg.q : d == 1 ? leg.v : leg.a).data();
-        for (const char* name : {"B", "e", "r", "c", "d"}) {
-          const Vec x = start.value(leg_name(name, k), d);
-          to = std::copy(x.begin(), x.end(), to);
-        }
-      }
-      predict(leg, scene.time().step, true);
-    }
-  }
-
-  // Inputs: the terminal with both derivatives at the time of the step. The next step is dt later.
-  bool step(const Terminal& value, const Terminal& rate, const Terminal& acceleration, double dt) {
-    iterations_ = 0;
-    for (Leg& leg : legs_) {
-      leg.equations.set_inputs(value);
-      if (!newton(leg) || !leg.solver->factorize(jacobian_.data())) return false;
-      leg.equations.velocity(rate, leg.v);
-      if (!leg.solver->solve(leg.v.data())) return false;
-      leg.equations.acceleration(leg.v, acceleration, leg.a);
-      if (!leg.solver->solve(leg.a.data())) return false;
-      predict(leg, dt, false);
-    }
-    return true;
-  }
-
-  [[nodiscard]] std::int64_t iterations() const { return iterations_; }  // of all legs in the last step
-  // B of a leg at the last step
-  [[nodiscard]] Vec B(int leg) const {
-    const Unknowns& q = legs_[static_cast<std::size_t>(leg)].last_q;
-    return {q[0], q[1], q[2]};
-  }
-
- private:
-  struct Leg {
-    explicit Leg(const LegByHand& leg) : equations(leg), solver(std::make_unique<Bare>(LegByHand::pattern())) {}
-    LegByHand equations;
-    std::unique_ptr<Bare> solver;
-    Unknowns q{}, v{}, a{};                 // at hand: q is the prediction before a step
-    Unknowns last_q{}, last_v{}, last_a{};  // of the last step
-  };
-
-  bool newton(Leg& leg) {
-    double worst = leg.equations.evaluate(leg.q, phi_, jacobian_.data());
-    for (int k = 0; !(worst <= kConverged); ++k) {
-      if (k == kMostIterations || !leg.solver->factorize(jacobian_.data()) || !leg.solver->solve(phi_.data()))
-        return false;
-      for (std::size_t i = 0; i < phi_.size(); ++i) leg.q[i] -= phi_[i];
-      ++iterations_;
-      const double before = worst;
-      worst = leg.equations.evaluate(leg.q, phi_, jacobian_.data());
-      if (worst <= kRoundingLevel && worst > before / 4) break;
-    }
-    return true;
-  }
-
-  // Accepts the posture at hand and extrapolates: the quintic through the last two, with their rates and accelerations,
-  // at equal steps; Taylor from the first.
-  void predict(Leg& leg, double h, bool first) {
-    const Unknowns q = leg.q;
-    for (std::size_t i = 0; i < q.size(); ++i) {
-      leg.q[i] = first ? q[i] + h * leg.v[i] + h * h / 2 * leg.a[i]
-                       : 32 * q[i] - 31 * leg.last_q[i] - h * (16 * leg.v[i] + 14 * leg.last_v[i]) +
-                             h * h * (4 * leg.a[i] - 2 * leg.last_a[i]);
-    }
-    leg.last_q = q, leg.last_v = leg.v, leg.last_a = leg.a;
-  }
-
-  std::vector<Leg> legs_;
-  Unknowns phi_{};
-  std::vector<double> jacobian_;
-  std::int64_t iterations_ = 0;
-};
-
 template <class Bare>
 void compare_legs(benchmark::State& state) {
   const Scene scene = sample("stewart");
   const double dt = scene.time().step;
   LegsByLibrary library(scene, std::string(Bare::kBackend), 0);
   if (!library.ok()) return state.SkipWithError("the start failed");
-  LegsByHand<Bare> hand(scene, library);
+  LegsByHand<Bare, Checks::as_the_library> hand(scene, library);
+  LegsByHand<Bare, Checks::none> unchecked(scene, library);
   library.predict(dt);
   Times times;
-  std::int64_t k = 0, iterations = 0, iterations_by_hand = 0, factorizations = 0;
+  std::vector<double> without_checks, calls;
+  std::int64_t k = 0, iterations = 0, iterations_by_hand = 0, factorizations = 0, balls = 0, balls_by_hand = 0;
   double difference = 0;
   const auto step = [&] {
     const double t = scene.time().time(++k), next = scene.time().time(k + 1);
     if (!library.prepare_step(t)) return false;
     const Terminal terminal[] = {library.terminal(0), library.terminal(1), library.terminal(2)};
-    auto start = Clock::now();
-    bool ok = hand.step(terminal[0], terminal[1], terminal[2], dt);
-    times.hand.push_back(seconds(start));
-    start = Clock::now();
-    ok = library.step(t, next) && ok;
-    times.library.push_back(seconds(start));
+    bool ok = true;
+    const auto time = [&ok](std::vector<double>& to, const auto& work) {
+      const auto start = Clock::now();
+      ok = work() && ok;
+      to.push_back(seconds(start));
+    };
+    time(times.hand, [&] { return hand.step(terminal[0], terminal[1], terminal[2], dt); });
+    time(times.library, [&] { return library.step(t, next); });
+    time(without_checks, [&] { return unchecked.step(terminal[0], terminal[1], terminal[2], dt); });
+    time(calls, [&] { return unchecked.calls(); });
     if (!library.held()) {
-      times.hand.pop_back();
-      times.library.pop_back();
+      for (auto* all : {&times.hand, &times.library, &without_checks, &calls}) all->pop_back();
     }
     return ok;
   };
   const auto compare = [&] {
     library.restore();
     for (int leg = 0; leg < kLegs; ++leg) {
-      const Vec ours = library.value(leg_name("B", leg), 0), theirs = hand.B(leg);
-      for (std::size_t i = 0; i < 3; ++i) difference = std::max(difference, std::abs(ours[i] - theirs[i]));
+      const Vec ours = library.value(leg_name("B", leg), 0);
+      for (const Vec& theirs : {hand.B(leg), unchecked.B(leg)}) {
+        for (std::size_t i = 0; i < 3; ++i) difference = std::max(difference, std::abs(ours[i] - theirs[i]));
+      }
     }
     library.predict(scene.time().time(k + 1));
   };
@@ -332,25 +251,38 @@ void compare_legs(benchmark::State& state) {
     if (!step()) return state.SkipWithError("a step failed");
   }
   times = {};
+  without_checks.clear();
+  calls.clear();
+  balls_by_hand = -hand.balls();
   for ([[maybe_unused]] auto _ : state) {
     if (!step()) return state.SkipWithError("a step failed");
     state.SetIterationTime(times.library.empty() ? 0 : times.library.back());
     compare();
     iterations += library.counters().newton_iterations;
     factorizations += library.counters().factorizations;
+    balls += library.counters().branch_checks;
     iterations_by_hand += hand.iterations();
   }
-  if (!(difference <= kSame)) return state.SkipWithError("the two motions differ");
+  if (!(difference <= kSame)) return state.SkipWithError("the motions differ");
+  if (!(hand.worst_error() <= kConverged)) return state.SkipWithError("a residual by hand is too large");
   times.report(state, 1);
-  const auto steps = static_cast<double>(state.iterations());
-  state.counters["iterations"] = static_cast<double>(iterations) / kLegs / steps;
-  state.counters["factorizations"] = static_cast<double>(factorizations) / kLegs / steps;
-  state.counters["by_hand"] = static_cast<double>(iterations_by_hand) / kLegs / steps;
+  state.counters["unchecked"] = median(without_checks);
+  state.counters["calls"] = median(calls);
+  state.counters["over_unchecked"] = median_ratio(times.library, without_checks);
+  state.counters["over_calls"] = median_ratio(times.library, calls);
+  const auto per_leg = [&](std::int64_t all) {
+    return static_cast<double>(all) / kLegs / static_cast<double>(state.iterations());
+  };
+  state.counters["iterations"] = per_leg(iterations);
+  state.counters["factorizations"] = per_leg(factorizations);
+  state.counters["balls"] = per_leg(balls);
+  state.counters["iterations_by_hand"] = per_leg(iterations_by_hand);
+  state.counters["balls_by_hand"] = per_leg(balls_by_hand + hand.balls());
   state.counters["difference"] = difference;
 }
 
 template <class Bare>
-void register_library() {
+void register_library(const std::string& against = "") {
   const std::string id(Bare::kBackend);
   const auto row = std::find_if(backends().begin(), backends().end(), [&](const Backend& b) { return b.id == id; });
   if (row == backends().end() || !row->why_not({}, {}).empty()) return;
@@ -359,15 +291,16 @@ void register_library() {
     int n;
   };
   for (const auto& [kind, n] : {Size{"legs", 15}, {"ring", 30}, {"ring", 120}, {"ring", 360}}) {
-    benchmark::RegisterBenchmark(("solver " + id + " " + kind + " n=" + std::to_string(n)).c_str(),
+    benchmark::RegisterBenchmark(("solver " + id + " " + kind + " n=" + std::to_string(n) + against).c_str(),
                                  compare_solvers<Bare>, std::string(kind), n)
         ->UseManualTime();
   }
-  benchmark::RegisterBenchmark(("legs groups/" + id).c_str(), compare_legs<Bare>)->UseManualTime();
+  benchmark::RegisterBenchmark(("legs groups/" + id + against).c_str(), compare_legs<Bare>)->UseManualTime();
 }
 
 void register_all() {
   register_library<BareKlu>();
+  register_library<BareKluUnscaled>(", by hand unscaled");
 #ifdef ASSUR_BENCH_LAPACK
   if (openblas_set_num_threads != nullptr) openblas_set_num_threads(1);
   register_library<BareLapack>();

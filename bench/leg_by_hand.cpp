@@ -16,6 +16,9 @@ enum Equation { kHandleLength = 0, kHinge = 3, kRodLength = 4, kCR = 7, kCT, kDR
 
 double dot(const Vec& a, const Vec& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 Vec at(const LegByHand::Unknowns& q, std::size_t i) { return {q[i], q[i + 1], q[i + 2]}; }
+Vec magnitude(const LegByHand::Unknowns& q, std::size_t i) {
+  return {std::abs(q[i]), std::abs(q[i + 1]), std::abs(q[i + 2])};
+}
 Vec in_plane(const Vec& local, const Terminal& x) {
   return {local[0] * x.u[0] + local[1] * x.v[0], local[0] * x.u[1] + local[1] * x.v[1],
           local[0] * x.u[2] + local[1] * x.v[2]};
@@ -41,11 +44,14 @@ Pattern LegByHand::pattern() {
 
 void LegByHand::set_inputs(const Terminal& value) {
   P_ = in_plane(local_P_, value);
-  for (std::size_t i = 0; i < 3; ++i) P_[i] += value.O[i];
+  for (std::size_t i = 0; i < 3; ++i) {
+    P_[i] += value.O[i];
+    P_scale_[i] = std::abs(value.O[i]) + std::abs(local_P_[0] * value.u[i]) + std::abs(local_P_[1] * value.v[i]);
+  }
   t_ = in_plane(local_t_, value);
 }
 
-double LegByHand::evaluate(const Unknowns& q, Unknowns& phi, double* jacobian) {
+void LegByHand::evaluate(const Unknowns& q, Unknowns& phi, double* jacobian) {
   const Vec B = at(q, kB), e = at(q, kE), r = at(q, kR), c = at(q, kC), d = at(q, kD);
   c_ = c;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -69,9 +75,24 @@ double LegByHand::evaluate(const Unknowns& q, Unknowns& phi, double* jacobian) {
   for (std::size_t i = 0; i < 3; ++i) put({-kRod, c[i], d[i], r[i]});
   for (std::size_t i = 0; i < 3; ++i) put({r[i], t_[i], d[i], c[i]});
   for (std::size_t i = 0; i < 3; ++i) put({r[i], c[i], d[i]});
-  double worst = 0;
-  for (const double value : phi) worst = std::max(worst, std::abs(value));
-  return worst;
+}
+
+void LegByHand::scale(const Unknowns& q, Unknowns& scale) const {
+  const Vec B = magnitude(q, kB), e = magnitude(q, kE), r = magnitude(q, kR), c = magnitude(q, kC),
+            d = magnitude(q, kD);
+  for (std::size_t i = 0; i < 3; ++i) {
+    scale[kHandleLength + i] = B[i] + std::abs(A_[i]) + kHandle * e[i];
+    scale[kRodLength + i] = P_scale_[i] + B[i] + kRod * r[i];
+  }
+  scale[kHinge] = std::abs(a_[0]) * e[0] + std::abs(a_[1]) * e[1] + std::abs(a_[2]) * e[2];
+  scale[kCR] = 2 * dot(c, r);
+  scale[kCT] = 2 * (std::abs(t_[0]) * c[0] + std::abs(t_[1]) * c[1] + std::abs(t_[2]) * c[2]);
+  scale[kDR] = 2 * dot(d, r);
+  scale[kDC] = 2 * dot(d, c);
+  scale[kEE] = dot(e, e) + 0.5;
+  scale[kRR] = dot(r, r) + 0.5;
+  scale[kCC] = dot(c, c) + 0.5;
+  scale[kDD] = dot(d, d) + 0.5;
 }
 
 void LegByHand::velocity(const Terminal& rate, Unknowns& b) {
@@ -98,6 +119,13 @@ void LegByHand::acceleration(const Unknowns& v, const Terminal& acceleration, Un
   b[kRR] = -dot(r, r);
   b[kCC] = -dot(c, c);
   b[kDD] = -dot(d, d);
+}
+
+LegByHand::Reads LegByHand::reads(const Unknowns& q) const {
+  Reads all;
+  const auto inputs = std::copy(q.begin(), q.end(), all.begin());
+  std::copy(t_.begin(), t_.end(), std::copy(P_.begin(), P_.end(), inputs));
+  return all;
 }
 
 }  // namespace assur::bench

@@ -1,5 +1,4 @@
-// One leg of the Stewart platform, group SG_HS with its 15 coordinates B, e, r, c, d, written by hand in plain C++:
-// what groups/klu and groups/lapack would be without a library around the library.
+// One leg of the Stewart platform, group SG_HS with its 15 coordinates B, e, r, c, d, written by hand in plain C++.
 #pragma once
 
 #include <array>
@@ -30,15 +29,24 @@ class LegByHand {
   [[nodiscard]] static Pattern pattern();
 
   void set_inputs(const Terminal& value);
-  // Returns the largest |phi|; jacobian: in the order of pattern().
-  double evaluate(const Unknowns& q, Unknowns& phi, double* jacobian);
+  // jacobian: in the order of pattern().
+  void evaluate(const Unknowns& q, Unknowns& phi, double* jacobian);
+  // scale_i = sum_j |dPhi_i/dq_j| |q_j| + |constant|
+  void scale(const Unknowns& q, Unknowns& scale) const;
   // b = -Phi_h h' and b = -(Phi_h h'' + d/dt(Phi_q) q'), at the posture of the last evaluate().
   void velocity(const Terminal& rate, Unknowns& b);
   void acceleration(const Unknowns& v, const Terminal& acceleration, Unknowns& b) const;
 
+  // All that the equations read and that moves: the unknowns, P and t.
+  using Reads = std::array<double, kUnknowns + 6>;
+  [[nodiscard]] Reads reads(const Unknowns& q) const;
+  // Of the rows of the Jacobian, in the maximum norm of what they read: the number of products in them, squares once.
+  static constexpr Unknowns kLipschitz = {0, 0, 0, 0, 0, 0, 0, 6, 3, 6, 6, 3, 3, 3, 3};
+
  private:
   Vec A_, a_, local_P_, local_t_;
   Vec P_{}, t_{}, t_rate_{}, c_{};
+  Vec P_scale_{};  // |O| + |local| |u, v|
 };
 
 }  // namespace assur::bench

@@ -16,12 +16,20 @@ namespace {
 
 constexpr int kWarm = 10;  // steps
 
-// Where only 1e-12 is asked for, some steps save an iteration.
-constexpr double kLoose = 1e-12;
+struct Rival {
+  const char* name;
+  KluOptions options;
+  double tolerance;
+};
+constexpr Rival kRivals[] = {
+    {"afternoon", KluOptions::defaults, kRivalTolerance},
+    {"afternoon, unscaled", KluOptions::unscaled, kRivalTolerance},
+    {"afternoon, unscaled, to 1e-12", KluOptions::unscaled, 1e-12},  // some steps save an iteration
+};
 
 template <class Mechanism>
-void time_rival(benchmark::State& state, const Mechanism& mechanism, double tolerance, double dt) {
-  Afternoon<Mechanism> rival(mechanism, tolerance);
+void time_rival(benchmark::State& state, const Mechanism& mechanism, const Rival& kind, double dt) {
+  Afternoon<Mechanism> rival(mechanism, kind.options, kind.tolerance);
   std::int64_t k = 0;
   for (; k < kWarm; ++k) {
     if (!rival.step(dt * static_cast<double>(k))) return state.SkipWithError("a step failed");
@@ -42,9 +50,8 @@ void time_rival(benchmark::State& state, const Mechanism& mechanism, double tole
 template <class Mechanism>
 void register_mechanism(const std::string& text, const Scene& scene, const Mechanism& mechanism) {
   const double dt = scene.time().step;
-  for (const double tolerance : {kRivalTolerance, kLoose}) {
-    benchmark::RegisterBenchmark((text + (tolerance == kLoose ? " afternoon, to 1e-12" : " afternoon")).c_str(),
-                                 time_rival<Mechanism>, mechanism, tolerance, dt);
+  for (const Rival& kind : kRivals) {
+    benchmark::RegisterBenchmark((text + " " + kind.name).c_str(), time_rival<Mechanism>, mechanism, kind, dt);
   }
   for (const std::string strategy :
        {"irreducible/lanes+predict=hermite:5", "irreducible/lanes+once+predict=hermite:5",

@@ -84,6 +84,7 @@ CLI::Validator whole_number(int least) {
 void add_common(CLI::App& app, Common& common) {
   app.add_flag("--json", common.json, "Standard output is one JSON object");
   app.add_flag("--quiet", common.quiet, "Nothing but results and errors");
+  app.add_option("--threads", common.threads, "Use at most so many threads")->check(whole_number(1))->type_name("N");
   app.set_help_flag("-h,--help", "Show this help");
   app.set_version_flag("--version", "assur " ASSUR_VERSION, "Show the version");
 }
@@ -202,6 +203,7 @@ Exit refuse(const CLI::App& app, const CLI::ParseError& error, bool json) {
 
 int perform(const Invocation& call) {
   try {
+    check_threads(call.common);
     return call.chosen();
   } catch (const Error& error) {
     return report(error, call.common.json);

@@ -2,7 +2,9 @@
 #pragma once
 
 #include "assur/backend.hpp"    // IWYU pragma: export
+#include "assur/ensemble.hpp"   // IWYU pragma: export
 #include "assur/law.hpp"        // IWYU pragma: export
+#include "assur/machine.hpp"    // IWYU pragma: export
 #include "assur/plan.hpp"       // IWYU pragma: export
 #include "assur/report.hpp"     // IWYU pragma: export
 #include "assur/scene.hpp"      // IWYU pragma: export

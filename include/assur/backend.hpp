@@ -57,6 +57,14 @@ struct Effort {
   std::int64_t renewed = 0;    // pivot orders chosen anew
   std::int64_t refined = 0;    // steps of iterative refinement
   std::int64_t in_double = 0;  // lanes factorised in double, because float did not converge
+
+  Effort& operator+=(const Effort& o) {
+    redone += o.redone;
+    renewed += o.renewed;
+    refined += o.refined;
+    in_double += o.in_double;
+    return *this;
+  }
 };
 
 class LinearSolver {

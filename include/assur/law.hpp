@@ -23,6 +23,7 @@ struct Harmonic {
   double amplitude = 0;
   double frequency = 0;  // Hz
   double phase = 0;      // rad
+  friend bool operator==(const Harmonic&, const Harmonic&) = default;
 };
 
 // A value; copies share their parts. Laws add up: Law::constant(1) + Law::harmonics({...}).
@@ -30,10 +31,12 @@ class Law {
  public:
   struct Polynomial {
     std::vector<double> coefficients;  // c0 + c1 t + c2 t^2 + ..., absolute t
+    friend bool operator==(const Polynomial&, const Polynomial&) = default;
   };
   struct Harmonics {
     std::vector<Harmonic> terms;
     double offset = 0;
+    friend bool operator==(const Harmonics&, const Harmonics&) = default;
   };
   // C2 cubic spline: not-a-knot ends (2 points: a line, 3 points: a parabola), or periodic with the last value
   // equal to the first.
@@ -42,6 +45,7 @@ class Law {
     std::vector<double> value;   // same size
     std::vector<double> second;  // second derivative at the knots
     bool periodic = false;
+    friend bool operator==(const Spline&, const Spline&) = default;
   };
   struct Function {
     std::function<Motion(double)> motion;
@@ -69,6 +73,9 @@ class Law {
 
   // True if t lies within every (non-periodic) table.
   [[nodiscard]] bool covers(double t) const;
+
+  // True if both are surely the same: parts with equal numbers, or a function of the program and its copy.
+  friend bool operator==(const Law& a, const Law& b);
 
   [[nodiscard]] const std::vector<Part>& parts() const { return *parts_; }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -25,6 +26,9 @@ struct Plan {
   };
   Formulation formulation = Formulation::groups;
   Predictor predictor;          // resolved: never automatic
+  std::int32_t lanes = 1;       // W asked for: of a class, or, where mechanisms run side by side, mechanisms
+  std::int32_t chunks = 1;      // of the time grid, run side by side
+  std::int32_t threads = 1;     // p
   std::vector<Choice> choices;  // one for each class
 };
 
@@ -32,6 +36,8 @@ struct PrepareOptions {
   std::string strategy = "auto";  // or a strategy text, which is then forced
   // Drivers that the program sets itself with Simulator::set(); their laws serve until the first set().
   std::vector<std::string> controlled;
+  // Threads to use at most, which may be more than there are cores; empty: this_machine().budget().
+  std::optional<ThreadBudget> budget = std::nullopt;
 };
 
 // A scene made ready: immutable, shared by any number of simulators.
@@ -47,8 +53,8 @@ struct Prepared {
 };
 
 // Analyses the scene and assembles its start posture. Throws Error: input for a strategy text that does not parse or an
-// undetermined scene (the free unknowns are named), numerical if the start posture cannot be assembled (group and most
-// violated constraint are named), environment if a forced strategy cannot run here (and why).
+// undetermined scene (the free unknowns are named) or a budget of no threads, numerical if the start posture cannot be
+// assembled (group and most violated constraint are named), environment if a forced strategy cannot run here (and why).
 [[nodiscard]] Prepared prepare(const Scene& scene, const PrepareOptions& options = {});
 
 }  // namespace assur

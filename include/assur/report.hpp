@@ -25,6 +25,8 @@ struct Counters {
   std::int64_t solved_unknowns = 0;      // unknowns obtained by back-substitution, summed over right-hand sides
   std::int64_t branch_checks = 0;        // uniqueness balls measured anew
   std::int64_t stored_values = 0;        // doubles in the trajectory
+
+  Counters& operator+=(const Counters& o);
 };
 
 // Relative errors, the worst of the run; the definitions are those of README.md, "Error".
@@ -37,6 +39,9 @@ struct ErrorFigures {
   std::optional<double> forward_position;  // against a reference in quad precision
   std::optional<double> forward_velocity;
   std::optional<double> forward_acceleration;
+
+  // The worse of both residuals.
+  void merge(const ErrorFigures& o);
 };
 
 // Something that happened at a time: a limit reached, a change point passed, ...

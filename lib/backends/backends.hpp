@@ -68,6 +68,9 @@ void check_size(std::string_view what, std::size_t actual, std::size_t expected)
 // Status of the worst lane: not_finite before singular, then the lowest lane.
 Status worst(std::span<const Code> lanes);
 
+// Whether every |value| is at most `limit`; false for NaN.
+bool all_within(std::span<const double> values, double limit);
+
 // NaN in one lane of interleaved numbers.
 void fill_with_nan(std::span<double> interleaved, int lanes, int lane);
 

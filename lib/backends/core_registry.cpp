@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include "assur/backend.hpp"
@@ -66,6 +68,15 @@ Status worst(std::span<const Code> lanes) {
     if (found != lanes.end()) return {code, static_cast<std::int32_t>(found - lanes.begin())};
   }
   return {};
+}
+
+// In integers, which become vectors: as bits, infinity and NaN are larger than any finite size.
+bool all_within(std::span<const double> values, double limit) {
+  constexpr auto kMagnitude = ~std::uint64_t{0} >> 1;
+  const auto largest = std::bit_cast<std::uint64_t>(limit);
+  std::uint64_t negative = 0;  // in its highest bit: the difference was, once
+  for (const double value : values) negative |= largest - (std::bit_cast<std::uint64_t>(value) & kMagnitude);
+  return negative <= kMagnitude;
 }
 
 void fill_with_nan(std::span<double> interleaved, int lanes, int lane) {

@@ -1,6 +1,9 @@
-// Sparse LU by KLU: block triangular form, AMD ordering, rows scaled. One analysis for all lanes; each lane is
-// factorised with pivoting once and then refactorised on the same pivots, which is several times faster and allocates
-// nothing, for as long as those pivots stay good.
+// Sparse LU by KLU: block triangular form, AMD ordering. One analysis for all lanes; each lane is factorised with
+// pivoting once and then refactorised on the same pivots, which is several times faster and allocates nothing, for as
+// long as those pivots stay good.
+//
+// Rows are scaled here, by powers of two that stay for as long as every row's largest entry is in [1/4, 2]: KLU would
+// look for it and divide by it in every factorisation and solution, a fifth of their time at n = 15.
 //
 // What "good" means. The computed factors are exact for a matrix A + E with |E| <= n eps |L| |U| (Higham, Accuracy and
 // Stability of Numerical Algorithms, theorem 9.3), so that, column by column, the error relative to max |A_j| is at
@@ -29,15 +32,18 @@
 #include <vector>
 
 #include "backends/backends.hpp"
+#include "backends/lane_by_lane.hpp"
 
 namespace assur::klu {
 namespace {
 
-constexpr double kRelaxed = 0.5;        // keep a pivot on the diagonal if no entry below is more than twice as large:
-                                        // half the fill of partial pivoting on rings, the same on random matrices
-constexpr double kPartial = 1;          // partial pivoting
-constexpr double kGrowth = 64;          // backward errors measured up to a growth of 300: at most 5 n eps
-constexpr std::size_t kRightSides = 4;  // KLU solves up to 4 at once
+constexpr double kRelaxed = 0.5;  // keep a pivot on the diagonal if no entry below is more than twice as large:
+                                  // half the fill of partial pivoting on rings, the same on random matrices
+constexpr double kPartial = 1;    // partial pivoting
+constexpr double kGrowth = 64;    // backward errors measured up to a growth of 300: at most 5 n eps
+// Of a row's largest entry times its scale; in [1/2, 1) at first.
+constexpr double kSmallestRow = 0.25;
+constexpr double kLargestRow = 2;
 
 struct FreeSymbolic {
   klu_common* common;
@@ -61,148 +67,153 @@ int parity(const int* permutation, std::vector<bool>& seen) {
   return sign;
 }
 
-// max |number| that neither NaN nor infinity escapes: as bits, both are larger than any finite size. Four at a time,
-// for the sake of speed.
+// Sizes as integers, where comparing is cheap: infinity and NaN are larger than any finite one.
+constexpr auto kMagnitude = ~std::uint64_t{0} >> 1;
+constexpr std::uint64_t magnitude(double number) { return std::bit_cast<std::uint64_t>(number) & kMagnitude; }
+
+// max |number| that neither NaN nor infinity escapes. Four at a time, for the sake of speed.
 class Largest {
  public:
-  explicit Largest(double at_least) { size_[0] = bits(at_least); }
+  explicit Largest(double at_least) { size_[0] = magnitude(at_least); }
 
   template <typename At>
   double of(std::size_t count, const At& at) {
     std::size_t k = 0;
     for (; k + 4 <= count; k += 4) {
-      for (std::size_t i = 0; i < 4; ++i) size_[i] = std::max(size_[i], bits(at(k + i)));
+      for (std::size_t i = 0; i < 4; ++i) size_[i] = std::max(size_[i], magnitude(at(k + i)));
     }
-    for (; k < count; ++k) size_[0] = std::max(size_[0], bits(at(k)));
+    for (; k < count; ++k) size_[0] = std::max(size_[0], magnitude(at(k)));
     return std::bit_cast<double>(std::max(std::max(size_[0], size_[1]), std::max(size_[2], size_[3])));
   }
 
  private:
-  static std::uint64_t bits(double number) { return std::bit_cast<std::uint64_t>(number) & ~(std::uint64_t{1} << 63); }
-
   std::uint64_t size_[4] = {};
 };
 
-// False for NaN and infinity.
-bool all_finite(std::span<const double> values) {
-  double poison[4] = {};  // 0 as long as every value is finite, else NaN
-  std::size_t k = 0;
-  for (; k + 4 <= values.size(); k += 4) {
-    for (std::size_t i = 0; i < 4; ++i) poison[i] += values[k + i] * 0;
-  }
-  for (; k < values.size(); ++k) poison[0] += values[k] * 0;
-  return poison[0] + poison[1] + poison[2] + poison[3] == 0;
-}
-
-class KluSolver final : public LinearSolver {
+class KluSolver final : public LaneByLane {
  public:
   KluSolver();
-  Status analyze(const Pattern& pattern, int lanes) override;
-  Status factorize(std::span<const double> values) override;
-  Status solve(std::span<double> b_to_x, int rhs, Transpose transpose, int first_wanted) override;
-  Figures figures(int lane) const override;
-  Effort effort() const override { return {.renewed = renewed_}; }
+  [[nodiscard]] Effort effort() const override { return {.renewed = renewed_}; }
 
  private:
-  struct Entry {
-    std::uint32_t at, pivot;  // which nonzero, and in the row of which pivot
-  };
   struct Lane {
     std::unique_ptr<klu_numeric, FreeNumeric> numeric;
-    std::vector<const double*> l, u;  // values of L and U without their diagonals; they move with new pivots only
-    std::vector<Entry> witness;       // n: the largest of its column, rows scaled, when growth was last measured
-    Code code = Code::singular;       // until factorised
-    double limit = kGrowth;           // of growth, for a refactorisation
-    double largest_u = 0;             // rows scaled: the largest of A is 1
-    int permutation_sign = 0;         // of rows and columns together
+    std::vector<double> scale, entry_scale;  // n rows; nnz: that of the row in which each stands
+    std::vector<const double*> l, u;         // values of L and U without their diagonals; with new pivots they move
+    std::vector<std::uint32_t> of_row, of_column;  // n nonzeros: the largest when scales were chosen, growth measured
+    double limit = kGrowth;                        // of growth, for a refactorisation
+    double largest_u = 0;                          // rows scaled: the largest of A is in [1/4, 2]
+    int permutation_sign = 0;                      // of rows and columns together
   };
 
-  Code factorize_lane(std::span<const double> values, Lane& lane);
-  bool refactorize(std::span<const double> values, Lane& lane);
-  Code factorize_with_pivoting(std::span<const double> values, Lane& lane);
-  double pivot(std::span<const double> values, Lane& lane, double tolerance);
+  void analyze_lanes(const Pattern& pattern, int lanes) override;
+  Code factorize_lane(std::span<const double> values, int lane) override;
+  void solve_lane(std::span<double> b_to_x, int rhs, Transpose transpose, int lane) override;
+  [[nodiscard]] Figures lane_figures(int lane) const override;
+
+  bool scale(std::span<const double> values, const Lane& lane);
+  void choose_scales(std::span<const double> values, Lane& lane) const;
+  bool refactorize(Lane& lane);
+  Code factorize_with_pivoting(Lane& lane);
+  double pivot(Lane& lane, double tolerance);
   void find_factors(Lane& lane) const;
-  void find_witnesses(std::span<const double> values, Lane& lane) const;
-  bool surely_good(std::span<const double> values, Lane& lane) const;
-  double growth(std::span<const double> values, Lane& lane);
+  void find_largest_of_columns(Lane& lane) const;
+  bool surely_good(Lane& lane) const;
+  double growth(Lane& lane);
 
   klu_common common_;
   std::int64_t renewed_ = 0;
   std::unique_ptr<klu_symbolic, FreeSymbolic> symbolic_;
   std::size_t n_ = 0;
   std::vector<int> column_start_, row_;  // n + 1, nnz
-  std::vector<double> values_;           // nnz, of one lane
-  std::vector<double> right_;            // n x kRightSides, of one lane
+  std::vector<double> scaled_;           // nnz: values of the lane at hand, rows scaled
   std::vector<bool> seen_;               // n
   std::vector<Lane> lanes_;
-  std::vector<Code> code_;  // lanes
 };
 
-KluSolver::KluSolver() { klu_defaults(&common_); }
+KluSolver::KluSolver() {
+  klu_defaults(&common_);
+  common_.scale = -1;  // nor does KLU check the pattern each time
+}
 
-Status KluSolver::analyze(const Pattern& pattern, int lanes) {
-  check_analysis(pattern, lanes);
+void KluSolver::analyze_lanes(const Pattern& pattern, int lanes) {
   lanes_.clear();  // before the analysis that they share
   renewed_ = 0;
   symbolic_.reset();
   n_ = static_cast<std::size_t>(pattern.n);
   column_start_ = pattern.column_start;
   row_ = pattern.row;
-  values_.resize(row_.size());
-  right_.resize(n_ * kRightSides);
+  scaled_.resize(row_.size());
   seen_.resize(n_);
   for (int lane = 0; lane < lanes; ++lane) {
     Lane& added = lanes_.emplace_back();
     added.numeric = {nullptr, FreeNumeric{&common_}};
-    added.witness.resize(n_);
+    added.scale.resize(n_);
+    added.entry_scale.resize(row_.size());
+    added.of_row.resize(n_);
+    added.of_column.resize(n_);
   }
-  code_.assign(lanes_.size(), Code::singular);
-  if (row_.empty()) return {};  // KLU knows no empty matrix
-
   symbolic_ = {klu_analyze(pattern.n, column_start_.data(), row_.data(), &common_), FreeSymbolic{&common_}};
   if (!symbolic_ && common_.status != KLU_SINGULAR) throw std::bad_alloc();
-  return {};
 }
 
-Status KluSolver::factorize(std::span<const double> values) {
-  check_size("values", values.size(), row_.size() * lanes_.size());
-  const int w = static_cast<int>(lanes_.size());
-  for (std::size_t i = 0; i < lanes_.size(); ++i) {
-    Lane& lane = lanes_[i];
-    if (w == 1) {
-      lane.code = all_finite(values) ? factorize_lane(values, lane) : Code::not_finite;
-    } else {
-      const double largest = take_lane(values, w, static_cast<int>(i), values_);
-      lane.code = std::isfinite(largest) ? factorize_lane(values_, lane) : Code::not_finite;
-    }
-    code_[i] = lane.code;
-  }
-  return worst(code_);
-}
-
-Code KluSolver::factorize_lane(std::span<const double> values, Lane& lane) {
-  if (n_ == 0) return Code::ok;
+Code KluSolver::factorize_lane(std::span<const double> values, int index) {
   if (!symbolic_ || symbolic_->structural_rank < symbolic_->n) return Code::singular;
-  return refactorize(values, lane) ? Code::ok : factorize_with_pivoting(values, lane);
+  Lane& lane = lanes_[static_cast<std::size_t>(index)];
+  if (!scale(values, lane)) {
+    choose_scales(values, lane);
+    (void)scale(values, lane);
+  }
+  return refactorize(lane) ? Code::ok : factorize_with_pivoting(lane);
+}
+
+// False if there are no scales yet, or they no longer fit.
+bool KluSolver::scale(std::span<const double> values, const Lane& lane) {
+  const double* __restrict const from = values.data();
+  const double* __restrict const by = lane.entry_scale.data();
+  double* __restrict const to = scaled_.data();
+  std::uint64_t above = 0;  // in its highest bit: a difference was negative
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    to[k] = from[k] * by[k];
+    above |= magnitude(kLargestRow) - magnitude(to[k]);
+  }
+  bool large = true;
+  for (const std::uint32_t k : lane.of_row) large &= std::abs(to[k]) >= kSmallestRow;
+  return large && above <= kMagnitude;
+}
+
+void KluSolver::choose_scales(std::span<const double> values, Lane& lane) const {
+  std::fill(lane.scale.begin(), lane.scale.end(), -1.0);  // the largest of each row, until all are known
+  for (std::size_t k = 0; k < row_.size(); ++k) {
+    const auto row = static_cast<std::size_t>(row_[k]);
+    if (!(std::abs(values[k]) > lane.scale[row])) continue;
+    lane.scale[row] = std::abs(values[k]);
+    lane.of_row[row] = static_cast<std::uint32_t>(k);
+  }
+  for (double& scale : lane.scale) {
+    int exponent = 0;
+    (void)std::frexp(scale, &exponent);
+    scale = std::ldexp(1, -std::clamp(exponent, -1022, 1022));  // 1 for a row of zeros
+  }
+  for (std::size_t k = 0; k < row_.size(); ++k) lane.entry_scale[k] = lane.scale[static_cast<std::size_t>(row_[k])];
 }
 
 // False if there are no pivots yet, or they have become bad for these values.
-bool KluSolver::refactorize(std::span<const double> values, Lane& lane) {
+bool KluSolver::refactorize(Lane& lane) {
   if (!lane.numeric) return false;
-  if (!klu_refactor(column_start_.data(), row_.data(), const_cast<double*>(values.data()), symbolic_.get(),
-                    lane.numeric.get(), &common_) ||
+  if (!klu_refactor(column_start_.data(), row_.data(), scaled_.data(), symbolic_.get(), lane.numeric.get(), &common_) ||
       common_.status != KLU_OK) {
     return false;
   }
-  return surely_good(values, lane) || growth(values, lane) <= lane.limit;  // false for NaN
+  return surely_good(lane) || growth(lane) <= lane.limit;  // false for NaN
 }
 
-Code KluSolver::factorize_with_pivoting(std::span<const double> values, Lane& lane) {
+Code KluSolver::factorize_with_pivoting(Lane& lane) {
   if (lane.numeric) ++renewed_;
   lane.limit = kGrowth;
-  double reached = pivot(values, lane, kRelaxed);
+  double reached = pivot(lane, kRelaxed);
   if (!(reached <= kGrowth)) {
-    reached = pivot(values, lane, kPartial);
+    reached = pivot(lane, kPartial);
     lane.limit = std::max(kGrowth, 2 * reached);
   }
   if (!std::isfinite(reached)) {
@@ -214,16 +225,15 @@ Code KluSolver::factorize_with_pivoting(std::span<const double> values, Lane& la
 }
 
 // Growth of a factorisation with new pivots; NaN if there is none.
-double KluSolver::pivot(std::span<const double> values, Lane& lane, double tolerance) {
+double KluSolver::pivot(Lane& lane, double tolerance) {
   common_.tol = tolerance;
-  lane.numeric.reset(
-      klu_factor(column_start_.data(), row_.data(), const_cast<double*>(values.data()), symbolic_.get(), &common_));
+  lane.numeric.reset(klu_factor(column_start_.data(), row_.data(), scaled_.data(), symbolic_.get(), &common_));
   if (!lane.numeric) {
     if (common_.status != KLU_SINGULAR) throw std::bad_alloc();
     return std::numeric_limits<double>::quiet_NaN();
   }
   find_factors(lane);
-  return growth(values, lane);
+  return growth(lane);
 }
 
 // A column in LUbx is its row indices, rounded up to whole doubles, and then its values; U without the diagonal, and
@@ -248,81 +258,64 @@ void KluSolver::find_factors(Lane& lane) const {
 }
 
 // Columns are those of the diagonal blocks.
-void KluSolver::find_witnesses(std::span<const double> values, Lane& lane) const {
-  const klu_numeric& numeric = *lane.numeric;
+void KluSolver::find_largest_of_columns(Lane& lane) const {
   for (int block = 0; block < symbolic_->nblocks; ++block) {
     for (int j = symbolic_->R[block]; j < symbolic_->R[block + 1]; ++j) {
       const auto column = static_cast<std::size_t>(symbolic_->Q[j]);
       const auto end = static_cast<std::size_t>(column_start_[column + 1]);
       double largest = -1;
       for (auto k = static_cast<std::size_t>(column_start_[column]); k < end; ++k) {
-        const int pivot = numeric.Pinv[row_[k]];
-        const double size = std::abs(values[k]) / numeric.Rs[pivot];
-        if (pivot < symbolic_->R[block] || size <= largest) continue;
-        largest = size;
-        lane.witness[static_cast<std::size_t>(j)] = {static_cast<std::uint32_t>(k), static_cast<std::uint32_t>(pivot)};
+        if (lane.numeric->Pinv[row_[k]] < symbolic_->R[block] || std::abs(scaled_[k]) <= largest) continue;
+        largest = std::abs(scaled_[k]);
+        lane.of_column[static_cast<std::size_t>(j)] = static_cast<std::uint32_t>(k);
       }
     }
   }
 }
 
 // True only if growth is within the limit of the lane.
-bool KluSolver::surely_good(std::span<const double> values, Lane& lane) const {
+bool KluSolver::surely_good(Lane& lane) const {
   const auto* diagonal = static_cast<const double*>(lane.numeric->Udiag);
-  const double* const scale = lane.numeric->Rs;  // of rows, in the order of the pivots
   Largest u(0);
   u.of(n_, [&](std::size_t i) { return diagonal[i]; });
   lane.largest_u = u.of(lane.u.size(), [&](std::size_t i) { return *lane.u[i]; });
   const double largest_l = Largest(1).of(lane.l.size(), [&](std::size_t i) { return *lane.l[i]; });
   const double least = largest_l * lane.largest_u / lane.limit;  // of a column
   bool good = least >= 0;
-  for (const Entry& entry : lane.witness) good &= std::abs(values[entry.at]) >= least * scale[entry.pivot];
+  for (const std::uint32_t k : lane.of_column) good &= std::abs(scaled_[k]) >= least;
   return good;
 }
 
 // NaN or infinite where factors are.
-double KluSolver::growth(std::span<const double> values, Lane& lane) {
-  find_witnesses(values, lane);
-  (void)surely_good(values, lane);
+double KluSolver::growth(Lane& lane) {
+  find_largest_of_columns(lane);
+  (void)surely_good(lane);
   if (!std::isfinite(lane.largest_u)) return lane.largest_u;
-  klu_rgrowth(column_start_.data(), row_.data(), const_cast<double*>(values.data()), symbolic_.get(),
-              lane.numeric.get(), &common_);
+  klu_rgrowth(column_start_.data(), row_.data(), scaled_.data(), symbolic_.get(), lane.numeric.get(), &common_);
   return Largest(1).of(lane.l.size(), [&](std::size_t i) { return *lane.l[i]; }) / common_.rgrowth;
 }
 
-Status KluSolver::solve(std::span<double> b_to_x, int rhs, Transpose transpose, int) {
-  const std::size_t w = lanes_.size(), columns = static_cast<std::size_t>(rhs);
-  check_size("numbers on the right-hand side", b_to_x.size(), n_ * columns * w);
-  if (n_ == 0) return worst(code_);
-  const auto solve = [&](const Lane& lane, double* b, std::size_t count) {
-    auto* function = transpose == Transpose::no ? klu_solve : klu_tsolve;
-    function(symbolic_.get(), lane.numeric.get(), static_cast<int>(n_), static_cast<int>(count), b, &common_);
+// (S A) x = S b; (S A)' y = b, x = S y.
+void KluSolver::solve_lane(std::span<double> b_to_x, int rhs, Transpose transpose, int index) {
+  const Lane& lane = lanes_[static_cast<std::size_t>(index)];
+  const auto scale = [&] {
+    for (std::size_t r = 0; r < b_to_x.size(); r += n_) {
+      for (std::size_t i = 0; i < n_; ++i) b_to_x[r + i] *= lane.scale[i];
+    }
   };
-  for (std::size_t l = 0; l < w; ++l) {
-    if (lanes_[l].code != Code::ok) {
-      fill_with_nan(b_to_x, static_cast<int>(w), static_cast<int>(l));
-      continue;
-    }
-    if (w == 1) {
-      solve(lanes_[l], b_to_x.data(), columns);
-      continue;
-    }
-    for (std::size_t r = 0; r < columns; r += kRightSides) {
-      const std::size_t count = std::min(kRightSides, columns - r);
-      double* const given = b_to_x.data() + r * n_ * w + l;
-      for (std::size_t i = 0; i < n_ * count; ++i) right_[i] = given[i * w];
-      solve(lanes_[l], right_.data(), count);
-      for (std::size_t i = 0; i < n_ * count; ++i) given[i * w] = right_[i];
-    }
+  const int n = static_cast<int>(n_);
+  if (transpose == Transpose::no) {
+    scale();
+    klu_solve(symbolic_.get(), lane.numeric.get(), n, rhs, b_to_x.data(), &common_);
+  } else {
+    klu_tsolve(symbolic_.get(), lane.numeric.get(), n, rhs, b_to_x.data(), &common_);
+    scale();
   }
-  return worst(code_);
 }
 
-Figures KluSolver::figures(int index) const {
+Figures KluSolver::lane_figures(int index) const {
   const Lane& lane = lanes_[static_cast<std::size_t>(index)];
-  if (lane.code != Code::ok) return {};
-  if (n_ == 0) return {true, 1, 1, 1};
-  // P R^-1 A Q = L U + blocks above: row scales are positive, L has a unit diagonal.
+  // P S A Q = L U + blocks above: scales are positive, L has a unit diagonal.
   const auto* diagonal = static_cast<const double*>(lane.numeric->Udiag);
   double smallest = std::abs(diagonal[0]), largest = 0;
   int sign = lane.permutation_sign;

@@ -3,13 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 
 #include "backends/backends.hpp"
 
 namespace assur {
 namespace {
+
 constexpr std::size_t kRightSides = 4;  // given to a library at once
-}
+
+}  // namespace
 
 Status LaneByLane::analyze(const Pattern& pattern, int lanes) {
   check_analysis(pattern, lanes);
@@ -17,23 +20,27 @@ Status LaneByLane::analyze(const Pattern& pattern, int lanes) {
   values_.resize(pattern.row.size());
   right_.resize(n_ * kRightSides);
   code_.assign(static_cast<std::size_t>(lanes), Code::singular);  // until factorised
+  status_ = worst(code_);
   if (!values_.empty()) analyze_lanes(pattern, lanes);
   return {};
 }
 
 Status LaneByLane::factorize(std::span<const double> values) {
   check_size("values", values.size(), values_.size() * code_.size());
-  const int lanes = static_cast<int>(code_.size());
-  for (int lane = 0; lane < lanes; ++lane) {
-    Code& code = code_[static_cast<std::size_t>(lane)];
-    if (!std::isfinite(take_lane(values, lanes, lane, values_))) {
-      code = Code::not_finite;
-    } else {
-      const Code empty = n_ == 0 ? Code::ok : Code::singular;
-      code = values_.empty() ? empty : factorize_lane(values_, lane);
-    }
+  for (std::size_t lane = 0; lane < code_.size(); ++lane) {
+    code_[lane] = take_and_factorize(values, static_cast<int>(lane));
   }
-  return worst(code_);
+  return status_ = worst(code_);
+}
+
+Code LaneByLane::take_and_factorize(std::span<const double> values, int lane) {
+  if (values_.empty()) return n_ == 0 ? Code::ok : Code::singular;
+  const int lanes = static_cast<int>(code_.size());
+  if (lanes == 1) {
+    const bool finite = all_within(values, std::numeric_limits<double>::max());
+    return finite ? factorize_lane(values, lane) : Code::not_finite;
+  }
+  return std::isfinite(take_lane(values, lanes, lane, values_)) ? factorize_lane(values_, lane) : Code::not_finite;
 }
 
 Status LaneByLane::solve(std::span<double> b_to_x, int rhs, Transpose transpose, int) {
@@ -47,12 +54,13 @@ Status LaneByLane::solve(std::span<double> b_to_x, int rhs, Transpose transpose,
     for (std::size_t r = 0; r < columns; r += kRightSides) {
       const std::size_t count = std::min(kRightSides, columns - r);
       double* const given = b_to_x.data() + r * n_ * w + lane;
-      for (std::size_t i = 0; i < n_ * count; ++i) right_[i] = given[i * w];
-      solve_lane(std::span(right_).first(n_ * count), static_cast<int>(count), transpose, static_cast<int>(lane));
-      for (std::size_t i = 0; i < n_ * count; ++i) given[i * w] = right_[i];
+      const std::span<double> right(w == 1 ? given : right_.data(), n_ * count);
+      for (std::size_t i = 0; w > 1 && i < right.size(); ++i) right[i] = given[i * w];
+      solve_lane(right, static_cast<int>(count), transpose, static_cast<int>(lane));
+      for (std::size_t i = 0; w > 1 && i < right.size(); ++i) given[i * w] = right[i];
     }
   }
-  return worst(code_);
+  return status_;
 }
 
 Figures LaneByLane::figures(int lane) const {

@@ -17,17 +17,20 @@ class LaneByLane : public LinearSolver {
 
  protected:
   // What a library is asked for. None of them sees a pattern without nonzeros, values that are not finite, or a lane
-  // without factors.
+  // without factors. Spans are the caller's own where there is one lane, so that it pays for no copies.
   virtual void analyze_lanes(const Pattern& pattern, int lanes) = 0;
   virtual Code factorize_lane(std::span<const double> values, int lane) = 0;                      // values: nnz
   virtual void solve_lane(std::span<double> b_to_x, int rhs, Transpose transpose, int lane) = 0;  // n x rhs
   [[nodiscard]] virtual Figures lane_figures(int lane) const = 0;
 
  private:
+  [[nodiscard]] Code take_and_factorize(std::span<const double> values, int lane);
+
   std::size_t n_ = 0;
   std::vector<double> values_;  // nnz, of one lane
   std::vector<double> right_;   // n x some right-hand sides, of one lane
   std::vector<Code> code_;      // lanes
+  Status status_;               // of the worst of them
 };
 
 }  // namespace assur

@@ -2,7 +2,7 @@
 #include "backends/backends.hpp"
 #include "backends/blas.hpp"
 #include "backends/dense_solver.hpp"
-#include "parallel/blas_threads.hpp"
+#include "parallel/thread_state.hpp"
 
 namespace assur::lapack {
 namespace {

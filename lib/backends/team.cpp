@@ -9,7 +9,7 @@
 #include "backends/blas.hpp"
 #include "backends/dense_solver.hpp"
 #include "backends/team_lu.hpp"
-#include "parallel/blas_threads.hpp"
+#include "parallel/thread_state.hpp"
 
 namespace assur::team {
 namespace {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "backends/blas.hpp"
-#include "parallel/blas_threads.hpp"
+#include "parallel/thread_state.hpp"
 #include "parallel/waiting.hpp"
 
 namespace assur {

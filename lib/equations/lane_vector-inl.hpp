@@ -77,6 +77,34 @@ struct Lanes {
     }
     return yes;
   }
+  struct Mask {
+    hn::Mask<D> m[kVectors];
+  };
+  // False where a number is none.
+  friend HWY_INLINE Mask less(const Lanes& a, const Lanes& b) {
+    Mask out;
+    for (int i = 0; i < kVectors; ++i) out.m[i] = hn::Lt(a.v[i], b.v[i]);
+    return out;
+  }
+  friend HWY_INLINE void swap_if(const Mask& mask, Lanes& a, Lanes& b) {
+    for (int i = 0; i < kVectors; ++i) {
+      const V first = a.v[i];
+      a.v[i] = hn::IfThenElse(mask.m[i], b.v[i], first);
+      b.v[i] = hn::IfThenElse(mask.m[i], first, b.v[i]);
+    }
+  }
+  // a < b in every lane
+  friend HWY_INLINE bool all_less(const Lanes& a, const Lanes& b) {
+    bool all = true;
+    for (int i = 0; i < kVectors; ++i) all = hn::AllTrue(D(), hn::Lt(a.v[i], b.v[i])) && all;
+    return all;
+  }
+  // a <= b in every lane
+  friend HWY_INLINE bool all_at_most(const Lanes& a, const Lanes& b) {
+    bool all = true;
+    for (int i = 0; i < kVectors; ++i) all = hn::AllTrue(D(), hn::Le(a.v[i], b.v[i])) && all;
+    return all;
+  }
   // The largest lane; NaN if there is one.
   HWY_INLINE double largest() const {
     V top = v[0];

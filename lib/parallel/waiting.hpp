@@ -8,8 +8,15 @@
 
 namespace assur {
 
+// Where those that wait for each other run.
+enum class Waiting : std::uint8_t {
+  shared,   // a core for each thread, as a rule: spins, yields, sleeps
+  crowded,  // more threads than cores: yields at once, then sleeps
+  pinned,   // a core of its own, that nobody else needs: spins only
+};
+
 // Returns once `word` is no longer `old`; acquires what was written before it changed.
-void wait_while(const std::atomic<std::uint32_t>& word, std::uint32_t old);
+void wait_while(const std::atomic<std::uint32_t>& word, std::uint32_t old, Waiting waiting = Waiting::shared);
 
 // Changes `word` and wakes who waits for it; releases what was written before.
 inline void advance(std::atomic<std::uint32_t>& word) {

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "assur/machine.hpp"
 #include "assur/plan.hpp"
 
 namespace assur {
@@ -68,13 +69,24 @@ void check_backend(const Backend& backend, const Plan::Choice& choice) {
   if (choice.strategy.single && !backend.single) refuse("it has no float version; leave out +float");
 }
 
+// The machine is asked only where the answer matters: that takes longer than to prepare a small scene.
+void check_budget(const Strategy& wanted, const std::optional<ThreadBudget>& given) {
+  if (given && given->threads < 1) {
+    throw Error(Error::Kind::input, "a budget has at least one thread, not " + std::to_string(given->threads));
+  }
+  const auto threads = std::int64_t{wanted.p} * wanted.q;
+  if (threads == 1) return;
+  const std::int32_t most = (given ? *given : this_machine().budget()).threads;
+  if (threads > most) {
+    throw Error(Error::Kind::environment, "strategy " + to_string(wanted) + " cannot run here: it takes " +
+                                              std::to_string(threads) + " threads and the budget is " +
+                                              std::to_string(most) + "; choose a smaller PxQ or a larger budget");
+  }
+}
+
 Prepared prepare_at(const Scene& scene, const PrepareOptions& options, std::vector<double> posture, double time) {
   const bool automatic = options.strategy == "auto";
   const Strategy wanted = parse_strategy(automatic ? "irreducible/eigen" : options.strategy);
-  if (wanted.p != 1 || wanted.chunks != 1) {
-    throw Error(Error::Kind::environment,
-                "strategy " + options.strategy + " cannot run here: this version solves one pack at a time (1xQ)");
-  }
   check_controlled(scene, options.controlled);
   StructureOptions structure_options;
   structure_options.formulation = wanted.formulation;
@@ -96,6 +108,9 @@ Prepared prepare_at(const Scene& scene, const PrepareOptions& options, std::vect
   out.plan.predictor =
       wanted.predictor.kind == Predictor::Kind::automatic ? automatic_predictor(*structure) : wanted.predictor;
 
+  out.plan.lanes = wanted.lanes;
+  out.plan.chunks = wanted.chunks;
+  out.plan.threads = wanted.p;
   const std::vector<ClassSize> sizes = class_sizes(*structure);
   const bool has_klu = find_backend(out.table, "klu").why_not({}, {}).empty();
   for (std::size_t c = 0; c < structure->classes.size(); ++c) {
@@ -116,6 +131,7 @@ Prepared prepare_at(const Scene& scene, const PrepareOptions& options, std::vect
     check_backend(find_backend(out.table, choice.strategy.backend), choice);
     out.plan.choices.push_back(std::move(choice));
   }
+  check_budget(wanted, options.budget);
   if (!structure->redundant.empty()) {
     out.reselect = [scene, options](std::vector<double> at, double t) {
       return prepare_at(scene, options, std::move(at), t);

@@ -9,10 +9,10 @@ namespace assur {
 
 // Columns of Rz(psi) Ry(theta) Rx(phi), one after the other.
 template <class T>
-void euler_zyx(const Jet<T>& psi, const Jet<T>& theta, const Jet<T>& phi, Jet<T> (&r)[9]) {
-  const auto [cz, sz] = cos_sin(psi);
-  const auto [cy, sy] = cos_sin(theta);
-  const auto [cx, sx] = cos_sin(phi);
+void euler_zyx(const CosSin<T>& psi, const CosSin<T>& theta, const CosSin<T>& phi, Jet<T> (&r)[9]) {
+  const auto& [cz, sz] = psi;
+  const auto& [cy, sy] = theta;
+  const auto& [cx, sx] = phi;
   r[0] = cz * cy;
   r[1] = sz * cy;
   r[2] = -sy;
@@ -58,7 +58,7 @@ void drive(const System& s, const Driven& driven, LawJet&& law, T* q, T* rate, T
           put(in.first + 3, d.sine);
         } else {
           Jet<T> r[9];
-          euler_zyx<T>(law(i, 3), law(i, 4), law(i, 5), r);
+          euler_zyx(cos_sin<T>(law(i, 3)), cos_sin<T>(law(i, 4)), cos_sin<T>(law(i, 5)), r);
           for (int k = 0; k < 9; ++k) put(in.first + 3 + k, r[k]);
         }
         break;

@@ -95,12 +95,15 @@ struct CosSin {
   Jet<T> cosine, sine;
 };
 template <class T>
+CosSin<T> cos_sin(const Jet<T>& a, const Scalar<T>& c, const Scalar<T>& s) {  // those of its value are c and s
+  return {{c, -s * a.rate, -s * a.acceleration - c * a.rate * a.rate},
+          {s, c * a.rate, c * a.acceleration - s * a.rate * a.rate}};
+}
+template <class T>
 CosSin<T> cos_sin(const Jet<T>& a) {
   using std::cos;
   using std::sin;
-  const T s = sin(a.value), c = cos(a.value);
-  return {{c, -s * a.rate, -s * a.acceleration - c * a.rate * a.rate},
-          {s, c * a.rate, c * a.acceleration - s * a.rate * a.rate}};
+  return cos_sin(a, cos(a.value), sin(a.value));
 }
 template <class T>
 Jet<T> sin(const Jet<T>& a) {

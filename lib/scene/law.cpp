@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <concepts>
 #include <span>
 #include <utility>
 
@@ -194,6 +195,22 @@ Law operator+(const Law& a, const Law& b) {
   std::vector<Law::Part> parts = a.parts();
   parts.insert(parts.end(), b.parts().begin(), b.parts().end());
   return Law(std::move(parts));
+}
+
+bool operator==(const Law& a, const Law& b) {
+  const auto equal = [](const Law::Part& x, const Law::Part& y) {
+    return std::visit(
+        [](const auto& p, const auto& q) {
+          if constexpr (std::equality_comparable_with<decltype(p), decltype(q)>) {
+            return p == q;
+          } else {
+            return false;
+          }
+        },
+        x, y);
+  };
+  return a.parts_ == b.parts_ ||
+         std::equal(a.parts().begin(), a.parts().end(), b.parts().begin(), b.parts().end(), equal);
 }
 
 Motion Law::operator()(double t) const { return evaluate(*this, t); }

@@ -6,6 +6,7 @@
 #include <concepts>
 #include <cstddef>
 #include <limits>
+#include <span>
 #include <variant>
 
 #include "assur/law.hpp"
@@ -14,15 +15,20 @@
 namespace assur {
 namespace law_detail {
 
+// c0 + c1 t + c2 t^2 + ...
 template <class T>
-Jet<T> evaluate(const Law::Polynomial& polynomial, const T& t) {
+Jet<T> horner(std::span<const double> coefficients, const T& t) {
   T value = 0, rate = 0, half_acceleration = 0;  // Horner's rule, differentiated twice
-  for (std::size_t i = polynomial.coefficients.size(); i-- > 0;) {
+  for (std::size_t i = coefficients.size(); i-- > 0;) {
     half_acceleration = half_acceleration * t + rate;
     rate = rate * t + value;
-    value = value * t + polynomial.coefficients[i];
+    value = value * t + coefficients[i];
   }
   return {value, rate, 2 * half_acceleration};
+}
+template <class T>
+Jet<T> evaluate(const Law::Polynomial& polynomial, const T& t) {
+  return horner(polynomial.coefficients, t);
 }
 
 // frequency * t less its whole part: what sin needs, without the rounding error of a large product.

@@ -7,20 +7,24 @@
 #include <utility>
 
 #include "backends/refined.hpp"
+#include "simulation/tolerances.hpp"
 
 namespace assur {
 namespace {
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
-constexpr double kConverged = 8 * kEps;   // relative residual of a solved equation
-constexpr double kRoundingLevel = 1e-12;  // where a residual that no longer falls is taken for rounding
-constexpr double kLinear = 8 * kEps;      // normwise residual of a refined linear system
-constexpr int kMostSearching = 40;        // iterations at a fold, where they gain one bit each
+constexpr double kLinear = 8 * kEps;  // normwise residual of a refined linear system
+constexpr int kMostSearching = 40;    // iterations at a fold, where they gain one bit each
 constexpr int kMostRefinements = 6;
 constexpr double kContraction = 0.1;  // of successive corrections
 constexpr double kFold = 30;          // velocity over input velocity near a singularity that makes it a fold
 
 std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+// Small steps factorise in registers, afresh and in double: what `lanes` means without more.
+bool has_small_steps(const Strategy& s) {
+  return s.backend == "lanes" && !s.single && !s.refine && !s.once && s.reuse == Reuse::fresh;
+}
 
 }  // namespace
 
@@ -47,6 +51,7 @@ GroupSolver::GroupSolver(const System& system, const Structure& structure, std::
   inputs_.resize(idx(program_.inputs) * w);
   input_rates_.resize(inputs_.size());
   input_accelerations_.resize(inputs_.size());
+  if (has_small_steps(strategy_)) small_step_ = make_small_step(class_, program_, blocks_, lanes_);
   for (std::vector<double>* v : {&phi_, &inverse_scale_, &correction_, &rhs_, &residual_}) v->resize(n);
   jacobian_.resize(idx(program_.pattern.nnz()) * w);
   jacobian_norm_.resize(w);
@@ -93,20 +98,22 @@ void GroupSolver::choose_solver(Pack& pack) {
   solver_ = pack.solver.get();
 }
 
-void GroupSolver::bind(const System& system, const Structure& structure, Pack& pack) const {
+void GroupSolver::size(Pack& pack) const {
   const std::size_t w = idx(lanes_);
-  pack.coefficients.resize(program_.coefficients.size() * w);
+  pack.coefficients.assign((idx(one_coefficient(program_)) + 1) * w, 0.0);
+  std::fill_n(pack.coefficients.begin() + one_coefficient(program_) * lanes_, w, 1.0);
   pack.lipschitz.resize(idx(program_.n) * w);
   pack.anchor.resize(blocks_.reads_start(program_.blocks) * w);
   pack.omega.assign(idx(program_.blocks) * w, 0.0);
   pack.ball_used.assign(idx(program_.blocks), 0.0);
-  std::vector<double> constants(idx(class_.constants));
-  for (std::size_t lane = 0; lane < w; ++lane) {
-    const Group& g = structure.groups[idx(pack.groups[lane < pack.groups.size() ? lane : 0])];
-    for (std::size_t i = 0; i < constants.size(); ++i) constants[i] = system.constants[idx(g.constants[i])];
-    bind_coefficients(program_, constants, pack.coefficients.data() + lane, w);
-    lipschitz(class_, constants, pack.lipschitz.data() + lane, w);
-  }
+}
+
+void GroupSolver::bind_lane(const System& system, const Group& group, Pack& pack, int lane) const {
+  std::vector<double> constants;
+  constants.reserve(group.constants.size());
+  for (const std::int32_t k : group.constants) constants.push_back(system.constants[idx(k)]);
+  bind_coefficients(program_, constants, pack.coefficients.data() + lane, idx(lanes_));
+  lipschitz(class_, constants, pack.lipschitz.data() + lane, idx(lanes_));
 }
 
 void GroupSolver::gather(const Pack& pack, const double* state, std::vector<double>& out) const {
@@ -119,14 +126,44 @@ Status GroupSolver::fail(const Pack& pack, Code code, double figure, std::int32_
 
 Status GroupSolver::solve(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
                           StepErrors& errors) {
+  if (Status s; small_step_ && small_step(pack, state, attempt, counters, errors, s)) return s;
   choose_solver(pack);
-  gather(pack, state[0], inputs_);
-  evaluator_->set_inputs(pack.coefficients.data(), inputs_.data());
+  set_inputs(pack, state[0]);
   double* x = state[0] + pack.unknowns;
   if (const Status s = newton(pack, x, attempt, counters, errors); !s.ok()) return s;
   if (attempt.branch == Attempt::Branch::anywhere) return {};
   if (const Status s = derivatives(pack, state, counters, errors); !s.ok()) return s;
+  if (small_step_) small_step_->choose_pivots(pack, state[0]);
   return check_branch(pack, x, attempt, counters);
+}
+
+void GroupSolver::set_inputs(const Pack& pack, const double* state) {
+  gather(pack, state, inputs_);
+  evaluator_->set_inputs(pack.coefficients.data(), inputs_.data());
+}
+
+bool GroupSolver::small_step(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
+                             StepErrors& errors, Status& status) {
+  if (attempt.branch != Attempt::Branch::inside || attempt.iterations > 0) return false;
+  SmallStepFigures figures{0, errors.position, errors.velocity, errors.acceleration, 0};
+  if (!small_step_->run(pack, state, attempt.most_iterations, figures)) return false;
+  const int factorizations = figures.iterations + (class_.derivatives > 0 ? 1 : 0);
+  const std::int64_t unknowns = std::int64_t{pack.used} * program_.n;
+  counters.group_solutions += pack.used;
+  counters.newton_iterations += std::int64_t{pack.used} * figures.iterations;
+  counters.most_iterations = std::max<std::int64_t>(counters.most_iterations, figures.iterations);
+  counters.evaluated_equations += unknowns * (figures.iterations + 1);
+  counters.factorizations += std::int64_t{pack.used} * factorizations;
+  counters.factorized_unknowns += unknowns * factorizations;
+  counters.solved_unknowns += unknowns * (figures.iterations + class_.derivatives);
+  errors = {figures.position, figures.velocity, figures.acceleration};
+  if (stays_inside(figures.ball_used, pack.ball_used[0])) return true;
+  small_step_->choose_pivots(pack, state[0]);
+  set_inputs(pack, state[0]);
+  const double* x = state[0] + pack.unknowns;
+  evaluator_->evaluate(x, phi_.data(), jacobian_.data());
+  status = check_branch(pack, x, attempt, counters);
+  return true;
 }
 
 Status GroupSolver::factorize(Pack& pack, Counters& counters) {
@@ -155,7 +192,7 @@ Status GroupSolver::newton(Pack& pack, double* x, const Attempt& attempt, Counte
       if (iteration == attempt.iterations) break;
     } else {
       if (relative <= kConverged) break;
-      if (iteration > 0 && relative <= kRoundingLevel && relative > before / 4) {
+      if (iteration > 0 && only_rounding_is_left(relative, before)) {
         // Rounding, or factors that no longer fit.
         if (!stale) break;
         usable = false;
@@ -327,6 +364,13 @@ void GroupSolver::set_anchor(Pack& pack, const double* x, std::int32_t b, Counte
   pack.ball_used[idx(b)] = 0;
 }
 
+// The next steps of this length, too.
+bool GroupSolver::stays_inside(double used, double& before) {
+  const bool lasts = used + 2 * std::max(used - before, 0.0) <= kBall;
+  if (lasts) before = used;
+  return lasts;
+}
+
 Status GroupSolver::check_branch(Pack& pack, const double* x, const Attempt& attempt, Counters& counters) {
   if (!class_.quadratic) return {};
   for (std::int32_t b = 0; b < program_.blocks; ++b) {
@@ -334,9 +378,7 @@ Status GroupSolver::check_branch(Pack& pack, const double* x, const Attempt& att
     if (attempt.branch == Attempt::Branch::inside) {
       const double used = ball_use(pack, x, b);
       if (!(used <= kBall)) return fail(pack, Code::branch_unknown, used, lane_that_moved_most(pack, x, b));
-      const bool lasts = used + 2 * std::max(used - before, 0.0) <= kBall;
-      before = used;
-      if (lasts) continue;
+      if (stays_inside(used, before)) continue;
     }
     // At the start, after a change point, and before the next steps of this length leave the ball.
     set_anchor(pack, x, b, counters);

@@ -13,6 +13,8 @@
 #include "equations/program.hpp"
 #include "simulation/branch.hpp"
 #include "simulation/lane_kernels.hpp"
+#include "simulation/pack.hpp"
+#include "simulation/small_step.hpp"
 
 namespace assur {
 
@@ -36,24 +38,6 @@ struct Attempt {
   double largest_correction = 0;  // pass: the first one, in the maximum norm; a larger one may lead to the other branch
 };
 
-// W instances of a class. All arrays are owned by the simulator; lanes beyond `used` repeat lane 0.
-struct Pack {
-  std::int32_t group_class = 0;
-  std::int32_t level = 0;
-  std::int32_t used = 1;                 // lanes that hold a group
-  std::vector<std::int32_t> groups;      // used: indices into Structure::groups
-  std::size_t unknowns = 0;              // address of the first unknown in the state arrays
-  std::vector<std::int32_t> inputs;      // inputs x W addresses in the state arrays
-  std::vector<InputRow> input_rows;      // inputs: the same, where one address tells all
-  std::vector<double> coefficients;      // coefficients x W
-  std::vector<double> lipschitz;         // equations x W
-  std::vector<double> anchor;            // by block, what it reads x W: where omega was measured
-  std::vector<double> omega;             // blocks x W
-  std::vector<double> ball_used;         // blocks: part of the ball used at the last posture inside it
-  std::unique_ptr<LinearSolver> solver;  // with pivots or factors of its own; null: the class's serves
-  bool factored = false;                 // +reuse=run: `solver` holds factors of an earlier posture
-};
-
 class GroupSolver {
  public:
   // Throws Error (environment) if the backend cannot run here.
@@ -70,8 +54,10 @@ class GroupSolver {
   // What the solver that all packs share did; each pack's own one tells for itself.
   [[nodiscard]] Effort effort() const { return shared_ ? shared_->effort() : Effort{}; }
 
-  // Sets up what the pack holds for this class (its groups, inputs and address are there already).
-  void bind(const System& system, const Structure& structure, Pack& pack) const;
+  // Makes room in the pack for what it holds of this class.
+  void size(Pack& pack) const;
+  // One lane of the pack is `group`, with the constants of `system`.
+  void bind_lane(const System& system, const Group& group, Pack& pack, int lane) const;
 
   // state[d]: d-th derivative of all coordinates, with the prediction in the pack's unknowns.
   // On failure `where` is the group and the pack's unknowns are unspecified.
@@ -87,7 +73,12 @@ class GroupSolver {
   [[nodiscard]] std::unique_ptr<LinearSolver> make_solver() const;
   void choose_solver(Pack& pack);
   void gather(const Pack& pack, const double* state, std::vector<double>& out) const;
+  // The ordinary step of a small group; false if it is none.
+  [[nodiscard]] bool small_step(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
+                                StepErrors& errors, Status& status);
+  void set_inputs(const Pack& pack, const double* state);
   [[nodiscard]] Status newton(Pack& pack, double* x, const Attempt& attempt, Counters& counters, StepErrors& errors);
+  [[nodiscard]] static bool stays_inside(double ball_used, double& before);
   [[nodiscard]] Status check_branch(Pack& pack, const double* x, const Attempt& attempt, Counters& counters);
   [[nodiscard]] Status derivatives(Pack& pack, double* const (&state)[3], Counters& counters, StepErrors& errors);
   // x = J^-1 b with refinement where the factorisation is that of another posture; returns the normwise residual.
@@ -114,6 +105,7 @@ class GroupSolver {
   LinearSolver* solver_ = nullptr;       // the pack's at hand, or shared_
   BlockConditions blocks_;
   const LaneKernels& kernels_;
+  std::unique_ptr<SmallStep> small_step_;                           // null: the class, or the strategy, has none
   std::vector<std::int32_t> row_start_;                             // n + 1
   std::vector<RowEntry> row_entries_;                               // nnz: the Jacobian by rows
   std::vector<double> inputs_, input_rates_, input_accelerations_;  // inputs x W

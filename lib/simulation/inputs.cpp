@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scene/drive.hpp"
+#include "scene/jet.hpp"
 
 namespace assur {
 namespace {
@@ -24,7 +24,7 @@ Motion blend(const Motion& a, const Motion& b, double start, double end, double 
 }  // namespace
 
 Inputs::Inputs(const System& system, const std::vector<std::string>& controlled)
-    : system_(system), driven_(all_driven(system)) {
+    : system_(system), program_(system, {}) {
   for (std::size_t i = 0; i < system.inputs.size(); ++i) {
     const DriverInput& in = system.inputs[i];
     const std::string& name = system.scene->drivers()[static_cast<std::size_t>(in.driver)].name;
@@ -39,6 +39,7 @@ Inputs::Inputs(const System& system, const std::vector<std::string>& controlled)
       add_control(name + "." + parts[k], i, static_cast<int>(k));
     }
   }
+  compile(all_driven(system));
 }
 
 void Inputs::add_control(std::string name, std::size_t input, int law) {
@@ -48,23 +49,28 @@ void Inputs::add_control(std::string name, std::size_t input, int law) {
   c.law = law;
 }
 
-Motion Inputs::law_at(std::size_t input, int law, double t) const {
-  for (const Control& c : controls_) {
-    if (c.set && c.input == input && c.law == law) return blend(c.from, c.to, c.start, c.end, t);
+void Inputs::compile(const Driven& driven) {
+  program_ = DriveProgram(system_, driven);
+  for (Control& c : controls_) c.slot = program_.slot(c.input, c.law);
+  positive_.clear();
+  for (const Index i : driven.inputs) {
+    const DriverInput& in = system_.inputs[static_cast<std::size_t>(i)];
+    if (in.must_not_vanish) positive_.push_back(in.first);
   }
-  return system_.inputs[input].laws[static_cast<std::size_t>(law)](t);
 }
 
-Status Inputs::drive(double t, double* const (&state)[3]) const {
-  assur::drive<double>(
-      system_, driven_, [&](std::size_t input, int law) { return law_at(input, law, t); }, state[0], state[1],
-      state[2]);
-  for (const Index i : driven_.inputs) {
-    const DriverInput& in = system_.inputs[static_cast<std::size_t>(i)];
-    for (Index k = in.first; k < in.first + in.count; ++k) {
-      if (state[0][k] != state[0][k]) return {Code::out_of_range, -1, t};
-    }
-    if (in.must_not_vanish && !(state[0][in.first] > 0)) return {Code::actuator_zero, -1, state[0][in.first]};
+Status Inputs::drive(double t, double* const (&state)[3]) {
+  for (const Control& c : controls_) {
+    if (c.slot >= 0) program_.hold(c.slot, c.set);
+  }
+  program_.evaluate(t);
+  for (const Control& c : controls_) {
+    if (c.slot >= 0 && c.set) program_.replace(c.slot, blend(c.from, c.to, c.start, c.end, t));
+  }
+  program_.place(state);
+  if (!program_.defined()) return {Code::out_of_range, -1, t};
+  for (const Index i : positive_) {
+    if (!(state[0][i] > 0)) return {Code::actuator_zero, -1, state[0][i]};
   }
   return {};
 }
@@ -131,6 +137,14 @@ bool Inputs::end_step(double now, bool will_be_repeated) {
 
 void Inputs::reset() {
   for (Control& c : controls_) c.set = c.pending = false;
+}
+
+void Inputs::continue_from(const Inputs& other) {
+  for (std::size_t i = 0; i < controls_.size(); ++i) {
+    const std::int32_t slot = controls_[i].slot;  // what is read may differ
+    controls_[i] = other.controls_[i];
+    controls_[i].slot = slot;
+  }
 }
 
 }  // namespace assur

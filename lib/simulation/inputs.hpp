@@ -7,6 +7,7 @@
 
 #include "assur/plan.hpp"
 #include "scene/system.hpp"
+#include "simulation/drive_program.hpp"
 
 namespace assur {
 
@@ -15,10 +16,10 @@ class Inputs {
   Inputs(const System& system, const std::vector<std::string>& controlled);
 
   // Only drivers behind the coordinates that are marked are evaluated from now on.
-  void keep(std::vector<std::uint8_t> needed) { driven_ = driven_behind(system_, std::move(needed)); }
+  void keep(std::vector<std::uint8_t> needed) { compile(driven_behind(system_, std::move(needed))); }
 
   // Known coordinates at time t; state[d]: d-th derivative, indexed by coordinate.
-  [[nodiscard]] Status drive(double t, double* const (&state)[3]) const;
+  [[nodiscard]] Status drive(double t, double* const (&state)[3]);
 
   // What a controlled driver reaches at the next step. Throws Error (input) for any other name.
   void set(std::string_view driver, const Motion& motion);
@@ -33,23 +34,25 @@ class Inputs {
   bool end_step(double now, bool will_be_repeated);
   void reset();
   // Takes over what was set in `other`, of the same scene.
-  void continue_from(const Inputs& other) { controls_ = other.controls_; }
+  void continue_from(const Inputs& other);
 
  private:
   struct Control {
     std::string name;
     std::size_t input = 0;
     int law = 0;
-    bool set = false;      // else the law serves
-    bool pending = false;  // `next` waits for the next step
+    std::int32_t slot = -1;  // in the program; -1: nobody reads it
+    bool set = false;        // else the law serves
+    bool pending = false;    // `next` waits for the next step
     Motion next, from, to;
     double start = 0, end = 0;
   };
   void add_control(std::string name, std::size_t input, int law);
-  [[nodiscard]] Motion law_at(std::size_t input, int law, double t) const;
+  void compile(const Driven& driven);
 
   const System& system_;
-  Driven driven_;
+  DriveProgram program_;
+  std::vector<Index> positive_;  // coordinates: driven distances
   std::vector<Control> controls_;
 };
 

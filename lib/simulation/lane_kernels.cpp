@@ -5,7 +5,7 @@
 
 #include "simulation/lane_kernels.hpp"
 
-#include "equations/lane_vector-inl.hpp"
+#include "simulation/gather-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace assur::HWY_NAMESPACE {
@@ -35,17 +35,7 @@ struct Kernels {
   static void gather(const InputRow* rows, const std::int32_t* addresses, std::int32_t count, const double* state,
                      double* out) {
     for (std::int32_t i = 0; i < count; ++i, addresses += W, out += W) {
-      switch (rows[i].kind) {
-        case InputRow::Kind::same:
-          L::set(state[rows[i].address]).store(out);
-          break;
-        case InputRow::Kind::consecutive:
-          L::load(state + rows[i].address).store(out);
-          break;
-        case InputRow::Kind::scattered:
-          for (int w = 0; w < W; ++w) out[w] = state[addresses[w]];
-          break;
-      }
+      gather_input<W>(rows[i], addresses, state).store(out);
     }
   }
 

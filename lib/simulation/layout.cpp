@@ -1,6 +1,7 @@
 #include "simulation/layout.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 namespace assur {
 namespace {
@@ -51,13 +52,21 @@ std::vector<InputRow> input_rows(const std::vector<std::int32_t>& addresses, std
 
 }  // namespace
 
+std::vector<std::unique_ptr<GroupSolver>> make_solvers(const Prepared& prepared, int lanes) {
+  std::vector<std::unique_ptr<GroupSolver>> solvers;
+  for (Plan::Choice choice : prepared.plan.choices) {
+    if (lanes > 0) choice.strategy.lanes = lanes;
+    solvers.push_back(std::make_unique<GroupSolver>(*prepared.structure->system, *prepared.structure,
+                                                    choice.group_class, choice, prepared.table));
+  }
+  return solvers;
+}
+
 Layout lay_out(const Prepared& prepared) {
   const Structure& structure = *prepared.structure;
   const System& system = *structure.system;
   Layout out;
-  for (const Plan::Choice& choice : prepared.plan.choices) {
-    out.solvers.push_back(std::make_unique<GroupSolver>(system, structure, choice.group_class, choice, prepared.table));
-  }
+  out.solvers = make_solvers(prepared);
   out.packs = fill_packs(structure, out.solvers);
 
   out.address.assign(system.coordinates.size(), -1);
@@ -87,7 +96,47 @@ Layout lay_out(const Prepared& prepared) {
       for (std::size_t i = 0; i < count; ++i) pack.inputs[i * w + lane] = out.address[idx(g.inputs[i])];
     }
     pack.input_rows = input_rows(pack.inputs, count, w);
-    solver.bind(system, structure, pack);
+    solver.size(pack);
+    for (std::size_t lane = 0; lane < w; ++lane) {
+      const Group& g = structure.groups[idx(pack.groups[lane < pack.groups.size() ? lane : 0])];
+      solver.bind_lane(system, g, pack, static_cast<int>(lane));
+    }
+  }
+  return out;
+}
+
+Layout lay_out_side_by_side(const Prepared& prepared, int lanes) {
+  const Structure& structure = *prepared.structure;
+  const System& system = *structure.system;
+  const std::size_t w = idx(lanes);
+  Layout out;
+  out.solvers = make_solvers(prepared, lanes);
+  out.address.assign(system.coordinates.size(), -1);
+  for (std::size_t c = 0; c < out.address.size(); ++c) {
+    if (system.coordinates[c].role != Role::unknown) out.address[c] = static_cast<std::int32_t>(c * w);
+  }
+  for (const std::int32_t c : structure.static_coordinates) out.address[idx(c)] = c * lanes;
+  out.first_unknown = out.size = system.coordinates.size() * w;
+  std::vector<std::int32_t> each(w);
+  std::iota(each.begin(), each.end(), 0);
+  for (const Group& group : structure.groups) {
+    Pack& pack = out.packs.emplace_back();
+    pack.group_class = group.group_class;
+    pack.level = group.level;
+    pack.groups = each;
+    pack.unknowns = out.size;
+    for (std::size_t i = 0; i < group.unknowns.size(); ++i) {
+      out.address[idx(group.unknowns[i])] = static_cast<std::int32_t>(out.size + i * w);
+    }
+    out.size += idx(out.solvers[idx(group.group_class)]->program().n) * w;
+  }
+  for (std::size_t g = 0; g < out.packs.size(); ++g) {
+    Pack& pack = out.packs[g];
+    for (const std::int32_t c : structure.groups[g].inputs) {
+      for (int lane = 0; lane < lanes; ++lane) pack.inputs.push_back(out.address[idx(c)] + lane);
+    }
+    pack.input_rows = input_rows(pack.inputs, structure.groups[g].inputs.size(), w);
+    out.solvers[idx(pack.group_class)]->size(pack);
   }
   return out;
 }

@@ -1,5 +1,6 @@
 #include "simulation/output_program.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -28,6 +29,7 @@ void OutputProgram::add(const System& s, std::span<const std::int32_t> address, 
     return TermAt{address[static_cast<std::size_t>(t.coordinate)], s.constants[static_cast<std::size_t>(t.constant)]};
   };
   const double unit = s.unit(m.dimension);
+  if (m.kind == MeasureForms::Kind::form && add_line(s, address, m.forms[0], unit, column)) return;
   if (m.kind == MeasureForms::Kind::form) {
     const auto begin = static_cast<std::int32_t>(sum_terms_.size());
     for (const Term& t : s.form(m.forms[0])) {
@@ -52,12 +54,53 @@ void OutputProgram::add(const System& s, std::span<const std::int32_t> address, 
   parts_.push_back(part);
 }
 
+bool OutputProgram::add_line(const System& s, std::span<const std::int32_t> address, Index form, double unit,
+                             const std::array<std::int32_t, 3>& column) {
+  Line line{address[kOne], column, 0, 0};
+  bool moves = false;
+  for (const Term& t : s.form(form)) {
+    const double factor = s.constants[static_cast<std::size_t>(t.constant)] * unit;  // a power of two
+    if (t.coordinate == kOne) {
+      line.offset += factor;
+      continue;
+    }
+    if (moves) return false;
+    moves = true;
+    line.address = address[static_cast<std::size_t>(t.coordinate)];
+    line.factor = factor;
+  }
+  const bool all = std::all_of(column.begin(), column.end(), [](std::int32_t c) { return c >= 0; });
+  (all ? motions_ : lines_).push_back(line);
+  return true;
+}
+
 void OutputProgram::mark(std::vector<std::uint8_t>& addresses) const {
+  for (const auto* lines : {&motions_, &lines_}) {
+    for (const Line& l : *lines) addresses[static_cast<std::size_t>(l.address)] = 1;
+  }
   for (const TermAt& t : terms_) addresses[static_cast<std::size_t>(t.address)] = 1;
   for (const TermAt& t : sum_terms_) addresses[static_cast<std::size_t>(t.address)] = 1;
 }
 
+std::vector<std::size_t> OutputProgram::angles() const {
+  std::vector<std::size_t> columns;
+  for (const Part& part : parts_) {
+    if (part.angle && part.column[0] >= 0) columns.push_back(static_cast<std::size_t>(part.column[0]));
+  }
+  return columns;
+}
+
 void OutputProgram::evaluate(const double* const (&state)[3], double* out, const double* previous, double dt) const {
+  for (const Line& l : motions_) {
+    out[l.column[0]] = l.offset + l.factor * state[0][l.address];
+    out[l.column[1]] = l.factor * state[1][l.address];
+    out[l.column[2]] = l.factor * state[2][l.address];
+  }
+  for (const Line& l : lines_) {
+    for (std::size_t d = 0; d < 3; ++d) {
+      if (l.column[d] >= 0) out[l.column[d]] = (d == 0 ? l.offset : 0) + l.factor * state[d][l.address];
+    }
+  }
   for (const Sum& sum : sums_) {
     double total[3] = {};
     for (std::int32_t t = sum.begin; t < sum.end; ++t) {

@@ -55,6 +55,9 @@ class OutputProgram {
 
   [[nodiscard]] const std::vector<std::string>& columns() const { return columns_; }
 
+  // Columns of signed angles, which are unwrapped along a run.
+  [[nodiscard]] std::vector<std::size_t> angles() const;
+
   // Marks the addresses that are read.
   void mark(std::vector<std::uint8_t>& addresses) const;
 
@@ -75,15 +78,26 @@ class OutputProgram {
     int derivatives;
     bool angle;
   };
-  // What is linear in the coordinates: terms in SI units, the same for value, rate and acceleration.
+  // What is linear in one coordinate, in SI units: offset + factor * coordinate.
+  struct Line {
+    std::int32_t address;
+    std::array<std::int32_t, 3> column;  // of value, rate, acceleration; -1: not wanted
+    double factor, offset;
+  };
+  // What is linear in more of them: terms in SI units, the same for value, rate and acceleration.
   struct Sum {
     std::int32_t begin, end;
     std::array<std::int32_t, 3> column;  // -1: not wanted
   };
   void add(const System& system, std::span<const std::int32_t> address, const MeasureForms& part,
            const std::array<std::int32_t, 3>& column, int derivatives);
+  // False if more than one coordinate takes part.
+  bool add_line(const System& system, std::span<const std::int32_t> address, Index form, double unit,
+                const std::array<std::int32_t, 3>& column);
 
   int dimension_;
+  std::vector<Line> motions_;  // value, rate and acceleration wanted
+  std::vector<Line> lines_;    // not all of them
   std::vector<Sum> sums_;
   std::vector<TermAt> sum_terms_;
   std::vector<TermAt> terms_;

@@ -8,6 +8,8 @@ namespace {
 
 // Rounding errors of the postures grow by the sum of the weights: at most to some 1e-12.
 constexpr double kMostAmplification = 5e3;
+// Relative difference of steps that count as equal: up to 2^6 weights of one sum to that part of a step.
+constexpr double kEqual = 1e-10;
 
 PredictionWeights taylor(int order, double h) {
   PredictionWeights w;
@@ -89,6 +91,24 @@ PredictionWeights prediction_weights(const Predictor& p, std::span<const double>
     default:
       return taylor(p.order, h);
   }
+}
+
+const PredictionWeights& WeightsOfEqualSteps::at(const Predictor& predictor, std::span<const double> times, double t) {
+  bool equal = count_ == times.size();
+  double end = t;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    const double step = end - times[i];
+    equal = equal && std::abs(step - step_[i]) <= kEqual * std::abs(step_[i]);
+    end = times[i];
+  }
+  if (equal) return weights_;
+  count_ = times.size();
+  end = t;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    step_[i] = end - times[i];
+    end = times[i];
+  }
+  return weights_ = prediction_weights(predictor, times, t);
 }
 
 }  // namespace assur

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <span>
 
 #include "assur/strategy.hpp"
@@ -23,5 +24,18 @@ struct PredictionWeights {
 // Weights at time t. `times`: newest first, distinct. With too few postures, or an older one so near that extrapolation
 // would amplify its errors, a lower order is taken.
 [[nodiscard]] PredictionWeights prediction_weights(const Predictor& predictor, std::span<const double> times, double t);
+
+// The same, computed anew only where the steps differ from those of the last time. Steps of a grid are equal but for
+// the rounding of its times, which moves a prediction far less than its own error is.
+class WeightsOfEqualSteps {
+ public:
+  [[nodiscard]] const PredictionWeights& at(const Predictor& predictor, std::span<const double> times, double t);
+  void clear() { count_ = 0; }
+
+ private:
+  PredictionWeights weights_;
+  std::size_t count_ = 0;                     // postures they are for; 0: none
+  std::array<double, kMostPostures> step_{};  // newest first
+};
 
 }  // namespace assur

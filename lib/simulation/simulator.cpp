@@ -1,7 +1,5 @@
 #include "assur/simulator.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -9,8 +7,11 @@
 #include <optional>
 #include <utility>
 
+#include "simulation/chunks.hpp"
 #include "simulation/inputs.hpp"
 #include "simulation/layout.hpp"
+#include "simulation/levels.hpp"
+#include "simulation/memory.hpp"
 #include "simulation/output_program.hpp"
 #include "simulation/state.hpp"
 #include "simulation/watch.hpp"
@@ -18,7 +19,8 @@
 namespace assur {
 namespace {
 
-constexpr int kHalvings = 20;          // a step is halved down to 2^-20
+constexpr int kHalvings = 20;  // a step is halved down to 2^-20
+constexpr double kSmallest = 1.0 / (1 << kHalvings);
 constexpr int kReach = 12;             // a change point is passed from 2^12 of the shortest steps before it to beyond
 constexpr int kMoreHalvings = 6;       // of the shortest step, on the way back from a change point
 constexpr double kApart = 1.0 / 16;    // of that reach: a step that ends nearer to the change point is in doubt
@@ -27,17 +29,6 @@ constexpr double kConsistent = 1e-10;  // relative residual of a redundant equat
 constexpr std::size_t kEventsReserved = 64;
 
 std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
-
-// Memory that is promised but not there ends the process later, so it is asked for first.
-void check_memory(std::size_t rows, std::size_t columns) {
-  const double wanted = static_cast<double>(rows) * static_cast<double>(columns) * sizeof(double);
-  const double free = static_cast<double>(sysconf(_SC_AVPHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
-  if (wanted < free) return;
-  throw Error(Error::Kind::environment,
-              "no memory for " + std::to_string(rows) + " times x " + std::to_string(columns) + " values (" +
-                  std::to_string(std::llround(wanted / 1048576)) + " MiB, " +
-                  std::to_string(std::llround(free / 1048576)) + " free); ask for fewer outputs or a shorter run");
-}
 
 void check_times(std::span<const double> times) {
   const auto refuse = [](std::size_t k, const std::string& what) {
@@ -63,6 +54,7 @@ struct Simulator::Impl {
         inputs(system, prepared.controlled),
         layout(lay_out(prepared)),
         packs(layout.packs),
+        levels(prepared, layout, limits.pin_to),
         outputs(system, layout.address) {
     state.resize(layout.first_unknown, layout.size, prepared.plan.predictor);
     if (!structure.watch_class.equations.empty()) watch.emplace(system, structure, layout.address);
@@ -85,18 +77,17 @@ struct Simulator::Impl {
     inputs.keep(std::move(read));
   }
 
-  GroupSolver& solver(const Pack& pack) { return *layout.solvers[idx(pack.group_class)]; }
-
   void start(double time) {
     now = time;
     deadline = std::chrono::steady_clock::time_point::max();  // it is for steps
     inputs.reset();
-    for (const auto& s : layout.solvers) s->restart();
+    levels.restart();
     for (Pack& pack : packs) {
       pack.solver.reset();
       pack.factored = false;
     }
     report = Report{};
+    earlier_effort = {};
     effort_lines = 0;
     report.events.reserve(kEventsReserved);
     state.clear();
@@ -121,9 +112,9 @@ struct Simulator::Impl {
 
   void repeat_in_idle_lanes() {
     for (const Pack& pack : packs) {
-      const int w = solver(pack).lanes();
+      const int w = levels.solver(pack).lanes();
       double* x = state.at(0) + pack.unknowns;
-      for (std::int32_t i = 0; i < solver(pack).program().n; ++i) {
+      for (std::int32_t i = 0; i < levels.solver(pack).program().n; ++i) {
         for (int lane = pack.used; lane < w; ++lane) x[i * w + lane] = x[i * w];
       }
     }
@@ -135,21 +126,24 @@ struct Simulator::Impl {
   Status solve_at(double t, Attempt::Branch branch, StepErrors& errors) {
     double* const q[3] = {state.at(0), state.at(1), state.at(2)};
     if (const Status s = inputs.drive(t, q); !s.ok()) return s;
-    for (std::size_t p = 0; p < packs.size(); ++p) {
-      if (deadline_passed()) return {Code::deadline, packs[p].groups[0], limits.seconds};
-      Attempt attempt;
-      attempt.branch = passing[p] != 0 && branch == Attempt::Branch::inside ? Attempt::Branch::pass : branch;
-      attempt.iterations = packs[p].level > 0 && branch == Attempt::Branch::inside ? limits.iterations : 0;
-      attempt.most_iterations = limits.most_iterations;
-      if (attempt.branch == Attempt::Branch::pass) {
-        const std::size_t count = idx(solver(packs[p]).program().n) * idx(solver(packs[p]).lanes());
-        attempt.largest_correction = largest_correction * state.predicted_move(packs[p].unknowns, count);
+    const auto attempt = [&](std::size_t p) {
+      Attempt a;
+      a.branch = passing[p] != 0 && branch == Attempt::Branch::inside ? Attempt::Branch::pass : branch;
+      a.iterations = packs[p].level > 0 && branch == Attempt::Branch::inside ? limits.iterations : 0;
+      a.most_iterations = limits.most_iterations;
+      if (a.branch == Attempt::Branch::pass) {
+        const GroupSolver& s = levels.solver(packs[p]);
+        const std::size_t count = idx(s.program().n) * idx(s.lanes());
+        a.largest_correction = largest_correction * state.predicted_move(packs[p].unknowns, count);
       }
-      if (const Status s = solver(packs[p]).solve(packs[p], q, attempt, report.counters, errors); !s.ok()) {
-        failed_pack = p;
-        return s;
-      }
-    }
+      return a;
+    };
+    // At the start every pack makes its solver from those of the packs before it.
+    Status s = levels.solve(
+        q, branch == Attempt::Branch::start, attempt, [&] { return deadline_passed(); }, report.counters, errors,
+        failed_pack);
+    if (s.code == Code::deadline) s.figure = limits.seconds;
+    if (!s.ok()) return s;
     return check_watched(errors);
   }
 
@@ -166,9 +160,7 @@ struct Simulator::Impl {
     state.accept(t);
     now = t;
     report.reached = t;
-    report.error.position = std::max(report.error.position, errors.position);
-    report.error.velocity = std::max(report.error.velocity, errors.velocity);
-    report.error.acceleration = std::max(report.error.acceleration, errors.acceleration);
+    report.error.merge({errors.position, errors.velocity, errors.acceleration, {}, {}, {}});
   }
 
   // Back to the last accepted posture.
@@ -192,7 +184,7 @@ struct Simulator::Impl {
       deadline = std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
                                                         std::chrono::duration<double>(limits.seconds));
     }
-    const double from = now, span = t - now, smallest = std::abs(std::ldexp(span, -kHalvings));
+    const double from = now, span = t - now, smallest = std::abs(span) * kSmallest;
     inputs.begin_step(now, t);
     Status status;
     double h = span;
@@ -260,7 +252,7 @@ struct Simulator::Impl {
     restore();
     if (structure.classes[idx(packs[failed_pack].group_class)].derivatives == 0) state.estimate_rates();
     double* const q[3] = {state.at(0), state.at(1), state.at(2)};
-    Status found = solver(packs[failed_pack]).diagnose(packs[failed_pack], q);
+    Status found = levels.solver(packs[failed_pack]).diagnose(packs[failed_pack], q);
     if (found.code == Code::change_point_passed && !pass(target, t)) found.code = Code::branch_unknown;
     if (found.code == Code::branch_unknown && failed.code == Code::not_converged && found.figure > 0.05) found = failed;
     const bool passed = found.code == Code::change_point_passed;
@@ -343,17 +335,33 @@ struct Simulator::Impl {
     return true;
   }
 
+  // All coordinates; what presolve eliminated, and follows from the others, as guessed.
+  std::vector<double> posture() const {
+    std::vector<double> all = system.guess;
+    for (std::size_t c = 0; c < all.size(); ++c) {
+      if (layout.address[c] >= 0) all[c] = state.at(0)[layout.address[c]];
+    }
+    return all;
+  }
+
+  // The same mechanism at another posture and time; reset() leads back to the start of this one.
+  std::unique_ptr<Impl> at(std::vector<double> posture, double time) const {
+    Prepared elsewhere = prepared;
+    auto other = std::make_shared<Structure>(structure);
+    other->start = std::move(posture);
+    elsewhere.structure = std::move(other);
+    auto next = std::make_unique<Impl>(std::move(elsewhere), limits, time);
+    next->first_structure = first_structure != nullptr ? first_structure : std::make_shared<const Prepared>(prepared);
+    return next;
+  }
+
   // ---- redundant equations
 
   // The same motion with another independent set of the redundant equations, chosen at the last accepted posture; null
   // if that is the set at hand or cannot be started there.
   std::unique_ptr<Impl> reselected() {
-    std::vector<double> posture = system.guess;  // coordinates that presolve eliminated follow from the others
-    for (std::size_t c = 0; c < posture.size(); ++c) {
-      if (layout.address[c] >= 0) posture[c] = state.at(0)[layout.address[c]];
-    }
     try {
-      Prepared chosen = prepared.reselect(std::move(posture), now);
+      Prepared chosen = prepared.reselect(posture(), now);
       if (chosen.structure->checks == structure.checks) return nullptr;
       chosen.reselect = prepared.reselect;
       auto next = std::make_unique<Impl>(std::move(chosen), limits, now);
@@ -378,17 +386,8 @@ struct Simulator::Impl {
 
   // What the solvers had to do beyond what was planned, as a sum and in words.
   void report_effort() {
-    Effort sum;
-    const auto add = [&](const Effort& e) {
-      sum.redone += e.redone;
-      sum.renewed += e.renewed;
-      sum.refined += e.refined;
-      sum.in_double += e.in_double;
-    };
-    for (const auto& s : layout.solvers) add(s->effort());
-    for (const Pack& pack : packs) {
-      if (pack.solver) add(pack.solver->effort());
-    }
+    Effort sum = earlier_effort;
+    sum += levels.effort();
     report.effort = sum;
     drop_effort_lines();
     const auto say = [&](std::int64_t count, const std::string& what) {
@@ -414,6 +413,7 @@ struct Simulator::Impl {
   Inputs inputs;
   Layout layout;
   std::vector<Pack>& packs;
+  Levels levels;
   OutputProgram outputs;
   State state;
   std::optional<Watch> watch;
@@ -428,8 +428,11 @@ struct Simulator::Impl {
   std::vector<double> row, previous_row;
   std::shared_ptr<const Prepared> first_structure;  // what reset() goes back to, after a reselection
   Report report;
+  Effort earlier_effort;         // of solvers that ran the chunks
   std::size_t effort_lines = 0;  // at the end of report.fallbacks
 };
+
+std::vector<double> posture_of(const Simulator& simulator) { return simulator.impl_->posture(); }
 
 Simulator::Simulator(Prepared prepared, StepLimits limits) {
   if (limits.iterations < 0 || limits.most_iterations < 1 || !(limits.seconds >= 0)) {
@@ -484,6 +487,7 @@ Trajectory Simulator::run(std::span<const double> times, const Observer& observe
   Trajectory out;
   out.columns_ = impl_->outputs.columns();
   check_memory(times.size(), out.columns_.size() + 1);
+  if (impl_->prepared.plan.chunks > 1 && run_in_chunks(times, observer, out)) return out;
   out.values_.reserve(times.size() * out.columns_.size());
   out.times_.reserve(times.size());
   const auto of = static_cast<std::int64_t>(times.size());
@@ -498,6 +502,46 @@ Trajectory Simulator::run(std::span<const double> times, const Observer& observe
   }
   impl_->report.counters.stored_values = static_cast<std::int64_t>(out.values_.size());
   return out;
+}
+
+// False if a start posture of some chunk cannot be found by continuation: then nothing is done.
+bool Simulator::run_in_chunks(std::span<const double> times, const Observer& observer, Trajectory& out) {
+  if (times.empty()) return false;
+  const ChunkGrid grid = chunk_grid(times.size(), idx(impl_->prepared.plan.chunks));
+  const Impl* const first = impl_.get();
+  const double first_time = impl_->now;
+  std::vector<Variant> starts;
+  for (const std::size_t row : grid.first) {
+    if (!step(times[row]).ok() || impl_.get() != first) {
+      const double reached = impl_->now;
+      reset();
+      impl_->report.fallbacks.push_back(
+          "no chunks: their start postures were found up to t = " + std::to_string(reached) + " s only");
+      return false;
+    }
+    starts.push_back({impl_->structure.system, impl_->posture(), impl_->now, impl_->prepared.reselect});
+  }
+  Counters counters = impl_->report.counters;
+  counters.steps = 0;  // those between the starts are not of the grid
+  ChunkedRun run = assur::run_in_chunks(impl_->prepared, impl_->limits, times, grid, std::move(starts), observer);
+  out.values_ = std::move(run.values);
+  out.times_.assign(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(run.rows));
+
+  impl_ = impl_->at(run.posture, out.times_.back());
+  std::copy(out.row(out.rows() - 1).begin(), out.row(out.rows() - 1).end(), impl_->row.begin());
+  impl_->earlier_effort = run.totals.effort;
+  Report& report = impl_->report;
+  report = {};
+  report.counters = counters;
+  report.counters += run.totals.counters;
+  report.counters.steps = static_cast<std::int64_t>(run.rows) - (times[0] == first_time ? 1 : 0);
+  report.counters.stored_values = static_cast<std::int64_t>(out.values_.size());
+  report.error = run.totals.error;
+  report.status = run.status;
+  report.reached = out.times_.back();
+  report.events = run.events;
+  report.fallbacks = run.fallbacks;
+  return true;
 }
 
 const std::vector<std::string>& Simulator::columns() const { return impl_->outputs.columns(); }

@@ -8,55 +8,59 @@ namespace assur {
 void State::resize(std::size_t first_unknown, std::size_t size, const Predictor& predictor) {
   predictor_ = predictor;
   first_unknown_ = first_unknown;
+  size_ = size;
   depth_ = static_cast<std::size_t>(postures_read(predictor));
   levels_ = derivatives_read(predictor) + 1;
   for (int d = 0; d < 3; ++d) {
-    values_[d].assign(size, 0.0);
-    last_[d].assign(size - first_unknown, 0.0);
+    ring(d).postures.assign(1 + (d < levels_ ? depth_ : 1), std::vector<double>(size, 0.0));
   }
-  history_.resize(depth_ - 1);
-  for (auto& posture : history_) {
-    for (int d = 0; d < levels_; ++d) posture[static_cast<std::size_t>(d)].assign(size - first_unknown, 0.0);
-  }
-  times_.reserve(depth_);
+  times_.reserve(depth_ + 1);
 }
 
 void State::clear() {
-  for (auto& v : values_) std::fill(v.begin(), v.end(), 0.0);
+  for (Ring& r : rings_) {
+    for (auto& posture : r.postures) std::fill(posture.begin(), posture.end(), 0.0);
+  }
+  begun_ = true;
   times_.clear();
+  weights_.clear();
+}
+
+void State::begin() {
+  if (begun_) return;
+  for (Ring& r : rings_) r.newest = (r.newest == 0 ? r.postures.size() : r.newest) - 1;
+  begun_ = true;
 }
 
 void State::predict(double t) {
-  const PredictionWeights w = prediction_weights(predictor_, times_, t);
+  begin();
+  const PredictionWeights& w = weights_.at(predictor_, times_, t);
   const double* sources[3 * kMostPostures];
   double weights[3 * kMostPostures];
   std::int32_t count = 0;
   for (std::size_t p = 0; p < static_cast<std::size_t>(w.postures); ++p) {
-    for (std::size_t d = 0; d < static_cast<std::size_t>(levels_); ++d) {
-      if (w.weight[p][d] == 0) continue;
-      sources[count] = (p == 0 ? last_[d] : history_[p - 1][d]).data();
-      weights[count++] = w.weight[p][d];
+    for (int d = 0; d < levels_; ++d) {
+      const double weight = w.weight[p][static_cast<std::size_t>(d)];
+      if (weight == 0) continue;
+      sources[count] = ring(d).at(last() + p) + first_unknown_;
+      weights[count++] = weight;
     }
   }
-  kernels_.combine(sources, weights, count, last_[0].size(), values_[0].data() + first_unknown_);
+  kernels_.combine(sources, weights, count, size_ - first_unknown_, at(0) + first_unknown_);
 }
 
 double State::predicted_move(std::size_t address, std::size_t count) const {
+  const double *now = at(0), *before = ring(0).at(last());
   double largest = 0;
-  for (std::size_t i = address; i < address + count; ++i) {
-    largest = std::max(largest, std::abs(values_[0][i] - last_[0][i - first_unknown_]));
-  }
+  for (std::size_t i = address; i < address + count; ++i) largest = std::max(largest, std::abs(now[i] - before[i]));
   return largest;
 }
 
 void State::accept(double t) {
-  if (!times_.empty() && depth_ > 1) {
-    std::rotate(history_.begin(), history_.end() - 1, history_.end());
-    for (int d = 0; d < levels_; ++d) history_[0][static_cast<std::size_t>(d)].swap(last_[d]);
+  if (times_.empty()) {  // what is known and never moves is the same in all postures
+    for (auto& posture : ring(0).postures) std::copy_n(at(0), first_unknown_, posture.data());
   }
-  for (int d = 0; d < 3; ++d) {
-    std::copy(values_[d].begin() + static_cast<std::ptrdiff_t>(first_unknown_), values_[d].end(), last_[d].begin());
-  }
+  begun_ = false;
   if (times_.size() == depth_) times_.pop_back();
   times_.insert(times_.begin(), t);
 }
@@ -67,21 +71,21 @@ void State::forget() {
 
 void State::stand_still() {
   forget();
-  for (int d = 1; d < 3; ++d) std::fill(last_[d].begin(), last_[d].end(), 0.0);
+  for (int d = 1; d < 3; ++d) std::fill_n(ring(d).at(last()) + first_unknown_, size_ - first_unknown_, 0.0);
 }
 
 void State::restore() {
+  begin();
   for (int d = 0; d < 3; ++d) {
-    std::copy(last_[d].begin(), last_[d].end(), values_[d].begin() + static_cast<std::ptrdiff_t>(first_unknown_));
+    std::copy_n(ring(d).at(last()) + first_unknown_, size_ - first_unknown_, at(d) + first_unknown_);
   }
 }
 
 void State::estimate_rates() {
   if (times_.size() < 2) return;
   const double dt = times_[0] - times_[1];
-  for (std::size_t i = 0; i < last_[0].size(); ++i) {
-    values_[1][first_unknown_ + i] = (last_[0][i] - history_[0][0][i]) / dt;
-  }
+  const double *newer = ring(0).at(last()), *older = ring(0).at(last() + 1);
+  for (std::size_t i = first_unknown_; i < size_; ++i) at(1)[i] = (newer[i] - older[i]) / dt;
 }
 
 }  // namespace assur

@@ -15,9 +15,10 @@ class State {
   // Coordinates [0, first_unknown) are known at any time; [first_unknown, size) are solved for.
   void resize(std::size_t first_unknown, std::size_t size, const Predictor& predictor);
 
-  // d-th derivative of every coordinate.
-  [[nodiscard]] double* at(int d) { return values_[d].data(); }
-  [[nodiscard]] const double* at(int d) const { return values_[d].data(); }
+  // d-th derivative of every coordinate, valid until the next predict() or restore(). After predict() the unknowns have
+  // values, but no derivatives yet.
+  [[nodiscard]] double* at(int d) { return ring(d).at(0); }
+  [[nodiscard]] const double* at(int d) const { return ring(d).at(0); }
 
   void clear();
   // Unknowns of the next posture, from the accepted ones.
@@ -35,15 +36,34 @@ class State {
   void estimate_rates();
 
  private:
+  // One derivative of the postures by age, 0: the newest. Nothing is moved when a posture becomes an older one.
+  struct Ring {
+    std::vector<std::vector<double>> postures;
+    std::size_t newest = 0;
+
+    [[nodiscard]] std::size_t place(std::size_t age) const {
+      const std::size_t i = newest + age;
+      return i < postures.size() ? i : i - postures.size();
+    }
+    [[nodiscard]] double* at(std::size_t age) { return postures[place(age)].data(); }
+    [[nodiscard]] const double* at(std::size_t age) const { return postures[place(age)].data(); }
+  };
+  [[nodiscard]] Ring& ring(int d) { return rings_[static_cast<std::size_t>(d)]; }
+  [[nodiscard]] const Ring& ring(int d) const { return rings_[static_cast<std::size_t>(d)]; }
+  // Age of the last accepted posture: 0 until another one is begun.
+  [[nodiscard]] std::size_t last() const { return begun_ ? 1 : 0; }
+  void begin();
+
   const LaneKernels& kernels_ = lane_kernels(1);
   Predictor predictor_;
+  WeightsOfEqualSteps weights_;
   std::size_t first_unknown_ = 0;
+  std::size_t size_ = 0;
   std::size_t depth_ = 1;  // postures that the predictor reads
   int levels_ = 1;         // derivatives that it reads, and the value
-  std::vector<double> values_[3];
-  std::vector<double> last_[3];                              // unknowns only
-  std::vector<std::array<std::vector<double>, 3>> history_;  // depth - 1 older ones, newest first
-  std::vector<double> times_;                                // of last_ and history_
+  std::array<Ring, 3> rings_;
+  bool begun_ = true;          // the newest posture is not accepted
+  std::vector<double> times_;  // of the accepted postures, newest first
 };
 
 }  // namespace assur

@@ -4,22 +4,15 @@
 #include <cerrno>
 #include <cstddef>
 
+#include "sanitizers.hpp"
+
 namespace {
 std::atomic<std::int64_t> count{0};
 }
 
 std::int64_t assur::test::allocations() { return count.load(); }
 
-// GCC says it by macros, clang by features.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define ASSUR_SANITIZED
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define ASSUR_SANITIZED
-#endif
-#endif
-
-#ifdef ASSUR_SANITIZED
+#if defined(ASSUR_ADDRESS_SANITIZER) || defined(ASSUR_THREAD_SANITIZER)
 // Declared here: gcc brings the function, but not its header.
 extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*)(const volatile void*, std::size_t),
                                                          void (*)(const volatile void*));

@@ -107,6 +107,26 @@ TEST_F(Klu, GrowthThatOnlyLShowsIsNoticed) {
   EXPECT_FALSE(pivoted_);
 }
 
+// Powers of two alone: whenever scales are chosen anew, the pivots stay and so does every bit of the solution.
+TEST_F(Klu, RowsMayChangeTheirSize) {
+  const int n = 15;
+  Random random(8);
+  Matrix a = sparse(n, 3, random);
+  ASSERT_TRUE(solver_->analyze(a.pattern, 1).ok());
+  std::vector<double> b(n, 1.0), expected;
+  for (int k = 0; k < 300; ++k) {  // up to 2^300 and down to 2^-300
+    EXPECT_LE(step(a), 10 * n * kEps);
+    EXPECT_EQ(pivoted_, k == 0) << k;
+    std::vector<double> x = b;
+    ASSERT_TRUE(solver_->solve(x, 1).ok());
+    if (k == 0) expected = x;
+    EXPECT_EQ(x, expected) << k;
+    const auto factor = [](int row) { return std::ldexp(1, row % 3 - 1); };
+    scale(a, [&](int row, int) { return factor(row); });
+    for (int i = 0; i < n; ++i) b[static_cast<std::size_t>(i)] *= factor(i);
+  }
+}
+
 TEST_F(Klu, EachLaneHasItsOwnPivots) {
   Random random(6);
   const Matrix a = sparse(15, 3, random);

@@ -19,7 +19,9 @@ TEST(Usage, AWrongCallSaysWhatIsWrongAndWhereHelpIs) {
       {{"--bogus"}, "there is no option --bogus", "assur"},
       {{"run"}, "SCENE is required", "assur run"},
       {{"run", "stewart", "gough"}, "one argument too many: gough", "assur run"},
-      {{"run", "stewart", "--threads", "2"}, "there is no option --threads", "assur run"},
+      {{"run", "stewart", "--cores", "2"}, "there is no option --cores", "assur run"},
+      {{"run", "stewart", "--threads", "0"}, "--threads: expects a whole number from 1, not \"0\"", "assur run"},
+      {{"backends", "--threads", "1.5"}, "--threads: expects a whole number from 1, not \"1.5\"", "assur backends"},
       {{"run", "stewart", "--steps", "-3"}, "--steps: expects a whole number from 0, not \"-3\"", "assur run"},
       {{"run", "stewart", "--steps", "1.5"}, "--steps: expects a whole number from 0, not \"1.5\"", "assur run"},
       {{"run", "stewart", "--iterations", "0"}, "--iterations: expects a whole number from 1, not \"0\"", "assur run"},
@@ -58,7 +60,7 @@ TEST(Usage, WithJsonAWrongCallIsAnObject) {
 }
 
 TEST(Usage, HelpFitsThePageAndNamesEveryOption) {
-  const std::vector<std::string> common = {"--json", "--quiet", "--help", "--version"};
+  const std::vector<std::string> common = {"--json", "--quiet", "--threads", "--help", "--version"};
   const std::vector<std::pair<std::vector<std::string>, std::vector<std::string>>> cases = {
       {{"--help"}, {"run", "inspect", "backends"}},
       {{"run", "--help"},

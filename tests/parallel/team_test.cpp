@@ -1,20 +1,27 @@
 #include "parallel/team.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <fstream>
+#include <optional>
 #include <set>
 #include <string>
 #include <thread>
 #include <vector>
-
-#include <sys/syscall.h>
-#include <unistd.h>
+#ifdef _OPENMP
+#include <omp.h>
+#endif
 
 #include "assur/status.hpp"
 #include "backends/allocations.hpp"
 #include "parallel/barrier.hpp"
+#include "parallel/thread_state.hpp"
+#include "sanitizers.hpp"
 
 namespace assur::test {
 namespace {
@@ -110,6 +117,221 @@ TEST(Team, AnIdleTeamFallsAsleepAndWakes) {
   worker = 0;
   team.run(ask);
   EXPECT_EQ(worker, asleep);
+}
+
+TEST(Team, MembersMeet) {
+  for (int size : {1, 2, 4, 16}) {  // 16: more than the cores of most machines that test
+    Team team(size);
+    std::vector<int> arrived(static_cast<std::size_t>(size));
+    std::atomic<int> early = 0;
+    team.run([&](int rank) {
+      for (int round = 1; round <= 500; ++round) {
+        arrived[static_cast<std::size_t>(rank)] = round;
+        team.barrier();
+        for (int other : arrived) early += other != round;
+        team.barrier();
+      }
+    });
+    EXPECT_EQ(early, 0) << size;
+  }
+}
+
+TEST(Team, WhatAMemberThrowsReachesTheCallerAndTheOthersAreSentHome) {
+  Team team(4);
+  for (int thrower : {0, 1, 3}) {
+    std::atomic<int> past = 0;
+    const auto work = [&](int rank) {
+      team.barrier();
+      if (rank == thrower) throw Error(Error::Kind::numerical, "rank " + std::to_string(rank));
+      team.barrier();
+      ++past;
+    };
+    try {
+      team.run(work);
+      FAIL();
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), Error::Kind::numerical);
+      EXPECT_EQ(error.what(), "rank " + std::to_string(thrower));
+    }
+    EXPECT_EQ(past, 0);
+
+    team.run([&](int) {  // and all is well again
+      team.barrier();
+      ++past;
+    });
+    EXPECT_EQ(past, 4);
+  }
+}
+
+TEST(Team, IfAllThrowTheLowestRankIsHeard) {
+  Team team(3);
+  for (int i = 0; i < 100; ++i) {
+    try {
+      team.run([](int rank) { throw rank; });
+      FAIL();
+    } catch (int rank) {
+      EXPECT_EQ(rank, 0);
+    }
+  }
+}
+
+TEST(Team, ThreadsOfTheUsersHaveATeamEach) {
+  std::atomic<int> sum = 0;
+  const auto use = [&] {
+    Team team(3);
+    for (int i = 0; i < 200; ++i) {
+      team.run([&](int rank) {
+        sum += rank;
+        team.barrier();
+      });
+    }
+  };
+  std::thread other(use);
+  use();
+  other.join();
+  EXPECT_EQ(sum, 2 * 200 * 3);
+}
+
+#ifdef _OPENMP
+TEST(Team, WorksWithinAParallelRegionOfTheUsers) {
+  std::atomic<int> sum = 0, inside = 0;
+#pragma omp parallel num_threads(2)
+  {
+    Team team(3);
+    inside += omp_in_parallel();
+    for (int i = 0; i < 200; ++i) {
+      team.run([&](int rank) {
+        sum += rank;
+        team.barrier();
+      });
+    }
+    EXPECT_EQ(omp_get_num_threads(), 2);
+  }
+  EXPECT_EQ(inside, 2);
+  EXPECT_EQ(sum, 2 * 200 * 3);
+}
+#endif
+
+TEST(Team, PinnedMembersRunOnCoresOfTheirOwnAndTheCallerIsLetGo) {
+  const std::vector<int> before = allowed_processors();
+  if (before.empty()) GTEST_SKIP() << "the system does not tell where threads may run";
+  for (std::size_t size = 1; size <= std::min<std::size_t>(before.size(), 4); ++size) {
+    Team team(static_cast<int>(size), before);
+    std::vector<std::vector<int>> on(size);
+    team.run([&](int rank) {
+      on[static_cast<std::size_t>(rank)] = allowed_processors();
+      team.barrier();
+    });
+    for (std::size_t rank = 0; rank < size; ++rank) EXPECT_EQ(on[rank], std::vector<int>{before[rank]});
+    EXPECT_EQ(allowed_processors(), before);
+    EXPECT_THROW(team.run([](int) { throw 1; }), int);
+    EXPECT_EQ(allowed_processors(), before);
+  }
+}
+
+TEST(Team, CannotBePinnedToFewerCoresThanMembers) {
+  const std::vector<int> one = {0};
+  try {
+    Team team(2, one);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), Error::Kind::input);
+    EXPECT_STREQ(error.what(), "a team of 2 threads cannot be pinned to 1 cores; use fewer threads, or do not pin");
+  }
+}
+
+TEST(Team, CannotBePinnedWhereItMayNotRun) {
+  const std::vector<int> before = allowed_processors();
+  const std::vector<int> absent = {before.empty() ? 0 : before[0], 8000};
+  try {
+    Team team(2, absent);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), Error::Kind::environment);
+    EXPECT_NE(std::string(error.what()).find("cannot pin a thread to processor 8000: "), std::string::npos);
+  }
+  EXPECT_EQ(allowed_processors(), before);
+}
+
+// Runs `work` in the child of a fork; its exit status, 127 if it neither ended nor failed within a minute.
+template <class Work>
+int in_a_child(Work&& work) {
+  const pid_t child = fork();
+  if (child == 0) {
+    alarm(60);
+    _exit(work());
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 127;
+}
+
+class ForkedTeam : public testing::Test {
+ protected:
+  void SetUp() override {
+#ifdef ASSUR_THREAD_SANITIZER
+    GTEST_SKIP() << "ThreadSanitizer lets the child of a fork start no threads";
+#endif
+  }
+};
+
+TEST_F(ForkedTeam, IsStartedAnewInTheChild) {
+  const std::vector<int> processors = allowed_processors();
+  for (const bool pinned : {false, true}) {
+    const int size = pinned ? static_cast<int>(std::min<std::size_t>(processors.size(), 3)) : 3;
+    if (size == 0) GTEST_SKIP() << "the system does not tell where threads may run";
+    Team team(size, pinned ? processors : std::vector<int>{});
+    const auto before = threads_of(team);
+    const auto works = [&] {
+      int calls[3] = {};
+      for (int i = 0; i < 100; ++i) {
+        team.run([&](int rank) {
+          team.barrier();
+          ++calls[rank];
+          team.barrier();
+        });
+      }
+      return std::all_of(calls, calls + size, [](int c) { return c == 100; });
+    };
+    EXPECT_EQ(in_a_child([&] { return works() ? 0 : 1; }), 0);
+    EXPECT_EQ(in_a_child([&] { return in_a_child([&] { return works() ? 0 : 1; }); }), 0);  // a child's child
+    EXPECT_TRUE(works());  // and the parent keeps its own
+    EXPECT_EQ(threads_of(team), before);
+  }
+}
+
+// Another thread of the parent is inside run() at the fork: the child gets no half of it.
+TEST_F(ForkedTeam, IsStartedAnewThoughItWasAtWork) {
+  Team team(2);
+  std::atomic<bool> at_work = false, end = false;
+  std::thread user([&] {
+    team.run([&](int) {
+      at_work = true;
+      while (!end) std::this_thread::yield();
+      team.barrier();
+    });
+  });
+  while (!at_work) std::this_thread::yield();
+  EXPECT_EQ(in_a_child([&] {
+              std::atomic<int> sum = 0;
+              team.run([&](int rank) {
+                sum += rank + 1;
+                team.barrier();
+              });
+              return sum == 3 ? 0 : 1;
+            }),
+            0);
+  end = true;
+  user.join();
+}
+
+TEST_F(ForkedTeam, CanBeDestroyedInTheChild) {
+  std::optional<Team> team(3);
+  EXPECT_EQ(in_a_child([&] {
+              team.reset();
+              return 0;
+            }),
+            0);
 }
 
 // 16 threads are more than the cores of most machines that test: those who wait must let the others on.

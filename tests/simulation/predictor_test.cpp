@@ -82,6 +82,33 @@ TEST(Predictor, LeavesOutPosturesThatAreTooNear) {
   EXPECT_EQ(prediction_weights({Predictor::Kind::past, 1}, far, 0.31).postures, 2);
 }
 
+TEST(Predictor, KeepsTheWeightsOfEqualSteps) {
+  for (const std::string& text : kPredictors) {
+    SCOPED_TRACE(text);
+    const Predictor predictor = parse_strategy("groups/eigen+predict=" + text).predictor;
+    const auto count = static_cast<std::size_t>(postures_read(predictor));
+    const auto grid = [&](int newest, double step) {
+      std::vector<double> times;
+      for (std::size_t i = 0; i < count; ++i) times.push_back((newest - static_cast<int>(i)) * step);
+      return times;
+    };
+    WeightsOfEqualSteps kept;
+    const auto same = [](const PredictionWeights& a, const PredictionWeights& b) {
+      return a.postures == b.postures && a.weight == b.weight;
+    };
+    const PredictionWeights first = kept.at(predictor, grid(10, 0.01), 11 * 0.01);
+    EXPECT_TRUE(same(first, prediction_weights(predictor, grid(10, 0.01), 11 * 0.01)));
+    // Times of a grid are rounded: to the last bit the steps differ, the weights do not.
+    EXPECT_TRUE(same(kept.at(predictor, grid(3000, 0.01), 3001 * 0.01), first));
+    EXPECT_TRUE(
+        same(kept.at(predictor, grid(10, 0.02), 11 * 0.02), prediction_weights(predictor, grid(10, 0.02), 0.22)));
+    const double off = 11 * 0.01 + 1e-11;  // 1e-9 of a step
+    EXPECT_TRUE(same(kept.at(predictor, grid(10, 0.01), off), prediction_weights(predictor, grid(10, 0.01), off)));
+    const std::vector<double> one = {0.1};  // fewer postures, the same last step
+    EXPECT_TRUE(same(kept.at(predictor, one, off), prediction_weights(predictor, one, off)));
+  }
+}
+
 // Whatever the prediction, Newton ends at the same posture: to residuals of 8 eps at the worst condition along the turn
 // (sines between coupler and rocker down to 0.44 in every loop, ten of them add up), rates at its square.
 TEST(Predictor, DoesNotChangeTheResult) {

@@ -70,6 +70,13 @@ TEST(Steady, RejectedStepsAllocateNothing) {
   }
 }
 
+TEST(Steady, SmallStepsAllocateNothing) {
+  for (const std::string scene : {"stewart", "four_bar:8"}) {
+    Simulator s = test::simulator(sample(scene), "irreducible/lanes:8");
+    EXPECT_EQ(allocations_of([&](int) { return s.step(); }), 0) << scene;
+  }
+}
+
 TEST(Steady, ControlAllocatesNothing) {
   for (const std::string& solver : test::solvers()) {
     for (const std::string formulation : {"global", "groups", "irreducible"}) {

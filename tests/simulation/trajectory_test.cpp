@@ -34,6 +34,27 @@ TEST(Trajectory, HasNoColumnTwice) {
             (std::vector<std::string>{"C.vx", "C.vy", "B.x", "B.y", "C.x", "C.y", "C.ax", "C.ay"}));
 }
 
+// B1 is solved for, or an offset and a multiple of another unknown; u a coordinate of the driver.
+TEST(Trajectory, PartsOfAnOutputAreThoseOfTheWhole) {
+  const Scene scene = sample("stewart:steps=20");
+  std::vector<std::string> parts;
+  for (const std::string item : {"B1", "u", "A1"}) {
+    for (const char* part : {".acceleration", ".position", ".velocity"}) parts.push_back(item + part);
+  }
+  for (const std::string strategy : {"groups/eigen", "irreducible/eigen"}) {
+    const Trajectory whole = test::run(scene.with_outputs({"B1", "u", "A1"}), strategy).trajectory;
+    const Trajectory apart = test::run(scene.with_outputs(parts), strategy).trajectory;
+    ASSERT_EQ(whole.columns().size(), apart.columns().size());
+    for (const std::string& column : whole.columns()) {
+      for (std::size_t k = 0; k < whole.rows(); ++k) {
+        EXPECT_EQ(apart(k, apart.index(column)), whole(k, whole.index(column))) << column << " " << strategy;
+      }
+    }
+    EXPECT_EQ(whole(20, whole.index("A1.vx")), 0);
+    EXPECT_NE(whole(20, whole.index("A1.x")), 0);
+  }
+}
+
 TEST(Trajectory, WithoutOutputsHasEverythingThatMoves) {
   const Trajectory t = test::run(sample("slider_crank:step=0.1,steps=10")).trajectory;
   for (const std::string name : {"B.x", "C.ay", "slide.lambda", "displacement.rate", "rod_angle.acceleration"}) {

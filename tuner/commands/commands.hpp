@@ -18,6 +18,7 @@ enum Exit : int { kDone = 0, kNumerical = 1, kBadInput = 2, kEnvironment = 3, kI
 struct Common {
   bool json = false;   // standard output is one JSON object and nothing else
   bool quiet = false;  // nothing but results and errors
+  int threads = 0;     // --threads N, at most; 0: as many as the machine's budget
   Parameters set;      // --set name=value
 };
 
@@ -37,6 +38,9 @@ struct RunOptions {
   std::string csv;     // "-": standard output; empty: none
   bool reference = false;
 };
+
+// Throws Error (input) for --threads beyond the processors that this process may use; warns beyond the machine's budget.
+void check_threads(const Common& common);
 
 int inspect(const Common& common, const InspectOptions& options);
 int run(const Common& common, const RunOptions& options);

@@ -113,7 +113,9 @@ Exit exit_of(Code code) {
 
 int run(const Common& common, const RunOptions& options) {
   const Scene scene = scene_of(common, options);
-  const Prepared prepared = prepare(scene, {.strategy = options.strategy, .controlled = {}});
+  PrepareOptions how{.strategy = options.strategy, .controlled = {}};
+  if (common.threads > 0) how.budget = ThreadBudget{common.threads};
+  const Prepared prepared = prepare(scene, how);
   Simulator simulator(prepared, {.iterations = options.iterations});
   CsvFile csv(options.csv);
 

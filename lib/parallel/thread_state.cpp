@@ -1,9 +1,14 @@
-#include "parallel/blas_threads.hpp"
+#include "parallel/thread_state.hpp"
 
 #include <dlfcn.h>
+#include <pthread.h>
 
 #include <array>
+#include <atomic>
+#include <cstring>
 #include <string>
+
+#include "assur/status.hpp"
 
 namespace assur {
 namespace {
@@ -20,11 +25,12 @@ struct Library {
 
   int (*openblas_parallel)() = find<int()>("openblas_get_parallel");
   int (*openblas_threads)() = find<int()>("openblas_get_num_threads");
+  void (*openblas_set_threads)(int) = find<void(int)>("openblas_set_num_threads");
   char* (*openblas_config)() = find<char*()>("openblas_get_config");
   char* (*openblas_core)() = find<char*()>("openblas_get_corename");
 
-  // OpenBLAS asks OpenMP how many threads the calling thread may use, a number that each thread has of its own. Its own
-  // openblas_set_num_threads() changes one of the whole process as well.
+  // The build for OpenMP asks it how many threads the calling thread may use, a number that each thread has of its own,
+  // and notes it, if it is not 1, as the number of the whole process, which openblas_set_num_threads() sets.
   int (*omp_threads)() = find<int()>("omp_get_max_threads");
   void (*omp_set_threads)(int) = find<void(int)>("omp_set_num_threads");
   int (*omp_in_parallel)() = find<int()>("omp_in_parallel");
@@ -34,7 +40,7 @@ struct Library {
   Library() {
     if (mkl_set_threads) {
       kind = Kind::mkl;
-    } else if (openblas_parallel && openblas_threads && openblas_config && openblas_core) {
+    } else if (openblas_parallel && openblas_threads && openblas_set_threads && openblas_config && openblas_core) {
       switch (openblas_parallel()) {
         case 0:
           kind = Kind::sequential;
@@ -56,6 +62,32 @@ const Library& library() {
   static const Library found;
   return found;
 }
+
+// OpenBLAS's number of the whole process, which calls side by side would write over: kept from the first that begins
+// until the last has ended.
+class ProcessNumber {
+ public:
+  void borrow(const Library& blas) {
+    State state = state_.load();
+    while (!state_.compare_exchange_weak(
+        state, {state.borrowers + 1, state.borrowers == 0 ? blas.openblas_threads() : state.before})) {
+    }
+  }
+  void give_back(const Library& blas) {
+    State state = state_.load();
+    do {
+      const bool last = state.borrowers == 1;  // while it is still a borrower: who comes now keeps the same number
+      if (last && blas.openblas_threads() != state.before) blas.openblas_set_threads(state.before);
+    } while (!state_.compare_exchange_weak(state, {state.borrowers - 1, state.before}));
+  }
+
+ private:
+  struct alignas(8) State {  // else clang takes a library for atomics
+    int borrowers = 0, before = 0;
+  };
+  std::atomic<State> state_;
+};
+ProcessNumber process_number;
 
 }  // namespace
 
@@ -111,6 +143,8 @@ BlasThreads::BlasThreads(int threads) {
     before_ = blas.mkl_set_threads(threads);
   } else if (blas.kind == Library::Kind::openmp) {
     before_ = blas.omp_threads();
+    shares_ = threads != 1;
+    if (shares_) process_number.borrow(blas);
     if (before_ != threads) blas.omp_set_threads(threads);
   }
 }
@@ -119,9 +153,34 @@ BlasThreads::~BlasThreads() {
   const Library& blas = library();
   if (blas.kind == Library::Kind::mkl) {
     blas.mkl_set_threads(before_);
-  } else if (blas.kind == Library::Kind::openmp && blas.omp_threads() != before_) {
-    blas.omp_set_threads(before_);
+  } else if (blas.kind == Library::Kind::openmp) {
+    if (shares_) process_number.give_back(blas);
+    if (blas.omp_threads() != before_) blas.omp_set_threads(before_);
   }
 }
+
+std::vector<int> allowed_processors() {
+  std::array<cpu_set_t, 8> set{};
+  std::vector<int> processors;
+  if (pthread_getaffinity_np(pthread_self(), sizeof(set), set.data()) != 0) return processors;
+  for (int processor = 0; processor < static_cast<int>(8 * sizeof(set)); ++processor) {
+    if (CPU_ISSET_S(static_cast<unsigned>(processor), sizeof(set), set.data())) processors.push_back(processor);
+  }
+  return processors;
+}
+
+Pinned::Pinned(int processor) : before_{} {
+  std::array<cpu_set_t, 8> one{};
+  CPU_SET_S(static_cast<unsigned>(processor), sizeof(one), one.data());
+  int failure = pthread_getaffinity_np(pthread_self(), sizeof(before_), before_.data());
+  if (failure == 0) failure = pthread_setaffinity_np(pthread_self(), sizeof(one), one.data());
+  if (failure != 0) {
+    throw Error(Error::Kind::environment, "cannot pin a thread to processor " + std::to_string(processor) + ": " +
+                                              std::strerror(failure) + "; pin to processors that it may run on");
+  }
+}
+
+// Fails where the processors of before have been taken from this process since; it then runs where it may.
+Pinned::~Pinned() { pthread_setaffinity_np(pthread_self(), sizeof(before_), before_.data()); }
 
 }  // namespace assur

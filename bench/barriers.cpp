@@ -1,0 +1,71 @@
+// What it costs to send a team to work, and to meet at its barrier: what a level of a mechanism must outweigh to be
+// worth a second thread. With more threads than cores ("crowded") and pinned to cores of their own.
+#include <benchmark/benchmark.h>
+
+#include <string>
+#include <vector>
+
+#include "assur/machine.hpp"
+#include "machine.hpp"
+#include "parallel/team.hpp"
+
+namespace assur::bench {
+namespace {
+
+void run_team(benchmark::State& state, int size, const std::vector<int>& pin_to) {
+  Team team(size, pin_to);
+  for ([[maybe_unused]] auto _ : state) team.run([](int) noexcept {});
+}
+
+// Time for one meeting of many within one run.
+void meet(benchmark::State& state, int size, const std::vector<int>& pin_to) {
+  constexpr int kMeetings = 1000;
+  Team team(size, pin_to);
+  for ([[maybe_unused]] auto _ : state) {
+    team.run([&](int) {
+      for (int i = 0; i < kMeetings; ++i) team.barrier();
+    });
+  }
+  state.counters["one meeting"] =
+      benchmark::Counter(kMeetings, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+
+void register_all() {
+  const std::vector<int> cores = this_machine().cores;
+  const int most = static_cast<int>(cores.size());
+  const auto add = [](const std::string& how, int size, const std::vector<int>& pin_to) {
+    const std::string text = " threads=" + std::to_string(size) + how;
+    benchmark::RegisterBenchmark(("run" + text).c_str(), [=](benchmark::State& s) {
+      run_team(s, size, pin_to);
+    })->UseRealTime();
+    benchmark::RegisterBenchmark(("barrier" + text).c_str(), [=](benchmark::State& s) {
+      meet(s, size, pin_to);
+    })->UseRealTime();
+  };
+  add("", 1, {});
+  for (int size = 2; size <= most; size *= 2) {
+    add("", size, {});
+    add(" pinned", size, cores);
+  }
+  add(" crowded", 2 * most, {});
+}
+
+}  // namespace
+}  // namespace assur::bench
+
+int main(int argc, char** argv) {
+  // What honest times need, unless the command line says otherwise.
+  std::string defaults[] = {"--benchmark_enable_random_interleaving=true", "--benchmark_repetitions=9",
+                            "--benchmark_report_aggregates_only=true", "--benchmark_min_time=0.05",
+                            "--benchmark_counters_tabular=true"};
+  std::vector<char*> arguments = {argv[0]};
+  for (std::string& argument : defaults) arguments.push_back(argument.data());
+  arguments.insert(arguments.end(), argv + 1, argv + argc);
+  int count = static_cast<int>(arguments.size());
+  benchmark::Initialize(&count, arguments.data());
+  if (benchmark::ReportUnrecognizedArguments(count, arguments.data())) return 2;
+  assur::bench::describe_machine();
+  assur::bench::register_all();
+  benchmark::RunSpecifiedBenchmarks();
+  benchmark::Shutdown();
+}

@@ -1,0 +1,108 @@
+#include "parallel/cgroup.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace assur {
+namespace {
+
+using std::filesystem::path;
+
+// A mounted hierarchy of groups: the one of version 2, or one of version 1 with the controller `cpu`.
+struct Hierarchy {
+  int version;
+  std::string top;  // the group that the mount shows as its root
+  path mount_point;
+};
+
+bool has_item(const std::string& list, const std::string& item) {
+  return ("," + list + ",").find("," + item + ",") != std::string::npos;
+}
+
+// Spaces and the like are written \040 in mountinfo.
+std::string unescaped(const std::string& text) {
+  std::string plain;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const std::string octal = text[i] == '\\' ? text.substr(i + 1, 3) : "";
+    if (octal.size() == 3 && octal.find_first_not_of("01234567") == std::string::npos) {
+      plain += static_cast<char>(std::stoi(octal, nullptr, 8));
+      i += 3;
+    } else {
+      plain += text[i];
+    }
+  }
+  return plain;
+}
+
+// Lines of mountinfo: id, parent, device, top, mount point, options, optional fields, "-", type, source, options.
+std::vector<Hierarchy> hierarchies(const path& root) {
+  std::vector<Hierarchy> found;
+  std::ifstream file(root / "proc/self/mountinfo");
+  for (std::string line; std::getline(file, line);) {
+    const auto dash = line.find(" - ");
+    if (dash == std::string::npos) continue;
+    std::istringstream left(line.substr(0, dash)), right(line.substr(dash + 3));
+    std::string skipped, top, mount_point, type, source, options;
+    left >> skipped >> skipped >> skipped >> top >> mount_point;
+    right >> type >> source >> options;
+    const int version = type == "cgroup2" ? 2 : type == "cgroup" && has_item(options, "cpu") ? 1 : 0;
+    if (version != 0) found.push_back({version, unescaped(top), unescaped(mount_point)});
+  }
+  return found;
+}
+
+// The group of this process in a hierarchy. Lines: id, controllers, group, apart by colons; "0::/..." for version 2.
+std::string group_of_this_process(const path& root, int version) {
+  std::ifstream file(root / "proc/self/cgroup");
+  for (std::string line; std::getline(file, line);) {
+    const auto first = line.find(':'), second = line.find(':', first + 1);
+    if (second == std::string::npos) continue;
+    const std::string controllers = line.substr(first + 1, second - first - 1);
+    if (version == 2 ? line.rfind("0::", 0) == 0 : has_item(controllers, "cpu")) return line.substr(second + 1);
+  }
+  return "/";
+}
+
+// Below the mount point. Groups that it does not show, as from within a container, cannot be asked: then its root.
+path below_mount_point(const std::string& group, const std::string& top) {
+  const std::string prefix = top == "/" ? "" : top;
+  const bool shown = group == prefix || group.rfind(prefix + "/", 0) == 0;
+  if (!shown || group.find("/..") != std::string::npos) return {};
+  return path(group.substr(prefix.size())).relative_path();
+}
+
+double quotient(double quota, double period) { return quota > 0 && period > 0 ? quota / period : 0; }
+
+double read_number(const path& name) {
+  double number = 0;
+  std::ifstream(name) >> number;
+  return number;
+}
+
+// Of one group; 0 if it has none ("max", -1), or no such file.
+double quota_of(const path& group, int version) {
+  if (version == 1) return quotient(read_number(group / "cpu.cfs_quota_us"), read_number(group / "cpu.cfs_period_us"));
+  std::ifstream file(group / "cpu.max");
+  double quota = 0, period = 0;
+  return file >> quota >> period ? quotient(quota, period) : 0;
+}
+
+}  // namespace
+
+double cpu_quota(const path& root) {
+  double least = 0;
+  for (const Hierarchy& hierarchy : hierarchies(root)) {
+    path group = below_mount_point(group_of_this_process(root, hierarchy.version), hierarchy.top);
+    for (;; group = group.parent_path()) {
+      const double quota = quota_of(root / hierarchy.mount_point.relative_path() / group, hierarchy.version);
+      if (quota > 0) least = least > 0 ? std::min(least, quota) : quota;
+      if (group.empty()) break;
+    }
+  }
+  return least;
+}
+
+}  // namespace assur

@@ -1,0 +1,97 @@
+#include "parallel/machine.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+#include "parallel/cgroup.hpp"
+#include "parallel/instruction_set.hpp"
+#include "parallel/thread_state.hpp"
+#include "parallel/topology.hpp"
+
+namespace assur {
+namespace {
+
+std::string model_name(const std::filesystem::path& root) {
+  std::ifstream file(root / "proc/cpuinfo");
+  for (std::string line; std::getline(file, line);) {
+    const auto colon = line.find(": ");
+    if (line.rfind("model name", 0) == 0 && colon != std::string::npos) return line.substr(colon + 2);
+  }
+  return "";
+}
+
+// Of "4" and of "4,2", which is for nested regions, 4; 0 of what is no number from 1 on.
+std::int32_t openmp_limit(const std::string& omp_num_threads) {
+  std::int32_t threads = 0;
+  std::istringstream(omp_num_threads) >> threads;
+  return std::max(threads, 0);
+}
+
+void take(Machine& machine, const Topology& topology) {
+  machine.cores = topology.cores;
+  machine.caches = topology.caches;
+  machine.numa_nodes = topology.numa_nodes;
+  machine.source = topology.source;
+}
+
+std::string size_text(std::int64_t bytes) {
+  const bool mega = bytes % (1024 * 1024) == 0;
+  return std::to_string(bytes / (mega ? 1024 * 1024 : 1024)) + (mega ? " MiB" : " KiB");
+}
+
+std::string counted(std::int64_t number, const std::string& what) {
+  return std::to_string(number) + " " + what + (number == 1 ? "" : "s");
+}
+
+}  // namespace
+
+ThreadBudget Machine::budget() const {
+  auto threads = static_cast<std::int32_t>(cores.size());
+  if (quota > 0 && quota < threads) threads = static_cast<std::int32_t>(std::ceil(quota));
+  if (openmp_limit > 0) threads = std::min(threads, openmp_limit);
+  return {std::max(threads, 1)};
+}
+
+Machine read_machine(const std::filesystem::path& root, const std::vector<int>& allowed,
+                     const std::string& omp_num_threads) {
+  const std::vector<int> processors = allowed.empty() ? std::vector<int>{0} : allowed;
+  Machine machine;
+  machine.model = model_name(root);
+  machine.instructions = instruction_set();
+  machine.processors = static_cast<std::int32_t>(processors.size());
+  machine.quota = cpu_quota(root);
+  machine.openmp_limit = openmp_limit(omp_num_threads);
+  take(machine, topology_by_sysfs(processors, root));
+  return machine;
+}
+
+Machine this_machine() {
+  const std::vector<int> allowed = allowed_processors();
+  const char* const omp_num_threads = std::getenv("OMP_NUM_THREADS");
+  Machine machine = read_machine("/", allowed, omp_num_threads ? omp_num_threads : "");
+  if (const auto topology = topology_by_hwloc(allowed)) take(machine, *topology);
+  return machine;
+}
+
+std::string to_string(const Machine& machine) {
+  std::ostringstream text;
+  text << (machine.model.empty() ? "unknown processor" : machine.model) << ", " << machine.instructions << ": "
+       << counted(static_cast<std::int64_t>(machine.cores.size()), "core");
+  if (machine.processors != static_cast<std::int32_t>(machine.cores.size())) {
+    text << " (" << counted(machine.processors, "processor") << ")";
+  }
+  for (const Cache& cache : machine.caches) {
+    text << ", L" << cache.level << " " << size_text(cache.bytes);
+    if (cache.cores > 1) text << " for " << counted(cache.cores, "core");
+  }
+  if (machine.numa_nodes > 1) text << ", " << counted(machine.numa_nodes, "NUMA node");
+  text << "; budget: " << counted(machine.budget().threads, "thread");
+  if (machine.quota > 0) text << ", quota " << machine.quota;
+  if (machine.openmp_limit > 0) text << ", OMP_NUM_THREADS " << machine.openmp_limit;
+  return text.str();
+}
+
+}  // namespace assur

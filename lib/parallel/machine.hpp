@@ -1,0 +1,17 @@
+// How a Machine is read, with what it is read from as arguments.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "assur/machine.hpp"
+
+namespace assur {
+
+// root: of a file system with proc and sys; allowed: processors by the affinity mask, ascending, empty if not known;
+// omp_num_threads: the text of the variable, "" if it is not set. Without hwloc.
+[[nodiscard]] Machine read_machine(const std::filesystem::path& root, const std::vector<int>& allowed,
+                                   const std::string& omp_num_threads);
+
+}  // namespace assur

@@ -1,0 +1,50 @@
+// What a call borrows of its thread and gives back: the threads of the BLAS library, and the processors that the thread
+// may run on. The only place that changes either.
+#pragma once
+
+#include <sched.h>
+
+#include <array>
+#include <string>
+#include <vector>
+
+namespace assur {
+
+// What is loaded, e.g. "OpenBLAS 0.3.21, OpenMP, SkylakeX"; "LAPACK" if it does not say. The builds for OpenMP, for
+// pthreads and for one thread look alike to the linker.
+[[nodiscard]] std::string blas_version();
+
+// "" if BLAS calls of this thread can be given so many threads without changing those of another thread.
+[[nodiscard]] std::string why_not_blas_threads(int threads);
+
+// Gives the BLAS calls of this thread so many threads until the end of the scope. Only with a number for which
+// why_not_blas_threads() is "".
+class BlasThreads {
+ public:
+  explicit BlasThreads(int threads);
+  ~BlasThreads();
+  BlasThreads(const BlasThreads&) = delete;
+  BlasThreads& operator=(const BlasThreads&) = delete;
+
+ private:
+  int before_ = 0;
+  bool shares_ = false;  // its calls may use more than one thread
+};
+
+// Processors (logical, numbered by the system, ascending) that the calling thread may run on; empty if it is not told.
+[[nodiscard]] std::vector<int> allowed_processors();
+
+// Keeps the calling thread, and the threads that it starts, on one processor until the end of the scope. Takes no
+// memory. Throws Error (environment) if it may not run there.
+class Pinned {
+ public:
+  explicit Pinned(int processor);
+  ~Pinned();
+  Pinned(const Pinned&) = delete;
+  Pinned& operator=(const Pinned&) = delete;
+
+ private:
+  std::array<cpu_set_t, 8> before_;  // of 1024 processors each: as many as Linux can be built for
+};
+
+}  // namespace assur

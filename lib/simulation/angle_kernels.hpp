@@ -1,0 +1,33 @@
+// Sines and cosines side by side, in the SIMD target of the machine.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace assur {
+
+inline constexpr std::size_t kAngleBlock = 8;    // arrays of angles are padded to a multiple of it
+inline constexpr double kLargestAngle = 0x1p20;  // rad: reduced by three parts of pi/2; beyond it by the library of C
+
+// Terms of eight laws whose slots follow each other: amplitude * sin(2 pi frequency t + phase).
+struct HarmonicBlock {
+  double frequency[kAngleBlock] = {};
+  double phase[kAngleBlock] = {};      // |phase| <= kLargestAngle
+  double amplitude[kAngleBlock] = {};  // 0: no term
+  double omega[kAngleBlock] = {};      // 2 pi frequency
+  std::int32_t slot = 0;               // of the first
+};
+
+struct AngleKernels {
+  // Within 1 unit in the last place, 2 where the result is below 2^-30; NaN where the angle is not finite. Arrays:
+  // count, padded; the padding of the results is arbitrary.
+  void (*sin_cos)(const double* angles, std::size_t count, double* sines, double* cosines);
+
+  // Adds the terms at time t, and their derivatives, to the slots.
+  void (*add_harmonics)(const HarmonicBlock* blocks, std::size_t count, double t, double* values, double* rates,
+                        double* accelerations);
+};
+
+[[nodiscard]] const AngleKernels& angle_kernels();
+
+}  // namespace assur

@@ -1,0 +1,150 @@
+#include "simulation/side_by_side.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace assur {
+
+void Totals::merge(const Totals& o) {
+  counters += o.counters;
+  effort += o.effort;
+  error.merge(o.error);
+}
+
+void shift_by_turns(std::span<const std::size_t> angles, const double* before, const double* here, LaneRun& run,
+                    std::size_t from, std::size_t columns) {
+  constexpr double kTurn = 2 * std::numbers::pi;
+  for (const std::size_t c : angles) {
+    const double shift = kTurn * std::round((before[c] - here[c]) / kTurn);
+    if (shift == 0) continue;
+    for (std::size_t k = from; k < run.done; ++k) run.row(k, columns)[c] += shift;
+  }
+}
+
+Totals SideBySide::totals() const {
+  Totals sum{tile_.counters(), tile_.error(), tile_.effort()};
+  sum.merge(of_those_alone_);
+  return sum;
+}
+
+void SideBySide::clear_totals() {
+  tile_.clear_figures();
+  of_those_alone_ = {};
+}
+
+void SideBySide::write_row(int lane, LaneRun& run, std::size_t row) {
+  const std::size_t size = columns().size();
+  const double* const before = row > 0 ? run.row(row - 1, size) : nullptr;
+  tile_.fill_row(lane, run.row(row, size), before, row > 0 ? run.times[row] - run.times[row - 1] : 0);
+  run.done = row + 1;
+  if (row == run.posture_wanted) run.posture = tile_.posture(lane);
+}
+
+// From row `from`, which their variants are at, to the last row that all of them reach in lockstep.
+std::size_t SideBySide::follow(std::span<LaneRun* const> lanes, std::size_t from,
+                               const std::function<bool()>& proceed) {
+  const std::size_t rows = lanes[0]->times.size();
+  std::vector<double> times(lanes.size());
+  for (std::size_t row = from + 1; row < rows; ++row) {
+    for (std::size_t i = 0; i < lanes.size(); ++i) times[i] = lanes[i]->times[row];
+    if (!tile_.step(times).ok()) return row - 1;
+    for (std::size_t i = 0; i < lanes.size(); ++i) write_row(static_cast<int>(i), *lanes[i], row);
+    if (!proceed()) {
+      stopped_ = true;
+      for (LaneRun* lane : lanes) lane->status = {Code::interrupted, -1, lane->times[row]};
+      return row;
+    }
+  }
+  return rows - 1;
+}
+
+void SideBySide::run(std::span<LaneRun* const> lanes, const std::function<bool()>& proceed) {
+  const std::size_t last = lanes[0]->times.size() - 1;
+  std::vector<LaneRun*> together(lanes.begin(), lanes.end());
+  std::vector<Variant> at;
+  for (const LaneRun* lane : together) at.push_back(lane->variant);
+  stopped_ = false;
+  for (std::size_t row = 0; !together.empty();) {
+    std::vector<const Variant*> variants;
+    for (const Variant& v : at) variants.push_back(&v);
+    const bool started = tile_.start(variants).ok();
+    if (started && row == 0) {
+      for (std::size_t i = 0; i < together.size(); ++i) {
+        write_row(static_cast<int>(i), *together[i], 0);
+        together[i]->uniqueness = tile_.uniqueness(static_cast<int>(i));
+      }
+    }
+    if (started) row = follow(together, row, proceed);
+    if (row == last || stopped_) return;
+
+    // Who cannot follow? The next step is tried alone by each.
+    std::vector<LaneRun*> able;
+    std::vector<Variant> able_at;
+    for (std::size_t i = 0; i < together.size(); ++i) {
+      Variant here = at[i];
+      if (started) here.posture = tile_.posture(static_cast<int>(i));
+      here.time = together[i]->times[row];
+      alone(*together[i], here, row, false);
+      if (together[i]->alone) continue;
+      able.push_back(together[i]);
+      able_at.push_back(std::move(here));
+    }
+    if (able.size() == together.size()) {  // each of them can alone what they cannot together
+      for (std::size_t i = 0; i < able.size(); ++i) alone(*able[i], able_at[i], row, true);
+      return;
+    }
+    together = std::move(able);
+    at = std::move(able_at);
+  }
+}
+
+// One step from `row` on; if it is no plain one (or to_the_end is set) the whole rest of the way.
+void SideBySide::alone(LaneRun& lane, Variant at, std::size_t row, bool to_the_end) {
+  Prepared prepared = prepared_;
+  auto structure = std::make_shared<Structure>(*prepared_.structure);
+  structure->system = at.system;
+  structure->start = std::move(at.posture);
+  prepared.structure = std::move(structure);
+  prepared.scene =
+      std::make_shared<const Scene>(at.system->scene->with_time({at.time, at.time, at.system->scene->time().step}));
+  prepared.reselect = at.reselect;
+  prepared.plan.chunks = prepared.plan.threads = 1;
+  try {
+    Simulator simulator(std::move(prepared), limits_);
+    const std::size_t columns = simulator.columns().size();
+    double* const first = lane.row(row, columns);
+    const bool restarted = lane.done > row;  // the row is there already: its angles are unwrapped
+    std::vector<double> start(simulator.outputs().begin(), simulator.outputs().end());
+    if (!restarted) std::copy(start.begin(), start.end(), first);
+    lane.done = std::max(lane.done, row + 1);
+    Status status;
+    for (std::size_t k = row + 1; k < lane.times.size(); ++k) {
+      status = simulator.step(lane.times[k]);
+      if (k == row + 1 && !to_the_end) {
+        const Counters& counters = simulator.report().counters;
+        if (status.ok() && counters.rejected == 0) return;
+      }
+      if (!lane.alone) {
+        lane.alone = true;
+        lane.alone_from = at.time;
+      }
+      if (!status.ok()) break;
+      std::copy(simulator.outputs().begin(), simulator.outputs().end(), lane.row(k, columns));
+      lane.done = k + 1;
+    }
+    if (restarted) shift_by_turns(angles(), first, start.data(), lane, row + 1, columns);
+    if (lane.posture_wanted >= row && lane.posture_wanted + 1 == lane.done) lane.posture = posture_of(simulator);
+    lane.status = status;
+    lane.events = simulator.report().events;
+    Totals mine{simulator.report().counters, simulator.report().error, simulator.report().effort};
+    of_those_alone_.merge(mine);
+  } catch (const Error&) {  // no velocities at the start
+    lane.alone = true;
+    lane.alone_from = at.time;
+    lane.status = {Code::singular, -1, 0};
+  }
+}
+
+}  // namespace assur

@@ -1,0 +1,244 @@
+#include "simulation/tile.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+namespace assur {
+namespace {
+
+constexpr double kConsistent = 1e-10;  // relative residual of a redundant equation that still holds
+
+std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+bool same_group(const Group& a, const Group& b) {
+  return a.group_class == b.group_class && a.level == b.level && a.unknowns == b.unknowns &&
+         a.equations == b.equations && a.inputs == b.inputs && a.constants == b.constants;
+}
+
+}  // namespace
+
+bool same_structure(const Structure& a, const Structure& b) {
+  const auto same_coordinate = [](const Coordinate& x, const Coordinate& y) { return x.role == y.role; };
+  return a.classes == b.classes &&
+         std::equal(a.groups.begin(), a.groups.end(), b.groups.begin(), b.groups.end(), same_group) &&
+         a.static_coordinates == b.static_coordinates && a.watch_class == b.watch_class &&
+         a.watch.inputs == b.watch.inputs && a.watch.constants == b.watch.constants &&
+         std::equal(a.system->coordinates.begin(), a.system->coordinates.end(), b.system->coordinates.begin(),
+                    b.system->coordinates.end(), same_coordinate) &&
+         a.system->inputs.size() == b.system->inputs.size() &&
+         a.system->assignments.size() == b.system->assignments.size() &&
+         a.system->constants.size() == b.system->constants.size();
+}
+
+Tile::Tile(const Prepared& prepared, const StepLimits& limits)
+    : structure_(prepared.structure),
+      limits_(limits),
+      lanes_(prepared.plan.lanes),
+      layout_(lay_out_side_by_side(prepared, lanes_)) {
+  state_.resize(layout_.first_unknown, layout_.size, prepared.plan.predictor);
+  const System& system = *structure_->system;
+  outputs_.assign(idx(lanes_), OutputProgram(system, layout_.address));
+  watch_.resize(idx(lanes_));
+  drive_.resize(idx(lanes_));
+  for (auto& v : known_) v.resize(system.coordinates.size() * idx(lanes_));
+
+  std::vector<std::uint8_t> read(layout_.size, 0), needed(system.coordinates.size(), 0);
+  for (const Pack& pack : layout_.packs) {
+    for (const std::int32_t a : pack.inputs) read[idx(a)] = 1;
+  }
+  outputs_[0].mark(read);
+  for (const std::int32_t c : structure_->watch.inputs) read[idx(layout_.address[idx(c)])] = 1;
+  for (std::size_t c = 0; c < needed.size(); ++c) {
+    needed[c] = layout_.address[c] >= 0 ? read[idx(layout_.address[c])] : std::uint8_t{0};
+  }
+  driven_ = driven_behind(system, std::move(needed));
+  for (const Index i : driven_.inputs) {
+    const DriverInput& in = system.inputs[idx(i)];
+    for (Index k = 0; k < in.count; ++k) driven_coordinates_.push_back(in.first + k);
+    if (in.must_not_vanish) positive_.push_back(in.first);
+  }
+  for (const Index i : driven_.assignments) driven_coordinates_.push_back(system.assignments[idx(i)].coordinate);
+}
+
+Status Tile::start(std::span<const Variant* const> variants) {
+  variants_.assign(variants.begin(), variants.end());
+  bind();
+  state_.clear();
+  const std::size_t w = idx(lanes_);
+  for (std::size_t lane = 0; lane < w; ++lane) {
+    const Variant& v = *variants_[lane < variants_.size() ? lane : 0];
+    for (std::size_t c = 0; c < layout_.address.size(); ++c) {
+      if (layout_.address[c] >= 0) state_.at(0)[idx(layout_.address[c]) + lane] = v.posture[c];
+    }
+    std::copy(v.posture.begin(), v.posture.end(),
+              known_[0].begin() + static_cast<std::ptrdiff_t>(lane * v.posture.size()));
+  }
+  std::vector<double> times;
+  for (const Variant* v : variants_) times.push_back(v->time);
+  return solve(times, Attempt::Branch::start);
+}
+
+void Tile::bind() {
+  effort_ = effort();
+  for (const auto& s : layout_.solvers) s->restart();
+  for (std::size_t g = 0; g < layout_.packs.size(); ++g) {
+    Pack& pack = layout_.packs[g];
+    pack.solver.reset();
+    pack.factored = false;
+    pack.used = static_cast<std::int32_t>(variants_.size());
+    GroupSolver& solver = *layout_.solvers[idx(pack.group_class)];
+    for (int lane = 0; lane < lanes_; ++lane) {
+      const Variant& v = *variants_[idx(lane) < variants_.size() ? idx(lane) : 0];
+      solver.bind_lane(*v.system, structure_->groups[g], pack, lane);
+    }
+  }
+  for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
+    const System& system = *variants_[lane]->system;
+    outputs_[lane] = OutputProgram(system, layout_.address);
+    drive_[lane].emplace(system, driven_);
+    if (!structure_->watch_class.equations.empty()) watch_[lane].emplace(system, *structure_, layout_.address);
+  }
+  alike_ = driven_alike();
+}
+
+// Drivers of the same laws need not be evaluated again for each lane at the same time.
+bool Tile::driven_alike() const {
+  const System& first = *variants_[0]->system;
+  const auto alike = [&](const Variant* v) {
+    const System& s = *v->system;
+    if (&s == &first) return true;
+    return s.length_exponent == first.length_exponent &&
+           std::all_of(driven_.inputs.begin(), driven_.inputs.end(),
+                       [&](Index i) { return s.inputs[idx(i)].laws == first.inputs[idx(i)].laws; }) &&
+           std::all_of(driven_.assignments.begin(), driven_.assignments.end(), [&](Index i) {
+             const auto terms = s.form(s.assignments[idx(i)].form), others = first.form(first.assignments[idx(i)].form);
+             return std::equal(terms.begin(), terms.end(), others.begin(), others.end(),
+                               [&](const Term& a, const Term& b) {
+                                 return a.coordinate == b.coordinate &&
+                                        s.constants[idx(a.constant)] == first.constants[idx(b.constant)] &&
+                                        s.coordinates[idx(a.coordinate)].moving;
+                               });
+           });
+  };
+  return std::all_of(variants_.begin(), variants_.end(), alike);
+}
+
+Status Tile::drive(std::span<const double> times) {
+  const bool at_once = alike_ && std::all_of(times.begin(), times.end(), [&](double t) { return t == times[0]; });
+  const std::size_t w = idx(lanes_), driven = at_once ? 1 : times.size(), size = known_[0].size() / w;
+  for (std::size_t lane = 0; lane < driven; ++lane) {
+    if (const Status s = drive_lane(lane, times[lane]); !s.ok()) return s;
+    const std::size_t last = at_once ? w : lane + 1;
+    for (int d = 0; d < 3; ++d) {
+      for (const Index c : driven_coordinates_) {
+        double* const to = state_.at(d) + idx(c) * w;
+        std::fill(to + lane, to + last, known_[d][lane * size + idx(c)]);
+      }
+    }
+  }
+  for (std::size_t idle = driven; !at_once && idle < w; ++idle) {
+    for (int d = 0; d < 3; ++d) {
+      for (const Index c : driven_coordinates_) state_.at(d)[idx(c) * w + idle] = state_.at(d)[idx(c) * w];
+    }
+  }
+  return {};
+}
+
+Status Tile::drive_lane(std::size_t lane, double time) {
+  const System& system = *variants_[lane]->system;
+  const std::size_t first = lane * system.coordinates.size();
+  double* const q[3] = {known_[0].data() + first, known_[1].data() + first, known_[2].data() + first};
+  DriveProgram& program = *drive_[lane];
+  program.evaluate(time);
+  program.place(q);
+  const auto where = static_cast<std::int32_t>(lane);
+  if (!program.defined()) return {Code::out_of_range, where, time};
+  for (const Index c : positive_) {
+    if (!(q[0][c] > 0)) return {Code::actuator_zero, where, q[0][c]};
+  }
+  return {};
+}
+
+Status Tile::step(std::span<const double> times) {
+  state_.predict(times[0]);
+  const Status s = solve(times, Attempt::Branch::inside);
+  if (!s.ok()) state_.restore();
+  if (s.ok()) counters_.steps += static_cast<std::int64_t>(variants_.size());
+  return s;
+}
+
+Status Tile::solve(std::span<const double> times, Attempt::Branch branch) {
+  if (const Status s = drive(times); !s.ok()) return s;
+  double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
+  StepErrors errors;
+  for (Pack& pack : layout_.packs) {
+    Attempt attempt;
+    attempt.branch = branch;
+    attempt.iterations = pack.level > 0 && branch == Attempt::Branch::inside ? limits_.iterations : 0;
+    attempt.most_iterations = limits_.most_iterations;
+    GroupSolver& solver = *layout_.solvers[idx(pack.group_class)];
+    if (const Status s = solver.solve(pack, q, attempt, counters_, errors); !s.ok()) return s;
+  }
+  if (const Status s = check_watched(errors); !s.ok()) return s;
+  state_.accept(times[0]);
+  error_.merge({errors.position, errors.velocity, errors.acceleration, {}, {}, {}});
+  return {};
+}
+
+Status Tile::check_watched(StepErrors& errors) {
+  if (structure_->watch_class.equations.empty()) return {};
+  for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
+    counters_.evaluated_equations += static_cast<std::int64_t>(watch_[lane]->equations());
+    const double r = watch_[lane]->residual(state_.at(0) + lane);
+    if (!(r <= kConsistent)) return {Code::inconsistent, static_cast<std::int32_t>(lane), r};
+    errors.position = std::max(errors.position, r);
+  }
+  return {};
+}
+
+void Tile::fill_row(int lane, double* row, const double* previous, double dt) const {
+  const double* const q[3] = {state_.at(0) + lane, state_.at(1) + lane, state_.at(2) + lane};
+  outputs_[idx(lane)].evaluate(q, row, previous, dt);
+}
+
+std::vector<double> Tile::posture(int lane) const {
+  std::vector<double> all = variants_[idx(lane)]->posture;
+  for (std::size_t c = 0; c < all.size(); ++c) {
+    if (layout_.address[c] >= 0) all[c] = state_.at(0)[layout_.address[c] + lane];
+  }
+  return all;
+}
+
+void Tile::clear_figures() {
+  counters_ = {};
+  error_ = {};
+  effort_ = {};
+  for (Pack& pack : layout_.packs) pack.solver.reset();
+  for (const auto& s : layout_.solvers) s->restart();
+}
+
+std::vector<double> Tile::uniqueness(int lane) const {
+  std::vector<double> radius(layout_.address.size(), std::numeric_limits<double>::infinity());
+  for (std::size_t g = 0; g < layout_.packs.size(); ++g) {
+    const Pack& pack = layout_.packs[g];
+    const Program& program = layout_.solvers[idx(pack.group_class)]->program();
+    const bool quadratic = structure_->classes[idx(pack.group_class)].quadratic;
+    for (std::size_t i = 0; i < idx(program.n); ++i) {
+      const double omega = pack.omega[idx(program.unknown_block[i]) * idx(lanes_) + idx(lane)];
+      radius[idx(structure_->groups[g].unknowns[i])] = quadratic ? kBall / omega : 0;
+    }
+  }
+  return radius;
+}
+
+Effort Tile::effort() const {
+  Effort sum = effort_;
+  for (const auto& s : layout_.solvers) sum += s->effort();
+  for (const Pack& pack : layout_.packs) {
+    if (pack.solver) sum += pack.solver->effort();
+  }
+  return sum;
+}
+
+}  // namespace assur

@@ -1,0 +1,92 @@
+// Mechanisms of one structure in lockstep, one in each SIMD lane: members of an ensemble, or one mechanism at several
+// times. Every group is a pack of its own, whose lanes are the mechanisms.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "assur/plan.hpp"
+#include "assur/report.hpp"
+#include "assur/simulator.hpp"
+#include "simulation/drive_program.hpp"
+#include "simulation/layout.hpp"
+#include "simulation/output_program.hpp"
+#include "simulation/state.hpp"
+#include "simulation/watch.hpp"
+
+namespace assur {
+
+// What a lane holds: an instance of the tile's structure, and where it starts.
+struct Variant {
+  std::shared_ptr<const System> system;
+  std::vector<double> posture;  // all coordinates, internal units
+  double time = 0;
+  std::function<Prepared(std::vector<double>, double)> reselect;  // as in Prepared
+};
+
+// True if one tile can hold both: the same groups, equations and known coordinates, whatever the constants.
+[[nodiscard]] bool same_structure(const Structure& a, const Structure& b);
+
+class Tile {
+ public:
+  // Throws Error (environment) if a backend of the plan cannot run here.
+  Tile(const Prepared& prepared, const StepLimits& limits);
+
+  [[nodiscard]] int lanes() const { return lanes_; }
+  [[nodiscard]] const std::vector<std::string>& columns() const { return outputs_[0].columns(); }
+  [[nodiscard]] const OutputProgram& outputs() const { return outputs_[0]; }
+
+  // Puts 1 to lanes() variants into the lanes and finds their velocities; forgets whatever was there.
+  [[nodiscard]] Status start(std::span<const Variant* const> variants);
+
+  // One step of every variant, to its own time; all steps are equally long. Nothing is halved: on failure the last
+  // posture is kept.
+  [[nodiscard]] Status step(std::span<const double> times);
+
+  // The outputs of one variant, as Simulator::outputs(); `previous`: its row a time dt earlier, null: none.
+  void fill_row(int lane, double* row, const double* previous, double dt) const;
+
+  // All coordinates of one variant; those that are not computed as they were at the start.
+  [[nodiscard]] std::vector<double> posture(int lane) const;
+
+  // For every coordinate how far another solution surely is from the posture at which a variant was started, or from
+  // one measured since: nearer ones are the same. 0 where that is not known.
+  [[nodiscard]] std::vector<double> uniqueness(int lane) const;
+
+  [[nodiscard]] const Counters& counters() const { return counters_; }
+  [[nodiscard]] Effort effort() const;
+  [[nodiscard]] const ErrorFigures& error() const { return error_; }
+  void clear_figures();
+
+ private:
+  void bind();
+  [[nodiscard]] bool driven_alike() const;
+  [[nodiscard]] Status drive(std::span<const double> times);
+  [[nodiscard]] Status drive_lane(std::size_t lane, double time);
+  [[nodiscard]] Status solve(std::span<const double> times, Attempt::Branch branch);
+  [[nodiscard]] Status check_watched(StepErrors& errors);
+
+  std::shared_ptr<const Structure> structure_;
+  StepLimits limits_;
+  int lanes_;
+  Layout layout_;
+  Driven driven_;
+  std::vector<Index> driven_coordinates_;
+  std::vector<Index> positive_;                     // coordinates: driven distances
+  std::vector<std::optional<DriveProgram>> drive_;  // lanes
+  std::vector<OutputProgram> outputs_;              // lanes
+  std::vector<std::optional<Watch>> watch_;         // lanes
+  State state_;
+  std::vector<const Variant*> variants_;  // lanes in use
+  bool alike_ = false;                    // the drivers of all lanes are the same
+  std::vector<double> known_[3];          // lanes x coordinates: value and derivatives of what drivers fix
+  Counters counters_;
+  Effort effort_;  // of solvers that are gone
+  ErrorFigures error_;
+};
+
+}  // namespace assur

@@ -1,0 +1,124 @@
+#include "parallel/cgroup.hpp"
+
+#include <gtest/gtest.h>
+
+#include "parallel/file_tree.hpp"
+
+namespace assur::test {
+namespace {
+
+// As mountinfo shows a hierarchy: top is the group that the mount shows as its root.
+std::string mount(const std::string& top, const std::string& point, const std::string& type,
+                  const std::string& options) {
+  return "31 23 0:28 " + top + " " + point + " rw,nosuid shared:9 - " + type + " cgroup rw," + options + "\n";
+}
+const std::string kMountV2 = mount("/", "/sys/fs/cgroup", "cgroup2", "nsdelegate");
+const std::string kMountV1 = mount("/", "/sys/fs/cgroup/memory", "cgroup", "memory") +
+                             mount("/", "/sys/fs/cgroup/cpu,cpuacct", "cgroup", "cpu,cpuacct");
+
+TEST(CpuQuota, IsNoneWhereNothingIsTold) {
+  FileTree empty;
+  EXPECT_EQ(cpu_quota(empty.root()), 0);
+  FileTree tree;
+  tree.file("proc/self/cgroup", "0::/\n").file("proc/self/mountinfo", kMountV2);
+  EXPECT_EQ(cpu_quota(tree.root()), 0);
+}
+
+TEST(CpuQuota, OfVersion2IsTimeOverPeriod) {
+  FileTree tree;
+  tree.file("proc/self/cgroup", "0::/job\n").file("proc/self/mountinfo", kMountV2);
+  tree.file("sys/fs/cgroup/job/cpu.max", "200000 100000\n");
+  EXPECT_EQ(cpu_quota(tree.root()), 2);
+  tree.file("sys/fs/cgroup/job/cpu.max", "75000 50000\n");
+  EXPECT_EQ(cpu_quota(tree.root()), 1.5);
+  tree.file("sys/fs/cgroup/job/cpu.max", "max 100000\n");
+  EXPECT_EQ(cpu_quota(tree.root()), 0);
+}
+
+TEST(CpuQuota, IsTheLeastOnTheWayUp) {
+  FileTree tree;
+  tree.file("proc/self/cgroup", "0::/a/b/c\n").file("proc/self/mountinfo", kMountV2);
+  tree.file("sys/fs/cgroup/a/cpu.max", "150000 100000").file("sys/fs/cgroup/a/b/cpu.max", "max 100000");
+  tree.file("sys/fs/cgroup/a/b/c/cpu.max", "400000 100000");
+  EXPECT_EQ(cpu_quota(tree.root()), 1.5);
+  tree.file("sys/fs/cgroup/a/b/cpu.max", "50000 100000");
+  EXPECT_EQ(cpu_quota(tree.root()), 0.5);
+  tree.file("sys/fs/cgroup/a/b/d/cpu.max", "10000 100000");  // a group beside
+  EXPECT_EQ(cpu_quota(tree.root()), 0.5);
+}
+
+// What a container with a name space of its own sees: its group is the root of the mount.
+TEST(CpuQuota, OfAContainerIsAtTheMountPoint) {
+  FileTree tree;
+  tree.file("proc/self/cgroup", "0::/\n").file("proc/self/mountinfo", kMountV2);
+  tree.file("sys/fs/cgroup/cpu.max", "200000 100000");
+  EXPECT_EQ(cpu_quota(tree.root()), 2);
+}
+
+// Without one: the mount shows the container's group, the process names it from the top of the machine.
+TEST(CpuQuota, OfAGroupThatIsTheRootOfTheMount) {
+  FileTree tree;
+  tree.file("proc/self/cgroup", "4:cpu,cpuacct:/docker/4f/job\n");
+  tree.file("proc/self/mountinfo", mount("/docker/4f", "/sys/fs/cgroup/cpu,cpuacct", "cgroup", "cpu,cpuacct"));
+  tree.file("sys/fs/cgroup/cpu,cpuacct/cpu.cfs_quota_us", "300000");
+  tree.file("sys/fs/cgroup/cpu,cpuacct/cpu.cfs_period_us", "100000");
+  EXPECT_EQ(cpu_quota(tree.root()), 3);
+  tree.file("sys/fs/cgroup/cpu,cpuacct/job/cpu.cfs_quota_us", "250000");
+  tree.file("sys/fs/cgroup/cpu,cpuacct/job/cpu.cfs_period_us", "100000");
+  EXPECT_EQ(cpu_quota(tree.root()), 2.5);
+}
+
+TEST(CpuQuota, OfGroupsThatTheMountDoesNotShowIsThatOfItsRoot) {
+  for (const std::string group : {"/../beside", "/docker/4f/../other", "/docker/4fa"}) {
+    FileTree tree;
+    tree.file("proc/self/cgroup", "0::" + group + "\n");
+    tree.file("proc/self/mountinfo", mount("/docker/4f", "/sys/fs/cgroup", "cgroup2", "x"));
+    tree.file("sys/fs/cgroup/cpu.max", "200000 100000").file("sys/fs/beside/cpu.max", "1 100000");
+    EXPECT_EQ(cpu_quota(tree.root()), 2) << group;
+  }
+}
+
+TEST(CpuQuota, OfVersion1IsOfTheControllerCpu) {
+  FileTree tree;
+  tree.file("proc/self/cgroup", "9:name=systemd:/\n4:memory:/m\n3:cpuset:/s\n1:cpu,cpuacct:/job/part\n0::/\n");
+  tree.file("proc/self/mountinfo", kMountV1);
+  tree.file("sys/fs/cgroup/cpu,cpuacct/job/part/cpu.cfs_quota_us", "-1");
+  tree.file("sys/fs/cgroup/cpu,cpuacct/job/part/cpu.cfs_period_us", "100000");
+  EXPECT_EQ(cpu_quota(tree.root()), 0);
+  tree.file("sys/fs/cgroup/cpu,cpuacct/job/cpu.cfs_quota_us", "400000");
+  tree.file("sys/fs/cgroup/cpu,cpuacct/job/cpu.cfs_period_us", "200000");
+  EXPECT_EQ(cpu_quota(tree.root()), 2);
+}
+
+TEST(CpuQuota, OfBothVersionsTheLesserCounts) {
+  FileTree tree;
+  tree.file("proc/self/cgroup", "1:cpu,cpuacct:/\n0::/job\n");
+  tree.file("proc/self/mountinfo", kMountV1 + mount("/", "/sys/fs/cgroup/unified", "cgroup2", "x"));
+  tree.file("sys/fs/cgroup/cpu,cpuacct/cpu.cfs_quota_us", "300000");
+  tree.file("sys/fs/cgroup/cpu,cpuacct/cpu.cfs_period_us", "100000");
+  tree.file("sys/fs/cgroup/unified/job/cpu.max", "200000 100000");
+  EXPECT_EQ(cpu_quota(tree.root()), 2);
+}
+
+TEST(CpuQuota, IsNoneWhereItMakesNoSense) {
+  for (const std::string text : {"", "much", "200000", "200000 0", "-5 100000", "0 100000", "200000 often"}) {
+    FileTree tree;
+    tree.file("proc/self/cgroup", "0::/job\n").file("proc/self/mountinfo", kMountV2);
+    tree.file("sys/fs/cgroup/job/cpu.max", text);
+    EXPECT_EQ(cpu_quota(tree.root()), 0) << text;
+  }
+  FileTree tree;
+  tree.file("proc/self/cgroup", "nonsense\n::\n")
+      .file("proc/self/mountinfo", "1 2\n - \nx - cgroup2\n\\0 \\999 - a b c");
+  EXPECT_EQ(cpu_quota(tree.root()), 0);
+}
+
+TEST(CpuQuota, AMountPointMayHaveASpace) {
+  FileTree tree;
+  tree.file("proc/self/cgroup", "0::/\n").file("proc/self/mountinfo", mount("/", "/my\\040groups", "cgroup2", "x"));
+  tree.file("my groups/cpu.max", "200000 100000");
+  EXPECT_EQ(cpu_quota(tree.root()), 2);
+}
+
+}  // namespace
+}  // namespace assur::test

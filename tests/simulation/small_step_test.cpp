@@ -1,0 +1,145 @@
+// The step of a small group in one piece is the step that GroupSolver puts together.
+#include "simulation/small_step.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "simulation/layout.hpp"
+#include "simulation/run.hpp"
+
+namespace assur {
+namespace {
+
+using test::kEps;
+
+// Both are within 8 eps of the same posture, at most 23 times that where their groups are at their worst (the legs of
+// the platform), and rates square it.
+constexpr double kTolerance = 2 * 8 * 23 * 23 * kEps;
+
+struct State {
+  std::vector<double> values[3];
+
+  explicit State(std::size_t size)
+      : values{std::vector<double>(size), std::vector<double>(size), std::vector<double>(size)} {}
+
+  struct Pointers {
+    double* at[3];
+  };
+  Pointers pointers() { return {{values[0].data(), values[1].data(), values[2].data()}}; }
+};
+
+double largest(const std::vector<double>& v) {
+  double size = 1;
+  for (const double x : v) size = std::max(size, std::abs(x));
+  return size;
+}
+
+// At the start posture, with rates of their own for all inputs that move: once as GroupSolver does it, then from a
+// prediction that is off, as a small step.
+void expect_the_same_step(const Scene& scene, const std::string& strategy) {
+  SCOPED_TRACE(scene.name() + " " + strategy);
+  const Prepared prepared = prepare(scene, {strategy, {}});
+  const Structure& structure = *prepared.structure;
+  Layout layout = lay_out(prepared);
+  State wanted(layout.size);
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> number(-1, 1);
+  for (std::size_t c = 0; c < layout.address.size(); ++c) {
+    if (layout.address[c] >= 0) wanted.values[0][static_cast<std::size_t>(layout.address[c])] = structure.start[c];
+  }
+  int small = 0;
+  for (Pack& pack : layout.packs) {
+    const auto c = static_cast<std::size_t>(pack.group_class);
+    const GroupClass& group_class = structure.classes[c];
+    GroupSolver& solver = *layout.solvers[c];
+    const std::size_t lanes = static_cast<std::size_t>(solver.lanes());
+    const std::size_t count = static_cast<std::size_t>(group_class.n) * lanes;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(group_class.n); ++i) {  // idle lanes repeat lane 0
+      for (std::size_t l = static_cast<std::size_t>(pack.used); l < lanes; ++l) {
+        wanted.values[0][pack.unknowns + i * lanes + l] = wanted.values[0][pack.unknowns + i * lanes];
+      }
+    }
+    for (std::size_t i = 0; i < pack.inputs.size(); ++i) {
+      const auto at = static_cast<std::size_t>(pack.inputs[i]);
+      if (at >= layout.first_unknown || group_class.input_moves[i / lanes] == 0) continue;
+      for (int d : {1, 2}) wanted.values[d][at] = number(random);
+    }
+    Counters counters;
+    StepErrors errors;
+    Attempt attempt;
+    attempt.branch = Attempt::Branch::start;
+    ASSERT_TRUE(solver.solve(pack, wanted.pointers().at, attempt, counters, errors).ok());
+
+    const BlockConditions blocks(group_class, solver.program(), solver.lanes());
+    const auto step = make_small_step(group_class, solver.program(), blocks, solver.lanes());
+    if (!step) continue;
+    ++small;
+    State found = wanted;
+    // A prediction within a tenth of the ball.
+    double omega = 1;
+    for (const double o : pack.omega) omega = std::max(omega, o);
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t lane = i % lanes < static_cast<std::size_t>(pack.used) ? i % lanes : 0;
+      found.values[0][pack.unknowns + i] += 0.1 / omega * std::cos(static_cast<double>(i / lanes * lanes + lane));
+      for (int d : {1, 2}) found.values[d][pack.unknowns + i] = 7;
+    }
+    step->choose_pivots(pack, found.values[0].data());
+    State moved = found;
+    SmallStepFigures figures;
+    ASSERT_TRUE(step->run(pack, found.pointers().at, 12, figures));
+    EXPECT_GE(figures.iterations, 1);
+    EXPECT_LE(figures.ball_used, 0.5);
+    for (const double residual : {figures.position, figures.velocity, figures.acceleration}) {
+      EXPECT_LE(residual, 16 * kEps);
+    }
+    for (int d : {0, 1, 2}) {
+      const double tolerance = kTolerance * largest(wanted.values[d]);
+      for (std::size_t i = pack.unknowns; i < pack.unknowns + count; ++i) {
+        EXPECT_NEAR(found.values[d][i], wanted.values[d][i], tolerance) << d << " " << i - pack.unknowns;
+      }
+    }
+
+    // What is not ordinary is refused, and the prediction is left alone.
+    const State before = moved;
+    EXPECT_FALSE(step->run(pack, moved.pointers().at, 0, figures));
+    moved.values[0][pack.unknowns] += 1e6;
+    EXPECT_FALSE(step->run(pack, moved.pointers().at, 12, figures));
+    moved.values[0][pack.unknowns] = std::nan("");
+    EXPECT_FALSE(step->run(pack, moved.pointers().at, 12, figures));
+    moved.values[0][pack.unknowns] = before.values[0][pack.unknowns];
+    EXPECT_EQ(moved.values[0], before.values[0]);
+  }
+  EXPECT_EQ(small, static_cast<int>(layout.packs.size()));
+}
+
+TEST(SmallStep, IsTheStepOfGroupSolver) {
+  for (const char* lanes : {"lanes", "lanes:2", "lanes:4", "lanes:8"}) {
+    expect_the_same_step(sample("stewart"), std::string("irreducible/") + lanes);
+    expect_the_same_step(sample("andrews"), std::string("irreducible/") + lanes);
+  }
+  expect_the_same_step(sample("four_bar:3"), "irreducible/lanes");
+  expect_the_same_step(sample("slider_crank"), "irreducible/lanes");
+}
+
+TEST(SmallStep, GivesTheSameMotion) {
+  for (const char* scene : {"stewart:steps=200", "andrews", "four_bar:5", "slider_crank"}) {
+    for (const char* lanes : {"lanes", "lanes:4", "lanes:8"}) {
+      SCOPED_TRACE(std::string(scene) + " " + lanes);
+      const test::Result one = test::run(sample(scene), "irreducible/eigen");
+      const test::Result small = test::run(sample(scene), std::string("irreducible/") + lanes);
+      ASSERT_EQ(small.report().status.code, one.report().status.code);
+      EXPECT_LE(test::difference(one.trajectory, small.trajectory), kTolerance);
+      EXPECT_EQ(small.counters().steps, one.counters().steps);
+      EXPECT_EQ(small.counters().factorizations, small.counters().newton_iterations + small.counters().group_solutions);
+      // Again, bit for bit.
+      Simulator again = test::simulator(sample(scene), std::string("irreducible/") + lanes);
+      (void)again.run();
+      EXPECT_EQ(again.run().values(), small.trajectory.values());
+    }
+  }
+}
+
+}  // namespace
+}  // namespace assur

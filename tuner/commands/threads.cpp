@@ -1,0 +1,24 @@
+#include <iostream>
+#include <string>
+
+#include "assur/machine.hpp"
+#include "commands/commands.hpp"
+
+namespace assur::command {
+
+void check_threads(const Common& common) {
+  if (common.threads == 0) return;
+  const Machine machine = this_machine();
+  const std::string threads = std::to_string(common.threads);
+  if (common.threads > machine.processors) {
+    throw Error(Error::Kind::input, {{"--threads", threads + " threads are too many: this process may use " +
+                                                       std::to_string(machine.processors) +
+                                                       (machine.processors == 1 ? " processor" : " processors")}});
+  }
+  if (common.threads > machine.budget().threads && !common.quiet) {
+    std::cerr << "warning: --threads: " << threads << " threads will get in each other's way; " << to_string(machine)
+              << '\n';
+  }
+}
+
+}  // namespace assur::command
