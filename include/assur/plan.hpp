@@ -22,7 +22,7 @@ struct Plan {
     std::int32_t group_class = 0;
     Shape shape;
     Strategy strategy;
-    std::string reason;  // "forced", "no measurements: dense up to 9 unknowns", ...
+    std::string reason;  // "forced", "not measured: sparse, in lanes", ...
   };
   Formulation formulation = Formulation::groups;
   Predictor predictor;          // resolved: never automatic
@@ -47,6 +47,7 @@ struct Prepared {
   Plan plan;
   std::span<const Backend> table;  // where the plan's backends are found
   std::vector<std::string> controlled;
+  std::optional<double> start_time = std::nullopt;  // of structure->start; empty: the scene's
   // Chooses anew among redundant equations at a posture (all coordinates, internal units) and time; empty if there are
   // none.
   std::function<Prepared(std::vector<double> posture, double time)> reselect;

@@ -438,7 +438,7 @@ Simulator::Simulator(Prepared prepared, StepLimits limits) {
   if (limits.iterations < 0 || limits.most_iterations < 1 || !(limits.seconds >= 0)) {
     throw Error(Error::Kind::input, "StepLimits need iterations >= 0, most_iterations >= 1 and seconds >= 0");
   }
-  const double start = prepared.scene->time().start;
+  const double start = prepared.start_time.value_or(prepared.scene->time().start);
   impl_ = std::make_unique<Impl>(std::move(prepared), limits, start);
 }
 Simulator::Simulator(Simulator&&) noexcept = default;
@@ -464,7 +464,7 @@ void Simulator::set(std::string_view driver, double value, double rate, double a
 Status Simulator::step() { return step(impl_->now + impl_->prepared.scene->time().step); }
 
 void Simulator::reset() {
-  const double start = impl_->prepared.scene->time().start;
+  const double start = impl_->prepared.start_time.value_or(impl_->prepared.scene->time().start);
   if (impl_->first_structure != nullptr) {
     impl_ = std::make_unique<Impl>(*impl_->first_structure, impl_->limits, start);
   } else {
