@@ -2,6 +2,7 @@
 
 #include "assur/machine.hpp"
 #include "assur/plan.hpp"
+#include "planning/throughput.hpp"
 
 namespace assur {
 namespace {
@@ -95,9 +96,21 @@ void check_budget(const Strategy& wanted, const std::optional<ThreadBudget>& giv
   }
 }
 
+// In throughput what the strategy does not say is chosen for the machine, whatever backends do the work.
+void fill_machine(Strategy& wanted, const PrepareOptions& options, const TimeGrid& grid) {
+  if (options.mode != Mode::throughput) return;
+  if (options.strategy == "auto") {
+    wanted.lanes = kThroughputLanes;
+    wanted.p = (options.budget ? *options.budget : this_machine().budget()).threads;
+    check_budget(wanted, options.budget);
+  }
+  if (options.strategy.find("+chunks=") == std::string::npos) wanted.chunks = chunks_for(wanted, grid.steps());
+}
+
 Prepared prepare_at(const Scene& scene, const PrepareOptions& options, std::vector<double> posture, double time) {
   const bool automatic = options.strategy == "auto";
-  const Strategy wanted = parse_strategy(automatic ? "irreducible/lanes:8" : options.strategy);
+  Strategy wanted = parse_strategy(automatic ? "irreducible/lanes:8" : options.strategy);
+  fill_machine(wanted, options, scene.time());
   check_controlled(scene, options.controlled);
   StructureOptions structure_options;
   structure_options.formulation = wanted.formulation;
