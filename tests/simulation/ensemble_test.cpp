@@ -407,7 +407,9 @@ TEST(Ensemble, RedundantEquationsAreWatched) {
     EXPECT_EQ(e.report().status.code, Code::ok);
     for (std::size_t i = 0; i < 5; ++i) {
       expect_member(e, all, i, three_rods(i), strategy);
-      EXPECT_FALSE(e.outcomes()[i].alone);
+      // Which of the rods is watched depends on the start posture: members with another one run alone.
+      const auto watched = [](std::size_t m) { return prepare(three_rods(m), {"groups/eigen", {}}).structure->checks; };
+      EXPECT_EQ(e.outcomes()[i].alone, watched(i) != watched(0));
     }
     Ensemble apart = ensemble(4, leaving, strategy);
     const EnsembleTrajectory rows = apart.run();
@@ -542,7 +544,7 @@ TEST(Ensemble, WhatMakesNoSenseIsRefused) {
 
 TEST(Ensemble, OwnTimesOfAnyLengthAndTwiceTheSame) {
   Ensemble e = ensemble(5, four_bar);
-  const std::vector<double> times = {0, 0.01, 0.01, 0.1, 0.13, 0.13, 0.4};
+  const std::vector<double> times = {0, 0.01, 0.01, 0.03, 0.04, 0.04, 0.06};
   const EnsembleTrajectory all = e.run(times);
   for (std::size_t i = 0; i < 5; ++i) {
     expect_member(e, all, i, four_bar(i), "groups/eigen:4");
