@@ -48,7 +48,7 @@ struct Simulator::Impl {
     keep_what_is_read();
     row.resize(outputs.columns().size());
     previous_row.resize(row.size());
-    start(start_time);
+    start(start_time, structure.start);
   }
 
   // Drivers behind nothing that is computed are left out.
@@ -65,7 +65,8 @@ struct Simulator::Impl {
 
   GroupSolver& solver(const Pack& pack) { return *layout.solvers[idx(pack.group_class)]; }
 
-  void start(double time) {
+  // From a posture (all coordinates) at a time: where the run began, or another one of the same motion.
+  void start(double time, const std::vector<double>& posture) {
     now = time;
     deadline = std::chrono::steady_clock::time_point::max();  // it is for steps
     inputs.reset();
@@ -80,7 +81,7 @@ struct Simulator::Impl {
     report.events.reserve(kEventsReserved);
     state.clear();
     for (std::size_t c = 0; c < layout.address.size(); ++c) {
-      if (layout.address[c] >= 0) state.at(0)[layout.address[c]] = structure.start[c];
+      if (layout.address[c] >= 0) state.at(0)[layout.address[c]] = posture[c];
     }
     repeat_in_idle_lanes();
     StepErrors errors;
@@ -329,17 +330,6 @@ struct Simulator::Impl {
     return all;
   }
 
-  // The same mechanism at another posture and time; reset() leads back to the start of this one.
-  std::unique_ptr<Impl> at(std::vector<double> posture, double time) const {
-    Prepared elsewhere = prepared;
-    auto other = std::make_shared<Structure>(structure);
-    other->start = std::move(posture);
-    elsewhere.structure = std::move(other);
-    auto next = std::make_unique<Impl>(std::move(elsewhere), limits, time);
-    next->first_structure = first_structure != nullptr ? first_structure : std::make_shared<const Prepared>(prepared);
-    return next;
-  }
-
   // ---- redundant equations
 
   // The same motion with another independent set of the redundant equations, chosen at the last accepted posture; null
@@ -459,7 +449,7 @@ void Simulator::reset() {
   if (impl_->first_structure != nullptr) {
     impl_ = std::make_unique<Impl>(*impl_->first_structure, impl_->limits, start);
   } else {
-    impl_->start(start);
+    impl_->start(start, impl_->structure.start);
   }
 }
 
@@ -523,7 +513,7 @@ bool Simulator::run_in_chunks(std::span<const double> times, const Observer& obs
   out.values_ = std::move(run.values);
   out.times_.assign(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(run.rows));
 
-  impl_ = impl_->at(std::move(run.posture), run.reached);
+  impl_->start(run.reached, run.posture);
   impl_->stands_behind(out.row(run.rows - 1), run.reached - out.times_.back());
   impl_->earlier_effort = run.totals.effort;
   Report& report = impl_->report;
