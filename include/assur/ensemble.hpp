@@ -58,15 +58,19 @@ class Ensemble {
   // `member` prepares the i-th variant; it is called here, in order, on the calling thread. What it throws as Error of
   // kind input or numerical is the outcome of that member; if all throw, so does this. The first member that can be
   // prepared gives the plan: W lanes of a strategy are W members, p threads take packs of members in turn. Members
-  // whose structure is another one run alone. Throws Error (environment) if a backend of the plan cannot run here.
+  // whose structure is another one run alone, and so do those with callbacks, but for copies of one Prepared; a member
+  // with other outputs than the first cannot take part. Throws Error: input for no members or a deadline in `limits`,
+  // environment if a backend of the plan cannot run here.
   Ensemble(std::size_t members, const std::function<Prepared(std::size_t)>& member, StepLimits limits = {});
   Ensemble(Ensemble&&) noexcept;
   Ensemble& operator=(Ensemble&&) noexcept;
   ~Ensemble();
 
-  // Every member over the time grid of the first one, or over `times` (ascending). The results depend neither on the
-  // number of threads nor, but for the last bits, on that of lanes. `observer` (rows done, of all members) is called
-  // on the calling thread and may return false to stop.
+  // Every member over the time grid of the first one, or over `times`, which begin with its start. The results depend
+  // neither on the number of threads nor, but for the last bits, on that of lanes. `observer` (rows done, of all
+  // members) is called on the calling thread and may return false to stop. Laws and callbacks are called by all
+  // threads of the plan; what they throw comes from run(). Throws Error (input) if `times` begin elsewhere, descend
+  // anywhere or are not finite.
   EnsembleTrajectory run(const Simulator::Observer& observer = {});
   EnsembleTrajectory run(std::span<const double> times, const Simulator::Observer& observer = {});
 

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <limits>
 #include <utility>
 
+#include "simulation/run_arguments.hpp"
 #include "simulation/tiles.hpp"
 
 namespace assur {
@@ -20,7 +23,52 @@ bool same_posture(const std::vector<double>& a, const std::vector<double>& b, co
   return true;
 }
 
+void say_alone(const LaneRun& run, std::vector<std::string>& fallbacks) {
+  fallbacks.push_back("the chunk from t = " + std::to_string(run.times[0]) + " s on was run alone from t = " +
+                      std::to_string(run.alone_from) + " s on, where it could not keep step with others");
+}
+
+void say_again(const LaneRun& run, std::vector<std::string>& fallbacks) {
+  fallbacks.push_back("the chunk from t = " + std::to_string(run.times[0]) +
+                      " s on began on another branch than the one before ended; it was run again");
+}
+
+// As if nothing had been done yet, from another posture.
+void begin_again(LaneRun& run, const std::vector<double>& posture) {
+  run.variant.posture = posture;
+  run.done = 0;
+  run.alone = false;
+  run.status = {};
+  run.posture.clear();
+  run.events.clear();
+  run.fallbacks.clear();
+  run.cannot.clear();
+}
+
+// Its angles follow those of the chunk before; one that did nothing has at least the row where that one ended.
+void follow(const LaneRun& before, LaneRun& run, std::span<const std::size_t> angles, std::size_t columns) {
+  const double* const border = before.row(before.split, columns);
+  if (run.done == 0) {
+    std::copy_n(border, columns, run.rows);
+    run.done = 1;
+    run.posture = before.posture;
+    run.reached = run.times[0];
+    return;
+  }
+  const std::vector<double> here(run.rows, run.rows + columns);
+  shift_by_turns(angles, border, here.data(), run, 0, columns);
+}
+
 }  // namespace
+
+std::string no_chunks(const Structure& structure, const StepLimits& limits, std::span<const double> times) {
+  if (limits.seconds > 0) return "a deadline is for single steps";
+  if (!evenly_spaced(times)) return "the steps are not equally long";
+  for (const GroupClass& c : structure.classes) {
+    if (!c.quadratic) return "equations of the program's own have no certificate to verify their start postures by";
+  }
+  return {};
+}
 
 ChunkGrid chunk_grid(std::size_t rows, std::size_t chunks) {
   const std::size_t steps = rows - 1;
@@ -51,32 +99,44 @@ ChunkedRun run_in_chunks(const Prepared& prepared, const StepLimits& limits, std
     if (c + 1 < chunks) runs[c].split = grid.first[c + 1] - grid.first[c];
     runs[c].posture_wanted = c + 1 < chunks ? runs[c].split : grid.rows - 1;
   }
-  tiles.run(runs, observer, static_cast<std::int64_t>(chunks * grid.rows));
+  // Rows that two chunks compute count once.
+  const auto rows = static_cast<std::int64_t>(times.size());
+  Simulator::Observer of_the_grid;
+  if (observer) of_the_grid = [&](std::int64_t done, std::int64_t) { return observer(std::min(done, rows), rows); };
+  tiles.run(runs, of_the_grid, rows);
 
+  const auto proceed = [&] { return !observer || observer(rows, rows); };
   const std::vector<std::size_t> angles = tiles.first().angles();
   for (std::size_t c = 0; c < chunks; ++c) {
     LaneRun& run = runs[c];
-    if (c > 0) {
-      const LaneRun& before = runs[c - 1];
-      const double* const border = before.row(before.split, columns);
-      if (!same_posture(before.posture, run.variant.posture, run.uniqueness)) {
-        out.fallbacks.push_back("the chunk from t = " + std::to_string(run.times[0]) +
-                                " s on began on another branch than the one before ended; it was run again");
-        run.variant.posture = before.posture;
-        run.done = 0;
-        tiles.first().run_alone(run);
+    const bool is_last = c + 1 == chunks;
+    const LaneRun* const before = c > 0 ? &runs[c - 1] : nullptr;
+    if (before != nullptr && !same_posture(before->posture, run.variant.posture, run.uniqueness)) {
+      const Status stopped = run.status;
+      begin_again(run, before->posture);
+      if (stopped.code == Code::interrupted) {
+        run.status = stopped;
+      } else {
+        tiles.first().run_alone(run, proceed);
+        say_again(run, out.fallbacks);
       }
-      shift_by_turns(angles, border, std::vector<double>(run.rows, run.rows + columns).data(), run, 0, columns);
+    } else if (run.alone) {
+      say_alone(run, out.fallbacks);
     }
+    if (before != nullptr) follow(*before, run, angles, columns);
+
+    // What comes after the first row of the next chunk is that one's affair.
+    const bool arrived = run.done > (is_last ? grid.rows - 1 : run.split);
+    const double end = arrived && !is_last ? run.times[run.split] : std::numeric_limits<double>::infinity();
+    std::copy_if(run.events.begin(), run.events.end(), std::back_inserter(out.events),
+                 [&](const Event& e) { return e.time < end; });
+    out.fallbacks.insert(out.fallbacks.end(), run.fallbacks.begin(), run.fallbacks.end());
+    if (arrived && !is_last) continue;
     out.rows = grid.first[c] + run.done;
     out.status = run.status;
     out.posture = run.posture;
-    out.events.insert(out.events.end(), run.events.begin(), run.events.end());
-    if (run.alone) {
-      out.fallbacks.push_back("the chunk from t = " + std::to_string(run.times[0]) + " s on was run alone from t = " +
-                              std::to_string(run.alone_from) + " s on, where it could not keep step with others");
-    }
-    if (!run.status.ok() || run.done < grid.rows) break;
+    out.reached = run.reached;
+    break;
   }
   out.values.resize(out.rows * columns);
   out.totals = tiles.totals();

@@ -7,7 +7,9 @@
 #include <optional>
 #include <utility>
 
+#include "scene/outputs.hpp"
 #include "simulation/memory.hpp"
+#include "simulation/run_arguments.hpp"
 #include "simulation/tiles.hpp"
 
 namespace assur {
@@ -20,6 +22,10 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 struct Ensemble::Impl {
   Impl(std::size_t count, const std::function<Prepared(std::size_t)>& member, StepLimits step_limits)
       : limits(step_limits), cannot(count) {
+    check_limits(limits);
+    if (limits.seconds > 0) {
+      throw Error(Error::Kind::input, "StepLimits::seconds is a deadline of single steps; an ensemble has none");
+    }
     std::exception_ptr first_error;
     for (std::size_t i = 0; i < count; ++i) {
       try {
@@ -37,7 +43,13 @@ struct Ensemble::Impl {
 
   void take(std::size_t i, Prepared p) {
     p.plan.chunks = 1;
-    if (!prepared) prepared = p;
+    if (!prepared) {
+      prepared = p;
+      columns = columns_of(p);
+    } else if (columns_of(p) != columns) {
+      cannot[i] = "its outputs are others than those of the first member";
+      return;
+    }
     if (!same_structure(*prepared->structure, *p.structure) || p.scene->time().start != prepared->scene->time().start) {
       others.emplace(i, std::move(p));
       return;
@@ -46,17 +58,26 @@ struct Ensemble::Impl {
     variants.push_back({p.structure->system, p.structure->start, p.scene->time().start, p.reselect});
   }
 
+  static std::vector<std::string> columns_of(const Prepared& p) {
+    std::vector<std::string> names;
+    for (const Output& o : wanted_outputs(*p.structure->system)) append_columns(o, names);
+    return names;
+  }
+
   EnsembleTrajectory start(std::span<const double> times) {
     EnsembleTrajectory out;
-    out.columns_ = tiles->first().columns();
+    out.columns_ = columns;
     out.times_.assign(times.begin(), times.end());
     out.rows_.assign(cannot.size(), 0);
     check_memory(cannot.size() * times.size(), out.columns_.size());
     out.values_.assign(cannot.size() * times.size() * out.columns_.size(), kNan);
     report = {};
+    totals = {};
+    tiles->clear();
     outcomes.assign(cannot.size(), {});
     for (std::size_t i = 0; i < cannot.size(); ++i) {
       outcomes[i].cannot = cannot[i];
+      outcomes[i].reached = times[0];
       if (!cannot[i].empty()) outcomes[i].status.code = Code::not_converged;
     }
     return out;
@@ -64,22 +85,22 @@ struct Ensemble::Impl {
 
   // Members that share the structure, tile after tile; whoever is free takes the next one.
   void run_in_lanes(EnsembleTrajectory& out, const Simulator::Observer& observer) {
-    const std::size_t rows = out.times_.size(), columns = out.columns_.size();
+    const std::size_t rows = out.times_.size();
     std::vector<LaneRun> runs(in_lanes.size());
     for (std::size_t i = 0; i < runs.size(); ++i) {
       runs[i].variant = variants[i];
       runs[i].times = out.times_;
-      runs[i].rows = out.values_.data() + in_lanes[i] * rows * columns;
+      runs[i].rows = out.values_.data() + in_lanes[i] * rows * columns.size();
     }
-    tiles->run(runs, observer, static_cast<std::int64_t>(rows * in_lanes.size()));
+    tiles->run(runs, observer, 0);
     for (std::size_t i = 0; i < runs.size(); ++i) {
-      Outcome& outcome = outcomes[in_lanes[i]];
-      out.rows_[in_lanes[i]] = runs[i].done;
-      outcome.status = runs[i].status;
-      outcome.alone = runs[i].alone;
-      outcome.alone_from = runs[i].alone_from;
-      outcome.events = std::move(runs[i].events);
+      LaneRun& run = runs[i];
+      out.rows_[in_lanes[i]] = run.done;
+      outcomes[in_lanes[i]] = {run.status, run.reached,    std::move(run.cannot),
+                               run.alone,  run.alone_from, std::move(run.events)};
+      note(in_lanes[i], run.fallbacks);
     }
+    totals.merge(tiles->totals());
   }
 
   void run_other(std::size_t i, EnsembleTrajectory& out, const Simulator::Observer& observer) {
@@ -87,24 +108,34 @@ struct Ensemble::Impl {
     p.plan.threads = 1;
     Outcome& outcome = outcomes[i];
     outcome.alone = true;
-    outcome.alone_from = out.times_[0];
-    Simulator simulator(std::move(p), limits);
-    if (simulator.columns() != out.columns_) {
-      outcome.cannot = "its outputs are others than those of the first member";
-      outcome.status.code = Code::interrupted;
+    outcome.alone_from = outcome.reached = out.times_[0];
+    std::optional<Simulator> simulator;
+    try {
+      simulator.emplace(std::move(p), limits);
+    } catch (const Error& e) {
+      if (e.kind() != Error::Kind::numerical) throw;
+      outcome.cannot = e.what();
+      outcome.status.code = Code::singular;
       return;
     }
-    const Trajectory t = simulator.run(out.times_, observer);
+    const Trajectory t = simulator->run(out.times_, observer);
     std::copy(t.values().begin(), t.values().end(),
-              out.values_.begin() + static_cast<std::ptrdiff_t>(i * out.times_.size() * out.columns_.size()));
+              out.values_.begin() + static_cast<std::ptrdiff_t>(i * out.times_.size() * columns.size()));
+    const Report& its = simulator->report();
     out.rows_[i] = t.rows();
-    outcome.status = simulator.report().status;
-    outcome.events = simulator.report().events;
-    totals.merge({simulator.report().counters, simulator.report().error, simulator.report().effort});
+    outcome.status = its.status;
+    outcome.reached = its.reached;
+    outcome.events = its.events;
+    note(i, its.fallbacks);
+    totals.merge({its.counters, its.error, its.effort});
+  }
+
+  void note(std::size_t member, const std::vector<std::string>& fallbacks) {
+    for (const std::string& f : fallbacks)
+      report.fallbacks.push_back("member " + std::to_string(member + 1) + ": " + f);
   }
 
   void summarize(const EnsembleTrajectory& out) {
-    totals.merge(tiles->totals());
     report.counters = totals.counters;
     report.counters.stored_values = 0;
     report.error = totals.error;
@@ -112,9 +143,8 @@ struct Ensemble::Impl {
     report.reached = out.times_.back();
     std::size_t alone = 0;
     for (std::size_t i = 0; i < outcomes.size(); ++i) {
-      Outcome& o = outcomes[i];
-      o.reached = out.rows_[i] > 0 ? out.times_[out.rows_[i] - 1] : out.times_[0];
-      report.counters.stored_values += static_cast<std::int64_t>(out.rows_[i] * out.columns_.size());
+      const Outcome& o = outcomes[i];
+      report.counters.stored_values += static_cast<std::int64_t>(out.rows_[i] * columns.size());
       report.reached = std::min(report.reached, o.reached);
       alone += o.alone ? 1 : 0;
       if (report.status.ok() && !o.status.ok()) {
@@ -131,6 +161,7 @@ struct Ensemble::Impl {
   StepLimits limits;
   std::vector<std::string> cannot;   // members: why one cannot be started; empty: it can
   std::optional<Prepared> prepared;  // of the first that can
+  std::vector<std::string> columns;  // of all
   std::vector<std::size_t> in_lanes;
   std::vector<Variant> variants;  // of those in lanes
   std::map<std::size_t, Prepared> others;
@@ -157,11 +188,29 @@ EnsembleTrajectory Ensemble::run(std::span<const double> times, const Simulator:
   if (times.empty() || times[0] != impl_->prepared->scene->time().start) {
     throw Error(Error::Kind::input, "the times of an ensemble begin with the start of its scene");
   }
+  check_times(times);
   EnsembleTrajectory out = impl_->start(times);
-  impl_->totals = {};
-  impl_->tiles->clear();
-  impl_->run_in_lanes(out, observer);
-  for (const auto& [i, prepared] : impl_->others) impl_->run_other(i, out, {});
+  const auto rows = [&](std::size_t members) { return static_cast<std::int64_t>(members * times.size()); };
+  const std::int64_t of = rows(impl_->in_lanes.size() + impl_->others.size());
+  bool stopped = false;
+  std::int64_t before = 0;
+  Simulator::Observer of_all;
+  if (observer) {
+    of_all = [&](std::int64_t done, std::int64_t) {
+      stopped = !observer(before + done, of);
+      return !stopped;
+    };
+  }
+  impl_->run_in_lanes(out, of_all);
+  before = rows(impl_->in_lanes.size());
+  for (const auto& [i, prepared] : impl_->others) {
+    if (stopped) {
+      impl_->outcomes[i].status = {Code::interrupted, -1, times[0]};
+      continue;
+    }
+    impl_->run_other(i, out, of_all);
+    before += rows(1);
+  }
   impl_->summarize(out);
   return out;
 }

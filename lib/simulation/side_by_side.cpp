@@ -23,6 +23,16 @@ void shift_by_turns(std::span<const std::size_t> angles, const double* before, c
   }
 }
 
+namespace {
+
+// A run that was stopped, at the posture of its last row.
+void stop(LaneRun& run, const std::vector<double>& posture) {
+  if (run.done <= run.posture_wanted) run.posture = posture;
+  run.status = {Code::interrupted, -1, run.reached};
+}
+
+}  // namespace
+
 Totals SideBySide::totals() const {
   Totals sum{tile_.counters(), tile_.error(), tile_.effort()};
   sum.merge(of_those_alone_);
@@ -39,6 +49,7 @@ void SideBySide::write_row(int lane, LaneRun& run, std::size_t row) {
   const double* const before = row > 0 ? run.row(row - 1, size) : nullptr;
   tile_.fill_row(lane, run.row(row, size), before, row > 0 ? run.times[row] - run.times[row - 1] : 0);
   run.done = row + 1;
+  run.reached = run.times[row];
   if (row == run.posture_wanted) run.posture = tile_.posture(lane);
 }
 
@@ -49,11 +60,11 @@ std::size_t SideBySide::follow(std::span<LaneRun* const> lanes, std::size_t from
   std::vector<double> times(lanes.size());
   for (std::size_t row = from + 1; row < rows; ++row) {
     for (std::size_t i = 0; i < lanes.size(); ++i) times[i] = lanes[i]->times[row];
-    if (!tile_.step(times).ok()) return row - 1;
+    const bool moves = times[0] != lanes[0]->times[row - 1];
+    if (moves && !tile_.step(times).ok()) return row - 1;
     for (std::size_t i = 0; i < lanes.size(); ++i) write_row(static_cast<int>(i), *lanes[i], row);
     if (!proceed()) {
       stopped_ = true;
-      for (LaneRun* lane : lanes) lane->status = {Code::interrupted, -1, lane->times[row]};
       return row;
     }
   }
@@ -77,7 +88,7 @@ void SideBySide::run(std::span<LaneRun* const> lanes, const std::function<bool()
       }
     }
     if (started) row = follow(together, row, proceed);
-    if (row == last || stopped_) return;
+    if (row == last) return;
 
     // Who cannot follow? The next step is tried alone by each.
     std::vector<LaneRun*> able;
@@ -86,13 +97,17 @@ void SideBySide::run(std::span<LaneRun* const> lanes, const std::function<bool()
       Variant here = at[i];
       if (started) here.posture = tile_.posture(static_cast<int>(i));
       here.time = together[i]->times[row];
-      alone(*together[i], here, row, false);
+      if (!stopped_) alone(*together[i], here, row, false, proceed);
       if (together[i]->alone) continue;
       able.push_back(together[i]);
       able_at.push_back(std::move(here));
     }
+    if (stopped_) {
+      for (std::size_t i = 0; i < able.size(); ++i) stop(*able[i], able_at[i].posture);
+      return;
+    }
     if (able.size() == together.size()) {  // each of them can alone what they cannot together
-      for (std::size_t i = 0; i < able.size(); ++i) alone(*able[i], able_at[i], row, true);
+      for (std::size_t i = 0; i < able.size(); ++i) alone(*able[i], able_at[i], row, true, proceed);
       return;
     }
     together = std::move(able);
@@ -100,8 +115,49 @@ void SideBySide::run(std::span<LaneRun* const> lanes, const std::function<bool()
   }
 }
 
+void SideBySide::run_alone(LaneRun& run, const std::function<bool()>& proceed) {
+  stopped_ = false;
+  alone(run, run.variant, 0, true, proceed);
+}
+
 // One step from `row` on; if it is no plain one (or to_the_end is set) the whole rest of the way.
-void SideBySide::alone(LaneRun& lane, Variant at, std::size_t row, bool to_the_end) {
+void SideBySide::alone(LaneRun& lane, Variant at, std::size_t row, bool to_the_end,
+                       const std::function<bool()>& proceed) {
+  const double from = at.time;
+  std::optional<Simulator> simulator = simulator_of(lane, std::move(at));
+  if (!simulator) return;
+  const std::size_t columns = simulator->columns().size(), rows = lane.times.size();
+  double* const first = lane.row(row, columns);
+  const bool restarted = lane.done > row;  // the row is there already: its angles are unwrapped
+  const std::vector<double> start(simulator->outputs().begin(), simulator->outputs().end());
+  if (!restarted) std::copy(start.begin(), start.end(), first);
+  lane.done = std::max(lane.done, row + 1);
+  if (row == lane.posture_wanted) lane.posture = posture_of(*simulator);
+  for (std::size_t k = row + 1; k < rows && lane.status.ok() && !stopped_; ++k) {
+    lane.status = simulator->step(lane.times[k]);
+    const bool plain = lane.status.ok() && simulator->report().counters.rejected == 0;
+    if (k == row + 1 && !to_the_end && plain) return;
+    if (!lane.alone) {
+      lane.alone = true;
+      lane.alone_from = from;
+    }
+    if (!lane.status.ok()) break;
+    std::copy(simulator->outputs().begin(), simulator->outputs().end(), lane.row(k, columns));
+    lane.done = k + 1;
+    if (k == lane.posture_wanted) lane.posture = posture_of(*simulator);
+    stopped_ = !proceed();
+  }
+  if (restarted) shift_by_turns(angles(), first, start.data(), lane, row + 1, columns);
+  lane.reached = simulator->time();
+  if (lane.done <= lane.posture_wanted) lane.posture = posture_of(*simulator);
+  if (stopped_ && lane.status.ok() && lane.done < rows) lane.status = {Code::interrupted, -1, lane.reached};
+  lane.events = simulator->report().events;
+  lane.fallbacks = simulator->report().fallbacks;
+  of_those_alone_.merge({simulator->report().counters, simulator->report().error, simulator->report().effort});
+}
+
+// None if the posture has no velocities.
+std::optional<Simulator> SideBySide::simulator_of(LaneRun& lane, Variant at) const {
   Prepared prepared = prepared_;
   auto structure = std::make_shared<Structure>(*prepared_.structure);
   structure->system = at.system;
@@ -112,38 +168,14 @@ void SideBySide::alone(LaneRun& lane, Variant at, std::size_t row, bool to_the_e
   prepared.reselect = at.reselect;
   prepared.plan.chunks = prepared.plan.threads = 1;
   try {
-    Simulator simulator(std::move(prepared), limits_);
-    const std::size_t columns = simulator.columns().size();
-    double* const first = lane.row(row, columns);
-    const bool restarted = lane.done > row;  // the row is there already: its angles are unwrapped
-    std::vector<double> start(simulator.outputs().begin(), simulator.outputs().end());
-    if (!restarted) std::copy(start.begin(), start.end(), first);
-    lane.done = std::max(lane.done, row + 1);
-    Status status;
-    for (std::size_t k = row + 1; k < lane.times.size(); ++k) {
-      status = simulator.step(lane.times[k]);
-      if (k == row + 1 && !to_the_end) {
-        const Counters& counters = simulator.report().counters;
-        if (status.ok() && counters.rejected == 0) return;
-      }
-      if (!lane.alone) {
-        lane.alone = true;
-        lane.alone_from = at.time;
-      }
-      if (!status.ok()) break;
-      std::copy(simulator.outputs().begin(), simulator.outputs().end(), lane.row(k, columns));
-      lane.done = k + 1;
-    }
-    if (restarted) shift_by_turns(angles(), first, start.data(), lane, row + 1, columns);
-    if (lane.posture_wanted >= row && lane.posture_wanted + 1 == lane.done) lane.posture = posture_of(simulator);
-    lane.status = status;
-    lane.events = simulator.report().events;
-    Totals mine{simulator.report().counters, simulator.report().error, simulator.report().effort};
-    of_those_alone_.merge(mine);
-  } catch (const Error&) {  // no velocities at the start
+    return Simulator(std::move(prepared), limits_);
+  } catch (const Error& e) {
+    if (e.kind() != Error::Kind::numerical) throw;
     lane.alone = true;
     lane.alone_from = at.time;
     lane.status = {Code::singular, -1, 0};
+    if (lane.done == 0) lane.cannot = e.what();
+    return std::nullopt;
   }
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,11 +22,14 @@ struct LaneRun {
   std::size_t split = static_cast<std::size_t>(-1);
   std::size_t done = 0;  // rows filled
   Status status;         // ok, or why the run stopped
+  double reached = 0;    // last time with a valid posture
   bool alone = false;    // from the time `alone_from` on
   double alone_from = 0;
   std::vector<Event> events;
+  std::vector<std::string> fallbacks;  // where it went alone
+  std::string cannot;                  // why it could not be started; empty: it was
 
-  // The posture at one of the times, where somebody wants it; of a run that went on alone, only at the last one.
+  // The posture at one of the times, where somebody wants it, or at `reached` if the run does not get there.
   std::size_t posture_wanted = static_cast<std::size_t>(-1);
   std::vector<double> posture;
   std::vector<double> uniqueness;  // at the start, see Tile
@@ -54,11 +58,11 @@ class SideBySide {
   [[nodiscard]] std::vector<std::size_t> angles() const { return tile_.outputs().angles(); }
 
   // All of them have the same number of times and, the n-th from the (n-1)-th, the same steps. `proceed` is asked
-  // after every step; false stops all.
+  // after every step; false stops all. What laws and callbacks throw passes through.
   void run(std::span<LaneRun* const> lanes, const std::function<bool()>& proceed);
 
   // All of one run, apart from any other.
-  void run_alone(LaneRun& run) { alone(run, run.variant, 0, true); }
+  void run_alone(LaneRun& run, const std::function<bool()>& proceed);
 
   [[nodiscard]] Totals totals() const;
   void clear_totals();
@@ -66,7 +70,8 @@ class SideBySide {
  private:
   [[nodiscard]] std::size_t follow(std::span<LaneRun* const> lanes, std::size_t from,
                                    const std::function<bool()>& proceed);
-  void alone(LaneRun& lane, Variant at, std::size_t row, bool to_the_end);
+  void alone(LaneRun& lane, Variant at, std::size_t row, bool to_the_end, const std::function<bool()>& proceed);
+  [[nodiscard]] std::optional<Simulator> simulator_of(LaneRun& lane, Variant at) const;
   void write_row(int lane, LaneRun& run, std::size_t row);
 
   Prepared prepared_;

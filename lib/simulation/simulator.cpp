@@ -13,6 +13,7 @@
 #include "simulation/levels.hpp"
 #include "simulation/memory.hpp"
 #include "simulation/output_program.hpp"
+#include "simulation/run_arguments.hpp"
 #include "simulation/state.hpp"
 #include "simulation/watch.hpp"
 
@@ -29,19 +30,6 @@ constexpr double kConsistent = 1e-10;  // relative residual of a redundant equat
 constexpr std::size_t kEventsReserved = 64;
 
 std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
-
-void check_times(std::span<const double> times) {
-  const auto refuse = [](std::size_t k, const std::string& what) {
-    throw Error(Error::Kind::input, "time " + std::to_string(k) + " of the run " + what);
-  };
-  for (std::size_t k = 0; k < times.size(); ++k) {
-    if (!std::isfinite(times[k])) refuse(k, "is " + std::to_string(times[k]) + "; it must be finite");
-    if (k > 0 && times[k] < times[k - 1]) {
-      refuse(k,
-             "is " + std::to_string(times[k]) + " s, after " + std::to_string(times[k - 1]) + " s; times must ascend");
-    }
-  }
-}
 
 }  // namespace
 
@@ -62,7 +50,7 @@ struct Simulator::Impl {
     keep_what_is_read();
     row.resize(outputs.columns().size());
     previous_row.resize(row.size());
-    start(start_time);
+    start(start_time, structure.start);
   }
 
   // Drivers behind nothing that is computed are left out.
@@ -77,7 +65,8 @@ struct Simulator::Impl {
     inputs.keep(std::move(read));
   }
 
-  void start(double time) {
+  // From a posture (all coordinates) at a time: where the run began, or another one of the same motion.
+  void start(double time, const std::vector<double>& posture) {
     now = time;
     deadline = std::chrono::steady_clock::time_point::max();  // it is for steps
     inputs.reset();
@@ -92,7 +81,7 @@ struct Simulator::Impl {
     report.events.reserve(kEventsReserved);
     state.clear();
     for (std::size_t c = 0; c < layout.address.size(); ++c) {
-      if (layout.address[c] >= 0) state.at(0)[layout.address[c]] = structure.start[c];
+      if (layout.address[c] >= 0) state.at(0)[layout.address[c]] = posture[c];
     }
     repeat_in_idle_lanes();
     StepErrors errors;
@@ -344,17 +333,6 @@ struct Simulator::Impl {
     return all;
   }
 
-  // The same mechanism at another posture and time; reset() leads back to the start of this one.
-  std::unique_ptr<Impl> at(std::vector<double> posture, double time) const {
-    Prepared elsewhere = prepared;
-    auto other = std::make_shared<Structure>(structure);
-    other->start = std::move(posture);
-    elsewhere.structure = std::move(other);
-    auto next = std::make_unique<Impl>(std::move(elsewhere), limits, time);
-    next->first_structure = first_structure != nullptr ? first_structure : std::make_shared<const Prepared>(prepared);
-    return next;
-  }
-
   // ---- redundant equations
 
   // The same motion with another independent set of the redundant equations, chosen at the last accepted posture; null
@@ -406,6 +384,12 @@ struct Simulator::Impl {
     outputs.evaluate(q, row.data(), unwrap ? previous_row.data() : nullptr, dt);
   }
 
+  // The outputs follow those of a row that was reached elsewhere, a time dt before.
+  void stands_behind(std::span<const double> last_row, double dt) {
+    std::copy(last_row.begin(), last_row.end(), row.begin());
+    if (dt != 0) fill_row(true, dt);
+  }
+
   Prepared prepared;
   StepLimits limits;
   const Structure& structure;
@@ -435,9 +419,7 @@ struct Simulator::Impl {
 std::vector<double> posture_of(const Simulator& simulator) { return simulator.impl_->posture(); }
 
 Simulator::Simulator(Prepared prepared, StepLimits limits) {
-  if (limits.iterations < 0 || limits.most_iterations < 1 || !(limits.seconds >= 0)) {
-    throw Error(Error::Kind::input, "StepLimits need iterations >= 0, most_iterations >= 1 and seconds >= 0");
-  }
+  check_limits(limits);
   const double start = prepared.start_time.value_or(prepared.scene->time().start);
   impl_ = std::make_unique<Impl>(std::move(prepared), limits, start);
 }
@@ -468,7 +450,7 @@ void Simulator::reset() {
   if (impl_->first_structure != nullptr) {
     impl_ = std::make_unique<Impl>(*impl_->first_structure, impl_->limits, start);
   } else {
-    impl_->start(start);
+    impl_->start(start, impl_->structure.start);
   }
 }
 
@@ -504,31 +486,36 @@ Trajectory Simulator::run(std::span<const double> times, const Observer& observe
   return out;
 }
 
-// False if a start posture of some chunk cannot be found by continuation: then nothing is done.
+// False if there is a reason against it, which is reported: then nothing is done.
 bool Simulator::run_in_chunks(std::span<const double> times, const Observer& observer, Trajectory& out) {
   if (times.empty()) return false;
+  const auto refuse = [&](const std::string& why) {
+    reset();
+    impl_->report.fallbacks.push_back("no chunks: " + why);
+    return false;
+  };
+  if (const std::string why = no_chunks(*impl_->prepared.structure, impl_->limits, times); !why.empty()) {
+    return refuse(why);
+  }
   const ChunkGrid grid = chunk_grid(times.size(), idx(impl_->prepared.plan.chunks));
   const Impl* const first = impl_.get();
   const double first_time = impl_->now;
   std::vector<Variant> starts;
   for (const std::size_t row : grid.first) {
     if (!step(times[row]).ok() || impl_.get() != first) {
-      const double reached = impl_->now;
-      reset();
-      impl_->report.fallbacks.push_back(
-          "no chunks: their start postures were found up to t = " + std::to_string(reached) + " s only");
-      return false;
+      return refuse("their start postures were found up to t = " + std::to_string(impl_->now) + " s only");
     }
     starts.push_back({impl_->structure.system, impl_->posture(), impl_->now, impl_->prepared.reselect});
   }
   Counters counters = impl_->report.counters;
   counters.steps = 0;  // those between the starts are not of the grid
   ChunkedRun run = assur::run_in_chunks(impl_->prepared, impl_->limits, times, grid, std::move(starts), observer);
+  if (run.rows == 0) return refuse("the first one could not be started");
   out.values_ = std::move(run.values);
   out.times_.assign(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(run.rows));
 
-  impl_ = impl_->at(run.posture, out.times_.back());
-  std::copy(out.row(out.rows() - 1).begin(), out.row(out.rows() - 1).end(), impl_->row.begin());
+  impl_->start(run.reached, run.posture);
+  impl_->stands_behind(out.row(run.rows - 1), run.reached - out.times_.back());
   impl_->earlier_effort = run.totals.effort;
   Report& report = impl_->report;
   report = {};
@@ -538,9 +525,9 @@ bool Simulator::run_in_chunks(std::span<const double> times, const Observer& obs
   report.counters.stored_values = static_cast<std::int64_t>(out.values_.size());
   report.error = run.totals.error;
   report.status = run.status;
-  report.reached = out.times_.back();
-  report.events = run.events;
-  report.fallbacks = run.fallbacks;
+  report.reached = run.reached;
+  report.events = std::move(run.events);
+  report.fallbacks = std::move(run.fallbacks);
   return true;
 }
 

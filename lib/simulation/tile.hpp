@@ -28,7 +28,8 @@ struct Variant {
   std::function<Prepared(std::vector<double>, double)> reselect;  // as in Prepared
 };
 
-// True if one tile can hold both: the same groups, equations and known coordinates, whatever the constants.
+// True if one tile can hold both: the same groups, equations and known coordinates, whatever the constants. Callbacks
+// cannot be compared: only copies of one structure share them.
 [[nodiscard]] bool same_structure(const Structure& a, const Structure& b);
 
 class Tile {

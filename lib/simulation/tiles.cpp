@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <bit>
-#include <exception>
+#include <utility>
 
 namespace assur {
 namespace {
@@ -31,33 +31,36 @@ void Tiles::run(std::span<LaneRun> runs, const Simulator::Observer& observer, st
   std::atomic<std::size_t> next{0};
   std::atomic<std::int64_t> done{0};
   std::atomic<bool> stopped{false};
-  std::vector<std::exception_ptr> thrown(workers_.size());
-  team_.run([&](int rank) noexcept {
+  std::int64_t heard = 0;
+  for (LaneRun& run : runs) run.reached = run.times[0];
+  team_.run([&](int rank) {
     try {
       std::vector<LaneRun*> together;
+      std::int64_t counted = 0;  // of this tile
       const auto proceed = [&] {
-        done.fetch_add(static_cast<std::int64_t>(together.size()), std::memory_order_relaxed);
-        if (rank == 0 && observer && !observer(done.load(std::memory_order_relaxed), rows)) stopped = true;
+        std::int64_t now = 0;
+        for (const LaneRun* run : together) now += static_cast<std::int64_t>(run->done);
+        done.fetch_add(now - std::exchange(counted, now), std::memory_order_relaxed);
+        if (rank == 0 && observer && !observer(heard = done.load(std::memory_order_relaxed), rows)) stopped = true;
         return !stopped.load(std::memory_order_relaxed);
       };
       while (!stopped) {
         const std::size_t begin = next.fetch_add(lanes);
         if (begin >= runs.size()) break;
         together.clear();
+        counted = 0;
         for (LaneRun& run : runs.subspan(begin, std::min(lanes, runs.size() - begin))) together.push_back(&run);
         workers_[idx(rank)]->run(together, proceed);
       }
     } catch (...) {
-      thrown[idx(rank)] = std::current_exception();
-      stopped = true;
+      stopped = true;  // the others need not go on
+      throw;
     }
   });
-  for (const auto& e : thrown) {
-    if (e) std::rethrow_exception(e);
-  }
   for (LaneRun& run : runs) {
-    if (run.done == 0 && run.status.ok()) run.status.code = Code::interrupted;
+    if (run.done == 0 && run.status.ok()) run.status = {Code::interrupted, -1, run.reached};
   }
+  if (observer && !stopped && heard < done) (void)observer(done, rows);
 }
 
 Totals Tiles::totals() const {

@@ -1,0 +1,115 @@
+// How far two runs of one mechanism may be apart, from the conditions of its postures.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "scene/system.hpp"
+#include "simulation/run.hpp"
+
+namespace assur {
+std::vector<double> posture_of(const Simulator& simulator);  // all coordinates, internal units
+}
+
+namespace assur::test {
+
+// The condition of a posture: if every equation holds to a relative residual r, that is to r times its scale s_i =
+// sum |dPhi_i/dq_j| |q_j| + |constant|, no coordinate is off by more than r |J^-1| s; over the largest coordinate.
+inline double condition(const Structure& structure, std::span<const double> q) {
+  const System& system = *structure.system;
+  std::vector<Eigen::Index> column(system.coordinates.size(), -1);
+  std::vector<Index> equations;
+  Eigen::Index n = 0;
+  for (const Group& g : structure.groups) {
+    for (const std::int32_t u : g.unknowns) column[static_cast<std::size_t>(u)] = n++;
+    equations.insert(equations.end(), g.equations.begin(), g.equations.end());
+  }
+  if (n == 0) return 1;
+  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(n, n);
+  Eigen::VectorXd scale(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Index equation = equations[static_cast<std::size_t>(i)];
+    gradient<double>(system, equation, q, [&](Index c, double v) {
+      if (column[static_cast<std::size_t>(c)] >= 0) jacobian(i, column[static_cast<std::size_t>(c)]) += v;
+    });
+    scale[i] = residual_scale(system, equation, q);
+  }
+  const Eigen::VectorXd open = jacobian.partialPivLu().inverse().cwiseAbs() * scale;
+  double largest = 0;
+  for (const double x : q.subspan(1)) largest = std::max(largest, std::abs(x));
+  return std::max(1.0, open.maxCoeff() / largest);
+}
+
+// Of every row of a run, as far as it gets; between two rows that were looked at the larger one counts.
+inline std::vector<double> conditions(const Scene& scene, std::span<const double> times, std::size_t every = 1) {
+  Simulator s = simulator(scene, "groups/eigen");
+  std::vector<double> out;
+  for (std::size_t k = 0; k < times.size(); ++k) {
+    if (!s.step(times[k]).ok()) break;
+    if (k % every != 0 && k + 1 != times.size()) {
+      out.push_back(0);
+      continue;
+    }
+    out.push_back(condition(*s.prepared().structure, posture_of(s)));
+    for (std::size_t j = k; j-- > 0 && out[j] == 0;) out[j] = std::max(out[k], out[k - (k - 1) % every - 1]);
+  }
+  return out;
+}
+
+inline std::vector<double> grid_of(const Scene& scene) {
+  std::vector<double> times;
+  for (std::int64_t k = 0; k <= scene.time().steps(); ++k) times.push_back(scene.time().time(k));
+  return times;
+}
+
+// 0 for positions and values of measures, 1 for rates, 2 for accelerations.
+inline int derivative_of(const std::string& column) {
+  const std::string last = column.substr(column.rfind('.') + 1);
+  if (last == "rate" || (last.size() == 2 && last[0] == 'v')) return 1;
+  if (last == "acceleration" || (last.size() == 2 && last[0] == 'a')) return 2;
+  return 0;
+}
+
+// What all columns of a run are measured against: the largest of each derivative; values: 1 rad or 1 m at least.
+struct Sizes {
+  double of[3] = {1, 0, 0};
+};
+inline Sizes sizes(const Trajectory& t) {
+  Sizes s;
+  for (std::size_t c = 0; c < t.columns().size(); ++c) {
+    const int d = derivative_of(t.columns()[c]);
+    for (std::size_t k = 0; k < t.rows(); ++k) s.of[d] = std::max(s.of[d], std::abs(t(k, c)));
+  }
+  return s;
+}
+
+// Both runs hold their equations to a residual r. Positions take it in at the condition of the posture; rates take in
+// the error of the positions at the condition once more, and accelerations that of both at its third power.
+inline void expect_same_row(std::span<const double> a, const Trajectory& b, std::size_t k, const Sizes& size,
+                            double condition, double residual) {
+  double bound[3] = {2 * residual * condition * size.of[0]};
+  for (int d = 1; d < 3; ++d)
+    bound[d] = 2 * residual * std::pow(condition, d + 1) * std::max(size.of[d], size.of[d - 1]);
+  for (std::size_t c = 0; c < b.columns().size(); ++c) {
+    const int d = derivative_of(b.columns()[c]);
+    const double off = std::abs(a[c] - b(k, c));
+    if (off <= bound[d]) continue;
+    ADD_FAILURE() << b.columns()[c] << " in row " << k << ", t = " << b.times()[k] << ": " << a[c] << " and " << b(k, c)
+                  << " are " << off << " apart, bound " << bound[d];
+    return;
+  }
+}
+
+// The criterion of convergence is 8 eps; what the runs tell of themselves if that is more.
+inline double residual_of(const Report& a, const Report& b) {
+  return std::max({8 * kEps, a.error.position, b.error.position, a.error.velocity, b.error.velocity,
+                   a.error.acceleration, b.error.acceleration});
+}
+
+}  // namespace assur::test

@@ -1,0 +1,173 @@
+// Any strategy gives the motion of any mechanism, within what its residuals and the conditions of its postures allow.
+#include <gtest/gtest.h>
+
+#include "simulation/conditions.hpp"
+#include "simulation/random_mechanisms.hpp"
+
+namespace assur {
+namespace {
+
+using test::Draw;
+using test::kEps;
+using test::Result;
+
+constexpr ThreadBudget kBudget{4};
+
+// Splits p x q of the paper's strategies; p > 1 in one mechanism changes times only, never a result.
+constexpr int kMostGroupsAtOnce = 1;
+
+// Its own forward error, by the reference in quad precision, is within what its residual r allows at condition c:
+// r c for positions, r c^2 for rates, r c^3 for accelerations, relative to the largest of the scene's outputs.
+void expect_the_motion_of_the_reference(const Scene& scene, const std::string& strategy, double condition) {
+  SCOPED_TRACE(scene.name() + " " + strategy);
+  Simulator s(prepare(scene, {strategy, {}, kBudget}));
+  const Trajectory t = s.run();
+  const Report& report = s.report();
+  ASSERT_EQ(report.status.code, Code::ok) << "at " << report.reached;
+  ASSERT_EQ(t.rows(), static_cast<std::size_t>(scene.time().steps()) + 1);
+  // The residuals that a run tells: the criterion of convergence is 8 eps, of a refined linear system 4 times that.
+  EXPECT_GT(report.error.position, 0);
+  EXPECT_LE(report.error.position, 1e-13);
+  EXPECT_LE(report.error.velocity, 1e-13);
+  EXPECT_LE(report.error.acceleration, 1e-13);
+
+  const double residual = test::residual_of(report, report);
+  // Forward errors are relative to each output, the bound to the largest of all outputs of a kind.
+  double spread[3] = {1, 1, 1}, largest[3] = {0, 0, 0}, smallest[3];
+  std::fill(smallest, smallest + 3, std::numeric_limits<double>::infinity());
+  std::map<std::pair<std::string, int>, double> outputs;  // a point with all its components
+  for (std::size_t c = 0; c < t.columns().size(); ++c) {
+    const std::string& column = t.columns()[c];
+    const int d = test::derivative_of(column);
+    double& size = outputs[{column.substr(0, column.find('.')), d}];
+    for (std::size_t k = 0; k < t.rows(); ++k) size = std::max(size, std::abs(t(k, c)));
+  }
+  for (const auto& [name, size] : outputs) {
+    largest[name.second] = std::max(largest[name.second], size);
+    if (size > 0) smallest[name.second] = std::min(smallest[name.second], size);
+  }
+  for (int d = 0; d < 3; ++d) spread[d] = largest[d] > 0 ? largest[d] / smallest[d] : 1;
+  const ForwardError e = forward_error(s.prepared(), t);
+  EXPECT_LE(e.position, residual * condition * spread[0]);
+  EXPECT_LE(e.velocity, residual * std::pow(condition, 2) * spread[1]);
+  EXPECT_LE(e.acceleration, residual * std::pow(condition, 3) * spread[2]);
+}
+
+double worst_condition(const Scene& scene) {
+  const std::vector<double> all = test::conditions(scene, test::grid_of(scene), 5);
+  return *std::max_element(all.begin(), all.end());
+}
+
+std::vector<const Backend*> backends_here() {
+  std::vector<const Backend*> out;
+  for (const Backend& b : backends()) {
+    if (b.why_not({}, {}).empty()) out.push_back(&b);
+  }
+  return out;
+}
+
+std::string random_strategy(Draw& draw) {
+  Strategy s;
+  s.formulation = draw.of(std::vector{Formulation::global, Formulation::groups, Formulation::irreducible});
+  const Backend& backend = *draw.of(backends_here());
+  s.backend = backend.id;
+  s.lanes = 1 << draw.below(5);
+  s.single = backend.single && draw.below(3) == 0;
+  s.refine = draw.below(4) == 0;
+  s.reuse = draw.of(std::vector{Reuse::fresh, Reuse::fresh, Reuse::step, Reuse::run});
+  s.once = draw.below(3) == 0;
+  using Kind = Predictor::Kind;
+  s.predictor = draw.of(std::vector<Predictor>{{Kind::automatic, 0},
+                                               {Kind::taylor, 1},
+                                               {Kind::taylor, 2},
+                                               {Kind::hermite, 5},
+                                               {Kind::past, 2},
+                                               {Kind::past, 5}});
+  s.chunks = draw.maybe() ? 1 : 1 + static_cast<std::int32_t>(draw.below(9));
+  return to_string(s);
+}
+
+TEST(Strategies, AnyGivesTheMotionOfAnyMechanism) {
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    Draw draw(seed);
+    const Scene scene = seed % 2 == 0 ? test::planar_mechanism(draw) : test::spatial_mechanism(draw);
+    const double condition = worst_condition(scene);
+    for (int k = 0; k < 4; ++k) {
+      SCOPED_TRACE("seed " + std::to_string(seed) + ", condition " + std::to_string(condition));
+      expect_the_motion_of_the_reference(scene, random_strategy(draw), condition);
+      if (testing::Test::HasFailure()) return;
+    }
+  }
+}
+
+// ---- the strategies of the paper
+
+struct OfThePaper {
+  std::string name, strategy;
+};
+
+std::vector<OfThePaper> strategies_of_the_paper() {
+  std::vector<OfThePaper> out = {
+      {"GMKL", "global/lapack"},      {"GMKL", "global/lapack 1x2"},    {"GMA27", "global/klu"},
+      {"GMA27", "global/mumps"},      {"GMA27", "global/ma27"},         {"GEMKL", "groups/lapack"},
+      {"GEMKL", "groups/lapack 1x2"}, {"GEOMP+MKL", "groups/team 1x2"}, {"GEOMP+MA27", "groups/klu"}};
+  for (int p = 2; p <= kMostGroupsAtOnce; ++p) {
+    const std::string split = " " + std::to_string(p);
+    for (const std::string& strategy : {"groups/team" + split + "x2", "groups/lapack" + split + "x1"}) {
+      out.push_back({"GEOMP+MKL", strategy});
+    }
+    out.push_back({"GEOMP+MA27", "groups/klu" + split + "x1"});
+  }
+  return out;
+}
+
+TEST(Strategies, OfThePaperRun) {
+  const Scene scene = sample("stewart:steps=20");
+  const double condition = worst_condition(scene);
+  for (const OfThePaper& s : strategies_of_the_paper()) {
+    const Strategy parsed = parse_strategy(s.strategy);
+    if (!find_backend(backends(), parsed.backend).why_not({}, ThreadBudget{parsed.q}).empty()) continue;
+    SCOPED_TRACE(s.name);
+    expect_the_motion_of_the_reference(scene, s.strategy, condition);
+    // Two readings of the paper's code: one factorisation for each of its solutions, or one for a step.
+    expect_the_motion_of_the_reference(scene,
+                                       s.strategy.substr(0, s.strategy.find(' ')) + "+once" +
+                                           s.strategy.substr(std::min(s.strategy.find(' '), s.strategy.size())),
+                                       condition);
+  }
+}
+
+TEST(Strategies, ThatCannotRunSayWhy) {
+  const Scene scene = sample("four_bar:step=0.1,steps=2");
+  const auto refusal = [&](const std::string& strategy, ThreadBudget budget) -> std::string {
+    try {
+      (void)prepare(scene, {strategy, {}, budget});
+    } catch (const Error& e) {
+      EXPECT_EQ(e.kind(), Error::Kind::environment) << strategy;
+      return e.what();
+    }
+    ADD_FAILURE() << strategy << " runs";
+    return "";
+  };
+  for (const Backend& b : backends()) {
+    const std::string id(b.id);
+    const std::string why = b.why_not({}, {});
+    if (!why.empty()) {
+      EXPECT_EQ(refusal("groups/" + id, kBudget), "backend " + id + " cannot run here: " + why);
+      continue;
+    }
+    if (!b.single) {
+      EXPECT_NE(refusal("groups/" + id + "+float", kBudget).find("it has no float version"), std::string::npos);
+    }
+    const std::string no_threads = b.why_not({}, ThreadBudget{2});
+    if (!no_threads.empty()) {
+      EXPECT_EQ(refusal("groups/" + id + " 1x2", kBudget), "backend " + id + " cannot run here: " + no_threads);
+    }
+    EXPECT_NE(refusal("groups/" + id + " 3x1", {2}).find("takes 3 threads and the budget is 2"), std::string::npos);
+    // Chunks and lanes are no way around it.
+    EXPECT_NE(refusal("groups/" + id + ":8+chunks=4 3x1", {2}).find("takes 3 threads"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace assur
