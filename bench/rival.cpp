@@ -15,6 +15,7 @@ namespace assur::bench {
 namespace {
 
 constexpr int kWarm = 10;  // steps
+constexpr int kChunkedSteps = 4000;
 
 struct Rival {
   const char* name;
@@ -46,6 +47,22 @@ void time_rival(benchmark::State& state, const Mechanism& mechanism, const Rival
   state.counters["position"] = worst;
 }
 
+// A whole grid in chunks that fill the lanes: start postures found, every border verified, all results stored. `per_step`
+// is the processor time of one step.
+void time_chunks(benchmark::State& state, const Scene& scene, const std::string& strategy) {
+  const TimeGrid& grid = scene.time();
+  const Scene longer = scene.with_time({grid.start, grid.time(kChunkedSteps), grid.step});
+  Simulator simulator(prepare(longer, {strategy, {}}));
+  for ([[maybe_unused]] auto _ : state) {
+    const Trajectory trajectory = simulator.run();
+    if (!simulator.report().status.ok()) return state.SkipWithError("a run failed");
+    benchmark::DoNotOptimize(trajectory.values().data());
+  }
+  state.counters["per_step"] =
+      benchmark::Counter(kChunkedSteps, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+  state.counters["position"] = simulator.report().error.position;
+}
+
 // Rows of one mechanism; `scene` gives what the rival has as unknowns.
 template <class Mechanism>
 void register_mechanism(const std::string& text, const Scene& scene, const Mechanism& mechanism) {
@@ -59,6 +76,10 @@ void register_mechanism(const std::string& text, const Scene& scene, const Mecha
         "irreducible/klu+predict=hermite:5", "irreducible/eigen+predict=hermite:5", "global/klu+predict=hermite:5"}) {
     if (!worth_timing(scene, strategy)) continue;
     benchmark::RegisterBenchmark((text + " " + strategy).c_str(), time_steps, scene, strategy);
+  }
+  for (const std::string strategy :
+       {"irreducible/lanes:8+predict=hermite:5+chunks=8", "irreducible/lanes:16+predict=hermite:5+chunks=16"}) {
+    benchmark::RegisterBenchmark((text + " " + strategy).c_str(), time_chunks, scene, strategy);
   }
 }
 

@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <new>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -128,6 +129,19 @@ void add_inspect(CLI::App& app, Invocation& call) {
   inspect.callback([&call] { call.chosen = [&call] { return command::inspect(call.common, call.inspect); }; });
 }
 
+void add_mode(CLI::App& app, std::optional<Mode>& mode) {
+  app.add_option_function<std::string>(
+         "--mode",
+         [&mode](const std::string& text) {
+           if (text != "latency" && text != "throughput") {
+             throw CLI::ValidationError("--mode", "expects latency or throughput, not \"" + text + "\"");
+           }
+           mode = text == "latency" ? Mode::latency : Mode::throughput;
+         },
+         "latency (the default) or throughput: many steps at once")
+      ->type_name("NAME");
+}
+
 void add_run(CLI::App& app, Invocation& call) {
   CLI::App& run = *app.add_subcommand("run", "Motion of a scene: position, velocity, acceleration");
   RunOptions& o = call.run;
@@ -136,13 +150,19 @@ void add_run(CLI::App& app, Invocation& call) {
   run.add_option("--dt", o.dt, "Time step, s")->check(number(0, " > 0"))->type_name("S");
   run.add_option("--steps", o.steps, "Number of steps")->check(whole_number(0))->type_name("N");
   run.add_option("--strategy", o.strategy, "How to solve it: auto (the default), groups/klu, ...")->type_name("TEXT");
+  add_mode(run, o.mode);
+  CLI::Option* ensemble =
+      run.add_option("--ensemble", o.ensemble, "Many variants: a CSV of parameters, a member a row")->type_name("FILE");
   run.add_option("--iterations", o.iterations, "Newton iterations, fixed, but in the first level")
       ->check(whole_number(1))
       ->type_name("N");
   CLI::Option* csv = run.add_option("--csv", o.csv, "Write the trajectory; - for standard output")->type_name("FILE");
   run.add_flag("--reference", o.reference, "Compare with a solution in quad precision");
   add_common(run, call.common);
-  run.callback([&call, csv] {
+  run.callback([&call, csv, ensemble] {
+    if (ensemble->count() > 0 && call.run.ensemble.empty()) {
+      throw CLI::ValidationError("--ensemble", "expects a file name");
+    }
     if (csv->count() > 0 && call.run.csv.empty()) throw CLI::ValidationError("--csv", "expects a file name");
     if (call.common.json && call.run.csv == "-") {
       throw CLI::ValidationError("--csv", "cannot share standard output with --json; give a file");

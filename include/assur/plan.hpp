@@ -22,7 +22,7 @@ struct Plan {
     std::int32_t group_class = 0;
     Shape shape;
     Strategy strategy;
-    std::string reason;  // "forced", "no measurements: dense up to 9 unknowns", ...
+    std::string reason;  // "forced", "not measured: sparse, in lanes", ...
   };
   Formulation formulation = Formulation::groups;
   Predictor predictor;          // resolved: never automatic
@@ -32,12 +32,21 @@ struct Plan {
   std::vector<Choice> choices;  // one for each class
 };
 
+// What a plan is to be fast at.
+enum class Mode : std::uint8_t {
+  latency,     // one mechanism, step after step
+  throughput,  // many steps a second: variants in an Ensemble, else chunks of the time grid side by side
+};
+
 struct PrepareOptions {
   std::string strategy = "auto";  // or a strategy text, which is then forced
   // Drivers that the program sets itself with Simulator::set(); their laws serve until the first set().
-  std::vector<std::string> controlled;
+  std::vector<std::string> controlled = {};
   // Threads to use at most, which may be more than there are cores; empty: this_machine().budget().
   std::optional<ThreadBudget> budget = std::nullopt;
+  // In throughput, `auto` fills lanes and all threads of the budget, and a text that does not say how many chunks gets
+  // as many as fill its own lanes and threads. The machine is asked where no budget is given: give one to prepare many.
+  Mode mode = Mode::latency;
 };
 
 // A scene made ready: immutable, shared by any number of simulators.
@@ -47,6 +56,7 @@ struct Prepared {
   Plan plan;
   std::span<const Backend> table;  // where the plan's backends are found
   std::vector<std::string> controlled;
+  std::optional<double> start_time = std::nullopt;  // of structure->start; empty: the scene's
   // Chooses anew among redundant equations at a posture (all coordinates, internal units) and time; empty if there are
   // none.
   std::function<Prepared(std::vector<double> posture, double time)> reselect;

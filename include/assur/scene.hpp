@@ -296,4 +296,9 @@ using Parameters = std::map<std::string, double>;
 // A file if one of that name exists, else a sample: what the command takes as SCENE.
 [[nodiscard]] Scene open_scene(const std::string& file_or_sample, const Parameters& set = {});
 
+// Many sets of parameters, for an ensemble: a CSV whose first line names them and whose further lines are one set each.
+// Throws Error: kind environment if the file cannot be read, kind input with what is wrong ("FILE: line 3, column 2
+// (crank): what"). Whether a scene has such parameters is not asked here.
+[[nodiscard]] std::vector<Parameters> read_variants(const std::filesystem::path& file);
+
 }  // namespace assur

@@ -53,6 +53,9 @@ struct StepLimits {
                              // paper's tEnd2); 0: as many as convergence takes
   int most_iterations = 12;  // then the step is halved
   double seconds = 0;        // deadline of one step by the monotonic clock; 0: none
+  // Processors, one for each thread of the strategy (Machine::cores): each thread stays on its own and waits without
+  // ever sleeping. Empty: wherever the system puts them.
+  std::vector<int> pin_to = {};
 };
 
 class Simulator {

@@ -1,27 +1,11 @@
-#include <charconv>
 #include <cmath>
 #include <fstream>
-#include <limits>
 
+#include "scene/csv.hpp"
 #include "scene/json_reader.hpp"
 
 namespace assur {
 namespace {
-
-std::string_view trimmed(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(" \t\r");
-  return first == std::string_view::npos ? "" : text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
-// NaN if the text is not one finite number.
-double parse_number(std::string_view text) {
-  text = trimmed(text);
-  if (!text.empty() && text.front() == '+') text.remove_prefix(1);
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  const bool whole = error == std::errc() && end == text.data() + text.size();
-  return whole && std::isfinite(value) ? value : std::numeric_limits<double>::quiet_NaN();
-}
 
 struct Table {
   std::vector<double> time, value;

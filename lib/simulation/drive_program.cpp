@@ -155,16 +155,17 @@ void DriveProgram::replace(std::int32_t slot, const Motion& motion) {
   jets_[2][idx(slot)] = motion.acceleration * scale;
 }
 
-void DriveProgram::place(double* const (&state)[3]) {
+void DriveProgram::place(double* const (&state)[3], std::size_t stride) {
   turn();
   for (std::size_t d = 0; d < 3; ++d) {
     const double* jet = jets_[d].data();
     double* x = state[d];
-    for (const Copy& c : copies_) x[c.coordinate] = jet[c.slot];
+    for (const Copy& c : copies_) x[idx(c.coordinate) * stride] = jet[c.slot];
     for (const Sum& s : sums_) {
       double total = 0;
-      for (std::int32_t t = s.begin; t < s.end; ++t) total += terms_[idx(t)].factor * x[terms_[idx(t)].coordinate];
-      x[s.coordinate] = total;
+      for (std::int32_t t = s.begin; t < s.end; ++t)
+        total += terms_[idx(t)].factor * x[idx(terms_[idx(t)].coordinate) * stride];
+      x[idx(s.coordinate) * stride] = total;
     }
   }
 }

@@ -23,8 +23,8 @@ class DriveProgram {
   // All laws at time t.
   void evaluate(double t);
   void replace(std::int32_t slot, const Motion& motion);  // SI units
-  // The driven coordinates, from the laws. state[d]: d-th derivative, indexed by coordinate.
-  void place(double* const (&state)[3]);
+  // The driven coordinates, from the laws. state[d]: d-th derivative, indexed by coordinate * stride.
+  void place(double* const (&state)[3], std::size_t stride = 1);
   // After place(): false if a table ended, or a law is no number otherwise.
   [[nodiscard]] bool defined() const;
 

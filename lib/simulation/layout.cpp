@@ -52,13 +52,21 @@ std::vector<InputRow> input_rows(const std::vector<std::int32_t>& addresses, std
 
 }  // namespace
 
+std::vector<std::unique_ptr<GroupSolver>> make_solvers(const Prepared& prepared, int lanes) {
+  std::vector<std::unique_ptr<GroupSolver>> solvers;
+  for (Plan::Choice choice : prepared.plan.choices) {
+    if (lanes > 0) choice.strategy.lanes = lanes;
+    solvers.push_back(std::make_unique<GroupSolver>(*prepared.structure->system, *prepared.structure,
+                                                    choice.group_class, choice, prepared.table));
+  }
+  return solvers;
+}
+
 Layout lay_out(const Prepared& prepared) {
   const Structure& structure = *prepared.structure;
   const System& system = *structure.system;
   Layout out;
-  for (const Plan::Choice& choice : prepared.plan.choices) {
-    out.solvers.push_back(std::make_unique<GroupSolver>(system, structure, choice.group_class, choice, prepared.table));
-  }
+  out.solvers = make_solvers(prepared);
   out.packs = fill_packs(structure, out.solvers);
 
   out.address.assign(system.coordinates.size(), -1);
@@ -102,10 +110,7 @@ Layout lay_out_side_by_side(const Prepared& prepared, int lanes) {
   const System& system = *structure.system;
   const std::size_t w = idx(lanes);
   Layout out;
-  for (Plan::Choice choice : prepared.plan.choices) {
-    choice.strategy.lanes = lanes;
-    out.solvers.push_back(std::make_unique<GroupSolver>(system, structure, choice.group_class, choice, prepared.table));
-  }
+  out.solvers = make_solvers(prepared, lanes);
   out.address.assign(system.coordinates.size(), -1);
   for (std::size_t c = 0; c < out.address.size(); ++c) {
     if (system.coordinates[c].role != Role::unknown) out.address[c] = static_cast<std::int32_t>(c * w);

@@ -18,6 +18,10 @@ struct Layout {
   std::vector<Pack> packs;                            // by level
 };
 
+// One for each class; lanes: instead of those that the plan has, 0: as planned.
+// Throws Error (environment) if a backend of the plan cannot run here.
+[[nodiscard]] std::vector<std::unique_ptr<GroupSolver>> make_solvers(const Prepared& prepared, int lanes = 0);
+
 // Groups of one class on one level side by side, up to as many as the strategy has lanes.
 // Throws Error (environment) if a backend of the plan cannot run here.
 [[nodiscard]] Layout lay_out(const Prepared& prepared);

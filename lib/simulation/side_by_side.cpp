@@ -163,8 +163,8 @@ std::optional<Simulator> SideBySide::simulator_of(LaneRun& lane, Variant at) con
   structure->system = at.system;
   structure->start = std::move(at.posture);
   prepared.structure = std::move(structure);
-  prepared.scene =
-      std::make_shared<const Scene>(at.system->scene->with_time({at.time, at.time, at.system->scene->time().step}));
+  prepared.scene = at.system->scene;
+  prepared.start_time = at.time;
   prepared.reselect = at.reselect;
   prepared.plan.chunks = prepared.plan.threads = 1;
   try {

@@ -10,6 +10,7 @@
 #include "simulation/chunks.hpp"
 #include "simulation/inputs.hpp"
 #include "simulation/layout.hpp"
+#include "simulation/levels.hpp"
 #include "simulation/memory.hpp"
 #include "simulation/output_program.hpp"
 #include "simulation/run_arguments.hpp"
@@ -41,6 +42,7 @@ struct Simulator::Impl {
         inputs(system, prepared.controlled),
         layout(lay_out(prepared)),
         packs(layout.packs),
+        levels(prepared, layout, limits.pin_to),
         outputs(system, layout.address) {
     state.resize(layout.first_unknown, layout.size, prepared.plan.predictor);
     if (!structure.watch_class.equations.empty()) watch.emplace(system, structure, layout.address);
@@ -63,14 +65,12 @@ struct Simulator::Impl {
     inputs.keep(std::move(read));
   }
 
-  GroupSolver& solver(const Pack& pack) { return *layout.solvers[idx(pack.group_class)]; }
-
   // From a posture (all coordinates) at a time: where the run began, or another one of the same motion.
   void start(double time, const std::vector<double>& posture) {
     now = time;
     deadline = std::chrono::steady_clock::time_point::max();  // it is for steps
     inputs.reset();
-    for (const auto& s : layout.solvers) s->restart();
+    levels.restart();
     for (Pack& pack : packs) {
       pack.solver.reset();
       pack.factored = false;
@@ -101,9 +101,9 @@ struct Simulator::Impl {
 
   void repeat_in_idle_lanes() {
     for (const Pack& pack : packs) {
-      const int w = solver(pack).lanes();
+      const int w = levels.solver(pack).lanes();
       double* x = state.at(0) + pack.unknowns;
-      for (std::int32_t i = 0; i < solver(pack).program().n; ++i) {
+      for (std::int32_t i = 0; i < levels.solver(pack).program().n; ++i) {
         for (int lane = pack.used; lane < w; ++lane) x[i * w + lane] = x[i * w];
       }
     }
@@ -115,21 +115,24 @@ struct Simulator::Impl {
   Status solve_at(double t, Attempt::Branch branch, StepErrors& errors) {
     double* const q[3] = {state.at(0), state.at(1), state.at(2)};
     if (const Status s = inputs.drive(t, q); !s.ok()) return s;
-    for (std::size_t p = 0; p < packs.size(); ++p) {
-      if (deadline_passed()) return {Code::deadline, packs[p].groups[0], limits.seconds};
-      Attempt attempt;
-      attempt.branch = passing[p] != 0 && branch == Attempt::Branch::inside ? Attempt::Branch::pass : branch;
-      attempt.iterations = packs[p].level > 0 && branch == Attempt::Branch::inside ? limits.iterations : 0;
-      attempt.most_iterations = limits.most_iterations;
-      if (attempt.branch == Attempt::Branch::pass) {
-        const std::size_t count = idx(solver(packs[p]).program().n) * idx(solver(packs[p]).lanes());
-        attempt.largest_correction = largest_correction * state.predicted_move(packs[p].unknowns, count);
+    const auto attempt = [&](std::size_t p) {
+      Attempt a;
+      a.branch = passing[p] != 0 && branch == Attempt::Branch::inside ? Attempt::Branch::pass : branch;
+      a.iterations = packs[p].level > 0 && branch == Attempt::Branch::inside ? limits.iterations : 0;
+      a.most_iterations = limits.most_iterations;
+      if (a.branch == Attempt::Branch::pass) {
+        const GroupSolver& s = levels.solver(packs[p]);
+        const std::size_t count = idx(s.program().n) * idx(s.lanes());
+        a.largest_correction = largest_correction * state.predicted_move(packs[p].unknowns, count);
       }
-      if (const Status s = solver(packs[p]).solve(packs[p], q, attempt, report.counters, errors); !s.ok()) {
-        failed_pack = p;
-        return s;
-      }
-    }
+      return a;
+    };
+    // At the start every pack makes its solver from those of the packs before it.
+    Status s = levels.solve(
+        q, branch == Attempt::Branch::start, attempt, [&] { return deadline_passed(); }, report.counters, errors,
+        failed_pack);
+    if (s.code == Code::deadline) s.figure = limits.seconds;
+    if (!s.ok()) return s;
     return check_watched(errors);
   }
 
@@ -238,7 +241,7 @@ struct Simulator::Impl {
     restore();
     if (structure.classes[idx(packs[failed_pack].group_class)].derivatives == 0) state.estimate_rates();
     double* const q[3] = {state.at(0), state.at(1), state.at(2)};
-    Status found = solver(packs[failed_pack]).diagnose(packs[failed_pack], q);
+    Status found = levels.solver(packs[failed_pack]).diagnose(packs[failed_pack], q);
     if (found.code == Code::change_point_passed && !pass(target, t)) found.code = Code::branch_unknown;
     if (found.code == Code::branch_unknown && failed.code == Code::not_converged && found.figure > 0.05) found = failed;
     const bool passed = found.code == Code::change_point_passed;
@@ -362,10 +365,7 @@ struct Simulator::Impl {
   // What the solvers had to do beyond what was planned, as a sum and in words.
   void report_effort() {
     Effort sum = earlier_effort;
-    for (const auto& s : layout.solvers) sum += s->effort();
-    for (const Pack& pack : packs) {
-      if (pack.solver) sum += pack.solver->effort();
-    }
+    sum += levels.effort();
     report.effort = sum;
     drop_effort_lines();
     const auto say = [&](std::int64_t count, const std::string& what) {
@@ -397,6 +397,7 @@ struct Simulator::Impl {
   Inputs inputs;
   Layout layout;
   std::vector<Pack>& packs;
+  Levels levels;
   OutputProgram outputs;
   State state;
   std::optional<Watch> watch;
@@ -419,7 +420,7 @@ std::vector<double> posture_of(const Simulator& simulator) { return simulator.im
 
 Simulator::Simulator(Prepared prepared, StepLimits limits) {
   check_limits(limits);
-  const double start = prepared.scene->time().start;
+  const double start = prepared.start_time.value_or(prepared.scene->time().start);
   impl_ = std::make_unique<Impl>(std::move(prepared), limits, start);
 }
 Simulator::Simulator(Simulator&&) noexcept = default;
@@ -445,7 +446,7 @@ void Simulator::set(std::string_view driver, double value, double rate, double a
 Status Simulator::step() { return step(impl_->now + impl_->prepared.scene->time().step); }
 
 void Simulator::reset() {
-  const double start = impl_->prepared.scene->time().start;
+  const double start = impl_->prepared.start_time.value_or(impl_->prepared.scene->time().start);
   if (impl_->first_structure != nullptr) {
     impl_ = std::make_unique<Impl>(*impl_->first_structure, impl_->limits, start);
   } else {

@@ -62,7 +62,6 @@ Tile::Tile(const Prepared& prepared, const StepLimits& limits)
   outputs_.assign(idx(lanes_), OutputProgram(system, layout_.address));
   watch_.resize(idx(lanes_));
   drive_.resize(idx(lanes_));
-  for (auto& v : known_) v.resize(system.coordinates.size() * idx(lanes_));
 
   std::vector<std::uint8_t> read(layout_.size, 0), needed(system.coordinates.size(), 0);
   for (const Pack& pack : layout_.packs) {
@@ -92,8 +91,6 @@ Status Tile::start(std::span<const Variant* const> variants) {
     for (std::size_t c = 0; c < layout_.address.size(); ++c) {
       if (layout_.address[c] >= 0) state_.at(0)[idx(layout_.address[c]) + lane] = v.posture[c];
     }
-    std::copy(v.posture.begin(), v.posture.end(),
-              known_[0].begin() + static_cast<std::ptrdiff_t>(lane * v.posture.size()));
   }
   std::vector<double> times;
   for (const Variant* v : variants_) times.push_back(v->time);
@@ -147,36 +144,29 @@ bool Tile::driven_alike() const {
 
 Status Tile::drive(std::span<const double> times) {
   const bool at_once = alike_ && std::all_of(times.begin(), times.end(), [&](double t) { return t == times[0]; });
-  const std::size_t w = idx(lanes_), driven = at_once ? 1 : times.size(), size = known_[0].size() / w;
+  const std::size_t w = idx(lanes_), driven = at_once ? 1 : times.size();
   for (std::size_t lane = 0; lane < driven; ++lane) {
     if (const Status s = drive_lane(lane, times[lane]); !s.ok()) return s;
-    const std::size_t last = at_once ? w : lane + 1;
-    for (int d = 0; d < 3; ++d) {
-      for (const Index c : driven_coordinates_) {
-        double* const to = state_.at(d) + idx(c) * w;
-        std::fill(to + lane, to + last, known_[d][lane * size + idx(c)]);
-      }
-    }
   }
-  for (std::size_t idle = driven; !at_once && idle < w; ++idle) {
-    for (int d = 0; d < 3; ++d) {
-      for (const Index c : driven_coordinates_) state_.at(d)[idx(c) * w + idle] = state_.at(d)[idx(c) * w];
+  for (int d = 0; d < 3 && driven < w; ++d) {  // idle lanes repeat lane 0
+    for (const Index c : driven_coordinates_) {
+      double* const row = state_.at(d) + idx(c) * w;
+      std::fill(row + driven, row + w, row[0]);
     }
   }
   return {};
 }
 
 Status Tile::drive_lane(std::size_t lane, double time) {
-  const System& system = *variants_[lane]->system;
-  const std::size_t first = lane * system.coordinates.size();
-  double* const q[3] = {known_[0].data() + first, known_[1].data() + first, known_[2].data() + first};
+  double* const q[3] = {state_.at(0) + lane, state_.at(1) + lane, state_.at(2) + lane};
   DriveProgram& program = *drive_[lane];
   program.evaluate(time);
-  program.place(q);
+  program.place(q, idx(lanes_));
   const auto where = static_cast<std::int32_t>(lane);
   if (!program.defined()) return {Code::out_of_range, where, time};
   for (const Index c : positive_) {
-    if (!(q[0][c] > 0)) return {Code::actuator_zero, where, q[0][c]};
+    const double length = q[0][idx(c) * idx(lanes_)];
+    if (!(length > 0)) return {Code::actuator_zero, where, length};
   }
   return {};
 }

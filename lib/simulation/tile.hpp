@@ -84,7 +84,6 @@ class Tile {
   State state_;
   std::vector<const Variant*> variants_;  // lanes in use
   bool alike_ = false;                    // the drivers of all lanes are the same
-  std::vector<double> known_[3];          // lanes x coordinates: value and derivatives of what drivers fix
   Counters counters_;
   Effort effort_;  // of solvers that are gone
   ErrorFigures error_;

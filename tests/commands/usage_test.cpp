@@ -31,6 +31,8 @@ TEST(Usage, AWrongCallSaysWhatIsWrongAndWhereHelpIs) {
       {{"run", "stewart", "--set", "omega"}, "--set: expects name=number, not \"omega\"", "assur run"},
       {{"run", "stewart", "--set", "omega=1x"}, "--set: expects name=number, not \"omega=1x\"", "assur run"},
       {{"run", "stewart", "--set", "omega=1", "--set", "omega=2"}, "--set: is given twice for \"omega\"", "assur run"},
+      {{"run", "stewart", "--mode", "fast"}, "--mode: expects latency or throughput, not \"fast\"", "assur run"},
+      {{"run", "stewart", "--ensemble", ""}, "--ensemble: expects a file name", "assur run"},
       {{"run", "stewart", "--csv", ""}, "--csv: expects a file name", "assur run"},
       {{"run", "stewart", "--outputs", ""}, "--outputs: expects names such as A,B, not \"\"", "assur run"},
       {{"run", "stewart", "--outputs", ","}, "--outputs: expects names such as A,B, not \",\"", "assur run"},
@@ -64,8 +66,8 @@ TEST(Usage, HelpFitsThePageAndNamesEveryOption) {
   const std::vector<std::pair<std::vector<std::string>, std::vector<std::string>>> cases = {
       {{"--help"}, {"run", "inspect", "backends"}},
       {{"run", "--help"},
-       {"SCENE", "--set", "--start", "--dt", "--steps", "--outputs", "--strategy", "--iterations", "--csv",
-        "--reference"}},
+       {"SCENE", "--set", "--start", "--dt", "--steps", "--outputs", "--strategy", "--mode", "--ensemble",
+        "--iterations", "--csv", "--reference"}},
       {{"inspect", "--help"}, {"SCENE", "--set", "--outputs", "--formulation"}},
       {{"backends", "--help"}, {}},
   };

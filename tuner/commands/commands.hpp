@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "assur/plan.hpp"
 #include "assur/scene.hpp"
 #include "assur/strategy.hpp"
 
@@ -34,12 +35,15 @@ struct RunOptions {
   std::optional<std::int64_t> steps;  // left out: up to the scene's end
   std::vector<std::string> outputs;   // empty: those of the scene
   std::string strategy = "auto";
-  int iterations = 0;  // 0: as many as convergence takes
-  std::string csv;     // "-": standard output; empty: none
+  std::optional<Mode> mode;  // left out: throughput where the ensemble or the strategy asks for it
+  std::string ensemble;      // a CSV of parameters, one member a row; empty: the scene alone
+  int iterations = 0;        // 0: as many as convergence takes
+  std::string csv;           // "-": standard output; empty: none
   bool reference = false;
 };
 
-// Throws Error (input) for --threads beyond the processors that this process may use; warns beyond the machine's budget.
+// Throws Error (input) for --threads beyond the processors that this process may use; warns beyond the machine's
+// budget.
 void check_threads(const Common& common);
 
 int inspect(const Common& common, const InspectOptions& options);

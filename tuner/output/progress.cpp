@@ -35,7 +35,7 @@ Progress::Style Progress::style_of_standard_error() { return isatty(STDERR_FILEN
 
 void Progress::print(double seconds, std::int64_t done, std::int64_t of) {
   const double share = of > 0 ? static_cast<double>(done) / static_cast<double>(of) : 1;
-  std::string text = grouped(done) + " of " + counted(of, "step");
+  std::string text = grouped(done) + " of " + counted(of, noun_);
   if (done > 0 && done < of) text += ", about " + roughly(seconds / share - seconds) + " left";
   const std::string percent = number(std::floor(100 * share)) + " %";
   if (style_ == Style::bar) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <ostream>
+#include <string_view>
 
 namespace assur::output {
 
@@ -13,12 +14,13 @@ class Progress {
   // bar if standard error is a terminal, else lines.
   [[nodiscard]] static Style style_of_standard_error();
 
-  Progress(std::ostream& out, Style style) : out_(out), style_(style) {}
+  // noun: what is counted, a literal.
+  Progress(std::ostream& out, Style style, std::string_view noun = "step") : out_(out), style_(style), noun_(noun) {}
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
   ~Progress() { clear(); }
 
-  // `done` of `of` steps after `seconds`. Prints nothing within the first second, and rarely after it.
+  // `done` of `of` after `seconds`. Prints nothing within the first second, and rarely after it.
   void show(double seconds, std::int64_t done, std::int64_t of) {
     if (seconds >= due_ && style_ != Style::none) print(seconds, done, of);
   }
@@ -31,6 +33,7 @@ class Progress {
 
   std::ostream& out_;
   Style style_;
+  std::string_view noun_;
   double due_ = 1;  // s: a shorter run needs no progress
   bool drawn_ = false;
 };

@@ -30,6 +30,16 @@ std::int32_t derivatives(const Structure& s) {
   return highest;
 }
 
+// What a class is solved with. Side by side the lanes are mechanisms, however few groups a class has.
+Strategy strategy_of(const Plan::Choice& choice, const RunSummary& s) {
+  Strategy strategy = choice.strategy;
+  if (s.mode == Mode::throughput) {
+    strategy.lanes = s.prepared.plan.lanes;
+    strategy.chunks = s.prepared.plan.chunks;
+  }
+  return strategy;
+}
+
 // Classes that are solved in the same way for the same reason.
 struct PlanLine {
   std::vector<std::int32_t> classes;
@@ -38,12 +48,13 @@ struct PlanLine {
   std::string strategy, reason;
 };
 
-std::vector<PlanLine> plan_lines(const Plan& plan) {
+std::vector<PlanLine> plan_lines(const RunSummary& s) {
+  const Plan& plan = s.prepared.plan;
   std::vector<PlanLine> lines;
   std::map<std::pair<std::string, std::string>, std::size_t> place;
   const bool one_each = plan.choices.size() <= kMostRows;
   for (const Plan::Choice& c : plan.choices) {
-    const std::string strategy = to_string(c.strategy);
+    const std::string strategy = to_string(strategy_of(c, s));
     const auto [at, is_new] = place.try_emplace({strategy, c.reason}, lines.size());
     if (is_new || one_each) {
       at->second = lines.size();
@@ -58,9 +69,9 @@ std::vector<PlanLine> plan_lines(const Plan& plan) {
   return lines;
 }
 
-void print_plan(Page& page, const Plan& plan) {
+void print_plan(Page& page, const RunSummary& s) {
   using enum Table::Align;
-  const std::vector<PlanLine> lines = plan_lines(plan);
+  const std::vector<PlanLine> lines = plan_lines(s);
   page.gap();
   if (lines.empty()) {
     page.fact("plan", "nothing has to be solved");
@@ -89,7 +100,13 @@ void print_plan(Page& page, const Plan& plan) {
 }
 
 void print_times(Page& page, const RunSummary& s) {
-  page.fact("time", duration(s.seconds) + " for " + counted(s.steps, "step"));
+  if (s.members != nullptr) page.fact("prepared", "in " + duration(s.prepare_seconds));
+  page.fact("time", duration(s.seconds) + " for " +
+                        (s.members != nullptr ? grouped(s.steps) + " steps of members" : counted(s.steps, "step")));
+  if (s.mode == Mode::throughput && s.steps > 0) {
+    page.fact("step",
+              duration(s.mean_step()) + (s.members != nullptr ? " of one member" : "") + ", the mean of the whole run");
+  }
   if (!s.step_seconds) return;
   const auto& f = *s.step_seconds;
   page.fact("step", duration(f.median) + " median, " + duration(f.p99) + " p99, " + duration(f.max) + " max" +
@@ -119,6 +136,34 @@ void print_errors(Page& page, const ErrorFigures& e, std::int32_t highest) {
   page.gap();
 }
 
+std::string status_of(const RunSummary& s) {
+  const Code code = s.report.status.code;
+  if (code == Code::ok) return "done";
+  if (s.members != nullptr && code != Code::interrupted) {
+    return grouped(static_cast<std::int64_t>(s.members->failed.size())) + " of " + counted(s.members->all, "member") +
+           " failed";
+  }
+  return std::string(name(code)) + " after " + counted(s.steps, "step") +
+         (s.members != nullptr ? " of members" : ", at t = " + number(s.report.reached) + " s");
+}
+
+Json to_json(const Event& e) {
+  return {{"time", e.time}, {"until", e.until}, {"group", e.group}, {"kind", name(e.kind)}, {"figure", e.figure}};
+}
+
+// What an ensemble has beyond a run; its events say whose they are.
+void add_members(Json& out, const RunSummary& s) {
+  out["members"] = s.members->all;
+  out["alone"] = s.members->alone;
+  out["failed"] = to_json(s.members->failed);
+  out["prepare_seconds"] = s.prepare_seconds;
+  for (const auto& [member, event, is_told] : s.members->events) {
+    Json item = to_json(event);
+    item["member"] = member;
+    out["events"].push_back(std::move(item));
+  }
+}
+
 void print_events(Page& page, const Report& report) {
   std::vector<std::string> events;
   for (const Event& e : report.events) {
@@ -136,63 +181,66 @@ Json to_json(const RunSummary& s) {
     plan.push_back({{"class", c.group_class},
                     {"n", c.shape.n},
                     {"groups", c.shape.groups},
-                    {"strategy", to_string(c.strategy)},
+                    {"strategy", to_string(strategy_of(c, s))},
                     {"reason", c.reason}});
   }
   Json step_seconds = {{"median", nullptr}, {"p99", nullptr}, {"max", nullptr}, {"block", 1}};
+  if (s.mode == Mode::throughput) step_seconds["mean"] = s.steps > 0 ? Json(s.mean_step()) : Json(nullptr);
   if (s.step_seconds) {
     const auto& f = *s.step_seconds;
     step_seconds = {{"median", f.median}, {"p99", f.p99}, {"max", f.max}, {"block", f.block}};
   }
   Json events = Json::array();
   for (const Event& e : s.report.events) {
-    events.push_back(
-        {{"time", e.time}, {"until", e.until}, {"group", e.group}, {"kind", name(e.kind)}, {"figure", e.figure}});
+    events.push_back(to_json(e));
   }
   const Counters& c = s.report.counters;
   const ErrorFigures& e = s.report.error;
   const std::int32_t highest = derivatives(*s.prepared.structure);
-  return {{"scene", s.prepared.scene->name()},
-          {"strategy", s.strategy},
-          {"plan", std::move(plan)},
-          {"steps", s.steps},
-          {"seconds", s.seconds},
-          {"step_seconds", std::move(step_seconds)},
-          {"newton_iterations", {{"mean", mean_iterations(c)}, {"max", c.most_iterations}}},
-          {"factorizations", c.factorizations},
-          {"substeps", c.substeps},
-          {"rejected", c.rejected},
-          {"error",
-           {{"position", e.position},
-            {"velocity", highest < 1 ? Json(nullptr) : Json(e.velocity)},
-            {"acceleration", highest < 2 ? Json(nullptr) : Json(e.acceleration)},
-            {"forward_position", or_null(e.forward_position)},
-            {"forward_velocity", or_null(e.forward_velocity)},
-            {"forward_acceleration", or_null(e.forward_acceleration)},
-            {"certified_radius", nullptr}}},
-          {"left_out", to_json(s.prepared.structure->left_out)},
-          {"status", name(s.report.status.code)},
-          {"reached", s.report.reached},
-          {"notes", to_json(notes(*s.prepared.scene, *s.prepared.structure))},
-          {"events", std::move(events)},
-          {"fallbacks", s.report.fallbacks}};
+  Json out = {{"scene", s.prepared.scene->name()},
+              {"mode", s.mode == Mode::throughput ? "throughput" : "latency"},
+              {"strategy", s.strategy},
+              {"plan", std::move(plan)},
+              {"steps", s.steps},
+              {"seconds", s.seconds},
+              {"step_seconds", std::move(step_seconds)},
+              {"newton_iterations", {{"mean", mean_iterations(c)}, {"max", c.most_iterations}}},
+              {"factorizations", c.factorizations},
+              {"substeps", c.substeps},
+              {"rejected", c.rejected},
+              {"error",
+               {{"position", e.position},
+                {"velocity", highest < 1 ? Json(nullptr) : Json(e.velocity)},
+                {"acceleration", highest < 2 ? Json(nullptr) : Json(e.acceleration)},
+                {"forward_position", or_null(e.forward_position)},
+                {"forward_velocity", or_null(e.forward_velocity)},
+                {"forward_acceleration", or_null(e.forward_acceleration)},
+                {"certified_radius", nullptr}}},
+              {"left_out", to_json(s.prepared.structure->left_out)},
+              {"status", name(s.report.status.code)},
+              {"reached", s.report.reached},
+              {"notes", to_json(notes(*s.prepared.scene, *s.prepared.structure))},
+              {"events", std::move(events)},
+              {"fallbacks", s.report.fallbacks}};
+  if (s.members != nullptr) add_members(out, s);
+  return out;
 }
 
 void print(Page& page, const RunSummary& s) {
   const TimeGrid& time = s.prepared.scene->time();
-  page.title(s.prepared.scene->name() + ": " + counted(s.steps_wanted, "step") + " of " + number(time.step) +
-             " s from t = " + number(time.start) + " s");
-  print_plan(page, s.prepared.plan);
+  page.title(s.prepared.scene->name() + ": " +
+             (s.members != nullptr ? counted(s.members->all, "member") + ", " : std::string()) +
+             counted(s.steps_wanted, "step") + " of " + number(time.step) + " s from t = " + number(time.start) + " s");
+  print_plan(page, s);
+  if (s.members != nullptr) print_counts(page, *s.members);
   print_times(page, s);
   print_work(page, s.report.counters);
   print_errors(page, s.report.error, derivatives(*s.prepared.structure));
   print(page, s.prepared.structure->left_out);
   print_notes(page, *s.prepared.scene, *s.prepared.structure);
+  if (s.members != nullptr) print_outcomes(page, *s.members);
   print_events(page, s.report);
-  const Code code = s.report.status.code;
-  page.fact("status", code == Code::ok ? "done"
-                                       : std::string(name(code)) + " after " + counted(s.steps, "step") +
-                                             ", at t = " + number(s.report.reached) + " s");
+  page.fact("status", status_of(s));
 }
 
 }  // namespace assur::output

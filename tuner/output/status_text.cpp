@@ -51,6 +51,13 @@ std::string explained(Code code) {
   return text;
 }
 
+std::string why_stopped(const Status& status, const std::vector<Event>& events, double reached) {
+  const bool has_event = !events.empty() && events.back().kind == status.code;
+  if (!has_event) return "after t = " + moment(reached) + " s: " + explained(status.code);
+  const Event& e = events.back();
+  return time_of(e) + (e.group.empty() ? "" : ", group " + e.group) + ": " + explained(status.code);
+}
+
 std::string time_of(const Event& event) {
   std::string text = "t = " + moment(event.time);
   if (event.until != event.time) text += " ... " + moment(event.until);

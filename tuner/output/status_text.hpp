@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "assur/report.hpp"
 
@@ -9,6 +10,9 @@ namespace assur::output {
 
 // "the mechanism cannot move further (limit_reached)"
 [[nodiscard]] std::string explained(Code code);
+
+// Why a run stopped and where: "t = 1.3 s, group C: the mechanism cannot move further (limit_reached)".
+[[nodiscard]] std::string why_stopped(const Status& status, const std::vector<Event>& events, double reached);
 
 // "t = 1.5 s", or "t = 1.5 ... 1.6 s" for a bracket
 [[nodiscard]] std::string time_of(const Event& event);

@@ -1,0 +1,14 @@
+#include "planning/throughput.hpp"
+
+#include <algorithm>
+
+namespace assur {
+
+std::int32_t chunks_for(const Strategy& strategy, std::int64_t steps) {
+  const std::int64_t lanes = strategy.lanes, at_once = lanes * strategy.p, most = steps / kLeastSteps;
+  if (most < lanes) return static_cast<std::int32_t>(std::max<std::int64_t>(most, 1));
+  const std::int64_t unit = most < at_once ? lanes : at_once;  // a part of it would leave lanes or threads idle
+  return static_cast<std::int32_t>(std::min(2 * at_once, most / unit * unit));
+}
+
+}  // namespace assur

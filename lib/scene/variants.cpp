@@ -1,0 +1,117 @@
+// Variants of a scene from a CSV: the first line names parameters, each further line is one variant.
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <string>
+#include <utility>
+
+#include "assur/scene.hpp"
+#include "scene/csv.hpp"
+#include "scene/names.hpp"
+
+namespace assur {
+namespace {
+
+constexpr std::size_t kMostFindings = 20;  // then the file is another one than was meant
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+
+class VariantReader {
+ public:
+  explicit VariantReader(std::string source) : source_(std::move(source)) {}
+
+  std::vector<Parameters> read(std::istream& file) {
+    for (std::string line; findings_.size() < kMostFindings && std::getline(file, line);) {
+      ++line_;
+      std::string_view text = line;
+      if (line_ == 1 && text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+      if (trimmed(text).empty()) {
+        if (blank_ == 0) blank_ = line_;
+      } else {
+        take(text);
+      }
+    }
+    if (findings_.empty()) check_whole();
+    if (!findings_.empty()) throw Error(Error::Kind::input, std::move(findings_), source_);
+    return std::move(variants_);
+  }
+
+ private:
+  // Blank lines are nothing at the end of a file, but between rows a value may be missing there.
+  void take(std::string_view text) {
+    if (blank_ > 0) note(at_line(blank_), "the line is blank; only the end of the file may be");
+    blank_ = 0;
+    if (names_.empty()) {
+      take_names(text);
+    } else {
+      take_row(text);
+    }
+  }
+
+  void take_names(std::string_view text) {
+    for (const std::string_view field : fields_of(text)) {
+      const std::string where = at_line(line_) + ", column " + std::to_string(names_.size() + 1);
+      if (field.empty()) {
+        note(where, "a name is missing");
+      } else if (!is_name(field)) {
+        note(where, in_quotes(field) +
+                        " is no name of a parameter; the first line names one for each column, "
+                        "separated by commas");
+      } else if (std::find(names_.begin(), names_.end(), field) != names_.end()) {
+        note(where, in_quotes(field) + " names a column already");
+      }
+      names_.emplace_back(field);
+    }
+  }
+
+  void take_row(std::string_view text) {
+    const std::vector<std::string_view> fields = fields_of(text);
+    if (fields.size() != names_.size()) {
+      note(at_line(line_), counted(fields.size(), "value") + ", but " + counted(names_.size(), "column"));
+      return;
+    }
+    Parameters variant;
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+      const double value = parse_number(fields[i]);
+      if (std::isnan(value)) {
+        note(at_line(line_) + ", column " + std::to_string(i + 1) + " (" + names_[i] + ")",
+             fields[i].empty() ? "a number is missing" : in_quotes(fields[i]) + " is no finite number");
+      }
+      variant.emplace(names_[i], value);
+    }
+    variants_.push_back(std::move(variant));
+  }
+
+  void check_whole() {
+    if (names_.empty()) {
+      note("", "the file is empty; its first line names parameters, each further line has their values");
+    } else if (variants_.empty()) {
+      note("", "the file names " + counted(names_.size(), "parameter") + " but has no line of values");
+    }
+  }
+
+  void note(std::string where, std::string what) { findings_.push_back({std::move(where), std::move(what)}); }
+
+  static std::string at_line(int line) { return "line " + std::to_string(line); }
+  static std::string counted(std::size_t count, const std::string& what) {
+    return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+  }
+
+  std::string source_;
+  int line_ = 0, blank_ = 0;  // the first of the blank lines just passed; 0: none
+  std::vector<std::string> names_;
+  std::vector<Parameters> variants_;
+  std::vector<Diagnostic> findings_;
+};
+
+}  // namespace
+
+std::vector<Parameters> read_variants(const std::filesystem::path& path) {
+  std::error_code unused;
+  std::ifstream file(path, std::ios::binary);
+  if (!file || std::filesystem::is_directory(path, unused)) {
+    throw Error(Error::Kind::environment, {{"", "the file of variants cannot be read"}}, path.string());
+  }
+  return VariantReader(path.string()).read(file);
+}
+
+}  // namespace assur

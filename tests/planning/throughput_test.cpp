@@ -1,0 +1,73 @@
+#include "planning/throughput.hpp"
+
+#include <gtest/gtest.h>
+
+#include "assur/machine.hpp"
+#include "assur/plan.hpp"
+
+namespace assur {
+namespace {
+
+Strategy with(std::int32_t lanes, std::int32_t p) {
+  Strategy strategy;
+  strategy.lanes = lanes;
+  strategy.p = p;
+  return strategy;
+}
+
+TEST(Throughput, ChunksFillLanesAndThreadsTwice) {
+  EXPECT_EQ(chunks_for(with(8, 2), 100'000), 32);
+  EXPECT_EQ(chunks_for(with(1, 1), 100'000), 2);
+  EXPECT_EQ(chunks_for(with(4, 3), 1'200), 24);
+}
+
+TEST(Throughput, ChunksAreLongEnoughAndLeaveNoLaneIdle) {
+  EXPECT_EQ(chunks_for(with(8, 2), 1'599), 16);
+  EXPECT_EQ(chunks_for(with(8, 2), 799), 8);
+  EXPECT_EQ(chunks_for(with(8, 2), 399), 7);
+  EXPECT_EQ(chunks_for(with(8, 2), 99), 1);
+  EXPECT_EQ(chunks_for(with(8, 2), 0), 1);
+  for (std::int32_t lanes : {1, 2, 4, 8, 16}) {
+    for (std::int32_t p : {1, 2, 3, 64}) {
+      for (std::int64_t steps = 0; steps < 3'000; steps += 7) {
+        const std::int32_t chunks = chunks_for(with(lanes, p), steps);
+        EXPECT_GE(chunks, 1);
+        EXPECT_TRUE(chunks == 1 || steps / chunks >= kLeastSteps) << chunks << " chunks of " << steps;
+        EXPECT_TRUE(chunks <= lanes || chunks % lanes == 0) << chunks << " chunks in " << lanes << " lanes";
+        EXPECT_LE(chunks, 2 * lanes * p);
+      }
+    }
+  }
+}
+
+TEST(Throughput, AutoFillsLanesAndTheWholeBudget) {
+  const Prepared prepared = prepare(sample("stewart"), {.budget = ThreadBudget{3}, .mode = Mode::throughput});
+  EXPECT_EQ(prepared.plan.threads, 3);
+  EXPECT_EQ(prepared.plan.lanes, kThroughputLanes);
+  EXPECT_EQ(prepared.plan.chunks, chunks_for(with(prepared.plan.lanes, 3), prepared.scene->time().steps()));
+  const Prepared of_the_machine = prepare(sample("stewart"), {.mode = Mode::throughput});
+  EXPECT_EQ(of_the_machine.plan.threads, this_machine().budget().threads);
+}
+
+TEST(Throughput, AForcedStrategyKeepsWhatItSays) {
+  const auto plan = [](const char* strategy) {
+    return prepare(sample("stewart"), {.strategy = strategy, .mode = Mode::throughput}).plan;
+  };
+  EXPECT_EQ(plan("groups/klu:4").chunks, 8);
+  EXPECT_EQ(plan("groups/klu:4").threads, 1);
+  EXPECT_EQ(plan("groups/klu:4").choices[0].strategy.backend, "klu");
+  EXPECT_EQ(plan("groups/klu:4+chunks=3").chunks, 3);
+  EXPECT_EQ(plan("groups/klu:4+chunks=1").chunks, 1);
+}
+
+TEST(Throughput, LatencyHasNoChunks) {
+  EXPECT_EQ(prepare(sample("stewart")).plan.chunks, 1);
+  EXPECT_EQ(prepare(sample("stewart"), {.strategy = "groups/klu+chunks=3"}).plan.chunks, 3);
+}
+
+TEST(Throughput, ABudgetOfNoThreadsIsRefused) {
+  EXPECT_THROW((void)prepare(sample("four_bar"), {.budget = ThreadBudget{0}, .mode = Mode::throughput}), Error);
+}
+
+}  // namespace
+}  // namespace assur

@@ -1,0 +1,114 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "assur/scene.hpp"
+
+namespace assur {
+namespace {
+
+class Variants : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::path(testing::TempDir()) / testing::UnitTest::GetInstance()->current_test_info()->name();
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  [[nodiscard]] std::vector<Parameters> read(const std::string& text) const {
+    std::ofstream(folder_ / "v.csv", std::ios::binary) << text;
+    return read_variants(folder_ / "v.csv");
+  }
+
+  // What is said about the file, without its name.
+  [[nodiscard]] std::string refusal(const std::string& text) const {
+    try {
+      (void)read(text);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), Error::Kind::input);
+      std::string what = error.what();
+      const std::string name = (folder_ / "v.csv").string() + ": ";
+      for (std::size_t at = 0; (at = what.find(name, at)) != std::string::npos;) what.erase(at, name.size());
+      return what;
+    }
+    return "accepted";
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(Variants, AreOneSetOfParametersForEachRow) {
+  EXPECT_EQ(read("crank,offset\n1,0\n+0.5,-2e-3\n"),
+            (std::vector<Parameters>{{{"crank", 1}, {"offset", 0}}, {{"crank", 0.5}, {"offset", -0.002}}}));
+  EXPECT_EQ(read("a\n7"), (std::vector<Parameters>{{{"a", 7}}}));
+}
+
+TEST_F(Variants, SpacesLineEndsOfWindowsAndBlankLinesAtTheEndAreNothing) {
+  const std::vector<Parameters> expected{{{"a", 1}, {"b", 2}}, {{"a", 3}, {"b", 4}}};
+  EXPECT_EQ(read(" a , b \n 1 ,\t2\n3,4\n"), expected);
+  EXPECT_EQ(read("a,b\r\n1,2\r\n3,4\r\n\r\n"), expected);
+  EXPECT_EQ(read("\xEF\xBB\xBF"
+                 "a,b\n1,2\n3,4\n  \n\n"),
+            expected);
+}
+
+TEST_F(Variants, NumbersAreReadToTheLastBit) {
+  EXPECT_EQ(read("a\n0.1\n0.30000000000000004\n5e-324\n"),
+            (std::vector<Parameters>{{{"a", 0.1}}, {{"a", 0.1 + 0.2}}, {{"a", 5e-324}}}));
+}
+
+TEST_F(Variants, WhatIsWrongIsToldWithItsLineAndColumn) {
+  EXPECT_EQ(refusal("a,b\n1,2\n3,fast\n"), "line 3, column 2 (b): 'fast' is no finite number");
+  EXPECT_EQ(refusal("a,b\n,2\n"), "line 2, column 1 (a): a number is missing");
+  EXPECT_EQ(refusal("a,b\n1,2,3\n4\n"), "line 2: 3 values, but 2 columns\nline 3: 1 value, but 2 columns");
+  EXPECT_EQ(refusal("a,b\n1,2\n1,2,\n"), "line 3: 3 values, but 2 columns");
+  for (const std::string number : {"inf", "nan", "1e999", "1x", "0x10", "1 2", "--1", "#1"}) {
+    EXPECT_EQ(refusal("a\n" + number + "\n"), "line 2, column 1 (a): '" + number + "' is no finite number");
+  }
+}
+
+TEST_F(Variants, TheFirstLineHasNames) {
+  const std::string hint = " is no name of a parameter; the first line names one for each column, separated by commas";
+  EXPECT_EQ(refusal("1,2\n3,4\n"), "line 1, column 1: '1'" + hint + "\nline 1, column 2: '2'" + hint);
+  EXPECT_EQ(refusal("a;b\n1;2\n"),
+            "line 1, column 1: 'a;b'" + hint + "\nline 2, column 1 (a;b): '1;2' is no finite number");
+  EXPECT_EQ(refusal("# speeds\na\n1\n").substr(0, 30), "line 1, column 1: '# speeds' i");
+  EXPECT_EQ(refusal("a,,b\n1,2,3\n"), "line 1, column 2: a name is missing");
+  EXPECT_EQ(refusal("a,b,a\n1,2,3\n"), "line 1, column 3: 'a' names a column already");
+}
+
+TEST_F(Variants, AFileWithoutRowsIsRefused) {
+  const std::string empty = "the file is empty; its first line names parameters, each further line has their values";
+  EXPECT_EQ(refusal(""), empty);
+  EXPECT_EQ(refusal("\r\n \n"), empty);
+  EXPECT_EQ(refusal("a,b\n"), "the file names 2 parameters but has no line of values");
+}
+
+TEST_F(Variants, ABlankLineBetweenRowsIsRefused) {
+  EXPECT_EQ(refusal("a\n1\n\n2\n"), "line 3: the line is blank; only the end of the file may be");
+  EXPECT_EQ(refusal("\na\n1\n"), "line 1: the line is blank; only the end of the file may be");
+}
+
+TEST_F(Variants, AnotherFileThanWasMeantIsNotReadToItsEnd) {
+  std::string text = "a,b\n";
+  for (int i = 0; i < 100'000; ++i) text += "x\n";
+  const std::string what = refusal(text);
+  EXPECT_EQ(std::count(what.begin(), what.end(), '\n'), 19) << what;
+}
+
+TEST_F(Variants, AFileThatCannotBeReadIsOfTheEnvironment) {
+  for (const auto& path : {folder_ / "none.csv", folder_}) {
+    try {
+      (void)read_variants(path);
+      FAIL();
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), Error::Kind::environment);
+      EXPECT_EQ(error.what(), path.string() + ": the file of variants cannot be read");
+    }
+  }
+}
+
+}  // namespace
+}  // namespace assur

@@ -1,0 +1,132 @@
+// assur run SCENE --ensemble FILE
+#include <algorithm>
+#include <iostream>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "assur/ensemble.hpp"
+#include "assur/machine.hpp"
+#include "commands/commands.hpp"
+#include "commands/interrupt.hpp"
+#include "commands/run_parts.hpp"
+#include "output/csv_file.hpp"
+#include "output/format.hpp"
+#include "output/members.hpp"
+#include "output/progress.hpp"
+#include "output/run_report.hpp"
+
+namespace assur::command {
+namespace {
+
+using measure::StepTimes;
+using output::Progress;
+
+[[noreturn]] void refuse(const std::string& option, const std::string& what) {
+  throw Error(Error::Kind::input, {{option, what}});
+}
+
+void check(const RunOptions& options, const PrepareOptions& how) {
+  if (how.strategy != "auto" && parse_strategy(how.strategy).chunks > 1) {
+    refuse("--ensemble", "its members fill the lanes and threads; leave out +chunks= of the strategy");
+  }
+  if (options.reference) refuse("--reference", "it compares one mechanism; run the member in question with --set");
+}
+
+// The variants with what --set says; a parameter has one source.
+std::vector<Parameters> variants_of(const Common& common, const RunOptions& options) {
+  std::vector<Parameters> variants = read_variants(options.ensemble);
+  for (const auto& [name, value] : common.set) {
+    if (variants.front().contains(name)) {
+      refuse("--set", "\"" + name + "\" is a column of " + options.ensemble + " too; it cannot have two values");
+    }
+    for (Parameters& v : variants) v.emplace(name, value);
+  }
+  return variants;
+}
+
+// All members share one time grid, and one whose own is another would be run over the wrong one.
+void check_grid(const TimeGrid& grid, const TimeGrid& first) {
+  if (grid.start == first.start && grid.end == first.end && grid.step == first.step) return;
+  throw Error(Error::Kind::input, "its time grid is another one than that of the first member");
+}
+
+Ensemble prepare_all(const std::vector<Parameters>& variants, const RunOptions& options, const PrepareOptions& how,
+                     Progress& progress) {
+  const double begin = StepTimes::steady();
+  const auto all = static_cast<std::int64_t>(variants.size());
+  std::optional<TimeGrid> first;
+  Ensemble ensemble(
+      variants.size(),
+      [&](std::size_t i) {
+        progress.show(StepTimes::steady() - begin, static_cast<std::int64_t>(i), all);
+        const Scene scene = scene_of(options, variants[i]);
+        if (first) check_grid(scene.time(), *first);
+        Prepared prepared = prepare(scene, how);
+        first = scene.time();
+        return prepared;
+      },
+      limits_of(options));
+  progress.clear();
+  return ensemble;
+}
+
+std::int64_t steps_of(const EnsembleTrajectory& trajectory) {
+  std::int64_t steps = 0;
+  for (std::size_t i = 0; i < trajectory.members(); ++i) {
+    steps += std::max<std::int64_t>(static_cast<std::int64_t>(trajectory.rows(i)) - 1, 0);
+  }
+  return steps;
+}
+
+void explain(const output::Members& members) {
+  if (members.failed.empty()) return;
+  const output::Members::Failure& first = members.failed.front();
+  std::cerr << "error: " << output::grouped(static_cast<std::int64_t>(members.failed.size())) << " of "
+            << output::counted(members.all, "member") << " failed; the first: " << output::to_string(first) << '\n';
+}
+
+}  // namespace
+
+int run_ensemble(const Common& common, const RunOptions& options) {
+  PrepareOptions how = how_of(common, options);
+  check(options, how);
+  if (!how.budget) how.budget = this_machine().budget();  // asked once, not for each member
+  const std::vector<Parameters> variants = variants_of(common, options);
+  const Progress::Style style = common.quiet ? Progress::Style::none : Progress::style_of_standard_error();
+  Progress preparing(std::cerr, style, "member");
+  const double start = StepTimes::steady();
+  Ensemble ensemble = prepare_all(variants, options, how, preparing);
+  output::CsvFile csv(options.csv);
+
+  const std::int64_t steps = ensemble.prepared().scene->time().steps();
+  const std::int64_t member_steps = steps * static_cast<std::int64_t>(variants.size());
+  Progress progress(std::cerr, style);
+  StepTimes times(0);
+  const double begin = StepTimes::steady();
+  const EnsembleTrajectory trajectory = [&] {
+    const Interrupt interrupt;
+    return ensemble.run(observer(progress, times, member_steps));
+  }();
+  const double seconds = StepTimes::steady() - begin;
+  progress.clear();
+  csv.write(trajectory);
+
+  const output::Members members = output::members_of(ensemble.outcomes(), variants);
+  Report report = ensemble.report();
+  report.status.code = members.code();
+  print(common, options,
+        {.prepared = ensemble.prepared(),
+         .report = report,
+         .mode = Mode::throughput,
+         .strategy = options.strategy,
+         .steps = steps_of(trajectory),
+         .steps_wanted = steps,
+         .seconds = seconds,
+         .prepare_seconds = begin - start,
+         .members = &members});
+  if (!common.json) explain(members);
+  return exit_of(report.status.code);
+}
+
+}  // namespace assur::command

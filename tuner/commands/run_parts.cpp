@@ -1,0 +1,96 @@
+#include "commands/run_parts.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <string>
+
+#include "commands/interrupt.hpp"
+#include "output/format.hpp"
+
+namespace assur::command {
+namespace {
+
+constexpr double kWholeSteps = 1e-9;  // share of a step that the end may be off the grid, as in scene files
+
+// The scene's grid with what the options replace.
+TimeGrid grid_of(const TimeGrid& scene, const RunOptions& options) {
+  TimeGrid grid = scene;
+  grid.start = options.start.value_or(scene.start);
+  grid.step = options.dt.value_or(scene.step);
+  if (!(grid.step > 0)) throw Error(Error::Kind::input, {{"--dt", "the scene has no time step; say how long one is"}});
+  if (options.steps) {
+    grid.end = grid.time(*options.steps);
+    return grid;
+  }
+  const double steps = (grid.end - grid.start) / grid.step;
+  if (std::round(steps) < 1 || std::abs(steps - std::round(steps)) > kWholeSteps * std::max(1.0, steps)) {
+    throw Error(Error::Kind::input,
+                {{options.dt ? "--dt" : "--start",
+                  "from " + output::number(grid.start) + " s to the scene's end at " + output::number(grid.end) +
+                      " s it takes " + output::number(steps) + " steps of " + output::number(grid.step) +
+                      " s, where a whole number from 1 is wanted; say how many with --steps"}});
+  }
+  return grid;
+}
+
+// Whether --mode fits what is to be run.
+void check_mode(const RunOptions& options, bool chunks) {
+  if (options.mode != Mode::latency || (!chunks && options.ensemble.empty())) return;
+  const std::string what = chunks ? "+chunks= runs parts of the time grid" : "--ensemble runs its members";
+  throw Error(Error::Kind::input,
+              {{"--mode", "latency is one mechanism step after step, but " + what + " side by side; leave one out"}});
+}
+
+}  // namespace
+
+Scene scene_of(const RunOptions& options, const Parameters& set) {
+  Scene scene = open_scene(options.scene, set);
+  if (!options.outputs.empty()) scene = scene.with_outputs(options.outputs);
+  if (options.start || options.dt || options.steps) scene = scene.with_time(grid_of(scene.time(), options));
+  return scene;
+}
+
+PrepareOptions how_of(const Common& common, const RunOptions& options) {
+  const bool chunks = options.strategy != "auto" && parse_strategy(options.strategy).chunks > 1;
+  check_mode(options, chunks);
+  PrepareOptions how;
+  how.strategy = options.strategy;
+  if (common.threads > 0) how.budget = ThreadBudget{common.threads};
+  how.mode = chunks || !options.ensemble.empty() ? Mode::throughput : options.mode.value_or(Mode::latency);
+  return how;
+}
+
+StepLimits limits_of(const RunOptions& options) {
+  StepLimits limits;
+  limits.iterations = options.iterations;
+  return limits;
+}
+
+Simulator::Observer observer(output::Progress& progress, measure::StepTimes& times, std::int64_t steps) {
+  return [&progress, &times, steps](std::int64_t done, std::int64_t of) {
+    if (times.tick()) {
+      // The first row is the start posture; chunks share rows.
+      progress.show(times.elapsed(), of > 1 ? (done - 1) * steps / (of - 1) : steps, steps);
+      times.resume();
+    }
+    return !Interrupt::requested();
+  };
+}
+
+void print(const Common& common, const RunOptions& options, const output::RunSummary& summary) {
+  if (common.json) {
+    output::print(std::cout, to_json(summary));
+  } else if (options.csv != "-" || !common.quiet) {
+    // A CSV on standard output stands there alone.
+    output::Page page(options.csv == "-" ? std::cerr : std::cout);
+    output::print(page, summary);
+  }
+}
+
+Exit exit_of(Code code) {
+  if (code == Code::ok) return kDone;
+  return code == Code::interrupted ? kInterrupted : kNumerical;
+}
+
+}  // namespace assur::command

@@ -1,0 +1,31 @@
+// What a run of one mechanism and one of an ensemble have in common.
+#pragma once
+
+#include "assur/plan.hpp"
+#include "assur/simulator.hpp"
+#include "commands/commands.hpp"
+#include "measure/step_times.hpp"
+#include "output/progress.hpp"
+#include "output/run_report.hpp"
+
+namespace assur::command {
+
+// The scene with its options, and with these values of parameters.
+[[nodiscard]] Scene scene_of(const RunOptions& options, const Parameters& set);
+
+[[nodiscard]] PrepareOptions how_of(const Common& common, const RunOptions& options);
+[[nodiscard]] StepLimits limits_of(const RunOptions& options);
+
+// Shows how many of `steps` steps are done, and looks for Ctrl-C; for run(). While many run side by side the rows that
+// it hears of are not single steps, and `times` only tells when to look at the clock.
+[[nodiscard]] Simulator::Observer observer(output::Progress& progress, measure::StepTimes& times, std::int64_t steps);
+
+// The page, or the JSON object.
+void print(const Common& common, const RunOptions& options, const output::RunSummary& summary);
+
+[[nodiscard]] Exit exit_of(Code code);
+
+// --ensemble.
+int run_ensemble(const Common& common, const RunOptions& options);
+
+}  // namespace assur::command

@@ -1,0 +1,55 @@
+// How the members of an ensemble ended.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "assur/ensemble.hpp"
+#include "assur/scene.hpp"
+#include "output/json.hpp"
+#include "output/page.hpp"
+
+namespace assur::output {
+
+struct Members {
+  struct Failure {
+    std::int64_t member = 0;  // counted from 1, as in the CSV
+    Parameters parameters;
+    std::optional<Code> status;  // none: it could not be started
+    double reached = 0;          // s, if it was started
+    std::string why;
+  };
+  struct Event {
+    std::int64_t member = 0;
+    assur::Event event;
+    bool is_told = false;  // by the failure of that member
+  };
+
+  std::int64_t all = 0, done = 0;
+  std::int64_t interrupted = 0;
+  std::int64_t alone = 0;  // that left the lockstep with others
+  std::vector<Failure> failed;
+  std::vector<Event> events;
+
+  // Of all together: ok, interrupted, or how the first that failed ended.
+  [[nodiscard]] Code code() const;
+};
+
+// `variants`: the parameters of each member.
+[[nodiscard]] Members members_of(const std::vector<Ensemble::Outcome>& outcomes,
+                                 const std::vector<Parameters>& variants);
+
+// "member 3 (crank = 0.4): t = 1.3 s, group C: the mechanism cannot move further (limit_reached)"
+[[nodiscard]] std::string to_string(const Members::Failure& failure);
+
+// [{"member", "parameters", "status", "reached", "why"}]; status and reached are null of who could not be started.
+[[nodiscard]] Json to_json(const std::vector<Members::Failure>& failed);
+
+void print_counts(Page& page, const Members& members);
+
+// Failures and events of members, one by one.
+void print_outcomes(Page& page, const Members& members);
+
+}  // namespace assur::output
