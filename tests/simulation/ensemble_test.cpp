@@ -470,7 +470,9 @@ struct Broken : std::runtime_error {
   Broken() : std::runtime_error("broken") {}
 };
 
+// The law of member 5; over even steps, and where a long one sends everybody on alone.
 TEST(Ensemble, WhatALawThrowsReachesTheCaller) {
+  const std::vector<double> even = {0, 0.1, 0.2, 0.3, 0.4, 0.5}, uneven = {0, 0.01, 0.25, 0.26, 0.4, 0.5};
   for (const std::string strategy : {"groups/eigen:1", "groups/eigen:4", "groups/eigen:2 3x1"}) {
     for (const bool an_error : {false, true}) {
       const SceneOf scene = [=](std::size_t i) {
@@ -481,14 +483,18 @@ TEST(Ensemble, WhatALawThrowsReachesTheCaller) {
           return {3 * t, 3, 0};
         }));
       };
-      Ensemble e = ensemble(9, scene, strategy);
-      if (an_error) {
-        EXPECT_THROW((void)e.run(), Error) << strategy;
-      } else {
-        EXPECT_THROW((void)e.run(), Broken) << strategy;
+      for (const auto& times : {even, uneven}) {
+        Ensemble e = ensemble(9, scene, strategy);
+        if (an_error) {
+          EXPECT_THROW((void)e.run(times), Error) << strategy;
+        } else {
+          EXPECT_THROW((void)e.run(times), Broken) << strategy;
+        }
       }
     }
   }
+  Ensemble alone = ensemble(5, [](std::size_t) { return with_law(turning(3)); });
+  EXPECT_TRUE(alone.run(uneven).rows(4) == 6 && alone.outcomes()[4].alone);
 }
 
 // A member of its own, too, and a lane that goes on alone.
