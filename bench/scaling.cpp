@@ -2,7 +2,7 @@
 // threads; and among busy processes. Every result is held against that of one thread before its time counts. Exits with
 // 1 if one is wrong.
 //
-//   scaling_bench [--quick] [--only NAMES] [--threads N] [--rounds N] [--busy N] [--csv FILE]
+//   scaling_bench [--quick] [--only NAMES] [--threads N] [--rounds N] [--block S] [--busy N] [--csv FILE]
 #include <stdlib.h>
 
 #include <CLI/CLI.hpp>
@@ -29,19 +29,18 @@ namespace {
 constexpr double bound_of(double condition) {
   return 2 * 8 * condition * condition * std::numeric_limits<double>::epsilon();
 }
-constexpr double kLeg = bound_of(23);   // of a Stewart platform, largest singular value over smallest
-constexpr double kRing = bound_of(16);  // of 6 to 360 points
+constexpr double kLeg = bound_of(23);             // of a Stewart platform, largest singular value over smallest
+constexpr double kRing = bound_of(16);            // of 6 to 360 points
+constexpr double kChain = 10 * 10 * bound_of(6);  // of ten rockers: errors are handed on, of accelerations twice
 
 struct Options {
   bool quick = false;
   std::vector<std::string> only;
-  int threads = 0;  // 0: the budget of the machine
-  int rounds = 0;   // 0: 3 if quick, else 15
-  int busy = 0;     // processes; 0: two for each thread
+  int threads = 0;   // 0: the budget of the machine
+  int rounds = 0;    // 0: 3 if quick, else 15
+  int busy = 0;      // processes; 0: two for each thread
+  double block = 0;  // s of one measurement of one candidate that steps; 0: 0.05, if quick 0.002
   std::string csv;
-
-  // s of one measurement of one candidate
-  [[nodiscard]] double block() const { return quick ? 0.002 : 0.05; }
 
   // 1, 2, 4, ... and what is asked for at most.
   [[nodiscard]] std::vector<int> counts() const {
@@ -81,7 +80,7 @@ void add_splits(std::vector<Entry>& contest, const Options& o, const std::string
     });
   };
   try {
-    steps = steps_in(o.block(), scene, strategy);
+    steps = steps_in(o.block, scene, strategy);
   } catch (const Error&) {  // the entry says why
   }
   const bool parallel = strategy.ends_with("lapack") || strategy.ends_with("team");
@@ -113,7 +112,7 @@ std::vector<Entry> lanes(const Options& o) {
   std::vector<Entry> contest;
   const auto sweep = [&](const std::string& text, const std::string& solver, double bound) {
     const Scene scene = sample(text);
-    const int steps = steps_in(o.block(), scene, solver);
+    const int steps = steps_in(o.block, scene, solver);
     std::size_t one = Entry::kItself;
     for (const int w : {1, 2, 4, 8, 16}) {
       Entry entry{text, solver + (w > 1 ? ":" + std::to_string(w) : "")};
@@ -132,11 +131,11 @@ std::vector<Entry> lanes(const Options& o) {
   return contest;
 }
 
+const std::vector<std::string> kHandleEnds = {"B1", "B2", "B3", "B4", "B5", "B6"};
+
 // One mechanism over a long time, cut into chunks that fill lanes and threads.
-std::vector<Entry> chunks(const Options& o) {
-  std::vector<Entry> contest;
-  const std::string text = o.quick ? "stewart:steps=400" : "stewart:steps=20000";
-  const Scene scene = sample(text);
+void add_chunks(std::vector<Entry>& contest, const Options& o, const std::string& text, const Scene& scene,
+                double bound) {
   const auto add_run = [&](int count, int p, std::size_t base, std::size_t alone) {
     std::string strategy = "irreducible/lanes:8";
     if (count > 1) strategy += "+chunks=" + std::to_string(count);
@@ -144,7 +143,7 @@ std::vector<Entry> chunks(const Options& o) {
     Entry entry{text, strategy};
     entry.base = base;
     entry.alone = alone;
-    entry.bound = alone == Entry::kItself ? kLeg : 0;
+    entry.bound = alone == Entry::kItself ? bound : 0;
     return add(contest, std::move(entry), [&] { return make_run(scene, {strategy, o.threads}); });
   };
   const std::size_t whole = add_run(1, 1, Entry::kItself, Entry::kItself);
@@ -155,6 +154,15 @@ std::vector<Entry> chunks(const Options& o) {
       if (p > 1) add_run(count, p, whole, alone);
     }
   }
+}
+
+std::vector<Entry> chunks(const Options& o) {
+  std::vector<Entry> contest;
+  const std::string steps = o.quick ? "steps=400" : "steps=20000";
+  // One group on each level: without chunks its lanes are idle.
+  add_chunks(contest, o, "four_bar:loops=10," + steps, sample("four_bar:loops=10,step=0.01," + steps), kChain);
+  add_chunks(contest, o, "stewart:" + steps + ", handle ends", sample("stewart:" + steps).with_outputs(kHandleEnds),
+             kLeg);
   return contest;
 }
 
@@ -190,7 +198,7 @@ void add_members(std::vector<Entry>& contest, const Options& o, const std::vecto
 
 std::vector<Entry> members(const Options& o) {
   std::vector<Entry> contest;
-  add_members(contest, o, {"B1", "B2", "B3", "B4", "B5", "B6"});
+  add_members(contest, o, kHandleEnds);
   add_members(contest, o, {});
   return contest;
 }
@@ -201,7 +209,7 @@ std::vector<Entry> legs(const Options& o) {
   for (int count = 8; count <= (o.quick ? 64 : 4096); count *= 2) {
     const std::string text = "stewart:legs=" + std::to_string(count);
     const Scene scene = sample(text);
-    const int steps = steps_in(o.block(), scene, "irreducible/lanes:8");
+    const int steps = steps_in(o.block, scene, "irreducible/lanes:8");
     const auto add_legs = [&](const std::string& strategy, std::size_t base, std::size_t alone) {
       Entry entry{text, strategy};
       entry.legs = count;
@@ -223,7 +231,7 @@ std::vector<Entry> pinned(const Options& o) {
   const std::vector<std::int32_t> cores = this_machine().cores;
   const auto sweep = [&](const std::string& text, const std::string& solver) {
     const Scene scene = sample(text);
-    const int steps = std::max(100, steps_in(o.block(), scene, solver));
+    const int steps = std::max(100, steps_in(o.block, scene, solver));
     std::size_t one = Entry::kItself;
     for (const int p : o.counts()) {
       for (const bool pin : {false, true}) {
@@ -306,6 +314,7 @@ int run(Options o) {
   if (o.threads == 0) o.threads = this_machine().budget().threads;
   if (o.rounds == 0) o.rounds = o.quick ? 3 : 15;
   if (o.busy == 0) o.busy = 2 * o.threads;
+  if (o.block == 0) o.block = o.quick ? 0.002 : 0.05;
   std::ofstream csv;
   if (!o.csv.empty()) {
     csv.open(o.csv);
@@ -324,7 +333,8 @@ int run(Options o) {
     wrong += static_cast<int>(std::count_if(contest.begin(), contest.end(), [](const Entry& e) { return e.wrong; }));
   }
   std::printf(
-      "\nmedians of %d rounds, all lines of a table in turns; +-%%: half the distance of the quartiles. "
+      "\nmedians of %d rounds, all lines of a table in turns; +-%%: half the distance of the quartiles; at best: the "
+      "fastest rounds.\n"
       "Load average at the end: %s\n",
       o.rounds, load().c_str());
   if (!o.csv.empty() && !csv) throw Error(Error::Kind::environment, "--csv: cannot write " + o.csv);
@@ -353,6 +363,9 @@ int main(int argc, char** argv) {
   count("--threads", options.threads, "Up to so many; more than the machine's budget if asked for");
   count("--rounds", options.rounds, "Measurements of each candidate: 15, with --quick 3");
   count("--busy", options.busy, "Processes of the crowd: two for each thread");
+  app.add_option("--block", options.block, "Seconds of one measurement: 0.05, with --quick 0.002")
+      ->check(CLI::Range(1e-6, 100.0))
+      ->type_name("S");
   app.add_option("--csv", options.csv, "Write all tables")->type_name("FILE");
   app.footer("Exit status: 0 done, 1 a result is wrong, 2 bad usage, 3 environment.");
   try {

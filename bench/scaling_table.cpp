@@ -19,17 +19,26 @@ struct Figures {
   int threads = 1;
   Spread seconds;
   Spread over_base{kNone, kNone, kNone}, over_one_thread{kNone, kNone, kNone};
+  double fastest = kNone, at_best = kNone;  // s of a round; over that of one thread
   double per_leg = kNone, growth = kNone;
   double p50 = kNone, p99 = kNone, longest = kNone;
 };
+
+double fastest(const Entry& entry) {
+  return entry.seconds.empty() ? kNone : *std::min_element(entry.seconds.begin(), entry.seconds.end());
+}
 
 Figures figures_of(const std::vector<Entry>& contest, const Entry& entry) {
   Figures f;
   f.strategy = parse_strategy(entry.strategy);
   f.threads = f.strategy.p * f.strategy.q;
   f.seconds = spread(entry.seconds);
+  f.fastest = fastest(entry);
   if (entry.base != Entry::kItself) f.over_base = speed_up(entry, contest[entry.base]);
-  if (entry.alone != Entry::kItself) f.over_one_thread = speed_up(entry, contest[entry.alone]);
+  if (entry.alone != Entry::kItself) {
+    f.over_one_thread = speed_up(entry, contest[entry.alone]);
+    f.at_best = fastest(contest[entry.alone]) / f.fastest;
+  }
   if (entry.legs > 0) {
     f.per_leg = f.seconds.median / entry.legs;
     const Entry& fewest =
@@ -60,7 +69,9 @@ std::vector<Column> columns_of(Show show, const Figures& f) {
   const auto add = [&](std::initializer_list<Column> more) { columns.insert(columns.end(), more); };
   switch (show) {
     case Show::threads:
-      add({{"speed-up", 9, 2, f.over_one_thread.median}, {"efficiency", 11, 2, f.over_one_thread.median / f.threads}});
+      add({{"speed-up", 9, 2, f.over_one_thread.median},
+           {"efficiency", 11, 2, f.over_one_thread.median / f.threads},
+           {"at best", 8, 2, f.at_best}});
       break;
     case Show::lanes:
       add({{"speed-up", 9, 2, f.over_base.median}, {"efficiency", 11, 2, f.over_base.median / f.strategy.lanes}});
@@ -68,19 +79,22 @@ std::vector<Column> columns_of(Show show, const Figures& f) {
     case Show::chunks:
       add({{"speed-up", 9, 2, f.over_base.median},
            {"over 1 thread", 14, 2, f.over_one_thread.median},
-           {"efficiency", 11, 2, f.over_one_thread.median / f.threads}});
+           {"efficiency", 11, 2, f.over_one_thread.median / f.threads},
+           {"at best", 8, 2, f.at_best}});
       break;
     case Show::members:
       add({{"steps/s", 11, 0, 1 / f.seconds.median},
            {"x single", 9, 2, f.over_base.median},
            {"per thread", 11, 2, f.over_base.median / f.threads},
            {"over 1 thread", 14, 2, f.over_one_thread.median},
-           {"efficiency", 11, 2, f.over_one_thread.median / f.threads}});
+           {"efficiency", 11, 2, f.over_one_thread.median / f.threads},
+           {"at best", 8, 2, f.at_best}});
       break;
     case Show::legs:
       add({{"ns/leg", 9, 1, 1e9 * f.per_leg},
            {"growth", 7, 2, f.growth},
-           {"over 1 thread", 14, 2, f.over_one_thread.median}});
+           {"over 1 thread", 14, 2, f.over_one_thread.median},
+           {"at best", 8, 2, f.at_best}});
       break;
     case Show::single:
       add({{"p50, us", 12, 3, microseconds * f.p50},
@@ -139,8 +153,9 @@ void print_table(const std::string& title, const std::vector<Entry>& contest, Sh
 
 void write_csv_header(std::ostream& out) {
   out << "experiment,scene,strategy,condition,p,q,lanes,chunks,members,legs,rounds,seconds_per_step,lower_quartile,"
-         "upper_quartile,steps_per_second,over_base,over_base_lower,over_base_upper,over_one_thread,"
-         "over_one_thread_lower,over_one_thread_upper,efficiency,seconds_per_leg,growth_per_leg,p50,p99,longest,"
+         "upper_quartile,fastest,steps_per_second,over_base,over_base_lower,over_base_upper,over_one_thread,"
+         "over_one_thread_lower,over_one_thread_upper,at_best,efficiency,seconds_per_leg,growth_per_leg,p50,p99,"
+         "longest,"
          "deviation,bound,residual,outcome\n";
 }
 
@@ -152,10 +167,27 @@ void write_csv_rows(std::ostream& out, const std::string& experiment, const std:
       out << ',' << count;
     }
     out << ',' << e.seconds.size();
-    for (const double value : {f.seconds.median, f.seconds.lower, f.seconds.upper, 1 / f.seconds.median,
-                               f.over_base.median, f.over_base.lower, f.over_base.upper, f.over_one_thread.median,
-                               f.over_one_thread.lower, f.over_one_thread.upper, f.over_one_thread.median / f.threads,
-                               f.per_leg, f.growth, f.p50, f.p99, f.longest, e.deviation, e.bound, e.residual}) {
+    for (const double value : {f.seconds.median,
+                               f.seconds.lower,
+                               f.seconds.upper,
+                               f.fastest,
+                               1 / f.seconds.median,
+                               f.over_base.median,
+                               f.over_base.lower,
+                               f.over_base.upper,
+                               f.over_one_thread.median,
+                               f.over_one_thread.lower,
+                               f.over_one_thread.upper,
+                               f.at_best,
+                               f.over_one_thread.median / f.threads,
+                               f.per_leg,
+                               f.growth,
+                               f.p50,
+                               f.p99,
+                               f.longest,
+                               e.deviation,
+                               e.bound,
+                               e.residual}) {
       out << ',' << exact(value);
     }
     out << ',' << quoted(e.failure.empty() ? "ok" : e.failure) << '\n';
