@@ -11,7 +11,7 @@
 namespace assur::bench {
 namespace {
 
-constexpr int kWarm = 10;           // steps before those that are timed: threads are awake, memory is in the cache
+constexpr int kMostWarm = 10;       // steps before those that are timed: threads are awake, memory is in the cache
 constexpr std::size_t kSample = 4;  // members that are run one by one
 
 double now() { return measure::StepTimes::steady(); }
@@ -36,7 +36,7 @@ class Steps : public Contender {
 
   // Beyond the end of the grid the motion of the samples goes on.
   double work() override {
-    for (int i = 0; i < kWarm; ++i) advance();
+    for (int i = 0; i < std::min(kMostWarm, steps_); ++i) advance();
     const double start = now();
     if (times_) {
       started_ ? times_->resume() : static_cast<void>(times_->tick());

@@ -3,6 +3,7 @@
 // 1 if one is wrong.
 //
 //   scaling_bench [--quick] [--only NAMES] [--threads N] [--rounds N] [--block S] [--busy N] [--csv FILE]
+#include <malloc.h>
 #include <stdlib.h>
 
 #include <CLI/CLI.hpp>
@@ -310,7 +311,15 @@ void describe(std::ostream& out, const Options& o, const std::string& prefix) {
   out.flush();
 }
 
+// Memory of results is kept from round to round, also that of large ones: a page that is new to the process costs as
+// much as some of the steps that are written to it.
+void keep_memory() {
+  mallopt(M_MMAP_MAX, 0);
+  mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
+}
+
 int run(Options o) {
+  keep_memory();
   if (o.threads == 0) o.threads = this_machine().budget().threads;
   if (o.rounds == 0) o.rounds = o.quick ? 3 : 15;
   if (o.busy == 0) o.busy = 2 * o.threads;
