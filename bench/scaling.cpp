@@ -342,7 +342,8 @@ int run(Options o) {
     wrong += static_cast<int>(std::count_if(contest.begin(), contest.end(), [](const Entry& e) { return e.wrong; }));
   }
   std::printf(
-      "\nmedians of %d rounds, all lines of a table in turns; +-%%: half the distance of the quartiles; at best: the "
+      "\nmedians of %d rounds, all lines of a table in turns. One thread: processor time; several: by the "
+      "clock.\n+-%%: half the distance of the quartiles; at best: the "
       "fastest rounds.\n"
       "Load average at the end: %s\n",
       o.rounds, load().c_str());
