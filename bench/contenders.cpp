@@ -1,5 +1,7 @@
 #include "contenders.hpp"
 
+#include <time.h>
+
 #include <algorithm>
 #include <optional>
 #include <string>
@@ -11,10 +13,25 @@
 namespace assur::bench {
 namespace {
 
-constexpr int kWarm = 10;           // steps before those that are timed: threads are awake, memory is in the cache
+constexpr int kMostWarm = 10;       // steps before those that are timed: threads are awake, memory is in the cache
 constexpr std::size_t kSample = 4;  // members that are run one by one
 
-double now() { return measure::StepTimes::steady(); }
+// Time since it was made.
+class Stopwatch {
+ public:
+  [[nodiscard]] Cost per(double steps) const {
+    return {(measure::StepTimes::steady() - start_) / steps, (processor() - processor_start_) / steps};
+  }
+
+ private:
+  static double processor() {
+    timespec now{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+  }
+
+  double processor_start_ = processor(), start_ = measure::StepTimes::steady();
+};
 
 Prepared prepared(const Scene& scene, const Prepare& how) {
   PrepareOptions options;
@@ -35,9 +52,9 @@ class Steps : public Contender {
   }
 
   // Beyond the end of the grid the motion of the samples goes on.
-  double work() override {
-    for (int i = 0; i < kWarm; ++i) advance();
-    const double start = now();
+  Cost work() override {
+    for (int i = 0; i < std::min(kMostWarm, steps_); ++i) advance();
+    const Stopwatch watch;
     if (times_) {
       started_ ? times_->resume() : static_cast<void>(times_->tick());
       started_ = true;
@@ -48,7 +65,7 @@ class Steps : public Contender {
     } else {
       for (int i = 0; i < steps_; ++i) advance();
     }
-    return (now() - start) / steps_;
+    return watch.per(steps_);
   }
   std::span<const double> result() const override { return simulator_.outputs(); }
   const std::vector<std::string>& columns() const override { return simulator_.columns(); }
@@ -69,15 +86,15 @@ class Run : public Contender {
  public:
   Run(const Scene& scene, const Prepare& prepare) : simulator_(prepared(scene, prepare)) {}
 
-  double work() override {
-    const double start = now();
+  Cost work() override {
+    const Stopwatch watch;
     trajectory_ = simulator_.run();
-    const double seconds = now() - start;
+    const Cost cost = watch.per(static_cast<double>(trajectory_.rows() - 1));
     expect_ok(simulator_.report().status);
     for (const std::string& fallback : simulator_.report().fallbacks) {
       if (fallback.starts_with("no chunks")) throw Error(Error::Kind::numerical, fallback);
     }
-    return seconds / static_cast<double>(trajectory_.rows() - 1);
+    return cost;
   }
   std::span<const double> result() const override { return trajectory_.values(); }
   const std::vector<std::string>& columns() const override { return simulator_.columns(); }
@@ -99,18 +116,18 @@ class Members : public Contender {
   Members(const std::vector<Scene>& members, const Prepare& prepare)
       : ensemble_(members.size(), [&](std::size_t i) { return prepared(members[i], prepare); }) {}
 
-  double work() override {
-    const double start = now();
+  Cost work() override {
+    const Stopwatch watch;
     trajectory_ = ensemble_.run();
-    const double seconds = now() - start;
-    expect_ok(ensemble_.report().status);
     const std::size_t rows = trajectory_.times().size(), columns = trajectory_.columns().size();
+    const Cost cost = watch.per(static_cast<double>(trajectory_.members() * (rows - 1)));
+    expect_ok(ensemble_.report().status);
     sample_.clear();
     for (const std::size_t member : sampled(trajectory_.members())) {
       const double* const first = trajectory_.row(member, 0).data();
       sample_.insert(sample_.end(), first, first + rows * columns);
     }
-    return seconds / static_cast<double>(trajectory_.members() * (rows - 1));
+    return cost;
   }
   std::span<const double> result() const override { return trajectory_.values(); }
   std::span<const double> sample() const override { return sample_; }
@@ -129,14 +146,17 @@ class OneByOne : public Contender {
     for (const std::size_t i : sampled(members.size())) runs_.emplace_back(members[i], prepare);
   }
 
-  double work() override {
-    double seconds = 0;
+  Cost work() override {
+    Cost mean;
+    const auto count = static_cast<double>(runs_.size());
     values_.clear();
     for (Run& run : runs_) {
-      seconds += run.work();
+      const Cost cost = run.work();
+      mean.seconds += cost.seconds / count;
+      mean.processor += cost.processor / count;
       values_.insert(values_.end(), run.result().begin(), run.result().end());
     }
-    return seconds / static_cast<double>(runs_.size());
+    return mean;
   }
   std::span<const double> result() const override { return values_; }
   const std::vector<std::string>& columns() const override { return runs_.front().columns(); }
@@ -156,7 +176,7 @@ class Crowded : public Contender {
   Crowded(std::unique_ptr<Contender> contender, int processes)
       : contender_(std::move(contender)), processes_(processes) {}
 
-  double work() override {
+  Cost work() override {
     const Crowd crowd(processes_);
     return contender_->work();
   }
@@ -180,7 +200,7 @@ std::unique_ptr<Contender> make_steps(const Scene& scene, const Prepare& prepare
 int steps_in(double seconds, const Scene& scene, const std::string& strategy) {
   constexpr int kTrial = 5;
   Steps trial(scene, {strategy, 1}, kTrial, {}, false);
-  return static_cast<int>(std::clamp(seconds / trial.work(), 1.0, 1e6));
+  return static_cast<int>(std::clamp(seconds / trial.work().processor, 1.0, 1e6));
 }
 
 std::unique_ptr<Contender> make_run(const Scene& scene, const Prepare& prepare) {

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "assur/status.hpp"
+#include "assur/strategy.hpp"
 
 namespace assur::bench {
 namespace {
@@ -24,7 +25,13 @@ void fail(Entry& entry, const std::string& why, bool wrong) {
   entry.failure = why;
   entry.wrong = wrong;
   entry.seconds.clear();
+  entry.processor.clear();
   entry.contender.reset();
+}
+
+bool one_thread(const Entry& entry) {
+  const Strategy strategy = parse_strategy(entry.strategy);
+  return strategy.p * strategy.q == 1;
 }
 
 std::string text(double value) {
@@ -63,19 +70,21 @@ void check(std::vector<Entry>& contest) {
 }  // namespace
 
 void hold(std::vector<Entry>& contest, int rounds) {
-  std::vector<double> seconds(contest.size());
+  std::vector<Cost> costs(contest.size());
   for (int round = 0; round < rounds; ++round) {
     for (std::size_t i = 0; i < contest.size(); ++i) {
       if (!contest[i].contender) continue;
       try {
-        seconds[i] = contest[i].contender->work();
+        costs[i] = contest[i].contender->work();
       } catch (const Error& error) {
         fail(contest[i], error.what(), true);
       }
     }
     check(contest);
     for (std::size_t i = 0; i < contest.size(); ++i) {
-      if (contest[i].contender) contest[i].seconds.push_back(seconds[i]);
+      if (!contest[i].contender) continue;
+      contest[i].seconds.push_back(costs[i].seconds);
+      contest[i].processor.push_back(costs[i].processor);
     }
   }
 }
@@ -113,10 +122,14 @@ Spread spread(std::vector<double> values) {
   return {at(0.25), at(0.5), at(0.75)};
 }
 
+const std::vector<double>& telling(const Entry& entry) { return one_thread(entry) ? entry.processor : entry.seconds; }
+
 Spread speed_up(const Entry& entry, const Entry& of) {
+  const bool by_processor = one_thread(entry) && one_thread(of);
+  const std::vector<double>& here = by_processor ? entry.processor : entry.seconds;
+  const std::vector<double>& there = by_processor ? of.processor : of.seconds;
   std::vector<double> ratios;
-  const std::size_t rounds = std::min(entry.seconds.size(), of.seconds.size());
-  for (std::size_t r = 0; r < rounds; ++r) ratios.push_back(of.seconds[r] / entry.seconds[r]);
+  for (std::size_t r = 0; r < std::min(here.size(), there.size()); ++r) ratios.push_back(there[r] / here[r]);
   return spread(std::move(ratios));
 }
 

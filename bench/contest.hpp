@@ -13,13 +13,18 @@
 
 namespace assur::bench {
 
+// Of one step: by the clock, and processor time of the calling thread.
+struct Cost {
+  double seconds = 0, processor = 0;
+};
+
 // Something that computes the same motion as the others of its contest.
 class Contender {
  public:
   virtual ~Contender() = default;
 
-  // One block of work; returns seconds per step. Throws Error (numerical) if it fails.
-  virtual double work() = 0;
+  // One block of work. Throws Error (numerical) if it fails.
+  virtual Cost work() = 0;
 
   // What the last block arrived at: rows of columns(). `sample` is the part that the base has as well.
   [[nodiscard]] virtual std::span<const double> result() const = 0;
@@ -44,10 +49,11 @@ struct Entry {
   double bound = 0;             // of the deviation from `alone`, or else the base; 0: the same bits
   std::unique_ptr<Contender> contender = nullptr;
 
-  std::string failure = "";          // why it has no times; "": it has
-  bool wrong = false;                // the failure is a wrong result
-  std::vector<double> seconds = {};  // rounds: for one step
-  double deviation = 0;              // the largest of all rounds
+  std::string failure = "";            // why it has no times; "": it has
+  bool wrong = false;                  // the failure is a wrong result
+  std::vector<double> seconds = {};    // rounds: for one step
+  std::vector<double> processor = {};  // the same as processor time of the calling thread
+  double deviation = 0;                // the largest of all rounds
   double residual = std::numeric_limits<double>::quiet_NaN();
 };
 
@@ -65,7 +71,12 @@ struct Spread {
 };
 [[nodiscard]] Spread spread(std::vector<double> values);
 
-// Times of `of` over those of `entry`, round by round: neighbours in time, which share the machine's mood.
+// Rounds of an entry that tell most: processor time of one thread, which a busy machine disturbs little; by the clock
+// of several.
+[[nodiscard]] const std::vector<double>& telling(const Entry& entry);
+
+// Times of `of` over those of `entry`, round by round: neighbours in time, which share the machine's mood. Processor
+// time if both have one thread.
 [[nodiscard]] Spread speed_up(const Entry& entry, const Entry& of);
 
 }  // namespace assur::bench

@@ -3,6 +3,7 @@
 // 1 if one is wrong.
 //
 //   scaling_bench [--quick] [--only NAMES] [--threads N] [--rounds N] [--block S] [--busy N] [--csv FILE]
+#include <malloc.h>
 #include <stdlib.h>
 
 #include <CLI/CLI.hpp>
@@ -310,7 +311,15 @@ void describe(std::ostream& out, const Options& o, const std::string& prefix) {
   out.flush();
 }
 
+// Memory of results is kept from round to round, also that of large ones: a page that is new to the process costs as
+// much as some of the steps that are written to it.
+void keep_memory() {
+  mallopt(M_MMAP_MAX, 0);
+  mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
+}
+
 int run(Options o) {
+  keep_memory();
   if (o.threads == 0) o.threads = this_machine().budget().threads;
   if (o.rounds == 0) o.rounds = o.quick ? 3 : 15;
   if (o.busy == 0) o.busy = 2 * o.threads;
@@ -333,7 +342,8 @@ int run(Options o) {
     wrong += static_cast<int>(std::count_if(contest.begin(), contest.end(), [](const Entry& e) { return e.wrong; }));
   }
   std::printf(
-      "\nmedians of %d rounds, all lines of a table in turns; +-%%: half the distance of the quartiles; at best: the "
+      "\nmedians of %d rounds, all lines of a table in turns. One thread: processor time; several: by the "
+      "clock.\n+-%%: half the distance of the quartiles; at best: the "
       "fastest rounds.\n"
       "Load average at the end: %s\n",
       o.rounds, load().c_str());

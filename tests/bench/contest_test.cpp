@@ -18,9 +18,10 @@ class Scripted : public Contender {
   Scripted(std::vector<double> seconds, std::vector<double> result, double residual = 0)
       : seconds_(std::move(seconds)), result_(std::move(result)), residual_(residual) {}
 
-  double work() override {
+  Cost work() override {
     if (round_ == seconds_.size()) throw Error(Error::Kind::numerical, "no more");
-    return seconds_[round_++];
+    ++round_;
+    return {seconds_[round_ - 1], 3};
   }
   std::span<const double> result() const override { return result_; }
   const std::vector<std::string>& columns() const override { return columns_; }
@@ -33,8 +34,9 @@ class Scripted : public Contender {
   std::vector<std::string> columns_ = {"A.x", "A.vx"};
 };
 
-Entry entry(std::vector<double> seconds, std::vector<double> result, double bound, double residual = 0) {
-  Entry e{"scene", "groups/eigen"};
+Entry entry(std::vector<double> seconds, std::vector<double> result, double bound,
+            const std::string& strategy = "groups/eigen", double residual = 0) {
+  Entry e{"scene", strategy};
   e.base = 0;
   e.bound = bound;
   e.contender = std::make_unique<Scripted>(std::move(seconds), std::move(result), residual);
@@ -51,13 +53,18 @@ std::vector<Entry> against(Entry other) {
 }
 
 TEST(Contest, ComparesRoundsWithTheirNeighbours) {
-  const std::vector<Entry> contest = against(entry({2, 2, 2}, {1, 10}, 0));
+  const std::vector<Entry> contest = against(entry({2, 2, 2}, {1, 10}, 0, "groups/eigen 2x1"));
   EXPECT_EQ(contest[1].seconds, (std::vector<double>{2, 2, 2}));
   EXPECT_EQ(contest[1].failure, "");
   const Spread ratio = speed_up(contest[1], contest[0]);
   EXPECT_EQ(ratio.lower, 2);  // of 1, 2 and 4
   EXPECT_EQ(ratio.median, 2);
   EXPECT_EQ(ratio.upper, 4);
+}
+
+TEST(Contest, ComparesProcessorTimesOfOneThread) {
+  const std::vector<Entry> contest = against(entry({2, 2, 2}, {1, 10}, 0));
+  EXPECT_EQ(speed_up(contest[1], contest[0]).upper, 1);  // 3 of each, whatever the clock says
 }
 
 TEST(Contest, HasNoTimesForAWrongResult) {
@@ -69,9 +76,9 @@ TEST(Contest, HasNoTimesForAWrongResult) {
     EXPECT_NE(contest[1].failure.find("WRONG"), std::string::npos);
     EXPECT_EQ(contest[0].seconds.size(), 3u);
   }
-  EXPECT_FALSE(against(entry({1, 1, 1}, {next, 10}, 1e-15))[1].wrong);  // within the bound
-  EXPECT_TRUE(against(entry({1, 1, 1}, {1, 10, 1, 10}, 1))[1].wrong);   // another number of rows
-  EXPECT_TRUE(against(entry({1, 1, 1}, {1, 10}, 1, 1e-6))[1].wrong);    // its equations do not hold
+  EXPECT_FALSE(against(entry({1, 1, 1}, {next, 10}, 1e-15))[1].wrong);                // within the bound
+  EXPECT_TRUE(against(entry({1, 1, 1}, {1, 10, 1, 10}, 1))[1].wrong);                 // another number of rows
+  EXPECT_TRUE(against(entry({1, 1, 1}, {1, 10}, 1, "groups/eigen", 1e-6))[1].wrong);  // its equations do not hold
 }
 
 TEST(Contest, SaysWhatFailed) {
