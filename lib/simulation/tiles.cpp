@@ -21,7 +21,8 @@ int threads_for(const Plan& plan, std::size_t runs) {
 
 }  // namespace
 
-Tiles::Tiles(Prepared prepared, const StepLimits& limits, std::size_t runs) : team_(threads_for(prepared.plan, runs)) {
+Tiles::Tiles(Prepared prepared, const StepLimits& limits, std::size_t runs)
+    : team_(threads_for(prepared.plan, runs), limits.pin_to) {
   prepared.plan.lanes = static_cast<std::int32_t>(lanes_for(prepared.plan, runs));
   for (int rank = 0; rank < team_.size(); ++rank) workers_.push_back(std::make_unique<SideBySide>(prepared, limits));
 }
