@@ -8,6 +8,7 @@
 #include <numbers>
 #include <sstream>
 
+#include "assur/machine.hpp"
 #include "backends/allocations.hpp"
 #include "simulation/conditions.hpp"
 #include "simulation/limited.hpp"
@@ -590,6 +591,18 @@ TEST(Ensemble, AFixedNumberOfIterationsIsThatOfASimulator) {
       }
     }
   }
+}
+
+TEST(Ensemble, ThreadsArePinnedAsAsked) {
+  const std::vector<std::int32_t> cores = this_machine().cores;
+  if (cores.size() < 2) GTEST_SKIP() << "one core";
+  StepLimits pinned;
+  pinned.pin_to = {cores[0], cores[1]};
+  expect_same_bits(Ensemble(11, prepared(four_bar, "groups/eigen:2 2x1"), pinned).run(),
+                   ensemble(11, four_bar, "groups/eigen:2 2x1").run());
+  pinned.pin_to.pop_back();
+  EXPECT_NE(refusal([&] { (void)Ensemble(11, prepared(four_bar, "groups/eigen:2 2x1"), pinned); }).find("pinned"),
+            std::string::npos);
 }
 
 // Twice as many steps take not one allocation more.
