@@ -67,7 +67,7 @@ TEST(Usage, HelpFitsThePageAndNamesEveryOption) {
       {{"--help"}, {"run", "inspect", "backends"}},
       {{"run", "--help"},
        {"SCENE", "--set", "--start", "--dt", "--steps", "--outputs", "--strategy", "--mode", "--ensemble",
-        "--iterations", "--csv", "--reference"}},
+        "--iterations", "--csv", "--reference", "--pin"}},
       {{"inspect", "--help"}, {"SCENE", "--set", "--outputs", "--formulation"}},
       {{"backends", "--help"}, {}},
   };

@@ -35,6 +35,12 @@ TEST(Progress, PlainLinesComeEveryFiveSeconds) {
             "5 %, 110 of 2,000 steps, about 3 min left\n");
 }
 
+TEST(Progress, CountsWhatItIsTold) {
+  std::ostringstream out;
+  Progress(out, Progress::Style::lines, "member").show(2, 64, 64);
+  EXPECT_EQ(out.str(), "100 %, 64 of 64 members\n");
+}
+
 TEST(Progress, TheBarRedrawsItselfAndGoesAway) {
   std::ostringstream out;
   {

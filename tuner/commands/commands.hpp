@@ -40,6 +40,7 @@ struct RunOptions {
   int iterations = 0;        // 0: as many as convergence takes
   std::string csv;           // "-": standard output; empty: none
   bool reference = false;
+  bool pin = false;  // each thread on a core of its own
 };
 
 // Throws Error (input) for --threads beyond the processors that this process may use; warns beyond the machine's

@@ -5,6 +5,7 @@
 #include <iostream>
 #include <string>
 
+#include "assur/machine.hpp"
 #include "commands/interrupt.hpp"
 #include "output/format.hpp"
 
@@ -64,6 +65,7 @@ PrepareOptions how_of(const Common& common, const RunOptions& options) {
 StepLimits limits_of(const RunOptions& options) {
   StepLimits limits;
   limits.iterations = options.iterations;
+  if (options.pin) limits.pin_to = this_machine().cores;
   return limits;
 }
 

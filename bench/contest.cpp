@@ -1,0 +1,136 @@
+#include "contest.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <map>
+
+#include "assur/status.hpp"
+#include "assur/strategy.hpp"
+
+namespace assur::bench {
+namespace {
+
+constexpr double kMostResidual = 1e-14;  // of the equations; Newton's method ends at 8 eps of their terms
+
+// Value, velocity or acceleration of points and vectors, or what measures have: a coordinate that is near zero is as
+// uncertain as its neighbours are.
+std::string kind_of(const std::string& column) {
+  const std::string last = column.substr(column.rfind('.') + 1);
+  return last == "x" || last == "y" || last == "z" ? "x" : last.size() == 2 ? last.substr(0, 1) : last;
+}
+
+void fail(Entry& entry, const std::string& why, bool wrong) {
+  entry.failure = why;
+  entry.wrong = wrong;
+  entry.seconds.clear();
+  entry.processor.clear();
+  entry.contender.reset();
+}
+
+bool one_thread(const Entry& entry) {
+  const Strategy strategy = parse_strategy(entry.strategy);
+  return strategy.p * strategy.q == 1;
+}
+
+std::string text(double value) {
+  char digits[32];
+  std::snprintf(digits, sizeof digits, "%.2g", value);
+  return digits;
+}
+
+// Holds the result of an entry against that of another one.
+void check(Entry& entry, const Entry& reference, bool all) {
+  if (!reference.contender) return fail(entry, "not verified: what it is held against has no result", false);
+  const auto of = [all](const Entry& e) { return all ? e.contender->result() : e.contender->sample(); };
+  const double off = deviation(entry.contender->columns(), of(entry), of(reference));
+  if (!(off <= entry.deviation)) entry.deviation = off;
+  if (!(off <= entry.bound)) {
+    fail(entry, "WRONG: off by " + text(off) + " from " + reference.strategy + ", allowed are " + text(entry.bound),
+         true);
+  }
+}
+
+void check(std::vector<Entry>& contest) {
+  for (std::size_t i = 0; i < contest.size(); ++i) {
+    Entry& entry = contest[i];
+    if (!entry.contender) continue;
+    entry.residual = entry.contender->residual();
+    if (!(entry.residual <= kMostResidual)) {
+      fail(entry, "WRONG: its equations are off by " + text(entry.residual), true);
+    } else if (entry.alone != Entry::kItself) {
+      check(entry, contest[entry.alone], true);
+    } else if (entry.base != Entry::kItself) {
+      check(entry, contest[entry.base], false);
+    }
+  }
+}
+
+}  // namespace
+
+void hold(std::vector<Entry>& contest, int rounds) {
+  std::vector<Cost> costs(contest.size());
+  for (int round = 0; round < rounds; ++round) {
+    for (std::size_t i = 0; i < contest.size(); ++i) {
+      if (!contest[i].contender) continue;
+      try {
+        costs[i] = contest[i].contender->work();
+      } catch (const Error& error) {
+        fail(contest[i], error.what(), true);
+      }
+    }
+    check(contest);
+    for (std::size_t i = 0; i < contest.size(); ++i) {
+      if (!contest[i].contender) continue;
+      contest[i].seconds.push_back(costs[i].seconds);
+      contest[i].processor.push_back(costs[i].processor);
+    }
+  }
+}
+
+double deviation(const std::vector<std::string>& columns, std::span<const double> a, std::span<const double> b) {
+  if (a.size() != b.size() || a.empty()) return std::numeric_limits<double>::infinity();
+  if (std::memcmp(a.data(), b.data(), a.size_bytes()) == 0) return 0;
+  struct Kind {
+    double off = 0, largest = 0;
+  };
+  std::map<std::string, Kind> kinds;
+  std::vector<Kind*> kind;
+  for (const std::string& column : columns) kind.push_back(&kinds[kind_of(column)]);
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    Kind& k = *kind[i % kind.size()];
+    const double off = std::abs(a[i] - b[i]);
+    if (!(off <= k.off)) k.off = off;
+    k.largest = std::max(k.largest, std::abs(b[i]));
+  }
+  double worst = std::numeric_limits<double>::denorm_min();  // a zero of another sign is another one
+  for (const auto& [name, k] : kinds) {
+    const double relative = k.largest > 0 ? k.off / k.largest : k.off;
+    if (!(relative <= worst)) worst = relative;
+  }
+  return worst;
+}
+
+Spread spread(std::vector<double> values) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  if (values.empty()) return {kNone, kNone, kNone};
+  std::sort(values.begin(), values.end());
+  const auto at = [&](double share) {
+    return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
+  };
+  return {at(0.25), at(0.5), at(0.75)};
+}
+
+const std::vector<double>& telling(const Entry& entry) { return one_thread(entry) ? entry.processor : entry.seconds; }
+
+Spread speed_up(const Entry& entry, const Entry& of) {
+  const bool by_processor = one_thread(entry) && one_thread(of);
+  const std::vector<double>& here = by_processor ? entry.processor : entry.seconds;
+  const std::vector<double>& there = by_processor ? of.processor : of.seconds;
+  std::vector<double> ratios;
+  for (std::size_t r = 0; r < std::min(here.size(), there.size()); ++r) ratios.push_back(there[r] / here[r]);
+  return spread(std::move(ratios));
+}
+
+}  // namespace assur::bench

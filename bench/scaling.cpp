@@ -1,0 +1,390 @@
+// How the library scales on the machine at hand: threads, lanes, chunks, members, legs; single steps with pinned
+// threads; and among busy processes. Every result is held against that of one thread before its time counts. Exits with
+// 1 if one is wrong.
+//
+//   scaling_bench [--quick] [--only NAMES] [--threads N] [--rounds N] [--block S] [--busy N] [--csv FILE]
+#include <malloc.h>
+#include <stdlib.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <functional>
+#include <iostream>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "assur/assur.hpp"
+#include "contenders.hpp"
+#include "contest.hpp"
+#include "machine.hpp"
+#include "scaling_table.hpp"
+
+namespace assur::bench {
+namespace {
+
+// Two motions, each with residuals of 8 eps, at the condition of a group, of accelerations at its square.
+constexpr double bound_of(double condition) {
+  return 2 * 8 * condition * condition * std::numeric_limits<double>::epsilon();
+}
+constexpr double kLeg = bound_of(23);             // of a Stewart platform, largest singular value over smallest
+constexpr double kRing = bound_of(16);            // of 6 to 360 points
+constexpr double kChain = 10 * 10 * bound_of(6);  // of ten rockers: errors are handed on, of accelerations twice
+
+struct Options {
+  bool quick = false;
+  std::vector<std::string> only;
+  int threads = 0;   // 0: the budget of the machine
+  int rounds = 0;    // 0: 3 if quick, else 15
+  int busy = 0;      // processes; 0: two for each thread
+  double block = 0;  // s of one measurement of one candidate that steps; 0: 0.05, if quick 0.002
+  std::string csv;
+
+  // 1, 2, 4, ... and what is asked for at most.
+  [[nodiscard]] std::vector<int> counts() const {
+    std::vector<int> of;
+    for (int n = 1; n < threads; n *= 2) of.push_back(n);
+    of.push_back(threads);
+    return of;
+  }
+};
+
+std::string split(int p, int q) { return " " + std::to_string(p) + "x" + std::to_string(q); }
+
+// Adds what can run, and what cannot with the reason; returns its index.
+std::size_t add(std::vector<Entry>& contest, Entry entry, const std::function<std::unique_ptr<Contender>()>& make) {
+  try {
+    entry.contender = make();
+  } catch (const Error& error) {
+    entry.failure = std::string("cannot run: ") + error.what();
+  }
+  contest.push_back(std::move(entry));
+  return contest.size() - 1;
+}
+
+// ---- the experiments
+
+// One mechanism, step after step: p packs at once, q threads in the solver of each.
+void add_splits(std::vector<Entry>& contest, const Options& o, const std::string& text, const std::string& strategy,
+                double bound) {
+  const Scene scene = sample(text);
+  int steps = 1;
+  const auto add_split = [&](int p, int q, std::size_t alone) {
+    Entry entry{text, strategy + split(p, q)};
+    entry.base = entry.alone = alone;
+    entry.bound = q > 1 ? bound : 0;
+    return add(contest, std::move(entry), [&] {
+      return make_steps(scene, {strategy + split(p, q), o.threads}, steps);
+    });
+  };
+  try {
+    steps = steps_in(o.block, scene, strategy);
+  } catch (const Error&) {  // the entry says why
+  }
+  const bool parallel = strategy.ends_with("lapack") || strategy.ends_with("team");
+  const bool both = strategy.ends_with("team");  // OpenBLAS cannot nest
+  const std::size_t alone = add_split(1, 1, Entry::kItself);
+  for (const int p : o.counts()) {
+    for (const int q : o.counts()) {
+      if (p * q == 1 || p * q > o.threads || (q > 1 && !parallel) || (p > 1 && q > 1 && !both)) continue;
+      add_split(p, q, alone);
+    }
+  }
+}
+
+std::vector<Entry> latency(const Options& o) {
+  std::vector<Entry> contest;
+  const std::string rings = o.quick ? "rings:legs=16,n=24" : "rings:legs=64,n=120";
+  for (const char* solver : {"lanes:8", "klu", "eigen", "lapack", "team"}) {
+    add_splits(contest, o, rings, std::string("groups/") + solver, kRing);
+  }
+  for (const int platforms : o.quick ? std::vector{1, 8} : std::vector{1, 8, 64, 512}) {
+    const std::string text = "stewart:platforms=" + std::to_string(platforms);
+    for (const char* solver : {"irreducible/lanes:8", "groups/klu"}) add_splits(contest, o, text, solver, kLeg);
+  }
+  return contest;
+}
+
+// One thread, W groups of one mechanism side by side.
+std::vector<Entry> lanes(const Options& o) {
+  std::vector<Entry> contest;
+  const auto sweep = [&](const std::string& text, const std::string& solver, double bound) {
+    const Scene scene = sample(text);
+    const int steps = steps_in(o.block, scene, solver);
+    std::size_t one = Entry::kItself;
+    for (const int w : {1, 2, 4, 8, 16}) {
+      Entry entry{text, solver + (w > 1 ? ":" + std::to_string(w) : "")};
+      entry.base = one;
+      entry.bound = bound;
+      const std::string strategy = entry.strategy;
+      const std::size_t added = add(contest, std::move(entry), [&] {
+        return make_steps(scene, {strategy, o.threads}, steps);
+      });
+      if (w == 1) one = added;
+    }
+  };
+  sweep(o.quick ? "rings:legs=16,n=24" : "rings:legs=64,n=120", "groups/lanes", kRing);
+  sweep("stewart:legs=64", "groups/lanes", kLeg);
+  sweep("stewart:legs=64", "irreducible/lanes", kLeg);
+  return contest;
+}
+
+const std::vector<std::string> kHandleEnds = {"B1", "B2", "B3", "B4", "B5", "B6"};
+
+// One mechanism over a long time, cut into chunks that fill lanes and threads.
+void add_chunks(std::vector<Entry>& contest, const Options& o, const std::string& text, const Scene& scene,
+                double bound) {
+  const auto add_run = [&](int count, int p, std::size_t base, std::size_t alone) {
+    std::string strategy = "irreducible/lanes:8";
+    if (count > 1) strategy += "+chunks=" + std::to_string(count);
+    if (p > 1) strategy += split(p, 1);
+    Entry entry{text, strategy};
+    entry.base = base;
+    entry.alone = alone;
+    entry.bound = alone == Entry::kItself ? bound : 0;
+    return add(contest, std::move(entry), [&] { return make_run(scene, {strategy, o.threads}); });
+  };
+  const std::size_t whole = add_run(1, 1, Entry::kItself, Entry::kItself);
+  for (const int count : {8, 64, 512}) {
+    if (o.quick && count > 64) continue;
+    const std::size_t alone = add_run(count, 1, whole, Entry::kItself);
+    for (const int p : o.counts()) {
+      if (p > 1) add_run(count, p, whole, alone);
+    }
+  }
+}
+
+std::vector<Entry> chunks(const Options& o) {
+  std::vector<Entry> contest;
+  const std::string steps = o.quick ? "steps=400" : "steps=20000";
+  // One group on each level: without chunks its lanes are idle.
+  add_chunks(contest, o, "four_bar:loops=10," + steps, sample("four_bar:loops=10,step=0.01," + steps), kChain);
+  add_chunks(contest, o, "stewart:" + steps + ", handle ends", sample("stewart:" + steps).with_outputs(kHandleEnds),
+             kLeg);
+  return contest;
+}
+
+// Many Stewart platforms of different speeds: in lanes and threads, and each on its own. `wanted`: outputs.
+void add_members(std::vector<Entry>& contest, const Options& o, const std::vector<std::string>& wanted) {
+  const int members = o.quick ? 64 : 1024, steps = o.quick ? 20 : wanted.empty() ? 50 : 200;
+  std::vector<Scene> scenes;
+  for (int i = 0; i < members; ++i) {
+    Scene scene = sample("stewart", {{"omega", 0.5 + i * 1.0 / members}, {"steps", steps}});
+    scenes.push_back(wanted.empty() ? std::move(scene) : scene.with_outputs(wanted));
+  }
+  const std::string text = "stewart, " + std::string(wanted.empty() ? "everything" : "handle ends");
+  Entry single{text, "irreducible/lanes:8"};
+  const std::size_t base = add(contest, std::move(single), [&] {
+    return make_members_one_by_one(scenes, {"irreducible/lanes:8", 1});
+  });
+  for (const char* solver : {"irreducible/lanes:8", "irreducible/lanes:16"}) {
+    std::size_t alone = Entry::kItself;
+    for (const int p : o.counts()) {
+      Entry entry{text, solver + (p > 1 ? split(p, 1) : "")};
+      entry.members = members;
+      entry.base = base;
+      entry.alone = alone;
+      entry.bound = p > 1 ? 0 : kLeg;
+      const std::string strategy = entry.strategy;
+      const std::size_t added = add(contest, std::move(entry), [&] {
+        return make_ensemble(scenes, {strategy, o.threads});
+      });
+      if (p == 1) alone = added;
+    }
+  }
+}
+
+std::vector<Entry> members(const Options& o) {
+  std::vector<Entry> contest;
+  add_members(contest, o, kHandleEnds);
+  add_members(contest, o, {});
+  return contest;
+}
+
+// One platform with more and more legs.
+std::vector<Entry> legs(const Options& o) {
+  std::vector<Entry> contest;
+  for (int count = 8; count <= (o.quick ? 64 : 4096); count *= 2) {
+    const std::string text = "stewart:legs=" + std::to_string(count);
+    const Scene scene = sample(text);
+    const int steps = steps_in(o.block, scene, "irreducible/lanes:8");
+    const auto add_legs = [&](const std::string& strategy, std::size_t base, std::size_t alone) {
+      Entry entry{text, strategy};
+      entry.legs = count;
+      entry.base = base;
+      entry.alone = alone;
+      entry.bound = alone == Entry::kItself ? kLeg : 0;
+      return add(contest, std::move(entry), [&] { return make_steps(scene, {strategy, o.threads}, steps); });
+    };
+    const std::size_t one = add_legs("irreducible/lanes", Entry::kItself, Entry::kItself);
+    const std::size_t alone = add_legs("irreducible/lanes:8", one, Entry::kItself);
+    if (o.threads > 1) add_legs("irreducible/lanes:8" + split(o.threads, 1), one, alone);
+  }
+  return contest;
+}
+
+// Steps timed one by one, threads free and pinned.
+std::vector<Entry> pinned(const Options& o) {
+  std::vector<Entry> contest;
+  const std::vector<std::int32_t> cores = this_machine().cores;
+  const auto sweep = [&](const std::string& text, const std::string& solver) {
+    const Scene scene = sample(text);
+    const int steps = std::max(100, steps_in(o.block, scene, solver));
+    std::size_t one = Entry::kItself;
+    for (const int p : o.counts()) {
+      for (const bool pin : {false, true}) {
+        Entry entry{text, solver + (p > 1 ? split(p, 1) : ""), pin ? "pinned" : ""};
+        entry.base = entry.alone = one;
+        const std::string strategy = entry.strategy;
+        StepLimits limits;
+        if (pin) limits.pin_to.assign(cores.begin(), cores.end());
+        const std::size_t added = add(contest, std::move(entry), [&] {
+          return make_steps(scene, {strategy, o.threads}, steps, limits, true);
+        });
+        if (one == Entry::kItself) one = added;
+      }
+    }
+  };
+  sweep("stewart", "irreducible/lanes:8");
+  sweep(o.quick ? "rings:legs=16,n=24" : "rings:legs=64,n=120", "groups/lanes:8");
+  return contest;
+}
+
+// More processes that are busy than there are cores: nothing hangs, and what it costs.
+std::vector<Entry> crowd(const Options& o) {
+  std::vector<Entry> contest;
+  const std::string text = o.quick ? "rings:legs=16,n=24" : "rings:legs=64,n=120", solver = "groups/lanes:8";
+  const Scene scene = sample(text);
+  const int steps = o.quick ? 10 : 100;  // each may take as long as the system lets one of the others run
+  const std::vector<std::int32_t> cores = this_machine().cores;
+  for (const int p : o.counts()) {
+    for (const bool pin : {false, true}) {
+      if (pin && p == 1) continue;
+      const std::string strategy = solver + (p > 1 ? split(p, 1) : "");
+      StepLimits limits;
+      if (pin) limits.pin_to.assign(cores.begin(), cores.end());
+      const auto make = [&] { return make_steps(scene, {strategy, o.threads}, steps, limits, true); };
+      const std::size_t quiet = add(contest, Entry{text, strategy, pin ? "pinned" : ""}, make);
+      Entry entry{text, strategy, (pin ? "pinned, " : "") + std::to_string(o.busy) + " busy processes"};
+      entry.base = entry.alone = quiet;
+      add(contest, std::move(entry), [&] { return in_a_crowd(make(), o.busy); });
+    }
+  }
+  return contest;
+}
+
+struct Experiment {
+  const char* name;
+  const char* title;
+  std::vector<Entry> (*make)(const Options&);
+  Show show;
+};
+
+constexpr Experiment kExperiments[] = {
+    {"latency", "latency: one mechanism, step after step; p packs at once, q threads in each", latency, Show::threads},
+    {"lanes", "lanes: one thread, W groups side by side", lanes, Show::lanes},
+    {"chunks", "chunks: one mechanism over a long time", chunks, Show::chunks},
+    {"members", "members: many mechanisms; the first line of each scene is one on its own", members, Show::members},
+    {"legs", "legs: cost of one leg", legs, Show::legs},
+    {"pinned", "pinned: single steps; slowdown over one thread that is not pinned", pinned, Show::single},
+    {"crowd", "crowd: among busy processes; slowdown over the same without", crowd, Show::single},
+};
+
+// ---- the program
+
+// Processes that wait for a processor change every time: what the machine did otherwise is told with the results.
+std::string load() {
+  double average[1] = {0};
+  if (getloadavg(average, 1) != 1) return "unknown";
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f", average[0]);
+  return text;
+}
+
+void describe(std::ostream& out, const Options& o, const std::string& prefix) {
+  for (const auto& [name, text] : machine_facts()) out << prefix << name << ": " << text << '\n';
+  out << prefix << "load average: " << load() << '\n'
+      << prefix << "threads: up to " << o.threads << "; rounds: " << o.rounds << '\n';
+  out.flush();
+}
+
+// Memory of results is kept from round to round, also that of large ones: a page that is new to the process costs as
+// much as some of the steps that are written to it.
+void keep_memory() {
+  mallopt(M_MMAP_MAX, 0);
+  mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
+}
+
+int run(Options o) {
+  keep_memory();
+  if (o.threads == 0) o.threads = this_machine().budget().threads;
+  if (o.rounds == 0) o.rounds = o.quick ? 3 : 15;
+  if (o.busy == 0) o.busy = 2 * o.threads;
+  if (o.block == 0) o.block = o.quick ? 0.002 : 0.05;
+  std::ofstream csv;
+  if (!o.csv.empty()) {
+    csv.open(o.csv);
+    if (!csv) throw Error(Error::Kind::environment, "--csv: cannot write " + o.csv);
+    describe(csv, o, "# ");
+    write_csv_header(csv);
+  }
+  describe(std::cout, o, "");
+  int wrong = 0;
+  for (const Experiment& experiment : kExperiments) {
+    if (!o.only.empty() && std::find(o.only.begin(), o.only.end(), experiment.name) == o.only.end()) continue;
+    std::vector<Entry> contest = experiment.make(o);
+    hold(contest, o.rounds);
+    print_table(experiment.title, contest, experiment.show);
+    if (csv.is_open()) write_csv_rows(csv, experiment.name, contest);
+    wrong += static_cast<int>(std::count_if(contest.begin(), contest.end(), [](const Entry& e) { return e.wrong; }));
+  }
+  std::printf(
+      "\nmedians of %d rounds, all lines of a table in turns. One thread: processor time; several: by the "
+      "clock.\n+-%%: half the distance of the quartiles; at best: the "
+      "fastest rounds.\n"
+      "Load average at the end: %s\n",
+      o.rounds, load().c_str());
+  if (!o.csv.empty() && !csv) throw Error(Error::Kind::environment, "--csv: cannot write " + o.csv);
+  if (wrong > 0) std::fprintf(stderr, "error: %d results are WRONG\n", wrong);
+  return wrong > 0 ? 1 : 0;
+}
+
+}  // namespace
+}  // namespace assur::bench
+
+int main(int argc, char** argv) {
+  using namespace assur::bench;
+  Options options;
+  std::vector<std::string> names;
+  for (const Experiment& experiment : kExperiments) names.emplace_back(experiment.name);
+  CLI::App app("How the library scales on this machine. Every result is verified before its time counts.",
+               "scaling_bench");
+  app.add_flag("--quick", options.quick, "Small sizes, in seconds: shows that all of it runs");
+  app.add_option("--only", options.only, "Some of " + CLI::detail::join(names, ", "))
+      ->delimiter(',')
+      ->check(CLI::IsMember(names))
+      ->type_name("A,B");
+  const auto count = [&](const char* name, int& value, const char* meaning) {
+    app.add_option(name, value, meaning)->check(CLI::Range(1, 4096))->type_name("N");
+  };
+  count("--threads", options.threads, "Up to so many; more than the machine's budget if asked for");
+  count("--rounds", options.rounds, "Measurements of each candidate: 15, with --quick 3");
+  count("--busy", options.busy, "Processes of the crowd: two for each thread");
+  app.add_option("--block", options.block, "Seconds of one measurement: 0.05, with --quick 0.002")
+      ->check(CLI::Range(1e-6, 100.0))
+      ->type_name("S");
+  app.add_option("--csv", options.csv, "Write all tables")->type_name("FILE");
+  app.footer("Exit status: 0 done, 1 a result is wrong, 2 bad usage, 3 environment.");
+  try {
+    app.parse(argc, argv);
+    return run(options);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "error: %s\n", error.what());
+    return 3;
+  }
+}
