@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <limits>
 #include <utility>
@@ -28,14 +29,29 @@ void say_alone(const LaneRun& run, std::vector<std::string>& fallbacks) {
                       std::to_string(run.alone_from) + " s on, where it could not keep step with others");
 }
 
-void say_again(const LaneRun& run, std::vector<std::string>& fallbacks) {
-  fallbacks.push_back("the chunk from t = " + std::to_string(run.times[0]) +
-                      " s on began on another branch than the one before ended; it was run again");
+// One run for each chunk; the rows behind the border to the next one are kept apart.
+std::vector<LaneRun> cut(std::span<const double> times, const ChunkGrid& grid, std::vector<Variant> starts,
+                         double* values, double* overlaps, std::size_t columns) {
+  const std::size_t chunks = grid.first.size();
+  std::vector<LaneRun> runs(chunks);
+  for (std::size_t c = 0; c < chunks; ++c) {
+    runs[c].variant = std::move(starts[c]);
+    runs[c].times = times.subspan(grid.first[c], grid.rows);
+    runs[c].rows = values + grid.first[c] * columns;
+    runs[c].beyond = overlaps + c * kOverlap * columns;
+    if (c + 1 < chunks) runs[c].split = grid.first[c + 1] - grid.first[c];
+    runs[c].posture_wanted = c + 1 < chunks ? runs[c].split : grid.rows - 1;
+  }
+  return runs;
 }
 
-// As if nothing had been done yet, from another posture.
-void begin_again(LaneRun& run, const std::vector<double>& posture) {
-  run.variant.posture = posture;
+// A chunk that did not begin where the one before ended begins anew from there; if the run was stopped, it has done
+// nothing.
+void settle(SideBySide& worker, const LaneRun& before, LaneRun& run, const std::function<bool()>& proceed,
+            std::vector<std::string>& fallbacks) {
+  if (same_posture(before.posture, run.variant.posture, run.uniqueness)) return;
+  const Status stopped = run.status;
+  run.variant.posture = before.posture;
   run.done = 0;
   run.alone = false;
   run.status = {};
@@ -43,6 +59,14 @@ void begin_again(LaneRun& run, const std::vector<double>& posture) {
   run.events.clear();
   run.fallbacks.clear();
   run.cannot.clear();
+  if (stopped.code == Code::interrupted) {
+    run.status = stopped;
+    return;
+  }
+  worker.run_alone(run, proceed);
+  run.alone = false;  // that is told by:
+  fallbacks.push_back("the chunk from t = " + std::to_string(run.times[0]) +
+                      " s on began on another branch than the one before ended; it was run again");
 }
 
 // Its angles follow those of the chunk before; one that did nothing has at least the row where that one ended.
@@ -90,15 +114,7 @@ ChunkedRun run_in_chunks(const Prepared& prepared, const StepLimits& limits, std
   ChunkedRun out;
   out.values.resize(times.size() * columns);
   std::vector<double> overlaps(chunks * kOverlap * columns);
-  std::vector<LaneRun> runs(chunks);
-  for (std::size_t c = 0; c < chunks; ++c) {
-    runs[c].variant = std::move(starts[c]);
-    runs[c].times = times.subspan(grid.first[c], grid.rows);
-    runs[c].rows = out.values.data() + grid.first[c] * columns;
-    runs[c].beyond = overlaps.data() + c * kOverlap * columns;
-    if (c + 1 < chunks) runs[c].split = grid.first[c + 1] - grid.first[c];
-    runs[c].posture_wanted = c + 1 < chunks ? runs[c].split : grid.rows - 1;
-  }
+  std::vector<LaneRun> runs = cut(times, grid, std::move(starts), out.values.data(), overlaps.data(), columns);
   // Rows that two chunks compute count once.
   const auto rows = static_cast<std::int64_t>(times.size());
   Simulator::Observer of_the_grid;
@@ -109,29 +125,19 @@ ChunkedRun run_in_chunks(const Prepared& prepared, const StepLimits& limits, std
   const std::vector<std::size_t> angles = tiles.first().angles();
   for (std::size_t c = 0; c < chunks; ++c) {
     LaneRun& run = runs[c];
-    const bool is_last = c + 1 == chunks;
-    const LaneRun* const before = c > 0 ? &runs[c - 1] : nullptr;
-    if (before != nullptr && !same_posture(before->posture, run.variant.posture, run.uniqueness)) {
-      const Status stopped = run.status;
-      begin_again(run, before->posture);
-      if (stopped.code == Code::interrupted) {
-        run.status = stopped;
-      } else {
-        tiles.first().run_alone(run, proceed);
-        say_again(run, out.fallbacks);
-      }
-    } else if (run.alone) {
-      say_alone(run, out.fallbacks);
+    if (c > 0) {
+      settle(tiles.first(), runs[c - 1], run, proceed, out.fallbacks);
+      follow(runs[c - 1], run, angles, columns);
     }
-    if (before != nullptr) follow(*before, run, angles, columns);
+    if (run.alone) say_alone(run, out.fallbacks);
+    out.fallbacks.insert(out.fallbacks.end(), run.fallbacks.begin(), run.fallbacks.end());
 
     // What comes after the first row of the next chunk is that one's affair.
-    const bool arrived = run.done > (is_last ? grid.rows - 1 : run.split);
-    const double end = arrived && !is_last ? run.times[run.split] : std::numeric_limits<double>::infinity();
+    const bool goes_on = c + 1 < chunks && run.done > run.split;
+    const double end = goes_on ? run.times[run.split] : std::numeric_limits<double>::infinity();
     std::copy_if(run.events.begin(), run.events.end(), std::back_inserter(out.events),
                  [&](const Event& e) { return e.time < end; });
-    out.fallbacks.insert(out.fallbacks.end(), run.fallbacks.begin(), run.fallbacks.end());
-    if (arrived && !is_last) continue;
+    if (goes_on) continue;
     out.rows = grid.first[c] + run.done;
     out.status = run.status;
     out.posture = run.posture;

@@ -8,9 +8,10 @@
 #include <numbers>
 #include <sstream>
 
+#include "assur/machine.hpp"
+#include "backends/allocations.hpp"
 #include "simulation/conditions.hpp"
 #include "simulation/limited.hpp"
-#include "structure/bricard.hpp"
 
 namespace assur {
 namespace {
@@ -568,6 +569,54 @@ TEST(Ensemble, OneMemberAndFewerThanLanes) {
     EXPECT_EQ(all.members(), members);
     for (std::size_t i = 0; i < members; ++i) expect_member(e, all, i, four_bar(i), "groups/lanes:8 2x1");
     EXPECT_EQ(e.report().counters.steps, static_cast<std::int64_t>(60 * members));
+  }
+}
+
+// The paper's tEnd2: one correction each, converged or not.
+TEST(Ensemble, AFixedNumberOfIterationsIsThatOfASimulator) {
+  const SceneOf scene = [](std::size_t i) {
+    return sample("four_bar:2", {{"omega", 1.0 + share(i, 5)}, {"steps", 40}});
+  };
+  for (const std::string strategy : {"groups/eigen:1+predict=taylor:1", "groups/lanes:4+predict=taylor:1"}) {
+    Ensemble e(5, prepared(scene, strategy), {1});
+    const EnsembleTrajectory all = e.run();
+    for (std::size_t i = 0; i < 5; ++i) {
+      Simulator lone(prepare(scene(i), {strategy, {}}), {1});
+      const Trajectory t = lone.run();
+      ASSERT_EQ(all.rows(i), t.rows());
+      EXPECT_GT(lone.report().error.position, 8 * kEps);  // it matters that it is one
+      const std::vector<double> conditions = test::conditions(scene(i), t.times());
+      for (std::size_t k = 0; k < t.rows(); ++k) {
+        test::expect_same_row(all.row(i, k), t, k, test::sizes(t), conditions[k], 8 * kEps);
+      }
+    }
+  }
+}
+
+TEST(Ensemble, ThreadsArePinnedAsAsked) {
+  const std::vector<std::int32_t> cores = this_machine().cores;
+  if (cores.size() < 2) GTEST_SKIP() << "one core";
+  StepLimits pinned;
+  pinned.pin_to = {cores[0], cores[1]};
+  expect_same_bits(Ensemble(11, prepared(four_bar, "groups/eigen:2 2x1"), pinned).run(),
+                   ensemble(11, four_bar, "groups/eigen:2 2x1").run());
+  pinned.pin_to.pop_back();
+  EXPECT_NE(refusal([&] { (void)Ensemble(11, prepared(four_bar, "groups/eigen:2 2x1"), pinned); }).find("pinned"),
+            std::string::npos);
+}
+
+// Twice as many steps take not one allocation more.
+TEST(Ensemble, StepsTakeNoMemory) {
+  for (const std::string strategy : {"groups/eigen:4", "irreducible/lanes:8+once", "groups/lanes:2 2x1"}) {
+    Ensemble e = ensemble(16, chain, strategy);
+    const std::vector<double> grid = test::grid_of(chain(0));
+    const auto taken = [&](std::size_t rows) {
+      const std::int64_t before = test::allocations();
+      (void)e.run(std::span(grid).first(rows));
+      return test::allocations() - before;
+    };
+    (void)taken(61);
+    EXPECT_EQ(taken(61), taken(31)) << strategy;
   }
 }
 

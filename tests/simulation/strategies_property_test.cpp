@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "simulation/conditions.hpp"
+#include "simulation/limited.hpp"
 #include "simulation/random_mechanisms.hpp"
 
 namespace assur {
@@ -13,8 +14,7 @@ using test::Result;
 
 constexpr ThreadBudget kBudget{4};
 
-// Splits p x q of the paper's strategies; p > 1 in one mechanism changes times only, never a result.
-constexpr int kMostGroupsAtOnce = 1;
+constexpr int kMostGroupsAtOnce = 2;  // p of the paper's strategies
 
 // Its own forward error, by the reference in quad precision, is within what its residual r allows at condition c:
 // r c for positions, r c^2 for rates, r c^3 for accelerations, relative to the largest of the scene's outputs.
@@ -134,6 +134,34 @@ TEST(Strategies, OfThePaperRun) {
                                        s.strategy.substr(0, s.strategy.find(' ')) + "+once" +
                                            s.strategy.substr(std::min(s.strategy.find(' '), s.strategy.size())),
                                        condition);
+  }
+}
+
+// Packs that are shared out among threads are solved as by one.
+TEST(Strategies, TheNumberOfThreadsChangesNoBit) {
+  const Scene platform = sample("stewart:legs=22,steps=40"), rings = sample("rings:legs=7,n=60,steps=20");
+  const Scene limited = test::limited_four_bar(Law::polynomial({0.5, 1})).time(0, 2, 0.01).build();
+  for (const Scene& scene : {platform, rings, limited}) {
+    for (const Backend* backend : backends_here()) {
+      const std::string id(backend->id);
+      if (id == "mumps" || id == "ma27") continue;  // one thread
+      for (const std::string& head :
+           {"groups/" + id, "irreducible/" + id + ":4+once", "groups/" + id + ":2+reuse=run"}) {
+        Simulator one(prepare(scene, {head, {}, kBudget}));
+        const Trajectory expected = one.run();
+        for (const std::string split : {" 2x1", " 3x1"}) {
+          SCOPED_TRACE(scene.name() + " " + head + split);
+          Simulator more(prepare(scene, {head + split, {}, kBudget}));
+          EXPECT_EQ(more.run().values(), expected.values());
+          EXPECT_EQ(more.run().values(), expected.values());
+          EXPECT_EQ(more.report().status.code, one.report().status.code);
+          EXPECT_EQ(more.report().counters.newton_iterations, one.report().counters.newton_iterations);
+          EXPECT_EQ(more.report().counters.factorizations, one.report().counters.factorizations);
+          EXPECT_EQ(more.report().error.position, one.report().error.position);
+          EXPECT_EQ(more.report().events.size(), one.report().events.size());
+        }
+      }
+    }
   }
 }
 
