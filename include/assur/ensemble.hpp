@@ -43,6 +43,8 @@ class EnsembleTrajectory {
 // member, counted from 1, t, then every column; 17 significant digits.
 void write_csv(std::ostream& out, const EnsembleTrajectory& trajectory);
 
+// Safe as simulators are: one ensemble for each thread of the program's, one thread at a time for each ensemble, and
+// the child of a fork() may run those that were not running.
 class Ensemble {
  public:
   // How one member ended.

@@ -58,6 +58,12 @@ struct StepLimits {
   std::vector<int> pin_to = {};
 };
 
+// Simulators share nothing that changes: each thread of the program's may use its own, within a parallel region of
+// OpenMP too, with the threads of its plan; one simulator serves one thread at a time, whichever that is. The child of
+// a fork() may go on with those that no other thread was using at that moment; they start their threads anew.
+//
+// With p threads, packs of one level, or chunks, are solved at once: then several threads call callbacks, and those of
+// chunks also laws, at the same time. p changes no bit of the motion.
 class Simulator {
  public:
   // Throws Error (environment) if the plan asks for something that cannot run here.
@@ -70,7 +76,8 @@ class Simulator {
   [[nodiscard]] double time() const;
 
   // Moves to time t, which may be earlier than time(), by continuation: the step is halved where needed. On failure the
-  // last good posture is kept (time() says which) and the status says why.
+  // last good posture is kept (time() says which) and the status says why. What a law or a callback throws comes from
+  // here, and then the last good posture is kept too.
   Status step(double t);
 
   // Control: the driver's value, rate and acceleration at the next step (SI units; angle, distance or coordinate

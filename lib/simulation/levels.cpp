@@ -1,5 +1,6 @@
 #include "simulation/levels.hpp"
 
+#include <algorithm>
 #include <numeric>
 #include <utility>
 
@@ -12,6 +13,16 @@ namespace {
 constexpr double kMeeting = 1e-6;  // s: two barriers and the caches' share of it
 
 std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+// Packs on the level that has most of them.
+int widest_level(const std::vector<Pack>& packs) {
+  std::ptrdiff_t most = 0;
+  for (auto begin = packs.begin(), end = begin; begin != packs.end(); begin = end) {
+    end = std::find_if(begin, packs.end(), [&](const Pack& p) { return p.level != begin->level; });
+    most = std::max(most, end - begin);
+  }
+  return static_cast<int>(most);
+}
 
 }  // namespace
 
@@ -28,6 +39,7 @@ Levels::Levels(const Prepared& prepared, Layout& layout, std::span<const int> pi
 
 // Levels that gain by it are shared; what lies between two of them is the caller's. No phases if nothing is shared.
 void Levels::schedule(const Prepared& prepared, int threads) {
+  threads = std::min(threads, widest_level(packs_));  // more would only wait
   if (threads < 2) return;
   std::vector<double> cost;
   for (const Pack& pack : packs_) {

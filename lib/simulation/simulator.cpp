@@ -173,9 +173,23 @@ struct Simulator::Impl {
       deadline = std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
                                                         std::chrono::duration<double>(limits.seconds));
     }
-    const double from = now, span = t - now, smallest = std::abs(span) * kSmallest;
+    const double from = now;
     inputs.begin_step(now, t);
     Status status;
+    try {
+      status = advance(t, may_reselect);
+    } catch (...) {  // from a law or a callback
+      std::fill(passing.begin(), passing.end(), 0);
+      end_step(from, false);
+      throw;
+    }
+    end_step(from, status.ok());
+    return report.status = status;
+  }
+
+  // From posture to posture until t.
+  Status advance(double t, bool may_reselect) {
+    const double span = t - now, smallest = std::abs(span) * kSmallest;
     double h = span;
     while (now != t) {
       const double target = std::abs(t - now) <= std::abs(h) * 1.0000001 ? t : now + h;
@@ -186,30 +200,33 @@ struct Simulator::Impl {
         continue;
       }
       ++report.counters.rejected;
-      if (!worth_halving(s.code)) {
-        status = s;
-        break;
+      // Close to a singularity of the equations that are solved, what is watched is the first to tell.
+      if (s.code == Code::inconsistent && may_choose_anew(may_reselect)) {
+        wants_reselection = true;
+        return s;
       }
+      if (!worth_halving(s.code)) return s;
       if (std::abs(h) > smallest * 1.5) {
         h = (target - now) / 2;
         continue;
       }
-      if (may_reselect && prepared.reselect && now != selected_at) {
+      if (may_choose_anew(may_reselect)) {
         wants_reselection = true;
-        status = s;
-        break;
+        return s;
       }
-      status = at_the_limit(s, target, t);
-      if (!status.ok()) break;
+      if (const Status found = at_the_limit(s, target, t); !found.ok()) return found;
       h = smallest * (span < 0 ? -1 : 1);
     }
-    if (!status.ok()) restore();
+    return {};
+  }
+
+  // A step that did not arrive leaves the last good posture, which may lie on the way.
+  void end_step(double from, bool arrived) {
+    if (!arrived) restore();
     const bool stands_still = inputs.end_step(now, wants_reselection);
-    if (status.ok()) ++report.counters.steps;
+    if (arrived) ++report.counters.steps;
     if (now != from) fill_row(true, now - from);
     if (stands_still) state.stand_still();
-    report.status = status;
-    return status;
   }
 
   // Is it somewhere? A driver that was set to nowhere is named by an event, and nothing moves.
@@ -222,6 +239,8 @@ struct Simulator::Impl {
     inputs.drop_pending();
     return {Code::not_finite, -1, value};
   }
+
+  [[nodiscard]] bool may_choose_anew(bool asked) const { return asked && prepared.reselect && now != selected_at; }
 
   static bool worth_halving(Code code) {
     return code == Code::branch_unknown || code == Code::not_converged || code == Code::singular ||

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 #include <sys/syscall.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -20,6 +19,7 @@
 #include "assur/status.hpp"
 #include "backends/allocations.hpp"
 #include "parallel/barrier.hpp"
+#include "parallel/in_a_child.hpp"
 #include "parallel/thread_state.hpp"
 #include "sanitizers.hpp"
 
@@ -251,19 +251,6 @@ TEST(Team, CannotBePinnedWhereItMayNotRun) {
     EXPECT_NE(std::string(error.what()).find("cannot pin a thread to processor 8000: "), std::string::npos);
   }
   EXPECT_EQ(allowed_processors(), before);
-}
-
-// Runs `work` in the child of a fork; its exit status, 127 if it neither ended nor failed within a minute.
-template <class Work>
-int in_a_child(Work&& work) {
-  const pid_t child = fork();
-  if (child == 0) {
-    alarm(60);
-    _exit(work());
-  }
-  int status = 0;
-  waitpid(child, &status, 0);
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 127;
 }
 
 class ForkedTeam : public testing::Test {

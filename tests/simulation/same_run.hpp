@@ -1,0 +1,69 @@
+// Two runs that may differ in their threads are the same, bit for bit.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "simulation/run.hpp"
+
+namespace assur::test {
+
+inline bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
+inline void expect_same_counters(const Counters& a, const Counters& b) {
+  EXPECT_EQ(a.steps, b.steps);
+  EXPECT_EQ(a.substeps, b.substeps);
+  EXPECT_EQ(a.rejected, b.rejected);
+  EXPECT_EQ(a.group_solutions, b.group_solutions);
+  EXPECT_EQ(a.newton_iterations, b.newton_iterations);
+  EXPECT_EQ(a.most_iterations, b.most_iterations);
+  EXPECT_EQ(a.evaluated_equations, b.evaluated_equations);
+  EXPECT_EQ(a.factorizations, b.factorizations);
+  EXPECT_EQ(a.factorized_unknowns, b.factorized_unknowns);
+  EXPECT_EQ(a.solved_unknowns, b.solved_unknowns);
+  EXPECT_EQ(a.branch_checks, b.branch_checks);
+  EXPECT_EQ(a.stored_values, b.stored_values);
+}
+
+inline void expect_same_report(const Report& a, const Report& b) {
+  expect_same_counters(a.counters, b.counters);
+  EXPECT_EQ(a.effort.redone, b.effort.redone);
+  EXPECT_EQ(a.effort.renewed, b.effort.renewed);
+  EXPECT_EQ(a.effort.refined, b.effort.refined);
+  EXPECT_EQ(a.effort.in_double, b.effort.in_double);
+  // The worst residual is found by comparisons that round, so that its last bits depend on what it was compared with.
+  EXPECT_DOUBLE_EQ(a.error.position, b.error.position);
+  EXPECT_DOUBLE_EQ(a.error.velocity, b.error.velocity);
+  EXPECT_DOUBLE_EQ(a.error.acceleration, b.error.acceleration);
+  EXPECT_EQ(a.status.code, b.status.code);
+  EXPECT_EQ(a.status.where, b.status.where);
+  EXPECT_TRUE(same_bits(a.status.figure, b.status.figure));
+  EXPECT_EQ(a.reached, b.reached);
+  EXPECT_EQ(a.fallbacks, b.fallbacks);
+  ASSERT_EQ(a.events.size(), b.events.size());
+  for (std::size_t i = 0; i < a.events.size(); ++i) {
+    EXPECT_EQ(a.events[i].kind, b.events[i].kind);
+    EXPECT_EQ(a.events[i].group, b.events[i].group);
+    EXPECT_EQ(a.events[i].time, b.events[i].time);
+    EXPECT_EQ(a.events[i].until, b.events[i].until);
+    EXPECT_TRUE(same_bits(a.events[i].figure, b.events[i].figure));
+  }
+}
+
+inline void expect_same_rows(const Trajectory& a, const Trajectory& b) {
+  EXPECT_EQ(a.columns(), b.columns());
+  ASSERT_EQ(a.times(), b.times());
+  ASSERT_EQ(a.values().size(), b.values().size());
+  for (std::size_t i = 0; i < a.values().size(); ++i) {
+    ASSERT_TRUE(same_bits(a.values()[i], b.values()[i]))
+        << a.columns()[i % a.columns().size()] << " in row " << i / a.columns().size();
+  }
+}
+
+inline void expect_same_run(const Result& a, const Result& b) {
+  expect_same_rows(a.trajectory, b.trajectory);
+  expect_same_report(a.report(), b.report());
+}
+
+}  // namespace assur::test
