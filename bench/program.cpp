@@ -1,6 +1,10 @@
 #include "program.hpp"
 
+#include <hwy/targets.h>
+
 #include <algorithm>
+#include <iterator>
+#include <string_view>
 #include <vector>
 
 #include "assur/assur.hpp"
@@ -11,6 +15,14 @@ namespace {
 
 constexpr int kWarm = 10;  // steps: the predictors have their history, the solvers their memory
 
+// --simd=AVX2 or SSE4: as on a processor without better ones. Highway numbers its targets from the best on.
+bool take_simd(std::string_view argument) {
+  const bool avx2 = argument == "--simd=AVX2", sse4 = argument == "--simd=SSE4";
+  if (avx2) hwy::DisableTargets(HWY_AVX2 - 1);
+  if (sse4) hwy::DisableTargets(HWY_SSE4 - 1);
+  return avx2 || sse4;
+}
+
 }  // namespace
 
 int run_program(int argc, char** argv, void (*register_all)()) {
@@ -19,7 +31,7 @@ int run_program(int argc, char** argv, void (*register_all)()) {
                             "--benchmark_counters_tabular=true"};
   std::vector<char*> arguments = {argv[0]};
   for (std::string& argument : defaults) arguments.push_back(argument.data());
-  arguments.insert(arguments.end(), argv + 1, argv + argc);
+  std::copy_if(argv + 1, argv + argc, std::back_inserter(arguments), [](const char* a) { return !take_simd(a); });
   int count = static_cast<int>(arguments.size());
   benchmark::Initialize(&count, arguments.data());
   if (benchmark::ReportUnrecognizedArguments(count, arguments.data())) return 2;
