@@ -141,9 +141,9 @@ Scene redundant() {
   SceneBuilder b("triangles", 2);
   b.fixed_point("A", {0, 0, 0}).point("B", {x, y, 0}).constrain("crank", Distance{"A", "B", 1.0});
   b.drive("motor", PointAngle{"A", "B", "", Law::polynomial({kStart, 1})});
-  for (int i = 0; i < test::kWide; ++i) {
+  for (int i = 0; i < 24; ++i) {
     const std::string n = std::to_string(i);
-    const double length = 2 + 0.03125 * i;
+    const double length = 2 + 0.0625 * i;
     b.fixed_point("D" + n, {length, 0, 0}).fixed_point("E" + n, {1, 1, 0});
     b.point("C" + n, {x + length, y, 0}).point("M" + n, {x + 1, y + 1, 0});
     b.constrain("base" + n, Distance{"B", "C" + n, length})
