@@ -3,6 +3,7 @@
 #include <hwy/targets.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <iterator>
 #include <string_view>
 #include <vector>
@@ -18,8 +19,8 @@ constexpr int kWarm = 10;  // steps: the predictors have their history, the solv
 // --simd=AVX2 or SSE4: as on a processor without better ones. Highway numbers its targets from the best on.
 bool take_simd(std::string_view argument) {
   const bool avx2 = argument == "--simd=AVX2", sse4 = argument == "--simd=SSE4";
-  if (avx2) hwy::DisableTargets(HWY_AVX2 - 1);
-  if (sse4) hwy::DisableTargets(HWY_SSE4 - 1);
+  if (avx2) hwy::SetSupportedTargetsForTest(hwy::SupportedTargets() & -std::int64_t{HWY_AVX2});
+  if (sse4) hwy::SetSupportedTargetsForTest(hwy::SupportedTargets() & -std::int64_t{HWY_SSE4});
   return avx2 || sse4;
 }
 
