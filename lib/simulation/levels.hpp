@@ -32,7 +32,16 @@ class Levels {
   [[nodiscard]] Status solve(double* const (&state)[3], bool alone, const AttemptOf& attempt, const Expired& expired,
                              Counters& counters, StepErrors& errors, std::size_t& failed);
 
+  // work(part, parts) of something with so many pieces, each of a nanosecond or two, on all threads if that pays.
+  template <class Work>
+  void share(std::size_t pieces, const Work& work) {
+    if (!team_ || pieces < kWorthSharing) return work(0, 1);
+    const auto parts = static_cast<std::size_t>(threads());
+    team_->run([&](int rank) { work(static_cast<std::size_t>(rank), parts); });
+  }
+
  private:
+  static constexpr std::size_t kWorthSharing = 2000;
   // Work between two meetings: whole levels of the caller's, or one level of all threads.
   struct Phase {
     std::vector<std::int32_t> packs;  // by thread, in the order of their work

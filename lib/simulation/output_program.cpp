@@ -90,18 +90,23 @@ std::vector<std::size_t> OutputProgram::angles() const {
   return columns;
 }
 
-void OutputProgram::evaluate(const double* const (&state)[3], double* out, const double* previous, double dt) const {
-  for (const Line& l : motions_) {
+void OutputProgram::evaluate(const double* const (&state)[3], double* out, const double* previous, double dt,
+                             std::size_t part, std::size_t parts) const {
+  const auto share = [&](const auto& list) {
+    const std::size_t begin = list.size() * part / parts, end = list.size() * (part + 1) / parts;
+    return std::span(list).subspan(begin, end - begin);
+  };
+  for (const Line& l : share(motions_)) {
     out[l.column[0]] = l.offset + l.factor * state[0][l.address];
     out[l.column[1]] = l.factor * state[1][l.address];
     out[l.column[2]] = l.factor * state[2][l.address];
   }
-  for (const Line& l : lines_) {
+  for (const Line& l : share(lines_)) {
     for (std::size_t d = 0; d < 3; ++d) {
       if (l.column[d] >= 0) out[l.column[d]] = (d == 0 ? l.offset : 0) + l.factor * state[d][l.address];
     }
   }
-  for (const Sum& sum : sums_) {
+  for (const Sum& sum : share(sums_)) {
     double total[3] = {};
     for (std::int32_t t = sum.begin; t < sum.end; ++t) {
       const TermAt& term = sum_terms_[static_cast<std::size_t>(t)];
@@ -111,28 +116,28 @@ void OutputProgram::evaluate(const double* const (&state)[3], double* out, const
       if (sum.column[d] >= 0) out[sum.column[d]] = total[d];
     }
   }
-  for (const Part& part : parts_) {
+  for (const Part& measure : share(parts_)) {
     Jet<double> forms[9];
-    for (std::int32_t f = part.forms_begin; f < part.forms_end; ++f) {
+    for (std::int32_t f = measure.forms_begin; f < measure.forms_end; ++f) {
       double sum[3] = {};
-      for (int d = 0; d <= part.derivatives; ++d) {
+      for (int d = 0; d <= measure.derivatives; ++d) {
         for (std::int32_t t = form_start_[static_cast<std::size_t>(f)];
              t < form_start_[static_cast<std::size_t>(f) + 1]; ++t) {
           const TermAt& term = terms_[static_cast<std::size_t>(t)];
           sum[d] += term.factor * state[d][term.address];
         }
       }
-      forms[f - part.forms_begin] = {sum[0], sum[1], sum[2]};
+      forms[f - measure.forms_begin] = {sum[0], sum[1], sum[2]};
     }
-    Jet<double> m = evaluate_measure<double>(part.kind, {forms, 9}, dimension_);
-    if (part.angle && previous != nullptr && part.column[0] >= 0) {
-      double expected = previous[part.column[0]];
-      if (part.column[1] >= 0) expected += dt * (previous[part.column[1]] + m.rate) / 2;
+    Jet<double> m = evaluate_measure<double>(measure.kind, {forms, 9}, dimension_);
+    if (measure.angle && previous != nullptr && measure.column[0] >= 0) {
+      double expected = previous[measure.column[0]];
+      if (measure.column[1] >= 0) expected += dt * (previous[measure.column[1]] + m.rate) / 2;
       m.value += 2 * std::numbers::pi * std::round((expected - m.value) / (2 * std::numbers::pi));
     }
     const double value[3] = {m.value, m.rate, m.acceleration};
     for (std::size_t d = 0; d < 3; ++d) {
-      if (part.column[d] >= 0) out[part.column[d]] = value[d] * part.unit;
+      if (measure.column[d] >= 0) out[measure.column[d]] = value[d] * measure.unit;
     }
   }
 }

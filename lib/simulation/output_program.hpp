@@ -63,7 +63,9 @@ class OutputProgram {
 
   // state[d]: d-th derivative. out: one double for each column, SI units.
   // `previous`: the row before at a time dt earlier, to unwrap signed angles; null: the first row.
-  void evaluate(const double* const (&state)[3], double* out, const double* previous, double dt) const;
+  // part of parts: a share of the columns, for one of several threads.
+  void evaluate(const double* const (&state)[3], double* out, const double* previous, double dt, std::size_t part = 0,
+                std::size_t parts = 1) const;
 
  private:
   struct TermAt {

@@ -247,8 +247,15 @@ struct Simulator::Impl {
            code == Code::not_finite;
   }
 
+  void predict(double target) {
+    const State::Prediction prediction = state.begin_prediction(target);
+    levels.share(state.unknowns(), [&](std::size_t part, std::size_t parts) {
+      state.predict(prediction, state.unknowns() * part / parts, state.unknowns() * (part + 1) / parts);
+    });
+  }
+
   Status try_step(double target, Attempt::Branch branch) {
-    state.predict(target);
+    predict(target);
     StepErrors errors;
     const Status s = solve_at(target, branch, errors);
     if (s.ok()) accept(target, errors);
@@ -400,7 +407,10 @@ struct Simulator::Impl {
   void fill_row(bool unwrap, double dt = 0) {
     const double* const q[3] = {state.at(0), state.at(1), state.at(2)};
     row.swap(previous_row);
-    outputs.evaluate(q, row.data(), unwrap ? previous_row.data() : nullptr, dt);
+    const double* const before = unwrap ? previous_row.data() : nullptr;
+    levels.share(row.size(), [&](std::size_t part, std::size_t parts) {
+      outputs.evaluate(q, row.data(), before, dt, part, parts);
+    });
   }
 
   // The outputs follow those of a row that was reached elsewhere, a time dt before.

@@ -32,21 +32,27 @@ void State::begin() {
   begun_ = true;
 }
 
-void State::predict(double t) {
+void State::predict(double t) { predict(begin_prediction(t), 0, unknowns()); }
+
+State::Prediction State::begin_prediction(double t) {
   begin();
   const PredictionWeights& w = weights_.at(predictor_, times_, t);
-  const double* sources[3 * kMostPostures];
-  double weights[3 * kMostPostures];
-  std::int32_t count = 0;
+  Prediction out;
   for (std::size_t p = 0; p < static_cast<std::size_t>(w.postures); ++p) {
     for (int d = 0; d < levels_; ++d) {
       const double weight = w.weight[p][static_cast<std::size_t>(d)];
       if (weight == 0) continue;
-      sources[count] = ring(d).at(last() + p) + first_unknown_;
-      weights[count++] = weight;
+      out.sources[out.count] = ring(d).at(last() + p) + first_unknown_;
+      out.weights[out.count++] = weight;
     }
   }
-  kernels_.combine(sources, weights, count, size_ - first_unknown_, at(0) + first_unknown_);
+  return out;
+}
+
+void State::predict(Prediction prediction, std::size_t begin, std::size_t end) {
+  for (std::int32_t i = 0; i < prediction.count; ++i) prediction.sources[i] += begin;
+  kernels_.combine(prediction.sources, prediction.weights, prediction.count, end - begin,
+                   at(0) + first_unknown_ + begin);
 }
 
 double State::predicted_move(std::size_t address, std::size_t count) const {

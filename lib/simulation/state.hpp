@@ -23,6 +23,15 @@ class State {
   void clear();
   // Unknowns of the next posture, from the accepted ones.
   void predict(double t);
+  // The same in parts, for several threads: those from `begin` to `end` of all unknowns().
+  struct Prediction {
+    const double* sources[3 * kMostPostures];
+    double weights[3 * kMostPostures];
+    std::int32_t count = 0;
+  };
+  [[nodiscard]] Prediction begin_prediction(double t);
+  void predict(Prediction prediction, std::size_t begin, std::size_t end);
+  [[nodiscard]] std::size_t unknowns() const { return size_ - first_unknown_; }
   // Largest move, over `count` unknowns from an address on, from the last accepted posture to the prediction.
   [[nodiscard]] double predicted_move(std::size_t address, std::size_t count) const;
   void accept(double t);
