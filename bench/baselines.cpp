@@ -135,6 +135,7 @@ class LegsByLibrary {
     for (std::size_t c = 0; c < layout_.address.size(); ++c) {
       if (layout_.address[c] >= 0) state_.at(0)[layout_.address[c]] = structure_.start[c];
     }
+    for (const Pack& pack : layout_.packs) repeat_in_idle_lanes(pack);
     for (const auto& solver : layout_.solvers) solver->restart();
     ok_ = drive(t) && solve(0, Attempt::Branch::start) && solve(1, Attempt::Branch::start);
     state_.accept(t);
@@ -180,6 +181,11 @@ class LegsByLibrary {
 
  private:
   GroupSolver& solver(const Pack& pack) { return *layout_.solvers[static_cast<std::size_t>(pack.group_class)]; }
+  void repeat_in_idle_lanes(const Pack& pack) {
+    const int lanes = solver(pack).lanes();
+    double* x = state_.at(0) + pack.unknowns;
+    for (std::int32_t i = 0; i < solver(pack).program().n; ++i, x += lanes) std::fill(x + pack.used, x + lanes, x[0]);
+  }
   bool drive(double t) {
     double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
     return inputs_.drive(t, q).ok();
@@ -213,14 +219,16 @@ void compare_legs(benchmark::State& state) {
   if (!library.ok()) return state.SkipWithError("the start failed");
   LegsByHand<Bare, Checks::as_the_library> hand(scene, library);
   LegsByHand<Bare, Checks::none> unchecked(scene, library);
+  LegsByLibrary lanes(scene, "lanes:8", 0);
   library.predict(dt);
+  lanes.predict(dt);
   Times times;
-  std::vector<double> without_checks, calls;
+  std::vector<double> without_checks, calls, in_lanes;
   std::int64_t k = 0, iterations = 0, iterations_by_hand = 0, factorizations = 0, balls = 0, balls_by_hand = 0;
   double difference = 0;
   const auto step = [&] {
     const double t = scene.time().time(++k), next = scene.time().time(k + 1);
-    if (!library.prepare_step(t)) return false;
+    if (!library.prepare_step(t) || !lanes.prepare_step(t)) return false;
     const Terminal terminal[] = {library.terminal(0), library.terminal(1), library.terminal(2)};
     bool ok = true;
     const auto time = [&ok](std::vector<double>& to, const auto& work) {
@@ -232,20 +240,23 @@ void compare_legs(benchmark::State& state) {
     time(times.library, [&] { return library.step(t, next); });
     time(without_checks, [&] { return unchecked.step(terminal[0], terminal[1], terminal[2], dt); });
     time(calls, [&] { return unchecked.calls(); });
-    if (!library.held()) {
-      for (auto* all : {&times.hand, &times.library, &without_checks, &calls}) all->pop_back();
+    time(in_lanes, [&] { return lanes.step(t, next); });
+    if (!library.held() || !lanes.held()) {
+      for (auto* all : {&times.hand, &times.library, &without_checks, &calls, &in_lanes}) all->pop_back();
     }
     return ok;
   };
   const auto compare = [&] {
     library.restore();
+    lanes.restore();
     for (int leg = 0; leg < kLegs; ++leg) {
       const Vec ours = library.value(leg_name("B", leg), 0);
-      for (const Vec& theirs : {hand.B(leg), unchecked.B(leg)}) {
+      for (const Vec& theirs : {hand.B(leg), unchecked.B(leg), lanes.value(leg_name("B", leg), 0)}) {
         for (std::size_t i = 0; i < 3; ++i) difference = std::max(difference, std::abs(ours[i] - theirs[i]));
       }
     }
     library.predict(scene.time().time(k + 1));
+    lanes.predict(scene.time().time(k + 1));
   };
   for (int i = 0; i < kWarm; ++i) {
     if (!step()) return state.SkipWithError("a step failed");
@@ -253,6 +264,7 @@ void compare_legs(benchmark::State& state) {
   times = {};
   without_checks.clear();
   calls.clear();
+  in_lanes.clear();
   balls_by_hand = -hand.balls();
   for ([[maybe_unused]] auto _ : state) {
     if (!step()) return state.SkipWithError("a step failed");
@@ -270,6 +282,8 @@ void compare_legs(benchmark::State& state) {
   state.counters["calls"] = median(calls);
   state.counters["over_unchecked"] = median_ratio(times.library, without_checks);
   state.counters["over_calls"] = median_ratio(times.library, calls);
+  state.counters["lanes"] = median(in_lanes);
+  state.counters["over_lanes"] = median_ratio(times.library, in_lanes);
   const auto per_leg = [&](std::int64_t all) {
     return static_cast<double>(all) / kLegs / static_cast<double>(state.iterations());
   };
