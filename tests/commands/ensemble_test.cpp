@@ -320,11 +320,11 @@ TEST(Mode, ThroughputRunsChunksAndTellsTheMean) {
 }
 
 TEST(Mode, ChunksInAStrategyMeanThroughput) {
-  const auto json = run_command({"run", "stewart", "--json", "--strategy", "groups/klu+chunks=3"}).json();
+  const auto json = run_command({"run", "stewart", "--json", "--strategy", "groups/eigen+chunks=3"}).json();
   EXPECT_EQ(json["mode"], "throughput");
   EXPECT_EQ(parse_strategy(json["plan"][0]["strategy"].get<std::string>()).chunks, 3);
   EXPECT_FALSE(json["step_seconds"]["mean"].is_null());
-  const Outcome outcome = run_command({"run", "stewart", "--strategy", "groups/klu+chunks=3", "--mode", "latency"});
+  const Outcome outcome = run_command({"run", "stewart", "--strategy", "groups/eigen+chunks=3", "--mode", "latency"});
   EXPECT_EQ(outcome.status, 2);
   EXPECT_EQ(outcome.err,
             "error: --mode: latency is one mechanism step after step, but +chunks= runs parts of the time grid side by "

@@ -49,8 +49,8 @@ TEST(Threads, MoreThanTheBudgetAreWarnedOf) {
 }
 
 TEST(Threads, AreWhatAStrategyMayTake) {
-  const Outcome listed = run_command({"backends", "--json"});
-  for (const auto& backend : listed.json()["backends"]) {
+  const auto listed = run_command({"backends", "--json"}).json();
+  for (const auto& backend : listed["backends"]) {
     if (backend["id"] == "team" && !backend["available"]) GTEST_SKIP() << backend["why_not"];
   }
   const std::vector<std::string> run = {"run", "stewart", "--steps", "1", "--strategy", "groups/team 1x2", "--threads"};

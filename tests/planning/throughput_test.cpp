@@ -53,16 +53,16 @@ TEST(Throughput, AForcedStrategyKeepsWhatItSays) {
   const auto plan = [](const char* strategy) {
     return prepare(sample("stewart"), {.strategy = strategy, .mode = Mode::throughput}).plan;
   };
-  EXPECT_EQ(plan("groups/klu:4").chunks, 8);
-  EXPECT_EQ(plan("groups/klu:4").threads, 1);
-  EXPECT_EQ(plan("groups/klu:4").choices[0].strategy.backend, "klu");
-  EXPECT_EQ(plan("groups/klu:4+chunks=3").chunks, 3);
-  EXPECT_EQ(plan("groups/klu:4+chunks=1").chunks, 1);
+  EXPECT_EQ(plan("groups/eigen:4").chunks, 8);
+  EXPECT_EQ(plan("groups/eigen:4").threads, 1);
+  EXPECT_EQ(plan("groups/eigen:4").choices[0].strategy.backend, "eigen");
+  EXPECT_EQ(plan("groups/eigen:4+chunks=3").chunks, 3);
+  EXPECT_EQ(plan("groups/eigen:4+chunks=1").chunks, 1);
 }
 
 TEST(Throughput, LatencyHasNoChunks) {
   EXPECT_EQ(prepare(sample("stewart")).plan.chunks, 1);
-  EXPECT_EQ(prepare(sample("stewart"), {.strategy = "groups/klu+chunks=3"}).plan.chunks, 3);
+  EXPECT_EQ(prepare(sample("stewart"), {.strategy = "groups/eigen+chunks=3"}).plan.chunks, 3);
 }
 
 TEST(Throughput, ABudgetOfNoThreadsIsRefused) {
