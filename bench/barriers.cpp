@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "assur/machine.hpp"
-#include "machine.hpp"
 #include "parallel/team.hpp"
+#include "program.hpp"
 
 namespace assur::bench {
 namespace {
@@ -53,19 +53,4 @@ void register_all() {
 }  // namespace
 }  // namespace assur::bench
 
-int main(int argc, char** argv) {
-  // What honest times need, unless the command line says otherwise.
-  std::string defaults[] = {"--benchmark_enable_random_interleaving=true", "--benchmark_repetitions=9",
-                            "--benchmark_report_aggregates_only=true", "--benchmark_min_time=0.05",
-                            "--benchmark_counters_tabular=true"};
-  std::vector<char*> arguments = {argv[0]};
-  for (std::string& argument : defaults) arguments.push_back(argument.data());
-  arguments.insert(arguments.end(), argv + 1, argv + argc);
-  int count = static_cast<int>(arguments.size());
-  benchmark::Initialize(&count, arguments.data());
-  if (benchmark::ReportUnrecognizedArguments(count, arguments.data())) return 2;
-  assur::bench::describe_machine();
-  assur::bench::register_all();
-  benchmark::RunSpecifiedBenchmarks();
-  benchmark::Shutdown();
-}
+int main(int argc, char** argv) { return assur::bench::run_program(argc, argv, assur::bench::register_all, 9); }

@@ -26,10 +26,10 @@ bool take_simd(std::string_view argument) {
 
 }  // namespace
 
-int run_program(int argc, char** argv, void (*register_all)()) {
-  std::string defaults[] = {"--benchmark_enable_random_interleaving=true", "--benchmark_repetitions=5",
-                            "--benchmark_report_aggregates_only=true", "--benchmark_min_time=0.05",
-                            "--benchmark_counters_tabular=true"};
+int run_program(int argc, char** argv, void (*register_all)(), int repetitions) {
+  std::string defaults[] = {
+      "--benchmark_enable_random_interleaving=true", "--benchmark_repetitions=" + std::to_string(repetitions),
+      "--benchmark_report_aggregates_only=true", "--benchmark_min_time=0.05", "--benchmark_counters_tabular=true"};
   std::vector<char*> arguments = {argv[0]};
   for (std::string& argument : defaults) arguments.push_back(argument.data());
   std::copy_if(argv + 1, argv + argc, std::back_inserter(arguments), [](const char* a) { return !take_simd(a); });

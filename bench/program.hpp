@@ -10,9 +10,9 @@
 namespace assur::bench {
 
 // Describes the machine and runs what `register_all` registers. Unless the command line says otherwise: interleaved at
-// random, 5 repetitions of 0.05 s, aggregates only. --simd=AVX2 or SSE4 leaves better instructions unused. Returns the
+// random, repetitions of 0.05 s, aggregates only. --simd=AVX2 or SSE4 leaves better instructions unused. Returns the
 // exit status.
-int run_program(int argc, char** argv, void (*register_all)());
+int run_program(int argc, char** argv, void (*register_all)(), int repetitions = 5);
 
 // False if the strategy cannot run here, or if no class has groups for its lanes: fewer lanes are then the same.
 [[nodiscard]] bool worth_timing(const Scene& scene, const std::string& strategy);

@@ -15,6 +15,7 @@
 #include "simulation/output_program.hpp"
 #include "simulation/run_arguments.hpp"
 #include "simulation/state.hpp"
+#include "simulation/tolerances.hpp"
 #include "simulation/watch.hpp"
 
 namespace assur {
@@ -22,11 +23,10 @@ namespace {
 
 constexpr int kHalvings = 20;  // a step is halved down to 2^-20
 constexpr double kSmallest = 1.0 / (1 << kHalvings);
-constexpr int kReach = 12;             // a change point is passed from 2^12 of the shortest steps before it to beyond
-constexpr int kMoreHalvings = 6;       // of the shortest step, on the way back from a change point
-constexpr double kApart = 1.0 / 16;    // of that reach: a step that ends nearer to the change point is in doubt
-constexpr double kSure = 1e-3;         // largest correction over the distance of the branches
-constexpr double kConsistent = 1e-10;  // relative residual of a redundant equation that still holds
+constexpr int kReach = 12;           // a change point is passed from 2^12 of the shortest steps before it to beyond
+constexpr int kMoreHalvings = 6;     // of the shortest step, on the way back from a change point
+constexpr double kApart = 1.0 / 16;  // of that reach: a step that ends nearer to the change point is in doubt
+constexpr double kSure = 1e-3;       // largest correction over the distance of the branches
 constexpr std::size_t kEventsReserved = 64;
 
 std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }

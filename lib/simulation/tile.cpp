@@ -4,10 +4,10 @@
 #include <limits>
 #include <utility>
 
+#include "simulation/tolerances.hpp"
+
 namespace assur {
 namespace {
-
-constexpr double kConsistent = 1e-10;  // relative residual of a redundant equation that still holds
 
 std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 

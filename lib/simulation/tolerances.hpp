@@ -8,6 +8,8 @@ namespace assur {
 inline constexpr double kConverged = 8 * std::numeric_limits<double>::epsilon();
 inline constexpr double kRoundingLevel = 1e-12;  // where a residual that no longer falls is taken for rounding
 
+inline constexpr double kConsistent = 1e-10;  // of a redundant equation that still holds
+
 // It did not fall to a quarter in the last iteration.
 [[nodiscard]] inline bool only_rounding_is_left(double relative, double before) {
   return relative <= kRoundingLevel && relative > before / 4;

@@ -11,6 +11,7 @@
 #include "assur/machine.hpp"
 #include "backends/allocations.hpp"
 #include "simulation/conditions.hpp"
+#include "simulation/fan.hpp"
 #include "simulation/limited.hpp"
 
 namespace assur {
@@ -420,23 +421,6 @@ TEST(Ensemble, RedundantEquationsAreWatched) {
   }
 }
 
-// |P - Q|^2 = length^2, told by the program.
-Callback distance(const std::string& p, const std::string& q, double length) {
-  Callback c;
-  c.coordinates = {p + ".x", p + ".y", q + ".x", q + ".y"};
-  c.equations = 1;
-  c.residual = [length](std::span<const double> x, std::span<double> phi) {
-    phi[0] = (x[0] - x[2]) * (x[0] - x[2]) + (x[1] - x[3]) * (x[1] - x[3]) - length * length;
-  };
-  c.jacobian = [](std::span<const double> x, std::span<double> j) {
-    j[0] = 2 * (x[0] - x[2]), j[1] = 2 * (x[1] - x[3]), j[2] = -j[0], j[3] = -j[1];
-  };
-  c.curvature = [](std::span<const double>, std::span<const double> v, std::span<double> out) {
-    out[0] = 2 * ((v[0] - v[2]) * (v[0] - v[2]) + (v[1] - v[3]) * (v[1] - v[3]));
-  };
-  return c;
-}
-
 Scene with_callback(double rocker, Callback callback) {
   SceneBuilder b("called", 2);
   b.fixed_point("A", {0, 0, 0}).fixed_point("D", {2, 0, 0});
@@ -450,7 +434,7 @@ Scene with_callback(double rocker, Callback callback) {
 TEST(Ensemble, CallbacksAreThoseOfTheMember) {
   const SceneOf scene = [](std::size_t i) {
     const double rocker = 1.2 + 0.05 * static_cast<double>(i);
-    return with_callback(rocker, distance("D", "C", rocker));
+    return with_callback(rocker, test::distance_by_callback("D", "C", rocker));
   };
   Ensemble e = ensemble(3, scene);
   const EnsembleTrajectory all = e.run();
@@ -502,7 +486,7 @@ TEST(Ensemble, WhatALawThrowsReachesTheCaller) {
 TEST(Ensemble, WhatACallbackThrowsReachesTheCaller) {
   auto armed = std::make_shared<std::atomic<bool>>(false);
   const SceneOf scene = [=](std::size_t) {
-    Callback c = distance("D", "C", 1.3);
+    Callback c = test::distance_by_callback("D", "C", 1.3);
     c.residual = [armed, f = c.residual](std::span<const double> x, std::span<double> phi) {
       if (*armed && x[2] > 1.62) throw Broken();
       f(x, phi);
