@@ -1,10 +1,11 @@
 // Everything: kinematic analysis of multibody systems by group equations.
 #pragma once
 
-#include "assur/backend.hpp"    // IWYU pragma: export
-#include "assur/ensemble.hpp"   // IWYU pragma: export
-#include "assur/law.hpp"        // IWYU pragma: export
-#include "assur/machine.hpp"    // IWYU pragma: export
+#include "assur/backend.hpp"   // IWYU pragma: export
+#include "assur/ensemble.hpp"  // IWYU pragma: export
+#include "assur/law.hpp"       // IWYU pragma: export
+#include "assur/machine.hpp"   // IWYU pragma: export
+#include "assur/performance.hpp"
 #include "assur/plan.hpp"       // IWYU pragma: export
 #include "assur/report.hpp"     // IWYU pragma: export
 #include "assur/scene.hpp"      // IWYU pragma: export

@@ -28,6 +28,12 @@ struct Shape {
   std::int32_t nnz = 0;     // nonzeros of its Jacobian
   std::int32_t groups = 1;  // groups of the class
   std::int32_t rhs = 1;     // right-hand sides of one factorisation
+  // Counted for a plan, else 0: nonzeros of L + U and multiplications of a factorisation with Markowitz pivots, terms
+  // of the equations (0: a bare matrix), and a number that only equal patterns have.
+  std::int64_t fill = 0;
+  std::int64_t operations = 0;
+  std::int64_t terms = 0;
+  std::uint64_t pattern = 0;
 
   friend bool operator==(const Shape&, const Shape&) = default;
 };
