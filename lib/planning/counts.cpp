@@ -1,0 +1,76 @@
+#include "planning/counts.hpp"
+
+#include <random>
+#include <vector>
+
+#include "backends/lanes_program.hpp"
+#include "equations/program.hpp"
+
+namespace assur {
+namespace {
+
+constexpr std::int32_t kMostPerRow = 24;
+
+// FNV-1a over the numbers that make a pattern.
+std::uint64_t hash_of(const Pattern& pattern) {
+  std::uint64_t hash = 0xcbf29ce484222325;
+  const auto take = [&](std::int32_t number) {
+    for (int byte = 0; byte < 4; ++byte) {
+      hash = (hash ^ (static_cast<std::uint32_t>(number) >> (8 * byte) & 0xff)) * 0x100000001b3;
+    }
+  };
+  for (const std::int32_t start : pattern.column_start) take(start);
+  for (const std::int32_t row : pattern.row) take(row);
+  return hash == 0 ? 1 : hash;
+}
+
+// No two sums cancel: what is not zero by structure is not zero.
+std::vector<double> generic_values(std::size_t count) {
+  std::mt19937_64 random(1);
+  std::vector<double> values(count);
+  for (double& value : values) value = 1 + static_cast<double>(random() >> 11) * 0x1p-53;
+  return values;
+}
+
+void count_as_full(Shape& shape) {
+  const std::int64_t n = shape.n;
+  shape.fill = n * n;
+  shape.operations = n * (n - 1) * (2 * n - 1) / 6 + n * n;
+}
+
+void count_elimination(Shape& shape, const Pattern& pattern) {
+  if (std::int64_t{shape.nnz} > std::int64_t{kMostPerRow} * shape.n) return count_as_full(shape);
+  try {
+    const lanes::Order order = lanes::markowitz_order(pattern, generic_values(pattern.row.size()), 1, 1,
+                                                      {.threshold = 0, .shallow = false, .rook = false});
+    if (!order.complete(pattern.n)) return count_as_full(shape);  // singular by structure: whatever it costs
+    const lanes::Program program = lanes::write_program(pattern, order);
+    shape.fill = std::int64_t{program.slots} - program.n;
+    // Three numbers for each row, two for each entry, two for each product.
+    const std::int64_t products = (std::ssize(program.factor) - 3 * std::int64_t{shape.n} - 2 * shape.fill) / 2;
+    shape.operations = products + shape.fill;
+  } catch (const Error&) {  // too many products to write them down
+    count_as_full(shape);
+  }
+}
+
+}  // namespace
+
+Shape shape_of(const Pattern& pattern, std::int32_t count) {
+  Shape shape{.n = pattern.n, .nnz = pattern.nnz(), .groups = count};
+  count_elimination(shape, pattern);
+  shape.pattern = hash_of(pattern);
+  return shape;
+}
+
+Shape shape_of(const GroupClass& group_class, std::int32_t groups) {
+  const Pattern pattern = jacobian_pattern(group_class);
+  Shape shape = shape_of(pattern, groups);
+  shape.rhs = 1 + group_class.derivatives;
+  const Program program = compile(group_class, pattern);
+  shape.terms = std::ssize(program.operands) + std::ssize(program.linear) + std::ssize(program.products) +
+                std::ssize(program.entry_operands);
+  return shape;
+}
+
+}  // namespace assur

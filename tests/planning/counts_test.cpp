@@ -1,0 +1,68 @@
+// What the cost of a matrix is judged by.
+#include "planning/counts.hpp"
+
+#include <gtest/gtest.h>
+
+#include "assur/assur.hpp"
+
+namespace assur {
+namespace {
+
+// Entries within `below` of the diagonal, under it, and `above`, over it.
+Pattern band(std::int32_t n, std::int32_t below, std::int32_t above) {
+  Pattern p;
+  p.n = n;
+  p.column_start = {0};
+  for (std::int32_t j = 0; j < n; ++j) {
+    for (std::int32_t i = std::max(0, j - above); i <= std::min(n - 1, j + below); ++i) p.row.push_back(i);
+    p.column_start.push_back(p.nnz());
+  }
+  return p;
+}
+
+TEST(Counts, ATriangularMatrixFillsNothingAndHasNoProducts) {
+  const Shape shape = shape_of(band(30, 0, 3));
+  EXPECT_EQ(shape.fill, shape.nnz);
+  EXPECT_EQ(shape.operations, shape.fill);
+}
+
+TEST(Counts, ATridiagonalMatrixHasOneProductForEachPivotButOne) {
+  const Shape shape = shape_of(band(30, 1, 1), 7);
+  EXPECT_EQ(shape.n, 30);
+  EXPECT_EQ(shape.groups, 7);
+  EXPECT_EQ(shape.fill, 3 * 30 - 2);
+  EXPECT_EQ(shape.operations, shape.fill + 29);
+}
+
+// Whether it is eliminated on paper or is taken as full for its size.
+TEST(Counts, AFullMatrixHasAThirdOfItsCube) {
+  for (const std::int64_t n : {3, 12, 24, 25, 400}) {
+    const Shape shape = shape_of(band(static_cast<std::int32_t>(n), static_cast<std::int32_t>(n), 400));
+    EXPECT_EQ(shape.fill, n * n) << n;
+    std::int64_t products = 0;
+    for (std::int64_t i = 0; i < n; ++i) products += i * i;  // sum over rows and columns of their lesser number
+    EXPECT_EQ(shape.operations, products + n * n) << n;
+  }
+}
+
+TEST(Counts, OnlyEqualPatternsHaveTheSameNumber) {
+  const std::uint64_t first = shape_of(band(30, 1, 1)).pattern;
+  EXPECT_EQ(first, shape_of(band(30, 1, 1)).pattern);
+  EXPECT_NE(first, shape_of(band(30, 1, 0)).pattern);
+  EXPECT_NE(first, shape_of(band(31, 1, 1)).pattern);
+  EXPECT_NE(first, 0U);
+}
+
+TEST(Counts, AClassHasTheShapeOfItsGroups) {
+  const Structure s = analyze(open_scene("stewart"));
+  const Group& leg = s.groups.back();
+  Shape counted = shape_of(s.classes[static_cast<std::size_t>(leg.group_class)], 6);
+  EXPECT_GE(counted.fill, counted.nnz);
+  EXPECT_GT(counted.terms, counted.nnz);
+  counted.fill = counted.operations = counted.terms = 0;
+  counted.pattern = 0;
+  EXPECT_EQ(counted, s.shape(leg));
+}
+
+}  // namespace
+}  // namespace assur
