@@ -63,12 +63,13 @@ struct Simulator::Impl {
         layout(lay_out(prepared)),
         packs(layout.packs),
         levels(prepared, layout, limits.pin_to),
+        columns(column_names(system)),
         outputs(system, layout.address) {
     state.resize(layout.first_unknown, layout.size, prepared.plan.predictor);
     if (!structure.watch_class.equations.empty()) watch.emplace(system, structure, layout.address);
     passing.assign(packs.size(), 0);
     keep_what_is_read();
-    row.resize(outputs.columns().size());
+    row.resize(columns.size());
     previous_row.resize(row.size());
     start(start_time, structure.start);
   }
@@ -453,6 +454,7 @@ struct Simulator::Impl {
   Layout layout;
   std::vector<Pack>& packs;
   Levels levels;
+  std::vector<std::string> columns;
   OutputProgram outputs;
   State state;
   std::optional<Watch> watch;
@@ -522,7 +524,7 @@ Trajectory Simulator::run(std::span<const double> times, const Observer& observe
   check_times(times);
   reset();
   Trajectory out;
-  out.columns_ = impl_->outputs.columns();
+  out.columns_ = impl_->columns;
   check_memory(times.size(), out.columns_.size() + 1);
   if (impl_->prepared.plan.chunks > 1 && run_in_chunks(times, observer, out)) return out;
   out.values_.reserve(times.size() * out.columns_.size());
@@ -591,11 +593,11 @@ bool Simulator::run_in_chunks(std::span<const double> times, const Observer& obs
   return true;
 }
 
-const std::vector<std::string>& Simulator::columns() const { return impl_->outputs.columns(); }
+const std::vector<std::string>& Simulator::columns() const { return impl_->columns; }
 std::span<const double> Simulator::outputs() const { return impl_->row; }
 
 double Simulator::output(std::string_view column) const {
-  const auto& columns = impl_->outputs.columns();
+  const auto& columns = impl_->columns;
   const auto found = std::find(columns.begin(), columns.end(), column);
   if (found == columns.end()) throw Error(Error::Kind::input, "no column '" + std::string(column) + "'");
   return impl_->row[static_cast<std::size_t>(found - columns.begin())];
