@@ -72,11 +72,11 @@ class Ensemble {
   Ensemble& operator=(Ensemble&&) noexcept;
   ~Ensemble();
 
-  // Every member over the time grid of the first one, or over `times`, which begin with its start. The results depend
-  // neither on the number of threads nor, but for the last bits, on that of lanes. `observer` (rows done, of all
-  // members) is called on the calling thread and may return false to stop. Laws and callbacks are called by all
-  // threads of the plan; what they throw comes from run(). Throws Error (input) if `times` begin elsewhere, descend
-  // anywhere or are not finite.
+  // Every member over the time grid of the first one, or over `times`, which begin with its start. The results do not
+  // depend on the number of threads, and on that of lanes by their last bits only (the bound: README.md, "Strategies").
+  // `observer` (rows done, of all members) is called on the calling thread and may return false to stop. Laws and
+  // callbacks are called by all threads of the plan; what they throw comes from run(). Throws Error (input) if `times`
+  // begin elsewhere, descend anywhere or are not finite.
   EnsembleTrajectory run(const Simulator::Observer& observer = {});
   EnsembleTrajectory run(std::span<const double> times, const Simulator::Observer& observer = {});
 

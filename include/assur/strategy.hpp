@@ -38,7 +38,7 @@ struct Strategy {
   bool separate = false;  // one more for the acceleration, which nothing needs: to repeat published experiments
   Predictor predictor;
   std::int32_t chunks = 1;
-  std::int32_t p = 1;  // packs at once
+  std::int32_t p = 1;  // packs at once; changes no bit of the motion, while lanes, chunks and q change the last ones
   std::int32_t q = 1;  // threads inside each one's linear algebra
 
   friend bool operator==(const Strategy&, const Strategy&) = default;
