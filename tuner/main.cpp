@@ -36,6 +36,7 @@ struct Invocation {
   Common common;
   InspectOptions inspect;
   RunOptions run;
+  PlanOptions plan;
   std::function<int()> chosen;
 };
 
@@ -53,12 +54,11 @@ void take_parameter(Parameters& set, const std::string& text) {
 }
 
 // "A,B", without an empty name.
-void take_names(std::vector<std::string>& names, const std::string& text) {
+void take_names(std::vector<std::string>& names, const std::string& text, const std::string& option) {
   for (std::size_t from = 0, comma = 0; comma != std::string::npos; from = comma + 1) {
     comma = text.find(',', from);
     names.push_back(text.substr(from, comma - from));
-    if (names.back().empty())
-      throw CLI::ValidationError("--outputs", "expects names such as A,B, not \"" + text + "\"");
+    if (names.back().empty()) throw CLI::ValidationError(option, "expects names such as A,B, not \"" + text + "\"");
   }
 }
 
@@ -90,16 +90,20 @@ void add_common(CLI::App& app, Common& common) {
   app.set_version_flag("--version", "assur " ASSUR_VERSION, "Show the version");
 }
 
-void add_scene(CLI::App& app, Common& common, std::string& scene, std::vector<std::string>& outputs) {
-  app.add_option("SCENE", scene, "A file or a sample: stewart, four_bar:64, ...")->required()->type_name("");
+void add_names(CLI::App& app, const std::string& option, std::vector<std::string>& names, const std::string& what) {
   app.add_option_function<std::vector<std::string>>(
-         "--outputs",
-         [&outputs](const std::vector<std::string>& texts) {
-           for (const std::string& text : texts) take_names(outputs, text);
+         option,
+         [&names, option](const std::vector<std::string>& texts) {
+           for (const std::string& text : texts) take_names(names, text, option);
          },
-         "What is wanted: C, C.velocity, angle, ...")
+         what)
       ->allow_extra_args(false)
       ->type_name("A,B");
+}
+
+void add_scene(CLI::App& app, Common& common, std::string& scene, std::vector<std::string>& outputs) {
+  app.add_option("SCENE", scene, "A file or a sample: stewart, four_bar:64, ...")->required()->type_name("");
+  add_names(app, "--outputs", outputs, "What is wanted: C, C.velocity, angle, ...");
   app.add_option_function<std::vector<std::string>>(
          "--set",
          [&common](const std::vector<std::string>& texts) {
@@ -129,7 +133,8 @@ void add_inspect(CLI::App& app, Invocation& call) {
   inspect.callback([&call] { call.chosen = [&call] { return command::inspect(call.common, call.inspect); }; });
 }
 
-void add_mode(CLI::App& app, std::optional<Mode>& mode) {
+template <class ModeOption>  // Mode, or one that may be left out
+void add_mode(CLI::App& app, ModeOption& mode) {
   app.add_option_function<std::string>(
          "--mode",
          [&mode](const std::string& text) {
@@ -150,6 +155,7 @@ void add_run(CLI::App& app, Invocation& call) {
   run.add_option("--dt", o.dt, "Time step, s")->check(number(0, " > 0"))->type_name("S");
   run.add_option("--steps", o.steps, "Number of steps")->check(whole_number(0))->type_name("N");
   run.add_option("--strategy", o.strategy, "How to solve it: auto (the default), groups/klu, ...")->type_name("TEXT");
+  add_names(run, "--without", o.without, "Backends that auto leaves out: lanes, klu, ...");
   add_mode(run, o.mode);
   CLI::Option* ensemble =
       run.add_option("--ensemble", o.ensemble, "Many variants: a CSV of parameters, a member a row")->type_name("FILE");
@@ -170,6 +176,15 @@ void add_run(CLI::App& app, Invocation& call) {
     }
     call.chosen = [&call] { return command::run(call.common, call.run); };
   });
+}
+
+void add_plan(CLI::App& app, Invocation& call) {
+  CLI::App& plan = *app.add_subcommand("plan", "What auto would do with a scene, and why");
+  add_scene(plan, call.common, call.plan.scene, call.plan.outputs);
+  add_names(plan, "--without", call.plan.without, "Backends to leave out: lanes, klu, ...");
+  add_mode(plan, call.plan.mode);
+  add_common(plan, call.common);
+  plan.callback([&call] { call.chosen = [&call] { return command::plan(call.common, call.plan); }; });
 }
 
 void add_backends(CLI::App& app, Invocation& call) {
@@ -244,6 +259,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   add_run(app, call);
   add_inspect(app, call);
+  add_plan(app, call);
   add_backends(app, call);
   add_common(app, call.common);
   const bool json = std::any_of(argv, argv + argc, [](const char* word) { return std::strcmp(word, "--json") == 0; });
