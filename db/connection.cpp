@@ -80,11 +80,12 @@ std::string of_version(std::int32_t version) {
 // Damaged files are read too: sizes in them are checked, and views and triggers call nothing but what is built in.
 void distrust(SQLite::Database& database) { database.exec("PRAGMA cell_size_check = ON; PRAGMA trusted_schema = OFF"); }
 
-SQLite::Database open_so(const fs::path& file, std::string_view query) {
+SQLite::Database open_so(const fs::path& file, std::string_view query, const char* first) {
   // One thread has it for a few milliseconds: without the locks of each call that is a quarter less.
   SQLite::Database database(uri(file, query), SQLite::OPEN_READONLY | SQLite::OPEN_URI | SQLite::OPEN_NOMUTEX);
   database.setBusyTimeout(static_cast<int>(std::chrono::milliseconds(kReadersPatience).count()));
   distrust(database);
+  database.exec(first);
   const std::int32_t version = version_of(database);  // the first look into the file
   if (version > kSchemaVersion) refuse_newer(file, version);
   if (version < kSchemaVersion) {
@@ -109,6 +110,27 @@ void make_folder(const fs::path& file) {
   std::error_code error;
   fs::create_directories(fs::absolute(file).parent_path(), error);
   if (error) throw Unusable(Trouble::blocked, file, "its folder cannot be made: " + error.message());
+}
+
+// first: statements before anything is read.
+SQLite::Database open_without_writing(const fs::path& file, const char* first) {
+  refuse_what_is_none(file);
+  return guarded(file, [&] {
+    // At rest it is read as a file that nobody changes, which needs no lock and writes no file beside it. A tuner that
+    // starts just now may change it under our eyes: what is read then is damaged by its checksums, never wrong.
+    const bool log = has_content(file, "-wal"), journal = has_content(file, "-journal");
+    if (!log && !journal) return open_so(file, "?immutable=1", first);
+    try {
+      return open_so(file, "?mode=ro", first);
+    } catch (const SQLite::Exception& error) {
+      if (journal) {
+        throw Unusable(Trouble::blocked, file,
+                       std::string("a tuning run was cut off while it wrote (") + error.what() +
+                           "); `assur db check` restores what was there");
+      }
+      return open_so(file, "?immutable=1", first);  // the folder is read-only: without what is in the log
+    }
+  });
 }
 
 }  // namespace
@@ -137,24 +159,11 @@ void rethrow(const fs::path& file, const SQLite::Exception& error) {
   }
 }
 
-SQLite::Database open_to_read(const fs::path& file) {
-  refuse_what_is_none(file);
-  return guarded(file, [&] {
-    // At rest it is read as a file that nobody changes, which needs no lock and writes no file beside it. A tuner that
-    // starts just now may change it under our eyes: what is read then is damaged by its checksums, never wrong.
-    const bool log = has_content(file, "-wal"), journal = has_content(file, "-journal");
-    if (!log && !journal) return open_so(file, "?immutable=1");
-    try {
-      return open_so(file, "?mode=ro");
-    } catch (const SQLite::Exception& error) {
-      if (journal) {
-        throw Unusable(Trouble::blocked, file,
-                       std::string("a tuning run was cut off while it wrote (") + error.what() +
-                           "); `assur db check` restores what was there");
-      }
-      return open_so(file, "?immutable=1");  // the folder is read-only: without what is in the log
-    }
-  });
+SQLite::Database open_to_read(const fs::path& file) { return open_without_writing(file, ""); }
+
+// A file shorter than its first page says is refused as a whole, but to those who want to mend its schema.
+SQLite::Database open_to_salvage(const fs::path& file) {
+  return open_without_writing(file, "PRAGMA writable_schema = ON");
 }
 
 SQLite::Database open_to_write(const fs::path& file, bool network) {

@@ -76,7 +76,7 @@ Copied salvage(const fs::path& aside, SQLite::Database& target) {
   Tables tables;
   Samples samples;
   try {
-    SQLite::Database damaged = open_to_read(aside);
+    SQLite::Database damaged = open_to_salvage(aside);
     tables = read_tables(damaged, Care::salvaging);
     samples = read_samples(damaged, tables, Care::salvaging);
   } catch (const SQLite::Exception&) {

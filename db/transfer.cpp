@@ -78,14 +78,16 @@ std::int64_t Store::export_to(const fs::path& file, const Filter& filter) const 
   });
   restrict_to(filter, tables, samples);
   const fs::path part = file.string() + ".part";  // nobody finds half a file
-  fs::remove(part);
+  std::error_code error;
+  fs::remove(part, error);  // of one that was cut off
   const std::int64_t copied = guarded(part, [&] {
     SQLite::Database target = open_to_write(part, true);  // without a log, which needs a folder that can be written
     const std::int64_t all = copy(tables, samples, target).samples;
     target.exec("VACUUM");
     return all;
   });
-  fs::rename(part, file);
+  fs::rename(part, file, error);
+  if (error) throw Error(Error::Kind::environment, file.string() + ": cannot be written: " + error.message());
   return copied;
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "assur/performance.hpp"
 #include "assur/plan.hpp"
 #include "assur/scene.hpp"
 #include "assur/strategy.hpp"
@@ -20,6 +21,7 @@ struct Common {
   bool json = false;   // standard output is one JSON object and nothing else
   bool quiet = false;  // nothing but results and errors
   int threads = 0;     // --threads N, at most; 0: as many as the machine's budget
+  std::string db;      // --db FILE: this tuning database and no other
   Parameters set;      // --set name=value
 };
 
@@ -43,6 +45,15 @@ struct RunOptions {
   bool pin = false;  // each thread on a core of its own
 };
 
+// What to ask the tuning database, and of which samples: those that fit all that is set.
+struct DbOptions {
+  std::string question;             // "info", "samples", ...
+  std::string file;                 // of export and import
+  std::optional<std::int64_t> run;  // its number, as info shows it
+  std::string machine, library, kernel;
+  bool all = false;
+};
+
 // Throws Error (input) for --threads beyond the processors that this process may use; warns beyond the machine's
 // budget.
 void check_threads(const Common& common);
@@ -50,5 +61,10 @@ void check_threads(const Common& common);
 int inspect(const Common& common, const InspectOptions& options);
 int run(const Common& common, const RunOptions& options);
 int backends(const Common& common);
+int db(const Common& common, const DbOptions& options);
+
+// What is known of this machine: from --db alone, which throws Error (environment) if it cannot be read, else from all
+// databases.
+[[nodiscard]] MachineModel machine_model_of(const Common& common);
 
 }  // namespace assur::command
