@@ -196,10 +196,12 @@ void add_question(CLI::App& db, Invocation& call, const char* name, const char* 
   const auto takes = [&](const char* option) { return options.count(option) > 0; };
   if (takes("FILE")) question.add_option("FILE", o.file, "A tuning database")->required()->type_name("");
   if (takes("--run")) {
-    question.add_option("--run", o.run, "Only this tuning run, as info numbers it")->type_name("N");
+    question.add_option("--run", o.run, "Only this tuning run, as info numbers it")
+        ->check(whole_number(1))
+        ->type_name("N");
   }
   if (takes("--machine")) {
-    question.add_option("--machine", o.machine, "Only this machine: its fingerprint, or the beginning of it")
+    question.add_option("--machine", o.machine, "Only this machine: its fingerprint or how that begins")
         ->type_name("TEXT");
   }
   if (takes("--library")) {
