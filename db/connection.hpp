@@ -25,7 +25,7 @@ decltype(auto) guarded(const std::filesystem::path& file, Work&& work) {
   }
 }
 
-// Nothing is written, and where no process is at work on the file it is not locked either. Throws Unusable.
+// Nothing is written. Throws Unusable.
 [[nodiscard]] SQLite::Database open_to_read(const std::filesystem::path& file);
 
 // The same of a damaged file, whose end may be missing.
@@ -35,6 +35,10 @@ decltype(auto) guarded(const std::filesystem::path& file, Work&& work) {
 // network: the file lies where processes of other computers may write it: then no write-ahead log, which needs shared
 // memory. Throws Unusable.
 [[nodiscard]] SQLite::Database open_to_write(const std::filesystem::path& file, bool network);
+
+// After writing: without a log beside it the file can be read where nobody may write. Another process that is at work
+// on it keeps the log, and leaves the file so itself.
+void leave(SQLite::Database& database) noexcept;
 
 // From the version that the database has, in one transaction; a new file gets `schema`. Throws SQLite::Exception, and
 // then nothing has changed.

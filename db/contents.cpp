@@ -271,6 +271,14 @@ Samples read_samples(SQLite::Database& database, const Tables& tables, Care care
   return samples;
 }
 
+Contents read_all(SQLite::Database& database, Care care) {
+  const SQLite::Transaction moment(database);
+  Contents contents;
+  contents.tables = read_tables(database, care);
+  contents.samples = read_samples(database, contents.tables, care);
+  return contents;
+}
+
 std::int64_t checksum(const Sample& sample, const Library& library, const std::string& run,
                       const std::string& machine) {
   return sum_of(sample, name(sample.kernel), checksum(sample.shape), sum_of(to_string(sample.strategy)),
