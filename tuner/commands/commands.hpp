@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "assur/performance.hpp"
 #include "assur/plan.hpp"
 #include "assur/scene.hpp"
 #include "assur/strategy.hpp"
@@ -20,6 +21,7 @@ struct Common {
   bool json = false;   // standard output is one JSON object and nothing else
   bool quiet = false;  // nothing but results and errors
   int threads = 0;     // --threads N, at most; 0: as many as the machine's budget
+  std::string db;      // --db FILE: this tuning database and no other
   Parameters set;      // --set name=value
 };
 
@@ -51,6 +53,15 @@ struct PlanOptions {
   std::vector<std::string> without;  // backends
 };
 
+// What to ask the tuning database, and of which samples: those that fit all that is set.
+struct DbOptions {
+  std::string question;             // "info", "samples", ...
+  std::string file;                 // of export and import
+  std::optional<std::int64_t> run;  // its number, as info shows it
+  std::string machine, library, kernel;
+  bool all = false;
+};
+
 // Throws Error (input) for --threads beyond the processors that this process may use; warns beyond the machine's
 // budget.
 void check_threads(const Common& common);
@@ -59,5 +70,10 @@ int inspect(const Common& common, const InspectOptions& options);
 int run(const Common& common, const RunOptions& options);
 int plan(const Common& common, const PlanOptions& options);
 int backends(const Common& common);
+int db(const Common& common, const DbOptions& options);
+
+// What is known of this machine: from --db alone, which throws Error (environment) if it cannot be read, else from all
+// databases.
+[[nodiscard]] MachineModel machine_model_of(const Common& common);
 
 }  // namespace assur::command

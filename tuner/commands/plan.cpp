@@ -9,7 +9,7 @@ namespace assur::command {
 int plan(const Common& common, const PlanOptions& options) {
   Scene scene = open_scene(options.scene, common.set);
   if (!options.outputs.empty()) scene = scene.with_outputs(options.outputs);
-  const MachineModel& known = machine_model();
+  const MachineModel known = machine_model_of(common);
   const ThreadBudget budget = common.threads > 0 ? ThreadBudget{common.threads} : this_machine().budget();
   const Prepared prepared =
       prepare(scene, {.budget = budget, .mode = options.mode, .model = known.model, .without = options.without});
