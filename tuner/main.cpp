@@ -36,6 +36,7 @@ struct Invocation {
   Common common;
   InspectOptions inspect;
   RunOptions run;
+  TuneOptions tune;
   std::function<int()> chosen;
 };
 
@@ -178,6 +179,26 @@ void add_backends(CLI::App& app, Invocation& call) {
   backends.callback([&call] { call.chosen = [&call] { return command::backends(call.common); }; });
 }
 
+void add_tune(CLI::App& app, Invocation& call) {
+  CLI::App& tune = *app.add_subcommand("tune", "Measure this machine, for the plans of all that runs on it");
+  TuneOptions& o = call.tune;
+  tune.add_option("--profile", o.profile, "quick (the default, a minute), standard or patient")
+      ->check(CLI::Validator(
+          [](std::string& text) {
+            const bool known = text == "quick" || text == "standard" || text == "patient";
+            return known ? std::string() : "expects quick, standard or patient, not \"" + text + "\"";
+          },
+          ""))
+      ->type_name("NAME");
+  tune.add_option("--budget", o.budget, "Take so long, s")->check(number(0, " > 0"))->type_name("SECONDS");
+  tune.add_option("--scene", o.scenes, "Only what this scene needs; may be repeated")
+      ->allow_extra_args(false)
+      ->type_name("SCENE");
+  tune.add_option("--csv", o.csv, "Write the samples, too")->type_name("FILE");
+  add_common(tune, call.common);
+  tune.callback([&call] { call.chosen = [&call] { return command::tune(call.common, call.tune); }; });
+}
+
 Exit exit_of(Error::Kind kind) {
   switch (kind) {
     case Error::Kind::input:
@@ -245,6 +266,7 @@ int main(int argc, char** argv) {
   add_run(app, call);
   add_inspect(app, call);
   add_backends(app, call);
+  add_tune(app, call);
   add_common(app, call.common);
   const bool json = std::any_of(argv, argv + argc, [](const char* word) { return std::strcmp(word, "--json") == 0; });
 

@@ -43,6 +43,13 @@ struct RunOptions {
   bool pin = false;  // each thread on a core of its own
 };
 
+struct TuneOptions {
+  std::string profile = "quick";
+  std::optional<double> budget;     // s, instead of the profile's
+  std::vector<std::string> scenes;  // sample only what these need; empty: everything
+  std::string csv;                  // write the samples here, too; empty: nowhere
+};
+
 // Throws Error (input) for --threads beyond the processors that this process may use; warns beyond the machine's
 // budget.
 void check_threads(const Common& common);
@@ -50,5 +57,6 @@ void check_threads(const Common& common);
 int inspect(const Common& common, const InspectOptions& options);
 int run(const Common& common, const RunOptions& options);
 int backends(const Common& common);
+int tune(const Common& common, const TuneOptions& options);
 
 }  // namespace assur::command
