@@ -1,0 +1,59 @@
+#include "db/checksum.hpp"
+
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+namespace assur::db {
+
+// Every input bit reaches every output bit: multiplication carries upwards, the shift brings the high half back down.
+void Checksum::take(std::uint64_t bits) {
+  value_ = (value_ ^ bits) * 0x9e3779b97f4a7c15;  // 2^64 / golden ratio
+  value_ ^= value_ >> 32;
+  value_ *= 0xd6e8feb86659fd93;
+  value_ ^= value_ >> 29;
+}
+
+Checksum& Checksum::operator<<(std::string_view text) {
+  take(text.size());
+  std::uint64_t word = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    word = word << 8 | static_cast<unsigned char>(text[i]);
+    if (i % 8 == 7) take(word), word = 0;
+  }
+  if (text.size() % 8 != 0) take(word);
+  return *this;
+}
+
+Checksum& Checksum::operator<<(std::int64_t number) {
+  take(static_cast<std::uint64_t>(number));
+  return *this;
+}
+
+Checksum& Checksum::operator<<(double number) {
+  if (std::isnan(number)) number = std::numeric_limits<double>::quiet_NaN();
+  take(std::bit_cast<std::uint64_t>(number == 0 ? 0.0 : number));
+  return *this;
+}
+
+std::uint64_t checksum(const Shape& s) {
+  Checksum sum;
+  sum << std::int64_t{s.n} << std::int64_t{s.nnz} << std::int64_t{s.groups} << std::int64_t{s.rhs} << s.fill
+      << s.operations << s.terms << static_cast<std::int64_t>(s.pattern);
+  return sum.value();
+}
+
+std::string hexadecimal(std::uint64_t number) {
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  std::string text(16, '0');
+  for (std::size_t i = 16; i-- > 0; number >>= 4) text[i] = kDigits[number & 15];
+  return text;
+}
+
+bool parse_hexadecimal(std::string_view text, std::uint64_t& number) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number, 16);
+  return error == std::errc() && text.size() == 16 && end == text.data() + 16;
+}
+
+}  // namespace assur::db

@@ -1,0 +1,205 @@
+#include "db/connection.hpp"
+
+#include <sqlite3.h>
+
+#include <array>
+#include <chrono>
+#include <fstream>
+#include <new>
+#include <thread>
+
+namespace assur::db {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+
+constexpr auto kPatience = 60s;        // with another process that writes
+constexpr auto kReadersPatience = 1s;  // only where there is no write-ahead log
+
+// What a file is, by its first 100 bytes (https://www.sqlite.org/fileformat.html, 1.3).
+Trouble trouble_of(const fs::path& file, bool& is_good) {
+  is_good = false;
+  std::array<char, 100> header{};
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(header.data(), header.size());
+  const std::string_view bytes(header.data(), static_cast<std::size_t>(stream.gcount()));
+  if (bytes.empty()) return Trouble::absent;
+  const std::string_view magic("SQLite format 3\0", 16);
+  const auto byte = [&](std::size_t i) { return static_cast<std::uint32_t>(static_cast<unsigned char>(header[i])); };
+  const std::uint32_t id = byte(68) << 24 | byte(69) << 16 | byte(70) << 8 | byte(71);
+  const bool is_sqlite = bytes.substr(0, 16) == magic.substr(0, bytes.size());
+  if (bytes.size() < header.size()) return is_sqlite ? Trouble::damaged : Trouble::foreign;
+  if (id != static_cast<std::uint32_t>(kApplicationId)) return Trouble::foreign;
+  is_good = is_sqlite;
+  return Trouble::damaged;
+}
+
+void refuse_what_is_none(const fs::path& file) {
+  bool is_good = false;
+  const Trouble trouble = trouble_of(file, is_good);
+  if (is_good) return;
+  if (trouble == Trouble::absent) throw Unusable(trouble, file, "there is no tuning database yet; run `assur tune`");
+  if (trouble == Trouble::damaged) throw Unusable(trouble, file, "its first bytes are damaged");
+  throw Unusable(trouble, file, "is no tuning database of assur, and left alone; name another file");
+}
+
+// Every path is given as a URI: only so can a file be opened as one that nobody changes.
+std::string uri(const fs::path& file, std::string_view query) {
+  std::string text = "file:";
+  for (const char c : fs::absolute(file).string()) {
+    if (c == '%') {
+      text += "%25";
+    } else if (c == '?') {
+      text += "%3f";
+    } else if (c == '#') {
+      text += "%23";
+    } else {
+      text += c;
+    }
+  }
+  return text.append(query);
+}
+
+bool has_content(const fs::path& file, const char* suffix) {
+  std::error_code none;
+  const auto size = fs::file_size(file.string() + suffix, none);
+  return !none && size > 0;
+}
+
+std::int32_t version_of(SQLite::Database& database) { return database.execAndGet("PRAGMA user_version").getInt(); }
+
+std::string of_version(std::int32_t version) {
+  return "its schema is version " + std::to_string(version) + ", this assur knows " + std::to_string(kSchemaVersion);
+}
+
+[[noreturn]] void refuse_newer(const fs::path& file, std::int32_t version) {
+  throw Unusable(Trouble::newer, file, of_version(version) + ": it is left alone; use a newer assur");
+}
+
+// Damaged files are read too: sizes in them are checked, and views and triggers call nothing but what is built in.
+void distrust(SQLite::Database& database) { database.exec("PRAGMA cell_size_check = ON; PRAGMA trusted_schema = OFF"); }
+
+SQLite::Database open_so(const fs::path& file, std::string_view query) {
+  SQLite::Database database(uri(file, query), SQLite::OPEN_READONLY | SQLite::OPEN_URI);
+  database.setBusyTimeout(static_cast<int>(std::chrono::milliseconds(kReadersPatience).count()));
+  distrust(database);
+  const std::int32_t version = version_of(database);  // the first look into the file
+  if (version > kSchemaVersion) refuse_newer(file, version);
+  if (version < kSchemaVersion) {
+    throw Unusable(Trouble::older, file, of_version(version) + "; `assur db check` brings it up to date");
+  }
+  return database;
+}
+
+// Changing the journal's mode takes the file for itself, and the busy timeout does not cover all of it.
+void set_journal(SQLite::Database& database, const char* statement) {
+  for (const auto start = std::chrono::steady_clock::now();; std::this_thread::sleep_for(5ms)) {
+    try {
+      database.exec(statement);
+      return;
+    } catch (const SQLite::Exception& error) {
+      if (error.getErrorCode() != SQLITE_BUSY || std::chrono::steady_clock::now() - start > kPatience) throw;
+    }
+  }
+}
+
+void make_folder(const fs::path& file) {
+  std::error_code error;
+  fs::create_directories(fs::absolute(file).parent_path(), error);
+  if (error) throw Unusable(Trouble::blocked, file, "its folder cannot be made: " + error.message());
+}
+
+}  // namespace
+
+void rethrow(const fs::path& file, const SQLite::Exception& error) {
+  const std::string what = error.what();
+  switch (error.getErrorCode()) {
+    case SQLITE_NOMEM:
+      throw std::bad_alloc();
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+      throw Unusable(Trouble::blocked, file, "is locked by another process");
+    case SQLITE_FULL:
+      throw Unusable(Trouble::blocked, file, "no space is left to write it; what was stored before is kept");
+    case SQLITE_READONLY:
+    case SQLITE_PERM:
+    case SQLITE_AUTH:
+    case SQLITE_CANTOPEN:
+    case SQLITE_IOERR:
+      throw Unusable(Trouble::blocked, file, "cannot be read or written: " + what);
+    case SQLITE_NOTADB:
+    case SQLITE_CORRUPT:
+      throw Unusable(Trouble::damaged, file, "is damaged: " + what);
+    default:  // tables or columns are missing, a constraint does not hold, ...
+      throw Unusable(Trouble::damaged, file, "is not as it should be: " + what);
+  }
+}
+
+SQLite::Database open_to_read(const fs::path& file) {
+  refuse_what_is_none(file);
+  return guarded(file, [&] {
+    // At rest it is read as a file that nobody changes, which needs no lock and writes no file beside it. A tuner that
+    // starts just now may change it under our eyes: what is read then is damaged by its checksums, never wrong.
+    const bool log = has_content(file, "-wal"), journal = has_content(file, "-journal");
+    if (!log && !journal) return open_so(file, "?immutable=1");
+    try {
+      return open_so(file, "?mode=ro");
+    } catch (const SQLite::Exception& error) {
+      if (journal) {
+        throw Unusable(Trouble::blocked, file,
+                       std::string("a tuning run was cut off while it wrote (") + error.what() +
+                           "); `assur db check` restores what was there");
+      }
+      return open_so(file, "?immutable=1");  // the folder is read-only: without what is in the log
+    }
+  });
+}
+
+SQLite::Database open_to_write(const fs::path& file, bool network) {
+  make_folder(file);
+  try {
+    refuse_what_is_none(file);
+  } catch (const Unusable& unusable) {
+    if (unusable.trouble() != Trouble::absent) throw;
+  }
+  return guarded(file, [&] {
+    SQLite::Database database(uri(file, ""), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE | SQLite::OPEN_URI);
+    database.setBusyTimeout(static_cast<int>(std::chrono::milliseconds(kPatience).count()));
+    distrust(database);
+    database.exec("PRAGMA foreign_keys = ON");
+    const std::int32_t version = version_of(database);
+    if (version > kSchemaVersion) refuse_newer(file, version);
+    if (sqlite3_db_readonly(database.getHandle(), "main") == 1) {
+      throw Unusable(Trouble::blocked, file, "cannot be written: the file or its folder is read-only");
+    }
+    if (version < kSchemaVersion) bring_up_to_date(database, kSchema, migrations(), kSchemaVersion);
+    // Either way a process that is killed loses nothing that was committed.
+    set_journal(database, network ? "PRAGMA journal_mode = DELETE" : "PRAGMA journal_mode = WAL");
+    database.exec(network ? "PRAGMA synchronous = FULL" : "PRAGMA synchronous = NORMAL");
+    return database;
+  });
+}
+
+void bring_up_to_date(SQLite::Database& database, std::string_view schema, std::span<const Migration> steps,
+                      std::int32_t version) {
+  SQLite::Transaction transaction(database, SQLite::TransactionBehavior::IMMEDIATE);
+  // Another process may have done it meanwhile.
+  std::int32_t found = version_of(database);
+  const bool is_new = database.execAndGet("SELECT count(*) FROM sqlite_schema").getInt() == 0;
+  if (is_new) {
+    database.exec(std::string(schema));
+    database.exec("PRAGMA application_id = " + std::to_string(kApplicationId));
+    found = version;
+  }
+  for (const Migration& step : steps) {
+    if (step.from != found || found == version) continue;
+    database.exec(std::string(step.sql));
+    ++found;
+  }
+  if (found < version) throw SQLite::Exception("there is no way from its version to the present one", SQLITE_ERROR);
+  database.exec("PRAGMA user_version = " + std::to_string(found));
+  transaction.commit();
+}
+
+}  // namespace assur::db

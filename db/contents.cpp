@@ -1,0 +1,285 @@
+#include "db/contents.hpp"
+
+#include <sqlite3.h>
+
+#include <algorithm>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <sstream>
+
+#include "db/checksum.hpp"
+
+namespace assur::db {
+namespace {
+
+using Row = SQLite::Statement;
+using TakeRow = std::function<void(Row&)>;
+
+constexpr std::int64_t kFurthestLookup = 10'000;  // ids beyond the last one seen, where the end of a table is damaged
+
+// Rows in the order of their ids; where they are in none the tree of the table is damaged. Returns the last id.
+std::int64_t scan(SQLite::Database& database, const std::string& select, const TakeRow& take, bool ascending = true) {
+  Row row(database, select);
+  for (std::int64_t last = 0;;) {
+    if (!row.executeStep()) return last;
+    const std::int64_t id = row.getColumn(0).getInt64();
+    if (ascending && id <= last) throw SQLite::Exception("rows are out of order", SQLITE_CORRUPT);
+    last = id;
+    take(row);
+  }
+}
+
+// From the front up to the first damage, from the back down to the last, and between them one by one.
+void salvage(SQLite::Database& database, const std::string& select, const TakeRow& take) {
+  std::int64_t front = 0;
+  std::optional<std::int64_t> back;
+  const auto attempt = [](auto&& work) {
+    try {
+      work();
+    } catch (const SQLite::Exception&) {
+    }
+  };
+  bool whole = false;
+  attempt([&] {
+    scan(database, select + " ORDER BY id", [&](Row& row) {
+      take(row);
+      front = row.getColumn(0).getInt64();
+    });
+    whole = true;
+  });
+  if (whole) return;
+  attempt([&] {
+    Row row(database, select + " ORDER BY id DESC");
+    while (row.executeStep()) {
+      const std::int64_t id = row.getColumn(0).getInt64();
+      if (id <= front || (back && id >= *back)) break;
+      take(row);
+      back = id;
+    }
+  });
+  const std::int64_t end = back ? std::min(*back, front + 100 * kFurthestLookup) : front + kFurthestLookup;
+  for (std::int64_t id = front + 1; id < end; ++id) {
+    attempt([&] {
+      Row row(database, select + " WHERE id = " + std::to_string(id));
+      if (row.executeStep() && row.getColumn(0).getInt64() == id) take(row);
+    });
+  }
+}
+
+void each(SQLite::Database& database, Care care, const std::string& select, const TakeRow& take) {
+  if (care == Care::salvaging) {
+    salvage(database, select, take);
+  } else {
+    scan(database, select + " ORDER BY id", take);
+  }
+}
+
+std::int32_t integer(Row& row, int column) { return row.getColumn(column).getInt(); }
+
+std::vector<Cache> caches_of(const std::string& text) {
+  std::vector<Cache> caches;
+  std::istringstream stream(text);
+  Cache cache;
+  for (char colon = 0; stream >> cache.level >> colon >> cache.bytes >> colon >> cache.cores;) caches.push_back(cache);
+  return caches;
+}
+
+// Which cores they were is not kept, only how many.
+std::vector<std::int32_t> numbered(std::int64_t cores) {
+  std::vector<std::int32_t> numbers(static_cast<std::size_t>(std::clamp<std::int64_t>(cores, 0, 8192)));
+  for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = static_cast<std::int32_t>(i);
+  return numbers;
+}
+
+Host host_of(Row& row) {
+  Host host;
+  host.vendor = row.getColumn(1).getString();
+  host.family = integer(row, 2);
+  host.model = integer(row, 3);
+  host.stepping = integer(row, 4);
+  host.machine.model = row.getColumn(5).getString();
+  host.machine.instructions = row.getColumn(6).getString();
+  host.machine.cores = numbered(row.getColumn(7).getInt64());
+  host.machine.processors = integer(row, 8);
+  host.machine.quota = row.getColumn(9).getDouble();
+  host.machine.caches = caches_of(row.getColumn(10).getString());
+  host.machine.numa_nodes = integer(row, 11);
+  host.memory = row.getColumn(12).getInt64();
+  return host;
+}
+
+RunRow run_of(Row& row) {
+  RunRow r;
+  r.run.id = row.getColumn(0).getInt64();
+  r.run.uid = row.getColumn(1).getString();
+  r.machine = row.getColumn(2).getInt64();
+  r.run.profile = row.getColumn(3).getString();
+  r.run.assur = row.getColumn(4).getString();
+  r.run.started = row.getColumn(5).getString();
+  r.run.threads = integer(row, 6);
+  r.run.load = row.getColumn(7).getDouble();
+  r.microcode = row.getColumn(8).getString();
+  r.process = row.getColumn(9).getInt64();
+  r.run.finished = !row.getColumn(10).isNull();
+  if (!r.run.finished) return r;
+  r.finished = row.getColumn(10).getString();
+  r.run.grade = row.getColumn(11).getString();
+  r.run.seconds = row.getColumn(12).getDouble();
+  r.run.coverage = row.getColumn(13).getDouble();
+  r.run.note = row.getColumn(14).getString();
+  return r;
+}
+
+Shape shape_of(Row& row) {
+  Shape s;
+  s.n = integer(row, 1);
+  s.nnz = integer(row, 2);
+  s.groups = integer(row, 3);
+  s.rhs = integer(row, 4);
+  s.fill = row.getColumn(5).getInt64();
+  s.operations = row.getColumn(6).getInt64();
+  s.terms = row.getColumn(7).getInt64();
+  if (!parse_hexadecimal(row.getColumn(8).getText(), s.pattern)) s.pattern = ~s.pattern;  // damaged: so is its sum
+  return s;
+}
+
+std::uint64_t sum_of(std::string_view text) { return (Checksum() << text).value(); }
+std::uint64_t sum_of(const Library& l) { return (Checksum() << l.name << l.version << l.build).value(); }
+std::uint64_t sum_of(const std::string& run, const std::string& machine) {
+  return (Checksum() << run << machine).value();
+}
+
+std::optional<Strategy> strategy_of(const std::string& text) {
+  try {
+    return parse_strategy(text);
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
+std::optional<Kernel> kernel_of(std::string_view text) {
+  try {
+    return parse_kernel(text);
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
+double or_nan(const SQLite::Column& column) {
+  return column.isNull() ? std::numeric_limits<double>::quiet_NaN() : column.getDouble();
+}
+
+// Everything that is stored with a sample; what it refers to by the sum of that.
+std::int64_t sum_of(const Sample& s, std::string_view kernel, std::uint64_t shape, std::uint64_t strategy,
+                    std::uint64_t library, std::uint64_t run) {
+  Checksum sum;
+  sum << s.uid << kernel << s.seconds << s.spread << s.repetitions << s.backward_error << s.forward_error;
+  for (const std::uint64_t part : {shape, strategy, library, run}) sum << static_cast<std::int64_t>(part);
+  return static_cast<std::int64_t>(sum.value());
+}
+
+template <class Value>
+const Checked<Value>* find(const std::unordered_map<std::int64_t, Checked<Value>>& table, std::int64_t id) {
+  const auto found = table.find(id);
+  return found == table.end() ? nullptr : &found->second;
+}
+
+void take_sample(Row& row, const Tables& tables, Samples& samples) {
+  SampleRow r;
+  Sample& s = r.sample;
+  r.id = row.getColumn(0).getInt64();
+  s.uid = row.getColumn(1).getText();
+  r.run = row.getColumn(2).getInt64();
+  r.library = row.getColumn(3).getInt64();
+  const SQLite::Column kernel = row.getColumn(4);
+  s.seconds = row.getColumn(7).getDouble();
+  s.spread = row.getColumn(8).getDouble();
+  s.repetitions = row.getColumn(9).getInt64();
+  s.backward_error = or_nan(row.getColumn(10));
+  s.forward_error = or_nan(row.getColumn(11));
+  const auto* const shape = find(tables.shapes, row.getColumn(5).getInt64());
+  const auto* const strategy = find(tables.strategies, row.getColumn(6).getInt64());
+  const auto* const library = find(tables.libraries, r.library);
+  const auto run = tables.runs.find(r.run);
+  const bool whole = shape && strategy && library && run != tables.runs.end() &&
+                     sum_of(s, kernel.getText(), shape->sum, strategy->sum, library->sum, run->second.sum) ==
+                         row.getColumn(12).getInt64();
+  if (!whole) {
+    ++samples.damaged;
+    return;
+  }
+  const auto kind = kernel_of(kernel.getText());
+  if (!kind || !strategy->value) {
+    ++samples.unknown;
+    return;
+  }
+  s.kernel = *kind;
+  s.shape = shape->value;
+  s.strategy = *strategy->value;
+  samples.rows.push_back(std::move(r));
+}
+
+}  // namespace
+
+Tables read_tables(SQLite::Database& database, Care care) {
+  Tables tables;
+  each(database, care,
+       "SELECT id, vendor, family, model, stepping, name, instructions, cores, processors, quota, caches, numa_nodes, "
+       "memory FROM machine",
+       [&](Row& row) { tables.machines[row.getColumn(0).getInt64()] = host_of(row); });
+  each(database, care,
+       "SELECT id, uid, machine, profile, assur, started, threads, load, microcode, process, finished, grade, seconds, "
+       "coverage, note FROM tuning_run",
+       [&](Row& row) {
+         RunRow r = run_of(row);
+         const auto machine = tables.machines.find(r.machine);
+         if (machine == tables.machines.end()) return;
+         r.run.machine = machine->second.fingerprint();
+         const std::uint64_t sum = sum_of(r.run.uid, r.run.machine);
+         tables.runs.insert_or_assign(r.run.id, Checked<RunRow>{std::move(r), sum});
+       });
+  each(database, care, "SELECT id, name, version, build FROM library", [&](Row& row) {
+    Library library{row.getColumn(1).getString(), row.getColumn(2).getString(), row.getColumn(3).getString()};
+    const std::uint64_t sum = sum_of(library);
+    tables.libraries.insert_or_assign(row.getColumn(0).getInt64(), Checked<Library>{std::move(library), sum});
+  });
+  each(database, care, "SELECT id, n, nnz, groups, rhs, fill, operations, terms, pattern FROM shape", [&](Row& row) {
+    const Shape shape = shape_of(row);
+    tables.shapes.insert_or_assign(row.getColumn(0).getInt64(), Checked<Shape>{shape, checksum(shape)});
+  });
+  each(database, care, "SELECT id, text FROM strategy", [&](Row& row) {
+    const std::string text = row.getColumn(1).getString();
+    tables.strategies.insert_or_assign(row.getColumn(0).getInt64(),
+                                       Checked<std::optional<Strategy>>{strategy_of(text), sum_of(text)});
+  });
+  return tables;
+}
+
+Samples read_samples(SQLite::Database& database, const Tables& tables, Care care, std::span<const std::int64_t> runs) {
+  Samples samples;
+  const TakeRow take = [&](Row& row) { take_sample(row, tables, samples); };
+  const std::string select =
+      "SELECT id, uid, run, library, kernel, shape, strategy, seconds, spread, repetitions, backward_error, "
+      "forward_error, checksum FROM sample";
+  if (runs.empty()) each(database, care, select, take);
+  for (const std::int64_t run : runs) scan(database, select + " WHERE run = " + std::to_string(run), take, false);
+  return samples;
+}
+
+std::int64_t checksum(const Sample& sample, const Library& library, const std::string& run,
+                      const std::string& machine) {
+  return sum_of(sample, name(sample.kernel), checksum(sample.shape), sum_of(to_string(sample.strategy)),
+                sum_of(library), sum_of(run, machine));
+}
+
+std::string to_text(const std::vector<Cache>& caches) {
+  std::string text;
+  for (const Cache& cache : caches) {
+    text += (text.empty() ? "" : " ") + std::to_string(cache.level) + ":" + std::to_string(cache.bytes) + ":" +
+            std::to_string(cache.cores);
+  }
+  return text;
+}
+
+}  // namespace assur::db

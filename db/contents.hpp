@@ -1,0 +1,71 @@
+// Rows of a database as values, each verified by its checksum.
+#pragma once
+
+#include <SQLiteCpp/SQLiteCpp.h>
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "db/host.hpp"
+#include "db/libraries.hpp"
+#include "db/store.hpp"
+
+namespace assur::db {
+
+enum class Care : std::uint8_t {
+  trusting,   // the first thing that cannot be read is thrown
+  salvaging,  // whatever can be read of a damaged file
+};
+
+// A row together with the checksum of what it says.
+template <class Value>
+struct Checked {
+  Value value;
+  std::uint64_t sum = 0;
+};
+
+// A row of tuning_run, with all its columns.
+struct RunRow {
+  Run run;
+  std::int64_t machine = 0, process = 0;
+  std::string microcode, finished;
+};
+
+struct SampleRow {
+  Sample sample;
+  std::int64_t id = 0, run = 0, library = 0;
+};
+
+// The small tables, which samples refer to.
+struct Tables {
+  std::map<std::int64_t, Host> machines;
+  std::map<std::int64_t, Checked<RunRow>> runs;  // without those whose machine is missing
+  std::unordered_map<std::int64_t, Checked<Library>> libraries;
+  std::unordered_map<std::int64_t, Checked<Shape>> shapes;
+  std::unordered_map<std::int64_t, Checked<std::optional<Strategy>>> strategies;  // empty: of a grammar to come
+};
+
+struct Samples {
+  std::vector<SampleRow> rows;
+  std::int64_t damaged = 0;  // their checksum differs, or what they refer to is missing
+  std::int64_t unknown = 0;  // whole, but of a kernel or a strategy that this version does not know
+};
+
+[[nodiscard]] Tables read_tables(SQLite::Database& database, Care care = Care::trusting);
+
+// Of these runs, or of all if there are none. Throws SQLite::Exception.
+[[nodiscard]] Samples read_samples(SQLite::Database& database, const Tables& tables, Care care = Care::trusting,
+                                   std::span<const std::int64_t> runs = {});
+
+// What the column sample.checksum holds.
+[[nodiscard]] std::int64_t checksum(const Sample& sample, const Library& library, const std::string& run,
+                                    const std::string& machine);
+
+// The column machine.caches.
+[[nodiscard]] std::string to_text(const std::vector<Cache>& caches);
+
+}  // namespace assur::db

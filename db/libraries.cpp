@@ -1,0 +1,42 @@
+#include "db/libraries.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "assur/backend.hpp"
+
+namespace assur::db {
+namespace {
+
+const Backend* row(std::string_view id) {
+  const auto table = backends();
+  const auto found = std::find_if(table.begin(), table.end(), [&](const Backend& backend) { return backend.id == id; });
+  return found == table.end() ? nullptr : &*found;
+}
+
+// Backends whose inner loops are compiled with assur.
+bool is_own_code(std::string_view name) {
+  constexpr std::array<std::string_view, 3> kOwn = {"eigen", "team", "lanes"};
+  return std::find(kOwn.begin(), kOwn.end(), name) != kOwn.end();
+}
+
+}  // namespace
+
+std::string_view assur_version() { return ASSUR_VERSION; }
+
+Library library_at_hand(std::string_view name) {
+  // The equations run in the same lanes.
+  const Backend* const backend = row(name == "assur" ? "lanes" : name);
+  if (!backend) return {std::string(name), "", ""};
+  std::string version = backend->version();
+  if (version.empty()) return {std::string(name), "", ""};
+  if (name == "assur" || is_own_code(name)) version += ", assur " ASSUR_VERSION;
+  return {std::string(name), version, ASSUR_BUILD};
+}
+
+std::string library_name(const Sample& sample) {
+  const bool solves = sample.kernel != Kernel::evaluate && sample.kernel != Kernel::meeting;
+  return solves ? sample.strategy.backend : "assur";
+}
+
+}  // namespace assur::db

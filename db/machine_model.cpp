@@ -1,0 +1,231 @@
+#include "db/machine_model.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <map>
+#include <tuple>
+#include <unordered_set>
+#include <utility>
+
+#include "db/checksum.hpp"
+#include "db/connection.hpp"
+#include "db/contents.hpp"
+
+namespace assur::db {
+namespace {
+
+using Role = DatabaseFile::Role;
+
+constexpr const char* kTune = "; run `assur tune`";
+
+// A database that can be read, and how close its machines are to the one at hand.
+struct Source {
+  std::filesystem::path file;
+  SQLite::Database database;
+  Tables tables;
+  std::vector<std::pair<Likeness, std::int64_t>> machines;  // the closest first
+};
+
+struct Counts {
+  std::int64_t seen = 0, stale = 0, damaged = 0;
+  std::vector<std::string> changes;  // "klu 1.3.9 is now 2.0.0"
+};
+
+std::string number(std::int64_t count) { return std::to_string(count); }
+
+class Reading {
+ public:
+  Reading(const Host& host, const LibraryAtHand& at_hand) : host_(host), at_hand_(at_hand) {}
+
+  void open(const DatabaseFile& file);
+  MachineModel finish();
+
+ private:
+  bool take_level(Likeness level);
+  std::vector<Sample> samples_of(Source& source, std::int64_t machine);
+  bool believed(const Library& library);
+  void say_counts();
+  void say_nothing_fits();
+  void say(std::string text) { messages_.push_back(std::move(text)); }
+
+  const Host& host_;
+  const LibraryAtHand& at_hand_;
+  std::vector<Source> sources_;
+  std::map<std::string, Library> libraries_;  // at hand, those asked for so far
+  std::vector<Sample> samples_;
+  std::unordered_set<std::uint64_t> cells_;  // of the files before
+  std::string source_;
+  Counts counts_;
+  std::vector<std::string> messages_;
+};
+
+std::int64_t difference_in_cores(const Host& a, const Host& b) {
+  return std::abs(static_cast<std::int64_t>(a.machine.cores.size()) -
+                  static_cast<std::int64_t>(b.machine.cores.size()));
+}
+
+void Reading::open(const DatabaseFile& file) {
+  try {
+    guarded(file.file, [&] {
+      SQLite::Database database = open_to_read(file.file);
+      Source source{file.file, std::move(database), {}, {}};
+      source.tables = read_tables(source.database);
+      for (const auto& [id, host] : source.tables.machines) source.machines.emplace_back(likeness(host_, host), id);
+      std::sort(source.machines.begin(), source.machines.end(), [&](const auto& a, const auto& b) {
+        const auto rank = [&](const auto& m) {
+          return std::tuple(m.first, difference_in_cores(host_, source.tables.machines.at(m.second)), -m.second);
+        };
+        return rank(a) < rank(b);
+      });
+      sources_.push_back(std::move(source));
+    });
+  } catch (const Unusable& unusable) {
+    if (unusable.trouble() != Trouble::absent || file.role == Role::named) say(unusable.what());
+  }
+}
+
+bool Reading::believed(const Library& library) {
+  auto found = libraries_.find(library.name);
+  if (found == libraries_.end()) {
+    found = libraries_.emplace(library.name, at_hand_(library.name)).first;
+  }
+  const Library& now = found->second;
+  if (library == now) return true;
+  const std::string change = now.version.empty() ? library.name + " is not here"
+                             : library.version != now.version
+                                 ? library.name + " was " + library.version + ", is " + now.version
+                                 : library.name + " was built by " + library.build + ", is by " + now.build;
+  if (std::find(counts_.changes.begin(), counts_.changes.end(), change) == counts_.changes.end()) {
+    counts_.changes.push_back(change);
+  }
+  return false;
+}
+
+// Good ones, with the libraries that are at hand.
+std::vector<Sample> Reading::samples_of(Source& source, std::int64_t machine) {
+  std::vector<std::int64_t> runs;
+  for (const auto& [id, run] : source.tables.runs) {
+    if (run.value.machine == machine) runs.push_back(id);
+  }
+  if (runs.empty()) return {};
+  Samples samples = read_samples(source.database, source.tables, Care::trusting, runs);
+  counts_.damaged += samples.damaged;
+  counts_.seen += static_cast<std::int64_t>(samples.rows.size());
+  std::map<std::int64_t, bool> holds;
+  std::vector<Sample> good;
+  for (SampleRow& row : samples.rows) {
+    auto found = holds.find(row.library);
+    if (found == holds.end()) {
+      found = holds.emplace(row.library, believed(source.tables.libraries.at(row.library).value)).first;
+    }
+    if (found->second) {
+      good.push_back(std::move(row.sample));
+    } else {
+      ++counts_.stale;
+    }
+  }
+  return good;
+}
+
+std::uint64_t cell(const Sample& sample) {
+  Checksum sum;
+  sum << name(sample.kernel) << static_cast<std::int64_t>(checksum(sample.shape)) << to_string(sample.strategy);
+  return sum.value();
+}
+
+// Of this machine all files tell; of a similar one only the first that knows one, so that all samples are of one.
+bool Reading::take_level(Likeness level) {
+  for (Source& source : sources_) {
+    for (const auto& [likeness, machine] : source.machines) {
+      if (likeness != level || (level != Likeness::same && !samples_.empty())) continue;
+      try {
+        std::vector<Sample> found = guarded(source.file, [&] { return samples_of(source, machine); });
+        if (found.empty()) continue;
+        const bool only = sources_.size() == 1;
+        std::vector<std::uint64_t> added;
+        for (Sample& sample : found) {
+          const std::uint64_t key = only ? 0 : cell(sample);
+          if (!only && cells_.contains(key)) continue;
+          if (!only) added.push_back(key);
+          samples_.push_back(std::move(sample));
+        }
+        cells_.insert(added.begin(), added.end());
+        const Host& other = source.tables.machines.at(machine);
+        if (!source_.empty()) {
+          source_ += " and " + source.file.string();
+        } else if (level == Likeness::same) {
+          source_ = "measured on this machine: " + source.file.string();
+        } else {
+          const char* const what = level == Likeness::processor ? "the same processor, used otherwise"
+                                                                : "the same microarchitecture, another processor";
+          source_ = "measured on " + to_string(other) + ": " + what + ": " + source.file.string();
+          say("nothing was measured on this machine as it is, " + to_string(host_) + "; what is used was " + source_ +
+              kTune);
+        }
+      } catch (const Unusable& unusable) {
+        say(unusable.what());
+      }
+    }
+  }
+  return !samples_.empty();
+}
+
+void Reading::say_counts() {
+  if (counts_.stale > 0) {
+    std::string changes;
+    for (const std::string& change : counts_.changes) changes += (changes.empty() ? "" : "; ") + change;
+    say(number(counts_.stale) + " of " + number(counts_.seen) + " samples are of other libraries than those at hand (" +
+        changes + "): not believed" + kTune);
+  }
+  if (counts_.damaged > 0) {
+    say(number(counts_.damaged) + " damaged samples are left out; `assur db check` repairs the database");
+  }
+}
+
+void Reading::say_nothing_fits() {
+  for (const Source& source : sources_) {
+    const bool strange = std::all_of(source.machines.begin(), source.machines.end(),
+                                     [](const auto& machine) { return machine.first == Likeness::none; });
+    if (source.machines.empty() || !strange) continue;
+    say(source.file.string() + ": was tuned for " +
+        to_string(source.tables.machines.at(source.machines.front().second)) + ", not for this machine, " +
+        to_string(host_) + ": not believed" + kTune);
+  }
+}
+
+MachineModel Reading::finish() {
+  const bool found =
+      take_level(Likeness::same) || take_level(Likeness::processor) || take_level(Likeness::microarchitecture);
+  if (!found) say_nothing_fits();
+  say_counts();
+  return {std::make_shared<const PerformanceModel>(std::move(samples_), std::move(source_)), std::move(messages_)};
+}
+
+}  // namespace
+
+MachineModel read_machine_model(std::span<const DatabaseFile> files, const Host& host,
+                                const LibraryAtHand& library_at_hand) {
+  Reading reading(host, library_at_hand);
+  for (const DatabaseFile& file : files) reading.open(file);
+  return reading.finish();
+}
+
+}  // namespace assur::db
+
+namespace assur {
+namespace {
+
+MachineModel read() {
+  const auto files = db::database_files();
+  if (files.empty()) return {std::make_shared<const PerformanceModel>(), {}};
+  return db::read_machine_model(files, db::this_host(), db::library_at_hand);
+}
+
+}  // namespace
+
+const MachineModel& machine_model() {
+  static const MachineModel kModel = read();
+  return kModel;
+}
+
+}  // namespace assur

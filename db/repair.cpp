@@ -1,0 +1,137 @@
+#include "db/repair.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <optional>
+
+#include "db/places.hpp"
+#include "db/time.hpp"
+#include "db/writer.hpp"
+
+namespace assur::db {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Held while a file is put aside, so that two processes that find it damaged do not put aside the repaired one.
+class RepairLock {
+ public:
+  explicit RepairLock(const fs::path& file) : name_(file.string() + ".lock") {
+    descriptor_ = ::open(name_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+    if (descriptor_ < 0 || flock(descriptor_, LOCK_EX) != 0) {
+      throw Unusable(Trouble::blocked, file, "is damaged, and its folder cannot be written to repair it");
+    }
+  }
+  ~RepairLock() { ::close(descriptor_); }  // the file stays: whoever waits holds it open
+  RepairLock(const RepairLock&) = delete;
+  RepairLock& operator=(const RepairLock&) = delete;
+
+ private:
+  std::string name_;
+  int descriptor_ = -1;
+};
+
+// Empty: `why` says what is damaged.
+std::optional<SQLite::Database> open_if_whole(const fs::path& file, std::string& why) {
+  try {
+    return guarded(file, [&]() -> std::optional<SQLite::Database> {
+      SQLite::Database database = open_to_write(file, is_on_network(file));
+      const auto findings = structural_damage(database);
+      if (!findings.empty()) {
+        why = file.string() + ": " + findings.front();
+        return std::nullopt;
+      }
+      const std::int64_t damaged = read_samples(database, read_tables(database)).damaged;
+      if (damaged == 0) return database;
+      why = file.string() + ": " + std::to_string(damaged) + " samples are damaged";
+      return std::nullopt;
+    });
+  } catch (const Unusable& unusable) {
+    if (unusable.trouble() != Trouble::damaged) throw;
+    why = unusable.what();
+    return std::nullopt;
+  }
+}
+
+// The log holds what is not yet in the file: it goes with it.
+fs::path put_aside(const fs::path& file) {
+  fs::path aside = file.string() + ".corrupt-" + utc_now("%Y%m%dT%H%M%SZ");
+  for (int number = 2; fs::exists(aside); ++number) {
+    aside = file.string() + ".corrupt-" + utc_now("%Y%m%dT%H%M%SZ") + "-" + std::to_string(number);
+  }
+  for (const char* suffix : {"-wal", "-shm", "-journal"}) {
+    std::error_code none;
+    fs::rename(file.string() + suffix, aside.string() + suffix, none);
+  }
+  std::error_code error;
+  fs::rename(file, aside, error);
+  if (error) throw Unusable(Trouble::blocked, file, "is damaged and cannot be put aside: " + error.message());
+  return aside;
+}
+
+// Nothing of a file that cannot be opened at all.
+Copied salvage(const fs::path& aside, SQLite::Database& target) {
+  Tables tables;
+  Samples samples;
+  try {
+    SQLite::Database damaged = open_to_read(aside);
+    tables = read_tables(damaged, Care::salvaging);
+    samples = read_samples(damaged, tables, Care::salvaging);
+  } catch (const SQLite::Exception&) {
+  } catch (const Unusable&) {
+  }
+  return copy(tables, samples, target);
+}
+
+}  // namespace
+
+std::vector<std::string> structural_damage(SQLite::Database& database) {
+  std::vector<std::string> findings;
+  SQLite::Statement check(database, "PRAGMA integrity_check(10)");
+  while (check.executeStep()) {
+    const std::string finding = check.getColumn(0).getString();
+    if (finding != "ok") findings.push_back(finding);
+  }
+  SQLite::Statement references(database, "PRAGMA foreign_key_check");
+  if (references.executeStep()) {
+    findings.push_back("rows of " + references.getColumn(0).getString() + " refer to rows that are not there");
+  }
+  return findings;
+}
+
+SQLite::Database open_whole(const fs::path& file, std::vector<std::string>& messages) {
+  std::string why;
+  if (auto database = open_if_whole(file, why)) return std::move(*database);
+  const RepairLock lock(file);
+  if (auto database = open_if_whole(file, why)) return std::move(*database);  // another process was quicker
+  const fs::path aside = put_aside(file);
+  return guarded(file, [&] {
+    SQLite::Database database = open_to_write(file, is_on_network(file));
+    const Copied saved = salvage(aside, database);
+    messages.push_back(why + ". It was put aside as " + aside.string() + "; " + std::to_string(saved.samples) +
+                       " good samples of it go on in a new file");
+    return database;
+  });
+}
+
+Copied copy(const Tables& tables, const Samples& samples, SQLite::Database& target) {
+  Copied copied;
+  SQLite::Transaction transaction(target, SQLite::TransactionBehavior::IMMEDIATE);
+  Writer writer(target);
+  std::map<std::int64_t, std::int64_t> runs;  // id there -> id here
+  for (const auto& [id, run] : tables.runs) {
+    runs[id] = writer.run(run.value, writer.machine(tables.machines.at(run.value.machine)));
+  }
+  for (const SampleRow& row : samples.rows) {
+    const Run& run = tables.runs.at(row.run).value.run;
+    const Library& library = tables.libraries.at(row.library).value;
+    const bool is_new = writer.sample(row.sample, library, runs.at(row.run), run.uid, run.machine);
+    ++(is_new ? copied.samples : copied.known);
+  }
+  transaction.commit();
+  return copied;
+}
+
+}  // namespace assur::db

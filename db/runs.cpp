@@ -1,0 +1,198 @@
+// Store: tuning runs, their samples, and models.
+#include <sys/types.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cmath>
+#include <csignal>
+#include <cstdlib>
+
+#include "db/checksum.hpp"
+#include "db/store_impl.hpp"
+#include "db/time.hpp"
+#include "db/writer.hpp"
+
+namespace assur::db {
+namespace {
+
+// Of the last minute; -1: not known.
+double load_average() {
+  double load = -1;
+  return getloadavg(&load, 1) == 1 ? load : -1;
+}
+
+// Another process of this number may be a different one by now: then a new run is begun, which costs no more than time.
+bool another_works_on_it(std::int64_t process) {
+  return process != getpid() && (kill(static_cast<pid_t>(process), 0) == 0 || errno == EPERM);
+}
+
+void check_sample(const Sample& sample) {
+  const auto refuse = [](const std::string& what) { throw Error(Error::Kind::input, "a sample to store: " + what); };
+  if (!std::isfinite(sample.seconds) || sample.seconds <= 0) refuse("its time must be finite and positive");
+  if (!std::isfinite(sample.spread) || sample.spread < 0) refuse("its spread must be finite and not negative");
+  std::uint64_t half = 0;
+  const std::string_view uid = sample.uid;
+  const bool is_uid =
+      uid.size() == 32 && parse_hexadecimal(uid.substr(0, 16), half) && parse_hexadecimal(uid.substr(16), half);
+  if (!uid.empty() && !is_uid) refuse("its uid must be 32 hexadecimal digits, not \"" + sample.uid + "\"");
+}
+
+void check_changed(int rows, std::int64_t run) {
+  if (rows == 0) throw Error(Error::Kind::input, "there is no tuning run " + std::to_string(run));
+}
+
+}  // namespace
+
+std::int64_t Store::begin_run(const Host& host, std::string_view profile) {
+  return guarded(impl_->file, [&] {
+    RunRow row;
+    row.run.uid = new_uid();
+    row.run.profile = profile;
+    row.run.assur = assur_version();
+    row.run.started = utc_now();
+    row.run.threads = host.machine.budget().threads;
+    row.run.load = load_average();
+    row.microcode = host.microcode;
+    row.process = getpid();
+    SQLite::Transaction transaction(impl_->database, SQLite::TransactionBehavior::IMMEDIATE);
+    Writer writer(impl_->database);
+    const std::int64_t id = writer.run(row, writer.machine(host));
+    transaction.commit();
+    return id;
+  });
+}
+
+std::optional<std::int64_t> Store::unfinished_run(const Host& host, std::string_view profile) {
+  return guarded(impl_->file, [&]() -> std::optional<std::int64_t> {
+    SQLite::Transaction transaction(impl_->database, SQLite::TransactionBehavior::IMMEDIATE);
+    SQLite::Statement candidates(impl_->database,
+                                 "SELECT r.id, r.process FROM tuning_run r JOIN machine m ON m.id = r.machine "
+                                 "WHERE r.finished IS NULL AND m.fingerprint = ?1 AND r.profile = ?2 AND r.assur = ?3 "
+                                 "ORDER BY r.id DESC");
+    candidates.bind(1, host.fingerprint());
+    candidates.bind(2, std::string(profile));
+    candidates.bind(3, std::string(assur_version()));
+    while (candidates.executeStep()) {
+      if (another_works_on_it(candidates.getColumn(1).getInt64())) continue;
+      const std::int64_t run = candidates.getColumn(0).getInt64();
+      candidates.reset();
+      SQLite::Statement take(impl_->database, "UPDATE tuning_run SET process = ?2 WHERE id = ?1");
+      take.bind(1, run);
+      take.bind(2, static_cast<std::int64_t>(getpid()));
+      take.exec();
+      transaction.commit();
+      return run;
+    }
+    return std::nullopt;
+  });
+}
+
+void Store::add(std::int64_t run, std::span<const Sample> samples) {
+  for (const Sample& sample : samples) check_sample(sample);
+  guarded(impl_->file, [&] {
+    SQLite::Transaction transaction(impl_->database, SQLite::TransactionBehavior::IMMEDIATE);
+    SQLite::Statement find(impl_->database,
+                           "SELECT r.uid, m.fingerprint FROM tuning_run r JOIN machine m ON m.id = r.machine "
+                           "WHERE r.id = ?1");
+    find.bind(1, run);
+    check_changed(find.executeStep() ? 1 : 0, run);
+    const std::string uid = find.getColumn(0).getString(), machine = find.getColumn(1).getString();
+    find.reset();
+    Writer writer(impl_->database);
+    for (Sample sample : samples) {
+      if (sample.uid.empty()) sample.uid = new_uid();
+      writer.sample(sample, impl_->library(library_name(sample)), run, uid, machine);
+    }
+    transaction.commit();
+  });
+}
+
+void Store::finish_run(std::int64_t run, const RunResult& result) {
+  guarded(impl_->file, [&] {
+    SQLite::Statement finish(impl_->database,
+                             "UPDATE tuning_run SET finished = ?2, grade = ?3, seconds = ?4, coverage = ?5, note = ?6 "
+                             "WHERE id = ?1");
+    finish.bind(1, run);
+    finish.bind(2, utc_now());
+    finish.bind(3, std::string(name(result.grade)));
+    finish.bind(4, result.seconds);
+    finish.bind(5, result.coverage);
+    finish.bind(6, result.note);
+    check_changed(finish.exec(), run);
+  });
+}
+
+bool Store::has(std::int64_t run, Kernel kernel, const Shape& shape, const Strategy& strategy) const {
+  return guarded(impl_->file, [&] {
+    SQLite::Statement find(
+        impl_->database,
+        "SELECT 1 FROM sample WHERE run = ?1 AND kernel = ?2 AND strategy = (SELECT id FROM strategy WHERE text = ?3) "
+        "AND shape = (SELECT id FROM shape WHERE n = ?4 AND nnz = ?5 AND groups = ?6 AND rhs = ?7 AND fill = ?8 "
+        "AND operations = ?9 AND terms = ?10 AND pattern = ?11) AND library = (SELECT id FROM library "
+        "WHERE name = ?12 AND version = ?13 AND build = ?14)");
+    Sample sample;
+    sample.kernel = kernel;
+    sample.strategy = strategy;
+    const Library& library = impl_->library(library_name(sample));
+    find.bind(1, run);
+    find.bind(2, std::string(name(kernel)));
+    find.bind(3, to_string(strategy));
+    find.bind(4, shape.n);
+    find.bind(5, shape.nnz);
+    find.bind(6, shape.groups);
+    find.bind(7, shape.rhs);
+    find.bind(8, shape.fill);
+    find.bind(9, shape.operations);
+    find.bind(10, shape.terms);
+    find.bind(11, hexadecimal(shape.pattern));
+    find.bind(12, library.name);
+    find.bind(13, library.version);
+    find.bind(14, library.build);
+    return find.executeStep();
+  });
+}
+
+std::vector<Run> Store::runs() const {
+  return guarded(impl_->file, [&] {
+    std::map<std::int64_t, std::int64_t> samples;
+    SQLite::Statement count(impl_->database, "SELECT run, count(*) FROM sample GROUP BY run");
+    while (count.executeStep()) samples[count.getColumn(0).getInt64()] = count.getColumn(1).getInt64();
+    std::vector<Run> runs;
+    for (auto& [id, row] : read_tables(impl_->database).runs) {
+      runs.push_back(std::move(row.value.run));
+      runs.back().samples = samples[id];
+    }
+    return runs;
+  });
+}
+
+void Store::put_model(const Host& host, std::string_view name, std::string_view json) {
+  guarded(impl_->file, [&] {
+    SQLite::Transaction transaction(impl_->database, SQLite::TransactionBehavior::IMMEDIATE);
+    SQLite::Statement put(impl_->database,
+                          "INSERT INTO model (machine, name, made, assur, content) VALUES (?1, ?2, ?3, ?4, ?5) "
+                          "ON CONFLICT (machine, name) DO UPDATE SET made = excluded.made, assur = excluded.assur, "
+                          "content = excluded.content");
+    put.bind(1, Writer(impl_->database).machine(host));
+    put.bind(2, std::string(name));
+    put.bind(3, utc_now());
+    put.bind(4, std::string(assur_version()));
+    put.bind(5, std::string(json));
+    put.exec();
+    transaction.commit();
+  });
+}
+
+std::optional<std::string> Store::model(const Host& host, std::string_view name) const {
+  return guarded(impl_->file, [&]() -> std::optional<std::string> {
+    SQLite::Statement find(impl_->database,
+                           "SELECT content FROM model JOIN machine ON machine.id = model.machine "
+                           "WHERE fingerprint = ?1 AND model.name = ?2");
+    find.bind(1, host.fingerprint());
+    find.bind(2, std::string(name));
+    if (!find.executeStep()) return std::nullopt;
+    return find.getColumn(0).getString();
+  });
+}
+
+}  // namespace assur::db

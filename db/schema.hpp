@@ -1,0 +1,25 @@
+// What makes a file a tuning database, and brings an older one to the present schema.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+namespace assur::db {
+
+inline constexpr std::int32_t kApplicationId = 0x41737372;  // "Assr"; PRAGMA application_id
+inline constexpr std::int32_t kSchemaVersion = 1;           // PRAGMA user_version
+
+// db/schema.sql.
+extern const std::string_view kSchema;
+
+// From version `from` to the next one; run in one transaction with all that follow.
+struct Migration {
+  std::int32_t from;
+  std::string_view sql;
+};
+
+// db/migrations/*.sql, ascending; the last one leads to kSchemaVersion.
+[[nodiscard]] std::span<const Migration> migrations();
+
+}  // namespace assur::db

@@ -1,0 +1,151 @@
+-- The tuning database of assur, version 1. The only description of its tables: this file is built into the library.
+-- Units: seconds, bytes. Kernels, strategies and libraries by name, never by a number that another version could read
+-- as something else. How to ask it by hand: db/README.md.
+
+CREATE TABLE machine (
+  id INTEGER PRIMARY KEY,
+  fingerprint TEXT NOT NULL UNIQUE,  -- 16 hexadecimal digits over the columns from vendor to numa_nodes
+  vendor TEXT NOT NULL,              -- of the processor, as it calls itself; '' and -1 where it does not
+  family INTEGER NOT NULL,
+  model INTEGER NOT NULL,
+  stepping INTEGER NOT NULL,
+  name TEXT NOT NULL,
+  instructions TEXT NOT NULL,        -- widest set that assur has code for: 'AVX2', 'AVX3', ...
+  cores INTEGER NOT NULL,            -- physical ones that the affinity mask allowed
+  processors INTEGER NOT NULL,       -- logical ones: more than cores where a core runs two threads
+  quota REAL NOT NULL,               -- processors' time that control groups allowed; 0: no limit
+  caches TEXT NOT NULL,              -- of the first core: level:bytes:cores that share it, with blanks between
+  numa_nodes INTEGER NOT NULL,
+  memory INTEGER NOT NULL            -- bytes when it was first seen; not in the fingerprint
+) STRICT;
+
+CREATE TABLE library (
+  id INTEGER PRIMARY KEY,
+  name TEXT NOT NULL,                -- of a backend, or 'assur' for what is no solver's
+  version TEXT NOT NULL,             -- 'OpenBLAS 0.3.21, OpenMP, SkylakeX'; own code: with that of assur
+  build TEXT NOT NULL,               -- compiler and kind of build: 'GNU 12.2.0 Release'
+  UNIQUE (name, version, build)
+) STRICT;
+
+CREATE TABLE tuning_run (
+  id INTEGER PRIMARY KEY,
+  uid TEXT NOT NULL UNIQUE,          -- 32 hexadecimal digits, drawn at random
+  machine INTEGER NOT NULL REFERENCES machine,
+  profile TEXT NOT NULL,             -- 'quick', 'standard', 'patient', ...
+  assur TEXT NOT NULL,               -- version that measured
+  started TEXT NOT NULL,             -- UTC, '2026-11-21T18:04:05Z'
+  threads INTEGER NOT NULL,          -- budget: cores, quota and OMP_NUM_THREADS together
+  load REAL NOT NULL,                -- average of the last minute when it started; -1: not known
+  microcode TEXT NOT NULL,
+  process INTEGER NOT NULL,          -- number of the process that works on it, or did last
+  finished TEXT,                     -- UTC; NULL and what follows: not finished, it can be resumed
+  grade TEXT,                        -- 'good', 'fair', 'noisy'
+  seconds REAL,                      -- that it took
+  coverage REAL,                     -- of what was planned, 0 to 1
+  note TEXT
+) STRICT;
+
+CREATE TABLE shape (                 -- what is solved: the members of assur::Shape
+  id INTEGER PRIMARY KEY,
+  n INTEGER NOT NULL,                -- unknowns
+  nnz INTEGER NOT NULL,              -- nonzeros of the Jacobian
+  groups INTEGER NOT NULL,           -- of the class
+  rhs INTEGER NOT NULL,              -- right-hand sides of one factorisation
+  fill INTEGER NOT NULL,             -- nonzeros of L + U with Markowitz pivots; 0: not counted
+  operations INTEGER NOT NULL,       -- multiplications of a factorisation
+  terms INTEGER NOT NULL,            -- of the equations; 0: a bare matrix
+  pattern TEXT NOT NULL,             -- 16 hexadecimal digits that only equal patterns have
+  UNIQUE (n, nnz, groups, rhs, fill, operations, terms, pattern)
+) STRICT;
+
+CREATE TABLE strategy (
+  id INTEGER PRIMARY KEY,
+  text TEXT NOT NULL UNIQUE,         -- 'irreducible/lanes:8+once 2x1'; what follows is taken from it, for the views
+  backend TEXT NOT NULL,
+  lanes INTEGER NOT NULL,            -- W: instances that one call serves
+  p INTEGER NOT NULL,                -- packs at once
+  q INTEGER NOT NULL                 -- threads within each
+) STRICT;
+
+CREATE TABLE sample (
+  id INTEGER PRIMARY KEY,
+  uid TEXT NOT NULL UNIQUE,          -- 32 hexadecimal digits, drawn at random: the same sample in two databases is one
+  run INTEGER NOT NULL REFERENCES tuning_run ON DELETE CASCADE,
+  library INTEGER NOT NULL REFERENCES library,
+  kernel TEXT NOT NULL,              -- 'evaluate', 'factor', 'solve', 'pack', 'meeting', 'step'
+  shape INTEGER NOT NULL REFERENCES shape,
+  strategy INTEGER NOT NULL REFERENCES strategy,
+  seconds REAL NOT NULL,             -- median of one call, which serves all lanes
+  spread REAL NOT NULL,              -- median absolute deviation, s
+  repetitions INTEGER NOT NULL,
+  backward_error REAL,               -- of the result that was timed, the worst over lanes; NULL: not measured
+  forward_error REAL,
+  checksum INTEGER NOT NULL          -- over this row and all that it refers to; one that differs is not believed
+) STRICT;
+CREATE INDEX sample_of_run ON sample (run);
+
+CREATE TABLE model (                 -- what was learned from the samples; can be made anew from them
+  machine INTEGER NOT NULL REFERENCES machine ON DELETE CASCADE,
+  name TEXT NOT NULL,
+  made TEXT NOT NULL,                -- UTC
+  assur TEXT NOT NULL,               -- version that made it
+  content TEXT NOT NULL,             -- JSON: what was fitted, regret on samples held out
+  PRIMARY KEY (machine, name)
+) STRICT;
+
+-- For people. Every time is that of one instance: of a call, divided by the lanes that it serves.
+
+-- The newest sample of each cell.
+CREATE VIEW measured AS
+SELECT r.machine, s.kernel, s.shape, s.strategy,
+       s.seconds / CASE WHEN s.kernel IN ('step', 'meeting') THEN 1 ELSE t.lanes END AS seconds,
+       s.spread / s.seconds AS scatter, s.backward_error, s.forward_error, max(s.id) AS sample
+FROM sample s JOIN tuning_run r ON r.id = s.run JOIN strategy t ON t.id = s.strategy
+GROUP BY r.machine, s.kernel, s.shape, s.strategy;
+
+-- The same, and the linear algebra of a step put together: the kernel 'factor+3solve'.
+CREATE VIEW cost AS
+SELECT machine, kernel, shape, strategy, seconds, backward_error, forward_error FROM measured
+UNION ALL
+SELECT f.machine, 'factor+3solve', f.shape, f.strategy, f.seconds + 3 * s.seconds,
+       s.backward_error, s.forward_error
+FROM measured f JOIN measured s USING (machine, shape, strategy)
+WHERE f.kernel = 'factor' AND s.kernel = 'solve';
+
+CREATE VIEW best_strategy AS
+WITH ranked AS (
+  SELECT machine, kernel, shape, strategy, seconds,
+         row_number() OVER rank AS place,
+         lead(strategy) OVER rank AS next, lead(seconds) OVER rank AS next_seconds
+  FROM cost WHERE kernel != 'meeting'
+  WINDOW rank AS (PARTITION BY machine, kernel, shape ORDER BY seconds, strategy)
+)
+SELECT m.fingerprint AS machine, b.kernel, h.n, h.nnz, h.fill, h.groups, h.rhs, h.pattern, t.text AS strategy,
+       b.seconds AS seconds, u.text AS runner_up, b.next_seconds / b.seconds AS runner_up_takes
+FROM ranked b JOIN machine m ON m.id = b.machine JOIN shape h ON h.id = b.shape
+JOIN strategy t ON t.id = b.strategy LEFT JOIN strategy u ON u.id = b.next
+WHERE b.place = 1
+ORDER BY m.fingerprint, b.kernel, h.n, h.nnz, h.groups;
+
+-- Where, with growing n, another strategy becomes the best; dense matrices apart from sparse ones.
+CREATE VIEW crossovers AS
+WITH line AS (
+  SELECT machine, kernel, nnz = n * n AS dense, groups, rhs, n, nnz, strategy,
+         lag(n) OVER growing AS n_before, lag(strategy) OVER growing AS strategy_before
+  FROM best_strategy
+  WINDOW growing AS (PARTITION BY machine, kernel, nnz = n * n, groups, rhs ORDER BY n, nnz, pattern)
+)
+SELECT machine, kernel, dense, groups, rhs, n_before, strategy_before, n, strategy
+FROM line WHERE strategy != strategy_before;
+
+-- Accuracy against time of every strategy; on_front: none is both faster and at least as exact.
+CREATE VIEW error_against_time AS
+SELECT m.fingerprint AS machine, c.kernel, h.n, h.nnz, h.groups, h.rhs, h.pattern, t.text AS strategy,
+       c.seconds AS seconds, c.backward_error, c.forward_error,
+       NOT EXISTS (SELECT 1 FROM cost o
+                   WHERE o.machine = c.machine AND o.kernel = c.kernel AND o.shape = c.shape
+                     AND o.seconds < c.seconds AND o.backward_error <= c.backward_error) AS on_front
+FROM cost c JOIN machine m ON m.id = c.machine JOIN shape h ON h.id = c.shape
+JOIN strategy t ON t.id = c.strategy
+WHERE c.backward_error IS NOT NULL
+ORDER BY m.fingerprint, c.kernel, h.n, h.nnz, h.groups, c.seconds;

@@ -1,0 +1,89 @@
+#include "db/store.hpp"
+
+#include <algorithm>
+#include <random>
+
+#include "db/checksum.hpp"
+#include "db/repair.hpp"
+#include "db/store_impl.hpp"
+
+namespace assur::db {
+namespace {
+
+SQLite::Database open(const std::filesystem::path& file, Access access, std::vector<std::string>& messages) {
+  return access == Access::write ? open_whole(file, messages) : open_to_read(file);
+}
+
+}  // namespace
+
+std::string_view name(Grade grade) noexcept {
+  switch (grade) {
+    case Grade::good:
+      return "good";
+    case Grade::fair:
+      return "fair";
+    case Grade::noisy:
+      return "noisy";
+  }
+  return "";
+}
+
+std::string new_uid() {
+  // Seeded by the system each time: two processes, or two forks of one, never draw the same.
+  std::random_device device;
+  const auto draw = [&] { return std::uint64_t{device()} << 32 | device(); };
+  return hexadecimal(draw()) + hexadecimal(draw());
+}
+
+Store::Impl::Impl(std::filesystem::path path, Access how)
+    : file(std::move(path)), access(how), database(open(file, access, messages)) {}
+
+const Library& Store::Impl::library(const std::string& name) {
+  const auto found = at_hand.find(name);
+  return found != at_hand.end() ? found->second : at_hand.emplace(name, library_at_hand(name)).first->second;
+}
+
+Store::Store(std::filesystem::path file, Access access) : impl_(std::make_unique<Impl>(std::move(file), access)) {}
+Store::Store(Store&&) noexcept = default;
+Store& Store::operator=(Store&&) noexcept = default;
+Store::~Store() = default;
+
+const std::filesystem::path& Store::file() const { return impl_->file; }
+const std::vector<std::string>& Store::messages() const { return impl_->messages; }
+
+bool fits(const Filter& filter, const SampleRow& row, const Tables& tables) {
+  return (!filter.run || *filter.run == row.run) &&
+         tables.runs.at(row.run).value.run.machine.starts_with(filter.machine) &&
+         (filter.library.empty() || tables.libraries.at(row.library).value.name == filter.library) &&
+         (!filter.kernel || *filter.kernel == row.sample.kernel);
+}
+
+std::vector<Sample> Store::samples(const Filter& filter) const {
+  return guarded(impl_->file, [&] {
+    const Tables tables = read_tables(impl_->database);
+    std::vector<Sample> found;
+    for (SampleRow& row : read_samples(impl_->database, tables).rows) {
+      if (fits(filter, row, tables)) found.push_back(std::move(row.sample));
+    }
+    return found;
+  });
+}
+
+Health Store::health() const {
+  return guarded(impl_->file, [&] {
+    Health health;
+    health.findings = structural_damage(impl_->database);
+    const Tables tables = read_tables(impl_->database);
+    const Samples samples = read_samples(impl_->database, tables);
+    health.samples = static_cast<std::int64_t>(samples.rows.size());
+    health.damaged = samples.damaged;
+    health.unknown = samples.unknown;
+    health.stale = std::count_if(samples.rows.begin(), samples.rows.end(), [&](const SampleRow& row) {
+      const Library& library = tables.libraries.at(row.library).value;
+      return library != impl_->library(library.name);
+    });
+    return health;
+  });
+}
+
+}  // namespace assur::db

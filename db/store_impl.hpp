@@ -1,0 +1,26 @@
+// What the files that make up Store share.
+#pragma once
+
+#include <map>
+
+#include "db/connection.hpp"
+#include "db/contents.hpp"
+#include "db/store.hpp"
+
+namespace assur::db {
+
+struct Store::Impl {
+  std::filesystem::path file;
+  Access access;
+  std::vector<std::string> messages;
+  SQLite::Database database;
+  std::map<std::string, Library, std::less<>> at_hand;  // those asked for so far
+
+  Impl(std::filesystem::path file, Access access);
+  const Library& library(const std::string& name);
+};
+
+// Those that fit: of runs, machines and libraries by what `tables` says.
+[[nodiscard]] bool fits(const Filter& filter, const SampleRow& row, const Tables& tables);
+
+}  // namespace assur::db

@@ -1,0 +1,106 @@
+// Store: samples from and to other files, and none at all.
+#include <algorithm>
+
+#include "db/repair.hpp"
+#include "db/store_impl.hpp"
+
+namespace assur::db {
+namespace {
+
+namespace fs = std::filesystem;
+
+int execute(SQLite::Database& database, const std::string& sql) { return database.exec(sql); }
+
+// A run goes with its last sample, unless it is still going on; what nothing refers to any more goes too.
+std::int64_t prune(SQLite::Database& database) {
+  const int runs =
+      execute(database, "DELETE FROM tuning_run WHERE finished IS NOT NULL AND id NOT IN (SELECT run FROM sample)");
+  for (const char* table : {"library", "shape", "strategy"}) {
+    execute(database, std::string("DELETE FROM ") + table + " WHERE id NOT IN (SELECT " + table + " FROM sample)");
+  }
+  execute(database, "DELETE FROM machine WHERE id NOT IN (SELECT machine FROM tuning_run)");
+  return runs;
+}
+
+// Keeps of the samples, and of the runs, what fits.
+void restrict_to(const Filter& filter, Tables& tables, Samples& samples) {
+  std::erase_if(samples.rows, [&](const SampleRow& row) { return !fits(filter, row, tables); });
+  std::erase_if(tables.runs, [&](const auto& run) {
+    return std::none_of(samples.rows.begin(), samples.rows.end(),
+                        [&](const SampleRow& row) { return row.run == run.first; });
+  });
+}
+
+}  // namespace
+
+Forgotten Store::forget(const Filter& filter) {
+  if (!filter.run && filter.machine.empty() && filter.library.empty() && !filter.kernel) {
+    throw Error(Error::Kind::input, "nothing says what to forget");
+  }
+  return guarded(impl_->file, [&] {
+    Forgotten forgotten;
+    SQLite::Transaction transaction(impl_->database, SQLite::TransactionBehavior::IMMEDIATE);
+    SQLite::Statement forget(
+        impl_->database,
+        "DELETE FROM sample WHERE (?1 IS NULL OR run = ?1) AND (?2 = '' OR run IN (SELECT r.id FROM tuning_run r "
+        "JOIN machine m ON m.id = r.machine WHERE substr(m.fingerprint, 1, length(?2)) = ?2)) AND (?3 = '' OR "
+        "library IN (SELECT id FROM library WHERE name = ?3)) AND (?4 = '' OR kernel = ?4)");
+    if (filter.run) forget.bind(1, *filter.run);
+    forget.bind(2, filter.machine);
+    forget.bind(3, filter.library);
+    forget.bind(4, filter.kernel ? std::string(name(*filter.kernel)) : "");
+    forgotten.samples = forget.exec();
+    forgotten.runs = prune(impl_->database);
+    transaction.commit();
+    return forgotten;
+  });
+}
+
+Forgotten Store::forget_all() {
+  return guarded(impl_->file, [&] {
+    Forgotten forgotten;
+    SQLite::Transaction transaction(impl_->database, SQLite::TransactionBehavior::IMMEDIATE);
+    forgotten.samples = execute(impl_->database, "DELETE FROM sample");
+    forgotten.runs = execute(impl_->database, "DELETE FROM tuning_run");
+    prune(impl_->database);
+    transaction.commit();
+    return forgotten;
+  });
+}
+
+std::int64_t Store::export_to(const fs::path& file, const Filter& filter) const {
+  if (fs::exists(file)) throw Error(Error::Kind::environment, file.string() + ": exists already; name another file");
+  Tables tables;
+  Samples samples;
+  guarded(impl_->file, [&] {
+    tables = read_tables(impl_->database);
+    samples = read_samples(impl_->database, tables);
+  });
+  restrict_to(filter, tables, samples);
+  const fs::path part = file.string() + ".part";  // nobody finds half a file
+  fs::remove(part);
+  const std::int64_t copied = guarded(part, [&] {
+    SQLite::Database target = open_to_write(part, true);  // without a log, which needs a folder that can be written
+    const std::int64_t all = copy(tables, samples, target).samples;
+    target.exec("VACUUM");
+    return all;
+  });
+  fs::rename(part, file);
+  return copied;
+}
+
+Imported Store::import_from(const fs::path& file) {
+  Tables tables;
+  Samples samples;
+  guarded(file, [&] {
+    SQLite::Database source = open_to_read(file);
+    tables = read_tables(source);
+    samples = read_samples(source, tables);
+  });
+  return guarded(impl_->file, [&] {
+    const Copied copied = copy(tables, samples, impl_->database);
+    return Imported{copied.samples, copied.known, samples.damaged};
+  });
+}
+
+}  // namespace assur::db
