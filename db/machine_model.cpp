@@ -43,6 +43,8 @@ class Reading {
  private:
   bool take_level(Likeness level);
   std::vector<Sample> samples_of(Source& source, std::int64_t machine);
+  void add(std::vector<Sample> found);
+  void say_source(const Source& source, std::int64_t machine, Likeness level);
   bool believed(const Library& library);
   void say_counts();
   void say_nothing_fits();
@@ -58,6 +60,12 @@ class Reading {
   Counts counts_;
   std::vector<std::string> messages_;
 };
+
+std::uint64_t cell(const Sample& sample) {
+  Checksum sum;
+  sum << name(sample.kernel) << static_cast<std::int64_t>(checksum(sample.shape)) << to_string(sample.strategy);
+  return sum.value();
+}
 
 std::int64_t difference_in_cores(const Host& a, const Host& b) {
   return std::abs(static_cast<std::int64_t>(a.machine.cores.size()) -
@@ -113,6 +121,7 @@ std::vector<Sample> Reading::samples_of(Source& source, std::int64_t machine) {
   counts_.seen += static_cast<std::int64_t>(samples.rows.size());
   std::map<std::int64_t, bool> holds;
   std::vector<Sample> good;
+  good.reserve(samples.rows.size());
   for (SampleRow& row : samples.rows) {
     auto found = holds.find(row.library);
     if (found == holds.end()) {
@@ -127,12 +136,6 @@ std::vector<Sample> Reading::samples_of(Source& source, std::int64_t machine) {
   return good;
 }
 
-std::uint64_t cell(const Sample& sample) {
-  Checksum sum;
-  sum << name(sample.kernel) << static_cast<std::int64_t>(checksum(sample.shape)) << to_string(sample.strategy);
-  return sum.value();
-}
-
 // Of this machine all files tell; of a similar one only the first that knows one, so that all samples are of one.
 bool Reading::take_level(Likeness level) {
   for (Source& source : sources_) {
@@ -141,33 +144,44 @@ bool Reading::take_level(Likeness level) {
       try {
         std::vector<Sample> found = guarded(source.file, [&] { return samples_of(source, machine); });
         if (found.empty()) continue;
-        const bool only = sources_.size() == 1;
-        std::vector<std::uint64_t> added;
-        for (Sample& sample : found) {
-          const std::uint64_t key = only ? 0 : cell(sample);
-          if (!only && cells_.contains(key)) continue;
-          if (!only) added.push_back(key);
-          samples_.push_back(std::move(sample));
-        }
-        cells_.insert(added.begin(), added.end());
-        const Host& other = source.tables.machines.at(machine);
-        if (!source_.empty()) {
-          source_ += " and " + source.file.string();
-        } else if (level == Likeness::same) {
-          source_ = "measured on this machine: " + source.file.string();
-        } else {
-          const char* const what = level == Likeness::processor ? "the same processor, used otherwise"
-                                                                : "the same microarchitecture, another processor";
-          source_ = "measured on " + to_string(other) + ": " + what + ": " + source.file.string();
-          say("nothing was measured on this machine as it is, " + to_string(host_) + "; what is used was " + source_ +
-              kTune);
-        }
+        add(std::move(found));
+        say_source(source, machine, level);
       } catch (const Unusable& unusable) {
         say(unusable.what());
       }
     }
   }
   return !samples_.empty();
+}
+
+// But for cells that a file before this one has.
+void Reading::add(std::vector<Sample> found) {
+  if (sources_.size() == 1) {
+    samples_ = std::move(found);
+    return;
+  }
+  std::vector<std::uint64_t> added;
+  for (Sample& sample : found) {
+    const std::uint64_t key = cell(sample);
+    if (cells_.contains(key)) continue;
+    added.push_back(key);
+    samples_.push_back(std::move(sample));
+  }
+  cells_.insert(added.begin(), added.end());
+}
+
+void Reading::say_source(const Source& source, std::int64_t machine, Likeness level) {
+  if (!source_.empty()) {
+    source_ += " and " + source.file.string();
+  } else if (level == Likeness::same) {
+    source_ = "measured on this machine: " + source.file.string();
+  } else {
+    source_ = "measured on " + to_string(source.tables.machines.at(machine)) +
+              (level == Likeness::processor ? ", the same processor, used otherwise: "
+                                            : ", the same microarchitecture, another processor: ") +
+              source.file.string();
+    say("nothing was measured on this machine as it is, " + to_string(host_) + "; what is used was " + source_ + kTune);
+  }
 }
 
 void Reading::say_counts() {

@@ -47,15 +47,15 @@ struct RunResult {
   Grade grade = Grade::good;
   double seconds = 0;
   double coverage = 1;
-  std::string note;
+  std::string note = {};
 };
 
 // Empty: all.
 struct Filter {
-  std::optional<std::int64_t> run;  // Run::id
-  std::string machine;              // fingerprint, or its beginning
-  std::string library;              // name: of a backend, or "assur"
-  std::optional<Kernel> kernel;
+  std::optional<std::int64_t> run = {};  // Run::id
+  std::string machine = {};              // fingerprint, or its beginning
+  std::string library = {};              // name: of a backend, or "assur"
+  std::optional<Kernel> kernel = {};
 };
 
 using Value = std::variant<std::monostate, std::int64_t, double, std::string>;  // monostate: not known

@@ -6,7 +6,7 @@ stage=$(mktemp -d)
 trap 'rm -rf "$stage"' EXIT
 mkdir -p "$stage/bin" "$stage/tree/build"
 cp "$quickstart" "$stage/tree/quickstart"
-export CALLS="$stage/calls"
+export CALLS="$stage/calls" ASSUR_DB=
 
 # stand_in NAME 'script': a program of that name which notes its call.
 stand_in() {

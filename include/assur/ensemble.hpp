@@ -16,7 +16,8 @@
 
 namespace assur {
 
-// Results of an ensemble in SI units, contiguous [member][time][output]; NaN where a member did not get.
+// Results of an ensemble in SI units, contiguous [member][time][output]; NaN where a member did not get. Copies share
+// the values.
 class EnsembleTrajectory {
  public:
   [[nodiscard]] const std::vector<std::string>& columns() const { return columns_; }
@@ -25,19 +26,22 @@ class EnsembleTrajectory {
   // Rows of one member that are there.
   [[nodiscard]] std::size_t rows(std::size_t member) const { return rows_[member]; }
   [[nodiscard]] std::span<const double> row(std::size_t member, std::size_t k) const {
-    return {values_.data() + (member * times_.size() + k) * columns_.size(), columns_.size()};
+    return {values_.get() + (member * times_.size() + k) * columns_.size(), columns_.size()};
   }
   [[nodiscard]] double operator()(std::size_t member, std::size_t row, std::size_t column) const {
     return this->row(member, row)[column];
   }
-  [[nodiscard]] const std::vector<double>& values() const { return values_; }
+  [[nodiscard]] std::span<const double> values() const {
+    return {values_.get(), rows_.size() * times_.size() * columns_.size()};
+  }
 
  private:
   friend class Ensemble;
   std::vector<std::string> columns_;
   std::vector<double> times_;
   std::vector<std::size_t> rows_;
-  std::vector<double> values_;
+  // Memory as it comes: each thread is the first to write where its members are.
+  std::shared_ptr<double[]> values_;
 };
 
 // member, counted from 1, t, then every column; 17 significant digits.
@@ -68,11 +72,11 @@ class Ensemble {
   Ensemble& operator=(Ensemble&&) noexcept;
   ~Ensemble();
 
-  // Every member over the time grid of the first one, or over `times`, which begin with its start. The results depend
-  // neither on the number of threads nor, but for the last bits, on that of lanes. `observer` (rows done, of all
-  // members) is called on the calling thread and may return false to stop. Laws and callbacks are called by all
-  // threads of the plan; what they throw comes from run(). Throws Error (input) if `times` begin elsewhere, descend
-  // anywhere or are not finite.
+  // Every member over the time grid of the first one, or over `times`, which begin with its start. The results do not
+  // depend on the number of threads, and on that of lanes by their last bits only (the bound: README.md, "Strategies").
+  // `observer` (rows done, of all members) is called on the calling thread and may return false to stop. Laws and
+  // callbacks are called by all threads of the plan; what they throw comes from run(). Throws Error (input) if `times`
+  // begin elsewhere, descend anywhere or are not finite.
   EnsembleTrajectory run(const Simulator::Observer& observer = {});
   EnsembleTrajectory run(std::span<const double> times, const Simulator::Observer& observer = {});
 

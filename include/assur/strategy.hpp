@@ -1,5 +1,5 @@
 // A strategy is a value with a text form that round-trips:
-//   formulation/backend[:W][+float][+refine][+reuse=step|run][+once][+predict=PREDICTOR][+chunks=C] [PxQ]
+//   formulation/backend[:W][+float][+refine][+reuse=step|run][+once|+separate][+predict=PREDICTOR][+chunks=C] [PxQ]
 // with W = 1, 2, 4, 8 or 16 and PREDICTOR = taylor:0..2 | hermite:5 | past:0..5,
 // e.g. "irreducible/klu+once+predict=hermite:5".
 #pragma once
@@ -34,10 +34,11 @@ struct Strategy {
   bool single = false;     // +float
   bool refine = false;     // +refine
   Reuse reuse = Reuse::fresh;
-  bool once = false;  // one factorisation per step, taken at the prediction
+  bool once = false;      // one factorisation per step, taken at the prediction
+  bool separate = false;  // one more for the acceleration, which nothing needs: to repeat published experiments
   Predictor predictor;
   std::int32_t chunks = 1;
-  std::int32_t p = 1;  // packs at once
+  std::int32_t p = 1;  // packs at once; changes no bit of the motion, while lanes, chunks and q change the last ones
   std::int32_t q = 1;  // threads inside each one's linear algebra
 
   friend bool operator==(const Strategy&, const Strategy&) = default;

@@ -199,7 +199,7 @@ HWY_ATTR Alarms factorize(const Program& p, const double* values, void* slots, c
   return all;
 }
 
-template <class L, int kRhs, class T>
+template <class L, std::size_t kRhs, class T>
 HWY_INLINE void solve_part(const Program& p, const T* slots, double* b_to_x, Index rows, T* work) {
   const std::size_t next_rhs = p.n * L::kStride;
   const T* factor = slots;
@@ -209,18 +209,18 @@ HWY_INLINE void solve_part(const Program& p, const T* slots, double* b_to_x, Ind
     for (Index row = 0; row < p.n; ++row, y += L::kStride) {
       L sum[kRhs];
       const double* b = b_to_x + op[0] * L::kStride;
-      for (int r = 0; r < kRhs; ++r) sum[r] = take<L>(b + r * next_rhs);
+      for (std::size_t r = 0; r < kRhs; ++r) sum[r] = take<L>(b + r * next_rhs);
       Index left = op[1];
       op += 2;
       for (; left != 0; --left, ++op, factor += L::kStride) {
         const L l = L::load(factor);
-        for (int r = 0; r < kRhs; ++r) {
+        for (std::size_t r = 0; r < kRhs; ++r) {
           sum[r] = minus_product(l, L::load(work + r * next_rhs + *op * L::kStride), sum[r]);
         }
       }
       const L pivot = L::load(factor);
       factor += L::kStride;
-      for (int r = 0; r < kRhs; ++r) times(sum[r], pivot).store(y + r * next_rhs);
+      for (std::size_t r = 0; r < kRhs; ++r) times(sum[r], pivot).store(y + r * next_rhs);
     }
   }
   const Index* op = p.backward.data();
@@ -228,16 +228,16 @@ HWY_INLINE void solve_part(const Program& p, const T* slots, double* b_to_x, Ind
     L sum[kRhs];
     T* y = work + op[0] * L::kStride;
     double* x = b_to_x + op[1] * L::kStride;
-    for (int r = 0; r < kRhs; ++r) sum[r] = L::load(y + r * next_rhs);
+    for (std::size_t r = 0; r < kRhs; ++r) sum[r] = L::load(y + r * next_rhs);
     Index right = op[2];
     op += 3;
     for (; right != 0; --right, ++op, factor += L::kStride) {
       const L u = L::load(factor);
-      for (int r = 0; r < kRhs; ++r) {
+      for (std::size_t r = 0; r < kRhs; ++r) {
         sum[r] = minus_product(u, L::load(work + r * next_rhs + *op * L::kStride), sum[r]);
       }
     }
-    for (int r = 0; r < kRhs; ++r) {
+    for (std::size_t r = 0; r < kRhs; ++r) {
       sum[r].store(y + r * next_rhs);
       give(sum[r], x + r * next_rhs);
     }

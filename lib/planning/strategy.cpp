@@ -11,7 +11,7 @@ namespace assur {
 namespace {
 
 constexpr std::string_view kGrammar =
-    "global|groups|irreducible/BACKEND[:1|2|4|8|16][+float][+refine][+reuse=step|run][+once]"
+    "global|groups|irreducible/BACKEND[:1|2|4|8|16][+float][+refine][+reuse=step|run][+once|+separate]"
     "[+predict=taylor:0..2|hermite:5|past:0..5][+chunks=C] [PxQ]";
 
 constexpr std::array kFormulations = {Formulation::global, Formulation::groups, Formulation::irreducible};
@@ -24,6 +24,8 @@ struct PredictorForm {
 constexpr std::array kPredictors = {PredictorForm{"taylor", Predictor::Kind::taylor, 0, 2},
                                     PredictorForm{"hermite", Predictor::Kind::hermite, 5, 5},
                                     PredictorForm{"past", Predictor::Kind::past, 0, 5}};
+
+constexpr std::array<std::string_view, 7> kKeys = {"float", "refine", "reuse", "once", "separate", "predict", "chunks"};
 
 std::string quoted(std::string_view text) { return '"' + std::string(text) + '"'; }
 
@@ -102,21 +104,24 @@ class Reader {
   }
 
   void read_options(std::string_view options) {
-    std::array<bool, 6> seen{};
+    std::array<bool, kKeys.size()> seen{};
     for (bool more = true; more;) {
       const Cut next = cut(options, '+');
       read_option(next.before, seen);
       options = next.after;
       more = next.found;
     }
+    if (strategy_.once && strategy_.separate) {
+      refuse("options \"once\" and \"separate\" contradict each other: one factorisation for a step, or one more");
+    }
   }
 
-  void read_option(std::string_view option, std::array<bool, 6>& seen) {
-    static constexpr std::array<std::string_view, 6> kKeys = {"float", "refine", "reuse", "once", "predict", "chunks"};
+  void read_option(std::string_view option, std::array<bool, kKeys.size()>& seen) {
     const auto [key, value, has_value] = cut(option, '=');
     std::size_t index = 0;
     while (index < kKeys.size() && kKeys[index] != key) ++index;
-    if (index == kKeys.size()) refuse(quoted(option) + " is no option: float, refine, reuse, once, predict or chunks");
+    if (index == kKeys.size())
+      refuse(quoted(option) + " is no option: float, refine, reuse, once, separate, predict or chunks");
     if (std::exchange(seen[index], true)) refuse("option " + quoted(key) + " is given twice");
 
     const bool wants_value = key == "reuse" || key == "predict" || key == "chunks";
@@ -126,6 +131,7 @@ class Reader {
     if (key == "float") strategy_.single = true;
     if (key == "refine") strategy_.refine = true;
     if (key == "once") strategy_.once = true;
+    if (key == "separate") strategy_.separate = true;
     if (key == "reuse") read_reuse(value);
     if (key == "predict") read_predictor(value);
     if (key == "chunks") read_chunks(value);
@@ -179,6 +185,7 @@ std::string to_string(const Strategy& s) {
   if (s.reuse == Reuse::step) text += "+reuse=step";
   if (s.reuse == Reuse::run) text += "+reuse=run";
   if (s.once) text += "+once";
+  if (s.separate) text += "+separate";
   for (const PredictorForm& form : kPredictors) {
     if (form.kind != s.predictor.kind) continue;
     text += "+predict=" + std::string(form.name) + ":" + std::to_string(s.predictor.order);

@@ -11,12 +11,9 @@ namespace {
 Output of_item(const Item& item) {
   Output out;
   out.name = item.name;
-  for (int k = 0; k < item.components; ++k) {
-    MeasureForms part;
-    part.name = item.components == 1 ? item.name : item.name + "." + "xyz"[k];
-    part.forms = {item.form[k]};
-    part.dimension = item.dimension;
-    out.parts.push_back(std::move(part));
+  out.part_count = static_cast<std::size_t>(item.components);
+  for (std::size_t k = 0; k < out.part_count; ++k) {
+    out.all_parts[k] = {MeasureForms::Kind::form, {&item.form[k], 1}, item.dimension};
   }
   return out;
 }
@@ -24,14 +21,13 @@ Output of_item(const Item& item) {
 Output of_measure(const MeasureForms& measure) {
   Output out;
   out.name = measure.name;
-  out.parts = {measure};
-  out.is_measure = true;
+  out.all_parts[0] = {measure.kind, measure.forms, measure.dimension};
   return out;
 }
 
 // A column stands once, where it is first asked for.
 void drop_repeated(std::vector<Output>& outputs) {
-  std::unordered_map<std::string, std::array<bool, 3>> taken;
+  std::unordered_map<std::string_view, std::array<bool, 3>> taken;
   for (Output& o : outputs) {
     auto& before = taken[o.name];
     for (std::size_t d = 0; d < 3; ++d) {
@@ -85,12 +81,18 @@ void append_columns(const Output& o, std::vector<std::string>& columns) {
   static constexpr const char* kVector[3] = {".", ".v", ".a"};
   for (int d = 0; d < 3; ++d) {
     if (!o.wanted[d]) continue;
-    if (o.parts.size() == 1) {
-      columns.push_back(o.name + kScalar[d]);
+    if (o.part_count == 1) {
+      columns.push_back(std::string(o.name) + kScalar[d]);
     } else {
-      for (std::size_t k = 0; k < o.parts.size(); ++k) columns.push_back(o.name + kVector[d] + "xyz"[k]);
+      for (std::size_t k = 0; k < o.part_count; ++k) columns.push_back(std::string(o.name) + kVector[d] + "xyz"[k]);
     }
   }
+}
+
+std::vector<std::string> column_names(const System& system) {
+  std::vector<std::string> names;
+  for (const Output& o : wanted_outputs(system)) append_columns(o, names);
+  return names;
 }
 
 }  // namespace assur

@@ -210,9 +210,9 @@ void Validation::check_vectors() {
 void Validation::check_time() {
   const TimeGrid& time = scene_.time();
   const Where where("/time");
-  const bool all_finite =
-      finite(time.start, where / "start") & finite(time.end, where / "end") & finite(time.step, where / "step");
-  if (!all_finite || (time.start == 0 && time.end == 0 && time.step == 0)) return;  // zeros: no grid given
+  const bool start = finite(time.start, where / "start"), end = finite(time.end, where / "end"),
+             step = finite(time.step, where / "step");  // each reports for itself
+  if (!start || !end || !step || (time.start == 0 && time.end == 0 && time.step == 0)) return;  // zeros: no grid given
   if (!(time.step > 0)) {
     report(where / "step", "the step is " + shortest(time.step) + " s; it must be > 0");
   } else if (time.end < time.start) {

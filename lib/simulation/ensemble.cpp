@@ -45,8 +45,8 @@ struct Ensemble::Impl {
     p.plan.chunks = 1;
     if (!prepared) {
       prepared = p;
-      columns = columns_of(p);
-    } else if (columns_of(p) != columns) {
+      columns = column_names(*p.structure->system);
+    } else if (column_names(*p.structure->system) != columns) {
       cannot[i] = "its outputs are others than those of the first member";
       return;
     }
@@ -58,19 +58,13 @@ struct Ensemble::Impl {
     variants.push_back({p.structure->system, p.structure->start, p.scene->time().start, p.reselect});
   }
 
-  static std::vector<std::string> columns_of(const Prepared& p) {
-    std::vector<std::string> names;
-    for (const Output& o : wanted_outputs(*p.structure->system)) append_columns(o, names);
-    return names;
-  }
-
   EnsembleTrajectory start(std::span<const double> times) {
     EnsembleTrajectory out;
     out.columns_ = columns;
     out.times_.assign(times.begin(), times.end());
     out.rows_.assign(cannot.size(), 0);
     check_memory(cannot.size() * times.size(), out.columns_.size());
-    out.values_.assign(cannot.size() * times.size() * out.columns_.size(), kNan);
+    out.values_.reset(new double[cannot.size() * times.size() * out.columns_.size()]);
     report = {};
     totals = {};
     tiles->clear();
@@ -90,7 +84,7 @@ struct Ensemble::Impl {
     for (std::size_t i = 0; i < runs.size(); ++i) {
       runs[i].variant = variants[i];
       runs[i].times = out.times_;
-      runs[i].rows = out.values_.data() + in_lanes[i] * rows * columns.size();
+      runs[i].rows = out.values_.get() + in_lanes[i] * rows * columns.size();
     }
     tiles->run(runs, observer, 0);
     for (std::size_t i = 0; i < runs.size(); ++i) {
@@ -119,8 +113,7 @@ struct Ensemble::Impl {
       return;
     }
     const Trajectory t = simulator->run(out.times_, observer);
-    std::copy(t.values().begin(), t.values().end(),
-              out.values_.begin() + static_cast<std::ptrdiff_t>(i * out.times_.size() * columns.size()));
+    std::copy(t.values().begin(), t.values().end(), out.values_.get() + i * out.times_.size() * columns.size());
     const Report& its = simulator->report();
     out.rows_[i] = t.rows();
     outcome.status = its.status;
@@ -133,6 +126,14 @@ struct Ensemble::Impl {
   void note(std::size_t member, const std::vector<std::string>& fallbacks) {
     for (const std::string& f : fallbacks)
       report.fallbacks.push_back("member " + std::to_string(member + 1) + ": " + f);
+  }
+
+  // What no member filled.
+  static void leave_no_row_unset(EnsembleTrajectory& out) {
+    const std::size_t rows = out.times_.size(), columns = out.columns_.size();
+    for (std::size_t i = 0; i < out.members(); ++i) {
+      std::fill_n(out.values_.get() + (i * rows + out.rows_[i]) * columns, (rows - out.rows_[i]) * columns, kNan);
+    }
   }
 
   void summarize(const EnsembleTrajectory& out) {
@@ -211,6 +212,7 @@ EnsembleTrajectory Ensemble::run(std::span<const double> times, const Simulator:
     impl_->run_other(i, out, of_all);
     before += rows(1);
   }
+  Impl::leave_no_row_unset(out);
   impl_->summarize(out);
   return out;
 }

@@ -23,7 +23,7 @@ std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 // Small steps factorise in registers, afresh and in double: what `lanes` means without more.
 bool has_small_steps(const Strategy& s) {
-  return s.backend == "lanes" && !s.single && !s.refine && !s.once && s.reuse == Reuse::fresh;
+  return s.backend == "lanes" && !s.single && !s.refine && !s.once && !s.separate && s.reuse == Reuse::fresh;
 }
 
 }  // namespace
@@ -320,6 +320,9 @@ Status GroupSolver::derivatives(Pack& pack, double* const (&state)[3], Counters&
   const int wanted_rate = class_.derivatives == 1 ? class_.first_wanted : 0;
   if (const Status s = linear(pack, rhs_, rate, wanted_rate, counters, errors.velocity); !s.ok()) return s;
   if (class_.derivatives == 1) return {};
+  if (strategy_.separate) {
+    if (const Status s = factorize(pack, counters); !s.ok()) return s;
+  }
   gather(pack, state[2], input_accelerations_);
   evaluator_->acceleration_rhs(rate, input_accelerations_.data(), rhs_.data());
   return linear(pack, rhs_, state[2] + pack.unknowns, class_.first_wanted, counters, errors.acceleration);

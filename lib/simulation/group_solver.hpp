@@ -1,4 +1,5 @@
-// Solves the packs of one group class: position by Newton, velocity and acceleration by one factorisation.
+// Solves the packs of one group class: position by Newton, velocity and acceleration by one factorisation or, as
+// `+separate` asks, two.
 #pragma once
 
 #include <chrono>

@@ -6,11 +6,18 @@
 
 namespace assur {
 
-OutputProgram::OutputProgram(const System& s, std::span<const std::int32_t> address) : dimension_(s.dimension) {
+void OutputProgram::bind(const System& s, std::span<const std::int32_t> address) {
+  dimension_ = s.dimension;
+  motions_.clear();
+  lines_.clear();
+  sums_.clear();
+  sum_terms_.clear();
+  terms_.clear();
+  form_start_.assign(1, 0);
+  parts_.clear();
+  std::int32_t next = 0;  // column
   for (const Output& o : wanted_outputs(s)) {
-    const auto parts = static_cast<std::int32_t>(o.parts.size());
-    auto next = static_cast<std::int32_t>(columns_.size());
-    append_columns(o, columns_);
+    const auto parts = static_cast<std::int32_t>(o.part_count);
     std::int32_t first[3];  // column of the first part
     for (int d = 0; d < 3; ++d) {
       first[d] = o.wanted[d] ? next : -1;
@@ -18,13 +25,13 @@ OutputProgram::OutputProgram(const System& s, std::span<const std::int32_t> addr
     }
     for (std::int32_t k = 0; k < parts; ++k) {
       const auto column = [&](int d) { return first[d] < 0 ? -1 : first[d] + k; };
-      add(s, address, o.parts[static_cast<std::size_t>(k)], {column(0), column(1), column(2)}, o.derivatives());
+      add(s, address, o.all_parts[static_cast<std::size_t>(k)], {column(0), column(1), column(2)});
     }
   }
 }
 
-void OutputProgram::add(const System& s, std::span<const std::int32_t> address, const MeasureForms& m,
-                        const std::array<std::int32_t, 3>& column, int derivatives) {
+void OutputProgram::add(const System& s, std::span<const std::int32_t> address, const OutputPart& m,
+                        const std::array<std::int32_t, 3>& column) {
   const auto term_at = [&](const Term& t) {
     return TermAt{address[static_cast<std::size_t>(t.coordinate)], s.constants[static_cast<std::size_t>(t.constant)]};
   };
@@ -39,13 +46,9 @@ void OutputProgram::add(const System& s, std::span<const std::int32_t> address, 
     sums_.push_back({begin, static_cast<std::int32_t>(sum_terms_.size()), column});
     return;
   }
-  Part part{m.kind,
-            static_cast<std::int32_t>(form_start_.size()) - 1,
-            0,
-            unit,
-            column,
-            derivatives,
-            m.kind == MeasureForms::Kind::absolute_angle || m.kind == MeasureForms::Kind::signed_angle};
+  Part part{m.kind, static_cast<std::int32_t>(form_start_.size()) - 1,
+            0,      unit,
+            column, m.kind == MeasureForms::Kind::absolute_angle || m.kind == MeasureForms::Kind::signed_angle};
   for (const Index f : m.forms) {
     for (const Term& t : s.form(f)) terms_.push_back(term_at(t));
     form_start_.push_back(static_cast<std::int32_t>(terms_.size()));
@@ -119,15 +122,16 @@ void OutputProgram::evaluate(const double* const (&state)[3], double* out, const
   for (const Part& measure : share(parts_)) {
     Jet<double> forms[9];
     for (std::int32_t f = measure.forms_begin; f < measure.forms_end; ++f) {
-      double sum[3] = {};
-      for (int d = 0; d <= measure.derivatives; ++d) {
-        for (std::int32_t t = form_start_[static_cast<std::size_t>(f)];
-             t < form_start_[static_cast<std::size_t>(f) + 1]; ++t) {
-          const TermAt& term = terms_[static_cast<std::size_t>(t)];
-          sum[d] += term.factor * state[d][term.address];
-        }
+      // Derivatives that nobody wants are added as well: three sums stay in registers.
+      double value = 0, rate = 0, acceleration = 0;
+      for (std::int32_t t = form_start_[static_cast<std::size_t>(f)]; t < form_start_[static_cast<std::size_t>(f) + 1];
+           ++t) {
+        const TermAt& term = terms_[static_cast<std::size_t>(t)];
+        value += term.factor * state[0][term.address];
+        rate += term.factor * state[1][term.address];
+        acceleration += term.factor * state[2][term.address];
       }
-      forms[f - measure.forms_begin] = {sum[0], sum[1], sum[2]};
+      forms[f - measure.forms_begin] = {value, rate, acceleration};
     }
     Jet<double> m = evaluate_measure<double>(measure.kind, {forms, 9}, dimension_);
     if (measure.angle && previous != nullptr && measure.column[0] >= 0) {

@@ -4,7 +4,6 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "scene/jet.hpp"
@@ -51,9 +50,10 @@ Jet<T> evaluate_measure(MeasureForms::Kind kind, std::span<const Jet<T>> f, int 
 class OutputProgram {
  public:
   // `address`: coordinates -> index into the state arrays; -1: not available (never read by a needed output).
-  OutputProgram(const System& system, std::span<const std::int32_t> address);
+  OutputProgram(const System& system, std::span<const std::int32_t> address) { bind(system, address); }
 
-  [[nodiscard]] const std::vector<std::string>& columns() const { return columns_; }
+  // The same for another system, in the memory at hand.
+  void bind(const System& system, std::span<const std::int32_t> address);
 
   // Columns of signed angles, which are unwrapped along a run.
   [[nodiscard]] std::vector<std::size_t> angles() const;
@@ -77,7 +77,6 @@ class OutputProgram {
     std::int32_t forms_begin, forms_end;
     double unit;
     std::array<std::int32_t, 3> column;  // of value, rate, acceleration; -1: not wanted
-    int derivatives;
     bool angle;
   };
   // What is linear in one coordinate, in SI units: offset + factor * coordinate.
@@ -91,21 +90,20 @@ class OutputProgram {
     std::int32_t begin, end;
     std::array<std::int32_t, 3> column;  // -1: not wanted
   };
-  void add(const System& system, std::span<const std::int32_t> address, const MeasureForms& part,
-           const std::array<std::int32_t, 3>& column, int derivatives);
+  void add(const System& system, std::span<const std::int32_t> address, const OutputPart& part,
+           const std::array<std::int32_t, 3>& column);
   // False if more than one coordinate takes part.
   bool add_line(const System& system, std::span<const std::int32_t> address, Index form, double unit,
                 const std::array<std::int32_t, 3>& column);
 
-  int dimension_;
+  int dimension_ = 2;
   std::vector<Line> motions_;  // value, rate and acceleration wanted
   std::vector<Line> lines_;    // not all of them
   std::vector<Sum> sums_;
   std::vector<TermAt> sum_terms_;
   std::vector<TermAt> terms_;
-  std::vector<std::int32_t> form_start_ = {0};
+  std::vector<std::int32_t> form_start_;
   std::vector<Part> parts_;
-  std::vector<std::string> columns_;
 };
 
 }  // namespace assur

@@ -32,7 +32,7 @@ void raise(double& worst, double value) {
 std::vector<Jet<Quad>> evaluate(const ReferenceMotion& motion, const Output& output) {
   const System& s = motion.system();
   std::vector<Jet<Quad>> out;
-  for (const MeasureForms& part : output.parts) {
+  for (const OutputPart& part : output.parts()) {
     Jet<Quad> forms[9];
     for (std::size_t f = 0; f < part.forms.size(); ++f) {
       const auto of = [&](std::size_t d) { return form_value<Quad>(s, part.forms[f], motion.state().q[d]); };
@@ -43,7 +43,7 @@ std::vector<Jet<Quad>> evaluate(const ReferenceMotion& motion, const Output& out
   return out;
 }
 
-bool is_signed_angle(const MeasureForms& part) {
+bool is_signed_angle(const OutputPart& part) {
   return part.kind == MeasureForms::Kind::absolute_angle || part.kind == MeasureForms::Kind::signed_angle;
 }
 
@@ -51,9 +51,9 @@ class Comparison {
  public:
   Comparison(const Prepared& prepared, const Trajectory& trajectory) : trajectory_(trajectory), motion_(prepared) {
     std::vector<std::string> columns;
-    for (Output& o : wanted_outputs(motion_.system())) {
+    for (const Output& o : wanted_outputs(motion_.system())) {
       append_columns(o, columns);
-      outputs_.emplace_back().output = std::move(o);
+      outputs_.emplace_back().output = o;
     }
     if (columns != trajectory.columns()) {
       throw Error(Error::Kind::input, "the trajectory has other columns than the scene: compare it with its own");
@@ -77,7 +77,7 @@ class Comparison {
     scale_[2] /= kTurn * kTurn;
     double worst[3] = {};
     for (const Compared& o : outputs_) {
-      const double unit = motion_.system().unit(o.output.parts.front().dimension);
+      const double unit = motion_.system().unit(o.output.parts().front().dimension);
       for (std::size_t d = 0; d < 3; ++d) {
         const auto& [difference, size] = o.figures[d];
         if (difference != 0) raise(worst[d], difference / std::max(size, scale_[d] * unit));
@@ -117,14 +117,14 @@ class Comparison {
     std::size_t column = 0;
     for (Compared& o : outputs_) {
       const std::vector<Jet<Quad>> jets = evaluate(motion_, o.output);
-      const double unit = motion_.system().unit(o.output.parts.front().dimension);
+      const double unit = motion_.system().unit(o.output.parts().front().dimension);
       for (std::size_t d = 0; d < 3; ++d) {
         o.now[d] = {};
         if (!o.output.wanted[d]) continue;
         for (std::size_t i = 0; i < jets.size(); ++i, ++column) {
           const Quad x = trajectory_(k, column);
           Quad reference = d == 0 ? jets[i].value : d == 1 ? jets[i].rate : jets[i].acceleration;
-          if (d == 0 && is_signed_angle(o.output.parts[i])) reference += turns(x - reference);
+          if (d == 0 && is_signed_angle(o.output.parts()[i])) reference += turns(x - reference);
           raise(o.now[d].difference, static_cast<double>(abs(x - reference)));
           raise(o.now[d].size, static_cast<double>(abs(reference)));
         }

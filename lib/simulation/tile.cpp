@@ -59,6 +59,7 @@ Tile::Tile(const Prepared& prepared, const StepLimits& limits)
       layout_(lay_out_side_by_side(prepared, lanes_)) {
   state_.resize(layout_.first_unknown, layout_.size, prepared.plan.predictor);
   const System& system = *structure_->system;
+  columns_ = column_names(system);
   outputs_.assign(idx(lanes_), OutputProgram(system, layout_.address));
   watch_.resize(idx(lanes_));
   drive_.resize(idx(lanes_));
@@ -113,7 +114,7 @@ void Tile::bind() {
   }
   for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
     const System& system = *variants_[lane]->system;
-    outputs_[lane] = OutputProgram(system, layout_.address);
+    outputs_[lane].bind(system, layout_.address);
     drive_[lane].emplace(system, driven_);
     if (!structure_->watch_class.equations.empty()) watch_[lane].emplace(system, *structure_, layout_.address);
   }

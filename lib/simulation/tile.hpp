@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "assur/plan.hpp"
@@ -38,7 +39,7 @@ class Tile {
   Tile(const Prepared& prepared, const StepLimits& limits);
 
   [[nodiscard]] int lanes() const { return lanes_; }
-  [[nodiscard]] const std::vector<std::string>& columns() const { return outputs_[0].columns(); }
+  [[nodiscard]] const std::vector<std::string>& columns() const { return columns_; }
   [[nodiscard]] const OutputProgram& outputs() const { return outputs_[0]; }
 
   // Puts 1 to lanes() variants into the lanes and finds their velocities; forgets whatever was there.
@@ -79,8 +80,9 @@ class Tile {
   std::vector<Index> driven_coordinates_;
   std::vector<Index> positive_;                     // coordinates: driven distances
   std::vector<std::optional<DriveProgram>> drive_;  // lanes
-  std::vector<OutputProgram> outputs_;              // lanes
-  std::vector<std::optional<Watch>> watch_;         // lanes
+  std::vector<std::string> columns_;
+  std::vector<OutputProgram> outputs_;       // lanes
+  std::vector<std::optional<Watch>> watch_;  // lanes
   State state_;
   std::vector<const Variant*> variants_;  // lanes in use
   bool alike_ = false;                    // the drivers of all lanes are the same

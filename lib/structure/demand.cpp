@@ -7,7 +7,7 @@ namespace assur {
 std::vector<std::int8_t> needed_by_outputs(const System& s, const std::vector<Output>& outputs) {
   std::vector<std::int8_t> need(s.coordinates.size(), -1);
   for (const Output& o : outputs) {
-    for (const MeasureForms& part : o.parts) {
+    for (const OutputPart& part : o.parts()) {
       for (const Index f : part.forms) {
         for (const Term& t : s.form(f)) {
           std::int8_t& n = need[static_cast<std::size_t>(t.coordinate)];

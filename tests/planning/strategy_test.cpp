@@ -20,13 +20,13 @@ std::vector<Strategy> every_strategy() {
   for (Formulation formulation : {Formulation::global, Formulation::groups, Formulation::irreducible})
     for (const char* backend : {"eigen", "klu", "some_solver2"})
       for (int lanes : {1, 2, 4, 8, 16})
-        for (int flags = 0; flags < 8; ++flags)
+        for (int flags = 0; flags < 12; ++flags)
           for (Reuse reuse : {Reuse::fresh, Reuse::step, Reuse::run})
             for (const Predictor& predictor : predictors)
               for (int chunks : {1, 7})
                 for (auto [p, q] : {std::pair{1, 1}, {3, 1}, {1, 2}, {16, 12}})
-                  all.push_back({formulation, backend, lanes, (flags & 1) != 0, (flags & 2) != 0, reuse,
-                                 (flags & 4) != 0, predictor, chunks, p, q});
+                  all.push_back({formulation, backend, lanes, (flags & 1) != 0, (flags & 2) != 0, reuse, flags / 4 == 1,
+                                 flags / 4 == 2, predictor, chunks, p, q});
   return all;
 }
 
@@ -77,9 +77,10 @@ class BadStrategy : public testing::TestWithParam<BadText> {};
 
 TEST_P(BadStrategy, SaysWhatDoesNotFitAndShowsTheGrammar) {
   const auto& [text, what] = GetParam();
-  const std::string expected = std::string("strategy \"") + text + "\": " + what +
-                               "; the form is global|groups|irreducible/BACKEND[:1|2|4|8|16][+float][+refine]"
-                               "[+reuse=step|run][+once][+predict=taylor:0..2|hermite:5|past:0..5][+chunks=C] [PxQ]";
+  const std::string expected =
+      std::string("strategy \"") + text + "\": " + what +
+      "; the form is global|groups|irreducible/BACKEND[:1|2|4|8|16][+float][+refine]"
+      "[+reuse=step|run][+once|+separate][+predict=taylor:0..2|hermite:5|past:0..5][+chunks=C] [PxQ]";
   try {
     (void)parse_strategy(text);
     FAIL() << "accepted " << text;
@@ -90,6 +91,8 @@ TEST_P(BadStrategy, SaysWhatDoesNotFitAndShowsTheGrammar) {
 }
 
 constexpr const char* kNoPredictor = " is no predictor: taylor:0, taylor:1, taylor:2, hermite:5 or past:0 to past:5";
+constexpr const char* kContradiction =
+    "options \"once\" and \"separate\" contradict each other: one factorisation for a step, or one more";
 const std::string kTaylor3 = std::string("\"taylor:3\"") + kNoPredictor;
 const std::string kHermite = std::string("\"hermite\"") + kNoPredictor;
 const std::string kHermite3 = std::string("\"hermite:3\"") + kNoPredictor;
@@ -99,43 +102,45 @@ const std::string kSigned = std::string("\"taylor:-1\"") + kNoPredictor;
 
 INSTANTIATE_TEST_SUITE_P(
     Texts, BadStrategy,
-    testing::Values(BadText{"", "\"\" is no formulation: global, groups or irreducible"},
-                    BadText{"klu", "\"klu\" is no formulation: global, groups or irreducible"},
-                    BadText{"Groups/klu", "\"Groups\" is no formulation: global, groups or irreducible"},
-                    BadText{" groups/klu", "\"\" is no formulation: global, groups or irreducible"},
-                    BadText{"groups", "\"/BACKEND\" is missing after \"groups\""},
-                    BadText{"groups/", "\"\" is no name of a backend"},
-                    BadText{"groups/KLU", "\"KLU\" is no name of a backend"},
-                    BadText{"groups/klu/x", "\"klu/x\" is no name of a backend"},
-                    BadText{"groups/klu:", "\"\" is no number of lanes: 1, 2, 4, 8 or 16"},
-                    BadText{"groups/klu:0", "\"0\" is no number of lanes: 1, 2, 4, 8 or 16"},
-                    BadText{"groups/klu:3", "\"3\" is no number of lanes: 1, 2, 4, 8 or 16"},
-                    BadText{"groups/klu:32", "\"32\" is no number of lanes: 1, 2, 4, 8 or 16"},
-                    BadText{"groups/klu:08", "\"08\" is no number of lanes: 1, 2, 4, 8 or 16"},
-                    BadText{"groups/klu+fast", "\"fast\" is no option: float, refine, reuse, once, predict or chunks"},
-                    BadText{"groups/klu+", "\"\" is no option: float, refine, reuse, once, predict or chunks"},
-                    BadText{"groups/klu++once", "\"\" is no option: float, refine, reuse, once, predict or chunks"},
-                    BadText{"groups/klu+once+once", "option \"once\" is given twice"},
-                    BadText{"groups/klu+reuse=run+reuse=step", "option \"reuse\" is given twice"},
-                    BadText{"groups/klu+once=yes", "option \"once\" takes no value"},
-                    BadText{"groups/klu+reuse", "option \"reuse\" needs a value"},
-                    BadText{"groups/klu+reuse=always", "\"always\" is no reuse: step or run"},
-                    BadText{"groups/klu+predict", "option \"predict\" needs a value"},
-                    BadText{"groups/klu+predict=taylor:3", kTaylor3.c_str()},
-                    BadText{"groups/klu+predict=taylor:-1", kSigned.c_str()},
-                    BadText{"groups/klu+predict=hermite", kHermite.c_str()},
-                    BadText{"groups/klu+predict=hermite:3", kHermite3.c_str()},
-                    BadText{"groups/klu+predict=past:6", kPast6.c_str()},
-                    BadText{"groups/klu+predict=guess:1", kGuess.c_str()},
-                    BadText{"groups/klu+chunks=0", "\"0\" is no number of chunks: 1 or more"},
-                    BadText{"groups/klu+chunks=9999999999", "\"9999999999\" is no number of chunks: 1 or more"},
-                    BadText{"groups/klu ", "\"\" is no split PxQ of threads, such as 1x1 or 3x2"},
-                    BadText{"groups/klu 2", "\"2\" is no split PxQ of threads, such as 1x1 or 3x2"},
-                    BadText{"groups/klu 0x1", "\"0x1\" is no split PxQ of threads, such as 1x1 or 3x2"},
-                    BadText{"groups/klu 1x-2", "\"1x-2\" is no split PxQ of threads, such as 1x1 or 3x2"},
-                    BadText{"groups/klu 2x1x1", "\"2x1x1\" is no split PxQ of threads, such as 1x1 or 3x2"},
-                    BadText{"groups/klu  2x1", "\" 2x1\" is no split PxQ of threads, such as 1x1 or 3x2"},
-                    BadText{"groups/klu 2x1+once", "\"2x1+once\" is no split PxQ of threads, such as 1x1 or 3x2"}));
+    testing::Values(
+        BadText{"", "\"\" is no formulation: global, groups or irreducible"},
+        BadText{"klu", "\"klu\" is no formulation: global, groups or irreducible"},
+        BadText{"Groups/klu", "\"Groups\" is no formulation: global, groups or irreducible"},
+        BadText{" groups/klu", "\"\" is no formulation: global, groups or irreducible"},
+        BadText{"groups", "\"/BACKEND\" is missing after \"groups\""},
+        BadText{"groups/", "\"\" is no name of a backend"}, BadText{"groups/KLU", "\"KLU\" is no name of a backend"},
+        BadText{"groups/klu/x", "\"klu/x\" is no name of a backend"},
+        BadText{"groups/klu:", "\"\" is no number of lanes: 1, 2, 4, 8 or 16"},
+        BadText{"groups/klu:0", "\"0\" is no number of lanes: 1, 2, 4, 8 or 16"},
+        BadText{"groups/klu:3", "\"3\" is no number of lanes: 1, 2, 4, 8 or 16"},
+        BadText{"groups/klu:32", "\"32\" is no number of lanes: 1, 2, 4, 8 or 16"},
+        BadText{"groups/klu:08", "\"08\" is no number of lanes: 1, 2, 4, 8 or 16"},
+        BadText{"groups/klu+fast", "\"fast\" is no option: float, refine, reuse, once, separate, predict or chunks"},
+        BadText{"groups/klu+", "\"\" is no option: float, refine, reuse, once, separate, predict or chunks"},
+        BadText{"groups/klu++once", "\"\" is no option: float, refine, reuse, once, separate, predict or chunks"},
+        BadText{"groups/klu+once+once", "option \"once\" is given twice"},
+        BadText{"groups/klu+reuse=run+reuse=step", "option \"reuse\" is given twice"},
+        BadText{"groups/klu+separate=yes", "option \"separate\" takes no value"},
+        BadText{"groups/klu+separate+once", kContradiction},
+        BadText{"groups/klu+once+refine+separate 2x1", kContradiction},
+        BadText{"groups/klu+once=yes", "option \"once\" takes no value"},
+        BadText{"groups/klu+reuse", "option \"reuse\" needs a value"},
+        BadText{"groups/klu+reuse=always", "\"always\" is no reuse: step or run"},
+        BadText{"groups/klu+predict", "option \"predict\" needs a value"},
+        BadText{"groups/klu+predict=taylor:3", kTaylor3.c_str()},
+        BadText{"groups/klu+predict=taylor:-1", kSigned.c_str()},
+        BadText{"groups/klu+predict=hermite", kHermite.c_str()},
+        BadText{"groups/klu+predict=hermite:3", kHermite3.c_str()},
+        BadText{"groups/klu+predict=past:6", kPast6.c_str()}, BadText{"groups/klu+predict=guess:1", kGuess.c_str()},
+        BadText{"groups/klu+chunks=0", "\"0\" is no number of chunks: 1 or more"},
+        BadText{"groups/klu+chunks=9999999999", "\"9999999999\" is no number of chunks: 1 or more"},
+        BadText{"groups/klu ", "\"\" is no split PxQ of threads, such as 1x1 or 3x2"},
+        BadText{"groups/klu 2", "\"2\" is no split PxQ of threads, such as 1x1 or 3x2"},
+        BadText{"groups/klu 0x1", "\"0x1\" is no split PxQ of threads, such as 1x1 or 3x2"},
+        BadText{"groups/klu 1x-2", "\"1x-2\" is no split PxQ of threads, such as 1x1 or 3x2"},
+        BadText{"groups/klu 2x1x1", "\"2x1x1\" is no split PxQ of threads, such as 1x1 or 3x2"},
+        BadText{"groups/klu  2x1", "\" 2x1\" is no split PxQ of threads, such as 1x1 or 3x2"},
+        BadText{"groups/klu 2x1+once", "\"2x1+once\" is no split PxQ of threads, such as 1x1 or 3x2"}));
 
 }  // namespace
 }  // namespace assur

@@ -1,7 +1,9 @@
 // Which factorisation serves what: fresh ones, one for a step, one for many steps, one in float.
 #include <gtest/gtest.h>
 
-#include "simulation/run.hpp"
+#include <algorithm>
+
+#include "simulation/conditions.hpp"
 
 namespace assur {
 namespace {
@@ -51,6 +53,43 @@ TEST(Policies, SayHowManyFactorisationsAStepTakes) {
       EXPECT_LE(r.report().error.velocity, 32 * kEps);
       EXPECT_LE(r.report().error.acceleration, 32 * kEps);
     }
+  }
+}
+
+// Accelerations of four_bar and stewart are among their outputs for all of their groups.
+TEST(Policies, SeparateTakesOneFactorisationMoreForTheAcceleration) {
+  std::vector<std::string> solvers = test::solvers();
+  solvers.emplace_back("lanes:8");
+  for (const char* text : {"stewart:steps=40", "four_bar:5"}) {
+    const Scene scene = sample(text);
+    const std::vector<double> conditions = test::conditions(scene, test::grid_of(scene), 10);
+    const double condition = *std::max_element(conditions.begin(), conditions.end());
+    for (const std::string& solver : solvers) {
+      for (const std::string options : {"", "+reuse=step", "+reuse=run"}) {
+        SCOPED_TRACE(text + (" " + solver) + options);
+        const Result shared = test::run(scene, "groups/" + solver + options);
+        const Result separate = test::run(scene, "groups/" + solver + options + "+separate");
+        ASSERT_TRUE(shared.report().status.ok() && separate.report().status.ok());
+        const Counters &a = shared.counters(), &b = separate.counters();
+        const auto groups = static_cast<std::int64_t>(shared.simulator.prepared().structure->groups.size());
+        const std::int64_t more = groups * (a.steps + a.substeps + 1);  // the start, too
+        // Beyond those of Newton's method, which may end one iteration apart where small steps round otherwise.
+        EXPECT_EQ(b.factorizations - b.newton_iterations, a.factorizations - a.newton_iterations + more);
+        EXPECT_LE(test::difference(shared.trajectory, separate.trajectory), 2 * 32 * condition * condition * kEps);
+      }
+    }
+  }
+}
+
+TEST(Policies, SeparateIsNothingWhereNoAccelerationIsWanted) {
+  const Scene scene = sample("stewart:steps=40").with_outputs({"handle1.value", "handle2.value"});
+  for (const std::string predictor : {"+predict=past:3", "+predict=taylor:1"}) {
+    const Result shared = test::run(scene, "groups/eigen" + predictor);
+    const Result separate = test::run(scene, "groups/eigen+separate" + predictor);
+    ASSERT_TRUE(shared.report().status.ok() && separate.report().status.ok());
+    EXPECT_EQ(separate.report().error.acceleration, 0);
+    EXPECT_EQ(separate.counters().factorizations, shared.counters().factorizations);
+    EXPECT_EQ(separate.trajectory.values(), shared.trajectory.values());
   }
 }
 

@@ -346,6 +346,21 @@ TEST(TimeChunks, TheWorkIsCounted) {
   EXPECT_GT(r.report().error.position, 0);
 }
 
+// Four steps of a length arrive before a longer one is tried: at most one in five fails, but for those that find the
+// first length and those on ways where the posture allows less and less, which are as many as halvings.
+TEST(TimeChunks, FewOfTheStepsToTheirStartsAreRejected) {
+  for (const std::string text : {"stewart:steps=10000", "four_bar:step=0.01,steps=20000"}) {
+    for (const int chunks : {2, 8, 16}) {
+      SCOPED_TRACE(text + " in " + std::to_string(chunks));
+      const Result r = run(sample(text), "groups/" + test::sparse() + ":8+chunks=" + std::to_string(chunks));
+      ASSERT_TRUE(r.report().status.ok());
+      EXPECT_TRUE(r.report().fallbacks.empty());
+      EXPECT_GT(r.counters().rejected, 0);
+      EXPECT_LE(4 * r.counters().rejected, r.counters().substeps);
+    }
+  }
+}
+
 TEST(TimeChunks, AnObserverHearsOfTheRowsOfTheGridAndStops) {
   const Scene scene = four_bar(1);
   const Sequence in_sequence(scene);

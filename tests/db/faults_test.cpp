@@ -1,0 +1,360 @@
+// What can happen to a database file, and what must not come of it.
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <random>
+
+#include "db/connection.hpp"
+#include "db/machine_model.hpp"
+#include "db/samples.hpp"
+#include "parallel/file_tree.hpp"
+#include "parallel/in_a_child.hpp"
+
+namespace assur::test {
+namespace {
+
+namespace fs = std::filesystem;
+using db::Access;
+using db::Store;
+using db::Trouble;
+
+MachineModel model_of(const fs::path& file) {
+  const std::vector<db::DatabaseFile> files = {{file, db::DatabaseFile::Role::named}};
+  return db::read_machine_model(files, host_with(4), db::library_at_hand);
+}
+
+// Why a file cannot be opened; empty if it can.
+std::optional<Trouble> trouble(const fs::path& file, Access access, std::string* what = nullptr) {
+  try {
+    const Store store(file, access);
+    (void)store.samples();
+  } catch (const db::Unusable& unusable) {
+    if (what) *what = unusable.what();
+    EXPECT_EQ(unusable.kind(), Error::Kind::environment);
+    EXPECT_EQ(std::string(unusable.what()).rfind(file.string() + ": ", 0), 0u) << unusable.what();
+    return unusable.trouble();
+  }
+  return std::nullopt;
+}
+
+std::vector<fs::path> files_put_aside(const fs::path& file) {
+  std::vector<fs::path> found;
+  for (const auto& entry : fs::directory_iterator(file.parent_path())) {
+    const std::string name = entry.path().filename().string();
+    const bool is_part = name.ends_with("-wal") || name.ends_with("-shm");
+    if (name.starts_with(file.filename().string() + ".corrupt-") && !is_part) found.push_back(entry.path());
+  }
+  return found;
+}
+
+// Of a refused file nothing may change, and the runtime goes on with a word of it.
+void expect_left_alone(const fs::path& file, Trouble expected) {
+  const std::string before = bytes(file);
+  EXPECT_EQ(trouble(file, Access::write), expected);
+  EXPECT_EQ(trouble(file, Access::read), expected);
+  const MachineModel model = model_of(file);
+  EXPECT_EQ(model.model->samples(), 0u);
+  ASSERT_EQ(model.messages.size(), 1u);
+  EXPECT_NE(model.messages[0].find(file.string()), std::string::npos);
+  EXPECT_EQ(bytes(file), before);
+  EXPECT_TRUE(files_put_aside(file).empty());
+}
+
+TEST(Faults, ATextFileIsLeftAlone) {
+  FileTree tree;
+  tree.file("notes.txt", "buy milk\n").file("long.txt", std::string(5000, 'x'));
+  expect_left_alone(tree.root() / "notes.txt", Trouble::foreign);
+  expect_left_alone(tree.root() / "long.txt", Trouble::foreign);
+}
+
+TEST(Faults, TheDatabaseOfAnotherProgramIsLeftAlone) {
+  FileTree tree;
+  const auto file = tree.root() / "photos.db";
+  SQLite::Database(file.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE)
+      .exec("PRAGMA application_id = 1; CREATE TABLE photo (id INTEGER PRIMARY KEY)");
+  expect_left_alone(file, Trouble::foreign);
+}
+
+TEST(Faults, ANewerSchemaIsLeftAlone) {
+  FileTree tree;
+  const auto file = tree.root() / "tuning.db";
+  make_database(file, host_with(4), 20);
+  SQLite::Database(file.string(), SQLite::OPEN_READWRITE).exec("PRAGMA user_version = 2");
+  expect_left_alone(file, Trouble::newer);
+}
+
+// A made-up version 1 and the way from it to a made-up version 3.
+TEST(Faults, AnOlderSchemaIsBroughtUpToDateInOneTransaction) {
+  SQLite::Database database(":memory:", SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
+  database.exec(
+      "CREATE TABLE thing (id INTEGER PRIMARY KEY, name TEXT); INSERT INTO thing VALUES (1, 'old');"
+      "PRAGMA user_version = 1");
+  const db::Migration good[] = {{1, "ALTER TABLE thing ADD COLUMN size INTEGER DEFAULT 7"},
+                                {2, "UPDATE thing SET size = size + 1; CREATE TABLE other (id INTEGER PRIMARY KEY)"}};
+  const db::Migration bad[] = {good[0], {2, "UPDATE thing SET size = 9; UPDATE nothing SET size = 1"}};
+  const auto version = [&] { return database.execAndGet("PRAGMA user_version").getInt(); };
+  EXPECT_THROW(db::bring_up_to_date(database, "", bad, 3), SQLite::Exception);
+  EXPECT_EQ(version(), 1);
+  EXPECT_THROW((void)database.execAndGet("SELECT size FROM thing"), SQLite::Exception);
+  EXPECT_THROW(db::bring_up_to_date(database, "", std::span(good).first(1), 3), SQLite::Exception);
+  EXPECT_EQ(version(), 1);
+
+  db::bring_up_to_date(database, "CREATE TABLE thing (id INTEGER)", good, 3);
+  EXPECT_EQ(version(), 3);
+  EXPECT_EQ(database.execAndGet("SELECT name || size FROM thing").getString(), "old8");
+  db::bring_up_to_date(database, "", good, 3);  // nothing more to do
+  EXPECT_EQ(database.execAndGet("SELECT size FROM thing").getInt(), 8);
+}
+
+TEST(Faults, TheMigrationsOfThisVersionLeadToIt) {
+  std::int32_t version = 1;
+  for (const db::Migration& step : db::migrations()) EXPECT_EQ(step.from, version++);
+  EXPECT_EQ(version, db::kSchemaVersion);
+}
+
+TEST(Faults, AFullDiskLosesTheCellInHandAndNothingElse) {
+  FileTree tree;
+  const auto file = tree.root() / "tuning.db";
+  const int status = in_a_child([&] {
+    signal(SIGXFSZ, SIG_IGN);
+    Store store(file, Access::write);
+    const std::int64_t run = store.begin_run(host_with(4), "quick");
+    const rlimit limit{400'000, 400'000};
+    if (setrlimit(RLIMIT_FSIZE, &limit) != 0) return 1;
+    for (int cell = 0; cell < 1000; ++cell) {
+      try {
+        store.add(run, cell_of(cell, 10));
+      } catch (const Error& error) {
+        const bool kept = store.samples().size() == static_cast<std::size_t>(10 * cell);
+        return error.kind() == Error::Kind::environment && kept && cell > 0 ? 0 : 2;
+      }
+    }
+    return 3;
+  });
+  ASSERT_EQ(status, 0);
+  Store store(file, Access::write);
+  EXPECT_TRUE(store.messages().empty());
+  EXPECT_GT(store.samples().size(), 0u);
+  EXPECT_EQ(store.samples().size() % 10, 0u);
+  const auto run = store.unfinished_run(host_with(4), "quick");
+  ASSERT_TRUE(run);
+  store.add(*run, cell_of(1000, 10));
+}
+
+// In the middle of a transaction so large that part of it is on the disk; with and without a log.
+class Killed : public testing::TestWithParam<bool> {};
+
+TEST_P(Killed, LosesTheCellInHandAndNothingElse) {
+  const bool network = GetParam();
+  FileTree tree;
+  const auto file = tree.root() / "tuning.db";
+  const auto stored = make_database(file, host_with(4), 200);
+  const int status = in_a_child([&]() -> int {
+    SQLite::Database database = db::open_to_write(file, network);
+    database.exec(
+        "PRAGMA cache_size = 1; BEGIN IMMEDIATE; UPDATE sample SET seconds = 1, checksum = 0, kernel = "
+        "'" +
+        std::string(2000, 'x') + "'");
+    return raise(SIGKILL);
+  });
+  ASSERT_EQ(status, 127);  // by a signal
+  ASSERT_GT(fs::file_size(file.string() + (network ? "-journal" : "-wal")), 0u);
+  // The runtime reads the log; a journal is for who may write.
+  const MachineModel model = model_of(file);
+  EXPECT_EQ(model.model->samples(), network ? 0u : 200u);
+  ASSERT_EQ(model.messages.size(), network ? 1u : 0u);
+  for (const std::string& message : model.messages) EXPECT_NE(message.find("cut off"), std::string::npos) << message;
+  Store store(file, Access::write);
+  EXPECT_TRUE(store.messages().empty());
+  const auto found = store.samples();
+  ASSERT_EQ(found.size(), stored.size());
+  for (std::size_t i = 0; i < found.size(); ++i) EXPECT_TRUE(same(found[i], stored[i]));
+}
+
+INSTANTIATE_TEST_SUITE_P(Faults, Killed, testing::Bool(),
+                         [](const auto& how) { return how.param ? "WithAJournal" : "WithALog"; });
+
+TEST(Faults, ABusyDatabaseCanBeRead) {
+  FileTree tree;
+  const auto file = tree.root() / "tuning.db";
+  make_database(file, host_with(4), 50);
+  SQLite::Database writer = db::open_to_write(file, false);
+  writer.exec("BEGIN IMMEDIATE; DELETE FROM sample");
+  EXPECT_EQ(model_of(file).model->samples(), 50u);
+  writer.exec("COMMIT");
+  EXPECT_EQ(model_of(file).model->samples(), 0u);
+}
+
+TEST(Faults, AReadOnlyFolderIsReadButNotWritten) {
+  FileTree tree;
+  const auto file = tree.root() / "tuning.db";
+  make_database(file, host_with(4), 50);
+  fs::permissions(file, fs::perms(0444));
+  fs::permissions(tree.root(), fs::perms(0555));
+  const int status = in_a_child([&] {
+    if (getuid() == 0 && setuid(65534) != 0) return 1;  // to root nothing is read-only
+    if (model_of(file).model->samples() != 50) return 2;
+    if (trouble(file, Access::read) != std::nullopt) return 3;
+    if (trouble(file, Access::write) != Trouble::blocked) return 4;
+    return trouble(file.parent_path() / "new/tuning.db", Access::write) == Trouble::blocked ? 0 : 5;
+  });
+  fs::permissions(tree.root(), fs::perms(0755));
+  EXPECT_EQ(status, 0);
+  std::size_t files = 0;
+  for ([[maybe_unused]] const auto& entry : fs::directory_iterator(tree.root())) ++files;
+  EXPECT_EQ(files, 1u);  // nothing was left beside it
+}
+
+TEST(Faults, WhatIsNotThereIsSaidOnlyIfItWasNamed) {
+  FileTree tree;
+  const auto file = tree.root() / "tuning.db";
+  EXPECT_EQ(trouble(file, Access::read), Trouble::absent);
+  EXPECT_EQ(model_of(file).messages.size(), 1u);
+  const std::vector<db::DatabaseFile> users = {{file, db::DatabaseFile::Role::user}};
+  EXPECT_TRUE(db::read_machine_model(users, host_with(4), db::library_at_hand).messages.empty());
+  EXPECT_FALSE(fs::exists(file));
+  tree.file("tuning.db", "");
+  EXPECT_EQ(trouble(file, Access::read), Trouble::absent);
+  EXPECT_EQ(trouble(file, Access::write), std::nullopt);
+}
+
+TEST(Faults, ADamagedSampleIsSavedFrom) {
+  FileTree tree;
+  const auto file = tree.root() / "tuning.db";
+  const auto stored = make_database(file, host_with(4), 50);
+  SQLite::Database(file.string(), SQLite::OPEN_READWRITE).exec("UPDATE sample SET seconds = seconds * 2 WHERE id = 7");
+  const MachineModel model = model_of(file);
+  EXPECT_EQ(model.model->samples(), 49u);
+  ASSERT_EQ(model.messages.size(), 1u);
+  EXPECT_NE(model.messages[0].find("1 damaged"), std::string::npos) << model.messages[0];
+  EXPECT_EQ(Store(file, Access::read).health().damaged, 1);
+  const std::string before = bytes(file);
+  const Store store(file, Access::write);
+  ASSERT_EQ(store.messages().size(), 1u);
+  ASSERT_EQ(files_put_aside(file).size(), 1u);
+  EXPECT_NE(store.messages()[0].find(files_put_aside(file)[0].string()), std::string::npos) << store.messages()[0];
+  EXPECT_EQ(store.samples().size(), 49u);
+  EXPECT_EQ(store.health().damaged, 0);
+  EXPECT_EQ(store.runs().at(0).grade, "good");
+  EXPECT_FALSE(by_uid(store.samples()).contains(stored[6].uid));
+}
+
+// What a sample refers to is under its checksum too.
+TEST(Faults, ASampleIsOnlyAsGoodAsWhatItRefersTo) {
+  FileTree tree;
+  const auto file = tree.root() / "tuning.db", copy = tree.root() / "copy.db";
+  make_database(file, host_with(4), 10);
+  const std::pair<const char*, std::int64_t> changes[] = {
+      {"UPDATE shape SET n = n + 1 WHERE id = 3", 1},
+      {"UPDATE shape SET pattern = '000000000000000g' WHERE id = 3", 1},
+      {"UPDATE strategy SET text = 'groups/klu'", 10},
+      {"UPDATE strategy SET text = 'nonsense'", 10},
+      {"UPDATE library SET version = '9'", 10},
+      {"UPDATE machine SET cores = 5", 10},
+      {"UPDATE tuning_run SET uid = 'x'", 10},
+      {"UPDATE sample SET kernel = 'solve' WHERE id = 3", 1},
+      {"UPDATE sample SET kernel = 'dance' WHERE id = 3", 1},
+      {"UPDATE sample SET backward_error = NULL WHERE id = 3", 1},
+      {"PRAGMA foreign_keys = OFF; DELETE FROM shape WHERE id = 3", 1},
+  };
+  for (const auto& [sql, damaged] : changes) {
+    fs::copy_file(file, copy, fs::copy_options::overwrite_existing);
+    SQLite::Database(copy.string(), SQLite::OPEN_READWRITE).exec(sql);
+    const db::Health health = Store(copy, Access::read).health();
+    EXPECT_EQ(health.damaged, damaged) << sql;
+    EXPECT_EQ(health.samples, 10 - damaged) << sql;
+  }
+}
+
+// Never a crash, never a wrong row, never a good row lost that could be read before.
+TEST(Faults, AHundredRandomFaults) {
+  FileTree tree;
+  const auto good = tree.root() / "good.db";
+  const auto originals = by_uid(make_database(good, host_with(4), 300));
+  const std::string whole = bytes(good);
+  std::mt19937_64 random(20261121);
+  const auto below = [&](std::size_t bound) { return static_cast<std::size_t>(random() % bound); };
+  const auto expect_right = [&](const std::vector<Sample>& samples, const std::string& fault) {
+    for (const Sample& sample : samples) {
+      const auto original = originals.find(sample.uid);
+      ASSERT_NE(original, originals.end()) << fault;
+      ASSERT_TRUE(same(sample, original->second)) << fault;
+    }
+  };
+  int repaired = 0, refused = 0, unharmed = 0;
+  std::size_t saved = 0;
+  for (int round = 0; round < 100; ++round) {
+    std::string damaged = whole;
+    std::string fault = "round " + std::to_string(round);
+    if (round % 4 == 0) {
+      damaged.resize(below(whole.size()));
+      fault += ": truncated to " + std::to_string(damaged.size());
+    } else {
+      const std::size_t count = std::size_t{1} << (round % 7), at = below(whole.size() - count);
+      for (std::size_t i = 0; i < count; ++i) damaged[at + i] = static_cast<char>(random());
+      fault += ": " + std::to_string(count) + " bytes at " + std::to_string(at);
+    }
+    SCOPED_TRACE(fault);
+    const auto folder = tree.root() / std::to_string(round);
+    fs::create_directory(folder);
+    const auto file = folder / "tuning.db";
+    write_bytes(file, damaged);
+
+    // The runtime: reads, says what is wrong, writes nothing.
+    MachineModel model;
+    ASSERT_NO_THROW(model = model_of(file));
+    EXPECT_LE(model.model->samples(), originals.size());
+    std::vector<Sample> readable;
+    try {
+      readable = Store(file, Access::read).samples();
+    } catch (const Error&) {
+    }
+    expect_right(readable, fault);
+    EXPECT_TRUE(model.model->samples() == originals.size() || !model.messages.empty());
+    EXPECT_EQ(bytes(file), damaged);
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 1);
+
+    // The tuner: goes on with what is good, and keeps what is not.
+    std::vector<std::string> messages;
+    std::vector<Sample> kept;
+    try {
+      Store store(file, Access::write);
+      messages = store.messages();
+      kept = store.samples();
+      store.add(store.begin_run(host_with(4), "quick"), cell_of(1000, 2));
+      EXPECT_EQ(store.samples().size(), kept.size() + 2);
+    } catch (const db::Unusable& unusable) {
+      EXPECT_TRUE(unusable.trouble() == Trouble::foreign || unusable.trouble() == Trouble::newer) << unusable.what();
+      EXPECT_EQ(bytes(file), damaged);
+      ++refused;
+      continue;
+    }
+    expect_right(kept, fault);
+    const auto kept_by_uid = by_uid(kept);
+    for (const Sample& sample : readable) EXPECT_TRUE(kept_by_uid.contains(sample.uid));
+    const auto aside = files_put_aside(file);
+    EXPECT_EQ(aside.size(), messages.size());
+    if (aside.empty()) {
+      EXPECT_EQ(kept.size(), damaged.empty() ? 0 : originals.size());
+      ++unharmed;
+    } else {
+      EXPECT_EQ(bytes(aside[0]).size(), damaged.size());
+      saved += kept.size();
+      ++repaired;
+    }
+  }
+  // Most faults hurt, and of a file that was hurt most rows are saved.
+  RecordProperty("repaired", repaired);
+  RecordProperty("refused", refused);
+  RecordProperty("unharmed", unharmed);
+  RecordProperty("saved", static_cast<int>(saved));
+  EXPECT_GT(repaired, 50);
+  EXPECT_LT(refused, 5);
+  EXPECT_GT(saved, originals.size() * static_cast<std::size_t>(repaired) / 2);
+}
+
+}  // namespace
+}  // namespace assur::test

@@ -1,0 +1,346 @@
+#include "db/store.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <csignal>
+#include <set>
+
+#include "db/connection.hpp"
+#include "db/samples.hpp"
+#include "parallel/file_tree.hpp"
+#include "parallel/in_a_child.hpp"
+
+namespace assur::test {
+namespace {
+
+using db::Access;
+using db::Store;
+
+TEST(Store, GivesBackWhatItWasGivenBitByBit) {
+  FileTree tree;
+  const auto file = tree.root() / "folder/made/for it.db";
+  std::vector<Sample> given = cell_of(0, 5);
+  given[1].kernel = Kernel::step;
+  given[1].strategy = parse_strategy("irreducible/lanes:8+float+refine+once+predict=hermite:5+chunks=3 3x2");
+  given[1].shape = {123, 456, 78, 9, 1'000'000'000'000, 2'000'000'000'000, 3'000'000'000'000, ~std::uint64_t{0}};
+  given[2].spread = -0.0;
+  given[2].backward_error = 0;
+  given[2].forward_error = 5e-324;
+  given[3].seconds = 1.7976931348623157e308;
+  {
+    Store store(file, Access::write);
+    EXPECT_TRUE(store.messages().empty());
+    const std::int64_t run = store.begin_run(host_with(4), "quick");
+    store.add(run, given);
+    EXPECT_EQ(store.samples().size(), given.size());
+  }
+  const Store store(file, Access::read);
+  const auto found = store.samples();
+  ASSERT_EQ(found.size(), given.size());
+  for (std::size_t i = 0; i < given.size(); ++i) EXPECT_TRUE(same(found[i], given[i])) << i;
+  const db::Health health = store.health();
+  EXPECT_EQ(health.samples, 5);
+  EXPECT_EQ(health.damaged + health.unknown + health.stale, 0);
+  EXPECT_TRUE(health.findings.empty());
+}
+
+TEST(Store, NotesTheRunAndItsEnd) {
+  FileTree tree;
+  Store store(tree.root() / "tuning.db", Access::write);
+  const std::int64_t run = store.begin_run(host_with(4, 2.5), "patient");
+  store.add(run, cell_of(0, 3));
+  db::Run noted = store.runs().at(0);
+  EXPECT_EQ(noted.id, run);
+  EXPECT_EQ(noted.uid.size(), 32u);
+  EXPECT_EQ(noted.machine, host_with(4, 2.5).fingerprint());
+  EXPECT_EQ(noted.profile, "patient");
+  EXPECT_EQ(noted.threads, 3);
+  EXPECT_EQ(noted.samples, 3);
+  EXPECT_FALSE(noted.finished);
+  store.finish_run(run, {db::Grade::noisy, 12.5, 0.75, "stopped by hand"});
+  noted = store.runs().at(0);
+  EXPECT_TRUE(noted.finished);
+  EXPECT_EQ(noted.grade, "noisy");
+  EXPECT_EQ(noted.seconds, 12.5);
+  EXPECT_EQ(noted.coverage, 0.75);
+  EXPECT_EQ(noted.note, "stopped by hand");
+  EXPECT_THROW(store.finish_run(run + 1, {}), Error);
+}
+
+TEST(Store, AddsAllOfACellOrNothing) {
+  FileTree tree;
+  Store store(tree.root() / "tuning.db", Access::write);
+  const std::int64_t run = store.begin_run(host_with(4), "quick");
+  for (const double bad : {0.0, -1.0, std::nan(""), HUGE_VAL}) {
+    auto cell = cell_of(0, 3);
+    cell[2].seconds = bad;
+    EXPECT_THROW(store.add(run, cell), Error) << bad;
+  }
+  auto cell = cell_of(0, 3);
+  cell[1].uid = "not a uid";
+  EXPECT_THROW(store.add(run, cell), Error);
+  EXPECT_THROW(store.add(run + 1, cell_of(0, 3)), Error);
+  EXPECT_TRUE(store.samples().empty());
+}
+
+TEST(Store, TheSameUidIsTheSameSample) {
+  FileTree tree;
+  Store store(tree.root() / "tuning.db", Access::write);
+  const std::int64_t run = store.begin_run(host_with(4), "quick");
+  std::vector<Sample> cell = cell_of(0, 2);
+  store.add(run, cell);
+  cell[0].seconds *= 2;
+  store.add(run, cell);
+  ASSERT_EQ(store.samples().size(), 2u);
+  EXPECT_EQ(store.samples()[0].seconds, cell[0].seconds / 2);
+  cell[0].uid = cell[1].uid = "";  // drawn for each
+  store.add(run, cell);
+  std::set<std::string> uids;
+  for (const Sample& sample : store.samples()) uids.insert(sample.uid);
+  EXPECT_EQ(uids.size(), 4u);
+}
+
+TEST(Store, AnUnfinishedRunIsTakenUpAgain) {
+  FileTree tree;
+  const auto file = tree.root() / "tuning.db";
+  const auto cell = cell_of(0, 2);
+  std::int64_t run = 0;
+  {
+    Store store(file, Access::write);
+    run = store.begin_run(host_with(4), "quick");
+    store.add(run, cell);
+  }
+  Store store(file, Access::write);
+  EXPECT_EQ(store.unfinished_run(host_with(4), "patient"), std::nullopt);
+  EXPECT_EQ(store.unfinished_run(host_with(2), "quick"), std::nullopt);
+  EXPECT_EQ(store.unfinished_run(host_with(4), "quick"), run);
+  EXPECT_TRUE(store.has(run, cell[0].kernel, cell[0].shape, cell[0].strategy));
+  EXPECT_FALSE(store.has(run, Kernel::solve, cell[0].shape, cell[0].strategy));
+  EXPECT_FALSE(store.has(run, cell[0].kernel, sample_of(7).shape, cell[0].strategy));
+  EXPECT_FALSE(store.has(run, cell[0].kernel, cell[0].shape, parse_strategy("groups/lanes:8")));
+  EXPECT_FALSE(store.has(run + 1, cell[0].kernel, cell[0].shape, cell[0].strategy));
+  store.finish_run(run, {});
+  EXPECT_EQ(store.unfinished_run(host_with(4), "quick"), std::nullopt);
+}
+
+TEST(Store, ARunThatAnotherProcessWorksOnIsLeftToIt) {
+  FileTree tree;
+  const auto file = tree.root() / "tuning.db";
+  std::array<int, 2> started{}, go{};
+  ASSERT_EQ(pipe(started.data()), 0);
+  ASSERT_EQ(pipe(go.data()), 0);
+  const pid_t child = fork();
+  if (child == 0) {
+    alarm(60);
+    char byte = 0;
+    Store store(file, Access::write);
+    (void)store.begin_run(host_with(4), "quick");
+    if (write(started[1], "s", 1) != 1 || read(go[0], &byte, 1) != 1) _exit(1);
+    _exit(0);
+  }
+  char byte = 0;
+  ASSERT_EQ(read(started[0], &byte, 1), 1);
+  Store store(file, Access::write);
+  EXPECT_EQ(store.unfinished_run(host_with(4), "quick"), std::nullopt);
+  ASSERT_EQ(write(go[1], "g", 1), 1);
+  waitpid(child, nullptr, 0);
+  EXPECT_NE(store.unfinished_run(host_with(4), "quick"), std::nullopt);
+}
+
+TEST(Store, KeepsModelsByMachineAndName) {
+  FileTree tree;
+  Store store(tree.root() / "tuning.db", Access::write);
+  store.put_model(host_with(4), "kernels", "{\"a\": 1}");
+  store.put_model(host_with(4), "kernels", "{\"a\": 2}");
+  store.put_model(host_with(2), "kernels", "{}");
+  EXPECT_EQ(store.model(host_with(4), "kernels"), "{\"a\": 2}");
+  EXPECT_EQ(store.model(host_with(2), "kernels"), "{}");
+  EXPECT_EQ(store.model(host_with(4), "others"), std::nullopt);
+  EXPECT_EQ(store.models().rows.size(), 2u);
+}
+
+TEST(Store, FiltersByRunMachineLibraryAndKernel) {
+  FileTree tree;
+  Store store(tree.root() / "tuning.db", Access::write);
+  const std::int64_t first = store.begin_run(host_with(4), "quick"), second = store.begin_run(host_with(2), "quick");
+  store.add(first, std::vector{sample_of(0, "eigen"), sample_of(1, "klu"), sample_of(2, "klu", Kernel::evaluate)});
+  store.add(second, std::vector{sample_of(0, "klu", Kernel::solve)});
+  EXPECT_EQ(store.samples({.run = first}).size(), 3u);
+  EXPECT_EQ(store.samples({.machine = host_with(2).fingerprint()}).size(), 1u);
+  EXPECT_EQ(store.samples({.machine = host_with(2).fingerprint().substr(0, 8)}).size(), 1u);
+  EXPECT_EQ(store.samples({.library = "klu"}).size(), 2u);
+  EXPECT_EQ(store.samples({.library = "assur"}).size(), 1u);  // equations take no solver
+  EXPECT_EQ(store.samples({.kernel = Kernel::solve}).size(), 1u);
+  EXPECT_EQ(store.samples({.run = first, .library = "klu"}).size(), 1u);
+  EXPECT_EQ(store.sample_rows({.library = "klu"}).rows.size(), 2u);
+}
+
+TEST(Store, ForgetsWhatFitsAndWhatNothingRefersToAnyMore) {
+  FileTree tree;
+  const auto file = tree.root() / "tuning.db";
+  {
+    Store store(file, Access::write);
+    const std::int64_t first = store.begin_run(host_with(4), "quick"), second = store.begin_run(host_with(2), "quick");
+    store.add(first, std::vector{sample_of(0, "eigen"), sample_of(1, "klu")});
+    store.add(second, std::vector{sample_of(2, "klu")});
+    store.finish_run(first, {});
+    store.finish_run(second, {});
+    store.put_model(host_with(2), "kernels", "{}");
+    EXPECT_THROW(store.forget({}), Error);
+    const db::Forgotten klu = store.forget({.library = "klu"});
+    EXPECT_EQ(klu.samples, 2);
+    EXPECT_EQ(klu.runs, 1);
+    EXPECT_EQ(store.samples().size(), 1u);
+    EXPECT_EQ(store.model(host_with(2), "kernels"), std::nullopt);
+    EXPECT_EQ(store.forget({.machine = "nobody"}).samples, 0);
+  }
+  SQLite::Database database(file.string());
+  for (const char* table : {"library", "shape", "strategy", "machine", "tuning_run"}) {
+    EXPECT_EQ(database.execAndGet(std::string("SELECT count(*) FROM ") + table).getInt(), 1) << table;
+  }
+  Store store(file, Access::write);
+  EXPECT_EQ(store.forget_all().samples, 1);
+  EXPECT_TRUE(store.runs().empty());
+}
+
+TEST(Store, ExportsAndMergesByUid) {
+  FileTree tree;
+  const auto ours = tree.root() / "ours.db", theirs = tree.root() / "theirs.db", file = tree.root() / "export.db";
+  const auto here = make_database(ours, host_with(4), 10), there = make_database(theirs, host_with(2), 5);
+  EXPECT_EQ(Store(ours, Access::read).export_to(file), 10);
+  EXPECT_THROW((void)Store(ours, Access::read).export_to(file), Error);
+  EXPECT_FALSE(std::filesystem::exists(file.string() + ".part"));
+  EXPECT_EQ(bytes(file)[18], 1);  // without a log: can be read where nobody may write
+  EXPECT_EQ(by_uid(Store(file, Access::read).samples()).size(), 10u);
+
+  Store merged(theirs, Access::write);
+  db::Imported imported = merged.import_from(file);
+  EXPECT_EQ(imported.samples, 10);
+  EXPECT_EQ(imported.known, 0);
+  imported = merged.import_from(file);
+  EXPECT_EQ(imported.samples, 0);
+  EXPECT_EQ(imported.known, 10);
+  EXPECT_EQ(merged.runs().size(), 2u);
+  const auto all = by_uid(merged.samples());
+  ASSERT_EQ(all.size(), 15u);
+  for (const Sample& sample : here) EXPECT_TRUE(same(all.at(sample.uid), sample));
+  for (const Sample& sample : there) EXPECT_TRUE(same(all.at(sample.uid), sample));
+  EXPECT_EQ(merged.samples({.machine = host_with(4).fingerprint()}).size(), 10u);
+  EXPECT_EQ(merged.export_to(tree.root() / "part.db", {.machine = host_with(2).fingerprint()}), 5);
+  EXPECT_THROW((void)merged.import_from(tree.root() / "nothing.db"), Error);
+}
+
+// One instance of each, so lanes count: at n = 4 klu is best, at 8 lanes:8, though one call of it takes longer.
+TEST(Store, ViewsTellTheBestOfEachShapeAndWhereItChanges) {
+  FileTree tree;
+  Store store(tree.root() / "tuning.db", Access::write);
+  const std::int64_t run = store.begin_run(host_with(4), "quick");
+  const auto put = [&](std::int32_t n, Kernel kernel, const std::string& strategy, double seconds, double error) {
+    Sample s;
+    s.kernel = kernel;
+    s.shape = {n, 2 * n, 1, 1, 0, 0, 0, 0};
+    s.strategy = parse_strategy(strategy);
+    s.seconds = seconds;
+    s.backward_error = error;
+    store.add(run, std::vector{s});
+  };
+  for (const Kernel kernel : {Kernel::factor, Kernel::solve}) {
+    put(4, kernel, "groups/klu", 9e-6, 1e-12);  // measured anew below: the newest counts
+    put(4, kernel, "groups/klu", 1e-6, 1e-16);
+    put(4, kernel, "groups/lanes:8", 16e-6, 1e-15);
+    put(8, kernel, "groups/klu", 4e-6, 1e-16);
+    put(8, kernel, "groups/lanes:8", 8e-6, 1e-15);
+  }
+  const db::Answer best = store.best({.kernel = Kernel::factor});
+  const std::vector<std::string> columns = {"machine",  "kernel",  "n",         "nnz",
+                                            "fill",     "groups",  "rhs",       "pattern",
+                                            "strategy", "seconds", "runner_up", "runner_up_takes"};
+  EXPECT_EQ(best.columns, columns);
+  ASSERT_EQ(best.rows.size(), 2u);
+  EXPECT_EQ(std::get<std::string>(best.rows[0][8]), "groups/klu");
+  EXPECT_EQ(std::get<double>(best.rows[0][9]), 1e-6);
+  EXPECT_EQ(std::get<std::string>(best.rows[0][10]), "groups/lanes:8");
+  EXPECT_NEAR(std::get<double>(best.rows[0][11]), 2, 1e-15);
+  EXPECT_EQ(std::get<std::string>(best.rows[1][8]), "groups/lanes:8");
+  EXPECT_EQ(std::get<double>(best.rows[1][9]), 1e-6);
+
+  // factor, solve, and a factorisation with three solutions.
+  EXPECT_EQ(store.best().rows.size(), 6u);
+  const db::Answer crossovers = store.crossovers();
+  ASSERT_EQ(crossovers.rows.size(), 3u);
+  EXPECT_EQ(crossovers.columns, (std::vector<std::string>{"machine", "kernel", "dense", "groups", "rhs", "n_before",
+                                                          "strategy_before", "n", "strategy"}));
+  for (const auto& row : crossovers.rows) {
+    EXPECT_EQ(std::get<std::int64_t>(row[5]), 4);
+    EXPECT_EQ(std::get<std::string>(row[6]), "groups/klu");
+    EXPECT_EQ(std::get<std::int64_t>(row[7]), 8);
+    EXPECT_EQ(std::get<std::string>(row[8]), "groups/lanes:8");
+  }
+
+  SQLite::Database database((tree.root() / "tuning.db").string());
+  SQLite::Statement front(database,
+                          "SELECT n, strategy, on_front FROM error_against_time WHERE kernel = 'factor+3solve' "
+                          "ORDER BY n, seconds");
+  const auto next = [&] {
+    EXPECT_TRUE(front.executeStep());
+    return front.getColumn(1).getString() + (front.getColumn(2).getInt() ? " on front" : "");
+  };
+  EXPECT_EQ(next(), "groups/klu on front");  // faster and more exact
+  EXPECT_EQ(next(), "groups/lanes:8");
+  EXPECT_EQ(next(), "groups/lanes:8 on front");  // faster
+  EXPECT_EQ(next(), "groups/klu on front");      // more exact
+}
+
+TEST(Store, TunersSideBySideAndReadersAmongThem) {
+  FileTree tree;
+  const auto file = tree.root() / "tuning.db";
+  constexpr int kTuners = 3, kCells = 40, kCell = 5;
+  std::vector<pid_t> tuners;
+  for (int tuner = 0; tuner < kTuners; ++tuner) {
+    const pid_t child = fork();
+    if (child == 0) {
+      alarm(60);
+      try {
+        Store store(file, Access::write);  // all of them at once: one makes it
+        const std::int64_t run = store.begin_run(host_with(4), "quick");
+        for (int cell = 0; cell < kCells; ++cell) store.add(run, cell_of(cell, kCell));
+        store.finish_run(run, {});
+      } catch (const std::exception& error) {
+        fprintf(stderr, "%s\n", error.what());
+        _exit(1);
+      }
+      _exit(0);
+    }
+    tuners.push_back(child);
+  }
+  // Whatever a reader sees is whole cells, and never fewer than before.
+  std::size_t seen = 0, looks = 0;
+  int running = kTuners, status = 0;
+  while (running > 0) {
+    if (waitpid(-1, &status, WNOHANG) > 0) {
+      --running;
+      EXPECT_EQ(status, 0);
+    }
+    try {
+      const std::size_t now = Store(file, Access::read).samples().size();
+      EXPECT_EQ(now % kCell, 0u);
+      EXPECT_GE(now, seen);
+      seen = now;
+      ++looks;
+    } catch (const db::Unusable& unusable) {
+      EXPECT_EQ(unusable.trouble(), db::Trouble::absent) << unusable.what();
+    }
+  }
+  EXPECT_GT(looks, 0u);
+  Store store(file, Access::write);
+  EXPECT_TRUE(store.messages().empty());
+  EXPECT_EQ(store.samples().size(), static_cast<std::size_t>(kTuners * kCells * kCell));
+  EXPECT_EQ(store.runs().size(), static_cast<std::size_t>(kTuners));
+}
+
+}  // namespace
+}  // namespace assur::test
