@@ -195,6 +195,7 @@ void add_tune(CLI::App& app, Invocation& call) {
       ->allow_extra_args(false)
       ->type_name("SCENE");
   tune.add_option("--csv", o.csv, "Write the samples, too")->type_name("FILE");
+  tune.add_option("--trial", o.trial)->group("");  // a child process that may crash: not for people
   add_common(tune, call.common);
   tune.callback([&call] { call.chosen = [&call] { return command::tune(call.common, call.tune); }; });
 }

@@ -48,6 +48,7 @@ struct TuneOptions {
   std::optional<double> budget;     // s, instead of the profile's
   std::vector<std::string> scenes;  // sample only what these need; empty: everything
   std::string csv;                  // write the samples here, too; empty: nowhere
+  std::string trial;                // hidden: try this strategy, and nothing else
 };
 
 // Throws Error (input) for --threads beyond the processors that this process may use; warns beyond the machine's

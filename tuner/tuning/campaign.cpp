@@ -14,6 +14,11 @@ namespace {
 constexpr double kSetupShare = 0.5;    // of a cell's time, after which no more candidates enter
 constexpr double kLargestShare = 0.2;  // of a cell's time that one candidate may be expected to take to set up
 
+// What store() threw: the end of the run, where other errors are the end of a cell.
+struct CannotStore {
+  Error why;
+};
+
 double per_lane(const Sample& s) { return s.seconds / (s.kernel == Kernel::step ? 1 : s.strategy.lanes); }
 
 }  // namespace
@@ -26,47 +31,72 @@ double Campaign::seconds_left() const { return options_.seconds - (instruments_.
 void Campaign::run(const std::vector<Cell>& cells) {
   double weight = 0;
   for (const Cell& cell : cells) weight += cell.weight;
-  const std::size_t before = figures_.planned;
   figures_.planned += cells.size();
-  for (std::size_t i = 0; i < cells.size(); ++i) {
+  for (const Cell& cell : cells) {
     figures_.interrupted = instruments_.stop();
     const double left = seconds_left();
     if (figures_.interrupted || left <= 0) break;
-    const Cell& cell = cells[i];
-    if (options_.progress) options_.progress(options_.seconds - left, before + i, figures_.planned, cell);
-    const double share = left * cell.weight / weight;
+    if (options_.progress) options_.progress(options_.seconds - left, cell);
+    const double share = cell.weight * std::min(left / weight, options_.most_for_cell);
     weight -= cell.weight;
-    CellResult result;
     try {
       const double opened = instruments_.clock();
       const std::unique_ptr<Ground> ground = open(cell, options_.field);
-      if (was_stored(*ground)) {
-        ++figures_.skipped;
+      if (is_known(cell, *ground)) {
+        --figures_.planned;
         continue;
       }
-      result = measure_cell(cell, *ground, share - (instruments_.clock() - opened));
+      CellResult result = earlier(cell, *ground);
+      if (result.results.empty()) {
+        result = measure_cell(cell, *ground, share - (instruments_.clock() - opened));
+        if (instruments_.stop()) break;  // half a cell would look like a whole one
+      } else {
+        ++figures_.earlier;
+      }
+      if (!result.results.empty()) keep(std::move(result));
+    } catch (const CannotStore& failure) {
+      throw failure.why;
     } catch (const Error& error) {
       figures_.failures.push_back(to_string(cell) + ": " + error.what());
-      continue;
     }
-    if (result.results.empty()) continue;
-    if (instruments_.stop() && result.cut_short) continue;  // half a cell would look like a whole one
-    if (options_.store) options_.store(result);
-    ++figures_.measured;
-    figures_.samples += static_cast<std::int64_t>(result.results.size());
   }
   figures_.interrupted = instruments_.stop();
   figures_.seconds = instruments_.clock() - begin_;
 }
 
-bool Campaign::was_stored(const Ground& ground) const {
-  return std::any_of(ground.candidates().begin(), ground.candidates().end(), [&](const Candidate& c) {
-    Sample s;
-    s.kernel = c.kernel;
-    s.shape = ground.shape();
-    s.strategy = c.strategy;
-    return options_.stored(s);
-  });
+// Another cell had the same matrices.
+bool Campaign::is_known(const Cell& cell, const Ground& ground) const {
+  return cell.kind == Cell::Kind::matrix && std::any_of(results_.begin(), results_.end(), [&](const CellResult& r) {
+           return r.cell.kind == cell.kind && r.results.front().sample.shape == ground.shape();
+         });
+}
+
+CellResult Campaign::earlier(const Cell& cell, const Ground& ground) const {
+  CellResult out;
+  out.cell = cell;
+  out.earlier = true;
+  for (const Sample& s : options_.earlier) {
+    if (!(s.shape == ground.shape())) continue;
+    const bool of_this_cell =
+        std::any_of(ground.candidates().begin(), ground.candidates().end(), [&](const Candidate& c) {
+          const bool same_kernel = c.kernel == s.kernel || (c.kernel == Kernel::factor && s.kernel == Kernel::solve);
+          return same_kernel && c.strategy == s.strategy;
+        });
+    if (of_this_cell) out.results.push_back({s});
+  }
+  return out;
+}
+
+void Campaign::keep(CellResult result) {
+  ++figures_.measured;
+  figures_.samples += static_cast<std::int64_t>(result.results.size());
+  results_.push_back(std::move(result));
+  if (results_.back().earlier || !options_.store) return;
+  try {
+    options_.store(results_.back());
+  } catch (const Error& error) {
+    throw CannotStore{error};
+  }
 }
 
 CellResult Campaign::measure_cell(const Cell& cell, Ground& ground, double seconds) {
@@ -112,7 +142,6 @@ CellResult Campaign::measure_cell(const Cell& cell, Ground& ground, double secon
   const measure::RaceFigures race = measure::race(runners, rules, instruments_);
   figures_.race.blocks += race.blocks;
   figures_.race.disturbed += race.disturbed;
-  if (instruments_.stop()) out.cut_short = true;
 
   for (std::size_t i = 0; i < entrants.size(); ++i) {
     const Entrant& e = entrants[i];
@@ -129,23 +158,25 @@ CellResult Campaign::measure_cell(const Cell& cell, Ground& ground, double secon
     s.repetitions = static_cast<std::int64_t>(runners[i].seconds.size()) * runners[i].calls;
     s.backward_error = e.backward_error;
     s.forward_error = e.forward_error;
-    out.results.push_back({std::move(s), runners[i].hopeless});
+    out.results.push_back({std::move(s), static_cast<int>(runners[i].seconds.size()), runners[i].hopeless});
   }
 
+  note(out, ground.shape().n, setups);
+  return out;
+}
+
+void Campaign::note(const CellResult& result, double n, const std::vector<std::pair<Candidate, double>>& setups) {
   for (const auto& [candidate, setup] : setups) {
     double leader = std::numeric_limits<double>::infinity();
     const Sample* own = nullptr;
-    for (const Result& r : out.results) {
+    for (const Result& r : result.results) {
       if (r.sample.kernel != candidate.kernel) continue;
       // As in a race: only those that need no more groups side by side are rivals.
       if (r.sample.strategy.lanes <= candidate.strategy.lanes) leader = std::min(leader, per_lane(r.sample));
       if (r.sample.strategy == candidate.strategy) own = &r.sample;
     }
-    if (own != nullptr) {
-      history_.note(cell.family, candidate, {static_cast<double>(ground.shape().n), per_lane(*own), leader, setup});
-    }
+    if (own != nullptr) history_.note(result.cell.family, candidate, {n, per_lane(*own), leader, setup});
   }
-  return out;
 }
 
 }  // namespace assur::tuning

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "measure/race.hpp"
@@ -16,7 +17,8 @@ namespace assur::tuning {
 // What came of one candidate in one cell.
 struct Result {
   Sample sample;
-  bool hopeless = false;  // timed a few times only
+  int rounds = 0;         // that were timed; 0: by an interrupted run
+  bool hopeless = false;  // then only a few
 };
 struct Refusal {
   Candidate candidate;
@@ -26,20 +28,22 @@ struct CellResult {
   Cell cell;
   std::vector<Result> results;
   std::vector<Refusal> refused;  // never timed: wrong, cannot run, or too slow to be tried
+  bool earlier = false;          // measured by an interrupted run
   bool cut_short = false;        // time ran out before every candidate had its turn
 };
 
 struct CampaignOptions {
   Field field;
   double seconds = 60;                           // for all cells
+  double most_for_cell = 5;                      // s, for a cell of weight 1
   measure::RaceRules race;                       // but for the time
   std::function<void(const CellResult&)> store;  // once for each cell that has samples
-  std::function<bool(const Sample&)> stored = [](const Sample&) { return false; };  // by an earlier, interrupted run
-  std::function<void(double seconds, std::size_t done, std::size_t of, const Cell&)> progress = nullptr;
+  std::vector<Sample> earlier = {};              // of an interrupted run: their cells are not measured again
+  std::function<void(double seconds, const Cell&)> progress = nullptr;  // before each cell
 };
 
 struct CampaignFigures {
-  std::size_t planned = 0, measured = 0, skipped = 0;  // cells; skipped: stored before
+  std::size_t planned = 0, measured = 0, earlier = 0;  // cells; earlier: of those measured, by an interrupted run
   std::int64_t samples = 0;
   measure::RaceFigures race;
   double seconds = 0;
@@ -55,16 +59,22 @@ class Campaign {
   // Until all cells are done, the time is used up, or stop() says so. May be called again with more cells.
   void run(const std::vector<Cell>& cells);
 
+  // Of all cells so far, those of an earlier run as well.
+  [[nodiscard]] const std::vector<CellResult>& results() const { return results_; }
   [[nodiscard]] const CampaignFigures& figures() const { return figures_; }
   [[nodiscard]] double seconds_left() const;
 
  private:
   [[nodiscard]] CellResult measure_cell(const Cell& cell, Ground& ground, double seconds);
-  [[nodiscard]] bool was_stored(const Ground& ground) const;
+  [[nodiscard]] CellResult earlier(const Cell& cell, const Ground& ground) const;
+  void note(const CellResult& result, double n, const std::vector<std::pair<Candidate, double>>& setups);
+  [[nodiscard]] bool is_known(const Cell& cell, const Ground& ground) const;
+  void keep(CellResult result);
 
   CampaignOptions options_;
   measure::Instruments instruments_;
   History history_;
+  std::vector<CellResult> results_;
   CampaignFigures figures_;
   double begin_;
 };

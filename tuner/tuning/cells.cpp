@@ -28,6 +28,7 @@ Cell matrix(std::string family, std::int32_t n) {
 Cell random_cell(std::int32_t n, int per_row) {
   Cell c = matrix(per_row == 0 ? "full" : "random, " + std::to_string(per_row) + " a column", n);
   c.per_row = per_row == 0 ? n : per_row;
+  c.at = [per_row](std::int32_t other) { return random_cell(other, per_row); };
   return c;
 }
 
@@ -36,6 +37,7 @@ Cell ring_cell(std::int32_t n) {
   n = std::max(12, n / 2 * 2);
   Cell c = matrix("rings", n);
   c.scene = named("rings:legs=1,terminal=12,n=" + std::to_string(n));
+  c.at = ring_cell;
   return c;
 }
 
@@ -45,6 +47,7 @@ Cell chain_cell(std::int32_t n) {
   Cell c = matrix("chain, global", n);
   c.scene = named("n_four_bar:" + std::to_string(n / 2));
   c.formulation = Formulation::global;
+  c.at = chain_cell;
   return c;
 }
 
@@ -91,29 +94,42 @@ Cell packs(std::string family, std::int32_t n, std::int32_t groups, std::functio
   c.scene = std::move(scene);
   c.formulation = f;
   c.policies = groups == 1 || groups == 8;
+  c.weight = n * groups > 10'000 ? 4 : n * groups > 1000 ? 2 : 1;
   return c;
 }
 
+Cell dyad_packs(std::int32_t groups) {
+  return packs(
+      "dyads", 2, groups, [groups] { return dyads(groups); }, Formulation::irreducible);
+}
+// Six a platform: the next multiple.
+Cell leg_packs(std::int32_t groups, Formulation formulation) {
+  const std::int32_t platforms = (groups + 5) / 6, n = formulation == Formulation::groups ? 15 : 3;
+  return packs("legs, " + std::string(name(formulation)), n, 6 * platforms,
+               named("stewart:platforms=" + std::to_string(platforms)), formulation);
+}
+Cell ring_packs(std::int32_t n, std::int32_t groups) {
+  return packs("rings", n, groups,
+               named("rings:terminal=12,n=" + std::to_string(n) + ",legs=" + std::to_string(groups)),
+               Formulation::groups);
+}
+
 void add_packs(std::vector<Cell>& cells, const Extent& e) {
+  const auto add = [&](Cell c) {
+    if (std::int64_t{c.n} * c.groups <= e.most_unknowns && c.n <= e.largest) cells.push_back(std::move(c));
+  };
   for (const std::int32_t groups : {1, 8, 100, 1000, 10'000}) {
     if (groups > e.most_groups) continue;
-    const auto add = [&](Cell c) {
-      if (std::int64_t{c.n} * groups <= e.most_unknowns) cells.push_back(std::move(c));
-    };
-    const std::string legs = std::to_string(groups);
-    add(packs(
-        "dyads", 2, groups, [groups] { return dyads(groups); }, Formulation::irreducible));
-    if (groups >= 3) {
-      const std::string text = "stewart:legs=6,platforms=" + std::to_string((groups + 5) / 6);
-      add(packs("stewart legs, irreducible", 3, groups, named(text), Formulation::irreducible));
-      add(packs("stewart legs", 15, groups, named(text), Formulation::groups));
-    }
-    add(packs("rings", 60, groups, named("rings:n=60,terminal=12,legs=" + legs), Formulation::groups));
+    add(dyad_packs(groups));
+    if (groups > 1) add(leg_packs(groups, Formulation::irreducible));
+    if (groups > 1) add(leg_packs(groups, Formulation::groups));
+    add(ring_packs(60, groups));
   }
-  for (const std::int32_t n : {240, 720}) {
-    if (n > e.largest) continue;
-    cells.push_back(
-        packs("rings", n, 1, named("rings:legs=1,terminal=12,n=" + std::to_string(n)), Formulation::groups));
+  for (const std::int32_t n : {240, 720}) add(ring_packs(n, 1));
+  if (!e.held_out) return;
+  for (Cell c : {dyad_packs(11), dyad_packs(23), ring_packs(22, 5), ring_packs(78, 11), ring_packs(334, 1)}) {
+    c.held_out = true;
+    add(std::move(c));
   }
 }
 

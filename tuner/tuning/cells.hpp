@@ -29,8 +29,9 @@ struct Cell {
   double weight = 1;        // share of the time
   std::function<Scene()> scene = nullptr;  // null: random matrices
   Formulation formulation = Formulation::groups;
-  std::int32_t group_class = -1;  // -1: the one with most groups, of those the largest
-  int per_row = 0;                // random matrices: entries
+  std::int32_t group_class = -1;                     // -1: the one with most groups, of those the largest
+  std::function<Cell(std::int32_t n)> at = nullptr;  // the family's cell of another size; null: it has no other
+  int per_row = 0;                                   // random matrices: entries
 };
 
 // "rings, n = 120", "stewart groups, 60 groups"

@@ -1,0 +1,52 @@
+// What a tuning run found, for people and as JSON.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "measure/noise.hpp"
+#include "output/json.hpp"
+#include "output/page.hpp"
+#include "tuning/campaign.hpp"
+#include "tuning/held_out.hpp"
+
+namespace assur::output {
+
+struct TuningSummary {
+  std::optional<std::int64_t> run;  // of the database; empty: stored nowhere
+  std::string database;             // file; "": none
+  std::string profile;
+  std::string grade;  // good, fair, noisy
+  std::string reason;
+  double seconds = 0;
+  tuning::CampaignFigures figures;
+  tuning::Regret regret;
+  std::map<std::string, std::string> failed;  // backends that did not survive their trial, and how
+  std::span<const tuning::CellResult> cells;
+
+  // Share of the cells planned that were measured.
+  [[nodiscard]] double coverage() const {
+    return figures.planned > 0 ? static_cast<double>(figures.measured) / static_cast<double>(figures.planned) : 1;
+  }
+};
+
+// The fastest candidates from one size of a family on, until the next one.
+struct Winner {
+  std::string family;
+  bool side_by_side = false;  // many groups, else one at a time
+  std::int32_t n = 0;
+  std::string strategy;
+  double seconds = 0;  // one factorisation and three solutions, for one group; else a step of a pack, of a mechanism
+};
+
+// Of every cell, by family and size: of bare matrices for one alone and for sixteen side by side.
+[[nodiscard]] std::vector<Winner> winners(std::span<const tuning::CellResult> cells);
+
+void print(Page& page, const TuningSummary& summary);
+[[nodiscard]] Json to_json(const TuningSummary& summary);
+
+}  // namespace assur::output

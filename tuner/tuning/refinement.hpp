@@ -1,0 +1,16 @@
+// Where one more cell tells most: between sizes where the best two are close and the model is unsure.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "tuning/campaign.hpp"
+
+namespace assur::tuning {
+
+// At most `most` new cells, each between two neighbouring sizes of a family that was measured, those first from which
+// the model's choice is expected to gain most. Empty if no two neighbours are far enough apart.
+[[nodiscard]] std::vector<Cell> refine(const PerformanceModel& model, std::span<const CellResult> cells,
+                                       std::size_t most);
+
+}  // namespace assur::tuning
