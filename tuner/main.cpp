@@ -91,6 +91,17 @@ void add_common(CLI::App& app, Common& common) {
   app.set_version_flag("--version", "assur " ASSUR_VERSION, "Show the version");
 }
 
+void add_set(CLI::App& app, Common& common) {
+  app.add_option_function<std::vector<std::string>>(
+         "--set",
+         [&common](const std::vector<std::string>& texts) {
+           for (const std::string& text : texts) take_parameter(common.set, text);
+         },
+         "Another value for a parameter; may be repeated")
+      ->allow_extra_args(false)
+      ->type_name("name=value");
+}
+
 void add_scene(CLI::App& app, Common& common, std::string& scene, std::vector<std::string>& outputs) {
   app.add_option("SCENE", scene, "A file or a sample: stewart, four_bar:64, ...")->required()->type_name("");
   app.add_option_function<std::vector<std::string>>(
@@ -101,14 +112,7 @@ void add_scene(CLI::App& app, Common& common, std::string& scene, std::vector<st
          "What is wanted: C, C.velocity, angle, ...")
       ->allow_extra_args(false)
       ->type_name("A,B");
-  app.add_option_function<std::vector<std::string>>(
-         "--set",
-         [&common](const std::vector<std::string>& texts) {
-           for (const std::string& text : texts) take_parameter(common.set, text);
-         },
-         "Another value for a parameter; may be repeated")
-      ->allow_extra_args(false)
-      ->type_name("name=value");
+  add_set(app, common);
 }
 
 void add_inspect(CLI::App& app, Invocation& call) {
@@ -180,7 +184,7 @@ void add_backends(CLI::App& app, Invocation& call) {
 }
 
 void add_tune(CLI::App& app, Invocation& call) {
-  CLI::App& tune = *app.add_subcommand("tune", "Measure this machine, for the plans of all that runs on it");
+  CLI::App& tune = *app.add_subcommand("tune", "Measure this machine: what every plan is made from");
   TuneOptions& o = call.tune;
   tune.add_option("--profile", o.profile, "quick (the default, a minute), standard or patient")
       ->check(CLI::Validator(
@@ -195,6 +199,7 @@ void add_tune(CLI::App& app, Invocation& call) {
       ->allow_extra_args(false)
       ->type_name("SCENE");
   tune.add_option("--csv", o.csv, "Write the samples, too")->type_name("FILE");
+  add_set(tune, call.common);
   tune.add_option("--trial", o.trial)->group("");  // a child process that may crash: not for people
   add_common(tune, call.common);
   tune.callback([&call] { call.chosen = [&call] { return command::tune(call.common, call.tune); }; });
