@@ -3,8 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <set>
+
+#include "tuning/refinement.hpp"
 
 namespace assur::tuning {
 namespace {
@@ -118,6 +121,59 @@ TEST_F(CampaignTest, ADatabaseThatCannotBeWrittenEndsTheRun) {
   options_.store = [](const CellResult&) { throw Error(Error::Kind::environment, "the disk is full"); };
   Campaign campaign(options_, instruments());
   EXPECT_THROW(campaign.run(cells()), Error);
+}
+
+class RefinementTest : public CampaignTest {
+ protected:
+  static Cell full(std::int32_t n) {
+    Cell c;
+    c.family = "full";
+    c.n = c.per_row = n;
+    c.at = full;
+    return c;
+  }
+  static std::vector<Cell> three_sizes() {
+    std::vector<Cell> cells = {full(3), full(9), full(27), full(5)};
+    cells.back().held_out = true;
+    return cells;
+  }
+};
+
+TEST_F(RefinementTest, MeasuresBetweenTheSizesUntilTheyAreClose) {
+  options_.most_for_cell = 0.5;
+  Campaign campaign(options_, instruments());
+  campaign.run(three_sizes());
+  refine(campaign, false);
+  std::set<std::int32_t> sizes;
+  for (const CellResult& c : campaign.results()) sizes.insert(c.cell.n);
+  EXPECT_EQ(sizes.size(), campaign.results().size());
+  EXPECT_GT(sizes.size(), 8u);
+  EXPECT_GT(campaign.seconds_left(), 0);  // it ended because nothing was left to do
+  for (auto n = sizes.begin(); std::next(n) != sizes.end(); ++n) {
+    const double a = *n, b = *std::next(n), middle = std::round(std::sqrt(a * b));
+    EXPECT_TRUE(middle < 1.12 * a || b < 1.12 * middle) << a << ' ' << b;
+  }
+}
+
+TEST_F(RefinementTest, EndsWithTheBudget) {
+  options_.seconds = 2;
+  options_.most_for_cell = 0.1;
+  Campaign campaign(options_, instruments());
+  campaign.run(three_sizes());
+  refine(campaign, false);
+  EXPECT_LE(now_, 2 + 0.1);
+}
+
+TEST_F(RefinementTest, ThePatientEndWhenTheRegretIsSettled) {
+  options_.most_for_cell = 0.5;
+  Campaign all(options_, instruments());
+  all.run(three_sizes());
+  refine(all, false);
+  stored_.clear();
+  Campaign patient(options_, instruments());
+  patient.run(three_sizes());
+  refine(patient, true);
+  EXPECT_LE(patient.results().size(), all.results().size());
 }
 
 TEST(History, TellsWhoIsHopelessFromTwoSmallerSizes) {

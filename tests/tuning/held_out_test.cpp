@@ -44,15 +44,6 @@ CellResult cell(std::int32_t n, bool held_out, double eigen = 1) {
   return out;
 }
 
-PerformanceModel model_of(const std::vector<CellResult>& cells) {
-  std::vector<Sample> samples;
-  for (const CellResult& c : cells) {
-    if (c.cell.held_out) continue;
-    for (const Result& r : c.results) samples.push_back(r.sample);
-  }
-  return PerformanceModel(samples);
-}
-
 std::vector<CellResult> grid() {
   std::vector<CellResult> cells;
   for (const std::int32_t n : {4, 8, 12, 32, 64, 128}) cells.push_back(cell(n, false));
@@ -77,7 +68,7 @@ TEST(Regret, IsWhatAWrongChoiceCosts) {
 
 TEST(Refinement, GoesToTheCrossover) {
   const std::vector<CellResult> cells = grid();
-  const std::vector<Cell> next = refine(model_of(cells), cells, 2);
+  const std::vector<Cell> next = propose(model_of(cells), cells, 2);
   ASSERT_FALSE(next.empty());
   EXPECT_EQ(next[0].n, 20);  // between 12 and 32
   EXPECT_LE(next.size(), 2u);
@@ -85,7 +76,7 @@ TEST(Refinement, GoesToTheCrossover) {
 
 TEST(Refinement, EndsWhereNeighboursAreClose) {
   const std::vector<CellResult> cells = {cell(20, false), cell(21, false), cell(22, false)};
-  EXPECT_TRUE(refine(model_of(cells), cells, 5).empty());
+  EXPECT_TRUE(propose(model_of(cells), cells, 5).empty());
 }
 
 TEST(SampleCsv, HasALineForEachSample) {

@@ -26,10 +26,7 @@
 namespace assur::command {
 namespace {
 
-constexpr double kTrial = 5;           // s that a solver may take for its trial, which takes milliseconds
-constexpr std::size_t kAtOnce = 6;     // new cells between two models
-constexpr double kWorthGoingOn = 0.9;  // patient: of the mean regret, what three such rounds have to come below
-constexpr int kPatience = 3;
+constexpr double kTrial = 5;        // s that a solver may take for its trial, which takes milliseconds
 constexpr int kRoundsOfSpread = 5;  // from which on a spread says something
 
 // Where samples go, and what an interrupted run has left there.
@@ -94,34 +91,6 @@ std::string name_of(const tuning::Profile& profile, const TuneOptions& options) 
   std::string name = profile.name;
   for (const std::string& scene : options.scenes) name += (&scene == &options.scenes.front() ? ": " : ", ") + scene;
   return name;
-}
-
-// What is known but for what was held out.
-PerformanceModel model_of(const std::vector<tuning::CellResult>& cells) {
-  std::vector<Sample> samples;
-  for (const tuning::CellResult& cell : cells) {
-    if (cell.cell.held_out) continue;
-    for (const tuning::Result& r : cell.results) samples.push_back(r.sample);
-  }
-  return PerformanceModel(std::move(samples));
-}
-
-// Spends the time that is left where the model gains most from it.
-void refine(tuning::Campaign& campaign, const tuning::Profile& profile) {
-  double best = 1e300;
-  int rounds_without = 0;
-  while (!campaign.figures().interrupted && campaign.seconds_left() > 0) {
-    const PerformanceModel model = model_of(campaign.results());
-    if (profile.until_settled) {
-      const double now = tuning::regret(model, campaign.results()).mean;
-      rounds_without = now < kWorthGoingOn * best ? 0 : rounds_without + 1;
-      best = std::min(best, now);
-      if (rounds_without > kPatience) return;
-    }
-    const std::vector<tuning::Cell> more = tuning::refine(model, campaign.results(), kAtOnce);
-    if (more.empty()) return;
-    campaign.run(more);
-  }
 }
 
 double scatter_of(const std::vector<tuning::CellResult>& cells) {
@@ -204,7 +173,7 @@ int tune(const Common& common, const TuneOptions& options) {
 
   tuning::Campaign campaign(how, instruments);
   campaign.run(cells);
-  if (options.scenes.empty()) refine(campaign, profile);
+  if (options.scenes.empty()) tuning::refine(campaign, profile.until_settled);
   progress.clear();
 
   const measure::Judgement judgement = judgement_of(campaign, watch);
@@ -215,7 +184,7 @@ int tune(const Common& common, const TuneOptions& options) {
   summary.grade = name(grade_of(judgement.quiet));
   summary.reason = judgement.reason;
   summary.figures = campaign.figures();
-  summary.regret = tuning::regret(model_of(campaign.results()), campaign.results());
+  summary.regret = tuning::regret(tuning::model_of(campaign.results()), campaign.results());
   summary.failed = probes.failed();
   summary.cells = campaign.results();
   summary.seconds = measure::StepTimes::steady() - begin;

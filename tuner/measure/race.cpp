@@ -55,28 +55,25 @@ class Race {
  private:
   [[nodiscard]] bool over() const { return with_.stop() || with_.clock() >= end_; }
 
-  // Seconds of one block; a negative number if a call fails.
+  // Seconds of one block; a negative number if a call fails. Some of what cannot run says so only when it is asked to.
   double block(Runner& r) {
-    if (r.calls == 1 || r.calls * per_call_[&r] < kShort) r.work->get_ready(r.calls);
-    const double begin = with_.clock();
-    const bool ok = succeeds(r);
-    const double seconds = with_.clock() - begin;
+    double begin = 0, end = 0;
+    bool ok = false;
+    try {
+      if (r.calls == 1 || r.calls * per_call_[&r] < kShort) r.work->get_ready(r.calls);
+      begin = with_.clock();
+      ok = r.work->run(r.calls);
+      end = with_.clock();
+    } catch (const Error&) {
+      ok = false;
+    }
     if (!ok) {
       r.failed = true;
       r.seconds.clear();
       return -1;
     }
-    per_call_[&r] = seconds / r.calls;
-    return seconds;
-  }
-
-  // Some of what cannot run says so only when it is asked to.
-  static bool succeeds(Runner& r) {
-    try {
-      return r.work->run(r.calls);
-    } catch (const Error&) {
-      return false;
-    }
+    per_call_[&r] = (end - begin) / r.calls;
+    return end - begin;
   }
 
   // Doubles the calls until a block is long enough for the clock. What takes long is a time already.

@@ -24,12 +24,13 @@ std::string short_text(const Strategy& strategy) {
   return text.substr(text.find('/') + 1);
 }
 
+// The fastest of those that `groups` fill.
 std::optional<Winner> fastest(const CellResult& cell, Kernel kernel, int groups) {
   Winner best;
   best.seconds = std::numeric_limits<double>::infinity();
   for (const tuning::Result& r : cell.results) {
     const Sample& s = r.sample;
-    if (s.kernel != kernel || s.strategy.lanes > groups) continue;
+    if (s.kernel != kernel || (kernel != Kernel::step && s.strategy.lanes > groups)) continue;
     double seconds = s.seconds;
     if (kernel == Kernel::factor) {
       const auto solve = std::find_if(cell.results.begin(), cell.results.end(), [&](const tuning::Result& other) {
@@ -39,26 +40,31 @@ std::optional<Winner> fastest(const CellResult& cell, Kernel kernel, int groups)
       seconds += kSolutions * solve->sample.seconds;
     }
     if (kernel != Kernel::step) seconds /= s.strategy.lanes;
-    if (seconds < best.seconds) best = {cell.cell.family, groups > 1, cell.cell.n, short_text(s.strategy), seconds};
+    if (seconds >= best.seconds) continue;
+    best = {cell.cell.family,       kernel, kernel == Kernel::factor && groups > 1, s.shape.n, cell.cell.groups,
+            short_text(s.strategy), seconds};
   }
-  return best.strategy.empty() ? std::nullopt : std::optional(best);
+  if (best.strategy.empty()) return std::nullopt;
+  if (best.side_by_side) best.family += ", side by side";
+  if (kernel == Kernel::pack) best.family += ", n = " + number(best.n) + ", steps by groups";
+  if (kernel == Kernel::step) best.family += ", whole steps";
+  return best;
 }
 
-// "lanes:16 up to 83, lapack from 144"
-std::string crossovers(const std::vector<Winner>& winners, std::size_t begin, std::size_t end) {
+// "lanes:16 up to 83, lapack from 144": over the unknowns, or the groups, of one family.
+std::string crossovers(std::span<const Winner> family) {
+  const auto size = [](const Winner& w) { return number(w.kernel == Kernel::pack ? w.groups : w.n); };
   std::string text;
-  for (std::size_t i = begin; i < end; ++i) {
-    const std::string& here = winners[i].strategy;
-    if (i > begin && here == winners[i - 1].strategy) continue;
-    std::size_t last = i;
-    while (last + 1 < end && winners[last + 1].strategy == here) ++last;
-    text += (i == begin ? "" : ", ") + here;
-    if (end - begin == 1) return text;
-    if (last + 1 == end) {
-      text += i == begin ? " from " + number(winners[begin].n) + " to " + number(winners[last].n)
-                         : " from " + number(winners[i].n);
+  for (std::size_t begin = 0, end = 0; begin < family.size(); begin = end) {
+    while (end < family.size() && family[end].strategy == family[begin].strategy) ++end;
+    const std::string first = size(family[begin]), last = size(family[end - 1]);
+    text += (begin == 0 ? "" : ", ") + family[begin].strategy;
+    if (first == size(family.front()) && last == size(family.back())) {
+      if (first != last) text += " from " + first + " to " + last;
+    } else if (end == family.size()) {
+      text += " from " + first;
     } else {
-      text += last == i ? " at " + number(winners[i].n) : " up to " + number(winners[last].n);
+      text += first == last ? " at " + first : " up to " + last;
     }
   }
   return text;
@@ -80,21 +86,17 @@ std::vector<Winner> winners(std::span<const CellResult> cells) {
         add(Kernel::factor, kSideBySide);
         break;
       case Cell::Kind::packs:
-        add(Kernel::pack, std::max(cell.cell.groups, 1));
-        if (!out.empty() && out.back().family == cell.cell.family) {
-          out.back().family += ", steps of " + counted(cell.cell.groups, "group");
-        }
+        add(Kernel::pack, cell.cell.groups);
         break;
       case Cell::Kind::steps:
-        add(Kernel::step, std::numeric_limits<int>::max());
-        if (!out.empty() && out.back().family == cell.cell.family) out.back().family += ", whole steps";
+        add(Kernel::step, 0);
         break;
       case Cell::Kind::meeting:
         break;
     }
   }
   std::stable_sort(out.begin(), out.end(), [](const Winner& a, const Winner& b) {
-    return std::tie(a.family, a.side_by_side, a.n) < std::tie(b.family, b.side_by_side, b.n);
+    return std::tie(a.family, a.n, a.groups) < std::tie(b.family, b.n, b.groups);
   });
   return out;
 }
@@ -121,18 +123,12 @@ void print(Page& page, const TuningSummary& s) {
   page.list("not measured", failures);
 
   page.gap();
-  page.fact("fastest", "one factorisation and three solutions, or a step; by unknowns");
   const std::vector<Winner> all = winners(s.cells);
-  for (std::size_t begin = 0; begin < all.size();) {
-    std::size_t end = begin;
-    while (end < all.size() && all[end].family == all[begin].family &&
-           all[end].side_by_side == all[begin].side_by_side) {
-      ++end;
-    }
-    const bool matrices = all[begin].family.find("step") == std::string::npos;
-    page.fact("", all[begin].family + (matrices && all[begin].side_by_side ? ", side by side" : "") + ": " +
-                      crossovers(all, begin, end));
-    begin = end;
+  std::string label = "fastest";
+  for (std::size_t begin = 0, end = 0; begin < all.size(); begin = end) {
+    while (end < all.size() && all[end].family == all[begin].family) ++end;
+    page.fact(std::exchange(label, ""),
+              all[begin].family + ": " + crossovers(std::span(all).subspan(begin, end - begin)));
   }
 }
 
@@ -140,8 +136,10 @@ Json to_json(const TuningSummary& s) {
   Json list = Json::array();
   for (const Winner& w : winners(s.cells)) {
     list.push_back({{"family", w.family},
-                    {"side_by_side", w.side_by_side},
+                    {"kernel", name(w.kernel)},
                     {"n", w.n},
+                    {"groups", w.groups},
+                    {"side_by_side", w.side_by_side},
                     {"strategy", w.strategy},
                     {"seconds", w.seconds}});
   }

@@ -34,16 +34,17 @@ struct TuningSummary {
   }
 };
 
-// The fastest candidates from one size of a family on, until the next one.
+// The fastest candidate of a cell.
 struct Winner {
-  std::string family;
-  bool side_by_side = false;  // many groups, else one at a time
-  std::int32_t n = 0;
+  std::string family;              // of what is comparable: told with what was timed
+  Kernel kernel = Kernel::factor;  // factor: with three solutions
+  bool side_by_side = false;       // of sixteen matrices, else of one
+  std::int32_t n = 0, groups = 1;
   std::string strategy;
-  double seconds = 0;  // one factorisation and three solutions, for one group; else a step of a pack, of a mechanism
+  double seconds = 0;  // for one matrix or group; step: of the mechanism
 };
 
-// Of every cell, by family and size: of bare matrices for one alone and for sixteen side by side.
+// Of every cell, sorted by family and size; of bare matrices for one alone and for sixteen side by side.
 [[nodiscard]] std::vector<Winner> winners(std::span<const tuning::CellResult> cells);
 
 void print(Page& page, const TuningSummary& summary);

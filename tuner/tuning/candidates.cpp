@@ -31,14 +31,15 @@ std::vector<Strategy> variants(const Backend& backend, Strategy plain) {
 }  // namespace
 
 std::vector<Strategy> linear_solvers(const Field& field, const Shape& shape, int most_lanes) {
-  std::vector<Strategy> plain, wider, more;
+  std::vector<Strategy> first, plain, wider, more;
   const auto enter = [&](const Backend& backend, int lanes, int q) {
     Strategy s;
     s.backend = backend.id;
     s.lanes = lanes;
     s.q = q;
     if (!can_run(field, backend, shape, s)) return;
-    (lanes == 1 && q == 1 ? plain : wider).push_back(s);
+    const bool leading = has_widths(backend) && (lanes == 1 || lanes == 8);
+    (leading ? first : lanes == 1 && q == 1 ? plain : wider).push_back(s);
     if (q > 1 || lanes == 2 || lanes == 4) return;  // what their variants take follows from the others'
     for (Strategy& variant : variants(backend, s)) more.push_back(std::move(variant));
   };
@@ -50,9 +51,9 @@ std::vector<Strategy> linear_solvers(const Field& field, const Shape& shape, int
       enter(backend, 1, q);
     }
   }
-  plain.insert(plain.end(), wider.begin(), wider.end());
-  plain.insert(plain.end(), more.begin(), more.end());
-  return plain;
+  for (const std::vector<Strategy>* next : {&plain, &wider, &more})
+    first.insert(first.end(), next->begin(), next->end());
+  return first;
 }
 
 std::vector<Strategy> pack_strategies(const Field& field, Formulation formulation, const Shape& shape, bool policies) {

@@ -21,7 +21,7 @@ struct Field {
 };
 
 // Linear solvers for matrices of one shape, which fill up to `most_lanes` lanes: backend, W, precision, refinement, q;
-// the rest is default. One of each backend comes first: time may be short.
+// the rest is default. Those that most is expected of and one of each backend come first: time may be short.
 [[nodiscard]] std::vector<Strategy> linear_solvers(const Field& field, const Shape& shape, int most_lanes);
 
 // Strategies for whole steps of a pack, for a class of so many groups on one level: the linear solvers as they are, and

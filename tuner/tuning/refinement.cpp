@@ -6,11 +6,17 @@
 #include <map>
 #include <set>
 #include <string>
+#include <utility>
+
+#include "tuning/held_out.hpp"
 
 namespace assur::tuning {
 namespace {
 
-constexpr double kNeighbours = 1.12;  // sizes nearer to each other than this need nothing between them
+constexpr std::size_t kAtOnce = 6;     // cells between two models
+constexpr double kWorthGoingOn = 0.9;  // of the least mean regret so far: what is no fall
+constexpr int kPatience = 3;           // models without a fall
+constexpr double kNeighbours = 1.12;   // sizes nearer to each other than this need nothing between them
 
 // Between two shapes of a family: every count grows as a power of n.
 Shape between(const Shape& a, const Shape& b) {
@@ -58,7 +64,7 @@ double expected_loss(const PerformanceModel& model, const Shape& shape, const st
 
 }  // namespace
 
-std::vector<Cell> refine(const PerformanceModel& model, std::span<const CellResult> cells, std::size_t most) {
+std::vector<Cell> propose(const PerformanceModel& model, std::span<const CellResult> cells, std::size_t most) {
   std::map<std::string, std::map<std::int32_t, const CellResult*>> families;
   for (const CellResult& c : cells) {
     if (c.cell.kind == Cell::Kind::matrix && c.cell.at && !c.results.empty()) families[c.cell.family][c.cell.n] = &c;
@@ -92,6 +98,33 @@ std::vector<Cell> refine(const PerformanceModel& model, std::span<const CellResu
     if (out.size() < most) out.push_back(std::move(p.cell));
   }
   return out;
+}
+
+PerformanceModel model_of(std::span<const CellResult> cells) {
+  std::vector<Sample> samples;
+  for (const CellResult& cell : cells) {
+    if (cell.cell.held_out) continue;
+    for (const Result& r : cell.results) samples.push_back(r.sample);
+  }
+  return PerformanceModel(std::move(samples));
+}
+
+void refine(Campaign& campaign, bool until_settled) {
+  double least = std::numeric_limits<double>::infinity();
+  int without_fall = 0;
+  while (!campaign.figures().interrupted && campaign.seconds_left() > 0) {
+    const PerformanceModel model = model_of(campaign.results());
+    if (until_settled) {
+      const double now = regret(model, campaign.results()).mean;
+      without_fall = now < kWorthGoingOn * least ? 0 : without_fall + 1;
+      least = std::min(least, now);
+      if (without_fall == kPatience) return;
+    }
+    const std::vector<Cell> more = propose(model, campaign.results(), kAtOnce);
+    const std::size_t before = campaign.results().size();
+    campaign.run(more);
+    if (campaign.results().size() == before) return;  // there is nothing left to measure
+  }
 }
 
 }  // namespace assur::tuning
