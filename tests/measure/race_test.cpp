@@ -108,6 +108,17 @@ TEST_F(RaceTest, ACallThatTakesMuchOfTheTimeIsMadeOnce) {
   EXPECT_EQ(runners_[0].spread(), runners_[0].seconds[0]);  // nobody knows it
 }
 
+TEST_F(RaceTest, WithoutTimeForARoundTheFastHaveATimeAsTheSlowHave) {
+  enter(1e-6);
+  enter(0.3);
+  RaceRules rules;
+  rules.seconds = 0.1;
+  hold(rules);
+  ASSERT_EQ(runners_[0].seconds.size(), 1u);
+  ASSERT_EQ(runners_[1].seconds.size(), 1u);
+  EXPECT_LT(runners_[0].median(), runners_[1].median());
+}
+
 TEST_F(RaceTest, DisturbedBlocksAreRepeated) {
   // Loses the processor in every third block.
   class Disturbed final : public Timed {

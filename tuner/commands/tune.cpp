@@ -1,6 +1,5 @@
-#include <unistd.h>
-
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <iostream>
 #include <iterator>
@@ -162,10 +161,18 @@ int tune(const Common& common, const TuneOptions& options) {
   how.most_for_cell = profile.most_for_cell;
   how.earlier = archive.earlier();
   how.store = [&](const tuning::CellResult& cell) { archive.add(cell); };
+  // A scene is done when its cells are; otherwise all of the time is used.
   using output::Progress;
-  Progress progress(std::cerr, common.quiet ? Progress::Style::none : Progress::style_of_standard_error(), "second");
+  const bool by_cells = !options.scenes.empty();
+  Progress progress(std::cerr, common.quiet ? Progress::Style::none : Progress::style_of_standard_error(),
+                    by_cells ? "cell" : "second");
+  std::int64_t begun = 0;
   how.progress = [&](double seconds, const tuning::Cell&) {
-    progress.show(seconds, static_cast<std::int64_t>(seconds), static_cast<std::int64_t>(profile.seconds));
+    if (by_cells) {
+      progress.show(seconds, begun++, static_cast<std::int64_t>(cells.size()));
+    } else {
+      progress.show(seconds, std::lround(seconds), std::lround(profile.seconds));
+    }
   };
   const Interrupt interrupt;
   measure::Instruments instruments;
@@ -189,7 +196,7 @@ int tune(const Common& common, const TuneOptions& options) {
   summary.cells = campaign.results();
   summary.seconds = measure::StepTimes::steady() - begin;
   if (!summary.figures.interrupted) {
-    archive.finish({grade_of(judgement.quiet), summary.seconds, summary.coverage(), judgement.reason});
+    archive.finish({grade_of(judgement.quiet), summary.seconds, summary.figures.coverage(), judgement.reason});
   }
   if (csv.is_open()) write_csv(csv, options.csv, campaign.results());
   if (common.json) {

@@ -49,6 +49,10 @@ class Race {
       if (round >= rules_.trial_rounds) dismiss();
       if (round >= rules_.least_rounds && settled()) break;
     }
+    // Time may have been too short for a single round: then the slow ones would be the only ones with a time.
+    for (Runner& r : runners_) {
+      if (r.seconds.empty() && !r.failed && per_call_.contains(&r)) r.seconds.push_back(per_call_[&r]);
+    }
     return figures_;
   }
 

@@ -103,13 +103,12 @@ std::vector<Winner> winners(std::span<const CellResult> cells) {
 
 void print(Page& page, const TuningSummary& s) {
   page.title("Tuning run" + (s.run ? " " + std::to_string(*s.run) : std::string()) + ", " + s.profile);
-  page.fact("samples", grouped(s.figures.samples) + " of " +
-                           counted(static_cast<std::int64_t>(s.figures.measured), "cell") + " (" +
-                           grouped(static_cast<std::int64_t>(s.figures.planned)) + " planned" +
-                           (s.figures.earlier > 0 ? ", " + grouped(static_cast<std::int64_t>(s.figures.earlier)) +
-                                                        " of them by the run that was interrupted"
-                                                  : "") +
-                           ") in " + duration(s.seconds));
+  const auto count = [](std::size_t cells) { return grouped(static_cast<std::int64_t>(cells)); };
+  std::string samples = grouped(s.figures.samples) + " of " + count(s.figures.measured) + " cells in " +
+                        duration(s.seconds) + "; " + count(s.figures.planned) + " were planned";
+  if (s.figures.cut_short > 0) samples += ", " + count(s.figures.cut_short) + " are cut short";
+  if (s.figures.earlier > 0) samples += ", " + count(s.figures.earlier) + " are of the run that was interrupted";
+  page.fact("samples", samples);
   page.fact("grade", s.grade + (s.reason.empty() ? "" : ": " + s.reason));
   if (s.regret.questions > 0) {
     const auto percent = [](double share) { return number(std::round(1000 * share) / 10) + " %"; };
@@ -153,7 +152,7 @@ Json to_json(const TuningSummary& s) {
           {"reason", s.reason},
           {"samples", s.figures.samples},
           {"seconds", s.seconds},
-          {"coverage", s.coverage()},
+          {"coverage", s.figures.coverage()},
           {"held_out_regret",
            {{"median", or_null(judged, s.regret.median)},
             {"p95", or_null(judged, s.regret.p95)},

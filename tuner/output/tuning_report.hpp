@@ -27,11 +27,6 @@ struct TuningSummary {
   tuning::Regret regret;
   std::map<std::string, std::string> failed;  // backends that did not survive their trial, and how
   std::span<const tuning::CellResult> cells;
-
-  // Share of the cells planned that were measured.
-  [[nodiscard]] double coverage() const {
-    return figures.planned > 0 ? static_cast<double>(figures.measured) / static_cast<double>(figures.planned) : 1;
-  }
 };
 
 // The fastest candidate of a cell.

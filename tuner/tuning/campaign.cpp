@@ -89,6 +89,7 @@ CellResult Campaign::earlier(const Cell& cell, const Ground& ground) const {
 
 void Campaign::keep(CellResult result) {
   ++figures_.measured;
+  if (result.cut_short) ++figures_.cut_short;
   figures_.samples += static_cast<std::int64_t>(result.results.size());
   results_.push_back(std::move(result));
   if (results_.back().earlier || !options_.store) return;

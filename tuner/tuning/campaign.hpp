@@ -43,12 +43,18 @@ struct CampaignOptions {
 };
 
 struct CampaignFigures {
-  std::size_t planned = 0, measured = 0, earlier = 0;  // cells; earlier: of those measured, by an interrupted run
+  // Cells; earlier, cut_short: of those measured, by an interrupted run, and before every candidate had its turn.
+  std::size_t planned = 0, measured = 0, earlier = 0, cut_short = 0;
   std::int64_t samples = 0;
   measure::RaceFigures race;
   double seconds = 0;
   bool interrupted = false;
   std::vector<std::string> failures;  // cells that could not be opened
+
+  // Share of the cells planned that were measured whole.
+  [[nodiscard]] double coverage() const {
+    return planned > 0 ? static_cast<double>(measured - cut_short) / static_cast<double>(planned) : 1;
+  }
 };
 
 class Campaign {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "assur/structure.hpp"
+#include "assur/plan.hpp"
 #include "tuning/mechanisms.hpp"
 
 namespace assur::tuning {
@@ -198,9 +198,12 @@ std::vector<Cell> scene_cells(const std::string& text, const Scene& scene) {
   std::vector<Cell> cells;
   const auto same = [scene] { return scene; };
   for (const Formulation f : {Formulation::global, Formulation::groups, Formulation::irreducible}) {
-    StructureOptions options;
-    options.formulation = f;
-    const Structure structure = analyze(scene, options);
+    PrepareOptions options;
+    options.strategy = std::string(name(f)) + "/eigen";
+    options.budget = ThreadBudget{1};
+    const Prepared prepared = prepare(scene, options);
+    const Structure& structure = *prepared.structure;
+    if (structure.classes.empty()) throw Error(Error::Kind::input, {{text, "nothing in it moves that could be timed"}});
     const std::string family = text + ", " + std::string(name(f));
     for (std::size_t k = 0; k < structure.classes.size(); ++k) {
       const auto group_class = static_cast<std::int32_t>(k);

@@ -50,7 +50,8 @@ struct Extent {
 // What a machine is sampled with, where nothing else is asked for. Sizes ascend within each family.
 [[nodiscard]] std::vector<Cell> general_cells(const Extent& extent);
 
-// What one scene needs: its classes in each formulation, and its steps. Throws Error as prepare() does.
+// What one scene needs: its classes in each formulation, and its steps. Throws Error as prepare() does,
+// and (input) if nothing moves.
 [[nodiscard]] std::vector<Cell> scene_cells(const std::string& text, const Scene& scene);
 
 // Log-spaced whole numbers, both ends included.
