@@ -39,6 +39,7 @@ struct Invocation {
   RunOptions run;
   PlanOptions plan;
   DbOptions db;
+  TuneOptions tune;
   std::function<int()> chosen;
 };
 
@@ -100,6 +101,17 @@ void add_common(CLI::App& app, Common& common) {
   app.set_version_flag("--version", "assur " ASSUR_VERSION, "Show the version");
 }
 
+void add_set(CLI::App& app, Common& common) {
+  app.add_option_function<std::vector<std::string>>(
+         "--set",
+         [&common](const std::vector<std::string>& texts) {
+           for (const std::string& text : texts) take_parameter(common.set, text);
+         },
+         "Another value for a parameter; may be repeated")
+      ->allow_extra_args(false)
+      ->type_name("name=value");
+}
+
 void add_names(CLI::App& app, const std::string& option, std::vector<std::string>& names, const std::string& what) {
   app.add_option_function<std::vector<std::string>>(
          option,
@@ -114,14 +126,7 @@ void add_names(CLI::App& app, const std::string& option, std::vector<std::string
 void add_scene(CLI::App& app, Common& common, std::string& scene, std::vector<std::string>& outputs) {
   app.add_option("SCENE", scene, "A file or a sample: stewart, four_bar:64, ...")->required()->type_name("");
   add_names(app, "--outputs", outputs, "What is wanted: C, C.velocity, angle, ...");
-  app.add_option_function<std::vector<std::string>>(
-         "--set",
-         [&common](const std::vector<std::string>& texts) {
-           for (const std::string& text : texts) take_parameter(common.set, text);
-         },
-         "Another value for a parameter; may be repeated")
-      ->allow_extra_args(false)
-      ->type_name("name=value");
+  add_set(app, common);
 }
 
 void add_inspect(CLI::App& app, Invocation& call) {
@@ -248,6 +253,28 @@ void add_db(CLI::App& app, Invocation& call) {
   add_common(db, call.common);
 }
 
+void add_tune(CLI::App& app, Invocation& call) {
+  CLI::App& tune = *app.add_subcommand("tune", "Measure this machine: what every plan is made from");
+  TuneOptions& o = call.tune;
+  tune.add_option("--profile", o.profile, "quick (the default, a minute), standard or patient")
+      ->check(CLI::Validator(
+          [](std::string& text) {
+            const bool known = text == "quick" || text == "standard" || text == "patient";
+            return known ? std::string() : "expects quick, standard or patient, not \"" + text + "\"";
+          },
+          ""))
+      ->type_name("NAME");
+  tune.add_option("--budget", o.budget, "Take so long, s")->check(number(0, " > 0"))->type_name("SECONDS");
+  tune.add_option("--scene", o.scenes, "Only what this scene needs; may be repeated")
+      ->allow_extra_args(false)
+      ->type_name("SCENE");
+  tune.add_option("--csv", o.csv, "Write the samples, too")->type_name("FILE");
+  add_set(tune, call.common);
+  tune.add_option("--trial", o.trial)->group("");  // a child process that may crash: not for people
+  add_common(tune, call.common);
+  tune.callback([&call] { call.chosen = [&call] { return command::tune(call.common, call.tune); }; });
+}
+
 Exit exit_of(Error::Kind kind) {
   switch (kind) {
     case Error::Kind::input:
@@ -329,6 +356,7 @@ int main(int argc, char** argv) {
   add_plan(app, call);
   add_backends(app, call);
   add_db(app, call);
+  add_tune(app, call);
   add_common(app, call.common);
   const bool json = std::any_of(argv, argv + argc, [](const char* word) { return std::strcmp(word, "--json") == 0; });
 

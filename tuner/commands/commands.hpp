@@ -62,6 +62,14 @@ struct DbOptions {
   bool all = false;
 };
 
+struct TuneOptions {
+  std::string profile = "quick";
+  std::optional<double> budget;     // s, instead of the profile's
+  std::vector<std::string> scenes;  // sample only what these need; empty: everything
+  std::string csv;                  // write the samples here, too; empty: nowhere
+  std::string trial;                // hidden: try this strategy, and nothing else
+};
+
 // Throws Error (input) for --threads beyond the processors that this process may use; warns beyond the machine's
 // budget.
 void check_threads(const Common& common);
@@ -75,5 +83,6 @@ int db(const Common& common, const DbOptions& options);
 // What is known of this machine: from --db alone, which throws Error (environment) if it cannot be read, else from all
 // databases.
 [[nodiscard]] MachineModel machine_model_of(const Common& common);
+int tune(const Common& common, const TuneOptions& options);
 
 }  // namespace assur::command
