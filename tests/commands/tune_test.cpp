@@ -71,6 +71,7 @@ TEST_F(Tune, GoesOnWhereItWasInterrupted) {
   const Outcome second = run_command({"tune", "--budget", "3", "--json"});
   EXPECT_EQ(second.status, 0) << second.err;
   EXPECT_EQ(second.json()["tuning_run"], first.json()["tuning_run"]);
+  EXPECT_GT(second.json()["cells"]["of_interrupted_run"], 0);
   ASSERT_EQ(store().runs().size(), 1u);
   EXPECT_TRUE(store().runs()[0].finished);
   EXPECT_GE(store().runs()[0].samples, stored);
