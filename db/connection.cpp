@@ -35,6 +35,12 @@ Trouble trouble_of(const fs::path& file, bool& is_good) {
   return Trouble::damaged;
 }
 
+// Whether its writers use a write-ahead log: byte 19 of the file, the version to read it with.
+bool is_of_log(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return stream.seekg(19).get() == 2;
+}
+
 void refuse_what_is_none(const fs::path& file) {
   bool is_good = false;
   const Trouble trouble = trouble_of(file, is_good);
@@ -80,12 +86,26 @@ std::string of_version(std::int32_t version) {
 // Damaged files are read too: sizes in them are checked, and views and triggers call nothing but what is built in.
 void distrust(SQLite::Database& database) { database.exec("PRAGMA cell_size_check = ON; PRAGMA trusted_schema = OFF"); }
 
-SQLite::Database open_so(const fs::path& file, std::string_view query) {
+// Tries again every few milliseconds: SQLite's own waiting grows too long between two attempts to meet the moment when
+// a tuner that comes or goes does not have the file for itself.
+template <class Work>
+auto while_busy(std::chrono::milliseconds patience, Work&& work) {
+  for (const auto start = std::chrono::steady_clock::now();; std::this_thread::sleep_for(2ms)) {
+    try {
+      return work();
+    } catch (const SQLite::Exception& error) {
+      if (error.getErrorCode() != SQLITE_BUSY || std::chrono::steady_clock::now() - start > patience) throw;
+    }
+  }
+}
+
+SQLite::Database open_so(const fs::path& file, std::string_view query, const char* first) {
   // One thread has it for a few milliseconds: without the locks of each call that is a quarter less.
   SQLite::Database database(uri(file, query), SQLite::OPEN_READONLY | SQLite::OPEN_URI | SQLite::OPEN_NOMUTEX);
-  database.setBusyTimeout(static_cast<int>(std::chrono::milliseconds(kReadersPatience).count()));
   distrust(database);
+  database.exec(first);
   const std::int32_t version = version_of(database);  // the first look into the file
+  database.setBusyTimeout(static_cast<int>(std::chrono::milliseconds(kReadersPatience).count()));
   if (version > kSchemaVersion) refuse_newer(file, version);
   if (version < kSchemaVersion) {
     throw Unusable(Trouble::older, file, of_version(version) + "; `assur db check` brings it up to date");
@@ -94,21 +114,43 @@ SQLite::Database open_so(const fs::path& file, std::string_view query) {
 }
 
 // Changing the journal's mode takes the file for itself, and the busy timeout does not cover all of it.
-void set_journal(SQLite::Database& database, const char* statement) {
-  for (const auto start = std::chrono::steady_clock::now();; std::this_thread::sleep_for(5ms)) {
-    try {
-      database.exec(statement);
-      return;
-    } catch (const SQLite::Exception& error) {
-      if (error.getErrorCode() != SQLITE_BUSY || std::chrono::steady_clock::now() - start > kPatience) throw;
-    }
-  }
+void set_journal(SQLite::Database& database, const char* statement, std::chrono::milliseconds patience) {
+  while_busy(patience, [&] { return database.exec(statement); });
 }
 
 void make_folder(const fs::path& file) {
   std::error_code error;
   fs::create_directories(fs::absolute(file).parent_path(), error);
   if (error) throw Unusable(Trouble::blocked, file, "its folder cannot be made: " + error.message());
+}
+
+// In a folder where nobody may write the log cannot be had.
+bool is_for_want_of_permission(const SQLite::Exception& error) {
+  const int code = error.getErrorCode();
+  return code == SQLITE_CANTOPEN || code == SQLITE_READONLY || code == SQLITE_PERM;
+}
+
+// first: statements before anything is read.
+SQLite::Database try_without_writing(const fs::path& file, const char* first) {
+  const bool journal = has_content(file, "-journal"), log = fs::exists(file.string() + "-wal");
+  // Left in the log's mode, but without a log: SQLite would make one beside it. So it is read as a file that nobody
+  // changes; if a tuner starts in this very moment, what is read is damaged by its checksums, never wrong.
+  if (is_of_log(file) && !log) return open_so(file, "?immutable=1", first);
+  try {
+    return open_so(file, "?mode=ro", first);
+  } catch (const SQLite::Exception& error) {
+    if (!is_for_want_of_permission(error)) throw;
+    if (log) return open_so(file, "?immutable=1", first);  // without what is in the log
+    if (!journal) throw;
+    throw Unusable(Trouble::blocked, file,
+                   std::string("a tuning run was cut off while it wrote (") + error.what() +
+                       "); `assur db check` restores what was there");
+  }
+}
+
+SQLite::Database open_without_writing(const fs::path& file, const char* first) {
+  refuse_what_is_none(file);
+  return guarded(file, [&] { return while_busy(kReadersPatience, [&] { return try_without_writing(file, first); }); });
 }
 
 }  // namespace
@@ -137,24 +179,11 @@ void rethrow(const fs::path& file, const SQLite::Exception& error) {
   }
 }
 
-SQLite::Database open_to_read(const fs::path& file) {
-  refuse_what_is_none(file);
-  return guarded(file, [&] {
-    // At rest it is read as a file that nobody changes, which needs no lock and writes no file beside it. A tuner that
-    // starts just now may change it under our eyes: what is read then is damaged by its checksums, never wrong.
-    const bool log = has_content(file, "-wal"), journal = has_content(file, "-journal");
-    if (!log && !journal) return open_so(file, "?immutable=1");
-    try {
-      return open_so(file, "?mode=ro");
-    } catch (const SQLite::Exception& error) {
-      if (journal) {
-        throw Unusable(Trouble::blocked, file,
-                       std::string("a tuning run was cut off while it wrote (") + error.what() +
-                           "); `assur db check` restores what was there");
-      }
-      return open_so(file, "?immutable=1");  // the folder is read-only: without what is in the log
-    }
-  });
+SQLite::Database open_to_read(const fs::path& file) { return open_without_writing(file, ""); }
+
+// A file shorter than its first page says is refused as a whole, but to those who want to mend its schema.
+SQLite::Database open_to_salvage(const fs::path& file) {
+  return open_without_writing(file, "PRAGMA writable_schema = ON");
 }
 
 SQLite::Database open_to_write(const fs::path& file, bool network) {
@@ -176,7 +205,7 @@ SQLite::Database open_to_write(const fs::path& file, bool network) {
     }
     if (version < kSchemaVersion) bring_up_to_date(database, kSchema, migrations(), kSchemaVersion);
     // Either way a process that is killed loses nothing that was committed.
-    set_journal(database, network ? "PRAGMA journal_mode = DELETE" : "PRAGMA journal_mode = WAL");
+    set_journal(database, network ? "PRAGMA journal_mode = DELETE" : "PRAGMA journal_mode = WAL", kPatience);
     database.exec(network ? "PRAGMA synchronous = FULL" : "PRAGMA synchronous = NORMAL");
     return database;
   });
@@ -201,6 +230,14 @@ void bring_up_to_date(SQLite::Database& database, std::string_view schema, std::
   if (found < version) throw SQLite::Exception("there is no way from its version to the present one", SQLITE_ERROR);
   database.exec("PRAGMA user_version = " + std::to_string(found));
   transaction.commit();
+}
+
+void leave(SQLite::Database& database) noexcept {
+  try {
+    database.setBusyTimeout(0);
+    set_journal(database, "PRAGMA journal_mode = DELETE", kReadersPatience / 5);
+  } catch (const std::exception&) {  // then with its log: the next one that writes leaves it better
+  }
 }
 
 }  // namespace assur::db

@@ -59,12 +59,16 @@ void salvage(SQLite::Database& database, const std::string& select, const TakeRo
     }
   });
   const std::int64_t end = back ? std::min(*back, front + 100 * kFurthestLookup) : front + kFurthestLookup;
-  for (std::int64_t id = front + 1; id < end; ++id) {
-    attempt([&] {
-      Row row(database, select + " WHERE id = " + std::to_string(id));
-      if (row.executeStep() && row.getColumn(0).getInt64() == id) take(row);
-    });
-  }
+  attempt([&] {
+    Row row(database, select + " WHERE id = ?1");
+    for (std::int64_t id = front + 1; id < end; ++id) {
+      attempt([&] {
+        row.tryReset();
+        row.bind(1, id);
+        if (row.executeStep() && row.getColumn(0).getInt64() == id) take(row);
+      });
+    }
+  });
 }
 
 void each(SQLite::Database& database, Care care, const std::string& select, const TakeRow& take) {
@@ -265,6 +269,14 @@ Samples read_samples(SQLite::Database& database, const Tables& tables, Care care
   if (runs.empty()) each(database, care, select, take);
   for (const std::int64_t run : runs) scan(database, select + " WHERE run = " + std::to_string(run), take, false);
   return samples;
+}
+
+Contents read_all(SQLite::Database& database, Care care) {
+  const SQLite::Transaction moment(database);
+  Contents contents;
+  contents.tables = read_tables(database, care);
+  contents.samples = read_samples(database, contents.tables, care);
+  return contents;
 }
 
 std::int64_t checksum(const Sample& sample, const Library& library, const std::string& run,

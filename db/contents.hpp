@@ -61,6 +61,14 @@ struct Samples {
 [[nodiscard]] Samples read_samples(SQLite::Database& database, const Tables& tables, Care care = Care::trusting,
                                    std::span<const std::int64_t> runs = {});
 
+struct Contents {
+  Tables tables;
+  Samples samples;
+};
+
+// All of it, as of one moment whatever others write. Throws SQLite::Exception.
+[[nodiscard]] Contents read_all(SQLite::Database& database, Care care = Care::trusting);
+
 // What the column sample.checksum holds.
 [[nodiscard]] std::int64_t checksum(const Sample& sample, const Library& library, const std::string& run,
                                     const std::string& machine);

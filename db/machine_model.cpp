@@ -76,6 +76,7 @@ void Reading::open(const DatabaseFile& file) {
   try {
     guarded(file.file, [&] {
       SQLite::Database database = open_to_read(file.file);
+      database.exec("BEGIN");  // all of it as of one moment
       Source source{file.file, std::move(database), {}, {}};
       source.tables = read_tables(source.database);
       for (const auto& [id, host] : source.tables.machines) source.machines.emplace_back(likeness(host_, host), id);

@@ -42,8 +42,8 @@ Answer Store::sample_rows(const Filter& filter) const {
     answer.columns = {"uid",           "machine", "started",  "kernel",  "n",      "nnz",         "groups",
                       "rhs",           "fill",    "strategy", "seconds", "spread", "repetitions", "backward_error",
                       "forward_error", "library", "version",  "build"};
-    const Tables tables = read_tables(impl_->database);
-    for (const SampleRow& row : read_samples(impl_->database, tables).rows) {
+    const auto [tables, samples] = read_all(impl_->database);
+    for (const SampleRow& row : samples.rows) {
       if (!fits(filter, row, tables)) continue;
       const Sample& s = row.sample;
       const Run& run = tables.runs.at(row.run).value.run;

@@ -43,7 +43,7 @@ std::optional<SQLite::Database> open_if_whole(const fs::path& file, std::string&
         why = file.string() + ": " + findings.front();
         return std::nullopt;
       }
-      const std::int64_t damaged = read_samples(database, read_tables(database)).damaged;
+      const std::int64_t damaged = read_all(database).samples.damaged;
       if (damaged == 0) return database;
       why = file.string() + ": " + std::to_string(damaged) + " samples are damaged";
       return std::nullopt;
@@ -73,16 +73,14 @@ fs::path put_aside(const fs::path& file) {
 
 // Nothing of a file that cannot be opened at all.
 Copied salvage(const fs::path& aside, SQLite::Database& target) {
-  Tables tables;
-  Samples samples;
+  Contents contents;
   try {
-    SQLite::Database damaged = open_to_read(aside);
-    tables = read_tables(damaged, Care::salvaging);
-    samples = read_samples(damaged, tables, Care::salvaging);
+    SQLite::Database damaged = open_to_salvage(aside);
+    contents = read_all(damaged, Care::salvaging);
   } catch (const SQLite::Exception&) {
   } catch (const Unusable&) {
   }
-  return copy(tables, samples, target);
+  return copy(contents, target);
 }
 
 }  // namespace
@@ -116,7 +114,8 @@ SQLite::Database open_whole(const fs::path& file, std::vector<std::string>& mess
   });
 }
 
-Copied copy(const Tables& tables, const Samples& samples, SQLite::Database& target) {
+Copied copy(const Contents& contents, SQLite::Database& target) {
+  const auto& [tables, samples] = contents;
   Copied copied;
   SQLite::Transaction transaction(target, SQLite::TransactionBehavior::IMMEDIATE);
   Writer writer(target);

@@ -23,6 +23,6 @@ struct Copied {
 
 // Runs, and samples with all that they refer to, in one transaction; what is there already, by uid, stays. Throws
 // SQLite::Exception, and then nothing has changed.
-Copied copy(const Tables& tables, const Samples& samples, SQLite::Database& target);
+Copied copy(const Contents& contents, SQLite::Database& target);
 
 }  // namespace assur::db

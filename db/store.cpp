@@ -1,6 +1,5 @@
 #include "db/store.hpp"
 
-#include <algorithm>
 #include <random>
 
 #include "db/checksum.hpp"
@@ -38,6 +37,10 @@ std::string new_uid() {
 Store::Impl::Impl(std::filesystem::path path, Access how)
     : file(std::move(path)), access(how), database(open(file, access, messages)) {}
 
+Store::Impl::~Impl() {
+  if (access == Access::write) leave(database);
+}
+
 const Library& Store::Impl::library(const std::string& name) {
   const auto found = at_hand.find(name);
   return found != at_hand.end() ? found->second : at_hand.emplace(name, library_at_hand(name)).first->second;
@@ -60,9 +63,9 @@ bool fits(const Filter& filter, const SampleRow& row, const Tables& tables) {
 
 std::vector<Sample> Store::samples(const Filter& filter) const {
   return guarded(impl_->file, [&] {
-    const Tables tables = read_tables(impl_->database);
+    auto [tables, samples] = read_all(impl_->database);
     std::vector<Sample> found;
-    for (SampleRow& row : read_samples(impl_->database, tables).rows) {
+    for (SampleRow& row : samples.rows) {
       if (fits(filter, row, tables)) found.push_back(std::move(row.sample));
     }
     return found;
@@ -73,15 +76,14 @@ Health Store::health() const {
   return guarded(impl_->file, [&] {
     Health health;
     health.findings = structural_damage(impl_->database);
-    const Tables tables = read_tables(impl_->database);
-    const Samples samples = read_samples(impl_->database, tables);
+    const auto [tables, samples] = read_all(impl_->database);
     health.samples = static_cast<std::int64_t>(samples.rows.size());
     health.damaged = samples.damaged;
     health.unknown = samples.unknown;
-    health.stale = std::count_if(samples.rows.begin(), samples.rows.end(), [&](const SampleRow& row) {
+    for (const SampleRow& row : samples.rows) {
       const Library& library = tables.libraries.at(row.library).value;
-      return library != impl_->library(library.name);
-    });
+      if (library != impl_->library(library.name)) ++health.stale;
+    }
     return health;
   });
 }

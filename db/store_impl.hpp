@@ -17,6 +17,9 @@ struct Store::Impl {
   std::map<std::string, Library, std::less<>> at_hand;  // those asked for so far
 
   Impl(std::filesystem::path file, Access access);
+  ~Impl();
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
   const Library& library(const std::string& name);
 };
 

@@ -1,5 +1,5 @@
 // Store: samples from and to other files, and none at all.
-#include <algorithm>
+#include <set>
 
 #include "db/repair.hpp"
 #include "db/store_impl.hpp"
@@ -23,12 +23,15 @@ std::int64_t prune(SQLite::Database& database) {
 }
 
 // Keeps of the samples, and of the runs, what fits.
-void restrict_to(const Filter& filter, Tables& tables, Samples& samples) {
-  std::erase_if(samples.rows, [&](const SampleRow& row) { return !fits(filter, row, tables); });
-  std::erase_if(tables.runs, [&](const auto& run) {
-    return std::none_of(samples.rows.begin(), samples.rows.end(),
-                        [&](const SampleRow& row) { return row.run == run.first; });
+void restrict_to(const Filter& filter, Contents& contents) {
+  auto& [tables, samples] = contents;
+  std::set<std::int64_t> runs;
+  std::erase_if(samples.rows, [&, &all = tables](const SampleRow& row) {
+    const bool goes = !fits(filter, row, all);
+    if (!goes) runs.insert(row.run);
+    return goes;
   });
+  std::erase_if(tables.runs, [&](const auto& run) { return !runs.contains(run.first); });
 }
 
 }  // namespace
@@ -70,36 +73,30 @@ Forgotten Store::forget_all() {
 
 std::int64_t Store::export_to(const fs::path& file, const Filter& filter) const {
   if (fs::exists(file)) throw Error(Error::Kind::environment, file.string() + ": exists already; name another file");
-  Tables tables;
-  Samples samples;
-  guarded(impl_->file, [&] {
-    tables = read_tables(impl_->database);
-    samples = read_samples(impl_->database, tables);
-  });
-  restrict_to(filter, tables, samples);
+  Contents contents = guarded(impl_->file, [&] { return read_all(impl_->database); });
+  restrict_to(filter, contents);
   const fs::path part = file.string() + ".part";  // nobody finds half a file
-  fs::remove(part);
+  std::error_code error;
+  fs::remove(part, error);  // of one that was cut off
   const std::int64_t copied = guarded(part, [&] {
     SQLite::Database target = open_to_write(part, true);  // without a log, which needs a folder that can be written
-    const std::int64_t all = copy(tables, samples, target).samples;
+    const std::int64_t all = copy(contents, target).samples;
     target.exec("VACUUM");
     return all;
   });
-  fs::rename(part, file);
+  fs::rename(part, file, error);
+  if (error) throw Error(Error::Kind::environment, file.string() + ": cannot be written: " + error.message());
   return copied;
 }
 
 Imported Store::import_from(const fs::path& file) {
-  Tables tables;
-  Samples samples;
-  guarded(file, [&] {
+  const Contents contents = guarded(file, [&] {
     SQLite::Database source = open_to_read(file);
-    tables = read_tables(source);
-    samples = read_samples(source, tables);
+    return read_all(source);
   });
   return guarded(impl_->file, [&] {
-    const Copied copied = copy(tables, samples, impl_->database);
-    return Imported{copied.samples, copied.known, samples.damaged};
+    const Copied copied = copy(contents, impl_->database);
+    return Imported{copied.samples, copied.known, contents.samples.damaged};
   });
 }
 

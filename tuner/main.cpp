@@ -10,6 +10,7 @@
 #include <memory>
 #include <new>
 #include <optional>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -36,6 +37,8 @@ struct Invocation {
   Common common;
   InspectOptions inspect;
   RunOptions run;
+  PlanOptions plan;
+  DbOptions db;
   TuneOptions tune;
   std::function<int()> chosen;
 };
@@ -54,12 +57,11 @@ void take_parameter(Parameters& set, const std::string& text) {
 }
 
 // "A,B", without an empty name.
-void take_names(std::vector<std::string>& names, const std::string& text) {
+void take_names(std::vector<std::string>& names, const std::string& text, const std::string& option) {
   for (std::size_t from = 0, comma = 0; comma != std::string::npos; from = comma + 1) {
     comma = text.find(',', from);
     names.push_back(text.substr(from, comma - from));
-    if (names.back().empty())
-      throw CLI::ValidationError("--outputs", "expects names such as A,B, not \"" + text + "\"");
+    if (names.back().empty()) throw CLI::ValidationError(option, "expects names such as A,B, not \"" + text + "\"");
   }
 }
 
@@ -87,6 +89,14 @@ void add_common(CLI::App& app, Common& common) {
   app.add_flag("--json", common.json, "Standard output is one JSON object");
   app.add_flag("--quiet", common.quiet, "Nothing but results and errors");
   app.add_option("--threads", common.threads, "Use at most so many threads")->check(whole_number(1))->type_name("N");
+  app.add_option_function<std::string>(
+         "--db",
+         [&common](const std::string& file) {
+           if (file.empty()) throw CLI::ValidationError("--db", "expects a file name");
+           common.db = file;
+         },
+         "Use this tuning database and no other")
+      ->type_name("FILE");
   app.set_help_flag("-h,--help", "Show this help");
   app.set_version_flag("--version", "assur " ASSUR_VERSION, "Show the version");
 }
@@ -102,16 +112,20 @@ void add_set(CLI::App& app, Common& common) {
       ->type_name("name=value");
 }
 
-void add_scene(CLI::App& app, Common& common, std::string& scene, std::vector<std::string>& outputs) {
-  app.add_option("SCENE", scene, "A file or a sample: stewart, four_bar:64, ...")->required()->type_name("");
+void add_names(CLI::App& app, const std::string& option, std::vector<std::string>& names, const std::string& what) {
   app.add_option_function<std::vector<std::string>>(
-         "--outputs",
-         [&outputs](const std::vector<std::string>& texts) {
-           for (const std::string& text : texts) take_names(outputs, text);
+         option,
+         [&names, option](const std::vector<std::string>& texts) {
+           for (const std::string& text : texts) take_names(names, text, option);
          },
-         "What is wanted: C, C.velocity, angle, ...")
+         what)
       ->allow_extra_args(false)
       ->type_name("A,B");
+}
+
+void add_scene(CLI::App& app, Common& common, std::string& scene, std::vector<std::string>& outputs) {
+  app.add_option("SCENE", scene, "A file or a sample: stewart, four_bar:64, ...")->required()->type_name("");
+  add_names(app, "--outputs", outputs, "What is wanted: C, C.velocity, angle, ...");
   add_set(app, common);
 }
 
@@ -134,7 +148,8 @@ void add_inspect(CLI::App& app, Invocation& call) {
   inspect.callback([&call] { call.chosen = [&call] { return command::inspect(call.common, call.inspect); }; });
 }
 
-void add_mode(CLI::App& app, std::optional<Mode>& mode) {
+template <class ModeOption>  // Mode, or one that may be left out
+void add_mode(CLI::App& app, ModeOption& mode) {
   app.add_option_function<std::string>(
          "--mode",
          [&mode](const std::string& text) {
@@ -155,6 +170,7 @@ void add_run(CLI::App& app, Invocation& call) {
   run.add_option("--dt", o.dt, "Time step, s")->check(number(0, " > 0"))->type_name("S");
   run.add_option("--steps", o.steps, "Number of steps")->check(whole_number(0))->type_name("N");
   run.add_option("--strategy", o.strategy, "How to solve it: auto (the default), groups/klu, ...")->type_name("TEXT");
+  add_names(run, "--without", o.without, "Backends that auto leaves out: lanes, klu, ...");
   add_mode(run, o.mode);
   CLI::Option* ensemble =
       run.add_option("--ensemble", o.ensemble, "Many variants: a CSV of parameters, a member a row")->type_name("FILE");
@@ -177,10 +193,64 @@ void add_run(CLI::App& app, Invocation& call) {
   });
 }
 
+void add_plan(CLI::App& app, Invocation& call) {
+  CLI::App& plan = *app.add_subcommand("plan", "What auto would do with a scene, and why");
+  add_scene(plan, call.common, call.plan.scene, call.plan.outputs);
+  add_names(plan, "--without", call.plan.without, "Backends to leave out: lanes, klu, ...");
+  add_mode(plan, call.plan.mode);
+  add_common(plan, call.common);
+  plan.callback([&call] { call.chosen = [&call] { return command::plan(call.common, call.plan); }; });
+}
+
 void add_backends(CLI::App& app, Invocation& call) {
   CLI::App& backends = *app.add_subcommand("backends", "Linear solvers of this build, and why one cannot run");
   add_common(backends, call.common);
   backends.callback([&call] { call.chosen = [&call] { return command::backends(call.common); }; });
+}
+
+// `options`: which of --run, --machine, --library, --kernel, --all and FILE the question takes.
+void add_question(CLI::App& db, Invocation& call, const char* name, const char* help,
+                  const std::set<std::string>& options) {
+  CLI::App& question = *db.add_subcommand(name, help);
+  DbOptions& o = call.db;
+  const auto takes = [&](const char* option) { return options.count(option) > 0; };
+  if (takes("FILE")) question.add_option("FILE", o.file, "A tuning database")->required()->type_name("");
+  if (takes("--run")) {
+    question.add_option("--run", o.run, "Only this tuning run, as info numbers it")
+        ->check(whole_number(1))
+        ->type_name("N");
+  }
+  if (takes("--machine")) {
+    question.add_option("--machine", o.machine, "Only this machine: its fingerprint or how that begins")
+        ->type_name("TEXT");
+  }
+  if (takes("--library")) {
+    question.add_option("--library", o.library, "Only samples of this solver, or of assur")->type_name("NAME");
+  }
+  if (takes("--kernel")) {
+    question.add_option("--kernel", o.kernel, "Only this kernel: factor, solve, ...")->type_name("NAME");
+  }
+  if (takes("--all")) question.add_flag("--all", o.all, "All that is in it");
+  add_common(question, call.common);
+  question.callback([&call, name] {
+    call.db.question = name;
+    call.chosen = [&call] { return command::db(call.common, call.db); };
+  });
+}
+
+void add_db(CLI::App& app, Invocation& call) {
+  CLI::App& db = *app.add_subcommand("db", "What the tuning database knows, and care of it");
+  db.require_subcommand(1);
+  add_question(db, call, "info", "Databases, tuning runs, and which of them count here", {});
+  add_question(db, call, "samples", "What was measured", {"--run", "--machine", "--library", "--kernel"});
+  add_question(db, call, "best", "The fastest strategy of each shape", {"--machine", "--kernel"});
+  add_question(db, call, "crossovers", "Where another strategy becomes the fastest", {"--machine", "--kernel"});
+  add_question(db, call, "models", "What was learned from the samples", {});
+  add_question(db, call, "export", "Copy samples into a new file", {"FILE", "--run", "--machine", "--library"});
+  add_question(db, call, "import", "Add the samples of another file", {"FILE"});
+  add_question(db, call, "check", "Look for damage, and repair it", {});
+  add_question(db, call, "forget", "Remove samples", {"--run", "--machine", "--library", "--all"});
+  add_common(db, call.common);
 }
 
 void add_tune(CLI::App& app, Invocation& call) {
@@ -228,22 +298,34 @@ Exit report(const Error& error, bool json) {
   return exit_of(error.kind());
 }
 
+// The command chosen, with the command within it if there is one.
+std::vector<const CLI::App*> chosen_commands(const CLI::App& app) {
+  std::vector<const CLI::App*> commands;
+  for (const CLI::App* command = &app; !command->get_subcommands().empty();) {
+    command = command->get_subcommands().front();
+    commands.push_back(command);
+  }
+  return commands;
+}
+
 // What is wrong with the arguments; CLI11 words it well but for what it does not know.
 std::string explained(const CLI::App& app, const CLI::ParseError& error) {
   const bool unknown = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr;
-  if (!unknown && !app.get_subcommands().empty()) return error.what();
+  const std::vector<const CLI::App*> commands = chosen_commands(app);
+  const bool has_commands = commands.empty() || !commands.back()->get_subcommands({}).empty();
+  if (!unknown && !has_commands) return error.what();
   const std::vector<std::string> words = app.remaining(true);
   const auto option = std::find_if(words.begin(), words.end(), [](const auto& word) { return word.starts_with("-"); });
   if (option != words.end()) return "there is no option " + *option;
-  if (words.empty()) return "a command is missing";
-  return app.get_subcommands().empty() ? "there is no command " + words.front()
-                                       : "one argument too many: " + words.front();
+  const std::string within = commands.empty() ? "" : commands.back()->get_name() + " ";
+  if (words.empty()) return dynamic_cast<const CLI::RequiredError*>(&error) ? "a command is missing" : error.what();
+  return has_commands ? "there is no command " + within + words.front() : "one argument too many: " + words.front();
 }
 
 // Bad usage: what is wrong, and where help is.
 Exit refuse(const CLI::App& app, const CLI::ParseError& error, bool json) {
   std::string command = "assur";
-  for (const CLI::App* chosen : app.get_subcommands()) command += " " + chosen->get_name();
+  for (const CLI::App* chosen : chosen_commands(app)) command += " " + chosen->get_name();
   const Exit status = report(Error(Error::Kind::input, explained(app, error)), json);
   if (!json) std::cerr << "See " << command << " --help.\n";
   return status;
@@ -271,7 +353,9 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   add_run(app, call);
   add_inspect(app, call);
+  add_plan(app, call);
   add_backends(app, call);
+  add_db(app, call);
   add_tune(app, call);
   add_common(app, call.common);
   const bool json = std::any_of(argv, argv + argc, [](const char* word) { return std::strcmp(word, "--json") == 0; });

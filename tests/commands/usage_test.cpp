@@ -43,6 +43,13 @@ TEST(Usage, AWrongCallSaysWhatIsWrongAndWhereHelpIs) {
        "--formulation: expects global, groups or irreducible, not \"dense\"",
        "assur inspect"},
       {{"backends", "eigen"}, "one argument too many: eigen", "assur backends"},
+      {{"backends", "--db", ""}, "--db: expects a file name", "assur backends"},
+      {{"db"}, "a command is missing", "assur db"},
+      {{"db", "bogus"}, "there is no command db bogus", "assur db"},
+      {{"db", "--all"}, "there is no option --all", "assur db"},
+      {{"db", "info", "now"}, "one argument too many: now", "assur db info"},
+      {{"db", "export"}, "FILE is required", "assur db export"},
+      {{"db", "forget", "--run", "one"}, "--run: expects a whole number from 1, not \"one\"", "assur db forget"},
   };
   for (const Misuse& c : cases) {
     const Outcome outcome = run_command(c.arguments);
@@ -62,14 +69,17 @@ TEST(Usage, WithJsonAWrongCallIsAnObject) {
 }
 
 TEST(Usage, HelpFitsThePageAndNamesEveryOption) {
-  const std::vector<std::string> common = {"--json", "--quiet", "--threads", "--help", "--version"};
+  const std::vector<std::string> common = {"--json", "--quiet", "--threads", "--db", "--help", "--version"};
   const std::vector<std::pair<std::vector<std::string>, std::vector<std::string>>> cases = {
-      {{"--help"}, {"run", "inspect", "backends"}},
+      {{"--help"}, {"run", "inspect", "backends", "db"}},
       {{"run", "--help"},
        {"SCENE", "--set", "--start", "--dt", "--steps", "--outputs", "--strategy", "--mode", "--ensemble",
         "--iterations", "--csv", "--reference", "--pin"}},
       {{"inspect", "--help"}, {"SCENE", "--set", "--outputs", "--formulation"}},
       {{"backends", "--help"}, {}},
+      {{"db", "--help"}, {"info", "samples", "best", "crossovers", "models", "export", "import", "check", "forget"}},
+      {{"db", "samples", "--help"}, {"--run", "--machine", "--library", "--kernel"}},
+      {{"db", "forget", "--help"}, {"--run", "--machine", "--library", "--all"}},
   };
   for (const auto& [arguments, words] : cases) {
     const Outcome outcome = run_command(arguments);

@@ -342,5 +342,42 @@ TEST(Store, TunersSideBySideAndReadersAmongThem) {
   EXPECT_EQ(store.runs().size(), static_cast<std::size_t>(kTuners));
 }
 
+// A tuner that comes and goes: the file is at rest, in a log's mode, and at rest again, and never looks damaged.
+TEST(Store, ReadersWhileATunerComesAndGoes) {
+  FileTree tree;
+  const auto file = tree.root() / "tuning.db";
+  make_database(file, host_with(4), 5);
+  EXPECT_EQ(bytes(file)[18], 1);  // at rest without a log, readable where nobody may write
+  const pid_t child = fork();
+  if (child == 0) {
+    alarm(60);
+    for (int cell = 1; cell <= 60; ++cell) {
+      try {
+        Store store(file, Access::write);
+        if (!store.messages().empty()) _exit(1);
+        store.add(store.begin_run(host_with(4), "quick"), cell_of(cell, 5));  // shapes that are new each time
+      } catch (const std::exception& error) {
+        fprintf(stderr, "%s\n", error.what());
+        _exit(1);
+      }
+    }
+    _exit(0);
+  }
+  int status = -1;
+  for (std::size_t seen = 5; waitpid(child, &status, WNOHANG) == 0;) {
+    const Store store(file, Access::read);
+    const db::Health health = store.health();
+    EXPECT_EQ(health.damaged, 0);
+    EXPECT_TRUE(health.findings.empty());
+    EXPECT_EQ(health.samples % 5, 0);
+    EXPECT_GE(static_cast<std::size_t>(health.samples), seen);
+    seen = static_cast<std::size_t>(health.samples);
+  }
+  EXPECT_EQ(status, 0);
+  EXPECT_EQ(Store(file, Access::read).samples().size(), 305u);
+  { const Store next(file, Access::write); }  // where a reader was in the way of the last one
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(tree.root()), {}), 1);
+}
+
 }  // namespace
 }  // namespace assur::test

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "assur/performance.hpp"
 #include "assur/plan.hpp"
 #include "assur/scene.hpp"
 #include "assur/strategy.hpp"
@@ -20,6 +21,7 @@ struct Common {
   bool json = false;   // standard output is one JSON object and nothing else
   bool quiet = false;  // nothing but results and errors
   int threads = 0;     // --threads N, at most; 0: as many as the machine's budget
+  std::string db;      // --db FILE: this tuning database and no other
   Parameters set;      // --set name=value
 };
 
@@ -35,12 +37,29 @@ struct RunOptions {
   std::optional<std::int64_t> steps;  // left out: up to the scene's end
   std::vector<std::string> outputs;   // empty: those of the scene
   std::string strategy = "auto";
-  std::optional<Mode> mode;  // left out: throughput where the ensemble or the strategy asks for it
-  std::string ensemble;      // a CSV of parameters, one member a row; empty: the scene alone
-  int iterations = 0;        // 0: as many as convergence takes
-  std::string csv;           // "-": standard output; empty: none
+  std::vector<std::string> without;  // backends that `auto` leaves out
+  std::optional<Mode> mode;          // left out: throughput where the ensemble or the strategy asks for it
+  std::string ensemble;              // a CSV of parameters, one member a row; empty: the scene alone
+  int iterations = 0;                // 0: as many as convergence takes
+  std::string csv;                   // "-": standard output; empty: none
   bool reference = false;
   bool pin = false;  // each thread on a core of its own
+};
+
+struct PlanOptions {
+  std::string scene;
+  std::vector<std::string> outputs;  // empty: those of the scene
+  Mode mode = Mode::latency;
+  std::vector<std::string> without;  // backends
+};
+
+// What to ask the tuning database, and of which samples: those that fit all that is set.
+struct DbOptions {
+  std::string question;             // "info", "samples", ...
+  std::string file;                 // of export and import
+  std::optional<std::int64_t> run;  // its number, as info shows it
+  std::string machine, library, kernel;
+  bool all = false;
 };
 
 struct TuneOptions {
@@ -57,7 +76,13 @@ void check_threads(const Common& common);
 
 int inspect(const Common& common, const InspectOptions& options);
 int run(const Common& common, const RunOptions& options);
+int plan(const Common& common, const PlanOptions& options);
 int backends(const Common& common);
+int db(const Common& common, const DbOptions& options);
+
+// What is known of this machine: from --db alone, which throws Error (environment) if it cannot be read, else from all
+// databases.
+[[nodiscard]] MachineModel machine_model_of(const Common& common);
 int tune(const Common& common, const TuneOptions& options);
 
 }  // namespace assur::command

@@ -8,5 +8,6 @@ int main() {
   const assur::Trajectory motion = simulator.run();
   const double error = simulator.report().error.position;
   std::printf("%zu times, position error %.1e\n", motion.times().size(), error);
-  return motion.times().size() > 1 && error < 1e-13 ? 0 : 1;
+  const bool asked = assur::machine_model().model != nullptr;  // the databases
+  return motion.times().size() > 1 && error < 1e-13 && asked ? 0 : 1;
 }

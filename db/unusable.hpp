@@ -1,0 +1,31 @@
+// What can be wrong with a database file.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "assur/status.hpp"
+
+namespace assur::db {
+
+enum class Trouble : std::uint8_t {
+  absent,   // no such file, or an empty one
+  foreign,  // a file of something else: never touched
+  newer,    // of a version to come: never touched
+  older,    // of an older version: opening it to write brings it up to date
+  damaged,  // was a tuning database
+  blocked,  // locked, no space, no permission, ...: the file may be good
+};
+
+class Unusable : public Error {
+ public:
+  Unusable(Trouble trouble, const std::filesystem::path& file, const std::string& what)
+      : Error(Kind::environment, file.string() + ": " + what), trouble_(trouble) {}
+  [[nodiscard]] Trouble trouble() const noexcept { return trouble_; }
+
+ private:
+  Trouble trouble_;
+};
+
+}  // namespace assur::db

@@ -1,0 +1,244 @@
+// assur db: what the tuning database knows, and care of it.
+#include <cstring>
+#include <iostream>
+
+#include "commands/db_parts.hpp"
+#include "db/machine_model.hpp"
+#include "db/unusable.hpp"
+#include "output/answer.hpp"
+#include "output/format.hpp"
+
+namespace assur::command {
+namespace {
+
+namespace fs = std::filesystem;
+using db::Access;
+using db::Store;
+using output::Json;
+using output::Page;
+using Columns = std::vector<std::pair<std::string, std::string>>;  // of an answer, with their titles
+
+// The first one that is there.
+Store store_to_ask(const Common& common) {
+  std::string looked_for;
+  for (const db::DatabaseFile& place : databases_of(common)) {
+    try {
+      return Store(place.file, Access::read);
+    } catch (const db::Unusable& unusable) {
+      if (unusable.trouble() != db::Trouble::absent) throw;
+    }
+    looked_for += (looked_for.empty() ? "" : ", ") + place.file.string();
+  }
+  throw Error(Error::Kind::environment, looked_for.empty()
+                                            ? "ASSUR_DB is set to nothing: name a tuning database with --db"
+                                            : "there is no tuning database yet (" + looked_for + "); run `assur tune`");
+}
+
+// Made only where there is something to put into it.
+Store store_to_change(const Common& common, bool may_be_new) {
+  const fs::path file = own_database_of(common);
+  if (!may_be_new) (void)Store(file, Access::read).file();
+  return Store(file, Access::write);
+}
+
+// What opening it found and did.
+void tell(const Common& common, const Store& store) {
+  for (const std::string& message : store.messages()) {
+    if (!common.quiet) std::cerr << "warning: " << message << '\n';
+  }
+}
+
+db::Filter filter_of(const DbOptions& options) {
+  db::Filter filter;
+  filter.run = options.run;
+  filter.machine = options.machine;
+  filter.library = options.library;
+  if (!options.kernel.empty()) filter.kernel = parse_kernel(options.kernel);
+  return filter;
+}
+
+int show(const Common& common, const Store& store, const db::Answer& answer, const Columns& columns) {
+  if (common.json) {
+    output::print(std::cout, {{"database", store.file().string()}, {"rows", output::to_json(answer)}});
+    return kDone;
+  }
+  Page page(std::cout);
+  page.title(store.file().string());
+  if (answer.rows.empty()) {
+    page.fact("", "nothing");
+  } else {
+    output::print(page, answer, columns);
+  }
+  return kDone;
+}
+
+int show_samples(const Common& common, const DbOptions& options) {
+  const Store store = store_to_ask(common);
+  return show(common, store, store.sample_rows(filter_of(options)),
+              {{"machine", "machine"},
+               {"kernel", "kernel"},
+               {"n", "n"},
+               {"nnz", "nnz"},
+               {"groups", "groups"},
+               {"strategy", "strategy"},
+               {"seconds", "one call"},
+               {"spread", "spread"},
+               {"backward_error", "error"}});
+}
+
+int show_best(const Common& common, const DbOptions& options) {
+  const Store store = store_to_ask(common);
+  return show(common, store, store.best(filter_of(options)),
+              {{"machine", "machine"},
+               {"kernel", "kernel"},
+               {"n", "n"},
+               {"nnz", "nnz"},
+               {"groups", "groups"},
+               {"strategy", "fastest"},
+               {"seconds", "one instance"},
+               {"runner_up", "next"},
+               {"runner_up_takes", "takes"}});
+}
+
+int show_crossovers(const Common& common, const DbOptions& options) {
+  const Store store = store_to_ask(common);
+  return show(common, store, store.crossovers(filter_of(options)),
+              {{"machine", "machine"},
+               {"kernel", "kernel"},
+               {"dense", "matrix"},
+               {"groups", "groups"},
+               {"n_before", "n up to"},
+               {"strategy_before", "fastest"},
+               {"n", "n from"},
+               {"strategy", "fastest"}});
+}
+
+int show_models(const Common& common) {
+  const Store store = store_to_ask(common);
+  return show(common, store, store.models(),
+              {{"machine", "machine"}, {"name", "model"}, {"made", "made"}, {"assur", "assur"}});
+}
+
+// One row, and a sentence of it.
+int done(const Common& common, Json row, const std::string& sentence) {
+  if (common.json) {
+    output::print(std::cout, {{"rows", Json::array({std::move(row)})}});
+  } else {
+    std::cout << sentence << '\n';
+  }
+  return kDone;
+}
+
+int export_samples(const Common& common, const DbOptions& options) {
+  const Store store = store_to_ask(common);
+  const std::int64_t samples = store.export_to(options.file, filter_of(options));
+  return done(common, {{"database", store.file().string()}, {"file", options.file}, {"samples", samples}},
+              output::counted(samples, "sample") + " of " + store.file().string() + " in " + options.file);
+}
+
+int import_samples(const Common& common, const DbOptions& options) {
+  (void)Store(options.file, Access::read).file();  // before a database is made for nothing
+  Store store = store_to_change(common, true);
+  tell(common, store);
+  const db::Imported imported = store.import_from(options.file);
+  return done(common,
+              {{"database", store.file().string()},
+               {"file", options.file},
+               {"samples", imported.samples},
+               {"known", imported.known},
+               {"damaged", imported.damaged}},
+              output::counted(imported.samples, "new sample") + " in " + store.file().string() + ", " +
+                  output::grouped(imported.known) + " were there already" +
+                  (imported.damaged > 0 ? ", " + output::grouped(imported.damaged) + " damaged ones left out" : ""));
+}
+
+// Repaired and brought up to date where it can be written, else only looked at.
+Store store_to_check(const Common& common) {
+  const fs::path file = own_database_of(common);
+  try {
+    (void)Store(file, Access::read).file();
+  } catch (const db::Unusable& unusable) {
+    if (unusable.trouble() == db::Trouble::absent) throw;  // nothing is made
+  }
+  try {
+    return Store(file, Access::write);
+  } catch (const db::Unusable& unusable) {
+    if (unusable.trouble() != db::Trouble::blocked) throw;
+    return Store(file, Access::read);
+  }
+}
+
+int check(const Common& common) {
+  const Store store = store_to_check(common);
+  const db::Health health = store.health();
+  const bool whole = health.damaged == 0 && health.findings.empty();
+  if (common.json) {
+    output::print(std::cout, {{"rows", Json::array({{{"database", store.file().string()},
+                                                     {"samples", health.samples},
+                                                     {"damaged", health.damaged},
+                                                     {"stale", health.stale},
+                                                     {"unknown", health.unknown},
+                                                     {"findings", health.findings},
+                                                     {"repaired", store.messages()}}})}});
+    return whole ? kDone : kEnvironment;
+  }
+  Page page(std::cout);
+  page.title(store.file().string());
+  page.fact("whole", whole ? "yes" : "no");
+  page.list("repaired", store.messages());
+  page.list("findings", health.findings);
+  page.fact("samples", output::grouped(health.samples));
+  if (health.damaged > 0) page.fact("damaged", output::grouped(health.damaged));
+  if (health.stale > 0) page.fact("stale", output::grouped(health.stale) + " of other libraries than those at hand");
+  if (health.unknown > 0) page.fact("unknown", output::grouped(health.unknown) + " of a newer assur");
+  return whole ? kDone : kEnvironment;
+}
+
+int forget(const Common& common, const DbOptions& options) {
+  const bool some = options.run || !options.machine.empty() || !options.library.empty();
+  if (some == options.all) {
+    throw Error(Error::Kind::input, "say what to forget: --run N, --machine TEXT, --library NAME, or else --all");
+  }
+  Store store = store_to_change(common, false);
+  tell(common, store);
+  const db::Forgotten forgotten = options.all ? store.forget_all() : store.forget(filter_of(options));
+  return done(common, {{"database", store.file().string()}, {"samples", forgotten.samples}, {"runs", forgotten.runs}},
+              output::counted(forgotten.samples, "sample") + " and " + output::counted(forgotten.runs, "tuning run") +
+                  " removed from " + store.file().string());
+}
+
+}  // namespace
+
+std::vector<db::DatabaseFile> databases_of(const Common& common) {
+  if (!common.db.empty()) return {{common.db, db::DatabaseFile::Role::named}};
+  return db::database_files();
+}
+
+fs::path own_database_of(const Common& common) {
+  if (!common.db.empty()) return common.db;
+  if (auto file = db::own_database()) return *file;
+  throw Error(
+      Error::Kind::environment,
+      "there is no place for a tuning database: ASSUR_DB is set to nothing, or HOME is not known; use --db FILE");
+}
+
+MachineModel machine_model_of(const Common& common) {
+  if (common.db.empty()) return machine_model();
+  (void)Store(common.db, Access::read).file();
+  return db::read_machine_model(databases_of(common), db::this_host(), db::library_at_hand);
+}
+
+int db(const Common& common, const DbOptions& options) {
+  const std::string& question = options.question;
+  if (question == "info") return db_info(common);
+  if (question == "samples") return show_samples(common, options);
+  if (question == "best") return show_best(common, options);
+  if (question == "crossovers") return show_crossovers(common, options);
+  if (question == "models") return show_models(common);
+  if (question == "export") return export_samples(common, options);
+  if (question == "import") return import_samples(common, options);
+  if (question == "check") return check(common);
+  return forget(common, options);
+}
+
+}  // namespace assur::command

@@ -1,0 +1,133 @@
+// assur db info: which databases there are, and what they hold.
+#include <iostream>
+
+#include "commands/db_parts.hpp"
+#include "db/machine_model.hpp"
+#include "db/unusable.hpp"
+#include "output/format.hpp"
+#include "output/json.hpp"
+#include "output/page.hpp"
+
+namespace assur::command {
+namespace {
+
+using output::Json;
+using output::Page;
+using output::Table;
+
+struct Row {
+  db::DatabaseFile place;
+  std::string why_not;  // it cannot be read
+  std::vector<db::Run> runs;
+  db::Health health;
+};
+
+std::string role(db::DatabaseFile::Role role) {
+  switch (role) {
+    case db::DatabaseFile::Role::named:
+      return "named";
+    case db::DatabaseFile::Role::user:
+      return "user";
+    case db::DatabaseFile::Role::installation:
+      return "installation";
+  }
+  return "";
+}
+
+Row look(const db::DatabaseFile& place) {
+  Row row{place, "", {}, {}};
+  try {
+    const db::Store store(place.file, db::Access::read);
+    row.runs = store.runs();
+    row.health = store.health();
+  } catch (const db::Unusable& unusable) {
+    row.why_not = unusable.trouble() == db::Trouble::absent ? "not there" : unusable.what();
+  }
+  return row;
+}
+
+Json to_json(const db::Run& run) {
+  return {{"run", run.id},
+          {"machine", run.machine},
+          {"profile", run.profile},
+          {"started", run.started},
+          {"finished", run.finished},
+          {"grade", run.finished ? Json(run.grade) : Json(nullptr)},
+          {"seconds", run.finished ? Json(run.seconds) : Json(nullptr)},
+          {"coverage", run.finished ? Json(run.coverage) : Json(nullptr)},
+          {"threads", run.threads},
+          {"load", run.load},
+          {"assur", run.assur},
+          {"samples", run.samples},
+          {"note", run.note}};
+}
+
+Json to_json(const std::vector<Row>& rows) {
+  Json list = Json::array();
+  for (const Row& row : rows) {
+    Json runs = Json::array();
+    for (const db::Run& run : row.runs) runs.push_back(to_json(run));
+    list.push_back({{"database", row.place.file.string()},
+                    {"role", role(row.place.role)},
+                    {"why_not", row.why_not.empty() ? Json(nullptr) : Json(row.why_not)},
+                    {"samples", row.health.samples},
+                    {"damaged", row.health.damaged},
+                    {"stale", row.health.stale},
+                    {"runs", std::move(runs)}});
+  }
+  return list;
+}
+
+void print(Page& page, const Row& row, const std::string& here) {
+  page.title(row.place.file.string());
+  page.fact("role", role(row.place.role));
+  if (!row.why_not.empty()) {
+    page.fact("not read", row.why_not);
+    return;
+  }
+  page.fact("samples",
+            output::grouped(row.health.samples) +
+                (row.health.stale > 0 ? ", " + output::grouped(row.health.stale) + " of other libraries" : "") +
+                (row.health.damaged > 0 ? ", and " + output::grouped(row.health.damaged) + " damaged" : ""));
+  if (row.runs.empty()) return;
+  using enum Table::Align;
+  Table table({right, left, left, left, left, right, right});
+  table.row({"run", "machine", "profile", "started", "grade", "took", "samples"});
+  for (const db::Run& run : row.runs) {
+    table.row({std::to_string(run.id), run.machine.substr(0, 8) + (run.machine == here ? " (this)" : ""), run.profile,
+               run.started, run.finished ? run.grade : "unfinished", run.finished ? output::duration(run.seconds) : "",
+               output::grouped(run.samples)});
+  }
+  page.table(table);
+}
+
+}  // namespace
+
+int db_info(const Common& common) {
+  const std::vector<db::DatabaseFile> files = databases_of(common);
+  const db::Host host = db::this_host();
+  std::vector<Row> rows;
+  for (const db::DatabaseFile& file : files) rows.push_back(look(file));
+  const MachineModel model = db::read_machine_model(files, host, db::library_at_hand);
+  if (common.json) {
+    output::print(std::cout, {{"machine", host.fingerprint()},
+                              {"rows", to_json(rows)},
+                              {"believed", model.model->samples()},
+                              {"source", model.model->source()},
+                              {"messages", model.messages}});
+    return kDone;
+  }
+  Page page(std::cout);
+  page.title("This machine: " + to_string(host));
+  page.fact("fingerprint", host.fingerprint());
+  page.fact("believed", output::counted(static_cast<std::int64_t>(model.model->samples()), "sample"));
+  if (!model.model->source().empty()) page.fact("", model.model->source());
+  page.list("note", model.messages);
+  for (const Row& row : rows) {
+    page.gap();
+    print(page, row, host.fingerprint());
+  }
+  return kDone;
+}
+
+}  // namespace assur::command
