@@ -44,7 +44,8 @@ TEST_F(Tune, MeasuresTheMachineWithinItsBudget) {
 }
 
 TEST_F(Tune, SamplesWhatASceneNeeds) {
-  const Outcome outcome = run_command({"tune", "--scene", "four_bar", "--budget", "3"});
+  setenv("ASSUR_DB", "", 1);
+  const Outcome outcome = run_command({"tune", "--scene", "four_bar", "--budget", "3", "--db", file()});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_NE(outcome.out.find("Tuning run 1, quick: four_bar"), std::string::npos);
   std::set<std::string> kernels;
