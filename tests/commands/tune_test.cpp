@@ -44,7 +44,8 @@ TEST_F(Tune, MeasuresTheMachineWithinItsBudget) {
 }
 
 TEST_F(Tune, SamplesWhatASceneNeeds) {
-  const Outcome outcome = run_command({"tune", "--scene", "four_bar", "--budget", "3"});
+  setenv("ASSUR_DB", "", 1);
+  const Outcome outcome = run_command({"tune", "--scene", "four_bar", "--budget", "3", "--db", file()});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_NE(outcome.out.find("Tuning run 1, quick: four_bar"), std::string::npos);
   std::set<std::string> kernels;
@@ -71,6 +72,7 @@ TEST_F(Tune, GoesOnWhereItWasInterrupted) {
   const Outcome second = run_command({"tune", "--budget", "3", "--json"});
   EXPECT_EQ(second.status, 0) << second.err;
   EXPECT_EQ(second.json()["tuning_run"], first.json()["tuning_run"]);
+  EXPECT_GT(second.json()["cells"]["of_interrupted_run"], 0);
   ASSERT_EQ(store().runs().size(), 1u);
   EXPECT_TRUE(store().runs()[0].finished);
   EXPECT_GE(store().runs()[0].samples, stored);

@@ -34,7 +34,8 @@ INSTANTIATE_TEST_SUITE_P(, Packs,
                          });
 
 TEST(PackStep, FactorisationsAreThoseOfThePolicy) {
-  for (const auto& [strategy, factorizations] : {std::pair("groups/eigen", 2), {"groups/eigen+once", 1}}) {
+  for (const auto& [strategy, factorizations] :
+       {std::pair("groups/eigen", 2), {"groups/eigen+once", 1}, {"groups/eigen+separate", 3}}) {
     const Prepared p = prepared("stewart", strategy);
     PackStep packs(p, p.structure->groups.back().group_class);
     const Counters before = packs.counters();

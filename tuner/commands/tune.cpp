@@ -8,13 +8,14 @@
 
 #include "assur/machine.hpp"
 #include "commands/commands.hpp"
+#include "commands/db_parts.hpp"
 #include "commands/interrupt.hpp"
 #include "db/places.hpp"
-#include "db/store.hpp"
 #include "measure/noise.hpp"
 #include "measure/step_times.hpp"
 #include "output/progress.hpp"
 #include "output/tuning_report.hpp"
+#include "tuning/archive.hpp"
 #include "tuning/campaign.hpp"
 #include "tuning/held_out.hpp"
 #include "tuning/probe.hpp"
@@ -28,48 +29,11 @@ namespace {
 constexpr double kTrial = 5;        // s that a solver may take for its trial, which takes milliseconds
 constexpr int kRoundsOfSpread = 5;  // from which on a spread says something
 
-// Where samples go, and what an interrupted run has left there.
-class Archive {
- public:
-  Archive(const std::string& profile, bool needed) {
-    const std::optional<std::filesystem::path> file = db::own_database();
-    if (!file) {
-      if (!needed) return;
-      throw Error(Error::Kind::environment,
-                  "no database to store samples in: ASSUR_DB is set to nothing, or there is no home; set ASSUR_DB to a "
-                  "file, or write samples with --csv FILE");
-    }
-    const db::Host host = db::this_host();
-    store_.emplace(*file, db::Access::write);
-    for (const std::string& message : store_->messages()) std::cerr << message << '\n';
-    if (const auto unfinished = store_->unfinished_run(host, profile)) {
-      run_ = *unfinished;
-      db::Filter filter;
-      filter.run = run_;
-      earlier_ = store_->samples(filter);
-    } else {
-      run_ = store_->begin_run(host, profile);
-    }
-  }
-
-  void add(const tuning::CellResult& cell) {
-    if (!store_) return;
-    std::vector<Sample> samples;
-    for (const tuning::Result& r : cell.results) samples.push_back(r.sample);
-    store_->add(run_, samples);
-  }
-  void finish(const db::RunResult& result) {
-    if (store_) store_->finish_run(run_, result);
-  }
-  [[nodiscard]] const std::vector<Sample>& earlier() const { return earlier_; }
-  [[nodiscard]] std::optional<std::int64_t> run() const { return store_ ? std::optional(run_) : std::nullopt; }
-  [[nodiscard]] std::string file() const { return store_ ? store_->file().string() : ""; }
-
- private:
-  std::optional<db::Store> store_;
-  std::int64_t run_ = 0;
-  std::vector<Sample> earlier_;
-};
+// Who has the samples as a file can do without a database.
+std::optional<std::filesystem::path> database_of(const Common& common, const TuneOptions& options) {
+  if (!options.csv.empty() && common.db.empty()) return db::own_database();
+  return own_database_of(common);
+}
 
 // This very program, asked to try one strategy.
 std::vector<std::string> trial_of(const Strategy& strategy) {
@@ -149,7 +113,8 @@ int tune(const Common& common, const TuneOptions& options) {
     csv.open(options.csv);
     if (!csv) throw Error(Error::Kind::environment, {{options.csv, "cannot be written"}});
   }
-  Archive archive(name_of(profile, options), options.csv.empty());
+  tuning::Archive archive(database_of(common, options), name_of(profile, options));
+  for (const std::string& message : archive.messages()) std::cerr << message << '\n';
 
   tuning::CampaignOptions how;
   how.field.table = assur::backends();

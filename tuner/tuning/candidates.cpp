@@ -9,6 +9,17 @@ namespace {
 constexpr int kWidths[] = {1, 8, 16, 4, 2};  // in the order of their turns
 constexpr std::int32_t kWorthThreads = 100;  // unknowns from which on more threads in one factorisation may gain
 
+// What a step does with its factorisations, beside the ordinary two.
+struct Policy {
+  Reuse reuse;
+  bool once, separate;
+};
+constexpr Policy kPolicies[] = {{Reuse::fresh, true, false},
+                                {Reuse::run, true, false},
+                                {Reuse::run, false, false},
+                                {Reuse::step, false, false},
+                                {Reuse::fresh, false, true}};
+
 bool has_widths(const Backend& backend) { return backend.id == "lanes"; }
 bool has_threads(const Backend& backend) { return backend.id == "team" || backend.id == "lapack"; }
 
@@ -63,14 +74,12 @@ std::vector<Strategy> pack_strategies(const Field& field, Formulation formulatio
     s.formulation = formulation;
     out.push_back(s);
     if (!policies || (s.lanes != 1 && s.lanes != 8)) continue;
-    s.once = true;
-    out.push_back(s);
-    s.reuse = Reuse::run;
-    out.push_back(s);
-    s.once = false;
-    out.push_back(s);
-    s.reuse = Reuse::step;
-    out.push_back(s);
+    for (const Policy& policy : kPolicies) {
+      s.reuse = policy.reuse;
+      s.once = policy.once;
+      s.separate = policy.separate;
+      out.push_back(s);
+    }
   }
   return out;
 }

@@ -141,7 +141,7 @@ class StepsGround final : public Ground {
     Field whole = field;
     for (Strategy& s : pack_strategies(whole, cell.formulation, shape_, true)) {
       candidates_.push_back({Kernel::step, s});
-      if (s.once || s.reuse != Reuse::fresh || shape_.groups == 1) continue;
+      if (s.once || s.separate || s.reuse != Reuse::fresh || shape_.groups == 1) continue;
       for (int p = 2; p <= std::min(field.budget.threads, shape_.groups); p *= 2) {
         s.p = p;
         if (field.why_not(s).empty()) candidates_.push_back({Kernel::step, s});
