@@ -143,8 +143,9 @@ Shape shape_of(Row& row) {
   s.rhs = integer(row, 4);
   s.fill = row.getColumn(5).getInt64();
   s.operations = row.getColumn(6).getInt64();
-  s.terms = row.getColumn(7).getInt64();
-  if (!parse_hexadecimal(row.getColumn(8).getText(), s.pattern)) s.pattern = ~s.pattern;  // damaged: so is its sum
+  s.depth = row.getColumn(7).getInt64();
+  s.terms = row.getColumn(8).getInt64();
+  if (!parse_hexadecimal(row.getColumn(9).getText(), s.pattern)) s.pattern = ~s.pattern;  // damaged: so is its sum
   return s;
 }
 
@@ -248,10 +249,11 @@ Tables read_tables(SQLite::Database& database, Care care) {
     const std::uint64_t sum = sum_of(library);
     tables.libraries.insert_or_assign(row.getColumn(0).getInt64(), Checked<Library>{std::move(library), sum});
   });
-  each(database, care, "SELECT id, n, nnz, groups, rhs, fill, operations, terms, pattern FROM shape", [&](Row& row) {
-    const Shape shape = shape_of(row);
-    tables.shapes.insert_or_assign(row.getColumn(0).getInt64(), Checked<Shape>{shape, checksum(shape)});
-  });
+  each(database, care, "SELECT id, n, nnz, groups, rhs, fill, operations, depth, terms, pattern FROM shape",
+       [&](Row& row) {
+         const Shape shape = shape_of(row);
+         tables.shapes.insert_or_assign(row.getColumn(0).getInt64(), Checked<Shape>{shape, checksum(shape)});
+       });
   each(database, care, "SELECT id, text FROM strategy", [&](Row& row) {
     const std::string text = row.getColumn(1).getString();
     tables.strategies.insert_or_assign(row.getColumn(0).getInt64(),

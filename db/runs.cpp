@@ -128,8 +128,8 @@ bool Store::has(std::int64_t run, Kernel kernel, const Shape& shape, const Strat
         impl_->database,
         "SELECT 1 FROM sample WHERE run = ?1 AND kernel = ?2 AND strategy = (SELECT id FROM strategy WHERE text = ?3) "
         "AND shape = (SELECT id FROM shape WHERE n = ?4 AND nnz = ?5 AND groups = ?6 AND rhs = ?7 AND fill = ?8 "
-        "AND operations = ?9 AND terms = ?10 AND pattern = ?11) AND library = (SELECT id FROM library "
-        "WHERE name = ?12 AND version = ?13 AND build = ?14)");
+        "AND operations = ?9 AND depth = ?10 AND terms = ?11 AND pattern = ?12) AND library = (SELECT id FROM library "
+        "WHERE name = ?13 AND version = ?14 AND build = ?15)");
     Sample sample;
     sample.kernel = kernel;
     sample.strategy = strategy;
@@ -143,11 +143,12 @@ bool Store::has(std::int64_t run, Kernel kernel, const Shape& shape, const Strat
     find.bind(7, shape.rhs);
     find.bind(8, shape.fill);
     find.bind(9, shape.operations);
-    find.bind(10, shape.terms);
-    find.bind(11, hexadecimal(shape.pattern));
-    find.bind(12, library.name);
-    find.bind(13, library.version);
-    find.bind(14, library.build);
+    find.bind(10, shape.depth);
+    find.bind(11, shape.terms);
+    find.bind(12, hexadecimal(shape.pattern));
+    find.bind(13, library.name);
+    find.bind(14, library.version);
+    find.bind(15, library.build);
     return find.executeStep();
   });
 }

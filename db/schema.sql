@@ -53,9 +53,10 @@ CREATE TABLE shape (                 -- what is solved: the members of assur::Sh
   rhs INTEGER NOT NULL,              -- right-hand sides of one factorisation
   fill INTEGER NOT NULL,             -- nonzeros of L + U with Markowitz pivots; 0: not counted
   operations INTEGER NOT NULL,       -- multiplications of a factorisation
+  depth INTEGER NOT NULL,            -- rows that wait for each other in a solution
   terms INTEGER NOT NULL,            -- of the equations; 0: a bare matrix
   pattern TEXT NOT NULL,             -- 16 hexadecimal digits that only equal patterns have
-  UNIQUE (n, nnz, groups, rhs, fill, operations, terms, pattern)
+  UNIQUE (n, nnz, groups, rhs, fill, operations, depth, terms, pattern)
 ) STRICT;
 
 CREATE TABLE strategy (

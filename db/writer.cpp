@@ -80,14 +80,14 @@ std::int64_t Writer::run(const RunRow& row, std::int64_t machine) {
 
 std::int64_t Writer::shape(const Shape& s) {
   static constexpr const char* kInsert =
-      "INSERT INTO shape (n, nnz, groups, rhs, fill, operations, terms, pattern) "
-      "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8) ON CONFLICT DO NOTHING";
+      "INSERT INTO shape (n, nnz, groups, rhs, fill, operations, depth, terms, pattern) "
+      "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9) ON CONFLICT DO NOTHING";
   static constexpr const char* kFind =
       "SELECT id FROM shape WHERE n = ?1 AND nnz = ?2 AND groups = ?3 AND rhs = ?4 AND fill = ?5 AND operations = ?6 "
-      "AND terms = ?7 AND pattern = ?8";
+      "AND depth = ?7 AND terms = ?8 AND pattern = ?9";
   const std::string pattern = hexadecimal(s.pattern);
-  bound(prepared(kInsert), s.n, s.nnz, s.groups, s.rhs, s.fill, s.operations, s.terms, pattern).exec();
-  return the_id(bound(prepared(kFind), s.n, s.nnz, s.groups, s.rhs, s.fill, s.operations, s.terms, pattern));
+  bound(prepared(kInsert), s.n, s.nnz, s.groups, s.rhs, s.fill, s.operations, s.depth, s.terms, pattern).exec();
+  return the_id(bound(prepared(kFind), s.n, s.nnz, s.groups, s.rhs, s.fill, s.operations, s.depth, s.terms, pattern));
 }
 
 std::int64_t Writer::strategy(const Strategy& strategy) {

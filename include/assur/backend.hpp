@@ -28,12 +28,12 @@ struct Shape {
   std::int32_t nnz = 0;     // nonzeros of its Jacobian
   std::int32_t groups = 1;  // groups of the class
   std::int32_t rhs = 1;     // right-hand sides of one factorisation
-  // Counted for a plan, else 0: nonzeros of L + U and multiplications of a factorisation with Markowitz pivots, terms
-  // of the equations (0: a bare matrix), and a number that only equal patterns have.
-  std::int64_t fill = 0;
-  std::int64_t operations = 0;
-  std::int64_t terms = 0;
-  std::uint64_t pattern = 0;
+  // Counted for a plan, else 0; the first three with Markowitz pivots.
+  std::int64_t fill = 0;        // nonzeros of L + U
+  std::int64_t operations = 0;  // multiplications of a factorisation
+  std::int64_t depth = 0;       // rows that wait for each other in a solution, forward and backward
+  std::int64_t terms = 0;       // of the equations; 0: a bare matrix
+  std::uint64_t pattern = 0;    // a number that only equal patterns have
 
   friend bool operator==(const Shape&, const Shape&) = default;
 };

@@ -1,5 +1,6 @@
 #include "planning/counts.hpp"
 
+#include <algorithm>
 #include <random>
 #include <vector>
 
@@ -36,6 +37,25 @@ void count_as_full(Shape& shape) {
   const std::int64_t n = shape.n;
   shape.fill = n * n;
   shape.operations = n * (n - 1) * (2 * n - 1) / 6 + n * n;
+  shape.depth = 2 * n;
+}
+
+// Longest chain of rows in which each needs the one before. Rows are "head, count, positions", of which `head` numbers
+// come before the count; own(row, numbers) is the position that a row computes.
+template <class Own>
+std::int64_t depth_of(const std::vector<lanes::Program::Index>& rows, std::size_t n, std::size_t head, const Own& own) {
+  std::vector<std::int64_t> depth(n, 0);
+  std::int64_t deepest = 0;
+  std::size_t at = 0;
+  for (std::size_t row = 0; row < n; ++row) {
+    std::int64_t waits = 0;
+    const std::size_t count = rows[at + head];
+    for (std::size_t e = 0; e < count; ++e) waits = std::max(waits, depth[rows[at + head + 1 + e]]);
+    depth[own(row, &rows[at])] = waits + 1;
+    deepest = std::max(deepest, waits + 1);
+    at += head + 1 + count;
+  }
+  return deepest;
 }
 
 void count_elimination(Shape& shape, const Pattern& pattern) {
@@ -49,6 +69,9 @@ void count_elimination(Shape& shape, const Pattern& pattern) {
     // Three numbers for each row, two for each entry, two for each product.
     const std::int64_t products = (std::ssize(program.factor) - 3 * std::int64_t{shape.n} - 2 * shape.fill) / 2;
     shape.operations = products + shape.fill;
+    const auto n = static_cast<std::size_t>(shape.n);
+    shape.depth = depth_of(program.forward, n, 1, [](std::size_t row, const auto*) { return row; }) +
+                  depth_of(program.backward, n, 2, [](std::size_t, const auto* numbers) { return numbers[0]; });
   } catch (const Error&) {  // too many products to write them down
     count_as_full(shape);
   }

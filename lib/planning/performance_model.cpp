@@ -77,15 +77,15 @@ constexpr double kSmallCache = 1 << 20, kLargeCache = 1 << 24;  // bytes; where 
 Point point_of(Kernel kernel, const Shape& shape, const Strategy& strategy) {
   const double n = shape.n, nnz = shape.nnz, fill = static_cast<double>(shape.fill);
   const double operations = static_cast<double>(shape.operations), terms = static_cast<double>(shape.terms);
-  // Families of patterns differ little in fill, but much in how far one pivot waits for another.
-  const double size = positive_log(n), filled = 2.5 * positive_log(fill / std::max(n, 1.0));
+  const double deep = static_cast<double>(shape.depth);
+  const double size = positive_log(n), filled = positive_log(fill / std::max(n, 1.0));
   switch (kernel) {
     case Kernel::factor:
       if (is_dense(strategy)) return {{1, n, n * n, n * n * n, fill}, {size, filled}};
-      return {{1, n, fill, operations}, {size, filled}};
+      return {{1, n, fill, operations, deep}, {size, filled}};
     case Kernel::solve:
       if (is_dense(strategy)) return {{1, n, n * n}, {size, filled}};
-      return {{1, n, fill, nnz}, {size, filled}};
+      return {{1, n, fill, nnz, deep}, {size, filled}};
     case Kernel::evaluate:
       return {{1, n, terms, nnz}, {size, positive_log(terms / std::max(n, 1.0))}};
     default: {

@@ -24,6 +24,7 @@ TEST(Counts, ATriangularMatrixFillsNothingAndHasNoProducts) {
   const Shape shape = shape_of(band(30, 0, 3));
   EXPECT_EQ(shape.fill, shape.nnz);
   EXPECT_EQ(shape.operations, shape.fill);
+  EXPECT_EQ(shape.depth, 1 + 30);  // nothing forward, all of them backward
 }
 
 TEST(Counts, ATridiagonalMatrixHasOneProductForEachPivotButOne) {
@@ -39,6 +40,7 @@ TEST(Counts, AFullMatrixHasAThirdOfItsCube) {
   for (const std::int64_t n : {3, 12, 24, 25, 400}) {
     const Shape shape = shape_of(band(static_cast<std::int32_t>(n), static_cast<std::int32_t>(n), 400));
     EXPECT_EQ(shape.fill, n * n) << n;
+    EXPECT_EQ(shape.depth, 2 * n) << n;
     std::int64_t products = 0;
     for (std::int64_t i = 0; i < n; ++i) products += i * i;  // sum over rows and columns of their lesser number
     EXPECT_EQ(shape.operations, products + n * n) << n;
@@ -59,7 +61,7 @@ TEST(Counts, AClassHasTheShapeOfItsGroups) {
   Shape counted = shape_of(s.classes[static_cast<std::size_t>(leg.group_class)], 6);
   EXPECT_GE(counted.fill, counted.nnz);
   EXPECT_GT(counted.terms, counted.nnz);
-  counted.fill = counted.operations = counted.terms = 0;
+  counted.fill = counted.operations = counted.depth = counted.terms = 0;
   counted.pattern = 0;
   EXPECT_EQ(counted, s.shape(leg));
 }

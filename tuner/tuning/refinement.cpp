@@ -29,6 +29,7 @@ Shape between(const Shape& a, const Shape& b) {
   out.nnz = middle(a.nnz, b.nnz);
   out.fill = middle(a.fill, b.fill);
   out.operations = middle(a.operations, b.operations);
+  out.depth = middle(a.depth, b.depth);
   out.terms = middle(a.terms, b.terms);
   out.pattern = 0;
   return out;

@@ -17,14 +17,14 @@ std::string number(double value) {
 }  // namespace
 
 void write_csv(std::ostream& out, std::span<const Sample> samples) {
-  out << "kernel,n,nnz,fill,operations,terms,pattern,groups,strategy,seconds,spread,repetitions,backward_error,"
+  out << "kernel,n,nnz,fill,operations,depth,terms,pattern,groups,strategy,seconds,spread,repetitions,backward_error,"
          "forward_error\n";
   for (const Sample& s : samples) {
     const Shape& h = s.shape;
-    out << name(s.kernel) << ',' << h.n << ',' << h.nnz << ',' << h.fill << ',' << h.operations << ',' << h.terms << ','
-        << h.pattern << ',' << h.groups << ',' << to_string(s.strategy) << ',' << number(s.seconds) << ','
-        << number(s.spread) << ',' << s.repetitions << ',' << number(s.backward_error) << ',' << number(s.forward_error)
-        << '\n';
+    out << name(s.kernel) << ',' << h.n << ',' << h.nnz << ',' << h.fill << ',' << h.operations << ',' << h.depth << ','
+        << h.terms << ',' << h.pattern << ',' << h.groups << ',' << to_string(s.strategy) << ',' << number(s.seconds)
+        << ',' << number(s.spread) << ',' << s.repetitions << ',' << number(s.backward_error) << ','
+        << number(s.forward_error) << '\n';
   }
 }
 
