@@ -348,7 +348,8 @@ struct Simulator::Impl {
       largest_correction = kSure * (to - change) / (to - now);
       for (std::size_t more = 0; more < packs.size() && !passed; ++more) {
         passed = try_step(to, Attempt::Branch::inside).ok();
-        if (passing[failed_pack] != 0) break;
+        // Beyond all packs if none of them failed.
+        if (failed_pack == packs.size() || passing[failed_pack] != 0) break;
         passing[failed_pack] = 1;
       }
       std::fill(passing.begin(), passing.end(), 0);
@@ -464,7 +465,7 @@ struct Simulator::Impl {
   double largest_correction = 0;  // of a step through a change point, over the move that was predicted
   bool wants_reselection = false;
   double selected_at = std::numeric_limits<double>::quiet_NaN();  // time of the last reselection
-  std::size_t failed_pack = 0;
+  std::size_t failed_pack = 0;  // of the last posture that was tried; their number: none
   std::chrono::steady_clock::time_point deadline;
   std::vector<double> row, previous_row;
   std::shared_ptr<const Prepared> first_structure;  // what reset() goes back to, after a reselection
