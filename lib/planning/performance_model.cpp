@@ -77,7 +77,8 @@ constexpr double kSmallCache = 1 << 20, kLargeCache = 1 << 24;  // bytes; where 
 Point point_of(Kernel kernel, const Shape& shape, const Strategy& strategy) {
   const double n = shape.n, nnz = shape.nnz, fill = static_cast<double>(shape.fill);
   const double operations = static_cast<double>(shape.operations), terms = static_cast<double>(shape.terms);
-  const double size = positive_log(n), filled = positive_log(fill / std::max(n, 1.0));
+  // Families of patterns differ little in fill, but much in how far one pivot waits for another.
+  const double size = positive_log(n), filled = 2.5 * positive_log(fill / std::max(n, 1.0));
   switch (kernel) {
     case Kernel::factor:
       if (is_dense(strategy)) return {{1, n, n * n, n * n * n, fill}, {size, filled}};
@@ -337,6 +338,7 @@ struct PerformanceModel::Impl {
     }
     if (found == packs.end()) return sum;
     const Prediction whole = found->second.at(pack_point(shape, strategy));
+    if (in_registers(shape, strategy)) return whole;
     return {whole.seconds, std::max(whole.factor, std::min(sum.factor, 1.5)), std::max(sum.origin, whole.origin)};
   }
 
