@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <optional>
 #include <set>
 #include <string>
 
@@ -41,6 +42,9 @@ TEST_F(Tune, MeasuresTheMachineWithinItsBudget) {
   EXPECT_EQ(runs[0].id, result["tuning_run"]);
   EXPECT_EQ(runs[0].samples, result["samples"]);
   EXPECT_EQ(runs[0].grade, result["grade"]);
+  const std::optional<std::string> learned = store().model(db::this_host(), "quick");
+  ASSERT_TRUE(learned.has_value());
+  EXPECT_EQ(nlohmann::json::parse(*learned)["winners"], result["winners"]);
 }
 
 TEST_F(Tune, SamplesWhatASceneNeeds) {

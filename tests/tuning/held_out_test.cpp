@@ -66,6 +66,15 @@ TEST(Regret, IsWhatAWrongChoiceCosts) {
   EXPECT_EQ(wrong.median, 0);
 }
 
+TEST(Regret, DoesNotJudgeByTimesThatNobodyKnows) {
+  std::vector<CellResult> cells = grid();
+  cells.push_back(cell(11, true, 8));
+  for (Result& r : cells.back().results) {
+    if (r.sample.strategy.backend == "eigen") r.sample.spread = r.sample.seconds;
+  }
+  EXPECT_EQ(regret(model_of(cells), cells).questions, 0u);  // one candidate is no choice
+}
+
 TEST(Refinement, GoesToTheCrossover) {
   const std::vector<CellResult> cells = grid();
   const std::vector<Cell> next = propose(model_of(cells), cells, 2);

@@ -161,7 +161,8 @@ int tune(const Common& common, const TuneOptions& options) {
   summary.cells = campaign.results();
   summary.seconds = measure::StepTimes::steady() - begin;
   if (!summary.figures.interrupted) {
-    archive.finish({grade_of(judgement.quiet), summary.seconds, summary.figures.coverage(), judgement.reason});
+    archive.finish({grade_of(judgement.quiet), summary.seconds, summary.figures.coverage(), judgement.reason},
+                   to_json(summary).dump());
   }
   if (csv.is_open()) write_csv(csv, options.csv, campaign.results());
   if (common.json) {

@@ -2,18 +2,18 @@
 
 namespace assur::tuning {
 
-Archive::Archive(const std::optional<std::filesystem::path>& database, const std::string& profile) {
+Archive::Archive(const std::optional<std::filesystem::path>& database, const std::string& profile) : profile_(profile) {
   if (!database) return;
-  const db::Host host = db::this_host();
+  host_ = db::this_host();
   store_.emplace(*database, db::Access::write);
   messages_ = store_->messages();
-  if (const auto unfinished = store_->unfinished_run(host, profile)) {
+  if (const auto unfinished = store_->unfinished_run(host_, profile)) {
     run_ = *unfinished;
     db::Filter filter;
     filter.run = run_;
     earlier_ = store_->samples(filter);
   } else {
-    run_ = store_->begin_run(host, profile);
+    run_ = store_->begin_run(host_, profile);
   }
 }
 
@@ -24,8 +24,10 @@ void Archive::add(const CellResult& cell) {
   store_->add(run_, samples);
 }
 
-void Archive::finish(const db::RunResult& result) {
-  if (store_) store_->finish_run(run_, result);
+void Archive::finish(const db::RunResult& result, const std::string& learned) {
+  if (!store_) return;
+  store_->finish_run(run_, result);
+  store_->put_model(host_, profile_, learned);
 }
 
 }  // namespace assur::tuning

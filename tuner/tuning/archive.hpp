@@ -20,7 +20,8 @@ class Archive {
 
   // In one transaction.
   void add(const CellResult& cell);
-  void finish(const db::RunResult& result);
+  // learned: JSON, what the run found beside its samples.
+  void finish(const db::RunResult& result, const std::string& learned);
 
   [[nodiscard]] const std::vector<Sample>& earlier() const { return earlier_; }  // of the run that is gone on with
   [[nodiscard]] std::optional<std::int64_t> run() const { return store_ ? std::optional(run_) : std::nullopt; }
@@ -30,6 +31,8 @@ class Archive {
 
  private:
   std::optional<db::Store> store_;  // empty: samples are stored nowhere
+  db::Host host_;
+  std::string profile_;
   std::int64_t run_ = 0;
   std::vector<Sample> earlier_;
   std::vector<std::string> messages_;

@@ -11,7 +11,8 @@ namespace {
 
 constexpr std::int32_t kSmallest = 3;
 constexpr std::int32_t kOffTheGrid[] = {22, 78, 334};
-constexpr int kEntries = 6;  // a column of a random matrix that is neither sparse as a mechanism nor full
+constexpr double kJudges = 2;  // times the time: few cells judge all choices
+constexpr int kEntries = 6;    // a column of a random matrix that is neither sparse as a mechanism nor full
 
 std::function<Scene()> named(std::string text) {
   return [text = std::move(text)] { return sample(text); };
@@ -66,6 +67,7 @@ void add_sizes(std::vector<Cell>& cells, const Extent& e) {
       if (n > e.largest_random && c.per_row > 0 && c.per_row < n) continue;
       if (n > e.largest) continue;
       c.held_out = true;
+      c.weight *= kJudges;
       cells.push_back(std::move(c));
     }
   }
@@ -129,6 +131,7 @@ void add_packs(std::vector<Cell>& cells, const Extent& e) {
   if (!e.held_out) return;
   for (Cell c : {dyad_packs(11), dyad_packs(23), ring_packs(22, 5), ring_packs(78, 11), ring_packs(334, 1)}) {
     c.held_out = true;
+    c.weight *= kJudges;
     add(std::move(c));
   }
 }

@@ -10,7 +10,8 @@
 namespace assur::tuning {
 namespace {
 
-constexpr int kSolutions = 3;  // of one factorisation: a step of Newton's method, velocity, acceleration
+constexpr double kUnknown = 0.25;  // of a time: one that scatters so much tells nothing about a choice
+constexpr int kSolutions = 3;      // of one factorisation: a step of Newton's method, velocity, acceleration
 
 const Sample* find(const CellResult& cell, Kernel kernel, const Strategy& strategy) {
   for (const Result& r : cell.results) {
@@ -42,7 +43,7 @@ double regret(const PerformanceModel& model, const CellResult& cell, int groups,
   for (const Result& r : cell.results) {
     const Sample& s = r.sample;
     if ((s.kernel != Kernel::factor && s.kernel != Kernel::pack) || !allowed(s.strategy)) continue;
-    if (s.strategy.lanes >= 2 * groups) continue;
+    if (s.strategy.lanes >= 2 * groups || s.spread > kUnknown * s.seconds) continue;
     const Times t = times(model, cell, s, groups);
     if (std::isnan(t.measured)) continue;
     ++candidates;
