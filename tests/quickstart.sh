@@ -36,7 +36,9 @@ contains() { [[ $1 == *"$2"* ]]; }
 play 1000 ""
 [[ $status -eq 0 ]] || fail "nothing missing: it builds without root"
 ! contains "$calls" apt-get || fail "nothing missing: apt-get is left alone"
-contains "$calls" "assur run stewart" || fail "it runs the Stewart platform"
+contains "$calls" "assur tune --profile quick" || fail "it tunes"
+contains "$calls" "assur plan stewart" || fail "it shows the plan"
+contains "$calls" "assur run stewart --reference" || fail "it runs the Stewart platform"
 
 play 1000 "" test
 [[ $status -eq 0 && ${calls##*$'\n'} == ctest* ]] || fail "test: ctest has the last word"

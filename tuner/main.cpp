@@ -37,7 +37,9 @@ struct Invocation {
   Common common;
   InspectOptions inspect;
   RunOptions run;
+  PlanOptions plan;
   DbOptions db;
+  TuneOptions tune;
   std::function<int()> chosen;
 };
 
@@ -55,12 +57,11 @@ void take_parameter(Parameters& set, const std::string& text) {
 }
 
 // "A,B", without an empty name.
-void take_names(std::vector<std::string>& names, const std::string& text) {
+void take_names(std::vector<std::string>& names, const std::string& text, const std::string& option) {
   for (std::size_t from = 0, comma = 0; comma != std::string::npos; from = comma + 1) {
     comma = text.find(',', from);
     names.push_back(text.substr(from, comma - from));
-    if (names.back().empty())
-      throw CLI::ValidationError("--outputs", "expects names such as A,B, not \"" + text + "\"");
+    if (names.back().empty()) throw CLI::ValidationError(option, "expects names such as A,B, not \"" + text + "\"");
   }
 }
 
@@ -100,16 +101,7 @@ void add_common(CLI::App& app, Common& common) {
   app.set_version_flag("--version", "assur " ASSUR_VERSION, "Show the version");
 }
 
-void add_scene(CLI::App& app, Common& common, std::string& scene, std::vector<std::string>& outputs) {
-  app.add_option("SCENE", scene, "A file or a sample: stewart, four_bar:64, ...")->required()->type_name("");
-  app.add_option_function<std::vector<std::string>>(
-         "--outputs",
-         [&outputs](const std::vector<std::string>& texts) {
-           for (const std::string& text : texts) take_names(outputs, text);
-         },
-         "What is wanted: C, C.velocity, angle, ...")
-      ->allow_extra_args(false)
-      ->type_name("A,B");
+void add_set(CLI::App& app, Common& common) {
   app.add_option_function<std::vector<std::string>>(
          "--set",
          [&common](const std::vector<std::string>& texts) {
@@ -118,6 +110,23 @@ void add_scene(CLI::App& app, Common& common, std::string& scene, std::vector<st
          "Another value for a parameter; may be repeated")
       ->allow_extra_args(false)
       ->type_name("name=value");
+}
+
+void add_names(CLI::App& app, const std::string& option, std::vector<std::string>& names, const std::string& what) {
+  app.add_option_function<std::vector<std::string>>(
+         option,
+         [&names, option](const std::vector<std::string>& texts) {
+           for (const std::string& text : texts) take_names(names, text, option);
+         },
+         what)
+      ->allow_extra_args(false)
+      ->type_name("A,B");
+}
+
+void add_scene(CLI::App& app, Common& common, std::string& scene, std::vector<std::string>& outputs) {
+  app.add_option("SCENE", scene, "A file or a sample: stewart, four_bar:64, ...")->required()->type_name("");
+  add_names(app, "--outputs", outputs, "What is wanted: C, C.velocity, angle, ...");
+  add_set(app, common);
 }
 
 void add_inspect(CLI::App& app, Invocation& call) {
@@ -139,7 +148,8 @@ void add_inspect(CLI::App& app, Invocation& call) {
   inspect.callback([&call] { call.chosen = [&call] { return command::inspect(call.common, call.inspect); }; });
 }
 
-void add_mode(CLI::App& app, std::optional<Mode>& mode) {
+template <class ModeOption>  // Mode, or one that may be left out
+void add_mode(CLI::App& app, ModeOption& mode) {
   app.add_option_function<std::string>(
          "--mode",
          [&mode](const std::string& text) {
@@ -160,6 +170,7 @@ void add_run(CLI::App& app, Invocation& call) {
   run.add_option("--dt", o.dt, "Time step, s")->check(number(0, " > 0"))->type_name("S");
   run.add_option("--steps", o.steps, "Number of steps")->check(whole_number(0))->type_name("N");
   run.add_option("--strategy", o.strategy, "How to solve it: auto (the default), groups/klu, ...")->type_name("TEXT");
+  add_names(run, "--without", o.without, "Backends that auto leaves out: lanes, klu, ...");
   add_mode(run, o.mode);
   CLI::Option* ensemble =
       run.add_option("--ensemble", o.ensemble, "Many variants: a CSV of parameters, a member a row")->type_name("FILE");
@@ -180,6 +191,15 @@ void add_run(CLI::App& app, Invocation& call) {
     }
     call.chosen = [&call] { return command::run(call.common, call.run); };
   });
+}
+
+void add_plan(CLI::App& app, Invocation& call) {
+  CLI::App& plan = *app.add_subcommand("plan", "What auto would do with a scene, and why");
+  add_scene(plan, call.common, call.plan.scene, call.plan.outputs);
+  add_names(plan, "--without", call.plan.without, "Backends to leave out: lanes, klu, ...");
+  add_mode(plan, call.plan.mode);
+  add_common(plan, call.common);
+  plan.callback([&call] { call.chosen = [&call] { return command::plan(call.common, call.plan); }; });
 }
 
 void add_backends(CLI::App& app, Invocation& call) {
@@ -231,6 +251,28 @@ void add_db(CLI::App& app, Invocation& call) {
   add_question(db, call, "check", "Look for damage, and repair it", {});
   add_question(db, call, "forget", "Remove samples", {"--run", "--machine", "--library", "--all"});
   add_common(db, call.common);
+}
+
+void add_tune(CLI::App& app, Invocation& call) {
+  CLI::App& tune = *app.add_subcommand("tune", "Measure this machine: what every plan is made from");
+  TuneOptions& o = call.tune;
+  tune.add_option("--profile", o.profile, "quick (the default, a minute), standard or patient")
+      ->check(CLI::Validator(
+          [](std::string& text) {
+            const bool known = text == "quick" || text == "standard" || text == "patient";
+            return known ? std::string() : "expects quick, standard or patient, not \"" + text + "\"";
+          },
+          ""))
+      ->type_name("NAME");
+  tune.add_option("--budget", o.budget, "Take so long, s")->check(number(0, " > 0"))->type_name("SECONDS");
+  tune.add_option("--scene", o.scenes, "Only what this scene needs; may be repeated")
+      ->allow_extra_args(false)
+      ->type_name("SCENE");
+  tune.add_option("--csv", o.csv, "Write the samples, too")->type_name("FILE");
+  add_set(tune, call.common);
+  tune.add_option("--trial", o.trial)->group("");  // a child process that may crash: not for people
+  add_common(tune, call.common);
+  tune.callback([&call] { call.chosen = [&call] { return command::tune(call.common, call.tune); }; });
 }
 
 Exit exit_of(Error::Kind kind) {
@@ -311,8 +353,10 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   add_run(app, call);
   add_inspect(app, call);
+  add_plan(app, call);
   add_backends(app, call);
   add_db(app, call);
+  add_tune(app, call);
   add_common(app, call.common);
   const bool json = std::any_of(argv, argv + argc, [](const char* word) { return std::strcmp(word, "--json") == 0; });
 

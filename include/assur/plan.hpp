@@ -1,4 +1,4 @@
-// Scene + strategy -> everything that a simulator needs, prepared.
+// Scene + strategy, or what is known about the machine -> everything that a simulator needs, prepared.
 #pragma once
 
 #include <cstdint>
@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "assur/backend.hpp"
+#include "assur/performance.hpp"
 #include "assur/scene.hpp"
 #include "assur/strategy.hpp"
 #include "assur/structure.hpp"
@@ -22,7 +23,9 @@ struct Plan {
     std::int32_t group_class = 0;
     Shape shape;
     Strategy strategy;
-    std::string reason;  // "forced", "not measured: sparse, in lanes", ...
+    std::string reason;           // "forced", "interpolated: 2.1 times as fast as klu", ...
+    double expected_seconds = 0;  // one step of one pack; 0: nobody asked
+    Origin origin = Origin::prior;
   };
   Formulation formulation = Formulation::groups;
   Predictor predictor;          // resolved: never automatic
@@ -30,6 +33,10 @@ struct Plan {
   std::int32_t chunks = 1;      // of the time grid, run side by side
   std::int32_t threads = 1;     // p
   std::vector<Choice> choices;  // one for each class
+  std::vector<std::int32_t> level_threads;  // p of each level, of these; empty: `threads` for all
+  std::string reason;                       // of the formulation and of p
+  double expected_seconds = 0;              // one step of the mechanism, its groups only; 0: nobody asked
+  double meeting_seconds = 0;               // of the threads, once; 0: nobody asked
 };
 
 // What a plan is to be fast at.
@@ -47,6 +54,9 @@ struct PrepareOptions {
   // In throughput, `auto` fills lanes and all threads of the budget, and a text that does not say how many chunks gets
   // as many as fill its own lanes and threads. The machine is asked where no budget is given: give one to prepare many.
   Mode mode = Mode::latency;
+  // What `auto` decides by; null: machine_model(). A model without samples decides by counts of operations.
+  std::shared_ptr<const PerformanceModel> model = nullptr;
+  std::vector<std::string> without = {};  // backends that `auto` leaves out
 };
 
 // A scene made ready: immutable, shared by any number of simulators.
@@ -66,5 +76,30 @@ struct Prepared {
 // undetermined scene (the free unknowns are named) or a budget of no threads, numerical if the start posture cannot be
 // assembled (group and most violated constraint are named), environment if a forced strategy cannot run here (and why).
 [[nodiscard]] Prepared prepare(const Scene& scene, const PrepareOptions& options = {});
+
+// What a strategy would cost.
+struct Candidate {
+  Strategy strategy;
+  double expected_seconds = 0;  // all groups, or matrices, once
+  double factor = 1;            // two times in three within expected_seconds / factor and expected_seconds * factor
+  Origin origin = Origin::prior;
+  std::string why_not;  // "": it can run here, and is as accurate as a solution in double
+};
+
+// Every candidate for the groups of one class that are solved side by side, the fastest first, those that cannot run
+// last. shape.groups: how many; shape.terms = 0: bare matrices, each factorised once and solved with shape.rhs
+// right-hand sides. The first is what `auto` takes: of those within 2 % of the fastest the one with fewer threads.
+struct CandidateOptions {
+  std::shared_ptr<const PerformanceModel> model = nullptr;  // null: machine_model()
+  std::optional<ThreadBudget> budget = std::nullopt;        // empty: this machine's
+  std::vector<std::string> without = {};
+};
+[[nodiscard]] std::vector<Candidate> candidates(const Shape& shape, const CandidateOptions& options = {});
+
+// For equations of one's own: the strategy for `count` matrices with one pattern, each factorised once and solved with
+// `rhs` right-hand sides: backend, W, precision and threads are those of the first of candidates(). Throws Error
+// (environment) if none can run.
+[[nodiscard]] Candidate choose_solver(const Pattern& pattern, std::int32_t count, std::int32_t rhs = 1,
+                                      const CandidateOptions& options = {});
 
 }  // namespace assur

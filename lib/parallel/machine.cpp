@@ -30,6 +30,11 @@ std::int32_t openmp_limit(const std::string& omp_num_threads) {
   return std::max(threads, 0);
 }
 
+std::string omp_num_threads() {
+  const char* const text = std::getenv("OMP_NUM_THREADS");
+  return text != nullptr ? text : "";
+}
+
 void take(Machine& machine, const Topology& topology) {
   machine.cores = topology.cores;
   machine.caches = topology.caches;
@@ -70,11 +75,12 @@ Machine read_machine(const std::filesystem::path& root, const std::vector<int>& 
 
 Machine this_machine() {
   const std::vector<int> allowed = allowed_processors();
-  const char* const omp_num_threads = std::getenv("OMP_NUM_THREADS");
-  Machine machine = read_machine("/", allowed, omp_num_threads ? omp_num_threads : "");
+  Machine machine = read_machine("/", allowed, omp_num_threads());
   if (const auto topology = topology_by_hwloc(allowed)) take(machine, *topology);
   return machine;
 }
+
+ThreadBudget available_budget() { return read_machine("/", allowed_processors(), omp_num_threads()).budget(); }
 
 std::string to_string(const Machine& machine) {
   std::ostringstream text;

@@ -14,4 +14,7 @@ namespace assur {
 [[nodiscard]] Machine read_machine(const std::filesystem::path& root, const std::vector<int>& allowed,
                                    const std::string& omp_num_threads);
 
+// this_machine().budget() without hwloc, which takes its time.
+[[nodiscard]] ThreadBudget available_budget();
+
 }  // namespace assur

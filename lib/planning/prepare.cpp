@@ -1,27 +1,14 @@
 #include <algorithm>
 
-#include "assur/machine.hpp"
 #include "assur/plan.hpp"
+#include "parallel/machine.hpp"
+#include "planning/candidates.hpp"
+#include "planning/counts.hpp"
+#include "planning/dispatcher.hpp"
 #include "planning/throughput.hpp"
 
 namespace assur {
 namespace {
-
-// Where nothing has been measured on the machine at hand, a plan exists all the same. Lanes are the fastest for sparse
-// groups of any size that was tried (factor and three solves against KLU's refactor: 2.8 times for one group, 12 times
-// for eight); they write their elimination down step by step, so a matrix that fills up is not for them.
-constexpr std::int32_t kMostPerRow = 8;
-constexpr std::int32_t kMostInLanes = 4000;  // unknowns
-constexpr std::int32_t kDenseUpTo = 8;
-
-struct Unmeasured {
-  std::string backend, reason;
-};
-Unmeasured choose_unmeasured(const Shape& shape, bool has_klu) {
-  if (shape.n <= kMostInLanes && shape.nnz <= kMostPerRow * shape.n) return {"lanes", "not measured: sparse, in lanes"};
-  if (shape.n <= kDenseUpTo || !has_klu) return {"eigen", "not measured: dense"};
-  return {"klu", "not measured: large or filled"};
-}
 
 Predictor automatic_predictor(const Structure& s) {
   const bool all = std::all_of(s.groups.begin(), s.groups.end(), [&](const Group& g) {
@@ -72,6 +59,10 @@ std::vector<ClassSize> class_sizes(const Structure& s) {
   return sizes;
 }
 
+std::shared_ptr<const PerformanceModel> model_of(const PrepareOptions& options) {
+  return options.model ? options.model : machine_model().model;
+}
+
 void check_backend(const Backend& backend, const Plan::Choice& choice) {
   const auto refuse = [&](const std::string& why) {
     throw Error(Error::Kind::environment, "backend " + std::string(backend.id) + " cannot run here: " + why);
@@ -81,14 +72,15 @@ void check_backend(const Backend& backend, const Plan::Choice& choice) {
   if (choice.strategy.single && !backend.single) refuse("it has no float version; leave out +float");
 }
 
-// The machine is asked only where the answer matters: that takes longer than to prepare a small scene.
-void check_budget(const Strategy& wanted, const std::optional<ThreadBudget>& given) {
-  if (given && given->threads < 1) {
-    throw Error(Error::Kind::input, "a budget has at least one thread, not " + std::to_string(given->threads));
-  }
+// The machine is asked only where the answer matters.
+std::int32_t threads_at_most(const PrepareOptions& options) {
+  return (options.budget ? *options.budget : available_budget()).threads;
+}
+
+void check_budget(const Strategy& wanted, const PrepareOptions& options) {
   const auto threads = std::int64_t{wanted.p} * wanted.q;
   if (threads == 1) return;
-  const std::int32_t most = (given ? *given : this_machine().budget()).threads;
+  const std::int32_t most = threads_at_most(options);
   if (threads > most) {
     throw Error(Error::Kind::environment, "strategy " + to_string(wanted) + " cannot run here: it takes " +
                                               std::to_string(threads) + " threads and the budget is " +
@@ -96,78 +88,134 @@ void check_budget(const Strategy& wanted, const std::optional<ThreadBudget>& giv
   }
 }
 
-// In throughput what the strategy does not say is chosen for the machine, whatever backends do the work.
-void fill_machine(Strategy& wanted, const PrepareOptions& options, const TimeGrid& grid) {
-  if (options.mode != Mode::throughput) return;
-  if (options.strategy == "auto") {
-    wanted.lanes = kThroughputLanes;
-    wanted.p = (options.budget ? *options.budget : this_machine().budget()).threads;
-    check_budget(wanted, options.budget);
-  }
-  if (options.strategy.find("+chunks=") == std::string::npos) wanted.chunks = chunks_for(wanted, grid.steps());
+// Where a posture is given, redundant equations are chosen anew there.
+struct Start {
+  std::vector<double> posture;
+  double time = 0;
+};
+
+std::shared_ptr<const Structure> structure_for(const Scene& scene, const PrepareOptions& options,
+                                               Formulation formulation, const Predictor& predictor,
+                                               const Start& start) {
+  StructureOptions wanted;
+  wanted.formulation = formulation;
+  wanted.controlled = options.controlled;
+  wanted.posture = start.posture;
+  wanted.time = start.time;
+  if (predictor.kind == Predictor::Kind::taylor) wanted.predictor_derivatives = predictor.order;
+  if (predictor.kind == Predictor::Kind::hermite) wanted.predictor_derivatives = 2;
+  auto structure = std::make_shared<const Structure>(analyze(scene, wanted));
+  refuse_undetermined(*structure);
+  if (!structure->cannot_assemble.empty()) throw Error(Error::Kind::numerical, structure->cannot_assemble);
+  return structure;
 }
 
-Prepared prepare_at(const Scene& scene, const PrepareOptions& options, std::vector<double> posture, double time) {
-  const bool automatic = options.strategy == "auto";
-  Strategy wanted = parse_strategy(automatic ? "irreducible/lanes:8" : options.strategy);
-  fill_machine(wanted, options, scene.time());
+// A strategy given as a text, for every class.
+Plan forced_plan(const Structure& s, const Strategy& wanted, const PrepareOptions& options) {
+  Plan plan;
+  plan.formulation = wanted.formulation;
+  plan.predictor = wanted.predictor;
+  plan.lanes = wanted.lanes;
+  plan.chunks = wanted.chunks;
+  plan.threads = wanted.p;
+  plan.reason = "forced";
+  // Shares of unequal packs depend on what they cost.
+  const std::vector<ClassSize> sizes = class_sizes(s);
+  for (std::size_t c = 0; c < s.classes.size(); ++c) {
+    Plan::Choice choice;
+    choice.group_class = static_cast<std::int32_t>(c);
+    choice.shape = wanted.p > 1 ? shape_of(s.classes[c], sizes[c].groups)
+                                : Shape{.n = s.classes[c].n,
+                                        .nnz = s.pattern(choice.group_class).nnz(),
+                                        .groups = sizes[c].groups,
+                                        .rhs = 1 + s.classes[c].derivatives};
+    choice.strategy = wanted;
+    choice.reason = "forced";
+    // W is "up to": lanes that no group could fill would be computed for nothing.
+    while (choice.strategy.lanes / 2 >= sizes[c].side_by_side) choice.strategy.lanes /= 2;
+    check_backend(find_backend(backends(), choice.strategy.backend), choice);
+    plan.choices.push_back(std::move(choice));
+  }
+  check_budget(wanted, options);
+  if (wanted.p > 1) expect(plan, s, *model_of(options));
+  return plan;
+}
+
+// Other formulations are tried where that is cheap and may gain.
+std::vector<Formulation> formulations(const Scene& scene, const Structure& irreducible) {
+  constexpr std::int64_t kMostUnknowns = 2000;
+  std::vector<Formulation> others;
+  std::int64_t unknowns = 0;
+  for (const Group& g : irreducible.groups) unknowns += std::ssize(g.unknowns);
+  if (unknowns > kMostUnknowns || irreducible.groups.size() < 2) return others;
+  if (!scene.groups().empty()) others.push_back(Formulation::groups);
+  others.push_back(Formulation::global);
+  return others;
+}
+
+struct Choice {
+  std::shared_ptr<const Structure> structure;
+  Plan plan;
+};
+
+Choice automatic_choice(const Scene& scene, const PrepareOptions& options, const Start& start) {
+  const std::shared_ptr<const PerformanceModel> model = model_of(options);
+  check_names(options.without, backends());
+  const Scales scales{*model, backends(), options.without};
+  const Task task{options.mode, threads_at_most(options)};
+  const auto choose = [&](Formulation formulation) {
+    Choice choice;
+    choice.structure = structure_for(scene, options, formulation, {}, start);
+    choice.plan = dispatch(*choice.structure, task, scales);
+    return choice;
+  };
+  Choice best = choose(Formulation::irreducible);
+  for (const Formulation formulation : formulations(scene, *best.structure)) {
+    Choice other = choose(formulation);
+    if (other.plan.expected_seconds < best.plan.expected_seconds * (1 - scales.tie)) best = std::move(other);
+  }
+  return best;
+}
+
+Prepared prepare_at(const Scene& scene, const PrepareOptions& options, Start start) {
+  if (options.budget && options.budget->threads < 1) {
+    throw Error(Error::Kind::input, "a budget has at least one thread, not " + std::to_string(options.budget->threads));
+  }
   check_controlled(scene, options.controlled);
-  StructureOptions structure_options;
-  structure_options.formulation = wanted.formulation;
-  structure_options.controlled = options.controlled;
-  structure_options.posture = std::move(posture);
-  structure_options.time = time;
-  if (wanted.predictor.kind == Predictor::Kind::taylor)
-    structure_options.predictor_derivatives = wanted.predictor.order;
-  if (wanted.predictor.kind == Predictor::Kind::hermite) structure_options.predictor_derivatives = 2;
+  Choice choice;
+  if (options.strategy == "auto") {
+    choice = automatic_choice(scene, options, start);
+  } else {
+    const Strategy wanted = parse_strategy(options.strategy);
+    choice.structure = structure_for(scene, options, wanted.formulation, wanted.predictor, start);
+    choice.plan = forced_plan(*choice.structure, wanted, options);
+  }
+  Plan& plan = choice.plan;
+  if (plan.predictor.kind == Predictor::Kind::automatic) plan.predictor = automatic_predictor(*choice.structure);
+  if (options.mode == Mode::throughput && options.strategy.find("+chunks=") == std::string::npos) {
+    plan.chunks = chunks_for(plan.lanes, plan.threads, scene.time().steps());
+  }
+  for (Plan::Choice& c : plan.choices) {
+    c.strategy.predictor = plan.predictor;
+    c.strategy.chunks = plan.chunks;
+  }
 
   Prepared out;
   out.scene = std::make_shared<const Scene>(scene);
   out.controlled = options.controlled;
-  auto structure = std::make_shared<Structure>(analyze(scene, structure_options));
-  refuse_undetermined(*structure);
-  if (!structure->cannot_assemble.empty()) throw Error(Error::Kind::numerical, structure->cannot_assemble);
   out.table = backends();
-  out.plan.formulation = wanted.formulation;
-  out.plan.predictor =
-      wanted.predictor.kind == Predictor::Kind::automatic ? automatic_predictor(*structure) : wanted.predictor;
-
-  out.plan.lanes = wanted.lanes;
-  out.plan.chunks = wanted.chunks;
-  out.plan.threads = wanted.p;
-  const std::vector<ClassSize> sizes = class_sizes(*structure);
-  const bool has_klu = find_backend(out.table, "klu").why_not({}, {}).empty();
-  for (std::size_t c = 0; c < structure->classes.size(); ++c) {
-    Plan::Choice choice;
-    choice.group_class = static_cast<std::int32_t>(c);
-    choice.shape = {structure->classes[c].n, structure->pattern(choice.group_class).nnz(), sizes[c].groups,
-                    1 + structure->classes[c].derivatives};
-    choice.strategy = wanted;
-    choice.strategy.predictor = out.plan.predictor;
-    choice.reason = "forced";
-    if (automatic) {
-      const Unmeasured chosen = choose_unmeasured(choice.shape, has_klu);
-      choice.strategy.backend = chosen.backend;
-      choice.reason = chosen.reason;
-      if (chosen.backend != "lanes") choice.strategy.lanes = 1;
-    }
-    // W is "up to": lanes that no group could fill would be computed for nothing.
-    while (choice.strategy.lanes / 2 >= sizes[c].side_by_side) choice.strategy.lanes /= 2;
-    check_backend(find_backend(out.table, choice.strategy.backend), choice);
-    out.plan.choices.push_back(std::move(choice));
-  }
-  check_budget(wanted, options.budget);
-  if (!structure->redundant.empty()) {
+  out.plan = std::move(plan);
+  if (!choice.structure->redundant.empty()) {
     out.reselect = [scene, options](std::vector<double> at, double t) {
-      return prepare_at(scene, options, std::move(at), t);
+      return prepare_at(scene, options, {std::move(at), t});
     };
   }
-  out.structure = std::move(structure);
+  out.structure = std::move(choice.structure);
   return out;
 }
 
 }  // namespace
 
-Prepared prepare(const Scene& scene, const PrepareOptions& options) { return prepare_at(scene, options, {}, 0); }
+Prepared prepare(const Scene& scene, const PrepareOptions& options) { return prepare_at(scene, options, {}); }
 
 }  // namespace assur

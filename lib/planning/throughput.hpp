@@ -10,8 +10,8 @@ namespace assur {
 inline constexpr std::int32_t kThroughputLanes = 8;  // of `auto`: a register of AVX-512, two of AVX2
 inline constexpr std::int64_t kLeastSteps = 50;      // of a chunk, for its start has to be found first
 
-// Chunks of a time grid of `steps` steps: they fill the strategy's lanes and threads evenly, twice where the grid is
+// Chunks of a time grid of `steps` steps: they fill lanes and threads evenly, twice where the grid is
 // long enough, and have kLeastSteps or more each. 1 if the grid is too short for two.
-[[nodiscard]] std::int32_t chunks_for(const Strategy& strategy, std::int64_t steps);
+[[nodiscard]] std::int32_t chunks_for(std::int32_t lanes, std::int32_t threads, std::int64_t steps);
 
 }  // namespace assur

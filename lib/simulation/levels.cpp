@@ -5,12 +5,9 @@
 #include <utility>
 
 #include "parallel/longest_first.hpp"
-#include "planning/cost_prior.hpp"
 
 namespace assur {
 namespace {
-
-constexpr double kMeeting = 1e-6;  // s: two barriers and the caches' share of it
 
 std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -37,15 +34,13 @@ Levels::Levels(const Prepared& prepared, Layout& layout, std::span<const int> pi
   team_ = std::make_unique<Team>(threads, pin_to);
 }
 
-// Levels that gain by it are shared; what lies between two of them is the caller's. No phases if nothing is shared.
+// Levels are shared as planned; what lies between two of them is the caller's. No phases if nothing is shared.
 void Levels::schedule(const Prepared& prepared, int threads) {
   threads = std::min(threads, widest_level(packs_));  // more would only wait
   if (threads < 2) return;
+  const Plan& plan = prepared.plan;
   std::vector<double> cost;
-  for (const Pack& pack : packs_) {
-    const Plan::Choice& choice = prepared.plan.choices[idx(pack.group_class)];
-    cost.push_back(expected_seconds(choice.shape, choice.strategy));
-  }
+  for (const Pack& pack : packs_) cost.push_back(plan.choices[idx(pack.group_class)].expected_seconds);
   bool any = false;
   Phase alone;
   const auto flush = [&] {
@@ -56,10 +51,9 @@ void Levels::schedule(const Prepared& prepared, int threads) {
   };
   for (std::size_t begin = 0, end = 0; begin < packs_.size(); begin = end) {
     while (end < packs_.size() && packs_[end].level == packs_[begin].level) ++end;
-    const std::span<const double> costs = std::span(cost).subspan(begin, end - begin);
-    const double all = std::accumulate(costs.begin(), costs.end(), 0.0);
-    Shares shares = longest_first(costs, threads);
-    if (all - shares.makespan > kMeeting) {
+    const auto level = idx(packs_[begin].level);
+    if (end - begin > 1 && (plan.level_threads.empty() || plan.level_threads[level] > 1)) {
+      Shares shares = longest_first(std::span(cost).subspan(begin, end - begin), threads);
       flush();
       for (std::int32_t& p : shares.pack) p += static_cast<std::int32_t>(begin);
       phases_.push_back({std::move(shares.pack), std::move(shares.start)});

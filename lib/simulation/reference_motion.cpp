@@ -190,7 +190,7 @@ void ReferenceMotion::drive(double t) {
   for (std::size_t c = 0; c < rounded_.size(); ++c) {
     rounded_[c] = static_cast<double>(state_.q[0][c]);
     if (system_.coordinates[c].role != Role::driven) continue;
-    for (const std::size_t d : {1, 2}) scale_[d] = std::max(scale_[d], std::abs(static_cast<double>(state_.q[d][c])));
+    for (const std::size_t d : {1u, 2u}) scale_[d] = std::max(scale_[d], std::abs(static_cast<double>(state_.q[d][c])));
   }
   scale_[2] = std::max(scale_[2], scale_[1] * scale_[1]);
 }

@@ -61,7 +61,7 @@ class CallerSettings : public testing::TestWithParam<const Backend*> {
   }
 
  private:
-  const Settings before_;
+  const Settings before_ = {};
 };
 
 TEST_P(CallerSettings, AreAsBeforeAfterEveryCall) {

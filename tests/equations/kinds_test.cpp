@@ -341,8 +341,8 @@ TEST_P(EveryKind, RunsAlongItsPath) {
         const int components = is_scalar ? 1 : kind().scene.dimension();
         for (int k = 0; k < components; ++k) {
           const QuadJet& expected = at[static_cast<std::size_t>(k)];
-          const auto value = [&](const char* scalar, const std::string& part) {
-            return run(row, run.index(is_scalar ? item + scalar : item + part + "xyz"[k]));
+          const auto value = [&, &of = item](const char* scalar, const std::string& part) {
+            return run(row, run.index(is_scalar ? of + scalar : of + part + "xyz"[k]));
           };
           EXPECT_NEAR(value("", "."), static_cast<double>(expected.value), 1e-12) << item << strategy;
           EXPECT_NEAR(value(".rate", ".v"), static_cast<double>(expected.rate), 1e-11) << item << strategy;

@@ -8,29 +8,22 @@
 namespace assur {
 namespace {
 
-Strategy with(std::int32_t lanes, std::int32_t p) {
-  Strategy strategy;
-  strategy.lanes = lanes;
-  strategy.p = p;
-  return strategy;
-}
-
 TEST(Throughput, ChunksFillLanesAndThreadsTwice) {
-  EXPECT_EQ(chunks_for(with(8, 2), 100'000), 32);
-  EXPECT_EQ(chunks_for(with(1, 1), 100'000), 2);
-  EXPECT_EQ(chunks_for(with(4, 3), 1'200), 24);
+  EXPECT_EQ(chunks_for(8, 2, 100'000), 32);
+  EXPECT_EQ(chunks_for(1, 1, 100'000), 2);
+  EXPECT_EQ(chunks_for(4, 3, 1'200), 24);
 }
 
 TEST(Throughput, ChunksAreLongEnoughAndLeaveNoLaneIdle) {
-  EXPECT_EQ(chunks_for(with(8, 2), 1'599), 16);
-  EXPECT_EQ(chunks_for(with(8, 2), 799), 8);
-  EXPECT_EQ(chunks_for(with(8, 2), 399), 7);
-  EXPECT_EQ(chunks_for(with(8, 2), 99), 1);
-  EXPECT_EQ(chunks_for(with(8, 2), 0), 1);
+  EXPECT_EQ(chunks_for(8, 2, 1'599), 16);
+  EXPECT_EQ(chunks_for(8, 2, 799), 8);
+  EXPECT_EQ(chunks_for(8, 2, 399), 7);
+  EXPECT_EQ(chunks_for(8, 2, 99), 1);
+  EXPECT_EQ(chunks_for(8, 2, 0), 1);
   for (std::int32_t lanes : {1, 2, 4, 8, 16}) {
     for (std::int32_t p : {1, 2, 3, 64}) {
       for (std::int64_t steps = 0; steps < 3'000; steps += 7) {
-        const std::int32_t chunks = chunks_for(with(lanes, p), steps);
+        const std::int32_t chunks = chunks_for(lanes, p, steps);
         EXPECT_GE(chunks, 1);
         EXPECT_TRUE(chunks == 1 || steps / chunks >= kLeastSteps) << chunks << " chunks of " << steps;
         EXPECT_TRUE(chunks <= lanes || chunks % lanes == 0) << chunks << " chunks in " << lanes << " lanes";
@@ -44,7 +37,7 @@ TEST(Throughput, AutoFillsLanesAndTheWholeBudget) {
   const Prepared prepared = prepare(sample("stewart"), {.budget = ThreadBudget{3}, .mode = Mode::throughput});
   EXPECT_EQ(prepared.plan.threads, 3);
   EXPECT_EQ(prepared.plan.lanes, kThroughputLanes);
-  EXPECT_EQ(prepared.plan.chunks, chunks_for(with(prepared.plan.lanes, 3), prepared.scene->time().steps()));
+  EXPECT_EQ(prepared.plan.chunks, chunks_for(prepared.plan.lanes, 3, prepared.scene->time().steps()));
   const Prepared of_the_machine = prepare(sample("stewart"), {.mode = Mode::throughput});
   EXPECT_EQ(of_the_machine.plan.threads, this_machine().budget().threads);
 }

@@ -94,7 +94,7 @@ TEST(AngleKernels, LargeAnglesAreThoseOfTheLibraryOfC) {
       EXPECT_EQ(at.cosines[i], std::cos(angles[i]));
     }
     const SinesAndCosines none(kernels, {kInfinity, 1, -kInfinity, kNone});
-    for (const std::size_t i : {0, 2, 3}) {
+    for (const std::size_t i : {0u, 2u, 3u}) {
       EXPECT_TRUE(std::isnan(none.sines[i]));
       EXPECT_TRUE(std::isnan(none.cosines[i]));
     }

@@ -90,7 +90,7 @@ TEST(Ensemble, MembersAreWhatASimulatorOfEachGives) {
         Ensemble e = ensemble(11, scene, strategy);
         const EnsembleTrajectory all = e.run();
         ASSERT_EQ(e.report().status.code, Code::ok) << scene(0).name() << " " << strategy;
-        for (const std::size_t i : {0, 4, 10}) expect_member(e, all, i, scene(i), strategy);
+        for (const std::size_t i : {0u, 4u, 10u}) expect_member(e, all, i, scene(i), strategy);
         EXPECT_EQ(e.report().counters.steps, 11 * 60);
         EXPECT_TRUE(e.report().fallbacks.empty()) << e.report().fallbacks[0];
       }
@@ -105,7 +105,7 @@ TEST(Ensemble, OfStewartPlatforms) {
     Ensemble e = ensemble(11, stewart, strategy);
     const EnsembleTrajectory all = e.run();
     ASSERT_EQ(e.report().status.code, Code::ok) << strategy;
-    for (const std::size_t i : {0, 8, 10}) expect_member(e, all, i, stewart(i), strategy, 10);
+    for (const std::size_t i : {0u, 8u, 10u}) expect_member(e, all, i, stewart(i), strategy, 10);
   }
 }
 
@@ -275,7 +275,7 @@ TEST(Ensemble, AnglesAreUnwrappedOverManyTurns) {
   EXPECT_LT(all.rows(1), 250u);
   const auto column = static_cast<std::size_t>(std::find(all.columns().begin(), all.columns().end(), "crank_angle") -
                                                all.columns().begin());
-  for (const std::size_t i : {0, 2}) {
+  for (const std::size_t i : {0u, 2u}) {
     const double rate = 6.5 + 0.5 * static_cast<double>(i);
     ASSERT_EQ(all.rows(i), 801u);
     for (std::size_t k = 0; k < 801; ++k) {
@@ -330,12 +330,12 @@ TEST(Ensemble, AMemberWithOtherOutputsCannotTakePart) {
   };
   Ensemble e = ensemble(4, scene);
   const EnsembleTrajectory all = e.run();
-  for (const std::size_t i : {1, 2}) {
+  for (const std::size_t i : {1u, 2u}) {
     EXPECT_NE(e.outcomes()[i].cannot.find("outputs"), std::string::npos);
     EXPECT_EQ(all.rows(i), 0u);
     for (std::size_t k = 0; k < 101; ++k) EXPECT_TRUE(std::isnan(all(i, k, 0)));
   }
-  for (const std::size_t i : {0, 3}) expect_member(e, all, i, scene(i), "groups/eigen:4");
+  for (const std::size_t i : {0u, 3u}) expect_member(e, all, i, scene(i), "groups/eigen:4");
 }
 
 // A driven distance in one, a driven coordinate in the other: the same unknowns, another kind of input.
@@ -350,7 +350,7 @@ TEST(Ensemble, AnActuatorThatVanishesIsItsMembersOutcome) {
   };
   Ensemble e = ensemble(4, scene);
   const EnsembleTrajectory all = e.run();
-  for (const std::size_t i : {0, 1, 3}) expect_member(e, all, i, scene(i), "groups/eigen:4");
+  for (const std::size_t i : {0u, 1u, 3u}) expect_member(e, all, i, scene(i), "groups/eigen:4");
   EXPECT_EQ(e.outcomes()[2].status.code, test::run(scene(2), "groups/eigen").report().status.code);
   EXPECT_FALSE(e.outcomes()[2].status.ok());
 }
@@ -371,7 +371,7 @@ TEST(Ensemble, AMemberThatStartsAtASingularityCannotBeStarted) {
     EXPECT_EQ(e.outcomes()[1].status.code, Code::singular);
     EXPECT_NE(e.outcomes()[1].cannot.find("singular"), std::string::npos) << e.outcomes()[1].cannot;
     EXPECT_EQ(all.rows(1), 0u);
-    for (const std::size_t i : {0, 2}) expect_member(e, all, i, scene(i), strategy);
+    for (const std::size_t i : {0u, 2u}) expect_member(e, all, i, scene(i), strategy);
   }
 }
 
@@ -417,7 +417,7 @@ TEST(Ensemble, RedundantEquationsAreWatched) {
     const EnsembleTrajectory rows = apart.run();
     EXPECT_EQ(apart.outcomes()[2].status.code, Code::inconsistent);
     EXPECT_EQ(rows.rows(2), test::run(leaving(2), "groups/eigen").trajectory.rows());
-    for (const std::size_t i : {0, 1, 3}) EXPECT_EQ(rows.rows(i), 11u);
+    for (const std::size_t i : {0u, 1u, 3u}) EXPECT_EQ(rows.rows(i), 11u);
   }
 }
 
@@ -547,7 +547,7 @@ TEST(Ensemble, OwnTimesOfAnyLengthAndTwiceTheSame) {
 }
 
 TEST(Ensemble, OneMemberAndFewerThanLanes) {
-  for (const std::size_t members : {1, 2, 3, 5, 9}) {
+  for (const std::size_t members : {1u, 2u, 3u, 5u, 9u}) {
     Ensemble e = ensemble(members, four_bar, "groups/lanes:8 2x1");
     const EnsembleTrajectory all = e.run();
     EXPECT_EQ(all.members(), members);

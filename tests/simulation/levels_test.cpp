@@ -23,9 +23,16 @@ namespace {
 using test::Result;
 
 // A budget of p x q, but of 4 at least: more threads than there are cores, maybe.
-Prepared prepared(const Scene& scene, const std::string& solver, int p, int q = 1) {
+Prepared as_planned(const Scene& scene, const std::string& solver, int p, int q = 1) {
   const std::string split = " " + std::to_string(p) + "x" + std::to_string(q);
   return prepare(scene, {solver + split, {}, ThreadBudget{std::max(4, p * q)}});
+}
+
+// The same with every level shared, whether that gains or not.
+Prepared prepared(const Scene& scene, const std::string& solver, int p, int q = 1) {
+  Prepared all = as_planned(scene, solver, p, q);
+  all.plan.level_threads.clear();
+  return all;
 }
 
 int threads_of(const Prepared& p) {
@@ -91,7 +98,7 @@ TEST(Levels, OfOneGroupEachStayOnOneThread) {
 TEST(Levels, OfLittleWorkStayOnOneThread) {
   test::Fan fan("few", 0.5, Law::polynomial({0.5, 1}));
   for (int i = 0; i < 4; ++i) fan.dyad(2, 1.8, 1.3);
-  EXPECT_EQ(threads_of(prepared(fan.build(1, 0.01), "groups/eigen", 4)), 1);
+  EXPECT_EQ(threads_of(as_planned(fan.build(1, 0.01), "groups/eigen", 4)), 1);
 }
 
 TEST(Levels, NoMoreThreadsThanGroups) {

@@ -1,6 +1,8 @@
 // Any strategy gives the motion of any mechanism, within what its residuals and the conditions of its postures allow.
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 #include "simulation/conditions.hpp"
 #include "simulation/limited.hpp"
 #include "simulation/random_mechanisms.hpp"
@@ -99,6 +101,38 @@ TEST(Strategies, AnyGivesTheMotionOfAnyMechanism) {
       if (testing::Test::HasFailure()) return;
     }
   }
+}
+
+// Every solver of this build in every formulation, alone and in lanes, with each way to factorise.
+std::vector<std::string> every_kind_of_strategy() {
+  std::vector<std::string> out;
+  for (const std::string formulation : {"global/", "groups/", "irreducible/"}) {
+    for (const Backend* backend : backends_here()) {
+      for (const std::string options : {"", ":4+once", "+separate", ":8+reuse=run", "+reuse=step+refine"}) {
+        out.push_back(formulation + std::string(backend->id) + options);
+      }
+      if (backend->single) out.push_back(formulation + std::string(backend->id) + ":2+float");
+    }
+  }
+  return out;
+}
+
+TEST(Strategies, GiveTheMotionOfEveryShippedScene) {
+  int moving = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(std::string(ASSUR_SOURCE_DIR) + "/scenes")) {
+    if (entry.path().filename() == "scene.schema.json") continue;
+    const Scene whole = read_scene(entry.path());
+    const TimeGrid grid = whole.time();
+    const Scene scene = whole.with_time({grid.start, grid.start + 10 * grid.step, grid.step});
+    if (prepare(scene).structure->groups.empty()) continue;  // it stands still: no strategy solves anything
+    ++moving;
+    const double condition = worst_condition(scene);
+    for (const std::string& strategy : every_kind_of_strategy()) {
+      expect_the_motion_of_the_reference(scene, strategy, condition);
+      if (testing::Test::HasFailure()) return;
+    }
+  }
+  EXPECT_GE(moving, 5);
 }
 
 // ---- the strategies of the paper

@@ -55,7 +55,7 @@ TEST(Andrews, HasThreeDyadsOnTwoLevels) {
   EXPECT_EQ(s.groups[0].name, "E");
   EXPECT_EQ(s.groups[0].level, 0);
   for (const Group& g : s.groups) EXPECT_EQ(g.unknowns.size(), 2u);
-  for (std::size_t g : {1, 2}) EXPECT_EQ(s.groups[g].level, 1);
+  for (std::size_t g : {1u, 2u}) EXPECT_EQ(s.groups[g].level, 1);
 }
 
 TEST(Andrews, CannotBeAssembledWithTheMisprint) {

@@ -37,12 +37,20 @@ struct RunOptions {
   std::optional<std::int64_t> steps;  // left out: up to the scene's end
   std::vector<std::string> outputs;   // empty: those of the scene
   std::string strategy = "auto";
-  std::optional<Mode> mode;  // left out: throughput where the ensemble or the strategy asks for it
-  std::string ensemble;      // a CSV of parameters, one member a row; empty: the scene alone
-  int iterations = 0;        // 0: as many as convergence takes
-  std::string csv;           // "-": standard output; empty: none
+  std::vector<std::string> without;  // backends that `auto` leaves out
+  std::optional<Mode> mode;          // left out: throughput where the ensemble or the strategy asks for it
+  std::string ensemble;              // a CSV of parameters, one member a row; empty: the scene alone
+  int iterations = 0;                // 0: as many as convergence takes
+  std::string csv;                   // "-": standard output; empty: none
   bool reference = false;
   bool pin = false;  // each thread on a core of its own
+};
+
+struct PlanOptions {
+  std::string scene;
+  std::vector<std::string> outputs;  // empty: those of the scene
+  Mode mode = Mode::latency;
+  std::vector<std::string> without;  // backends
 };
 
 // What to ask the tuning database, and of which samples: those that fit all that is set.
@@ -54,17 +62,27 @@ struct DbOptions {
   bool all = false;
 };
 
+struct TuneOptions {
+  std::string profile = "quick";
+  std::optional<double> budget;     // s, instead of the profile's
+  std::vector<std::string> scenes;  // sample only what these need; empty: everything
+  std::string csv;                  // write the samples here, too; empty: nowhere
+  std::string trial;                // hidden: try this strategy, and nothing else
+};
+
 // Throws Error (input) for --threads beyond the processors that this process may use; warns beyond the machine's
 // budget.
 void check_threads(const Common& common);
 
 int inspect(const Common& common, const InspectOptions& options);
 int run(const Common& common, const RunOptions& options);
+int plan(const Common& common, const PlanOptions& options);
 int backends(const Common& common);
 int db(const Common& common, const DbOptions& options);
 
 // What is known of this machine: from --db alone, which throws Error (environment) if it cannot be read, else from all
 // databases.
 [[nodiscard]] MachineModel machine_model_of(const Common& common);
+int tune(const Common& common, const TuneOptions& options);
 
 }  // namespace assur::command

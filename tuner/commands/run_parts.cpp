@@ -57,6 +57,7 @@ PrepareOptions how_of(const Common& common, const RunOptions& options) {
   check_mode(options, chunks);
   PrepareOptions how;
   how.strategy = options.strategy;
+  how.without = options.without;
   if (common.threads > 0) how.budget = ThreadBudget{common.threads};
   how.mode = chunks || !options.ensemble.empty() ? Mode::throughput : options.mode.value_or(Mode::latency);
   return how;

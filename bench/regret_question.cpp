@@ -1,0 +1,228 @@
+#include "regret_question.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <set>
+
+#include "measure/motion.hpp"
+#include "measure/race.hpp"
+
+namespace assur::bench {
+namespace {
+
+constexpr double kWrong = 1e-9;  // residual of a step from which on nobody wants it
+constexpr std::size_t kFailed = static_cast<std::size_t>(-1);
+
+// A prepared scene that can be raced.
+struct Racer {
+  std::string text;
+  Prepared prepared;
+  std::vector<std::string> others = {};  // texts that mean the same here
+  std::unique_ptr<measure::WholeStep> step = nullptr;
+  double seconds = HUGE_VAL;
+};
+
+std::string text_of(const Plan& plan) {
+  std::vector<std::string> texts;
+  for (Plan::Choice c : plan.choices) {
+    c.strategy.predictor = {};  // the same for all
+    texts.push_back(to_string(c.strategy));
+  }
+  if (std::set<std::string>(texts.begin(), texts.end()).size() <= 1) return texts.empty() ? "-" : texts[0];
+  std::string all;
+  for (const std::string& text : texts) all += (all.empty() ? "" : " | ") + text;
+  return all;
+}
+
+bool is_right(const Report& report) {
+  return report.status.ok() && report.error.position < kWrong && report.error.velocity < kWrong &&
+         report.error.acceleration < kWrong;
+}
+
+// False if it cannot run or is wrong.
+bool enter(Racer& racer) {
+  try {
+    racer.step = std::make_unique<measure::WholeStep>(racer.prepared);
+    return racer.step->run(3) && is_right(racer.step->report());
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+void race(std::vector<Racer*>& racers, const measure::RaceRules& rules) {
+  std::vector<measure::Runner> runners;
+  for (Racer* r : racers) runners.push_back({.work = r->step.get()});
+  (void)measure::race(runners, rules);
+  for (std::size_t i = 0; i < racers.size(); ++i) {
+    racers[i]->seconds = runners[i].failed || !is_right(racers[i]->step->report()) ? HUGE_VAL : runners[i].median();
+  }
+}
+
+// Every strategy that is the same for all classes. Policies and threads multiply what is already many: they are tried
+// where they can matter.
+std::vector<std::string> uniform_strategies(const Scene& scene, const Question& q) {
+  std::vector<std::string> all;
+  std::vector<std::string> formulations = {"irreducible", "global"};
+  if (!scene.groups().empty()) formulations.push_back("groups");
+  for (const Backend& backend : backends()) {
+    if (!backend.why_not({}, {}).empty()) continue;
+    if (std::find(q.without.begin(), q.without.end(), backend.id) != q.without.end()) continue;
+    for (const std::string& formulation : formulations) {
+      for (const int lanes : {1, 2, 4, 8, 16}) {
+        if (lanes > 1 && formulation == "global") continue;
+        for (const char* policy : {"", "+once"}) {
+          for (int p = 1; p <= q.threads; p *= 2) {
+            std::string text = formulation + "/" + std::string(backend.id);
+            if (lanes > 1) text += ":" + std::to_string(lanes);
+            text += policy;
+            if (p > 1) text += " " + std::to_string(p) + "x1";
+            all.push_back(text);
+            if (p > 1 && lanes == 1 && backend.why_not({}, ThreadBudget{p}).empty()) {
+              all.push_back(formulation + "/" + std::string(backend.id) + policy + " 1x" + std::to_string(p));
+            }
+          }
+        }
+      }
+    }
+  }
+  return all;
+}
+
+// What is run in the end: where there are no groups for more lanes or threads, other texts mean the same.
+std::string essence_of(const Prepared& prepared) {
+  std::string text = text_of(prepared.plan);
+  for (const std::int32_t p : prepared.plan.level_threads) text += "," + std::to_string(p);
+  return text;
+}
+
+std::vector<Racer> uniform_racers(const Scene& scene, const Question& q,
+                                  const std::shared_ptr<const PerformanceModel>& model) {
+  std::vector<Racer> racers;
+  std::map<std::string, std::size_t> place;  // by essence: of the racer, or kFailed
+  for (const std::string& strategy : uniform_strategies(scene, q)) {
+    try {
+      Racer racer{strategy, prepare(scene, {.strategy = strategy, .budget = ThreadBudget{q.threads}, .model = model})};
+      const auto [at, is_new] = place.try_emplace(essence_of(racer.prepared), racers.size());
+      if (is_new && enter(racer)) {
+        racers.push_back(std::move(racer));
+      } else if (is_new) {
+        at->second = kFailed;
+      } else if (at->second != kFailed) {
+        racers[at->second].others.push_back(strategy);
+      }
+    } catch (const Error&) {
+      // it cannot run here
+    }
+  }
+  return racers;
+}
+
+// The fastest with another solver or other lanes for one class.
+std::vector<Racer> mixed_racers(const Racer& fastest, const Question& q) {
+  std::vector<Racer> racers;
+  const Plan& plan = fastest.prepared.plan;
+  for (std::size_t c = 0; c < plan.choices.size() && plan.choices.size() > 1; ++c) {
+    for (const Backend& backend : backends()) {
+      if (!backend.why_not({}, {}).empty()) continue;
+      if (std::find(q.without.begin(), q.without.end(), backend.id) != q.without.end()) continue;
+      for (const int lanes : {1, 2, 4, 8, 16}) {
+        if (lanes > 2 * plan.choices[c].shape.groups - 1) continue;
+        Racer racer{.text = "", .prepared = fastest.prepared};
+        Strategy& s = racer.prepared.plan.choices[c].strategy;
+        if (s.backend == backend.id && s.lanes == lanes) continue;
+        s.backend = backend.id;
+        s.lanes = lanes;
+        s.once = false;
+        racer.text = text_of(racer.prepared.plan);
+        if (enter(racer)) racers.push_back(std::move(racer));
+      }
+    }
+  }
+  return racers;
+}
+
+// What is best for each class alone, all at once.
+std::optional<Racer> combined(const Racer& fastest, const std::vector<Racer>& mixed) {
+  Racer all{"", fastest.prepared};
+  Plan& plan = all.prepared.plan;
+  bool changed = false;
+  for (std::size_t c = 0; c < plan.choices.size(); ++c) {
+    double best = fastest.seconds;
+    for (const Racer& m : mixed) {
+      const Strategy& s = m.prepared.plan.choices[c].strategy;
+      if (m.seconds >= best || s == fastest.prepared.plan.choices[c].strategy) continue;
+      best = m.seconds;
+      plan.choices[c].strategy = s;
+      changed = true;
+    }
+  }
+  all.text = text_of(plan);
+  if (!changed || !enter(all)) return std::nullopt;
+  return all;
+}
+
+bool faster(const Racer* a, const Racer* b) { return a->seconds < b->seconds; }
+
+std::vector<Racer*> pointers(std::vector<Racer>& racers) {
+  std::vector<Racer*> all;
+  for (Racer& r : racers) all.push_back(&r);
+  return all;
+}
+
+}  // namespace
+
+std::string Question::without_text() const {
+  std::string text;
+  for (const std::string& backend : without) text += "-" + backend;
+  return text;
+}
+
+Answer answer(const Question& q, const std::shared_ptr<const PerformanceModel>& model, bool quick) {
+  const Scene scene = open_scene(q.scene);
+  Racer chosen{"", prepare(scene, {.budget = ThreadBudget{q.threads}, .model = model, .without = q.without})};
+  chosen.text = text_of(chosen.prepared.plan);
+  if (!enter(chosen)) throw Error(Error::Kind::numerical, q.scene + ": " + chosen.text + " fails");
+
+  measure::RaceRules trial{.block = 50e-6, .seconds = quick ? 0.3 : 1.5, .least_rounds = 5, .most_rounds = 15};
+  std::vector<Racer> uniform = uniform_racers(scene, q, model);
+  std::vector<Racer*> all = pointers(uniform);
+  if (all.empty()) throw Error(Error::Kind::environment, q.scene + ": no strategy can run");
+  race(all, trial);
+  std::sort(all.begin(), all.end(), faster);
+
+  std::vector<Racer> mixed = mixed_racers(*all[0], q);
+  std::optional<Racer> together;
+  if (!mixed.empty()) {
+    std::vector<Racer*> entrants = pointers(mixed);
+    Racer again{all[0]->text, all[0]->prepared};
+    if (enter(again)) entrants.push_back(&again);
+    race(entrants, trial);
+    together = combined(again, mixed);
+    for (Racer* m : pointers(mixed)) all.push_back(m);
+    std::sort(all.begin(), all.end(), faster);
+  }
+
+  Answer out;
+  out.question = q;
+  out.chosen = chosen.text;
+  out.expected_seconds = chosen.prepared.plan.expected_seconds;
+  for (const Racer& u : uniform) {
+    if (!std::isfinite(u.seconds)) continue;
+    out.uniform[u.text] = u.seconds;
+    for (const std::string& other : u.others) out.uniform[other] = u.seconds;
+  }
+  std::vector<Racer*> final(all.begin(),
+                            all.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(4, all.size())));
+  if (together) final.push_back(&*together);
+  final.push_back(&chosen);
+  race(final, {.block = 200e-6, .seconds = quick ? 0.3 : 3, .least_rounds = 15, .most_rounds = 61, .hopeless = 1e9});
+  const Racer* best = *std::min_element(final.begin(), final.end(), faster);
+  out.chosen_seconds = chosen.seconds;
+  out.best_seconds = best->seconds;
+  out.best = best->text;
+  return out;
+}
+
+}  // namespace assur::bench

@@ -1,0 +1,149 @@
+#include "planning/candidates.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "parallel/machine.hpp"
+#include "planning/counts.hpp"
+
+namespace assur {
+namespace {
+
+constexpr double kAccurate = 1e-12;  // backward error of a solution in double, with room for growth
+
+std::string refused(const Backend& backend, const Shape& shape, const Strategy& s, const Scales& scales) {
+  if (std::find(scales.without.begin(), scales.without.end(), backend.id) != scales.without.end()) return "left out";
+  if (std::string why_not = backend.why_not(shape, ThreadBudget{s.q}); !why_not.empty()) return why_not;
+  if (const double error = scales.model.backward_error(shape, s); error > kAccurate) {
+    std::ostringstream text;
+    text.precision(1);
+    text << std::scientific << "its solutions had a backward error of " << error;
+    return text.str();
+  }
+  return "";
+}
+
+// One call for W of them: a step of a pack, or a matrix factorised and solved.
+Prediction predict(const Shape& shape, const Strategy& s, const PerformanceModel& model) {
+  if (shape.terms > 0) return model.pack(shape, s);
+  const Prediction factor = model.kernel(Kernel::factor, shape, s), solve = model.kernel(Kernel::solve, shape, s);
+  return {factor.seconds + shape.rhs * solve.seconds, std::max(factor.factor, solve.factor),
+          std::max(factor.origin, solve.origin)};
+}
+
+double calls(const Load& load, std::int32_t lanes) {
+  const std::int32_t packs = (load.groups + lanes - 1) / lanes;
+  return static_cast<double>((packs + load.threads - 1) / load.threads);
+}
+
+// Which other ways of the same solver are worth weighing.
+std::vector<Strategy> variants(const Backend& backend, const Shape& shape, std::int32_t most_lanes,
+                               std::int32_t most_q) {
+  std::vector<Strategy> all;
+  Strategy s;
+  s.backend = backend.id;
+  for (s.lanes = 1; s.lanes <= std::min(most_lanes, 16); s.lanes *= 2) {
+    for (s.q = 1; s.q <= most_q; s.q *= 2) {
+      if (s.q > 1 && (s.lanes > 1 || !backend.why_not(shape, ThreadBudget{s.q}).empty())) continue;
+      for (const bool once : {false, true}) {
+        if (once && shape.terms == 0) continue;
+        for (const bool single : {false, true}) {
+          if (single && !backend.single) continue;
+          s.once = once;
+          s.single = single;
+          all.push_back(s);
+        }
+      }
+    }
+  }
+  return all;
+}
+
+}  // namespace
+
+std::vector<Candidate> weigh(const Shape& shape, std::span<const Load> loads, std::int32_t most_lanes,
+                             std::int32_t most_q, const Scales& scales) {
+  std::vector<Candidate> all;
+  for (const Backend& backend : scales.table) {
+    Strategy plain;
+    plain.backend = backend.id;
+    if (std::string why_not = refused(backend, shape, plain, scales); !why_not.empty()) {
+      all.push_back({.strategy = plain, .why_not = std::move(why_not)});
+      continue;
+    }
+    for (const Strategy& s : variants(backend, shape, most_lanes, most_q)) {
+      Candidate candidate{.strategy = s, .why_not = refused(backend, shape, s, scales)};
+      if (candidate.why_not.empty()) {
+        const Prediction one = predict(shape, s, scales.model);
+        for (const Load& load : loads) {
+          const double contention = scales.model.contention(load.threads * s.q);
+          candidate.expected_seconds += calls(load, s.lanes) * one.seconds * (load.threads > 1 ? contention : 1);
+        }
+        candidate.factor = one.factor;
+        candidate.origin = one.origin;
+      }
+      all.push_back(std::move(candidate));
+    }
+  }
+  return all;
+}
+
+void rank(std::vector<Candidate>& candidates, double tie) {
+  std::stable_sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
+    if (a.why_not.empty() != b.why_not.empty()) return a.why_not.empty();
+    return a.expected_seconds < b.expected_seconds;
+  });
+  if (candidates.empty() || !candidates[0].why_not.empty()) return;
+  const double within = candidates[0].expected_seconds * (1 + tie);
+  const auto end = std::find_if(candidates.begin(), candidates.end(),
+                                [&](const Candidate& c) { return !c.why_not.empty() || c.expected_seconds > within; });
+  const auto modesty = [](const Candidate& c) {
+    return std::tuple(c.strategy.p * c.strategy.q, c.strategy.single, c.strategy.once);
+  };
+  const auto best = std::min_element(candidates.begin(), end,
+                                     [&](const Candidate& a, const Candidate& b) { return modesty(a) < modesty(b); });
+  std::rotate(candidates.begin(), best, best + 1);
+}
+
+void check_names(std::span<const std::string> without, std::span<const Backend> table) {
+  for (const std::string& id : without) (void)find_backend(table, id);
+}
+
+std::vector<Candidate> candidates(const Shape& shape, const CandidateOptions& options) {
+  check_names(options.without, backends());
+  const std::shared_ptr<const PerformanceModel> model = options.model ? options.model : machine_model().model;
+  const std::int32_t budget = std::max(1, (options.budget ? *options.budget : available_budget()).threads);
+  const Scales scales{*model, backends(), options.without};
+  std::vector<Candidate> all;
+  for (std::int32_t p = 1; p <= std::min(budget, shape.groups); p *= 2) {
+    const Load load{shape.groups, p};
+    for (Candidate& c : weigh(shape, {&load, 1}, 2 * shape.groups - 1, budget / p, scales)) {
+      if (p > 1 && !c.why_not.empty()) continue;  // said once
+      c.strategy.p = p;
+      c.strategy.formulation = Formulation::irreducible;
+      if (c.why_not.empty()) c.expected_seconds += model->meeting(p).seconds;
+      all.push_back(std::move(c));
+    }
+  }
+  rank(all, scales.tie);
+  return all;
+}
+
+Candidate choose_solver(const Pattern& pattern, std::int32_t count, std::int32_t rhs, const CandidateOptions& options) {
+  if (count < 1 || rhs < 0) {
+    throw Error(Error::Kind::input, "choose_solver: expects one matrix or more and right-hand sides from 0 on, not " +
+                                        std::to_string(count) + " and " + std::to_string(rhs));
+  }
+  Shape shape = shape_of(pattern, count);
+  shape.rhs = rhs;
+  std::vector<Candidate> all = candidates(shape, options);
+  if (all.empty() || !all[0].why_not.empty()) {
+    std::string reasons;
+    for (const Candidate& c : all) reasons += "; " + c.strategy.backend + ": " + c.why_not;
+    throw Error(Error::Kind::environment, "no backend can solve these systems" + reasons);
+  }
+  return std::move(all[0]);
+}
+
+}  // namespace assur

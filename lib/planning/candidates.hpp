@@ -1,0 +1,39 @@
+// Which strategies there are for the groups of a class, and what each would cost.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "assur/plan.hpp"
+
+namespace assur {
+
+// What candidates are weighed with.
+struct Scales {
+  const PerformanceModel& model;
+  std::span<const Backend> table;
+  std::span<const std::string> without;
+  double tie = 0.02;  // costs this close are equal: times are hardly known better
+};
+
+// The groups of a class that are solved side by side.
+struct Load {
+  std::int32_t groups = 1;
+  std::int32_t threads = 1;  // that share them
+};
+
+// Candidates with up to `most_lanes` lanes and `most_q` threads inside; each is weighed by the sum over `loads`. Cost
+// of those that cannot run is not known: 0. In no order.
+[[nodiscard]] std::vector<Candidate> weigh(const Shape& shape, std::span<const Load> loads, std::int32_t most_lanes,
+                                           std::int32_t most_q, const Scales& scales);
+
+// The fastest first, but of those within the tie one with fewer threads, and then one that computes in double; those
+// that cannot run last.
+void rank(std::vector<Candidate>& candidates, double tie);
+
+// Throws Error (input) if one of the names is no backend.
+void check_names(std::span<const std::string> without, std::span<const Backend> table);
+
+}  // namespace assur

@@ -1,0 +1,50 @@
+// Time of one kernel over shapes: a sum of physical terms fitted to what was measured, and what the neighbours say
+// beyond it.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "assur/performance.hpp"
+
+namespace assur {
+
+inline constexpr std::size_t kTerms = 5;
+inline constexpr std::size_t kAxes = 4;
+
+// Where a time was, or is to be, measured.
+struct Point {
+  std::array<double, kTerms> terms{};  // counts that the time grows with; unused ones are 0
+  std::array<double, kAxes> place{};   // logarithms: points close to each other have like deviations
+};
+
+class Curve {
+ public:
+  struct Measured {
+    Point at;
+    double seconds = 0;
+    double noise = 0;  // relative
+  };
+
+  // The fit is robust: coefficients >= 0 of the terms, least squares of relative deviations, outliers weigh less
+  // (Huber 1964). At least one point; the order of the points does not matter beyond rounding.
+  explicit Curve(std::vector<Measured> points);
+
+  [[nodiscard]] Prediction at(const Point& point) const;
+
+ private:
+  struct Deviation {
+    std::array<double, kAxes> place;
+    double log_ratio;  // measured over fitted
+    double weight;
+  };
+  [[nodiscard]] double fitted(const Point& point) const;
+  void fit(const std::vector<Measured>& points);
+  void start_at_medians(const std::vector<Measured>& points);
+
+  std::array<double, kTerms> coefficients_{}, scale_{};
+  std::vector<Deviation> deviations_;
+};
+
+}  // namespace assur

@@ -1,0 +1,238 @@
+#include "planning/dispatcher.hpp"
+
+#include <algorithm>
+#include <array>
+#include <iomanip>
+#include <numeric>
+#include <optional>
+#include <sstream>
+#include <utility>
+
+#include "parallel/longest_first.hpp"
+#include "planning/counts.hpp"
+#include "planning/throughput.hpp"
+
+namespace assur {
+namespace {
+
+std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+// Groups of one class on one level.
+struct Batch {
+  std::int32_t group_class = 0, level = 0, groups = 0;
+};
+
+std::vector<Batch> batches_of(const Structure& s) {
+  std::vector<Batch> batches;
+  std::vector<std::int32_t> last(s.classes.size(), -1);  // batch of each class
+  for (const Group& g : s.groups) {                      // level after level
+    std::int32_t& at = last[idx(g.group_class)];
+    if (at < 0 || batches[idx(at)].level != g.level) {
+      at = static_cast<std::int32_t>(batches.size());
+      batches.push_back({g.group_class, g.level, 0});
+    }
+    ++batches[idx(at)].groups;
+  }
+  return batches;
+}
+
+struct ClassLoad {
+  std::vector<Batch> batches;
+  std::int32_t most = 0;                                            // groups of a batch
+  bool alone = true;                                                // on its levels
+  [[nodiscard]] bool single() const { return most == 1 && alone; }  // never two packs at once
+};
+
+std::vector<ClassLoad> loads_of(const Structure& s, const std::vector<Batch>& batches) {
+  std::vector<std::int32_t> classes_on(idx(s.levels), 0);
+  for (const Batch& b : batches) ++classes_on[idx(b.level)];
+  std::vector<ClassLoad> loads(s.classes.size());
+  for (const Batch& b : batches) {
+    ClassLoad& load = loads[idx(b.group_class)];
+    load.batches.push_back(b);
+    load.most = std::max(load.most, b.groups);
+    load.alone = load.alone && classes_on[idx(b.level)] == 1;
+  }
+  return loads;
+}
+
+std::int32_t packs_of(const Batch& batch, const Plan::Choice& choice) {
+  return (batch.groups + choice.strategy.lanes - 1) / choice.strategy.lanes;
+}
+
+// The solver of a class and how much it wins by.
+std::string reason_of(const std::vector<Candidate>& ranked) {
+  const Candidate& best = ranked[0];
+  std::ostringstream text;
+  text << (best.origin == Origin::prior ? "not measured" : name(best.origin));
+  for (const Candidate& c : ranked) {
+    if (!c.why_not.empty() || c.strategy.backend == best.strategy.backend) continue;
+    const double ratio = c.expected_seconds / best.expected_seconds;
+    text << ": expected " << std::fixed << std::setprecision(ratio < 10 ? 1 : 0) << ratio << " times as fast as "
+         << c.strategy.backend;
+    break;
+  }
+  return text.str();
+}
+
+Plan::Choice choice_of(std::int32_t group_class, const Shape& shape, std::vector<Candidate> weighed,
+                       const Scales& scales) {
+  rank(weighed, scales.tie);
+  if (weighed.empty() || !weighed[0].why_not.empty()) {
+    std::string reasons;
+    for (const Candidate& c : weighed) {
+      reasons += (reasons.empty() ? "" : "; ") + c.strategy.backend + ": " + c.why_not;
+    }
+    throw Error(Error::Kind::environment,
+                "no backend can solve groups of " + std::to_string(shape.n) + " unknowns here: " + reasons);
+  }
+  return {.group_class = group_class, .shape = shape, .strategy = weighed[0].strategy, .reason = reason_of(weighed)};
+}
+
+// Threads of each level, and the time of all levels: a level is shared only where that gains.
+void share_levels(Plan& plan, const Structure& s, const std::vector<Batch>& batches, std::int32_t budget,
+                  const PerformanceModel& model) {
+  const std::int32_t p = plan.threads;
+  const double contention = model.contention(p);
+  plan.meeting_seconds = 2 * model.meeting(p).seconds;  // before a level and after it
+  plan.level_threads.assign(idx(s.levels), 1);
+  plan.expected_seconds = 0;
+  std::vector<double> costs;
+  for (std::size_t begin = 0, end = 0; begin < batches.size(); begin = end) {
+    const std::int32_t level = batches[begin].level;
+    costs.clear();
+    std::int32_t most_q = 1;
+    for (; end < batches.size() && batches[end].level == level; ++end) {
+      const Plan::Choice& choice = plan.choices[idx(batches[end].group_class)];
+      costs.insert(costs.end(), idx(packs_of(batches[end], choice)), choice.expected_seconds);
+      most_q = std::max(most_q, choice.strategy.q);
+    }
+    const double alone = std::accumulate(costs.begin(), costs.end(), 0.0);
+    double best = alone;
+    if (p > 1 && costs.size() > 1 && std::int64_t{p} * most_q <= budget) {
+      const double shared = longest_first(costs, p).makespan * contention + plan.meeting_seconds;
+      if (shared < alone) {
+        best = shared;
+        plan.level_threads[idx(level)] = p;
+      }
+    }
+    plan.expected_seconds += best;
+  }
+}
+
+void expect_packs(Plan& plan, const PerformanceModel& model) {
+  for (Plan::Choice& c : plan.choices) {
+    const Prediction one = model.pack(c.shape, c.strategy);
+    c.expected_seconds = one.seconds;
+    c.origin = one.origin;
+  }
+}
+
+std::int64_t unknowns_of(const Structure& s) {
+  std::int64_t sum = 0;
+  for (const Group& g : s.groups) sum += s.classes[idx(g.group_class)].n;
+  return sum;
+}
+
+// Groups of one mechanism side by side, p packs at once.
+Plan latency_plan(const Structure& s, const std::vector<Shape>& shapes, const std::vector<Batch>& batches,
+                  std::int32_t p, std::int32_t budget, const Scales& scales) {
+  Plan plan;
+  plan.threads = p;
+  plan.lanes = kThroughputLanes;  // should mechanisms run side by side after all
+  const std::vector<ClassLoad> classes = loads_of(s, batches);
+  for (std::size_t c = 0; c < classes.size(); ++c) {
+    std::vector<Load> loads;
+    for (const Batch& b : classes[c].batches) loads.push_back({b.groups, classes[c].alone ? p : 1});
+    const std::int32_t most_q = classes[c].single() ? budget : budget / p;
+    // W is "up to": lanes that no group could fill would be computed for nothing.
+    plan.choices.push_back(choice_of(static_cast<std::int32_t>(c), shapes[c],
+                                     weigh(shapes[c], loads, 2 * classes[c].most - 1, most_q, scales), scales));
+    plan.choices.back().strategy.p = p;
+  }
+  return plan;
+}
+
+// Mechanisms side by side: every group is a pack of W of them.
+Plan throughput_plan(const std::vector<Shape>& shapes, std::int32_t lanes, std::int32_t p, const Scales& scales) {
+  Plan plan;
+  plan.threads = p;
+  plan.lanes = lanes;
+  for (std::size_t c = 0; c < shapes.size(); ++c) {
+    const Load load{lanes * shapes[c].groups, 1};
+    std::vector<Candidate> weighed = weigh(shapes[c], {&load, 1}, lanes, 1, scales);
+    std::erase_if(weighed, [&](const Candidate& x) { return x.why_not.empty() && x.strategy.lanes != lanes; });
+    plan.choices.push_back(choice_of(static_cast<std::int32_t>(c), shapes[c], std::move(weighed), scales));
+    plan.choices.back().strategy.p = p;
+  }
+  return plan;
+}
+
+std::string threads_reason(const Plan& best, std::int32_t budget, double alone) {
+  std::ostringstream text;
+  if (budget == 1) return "one thread: the budget has no more";
+  if (best.threads == 1) return "one thread: more would only wait";
+  text << best.threads << " threads: expected " << std::fixed << std::setprecision(1) << alone / best.expected_seconds
+       << " times as fast as one";
+  return text.str();
+}
+
+// With the W that takes least time for each mechanism.
+Plan best_throughput(const Structure& s, const std::vector<Shape>& shapes, std::int32_t threads, const Scales& scales) {
+  std::optional<Plan> best;
+  for (const std::int32_t lanes : {1, 2, 4, 8, 16}) {
+    Plan plan = throughput_plan(shapes, lanes, threads, scales);
+    expect_packs(plan, scales.model);
+    plan.expected_seconds = scales.model.around(unknowns_of(s)).seconds;
+    for (const Plan::Choice& c : plan.choices) plan.expected_seconds += c.expected_seconds / lanes * c.shape.groups;
+    plan.reason = std::to_string(lanes) + " mechanisms side by side in each thread";
+    if (!best || plan.expected_seconds < best->expected_seconds * (1 - scales.tie)) best = std::move(plan);
+  }
+  return std::move(*best);
+}
+
+// With the p that takes least time for a step.
+Plan best_latency(const Structure& s, const std::vector<Shape>& shapes, std::int32_t budget, const Scales& scales) {
+  const std::vector<Batch> batches = batches_of(s);
+  std::optional<Plan> best;
+  double alone = 0;
+  for (std::int32_t p = 1; p <= budget; p = p < budget ? std::min(2 * p, budget) : p + 1) {
+    Plan plan = latency_plan(s, shapes, batches, p, budget, scales);
+    expect_packs(plan, scales.model);
+    share_levels(plan, s, batches, budget, scales.model);
+    if (p == 1) alone = plan.expected_seconds;
+    if (!best || plan.expected_seconds < best->expected_seconds * (1 - scales.tie)) best = std::move(plan);
+  }
+  best->reason = threads_reason(*best, budget, alone);
+  best->expected_seconds += scales.model.around(unknowns_of(s)).seconds;
+  return std::move(*best);
+}
+
+}  // namespace
+
+std::vector<Shape> class_shapes(const Structure& s) {
+  std::vector<std::int32_t> groups(s.classes.size(), 0);
+  for (const Group& g : s.groups) ++groups[idx(g.group_class)];
+  std::vector<Shape> shapes;
+  for (std::size_t c = 0; c < s.classes.size(); ++c) shapes.push_back(shape_of(s.classes[c], groups[c]));
+  return shapes;
+}
+
+void expect(Plan& plan, const Structure& structure, const PerformanceModel& model) {
+  expect_packs(plan, model);
+  std::int32_t most_q = 1;
+  for (const Plan::Choice& c : plan.choices) most_q = std::max(most_q, c.strategy.q);
+  share_levels(plan, structure, batches_of(structure), plan.threads * most_q, model);
+  plan.expected_seconds += model.around(unknowns_of(structure)).seconds;
+}
+
+Plan dispatch(const Structure& s, const Task& task, const Scales& scales) {
+  const std::vector<Shape> shapes = class_shapes(s);
+  Plan plan = task.mode == Mode::throughput ? best_throughput(s, shapes, task.threads, scales)
+                                            : best_latency(s, shapes, task.threads, scales);
+  plan.formulation = s.formulation;
+  for (Plan::Choice& c : plan.choices) c.strategy.formulation = s.formulation;
+  return plan;
+}
+
+}  // namespace assur

@@ -1,0 +1,435 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <tuple>
+#include <utility>
+
+#include "assur/performance.hpp"
+#include "assur/status.hpp"
+#include "planning/curve.hpp"
+#include "planning/prior.hpp"
+
+namespace assur {
+namespace {
+
+struct NamedKernel {
+  Kernel kernel;
+  std::string_view name;
+};
+constexpr std::array kKernels = {NamedKernel{Kernel::evaluate, "evaluate"}, NamedKernel{Kernel::factor, "factor"},
+                                 NamedKernel{Kernel::solve, "solve"},       NamedKernel{Kernel::pack, "pack"},
+                                 NamedKernel{Kernel::around, "around"},     NamedKernel{Kernel::meeting, "meeting"},
+                                 NamedKernel{Kernel::step, "step"}};
+
+// What of a strategy a kernel depends on. Solvers differ by backend, precision and threads; W is kept apart, so that
+// another W can stand in.
+struct Variant {
+  std::string backend;
+  bool single = false, refine = false, once = false;
+  Reuse reuse = Reuse::fresh;
+  std::int32_t q = 1, lanes = 1;
+
+  friend auto operator<=>(const Variant&, const Variant&) = default;
+};
+
+Variant variant_of(Kernel kernel, const Strategy& s) {
+  if (kernel == Kernel::evaluate) return {.backend = "", .lanes = s.lanes};
+  Variant v{s.backend, s.single, s.refine, false, Reuse::fresh, s.q, s.lanes};
+  if (kernel == Kernel::pack) {
+    v.once = s.once;
+    v.reuse = s.reuse;
+  }
+  return v;
+}
+
+struct Cell {  // samples of one cell are of the same thing
+  Kernel kernel;
+  Variant variant;
+  std::uint64_t pattern;
+  std::int64_t terms;
+  std::int32_t n, nnz, groups, rhs;
+
+  friend auto operator<=>(const Cell&, const Cell&) = default;
+};
+
+// A bare matrix and a group with the same pattern cost a solver the same.
+Cell cell_of(Kernel kernel, const Shape& shape, const Strategy& strategy) {
+  const bool solver = kernel == Kernel::factor || kernel == Kernel::solve;
+  const bool pack = kernel == Kernel::pack;
+  return {kernel,    variant_of(kernel, strategy), shape.pattern,       solver ? 0 : shape.terms, shape.n,
+          shape.nnz, pack ? shape.groups : 1,      pack ? shape.rhs : 1};
+}
+
+double positive_log(double x) { return std::log(std::max(x, 1.0)); }
+
+// Bytes that a group takes: coefficients, state and factors.
+double bytes_of_group(const Shape& s) { return 8 * (4.0 * s.n + 2.0 * s.nnz + static_cast<double>(s.fill + s.terms)); }
+
+// From 0 to 1 where `bytes` outgrow a cache of this size.
+double beyond(double bytes, double cache) {
+  const double ratio = bytes / cache;
+  return ratio * ratio / (1 + ratio * ratio);
+}
+constexpr double kSmallCache = 1 << 20, kLargeCache = 1 << 24;  // bytes; where they are exactly, neighbours tell
+
+Point point_of(Kernel kernel, const Shape& shape, const Strategy& strategy) {
+  const double n = shape.n, nnz = shape.nnz, fill = static_cast<double>(shape.fill);
+  const double operations = static_cast<double>(shape.operations), terms = static_cast<double>(shape.terms);
+  // Families of patterns differ little in fill, but much in how far one pivot waits for another.
+  const double size = positive_log(n), filled = 2.5 * positive_log(fill / std::max(n, 1.0));
+  switch (kernel) {
+    case Kernel::factor:
+      if (is_dense(strategy)) return {{1, n, n * n, n * n * n, fill}, {size, filled}};
+      return {{1, n, fill, operations}, {size, filled}};
+    case Kernel::solve:
+      if (is_dense(strategy)) return {{1, n, n * n}, {size, filled}};
+      return {{1, n, fill, nnz}, {size, filled}};
+    case Kernel::evaluate:
+      return {{1, n, terms, nnz}, {size, positive_log(terms / std::max(n, 1.0))}};
+    default: {
+      const double one = bytes_of_group(shape), all = one * shape.groups, moved = one * strategy.lanes;
+      return {{1, n, nnz, moved * beyond(all, kSmallCache), moved * beyond(all, kLargeCache)},
+              {size, filled, in_registers(shape, strategy) ? 10.0 : 0.0, 0.15 * positive_log(all)}};
+    }
+  }
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  if (values.size() % 2 == 1) return *middle;
+  return (*middle + *std::max_element(values.begin(), middle)) / 2;
+}
+
+Prediction combined(std::initializer_list<std::pair<double, Prediction>> parts) {
+  Prediction sum{0, 1, Origin::measured};
+  double variance = 0;
+  for (const auto& [times, part] : parts) {
+    if (times <= 0) continue;
+    sum.seconds += times * part.seconds;
+    variance += std::pow(times * part.seconds * std::log(part.factor), 2);
+    sum.origin = std::max(sum.origin, part.origin);
+  }
+  if (sum.seconds > 0) sum.factor = std::exp(std::sqrt(variance) / sum.seconds);
+  return sum;
+}
+
+}  // namespace
+
+std::string_view name(Kernel kernel) noexcept {
+  for (const NamedKernel& k : kKernels) {
+    if (k.kernel == kernel) return k.name;
+  }
+  return "unknown";
+}
+
+Kernel parse_kernel(std::string_view text) {
+  std::string known;
+  for (const NamedKernel& k : kKernels) {
+    if (k.name == text) return k.kernel;
+    known += (known.empty() ? "" : ", ") + std::string(k.name);
+  }
+  throw Error(Error::Kind::input, '"' + std::string(text) + "\" is no kernel; there are " + known);
+}
+
+std::string_view name(Origin origin) noexcept {
+  constexpr std::array<std::string_view, 4> kNames = {"measured", "interpolated", "extrapolated", "prior"};
+  return kNames[static_cast<std::size_t>(origin)];
+}
+
+struct PerformanceModel::Impl {
+  struct Known {
+    Shape shape;
+    Strategy strategy;
+    double seconds = 0, noise = 0, backward_error = 0;
+  };
+
+  Impl(const std::vector<Sample>& samples, std::string from) : source(std::move(from)), count(samples.size()) {
+    gather(samples);
+    for (const Kernel kernel : {Kernel::evaluate, Kernel::factor, Kernel::solve}) fit(kernel);
+    fit_rest();
+    fit_packs();
+  }
+
+  // Of what was measured more than once, the median.
+  void gather(const std::vector<Sample>& samples) {
+    std::map<Cell, std::vector<const Sample*>> cells;
+    std::map<std::int32_t, std::map<Cell, std::vector<double>>> crowds;  // p: packs while so many threads work
+    std::vector<Curve::Measured> beyond_packs;
+    for (const Sample& s : samples) {
+      if (!(s.seconds > 0) || !std::isfinite(s.seconds)) continue;
+      const Cell cell = cell_of(s.kernel, s.shape, s.strategy);
+      if (s.kernel == Kernel::meeting) {
+        meetings[s.strategy.p].push_back(s.seconds);
+      } else if (s.kernel == Kernel::around) {
+        beyond_packs.push_back(
+            {{{1, static_cast<double>(s.shape.n)}, {positive_log(s.shape.n)}}, s.seconds, s.spread / s.seconds});
+      } else if (s.kernel == Kernel::pack && s.strategy.p > 1) {
+        crowds[s.strategy.p][cell].push_back(s.seconds);
+      } else if (s.kernel != Kernel::step) {
+        cells[cell].push_back(&s);
+      }
+    }
+    for (const auto& [cell, of] : cells) {
+      std::vector<double> seconds, noise;
+      double error = 0;
+      for (const Sample* s : of) {
+        seconds.push_back(s->seconds);
+        noise.push_back(s->spread / s->seconds);
+        if (s->backward_error > error) error = s->backward_error;
+      }
+      known.emplace(cell, Known{of[0]->shape, of[0]->strategy, median(seconds), median(noise), error});
+    }
+    for (const auto& [p, crowd] : crowds) {
+      std::vector<double> ratios;
+      for (const auto& [cell, seconds] : crowd) {
+        const auto alone = known.find(cell);
+        if (alone == known.end()) continue;
+        ratios.push_back(std::clamp(median(seconds) / alone->second.seconds, 1.0, static_cast<double>(p)));
+      }
+      if (!ratios.empty()) contentions[p] = median(ratios);
+    }
+    if (!beyond_packs.empty()) around.emplace(std::move(beyond_packs));
+  }
+
+  void fit(Kernel kernel) {
+    std::map<Variant, std::vector<Curve::Measured>> points;
+    std::vector<double> ratios;
+    for (const auto& [cell, k] : known) {
+      if (cell.kernel != kernel) continue;
+      points[cell.variant].push_back({point_of(kernel, k.shape, k.strategy), k.seconds, k.noise});
+      ratios.push_back(k.seconds / prior_seconds(kernel, k.shape, k.strategy));
+    }
+    auto& curves = curve[static_cast<std::size_t>(kernel)];
+    for (auto& [variant, measured] : points) curves.emplace(variant, Curve(std::move(measured)));
+    speed[static_cast<std::size_t>(kernel)] = ratios.empty() ? 1 : median(ratios);
+  }
+
+  // What a pack costs beyond its kernels, by W: whatever the solver, so the quickest one tells best.
+  void fit_rest() {
+    using Place = std::tuple<std::int32_t, std::uint64_t, std::int64_t, std::int32_t>;
+    std::map<Place, const Known*> quickest;
+    for (const auto& [cell, k] : known) {
+      if (cell.kernel != Kernel::pack || in_registers(k.shape, k.strategy) || k.strategy.once) continue;
+      if (k.strategy.reuse != Reuse::fresh) continue;
+      const Known*& best = quickest[{k.strategy.lanes, cell.pattern, cell.terms, cell.groups}];
+      if (best == nullptr || k.seconds < best->seconds) best = &k;
+    }
+    std::map<std::int32_t, std::vector<Curve::Measured>> points;
+    for (const auto& [place, k] : quickest) {
+      const Prediction kernels = kernels_of_pack(k->shape, k->strategy);
+      const double rest_of_it = k->seconds - kernels.seconds;
+      if (kernels.origin == Origin::prior || rest_of_it < 0.05 * k->seconds) continue;  // else it is all noise
+      points[k->strategy.lanes].push_back({point_of(Kernel::pack, k->shape, k->strategy), rest_of_it, k->noise});
+    }
+    for (auto& [lanes, measured] : points) rest.emplace(lanes, Curve(std::move(measured)));
+  }
+
+  // What whole packs say beyond the sum of their parts.
+  void fit_packs() {
+    std::map<Variant, std::vector<Curve::Measured>> points;
+    for (const auto& [cell, k] : known) {
+      if (cell.kernel != Kernel::pack) continue;
+      points[cell.variant].push_back({pack_point(k.shape, k.strategy), k.seconds, k.noise});
+    }
+    for (auto& [variant, measured] : points) packs.emplace(variant, Curve(std::move(measured)));
+  }
+
+  [[nodiscard]] Point pack_point(const Shape& shape, const Strategy& strategy) const {
+    Point point = point_of(Kernel::pack, shape, strategy);
+    point.terms = {composed(shape, strategy).seconds};
+    return point;
+  }
+
+  [[nodiscard]] Prediction kernels_of_pack(const Shape& shape, const Strategy& s) const {
+    const StepCounts counts = step_counts(s, shape.rhs - 1);
+    return combined({{counts.evaluations, predict(Kernel::evaluate, shape, s)},
+                     {counts.factorizations, predict(Kernel::factor, shape, s)},
+                     {counts.solutions, predict(Kernel::solve, shape, s)}});
+  }
+
+  [[nodiscard]] Prediction composed(const Shape& shape, const Strategy& s) const {
+    if (in_registers(shape, s)) return {prior_seconds(Kernel::pack, shape, s) * speed_of_all(), 2, Origin::prior};
+    return combined({{1, kernels_of_pack(shape, s)}, {1, rest_of_pack(shape, s)}});
+  }
+
+  [[nodiscard]] Prediction rest_of_pack(const Shape& shape, const Strategy& s) const {
+    const Point point = point_of(Kernel::pack, shape, s);
+    if (const auto found = rest.find(s.lanes); found != rest.end()) return found->second.at(point);
+    if (!rest.empty()) {
+      const auto nearest = std::min_element(rest.begin(), rest.end(), [&](const auto& a, const auto& b) {
+        return std::abs(a.first - s.lanes) < std::abs(b.first - s.lanes);
+      });
+      Prediction there = nearest->second.at(point);
+      there.origin = Origin::extrapolated;
+      return there;
+    }
+    const StepCounts counts = step_counts(s, shape.rhs - 1);
+    const double kernels = counts.evaluations * prior_seconds(Kernel::evaluate, shape, s) +
+                           counts.factorizations * prior_seconds(Kernel::factor, shape, s) +
+                           counts.solutions * prior_seconds(Kernel::solve, shape, s);
+    return {(prior_seconds(Kernel::pack, shape, s) - kernels) * speed_of_all(), 2, Origin::prior};
+  }
+
+  // How this machine compares to that of the prior.
+  [[nodiscard]] double speed_of_all() const { return speed[static_cast<std::size_t>(Kernel::evaluate)]; }
+
+  [[nodiscard]] const Known* exactly(Kernel kernel, const Shape& shape, const Strategy& strategy) const {
+    if (shape.pattern == 0) return nullptr;
+    const auto found = known.find(cell_of(kernel, shape, strategy));
+    return found == known.end() ? nullptr : &found->second;
+  }
+
+  [[nodiscard]] Prediction predict(Kernel kernel, const Shape& shape, const Strategy& strategy) const {
+    if (const Known* k = exactly(kernel, shape, strategy)) {
+      return {k->seconds, std::exp(std::max(k->noise, 0.02)), Origin::measured};
+    }
+    const auto& curves = curve[static_cast<std::size_t>(kernel)];
+    const Variant wanted = variant_of(kernel, strategy);
+    const Point point = point_of(kernel, shape, strategy);
+    if (const auto found = curves.find(wanted); found != curves.end()) return found->second.at(point);
+    const double prior = prior_seconds(kernel, shape, strategy);
+    if (const auto next = stand_in(curves, wanted); next != curves.end()) {
+      Strategy other = strategy;
+      other.lanes = next->first.lanes;
+      other.q = next->first.q;
+      Prediction there = next->second.at(point);
+      there.seconds *= prior / prior_seconds(kernel, shape, other);
+      there.factor *= 1.5;
+      there.origin = Origin::extrapolated;
+      return there;
+    }
+    return {prior * speed[static_cast<std::size_t>(kernel)], 2, Origin::prior};
+  }
+
+  // The same solver with another W or other threads, the nearest.
+  [[nodiscard]] static std::map<Variant, Curve>::const_iterator stand_in(const std::map<Variant, Curve>& curves,
+                                                                         const Variant& wanted) {
+    auto best = curves.end();
+    double least = 0;
+    for (auto c = curves.begin(); c != curves.end(); ++c) {
+      Variant like = c->first;
+      like.lanes = wanted.lanes;
+      like.q = wanted.q;
+      if (like != wanted) continue;
+      const double distance =
+          std::abs(std::log(double(c->first.lanes) / wanted.lanes)) + std::abs(std::log(double(c->first.q) / wanted.q));
+      if (best != curves.end() && distance >= least) continue;
+      best = c;
+      least = distance;
+    }
+    return best;
+  }
+
+  [[nodiscard]] Prediction pack(const Shape& shape, const Strategy& strategy) const {
+    if (const Known* k = exactly(Kernel::pack, shape, strategy)) {
+      return {k->seconds, std::exp(std::max(k->noise, 0.02)), Origin::measured};
+    }
+    Prediction sum = composed(shape, strategy);
+    Variant variant = variant_of(Kernel::pack, strategy);
+    auto found = packs.find(variant);
+    if (found == packs.end()) {  // of the same solver with the plain policy
+      variant.once = false;
+      variant.reuse = Reuse::fresh;
+      found = packs.find(variant);
+    }
+    if (found == packs.end()) return sum;
+    const Prediction whole = found->second.at(pack_point(shape, strategy));
+    if (in_registers(shape, strategy)) return whole;
+    return {whole.seconds, std::max(whole.factor, std::min(sum.factor, 1.5)), std::max(sum.origin, whole.origin)};
+  }
+
+  std::string source;
+  std::size_t count = 0;
+  std::map<Cell, Known> known;
+  std::array<std::map<Variant, Curve>, 3> curve;  // evaluate, factor, solve
+  std::array<double, 3> speed{1, 1, 1};           // measured over prior, of each
+  std::map<std::int32_t, Curve> rest;             // W
+  std::map<Variant, Curve> packs;
+  std::map<std::int32_t, std::vector<double>> meetings;  // p
+  std::map<std::int32_t, double> contentions;            // p
+  std::optional<Curve> around;
+};
+
+PerformanceModel::PerformanceModel() : PerformanceModel(std::vector<Sample>{}, "nothing was measured") {}
+
+PerformanceModel::PerformanceModel(std::vector<Sample> samples, std::string source)
+    : impl_(std::make_shared<Impl>(samples, std::move(source))) {}
+
+PerformanceModel::~PerformanceModel() = default;
+
+Prediction PerformanceModel::kernel(Kernel kernel, const Shape& shape, const Strategy& strategy) const {
+  switch (kernel) {
+    case Kernel::pack:
+      return pack(shape, strategy);
+    case Kernel::meeting:
+      return meeting(strategy.p);
+    case Kernel::step: {
+      Prediction whole = pack(shape, strategy);
+      const double packs = std::ceil(static_cast<double>(shape.groups) / strategy.lanes);
+      whole.seconds *= std::ceil(packs / strategy.p) * contention(strategy.p);
+      whole.seconds += meeting(strategy.p).seconds + around(std::int64_t{shape.n} * shape.groups).seconds;
+      return whole;
+    }
+    case Kernel::around:
+      return around(shape.n);
+    default:
+      return impl_->predict(kernel, shape, strategy);
+  }
+}
+
+Prediction PerformanceModel::pack(const Shape& shape, const Strategy& strategy) const {
+  return impl_->pack(shape, strategy);
+}
+
+// Threads add to it evenly, as far as was seen.
+Prediction PerformanceModel::meeting(std::int32_t p) const {
+  if (p < 2) return {0, 1, Origin::measured};
+  const auto& known = impl_->meetings;
+  if (known.empty()) {
+    Strategy threads;
+    threads.p = p;
+    return {prior_seconds(Kernel::meeting, {}, threads), 2, Origin::prior};
+  }
+  auto above = known.lower_bound(p);
+  if (above != known.end() && above->first == p) return {median(above->second), 1.2, Origin::measured};
+  if (above == known.end()) --above;
+  const double per_thread = median(above->second) / above->first;
+  return {per_thread * p, 1.5, Origin::extrapolated};
+}
+
+// As far as was seen; beyond it as at most threads.
+double PerformanceModel::contention(std::int32_t p) const {
+  const auto& known = impl_->contentions;
+  if (p < 2 || known.empty()) return 1;
+  const auto above = known.lower_bound(p);
+  return above == known.end() ? std::prev(above)->second : above->second;
+}
+
+Prediction PerformanceModel::around(std::int64_t unknowns) const {
+  const auto n = static_cast<double>(unknowns);
+  if (impl_->around) return impl_->around->at({{1, n}, {positive_log(n)}});
+  Shape shape;
+  shape.n = static_cast<std::int32_t>(unknowns);
+  return {prior_seconds(Kernel::around, shape, {}), 2, Origin::prior};
+}
+
+double PerformanceModel::backward_error(const Shape& shape, const Strategy& strategy) const {
+  const Variant wanted = variant_of(Kernel::solve, strategy);
+  double worst = 0;
+  const auto& known = impl_->known;
+  for (auto at = known.lower_bound({Kernel::solve, wanted, 0, 0, 0, 0, 0, 0}); at != known.end(); ++at) {
+    const auto& [cell, k] = *at;
+    if (cell.kernel != Kernel::solve || cell.variant != wanted) break;
+    if (k.shape.n <= 2 * shape.n && 2 * k.shape.n >= shape.n) worst = std::max(worst, k.backward_error);
+  }
+  return worst;
+}
+
+std::size_t PerformanceModel::samples() const { return impl_->count; }
+const std::string& PerformanceModel::source() const { return impl_->source; }
+
+}  // namespace assur

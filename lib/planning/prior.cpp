@@ -1,0 +1,110 @@
+#include "planning/prior.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace assur {
+namespace {
+
+// Wider lanes cost more, but less than in proportion; `more`: each beyond the first, relative.
+double width(const Strategy& s, double more) { return 1 + more * (s.lanes - 1); }
+
+// Threads inside one factorisation gain little on few unknowns.
+double threads_at_work(const Shape& shape, const Strategy& s) {
+  return s.q == 1 ? 1 : 1 + (s.q - 1) * std::min(1.0, shape.n / 600.0);
+}
+
+struct Counts {
+  explicit Counts(const Shape& s)
+      : n(s.n),
+        fill(static_cast<double>(std::max<std::int64_t>(s.fill, s.nnz))),
+        operations(std::max(static_cast<double>(s.operations), fill)) {}
+  double n, fill, operations;
+};
+
+double factor_seconds(const Shape& shape, const Strategy& s) {
+  const auto [n, fill, operations] = Counts(shape);
+  if (s.backend == "lanes") return 1e-9 * (3 + (1.2 * n + 0.6 * operations) * width(s, 0.075)) * (s.single ? 1.3 : 1);
+  if (is_dense(s)) {
+    const double elimination =
+        s.backend == "eigen" ? 5 + 6 * n + n * n + 0.04 * n * n * n : 30 + 40 * n + 1.8 * n * n + 0.015 * n * n * n;
+    const double meetings = 2000.0 * (s.q - 1);
+    return 1e-9 * s.lanes * (elimination * (s.single ? 0.8 : 1) / threads_at_work(shape, s) + meetings);
+  }
+  if (s.backend == "klu") return 1e-9 * s.lanes * (20 + 3 * n + fill + 0.7 * operations);
+  return 1e-9 * s.lanes * (20'000 + 600 * n + 0.7 * operations);  // they order anew
+}
+
+double solve_seconds(const Shape& shape, const Strategy& s) {
+  const auto [n, fill, operations] = Counts(shape);
+  const double refinement = s.refine || s.single ? 3 : 1;
+  if (s.backend == "lanes") return 1e-9 * refinement * (6 + (1.2 * n + 1.2 * fill) * width(s, 0.07));
+  if (is_dense(s))
+    return 1e-9 * refinement * s.lanes * (s.backend == "eigen" ? 10 + 8 * n + 0.2 * n * n : 25 + 14 * n + 0.2 * n * n);
+  if (s.backend == "klu") return 1e-9 * refinement * s.lanes * (10 + 5 * n + 2.2 * fill);
+  return 1e-9 * refinement * s.lanes * (20'000 + 100 * n + 3 * fill);
+}
+
+// Inputs gathered, norms, the branch check; factors of another posture also ask for residuals.
+double rest_seconds(const Shape& shape, const Strategy& s) {
+  return 1e-9 * (120 + (6.0 * shape.n + (s.once ? 7 : 3.3) * shape.nnz) * width(s, 0.2));
+}
+
+double evaluate_seconds(const Shape& shape, const Strategy& s) {
+  const auto terms = static_cast<double>(std::max<std::int64_t>(shape.terms, 2 * shape.nnz));
+  return 1e-9 * (5 + 0.8 * terms * width(s, 0.13));
+}
+
+double in_registers_seconds(const Shape& shape, const Strategy& s) {
+  return 1e-9 * (20 + 13.0 * shape.n * shape.n) * width(s, 0.14);
+}
+
+double pack_seconds(const Shape& shape, const Strategy& s) {
+  if (in_registers(shape, s)) return in_registers_seconds(shape, s);
+  const StepCounts counts = step_counts(s, shape.rhs - 1);
+  return rest_seconds(shape, s) + counts.evaluations * evaluate_seconds(shape, s) +
+         counts.factorizations * factor_seconds(shape, s) + counts.solutions * solve_seconds(shape, s);
+}
+
+}  // namespace
+
+double prior_seconds(Kernel kernel, const Shape& shape, const Strategy& strategy) {
+  switch (kernel) {
+    case Kernel::evaluate:
+      return evaluate_seconds(shape, strategy);
+    case Kernel::factor:
+      return factor_seconds(shape, strategy);
+    case Kernel::solve:
+      return solve_seconds(shape, strategy);
+    case Kernel::pack:
+      return pack_seconds(shape, strategy);
+    case Kernel::around:
+      return 1e-9 * (200 + 5.0 * shape.n);
+    case Kernel::meeting:
+      return strategy.p < 2 ? 0 : 1e-9 * (400 + 50.0 * strategy.p);
+    case Kernel::step:
+      return prior_seconds(Kernel::around, shape, strategy) +
+             std::ceil(static_cast<double>(shape.groups) / strategy.lanes) * pack_seconds(shape, strategy);
+  }
+  return 0;
+}
+
+StepCounts step_counts(const Strategy& s, int derivatives) {
+  // Factors taken at the prediction serve the derivatives with one refinement each.
+  const bool borrowed = s.once && derivatives > 0;
+  StepCounts counts{2, 1, 1.0 + derivatives};
+  if (borrowed) counts.solutions += derivatives;
+  if (!borrowed && derivatives > 0) counts.factorizations += 1;
+  if (s.separate && derivatives > 1) counts.factorizations += 1;
+  if (s.reuse == Reuse::run) counts.factorizations -= 1;
+  return counts;
+}
+
+bool in_registers(const Shape& shape, const Strategy& s) {
+  return (shape.n == 2 || shape.n == 3) && s.backend == "lanes" && s.lanes <= 8 && !s.single && !s.refine && !s.once &&
+         !s.separate && s.reuse == Reuse::fresh;
+}
+
+bool is_dense(const Strategy& s) { return s.backend == "eigen" || s.backend == "lapack" || s.backend == "team"; }
+
+}  // namespace assur

@@ -1,0 +1,24 @@
+// What kernels cost where nothing has been measured, and how often a step needs each.
+#pragma once
+
+#include "assur/performance.hpp"
+
+namespace assur {
+
+// Seconds of one call: operations and overheads as seen by `assur tune` on one processor of 2024 with AVX-512. Good to a
+// factor of two or so, which is enough for a sensible plan and to share packs out.
+[[nodiscard]] double prior_seconds(Kernel kernel, const Shape& shape, const Strategy& strategy);
+
+// Calls for one step of a pack, with one Newton iteration as a good prediction needs.
+struct StepCounts {
+  double evaluations = 0, factorizations = 0, solutions = 0;
+};
+// `derivatives`: 0, 1 or 2.
+[[nodiscard]] StepCounts step_counts(const Strategy& strategy, int derivatives);
+
+// Small groups take their whole step in registers: no kernels to compose it from.
+[[nodiscard]] bool in_registers(const Shape& shape, const Strategy& strategy);
+
+[[nodiscard]] bool is_dense(const Strategy& strategy);
+
+}  // namespace assur

@@ -1,0 +1,44 @@
+// A clock that only the test moves, and work that takes as long as the test says.
+#pragma once
+
+#include <vector>
+
+#include "measure/race.hpp"
+
+namespace assur::measure {
+
+struct Laboratory {
+  double now = 1000;
+  std::int64_t switches = 0;
+  bool stopped = false;
+
+  [[nodiscard]] Instruments instruments() {
+    Instruments out;
+    out.clock = [this] { return now; };
+    out.switches = [this] { return switches; };
+    out.stop = [this] { return stopped; };
+    return out;
+  }
+};
+
+// One call takes `seconds`, of the laboratory's clock; every block is noted.
+class Timed : public Workload {
+ public:
+  Timed(Laboratory& laboratory, double seconds) : laboratory_(laboratory), seconds_(seconds) {}
+
+  bool run(int calls) override {
+    laboratory_.now += seconds_ * calls;
+    blocks.push_back(calls);
+    ends.push_back(laboratory_.now);
+    return true;
+  }
+
+  std::vector<int> blocks;   // calls of each
+  std::vector<double> ends;  // s: when each was done
+
+ private:
+  Laboratory& laboratory_;
+  double seconds_;
+};
+
+}  // namespace assur::measure

@@ -1,0 +1,41 @@
+#include "measure/noise.hpp"
+
+#include <gtest/gtest.h>
+
+#include "parallel/file_tree.hpp"
+
+namespace assur::measure {
+namespace {
+
+TEST(Noise, TellsLoadAndStolenTime) {
+  test::FileTree system;
+  system.file("proc/loadavg", "1.50 1.00 0.50 2/100 1\n");
+  system.file("proc/stat", "cpu  100 0 100 800 0 0 0 10 0 0\ncpu0 1 1 1 1\n");
+  const NoiseWatch watch(2, system.root());
+  system.file("proc/stat", "cpu  150 0 110 830 0 0 0 20 0 0\ncpu0 1 1 1 1\n");
+  const Noise noise = watch.noise();
+  EXPECT_DOUBLE_EQ(noise.load, 0.75);
+  EXPECT_DOUBLE_EQ(noise.stolen, 0.1);  // 10 of 100 ticks
+}
+
+TEST(Noise, ASystemThatTellsNothingIsQuiet) {
+  const test::FileTree system;
+  const Noise noise = NoiseWatch(2, system.root()).noise();
+  EXPECT_EQ(noise.load, 0);
+  EXPECT_EQ(noise.stolen, 0);
+  EXPECT_EQ(judge(noise).quiet, Quiet::yes);
+  EXPECT_EQ(judge(noise).reason, "");
+}
+
+TEST(Noise, TheWorstDecidesAndAllIsSaid) {
+  Noise noise;
+  noise.scatter = 0.03;
+  EXPECT_EQ(judge(noise).quiet, Quiet::some_noise);
+  EXPECT_EQ(judge(noise).reason, "times scatter by 3 %");
+  noise.stolen = 0.2;
+  EXPECT_EQ(judge(noise).quiet, Quiet::noisy);
+  EXPECT_EQ(judge(noise).reason, "the hypervisor took 20 % of the time; times scatter by 3 %");
+}
+
+}  // namespace
+}  // namespace assur::measure

@@ -1,0 +1,178 @@
+// Who runs when, how often, and who leaves: all on a clock that only the test moves.
+#include "measure/race.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <memory>
+#include <set>
+
+#include "measure/laboratory.hpp"
+
+namespace assur::measure {
+namespace {
+
+class RaceTest : public testing::Test {
+ protected:
+  Timed& enter(double seconds, int share = 1, int heat = 0) {
+    work_.push_back(std::make_unique<Timed>(laboratory_, seconds));
+    Runner runner;
+    runner.work = work_.back().get();
+    runner.share = share;
+    runner.heat = heat;
+    runners_.push_back(runner);
+    return *work_.back();
+  }
+  RaceFigures hold(const RaceRules& rules = {}) { return race(runners_, rules, laboratory_.instruments()); }
+
+  Laboratory laboratory_;
+  std::vector<std::unique_ptr<Timed>> work_;
+  std::vector<Runner> runners_;
+};
+
+TEST_F(RaceTest, CallsAreDoubledUntilABlockIsLongEnough) {
+  const Timed& work = enter(1.5e-6);
+  hold();
+  EXPECT_EQ(runners_[0].calls, 16);  // 24 us
+  EXPECT_TRUE(std::equal(work.blocks.begin(), work.blocks.begin() + 5, std::vector<int>{1, 2, 4, 8, 16}.begin()));
+  EXPECT_NEAR(runners_[0].median(), 1.5e-6, 1e-13);  // the clock has 1.1e-13 s at 1000 s, over 16 calls
+}
+
+TEST_F(RaceTest, EveryRoundHasEachOnceInAnotherOrder) {
+  for (int i = 0; i < 5; ++i) enter(30e-6);  // one call a block, and no block before the rounds is kept
+  RaceRules rules;
+  rules.least_rounds = rules.most_rounds = 12;
+  hold(rules);
+  std::set<std::vector<std::size_t>> orders;
+  for (std::size_t round = 0; round < 12; ++round) {
+    std::vector<std::pair<double, std::size_t>> turns;
+    for (std::size_t i = 0; i < work_.size(); ++i) {
+      ASSERT_EQ(runners_[i].seconds.size(), 12u);
+      turns.emplace_back(work_[i]->ends[round + 1], i);  // after the search for the block
+    }
+    std::sort(turns.begin(), turns.end());
+    EXPECT_NEAR(turns.back().first - turns.front().first, 4 * 30e-6, 1e-9);  // nobody else's turn in between
+    std::vector<std::size_t> order;
+    for (const auto& [end, i] : turns) order.push_back(i);
+    orders.insert(order);
+  }
+  EXPECT_GE(orders.size(), 10u);  // of 120
+}
+
+TEST_F(RaceTest, TheHopelessLeaveAfterTheirTrialAndKeepTheirTimes) {
+  enter(30e-6);
+  enter(80e-6);
+  enter(100e-6);
+  hold();
+  EXPECT_FALSE(runners_[1].hopeless);
+  EXPECT_TRUE(runners_[2].hopeless);  // more than three times the leader's
+  EXPECT_EQ(runners_[2].seconds.size(), 3u);
+  EXPECT_GE(runners_[1].seconds.size(), 7u);
+}
+
+TEST_F(RaceTest, WiderOnesMakeNobodyHopelessWhoNeedsFewerGroups) {
+  enter(100e-6, 1);
+  enter(100e-6, 8);   // eight times as fast for one result
+  enter(4000e-6, 8);  // slower than the narrow one
+  hold();
+  EXPECT_FALSE(runners_[0].hopeless);
+  EXPECT_FALSE(runners_[1].hopeless);
+  EXPECT_TRUE(runners_[2].hopeless);
+}
+
+TEST_F(RaceTest, HeatsAreNoRivals) {
+  enter(30e-6, 1, 0);
+  enter(3000e-6, 1, 1);
+  hold();
+  EXPECT_FALSE(runners_[1].hopeless);
+}
+
+TEST_F(RaceTest, KeepsToItsTime) {
+  for (int i = 0; i < 4; ++i) enter(0.01);
+  RaceRules rules;
+  rules.seconds = 0.2;
+  const double begin = laboratory_.now;
+  hold(rules);
+  EXPECT_LE(laboratory_.now - begin, 0.2 + 0.01 + 1e-9);  // what has begun is ended
+  for (const Runner& r : runners_) EXPECT_GE(r.seconds.size(), 4u);
+}
+
+TEST_F(RaceTest, ACallThatTakesMuchOfTheTimeIsMadeOnce) {
+  const Timed& slow = enter(0.1);
+  enter(30e-6);
+  RaceRules rules;
+  rules.seconds = 0.2;
+  hold(rules);
+  EXPECT_EQ(slow.blocks.size(), 1u);
+  ASSERT_EQ(runners_[0].seconds.size(), 1u);
+  EXPECT_EQ(runners_[0].spread(), runners_[0].seconds[0]);  // nobody knows it
+}
+
+TEST_F(RaceTest, WithoutTimeForARoundTheFastHaveATimeAsTheSlowHave) {
+  enter(1e-6);
+  enter(0.3);
+  RaceRules rules;
+  rules.seconds = 0.1;
+  hold(rules);
+  ASSERT_EQ(runners_[0].seconds.size(), 1u);
+  ASSERT_EQ(runners_[1].seconds.size(), 1u);
+  EXPECT_LT(runners_[0].median(), runners_[1].median());
+}
+
+TEST_F(RaceTest, DisturbedBlocksAreRepeated) {
+  // Loses the processor in every third block.
+  class Disturbed final : public Timed {
+   public:
+    explicit Disturbed(Laboratory& laboratory) : Timed(laboratory, 30e-6), laboratory_(laboratory) {}
+    bool run(int calls) override {
+      if (blocks.size() % 3 == 2) {
+        ++laboratory_.switches;
+        laboratory_.now += 1e-3;
+      }
+      return Timed::run(calls);
+    }
+
+   private:
+    Laboratory& laboratory_;
+  };
+  Disturbed disturbed(laboratory_);
+  runners_.emplace_back().work = &disturbed;
+  const RaceFigures figures = hold();
+  EXPECT_GT(figures.disturbed, 0);
+  for (const double s : runners_[0].seconds) EXPECT_NEAR(s, 30e-6, 1e-9);
+}
+
+TEST_F(RaceTest, WhoFailsHasNoTimes) {
+  class Failing final : public Timed {
+   public:
+    using Timed::Timed;
+    bool run(int calls) override { return Timed::run(calls) && blocks.size() < 5; }
+  };
+  Failing failing(laboratory_, 30e-6);
+  runners_.emplace_back().work = &failing;
+  enter(30e-6);
+  hold();
+  EXPECT_TRUE(runners_[0].failed);
+  EXPECT_TRUE(runners_[0].seconds.empty());
+  EXPECT_EQ(failing.blocks.size(), 5u);
+  EXPECT_FALSE(runners_[1].failed);
+}
+
+TEST_F(RaceTest, StopsWhenAsked) {
+  enter(30e-6);
+  laboratory_.stopped = true;
+  hold();
+  EXPECT_TRUE(runners_[0].seconds.empty());
+}
+
+TEST(Runner, MedianAndDeviation) {
+  Runner r;
+  r.seconds = {5, 1, 2, 100, 3};
+  EXPECT_EQ(r.median(), 3);
+  EXPECT_EQ(r.spread(), 2);  // of 2, 2, 1, 97, 0
+  r.seconds = {5, 1};
+  EXPECT_EQ(r.spread(), 4);
+}
+
+}  // namespace
+}  // namespace assur::measure

@@ -1,0 +1,192 @@
+// What `auto` chooses on a made-up machine, and that it says why.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "assur/assur.hpp"
+#include "made_up_machine.hpp"
+
+namespace assur {
+namespace {
+
+using namespace made_up;
+
+std::shared_ptr<const PerformanceModel> model(double noise = 0.01, std::uint64_t seed = 1) {
+  return std::make_shared<PerformanceModel>(samples(noise, seed));
+}
+
+std::string text_of(const Plan& plan) {
+  std::string text(name(plan.formulation));
+  for (const Plan::Choice& c : plan.choices) text += " " + to_string(c.strategy);
+  for (const std::int32_t p : plan.level_threads) text += " " + std::to_string(p);
+  return text;
+}
+
+bool available(std::string_view id) { return find_backend(backends(), id).why_not({}, {}).empty(); }
+
+TEST(Dispatcher, TakesWhatIsFastestOnTheMachineAtHand) {
+  if (!available("klu")) GTEST_SKIP() << "without KLU";
+  // Where lanes are a thousand times as slow, nobody wants them.
+  std::vector<Sample> other = samples();
+  for (Sample& s : other) {
+    if (s.strategy.backend == "lanes" && (s.kernel == Kernel::factor || s.kernel == Kernel::solve)) s.seconds *= 1000;
+  }
+  std::erase_if(other, [](const Sample& s) { return s.kernel == Kernel::pack; });
+  const Scene scene = sample("rings:legs=3,n=120");
+  const Plan usual = prepare(scene, {.budget = ThreadBudget{1}, .model = model()}).plan;
+  const Plan strange =
+      prepare(scene, {.budget = ThreadBudget{1}, .model = std::make_shared<PerformanceModel>(other)}).plan;
+  for (const Plan::Choice& c : usual.choices) EXPECT_EQ(c.strategy.backend, "lanes");
+  EXPECT_EQ(strange.choices.back().strategy.backend, "klu");
+  for (const Plan::Choice& c : strange.choices) EXPECT_NE(c.strategy.backend, "lanes");
+}
+
+TEST(Dispatcher, LeavesOutWhatItIsToldTo) {
+  const Scene scene = sample("stewart");
+  const Plan plan = prepare(scene, {.budget = ThreadBudget{2}, .model = model(), .without = {"lanes"}}).plan;
+  for (const Plan::Choice& c : plan.choices) EXPECT_NE(c.strategy.backend, "lanes");
+  EXPECT_THROW((void)prepare(scene, {.model = model(), .without = {"lane"}}), Error);
+  std::vector<std::string> all;
+  for (const Backend& backend : backends()) all.emplace_back(backend.id);
+  try {
+    (void)prepare(scene, {.model = model(), .without = all});
+    FAIL() << "nothing is left";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), Error::Kind::environment);
+    EXPECT_NE(std::string(error.what()).find("left out"), std::string::npos) << error.what();
+  }
+}
+
+TEST(Dispatcher, NeverTakesMoreThreadsThanTheBudget) {
+  for (const char* scene : {"stewart:platforms=64", "rings:legs=5,n=240", "four_bar:40"}) {
+    for (const std::int32_t budget : {1, 2, 3, 5, 16}) {
+      const Plan plan = prepare(sample(scene), {.budget = ThreadBudget{budget}, .model = model()}).plan;
+      std::int32_t most_q = 1;
+      for (const Plan::Choice& c : plan.choices) {
+        EXPECT_LE(c.strategy.q, budget);
+        most_q = std::max(most_q, c.strategy.q);
+      }
+      for (const std::int32_t p : plan.level_threads) EXPECT_LE(p, budget);
+      EXPECT_LE(plan.threads, budget);
+    }
+  }
+}
+
+TEST(Dispatcher, SharesALevelOnlyWhereThatGains) {
+  // 384 legs are worth two threads; the terminals of one mechanism are not.
+  const Prepared many = prepare(sample("rings:legs=64,n=120"), {.budget = ThreadBudget{2}, .model = model()});
+  ASSERT_EQ(many.plan.threads, 2);
+  for (const Group& g : many.structure->groups) {
+    const auto on = std::count_if(many.structure->groups.begin(), many.structure->groups.end(),
+                                  [&](const Group& other) { return other.level == g.level; });
+    EXPECT_EQ(many.plan.level_threads[static_cast<std::size_t>(g.level)], on > 1 ? 2 : 1) << g.name;
+  }
+  const Prepared few = prepare(sample("stewart"), {.budget = ThreadBudget{2}, .model = model()});
+  EXPECT_EQ(few.plan.threads, 1);
+}
+
+TEST(Dispatcher, DecidesTheSameFromTheSameSamples) {
+  for (const char* scene : {"stewart", "rings:legs=5,n=78", "andrews", "four_bar:23"}) {
+    std::vector<Sample> known = samples();
+    const auto first = text_of(
+        prepare(sample(scene), {.budget = ThreadBudget{2}, .model = std::make_shared<PerformanceModel>(known)}).plan);
+    std::reverse(known.begin(), known.end());
+    EXPECT_EQ(
+        text_of(prepare(sample(scene), {.budget = ThreadBudget{2}, .model = std::make_shared<PerformanceModel>(known)})
+                    .plan),
+        first);
+  }
+}
+
+// Tuning anew finds times that differ by their noise.
+TEST(Dispatcher, TuningAnewChangesNoBackend) {
+  for (const char* scene : {"stewart", "rings:legs=5,n=78", "andrews", "four_bar:23"}) {
+    std::vector<std::string> first;
+    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+      const Plan plan = prepare(sample(scene), {.budget = ThreadBudget{2}, .model = model(0.02, seed)}).plan;
+      std::vector<std::string> chosen;
+      for (const Plan::Choice& c : plan.choices) chosen.push_back(c.strategy.backend);
+      if (seed == 1) first = chosen;
+      EXPECT_EQ(chosen, first) << scene << " seed " << seed;
+    }
+  }
+}
+
+TEST(Dispatcher, LosesNoMoreThanTheModelIsUnsure) {
+  const std::shared_ptr<const PerformanceModel> known = model(0.02);
+  double sum = 0;
+  int count = 0;
+  for (const std::int32_t n : {5, 9, 15, 22, 45, 78, 130, 334}) {
+    for (const bool full : {false, true}) {
+      for (const std::int32_t groups : {1, 5, 11, 23, 384}) {
+        const Shape shape = full ? full_shape(n, groups) : sparse_shape(n, groups);
+        // Without those that the made-up machine knows nothing of.
+        std::vector<Candidate> ranked = candidates(
+            shape,
+            {.model = known, .budget = ThreadBudget{1}, .without = {"lapack", "team", "umfpack", "mumps", "ma27"}});
+        std::erase_if(ranked, [](const Candidate& c) { return !c.why_not.empty() || c.strategy.single; });
+        const auto seconds = [&](const Candidate& c) {
+          return std::ceil(static_cast<double>(groups) / c.strategy.lanes) * truth(Kernel::pack, shape, c.strategy);
+        };
+        const Candidate& best = *std::min_element(
+            ranked.begin(), ranked.end(), [&](const auto& a, const auto& b) { return seconds(a) < seconds(b); });
+        const double ratio = seconds(ranked[0]) / seconds(best);
+        EXPECT_LT(std::log(ratio), 2 * std::log(ranked[0].factor * best.factor) + 0.02)
+            << "n = " << n << " full " << full << " groups " << groups << ": " << to_string(ranked[0].strategy)
+            << " instead of " << to_string(best.strategy);
+        sum += ratio - 1;
+        ++count;
+      }
+    }
+  }
+  EXPECT_LT(sum / count, 0.02);
+}
+
+TEST(Dispatcher, FillsLanesWithMechanismsInThroughput) {
+  const Plan plan =
+      prepare(sample("stewart"), {.budget = ThreadBudget{3}, .mode = Mode::throughput, .model = model()}).plan;
+  EXPECT_EQ(plan.threads, 3);
+  EXPECT_GE(plan.lanes, 8);
+  for (const Plan::Choice& c : plan.choices) EXPECT_EQ(c.strategy.lanes, plan.lanes);
+}
+
+TEST(ChooseSolver, PicksForABagOfLinearSystems) {
+  Pattern dense;
+  dense.n = 40;
+  dense.column_start = {0};
+  for (std::int32_t j = 0; j < dense.n; ++j) {
+    for (std::int32_t i = 0; i < dense.n; ++i) dense.row.push_back(i);
+    dense.column_start.push_back(dense.nnz());
+  }
+  const Candidate one = choose_solver(dense, 1, 1, {.model = model(), .budget = ThreadBudget{1}});
+  EXPECT_EQ(one.strategy.lanes, 1);
+  EXPECT_EQ(one.why_not, "");
+  EXPECT_GT(one.expected_seconds, 0);
+  const Candidate many = choose_solver(dense, 1000, 2, {.model = model(), .budget = ThreadBudget{1}});
+  EXPECT_EQ(many.strategy.backend, "lanes");
+  EXPECT_GE(many.strategy.lanes, 8);
+  EXPECT_THROW((void)choose_solver(dense, 0), Error);
+  EXPECT_THROW((void)choose_solver(dense, 1, -1), Error);
+}
+
+TEST(Candidates, SayWhyTheyCannotRun) {
+  std::vector<Sample> known = samples();
+  for (Sample& s : known) {
+    if (s.kernel == Kernel::solve && s.strategy.backend == "eigen") s.backward_error = 1e-3;
+  }
+  const auto ranked =
+      candidates(sparse_shape(22, 4),
+                 {.model = std::make_shared<PerformanceModel>(known), .budget = ThreadBudget{2}, .without = {"lanes"}});
+  ASSERT_FALSE(ranked.empty());
+  EXPECT_EQ(ranked[0].why_not, "");
+  for (const Candidate& c : ranked) {
+    EXPECT_EQ(c.strategy.backend == "lanes", c.why_not == "left out");
+    if (c.strategy.backend == "eigen" && !c.strategy.single) {
+      EXPECT_EQ(c.why_not, "its solutions had a backward error of 1.0e-03");
+    }
+  }
+}
+
+}  // namespace
+}  // namespace assur

@@ -1,0 +1,178 @@
+// The model on a made-up machine, whose times are known.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "assur/performance.hpp"
+#include "assur/plan.hpp"
+#include "assur/status.hpp"
+#include "made_up_machine.hpp"
+
+namespace assur {
+namespace {
+
+using namespace made_up;
+
+// Sizes between those that were sampled, three nonzeros a row and full.
+std::vector<Shape> unseen() {
+  std::vector<Shape> shapes;
+  for (const std::int32_t n : {5, 9, 15, 22, 45, 78, 130, 334, 700, 1200}) shapes.push_back(sparse_shape(n));
+  for (const std::int32_t n : {5, 9, 22, 78}) shapes.push_back(full_shape(n));
+  return shapes;
+}
+
+double off_by(const Prediction& predicted, double truth) { return std::abs(predicted.seconds / truth - 1); }
+
+TEST(PerformanceModel, PredictsKernelsBetweenTheSizesThatWereSampled) {
+  const PerformanceModel model(samples());
+  for (const Shape& shape : unseen()) {
+    for (const Strategy& s : {solver("lanes"), solver("lanes", 8), solver("klu"), solver("eigen")}) {
+      for (const Kernel kernel : {Kernel::factor, Kernel::solve}) {
+        const Prediction predicted = model.kernel(kernel, shape, s);
+        // Noise of 1 % and a bend that no term follows.
+        EXPECT_LT(off_by(predicted, truth(kernel, shape, s)), 0.08)
+            << name(kernel) << " " << s.backend << ":" << s.lanes << " n = " << shape.n << " nnz = " << shape.nnz;
+        EXPECT_EQ(predicted.origin, shape.n < 500 ? Origin::interpolated : predicted.origin);
+      }
+    }
+  }
+}
+
+TEST(PerformanceModel, ComposesPacksThatNobodySampled) {
+  const PerformanceModel model(samples());
+  for (const Shape& shape : unseen()) {
+    for (Strategy s : {solver("klu"), solver("eigen"), solver("lanes", 4)}) {
+      if (shape.n > 500 && s.backend == "eigen") continue;
+      for (const bool once : {false, true}) {
+        s.once = once;
+        EXPECT_LT(off_by(model.pack(shape, s), truth(Kernel::pack, shape, s)), 0.1)
+            << s.backend << " n = " << shape.n << " nnz = " << shape.nnz << " once " << once;
+      }
+    }
+  }
+}
+
+TEST(PerformanceModel, TakesWhatWasMeasuredAsItIs) {
+  std::vector<Sample> known = samples();
+  const auto pack = std::find_if(known.begin(), known.end(), [](const Sample& s) { return s.kernel == Kernel::pack; });
+  pack->seconds *= 3;  // whatever the others say
+  const Sample odd = *pack;
+  const Prediction predicted = PerformanceModel(known).pack(odd.shape, odd.strategy);
+  EXPECT_EQ(predicted.seconds, odd.seconds);
+  EXPECT_EQ(predicted.origin, Origin::measured);
+}
+
+TEST(PerformanceModel, OfRepeatedSamplesTheMedianCounts) {
+  std::mt19937_64 random(3);
+  std::vector<Sample> known;
+  for (const double factor : {1.0, 1.1, 9.0}) {
+    known.push_back(sample_of(Kernel::factor, sparse_shape(20), solver("klu"), 0, random));
+    known.back().seconds *= factor;
+  }
+  EXPECT_DOUBLE_EQ(PerformanceModel(known).kernel(Kernel::factor, sparse_shape(20), solver("klu")).seconds,
+                   1.1 * truth(Kernel::factor, sparse_shape(20), solver("klu")));
+}
+
+TEST(PerformanceModel, OneWildSampleDoesNotSpoilItsNeighbours) {
+  std::vector<Sample> known = samples();
+  std::mt19937_64 random(2);
+  known.push_back(sample_of(Kernel::factor, sparse_shape(60), solver("klu"), 0, random));
+  known.back().seconds *= 20;
+  known.back().spread = known.back().seconds;  // as one that was disturbed scatters
+  const PerformanceModel model(known);
+  for (const std::int32_t n : {22, 78, 334}) {
+    EXPECT_LT(off_by(model.kernel(Kernel::factor, sparse_shape(n), solver("klu")),
+                     truth(Kernel::factor, sparse_shape(n), solver("klu"))),
+              0.12)
+        << n;
+  }
+}
+
+TEST(PerformanceModel, TheOrderOfTheSamplesDoesNotMatter) {
+  std::vector<Sample> known = samples();
+  const PerformanceModel first(known);
+  std::mt19937_64 random(5);
+  for (int round = 0; round < 3; ++round) {
+    std::shuffle(known.begin(), known.end(), random);
+    const PerformanceModel other(known);
+    for (const Shape& shape : unseen()) {
+      for (const Strategy& s : {solver("lanes", 8), solver("klu"), solver("umfpack")}) {
+        EXPECT_EQ(first.pack(shape, s).seconds, other.pack(shape, s).seconds);
+        EXPECT_EQ(first.pack(shape, s).factor, other.pack(shape, s).factor);
+      }
+    }
+  }
+}
+
+TEST(PerformanceModel, SaysHowFarItCanBeTrusted) {
+  const PerformanceModel model(samples());
+  const Prediction near = model.kernel(Kernel::factor, sparse_shape(22), solver("klu"));
+  const Prediction far = model.kernel(Kernel::factor, sparse_shape(20'000), solver("klu"));
+  EXPECT_EQ(near.origin, Origin::interpolated);
+  EXPECT_EQ(far.origin, Origin::extrapolated);
+  EXPECT_LT(near.factor, 1.1);
+  EXPECT_GT(far.factor, near.factor);
+  // Nobody sampled mumps: its prior, as fast as this machine is otherwise.
+  EXPECT_EQ(model.kernel(Kernel::factor, sparse_shape(22), solver("mumps")).origin, Origin::prior);
+}
+
+TEST(PerformanceModel, WithoutSamplesThereIsAPriorForEverything) {
+  const PerformanceModel nothing;
+  EXPECT_EQ(nothing.samples(), 0U);
+  for (const Shape& shape : unseen()) {
+    for (const Backend& backend : backends()) {
+      const Prediction predicted = nothing.pack(shape, solver(std::string(backend.id)));
+      EXPECT_GT(predicted.seconds, 0);
+      EXPECT_EQ(predicted.origin, Origin::prior);
+    }
+  }
+  EXPECT_GT(nothing.meeting(2).seconds, 0);
+  EXPECT_EQ(nothing.meeting(1).seconds, 0);
+  EXPECT_EQ(nothing.contention(2), 1);
+}
+
+TEST(PerformanceModel, SamplesThatMakeNoSenseAreNotUsed) {
+  std::vector<Sample> known = samples();
+  const std::size_t good = known.size();
+  for (const double seconds : {0.0, -1.0, std::nan(""), HUGE_VAL}) {
+    known.push_back(known[0]);
+    known.back().seconds = seconds;
+  }
+  const PerformanceModel with(known), without({known.begin(), known.begin() + static_cast<std::ptrdiff_t>(good)});
+  for (const Shape& shape : unseen()) {
+    EXPECT_EQ(with.pack(shape, solver("klu")).seconds, without.pack(shape, solver("klu")).seconds);
+  }
+}
+
+TEST(PerformanceModel, MeetingsAndContentionComeFromThreads) {
+  std::vector<Sample> known = samples(0);
+  std::mt19937_64 random(4);
+  for (const std::int32_t groups : {200, 400}) {
+    for (const std::int32_t p : {1, 2}) {
+      Strategy s = solver("klu");
+      s.p = p;
+      known.push_back(sample_of(Kernel::pack, sparse_shape(100, groups), s, 0, random));
+      if (p == 2) known.back().seconds *= 1.2;  // they share a cache
+    }
+  }
+  for (const std::int32_t n : {10, 100, 1000}) {
+    known.push_back(sample_of(Kernel::around, sparse_shape(n), {}, 0, random));
+  }
+  const PerformanceModel model(known);
+  EXPECT_DOUBLE_EQ(model.meeting(2).seconds, 0.8e-6);
+  EXPECT_DOUBLE_EQ(model.meeting(4).seconds, 1.6e-6);
+  EXPECT_NEAR(model.meeting(8).seconds, 3.2e-6, 1e-12);
+  EXPECT_NEAR(model.contention(2), 1.2, 1e-12);
+  EXPECT_NEAR(model.around(300).seconds, truth(Kernel::around, sparse_shape(300), {}), 1e-9);
+}
+
+TEST(Kernels, HaveNamesThatCanBeRead) {
+  for (const Kernel kernel :
+       {Kernel::evaluate, Kernel::factor, Kernel::solve, Kernel::pack, Kernel::meeting, Kernel::step}) {
+    EXPECT_EQ(parse_kernel(name(kernel)), kernel);
+  }
+  EXPECT_THROW((void)parse_kernel("Factor"), Error);
+}
+
+}  // namespace
+}  // namespace assur

@@ -1,0 +1,205 @@
+// Budget, restart, interruption: on a clock that moves a little with each look at it.
+#include "tuning/campaign.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "tuning/refinement.hpp"
+
+namespace assur::tuning {
+namespace {
+
+constexpr double kTick = 1e-4;  // s
+
+class CampaignTest : public testing::Test {
+ protected:
+  CampaignTest() {
+    options_.field = {backends(), ThreadBudget{1}};
+    options_.seconds = 1000;
+    options_.store = [this](const CellResult& cell) { stored_.push_back(cell); };
+  }
+  measure::Instruments instruments() {
+    measure::Instruments out;
+    out.clock = [this] { return now_ += kTick; };
+    out.switches = [] { return std::int64_t{0}; };
+    out.stop = [this] { return stored_.size() >= stop_after_; };
+    return out;
+  }
+  static std::vector<Cell> cells() {
+    std::vector<Cell> out;
+    for (const std::int32_t n : {3, 5, 8, 12}) {
+      Cell c;
+      c.family = "full";
+      c.n = c.per_row = n;
+      out.push_back(c);
+    }
+    return out;
+  }
+
+  double now_ = 0;
+  std::size_t stop_after_ = std::numeric_limits<std::size_t>::max();
+  CampaignOptions options_;
+  std::vector<CellResult> stored_;
+};
+
+TEST_F(CampaignTest, StoresEachCellOnceWithFactorAndSolveOfEveryCandidate) {
+  Campaign campaign(options_, instruments());
+  campaign.run(cells());
+  ASSERT_EQ(stored_.size(), 4u);
+  for (const CellResult& cell : stored_) {
+    EXPECT_FALSE(cell.cut_short);
+    std::set<std::string> factor, solve;
+    for (const Result& r : cell.results) {
+      EXPECT_EQ(r.sample.shape.n, cell.cell.n);
+      EXPECT_GT(r.sample.seconds, 0);
+      EXPECT_GT(r.sample.repetitions, 0);
+      EXPECT_LE(r.sample.backward_error, 1e-13);
+      (r.sample.kernel == Kernel::factor ? factor : solve).insert(to_string(r.sample.strategy));
+    }
+    EXPECT_EQ(factor, solve);
+    EXPECT_EQ(factor.size() + cell.refused.size(), linear_solvers(options_.field, {.n = cell.cell.n}, 16).size());
+  }
+  EXPECT_EQ(campaign.figures().measured, 4u);
+  EXPECT_FALSE(campaign.figures().interrupted);
+}
+
+TEST_F(CampaignTest, KeepsToItsBudget) {
+  options_.seconds = 0.05;  // 500 looks at the clock: not enough for all
+  Campaign campaign(options_, instruments());
+  campaign.run(cells());
+  // Beyond it: the block in hand, and looks without work, a few for each of some sixty candidates.
+  EXPECT_LE(now_, 0.05 + 200 * kTick);
+  EXPECT_EQ(campaign.figures().planned, 4u);
+}
+
+TEST_F(CampaignTest, GoesOnWhereAnInterruptedRunStopped) {
+  stop_after_ = 2;
+  Campaign first(options_, instruments());
+  first.run(cells());
+  EXPECT_TRUE(first.figures().interrupted);
+  ASSERT_EQ(stored_.size(), 2u);
+
+  for (const CellResult& cell : stored_) {
+    for (const Result& r : cell.results) options_.earlier.push_back(r.sample);
+  }
+  stored_.clear();
+  stop_after_ = std::numeric_limits<std::size_t>::max();
+  Campaign second(options_, instruments());
+  second.run(cells());
+  ASSERT_EQ(stored_.size(), 2u);
+  EXPECT_EQ(stored_[0].cell.n, 8);
+  EXPECT_EQ(stored_[1].cell.n, 12);
+  EXPECT_EQ(second.figures().measured, 4u);
+  EXPECT_EQ(second.figures().earlier, 2u);
+  ASSERT_EQ(second.results().size(), 4u);
+  EXPECT_EQ(second.results()[0].results.size(), first.results()[0].results.size());
+}
+
+TEST_F(CampaignTest, EqualMatricesAreMeasuredOnce) {
+  std::vector<Cell> twice = cells();
+  twice.push_back(twice.front());
+  Campaign campaign(options_, instruments());
+  campaign.run(twice);
+  EXPECT_EQ(stored_.size(), 4u);
+  EXPECT_EQ(campaign.figures().planned, 4u);
+}
+
+TEST_F(CampaignTest, ACellThatCannotBeOpenedIsToldAndTheOthersGoOn) {
+  std::vector<Cell> some = cells();
+  some[1].scene = [] { return sample("no such thing"); };
+  Campaign campaign(options_, instruments());
+  campaign.run(some);
+  EXPECT_EQ(stored_.size(), 3u);
+  ASSERT_EQ(campaign.figures().failures.size(), 1u);
+  EXPECT_NE(campaign.figures().failures[0].find("full, n = 5: "), std::string::npos);
+}
+
+TEST_F(CampaignTest, ADatabaseThatCannotBeWrittenEndsTheRun) {
+  options_.store = [](const CellResult&) { throw Error(Error::Kind::environment, "the disk is full"); };
+  Campaign campaign(options_, instruments());
+  EXPECT_THROW(campaign.run(cells()), Error);
+}
+
+class RefinementTest : public CampaignTest {
+ protected:
+  static Cell full(std::int32_t n) {
+    Cell c;
+    c.family = "full";
+    c.n = c.per_row = n;
+    c.at = full;
+    return c;
+  }
+  static std::vector<Cell> three_sizes() {
+    std::vector<Cell> cells = {full(3), full(9), full(27), full(5)};
+    cells.back().held_out = true;
+    return cells;
+  }
+};
+
+TEST_F(RefinementTest, MeasuresBetweenTheSizesUntilTheyAreClose) {
+  options_.most_for_cell = 0.5;
+  Campaign campaign(options_, instruments());
+  campaign.run(three_sizes());
+  refine(campaign, false);
+  std::set<std::int32_t> sizes;
+  for (const CellResult& c : campaign.results()) sizes.insert(c.cell.n);
+  EXPECT_EQ(sizes.size(), campaign.results().size());
+  EXPECT_GT(sizes.size(), 8u);
+  EXPECT_GT(campaign.seconds_left(), 0);  // it ended because nothing was left to do
+  for (auto n = sizes.begin(); std::next(n) != sizes.end(); ++n) {
+    const double a = *n, b = *std::next(n), middle = std::round(std::sqrt(a * b));
+    EXPECT_TRUE(middle < 1.12 * a || b < 1.12 * middle) << a << ' ' << b;
+  }
+}
+
+TEST_F(RefinementTest, EndsWithTheBudget) {
+  options_.seconds = 2;
+  options_.most_for_cell = 0.1;
+  Campaign campaign(options_, instruments());
+  campaign.run(three_sizes());
+  refine(campaign, false);
+  EXPECT_LE(now_, 2 + 0.1);
+}
+
+TEST_F(RefinementTest, ThePatientEndWhenTheRegretIsSettled) {
+  options_.most_for_cell = 0.5;
+  Campaign all(options_, instruments());
+  all.run(three_sizes());
+  refine(all, false);
+  stored_.clear();
+  Campaign patient(options_, instruments());
+  patient.run(three_sizes());
+  refine(patient, true);
+  EXPECT_LE(patient.results().size(), all.results().size());
+}
+
+TEST(History, TellsWhoIsHopelessFromTwoSmallerSizes) {
+  const Candidate candidate{Kernel::factor, parse_strategy("groups/eigen")};
+  History history;
+  EXPECT_EQ(history.hopeless("rings", candidate, 100, 1), "");
+  history.note("rings", candidate, {10, 25e-6, 1e-6, 0});
+  EXPECT_EQ(history.hopeless("rings", candidate, 100, 1), "");
+  history.note("rings", candidate, {20, 70e-6, 2e-6, 0});
+  EXPECT_EQ(history.hopeless("rings", candidate, 40, 1), "far behind at smaller sizes");
+  EXPECT_EQ(history.hopeless("rings", candidate, 15, 1), "");  // one smaller size is known
+  EXPECT_EQ(history.hopeless("full", candidate, 40, 1), "");   // another family
+  history.note("full", candidate, {10, 25e-6, 1e-6, 0});
+  history.note("full", candidate, {20, 48e-6, 2e-6, 0});
+  EXPECT_EQ(history.hopeless("full", candidate, 40, 1), "");  // catches up
+}
+
+TEST(History, TellsWhatTakesTooLong) {
+  const Candidate candidate{Kernel::factor, parse_strategy("groups/lanes")};
+  History history;
+  history.note("full", candidate, {50, 1e-3, 1e-3, 0.001});
+  history.note("full", candidate, {100, 8e-3, 8e-3, 0.01});
+  EXPECT_EQ(history.hopeless("full", candidate, 200, 0.2), "");  // 64 ms, and 80 ms to set up
+  EXPECT_EQ(history.hopeless("full", candidate, 200, 0.07), "its analysis takes too long");
+  EXPECT_EQ(history.hopeless("full", candidate, 200, 0.05), "one call takes too long");
+}
+
+}  // namespace
+}  // namespace assur::tuning

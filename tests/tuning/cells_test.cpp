@@ -1,0 +1,106 @@
+#include "tuning/cells.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "tuning/entrants.hpp"
+#include "tuning/profile.hpp"
+
+namespace assur::tuning {
+namespace {
+
+const Field kField{backends(), ThreadBudget{2}};
+
+TEST(Cells, SizesAreSpacedEvenlyInTheirLogarithm) {
+  EXPECT_EQ(spaced(3, 48, 5), (std::vector<std::int32_t>{3, 6, 12, 24, 48}));
+  EXPECT_EQ(spaced(3, 4, 5), (std::vector<std::int32_t>{3, 4}));
+}
+
+TEST(Cells, WhatIsHeldOutIsMeasuredNowhereElse) {
+  const std::vector<Cell> cells = general_cells({});
+  std::set<std::pair<std::string, std::pair<int, int>>> seen, held_out;
+  for (const Cell& c : cells) (c.held_out ? held_out : seen).insert({c.family, {c.n, c.groups}});
+  EXPECT_GE(held_out.size(), 10u);
+  for (const auto& cell : held_out) EXPECT_EQ(seen.count(cell), 0u) << cell.first << ' ' << cell.second.first;
+}
+
+TEST(Cells, EachCanBeOpenedAndEnteredByItsFirstCandidate) {
+  const Extent small{.sizes = 2, .largest = 30, .largest_full = 30, .largest_random = 30, .most_groups = 10};
+  for (const Cell& cell : general_cells(small)) {
+    const std::unique_ptr<Ground> ground = open(cell, kField);
+    ASSERT_FALSE(ground->candidates().empty()) << to_string(cell);
+    const std::vector<Entrant> entrants = ground->enter(ground->candidates().front());
+    ASSERT_FALSE(entrants.empty()) << to_string(cell);
+    for (const Entrant& e : entrants) {
+      EXPECT_EQ(e.shape, ground->shape());
+      EXPECT_TRUE(e.work->run(2)) << to_string(cell);
+    }
+    if (cell.kind == Cell::Kind::meeting || cell.kind == Cell::Kind::steps) continue;
+    EXPECT_EQ(ground->shape().n, cell.n) << to_string(cell);
+    EXPECT_EQ(ground->shape().groups, cell.groups) << to_string(cell);
+  }
+}
+
+TEST(Cells, ASceneHasItsOwn) {
+  const std::vector<Cell> cells = scene_cells("stewart", sample("stewart"));
+  std::set<std::string> texts;
+  for (const Cell& c : cells) texts.insert(to_string(c));
+  EXPECT_EQ(texts.count("stewart, groups, n = 15"), 1u);
+  EXPECT_EQ(texts.count("stewart, groups, n = 15, 6 groups"), 1u);
+  EXPECT_EQ(texts.count("stewart, global, n = 102, 1 group"), 1u);
+  EXPECT_EQ(texts.count("stewart, irreducible, whole steps"), 1u);
+}
+
+TEST(Cells, AFamilyHasCellsOfOtherSizes) {
+  for (const Cell& c : general_cells({.sizes = 3, .largest = 100})) {
+    if (!c.at) continue;
+    const Cell other = c.at(40);
+    EXPECT_EQ(other.family, c.family);
+    EXPECT_EQ(other.n, 40);
+    EXPECT_FALSE(other.held_out);
+    EXPECT_EQ(open(other, kField)->shape().n, 40);
+  }
+}
+
+TEST(Candidates, OneOfEachBackendComesFirst) {
+  Shape shape{.n = 200, .nnz = 600};
+  const std::vector<Strategy> all = linear_solvers(kField, shape, 16);
+  std::set<std::string> backends_seen, texts;
+  std::size_t last_new = 0;  // candidates until each backend had its turn
+  for (const Strategy& s : all) {
+    texts.insert(to_string(s));
+    if (backends_seen.insert(s.backend).second) last_new = texts.size();
+  }
+  EXPECT_EQ(last_new, backends_seen.size() + 1);  // lanes come twice: alone, and eight side by side
+  EXPECT_EQ(texts.size(), all.size());
+  EXPECT_EQ(texts.count("groups/lanes:16"), 1u);
+  EXPECT_EQ(texts.count("groups/eigen+float+refine"), 1u);
+  for (const Strategy& s : linear_solvers(kField, shape, 1)) EXPECT_EQ(s.lanes, 1);
+  shape.n = 20;
+  for (const Strategy& s : linear_solvers(kField, shape, 16)) EXPECT_EQ(s.q, 1);
+}
+
+TEST(Candidates, WhatDidNotSurviveItsTrialIsLeftOut) {
+  Field field = kField;
+  field.why_not = [](const Strategy& s) { return s.backend == "eigen" ? "crashes" : ""; };
+  for (const Strategy& s : linear_solvers(field, {.n = 20, .nnz = 60}, 16)) EXPECT_NE(s.backend, "eigen");
+}
+
+TEST(Profile, ASmallerBudgetSamplesLess) {
+  std::size_t before = 0;
+  for (const double seconds : {2.0, 10.0, 55.0, 300.0}) {
+    const std::size_t count = general_cells(profile("quick", seconds).extent).size();
+    EXPECT_GT(count, before) << seconds;
+    before = count;
+  }
+  EXPECT_EQ(profile("standard", {}).seconds, profile("quick", profile("standard", {}).seconds).seconds);
+  EXPECT_LE(profile("quick", {}).seconds, 60);
+  EXPECT_LE(profile("standard", {}).seconds, 300);
+  EXPECT_TRUE(profile("patient", {}).until_settled);
+  EXPECT_THROW((void)profile("hasty", {}), Error);
+}
+
+}  // namespace
+}  // namespace assur::tuning

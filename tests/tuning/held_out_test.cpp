@@ -1,0 +1,93 @@
+// Regret of choices, and where the next cell goes, from samples that are made up.
+#include "tuning/held_out.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <sstream>
+
+#include "tuning/refinement.hpp"
+#include "tuning/sample_csv.hpp"
+
+namespace assur::tuning {
+namespace {
+
+Sample sample_of(Kernel kernel, std::int32_t n, const std::string& strategy, double seconds) {
+  Sample s;
+  s.kernel = kernel;
+  s.shape = {.n = n, .nnz = n * n, .fill = std::int64_t{n} * n, .operations = std::int64_t{n} * n * n / 3};
+  s.shape.pattern = static_cast<std::uint64_t>(n);
+  s.strategy = parse_strategy(strategy);
+  s.seconds = seconds;
+  s.spread = seconds / 100;
+  s.repetitions = 100;
+  return s;
+}
+
+Cell full(std::int32_t n) {
+  Cell c;
+  c.family = "full";
+  c.n = c.per_row = n;
+  c.at = full;
+  return c;
+}
+
+// eigen takes n^2 ns, lapack 20 n ns: they meet at n = 20.
+CellResult cell(std::int32_t n, bool held_out, double eigen = 1) {
+  CellResult out;
+  out.cell = full(n);
+  out.cell.held_out = held_out;
+  for (const auto& [kernel, share] : {std::pair(Kernel::factor, 1.0), std::pair(Kernel::solve, 0.1)}) {
+    out.results.push_back({sample_of(kernel, n, "groups/eigen", eigen * share * n * n * 1e-9)});
+    out.results.push_back({sample_of(kernel, n, "groups/lapack", share * 20 * n * 1e-9)});
+  }
+  return out;
+}
+
+std::vector<CellResult> grid() {
+  std::vector<CellResult> cells;
+  for (const std::int32_t n : {4, 8, 12, 32, 64, 128}) cells.push_back(cell(n, false));
+  return cells;
+}
+
+TEST(Regret, IsNoneWhereNothingIsHeldOut) { EXPECT_EQ(regret(model_of(grid()), grid()).questions, 0u); }
+
+TEST(Regret, IsWhatAWrongChoiceCosts) {
+  std::vector<CellResult> cells = grid();
+  cells.push_back(cell(10, true));
+  cells.push_back(cell(50, true));
+  const Regret right = regret(model_of(cells), cells);
+  EXPECT_GE(right.questions, 2u);
+  EXPECT_EQ(right.max, 0);
+  // Where eigen takes eight times as long as everything else says, the model picks it all the same.
+  cells.push_back(cell(11, true, 8));
+  const Regret wrong = regret(model_of(cells), cells);
+  EXPECT_NEAR(wrong.max, 8.0 * 11 / 20 - 1, 1e-12);
+  EXPECT_EQ(wrong.median, 0);
+}
+
+TEST(Refinement, GoesToTheCrossover) {
+  const std::vector<CellResult> cells = grid();
+  const std::vector<Cell> next = propose(model_of(cells), cells, 2);
+  ASSERT_FALSE(next.empty());
+  EXPECT_EQ(next[0].n, 20);  // between 12 and 32
+  EXPECT_LE(next.size(), 2u);
+}
+
+TEST(Refinement, EndsWhereNeighboursAreClose) {
+  const std::vector<CellResult> cells = {cell(20, false), cell(21, false), cell(22, false)};
+  EXPECT_TRUE(propose(model_of(cells), cells, 5).empty());
+}
+
+TEST(SampleCsv, HasALineForEachSample) {
+  Sample s = sample_of(Kernel::factor, 3, "groups/lanes:8", 0.25);
+  s.forward_error = std::nan("");
+  std::ostringstream out;
+  write_csv(out, std::vector{s});
+  EXPECT_EQ(out.str(),
+            "kernel,n,nnz,fill,operations,terms,pattern,groups,strategy,seconds,spread,repetitions,backward_error,"
+            "forward_error\nfactor,3,9,9,9,0,3,1,groups/lanes:8,0.25,0.0025000000000000001,100,0,\n");
+}
+
+}  // namespace
+}  // namespace assur::tuning

@@ -1,0 +1,36 @@
+#include <iostream>
+
+#include "assur/machine.hpp"
+#include "commands/commands.hpp"
+#include "output/plan_report.hpp"
+
+namespace assur::command {
+
+int plan(const Common& common, const PlanOptions& options) {
+  Scene scene = open_scene(options.scene, common.set);
+  if (!options.outputs.empty()) scene = scene.with_outputs(options.outputs);
+  const MachineModel known = machine_model_of(common);
+  const ThreadBudget budget = common.threads > 0 ? ThreadBudget{common.threads} : this_machine().budget();
+  const Prepared prepared =
+      prepare(scene, {.budget = budget, .mode = options.mode, .model = known.model, .without = options.without});
+
+  output::PlanSummary summary{.prepared = prepared,
+                              .mode = options.mode,
+                              .budget = budget,
+                              .model = *known.model,
+                              .messages = known.messages,
+                              .candidates = {}};
+  for (const Plan::Choice& choice : prepared.plan.choices) {
+    summary.candidates.push_back(
+        candidates(choice.shape, {.model = known.model, .budget = budget, .without = options.without}));
+  }
+  if (common.json) {
+    output::print(std::cout, to_json(summary));
+  } else {
+    output::Page page(std::cout);
+    output::print(page, summary);
+  }
+  return kDone;
+}
+
+}  // namespace assur::command

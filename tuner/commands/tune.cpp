@@ -1,0 +1,176 @@
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <optional>
+#include <utility>
+
+#include "assur/machine.hpp"
+#include "commands/commands.hpp"
+#include "commands/db_parts.hpp"
+#include "commands/interrupt.hpp"
+#include "db/places.hpp"
+#include "measure/noise.hpp"
+#include "measure/step_times.hpp"
+#include "output/progress.hpp"
+#include "output/tuning_report.hpp"
+#include "tuning/archive.hpp"
+#include "tuning/campaign.hpp"
+#include "tuning/held_out.hpp"
+#include "tuning/probe.hpp"
+#include "tuning/profile.hpp"
+#include "tuning/refinement.hpp"
+#include "tuning/sample_csv.hpp"
+
+namespace assur::command {
+namespace {
+
+constexpr double kTrial = 5;        // s that a solver may take for its trial, which takes milliseconds
+constexpr int kRoundsOfSpread = 5;  // from which on a spread says something
+
+// Who has the samples as a file can do without a database.
+std::optional<std::filesystem::path> database_of(const Common& common, const TuneOptions& options) {
+  if (!options.csv.empty() && common.db.empty()) return db::own_database();
+  return own_database_of(common);
+}
+
+// This very program, asked to try one strategy.
+std::vector<std::string> trial_of(const Strategy& strategy) {
+  return {"/proc/self/exe", "tune", "--trial", to_string(strategy)};
+}
+
+std::vector<tuning::Cell> cells_of(const TuneOptions& options, const Parameters& set, const tuning::Extent& extent) {
+  if (options.scenes.empty()) return tuning::general_cells(extent);
+  std::vector<tuning::Cell> cells;
+  for (const std::string& text : options.scenes) {
+    std::vector<tuning::Cell> more = tuning::scene_cells(text, open_scene(text, set));
+    std::move(more.begin(), more.end(), std::back_inserter(cells));
+  }
+  return cells;
+}
+
+std::string name_of(const tuning::Profile& profile, const TuneOptions& options) {
+  std::string name = profile.name;
+  for (const std::string& scene : options.scenes) name += (&scene == &options.scenes.front() ? ": " : ", ") + scene;
+  return name;
+}
+
+double scatter_of(const std::vector<tuning::CellResult>& cells) {
+  std::vector<double> scatter;
+  for (const tuning::CellResult& cell : cells) {
+    for (const tuning::Result& r : cell.results) {
+      if (r.rounds >= kRoundsOfSpread) scatter.push_back(r.sample.spread / r.sample.seconds);
+    }
+  }
+  if (scatter.empty()) return 0;
+  const auto middle = scatter.begin() + static_cast<std::ptrdiff_t>(scatter.size() / 2);
+  std::nth_element(scatter.begin(), middle, scatter.end());
+  return *middle;
+}
+
+measure::Judgement judgement_of(const tuning::Campaign& campaign, const measure::NoiseWatch& watch) {
+  measure::Noise noise = watch.noise();
+  const measure::RaceFigures& race = campaign.figures().race;
+  noise.disturbed = static_cast<double>(race.disturbed) / static_cast<double>(std::max<std::int64_t>(race.blocks, 1));
+  noise.scatter = scatter_of(campaign.results());
+  return measure::judge(noise);
+}
+
+db::Grade grade_of(measure::Quiet quiet) {
+  switch (quiet) {
+    case measure::Quiet::yes:
+      return db::Grade::good;
+    case measure::Quiet::some_noise:
+      return db::Grade::fair;
+    case measure::Quiet::noisy:
+      break;
+  }
+  return db::Grade::noisy;
+}
+
+void write_csv(std::ofstream& out, const std::string& file, const std::vector<tuning::CellResult>& cells) {
+  std::vector<Sample> samples;
+  for (const tuning::CellResult& cell : cells) {
+    for (const tuning::Result& r : cell.results) samples.push_back(r.sample);
+  }
+  tuning::write_csv(out, samples);
+  if (!out.flush()) throw Error(Error::Kind::environment, {{file, "cannot be written"}});
+}
+
+}  // namespace
+
+int tune(const Common& common, const TuneOptions& options) {
+  if (!options.trial.empty()) {
+    tuning::probe(parse_strategy(options.trial), assur::backends());
+    return kDone;
+  }
+  const double begin = measure::StepTimes::steady();
+  const tuning::Profile profile = tuning::profile(options.profile, options.budget);
+  std::vector<tuning::Cell> cells = cells_of(options, common.set, profile.extent);
+  std::ofstream csv;
+  if (!options.csv.empty()) {
+    csv.open(options.csv);
+    if (!csv) throw Error(Error::Kind::environment, {{options.csv, "cannot be written"}});
+  }
+  tuning::Archive archive(database_of(common, options), name_of(profile, options));
+  for (const std::string& message : archive.messages()) std::cerr << message << '\n';
+
+  tuning::CampaignOptions how;
+  how.field.table = assur::backends();
+  how.field.budget = common.threads > 0 ? ThreadBudget{common.threads} : this_machine().budget();
+  const measure::NoiseWatch watch(how.field.budget.threads);
+  const tuning::Probes probes(how.field.table, how.field.budget, trial_of, kTrial);
+  how.field.why_not = [&](const Strategy& s) { return probes.why_not(s); };
+  how.seconds = profile.seconds - (measure::StepTimes::steady() - begin);
+  how.most_for_cell = profile.most_for_cell;
+  how.earlier = archive.earlier();
+  how.store = [&](const tuning::CellResult& cell) { archive.add(cell); };
+  // A scene is done when its cells are; otherwise all of the time is used.
+  using output::Progress;
+  const bool by_cells = !options.scenes.empty();
+  Progress progress(std::cerr, common.quiet ? Progress::Style::none : Progress::style_of_standard_error(),
+                    by_cells ? "cell" : "second");
+  std::int64_t begun = 0;
+  how.progress = [&](double seconds, const tuning::Cell&) {
+    if (by_cells) {
+      progress.show(seconds, begun++, static_cast<std::int64_t>(cells.size()));
+    } else {
+      progress.show(seconds, std::lround(seconds), std::lround(profile.seconds));
+    }
+  };
+  const Interrupt interrupt;
+  measure::Instruments instruments;
+  instruments.stop = [] { return Interrupt::requested(); };
+
+  tuning::Campaign campaign(how, instruments);
+  campaign.run(cells);
+  if (options.scenes.empty()) tuning::refine(campaign, profile.until_settled);
+  progress.clear();
+
+  const measure::Judgement judgement = judgement_of(campaign, watch);
+  output::TuningSummary summary;
+  summary.run = archive.run();
+  summary.database = archive.file();
+  summary.profile = name_of(profile, options);
+  summary.grade = name(grade_of(judgement.quiet));
+  summary.reason = judgement.reason;
+  summary.figures = campaign.figures();
+  summary.regret = tuning::regret(tuning::model_of(campaign.results()), campaign.results());
+  summary.failed = probes.failed();
+  summary.cells = campaign.results();
+  summary.seconds = measure::StepTimes::steady() - begin;
+  if (!summary.figures.interrupted) {
+    archive.finish({grade_of(judgement.quiet), summary.seconds, summary.figures.coverage(), judgement.reason});
+  }
+  if (csv.is_open()) write_csv(csv, options.csv, campaign.results());
+  if (common.json) {
+    output::print(std::cout, to_json(summary));
+  } else {
+    output::Page page(std::cout);
+    print(page, summary);
+  }
+  return summary.figures.interrupted ? kInterrupted : kDone;
+}
+
+}  // namespace assur::command

@@ -1,0 +1,215 @@
+#include "measure/motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "equations/evaluator.hpp"
+#include "measure/postures.hpp"
+#include "simulation/inputs.hpp"
+#include "simulation/layout.hpp"
+
+namespace assur::measure {
+namespace {
+
+constexpr std::size_t kWorthWarming = 20000;     // packs x unknowns x W up to which a whole round is made untimed
+constexpr double kFirstOff = 1e-8;               // of a prediction, relative; in one iteration its square is left
+constexpr double kLeastOff = 1e-12;              // still far above what counts as solved
+constexpr std::int64_t kStepsBeforeSteady = 10;  // until predictors have the postures that they read
+
+std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+class Evaluation final : public Workload {
+ public:
+  Evaluation(std::shared_ptr<const Structure> structure, std::int32_t group_class, int lanes)
+      : structure_(std::move(structure)),
+        program_(compile(structure_->classes[idx(group_class)], structure_->pattern(group_class))),
+        evaluator_(make_evaluator(*structure_->system, program_, lanes)) {
+    std::vector<Posture> postures;
+    for (const Group& group : structure_->groups) {
+      if (group.group_class == group_class && static_cast<int>(postures.size()) < lanes) {
+        postures.push_back(posture(*structure_, program_, group));
+      }
+    }
+    const auto side_by_side = [&](std::vector<double> Posture::*what) {
+      const std::size_t rows = (postures[0].*what).size(), w = static_cast<std::size_t>(lanes);
+      std::vector<double> out(rows * w);
+      for (std::size_t i = 0; i < out.size(); ++i) out[i] = (postures[i % w % postures.size()].*what)[i / w];
+      return out;
+    };
+    coefficients_ = side_by_side(&Posture::coefficients);
+    // Behind the coefficients of the program a pack has the numbers 0 and 1.
+    coefficients_.resize(coefficients_.size() + static_cast<std::size_t>(lanes), 0.0);
+    coefficients_.resize(coefficients_.size() + static_cast<std::size_t>(lanes), 1.0);
+    inputs_ = side_by_side(&Posture::inputs);
+    unknowns_ = side_by_side(&Posture::unknowns);
+    phi_.resize(unknowns_.size());
+    jacobian_.resize(program_.pattern.row.size() * static_cast<std::size_t>(lanes));
+  }
+
+  void get_ready(int) override { (void)run(1); }
+  bool run(int calls) override {
+    for (int i = 0; i < calls; ++i) {
+      evaluator_->set_inputs(coefficients_.data(), inputs_.data());
+      evaluator_->evaluate(unknowns_.data(), phi_.data(), jacobian_.data());
+    }
+    return std::isfinite(phi_[0]);
+  }
+
+ private:
+  std::shared_ptr<const Structure> structure_;
+  Program program_;
+  std::unique_ptr<Evaluator> evaluator_;
+  std::vector<double> coefficients_, inputs_, unknowns_, phi_, jacobian_;
+};
+
+}  // namespace
+
+std::unique_ptr<Workload> evaluation(std::shared_ptr<const Structure> structure, std::int32_t group_class, int lanes) {
+  return std::make_unique<Evaluation>(std::move(structure), group_class, lanes);
+}
+
+// ---- pack
+
+struct PackStep::Impl {
+  Impl(const Prepared& p, std::int32_t group_class)
+      : prepared(p), layout(lay_out(prepared)), solver(*layout.solvers[idx(group_class)]) {
+    for (std::vector<double>& s : state) s.resize(layout.size);
+    solve_start();
+    for (Pack& pack : layout.packs) {
+      if (pack.group_class == group_class) packs.push_back(&pack);
+    }
+    size = idx(solver.program().n) * static_cast<std::size_t>(solver.lanes());
+    for (double off = kFirstOff; off >= kLeastOff; off /= 10) {
+      predict(off);
+      if (takes_one_iteration()) return;
+    }
+    throw Error(Error::Kind::numerical, "no prediction is solved in exactly one iteration");
+  }
+
+  [[nodiscard]] double* at(int d) { return state[static_cast<std::size_t>(d)].data(); }
+
+  // The accepted posture that everything starts from: as a simulator's start.
+  void solve_start() {
+    const Structure& structure = *prepared.structure;
+    double* const q[3] = {at(0), at(1), at(2)};
+    for (std::size_t c = 0; c < layout.address.size(); ++c) {
+      if (layout.address[c] >= 0) q[0][layout.address[c]] = structure.start[c];
+    }
+    Inputs inputs(*structure.system, prepared.controlled);
+    Status status = inputs.drive(prepared.start_time.value_or(prepared.scene->time().start), q);
+    for (const auto& s : layout.solvers) s->restart();
+    Attempt attempt;
+    attempt.branch = Attempt::Branch::start;
+    for (Pack& pack : layout.packs) {
+      if (!status.ok()) break;
+      repeat_lane_0(pack, q[0]);
+      status = layout.solvers[idx(pack.group_class)]->solve(pack, q, attempt, counters, errors);
+    }
+    if (!status.ok()) {
+      throw Error(Error::Kind::numerical, "the start posture has no solution: " + std::string(name(status.code)));
+    }
+  }
+
+  void repeat_lane_0(const Pack& pack, double* q) const {
+    const GroupSolver& s = *layout.solvers[idx(pack.group_class)];
+    const auto w = static_cast<std::size_t>(s.lanes());
+    for (std::size_t i = 0; i < idx(s.program().n); ++i) {
+      double* x = q + pack.unknowns + i * w;
+      std::fill(x + pack.used, x + w, x[0]);
+    }
+  }
+
+  // Predictions of every pack, off by this much of the solution.
+  void predict(double off) {
+    std::mt19937_64 random(3);
+    std::uniform_real_distribution<double> either_way(-off, off);
+    predictions.resize(packs.size() * size);
+    std::vector<double> unknowns(state[0]);
+    for (std::size_t p = 0; p < packs.size(); ++p) {
+      double* x = unknowns.data() + packs[p]->unknowns;
+      for (std::size_t i = 0; i < size; ++i) x[i] += std::max(std::abs(x[i]), 1.0) * either_way(random);
+      repeat_lane_0(*packs[p], unknowns.data());
+      std::copy_n(x, size, predictions.data() + p * size);
+    }
+  }
+
+  bool takes_one_iteration() {
+    const Counters before = counters;
+    if (!run(static_cast<int>(packs.size()))) return false;
+    return counters.newton_iterations - before.newton_iterations == counters.group_solutions - before.group_solutions;
+  }
+
+  bool run(int calls) {
+    double* const q[3] = {at(0), at(1), at(2)};
+    bool ok = true;
+    for (int i = 0; i < calls; ++i) {
+      Pack& pack = *packs[next];
+      std::copy_n(predictions.data() + next * size, size, q[0] + pack.unknowns);
+      ok = solver.solve(pack, q, Attempt{}, counters, errors).ok() && ok;
+      if (++next == packs.size()) next = 0;
+    }
+    return ok;
+  }
+
+  const Prepared prepared;
+  Layout layout;
+  GroupSolver& solver;
+  std::vector<double> state[3];
+  std::vector<Pack*> packs;         // of the class
+  std::size_t size = 0;             // n x W
+  std::vector<double> predictions;  // packs x n x W
+  std::size_t next = 0;
+  Counters counters;
+  StepErrors errors;
+};
+
+PackStep::PackStep(const Prepared& prepared, std::int32_t group_class)
+    : impl_(std::make_unique<Impl>(prepared, group_class)) {}
+PackStep::~PackStep() = default;
+
+void PackStep::get_ready(int) {
+  if (impl_->predictions.size() <= kWorthWarming) (void)impl_->run(static_cast<int>(impl_->packs.size()));
+}
+bool PackStep::run(int calls) { return impl_->run(calls); }
+int PackStep::lanes() const { return impl_->solver.lanes(); }
+std::size_t PackStep::packs() const { return impl_->packs.size(); }
+const Counters& PackStep::counters() const { return impl_->counters; }
+ErrorFigures PackStep::error() const {
+  return {impl_->errors.position, impl_->errors.velocity, impl_->errors.acceleration, {}, {}, {}};
+}
+
+// ---- step
+
+WholeStep::WholeStep(const Prepared& prepared) : simulator_(prepared), grid_(prepared.scene->time()) {
+  for (std::int64_t k = 0; k < std::min(kStepsBeforeSteady, grid_.steps()); ++k) {
+    if (!advance()) throw Error(Error::Kind::numerical, "its first steps fail");
+  }
+}
+
+bool WholeStep::advance() { return simulator_.step(grid_.time(next_++)).ok(); }
+
+void WholeStep::get_ready(int calls) {
+  if (next_ + calls > grid_.steps()) {
+    simulator_.reset();
+    next_ = 1;
+  }
+  (void)advance();
+}
+
+bool WholeStep::run(int calls) {
+  bool ok = true;
+  for (int i = 0; i < calls; ++i) {
+    if (next_ > grid_.steps()) {
+      simulator_.reset();
+      next_ = 1;
+    }
+    ok = advance() && ok;
+  }
+  return ok;
+}
+
+}  // namespace assur::measure

@@ -1,0 +1,59 @@
+// The kernels of a mechanism: `evaluate`, `pack` and `step`.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "assur/plan.hpp"
+#include "assur/report.hpp"
+#include "assur/simulator.hpp"
+#include "measure/workload.hpp"
+
+namespace assur::measure {
+
+// set_inputs() and evaluate() of a class over `lanes` lanes at the start posture, with the Jacobian.
+[[nodiscard]] std::unique_ptr<Workload> evaluation(std::shared_ptr<const Structure> structure, std::int32_t group_class,
+                                                   int lanes);
+
+// One call solves one pack of a class as an ordinary step does: the prediction is slightly off, one Newton iteration,
+// velocity and acceleration. The packs of the class take turns, so that all its groups are the working set.
+class PackStep final : public Workload {
+ public:
+  // Throws Error: environment if the plan cannot run here, numerical if the start posture has no velocities or if no
+  // prediction takes exactly one iteration.
+  PackStep(const Prepared& prepared, std::int32_t group_class);
+  ~PackStep() override;
+
+  void get_ready(int calls) override;
+  bool run(int calls) override;
+
+  [[nodiscard]] int lanes() const;
+  [[nodiscard]] std::size_t packs() const;
+  [[nodiscard]] const Counters& counters() const;  // of all calls since construction
+  [[nodiscard]] ErrorFigures error() const;        // the worst of these calls
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+// One call is one step of a whole mechanism over its time grid, again from the start when the grid ends.
+class WholeStep final : public Workload {
+ public:
+  // Throws Error as Simulator does, and (numerical) if the first steps fail.
+  explicit WholeStep(const Prepared& prepared);
+
+  void get_ready(int calls) override;
+  bool run(int calls) override;
+
+  [[nodiscard]] const Report& report() const { return simulator_.report(); }
+
+ private:
+  bool advance();
+
+  Simulator simulator_;
+  TimeGrid grid_;
+  std::int64_t next_ = 1;
+};
+
+}  // namespace assur::measure

@@ -1,0 +1,67 @@
+#include "measure/noise.hpp"
+
+#include <cstdio>
+#include <fstream>
+#include <utility>
+
+namespace assur::measure {
+namespace {
+
+// From where on a measurement is somewhat noisy, and noisy. A median over rounds bears one round in five that is
+// disturbed; a load of one half is every other processor busy with something else.
+struct Threshold {
+  double Noise::*what;
+  double some, much;
+  double unit;
+  const char* says;
+};
+constexpr Threshold kThresholds[] = {
+    {&Noise::load, 0.25, 0.75, 1, "the load was %.1f for each processor before it began"},
+    {&Noise::stolen, 0.01, 0.05, 100, "the hypervisor took %.0f %% of the time"},
+    {&Noise::disturbed, 0.02, 0.10, 100, "the processor was taken away during %.0f %% of the measurements"},
+    {&Noise::scatter, 0.02, 0.05, 100, "times scatter by %.0f %%"},
+};
+
+void read_ticks(const std::filesystem::path& root, double& total, double& stolen) {
+  std::ifstream file(root / "proc/stat");
+  std::string word;
+  file >> word;  // "cpu", then user, nice, system, idle, iowait, irq, softirq, steal; guests are part of user
+  total = stolen = 0;
+  double ticks = 0;
+  for (int i = 0; i < 8 && file >> ticks; ++i) {
+    total += ticks;
+    if (i == 7) stolen = ticks;
+  }
+}
+
+}  // namespace
+
+NoiseWatch::NoiseWatch(int processors, std::filesystem::path root) : root_(std::move(root)) {
+  std::ifstream(root_ / "proc/loadavg") >> load_;
+  load_ /= processors;
+  read_ticks(root_, total_, stolen_);
+}
+
+Noise NoiseWatch::noise() const {
+  double total = 0, stolen = 0;
+  read_ticks(root_, total, stolen);
+  Noise out;
+  out.load = load_;
+  if (total > total_) out.stolen = (stolen - stolen_) / (total - total_);
+  return out;
+}
+
+Judgement judge(const Noise& noise) {
+  Judgement out;
+  for (const Threshold& t : kThresholds) {
+    const double value = noise.*t.what;
+    if (value < t.some) continue;
+    if (out.quiet != Quiet::noisy) out.quiet = value < t.much ? Quiet::some_noise : Quiet::noisy;
+    char text[128];
+    std::snprintf(text, sizeof text, t.says, t.unit * value);
+    out.reason += (out.reason.empty() ? "" : "; ") + std::string(text);
+  }
+  return out;
+}
+
+}  // namespace assur::measure

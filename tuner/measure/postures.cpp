@@ -1,0 +1,24 @@
+#include "measure/postures.hpp"
+
+#include "scene/system.hpp"
+
+namespace assur::measure {
+namespace {
+
+std::vector<double> gather(const std::vector<std::int32_t>& places, const std::vector<double>& from) {
+  std::vector<double> out;
+  out.reserve(places.size());
+  for (const std::int32_t place : places) out.push_back(from[static_cast<std::size_t>(place)]);
+  return out;
+}
+
+}  // namespace
+
+Posture posture(const Structure& structure, const Program& program, const Group& group) {
+  Posture out{std::vector<double>(program.coefficients.size()), gather(group.inputs, structure.start),
+              gather(group.unknowns, structure.start)};
+  bind_coefficients(program, gather(group.constants, structure.system->constants), out.coefficients.data(), 1);
+  return out;
+}
+
+}  // namespace assur::measure

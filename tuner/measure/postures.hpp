@@ -1,0 +1,18 @@
+// What one group reads and solves for, at the start posture of its structure.
+#pragma once
+
+#include <vector>
+
+#include "assur/structure.hpp"
+#include "equations/program.hpp"
+
+namespace assur::measure {
+
+struct Posture {
+  std::vector<double> coefficients;  // of the program
+  std::vector<double> inputs, unknowns;
+};
+
+[[nodiscard]] Posture posture(const Structure& structure, const Program& program, const Group& group);
+
+}  // namespace assur::measure

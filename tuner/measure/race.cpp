@@ -1,0 +1,185 @@
+#include "measure/race.hpp"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <random>
+
+#include "assur/status.hpp"
+#include "measure/step_times.hpp"
+
+namespace assur::measure {
+namespace {
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+constexpr int kMostCalls = 1 << 20;
+constexpr double kShort = 1e-3;       // s: a longer block warms the caches by itself
+constexpr double kPrecise = 0.005;    // share of a median: nearer than this no two need to be told apart
+constexpr double kLargeShare = 0.25;  // of the time for all: a call that takes so much is made once
+
+double median_of(std::vector<double> values) {
+  if (values.empty()) return kInfinite;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+class Race {
+ public:
+  Race(std::span<Runner> runners, const RaceRules& rules, const Instruments& with)
+      : runners_(runners), rules_(rules), with_(with), end_(with.clock() + rules.seconds) {}
+
+  RaceFigures hold() {
+    for (Runner& r : runners_) find_block(r);
+    std::mt19937_64 random(rules_.seed);
+    std::vector<std::size_t> order(runners_.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    for (int round = 1; round <= rules_.most_rounds && !over(); ++round) {
+      std::shuffle(order.begin(), order.end(), random);
+      for (const std::size_t i : order) {
+        Runner& r = runners_[i];
+        if (r.failed || r.hopeless) continue;
+        if (over()) break;
+        take(r);
+      }
+      if (round >= rules_.trial_rounds) dismiss();
+      if (round >= rules_.least_rounds && settled()) break;
+    }
+    // Time may have been too short for a single round: then the slow ones would be the only ones with a time.
+    for (Runner& r : runners_) {
+      if (r.seconds.empty() && !r.failed && per_call_.contains(&r)) r.seconds.push_back(per_call_[&r]);
+    }
+    return figures_;
+  }
+
+ private:
+  [[nodiscard]] bool over() const { return with_.stop() || with_.clock() >= end_; }
+
+  // Seconds of one block; a negative number if a call fails. Some of what cannot run says so only when it is asked to.
+  double block(Runner& r) {
+    double begin = 0, end = 0;
+    bool ok = false;
+    try {
+      if (r.calls == 1 || r.calls * per_call_[&r] < kShort) r.work->get_ready(r.calls);
+      begin = with_.clock();
+      ok = r.work->run(r.calls);
+      end = with_.clock();
+    } catch (const Error&) {
+      ok = false;
+    }
+    if (!ok) {
+      r.failed = true;
+      r.seconds.clear();
+      return -1;
+    }
+    per_call_[&r] = (end - begin) / r.calls;
+    return end - begin;
+  }
+
+  // Doubles the calls until a block is long enough for the clock. What takes long is a time already.
+  void find_block(Runner& r) {
+    if (over()) return;
+    for (r.calls = 1;; r.calls *= 2) {
+      const double seconds = block(r);
+      if (seconds < 0) return;
+      if (seconds >= kLargeShare * rules_.seconds) r.hopeless = true;
+      if (seconds >= kShort) r.seconds.push_back(seconds / r.calls);
+      if (seconds >= rules_.block || r.calls >= kMostCalls) return;
+    }
+  }
+
+  // One round of a runner. A block during which another program had the processor says little about this one.
+  void take(Runner& r) {
+    for (int attempt = 0;; ++attempt) {
+      const std::int64_t before = with_.switches();
+      const double seconds = block(r);
+      if (seconds < 0) return;
+      const bool disturbed = with_.switches() != before;
+      figures_.disturbed += disturbed ? 1 : 0;
+      if (disturbed && attempt < rules_.repeats && seconds < kLargeShare * rules_.seconds / 10) continue;
+      r.seconds.push_back(seconds / r.calls);
+      ++figures_.blocks;
+      return;
+    }
+  }
+
+  [[nodiscard]] bool runs(const Runner& r) const { return !r.failed && !r.hopeless && !r.seconds.empty(); }
+
+  // Median of the fastest in the heat, for one result, among those with at most this share.
+  [[nodiscard]] double leader(int heat, int share) const {
+    double best = kInfinite;
+    for (const Runner& r : runners_) {
+      if (r.heat == heat && r.share <= share && !r.seconds.empty()) best = std::min(best, r.median() / r.share);
+    }
+    return best;
+  }
+
+  void dismiss() {
+    for (Runner& r : runners_) {
+      if (!runs(r)) continue;
+      const double best = *std::min_element(r.seconds.begin(), r.seconds.end());
+      if (best / r.share > rules_.hopeless * leader(r.heat, r.share)) r.hopeless = true;
+    }
+  }
+
+  // In every heat the two fastest are told apart, or known so well that it does not matter.
+  [[nodiscard]] bool settled() const {
+    struct Time {
+      double median, error;
+    };
+    std::map<int, std::vector<Time>> heats;
+    for (const Runner& r : runners_) {
+      if (!runs(r)) continue;
+      // The median of normal noise has an error of 1.25 sigma / sqrt(rounds), and sigma is 1.48 deviations.
+      const double error = 1.25 * 1.48 * r.spread() / std::sqrt(static_cast<double>(r.seconds.size()));
+      heats[r.heat].push_back({r.median() / r.share, error / r.share});
+    }
+    for (auto& [heat, times] : heats) {
+      if (times.size() < 2) continue;
+      std::partial_sort(times.begin(), times.begin() + 2, times.end(),
+                        [](const Time& a, const Time& b) { return a.median < b.median; });
+      const double error = std::hypot(times[0].error, times[1].error);
+      const bool apart = times[1].median - times[0].median > 2 * error;
+      if (!apart && error > kPrecise * times[0].median) return false;
+    }
+    return true;
+  }
+
+  std::span<Runner> runners_;
+  const RaceRules& rules_;
+  const Instruments& with_;
+  double end_;
+  std::map<const Runner*, double> per_call_;
+  RaceFigures figures_;
+};
+
+}  // namespace
+
+double Runner::median() const { return median_of(seconds); }
+
+double Runner::spread() const {
+  if (seconds.size() == 1) return seconds[0];
+  if (seconds.size() == 2) return std::abs(seconds[1] - seconds[0]);
+  std::vector<double> deviations;
+  const double middle = median();
+  for (const double s : seconds) deviations.push_back(std::abs(s - middle));
+  return seconds.empty() ? kInfinite : median_of(std::move(deviations));
+}
+
+Instruments::Instruments() : clock(StepTimes::steady), switches(involuntary_switches), stop([] { return false; }) {}
+
+RaceFigures race(std::span<Runner> runners, const RaceRules& rules, const Instruments& instruments) {
+  return Race(runners, rules, instruments).hold();
+}
+
+std::int64_t involuntary_switches() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return usage.ru_nivcsw;
+}
+
+}  // namespace assur::measure

@@ -1,0 +1,61 @@
+// Workloads measured in turns, each round in another order, so that whatever else the machine does falls on all of them
+// alike. Who is hopeless leaves early; what it took until then stays known.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "measure/workload.hpp"
+
+namespace assur::measure {
+
+struct Runner {
+  Workload* work = nullptr;
+  int heat = 0;   // only those of one heat are compared
+  int share = 1;  // results of one call: seconds are compared for one result
+
+  // What the race finds out.
+  int calls = 1;                     // of a block
+  std::vector<double> seconds = {};  // rounds: of one call
+  bool hopeless = false;             // left early
+  bool failed = false;               // a call failed: no times
+
+  [[nodiscard]] double median() const;  // of one call, s; infinite without a time
+  // Median absolute deviation, s. From less than three rounds: the range of two, all of one.
+  [[nodiscard]] double spread() const;
+};
+
+struct RaceRules {
+  double block = 20e-6;  // s that a block takes at least
+  double seconds = 0.5;  // for everything; what has begun is ended
+  int trial_rounds = 3;  // after which the hopeless leave
+  int least_rounds = 7;  // of the others, time permitting
+  int most_rounds = 40;  // also if the two best cannot be told apart
+  double hopeless = 3;   // the best time over the leader's median from which on a runner is
+  int repeats = 3;       // of a block during which the system took the processor away, at most
+  std::uint64_t seed = 1;
+};
+
+struct Instruments {
+  std::function<double()> clock;           // s, monotonic
+  std::function<std::int64_t()> switches;  // involuntary ones of this process so far
+  std::function<bool()> stop;              // asked before each block
+
+  Instruments();  // those of the system; never stops
+};
+
+struct RaceFigures {
+  std::int64_t blocks = 0;     // that count
+  std::int64_t disturbed = 0;  // blocks that were repeated, or counted though the processor was taken away
+};
+
+// Runners are compared for one result with all of their heat that have the same or a smaller share: what needs fewer
+// groups side by side is never hopeless only because wider ones are faster.
+RaceFigures race(std::span<Runner> runners, const RaceRules& rules, const Instruments& instruments = {});
+
+// Of all threads of this process, since it began.
+[[nodiscard]] std::int64_t involuntary_switches();
+
+}  // namespace assur::measure

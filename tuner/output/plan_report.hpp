@@ -1,0 +1,26 @@
+// What `assur plan` says: the plan, why, and what else there would be.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "assur/plan.hpp"
+#include "output/json.hpp"
+#include "output/page.hpp"
+
+namespace assur::output {
+
+struct PlanSummary {
+  const Prepared& prepared;
+  Mode mode = Mode::latency;
+  ThreadBudget budget;
+  const PerformanceModel& model;
+  const std::vector<std::string>& messages;        // of the databases
+  std::vector<std::vector<Candidate>> candidates;  // for each class
+};
+
+[[nodiscard]] Json to_json(const PlanSummary& summary);
+void print(Page& page, const PlanSummary& summary);
+
+}  // namespace assur::output

@@ -1,0 +1,31 @@
+#include "tuning/archive.hpp"
+
+namespace assur::tuning {
+
+Archive::Archive(const std::optional<std::filesystem::path>& database, const std::string& profile) {
+  if (!database) return;
+  const db::Host host = db::this_host();
+  store_.emplace(*database, db::Access::write);
+  messages_ = store_->messages();
+  if (const auto unfinished = store_->unfinished_run(host, profile)) {
+    run_ = *unfinished;
+    db::Filter filter;
+    filter.run = run_;
+    earlier_ = store_->samples(filter);
+  } else {
+    run_ = store_->begin_run(host, profile);
+  }
+}
+
+void Archive::add(const CellResult& cell) {
+  if (!store_) return;
+  std::vector<Sample> samples;
+  for (const Result& r : cell.results) samples.push_back(r.sample);
+  store_->add(run_, samples);
+}
+
+void Archive::finish(const db::RunResult& result) {
+  if (store_) store_->finish_run(run_, result);
+}
+
+}  // namespace assur::tuning

@@ -1,0 +1,183 @@
+#include "tuning/campaign.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <utility>
+
+#include "assur/status.hpp"
+
+namespace assur::tuning {
+namespace {
+
+constexpr double kSetupShare = 0.5;    // of a cell's time, after which no more candidates enter
+constexpr double kLargestShare = 0.2;  // of a cell's time that one candidate may be expected to take to set up
+
+// What store() threw: the end of the run, where other errors are the end of a cell.
+struct CannotStore {
+  Error why;
+};
+
+double per_lane(const Sample& s) { return s.seconds / (s.kernel == Kernel::step ? 1 : s.strategy.lanes); }
+
+}  // namespace
+
+Campaign::Campaign(CampaignOptions options, measure::Instruments instruments)
+    : options_(std::move(options)), instruments_(std::move(instruments)), begin_(instruments_.clock()) {}
+
+double Campaign::seconds_left() const { return options_.seconds - (instruments_.clock() - begin_); }
+
+void Campaign::run(const std::vector<Cell>& cells) {
+  double weight = 0;
+  for (const Cell& cell : cells) weight += cell.weight;
+  figures_.planned += cells.size();
+  for (const Cell& cell : cells) {
+    figures_.interrupted = instruments_.stop();
+    const double left = seconds_left();
+    if (figures_.interrupted || left <= 0) break;
+    if (options_.progress) options_.progress(options_.seconds - left, cell);
+    const double share = cell.weight * std::min(left / weight, options_.most_for_cell);
+    weight -= cell.weight;
+    try {
+      const double opened = instruments_.clock();
+      const std::unique_ptr<Ground> ground = open(cell, options_.field);
+      if (is_known(cell, *ground)) {
+        --figures_.planned;
+        continue;
+      }
+      CellResult result = earlier(cell, *ground);
+      if (result.results.empty()) {
+        result = measure_cell(cell, *ground, share - (instruments_.clock() - opened));
+        if (instruments_.stop()) break;  // half a cell would look like a whole one
+      } else {
+        ++figures_.earlier;
+      }
+      if (!result.results.empty()) keep(std::move(result));
+    } catch (const CannotStore& failure) {
+      throw failure.why;
+    } catch (const Error& error) {
+      figures_.failures.push_back(to_string(cell) + ": " + error.what());
+    }
+  }
+  figures_.interrupted = instruments_.stop();
+  figures_.seconds = instruments_.clock() - begin_;
+}
+
+// Another cell had the same matrices.
+bool Campaign::is_known(const Cell& cell, const Ground& ground) const {
+  return cell.kind == Cell::Kind::matrix && std::any_of(results_.begin(), results_.end(), [&](const CellResult& r) {
+           return r.cell.kind == cell.kind && r.results.front().sample.shape == ground.shape();
+         });
+}
+
+CellResult Campaign::earlier(const Cell& cell, const Ground& ground) const {
+  CellResult out;
+  out.cell = cell;
+  out.earlier = true;
+  for (const Sample& s : options_.earlier) {
+    if (!(s.shape == ground.shape())) continue;
+    const bool of_this_cell =
+        std::any_of(ground.candidates().begin(), ground.candidates().end(), [&](const Candidate& c) {
+          const bool same_kernel = c.kernel == s.kernel || (c.kernel == Kernel::factor && s.kernel == Kernel::solve);
+          return same_kernel && c.strategy == s.strategy;
+        });
+    if (of_this_cell) out.results.push_back({s});
+  }
+  return out;
+}
+
+void Campaign::keep(CellResult result) {
+  ++figures_.measured;
+  if (result.cut_short) ++figures_.cut_short;
+  figures_.samples += static_cast<std::int64_t>(result.results.size());
+  results_.push_back(std::move(result));
+  if (results_.back().earlier || !options_.store) return;
+  try {
+    options_.store(results_.back());
+  } catch (const Error& error) {
+    throw CannotStore{error};
+  }
+}
+
+CellResult Campaign::measure_cell(const Cell& cell, Ground& ground, double seconds) {
+  const double begin = instruments_.clock(), end = begin + std::max(seconds, 0.0);
+  CellResult out;
+  out.cell = cell;
+  std::vector<Entrant> entrants;
+  std::vector<std::pair<Candidate, double>> setups;  // s
+  for (const Candidate& candidate : ground.candidates()) {
+    const double now = instruments_.clock();
+    if (instruments_.stop() || now > begin + kSetupShare * seconds) {
+      out.cut_short = true;
+      break;
+    }
+    const std::string hopeless = history_.hopeless(cell.family, candidate, ground.shape().n, kLargestShare * seconds);
+    if (!hopeless.empty()) {
+      out.refused.push_back({candidate, hopeless});
+      continue;
+    }
+    try {
+      for (Entrant& e : ground.enter(candidate)) entrants.push_back(std::move(e));
+      setups.emplace_back(candidate, instruments_.clock() - now);
+    } catch (const Error& error) {
+      out.refused.push_back({candidate, std::string("refused: ") + error.what()});
+    }
+  }
+
+  std::vector<measure::Runner> runners;
+  for (const Entrant& e : entrants) {
+    const bool whole = e.kernel == Kernel::step;
+    // Meetings are not rivals of each other, nor are the widths of an evaluation.
+    const int heat = e.kernel == Kernel::meeting    ? 100 + e.strategy.p
+                     : e.kernel == Kernel::evaluate ? 200 + e.strategy.lanes
+                                                    : static_cast<int>(e.kernel);
+    measure::Runner runner;
+    runner.work = e.work;
+    runner.heat = heat;
+    runner.share = whole ? 1 : e.strategy.lanes;
+    runners.push_back(std::move(runner));
+  }
+  measure::RaceRules rules = options_.race;
+  rules.seconds = end - instruments_.clock();
+  const measure::RaceFigures race = measure::race(runners, rules, instruments_);
+  figures_.race.blocks += race.blocks;
+  figures_.race.disturbed += race.disturbed;
+
+  for (std::size_t i = 0; i < entrants.size(); ++i) {
+    const Entrant& e = entrants[i];
+    if (runners[i].seconds.empty()) {
+      if (runners[i].failed) out.refused.push_back({{e.kernel, e.strategy}, "refused: it failed while it was timed"});
+      continue;
+    }
+    Sample s;
+    s.kernel = e.kernel;
+    s.shape = e.shape;
+    s.strategy = e.strategy;
+    s.seconds = runners[i].median();
+    s.spread = runners[i].spread();
+    s.repetitions = static_cast<std::int64_t>(runners[i].seconds.size()) * runners[i].calls;
+    s.backward_error = e.backward_error;
+    s.forward_error = e.forward_error;
+    out.results.push_back({std::move(s), static_cast<int>(runners[i].seconds.size()), runners[i].hopeless});
+  }
+
+  note(out, ground.shape().n, setups);
+  return out;
+}
+
+void Campaign::note(const CellResult& result, double n, const std::vector<std::pair<Candidate, double>>& setups) {
+  for (const auto& [candidate, setup] : setups) {
+    double leader = std::numeric_limits<double>::infinity();
+    const Sample* own = nullptr;
+    for (const Result& r : result.results) {
+      if (r.sample.kernel != candidate.kernel) continue;
+      // As in a race: only those that need no more groups side by side are rivals.
+      if (r.sample.strategy.lanes <= candidate.strategy.lanes) leader = std::min(leader, per_lane(r.sample));
+      if (r.sample.strategy == candidate.strategy) own = &r.sample;
+    }
+    if (own != nullptr) history_.note(result.cell.family, candidate, {n, per_lane(*own), leader, setup});
+  }
+}
+
+}  // namespace assur::tuning

@@ -1,0 +1,88 @@
+// A tuning run: cells in turn, each within its share of the time, each stored when it is done.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "measure/race.hpp"
+#include "tuning/cells.hpp"
+#include "tuning/entrants.hpp"
+#include "tuning/history.hpp"
+
+namespace assur::tuning {
+
+// What came of one candidate in one cell.
+struct Result {
+  Sample sample;
+  int rounds = 0;         // that were timed; 0: by an interrupted run
+  bool hopeless = false;  // then only a few
+};
+struct Refusal {
+  Candidate candidate;
+  std::string why;
+};
+struct CellResult {
+  Cell cell;
+  std::vector<Result> results;
+  std::vector<Refusal> refused;  // never timed: wrong, cannot run, or too slow to be tried
+  bool earlier = false;          // measured by an interrupted run
+  bool cut_short = false;        // time ran out before every candidate had its turn
+};
+
+struct CampaignOptions {
+  Field field;
+  double seconds = 60;                           // for all cells
+  double most_for_cell = 5;                      // s, for a cell of weight 1
+  measure::RaceRules race;                       // but for the time
+  std::function<void(const CellResult&)> store;  // once for each cell that has samples
+  std::vector<Sample> earlier = {};              // of an interrupted run: their cells are not measured again
+  std::function<void(double seconds, const Cell&)> progress = nullptr;  // before each cell
+};
+
+struct CampaignFigures {
+  // Cells; earlier, cut_short: of those measured, by an interrupted run, and before every candidate had its turn.
+  std::size_t planned = 0, measured = 0, earlier = 0, cut_short = 0;
+  std::int64_t samples = 0;
+  measure::RaceFigures race;
+  double seconds = 0;
+  bool interrupted = false;
+  std::vector<std::string> failures;  // cells that could not be opened
+
+  // Share of the cells planned that were measured whole.
+  [[nodiscard]] double coverage() const {
+    return planned > 0 ? static_cast<double>(measured - cut_short) / static_cast<double>(planned) : 1;
+  }
+};
+
+class Campaign {
+ public:
+  // clock, involuntary switches and stop() as a race has them.
+  Campaign(CampaignOptions options, measure::Instruments instruments);
+
+  // Until all cells are done, the time is used up, or stop() says so. May be called again with more cells.
+  void run(const std::vector<Cell>& cells);
+
+  // Of all cells so far, those of an earlier run as well.
+  [[nodiscard]] const std::vector<CellResult>& results() const { return results_; }
+  [[nodiscard]] const CampaignFigures& figures() const { return figures_; }
+  [[nodiscard]] double seconds_left() const;
+
+ private:
+  [[nodiscard]] CellResult measure_cell(const Cell& cell, Ground& ground, double seconds);
+  [[nodiscard]] CellResult earlier(const Cell& cell, const Ground& ground) const;
+  void note(const CellResult& result, double n, const std::vector<std::pair<Candidate, double>>& setups);
+  [[nodiscard]] bool is_known(const Cell& cell, const Ground& ground) const;
+  void keep(CellResult result);
+
+  CampaignOptions options_;
+  measure::Instruments instruments_;
+  History history_;
+  std::vector<CellResult> results_;
+  CampaignFigures figures_;
+  double begin_;
+};
+
+}  // namespace assur::tuning

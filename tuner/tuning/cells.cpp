@@ -1,0 +1,225 @@
+#include "tuning/cells.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "assur/plan.hpp"
+#include "tuning/mechanisms.hpp"
+
+namespace assur::tuning {
+namespace {
+
+constexpr std::int32_t kSmallest = 3;
+constexpr std::int32_t kOffTheGrid[] = {22, 78, 334};
+constexpr int kEntries = 6;  // a column of a random matrix that is neither sparse as a mechanism nor full
+
+std::function<Scene()> named(std::string text) {
+  return [text = std::move(text)] { return sample(text); };
+}
+
+Cell matrix(std::string family, std::int32_t n) {
+  Cell c;
+  c.family = std::move(family);
+  c.n = n;
+  c.weight = n > 500 ? 3 : n > 100 ? 1.5 : 1;
+  return c;
+}
+
+Cell random_cell(std::int32_t n, int per_row) {
+  Cell c = matrix(per_row == 0 ? "full" : "random, " + std::to_string(per_row) + " a column", n);
+  c.per_row = per_row == 0 ? n : per_row;
+  c.at = [per_row](std::int32_t other) { return random_cell(other, per_row); };
+  return c;
+}
+
+// Planar rings: the larger groups of mechanisms.
+Cell ring_cell(std::int32_t n) {
+  n = std::max(12, n / 2 * 2);
+  Cell c = matrix("rings", n);
+  c.scene = named("rings:legs=1,terminal=12,n=" + std::to_string(n));
+  c.at = ring_cell;
+  return c;
+}
+
+// Four-bars in series as one system, as people who never heard of groups solve them.
+Cell chain_cell(std::int32_t n) {
+  n = std::max(2, n / 2 * 2);
+  Cell c = matrix("chain, global", n);
+  c.scene = named("n_four_bar:" + std::to_string(n / 2));
+  c.formulation = Formulation::global;
+  c.at = chain_cell;
+  return c;
+}
+
+void add_sizes(std::vector<Cell>& cells, const Extent& e) {
+  for (const std::int32_t n : spaced(kSmallest, e.largest, e.sizes)) {
+    if (n >= 12) cells.push_back(ring_cell(n));
+    cells.push_back(chain_cell(n));
+    if (n <= e.largest_full) cells.push_back(random_cell(n, 0));
+    if (n > 2 * kEntries && n <= e.largest_random) cells.push_back(random_cell(n, kEntries));
+  }
+  for (const std::int32_t n : {1, 2}) cells.push_back(random_cell(n, 0));
+  if (!e.held_out) return;
+  for (const std::int32_t n : kOffTheGrid) {
+    for (Cell c : {ring_cell(n), chain_cell(n), random_cell(n, 0), random_cell(n, kEntries)}) {
+      if (n > e.largest_full && c.per_row >= n) continue;
+      if (n > e.largest_random && c.per_row > 0 && c.per_row < n) continue;
+      if (n > e.largest) continue;
+      c.held_out = true;
+      cells.push_back(std::move(c));
+    }
+  }
+}
+
+// Every class of some mechanisms, in a formulation.
+void add_classes(std::vector<Cell>& cells, const std::string& text, Formulation formulation) {
+  StructureOptions options;
+  options.formulation = formulation;
+  const Structure structure = analyze(sample(text), options);
+  for (std::size_t k = 0; k < structure.classes.size(); ++k) {
+    Cell c = matrix(text + ", " + std::string(name(formulation)), structure.classes[k].n);
+    c.scene = named(text);
+    c.formulation = formulation;
+    c.group_class = static_cast<std::int32_t>(k);
+    cells.push_back(std::move(c));
+  }
+}
+
+Cell packs(std::string family, std::int32_t n, std::int32_t groups, std::function<Scene()> scene, Formulation f) {
+  Cell c;
+  c.kind = Cell::Kind::packs;
+  c.family = std::move(family);
+  c.n = n;
+  c.groups = groups;
+  c.scene = std::move(scene);
+  c.formulation = f;
+  c.policies = groups == 1 || groups == 8;
+  c.weight = n * groups > 10'000 ? 4 : n * groups > 1000 ? 2 : 1;
+  return c;
+}
+
+Cell dyad_packs(std::int32_t groups) {
+  return packs(
+      "dyads", 2, groups, [groups] { return dyads(groups); }, Formulation::irreducible);
+}
+// Six a platform: the next multiple.
+Cell leg_packs(std::int32_t groups, Formulation formulation) {
+  const std::int32_t platforms = (groups + 5) / 6, n = formulation == Formulation::groups ? 15 : 3;
+  return packs("legs, " + std::string(name(formulation)), n, 6 * platforms,
+               named("stewart:platforms=" + std::to_string(platforms)), formulation);
+}
+Cell ring_packs(std::int32_t n, std::int32_t groups) {
+  return packs("rings", n, groups,
+               named("rings:terminal=12,n=" + std::to_string(n) + ",legs=" + std::to_string(groups)),
+               Formulation::groups);
+}
+
+void add_packs(std::vector<Cell>& cells, const Extent& e) {
+  const auto add = [&](Cell c) {
+    if (std::int64_t{c.n} * c.groups <= e.most_unknowns && c.n <= e.largest) cells.push_back(std::move(c));
+  };
+  for (const std::int32_t groups : {1, 8, 100, 1000, 10'000}) {
+    if (groups > e.most_groups) continue;
+    add(dyad_packs(groups));
+    if (groups > 1) add(leg_packs(groups, Formulation::irreducible));
+    if (groups > 1) add(leg_packs(groups, Formulation::groups));
+    add(ring_packs(60, groups));
+  }
+  for (const std::int32_t n : {240, 720}) add(ring_packs(n, 1));
+  if (!e.held_out) return;
+  for (Cell c : {dyad_packs(11), dyad_packs(23), ring_packs(22, 5), ring_packs(78, 11), ring_packs(334, 1)}) {
+    c.held_out = true;
+    add(std::move(c));
+  }
+}
+
+Cell steps(std::string family, std::function<Scene()> scene, Formulation formulation) {
+  Cell c;
+  c.kind = Cell::Kind::steps;
+  c.family = std::move(family);
+  c.scene = std::move(scene);
+  c.formulation = formulation;
+  return c;
+}
+
+// The largest number of groups of a class that one level has.
+std::int32_t side_by_side(const Structure& structure, std::int32_t group_class) {
+  std::int32_t most = 0, level = -1, count = 0;
+  for (const Group& g : structure.groups) {
+    if (g.group_class != group_class) continue;
+    count = g.level == level ? count + 1 : 1;
+    level = g.level;
+    most = std::max(most, count);
+  }
+  return most;
+}
+
+}  // namespace
+
+std::string to_string(const Cell& cell) {
+  if (cell.kind == Cell::Kind::meeting) return "meetings of threads";
+  std::string text = cell.family;
+  if (cell.kind == Cell::Kind::steps) return text + ", whole steps";
+  text += ", n = " + std::to_string(cell.n);
+  if (cell.kind == Cell::Kind::packs)
+    text += ", " + std::to_string(cell.groups) + (cell.groups == 1 ? " group" : " groups");
+  return text;
+}
+
+std::vector<std::int32_t> spaced(std::int32_t from, std::int32_t to, int count) {
+  std::vector<std::int32_t> out;
+  for (int i = 0; i < count; ++i) {
+    const double share = count == 1 ? 0 : static_cast<double>(i) / (count - 1);
+    const auto n = static_cast<std::int32_t>(std::lround(from * std::pow(static_cast<double>(to) / from, share)));
+    if (out.empty() || n > out.back()) out.push_back(n);
+  }
+  return out;
+}
+
+std::vector<Cell> general_cells(const Extent& extent) {
+  std::vector<Cell> cells;
+  Cell meeting;
+  meeting.kind = Cell::Kind::meeting;
+  meeting.family = "meeting";
+  cells.push_back(std::move(meeting));
+  add_sizes(cells, extent);
+  for (const Formulation f : {Formulation::global, Formulation::groups, Formulation::irreducible}) {
+    for (const char* text : {"stewart", "andrews", "slider_crank", "four_bar"}) add_classes(cells, text, f);
+  }
+  add_packs(cells, extent);
+  for (const char* text : {"stewart", "andrews", "four_bar:64", "rings:legs=6,n=120"}) {
+    cells.push_back(steps(std::string(text) + ", groups", named(text), Formulation::groups));
+  }
+  cells.push_back(steps("stewart, irreducible", named("stewart"), Formulation::irreducible));
+  return cells;
+}
+
+std::vector<Cell> scene_cells(const std::string& text, const Scene& scene) {
+  std::vector<Cell> cells;
+  const auto same = [scene] { return scene; };
+  for (const Formulation f : {Formulation::global, Formulation::groups, Formulation::irreducible}) {
+    PrepareOptions options;
+    options.strategy = std::string(name(f)) + "/eigen";
+    options.budget = ThreadBudget{1};
+    const Prepared prepared = prepare(scene, options);
+    const Structure& structure = *prepared.structure;
+    if (structure.classes.empty()) throw Error(Error::Kind::input, {{text, "nothing in it moves that could be timed"}});
+    const std::string family = text + ", " + std::string(name(f));
+    for (std::size_t k = 0; k < structure.classes.size(); ++k) {
+      const auto group_class = static_cast<std::int32_t>(k);
+      Cell m = matrix(family, structure.classes[k].n);
+      m.group_class = group_class;
+      Cell p = packs(family, m.n, side_by_side(structure, group_class), same, f);
+      p.group_class = group_class;
+      p.policies = true;
+      m.scene = same;
+      m.formulation = f;
+      cells.push_back(std::move(m));
+      cells.push_back(std::move(p));
+    }
+    cells.push_back(steps(family, same, f));
+  }
+  return cells;
+}
+
+}  // namespace assur::tuning

@@ -1,0 +1,60 @@
+// The cells of a tuning run: each is one thing that all candidates are held to, measured and stored as a whole.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "assur/scene.hpp"
+#include "assur/strategy.hpp"
+#include "measure/matrices.hpp"
+
+namespace assur::tuning {
+
+struct Cell {
+  enum class Kind : std::uint8_t {
+    matrix,   // factor, solve; of a class: evaluate
+    packs,    // pack
+    steps,    // step
+    meeting,  // meeting
+  };
+  Kind kind = Kind::matrix;
+  std::string family;       // cells of one family differ in size alone: "rings", "random", "stewart global", ...
+  std::int32_t n = 0;       // unknowns, as far as the family's size says
+  std::int32_t groups = 1;  // of the class, on one level
+  bool held_out = false;    // measured to judge the model, which does not see it
+  bool policies = false;    // packs: with +once and +reuse
+  double weight = 1;        // share of the time
+  std::function<Scene()> scene = nullptr;  // null: random matrices
+  Formulation formulation = Formulation::groups;
+  std::int32_t group_class = -1;                     // -1: the one with most groups, of those the largest
+  std::function<Cell(std::int32_t n)> at = nullptr;  // the family's cell of another size; null: it has no other
+  int per_row = 0;                                   // random matrices: entries
+};
+
+// "rings, n = 120", "stewart groups, 60 groups"
+[[nodiscard]] std::string to_string(const Cell& cell);
+
+struct Extent {
+  int sizes = 14;                     // of n, from 3 to largest
+  std::int32_t largest = 4000;        // unknowns, sparse
+  std::int32_t largest_full = 800;    // the same, dense
+  std::int32_t largest_random = 300;  // the same, random with few entries a row, which fills up
+  std::int32_t most_groups = 10'000;
+  std::int32_t most_unknowns = 60'000;  // groups x n of a cell of packs
+  bool held_out = true;
+};
+
+// What a machine is sampled with, where nothing else is asked for. Sizes ascend within each family.
+[[nodiscard]] std::vector<Cell> general_cells(const Extent& extent);
+
+// What one scene needs: its classes in each formulation, and its steps. Throws Error as prepare() does,
+// and (input) if nothing moves.
+[[nodiscard]] std::vector<Cell> scene_cells(const std::string& text, const Scene& scene);
+
+// Log-spaced whole numbers, both ends included.
+[[nodiscard]] std::vector<std::int32_t> spaced(std::int32_t from, std::int32_t to, int count);
+
+}  // namespace assur::tuning

@@ -1,0 +1,203 @@
+#include "tuning/entrants.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "assur/plan.hpp"
+#include "measure/linear.hpp"
+#include "measure/meeting.hpp"
+#include "measure/motion.hpp"
+#include "planning/counts.hpp"
+
+namespace assur::tuning {
+namespace {
+
+constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
+constexpr int kMostLanes = 16;
+constexpr int kDifferent = 16;  // matrices of a pattern; more repeat these
+
+[[noreturn]] void refuse(const std::string& why) { throw Error(Error::Kind::numerical, why); }
+
+std::vector<std::int32_t> groups_of_classes(const Structure& structure) {
+  std::vector<std::int32_t> count(structure.classes.size(), 0);
+  for (const Group& g : structure.groups) ++count[static_cast<std::size_t>(g.group_class)];
+  return count;
+}
+
+// The class that a cell is about.
+std::int32_t class_of(const Cell& cell, const Structure& structure) {
+  if (cell.group_class >= 0) return cell.group_class;
+  const std::vector<std::int32_t> groups = groups_of_classes(structure);
+  std::size_t best = 0;
+  for (std::size_t k = 1; k < groups.size(); ++k) {
+    const std::pair here(groups[k], structure.classes[k].n), there(groups[best], structure.classes[best].n);
+    if (here > there) best = k;
+  }
+  if (groups.empty()) throw Error(Error::Kind::input, to_string(cell) + ": nothing in it moves");
+  return static_cast<std::int32_t>(best);
+}
+
+// ---- factor, solve, evaluate
+
+class MatrixGround final : public Ground {
+ public:
+  MatrixGround(const Cell& cell, const Field& field) : field_(field) {
+    if (cell.scene) {
+      StructureOptions options;
+      options.formulation = cell.formulation;
+      structure_ = std::make_shared<const Structure>(analyze(cell.scene(), options));
+      class_ = class_of(cell, *structure_);
+      matrices_ = measure::jacobians(*structure_, class_, kDifferent);
+      shape_ = shape_of(structure_->classes[static_cast<std::size_t>(class_)]);
+      for (int w = 1; w <= kMostLanes; w *= 2) {
+        Strategy s;
+        s.backend = "lanes";
+        s.lanes = w;
+        candidates_.push_back({Kernel::evaluate, s});
+      }
+    } else {
+      matrices_ = measure::random_matrices(cell.n, cell.per_row, kDifferent / 4);
+      shape_ = shape_of(matrices_.pattern);
+    }
+    for (Strategy& s : linear_solvers(field, shape_, kMostLanes)) {
+      candidates_.push_back({Kernel::factor, std::move(s)});
+    }
+  }
+
+  std::vector<Entrant> enter(const Candidate& c) override {
+    if (c.kernel == Kernel::evaluate) {
+      std::shared_ptr<measure::Workload> work = measure::evaluation(structure_, class_, c.strategy.lanes);
+      return {{c.kernel, shape_, c.strategy, work.get(), work, kNotMeasured, kNotMeasured}};
+    }
+    const auto linear =
+        std::make_shared<measure::Linear>(matrices_, c.strategy, find_backend(field_.table, c.strategy.backend));
+    if (!linear->refused().empty()) refuse(linear->refused());
+    const double backward = linear->backward_error(), forward = linear->forward_error();
+    return {{Kernel::factor, shape_, c.strategy, &linear->factor(), linear, backward, forward},
+            {Kernel::solve, shape_, c.strategy, &linear->solve(), linear, backward, forward}};
+  }
+
+ private:
+  const Field& field_;
+  measure::Matrices matrices_;
+  std::shared_ptr<const Structure> structure_;
+  std::int32_t class_ = 0;
+};
+
+// ---- pack
+
+class PacksGround final : public Ground {
+ public:
+  PacksGround(const Cell& cell, const Field& field) {
+    PrepareOptions options;
+    options.strategy = std::string(name(cell.formulation)) + "/lanes:8";
+    options.budget = ThreadBudget{1};
+    prepared_ = prepare(cell.scene(), options);
+    class_ = class_of(cell, *prepared_.structure);
+    const auto k = static_cast<std::size_t>(class_);
+    shape_ = shape_of(prepared_.structure->classes[k], groups_of_classes(*prepared_.structure)[k]);
+    Shape level = shape_;
+    level.groups = cell.groups;
+    for (Strategy& s : pack_strategies(field, cell.formulation, level, cell.policies)) {
+      candidates_.push_back({Kernel::pack, std::move(s)});
+    }
+  }
+
+  // The other classes stay as they are: they are solved once, to give this one its inputs.
+  std::vector<Entrant> enter(const Candidate& c) override {
+    Prepared prepared = prepared_;
+    Strategy& strategy = prepared.plan.choices[static_cast<std::size_t>(class_)].strategy;
+    const Predictor predictor = std::exchange(strategy, c.strategy).predictor;
+    strategy.predictor = predictor;
+    const auto packs = std::make_shared<measure::PackStep>(prepared, class_);
+    const ErrorFigures e = packs->error();
+    return {{Kernel::pack, shape_, c.strategy, packs.get(), packs, std::max({e.position, e.velocity, e.acceleration}),
+             kNotMeasured}};
+  }
+
+ private:
+  Prepared prepared_;
+  std::int32_t class_ = 0;
+};
+
+// ---- step
+
+class StepsGround final : public Ground {
+ public:
+  StepsGround(const Cell& cell, const Field& field) : scene_(cell.scene()), budget_(field.budget) {
+    Cell of = cell;
+    StructureOptions options;
+    options.formulation = cell.formulation;
+    const Structure structure = analyze(scene_, options);
+    // The class that costs most: operations of all its groups.
+    const std::vector<std::int32_t> groups = groups_of_classes(structure);
+    for (std::size_t k = 0; k < structure.classes.size(); ++k) {
+      const Shape s = shape_of(structure.classes[k], groups[k]);
+      if (s.groups * (s.operations + s.terms) > shape_.groups * (shape_.operations + shape_.terms)) shape_ = s;
+    }
+    if (shape_.n == 0) throw Error(Error::Kind::input, to_string(cell) + ": nothing in it moves");
+    Field whole = field;
+    for (Strategy& s : pack_strategies(whole, cell.formulation, shape_, true)) {
+      candidates_.push_back({Kernel::step, s});
+      if (s.once || s.separate || s.reuse != Reuse::fresh || shape_.groups == 1) continue;
+      for (int p = 2; p <= std::min(field.budget.threads, shape_.groups); p *= 2) {
+        s.p = p;
+        if (field.why_not(s).empty()) candidates_.push_back({Kernel::step, s});
+      }
+    }
+  }
+
+  std::vector<Entrant> enter(const Candidate& c) override {
+    PrepareOptions options;
+    options.strategy = to_string(c.strategy);
+    options.budget = budget_;
+    const auto step = std::make_shared<measure::WholeStep>(prepare(scene_, options));
+    const ErrorFigures& e = step->report().error;
+    return {{Kernel::step, shape_, c.strategy, step.get(), step, std::max({e.position, e.velocity, e.acceleration}),
+             kNotMeasured}};
+  }
+
+ private:
+  Scene scene_;
+  ThreadBudget budget_;
+};
+
+// ---- meeting
+
+class MeetingGround final : public Ground {
+ public:
+  explicit MeetingGround(const Field& field) {
+    for (int p = 2; p <= field.budget.threads; ++p) {
+      Strategy s;
+      s.formulation = Formulation::irreducible;
+      s.backend = "lanes";
+      s.p = p;
+      candidates_.push_back({Kernel::meeting, s});
+    }
+  }
+
+  std::vector<Entrant> enter(const Candidate& c) override {
+    const auto meeting = std::make_shared<measure::Meeting>(c.strategy.p);
+    return {{Kernel::meeting, shape_, c.strategy, meeting.get(), meeting, kNotMeasured, kNotMeasured}};
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Ground> open(const Cell& cell, const Field& field) {
+  switch (cell.kind) {
+    case Cell::Kind::matrix:
+      return std::make_unique<MatrixGround>(cell, field);
+    case Cell::Kind::packs:
+      return std::make_unique<PacksGround>(cell, field);
+    case Cell::Kind::steps:
+      return std::make_unique<StepsGround>(cell, field);
+    case Cell::Kind::meeting:
+      return std::make_unique<MeetingGround>(field);
+  }
+  return nullptr;
+}
+
+}  // namespace assur::tuning

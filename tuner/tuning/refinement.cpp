@@ -1,0 +1,130 @@
+#include "tuning/refinement.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "tuning/held_out.hpp"
+
+namespace assur::tuning {
+namespace {
+
+constexpr std::size_t kAtOnce = 6;     // cells between two models
+constexpr double kWorthGoingOn = 0.9;  // of the least mean regret so far: what is no fall
+constexpr int kPatience = 3;           // models without a fall
+constexpr double kNeighbours = 1.12;   // sizes nearer to each other than this need nothing between them
+
+// Between two shapes of a family: every count grows as a power of n.
+Shape between(const Shape& a, const Shape& b) {
+  const auto middle = [](auto x, auto y) {
+    const double m = std::sqrt(std::max(1.0, static_cast<double>(x)) * std::max(1.0, static_cast<double>(y)));
+    return static_cast<decltype(x)>(std::llround(m));
+  };
+  Shape out = a;
+  out.n = middle(a.n, b.n);
+  out.nnz = middle(a.nnz, b.nnz);
+  out.fill = middle(a.fill, b.fill);
+  out.operations = middle(a.operations, b.operations);
+  out.terms = middle(a.terms, b.terms);
+  out.pattern = 0;
+  return out;
+}
+
+// What is expected to be lost by the choice between the two best, relative: small if they are far apart compared with
+// how well they are known. With times log-normal around t1 < t2 it is the mean of max(0, log t1 - log t2).
+double expected_loss(const PerformanceModel& model, const Shape& shape, const std::set<std::string>& strategies,
+                     int lanes) {
+  struct Expected {
+    double seconds = std::numeric_limits<double>::infinity(), log_factor = 0;
+  };
+  Expected best, second;
+  for (const std::string& text : strategies) {
+    const Strategy s = parse_strategy(text);
+    if (s.lanes > lanes) continue;
+    const Prediction p = model.kernel(Kernel::factor, shape, s);
+    const Expected e{p.seconds / s.lanes, std::log(p.factor)};
+    if (e.seconds < best.seconds) {
+      second = best;
+      best = e;
+    } else if (e.seconds < second.seconds) {
+      second = e;
+    }
+  }
+  if (!std::isfinite(second.seconds)) return 0;
+  const double sigma = std::hypot(best.log_factor, second.log_factor);
+  if (!(sigma > 0)) return 0;
+  const double gap = std::log(second.seconds / best.seconds) / sigma;
+  const double density = std::exp(-gap * gap / 2) / std::sqrt(2 * std::acos(-1.0));
+  return sigma * (density - gap * std::erfc(gap / std::sqrt(2.0)) / 2);
+}
+
+}  // namespace
+
+std::vector<Cell> propose(const PerformanceModel& model, std::span<const CellResult> cells, std::size_t most) {
+  std::map<std::string, std::map<std::int32_t, const CellResult*>> families;
+  for (const CellResult& c : cells) {
+    if (c.cell.kind == Cell::Kind::matrix && c.cell.at && !c.results.empty()) families[c.cell.family][c.cell.n] = &c;
+  }
+  struct Proposal {
+    double loss;
+    Cell cell;
+  };
+  std::vector<Proposal> proposals;
+  for (const auto& [family, sizes] : families) {
+    for (auto here = sizes.begin(); here != sizes.end() && std::next(here) != sizes.end(); ++here) {
+      const CellResult &a = *here->second, &b = *std::next(here)->second;
+      Cell cell = a.cell.at(static_cast<std::int32_t>(std::lround(std::sqrt(1.0 * a.cell.n * b.cell.n))));
+      if (cell.n < kNeighbours * a.cell.n || b.cell.n < kNeighbours * cell.n) continue;
+      std::set<std::string> strategies;
+      for (const CellResult* c : {&a, &b}) {
+        for (const Result& r : c->results) {
+          if (r.sample.kernel == Kernel::factor) strategies.insert(to_string(r.sample.strategy));
+        }
+      }
+      const Shape shape = between(a.results.front().sample.shape, b.results.front().sample.shape);
+      double loss = 0;
+      for (const int lanes : {1, 16}) loss = std::max(loss, expected_loss(model, shape, strategies, lanes));
+      proposals.push_back({loss, std::move(cell)});
+    }
+  }
+  std::stable_sort(proposals.begin(), proposals.end(),
+                   [](const Proposal& a, const Proposal& b) { return a.loss > b.loss; });
+  std::vector<Cell> out;
+  for (Proposal& p : proposals) {
+    if (out.size() < most) out.push_back(std::move(p.cell));
+  }
+  return out;
+}
+
+PerformanceModel model_of(std::span<const CellResult> cells) {
+  std::vector<Sample> samples;
+  for (const CellResult& cell : cells) {
+    if (cell.cell.held_out) continue;
+    for (const Result& r : cell.results) samples.push_back(r.sample);
+  }
+  return PerformanceModel(std::move(samples));
+}
+
+void refine(Campaign& campaign, bool until_settled) {
+  double least = std::numeric_limits<double>::infinity();
+  int without_fall = 0;
+  while (!campaign.figures().interrupted && campaign.seconds_left() > 0) {
+    const PerformanceModel model = model_of(campaign.results());
+    if (until_settled) {
+      const double now = regret(model, campaign.results()).mean;
+      without_fall = now < kWorthGoingOn * least ? 0 : without_fall + 1;
+      least = std::min(least, now);
+      if (without_fall == kPatience) return;
+    }
+    const std::vector<Cell> more = propose(model, campaign.results(), kAtOnce);
+    const std::size_t before = campaign.results().size();
+    campaign.run(more);
+    if (campaign.results().size() == before) return;  // there is nothing left to measure
+  }
+}
+
+}  // namespace assur::tuning

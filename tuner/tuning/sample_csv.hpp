@@ -1,0 +1,15 @@
+// Samples as CSV, for people and other programs.
+#pragma once
+
+#include <ostream>
+#include <span>
+
+#include "assur/performance.hpp"
+
+namespace assur::tuning {
+
+// kernel, n, nnz, fill, operations, terms, pattern, groups, strategy, seconds, spread, repetitions, backward_error,
+// forward_error; 17 digits, empty where nothing was measured.
+void write_csv(std::ostream& out, std::span<const Sample> samples);
+
+}  // namespace assur::tuning
