@@ -35,12 +35,6 @@ Trouble trouble_of(const fs::path& file, bool& is_good) {
   return Trouble::damaged;
 }
 
-// Whether its writers use a write-ahead log: byte 19 of the file, the version to read it with.
-bool is_of_log(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return stream.seekg(19).get() == 2;
-}
-
 void refuse_what_is_none(const fs::path& file) {
   bool is_good = false;
   const Trouble trouble = trouble_of(file, is_good);
@@ -132,16 +126,12 @@ bool is_for_want_of_permission(const SQLite::Exception& error) {
 
 // first: statements before anything is read.
 SQLite::Database try_without_writing(const fs::path& file, const char* first) {
-  const bool journal = has_content(file, "-journal"), log = fs::exists(file.string() + "-wal");
-  // Left in the log's mode, but without a log: SQLite would make one beside it. So it is read as a file that nobody
-  // changes; if a tuner starts in this very moment, what is read is damaged by its checksums, never wrong.
-  if (is_of_log(file) && !log) return open_so(file, "?immutable=1", first);
+  const bool journal = has_content(file, "-journal");
   try {
     return open_so(file, "?mode=ro", first);
   } catch (const SQLite::Exception& error) {
     if (!is_for_want_of_permission(error)) throw;
-    if (log) return open_so(file, "?immutable=1", first);  // without what is in the log
-    if (!journal) throw;
+    if (!journal) return open_so(file, "?immutable=1", first);  // without what may be in the log
     throw Unusable(Trouble::blocked, file,
                    std::string("a tuning run was cut off while it wrote (") + error.what() +
                        "); `assur db check` restores what was there");
@@ -235,7 +225,7 @@ void bring_up_to_date(SQLite::Database& database, std::string_view schema, std::
 void leave(SQLite::Database& database) noexcept {
   try {
     database.setBusyTimeout(0);
-    set_journal(database, "PRAGMA journal_mode = DELETE", kReadersPatience / 5);
+    set_journal(database, "PRAGMA journal_mode = DELETE", kReadersPatience);
   } catch (const std::exception&) {  // then with its log: the next one that writes leaves it better
   }
 }

@@ -188,10 +188,14 @@ TEST(Faults, ABusyDatabaseCanBeRead) {
   EXPECT_EQ(model_of(file).model->samples(), 0u);
 }
 
-TEST(Faults, AReadOnlyFolderIsReadButNotWritten) {
+// As a tuner leaves it, and as it is left if a reader is in the way of that.
+class ReadOnly : public testing::TestWithParam<bool> {};
+
+TEST_P(ReadOnly, FolderIsReadButNotWritten) {
   FileTree tree;
   const auto file = tree.root() / "tuning.db";
   make_database(file, host_with(4), 50);
+  if (GetParam()) SQLite::Database(file.string(), SQLite::OPEN_READWRITE).exec("PRAGMA journal_mode = WAL");
   fs::permissions(file, fs::perms(0444));
   fs::permissions(tree.root(), fs::perms(0555));
   const int status = in_a_child([&] {
@@ -207,6 +211,9 @@ TEST(Faults, AReadOnlyFolderIsReadButNotWritten) {
   for ([[maybe_unused]] const auto& entry : fs::directory_iterator(tree.root())) ++files;
   EXPECT_EQ(files, 1u);  // nothing was left beside it
 }
+
+INSTANTIATE_TEST_SUITE_P(Faults, ReadOnly, testing::Bool(),
+                         [](const auto& how) { return how.param ? "InALogsMode" : "AtRest"; });
 
 TEST(Faults, WhatIsNotThereIsSaidOnlyIfItWasNamed) {
   FileTree tree;

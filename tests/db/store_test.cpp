@@ -364,14 +364,18 @@ TEST(Store, ReadersWhileATunerComesAndGoes) {
     _exit(0);
   }
   int status = -1;
-  for (std::size_t seen = 5; waitpid(child, &status, WNOHANG) == 0;) {
-    const Store store(file, Access::read);
-    const db::Health health = store.health();
-    EXPECT_EQ(health.damaged, 0);
-    EXPECT_TRUE(health.findings.empty());
-    EXPECT_EQ(health.samples % 5, 0);
-    EXPECT_GE(static_cast<std::size_t>(health.samples), seen);
-    seen = static_cast<std::size_t>(health.samples);
+  for (std::int64_t seen = 5; waitpid(child, &status, WNOHANG) == 0;) {
+    try {
+      const Store store(file, Access::read);
+      const db::Health health = store.health();
+      EXPECT_EQ(health.damaged, 0);
+      EXPECT_TRUE(health.findings.empty());
+      EXPECT_EQ(health.samples % 5, 0);
+      EXPECT_GE(health.samples, seen);
+      seen = health.samples;
+    } catch (const db::Unusable& unusable) {  // the tuner had it for itself for longer than a reader waits
+      EXPECT_EQ(unusable.trouble(), db::Trouble::blocked) << unusable.what();
+    }
   }
   EXPECT_EQ(status, 0);
   EXPECT_EQ(Store(file, Access::read).samples().size(), 305u);
