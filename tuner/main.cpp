@@ -198,8 +198,13 @@ void add_plan(CLI::App& app, Invocation& call) {
   add_scene(plan, call.common, call.plan.scene, call.plan.outputs);
   add_names(plan, "--without", call.plan.without, "Backends to leave out: lanes, klu, ...");
   add_mode(plan, call.plan.mode);
+  CLI::Option* save =
+      plan.add_option("--save", call.plan.save, "Write the plan, for a program to load and run")->type_name("FILE");
   add_common(plan, call.common);
-  plan.callback([&call] { call.chosen = [&call] { return command::plan(call.common, call.plan); }; });
+  plan.callback([&call, save] {
+    if (save->count() > 0 && call.plan.save.empty()) throw CLI::ValidationError("--save", "expects a file name");
+    call.chosen = [&call] { return command::plan(call.common, call.plan); };
+  });
 }
 
 void add_backends(CLI::App& app, Invocation& call) {

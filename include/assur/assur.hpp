@@ -6,10 +6,11 @@
 #include "assur/law.hpp"       // IWYU pragma: export
 #include "assur/machine.hpp"   // IWYU pragma: export
 #include "assur/performance.hpp"
-#include "assur/plan.hpp"       // IWYU pragma: export
-#include "assur/report.hpp"     // IWYU pragma: export
-#include "assur/scene.hpp"      // IWYU pragma: export
-#include "assur/simulator.hpp"  // IWYU pragma: export
-#include "assur/status.hpp"     // IWYU pragma: export
-#include "assur/strategy.hpp"   // IWYU pragma: export
-#include "assur/structure.hpp"  // IWYU pragma: export
+#include "assur/plan.hpp"        // IWYU pragma: export
+#include "assur/report.hpp"      // IWYU pragma: export
+#include "assur/saved_plan.hpp"  // IWYU pragma: export
+#include "assur/scene.hpp"       // IWYU pragma: export
+#include "assur/simulator.hpp"   // IWYU pragma: export
+#include "assur/status.hpp"      // IWYU pragma: export
+#include "assur/strategy.hpp"    // IWYU pragma: export
+#include "assur/structure.hpp"   // IWYU pragma: export

@@ -61,7 +61,9 @@ struct PrepareOptions {
 
 // A scene made ready: immutable, shared by any number of simulators.
 struct Prepared {
-  std::shared_ptr<const Scene> scene;
+  std::shared_ptr<const Scene> scene;  // null: loaded by load_plan()
+  std::string name;                    // of the scene
+  TimeGrid time;                       // of the scene: what a run goes over if it is not told its times
   std::shared_ptr<const Structure> structure;
   Plan plan;
   std::span<const Backend> table;  // where the plan's backends are found

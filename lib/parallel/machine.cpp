@@ -35,12 +35,16 @@ std::string omp_num_threads() {
   return text != nullptr ? text : "";
 }
 
+}  // namespace
+
 void take(Machine& machine, const Topology& topology) {
   machine.cores = topology.cores;
   machine.caches = topology.caches;
   machine.numa_nodes = topology.numa_nodes;
   machine.source = topology.source;
 }
+
+namespace {
 
 std::string size_text(std::int64_t bytes) {
   const bool mega = bytes % (1024 * 1024) == 0;
@@ -73,14 +77,9 @@ Machine read_machine(const std::filesystem::path& root, const std::vector<int>& 
   return machine;
 }
 
-Machine this_machine() {
-  const std::vector<int> allowed = allowed_processors();
-  Machine machine = read_machine("/", allowed, omp_num_threads());
-  if (const auto topology = topology_by_hwloc(allowed)) take(machine, *topology);
-  return machine;
-}
+Machine machine_by_sysfs() { return read_machine("/", allowed_processors(), omp_num_threads()); }
 
-ThreadBudget available_budget() { return read_machine("/", allowed_processors(), omp_num_threads()).budget(); }
+ThreadBudget available_budget() { return machine_by_sysfs().budget(); }
 
 std::string to_string(const Machine& machine) {
   std::ostringstream text;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "assur/machine.hpp"
+#include "parallel/topology.hpp"
 
 namespace assur {
 
@@ -13,6 +14,12 @@ namespace assur {
 // omp_num_threads: the text of the variable, "" if it is not set. Without hwloc.
 [[nodiscard]] Machine read_machine(const std::filesystem::path& root, const std::vector<int>& allowed,
                                    const std::string& omp_num_threads);
+
+// this_machine() without hwloc.
+[[nodiscard]] Machine machine_by_sysfs();
+
+// What `topology` knows.
+void take(Machine& machine, const Topology& topology);
 
 // this_machine().budget() without hwloc, which takes its time.
 [[nodiscard]] ThreadBudget available_budget();

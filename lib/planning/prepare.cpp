@@ -202,6 +202,8 @@ Prepared prepare_at(const Scene& scene, const PrepareOptions& options, Start sta
 
   Prepared out;
   out.scene = std::make_shared<const Scene>(scene);
+  out.name = scene.name();
+  out.time = scene.time();
   out.controlled = options.controlled;
   out.table = backends();
   out.plan = std::move(plan);

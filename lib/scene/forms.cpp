@@ -15,6 +15,8 @@ std::size_t idx(Index i) { return static_cast<std::size_t>(i); }
 Forms::Forms(std::shared_ptr<const Scene> scene, int length_exponent) {
   s_.scene = std::move(scene);
   s_.dimension = s_.scene->dimension();
+  for (const Driver& d : s_.scene->drivers()) s_.drivers.push_back(d.name);
+  s_.outputs = s_.scene->outputs();
   s_.length_exponent = length_exponent;
   s_.constants = {1.0, -1.0};
   s_.coordinates.push_back({-1, -1, 0, Role::one, false});

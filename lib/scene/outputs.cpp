@@ -42,7 +42,7 @@ void drop_repeated(std::vector<Output>& outputs) {
 
 std::vector<Output> wanted_outputs(const System& s) {
   std::vector<Output> out;
-  if (s.scene->outputs().empty()) {
+  if (s.outputs.empty()) {
     for (const Item& item : s.items) {
       if (!item.hidden && !item.fixed) out.push_back(of_item(item));
     }
@@ -51,7 +51,7 @@ std::vector<Output> wanted_outputs(const System& s) {
   }
   std::unordered_map<std::string_view, const MeasureForms*> measure;
   for (const MeasureForms& m : s.measures) measure.emplace(m.name, &m);
-  for (const std::string& text : s.scene->outputs()) {
+  for (const std::string& text : s.outputs) {
     const auto find = [&](const std::string& name) -> bool {
       if (const auto m = measure.find(name); m != measure.end()) {
         out.push_back(of_measure(*m->second));

@@ -129,7 +129,9 @@ struct MeasureForms {
 
 class System {
  public:
-  std::shared_ptr<const Scene> scene;
+  std::shared_ptr<const Scene> scene;  // null where a plan was loaded: then nothing but the members below is at hand
+  std::vector<std::string> drivers;    // names, in the order of the scene
+  std::vector<std::string> outputs;    // wanted, as the scene has them; empty: everything
   int dimension = 2;
   int length_exponent = 0;  // one internal length unit is 2^length_exponent m
 

@@ -50,12 +50,12 @@ struct Ensemble::Impl {
       cannot[i] = "its outputs are others than those of the first member";
       return;
     }
-    if (!same_structure(*prepared->structure, *p.structure) || p.scene->time().start != prepared->scene->time().start) {
+    if (!same_structure(*prepared->structure, *p.structure) || p.time.start != prepared->time.start) {
       others.emplace(i, std::move(p));
       return;
     }
     in_lanes.push_back(i);
-    variants.push_back({p.structure->system, p.structure->start, p.scene->time().start, p.reselect});
+    variants.push_back({p.structure->system, p.structure->start, p.time.start, p.reselect});
   }
 
   EnsembleTrajectory start(std::span<const double> times) {
@@ -179,14 +179,14 @@ Ensemble& Ensemble::operator=(Ensemble&&) noexcept = default;
 Ensemble::~Ensemble() = default;
 
 EnsembleTrajectory Ensemble::run(const Simulator::Observer& observer) {
-  const TimeGrid& grid = impl_->prepared->scene->time();
+  const TimeGrid& grid = impl_->prepared->time;
   std::vector<double> times;
   for (std::int64_t k = 0; k <= grid.steps(); ++k) times.push_back(grid.time(k));
   return run(times, observer);
 }
 
 EnsembleTrajectory Ensemble::run(std::span<const double> times, const Simulator::Observer& observer) {
-  if (times.empty() || times[0] != impl_->prepared->scene->time().start) {
+  if (times.empty() || times[0] != impl_->prepared->time.start) {
     throw Error(Error::Kind::input, "the times of an ensemble begin with the start of its scene");
   }
   check_times(times);

@@ -27,7 +27,7 @@ Inputs::Inputs(const System& system, const std::vector<std::string>& controlled)
     : system_(system), program_(system, {}) {
   for (std::size_t i = 0; i < system.inputs.size(); ++i) {
     const DriverInput& in = system.inputs[i];
-    const std::string& name = system.scene->drivers()[static_cast<std::size_t>(in.driver)].name;
+    const std::string& name = system.drivers[static_cast<std::size_t>(in.driver)];
     if (std::find(controlled.begin(), controlled.end(), name) == controlled.end()) continue;
     if (in.kind != DriverInput::Kind::frame) {
       add_control(name, i, 0);

@@ -151,6 +151,9 @@ class Comparison {
 }  // namespace
 
 ForwardError forward_error(const Prepared& prepared, const Trajectory& trajectory) {
+  if (!prepared.scene) {
+    throw Error(Error::Kind::input, "a loaded plan has no scene to make a reference of: prepare the scene instead");
+  }
   return Comparison(prepared, trajectory).run();
 }
 

@@ -69,7 +69,7 @@ ReferenceMotion::ReferenceMotion(const Prepared& prepared)
   state_.q[1].assign(n, Quad(0));
   state_.q[2].assign(n, Quad(0));
   state_.determinant_sign.assign(blocks_.size(), 0);
-  const double start = prepared.scene->time().start;
+  const double start = prepared.time.start;
   drive(start);
   for (const Block& block : blocks_) {
     if (!solve(block, false)) refuse(start);

@@ -163,7 +163,6 @@ std::optional<Simulator> SideBySide::simulator_of(LaneRun& lane, Variant at) con
   structure->system = at.system;
   structure->start = std::move(at.posture);
   prepared.structure = std::move(structure);
-  prepared.scene = at.system->scene;
   prepared.start_time = at.time;
   prepared.reselect = at.reselect;
   prepared.plan.chunks = prepared.plan.threads = 1;

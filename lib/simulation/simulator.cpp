@@ -478,7 +478,7 @@ std::vector<double> posture_of(const Simulator& simulator) { return simulator.im
 
 Simulator::Simulator(Prepared prepared, StepLimits limits) {
   check_limits(limits);
-  const double start = prepared.start_time.value_or(prepared.scene->time().start);
+  const double start = prepared.start_time.value_or(prepared.time.start);
   impl_ = std::make_unique<Impl>(std::move(prepared), limits, start);
 }
 Simulator::Simulator(Simulator&&) noexcept = default;
@@ -501,10 +501,10 @@ void Simulator::set(std::string_view driver, double value, double rate, double a
   impl_->inputs.set(driver, {value, rate, acceleration});
 }
 
-Status Simulator::step() { return step(impl_->now + impl_->prepared.scene->time().step); }
+Status Simulator::step() { return step(impl_->now + impl_->prepared.time.step); }
 
 void Simulator::reset() {
-  const double start = impl_->prepared.start_time.value_or(impl_->prepared.scene->time().start);
+  const double start = impl_->prepared.start_time.value_or(impl_->prepared.time.start);
   if (impl_->first_structure != nullptr) {
     impl_ = std::make_unique<Impl>(*impl_->first_structure, impl_->limits, start);
   } else {
@@ -513,7 +513,7 @@ void Simulator::reset() {
 }
 
 Trajectory Simulator::run(const Observer& observer) {
-  const TimeGrid& grid = impl_->prepared.scene->time();
+  const TimeGrid& grid = impl_->prepared.time;
   // The grid itself, the trajectory's times and its values.
   check_memory(static_cast<std::size_t>(grid.steps()) + 1, columns().size() + 2);
   std::vector<double> times;

@@ -13,5 +13,5 @@ foreach(package IN ITEMS assur assur_core)
   set(program ${OUT}/${package}_pkg_config)
   execute_process(COMMAND ${COMPILER} -std=c++20 ${CONSUMER}/use_${package}.cpp -o ${program}
     ${flags} -Wl,-rpath,${PREFIX}/${LIBDIR} COMMAND_ECHO STDOUT COMMAND_ERROR_IS_FATAL ANY)
-  execute_process(COMMAND ${program} COMMAND_ERROR_IS_FATAL ANY)
+  execute_process(COMMAND ${program} ${OUT}/stewart.plan COMMAND_ERROR_IS_FATAL ANY)  # assur saves it
 endforeach()

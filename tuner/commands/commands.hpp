@@ -51,6 +51,7 @@ struct PlanOptions {
   std::vector<std::string> outputs;  // empty: those of the scene
   Mode mode = Mode::latency;
   std::vector<std::string> without;  // backends
+  std::string save;                  // a file for load_plan(); empty: none
 };
 
 // What to ask the tuning database, and of which samples: those that fit all that is set.

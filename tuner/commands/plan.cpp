@@ -1,10 +1,26 @@
+#include <cerrno>
+#include <cstring>
+#include <fstream>
 #include <iostream>
 
 #include "assur/machine.hpp"
+#include "assur/saved_plan.hpp"
 #include "commands/commands.hpp"
 #include "output/plan_report.hpp"
 
 namespace assur::command {
+namespace {
+
+void save(const std::string& file, const Prepared& prepared) {
+  errno = 0;
+  std::ofstream out(file);
+  if (!out) {
+    throw Error(Error::Kind::environment, {{"--save", "cannot write " + file + ": " + std::strerror(errno)}});
+  }
+  save_plan(out, prepared);
+}
+
+}  // namespace
 
 int plan(const Common& common, const PlanOptions& options) {
   Scene scene = open_scene(options.scene, common.set);
@@ -13,6 +29,8 @@ int plan(const Common& common, const PlanOptions& options) {
   const ThreadBudget budget = common.threads > 0 ? ThreadBudget{common.threads} : this_machine().budget();
   const Prepared prepared =
       prepare(scene, {.budget = budget, .mode = options.mode, .model = known.model, .without = options.without});
+
+  if (!options.save.empty()) save(options.save, prepared);
 
   output::PlanSummary summary{.prepared = prepared,
                               .mode = options.mode,

@@ -1,0 +1,309 @@
+#include "planning/check_plan.hpp"
+
+#include <algorithm>
+#include <string>
+#include <string_view>
+
+#include "scene/outputs.hpp"
+#include "scene/system.hpp"
+
+namespace assur {
+namespace {
+
+constexpr int kLargestExponent = 1074;  // of the smallest double: beyond, lengths are no numbers
+constexpr int kLargestPower = 2;        // of length
+constexpr Index kNever = -1;            // level on which nothing is computed
+
+std::size_t idx(Index i) { return static_cast<std::size_t>(i); }
+
+bool within(Index i, std::size_t size) { return i >= 0 && idx(i) < size; }
+bool all_within(const std::vector<Index>& indices, std::size_t size) {
+  return std::all_of(indices.begin(), indices.end(), [&](Index i) { return within(i, size); });
+}
+
+// Starts of consecutive ranges in a list: 0, ascending, the list's size.
+bool are_starts(const std::vector<Index>& starts, std::size_t size) {
+  return !starts.empty() && starts.front() == 0 && idx(starts.back()) == size &&
+         std::is_sorted(starts.begin(), starts.end());
+}
+
+class Check {
+ public:
+  explicit Check(const Prepared& prepared)
+      : prepared_(prepared), structure_(*prepared.structure), system_(*structure_.system) {}
+
+  void run() {
+    coordinates();
+    forms();
+    items();
+    measures();
+    inputs();
+    assignments();
+    for (std::size_t c = 0; c < structure_.classes.size(); ++c) {
+      part("classes", c);
+      equations(structure_.classes[c], structure_.classes[c].n);
+      blocks(structure_.classes[c]);
+    }
+    groups();
+    watch();
+    outputs();
+    plan();
+    time();
+  }
+
+ private:
+  // What the following requirements are about.
+  void part(const char* list, std::size_t i) {
+    list_ = list;
+    index_ = i;
+  }
+  void part(const char* name) { part(name, kWhole); }
+  void require(bool fits, std::string_view what) const {
+    if (fits) return;
+    const std::string where = std::string(list_) + (index_ == kWhole ? "" : "/" + std::to_string(index_));
+    throw Error(Error::Kind::input, {{where, std::string(what) + " cannot be right; save the plan again"}},
+                "saved plan");
+  }
+  void require_power(int power) const { require(std::abs(power) <= kLargestPower, "the dimension"); }
+
+  void coordinates() {
+    part("system");
+    require(system_.dimension == 2 || system_.dimension == 3, "the dimension");
+    require(std::abs(system_.length_exponent) <= kLargestExponent, "the unit of length");
+    const std::size_t size = system_.coordinates.size();
+    require(size > 0 && system_.guess.size() == size && structure_.start.size() == size, "the number of coordinates");
+    for (std::size_t c = 0; c < size; ++c) {
+      part("coordinates", c);
+      const Role role = system_.coordinates[c].role;
+      require(c == 0 ? role == Role::one : role == Role::driven || role == Role::unknown, "the role");
+    }
+    known_.assign(size, 0);
+    for (std::size_t c = 0; c < size; ++c) known_[c] = system_.coordinates[c].role != Role::unknown;
+  }
+
+  void forms() {
+    part("forms");
+    require(are_starts(system_.form_start, system_.terms.size()), "where forms begin");
+    forms_ = idx(system_.forms());
+    for (std::size_t t = 0; t < system_.terms.size(); ++t) {
+      part("terms", t);
+      require(within(system_.terms[t].coordinate, known_.size()), "the coordinate");
+      require(within(system_.terms[t].constant, system_.constants.size()), "the constant");
+    }
+  }
+
+  void items() {
+    for (std::size_t i = 0; i < system_.items.size(); ++i) {
+      part("items", i);
+      const Item& item = system_.items[i];
+      require(item.components == 1 || item.components == system_.dimension, "the number of components");
+      for (int k = 0; k < item.components; ++k) require(within(item.form[k], forms_), "the form");
+      require_power(item.dimension);
+    }
+  }
+
+  void measures() {
+    const int d = system_.dimension;
+    for (std::size_t i = 0; i < system_.measures.size(); ++i) {
+      part("measures", i);
+      const MeasureForms& m = system_.measures[i];
+      require(all_within(m.forms, forms_), "the form");
+      require_power(m.dimension);
+      const auto takes = [&](MeasureForms::Kind kind, int forms) {
+        return m.kind == kind && std::ssize(m.forms) == forms;
+      };
+      using Kind = MeasureForms::Kind;
+      require(takes(Kind::form, 1) || takes(Kind::distance, d) || takes(Kind::absolute_angle, 2) ||
+                  takes(Kind::signed_angle, d == 2 ? 4 : 9) || (d == 3 && takes(Kind::unsigned_angle, 6)),
+              "the kind of measure");
+    }
+  }
+
+  void inputs() {
+    using Kind = DriverInput::Kind;
+    const Index d = system_.dimension;
+    for (std::size_t i = 0; i < system_.inputs.size(); ++i) {
+      part("inputs", i);
+      const DriverInput& in = system_.inputs[i];
+      require(within(in.driver, system_.drivers.size()), "the driver");
+      require_power(in.dimension);
+      const auto takes = [&](Kind kind, Index coordinates, Index laws) {
+        return in.kind == kind && in.count == coordinates && std::ssize(in.laws) == laws;
+      };
+      require(takes(Kind::scalar, 1, 1) || takes(Kind::direction, 2, 1) || takes(Kind::frame, d, d) ||
+                  (d == 2 ? takes(Kind::frame, 4, 3) : takes(Kind::frame, 12, 6)),
+              "the kind of driver");
+      for (Index k = 0; k < in.count; ++k) require(in.first >= 0 && is_driven(in.first, k), "the coordinate");
+    }
+  }
+  [[nodiscard]] bool is_driven(Index first, Index k) const {
+    const std::size_t c = idx(first) + idx(k);
+    return c < known_.size() && system_.coordinates[c].role == Role::driven;
+  }
+
+  void assignments() {
+    for (std::size_t i = 0; i < system_.assignments.size(); ++i) {
+      part("assignments", i);
+      const Assignment& a = system_.assignments[i];
+      require(a.coordinate >= 0 && is_driven(a.coordinate, 0), "the coordinate");
+      require(within(a.form, forms_), "the form");
+      for (const Term& t : system_.form(a.form)) require(known_[idx(t.coordinate)] != 0, "the form");
+    }
+  }
+
+  // ---- structure
+
+  void equations(const GroupClass& c, Index unknowns) {
+    require(unknowns >= 0 && c.inputs >= 0 && c.constants >= 0 && c.input_moves.size() == idx(c.inputs),
+            "the number of inputs");
+    require(are_starts(c.form_start, c.terms.size()), "where forms begin");
+    const std::size_t coordinates = idx(unknowns) + idx(c.inputs), forms = c.form_start.size() - 1;
+    const auto is_constant = [&](Index k) { return k == -1 || k == -2 || within(k, idx(c.constants)); };
+    for (const GroupClass::Term& t : c.terms) {
+      require((t.coordinate == -1 || within(t.coordinate, coordinates)) && is_constant(t.constant), "a term");
+    }
+    for (const GroupClass::Product& p : c.products) {
+      require(within(p.a, forms) && within(p.b, forms) && is_constant(p.constant), "a product");
+    }
+    for (const GroupClass::Equation& e : c.equations) {
+      require(0 <= e.products_begin && e.products_begin <= e.products_end && idx(e.products_end) <= c.products.size() &&
+                  (e.linear == -1 || within(e.linear, forms)),
+              "an equation");
+    }
+  }
+
+  // As many equations as unknowns in all and in each irreducible block.
+  void blocks(const GroupClass& c) {
+    const std::size_t n = idx(c.n);
+    require(n > 0 && c.equations.size() == n && c.unknown_block.size() == n && c.equation_block.size() == n,
+            "the number of equations");
+    require(c.blocks > 0 && c.blocks <= c.n && all_within(c.unknown_block, idx(c.blocks)) &&
+                all_within(c.equation_block, idx(c.blocks)),
+            "the blocks");
+    std::vector<Index> unknowns(idx(c.blocks), 0), equations(idx(c.blocks), 0);
+    for (const Index b : c.unknown_block) ++unknowns[idx(b)];
+    for (const Index b : c.equation_block) ++equations[idx(b)];
+    require(unknowns == equations && std::count(unknowns.begin(), unknowns.end(), 0) == 0, "the blocks");
+    require(0 <= c.derivatives && c.derivatives <= 2 && 0 <= c.first_wanted && c.first_wanted <= c.n, "what is wanted");
+  }
+
+  // level_: coordinates, that on which each is computed; what is known comes before all of them.
+  void groups() {
+    level_.assign(known_.size(), kNever);
+    std::vector<std::uint8_t> used(structure_.classes.size(), 0);
+    part("static");
+    require(all_within(structure_.static_coordinates, known_.size()), "a coordinate");
+    for (const Index c : structure_.static_coordinates) {
+      require(known_[idx(c)] == 0, "a coordinate");
+      known_[idx(c)] = 1;
+    }
+    Index before = 0;
+    for (std::size_t g = 0; g < structure_.groups.size(); ++g) {
+      part("groups", g);
+      const Group& group = structure_.groups[g];
+      require(group.level >= before && group.level < structure_.levels, "the level");
+      before = group.level;
+      require(within(group.group_class, structure_.classes.size()), "the class");
+      used[idx(group.group_class)] = 1;
+      const GroupClass& c = structure_.classes[idx(group.group_class)];
+      require(group.unknowns.size() == idx(c.n) && all_within(group.unknowns, known_.size()), "the unknowns");
+      for (const Index u : group.unknowns) {
+        require(known_[idx(u)] == 0 && level_[idx(u)] == kNever, "the unknowns");
+        level_[idx(u)] = group.level;
+      }
+      slots(group, c);
+      for (const Index i : group.inputs) {
+        require(known_[idx(i)] != 0 || (level_[idx(i)] != kNever && level_[idx(i)] < group.level), "the inputs");
+      }
+    }
+    part("classes");
+    require(std::count(used.begin(), used.end(), 0) == 0, "a class without groups");
+  }
+
+  void slots(const Group& group, const GroupClass& c) const {
+    require(group.inputs.size() == idx(c.inputs) && all_within(group.inputs, known_.size()), "the inputs");
+    require(group.constants.size() == idx(c.constants) && all_within(group.constants, system_.constants.size()),
+            "the constants");
+  }
+
+  [[nodiscard]] bool is_computed(Index coordinate) const {
+    return known_[idx(coordinate)] != 0 || level_[idx(coordinate)] != kNever;
+  }
+
+  void watch() {
+    part("watch");
+    const Group& group = structure_.watch;
+    const GroupClass& c = structure_.watch_class;
+    if (c.equations.empty() && group.inputs.empty()) return;
+    require(c.n == 0, "the number of unknowns");
+    equations(c, 0);
+    slots(group, c);
+    require(std::all_of(group.inputs.begin(), group.inputs.end(), [&](Index i) { return is_computed(i); }),
+            "the inputs");
+  }
+
+  void outputs() {
+    part("outputs");
+    for (const Output& output : wanted_outputs(system_)) {
+      for (const OutputPart& p : output.parts()) {
+        for (const Index f : p.forms) {
+          for (const Term& t : system_.form(f)) require(is_computed(t.coordinate), "an output");
+        }
+      }
+    }
+  }
+
+  // ---- plan
+
+  void plan() {
+    const Plan& plan = prepared_.plan;
+    part("plan");
+    require(plan.formulation <= Formulation::irreducible && structure_.formulation == plan.formulation,
+            "the formulation");
+    require(plan.threads > 0 && plan.chunks > 0, "the number of threads or chunks");
+    // A strategy is right if its text is; `past` and `hermite` bound their orders there.
+    Strategy all;
+    all.lanes = plan.lanes;
+    all.predictor = plan.predictor;
+    require(plan.predictor.kind != Predictor::Kind::automatic && has_text(all), "the predictor or the lanes");
+    require(plan.level_threads.empty() || plan.level_threads.size() == idx(structure_.levels), "the threads of levels");
+    for (const Index p : plan.level_threads) require(0 < p && p <= plan.threads, "the threads of a level");
+    require(plan.choices.size() == structure_.classes.size(), "the number of choices");
+    for (std::size_t c = 0; c < plan.choices.size(); ++c) {
+      part("choices", c);
+      require(plan.choices[c].group_class == static_cast<Index>(c), "the class");
+      require(plan.choices[c].origin <= Origin::prior, "the origin");
+    }
+  }
+  static bool has_text(const Strategy& strategy) {
+    try {
+      return parse_strategy(to_string(strategy)) == strategy;
+    } catch (const Error&) {
+      return false;
+    }
+  }
+
+  void time() {
+    part("time");
+    const TimeGrid& t = prepared_.time;
+    require(t.step >= 0 && t.end >= t.start && (t.step > 0 ? (t.end - t.start) / t.step < 0x1p53 : true),
+            "the time grid");
+  }
+
+  static constexpr std::size_t kWhole = static_cast<std::size_t>(-1);
+
+  const Prepared& prepared_;
+  const Structure& structure_;
+  const System& system_;
+  const char* list_ = "";
+  std::size_t index_ = kWhole;
+  std::size_t forms_ = 0;
+  std::vector<std::uint8_t> known_;  // coordinates: before the first group
+  std::vector<Index> level_;         // coordinates: of the group that solves it
+};
+
+}  // namespace
+
+void check_plan(const Prepared& prepared) { Check(prepared).run(); }
+
+}  // namespace assur

@@ -1,0 +1,114 @@
+// What a saved plan consists of, in the order of the file, for writing and reading alike. What of the system and of the
+// structure is left out, no simulator reads.
+#pragma once
+
+#include <string>
+
+#include "assur/plan.hpp"
+#include "assur/strategy.hpp"
+#include "assur/structure.hpp"
+#include "planning/plan_text.hpp"
+#include "scene/system.hpp"
+
+namespace assur {
+
+// ---- laws and strategies, which check themselves
+
+// Function parts have no text: they are refused before.
+void fields(PlanWriter& write, const Law& law);
+void fields(PlanReader& read, Law& law);
+
+inline void fields(PlanWriter& write, const Strategy& strategy) { write(to_string(strategy)); }
+inline void fields(PlanReader& read, Strategy& strategy) {
+  std::string text;
+  read(text);
+  strategy = parse_strategy(text);
+}
+
+inline void fields(auto& a, Either<Harmonic> auto& h) { a(h.amplitude, h.frequency, h.phase); }
+inline void fields(auto& a, Either<TimeGrid> auto& t) { a(t.start, t.end, t.step); }
+
+// ---- system
+
+inline void fields(auto& a, Either<Coordinate> auto& c) { a(c.role, c.moving); }
+inline void fields(auto& a, Either<Term> auto& t) { a(t.coordinate, t.constant); }
+inline void fields(auto& a, Either<Assignment> auto& x) { a(x.coordinate, x.form); }
+inline void fields(auto& a, Either<Item> auto& i) {
+  a(i.name, i.components, i.form[0], i.form[1], i.form[2], i.dimension, i.hidden, i.fixed);
+}
+inline void fields(auto& a, Either<MeasureForms> auto& m) { a(m.name, m.kind, m.forms, m.dimension); }
+inline void fields(auto& a, Either<DriverInput> auto& i) {
+  a(i.driver, i.kind, i.first, i.count, i.dimension, i.must_not_vanish, i.laws);
+}
+inline void fields(auto& a, Either<System> auto& s) {
+  a.label("system", s.dimension, s.length_exponent);
+  a.label("coordinates", s.coordinates);
+  a.label("guess", s.guess);
+  a.label("constants", s.constants);
+  a.label("forms", s.form_start);
+  a.label("terms", s.terms);
+  a.label("assignments", s.assignments);
+  a.label("items", s.items);
+  a.label("measures", s.measures);
+  a.label("outputs", s.outputs);
+  a.label("drivers", s.drivers);
+  a.label("inputs", s.inputs);
+}
+
+// ---- structure
+
+inline void fields(auto& a, Either<GroupClass::Term> auto& t) { a(t.coordinate, t.constant); }
+inline void fields(auto& a, Either<GroupClass::Product> auto& p) { a(p.a, p.b, p.constant); }
+inline void fields(auto& a, Either<GroupClass::Equation> auto& e) { a(e.products_begin, e.products_end, e.linear); }
+inline void fields(auto& a, Either<GroupClass> auto& c) {
+  a(c.n, c.inputs, c.constants, c.blocks, c.derivatives, c.first_wanted);
+  a.label("input_moves", c.input_moves);
+  a.label("form_start", c.form_start);
+  a.label("terms", c.terms);
+  a.label("products", c.products);
+  a.label("equations", c.equations);
+  a.label("blocks", c.unknown_block, c.equation_block);
+  if constexpr (std::remove_reference_t<decltype(a)>::kReads) {
+    for (GroupClass::Equation& e : c.equations) e.callback = -1, e.row = 0;
+  }
+}
+inline void fields(auto& a, Either<Group> auto& g) {
+  a(g.name, g.of, g.level, g.group_class, g.derivatives, g.wanted_derivatives);
+  a(g.unknowns, g.inputs, g.constants);
+}
+inline void fields(auto& a, Either<Structure> auto& s) {
+  a.label("structure", s.formulation, s.levels);
+  a.label("classes", s.classes);
+  a.label("groups", s.groups);
+  a.label("watch", s.watch, s.watch_class);
+  a.label("static", s.static_coordinates);
+  a.label("start", s.start);
+}
+
+// ---- plan
+
+inline void fields(auto& a, Either<Shape> auto& s) {
+  a(s.n, s.nnz, s.groups, s.rhs, s.fill, s.operations, s.depth, s.terms, s.pattern);
+}
+inline void fields(auto& a, Either<Plan::Choice> auto& c) {
+  a(c.group_class, c.strategy, c.expected_seconds, c.origin, c.reason, c.shape);
+}
+inline void fields(auto& a, Either<Plan> auto& p) {
+  a.label("plan", p.formulation, p.predictor.kind, p.predictor.order, p.lanes, p.chunks, p.threads);
+  a.label("level_threads", p.level_threads);
+  a.label("expected", p.expected_seconds, p.meeting_seconds, p.reason);
+  a.label("choices", p.choices);
+}
+
+// All of the file.
+inline void fields(auto& a, Either<Prepared> auto& prepared, Either<System> auto& system,
+                   Either<Structure> auto& structure) {
+  a.label("scene", prepared.name);
+  a.label("time", prepared.time, prepared.start_time);
+  a.label("controlled", prepared.controlled);
+  fields(a, prepared.plan);
+  fields(a, structure);
+  fields(a, system);
+}
+
+}  // namespace assur

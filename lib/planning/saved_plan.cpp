@@ -1,0 +1,157 @@
+#include "assur/saved_plan.hpp"
+
+#include <algorithm>
+#include <istream>
+#include <iterator>
+#include <ostream>
+#include <variant>
+
+#include "parallel/machine.hpp"
+#include "planning/check_plan.hpp"
+#include "planning/plan_fields.hpp"
+
+namespace assur {
+namespace {
+
+enum class LawPart : std::uint8_t { polynomial, harmonics, table };
+
+// What no file can hold.
+void refuse_functions(const System& system) {
+  const auto refuse = [](const std::string& what, const std::string& instead) {
+    throw Error(Error::Kind::input, what + ", which cannot be saved; " + instead);
+  };
+  for (const Equation& e : system.equations) {
+    if (e.callback < 0) continue;
+    refuse("constraint '" + system.sources[static_cast<std::size_t>(e.source)].name + "' is a C++ function",
+           "prepare the scene in the program that runs it");
+  }
+  for (const DriverInput& in : system.inputs) {
+    for (const Law& law : in.laws) {
+      for (const Law::Part& part : law.parts()) {
+        if (!std::holds_alternative<Law::Function>(part)) continue;
+        refuse("the law of driver '" + system.drivers[static_cast<std::size_t>(in.driver)] + "' is a C++ function",
+               "make it a table, or a constant for a driver that the program controls");
+      }
+    }
+  }
+}
+
+void check_backends(const Plan& plan, std::span<const Backend> table) {
+  std::string known;
+  for (const Backend& b : table) known += (known.empty() ? "" : ", ") + std::string(b.id);
+  for (const Plan::Choice& choice : plan.choices) {
+    const Strategy& s = choice.strategy;
+    const auto refuse = [&](const std::string& why, const std::string& instead) {
+      throw Error(Error::Kind::environment, "the plan solves " + std::to_string(choice.shape.groups) + " group(s) of " +
+                                                std::to_string(choice.shape.n) + " unknowns with " + s.backend + ", " +
+                                                why + "; " + instead + " make the plan without it (" +
+                                                "assur plan SCENE --without " + s.backend + " --save FILE)");
+    };
+    const auto found = std::find_if(table.begin(), table.end(), [&](const Backend& b) { return b.id == s.backend; });
+    if (found == table.end()) {
+      refuse("which is not among the solvers at hand (" + known + ")",
+             "link assur::assur and give load_plan() its backends(), or");
+    }
+    const std::string why_not = found->why_not(choice.shape, ThreadBudget{s.q});
+    if (!why_not.empty()) refuse("which cannot run here: " + why_not, "mend that, or");
+    if (s.single && !found->single) refuse("which has no float version", "leave out +float, or");
+  }
+}
+
+// p changes no bit of the motion, q does.
+void fit_threads(Plan& plan, const std::optional<ThreadBudget>& budget) {
+  std::int32_t q = 1;
+  for (const Plan::Choice& choice : plan.choices) q = std::max(q, choice.strategy.q);
+  if (plan.threads == 1 && q == 1) return;
+  const std::int32_t most = budget ? budget->threads : available_budget().threads;
+  if (q > most) {
+    throw Error(Error::Kind::environment, "the plan takes " + std::to_string(q) +
+                                              " threads within its linear algebra and the budget is " +
+                                              std::to_string(most) + "; make the plan again with fewer threads");
+  }
+  const std::int32_t p = most / q;
+  if (plan.threads <= p) return;
+  plan.reason += (plan.reason.empty() ? "" : "; ") + std::to_string(p) + " instead of " + std::to_string(plan.threads) +
+                 " threads at once, which is the budget at hand";
+  plan.threads = p;
+  for (std::int32_t& threads : plan.level_threads) threads = std::min(threads, p);
+  for (Plan::Choice& choice : plan.choices) choice.strategy.p = std::min(choice.strategy.p, p);
+}
+
+}  // namespace
+
+void fields(PlanWriter& write, const Law& law) {
+  write(law.parts().size());
+  for (const Law::Part& part : law.parts()) {
+    if (const auto* polynomial = std::get_if<Law::Polynomial>(&part)) {
+      write(LawPart::polynomial, polynomial->coefficients);
+    } else if (const auto* harmonics = std::get_if<Law::Harmonics>(&part)) {
+      write(LawPart::harmonics, harmonics->offset, harmonics->terms);
+    } else if (const auto* table = std::get_if<Law::Spline>(&part)) {
+      write(LawPart::table, table->periodic, table->time, table->value);
+    }
+  }
+}
+
+// The spline of a table is found anew from its points.
+void fields(PlanReader& read, Law& law) {
+  std::int32_t parts = 0;
+  read(parts);
+  for (law = Law(); parts > 0; --parts) {
+    LawPart kind{};
+    read(kind);
+    if (kind == LawPart::polynomial) {
+      std::vector<double> coefficients;
+      read(coefficients);
+      law = law + Law::polynomial(std::move(coefficients));
+    } else if (kind == LawPart::harmonics) {
+      double offset = 0;
+      std::vector<Harmonic> terms;
+      read(offset, terms);
+      law = law + Law::harmonics(std::move(terms), offset);
+    } else if (kind == LawPart::table) {
+      bool periodic = false;
+      std::vector<double> time, value;
+      read(periodic, time, value);
+      law = law + Law::table(std::move(time), std::move(value), periodic);
+    } else {
+      read.refuse("a polynomial, harmonics or a table was expected here");
+    }
+  }
+}
+
+void save_plan(std::ostream& out, const Prepared& prepared) {
+  refuse_functions(*prepared.structure->system);
+  PlanWriter write;
+  fields(write, prepared, *prepared.structure->system, *prepared.structure);
+  out << write.finish() << std::flush;
+  if (!out) throw Error(Error::Kind::environment, "the plan could not be written: is the disk full?");
+}
+
+Prepared load_plan(std::istream& in, const LoadOptions& options) {
+  if (options.budget && options.budget->threads < 1) {
+    throw Error(Error::Kind::input, "a budget has at least one thread, not " + std::to_string(options.budget->threads));
+  }
+  std::string text{std::istreambuf_iterator<char>(in), {}};
+  if (in.bad() || (text.empty() && in.fail())) {
+    throw Error(Error::Kind::environment, "the plan could not be read: there is no such file, or it is not open");
+  }
+  PlanReader read(std::move(text));
+  Prepared prepared;
+  System system;
+  auto structure = std::make_shared<Structure>();
+  fields(read, prepared, system, *structure);
+  read.finish();
+  for (std::size_t i = 0; i < system.items.size(); ++i) {
+    system.item_of.emplace(system.items[i].name, static_cast<Index>(i));
+  }
+  structure->system = std::make_shared<const System>(std::move(system));
+  prepared.structure = std::move(structure);
+  check_plan(prepared);
+  check_backends(prepared.plan, options.table);
+  fit_threads(prepared.plan, options.budget);
+  prepared.table = options.table;
+  return prepared;
+}
+
+}  // namespace assur
