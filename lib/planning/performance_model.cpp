@@ -2,7 +2,6 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -20,8 +19,7 @@ struct NamedKernel {
 };
 constexpr std::array kKernels = {NamedKernel{Kernel::evaluate, "evaluate"}, NamedKernel{Kernel::factor, "factor"},
                                  NamedKernel{Kernel::solve, "solve"},       NamedKernel{Kernel::pack, "pack"},
-                                 NamedKernel{Kernel::around, "around"},     NamedKernel{Kernel::meeting, "meeting"},
-                                 NamedKernel{Kernel::step, "step"}};
+                                 NamedKernel{Kernel::meeting, "meeting"},   NamedKernel{Kernel::step, "step"}};
 
 // What of a strategy a kernel depends on. Solvers differ by backend, precision and threads; W is kept apart, so that
 // another W can stand in.
@@ -158,15 +156,11 @@ struct PerformanceModel::Impl {
   void gather(const std::vector<Sample>& samples) {
     std::map<Cell, std::vector<const Sample*>> cells;
     std::map<std::int32_t, std::map<Cell, std::vector<double>>> crowds;  // p: packs while so many threads work
-    std::vector<Curve::Measured> beyond_packs;
     for (const Sample& s : samples) {
       if (!(s.seconds > 0) || !std::isfinite(s.seconds)) continue;
       const Cell cell = cell_of(s.kernel, s.shape, s.strategy);
       if (s.kernel == Kernel::meeting) {
         meetings[s.strategy.p].push_back(s.seconds);
-      } else if (s.kernel == Kernel::around) {
-        beyond_packs.push_back(
-            {{{1, static_cast<double>(s.shape.n)}, {positive_log(s.shape.n)}}, s.seconds, s.spread / s.seconds});
       } else if (s.kernel == Kernel::pack && s.strategy.p > 1) {
         crowds[s.strategy.p][cell].push_back(s.seconds);
       } else if (s.kernel != Kernel::step) {
@@ -192,7 +186,6 @@ struct PerformanceModel::Impl {
       }
       if (!ratios.empty()) contentions[p] = median(ratios);
     }
-    if (!beyond_packs.empty()) around.emplace(std::move(beyond_packs));
   }
 
   void fit(Kernel kernel) {
@@ -351,7 +344,6 @@ struct PerformanceModel::Impl {
   std::map<Variant, Curve> packs;
   std::map<std::int32_t, std::vector<double>> meetings;  // p
   std::map<std::int32_t, double> contentions;            // p
-  std::optional<Curve> around;
 };
 
 PerformanceModel::PerformanceModel() : PerformanceModel(std::vector<Sample>{}, "nothing was measured") {}
@@ -374,8 +366,6 @@ Prediction PerformanceModel::kernel(Kernel kernel, const Shape& shape, const Str
       whole.seconds += meeting(strategy.p).seconds + around(std::int64_t{shape.n} * shape.groups).seconds;
       return whole;
     }
-    case Kernel::around:
-      return around(shape.n);
     default:
       return impl_->predict(kernel, shape, strategy);
   }
@@ -410,11 +400,7 @@ double PerformanceModel::contention(std::int32_t p) const {
 }
 
 Prediction PerformanceModel::around(std::int64_t unknowns) const {
-  const auto n = static_cast<double>(unknowns);
-  if (impl_->around) return impl_->around->at({{1, n}, {positive_log(n)}});
-  Shape shape;
-  shape.n = static_cast<std::int32_t>(unknowns);
-  return {prior_seconds(Kernel::around, shape, {}), 2, Origin::prior};
+  return {prior_around_seconds(unknowns) * impl_->speed_of_all(), 1.5, Origin::prior};
 }
 
 double PerformanceModel::backward_error(const Shape& shape, const Strategy& strategy) const {

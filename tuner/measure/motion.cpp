@@ -182,6 +182,25 @@ ErrorFigures PackStep::error() const {
   return {impl_->errors.position, impl_->errors.velocity, impl_->errors.acceleration, {}, {}, {}};
 }
 
+// ---- pack, in a crowd
+
+Crowd::Crowd(int threads, const std::function<std::unique_ptr<PackStep>()>& make) : team_(threads) {
+  for (int rank = 0; rank < threads; ++rank) steps_.push_back(make());
+  ok_.resize(steps_.size());
+}
+
+void Crowd::get_ready(int calls) {
+  team_.run([&](int rank) { steps_[static_cast<std::size_t>(rank)]->get_ready(calls); });
+}
+
+bool Crowd::run(int calls) {
+  team_.run([&](int rank) {
+    const auto r = static_cast<std::size_t>(rank);
+    ok_[r] = steps_[r]->run(calls) ? 1 : 0;
+  });
+  return std::all_of(ok_.begin(), ok_.end(), [](std::uint8_t ok) { return ok != 0; });
+}
+
 // ---- step
 
 WholeStep::WholeStep(const Prepared& prepared) : simulator_(prepared), grid_(prepared.scene->time()) {

@@ -2,12 +2,15 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <vector>
 
 #include "assur/plan.hpp"
 #include "assur/report.hpp"
 #include "assur/simulator.hpp"
 #include "measure/workload.hpp"
+#include "parallel/team.hpp"
 
 namespace assur::measure {
 
@@ -35,6 +38,20 @@ class PackStep final : public Workload {
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
+};
+
+// Several threads, each with packs of its own: one call solves one pack in each.
+class Crowd final : public Workload {
+ public:
+  Crowd(int threads, const std::function<std::unique_ptr<PackStep>()>& make);
+
+  void get_ready(int calls) override;
+  bool run(int calls) override;
+
+ private:
+  std::vector<std::unique_ptr<PackStep>> steps_;  // threads
+  std::vector<std::uint8_t> ok_;                  // threads
+  Team team_;
 };
 
 // One call is one step of a whole mechanism over its time grid, again from the start when the grid ends.

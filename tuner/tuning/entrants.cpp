@@ -101,23 +101,35 @@ class PacksGround final : public Ground {
     Shape level = shape_;
     level.groups = cell.groups;
     for (Strategy& s : pack_strategies(field, cell.formulation, level, cell.policies)) {
-      candidates_.push_back({Kernel::pack, std::move(s)});
+      if (cell.kind == Cell::Kind::packs) {
+        candidates_.push_back({Kernel::pack, std::move(s)});
+        continue;
+      }
+      for (s.p = 2; s.p <= field.budget.threads; s.p *= 2) candidates_.push_back({Kernel::pack, s});
     }
   }
 
   // The other classes stay as they are: they are solved once, to give this one its inputs.
   std::vector<Entrant> enter(const Candidate& c) override {
-    Prepared prepared = prepared_;
-    Strategy& strategy = prepared.plan.choices[static_cast<std::size_t>(class_)].strategy;
-    const Predictor predictor = std::exchange(strategy, c.strategy).predictor;
-    strategy.predictor = predictor;
-    const auto packs = std::make_shared<measure::PackStep>(prepared, class_);
+    if (c.strategy.p > 1) {
+      const auto crowd = std::make_shared<measure::Crowd>(c.strategy.p, [&] { return pack_step(c); });
+      return {{Kernel::pack, shape_, c.strategy, crowd.get(), crowd, kNotMeasured, kNotMeasured}};
+    }
+    const std::shared_ptr<measure::PackStep> packs = pack_step(c);
     const ErrorFigures e = packs->error();
     return {{Kernel::pack, shape_, c.strategy, packs.get(), packs, std::max({e.position, e.velocity, e.acceleration}),
              kNotMeasured}};
   }
 
  private:
+  [[nodiscard]] std::unique_ptr<measure::PackStep> pack_step(const Candidate& c) const {
+    Prepared prepared = prepared_;
+    Strategy& strategy = prepared.plan.choices[static_cast<std::size_t>(class_)].strategy;
+    const Predictor predictor = std::exchange(strategy, c.strategy).predictor;
+    strategy.predictor = predictor;
+    return std::make_unique<measure::PackStep>(prepared, class_);
+  }
+
   Prepared prepared_;
   std::int32_t class_ = 0;
 };
@@ -191,6 +203,7 @@ std::unique_ptr<Ground> open(const Cell& cell, const Field& field) {
     case Cell::Kind::matrix:
       return std::make_unique<MatrixGround>(cell, field);
     case Cell::Kind::packs:
+    case Cell::Kind::crowd:
       return std::make_unique<PacksGround>(cell, field);
     case Cell::Kind::steps:
       return std::make_unique<StepsGround>(cell, field);
