@@ -11,7 +11,9 @@ class Meeting final : public Workload {
   // Throws Error as Team does.
   explicit Meeting(int threads) : team_(threads) {}
 
-  void get_ready(int) override { (void)run(1); }
+  void get_ready(int) override {
+    repeat_for(kUntilSpread, [this] { (void)run(1); });
+  }
   bool run(int calls) override;
 
  private:

@@ -57,8 +57,8 @@ class Crowd final : public Workload {
 // One call is one step of a whole mechanism over its time grid, again from the start when the grid ends.
 class WholeStep final : public Workload {
  public:
-  // Throws Error as Simulator does, and (numerical) if the first steps fail.
-  explicit WholeStep(const Prepared& prepared);
+  // pin_to: as StepLimits has it. Throws Error as Simulator does, and (numerical) if the first steps fail.
+  explicit WholeStep(const Prepared& prepared, std::vector<int> pin_to = {});
 
   void get_ready(int calls) override;
   bool run(int calls) override;
@@ -68,6 +68,7 @@ class WholeStep final : public Workload {
  private:
   bool advance();
 
+  std::vector<int> pin_to_;  // empty: one thread, or wherever the system puts them
   Simulator simulator_;
   TimeGrid grid_;
   std::int64_t next_ = 1;
