@@ -219,9 +219,13 @@ Answer answer(const Question& q, const std::shared_ptr<const PerformanceModel>& 
     out.uniform[u.text] = u.seconds;
     for (const std::string& other : u.others) out.uniform[other] = u.seconds;
   }
-  std::vector<Racer*> final(all.begin(),
-                            all.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(4, all.size())));
-  if (together) final.push_back(&*together);
+  // What the dispatcher chose takes part once.
+  std::vector<Racer*> final;
+  const std::string essence = essence_of(chosen.prepared);
+  for (Racer* r : all) {
+    if (final.size() < 4 && essence_of(r->prepared) != essence) final.push_back(r);
+  }
+  if (together && essence_of(together->prepared) != essence) final.push_back(&*together);
   final.push_back(&chosen);
   race(final, {.block = 500e-6, .seconds = 4, .least_rounds = 15, .most_rounds = quick ? 15 : 41, .hopeless = 1e9});
   const Racer* best = *std::min_element(final.begin(), final.end(), faster);

@@ -164,7 +164,7 @@ struct PerformanceModel::Impl {
       if (!(s.seconds > 0) || !std::isfinite(s.seconds)) continue;
       const Cell cell = cell_of(s.kernel, s.shape, numbers.at(variant_of(s.kernel, s.strategy)));
       if (s.kernel == Kernel::meeting) {
-        meetings[s.strategy.p].push_back(s.seconds);
+        (s.shape.n == 0 ? meetings : handovers)[s.strategy.p].push_back(s.seconds / std::max(s.shape.n, 1));
       } else if (s.kernel == Kernel::pack && s.strategy.p > 1) {
         crowds[s.strategy.p][cell].push_back(s.seconds);
       } else if (s.kernel != Kernel::step) {
@@ -353,8 +353,9 @@ struct PerformanceModel::Impl {
   std::array<double, 3> speed{1, 1, 1};                // measured over prior, of each
   std::map<std::int32_t, Curve> rest;                  // W
   std::map<std::int32_t, Curve> packs;
-  std::map<std::int32_t, std::vector<double>> meetings;  // p
-  std::map<std::int32_t, double> contentions;            // p
+  std::map<std::int32_t, std::vector<double>> meetings;   // p
+  std::map<std::int32_t, std::vector<double>> handovers;  // p; s for each double
+  std::map<std::int32_t, double> contentions;             // p
 };
 
 PerformanceModel::PerformanceModel() : PerformanceModel(std::vector<Sample>{}, "nothing was measured") {}
@@ -386,20 +387,23 @@ Prediction PerformanceModel::pack(const Shape& shape, const Strategy& strategy) 
   return impl_->pack(shape, strategy);
 }
 
-// Threads add to it evenly, as far as was seen.
-Prediction PerformanceModel::meeting(std::int32_t p) const {
+// Threads add to a meeting evenly, as far as was seen; to a handover they do not.
+Prediction PerformanceModel::meeting(std::int32_t p, double doubles) const {
   if (p < 2) return {0, 1, Origin::measured};
-  const auto& known = impl_->meetings;
-  if (known.empty()) {
-    Strategy threads;
-    threads.p = p;
-    return {prior_seconds(Kernel::meeting, {}, threads), 2, Origin::prior};
+  const auto nearest = [p](const std::map<std::int32_t, std::vector<double>>& known) {
+    const auto at = known.lower_bound(p);
+    return at == known.end() ? std::prev(at) : at;
+  };
+  Prediction sum{prior_meeting_seconds(p), 2, Origin::prior};
+  if (!impl_->meetings.empty()) {
+    const auto& [threads, seconds] = *nearest(impl_->meetings);
+    sum = {median(seconds) * p / threads, threads == p ? 1.2 : 1.5,
+           threads == p ? Origin::measured : Origin::extrapolated};
   }
-  auto above = known.lower_bound(p);
-  if (above != known.end() && above->first == p) return {median(above->second), 1.2, Origin::measured};
-  if (above == known.end()) --above;
-  const double per_thread = median(above->second) / above->first;
-  return {per_thread * p, 1.5, Origin::extrapolated};
+  // The meeting itself is part of what was measured with many doubles, but a small one.
+  const double each = impl_->handovers.empty() ? kPriorHandover : median(nearest(impl_->handovers)->second);
+  sum.seconds += each * doubles;
+  return sum;
 }
 
 // As far as was seen; beyond it as at most threads.

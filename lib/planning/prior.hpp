@@ -12,6 +12,9 @@ namespace assur {
 // What a step of a mechanism takes beyond its packs.
 [[nodiscard]] double prior_around_seconds(std::int64_t unknowns);
 
+[[nodiscard]] double prior_meeting_seconds(std::int32_t p);
+inline constexpr double kPriorHandover = 5e-9;  // s for each double that another thread changes
+
 // Calls for one step of a pack, with one Newton iteration as a good prediction needs.
 struct StepCounts {
   double evaluations = 0, factorizations = 0, solutions = 0;

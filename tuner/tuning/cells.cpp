@@ -175,7 +175,9 @@ std::int32_t side_by_side(const Structure& structure, std::int32_t group_class) 
 }  // namespace
 
 std::string to_string(const Cell& cell) {
-  if (cell.kind == Cell::Kind::meeting) return "meetings of threads";
+  if (cell.kind == Cell::Kind::meeting) {
+    return cell.n == 0 ? "meetings of threads" : "meetings of threads, " + std::to_string(cell.n) + " doubles";
+  }
   std::string text = cell.family;
   if (cell.kind == Cell::Kind::steps) return text + ", whole steps";
   text += ", n = " + std::to_string(cell.n);
@@ -197,10 +199,13 @@ std::vector<std::int32_t> spaced(std::int32_t from, std::int32_t to, int count) 
 
 std::vector<Cell> general_cells(const Extent& extent) {
   std::vector<Cell> cells;
-  Cell meeting;
-  meeting.kind = Cell::Kind::meeting;
-  meeting.family = "meeting";
-  cells.push_back(std::move(meeting));
+  for (const std::int32_t doubles : {0, 4000}) {
+    Cell meeting;
+    meeting.kind = Cell::Kind::meeting;
+    meeting.family = "meeting";
+    meeting.n = doubles;
+    cells.push_back(std::move(meeting));
+  }
   add_sizes(cells, extent);
   for (const Formulation f : {Formulation::global, Formulation::groups, Formulation::irreducible}) {
     for (const char* text : {"stewart", "andrews", "slider_crank", "four_bar"}) add_classes(cells, text, f);

@@ -183,7 +183,8 @@ class StepsGround final : public Ground {
 
 class MeetingGround final : public Ground {
  public:
-  explicit MeetingGround(const Field& field) {
+  MeetingGround(const Cell& cell, const Field& field) {
+    shape_.n = cell.n;
     for (int p = 2; p <= field.budget.threads; ++p) {
       Strategy s;
       s.formulation = Formulation::irreducible;
@@ -194,7 +195,7 @@ class MeetingGround final : public Ground {
   }
 
   std::vector<Entrant> enter(const Candidate& c) override {
-    const auto meeting = std::make_shared<measure::Meeting>(c.strategy.p);
+    const auto meeting = std::make_shared<measure::Meeting>(c.strategy.p, shape_.n);
     return {{Kernel::meeting, shape_, c.strategy, meeting.get(), meeting, kNotMeasured, kNotMeasured}};
   }
 };
@@ -211,7 +212,7 @@ std::unique_ptr<Ground> open(const Cell& cell, const Field& field) {
     case Cell::Kind::steps:
       return std::make_unique<StepsGround>(cell, field);
     case Cell::Kind::meeting:
-      return std::make_unique<MeetingGround>(field);
+      return std::make_unique<MeetingGround>(cell, field);
   }
   return nullptr;
 }
