@@ -93,7 +93,8 @@ std::map<std::string, Constant> constants(const std::vector<Answer>& answers) {
   for (const Answer& a : answers) {
     const std::string set = a.question.without_text();
     ++count[set];
-    for (const auto& [strategy, seconds] : a.uniform) regrets[set][strategy].push_back(seconds / a.best_seconds - 1);
+    for (const auto& [strategy, seconds] : a.uniform)
+      regrets[set][strategy].push_back(seconds / a.best_trial_seconds - 1);
   }
   std::map<std::string, Constant> best;
   for (const auto& [set, by_strategy] : regrets) {

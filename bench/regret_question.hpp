@@ -22,6 +22,7 @@ struct Answer {
   Question question;
   std::string chosen, best;                                           // strategies, class by class where they differ
   double chosen_seconds = 0, best_seconds = 0, expected_seconds = 0;  // one step
+  double best_trial_seconds = 0;          // of all in the first race, which those of `uniform` are to be compared with
   std::map<std::string, double> uniform;  // seconds of every strategy that is the same for all classes
 
   [[nodiscard]] double regret() const { return chosen_seconds / best_seconds - 1; }

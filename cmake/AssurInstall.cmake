@@ -33,3 +33,11 @@ foreach(name IN ITEMS assur_core assur)
 endforeach()
 
 install(FILES LICENSE README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+
+if(ASSUR_TUNE_ON_INSTALL)
+  install(CODE "
+    set(database \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_DATADIR}/assur/tuning.db\")
+    message(STATUS \"Tuning: \${database}\")
+    execute_process(COMMAND \"$<TARGET_FILE:assur_command>\" tune --profile ${ASSUR_TUNE_PROFILE} --db \"\${database}\"
+                    COMMAND_ERROR_IS_FATAL ANY)")
+endif()

@@ -21,8 +21,8 @@ enum class Kernel : std::uint8_t {
   solve,     // one solution with one right-hand side of each
   pack,      // one whole step of a pack: position in one iteration, velocity, acceleration; with p > 1 while p threads
              // are at the same work
-  around,    // what a step takes beyond its packs: laws, prediction, outputs; depends on the unknowns only
-  meeting,   // p threads start together and wait for each other; depends on p only
+  meeting,   // p threads start together and wait for each other; each of the others is handed shape.n / (p - 1) doubles
+             // by the first, changes them and hands them back
   step,      // one step of a mechanism: checks what is composed of the others
 };
 
@@ -79,11 +79,12 @@ class PerformanceModel {
   [[nodiscard]] Prediction kernel(Kernel kernel, const Shape& shape, const Strategy& strategy) const;
   // Time of one step of a pack of W instances, composed from its kernels and the strategy's policies.
   [[nodiscard]] Prediction pack(const Shape& shape, const Strategy& strategy) const;
-  // Time that p threads lose by starting together and waiting for each other once.
-  [[nodiscard]] Prediction meeting(std::int32_t p) const;
+  // Time that p threads lose by starting together, handing over so many doubles and back, and waiting for each other.
+  [[nodiscard]] Prediction meeting(std::int32_t p, double doubles = 0) const;
   // How much longer work takes where p threads work at once; 1 where nothing is known.
   [[nodiscard]] double contention(std::int32_t p) const;
-  // Time of one step of a mechanism with so many unknowns beyond its packs.
+  // Time of one step of a mechanism with so many unknowns beyond its packs: laws, prediction, outputs. From counts, at
+  // the speed that this machine has otherwise.
   [[nodiscard]] Prediction around(std::int64_t unknowns) const;
   // Largest backward error of a solution that was seen near this shape; 0 if none was looked at.
   [[nodiscard]] double backward_error(const Shape& shape, const Strategy& strategy) const;

@@ -173,7 +173,9 @@ Pinned::Pinned(int processor) : before_{} {
   std::array<cpu_set_t, 8> one{};
   CPU_SET_S(static_cast<unsigned>(processor), sizeof(one), one.data());
   int failure = pthread_getaffinity_np(pthread_self(), sizeof(before_), before_.data());
+  if (failure == 0 && CPU_EQUAL_S(sizeof(one), before_.data(), one.data())) return;
   if (failure == 0) failure = pthread_setaffinity_np(pthread_self(), sizeof(one), one.data());
+  changed_ = failure == 0;
   if (failure != 0) {
     throw Error(Error::Kind::environment, "cannot pin a thread to processor " + std::to_string(processor) + ": " +
                                               std::strerror(failure) + "; pin to processors that it may run on");
@@ -181,6 +183,8 @@ Pinned::Pinned(int processor) : before_{} {
 }
 
 // Fails where the processors of before have been taken from this process since; it then runs where it may.
-Pinned::~Pinned() { pthread_setaffinity_np(pthread_self(), sizeof(before_), before_.data()); }
+Pinned::~Pinned() {
+  if (changed_) pthread_setaffinity_np(pthread_self(), sizeof(before_), before_.data());
+}
 
 }  // namespace assur

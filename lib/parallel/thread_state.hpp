@@ -35,7 +35,7 @@ class BlasThreads {
 [[nodiscard]] std::vector<int> allowed_processors();
 
 // Keeps the calling thread, and the threads that it starts, on one processor until the end of the scope. Takes no
-// memory. Throws Error (environment) if it may not run there.
+// memory; within another one for the same processor hardly any time, for the system is only asked. Throws Error (environment) if it may not run there.
 class Pinned {
  public:
   explicit Pinned(int processor);
@@ -45,6 +45,7 @@ class Pinned {
 
  private:
   std::array<cpu_set_t, 8> before_;  // of 1024 processors each: as many as Linux can be built for
+  bool changed_ = false;
 };
 
 }  // namespace assur

@@ -13,7 +13,7 @@ constexpr double kShrink = 0.15;      // weight of the fit among the neighbours
 constexpr double kHuber = 0.15;       // relative deviation from which a point counts as an outlier
 constexpr double kLeastNoise = 0.02;  // relative: no time is better known
 constexpr double kFar = 0.7;          // = log 2
-constexpr int kReweightings = 8;
+constexpr int kReweightings = 6;
 
 using Terms = std::array<double, kTerms>;
 using Gram = Eigen::Matrix<double, kTerms, kTerms>;
@@ -25,20 +25,16 @@ double squared_distance(const std::array<double, kAxes>& a, const std::array<dou
   return sum;
 }
 
-// min x'Gx - 2 m'x over x >= 0, by looking at every set of positive ones: there are 2^5.
+// min x'Gx - 2 m'x over x >= 0: without bounds first, then again and again without the most negative one. Mostly that
+// is the minimum, always it is near it.
 Moments non_negative(const Gram& gram, const Moments& moments) {
-  Moments best = Moments::Zero();
-  double least = 0;
-  for (unsigned set = 1; set < 1U << kTerms; ++set) {
-    std::array<Eigen::Index, kTerms> index{};
-    Eigen::Index count = 0;
-    bool usable = true;
-    for (std::size_t i = 0; i < kTerms; ++i) {
-      if ((set >> i & 1U) == 0) continue;
-      usable = usable && gram(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)) > 0;
-      index[static_cast<std::size_t>(count++)] = static_cast<Eigen::Index>(i);
-    }
-    if (!usable) continue;
+  std::array<Eigen::Index, kTerms> index{};
+  Eigen::Index count = 0;
+  for (Eigen::Index i = 0; i < moments.size(); ++i) {
+    if (gram(i, i) > 0) index[static_cast<std::size_t>(count++)] = i;
+  }
+  Moments out = Moments::Zero();
+  while (count > 0) {
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kTerms, kTerms> g(count, count);
     Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kTerms, 1> m(count);
     for (Eigen::Index i = 0; i < count; ++i) {
@@ -46,17 +42,19 @@ Moments non_negative(const Gram& gram, const Moments& moments) {
       for (Eigen::Index j = 0; j < count; ++j) {
         g(i, j) = gram(index[static_cast<std::size_t>(i)], index[static_cast<std::size_t>(j)]);
       }
-      g(i, i) *= 1 + 1e-12;
+      g(i, i) *= 1 + 1e-9;  // terms that are the same everywhere share what they explain
     }
-    const auto x = g.llt().solve(m).eval();
-    if (!(x.minCoeff() >= 0)) continue;
-    const double value = -x.dot(m);  // at the minimum of this set
-    if (!(value < least)) continue;
-    least = value;
-    best.setZero();
-    for (Eigen::Index i = 0; i < count; ++i) best[index[static_cast<std::size_t>(i)]] = x[i];
+    g.llt().solveInPlace(m);
+    Eigen::Index worst = 0;
+    const double least = m.minCoeff(&worst);
+    if (least >= 0) {
+      for (Eigen::Index i = 0; i < count; ++i) out[index[static_cast<std::size_t>(i)]] = m[i];
+      return out;
+    }
+    std::copy(index.begin() + worst + 1, index.begin() + count, index.begin() + worst);
+    --count;
   }
-  return best;
+  return out;
 }
 
 }  // namespace
@@ -120,23 +118,27 @@ double Curve::fitted(const Point& point) const {
 }
 
 Prediction Curve::at(const Point& point) const {
+  constexpr double kNear = 2 * kBandwidth * kBandwidth;
   double sum = kShrink, shift = 0, nearest = std::numeric_limits<double>::infinity();
+  // How much the neighbours, of a wider range, differ among themselves; where there are none, how much the fit is off.
+  double weights = 0, mean = 0, square = 0;
   for (const Deviation& d : deviations_) {
     const double distance = squared_distance(d.place, point.place);
     nearest = std::min(nearest, distance);
-    const double weight = d.weight * std::exp(-distance / (2 * kBandwidth * kBandwidth));
-    sum += weight;
-    shift += weight * d.log_ratio;
+    double wide = 1e-3;
+    if (distance < 30 * kNear) {  // beyond it both weights are nothing
+      const double root = std::exp(-distance / (4 * kNear));
+      wide += d.weight * root;
+      const double weight = d.weight * root * root * root * root;
+      sum += weight;
+      shift += weight * d.log_ratio;
+    }
+    weights += wide;
+    mean += wide * d.log_ratio;
+    square += wide * d.log_ratio * d.log_ratio;
   }
   shift /= sum;
-  // How much the neighbours differ among themselves, and how much the fit is off where there are none.
-  double spread = 0, weights = 0;
-  for (const Deviation& d : deviations_) {
-    const double weight =
-        d.weight * std::exp(-squared_distance(d.place, point.place) / (8 * kBandwidth * kBandwidth)) + 1e-3;
-    spread += weight * std::pow(d.log_ratio - shift, 2);
-    weights += weight;
-  }
+  const double spread = std::max(0.0, square - 2 * shift * mean + shift * shift * weights);
   nearest = std::sqrt(nearest);
   const double away = std::max(0.0, nearest - kBandwidth);
   return {fitted(point) * std::exp(shift),

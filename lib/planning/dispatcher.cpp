@@ -17,6 +17,8 @@ namespace {
 
 std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 
+constexpr double kHandedOver = 4;  // doubles for each unknown: the prediction, and what comes back
+
 // Groups of one class on one level.
 struct Batch {
   std::int32_t group_class = 0, level = 0, groups = 0;
@@ -102,15 +104,19 @@ void share_levels(Plan& plan, const Structure& s, const std::vector<Batch>& batc
     const std::int32_t level = batches[begin].level;
     costs.clear();
     std::int32_t most_q = 1;
+    double doubles = 0;
     for (; end < batches.size() && batches[end].level == level; ++end) {
       const Plan::Choice& choice = plan.choices[idx(batches[end].group_class)];
       costs.insert(costs.end(), idx(packs_of(batches[end], choice)), choice.expected_seconds);
       most_q = std::max(most_q, choice.strategy.q);
+      const GroupClass& c = s.classes[idx(batches[end].group_class)];
+      doubles += batches[end].groups * (kHandedOver * c.n + 3.0 * c.inputs);
     }
     const double alone = std::accumulate(costs.begin(), costs.end(), 0.0);
     double best = alone;
+    const double handover = model.meeting(p, doubles * (p - 1) / p).seconds - model.meeting(p).seconds;
     if (p > 1 && costs.size() > 1 && std::int64_t{p} * most_q <= budget) {
-      const double shared = longest_first(costs, p).makespan * contention + plan.meeting_seconds;
+      const double shared = longest_first(costs, p).makespan * contention + plan.meeting_seconds + handover;
       if (shared < alone) {
         best = shared;
         plan.level_threads[idx(level)] = p;

@@ -2,7 +2,6 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -20,14 +19,13 @@ struct NamedKernel {
 };
 constexpr std::array kKernels = {NamedKernel{Kernel::evaluate, "evaluate"}, NamedKernel{Kernel::factor, "factor"},
                                  NamedKernel{Kernel::solve, "solve"},       NamedKernel{Kernel::pack, "pack"},
-                                 NamedKernel{Kernel::around, "around"},     NamedKernel{Kernel::meeting, "meeting"},
-                                 NamedKernel{Kernel::step, "step"}};
+                                 NamedKernel{Kernel::meeting, "meeting"},   NamedKernel{Kernel::step, "step"}};
 
 // What of a strategy a kernel depends on. Solvers differ by backend, precision and threads; W is kept apart, so that
 // another W can stand in.
 struct Variant {
   std::string backend;
-  bool single = false, refine = false, once = false;
+  bool single = false, refine = false, once = false, separate = false;
   Reuse reuse = Reuse::fresh;
   std::int32_t q = 1, lanes = 1;
 
@@ -36,9 +34,10 @@ struct Variant {
 
 Variant variant_of(Kernel kernel, const Strategy& s) {
   if (kernel == Kernel::evaluate) return {.backend = "", .lanes = s.lanes};
-  Variant v{s.backend, s.single, s.refine, false, Reuse::fresh, s.q, s.lanes};
+  Variant v{.backend = s.backend, .single = s.single, .refine = s.refine, .q = s.q, .lanes = s.lanes};
   if (kernel == Kernel::pack) {
     v.once = s.once;
+    v.separate = s.separate;
     v.reuse = s.reuse;
   }
   return v;
@@ -46,7 +45,7 @@ Variant variant_of(Kernel kernel, const Strategy& s) {
 
 struct Cell {  // samples of one cell are of the same thing
   Kernel kernel;
-  Variant variant;
+  std::int32_t variant;  // its number
   std::uint64_t pattern;
   std::int64_t terms;
   std::int32_t n, nnz, groups, rhs;
@@ -55,11 +54,11 @@ struct Cell {  // samples of one cell are of the same thing
 };
 
 // A bare matrix and a group with the same pattern cost a solver the same.
-Cell cell_of(Kernel kernel, const Shape& shape, const Strategy& strategy) {
+Cell cell_of(Kernel kernel, const Shape& shape, std::int32_t variant) {
   const bool solver = kernel == Kernel::factor || kernel == Kernel::solve;
   const bool pack = kernel == Kernel::pack;
-  return {kernel,    variant_of(kernel, strategy), shape.pattern,       solver ? 0 : shape.terms, shape.n,
-          shape.nnz, pack ? shape.groups : 1,      pack ? shape.rhs : 1};
+  return {kernel,  variant,   shape.pattern,           solver ? 0 : shape.terms,
+          shape.n, shape.nnz, pack ? shape.groups : 1, pack ? shape.rhs : 1};
 }
 
 double positive_log(double x) { return std::log(std::max(x, 1.0)); }
@@ -158,15 +157,14 @@ struct PerformanceModel::Impl {
   void gather(const std::vector<Sample>& samples) {
     std::map<Cell, std::vector<const Sample*>> cells;
     std::map<std::int32_t, std::map<Cell, std::vector<double>>> crowds;  // p: packs while so many threads work
-    std::vector<Curve::Measured> beyond_packs;
+    // Numbered in their own order, not in that of the samples.
+    for (const Sample& s : samples) numbers.try_emplace(variant_of(s.kernel, s.strategy), 0);
+    for (std::int32_t next = 0; auto& [variant, number] : numbers) number = next++;
     for (const Sample& s : samples) {
       if (!(s.seconds > 0) || !std::isfinite(s.seconds)) continue;
-      const Cell cell = cell_of(s.kernel, s.shape, s.strategy);
+      const Cell cell = cell_of(s.kernel, s.shape, numbers.at(variant_of(s.kernel, s.strategy)));
       if (s.kernel == Kernel::meeting) {
-        meetings[s.strategy.p].push_back(s.seconds);
-      } else if (s.kernel == Kernel::around) {
-        beyond_packs.push_back(
-            {{{1, static_cast<double>(s.shape.n)}, {positive_log(s.shape.n)}}, s.seconds, s.spread / s.seconds});
+        (s.shape.n == 0 ? meetings : handovers)[s.strategy.p].push_back(s.seconds / std::max(s.shape.n, 1));
       } else if (s.kernel == Kernel::pack && s.strategy.p > 1) {
         crowds[s.strategy.p][cell].push_back(s.seconds);
       } else if (s.kernel != Kernel::step) {
@@ -192,11 +190,10 @@ struct PerformanceModel::Impl {
       }
       if (!ratios.empty()) contentions[p] = median(ratios);
     }
-    if (!beyond_packs.empty()) around.emplace(std::move(beyond_packs));
   }
 
   void fit(Kernel kernel) {
-    std::map<Variant, std::vector<Curve::Measured>> points;
+    std::map<std::int32_t, std::vector<Curve::Measured>> points;
     std::vector<double> ratios;
     for (const auto& [cell, k] : known) {
       if (cell.kernel != kernel) continue;
@@ -230,7 +227,7 @@ struct PerformanceModel::Impl {
 
   // What whole packs say beyond the sum of their parts.
   void fit_packs() {
-    std::map<Variant, std::vector<Curve::Measured>> points;
+    std::map<std::int32_t, std::vector<Curve::Measured>> points;
     for (const auto& [cell, k] : known) {
       if (cell.kernel != Kernel::pack) continue;
       points[cell.variant].push_back({pack_point(k.shape, k.strategy), k.seconds, k.noise});
@@ -277,9 +274,15 @@ struct PerformanceModel::Impl {
   // How this machine compares to that of the prior.
   [[nodiscard]] double speed_of_all() const { return speed[static_cast<std::size_t>(Kernel::evaluate)]; }
 
+  // -1: no sample has it.
+  [[nodiscard]] std::int32_t number_of(const Variant& variant) const {
+    const auto found = numbers.find(variant);
+    return found == numbers.end() ? -1 : found->second;
+  }
+
   [[nodiscard]] const Known* exactly(Kernel kernel, const Shape& shape, const Strategy& strategy) const {
     if (shape.pattern == 0) return nullptr;
-    const auto found = known.find(cell_of(kernel, shape, strategy));
+    const auto found = known.find(cell_of(kernel, shape, number_of(variant_of(kernel, strategy))));
     return found == known.end() ? nullptr : &found->second;
   }
 
@@ -290,13 +293,13 @@ struct PerformanceModel::Impl {
     const auto& curves = curve[static_cast<std::size_t>(kernel)];
     const Variant wanted = variant_of(kernel, strategy);
     const Point point = point_of(kernel, shape, strategy);
-    if (const auto found = curves.find(wanted); found != curves.end()) return found->second.at(point);
+    if (const auto found = curves.find(number_of(wanted)); found != curves.end()) return found->second.at(point);
     const double prior = prior_seconds(kernel, shape, strategy);
-    if (const auto next = stand_in(curves, wanted); next != curves.end()) {
+    if (const auto next = stand_in(curves, wanted); next != numbers.end()) {
       Strategy other = strategy;
       other.lanes = next->first.lanes;
       other.q = next->first.q;
-      Prediction there = next->second.at(point);
+      Prediction there = curves.at(next->second).at(point);
       there.seconds *= prior / prior_seconds(kernel, shape, other);
       there.factor *= 1.5;
       there.origin = Origin::extrapolated;
@@ -305,20 +308,20 @@ struct PerformanceModel::Impl {
     return {prior * speed[static_cast<std::size_t>(kernel)], 2, Origin::prior};
   }
 
-  // The same solver with another W or other threads, the nearest.
-  [[nodiscard]] static std::map<Variant, Curve>::const_iterator stand_in(const std::map<Variant, Curve>& curves,
-                                                                         const Variant& wanted) {
-    auto best = curves.end();
+  // The same solver with another W or other threads, the nearest that has a curve; end: none has.
+  [[nodiscard]] std::map<Variant, std::int32_t>::const_iterator stand_in(const std::map<std::int32_t, Curve>& curves,
+                                                                         const Variant& wanted) const {
+    auto best = numbers.end();
     double least = 0;
-    for (auto c = curves.begin(); c != curves.end(); ++c) {
-      Variant like = c->first;
+    for (auto at = numbers.begin(); at != numbers.end(); ++at) {
+      Variant like = at->first;
       like.lanes = wanted.lanes;
       like.q = wanted.q;
-      if (like != wanted) continue;
-      const double distance =
-          std::abs(std::log(double(c->first.lanes) / wanted.lanes)) + std::abs(std::log(double(c->first.q) / wanted.q));
-      if (best != curves.end() && distance >= least) continue;
-      best = c;
+      if (like != wanted || !curves.contains(at->second)) continue;
+      const double distance = std::abs(std::log(static_cast<double>(at->first.lanes) / wanted.lanes)) +
+                              std::abs(std::log(static_cast<double>(at->first.q) / wanted.q));
+      if (best != numbers.end() && distance >= least) continue;
+      best = at;
       least = distance;
     }
     return best;
@@ -330,11 +333,11 @@ struct PerformanceModel::Impl {
     }
     Prediction sum = composed(shape, strategy);
     Variant variant = variant_of(Kernel::pack, strategy);
-    auto found = packs.find(variant);
+    auto found = packs.find(number_of(variant));
     if (found == packs.end()) {  // of the same solver with the plain policy
-      variant.once = false;
+      variant.once = variant.separate = false;
       variant.reuse = Reuse::fresh;
-      found = packs.find(variant);
+      found = packs.find(number_of(variant));
     }
     if (found == packs.end()) return sum;
     const Prediction whole = found->second.at(pack_point(shape, strategy));
@@ -344,14 +347,15 @@ struct PerformanceModel::Impl {
 
   std::string source;
   std::size_t count = 0;
+  std::map<Variant, std::int32_t> numbers;
   std::map<Cell, Known> known;
-  std::array<std::map<Variant, Curve>, 3> curve;  // evaluate, factor, solve
-  std::array<double, 3> speed{1, 1, 1};           // measured over prior, of each
-  std::map<std::int32_t, Curve> rest;             // W
-  std::map<Variant, Curve> packs;
-  std::map<std::int32_t, std::vector<double>> meetings;  // p
-  std::map<std::int32_t, double> contentions;            // p
-  std::optional<Curve> around;
+  std::array<std::map<std::int32_t, Curve>, 3> curve;  // evaluate, factor, solve
+  std::array<double, 3> speed{1, 1, 1};                // measured over prior, of each
+  std::map<std::int32_t, Curve> rest;                  // W
+  std::map<std::int32_t, Curve> packs;
+  std::map<std::int32_t, std::vector<double>> meetings;   // p
+  std::map<std::int32_t, std::vector<double>> handovers;  // p; s for each double
+  std::map<std::int32_t, double> contentions;             // p
 };
 
 PerformanceModel::PerformanceModel() : PerformanceModel(std::vector<Sample>{}, "nothing was measured") {}
@@ -374,8 +378,6 @@ Prediction PerformanceModel::kernel(Kernel kernel, const Shape& shape, const Str
       whole.seconds += meeting(strategy.p).seconds + around(std::int64_t{shape.n} * shape.groups).seconds;
       return whole;
     }
-    case Kernel::around:
-      return around(shape.n);
     default:
       return impl_->predict(kernel, shape, strategy);
   }
@@ -385,20 +387,23 @@ Prediction PerformanceModel::pack(const Shape& shape, const Strategy& strategy) 
   return impl_->pack(shape, strategy);
 }
 
-// Threads add to it evenly, as far as was seen.
-Prediction PerformanceModel::meeting(std::int32_t p) const {
+// Threads add to a meeting evenly, as far as was seen; to a handover they do not.
+Prediction PerformanceModel::meeting(std::int32_t p, double doubles) const {
   if (p < 2) return {0, 1, Origin::measured};
-  const auto& known = impl_->meetings;
-  if (known.empty()) {
-    Strategy threads;
-    threads.p = p;
-    return {prior_seconds(Kernel::meeting, {}, threads), 2, Origin::prior};
+  const auto nearest = [p](const std::map<std::int32_t, std::vector<double>>& known) {
+    const auto at = known.lower_bound(p);
+    return at == known.end() ? std::prev(at) : at;
+  };
+  Prediction sum{prior_meeting_seconds(p), 2, Origin::prior};
+  if (!impl_->meetings.empty()) {
+    const auto& [threads, seconds] = *nearest(impl_->meetings);
+    sum = {median(seconds) * p / threads, threads == p ? 1.2 : 1.5,
+           threads == p ? Origin::measured : Origin::extrapolated};
   }
-  auto above = known.lower_bound(p);
-  if (above != known.end() && above->first == p) return {median(above->second), 1.2, Origin::measured};
-  if (above == known.end()) --above;
-  const double per_thread = median(above->second) / above->first;
-  return {per_thread * p, 1.5, Origin::extrapolated};
+  // The meeting itself is part of what was measured with many doubles, but a small one.
+  const double each = impl_->handovers.empty() ? kPriorHandover : median(nearest(impl_->handovers)->second);
+  sum.seconds += each * doubles;
+  return sum;
 }
 
 // As far as was seen; beyond it as at most threads.
@@ -410,15 +415,11 @@ double PerformanceModel::contention(std::int32_t p) const {
 }
 
 Prediction PerformanceModel::around(std::int64_t unknowns) const {
-  const auto n = static_cast<double>(unknowns);
-  if (impl_->around) return impl_->around->at({{1, n}, {positive_log(n)}});
-  Shape shape;
-  shape.n = static_cast<std::int32_t>(unknowns);
-  return {prior_seconds(Kernel::around, shape, {}), 2, Origin::prior};
+  return {prior_around_seconds(unknowns) * impl_->speed_of_all(), 1.5, Origin::prior};
 }
 
 double PerformanceModel::backward_error(const Shape& shape, const Strategy& strategy) const {
-  const Variant wanted = variant_of(Kernel::solve, strategy);
+  const std::int32_t wanted = impl_->number_of(variant_of(Kernel::solve, strategy));
   double worst = 0;
   const auto& known = impl_->known;
   for (auto at = known.lower_bound({Kernel::solve, wanted, 0, 0, 0, 0, 0, 0}); at != known.end(); ++at) {

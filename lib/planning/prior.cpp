@@ -78,16 +78,18 @@ double prior_seconds(Kernel kernel, const Shape& shape, const Strategy& strategy
       return solve_seconds(shape, strategy);
     case Kernel::pack:
       return pack_seconds(shape, strategy);
-    case Kernel::around:
-      return 1e-9 * (200 + 5.0 * shape.n);
     case Kernel::meeting:
-      return strategy.p < 2 ? 0 : 1e-9 * (400 + 50.0 * strategy.p);
+      return prior_meeting_seconds(strategy.p) + kPriorHandover * shape.n;
     case Kernel::step:
-      return prior_seconds(Kernel::around, shape, strategy) +
+      return prior_around_seconds(std::int64_t{shape.n} * shape.groups) +
              std::ceil(static_cast<double>(shape.groups) / strategy.lanes) * pack_seconds(shape, strategy);
   }
   return 0;
 }
+
+double prior_around_seconds(std::int64_t unknowns) { return 1e-9 * (200 + 5 * static_cast<double>(unknowns)); }
+
+double prior_meeting_seconds(std::int32_t p) { return p < 2 ? 0 : 1e-9 * (400 + 50.0 * p); }
 
 StepCounts step_counts(const Strategy& s, int derivatives) {
   // Factors taken at the prediction serve the derivatives with one refinement each.

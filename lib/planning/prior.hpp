@@ -5,9 +5,15 @@
 
 namespace assur {
 
-// Seconds of one call: operations and overheads as seen by `assur tune` on one processor of 2024 with AVX-512. Good to a
-// factor of two or so, which is enough for a sensible plan and to share packs out.
+// Seconds of one call: operations and overheads as seen by `assur tune` on one processor of 2024 with AVX-512. Good to
+// a factor of two or so, which is enough for a sensible plan and to share packs out.
 [[nodiscard]] double prior_seconds(Kernel kernel, const Shape& shape, const Strategy& strategy);
+
+// What a step of a mechanism takes beyond its packs.
+[[nodiscard]] double prior_around_seconds(std::int64_t unknowns);
+
+[[nodiscard]] double prior_meeting_seconds(std::int32_t p);
+inline constexpr double kPriorHandover = 5e-9;  // s for each double that another thread changes
 
 // Calls for one step of a pack, with one Newton iteration as a good prediction needs.
 struct StepCounts {

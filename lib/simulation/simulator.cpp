@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "parallel/thread_state.hpp"
 #include "simulation/chunks.hpp"
 #include "simulation/inputs.hpp"
 #include "simulation/layout.hpp"
@@ -531,6 +532,8 @@ Trajectory Simulator::run(std::span<const double> times, const Observer& observe
   out.values_.reserve(times.size() * out.columns_.size());
   out.times_.reserve(times.size());
   const auto of = static_cast<std::int64_t>(times.size());
+  std::optional<Pinned> here;  // once, not in every step
+  if (!impl_->limits.pin_to.empty() && impl_->levels.threads() > 1) here.emplace(impl_->limits.pin_to[0]);
   for (const double t : times) {
     if (!step(t).ok()) break;
     out.times_.push_back(t);

@@ -53,8 +53,6 @@ inline double truth(Kernel kernel, const Shape& shape, const Strategy& s) {
              counts.factorizations * truth(Kernel::factor, shape, s) +
              counts.solutions * truth(Kernel::solve, shape, s);
     }
-    case Kernel::around:
-      return 300e-9 + 4e-9 * n;
     case Kernel::meeting:
       return s.p < 2 ? 0 : 0.4e-6 * s.p;
     case Kernel::step:

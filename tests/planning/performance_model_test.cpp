@@ -155,15 +155,11 @@ TEST(PerformanceModel, MeetingsAndContentionComeFromThreads) {
       if (p == 2) known.back().seconds *= 1.2;  // they share a cache
     }
   }
-  for (const std::int32_t n : {10, 100, 1000}) {
-    known.push_back(sample_of(Kernel::around, sparse_shape(n), {}, 0, random));
-  }
   const PerformanceModel model(known);
   EXPECT_DOUBLE_EQ(model.meeting(2).seconds, 0.8e-6);
   EXPECT_DOUBLE_EQ(model.meeting(4).seconds, 1.6e-6);
   EXPECT_NEAR(model.meeting(8).seconds, 3.2e-6, 1e-12);
   EXPECT_NEAR(model.contention(2), 1.2, 1e-12);
-  EXPECT_NEAR(model.around(300).seconds, truth(Kernel::around, sparse_shape(300), {}), 1e-9);
 }
 
 TEST(Kernels, HaveNamesThatCanBeRead) {

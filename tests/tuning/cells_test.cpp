@@ -76,7 +76,7 @@ TEST(Candidates, OneOfEachBackendComesFirst) {
   EXPECT_EQ(last_new, backends_seen.size() + 1);  // lanes come twice: alone, and eight side by side
   EXPECT_EQ(texts.size(), all.size());
   EXPECT_EQ(texts.count("groups/lanes:16"), 1u);
-  EXPECT_EQ(texts.count("groups/eigen+float+refine"), 1u);
+  EXPECT_EQ(texts.count("groups/eigen+float"), 1u);
   for (const Strategy& s : linear_solvers(kField, shape, 1)) EXPECT_EQ(s.lanes, 1);
   shape.n = 20;
   for (const Strategy& s : linear_solvers(kField, shape, 16)) EXPECT_EQ(s.q, 1);

@@ -93,9 +93,10 @@ TEST(SampleCsv, HasALineForEachSample) {
   s.forward_error = std::nan("");
   std::ostringstream out;
   write_csv(out, std::vector{s});
-  EXPECT_EQ(out.str(),
-            "kernel,n,nnz,fill,operations,depth,terms,pattern,groups,strategy,seconds,spread,repetitions,backward_error,"
-            "forward_error\nfactor,3,9,9,9,0,3,1,groups/lanes:8,0.25,0.0025000000000000001,100,0,\n");
+  EXPECT_EQ(
+      out.str(),
+      "kernel,n,nnz,fill,operations,depth,terms,pattern,groups,strategy,seconds,spread,repetitions,backward_error,"
+      "forward_error\nfactor,3,9,9,9,0,0,3,1,groups/lanes:8,0.25,0.0025000000000000001,100,0,\n");
 }
 
 }  // namespace

@@ -3,8 +3,16 @@
 namespace assur::measure {
 
 bool Meeting::run(int calls) {
+  const std::size_t others = static_cast<std::size_t>(team_.size()) - 1, each = numbers_.size() / others;
   for (int i = 0; i < calls; ++i) {
-    team_.run([this](int) { team_.barrier(); });
+    for (double& x : numbers_) x += 1;
+    team_.run([&](int rank) {
+      if (rank > 0) {
+        double* const own = numbers_.data() + (static_cast<std::size_t>(rank) - 1) * each;
+        for (std::size_t k = 0; k < each; ++k) own[k] += 1;
+      }
+      team_.barrier();
+    });
   }
   return true;
 }

@@ -1,4 +1,4 @@
-// The kernel `meeting`: what p threads lose by starting together and waiting for each other.
+// The kernel `meeting`: what p threads lose by starting together, handing numbers over and waiting for each other.
 #pragma once
 
 #include "measure/workload.hpp"
@@ -9,12 +9,16 @@ namespace assur::measure {
 class Meeting final : public Workload {
  public:
   // Throws Error as Team does.
-  explicit Meeting(int threads) : team_(threads) {}
+  // doubles: that the first thread hands to the others and gets back, in all.
+  Meeting(int threads, std::int32_t doubles) : numbers_(static_cast<std::size_t>(doubles), 1.0), team_(threads) {}
 
-  void get_ready(int) override { (void)run(1); }
+  void get_ready(int) override {
+    repeat_for(kUntilSpread, [this] { (void)run(1); });
+  }
   bool run(int calls) override;
 
  private:
+  std::vector<double> numbers_;
   Team team_;
 };
 

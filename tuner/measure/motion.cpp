@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <random>
 #include <string>
 #include <utility>
@@ -9,6 +10,7 @@
 
 #include "equations/evaluator.hpp"
 #include "measure/postures.hpp"
+#include "parallel/thread_state.hpp"
 #include "simulation/inputs.hpp"
 #include "simulation/layout.hpp"
 
@@ -182,9 +184,32 @@ ErrorFigures PackStep::error() const {
   return {impl_->errors.position, impl_->errors.velocity, impl_->errors.acceleration, {}, {}, {}};
 }
 
+// ---- pack, in a crowd
+
+Crowd::Crowd(int threads, const std::function<std::unique_ptr<PackStep>()>& make) : team_(threads) {
+  for (int rank = 0; rank < threads; ++rank) steps_.push_back(make());
+  ok_.resize(steps_.size());
+}
+
+void Crowd::get_ready(int calls) {
+  repeat_for(kUntilSpread, [this] { (void)run(1); });
+  team_.run([&](int rank) { steps_[static_cast<std::size_t>(rank)]->get_ready(calls); });
+}
+
+bool Crowd::run(int calls) {
+  team_.run([&](int rank) {
+    const auto r = static_cast<std::size_t>(rank);
+    ok_[r] = steps_[r]->run(calls) ? 1 : 0;
+  });
+  return std::all_of(ok_.begin(), ok_.end(), [](std::uint8_t ok) { return ok != 0; });
+}
+
 // ---- step
 
-WholeStep::WholeStep(const Prepared& prepared) : simulator_(prepared), grid_(prepared.scene->time()) {
+WholeStep::WholeStep(const Prepared& prepared, std::vector<int> pin_to)
+    : pin_to_(prepared.plan.threads > 1 ? std::move(pin_to) : std::vector<int>{}),
+      simulator_(prepared, {.pin_to = pin_to_}),
+      grid_(prepared.scene->time()) {
   for (std::int64_t k = 0; k < std::min(kStepsBeforeSteady, grid_.steps()); ++k) {
     if (!advance()) throw Error(Error::Kind::numerical, "its first steps fail");
   }
@@ -193,14 +218,20 @@ WholeStep::WholeStep(const Prepared& prepared) : simulator_(prepared), grid_(pre
 bool WholeStep::advance() { return simulator_.step(grid_.time(next_++)).ok(); }
 
 void WholeStep::get_ready(int calls) {
+  if (simulator_.prepared().plan.threads > 1) {
+    repeat_for(pin_to_.empty() ? kUntilSpread : kUntilAwake, [this] { (void)run(4); });
+  } else {
+    (void)advance();
+  }
   if (next_ + calls > grid_.steps()) {
     simulator_.reset();
     next_ = 1;
   }
-  (void)advance();
 }
 
 bool WholeStep::run(int calls) {
+  std::optional<Pinned> here;  // as a run does
+  if (!pin_to_.empty()) here.emplace(pin_to_[0]);
   bool ok = true;
   for (int i = 0; i < calls; ++i) {
     if (next_ > grid_.steps()) {

@@ -2,12 +2,15 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <vector>
 
 #include "assur/plan.hpp"
 #include "assur/report.hpp"
 #include "assur/simulator.hpp"
 #include "measure/workload.hpp"
+#include "parallel/team.hpp"
 
 namespace assur::measure {
 
@@ -37,11 +40,25 @@ class PackStep final : public Workload {
   std::unique_ptr<Impl> impl_;
 };
 
+// Several threads, each with packs of its own: one call solves one pack in each.
+class Crowd final : public Workload {
+ public:
+  Crowd(int threads, const std::function<std::unique_ptr<PackStep>()>& make);
+
+  void get_ready(int calls) override;
+  bool run(int calls) override;
+
+ private:
+  std::vector<std::unique_ptr<PackStep>> steps_;  // threads
+  std::vector<std::uint8_t> ok_;                  // threads
+  Team team_;
+};
+
 // One call is one step of a whole mechanism over its time grid, again from the start when the grid ends.
 class WholeStep final : public Workload {
  public:
-  // Throws Error as Simulator does, and (numerical) if the first steps fail.
-  explicit WholeStep(const Prepared& prepared);
+  // pin_to: as StepLimits has it. Throws Error as Simulator does, and (numerical) if the first steps fail.
+  explicit WholeStep(const Prepared& prepared, std::vector<int> pin_to = {});
 
   void get_ready(int calls) override;
   bool run(int calls) override;
@@ -51,6 +68,7 @@ class WholeStep final : public Workload {
  private:
   bool advance();
 
+  std::vector<int> pin_to_;  // empty: one thread, or wherever the system puts them
   Simulator simulator_;
   TimeGrid grid_;
   std::int64_t next_ = 1;

@@ -1,6 +1,8 @@
 // What can be timed: the same work again and again.
 #pragma once
 
+#include <chrono>
+
 namespace assur::measure {
 
 class Workload {
@@ -14,5 +16,14 @@ class Workload {
   // False if a call failed.
   [[nodiscard]] virtual bool run(int calls) = 0;
 };
+
+// What several threads do is repeated for so long before it is timed: until those that slept are awake, and, where the
+// system has put two of them on one core, until it has found another.
+inline constexpr double kUntilAwake = 0.0005, kUntilSpread = 0.01;  // s
+template <class Run>
+void repeat_for(double seconds, const Run& run) {
+  const auto begin = std::chrono::steady_clock::now();
+  while (std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() < seconds) run();
+}
 
 }  // namespace assur::measure

@@ -9,34 +9,18 @@ namespace {
 constexpr int kWidths[] = {1, 8, 16, 4, 2};  // in the order of their turns
 constexpr std::int32_t kWorthThreads = 100;  // unknowns from which on more threads in one factorisation may gain
 
-// What a step does with its factorisations, beside the ordinary two.
+// What a step does with its factorisations, beside the ordinary two. What +reuse= takes depends on the motion: it
+// cannot be told from one posture.
 struct Policy {
-  Reuse reuse;
   bool once, separate;
 };
-constexpr Policy kPolicies[] = {{Reuse::fresh, true, false},
-                                {Reuse::run, true, false},
-                                {Reuse::run, false, false},
-                                {Reuse::step, false, false},
-                                {Reuse::fresh, false, true}};
+constexpr Policy kPolicies[] = {{true, false}, {false, true}};
 
 bool has_widths(const Backend& backend) { return backend.id == "lanes"; }
 bool has_threads(const Backend& backend) { return backend.id == "team" || backend.id == "lapack"; }
 
 bool can_run(const Field& field, const Backend& backend, const Shape& shape, const Strategy& strategy) {
   return backend.why_not(shape, ThreadBudget{strategy.q}).empty() && field.why_not(strategy).empty();
-}
-
-// Variants of one backend with one width and number of threads, but the plain one.
-std::vector<Strategy> variants(const Backend& backend, Strategy plain) {
-  std::vector<Strategy> out;
-  for (const auto& [single, refine] : {std::pair(false, true), std::pair(true, false), std::pair(true, true)}) {
-    if (single && !backend.single) continue;
-    plain.single = single;
-    plain.refine = refine;
-    out.push_back(plain);
-  }
-  return out;
 }
 
 }  // namespace
@@ -51,8 +35,9 @@ std::vector<Strategy> linear_solvers(const Field& field, const Shape& shape, int
     if (!can_run(field, backend, shape, s)) return;
     const bool leading = has_widths(backend) && (lanes == 1 || lanes == 8);
     (leading ? first : lanes == 1 && q == 1 ? plain : wider).push_back(s);
-    if (q > 1 || lanes == 2 || lanes == 4) return;  // what their variants take follows from the others'
-    for (Strategy& variant : variants(backend, s)) more.push_back(std::move(variant));
+    if (q > 1 || lanes == 2 || lanes == 4) return;  // what they take in float follows from the others'
+    s.single = true;                                // which refines by itself
+    if (backend.single) more.push_back(s);
   };
   for (const Backend& backend : field.table) {
     for (const int w : kWidths) {
@@ -73,9 +58,14 @@ std::vector<Strategy> pack_strategies(const Field& field, Formulation formulatio
     if (s.single || s.refine || s.q > 1) continue;  // of bare matrices alone: a step composes them
     s.formulation = formulation;
     out.push_back(s);
+    // Lane by lane, but with equations side by side.
+    if (s.lanes == 1 && s.backend != "lanes" && s.backend != "mumps" && shape.groups > 4) {
+      Strategy wide = s;
+      wide.lanes = 8;
+      out.push_back(std::move(wide));
+    }
     if (!policies || (s.lanes != 1 && s.lanes != 8)) continue;
     for (const Policy& policy : kPolicies) {
-      s.reuse = policy.reuse;
       s.once = policy.once;
       s.separate = policy.separate;
       out.push_back(s);

@@ -116,6 +116,11 @@ Cell ring_packs(std::int32_t n, std::int32_t groups) {
                Formulation::groups);
 }
 
+// One group, as people who never heard of groups solve them.
+Cell chain_packs(std::int32_t n) {
+  return packs("chain, global", n, 1, named("n_four_bar:" + std::to_string(n / 2)), Formulation::global);
+}
+
 void add_packs(std::vector<Cell>& cells, const Extent& e) {
   const auto add = [&](Cell c) {
     if (std::int64_t{c.n} * c.groups <= e.most_unknowns && c.n <= e.largest) cells.push_back(std::move(c));
@@ -127,7 +132,17 @@ void add_packs(std::vector<Cell>& cells, const Extent& e) {
     if (groups > 1) add(leg_packs(groups, Formulation::groups));
     add(ring_packs(60, groups));
   }
-  for (const std::int32_t n : {240, 720}) add(ring_packs(n, 1));
+  for (const std::int32_t n : {12, 24, 120, 240, 720, 2000}) {
+    for (const std::int32_t groups : {1, 8, 64}) {
+      if (groups == 1 || n * groups < 20'000) add(ring_packs(n, groups));
+    }
+  }
+  for (const std::int32_t n : {4, 8, 20, 60, 200}) add(chain_packs(n));
+  for (Cell c : {dyad_packs(100), leg_packs(102, Formulation::groups), ring_packs(60, 100)}) {
+    c.kind = Cell::Kind::crowd;
+    c.policies = false;
+    add(std::move(c));
+  }
   if (!e.held_out) return;
   for (Cell c : {dyad_packs(11), dyad_packs(23), ring_packs(22, 5), ring_packs(78, 11), ring_packs(334, 1)}) {
     c.held_out = true;
@@ -160,12 +175,15 @@ std::int32_t side_by_side(const Structure& structure, std::int32_t group_class) 
 }  // namespace
 
 std::string to_string(const Cell& cell) {
-  if (cell.kind == Cell::Kind::meeting) return "meetings of threads";
+  if (cell.kind == Cell::Kind::meeting) {
+    return cell.n == 0 ? "meetings of threads" : "meetings of threads, " + std::to_string(cell.n) + " doubles";
+  }
   std::string text = cell.family;
   if (cell.kind == Cell::Kind::steps) return text + ", whole steps";
   text += ", n = " + std::to_string(cell.n);
-  if (cell.kind == Cell::Kind::packs)
+  if (cell.kind == Cell::Kind::packs || cell.kind == Cell::Kind::crowd)
     text += ", " + std::to_string(cell.groups) + (cell.groups == 1 ? " group" : " groups");
+  if (cell.kind == Cell::Kind::crowd) text += ", all threads";
   return text;
 }
 
@@ -181,10 +199,13 @@ std::vector<std::int32_t> spaced(std::int32_t from, std::int32_t to, int count) 
 
 std::vector<Cell> general_cells(const Extent& extent) {
   std::vector<Cell> cells;
-  Cell meeting;
-  meeting.kind = Cell::Kind::meeting;
-  meeting.family = "meeting";
-  cells.push_back(std::move(meeting));
+  for (const std::int32_t doubles : {0, 4000}) {
+    Cell meeting;
+    meeting.kind = Cell::Kind::meeting;
+    meeting.family = "meeting";
+    meeting.n = doubles;
+    cells.push_back(std::move(meeting));
+  }
   add_sizes(cells, extent);
   for (const Formulation f : {Formulation::global, Formulation::groups, Formulation::irreducible}) {
     for (const char* text : {"stewart", "andrews", "slider_crank", "four_bar"}) add_classes(cells, text, f);

@@ -17,6 +17,7 @@ struct Cell {
   enum class Kind : std::uint8_t {
     matrix,   // factor, solve; of a class: evaluate
     packs,    // pack
+    crowd,    // pack, while several threads are at the same work
     steps,    // step
     meeting,  // meeting
   };

@@ -101,23 +101,38 @@ class PacksGround final : public Ground {
     Shape level = shape_;
     level.groups = cell.groups;
     for (Strategy& s : pack_strategies(field, cell.formulation, level, cell.policies)) {
-      candidates_.push_back({Kernel::pack, std::move(s)});
+      if (cell.kind == Cell::Kind::packs) {
+        candidates_.push_back({Kernel::pack, std::move(s)});
+        continue;
+      }
+      // How threads slow each other down depends on the memory that they read, less on the solver.
+      if (s.lanes != 1 && s.lanes != 8) continue;
+      if (s.backend != "lanes" && (s.lanes > 1 || s.backend == "mumps")) continue;
+      for (s.p = 2; s.p <= field.budget.threads; s.p *= 2) candidates_.push_back({Kernel::pack, s});
     }
   }
 
   // The other classes stay as they are: they are solved once, to give this one its inputs.
   std::vector<Entrant> enter(const Candidate& c) override {
-    Prepared prepared = prepared_;
-    Strategy& strategy = prepared.plan.choices[static_cast<std::size_t>(class_)].strategy;
-    const Predictor predictor = std::exchange(strategy, c.strategy).predictor;
-    strategy.predictor = predictor;
-    const auto packs = std::make_shared<measure::PackStep>(prepared, class_);
+    if (c.strategy.p > 1) {
+      const auto crowd = std::make_shared<measure::Crowd>(c.strategy.p, [&] { return pack_step(c); });
+      return {{Kernel::pack, shape_, c.strategy, crowd.get(), crowd, kNotMeasured, kNotMeasured}};
+    }
+    const std::shared_ptr<measure::PackStep> packs = pack_step(c);
     const ErrorFigures e = packs->error();
     return {{Kernel::pack, shape_, c.strategy, packs.get(), packs, std::max({e.position, e.velocity, e.acceleration}),
              kNotMeasured}};
   }
 
  private:
+  [[nodiscard]] std::unique_ptr<measure::PackStep> pack_step(const Candidate& c) const {
+    Prepared prepared = prepared_;
+    Strategy& strategy = prepared.plan.choices[static_cast<std::size_t>(class_)].strategy;
+    const Predictor predictor = std::exchange(strategy, c.strategy).predictor;
+    strategy.predictor = predictor;
+    return std::make_unique<measure::PackStep>(prepared, class_);
+  }
+
   Prepared prepared_;
   std::int32_t class_ = 0;
 };
@@ -168,7 +183,8 @@ class StepsGround final : public Ground {
 
 class MeetingGround final : public Ground {
  public:
-  explicit MeetingGround(const Field& field) {
+  MeetingGround(const Cell& cell, const Field& field) {
+    shape_.n = cell.n;
     for (int p = 2; p <= field.budget.threads; ++p) {
       Strategy s;
       s.formulation = Formulation::irreducible;
@@ -179,7 +195,7 @@ class MeetingGround final : public Ground {
   }
 
   std::vector<Entrant> enter(const Candidate& c) override {
-    const auto meeting = std::make_shared<measure::Meeting>(c.strategy.p);
+    const auto meeting = std::make_shared<measure::Meeting>(c.strategy.p, shape_.n);
     return {{Kernel::meeting, shape_, c.strategy, meeting.get(), meeting, kNotMeasured, kNotMeasured}};
   }
 };
@@ -191,11 +207,12 @@ std::unique_ptr<Ground> open(const Cell& cell, const Field& field) {
     case Cell::Kind::matrix:
       return std::make_unique<MatrixGround>(cell, field);
     case Cell::Kind::packs:
+    case Cell::Kind::crowd:
       return std::make_unique<PacksGround>(cell, field);
     case Cell::Kind::steps:
       return std::make_unique<StepsGround>(cell, field);
     case Cell::Kind::meeting:
-      return std::make_unique<MeetingGround>(field);
+      return std::make_unique<MeetingGround>(cell, field);
   }
   return nullptr;
 }
