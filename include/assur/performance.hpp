@@ -21,9 +21,9 @@ enum class Kernel : std::uint8_t {
   solve,     // one solution with one right-hand side of each
   pack,      // one whole step of a pack: position in one iteration, velocity, acceleration; with p > 1 while p threads
              // are at the same work
-  meeting,   // p threads start together and wait for each other; each of the others is handed shape.n / (p - 1) doubles
-             // by the first, changes them and hands them back
-  step,      // one step of a mechanism: checks what is composed of the others
+  meeting,   // the first of p threads works alone for 5 us, which count; then all start together and wait for each
+            // other; the others are handed shape.n doubles in all by the first, change them and hand them back
+  step,  // one step of a mechanism: checks what is composed of the others
 };
 
 [[nodiscard]] std::string_view name(Kernel kernel) noexcept;

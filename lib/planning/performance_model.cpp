@@ -164,7 +164,8 @@ struct PerformanceModel::Impl {
       if (!(s.seconds > 0) || !std::isfinite(s.seconds)) continue;
       const Cell cell = cell_of(s.kernel, s.shape, numbers.at(variant_of(s.kernel, s.strategy)));
       if (s.kernel == Kernel::meeting) {
-        (s.shape.n == 0 ? meetings : handovers)[s.strategy.p].push_back(s.seconds / std::max(s.shape.n, 1));
+        const double together = std::max(s.seconds - kAloneBeforeMeeting, 0.0);
+        (s.shape.n == 0 ? meetings : handovers)[s.strategy.p].push_back(together / std::max(s.shape.n, 1));
       } else if (s.kernel == Kernel::pack && s.strategy.p > 1) {
         crowds[s.strategy.p][cell].push_back(s.seconds);
       } else if (s.kernel != Kernel::step) {

@@ -79,7 +79,7 @@ double prior_seconds(Kernel kernel, const Shape& shape, const Strategy& strategy
     case Kernel::pack:
       return pack_seconds(shape, strategy);
     case Kernel::meeting:
-      return prior_meeting_seconds(strategy.p) + kPriorHandover * shape.n;
+      return kAloneBeforeMeeting + prior_meeting_seconds(strategy.p) + kPriorHandover * shape.n;
     case Kernel::step:
       return prior_around_seconds(std::int64_t{shape.n} * shape.groups) +
              std::ceil(static_cast<double>(shape.groups) / strategy.lanes) * pack_seconds(shape, strategy);
@@ -89,7 +89,7 @@ double prior_seconds(Kernel kernel, const Shape& shape, const Strategy& strategy
 
 double prior_around_seconds(std::int64_t unknowns) { return 1e-9 * (200 + 5 * static_cast<double>(unknowns)); }
 
-double prior_meeting_seconds(std::int32_t p) { return p < 2 ? 0 : 1e-9 * (400 + 50.0 * p); }
+double prior_meeting_seconds(std::int32_t p) { return p < 2 ? 0 : 1e-9 * (700 + 50.0 * p); }
 
 StepCounts step_counts(const Strategy& s, int derivatives) {
   // Factors taken at the prediction serve the derivatives with one refinement each.

@@ -13,7 +13,8 @@ namespace assur {
 [[nodiscard]] double prior_around_seconds(std::int64_t unknowns);
 
 [[nodiscard]] double prior_meeting_seconds(std::int32_t p);
-inline constexpr double kPriorHandover = 5e-9;  // s for each double that another thread changes
+inline constexpr double kPriorHandover = 0.5e-9;     // s for each double that another thread changes
+inline constexpr double kAloneBeforeMeeting = 5e-6;  // s, as in a step: threads that wait so long do not spin any more
 
 // Calls for one step of a pack, with one Newton iteration as a good prediction needs.
 struct StepCounts {

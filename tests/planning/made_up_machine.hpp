@@ -54,10 +54,10 @@ inline double truth(Kernel kernel, const Shape& shape, const Strategy& s) {
              counts.solutions * truth(Kernel::solve, shape, s);
     }
     case Kernel::meeting:
-      return s.p < 2 ? 0 : 0.4e-6 * s.p;
+      return s.p < 2 ? 0 : kAloneBeforeMeeting + 0.4e-6 * s.p;
     case Kernel::step:
       return 300e-9 + std::ceil(std::ceil(shape.groups / lanes) / s.p) * truth(Kernel::pack, shape, s) +
-             truth(Kernel::meeting, shape, s);
+             std::max(0.0, truth(Kernel::meeting, shape, s) - kAloneBeforeMeeting);
   }
   return 0;
 }

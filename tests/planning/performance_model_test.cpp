@@ -156,8 +156,8 @@ TEST(PerformanceModel, MeetingsAndContentionComeFromThreads) {
     }
   }
   const PerformanceModel model(known);
-  EXPECT_DOUBLE_EQ(model.meeting(2).seconds, 0.8e-6);
-  EXPECT_DOUBLE_EQ(model.meeting(4).seconds, 1.6e-6);
+  EXPECT_NEAR(model.meeting(2).seconds, 0.8e-6, 1e-12);
+  EXPECT_NEAR(model.meeting(4).seconds, 1.6e-6, 1e-12);
   EXPECT_NEAR(model.meeting(8).seconds, 3.2e-6, 1e-12);
   EXPECT_NEAR(model.contention(2), 1.2, 1e-12);
 }
