@@ -97,8 +97,13 @@ std::vector<std::string> uniform_strategies(const Scene& scene, const Question& 
 
 // What is run in the end: where there are no groups for more lanes or threads, other texts mean the same.
 std::string essence_of(const Prepared& prepared) {
-  std::string text = text_of(prepared.plan);
-  for (const std::int32_t p : prepared.plan.level_threads) text += "," + std::to_string(p);
+  Plan plan = prepared.plan;
+  for (Plan::Choice& c : plan.choices) c.strategy.p = 1;
+  std::string text = text_of(plan);
+  const auto& threads = prepared.plan.level_threads;
+  for (std::size_t level = 0; level < threads.size(); ++level) {
+    if (threads[level] > 1) text += ", level " + std::to_string(level) + ": " + std::to_string(threads[level]);
+  }
   return text;
 }
 
