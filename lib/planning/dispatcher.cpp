@@ -17,6 +17,7 @@ namespace {
 
 std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 
+constexpr double kWait = 0.3;      // of a meeting: what a level adds; a barrier alone (barriers_bench) is a tenth
 constexpr double kHandedOver = 4;  // doubles for each unknown: the prediction, and what comes back
 
 // Groups of one class on one level.
@@ -91,12 +92,14 @@ Plan::Choice choice_of(std::int32_t group_class, const Shape& shape, std::vector
   return {.group_class = group_class, .shape = shape, .strategy = weighed[0].strategy, .reason = reason_of(weighed)};
 }
 
-// Threads of each level, and the time of all levels: a level is shared only where that gains.
+// Threads of each level, and the time of all levels: a level is shared only where that gains. The threads start
+// together once a step; between levels they wait for each other, which is the smaller part of a meeting.
 void share_levels(Plan& plan, const Structure& s, const std::vector<Batch>& batches, std::int32_t budget,
                   const PerformanceModel& model) {
   const std::int32_t p = plan.threads;
   const double contention = model.contention(p);
-  plan.meeting_seconds = 2 * model.meeting(p).seconds;  // before a level and after it
+  plan.meeting_seconds = model.meeting(p).seconds;
+  double all_alone = 0;
   plan.level_threads.assign(idx(s.levels), 1);
   plan.expected_seconds = 0;
   std::vector<double> costs;
@@ -116,13 +119,20 @@ void share_levels(Plan& plan, const Structure& s, const std::vector<Batch>& batc
     double best = alone;
     const double handover = model.meeting(p, doubles * (p - 1) / p).seconds - model.meeting(p).seconds;
     if (p > 1 && costs.size() > 1 && std::int64_t{p} * most_q <= budget) {
-      const double shared = longest_first(costs, p).makespan * contention + plan.meeting_seconds + handover;
+      const double shared = longest_first(costs, p).makespan * contention + kWait * plan.meeting_seconds + handover;
       if (shared < alone) {
         best = shared;
         plan.level_threads[idx(level)] = p;
       }
     }
     plan.expected_seconds += best;
+    all_alone += alone;
+  }
+  if (plan.expected_seconds + plan.meeting_seconds < all_alone) {
+    plan.expected_seconds += plan.meeting_seconds;
+  } else {
+    plan.level_threads.assign(idx(s.levels), 1);
+    plan.expected_seconds = all_alone;
   }
 }
 
