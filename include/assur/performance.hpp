@@ -22,8 +22,8 @@ enum class Kernel : std::uint8_t {
   pack,      // one whole step of a pack: position in one iteration, velocity, acceleration; with p > 1 while p threads
              // are at the same work
   meeting,   // the first of p threads works alone for 5 us, which count; then all start together and wait for each
-            // other; the others are handed shape.n doubles in all by the first, change them and hand them back
-  step,  // one step of a mechanism: checks what is composed of the others
+             // other; the others are handed shape.n doubles in all by the first, change them and hand them back
+  step,      // one step of a mechanism: checks what is composed of the others
 };
 
 [[nodiscard]] std::string_view name(Kernel kernel) noexcept;
@@ -83,9 +83,9 @@ class PerformanceModel {
   [[nodiscard]] Prediction meeting(std::int32_t p, double doubles = 0) const;
   // How much longer work takes where p threads work at once; 1 where nothing is known.
   [[nodiscard]] double contention(std::int32_t p) const;
-  // Time of one step of a mechanism with so many unknowns beyond its packs: laws, prediction, outputs. From counts, at
-  // the speed that this machine has otherwise.
-  [[nodiscard]] Prediction around(std::int64_t unknowns) const;
+  // Time of one step of a mechanism with so many unknowns and columns of outputs beyond its packs: laws, prediction,
+  // outputs. From counts, at the speed that this machine has otherwise.
+  [[nodiscard]] Prediction around(std::int64_t unknowns, std::int64_t columns = 0) const;
   // Largest backward error of a solution that was seen near this shape; 0 if none was looked at.
   [[nodiscard]] double backward_error(const Shape& shape, const Strategy& strategy) const;
 

@@ -11,6 +11,7 @@
 #include "parallel/longest_first.hpp"
 #include "planning/counts.hpp"
 #include "planning/throughput.hpp"
+#include "scene/outputs.hpp"
 
 namespace assur {
 namespace {
@@ -92,10 +93,31 @@ Plan::Choice choice_of(std::int32_t group_class, const Shape& shape, std::vector
   return {.group_class = group_class, .shape = shape, .strategy = weighed[0].strategy, .reason = reason_of(weighed)};
 }
 
+// What a step takes beyond its packs. Threads that are there for the levels share the outputs if they are many.
+class Around {
+ public:
+  Around(const Structure& s, const PerformanceModel& model) : model_(model) {
+    for (const Group& g : s.groups) unknowns_ += s.classes[idx(g.group_class)].n;
+    for (const Output& o : wanted_outputs(*s.system)) {
+      columns_ += static_cast<std::int64_t>(o.part_count) * (o.wanted[0] + o.wanted[1] + o.wanted[2]);
+    }
+  }
+
+  [[nodiscard]] double seconds(std::int32_t threads) const {
+    constexpr std::int64_t kWorthSharing = 2000;  // as Levels has it
+    const bool shared = threads > 1 && columns_ >= kWorthSharing;
+    return model_.around(unknowns_, shared ? columns_ / threads : columns_).seconds;
+  }
+
+ private:
+  const PerformanceModel& model_;
+  std::int64_t unknowns_ = 0, columns_ = 0;
+};
+
 // Threads of each level, and the time of all levels: a level is shared only where that gains. The threads start
 // together once a step; between levels they wait for each other, which is the smaller part of a meeting.
 void share_levels(Plan& plan, const Structure& s, const std::vector<Batch>& batches, std::int32_t budget,
-                  const PerformanceModel& model) {
+                  const Around& around, const PerformanceModel& model) {
   const std::int32_t p = plan.threads;
   const double contention = model.contention(p);
   plan.meeting_seconds = model.meeting(p).seconds;
@@ -128,12 +150,12 @@ void share_levels(Plan& plan, const Structure& s, const std::vector<Batch>& batc
     plan.expected_seconds += best;
     all_alone += alone;
   }
-  if (plan.expected_seconds + plan.meeting_seconds < all_alone) {
-    plan.expected_seconds += plan.meeting_seconds;
-  } else {
-    plan.level_threads.assign(idx(s.levels), 1);
-    plan.expected_seconds = all_alone;
-  }
+  plan.expected_seconds += plan.meeting_seconds + around.seconds(p);
+  all_alone += around.seconds(1);
+  const bool any = std::any_of(plan.level_threads.begin(), plan.level_threads.end(), [](auto n) { return n > 1; });
+  if (any && plan.expected_seconds < all_alone) return;
+  plan.level_threads.assign(idx(s.levels), 1);
+  plan.expected_seconds = all_alone;
 }
 
 void expect_packs(Plan& plan, const PerformanceModel& model) {
@@ -142,12 +164,6 @@ void expect_packs(Plan& plan, const PerformanceModel& model) {
     c.expected_seconds = one.seconds;
     c.origin = one.origin;
   }
-}
-
-std::int64_t unknowns_of(const Structure& s) {
-  std::int64_t sum = 0;
-  for (const Group& g : s.groups) sum += s.classes[idx(g.group_class)].n;
-  return sum;
 }
 
 // Groups of one mechanism side by side, p packs at once.
@@ -196,10 +212,11 @@ std::string threads_reason(const Plan& best, std::int32_t budget, double alone) 
 // With the W that takes least time for each mechanism.
 Plan best_throughput(const Structure& s, const std::vector<Shape>& shapes, std::int32_t threads, const Scales& scales) {
   std::optional<Plan> best;
+  const double around = Around(s, scales.model).seconds(1);
   for (const std::int32_t lanes : {1, 2, 4, 8, 16}) {
     Plan plan = throughput_plan(shapes, lanes, threads, scales);
     expect_packs(plan, scales.model);
-    plan.expected_seconds = scales.model.around(unknowns_of(s)).seconds;
+    plan.expected_seconds = around;
     for (const Plan::Choice& c : plan.choices) plan.expected_seconds += c.expected_seconds / lanes * c.shape.groups;
     plan.reason = std::to_string(lanes) + " mechanisms side by side in each thread";
     if (!best || plan.expected_seconds < best->expected_seconds * (1 - scales.tie)) best = std::move(plan);
@@ -210,17 +227,17 @@ Plan best_throughput(const Structure& s, const std::vector<Shape>& shapes, std::
 // With the p that takes least time for a step.
 Plan best_latency(const Structure& s, const std::vector<Shape>& shapes, std::int32_t budget, const Scales& scales) {
   const std::vector<Batch> batches = batches_of(s);
+  const Around around(s, scales.model);
   std::optional<Plan> best;
   double alone = 0;
   for (std::int32_t p = 1; p <= budget; p = p < budget ? std::min(2 * p, budget) : p + 1) {
     Plan plan = latency_plan(s, shapes, batches, p, budget, scales);
     expect_packs(plan, scales.model);
-    share_levels(plan, s, batches, budget, scales.model);
+    share_levels(plan, s, batches, budget, around, scales.model);
     if (p == 1) alone = plan.expected_seconds;
     if (!best || plan.expected_seconds < best->expected_seconds * (1 - scales.tie)) best = std::move(plan);
   }
   best->reason = threads_reason(*best, budget, alone);
-  best->expected_seconds += scales.model.around(unknowns_of(s)).seconds;
   return std::move(*best);
 }
 
@@ -238,8 +255,7 @@ void expect(Plan& plan, const Structure& structure, const PerformanceModel& mode
   expect_packs(plan, model);
   std::int32_t most_q = 1;
   for (const Plan::Choice& c : plan.choices) most_q = std::max(most_q, c.strategy.q);
-  share_levels(plan, structure, batches_of(structure), plan.threads * most_q, model);
-  plan.expected_seconds += model.around(unknowns_of(structure)).seconds;
+  share_levels(plan, structure, batches_of(structure), plan.threads * most_q, Around(structure, model), model);
 }
 
 Plan dispatch(const Structure& s, const Task& task, const Scales& scales) {

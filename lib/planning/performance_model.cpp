@@ -103,6 +103,12 @@ double median(std::vector<double> values) {
   return (*middle + *std::max_element(values.begin(), middle)) / 2;
 }
 
+double lower_quartile(std::vector<double> values) {
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 4);
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
 Prediction combined(std::initializer_list<std::pair<double, Prediction>> parts) {
   Prediction sum{0, 1, Origin::measured};
   double variance = 0;
@@ -189,7 +195,8 @@ struct PerformanceModel::Impl {
         if (alone == known.end()) continue;
         ratios.push_back(std::clamp(median(seconds) / alone->second.seconds, 1.0, static_cast<double>(p)));
       }
-      if (!ratios.empty()) contentions[p] = median(ratios);
+      // What disturbs only slows down.
+      if (!ratios.empty()) contentions[p] = lower_quartile(ratios);
     }
   }
 
@@ -415,8 +422,8 @@ double PerformanceModel::contention(std::int32_t p) const {
   return above == known.end() ? std::prev(above)->second : above->second;
 }
 
-Prediction PerformanceModel::around(std::int64_t unknowns) const {
-  return {prior_around_seconds(unknowns) * impl_->speed_of_all(), 1.5, Origin::prior};
+Prediction PerformanceModel::around(std::int64_t unknowns, std::int64_t columns) const {
+  return {prior_around_seconds(unknowns, columns) * impl_->speed_of_all(), 1.5, Origin::prior};
 }
 
 double PerformanceModel::backward_error(const Shape& shape, const Strategy& strategy) const {

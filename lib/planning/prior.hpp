@@ -10,7 +10,7 @@ namespace assur {
 [[nodiscard]] double prior_seconds(Kernel kernel, const Shape& shape, const Strategy& strategy);
 
 // What a step of a mechanism takes beyond its packs.
-[[nodiscard]] double prior_around_seconds(std::int64_t unknowns);
+[[nodiscard]] double prior_around_seconds(std::int64_t unknowns, std::int64_t columns = 0);
 
 [[nodiscard]] double prior_meeting_seconds(std::int32_t p);
 inline constexpr double kPriorHandover = 0.5e-9;     // s for each double that another thread changes
