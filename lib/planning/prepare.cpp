@@ -119,11 +119,11 @@ Plan forced_plan(const Structure& s, const Strategy& wanted, const PrepareOption
   plan.chunks = wanted.chunks;
   plan.threads = wanted.p;
   plan.reason = "forced";
-  // Shares of unequal packs depend on what they cost.
   const std::vector<ClassSize> sizes = class_sizes(s);
   for (std::size_t c = 0; c < s.classes.size(); ++c) {
     Plan::Choice choice;
     choice.group_class = static_cast<std::int32_t>(c);
+    // Shares of unequal packs depend on what they cost; nothing else asks for the counts.
     choice.shape = wanted.p > 1 ? shape_of(s.classes[c], sizes[c].groups)
                                 : Shape{.n = s.classes[c].n,
                                         .nnz = s.pattern(choice.group_class).nnz(),
@@ -171,8 +171,12 @@ Choice automatic_choice(const Scene& scene, const PrepareOptions& options, const
   };
   Choice best = choose(Formulation::irreducible);
   for (const Formulation formulation : formulations(scene, *best.structure)) {
-    Choice other = choose(formulation);
-    if (other.plan.expected_seconds < best.plan.expected_seconds * (1 - scales.tie)) best = std::move(other);
+    try {
+      Choice other = choose(formulation);
+      if (other.plan.expected_seconds < best.plan.expected_seconds * (1 - scales.tie)) best = std::move(other);
+    } catch (const Error&) {
+      // It cannot be had here, or the scene's declared groups are none: the first stands.
+    }
   }
   return best;
 }

@@ -27,6 +27,16 @@ TEST(Plan, WhatIsSavedRuns) {
   EXPECT_TRUE(simulator.report().status.ok());
 }
 
+TEST(Plan, OnlyTheDatabaseThatIsNamedCounts) {
+  const Scratch scratch;
+  const std::string missing = scratch.file("none.db");
+  for (const char* command : {"plan", "run"}) {
+    const Outcome o = run_command({command, "stewart", "--db", missing});
+    EXPECT_EQ(o.status, 3) << command;
+    EXPECT_NE(o.err.find(missing), std::string::npos) << o.err;
+  }
+}
+
 TEST(Plan, AFileThatCannotBeWrittenIsNamed) {
   const Scratch scratch;
   const std::string file = scratch.file("no_such_folder/stewart.plan");

@@ -58,6 +58,13 @@ PrepareOptions how_of(const Common& common, const RunOptions& options) {
   PrepareOptions how;
   how.strategy = options.strategy;
   how.without = options.without;
+  if (options.strategy == "auto" || !common.db.empty()) {
+    const MachineModel known = machine_model_of(common);
+    how.model = known.model;
+    for (const std::string& message : known.messages) {
+      if (!common.quiet) std::cerr << "note: " << message << '\n';
+    }
+  }
   if (common.threads > 0) how.budget = ThreadBudget{common.threads};
   how.mode = chunks || !options.ensemble.empty() ? Mode::throughput : options.mode.value_or(Mode::latency);
   return how;
