@@ -24,6 +24,13 @@ void ErrorFigures::merge(const ErrorFigures& o) {
   position = std::max(position, o.position);
   velocity = std::max(velocity, o.velocity);
   acceleration = std::max(acceleration, o.acceleration);
+  for (const auto figure :
+       {&ErrorFigures::estimated_position, &ErrorFigures::estimated_velocity, &ErrorFigures::estimated_acceleration,
+        &ErrorFigures::certified_radius, &ErrorFigures::forward_position, &ErrorFigures::forward_velocity,
+        &ErrorFigures::forward_acceleration}) {
+    // An empty one is less than any figure.
+    this->*figure = std::max(this->*figure, o.*figure);
+  }
 }
 
 }  // namespace assur

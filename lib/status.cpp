@@ -33,6 +33,8 @@ std::string_view name(Code code) noexcept {
       return "limit_reached";
     case Code::change_point_passed:
       return "change_point_passed";
+    case Code::inaccurate:
+      return "inaccurate";
     case Code::branch_unknown:
       return "branch_unknown";
     case Code::inconsistent:

@@ -34,6 +34,7 @@ struct Plan {
   std::int32_t threads = 1;     // p
   std::vector<Choice> choices;  // one for each class
   std::vector<std::int32_t> level_threads;  // p of each level, of these; empty: `threads` for all
+  double accuracy = 0;                      // PrepareOptions::accuracy
   std::string reason;                       // of the formulation and of p
   double expected_seconds = 0;              // one step of the mechanism, its groups only; 0: nobody asked
   double meeting_seconds = 0;               // of the threads, once; 0: nobody asked
@@ -57,6 +58,9 @@ struct PrepareOptions {
   // What `auto` decides by; null: machine_model(). A model without samples decides by counts of operations.
   std::shared_ptr<const PerformanceModel> model = nullptr;
   std::vector<std::string> without = {};  // backends that `auto` leaves out
+  // Largest forward error (ErrorFigures) that an output of a step may have: steps whose estimated error is larger carry
+  // Code::inaccurate, and `auto` takes what reaches it. 0: nothing is asked and nothing estimated.
+  double accuracy = 1e-6;
 };
 
 // A scene made ready: immutable, shared by any number of simulators.

@@ -45,6 +45,7 @@ enum class Code : std::uint8_t {
   not_converged,        // Newton did not reach the tolerance
   limit_reached,        // a fold: the mechanism cannot move further; time is bracketed
   change_point_passed,  // two branches cross here; the smooth continuation was taken
+  inaccurate,           // accepted, but the estimated error exceeds the accuracy asked for
   branch_unknown,       // which branch continues the motion could not be decided
   inconsistent,         // a redundant equation is no longer satisfied
   out_of_range,         // a law was asked for a time outside its table

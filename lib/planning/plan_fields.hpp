@@ -96,6 +96,7 @@ inline void fields(auto& a, Either<Plan::Choice> auto& c) {
 inline void fields(auto& a, Either<Plan> auto& p) {
   a.label("plan", p.formulation, p.predictor.kind, p.predictor.order, p.lanes, p.chunks, p.threads);
   a.label("level_threads", p.level_threads);
+  a.label("accuracy", p.accuracy);
   a.label("expected", p.expected_seconds, p.meeting_seconds, p.reason);
   a.label("choices", p.choices);
 }

@@ -171,7 +171,7 @@ struct Simulator::Impl {
     state.accept(t);
     now = t;
     report.reached = t;
-    report.error.merge({errors.position, errors.velocity, errors.acceleration, {}, {}, {}});
+    report.error.merge({.position = errors.position, .velocity = errors.velocity, .acceleration = errors.acceleration});
   }
 
   // Back to the last accepted posture.

@@ -194,7 +194,7 @@ Status Tile::solve(std::span<const double> times, Attempt::Branch branch) {
   }
   if (const Status s = check_watched(errors); !s.ok()) return s;
   state_.accept(times[0]);
-  error_.merge({errors.position, errors.velocity, errors.acceleration, {}, {}, {}});
+  error_.merge({.position = errors.position, .velocity = errors.velocity, .acceleration = errors.acceleration});
   return {};
 }
 

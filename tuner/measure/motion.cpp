@@ -181,7 +181,9 @@ int PackStep::lanes() const { return impl_->solver.lanes(); }
 std::size_t PackStep::packs() const { return impl_->packs.size(); }
 const Counters& PackStep::counters() const { return impl_->counters; }
 ErrorFigures PackStep::error() const {
-  return {impl_->errors.position, impl_->errors.velocity, impl_->errors.acceleration, {}, {}, {}};
+  return {.position = impl_->errors.position,
+          .velocity = impl_->errors.velocity,
+          .acceleration = impl_->errors.acceleration};
 }
 
 // ---- pack, in a crowd

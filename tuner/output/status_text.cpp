@@ -27,6 +27,8 @@ std::string_view meaning(Code code) {
       return "the mechanism cannot move further";
     case Code::change_point_passed:
       return "two branches cross; the smooth continuation was taken";
+    case Code::inaccurate:
+      return "the estimated error exceeds the accuracy asked for";
     case Code::branch_unknown:
       return "which branch continues the motion could not be decided";
     case Code::inconsistent:
