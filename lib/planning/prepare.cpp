@@ -11,11 +11,14 @@
 namespace assur {
 namespace {
 
-Predictor automatic_predictor(const Structure& s) {
+Predictor automatic_predictor(const Structure& s, double accuracy) {
   const bool all = std::all_of(s.groups.begin(), s.groups.end(), [&](const Group& g) {
     return g.wanted_derivatives == 2 && s.classes[static_cast<std::size_t>(g.group_class)].first_wanted == 0;
   });
   // Where accelerations are not wanted, past positions predict as well and cost no factorisation.
+  // Between postures that are not exact it is better not to interpolate.
+  constexpr double kLoose = 1e-5;
+  if (all && accuracy >= kLoose) return {Predictor::Kind::taylor, 2};
   return all ? Predictor{Predictor::Kind::hermite, 5} : Predictor{Predictor::Kind::past, 5};
 }
 
@@ -201,7 +204,8 @@ Prepared prepare_at(const Scene& scene, const PrepareOptions& options, Start sta
   }
   Plan& plan = choice.plan;
   plan.accuracy = options.accuracy;
-  if (plan.predictor.kind == Predictor::Kind::automatic) plan.predictor = automatic_predictor(*choice.structure);
+  if (plan.predictor.kind == Predictor::Kind::automatic)
+    plan.predictor = automatic_predictor(*choice.structure, plan.accuracy);
   if (options.mode == Mode::throughput && options.strategy.find("+chunks=") == std::string::npos) {
     plan.chunks = chunks_for(plan.lanes, plan.threads, scene.time().steps());
   }

@@ -15,9 +15,10 @@ constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Three probes all below 1/4 of the true size happen once in a hundred times; rounding is half as large as its bound.
 constexpr double kSafety = 2;
+constexpr double kRounding = 16 * kEps;       // residuals up to here are not looked at
 constexpr std::int64_t kInterval = 256;       // steps from one measurement to the next
 constexpr std::int64_t kIntervalUnseen = 16;  // where callbacks hide how the condition changes
-constexpr double kGrown = 2;                  // of a condition: then it is measured again
+constexpr double kGrown = 2;                  // of a condition, or a residual: then it is measured again
 constexpr double kMoved = 1e-7;               // of a posture along a probe, internal units
 
 std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
@@ -61,24 +62,34 @@ ErrorEstimate::ErrorEstimate(const System& system, const Layout& layout, const O
 void ErrorEstimate::restart() {
   scale_ = {1, 0, 0};
   largest_.assign(sizes_.size(), {});
+  residual_ = kRounding;
   steps_ = branch_checks_ = 0;
   seed_ = 0;
   now_ = {};
   in_doubt_ = true;
 }
 
-bool ErrorEstimate::due(std::span<const Pack> packs, std::int64_t branch_checks) {
+// Errors of accelerations grow like the cube of a condition, and those of levels multiply.
+bool ErrorEstimate::due(std::span<const Pack> packs, std::int64_t branch_checks, double residual) {
   ++steps_;
+  if (residual > kGrown * residual_) {
+    residual_ = residual;
+    return true;
+  }
   if (in_doubt_ || steps_ >= interval_) return true;
   if (branch_checks == branch_checks_) return false;
   branch_checks_ = branch_checks;
   const double* before = omega_.data();
-  for (const Pack& pack : packs) {
-    for (const double omega : pack.omega) {
-      if (omega > kGrown * *before++) return true;
+  double grown = 1;
+  for (std::size_t p = 0; p < packs.size();) {
+    double of_level = 1;
+    for (const std::int32_t level = packs[p].level; p < packs.size() && packs[p].level == level; ++p) {
+      for (const double omega : packs[p].omega) of_level = std::max(of_level, omega / *before++);
     }
+    if (of_level > kGrown) return true;
+    grown *= of_level;
   }
-  return false;
+  return now_.worst() * grown * grown * grown > asked_;
 }
 
 void ErrorEstimate::begin(double t, const double* const (&state)[3]) {

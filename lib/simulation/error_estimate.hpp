@@ -27,8 +27,8 @@ class ErrorEstimate {
 
   ErrorEstimate(const System& system, const Layout& layout, const OutputProgram& outputs, double asked);
 
-  // Is what was measured last out of date? Tell it of every step.
-  [[nodiscard]] bool due(std::span<const Pack> packs, std::int64_t branch_checks);
+  // Is what was measured last out of date? Tell it of every step, and of the largest residual that it left.
+  [[nodiscard]] bool due(std::span<const Pack> packs, std::int64_t branch_checks, double residual);
 
   // At the posture at hand; row: its outputs. All figures are infinite where a matrix is singular.
   void measure(double t, const double* const (&state)[3], std::span<Pack> packs, Levels& levels,
@@ -36,8 +36,8 @@ class ErrorEstimate {
 
   void restart();
 
-  // Since restart().
-  [[nodiscard]] bool measured() const { return seed_ > 0; }
+  // Since restart(), if anything moves.
+  [[nodiscard]] bool measured() const { return seed_ > 0 && !driven_.empty(); }
   [[nodiscard]] double asked() const { return asked_; }
   [[nodiscard]] const Figures& now() const { return now_; }
   // Of the whole run: the largest errors over the largest values.
@@ -71,6 +71,7 @@ class ErrorEstimate {
   std::vector<Size> sizes_, largest_;     // now, and the largest of the run
   std::vector<double> omega_;             // of all packs, when it was measured
   std::vector<std::uint8_t> regular_;     // packs
+  double residual_ = 0;                   // the largest of a step that was measured
   std::int64_t branch_checks_ = 0;
   std::int64_t steps_ = 0, interval_ = 0;
   std::uint64_t seed_ = 0;

@@ -52,9 +52,9 @@ struct Stride {
 constexpr Stride kLongWay{.patience = 4, .growth = 1.5};
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
-// Errors of accelerations grow like the cube of a condition, which may double before they are measured again; then
-// some room for what three probes miss.
+// Of the accuracy asked for, what is used: conditions grow before they are measured again, each level's for itself.
 constexpr double kMargin = 16;
+constexpr int kMostLevels = 8;      // that count
 constexpr double kLoosest = 1e-6;   // where a residual counts as solved at most
 constexpr double kDoubtful = 1e-6;  // an error that is told where no accuracy was asked for
 
@@ -274,13 +274,14 @@ struct Simulator::Impl {
 
   // Of the posture that was reached at last, on the way from `from`: is it as accurate as was asked for?
   Status check_accuracy(double from) {
-    if (!estimate.due(packs, report.counters.branch_checks)) return {};
+    if (!estimate.due(packs, report.counters.branch_checks, last_errors.worst())) return {};
     const double* const q[3] = {state.at(0), state.at(1), state.at(2)};
     estimate.measure(now, q, packs, levels, row);
     const double error = estimate.now().worst();
     if (prepared.plan.accuracy > 0) {
       // What is left in the equations shows in the outputs as their rounding does.
-      const double amplified = kMargin * error / (2 * kEps + last_errors.worst());
+      const double amplified =
+          kMargin * std::clamp(structure.levels, 1, kMostLevels) * error / (2 * kEps + last_errors.worst());
       converged = std::clamp(prepared.plan.accuracy / amplified, kConverged, kLoosest);
     }
     if (error <= estimate.asked()) return {};
@@ -503,7 +504,7 @@ struct Simulator::Impl {
   }
 
   void report_estimate() {
-    if (!estimate.measured() || packs.empty()) return;
+    if (!estimate.measured()) return;
     const auto [position, velocity, acceleration] = estimate.of_run();
     report.error.estimated_position = position;
     report.error.estimated_velocity = velocity;
