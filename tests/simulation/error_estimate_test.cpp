@@ -4,23 +4,17 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <string>
 #include <vector>
 
 #include "simulation/near_singular.hpp"
+#include "simulation/random_count.hpp"
 #include "simulation/run.hpp"
 
 namespace assur {
 namespace {
 
 using test::Result;
-
-// So many random scenes; ASSUR_RANDOM_SCENES asks for more.
-int scenes(int usual) {
-  const char* const wanted = std::getenv("ASSUR_RANDOM_SCENES");
-  return wanted != nullptr ? std::max(std::atoi(wanted), 1) : usual;
-}
 
 ForwardError estimated(const Report& report) {
   return {report.error.estimated_position.value(), report.error.estimated_velocity.value(),
@@ -143,7 +137,7 @@ TEST(Accuracy, BeyondReachIsTold) {
 TEST(Doubt, IsSeldomWithoutReason) {
   test::Draw draw(1);
   int doubted = 0;
-  const int all = scenes(400);
+  const int all = test::random_count(200);
   for (int i = 0; i < all; ++i) {
     const Scene scene = draw.maybe() ? test::planar_mechanism(draw) : test::spatial_mechanism(draw);
     doubted += test::run(scene, "irreducible/eigen").report().status.code == Code::inaccurate ? 1 : 0;
@@ -157,7 +151,7 @@ TEST(Doubt, ComesBeforeAnyWrongResult) {
   test::Draw draw(2);
   int clean = 0, doubted = 0, stopped = 0, refused = 0, unknown = 0;
   double largest = 0;
-  const int all = scenes(300);
+  const int all = test::random_count(200);
   for (int i = 0; i < all; ++i) {
     const Scene scene = test::near_singular(draw);
     SCOPED_TRACE(std::to_string(i));
