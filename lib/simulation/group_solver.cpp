@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr double kLinear = 8 * kEps;  // normwise residual of a refined linear system
+constexpr double kGrown = 1e-13;      // that of a direct solution is smaller, unless pivots grew
 constexpr int kMostSearching = 40;    // iterations at a fold, where they gain one bit each
 constexpr int kMostRefinements = 6;
 constexpr double kContraction = 0.1;  // of successive corrections
@@ -89,6 +90,7 @@ std::unique_ptr<LinearSolver> GroupSolver::make_solver() const {
 
 void GroupSolver::restart() {
   first_ = nullptr;
+  refined_ = 0;
   if (!own_solvers_) shared_ = make_solver();
 }
 
@@ -288,7 +290,10 @@ Status GroupSolver::linear(Pack& pack, const std::vector<double>& b, double* x, 
   }
   const double converged = std::max(kLinear, attempt.converged);
   double residual = linear_residual(x, b);
-  for (int k = 0; !factored_at_solution_ && residual > converged; ++k) {
+  // Factors that grew do not serve as they are.
+  const bool grown = factored_at_solution_ && residual > std::max(kGrown, converged);
+  for (int k = 0; (!factored_at_solution_ || grown) && residual > converged; ++k) {
+    if (k == kMostRefinements && factored_at_solution_) break;
     if (k == kMostRefinements) {
       // The posture is too far from where the factorisation was taken: take it here.
       if (const Status s = factorize(pack, counters); !s.ok()) return s;
@@ -298,6 +303,7 @@ Status GroupSolver::linear(Pack& pack, const std::vector<double>& b, double* x, 
     if (const Status s = solver_->solve(residual_, 1); !s.ok()) return fail(pack, s.code, s.figure);
     counters.solved_unknowns += std::int64_t{pack.used} * program_.n;
     for (std::size_t i = 0; i < b.size(); ++i) x[i] += residual_[i];
+    refined_ += grown ? pack.used : 0;
     const double next = linear_residual(x, b);
     if (!(next < residual / 2)) {
       residual = next;

@@ -63,8 +63,14 @@ class GroupSolver {
   // solve() of each pack makes its solver: the first one chooses the pivots, the others start from them.
   void restart();
 
-  // What the solver that all packs share did; each pack's own one tells for itself.
-  [[nodiscard]] Effort effort() const { return shared_ ? shared_->effort() : Effort{}; }
+  // What the solver that all packs share did, and what had to be refined after any; each pack's own one tells for
+  // itself.
+  [[nodiscard]] Effort effort() const {
+    Effort sum = shared_ ? shared_->effort() : Effort{};
+    sum.refined += refined_;
+    sum.unplanned += refined_;
+    return sum;
+  }
 
   // Makes room in the pack for what it holds of this class.
   void size(Pack& pack) const;
@@ -149,6 +155,7 @@ class GroupSolver {
   // Of perturb().
   std::vector<double> noise_, error_, bent_, moved_, whole_;          // n x W
   std::vector<double> input_errors_, moved_inputs_, resting_inputs_;  // inputs x W
+  std::int64_t refined_ = 0;                                          // solutions, because their residual was too large
   bool jacobian_measured_ = false;
   bool factored_in_step_ = false, factored_at_solution_ = false;
 };

@@ -500,6 +500,7 @@ struct Simulator::Impl {
     };
     say(sum.redone, " factorisations of one lane with pivots of its own, where those of the class did not serve");
     say(sum.renewed, " pivot orders chosen anew");
+    say(sum.unplanned, " solutions of one lane refined, because the factors had grown");
     say(sum.in_double, " factorisations of one lane in double, where float did not serve");
   }
 
