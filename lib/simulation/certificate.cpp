@@ -41,8 +41,10 @@ std::string why_not(const SolutionProof& p) {
 }
 
 // Of a row that this plan does not give.
-Certificate not_this_motion(double t) {
-  return {t, kInfinity, 0, "", "this plan with these limits, step after step, gives other outputs"};
+Certificate not_this_motion(double t, bool in_chunks) {
+  return {t, kInfinity, 0, "",
+          in_chunks ? "the steps ran in chunks side by side, whose postures are not kept"
+                    : "this plan with these limits gives other outputs"};
 }
 
 bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
@@ -97,15 +99,16 @@ Certificate Certifier::certify(std::span<const double> posture, double t) {
   middle_[idx(kOne)] = 1;
   drive(t);
   take_unknowns(posture);
+  Index worst = -1;
   for (const Index b : needed_) {
-    const std::string why = enclose(b, out);
-    if (why.empty() || !out.why_not.empty()) continue;  // the first one is told: those behind it follow
-    out.group = group_or_block_name(system_, blocks_, b);
-    out.why_not = why;
+    const SolutionProof proof = enclose(b, out.why_not);
+    out.uniqueness = std::min(out.uniqueness, proof.uniqueness);
+    const double radius = proof.holds ? proof.radius.maxCoeff() : kInfinity;
+    if (radius <= out.radius) continue;
+    out.radius = radius;
+    worst = b;
   }
-  if (out.why_not.empty()) return out;
-  out.radius = kInfinity;
-  out.uniqueness = 0;
+  if (worst >= 0) out.group = group_or_block_name(system_, blocks_, worst);
   return out;
 }
 
@@ -146,26 +149,22 @@ void Certifier::take_unknowns(std::span<const double> posture) {
   }
 }
 
-std::string Certifier::enclose(Index b, Certificate& certificate) {
-  const auto unknowns = blocks_.unknowns_of(b);
-  std::string why = why_out_of_reach(b);
+SolutionProof Certifier::enclose(Index b, std::string& first_reason) {
   SolutionProof proof;
+  std::string why = why_out_of_reach(b);
   if (why.empty()) {
     number_columns(b);
     proof = prove_solution(equations_of(b));
     for (const Index c : read_) column_[idx(c)] = -1;
     if (!proof.holds) why = why_not(proof);
   }
-  for (std::size_t i = 0; i < unknowns.size(); ++i) {
-    const double radius = proof.holds ? proof.radius[static_cast<Eigen::Index>(i)] : kInfinity;
-    Ball<double>& x = at_[idx(unknowns[i])];
-    x = {x.middle(), radius};
-    if (radius <= certificate.radius) continue;
-    certificate.radius = radius;
-    certificate.group = group_or_block_name(system_, blocks_, b);
+  if (first_reason.empty()) first_reason = std::move(why);
+  Eigen::Index i = 0;
+  for (const Index u : blocks_.unknowns_of(b)) {
+    at_[idx(u)] = {at_[idx(u)].middle(), proof.holds ? proof.radius[i] : kInfinity};
+    ++i;
   }
-  certificate.uniqueness = std::min(certificate.uniqueness, proof.uniqueness);
-  return why;
+  return proof;
 }
 
 // Reasons before any number is looked at.
@@ -266,14 +265,14 @@ Certificate certify(const Simulator& simulator) {
 std::vector<Certificate> certify(const Prepared& prepared, const Trajectory& trajectory, StepLimits limits) {
   std::vector<Certificate> out;
   Prepared plan = prepared;
-  plan.plan.chunks = 1;
+  const bool in_chunks = std::exchange(plan.plan.chunks, 1) > 1;
   Simulator simulator(std::move(plan), std::move(limits));
   std::shared_ptr<const Structure> structure;
   std::optional<Certifier> certifier;
   (void)simulator.run(trajectory.times(), [&](std::int64_t done, std::int64_t) {
     const std::span<const double> row = trajectory.row(static_cast<std::size_t>(done - 1)), now = simulator.outputs();
     if (!std::equal(row.begin(), row.end(), now.begin(), now.end(), [](double a, double b) { return same(a, b); })) {
-      out.push_back(not_this_motion(simulator.time()));
+      out.push_back(not_this_motion(simulator.time(), in_chunks));
       return true;
     }
     if (structure != simulator.prepared().structure) {  // other ones of redundant equations, too
@@ -283,7 +282,7 @@ std::vector<Certificate> certify(const Prepared& prepared, const Trajectory& tra
     out.push_back(certifier->certify(posture_of(simulator), simulator.time()));
     return true;
   });
-  while (out.size() < trajectory.rows()) out.push_back(not_this_motion(trajectory.times()[out.size()]));
+  while (out.size() < trajectory.rows()) out.push_back(not_this_motion(trajectory.times()[out.size()], in_chunks));
   return out;
 }
 

@@ -36,8 +36,8 @@ class Certifier {
   void find_blocks(const Structure& structure);
   void drive(double t);
   void take_unknowns(std::span<const double> posture);
-  // Encloses the block's unknowns; else says why not.
-  [[nodiscard]] std::string enclose(Index block, Certificate& certificate);
+  // Encloses the block's unknowns; the first block without a proof says why.
+  SolutionProof enclose(Index block, std::string& first_reason);
   [[nodiscard]] std::string why_out_of_reach(Index block) const;
   void number_columns(Index block);
   [[nodiscard]] QuadraticEquations equations_of(Index block) const;

@@ -91,7 +91,7 @@ TEST(Certificate, HoldsTheTruthOfEveryFile) {
 }
 
 // All inputs are constants and there is one group, so that nothing is lost but what is of second order: the condition,
-// at most 1e6 here, times the rounding of the 18 unknowns' matrices.
+// at most 6e5 here, times the rounding of the 18 unknowns' matrices.
 TEST(Certificate, OfAGoughPostureIsTheErrorItself) {
   for (int k = 1; k <= 40; ++k) {
     const Largest found = expect_truth_inside(sample("gough:posture=" + std::to_string(k)), "auto");
