@@ -220,10 +220,9 @@ TEST(Certificate, ShrinksTowardsAFoldAndEndsThere) {
     const double h = static_cast<double>(sqrt(1 - Quad(x) * Quad(x) / 4));
     const Certificate certificate = fold.certify(x, h);
     ASSERT_EQ(certificate.why_not, "") << h;
-    // The other posture is 2 h away; the sums of absolute values lose a factor of 4: of 2 in C = J^-1, whose entries
-    // have both signs, and of 2 in |Q|^2, where both coordinates are taken to be off at once.
-    EXPECT_LE(certificate.uniqueness, 2 * h);
-    EXPECT_GE(certificate.uniqueness, h / 2);
+    // J^-1 = [2 h, -2 h; x, x] / (4 h x) and each equation curves by 2 where both coordinates of Q are off by 1, so
+    // that B = 1 / h: half of the way to the other posture, in proportion to the smallest singular value.
+    EXPECT_NEAR(certificate.uniqueness, h, 1e-6 * h + 4 * kEps / h);
     EXPECT_LE(certificate.radius, 4 * kEps / h);  // of the rounded posture: of x / 2 none, of h half a unit
     least = h;
     // Half way to the other one there is nothing to be proven.
