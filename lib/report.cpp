@@ -33,4 +33,13 @@ void ErrorFigures::merge(const ErrorFigures& o) {
   }
 }
 
+Certificate worst_of(std::span<const Certificate> certificates) {
+  Certificate worst;
+  if (certificates.empty()) return worst;
+  const auto is_worse = [](const Certificate& a, const Certificate& b) { return a.radius < b.radius; };
+  worst = *std::max_element(certificates.begin(), certificates.end(), is_worse);
+  for (const Certificate& c : certificates) worst.uniqueness = std::min(worst.uniqueness, c.uniqueness);
+  return worst;
+}
+
 }  // namespace assur

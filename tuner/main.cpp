@@ -179,6 +179,7 @@ void add_run(CLI::App& app, Invocation& call) {
       ->type_name("N");
   CLI::Option* csv = run.add_option("--csv", o.csv, "Write the trajectory; - for standard output")->type_name("FILE");
   run.add_flag("--reference", o.reference, "Compare with a solution in quad precision");
+  run.add_flag("--certify", o.certify, "Prove how near the postures are to the true ones");
   run.add_flag("--pin", o.pin, "Each thread on a core of its own, never asleep");
   add_common(run, call.common);
   run.callback([&call, csv, ensemble] {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -37,17 +38,33 @@ struct ErrorFigures {
   double velocity = 0;
   double acceleration = 0;
   // Of every output and step, as forward_* are defined, estimated to first order; empty where nobody asked.
-  std::optional<double> estimated_position = {};
-  std::optional<double> estimated_velocity = {};
-  std::optional<double> estimated_acceleration = {};
-  std::optional<double> certified_radius = {};  // largest of the proven ones, over the characteristic length
-  std::optional<double> forward_position = {};  // against a reference in quad precision
-  std::optional<double> forward_velocity = {};
-  std::optional<double> forward_acceleration = {};
+  std::optional<double> estimated_position = std::nullopt;
+  std::optional<double> estimated_velocity = std::nullopt;
+  std::optional<double> estimated_acceleration = std::nullopt;
+  std::optional<double> certified_radius = std::nullopt;  // largest of the proven ones, over the characteristic length
+  std::optional<double> forward_position = std::nullopt;  // against a reference in quad precision
+  std::optional<double> forward_velocity = std::nullopt;
+  std::optional<double> forward_acceleration = std::nullopt;
 
   // The worse of both residuals.
   void merge(const ErrorFigures& o);
 };
+
+// What is proven of one computed posture: that within `uniqueness` of it there is exactly one posture which fulfils the
+// equations of the scene at this double t with these double parameters, and how near it is. Distances are maximum norms
+// over the unknowns that the outputs need, in characteristic lengths (one internal unit; directions: 1). Equations that
+// are redundant, and only watched, have no part in it; neither have velocities and accelerations, nor which branch it
+// is. Laws that are C++ functions count as exact.
+struct Certificate {
+  double time = 0;
+  double radius = 0;      // largest |computed - true| of an unknown, at most; infinite: nothing is proven
+  double uniqueness = 0;  // infinite if all equations are linear
+  std::string group;      // where the radius is largest; else the first one without a proof
+  std::string why_not;    // there is none; empty: proven
+};
+
+// Of a run: the largest radius, with its time and group, and the smallest uniqueness.
+[[nodiscard]] Certificate worst_of(std::span<const Certificate> certificates);
 
 // Something that happened at a time: a limit reached, a change point passed, ...
 struct Event {

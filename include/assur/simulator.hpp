@@ -136,4 +136,13 @@ struct ForwardError {
 // this build has no quad arithmetic, numerical if the reference does not converge.
 [[nodiscard]] ForwardError forward_error(const Prepared& prepared, const Trajectory& trajectory);
 
+// Proves the posture at time(). Throws Error: input if the plan was loaded, environment if this build has no quad
+// arithmetic.
+[[nodiscard]] Certificate certify(const Simulator& simulator);
+
+// One for each row. The steps are taken once more, one after the other: rows that do not come out bit by bit (they were
+// computed in chunks, with other limits or with drivers that were set) have no certificate. Throws what the above does.
+[[nodiscard]] std::vector<Certificate> certify(const Prepared& prepared, const Trajectory& trajectory,
+                                               StepLimits limits = {});
+
 }  // namespace assur

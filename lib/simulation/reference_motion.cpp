@@ -92,13 +92,7 @@ void ReferenceMotion::find_blocks(const Structure& structure) {
   decomposition_ = decompose(system_, equations, unknowns);
 
   std::vector<std::int8_t> need = needed_by_outputs(system_, wanted_outputs(system_));
-  std::vector<std::uint8_t> needed(idx(decomposition_.size()), 0);
-  for (Index b = decomposition_.size() - 1; b >= 0; --b) {
-    const auto u = decomposition_.unknowns_of(b);
-    if (std::none_of(u.begin(), u.end(), [&](Index c) { return need[idx(c)] >= 0; })) continue;
-    needed[idx(b)] = 1;
-    require_inputs(system_, decomposition_.equations_of(b), 0, need);
-  }
+  const std::vector<std::uint8_t> needed = needed_blocks(system_, decomposition_, need);
 
   // Those marked now include the inputs of every block that is needed.
   std::vector<std::uint8_t> read(need.size());

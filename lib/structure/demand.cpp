@@ -31,4 +31,15 @@ void require_inputs(const System& s, std::span<const Index> equations, int deriv
   }
 }
 
+std::vector<std::uint8_t> needed_blocks(const System& s, const Blocks& blocks, std::vector<std::int8_t>& need) {
+  std::vector<std::uint8_t> needed(static_cast<std::size_t>(blocks.size()), 0);
+  for (Index b = blocks.size() - 1; b >= 0; --b) {
+    const auto u = blocks.unknowns_of(b);
+    if (std::none_of(u.begin(), u.end(), [&](Index c) { return need[static_cast<std::size_t>(c)] >= 0; })) continue;
+    needed[static_cast<std::size_t>(b)] = 1;
+    require_inputs(s, blocks.equations_of(b), 0, need);
+  }
+  return needed;
+}
+
 }  // namespace assur

@@ -17,4 +17,8 @@ namespace assur {
 void require_inputs(const System& system, std::span<const Index> equations, int derivatives,
                     std::vector<std::int8_t>& need);
 
+// The blocks whose unknowns are needed, 1 each; `need` is raised at everything that they read.
+[[nodiscard]] std::vector<std::uint8_t> needed_blocks(const System& system, const Blocks& blocks,
+                                                      std::vector<std::int8_t>& need);
+
 }  // namespace assur

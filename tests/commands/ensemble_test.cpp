@@ -246,6 +246,7 @@ TEST_F(Ensembles, ContradictionsAreRefused) {
       {{"--strategy", "groups/klu+chunks=4"},
        "--ensemble: its members fill the lanes and threads; leave out +chunks= of the strategy"},
       {{"--reference"}, "--reference: it compares one mechanism; run the member in question with --set"},
+      {{"--certify"}, "--certify: it proves one motion; run the member in question with --set"},
   };
   for (const Case& c : cases) {
     const Outcome outcome = run("stewart", "omega\n1\n", c.options);

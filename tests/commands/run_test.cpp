@@ -62,6 +62,7 @@ TEST(Run, JsonTellsWhatWasDone) {
     EXPECT_TRUE(json["error"][std::string("forward_") + key].is_null());
   }
   EXPECT_TRUE(json["error"]["certified_radius"].is_null());
+  EXPECT_TRUE(json["certificate"].is_null());
   EXPECT_TRUE(json["left_out"].contains("static_groups"));
   EXPECT_TRUE(json["events"].empty());
   EXPECT_TRUE(json["fallbacks"].empty());
@@ -197,6 +198,32 @@ TEST(Run, ReferenceGivesTheForwardError) {
     EXPECT_GT(error[key], 0) << key;
     EXPECT_LE(error[key], 1e-11) << key;
   }
+}
+
+TEST(Run, CertifyProvesThePostures) {
+  const std::vector<std::string> call = {"run", "stewart", "--certify", "--steps", "20", "--quiet"};
+  const auto with = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> all = call;
+    all.insert(all.end(), more.begin(), more.end());
+    return run_command(all);
+  };
+  const Outcome outcome = with({"--json", "--strategy", "groups/eigen"});
+  if (outcome.status == 3) GTEST_SKIP() << "built without quad arithmetic";
+  ASSERT_EQ(outcome.status, 0) << outcome.out;
+  const auto json = outcome.json();
+  const double radius = json["error"]["certified_radius"];
+  EXPECT_GT(radius, 0);
+  EXPECT_LE(radius, 1e-13);  // as the forward error of this platform
+  EXPECT_EQ(json["certificate"]["radius"], radius);
+  EXPECT_EQ(json["certificate"]["why_not"], "");
+  EXPECT_GT(json["certificate"]["uniqueness"], 1e-3);
+  EXPECT_NE(with({}).out.find("certified"), std::string::npos);
+
+  const auto chunks = with({"--json", "--mode", "throughput", "--strategy", "groups/eigen+chunks=2"}).json();
+  EXPECT_TRUE(chunks["error"]["certified_radius"].is_null());
+  EXPECT_NE(chunks["certificate"]["why_not"], "");
+  EXPECT_NE(with({"--mode", "throughput", "--strategy", "groups/eigen+chunks=2"}).out.find("certified       no, "),
+            std::string::npos);
 }
 
 TEST(Run, AFailureKeepsWhatIsDoneAndSaysWhere) {

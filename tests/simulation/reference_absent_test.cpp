@@ -19,5 +19,15 @@ TEST(ForwardError, NamesThePackageThatThisBuildLacks) {
   }
 }
 
+TEST(Certificate, NamesThePackageThatThisBuildLacks) {
+  try {
+    (void)certify(Simulator(prepare(sample("four_bar:1"))));
+    FAIL() << "there are no certificates in this build";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), Error::Kind::environment);
+    EXPECT_NE(std::string(error.what()).find("apt install libboost-dev"), std::string::npos) << error.what();
+  }
+}
+
 }  // namespace
 }  // namespace assur

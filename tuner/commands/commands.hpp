@@ -43,6 +43,7 @@ struct RunOptions {
   int iterations = 0;                // 0: as many as convergence takes
   std::string csv;                   // "-": standard output; empty: none
   bool reference = false;
+  bool certify = false;
   bool pin = false;  // each thread on a core of its own
 };
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <iostream>
+#include <optional>
 #include <utility>
 
 #include "assur/simulator.hpp"
@@ -48,13 +49,19 @@ int run(const Common& common, const RunOptions& options) {
     report.error.forward_velocity = forward.velocity;
     report.error.forward_acceleration = forward.acceleration;
   }
+  std::optional<Certificate> certificate;
+  if (options.certify && trajectory.rows() > 0 && report.status.code != Code::interrupted) {
+    certificate = worst_of(certify(prepared, trajectory, limits_of(options)));
+    if (certificate->why_not.empty()) report.error.certified_radius = certificate->radius;
+  }
   output::RunSummary summary{.prepared = prepared,
                              .report = report,
                              .mode = how.mode,
                              .strategy = options.strategy,
                              .steps = std::max<std::int64_t>(static_cast<std::int64_t>(trajectory.rows()) - 1, 0),
                              .steps_wanted = steps,
-                             .seconds = seconds};
+                             .seconds = seconds,
+                             .certificate = std::move(certificate)};
   if (summary.steps > 0 && how.mode == Mode::latency) summary.step_seconds = times.figures();
   print(common, options, summary);
   const Exit exit = exit_of(report.status.code);

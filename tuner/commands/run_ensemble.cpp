@@ -31,6 +31,7 @@ void check(const RunOptions& options, const PrepareOptions& how) {
     refuse("--ensemble", "its members fill the lanes and threads; leave out +chunks= of the strategy");
   }
   if (options.reference) refuse("--reference", "it compares one mechanism; run the member in question with --set");
+  if (options.certify) refuse("--certify", "it proves one motion; run the member in question with --set");
 }
 
 // The variants with what --set says; a parameter has one source.

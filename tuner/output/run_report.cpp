@@ -1,6 +1,7 @@
 #include "output/run_report.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <utility>
 
@@ -136,6 +137,22 @@ void print_errors(Page& page, const ErrorFigures& e, std::int32_t highest) {
   page.gap();
 }
 
+void print_certificate(Page& page, const Certificate& c) {
+  if (c.why_not.empty() && c.group.empty()) {
+    page.fact("certified", "nothing has to be solved");
+    return page.gap();
+  }
+  const std::string where = "at t = " + number(c.time) + " s" + (c.group.empty() ? "" : ", group " + c.group);
+  if (c.why_not.empty()) {
+    page.fact("certified", "within " + error_figure(c.radius) + " characteristic lengths of the true postures, " +
+                               where +
+                               (std::isfinite(c.uniqueness) ? "; no others within " + error_figure(c.uniqueness) : ""));
+  } else {
+    page.fact("certified", "no, " + where + ": " + c.why_not);
+  }
+  page.gap();
+}
+
 std::string status_of(const RunSummary& s) {
   const Code code = s.report.status.code;
   if (code == Code::ok) return "done";
@@ -149,6 +166,12 @@ std::string status_of(const RunSummary& s) {
 
 Json to_json(const Event& e) {
   return {{"time", e.time}, {"until", e.until}, {"group", e.group}, {"kind", name(e.kind)}, {"figure", e.figure}};
+}
+
+// A number that is not finite is null.
+Json to_json(const Certificate& c) {
+  return {
+      {"radius", c.radius}, {"uniqueness", c.uniqueness}, {"time", c.time}, {"group", c.group}, {"why_not", c.why_not}};
 }
 
 // What an ensemble has beyond a run; its events say whose they are.
@@ -215,7 +238,8 @@ Json to_json(const RunSummary& s) {
                 {"forward_position", or_null(e.forward_position)},
                 {"forward_velocity", or_null(e.forward_velocity)},
                 {"forward_acceleration", or_null(e.forward_acceleration)},
-                {"certified_radius", nullptr}}},
+                {"certified_radius", or_null(e.certified_radius)}}},
+              {"certificate", s.certificate ? to_json(*s.certificate) : Json(nullptr)},
               {"left_out", to_json(s.prepared.structure->left_out)},
               {"status", name(s.report.status.code)},
               {"reached", s.report.reached},
@@ -236,6 +260,7 @@ void print(Page& page, const RunSummary& s) {
   print_times(page, s);
   print_work(page, s.report.counters);
   print_errors(page, s.report.error, derivatives(*s.prepared.structure));
+  if (s.certificate) print_certificate(page, *s.certificate);
   print(page, s.prepared.structure->left_out);
   print_notes(page, *s.prepared.scene, *s.prepared.structure);
   if (s.members != nullptr) print_outcomes(page, *s.members);

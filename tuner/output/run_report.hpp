@@ -24,6 +24,7 @@ struct RunSummary {
   double prepare_seconds = 0;                                    // of an ensemble
   std::optional<measure::StepTimes::Figures> step_seconds = {};  // in latency mode; none if there was no step
   const Members* members = nullptr;                              // of an ensemble
+  std::optional<Certificate> certificate = {};                   // of the run, if it was asked for
 
   // s: in throughput mode steps begin and end together, and only their mean over the whole run is known.
   [[nodiscard]] double mean_step() const { return seconds / static_cast<double>(steps); }

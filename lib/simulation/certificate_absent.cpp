@@ -1,0 +1,19 @@
+// Stands in for certificate.cpp where Boost is not installed.
+#include "assur/simulator.hpp"
+
+namespace assur {
+namespace {
+
+[[noreturn]] void refuse() {
+  throw Error(Error::Kind::environment,
+              "a certificate needs quad precision, and this build has none: install Boost.Multiprecision (Debian: apt "
+              "install libboost-dev) and build assur again");
+}
+
+}  // namespace
+
+Certificate certify(const Simulator&) { refuse(); }
+
+std::vector<Certificate> certify(const Prepared&, const Trajectory&, StepLimits) { refuse(); }
+
+}  // namespace assur
