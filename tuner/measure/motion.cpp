@@ -208,16 +208,19 @@ bool Crowd::run(int calls) {
 
 // ---- step
 
-WholeStep::WholeStep(const Prepared& prepared, std::vector<int> pin_to)
+WholeStep::WholeStep(const Prepared& prepared, std::vector<int> pin_to, int iterations)
     : pin_to_(prepared.plan.threads > 1 ? std::move(pin_to) : std::vector<int>{}),
-      simulator_(prepared, {.pin_to = pin_to_}),
+      simulator_(prepared, {.iterations = iterations, .pin_to = pin_to_}),
       grid_(prepared.scene->time()) {
   for (std::int64_t k = 0; k < std::min(kStepsBeforeSteady, grid_.steps()); ++k) {
     if (!advance()) throw Error(Error::Kind::numerical, "its first steps fail");
   }
 }
 
-bool WholeStep::advance() { return simulator_.step(grid_.time(next_++)).ok(); }
+bool WholeStep::advance() {
+  const Status status = simulator_.step(grid_.time(next_++));
+  return status.ok() || status.code == Code::inaccurate;  // which is accepted, and takes as long
+}
 
 void WholeStep::get_ready(int calls) {
   if (simulator_.prepared().plan.threads > 1) {
