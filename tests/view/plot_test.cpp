@@ -106,7 +106,8 @@ TEST(Plot, AFigureHasTwoPicturesAndOneLegend) {
 }
 
 TEST(Html, EveryCellOfATableIsThere) {
-  const HtmlTable table{{"a", "b"}, {false, true}, {{{"x<y", "1"}}, {{"z", "2"}, "strong"}}};
+  const HtmlTable table{
+      {"a", "b"}, {HtmlTable::Column::text, HtmlTable::Column::number}, {{{"x<y", "1"}}, {{"z", "2"}, "strong"}}};
   const std::string text = html(table);
   EXPECT_NE(text.find("<td>x&lt;y</td><td class=\"number\">1</td>"), std::string::npos);
   EXPECT_NE(text.find("<tr class=\"strong\"><td>z</td>"), std::string::npos);

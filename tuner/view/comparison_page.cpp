@@ -51,25 +51,27 @@ std::vector<const WorkPrecisionRow*> front_of(const ComparisonSummary& s) {
 }
 
 HtmlTable table_of_verdicts(const ComparisonSummary& s) {
-  HtmlTable table{{"asked for", "reached", "step", "", "strategy"}, {true, true, true, false, false}, {}};
+  using enum HtmlTable::Column;
+  HtmlTable table{{"asked for", "reached", "step", "", "strategy"}, {number, number, number, words, text}, {}};
   for (const double a : s.accuracies) {
     const output::Verdict v = output::verdict(s.result, a);
-    table.rows.push_back({{output::number(a), v.reached, v.step, v.words, v.strategy}});
+    table.rows.push_back({{power_of_ten(a), v.reached, v.step, v.words, v.strategy}});
   }
   return table;
 }
 
 HtmlTable table_of_rows(const ComparisonSummary& s) {
+  using enum HtmlTable::Column;
   HtmlTable table{{"front", "strategy", "auto for", "step", "spread", "rounds", "position", "velocity", "acceleration",
                    "estimate", "status"},
-                  {true, false, false, true, true, true, true, true, true, true, false},
+                  {number, text, text, number, number, number, number, number, number, number, words},
                   {}};
   const std::vector<const WorkPrecisionRow*> front = front_of(s);
   for (const WorkPrecisionRow& row : s.result.rows) {
     const auto at = std::find(front.begin(), front.end(), &row);
     const auto error = [&](double ForwardError::*which) { return row.error ? error_figure((*row.error).*which) : "-"; };
     std::string asked;
-    for (const double a : row.accuracies) asked += (asked.empty() ? "" : ", ") + output::number(a);
+    for (const double a : row.accuracies) asked += (asked.empty() ? "" : ", ") + power_of_ten(a);
     table.rows.push_back(
         {{at == front.end() ? "" : std::to_string(at - front.begin() + 1), output::way_text(row), asked,
           row.seconds ? output::duration(*row.seconds) : "-", row.seconds ? output::duration(row.spread) : "-",

@@ -17,16 +17,29 @@ p { margin: 0.5rem 0; }
 .faint { color: var(--faint); }
 .scroll { overflow-x: auto; }
 table { border-collapse: collapse; font-size: 0.875rem; font-variant-numeric: tabular-nums; }
-th, td { vertical-align: top; padding: 0.2rem 0.75rem 0.2rem 0; text-align: left; border-bottom: 1px solid var(--rule); }
+th, td { vertical-align: top; white-space: nowrap; padding: 0.2rem 0.75rem 0.2rem 0; text-align: left; border-bottom: 1px solid var(--rule); }
 th { color: var(--faint); font-weight: 600; }
-th.number, td.number { text-align: right; white-space: nowrap; }
+th.number, td.number { text-align: right; }
+th.words, td.words { white-space: normal; min-width: 9rem; }
 tr.strong td { background: var(--tint); font-weight: 600; }
 )";
+
+std::string_view css_class(HtmlTable::Column column) {
+  switch (column) {
+    case HtmlTable::Column::text:
+      return "";
+    case HtmlTable::Column::number:
+      return " class=\"number\"";
+    case HtmlTable::Column::words:
+      return " class=\"words\"";
+  }
+  return "";
+}
 
 std::string row(const HtmlTable& table, const HtmlTable::Row& row, std::string_view element) {
   std::string out = row.css_class.empty() ? "<tr>" : "<tr class=\"" + row.css_class + "\">";
   for (std::size_t c = 0; c < row.cells.size(); ++c) {
-    out.append("<").append(element).append(table.is_number[c] ? " class=\"number\">" : ">");
+    out.append("<").append(element).append(css_class(table.columns[c])).append(">");
     out.append(escaped(row.cells[c])).append("</").append(element).append(">");
   }
   return out + "</tr>\n";

@@ -1,6 +1,7 @@
 // Pages that need nothing but themselves.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,10 +11,11 @@ namespace assur::view {
 // With &, <, > and quotes as HTML and SVG want them.
 [[nodiscard]] std::string escaped(std::string_view text);
 
-// Rows of cells, which are texts; the first row are titles. Columns of numbers stand to the right.
 struct HtmlTable {
+  enum class Column : std::uint8_t { text, number, words };  // numbers stand to the right; only words are broken
+
   std::vector<std::string> titles;
-  std::vector<bool> is_number;  // columns
+  std::vector<Column> columns;  // as many as titles
   struct Row {
     std::vector<std::string> cells;
     std::string css_class = {};
