@@ -64,7 +64,7 @@ HtmlTable table_of_rows(const ComparisonSummary& s) {
   using enum HtmlTable::Column;
   HtmlTable table{{"front", "strategy", "auto for", "step", "spread", "rounds", "position", "velocity", "acceleration",
                    "estimate", "status"},
-                  {number, text, text, number, number, number, number, number, number, number, words},
+                  {number, text, words, number, number, number, number, number, number, number, words},
                   {}};
   const std::vector<const WorkPrecisionRow*> front = front_of(s);
   for (const WorkPrecisionRow& row : s.result.rows) {

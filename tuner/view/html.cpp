@@ -9,7 +9,7 @@ constexpr std::string_view kStyle = R"(
   :root { --ink: #e6e9ed; --paper: #14181d; --faint: #9aa5b1; --rule: #343b44; --tint: #1d232a; }
 }
 * { box-sizing: border-box; }
-body { margin: 0 auto; max-width: 1100px; padding: 1rem; background: var(--paper); color: var(--ink);
+body { margin: 0 auto; max-width: 1240px; padding: 1rem; background: var(--paper); color: var(--ink);
        font: 16px/1.5 system-ui, sans-serif; }
 h1 { font-size: 1.5rem; line-height: 1.25; margin: 0.5rem 0; }
 h2 { font-size: 1.15rem; margin: 2rem 0 0.5rem; }
@@ -20,7 +20,7 @@ table { border-collapse: collapse; font-size: 0.875rem; font-variant-numeric: ta
 th, td { vertical-align: top; white-space: nowrap; padding: 0.2rem 0.75rem 0.2rem 0; text-align: left; border-bottom: 1px solid var(--rule); }
 th { color: var(--faint); font-weight: 600; }
 th.number, td.number { text-align: right; }
-th.words, td.words { white-space: normal; min-width: 9rem; }
+th.words, td.words { white-space: normal; min-width: 7rem; }
 tr.strong td { background: var(--tint); font-weight: 600; }
 )";
 
