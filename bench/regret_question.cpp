@@ -8,6 +8,7 @@
 
 #include "measure/motion.hpp"
 #include "measure/race.hpp"
+#include "measure/ways.hpp"
 
 namespace assur::bench {
 namespace {
@@ -43,18 +44,9 @@ bool is_right(const Report& report) {
          report.error.acceleration < kWrong;
 }
 
-// Dense factors of so many unknowns take a second a step: nobody's best, and hours for all questions.
-bool is_hopeless(const Plan& plan) {
-  constexpr std::int32_t kMostDense = 600;
-  return std::any_of(plan.choices.begin(), plan.choices.end(), [](const Plan::Choice& c) {
-    const std::string& b = c.strategy.backend;
-    return c.shape.n > kMostDense && (b == "eigen" || b == "lapack" || b == "team");
-  });
-}
-
 // False if it cannot run or is wrong.
 bool enter(Racer& racer) {
-  if (is_hopeless(racer.prepared.plan)) return false;
+  if (measure::is_hopeless(racer.prepared.plan)) return false;
   try {
     // Where the system puts two threads is luck in a race of many teams: each has its core.
     static const std::vector<int> kCores = this_machine().cores;

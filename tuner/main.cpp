@@ -37,6 +37,7 @@ struct Invocation {
   Common common;
   InspectOptions inspect;
   RunOptions run;
+  CompareOptions compare;
   PlanOptions plan;
   DbOptions db;
   TuneOptions tune;
@@ -56,6 +57,22 @@ void take_parameter(Parameters& set, const std::string& text) {
   }
 }
 
+// "1e-4,1e-6": numbers > 0.
+void take_accuracies(std::vector<double>& accuracies, const std::string& text) {
+  accuracies.clear();
+  std::istringstream list(text);
+  for (std::string item; std::getline(list, item, ',');) {
+    double value = 0;
+    if (!CLI::detail::lexical_cast(item, value) || !std::isfinite(value) || !(value > 0)) {
+      throw CLI::ValidationError("--accuracy", "expects numbers > 0 such as 1e-4,1e-8, not \"" + text + "\"");
+    }
+    accuracies.push_back(value);
+  }
+  if (accuracies.empty()) throw CLI::ValidationError("--accuracy", "expects numbers > 0 such as 1e-4,1e-8");
+  std::sort(accuracies.begin(), accuracies.end(), std::greater<>());
+  accuracies.erase(std::unique(accuracies.begin(), accuracies.end()), accuracies.end());
+}
+
 // "A,B", without an empty name.
 void take_names(std::vector<std::string>& names, const std::string& text, const std::string& option) {
   for (std::size_t from = 0, comma = 0; comma != std::string::npos; from = comma + 1) {
@@ -72,6 +89,15 @@ CLI::Validator number(double above, const std::string& what) {
         double value = 0;
         const bool fits = CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value > above;
         return fits ? std::string() : "expects a number" + what + ", not \"" + text + "\"";
+      },
+      "");
+}
+CLI::Validator accuracy() {
+  return CLI::Validator(
+      [](std::string& text) {
+        double value = 0;
+        const bool fits = CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value >= 0;
+        return fits ? std::string() : "expects a number > 0, or 0 for off, not \"" + text + "\"";
       },
       "");
 }
@@ -162,6 +188,12 @@ void add_mode(CLI::App& app, ModeOption& mode) {
       ->type_name("NAME");
 }
 
+void add_accuracy(CLI::App& app, double& value) {
+  app.add_option("--accuracy", value, "Largest error that an output may have (1e-6); 0: any")
+      ->check(accuracy())
+      ->type_name("X");
+}
+
 void add_run(CLI::App& app, Invocation& call) {
   CLI::App& run = *app.add_subcommand("run", "Motion of a scene: position, velocity, acceleration");
   RunOptions& o = call.run;
@@ -172,25 +204,56 @@ void add_run(CLI::App& app, Invocation& call) {
   run.add_option("--strategy", o.strategy, "How to solve it: auto (the default), groups/klu, ...")->type_name("TEXT");
   add_names(run, "--without", o.without, "Backends that auto leaves out: lanes, klu, ...");
   add_mode(run, o.mode);
+  add_accuracy(run, o.accuracy);
   CLI::Option* ensemble =
       run.add_option("--ensemble", o.ensemble, "Many variants: a CSV of parameters, a member a row")->type_name("FILE");
   run.add_option("--iterations", o.iterations, "Newton iterations, fixed, but in the first level")
       ->check(whole_number(1))
       ->type_name("N");
   CLI::Option* csv = run.add_option("--csv", o.csv, "Write the trajectory; - for standard output")->type_name("FILE");
+  CLI::Option* errors =
+      run.add_option("--errors", o.errors, "Write the errors of each group in each step")->type_name("FILE");
   run.add_flag("--reference", o.reference, "Compare with a solution in quad precision");
   run.add_flag("--certify", o.certify, "Prove how near the postures are to the true ones");
   run.add_flag("--pin", o.pin, "Each thread on a core of its own, never asleep");
   add_common(run, call.common);
-  run.callback([&call, csv, ensemble] {
+  run.callback([&call, csv, ensemble, errors] {
     if (ensemble->count() > 0 && call.run.ensemble.empty()) {
       throw CLI::ValidationError("--ensemble", "expects a file name");
     }
     if (csv->count() > 0 && call.run.csv.empty()) throw CLI::ValidationError("--csv", "expects a file name");
+    if (errors->count() > 0 && call.run.errors.empty()) throw CLI::ValidationError("--errors", "expects a file name");
     if (call.common.json && call.run.csv == "-") {
       throw CLI::ValidationError("--csv", "cannot share standard output with --json; give a file");
     }
     call.chosen = [&call] { return command::run(call.common, call.run); };
+  });
+}
+
+void add_compare(CLI::App& app, Invocation& call) {
+  CLI::App& compare = *app.add_subcommand("compare", "True error against run time of a scene");
+  CompareOptions& o = call.compare;
+  add_scene(compare, call.common, o.scene, o.outputs);
+  compare.add_option("--steps", o.steps, "Number of steps; left out: 1,000 at most")
+      ->check(whole_number(1))
+      ->type_name("N");
+  compare
+      .add_option_function<std::string>(
+          "--accuracy", [&o](const std::string& text) { take_accuracies(o.accuracies, text); },
+          "What auto is asked for: 1e-4,1e-6,1e-8,1e-10,1e-12")
+      ->type_name("LIST");
+  compare
+      .add_option_function<std::string>(
+          "--strategies", [&o](const std::string& text) { take_names(o.strategies, text, "--strategies"); },
+          "Only these: groups/klu,irreducible/lanes:8+once, ...")
+      ->type_name("LIST");
+  CLI::Option* html = compare.add_option("--html", o.html, "Write a page with the diagram")->type_name("FILE");
+  add_common(compare, call.common);
+  compare.callback([&call, html] {
+    if (html->count() > 0 && call.compare.html.empty()) {
+      throw CLI::ValidationError("--html", "expects a file name");
+    }
+    call.chosen = [&call] { return command::compare(call.common, call.compare); };
   });
 }
 
@@ -199,6 +262,7 @@ void add_plan(CLI::App& app, Invocation& call) {
   add_scene(plan, call.common, call.plan.scene, call.plan.outputs);
   add_names(plan, "--without", call.plan.without, "Backends to leave out: lanes, klu, ...");
   add_mode(plan, call.plan.mode);
+  add_accuracy(plan, call.plan.accuracy);
   CLI::Option* save =
       plan.add_option("--save", call.plan.save, "Write the plan, for a program to load and run")->type_name("FILE");
   add_common(plan, call.common);
@@ -360,6 +424,7 @@ int main(int argc, char** argv) {
   add_run(app, call);
   add_inspect(app, call);
   add_plan(app, call);
+  add_compare(app, call);
   add_backends(app, call);
   add_db(app, call);
   add_tune(app, call);

@@ -34,6 +34,13 @@ TEST(Usage, AWrongCallSaysWhatIsWrongAndWhereHelpIs) {
       {{"run", "stewart", "--mode", "fast"}, "--mode: expects latency or throughput, not \"fast\"", "assur run"},
       {{"run", "stewart", "--ensemble", ""}, "--ensemble: expects a file name", "assur run"},
       {{"run", "stewart", "--csv", ""}, "--csv: expects a file name", "assur run"},
+      {{"run", "stewart", "--errors", ""}, "--errors: expects a file name", "assur run"},
+      {{"run", "stewart", "--accuracy", "-1e-6"},
+       "--accuracy: expects a number > 0, or 0 for off, not \"-1e-6\"",
+       "assur run"},
+      {{"plan", "stewart", "--accuracy", "fine"},
+       "--accuracy: expects a number > 0, or 0 for off, not \"fine\"",
+       "assur plan"},
       {{"run", "stewart", "--outputs", ""}, "--outputs: expects names such as A,B, not \"\"", "assur run"},
       {{"run", "stewart", "--outputs", ","}, "--outputs: expects names such as A,B, not \",\"", "assur run"},
       {{"inspect", "stewart", "--outputs", "O,,B1"},
@@ -71,10 +78,11 @@ TEST(Usage, WithJsonAWrongCallIsAnObject) {
 TEST(Usage, HelpFitsThePageAndNamesEveryOption) {
   const std::vector<std::string> common = {"--json", "--quiet", "--threads", "--db", "--help", "--version"};
   const std::vector<std::pair<std::vector<std::string>, std::vector<std::string>>> cases = {
-      {{"--help"}, {"run", "inspect", "backends", "db"}},
+      {{"--help"}, {"run", "inspect", "plan", "compare", "backends", "db"}},
       {{"run", "--help"},
-       {"SCENE", "--set", "--start", "--dt", "--steps", "--outputs", "--strategy", "--mode", "--ensemble",
-        "--iterations", "--csv", "--reference", "--pin"}},
+       {"SCENE", "--set", "--start", "--dt", "--steps", "--outputs", "--strategy", "--mode", "--accuracy", "--ensemble",
+        "--iterations", "--csv", "--errors", "--reference", "--pin"}},
+      {{"compare", "--help"}, {"SCENE", "--set", "--outputs", "--steps", "--accuracy", "--strategies", "--html"}},
       {{"inspect", "--help"}, {"SCENE", "--set", "--outputs", "--formulation"}},
       {{"backends", "--help"}, {}},
       {{"db", "--help"}, {"info", "samples", "best", "crossovers", "models", "export", "import", "check", "forget"}},

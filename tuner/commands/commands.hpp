@@ -40,17 +40,29 @@ struct RunOptions {
   std::vector<std::string> without;  // backends that `auto` leaves out
   std::optional<Mode> mode;          // left out: throughput where the ensemble or the strategy asks for it
   std::string ensemble;              // a CSV of parameters, one member a row; empty: the scene alone
+  double accuracy = 1e-6;            // PrepareOptions::accuracy
   int iterations = 0;                // 0: as many as convergence takes
   std::string csv;                   // "-": standard output; empty: none
+  std::string errors;                // a CSV of each group in each step; empty: none
   bool reference = false;
   bool certify = false;
   bool pin = false;  // each thread on a core of its own
+};
+
+struct CompareOptions {
+  std::string scene;
+  std::vector<std::string> outputs;                                   // empty: those of the scene
+  std::optional<std::int64_t> steps;                                  // left out: those of the scene, within reason
+  std::vector<double> accuracies = {1e-4, 1e-6, 1e-8, 1e-10, 1e-12};  // that `auto` is asked for
+  std::vector<std::string> strategies;                                // empty: all that are worth it
+  std::string html;                                                   // empty: no page
 };
 
 struct PlanOptions {
   std::string scene;
   std::vector<std::string> outputs;  // empty: those of the scene
   Mode mode = Mode::latency;
+  double accuracy = 1e-6;            // PrepareOptions::accuracy
   std::vector<std::string> without;  // backends
   std::string save;                  // a file for load_plan(); empty: none
 };
@@ -78,6 +90,7 @@ void check_threads(const Common& common);
 
 int inspect(const Common& common, const InspectOptions& options);
 int run(const Common& common, const RunOptions& options);
+int compare(const Common& common, const CompareOptions& options);
 int plan(const Common& common, const PlanOptions& options);
 int backends(const Common& common);
 int db(const Common& common, const DbOptions& options);

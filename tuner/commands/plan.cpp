@@ -27,8 +27,11 @@ int plan(const Common& common, const PlanOptions& options) {
   if (!options.outputs.empty()) scene = scene.with_outputs(options.outputs);
   const MachineModel known = machine_model_of(common);
   const ThreadBudget budget = common.threads > 0 ? ThreadBudget{common.threads} : this_machine().budget();
-  const Prepared prepared =
-      prepare(scene, {.budget = budget, .mode = options.mode, .model = known.model, .without = options.without});
+  const Prepared prepared = prepare(scene, {.budget = budget,
+                                            .mode = options.mode,
+                                            .model = known.model,
+                                            .without = options.without,
+                                            .accuracy = options.accuracy});
 
   if (!options.save.empty()) save(options.save, prepared);
 

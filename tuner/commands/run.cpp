@@ -29,10 +29,13 @@ Trajectory follow(Simulator& simulator, Progress& progress, measure::StepTimes& 
 int run(const Common& common, const RunOptions& options) {
   if (!options.ensemble.empty()) return run_ensemble(common, options);
   const PrepareOptions how = how_of(common, options);
+  check_errors(options, how);
   const Scene scene = scene_of(options, common.set);
   const Prepared prepared = prepare(scene, how);
   Simulator simulator(prepared, limits_of(options));
   output::CsvFile csv(options.csv);
+  std::optional<output::ErrorsCsv> errors;
+  if (!options.errors.empty()) errors.emplace(options.errors);
 
   const std::int64_t steps = scene.time().steps();
   Progress progress(std::cerr, common.quiet ? Progress::Style::none : Progress::style_of_standard_error());
@@ -64,7 +67,8 @@ int run(const Common& common, const RunOptions& options) {
                              .certificate = std::move(certificate)};
   if (summary.steps > 0 && how.mode == Mode::latency) summary.step_seconds = times.figures();
   print(common, options, summary);
-  const Exit exit = exit_of(report.status.code);
+  const bool all_written = !errors || write_errors(simulator, options, *errors, progress);
+  const Exit exit = all_written ? exit_of(report.status.code) : kInterrupted;
   if (exit == kNumerical && !common.json) {
     std::cerr << "error: " << output::why_stopped(report.status, report.events, report.reached) << '\n';
   }

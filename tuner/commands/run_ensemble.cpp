@@ -92,6 +92,7 @@ void explain(const output::Members& members) {
 int run_ensemble(const Common& common, const RunOptions& options) {
   PrepareOptions how = how_of(common, options);
   check(options, how);
+  check_errors(options, how);
   if (!how.budget) how.budget = this_machine().budget();  // asked once, not for each member
   const std::vector<Parameters> variants = variants_of(common, options);
   const Progress::Style style = common.quiet ? Progress::Style::none : Progress::style_of_standard_error();

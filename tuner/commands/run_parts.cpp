@@ -58,6 +58,7 @@ PrepareOptions how_of(const Common& common, const RunOptions& options) {
   PrepareOptions how;
   how.strategy = options.strategy;
   how.without = options.without;
+  how.accuracy = options.accuracy;
   if (options.strategy == "auto" || !common.db.empty()) {
     const MachineModel known = machine_model_of(common);
     how.model = known.model;

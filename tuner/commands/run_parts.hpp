@@ -5,6 +5,7 @@
 #include "assur/simulator.hpp"
 #include "commands/commands.hpp"
 #include "measure/step_times.hpp"
+#include "output/errors_csv.hpp"
 #include "output/progress.hpp"
 #include "output/run_report.hpp"
 
@@ -24,6 +25,13 @@ namespace assur::command {
 void print(const Common& common, const RunOptions& options, const output::RunSummary& summary);
 
 [[nodiscard]] Exit exit_of(Code code);
+
+// --errors: throws Error (input) where there are no single steps to look at.
+void check_errors(const RunOptions& options, const PrepareOptions& how);
+// The motion once more, with a look at every group after each step, so that the times of the first run are not those of
+// looking. False if interrupted.
+[[nodiscard]] bool write_errors(Simulator& simulator, const RunOptions& options, output::ErrorsCsv& csv,
+                                output::Progress& progress);
 
 // --ensemble.
 int run_ensemble(const Common& common, const RunOptions& options);

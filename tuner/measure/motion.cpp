@@ -208,9 +208,9 @@ bool Crowd::run(int calls) {
 
 // ---- step
 
-WholeStep::WholeStep(const Prepared& prepared, std::vector<int> pin_to)
+WholeStep::WholeStep(const Prepared& prepared, std::vector<int> pin_to, int iterations)
     : pin_to_(prepared.plan.threads > 1 ? std::move(pin_to) : std::vector<int>{}),
-      simulator_(prepared, {.pin_to = pin_to_}),
+      simulator_(prepared, {.iterations = iterations, .pin_to = pin_to_}),
       grid_(prepared.scene->time()) {
   for (std::int64_t k = 0; k < std::min(kStepsBeforeSteady, grid_.steps()); ++k) {
     if (!advance()) throw Error(Error::Kind::numerical, "its first steps fail");

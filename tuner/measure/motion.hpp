@@ -57,8 +57,9 @@ class Crowd final : public Workload {
 // One call is one step of a whole mechanism over its time grid, again from the start when the grid ends.
 class WholeStep final : public Workload {
  public:
-  // pin_to: as StepLimits has it. Throws Error as Simulator does, and (numerical) if the first steps fail.
-  explicit WholeStep(const Prepared& prepared, std::vector<int> pin_to = {});
+  // pin_to, iterations: as StepLimits has them. Throws Error as Simulator does, and (numerical) if the first steps
+  // fail.
+  explicit WholeStep(const Prepared& prepared, std::vector<int> pin_to = {}, int iterations = 0);
 
   void get_ready(int calls) override;
   bool run(int calls) override;

@@ -119,6 +119,7 @@ Json to_json(const PlanSummary& s) {
   }
   return {{"scene", s.prepared.scene->name()},
           {"mode", s.mode == Mode::latency ? "latency" : "throughput"},
+          {"accuracy", plan.accuracy},
           {"formulation", name(plan.formulation)},
           {"budget", s.budget.threads},
           {"threads", plan.threads},

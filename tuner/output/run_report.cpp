@@ -127,11 +127,14 @@ void print_errors(Page& page, const ErrorFigures& e, std::int32_t highest) {
   table.row({label("error"), "position", "velocity", "acceleration"});
   table.row({label("  residual"), error_figure(e.position), highest < 1 ? "-" : error_figure(e.velocity),
              highest < 2 ? "-" : error_figure(e.acceleration)});
-  if (e.forward_position) {
+  const auto row = [&](const char* what, const auto& position, const auto& velocity, const auto& acceleration) {
     const auto figure = [](const std::optional<double>& v) { return v ? error_figure(*v) : std::string("-"); };
-    table.row(
-        {label("  forward"), figure(e.forward_position), figure(e.forward_velocity), figure(e.forward_acceleration)});
-  }
+    if (position || velocity || acceleration) {
+      table.row({label(what), figure(position), figure(velocity), figure(acceleration)});
+    }
+  };
+  row("  estimated", e.estimated_position, e.estimated_velocity, e.estimated_acceleration);
+  row("  forward", e.forward_position, e.forward_velocity, e.forward_acceleration);
   page.gap();
   page.table(table);
   page.gap();
@@ -159,6 +162,9 @@ std::string status_of(const RunSummary& s) {
   if (s.members != nullptr && code != Code::interrupted) {
     return grouped(static_cast<std::int64_t>(s.members->failed.size())) + " of " + counted(s.members->all, "member") +
            " failed";
+  }
+  if (code == Code::inaccurate && s.members == nullptr) {
+    return "done, but inaccurate: an estimated error exceeds the " + number(s.prepared.plan.accuracy) + " asked for";
   }
   return std::string(name(code)) + " after " + counted(s.steps, "step") +
          (s.members != nullptr ? " of members" : ", at t = " + number(s.report.reached) + " s");
@@ -235,6 +241,9 @@ Json to_json(const RunSummary& s) {
                {{"position", e.position},
                 {"velocity", highest < 1 ? Json(nullptr) : Json(e.velocity)},
                 {"acceleration", highest < 2 ? Json(nullptr) : Json(e.acceleration)},
+                {"estimated_position", or_null(e.estimated_position)},
+                {"estimated_velocity", or_null(e.estimated_velocity)},
+                {"estimated_acceleration", or_null(e.estimated_acceleration)},
                 {"forward_position", or_null(e.forward_position)},
                 {"forward_velocity", or_null(e.forward_velocity)},
                 {"forward_acceleration", or_null(e.forward_acceleration)},

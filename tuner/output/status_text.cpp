@@ -1,5 +1,6 @@
 #include "output/status_text.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 
@@ -54,9 +55,11 @@ std::string explained(Code code) {
 }
 
 std::string why_stopped(const Status& status, const std::vector<Event>& events, double reached) {
-  const bool has_event = !events.empty() && events.back().kind == status.code;
-  if (!has_event) return "after t = " + moment(reached) + " s: " + explained(status.code);
-  const Event& e = events.back();
+  const auto at = std::find_if(events.rbegin(), events.rend(), [&](const Event& e) { return e.kind == status.code; });
+  // What stopped a motion is its last event; after an inaccurate step others may follow.
+  const bool is_told = at != events.rend() && (at == events.rbegin() || status.code == Code::inaccurate);
+  if (!is_told) return "after t = " + moment(reached) + " s: " + explained(status.code);
+  const Event& e = *at;
   return time_of(e) + (e.group.empty() ? "" : ", group " + e.group) + ": " + explained(status.code);
 }
 

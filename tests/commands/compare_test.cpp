@@ -1,0 +1,105 @@
+// assur compare: error against run time.
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "commands/command.hpp"
+
+namespace assur {
+namespace {
+
+const std::vector<std::string> kCall = {
+    "compare",    "stewart",  "--steps", "30", "--quiet", "--strategies", "groups/eigen,irreducible/lanes:8+once",
+    "--accuracy", "1e-4,1e-8"};
+
+std::vector<std::string> with(std::vector<std::string> call, const std::vector<std::string>& more) {
+  call.insert(call.end(), more.begin(), more.end());
+  return call;
+}
+
+TEST(Compare, JsonHasARowForEachStrategyAndEachAccuracy) {
+  const Outcome o = run_command(with(kCall, {"--json"}));
+  ASSERT_EQ(o.status, 0) << o.err;
+  EXPECT_EQ(o.err, "");
+  const auto json = o.json();
+  EXPECT_EQ(json["scene"], "stewart");
+  EXPECT_EQ(json["steps"], 30);
+  std::multiset<double> picked;
+  std::set<std::string> forced;
+  bool any_front = false;
+  double before = 0;
+  for (const auto& row : json["rows"]) {
+    ASSERT_EQ(row["status"], "ok");
+    EXPECT_GE(row["seconds_per_step"], before);
+    before = row["seconds_per_step"];
+    EXPECT_EQ(row["picked"], row["accuracy"].is_number());
+    if (row["picked"]) picked.insert(row["accuracy"].get<double>());
+    if (!row["picked"]) forced.insert(row["strategy"].get<std::string>());
+    any_front = any_front || row["on_front"].get<bool>();
+    if (!json["no_yardstick"].is_null()) continue;
+    for (const char* kind : {"forward_position", "forward_velocity", "forward_acceleration"}) {
+      EXPECT_GE(row[kind], 0);
+      EXPECT_LE(row[kind], 1e-12) << row["strategy"];  // condition about 10: some hundred eps
+    }
+    if (row["picked"]) {
+      EXPECT_GE(row["behind"], 0);
+    }
+  }
+  EXPECT_EQ(picked, (std::multiset<double>{1e-4, 1e-8}));
+  EXPECT_LE(forced.size(), 2u);
+  EXPECT_EQ(any_front, json["no_yardstick"].is_null());
+}
+
+TEST(Compare, ThePageHasThePictureAndEveryRow) {
+  const Scratch scratch;
+  const std::string file = scratch.file("compare.html");
+  const Outcome o = run_command(with(kCall, {"--html", file, "--json"}));
+  ASSERT_EQ(o.status, 0) << o.err;
+  const std::string page = content(file);
+  EXPECT_EQ(page.find("<!DOCTYPE html>"), 0u);
+  for (const auto& row : o.json()["rows"]) {
+    EXPECT_NE(page.find("<td>" + row["strategy"].get<std::string>() + "</td>"), std::string::npos) << row;
+  }
+  if (o.json()["no_yardstick"].is_null()) {
+    EXPECT_NE(page.find("<svg class=\"plot narrow\""), std::string::npos);
+  }
+  EXPECT_EQ(page.find("http://"), page.find("http://www.w3.org/2000/svg"));
+}
+
+TEST(Compare, TheTableNamesWhatAutoTook) {
+  const Outcome o = run_command(kCall);
+  ASSERT_EQ(o.status, 0) << o.err;
+  EXPECT_NE(o.out.find("stewart: true error against time, 30 steps of 0.01 s"), std::string::npos);
+  EXPECT_NE(o.out.find("groups/eigen"), std::string::npos);
+  EXPECT_NE(o.out.find("auto, asked for"), std::string::npos);
+}
+
+TEST(Compare, AWrongCallSaysWhatIsWrong) {
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
+      {{"--accuracy", "fine"}, "--accuracy: expects numbers > 0 such as 1e-4,1e-8, not \"fine\""},
+      {{"--accuracy", "1e-4,0"}, "--accuracy: expects numbers > 0 such as 1e-4,1e-8, not \"1e-4,0\""},
+      {{"--strategies", "auto"}, "auto"},
+      {{"--strategies", "groups/eigen+chunks=4"}, "leave out +chunks="},
+      {{"--html", ""}, "--html: expects a file name"},
+      {{"--steps", "0"}, "--steps: expects a whole number from 1, not \"0\""},
+  };
+  for (const auto& [options, message] : cases) {
+    const Outcome o = run_command(with({"compare", "stewart"}, options));
+    EXPECT_EQ(o.status, 2) << options[1];
+    EXPECT_EQ(o.out, "");
+    EXPECT_NE(o.err.find(message), std::string::npos) << o.err;
+  }
+}
+
+TEST(Compare, WhatCannotRunOrBeWrittenIsAnErrorOfTheEnvironment) {
+  const Scratch scratch;
+  const Outcome page = run_command(with(kCall, {"--html", scratch.file("no_such_folder/page.html")}));
+  EXPECT_EQ(page.status, 3);
+  EXPECT_NE(page.err.find("no_such_folder"), std::string::npos) << page.err;
+  const Outcome strategy = run_command({"compare", "stewart", "--strategies", "groups/klu+float"});
+  EXPECT_EQ(strategy.status, 3);
+  EXPECT_NE(strategy.err.find("klu"), std::string::npos) << strategy.err;
+}
+
+}  // namespace
+}  // namespace assur

@@ -1,0 +1,73 @@
+// What is seen of a group from outside, against what is known of it.
+#include "measure/diagnosis.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace assur::measure {
+namespace {
+
+constexpr double kEps = std::numeric_limits<double>::epsilon();
+constexpr double kSolved = 8 * kEps;  // residual of an equation that counts as solved
+
+// C at distance 1 from A = (0, 0) and from B = (x, 0), which a driver moves: C = (x/2, h), h = sqrt(1 - x^2/4).
+Scene dyad(double from, double rate) {
+  return SceneBuilder("dyad", 2)
+      .fixed_point("A", {0, 0})
+      .point("B", {from, 0})
+      .point("C", {from / 2, 1})
+      .constrain("track", FixedCoordinate{"B.y", 0.0})
+      .constrain("left", Distance{"A", "C", 1.0})
+      .constrain("right", Distance{"B", "C", 1.0})
+      .drive("push", DrivenCoordinate{"B.x", Law::polynomial({from, rate})})
+      .time(0, 1, 0.1)
+      .build();
+}
+
+TEST(Diagnosis, ConditionGrowsAsTheDyadStretches) {
+  // |J^-1| is 1 / 2h in its larger row while everything else goes to a limit, from which x is off by 1e-3 at most.
+  const auto condition = [](double x) {
+    const Simulator simulator(prepare(dyad(x, -1e-3), {"groups/eigen"}));
+    const std::vector<GroupFigures> all = Diagnosis(simulator.prepared(), false).look(simulator);
+    EXPECT_EQ(all.size(), 1u);
+    return all.at(0).condition.value();
+  };
+  const auto h = [](double x) { return std::sqrt(1 - x * x / 4); };
+  const double ratio = condition(1.99999) / condition(1.999);
+  EXPECT_NEAR(ratio / (h(1.999) / h(1.99999)), 1, 0.01);
+}
+
+class Figures : public testing::TestWithParam<int> {};  // iterations; 0: as many as it takes
+
+TEST_P(Figures, AreThoseOfThePosture) {
+  const Prepared prepared = prepare(sample("four_bar:loops=2,steps=20"), {"groups/eigen+predict=taylor:0"});
+  ASSERT_EQ(prepared.structure->levels, 2);  // the second one has fixed iterations
+  Simulator simulator(prepared, {.iterations = GetParam()});
+  std::unique_ptr<Diagnosis> diagnosis;
+  try {
+    diagnosis = std::make_unique<Diagnosis>(simulator.prepared(), true);
+  } catch (const Error& no_quad_precision) {
+    GTEST_SKIP() << no_quad_precision.what();
+  }
+  double residual = 0, error = 0;
+  const Trajectory motion = simulator.run([&](std::int64_t, std::int64_t) {
+    const std::vector<GroupFigures> all = diagnosis->look(simulator);
+    EXPECT_LE(all.front().residual, kSolved);
+    residual = std::max(residual, all.back().residual);
+    error = std::max(error, all.back().error.value());
+    // Its own residual, and the error of the loop before, which a condition carries on: a rounding each, at least.
+    const double bound = 2 * (all.back().residual + kSolved) * all.front().condition.value();
+    EXPECT_LE(all.back().error.value(), 2 * bound * all.back().condition.value());
+    return true;
+  });
+  ASSERT_EQ(motion.rows(), 21u);
+  EXPECT_EQ(residual <= kSolved, GetParam() == 0);
+  EXPECT_EQ(error <= 1e-12, GetParam() == 0);  // a thousand roundings; one iteration leaves the square of some 1e-3
+}
+
+INSTANTIATE_TEST_SUITE_P(, Figures, testing::Values(0, 1), testing::PrintToStringParamName());
+
+}  // namespace
+}  // namespace assur::measure

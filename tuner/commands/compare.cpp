@@ -1,0 +1,123 @@
+// assur compare SCENE
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <ctime>
+#include <fstream>
+#include <iostream>
+
+#include "assur/machine.hpp"
+#include "commands/commands.hpp"
+#include "commands/interrupt.hpp"
+#include "db/libraries.hpp"
+#include "measure/step_times.hpp"
+#include "measure/work_precision.hpp"
+#include "output/comparison_report.hpp"
+#include "output/format.hpp"
+#include "output/progress.hpp"
+#include "view/comparison_page.hpp"
+
+namespace assur::command {
+namespace {
+
+constexpr std::int64_t kMostSteps = 1000;  // unless more are asked for: the reference takes its time
+
+// What was timed: all times of all ways together.
+constexpr measure::RaceRules kRules{.seconds = 10, .least_rounds = 15, .most_rounds = 41, .hopeless = 100};
+
+Scene scene_of(const Common& common, const CompareOptions& options) {
+  Scene scene = open_scene(options.scene, common.set);
+  if (!options.outputs.empty()) scene = scene.with_outputs(options.outputs);
+  TimeGrid grid = scene.time();
+  const std::int64_t steps = options.steps.value_or(std::min(grid.steps(), kMostSteps));
+  if (steps == grid.steps()) return scene;
+  grid.end = grid.time(steps);
+  return scene.with_time(grid);
+}
+
+std::vector<Strategy> strategies_of(const CompareOptions& options) {
+  std::vector<Strategy> all;
+  for (const std::string& text : options.strategies) {
+    all.push_back(parse_strategy(text));
+    if (all.back().chunks == 1) continue;
+    throw Error(Error::Kind::input,
+                {{"--strategies", text + ": single steps are compared, and chunks have none; leave out +chunks="}});
+  }
+  return all;
+}
+
+std::string today() {
+  const std::time_t now = std::time(nullptr);
+  std::tm parts{};
+  localtime_r(&now, &parts);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%d", &parts);
+  return text;
+}
+
+std::vector<std::string> origin(const PerformanceModel& model) {
+  const db::Library build = db::library_at_hand("assur");
+  return {to_string(this_machine()), "assur " + std::string(db::assur_version()) + ", " + build.build + "; " + today(),
+          model.samples() == 0
+              ? "Nothing was measured on this machine before: auto goes by counts of operations."
+              : "auto goes by " + output::counted(static_cast<std::int64_t>(model.samples()), "sample") + ": " +
+                    model.source()};
+}
+
+[[noreturn]] void cannot_write(const std::string& file) {
+  throw Error(Error::Kind::environment, {{"--html", "cannot write " + file + ": " + std::strerror(errno)}});
+}
+
+bool has_time(const measure::WorkPrecision& result) {
+  return std::any_of(result.rows.begin(), result.rows.end(), [](const auto& row) { return row.seconds.has_value(); });
+}
+
+}  // namespace
+
+int compare(const Common& common, const CompareOptions& options) {
+  const Scene scene = scene_of(common, options);
+  const MachineModel known = machine_model_of(common);
+  if (!common.quiet) {
+    for (const std::string& message : known.messages) std::cerr << "note: " << message << '\n';
+  }
+  std::ofstream html;
+  if (!options.html.empty()) {  // before the work, so that none is lost to a misspelt folder
+    errno = 0;
+    html.open(options.html);
+    if (!html) cannot_write(options.html);
+  }
+
+  using output::Progress;
+  Progress progress(std::cerr, common.quiet ? Progress::Style::none : Progress::style_of_standard_error(), "candidate");
+  const double begin = measure::StepTimes::steady();
+  measure::WorkPrecisionOptions how;
+  how.accuracies = options.accuracies;
+  how.strategies = strategies_of(options);
+  how.budget = common.threads > 0 ? ThreadBudget{common.threads} : this_machine().budget();
+  how.model = known.model;
+  how.rules = kRules;
+  how.progress = [&](std::int64_t done, std::int64_t of) {
+    progress.show(measure::StepTimes::steady() - begin, done, of);
+  };
+  const Interrupt interrupt;
+  how.instruments.stop = [] { return Interrupt::requested(); };
+  const measure::WorkPrecision result = measure::work_precision(scene, how);
+  progress.clear();
+
+  const output::ComparisonSummary summary{scene.name(), scene.time().step, options.accuracies, result};
+  if (html.is_open()) {
+    html << view::comparison_page(summary, origin(*known.model));
+    html.close();
+    if (!html) cannot_write(options.html);
+  }
+  if (common.json) {
+    output::print(std::cout, to_json(summary));
+  } else {
+    output::Page page(std::cout);
+    output::print(page, summary);
+  }
+  if (result.interrupted) return kInterrupted;
+  return has_time(result) ? kDone : kNumerical;
+}
+
+}  // namespace assur::command

@@ -1,0 +1,48 @@
+// The ways to run a scene that are worth comparing: solvers, and what can be turned in one of them.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "assur/plan.hpp"
+#include "assur/scene.hpp"
+#include "assur/strategy.hpp"
+
+namespace assur::measure {
+
+enum class Knob : std::uint8_t {
+  solver,  // formulation, backend, lanes, threads
+  predictor,
+  iterations,  // fixed
+  precision,   // float, refinement
+  policy,      // how often is factorised
+};
+
+[[nodiscard]] std::string_view name(Knob knob) noexcept;  // "solver", ...: part of the command's JSON
+
+struct Way {
+  Strategy strategy;
+  int iterations = 0;  // StepLimits::iterations
+  Knob knob = Knob::solver;
+};
+
+// "groups/klu --iterations 2": as `assur run` takes it.
+[[nodiscard]] std::string to_string(const Way& way);
+
+// Every solver that can run here in every formulation that the scene has, on one thread and on as many as allowed.
+[[nodiscard]] std::vector<Way> solvers(const Scene& scene, ThreadBudget budget);
+
+// One solver with every other knob turned, alone and with fixed iterations.
+[[nodiscard]] std::vector<Way> variations(const Strategy& solver);
+
+// The solver with fixed iterations only.
+[[nodiscard]] std::vector<Way> fixed_iterations(const Strategy& solver);
+
+// Class by class what is run; the same for two texts that mean the same here.
+[[nodiscard]] std::string essence(const Plan& plan);
+
+// Dense factors of many hundred unknowns: up to a second a step, which nobody waits for.
+[[nodiscard]] bool is_hopeless(const Plan& plan);
+
+}  // namespace assur::measure

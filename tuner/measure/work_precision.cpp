@@ -1,0 +1,272 @@
+#include "measure/work_precision.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <map>
+#include <span>
+#include <utility>
+
+#include "assur/machine.hpp"
+#include "measure/motion.hpp"
+
+namespace assur::measure {
+namespace {
+
+constexpr double kWrong = 0.1;  // forward error from which on it is another motion, and nobody's time counts
+
+// A way with what it takes to run it. Two that do the same are one.
+struct Entrant {
+  WorkPrecisionRow row;
+  Prepared prepared;
+  std::string essence;
+  std::uint64_t motion = 0;  // a number that only equal trajectories have
+  std::unique_ptr<WholeStep> step = nullptr;
+
+  [[nodiscard]] bool runs() const { return step != nullptr; }
+};
+
+// FNV-1a over the bits.
+std::uint64_t number_of(const std::vector<double>& values) {
+  std::uint64_t hash = 0xcbf29ce484222325;
+  for (const double v : values) {
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, &v, sizeof bits);
+    hash = (hash ^ bits) * 0x100000001b3;
+  }
+  return hash;
+}
+
+std::optional<double> worst_estimate(const ErrorFigures& e) {
+  std::optional<double> worst;
+  for (const auto& estimate : {e.estimated_position, e.estimated_velocity, e.estimated_acceleration}) {
+    if (estimate) worst = std::max(worst.value_or(0), *estimate);
+  }
+  return worst;
+}
+
+class Comparison {
+ public:
+  Comparison(const Scene& scene, const WorkPrecisionOptions& options) : scene_(scene), options_(options) {
+    if (scene.time().steps() < 1) {
+      throw Error(Error::Kind::input, {{"/time", "there is no step to compare; give the scene a time grid"}});
+    }
+    loosest_ = options.accuracies.empty() ? 0 : *std::max_element(options.accuracies.begin(), options.accuracies.end());
+    cores_ = this_machine().cores;
+    out_.steps = scene.time().steps();
+  }
+
+  WorkPrecision run() {
+    if (options_.strategies.empty()) {
+      compare_all();
+    } else {
+      expected_ = std::ssize(options_.strategies) + std::ssize(options_.accuracies);
+      for (const Strategy& s : options_.strategies) enter_forced({s}, true);
+      enter_picks();
+    }
+    race(entrants_, options_.rules);
+    return finished();
+  }
+
+ private:
+  // All solvers; then what can be turned in the fastest, and fixed iterations in the fastest of other formulations.
+  void compare_all() {
+    const std::vector<Way> all = solvers(scene_, options_.budget);
+    const std::size_t more = all.empty() ? 0 : variations(all[0].strategy).size() + 2 * fixed_iterations({}).size();
+    expected_ = std::ssize(all) + std::ssize(options_.accuracies) + static_cast<std::int64_t>(more);
+    for (const Way& way : all) enter_forced(way, false);
+    enter_picks();
+    RaceRules trial = options_.rules;
+    trial.most_rounds = trial.least_rounds = std::min(trial.least_rounds, 5);
+    race(entrants_, trial);
+    std::map<Formulation, std::pair<double, Strategy>> fastest;
+    for (const Way& way : all) {
+      const Entrant* const e = find(to_string(way));
+      if (e == nullptr || !e->row.seconds) continue;
+      const auto [at, is_new] = fastest.try_emplace(way.strategy.formulation, *e->row.seconds, way.strategy);
+      if (!is_new && *e->row.seconds < at->second.first) at->second = {*e->row.seconds, way.strategy};
+    }
+    const auto best = std::min_element(fastest.begin(), fastest.end(),
+                                       [](const auto& a, const auto& b) { return a.second.first < b.second.first; });
+    for (auto at = fastest.begin(); at != fastest.end(); ++at) {
+      const Strategy& solver = at->second.second;
+      for (const Way& way : at == best ? variations(solver) : fixed_iterations(solver)) enter_forced(way, false);
+    }
+  }
+
+  // must: what cannot run is an error.
+  void enter_forced(const Way& way, bool must) {
+    WorkPrecisionRow row;
+    row.strategy = to_string(way.strategy);
+    row.iterations = way.iterations;
+    row.knob = way.knob;
+    enter(std::move(row), {.strategy = row.strategy, .budget = options_.budget, .accuracy = loosest_}, must);
+  }
+
+  void enter_picks() {
+    for (const double accuracy : options_.accuracies) {
+      WorkPrecisionRow row;
+      row.strategy = "auto";
+      row.accuracies = {accuracy};
+      enter(std::move(row), {.budget = options_.budget, .accuracy = accuracy}, true);
+    }
+  }
+
+  void enter(WorkPrecisionRow row, PrepareOptions how, bool must) {
+    if (options_.instruments.stop()) return;
+    if (options_.progress) options_.progress(done_, std::max(expected_, done_));
+    ++done_;
+    how.model = options_.model;
+    Entrant e;
+    e.row = std::move(row);
+    try {
+      e.prepared = prepare(scene_, how);
+      e.essence = essence(e.prepared.plan) + " " + std::to_string(e.row.iterations);
+      if (e.row.strategy == "auto") e.row.strategy = essence(e.prepared.plan);
+      const bool means_nothing = e.row.iterations > 0 && e.prepared.structure->levels < 2;  // the first level is free
+      if (means_nothing || joins_another(e) || is_hopeless(e.prepared.plan)) return;
+      verify(e);
+      if (e.runs() && joins_another(e)) return;
+    } catch (const Error& error) {
+      if (must && error.kind() != Error::Kind::numerical) throw;
+      if (error.kind() == Error::Kind::environment) return;  // `assur backends` says why
+      e.row.status = error.what();
+      e.step = nullptr;
+    }
+    if (options_.instruments.stop() && !e.runs()) return;
+    entrants_.push_back(std::move(e));
+  }
+
+  // Forced, the same plan does the same; `auto` may do it with another accuracy in mind, which the motion shows.
+  bool joins_another(const Entrant& e) {
+    for (Entrant& other : entrants_) {
+      if (other.essence != e.essence) continue;
+      const bool both_forced = e.row.accuracies.empty() && other.row.accuracies.empty();
+      if (!both_forced && (!e.runs() || other.motion != e.motion)) continue;
+      other.row.accuracies.insert(other.row.accuracies.end(), e.row.accuracies.begin(), e.row.accuracies.end());
+      return true;
+    }
+    return false;
+  }
+
+  // The whole motion, and how far it is from the true one.
+  void verify(Entrant& e) {
+    Simulator simulator(e.prepared, {.iterations = e.row.iterations});
+    const Trajectory motion = simulator.run([&](auto, auto) { return !options_.instruments.stop(); });
+    const Report& report = simulator.report();
+    e.row.status = name(report.status.code);
+    if (!report.status.ok() && report.status.code != Code::inaccurate) return;
+    e.row.estimated = worst_estimate(report.error);
+    e.motion = number_of(motion.values());
+    e.row.error = error_of(e, motion);
+    const double worst = e.row.worst_error();
+    if (e.row.error && !(worst < kWrong)) {
+      e.row.status = "another motion";
+      return;
+    }
+    const bool enough = static_cast<std::size_t>(e.prepared.plan.threads) <= cores_.size();
+    e.step = std::make_unique<WholeStep>(e.prepared, enough ? cores_ : std::vector<int>{}, e.row.iterations);
+  }
+
+  std::optional<ForwardError> error_of(const Entrant& e, const Trajectory& motion) {
+    if (!out_.no_yardstick.empty()) return std::nullopt;
+    const auto known = errors_.find(e.motion);
+    if (known != errors_.end()) return known->second;
+    try {
+      return errors_[e.motion] = forward_error(e.prepared, motion);
+    } catch (const Error& error) {
+      if (error.kind() == Error::Kind::input) throw;
+      out_.no_yardstick = error.what();
+      return std::nullopt;
+    }
+  }
+
+  Entrant* find(const std::string& strategy) {
+    const auto at = std::find_if(entrants_.begin(), entrants_.end(),
+                                 [&](const Entrant& e) { return e.row.strategy == strategy && e.row.iterations == 0; });
+    return at == entrants_.end() ? nullptr : &*at;
+  }
+
+  void race(std::span<Entrant> entrants, const RaceRules& rules) {
+    std::vector<Runner> runners;
+    std::vector<WorkPrecisionRow*> rows;
+    for (Entrant& e : entrants) {
+      e.row.seconds.reset();
+      if (!e.runs()) continue;
+      runners.push_back({.work = e.step.get()});
+      rows.push_back(&e.row);
+    }
+    (void)measure::race(runners, rules, options_.instruments);
+    for (std::size_t i = 0; i < runners.size(); ++i) {
+      const Runner& r = runners[i];
+      if (r.failed) rows[i]->status = "failed when it was timed";
+      if (r.seconds.empty()) continue;
+      rows[i]->seconds = r.median();
+      rows[i]->spread = r.spread();
+      rows[i]->rounds = r.seconds.size();
+    }
+  }
+
+  WorkPrecision finished() {
+    out_.interrupted = options_.instruments.stop();
+    for (Entrant& e : entrants_) out_.rows.push_back(std::move(e.row));
+    std::vector<Trade> trades;
+    for (const WorkPrecisionRow& row : out_.rows) trades.push_back(row.trade());
+    const std::vector<bool> front = pareto_front(trades);
+    for (std::size_t i = 0; i < front.size(); ++i) out_.rows[i].on_front = front[i];
+    std::stable_sort(out_.rows.begin(), out_.rows.end(), [](const WorkPrecisionRow& a, const WorkPrecisionRow& b) {
+      return a.seconds.value_or(HUGE_VAL) < b.seconds.value_or(HUGE_VAL);
+    });
+    return std::move(out_);
+  }
+
+  const Scene& scene_;
+  const WorkPrecisionOptions& options_;
+  double loosest_ = 0;  // of the accuracies
+  std::vector<int> cores_;
+  std::vector<Entrant> entrants_;
+  std::map<std::uint64_t, ForwardError> errors_;  // by motion
+  std::int64_t done_ = 0, expected_ = 0;
+  WorkPrecision out_;
+};
+
+}  // namespace
+
+double WorkPrecisionRow::worst_error() const {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  if (!error) return kNaN;
+  double worst = 0;
+  for (const double e : {error->position, error->velocity, error->acceleration}) {
+    if (std::isnan(e)) return kNaN;
+    worst = std::max(worst, e);
+  }
+  return worst;
+}
+
+Trade WorkPrecisionRow::trade() const {
+  return {seconds.value_or(std::numeric_limits<double>::quiet_NaN()), worst_error()};
+}
+
+const WorkPrecisionRow* WorkPrecision::pick(double accuracy) const {
+  const auto at = std::find_if(rows.begin(), rows.end(), [&](const WorkPrecisionRow& row) {
+    return std::find(row.accuracies.begin(), row.accuracies.end(), accuracy) != row.accuracies.end();
+  });
+  return at == rows.end() ? nullptr : &*at;
+}
+
+std::optional<double> WorkPrecision::behind(double accuracy) const {
+  const WorkPrecisionRow* const chosen = pick(accuracy);
+  if (chosen == nullptr || !chosen->seconds) return std::nullopt;
+  std::vector<Trade> trades;
+  for (const WorkPrecisionRow& row : rows) trades.push_back(row.trade());
+  const std::optional<double> fastest = fastest_within(trades, accuracy);
+  if (!fastest || !(chosen->worst_error() <= accuracy)) return std::nullopt;
+  return *chosen->seconds / *fastest - 1;
+}
+
+WorkPrecision work_precision(const Scene& scene, const WorkPrecisionOptions& options) {
+  return Comparison(scene, options).run();
+}
+
+}  // namespace assur::measure

@@ -1,0 +1,148 @@
+#include "output/comparison_report.hpp"
+
+#include <cmath>
+
+#include "output/format.hpp"
+
+namespace assur::output {
+namespace {
+
+using measure::WorkPrecision;
+using measure::WorkPrecisionRow;
+
+constexpr double kSmallShare = 0.005;  // of a time: what is nearer to the front is on it
+
+template <class T>
+Json or_null(const std::optional<T>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+std::string figure(const std::optional<double>& value) { return value ? error_figure(*value) : "-"; }
+
+std::string asked(const WorkPrecisionRow& row) {
+  std::string text;
+  for (const double a : row.accuracies) text += (text.empty() ? "auto " : ", ") + number(a);
+  return text;
+}
+
+const WorkPrecisionRow* fastest_within(const WorkPrecision& result, double accuracy) {
+  for (const WorkPrecisionRow& row : result.rows) {  // the fastest first
+    if (row.seconds && row.worst_error() <= accuracy) return &row;
+  }
+  return nullptr;
+}
+
+Json to_json(const WorkPrecision& result, const WorkPrecisionRow& row, std::optional<double> accuracy) {
+  const auto error = [&](double ForwardError::*which) { return row.error ? Json((*row.error).*which) : Json(nullptr); };
+  return {{"strategy", row.strategy},
+          {"iterations", row.iterations > 0 ? Json(row.iterations) : Json(nullptr)},
+          {"knob", row.knob ? Json(measure::name(*row.knob)) : Json(nullptr)},
+          {"accuracy", or_null(accuracy)},
+          {"seconds_per_step", or_null(row.seconds)},
+          {"spread", row.seconds ? Json(row.spread) : Json(nullptr)},
+          {"rounds", row.rounds},
+          {"forward_position", error(&ForwardError::position)},
+          {"forward_velocity", error(&ForwardError::velocity)},
+          {"forward_acceleration", error(&ForwardError::acceleration)},
+          {"estimated", or_null(row.estimated)},
+          {"on_front", row.on_front},
+          {"picked", accuracy.has_value()},
+          {"behind", accuracy ? or_null(result.behind(*accuracy)) : Json(nullptr)},
+          {"status", row.status}};
+}
+
+void print_rows(Page& page, const WorkPrecision& result) {
+  using enum Table::Align;
+  Table table({right, right, right, right, right, left, left});
+  table.row({"step", "position", "velocity", "acceleration", "estimate", "", "strategy"});
+  for (const WorkPrecisionRow& row : result.rows) {
+    if (!row.seconds) continue;
+    const auto error = [&](double ForwardError::*which) { return row.error ? error_figure((*row.error).*which) : "-"; };
+    table.row({duration(*row.seconds), error(&ForwardError::position), error(&ForwardError::velocity),
+               error(&ForwardError::acceleration), figure(row.estimated), row.on_front ? "front" : "",
+               way_text(row) + (row.accuracies.empty() ? "" : "  <- " + asked(row))});
+  }
+  page.table(table);
+}
+
+void print_failures(Page& page, const WorkPrecision& result) {
+  std::vector<std::string> failures;
+  for (const WorkPrecisionRow& row : result.rows) {
+    if (!row.seconds) failures.push_back(way_text(row) + ": " + row.status);
+  }
+  if (failures.empty()) return;
+  page.gap();
+  page.list(result.interrupted ? "not timed" : "failed", failures);
+}
+
+void print_verdicts(Page& page, const ComparisonSummary& s) {
+  using enum Table::Align;
+  if (s.accuracies.empty()) return;
+  Table table({left, right, right, left});
+  table.row({"auto, asked for", "reached", "step", ""});
+  for (const double a : s.accuracies) {
+    const Verdict v = verdict(s.result, a);
+    table.row({number(a), v.reached, v.step, v.words});
+  }
+  page.gap();
+  page.table(table);
+}
+
+}  // namespace
+
+std::string way_text(const WorkPrecisionRow& row) {
+  return row.strategy + (row.iterations > 0 ? " --iterations " + std::to_string(row.iterations) : "");
+}
+
+Verdict verdict(const WorkPrecision& result, double accuracy) {
+  const WorkPrecisionRow* const row = result.pick(accuracy);
+  if (row == nullptr) return {"-", "-", "-", "not looked at"};
+  Verdict v{row->strategy, "-", "-", ""};
+  if (row->error) v.reached = error_figure(row->worst_error());
+  if (!row->seconds) {
+    v.words = row->status == "ok" ? "not timed" : row->status;
+    return v;
+  }
+  v.step = duration(*row->seconds);
+  if (!row->error) {
+    v.words = "no yardstick";
+  } else if (const std::optional<double> behind = result.behind(accuracy); !behind) {
+    v.words = "misses it";
+  } else if (*behind < kSmallShare) {
+    v.words = "the fastest that reaches it";
+  } else {
+    v.words = number(std::round(100 * *behind)) + " % slower than " + way_text(*fastest_within(result, accuracy));
+  }
+  return v;
+}
+
+Json to_json(const ComparisonSummary& s) {
+  Json rows = Json::array();
+  for (const WorkPrecisionRow& row : s.result.rows) {
+    if (row.accuracies.empty()) rows.push_back(to_json(s.result, row, std::nullopt));
+    for (const double a : row.accuracies) rows.push_back(to_json(s.result, row, a));
+  }
+  return {{"scene", s.scene},
+          {"steps", s.result.steps},
+          {"dt", s.step},
+          {"accuracies", s.accuracies},
+          {"no_yardstick", s.result.no_yardstick.empty() ? Json(nullptr) : Json(s.result.no_yardstick)},
+          {"interrupted", s.result.interrupted},
+          {"rows", std::move(rows)}};
+}
+
+void print(Page& page, const ComparisonSummary& s) {
+  page.title(s.scene + ": true error against time, " + counted(s.result.steps, "step") + " of " + number(s.step) +
+             " s");
+  page.gap();
+  print_rows(page, s.result);
+  print_failures(page, s.result);
+  print_verdicts(page, s);
+  if (!s.result.no_yardstick.empty()) {
+    page.gap();
+    page.fact("no yardstick", s.result.no_yardstick);
+  }
+  if (s.result.interrupted) page.fact("interrupted", "what is here is what had been measured");
+}
+
+}  // namespace assur::output
