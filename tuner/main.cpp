@@ -41,6 +41,7 @@ struct Invocation {
   PlanOptions plan;
   DbOptions db;
   TuneOptions tune;
+  CheckOptions check;
   std::function<int()> chosen;
 };
 
@@ -345,6 +346,16 @@ void add_tune(CLI::App& app, Invocation& call) {
   tune.callback([&call] { call.chosen = [&call] { return command::tune(call.common, call.tune); }; });
 }
 
+void add_check(CLI::App& app, Invocation& call) {
+  CLI::App& check = *app.add_subcommand("check", "The stability suite: stiff and extreme cases");
+  check.add_option("SCENE", call.check.scenes, "These scenes instead, with every strategy")->type_name("");
+  check.add_flag("--quick", call.check.quick, "Less than a minute: some cases, fewer strategies");
+  check.add_option("--case", call.check.only, "Only cases whose names begin so")->type_name("NAME");
+  add_set(check, call.common);
+  add_common(check, call.common);
+  check.callback([&call] { call.chosen = [&call] { return command::check(call.common, call.check); }; });
+}
+
 Exit exit_of(Error::Kind kind) {
   switch (kind) {
     case Error::Kind::input:
@@ -428,6 +439,7 @@ int main(int argc, char** argv) {
   add_backends(app, call);
   add_db(app, call);
   add_tune(app, call);
+  add_check(app, call);
   add_common(app, call.common);
   const bool json = std::any_of(argv, argv + argc, [](const char* word) { return std::strcmp(word, "--json") == 0; });
 

@@ -56,12 +56,15 @@ struct Sample {
 // One function for each row; the geometry stands beside each definition.
 Scene almost_parallelogram(const Values&);
 Scene andrews(const Values&);
+Scene bricard(const Values&);
 Scene four_bar(const Values&);
 Scene gough(const Values&);
 Scene hexapod(const Values&);
 Scene n_four_bar(const Values&);
+Scene parallelograms(const Values&);
 Scene rings(const Values&);
 Scene slider_crank(const Values&);
 Scene stewart(const Values&);
+Scene whitworth(const Values&);
 
 }  // namespace assur::samples

@@ -27,12 +27,13 @@ Posture<T> at_guess(const Scene& scene) {
   return posture;
 }
 
-// Adds the members of bodies that have an origin.
+// Adds the members of bodies with an origin, or with a base of two points in the plane.
 template <class T>
 void add_members(const Scene& scene, Posture<T>& posture) {
   for (const Body& body : scene.bodies()) {
     std::vector<Vec<T>> axes;
     for (const std::string& name : body.frame) axes.push_back(posture.at(name));
+    if (body.base.size() == 2) axes = {unit(posture.at(body.base[1]) - posture.at(body.base[0]))};
     if (axes.empty()) axes = {exactly<T>({1, 0, 0}), exactly<T>({0, 1, 0}), exactly<T>({0, 0, 1})};
     if (axes.size() == 1) axes.push_back({-axes[0][1], axes[0][0], T{0}});
     const auto turned = [&axes](const Triple& local) {
@@ -40,7 +41,8 @@ void add_members(const Scene& scene, Posture<T>& posture) {
       for (std::size_t i = 0; i < axes.size(); ++i) sum = sum + T{local[i]} * axes[i];
       return sum;
     };
-    for (const Member& m : body.points) posture[m.name] = posture.at(body.origin) + turned(m.local);
+    const std::string& origin = body.base.empty() ? body.origin : body.base[0];
+    for (const Member& m : body.points) posture[m.name] = posture.at(origin) + turned(m.local);
     for (const Member& m : body.vectors) posture[m.name] = turned(m.local);
   }
 }
@@ -126,8 +128,13 @@ class Equations {
     using std::cos;
     using std::sin;
     const T angle = law_at(d.law);
-    const Vec<T> rod = unit(at(d.b) - at(d.a));
-    leave(name, rod - Vec<T>{cos(angle), sin(angle), T{0}});
+    Vec<T> direction = {cos(angle), sin(angle), T{0}};
+    if (!d.axis.empty()) {  // zero where the guess is
+      const Posture<T> guess = at_guess<T>(scene_);
+      const Vec<T> zero = unit(guess.at(d.b) - guess.at(d.a));
+      direction = cos(angle) * zero + sin(angle) * cross(at(d.axis), zero);
+    }
+    leave(name, unit(at(d.b) - at(d.a)) - direction);
   }
   template <class LawAt>
   void driven(const std::string& name, const DrivenDistance& d, const LawAt& law_at) {

@@ -92,6 +92,13 @@ TEST(ClosedForm, SliderCrank) {
     const Scene scene = sample("slider_crank", {{"offset", offset}});
     for (const double t : {0.0, 0.25, 0.6, 1.0}) expect_exact(scene, t, slider_crank(offset, t));
   }
+  const Scene equal = sample("slider_crank:crank_length=0.2,rod_length=0.2001");
+  for (const double t : {0.0, 0.2, 0.3, 0.7}) expect_exact(equal, t, slider_crank(0, t, 0.2, 0.2001));
+}
+
+TEST(ClosedForm, Parallelograms) {
+  const Scene scene = sample("parallelograms:5");
+  for (const double t : {0.0, 1.0, 9.99}) expect_exact(scene, t, parallelograms(5, t));
 }
 
 TEST(ClosedForm, Stewart) {

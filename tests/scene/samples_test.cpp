@@ -72,7 +72,8 @@ TEST(SampleText, OptionsAreReadFromTextAndParameters) {
 
 TEST(SampleText, UnknownSample) {
   const std::string all =
-      "almost_parallelogram, andrews, four_bar, gough, hexapod, n_four_bar, rings, slider_crank or stewart";
+      "almost_parallelogram, andrews, bricard, four_bar, gough, hexapod, n_four_bar, parallelograms, rings, "
+      "slider_crank, stewart or whitworth";
   EXPECT_EQ(message("stwart:legs=8"), "there is no sample 'stwart'; did you mean 'stewart'? It should be " + all);
   EXPECT_EQ(message("bicycle"), "there is no sample 'bicycle'; it should be " + all);
 }
@@ -95,6 +96,11 @@ TEST(SampleText, BadOptions) {
   EXPECT_EQ(message("four_bar", {{"loops", 2.5}}), loops + "2.5'." + write);
 }
 
+TEST(SampleText, OptionsThatDoNotFitTogether) {
+  EXPECT_EQ(message("bricard:middle=-2,swing=1"),
+            "sample 'bricard': option 'middle' should not be larger than 'swing', for the motion starts in the cube");
+}
+
 TEST(SampleText, BadWordsAndMultiples) {
   const std::string hexapod = " Write hexapod:drive=pose,omega=1,step=0.01,steps=1000 or some of these options";
   const std::string drive =
@@ -115,22 +121,28 @@ TEST(SampleGuess, SatisfiesItsOwnEquations) {
                                  "almost_parallelogram:delta=0.75",
                                  "almost_parallelogram:delta=-0.75",
                                  "andrews",
+                                 "bricard",
+                                 "bricard:middle=-0.4,swing=0.5",
                                  "four_bar",
                                  "four_bar:300",
                                  "hexapod",
                                  "hexapod:drive=legs",
                                  "n_four_bar",
+                                 "parallelograms:20",
                                  "rings:n=30",
                                  "rings:legs=2,n=720,terminal=96",
                                  "slider_crank",
                                  "slider_crank:offset=0.19",
                                  "slider_crank:offset=-0.19",
+                                 "slider_crank:crank_length=3,rod_length=2,offset=0.1",
                                  "stewart",
                                  "stewart:legs=3",
                                  "stewart:legs=7",
                                  "stewart:legs=22",
                                  "stewart:platforms=5",
-                                 "stewart:legs=16,platforms=3"}) {
+                                 "stewart:legs=16,platforms=3",
+                                 "whitworth",
+                                 "whitworth:pivot=0.2,hinge=stated"}) {
     SCOPED_TRACE(text);
     expect_satisfied(guess_of(sample(text)), 1e-12);
   }

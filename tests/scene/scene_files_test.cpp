@@ -188,7 +188,7 @@ TEST(SceneFiles, FollowTheirParameters) {
   };
   compare("stewart", {{"omega", 2}, {"step", 0.002}, {"steps", 500}});
   compare("four_bar", {{"omega", 1}});
-  compare("slider_crank", {{"offset", 0.05}});
+  compare("slider_crank", {{"offset", 0.05}, {"crank_length", 0.4}, {"rod_length", 0.7}});
   compare("andrews", {{"xb", 0.03635}, {"omega", 3}});
   compare("almost_parallelogram", {{"delta", 1e-9}, {"step", 0.005}, {"steps", 200}});
 }

@@ -14,7 +14,6 @@
 #include "references/tables.hpp"
 #include "simulation/deviation.hpp"
 #include "simulation/reference_motion.hpp"
-#include "structure/bricard.hpp"
 
 namespace assur {
 namespace {
@@ -140,7 +139,7 @@ TEST(ReferenceMotion, KeepsTheLengthsOfRings) {
 
 // One equation is dropped: implied by the others, it holds as exactly as they do.
 TEST(ReferenceMotion, LeavesOutWhatIsRedundant) {
-  const Scene scene = bricard();
+  const Scene scene = sample("bricard:middle=0,swing=0.5");
   const Prepared prepared = prepare(scene);
   ASSERT_EQ(prepared.structure->checks.size(), 1U);
   ReferenceMotion motion(prepared);

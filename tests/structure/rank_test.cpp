@@ -7,7 +7,6 @@
 
 #include "assur/plan.hpp"
 #include "assur/simulator.hpp"
-#include "structure/bricard.hpp"
 #include "structure/look.hpp"
 
 namespace assur {
@@ -183,6 +182,8 @@ TEST(Rank, StartAtADeadPoint) {
 }
 
 // ---- Bricard: mobility 1 with one equation more than unknowns
+
+Scene bricard() { return sample("bricard:middle=0,swing=0.5,step=0.02,steps=100"); }
 
 TEST(Rank, BricardHasOneRedundantEquation) {
   for (const Formulation f : {global, groups, irreducible}) {

@@ -84,6 +84,12 @@ struct TuneOptions {
   std::string trial;                // hidden: try this strategy, and nothing else
 };
 
+struct CheckOptions {
+  bool quick = false;               // the fastest cases of each family, with fewer strategies
+  std::string only;                 // cases whose names begin so; empty: all
+  std::vector<std::string> scenes;  // these instead of the suite's own cases
+};
+
 // Throws Error (input) for --threads beyond the processors that this process may use; warns beyond the machine's
 // budget.
 void check_threads(const Common& common);
@@ -94,6 +100,7 @@ int compare(const Common& common, const CompareOptions& options);
 int plan(const Common& common, const PlanOptions& options);
 int backends(const Common& common);
 int db(const Common& common, const DbOptions& options);
+int check(const Common& common, const CheckOptions& options);
 
 // What is known of this machine: from --db alone, which throws Error (environment) if it cannot be read, else from all
 // databases.

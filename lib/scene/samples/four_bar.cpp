@@ -56,13 +56,29 @@ Scene four_bar(const Values& values) {
 }
 
 // Benchmark A02 of the IFToMM library as kinematics: A_i = (i, 0), all links 1, all parallel to the crank at
-// f(t) = pi/2 + 1.2 sin t. All loops are singular together at sin f = 0, which this motion stays away from.
+// f(t) = pi/2 + swing sin t. All loops are singular together at sin f = 0, which a swing of 1.2 stays away from.
 Scene n_four_bar(const Values& values) {
   const int loops = values.count("loops");
-  Chain chain("n_four_bar", {0, 0, 0}, {0, 1, 0}, 1, wave(1.2, 1, 0, std::numbers::pi / 2));
+  Chain chain("n_four_bar", {0, 0, 0}, {0, 1, 0}, 1, wave(values["swing"], 1, 0, std::numbers::pi / 2));
   for (int i = 0; i < loops; ++i) {
     const double x = i + 1;
     chain.add_loop(i, {x, 0, 0}, {x, 1, 0}, 1, 1);
+  }
+  return chain.finish(loops, values);
+}
+
+// Parallelograms in series: A_i = (2i, 0), rods 1, couplers 2, all rods parallel to the crank at f(t) = pi/2 + 1.2 sin
+// t. A third rod about G_i holds the middle M_i of each coupler: redundant, or a contradiction if it is too long.
+Scene parallelograms(const Values& values) {
+  const int loops = values.count("loops");
+  Chain chain("parallelograms", {0, 0, 0}, {0, 1, 0}, 1, wave(1.2, values["omega"], 0, std::numbers::pi / 2));
+  for (int i = 0; i < loops; ++i) {
+    const double x = 2 * (i + 1);
+    chain.add_loop(i, {x, 0, 0}, {x, 1, 0}, 2, 1);
+    const std::string G = number("G", i + 1), M = number("M", i + 1);
+    chain.builder.fixed_point(G, {x - 1, 0, 0})
+        .add(Body{number("bar", i + 1), "", {}, {number("B", i), number("B", i + 1)}, {{M, {1, 0, 0}}}, {}})
+        .constrain(number("third", i + 1), Distance{G, M, 1 + values["excess"]});
   }
   return chain.finish(loops, values);
 }

@@ -5,10 +5,11 @@
 
 namespace assur::samples {
 
-// Crank 0.1 about O, rod 0.3 from B to C, C on the rail through Q = (0, offset) along x; one turn per second.
-// slide.lambda is the displacement of C along the rail.
+// Crank about O, rod from B to C, C on the rail through Q = (0, offset) along x; one turn per second. slide.lambda is
+// the displacement of C along the rail. A rod that is shorter than the crank ends the motion at a fold; with equal
+// lengths and no offset two branches cross where C comes to O.
 Scene slider_crank(const Values& values) {
-  const double crank = 0.1, rod = 0.3, offset = values["offset"];
+  const double crank = values["crank_length"], rod = values["rod_length"], offset = values["offset"];
   return SceneBuilder("slider_crank", 2)
       .fixed_point("O", {0, 0, 0})
       .fixed_point("Q", {0, offset, 0})

@@ -1,0 +1,135 @@
+#include "check/yardstick.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+namespace assur::check {
+namespace {
+
+constexpr long double kSameMotion = 1e-3L;  // beyond, one of the two is on another branch
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+constexpr long double kUnknown = std::numeric_limits<long double>::quiet_NaN();
+
+class KnownMotion final : public TrueMotion {
+ public:
+  KnownMotion(const Prepared& prepared, ClosedForm closed_form)
+      : outputs_(wanted_outputs(*prepared.structure->system)), closed_form_(std::move(closed_form)) {}
+
+  std::vector<long double> row(std::size_t, double t) override {
+    std::vector<long double> out;
+    for (const Output& o : outputs_) {
+      const auto jets = closed_form_(std::string(o.name), t);
+      for (const int d : {0, 1, 2}) {
+        if (!o.wanted[d]) continue;
+        for (std::size_t i = 0; i < o.part_count; ++i) {
+          const LongJet jet = jets ? (*jets)[i] : LongJet{kUnknown, kUnknown, kUnknown};
+          out.push_back(d == 0 ? jet.value : d == 1 ? jet.rate : jet.acceleration);
+        }
+      }
+    }
+    return out;
+  }
+
+ private:
+  std::vector<Output> outputs_;
+  ClosedForm closed_form_;
+};
+
+class AgreedMotion final : public TrueMotion {
+ public:
+  explicit AgreedMotion(const Trajectory& trajectory) : trajectory_(trajectory) {}
+  std::vector<long double> row(std::size_t k, double t) override {
+    if (k >= trajectory_.rows() || trajectory_.times()[k] != t) {
+      throw Error(Error::Kind::numerical, "the first strategy did not get as far");
+    }
+    return {trajectory_.row(k).begin(), trajectory_.row(k).end()};
+  }
+
+ private:
+  Trajectory trajectory_;
+};
+
+bool is_signed_angle(const OutputPart& part) {
+  return part.kind == MeasureForms::Kind::absolute_angle || part.kind == MeasureForms::Kind::signed_angle;
+}
+
+}  // namespace
+
+std::unique_ptr<TrueMotion> known_motion(const Prepared& prepared, ClosedForm closed_form) {
+  return std::make_unique<KnownMotion>(prepared, std::move(closed_form));
+}
+
+std::unique_ptr<TrueMotion> agreed_motion(const Trajectory& trajectory) {
+  return std::make_unique<AgreedMotion>(trajectory);
+}
+
+Yardstick::Yardstick(const Prepared& prepared, std::unique_ptr<TrueMotion> motion)
+    : structure_(prepared.structure), motion_(std::move(motion)) {
+  std::size_t column = 0;
+  for (const Output& o : wanted_outputs(*structure_->system)) {
+    for (const int d : {0, 1, 2}) {
+      if (!o.wanted[d]) continue;
+      const OutputPart& part = o.all_parts[0];
+      items_.push_back({column, o.part_count, d, structure_->system->unit(part.dimension),
+                        d == 0 && o.part_count == 1 && is_signed_angle(part)});
+      column += o.part_count;
+    }
+  }
+}
+
+Yardstick::Figure Yardstick::compare(const Item& item, const Trajectory& trajectory, std::size_t row) const {
+  Figure figure;
+  for (std::size_t i = item.first; i < item.first + item.count; ++i) {
+    const long double is = rows_[row][i];
+    if (std::isnan(is)) continue;
+    long double difference = trajectory(row, i) - is;
+    if (item.angle) difference = std::remainder(difference, 2 * std::numbers::pi_v<long double>);
+    difference = std::abs(difference);
+    if (!(difference <= figure.difference)) figure.difference = std::isnan(difference) ? kInfinite : difference;
+    figure.size = std::max(figure.size, std::abs(is));
+  }
+  return figure;
+}
+
+bool Yardstick::is_far(const Trajectory& trajectory, std::size_t row) const {
+  return std::any_of(items_.begin(), items_.end(), [&](const Item& item) {
+    const Figure f = compare(item, trajectory, row);
+    const long double least = motion_->scale(item.derivative) * item.unit;
+    return f.difference > kSameMotion * std::max(f.size, least);
+  });
+}
+
+double Yardstick::forward_error(const Trajectory& trajectory, std::size_t rows, const Counts& counts) {
+  std::vector<Figure> worst(items_.size());
+  bool anything = false;
+  for (std::size_t k = 0; k < std::min(rows, trajectory.rows()); ++k) {
+    const double t = trajectory.times()[k];
+    if (k == rows_.size()) {
+      rows_.push_back(motion_->row(k, t));
+      // Where they part, it may be the yardstick that took the wrong branch; where they stay apart, it is not.
+      if (!apart_ && is_far(trajectory, k)) {
+        rows_[k] = motion_->row_again(k, t);
+        apart_ = is_far(trajectory, k);
+      }
+    }
+    for (std::size_t i = 0; i < items_.size(); ++i) {
+      const Figure f = compare(items_[i], trajectory, k);
+      if (!counts || counts(k)) worst[i].difference = std::max(worst[i].difference, f.difference);
+      worst[i].size = std::max(worst[i].size, f.size);
+      anything = anything || !std::isnan(rows_[k][items_[i].first]);
+    }
+  }
+  if (!anything) return items_.empty() ? 0 : kInfinite;
+  long double error = 0;
+  for (std::size_t i = 0; i < items_.size(); ++i) {
+    if (worst[i].difference == 0) continue;
+    const long double least = motion_->scale(items_[i].derivative) * items_[i].unit;
+    error = std::max(error, worst[i].difference / std::max(worst[i].size, least));
+  }
+  return static_cast<double>(error);
+}
+
+}  // namespace assur::check

@@ -1,0 +1,86 @@
+#include <iostream>
+#include <utility>
+
+#include "check/runner.hpp"
+#include "commands/commands.hpp"
+#include "commands/interrupt.hpp"
+#include "measure/step_times.hpp"
+#include "output/check_report.hpp"
+#include "output/progress.hpp"
+
+namespace assur::command {
+namespace {
+
+// Scenes of the user's: nobody knows how they end, but all strategies shall agree.
+std::vector<check::Case> cases_of_scenes(const CheckOptions& options, const Parameters& set) {
+  std::vector<check::Case> cases;
+  for (const std::string& text : options.scenes) {
+    check::Case c;
+    c.family = "scenes";
+    c.name = c.text = text;
+    c.about = "all strategies end alike and are as exact as asked";
+    c.set = set;
+    (void)scene_of(c);  // a bad one is bad input here, no verdict
+    cases.push_back(std::move(c));
+  }
+  return cases;
+}
+
+std::vector<check::Case> cases_of(const CheckOptions& options, const Parameters& set) {
+  if (!options.scenes.empty()) return cases_of_scenes(options, set);
+  std::vector<check::Case> cases = check::all_cases();
+  if (!options.only.empty()) {
+    std::erase_if(cases, [&](const check::Case& c) { return !c.name.starts_with(options.only); });
+    if (cases.empty()) {
+      throw Error(Error::Kind::input, {{"--case", "there is no case whose name begins with \"" + options.only + "\""}});
+    }
+  } else if (options.quick) {
+    std::erase_if(cases, [](const check::Case& c) { return !c.quick; });
+  }
+  return cases;
+}
+
+void print(const Common& common, const output::CheckSummary& summary) {
+  if (common.json) {
+    output::print(std::cout, to_json(summary));
+    output::Page details(std::cerr);
+    print_failures(details, summary);
+  } else {
+    output::Page page(std::cout);
+    output::print(page, summary);
+    print_failures(page, summary);
+  }
+}
+
+}  // namespace
+
+int check(const Common& common, const CheckOptions& options) {
+  const std::vector<check::Case> cases = cases_of(options, common.set);
+  using output::Progress;
+  Progress progress(std::cerr, common.quiet ? Progress::Style::none : Progress::style_of_standard_error(), "case");
+  const Interrupt interrupt;
+  const double begin = measure::StepTimes::steady();
+  const auto elapsed = [begin] { return measure::StepTimes::steady() - begin; };
+  const auto of = static_cast<std::int64_t>(cases.size());
+
+  output::CheckSummary summary;
+  check::RunnerOptions how;
+  how.quick = options.quick;
+  how.stop = [&] {
+    progress.show(elapsed(), static_cast<std::int64_t>(summary.results.size()), of);
+    return Interrupt::requested();
+  };
+  for (const check::Case& c : cases) {
+    check::Result result = check::run(c, how);
+    summary.interrupted = result.interrupted;
+    if (summary.interrupted) break;
+    summary.results.push_back(std::move(result));
+  }
+  progress.clear();
+  summary.seconds = elapsed();
+  print(common, summary);
+  if (summary.interrupted) return kInterrupted;
+  return summary.failed() == 0 ? kDone : kNumerical;
+}
+
+}  // namespace assur::command
