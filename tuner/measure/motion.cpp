@@ -217,7 +217,7 @@ WholeStep::WholeStep(const Prepared& prepared, std::vector<int> pin_to)
   }
 }
 
-bool WholeStep::advance() { return simulator_.step(grid_.time(next_++)).ok(); }
+bool WholeStep::advance() { return simulator_.step(grid_.time(next_++)).arrived(); }
 
 void WholeStep::get_ready(int calls) {
   if (simulator_.prepared().plan.threads > 1) {
