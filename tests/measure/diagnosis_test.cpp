@@ -29,10 +29,10 @@ Scene dyad(double from, double rate) {
 TEST(Diagnosis, ConditionGrowsAsTheDyadStretches) {
   // |J^-1| is 1 / 2h in its larger row while everything else goes to a limit, from which x is off by 1e-3 at most.
   const auto condition = [](double x) {
-    const Simulator simulator(prepare(dyad(x, -1e-3), {"groups/eigen"}));
-    const std::vector<GroupFigures> all = Diagnosis(simulator.prepared(), false).look(simulator);
+    Simulator simulator(prepare(dyad(x, -1e-3), {"groups/eigen"}));
+    const std::vector<GroupErrors> all = Diagnosis(simulator.prepared(), false).look(simulator);
     EXPECT_EQ(all.size(), 1u);
-    return all.at(0).condition.value();
+    return all.at(0).figures.condition;
   };
   const auto h = [](double x) { return std::sqrt(1 - x * x / 4); };
   const double ratio = condition(1.99999) / condition(1.999);
@@ -53,13 +53,13 @@ TEST_P(Figures, AreThoseOfThePosture) {
   }
   double residual = 0, error = 0;
   const Trajectory motion = simulator.run([&](std::int64_t, std::int64_t) {
-    const std::vector<GroupFigures> all = diagnosis->look(simulator);
-    EXPECT_LE(all.front().residual, kSolved);
-    residual = std::max(residual, all.back().residual);
+    const std::vector<GroupErrors> all = diagnosis->look(simulator);
+    EXPECT_LE(all.front().figures.residual, kSolved);
+    residual = std::max(residual, all.back().figures.residual);
     error = std::max(error, all.back().error.value());
     // Its own residual, and the error of the loop before, which a condition carries on: a rounding each, at least.
-    const double bound = 2 * (all.back().residual + kSolved) * all.front().condition.value();
-    EXPECT_LE(all.back().error.value(), 2 * bound * all.back().condition.value());
+    const double bound = 2 * (all.back().figures.residual + kSolved) * all.front().figures.condition;
+    EXPECT_LE(all.back().error.value(), 2 * bound * all.back().figures.condition);
     return true;
   });
   ASSERT_EQ(motion.rows(), 21u);

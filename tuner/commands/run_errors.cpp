@@ -19,9 +19,9 @@ bool write_errors(Simulator& simulator, const RunOptions& options, output::Error
   std::int64_t substeps = 0;
   (void)simulator.run([&](std::int64_t done, std::int64_t of) {
     progress.show(measure::StepTimes::steady() - begin, done, of);
-    const std::vector<measure::GroupFigures> figures = diagnosis.look(simulator);
+    const std::vector<measure::GroupErrors> groups = diagnosis.look(simulator);
     const std::int64_t counted = simulator.report().counters.substeps;
-    csv.write(simulator.time(), counted - substeps, *simulator.prepared().structure, figures);
+    csv.write(simulator.time(), counted - substeps, *simulator.prepared().structure, groups);
     substeps = counted;
     return !Interrupt::requested();
   });

@@ -27,14 +27,13 @@ ErrorsCsv::ErrorsCsv(std::string file) : file_(std::move(file)) {
 }
 
 void ErrorsCsv::write(double t, std::int64_t substeps, const Structure& structure,
-                      std::span<const measure::GroupFigures> figures) {
-  for (std::size_t g = 0; g < figures.size(); ++g) {
-    const measure::GroupFigures& f = figures[g];
-    out_ << t << ",\"" << structure.groups[g].name << "\"," << f.residual;
-    cell(out_, f.estimated);
-    cell(out_, f.error);
-    cell(out_, f.condition);
-    cell(out_, f.iterations);
+                      std::span<const measure::GroupErrors> groups) {
+  for (const auto& [figures, error, iterations] : groups) {
+    out_ << t << ",\"" << structure.groups[static_cast<std::size_t>(figures.group)].name << "\"," << figures.residual
+         << ',' << figures.estimated_error;
+    cell(out_, error);
+    out_ << ',' << figures.condition;
+    cell(out_, iterations);
     out_ << ',' << substeps << '\n';
   }
   if (!out_) fail();

@@ -19,7 +19,7 @@ class ErrorsCsv {
 
   // substeps: accepted ones on the way to t.
   void write(double t, std::int64_t substeps, const Structure& structure,
-             std::span<const measure::GroupFigures> figures);
+             std::span<const measure::GroupErrors> groups);
   void close();
 
  private:
