@@ -18,8 +18,7 @@ class ErrorsCsv {
   explicit ErrorsCsv(std::string file);
 
   // substeps: accepted ones on the way to t.
-  void write(double t, std::int64_t substeps, const Structure& structure,
-             std::span<const measure::GroupErrors> groups);
+  void write(double t, std::int64_t substeps, const Structure& structure, std::span<const measure::GroupErrors> groups);
   void close();
 
  private:
