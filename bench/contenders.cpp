@@ -41,7 +41,7 @@ Prepared prepared(const Scene& scene, const Prepare& how) {
 }
 
 void expect_ok(const Status& status) {
-  if (!status.ok()) throw Error(Error::Kind::numerical, "a step failed: " + std::string(name(status.code)));
+  if (!status.arrived()) throw Error(Error::Kind::numerical, "a step failed: " + std::string(name(status.code)));
 }
 
 class Steps : public Contender {

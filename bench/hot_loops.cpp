@@ -17,7 +17,7 @@ constexpr std::int64_t kWarm = 20;  // steps
 extern "C" [[gnu::noinline]] bool run_hot_loop(assur::Simulator& simulator, const assur::TimeGrid& grid,
                                                std::int64_t first, std::int64_t steps) {
   for (std::int64_t k = first; k < first + steps; ++k) {
-    if (!simulator.step(grid.time(k)).ok()) return false;
+    if (!simulator.step(grid.time(k)).arrived()) return false;
   }
   return true;
 }
@@ -32,7 +32,7 @@ int main(int argc, char** argv) {
     assur::Simulator simulator(assur::prepare(scene, {argv[2], {}}));
     const std::int64_t steps = std::stoll(argv[3]);
     for (std::int64_t k = 1; k <= kWarm; ++k) {
-      if (!simulator.step(scene.time().time(k)).ok()) return 1;
+      if (!simulator.step(scene.time().time(k)).arrived()) return 1;
     }
     if (!run_hot_loop(simulator, scene.time(), kWarm + 1, steps)) return 1;
     std::printf("position error %.3g\n", simulator.report().error.position);

@@ -115,7 +115,7 @@ struct Size {
       const double start = processor_seconds();
       const Status status = simulator.step(scene.time().time(k));
       const double seconds = processor_seconds() - start;
-      if (!status.ok()) throw Error(Error::Kind::numerical, text + ": " + std::string(name(status.code)));
+      if (!status.arrived()) throw Error(Error::Kind::numerical, text + ": " + std::string(name(status.code)));
       if (k > kSteps) step.seconds.push_back(seconds);
     }
   }

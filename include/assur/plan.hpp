@@ -58,9 +58,9 @@ struct PrepareOptions {
   // What `auto` decides by; null: machine_model(). A model without samples decides by counts of operations.
   std::shared_ptr<const PerformanceModel> model = nullptr;
   std::vector<std::string> without = {};  // backends that `auto` leaves out
-  // Largest forward error (ErrorFigures) that an output of a step may have: steps whose estimated error is larger carry
-  // Code::inaccurate, and `auto` takes what reaches it. 0: nothing is asked and nothing estimated.
-  double accuracy = 1e-6;
+  // Largest forward error (ErrorFigures) that any output may have; looser ones take less time. 0: as exact as doubles
+  // are. Steps whose estimated error is larger, or where nothing is asked larger than 1e-6, carry Code::inaccurate.
+  double accuracy = 0;
 };
 
 // A scene made ready: immutable, shared by any number of simulators.

@@ -37,13 +37,13 @@ struct ErrorFigures {
   double velocity = 0;
   double acceleration = 0;
   // Of every output and step, as forward_* are defined, estimated to first order; empty where nobody asked.
-  std::optional<double> estimated_position = std::nullopt;
-  std::optional<double> estimated_velocity = std::nullopt;
-  std::optional<double> estimated_acceleration = std::nullopt;
-  std::optional<double> certified_radius = std::nullopt;  // largest of the proven ones, over the characteristic length
-  std::optional<double> forward_position = std::nullopt;  // against a reference in quad precision
-  std::optional<double> forward_velocity = std::nullopt;
-  std::optional<double> forward_acceleration = std::nullopt;
+  std::optional<double> estimated_position = {};
+  std::optional<double> estimated_velocity = {};
+  std::optional<double> estimated_acceleration = {};
+  std::optional<double> certified_radius = {};  // largest of the proven ones, over the characteristic length
+  std::optional<double> forward_position = {};  // against a reference in quad precision
+  std::optional<double> forward_velocity = {};
+  std::optional<double> forward_acceleration = {};
 
   // The worse of both residuals.
   void merge(const ErrorFigures& o);

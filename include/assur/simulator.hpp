@@ -58,6 +58,15 @@ struct StepLimits {
   std::vector<int> pin_to = {};
 };
 
+// How well one group is solved at a posture, and how well it can be.
+struct GroupFigures {
+  std::int32_t group = 0;      // index into Structure::groups
+  double residual = 0;         // the largest |Phi_i| / (sum_j |dPhi_i/dq_j| |q_j| + |constant|)
+  double condition = 0;        // how many times as large as the residuals the error of an unknown may be: the maximum
+                               // norm of |J^-1| times those sums, over the characteristic length
+  double estimated_error = 0;  // of its unknowns, over the characteristic length; those of its inputs included
+};
+
 // Simulators share nothing that changes: each thread of the program's may use its own, within a parallel region of
 // OpenMP too, with the threads of its plan; one simulator serves one thread at a time, whichever that is. The child of
 // a fork() may go on with those that no other thread was using at that moment; they start their threads anew.
@@ -76,7 +85,8 @@ class Simulator {
   [[nodiscard]] double time() const;
 
   // Moves to time t, which may be earlier than time(), by continuation: the step is halved where needed. On failure the
-  // last good posture is kept (time() says which) and the status says why. What a law or a callback throws comes from
+  // last good posture is kept (time() says which) and the status says why. Code::inaccurate is no failure: time t is
+  // reached, and an event says how wrong it may be. What a law or a callback throws comes from
   // here, and then the last good posture is kept too.
   Status step(double t);
 
@@ -102,6 +112,9 @@ class Simulator {
   [[nodiscard]] const std::vector<std::string>& columns() const;
   [[nodiscard]] std::span<const double> outputs() const;
   [[nodiscard]] double output(std::string_view column) const;
+
+  // Of every group, at time(). Takes memory and the time of several steps.
+  [[nodiscard]] std::vector<GroupFigures> examine();
 
   [[nodiscard]] const Report& report() const;
   [[nodiscard]] const Prepared& prepared() const;

@@ -62,6 +62,8 @@ struct [[nodiscard]] Status {
   double figure = 0;        // pivot, residual, contraction, ...: what the code is about
 
   [[nodiscard]] constexpr bool ok() const noexcept { return code == Code::ok; }
+  // What was asked for is there, if not as accurate.
+  [[nodiscard]] constexpr bool arrived() const noexcept { return ok() || code == Code::inaccurate; }
 };
 
 }  // namespace assur

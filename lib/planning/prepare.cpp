@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "assur/plan.hpp"
 #include "parallel/machine.hpp"
@@ -185,6 +186,10 @@ Prepared prepare_at(const Scene& scene, const PrepareOptions& options, Start sta
   if (options.budget && options.budget->threads < 1) {
     throw Error(Error::Kind::input, "a budget has at least one thread, not " + std::to_string(options.budget->threads));
   }
+  if (!(options.accuracy >= 0) || !std::isfinite(options.accuracy)) {
+    throw Error(Error::Kind::input,
+                "an accuracy is a relative error such as 1e-8, or 0, not " + std::to_string(options.accuracy));
+  }
   check_controlled(scene, options.controlled);
   Choice choice;
   if (options.strategy == "auto") {
@@ -195,6 +200,7 @@ Prepared prepare_at(const Scene& scene, const PrepareOptions& options, Start sta
     choice.plan = forced_plan(*choice.structure, wanted, options);
   }
   Plan& plan = choice.plan;
+  plan.accuracy = options.accuracy;
   if (plan.predictor.kind == Predictor::Kind::automatic) plan.predictor = automatic_predictor(*choice.structure);
   if (options.mode == Mode::throughput && options.strategy.find("+chunks=") == std::string::npos) {
     plan.chunks = chunks_for(plan.lanes, plan.threads, scene.time().steps());

@@ -137,16 +137,16 @@ void BlockConditions::extract(const double* jacobian, std::int32_t b, int lane, 
   }
 }
 
-void BlockConditions::measure(std::int32_t b, const double* jacobian, const double* lipschitz, LinearSolver* solver,
-                              double* omega) {
+void BlockConditions::measure(std::int32_t b, const double* jacobian, const double* weights, LinearSolver* solver,
+                              double* norms) {
   if (needs_solver(b)) {
-    sparse_omega(b, lipschitz, *solver, omega);
+    sparse_norms(b, weights, *solver, norms);
     return;
   }
-  for (int w = 0; w < lanes_; ++w) omega[w] = dense_omega(b, w, jacobian, lipschitz);
+  for (int w = 0; w < lanes_; ++w) norms[w] = dense_norm(b, w, jacobian, weights);
 }
 
-double BlockConditions::dense_omega(std::int32_t b, int lane, const double* jacobian, const double* lipschitz) {
+double BlockConditions::dense_norm(std::int32_t b, int lane, const double* jacobian, const double* weights) {
   const std::int32_t n = size(b);
   extract(jacobian, b, lane, matrix_);
   if (!invert(matrix_.data(), inverse_.data(), n)) return kInfinity;
@@ -155,7 +155,7 @@ double BlockConditions::dense_omega(std::int32_t b, int lane, const double* jaco
   for (std::int32_t r = 0; r < n; ++r) {
     double sum = 0;
     for (std::int32_t c = 0; c < n; ++c)
-      sum += std::abs(inverse_[idx(c * n + r)]) * lipschitz[rows[idx(c)] * lanes_ + lane];
+      sum += std::abs(inverse_[idx(c * n + r)]) * weights[rows[idx(c)] * lanes_ + lane];
     worst = std::max(worst, sum);
   }
   return std::isfinite(worst) ? worst : kInfinity;
@@ -163,15 +163,15 @@ double BlockConditions::dense_omega(std::int32_t b, int lane, const double* jaco
 
 // Hager's power method for | J^-1 D |_inf = | (J^-1 D)^T |_1, all lanes at once; right-hand sides live on the block
 // only, so the answers on the block are those of the block alone.
-void BlockConditions::sparse_omega(std::int32_t b, const double* lipschitz, LinearSolver& solver, double* omega) {
+void BlockConditions::sparse_norms(std::int32_t b, const double* weights, LinearSolver& solver, double* norms) {
   const auto columns = unknowns(b), rows = equations(b);
   const std::int32_t n = size(b);
   const auto at = [&](std::int32_t i, int w) -> double& { return vector_[idx(i * lanes_ + w)]; };
-  std::fill_n(omega, lanes_, 0.0);
+  std::fill_n(norms, lanes_, 0.0);
   // Start: the row of J^-1 D that meets a vector of ones worst.
   std::fill(vector_.begin(), vector_.end(), 0.0);
   for (int w = 0; w < lanes_; ++w) {
-    for (const std::int32_t r : rows) at(r, w) = lipschitz[r * lanes_ + w];
+    for (const std::int32_t r : rows) at(r, w) = weights[r * lanes_ + w];
   }
   for (int round = 0; round < kHagerRounds; ++round) {
     if (!solver.solve(vector_, 1).ok()) break;
@@ -187,18 +187,18 @@ void BlockConditions::sparse_omega(std::int32_t b, const double* lipschitz, Line
     for (int w = 0; w < lanes_; ++w) {
       double sum = 0;
       for (std::int32_t k = 0; k < n; ++k) {
-        const double z = at(rows[idx(k)], w) * lipschitz[rows[idx(k)] * lanes_ + w];
+        const double z = at(rows[idx(k)], w) * weights[rows[idx(k)] * lanes_ + w];
         sum += std::abs(z);
       }
-      omega[w] = std::isfinite(sum) ? std::max(omega[w], sum) : kInfinity;
-      for (const std::int32_t r : rows) at(r, w) = std::copysign(lipschitz[r * lanes_ + w], at(r, w));
+      norms[w] = std::isfinite(sum) ? std::max(norms[w], sum) : kInfinity;
+      for (const std::int32_t r : rows) at(r, w) = std::copysign(weights[r * lanes_ + w], at(r, w));
       for (std::int32_t i = 0; i < program_.n; ++i) {
         if (program_.equation_block[idx(i)] != b) at(i, w) = 0;
       }
     }
   }
   for (int w = 0; w < lanes_; ++w) {
-    if (omega[w] == 0) omega[w] = kInfinity;  // no solve succeeded
+    if (norms[w] == 0) norms[w] = kInfinity;  // no solve succeeded
   }
 }
 

@@ -23,10 +23,10 @@ class BlockConditions {
  public:
   BlockConditions(const GroupClass& group_class, const Program& program, int lanes);
 
-  // omega of one block in every lane from the Jacobian's values; infinite where the block is singular. `solver` holds a
-  // factorisation of the same Jacobian if needs_solver(block). lipschitz: equations x lanes; omega: lanes.
-  void measure(std::int32_t block, const double* jacobian, const double* lipschitz, LinearSolver* solver,
-               double* omega);
+  // | |J^-1| weight |_inf of one block in every lane from the Jacobian's values: omega, if the weights are the
+  // Lipschitz constants; infinite where the block is singular. `solver` holds a factorisation of the same Jacobian if
+  // needs_solver(block). weights: equations x lanes; norms: lanes.
+  void measure(std::int32_t block, const double* jacobian, const double* weights, LinearSolver* solver, double* norms);
 
   [[nodiscard]] bool needs_solver(std::int32_t block) const;
 
@@ -48,8 +48,8 @@ class BlockConditions {
 
  private:
   void find_reads(const GroupClass& group_class);
-  double dense_omega(std::int32_t block, int lane, const double* jacobian, const double* lipschitz);
-  void sparse_omega(std::int32_t block, const double* lipschitz, LinearSolver& solver, double* omega);
+  double dense_norm(std::int32_t block, int lane, const double* jacobian, const double* weights);
+  void sparse_norms(std::int32_t block, const double* weights, LinearSolver& solver, double* norms);
 
   const Program& program_;
   int lanes_;

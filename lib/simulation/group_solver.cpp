@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "backends/refined.hpp"
-#include "simulation/tolerances.hpp"
 
 namespace assur {
 namespace {
@@ -34,6 +33,8 @@ void StepErrors::merge(const StepErrors& o) {
   acceleration = std::max(acceleration, o.acceleration);
 }
 
+double StepErrors::worst() const { return std::max({position, velocity, acceleration}); }
+
 GroupSolver::GroupSolver(const System& system, const Structure& structure, std::int32_t group_class,
                          const Plan::Choice& choice, std::span<const Backend> table)
     : class_(structure.classes[idx(group_class)]),
@@ -52,7 +53,11 @@ GroupSolver::GroupSolver(const System& system, const Structure& structure, std::
   input_rates_.resize(inputs_.size());
   input_accelerations_.resize(inputs_.size());
   if (has_small_steps(strategy_)) small_step_ = make_small_step(class_, program_, blocks_, lanes_);
-  for (std::vector<double>* v : {&phi_, &inverse_scale_, &correction_, &rhs_, &residual_}) v->resize(n);
+  for (std::vector<double>* v :
+       {&phi_, &inverse_scale_, &correction_, &rhs_, &residual_, &noise_, &error_, &bent_, &moved_, &whole_}) {
+    v->resize(n);
+  }
+  for (std::vector<double>* v : {&input_errors_, &moved_inputs_, &resting_inputs_}) v->resize(inputs_.size());
   jacobian_.resize(idx(program_.pattern.nnz()) * w);
   jacobian_norm_.resize(w);
   largest_correction_.resize(idx(program_.blocks) * w);
@@ -132,7 +137,7 @@ Status GroupSolver::solve(Pack& pack, double* const (&state)[3], const Attempt& 
   double* x = state[0] + pack.unknowns;
   if (const Status s = newton(pack, x, attempt, counters, errors); !s.ok()) return s;
   if (attempt.branch == Attempt::Branch::anywhere) return {};
-  if (const Status s = derivatives(pack, state, counters, errors); !s.ok()) return s;
+  if (const Status s = derivatives(pack, state, attempt, counters, errors); !s.ok()) return s;
   if (small_step_) small_step_->choose_pivots(pack, state[0]);
   return check_branch(pack, x, attempt, counters);
 }
@@ -146,7 +151,7 @@ bool GroupSolver::small_step(Pack& pack, double* const (&state)[3], const Attemp
                              StepErrors& errors, Status& status) {
   if (attempt.branch != Attempt::Branch::inside || attempt.iterations > 0) return false;
   SmallStepFigures figures{0, errors.position, errors.velocity, errors.acceleration, 0};
-  if (!small_step_->run(pack, state, attempt.most_iterations, figures)) return false;
+  if (!small_step_->run(pack, state, attempt.most_iterations, attempt.converged, figures)) return false;
   const int factorizations = figures.iterations + (class_.derivatives > 0 ? 1 : 0);
   const std::int64_t unknowns = std::int64_t{pack.used} * program_.n;
   counters.group_solutions += pack.used;
@@ -191,7 +196,7 @@ Status GroupSolver::newton(Pack& pack, double* x, const Attempt& attempt, Counte
     if (attempt.iterations > 0) {
       if (iteration == attempt.iterations) break;
     } else {
-      if (relative <= kConverged) break;
+      if (relative <= attempt.converged) break;
       if (iteration > 0 && only_rounding_is_left(relative, before)) {
         // Rounding, or factors that no longer fit.
         if (!stale) break;
@@ -269,8 +274,8 @@ double GroupSolver::linear_residual(const double* x, const std::vector<double>& 
                            residual_.data(), jacobian_norm_.data(), measure);
 }
 
-Status GroupSolver::linear(Pack& pack, const std::vector<double>& b, double* x, int first_wanted, Counters& counters,
-                           double& error) {
+Status GroupSolver::linear(Pack& pack, const std::vector<double>& b, double* x, int first_wanted,
+                           const Attempt& attempt, Counters& counters, double& error) {
   std::copy(b.begin(), b.end(), x);
   // With a factorisation from elsewhere the whole solution is needed to refine it.
   const int first = factored_at_solution_ ? first_wanted : 0;
@@ -281,13 +286,14 @@ Status GroupSolver::linear(Pack& pack, const std::vector<double>& b, double* x, 
     std::fill_n(x, idx(first * lanes_), 0.0);
     return {};
   }
+  const double converged = std::max(kLinear, attempt.converged);
   double residual = linear_residual(x, b);
-  for (int k = 0; !factored_at_solution_ && residual > kLinear; ++k) {
+  for (int k = 0; !factored_at_solution_ && residual > converged; ++k) {
     if (k == kMostRefinements) {
       // The posture is too far from where the factorisation was taken: take it here.
       if (const Status s = factorize(pack, counters); !s.ok()) return s;
       factored_at_solution_ = true;
-      return linear(pack, b, x, first_wanted, counters, error);
+      return linear(pack, b, x, first_wanted, attempt, counters, error);
     }
     if (const Status s = solver_->solve(residual_, 1); !s.ok()) return fail(pack, s.code, s.figure);
     counters.solved_unknowns += std::int64_t{pack.used} * program_.n;
@@ -295,7 +301,7 @@ Status GroupSolver::linear(Pack& pack, const std::vector<double>& b, double* x, 
     const double next = linear_residual(x, b);
     if (!(next < residual / 2)) {
       residual = next;
-      if (next <= 4 * kLinear) break;
+      if (next <= 4 * converged) break;
       continue;
     }
     residual = next;
@@ -305,7 +311,8 @@ Status GroupSolver::linear(Pack& pack, const std::vector<double>& b, double* x, 
   return {};
 }
 
-Status GroupSolver::derivatives(Pack& pack, double* const (&state)[3], Counters& counters, StepErrors& errors) {
+Status GroupSolver::derivatives(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
+                                StepErrors& errors) {
   if (class_.derivatives == 0) return {};
   // +once: the factors of the prediction (or, with +reuse=run, of an earlier step) serve, with refinement.
   const bool at_hand = strategy_.reuse == Reuse::run ? pack.factored : factored_in_step_;
@@ -318,14 +325,14 @@ Status GroupSolver::derivatives(Pack& pack, double* const (&state)[3], Counters&
   gather(pack, state[1], input_rates_);
   evaluator_->velocity_rhs(input_rates_.data(), rhs_.data());
   const int wanted_rate = class_.derivatives == 1 ? class_.first_wanted : 0;
-  if (const Status s = linear(pack, rhs_, rate, wanted_rate, counters, errors.velocity); !s.ok()) return s;
+  if (const Status s = linear(pack, rhs_, rate, wanted_rate, attempt, counters, errors.velocity); !s.ok()) return s;
   if (class_.derivatives == 1) return {};
   if (strategy_.separate) {
     if (const Status s = factorize(pack, counters); !s.ok()) return s;
   }
   gather(pack, state[2], input_accelerations_);
   evaluator_->acceleration_rhs(rate, input_accelerations_.data(), rhs_.data());
-  return linear(pack, rhs_, state[2] + pack.unknowns, class_.first_wanted, counters, errors.acceleration);
+  return linear(pack, rhs_, state[2] + pack.unknowns, class_.first_wanted, attempt, counters, errors.acceleration);
 }
 
 // ---- branch

@@ -2,8 +2,10 @@
 // `+separate` asks, two.
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstdint>
+#include <initializer_list>
 #include <memory>
 #include <vector>
 
@@ -16,6 +18,7 @@
 #include "simulation/lane_kernels.hpp"
 #include "simulation/pack.hpp"
 #include "simulation/small_step.hpp"
+#include "simulation/tolerances.hpp"
 
 namespace assur {
 
@@ -23,7 +26,13 @@ namespace assur {
 struct StepErrors {
   double position = 0, velocity = 0, acceleration = 0;
   void merge(const StepErrors& o);
+  [[nodiscard]] double worst() const;
 };
+
+// Errors of posture, velocity and acceleration, laid out like the state: a few possible ones.
+inline constexpr std::size_t kProbes = 3;
+using Probes = std::array<std::array<double*, 3>, kProbes>;
+inline constexpr std::size_t kMostLanes = 16;
 
 // How a step is solved.
 struct Attempt {
@@ -36,6 +45,7 @@ struct Attempt {
   Branch branch = Branch::inside;
   int iterations = 0;  // exactly so many; 0: until convergence
   int most_iterations = 12;
+  double converged = kConverged;  // relative residual that counts as solved
   double largest_correction = 0;  // pass: the first one, in the maximum norm; a larger one may lead to the other branch
 };
 
@@ -47,6 +57,7 @@ class GroupSolver {
 
   [[nodiscard]] int lanes() const { return lanes_; }
   [[nodiscard]] const Program& program() const { return program_; }
+  [[nodiscard]] bool quadratic() const { return class_.quadratic; }
 
   // Drops what an earlier run left behind, so that runs repeat bit for bit; the packs drop their own solvers. The next
   // solve() of each pack makes its solver: the first one chooses the pivots, the others start from them.
@@ -69,7 +80,28 @@ class GroupSolver {
   // allocates): limit_reached, change_point_passed (passing may be tried) or branch_unknown.
   [[nodiscard]] Status diagnose(Pack& pack, double* const (&state)[3]);
 
+  // The errors of the pack's unknowns that follow, to first order, from those of its inputs, from what is left in its
+  // equations and from their rounding, with signs drawn by `seed`. False if the Jacobian is singular.
+  [[nodiscard]] bool perturb(Pack& pack, const double* const (&state)[3], const Probes& probes, std::uint64_t seed);
+
+  // Relative residuals and conditions (GroupFigures) of the lanes at a posture.
+  struct Health {
+    std::array<double, kMostLanes> residual{}, condition{};
+  };
+  [[nodiscard]] Health examine(Pack& pack, const double* state);
+
  private:
+  struct Bend {  // times * Phi''[a probe's derivative, direction]
+    std::size_t probe;
+    const double* direction;  // of the unknowns
+    const std::vector<double>* inputs;
+    double times;
+  };
+  [[nodiscard]] const double* solution(const Pack& pack, const double* state, int derivative);
+  void left_of(const double* y);
+  [[nodiscard]] bool error_of(Pack& pack, const std::vector<double>& known, const Probes& probes, int derivative,
+                              std::uint64_t seed, std::initializer_list<Bend> bends);
+  void add_bend(const Pack& pack, const double* probe, const Bend& bend);
   void sort_by_rows();
   [[nodiscard]] std::unique_ptr<LinearSolver> make_solver() const;
   void choose_solver(Pack& pack);
@@ -81,10 +113,11 @@ class GroupSolver {
   [[nodiscard]] Status newton(Pack& pack, double* x, const Attempt& attempt, Counters& counters, StepErrors& errors);
   [[nodiscard]] static bool stays_inside(double ball_used, double& before);
   [[nodiscard]] Status check_branch(Pack& pack, const double* x, const Attempt& attempt, Counters& counters);
-  [[nodiscard]] Status derivatives(Pack& pack, double* const (&state)[3], Counters& counters, StepErrors& errors);
+  [[nodiscard]] Status derivatives(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
+                                   StepErrors& errors);
   // x = J^-1 b with refinement where the factorisation is that of another posture; returns the normwise residual.
-  [[nodiscard]] Status linear(Pack& pack, const std::vector<double>& b, double* x, int first_wanted, Counters& counters,
-                              double& error);
+  [[nodiscard]] Status linear(Pack& pack, const std::vector<double>& b, double* x, int first_wanted,
+                              const Attempt& attempt, Counters& counters, double& error);
   [[nodiscard]] double linear_residual(const double* x, const std::vector<double>& b);
   [[nodiscard]] double correct(double* x);
   [[nodiscard]] Status kantorovich(const Pack& pack) const;
@@ -113,6 +146,9 @@ class GroupSolver {
   std::vector<double> phi_, inverse_scale_, correction_, rhs_, residual_, jacobian_;
   std::vector<double> jacobian_norm_;       // W
   std::vector<double> largest_correction_;  // blocks x W
+  // Of perturb().
+  std::vector<double> noise_, error_, bent_, moved_, whole_;          // n x W
+  std::vector<double> input_errors_, moved_inputs_, resting_inputs_;  // inputs x W
   bool jacobian_measured_ = false;
   bool factored_in_step_ = false, factored_at_solution_ = false;
 };

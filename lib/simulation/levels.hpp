@@ -32,6 +32,10 @@ class Levels {
   [[nodiscard]] Status solve(double* const (&state)[3], bool alone, const AttemptOf& attempt, const Expired& expired,
                              Counters& counters, StepErrors& errors, std::size_t& failed);
 
+  // work(pack, solver) for every pack, level after level, by the threads that solve them.
+  template <class Work>
+  void each(const Work& work);
+
   // work(part, parts) of something with so many pieces, each of a nanosecond or two, on all threads if that pays.
   template <class Work>
   void share(std::size_t pieces, const Work& work) {
@@ -91,6 +95,23 @@ void Levels::work(std::span<const std::int32_t> packs, int rank, double* const (
                                : solver(pack, rank).solve(pack, state, attempt(index), counters, errors);
     if (!s.ok() && index < failure.pack) failure = {index, s};
   }
+}
+
+template <class Work>
+void Levels::each(const Work& work) {
+  const auto all_of = [&](std::span<const std::int32_t> packs, int rank) {
+    for (const std::int32_t p : packs) {
+      const auto index = static_cast<std::size_t>(p);
+      work(index, solver(packs_[index], rank));
+    }
+  };
+  if (!team_) return all_of(all_, 0);
+  team_->run([&](int rank) {
+    for (std::size_t i = 0; i < phases_.size(); ++i) {
+      if (i > 0) team_->barrier();
+      all_of(phases_[i].of(rank), rank);
+    }
+  });
 }
 
 template <class AttemptOf, class Expired>

@@ -133,24 +133,25 @@ void SideBySide::alone(LaneRun& lane, Variant at, std::size_t row, bool to_the_e
   if (!restarted) std::copy(start.begin(), start.end(), first);
   lane.done = std::max(lane.done, row + 1);
   if (row == lane.posture_wanted) lane.posture = posture_of(*simulator);
-  for (std::size_t k = row + 1; k < rows && lane.status.ok() && !stopped_; ++k) {
+  for (std::size_t k = row + 1; k < rows && lane.status.arrived() && !stopped_; ++k) {
     lane.status = simulator->step(lane.times[k]);
-    const bool plain = lane.status.ok() && simulator->report().counters.rejected == 0;
+    const bool plain = lane.status.arrived() && simulator->report().counters.rejected == 0;
     if (k == row + 1 && !to_the_end && plain) return;
     if (!lane.alone) {
       lane.alone = true;
       lane.alone_from = from;
     }
-    if (!lane.status.ok()) break;
+    if (!lane.status.arrived()) break;
     std::copy(simulator->outputs().begin(), simulator->outputs().end(), lane.row(k, columns));
     lane.done = k + 1;
     if (k == lane.posture_wanted) lane.posture = posture_of(*simulator);
     stopped_ = !proceed();
   }
+  if (lane.status.arrived()) lane.status = simulator->report().status;
   if (restarted) shift_by_turns(angles(), first, start.data(), lane, row + 1, columns);
   lane.reached = simulator->time();
   if (lane.done <= lane.posture_wanted) lane.posture = posture_of(*simulator);
-  if (stopped_ && lane.status.ok() && lane.done < rows) lane.status = {Code::interrupted, -1, lane.reached};
+  if (stopped_ && lane.status.arrived() && lane.done < rows) lane.status = {Code::interrupted, -1, lane.reached};
   lane.events = simulator->report().events;
   lane.fallbacks = simulator->report().fallbacks;
   of_those_alone_.merge({simulator->report().counters, simulator->report().error, simulator->report().effort});

@@ -9,6 +9,7 @@
 
 #include "parallel/thread_state.hpp"
 #include "simulation/chunks.hpp"
+#include "simulation/error_estimate.hpp"
 #include "simulation/inputs.hpp"
 #include "simulation/layout.hpp"
 #include "simulation/levels.hpp"
@@ -50,7 +51,16 @@ struct Stride {
 // from 2 to 16 and growth from 1.25 to 2: few attempts in all, and one in seven rejected.
 constexpr Stride kLongWay{.patience = 4, .growth = 1.5};
 
+constexpr double kEps = std::numeric_limits<double>::epsilon();
+// Errors of accelerations grow like the cube of a condition, which may double before they are measured again; then
+// some room for what three probes miss.
+constexpr double kMargin = 16;
+constexpr double kLoosest = 1e-6;   // where a residual counts as solved at most
+constexpr double kDoubtful = 1e-6;  // an error that is told where no accuracy was asked for
+
 std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+double asked_accuracy(const Plan& plan) { return plan.accuracy > 0 ? plan.accuracy : kDoubtful; }
 
 }  // namespace
 
@@ -65,7 +75,8 @@ struct Simulator::Impl {
         packs(layout.packs),
         levels(prepared, layout, limits.pin_to),
         columns(column_names(system)),
-        outputs(system, layout.address) {
+        outputs(system, layout.address),
+        estimate(system, layout, outputs, asked_accuracy(prepared.plan)) {
     state.resize(layout.first_unknown, layout.size, prepared.plan.predictor);
     if (!structure.watch_class.equations.empty()) watch.emplace(system, structure, layout.address);
     passing.assign(packs.size(), 0);
@@ -101,6 +112,8 @@ struct Simulator::Impl {
     earlier_effort = {};
     effort_lines = 0;
     report.events.reserve(kEventsReserved);
+    estimate.restart();
+    converged = kConverged;
     state.clear();
     for (std::size_t c = 0; c < layout.address.size(); ++c) {
       if (layout.address[c] >= 0) state.at(0)[layout.address[c]] = posture[c];
@@ -142,6 +155,7 @@ struct Simulator::Impl {
       a.branch = passing[p] != 0 && branch == Attempt::Branch::inside ? Attempt::Branch::pass : branch;
       a.iterations = packs[p].level > 0 && branch == Attempt::Branch::inside ? limits.iterations : 0;
       a.most_iterations = limits.most_iterations;
+      if (a.branch == Attempt::Branch::inside) a.converged = converged;
       if (a.branch == Attempt::Branch::pass) {
         const GroupSolver& s = levels.solver(packs[p]);
         const std::size_t count = idx(s.program().n) * idx(s.lanes());
@@ -171,6 +185,7 @@ struct Simulator::Impl {
     state.accept(t);
     now = t;
     report.reached = t;
+    last_errors = errors;
     report.error.merge({.position = errors.position, .velocity = errors.velocity, .acceleration = errors.acceleration});
   }
 
@@ -255,6 +270,60 @@ struct Simulator::Impl {
     if (arrived) ++report.counters.steps;
     if (now != from) fill_row(true, now - from);
     if (stands_still) state.stand_still();
+  }
+
+  // Of the posture that was reached at last, on the way from `from`: is it as accurate as was asked for?
+  Status check_accuracy(double from) {
+    if (!estimate.due(packs, report.counters.branch_checks)) return {};
+    const double* const q[3] = {state.at(0), state.at(1), state.at(2)};
+    estimate.measure(now, q, packs, levels, row);
+    const double error = estimate.now().worst();
+    if (prepared.plan.accuracy > 0) {
+      // What is left in the equations shows in the outputs as their rounding does.
+      const double amplified = kMargin * error / (2 * kEps + last_errors.worst());
+      converged = std::clamp(prepared.plan.accuracy / amplified, kConverged, kLoosest);
+    }
+    if (error <= estimate.asked()) return {};
+    const std::int32_t group = packs.empty() ? -1 : packs[estimate.worst_pack()].groups[idx(estimate.worst_lane())];
+    const Status status{Code::inaccurate, group, error};
+    record_doubt({from, now, group < 0 ? "" : structure.groups[idx(group)].name, status.code, error});
+    if (report.status.ok()) report.status = status;
+    return status;
+  }
+
+  std::vector<GroupFigures> examine() {
+    const double* const q[3] = {state.at(0), state.at(1), state.at(2)};
+    estimate.measure(now, q, packs, levels, row);
+    std::vector<GroupFigures> all(structure.groups.size());
+    for (Pack& pack : packs) {
+      GroupSolver& solver = levels.solver(pack);
+      const GroupSolver::Health health = solver.examine(pack, state.at(0));
+      const std::size_t w = idx(solver.lanes());
+      for (std::size_t lane = 0; lane < pack.groups.size(); ++lane) {
+        GroupFigures& of = all[idx(pack.groups[lane])];
+        of = {pack.groups[lane], health.residual[lane], health.condition[lane], 0};
+        for (std::size_t i = 0; i < idx(solver.program().n); ++i) {
+          of.estimated_error = std::max(of.estimated_error, estimate.of_coordinate(pack.unknowns + i * w + lane));
+        }
+      }
+    }
+    return all;
+  }
+
+  // Steps one after the other are one event, of the worst of them.
+  void record_doubt(Event event) {
+    if (!report.events.empty()) {
+      Event& before = report.events.back();
+      if (before.kind == event.kind && before.until == event.time) {
+        before.until = event.until;
+        if (before.figure < event.figure) {
+          before.figure = event.figure;
+          before.group = std::move(event.group);
+        }
+        return;
+      }
+    }
+    report.events.push_back(std::move(event));
   }
 
   // Is it somewhere? A driver that was set to nowhere is named by an event, and nothing moves.
@@ -433,6 +502,14 @@ struct Simulator::Impl {
     say(sum.in_double, " factorisations of one lane in double, where float did not serve");
   }
 
+  void report_estimate() {
+    if (!estimate.measured() || packs.empty()) return;
+    const auto [position, velocity, acceleration] = estimate.of_run();
+    report.error.estimated_position = position;
+    report.error.estimated_velocity = velocity;
+    report.error.estimated_acceleration = acceleration;
+  }
+
   void fill_row(bool unwrap, double dt = 0) {
     const double* const q[3] = {state.at(0), state.at(1), state.at(2)};
     row.swap(previous_row);
@@ -458,8 +535,11 @@ struct Simulator::Impl {
   Levels levels;
   std::vector<std::string> columns;
   OutputProgram outputs;
+  ErrorEstimate estimate;
   State state;
   std::optional<Watch> watch;
+  double converged = kConverged;      // residual of an equation that counts as solved
+  StepErrors last_errors;             // of the last accepted posture
   std::vector<std::uint8_t> passing;  // packs: on the way through a change point
   double now = 0;
   double last_before_pass = 0;
@@ -489,13 +569,16 @@ Simulator::~Simulator() = default;
 double Simulator::time() const { return impl_->now; }
 
 Status Simulator::step(double t) {
+  const double from = impl_->now;
   Status status = impl_->step_to(t, true);
-  if (!impl_->wants_reselection) return status;
-  if (auto next = impl_->reselected()) {
-    impl_ = std::move(next);
-    return step(t);
+  if (impl_->wants_reselection) {
+    if (auto next = impl_->reselected()) {
+      impl_ = std::move(next);
+      return step(t);
+    }
+    status = impl_->step_to(t, false);
   }
-  return impl_->step_to(t, false);
+  return status.ok() ? impl_->check_accuracy(from) : status;
 }
 
 void Simulator::set(std::string_view driver, double value, double rate, double acceleration) {
@@ -535,7 +618,7 @@ Trajectory Simulator::run(std::span<const double> times, const Observer& observe
   std::optional<Pinned> here;  // once, not in every step
   if (!impl_->limits.pin_to.empty() && impl_->levels.threads() > 1) here.emplace(impl_->limits.pin_to[0]);
   for (const double t : times) {
-    if (!step(t).ok()) break;
+    if (!step(t).arrived()) break;
     out.times_.push_back(t);
     out.values_.insert(out.values_.end(), impl_->row.begin(), impl_->row.end());
     if (observer && !observer(static_cast<std::int64_t>(out.times_.size()), of)) {
@@ -607,8 +690,11 @@ double Simulator::output(std::string_view column) const {
   return impl_->row[static_cast<std::size_t>(found - columns.begin())];
 }
 
+std::vector<GroupFigures> Simulator::examine() { return impl_->examine(); }
+
 const Report& Simulator::report() const {
   impl_->report_effort();
+  impl_->report_estimate();
   return impl_->report;
 }
 const Prepared& Simulator::prepared() const { return impl_->prepared; }

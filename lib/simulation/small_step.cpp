@@ -41,12 +41,13 @@ class SmallStepOf final : public SmallStep {
     SmallLu<W, N>::choose_swaps(jacobian, pack.swaps.data());
   }
 
-  bool run(const Pack& pack, double* const (&state)[3], int most_iterations, SmallStepFigures& figures) override {
+  bool run(const Pack& pack, double* const (&state)[3], int most_iterations, double converged,
+           SmallStepFigures& figures) override {
     Column x;
     Matrix u;  // a_ij x_j + b_ij
     load(state[0] + pack.unknowns, x);
     c_.set_inputs(pack, state[0]);
-    if (!newton(pack, x, u, most_iterations, figures)) return false;
+    if (!newton(pack, x, u, most_iterations, converged, figures)) return false;
     if (derivatives_ > 0 && !derivatives(pack, x, u, state, figures)) return false;
     figures.ball_used = c_.ball_use(pack, reads_, x);
     store(x, state[0] + pack.unknowns);
@@ -54,7 +55,8 @@ class SmallStepOf final : public SmallStep {
   }
 
  private:
-  HWY_INLINE bool newton(const Pack& pack, Column& x, Matrix& u, int most_iterations, SmallStepFigures& figures) {
+  HWY_INLINE bool newton(const Pack& pack, Column& x, Matrix& u, int most_iterations, double converged,
+                         SmallStepFigures& figures) {
     Column phi, scale;
     evaluate(x, u, phi);
     for (int i = 0; i < N; ++i) {
@@ -64,7 +66,7 @@ class SmallStepOf final : public SmallStep {
     Column phi_before;
     for (int i = 0; i < N; ++i) phi_before[i] = L::set(0);
     int iteration = 0;
-    for (; !at_most(phi, scale, kConverged); ++iteration) {
+    for (; !at_most(phi, scale, converged); ++iteration) {
       if (iteration == most_iterations) return false;
       if (iteration > 0) {
         const double relative = largest_ratio(phi, scale);

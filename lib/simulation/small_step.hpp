@@ -26,9 +26,10 @@ class SmallStep {
   virtual void choose_pivots(Pack& pack, const double* state) = 0;
 
   // state[d]: d-th derivative of all coordinates, with the prediction in the pack's unknowns. True: they are solved, by
-  // the same rules as in GroupSolver. False: the factorisation, the convergence or the Kantorovich number of some lane
-  // is not as usual; the prediction is as before, the derivatives of the unknowns are unspecified.
-  [[nodiscard]] virtual bool run(const Pack& pack, double* const (&state)[3], int most_iterations,
+  // the same rules as in GroupSolver, where their relative residuals are at most `converged`. False: the factorisation,
+  // the convergence or the Kantorovich number of some lane is not as usual; the prediction is as before, the
+  // derivatives of the unknowns are unspecified.
+  [[nodiscard]] virtual bool run(const Pack& pack, double* const (&state)[3], int most_iterations, double converged,
                                  SmallStepFigures& figures) = 0;
 };
 

@@ -43,6 +43,13 @@ struct Result {
   [[nodiscard]] const Counters& counters() const { return report().counters; }
 };
 
+// What happened to the motion: no doubts about its accuracy.
+[[nodiscard]] inline std::vector<Event> events(const Report& report) {
+  std::vector<Event> all = report.events;
+  std::erase_if(all, [](const Event& e) { return e.kind == Code::inaccurate; });
+  return all;
+}
+
 inline Result run(const Scene& scene, const std::string& strategy = "auto", StepLimits limits = {}) {
   Simulator s = simulator(scene, strategy, limits);
   Trajectory t = s.run();

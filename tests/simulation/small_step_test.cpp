@@ -1,5 +1,6 @@
 // The step of a small group in one piece is the step that GroupSolver puts together.
 #include "simulation/small_step.hpp"
+#include "simulation/tolerances.hpp"
 
 #include <gtest/gtest.h>
 
@@ -88,7 +89,7 @@ void expect_the_same_step(const Scene& scene, const std::string& strategy) {
     step->choose_pivots(pack, found.values[0].data());
     State moved = found;
     SmallStepFigures figures;
-    ASSERT_TRUE(step->run(pack, found.pointers().at, 12, figures));
+    ASSERT_TRUE(step->run(pack, found.pointers().at, 12, kConverged, figures));
     EXPECT_GE(figures.iterations, 1);
     EXPECT_LE(figures.ball_used, 0.5);
     for (const double residual : {figures.position, figures.velocity, figures.acceleration}) {
@@ -103,11 +104,11 @@ void expect_the_same_step(const Scene& scene, const std::string& strategy) {
 
     // What is not ordinary is refused, and the prediction is left alone.
     const State before = moved;
-    EXPECT_FALSE(step->run(pack, moved.pointers().at, 0, figures));
+    EXPECT_FALSE(step->run(pack, moved.pointers().at, 0, kConverged, figures));
     moved.values[0][pack.unknowns] += 1e6;
-    EXPECT_FALSE(step->run(pack, moved.pointers().at, 12, figures));
+    EXPECT_FALSE(step->run(pack, moved.pointers().at, 12, kConverged, figures));
     moved.values[0][pack.unknowns] = std::nan("");
-    EXPECT_FALSE(step->run(pack, moved.pointers().at, 12, figures));
+    EXPECT_FALSE(step->run(pack, moved.pointers().at, 12, kConverged, figures));
     moved.values[0][pack.unknowns] = before.values[0][pack.unknowns];
     EXPECT_EQ(moved.values[0], before.values[0]);
   }

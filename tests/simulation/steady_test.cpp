@@ -15,9 +15,9 @@ constexpr int kWarm = 2, kSteps = 50;
 template <class Step>
 std::int64_t allocations_of(const Step& step) {
   bool ok = true;
-  for (int k = 1; k <= kWarm; ++k) ok = step(k).ok() && ok;
+  for (int k = 1; k <= kWarm; ++k) ok = step(k).arrived() && ok;
   const std::int64_t before = allocations();
-  for (int k = kWarm + 1; k <= kWarm + kSteps; ++k) ok = step(k).ok() && ok;
+  for (int k = kWarm + 1; k <= kWarm + kSteps; ++k) ok = step(k).arrived() && ok;
   const std::int64_t count = allocations() - before;
   EXPECT_TRUE(ok);
   return count;

@@ -46,7 +46,9 @@ struct Sequence {
 void expect_the_same_run(const Sequence& in_sequence, const Result& chunked) {
   const Report &a = chunked.report(), &b = in_sequence.result.report();
   const Trajectory &rows = chunked.trajectory, &expected = in_sequence.result.trajectory;
-  EXPECT_EQ(a.status.code, b.status.code);
+  // Chunks do not estimate their errors.
+  const auto code = [](const Report& r) { return r.status.arrived() ? Code::ok : r.status.code; };
+  EXPECT_EQ(code(a), code(b));
   EXPECT_EQ(rows.columns(), expected.columns());
   ASSERT_EQ(rows.times(), expected.times());
   const double residual = test::residual_of(a, b);
@@ -56,12 +58,13 @@ void expect_the_same_run(const Sequence& in_sequence, const Result& chunked) {
     test::expect_same_row(rows.row(k), expected, k, sizes, in_sequence.conditions[k], residual);
     if (testing::Test::HasFailure()) return;
   }
-  ASSERT_EQ(a.events.size(), b.events.size());
-  for (std::size_t i = 0; i < a.events.size(); ++i) {
-    EXPECT_EQ(a.events[i].kind, b.events[i].kind);
-    EXPECT_EQ(a.events[i].group, b.events[i].group);
-    EXPECT_LE(a.events[i].time, b.events[i].until);  // brackets of the same thing
-    EXPECT_GE(a.events[i].until, b.events[i].time);
+  const std::vector<Event> found = test::events(a), wanted = test::events(b);
+  ASSERT_EQ(found.size(), wanted.size());
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    EXPECT_EQ(found[i].kind, wanted[i].kind);
+    EXPECT_EQ(found[i].group, wanted[i].group);
+    EXPECT_LE(found[i].time, wanted[i].until);  // brackets of the same thing
+    EXPECT_GE(found[i].until, wanted[i].time);
   }
   EXPECT_EQ(a.counters.steps, b.counters.steps);
   EXPECT_EQ(a.counters.stored_values, b.counters.stored_values);
@@ -181,7 +184,7 @@ TEST(TimeChunks, RunOverChangePoints) {
   for (const double step : {0.0071, 0.0033}) {
     const Scene scene = sample("almost_parallelogram", {{"delta", 0}, {"step", step}, {"steps", std::round(2 / step)}});
     const Sequence in_sequence(scene);
-    ASSERT_EQ(in_sequence.result.report().events.size(), 4u);
+    ASSERT_EQ(test::events(in_sequence.result.report()).size(), 4u);
     for (const int chunks : {2, 3, 7, 16}) {
       for (const int lanes : {1, 4, 8}) {
         SCOPED_TRACE(text("groups/eigen", lanes, chunks));

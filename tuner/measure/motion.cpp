@@ -217,10 +217,7 @@ WholeStep::WholeStep(const Prepared& prepared, std::vector<int> pin_to, int iter
   }
 }
 
-bool WholeStep::advance() {
-  const Status status = simulator_.step(grid_.time(next_++));
-  return status.ok() || status.code == Code::inaccurate;  // which is accepted, and takes as long
-}
+bool WholeStep::advance() { return simulator_.step(grid_.time(next_++)).arrived(); }
 
 void WholeStep::get_ready(int calls) {
   if (simulator_.prepared().plan.threads > 1) {
