@@ -98,7 +98,7 @@ CLI::Validator accuracy() {
       [](std::string& text) {
         double value = 0;
         const bool fits = CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value >= 0;
-        return fits ? std::string() : "expects a number > 0, or 0 for off, not \"" + text + "\"";
+        return fits ? std::string() : "expects a number > 0, or 0, not \"" + text + "\"";
       },
       "");
 }
@@ -190,7 +190,7 @@ void add_mode(CLI::App& app, ModeOption& mode) {
 }
 
 void add_accuracy(CLI::App& app, double& value) {
-  app.add_option("--accuracy", value, "Largest error that an output may have (1e-6); 0: any")
+  app.add_option("--accuracy", value, "Largest error that an output may have; 0: least")
       ->check(accuracy())
       ->type_name("X");
 }

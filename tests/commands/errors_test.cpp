@@ -43,6 +43,7 @@ TEST(Errors, ARowForEachStepAndGroup) {
     times[row[1]].insert(std::stod(row[0]));
     worst = std::max(worst, std::stod(row[2]));
     EXPECT_GE(std::stod(row[5]), 1) << line;
+    EXPECT_GT(std::stod(row[3]), 0) << line;
     EXPECT_EQ(row[4], "");  // without --reference
     EXPECT_EQ(row[7], "0");
   }
@@ -85,12 +86,25 @@ TEST(Errors, WhereStepsAreNotSingleItIsRefused) {
   EXPECT_NE(o.err.find("/no_such_folder/errors.csv"), std::string::npos) << o.err;
 }
 
-TEST(Accuracy, NobodyWhoDidNotAskGetsAnEstimate) {
-  const auto json = run_command({"run", "stewart", "--steps", "5", "--json", "--accuracy", "0"}).json();
+TEST(Accuracy, EveryRunStatesItsEstimates) {
+  const auto json = run_command({"run", "stewart", "--steps", "5", "--json", "--accuracy", "1e-9"}).json();
   for (const char* kind : {"position", "velocity", "acceleration"}) {
-    EXPECT_TRUE(json["error"].at(std::string("estimated_") + kind).is_null()) << kind;
+    const auto estimate = json["error"].at(std::string("estimated_") + kind);
+    EXPECT_GT(estimate, 0) << kind;
+    EXPECT_LE(estimate, 1e-9) << kind;
   }
   EXPECT_EQ(json["status"], "ok");
+}
+
+TEST(Accuracy, WhatCannotBeReachedIsToldAndTheRunGoesOn) {
+  const Outcome o = run_command({"run", "stewart", "--steps", "5", "--accuracy", "1e-17"});
+  EXPECT_EQ(o.status, 1);
+  EXPECT_NE(o.out.find("done, but inaccurate"), std::string::npos) << o.out;
+  EXPECT_NE(o.err.find("inaccurate"), std::string::npos) << o.err;
+  const auto json = run_command({"run", "stewart", "--steps", "5", "--json", "--accuracy", "1e-17"}).json();
+  EXPECT_EQ(json["status"], "inaccurate");
+  EXPECT_EQ(json["steps"], 5);
+  EXPECT_EQ(json["events"][0]["kind"], "inaccurate");
 }
 
 }  // namespace

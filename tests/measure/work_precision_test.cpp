@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 namespace assur::measure {
@@ -64,7 +65,10 @@ TEST(WorkPrecision, FixedIterationsShowInTheError) {
 
   std::set<std::string> ways;
   for (const WorkPrecisionRow& row : result.rows) {
-    EXPECT_TRUE(ways.insert(row.strategy + " " + std::to_string(row.iterations)).second) << row.strategy;
+    for (const double a : row.accuracies) {
+      const std::string way = row.strategy + " " + std::to_string(row.iterations) + " " + std::to_string(std::log10(a));
+      EXPECT_TRUE(ways.insert(way).second) << way;
+    }
     if (row.on_front) {
       EXPECT_TRUE(row.seconds && row.error) << row.strategy;
     }
@@ -117,7 +121,7 @@ TEST(WorkPrecision, BehindIsMeasuredAtTheAccuracyAskedFor) {
     WorkPrecisionRow row;
     row.seconds = seconds;
     row.error = ForwardError{error, error / 2, 0};
-    row.accuracies = std::move(accuracies);
+    row.picked = std::move(accuracies);
     result.rows.push_back(row);
   };
   add(1, 1e-5, {});

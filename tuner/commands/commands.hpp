@@ -40,7 +40,7 @@ struct RunOptions {
   std::vector<std::string> without;  // backends that `auto` leaves out
   std::optional<Mode> mode;          // left out: throughput where the ensemble or the strategy asks for it
   std::string ensemble;              // a CSV of parameters, one member a row; empty: the scene alone
-  double accuracy = 1e-6;            // PrepareOptions::accuracy
+  double accuracy = 0;               // PrepareOptions::accuracy
   int iterations = 0;                // 0: as many as convergence takes
   std::string csv;                   // "-": standard output; empty: none
   std::string errors;                // a CSV of each group in each step; empty: none
@@ -62,7 +62,7 @@ struct PlanOptions {
   std::string scene;
   std::vector<std::string> outputs;  // empty: those of the scene
   Mode mode = Mode::latency;
-  double accuracy = 1e-6;            // PrepareOptions::accuracy
+  double accuracy = 0;               // PrepareOptions::accuracy
   std::vector<std::string> without;  // backends
   std::string save;                  // a file for load_plan(); empty: none
 };

@@ -1,7 +1,10 @@
 // assur run SCENE --errors FILE
+#include <optional>
+#include <utility>
+
 #include "commands/interrupt.hpp"
 #include "commands/run_parts.hpp"
-#include "measure/diagnosis.hpp"
+#include "measure/true_posture.hpp"
 
 namespace assur::command {
 
@@ -12,17 +15,36 @@ void check_errors(const RunOptions& options, const PrepareOptions& how) {
                                     "--mode throughput, --ensemble, +chunks="}});
 }
 
+namespace {
+
+// Every group of the simulator at its posture.
+std::vector<output::ErrorsRow> look(Simulator& simulator, measure::TruePosture* truth, std::int64_t iterations) {
+  const Structure& structure = *simulator.prepared().structure;
+  const std::vector<double> posture = posture_of(simulator);
+  std::vector<output::ErrorsRow> rows;
+  for (const GroupFigures& figures : simulator.examine()) {
+    output::ErrorsRow& row = rows.emplace_back(output::ErrorsRow{figures});
+    const Group& group = structure.groups[static_cast<std::size_t>(figures.group)];
+    if (truth != nullptr) row.error = truth->error(simulator.time(), posture, group.unknowns);
+    if (structure.groups.size() == 1) row.iterations = iterations;
+  }
+  return rows;
+}
+
+}  // namespace
+
 bool write_errors(Simulator& simulator, const RunOptions& options, output::ErrorsCsv& csv, output::Progress& progress) {
   const Interrupt interrupt;
-  measure::Diagnosis diagnosis(simulator.prepared(), options.reference);
+  std::optional<measure::TruePosture> truth;
+  if (options.reference) truth.emplace(simulator.prepared());
   const double begin = measure::StepTimes::steady();
-  std::int64_t substeps = 0;
+  Counters before;
   (void)simulator.run([&](std::int64_t done, std::int64_t of) {
     progress.show(measure::StepTimes::steady() - begin, done, of);
-    const std::vector<measure::GroupErrors> groups = diagnosis.look(simulator);
-    const std::int64_t counted = simulator.report().counters.substeps;
-    csv.write(simulator.time(), counted - substeps, *simulator.prepared().structure, groups);
-    substeps = counted;
+    const Counters now = simulator.report().counters;
+    const auto rows = look(simulator, truth ? &*truth : nullptr, now.newton_iterations - before.newton_iterations);
+    csv.write(simulator.time(), now.substeps - before.substeps, *simulator.prepared().structure, rows);
+    before = now;
     return !Interrupt::requested();
   });
   progress.clear();

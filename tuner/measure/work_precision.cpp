@@ -52,7 +52,6 @@ class Comparison {
     if (scene.time().steps() < 1) {
       throw Error(Error::Kind::input, {{"/time", "there is no step to compare; give the scene a time grid"}});
     }
-    loosest_ = options.accuracies.empty() ? 0 : *std::max_element(options.accuracies.begin(), options.accuracies.end());
     cores_ = this_machine().cores;
     out_.steps = scene.time().steps();
   }
@@ -61,8 +60,9 @@ class Comparison {
     if (options_.strategies.empty()) {
       compare_all();
     } else {
-      expected_ = std::ssize(options_.strategies) + std::ssize(options_.accuracies);
-      for (const Strategy& s : options_.strategies) enter_forced({s}, true);
+      const std::int64_t accuracies = std::ssize(options_.accuracies);
+      expected_ = std::ssize(options_.strategies) * (accuracies + 1) + accuracies;
+      for (const Strategy& s : options_.strategies) enter_forced({s}, true, true);
       enter_picks();
     }
     race(entrants_, options_.rules);
@@ -73,9 +73,8 @@ class Comparison {
   // All solvers; then what can be turned in the fastest, and fixed iterations in the fastest of other formulations.
   void compare_all() {
     const std::vector<Way> all = solvers(scene_, options_.budget);
-    const std::size_t more = all.empty() ? 0 : variations(all[0].strategy).size() + 2 * fixed_iterations({}).size();
-    expected_ = std::ssize(all) + std::ssize(options_.accuracies) + static_cast<std::int64_t>(more);
-    for (const Way& way : all) enter_forced(way, false);
+    expected_ = std::ssize(all) + std::ssize(options_.accuracies);
+    for (const Way& way : all) enter_forced(way, false, false);
     enter_picks();
     RaceRules trial = options_.rules;
     trial.most_rounds = trial.least_rounds = std::min(trial.least_rounds, 5);
@@ -89,26 +88,38 @@ class Comparison {
     }
     const auto best = std::min_element(fastest.begin(), fastest.end(),
                                        [](const auto& a, const auto& b) { return a.second.first < b.second.first; });
+    std::vector<Way> more;
     for (auto at = fastest.begin(); at != fastest.end(); ++at) {
       const Strategy& solver = at->second.second;
-      for (const Way& way : at == best ? variations(solver) : fixed_iterations(solver)) enter_forced(way, false);
+      const std::vector<Way> ways = at == best ? variations(solver) : fixed_iterations(solver);
+      more.insert(more.end(), ways.begin(), ways.end());
     }
+    const auto heeds = [](const Way& way) { return way.knob == Knob::predictor; };
+    expected_ =
+        done_ + std::ssize(more) + std::ssize(options_.accuracies) * std::count_if(more.begin(), more.end(), heeds);
+    for (const Way& way : more) enter_forced(way, heeds(way), false);
   }
 
   // must: what cannot run is an error.
-  void enter_forced(const Way& way, bool must) {
-    WorkPrecisionRow row;
-    row.strategy = to_string(way.strategy);
-    row.iterations = way.iterations;
-    row.knob = way.knob;
-    enter(std::move(row), {.strategy = row.strategy, .budget = options_.budget, .accuracy = loosest_}, must);
+  void enter_forced(const Way& way, bool with_accuracies, bool must) {
+    std::vector<double> accuracies = {0};
+    if (with_accuracies) accuracies.insert(accuracies.end(), options_.accuracies.begin(), options_.accuracies.end());
+    for (const double accuracy : accuracies) {
+      WorkPrecisionRow row;
+      row.strategy = to_string(way.strategy);
+      row.iterations = way.iterations;
+      row.knob = way.knob;
+      row.accuracies = {accuracy};
+      enter(std::move(row), {.strategy = to_string(way.strategy), .budget = options_.budget, .accuracy = accuracy},
+            must);
+    }
   }
 
   void enter_picks() {
     for (const double accuracy : options_.accuracies) {
       WorkPrecisionRow row;
       row.strategy = "auto";
-      row.accuracies = {accuracy};
+      row.accuracies = row.picked = {accuracy};
       enter(std::move(row), {.budget = options_.budget, .accuracy = accuracy}, true);
     }
   }
@@ -125,7 +136,7 @@ class Comparison {
       e.essence = essence(e.prepared.plan) + " " + std::to_string(e.row.iterations);
       if (e.row.strategy == "auto") e.row.strategy = essence(e.prepared.plan);
       const bool means_nothing = e.row.iterations > 0 && e.prepared.structure->levels < 2;  // the first level is free
-      if (means_nothing || joins_another(e) || is_hopeless(e.prepared.plan)) return;
+      if (means_nothing || is_known(e) || is_hopeless(e.prepared.plan)) return;
       verify(e);
       if (e.runs() && joins_another(e)) return;
     } catch (const Error& error) {
@@ -138,16 +149,29 @@ class Comparison {
     entrants_.push_back(std::move(e));
   }
 
-  // Forced, the same plan does the same; `auto` may do it with another accuracy in mind, which the motion shows.
+  // The same plan, asked for the same: nothing new comes of it.
+  bool is_known(const Entrant& e) const {
+    return e.row.picked.empty() && std::any_of(entrants_.begin(), entrants_.end(), [&](const Entrant& other) {
+             const std::vector<double>& asked = other.row.accuracies;
+             return other.essence == e.essence &&
+                    std::find(asked.begin(), asked.end(), e.row.accuracies[0]) != asked.end();
+           });
+  }
+
+  // Asked for something else, the same plan may do just the same, which the motion shows.
   bool joins_another(const Entrant& e) {
-    for (Entrant& other : entrants_) {
-      if (other.essence != e.essence) continue;
-      const bool both_forced = e.row.accuracies.empty() && other.row.accuracies.empty();
-      if (!both_forced && (!e.runs() || other.motion != e.motion)) continue;
-      other.row.accuracies.insert(other.row.accuracies.end(), e.row.accuracies.begin(), e.row.accuracies.end());
-      return true;
-    }
-    return false;
+    const auto at = std::find_if(entrants_.begin(), entrants_.end(), [&](const Entrant& other) {
+      return other.runs() && other.essence == e.essence && other.motion == e.motion;
+    });
+    if (at == entrants_.end()) return false;
+    const auto add = [](std::vector<double>& to, const std::vector<double>& from) {
+      for (const double a : from) {
+        if (std::find(to.begin(), to.end(), a) == to.end()) to.push_back(a);
+      }
+    };
+    add(at->row.accuracies, e.row.accuracies);
+    add(at->row.picked, e.row.picked);
+    return true;
   }
 
   // The whole motion, and how far it is from the true one.
@@ -156,7 +180,7 @@ class Comparison {
     const Trajectory motion = simulator.run([&](auto, auto) { return !options_.instruments.stop(); });
     const Report& report = simulator.report();
     e.row.status = name(report.status.code);
-    if (!report.status.ok() && report.status.code != Code::inaccurate) return;
+    if (!report.status.arrived()) return;
     e.row.estimated = worst_estimate(report.error);
     e.motion = number_of(motion.values());
     e.row.error = error_of(e, motion);
@@ -223,7 +247,6 @@ class Comparison {
 
   const Scene& scene_;
   const WorkPrecisionOptions& options_;
-  double loosest_ = 0;  // of the accuracies
   std::vector<int> cores_;
   std::vector<Entrant> entrants_;
   std::map<std::uint64_t, ForwardError> errors_;  // by motion
@@ -250,7 +273,7 @@ Trade WorkPrecisionRow::trade() const {
 
 const WorkPrecisionRow* WorkPrecision::pick(double accuracy) const {
   const auto at = std::find_if(rows.begin(), rows.end(), [&](const WorkPrecisionRow& row) {
-    return std::find(row.accuracies.begin(), row.accuracies.end(), accuracy) != row.accuracies.end();
+    return std::find(row.picked.begin(), row.picked.end(), accuracy) != row.picked.end();
   });
   return at == rows.end() ? nullptr : &*at;
 }

@@ -21,7 +21,8 @@ struct WorkPrecisionRow {
   std::string strategy;               // a text, or class by class what `auto` took
   int iterations = 0;                 // fixed; 0: as many as convergence takes
   std::optional<Knob> knob;           // empty: none, it is what `auto` took
-  std::vector<double> accuracies;     // for which `auto` took it
+  std::vector<double> accuracies;     // that were asked for: all for which it did just this; 0: as exact as doubles are
+  std::vector<double> picked;         // of these: those for which `auto` took it
   std::string status = "ok";          // or the name of a Code, or why it cannot run
   std::optional<ForwardError> error;  // empty: failed, or there is no yardstick
   std::optional<double> estimated;    // the worst of the estimates; empty: nobody made one
@@ -49,8 +50,8 @@ struct WorkPrecision {
 };
 
 struct WorkPrecisionOptions {
-  std::vector<double> accuracies;    // that `auto` is asked for, each > 0
-  std::vector<Strategy> strategies;  // empty: all solvers, and every knob of the fastest of them
+  std::vector<double> accuracies;    // to ask for, each > 0
+  std::vector<Strategy> strategies;  // each with every accuracy; empty: all solvers, and every knob of the fastest
   ThreadBudget budget;
   std::shared_ptr<const PerformanceModel> model = nullptr;  // null: machine_model()
   RaceRules rules;                                          // of the race of all
@@ -59,7 +60,8 @@ struct WorkPrecisionOptions {
 };
 
 // Every way is run over the whole grid first, and its motion compared with the one in quad precision; only then it is
-// timed, in turns with all others. All of them estimate their errors, as `auto` does. Throws Error: input for a grid
+// timed, in turns with all others. Accuracies are asked of `auto` and of each strategy and predictor; fixed iterations
+// do not heed them. Throws Error: input for a grid
 // without steps, environment if a strategy that is asked for cannot run here.
 [[nodiscard]] WorkPrecision work_precision(const Scene& scene, const WorkPrecisionOptions& options);
 

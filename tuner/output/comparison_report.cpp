@@ -1,5 +1,6 @@
 #include "output/comparison_report.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "output/format.hpp"
@@ -19,12 +20,6 @@ Json or_null(const std::optional<T>& value) {
 
 std::string figure(const std::optional<double>& value) { return value ? error_figure(*value) : "-"; }
 
-std::string asked(const WorkPrecisionRow& row) {
-  std::string text;
-  for (const double a : row.accuracies) text += (text.empty() ? "auto " : ", ") + number(a);
-  return text;
-}
-
 const WorkPrecisionRow* fastest_within(const WorkPrecision& result, double accuracy) {
   for (const WorkPrecisionRow& row : result.rows) {  // the fastest first
     if (row.seconds && row.worst_error() <= accuracy) return &row;
@@ -32,12 +27,13 @@ const WorkPrecisionRow* fastest_within(const WorkPrecision& result, double accur
   return nullptr;
 }
 
-Json to_json(const WorkPrecision& result, const WorkPrecisionRow& row, std::optional<double> accuracy) {
+Json to_json(const WorkPrecision& result, const WorkPrecisionRow& row, double accuracy) {
+  const bool picked = std::find(row.picked.begin(), row.picked.end(), accuracy) != row.picked.end();
   const auto error = [&](double ForwardError::*which) { return row.error ? Json((*row.error).*which) : Json(nullptr); };
   return {{"strategy", row.strategy},
           {"iterations", row.iterations > 0 ? Json(row.iterations) : Json(nullptr)},
           {"knob", row.knob ? Json(measure::name(*row.knob)) : Json(nullptr)},
-          {"accuracy", or_null(accuracy)},
+          {"accuracy", accuracy > 0 ? Json(accuracy) : Json(nullptr)},
           {"seconds_per_step", or_null(row.seconds)},
           {"spread", row.seconds ? Json(row.spread) : Json(nullptr)},
           {"rounds", row.rounds},
@@ -46,8 +42,8 @@ Json to_json(const WorkPrecision& result, const WorkPrecisionRow& row, std::opti
           {"forward_acceleration", error(&ForwardError::acceleration)},
           {"estimated", or_null(row.estimated)},
           {"on_front", row.on_front},
-          {"picked", accuracy.has_value()},
-          {"behind", accuracy ? or_null(result.behind(*accuracy)) : Json(nullptr)},
+          {"picked", picked},
+          {"behind", picked ? or_null(result.behind(accuracy)) : Json(nullptr)},
           {"status", row.status}};
 }
 
@@ -60,7 +56,7 @@ void print_rows(Page& page, const WorkPrecision& result) {
     const auto error = [&](double ForwardError::*which) { return row.error ? error_figure((*row.error).*which) : "-"; };
     table.row({duration(*row.seconds), error(&ForwardError::position), error(&ForwardError::velocity),
                error(&ForwardError::acceleration), figure(row.estimated), row.on_front ? "front" : "",
-               way_text(row) + (row.accuracies.empty() ? "" : "  <- " + asked(row))});
+               way_text(row) + (row.picked.empty() ? "" : "  <- auto " + accuracies_text(row.picked))});
   }
   page.table(table);
 }
@@ -90,8 +86,16 @@ void print_verdicts(Page& page, const ComparisonSummary& s) {
 
 }  // namespace
 
+std::string accuracies_text(const std::vector<double>& accuracies) {
+  std::string text;
+  for (const double a : accuracies) text += (text.empty() ? "" : ",") + number(a);
+  return text;
+}
+
 std::string way_text(const WorkPrecisionRow& row) {
-  return row.strategy + (row.iterations > 0 ? " --iterations " + std::to_string(row.iterations) : "");
+  const bool as_exact_as_can_be = std::find(row.accuracies.begin(), row.accuracies.end(), 0.0) != row.accuracies.end();
+  return row.strategy + (row.iterations > 0 ? " --iterations " + std::to_string(row.iterations) : "") +
+         (as_exact_as_can_be ? "" : " --accuracy " + accuracies_text(row.accuracies));
 }
 
 Verdict verdict(const WorkPrecision& result, double accuracy) {
@@ -119,7 +123,6 @@ Verdict verdict(const WorkPrecision& result, double accuracy) {
 Json to_json(const ComparisonSummary& s) {
   Json rows = Json::array();
   for (const WorkPrecisionRow& row : s.result.rows) {
-    if (row.accuracies.empty()) rows.push_back(to_json(s.result, row, std::nullopt));
     for (const double a : row.accuracies) rows.push_back(to_json(s.result, row, a));
   }
   return {{"scene", s.scene},

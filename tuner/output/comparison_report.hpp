@@ -13,7 +13,7 @@ namespace assur::output {
 struct ComparisonSummary {
   std::string scene;
   double step = 0;                 // s, of the time grid
-  std::vector<double> accuracies;  // that `auto` was asked for
+  std::vector<double> accuracies;  // that were asked for
   const measure::WorkPrecision& result;
 };
 
@@ -24,7 +24,10 @@ struct Verdict {
 };
 [[nodiscard]] Verdict verdict(const measure::WorkPrecision& result, double accuracy);
 
-// "irreducible/klu --iterations 2"
+// "0.0001,1e-06"
+[[nodiscard]] std::string accuracies_text(const std::vector<double>& accuracies);
+
+// "irreducible/klu --iterations 2", "irreducible/klu --accuracy 0.0001,1e-06": any of these is what `assur run` takes.
 [[nodiscard]] std::string way_text(const measure::WorkPrecisionRow& row);
 
 [[nodiscard]] Json to_json(const ComparisonSummary& summary);

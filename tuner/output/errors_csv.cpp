@@ -26,14 +26,14 @@ ErrorsCsv::ErrorsCsv(std::string file) : file_(std::move(file)) {
   out_ << "t,group,residual,estimated,error,condition,iterations,substeps\n";
 }
 
-void ErrorsCsv::write(double t, std::int64_t substeps, const Structure& structure,
-                      std::span<const measure::GroupErrors> groups) {
-  for (const auto& [figures, error, iterations] : groups) {
-    out_ << t << ",\"" << structure.groups[static_cast<std::size_t>(figures.group)].name << "\"," << figures.residual
-         << ',' << figures.estimated_error;
-    cell(out_, error);
-    out_ << ',' << figures.condition;
-    cell(out_, iterations);
+void ErrorsCsv::write(double t, std::int64_t substeps, const Structure& structure, std::span<const ErrorsRow> rows) {
+  for (const ErrorsRow& row : rows) {
+    const GroupFigures& f = row.figures;
+    out_ << t << ",\"" << structure.groups[static_cast<std::size_t>(f.group)].name << "\"," << f.residual << ','
+         << f.estimated_error;
+    cell(out_, row.error);
+    out_ << ',' << f.condition;
+    cell(out_, row.iterations);
     out_ << ',' << substeps << '\n';
   }
   if (!out_) fail();

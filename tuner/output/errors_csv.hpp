@@ -3,22 +3,29 @@
 
 #include <cstdint>
 #include <fstream>
+#include <optional>
 #include <span>
 #include <string>
 
-#include "assur/structure.hpp"
-#include "measure/diagnosis.hpp"
+#include "assur/simulator.hpp"
 
 namespace assur::output {
 
-// t, group, residual, estimated, error, condition, iterations, substeps; what is not known is left empty.
+// One group after one step; what is not known is left empty.
+struct ErrorsRow {
+  GroupFigures figures;
+  std::optional<double> error = {};             // true, of its unknowns, over the characteristic length
+  std::optional<std::int64_t> iterations = {};  // empty: only known of all groups together
+};
+
+// t, group, residual, estimated, error, condition, iterations, substeps.
 class ErrorsCsv {
  public:
   // Throws Error (environment), as all of it does, that names the file.
   explicit ErrorsCsv(std::string file);
 
   // substeps: accepted ones on the way to t.
-  void write(double t, std::int64_t substeps, const Structure& structure, std::span<const measure::GroupErrors> groups);
+  void write(double t, std::int64_t substeps, const Structure& structure, std::span<const ErrorsRow> rows);
   void close();
 
  private:

@@ -164,7 +164,9 @@ std::string status_of(const RunSummary& s) {
            " failed";
   }
   if (code == Code::inaccurate && s.members == nullptr) {
-    return "done, but inaccurate: an estimated error exceeds the " + number(s.prepared.plan.accuracy) + " asked for";
+    const double asked = s.prepared.plan.accuracy;
+    return "done, but inaccurate: estimated errors are " +
+           (asked > 0 ? "beyond the " + number(asked) + " asked for" : std::string("large"));
   }
   return std::string(name(code)) + " after " + counted(s.steps, "step") +
          (s.members != nullptr ? " of members" : ", at t = " + number(s.report.reached) + " s");

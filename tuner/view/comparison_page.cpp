@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <map>
 #include <utility>
 
 #include "output/format.hpp"
@@ -50,6 +51,24 @@ std::vector<const WorkPrecisionRow*> front_of(const ComparisonSummary& s) {
   return front;
 }
 
+// What one strategy makes of several accuracies, or of more and more iterations.
+std::vector<Series> curves(const ComparisonSummary& s, Knob knob, int colour) {
+  std::map<std::string, Series> by_strategy;
+  for (const WorkPrecisionRow& row : s.result.rows) {
+    if (is_shown(row) && row.knob == knob) by_strategy[row.strategy].points.push_back(point(row));
+  }
+  std::vector<Series> all;
+  for (auto& [strategy, curve] : by_strategy) {
+    if (curve.points.size() < 2) continue;
+    std::sort(curve.points.begin(), curve.points.end(), [](const Point& a, const Point& b) { return a.x < b.x; });
+    curve.colour = colour;
+    curve.mark = Series::Mark::none;
+    curve.line = Series::Line::straight;
+    all.push_back(std::move(curve));
+  }
+  return all;
+}
+
 HtmlTable table_of_verdicts(const ComparisonSummary& s) {
   using enum HtmlTable::Column;
   HtmlTable table{{"asked for", "reached", "step", "", "strategy"}, {number, number, number, words, text}, {}};
@@ -71,7 +90,7 @@ HtmlTable table_of_rows(const ComparisonSummary& s) {
     const auto at = std::find(front.begin(), front.end(), &row);
     const auto error = [&](double ForwardError::*which) { return row.error ? error_figure((*row.error).*which) : "-"; };
     std::string asked;
-    for (const double a : row.accuracies) asked += (asked.empty() ? "" : ", ") + power_of_ten(a);
+    for (const double a : row.picked) asked += (asked.empty() ? "" : ", ") + power_of_ten(a);
     table.rows.push_back(
         {{at == front.end() ? "" : std::to_string(at - front.begin() + 1), output::way_text(row), asked,
           row.seconds ? output::duration(*row.seconds) : "-", row.seconds ? output::duration(row.spread) : "-",
@@ -106,11 +125,13 @@ Plot work_precision_plot(const ComparisonSummary& s) {
     for (const WorkPrecisionRow& row : s.result.rows) {
       if (is_shown(row) && row.knob == kKinds[k].knob) series.points.push_back(point(row));
     }
-    if (!series.points.empty()) plot.series.push_back(std::move(series));
+    if (series.points.empty()) continue;
+    for (Series& curve : curves(s, kKinds[k].knob, series.colour)) plot.series.push_back(std::move(curve));
+    plot.series.push_back(std::move(series));
   }
   Series picks{.name = "what auto takes", .points = {}, .colour = Series::kInk, .mark = Series::Mark::diamond};
   for (const WorkPrecisionRow& row : s.result.rows) {
-    if (is_shown(row) && !row.accuracies.empty()) picks.points.push_back(point(row));
+    if (is_shown(row) && !row.picked.empty()) picks.points.push_back(point(row));
   }
   if (!picks.points.empty()) plot.series.push_back(std::move(picks));
   return plot;

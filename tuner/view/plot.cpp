@@ -273,7 +273,8 @@ figure { margin: 1rem 0; --c0: #0068a5; --c1: #b36b00; --c2: #00805d; --c3: #b05
 .plot .label { font-weight: 700; paint-order: stroke; stroke: var(--paper); stroke-width: 3px; }
 .plot .grid { stroke: var(--rule); stroke-width: 1; }
 .plot .guide { stroke: var(--faint); stroke-width: 1; stroke-dasharray: 2 4; }
-.plot .line { fill: none; stroke: currentColor; stroke-width: 1.75; }
+.plot .line { fill: none; stroke: currentColor; stroke-width: 1; }
+.plot .line.ink { stroke-width: 2; }
 .plot .mark { fill: currentColor; fill-opacity: 0.35; stroke: currentColor; stroke-width: 1.5; }
 .plot .ink { color: var(--ink); } .plot .mark.ink { fill: none; stroke-width: 2; }
 .plot .c0 { color: var(--c0); } .plot .c1 { color: var(--c1); } .plot .c2 { color: var(--c2); }

@@ -1,10 +1,13 @@
-// What is seen of a group from outside, against what is known of it.
-#include "measure/diagnosis.hpp"
+// What a simulator says of its groups, against closed forms and the true motion.
+#include "measure/true_posture.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
+#include <optional>
+
+#include "assur/simulator.hpp"
 
 namespace assur::measure {
 namespace {
@@ -26,13 +29,13 @@ Scene dyad(double from, double rate) {
       .build();
 }
 
-TEST(Diagnosis, ConditionGrowsAsTheDyadStretches) {
+TEST(Examined, ConditionGrowsAsTheDyadStretches) {
   // |J^-1| is 1 / 2h in its larger row while everything else goes to a limit, from which x is off by 1e-3 at most.
   const auto condition = [](double x) {
     Simulator simulator(prepare(dyad(x, -1e-3), {"groups/eigen"}));
-    const std::vector<GroupErrors> all = Diagnosis(simulator.prepared(), false).look(simulator);
+    const std::vector<GroupFigures> all = simulator.examine();
     EXPECT_EQ(all.size(), 1u);
-    return all.at(0).figures.condition;
+    return all.at(0).condition;
   };
   const auto h = [](double x) { return std::sqrt(1 - x * x / 4); };
   const double ratio = condition(1.99999) / condition(1.999);
@@ -45,21 +48,23 @@ TEST_P(Figures, AreThoseOfThePosture) {
   const Prepared prepared = prepare(sample("four_bar:loops=2,steps=20"), {"groups/eigen+predict=taylor:0"});
   ASSERT_EQ(prepared.structure->levels, 2);  // the second one has fixed iterations
   Simulator simulator(prepared, {.iterations = GetParam()});
-  std::unique_ptr<Diagnosis> diagnosis;
+  std::optional<TruePosture> truth;
   try {
-    diagnosis = std::make_unique<Diagnosis>(simulator.prepared(), true);
+    truth.emplace(simulator.prepared());
   } catch (const Error& no_quad_precision) {
     GTEST_SKIP() << no_quad_precision.what();
   }
   double residual = 0, error = 0;
   const Trajectory motion = simulator.run([&](std::int64_t, std::int64_t) {
-    const std::vector<GroupErrors> all = diagnosis->look(simulator);
-    EXPECT_LE(all.front().figures.residual, kSolved);
-    residual = std::max(residual, all.back().figures.residual);
-    error = std::max(error, all.back().error.value());
+    const std::vector<GroupFigures> all = simulator.examine();
+    const std::vector<Group>& groups = prepared.structure->groups;
+    const double wrong = truth->error(simulator.time(), posture_of(simulator), groups.back().unknowns);
+    EXPECT_LE(all.front().residual, kSolved);
+    residual = std::max(residual, all.back().residual);
+    error = std::max(error, wrong);
     // Its own residual, and the error of the loop before, which a condition carries on: a rounding each, at least.
-    const double bound = 2 * (all.back().figures.residual + kSolved) * all.front().figures.condition;
-    EXPECT_LE(all.back().error.value(), 2 * bound * all.back().figures.condition);
+    const double bound = 2 * (all.back().residual + kSolved) * all.front().condition;
+    EXPECT_LE(wrong, 2 * bound * all.back().condition);
     return true;
   });
   ASSERT_EQ(motion.rows(), 21u);
