@@ -122,7 +122,7 @@ double Yardstick::forward_error(const Trajectory& trajectory, std::size_t rows, 
       anything = anything || !std::isnan(rows_[k][items_[i].first]);
     }
   }
-  if (!anything) return items_.empty() ? 0 : kInfinite;
+  if (!anything) return rows == 0 || items_.empty() ? 0 : kInfinite;
   long double error = 0;
   for (std::size_t i = 0; i < items_.size(); ++i) {
     if (worst[i].difference == 0) continue;
