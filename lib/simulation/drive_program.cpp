@@ -200,4 +200,13 @@ bool DriveProgram::defined() const {
   return ok;
 }
 
+Code DriveProgram::why_undefined(const System& system, double t) {
+  for (const DriverInput& input : system.inputs) {
+    for (const Law& law : input.laws) {
+      if (!law.covers(t)) return Code::out_of_range;
+    }
+  }
+  return Code::not_finite;
+}
+
 }  // namespace assur

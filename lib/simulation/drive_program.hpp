@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "assur/status.hpp"
 #include "scene/system.hpp"
 #include "simulation/angle_kernels.hpp"
 
@@ -27,6 +28,8 @@ class DriveProgram {
   void place(double* const (&state)[3], std::size_t stride = 1);
   // After place(): false if a table ended, or a law is no number otherwise.
   [[nodiscard]] bool defined() const;
+  // Why not, at time t: out_of_range of a table, or not_finite.
+  [[nodiscard]] static Code why_undefined(const System& system, double t);
 
  private:
   struct Polynomial {

@@ -66,6 +66,7 @@ void ErrorEstimate::restart() {
   steps_ = branch_checks_ = 0;
   seed_ = 0;
   now_ = {};
+  expected_ = 0;
   in_doubt_ = true;
 }
 
@@ -77,23 +78,29 @@ bool ErrorEstimate::due(std::span<const Pack> packs, std::int64_t branch_checks,
     return true;
   }
   if (in_doubt_ || steps_ >= interval_) return true;
-  if (branch_checks == branch_checks_) return false;
+  // Where errors are let grow, conditions are watched between their measurements, too.
+  if (branch_checks == branch_checks_ && expected_ == 0) return false;
   branch_checks_ = branch_checks;
   const double* before = omega_.data();
   double grown = 1;
   for (std::size_t p = 0; p < packs.size();) {
     double of_level = 1;
     for (const std::int32_t level = packs[p].level; p < packs.size() && packs[p].level == level; ++p) {
-      for (const double omega : packs[p].omega) of_level = std::max(of_level, omega / *before++);
+      const std::size_t lanes = packs[p].omega.size() / std::max<std::size_t>(packs[p].ball_used.size(), 1);
+      for (std::size_t i = 0; i < packs[p].omega.size(); ++i) {
+        const double left = expected_ > 0 ? 1 - packs[p].ball_used[i / lanes] : 1;
+        of_level = std::max(of_level, packs[p].omega[i] / (left * *before++));
+      }
     }
-    if (of_level > kGrown) return true;
+    if (of_level > kGrown && expected_ == 0) return true;
     grown *= of_level;
   }
-  return now_.worst() * grown * grown * grown > asked_;
+  return std::max(now_.worst(), expected_) * grown * grown * grown > asked_;
 }
 
 void ErrorEstimate::begin(double t, const double* const (&state)[3]) {
   steps_ = 0;
+  expected_ = 0;
   for (const std::int32_t a : driven_) {
     for (std::size_t d = 1; d < 3; ++d) scale_[d] = std::max(scale_[d], std::abs(state[d][a]));
   }

@@ -34,6 +34,9 @@ class ErrorEstimate {
   void measure(double t, const double* const (&state)[3], std::span<Pack> packs, Levels& levels,
                std::span<const double> row);
 
+  // Until the next measurement the errors may be as large as this where the conditions are as they were.
+  void expect(double error) { expected_ = error; }
+
   void restart();
 
   // Since restart(), if anything moves.
@@ -76,6 +79,7 @@ class ErrorEstimate {
   std::int64_t steps_ = 0, interval_ = 0;
   std::uint64_t seed_ = 0;
   Figures now_;
+  double expected_ = 0;
   std::size_t worst_pack_ = 0;
   std::int32_t worst_lane_ = 0;
   bool in_doubt_ = false;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "backends/refined.hpp"
+#include "structure/dense_block.hpp"
 
 namespace assur {
 namespace {
@@ -14,6 +15,7 @@ namespace {
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr double kLinear = 8 * kEps;  // normwise residual of a refined linear system
 constexpr double kGrown = 1e-13;      // that of a direct solution is smaller, unless pivots grew
+constexpr int kSlow = 2;              // iterations that a step seldom takes
 constexpr int kMostSearching = 40;    // iterations at a fold, where they gain one bit each
 constexpr int kMostRefinements = 6;
 constexpr double kContraction = 0.1;  // of successive corrections
@@ -207,6 +209,12 @@ Status GroupSolver::newton(Pack& pack, double* x, const Attempt& attempt, Counte
       if (iteration == (attempt.branch == Attempt::Branch::anywhere ? kMostSearching : attempt.most_iterations))
         return fail(pack, Code::not_converged, relative);
     }
+    if (iteration == kSlow && attempt.iterations == 0) {
+      // All terms of an equation may nearly vanish: then it is measured against a length that does not.
+      floor_scale();
+      relative = kernels_.largest_ratio(phi_.data(), inverse_scale_.data(), program_.n);
+      if (relative <= attempt.converged) break;
+    }
     stale = usable;
     if (!usable) {
       if (const Status s = factorize(pack, counters); !s.ok()) return s;
@@ -242,6 +250,21 @@ Status GroupSolver::newton(Pack& pack, double* x, const Attempt& attempt, Counte
   counters.most_iterations = std::max<std::int64_t>(counters.most_iterations, iteration);
   errors.position = std::max(errors.position, relative);
   return {};
+}
+
+// Every coordinate of an equation counts as kLeastScale at least.
+void GroupSolver::floor_scale() {
+  const std::size_t w = idx(lanes_);
+  for (std::size_t r = 0; r < idx(program_.n); ++r) {
+    for (std::size_t l = 0; l < w; ++l) {
+      double sum = 0;
+      for (std::int32_t k = row_start_[r]; k < row_start_[r + 1]; ++k) {
+        sum += std::abs(jacobian_[idx(row_entries_[idx(k)].nonzero) * w + l]);
+      }
+      double& inverse = inverse_scale_[r * w + l];
+      if (sum > 0) inverse = std::min(inverse, 1 / (kLeastScale * sum));
+    }
+  }
 }
 
 // x -= correction_; returns its largest element.

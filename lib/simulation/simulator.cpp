@@ -277,12 +277,17 @@ struct Simulator::Impl {
     if (!estimate.due(packs, report.counters.branch_checks, last_errors.worst())) return {};
     const double* const q[3] = {state.at(0), state.at(1), state.at(2)};
     estimate.measure(now, q, packs, levels, row);
+    if (estimate.now().worst() > estimate.asked() && converged > kConverged && polish()) {
+      const double* const exact[3] = {state.at(0), state.at(1), state.at(2)};
+      estimate.measure(now, exact, packs, levels, row);
+    }
     const double error = estimate.now().worst();
     if (prepared.plan.accuracy > 0) {
       // What is left in the equations shows in the outputs as their rounding does.
-      const double amplified =
-          kMargin * std::clamp(structure.levels, 1, kMostLevels) * error / (2 * kEps + last_errors.worst());
-      converged = std::clamp(prepared.plan.accuracy / amplified, kConverged, kLoosest);
+      const double margin = kMargin * std::clamp(structure.levels, 1, kMostLevels);
+      const double left = prepared.plan.accuracy / margin * (2 * kEps + last_errors.worst()) / error;
+      converged = std::clamp(left, kConverged, kLoosest);
+      if (converged > kConverged) estimate.expect(prepared.plan.accuracy / margin);
     }
     if (error <= estimate.asked()) return {};
     const std::int32_t group = packs.empty() ? -1 : packs[estimate.worst_pack()].groups[idx(estimate.worst_lane())];
@@ -309,6 +314,21 @@ struct Simulator::Impl {
       }
     }
     return all;
+  }
+
+  // The posture at hand once more, as exact as doubles are.
+  bool polish() {
+    converged = kConverged;
+    state.restore();
+    StepErrors errors;
+    if (!solve_at(now, Attempt::Branch::inside, errors).ok()) {
+      restore();
+      return false;
+    }
+    state.replace();
+    last_errors = errors;
+    fill_row(true);
+    return true;
   }
 
   // Steps one after the other are one event, of the worst of them.
@@ -366,6 +386,7 @@ struct Simulator::Impl {
     if (structure.classes[idx(packs[failed_pack].group_class)].derivatives == 0) state.estimate_rates();
     double* const q[3] = {state.at(0), state.at(1), state.at(2)};
     Status found = levels.solver(packs[failed_pack]).diagnose(packs[failed_pack], q);
+    if (failed.code == Code::not_finite && found.code == Code::branch_unknown) found = failed;
     if (found.code == Code::change_point_passed && !pass(target, t)) found.code = Code::branch_unknown;
     if (found.code == Code::branch_unknown && failed.code == Code::not_converged && found.figure > 0.05) found = failed;
     const bool passed = found.code == Code::change_point_passed;

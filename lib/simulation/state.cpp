@@ -87,6 +87,12 @@ void State::restore() {
   }
 }
 
+void State::replace() {
+  for (int d = 0; d < 3; ++d) {
+    std::copy_n(at(d) + first_unknown_, size_ - first_unknown_, ring(d).at(last()) + first_unknown_);
+  }
+}
+
 void State::estimate_rates() {
   if (times_.size() < 2) return;
   const double dt = times_[0] - times_[1];

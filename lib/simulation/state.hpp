@@ -41,6 +41,8 @@ class State {
   void stand_still();
   // Unknowns of the last accepted posture.
   void restore();
+  // The posture at hand takes the place of the last accepted one.
+  void replace();
   // Where no velocities are computed: those of the unknowns from the last two accepted postures.
   void estimate_rates();
 

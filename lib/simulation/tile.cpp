@@ -164,7 +164,7 @@ Status Tile::drive_lane(std::size_t lane, double time) {
   program.evaluate(time);
   program.place(q, idx(lanes_));
   const auto where = static_cast<std::int32_t>(lane);
-  if (!program.defined()) return {Code::out_of_range, where, time};
+  if (!program.defined()) return {DriveProgram::why_undefined(*variants_[lane]->system, time), where, time};
   for (const Index c : positive_) {
     const double length = q[0][idx(c) * idx(lanes_)];
     if (!(length > 0)) return {Code::actuator_zero, where, length};

@@ -51,7 +51,7 @@ inline std::vector<double> conditions(const Scene& scene, std::span<const double
   Simulator s = simulator(scene, "groups/eigen");
   std::vector<double> out;
   for (std::size_t k = 0; k < times.size(); ++k) {
-    if (!s.step(times[k]).ok()) break;
+    if (!s.step(times[k]).arrived()) break;
     if (k % every != 0 && k + 1 != times.size()) {
       out.push_back(0);
       continue;
