@@ -11,6 +11,9 @@
 
 namespace assur::check {
 
+// The error from which on a run that was asked for no accuracy says `inaccurate`.
+inline constexpr double kDoubtBegins = 1e-6;
+
 // "pass": a clean status, no event, and a forward error within the accuracy asked for; "refused": an Error of kind
 // input or numerical; else the name of a Code. What no case may expect: "wrong" (a clean status or an event, and rows
 // before it that are further off than asked), "other_bits", "no_yardstick", "differs".
@@ -32,7 +35,7 @@ struct Case {
   Parameters set;  // of the scene, the maker or the matrix
   std::optional<TimeGrid> time;
   std::vector<std::string> outputs;
-  double accuracy = 1e-6;
+  double accuracy = kDoubtBegins;
   int iterations = 0;                     // StepLimits::iterations
   std::vector<Formulation> formulations;  // empty: all
   std::vector<std::string> strategies;    // empty: every one that can run it

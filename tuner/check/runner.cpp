@@ -76,7 +76,7 @@ class CaseRun {
   void with(const std::string& strategy) {
     PrepareOptions how;
     how.strategy = strategy;
-    how.accuracy = result_.what.accuracy;
+    how.accuracy = result_.what.accuracy == kDoubtBegins ? 0 : result_.what.accuracy;
     std::optional<Prepared> prepared;
     std::optional<Simulator> simulator;
     try {
