@@ -223,6 +223,10 @@ Status GroupSolver::newton(Pack& pack, double* x, const Attempt& attempt, Counte
     if (const Status s = solver_->solve(correction_, 1); !s.ok()) return fail(pack, s.code, s.figure);
     counters.solved_unknowns += evaluated;
     counters.newton_iterations += pack.used;
+    // The first correction is seldom looked at so closely: the second one, if need be, tells.
+    if (!stale && (iteration > 0 || !class_.quadratic)) {
+      if (const Status s = refine_correction(pack, counters); !s.ok()) return s;
+    }
 
     const double norm = correct(x);
     if (!std::isfinite(norm)) return fail(pack, Code::not_finite, norm);
@@ -249,6 +253,21 @@ Status GroupSolver::newton(Pack& pack, double* x, const Attempt& attempt, Counte
   }
   counters.most_iterations = std::max<std::int64_t>(counters.most_iterations, iteration);
   errors.position = std::max(errors.position, relative);
+  return {};
+}
+
+// Factors that grew do not serve as they are.
+Status GroupSolver::refine_correction(const Pack& pack, Counters& counters) {
+  jacobian_measured_ = false;
+  double left = linear_residual(correction_.data(), phi_);
+  for (int k = 0; k < kMostRefinements && left > kGrown; ++k) {
+    if (const Status s = solver_->solve(residual_, 1); !s.ok()) return fail(pack, s.code, s.figure);
+    counters.solved_unknowns += std::int64_t{pack.used} * program_.n;
+    refined_ += pack.used;
+    for (std::size_t i = 0; i < correction_.size(); ++i) correction_[i] += residual_[i];
+    const double before = std::exchange(left, linear_residual(correction_.data(), phi_));
+    if (!(left < before / 2)) break;
+  }
   return {};
 }
 

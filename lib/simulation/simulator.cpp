@@ -149,6 +149,7 @@ struct Simulator::Impl {
   // Known coordinates at t, then level after level, pack after pack.
   Status solve_at(double t, Attempt::Branch branch, StepErrors& errors) {
     double* const q[3] = {state.at(0), state.at(1), state.at(2)};
+    failed_pack = packs.size();
     if (const Status s = inputs.drive(t, q); !s.ok()) return s;
     const auto attempt = [&](std::size_t p) {
       Attempt a;
@@ -248,7 +249,7 @@ struct Simulator::Impl {
         wants_reselection = true;
         return s;
       }
-      if (!worth_halving(s.code)) return s;
+      if (!worth_halving(s.code) || failed_pack == packs.size()) return s;
       if (std::abs(h) > smallest * 1.5) {
         stride.set(std::abs(target - now) / 2);
         continue;
