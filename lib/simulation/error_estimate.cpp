@@ -77,7 +77,9 @@ bool ErrorEstimate::due(std::span<const Pack> packs, std::int64_t branch_checks,
     residual_ = residual;
     return true;
   }
-  if (in_doubt_ || steps_ >= interval_) return true;
+  // The start is solved with care; the first step is the first of its kind.
+  const bool first = seed_ < 2 * kProbes;
+  if (in_doubt_ || first || steps_ >= interval_) return true;
   // Where errors are let grow, conditions are watched between their measurements, too.
   if (branch_checks == branch_checks_ && expected_ == 0) return false;
   branch_checks_ = branch_checks;
