@@ -169,6 +169,26 @@ TEST(Yardstick, LeavesOutRowsThatDoNotCount) {
   EXPECT_LE(yardstick.forward_error(trajectory, 11), 1e-14);
 }
 
+TEST(Yardstick, IsNotAskedAgainOnceItIsLost) {
+  class Lost final : public TrueMotion {
+   public:
+    explicit Lost(int& asked) : asked_(asked) {}
+    std::vector<long double> row(std::size_t, double) override {
+      ++asked_;
+      throw Error(Error::Kind::numerical, "lost");
+    }
+
+   private:
+    int& asked_;
+  };
+  const Prepared prepared = prepare(sample("slider_crank:steps=5"));
+  const Trajectory trajectory = Simulator(prepared).run();
+  int asked = 0;
+  Yardstick yardstick(prepared, std::make_unique<Lost>(asked));
+  for (int i = 0; i < 3; ++i) EXPECT_THROW((void)yardstick.forward_error(trajectory, 2), Error);
+  EXPECT_EQ(asked, 1);
+}
+
 TEST(Yardstick, ComparesNothingWithNothing) {
   const Prepared prepared = prepare(sample("slider_crank:steps=5"));
   Simulator simulator(prepared);

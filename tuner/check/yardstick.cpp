@@ -102,19 +102,28 @@ bool Yardstick::is_far(const Trajectory& trajectory, std::size_t row) const {
   });
 }
 
+void Yardstick::add_row(const Trajectory& trajectory) {
+  if (lost_) throw Error(*lost_);
+  const std::size_t k = rows_.size();
+  const double t = trajectory.times()[k];
+  try {
+    rows_.push_back(motion_->row(k, t));
+    // Where they part, it may be the yardstick that took the wrong branch; where they stay apart, it is not.
+    if (apart_ || !is_far(trajectory, k)) return;
+    rows_[k] = motion_->row_again(k, t);
+    apart_ = is_far(trajectory, k);
+  } catch (const Error& error) {
+    rows_.resize(k);
+    lost_ = error;
+    throw;
+  }
+}
+
 double Yardstick::forward_error(const Trajectory& trajectory, std::size_t rows, const Counts& counts) {
   std::vector<Figure> worst(items_.size());
   bool anything = false;
   for (std::size_t k = 0; k < std::min(rows, trajectory.rows()); ++k) {
-    const double t = trajectory.times()[k];
-    if (k == rows_.size()) {
-      rows_.push_back(motion_->row(k, t));
-      // Where they part, it may be the yardstick that took the wrong branch; where they stay apart, it is not.
-      if (!apart_ && is_far(trajectory, k)) {
-        rows_[k] = motion_->row_again(k, t);
-        apart_ = is_far(trajectory, k);
-      }
-    }
+    if (k == rows_.size()) add_row(trajectory);
     for (std::size_t i = 0; i < items_.size(); ++i) {
       const Figure f = compare(items_[i], trajectory, k);
       if (!counts || counts(k)) worst[i].difference = std::max(worst[i].difference, f.difference);

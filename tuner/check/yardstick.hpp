@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -56,12 +57,14 @@ class Yardstick {
     bool angle;  // a value that is known but for whole turns
   };
   [[nodiscard]] Figure compare(const Item& item, const Trajectory& trajectory, std::size_t row) const;
+  void add_row(const Trajectory& trajectory);
   [[nodiscard]] bool is_far(const Trajectory& trajectory, std::size_t row) const;
 
   std::shared_ptr<const Structure> structure_;
   std::unique_ptr<TrueMotion> motion_;
   std::vector<Item> items_;
   std::vector<std::vector<long double>> rows_;  // those asked for so far
+  std::optional<Error> lost_;                   // why there are no more: not tried again, which may take long
   bool apart_ = false;                          // a trajectory is on another branch
 };
 
