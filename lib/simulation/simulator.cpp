@@ -113,6 +113,7 @@ struct Simulator::Impl {
     effort_lines = 0;
     report.events.reserve(kEventsReserved);
     estimate.restart();
+    doubt = {};
     converged = kConverged;
     state.clear();
     for (std::size_t c = 0; c < layout.address.size(); ++c) {
@@ -227,7 +228,8 @@ struct Simulator::Impl {
       throw;
     }
     end_step(from, status.ok());
-    return report.status = status;
+    report.status = status.ok() ? doubt : status;
+    return status;
   }
 
   // From posture to posture until t.
@@ -294,7 +296,7 @@ struct Simulator::Impl {
     const std::int32_t group = packs.empty() ? -1 : packs[estimate.worst_pack()].groups[idx(estimate.worst_lane())];
     const Status status{Code::inaccurate, group, error};
     record_doubt({from, now, group < 0 ? "" : structure.groups[idx(group)].name, status.code, error});
-    if (report.status.ok()) report.status = status;
+    if (doubt.ok()) report.status = doubt = status;
     return status;
   }
 
@@ -492,6 +494,7 @@ struct Simulator::Impl {
       auto next = std::make_unique<Impl>(std::move(chosen), limits, now);
       next->inputs.continue_from(inputs);
       next->selected_at = now;
+      next->doubt = doubt;
       next->first_structure = first_structure != nullptr ? first_structure : std::make_shared<const Prepared>(prepared);
       drop_effort_lines();
       next->report = std::move(report);
@@ -562,6 +565,7 @@ struct Simulator::Impl {
   ErrorEstimate estimate;
   State state;
   std::optional<Watch> watch;
+  Status doubt;                       // the first one of the run
   double converged = kConverged;      // residual of an equation that counts as solved
   StepErrors last_errors;             // of the last accepted posture
   std::vector<std::uint8_t> passing;  // packs: on the way through a change point

@@ -132,6 +132,24 @@ TEST(Accuracy, BeyondReachIsTold) {
   EXPECT_THROW((void)prepare(sample("stewart"), {.accuracy = std::nan("")}), Error);
 }
 
+// A doubt stays with the run, however well it goes on.
+TEST(Accuracy, ADoubtIsNotForgotten) {
+  const Scene scene = sample("almost_parallelogram:delta=1e-12,step=0.01,steps=100");
+  Simulator s = test::simulator(scene, "global/eigen+predict=taylor:2");
+  Status worst, last;
+  for (std::int64_t k = 0; k <= 100; ++k) {
+    last = s.step(scene.time().time(k));
+    ASSERT_TRUE(last.arrived());
+    if (worst.ok()) worst = last;
+  }
+  EXPECT_TRUE(last.ok());
+  EXPECT_EQ(worst.code, Code::inaccurate);
+  EXPECT_EQ(s.report().status.code, Code::inaccurate);
+  ASSERT_EQ(s.report().events.size(), 2u);  // a row lies on the closest posture twice in a turn
+  s.reset();
+  EXPECT_TRUE(s.report().status.ok());
+}
+
 // ---- regular scenes are left in peace, singular ones are not believed
 
 TEST(Doubt, IsSeldomWithoutReason) {
