@@ -3,7 +3,6 @@
 // candidate whose motion is not right does not count.
 //
 //   regret_bench [--quick] [--threads N] [--only TEXT] [--csv FILE]
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <fstream>
@@ -16,18 +15,13 @@
 #include "assur/assur.hpp"
 #include "machine.hpp"
 #include "regret_question.hpp"
+#include "survey.hpp"
 
 namespace assur::bench {
 namespace {
 
-struct Options {
-  bool quick = false;
-  int threads = 0;  // 0: the machine's budget
-  std::string only, csv;
-};
-
 // Sizes off the grid of the tuner, odd counts of groups, mixed classes; some with fewer backends, as users have them.
-std::vector<Question> questions(const Options& o, int budget) {
+std::vector<Question> questions(const SurveyOptions& o, int budget) {
   static const std::vector<std::string> kScenes = {"four_bar:5",
                                                    "four_bar:11",
                                                    "four_bar:23",
@@ -148,7 +142,7 @@ void summarise(const std::vector<Answer>& answers) {
               100 * (std::exp(quantile(ratio, 0.5)) - 1));
 }
 
-int run(const Options& o) {
+int run(const SurveyOptions& o) {
   const int budget = o.threads > 0 ? o.threads : this_machine().budget().threads;
   for (const auto& [name, text] : machine_facts()) std::printf("%s: %s\n", name.c_str(), text.c_str());
   const MachineModel& known = machine_model();
@@ -173,17 +167,6 @@ int run(const Options& o) {
 }  // namespace assur::bench
 
 int main(int argc, char** argv) {
-  assur::bench::Options o;
-  CLI::App app("What the dispatcher loses against the best of all candidates.", "regret_bench");
-  app.add_flag("--quick", o.quick, "A few questions, short races");
-  app.add_option("--threads", o.threads, "Budget; the machine's if left out");
-  app.add_option("--only", o.only, "Scenes whose text contains this");
-  app.add_option("--csv", o.csv, "Write the answers");
-  CLI11_PARSE(app, argc, argv);
-  try {
-    return assur::bench::run(o);
-  } catch (const assur::Error& error) {
-    std::fprintf(stderr, "error: %s\n", error.what());
-    return 1;
-  }
+  return assur::bench::run_survey(argc, argv, "What the dispatcher loses against the best of all candidates.",
+                                  assur::bench::run);
 }

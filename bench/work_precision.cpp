@@ -2,9 +2,7 @@
 // error, the Pareto front, and what the dispatcher takes for each accuracy.
 //
 //   work_precision_bench [--quick] [--threads N] [--only TEXT] [--csv FILE]
-#include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cstdio>
 #include <fstream>
 #include <iostream>
 #include <string>
@@ -14,15 +12,10 @@
 #include "machine.hpp"
 #include "measure/work_precision.hpp"
 #include "output/comparison_report.hpp"
+#include "survey.hpp"
 
 namespace assur::bench {
 namespace {
-
-struct Options {
-  bool quick = false;
-  int threads = 0;  // 0: the machine's budget
-  std::string only, csv;
-};
 
 constexpr std::int64_t kMostSteps = 500, kQuickSteps = 20;
 const std::vector<double> kAccuracies = {1e-4, 1e-6, 1e-8, 1e-10, 1e-12};
@@ -53,7 +46,7 @@ void write_csv(std::ostream& out, const std::string& scene, const measure::WorkP
   }
 }
 
-int run(const Options& o) {
+int run(const SurveyOptions& o) {
   for (const auto& [name, text] : machine_facts()) std::cout << name << ": " << text << '\n';
   const MachineModel& known = machine_model();
   for (const std::string& message : known.messages) std::cout << message << '\n';
@@ -91,17 +84,5 @@ int run(const Options& o) {
 }  // namespace assur::bench
 
 int main(int argc, char** argv) {
-  assur::bench::Options o;
-  CLI::App app("Error against run time of the shipped mechanisms.", "work_precision_bench");
-  app.add_flag("--quick", o.quick, "Few steps, short races");
-  app.add_option("--threads", o.threads, "Budget; the machine's if left out");
-  app.add_option("--only", o.only, "Scenes whose text contains this");
-  app.add_option("--csv", o.csv, "Write every row");
-  CLI11_PARSE(app, argc, argv);
-  try {
-    return assur::bench::run(o);
-  } catch (const assur::Error& error) {
-    std::fprintf(stderr, "error: %s\n", error.what());
-    return 1;
-  }
+  return assur::bench::run_survey(argc, argv, "Error against run time of the shipped mechanisms.", assur::bench::run);
 }

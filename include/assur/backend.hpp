@@ -59,11 +59,10 @@ struct Figures {
 
 // What a solver did beyond plain factorisations and solutions, in all since analyze().
 struct Effort {
-  std::int64_t redone = 0;   // lanes factorised with pivots of their own, because those of the class did not serve
-  std::int64_t renewed = 0;  // pivot orders chosen anew
-  std::int64_t refined = 0;  // steps of iterative refinement
-  std::int64_t unplanned =
-      0;  // of those steps: lanes whose factors had grown, with a solver that does not refine itself
+  std::int64_t redone = 0;     // lanes factorised with pivots of their own, because those of the class did not serve
+  std::int64_t renewed = 0;    // pivot orders chosen anew
+  std::int64_t refined = 0;    // steps of iterative refinement
+  std::int64_t unplanned = 0;  // of those: nobody asked for them, but the factors of the lane had grown
   std::int64_t in_double = 0;  // lanes factorised in double, because float did not converge
 
   Effort& operator+=(const Effort& o) {

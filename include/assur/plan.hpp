@@ -40,6 +40,9 @@ struct Plan {
   double meeting_seconds = 0;               // of the threads, once; 0: nobody asked
 };
 
+// An estimated error that a run tells of where no accuracy was asked for.
+inline constexpr double kDoubtfulError = 1e-6;
+
 // What a plan is to be fast at.
 enum class Mode : std::uint8_t {
   latency,     // one mechanism, step after step
@@ -59,7 +62,8 @@ struct PrepareOptions {
   std::shared_ptr<const PerformanceModel> model = nullptr;
   std::vector<std::string> without = {};  // backends that `auto` leaves out
   // Largest forward error (ErrorFigures) that any output may have; looser ones take less time. 0: as exact as doubles
-  // are. Steps whose estimated error is larger, or where nothing is asked larger than 1e-6, carry Code::inaccurate.
+  // are. Steps whose estimated error is larger, or where nothing is asked larger than kDoubtfulError, carry
+  // Code::inaccurate.
   double accuracy = 0;
 };
 

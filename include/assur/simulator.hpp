@@ -86,8 +86,8 @@ class Simulator {
 
   // Moves to time t, which may be earlier than time(), by continuation: the step is halved where needed. On failure the
   // last good posture is kept (time() says which) and the status says why. Code::inaccurate is no failure: time t is
-  // reached, and an event says how wrong it may be. What a law or a callback throws comes from
-  // here, and then the last good posture is kept too.
+  // reached, and an event says how wrong it may be. What a law or a callback throws comes from here, and then the last
+  // good posture is kept too.
   Status step(double t);
 
   // Control: the driver's value, rate and acceleration at the next step (SI units; angle, distance or coordinate

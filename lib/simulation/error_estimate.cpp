@@ -102,7 +102,6 @@ bool ErrorEstimate::due(std::span<const Pack> packs, std::int64_t branch_checks,
 
 void ErrorEstimate::begin(double t, const double* const (&state)[3]) {
   steps_ = 0;
-  expected_ = 0;
   for (const std::int32_t a : driven_) {
     for (std::size_t d = 1; d < 3; ++d) scale_[d] = std::max(scale_[d], std::abs(state[d][a]));
   }

@@ -225,7 +225,9 @@ Status GroupSolver::newton(Pack& pack, double* x, const Attempt& attempt, Counte
     counters.newton_iterations += pack.used;
     // The first correction is seldom looked at so closely: the second one, if need be, tells.
     if (!stale && (iteration > 0 || !class_.quadratic)) {
-      if (const Status s = refine_correction(pack, counters); !s.ok()) return s;
+      jacobian_measured_ = false;
+      double residual = linear_residual(correction_.data(), phi_);
+      if (const Status s = refine_grown(pack, phi_, correction_.data(), counters, residual); !s.ok()) return s;
     }
 
     const double norm = correct(x);
@@ -256,17 +258,16 @@ Status GroupSolver::newton(Pack& pack, double* x, const Attempt& attempt, Counte
   return {};
 }
 
-// Factors that grew do not serve as they are.
-Status GroupSolver::refine_correction(const Pack& pack, Counters& counters) {
-  jacobian_measured_ = false;
-  double left = linear_residual(correction_.data(), phi_);
-  for (int k = 0; k < kMostRefinements && left > kGrown; ++k) {
+// x = J^-1 b, whose residual_ is at hand, by factors of J itself: where they grew they do not serve as they are.
+Status GroupSolver::refine_grown(const Pack& pack, const std::vector<double>& b, double* x, Counters& counters,
+                                 double& residual) {
+  for (int k = 0; k < kMostRefinements && residual > kGrown; ++k) {
     if (const Status s = solver_->solve(residual_, 1); !s.ok()) return fail(pack, s.code, s.figure);
     counters.solved_unknowns += std::int64_t{pack.used} * program_.n;
     refined_ += pack.used;
-    for (std::size_t i = 0; i < correction_.size(); ++i) correction_[i] += residual_[i];
-    const double before = std::exchange(left, linear_residual(correction_.data(), phi_));
-    if (!(left < before / 2)) break;
+    for (std::size_t i = 0; i < b.size(); ++i) x[i] += residual_[i];
+    const double before = std::exchange(residual, linear_residual(x, b));
+    if (!(residual < before / 2)) break;
   }
   return {};
 }
@@ -332,10 +333,10 @@ Status GroupSolver::linear(Pack& pack, const std::vector<double>& b, double* x, 
   }
   const double converged = std::max(kLinear, attempt.converged);
   double residual = linear_residual(x, b);
-  // Factors that grew do not serve as they are.
-  const bool grown = factored_at_solution_ && residual > std::max(kGrown, converged);
-  for (int k = 0; (!factored_at_solution_ || grown) && residual > converged; ++k) {
-    if (k == kMostRefinements && factored_at_solution_) break;
+  if (factored_at_solution_) {
+    if (const Status s = refine_grown(pack, b, x, counters, residual); !s.ok()) return s;
+  }
+  for (int k = 0; !factored_at_solution_ && residual > converged; ++k) {
     if (k == kMostRefinements) {
       // The posture is too far from where the factorisation was taken: take it here.
       if (const Status s = factorize(pack, counters); !s.ok()) return s;
@@ -345,7 +346,6 @@ Status GroupSolver::linear(Pack& pack, const std::vector<double>& b, double* x, 
     if (const Status s = solver_->solve(residual_, 1); !s.ok()) return fail(pack, s.code, s.figure);
     counters.solved_unknowns += std::int64_t{pack.used} * program_.n;
     for (std::size_t i = 0; i < b.size(); ++i) x[i] += residual_[i];
-    refined_ += grown ? pack.used : 0;
     const double next = linear_residual(x, b);
     if (!(next < residual / 2)) {
       residual = next;

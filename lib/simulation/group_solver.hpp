@@ -125,7 +125,8 @@ class GroupSolver {
   [[nodiscard]] Status linear(Pack& pack, const std::vector<double>& b, double* x, int first_wanted,
                               const Attempt& attempt, Counters& counters, double& error);
   [[nodiscard]] double linear_residual(const double* x, const std::vector<double>& b);
-  [[nodiscard]] Status refine_correction(const Pack& pack, Counters& counters);
+  [[nodiscard]] Status refine_grown(const Pack& pack, const std::vector<double>& b, double* x, Counters& counters,
+                                    double& residual);
   void floor_scale();
   [[nodiscard]] double correct(double* x);
   [[nodiscard]] Status kantorovich(const Pack& pack) const;

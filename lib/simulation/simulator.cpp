@@ -54,13 +54,12 @@ constexpr Stride kLongWay{.patience = 4, .growth = 1.5};
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 // Of the accuracy asked for, what is used: conditions grow before they are measured again, each level's for itself.
 constexpr double kMargin = 16;
-constexpr int kMostLevels = 8;      // that count
-constexpr double kLoosest = 1e-6;   // where a residual counts as solved at most
-constexpr double kDoubtful = 1e-6;  // an error that is told where no accuracy was asked for
+constexpr int kMostLevels = 8;     // that count
+constexpr double kLoosest = 1e-6;  // where a residual counts as solved at most
 
 std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-double asked_accuracy(const Plan& plan) { return plan.accuracy > 0 ? plan.accuracy : kDoubtful; }
+double asked_accuracy(const Plan& plan) { return plan.accuracy > 0 ? plan.accuracy : kDoubtfulError; }
 
 }  // namespace
 
@@ -290,7 +289,7 @@ struct Simulator::Impl {
       const double margin = kMargin * std::clamp(structure.levels, 1, kMostLevels);
       const double left = prepared.plan.accuracy / margin * (2 * kEps + last_errors.worst()) / error;
       converged = std::clamp(left, kConverged, kLoosest);
-      if (converged > kConverged) estimate.expect(prepared.plan.accuracy / margin);
+      estimate.expect(converged > kConverged ? prepared.plan.accuracy / margin : 0);
     }
     if (error <= estimate.asked()) return {};
     const std::int32_t group = packs.empty() ? -1 : packs[estimate.worst_pack()].groups[idx(estimate.worst_lane())];

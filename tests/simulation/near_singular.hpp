@@ -73,10 +73,7 @@ inline Scene three_legs_that_meet(Draw& draw, int steps) {
     b.fixed_point("A" + k, A).point("P" + k, Q);
     b.drive("leg" + k, DrivenDistance{"A" + k, "P" + k, Law::polynomial({first, last - first})});
   }
-  for (int i = 0; i < 3; ++i) {
-    const std::string k = std::to_string(i), next = std::to_string((i + 1) % 3);
-    b.constrain("side" + k, Distance{"P" + k, "P" + next, std::nullopt});
-  }
+  add_sides(b);
   return b.time(0, 1, 1.0 / steps).build();
 }
 

@@ -49,10 +49,7 @@ inline Scene chain_with_triad(Draw& draw, int steps) {
     if (i > 0) b.fixed_point("D" + k, somewhere(draw, 2.5));
     b.constrain("bar" + k, Distance{i > 0 ? "D" + k : "B", "P" + k, std::nullopt});
   }
-  for (int i = 0; i < 3; ++i) {
-    const std::string k = std::to_string(i), next = std::to_string((i + 1) % 3);
-    b.constrain("side" + k, Distance{"P" + k, "P" + next, std::nullopt});
-  }
+  add_sides(b);
   return b.time(0, 1, 1.0 / steps).build();
 }
 
@@ -68,10 +65,7 @@ inline Scene three_legs(Draw& draw, int steps) {
     b.drive("leg" + k, DrivenDistance{"A" + k, "P" + k,
                                       Law::harmonics({{amplitude, 1, phase}}, length - amplitude * std::sin(phase))});
   }
-  for (int i = 0; i < 3; ++i) {
-    const std::string k = std::to_string(i), next = std::to_string((i + 1) % 3);
-    b.constrain("side" + k, Distance{"P" + k, "P" + next, std::nullopt});
-  }
+  add_sides(b);
   return b.time(0, 1, 1.0 / steps).build();
 }
 

@@ -33,6 +33,14 @@ struct Placed {
   Triple at;
 };
 
+// The sides of a rigid triangle P0 P1 P2, as long as they are at the start.
+inline void add_sides(SceneBuilder& b) {
+  for (int i = 0; i < 3; ++i) {
+    const std::string k = std::to_string(i), next = std::to_string((i + 1) % 3);
+    b.constrain("side" + k, Distance{"P" + k, "P" + next, std::nullopt});
+  }
+}
+
 // Moves little: a crank swings by a part of a radian, so that dyads which begin well open stay so.
 inline Law swing(Draw& draw, double value, double amplitude) {
   const double frequency = draw.real(0.3, 1), phase = draw.real(0, 2 * std::numbers::pi);

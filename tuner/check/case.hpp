@@ -6,13 +6,11 @@
 #include <string_view>
 #include <vector>
 
+#include "assur/plan.hpp"
 #include "assur/scene.hpp"
 #include "assur/strategy.hpp"
 
 namespace assur::check {
-
-// The error from which on a run that was asked for no accuracy says `inaccurate`.
-inline constexpr double kDoubtBegins = 1e-6;
 
 // "pass": a clean status, no event, and a forward error within the accuracy asked for; "refused": an Error of kind
 // input or numerical; else the name of a Code. What no case may expect: "wrong" (a clean status or an event, and rows
@@ -35,7 +33,7 @@ struct Case {
   Parameters set;  // of the scene, the maker or the matrix
   std::optional<TimeGrid> time;
   std::vector<std::string> outputs;
-  double accuracy = kDoubtBegins;
+  double accuracy = 0;                    // asked for; 0: none, and kDoubtfulError is the limit
   int iterations = 0;                     // StepLimits::iterations
   std::vector<Formulation> formulations;  // empty: all
   std::vector<std::string> strategies;    // empty: every one that can run it
@@ -45,6 +43,9 @@ struct Case {
   Expected expected;
   std::string because;  // why more than one verdict is right
   bool quick = false;   // part of --quick
+
+  // Forward error from which on a result is wrong.
+  [[nodiscard]] double limit() const { return accuracy > 0 ? accuracy : kDoubtfulError; }
 };
 
 // The cases of one file, each value of a sweep a case of its own ("NAME PARAMETER=VALUE"). Throws Error (input) that

@@ -214,7 +214,7 @@ Result run_matrix(const Case& c, const std::function<bool()>& stop) {
           result.interrupted = true;
           return result;
         }
-        result.add(solve(a, task, backend, single, refine, c.accuracy));
+        result.add(solve(a, task, backend, single, refine, c.limit()));
       }
     }
   }

@@ -76,7 +76,7 @@ class CaseRun {
   void with(const std::string& strategy) {
     PrepareOptions how;
     how.strategy = strategy;
-    how.accuracy = result_.what.accuracy == kDoubtBegins ? 0 : result_.what.accuracy;
+    how.accuracy = result_.what.accuracy;
     std::optional<Prepared> prepared;
     std::optional<Simulator> simulator;
     try {
@@ -163,9 +163,9 @@ class CaseRun {
       run.verdict = "no_yardstick";
       return run;
     }
-    if (!(untold <= result_.what.accuracy)) {
+    if (!(untold <= result_.what.limit())) {
       run.message = run.verdict + ", but " + output::error_figure(untold) + " off where " +
-                    output::error_figure(result_.what.accuracy) + " is asked, and no event says so";
+                    output::error_figure(result_.what.limit()) + " is asked, and no event says so";
       run.verdict = "wrong";
     }
     return run;

@@ -102,7 +102,7 @@ std::string how_to_repeat(const Case& c, const std::string& strategy) {
   for (std::size_t i = 0; i < c.outputs.size(); ++i) line += (i == 0 ? " --outputs " : ",") + c.outputs[i];
   if (c.iterations > 0) line += " --iterations " + std::to_string(c.iterations);
   if (strategy.find('/') != std::string::npos) line += " --strategy '" + strategy + "'";
-  if (c.accuracy != Case{}.accuracy) line += " --accuracy " + exact(c.accuracy);
+  if (c.accuracy > 0) line += " --accuracy " + exact(c.accuracy);
   return line + " --reference";
 }
 
