@@ -81,6 +81,7 @@ Browser::Browser() : profile_(std::filesystem::temp_directory_path() / "assur-br
   process_ = fork();
   if (process_ < 0) give_up("cannot be started");
   if (process_ == 0) become(program(), profile_, orders[0], answers[1]);
+  setpgid(process_, process_);  // here, too: whoever comes first
   close(orders[0]);
   close(answers[1]);
   to_ = orders[1];

@@ -9,7 +9,7 @@ class Picture {
     this.posture = motion.posture(0);
     this.screen = new Float64Array(2 * motion.points.length);
     this.options = {by: 'group', names: false, paths: false};
-    this.rails = this.findRails();
+    [this.rails, this.onRail] = standingRails();
     this.recolour();
   }
 
@@ -62,40 +62,6 @@ class Picture {
     }
     this.batches.point = gather(this.pointColour, i => i < motion.moving);
     this.batches.body = gather(this.bodyColour, () => true);
-  }
-
-  // ---- what moves
-
-  // A rail that stands still is as long as the way of who slides along it.
-  findRails() {
-    const rails = [];
-    this.onRail = new Set();  // links that these stand for
-    const minus = (p, q) => p.map((v, k) => v - q[k]), length = p => Math.hypot(...p);
-    motion.links.forEach(([from, to, kind], link) => {
-      if (kind !== 'rail' || from < motion.moving || to >= motion.moving) return;
-      const at = frame => [0, 1, 2].map(k =>
-        k < motion.dimension ? motion.places[(frame * motion.moving + to) * motion.dimension + k] : 0);
-      const farthestFrom = p => {
-        let best = p;
-        for (let frame = 0; frame < motion.frames; ++frame) {
-          if (length(minus(at(frame), p)) > length(minus(best, p))) best = at(frame);
-        }
-        return best;
-      };
-      const one = farthestFrom(at(0)), other = farthestFrom(one);
-      const way = minus(other, one);
-      const isBeside = p => {
-        const q = minus(p, one);
-        const area = [0, 1, 2].map(k => way[(k + 1) % 3] * q[(k + 2) % 3] - way[(k + 2) % 3] * q[(k + 1) % 3]);
-        return length(area) > 1e-4 * length(way) ** 2;
-      };
-      // Its direction may turn, and a plane is no line.
-      if (length(way) === 0 || isBeside(motion.points[from].at)) return;
-      for (let frame = 0; frame < motion.frames; ++frame) if (isBeside(at(frame))) return;
-      rails.push([one.map((v, k) => v - 0.15 * way[k]), other.map((v, k) => v + 0.15 * way[k])]);
-      this.onRail.add(link);
-    });
-    return rails;
   }
 
   draw(frame) {
@@ -293,43 +259,5 @@ class Picture {
       c.fillStyle = this.faint;
       c.fillText('xyz'[k], x0 + 1.3 * dx - 3, y0 + 1.3 * dy + 4);
     }
-  }
-
-  // ---- who is there
-
-  // The point, link or body at (x, y) in words; null: nobody.
-  at(x, y) {
-    const s = this.screen;
-    const groupOf = group => Number.isInteger(group)
-      ? `group ${motion.groups[group][0]}, level ${motion.groups[group][1] + 1}` : group;
-    const closest = (count, distance, reach) => {
-      let best = -1, least = reach;
-      for (let i = 0; i < count; ++i) {
-        const d = distance(i);
-        if (d <= least) [best, least] = [i, d];
-      }
-      return best;
-    };
-    const point = closest(motion.points.length, i => Math.hypot(s[2 * i] - x, s[2 * i + 1] - y), 12);
-    if (point >= 0) {
-      const place = [...this.posture.subarray(3 * point, 3 * point + motion.dimension)].map(v => digits(v)).join(', ');
-      return `${motion.points[point].name} (${place}) m\n${groupOf(motion.points[point].group)}`;
-    }
-    const link = closest(motion.links.length, l => {
-      const [a, b] = motion.links[l];
-      const [dx, dy] = [s[2 * b] - s[2 * a], s[2 * b + 1] - s[2 * a + 1]];
-      const share = ((x - s[2 * a]) * dx + (y - s[2 * a + 1]) * dy) / (dx * dx + dy * dy || 1);
-      const f = Math.max(0, Math.min(1, share));
-      return Math.hypot(s[2 * a] + f * dx - x, s[2 * a + 1] + f * dy - y);
-    }, 6);
-    if (link >= 0) {
-      const [a, b, kind, name] = motion.links[link], p = this.posture;
-      const length = Math.hypot(p[3 * a] - p[3 * b], p[3 * a + 1] - p[3 * b + 1], p[3 * a + 2] - p[3 * b + 2]);
-      return `${name}: ${motion.points[a].name}–${motion.points[b].name}\n${kind}, ${digits(length)} m`;
-    }
-    const ratio = window.devicePixelRatio || 1;
-    const body = motion.bodies.findIndex(([, , faces]) =>
-      this.context.isPointInPath(this.outline(faces), x * ratio, y * ratio));
-    return body < 0 ? null : `body ${motion.bodies[body][0]}`;
   }
 }

@@ -98,7 +98,7 @@
   // ---- what is said
 
   function tell() {
-    const text = pointer && picture.at(pointer.x, pointer.y);
+    const text = pointer && whoIsAt(picture, pointer.x, pointer.y);
     about.hidden = !text;
     if (!text) return;
     about.textContent = text;
