@@ -1,0 +1,301 @@
+#include "report/paper_runs.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "assur/machine.hpp"
+#include "assur/plan.hpp"
+#include "assur/simulator.hpp"
+#include "measure/deviation.hpp"
+#include "measure/race.hpp"
+#include "measure/step_times.hpp"
+#include "measure/ways.hpp"
+#include "output/format.hpp"
+#include "report/paper_cells.hpp"
+
+namespace assur::report {
+namespace {
+
+using measure::StepTimes;
+
+constexpr double kStep = 0.01;                                             // s: the paper's dt
+constexpr std::int64_t kSteps = 20000;                                     // of the grid: the paper's tEnd / dt
+constexpr double kCondition = 23;                                          // at most, of all these mechanisms
+constexpr double kConverged = 8 * std::numeric_limits<double>::epsilon();  // where Newton's method ends
+constexpr double kVerification = 0.02;  // s of steps that are compared, from 2 to 50 of them
+constexpr double kLong = 0.02;          // s: a step that needs no preparation
+constexpr double kMeterSeconds = 0.25;  // the counters tick each millisecond
+constexpr double kShareForSetUp = 0.8;  // of the time left: what is expected need not come true
+
+// One strategy, step after step over the paper's grid.
+class PaperRun final : public measure::Workload {
+ public:
+  PaperRun(const Prepared& prepared, int iterations, const std::vector<int>& cores)
+      : grid_(prepared.time),
+        threads_(most_threads(prepared.plan)),
+        pinned_(threads_ > 1 && static_cast<std::size_t>(threads_) <= cores.size()),
+        simulator_(prepared, {.iterations = iterations, .pin_to = pinned_ ? cores : std::vector<int>{}}),
+        at_start_(simulator_.report().counters) {}
+
+  // Outputs of the first steps, one row each; throws Error (numerical) if one fails.
+  std::vector<double> first_steps(int count) {
+    std::vector<double> rows;
+    for (int k = 0; k < count; ++k) {
+      if (!advance()) throw Error(Error::Kind::numerical, std::string(name(simulator_.report().status.code)));
+      rows.insert(rows.end(), simulator_.outputs().begin(), simulator_.outputs().end());
+    }
+    return rows;
+  }
+
+  void get_ready(int) override {
+    if (seconds_ > kLong) return;
+    if (threads_ > 1) {
+      measure::repeat_for(pinned_ ? measure::kUntilAwake : measure::kUntilSpread, [this] { (void)advance(); });
+    } else {
+      (void)advance();
+    }
+  }
+
+  bool run(int calls) override {
+    const double begin = StepTimes::steady();
+    bool ok = true;
+    for (int i = 0; i < calls; ++i) ok = advance() && ok;
+    seconds_ = (StepTimes::steady() - begin) / calls;
+    return ok;
+  }
+
+  [[nodiscard]] const Report& report() const { return simulator_.report(); }
+  // Newton iterations of a group and step, mean.
+  [[nodiscard]] double iterations() const {
+    const Counters& now = report().counters;
+    return static_cast<double>(now.newton_iterations - at_start_.newton_iterations) /
+           static_cast<double>(std::max<std::int64_t>(now.group_solutions - at_start_.group_solutions, 1));
+  }
+  [[nodiscard]] const std::vector<std::string>& columns() const { return simulator_.columns(); }
+
+ private:
+  static int most_threads(const Plan& plan) {
+    int q = 1;
+    for (const Plan::Choice& c : plan.choices) q = std::max(q, c.strategy.q);
+    return plan.threads * q;
+  }
+
+  bool advance() {
+    if (next_ > grid_.steps()) {
+      simulator_.reset();
+      at_start_ = simulator_.report().counters;
+      next_ = 1;
+    }
+    return simulator_.step(grid_.time(next_++)).arrived();
+  }
+
+  TimeGrid grid_;
+  int threads_;
+  bool pinned_;
+  Simulator simulator_;
+  Counters at_start_;
+  std::int64_t next_ = 1;
+  double seconds_ = 0;  // of a step, the last time
+};
+
+double worst_residual(const ErrorFigures& e) { return std::max({e.position, e.velocity, e.acceleration, kConverged}); }
+
+// A motion that all others are held against, with as many iterations as convergence takes.
+struct Yardstick {
+  std::vector<double> rows;  // steps x columns
+  double residual = 0;
+};
+
+struct Contender {
+  PaperTiming timing;
+  std::unique_ptr<PaperRun> run;
+};
+
+class PaperExperiments {
+ public:
+  explicit PaperExperiments(const PaperOptions& options) : options_(options), begin_(StepTimes::steady()) {
+    const Machine machine = this_machine();
+    cores_ = machine.cores;
+    out_.threads = options.threads > 0 ? options.threads : machine.budget().threads;
+    out_.quick = options.quick;
+    out_.stand_ins = stand_ins();
+  }
+
+  PaperResults run() {
+    std::vector<PaperContest> left = contests(out_.threads, options_.quick, out_.stand_ins);
+    std::stable_sort(left.begin(), left.end(),
+                     [this](const PaperContest& a, const PaperContest& b) { return least(a) < least(b); });
+    const std::size_t all = left.size();
+    while (!left.empty() && !stopped()) {
+      if (options_.progress) {
+        const double of_cells = static_cast<double>(all - left.size()) / static_cast<double>(all);
+        options_.progress(std::min(1.0, std::max(of_cells, elapsed() / options_.seconds)),
+                          "the paper, total size " + std::to_string(left[0].cell.total()));
+      }
+      hold(left);
+      left.erase(left.begin());
+    }
+    out_.interrupted = stopped();
+    out_.seconds = elapsed();
+    if (options_.progress && !out_.interrupted) options_.progress(1, "the paper");
+    return std::move(out_);
+  }
+
+ private:
+  [[nodiscard]] bool stopped() const { return options_.interrupted && options_.interrupted(); }
+  [[nodiscard]] double elapsed() const { return StepTimes::steady() - begin_; }
+  [[nodiscard]] double least(const PaperContest& contest) const {
+    double sum = 0;
+    for (const Entrant& e : contest.entrants) sum += costs_.least(contest.cell, e);
+    return sum;
+  }
+
+  // The first of those left.
+  void hold(const std::vector<PaperContest>& left) {
+    const PaperContest& contest = left[0];
+    const double time_left = options_.seconds - elapsed();
+    const std::vector<std::vector<bool>> chosen = affordable(left, costs_, kShareForSetUp * time_left);
+    double others = 0;
+    for (std::size_t c = 1; c < left.size(); ++c) {
+      for (std::size_t e = 0; e < left[c].entrants.size(); ++e) {
+        if (chosen[c][e]) others += costs_.least(left[c].cell, left[c].entrants[e]);
+      }
+    }
+    const double end = elapsed() + (time_left - others) / static_cast<double>(left.size());
+
+    const Scene scene = sample(contest.cell.scene()).with_time({0, kStep * static_cast<double>(kSteps), kStep});
+    std::optional<Yardstick> yardstick;
+    std::vector<Contender> contenders;
+    for (std::size_t e = 0; e < contest.entrants.size() && !stopped(); ++e) {
+      const Entrant& entrant = contest.entrants[e];
+      Contender c = named(contest.cell, entrant);
+      if (!chosen[0][e]) {
+        c.timing.why_not = "would take longer than there was time for: some " +
+                           output::duration(costs_.step(contest.cell, entrant)) + " a step";
+      } else {
+        verify(c, scene, entrant, yardstick);
+      }
+      contenders.push_back(std::move(c));
+    }
+    race(contenders, std::max(end - elapsed(), 0.05));
+    for (std::size_t e = 0; e < contenders.size(); ++e) {
+      PaperTiming& t = contenders[e].timing;
+      if (contenders[e].run) t.newton = contenders[e].run->iterations();
+      if (t.timed()) costs_.learn(contest.cell, contest.entrants[e], t.seconds);
+      if (t.timed() && contest.cell.iterations == cells_of_table(4)[0].iterations) weigh(contenders[e]);
+      out_.times.push_back(std::move(t));
+    }
+  }
+
+  static Contender named(const PaperCell& cell, const Entrant& entrant) {
+    Contender c;
+    c.timing.cell = cell;
+    c.timing.version = entrant.version;
+    c.timing.p = entrant.p;
+    c.timing.q = entrant.q;
+    c.timing.reading = entrant.reading;
+    c.timing.strategy = entrant.strategy;
+    return c;
+  }
+
+  [[nodiscard]] PrepareOptions how(const std::string& strategy) const {
+    PrepareOptions options{.strategy = strategy, .budget = ThreadBudget{out_.threads}};
+    options.model = options_.model;
+    return options;
+  }
+
+  // Leaves a run behind whose motion is right, or the reason why there is none.
+  void verify(Contender& c, const Scene& scene, const Entrant& entrant, std::optional<Yardstick>& yardstick) const {
+    try {
+      if (!yardstick) yardstick = make_yardstick(scene, c.timing.cell);
+      const Prepared prepared = prepare(scene, how(entrant.strategy));
+      if (entrant.version == kAuto) c.timing.strategy = "auto: " + measure::essence(prepared.plan);
+      auto run = std::make_unique<PaperRun>(prepared, c.timing.cell.iterations, cores_);
+      const auto width = static_cast<std::size_t>(run->columns().size());
+      const int steps = std::min(steps_to_verify(costs_.step(c.timing.cell, entrant)),
+                                 static_cast<int>(yardstick->rows.size() / width));
+      const std::vector<double> rows = run->first_steps(steps);
+      const double off = measure::deviation(run->columns(), rows, std::span(yardstick->rows).first(rows.size()));
+      c.timing.deviation = off;
+      // What residuals r of two motions leave of their accelerations, the most sensitive of their outputs.
+      const double bound =
+          2 * std::max(worst_residual(run->report().error), yardstick->residual) * std::pow(kCondition, 3);
+      if (!(off <= bound)) {
+        c.timing.why_not =
+            "wrong: off by " + output::error_figure(off) + ", allowed are " + output::error_figure(bound);
+        return;
+      }
+      c.run = std::move(run);
+    } catch (const Error& error) {
+      c.timing.why_not = error.what();
+    }
+  }
+
+  static int steps_to_verify(double step) { return static_cast<int>(std::clamp(kVerification / step, 2.0, 50.0)); }
+
+  // By a solver that is quick at all sizes, in a way that no entrant takes.
+  [[nodiscard]] Yardstick make_yardstick(const Scene& scene, const PaperCell& cell) const {
+    const Entrant sparse{"GEOMP+MA27", 1, 1, Reading::shared, "groups/" + out_.stand_ins.sparse};
+    PaperRun run(prepare(scene, how("global/" + out_.stand_ins.sparse + "+refine")), 0, {});
+    Yardstick out;
+    out.rows = run.first_steps(steps_to_verify(costs_.step(cell, sparse)));
+    out.residual = worst_residual(run.report().error);
+    return out;
+  }
+
+  void race(std::vector<Contender>& contenders, double seconds) const {
+    std::vector<measure::Runner> runners;
+    std::vector<PaperTiming*> timings;
+    for (Contender& c : contenders) {
+      if (c.run == nullptr) continue;
+      runners.push_back({.work = c.run.get()});
+      timings.push_back(&c.timing);
+    }
+    measure::RaceRules rules;
+    rules.block = 2e-3;
+    rules.seconds = seconds;
+    rules.least_rounds = 7;
+    rules.most_rounds = options_.quick ? 9 : 21;
+    rules.hopeless = std::numeric_limits<double>::infinity();  // the slow ones are wanted too
+    measure::Instruments instruments;
+    instruments.stop = [this] { return stopped(); };
+    (void)measure::race(runners, rules, instruments);
+    for (std::size_t i = 0; i < runners.size(); ++i) {
+      const measure::Runner& r = runners[i];
+      PaperTiming& t = *timings[i];
+      if (r.failed) t.why_not = "failed when it was timed";
+      if (r.seconds.empty()) {
+        if (t.why_not.empty()) t.why_not = "interrupted";
+        continue;
+      }
+      t.seconds = r.median();
+      t.spread = r.spread();
+      t.rounds = static_cast<int>(r.seconds.size());
+      t.steps_timed = static_cast<std::int64_t>(r.seconds.size()) * r.calls;
+    }
+  }
+
+  // Energy of one step, from as many as the counters can tell apart.
+  void weigh(Contender& c) const {
+    if (!options_.meter.why_not().empty() || stopped()) return;
+    const int calls = std::max(1, static_cast<int>(std::ceil(kMeterSeconds / c.timing.seconds)));
+    const std::vector<std::int64_t> before = options_.meter.read();
+    if (!c.run->run(calls)) return;
+    c.timing.joules = options_.meter.joules(before, options_.meter.read()) / calls;
+  }
+
+  const PaperOptions& options_;
+  double begin_;
+  std::vector<int> cores_;
+  PaperCosts costs_;
+  PaperResults out_;
+};
+
+}  // namespace
+
+PaperResults run_the_paper(const PaperOptions& options) { return PaperExperiments(options).run(); }
+
+}  // namespace assur::report
