@@ -174,7 +174,8 @@ Section paper_table_5(const PaperResults& r) {
       "10 steps of 10 iterations, six groups. Theirs: OpenMP x MKL threads of two Xeon E5-2620 (12 cores) "
       "and MAGMA on a GTX 950. Here: " +
       pxq(wide) + " stands for 6x2, " + pxq(narrow) + " for 2x6, by " + output::counted(r.threads, "thread") +
-      "; no GPU here. Ratios of times:");
+      "; no GPU here. From n = 400 one reading is run only: they are 11 and 12 factorisations of a step. Ratios of "
+      "times:");
   HtmlTable ratios{{"T", "n", "6x2/2x6, theirs", pxq(wide) + "/" + pxq(narrow) + ", here", "6x2/MAGMA, theirs",
                     "MAGMA, here", pxq(wide) + "/auto, here"},
                    {number, number, number, number, number, HtmlTable::Column::text, number},

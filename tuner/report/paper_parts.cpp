@@ -104,9 +104,9 @@ void add_details(Section& section, const PaperResults& results, const std::vecto
   if (rows.empty()) return;
   std::stable_sort(rows.begin(), rows.end(),
                    [](const auto* a, const auto* b) { return a->cell.total() < b->cell.total(); });
-  section.body += "<details><summary>All that was tried here: " +
-                  output::counted(static_cast<std::int64_t>(rows.size()), "run") + "</summary>\n" +
-                  small(details_table(rows)) + "</details>\n";
+  section.body +=
+      "<details><summary>All that was tried here: " + output::counted(static_cast<std::int64_t>(rows.size()), "run") +
+      "</summary>\n" + small(details_table(rows)) + "</details>\n";
 }
 
 std::string missing(const PaperResults& results, const std::vector<PaperCell>& cells) {

@@ -39,6 +39,9 @@ struct WideAndNarrow {
 };
 [[nodiscard]] WideAndNarrow wide_and_narrow(int threads);
 
+// Whether both readings are run: not in the large cells of table 5, where they are 11 and 12 factorisations of a step.
+[[nodiscard]] bool reads_twice(const PaperCell& cell);
+
 // A mechanism and everything that is to be timed in turns on it.
 struct PaperContest {
   PaperCell cell;

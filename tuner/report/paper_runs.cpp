@@ -10,6 +10,7 @@
 #include "assur/plan.hpp"
 #include "assur/simulator.hpp"
 #include "measure/deviation.hpp"
+#include "measure/noise.hpp"
 #include "measure/race.hpp"
 #include "measure/step_times.hpp"
 #include "measure/ways.hpp"
@@ -43,10 +44,12 @@ class PaperRun final : public measure::Workload {
   // Outputs of the first steps, one row each; throws Error (numerical) if one fails.
   std::vector<double> first_steps(int count) {
     std::vector<double> rows;
+    const double begin = StepTimes::steady();
     for (int k = 0; k < count; ++k) {
       if (!advance()) throw Error(Error::Kind::numerical, std::string(name(simulator_.report().status.code)));
       rows.insert(rows.end(), simulator_.outputs().begin(), simulator_.outputs().end());
     }
+    seconds_ = (StepTimes::steady() - begin) / count;
     return rows;
   }
 
@@ -120,6 +123,7 @@ class PaperExperiments {
     const Machine machine = this_machine();
     cores_ = machine.cores;
     out_.threads = options.threads > 0 ? options.threads : machine.budget().threads;
+    watch_.emplace(out_.threads);
     out_.quick = options.quick;
     out_.stand_ins = stand_ins();
   }
@@ -140,11 +144,25 @@ class PaperExperiments {
     }
     out_.interrupted = stopped();
     out_.seconds = elapsed();
+    out_.noise = measure::judge(noise());
     if (options_.progress && !out_.interrupted) options_.progress(1, "the paper");
     return std::move(out_);
   }
 
  private:
+  [[nodiscard]] measure::Noise noise() const {
+    measure::Noise noise = watch_->noise();
+    noise.disturbed =
+        blocks_.blocks > 0 ? static_cast<double>(blocks_.disturbed) / static_cast<double>(blocks_.blocks) : 0;
+    std::vector<double> spreads;
+    for (const PaperTiming& t : out_.times) {
+      if (t.rounds > 2) spreads.push_back(t.spread / t.seconds);
+    }
+    const auto middle = spreads.begin() + static_cast<std::ptrdiff_t>(spreads.size() / 2);
+    std::nth_element(spreads.begin(), middle, spreads.end());
+    noise.scatter = spreads.empty() ? 0 : *middle;
+    return noise;
+  }
   [[nodiscard]] bool stopped() const { return options_.interrupted && options_.interrupted(); }
   [[nodiscard]] double elapsed() const { return StepTimes::steady() - begin_; }
   [[nodiscard]] double least(const PaperContest& contest) const {
@@ -246,7 +264,7 @@ class PaperExperiments {
     return out;
   }
 
-  void race(std::vector<Contender>& contenders, double seconds) const {
+  void race(std::vector<Contender>& contenders, double seconds) {
     std::vector<measure::Runner> runners;
     std::vector<PaperTiming*> timings;
     for (Contender& c : contenders) {
@@ -262,7 +280,9 @@ class PaperExperiments {
     rules.hopeless = std::numeric_limits<double>::infinity();  // the slow ones are wanted too
     measure::Instruments instruments;
     instruments.stop = [this] { return stopped(); };
-    (void)measure::race(runners, rules, instruments);
+    const measure::RaceFigures figures = measure::race(runners, rules, instruments);
+    blocks_.blocks += figures.blocks;
+    blocks_.disturbed += figures.disturbed;
     for (std::size_t i = 0; i < runners.size(); ++i) {
       const measure::Runner& r = runners[i];
       PaperTiming& t = *timings[i];
@@ -290,6 +310,8 @@ class PaperExperiments {
   const PaperOptions& options_;
   double begin_;
   std::vector<int> cores_;
+  std::optional<measure::NoiseWatch> watch_;
+  measure::RaceFigures blocks_;
   PaperCosts costs_;
   PaperResults out_;
 };

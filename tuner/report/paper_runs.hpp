@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "assur/performance.hpp"
+#include "measure/noise.hpp"
 #include "report/energy.hpp"
 #include "report/paper_cells.hpp"
 #include "report/paper_plan.hpp"
@@ -30,6 +31,7 @@ struct PaperResults {
   int threads = 1;
   bool quick = true, interrupted = false;
   double seconds = 0;  // that all of it took
+  measure::Judgement noise = {};
 };
 
 // Everything that fits into the time given, the short cells first. Never throws for what cannot run here: it is listed

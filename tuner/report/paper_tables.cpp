@@ -23,12 +23,20 @@ Section paper_conclusions(const PaperResults& r) {
                 std::to_string(count[2]) + " cannot be tested here. Each is decided by one rule that is asked of " +
                 "the paper's own times and of those measured here.");
   s.body += html(table);
+  if (r.stand_ins.sparse == "klu") {
+    s.body += faint(
+        "klu, which stands for MA27, finds its pivots once for a pattern and keeps them from step to step. "
+        "All times are those of the first reading, with one factorisation for velocity and acceleration.");
+  }
   return s;
 }
 
 std::vector<Section> paper_sections(const PaperResults& r, const PaperOptions& options) {
   std::vector<Section> out = {paper_table_2(r),          paper_figure_2(r), paper_table_3(r),    paper_figure_3(r),
                               paper_table_4(r, options), paper_table_5(r),  paper_conclusions(r)};
+  if (r.noise.quiet != measure::Quiet::yes) {
+    out[0].body = paragraph("The machine was not quiet: " + r.noise.reason + ".") + out[0].body;
+  }
   if (r.interrupted) out[0].body = paragraph("Interrupted: only what was done until then is here.") + out[0].body;
   return out;
 }
