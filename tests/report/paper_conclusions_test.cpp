@@ -115,7 +115,8 @@ TEST(PaperConclusions, ThreeThreadsAreCounted) {
   EXPECT_EQ(about(conclusions(best_with(4), 4), "Three OpenMP").verdict, Verdict::does_not_hold);
 }
 
-TEST(PaperConclusions, RatiosHaveThreeDigits) {
+TEST(PaperConclusions, RatiosHaveTwoOrThreeDigits) {
+  EXPECT_EQ(ratio_text(0.00631), "0.0063");
   EXPECT_EQ(ratio_text(0.1234), "0.123");
   EXPECT_EQ(ratio_text(3.827), "3.83");
   EXPECT_EQ(ratio_text(9.996), "10.0");

@@ -51,10 +51,12 @@ const PaperTiming* fastest(std::span<const PaperTiming> times, const PaperCell& 
 
 const PaperTiming* timing(std::span<const PaperTiming> times, const PaperCell& cell, std::string_view version, int p,
                           int q, Reading reading) {
+  const PaperTiming* best = nullptr;
   for (const PaperTiming& t : times) {
-    if (matches(t, cell, version, reading) && t.p == p && t.q == q) return &t;
+    const bool it = matches(t, cell, version, reading) && t.p == p && t.q == q;
+    if (it && (best == nullptr || t.seconds < best->seconds)) best = &t;
   }
-  return nullptr;
+  return best;
 }
 
 std::string split_text(const PaperTiming& timing) { return std::to_string(timing.p) + "x" + std::to_string(timing.q); }

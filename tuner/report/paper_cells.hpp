@@ -65,7 +65,7 @@ struct PaperTiming {
 // The fastest of a version in a cell; null if there is none with a time.
 [[nodiscard]] const PaperTiming* fastest(std::span<const PaperTiming> times, const PaperCell& cell,
                                          std::string_view version, Reading reading = Reading::shared);
-// That with this split.
+// The fastest with this split.
 [[nodiscard]] const PaperTiming* timing(std::span<const PaperTiming> times, const PaperCell& cell,
                                         std::string_view version, int p, int q, Reading reading = Reading::shared);
 

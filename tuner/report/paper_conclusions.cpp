@@ -376,7 +376,11 @@ std::string_view verdict_text(Verdict verdict) noexcept {
 
 std::string ratio_text(double ratio) {
   std::array<char, 32> out{};
-  const char* const format = ratio < 0.9995 ? "%.3f" : ratio < 9.995 ? "%.2f" : ratio < 99.95 ? "%.1f" : "%.0f";
+  const char* const format = ratio < 0.0995   ? "%.2g"
+                             : ratio < 0.9995 ? "%.3f"
+                             : ratio < 9.995  ? "%.2f"
+                             : ratio < 99.95  ? "%.1f"
+                                              : "%.0f";
   std::snprintf(out.data(), out.size(), format, ratio);
   return out.data();
 }

@@ -40,7 +40,7 @@ view::HtmlTable details_table(const std::vector<const PaperTiming*>& rows) {
     table.rows.push_back(
         {{std::to_string(t->cell.total()), std::to_string(t->cell.groups) + " x " + std::to_string(t->cell.n),
           stands_for(*t), t->strategy, timed ? output::duration(t->seconds) : "-",
-          timed ? output::duration(t->spread) : "-", std::to_string(t->rounds), output::grouped(t->steps_timed),
+          t->rounds > 1 ? output::duration(t->spread) : "-", std::to_string(t->rounds), output::grouped(t->steps_timed),
           t->newton > 0 ? output::fixed(t->newton) : "-",
           std::isnan(t->deviation) ? "-" : output::error_figure(t->deviation), t->why_not}});
   }

@@ -54,7 +54,7 @@ struct PaperContest {
 class PaperCosts {
  public:
   [[nodiscard]] double step(const PaperCell& cell, const Entrant& entrant) const;
-  // Of everything that has to happen once for an entrant: preparation, verification, and one timed block.
+  // Of everything that has to happen once for an entrant: preparation, verification, and three rounds.
   [[nodiscard]] double least(const PaperCell& cell, const Entrant& entrant) const;
   void learn(const PaperCell& cell, const Entrant& entrant, double seconds);
 

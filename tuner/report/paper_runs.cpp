@@ -15,6 +15,7 @@
 #include "measure/step_times.hpp"
 #include "measure/ways.hpp"
 #include "output/format.hpp"
+#include "report/grid_run.hpp"
 #include "report/paper_cells.hpp"
 
 namespace assur::report {
@@ -27,82 +28,10 @@ constexpr std::int64_t kSteps = 20000;                                     // of
 constexpr double kCondition = 23;                                          // at most, of all these mechanisms
 constexpr double kConverged = 8 * std::numeric_limits<double>::epsilon();  // where Newton's method ends
 constexpr double kVerification = 0.02;  // s of steps that are compared, from 2 to 50 of them
-constexpr double kLong = 0.02;          // s: a step that needs no preparation
+constexpr double kBlock = 2e-3;         // s of steps that are timed together, at least
 constexpr double kMeterSeconds = 0.25;  // the counters tick each millisecond
-constexpr double kShareForSetUp = 0.8;  // of the time left: what is expected need not come true
-
-// One strategy, step after step over the paper's grid.
-class PaperRun final : public measure::Workload {
- public:
-  PaperRun(const Prepared& prepared, int iterations, const std::vector<int>& cores)
-      : grid_(prepared.time),
-        threads_(most_threads(prepared.plan)),
-        pinned_(threads_ > 1 && static_cast<std::size_t>(threads_) <= cores.size()),
-        simulator_(prepared, {.iterations = iterations, .pin_to = pinned_ ? cores : std::vector<int>{}}),
-        at_start_(simulator_.report().counters) {}
-
-  // Outputs of the first steps, one row each; throws Error (numerical) if one fails.
-  std::vector<double> first_steps(int count) {
-    std::vector<double> rows;
-    const double begin = StepTimes::steady();
-    for (int k = 0; k < count; ++k) {
-      if (!advance()) throw Error(Error::Kind::numerical, std::string(name(simulator_.report().status.code)));
-      rows.insert(rows.end(), simulator_.outputs().begin(), simulator_.outputs().end());
-    }
-    seconds_ = (StepTimes::steady() - begin) / count;
-    return rows;
-  }
-
-  void get_ready(int) override {
-    if (seconds_ > kLong) return;
-    if (threads_ > 1) {
-      measure::repeat_for(pinned_ ? measure::kUntilAwake : measure::kUntilSpread, [this] { (void)advance(); });
-    } else {
-      (void)advance();
-    }
-  }
-
-  bool run(int calls) override {
-    const double begin = StepTimes::steady();
-    bool ok = true;
-    for (int i = 0; i < calls; ++i) ok = advance() && ok;
-    seconds_ = (StepTimes::steady() - begin) / calls;
-    return ok;
-  }
-
-  [[nodiscard]] const Report& report() const { return simulator_.report(); }
-  // Newton iterations of a group and step, mean.
-  [[nodiscard]] double iterations() const {
-    const Counters& now = report().counters;
-    return static_cast<double>(now.newton_iterations - at_start_.newton_iterations) /
-           static_cast<double>(std::max<std::int64_t>(now.group_solutions - at_start_.group_solutions, 1));
-  }
-  [[nodiscard]] const std::vector<std::string>& columns() const { return simulator_.columns(); }
-
- private:
-  static int most_threads(const Plan& plan) {
-    int q = 1;
-    for (const Plan::Choice& c : plan.choices) q = std::max(q, c.strategy.q);
-    return plan.threads * q;
-  }
-
-  bool advance() {
-    if (next_ > grid_.steps()) {
-      simulator_.reset();
-      at_start_ = simulator_.report().counters;
-      next_ = 1;
-    }
-    return simulator_.step(grid_.time(next_++)).arrived();
-  }
-
-  TimeGrid grid_;
-  int threads_;
-  bool pinned_;
-  Simulator simulator_;
-  Counters at_start_;
-  std::int64_t next_ = 1;
-  double seconds_ = 0;  // of a step, the last time
-};
+constexpr double kShareExpected = 0.7;  // of the time left: what is expected need not come true
+constexpr double kRoundsAtLeast = 3;    // of all that was verified, whatever that takes
 
 double worst_residual(const ErrorFigures& e) { return std::max({e.position, e.velocity, e.acceleration, kConverged}); }
 
@@ -114,7 +43,7 @@ struct Yardstick {
 
 struct Contender {
   PaperTiming timing;
-  std::unique_ptr<PaperRun> run;
+  std::unique_ptr<GridRun> run;
 };
 
 class PaperExperiments {
@@ -175,7 +104,7 @@ class PaperExperiments {
   void hold(const std::vector<PaperContest>& left) {
     const PaperContest& contest = left[0];
     const double time_left = options_.seconds - elapsed();
-    const std::vector<std::vector<bool>> chosen = affordable(left, costs_, kShareForSetUp * time_left);
+    const std::vector<std::vector<bool>> chosen = affordable(left, costs_, kShareExpected * time_left);
     double others = 0;
     for (std::size_t c = 1; c < left.size(); ++c) {
       for (std::size_t e = 0; e < left[c].entrants.size(); ++e) {
@@ -198,7 +127,7 @@ class PaperExperiments {
       }
       contenders.push_back(std::move(c));
     }
-    race(contenders, std::max(end - elapsed(), 0.05));
+    race(contenders, end - elapsed());
     for (std::size_t e = 0; e < contenders.size(); ++e) {
       PaperTiming& t = contenders[e].timing;
       if (contenders[e].run) t.newton = contenders[e].run->iterations();
@@ -231,7 +160,7 @@ class PaperExperiments {
       if (!yardstick) yardstick = make_yardstick(scene, c.timing.cell);
       const Prepared prepared = prepare(scene, how(entrant.strategy));
       if (entrant.version == kAuto) c.timing.strategy = "auto: " + measure::essence(prepared.plan);
-      auto run = std::make_unique<PaperRun>(prepared, c.timing.cell.iterations, cores_);
+      auto run = std::make_unique<GridRun>(prepared, c.timing.cell.iterations, cores_);
       const auto width = static_cast<std::size_t>(run->columns().size());
       const int steps = std::min(steps_to_verify(costs_.step(c.timing.cell, entrant)),
                                  static_cast<int>(yardstick->rows.size() / width));
@@ -239,8 +168,7 @@ class PaperExperiments {
       const double off = measure::deviation(run->columns(), rows, std::span(yardstick->rows).first(rows.size()));
       c.timing.deviation = off;
       // What residuals r of two motions leave of their accelerations, the most sensitive of their outputs.
-      const double bound =
-          2 * std::max(worst_residual(run->report().error), yardstick->residual) * std::pow(kCondition, 3);
+      const double bound = 2 * std::max(worst_residual(run->error()), yardstick->residual) * std::pow(kCondition, 3);
       if (!(off <= bound)) {
         c.timing.why_not =
             "wrong: off by " + output::error_figure(off) + ", allowed are " + output::error_figure(bound);
@@ -257,24 +185,26 @@ class PaperExperiments {
   // By a solver that is quick at all sizes, in a way that no entrant takes.
   [[nodiscard]] Yardstick make_yardstick(const Scene& scene, const PaperCell& cell) const {
     const Entrant sparse{"GEOMP+MA27", 1, 1, Reading::shared, "groups/" + out_.stand_ins.sparse};
-    PaperRun run(prepare(scene, how("global/" + out_.stand_ins.sparse + "+refine")), 0, {});
+    GridRun run(prepare(scene, how("global/" + out_.stand_ins.sparse + "+refine")), 0, {});
     Yardstick out;
     out.rows = run.first_steps(steps_to_verify(costs_.step(cell, sparse)));
-    out.residual = worst_residual(run.report().error);
+    out.residual = worst_residual(run.error());
     return out;
   }
 
   void race(std::vector<Contender>& contenders, double seconds) {
     std::vector<measure::Runner> runners;
-    std::vector<PaperTiming*> timings;
+    std::vector<Contender*> running;
+    double round = 0;
     for (Contender& c : contenders) {
       if (c.run == nullptr) continue;
       runners.push_back({.work = c.run.get()});
-      timings.push_back(&c.timing);
+      running.push_back(&c);
+      round += std::max(c.run->seconds(), kBlock);
     }
     measure::RaceRules rules;
-    rules.block = 2e-3;
-    rules.seconds = seconds;
+    rules.block = kBlock;
+    rules.seconds = std::max(seconds, kRoundsAtLeast * round);
     rules.least_rounds = 7;
     rules.most_rounds = options_.quick ? 9 : 21;
     rules.hopeless = std::numeric_limits<double>::infinity();  // the slow ones are wanted too
@@ -285,10 +215,9 @@ class PaperExperiments {
     blocks_.disturbed += figures.disturbed;
     for (std::size_t i = 0; i < runners.size(); ++i) {
       const measure::Runner& r = runners[i];
-      PaperTiming& t = *timings[i];
-      if (r.failed) t.why_not = "failed when it was timed";
+      PaperTiming& t = running[i]->timing;
       if (r.seconds.empty()) {
-        if (t.why_not.empty()) t.why_not = "interrupted";
+        t.why_not = r.failed ? "failed when it was timed" : stopped() ? "interrupted" : "there was no time left for it";
         continue;
       }
       t.seconds = r.median();

@@ -62,19 +62,28 @@ std::string figure_of(const std::string& title, const std::string& y, std::vecto
   return view::figure(plot);
 }
 
+HtmlTable versions(const StandIns& by) {
+  using enum HtmlTable::Column;
+  const std::string threaded = by.threaded.empty() ? "" : ", groups/" + by.threaded + " PxQ";
+  HtmlTable table{{"their version", "run here by"}, {text, words}, {}};
+  table.rows = {
+      {{"GMKL", "global/" + by.dense + " 1xQ" + (by.threaded.empty() ? "" : ", global/" + by.threaded + " 1xQ")}},
+      {{"GMA27", "global/" + by.sparse + (by.ma27 ? " (and global/ma27, listed apart)" : "")}},
+      {{"GEOMP+MKL; GEMKL where P = 1", "groups/" + by.dense + " Px1 and 1xQ" + threaded}},
+      {{"GEOMP+MA27", "groups/" + by.sparse + " Px1" + (by.ma27 ? " (and groups/ma27, listed apart)" : "")}}};
+  return table;
+}
+
 std::string how_it_was_run(const PaperResults& r) {
-  const StandIns& by = r.stand_ins;
-  std::string text =
-      "The paper's versions are run by the solvers of this library: " + by.dense + " stands for MKL" +
-      (by.threaded.empty() || r.threads < 4 ? ""
-                                            : " (" + by.threaded + " where several groups have several threads each)") +
-      ", " + by.sparse + " for MA27" + (by.ma27 ? ", which is here as well, for one thread" : "") + "; global/" +
-      by.dense + " is GMKL, global/" + by.sparse + " GMA27, groups/" + by.dense + " PxQ " +
-      "GEOMP+MKL with P groups at once and Q threads in each (P = 1: GEMKL), groups/" + by.sparse +
-      " Px1 GEOMP+MA27. All strategies of a size are measured in turns, each after its motion was " +
-      "found to be right. Threads: " + std::to_string(r.threads) +
-      " here, so that splits go no further; the paper's machine has 4.";
-  return text;
+  return paragraph(
+             "The paper's versions are run by the solvers of this library: " + r.stand_ins.dense + " stands for MKL, " +
+             r.stand_ins.sparse +
+             " for MA27. P groups are solved at once, each with Q "
+             "threads; of several strategies and splits the fastest counts. All strategies of a size are measured "
+             "in turns, each after its motion was found to be right. There " +
+             (r.threads == 1 ? "is " : "are ") + output::counted(r.threads, "thread") +
+             " here, and splits go no further; the paper's machine has 4.") +
+         html(versions(r.stand_ins));
 }
 
 HtmlTable ratios_of_table_2(const PaperResults& r) {
@@ -151,7 +160,7 @@ void add_theirs(Section& section, int table, std::string_view machine) {
 
 Section paper_table_2(const PaperResults& r) {
   Section s{"paper-table-2", "Table 2: global formulation and group equations, six groups", "", {}};
-  s.body += paragraph(how_it_was_run(r));
+  s.body += how_it_was_run(r);
   s.body += paragraph(
       "Speed-up over GMA27 by the fastest split of each version. Theirs: Core i5-2400, 4 cores. In the columns "
       "\"separate\" velocity and acceleration have a factorisation each, else one for both, besides that of each "
