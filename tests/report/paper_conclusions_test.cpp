@@ -117,6 +117,7 @@ TEST(PaperConclusions, ThreeThreadsAreCounted) {
 
 TEST(PaperConclusions, RatiosHaveTwoOrThreeDigits) {
   EXPECT_EQ(ratio_text(0.00631), "0.0063");
+  EXPECT_EQ(ratio_text(0.0701), "0.070");
   EXPECT_EQ(ratio_text(0.1234), "0.123");
   EXPECT_EQ(ratio_text(3.827), "3.83");
   EXPECT_EQ(ratio_text(9.996), "10.0");

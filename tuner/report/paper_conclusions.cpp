@@ -376,7 +376,7 @@ std::string_view verdict_text(Verdict verdict) noexcept {
 
 std::string ratio_text(double ratio) {
   std::array<char, 32> out{};
-  const char* const format = ratio < 0.0995   ? "%.2g"
+  const char* const format = ratio < 0.0995   ? "%#.2g"
                              : ratio < 0.9995 ? "%.3f"
                              : ratio < 9.995  ? "%.2f"
                              : ratio < 99.95  ? "%.1f"

@@ -10,7 +10,7 @@
 namespace assur::report {
 namespace {
 
-constexpr int kQuickTotal = 800, kQuickUnknowns = 72;
+constexpr int kQuickTotal = 1500, kQuickUnknowns = 144;
 constexpr int kLargeUnknowns = 400;  // of table 5
 
 bool runs_here(std::string_view id) { return find_backend(backends(), id).why_not({}, {}).empty(); }

@@ -206,7 +206,7 @@ class PaperExperiments {
     rules.block = kBlock;
     rules.seconds = std::max(seconds, kRoundsAtLeast * round);
     rules.least_rounds = 7;
-    rules.most_rounds = options_.quick ? 9 : 21;
+    rules.most_rounds = options_.quick ? 11 : 21;
     rules.hopeless = std::numeric_limits<double>::infinity();  // the slow ones are wanted too
     measure::Instruments instruments;
     instruments.stop = [this] { return stopped(); };

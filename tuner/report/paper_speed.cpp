@@ -65,7 +65,7 @@ std::string figure_of(const std::string& title, const std::string& y, std::vecto
 HtmlTable versions(const StandIns& by) {
   using enum HtmlTable::Column;
   const std::string threaded = by.threaded.empty() ? "" : ", groups/" + by.threaded + " PxQ";
-  HtmlTable table{{"their version", "run here by"}, {text, words}, {}};
+  HtmlTable table{{"their version", "run here by"}, {words, words}, {}};
   table.rows = {
       {{"GMKL", "global/" + by.dense + " 1xQ" + (by.threaded.empty() ? "" : ", global/" + by.threaded + " 1xQ")}},
       {{"GMA27", "global/" + by.sparse + (by.ma27 ? " (and global/ma27, listed apart)" : "")}},

@@ -25,8 +25,9 @@ Section paper_conclusions(const PaperResults& r) {
   s.body += html(table);
   if (r.stand_ins.sparse == "klu") {
     s.body += faint(
-        "klu, which stands for MA27, finds its pivots once for a pattern and keeps them from step to step. "
-        "All times are those of the first reading, with one factorisation for velocity and acceleration.");
+        "klu, which stands for MA27, finds its pivots once for a pattern and keeps them from step to step, and finds "
+        "the groups in the global matrix by itself (block triangular form). All times are those with one "
+        "factorisation for velocity and acceleration.");
   }
   return s;
 }
