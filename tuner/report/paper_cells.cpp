@@ -1,5 +1,8 @@
 #include "report/paper_cells.hpp"
 
+#include <array>
+#include <cstdio>
+
 #include "assur/status.hpp"
 
 namespace assur::report {
@@ -60,5 +63,16 @@ const PaperTiming* timing(std::span<const PaperTiming> times, const PaperCell& c
 }
 
 std::string split_text(const PaperTiming& timing) { return std::to_string(timing.p) + "x" + std::to_string(timing.q); }
+
+std::string ratio_text(double ratio) {
+  std::array<char, 32> out{};
+  const char* const format = ratio < 0.0995   ? "%#.2g"
+                             : ratio < 0.9995 ? "%.3f"
+                             : ratio < 9.995  ? "%.2f"
+                             : ratio < 99.95  ? "%.1f"
+                                              : "%.0f";
+  std::snprintf(out.data(), out.size(), format, ratio);
+  return out.data();
+}
 
 }  // namespace assur::report

@@ -41,7 +41,7 @@ enum class Reading : std::uint8_t {
 
 // Names of versions: the paper's are "GMKL", "GMA27", "GEOMP+MKL" (with one OpenMP thread: GEMKL), "GEOMP+MA27" and
 // "GEMAGMA"; ours are kAuto and texts of strategies.
-inline constexpr std::string_view kAuto = "auto";
+inline constexpr std::string_view kDense = "GEOMP+MKL", kSparse = "GEOMP+MA27", kAuto = "auto";
 
 // The time of one step of a cell.
 struct PaperTiming {
@@ -71,5 +71,8 @@ struct PaperTiming {
 
 // "3x1"
 [[nodiscard]] std::string split_text(const PaperTiming& timing);
+
+// Three digits, below 0.1 two: "0.0063", "0.127", "3.83", "163".
+[[nodiscard]] std::string ratio_text(double ratio);
 
 }  // namespace assur::report

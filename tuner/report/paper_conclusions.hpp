@@ -30,7 +30,4 @@ struct Conclusion {
 // The same rules asked of the paper's own tables.
 [[nodiscard]] std::vector<Conclusion> conclusions_of_the_paper();
 
-// Three digits, below 0.1 two: "0.0063", "0.127", "3.83", "163".
-[[nodiscard]] std::string ratio_text(double ratio);
-
 }  // namespace assur::report

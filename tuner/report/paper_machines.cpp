@@ -14,7 +14,6 @@ namespace {
 using view::HtmlTable;
 using Times = std::span<const PaperTiming>;
 
-constexpr const char* kDense = "GEOMP+MKL";
 constexpr std::array<std::string_view, 4> kMachines = {"RP2", "RP3", "i5", "E5"};
 
 std::string one_decimal(double value) {

@@ -15,8 +15,8 @@ namespace {
 using view::HtmlTable;
 using Times = std::span<const PaperTiming>;
 
-constexpr const char *kBase = "GMA27", *kDense = "GEOMP+MKL", *kSparse = "GEOMP+MA27";
-constexpr std::array kVersions = {"GMKL", kDense, kSparse};  // of table 2, beside its base
+constexpr std::string_view kBase = "GMA27";
+constexpr std::array<std::string_view, 3> kVersions = {"GMKL", kDense, kSparse};  // of table 2, beside its base
 
 double best(Times times, const PaperCell& cell, std::string_view version, Reading reading = Reading::shared) {
   return seconds_of(fastest(times, cell, version, reading));
@@ -89,7 +89,7 @@ std::string how_it_was_run(const PaperResults& r) {
 HtmlTable ratios_of_table_2(const PaperResults& r) {
   using enum HtmlTable::Column;
   HtmlTable table{{"total size", "n"}, {number, number}, {}};
-  for (const char* version : kVersions) {
+  for (const std::string_view version : kVersions) {
     for (const char* whose : {", theirs", ", here", ", separate"}) {
       table.titles.push_back(std::string(version) + whose);
       table.columns.push_back(number);
@@ -102,12 +102,12 @@ HtmlTable ratios_of_table_2(const PaperResults& r) {
   for (const PaperCell& cell : cells_of_table(2)) {
     HtmlTable::Row row{{std::to_string(cell.total()), std::to_string(cell.n)}};
     std::vector<std::pair<std::string, double>> theirs, here;
-    const auto note = [&](const std::string& version) {
+    const auto note = [&](std::string_view version) {
       theirs.emplace_back(version, best(paper_times(2), cell, version));
       here.emplace_back(version, best(r.times, cell, version));
     };
     note(kBase);
-    for (const char* version : kVersions) {
+    for (const std::string_view version : kVersions) {
       const auto ratio = [&](Times times, Reading reading) {
         return ratio_or_dash(best(times, cell, kBase, reading) / best(times, cell, version, reading));
       };
@@ -127,7 +127,7 @@ HtmlTable ratios_of_table_2(const PaperResults& r) {
 HtmlTable times_of_table_2(const PaperResults& r) {
   using enum HtmlTable::Column;
   HtmlTable table{{"total size", "n"}, {number, number}, {}};
-  for (const char* version : {"GMKL", "GMA27", kDense, kSparse}) {
+  for (const std::string_view version : {std::string_view("GMKL"), kBase, kDense, kSparse}) {
     table.titles.push_back(std::string(version) + ", theirs");
     table.titles.push_back(std::string(version) + ", here");
     table.columns.insert(table.columns.end(), 2, number);
@@ -138,7 +138,7 @@ HtmlTable times_of_table_2(const PaperResults& r) {
   }
   for (const PaperCell& cell : cells_of_table(2)) {
     HtmlTable::Row row{{std::to_string(cell.total()), std::to_string(cell.n)}};
-    for (const char* version : {"GMKL", "GMA27", kDense, kSparse}) {
+    for (const std::string_view version : {std::string_view("GMKL"), kBase, kDense, kSparse}) {
       row.cells.push_back(run_text(fastest(paper_times(2), cell, version), cell.steps));
       row.cells.push_back(run_text(fastest(r.times, cell, version), cell.steps));
     }
@@ -180,34 +180,24 @@ Section paper_table_2(const PaperResults& r) {
 
 Section paper_figure_2(const PaperResults& r) {
   Section s{"paper-figure-2", "Figure 2: speed-up over the global formulation with MA27", "", {}};
-  std::vector<view::Series> all;
-  int colour = 0;
-  for (const char* version : {kDense, kSparse}) {
-    view::Series theirs = series(std::string(version) + ", theirs (i5)", colour, true);
-    view::Series here = series(std::string(version) + ", here", colour, false);
+  const auto line = [&s](Times times, std::string_view version, int colour, bool theirs) {
+    view::Series out = series(std::string(version) + (theirs ? ", theirs (i5)" : ", here"), colour, theirs);
     for (const PaperCell& cell : cells_of_table(2)) {
-      const auto ratio = [&](Times times) { return best(times, cell, kBase) / best(times, cell, version); };
-      const double of_theirs = ratio(paper_times(2)), of_here = ratio(r.times);
-      add(theirs, cell, of_theirs);
-      add(here, cell, of_here);
-      for (const bool ours : {false, true}) {
-        const double value = ours ? of_here : of_theirs;
-        if (std::isnan(value)) continue;
-        s.measurements.push_back({s.id, "total size " + std::to_string(cell.total()), version, "speed-up over GMA27",
-                                  "1", value, 0, 0, std::nan(""),
-                                  ours ? "from table 2, here" : "from the paper's table 2, Core i5-2400"});
-      }
+      const double ratio = best(times, cell, kBase) / best(times, cell, version);
+      if (std::isnan(ratio)) continue;
+      add(out, cell, ratio);
+      const PaperTiming& t = *fastest(times, cell, version);
+      s.measurements.push_back({s.id, "total size " + std::to_string(cell.total()),
+                                theirs ? t.version + " " + split_text(t) : t.strategy, "speed-up over GMA27", "1",
+                                ratio, 0, 0, t.deviation,
+                                theirs ? "from the paper's table 2, Core i5-2400" : "from table 2, here"});
     }
-    all.push_back(std::move(theirs));
-    all.push_back(std::move(here));
-    ++colour;
-  }
-  view::Series autos = series("auto, here", view::Series::kInk, false);
-  for (const PaperCell& cell : cells_of_table(2)) {
-    add(autos, cell, best(r.times, cell, kBase) / best(r.times, cell, kAuto));
-  }
-  all.push_back(std::move(autos));
-  s.body = figure_of("Speed-up over GMA27 against total size", "speed-up over GMA27", std::move(all));
+    return out;
+  };
+  s.body = figure_of(
+      "Speed-up over GMA27 against total size", "speed-up over GMA27",
+      {line(paper_times(2), kDense, 0, true), line(r.times, kDense, 0, false), line(paper_times(2), kSparse, 1, true),
+       line(r.times, kSparse, 1, false), line(r.times, kAuto, view::Series::kInk, false)});
   s.body += faint("From table 2: time of GMA27 over the time of the version, the fastest split of each.");
   return s;
 }
@@ -229,7 +219,8 @@ Section paper_table_3(const PaperResults& r) {
                   {number, number, number, number, number, number, number, number, number, number, number},
                   {}};
   struct Column {
-    const char *name, *version;
+    const char* name;
+    std::string_view version;
     bool parallel;
   };
   constexpr std::array kColumns = {Column{"MKL", kDense, false}, Column{"MA27", kSparse, false},
