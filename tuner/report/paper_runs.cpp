@@ -29,6 +29,9 @@ constexpr double kCondition = 23;                                          // at
 constexpr double kConverged = 8 * std::numeric_limits<double>::epsilon();  // where Newton's method ends
 constexpr double kVerification = 0.02;  // s of steps that are compared, from 2 to 50 of them
 constexpr double kBlock = 2e-3;         // s of steps that are timed together, at least
+constexpr double kShort = 0.02;         // s: steps that can have some rounds more
+constexpr int kRoundsOfTheShort = 7;
+constexpr double kSecondsOfTheShort = 2;
 constexpr double kMeterSeconds = 0.25;  // the counters tick each millisecond
 constexpr double kShareExpected = 0.7;  // of the time left: what is expected need not come true
 constexpr double kRoundsAtLeast = 3;    // of all that was verified, whatever that takes
@@ -194,37 +197,53 @@ class PaperExperiments {
 
   void race(std::vector<Contender>& contenders, double seconds) {
     std::vector<measure::Runner> runners;
-    std::vector<Contender*> running;
     double round = 0;
     for (Contender& c : contenders) {
       if (c.run == nullptr) continue;
       runners.push_back({.work = c.run.get()});
-      running.push_back(&c);
       round += std::max(c.run->seconds(), kBlock);
     }
+    take_turns(runners, std::max(seconds, kRoundsAtLeast * round), options_.quick ? 11 : 21);
+    take_turns(short_of_rounds(runners), kSecondsOfTheShort, kRoundsOfTheShort);
+    for (Contender& c : contenders) {
+      for (const measure::Runner& r : runners) {
+        if (r.work == c.run.get()) write_down(r, c.timing);
+      }
+    }
+  }
+
+  void take_turns(std::span<measure::Runner> runners, double seconds, int most_rounds) {
     measure::RaceRules rules;
     rules.block = kBlock;
-    rules.seconds = std::max(seconds, kRoundsAtLeast * round);
-    rules.least_rounds = 7;
-    rules.most_rounds = options_.quick ? 11 : 21;
+    rules.seconds = seconds;
+    rules.least_rounds = std::min(rules.least_rounds, most_rounds);
+    rules.most_rounds = most_rounds;
     rules.hopeless = std::numeric_limits<double>::infinity();  // the slow ones are wanted too
     measure::Instruments instruments;
     instruments.stop = [this] { return stopped(); };
     const measure::RaceFigures figures = measure::race(runners, rules, instruments);
     blocks_.blocks += figures.blocks;
     blocks_.disturbed += figures.disturbed;
-    for (std::size_t i = 0; i < runners.size(); ++i) {
-      const measure::Runner& r = runners[i];
-      PaperTiming& t = running[i]->timing;
-      if (r.seconds.empty()) {
-        t.why_not = r.failed ? "failed when it was timed" : stopped() ? "interrupted" : "there was no time left for it";
-        continue;
-      }
-      t.seconds = r.median();
-      t.spread = r.spread();
-      t.rounds = static_cast<int>(r.seconds.size());
-      t.steps_timed = static_cast<std::int64_t>(r.seconds.size()) * r.calls;
+  }
+
+  // Those that would have had more rounds, had they not waited for slow ones: moved to the end, to take turns again.
+  static std::span<measure::Runner> short_of_rounds(std::vector<measure::Runner>& runners) {
+    const auto first = std::stable_partition(runners.begin(), runners.end(), [](const measure::Runner& r) {
+      return r.failed || r.median() > kShort || r.seconds.size() >= kRoundsOfTheShort;
+    });
+    std::for_each(first, runners.end(), [](measure::Runner& r) { r.hopeless = false; });
+    return {first, runners.end()};
+  }
+
+  void write_down(const measure::Runner& r, PaperTiming& t) const {
+    if (r.seconds.empty()) {
+      t.why_not = r.failed ? "failed when it was timed" : stopped() ? "interrupted" : "there was no time left for it";
+      return;
     }
+    t.seconds = r.median();
+    t.spread = r.spread();
+    t.rounds = static_cast<int>(r.seconds.size());
+    t.steps_timed = static_cast<std::int64_t>(r.seconds.size()) * r.calls;
   }
 
   // Energy of one step, from as many as the counters can tell apart.
