@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -92,6 +93,12 @@ const Sample* measured(const Knowledge& knowledge, const Shape& shape, const Str
   return nullptr;
 }
 
+// One for each backend, the same in all maps; the more lanes, the stronger it is.
+int colour_of(const std::string& backend) {
+  constexpr std::array<std::string_view, 6> kInOrder = {"lanes", "klu", "eigen", "lapack", "team", "umfpack"};
+  return static_cast<int>(std::find(kInOrder.begin(), kInOrder.end() - 1, backend) - kInOrder.begin());
+}
+
 struct Atlas {
   view::HeatMap map;
   std::vector<Measurement> measurements;
@@ -138,7 +145,8 @@ Atlas atlas(const std::vector<Column>& columns, const std::vector<int>& rows, co
       if (all.empty() || !all[0].why_not.empty()) throw Error(Error::Kind::environment, "no solver can run");
       const Sample* sample = measured(knowledge, shape, all[0].strategy);
       const std::string item =
-          what + ", n = " + c.name + ", " + output::counted(groups, shape.terms > 0 ? "group" : "matrice");
+          what + ", n = " + c.name + ", " +
+          (shape.terms > 0 ? output::counted(groups, "group") : std::to_string(groups) + " of them");
       out.measurements.push_back(measurement(all[0], sample, item));
       view::HeatMap::Cell cell{0, short_text(all[0].strategy), item + ": " + about(out.measurements.back()),
                                sample != nullptr};
@@ -150,13 +158,11 @@ Atlas atlas(const std::vector<Column>& columns, const std::vector<int>& rows, co
       row.push_back(all[0]);
     }
   }
-  // A colour for each backend, the stronger the more lanes.
-  std::map<std::string, int> colours, place;
+  std::map<std::string, int> place;
   for (const auto& [backend, lanes] : kinds) {
-    const int colour = colours.try_emplace(backend, static_cast<int>(colours.size())).first->second;
     const std::string name = backend + (lanes > 1 ? ":" + std::to_string(lanes) : "");
     place[name] = static_cast<int>(out.map.kinds.size());
-    out.map.kinds.push_back({name, colour, (1 + std::log2(lanes)) / 5});
+    out.map.kinds.push_back({name, colour_of(backend), (1 + std::log2(lanes)) / 5});
   }
   for (std::size_t r = 0; r < out.winners.size(); ++r) {
     for (std::size_t c = 0; c < columns.size(); ++c) {

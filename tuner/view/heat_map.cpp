@@ -52,8 +52,10 @@ std::string draw(const HeatMap& map, double all_width, double cell_height, std::
       if (cell.kind < 0) continue;
       const double x = left + static_cast<double>(c) * w;
       out += rectangle(x, y, w - kGap, h - kGap, map.kinds[static_cast<std::size_t>(cell.kind)], cell.about);
-      const bool fits = width(cell.text) < w - 6 * kGap;
-      if (fits) out += text("cell", x + w / 2 - 1, y + h / 2 + 4, "middle", cell.text);
+      const std::string& kind = map.kinds[static_cast<std::size_t>(cell.kind)].name;
+      const std::string& shown = width(cell.text) < w - 6 * kGap ? cell.text : kind;
+      const bool fits = width(shown) < w - 6 * kGap;
+      if (fits) out += text("cell", x + w / 2 - 1, y + h / 2 + 4, "middle", shown);
       if (cell.marked) out += fits ? dot(x + 6, y + 6) : dot(x + w / 2 - 1, y + h / 2 - 1);
     }
   }

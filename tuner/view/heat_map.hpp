@@ -15,7 +15,7 @@ struct HeatMap {
   };
   struct Cell {
     int kind = -1;           // of kinds; -1: empty
-    std::string text = {};   // where there is room
+    std::string text = {};   // where there is room; where there is less, the name of the kind
     std::string about = {};  // shown where the pointer rests
     bool marked = false;
   };
