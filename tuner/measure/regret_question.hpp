@@ -43,7 +43,7 @@ struct QuestionOptions {
   std::shared_ptr<const PerformanceModel> model;  // what is asked
   bool quick = false;                             // fewer rounds
   double seconds = 4;                             // for each of three races, at most
-  Instruments instruments;
+  Instruments instruments = {};
 };
 
 // Races every uniform strategy first; then, class after class, other backends and lanes in the fastest ones; then
