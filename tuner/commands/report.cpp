@@ -45,8 +45,11 @@ int report(const Common& common, const ReportOptions& options) {
   if (common.json) {
     output::Json files = output::Json::array();
     for (const auto& file : outcome.files) files.push_back(file.string());
+    output::Json parts = output::Json::array();
+    for (const auto& part : outcome.parts) parts.push_back({{"title", part.title}, {"seconds", part.seconds}});
     output::print(std::cout, {{"files", std::move(files)},
                               {"seconds", measure::StepTimes::steady() - begin},
+                              {"parts", std::move(parts)},
                               {"interrupted", outcome.interrupted},
                               {"failures", outcome.failures}});
   } else {

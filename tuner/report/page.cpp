@@ -16,7 +16,8 @@ constexpr std::size_t kMostRows = 200;  // of the table of all numbers: more are
 constexpr std::string_view kStyle = R"(
 html { scroll-behavior: smooth; }
 h2 { border-top: 1px solid var(--rule); padding-top: 1rem; margin-top: 2.5rem; font-size: 1.3rem; }
-h3 { margin: 2rem 0 0.5rem; font-size: 1.1rem; }
+h3 { margin: 2rem 0 0.5rem; font-size: 1.15rem; }
+h4 { margin: 1.5rem 0 0.25rem; font-size: 1rem; }
 p, li { max-width: 75ch; }
 a { color: inherit; text-decoration-color: var(--faint); text-underline-offset: 0.2em; }
 dl.facts { display: grid; grid-template-columns: max-content 1fr; gap: 0.15rem 1rem; margin: 1rem 0; font-size: 0.9rem; }

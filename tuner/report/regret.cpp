@@ -21,6 +21,7 @@ using measure::Question;
 constexpr double kGolden = 0.6180339887498949;
 constexpr double kLeastRace = 0.2, kMostRace = 4;  // s for each race of a question
 constexpr double kQuestionsAtLeast = 12;           // that the time is meant for
+constexpr double kFar = 1;                         // regret from which on the axis is logarithmic
 constexpr std::size_t kWorst = 6;                  // that are named
 
 // In an order of which every beginning is a fair choice; the first one stays the first.
@@ -44,6 +45,7 @@ view::Series steps(const std::string& name, const std::vector<std::pair<double, 
   view::Series out{.name = name, .points = {}, .colour = colour, .mark = mark, .line = view::Series::Line::steps};
   auto sorted = regrets;
   std::sort(sorted.begin(), sorted.end());
+  out.points.push_back({1, 0, name});
   for (std::size_t i = 0; i < sorted.size(); ++i) {
     const double share = static_cast<double>(i + 1) / static_cast<double>(sorted.size());
     out.points.push_back({1 + sorted[i].first, 100 * share, sorted[i].second + ": " + percent(sorted[i].first)});
@@ -140,16 +142,18 @@ Section regret_section(const std::vector<Answer>& answers, std::size_t planned) 
       "fastest of every strategy that is the same for all classes, and of mixtures of them. Regret is "
       "the time of the choice over that of the fastest, - 1. " +
       output::counted(count(answers.size()), "question") + " of " + output::grouped(count(planned)) + "; " +
-      output::counted(count(winners.size()), "strategy text") + " win somewhere.");
+      (winners.size() == 1
+           ? "the same strategy is the fastest in all."
+           : output::grouped(count(winners.size())) + " different strategies are the fastest somewhere."));
   std::vector<std::pair<std::string, std::vector<double>>> rows = {{"auto", ours}};
   if (!theirs.empty()) rows.emplace_back("the best constant strategy", theirs);
   out.body += html(summary(rows));
 
   view::Plot plot;
   plot.title = "Share of the questions over the time of the choice over that of the fastest";
-  plot.x = {"time of the choice over that of the fastest", true, [](double v) { return output::number(v); }};
   plot.y = {"questions, %", false, [](double v) { return output::number(v); }};
   const double to = std::max(quantile(ours, 1), theirs.empty() ? 0 : quantile(theirs, 1));
+  plot.x = {"time of the choice over that of the fastest", to > kFar, [](double v) { return output::number(v); }};
   plot.series.push_back(steps("auto", of_auto, to, 0, view::Series::Mark::dot));
   if (!theirs.empty())
     plot.series.push_back(steps("the best constant strategy", of_constants, to, 1, view::Series::Mark::square));

@@ -6,6 +6,7 @@
 #include <ctime>
 #include <sstream>
 
+#include "measure/noise.hpp"
 #include "measure/step_times.hpp"
 #include "output/format.hpp"
 #include "output/replace_file.hpp"
@@ -71,6 +72,12 @@ std::string state_of(bool interrupted, bool done, double seconds) {
   return "Made in " + output::duration(seconds) + ".";
 }
 
+std::string quiet_text(const measure::NoiseWatch& watch) {
+  const measure::Judgement judgement = measure::judge(watch.noise());
+  return judgement.quiet == measure::Quiet::yes ? " The machine was quiet."
+                                                : " The machine was not quiet: " + judgement.reason + ".";
+}
+
 }  // namespace
 
 Outcome make_report(const fs::path& folder, const std::vector<Planned>& planned, const Knowledge& knowledge,
@@ -82,12 +89,13 @@ Outcome make_report(const fs::path& folder, const std::vector<Planned>& planned,
   for (const Planned& p : planned) parts.push_back({p.chapter, p.title, {}, "not made yet"});
   out.write(parts, state_of(false, false, 0));
 
-  Outcome outcome{out.files(), {}, false};
+  Outcome outcome{.files = out.files(), .failures = {}, .parts = {}};
+  const measure::NoiseWatch watch(whole.threads);
   for (std::size_t i = 0; i < planned.size() && !outcome.interrupted; ++i) {
     Conditions conditions = whole;
-    const double left = std::max(0.0, whole.seconds - taken());
+    const double start = taken(), left = std::max(0.0, whole.seconds - start);
     conditions.seconds = left * planned[i].share / shares_from(planned, i);
-    whole.progress(taken() / whole.seconds, planned[i].title);
+    whole.progress(start / whole.seconds, planned[i].title);
     try {
       parts[i].sections = planned[i].make(conditions);
       parts[i].missing.clear();
@@ -95,13 +103,14 @@ Outcome make_report(const fs::path& folder, const std::vector<Planned>& planned,
       parts[i].missing = std::string("could not be made: ") + error.what();
       outcome.failures.push_back(planned[i].title + ": " + error.what());
     }
+    outcome.parts.push_back({planned[i].title, taken() - start});
     outcome.interrupted = whole.interrupted();
     if (outcome.interrupted) {
       parts[i].missing = parts[i].sections.empty() ? "interrupted before there was anything to show"
                                                    : "interrupted: what is here is not all of it";
       for (std::size_t k = i + 1; k < parts.size(); ++k) parts[k].missing = "not made, for the report was interrupted";
     }
-    out.write(parts, state_of(outcome.interrupted, i + 1 == planned.size(), taken()));
+    out.write(parts, state_of(outcome.interrupted, i + 1 == planned.size(), taken()) + quiet_text(watch));
   }
   return outcome;
 }

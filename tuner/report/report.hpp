@@ -19,8 +19,14 @@ struct Planned {
 };
 
 struct Outcome {
+  struct Took {
+    std::string title;
+    double seconds = 0;
+  };
+
   std::vector<std::filesystem::path> files;
   std::vector<std::string> failures;  // of parts that could not be made, and why
+  std::vector<Took> parts;            // those that were begun
   bool interrupted = false;
 };
 

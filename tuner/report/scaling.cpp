@@ -160,7 +160,7 @@ void lanes(Section& out, Contest& contest, const std::string& rings, double seco
   const std::vector<Measurement> times = contest.hold(seconds);
   view::Plot plot;
   plot.title = "Speed-up over one lane";
-  plot.x = {"lanes, W", true, [](double v) { return output::number(v); }};
+  plot.x = {"lanes, W", false, [](double v) { return v == std::floor(v) ? output::number(std::exp2(v)) : ""; }};
   plot.y = {"speed-up over one lane", false, [](double v) { return output::number(v); }};
   for (std::size_t k = 0; k < sweeps.size(); ++k) {
     view::Series series{.name = sweeps[k].first + ", " + sweeps[k].second,
@@ -173,7 +173,7 @@ void lanes(Section& out, Contest& contest, const std::string& rings, double seco
       if (m.item != sweeps[k].first) continue;
       const int w = parse_strategy(m.strategy).lanes;
       if (w == 1) first = m.value;
-      if (first > 0) series.points.push_back({static_cast<double>(w), first / m.value, m.item + ", " + about(m)});
+      if (first > 0) series.points.push_back({std::log2(w), first / m.value, m.item + ", " + about(m)});
     }
     plot.series.push_back(std::move(series));
   }
@@ -211,11 +211,11 @@ Section scaling(const Knowledge&, const Conditions& conditions) {
   Section out{"scaling", "How it scales: threads, lanes, variants", "", {}};
   const bool small = conditions.seconds < kShort;
   const std::string rings = small ? "rings:legs=16,n=24" : "rings:legs=64,n=120";
-  const double seconds = std::clamp(conditions.seconds / 4, 0.3, 20.0);
+  const auto seconds = [&](double share) { return std::clamp(share * conditions.seconds, 0.3, 20.0); };
   Contest contest(out, conditions);
-  splits(out, contest, rings, conditions, seconds);
-  if (!conditions.interrupted()) lanes(out, contest, rings, seconds);
-  if (!conditions.interrupted()) ensemble(out, contest, conditions, small, seconds);
+  splits(out, contest, rings, conditions, seconds(0.4));
+  if (!conditions.interrupted()) lanes(out, contest, rings, seconds(0.2));
+  if (!conditions.interrupted()) ensemble(out, contest, conditions, small, seconds(0.2));
   return out;
 }
 

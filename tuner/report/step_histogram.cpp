@@ -16,8 +16,8 @@ namespace assur::report {
 namespace {
 
 constexpr const char* kScene = "stewart";
-constexpr int kWarm = 1000;          // steps that are not timed: memory is in the cache, threads are awake
-constexpr double kMostSeconds = 10;  // more steps show nothing new
+constexpr int kWarm = 1000;  // steps that are not timed: memory is in the cache, threads are awake
+constexpr double kLeastSeconds = 0.3, kMostSeconds = 10;  // less shows no tail, and more nothing new
 constexpr std::int64_t kMostSteps = 2'000'000;
 constexpr int kBetweenLooks = 500;  // steps between two looks at the clock of the report
 constexpr int kBins = 80;
@@ -39,7 +39,7 @@ Timed time_steps(const Prepared& prepared, const Conditions& conditions) {
   for (int i = 0; i < kWarm; ++i) advance();
   measure::StepTimes times(kMostSteps);
   times.tick();
-  const double seconds = std::min(conditions.seconds, kMostSeconds);
+  const double seconds = std::clamp(conditions.seconds, kLeastSeconds, kMostSeconds);
   for (std::int64_t i = 0; i < kMostSteps; ++i) {
     advance();
     times.tick();
