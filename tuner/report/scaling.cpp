@@ -21,7 +21,7 @@ constexpr double kWrong = 1e-12;  // residual from which on a time does not coun
 
 // One candidate of a race; steps: that one call makes.
 struct Entry {
-  std::string scene, strategy;
+  std::string item, strategy;
   std::unique_ptr<measure::Workload> work;
   std::function<double()> error;
   double steps = 1;
@@ -53,25 +53,25 @@ class Contest {
   Contest(Section& out, const Conditions& conditions)
       : out_(out), conditions_(conditions), cores_(this_machine().cores) {}
 
-  // A mechanism, step after step.
-  void enter(const std::string& scene, const std::string& strategy) {
+  // A mechanism, step after step. item: what the CSV calls it.
+  void enter(const std::string& item, const std::string& scene, const std::string& strategy) {
     try {
       const Prepared prepared = prepare(sample(scene), how(strategy));
       const bool enough = static_cast<std::size_t>(conditions_.threads) <= cores_.size();
       auto step = std::make_unique<measure::WholeStep>(prepared,
                                                        enough && conditions_.threads > 1 ? cores_ : std::vector<int>{});
-      entries_.push_back({scene, strategy, nullptr, [s = step.get()] { return worst(s->report().error); }});
+      entries_.push_back({item, strategy, nullptr, [s = step.get()] { return worst(s->report().error); }});
       entries_.back().work = std::move(step);
     } catch (const Error&) {
       // it cannot run here: `assur backends` says why
     }
   }
 
-  void enter(const std::string& name, const std::vector<Scene>& members, const std::string& strategy) {
+  void enter_all(const std::string& item, const std::vector<Scene>& members, const std::string& strategy) {
     PrepareOptions options = how(strategy);
     options.mode = Mode::throughput;
     auto run = std::make_unique<EnsembleRun>(members, options);
-    entries_.push_back({name, strategy, nullptr, [r = run.get()] { return worst(r->report().error); },
+    entries_.push_back({item, strategy, nullptr, [r = run.get()] { return worst(r->report().error); },
                         static_cast<double>(members.size()) * static_cast<double>(members.front().time().steps())});
     entries_.back().work = std::move(run);
   }
@@ -86,7 +86,7 @@ class Contest {
     for (std::size_t i = 0; i < runners.size(); ++i) {
       const measure::Runner& r = runners[i];
       if (r.failed || r.seconds.empty() || !(entries_[i].error() < kWrong)) continue;
-      times.push_back({out_.id, entries_[i].scene, entries_[i].strategy, "seconds per step", "s",
+      times.push_back({out_.id, entries_[i].item, entries_[i].strategy, "seconds per step", "s",
                        r.median() / entries_[i].steps, static_cast<int>(r.seconds.size()), r.spread() / r.median(),
                        entries_[i].error(), "measured"});
     }
@@ -110,7 +110,7 @@ class Contest {
 view::HtmlTable table_of_speed_ups(Section& out, const std::vector<Measurement>& times,
                                    const std::function<bool(const Measurement&)>& is_first) {
   using enum view::HtmlTable::Column;
-  view::HtmlTable table{{"mechanism", "strategy", "step", "repetitions", "spread", "error", "speed-up"},
+  view::HtmlTable table{{"what", "strategy", "step", "repetitions", "spread", "error", "speed-up"},
                         {text, text, number, number, number, number, number},
                         {}};
   double first = 0;
@@ -138,10 +138,11 @@ void splits(Section& out, Contest& contest, const std::string& rings, const Cond
   const std::string threads = std::to_string(conditions.threads);
   for (const char* solver : {"lanes:8", "klu", "lapack", "team"}) {
     const std::string strategy = std::string("groups/") + solver;
-    contest.enter(rings, strategy);
+    contest.enter("threads, " + rings, rings, strategy);
     if (conditions.threads == 1) continue;
-    contest.enter(rings, strategy + " " + threads + "x1");
-    if (strategy.ends_with("lapack") || strategy.ends_with("team")) contest.enter(rings, strategy + " 1x" + threads);
+    contest.enter("threads, " + rings, rings, strategy + " " + threads + "x1");
+    if (strategy.ends_with("lapack") || strategy.ends_with("team"))
+      contest.enter("threads, " + rings, rings, strategy + " 1x" + threads);
   }
   out.body += "<h4>Threads</h4>\n" +
               paragraph(
@@ -155,7 +156,8 @@ void lanes(Section& out, Contest& contest, const std::string& rings, double seco
   const std::vector<std::pair<std::string, std::string>> sweeps = {{rings, "groups/lanes"},
                                                                    {"stewart:legs=64", "irreducible/lanes"}};
   for (const auto& [scene, solver] : sweeps) {
-    for (const int w : {1, 2, 4, 8, 16}) contest.enter(scene, solver + (w > 1 ? ":" + std::to_string(w) : ""));
+    for (const int w : {1, 2, 4, 8, 16})
+      contest.enter("lanes, " + scene, scene, solver + (w > 1 ? ":" + std::to_string(w) : ""));
   }
   const std::vector<Measurement> times = contest.hold(seconds);
   view::Plot plot;
@@ -170,7 +172,7 @@ void lanes(Section& out, Contest& contest, const std::string& rings, double seco
                         .line = view::Series::Line::straight};
     double first = 0;
     for (const Measurement& m : times) {
-      if (m.item != sweeps[k].first) continue;
+      if (m.item != "lanes, " + sweeps[k].first) continue;
       const int w = parse_strategy(m.strategy).lanes;
       if (w == 1) first = m.value;
       if (first > 0) series.points.push_back({std::log2(w), first / m.value, m.item + ", " + about(m)});
@@ -191,10 +193,10 @@ void ensemble(Section& out, Contest& contest, const Conditions& conditions, bool
   const std::string name = std::to_string(members) + " stewart, " + std::to_string(steps) + " steps each";
   const std::string threads = " " + std::to_string(conditions.threads) + "x1";
   for (const char* solver : {"irreducible/lanes", "irreducible/lanes:8", "irreducible/lanes:16"})
-    contest.enter(name, scenes, solver);
+    contest.enter_all(name, scenes, solver);
   if (conditions.threads > 1) {
     for (const char* solver : {"irreducible/lanes:8", "irreducible/lanes:16"})
-      contest.enter(name, scenes, solver + threads);
+      contest.enter_all(name, scenes, solver + threads);
   }
   out.body += "<h4>Many variants at once</h4>\n" +
               paragraph(

@@ -19,7 +19,7 @@ constexpr const char* kScene = "stewart";
 constexpr int kWarm = 1000;  // steps that are not timed: memory is in the cache, threads are awake
 constexpr double kLeastSeconds = 0.3, kMostSeconds = 10;  // less shows no tail, and more nothing new
 constexpr std::int64_t kMostSteps = 2'000'000;
-constexpr int kBetweenLooks = 500;  // steps between two looks at the clock of the report
+constexpr int kBetweenLooks = 500;  // readings of the clock between two looks at the time that is left
 constexpr int kBins = 80;
 
 struct Timed {
@@ -40,10 +40,10 @@ Timed time_steps(const Prepared& prepared, const Conditions& conditions) {
   measure::StepTimes times(kMostSteps);
   times.tick();
   const double seconds = std::clamp(conditions.seconds, kLeastSeconds, kMostSeconds);
+  std::int64_t readings = 0;
   for (std::int64_t i = 0; i < kMostSteps; ++i) {
     advance();
-    times.tick();
-    if (i % kBetweenLooks != kBetweenLooks - 1) continue;
+    if (!times.tick() || ++readings % kBetweenLooks != 0) continue;
     if (times.elapsed() > seconds || conditions.interrupted()) break;
     times.resume();  // what was looked at is no part of the next step
   }
