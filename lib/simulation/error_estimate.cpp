@@ -13,8 +13,8 @@ namespace {
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// Three probes all below 1/4 of the true size happen once in a hundred times; rounding is half as large as its bound.
-constexpr double kSafety = 2;
+// Rounding is half as large as its bound; three probes all below 1/10 of that happen five times in ten thousand.
+constexpr double kSafety = 5;
 constexpr double kRounding = 16 * kEps;       // residuals up to here are not looked at
 constexpr std::int64_t kInterval = 256;       // steps from one measurement to the next
 constexpr std::int64_t kIntervalUnseen = 16;  // where callbacks hide how the condition changes

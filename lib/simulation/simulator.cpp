@@ -270,7 +270,8 @@ struct Simulator::Impl {
     if (!arrived) restore();
     const bool stands_still = inputs.end_step(now, wants_reselection);
     if (arrived) ++report.counters.steps;
-    if (now != from) fill_row(true, now - from);
+    // Towards a fold rates are without bound, and tell nothing about how far an angle turned.
+    if (now != from) fill_row(true, arrived ? now - from : 0);
     if (stands_still) state.stand_still();
   }
 
