@@ -10,6 +10,7 @@
 #include "db/checksum.hpp"
 #include "db/connection.hpp"
 #include "db/contents.hpp"
+#include "db/fit.hpp"
 
 namespace assur::db {
 namespace {
@@ -41,10 +42,12 @@ class Reading {
   MachineModel finish();
 
  private:
+  std::optional<PerformanceModel> fitted();
   bool take_level(Likeness level);
   std::vector<Sample> samples_of(Source& source, std::int64_t machine);
   void add(std::vector<Sample> found);
   void say_source(const Source& source, std::int64_t machine, Likeness level);
+  const Library& library_of(const std::string& name);  // at hand
   bool believed(const Library& library);
   void say_counts();
   void say_nothing_fits();
@@ -93,12 +96,13 @@ void Reading::open(const DatabaseFile& file) {
   }
 }
 
+const Library& Reading::library_of(const std::string& name) {
+  const auto found = libraries_.find(name);
+  return found != libraries_.end() ? found->second : libraries_.emplace(name, at_hand_(name)).first->second;
+}
+
 bool Reading::believed(const Library& library) {
-  auto found = libraries_.find(library.name);
-  if (found == libraries_.end()) {
-    found = libraries_.emplace(library.name, at_hand_(library.name)).first;
-  }
-  const Library& now = found->second;
+  const Library& now = library_of(library.name);
   if (library == now) return true;
   const std::string change = now.version.empty() ? library.name + " is not here"
                              : library.version != now.version
@@ -137,6 +141,32 @@ std::vector<Sample> Reading::samples_of(Source& source, std::int64_t machine) {
     }
   }
   return good;
+}
+
+// Of this machine, if one file alone knows it and no sample of that file is of another library.
+std::optional<PerformanceModel> Reading::fitted() {
+  Source* only = nullptr;
+  for (Source& source : sources_) {
+    for (const auto& [likeness, machine] : source.machines) {
+      if (likeness != Likeness::same) continue;
+      if (only != nullptr) return std::nullopt;
+      only = &source;
+    }
+  }
+  if (only == nullptr) return std::nullopt;
+  for (const auto& [id, library] : only->tables.libraries) {
+    if (library_of(library.value.name) != library.value) return std::nullopt;
+  }
+  const std::int64_t machine = only->machines.front().second;
+  say_source(*only, machine, Likeness::same);
+  std::optional<PerformanceModel> model;
+  try {
+    model = guarded(only->file, [&] { return fitted_model(only->database, machine, source_); });
+  } catch (const Unusable&) {
+    // said when the samples are read
+  }
+  if (!model) source_.clear();
+  return model;
 }
 
 // Of this machine all files tell; of a similar one only the first that knows one, so that all samples are of one.
@@ -211,6 +241,7 @@ void Reading::say_nothing_fits() {
 }
 
 MachineModel Reading::finish() {
+  if (auto model = fitted()) return {std::make_shared<const PerformanceModel>(*std::move(model)), std::move(messages_)};
   const bool found =
       take_level(Likeness::same) || take_level(Likeness::processor) || take_level(Likeness::microarchitecture);
   if (!found) say_nothing_fits();

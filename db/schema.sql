@@ -1,4 +1,4 @@
--- The tuning database of assur, version 1. The only description of its tables: this file is built into the library.
+-- The tuning database of assur, version 2. The only description of its tables: this file is built into the library.
 -- Units: seconds, bytes. Kernels, strategies and libraries by name, never by a number that another version could read
 -- as something else. How to ask it by hand: db/README.md.
 
@@ -93,6 +93,16 @@ CREATE TABLE model (                 -- what was learned from the samples; can b
   content TEXT NOT NULL,             -- JSON: what was fitted, regret on samples held out
   PRIMARY KEY (machine, name)
 ) STRICT;
+
+CREATE TABLE fit (                   -- the model as the runtime reads it in place of all samples; can be made anew
+  machine INTEGER PRIMARY KEY REFERENCES machine ON DELETE CASCADE,
+  content BLOB NOT NULL,             -- PerformanceModel::bytes(), of the build that the libraries are of
+  checksum INTEGER NOT NULL          -- over the content; one that differs is not believed
+) STRICT;
+-- A fit is of the samples that are there.
+CREATE TRIGGER sample_added AFTER INSERT ON sample BEGIN DELETE FROM fit; END;
+CREATE TRIGGER sample_changed AFTER UPDATE ON sample BEGIN DELETE FROM fit; END;
+CREATE TRIGGER sample_removed AFTER DELETE ON sample BEGIN DELETE FROM fit; END;
 
 -- For people. Every time is that of one instance: of a call, divided by the lanes that it serves.
 

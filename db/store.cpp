@@ -3,6 +3,7 @@
 #include <random>
 
 #include "db/checksum.hpp"
+#include "db/fit.hpp"
 #include "db/repair.hpp"
 #include "db/store_impl.hpp"
 
@@ -59,6 +60,12 @@ bool fits(const Filter& filter, const SampleRow& row, const Tables& tables) {
          tables.runs.at(row.run).value.run.machine.starts_with(filter.machine) &&
          (filter.library.empty() || tables.libraries.at(row.library).value.name == filter.library) &&
          (!filter.kernel || *filter.kernel == row.sample.kernel);
+}
+
+void Store::fit_models() {
+  guarded(impl_->file, [&] {
+    db::fit_models(impl_->database, [&](const Library& library) { return library == impl_->library(library.name); });
+  });
 }
 
 std::vector<Sample> Store::samples(const Filter& filter) const {

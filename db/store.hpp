@@ -119,6 +119,10 @@ class Store {
   void put_model(const Host& host, std::string_view name, std::string_view json);
   [[nodiscard]] std::optional<std::string> model(const Host& host, std::string_view name) const;
 
+  // What a program reads instead of all samples, for every machine whose samples are all good and of the libraries at
+  // hand. To be called once samples have been added; until then programs fit for themselves.
+  void fit_models();
+
   // For people; seconds in best and crossovers are those of one instance. Filter::run and library are for samples only.
   [[nodiscard]] Answer sample_rows(const Filter& filter = {}) const;
   [[nodiscard]] Answer best(const Filter& filter = {}) const;

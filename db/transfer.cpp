@@ -1,6 +1,7 @@
 // Store: samples from and to other files, and none at all.
 #include <set>
 
+#include "db/fit.hpp"
 #include "db/repair.hpp"
 #include "db/store_impl.hpp"
 
@@ -55,6 +56,7 @@ Forgotten Store::forget(const Filter& filter) {
     forgotten.samples = forget.exec();
     forgotten.runs = prune(impl_->database);
     transaction.commit();
+    fit_models();
     return forgotten;
   });
 }
@@ -81,6 +83,7 @@ std::int64_t Store::export_to(const fs::path& file, const Filter& filter) const 
   const std::int64_t copied = guarded(part, [&] {
     SQLite::Database target = open_to_write(part, true);  // without a log, which needs a folder that can be written
     const std::int64_t all = copy(contents, target).samples;
+    db::fit_models(target, [](const Library& library) { return library == library_at_hand(library.name); });
     target.exec("VACUUM");
     return all;
   });
@@ -96,6 +99,7 @@ Imported Store::import_from(const fs::path& file) {
   });
   return guarded(impl_->file, [&] {
     const Copied copied = copy(contents, impl_->database);
+    fit_models();
     return Imported{copied.samples, copied.known, contents.samples.damaged};
   });
 }

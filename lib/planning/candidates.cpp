@@ -43,7 +43,7 @@ std::vector<Strategy> variants(const Backend& backend, const Shape& shape, std::
   std::vector<Strategy> all;
   Strategy s;
   s.backend = backend.id;
-  for (s.lanes = 1; s.lanes <= std::min(most_lanes, 16); s.lanes *= 2) {
+  for (s.lanes = 1; s.lanes <= std::min(most_lanes, kWidest); s.lanes *= 2) {
     for (s.q = 1; s.q <= most_q; s.q *= 2) {
       if (s.q > 1 && (s.lanes > 1 || !backend.why_not(shape, ThreadBudget{s.q}).empty())) continue;
       for (const bool once : {false, true}) {
@@ -62,8 +62,7 @@ std::vector<Strategy> variants(const Backend& backend, const Shape& shape, std::
 
 }  // namespace
 
-std::vector<Candidate> weigh(const Shape& shape, std::span<const Load> loads, std::int32_t most_lanes,
-                             std::int32_t most_q, const Scales& scales) {
+std::vector<Candidate> offers(const Shape& shape, std::int32_t most_lanes, std::int32_t most_q, const Scales& scales) {
   std::vector<Candidate> all;
   for (const Backend& backend : scales.table) {
     Strategy plain;
@@ -76,15 +75,29 @@ std::vector<Candidate> weigh(const Shape& shape, std::span<const Load> loads, st
       Candidate candidate{.strategy = s, .why_not = refused(backend, shape, s, scales)};
       if (candidate.why_not.empty()) {
         const Prediction one = predict(shape, s, scales.model);
-        for (const Load& load : loads) {
-          const double contention = scales.model.contention(load.threads * s.q);
-          candidate.expected_seconds += calls(load, s.lanes) * one.seconds * (load.threads > 1 ? contention : 1);
-        }
+        candidate.expected_seconds = one.seconds;
         candidate.factor = one.factor;
         candidate.origin = one.origin;
       }
       all.push_back(std::move(candidate));
     }
+  }
+  return all;
+}
+
+std::vector<Candidate> weigh(const std::vector<Candidate>& offers, std::span<const Load> loads, std::int32_t most_q,
+                             const Scales& scales) {
+  std::vector<Candidate> all;
+  for (const Candidate& offer : offers) {
+    const Strategy& s = offer.strategy;
+    if (s.q > most_q) continue;
+    double sum = 0;
+    for (const Load& load : loads) {
+      const double contention = load.threads > 1 ? scales.model.contention(load.threads * s.q) : 1;
+      sum += calls(load, s.lanes) * offer.expected_seconds * contention;
+    }
+    all.push_back(offer);
+    all.back().expected_seconds = sum;
   }
   return all;
 }
@@ -115,10 +128,11 @@ std::vector<Candidate> candidates(const Shape& shape, const CandidateOptions& op
   const std::shared_ptr<const PerformanceModel> model = options.model ? options.model : machine_model().model;
   const std::int32_t budget = std::max(1, (options.budget ? *options.budget : available_budget()).threads);
   const Scales scales{*model, backends(), options.without};
+  const std::vector<Candidate> offered = offers(shape, 2 * shape.groups - 1, budget, scales);
   std::vector<Candidate> all;
   for (std::int32_t p = 1; p <= std::min(budget, shape.groups); p *= 2) {
     const Load load{shape.groups, p};
-    for (Candidate& c : weigh(shape, {&load, 1}, 2 * shape.groups - 1, budget / p, scales)) {
+    for (Candidate& c : weigh(offered, {&load, 1}, budget / p, scales)) {
       if (p > 1 && !c.why_not.empty()) continue;  // said once
       c.strategy.p = p;
       c.strategy.formulation = Formulation::irreducible;

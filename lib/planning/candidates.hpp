@@ -10,6 +10,8 @@
 
 namespace assur {
 
+inline constexpr std::int32_t kWidest = 16;  // lanes
+
 // What candidates are weighed with.
 struct Scales {
   const PerformanceModel& model;
@@ -24,9 +26,13 @@ struct Load {
   std::int32_t threads = 1;  // that share them
 };
 
-// Candidates with up to `most_lanes` lanes and `most_q` threads inside; each is weighed by the sum over `loads`. Cost
-// of those that cannot run is not known: 0. In no order.
-[[nodiscard]] std::vector<Candidate> weigh(const Shape& shape, std::span<const Load> loads, std::int32_t most_lanes,
+// Candidates with up to `most_lanes` lanes and `most_q` threads inside, with the time of one call for W groups. That of
+// those that cannot run is not known: 0. In no order.
+[[nodiscard]] std::vector<Candidate> offers(const Shape& shape, std::int32_t most_lanes, std::int32_t most_q,
+                                            const Scales& scales);
+
+// Of these offers, those with up to `most_q` threads inside; each with the sum over `loads`.
+[[nodiscard]] std::vector<Candidate> weigh(const std::vector<Candidate>& offers, std::span<const Load> loads,
                                            std::int32_t most_q, const Scales& scales);
 
 // The fastest first, but of those within the tie one with fewer threads, and then one that computes in double; those

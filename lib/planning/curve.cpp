@@ -57,6 +57,21 @@ Moments non_negative(const Gram& gram, const Moments& moments) {
   return out;
 }
 
+// What one of each term would cost if it were the only one, in the middle of the points.
+Terms medians_of_ratios(const std::vector<Curve::Measured>& points) {
+  Terms scale{};
+  for (std::size_t j = 0; j < kTerms; ++j) {
+    std::vector<double> ratios;
+    for (const Curve::Measured& p : points) {
+      if (p.at.terms[j] > 0) ratios.push_back(p.seconds / p.at.terms[j]);
+    }
+    if (ratios.empty()) continue;
+    std::nth_element(ratios.begin(), ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2), ratios.end());
+    scale[j] = ratios[ratios.size() / 2];
+  }
+  return scale;
+}
+
 }  // namespace
 
 Curve::Curve(std::vector<Measured> points) {
@@ -67,10 +82,23 @@ Curve::Curve(std::vector<Measured> points) {
   }
 }
 
+void Curve::write(ByteWriter& bytes) const {
+  for (const double c : coefficients_) bytes.put(c);
+  bytes.put(deviations_);
+}
+void Curve::read(ByteReader& bytes) {
+  for (double& c : coefficients_) bytes.get(c);
+  bytes.get(deviations_);
+}
+
 // Deviations count relative to what is larger, the time measured or fitted before: so no point can pull by more than
 // its own size, whichever side it is on.
 void Curve::fit(const std::vector<Measured>& points) {
-  start_at_medians(points);
+  // At first each term explains its share of every point in the middle.
+  const Terms scale = medians_of_ratios(points);
+  const auto used = std::count_if(scale.begin(), scale.end(), [](double x) { return x > 0; });
+  for (std::size_t j = 0; j < kTerms; ++j)
+    coefficients_[j] = scale[j] / static_cast<double>(std::max<std::ptrdiff_t>(used, 1));
   std::vector<double> weight(points.size(), 1.0);
   for (int round = 0; round < kReweightings; ++round) {
     Gram gram = Gram::Zero();
@@ -79,36 +107,18 @@ void Curve::fit(const std::vector<Measured>& points) {
       const double size = std::max(points[i].seconds, fitted(points[i].at));
       Moments row;
       for (std::size_t j = 0; j < kTerms; ++j) {
-        row[static_cast<Eigen::Index>(j)] = points[i].at.terms[j] * scale_[j] / size;
+        row[static_cast<Eigen::Index>(j)] = points[i].at.terms[j] * scale[j] / size;
       }
       gram += weight[i] * row * row.transpose();
       moments += weight[i] * points[i].seconds / size * row;
     }
     const Moments x = non_negative(gram, moments);
-    for (std::size_t j = 0; j < kTerms; ++j) coefficients_[j] = x[static_cast<Eigen::Index>(j)] * scale_[j];
+    for (std::size_t j = 0; j < kTerms; ++j) coefficients_[j] = x[static_cast<Eigen::Index>(j)] * scale[j];
     for (std::size_t i = 0; i < points.size(); ++i) {
       const double deviation = std::abs(std::log(points[i].seconds / fitted(points[i].at)));
       weight[i] = deviation <= kHuber ? 1 : kHuber / deviation;
     }
   }
-}
-
-// Each term explains its share of every point in the middle.
-void Curve::start_at_medians(const std::vector<Measured>& points) {
-  std::size_t used = 0;
-  for (std::size_t j = 0; j < kTerms; ++j) {
-    std::vector<double> ratios;
-    for (const Measured& p : points) {
-      if (p.at.terms[j] > 0) ratios.push_back(p.seconds / p.at.terms[j]);
-    }
-    scale_[j] = 0;
-    if (ratios.empty()) continue;
-    std::nth_element(ratios.begin(), ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2), ratios.end());
-    scale_[j] = ratios[ratios.size() / 2];
-    ++used;
-  }
-  for (std::size_t j = 0; j < kTerms; ++j)
-    coefficients_[j] = scale_[j] / static_cast<double>(std::max<std::size_t>(used, 1));
 }
 
 double Curve::fitted(const Point& point) const {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "assur/performance.hpp"
+#include "planning/bytes.hpp"
 
 namespace assur {
 
@@ -30,8 +31,12 @@ class Curve {
   // The fit is robust: coefficients >= 0 of the terms, least squares of relative deviations, outliers weigh less
   // (Huber 1964). At least one point; the order of the points does not matter beyond rounding.
   explicit Curve(std::vector<Measured> points);
+  Curve() = default;  // to be read
 
   [[nodiscard]] Prediction at(const Point& point) const;
+
+  void write(ByteWriter& bytes) const;
+  void read(ByteReader& bytes);
 
  private:
   struct Deviation {
@@ -41,9 +46,8 @@ class Curve {
   };
   [[nodiscard]] double fitted(const Point& point) const;
   void fit(const std::vector<Measured>& points);
-  void start_at_medians(const std::vector<Measured>& points);
 
-  std::array<double, kTerms> coefficients_{}, scale_{};
+  std::array<double, kTerms> coefficients_{};
   std::vector<Deviation> deviations_;
 };
 

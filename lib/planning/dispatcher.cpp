@@ -166,33 +166,34 @@ void expect_packs(Plan& plan, const PerformanceModel& model) {
   }
 }
 
+using Offers = std::vector<std::vector<Candidate>>;  // by class
+
 // Groups of one mechanism side by side, p packs at once.
-Plan latency_plan(const Structure& s, const std::vector<Shape>& shapes, const std::vector<Batch>& batches,
+Plan latency_plan(const std::vector<Shape>& shapes, const std::vector<ClassLoad>& classes, const Offers& offers,
                   std::int32_t p, std::int32_t budget, const Scales& scales) {
   Plan plan;
   plan.threads = p;
   plan.lanes = kThroughputLanes;  // should mechanisms run side by side after all
-  const std::vector<ClassLoad> classes = loads_of(s, batches);
   for (std::size_t c = 0; c < classes.size(); ++c) {
     std::vector<Load> loads;
     for (const Batch& b : classes[c].batches) loads.push_back({b.groups, classes[c].alone ? p : 1});
     const std::int32_t most_q = classes[c].single() ? budget : budget / p;
-    // W is "up to": lanes that no group could fill would be computed for nothing.
-    plan.choices.push_back(choice_of(static_cast<std::int32_t>(c), shapes[c],
-                                     weigh(shapes[c], loads, 2 * classes[c].most - 1, most_q, scales), scales));
+    plan.choices.push_back(
+        choice_of(static_cast<std::int32_t>(c), shapes[c], weigh(offers[c], loads, most_q, scales), scales));
     plan.choices.back().strategy.p = p;
   }
   return plan;
 }
 
 // Mechanisms side by side: every group is a pack of W of them.
-Plan throughput_plan(const std::vector<Shape>& shapes, std::int32_t lanes, std::int32_t p, const Scales& scales) {
+Plan throughput_plan(const std::vector<Shape>& shapes, const Offers& offers, std::int32_t lanes, std::int32_t p,
+                     const Scales& scales) {
   Plan plan;
   plan.threads = p;
   plan.lanes = lanes;
   for (std::size_t c = 0; c < shapes.size(); ++c) {
     const Load load{lanes * shapes[c].groups, 1};
-    std::vector<Candidate> weighed = weigh(shapes[c], {&load, 1}, lanes, 1, scales);
+    std::vector<Candidate> weighed = weigh(offers[c], {&load, 1}, 1, scales);
     std::erase_if(weighed, [&](const Candidate& x) { return x.why_not.empty() && x.strategy.lanes != lanes; });
     plan.choices.push_back(choice_of(static_cast<std::int32_t>(c), shapes[c], std::move(weighed), scales));
     plan.choices.back().strategy.p = p;
@@ -213,8 +214,10 @@ std::string threads_reason(const Plan& best, std::int32_t budget, double alone) 
 Plan best_throughput(const Structure& s, const std::vector<Shape>& shapes, std::int32_t threads, const Scales& scales) {
   std::optional<Plan> best;
   const double around = Around(s, scales.model).seconds(1);
-  for (const std::int32_t lanes : {1, 2, 4, 8, 16}) {
-    Plan plan = throughput_plan(shapes, lanes, threads, scales);
+  Offers offered;
+  for (const Shape& shape : shapes) offered.push_back(offers(shape, kWidest, 1, scales));
+  for (std::int32_t lanes = 1; lanes <= kWidest; lanes *= 2) {
+    Plan plan = throughput_plan(shapes, offered, lanes, threads, scales);
     expect_packs(plan, scales.model);
     plan.expected_seconds = around;
     for (const Plan::Choice& c : plan.choices) plan.expected_seconds += c.expected_seconds / lanes * c.shape.groups;
@@ -227,11 +230,17 @@ Plan best_throughput(const Structure& s, const std::vector<Shape>& shapes, std::
 // With the p that takes least time for a step.
 Plan best_latency(const Structure& s, const std::vector<Shape>& shapes, std::int32_t budget, const Scales& scales) {
   const std::vector<Batch> batches = batches_of(s);
+  const std::vector<ClassLoad> classes = loads_of(s, batches);
+  // W is "up to": lanes that no group could fill would be computed for nothing.
+  Offers offered;
+  for (std::size_t c = 0; c < classes.size(); ++c) {
+    offered.push_back(offers(shapes[c], 2 * classes[c].most - 1, budget, scales));
+  }
   const Around around(s, scales.model);
   std::optional<Plan> best;
   double alone = 0;
   for (std::int32_t p = 1; p <= budget; p = p < budget ? std::min(2 * p, budget) : p + 1) {
-    Plan plan = latency_plan(s, shapes, batches, p, budget, scales);
+    Plan plan = latency_plan(shapes, classes, offered, p, budget, scales);
     expect_packs(plan, scales.model);
     share_levels(plan, s, batches, budget, around, scales.model);
     if (p == 1) alone = plan.expected_seconds;

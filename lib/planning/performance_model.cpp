@@ -7,6 +7,7 @@
 
 #include "assur/performance.hpp"
 #include "assur/status.hpp"
+#include "planning/bytes.hpp"
 #include "planning/curve.hpp"
 #include "planning/prior.hpp"
 
@@ -21,6 +22,8 @@ constexpr std::array kKernels = {NamedKernel{Kernel::evaluate, "evaluate"}, Name
                                  NamedKernel{Kernel::solve, "solve"},       NamedKernel{Kernel::pack, "pack"},
                                  NamedKernel{Kernel::meeting, "meeting"},   NamedKernel{Kernel::step, "step"}};
 
+constexpr std::int32_t kFormat = 1;  // of bytes(); raised whenever anything is fitted or written otherwise
+
 // What of a strategy a kernel depends on. Solvers differ by backend, precision and threads; W is kept apart, so that
 // another W can stand in.
 struct Variant {
@@ -29,6 +32,20 @@ struct Variant {
   Reuse reuse = Reuse::fresh;
   std::int32_t q = 1, lanes = 1;
 
+  void write(ByteWriter& bytes) const {
+    bytes.put(backend);
+    for (const bool b : {single, refine, once, separate}) bytes.put(b);
+    bytes.put(reuse);
+    bytes.put(q);
+    bytes.put(lanes);
+  }
+  void read(ByteReader& bytes) {
+    bytes.get(backend);
+    for (bool* b : {&single, &refine, &once, &separate}) bytes.get(*b);
+    bytes.get(reuse);
+    bytes.get(q);
+    bytes.get(lanes);
+  }
   friend auto operator<=>(const Variant&, const Variant&) = default;
 };
 
@@ -43,8 +60,8 @@ Variant variant_of(Kernel kernel, const Strategy& s) {
   return v;
 }
 
-struct Cell {  // samples of one cell are of the same thing
-  Kernel kernel;
+struct Cell {            // samples of one cell are of the same thing
+  std::int32_t kernel;   // a Kernel; as wide as the rest, so that a cell has no bytes that mean nothing
   std::int32_t variant;  // its number
   std::uint64_t pattern;
   std::int64_t terms;
@@ -53,13 +70,33 @@ struct Cell {  // samples of one cell are of the same thing
   friend auto operator<=>(const Cell&, const Cell&) = default;
 };
 
+std::int32_t number(Kernel kernel) { return static_cast<std::int32_t>(kernel); }
+
 // A bare matrix and a group with the same pattern cost a solver the same.
 Cell cell_of(Kernel kernel, const Shape& shape, std::int32_t variant) {
   const bool solver = kernel == Kernel::factor || kernel == Kernel::solve;
   const bool pack = kernel == Kernel::pack;
-  return {kernel,  variant,   shape.pattern,           solver ? 0 : shape.terms,
-          shape.n, shape.nnz, pack ? shape.groups : 1, pack ? shape.rhs : 1};
+  return {number(kernel), variant,   shape.pattern,           solver ? 0 : shape.terms,
+          shape.n,        shape.nnz, pack ? shape.groups : 1, pack ? shape.rhs : 1};
 }
+
+// What is known of a cell.
+struct Known {
+  Cell cell{};
+  double seconds = 0, noise = 0, backward_error = 0;
+
+  [[nodiscard]] Prediction prediction() const { return {seconds, std::exp(std::max(noise, 0.02)), Origin::measured}; }
+  friend bool operator<(const Known& a, const Cell& b) { return a.cell < b; }
+};
+
+// The same with an example of what was measured, to fit curves to.
+struct Gathered {
+  Shape shape;
+  Strategy strategy;
+  double seconds = 0, noise = 0, backward_error = 0;
+};
+using Cells = std::map<Cell, Gathered>;
+using Curves = std::map<std::int32_t, Curve>;
 
 double positive_log(double x) { return std::log(std::max(x, 1.0)); }
 
@@ -146,21 +183,18 @@ std::string_view name(Origin origin) noexcept {
 }
 
 struct PerformanceModel::Impl {
-  struct Known {
-    Shape shape;
-    Strategy strategy;
-    double seconds = 0, noise = 0, backward_error = 0;
-  };
+  explicit Impl(std::string from) : source(std::move(from)) {}
 
   Impl(const std::vector<Sample>& samples, std::string from) : source(std::move(from)), count(samples.size()) {
-    gather(samples);
-    for (const Kernel kernel : {Kernel::evaluate, Kernel::factor, Kernel::solve}) fit(kernel);
-    fit_rest();
-    fit_packs();
+    const Cells cells = gather(samples);
+    for (const auto& [cell, g] : cells) known.push_back({cell, g.seconds, g.noise, g.backward_error});
+    for (const Kernel kernel : {Kernel::evaluate, Kernel::factor, Kernel::solve}) fit(kernel, cells);
+    fit_rest(cells);
+    fit_packs(cells);
   }
 
   // Of what was measured more than once, the median.
-  void gather(const std::vector<Sample>& samples) {
+  Cells gather(const std::vector<Sample>& samples) {
     std::map<Cell, std::vector<const Sample*>> cells;
     std::map<std::int32_t, std::map<Cell, std::vector<double>>> crowds;  // p: packs while so many threads work
     // Numbered in their own order, not in that of the samples.
@@ -178,6 +212,7 @@ struct PerformanceModel::Impl {
         cells[cell].push_back(&s);
       }
     }
+    Cells gathered;
     for (const auto& [cell, of] : cells) {
       std::vector<double> seconds, noise;
       double error = 0;
@@ -186,25 +221,26 @@ struct PerformanceModel::Impl {
         noise.push_back(s->spread / s->seconds);
         if (s->backward_error > error) error = s->backward_error;
       }
-      known.emplace(cell, Known{of[0]->shape, of[0]->strategy, median(seconds), median(noise), error});
+      gathered.emplace(cell, Gathered{of[0]->shape, of[0]->strategy, median(seconds), median(noise), error});
     }
     for (const auto& [p, crowd] : crowds) {
       std::vector<double> ratios;
       for (const auto& [cell, seconds] : crowd) {
-        const auto alone = known.find(cell);
-        if (alone == known.end()) continue;
+        const auto alone = gathered.find(cell);
+        if (alone == gathered.end()) continue;
         ratios.push_back(std::clamp(median(seconds) / alone->second.seconds, 1.0, static_cast<double>(p)));
       }
       // What disturbs only slows down.
       if (!ratios.empty()) contentions[p] = lower_quartile(ratios);
     }
+    return gathered;
   }
 
-  void fit(Kernel kernel) {
+  void fit(Kernel kernel, const Cells& cells) {
     std::map<std::int32_t, std::vector<Curve::Measured>> points;
     std::vector<double> ratios;
-    for (const auto& [cell, k] : known) {
-      if (cell.kernel != kernel) continue;
+    for (const auto& [cell, k] : cells) {
+      if (cell.kernel != number(kernel)) continue;
       points[cell.variant].push_back({point_of(kernel, k.shape, k.strategy), k.seconds, k.noise});
       ratios.push_back(k.seconds / prior_seconds(kernel, k.shape, k.strategy));
     }
@@ -214,13 +250,13 @@ struct PerformanceModel::Impl {
   }
 
   // What a pack costs beyond its kernels, by W: whatever the solver, so the quickest one tells best.
-  void fit_rest() {
+  void fit_rest(const Cells& cells) {
     using Place = std::tuple<std::int32_t, std::uint64_t, std::int64_t, std::int32_t>;
-    std::map<Place, const Known*> quickest;
-    for (const auto& [cell, k] : known) {
-      if (cell.kernel != Kernel::pack || in_registers(k.shape, k.strategy) || k.strategy.once) continue;
+    std::map<Place, const Gathered*> quickest;
+    for (const auto& [cell, k] : cells) {
+      if (cell.kernel != number(Kernel::pack) || in_registers(k.shape, k.strategy) || k.strategy.once) continue;
       if (k.strategy.reuse != Reuse::fresh) continue;
-      const Known*& best = quickest[{k.strategy.lanes, cell.pattern, cell.terms, cell.groups}];
+      const Gathered*& best = quickest[{k.strategy.lanes, cell.pattern, cell.terms, cell.groups}];
       if (best == nullptr || k.seconds < best->seconds) best = &k;
     }
     std::map<std::int32_t, std::vector<Curve::Measured>> points;
@@ -234,18 +270,20 @@ struct PerformanceModel::Impl {
   }
 
   // What whole packs say beyond the sum of their parts.
-  void fit_packs() {
+  void fit_packs(const Cells& cells) {
     std::map<std::int32_t, std::vector<Curve::Measured>> points;
-    for (const auto& [cell, k] : known) {
-      if (cell.kernel != Kernel::pack) continue;
-      points[cell.variant].push_back({pack_point(k.shape, k.strategy), k.seconds, k.noise});
+    for (const auto& [cell, k] : cells) {
+      if (cell.kernel != number(Kernel::pack)) continue;
+      const double parts = composed(k.shape, k.strategy).seconds;
+      points[cell.variant].push_back({pack_point(k.shape, k.strategy, parts), k.seconds, k.noise});
     }
     for (auto& [variant, measured] : points) packs.emplace(variant, Curve(std::move(measured)));
   }
 
-  [[nodiscard]] Point pack_point(const Shape& shape, const Strategy& strategy) const {
+  // parts: seconds of composed().
+  [[nodiscard]] static Point pack_point(const Shape& shape, const Strategy& strategy, double parts) {
     Point point = point_of(Kernel::pack, shape, strategy);
-    point.terms = {composed(shape, strategy).seconds};
+    point.terms = {parts};
     return point;
   }
 
@@ -290,14 +328,13 @@ struct PerformanceModel::Impl {
 
   [[nodiscard]] const Known* exactly(Kernel kernel, const Shape& shape, const Strategy& strategy) const {
     if (shape.pattern == 0) return nullptr;
-    const auto found = known.find(cell_of(kernel, shape, number_of(variant_of(kernel, strategy))));
-    return found == known.end() ? nullptr : &found->second;
+    const Cell cell = cell_of(kernel, shape, number_of(variant_of(kernel, strategy)));
+    const auto found = std::lower_bound(known.begin(), known.end(), cell);
+    return found == known.end() || found->cell != cell ? nullptr : &*found;
   }
 
   [[nodiscard]] Prediction predict(Kernel kernel, const Shape& shape, const Strategy& strategy) const {
-    if (const Known* k = exactly(kernel, shape, strategy)) {
-      return {k->seconds, std::exp(std::max(k->noise, 0.02)), Origin::measured};
-    }
+    if (const Known* k = exactly(kernel, shape, strategy)) return k->prediction();
     const auto& curves = curve[static_cast<std::size_t>(kernel)];
     const Variant wanted = variant_of(kernel, strategy);
     const Point point = point_of(kernel, shape, strategy);
@@ -317,7 +354,7 @@ struct PerformanceModel::Impl {
   }
 
   // The same solver with another W or other threads, the nearest that has a curve; end: none has.
-  [[nodiscard]] std::map<Variant, std::int32_t>::const_iterator stand_in(const std::map<std::int32_t, Curve>& curves,
+  [[nodiscard]] std::map<Variant, std::int32_t>::const_iterator stand_in(const Curves& curves,
                                                                          const Variant& wanted) const {
     auto best = numbers.end();
     double least = 0;
@@ -336,10 +373,8 @@ struct PerformanceModel::Impl {
   }
 
   [[nodiscard]] Prediction pack(const Shape& shape, const Strategy& strategy) const {
-    if (const Known* k = exactly(Kernel::pack, shape, strategy)) {
-      return {k->seconds, std::exp(std::max(k->noise, 0.02)), Origin::measured};
-    }
-    Prediction sum = composed(shape, strategy);
+    if (const Known* k = exactly(Kernel::pack, shape, strategy)) return k->prediction();
+    const Prediction sum = composed(shape, strategy);
     Variant variant = variant_of(Kernel::pack, strategy);
     auto found = packs.find(number_of(variant));
     if (found == packs.end()) {  // of the same solver with the plain policy
@@ -348,19 +383,44 @@ struct PerformanceModel::Impl {
       found = packs.find(number_of(variant));
     }
     if (found == packs.end()) return sum;
-    const Prediction whole = found->second.at(pack_point(shape, strategy));
+    const Prediction whole = found->second.at(pack_point(shape, strategy, sum.seconds));
     if (in_registers(shape, strategy)) return whole;
     return {whole.seconds, std::max(whole.factor, std::min(sum.factor, 1.5)), std::max(sum.origin, whole.origin)};
+  }
+
+  void write(ByteWriter& bytes) const {
+    bytes.put(count);
+    bytes.put(numbers);
+    bytes.put(known);
+    for (const Curves& curves : curve) bytes.put(curves);
+    for (const double s : speed) bytes.put(s);
+    bytes.put(rest);
+    bytes.put(packs);
+    bytes.put(meetings);
+    bytes.put(handovers);
+    bytes.put(contentions);
+  }
+  void read(ByteReader& bytes) {
+    bytes.get(count);
+    bytes.get(numbers);
+    bytes.get(known);
+    for (Curves& curves : curve) bytes.get(curves);
+    for (double& s : speed) bytes.get(s);
+    bytes.get(rest);
+    bytes.get(packs);
+    bytes.get(meetings);
+    bytes.get(handovers);
+    bytes.get(contentions);
   }
 
   std::string source;
   std::size_t count = 0;
   std::map<Variant, std::int32_t> numbers;
-  std::map<Cell, Known> known;
-  std::array<std::map<std::int32_t, Curve>, 3> curve;  // evaluate, factor, solve
-  std::array<double, 3> speed{1, 1, 1};                // measured over prior, of each
-  std::map<std::int32_t, Curve> rest;                  // W
-  std::map<std::int32_t, Curve> packs;
+  std::vector<Known> known;                               // ascending
+  std::array<Curves, 3> curve;                            // evaluate, factor, solve; by variant
+  std::array<double, 3> speed{1, 1, 1};                   // measured over prior, of each
+  Curves rest;                                            // W
+  Curves packs;                                           // by variant
   std::map<std::int32_t, std::vector<double>> meetings;   // p
   std::map<std::int32_t, std::vector<double>> handovers;  // p; s for each double
   std::map<std::int32_t, double> contentions;             // p
@@ -371,7 +431,26 @@ PerformanceModel::PerformanceModel() : PerformanceModel(std::vector<Sample>{}, "
 PerformanceModel::PerformanceModel(std::vector<Sample> samples, std::string source)
     : impl_(std::make_shared<Impl>(samples, std::move(source))) {}
 
+PerformanceModel::PerformanceModel(std::shared_ptr<const Impl> impl) : impl_(std::move(impl)) {}
 PerformanceModel::~PerformanceModel() = default;
+
+std::vector<std::byte> PerformanceModel::bytes() const {
+  ByteWriter bytes;
+  bytes.put(kFormat);
+  impl_->write(bytes);
+  return std::move(bytes).take();
+}
+
+std::optional<PerformanceModel> PerformanceModel::from_bytes(std::span<const std::byte> from, std::string source) {
+  ByteReader bytes(from);
+  std::int32_t format = 0;
+  bytes.get(format);
+  if (format != kFormat) return std::nullopt;
+  auto impl = std::make_shared<Impl>(std::move(source));
+  impl->read(bytes);
+  if (!bytes.whole()) return std::nullopt;
+  return PerformanceModel(std::move(impl));
+}
 
 Prediction PerformanceModel::kernel(Kernel kernel, const Shape& shape, const Strategy& strategy) const {
   switch (kernel) {
@@ -430,10 +509,10 @@ double PerformanceModel::backward_error(const Shape& shape, const Strategy& stra
   const std::int32_t wanted = impl_->number_of(variant_of(Kernel::solve, strategy));
   double worst = 0;
   const auto& known = impl_->known;
-  for (auto at = known.lower_bound({Kernel::solve, wanted, 0, 0, 0, 0, 0, 0}); at != known.end(); ++at) {
-    const auto& [cell, k] = *at;
-    if (cell.kernel != Kernel::solve || cell.variant != wanted) break;
-    if (k.shape.n <= 2 * shape.n && 2 * k.shape.n >= shape.n) worst = std::max(worst, k.backward_error);
+  const Cell first{number(Kernel::solve), wanted, 0, 0, 0, 0, 0, 0};
+  for (auto k = std::lower_bound(known.begin(), known.end(), first); k != known.end(); ++k) {
+    if (k->cell.kernel != first.kernel || k->cell.variant != wanted) break;
+    if (k->cell.n <= 2 * shape.n && 2 * k->cell.n >= shape.n) worst = std::max(worst, k->backward_error);
   }
   return worst;
 }

@@ -82,7 +82,7 @@ TEST(Faults, ANewerSchemaIsLeftAlone) {
   FileTree tree;
   const auto file = tree.root() / "tuning.db";
   make_database(file, host_with(4), 20);
-  SQLite::Database(file.string(), SQLite::OPEN_READWRITE).exec("PRAGMA user_version = 2");
+  SQLite::Database(file.string(), SQLite::OPEN_READWRITE).exec("PRAGMA user_version = 99");
   expect_left_alone(file, Trouble::newer);
 }
 
@@ -107,6 +107,26 @@ TEST(Faults, AnOlderSchemaIsBroughtUpToDateInOneTransaction) {
   EXPECT_EQ(database.execAndGet("SELECT name || size FROM thing").getString(), "old8");
   db::bring_up_to_date(database, "", good, 3);  // nothing more to do
   EXPECT_EQ(database.execAndGet("SELECT size FROM thing").getInt(), 8);
+}
+
+TEST(Faults, AFileOfVersion1KeepsItsSamples) {
+  FileTree tree;
+  const auto file = tree.root() / "tuning.db";
+  const auto samples = make_database(file, host_with(4), 20);
+  SQLite::Database(file.string(), SQLite::OPEN_READWRITE)
+      .exec(
+          "DROP TRIGGER sample_added; DROP TRIGGER sample_changed; DROP TRIGGER sample_removed; DROP TABLE fit;"
+          "PRAGMA user_version = 1");
+  db::Store store(file, Access::write);
+  EXPECT_EQ(store.samples().size(), samples.size());
+  store.fit_models();
+  SQLite::Database database(file.string());
+  EXPECT_EQ(database.execAndGet("PRAGMA user_version").getInt(), db::kSchemaVersion);
+  EXPECT_EQ(database.execAndGet("SELECT count(*) FROM fit").getInt(), 1);
+  const std::string of_both = "SELECT group_concat(sql, ';') FROM (SELECT sql FROM sqlite_schema ORDER BY name)";
+  SQLite::Database fresh(":memory:", SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
+  fresh.exec(std::string(db::kSchema));
+  EXPECT_EQ(database.execAndGet(of_both).getString(), fresh.execAndGet(of_both).getString());
 }
 
 TEST(Faults, TheMigrationsOfThisVersionLeadToIt) {

@@ -152,7 +152,7 @@ int import_samples(const Common& common, const DbOptions& options) {
                   (imported.damaged > 0 ? ", " + output::grouped(imported.damaged) + " damaged ones left out" : ""));
 }
 
-// Repaired and brought up to date where it can be written, else only looked at.
+// Repaired, brought up to date and fitted where it can be written, else only looked at.
 Store store_to_check(const Common& common) {
   const fs::path file = own_database_of(common);
   try {
@@ -161,7 +161,9 @@ Store store_to_check(const Common& common) {
     if (unusable.trouble() == db::Trouble::absent) throw;  // nothing is made
   }
   try {
-    return Store(file, Access::write);
+    Store store(file, Access::write);
+    store.fit_models();
+    return store;
   } catch (const db::Unusable& unusable) {
     if (unusable.trouble() != db::Trouble::blocked) throw;
     return Store(file, Access::read);

@@ -28,6 +28,7 @@ void Archive::finish(const db::RunResult& result, const std::string& learned) {
   if (!store_) return;
   store_->finish_run(run_, result);
   store_->put_model(host_, profile_, learned);
+  store_->fit_models();
 }
 
 }  // namespace assur::tuning
