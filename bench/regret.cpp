@@ -14,60 +14,22 @@
 
 #include "assur/assur.hpp"
 #include "machine.hpp"
-#include "regret_question.hpp"
+#include "measure/regret_survey.hpp"
 #include "survey.hpp"
 
 namespace assur::bench {
 namespace {
 
-// Sizes off the grid of the tuner, odd counts of groups, mixed classes; some with fewer backends, as users have them.
-std::vector<Question> questions(const SurveyOptions& o, int budget) {
-  static const std::vector<std::string> kScenes = {"four_bar:5",
-                                                   "four_bar:11",
-                                                   "four_bar:23",
-                                                   "slider_crank",
-                                                   "andrews",
-                                                   "stewart",
-                                                   "stewart:platforms=5",
-                                                   "stewart:platforms=11",
-                                                   "stewart:platforms=23",
-                                                   "rings:legs=1,n=22",
-                                                   "rings:legs=5,n=22",
-                                                   "rings:legs=11,n=22",
-                                                   "rings:legs=23,n=22",
-                                                   "rings:legs=1,n=78",
-                                                   "rings:legs=5,n=78",
-                                                   "rings:legs=11,n=78",
-                                                   "rings:legs=23,n=78",
-                                                   "rings:legs=1,n=334",
-                                                   "rings:legs=5,n=334",
-                                                   "rings:legs=11,n=334",
-                                                   "rings:legs=64,n=120",
-                                                   "stewart:platforms=200"};
-  static const std::vector<std::vector<std::string>> kWithout = {{}, {"lanes"}, {"lanes", "klu"}};
-  std::vector<Question> all;
-  for (const std::string& scene : kScenes) {
-    if (scene.find(o.only) == std::string::npos) continue;
-    for (const auto& without : kWithout) {
-      // Dense solvers alone take their time.
-      if (without.size() > 1 && (scene.find("n=334") != std::string::npos || scene.find("64") != std::string::npos)) {
-        continue;
-      }
-      all.push_back({scene, without, budget});
-    }
-  }
-  if (o.quick && all.size() > 9) {
-    std::vector<Question> some;
-    for (std::size_t i = 0; i < all.size(); i += all.size() / 9) some.push_back(all[i]);
-    return some;
-  }
-  return all;
-}
+using measure::Answer;
+using measure::Question;
 
-double quantile(std::vector<double> values, double q) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1) + 0.5)];
+std::vector<Question> questions(const SurveyOptions& o, int budget) {
+  std::vector<Question> all = measure::regret_questions(budget);
+  std::erase_if(all, [&](const Question& q) { return q.scene.find(o.only) == std::string::npos; });
+  if (!o.quick || all.size() <= 9) return all;
+  std::vector<Question> some;
+  for (std::size_t i = 0; i < all.size(); i += all.size() / 9) some.push_back(all[i]);
+  return some;
 }
 
 double mean(const std::vector<double>& values) {
@@ -76,34 +38,16 @@ double mean(const std::vector<double>& values) {
   return values.empty() ? 0 : sum / static_cast<double>(values.size());
 }
 
-// For each set of backends the strategy with the least mean regret of those that ran in all its questions.
-struct Constant {
-  std::string strategy;
-  std::vector<double> regrets;
-};
-std::map<std::string, Constant> constants(const std::vector<Answer>& answers) {
-  std::map<std::string, std::map<std::string, std::vector<double>>> regrets;  // by set, strategy
-  std::map<std::string, std::size_t> count;
-  for (const Answer& a : answers) {
-    const std::string set = a.question.without_text();
-    ++count[set];
-    for (const auto& [strategy, seconds] : a.uniform)
-      regrets[set][strategy].push_back(seconds / a.best_trial_seconds - 1);
-  }
-  std::map<std::string, Constant> best;
-  for (const auto& [set, by_strategy] : regrets) {
-    for (const auto& [strategy, of_it] : by_strategy) {
-      if (of_it.size() != count[set]) continue;
-      Constant& c = best[set];
-      if (c.strategy.empty() || mean(of_it) < mean(c.regrets)) c = {strategy, of_it};
-    }
-  }
-  return best;
+double quantile(std::vector<double> values, double q) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  return values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1) + 0.5)];
 }
 
 void print(const Answer& a) {
   std::printf("%-22s %-10s %9.2f us %7.1f %%   %-34s %s\n", a.question.scene.c_str(), a.question.without_text().c_str(),
-              a.chosen_seconds * 1e6, 100 * a.regret(), a.chosen.c_str(), a.regret() > 0.005 ? a.best.c_str() : "");
+              a.chosen.seconds * 1e6, 100 * a.regret(), a.chosen.strategy.c_str(),
+              a.regret() > 0.005 ? a.best.strategy.c_str() : "");
   std::fflush(stdout);
 }
 
@@ -111,8 +55,8 @@ void write_csv(std::ostream& out, const std::vector<Answer>& answers) {
   out << "scene,without,threads,chosen,chosen_seconds,expected_seconds,best,best_seconds,regret\n";
   for (const Answer& a : answers) {
     out << '"' << a.question.scene << "\",\"" << a.question.without_text() << "\"," << a.question.threads << ",\""
-        << a.chosen << "\"," << a.chosen_seconds << ',' << a.expected_seconds << ",\"" << a.best << "\","
-        << a.best_seconds << ',' << a.regret() << '\n';
+        << a.chosen.strategy << "\"," << a.chosen.seconds << ',' << a.expected_seconds << ",\"" << a.best.strategy
+        << "\"," << a.best.seconds << ',' << a.regret() << '\n';
   }
 }
 
@@ -121,11 +65,11 @@ void summarise(const std::vector<Answer>& answers) {
   std::set<std::string> winners;
   for (const Answer& a : answers) {
     ours.push_back(a.regret());
-    ratio.push_back(std::abs(std::log(a.chosen_seconds / a.expected_seconds)));
-    winners.insert(a.best);
+    ratio.push_back(std::abs(std::log(a.chosen.seconds / a.expected_seconds)));
+    winners.insert(a.best.strategy);
   }
   std::printf("\n%zu questions, %zu different strategies win somewhere\n", answers.size(), winners.size());
-  for (const auto& [set, constant] : constants(answers)) {
+  for (const auto& [set, constant] : measure::constants(answers)) {
     std::printf("best constant strategy, %s: %s, mean regret %.1f %%, max %.0f %%\n",
                 set.empty() ? "all backends" : set.c_str(), constant.strategy.c_str(), 100 * mean(constant.regrets),
                 100 * quantile(constant.regrets, 1));
@@ -151,7 +95,9 @@ int run(const SurveyOptions& o) {
               known.model->source().c_str(), "scene", "without", "chosen", "regret", "chosen", "best");
   std::vector<Answer> answers;
   for (const Question& q : questions(o, budget)) {
-    answers.push_back(answer(q, known.model, o.quick));
+    const auto answer = measure::answer(q, {.model = known.model, .quick = o.quick});
+    if (!answer) continue;
+    answers.push_back(*answer);
     print(answers.back());
   }
   summarise(answers);

@@ -42,6 +42,7 @@ struct Invocation {
   DbOptions db;
   TuneOptions tune;
   CheckOptions check;
+  ReportOptions report;
   std::function<int()> chosen;
 };
 
@@ -359,6 +360,19 @@ void add_check(CLI::App& app, Invocation& call) {
   check.callback([&call] { call.chosen = [&call] { return command::check(call.common, call.check); }; });
 }
 
+void add_report(CLI::App& app, Invocation& call) {
+  CLI::App& report = *app.add_subcommand("report", "The benchmark report: a page with plots, CSV and JSON beside it");
+  ReportOptions& o = call.report;
+  CLI::Option* out = report.add_option("--out", o.out, "Write into this folder: assur-report")->type_name("DIR");
+  report.add_flag("--quick", o.quick, "Three minutes at most, instead of thirty");
+  report.add_option("--budget", o.budget, "Take about so long, s")->check(number(0, " > 0"))->type_name("SECONDS");
+  add_common(report, call.common);
+  report.callback([&call, out] {
+    if (out->count() > 0 && call.report.out.empty()) throw CLI::ValidationError("--out", "expects a folder");
+    call.chosen = [&call] { return command::report(call.common, call.report); };
+  });
+}
+
 Exit exit_of(Error::Kind kind) {
   switch (kind) {
     case Error::Kind::input:
@@ -443,6 +457,7 @@ int main(int argc, char** argv) {
   add_db(app, call);
   add_tune(app, call);
   add_check(app, call);
+  add_report(app, call);
   add_common(app, call.common);
   const bool json = std::any_of(argv, argv + argc, [](const char* word) { return std::strcmp(word, "--json") == 0; });
 

@@ -64,6 +64,10 @@ TEST(StepTimes, ShortStepsAreMeasuredInBlocks) {
     times.tick();
   }
   const auto figures = times.figures();
+  const auto blocks = times.blocks();
+  EXPECT_EQ(blocks.steps, 16);
+  ASSERT_EQ(blocks.seconds.size(), 400u);
+  for (const double s : blocks.seconds) EXPECT_NEAR(s, 300e-9, kRounding);
   EXPECT_EQ(figures.block, 16);  // the power of two from 4 us on
   EXPECT_NEAR(figures.median, 300e-9, kRounding);
   EXPECT_NEAR(figures.max, 300e-9, kRounding);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <regex>
@@ -120,6 +121,24 @@ TEST(Html, APageNeedsNothingButItself) {
   EXPECT_EQ(page.find("url("), std::string::npos);
   EXPECT_NE(page.find("<title>a &amp; b</title>"), std::string::npos);
   EXPECT_NE(page.find("prefers-color-scheme: dark"), std::string::npos);
+}
+
+TEST(Plot, BarsStandOnTheAxisFromEachXToTheNext) {
+  Plot plot = logarithmic({{1, 10}, {10, 0}, {100, 1000}, {1000, 1}});
+  plot.series[0].mark = Series::Mark::none;
+  plot.series[0].line = Series::Line::bars;
+  const std::string picture = svg(plot, {600, 400});
+  static const std::regex kBar("<rect x=\"([0-9.]+)\" y=\"([0-9.]+)\" width=\"([0-9.]+)\" height=\"([0-9.]+)\"");
+  std::vector<std::array<double, 4>> bars;
+  for (std::sregex_iterator at(picture.begin(), picture.end(), kBar), end; at != end; ++at) {
+    bars.push_back({std::stod((*at)[1]), std::stod((*at)[2]), std::stod((*at)[3]), std::stod((*at)[4])});
+  }
+  // A logarithm of 0 has no height, and the last point only ends the bar before it.
+  ASSERT_EQ(bars.size(), 2u);
+  EXPECT_NEAR(bars[0][2], bars[1][2], 0.2);                            // a decade each
+  EXPECT_NEAR(bars[1][0], bars[0][0] + 2 * bars[0][2], 0.3);           // with an empty one between them
+  EXPECT_NEAR(bars[0][1] + bars[0][3], bars[1][1] + bars[1][3], 0.2);  // on one foot
+  EXPECT_LT(bars[1][1], bars[0][1]);
 }
 
 }  // namespace

@@ -92,6 +92,12 @@ struct CheckOptions {
   std::vector<std::string> scenes;  // these instead of the suite's own cases
 };
 
+struct ReportOptions {
+  std::string out = "assur-report";  // folder
+  bool quick = false;
+  std::optional<double> budget;  // s; left out: 150 if quick, else 1,500
+};
+
 // Throws Error (input) for --threads beyond the processors that this process may use; warns beyond the machine's
 // budget.
 void check_threads(const Common& common);
@@ -103,6 +109,7 @@ int plan(const Common& common, const PlanOptions& options);
 int backends(const Common& common);
 int db(const Common& common, const DbOptions& options);
 int check(const Common& common, const CheckOptions& options);
+int report(const Common& common, const ReportOptions& options);
 
 // What is known of this machine: from --db alone, which throws Error (environment) if it cannot be read, else from all
 // databases.

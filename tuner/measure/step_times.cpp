@@ -74,17 +74,23 @@ void StepTimes::consider_blocks() {
   samples_ = joined(samples_, block_);
 }
 
-StepTimes::Figures StepTimes::figures() const {
-  if (samples_.empty()) return {0, 0, 0, 1};
-  std::vector<double> samples = samples_;
-  int block = block_;
-  if (const double median = ranked(samples, 0.5); block == 1 && median < kShort) {
-    block = std::min(block_for(median), static_cast<int>(samples.size()));
-    samples = joined(samples_, block);
+StepTimes::Blocks StepTimes::blocks() const {
+  if (samples_.empty()) return {};
+  Blocks out{samples_, block_};
+  std::vector<double> trial = samples_;
+  if (const double median = ranked(trial, 0.5); block_ == 1 && median < kShort) {
+    out.steps = std::min(block_for(median), static_cast<int>(samples_.size()));
+    out.seconds = joined(samples_, out.steps);
   }
-  for (double& s : samples) s /= block;
-  const double most = *std::max_element(samples.begin(), samples.end());
-  return {ranked(samples, 0.5), ranked(samples, 0.99), most, block};
+  for (double& s : out.seconds) s /= out.steps;
+  return out;
+}
+
+StepTimes::Figures StepTimes::figures() const {
+  Blocks all = blocks();
+  if (all.seconds.empty()) return {0, 0, 0, 1};
+  const double most = *std::max_element(all.seconds.begin(), all.seconds.end());
+  return {ranked(all.seconds, 0.5), ranked(all.seconds, 0.99), most, all.steps};
 }
 
 }  // namespace assur::measure

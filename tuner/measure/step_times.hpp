@@ -15,6 +15,10 @@ class StepTimes {
     double median, p99, max;  // s for one step
     int block;                // steps measured together
   };
+  struct Blocks {
+    std::vector<double> seconds;  // for one step: of each block, in order
+    int steps = 1;                // of a block
+  };
   using Clock = std::function<double()>;  // s, monotonic
 
   explicit StepTimes(std::int64_t steps, Clock clock = steady);
@@ -31,6 +35,8 @@ class StepTimes {
   // Time of the last reading since the first tick, s.
   [[nodiscard]] double elapsed() const { return last_ - first_; }
 
+  // Of the steps so far, all of them; without those that fill no block.
+  [[nodiscard]] Blocks blocks() const;
   // Of the steps so far; all zero if there was none. p99 is the nearest rank.
   [[nodiscard]] Figures figures() const;
 

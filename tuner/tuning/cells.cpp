@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <utility>
 
 #include "assur/plan.hpp"
 #include "tuning/mechanisms.hpp"
@@ -11,8 +13,10 @@ namespace {
 
 constexpr std::int32_t kSmallest = 3;
 constexpr std::int32_t kOffTheGrid[] = {22, 78, 334};
-constexpr double kJudges = 2;  // times the time: few cells judge all choices
-constexpr int kEntries = 6;    // a column of a random matrix that is neither sparse as a mechanism nor full
+constexpr std::pair<std::int32_t, std::int32_t> kPacksOffTheGrid[] = {
+    {2, 11}, {2, 23}, {22, 5}, {78, 11}, {334, 1}};  // n, groups
+constexpr double kJudges = 2;                        // times the time: few cells judge all choices
+constexpr int kEntries = 6;  // a column of a random matrix that is neither sparse as a mechanism nor full
 
 std::function<Scene()> named(std::string text) {
   return [text = std::move(text)] { return sample(text); };
@@ -144,7 +148,8 @@ void add_packs(std::vector<Cell>& cells, const Extent& e) {
     add(std::move(c));
   }
   if (!e.held_out) return;
-  for (Cell c : {dyad_packs(11), dyad_packs(23), ring_packs(22, 5), ring_packs(78, 11), ring_packs(334, 1)}) {
+  for (const auto& [n, groups] : kPacksOffTheGrid) {
+    Cell c = n == 2 ? dyad_packs(groups) : ring_packs(n, groups);
     c.held_out = true;
     c.weight *= kJudges;
     add(std::move(c));
@@ -185,6 +190,22 @@ std::string to_string(const Cell& cell) {
     text += ", " + std::to_string(cell.groups) + (cell.groups == 1 ? " group" : " groups");
   if (cell.kind == Cell::Kind::crowd) text += ", all threads";
   return text;
+}
+
+bool is_held_out(Kernel kernel, const Shape& shape) {
+  switch (kernel) {
+    case Kernel::evaluate:
+    case Kernel::factor:
+    case Kernel::solve:
+      return std::find(std::begin(kOffTheGrid), std::end(kOffTheGrid), shape.n) != std::end(kOffTheGrid);
+    case Kernel::pack:
+      return std::find(std::begin(kPacksOffTheGrid), std::end(kPacksOffTheGrid), std::pair(shape.n, shape.groups)) !=
+             std::end(kPacksOffTheGrid);
+    case Kernel::meeting:
+    case Kernel::step:
+      break;
+  }
+  return false;
 }
 
 std::vector<std::int32_t> spaced(std::int32_t from, std::int32_t to, int count) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "assur/performance.hpp"
 #include "assur/scene.hpp"
 #include "assur/strategy.hpp"
 #include "measure/matrices.hpp"
@@ -54,6 +55,9 @@ struct Extent {
 // What one scene needs: its classes in each formulation, and its steps. Throws Error as prepare() does,
 // and (input) if nothing moves.
 [[nodiscard]] std::vector<Cell> scene_cells(const std::string& text, const Scene& scene);
+
+// Whether general_cells() holds out the cell that such a sample comes from.
+[[nodiscard]] bool is_held_out(Kernel kernel, const Shape& shape);
 
 // Log-spaced whole numbers, both ends included.
 [[nodiscard]] std::vector<std::int32_t> spaced(std::int32_t from, std::int32_t to, int count);

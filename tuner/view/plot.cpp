@@ -1,12 +1,11 @@
 #include "view/plot.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 
 #include "view/html.hpp"
+#include "view/svg.hpp"
 #include "view/ticks.hpp"
 
 namespace assur::view {
@@ -14,22 +13,7 @@ namespace {
 
 constexpr Size kWide{960, 560}, kNarrow{360, 400};
 constexpr double kTop = 34, kRight = 14, kBottom = 46;  // around the axes: the title of y, the end of a tick, that of x
-constexpr double kLetter = 7.4;                         // width of one, at the size that plot_style() sets
-constexpr double kLine = 15;                            // height of one
 constexpr double kPixelsOfTick = 62, kLinesOfTick = 34;
-
-std::string printed(const char* format, double value) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), format, value);
-  return text.data();
-}
-std::string at(double v) { return printed("%.1f", v); }
-
-std::size_t letters(std::string_view text) {
-  return static_cast<std::size_t>(
-      std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
-}
-double width(std::string_view text) { return kLetter * static_cast<double>(letters(text)); }
 
 std::string colour_class(int colour) { return colour < 0 ? "ink" : "c" + std::to_string(colour % Series::kColours); }
 
@@ -192,6 +176,7 @@ class Picture {
 
   void draw_line(const Series& s) {
     if (s.line == Series::Line::none) return;
+    if (s.line == Series::Line::bars) return draw_bars(s);
     std::string path;
     for (const Point& p : s.points) {
       if (!shows(p)) continue;
@@ -204,6 +189,17 @@ class Picture {
       }
     }
     if (!path.empty()) out_ += "<path class=\"line " + colour_class(s.colour) + "\" d=\"" + path + "\"/>\n";
+  }
+
+  void draw_bars(const Series& s) {
+    out_ += "<g class=\"bars " + colour_class(s.colour) + "\">\n";
+    for (std::size_t i = 0; i + 1 < s.points.size(); ++i) {
+      const Point &here = s.points[i], &next = s.points[i + 1];
+      if (!shows(here) || !x_.shows(next.x)) continue;
+      out_ += "<rect x=\"" + at(x_(here.x)) + "\" y=\"" + at(y_(here.y)) + "\" width=\"" + at(x_(next.x) - x_(here.x)) +
+              "\" height=\"" + at(y_.from - y_(here.y)) + "\"><title>" + escaped(here.about) + "</title></rect>\n";
+    }
+    out_ += "</g>\n";
   }
 
   void draw_marks(const Series& s) {
@@ -275,6 +271,7 @@ figure { margin: 1rem 0; --c0: #0068a5; --c1: #b36b00; --c2: #00805d; --c3: #b05
 .plot .guide { stroke: var(--faint); stroke-width: 1; stroke-dasharray: 2 4; }
 .plot .line { fill: none; stroke: currentColor; stroke-width: 1; }
 .plot .line.ink { stroke-width: 2; }
+.plot .bars { fill: currentColor; fill-opacity: 0.35; stroke: currentColor; stroke-width: 0.5; }
 .plot .mark { fill: currentColor; fill-opacity: 0.35; stroke: currentColor; stroke-width: 1.5; }
 .plot .ink { color: var(--ink); } .plot .mark.ink { fill: none; stroke-width: 2; }
 .plot .c0 { color: var(--c0); } .plot .c1 { color: var(--c1); } .plot .c2 { color: var(--c2); }

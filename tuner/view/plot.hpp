@@ -23,7 +23,8 @@ struct Point {
 
 struct Series {
   enum class Mark : std::uint8_t { none, dot, square, triangle, cross, plus, diamond };
-  enum class Line : std::uint8_t { none, straight, steps };  // steps: first along x, then along y
+  // steps: first along x, then along y. bars: from each x to the next one, as high as y; the last point only ends them.
+  enum class Line : std::uint8_t { none, straight, steps, bars };
 
   std::string name;  // in the legend; empty: not there
   std::vector<Point> points;

@@ -1,4 +1,4 @@
-#include "regret_question.hpp"
+#include "measure/regret_question.hpp"
 
 #include <algorithm>
 #include <array>
@@ -6,11 +6,11 @@
 #include <optional>
 #include <set>
 
+#include "assur/assur.hpp"
 #include "measure/motion.hpp"
-#include "measure/race.hpp"
 #include "measure/ways.hpp"
 
-namespace assur::bench {
+namespace assur::measure {
 namespace {
 
 constexpr double kWrong = 1e-9;  // residual of a step from which on nobody wants it
@@ -21,8 +21,9 @@ struct Racer {
   std::string text;
   Prepared prepared;
   std::vector<std::string> others = {};  // texts that mean the same here
-  std::unique_ptr<measure::WholeStep> step = nullptr;
-  double seconds = HUGE_VAL;
+  std::unique_ptr<WholeStep> step = nullptr;
+  double seconds = HUGE_VAL, spread = 0;
+  std::size_t rounds = 0;
 };
 
 std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
@@ -46,24 +47,26 @@ bool is_right(const Report& report) {
 
 // False if it cannot run or is wrong.
 bool enter(Racer& racer) {
-  if (measure::is_hopeless(racer.prepared.plan)) return false;
+  if (is_hopeless(racer.prepared.plan)) return false;
   try {
     // Where the system puts two threads is luck in a race of many teams: each has its core.
     static const std::vector<int> kCores = this_machine().cores;
     const bool enough = idx(racer.prepared.plan.threads) <= kCores.size();
-    racer.step = std::make_unique<measure::WholeStep>(racer.prepared, enough ? kCores : std::vector<int>{});
+    racer.step = std::make_unique<WholeStep>(racer.prepared, enough ? kCores : std::vector<int>{});
     return racer.step->run(3) && is_right(racer.step->report());
   } catch (const Error&) {
     return false;
   }
 }
 
-void race(std::vector<Racer*>& racers, const measure::RaceRules& rules) {
-  std::vector<measure::Runner> runners;
+void race(std::vector<Racer*>& racers, const RaceRules& rules, const Instruments& instruments) {
+  std::vector<Runner> runners;
   for (Racer* r : racers) runners.push_back({.work = r->step.get()});
-  (void)measure::race(runners, rules);
+  (void)measure::race(runners, rules, instruments);
   for (std::size_t i = 0; i < racers.size(); ++i) {
     racers[i]->seconds = runners[i].failed || !is_right(racers[i]->step->report()) ? HUGE_VAL : runners[i].median();
+    racers[i]->spread = runners[i].spread();
+    racers[i]->rounds = runners[i].seconds.size();
   }
 }
 
@@ -109,13 +112,14 @@ std::string essence_of(const Prepared& prepared) {
   return text;
 }
 
-std::vector<Racer> uniform_racers(const Scene& scene, const Question& q,
-                                  const std::shared_ptr<const PerformanceModel>& model) {
+std::vector<Racer> uniform_racers(const Scene& scene, const Question& q, const QuestionOptions& options) {
   std::vector<Racer> racers;
   std::map<std::string, std::size_t> place;  // by essence: of the racer, or kFailed
   for (const std::string& strategy : uniform_strategies(scene, q)) {
+    if (options.instruments.stop()) return racers;
     try {
-      Racer racer{strategy, prepare(scene, {.strategy = strategy, .budget = ThreadBudget{q.threads}, .model = model})};
+      Racer racer{strategy,
+                  prepare(scene, {.strategy = strategy, .budget = ThreadBudget{q.threads}, .model = options.model})};
       const auto [at, is_new] = place.try_emplace(essence_of(racer.prepared), racers.size());
       if (is_new && enter(racer)) {
         racers.push_back(std::move(racer));
@@ -177,6 +181,11 @@ std::optional<Racer> combined(const Racer& fastest, const std::vector<Racer>& mi
 
 bool faster(const Racer* a, const Racer* b) { return a->seconds < b->seconds; }
 
+Finalist finalist(const Racer& r) {
+  const ErrorFigures& error = r.step->report().error;
+  return {r.text, r.seconds, r.spread, r.rounds, std::max({error.position, error.velocity, error.acceleration})};
+}
+
 std::vector<Racer*> pointers(std::vector<Racer>& racers) {
   std::vector<Racer*> all;
   for (Racer& r : racers) all.push_back(&r);
@@ -191,17 +200,19 @@ std::string Question::without_text() const {
   return text;
 }
 
-Answer answer(const Question& q, const std::shared_ptr<const PerformanceModel>& model, bool quick) {
+std::optional<Answer> answer(const Question& q, const QuestionOptions& options) {
   const Scene scene = open_scene(q.scene);
-  Racer chosen{"", prepare(scene, {.budget = ThreadBudget{q.threads}, .model = model, .without = q.without})};
+  Racer chosen{"", prepare(scene, {.budget = ThreadBudget{q.threads}, .model = options.model, .without = q.without})};
   chosen.text = text_of(chosen.prepared.plan);
   if (!enter(chosen)) throw Error(Error::Kind::numerical, q.scene + ": " + chosen.text + " fails");
 
-  const measure::RaceRules trial{.block = 50e-6, .seconds = 4, .least_rounds = 5, .most_rounds = quick ? 5 : 9};
-  std::vector<Racer> uniform = uniform_racers(scene, q, model);
+  const RaceRules trial{
+      .block = 50e-6, .seconds = options.seconds, .least_rounds = 5, .most_rounds = options.quick ? 5 : 9};
+  std::vector<Racer> uniform = uniform_racers(scene, q, options);
   std::vector<Racer*> all = pointers(uniform);
+  if (options.instruments.stop()) return std::nullopt;
   if (all.empty()) throw Error(Error::Kind::environment, q.scene + ": no strategy can run");
-  race(all, trial);
+  race(all, trial, options.instruments);
   std::sort(all.begin(), all.end(), faster);
 
   std::vector<Racer> mixed = mixed_racers(*all[0], q);
@@ -210,7 +221,7 @@ Answer answer(const Question& q, const std::shared_ptr<const PerformanceModel>& 
     std::vector<Racer*> entrants = pointers(mixed);
     Racer again{all[0]->text, all[0]->prepared};
     if (enter(again)) entrants.push_back(&again);
-    race(entrants, trial);
+    race(entrants, trial, options.instruments);
     together = combined(again, mixed);
     for (Racer* m : pointers(mixed)) all.push_back(m);
     std::sort(all.begin(), all.end(), faster);
@@ -219,7 +230,6 @@ Answer answer(const Question& q, const std::shared_ptr<const PerformanceModel>& 
   Answer out;
   out.best_trial_seconds = all[0]->seconds;
   out.question = q;
-  out.chosen = chosen.text;
   out.expected_seconds = chosen.prepared.plan.expected_seconds;
   for (const Racer& u : uniform) {
     if (!std::isfinite(u.seconds)) continue;
@@ -234,12 +244,16 @@ Answer answer(const Question& q, const std::shared_ptr<const PerformanceModel>& 
   }
   if (together && essence_of(together->prepared) != essence) final.push_back(&*together);
   final.push_back(&chosen);
-  race(final, {.block = 500e-6, .seconds = 4, .least_rounds = 15, .most_rounds = quick ? 15 : 41, .hopeless = 1e9});
-  const Racer* best = *std::min_element(final.begin(), final.end(), faster);
-  out.chosen_seconds = chosen.seconds;
-  out.best_seconds = best->seconds;
-  out.best = best->text;
+  const RaceRules last{.block = 500e-6,
+                       .seconds = options.seconds,
+                       .least_rounds = 15,
+                       .most_rounds = options.quick ? 15 : 41,
+                       .hopeless = 1e9};
+  race(final, last, options.instruments);
+  if (options.instruments.stop()) return std::nullopt;
+  out.chosen = finalist(chosen);
+  out.best = finalist(**std::min_element(final.begin(), final.end(), faster));
   return out;
 }
 
-}  // namespace assur::bench
+}  // namespace assur::measure

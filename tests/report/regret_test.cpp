@@ -1,0 +1,84 @@
+// What the section says of answers that are made up: every figure again from its measurements.
+#include "report/regret.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+
+#include "report/measurement.hpp"
+
+namespace assur::report {
+namespace {
+
+using measure::Answer;
+
+Answer answer(const std::string& scene, std::vector<std::string> without, double chosen, double best) {
+  Answer a;
+  a.question = {scene, std::move(without), 2};
+  a.chosen = {"irreducible/lanes:8", chosen, chosen / 100, 21, 1e-15};
+  a.best = {chosen == best ? "irreducible/lanes:8" : "groups/klu", best, best / 50, 15, 2e-15};
+  a.best_trial_seconds = best;
+  a.uniform = {{"groups/klu", 1.5 * best}, {"groups/eigen", 3 * best}};
+  return a;
+}
+
+const std::vector<Answer>& answers() {
+  static const std::vector<Answer> kAll = {answer("four_bar:5", {}, 1e-6, 1e-6), answer("andrews", {}, 2.2e-6, 2e-6),
+                                           answer("stewart", {"lanes"}, 6e-6, 4e-6)};
+  return kAll;
+}
+
+TEST(RegretSection, EveryRegretIsTheRatioOfItsTimes) {
+  const Section s = regret_section(answers(), 62);
+  std::map<std::string, std::map<std::string, double>> by_item;
+  for (const Measurement& m : s.measurements) by_item[m.item][m.quantity] = m.value;
+  for (const Answer& a : answers()) {
+    const std::string item = a.question.scene + (a.question.without.empty() ? "" : ", -lanes");
+    ASSERT_TRUE(by_item.contains(item)) << item;
+    auto& of = by_item[item];
+    EXPECT_DOUBLE_EQ(of["regret"], of["seconds per step, auto"] / of["seconds per step, fastest"] - 1);
+    EXPECT_DOUBLE_EQ(of["regret of the best constant strategy"], 0.5);
+  }
+}
+
+TEST(RegretSection, TheFiguresOfThePageAreThoseOfTheMeasurements) {
+  const Section s = regret_section(answers(), 62);
+  std::vector<double> regrets;
+  for (const Measurement& m : s.measurements) {
+    if (m.quantity == "regret") regrets.push_back(m.value);
+  }
+  std::sort(regrets.begin(), regrets.end());
+  ASSERT_EQ(regrets.size(), 3u);
+  EXPECT_NEAR(regrets[1], 0.1, 1e-12);
+  EXPECT_NEAR(regrets[2], 0.5, 1e-12);
+  for (const Measurement& m : s.measurements) {
+    if (m.item != "all questions" || m.strategy != "auto") continue;
+    const std::map<std::string, double> again = {{"regret, median", regrets[1]},
+                                                 {"regret, p95", regrets[2]},
+                                                 {"regret, max", regrets[2]},
+                                                 {"regret, mean", (regrets[0] + regrets[1] + regrets[2]) / 3}};
+    EXPECT_DOUBLE_EQ(m.value, again.at(m.quantity));
+    EXPECT_NE(s.body.find(">" + percent(m.value) + "<"), std::string::npos) << m.quantity;
+  }
+  EXPECT_NE(s.body.find("3 questions of 62"), std::string::npos);
+}
+
+TEST(RegretSection, NamesTheWorstCasesFirst) {
+  const std::string body = regret_section(answers(), 62).body;
+  const std::size_t table = body.find("worst cases");
+  ASSERT_NE(table, std::string::npos);
+  const std::size_t worst = body.find("stewart, -lanes", table), next = body.find("andrews", table);
+  EXPECT_LT(worst, next);
+  EXPECT_NE(next, std::string::npos);
+  EXPECT_EQ(body.find("four_bar:5", table), std::string::npos);
+}
+
+TEST(RegretSection, WithoutAnswersSaysSo) {
+  const Section s = regret_section({}, 62);
+  EXPECT_TRUE(s.measurements.empty());
+  EXPECT_NE(s.body.find("No question was answered"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace assur::report

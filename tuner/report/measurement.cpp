@@ -1,0 +1,68 @@
+#include "report/measurement.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <numeric>
+
+#include "output/format.hpp"
+
+namespace assur::report {
+
+std::string value_text(const Measurement& m) {
+  if (!std::isfinite(m.value)) return "-";
+  if (m.unit == "s") return output::duration(m.value);
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", m.value);
+  return m.unit == "1" || m.unit.empty() ? text : std::string(text) + " " + m.unit;
+}
+
+std::string percent(double share) {
+  char text[32];
+  std::snprintf(text, sizeof text, std::abs(share) < 0.0995 ? "%.1f %%" : "%.0f %%", 100 * share);
+  return text;
+}
+
+std::string about(const Measurement& m) {
+  std::string text = m.strategy.empty() ? m.item : m.strategy;
+  text += ": " + value_text(m) + "; ";
+  if (m.repetitions > 0) {
+    text += output::counted(m.repetitions, "repetition") + ", spread " + percent(m.spread) + ", ";
+  }
+  if (!std::isnan(m.error)) text += "error " + output::error_figure(m.error) + ", ";
+  return text + m.origin;
+}
+
+view::HtmlTable table_of(const std::vector<Measurement>& measurements, std::size_t most) {
+  using enum view::HtmlTable::Column;
+  view::HtmlTable table{{"what", "strategy", "quantity", "value", "repetitions", "spread", "error", "origin"},
+                        {text, text, text, number, number, number, number, words},
+                        {}};
+  for (const Measurement& m : measurements) {
+    if (table.rows.size() == most) break;
+    const bool repeated = m.repetitions > 0;
+    table.rows.push_back(
+        {{m.item, m.strategy, m.quantity, value_text(m), repeated ? std::to_string(m.repetitions) : "",
+          repeated ? percent(m.spread) : "", std::isnan(m.error) ? "" : output::error_figure(m.error), m.origin}});
+  }
+  return table;
+}
+
+double quantile(std::vector<double> values, double share) {
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+  std::sort(values.begin(), values.end());
+  const double rank = std::ceil(share * static_cast<double>(values.size()));
+  return values[static_cast<std::size_t>(std::max(rank, 1.0)) - 1];
+}
+
+double mean(const std::vector<double>& values) {
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+std::string paragraph(const std::string& text, const std::string& css_class) {
+  return (css_class.empty() ? "<p>" : "<p class=\"" + css_class + "\">") + view::escaped(text) + "</p>\n";
+}
+
+}  // namespace assur::report

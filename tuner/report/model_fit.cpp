@@ -1,0 +1,144 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "output/format.hpp"
+#include "report/measurement.hpp"
+#include "report/sections.hpp"
+#include "tuning/refinement.hpp"
+#include "tuning/replay.hpp"
+#include "view/plot.hpp"
+#include "view/ticks.hpp"
+
+namespace assur::report {
+namespace {
+
+constexpr std::size_t kMostShown = 400;  // points of the picture; the figures are of all
+
+struct Fit {
+  const Sample* sample;
+  Prediction expected;
+
+  // The factor by which it is off, at least 1.
+  [[nodiscard]] double factor() const { return std::exp(std::abs(std::log(expected.seconds / sample->seconds))); }
+};
+
+std::vector<Fit> fits(const std::vector<tuning::CellResult>& cells, const PerformanceModel& model, bool held_out) {
+  std::vector<Fit> out;
+  for (const tuning::CellResult& c : cells) {
+    if (held_out && !c.cell.held_out) continue;
+    for (const tuning::Result& r : c.results) {
+      const Sample& s = r.sample;
+      if (s.kernel == Kernel::meeting || s.kernel == Kernel::step || s.strategy.p > 1) continue;
+      out.push_back({&s, s.kernel == Kernel::pack ? model.pack(s.shape, s.strategy)
+                                                  : model.kernel(s.kernel, s.shape, s.strategy)});
+    }
+  }
+  return out;
+}
+
+std::string item_of(const Sample& s) {
+  return std::string(name(s.kernel)) + ", n = " + std::to_string(s.shape.n) + ", nnz = " + std::to_string(s.shape.nnz) +
+         ", " + output::counted(s.shape.groups, "group");
+}
+
+void draw_factor(view::Plot& plot, double factor, double low, double high, const std::string& name) {
+  view::Series line{.name = name,
+                    .points = {{low, factor * low}, {high, factor * high}},
+                    .colour = view::Series::kInk,
+                    .mark = view::Series::Mark::none,
+                    .line = view::Series::Line::straight};
+  if (factor > 1) line.points.back() = {high / factor, high};
+  if (factor < 1) line.points.front() = {low / factor, low};
+  plot.series.push_back(std::move(line));
+}
+
+view::Plot scatter(const std::vector<Fit>& all) {
+  view::Plot plot;
+  plot.title = "Expected time over measured time";
+  plot.x = {"measured, one call", true, view::time_text};
+  plot.y = {"expected", true, view::time_text};
+  double low = std::numeric_limits<double>::infinity(), high = 0;
+  for (const Fit& f : all) {
+    low = std::min({low, f.sample->seconds, f.expected.seconds});
+    high = std::max({high, f.sample->seconds, f.expected.seconds});
+  }
+  draw_factor(plot, 1, low, high, "equal, and a factor of two either way");
+  draw_factor(plot, 2, low, high, "");
+  draw_factor(plot, 0.5, low, high, "");
+  using Mark = view::Series::Mark;
+  constexpr std::array kKernels = {std::pair(Kernel::evaluate, Mark::plus), std::pair(Kernel::factor, Mark::dot),
+                                   std::pair(Kernel::solve, Mark::triangle), std::pair(Kernel::pack, Mark::square)};
+  const std::size_t stride = (all.size() + kMostShown - 1) / kMostShown;
+  for (std::size_t k = 0; k < kKernels.size(); ++k) {
+    view::Series series{.name = std::string(name(kKernels[k].first)),
+                        .points = {},
+                        .colour = static_cast<int>(k),
+                        .mark = kKernels[k].second};
+    for (std::size_t i = 0; i < all.size(); i += stride) {
+      const Sample& s = *all[i].sample;
+      if (s.kernel != kKernels[k].first) continue;
+      series.points.push_back({s.seconds, all[i].expected.seconds,
+                               item_of(s) + ", " + to_string(s.strategy) + ": measured " + output::duration(s.seconds) +
+                                   " (" + output::grouped(s.repetitions) + " calls, spread " +
+                                   percent(s.spread / s.seconds) + "), expected " +
+                                   output::duration(all[i].expected.seconds)});
+    }
+    if (!series.points.empty()) plot.series.push_back(std::move(series));
+  }
+  return plot;
+}
+
+}  // namespace
+
+Section model_fit(const Knowledge& knowledge, const Conditions&) {
+  Section out{"model-fit", "How well times are predicted", "", {}};
+  if (!knowledge.tuning) {
+    out.body =
+        paragraph("There is no finished tuning run of this machine to look at. " + how_to_tune(knowledge), "notice");
+    return out;
+  }
+  const std::vector<tuning::CellResult> cells = tuning::cells_of(knowledge.tuning->samples);
+  const PerformanceModel model = tuning::model_of(cells);
+  std::vector<Fit> all = fits(cells, model, true);
+  const bool unseen = !all.empty();
+  if (!unseen) all = fits(cells, model, false);
+
+  std::vector<double> factors, within;
+  const std::string origin =
+      unseen ? "predicted by a model that has not seen its cell" : "predicted by a model that knows it";
+  for (const Fit& f : all) {
+    const Sample& s = *f.sample;
+    factors.push_back(f.factor());
+    if (f.factor() <= 2) within.push_back(f.factor());
+    const std::string strategy = to_string(s.strategy);
+    const auto count = static_cast<int>(std::min<std::int64_t>(s.repetitions, std::numeric_limits<int>::max()));
+    out.measurements.push_back({out.id, item_of(s), strategy, "seconds per call, measured", "s", s.seconds, count,
+                                s.spread / s.seconds, s.backward_error,
+                                "tuning run " + std::to_string(knowledge.tuning->run.id)});
+    out.measurements.push_back({out.id, item_of(s), strategy, "seconds per call, expected", "s", f.expected.seconds, 0,
+                                0, std::nan(""), origin + ", " + std::string(name(f.expected.origin))});
+  }
+  const double median = quantile(factors, 0.5), p95 = quantile(factors, 0.95), most = quantile(factors, 1);
+  const auto add = [&](const char* quantity, double value) {
+    out.measurements.push_back(
+        {out.id, "all samples", "", quantity, "1", value, 0, 0, std::nan(""),
+         "computed from " + output::counted(static_cast<std::int64_t>(factors.size()), "sample")});
+  };
+  add("expected over measured, off by a factor, median", median);
+  add("expected over measured, off by a factor, p95", p95);
+  add("expected over measured, off by a factor, max", most);
+  const auto factor_text = [](double f) { return output::fixed(f); };
+  out.body = paragraph(
+      std::string(unseen ? "Samples that were held out, and what a model from all others expects of them: "
+                         : "Nothing was held out: the model has seen what it is compared with here. ") +
+      "it is off by a factor of " + factor_text(median) + " (median), " + factor_text(p95) + " (95 of 100), " +
+      factor_text(most) + " (most); " +
+      percent(static_cast<double>(within.size()) / static_cast<double>(std::max<std::size_t>(factors.size(), 1))) +
+      " are within a factor of two.");
+  out.body += view::figure(scatter(all));
+  return out;
+}
+
+}  // namespace assur::report

@@ -1,0 +1,224 @@
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "assur/ensemble.hpp"
+#include "assur/machine.hpp"
+#include "assur/plan.hpp"
+#include "measure/motion.hpp"
+#include "measure/race.hpp"
+#include "output/format.hpp"
+#include "report/measurement.hpp"
+#include "report/sections.hpp"
+#include "view/plot.hpp"
+#include "view/ticks.hpp"
+
+namespace assur::report {
+namespace {
+
+constexpr double kShort = 5;      // s: in less there is time for small mechanisms only
+constexpr double kWrong = 1e-12;  // residual from which on a time does not count; exact runs end at some eps
+
+// One candidate of a race; steps: that one call makes.
+struct Entry {
+  std::string item, strategy;
+  std::unique_ptr<measure::Workload> work;
+  std::function<double()> error;
+  double steps = 1;
+  Measurement measured = {};
+};
+
+double worst(const ErrorFigures& e) { return std::max({e.position, e.velocity, e.acceleration}); }
+
+// All members over all times at each call.
+class EnsembleRun final : public measure::Workload {
+ public:
+  EnsembleRun(const std::vector<Scene>& members, const PrepareOptions& how)
+      : ensemble_(members.size(), [&](std::size_t i) { return prepare(members[i], how); }) {}
+  bool run(int calls) override {
+    for (int i = 0; i < calls; ++i) {
+      (void)ensemble_.run();
+      if (!ensemble_.report().status.arrived()) return false;
+    }
+    return true;
+  }
+  [[nodiscard]] const Report& report() const { return ensemble_.report(); }
+
+ private:
+  Ensemble ensemble_;
+};
+
+class Contest {
+ public:
+  Contest(Section& out, const Conditions& conditions)
+      : out_(out), conditions_(conditions), cores_(this_machine().cores) {}
+
+  // A mechanism, step after step. item: what the CSV calls it.
+  void enter(const std::string& item, const std::string& scene, const std::string& strategy) {
+    try {
+      const Prepared prepared = prepare(sample(scene), how(strategy));
+      const bool enough = static_cast<std::size_t>(conditions_.threads) <= cores_.size();
+      auto step = std::make_unique<measure::WholeStep>(prepared,
+                                                       enough && conditions_.threads > 1 ? cores_ : std::vector<int>{});
+      entries_.push_back({item, strategy, nullptr, [s = step.get()] { return worst(s->report().error); }});
+      entries_.back().work = std::move(step);
+    } catch (const Error&) {
+      // it cannot run here: `assur backends` says why
+    }
+  }
+
+  void enter_all(const std::string& item, const std::vector<Scene>& members, const std::string& strategy) {
+    PrepareOptions options = how(strategy);
+    options.mode = Mode::throughput;
+    auto run = std::make_unique<EnsembleRun>(members, options);
+    entries_.push_back({item, strategy, nullptr, [r = run.get()] { return worst(r->report().error); },
+                        static_cast<double>(members.size()) * static_cast<double>(members.front().time().steps())});
+    entries_.back().work = std::move(run);
+  }
+
+  // Those that have a time, in their order.
+  std::vector<Measurement> hold(double seconds) {
+    std::vector<measure::Runner> runners;
+    for (Entry& e : entries_) runners.push_back({.work = e.work.get()});
+    (void)measure::race(runners, {.seconds = seconds, .least_rounds = 9, .most_rounds = 31, .hopeless = 1e9},
+                        conditions_.instruments());
+    std::vector<Measurement> times;
+    for (std::size_t i = 0; i < runners.size(); ++i) {
+      const measure::Runner& r = runners[i];
+      if (r.failed || r.seconds.empty() || !(entries_[i].error() < kWrong)) continue;
+      times.push_back({out_.id, entries_[i].item, entries_[i].strategy, "seconds per step", "s",
+                       r.median() / entries_[i].steps, static_cast<int>(r.seconds.size()), r.spread() / r.median(),
+                       entries_[i].error(), "measured"});
+    }
+    entries_.clear();
+    out_.measurements.insert(out_.measurements.end(), times.begin(), times.end());
+    return times;
+  }
+
+ private:
+  [[nodiscard]] PrepareOptions how(const std::string& strategy) const {
+    return {.strategy = strategy, .budget = ThreadBudget{conditions_.threads}};
+  }
+
+  Section& out_;
+  const Conditions& conditions_;
+  std::vector<int> cores_;
+  std::vector<Entry> entries_;
+};
+
+// Each over the first of the same scene and solver.
+view::HtmlTable table_of_speed_ups(Section& out, const std::vector<Measurement>& times,
+                                   const std::function<bool(const Measurement&)>& is_first) {
+  using enum view::HtmlTable::Column;
+  view::HtmlTable table{{"what", "strategy", "step", "repetitions", "spread", "error", "speed-up"},
+                        {text, text, number, number, number, number, number},
+                        {}};
+  double first = 0;
+  for (const Measurement& m : times) {
+    if (is_first(m)) first = m.value;
+    const double speed_up = first > 0 ? first / m.value : std::nan("");
+    Measurement ratio = m;
+    ratio.quantity = "speed-up";
+    ratio.unit = "1";
+    ratio.value = speed_up;
+    ratio.origin = "ratio of the times above";
+    table.rows.push_back({{m.item, m.strategy, value_text(m), std::to_string(m.repetitions), percent(m.spread),
+                           output::error_figure(m.error), output::fixed(speed_up)}});
+    out.measurements.push_back(std::move(ratio));
+  }
+  return table;
+}
+
+bool alone(const Measurement& m) {
+  const Strategy s = parse_strategy(m.strategy);
+  return s.p == 1 && s.q == 1;
+}
+
+void splits(Section& out, Contest& contest, const std::string& rings, const Conditions& conditions, double seconds) {
+  const std::string threads = std::to_string(conditions.threads);
+  for (const char* solver : {"lanes:8", "klu", "lapack", "team"}) {
+    const std::string strategy = std::string("groups/") + solver;
+    contest.enter("threads, " + rings, rings, strategy);
+    if (conditions.threads == 1) continue;
+    contest.enter("threads, " + rings, rings, strategy + " " + threads + "x1");
+    if (strategy.ends_with("lapack") || strategy.ends_with("team"))
+      contest.enter("threads, " + rings, rings, strategy + " 1x" + threads);
+  }
+  out.body += "<h4>Threads</h4>\n" +
+              paragraph(
+                  "One mechanism, step after step. Px1: P packs at once; 1xQ: Q threads in the solver of each; "
+                  "speed-up over the same solver on one thread.");
+  if (conditions.threads == 1) out.body += paragraph("There is only one thread to use here.", "notice");
+  out.body += html(table_of_speed_ups(out, contest.hold(seconds), alone));
+}
+
+void lanes(Section& out, Contest& contest, const std::string& rings, double seconds) {
+  const std::vector<std::pair<std::string, std::string>> sweeps = {{rings, "groups/lanes"},
+                                                                   {"stewart:legs=64", "irreducible/lanes"}};
+  for (const auto& [scene, solver] : sweeps) {
+    for (const int w : {1, 2, 4, 8, 16})
+      contest.enter("lanes, " + scene, scene, solver + (w > 1 ? ":" + std::to_string(w) : ""));
+  }
+  const std::vector<Measurement> times = contest.hold(seconds);
+  view::Plot plot;
+  plot.title = "Speed-up over one lane";
+  plot.x = {"lanes, W", false, [](double v) { return v == std::floor(v) ? output::number(std::exp2(v)) : ""; }};
+  plot.y = {"speed-up over one lane", false, [](double v) { return output::number(v); }};
+  for (std::size_t k = 0; k < sweeps.size(); ++k) {
+    view::Series series{.name = sweeps[k].first + ", " + sweeps[k].second,
+                        .points = {},
+                        .colour = static_cast<int>(k),
+                        .mark = k == 0 ? view::Series::Mark::dot : view::Series::Mark::square,
+                        .line = view::Series::Line::straight};
+    double first = 0;
+    for (const Measurement& m : times) {
+      if (m.item != "lanes, " + sweeps[k].first) continue;
+      const int w = parse_strategy(m.strategy).lanes;
+      if (w == 1) first = m.value;
+      if (first > 0) series.points.push_back({std::log2(w), first / m.value, m.item + ", " + about(m)});
+    }
+    plot.series.push_back(std::move(series));
+  }
+  out.body +=
+      "<h4>Lanes</h4>\n" + paragraph("One thread, W groups side by side.") + view::figure(plot) +
+      html(table_of_speed_ups(out, times, [](const Measurement& m) { return parse_strategy(m.strategy).lanes == 1; }));
+}
+
+void ensemble(Section& out, Contest& contest, const Conditions& conditions, bool small, double seconds) {
+  const int members = small ? 32 : 256, steps = 50;
+  std::vector<Scene> scenes;
+  for (int i = 0; i < members; ++i) {
+    scenes.push_back(sample("stewart", {{"omega", 0.5 + static_cast<double>(i) / members}, {"steps", steps}}));
+  }
+  const std::string name = std::to_string(members) + " stewart, " + std::to_string(steps) + " steps each";
+  const std::string threads = " " + std::to_string(conditions.threads) + "x1";
+  for (const char* solver : {"irreducible/lanes", "irreducible/lanes:8", "irreducible/lanes:16"})
+    contest.enter_all(name, scenes, solver);
+  if (conditions.threads > 1) {
+    for (const char* solver : {"irreducible/lanes:8", "irreducible/lanes:16"})
+      contest.enter_all(name, scenes, solver + threads);
+  }
+  out.body += "<h4>Many variants at once</h4>\n" +
+              paragraph(
+                  "An ensemble of Stewart platforms of different speeds, all outputs, with their start; speed-up over "
+                  "one lane on one thread.") +
+              html(table_of_speed_ups(out, contest.hold(seconds), [](const Measurement& m) {
+                return alone(m) && parse_strategy(m.strategy).lanes == 1;
+              }));
+}
+
+}  // namespace
+
+Section scaling(const Knowledge&, const Conditions& conditions) {
+  Section out{"scaling", "How it scales: threads, lanes, variants", "", {}};
+  const bool small = conditions.seconds < kShort;
+  const std::string rings = small ? "rings:legs=16,n=24" : "rings:legs=64,n=120";
+  const auto seconds = [&](double share) { return std::clamp(share * conditions.seconds, 0.3, 20.0); };
+  Contest contest(out, conditions);
+  splits(out, contest, rings, conditions, seconds(0.4));
+  if (!conditions.interrupted()) lanes(out, contest, rings, seconds(0.2));
+  if (!conditions.interrupted()) ensemble(out, contest, conditions, small, seconds(0.2));
+  return out;
+}
+
+}  // namespace assur::report

@@ -1,0 +1,117 @@
+#include <algorithm>
+#include <cmath>
+
+#include "assur/plan.hpp"
+#include "assur/scene.hpp"
+#include "assur/simulator.hpp"
+#include "measure/step_times.hpp"
+#include "measure/ways.hpp"
+#include "output/format.hpp"
+#include "report/measurement.hpp"
+#include "report/sections.hpp"
+#include "view/plot.hpp"
+#include "view/ticks.hpp"
+
+namespace assur::report {
+namespace {
+
+constexpr const char* kScene = "stewart";
+constexpr int kWarm = 1000;  // steps that are not timed: memory is in the cache, threads are awake
+constexpr double kLeastSeconds = 0.3, kMostSeconds = 10;  // less shows no tail, and more nothing new
+constexpr std::int64_t kMostSteps = 2'000'000;
+constexpr int kBetweenLooks = 500;  // readings of the clock between two looks at the time that is left
+constexpr int kBins = 80;
+
+struct Timed {
+  measure::StepTimes::Blocks blocks;
+  measure::StepTimes::Figures figures{};
+  double error = 0;
+};
+
+// Beyond the end of its grid the motion of the sample goes on.
+Timed time_steps(const Prepared& prepared, const Conditions& conditions) {
+  Simulator simulator(prepared);
+  std::int64_t k = 0;
+  const auto advance = [&] {
+    const Status status = simulator.step(prepared.time.time(++k));
+    if (!status.arrived()) throw Error(Error::Kind::numerical, std::string(kScene) + ": a step failed");
+  };
+  for (int i = 0; i < kWarm; ++i) advance();
+  measure::StepTimes times(kMostSteps);
+  times.tick();
+  const double seconds = std::clamp(conditions.seconds, kLeastSeconds, kMostSeconds);
+  std::int64_t readings = 0;
+  for (std::int64_t i = 0; i < kMostSteps; ++i) {
+    advance();
+    if (!times.tick() || ++readings % kBetweenLooks != 0) continue;
+    if (times.elapsed() > seconds || conditions.interrupted()) break;
+    times.resume();  // what was looked at is no part of the next step
+  }
+  return {times.blocks(), times.figures(), simulator.report().error.position};
+}
+
+// From the shortest to the longest, logarithmic; the last point ends the last bar.
+view::Series bars(const Timed& timed) {
+  const auto [least, most] = std::minmax_element(timed.blocks.seconds.begin(), timed.blocks.seconds.end());
+  const double low = std::log(std::max(*least, 1e-9)), width = std::max(1e-6, (std::log(*most) - low) / kBins);
+  std::vector<std::int64_t> counts(kBins, 0);
+  for (const double s : timed.blocks.seconds) {
+    ++counts[static_cast<std::size_t>(std::clamp((std::log(std::max(s, 1e-9)) - low) / width, 0.0, kBins - 1.0))];
+  }
+  view::Series out{
+      .name = "", .points = {}, .colour = 0, .mark = view::Series::Mark::none, .line = view::Series::Line::bars};
+  const auto all = static_cast<double>(timed.blocks.seconds.size());
+  for (int i = 0; i <= kBins; ++i) {
+    const double from = std::exp(low + i * width);
+    const std::int64_t count = i < kBins ? counts[static_cast<std::size_t>(i)] : 0;
+    out.points.push_back({from, 100 * static_cast<double>(count) / all,
+                          output::duration(from) + " to " + output::duration(std::exp(low + (i + 1) * width)) + ": " +
+                              output::counted(count, timed.blocks.steps > 1 ? "block" : "step")});
+  }
+  return out;
+}
+
+}  // namespace
+
+Section step_histogram(const Knowledge& knowledge, const Conditions& conditions) {
+  Section out{"steps", "How long single steps take", "", {}};
+  const Prepared prepared =
+      prepare(sample(kScene), {.budget = ThreadBudget{conditions.threads}, .model = knowledge.known.model});
+  const std::string strategy = measure::essence(prepared.plan);
+  const Timed timed = time_steps(prepared, conditions);
+  if (timed.blocks.seconds.empty()) return out;
+
+  std::vector<double> deviations;
+  for (const double s : timed.blocks.seconds) deviations.push_back(std::abs(s - timed.figures.median));
+  const double spread = quantile(std::move(deviations), 0.5) / timed.figures.median;
+  const auto count = static_cast<int>(timed.blocks.seconds.size());
+  const auto add = [&](const char* quantity, double seconds) {
+    out.measurements.push_back({out.id, kScene, strategy, quantity, "s", seconds, count, spread, timed.error,
+                                timed.figures.block > 1
+                                    ? "measured in blocks of " + std::to_string(timed.figures.block) + " steps"
+                                    : "measured, each step by itself"});
+  };
+  add("seconds per step, p50", timed.figures.median);
+  add("seconds per step, p99", timed.figures.p99);
+  add("seconds per step, max", timed.figures.max);
+
+  view::Plot plot;
+  plot.title = std::string(kScene) + ": histogram of the times of steps";
+  plot.x = {"time of one step", true, view::time_text};
+  plot.y = {"share of the steps, %", true, view::power_of_ten};
+  plot.guides = {{timed.figures.median, "p50"}, {timed.figures.p99, "p99"}, {timed.figures.max, "max"}};
+  plot.series = {bars(timed)};
+  out.body = paragraph(std::string(kScene) + ", auto (" + strategy + "), " +
+                       output::counted(std::int64_t{count} * timed.figures.block, "step") + ": p50 " +
+                       output::duration(timed.figures.median) + ", p99 " + output::duration(timed.figures.p99) +
+                       ", max " + output::duration(timed.figures.max) + ". The largest position error is " +
+                       output::error_figure(timed.error) + ".");
+  out.body += view::figure(plot);
+  out.body += paragraph(
+      "Both axes are logarithmic. What is far to the right is the system taking the processor away: a "
+      "machine for real time has less of it.",
+      "faint");
+  return out;
+}
+
+}  // namespace assur::report

@@ -1,0 +1,101 @@
+#include "measure/work_precision.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "measure/step_times.hpp"
+#include "output/comparison_report.hpp"
+#include "output/format.hpp"
+#include "report/measurement.hpp"
+#include "report/sections.hpp"
+#include "view/comparison_page.hpp"
+#include "view/ticks.hpp"
+
+namespace assur::report {
+namespace {
+
+constexpr double kShort = 8;                             // s: in less there is time for the smallest mechanism only
+constexpr double kRace = 10;                             // s, of all ways of one scene, at most
+constexpr std::int64_t kQuickSteps = 100, kSteps = 300;  // the reference takes its time
+
+std::vector<std::string> scenes(const Conditions& conditions) {
+  if (conditions.seconds < kShort) return {"four_bar"};
+  if (conditions.quick) return {"stewart"};
+  return {"stewart", "four_bar:10", "andrews", "slider_crank", "rings:legs=6,n=24"};
+}
+
+Scene shortened(const Scene& scene, std::int64_t steps) {
+  TimeGrid grid = scene.time();
+  if (grid.steps() <= steps) return scene;
+  grid.end = grid.time(steps);
+  return scene.with_time(grid);
+}
+
+view::HtmlTable verdicts(const output::ComparisonSummary& s) {
+  using enum view::HtmlTable::Column;
+  view::HtmlTable table{
+      {"asked for", "reached", "step", "auto", "strategy"}, {number, number, number, words, text}, {}};
+  for (const double a : s.accuracies) {
+    const output::Verdict v = output::verdict(s.result, a);
+    table.rows.push_back({{view::power_of_ten(a), v.reached, v.step, v.words, v.strategy}});
+  }
+  return table;
+}
+
+void add(Section& out, const std::string& scene, const measure::WorkPrecision& result) {
+  for (const measure::WorkPrecisionRow& row : result.rows) {
+    if (!row.seconds) continue;
+    std::string origin = "measured";
+    if (row.on_front) origin += ", on the front";
+    if (!row.picked.empty()) origin += ", taken by auto for " + output::accuracies_text(row.picked);
+    const auto rounds = static_cast<int>(row.rounds);
+    const double spread = row.spread / *row.seconds;
+    out.measurements.push_back({out.id, scene, output::way_text(row), "seconds per step", "s", *row.seconds, rounds,
+                                spread, row.worst_error(), origin});
+  }
+}
+
+}  // namespace
+
+Section work_precision(const Knowledge& knowledge, const Conditions& conditions) {
+  const double begin = measure::StepTimes::steady();
+  Section out{"work-precision", "Error against run time", "", {}};
+  out.body = paragraph(
+      "Every way to run a mechanism: the time of a step and the true error, the worst of position, velocity and "
+      "acceleration over the run, against a solution in quad precision. The front is what no other way beats in both; "
+      "diamonds are what auto takes for the accuracies that the dotted lines show.");
+  const std::vector<std::string> names = scenes(conditions);
+  double longest = 0;
+  for (const std::string& name : names) {
+    const double now = measure::StepTimes::steady() - begin;
+    if (conditions.interrupted() || (longest > 0 && now + longest > conditions.seconds)) break;
+    conditions.progress(now / conditions.seconds, name);
+    const Scene scene = shortened(sample(name), conditions.quick || conditions.seconds < kShort ? kQuickSteps : kSteps);
+    measure::WorkPrecisionOptions how;
+    how.accuracies = {1e-4, 1e-6, 1e-8, 1e-10, 1e-12};
+    how.budget = ThreadBudget{conditions.threads};
+    how.model = knowledge.known.model;
+    how.rules = {.seconds = std::clamp(0.4 * conditions.seconds / static_cast<double>(names.size()), 0.5, kRace),
+                 .least_rounds = 11,
+                 .most_rounds = 41,
+                 .hopeless = 100};
+    how.instruments = conditions.instruments();
+    const measure::WorkPrecision result = measure::work_precision(scene, how);
+    longest = std::max(longest, measure::StepTimes::steady() - begin - now);
+    if (result.interrupted) break;
+    const output::ComparisonSummary summary{name, scene.time().step, how.accuracies, result};
+    out.body +=
+        "<h4>" + view::escaped(name) + "</h4>\n" +
+        paragraph(output::counted(result.steps, "step") + " of " + output::number(scene.time().step) + " s.", "faint");
+    if (result.no_yardstick.empty()) {
+      out.body += view::figure(view::work_precision_plot(summary));
+    } else {
+      out.body += paragraph("There is no picture, for there is no yardstick: " + result.no_yardstick, "notice");
+    }
+    out.body += html(verdicts(summary));
+    add(out, name, result);
+  }
+  return out;
+}
+
+}  // namespace assur::report
