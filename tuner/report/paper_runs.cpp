@@ -84,8 +84,8 @@ class PaperExperiments {
  private:
   [[nodiscard]] measure::Noise noise() const {
     measure::Noise noise = watch_->noise();
-    noise.disturbed =
-        blocks_.blocks > 0 ? static_cast<double>(blocks_.disturbed) / static_cast<double>(blocks_.blocks) : 0;
+    noise.disturbed = std::min(
+        1.0, static_cast<double>(blocks_.disturbed) / static_cast<double>(std::max<std::int64_t>(blocks_.blocks, 1)));
     std::vector<double> spreads;
     for (const PaperTiming& t : out_.times) {
       if (t.rounds > 2) spreads.push_back(t.spread / t.seconds);
@@ -123,7 +123,7 @@ class PaperExperiments {
       const Entrant& entrant = contest.entrants[e];
       Contender c = named(contest.cell, entrant);
       if (!chosen[0][e]) {
-        c.timing.why_not = "would take longer than there was time for: some " +
+        c.timing.why_not = "did not fit into the time that was left: some " +
                            output::duration(costs_.step(contest.cell, entrant)) + " a step";
       } else {
         verify(c, scene, entrant, yardstick);
