@@ -358,7 +358,7 @@ void add_check(CLI::App& app, Invocation& call) {
 }
 
 void add_report(CLI::App& app, Invocation& call) {
-  CLI::App& report = *app.add_subcommand("report", "The benchmark report: a page with plots, CSV and JSON beside it");
+  CLI::App& report = *app.add_subcommand("report", "The benchmark report: a page, CSV and JSON");
   ReportOptions& o = call.report;
   CLI::Option* out = report.add_option("--out", o.out, "Write into this folder: assur-report")->type_name("DIR");
   report.add_flag("--quick", o.quick, "Three minutes at most, instead of thirty");
