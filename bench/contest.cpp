@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
-#include <map>
 
 #include "assur/status.hpp"
 #include "assur/strategy.hpp"
@@ -13,13 +11,6 @@ namespace assur::bench {
 namespace {
 
 constexpr double kMostResidual = 1e-14;  // of the equations; Newton's method ends at 8 eps of their terms
-
-// Value, velocity or acceleration of points and vectors, or what measures have: a coordinate that is near zero is as
-// uncertain as its neighbours are.
-std::string kind_of(const std::string& column) {
-  const std::string last = column.substr(column.rfind('.') + 1);
-  return last == "x" || last == "y" || last == "z" ? "x" : last.size() == 2 ? last.substr(0, 1) : last;
-}
 
 void fail(Entry& entry, const std::string& why, bool wrong) {
   entry.failure = why;
@@ -87,29 +78,6 @@ void hold(std::vector<Entry>& contest, int rounds) {
       contest[i].processor.push_back(costs[i].processor);
     }
   }
-}
-
-double deviation(const std::vector<std::string>& columns, std::span<const double> a, std::span<const double> b) {
-  if (a.size() != b.size() || a.empty()) return std::numeric_limits<double>::infinity();
-  if (std::memcmp(a.data(), b.data(), a.size_bytes()) == 0) return 0;
-  struct Kind {
-    double off = 0, largest = 0;
-  };
-  std::map<std::string, Kind> kinds;
-  std::vector<Kind*> kind;
-  for (const std::string& column : columns) kind.push_back(&kinds[kind_of(column)]);
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    Kind& k = *kind[i % kind.size()];
-    const double off = std::abs(a[i] - b[i]);
-    if (!(off <= k.off)) k.off = off;
-    k.largest = std::max(k.largest, std::abs(b[i]));
-  }
-  double worst = std::numeric_limits<double>::denorm_min();  // a zero of another sign is another one
-  for (const auto& [name, k] : kinds) {
-    const double relative = k.largest > 0 ? k.off / k.largest : k.off;
-    if (!(relative <= worst)) worst = relative;
-  }
-  return worst;
 }
 
 Spread spread(std::vector<double> values) {

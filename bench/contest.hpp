@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "measure/deviation.hpp"
 #include "measure/step_times.hpp"
 
 namespace assur::bench {
@@ -61,10 +62,7 @@ struct Entry {
 // failure and no times.
 void hold(std::vector<Entry>& contest, int rounds);
 
-// The largest difference over the largest value of all columns of its kind (coordinates, velocities, ...); 0 only for
-// the same bits. Rows of `columns` each; infinite if the lengths differ.
-[[nodiscard]] double deviation(const std::vector<std::string>& columns, std::span<const double> a,
-                               std::span<const double> b);
+using measure::deviation;
 
 struct Spread {
   double lower = 0, median = 0, upper = 0;  // quartiles

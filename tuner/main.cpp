@@ -215,16 +215,19 @@ void add_run(CLI::App& app, Invocation& call) {
   CLI::Option* csv = run.add_option("--csv", o.csv, "Write the trajectory; - for standard output")->type_name("FILE");
   CLI::Option* errors =
       run.add_option("--errors", o.errors, "Write the errors of each group in each step")->type_name("FILE");
+  CLI::Option* animate =
+      run.add_option("--animate", o.animate, "Write a page on which the mechanism moves")->type_name("F.html");
+  CLI::Option* plot = run.add_option("--plot", o.plot, "Draw the outputs over time")->type_name("F.svg");
   run.add_flag("--reference", o.reference, "Compare with a solution in quad precision");
   run.add_flag("--certify", o.certify, "Prove how near the postures are to the true ones");
   run.add_flag("--pin", o.pin, "Each thread on a core of its own, never asleep");
   add_common(run, call.common);
-  run.callback([&call, csv, ensemble, errors] {
-    if (ensemble->count() > 0 && call.run.ensemble.empty()) {
-      throw CLI::ValidationError("--ensemble", "expects a file name");
+  run.callback([&call, files = std::vector<CLI::Option*>{ensemble, csv, errors, animate, plot}] {
+    for (const CLI::Option* file : files) {
+      if (file->count() > 0 && file->results().back().empty()) {
+        throw CLI::ValidationError(file->get_name(), "expects a file name");
+      }
     }
-    if (csv->count() > 0 && call.run.csv.empty()) throw CLI::ValidationError("--csv", "expects a file name");
-    if (errors->count() > 0 && call.run.errors.empty()) throw CLI::ValidationError("--errors", "expects a file name");
     if (call.common.json && call.run.csv == "-") {
       throw CLI::ValidationError("--csv", "cannot share standard output with --json; give a file");
     }

@@ -60,7 +60,10 @@ class Refined final : public LinearSolver {
   void refine(By by, std::span<double> x, std::size_t count, Transpose transpose);
   void correct(By by, std::size_t count, Transpose transpose);
   void measure(std::span<const double> x, std::size_t count, Transpose transpose);
-  double normwise_error(std::size_t column, Transpose transpose) const;
+  double normwise_error(double residual, std::size_t column, Transpose transpose) const;
+  const std::vector<double>& rows_of(Transpose transpose) const {
+    return transpose == Transpose::no ? row_scale_ : column_scale_;
+  }
   LinearSolver& solver(By by) { return by == By::inner ? *inner_ : *in_double_; }
   PackSystem system(Transpose transpose) const { return {pattern_, values_, static_cast<int>(lanes_), transpose}; }
 
@@ -97,6 +100,9 @@ class Refined final : public LinearSolver {
   std::vector<double> residual_;                          // n x kRightSides x lanes: b - A x, then the correction
   std::vector<double> before_;                            // n x kRightSides x lanes: x before its last correction
   std::vector<double> weight_, column_, row_;             // n x lanes: for componentwise errors
+  // n x lanes: R and C of normwise errors, which are those of R A C, so that no row hides behind a larger one, and
+  // their inverses, which scale b' and x.
+  std::vector<double> row_scale_, column_scale_, row_size_, column_size_;
   // A column is one right-hand side in one lane: kRightSides x lanes.
   std::vector<double> norm_of_b_, norm_of_x_, norm_of_residual_;
   std::vector<double> scale_;  // of a residual that is solved in float: a power of two
@@ -125,7 +131,9 @@ void Refined::allocate() {
   norm_of_a_.assign(lanes_, 0.0);
   norm_of_a_transposed_.assign(lanes_, 0.0);
   for (auto* chunk : {&given_, &residual_, &before_}) chunk->assign(n_ * kRightSides * lanes_, 0.0);
-  for (auto* side : {&weight_, &column_, &row_}) side->assign(n_ * lanes_, 0.0);
+  for (auto* side : {&weight_, &column_, &row_, &row_scale_, &column_scale_, &row_size_, &column_size_}) {
+    side->assign(n_ * lanes_, 0.0);
+  }
   for (auto* columns : {&norm_of_b_, &norm_of_x_, &norm_of_residual_, &scale_, &error_, &new_error_}) {
     columns->assign(kRightSides * lanes_, 0.0);
   }
@@ -138,8 +146,11 @@ Status Refined::factorize(std::span<const double> values) {
   std::copy(values.begin(), values.end(), values_.begin());
   has_double_factors_ = false;
   if (goal_.measure == Goal::Measure::normwise) {
-    matrix_norms(system(Transpose::no), norm_of_a_, weight_);
-    matrix_norms(system(Transpose::yes), norm_of_a_transposed_, weight_);
+    equilibrate(system(Transpose::no), row_scale_, column_scale_);
+    for (std::size_t i = 0; i < row_size_.size(); ++i) row_size_[i] = 1 / row_scale_[i];
+    for (std::size_t i = 0; i < column_size_.size(); ++i) column_size_[i] = 1 / column_scale_[i];
+    matrix_norms(system(Transpose::no), row_scale_, column_scale_, norm_of_a_, weight_);
+    matrix_norms(system(Transpose::yes), column_scale_, row_scale_, norm_of_a_transposed_, weight_);
   }
   const bool all_good = inner_->factorize(values).ok();
   for (std::size_t lane = 0; lane < lanes_; ++lane) {
@@ -211,9 +222,10 @@ void Refined::improve(By by, std::span<double> x, std::size_t count, Transpose t
 
   std::copy_n(given_.begin(), x.size(), residual_.begin());
   for (std::size_t r = 0; r < count; ++r) {
-    norms(side(residual_, r), std::span(norm_of_b_).subspan(r * lanes_, lanes_));
+    norms(side(residual_, r), std::span(norm_of_residual_).subspan(r * lanes_, lanes_));
+    if (goal_.measure == Goal::Measure::componentwise) continue;
+    norms(side(residual_, r), rows_of(transpose), std::span(norm_of_b_).subspan(r * lanes_, lanes_));
   }
-  norm_of_residual_ = norm_of_b_;
   correct(by, count, transpose);
   for_each(count, [&](std::size_t i, std::size_t column) {
     if (open_[column]) x[i] = residual_[i];
@@ -290,17 +302,18 @@ void Refined::measure(std::span<const double> x, std::size_t count, Transpose tr
       continue;
     }
     subtract_product(system(transpose), side(x, r), residual);
-    norms(residual, columns(norm_of_residual_));
-    norms(side(x, r), columns(norm_of_x_));
+    if (in_double_) norms(residual, columns(norm_of_residual_));
+    norms(residual, rows_of(transpose), columns(new_error_));
+    norms(side(x, r), transpose == Transpose::no ? column_size_ : row_size_, columns(norm_of_x_));
     for (std::size_t column = r * lanes_; column < (r + 1) * lanes_; ++column) {
-      new_error_[column] = normwise_error(column, transpose);
+      new_error_[column] = normwise_error(new_error_[column], column, transpose);
     }
   }
 }
 
-double Refined::normwise_error(std::size_t column, Transpose transpose) const {
+// residual: its norm.
+double Refined::normwise_error(double residual, std::size_t column, Transpose transpose) const {
   const double norm_of_a = (transpose == Transpose::no ? norm_of_a_ : norm_of_a_transposed_)[column % lanes_];
-  const double residual = norm_of_residual_[column];
   return residual <= 0 ? 0 : residual / (norm_of_a * norm_of_x_[column] + norm_of_b_[column]);
 }
 

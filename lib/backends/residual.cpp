@@ -94,11 +94,49 @@ void norms(std::span<const double> x, std::span<double> norm) {
   for_each_element(x.size(), norm.size(), [&](std::size_t i, std::size_t lane) { raise(norm[lane], std::abs(x[i])); });
 }
 
-void matrix_norms(const PackSystem& system, std::span<double> norm, std::span<double> sum) {
-  std::fill(sum.begin(), sum.end(), 0.0);
+void norms(std::span<const double> x, std::span<const double> scale, std::span<double> norm) {
+  std::fill(norm.begin(), norm.end(), 0.0);
+  for_each_element(x.size(), norm.size(),
+                   [&](std::size_t i, std::size_t lane) { raise(norm[lane], std::abs(scale[i] * x[i])); });
+}
+
+void equilibrate(const PackSystem& system, std::span<double> row, std::span<double> column) {
+  const double* __restrict const a = system.values.data();
+  double* __restrict const r = row.data();
+  double* __restrict const c = column.data();
+  std::fill(row.begin(), row.end(), 0.0);
+  std::fill(column.begin(), column.end(), 0.0);
+  const auto invert = [](std::span<double> largest) {
+    for (double& x : largest) x = x > 0 ? 1 / x : 1;
+  };
   with_lanes(static_cast<std::size_t>(system.lanes), [&](auto w) {
     for_each_entry(system, [&](std::size_t k, std::size_t to, std::size_t) {
-      for (std::size_t lane = 0; lane < w; ++lane) sum[to * w + lane] += std::abs(system.values[k * w + lane]);
+      for (std::size_t lane = 0; lane < w; ++lane) {
+        r[to * w + lane] = std::max(r[to * w + lane], std::abs(a[k * w + lane]));
+      }
+    });
+    invert(row);
+    for_each_entry(system, [&](std::size_t k, std::size_t to, std::size_t from) {
+      for (std::size_t lane = 0; lane < w; ++lane) {
+        c[from * w + lane] = std::max(c[from * w + lane], r[to * w + lane] * std::abs(a[k * w + lane]));
+      }
+    });
+    invert(column);
+  });
+}
+
+void matrix_norms(const PackSystem& system, std::span<const double> row, std::span<const double> column,
+                  std::span<double> norm, std::span<double> sum) {
+  const double* __restrict const a = system.values.data();
+  const double* __restrict const r = row.data();
+  const double* __restrict const c = column.data();
+  double* __restrict const s = sum.data();
+  std::fill(sum.begin(), sum.end(), 0.0);
+  with_lanes(static_cast<std::size_t>(system.lanes), [&](auto w) {
+    for_each_entry(system, [&](std::size_t k, std::size_t to, std::size_t from) {
+      for (std::size_t lane = 0; lane < w; ++lane) {
+        s[to * w + lane] += std::abs(r[to * w + lane] * a[k * w + lane] * c[from * w + lane]);
+      }
     });
   });
   norms(sum, norm);

@@ -25,8 +25,16 @@ void subtract_product(const PackSystem& system, std::span<const double> x, std::
 // norm[lane] = max |x_i|; NaN if one of them is not finite.
 void norms(std::span<const double> x, std::span<double> norm);
 
-// norm[lane] = max_i sum_j |a_ij|, the maximum norm of A, or of A'; NaN if a value is not finite. sum: n x lanes.
-void matrix_norms(const PackSystem& system, std::span<double> norm, std::span<double> sum);
+// The same of numbers that are scaled first, each by its own.
+void norms(std::span<const double> x, std::span<const double> scale, std::span<double> norm);
+
+// Scales such that the largest entries of every row and column of A' = R A C are 1, or nearly so; those of nothing are
+// 1. row, column: n x lanes each.
+void equilibrate(const PackSystem& system, std::span<double> row, std::span<double> column);
+
+// norm[lane] = max_i sum_j |r_i a_ij c_j|, the maximum norm of R A C; NaN if a value is not finite. sum: n x lanes.
+void matrix_norms(const PackSystem& system, std::span<const double> row, std::span<const double> column,
+                  std::span<double> norm, std::span<double> sum);
 
 // error[lane] = max_i |r_i| / weight_i, 0/0 = 0 (Oettli & Prager 1964); NaN if a residual is not finite.
 void componentwise_errors(std::span<const double> residual, std::span<const double> weight, std::span<double> error);

@@ -118,33 +118,31 @@ bool GroupSolver::error_of(Pack& pack, const std::vector<double>& known, const P
   return finite;
 }
 
-// error_ -= times * Phi''[probe, direction], from the curvatures along the sum and the difference of both, which are of
-// one size in every lane.
+// error_ -= times * Phi''[probe, direction], from the curvatures along the sum and the difference of both, each scaled
+// to size 1 in every lane: their squares may be beyond all numbers.
 void GroupSolver::add_bend(const Pack& pack, const double* probe, const Bend& bend) {
   const std::size_t w = idx(lanes_), n = idx(program_.n);
   gather(pack, probe, input_errors_);
-  std::array<double, kMostLanes> ratio{};
-  const auto measure = [&](const double* values, std::size_t count, double* largest) {
+  const auto measure = [&](const double* values, std::size_t count, std::array<double, kMostLanes>& largest) {
     for (std::size_t i = 0; i < count * w; ++i) largest[i % w] = std::max(largest[i % w], std::abs(values[i]));
   };
   std::array<double, kMostLanes> direction{}, error{};
-  measure(bend.direction, n, direction.data());
-  measure(bend.inputs->data(), idx(program_.inputs), direction.data());
-  measure(probe + pack.unknowns, n, error.data());
-  measure(input_errors_.data(), idx(program_.inputs), error.data());
-  for (std::size_t l = 0; l < w; ++l) ratio[l] = error[l] > 0 ? direction[l] / error[l] : 0;
+  measure(bend.direction, n, direction);
+  measure(bend.inputs->data(), idx(program_.inputs), direction);
+  measure(probe + pack.unknowns, n, error);
+  measure(input_errors_.data(), idx(program_.inputs), error);
+  const auto part = [](double value, double size) { return size > 0 ? value / size : 0; };
   for (const double side : {1.0, -1.0}) {
     for (std::size_t i = 0; i < n * w; ++i) {
-      moved_[i] = bend.direction[i] + side * ratio[i % w] * probe[pack.unknowns + i];
+      moved_[i] = part(bend.direction[i], direction[i % w]) + side * part(probe[pack.unknowns + i], error[i % w]);
     }
     for (std::size_t i = 0; i < input_errors_.size(); ++i) {
-      moved_inputs_[i] = (*bend.inputs)[i] + side * ratio[i % w] * input_errors_[i];
+      moved_inputs_[i] = part((*bend.inputs)[i], direction[i % w]) + side * part(input_errors_[i], error[i % w]);
     }
     evaluator_->velocity_rhs(moved_inputs_.data(), bent_.data());
     evaluator_->acceleration_rhs(moved_.data(), resting_inputs_.data(), bent_.data());
     for (std::size_t i = 0; i < bent_.size(); ++i) {
-      const double r = ratio[i % w];
-      if (r > 0) error_[i] += side * bend.times * bent_[i] / (4 * r);
+      error_[i] += side * bend.times * bent_[i] / 4 * direction[i % w] * error[i % w];
     }
   }
 }

@@ -63,7 +63,10 @@ GroupSolver::GroupSolver(const System& system, const Structure& structure, std::
   for (std::vector<double>* v : {&input_errors_, &moved_inputs_, &resting_inputs_}) v->resize(inputs_.size());
   jacobian_.resize(idx(program_.pattern.nnz()) * w);
   jacobian_norm_.resize(w);
+  row_scale_.resize(n);
+  column_scale_.resize(n);
   largest_correction_.resize(idx(program_.blocks) * w);
+  change_.resize(idx(program_.n + program_.inputs));
   sort_by_rows();
 }
 
@@ -300,16 +303,24 @@ double GroupSolver::correct(double* x) {
 }
 
 // From omega |first correction| <= 1/4 the iteration converges to the one solution nearby.
-Status GroupSolver::kantorovich(const Pack& pack) const {
+Status GroupSolver::kantorovich(const Pack& pack) {
   for (std::int32_t b = 0; b < program_.blocks; ++b) {
     const double left = 1 - pack.ball_used[idx(b)];
     const double *omega = pack.omega.data() + b * lanes_, *largest = largest_correction_.data() + b * lanes_;
     for (int l = 0; l < pack.used; ++l) {
       if (largest[l] == 0 || omega[l] * largest[l] <= kKantorovich * left) continue;
-      return fail(pack, Code::branch_unknown, omega[l] * largest[l] / left, l);
+      const double by_entries = correction_radius(pack, b, l);
+      if (!(by_entries <= kKantorovich)) return fail(pack, Code::branch_unknown, by_entries, l);
     }
   }
   return {};
+}
+
+// omega |correction| at the prediction, entry by entry.
+double GroupSolver::correction_radius(const Pack& pack, std::int32_t b, int lane) {
+  std::fill(change_.begin(), change_.end(), 0.0);
+  for (const std::int32_t c : blocks_.unknowns(b)) change_[idx(c)] = correction_[idx(c * lanes_ + lane)];
+  return blocks_.radius(b, lane, jacobian_.data(), pack.coefficients.data(), change_, BlockConditions::Signs::either);
 }
 
 // residual_ = b - J x; returns |residual| / (|J| |x| + |b|), maximum norms, of the worst lane.
@@ -317,6 +328,41 @@ double GroupSolver::linear_residual(const double* x, const std::vector<double>& 
   const bool measure = !std::exchange(jacobian_measured_, true);
   return kernels_.residual(row_start_.data(), row_entries_.data(), program_.n, jacobian_.data(), x, b.data(),
                            residual_.data(), jacobian_norm_.data(), measure);
+}
+
+// The same of the worst lane once rows and columns have been scaled to size 1: what a few large ones hide in the norms
+// of all. residual_ is that of x.
+double GroupSolver::scaled_residual(const double* x, const std::vector<double>& b) {
+  const std::size_t w = idx(lanes_), n = idx(program_.n);
+  const auto entry = [&](std::int32_t k, std::size_t l) {
+    return std::abs(jacobian_[idx(row_entries_[idx(k)].nonzero) * w + l]);
+  };
+  if (!std::exchange(scales_measured_, true)) {
+    std::fill(column_scale_.begin(), column_scale_.end(), 0.0);
+    for (std::size_t r = 0; r < n; ++r) {
+      for (std::size_t l = 0; l < w; ++l) {
+        double largest = 0;
+        for (std::int32_t k = row_start_[r]; k < row_start_[r + 1]; ++k) largest = std::max(largest, entry(k, l));
+        const double scale = row_scale_[r * w + l] = largest > 0 ? 1 / largest : 1;
+        for (std::int32_t k = row_start_[r]; k < row_start_[r + 1]; ++k) {
+          double& column = column_scale_[idx(row_entries_[idx(k)].column) * w + l];
+          column = std::max(column, scale * entry(k, l));
+        }
+      }
+    }
+  }
+  double worst = 0;
+  for (std::size_t l = 0; l < w; ++l) {
+    double left = 0, right = 0, size = 0;
+    for (std::size_t r = 0; r < n; ++r) {
+      const std::size_t i = r * w + l;
+      left = std::max(left, row_scale_[i] * std::abs(residual_[i]));
+      right = std::max(right, row_scale_[i] * std::abs(b[i]));
+      size = std::max(size, column_scale_[i] * std::abs(x[i]));
+    }
+    if (left > 0) worst = std::max(worst, left / (size + right));
+  }
+  return worst;
 }
 
 Status GroupSolver::linear(Pack& pack, const std::vector<double>& b, double* x, int first_wanted,
@@ -331,28 +377,26 @@ Status GroupSolver::linear(Pack& pack, const std::vector<double>& b, double* x, 
     std::fill_n(x, idx(first * lanes_), 0.0);
     return {};
   }
-  const double converged = std::max(kLinear, attempt.converged);
   double residual = linear_residual(x, b);
   if (factored_at_solution_) {
     if (const Status s = refine_grown(pack, b, x, counters, residual); !s.ok()) return s;
-  }
-  for (int k = 0; !factored_at_solution_ && residual > converged; ++k) {
-    if (k == kMostRefinements) {
-      // The posture is too far from where the factorisation was taken: take it here.
-      if (const Status s = factorize(pack, counters); !s.ok()) return s;
-      factored_at_solution_ = true;
-      return linear(pack, b, x, first_wanted, attempt, counters, error);
+  } else {
+    const double converged = std::max(kLinear, attempt.converged);
+    double left = std::max(residual, scaled_residual(x, b));
+    for (int k = 0; left > converged; ++k) {
+      if (k == kMostRefinements) {
+        // The posture is too far from where the factorisation was taken: take it here.
+        if (const Status s = factorize(pack, counters); !s.ok()) return s;
+        factored_at_solution_ = true;
+        return linear(pack, b, x, first_wanted, attempt, counters, error);
+      }
+      if (const Status s = solver_->solve(residual_, 1); !s.ok()) return fail(pack, s.code, s.figure);
+      counters.solved_unknowns += std::int64_t{pack.used} * program_.n;
+      for (std::size_t i = 0; i < b.size(); ++i) x[i] += residual_[i];
+      residual = linear_residual(x, b);
+      const double before = std::exchange(left, std::max(residual, scaled_residual(x, b)));
+      if (!(left < before / 2) && left <= 4 * converged) break;
     }
-    if (const Status s = solver_->solve(residual_, 1); !s.ok()) return fail(pack, s.code, s.figure);
-    counters.solved_unknowns += std::int64_t{pack.used} * program_.n;
-    for (std::size_t i = 0; i < b.size(); ++i) x[i] += residual_[i];
-    const double next = linear_residual(x, b);
-    if (!(next < residual / 2)) {
-      residual = next;
-      if (next <= 4 * converged) break;
-      continue;
-    }
-    residual = next;
   }
   if (!std::isfinite(residual)) return fail(pack, Code::not_finite, residual);
   error = std::max(error, residual);
@@ -368,7 +412,7 @@ Status GroupSolver::derivatives(Pack& pack, double* const (&state)[3], const Att
     if (const Status s = factorize(pack, counters); !s.ok()) return s;
     factored_at_solution_ = true;
   }
-  jacobian_measured_ = false;
+  jacobian_measured_ = scales_measured_ = false;
   double* rate = state[1] + pack.unknowns;
   gather(pack, state[1], input_rates_);
   evaluator_->velocity_rhs(input_rates_.data(), rhs_.data());
@@ -391,22 +435,25 @@ double GroupSolver::ball_use(const Pack& pack, const double* x, std::int32_t b) 
                            pack.anchor.data() + blocks_.reads_start(b) * idx(lanes_), pack.omega.data() + b * lanes_);
 }
 
-// The lane that uses most of a ball, for the message.
-std::int32_t GroupSolver::lane_that_moved_most(const Pack& pack, const double* x, std::int32_t b) const {
-  const double* anchor = pack.anchor.data() + blocks_.reads_start(b) * idx(lanes_);
-  double worst = -1;
-  std::int32_t found = 0;
+// Part of the ball between the anchor and the solution x, where the Jacobian is at hand, entry by entry.
+double GroupSolver::anchor_radius(const Pack& pack, const double* x, std::int32_t b, int lane) {
+  std::fill(change_.begin(), change_.end(), 0.0);
+  const double* anchor = pack.anchor.data() + blocks_.reads_start(b) * idx(lanes_) + lane;
   for (const std::int32_t c : blocks_.reads(b)) {
-    const double* at = c < program_.n ? x + c * lanes_ : inputs_.data() + (c - program_.n) * lanes_;
-    for (std::int32_t l = 0; l < pack.used; ++l) {
-      const double used = pack.omega[idx(b * lanes_ + l)] * std::abs(at[l] - anchor[l]);
-      if (used <= worst) continue;
-      worst = used;
-      found = l;
-    }
+    const double at = c < program_.n ? x[c * lanes_ + lane] : inputs_[idx((c - program_.n) * lanes_ + lane)];
+    change_[idx(c)] = at - *anchor;
     anchor += lanes_;
   }
-  return found;
+  return blocks_.radius(b, lane, jacobian_.data(), pack.coefficients.data(), change_, BlockConditions::Signs::known);
+}
+
+// Of what left the ball of one norm for all coordinates.
+Status GroupSolver::check_by_entries(const Pack& pack, const double* x, std::int32_t b) {
+  for (int l = 0; l < pack.used; ++l) {
+    const double used = anchor_radius(pack, x, b, l);
+    if (!(used <= kBall)) return fail(pack, Code::branch_unknown, used, l);
+  }
+  return {};
 }
 
 void GroupSolver::set_anchor(Pack& pack, const double* x, std::int32_t b, Counters& counters) {
@@ -435,7 +482,9 @@ Status GroupSolver::check_branch(Pack& pack, const double* x, const Attempt& att
     double& before = pack.ball_used[idx(b)];
     if (attempt.branch == Attempt::Branch::inside) {
       const double used = ball_use(pack, x, b);
-      if (!(used <= kBall)) return fail(pack, Code::branch_unknown, used, lane_that_moved_most(pack, x, b));
+      if (!(used <= kBall)) {
+        if (const Status s = check_by_entries(pack, x, b); !s.ok()) return s;
+      }
       if (stays_inside(used, before)) continue;
     }
     // At the start, after a change point, and before the next steps of this length leave the ball.

@@ -125,14 +125,17 @@ class GroupSolver {
   [[nodiscard]] Status linear(Pack& pack, const std::vector<double>& b, double* x, int first_wanted,
                               const Attempt& attempt, Counters& counters, double& error);
   [[nodiscard]] double linear_residual(const double* x, const std::vector<double>& b);
+  [[nodiscard]] double scaled_residual(const double* x, const std::vector<double>& b);
   [[nodiscard]] Status refine_grown(const Pack& pack, const std::vector<double>& b, double* x, Counters& counters,
                                     double& residual);
   void floor_scale();
   [[nodiscard]] double correct(double* x);
-  [[nodiscard]] Status kantorovich(const Pack& pack) const;
+  [[nodiscard]] Status kantorovich(const Pack& pack);
+  [[nodiscard]] double correction_radius(const Pack& pack, std::int32_t block, int lane);
   [[nodiscard]] Status factorize(Pack& pack, Counters& counters);
   [[nodiscard]] Status fail(const Pack& pack, Code code, double figure, std::int32_t lane = 0) const;
-  [[nodiscard]] std::int32_t lane_that_moved_most(const Pack& pack, const double* x, std::int32_t block) const;
+  [[nodiscard]] double anchor_radius(const Pack& pack, const double* x, std::int32_t block, int lane);
+  [[nodiscard]] Status check_by_entries(const Pack& pack, const double* x, std::int32_t block);
   void set_anchor(Pack& pack, const double* x, std::int32_t block, Counters& counters);
   [[nodiscard]] double ball_use(const Pack& pack, const double* x, std::int32_t block) const;
 
@@ -153,13 +156,15 @@ class GroupSolver {
   std::vector<RowEntry> row_entries_;                               // nnz: the Jacobian by rows
   std::vector<double> inputs_, input_rates_, input_accelerations_;  // inputs x W
   std::vector<double> phi_, inverse_scale_, correction_, rhs_, residual_, jacobian_;
-  std::vector<double> jacobian_norm_;       // W
-  std::vector<double> largest_correction_;  // blocks x W
+  std::vector<double> jacobian_norm_;             // W
+  std::vector<double> row_scale_, column_scale_;  // n x W: of scaled_residual()
+  std::vector<double> largest_correction_;        // blocks x W
+  std::vector<double> change_;                    // n + inputs: of a lane's coordinates
   // Of perturb().
   std::vector<double> noise_, error_, bent_, moved_, whole_;          // n x W
   std::vector<double> input_errors_, moved_inputs_, resting_inputs_;  // inputs x W
   std::int64_t refined_ = 0;                                          // solutions, because their residual was too large
-  bool jacobian_measured_ = false;
+  bool jacobian_measured_ = false, scales_measured_ = false;
   bool factored_in_step_ = false, factored_at_solution_ = false;
 };
 

@@ -181,7 +181,12 @@ class Wrong final : public LinearSolver {
 
 TEST(Refined, TheResidualCheckSeesAWrongSolution) {
   Random random(5);
-  const Matrix a = dense(9, random);
+  Matrix a = dense(9, random);
+  // Largest entries of 1 in every row and column: so the residual is measured as it is.
+  const double largest = std::abs(*std::max_element(a.values.begin(), a.values.end(),
+                                                    [](double x, double y) { return std::abs(x) < std::abs(y); }));
+  for (double& value : a.values) value /= 2 * largest;
+  for (std::size_t i = 0; i < 9; ++i) a.values[9 * i + i] = 1;
   EXPECT_TRUE(solve(*checked(plain()), {a, a, a}).status.ok());
   for (double factor : {1 + 1e-10, 0.5, -1.0}) {
     const Solution solution = solve(*checked(std::make_unique<Wrong>(factor)), {a}, Transpose::no, 5);
@@ -191,6 +196,19 @@ TEST(Refined, TheResidualCheckSeesAWrongSolution) {
   }
   const Solution infinite = solve(*checked(std::make_unique<Wrong>(HUGE_VAL)), {a, a, a});
   EXPECT_EQ(infinite.status.code, Code::not_converged);
+}
+
+// Whatever the units of rows and columns, no row of a solution in float is worse than in double.
+TEST(Refined, NoRowHidesBehindALargerOne) {
+  Random random(8);
+  Matrix a = dense(12, random);
+  for (std::size_t j = 0; j < 12; ++j) {
+    for (std::size_t i = 0; i < 12; ++i)
+      a.values[12 * j + i] = std::ldexp(a.values[12 * j + i], 2 * static_cast<int>(i + j));
+  }
+  const Solution solution = solve(*make_solver(kPlainLu, {}, Precision::binary32, false), {a});
+  EXPECT_TRUE(solution.status.ok());
+  EXPECT_LE(solution.componentwise, 12 * kEps);
 }
 
 TEST(Refined, WhatCannotBeRefinedIsNotConverged) {

@@ -87,15 +87,5 @@ TEST(Contest, SaysWhatFailed) {
   EXPECT_TRUE(contest[1].seconds.empty());
 }
 
-TEST(Contest, MeasuresDeviationsByKind) {
-  const std::vector<std::string> columns = {"A.x", "A.y", "A.vx"};
-  const std::vector<double> a = {0, 2, 1e-3}, b = {1e-6, 2, 1e-3};
-  EXPECT_EQ(deviation(columns, a, a), 0);
-  EXPECT_DOUBLE_EQ(deviation(columns, b, a), 5e-7);  // of the largest coordinate
-  const std::vector<double> c = {0, 2, 1.001e-3}, minus = {-0.0, 2, 1e-3};
-  EXPECT_NEAR(deviation(columns, c, a), 1e-3, 1e-15);
-  EXPECT_GT(deviation(columns, minus, a), 0);  // other bits
-}
-
 }  // namespace
 }  // namespace assur::bench

@@ -461,11 +461,11 @@ TEST(Ensemble, WhatALawThrowsReachesTheCaller) {
   for (const std::string strategy : {"groups/eigen:1", "groups/eigen:4", "groups/eigen:2 3x1"}) {
     for (const bool an_error : {false, true}) {
       const SceneOf scene = [=](std::size_t i) {
-        if (i != 5) return with_law(Law::polynomial({0, 3}));
+        if (i != 5) return with_law(Law::polynomial({0, 9}));
         return with_law(Law::function([=](double t) -> Motion {
           if (t > 0.3 && an_error) throw Error(Error::Kind::input, "no sensor");
           if (t > 0.3) throw Broken();
-          return {3 * t, 3, 0};
+          return {9 * t, 9, 0};
         }));
       };
       for (const auto& times : {even, uneven}) {
@@ -478,7 +478,7 @@ TEST(Ensemble, WhatALawThrowsReachesTheCaller) {
       }
     }
   }
-  Ensemble alone = ensemble(5, [](std::size_t) { return with_law(turning(3)); });
+  Ensemble alone = ensemble(5, [](std::size_t) { return with_law(turning(9)); });
   EXPECT_TRUE(alone.run(uneven).rows(4) == 6 && alone.outcomes()[4].alone);
 }
 

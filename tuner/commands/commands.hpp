@@ -44,6 +44,8 @@ struct RunOptions {
   int iterations = 0;                // 0: as many as convergence takes
   std::string csv;                   // "-": standard output; empty: none
   std::string errors;                // a CSV of each group in each step; empty: none
+  std::string animate;               // a page on which the mechanism moves; empty: none
+  std::string plot;                  // the outputs over time, as SVG; empty: none
   bool reference = false;
   bool certify = false;
   bool pin = false;  // each thread on a core of its own

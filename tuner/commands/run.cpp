@@ -11,6 +11,7 @@
 #include "output/progress.hpp"
 #include "output/run_report.hpp"
 #include "output/status_text.hpp"
+#include "view/outputs_over_time.hpp"
 
 namespace assur::command {
 namespace {
@@ -22,6 +23,11 @@ Trajectory follow(Simulator& simulator, Progress& progress, measure::StepTimes& 
   Trajectory trajectory = simulator.run(observer(progress, times, steps));
   progress.clear();
   return trajectory;
+}
+
+// Why the run stopped before its end; empty: it did not.
+std::string ending(const Report& report) {
+  return report.status.arrived() ? "" : output::why_stopped(report.status, report.events, report.reached);
 }
 
 }  // namespace
@@ -36,6 +42,7 @@ int run(const Common& common, const RunOptions& options) {
   output::CsvFile csv(options.csv);
   std::optional<output::ErrorsCsv> errors;
   if (!options.errors.empty()) errors.emplace(options.errors);
+  std::ofstream animation = open_picture("--animate", options.animate), plot = open_picture("--plot", options.plot);
 
   const std::int64_t steps = scene.time().steps();
   Progress progress(std::cerr, common.quiet ? Progress::Style::none : Progress::style_of_standard_error());
@@ -67,7 +74,15 @@ int run(const Common& common, const RunOptions& options) {
                              .certificate = std::move(certificate)};
   if (summary.steps > 0 && how.mode == Mode::latency) summary.step_seconds = times.figures();
   print(common, options, summary);
-  const bool all_written = !errors || write_errors(simulator, options, *errors, progress);
+  if (plot.is_open()) {
+    plot << view::outputs_over_time(prepared, trajectory, ending(report));
+    close_picture("--plot", options.plot, plot);
+  }
+  bool all_written = !errors || write_errors(simulator, options, *errors, progress);
+  if (animation.is_open()) {
+    all_written = write_animation(prepared, report, how, options, animation, progress) && all_written;
+    close_picture("--animate", options.animate, animation);
+  }
   const Exit exit = all_written ? exit_of(report.status.code) : kInterrupted;
   if (exit == kNumerical && !common.json) {
     std::cerr << "error: " << output::why_stopped(report.status, report.events, report.reached) << '\n';

@@ -32,6 +32,8 @@ void check(const RunOptions& options, const PrepareOptions& how) {
   }
   if (options.reference) refuse("--reference", "it compares one mechanism; run the member in question with --set");
   if (options.certify) refuse("--certify", "it proves one motion; run the member in question with --set");
+  if (!options.animate.empty()) refuse("--animate", "it shows one motion; run the member in question with --set");
+  if (!options.plot.empty()) refuse("--plot", "it shows one motion; run the member in question with --set");
 }
 
 // The variants with what --set says; a parameter has one source.

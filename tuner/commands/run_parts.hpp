@@ -1,6 +1,9 @@
 // What a run of one mechanism and one of an ensemble have in common.
 #pragma once
 
+#include <fstream>
+#include <string>
+
 #include "assur/plan.hpp"
 #include "assur/simulator.hpp"
 #include "commands/commands.hpp"
@@ -32,6 +35,15 @@ void check_errors(const RunOptions& options, const PrepareOptions& how);
 // looking. False if interrupted.
 [[nodiscard]] bool write_errors(Simulator& simulator, const RunOptions& options, output::ErrorsCsv& csv,
                                 output::Progress& progress);
+
+// --animate, --plot: opened before the work; no file for an empty name. Both throw Error (environment) for a file
+// that cannot be written.
+[[nodiscard]] std::ofstream open_picture(const std::string& option, const std::string& file);
+void close_picture(const std::string& option, const std::string& file, std::ofstream& picture);
+// The motion of this run once more, step by step and with all points. False if interrupted: the page then shows what
+// was reached.
+[[nodiscard]] bool write_animation(const Prepared& prepared, const Report& report, PrepareOptions how,
+                                   const RunOptions& options, std::ofstream& page, output::Progress& progress);
 
 // --ensemble.
 int run_ensemble(const Common& common, const RunOptions& options);

@@ -18,6 +18,8 @@ p { margin: 0.5rem 0; }
 .scroll { overflow-x: auto; }
 table { border-collapse: collapse; font-size: 0.875rem; font-variant-numeric: tabular-nums; }
 th, td { vertical-align: top; white-space: nowrap; padding: 0.2rem 0.75rem 0.2rem 0; text-align: left; border-bottom: 1px solid var(--rule); }
+.small table { font-size: 0.75rem; }
+.tall th { white-space: normal; min-width: 4.5rem; vertical-align: bottom; }
 th { color: var(--faint); font-weight: 600; }
 th.number, td.number { text-align: right; }
 th.words, td.words { white-space: normal; min-width: 7rem; }

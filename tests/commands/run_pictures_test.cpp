@@ -1,0 +1,85 @@
+// assur run --animate and --plot.
+#include <gtest/gtest.h>
+
+#include "commands/command.hpp"
+
+namespace assur {
+namespace {
+
+// The crank turns until coupler and rocker are in line.
+const char* const kFold = R"({
+  "assur": 1, "name": "fold", "dimension": 2,
+  "points": {"A": {"at": [0, 0], "fixed": true}, "D": {"at": [2, 0], "fixed": true},
+             "B": {"at": [1, 0]}, "C": {"at": [1.5, 0.8]}},
+  "constraints": {"coupler": {"distance": ["B", "C"], "value": 1}, "rocker": {"distance": ["D", "C"], "value": 1}},
+  "drivers": {"motor": {"angle": ["A", "B"], "law": {"polynomial": [0, 1]}}},
+  "outputs": ["B.position"], "time": {"start": 0, "end": 2, "step": 0.01}
+})";
+
+TEST(RunPictures, BothAreWrittenAndTheRunIsTheSame) {
+  const Scratch scratch;
+  const std::string page = scratch.file("motion.html"), picture = scratch.file("motion.svg");
+  const std::vector<std::string> call = {"run",     "stewart", "--steps", "20",     "--outputs",
+                                         "handle2", "--csv",   "-",       "--quiet"};
+  const Outcome plain = run_command(call);
+  std::vector<std::string> with = call;
+  with.insert(with.end(), {"--animate", page, "--plot", picture});
+  const Outcome drawn = run_command(with);
+  ASSERT_EQ(drawn.status, 0) << drawn.err;
+  EXPECT_EQ(drawn.out, plain.out);
+  EXPECT_EQ(content(page).find("<!DOCTYPE html>"), 0u);
+  EXPECT_NE(content(page).find("\"name\":\"P6\""), std::string::npos);  // though it is no output
+  EXPECT_NE(content(page).find("20 steps of 0.01 s from t = 0 s; strategy auto; assur "), std::string::npos);
+  EXPECT_EQ(content(picture).find("<svg xmlns=\"http://www.w3.org/2000/svg\""), 0u);
+  EXPECT_NE(content(picture).find("handle2, rate, rad/s"), std::string::npos);
+}
+
+// The driver alone would turn on; it is the points that no output needs which cannot follow.
+TEST(RunPictures, AMotionThatEndsEarlySaysWhy) {
+  const Scratch scratch;
+  const std::string scene = scratch.file("fold.json", kFold), page = scratch.file("motion.html");
+  ASSERT_EQ(run_command({"run", scene, "--quiet"}).status, 0);
+  const Outcome cut = run_command({"run", scene, "--quiet", "--animate", page});
+  EXPECT_EQ(cut.status, 0) << cut.err;
+  EXPECT_NE(content(page).find("The motion ends early: t = 1.3181"), std::string::npos);
+  EXPECT_NE(content(page).find("group C: the mechanism cannot move further"), std::string::npos);
+
+  const std::string picture = scratch.file("motion.svg");
+  const Outcome whole = run_command({"run", scene, "--quiet", "--outputs", "C", "--plot", picture});
+  EXPECT_EQ(whole.status, 1);
+  EXPECT_NE(content(picture).find("The motion ends early: t = 1.3181"), std::string::npos);
+}
+
+TEST(RunPictures, EveryStrategyCanBeAnimated) {
+  const Scratch scratch;
+  for (const std::string strategy : {"global/eigen", "irreducible/lanes:8+once", "groups/eigen+chunks=4"}) {
+    const std::string page = scratch.file("motion.html");
+    const Outcome o = run_command({"run", "four_bar:2", "--quiet", "--strategy", strategy, "--animate", page});
+    EXPECT_EQ(o.status, 0) << o.err;
+    EXPECT_NE(content(page).find("strategy " + strategy), std::string::npos);
+  }
+}
+
+TEST(RunPictures, WhatCannotBeWrittenIsSaidBeforeTheRun) {
+  const Scratch scratch;
+  for (const std::string option : {"--animate", "--plot"}) {
+    const Outcome o = run_command({"run", "stewart", option, scratch.file("no_such_folder/file")});
+    EXPECT_EQ(o.status, 3);
+    EXPECT_EQ(o.out, "");
+    EXPECT_NE(o.err.find(option + ": cannot write"), std::string::npos) << o.err;
+    EXPECT_NE(o.err.find("no_such_folder"), std::string::npos) << o.err;
+  }
+}
+
+TEST(RunPictures, OfAnEnsembleAreRefused) {
+  const Scratch scratch;
+  const std::string speeds = scratch.file("speeds.csv", "omega\n0.5\n1\n");
+  for (const std::string option : {"--animate", "--plot"}) {
+    const Outcome o = run_command({"run", "stewart", "--ensemble", speeds, option, scratch.file("file")});
+    EXPECT_EQ(o.status, 2);
+    EXPECT_NE(o.err.find(option + ": it shows one motion"), std::string::npos) << o.err;
+  }
+}
+
+}  // namespace
+}  // namespace assur

@@ -1,0 +1,90 @@
+// assur run SCENE --animate FILE
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <optional>
+#include <utility>
+
+#include "assur/machine.hpp"
+#include "commands/interrupt.hpp"
+#include "commands/run_parts.hpp"
+#include "db/libraries.hpp"
+#include "output/format.hpp"
+#include "output/status_text.hpp"
+#include "view/animation.hpp"
+
+namespace assur::command {
+namespace {
+
+[[noreturn]] void cannot_write(const std::string& option, const std::string& file) {
+  const std::string why = errno != 0 ? std::strerror(errno) : "unknown reason";
+  throw Error(Error::Kind::environment, {{option, "cannot write " + file + ": " + why}});
+}
+
+// Single steps can be looked at, so nothing runs side by side.
+PrepareOptions step_by_step(PrepareOptions how) {
+  how.mode = Mode::latency;
+  if (how.strategy == "auto") return how;
+  Strategy strategy = parse_strategy(how.strategy);
+  strategy.chunks = 1;
+  how.strategy = to_string(strategy);
+  return how;
+}
+
+std::vector<std::string> about(const Prepared& prepared, const RunOptions& options) {
+  const TimeGrid& grid = prepared.time;
+  const std::string steps = output::counted(grid.steps(), "step") + " of " + output::number(grid.step) + " s from ";
+  return {(grid.steps() > 0 ? steps : "One posture at ") + "t = " + output::number(grid.start) + " s; strategy " +
+          options.strategy + "; assur " + std::string(db::assur_version()) + "."};
+}
+
+}  // namespace
+
+std::ofstream open_picture(const std::string& option, const std::string& file) {
+  std::ofstream picture;
+  if (file.empty()) return picture;
+  errno = 0;
+  picture.open(file);
+  if (!picture) cannot_write(option, file);
+  return picture;
+}
+
+void close_picture(const std::string& option, const std::string& file, std::ofstream& picture) {
+  errno = 0;
+  picture.close();
+  if (!picture) cannot_write(option, file);
+}
+
+bool write_animation(const Prepared& prepared, const Report& report, PrepareOptions how, const RunOptions& options,
+                     std::ofstream& page, output::Progress& progress) {
+  const Prepared shown = prepare(view::with_all_points(*prepared.scene), step_by_step(std::move(how)));
+  Simulator simulator(shown, limits_of(options));
+  const std::int64_t steps = prepared.time.steps();
+  view::Animation animation(prepared, shown, steps);
+  animation.take(0, simulator);
+
+  const Interrupt interrupt;
+  const double begin = measure::StepTimes::steady();
+  const bool was_interrupted = report.status.code == Code::interrupted;
+  std::string why;
+  for (std::int64_t k = 1; k <= steps && why.empty(); ++k) {
+    const double t = prepared.time.time(k);
+    if (Interrupt::requested() || (was_interrupted && t > report.reached)) {
+      why = output::explained(Code::interrupted);
+      break;
+    }
+    const Status status = simulator.step(t);
+    if (status.arrived()) {
+      animation.take(k, simulator);
+      progress.show(measure::StepTimes::steady() - begin, k, steps);
+    } else {
+      why = output::why_stopped(status, simulator.report().events, simulator.report().reached);
+    }
+  }
+  progress.clear();
+  if (!why.empty()) animation.end(simulator, why);
+  page << animation.page(about(prepared, options));
+  return !Interrupt::requested();
+}
+
+}  // namespace assur::command

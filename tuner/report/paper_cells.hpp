@@ -1,0 +1,78 @@
+// The experiments of the paper: mechanisms, sizes, steps, and what a time of one of them is, theirs or ours.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace assur::report {
+
+// A row of one of the paper's tables: nSG, nSG-HS, nSG-T, tEnd / dt and tEnd2.
+struct PaperCell {
+  int groups = 6;  // after the terminal
+  int n = 15;      // unknowns of each
+  int terminal = 12;
+  int steps = 20000;
+  int iterations = 1;  // of Newton's method, in every group but the terminal
+
+  [[nodiscard]] int total() const { return terminal + groups * n; }  // "total size": that of the global matrix
+  // The sample that is run for it: the Stewart platform where the groups are its legs, else rings.
+  [[nodiscard]] std::string scene() const;
+  // The same mechanism with as much work in a step; how many steps the paper took is of no account.
+  [[nodiscard]] bool same_work(const PaperCell& o) const {
+    return groups == o.groups && n == o.n && terminal == o.terminal && iterations == o.iterations;
+  }
+
+  friend bool operator==(const PaperCell&, const PaperCell&) = default;
+};
+
+// Rows of the paper's tables 2 to 5, as it prints them. T is 12 where n = 15, else 24 in tables 2 and 3; n / 1.5 in
+// table 4; n / 1.5 up to n = 108, then n in table 5.
+[[nodiscard]] std::vector<PaperCell> cells_of_table(int table);
+
+// How often is factorised in a step beyond its Newton iterations, which the paper does not say.
+enum class Reading : std::uint8_t {
+  shared,    // once, for velocity and acceleration
+  separate,  // once for each
+};
+
+// Names of versions: the paper's are "GMKL", "GMA27", "GEOMP+MKL" (with one OpenMP thread: GEMKL), "GEOMP+MA27" and
+// "GEMAGMA"; ours are kAuto and texts of strategies.
+inline constexpr std::string_view kDense = "GEOMP+MKL", kSparse = "GEOMP+MA27", kAuto = "auto";
+
+// The time of one step of a cell.
+struct PaperTiming {
+  PaperCell cell;
+  std::string version;
+  int p = 1, q = 1;      // of the paper's versions: groups at once, threads in the linear algebra of each
+  std::string strategy;  // ours: what was run; theirs: ""
+  Reading reading = Reading::shared;
+  double seconds = std::numeric_limits<double>::quiet_NaN();  // of one step; NaN: none
+  double spread = 0;                                          // median absolute deviation, s
+  int rounds = 0;                                             // blocks that were timed
+  std::int64_t steps_timed = 0;
+  double deviation = std::numeric_limits<double>::quiet_NaN();  // from the reference motion, which was verified before
+  double joules = std::numeric_limits<double>::quiet_NaN();     // of one step, by the machine's own counters
+  double newton = 0;                                            // iterations of a group and step, mean
+  std::string why_not;                                          // there is no time; "": there is
+
+  [[nodiscard]] bool timed() const { return seconds > 0; }
+};
+
+// The fastest of a version in a cell; null if there is none with a time.
+[[nodiscard]] const PaperTiming* fastest(std::span<const PaperTiming> times, const PaperCell& cell,
+                                         std::string_view version, Reading reading = Reading::shared);
+// The fastest with this split.
+[[nodiscard]] const PaperTiming* timing(std::span<const PaperTiming> times, const PaperCell& cell,
+                                        std::string_view version, int p, int q, Reading reading = Reading::shared);
+
+// "3x1"
+[[nodiscard]] std::string split_text(const PaperTiming& timing);
+
+// Three digits, below 0.1 two: "0.0063", "0.127", "3.83", "163".
+[[nodiscard]] std::string ratio_text(double ratio);
+
+}  // namespace assur::report

@@ -1,0 +1,116 @@
+// From metres to pixels: parallel in the plane, a mild perspective in space.
+class Camera {
+  constructor(box, dimension) {
+    this.flat = dimension === 2;
+    this.box = box;
+    this.centre = box.low.map((low, k) => (low + box.high[k]) / 2);
+    this.radius = Math.hypot(...box.low.map((low, k) => box.high[k] - low)) / 2 || 1;
+    this.width = this.height = 1;
+    this.turnTo(-0.9, 0.4);
+    this.fit();
+  }
+
+  // Azimuth and elevation of the eye, rad.
+  turnTo(yaw, pitch) {
+    this.yaw = yaw;
+    this.pitch = Math.max(-Math.PI / 2, Math.min(Math.PI / 2, pitch));
+    const [cy, sy, cp, sp] = [Math.cos(yaw), Math.sin(yaw), Math.cos(this.pitch), Math.sin(this.pitch)];
+    this.right = this.flat ? [1, 0, 0] : [-sy, cy, 0];
+    this.up = this.flat ? [0, 1, 0] : [-cy * sp, -sy * sp, cp];
+    this.toEye = this.flat ? [0, 0, 1] : [cy * cp, sy * cp, sp];
+  }
+
+  turn(dx, dy) { this.turnTo(this.yaw - dx, this.pitch + dy); }
+
+  pan(dx, dy) {
+    this.x += dx;
+    this.y += dy;
+  }
+
+  // Closer by a factor; what is under (x, y) stays there.
+  zoomAt(x, y, factor) {
+    const zoom = Math.max(this.fitted / 50, Math.min(this.fitted * 5000, this.zoom * factor)), f = zoom / this.zoom;
+    this.x = x - this.width / 2 - (x - this.width / 2 - this.x) * f;
+    this.y = y - this.height / 2 - (y - this.height / 2 - this.y) * f;
+    this.zoom = zoom;
+  }
+
+  resize(width, height) {
+    const untouched = this.zoom === this.fitted;
+    const factor = Math.min(width / this.width, height / this.height);
+    [this.width, this.height] = [width, height];
+    if (untouched) this.fit(); else this.zoom *= factor;
+  }
+
+  // All of the box within the window.
+  fit() {
+    this.zoom = 1;
+    this.x = this.y = 0;
+    let [left, right, top, bottom] = [Infinity, -Infinity, Infinity, -Infinity];
+    for (let corner = 0; corner < 8; ++corner) {
+      const [x, y] = this.project([0, 1, 2].map(k => (corner >> k & 1 ? this.box.high : this.box.low)[k]));
+      [left, right] = [Math.min(left, x), Math.max(right, x)];
+      [top, bottom] = [Math.min(top, y), Math.max(bottom, y)];
+    }
+    const margin = 36, least = this.radius / 1e3;
+    this.zoom = Math.min(Math.max(this.width - 2 * margin, 50) / Math.max(right - left, least),
+                         Math.max(this.height - 2 * margin, 50) / Math.max(bottom - top, least));
+    this.x = this.zoom * (this.width / 2 - (left + right) / 2);
+    this.y = this.zoom * (this.height / 2 - (top + bottom) / 2);
+    this.fitted = this.zoom;
+  }
+
+  // Pixels of all points: x, y of each.
+  projectAll(posture, out) {
+    for (let i = 0; 3 * i < posture.length; ++i) {
+      const [x, y] = this.project([posture[3 * i], posture[3 * i + 1], posture[3 * i + 2]]);
+      out[2 * i] = x;
+      out[2 * i + 1] = y;
+    }
+    return out;
+  }
+
+  project(p) {
+    const [dx, dy, dz] = [p[0] - this.centre[0], p[1] - this.centre[1], p[2] - this.centre[2]];
+    const along = axis => axis[0] * dx + axis[1] * dy + axis[2] * dz;
+    const distance = 5 * this.radius;  // of the eye
+    const scale = this.flat ? this.zoom : this.zoom * distance / Math.max(distance - along(this.toEye), distance / 20);
+    return [this.width / 2 + this.x + scale * along(this.right), this.height / 2 + this.y - scale * along(this.up)];
+  }
+}
+
+// Drag turns (in the plane: moves), with Shift or two fingers it moves; wheel and pinch zoom.
+function followGestures(canvas, camera, changed) {
+  const fingers = new Map();
+  const spread = () => {
+    const [a, b] = [...fingers.values()];
+    return {x: (a.x + b.x) / 2, y: (a.y + b.y) / 2, size: Math.hypot(a.x - b.x, a.y - b.y) || 1};
+  };
+  canvas.addEventListener('pointerdown', e => {
+    canvas.setPointerCapture(e.pointerId);
+    fingers.set(e.pointerId, {x: e.offsetX, y: e.offsetY});
+  });
+  canvas.addEventListener('pointermove', e => {
+    const finger = fingers.get(e.pointerId);
+    if (!finger) return;
+    const before = fingers.size === 2 ? spread() : finger;
+    const now = {x: e.offsetX, y: e.offsetY};
+    fingers.set(e.pointerId, now);
+    if (fingers.size === 2) {
+      const after = spread();
+      camera.pan(after.x - before.x, after.y - before.y);
+      camera.zoomAt(after.x, after.y, after.size / before.size);
+    } else if (camera.flat || e.shiftKey) {
+      camera.pan(now.x - before.x, now.y - before.y);
+    } else {
+      camera.turn((now.x - before.x) * 0.008, (now.y - before.y) * 0.008);
+    }
+    changed();
+  });
+  for (const type of ['pointerup', 'pointercancel']) canvas.addEventListener(type, e => fingers.delete(e.pointerId));
+  canvas.addEventListener('wheel', e => {
+    e.preventDefault();
+    camera.zoomAt(e.offsetX, e.offsetY, Math.exp(-e.deltaY * (e.deltaMode ? 0.05 : 0.0015)));
+    changed();
+  }, {passive: false});
+}

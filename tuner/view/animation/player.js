@@ -1,0 +1,221 @@
+// Time, controls, and who is redrawn when.
+(() => {
+  const element = id => document.getElementById(id);
+  const canvas = element('picture'), slider = element('frame'), about = element('about');
+  const camera = new Camera(motion.box(), motion.dimension);
+  const picture = new Picture(canvas, camera);
+  const last = motion.frames - 1, duration = motion.times[last] - motion.times[0];
+  let frame = 0, curves = [], playing = false, clock = 0, before = null, waiting = false, pointer = null;
+
+  // ---- drawing, at most once for each picture of the screen
+
+  function redraw() {
+    if (waiting) return;
+    waiting = true;
+    requestAnimationFrame(() => {
+      waiting = false;
+      picture.draw(frame);
+      for (const c of curves) c.draw(frame);
+      tell();
+    });
+  }
+
+  const decimals = last > 0 ? Math.max(0, Math.min(9, Math.ceil(-Math.log10(duration / last) - 1e-9))) : 6;
+  const moment = t => last > 0 ? t.toFixed(decimals) : digits(t);
+
+  function show(k) {
+    frame = Math.max(0, Math.min(last, k));
+    slider.value = frame;
+    const text = `t = ${moment(motion.times[frame])} s`;
+    element('clock').textContent = text;
+    slider.setAttribute('aria-valuetext', text);
+    redraw();
+  }
+
+  // The last frame that is not after t.
+  function frameAt(t) {
+    let low = 0, high = last;
+    while (low < high) {
+      const middle = Math.ceil((low + high) / 2);
+      if (motion.times[middle] <= t + 1e-9 * duration) low = middle; else high = middle - 1;
+    }
+    return low;
+  }
+
+  function seek(t) {
+    pause();
+    const k = frameAt(t);
+    show(k < last && motion.times[k + 1] - t < t - motion.times[k] ? k + 1 : k);
+  }
+
+  // ---- playing
+
+  function speeds() {
+    const all = [];
+    for (let decade = Math.floor(Math.log10(duration / 200)); all.length < 9; ++decade) {
+      for (const f of [1, 2, 5]) {
+        const speed = f * 10 ** decade, seconds = duration / speed;
+        if (seconds <= 200) all.push(speed);
+      }
+    }
+    const best = all.reduce((a, b) => Math.abs(Math.log(duration / b / 8)) < Math.abs(Math.log(duration / a / 8)) ? b : a);
+    for (const speed of all) {
+      element('speed').add(new Option(speed === 1 ? 'as it is' : `× ${digits(speed)}`, speed, false, speed === best));
+    }
+  }
+
+  function play() {
+    if (last === 0) return;
+    playing = true;
+    before = null;
+    if (frame === last) frame = 0;
+    clock = motion.times[frame];
+    requestAnimationFrame(tick);
+    label();
+  }
+
+  function pause() {
+    playing = false;
+    label();
+  }
+
+  function label() {
+    element('play').textContent = playing ? '❚❚' : '▶';
+    element('play').setAttribute('aria-label', playing ? 'Pause' : 'Play');
+  }
+
+  function tick(now) {
+    if (!playing) return;
+    if (before !== null) clock += (now - before) / 1000 * Number(element('speed').value);
+    before = now;
+    // It stays a moment at its end before it begins anew.
+    const end = motion.times[last];
+    if (clock > end + 0.06 * duration) clock = motion.times[0];
+    show(frameAt(Math.min(clock, end)));
+    requestAnimationFrame(tick);
+  }
+
+  // ---- what is said
+
+  function tell() {
+    const text = pointer && whoIsAt(picture, pointer.x, pointer.y);
+    about.hidden = !text;
+    if (!text) return;
+    about.textContent = text;
+    const room = canvas.clientWidth - about.offsetWidth - 4;
+    about.style.left = `${Math.max(4, Math.min(pointer.x + 14, room))}px`;
+    about.style.top = `${pointer.y > canvas.clientHeight / 2 ? pointer.y - about.offsetHeight - 12 : pointer.y + 14}px`;
+  }
+
+  function legend() {
+    const list = element('legend');
+    list.replaceChildren();
+    const add = (colour, text) => {
+      const item = list.appendChild(document.createElement('li'));
+      if (colour) item.appendChild(document.createElement('i')).style.background = colour;
+      item.append(text);
+    };
+    const most = 12, byLevel = picture.options.by === 'level';
+    const count = byLevel ? picture.levels : motion.groups.length;
+    const drawn = new Set(motion.points.map(p => p.group));  // some groups have vectors only
+    const noun = (n, what) => `${n.toLocaleString('en')} ${what}${n === 1 ? '' : 's'}`;
+    if (count > most) {
+      add('', `${noun(motion.groups.length, 'group')} in ${noun(picture.levels, 'level')}: rest on a point to see its own.`);
+    } else {
+      for (let i = 0; i < count; ++i) {
+        if (byLevel || drawn.has(i)) add(picture.hue(i, count), byLevel ? `level ${i + 1}` : motion.groups[i][0]);
+      }
+    }
+    const others = ['driven', 'at rest'].filter(g => drawn.has(g));
+    if (others.length > 0) add(picture.ink, others.join(', '));
+  }
+
+  function panels() {
+    const output = element('output').value;
+    element('panels').replaceChildren();
+    curves = motion.outputs.filter(q => q.of === output).map(q => new Curves(q, element('panels'), seek));
+    for (const c of curves) c.resize();
+    redraw();
+  }
+
+  // ---- wiring
+
+  slider.max = last;
+  for (const id of ['player', 'speeds']) element(id).hidden = last === 0;
+  element('play').addEventListener('click', () => playing ? pause() : play());
+  const step = by => {
+    pause();
+    show(frame + by);
+  };
+  element('back').addEventListener('click', () => step(-1));
+  element('forward').addEventListener('click', () => step(1));
+  slider.addEventListener('input', () => step(Number(slider.value) - frame));
+  element('fit').addEventListener('click', () => {
+    camera.fit();
+    redraw();
+  });
+  element('colour').addEventListener('change', e => {
+    picture.options.by = e.target.value;
+    picture.recolour();
+    legend();
+    redraw();
+  });
+  for (const option of ['names', 'paths']) {
+    element(option).addEventListener('change', e => {
+      picture.options[option] = e.target.checked;
+      redraw();
+    });
+  }
+  for (const of of new Set(motion.outputs.map(q => q.of))) element('output').add(new Option(of, of));
+  element('output').addEventListener('change', panels);
+  element('curves').hidden = motion.outputs.length === 0;
+
+  followGestures(canvas, camera, redraw);
+  canvas.addEventListener('pointermove', e => {
+    pointer = {x: e.offsetX, y: e.offsetY};
+    redraw();
+  });
+  canvas.addEventListener('pointerleave', () => {
+    pointer = null;
+    redraw();
+  });
+
+  const zoom = factor => () => camera.zoomAt(canvas.clientWidth / 2, canvas.clientHeight / 2, factor);
+  const keys = {
+    ' ': () => playing ? pause() : play(),
+    ArrowLeft: e => step(e.shiftKey ? -10 : -1), ArrowRight: e => step(e.shiftKey ? 10 : 1),
+    Home: () => step(-frame), End: () => step(last - frame),
+    '+': zoom(1.25), '=': zoom(1.25), '-': zoom(0.8), 0: () => camera.fit(), f: () => camera.fit(),
+    a: () => camera.turn(0.1, 0), d: () => camera.turn(-0.1, 0), w: () => camera.turn(0, 0.1), s: () => camera.turn(0, -0.1),
+  };
+  window.addEventListener('keydown', e => {
+    const own = e.target.closest?.('select, button, input');  // who has a use of its own for the key
+    if (e.ctrlKey || e.metaKey || e.altKey || !keys[e.key] || (own && (own !== slider || e.key !== ' '))) return;
+    e.preventDefault();
+    keys[e.key](e);
+    redraw();
+  });
+  element('keys').textContent = (motion.dimension === 3 ? 'Drag: turn (w a s d); with Shift or two fingers: move. ' : 'Drag: move. ') +
+    'Wheel, pinch, + and -: closer and farther; 0: all of it. Space: play; arrows, Home, End: step.';
+
+  const resize = () => {
+    picture.resize();
+    for (const c of curves) c.resize();
+    redraw();
+  };
+  new ResizeObserver(resize).observe(canvas);
+  matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => {
+    picture.recolour();
+    legend();
+    resize();
+  });
+
+  if (last > 0) speeds();
+  const few = motion.points.length <= 30;
+  picture.options.names = element('names').checked = few;
+  picture.options.paths = element('paths').checked = motion.moving <= 40 && last > 0;
+  legend();
+  panels();
+  show(0);
+  if (last > 0 && !matchMedia('(prefers-reduced-motion: reduce)').matches) play(); else label();
+})();

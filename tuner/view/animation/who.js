@@ -1,0 +1,35 @@
+// The point, link or body at (x, y) in words; null: nobody.
+function whoIsAt(picture, x, y) {
+  const s = picture.screen;
+  const groupOf = group => Number.isInteger(group)
+    ? `group ${motion.groups[group][0]}, level ${motion.groups[group][1] + 1}` : group;
+  const closest = (count, distance, reach) => {
+    let best = -1, least = reach;
+    for (let i = 0; i < count; ++i) {
+      const d = distance(i);
+      if (d <= least) [best, least] = [i, d];
+    }
+    return best;
+  };
+  const point = closest(motion.points.length, i => Math.hypot(s[2 * i] - x, s[2 * i + 1] - y), 12);
+  if (point >= 0) {
+    const place = [...picture.posture.subarray(3 * point, 3 * point + motion.dimension)].map(v => digits(v)).join(', ');
+    return `${motion.points[point].name} (${place}) m\n${groupOf(motion.points[point].group)}`;
+  }
+  const link = closest(motion.links.length, l => {
+    const [a, b] = motion.links[l];
+    const [dx, dy] = [s[2 * b] - s[2 * a], s[2 * b + 1] - s[2 * a + 1]];
+    const share = ((x - s[2 * a]) * dx + (y - s[2 * a + 1]) * dy) / (dx * dx + dy * dy || 1);
+    const f = Math.max(0, Math.min(1, share));
+    return Math.hypot(s[2 * a] + f * dx - x, s[2 * a + 1] + f * dy - y);
+  }, 6);
+  if (link >= 0) {
+    const [a, b, kind, name] = motion.links[link], p = picture.posture;
+    const length = Math.hypot(p[3 * a] - p[3 * b], p[3 * a + 1] - p[3 * b + 1], p[3 * a + 2] - p[3 * b + 2]);
+    return `${name}: ${motion.points[a].name}–${motion.points[b].name}\n${kind}, ${digits(length)} m`;
+  }
+  const ratio = window.devicePixelRatio || 1;
+  const body = motion.bodies.findIndex(([, , faces]) =>
+    picture.context.isPointInPath(picture.outline(faces), x * ratio, y * ratio));
+  return body < 0 ? null : `body ${motion.bodies[body][0]}`;
+}
