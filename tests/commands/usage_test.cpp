@@ -84,7 +84,7 @@ TEST(Usage, HelpFitsThePageAndNamesEveryOption) {
       {{"inspect", "--help"}, {"SCENE", "--set", "--outputs", "--formulation"}},
       {{"backends", "--help"}, {}},
       {{"check", "--help"}, {"SCENE", "--set", "--quick", "--case"}},
-      {{"report", "--help"}, {"--out", "--quick", "--budget", "--peers"}},
+      {{"report", "--help"}, {"--out", "--quick", "--budget", "--watts", "--peers"}},
       {{"db", "--help"}, {"info", "samples", "best", "crossovers", "models", "export", "import", "check", "forget"}},
       {{"db", "samples", "--help"}, {"--run", "--machine", "--library", "--kernel"}},
       {{"db", "forget", "--help"}, {"--run", "--machine", "--library", "--all"}},

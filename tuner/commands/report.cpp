@@ -40,7 +40,7 @@ int report(const Common& common, const ReportOptions& options) {
     return Interrupt::requested();
   };
   const report::Outcome outcome =
-      make_report(options.out, report::contents(knowledge, options.peers), knowledge, whole);
+      make_report(options.out, report::contents(knowledge, {options.peers, options.watts}), knowledge, whole);
   progress.clear();
 
   if (common.json) {

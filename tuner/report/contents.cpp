@@ -9,7 +9,7 @@
 namespace assur::report {
 namespace {
 
-std::vector<Section> paper(const Knowledge& knowledge, const Conditions& conditions) {
+std::vector<Section> paper(const Knowledge& knowledge, double watts, const Conditions& conditions) {
   PaperOptions options;
   options.seconds = conditions.seconds;
   options.quick = conditions.quick;
@@ -17,18 +17,19 @@ std::vector<Section> paper(const Knowledge& knowledge, const Conditions& conditi
   options.interrupted = conditions.interrupted;
   options.progress = conditions.progress;
   options.model = knowledge.known.model;
+  options.watts = watts;
   return reproduce_paper(options);
 }
 
-std::vector<Section> peers_of(const std::string& file) {
+Section peers_of(const std::string& file) {
   std::ifstream in(file);
   if (!in) throw Error(Error::Kind::input, {{"--peers", "cannot read " + file}});
-  return {peers_section(in, file)};
+  return peers_section(in, file);
 }
 
 }  // namespace
 
-std::vector<Planned> contents(const Knowledge& knowledge, const std::string& peers) {
+std::vector<Planned> contents(const Knowledge& knowledge, const Wishes& wishes) {
   const auto one = [&knowledge](Section (*make)(const Knowledge&, const Conditions&)) {
     return [&knowledge, make](const Conditions& conditions) { return std::vector{make(knowledge, conditions)}; };
   };
@@ -42,11 +43,13 @@ std::vector<Planned> contents(const Knowledge& knowledge, const std::string& pee
       {kHere, "What tuning costs, and what it saves", 0.04, one(tuning_cost)},
       {kHere, "How well times are predicted", 0.04, one(model_fit)},
       {"The paper again", "The paper's tables, figures and conclusions", 1,
-       [&knowledge](const Conditions& conditions) { return paper(knowledge, conditions); }},
+       [&knowledge, watts = wishes.watts](const Conditions& conditions) {
+         return paper(knowledge, watts, conditions);
+       }},
   };
-  if (!peers.empty()) {
+  if (!wishes.peers.empty()) {
     all.push_back({"Beside others", "Other libraries on the same mechanisms", 0.01,
-                   [peers](const Conditions&) { return peers_of(peers); }});
+                   [peers = peers_of(wishes.peers)](const Conditions&) { return std::vector{peers}; }});
   }
   return all;
 }
