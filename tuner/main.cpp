@@ -366,6 +366,12 @@ void add_report(CLI::App& app, Invocation& call) {
   CLI::Option* out = report.add_option("--out", o.out, "Write into this folder: assur-report")->type_name("DIR");
   report.add_flag("--quick", o.quick, "Three minutes at most, instead of thirty");
   report.add_option("--budget", o.budget, "Take about so long, s")->check(number(0, " > 0"))->type_name("SECONDS");
+  report.add_option("--watts", o.watts, "Of the processor (TDP), for energy that cannot be read")
+      ->check(number(0, " > 0"))
+      ->type_name("W");
+  report.add_option("--peers", o.peers, "Show other libraries: a CSV of bench/peers/peers.sh")
+      ->check(CLI::ExistingFile)
+      ->type_name("FILE");
   add_common(report, call.common);
   report.callback([&call, out] {
     if (out->count() > 0 && call.report.out.empty()) throw CLI::ValidationError("--out", "expects a folder");

@@ -146,6 +146,8 @@ TEST(ReportCommand, BadUseIsToldAtOnce) {
   const Scratch scratch;
   const std::string file = scratch.file("file", "not a folder");
   EXPECT_EQ(run_command({"report", "--out", file}).status, 3);
+  EXPECT_EQ(run_command({"report", "--out", scratch.file("r"), "--peers", file}).status, 2);
+  EXPECT_FALSE(std::filesystem::exists(scratch.file("r")));
   EXPECT_EQ(run_command({"report", "--out", scratch.file("r"), "--db", scratch.file("none.db")}).status, 3);
 }
 

@@ -76,7 +76,7 @@ TEST(Usage, WithJsonAWrongCallIsAnObject) {
 TEST(Usage, HelpFitsThePageAndNamesEveryOption) {
   const std::vector<std::string> common = {"--json", "--quiet", "--threads", "--db", "--help", "--version"};
   const std::vector<std::pair<std::vector<std::string>, std::vector<std::string>>> cases = {
-      {{"--help"}, {"run", "inspect", "plan", "compare", "backends", "db", "check"}},
+      {{"--help"}, {"run", "inspect", "plan", "compare", "backends", "db", "check", "report"}},
       {{"run", "--help"},
        {"SCENE", "--set", "--start", "--dt", "--steps", "--outputs", "--strategy", "--mode", "--accuracy", "--ensemble",
         "--iterations", "--csv", "--errors", "--animate", "--plot", "--reference", "--pin"}},
@@ -84,6 +84,7 @@ TEST(Usage, HelpFitsThePageAndNamesEveryOption) {
       {{"inspect", "--help"}, {"SCENE", "--set", "--outputs", "--formulation"}},
       {{"backends", "--help"}, {}},
       {{"check", "--help"}, {"SCENE", "--set", "--quick", "--case"}},
+      {{"report", "--help"}, {"--out", "--quick", "--budget", "--watts", "--peers"}},
       {{"db", "--help"}, {"info", "samples", "best", "crossovers", "models", "export", "import", "check", "forget"}},
       {{"db", "samples", "--help"}, {"--run", "--machine", "--library", "--kernel"}},
       {{"db", "forget", "--help"}, {"--run", "--machine", "--library", "--all"}},

@@ -96,6 +96,8 @@ struct ReportOptions {
   std::string out = "assur-report";  // folder
   bool quick = false;
   std::optional<double> budget;  // s; left out: 150 if quick, else 1,500
+  double watts = 0;              // of the processor, for energy that cannot be read; 0: not known
+  std::string peers;             // a CSV of bench/peers/peers.sh, to be shown; empty: none
 };
 
 // Throws Error (input) for --threads beyond the processors that this process may use; warns beyond the machine's

@@ -39,7 +39,8 @@ int report(const Common& common, const ReportOptions& options) {
     progress.show(seconds, std::lround(std::min(seconds, whole.seconds)), std::lround(whole.seconds));
     return Interrupt::requested();
   };
-  const report::Outcome outcome = make_report(options.out, report::contents(knowledge), knowledge, whole);
+  const report::Outcome outcome =
+      make_report(options.out, report::contents(knowledge, {options.peers, options.watts}), knowledge, whole);
   progress.clear();
 
   if (common.json) {

@@ -32,7 +32,8 @@ std::optional<TuningRecord> record_in(const db::DatabaseFile& place, const std::
     record.crossovers = store.crossovers(filter);
     return record;
   } catch (const db::Unusable& unusable) {
-    if (unusable.trouble() != db::Trouble::absent) throw;
+    // What is wrong with the others is among the messages of the model.
+    if (place.role == db::DatabaseFile::Role::named && unusable.trouble() != db::Trouble::absent) throw;
     return std::nullopt;
   }
 }

@@ -29,7 +29,7 @@ struct Knowledge {
   std::optional<TuningRecord> tuning;  // empty: this very machine was not tuned
 };
 
-// Throws Error (environment) as a Store does for a database that is there and cannot be read.
+// Throws Error (environment) as a Store does for one that was named, is there, and cannot be read.
 [[nodiscard]] Knowledge knowledge(MachineModel known, std::span<const db::DatabaseFile> databases);
 
 // The head of the page: what was measured on, with what, when; name and text.

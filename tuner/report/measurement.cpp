@@ -61,8 +61,10 @@ double mean(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-std::string paragraph(const std::string& text, const std::string& css_class) {
-  return (css_class.empty() ? "<p>" : "<p class=\"" + css_class + "\">") + view::escaped(text) + "</p>\n";
+std::string paragraph(std::string_view text, std::string_view css_class) {
+  std::string out = "<p";
+  if (!css_class.empty()) out.append(" class=\"").append(css_class).append("\"");
+  return out.append(">").append(view::escaped(text)).append("</p>\n");
 }
 
 }  // namespace assur::report

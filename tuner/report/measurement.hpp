@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "report/section.hpp"
@@ -26,6 +27,6 @@ namespace assur::report {
 [[nodiscard]] double mean(const std::vector<double>& values);  // NaN of none
 
 // "<p>text</p>", escaped.
-[[nodiscard]] std::string paragraph(const std::string& text, const std::string& css_class = {});
+[[nodiscard]] std::string paragraph(std::string_view text, std::string_view css_class = {});
 
 }  // namespace assur::report

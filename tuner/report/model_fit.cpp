@@ -95,8 +95,7 @@ view::Plot scatter(const std::vector<Fit>& all) {
 Section model_fit(const Knowledge& knowledge, const Conditions&) {
   Section out{"model-fit", "How well times are predicted", "", {}};
   if (!knowledge.tuning) {
-    out.body =
-        paragraph("There is no finished tuning run of this machine to look at. " + how_to_tune(knowledge), "notice");
+    out.body = paragraph("There is no finished tuning run of this machine to look at.", "notice");
     return out;
   }
   const std::vector<tuning::CellResult> cells = tuning::cells_of(knowledge.tuning->samples);

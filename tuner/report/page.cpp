@@ -22,7 +22,8 @@ p, li { max-width: 75ch; }
 a { color: inherit; text-decoration-color: var(--faint); text-underline-offset: 0.2em; }
 dl.facts { display: grid; grid-template-columns: max-content 1fr; gap: 0.15rem 1rem; margin: 1rem 0; font-size: 0.9rem; }
 dl.facts dt { color: var(--faint); } dl.facts dd { margin: 0; overflow-wrap: anywhere; }
-nav ul { margin: 0.25rem 0 0.75rem; padding-left: 1.25rem; } nav p { margin: 0; }
+nav { columns: 24rem 2; margin: 1rem 0; } nav p { margin: 0; break-after: avoid; }
+nav ul { margin: 0.25rem 0 0.75rem; padding-left: 1.25rem; }
 .notice, .missing { border-left: 3px solid var(--faint); background: var(--tint); padding: 0.5rem 0.75rem; max-width: none; }
 details { margin: 0.75rem 0; } summary { color: var(--faint); cursor: pointer; font-size: 0.875rem; }
 section { overflow-wrap: break-word; }

@@ -49,7 +49,6 @@ view::HtmlTable details_table(const std::vector<const PaperTiming*>& rows) {
 
 }  // namespace
 
-std::string paragraph(std::string_view text) { return "<p>" + view::escaped(text) + "</p>\n"; }
 std::string faint(std::string_view text) { return "<p class=\"faint\">" + view::escaped(text) + "</p>\n"; }
 std::string tall(const view::HtmlTable& table) { return "<div class=\"tall\">\n" + html(table) + "</div>\n"; }
 std::string small(const view::HtmlTable& table) { return "<div class=\"small tall\">\n" + html(table) + "</div>\n"; }

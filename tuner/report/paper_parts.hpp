@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "report/measurement.hpp"
 #include "report/paper_runs.hpp"
 #include "report/section.hpp"
 #include "view/html.hpp"
@@ -19,8 +20,7 @@ namespace assur::report {
 [[nodiscard]] Section paper_table_5(const PaperResults& results);
 [[nodiscard]] Section paper_conclusions(const PaperResults& results);
 
-// A paragraph; the text is escaped.
-[[nodiscard]] std::string paragraph(std::string_view text);
+// A paragraph of less weight; the text is escaped.
 [[nodiscard]] std::string faint(std::string_view text);
 // A table whose long titles are broken; the second one in small type, for numbers that carry over to no other machine.
 [[nodiscard]] std::string tall(const view::HtmlTable& table);

@@ -182,7 +182,9 @@ Section regret(const Knowledge& knowledge, const Conditions& conditions) {
     longest = std::max(longest, measure::StepTimes::steady() - begin - now);
   }
   Section out = regret_section(answers, all.size());
-  if (!how_to_tune(knowledge).empty()) out.body = paragraph(how_to_tune(knowledge), "notice") + out.body;
+  if (knowledge.known.model->samples() == 0) {
+    out.body = paragraph("Nothing was measured on this machine: auto went by the prior.", "notice") + out.body;
+  }
   return out;
 }
 

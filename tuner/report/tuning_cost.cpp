@@ -16,8 +16,7 @@ std::string percent_text(double value) { return output::number(value) + " %"; }
 Section tuning_cost(const Knowledge& knowledge, const Conditions&) {
   Section out{"tuning-cost", "What tuning costs, and what it saves", "", {}};
   if (!knowledge.tuning) {
-    out.body =
-        paragraph("There is no finished tuning run of this machine to look at. " + how_to_tune(knowledge), "notice");
+    out.body = paragraph("There is no finished tuning run of this machine to look at.", "notice");
     return out;
   }
   const db::Run& run = knowledge.tuning->run;

@@ -220,7 +220,9 @@ Section winners(const Knowledge& knowledge, const Conditions& conditions) {
       "and how many of them. PxQ: P packs at once, Q threads within each. Dots: that very pack was measured; elsewhere "
       "the "
       "performance model says so.");
-  if (knowledge.known.model->samples() == 0) out.body += paragraph(how_to_tune(knowledge), "notice");
+  if (knowledge.known.model->samples() == 0) {
+    out.body += paragraph("Nothing was measured on this machine: these are the answers of the prior.", "notice");
+  }
 
   Atlas groups = atlas(mechanisms(conditions.quick), rows, "mechanism", knowledge, conditions);
   groups.map.title = "Fastest strategy over unknowns of a group and number of groups";

@@ -1,0 +1,122 @@
+#include "report/peers.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <vector>
+
+#include "assur/status.hpp"
+#include "output/format.hpp"
+#include "report/measurement.hpp"
+
+namespace assur::report {
+namespace {
+
+constexpr std::string_view kHead =
+    "peer,mechanism,levels,steps,seconds_per_step,spread,repetitions,position_error,velocity_error,acceleration_error,"
+    "comment";
+constexpr std::array<std::string_view, 3> kLevels = {"position", "and velocity", "and acceleration"};
+
+struct Row {
+  std::string peer, mechanism, comment;
+  int levels = 1, repetitions = 0;
+  double seconds = 0, spread = 0, error = 0;  // the worst of the levels computed
+};
+
+std::vector<std::string> cells(const std::string& line) {
+  std::vector<std::string> out(1);
+  for (const char c : line) c == ',' ? static_cast<void>(out.emplace_back()) : out.back().push_back(c);
+  return out;
+}
+
+class Reader {
+ public:
+  Reader(std::istream& in, std::string file) : in_(in), file_(std::move(file)) {}
+
+  std::vector<Row> rows() {
+    std::string text;
+    std::getline(in_, text);
+    if (text != kHead) fail("expects the line " + std::string(kHead) + ", as bench/peers/peers.sh --csv writes it");
+    std::vector<Row> out;
+    while (std::getline(in_, text)) {
+      ++line_;
+      const std::vector<std::string> c = cells(text);
+      if (c.size() < 10) fail("expects 11 columns");
+      Row row{c[0], c[1], c.size() > 10 ? c[10] : ""};
+      row.levels = static_cast<int>(number(c[2]));
+      row.seconds = number(c[4]);
+      row.spread = number(c[5]);
+      row.repetitions = static_cast<int>(number(c[6]));
+      if (row.levels < 1 || row.levels > 3) fail("levels are 1 to 3, not " + c[2]);
+      if (!(row.seconds > 0)) fail("seconds_per_step is a time > 0, not " + c[4]);
+      for (int level = 0; level < row.levels; ++level)
+        row.error = std::max(row.error, number(c[7 + static_cast<std::size_t>(level)]));
+      out.push_back(std::move(row));
+    }
+    return out;
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& what) const {
+    throw Error(Error::Kind::input, {{file_ + ", line " + std::to_string(line_), what}});
+  }
+  double number(const std::string& text) const {
+    double value = 0;
+    const auto [end, trouble] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (trouble != std::errc() || end != text.data() + text.size()) fail("expects a number, not \"" + text + "\"");
+    return value;
+  }
+
+  std::istream& in_;
+  std::string file_;
+  int line_ = 1;
+};
+
+// The fastest row of assur with the same mechanism and levels; null if there is none.
+const Row* ours(const std::vector<Row>& rows, const Row& of) {
+  const Row* best = nullptr;
+  for (const Row& r : rows) {
+    if (!r.peer.starts_with("assur") || r.mechanism != of.mechanism || r.levels != of.levels) continue;
+    if (best == nullptr || r.seconds < best->seconds) best = &r;
+  }
+  return best;
+}
+
+}  // namespace
+
+Section peers_section(std::istream& in, const std::string& file) {
+  Section out{"peers", "Other libraries on the same mechanisms", "", {}};
+  const std::vector<Row> rows = Reader(in, file).rows();
+  using enum view::HtmlTable::Column;
+  view::HtmlTable table{
+      {"mechanism", "library", "levels computed", "step", "over assur", "repetitions", "spread", "error", "how"},
+      {text, text, text, number, number, number, number, number, words},
+      {}};
+  for (const Row& r : rows) {
+    const Row* own = ours(rows, r);
+    const double ratio = own != nullptr ? r.seconds / own->seconds : std::nan("");
+    const std::string levels(kLevels[static_cast<std::size_t>(r.levels - 1)]);
+    Measurement m{out.id,        r.mechanism + ", " + levels,
+                  r.peer,        "seconds per step",
+                  "s",           r.seconds,
+                  r.repetitions, r.spread,
+                  r.error,       "measured by bench/peers/peers.sh, " + file};
+    table.rows.push_back({{r.mechanism, r.peer, levels, value_text(m), own != nullptr ? output::fixed(ratio) : "-",
+                           std::to_string(r.repetitions), percent(r.spread), output::error_figure(r.error), r.comment},
+                          own == &r ? "strong" : ""});
+    out.measurements.push_back(m);
+    m.quantity = "time over that of assur";
+    m.unit = "1";
+    m.value = ratio;
+    m.origin = "ratio of the times";
+    if (own != nullptr && own != &r) out.measurements.push_back(std::move(m));
+  }
+  out.body = paragraph(
+      "Processor time of a step; all follow the same times, and their answers are held against the closed form. Who "
+      "computes fewer levels has less to do: compare rows of the same levels.");
+  out.body += html(table);
+  return out;
+}
+
+}  // namespace assur::report
