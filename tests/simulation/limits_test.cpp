@@ -76,15 +76,15 @@ TEST(Limit, OfASliderCrankIsBracketed) {
 // Rates are without bound there, but an angle has turned as far as it has.
 TEST(Limit, IsReachedByAnglesWithoutAJump) {
   const Scene scene = test::limited_four_bar(Law::polynomial({0.5, 1}))
-                          .measure("rocker", AbsoluteAngle{"A1", "C"})
+                          .measure("swing", AbsoluteAngle{"A1", "C"})
                           .time(0, 2, 0.01)
                           .build();
   Simulator s = test::simulator(scene, "groups/eigen");
   const Trajectory rows = s.run();
   ASSERT_EQ(s.report().status.code, Code::limit_reached);
-  const std::size_t rocker = rows.index("rocker");
+  const std::size_t rocker = rows.index("swing");
   // Within the last step the rocker turns by the root of that step's angle, up to a factor.
-  EXPECT_NEAR(s.output("rocker"), rows(rows.rows() - 1, rocker), 0.3);
+  EXPECT_NEAR(s.output("swing"), rows(rows.rows() - 1, rocker), 0.3);
 }
 
 TEST(Limit, IsFoundWithPositionsAlone) {
