@@ -136,7 +136,7 @@ std::vector<Racer> uniform_racers(const Scene& scene, const Question& q, const Q
 }
 
 // The fastest with another solver or other lanes for one class.
-std::vector<Racer> mixed_racers(const Racer& fastest, const Question& q) {
+std::vector<Racer> mixed_racers(const Racer& fastest, const Question& q, const QuestionOptions& options) {
   std::vector<Racer> racers;
   const Plan& plan = fastest.prepared.plan;
   for (std::size_t c = 0; c < plan.choices.size() && plan.choices.size() > 1; ++c) {
@@ -144,6 +144,7 @@ std::vector<Racer> mixed_racers(const Racer& fastest, const Question& q) {
       if (!backend.why_not({}, {}).empty()) continue;
       if (std::find(q.without.begin(), q.without.end(), backend.id) != q.without.end()) continue;
       for (const int lanes : {1, 2, 4, 8, 16}) {
+        if (options.instruments.stop()) return racers;
         if (lanes > 2 * plan.choices[c].shape.groups - 1) continue;
         Racer racer{.text = "", .prepared = fastest.prepared};
         Strategy& s = racer.prepared.plan.choices[c].strategy;
@@ -215,7 +216,7 @@ std::optional<Answer> answer(const Question& q, const QuestionOptions& options) 
   race(all, trial, options.instruments);
   std::sort(all.begin(), all.end(), faster);
 
-  std::vector<Racer> mixed = mixed_racers(*all[0], q);
+  std::vector<Racer> mixed = mixed_racers(*all[0], q, options);
   std::optional<Racer> together;
   if (!mixed.empty()) {
     std::vector<Racer*> entrants = pointers(mixed);

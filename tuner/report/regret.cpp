@@ -21,6 +21,7 @@ using measure::Question;
 constexpr double kGolden = 0.6180339887498949;
 constexpr double kLeastRace = 0.2, kMostRace = 4;  // s for each race of a question
 constexpr double kQuestionsAtLeast = 12;           // that the time is meant for
+constexpr double kMostOfTime = 0.2;                // for one question
 constexpr double kFar = 1;                         // regret from which on the axis is logarithmic
 constexpr std::size_t kWorst = 6;                  // that are named
 
@@ -166,22 +167,31 @@ Section regret_section(const std::vector<Answer>& answers, std::size_t planned) 
 
 Section regret(const Knowledge& knowledge, const Conditions& conditions) {
   const double begin = measure::StepTimes::steady();
+  const auto taken = [&] { return measure::StepTimes::steady() - begin; };
   const std::vector<Question> all = spread_out(measure::regret_questions(conditions.threads));
+  std::vector<Answer> answers;
+  std::vector<std::string> too_long;
+  double end = 0;  // s: until when a question has to be answered
   measure::QuestionOptions how;
   how.model = knowledge.known.model;
   how.quick = conditions.quick;
   how.seconds = std::clamp(conditions.seconds / kQuestionsAtLeast / 3, kLeastRace, kMostRace);
+  // The first one, which is small, is always answered.
   how.instruments = conditions.instruments();
-  std::vector<Answer> answers;
-  double longest = 0;
+  how.instruments.stop = [&] { return conditions.interrupted() || (!answers.empty() && taken() > end); };
   for (const Question& q : all) {
-    const double now = measure::StepTimes::steady() - begin;
-    if (conditions.interrupted() || (!answers.empty() && now + longest > conditions.seconds)) break;
-    conditions.progress(now / conditions.seconds, q.scene);
-    if (const auto answer = measure::answer(q, how)) answers.push_back(*answer);
-    longest = std::max(longest, measure::StepTimes::steady() - begin - now);
+    if (conditions.interrupted() || (!answers.empty() && taken() > conditions.seconds)) break;
+    conditions.progress(taken() / conditions.seconds, q.scene);
+    end = std::min(conditions.seconds, taken() + kMostOfTime * conditions.seconds);
+    if (const auto answer = measure::answer(q, how)) {
+      answers.push_back(*answer);
+    } else if (!conditions.interrupted() && end < conditions.seconds) {
+      too_long.push_back(item_of(q));
+    }
   }
   Section out = regret_section(answers, all.size());
+  if (!too_long.empty())
+    out.body += paragraph("Given up, for want of time: " + output::listed(too_long) + ".", "faint");
   if (knowledge.known.model->samples() == 0) {
     out.body = paragraph("Nothing was measured on this machine: auto went by the prior.", "notice") + out.body;
   }
