@@ -84,19 +84,18 @@ bool ErrorEstimate::due(std::span<const Pack> packs, std::int64_t branch_checks,
   if (branch_checks == branch_checks_ && expected_ == 0) return false;
   branch_checks_ = branch_checks;
   const double* before = omega_.data();
-  double grown = 1;
+  // What a ball leaves open counts for one level: that all of them move towards a singularity at once is not expected.
+  double grown = 1, open = 1;
   for (std::size_t p = 0; p < packs.size();) {
     double of_level = 1;
     for (const std::int32_t level = packs[p].level; p < packs.size() && packs[p].level == level; ++p) {
-      const std::size_t lanes = packs[p].omega.size() / std::max<std::size_t>(packs[p].ball_used.size(), 1);
-      for (std::size_t i = 0; i < packs[p].omega.size(); ++i) {
-        const double left = expected_ > 0 ? 1 - packs[p].ball_used[i / lanes] : 1;
-        of_level = std::max(of_level, packs[p].omega[i] / (left * *before++));
-      }
+      for (const double omega : packs[p].omega) of_level = std::max(of_level, omega / *before++);
+      for (const double used : packs[p].ball_used) open = std::max(open, 1 / (1 - used));
     }
     if (of_level > kGrown && expected_ == 0) return true;
     grown *= of_level;
   }
+  if (expected_ > 0) grown *= open;
   return std::max(now_.worst(), expected_) * grown * grown * grown > asked_;
 }
 
