@@ -58,6 +58,27 @@ TEST(Dispatcher, LeavesOutWhatItIsToldTo) {
   }
 }
 
+// The groups that this scene declares are none, for what lies between them belongs to neither: asked for by name they
+// are refused, and `auto` does without.
+TEST(Dispatcher, PassesOverAFormulationThatCannotBeHad) {
+  SceneBuilder b("between", 2);
+  b.fixed_point("A", {0, 0, 0}).fixed_point("B", {2, 0, 0}).point("C", {1, 0, 0});
+  b.drive("crank", PointAngle{"A", "C", "", Law::polynomial({0, 1})});
+  std::string before = "C";
+  for (const std::string& point : {"P", "Q", "R"}) {
+    const double x = point == "P" ? 1.5 : point == "Q" ? 2.5 : 3.5;
+    b.point(point, {x, 1, 0}).constrain(point + before, Distance{point, before, {}});
+    b.constrain(point + "B", Distance{point, "B", {}});
+    before = point;
+  }
+  const Scene scene = b.add(DeclaredGroup{"PR", {"P", "R"}}).time(0, 0.1, 0.01).build();
+  EXPECT_THROW((void)prepare(scene, {.strategy = "groups/eigen"}), Error);
+  const Prepared p = prepare(scene, {.budget = ThreadBudget{1}, .model = model()});
+  EXPECT_NE(p.plan.formulation, Formulation::groups);
+  Simulator s(p);
+  EXPECT_EQ(s.run().rows(), 11u);
+}
+
 TEST(Dispatcher, NeverTakesMoreThreadsThanTheBudget) {
   for (const char* scene : {"stewart:platforms=64", "rings:legs=5,n=240", "four_bar:40"}) {
     for (const std::int32_t budget : {1, 2, 3, 5, 16}) {

@@ -12,6 +12,7 @@ namespace {
 constexpr double kTop = 30, kBottom = 46, kGap = 2;
 constexpr double kMostFill = 0.7, kLeastFill = 0.12;  // opacity of a cell: the text above it stays legible
 constexpr double kDot = 3;
+constexpr double kLine = 13;  // from one line of a cell to the next
 
 std::string fill(const HeatMap::Kind& kind) {
   const double opacity = kLeastFill + (kMostFill - kLeastFill) * std::clamp(kind.strength, 0.0, 1.0);
@@ -34,6 +35,18 @@ std::string rectangle(double x, double y, double w, double h, const HeatMap::Kin
          fill(kind) + "><title>" + escaped(about) + "</title></rect>\n";
 }
 
+// The text in one line or, broken at its first blank, two; else the kind's name; nothing where that has no room either.
+std::vector<std::string> lines_for(const std::string& text, const std::string& kind, double w, double h) {
+  if (width(text) < w) return {text};
+  const std::size_t blank = text.find(' ');
+  if (blank != std::string::npos && h > 2 * kLine) {
+    const std::string first = text.substr(0, blank), rest = text.substr(blank + 1);
+    if (std::max(width(first), width(rest)) < w) return {first, rest};
+  }
+  if (width(kind) < w) return {kind};
+  return {};
+}
+
 std::string draw(const HeatMap& map, double all_width, double cell_height, std::string_view css_class) {
   double left = 0;
   for (const std::string& row : map.rows) left = std::max(left, width(row));
@@ -52,10 +65,13 @@ std::string draw(const HeatMap& map, double all_width, double cell_height, std::
       if (cell.kind < 0) continue;
       const double x = left + static_cast<double>(c) * w;
       out += rectangle(x, y, w - kGap, h - kGap, map.kinds[static_cast<std::size_t>(cell.kind)], cell.about);
-      const std::string& kind = map.kinds[static_cast<std::size_t>(cell.kind)].name;
-      const std::string& shown = width(cell.text) < w - 6 * kGap ? cell.text : kind;
-      const bool fits = width(shown) < w - 6 * kGap;
-      if (fits) out += text("cell", x + w / 2 - 1, y + h / 2 + 4, "middle", shown);
+      const auto lines = lines_for(cell.text, map.kinds[static_cast<std::size_t>(cell.kind)].name, w - 6 * kGap, h);
+      const bool fits = !lines.empty();
+      double base = y + h / 2 + 4 - kLine / 2 * (static_cast<double>(lines.size()) - 1);
+      for (const std::string& line : lines) {
+        out += text("cell", x + w / 2 - 1, base, "middle", line);
+        base += kLine;
+      }
       if (cell.marked) out += fits ? dot(x + 6, y + 6) : dot(x + w / 2 - 1, y + h / 2 - 1);
     }
   }
