@@ -9,8 +9,6 @@ namespace {
 
 constexpr std::int32_t kDense = 64;
 constexpr int kHagerRounds = 3;
-constexpr int kPowerSteps = 30;
-constexpr double kInertia = 1e-3;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
@@ -88,8 +86,6 @@ BlockConditions::BlockConditions(const GroupClass& group_class, const Program& p
   }
   matrix_.resize(idx(largest) * idx(largest));
   inverse_.resize(matrix_.size());
-  register_change_.resize(idx(p.registers));
-  for (std::vector<double>* v : {&perron_, &product_, &image_}) v->resize(idx(largest));
   if (has_large) vector_.resize(idx(p.n) * idx(lanes));
   find_reads(group_class);
 }
@@ -163,65 +159,6 @@ double BlockConditions::dense_norm(std::int32_t b, int lane, const double* jacob
     worst = std::max(worst, sum);
   }
   return std::isfinite(worst) ? worst : kInfinity;
-}
-
-// |dJ| of a block: what changes of the registers do to each entry at most.
-void BlockConditions::bound_change(std::int32_t b, int lane, const double* coefficients, std::span<const double> change,
-                                   Signs signs) {
-  std::fill(register_change_.begin(), register_change_.end(), 0.0);
-  std::copy(change.begin(), change.end(), register_change_.begin());
-  const auto coefficient = [&](const Program::Operand& o) { return coefficients[o.coefficient * lanes_ + lane]; };
-  for (const Program::Form& f : program_.forms) {
-    double sum = 0;
-    for (std::int32_t i = f.moving; i < f.end; ++i) {
-      const Program::Operand& o = program_.operands[idx(i)];
-      const double part = coefficient(o) * register_change_[idx(o.reg)];
-      sum += signs == Signs::known ? part : std::abs(part);
-    }
-    register_change_[idx(f.reg)] = sum;
-  }
-  const std::int32_t n = size(b);
-  std::fill_n(matrix_.begin(), idx(n) * idx(n), 0.0);
-  for (std::int32_t i = nonzero_start_[idx(b)]; i < nonzero_start_[idx(b) + 1]; ++i) {
-    const std::int32_t k = nonzeros_[idx(i)];
-    const std::int32_t column = place_[idx(nonzero_column_[idx(k)])];
-    double& entry = matrix_[idx(column * n + row_place_[idx(program_.pattern.row[idx(k)])])];
-    for (std::int32_t e = program_.entries[idx(k)].begin; e < program_.entries[idx(k)].end; ++e) {
-      const Program::Operand& o = program_.entry_operands[idx(e)];
-      entry += std::abs(coefficient(o) * register_change_[idx(o.reg)]);
-    }
-  }
-}
-
-// For every v > 0 the largest quotient (M v)_i / v_i is no less than the radius (Collatz, Wielandt); power steps bring
-// it down.
-double BlockConditions::radius(std::int32_t b, int lane, const double* jacobian, const double* coefficients,
-                               std::span<const double> change, Signs signs) {
-  const std::int32_t n = size(b);
-  if (needs_solver(b)) return kInfinity;
-  extract(jacobian, b, lane, matrix_);
-  if (!invert(matrix_.data(), inverse_.data(), n)) return kInfinity;
-  bound_change(b, lane, coefficients, change, signs);
-  std::fill_n(perron_.begin(), n, 1.0);
-  double least = kInfinity;
-  for (int step = 0; step < kPowerSteps; ++step) {
-    std::fill_n(product_.begin(), n, 0.0);
-    std::fill_n(image_.begin(), n, 0.0);
-    for (std::int32_t c = 0; c < n; ++c) {
-      for (std::int32_t r = 0; r < n; ++r) product_[idx(r)] += matrix_[idx(c * n + r)] * perron_[idx(c)];
-    }
-    for (std::int32_t c = 0; c < n; ++c) {
-      for (std::int32_t r = 0; r < n; ++r) image_[idx(r)] += std::abs(inverse_[idx(c * n + r)]) * product_[idx(c)];
-    }
-    double quotient = 0;
-    for (std::int32_t r = 0; r < n; ++r) quotient = std::max(quotient, image_[idx(r)] / perron_[idx(r)]);
-    if (!std::isfinite(quotient)) return kInfinity;
-    least = std::min(least, quotient);
-    if (quotient == 0) break;
-    // A part of the vector itself keeps all of it positive, and its steps from turning in circles.
-    for (std::int32_t r = 0; r < n; ++r) perron_[idx(r)] = image_[idx(r)] / quotient + kInertia * perron_[idx(r)];
-  }
-  return least;
 }
 
 // Hager's power method for | J^-1 D |_inf = | (J^-1 D)^T |_1, all lanes at once; right-hand sides live on the block

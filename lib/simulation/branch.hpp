@@ -3,9 +3,7 @@
 // makes J regular, and the solution unique, wherever omega |q - q0|_inf < 1 (Banach; Deuflhard 2004, section 2.1). The
 // measured posture is the anchor: steps inside its ball cost one maximum norm, and omega is measured anew only when the
 // ball is used up. J0^-1 itself is needed only up to blocks of 64; beyond, Hager's estimate (Higham 1988) takes its
-// place. One norm for all coordinates is cheap, and too strict where they are of different sizes or move together: what
-// it refuses is looked at again entry by entry, by the spectral radius of |J^-1| |dJ|, which no unit changes. Below 1
-// every matrix within J +- |dJ| is regular (Rex and Rohn 1998, corollary 3.2).
+// place.
 #pragma once
 
 #include <cstdint>
@@ -30,16 +28,6 @@ class BlockConditions {
   // needs_solver(block). weights: equations x lanes; norms: lanes.
   void measure(std::int32_t block, const double* jacobian, const double* weights, LinearSolver* solver, double* norms);
 
-  // The spectral radius of |J^-1| |dJ|, from above, of one block in one lane, where dJ is what `change` of the
-  // coordinates (unknowns, then inputs; 0 for those that the block does not read) does to its Jacobian at most.
-  // coefficients: those of the pack. Infinite where the block is singular or has more than 64 unknowns.
-  enum class Signs : std::uint8_t {
-    known,   // the changes are what they are: those of two ends of a bar may cancel
-    either,  // any change up to the size given
-  };
-  [[nodiscard]] double radius(std::int32_t block, int lane, const double* jacobian, const double* coefficients,
-                              std::span<const double> change, Signs signs);
-
   [[nodiscard]] bool needs_solver(std::int32_t block) const;
 
   // The coordinates that a block reads and that move: local numbers, unknowns and inputs.
@@ -61,8 +49,6 @@ class BlockConditions {
  private:
   void find_reads(const GroupClass& group_class);
   double dense_norm(std::int32_t block, int lane, const double* jacobian, const double* weights);
-  void bound_change(std::int32_t block, int lane, const double* coefficients, std::span<const double> change,
-                    Signs signs);
   void sparse_norms(std::int32_t block, const double* weights, LinearSolver& solver, double* norms);
 
   const Program& program_;
@@ -74,8 +60,6 @@ class BlockConditions {
   std::vector<std::int32_t> nonzero_start_, nonzeros_;  // by block: indices of its entries
   std::vector<std::int32_t> nonzero_column_;            // nnz: column of each entry
   std::vector<double> matrix_, inverse_;                // largest dense block
-  std::vector<double> register_change_;                 // registers: of radius()
-  std::vector<double> perron_, product_, image_;        // largest dense block: the same
   std::vector<std::int32_t> reads_start_, reads_;       // by block
   std::vector<double> vector_;                          // n x lanes, if there are large blocks
 };

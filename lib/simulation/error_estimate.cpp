@@ -13,10 +13,10 @@ namespace {
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// Rounding is half as large as its bound; three probes all below 1/10 of that happen five times in ten thousand.
-constexpr double kSafety = 5;
+// Five probes all below a fifth of the true size happen once in ten thousand times.
+constexpr double kSafety = 2.5;
 constexpr double kRounding = 16 * kEps;       // residuals up to here are not looked at
-constexpr std::int64_t kInterval = 256;       // steps from one measurement to the next
+constexpr std::int64_t kInterval = 512;       // steps from one measurement to the next
 constexpr std::int64_t kIntervalUnseen = 16;  // where callbacks hide how the condition changes
 constexpr double kGrown = 2;                  // of a condition, or a residual: then it is measured again
 constexpr double kMoved = 1e-7;               // of a posture along a probe, internal units

@@ -66,7 +66,6 @@ GroupSolver::GroupSolver(const System& system, const Structure& structure, std::
   row_scale_.resize(n);
   column_scale_.resize(n);
   largest_correction_.resize(idx(program_.blocks) * w);
-  change_.resize(idx(program_.n + program_.inputs));
   sort_by_rows();
 }
 
@@ -303,24 +302,16 @@ double GroupSolver::correct(double* x) {
 }
 
 // From omega |first correction| <= 1/4 the iteration converges to the one solution nearby.
-Status GroupSolver::kantorovich(const Pack& pack) {
+Status GroupSolver::kantorovich(const Pack& pack) const {
   for (std::int32_t b = 0; b < program_.blocks; ++b) {
     const double left = 1 - pack.ball_used[idx(b)];
     const double *omega = pack.omega.data() + b * lanes_, *largest = largest_correction_.data() + b * lanes_;
     for (int l = 0; l < pack.used; ++l) {
       if (largest[l] == 0 || omega[l] * largest[l] <= kKantorovich * left) continue;
-      const double by_entries = correction_radius(pack, b, l);
-      if (!(by_entries <= kKantorovich)) return fail(pack, Code::branch_unknown, by_entries, l);
+      return fail(pack, Code::branch_unknown, omega[l] * largest[l] / left, l);
     }
   }
   return {};
-}
-
-// omega |correction| at the prediction, entry by entry.
-double GroupSolver::correction_radius(const Pack& pack, std::int32_t b, int lane) {
-  std::fill(change_.begin(), change_.end(), 0.0);
-  for (const std::int32_t c : blocks_.unknowns(b)) change_[idx(c)] = correction_[idx(c * lanes_ + lane)];
-  return blocks_.radius(b, lane, jacobian_.data(), pack.coefficients.data(), change_, BlockConditions::Signs::either);
 }
 
 // residual_ = b - J x; returns |residual| / (|J| |x| + |b|), maximum norms, of the worst lane.
@@ -435,25 +426,22 @@ double GroupSolver::ball_use(const Pack& pack, const double* x, std::int32_t b) 
                            pack.anchor.data() + blocks_.reads_start(b) * idx(lanes_), pack.omega.data() + b * lanes_);
 }
 
-// Part of the ball between the anchor and the solution x, where the Jacobian is at hand, entry by entry.
-double GroupSolver::anchor_radius(const Pack& pack, const double* x, std::int32_t b, int lane) {
-  std::fill(change_.begin(), change_.end(), 0.0);
-  const double* anchor = pack.anchor.data() + blocks_.reads_start(b) * idx(lanes_) + lane;
+// The lane that uses most of a ball, for the message.
+std::int32_t GroupSolver::lane_that_moved_most(const Pack& pack, const double* x, std::int32_t b) const {
+  const double* anchor = pack.anchor.data() + blocks_.reads_start(b) * idx(lanes_);
+  double worst = -1;
+  std::int32_t found = 0;
   for (const std::int32_t c : blocks_.reads(b)) {
-    const double at = c < program_.n ? x[c * lanes_ + lane] : inputs_[idx((c - program_.n) * lanes_ + lane)];
-    change_[idx(c)] = at - *anchor;
+    const double* at = c < program_.n ? x + c * lanes_ : inputs_.data() + (c - program_.n) * lanes_;
+    for (std::int32_t l = 0; l < pack.used; ++l) {
+      const double used = pack.omega[idx(b * lanes_ + l)] * std::abs(at[l] - anchor[l]);
+      if (used <= worst) continue;
+      worst = used;
+      found = l;
+    }
     anchor += lanes_;
   }
-  return blocks_.radius(b, lane, jacobian_.data(), pack.coefficients.data(), change_, BlockConditions::Signs::known);
-}
-
-// Of what left the ball of one norm for all coordinates.
-Status GroupSolver::check_by_entries(const Pack& pack, const double* x, std::int32_t b) {
-  for (int l = 0; l < pack.used; ++l) {
-    const double used = anchor_radius(pack, x, b, l);
-    if (!(used <= kBall)) return fail(pack, Code::branch_unknown, used, l);
-  }
-  return {};
+  return found;
 }
 
 void GroupSolver::set_anchor(Pack& pack, const double* x, std::int32_t b, Counters& counters) {
@@ -482,9 +470,7 @@ Status GroupSolver::check_branch(Pack& pack, const double* x, const Attempt& att
     double& before = pack.ball_used[idx(b)];
     if (attempt.branch == Attempt::Branch::inside) {
       const double used = ball_use(pack, x, b);
-      if (!(used <= kBall)) {
-        if (const Status s = check_by_entries(pack, x, b); !s.ok()) return s;
-      }
+      if (!(used <= kBall)) return fail(pack, Code::branch_unknown, used, lane_that_moved_most(pack, x, b));
       if (stays_inside(used, before)) continue;
     }
     // At the start, after a change point, and before the next steps of this length leave the ball.

@@ -30,7 +30,7 @@ struct StepErrors {
 };
 
 // Errors of posture, velocity and acceleration, laid out like the state: a few possible ones.
-inline constexpr std::size_t kProbes = 3;
+inline constexpr std::size_t kProbes = 5;
 using Probes = std::array<std::array<double*, 3>, kProbes>;
 inline constexpr std::size_t kMostLanes = 16;
 
@@ -130,12 +130,10 @@ class GroupSolver {
                                     double& residual);
   void floor_scale();
   [[nodiscard]] double correct(double* x);
-  [[nodiscard]] Status kantorovich(const Pack& pack);
-  [[nodiscard]] double correction_radius(const Pack& pack, std::int32_t block, int lane);
+  [[nodiscard]] Status kantorovich(const Pack& pack) const;
   [[nodiscard]] Status factorize(Pack& pack, Counters& counters);
   [[nodiscard]] Status fail(const Pack& pack, Code code, double figure, std::int32_t lane = 0) const;
-  [[nodiscard]] double anchor_radius(const Pack& pack, const double* x, std::int32_t block, int lane);
-  [[nodiscard]] Status check_by_entries(const Pack& pack, const double* x, std::int32_t block);
+  [[nodiscard]] std::int32_t lane_that_moved_most(const Pack& pack, const double* x, std::int32_t block) const;
   void set_anchor(Pack& pack, const double* x, std::int32_t block, Counters& counters);
   [[nodiscard]] double ball_use(const Pack& pack, const double* x, std::int32_t block) const;
 
@@ -159,7 +157,6 @@ class GroupSolver {
   std::vector<double> jacobian_norm_;             // W
   std::vector<double> row_scale_, column_scale_;  // n x W: of scaled_residual()
   std::vector<double> largest_correction_;        // blocks x W
-  std::vector<double> change_;                    // n + inputs: of a lane's coordinates
   // Of perturb().
   std::vector<double> noise_, error_, bent_, moved_, whole_;          // n x W
   std::vector<double> input_errors_, moved_inputs_, resting_inputs_;  // inputs x W
