@@ -27,7 +27,9 @@ class ReplaceFile : public testing::Test {
   }
   [[nodiscard]] auto files() const { return std::distance(fs::directory_iterator(folder_), fs::directory_iterator()); }
 
-  fs::path folder_ = fs::path(testing::TempDir()) / "assur_replace_file";
+  // Of its own: tests run side by side.
+  fs::path folder_ = fs::path(testing::TempDir()) /
+                     (std::string("assur_replace_") + testing::UnitTest::GetInstance()->current_test_info()->name());
 };
 
 TEST_F(ReplaceFile, GivesTheNewContentTheName) {
