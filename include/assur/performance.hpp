@@ -94,8 +94,7 @@ class PerformanceModel {
   [[nodiscard]] std::size_t samples() const;
   [[nodiscard]] const std::string& source() const;
 
-  // All but the source, for the same build of the library on the same machine: reading them takes a hundredth of the
-  // time of fitting.
+  // All but the source, for the same build of the library on the same machine: they are read without fitting anew.
   [[nodiscard]] std::vector<std::byte> bytes() const;
   // nullopt: they are not what bytes() of this version makes. Wrong numbers are not noticed: keep a checksum.
   [[nodiscard]] static std::optional<PerformanceModel> from_bytes(std::span<const std::byte> bytes,

@@ -72,6 +72,8 @@ struct Cell {            // samples of one cell are of the same thing
 
 std::int32_t number(Kernel kernel) { return static_cast<std::int32_t>(kernel); }
 
+static_assert(std::has_unique_object_representations_v<Cell>);
+
 // A bare matrix and a group with the same pattern cost a solver the same.
 Cell cell_of(Kernel kernel, const Shape& shape, std::int32_t variant) {
   const bool solver = kernel == Kernel::factor || kernel == Kernel::solve;

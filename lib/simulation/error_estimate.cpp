@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// Five probes all below a fifth of the true size happen once in ten thousand times.
+// Five probes all below 1/5 of the true size happen once in ten thousand times; rounding is half as large as its bound.
 constexpr double kSafety = 2.5;
 constexpr double kRounding = 16 * kEps;       // residuals up to here are not looked at
 constexpr std::int64_t kInterval = 512;       // steps from one measurement to the next

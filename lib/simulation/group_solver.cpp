@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "backends/refined.hpp"
+#include "backends/residual.hpp"
 #include "structure/dense_block.hpp"
 
 namespace assur {
@@ -64,7 +65,7 @@ GroupSolver::GroupSolver(const System& system, const Structure& structure, std::
   jacobian_.resize(idx(program_.pattern.nnz()) * w);
   jacobian_norm_.resize(w);
   row_scale_.resize(n);
-  column_scale_.resize(n);
+  column_size_.resize(n);
   largest_correction_.resize(idx(program_.blocks) * w);
   sort_by_rows();
 }
@@ -324,34 +325,18 @@ double GroupSolver::linear_residual(const double* x, const std::vector<double>& 
 // The same of the worst lane once rows and columns have been scaled to size 1: what a few large ones hide in the norms
 // of all. residual_ is that of x.
 double GroupSolver::scaled_residual(const double* x, const std::vector<double>& b) {
-  const std::size_t w = idx(lanes_), n = idx(program_.n);
-  const auto entry = [&](std::int32_t k, std::size_t l) {
-    return std::abs(jacobian_[idx(row_entries_[idx(k)].nonzero) * w + l]);
-  };
   if (!std::exchange(scales_measured_, true)) {
-    std::fill(column_scale_.begin(), column_scale_.end(), 0.0);
-    for (std::size_t r = 0; r < n; ++r) {
-      for (std::size_t l = 0; l < w; ++l) {
-        double largest = 0;
-        for (std::int32_t k = row_start_[r]; k < row_start_[r + 1]; ++k) largest = std::max(largest, entry(k, l));
-        const double scale = row_scale_[r * w + l] = largest > 0 ? 1 / largest : 1;
-        for (std::int32_t k = row_start_[r]; k < row_start_[r + 1]; ++k) {
-          double& column = column_scale_[idx(row_entries_[idx(k)].column) * w + l];
-          column = std::max(column, scale * entry(k, l));
-        }
-      }
-    }
+    equilibrate({program_.pattern, jacobian_, lanes_, Transpose::no}, row_scale_, column_size_);
+    for (double& c : column_size_) c = 1 / c;
   }
+  std::array<double, kMostLanes> left{}, right{}, size{};
+  const std::size_t w = idx(lanes_);
+  norms(residual_, row_scale_, std::span(left).first(w));
+  norms(b, row_scale_, std::span(right).first(w));
+  norms({x, b.size()}, column_size_, std::span(size).first(w));
   double worst = 0;
   for (std::size_t l = 0; l < w; ++l) {
-    double left = 0, right = 0, size = 0;
-    for (std::size_t r = 0; r < n; ++r) {
-      const std::size_t i = r * w + l;
-      left = std::max(left, row_scale_[i] * std::abs(residual_[i]));
-      right = std::max(right, row_scale_[i] * std::abs(b[i]));
-      size = std::max(size, column_scale_[i] * std::abs(x[i]));
-    }
-    if (left > 0) worst = std::max(worst, left / (size + right));
+    if (!(left[l] <= 0)) worst = std::max(worst, left[l] / (size[l] + right[l]));
   }
   return worst;
 }

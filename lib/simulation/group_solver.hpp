@@ -154,9 +154,9 @@ class GroupSolver {
   std::vector<RowEntry> row_entries_;                               // nnz: the Jacobian by rows
   std::vector<double> inputs_, input_rates_, input_accelerations_;  // inputs x W
   std::vector<double> phi_, inverse_scale_, correction_, rhs_, residual_, jacobian_;
-  std::vector<double> jacobian_norm_;             // W
-  std::vector<double> row_scale_, column_scale_;  // n x W: of scaled_residual()
-  std::vector<double> largest_correction_;        // blocks x W
+  std::vector<double> jacobian_norm_;            // W
+  std::vector<double> row_scale_, column_size_;  // n x W: of scaled_residual()
+  std::vector<double> largest_correction_;       // blocks x W
   // Of perturb().
   std::vector<double> noise_, error_, bent_, moved_, whole_;          // n x W
   std::vector<double> input_errors_, moved_inputs_, resting_inputs_;  // inputs x W

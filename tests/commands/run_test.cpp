@@ -5,6 +5,7 @@
 
 #include "assur/simulator.hpp"
 #include "commands/command.hpp"
+#include "commands/fold.hpp"
 #include "output/format.hpp"
 
 namespace assur {
@@ -25,17 +26,6 @@ std::vector<double> times_of(const std::string& csv) {
   while (std::getline(stream, line)) times.push_back(std::stod(line));
   return times;
 }
-
-// The crank turns until coupler and rocker are in line: |B - D| = 2 at cos theta = 1/4.
-const char* const kFold = R"({
-  "assur": 1, "name": "fold", "dimension": 2,
-  "points": {"A": {"at": [0, 0], "fixed": true}, "D": {"at": [2, 0], "fixed": true},
-             "B": {"at": [1, 0]}, "C": {"at": [1.5, 0.8]}},
-  "constraints": {"coupler": {"distance": ["B", "C"], "value": 1}, "rocker": {"distance": ["D", "C"], "value": 1}},
-  "drivers": {"motor": {"angle": ["A", "B"], "law": {"polynomial": [0, 1]}}},
-  "time": {"start": 0, "end": 2, "step": 0.01}
-})";
-const double kFoldTime = std::acos(0.25);
 
 TEST(Run, JsonTellsWhatWasDone) {
   const Outcome outcome = run_command({"run", "stewart", "--json", "--quiet", "--strategy", "groups/eigen"});
