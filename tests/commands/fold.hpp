@@ -12,7 +12,7 @@ inline constexpr const char* kFold = R"({
              "B": {"at": [1, 0]}, "C": {"at": [1.5, 0.8]}},
   "constraints": {"coupler": {"distance": ["B", "C"], "value": 1}, "rocker": {"distance": ["D", "C"], "value": 1}},
   "drivers": {"motor": {"angle": ["A", "B"], "law": {"polynomial": [0, 1]}}},
-  "outputs": ["B.position"], "time": {"start": 0, "end": 2, "step": 0.01}
+  "time": {"start": 0, "end": 2, "step": 0.01}
 })";
 inline const double kFoldTime = std::acos(0.25);
 
