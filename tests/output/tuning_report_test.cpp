@@ -12,12 +12,12 @@ using tuning::Cell;
 using tuning::CellResult;
 
 tuning::Result timed(Kernel kernel, std::int32_t n, const std::string& strategy, double seconds) {
-  tuning::Result out;
-  out.sample.kernel = kernel;
-  out.sample.shape.n = n;
-  out.sample.strategy = parse_strategy(strategy);
-  out.sample.seconds = seconds;
-  return out;
+  Sample s;
+  s.kernel = kernel;
+  s.shape.n = n;
+  s.strategy = parse_strategy(strategy);
+  s.seconds = seconds;
+  return tuning::Result(std::move(s));
 }
 
 CellResult matrix(std::int32_t n, double lapack) {

@@ -174,6 +174,30 @@ TEST_F(RefinementTest, ThePatientEndWhenTheRegretIsSettled) {
   patient.run(three_sizes());
   refine(patient, true);
   EXPECT_LE(patient.results().size(), all.results().size());
+  // No fall in three passes after the first.
+  EXPECT_GE(patient.figures().passes, 4);
+  EXPECT_EQ(patient.results()[0].results[0].passes.size(), static_cast<std::size_t>(patient.figures().passes));
+  EXPECT_GT(stored_.size(), patient.results().size());
+}
+
+TEST_F(CampaignTest, MeasuredAgainTheMiddleOneCounts) {
+  Campaign campaign(options_, instruments());
+  campaign.run(cells());
+  const std::size_t cells = campaign.results().size();
+  const std::int64_t samples = campaign.figures().samples;
+  for (int pass = 0; pass < 2; ++pass) campaign.again();
+  EXPECT_EQ(campaign.results().size(), cells);
+  EXPECT_EQ(campaign.figures().measured, cells);
+  EXPECT_EQ(campaign.figures().samples, 3 * samples);
+  EXPECT_EQ(stored_.size(), 3 * cells);
+  for (const CellResult& cell : campaign.results()) {
+    for (const Result& r : cell.results) {
+      ASSERT_EQ(r.passes.size(), 3u);
+      EXPECT_LE(r.passes[0].seconds, r.passes[1].seconds);
+      EXPECT_LE(r.passes[1].seconds, r.passes[2].seconds);
+      EXPECT_EQ(r.sample.seconds, r.passes[1].seconds);
+    }
+  }
 }
 
 TEST(History, TellsWhoIsHopelessFromTwoSmallerSizes) {

@@ -38,8 +38,8 @@ CellResult cell(std::int32_t n, bool held_out, double eigen = 1) {
   out.cell = full(n);
   out.cell.held_out = held_out;
   for (const auto& [kernel, share] : {std::pair(Kernel::factor, 1.0), std::pair(Kernel::solve, 0.1)}) {
-    out.results.push_back({sample_of(kernel, n, "groups/eigen", eigen * share * n * n * 1e-9)});
-    out.results.push_back({sample_of(kernel, n, "groups/lapack", share * 20 * n * 1e-9)});
+    out.results.emplace_back(sample_of(kernel, n, "groups/eigen", eigen * share * n * n * 1e-9));
+    out.results.emplace_back(sample_of(kernel, n, "groups/lapack", share * 20 * n * 1e-9));
   }
   return out;
 }

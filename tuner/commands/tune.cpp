@@ -92,7 +92,7 @@ db::Grade grade_of(measure::Quiet quiet) {
 void write_csv(std::ofstream& out, const std::string& file, const std::vector<tuning::CellResult>& cells) {
   std::vector<Sample> samples;
   for (const tuning::CellResult& cell : cells) {
-    for (const tuning::Result& r : cell.results) samples.push_back(r.sample);
+    for (const tuning::Result& r : cell.results) samples.insert(samples.end(), r.passes.begin(), r.passes.end());
   }
   tuning::write_csv(out, samples);
   if (!out.flush()) throw Error(Error::Kind::environment, {{file, "cannot be written"}});

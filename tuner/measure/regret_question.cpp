@@ -14,6 +14,7 @@ namespace assur::measure {
 namespace {
 
 constexpr double kWrong = 1e-9;  // residual of a step from which on nobody wants it
+constexpr int kPasses = 5;       // of the last race
 constexpr std::size_t kFailed = static_cast<std::size_t>(-1);
 
 // A prepared scene that can be raced.
@@ -180,6 +181,38 @@ std::optional<Racer> combined(const Racer& fastest, const std::vector<Racer>& mi
   return all;
 }
 
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// The last race, in passes with simulators made anew: where memory lies, and what else the machine does for a moment,
+// is not the strategy's. Racers get the medians of their passes, and the largest of their spreads.
+void race_in_passes(std::vector<Racer*>& racers, RaceRules rules, const Instruments& instruments) {
+  std::map<const Racer*, std::vector<double>> seconds, spreads;
+  std::map<const Racer*, std::size_t> rounds;
+  rules.seconds /= kPasses;
+  for (int pass = 0; pass < kPasses && !instruments.stop(); ++pass) {
+    for (Racer* r : racers) {
+      if (pass > 0 && !enter(*r)) throw Error(Error::Kind::numerical, r->text + " fails when it is prepared again");
+    }
+    rules.seed += 1;
+    race(racers, rules, instruments);
+    for (const Racer* r : racers) {
+      seconds[r].push_back(r->seconds);
+      spreads[r].push_back(r->spread);
+      rounds[r] += r->rounds;
+    }
+  }
+  for (Racer* r : racers) {
+    if (seconds[r].empty()) return;
+    r->seconds = median(seconds[r]);
+    r->spread = *std::max_element(spreads[r].begin(), spreads[r].end());
+    r->rounds = rounds[r];
+  }
+}
+
 bool faster(const Racer* a, const Racer* b) { return a->seconds < b->seconds; }
 
 Finalist finalist(const Racer& r) {
@@ -247,10 +280,10 @@ std::optional<Answer> answer(const Question& q, const QuestionOptions& options) 
   final.push_back(&chosen);
   const RaceRules last{.block = 500e-6,
                        .seconds = options.seconds,
-                       .least_rounds = 15,
-                       .most_rounds = options.quick ? 15 : 41,
+                       .least_rounds = 5,
+                       .most_rounds = options.quick ? 5 : 11,
                        .hopeless = 1e9};
-  race(final, last, options.instruments);
+  race_in_passes(final, last, options.instruments);
   if (options.instruments.stop()) return std::nullopt;
   out.chosen = finalist(chosen);
   out.best = finalist(**std::min_element(final.begin(), final.end(), faster));

@@ -24,7 +24,7 @@ struct Question {
 struct Finalist {
   std::string strategy;    // class by class where they differ
   double seconds = 0;      // one step, median
-  double spread = 0;       // of seconds: median absolute deviation
+  double spread = 0;       // of seconds: median absolute deviation, of the pass where it was largest
   std::size_t rounds = 0;  // that were timed
   double error = 0;        // the worst residual of all its steps
 };
@@ -47,7 +47,8 @@ struct QuestionOptions {
 };
 
 // Races every uniform strategy first; then, class after class, other backends and lanes in the fastest ones; then
-// measures the four fastest and the dispatcher's choice again, in turns. Empty if it was stopped. Throws Error if
+// measures the four fastest and the dispatcher's choice again, in turns, in several passes with simulators made anew.
+// Empty if it was stopped. Throws Error if
 // nothing can run.
 [[nodiscard]] std::optional<Answer> answer(const Question& question, const QuestionOptions& options);
 

@@ -107,6 +107,7 @@ void print(Page& page, const TuningSummary& s) {
   const auto count = [](std::size_t cells) { return grouped(static_cast<std::int64_t>(cells)); };
   std::string samples = grouped(s.figures.samples) + " of " + count(s.figures.measured) + " cells in " +
                         duration(s.seconds) + "; " + count(s.figures.planned) + " were planned";
+  if (s.figures.passes > 1) samples += ", each measured up to " + count(s.figures.passes) + " times";
   if (s.figures.cut_short > 0) samples += ", " + count(s.figures.cut_short) + " are cut short";
   if (s.figures.earlier > 0) samples += ", " + count(s.figures.earlier) + " are of the run that was interrupted";
   page.fact("samples", samples);
@@ -152,6 +153,7 @@ Json to_json(const TuningSummary& s) {
           {"grade", s.grade},
           {"reason", s.reason},
           {"samples", s.figures.samples},
+          {"passes", s.figures.passes},
           {"seconds", s.seconds},
           {"coverage", s.figures.coverage()},
           {"cells",

@@ -26,12 +26,29 @@ double per_lane(const Sample& s) { return s.seconds / (s.kernel == Kernel::step 
 Campaign::Campaign(CampaignOptions options, measure::Instruments instruments)
     : options_(std::move(options)), instruments_(std::move(instruments)), begin_(instruments_.clock()) {}
 
+void Result::add(Sample pass) {
+  const auto faster = [](const Sample& a, const Sample& b) { return a.seconds < b.seconds; };
+  passes.insert(std::upper_bound(passes.begin(), passes.end(), pass, faster), std::move(pass));
+  sample = passes[(passes.size() - 1) / 2];
+}
+
+void add(std::vector<Result>& known, const Result& more) {
+  const auto same = std::find_if(known.begin(), known.end(), [&](const Result& r) {
+    return r.sample.kernel == more.sample.kernel && r.sample.strategy == more.sample.strategy;
+  });
+  if (same == known.end()) {
+    known.push_back(more);
+  } else {
+    same->add(more.sample);
+  }
+}
+
 double Campaign::seconds_left() const { return options_.seconds - (instruments_.clock() - begin_); }
 
-void Campaign::run(const std::vector<Cell>& cells) {
+template <class Work>
+void Campaign::visit(const std::vector<Cell>& cells, const Work& work) {
   double weight = 0;
   for (const Cell& cell : cells) weight += cell.weight;
-  figures_.planned += cells.size();
   for (const Cell& cell : cells) {
     figures_.interrupted = instruments_.stop();
     const double left = seconds_left();
@@ -42,18 +59,7 @@ void Campaign::run(const std::vector<Cell>& cells) {
     try {
       const double opened = instruments_.clock();
       const std::unique_ptr<Ground> ground = open(cell, options_.field);
-      if (is_known(cell, *ground)) {
-        --figures_.planned;
-        continue;
-      }
-      CellResult result = earlier(cell, *ground);
-      if (result.results.empty()) {
-        result = measure_cell(cell, *ground, share - (instruments_.clock() - opened));
-        if (instruments_.stop()) break;  // half a cell would look like a whole one
-      } else {
-        ++figures_.earlier;
-      }
-      if (!result.results.empty()) keep(std::move(result));
+      work(cell, *ground, share - (instruments_.clock() - opened));
     } catch (const CannotStore& failure) {
       throw failure.why;
     } catch (const Error& error) {
@@ -62,6 +68,38 @@ void Campaign::run(const std::vector<Cell>& cells) {
   }
   figures_.interrupted = instruments_.stop();
   figures_.seconds = instruments_.clock() - begin_;
+}
+
+void Campaign::run(const std::vector<Cell>& cells) {
+  figures_.planned += cells.size();
+  visit(cells, [&](const Cell& cell, Ground& ground, double seconds) {
+    if (is_known(cell, ground)) {
+      --figures_.planned;
+      return;
+    }
+    CellResult result = earlier(cell, ground);
+    if (result.results.empty()) {
+      result = measure_cell(cell, ground, seconds);
+      if (instruments_.stop()) return;  // half a cell would look like a whole one
+    } else {
+      ++figures_.earlier;
+    }
+    if (!result.results.empty()) keep(std::move(result));
+  });
+}
+
+void Campaign::again() {
+  ++figures_.passes;
+  std::vector<Cell> cells;
+  for (const CellResult& result : results_) cells.push_back(result.cell);
+  visit(cells, [&](const Cell& cell, Ground& ground, double seconds) {
+    std::vector<Result>& known = results_[static_cast<std::size_t>(&cell - cells.data())].results;
+    const CellResult more = measure_cell(cell, ground, seconds);
+    if (instruments_.stop()) return;
+    for (const Result& r : more.results) add(known, r);
+    figures_.samples += static_cast<std::int64_t>(more.results.size());
+    store(more);
+  });
 }
 
 // Another cell had the same matrices.
@@ -82,7 +120,7 @@ CellResult Campaign::earlier(const Cell& cell, const Ground& ground) const {
           const bool same_kernel = c.kernel == s.kernel || (c.kernel == Kernel::factor && s.kernel == Kernel::solve);
           return same_kernel && c.strategy == s.strategy;
         });
-    if (of_this_cell) out.results.push_back({s});
+    if (of_this_cell) add(out.results, Result(s));
   }
   return out;
 }
@@ -92,9 +130,13 @@ void Campaign::keep(CellResult result) {
   if (result.cut_short) ++figures_.cut_short;
   figures_.samples += static_cast<std::int64_t>(result.results.size());
   results_.push_back(std::move(result));
-  if (results_.back().earlier || !options_.store) return;
+  if (!results_.back().earlier) store(results_.back());
+}
+
+void Campaign::store(const CellResult& result) const {
+  if (!options_.store || result.results.empty()) return;
   try {
-    options_.store(results_.back());
+    options_.store(result);
   } catch (const Error& error) {
     throw CannotStore{error};
   }
@@ -140,6 +182,7 @@ CellResult Campaign::measure_cell(const Cell& cell, Ground& ground, double secon
   }
   measure::RaceRules rules = options_.race;
   rules.seconds = end - instruments_.clock();
+  rules.seed += static_cast<std::uint64_t>(figures_.passes);
   const measure::RaceFigures race = measure::race(runners, rules, instruments_);
   figures_.race.blocks += race.blocks;
   figures_.race.disturbed += race.disturbed;
@@ -159,7 +202,9 @@ CellResult Campaign::measure_cell(const Cell& cell, Ground& ground, double secon
     s.repetitions = static_cast<std::int64_t>(runners[i].seconds.size()) * runners[i].calls;
     s.backward_error = e.backward_error;
     s.forward_error = e.forward_error;
-    out.results.push_back({std::move(s), static_cast<int>(runners[i].seconds.size()), runners[i].hopeless});
+    Result& result = out.results.emplace_back(std::move(s));
+    result.rounds = static_cast<int>(runners[i].seconds.size());
+    result.hopeless = runners[i].hopeless;
   }
 
   note(out, ground.shape().n, setups);

@@ -16,10 +16,17 @@ namespace assur::tuning {
 
 // What came of one candidate in one cell.
 struct Result {
-  Sample sample;
-  int rounds = 0;         // that were timed; 0: by an interrupted run
-  bool hopeless = false;  // then only a few
+  Sample sample;               // the middle one of all passes
+  int rounds = 0;              // that were timed at last; 0: by an interrupted run
+  bool hopeless = false;       // then only a few
+  std::vector<Sample> passes;  // one for each time that the cell was measured, the fastest first
+
+  explicit Result(Sample first) : sample(first), passes{std::move(first)} {}
+  void add(Sample pass);
 };
+// One more pass of a candidate that `known` has, or else a new one.
+void add(std::vector<Result>& known, const Result& more);
+
 struct Refusal {
   Candidate candidate;
   std::string why;
@@ -45,6 +52,7 @@ struct CampaignOptions {
 struct CampaignFigures {
   // Cells; earlier, cut_short: of those measured, by an interrupted run, and before every candidate had its turn.
   std::size_t planned = 0, measured = 0, earlier = 0, cut_short = 0;
+  int passes = 1;  // over all cells, as far as the time went
   std::int64_t samples = 0;
   measure::RaceFigures race;
   double seconds = 0;
@@ -65,17 +73,24 @@ class Campaign {
   // Until all cells are done, the time is used up, or stop() says so. May be called again with more cells.
   void run(const std::vector<Cell>& cells);
 
+  // Measures every cell so far once more: what a machine does now and then differs from one minute to the next.
+  void again();
+
   // Of all cells so far, those of an earlier run as well.
   [[nodiscard]] const std::vector<CellResult>& results() const { return results_; }
   [[nodiscard]] const CampaignFigures& figures() const { return figures_; }
   [[nodiscard]] double seconds_left() const;
 
  private:
+  // work(cell, ground, seconds) for each cell, as long as there is time.
+  template <class Work>
+  void visit(const std::vector<Cell>& cells, const Work& work);
   [[nodiscard]] CellResult measure_cell(const Cell& cell, Ground& ground, double seconds);
   [[nodiscard]] CellResult earlier(const Cell& cell, const Ground& ground) const;
   void note(const CellResult& result, double n, const std::vector<std::pair<Candidate, double>>& setups);
   [[nodiscard]] bool is_known(const Cell& cell, const Ground& ground) const;
   void keep(CellResult result);
+  void store(const CellResult& result) const;
 
   CampaignOptions options_;
   measure::Instruments instruments_;

@@ -105,7 +105,7 @@ PerformanceModel model_of(std::span<const CellResult> cells) {
   std::vector<Sample> samples;
   for (const CellResult& cell : cells) {
     if (cell.cell.held_out) continue;
-    for (const Result& r : cell.results) samples.push_back(r.sample);
+    for (const Result& r : cell.results) samples.insert(samples.end(), r.passes.begin(), r.passes.end());
   }
   return PerformanceModel(std::move(samples));
 }
@@ -124,7 +124,11 @@ void refine(Campaign& campaign, bool until_settled) {
     const std::vector<Cell> more = propose(model, campaign.results(), kAtOnce);
     const std::size_t before = campaign.results().size();
     campaign.run(more);
-    if (campaign.results().size() == before) return;  // there is nothing left to measure
+    if (until_settled) {
+      campaign.again();
+    } else if (campaign.results().size() == before) {
+      return;  // there is nothing left to measure
+    }
   }
 }
 

@@ -16,8 +16,8 @@ namespace assur::tuning {
 // Everything that is known but for what was held out.
 [[nodiscard]] PerformanceModel model_of(std::span<const CellResult> cells);
 
-// Spends the time that a campaign has left on new cells, a few between two models. until_settled: ends as soon as the
-// mean regret on what was held out no longer falls.
+// Spends the time that a campaign has left on new cells, a few between two models. until_settled: measures all cells
+// again between two models, and ends as soon as the mean regret on what was held out no longer falls.
 void refine(Campaign& campaign, bool until_settled);
 
 }  // namespace assur::tuning

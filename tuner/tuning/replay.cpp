@@ -49,7 +49,7 @@ std::vector<CellResult> cells_of(std::span<const Sample> samples) {
       cells.push_back(std::move(fresh));
       at = cells.rbegin();
     }
-    at->results.push_back({s});
+    add(at->results, Result(s));
   }
   return cells;
 }
