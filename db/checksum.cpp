@@ -17,12 +17,14 @@ void Checksum::take(std::uint64_t bits) {
 
 Checksum& Checksum::operator<<(std::string_view text) {
   take(text.size());
-  std::uint64_t word = 0;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    word = word << 8 | static_cast<unsigned char>(text[i]);
-    if (i % 8 == 7) take(word), word = 0;
-  }
-  if (text.size() % 8 != 0) take(word);
+  // Eight bytes at a time, the first one the highest; what is left over is the low end of a word.
+  const auto word_of = [](std::string_view bytes) {
+    std::uint64_t word = 0;
+    for (const char byte : bytes) word = word << 8 | static_cast<unsigned char>(byte);
+    return word;
+  };
+  for (; text.size() >= 8; text.remove_prefix(8)) take(word_of(text.substr(0, 8)));
+  if (!text.empty()) take(word_of(text));
   return *this;
 }
 

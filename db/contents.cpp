@@ -227,7 +227,7 @@ void take_sample(Row& row, const Tables& tables, Samples& samples) {
 
 }  // namespace
 
-Tables read_tables(SQLite::Database& database, Care care) {
+Tables read_origins(SQLite::Database& database, Care care) {
   Tables tables;
   each(database, care,
        "SELECT id, vendor, family, model, stepping, name, instructions, cores, processors, quota, caches, numa_nodes, "
@@ -249,6 +249,10 @@ Tables read_tables(SQLite::Database& database, Care care) {
     const std::uint64_t sum = sum_of(library);
     tables.libraries.insert_or_assign(row.getColumn(0).getInt64(), Checked<Library>{std::move(library), sum});
   });
+  return tables;
+}
+
+void read_subjects(SQLite::Database& database, Tables& tables, Care care) {
   each(database, care, "SELECT id, n, nnz, groups, rhs, fill, operations, depth, terms, pattern FROM shape",
        [&](Row& row) {
          const Shape shape = shape_of(row);
@@ -259,6 +263,11 @@ Tables read_tables(SQLite::Database& database, Care care) {
     tables.strategies.insert_or_assign(row.getColumn(0).getInt64(),
                                        Checked<std::optional<Strategy>>{strategy_of(text), sum_of(text)});
   });
+}
+
+Tables read_tables(SQLite::Database& database, Care care) {
+  Tables tables = read_origins(database, care);
+  read_subjects(database, tables, care);
   return tables;
 }
 

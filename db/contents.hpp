@@ -55,7 +55,11 @@ struct Samples {
   std::int64_t unknown = 0;  // whole, but of a kernel or a strategy that this version does not know
 };
 
+// All tables but that of samples; or first where samples come from (machines, runs, libraries), and what they are of
+// (shapes, strategies) only once they are read. Throw SQLite::Exception.
 [[nodiscard]] Tables read_tables(SQLite::Database& database, Care care = Care::trusting);
+[[nodiscard]] Tables read_origins(SQLite::Database& database, Care care = Care::trusting);
+void read_subjects(SQLite::Database& database, Tables& tables, Care care = Care::trusting);
 
 // Of these runs, or of all if there are none. Throws SQLite::Exception.
 [[nodiscard]] Samples read_samples(SQLite::Database& database, const Tables& tables, Care care = Care::trusting,

@@ -81,7 +81,7 @@ void Reading::open(const DatabaseFile& file) {
       SQLite::Database database = open_to_read(file.file);
       database.exec("BEGIN");  // all of it as of one moment
       Source source{file.file, std::move(database), {}, {}};
-      source.tables = read_tables(source.database);
+      source.tables = read_origins(source.database);
       for (const auto& [id, host] : source.tables.machines) source.machines.emplace_back(likeness(host_, host), id);
       std::sort(source.machines.begin(), source.machines.end(), [&](const auto& a, const auto& b) {
         const auto rank = [&](const auto& m) {
@@ -121,6 +121,7 @@ std::vector<Sample> Reading::samples_of(Source& source, std::int64_t machine) {
     if (run.value.machine == machine) runs.push_back(id);
   }
   if (runs.empty()) return {};
+  if (source.tables.shapes.empty()) read_subjects(source.database, source.tables);
   if (runs.size() == source.tables.runs.size())
     runs.clear();  // all of them: in the order of the table, which is faster
   Samples samples = read_samples(source.database, source.tables, Care::trusting, runs);

@@ -360,11 +360,16 @@ struct PerformanceModel::Impl {
                                                                          const Variant& wanted) const {
     auto best = numbers.end();
     double least = 0;
-    for (auto at = numbers.begin(); at != numbers.end(); ++at) {
-      Variant like = at->first;
-      like.lanes = wanted.lanes;
-      like.q = wanted.q;
-      if (like != wanted || !curves.contains(at->second)) continue;
+    Variant first = wanted;  // of this solver: its variants follow each other
+    first.q = first.lanes = 0;
+    const auto same_solver = [&](const Variant& v) {
+      const auto solver = [](const Variant& of) {
+        return std::tie(of.backend, of.single, of.refine, of.once, of.separate, of.reuse);
+      };
+      return solver(v) == solver(wanted);
+    };
+    for (auto at = numbers.lower_bound(first); at != numbers.end() && same_solver(at->first); ++at) {
+      if (!curves.contains(at->second)) continue;
       const double distance = std::abs(std::log(static_cast<double>(at->first.lanes) / wanted.lanes)) +
                               std::abs(std::log(static_cast<double>(at->first.q) / wanted.q));
       if (best != numbers.end() && distance >= least) continue;

@@ -4,17 +4,24 @@
 #include <cmath>
 #include <limits>
 
+#include "simulation/tolerances.hpp"
+
 namespace assur {
 namespace {
 
 constexpr std::int32_t kDense = 64;
 constexpr int kHagerRounds = 3;
+constexpr int kGrowths = 20;  // of a box until it holds its image
+constexpr double kGrowth = 1.2;
+constexpr double kDefectBetween = 1.5, kChangeBetween = 1.25;  // between the postures of a tube, over those at them
+// Residuals that are nothing but rounding, with room: at a change point they decide between the branches.
+constexpr double kRounding = 64 * kConverged;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 // out = a^-1 by Gauss-Jordan with row pivoting (column-major, n x n; a is overwritten). False: singular.
-bool invert(double* a, double* out, std::int32_t n) {
+bool invert_dense(double* a, double* out, std::int32_t n) {
   std::fill_n(out, idx(n) * idx(n), 0.0);
   for (std::int32_t i = 0; i < n; ++i) out[i * n + i] = 1;
   for (std::int32_t c = 0; c < n; ++c) {
@@ -86,6 +93,9 @@ BlockConditions::BlockConditions(const GroupClass& group_class, const Program& p
   }
   matrix_.resize(idx(largest) * idx(largest));
   inverse_.resize(matrix_.size());
+  change_.resize(matrix_.size());
+  for (std::vector<double>* v : {&defect_, &radius_, &image_}) v->resize(idx(largest));
+  register_change_.resize(idx(p.registers));
   if (has_large) vector_.resize(idx(p.n) * idx(lanes));
   find_reads(group_class);
 }
@@ -137,28 +147,111 @@ void BlockConditions::extract(const double* jacobian, std::int32_t b, int lane, 
   }
 }
 
-void BlockConditions::measure(std::int32_t b, const double* jacobian, const double* weights, LinearSolver* solver,
-                              double* norms) {
-  if (needs_solver(b)) {
-    sparse_norms(b, weights, *solver, norms);
+void BlockConditions::measure(std::int32_t b, const double* jacobian, const Weights& weights, LinearSolver* solver,
+                              const Norms& norms) {
+  if (!needs_solver(b)) {
+    for (int w = 0; w < lanes_; ++w) dense_norms(b, w, jacobian, weights, norms);
     return;
   }
-  for (int w = 0; w < lanes_; ++w) norms[w] = dense_norm(b, w, jacobian, weights);
+  sparse_norms(b, weights.lipschitz, *solver, norms.omega);
+  for (int w = 0; w < lanes_; ++w) {
+    double ratio = 0;
+    for (const std::int32_t r : equations(b)) {
+      const double k = weights.lipschitz[r * lanes_ + w];
+      if (k > 0) ratio = std::max(ratio, weights.scale[r * lanes_ + w] / k);
+    }
+    norms.scale[w] = norms.omega[w] * ratio;
+  }
 }
 
-double BlockConditions::dense_norm(std::int32_t b, int lane, const double* jacobian, const double* weights) {
+void BlockConditions::dense_norms(std::int32_t b, int lane, const double* jacobian, const Weights& weights,
+                                  const Norms& norms) {
   const std::int32_t n = size(b);
   extract(jacobian, b, lane, matrix_);
-  if (!invert(matrix_.data(), inverse_.data(), n)) return kInfinity;
+  norms.omega[lane] = norms.scale[lane] = kInfinity;
+  if (!invert_dense(matrix_.data(), inverse_.data(), n)) return;
   const auto rows = equations(b);
-  double worst = 0;
+  double omega = 0, scale = 0;
   for (std::int32_t r = 0; r < n; ++r) {
-    double sum = 0;
-    for (std::int32_t c = 0; c < n; ++c)
-      sum += std::abs(inverse_[idx(c * n + r)]) * weights[rows[idx(c)] * lanes_ + lane];
-    worst = std::max(worst, sum);
+    double of_lipschitz = 0, of_scale = 0;
+    for (std::int32_t c = 0; c < n; ++c) {
+      const double entry = std::abs(inverse_[idx(c * n + r)]);
+      of_lipschitz += entry * weights.lipschitz[rows[idx(c)] * lanes_ + lane];
+      of_scale += entry * weights.scale[rows[idx(c)] * lanes_ + lane];
+    }
+    omega = std::max(omega, of_lipschitz);
+    scale = std::max(scale, of_scale);
   }
-  return std::isfinite(worst) ? worst : kInfinity;
+  if (std::isfinite(omega)) norms.omega[lane] = omega;
+  if (std::isfinite(scale)) norms.scale[lane] = scale;
+}
+
+bool BlockConditions::invert(std::int32_t b, int lane, const double* jacobian) {
+  if (needs_solver(b)) return false;
+  extract(jacobian, b, lane, matrix_);
+  return invert_dense(matrix_.data(), inverse_.data(), size(b));
+}
+
+// matrix_ += |Phi'' r|: what changes of the block's unknowns up to r do to each entry of its Jacobian at most.
+void BlockConditions::add_change(std::int32_t b, int lane, const double* coefficients, std::span<const double> r) {
+  std::fill(register_change_.begin(), register_change_.end(), 0.0);
+  const auto columns = unknowns(b);
+  for (std::size_t i = 0; i < columns.size(); ++i) register_change_[idx(columns[i])] = r[i];
+  const auto size_of = [&](const Program::Operand& o) {
+    return std::abs(coefficients[o.coefficient * lanes_ + lane]) * register_change_[idx(o.reg)];
+  };
+  for (const Program::Form& f : program_.forms) {
+    double sum = 0;
+    for (std::int32_t i = f.unknowns; i < f.end; ++i) sum += size_of(program_.operands[idx(i)]);
+    register_change_[idx(f.reg)] = sum;
+  }
+  const std::int32_t n = size(b);
+  for (std::int32_t i = nonzero_start_[idx(b)]; i < nonzero_start_[idx(b) + 1]; ++i) {
+    const std::int32_t k = nonzeros_[idx(i)];
+    const std::int32_t column = place_[idx(nonzero_column_[idx(k)])];
+    double& entry = matrix_[idx(column * n + row_place_[idx(program_.pattern.row[idx(k)])])];
+    for (std::int32_t e = program_.entries[idx(k)].begin; e < program_.entries[idx(k)].end; ++e) {
+      entry += size_of(program_.entry_operands[idx(e)]);
+    }
+  }
+}
+
+bool BlockConditions::holds_one_solution(std::int32_t b, int lane, const double* jacobian, const double* there,
+                                         const double* phi, const double* scale, const double* coefficients) {
+  const std::int32_t n = size(b);
+  const auto rows = equations(b);
+  extract(jacobian, b, lane, change_);
+  extract(there, b, lane, matrix_);
+  for (std::size_t i = 0; i < idx(n * n); ++i) change_[i] = kChangeBetween * std::abs(change_[i] - matrix_[i]);
+  for (std::int32_t r = 0; r < n; ++r) {
+    double sum = 0, rounding = 0;
+    for (std::int32_t c = 0; c < n; ++c) {
+      const std::int32_t at = rows[idx(c)] * lanes_ + lane;
+      sum += inverse_[idx(c * n + r)] * phi[at];
+      rounding += std::abs(inverse_[idx(c * n + r)]) * scale[at];
+    }
+    defect_[idx(r)] = kDefectBetween * std::abs(sum) + kRounding * rounding;
+    radius_[idx(r)] = kDefectBetween * defect_[idx(r)];
+  }
+  const std::span<const double> radius = std::span(radius_).first(idx(n));
+  for (int growth = 0; growth < kGrowths; ++growth) {
+    std::copy_n(change_.begin(), n * n, matrix_.begin());
+    add_change(b, lane, coefficients, radius);
+    std::copy_n(defect_.begin(), n, image_.begin());
+    for (std::int32_t c = 0; c < n; ++c) {  // image += |C| (matrix radius), one row of the product after the other
+      double product = 0;
+      for (std::int32_t k = 0; k < n; ++k) product += matrix_[idx(k * n + c)] * radius[idx(k)];
+      for (std::int32_t r = 0; r < n; ++r) image_[idx(r)] += std::abs(inverse_[idx(c * n + r)]) * product;
+    }
+    bool inside = true;
+    for (std::int32_t r = 0; r < n; ++r) {
+      if (!std::isfinite(image_[idx(r)])) return false;
+      inside = inside && image_[idx(r)] <= radius[idx(r)];
+      radius_[idx(r)] = kGrowth * std::max(image_[idx(r)], radius[idx(r)]);
+    }
+    if (inside) return true;
+  }
+  return false;
 }
 
 // Hager's power method for | J^-1 D |_inf = | (J^-1 D)^T |_1, all lanes at once; right-hand sides live on the block

@@ -4,8 +4,16 @@
 // measured posture is the anchor: steps inside its ball cost one maximum norm, and omega is measured anew only when the
 // ball is used up. J0^-1 itself is needed only up to blocks of 64; beyond, Hager's estimate (Higham 1988) takes its
 // place.
+//
+// One norm is cheap, and too strict where coordinates are of different sizes or move together, as a small part on a
+// long arm does. What it refuses is looked at again coordinate by coordinate: around a posture q of a cubic through the
+// anchor and the new posture, the box |x - q| <= r holds exactly one solution if
+//   e + M r <= r,   e = |C Phi(q)|,   M = |C| (|J1 - J(q)| + |Phi'' r|),   C = J1^-1
+// (Krawczyk 1969). Where that is so all along the cubic, its boxes are a tube with one solution at every time, which
+// leads from the one posture to the other.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -17,18 +25,39 @@
 namespace assur {
 
 inline constexpr double kBall = 0.7;          // part of the ball that a step may use
+inline constexpr double kRoundingRoom = 0.1;  // part of the ball that rounding of the posture may take
+inline constexpr std::array kAlongTheTube = {0.0, 0.25, 0.5, 0.75};  // parts of the way from the anchor
 inline constexpr double kKantorovich = 0.25;  // largest omega * |first correction| at the prediction
 
 class BlockConditions {
  public:
   BlockConditions(const GroupClass& group_class, const Program& program, int lanes);
 
-  // | |J^-1| weight |_inf of one block in every lane from the Jacobian's values: omega, if the weights are the
-  // Lipschitz constants; infinite where the block is singular. `solver` holds a factorisation of the same Jacobian if
-  // needs_solver(block). weights: equations x lanes; norms: lanes.
-  void measure(std::int32_t block, const double* jacobian, const double* weights, LinearSolver* solver, double* norms);
+  // Of one block in every lane from the Jacobian's values: omega = | |J^-1| k |_inf, and | |J^-1| s |_inf of the scales
+  // (Evaluator::scale) of its equations, times the relative residual an error of the posture; infinite where the block
+  // is singular. `solver` holds a factorisation of the same Jacobian if needs_solver(block); then the second is
+  // omega times the largest s / k.
+  struct Weights {  // equations x lanes
+    const double* lipschitz;
+    const double* scale;
+  };
+  struct Norms {  // lanes
+    double* omega;
+    double* scale;
+  };
+  void measure(std::int32_t block, const double* jacobian, const Weights& weights, LinearSolver* solver,
+               const Norms& norms);
 
   [[nodiscard]] bool needs_solver(std::int32_t block) const;
+
+  // C of one block in one lane, for holds_one_solution(). False if the block is singular, or has more than 64 unknowns.
+  [[nodiscard]] bool invert(std::int32_t block, int lane, const double* jacobian);
+
+  // Whether some box around a posture holds exactly one solution of the block that invert() was called for.
+  // jacobian: where C is the inverse; there, phi, scale (Evaluator::scale): at the posture. coefficients: those of the
+  // pack.
+  [[nodiscard]] bool holds_one_solution(std::int32_t block, int lane, const double* jacobian, const double* there,
+                                        const double* phi, const double* scale, const double* coefficients);
 
   // The coordinates that a block reads and that move: local numbers, unknowns and inputs.
   [[nodiscard]] std::span<const std::int32_t> reads(std::int32_t block) const {
@@ -48,7 +77,8 @@ class BlockConditions {
 
  private:
   void find_reads(const GroupClass& group_class);
-  double dense_norm(std::int32_t block, int lane, const double* jacobian, const double* weights);
+  void dense_norms(std::int32_t block, int lane, const double* jacobian, const Weights& weights, const Norms& norms);
+  void add_change(std::int32_t block, int lane, const double* coefficients, std::span<const double> radius);
   void sparse_norms(std::int32_t block, const double* weights, LinearSolver& solver, double* norms);
 
   const Program& program_;
@@ -59,7 +89,9 @@ class BlockConditions {
   std::vector<std::int32_t> row_place_;                 // equation -> row within its block
   std::vector<std::int32_t> nonzero_start_, nonzeros_;  // by block: indices of its entries
   std::vector<std::int32_t> nonzero_column_;            // nnz: column of each entry
-  std::vector<double> matrix_, inverse_;                // largest dense block
+  std::vector<double> matrix_, inverse_, change_;       // largest dense block
+  std::vector<double> defect_, radius_, image_;         // its unknowns
+  std::vector<double> register_change_;                 // registers
   std::vector<std::int32_t> reads_start_, reads_;       // by block
   std::vector<double> vector_;                          // n x lanes, if there are large blocks
 };

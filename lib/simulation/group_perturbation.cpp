@@ -67,7 +67,8 @@ GroupSolver::Health GroupSolver::examine(Pack& pack, const double* state) {
     if (!regular && blocks_.needs_solver(b)) {
       condition.fill(std::numeric_limits<double>::infinity());
     } else {
-      blocks_.measure(b, jacobian_.data(), noise_.data(), solver_, condition.data());
+      const BlockConditions::Weights both{noise_.data(), noise_.data()};
+      blocks_.measure(b, jacobian_.data(), both, solver_, {condition.data(), condition.data()});
     }
     for (std::size_t l = 0; l < kMostLanes; ++l) health.condition[l] = std::max(health.condition[l], condition[l]);
   }

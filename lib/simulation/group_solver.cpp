@@ -67,6 +67,12 @@ GroupSolver::GroupSolver(const System& system, const Structure& structure, std::
   row_scale_.resize(n);
   column_size_.resize(n);
   largest_correction_.resize(idx(program_.blocks) * w);
+  there_.resize(n);
+  there_phi_.resize(n);
+  there_jacobian_.resize(jacobian_.size());
+  there_inputs_.resize(inputs_.size());
+  scale_.resize(n);
+  posture_errors_.resize(w);
   sort_by_rows();
 }
 
@@ -118,6 +124,8 @@ void GroupSolver::size(Pack& pack) const {
   pack.anchor.resize(blocks_.reads_start(program_.blocks) * w);
   pack.omega.assign(idx(program_.blocks) * w, 0.0);
   pack.ball_used.assign(idx(program_.blocks), 0.0);
+  pack.anchor_rates.resize(pack.anchor.size());
+  pack.anchor_time.assign(idx(program_.blocks), std::numeric_limits<double>::quiet_NaN());
 }
 
 void GroupSolver::bind_lane(const System& system, const Group& group, Pack& pack, int lane) const {
@@ -146,7 +154,7 @@ Status GroupSolver::solve(Pack& pack, double* const (&state)[3], const Attempt& 
   if (attempt.branch == Attempt::Branch::anywhere) return {};
   if (const Status s = derivatives(pack, state, attempt, counters, errors); !s.ok()) return s;
   if (small_step_) small_step_->choose_pivots(pack, state[0]);
-  return check_branch(pack, x, attempt, counters);
+  return check_branch(pack, state, attempt, counters);
 }
 
 void GroupSolver::set_inputs(const Pack& pack, const double* state) {
@@ -174,7 +182,7 @@ bool GroupSolver::small_step(Pack& pack, double* const (&state)[3], const Attemp
   set_inputs(pack, state[0]);
   const double* x = state[0] + pack.unknowns;
   evaluator_->evaluate(x, phi_.data(), jacobian_.data());
-  status = check_branch(pack, x, attempt, counters);
+  status = check_branch(pack, state, attempt, counters);
   return true;
 }
 
@@ -199,7 +207,7 @@ Status GroupSolver::newton(Pack& pack, double* x, const Attempt& attempt, Counte
   double relative = kernels_.largest_ratio(phi_.data(), inverse_scale_.data(), program_.n), before = 0, last_norm = 0;
   int iteration = 0;
   for (;; ++iteration) {
-    if (!std::isfinite(relative)) return fail(pack, Code::not_finite, relative);
+    if (!std::isfinite(relative)) return fail(pack, Code::not_finite, relative, lane_with_most_left(pack));
     if (attempt.iterations > 0) {
       if (iteration == attempt.iterations) break;
     } else {
@@ -210,7 +218,7 @@ Status GroupSolver::newton(Pack& pack, double* x, const Attempt& attempt, Counte
         usable = false;
       }
       if (iteration == (attempt.branch == Attempt::Branch::anywhere ? kMostSearching : attempt.most_iterations))
-        return fail(pack, Code::not_converged, relative);
+        return fail(pack, Code::not_converged, relative, lane_with_most_left(pack));
     }
     if (iteration == kSlow && attempt.iterations == 0) {
       // All terms of an equation may nearly vanish: then it is measured against a length that does not.
@@ -261,6 +269,23 @@ Status GroupSolver::newton(Pack& pack, double* x, const Attempt& attempt, Counte
   return {};
 }
 
+// Whose equations are furthest from being solved.
+std::int32_t GroupSolver::lane_with_most_left(const Pack& pack) const {
+  const std::size_t w = idx(lanes_);
+  std::int32_t found = 0;
+  double most = -1;
+  for (std::int32_t l = 0; l < pack.used; ++l) {
+    for (std::size_t i = idx(l); i < phi_.size(); i += w) {
+      const double left = std::abs(phi_[i]) * inverse_scale_[i];
+      if (left <= most) continue;  // a NaN is not
+      if (std::isnan(left)) return l;
+      most = left;
+      found = l;
+    }
+  }
+  return found;
+}
+
 // x = J^-1 b, whose residual_ is at hand, by factors of J itself: where they grew they do not serve as they are.
 Status GroupSolver::refine_grown(const Pack& pack, const std::vector<double>& b, double* x, Counters& counters,
                                  double& residual) {
@@ -302,14 +327,19 @@ double GroupSolver::correct(double* x) {
   return norm;
 }
 
-// From omega |first correction| <= 1/4 the iteration converges to the one solution nearby.
-Status GroupSolver::kantorovich(const Pack& pack) const {
+// From omega |first correction| <= 1/4 the iteration converges to the one solution nearby; so it does where a box
+// around the prediction, where phi_ and jacobian_ are from, holds only one.
+Status GroupSolver::kantorovich(const Pack& pack) {
   for (std::int32_t b = 0; b < program_.blocks; ++b) {
     const double left = 1 - pack.ball_used[idx(b)];
     const double *omega = pack.omega.data() + b * lanes_, *largest = largest_correction_.data() + b * lanes_;
     for (int l = 0; l < pack.used; ++l) {
       if (largest[l] == 0 || omega[l] * largest[l] <= kKantorovich * left) continue;
-      return fail(pack, Code::branch_unknown, omega[l] * largest[l] / left, l);
+      evaluator_->scale(scale_.data());
+      const bool one = blocks_.invert(b, l, jacobian_.data()) &&
+                       blocks_.holds_one_solution(b, l, jacobian_.data(), jacobian_.data(), phi_.data(), scale_.data(),
+                                                  pack.coefficients.data());
+      if (!one) return fail(pack, Code::branch_unknown, omega[l] * largest[l] / left, l);
     }
   }
   return {};
@@ -411,35 +441,95 @@ double GroupSolver::ball_use(const Pack& pack, const double* x, std::int32_t b) 
                            pack.anchor.data() + blocks_.reads_start(b) * idx(lanes_), pack.omega.data() + b * lanes_);
 }
 
-// The lane that uses most of a ball, for the message.
-std::int32_t GroupSolver::lane_that_moved_most(const Pack& pack, const double* x, std::int32_t b) const {
-  const double* anchor = pack.anchor.data() + blocks_.reads_start(b) * idx(lanes_);
-  double worst = -1;
-  std::int32_t found = 0;
+// The same of one lane.
+double GroupSolver::ball_use_of(const Pack& pack, const double* x, std::int32_t b, std::int32_t lane) const {
+  const double* anchor = pack.anchor.data() + blocks_.reads_start(b) * idx(lanes_) + lane;
+  double moved = 0;
   for (const std::int32_t c : blocks_.reads(b)) {
-    const double* at = c < program_.n ? x + c * lanes_ : inputs_.data() + (c - program_.n) * lanes_;
-    for (std::int32_t l = 0; l < pack.used; ++l) {
-      const double used = pack.omega[idx(b * lanes_ + l)] * std::abs(at[l] - anchor[l]);
-      if (used <= worst) continue;
-      worst = used;
-      found = l;
-    }
+    const double at = c < program_.n ? x[c * lanes_ + lane] : inputs_[idx((c - program_.n) * lanes_ + lane)];
+    const double by = std::abs(at - *anchor);
+    if (!(by <= moved)) moved = by;
     anchor += lanes_;
   }
-  return found;
+  return pack.omega[idx(b * lanes_ + lane)] * moved;
 }
 
-void GroupSolver::set_anchor(Pack& pack, const double* x, std::int32_t b, Counters& counters) {
+// Of what left the ball of one norm for all coordinates. The lane that is furthest off is told.
+Status GroupSolver::check_tubes(const Pack& pack, double* const (&state)[3], std::int32_t b, const Attempt& attempt) {
+  const double seconds = attempt.time - pack.anchor_time[idx(b)];
+  const double* x = state[0] + pack.unknowns;
+  Status worst;
+  for (std::int32_t l = 0; l < pack.used; ++l) {
+    const double used = ball_use_of(pack, x, b, l);
+    if (used <= std::max(kBall, worst.figure) || tube_leads_here(pack, state, b, l, seconds)) continue;
+    worst = fail(pack, Code::branch_unknown, used, l);
+  }
+  return worst;
+}
+
+// From the anchor, which was `seconds` ago, along the cubic with the rates of both postures.
+bool GroupSolver::tube_leads_here(const Pack& pack, double* const (&state)[3], std::int32_t b, int lane,
+                                  double seconds) {
+  const double *x = state[0] + pack.unknowns, *rate = state[1] + pack.unknowns;
+  if (!std::isfinite(seconds) || !blocks_.invert(b, lane, jacobian_.data())) return false;
+  gather(pack, state[1], input_rates_);
+  const auto reads = blocks_.reads(b);
+  const std::size_t w = idx(lanes_), first = blocks_.reads_start(b) * w + idx(lane);
+  std::copy_n(x, there_.size(), there_.begin());
+  there_inputs_ = inputs_;
+  bool leads = true;
+  for (const double t : kAlongTheTube) {
+    const double s = 1 - t, end = t * t * (3 - 2 * t), begin = 1 - end;
+    for (std::size_t i = 0; i < reads.size(); ++i) {
+      const bool unknown = reads[i] < program_.n;
+      const std::size_t at = idx(unknown ? reads[i] : reads[i] - program_.n) * w + idx(lane);
+      const double q0 = pack.anchor[first + i * w], v0 = pack.anchor_rates[first + i * w];
+      const double q1 = unknown ? x[at] : inputs_[at], v1 = unknown ? rate[at] : input_rates_[at];
+      (unknown ? there_ : there_inputs_)[at] = begin * q0 + end * q1 + seconds * t * s * (s * v0 - t * v1);
+    }
+    evaluator_->set_inputs(pack.coefficients.data(), there_inputs_.data());
+    evaluator_->evaluate(there_.data(), there_phi_.data(), there_jacobian_.data());
+    evaluator_->scale(scale_.data());
+    leads = blocks_.holds_one_solution(b, lane, jacobian_.data(), there_jacobian_.data(), there_phi_.data(),
+                                       scale_.data(), pack.coefficients.data());
+    if (!leads) break;
+  }
+  evaluator_->set_inputs(pack.coefficients.data(), inputs_.data());
+  evaluator_->evaluate(x, phi_.data(), jacobian_.data());
+  return leads;
+}
+
+// The posture is where the next steps start from, unless so near a singular one that rounding decides on its branch.
+Status GroupSolver::set_anchor(Pack& pack, double* const (&state)[3], std::int32_t b, const Attempt& attempt,
+                               Counters& counters) {
   counters.branch_checks += pack.used;
   const std::size_t w = idx(lanes_);
   if (blocks_.needs_solver(b) && !factored_at_solution_) factored_at_solution_ = factorize(pack, counters).ok();
-  blocks_.measure(b, jacobian_.data(), pack.lipschitz.data(), solver_, pack.omega.data() + idx(b) * w);
-  double* anchor = pack.anchor.data() + blocks_.reads_start(b) * w;
-  for (const std::int32_t c : blocks_.reads(b)) {
-    std::copy_n(c < program_.n ? x + idx(c) * w : inputs_.data() + idx(c - program_.n) * w, w, anchor);
-    anchor += w;
+  evaluator_->scale(scale_.data());
+  blocks_.measure(b, jacobian_.data(), {pack.lipschitz.data(), scale_.data()}, solver_,
+                  {pack.omega.data() + idx(b) * w, posture_errors_.data()});
+  if (attempt.branch == Attempt::Branch::inside) {
+    for (std::int32_t l = 0; l < pack.used; ++l) {
+      const double error = kConverged * posture_errors_[idx(l)];
+      if (!(pack.omega[idx(b) * w + idx(l)] * error <= kRoundingRoom))
+        return fail(pack, Code::branch_unknown, error, l);
+    }
   }
+  gather(pack, state[1], input_rates_);
+  const std::size_t first = blocks_.reads_start(b) * w;
+  double *anchor = pack.anchor.data() + first, *rates = pack.anchor_rates.data() + first;
+  for (const std::int32_t c : blocks_.reads(b)) {
+    const bool unknown = c < program_.n;
+    const std::size_t at = unknown ? pack.unknowns + idx(c) * w : idx(c - program_.n) * w;
+    std::copy_n(unknown ? state[0] + at : inputs_.data() + at, w, anchor);
+    std::copy_n(unknown ? state[1] + at : input_rates_.data() + at, w, rates);
+    anchor += w;
+    rates += w;
+  }
+  // Without rates nothing is known of the way.
+  pack.anchor_time[idx(b)] = class_.derivatives > 0 ? attempt.time : std::numeric_limits<double>::quiet_NaN();
   pack.ball_used[idx(b)] = 0;
+  return {};
 }
 
 // The next steps of this length, too.
@@ -449,17 +539,20 @@ bool GroupSolver::stays_inside(double used, double& before) {
   return lasts;
 }
 
-Status GroupSolver::check_branch(Pack& pack, const double* x, const Attempt& attempt, Counters& counters) {
+Status GroupSolver::check_branch(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters) {
   if (!class_.quadratic) return {};
+  const double* x = state[0] + pack.unknowns;
   for (std::int32_t b = 0; b < program_.blocks; ++b) {
     double& before = pack.ball_used[idx(b)];
     if (attempt.branch == Attempt::Branch::inside) {
       const double used = ball_use(pack, x, b);
-      if (!(used <= kBall)) return fail(pack, Code::branch_unknown, used, lane_that_moved_most(pack, x, b));
+      if (!(used <= kBall)) {
+        if (const Status s = check_tubes(pack, state, b, attempt); !s.ok()) return s;
+      }
       if (stays_inside(used, before)) continue;
     }
     // At the start, after a change point, and before the next steps of this length leave the ball.
-    set_anchor(pack, x, b, counters);
+    if (const Status s = set_anchor(pack, state, b, attempt, counters); !s.ok()) return s;
   }
   return {};
 }

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdint>
 #include <initializer_list>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -45,7 +46,8 @@ struct Attempt {
   Branch branch = Branch::inside;
   int iterations = 0;  // exactly so many; 0: until convergence
   int most_iterations = 12;
-  double converged = kConverged;  // relative residual that counts as solved
+  double converged = kConverged;                           // relative residual that counts as solved
+  double time = std::numeric_limits<double>::quiet_NaN();  // s, of the posture, or from any beginning; NaN: not known
   double largest_correction = 0;  // pass: the first one, in the maximum norm; a larger one may lead to the other branch
 };
 
@@ -118,7 +120,7 @@ class GroupSolver {
   void set_inputs(const Pack& pack, const double* state);
   [[nodiscard]] Status newton(Pack& pack, double* x, const Attempt& attempt, Counters& counters, StepErrors& errors);
   [[nodiscard]] static bool stays_inside(double ball_used, double& before);
-  [[nodiscard]] Status check_branch(Pack& pack, const double* x, const Attempt& attempt, Counters& counters);
+  [[nodiscard]] Status check_branch(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters);
   [[nodiscard]] Status derivatives(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
                                    StepErrors& errors);
   // x = J^-1 b with refinement where the factorisation is that of another posture; returns the normwise residual.
@@ -128,14 +130,20 @@ class GroupSolver {
   [[nodiscard]] double scaled_residual(const double* x, const std::vector<double>& b);
   [[nodiscard]] Status refine_grown(const Pack& pack, const std::vector<double>& b, double* x, Counters& counters,
                                     double& residual);
+  [[nodiscard]] std::int32_t lane_with_most_left(const Pack& pack) const;
   void floor_scale();
   [[nodiscard]] double correct(double* x);
-  [[nodiscard]] Status kantorovich(const Pack& pack) const;
+  [[nodiscard]] Status kantorovich(const Pack& pack);
   [[nodiscard]] Status factorize(Pack& pack, Counters& counters);
   [[nodiscard]] Status fail(const Pack& pack, Code code, double figure, std::int32_t lane = 0) const;
-  [[nodiscard]] std::int32_t lane_that_moved_most(const Pack& pack, const double* x, std::int32_t block) const;
-  void set_anchor(Pack& pack, const double* x, std::int32_t block, Counters& counters);
+  [[nodiscard]] Status check_tubes(const Pack& pack, double* const (&state)[3], std::int32_t block,
+                                   const Attempt& attempt);
+  [[nodiscard]] bool tube_leads_here(const Pack& pack, double* const (&state)[3], std::int32_t block, int lane,
+                                     double seconds);
+  [[nodiscard]] Status set_anchor(Pack& pack, double* const (&state)[3], std::int32_t block, const Attempt& attempt,
+                                  Counters& counters);
   [[nodiscard]] double ball_use(const Pack& pack, const double* x, std::int32_t block) const;
+  [[nodiscard]] double ball_use_of(const Pack& pack, const double* x, std::int32_t block, std::int32_t lane) const;
 
   const GroupClass& class_;
   Strategy strategy_;
@@ -157,6 +165,9 @@ class GroupSolver {
   std::vector<double> jacobian_norm_;            // W
   std::vector<double> row_scale_, column_size_;  // n x W: of scaled_residual()
   std::vector<double> largest_correction_;       // blocks x W
+  // Of tube_leads_here(): a posture on the way.
+  std::vector<double> there_, there_inputs_, there_phi_, there_jacobian_;
+  std::vector<double> scale_, posture_errors_;  // n x W; W: of one block
   // Of perturb().
   std::vector<double> noise_, error_, bent_, moved_, whole_;          // n x W
   std::vector<double> input_errors_, moved_inputs_, resting_inputs_;  // inputs x W

@@ -23,6 +23,8 @@ struct Pack {
   std::vector<double> coefficients;      // (coefficients, 0, 1) x W
   std::vector<double> lipschitz;         // equations x W
   std::vector<double> anchor;            // by block, what it reads x W: where omega was measured
+  std::vector<double> anchor_rates;      // the same: the rates there
+  std::vector<double> anchor_time;       // blocks: s; NaN: unknown, or no rates were asked for
   std::vector<double> omega;             // blocks x W
   std::vector<double> ball_used;         // blocks: part of the ball used at the last posture inside it
   std::vector<double> swaps;             // of a small step: see SmallLu

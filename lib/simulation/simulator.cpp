@@ -25,6 +25,7 @@ namespace {
 
 constexpr int kHalvings = 20;  // a step is halved down to 2^-20
 constexpr double kSmallest = 1.0 / (1 << kHalvings);
+constexpr int kExpandAfter = 4;      // rejected attempts a predictor that reads no derivatives reads them
 constexpr int kReach = 12;           // a change point is passed from 2^12 of the shortest steps before it to beyond
 constexpr int kMoreHalvings = 6;     // of the shortest step, on the way back from a change point
 constexpr double kApart = 1.0 / 16;  // of that reach: a step that ends nearer to the change point is in doubt
@@ -153,6 +154,7 @@ struct Simulator::Impl {
     if (const Status s = inputs.drive(t, q); !s.ok()) return s;
     const auto attempt = [&](std::size_t p) {
       Attempt a;
+      a.time = t;
       a.branch = passing[p] != 0 && branch == Attempt::Branch::inside ? Attempt::Branch::pass : branch;
       a.iterations = packs[p].level > 0 && branch == Attempt::Branch::inside ? limits.iterations : 0;
       a.most_iterations = limits.most_iterations;
@@ -234,17 +236,20 @@ struct Simulator::Impl {
   // From posture to posture until t.
   Status advance(double t, bool may_reselect, Stride& stride) {
     const double span = t - now, smallest = std::abs(span) * kSmallest;
+    int in_a_row = 0;  // attempts that were rejected; once they are many, they stay so
     while (now != t) {
       const double h = std::copysign(std::min(stride.length, std::abs(span)), span);
       const double target = std::abs(t - now) <= std::abs(h) * 1.0000001 ? t : now + h;
-      const Status s = try_step(target, Attempt::Branch::inside);
+      const Status s = try_step(target, Attempt::Branch::inside, in_a_row >= kExpandAfter);
       if (s.ok()) {
+        if (in_a_row < kExpandAfter) in_a_row = 0;
         if (now == t) break;  // what was left says nothing of a whole stride
         stride.arrive();
         ++report.counters.substeps;
         continue;
       }
       ++report.counters.rejected;
+      ++in_a_row;
       // Close to a singularity of the equations that are solved, what is watched is the first to tell.
       if (s.code == Code::inconsistent && may_choose_anew(may_reselect)) {
         wants_reselection = true;
@@ -368,15 +373,16 @@ struct Simulator::Impl {
            code == Code::not_finite;
   }
 
-  void predict(double target) {
-    const State::Prediction prediction = state.begin_prediction(target);
+  void predict(double target, bool expand) {
+    const State::Prediction prediction = expand ? state.begin_expansion(target) : state.begin_prediction(target);
     levels.share(state.unknowns(), [&](std::size_t part, std::size_t parts) {
       state.predict(prediction, state.unknowns() * part / parts, state.unknowns() * (part + 1) / parts);
     });
   }
 
-  Status try_step(double target, Attempt::Branch branch) {
-    predict(target);
+  // expand: also with a predictor that reads no derivatives, by those of the posture at hand.
+  Status try_step(double target, Attempt::Branch branch, bool expand = false) {
+    predict(target, expand);
     StepErrors errors;
     const Status s = solve_at(target, branch, errors);
     if (s.ok()) accept(target, errors);

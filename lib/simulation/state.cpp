@@ -49,6 +49,18 @@ State::Prediction State::begin_prediction(double t) {
   return out;
 }
 
+State::Prediction State::begin_expansion(double t) {
+  if (levels_ > 1) return begin_prediction(t);
+  begin();
+  const double dt = t - times_.front();
+  Prediction out;
+  for (const double weight : {1.0, dt, dt * dt / 2}) {
+    out.sources[out.count] = ring(out.count).at(last()) + first_unknown_;
+    out.weights[out.count++] = weight;
+  }
+  return out;
+}
+
 void State::predict(Prediction prediction, std::size_t begin, std::size_t end) {
   for (std::int32_t i = 0; i < prediction.count; ++i) prediction.sources[i] += begin;
   kernels_.combine(prediction.sources, prediction.weights, prediction.count, end - begin,

@@ -30,6 +30,8 @@ class State {
     std::int32_t count = 0;
   };
   [[nodiscard]] Prediction begin_prediction(double t);
+  // The same, by the derivatives of the last accepted posture if the predictor reads none.
+  [[nodiscard]] Prediction begin_expansion(double t);
   void predict(Prediction prediction, std::size_t begin, std::size_t end);
   [[nodiscard]] std::size_t unknowns() const { return size_ - first_unknown_; }
   // Largest move, over `count` unknowns from an address on, from the last accepted posture to the prediction.

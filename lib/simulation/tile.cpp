@@ -187,6 +187,7 @@ Status Tile::solve(std::span<const double> times, Attempt::Branch branch) {
   for (Pack& pack : layout_.packs) {
     Attempt attempt;
     attempt.branch = branch;
+    attempt.time = times[0];  // steps are as long in every lane
     attempt.iterations = pack.level > 0 && branch == Attempt::Branch::inside ? limits_.iterations : 0;
     attempt.most_iterations = limits_.most_iterations;
     GroupSolver& solver = *layout_.solvers[idx(pack.group_class)];
