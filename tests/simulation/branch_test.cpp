@@ -117,6 +117,32 @@ TEST(Parallelogram, PassesItsChangePoints) {
   }
 }
 
+// A rhombus whose crank swings a little or far beyond the line where its branches cross, by steps from an eighth to a
+// thousandth of the swing: whatever ends early or passes says so, and no row before is on the other branch.
+TEST(Rhombus, KeepsItsBranchWhateverTheStepAndThePredictor) {
+  int arrived = 0;
+  for (const double swing : {1.5709, 1.575, 1.58, 1.6, 1.65, 1.7, 1.8, 2.0, 2.5}) {
+    for (const double steps : {37, 50, 77, 100, 133, 200, 317, 500, 1000}) {
+      for (const char* strategy :
+           {"global/eigen", "irreducible/lanes", "global/eigen+reuse=run", "irreducible/eigen+float",
+            "irreducible/eigen+once", "irreducible/eigen+predict=taylor:0", "irreducible/lanes+predict=taylor:1",
+            "irreducible/eigen+predict=past:3", "irreducible/lanes+predict=hermite:5"}) {
+        SCOPED_TRACE(std::to_string(swing) + " steps " + std::to_string(steps) + " " + strategy);
+        const Result r = test::run(sample("n_four_bar", {{"loops", 1}, {"swing", swing}, {"steps", steps}}), strategy);
+        arrived += r.report().status.arrived() ? 1 : 0;
+        const Trajectory& t = r.trajectory;
+        const std::size_t crank = t.index("B0.x"), rocker = t.index("B1.x");
+        for (std::size_t k = 0; k < t.rows(); ++k) {
+          // The coupler stays parallel to the frame; on the other branch the rocker lies on it.
+          const double off = std::hypot(t(k, rocker) - t(k, crank) - 1, t(k, rocker + 1) - t(k, crank + 1));
+          ASSERT_LE(off, 1e-6) << "at " << t.times()[k];
+        }
+      }
+    }
+  }
+  EXPECT_GT(arrived, 500);
+}
+
 // A row on the change point itself has no velocity that the equations know, and positions alone say too little about
 // where the motion goes: then the run ends with a status, never on the other branch. Positions that happen to say
 // enough at one change point may take the run on to the next.
