@@ -53,7 +53,7 @@ struct Figures {
   bool ok = false;  // false: singular, or not finite
   // What a library does not tell is 0, also where ok is true.
   double pivot_growth = 0;          // max |U| / max |A|, where a backend scales rows: of the scaled matrix
-  double reciprocal_condition = 0;  // a cheap estimate: min |u_ii| / max |u_ii|; 0 if singular
+  double reciprocal_condition = 0;  // a cheap estimate, at most min |u_ii| / max |u_ii|; 0 if singular
   int determinant_sign = 0;         // -1, +1; 0 if singular
 };
 

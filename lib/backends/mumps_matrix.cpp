@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <new>
+#include <numeric>
 #include <string>
 #include <thread>
 
@@ -96,6 +97,29 @@ Figures Matrix::figures() const {
   const double smallest = data_.rinfog[18],
                largest = data_.rinfog[20];  // RINFOG(19), (21): pivots of the scaled matrix
   return {true, 0, smallest / largest, data_.rinfog[11] < 0 ? -1 : 1};
+}
+
+// 1 / (|A|_1 |A^-1|_1), the second by one round of Hager's power method (Higham 1988).
+double Matrix::reciprocal_condition() {
+  const auto n = static_cast<std::size_t>(data_.n);
+  std::vector<double> x(n, 0.0);
+  for (std::size_t k = 0; k < values_.size(); ++k)
+    x[static_cast<std::size_t>(data_.jcn[k] - 1)] += std::abs(values_[k]);
+  const double norm = *std::max_element(x.begin(), x.end());
+  const auto sum = [&] {
+    return std::accumulate(x.begin(), x.end(), 0.0, [](double s, double v) { return s + std::abs(v); });
+  };
+  std::fill(x.begin(), x.end(), 1 / static_cast<double>(n));
+  solve(x, 1, Transpose::no);
+  const double first = sum();
+  for (double& v : x) v = std::copysign(1.0, v);
+  solve(x, 1, Transpose::yes);
+  const auto largest =
+      std::max_element(x.begin(), x.end(), [](double a, double b) { return std::abs(a) < std::abs(b); }) - x.begin();
+  std::fill(x.begin(), x.end(), 0.0);
+  x[static_cast<std::size_t>(largest)] = 1;
+  solve(x, 1, Transpose::no);
+  return 1 / (norm * std::max(first, sum()));
 }
 
 std::unique_ptr<SymmetricSolver> make_symmetric() { return std::make_unique<Matrix>(Symmetry::indefinite); }

@@ -27,7 +27,8 @@ class Matrix final : public SymmetricSolver {
   Code factorize(std::span<const double> values) override;
   void solve(std::span<double> b_to_x, int rhs) override { solve(b_to_x, rhs, Transpose::no); }
   void solve(std::span<double> b_to_x, int rhs, Transpose transpose);
-  [[nodiscard]] Figures figures() const;  // of the last factorisation, which was ok; no pivot growth
+  [[nodiscard]] Figures figures() const;        // of the last factorisation, which was ok; no pivot growth
+  [[nodiscard]] double reciprocal_condition();  // an estimate from three solutions, unsymmetric only
 
  private:
   void call(int job);
