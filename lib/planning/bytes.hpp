@@ -27,7 +27,7 @@ class ByteWriter {
       value.write(*this);
     }
   }
-  // Elements without bytes that mean nothing: `T` has doubles and integers of 4 or 8 bytes only.
+  // Elements without bytes that mean nothing: `T` has numbers of 4 or 8 bytes only, and no gaps.
   template <class T>
   void put(const std::vector<T>& values) {
     put(static_cast<std::uint64_t>(values.size()));

@@ -19,7 +19,7 @@ using Terms = std::array<double, kTerms>;
 using Gram = Eigen::Matrix<double, kTerms, kTerms>;
 using Moments = Eigen::Matrix<double, kTerms, 1>;
 
-double squared_distance(const std::array<double, kAxes>& a, const std::array<double, kAxes>& b) {
+double squared_distance(const std::array<float, kAxes>& a, const std::array<double, kAxes>& b) {
   double sum = 0;
   for (std::size_t i = 0; i < kAxes; ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
   return sum;
@@ -78,7 +78,12 @@ Curve::Curve(std::vector<Measured> points) {
   fit(points);
   for (const Measured& p : points) {
     const double noise = std::max(p.noise, kLeastNoise) / kLeastNoise;
-    deviations_.push_back({p.at.place, std::log(p.seconds / fitted(p.at)), 1 / (noise * noise)});
+    Deviation d{};
+    std::transform(p.at.place.begin(), p.at.place.end(), d.place.begin(),
+                   [](double x) { return static_cast<float>(x); });
+    d.log_ratio = static_cast<float>(std::log(p.seconds / fitted(p.at)));
+    d.weight = static_cast<float>(1 / (noise * noise));
+    deviations_.push_back(d);
   }
 }
 

@@ -39,10 +39,11 @@ class Curve {
   void read(ByteReader& bytes);
 
  private:
+  // A program reads thousands of these before its first step; no time is known to more digits than a float has.
   struct Deviation {
-    std::array<double, kAxes> place;
-    double log_ratio;  // measured over fitted
-    double weight;
+    std::array<float, kAxes> place;
+    float log_ratio;  // measured over fitted
+    float weight;
   };
   [[nodiscard]] double fitted(const Point& point) const;
   void fit(const std::vector<Measured>& points);

@@ -22,7 +22,7 @@ constexpr std::array kKernels = {NamedKernel{Kernel::evaluate, "evaluate"}, Name
                                  NamedKernel{Kernel::solve, "solve"},       NamedKernel{Kernel::pack, "pack"},
                                  NamedKernel{Kernel::meeting, "meeting"},   NamedKernel{Kernel::step, "step"}};
 
-constexpr std::int32_t kFormat = 1;  // of bytes(); raised whenever anything is fitted or written otherwise
+constexpr std::int32_t kFormat = 2;  // of bytes(); raised whenever anything is fitted or written otherwise
 
 // What of a strategy a kernel depends on. Solvers differ by backend, precision and threads; W is kept apart, so that
 // another W can stand in.
@@ -85,9 +85,12 @@ Cell cell_of(Kernel kernel, const Shape& shape, std::int32_t variant) {
 // What is known of a cell.
 struct Known {
   Cell cell{};
-  double seconds = 0, noise = 0, backward_error = 0;
+  double seconds = 0;
+  float noise = 0, backward_error = 0;
 
-  [[nodiscard]] Prediction prediction() const { return {seconds, std::exp(std::max(noise, 0.02)), Origin::measured}; }
+  [[nodiscard]] Prediction prediction() const {
+    return {seconds, std::exp(std::max<double>(noise, 0.02)), Origin::measured};
+  }
   friend bool operator<(const Known& a, const Cell& b) { return a.cell < b; }
 };
 
@@ -189,7 +192,9 @@ struct PerformanceModel::Impl {
 
   Impl(const std::vector<Sample>& samples, std::string from) : source(std::move(from)), count(samples.size()) {
     const Cells cells = gather(samples);
-    for (const auto& [cell, g] : cells) known.push_back({cell, g.seconds, g.noise, g.backward_error});
+    for (const auto& [cell, g] : cells) {
+      known.push_back({cell, g.seconds, static_cast<float>(g.noise), static_cast<float>(g.backward_error)});
+    }
     for (const Kernel kernel : {Kernel::evaluate, Kernel::factor, Kernel::solve}) fit(kernel, cells);
     fit_rest(cells);
     fit_packs(cells);
@@ -328,19 +333,20 @@ struct PerformanceModel::Impl {
     return found == numbers.end() ? -1 : found->second;
   }
 
-  [[nodiscard]] const Known* exactly(Kernel kernel, const Shape& shape, const Strategy& strategy) const {
-    if (shape.pattern == 0) return nullptr;
-    const Cell cell = cell_of(kernel, shape, number_of(variant_of(kernel, strategy)));
+  [[nodiscard]] const Known* exactly(Kernel kernel, const Shape& shape, std::int32_t variant) const {
+    if (shape.pattern == 0 || variant < 0) return nullptr;
+    const Cell cell = cell_of(kernel, shape, variant);
     const auto found = std::lower_bound(known.begin(), known.end(), cell);
     return found == known.end() || found->cell != cell ? nullptr : &*found;
   }
 
   [[nodiscard]] Prediction predict(Kernel kernel, const Shape& shape, const Strategy& strategy) const {
-    if (const Known* k = exactly(kernel, shape, strategy)) return k->prediction();
-    const auto& curves = curve[static_cast<std::size_t>(kernel)];
     const Variant wanted = variant_of(kernel, strategy);
+    const std::int32_t variant = number_of(wanted);
+    if (const Known* k = exactly(kernel, shape, variant)) return k->prediction();
+    const auto& curves = curve[static_cast<std::size_t>(kernel)];
     const Point point = point_of(kernel, shape, strategy);
-    if (const auto found = curves.find(number_of(wanted)); found != curves.end()) return found->second.at(point);
+    if (const auto found = curves.find(variant); found != curves.end()) return found->second.at(point);
     const double prior = prior_seconds(kernel, shape, strategy);
     if (const auto next = stand_in(curves, wanted); next != numbers.end()) {
       Strategy other = strategy;
@@ -380,10 +386,11 @@ struct PerformanceModel::Impl {
   }
 
   [[nodiscard]] Prediction pack(const Shape& shape, const Strategy& strategy) const {
-    if (const Known* k = exactly(Kernel::pack, shape, strategy)) return k->prediction();
-    const Prediction sum = composed(shape, strategy);
     Variant variant = variant_of(Kernel::pack, strategy);
-    auto found = packs.find(number_of(variant));
+    const std::int32_t number = number_of(variant);
+    if (const Known* k = exactly(Kernel::pack, shape, number)) return k->prediction();
+    const Prediction sum = composed(shape, strategy);
+    auto found = packs.find(number);
     if (found == packs.end()) {  // of the same solver with the plain policy
       variant.once = variant.separate = false;
       variant.reuse = Reuse::fresh;
@@ -519,7 +526,7 @@ double PerformanceModel::backward_error(const Shape& shape, const Strategy& stra
   const Cell first{number(Kernel::solve), wanted, 0, 0, 0, 0, 0, 0};
   for (auto k = std::lower_bound(known.begin(), known.end(), first); k != known.end(); ++k) {
     if (k->cell.kernel != first.kernel || k->cell.variant != wanted) break;
-    if (k->cell.n <= 2 * shape.n && 2 * k->cell.n >= shape.n) worst = std::max(worst, k->backward_error);
+    if (k->cell.n <= 2 * shape.n && 2 * k->cell.n >= shape.n) worst = std::max<double>(worst, k->backward_error);
   }
   return worst;
 }
