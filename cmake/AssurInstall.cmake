@@ -34,10 +34,8 @@ endforeach()
 
 install(FILES LICENSE README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
+configure_file(cmake/tune_on_install.cmake.in tune_on_install.cmake.in @ONLY)
+file(GENERATE OUTPUT ${PROJECT_BINARY_DIR}/tune_on_install.cmake INPUT ${PROJECT_BINARY_DIR}/tune_on_install.cmake.in)
 if(ASSUR_TUNE_ON_INSTALL)
-  install(CODE "
-    set(database \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_DATADIR}/assur/tuning.db\")
-    message(STATUS \"Tuning: \${database}\")
-    execute_process(COMMAND \"$<TARGET_FILE:assur_command>\" tune --profile ${ASSUR_TUNE_PROFILE} --db \"\${database}\"
-                    COMMAND_ERROR_IS_FATAL ANY)")
+  install(SCRIPT ${PROJECT_BINARY_DIR}/tune_on_install.cmake)
 endif()
