@@ -72,6 +72,7 @@ GroupSolver::GroupSolver(const System& system, const Structure& structure, std::
   there_jacobian_.resize(jacobian_.size());
   there_inputs_.resize(inputs_.size());
   scale_.resize(n);
+  omega_.resize(w);
   posture_errors_.resize(w);
   sort_by_rows();
 }
@@ -507,14 +508,14 @@ Status GroupSolver::set_anchor(Pack& pack, double* const (&state)[3], std::int32
   if (blocks_.needs_solver(b) && !factored_at_solution_) factored_at_solution_ = factorize(pack, counters).ok();
   evaluator_->scale(scale_.data());
   blocks_.measure(b, jacobian_.data(), {pack.lipschitz.data(), scale_.data()}, solver_,
-                  {pack.omega.data() + idx(b) * w, posture_errors_.data()});
+                  {omega_.data(), posture_errors_.data()});
   if (attempt.branch == Attempt::Branch::inside) {
     for (std::int32_t l = 0; l < pack.used; ++l) {
       const double error = kConverged * posture_errors_[idx(l)];
-      if (!(pack.omega[idx(b) * w + idx(l)] * error <= kRoundingRoom))
-        return fail(pack, Code::branch_unknown, error, l);
+      if (!(omega_[idx(l)] * error <= kRoundingRoom)) return fail(pack, Code::branch_unknown, error, l);
     }
   }
+  std::copy(omega_.begin(), omega_.end(), pack.omega.begin() + b * lanes_);
   gather(pack, state[1], input_rates_);
   const std::size_t first = blocks_.reads_start(b) * w;
   double *anchor = pack.anchor.data() + first, *rates = pack.anchor_rates.data() + first;

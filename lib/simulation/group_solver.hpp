@@ -167,7 +167,8 @@ class GroupSolver {
   std::vector<double> largest_correction_;       // blocks x W
   // Of tube_leads_here(): a posture on the way.
   std::vector<double> there_, there_inputs_, there_phi_, there_jacobian_;
-  std::vector<double> scale_, posture_errors_;  // n x W; W: of one block
+  std::vector<double> scale_;                   // n x W
+  std::vector<double> omega_, posture_errors_;  // W: of one block, of set_anchor()
   // Of perturb().
   std::vector<double> noise_, error_, bent_, moved_, whole_;          // n x W
   std::vector<double> input_errors_, moved_inputs_, resting_inputs_;  // inputs x W

@@ -42,8 +42,8 @@ struct WorkPrecision {
   bool interrupted = false;
   std::string no_yardstick;  // why nothing is known of true errors; empty: it is
 
-  // What `auto` lost for this accuracy: its time over that of the fastest way which reaches it, - 1. Empty if not even
-  // its own does, or times or errors are missing.
+  // What `auto` lost for this accuracy: its time over that of the fastest way which reaches it, less 1. Empty if not
+  // even its own does, or times or errors are missing.
   [[nodiscard]] std::optional<double> behind(double accuracy) const;
   // The row that `auto` took; null if it could not.
   [[nodiscard]] const WorkPrecisionRow* pick(double accuracy) const;

@@ -89,7 +89,7 @@ void add_answer(Section& out, const Answer& a) {
   add("seconds per step, fastest", a.best);
   out.measurements.push_back({out.id, item, a.chosen.strategy, "regret", "1", a.regret(),
                               static_cast<int>(a.chosen.rounds), a.chosen.spread / a.chosen.seconds, a.chosen.error,
-                              "time of auto over that of the fastest, - 1"});
+                              "time of auto over that of the fastest, less 1"});
 }
 
 }  // namespace
@@ -121,7 +121,7 @@ Section regret_section(const std::vector<Answer>& answers, std::size_t planned) 
       of_constants.emplace_back(r, item_of(a.question) + ", " + constant.strategy);
       out.measurements.push_back({out.id, item_of(a.question), constant.strategy,
                                   "regret of the best constant strategy", "1", r, 0, 0, std::nan(""),
-                                  "first race of the question, over the fastest in it, - 1"});
+                                  "first race of the question, over the fastest in it, less 1"});
     }
   }
   const auto add_all = [&](const std::string& who, const std::vector<double>& r) {
@@ -140,8 +140,8 @@ Section regret_section(const std::vector<Answer>& answers, std::size_t planned) 
   const auto count = [](std::size_t n) { return static_cast<std::int64_t>(n); };
   out.body = paragraph(
       "Whole steps of mechanisms and sizes that the tuner does not measure: what auto chose against the "
-      "fastest of every strategy that is the same for all classes, and of mixtures of them. Regret is "
-      "the time of the choice over that of the fastest, - 1. " +
+      "fastest of every strategy that is the same for all classes, and of mixtures of them. Regret is how "
+      "much longer the choice takes than the fastest. " +
       output::counted(count(answers.size()), "question") + " of " + output::grouped(count(planned)) + "; " +
       (winners.size() == 1
            ? "the same strategy is the fastest in all."
