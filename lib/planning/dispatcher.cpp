@@ -168,6 +168,19 @@ void expect_packs(Plan& plan, const PerformanceModel& model) {
 
 using Offers = std::vector<std::vector<Candidate>>;  // by class
 
+// Classes of the same shape are offered the same.
+template <class MostLanes>
+Offers offers_of(const std::vector<Shape>& shapes, const MostLanes& most_lanes, std::int32_t most_q,
+                 const Scales& scales) {
+  Offers all;
+  for (std::size_t c = 0; c < shapes.size(); ++c) {
+    std::size_t same = 0;
+    while (same < c && !(shapes[same] == shapes[c] && most_lanes(same) == most_lanes(c))) ++same;
+    all.push_back(same < c ? all[same] : offers(shapes[c], most_lanes(c), most_q, scales));
+  }
+  return all;
+}
+
 // Groups of one mechanism side by side, p packs at once.
 Plan latency_plan(const std::vector<Shape>& shapes, const std::vector<ClassLoad>& classes, const Offers& offers,
                   std::int32_t p, std::int32_t budget, const Scales& scales) {
@@ -214,8 +227,8 @@ std::string threads_reason(const Plan& best, std::int32_t budget, double alone) 
 Plan best_throughput(const Structure& s, const std::vector<Shape>& shapes, std::int32_t threads, const Scales& scales) {
   std::optional<Plan> best;
   const double around = Around(s, scales.model).seconds(1);
-  Offers offered;
-  for (const Shape& shape : shapes) offered.push_back(offers(shape, kWidest, 1, scales));
+  const Offers offered = offers_of(
+      shapes, [](std::size_t) { return kWidest; }, 1, scales);
   for (std::int32_t lanes = 1; lanes <= kWidest; lanes *= 2) {
     Plan plan = throughput_plan(shapes, offered, lanes, threads, scales);
     expect_packs(plan, scales.model);
@@ -232,10 +245,8 @@ Plan best_latency(const Structure& s, const std::vector<Shape>& shapes, std::int
   const std::vector<Batch> batches = batches_of(s);
   const std::vector<ClassLoad> classes = loads_of(s, batches);
   // W is "up to": lanes that no group could fill would be computed for nothing.
-  Offers offered;
-  for (std::size_t c = 0; c < classes.size(); ++c) {
-    offered.push_back(offers(shapes[c], 2 * classes[c].most - 1, budget, scales));
-  }
+  const Offers offered = offers_of(
+      shapes, [&](std::size_t c) { return 2 * classes[c].most - 1; }, budget, scales);
   const Around around(s, scales.model);
   std::optional<Plan> best;
   double alone = 0;
