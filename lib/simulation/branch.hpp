@@ -10,7 +10,8 @@
 // anchor and the new posture, the box |x - q| <= r holds exactly one solution if
 //   e + M r <= r,   e = |C Phi(q)|,   M = |C| (|J1 - J(q)| + |Phi'' r|),   C = J1^-1
 // (Krawczyk 1969). Where that is so all along the cubic, its boxes are a tube with one solution at every time, which
-// leads from the one posture to the other.
+// leads from the one posture to the other. Looked at are four postures, with room for what lies between them, and the
+// inputs are taken to move along the cubic as well: sure as far as a step resolves their motion, no proof.
 #pragma once
 
 #include <array>
