@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "equations/callbacks.hpp"
+#include "equations/lane_array.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace assur::HWY_NAMESPACE {
@@ -176,7 +177,7 @@ class EvaluatorOf final : public Evaluator {
 
   const Program& p_;
   CallbackRows callbacks_;
-  std::vector<double> memory_;
+  LaneArray memory_;
   // registers x W; base: what constants and inputs add to a form
   double *value_, *base_, *base_magnitude_, *input_rate_, *rate_, *acceleration_, *magnitude_;
   const double* k_ = nullptr;  // coefficients of the pack at hand

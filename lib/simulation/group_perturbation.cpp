@@ -102,8 +102,8 @@ void GroupSolver::left_of(const double* y) {
 }
 
 // The d-th derivative of every probe. known: the part of the right-hand side that has a sign; noise_: of the other.
-bool GroupSolver::error_of(Pack& pack, const std::vector<double>& known, const Probes& probes, int derivative,
-                           std::uint64_t seed, std::initializer_list<Bend> bends) {
+bool GroupSolver::error_of(Pack& pack, const LaneArray& known, const Probes& probes, int derivative, std::uint64_t seed,
+                           std::initializer_list<Bend> bends) {
   bool finite = true;
   for (std::size_t k = 0; k < kProbes; ++k) {
     const auto d = static_cast<std::size_t>(derivative);

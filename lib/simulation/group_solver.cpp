@@ -57,11 +57,11 @@ GroupSolver::GroupSolver(const System& system, const Structure& structure, std::
   input_rates_.resize(inputs_.size());
   input_accelerations_.resize(inputs_.size());
   if (has_small_steps(strategy_)) small_step_ = make_small_step(class_, program_, blocks_, lanes_);
-  for (std::vector<double>* v :
+  for (LaneArray* v :
        {&phi_, &inverse_scale_, &correction_, &rhs_, &residual_, &noise_, &error_, &bent_, &moved_, &whole_}) {
     v->resize(n);
   }
-  for (std::vector<double>* v : {&input_errors_, &moved_inputs_, &resting_inputs_}) v->resize(inputs_.size());
+  for (LaneArray* v : {&input_errors_, &moved_inputs_, &resting_inputs_}) v->resize(inputs_.size());
   jacobian_.resize(idx(program_.pattern.nnz()) * w);
   jacobian_norm_.resize(w);
   row_scale_.resize(n);
@@ -137,7 +137,7 @@ void GroupSolver::bind_lane(const System& system, const Group& group, Pack& pack
   lipschitz(class_, constants, pack.lipschitz.data() + lane, idx(lanes_));
 }
 
-void GroupSolver::gather(const Pack& pack, const double* state, std::vector<double>& out) const {
+void GroupSolver::gather(const Pack& pack, const double* state, LaneArray& out) const {
   kernels_.gather(pack.input_rows.data(), pack.inputs.data(), program_.inputs, state, out.data());
 }
 
@@ -288,7 +288,7 @@ std::int32_t GroupSolver::lane_with_most_left(const Pack& pack) const {
 }
 
 // x = J^-1 b, whose residual_ is at hand, by factors of J itself: where they grew they do not serve as they are.
-Status GroupSolver::refine_grown(const Pack& pack, const std::vector<double>& b, double* x, Counters& counters,
+Status GroupSolver::refine_grown(const Pack& pack, const LaneArray& b, double* x, Counters& counters,
                                  double& residual) {
   for (int k = 0; k < kMostRefinements && residual > kGrown; ++k) {
     if (const Status s = solver_->solve(residual_, 1); !s.ok()) return fail(pack, s.code, s.figure);
@@ -347,7 +347,7 @@ Status GroupSolver::kantorovich(const Pack& pack) {
 }
 
 // residual_ = b - J x; returns |residual| / (|J| |x| + |b|), maximum norms, of the worst lane.
-double GroupSolver::linear_residual(const double* x, const std::vector<double>& b) {
+double GroupSolver::linear_residual(const double* x, const LaneArray& b) {
   const bool measure = !std::exchange(jacobian_measured_, true);
   return kernels_.residual(row_start_.data(), row_entries_.data(), program_.n, jacobian_.data(), x, b.data(),
                            residual_.data(), jacobian_norm_.data(), measure);
@@ -355,7 +355,7 @@ double GroupSolver::linear_residual(const double* x, const std::vector<double>& 
 
 // The same of the worst lane once rows and columns have been scaled to size 1: what a few large ones hide in the norms
 // of all. residual_ is that of x.
-double GroupSolver::scaled_residual(const double* x, const std::vector<double>& b) {
+double GroupSolver::scaled_residual(const double* x, const LaneArray& b) {
   if (!std::exchange(scales_measured_, true)) {
     equilibrate({program_.pattern, jacobian_, lanes_, Transpose::no}, row_scale_, column_size_);
     for (double& c : column_size_) c = 1 / c;
@@ -372,8 +372,8 @@ double GroupSolver::scaled_residual(const double* x, const std::vector<double>& 
   return worst;
 }
 
-Status GroupSolver::linear(Pack& pack, const std::vector<double>& b, double* x, int first_wanted,
-                           const Attempt& attempt, Counters& counters, double& error) {
+Status GroupSolver::linear(Pack& pack, const LaneArray& b, double* x, int first_wanted, const Attempt& attempt,
+                           Counters& counters, double& error) {
   std::copy(b.begin(), b.end(), x);
   // With a factorisation from elsewhere the whole solution is needed to refine it.
   const int first = factored_at_solution_ ? first_wanted : 0;

@@ -14,6 +14,7 @@
 #include "assur/report.hpp"
 #include "assur/simulator.hpp"
 #include "equations/evaluator.hpp"
+#include "equations/lane_array.hpp"
 #include "equations/program.hpp"
 #include "simulation/branch.hpp"
 #include "simulation/lane_kernels.hpp"
@@ -102,18 +103,18 @@ class GroupSolver {
   struct Bend {  // times * Phi''[a probe's derivative, direction]
     std::size_t probe;
     const double* direction;  // of the unknowns
-    const std::vector<double>* inputs;
+    const LaneArray* inputs;
     double times;
   };
   [[nodiscard]] const double* solution(const Pack& pack, const double* state, int derivative);
   void left_of(const double* y);
-  [[nodiscard]] bool error_of(Pack& pack, const std::vector<double>& known, const Probes& probes, int derivative,
+  [[nodiscard]] bool error_of(Pack& pack, const LaneArray& known, const Probes& probes, int derivative,
                               std::uint64_t seed, std::initializer_list<Bend> bends);
   void add_bend(const Pack& pack, const double* probe, const Bend& bend);
   void sort_by_rows();
   [[nodiscard]] std::unique_ptr<LinearSolver> make_solver() const;
   void choose_solver(Pack& pack);
-  void gather(const Pack& pack, const double* state, std::vector<double>& out) const;
+  void gather(const Pack& pack, const double* state, LaneArray& out) const;
   // The ordinary step of a small group; false if it is none.
   [[nodiscard]] bool small_step(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
                                 StepErrors& errors, Status& status);
@@ -124,11 +125,11 @@ class GroupSolver {
   [[nodiscard]] Status derivatives(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
                                    StepErrors& errors);
   // x = J^-1 b with refinement where the factorisation is that of another posture; returns the normwise residual.
-  [[nodiscard]] Status linear(Pack& pack, const std::vector<double>& b, double* x, int first_wanted,
-                              const Attempt& attempt, Counters& counters, double& error);
-  [[nodiscard]] double linear_residual(const double* x, const std::vector<double>& b);
-  [[nodiscard]] double scaled_residual(const double* x, const std::vector<double>& b);
-  [[nodiscard]] Status refine_grown(const Pack& pack, const std::vector<double>& b, double* x, Counters& counters,
+  [[nodiscard]] Status linear(Pack& pack, const LaneArray& b, double* x, int first_wanted, const Attempt& attempt,
+                              Counters& counters, double& error);
+  [[nodiscard]] double linear_residual(const double* x, const LaneArray& b);
+  [[nodiscard]] double scaled_residual(const double* x, const LaneArray& b);
+  [[nodiscard]] Status refine_grown(const Pack& pack, const LaneArray& b, double* x, Counters& counters,
                                     double& residual);
   [[nodiscard]] std::int32_t lane_with_most_left(const Pack& pack) const;
   void floor_scale();
@@ -157,22 +158,22 @@ class GroupSolver {
   LinearSolver* solver_ = nullptr;       // the pack's at hand, or shared_
   BlockConditions blocks_;
   const LaneKernels& kernels_;
-  std::unique_ptr<SmallStep> small_step_;                           // null: the class, or the strategy, has none
-  std::vector<std::int32_t> row_start_;                             // n + 1
-  std::vector<RowEntry> row_entries_;                               // nnz: the Jacobian by rows
-  std::vector<double> inputs_, input_rates_, input_accelerations_;  // inputs x W
-  std::vector<double> phi_, inverse_scale_, correction_, rhs_, residual_, jacobian_;
-  std::vector<double> jacobian_norm_;            // W
-  std::vector<double> row_scale_, column_size_;  // n x W: of scaled_residual()
-  std::vector<double> largest_correction_;       // blocks x W
+  std::unique_ptr<SmallStep> small_step_;                 // null: the class, or the strategy, has none
+  std::vector<std::int32_t> row_start_;                   // n + 1
+  std::vector<RowEntry> row_entries_;                     // nnz: the Jacobian by rows
+  LaneArray inputs_, input_rates_, input_accelerations_;  // inputs x W
+  LaneArray phi_, inverse_scale_, correction_, rhs_, residual_, jacobian_;
+  LaneArray jacobian_norm_;            // W
+  LaneArray row_scale_, column_size_;  // n x W: of scaled_residual()
+  LaneArray largest_correction_;       // blocks x W
   // Of tube_leads_here(): a posture on the way.
-  std::vector<double> there_, there_inputs_, there_phi_, there_jacobian_;
-  std::vector<double> scale_;                   // n x W
-  std::vector<double> omega_, posture_errors_;  // W: of one block, of set_anchor()
+  LaneArray there_, there_inputs_, there_phi_, there_jacobian_;
+  LaneArray scale_;                   // n x W
+  LaneArray omega_, posture_errors_;  // W: of one block, of set_anchor()
   // Of perturb().
-  std::vector<double> noise_, error_, bent_, moved_, whole_;          // n x W
-  std::vector<double> input_errors_, moved_inputs_, resting_inputs_;  // inputs x W
-  std::int64_t refined_ = 0;                                          // solutions, because their residual was too large
+  LaneArray noise_, error_, bent_, moved_, whole_;          // n x W
+  LaneArray input_errors_, moved_inputs_, resting_inputs_;  // inputs x W
+  std::int64_t refined_ = 0;                                // solutions, because their residual was too large
   bool jacobian_measured_ = false, scales_measured_ = false;
   bool factored_in_step_ = false, factored_at_solution_ = false;
 };

@@ -74,12 +74,12 @@ Layout lay_out(const Prepared& prepared) {
     if (system.coordinates[c].role != Role::unknown) out.address[c] = static_cast<std::int32_t>(c);
   }
   for (const std::int32_t c : structure.static_coordinates) out.address[idx(c)] = c;
-  out.first_unknown = out.size = system.coordinates.size();
+  out.first_unknown = out.size = lane_place(system.coordinates.size(), idx(kMostLanes));
   for (Pack& pack : out.packs) {
     const GroupSolver& solver = *out.solvers[idx(pack.group_class)];
     const std::size_t w = idx(solver.lanes());
-    pack.unknowns = out.size;
-    out.size += idx(solver.program().n) * w;
+    pack.unknowns = lane_place(out.size, w);
+    out.size = pack.unknowns + idx(solver.program().n) * w;
     for (std::size_t lane = 0; lane < pack.groups.size(); ++lane) {
       const Group& g = structure.groups[idx(pack.groups[lane])];
       for (std::size_t i = 0; i < g.unknowns.size(); ++i) {
@@ -116,7 +116,7 @@ Layout lay_out_side_by_side(const Prepared& prepared, int lanes) {
     if (system.coordinates[c].role != Role::unknown) out.address[c] = static_cast<std::int32_t>(c * w);
   }
   for (const std::int32_t c : structure.static_coordinates) out.address[idx(c)] = c * lanes;
-  out.first_unknown = out.size = system.coordinates.size() * w;
+  out.first_unknown = out.size = lane_place(system.coordinates.size() * w, w);
   std::vector<std::int32_t> each(w);
   std::iota(each.begin(), each.end(), 0);
   for (const Group& group : structure.groups) {

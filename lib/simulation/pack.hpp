@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "assur/backend.hpp"
+#include "equations/lane_array.hpp"
 #include "equations/program.hpp"
 #include "simulation/lane_kernels.hpp"
 
@@ -20,14 +21,14 @@ struct Pack {
   std::size_t unknowns = 0;              // address of the first unknown in the state arrays
   std::vector<std::int32_t> inputs;      // inputs x W addresses in the state arrays
   std::vector<InputRow> input_rows;      // inputs: the same, where one address tells all
-  std::vector<double> coefficients;      // (coefficients, 0, 1) x W
-  std::vector<double> lipschitz;         // equations x W
-  std::vector<double> anchor;            // by block, what it reads x W: where omega was measured
-  std::vector<double> anchor_rates;      // the same: the rates there
-  std::vector<double> anchor_time;       // blocks: s; NaN: unknown, or no rates were asked for
-  std::vector<double> omega;             // blocks x W
-  std::vector<double> ball_used;         // blocks: part of the ball used at the last posture inside it
-  std::vector<double> swaps;             // of a small step: see SmallLu
+  LaneArray coefficients;                // (coefficients, 0, 1) x W
+  LaneArray lipschitz;                   // equations x W
+  LaneArray anchor;                      // by block, what it reads x W: where omega was measured
+  LaneArray anchor_rates;                // the same: the rates there
+  LaneArray anchor_time;                 // blocks: s; NaN: unknown, or no rates were asked for
+  LaneArray omega;                       // blocks x W
+  LaneArray ball_used;                   // blocks: part of the ball used at the last posture inside it
+  LaneArray swaps;                       // of a small step: see SmallLu
   std::unique_ptr<LinearSolver> solver;  // with pivots or factors of its own; null: the class's serves
   bool factored = false;                 // +reuse=run: `solver` holds factors of an earlier posture
 };

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "assur/structure.hpp"
+#include "equations/lane_array.hpp"
 #include "equations/program.hpp"
 #include "equations/separable.hpp"
 #include "simulation/pack.hpp"
@@ -189,9 +190,12 @@ class Coefficients {
   const Program& p_;
   Separable e_;
   std::vector<std::int32_t> moving_;  // inputs
-  std::vector<double> registers_;     // registers x parts x W
+  LaneArray registers_;               // registers x parts x W
   const double* k_ = nullptr;         // coefficients of the pack at hand
-  double known_[N * W], known_magnitude_[N * W], linear_[N * N * W], linear_magnitude_[N * N * W];
+  alignas(kLineBytes) double known_[N * W];
+  alignas(kLineBytes) double known_magnitude_[N * W];
+  alignas(kLineBytes) double linear_[N * N * W];
+  alignas(kLineBytes) double linear_magnitude_[N * N * W];
 };
 
 // NOLINTNEXTLINE(google-readability-namespace-comments)

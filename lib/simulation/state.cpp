@@ -12,7 +12,7 @@ void State::resize(std::size_t first_unknown, std::size_t size, const Predictor&
   depth_ = static_cast<std::size_t>(postures_read(predictor));
   levels_ = derivatives_read(predictor) + 1;
   for (int d = 0; d < 3; ++d) {
-    ring(d).postures.assign(1 + (d < levels_ ? depth_ : 1), std::vector<double>(size, 0.0));
+    ring(d).postures.assign(1 + (d < levels_ ? depth_ : 1), LaneArray(size, 0.0));
   }
   times_.reserve(depth_ + 1);
 }

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "equations/lane_array.hpp"
 #include "simulation/lane_kernels.hpp"
 #include "simulation/predictor.hpp"
 
@@ -51,7 +52,7 @@ class State {
  private:
   // One derivative of the postures by age, 0: the newest. Nothing is moved when a posture becomes an older one.
   struct Ring {
-    std::vector<std::vector<double>> postures;
+    std::vector<LaneArray> postures;
     std::size_t newest = 0;
 
     [[nodiscard]] std::size_t place(std::size_t age) const {

@@ -1,7 +1,13 @@
 // Groups side by side in lanes are the same groups.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdint>
+
+#include "equations/lane_array.hpp"
+#include "simulation/layout.hpp"
 #include "simulation/run.hpp"
+#include "simulation/state.hpp"
 
 namespace assur {
 namespace {
@@ -41,6 +47,27 @@ std::vector<std::string> with_lanes() {
     for (const char* lanes : {":2", ":4", ":8", ":16"}) out.push_back(solver + lanes);
   }
   return out;
+}
+
+// A vector that crosses a cache line takes twice as long to read.
+TEST(Lanes, DoNotCrossACacheLine) {
+  for (const char* strategy : {"groups/eigen", "irreducible/eigen:4", "irreducible/eigen:16"}) {
+    for (const char* scene : {"stewart:legs=11", "andrews"}) {
+      const Layout layout = lay_out(prepare(sample(scene), {strategy}));
+      State values;
+      values.resize(layout.first_unknown, layout.size, {});
+      const State& state = values;
+      for (const Pack& pack : layout.packs) {
+        const auto lanes =
+            static_cast<std::size_t>(layout.solvers[static_cast<std::size_t>(pack.group_class)]->lanes());
+        const std::size_t bytes = std::min(kLineBytes, lanes * sizeof(double));
+        for (const double* array :
+             {state.at(0) + pack.unknowns, state.at(2) + pack.unknowns, pack.anchor.data(), pack.coefficients.data()}) {
+          EXPECT_EQ(reinterpret_cast<std::uintptr_t>(array) % bytes, 0U) << scene << ' ' << strategy;
+        }
+      }
+    }
+  }
 }
 
 // Six legs: two, one or none of the packs have idle lanes.
