@@ -7,6 +7,7 @@
 #include <sys/types.h>
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <exception>
 #include <memory>
@@ -18,6 +19,8 @@
 #include "parallel/waiting.hpp"
 
 namespace assur {
+
+inline constexpr std::size_t kWorthSharing = 8000;  // pieces of half a nanosecond: some meetings of two threads
 
 class Team {
  public:

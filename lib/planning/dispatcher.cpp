@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "parallel/longest_first.hpp"
+#include "parallel/team.hpp"
 #include "planning/counts.hpp"
 #include "planning/throughput.hpp"
 #include "scene/outputs.hpp"
@@ -19,6 +20,7 @@ namespace {
 std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 constexpr double kWait = 0.3;      // of a meeting: what a level adds; a barrier alone (barriers_bench) is a tenth
+constexpr double kGain = 0.1;      // that more threads have to promise: they depend on more than fewer do
 constexpr double kHandedOver = 4;  // doubles for each unknown: the prediction, and what comes back
 
 // Groups of one class on one level.
@@ -104,9 +106,9 @@ class Around {
   }
 
   [[nodiscard]] double seconds(std::int32_t threads) const {
-    constexpr std::int64_t kWorthSharing = 2000;  // as Levels has it
-    const bool shared = threads > 1 && columns_ >= kWorthSharing;
-    return model_.around(unknowns_, shared ? columns_ / threads : columns_).seconds;
+    const bool shared = threads > 1 && columns_ >= static_cast<std::int64_t>(kWorthSharing);
+    return model_.around(unknowns_, shared ? columns_ / threads : columns_).seconds +
+           (shared ? kWait * model_.meeting(threads).seconds : 0);
   }
 
  private:
@@ -255,7 +257,7 @@ Plan best_latency(const Structure& s, const std::vector<Shape>& shapes, std::int
     expect_packs(plan, scales.model);
     share_levels(plan, s, batches, budget, around, scales.model);
     if (p == 1) alone = plan.expected_seconds;
-    if (!best || plan.expected_seconds < best->expected_seconds * (1 - scales.tie)) best = std::move(plan);
+    if (!best || plan.expected_seconds < best->expected_seconds * (1 - kGain)) best = std::move(plan);
   }
   best->reason = threads_reason(*best, budget, alone);
   return std::move(*best);

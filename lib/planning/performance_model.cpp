@@ -22,7 +22,7 @@ constexpr std::array kKernels = {NamedKernel{Kernel::evaluate, "evaluate"}, Name
                                  NamedKernel{Kernel::solve, "solve"},       NamedKernel{Kernel::pack, "pack"},
                                  NamedKernel{Kernel::meeting, "meeting"},   NamedKernel{Kernel::step, "step"}};
 
-constexpr std::int32_t kFormat = 2;  // of bytes(); raised whenever anything is fitted or written otherwise
+constexpr std::int32_t kFormat = 3;  // of bytes(); raised whenever anything is fitted or written otherwise
 
 // What of a strategy a kernel depends on. Solvers differ by backend, precision and threads; W is kept apart, so that
 // another W can stand in.
@@ -145,8 +145,8 @@ double median(std::vector<double> values) {
   return (*middle + *std::max_element(values.begin(), middle)) / 2;
 }
 
-double lower_quartile(std::vector<double> values) {
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 4);
+double upper_quartile(std::vector<double> values) {
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(3 * values.size() / 4);
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }
@@ -237,8 +237,7 @@ struct PerformanceModel::Impl {
         if (alone == gathered.end()) continue;
         ratios.push_back(std::clamp(median(seconds) / alone->second.seconds, 1.0, static_cast<double>(p)));
       }
-      // What disturbs only slows down.
-      if (!ratios.empty()) contentions[p] = lower_quartile(ratios);
+      if (!ratios.empty()) contentions[p] = median(ratios);
     }
     return gathered;
   }
@@ -488,7 +487,9 @@ Prediction PerformanceModel::pack(const Shape& shape, const Strategy& strategy) 
   return impl_->pack(shape, strategy);
 }
 
-// Threads add to a meeting evenly, as far as was seen; to a handover they do not.
+// Threads add to a meeting evenly, as far as was seen; to a handover they do not. From minute to minute both take once
+// or twice as long, with the cores that the system gives: threads that gain in good moments only are no gain, so the
+// slower quarter counts.
 Prediction PerformanceModel::meeting(std::int32_t p, double doubles) const {
   if (p < 2) return {0, 1, Origin::measured};
   const auto nearest = [p](const std::map<std::int32_t, std::vector<double>>& known) {
@@ -498,11 +499,11 @@ Prediction PerformanceModel::meeting(std::int32_t p, double doubles) const {
   Prediction sum{prior_meeting_seconds(p), 2, Origin::prior};
   if (!impl_->meetings.empty()) {
     const auto& [threads, seconds] = *nearest(impl_->meetings);
-    sum = {median(seconds) * p / threads, threads == p ? 1.2 : 1.5,
+    sum = {upper_quartile(seconds) * p / threads, threads == p ? 1.2 : 1.5,
            threads == p ? Origin::measured : Origin::extrapolated};
   }
   // The meeting itself is part of what was measured with many doubles, but a small one.
-  const double each = impl_->handovers.empty() ? kPriorHandover : median(nearest(impl_->handovers)->second);
+  const double each = impl_->handovers.empty() ? kPriorHandover : upper_quartile(nearest(impl_->handovers)->second);
   sum.seconds += each * doubles;
   return sum;
 }

@@ -123,6 +123,7 @@ ChunkedRun run_in_chunks(const Prepared& prepared, const StepLimits& limits, std
 
   const auto proceed = [&] { return !observer || observer(rows, rows); };
   const std::vector<std::size_t> angles = tiles.first().angles();
+  Status doubt;  // the first one
   for (std::size_t c = 0; c < chunks; ++c) {
     LaneRun& run = runs[c];
     if (c > 0) {
@@ -137,9 +138,12 @@ ChunkedRun run_in_chunks(const Prepared& prepared, const StepLimits& limits, std
     const double end = goes_on ? run.times[run.split] : std::numeric_limits<double>::infinity();
     std::copy_if(run.events.begin(), run.events.end(), std::back_inserter(out.events),
                  [&](const Event& e) { return e.time < end; });
-    if (goes_on) continue;
+    if (goes_on) {
+      if (doubt.ok() && run.status.code == Code::inaccurate) doubt = run.status;
+      continue;
+    }
     out.rows = grid.first[c] + run.done;
-    out.status = run.status;
+    out.status = run.status.ok() ? doubt : run.status;
     out.posture = run.posture;
     out.reached = run.reached;
     break;

@@ -148,7 +148,8 @@ struct Ensemble::Impl {
       report.counters.stored_values += static_cast<std::int64_t>(out.rows_[i] * columns.size());
       report.reached = std::min(report.reached, o.reached);
       alone += o.alone ? 1 : 0;
-      if (report.status.ok() && !o.status.ok()) {
+      // A member that failed outranks one that is only in doubt.
+      if ((report.status.ok() && !o.status.ok()) || (report.status.arrived() && !o.status.arrived())) {
         report.status = o.status;
         report.status.where = static_cast<std::int32_t>(i);
       }

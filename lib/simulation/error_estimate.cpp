@@ -4,9 +4,11 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "scene/outputs.hpp"
 #include "simulation/random_sign.hpp"
+#include "simulation/tolerances.hpp"
 
 namespace assur {
 namespace {
@@ -27,26 +29,27 @@ std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 double ErrorEstimate::Figures::worst() const { return std::max({position, velocity, acceleration}); }
 
-ErrorEstimate::ErrorEstimate(const System& system, const Layout& layout, const OutputProgram& outputs, double asked)
-    : outputs_(outputs), asked_(asked), size_(layout.size), first_unknown_(layout.first_unknown) {
+ErrorEstimate::ErrorEstimate(const System& system, Layout& layout, std::span<const OutputProgram> outputs,
+                             double accuracy)
+    : layout_(layout), outputs_(outputs), asked_(accuracy > 0 ? accuracy : kDoubtfulError) {
   for (std::size_t c = 0; c < system.coordinates.size(); ++c) {
-    if (system.coordinates[c].role == Role::driven && system.coordinates[c].moving) {
-      driven_.push_back(static_cast<std::int32_t>(c));
-    }
+    const bool drives = system.coordinates[c].role == Role::driven && system.coordinates[c].moving;
+    if (drives && layout.address[c] >= 0) driven_.push_back(layout.address[c]);
   }
   for (const Output& o : wanted_outputs(system)) {
-    const auto first = static_cast<std::int32_t>(3 * unit_.size());
+    const auto first = static_cast<std::int32_t>(3 * dimension_.size());
     for (std::int32_t d = 0; d < 3; ++d) {
       if (o.wanted[d]) size_of_.insert(size_of_.end(), o.part_count, first + d);
     }
-    unit_.push_back(system.unit(o.parts().front().dimension));
+    dimension_.push_back(o.parts().front().dimension);
   }
   for (auto& probe : probes_) {
-    for (auto& derivative : probe) derivative.resize(size_);
+    for (auto& derivative : probe) derivative.resize(layout.size);
   }
-  for (auto& derivative : moved_) derivative.resize(size_);
+  for (auto& derivative : moved_) derivative.resize(layout.size);
   moved_row_.resize(size_of_.size());
-  sizes_.resize(3 * unit_.size());
+  mechanisms_.resize(outputs.size());
+  for (Mechanism& m : mechanisms_) m.sizes.resize(3 * dimension_.size());
   std::size_t blocks = 0;
   bool quadratic = true;
   for (const Pack& pack : layout.packs) {
@@ -56,22 +59,26 @@ ErrorEstimate::ErrorEstimate(const System& system, const Layout& layout, const O
   omega_.reserve(blocks);
   regular_.resize(layout.packs.size());
   interval_ = quadratic ? kInterval : kIntervalUnseen;
-  restart();
 }
 
-void ErrorEstimate::restart() {
-  scale_ = {1, 0, 0};
-  largest_.assign(sizes_.size(), {});
+void ErrorEstimate::restart(std::span<const System* const> systems) {
+  used_ = systems.size();
+  for (std::size_t i = 0; i < used_; ++i) {
+    Mechanism& m = mechanisms_[i];
+    m.system = systems[i];
+    m.scale = {1, 0, 0};
+    m.largest.assign(m.sizes.size(), {});
+    m.now = {};
+  }
   residual_ = kRounding;
   steps_ = branch_checks_ = 0;
   seed_ = 0;
-  now_ = {};
-  expected_ = 0;
+  worst_ = expected_ = 0;
   in_doubt_ = true;
 }
 
 // Errors of accelerations grow like the cube of a condition, and those of levels multiply.
-bool ErrorEstimate::due(std::span<const Pack> packs, std::int64_t branch_checks, double residual) {
+bool ErrorEstimate::due(std::int64_t branch_checks, double residual) {
   ++steps_;
   if (residual > kGrown * residual_) {
     residual_ = residual;
@@ -86,6 +93,7 @@ bool ErrorEstimate::due(std::span<const Pack> packs, std::int64_t branch_checks,
   const double* before = omega_.data();
   // What a ball leaves open counts for one level: that all of them move towards a singularity at once is not expected.
   double grown = 1, open = 1;
+  const std::vector<Pack>& packs = layout_.packs;
   for (std::size_t p = 0; p < packs.size();) {
     double of_level = 1;
     for (const std::int32_t level = packs[p].level; p < packs.size() && packs[p].level == level; ++p) {
@@ -96,119 +104,148 @@ bool ErrorEstimate::due(std::span<const Pack> packs, std::int64_t branch_checks,
     grown *= of_level;
   }
   if (expected_ > 0) grown *= open;
-  return std::max(now_.worst(), expected_) * grown * grown * grown > asked_;
+  return std::max(worst_, expected_) * grown * grown * grown > asked_;
 }
 
-void ErrorEstimate::begin(double t, const double* const (&state)[3]) {
+Probes ErrorEstimate::begin(std::span<const double> times, const double* const (&state)[3]) {
   steps_ = 0;
-  for (const std::int32_t a : driven_) {
-    for (std::size_t d = 1; d < 3; ++d) scale_[d] = std::max(scale_[d], std::abs(state[d][a]));
+  for (std::size_t i = 0; i < used_; ++i) {
+    auto& scale = mechanisms_[i].scale;
+    for (const std::int32_t a : driven_) {
+      for (std::size_t d = 1; d < 3; ++d) scale[d] = std::max(scale[d], std::abs(state[d][idx(a) + i]));
+    }
+    scale[2] = std::max(scale[2], scale[1] * scale[1]);
   }
-  scale_[2] = std::max(scale_[2], scale_[1] * scale_[1]);
-  for (std::size_t k = 0; k < kProbes; ++k) perturb_known(t, state, k);
+  Probes probes;
+  for (std::size_t k = 0; k < kProbes; ++k) {
+    perturb_known(times, state, k);
+    for (std::size_t d = 0; d < 3; ++d) probes[k][d] = probes_[k][d].data();
+  }
+  return probes;
 }
 
 // Laws are exact but for the rounding of their arguments, which grow with the time.
-void ErrorEstimate::perturb_known(double t, const double* const (&state)[3], std::size_t probe) {
+void ErrorEstimate::perturb_known(std::span<const double> times, const double* const (&state)[3], std::size_t probe) {
   RandomSign sign(++seed_);
   auto& [q, rate, acceleration] = probes_[probe];
-  const double fastest = std::max(scale_[1], std::sqrt(scale_[2]));
-  for (const std::int32_t a : driven_) {
-    const double at = std::abs(t), v = std::abs(state[1][a]), w = std::abs(state[2][a]);
-    q[idx(a)] = sign() * 2 * kEps * (std::abs(state[0][a]) + v * at);
-    rate[idx(a)] = sign() * 2 * kEps * (v + w * at);
-    acceleration[idx(a)] = sign() * 2 * kEps * (w + w * fastest * at);
+  for (std::size_t i = 0; i < used_; ++i) {
+    const auto& scale = mechanisms_[i].scale;
+    const double at = std::abs(times[i]), fastest = std::max(scale[1], std::sqrt(scale[2]));
+    for (const std::int32_t address : driven_) {
+      const std::size_t a = idx(address) + i;
+      const double v = std::abs(state[1][a]), w = std::abs(state[2][a]);
+      q[a] = sign() * 2 * kEps * (std::abs(state[0][a]) + v * at);
+      rate[a] = sign() * 2 * kEps * (v + w * at);
+      acceleration[a] = sign() * 2 * kEps * (w + w * fastest * at);
+    }
   }
 }
 
-void ErrorEstimate::measure(double t, const double* const (&state)[3], std::span<Pack> packs, Levels& levels,
-                            std::span<const double> row) {
-  begin(t, state);
-  Probes probes;
-  for (std::size_t k = 0; k < kProbes; ++k) {
-    for (std::size_t d = 0; d < 3; ++d) probes[k][d] = probes_[k][d].data();
-  }
-  levels.each([&](std::size_t p, GroupSolver& solver) {
-    regular_[p] = solver.perturb(packs[p], state, probes, seed_) ? 1 : 0;
-  });
-  find_worst(packs, levels);
-  omega_.clear();
-  for (const Pack& pack : packs) omega_.insert(omega_.end(), pack.omega.begin(), pack.omega.end());
-  finish(state, row, std::find(regular_.begin(), regular_.end(), 0) == regular_.end());
-}
-
-void ErrorEstimate::find_worst(std::span<const Pack> packs, Levels& levels) {
-  double worst = -1;
-  for (std::size_t p = 0; p < packs.size(); ++p) {
-    const Pack& pack = packs[p];
-    const GroupSolver& solver = levels.solver(pack);
+void ErrorEstimate::find_worst() {
+  std::array<double, kMostLanes> worst{};
+  worst.fill(-1);
+  for (std::size_t p = 0; p < layout_.packs.size(); ++p) {
+    const Pack& pack = layout_.packs[p];
+    const GroupSolver& solver = *layout_.solvers[idx(pack.group_class)];
     const std::size_t w = idx(solver.lanes()), n = idx(solver.program().n);
     for (const auto& probe : probes_) {
       for (std::size_t i = 0; i < n * w; ++i) {
+        const std::size_t lane = i % w, m = mechanisms_.size() > 1 ? lane : 0;
         const double error = regular_[p] != 0 ? std::abs(probe[0][pack.unknowns + i]) : kInfinity;
-        if (error <= worst || static_cast<std::int32_t>(i % w) >= pack.used) continue;
-        worst = error;
-        worst_pack_ = p;
-        worst_lane_ = static_cast<std::int32_t>(i % w);
+        if (lane >= idx(pack.used) || error <= worst[m]) continue;
+        worst[m] = error;
+        mechanisms_[m].worst = {p, static_cast<std::int32_t>(lane)};
       }
     }
   }
 }
 
-void ErrorEstimate::finish(const double* const (&state)[3], std::span<const double> row, bool regular) {
-  std::fill(sizes_.begin(), sizes_.end(), Size{});
-  for (std::size_t c = 0; c < row.size(); ++c) {
-    double& value = sizes_[idx(size_of_[c])].value;
-    value = std::max(value, std::abs(row[c]));
+void ErrorEstimate::finish(const double* const (&state)[3], std::span<const double* const> rows) {
+  find_worst();
+  omega_.clear();
+  for (const Pack& pack : layout_.packs) omega_.insert(omega_.end(), pack.omega.begin(), pack.omega.end());
+  const bool regular = std::find(regular_.begin(), regular_.end(), 0) == regular_.end();
+  for (std::size_t i = 0; i < used_; ++i) {
+    std::vector<Size>& sizes = mechanisms_[i].sizes;
+    std::fill(sizes.begin(), sizes.end(), Size{});
+    for (std::size_t c = 0; c < size_of_.size(); ++c) {
+      double& value = sizes[idx(size_of_[c])].value;
+      value = std::max(value, std::abs(rows[i][c]));
+    }
   }
   for (const auto& probe : probes_) {
     double largest = 0;
     for (const double d : probe[0]) largest = std::max(largest, std::abs(d));
     if (!regular || !std::isfinite(largest)) {
-      for (Size& s : sizes_) s.error = kInfinity;
+      for (Mechanism& m : mechanisms_) {
+        for (Size& s : m.sizes) s.error = kInfinity;
+      }
       break;
     }
     if (largest == 0) largest = kEps;
     // The outputs are smooth: a small move along the probe tells their derivatives.
     const double along = kMoved / largest;
     for (std::size_t d = 0; d < 3; ++d) {
-      for (std::size_t i = 0; i < size_; ++i) moved_[d][i] = state[d][i] + along * probe[d][i];
+      for (std::size_t i = 0; i < layout_.size; ++i) moved_[d][i] = state[d][i] + along * probe[d][i];
     }
-    const double* const moved[3] = {moved_[0].data(), moved_[1].data(), moved_[2].data()};
-    outputs_.evaluate(moved, moved_row_.data(), row.data(), 0);
-    for (std::size_t c = 0; c < row.size(); ++c) {
-      double& error = sizes_[idx(size_of_[c])].error;
-      const double difference = kSafety * std::abs(moved_row_[c] - row[c]) / along;
-      if (!(difference <= error)) error = std::isnan(difference) ? kInfinity : difference;
+    for (std::size_t i = 0; i < used_; ++i) {
+      const double* const moved[3] = {moved_[0].data() + i, moved_[1].data() + i, moved_[2].data() + i};
+      outputs_[i].evaluate(moved, moved_row_.data(), rows[i], 0);
+      for (std::size_t c = 0; c < moved_row_.size(); ++c) {
+        double& error = mechanisms_[i].sizes[idx(size_of_[c])].error;
+        const double difference = kSafety * std::abs(moved_row_[c] - rows[i][c]) / along;
+        if (!(difference <= error)) error = std::isnan(difference) ? kInfinity : difference;
+      }
     }
   }
-  for (std::size_t i = 0; i < sizes_.size(); ++i) {
-    largest_[i].error = std::max(largest_[i].error, sizes_[i].error);
-    largest_[i].value = std::max(largest_[i].value, sizes_[i].value);
-    sizes_[i].value = largest_[i].value;
+  worst_ = 0;
+  for (std::size_t k = 0; k < used_; ++k) {
+    Mechanism& m = mechanisms_[k];
+    for (std::size_t i = 0; i < m.sizes.size(); ++i) {
+      m.largest[i].error = std::max(m.largest[i].error, m.sizes[i].error);
+      m.largest[i].value = std::max(m.largest[i].value, m.sizes[i].value);
+      m.sizes[i].value = m.largest[i].value;
+    }
+    m.now = relative(m, m.sizes);
+    worst_ = std::max(worst_, m.now.worst());
   }
-  now_ = relative(sizes_);
-  in_doubt_ = now_.worst() > asked_;
+  in_doubt_ = worst_ > asked_;
 }
 
-ErrorEstimate::Figures ErrorEstimate::relative(const std::vector<Size>& sizes) const {
+ErrorEstimate::Figures ErrorEstimate::relative(const Mechanism& m, const std::vector<Size>& sizes) const {
   constexpr double kTurn = 2 * std::numbers::pi;
-  const std::array<double, 3> least = {1, scale_[1] / kTurn, scale_[2] / (kTurn * kTurn)};
+  const std::array<double, 3> least = {1, m.scale[1] / kTurn, m.scale[2] / (kTurn * kTurn)};
   std::array<double, 3> worst{};
   for (std::size_t i = 0; i < sizes.size(); ++i) {
+    if (!(sizes[i].error > 0)) continue;
     const std::size_t d = i % 3;
-    if (sizes[i].error > 0)
-      worst[d] = std::max(worst[d], sizes[i].error / std::max(sizes[i].value, least[d] * unit_[i / 3]));
+    const double unit = m.system->unit(dimension_[i / 3]);
+    worst[d] = std::max(worst[d], sizes[i].error / std::max(sizes[i].value, least[d] * unit));
   }
   return {worst[0], worst[1], worst[2]};
 }
 
-ErrorEstimate::Figures ErrorEstimate::of_run() const { return relative(largest_); }
+ErrorEstimate::Figures ErrorEstimate::of_run(std::size_t mechanism) const {
+  return relative(mechanisms_[mechanism], mechanisms_[mechanism].largest);
+}
 
 double ErrorEstimate::of_coordinate(std::size_t address) const {
   double worst = 0;
   for (const auto& probe : probes_) worst = std::max(worst, std::abs(probe[0][address]));
   return kSafety * worst;
+}
+
+void record_doubt(std::vector<Event>& events, Event event) {
+  if (events.empty() || events.back().kind != event.kind || events.back().until != event.time) {
+    events.push_back(std::move(event));
+    return;
+  }
+  Event& before = events.back();
+  before.until = event.until;
+  if (before.figure < event.figure) {
+    before.figure = event.figure;
+    before.group = std::move(event.group);
+  }
 }
 
 }  // namespace assur

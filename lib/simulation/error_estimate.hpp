@@ -25,29 +25,43 @@ class ErrorEstimate {
     [[nodiscard]] double worst() const;
   };
 
-  ErrorEstimate(const System& system, const Layout& layout, const OutputProgram& outputs, double asked);
+  // outputs: of the mechanism, or of those in the lanes of a tile, one next to the other. Both must outlive it.
+  // accuracy: errors up to here are not in doubt; 0: up to kDoubtfulError.
+  ErrorEstimate(const System& system, Layout& layout, std::span<const OutputProgram> outputs, double accuracy);
+
+  // Systems of one structure, one for each mechanism.
+  void restart(std::span<const System* const> systems);
 
   // Is what was measured last out of date? Tell it of every step, and of the largest residual that it left.
-  [[nodiscard]] bool due(std::span<const Pack> packs, std::int64_t branch_checks, double residual);
+  [[nodiscard]] bool due(std::int64_t branch_checks, double residual);
 
-  // At the posture at hand; row: its outputs. All figures are infinite where a matrix is singular.
-  void measure(double t, const double* const (&state)[3], std::span<Pack> packs, Levels& levels,
-               std::span<const double> row);
+  // At the posture at hand; times, rows: of each mechanism, with its outputs. each(work) calls work(p, solver) for
+  // every pack, level after level. All figures are infinite where a matrix is singular.
+  template <class Each>
+  void measure(std::span<const double> times, const double* const (&state)[3], std::span<const double* const> rows,
+               const Each& each) {
+    const Probes probes = begin(times, state);
+    each([&](std::size_t p, GroupSolver& solver) {
+      regular_[p] = solver.perturb(layout_.packs[p], state, probes, seed_) ? 1 : 0;
+    });
+    finish(state, rows);
+  }
 
   // Until the next measurement the errors may be as large as this where the conditions are as they were.
   void expect(double error) { expected_ = error; }
 
-  void restart();
-
   // Since restart(), if anything moves.
   [[nodiscard]] bool measured() const { return seed_ > 0 && !driven_.empty(); }
   [[nodiscard]] double asked() const { return asked_; }
-  [[nodiscard]] const Figures& now() const { return now_; }
+  [[nodiscard]] const Figures& now(std::size_t mechanism = 0) const { return mechanisms_[mechanism].now; }
   // Of the whole run: the largest errors over the largest values.
-  [[nodiscard]] Figures of_run() const;
+  [[nodiscard]] Figures of_run(std::size_t mechanism = 0) const;
   // The pack whose unknowns are the most uncertain, and the lane.
-  [[nodiscard]] std::size_t worst_pack() const { return worst_pack_; }
-  [[nodiscard]] std::int32_t worst_lane() const { return worst_lane_; }
+  struct Place {
+    std::size_t pack = 0;
+    std::int32_t lane = 0;
+  };
+  [[nodiscard]] Place worst_of(std::size_t mechanism = 0) const { return mechanisms_[mechanism].worst; }
   // Largest error of a coordinate, internal units.
   [[nodiscard]] double of_coordinate(std::size_t address) const;
 
@@ -55,34 +69,42 @@ class ErrorEstimate {
   struct Size {  // of an output, or of one of its derivatives
     double error = 0, value = 0;
   };
-  void begin(double t, const double* const (&state)[3]);
-  void perturb_known(double t, const double* const (&state)[3], std::size_t probe);
-  void find_worst(std::span<const Pack> packs, Levels& levels);
-  void finish(const double* const (&state)[3], std::span<const double> row, bool regular);
-  [[nodiscard]] Figures relative(const std::vector<Size>& sizes) const;
+  struct Mechanism {
+    const System* system = nullptr;
+    std::array<double, 3> scale{1, 0, 0};  // fastest rate and largest acceleration of what drives, so far
+    std::vector<Size> sizes, largest;      // now, and the largest of the run
+    Figures now;
+    Place worst;
+  };
+  [[nodiscard]] Probes begin(std::span<const double> times, const double* const (&state)[3]);
+  void perturb_known(std::span<const double> times, const double* const (&state)[3], std::size_t probe);
+  void find_worst();
+  void finish(const double* const (&state)[3], std::span<const double* const> rows);
+  [[nodiscard]] Figures relative(const Mechanism& m, const std::vector<Size>& sizes) const;
 
-  const OutputProgram& outputs_;
+  Layout& layout_;
+  std::span<const OutputProgram> outputs_;
   double asked_;
-  std::vector<std::int32_t> driven_;   // addresses of what drives
-  std::vector<std::int32_t> size_of_;  // columns: 3 * output + derivative
-  std::vector<double> unit_;           // outputs: SI units in an internal one
-  std::size_t size_ = 0, first_unknown_ = 0;
+  std::vector<std::int32_t> driven_;                                // addresses of what drives
+  std::vector<std::int32_t> size_of_;                               // columns: 3 * output + derivative
+  std::vector<int> dimension_;                                      // outputs: power of a length
   std::array<std::array<std::vector<double>, 3>, kProbes> probes_;  // by derivative, like the state
   std::array<std::vector<double>, 3> moved_;                        // the state, moved along a probe
   std::vector<double> moved_row_;
-  std::array<double, 3> scale_{1, 0, 0};  // fastest rate and largest acceleration of what drives, so far
-  std::vector<Size> sizes_, largest_;     // now, and the largest of the run
-  std::vector<double> omega_;             // of all packs, when it was measured
-  std::vector<std::uint8_t> regular_;     // packs
-  double residual_ = 0;                   // the largest of a step that was measured
+  std::vector<Mechanism> mechanisms_;  // lanes
+  std::size_t used_ = 0;               // of them
+  std::vector<double> omega_;          // of all packs, when it was measured
+  std::vector<std::uint8_t> regular_;  // packs
+  double residual_ = 0;                // the largest of a step that was measured
   std::int64_t branch_checks_ = 0;
   std::int64_t steps_ = 0, interval_ = 0;
   std::uint64_t seed_ = 0;
-  Figures now_;
+  double worst_ = 0;  // of all mechanisms
   double expected_ = 0;
-  std::size_t worst_pack_ = 0;
-  std::int32_t worst_lane_ = 0;
   bool in_doubt_ = false;
 };
+
+// Adds what is in doubt to the events of a run: steps one after the other are one event, of the worst of them.
+void record_doubt(std::vector<Event>& events, Event event);
 
 }  // namespace assur

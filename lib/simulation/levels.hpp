@@ -36,7 +36,7 @@ class Levels {
   template <class Work>
   void each(const Work& work);
 
-  // work(part, parts) of something with so many pieces, each of a nanosecond or two, on all threads if that pays.
+  // work(part, parts) of something with so many pieces, each of half a nanosecond or more, on all threads if that pays.
   template <class Work>
   void share(std::size_t pieces, const Work& work) {
     if (!team_ || pieces < kWorthSharing) return work(0, 1);
@@ -45,7 +45,6 @@ class Levels {
   }
 
  private:
-  static constexpr std::size_t kWorthSharing = 2000;
   // Work between two meetings: whole levels of the caller's, or one level of all threads.
   struct Phase {
     std::vector<std::int32_t> packs;  // by thread, in the order of their work

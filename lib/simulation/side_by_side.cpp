@@ -1,6 +1,7 @@
 #include "simulation/side_by_side.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -63,12 +64,32 @@ std::size_t SideBySide::follow(std::span<LaneRun* const> lanes, std::size_t from
     const bool moves = times[0] != lanes[0]->times[row - 1];
     if (moves && !tile_.step(times).ok()) return row - 1;
     for (std::size_t i = 0; i < lanes.size(); ++i) write_row(static_cast<int>(i), *lanes[i], row);
+    if (moves && tile_.errors_are_due()) check_accuracy(lanes, row);
     if (!proceed()) {
       stopped_ = true;
       return row;
     }
   }
   return rows - 1;
+}
+
+// Of the rows `row`, which all lanes are at.
+void SideBySide::check_accuracy(std::span<LaneRun* const> lanes, std::size_t row) {
+  std::array<double, kMostLanes> times{};
+  std::array<const double*, kMostLanes> rows{};
+  for (std::size_t i = 0; i < lanes.size(); ++i) {
+    times[i] = lanes[i]->times[row];
+    rows[i] = lanes[i]->row(row, columns().size());
+  }
+  tile_.measure_errors({times.data(), lanes.size()}, {rows.data(), lanes.size()});
+  for (std::size_t i = 0; i < lanes.size(); ++i) {
+    LaneRun& run = *lanes[i];
+    const Status s = tile_.accuracy(static_cast<int>(i));
+    if (s.ok()) continue;
+    const std::string group = s.where < 0 ? "" : prepared_.structure->groups[static_cast<std::size_t>(s.where)].name;
+    record_doubt(run.events, {run.times[row - 1], run.times[row], group, s.code, s.figure});
+    if (run.status.ok()) run.status = s;
+  }
 }
 
 void SideBySide::run(std::span<LaneRun* const> lanes, const std::function<bool()>& proceed) {
@@ -124,6 +145,7 @@ void SideBySide::run_alone(LaneRun& run, const std::function<bool()>& proceed) {
 void SideBySide::alone(LaneRun& lane, Variant at, std::size_t row, bool to_the_end,
                        const std::function<bool()>& proceed) {
   const double from = at.time;
+  const Status before = lane.status;  // ok, or inaccurate
   std::optional<Simulator> simulator = simulator_of(lane, std::move(at));
   if (!simulator) return;
   const std::size_t columns = simulator->columns().size(), rows = lane.times.size();
@@ -136,7 +158,10 @@ void SideBySide::alone(LaneRun& lane, Variant at, std::size_t row, bool to_the_e
   for (std::size_t k = row + 1; k < rows && lane.status.arrived() && !stopped_; ++k) {
     lane.status = simulator->step(lane.times[k]);
     const bool plain = lane.status.arrived() && simulator->report().counters.rejected == 0;
-    if (k == row + 1 && !to_the_end && plain) return;
+    if (k == row + 1 && !to_the_end && plain) {
+      lane.status = before;
+      return;
+    }
     if (!lane.alone) {
       lane.alone = true;
       lane.alone_from = from;
@@ -148,13 +173,15 @@ void SideBySide::alone(LaneRun& lane, Variant at, std::size_t row, bool to_the_e
     stopped_ = !proceed();
   }
   if (lane.status.arrived()) lane.status = simulator->report().status;
+  if (lane.status.ok()) lane.status = before;
   if (restarted) shift_by_turns(angles(), first, start.data(), lane, row + 1, columns);
   lane.reached = simulator->time();
   if (lane.done <= lane.posture_wanted) lane.posture = posture_of(*simulator);
   if (stopped_ && lane.status.arrived() && lane.done < rows) lane.status = {Code::interrupted, -1, lane.reached};
-  lane.events = simulator->report().events;
-  lane.fallbacks = simulator->report().fallbacks;
-  of_those_alone_.merge({simulator->report().counters, simulator->report().error, simulator->report().effort});
+  const Report& report = simulator->report();
+  lane.events.insert(lane.events.end(), report.events.begin(), report.events.end());
+  lane.fallbacks = report.fallbacks;
+  of_those_alone_.merge({report.counters, report.error, report.effort});
 }
 
 // None if the posture has no velocities.

@@ -21,7 +21,7 @@ struct LaneRun {
   double* beyond = nullptr;
   std::size_t split = static_cast<std::size_t>(-1);
   std::size_t done = 0;  // rows filled
-  Status status;         // ok, or why the run stopped
+  Status status;         // ok, why the run stopped, or where it was first in doubt
   double reached = 0;    // last time with a valid posture
   bool alone = false;    // from the time `alone_from` on
   double alone_from = 0;
@@ -70,6 +70,7 @@ class SideBySide {
  private:
   [[nodiscard]] std::size_t follow(std::span<LaneRun* const> lanes, std::size_t from,
                                    const std::function<bool()>& proceed);
+  void check_accuracy(std::span<LaneRun* const> lanes, std::size_t row);
   void alone(LaneRun& lane, Variant at, std::size_t row, bool to_the_end, const std::function<bool()>& proceed);
   [[nodiscard]] std::optional<Simulator> simulator_of(LaneRun& lane, Variant at) const;
   void write_row(int lane, LaneRun& run, std::size_t row);

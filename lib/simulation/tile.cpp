@@ -56,11 +56,12 @@ Tile::Tile(const Prepared& prepared, const StepLimits& limits)
     : structure_(prepared.structure),
       limits_(limits),
       lanes_(prepared.plan.lanes),
-      layout_(lay_out_side_by_side(prepared, lanes_)) {
+      layout_(lay_out_side_by_side(prepared, lanes_)),
+      columns_(column_names(*structure_->system)),
+      outputs_(idx(lanes_), OutputProgram(*structure_->system, layout_.address)),
+      estimate_(*structure_->system, layout_, outputs_, prepared.plan.accuracy) {
   state_.resize(layout_.first_unknown, layout_.size, prepared.plan.predictor);
   const System& system = *structure_->system;
-  columns_ = column_names(system);
-  outputs_.assign(idx(lanes_), OutputProgram(system, layout_.address));
   watch_.resize(idx(lanes_));
   drive_.resize(idx(lanes_));
 
@@ -83,6 +84,7 @@ Tile::Tile(const Prepared& prepared, const StepLimits& limits)
 }
 
 Status Tile::start(std::span<const Variant* const> variants) {
+  error_ = error();
   variants_.assign(variants.begin(), variants.end());
   bind();
   state_.clear();
@@ -118,6 +120,9 @@ void Tile::bind() {
     drive_[lane].emplace(system, driven_);
     if (!structure_->watch_class.equations.empty()) watch_[lane].emplace(system, *structure_, layout_.address);
   }
+  std::vector<const System*> systems;
+  for (const Variant* v : variants_) systems.push_back(v->system.get());
+  estimate_.restart(systems);
   alike_ = driven_alike();
 }
 
@@ -196,7 +201,37 @@ Status Tile::solve(std::span<const double> times, Attempt::Branch branch) {
   if (const Status s = check_watched(errors); !s.ok()) return s;
   state_.accept(times[0]);
   error_.merge({.position = errors.position, .velocity = errors.velocity, .acceleration = errors.acceleration});
+  left_ = errors.worst();
   return {};
+}
+
+bool Tile::errors_are_due() { return estimate_.due(counters_.branch_checks, left_); }
+
+void Tile::measure_errors(std::span<const double> times, std::span<const double* const> rows) {
+  const double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
+  estimate_.measure(times, q, rows, [&](const auto& work) {
+    for (std::size_t p = 0; p < layout_.packs.size(); ++p) work(p, *layout_.solvers[idx(layout_.packs[p].group_class)]);
+  });
+}
+
+Status Tile::accuracy(int lane) const {
+  const double error = estimate_.now(idx(lane)).worst();
+  if (error <= estimate_.asked()) return {};
+  const auto group = layout_.packs.empty() ? -1 : static_cast<std::int32_t>(estimate_.worst_of(idx(lane)).pack);
+  return {Code::inaccurate, group, error};
+}
+
+ErrorFigures Tile::error() const {
+  ErrorFigures all = error_;
+  for (std::size_t lane = 0; lane < variants_.size() && estimate_.measured(); ++lane) {
+    const auto [position, velocity, acceleration] = estimate_.of_run(lane);
+    ErrorFigures of;
+    of.estimated_position = position;
+    of.estimated_velocity = velocity;
+    of.estimated_acceleration = acceleration;
+    all.merge(of);
+  }
+  return all;
 }
 
 Status Tile::check_watched(StepErrors& errors) {
@@ -227,6 +262,7 @@ void Tile::clear_figures() {
   counters_ = {};
   error_ = {};
   effort_ = {};
+  estimate_.restart({});
   for (Pack& pack : layout_.packs) pack.solver.reset();
   for (const auto& s : layout_.solvers) s->restart();
 }

@@ -14,6 +14,7 @@
 #include "assur/report.hpp"
 #include "assur/simulator.hpp"
 #include "simulation/drive_program.hpp"
+#include "simulation/error_estimate.hpp"
 #include "simulation/layout.hpp"
 #include "simulation/output_program.hpp"
 #include "simulation/state.hpp"
@@ -37,6 +38,8 @@ class Tile {
  public:
   // Throws Error (environment) if a backend of the plan cannot run here.
   Tile(const Prepared& prepared, const StepLimits& limits);
+  Tile(const Tile&) = delete;
+  Tile& operator=(const Tile&) = delete;
 
   [[nodiscard]] int lanes() const { return lanes_; }
   [[nodiscard]] const std::vector<std::string>& columns() const { return columns_; }
@@ -59,9 +62,16 @@ class Tile {
   // one measured since: nearer ones are the same. 0 where that is not known.
   [[nodiscard]] std::vector<double> uniqueness(int lane) const;
 
+  // Tell it of every step: is what is known of the errors out of date? Then measure them, for outputs `rows` of each
+  // variant.
+  [[nodiscard]] bool errors_are_due();
+  void measure_errors(std::span<const double> times, std::span<const double* const> rows);
+  // Of a variant, as they were measured: ok, or inaccurate with the group where they are largest.
+  [[nodiscard]] Status accuracy(int lane) const;
+
   [[nodiscard]] const Counters& counters() const { return counters_; }
   [[nodiscard]] Effort effort() const;
-  [[nodiscard]] const ErrorFigures& error() const { return error_; }
+  [[nodiscard]] ErrorFigures error() const;
   void clear_figures();
 
  private:
@@ -83,12 +93,14 @@ class Tile {
   std::vector<std::string> columns_;
   std::vector<OutputProgram> outputs_;       // lanes
   std::vector<std::optional<Watch>> watch_;  // lanes
+  ErrorEstimate estimate_;
   State state_;
   std::vector<const Variant*> variants_;  // lanes in use
   bool alike_ = false;                    // the drivers of all lanes are the same
   Counters counters_;
-  Effort effort_;  // of solvers that are gone
-  ErrorFigures error_;
+  Effort effort_;       // of solvers that are gone
+  ErrorFigures error_;  // without what the estimate knows of the variants at hand
+  double left_ = 0;     // largest residual of the last step
 };
 
 }  // namespace assur

@@ -168,6 +168,19 @@ TEST_F(Ensembles, FailuresAreNamedAndTheOthersGoOn) {
   EXPECT_EQ(page.lines().back(), "  status          3 of 5 members failed");
 }
 
+TEST_F(Ensembles, AMemberLessAccurateThanAskedForIsTold) {
+  const std::string variants = "delta\n1e-3\n1e-12\n1e-2\n";
+  const auto json = run("almost_parallelogram", variants, {"--json", "--strategy", "global/eigen:4+predict=taylor:2"}).json();
+  EXPECT_EQ(json["status"], "inaccurate");
+  ASSERT_EQ(json["failed"].size(), 1u);
+  EXPECT_EQ(json["failed"][0]["member"], 2);
+  EXPECT_EQ(json["failed"][0]["status"], "inaccurate");
+  EXPECT_GT(json["error"]["estimated_acceleration"], 1e-6);
+  const Outcome page = run("almost_parallelogram", variants, {"--strategy", "global/eigen:4+predict=taylor:2"});
+  EXPECT_EQ(page.status, 1);
+  EXPECT_EQ(page.lines().back(), "  status          1 of 3 members inaccurate");
+}
+
 TEST_F(Ensembles, WhatNoMemberCanStartWithIsAnErrorAsWithoutAnEnsemble) {
   const std::string scene = fold();
   const Outcome set = run_command({"run", scene, "--set", "couple=1"});

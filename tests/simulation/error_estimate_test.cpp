@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "assur/ensemble.hpp"
 #include "simulation/near_singular.hpp"
 #include "simulation/random_count.hpp"
 #include "simulation/run.hpp"
@@ -148,6 +149,57 @@ TEST(Accuracy, ADoubtIsNotForgotten) {
   ASSERT_EQ(s.report().events.size(), 2u);  // a row lies on the closest posture twice in a turn
   s.reset();
   EXPECT_TRUE(s.report().status.ok());
+}
+
+// ---- side by side
+
+// A healthy member is not doubted because of its neighbour, and the other way round.
+TEST(Accuracy, OfEachMemberOfAnEnsemble) {
+  const std::vector<std::string> deltas = {"1e-3", "1e-12", "1e-2", "1e-4", "1e-12"};
+  const auto member = [&](std::size_t i) {
+    const Scene scene = sample("almost_parallelogram:delta=" + deltas[i] + ",step=0.01,steps=100");
+    return prepare(scene, {.strategy = "global/eigen:4+predict=taylor:2"});
+  };
+  Ensemble e(deltas.size(), member);
+  (void)e.run();
+  double estimated_position = 0;
+  for (std::size_t i = 0; i < deltas.size(); ++i) {
+    SCOPED_TRACE(deltas[i]);
+    Simulator lone(member(i));
+    lone.run();
+    const Ensemble::Outcome& o = e.outcomes()[i];
+    EXPECT_EQ(o.status.code, deltas[i] == "1e-12" ? Code::inaccurate : Code::ok);
+    EXPECT_EQ(o.status.code, lone.report().status.code);
+    ASSERT_EQ(o.events.size(), lone.report().events.size());
+    for (std::size_t n = 0; n < o.events.size(); ++n) {
+      const Event &mine = o.events[n], &theirs = lone.report().events[n];
+      EXPECT_EQ(mine.kind, Code::inaccurate);
+      EXPECT_EQ(mine.group, theirs.group);
+      EXPECT_EQ(mine.time, theirs.time);
+      EXPECT_EQ(mine.until, theirs.until);
+    }
+    estimated_position = std::max(estimated_position, lone.report().error.estimated_position.value());
+  }
+  EXPECT_EQ(e.report().status.code, Code::inaccurate);
+  EXPECT_EQ(e.report().status.where, 1);
+  // Signs are drawn anew for each lane.
+  EXPECT_LE(e.report().error.estimated_position.value(), 10 * estimated_position);
+  EXPECT_GE(e.report().error.estimated_position.value(), 0.1 * estimated_position);
+}
+
+TEST(Accuracy, OfChunks) {
+  for (const std::string delta : {"1e-3", "1e-12"}) {
+    const Scene scene = sample("almost_parallelogram:delta=" + delta + ",step=0.01,steps=100");
+    const Result one = test::run(scene, "global/eigen"), chunks = test::run(scene, "global/eigen:4+chunks=4");
+    EXPECT_EQ(chunks.report().status.code, one.report().status.code);
+    ASSERT_EQ(chunks.report().events.size(), one.report().events.size());
+    for (std::size_t n = 0; n < one.report().events.size(); ++n) {
+      EXPECT_EQ(chunks.report().events[n].time, one.report().events[n].time);
+    }
+    const ForwardError mine = estimated(chunks.report()), theirs = estimated(one.report());
+    EXPECT_LE(mine.position, 10 * theirs.position);
+    EXPECT_GE(mine.position, 0.1 * theirs.position);
+  }
 }
 
 // ---- regular scenes are left in peace, singular ones are not believed

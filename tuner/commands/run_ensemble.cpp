@@ -85,8 +85,7 @@ std::int64_t steps_of(const EnsembleTrajectory& trajectory) {
 void explain(const output::Members& members) {
   if (members.failed.empty()) return;
   const output::Members::Failure& first = members.failed.front();
-  std::cerr << "error: " << output::grouped(static_cast<std::int64_t>(members.failed.size())) << " of "
-            << output::counted(members.all, "member") << " failed; the first: " << output::to_string(first) << '\n';
+  std::cerr << "error: " << members.failures() << "; the first: " << output::to_string(first) << '\n';
 }
 
 }  // namespace

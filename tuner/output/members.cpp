@@ -29,8 +29,17 @@ Members::Failure failure_of(const Ensemble::Outcome& outcome) {
 
 Code Members::code() const {
   if (interrupted > 0) return Code::interrupted;
-  if (failed.empty()) return Code::ok;
-  return failed.front().status.value_or(Code::not_converged);
+  for (const Failure& f : failed) {
+    const Code of = f.status.value_or(Code::not_converged);
+    if (of != Code::inaccurate) return of;
+  }
+  return failed.empty() ? Code::ok : Code::inaccurate;
+}
+
+std::string Members::failures() const {
+  const std::string of_all = " of " + counted(all, "member") + ' ';
+  if (stopped() == 0) return grouped(inaccurate) + of_all + "inaccurate";
+  return grouped(stopped()) + of_all + "failed" + (inaccurate > 0 ? ", " + grouped(inaccurate) + " inaccurate" : "");
 }
 
 Members members_of(const std::vector<Ensemble::Outcome>& outcomes, const std::vector<Parameters>& variants) {
@@ -49,6 +58,7 @@ Members members_of(const std::vector<Ensemble::Outcome>& outcomes, const std::ve
       ++members.interrupted;
     } else {
       members.failed.push_back(failure_of(outcome));
+      if (members.failed.back().status == Code::inaccurate) ++members.inaccurate;
       members.failed.back().member = member;
       members.failed.back().parameters = variants[i];
     }
@@ -76,7 +86,8 @@ Json to_json(const std::vector<Members::Failure>& failed) {
 
 void print_counts(Page& page, const Members& m) {
   std::string text = grouped(m.done) + " done";
-  if (!m.failed.empty()) text += ", " + grouped(static_cast<std::int64_t>(m.failed.size())) + " failed";
+  if (m.stopped() > 0) text += ", " + grouped(m.stopped()) + " failed";
+  if (m.inaccurate > 0) text += ", " + grouped(m.inaccurate) + " inaccurate";
   if (m.interrupted > 0) text += ", " + grouped(m.interrupted) + " interrupted";
   if (m.alone > 0) text += "; " + grouped(m.alone) + " went on alone";
   page.fact("members", text);

@@ -29,12 +29,16 @@ struct Members {
 
   std::int64_t all = 0, done = 0;
   std::int64_t interrupted = 0;
-  std::int64_t alone = 0;  // that left the lockstep with others
+  std::int64_t alone = 0;       // that left the lockstep with others
+  std::int64_t inaccurate = 0;  // of those that failed: they arrived, but less accurate than was asked for
   std::vector<Failure> failed;
   std::vector<Event> events;
 
-  // Of all together: ok, interrupted, or how the first that failed ended.
+  // Of all together: ok, interrupted, or how the first that failed ended; inaccurate if no other failed.
   [[nodiscard]] Code code() const;
+  [[nodiscard]] std::int64_t stopped() const { return static_cast<std::int64_t>(failed.size()) - inaccurate; }
+  // "3 of 8 members failed, 2 inaccurate"
+  [[nodiscard]] std::string failures() const;
 };
 
 // `variants`: the parameters of each member.

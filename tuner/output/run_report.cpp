@@ -160,8 +160,7 @@ std::string status_of(const RunSummary& s) {
   const Code code = s.report.status.code;
   if (code == Code::ok) return "done";
   if (s.members != nullptr && code != Code::interrupted) {
-    return grouped(static_cast<std::int64_t>(s.members->failed.size())) + " of " + counted(s.members->all, "member") +
-           " failed";
+    return s.members->failures();
   }
   if (code == Code::inaccurate && s.members == nullptr) {
     const double asked = s.prepared.plan.accuracy;

@@ -1,0 +1,362 @@
+#include "simulation/continuation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "assur/status.hpp"
+
+namespace assur {
+namespace {
+
+constexpr int kHalvings = 20;  // a step is halved down to 2^-20
+constexpr double kSmallest = 1.0 / (1 << kHalvings);
+constexpr int kExpandAfter = 4;      // rejected attempts a predictor that reads no derivatives reads them
+constexpr int kReach = 12;           // a change point is passed from 2^12 of the shortest steps before it to beyond
+constexpr int kMoreHalvings = 6;     // of the shortest step, on the way back from a change point
+constexpr double kApart = 1.0 / 16;  // of that reach: a step that ends nearer to the change point is in doubt
+constexpr double kSure = 1e-3;       // largest correction over the distance of the branches
+
+std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+bool worth_halving(Code code) {
+  return code == Code::branch_unknown || code == Code::not_converged || code == Code::singular ||
+         code == Code::not_finite;
+}
+
+}  // namespace
+
+Continuation::Continuation(const Prepared& prepared, const StepLimits& limits, Report& report)
+    : prepared_(prepared),
+      limits_(limits),
+      report_(report),
+      structure_(*prepared.structure),
+      system_(*structure_.system),
+      inputs_(system_, prepared.controlled),
+      layout_(lay_out(prepared)),
+      packs_(layout_.packs),
+      levels_(prepared, layout_, limits.pin_to) {
+  state_.resize(layout_.first_unknown, layout_.size, prepared.plan.predictor);
+  if (!structure_.watch_class.equations.empty()) watch_.emplace(system_, structure_, layout_.address);
+  passing_.assign(packs_.size(), 0);
+}
+
+void Continuation::keep_what_is_read(std::vector<std::uint8_t> marked) {
+  for (const Pack& pack : packs_) {
+    for (const std::int32_t a : pack.inputs) marked[idx(a)] = 1;
+  }
+  for (const std::int32_t c : structure_.watch.inputs) marked[idx(layout_.address[idx(c)])] = 1;
+  marked.resize(system_.coordinates.size());  // known coordinates lie at their own index
+  inputs_.keep(std::move(marked));
+}
+
+void Continuation::start(double time, const std::vector<double>& posture) {
+  now_ = time;
+  deadline_ = std::chrono::steady_clock::time_point::max();  // it is for steps
+  inputs_.reset();
+  levels_.restart();
+  for (Pack& pack : packs_) {
+    pack.solver.reset();
+    pack.factored = false;
+  }
+  converged_ = kConverged;
+  stands_still_ = false;
+  state_.clear();
+  for (std::size_t c = 0; c < layout_.address.size(); ++c) {
+    if (layout_.address[c] >= 0) state_.at(0)[layout_.address[c]] = posture[c];
+  }
+  repeat_in_idle_lanes();
+  StepErrors errors;
+  const Status s = solve_at(now_, Attempt::Branch::start, errors);
+  if (!s.ok()) {
+    const std::string group = s.where >= 0 ? " in group " + structure_.groups[idx(s.where)].name : "";
+    throw Error(Error::Kind::numerical,
+                "the start posture has no " + std::string(s.code == Code::singular ? "velocities" : "solution") + ": " +
+                    std::string(name(s.code)) + group +
+                    (s.code == Code::singular ? "; the Jacobian is singular there, start elsewhere on the path" : ""));
+  }
+  accept(now_, errors);
+}
+
+void Continuation::continue_from(const Continuation& other) {
+  inputs_.continue_from(other.inputs_);
+  selected_at_ = now_;
+}
+
+void Continuation::repeat_in_idle_lanes() {
+  for (const Pack& pack : packs_) {
+    const int w = levels_.solver(pack).lanes();
+    double* x = state_.at(0) + pack.unknowns;
+    for (std::int32_t i = 0; i < levels_.solver(pack).program().n; ++i) {
+      for (int lane = pack.used; lane < w; ++lane) x[i * w + lane] = x[i * w];
+    }
+  }
+}
+
+// ---- one posture
+
+// Known coordinates at t, then level after level, pack after pack.
+Status Continuation::solve_at(double t, Attempt::Branch branch, StepErrors& errors) {
+  double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
+  failed_pack_ = packs_.size();
+  if (const Status s = inputs_.drive(t, q); !s.ok()) return s;
+  const auto attempt = [&](std::size_t p) {
+    Attempt a;
+    a.time = t;
+    a.branch = passing_[p] != 0 && branch == Attempt::Branch::inside ? Attempt::Branch::pass : branch;
+    a.iterations = packs_[p].level > 0 && branch == Attempt::Branch::inside ? limits_.iterations : 0;
+    a.most_iterations = limits_.most_iterations;
+    if (a.branch == Attempt::Branch::inside) a.converged = converged_;
+    if (a.branch == Attempt::Branch::pass) {
+      const GroupSolver& s = levels_.solver(packs_[p]);
+      const std::size_t count = idx(s.program().n) * idx(s.lanes());
+      a.largest_correction = largest_correction_ * state_.predicted_move(packs_[p].unknowns, count);
+    }
+    return a;
+  };
+  // At the start every pack makes its solver from those of the packs before it.
+  Status s = levels_.solve(
+      q, branch == Attempt::Branch::start, attempt, [&] { return deadline_passed(); }, report_.counters, errors,
+      failed_pack_);
+  if (s.code == Code::deadline) s.figure = limits_.seconds;
+  if (!s.ok()) return s;
+  return check_watched(errors);
+}
+
+Status Continuation::check_watched(StepErrors& errors) {
+  if (!watch_) return {};
+  report_.counters.evaluated_equations += static_cast<std::int64_t>(watch_->equations());
+  const double r = watch_->residual(state_.at(0));
+  if (!(r <= kConsistent)) return {Code::inconsistent, -1, r};
+  errors.position = std::max(errors.position, r);
+  return {};
+}
+
+void Continuation::accept(double t, const StepErrors& errors) {
+  state_.accept(t);
+  now_ = t;
+  report_.reached = t;
+  last_errors_ = errors;
+  report_.error.merge({.position = errors.position, .velocity = errors.velocity, .acceleration = errors.acceleration});
+}
+
+// Back to the last accepted posture.
+void Continuation::restore() {
+  state_.restore();
+  double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
+  (void)inputs_.drive(now_, q);
+}
+
+bool Continuation::deadline_passed() const {
+  return limits_.seconds > 0 && std::chrono::steady_clock::now() > deadline_;
+}
+
+// ---- one step
+
+Status Continuation::step_to(double t, bool may_reselect, Stride& stride) {
+  wants_reselection_ = false;
+  if (t == now_) return {};
+  if (const Status s = check_aim(t); !s.ok()) return s;
+  if (std::exchange(stands_still_, false)) state_.stand_still();
+  if (limits_.seconds > 0) {
+    deadline_ = std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+                                                       std::chrono::duration<double>(limits_.seconds));
+  }
+  inputs_.begin_step(now_, t);
+  Status status;
+  try {
+    status = advance(t, may_reselect, stride);
+  } catch (...) {  // from a law or a callback
+    std::fill(passing_.begin(), passing_.end(), 0);
+    end_step(false);
+    throw;
+  }
+  end_step(status.ok());
+  return status;
+}
+
+// From posture to posture until t.
+Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
+  const double span = t - now_, smallest = std::abs(span) * kSmallest;
+  int in_a_row = 0;  // attempts that were rejected; once they are many, they stay so
+  while (now_ != t) {
+    const double h = std::copysign(std::min(stride.length, std::abs(span)), span);
+    const double target = std::abs(t - now_) <= std::abs(h) * 1.0000001 ? t : now_ + h;
+    const Status s = try_step(target, Attempt::Branch::inside, in_a_row >= kExpandAfter);
+    if (s.ok()) {
+      if (in_a_row < kExpandAfter) in_a_row = 0;
+      if (now_ == t) break;  // what was left says nothing of a whole stride
+      stride.arrive();
+      ++report_.counters.substeps;
+      continue;
+    }
+    ++report_.counters.rejected;
+    ++in_a_row;
+    // Close to a singularity of the equations that are solved, what is watched is the first to tell.
+    if (s.code == Code::inconsistent && may_choose_anew(may_reselect)) {
+      wants_reselection_ = true;
+      return s;
+    }
+    if (!worth_halving(s.code) || failed_pack_ == packs_.size()) return s;
+    if (std::abs(h) > smallest * 1.5) {
+      stride.set(std::abs(target - now_) / 2);
+      continue;
+    }
+    if (may_choose_anew(may_reselect)) {
+      wants_reselection_ = true;
+      return s;
+    }
+    if (const Status found = at_the_limit(s, target, t); !found.ok()) return found;
+    stride.set(smallest);
+  }
+  return {};
+}
+
+// A step that did not arrive leaves the last good posture, which may lie on the way.
+void Continuation::end_step(bool arrived) {
+  if (!arrived) restore();
+  stands_still_ = inputs_.end_step(now_, wants_reselection_);
+  if (arrived) ++report_.counters.steps;
+}
+
+bool Continuation::polish() {
+  converged_ = kConverged;
+  state_.restore();
+  StepErrors errors;
+  if (!solve_at(now_, Attempt::Branch::inside, errors).ok()) {
+    restore();
+    return false;
+  }
+  state_.replace();
+  last_errors_ = errors;
+  return true;
+}
+
+// Is it somewhere? A driver that was set to nowhere is named by an event, and nothing moves.
+Status Continuation::check_aim(double t) {
+  if (!std::isfinite(t)) return {Code::not_finite, -1, t};
+  double value = 0;
+  const std::string* const driver = inputs_.not_finite(value);
+  if (driver == nullptr) return {};
+  record({now_, t, *driver, Code::not_finite, value}, std::abs(t - now_));
+  inputs_.drop_pending();
+  return {Code::not_finite, -1, value};
+}
+
+bool Continuation::may_choose_anew(bool asked) const { return asked && prepared_.reselect && now_ != selected_at_; }
+
+void Continuation::predict(double target, bool expand) {
+  const State::Prediction prediction = expand ? state_.begin_expansion(target) : state_.begin_prediction(target);
+  levels_.share(state_.unknowns(), [&](std::size_t part, std::size_t parts) {
+    state_.predict(prediction, state_.unknowns() * part / parts, state_.unknowns() * (part + 1) / parts);
+  });
+}
+
+// expand: also with a predictor that reads no derivatives, by those of the posture at hand.
+Status Continuation::try_step(double target, Attempt::Branch branch, bool expand) {
+  predict(target, expand);
+  StepErrors errors;
+  const Status s = solve_at(target, branch, errors);
+  if (s.ok()) accept(target, errors);
+  return s;
+}
+
+// The smallest step fails: is this a limit, a change point that can be passed, or unknown?
+Status Continuation::at_the_limit(const Status& failed, double target, double t) {
+  restore();
+  if (structure_.classes[idx(packs_[failed_pack_].group_class)].derivatives == 0) state_.estimate_rates();
+  double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
+  Status found = levels_.solver(packs_[failed_pack_]).diagnose(packs_[failed_pack_], q);
+  if (failed.code == Code::not_finite && found.code == Code::branch_unknown) found = failed;
+  if (found.code == Code::change_point_passed && !pass(target, t)) found.code = Code::branch_unknown;
+  if (found.code == Code::branch_unknown && failed.code == Code::not_converged && found.figure > 0.05) found = failed;
+  const bool passed = found.code == Code::change_point_passed;
+  if (found.code == Code::limit_reached) target = first_without_solution(target, t);
+  record({passed ? last_before_pass_ : now_, passed ? now_ : target,
+          structure_.groups[idx(found.where >= 0 ? found.where : failed.where)].name, found.code, found.figure},
+         std::abs(t - target));
+  return passed ? Status{} : found;
+}
+
+// The shortest steps through one change point are one event.
+void Continuation::record(Event event, double step) {
+  if (!report_.events.empty()) {
+    Event& before = report_.events.back();
+    if (before.kind == event.kind && before.group == event.group && std::abs(event.time - before.until) <= step) {
+      before.until = event.until;
+      before.figure = std::min(before.figure, event.figure);
+      return;
+    }
+  }
+  report_.events.push_back(std::move(event));
+}
+
+// Steps end a little before a fold, where the ball around the posture shrinks to nothing; the fold itself lies before
+// the first time at which Newton's method finds no solution at all.
+double Continuation::first_without_solution(double target, double t) {
+  const double smallest = target - now_;
+  for (int k = 0; k <= kHalvings; ++k) {
+    const double h = std::ldexp(smallest, k);
+    target = std::abs(t - now_) <= std::abs(h) ? t : now_ + h;
+    state_.predict(target);
+    StepErrors errors;
+    const bool exists = solve_at(target, Attempt::Branch::anywhere, errors).ok();
+    if (!exists) break;
+  }
+  restore();
+  return target;
+}
+
+// Over a change point by the smooth continuation. Close to it a posture is uncertain by eps / distance and its rates
+// by eps / distance^2, so the step starts well before it and lands as far beyond, where the branches are apart by
+// more than any error. Other packs may be at one of theirs at the same time.
+bool Continuation::pass(double target, double t) {
+  last_before_pass_ = now_;
+  const std::size_t at_its_change_point = failed_pack_;
+  const double change = now_, smallest = target - now_, reach = std::ldexp(smallest, kReach);
+  const double to = std::abs(t - change) <= std::abs(reach) ? t : change + reach;
+  bool passed = false;
+  if (std::abs(to - change) >= kApart * std::abs(reach) && walk(change - reach, smallest, change)) {
+    passing_[at_its_change_point] = 1;
+    largest_correction_ = kSure * (to - change) / (to - now_);
+    for (std::size_t more = 0; more < packs_.size() && !passed; ++more) {
+      passed = try_step(to, Attempt::Branch::inside).ok();
+      // Beyond all packs if none of them failed.
+      if (failed_pack_ == packs_.size() || passing_[failed_pack_] != 0) break;
+      passing_[failed_pack_] = 1;
+    }
+    std::fill(passing_.begin(), passing_.end(), 0);
+  }
+  if (!passed) {
+    walk(change, smallest, change);
+    restore();
+  }
+  return passed;
+}
+
+// By continuation to `until`, in steps of about h. Predictions away from a change point do not read the older of the
+// postures close to it.
+bool Continuation::walk(double until, double h, double change) {
+  h = std::abs(h);
+  const double shortest = std::ldexp(h, -kMoreHalvings);
+  while (now_ != until) {
+    if (std::abs(now_ - change) < std::abs(until - change) / 4) state_.forget();
+    const double left = until - now_;
+    if (try_step(std::abs(left) <= h ? until : now_ + std::copysign(h, left), Attempt::Branch::inside).ok()) {
+      h *= 2;
+    } else if ((h /= 2) < shortest) {
+      return false;
+    }
+  }
+  return true;
+}
+
+std::vector<double> Continuation::posture() const {
+  std::vector<double> all = system_.guess;
+  for (std::size_t c = 0; c < all.size(); ++c) {
+    if (layout_.address[c] >= 0) all[c] = state_.at(0)[layout_.address[c]];
+  }
+  return all;
+}
+
+}  // namespace assur

@@ -1,0 +1,122 @@
+// From posture to posture along the branch at hand: a step that may leave it, or that Newton's method does not solve,
+// is halved; change points are passed; at a limit the last good posture is kept.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "assur/plan.hpp"
+#include "assur/report.hpp"
+#include "assur/simulator.hpp"
+#include "simulation/inputs.hpp"
+#include "simulation/layout.hpp"
+#include "simulation/levels.hpp"
+#include "simulation/state.hpp"
+#include "simulation/tolerances.hpp"
+#include "simulation/watch.hpp"
+
+namespace assur {
+
+// The length of the steps that are tried: halved where one fails, `growth` times as long after `patience` that arrived.
+struct Stride {
+  double length = std::numeric_limits<double>::infinity();
+  int patience = 1;
+  double growth = 2;
+  int arrived = 0;
+
+  void set(double to) {
+    length = to;
+    arrived = 0;
+  }
+  void arrive() {
+    if (++arrived == patience) set(growth * length);
+  }
+};
+
+class Continuation {
+ public:
+  // All three must outlive it; counters, errors and events are added to the report.
+  // Throws Error (environment) if a backend of the plan cannot run here.
+  Continuation(const Prepared& prepared, const StepLimits& limits, Report& report);
+
+  // Drivers behind nothing that is computed, or marked (by address), are left out.
+  void keep_what_is_read(std::vector<std::uint8_t> marked);
+
+  // From a posture (all coordinates) at a time. Throws Error (numerical) if it is none, or has no velocities.
+  void start(double time, const std::vector<double>& posture);
+
+  // What is not ok leaves the last good posture. May redundant equations be chosen anew, then wants_reselection() tells
+  // that they should be. What a law or a callback throws comes from here, with the last good posture too.
+  [[nodiscard]] Status step_to(double t, bool may_reselect, Stride& stride);
+  [[nodiscard]] bool wants_reselection() const { return wants_reselection_; }
+
+  // Goes on where another one, with other equations of the same scene, has been.
+  void continue_from(const Continuation& other);
+
+  // The posture at hand once more, as exact as doubles are. False: it stays as it was.
+  [[nodiscard]] bool polish();
+
+  // The residual at which an equation counts as solved.
+  [[nodiscard]] double converged() const { return converged_; }
+  void converge_to(double residual) { converged_ = residual; }
+
+  [[nodiscard]] double time() const { return now_; }
+  // All coordinates; what presolve eliminated, and follows from the others, as guessed.
+  [[nodiscard]] std::vector<double> posture() const;
+  // d-th derivative of the coordinates, by address.
+  [[nodiscard]] const double* at(int d) const { return state_.at(d); }
+  [[nodiscard]] const StepErrors& errors() const { return last_errors_; }
+
+  [[nodiscard]] Layout& layout() { return layout_; }
+  [[nodiscard]] std::span<Pack> packs() { return packs_; }
+  [[nodiscard]] Levels& levels() { return levels_; }
+  [[nodiscard]] Inputs& inputs() { return inputs_; }
+
+ private:
+  void repeat_in_idle_lanes();
+  [[nodiscard]] Status solve_at(double t, Attempt::Branch branch, StepErrors& errors);
+  [[nodiscard]] Status check_watched(StepErrors& errors);
+  void accept(double t, const StepErrors& errors);
+  void restore();
+  [[nodiscard]] bool deadline_passed() const;
+  [[nodiscard]] Status check_aim(double t);
+  [[nodiscard]] Status advance(double t, bool may_reselect, Stride& stride);
+  void end_step(bool arrived);
+  void predict(double target, bool expand);
+  [[nodiscard]] Status try_step(double target, Attempt::Branch branch, bool expand = false);
+  [[nodiscard]] bool may_choose_anew(bool asked) const;
+  [[nodiscard]] Status at_the_limit(const Status& failed, double target, double t);
+  [[nodiscard]] double first_without_solution(double target, double t);
+  [[nodiscard]] bool pass(double target, double t);
+  [[nodiscard]] bool walk(double until, double h, double change);
+  void record(Event event, double step);
+
+  const Prepared& prepared_;
+  const StepLimits& limits_;
+  Report& report_;
+  const Structure& structure_;
+  const System& system_;
+  Inputs inputs_;
+  Layout layout_;
+  std::vector<Pack>& packs_;
+  Levels levels_;
+  State state_;
+  std::optional<Watch> watch_;
+  double converged_ = kConverged;
+  StepErrors last_errors_;             // of the last accepted posture
+  std::vector<std::uint8_t> passing_;  // packs: on the way through a change point
+  double now_ = 0;
+  double last_before_pass_ = 0;
+  double largest_correction_ = 0;  // of a step through a change point, over the move that was predicted
+  bool stands_still_ = false;      // from the posture at hand on, until something moves again
+  bool wants_reselection_ = false;
+  double selected_at_ = std::numeric_limits<double>::quiet_NaN();  // time of the last reselection
+  std::size_t failed_pack_ = 0;  // of the last posture that was tried; their number: none
+  std::chrono::steady_clock::time_point deadline_;
+};
+
+}  // namespace assur
