@@ -85,9 +85,9 @@ class PerformanceModel {
   [[nodiscard]] Prediction meeting(std::int32_t p, double doubles = 0) const;
   // How much longer work takes where p threads work at once; 1 where nothing is known.
   [[nodiscard]] double contention(std::int32_t p) const;
-  // Time of one step of a mechanism with so many unknowns and columns of outputs beyond its packs: laws, prediction,
-  // outputs. From counts, at the speed that this machine has otherwise.
-  [[nodiscard]] Prediction around(std::int64_t unknowns, std::int64_t columns = 0) const;
+  // Time of one step of a mechanism with so many unknowns beyond its packs: laws, prediction, outputs. pieces: terms of
+  // the outputs. From counts, at the speed that this machine has otherwise.
+  [[nodiscard]] Prediction around(std::int64_t unknowns, std::int64_t pieces = 0) const;
   // Largest backward error of a solution that was seen near this shape; 0 if none was looked at.
   [[nodiscard]] double backward_error(const Shape& shape, const Strategy& strategy) const;
 

@@ -19,9 +19,12 @@ namespace {
 
 std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-constexpr double kWait = 0.3;      // of a meeting: what a level adds; a barrier alone (barriers_bench) is a tenth
-constexpr double kGain = 0.1;      // that more threads have to promise: they depend on more than fewer do
-constexpr double kHandedOver = 4;  // doubles for each unknown: the prediction, and what comes back
+constexpr double kWait = 0.3;  // of a meeting: what a level adds; a barrier alone (barriers_bench) is a tenth
+// Of a step, what more threads have to gain: with the cores that the system gives them, meetings take once or twice as
+// long from minute to minute.
+constexpr double kGain = 0.05;
+constexpr double kHandedOver = 4;     // doubles for each unknown: the prediction, and what comes back
+constexpr std::int64_t kCurved = 60;  // pieces, of an output that is a distance or an angle
 
 // Groups of one class on one level.
 struct Batch {
@@ -101,20 +104,37 @@ class Around {
   Around(const Structure& s, const PerformanceModel& model) : model_(model) {
     for (const Group& g : s.groups) unknowns_ += s.classes[idx(g.group_class)].n;
     for (const Output& o : wanted_outputs(*s.system)) {
-      columns_ += static_cast<std::int64_t>(o.part_count) * (o.wanted[0] + o.wanted[1] + o.wanted[2]);
+      const std::int64_t wanted = o.wanted[0] + o.wanted[1] + o.wanted[2];
+      columns_ += static_cast<std::int64_t>(o.part_count) * wanted;
+      for (const OutputPart& part : o.parts()) {
+        const bool linear = part.kind == MeasureForms::Kind::form;
+        pieces_ += linear ? wanted * static_cast<std::int64_t>(s.system->form(part.forms[0]).size()) : kCurved;
+      }
     }
   }
 
   [[nodiscard]] double seconds(std::int32_t threads) const {
     const bool shared = threads > 1 && columns_ >= static_cast<std::int64_t>(kWorthSharing);
-    return model_.around(unknowns_, shared ? columns_ / threads : columns_).seconds +
+    return model_.around(unknowns_, shared ? pieces_ / threads : pieces_).seconds +
            (shared ? kWait * model_.meeting(threads).seconds : 0);
   }
 
  private:
   const PerformanceModel& model_;
-  std::int64_t unknowns_ = 0, columns_ = 0;
+  std::int64_t unknowns_ = 0, columns_ = 0, pieces_ = 0;
 };
+
+// Known numbers, and unknowns of earlier levels, that each level reads.
+std::vector<std::int64_t> read_by_levels(const Structure& s) {
+  std::vector<std::int64_t> read(idx(s.levels), 0);
+  std::vector<std::int32_t> last(s.system->coordinates.size(), -1);  // level that reads a coordinate
+  for (const Group& g : s.groups) {
+    for (const std::int32_t c : g.inputs) {
+      if (std::exchange(last[idx(c)], g.level) != g.level) ++read[idx(g.level)];
+    }
+  }
+  return read;
+}
 
 // Threads of each level, and the time of all levels: a level is shared only where that gains. The threads start
 // together once a step; between levels they wait for each other, which is the smaller part of a meeting.
@@ -123,6 +143,7 @@ void share_levels(Plan& plan, const Structure& s, const std::vector<Batch>& batc
   const std::int32_t p = plan.threads;
   const double contention = model.contention(p);
   plan.meeting_seconds = model.meeting(p).seconds;
+  const std::vector<std::int64_t> read = p > 1 ? read_by_levels(s) : std::vector<std::int64_t>(idx(s.levels), 0);
   double all_alone = 0;
   plan.level_threads.assign(idx(s.levels), 1);
   plan.expected_seconds = 0;
@@ -131,13 +152,12 @@ void share_levels(Plan& plan, const Structure& s, const std::vector<Batch>& batc
     const std::int32_t level = batches[begin].level;
     costs.clear();
     std::int32_t most_q = 1;
-    double doubles = 0;
+    double doubles = 3.0 * static_cast<double>(read[idx(level)]);
     for (; end < batches.size() && batches[end].level == level; ++end) {
       const Plan::Choice& choice = plan.choices[idx(batches[end].group_class)];
       costs.insert(costs.end(), idx(packs_of(batches[end], choice)), choice.expected_seconds);
       most_q = std::max(most_q, choice.strategy.q);
-      const GroupClass& c = s.classes[idx(batches[end].group_class)];
-      doubles += batches[end].groups * (kHandedOver * c.n + 3.0 * c.inputs);
+      doubles += batches[end].groups * kHandedOver * s.classes[idx(batches[end].group_class)].n;
     }
     const double alone = std::accumulate(costs.begin(), costs.end(), 0.0);
     double best = alone;

@@ -145,12 +145,6 @@ double median(std::vector<double> values) {
   return (*middle + *std::max_element(values.begin(), middle)) / 2;
 }
 
-double upper_quartile(std::vector<double> values) {
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(3 * values.size() / 4);
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-
 Prediction combined(std::initializer_list<std::pair<double, Prediction>> parts) {
   Prediction sum{0, 1, Origin::measured};
   double variance = 0;
@@ -487,9 +481,7 @@ Prediction PerformanceModel::pack(const Shape& shape, const Strategy& strategy) 
   return impl_->pack(shape, strategy);
 }
 
-// Threads add to a meeting evenly, as far as was seen; to a handover they do not. From minute to minute both take once
-// or twice as long, with the cores that the system gives: threads that gain in good moments only are no gain, so the
-// slower quarter counts.
+// Threads add to a meeting evenly, as far as was seen; to a handover they do not.
 Prediction PerformanceModel::meeting(std::int32_t p, double doubles) const {
   if (p < 2) return {0, 1, Origin::measured};
   const auto nearest = [p](const std::map<std::int32_t, std::vector<double>>& known) {
@@ -499,11 +491,11 @@ Prediction PerformanceModel::meeting(std::int32_t p, double doubles) const {
   Prediction sum{prior_meeting_seconds(p), 2, Origin::prior};
   if (!impl_->meetings.empty()) {
     const auto& [threads, seconds] = *nearest(impl_->meetings);
-    sum = {upper_quartile(seconds) * p / threads, threads == p ? 1.2 : 1.5,
+    sum = {median(seconds) * p / threads, threads == p ? 1.2 : 1.5,
            threads == p ? Origin::measured : Origin::extrapolated};
   }
   // The meeting itself is part of what was measured with many doubles, but a small one.
-  const double each = impl_->handovers.empty() ? kPriorHandover : upper_quartile(nearest(impl_->handovers)->second);
+  const double each = impl_->handovers.empty() ? kPriorHandover : median(nearest(impl_->handovers)->second);
   sum.seconds += each * doubles;
   return sum;
 }
@@ -516,8 +508,8 @@ double PerformanceModel::contention(std::int32_t p) const {
   return above == known.end() ? std::prev(above)->second : above->second;
 }
 
-Prediction PerformanceModel::around(std::int64_t unknowns, std::int64_t columns) const {
-  return {prior_around_seconds(unknowns, columns) * impl_->speed_of_all(), 1.5, Origin::prior};
+Prediction PerformanceModel::around(std::int64_t unknowns, std::int64_t pieces) const {
+  return {prior_around_seconds(unknowns, pieces) * impl_->speed_of_all(), 1.5, Origin::prior};
 }
 
 double PerformanceModel::backward_error(const Shape& shape, const Strategy& strategy) const {

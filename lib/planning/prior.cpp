@@ -87,8 +87,8 @@ double prior_seconds(Kernel kernel, const Shape& shape, const Strategy& strategy
   return 0;
 }
 
-double prior_around_seconds(std::int64_t unknowns, std::int64_t columns) {
-  return 1e-9 * (200 + static_cast<double>(unknowns) + 0.6 * static_cast<double>(columns));
+double prior_around_seconds(std::int64_t unknowns, std::int64_t pieces) {
+  return 1e-9 * (300 + 2 * static_cast<double>(unknowns) + 0.6 * static_cast<double>(pieces));
 }
 
 double prior_meeting_seconds(std::int32_t p) { return p < 2 ? 0 : 1e-9 * (700 + 50.0 * p); }

@@ -9,8 +9,9 @@ namespace assur {
 // a factor of two or so, which is enough for a sensible plan and to share packs out.
 [[nodiscard]] double prior_seconds(Kernel kernel, const Shape& shape, const Strategy& strategy);
 
-// What a step of a mechanism takes beyond its packs.
-[[nodiscard]] double prior_around_seconds(std::int64_t unknowns, std::int64_t columns = 0);
+// What a step of a mechanism takes beyond its packs. pieces: of its outputs, the terms of those that are linear, and
+// for any other as many as take its time.
+[[nodiscard]] double prior_around_seconds(std::int64_t unknowns, std::int64_t pieces = 0);
 
 [[nodiscard]] double prior_meeting_seconds(std::int32_t p);
 inline constexpr double kPriorHandover = 0.5e-9;     // s for each double that another thread changes

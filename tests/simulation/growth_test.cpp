@@ -77,7 +77,7 @@ void expect_growth(double before, double now, double factor) {
 // eps / sigma, the relative ones of velocity and acceleration like eps / sigma^2.
 TEST(Growth, FollowsTheoryTowardsAFold) {
   const Growth far = growth_at(0.1, dyad_off_line_by);
-  // At 1e-8 the fold is nearer than doubles can tell lengths apart.
+  // At 1e-8 the error of the posture, eps / sigma, is the whole way to the fold.
   for (const double sigma : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7}) {
     SCOPED_TRACE(sigma);
     const Growth near = growth_at(sigma, dyad_off_line_by);
@@ -87,6 +87,24 @@ TEST(Growth, FollowsTheoryTowardsAFold) {
     expect_growth(far.position, near.position, times);
     expect_growth(far.velocity, near.velocity, times * times);
     expect_growth(far.acceleration, near.acceleration, times * times);
+  }
+}
+
+// Thales' circle over AB, close to A: the same growth where numbers near 0 keep all their digits. sigma = P.y.
+TEST(Growth, OfRatesFollowsTheoryFurtherWhereNumbersAreExact) {
+  for (const double sigma : {1e-1, 1e-3, 1e-5, 1e-7, 1e-8, 1e-9}) {
+    SCOPED_TRACE(sigma);
+    const double x = sigma * sigma, y = std::sqrt(x * (1 - x)), rate = (1 - 2 * x) / (2 * y);
+    SceneBuilder b("thales", 2);
+    b.fixed_point("A", {0, 0, 0}).fixed_point("B", {1, 0, 0}).point("P", {x, y, 0});
+    b.constrain("right_angle", Dot{{"A", "P"}, {"B", "P"}, 0.0});
+    b.drive("x", DrivenCoordinate{"P.x", Law::polynomial({x, 1})}).output("P");
+    const Scene scene = b.time(0, 1, 0.5).build();
+    Simulator s = test::simulator(scene, "irreducible/eigen");
+    const Trajectory row = s.run(std::vector<double>{0.0});
+    EXPECT_NEAR(row.last("P.y"), y, 1e-14 * y);
+    EXPECT_NEAR(row.last("P.vy"), rate, 1e-14 * rate);
+    EXPECT_NEAR(row.last("P.ay"), -(1 + rate * rate) / y, 1e-13 * rate * rate / y);
   }
 }
 
