@@ -19,10 +19,9 @@ namespace {
 
 std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-constexpr double kWait = 0.3;  // of a meeting: what a level adds; a barrier alone (barriers_bench) is a tenth
-// Of a step, what more threads have to gain: with the cores that the system gives them, meetings take once or twice as
-// long from minute to minute.
-constexpr double kGain = 0.05;
+constexpr double kWait = 0.3;         // of a meeting: what a level adds; a barrier alone (barriers_bench) is a tenth
+constexpr double kMeetings = 1.5;     // of those measured: they take once or twice as long from minute to minute, with
+                                      // the cores that the system gives
 constexpr double kHandedOver = 4;     // doubles for each unknown: the prediction, and what comes back
 constexpr std::int64_t kCurved = 60;  // pieces, of an output that is a distance or an angle
 
@@ -142,7 +141,7 @@ void share_levels(Plan& plan, const Structure& s, const std::vector<Batch>& batc
                   const Around& around, const PerformanceModel& model) {
   const std::int32_t p = plan.threads;
   const double contention = model.contention(p);
-  plan.meeting_seconds = model.meeting(p).seconds;
+  plan.meeting_seconds = kMeetings * model.meeting(p).seconds;
   const std::vector<std::int64_t> read = p > 1 ? read_by_levels(s) : std::vector<std::int64_t>(idx(s.levels), 0);
   double all_alone = 0;
   plan.level_threads.assign(idx(s.levels), 1);
@@ -161,7 +160,7 @@ void share_levels(Plan& plan, const Structure& s, const std::vector<Batch>& batc
     }
     const double alone = std::accumulate(costs.begin(), costs.end(), 0.0);
     double best = alone;
-    const double handover = model.meeting(p, doubles * (p - 1) / p).seconds - model.meeting(p).seconds;
+    const double handover = kMeetings * model.meeting(p, doubles * (p - 1) / p).seconds - plan.meeting_seconds;
     if (p > 1 && costs.size() > 1 && std::int64_t{p} * most_q <= budget) {
       const double shared = longest_first(costs, p).makespan * contention + kWait * plan.meeting_seconds + handover;
       if (shared < alone) {
@@ -277,7 +276,7 @@ Plan best_latency(const Structure& s, const std::vector<Shape>& shapes, std::int
     expect_packs(plan, scales.model);
     share_levels(plan, s, batches, budget, around, scales.model);
     if (p == 1) alone = plan.expected_seconds;
-    if (!best || plan.expected_seconds < best->expected_seconds * (1 - kGain)) best = std::move(plan);
+    if (!best || plan.expected_seconds < best->expected_seconds * (1 - scales.tie)) best = std::move(plan);
   }
   best->reason = threads_reason(*best, budget, alone);
   return std::move(*best);
