@@ -32,11 +32,6 @@ Prediction predict(const Shape& shape, const Strategy& s, const PerformanceModel
           std::max(factor.origin, solve.origin)};
 }
 
-double calls(const Load& load, std::int32_t lanes) {
-  const std::int32_t packs = (load.groups + lanes - 1) / lanes;
-  return static_cast<double>((packs + load.threads - 1) / load.threads);
-}
-
 // Which other ways of the same solver are worth weighing.
 std::vector<Strategy> variants(const Backend& backend, const Shape& shape, std::int32_t most_lanes,
                                std::int32_t most_q) {
@@ -61,6 +56,10 @@ std::vector<Strategy> variants(const Backend& backend, const Shape& shape, std::
 }
 
 }  // namespace
+
+double together(double makespan, double work, std::int32_t p, double contention) {
+  return p < 2 ? makespan : makespan + (contention - 1) * (work - makespan) / (p - 1);
+}
 
 std::vector<Candidate> offers(const Shape& shape, std::int32_t most_lanes, std::int32_t most_q, const Scales& scales) {
   std::vector<Candidate> all;
@@ -93,8 +92,9 @@ std::vector<Candidate> weigh(const std::vector<Candidate>& offers, std::span<con
     if (s.q > most_q) continue;
     double sum = 0;
     for (const Load& load : loads) {
-      const double contention = load.threads > 1 ? scales.model.contention(load.threads * s.q) : 1;
-      sum += calls(load, s.lanes) * offer.expected_seconds * contention;
+      const std::int32_t packs = (load.groups + s.lanes - 1) / s.lanes;
+      const std::int32_t calls = (packs + load.threads - 1) / load.threads;
+      sum += offer.expected_seconds * together(calls, packs, load.threads, scales.model.contention(load.threads * s.q));
     }
     all.push_back(offer);
     all.back().expected_seconds = sum;

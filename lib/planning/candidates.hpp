@@ -26,6 +26,10 @@ struct Load {
   std::int32_t threads = 1;  // that share them
 };
 
+// Of work that p threads share, if the longest share takes `makespan` and all of it `work` on one thread: where all of
+// them are busy, each takes `contention` times as long.
+[[nodiscard]] double together(double makespan, double work, std::int32_t p, double contention);
+
 // Candidates with up to `most_lanes` lanes and `most_q` threads inside, with the time of one call for W groups. That of
 // those that cannot run is not known: 0. In no order.
 [[nodiscard]] std::vector<Candidate> offers(const Shape& shape, std::int32_t most_lanes, std::int32_t most_q,

@@ -162,7 +162,8 @@ void share_levels(Plan& plan, const Structure& s, const std::vector<Batch>& batc
     double best = alone;
     const double handover = kMeetings * model.meeting(p, doubles * (p - 1) / p).seconds - plan.meeting_seconds;
     if (p > 1 && costs.size() > 1 && std::int64_t{p} * most_q <= budget) {
-      const double shared = longest_first(costs, p).makespan * contention + kWait * plan.meeting_seconds + handover;
+      const double shared =
+          together(longest_first(costs, p).makespan, alone, p, contention) + kWait * plan.meeting_seconds + handover;
       if (shared < alone) {
         best = shared;
         plan.level_threads[idx(level)] = p;

@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <tuple>
 #include <utility>
 
@@ -22,7 +23,7 @@ constexpr std::array kKernels = {NamedKernel{Kernel::evaluate, "evaluate"}, Name
                                  NamedKernel{Kernel::solve, "solve"},       NamedKernel{Kernel::pack, "pack"},
                                  NamedKernel{Kernel::meeting, "meeting"},   NamedKernel{Kernel::step, "step"}};
 
-constexpr std::int32_t kFormat = 3;  // of bytes(); raised whenever anything is fitted or written otherwise
+constexpr std::int32_t kFormat = 4;  // of bytes(); raised whenever anything is fitted or written otherwise
 
 // What of a strategy a kernel depends on. Solvers differ by backend, precision and threads; W is kept apart, so that
 // another W can stand in.
@@ -145,6 +146,10 @@ double median(std::vector<double> values) {
   return (*middle + *std::max_element(values.begin(), middle)) / 2;
 }
 
+double mean(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
 Prediction combined(std::initializer_list<std::pair<double, Prediction>> parts) {
   Prediction sum{0, 1, Origin::measured};
   double variance = 0;
@@ -231,7 +236,8 @@ struct PerformanceModel::Impl {
         if (alone == gathered.end()) continue;
         ratios.push_back(std::clamp(median(seconds) / alone->second.seconds, 1.0, static_cast<double>(p)));
       }
-      if (!ratios.empty()) contentions[p] = median(ratios);
+      // The mean: in some minutes the cores have nothing else to do, in others they have.
+      if (!ratios.empty()) contentions[p] = mean(ratios);
     }
     return gathered;
   }

@@ -1,8 +1,6 @@
 #include "assur/simulator.hpp"
 
 #include <algorithm>
-#include <chrono>
-#include <cmath>
 #include <limits>
 #include <optional>
 #include <utility>
