@@ -65,7 +65,8 @@ void ErrorEstimate::restart(std::span<const System* const> systems) {
   used_ = systems.size();
   for (std::size_t i = 0; i < used_; ++i) {
     Mechanism& m = mechanisms_[i];
-    m.system = systems[i];
+    m.unit.clear();
+    for (const int dimension : dimension_) m.unit.push_back(systems[i]->unit(dimension));
     m.scale = {1, 0, 0};
     m.largest.assign(m.sizes.size(), {});
     m.now = {};
@@ -219,8 +220,7 @@ ErrorEstimate::Figures ErrorEstimate::relative(const Mechanism& m, const std::ve
   for (std::size_t i = 0; i < sizes.size(); ++i) {
     if (!(sizes[i].error > 0)) continue;
     const std::size_t d = i % 3;
-    const double unit = m.system->unit(dimension_[i / 3]);
-    worst[d] = std::max(worst[d], sizes[i].error / std::max(sizes[i].value, least[d] * unit));
+    worst[d] = std::max(worst[d], sizes[i].error / std::max(sizes[i].value, least[d] * m.unit[i / 3]));
   }
   return {worst[0], worst[1], worst[2]};
 }

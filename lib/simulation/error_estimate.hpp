@@ -70,7 +70,7 @@ class ErrorEstimate {
     double error = 0, value = 0;
   };
   struct Mechanism {
-    const System* system = nullptr;
+    std::vector<double> unit;              // outputs: SI units in an internal one
     std::array<double, 3> scale{1, 0, 0};  // fastest rate and largest acceleration of what drives, so far
     std::vector<Size> sizes, largest;      // now, and the largest of the run
     Figures now;

@@ -9,23 +9,8 @@
 #include "backends/allocations.hpp"
 #include "simulation/ensembles.hpp"
 
-namespace assur {
+namespace assur::test {
 namespace {
-
-using test::chain;
-using test::ensemble;
-using test::expect_member;
-using test::expect_same_bits;
-using test::four_bar;
-using test::kEps;
-using test::on_a_rail;
-using test::partly_limited;
-using test::prepared;
-using test::SceneOf;
-using test::share;
-using test::turning;
-using test::with_callback;
-using test::with_law;
 
 // ---- redundant equations, callbacks
 
@@ -307,4 +292,4 @@ TEST(Ensemble, CsvHasTheRowsThatAreThere) {
 }
 
 }  // namespace
-}  // namespace assur
+}  // namespace assur::test

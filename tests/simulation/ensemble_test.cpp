@@ -5,22 +5,8 @@
 
 #include "simulation/ensembles.hpp"
 
-namespace assur {
+namespace assur::test {
 namespace {
-
-using test::chain;
-using test::ensemble;
-using test::expect_member;
-using test::expect_same_bits;
-using test::four_bar;
-using test::kEps;
-using test::on_a_rail;
-using test::partly_limited;
-using test::SceneOf;
-using test::slider_crank;
-using test::stewart;
-using test::turning;
-using test::with_law;
 
 TEST(Ensemble, MembersAreWhatASimulatorOfEachGives) {
   for (const int lanes : {1, 2, 4, 8, 16}) {
@@ -271,4 +257,4 @@ TEST(Ensemble, AMemberThatStartsAtASingularityCannotBeStarted) {
 }
 
 }  // namespace
-}  // namespace assur
+}  // namespace assur::test
