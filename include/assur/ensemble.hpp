@@ -53,7 +53,7 @@ class Ensemble {
  public:
   // How one member ended.
   struct Outcome {
-    Status status;
+    Status status;       // ok, inaccurate (it arrived all the same), or why it stopped
     double reached = 0;  // last time with a valid posture
     std::string cannot;  // why it could not be started; empty: it was
     bool alone = false;  // not in lockstep with others, from the time `alone_from` on
