@@ -48,16 +48,16 @@ Factors::Factors(int lanes, Precision precision)
 void Factors::set_program(std::shared_ptr<const Program> program) {
   const std::size_t slot =
       static_cast<std::size_t>(lanes_) * (precision_ == Precision::binary64 ? sizeof(double) : sizeof(float));
-  slots_ = Buffer(program->slots * slot);
-  work_ = Buffer(kRightSides * program->n * slot);
+  slots_.assign(program->slots * slot, std::byte{0});
+  work_.assign(kRightSides * program->n * slot, std::byte{0});
   program_ = std::move(program);
 }
 
 void Factors::solve(double* b_to_x, int rhs, Transpose transpose, int first_wanted) {
   if (transpose == Transpose::no) {
-    kernels_.solve(*program_, slots_.get(), b_to_x, rhs, first_wanted, work_.get());
+    kernels_.solve(*program_, slots_.data(), b_to_x, rhs, first_wanted, work_.data());
   } else {
-    kernels_.solve_transposed(*program_, slots_.get(), b_to_x, rhs, work_.get());
+    kernels_.solve_transposed(*program_, slots_.data(), b_to_x, rhs, work_.data());
   }
 }
 
@@ -66,15 +66,15 @@ bool Factors::finite() const {
     const auto* end = slots + program_->square_slot * static_cast<std::size_t>(lanes_);
     return std::all_of(slots, end, [](auto value) { return std::isfinite(value); });
   };
-  return precision_ == Precision::binary64 ? all(static_cast<const double*>(slots_.get()))
-                                           : all(static_cast<const float*>(slots_.get()));
+  return precision_ == Precision::binary64 ? all(static_cast<const double*>(slots()))
+                                           : all(static_cast<const float*>(slots()));
 }
 
 Figures Factors::figures(int lane) const {
   if (program_->n == 0) return {true, 1, 1, 1};
   const auto lanes = static_cast<std::size_t>(lanes_), l = static_cast<std::size_t>(lane);
-  return precision_ == Precision::binary64 ? measure(*program_, static_cast<const double*>(slots_.get()), lanes, l)
-                                           : measure(*program_, static_cast<const float*>(slots_.get()), lanes, l);
+  return precision_ == Precision::binary64 ? measure(*program_, static_cast<const double*>(slots()), lanes, l)
+                                           : measure(*program_, static_cast<const float*>(slots()), lanes, l);
 }
 
 }  // namespace assur::lanes

@@ -1,15 +1,17 @@
 // A program, its kernels and the numbers that they work on.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "assur/backend.hpp"
-#include "backends/lanes_buffer.hpp"
 #include "backends/lanes_kernels.hpp"
 #include "backends/lanes_order.hpp"
 #include "backends/lanes_program.hpp"
+#include "parallel/cache_line.hpp"
 
 namespace assur::lanes {
 
@@ -32,18 +34,20 @@ class Factors {
   [[nodiscard]] const std::shared_ptr<const Program>& program() const { return program_; }
 
   [[nodiscard]] Alarms factorize(std::span<const double> values, const Limits& limits) {
-    return kernels_.factorize(*program_, values.data(), slots_.get(), limits);
+    return kernels_.factorize(*program_, values.data(), slots_.data(), limits);
   }
   void solve(double* b_to_x, int rhs, Transpose transpose, int first_wanted);
   [[nodiscard]] bool finite() const;  // the factors, in every lane
   [[nodiscard]] Figures figures(int lane) const;
 
  private:
+  [[nodiscard]] const void* slots() const { return slots_.data(); }
+
   int lanes_;
   Precision precision_;
   Kernels kernels_;
   std::shared_ptr<const Program> program_;
-  Buffer slots_, work_;
+  std::vector<std::byte, LineAllocator<std::byte>> slots_, work_;  // doubles or floats
 };
 
 }  // namespace assur::lanes

@@ -328,7 +328,7 @@ bool Continuation::pass(double target, double t) {
     std::fill(passing_.begin(), passing_.end(), 0);
   }
   if (!passed) {
-    walk(change, smallest, change);
+    (void)walk(change, smallest, change);
     restore();
   }
   return passed;

@@ -6,6 +6,7 @@
 
 #include "assur/assur.hpp"
 #include "made_up_machine.hpp"
+#include "planning/candidates.hpp"
 
 namespace assur {
 namespace {
@@ -24,6 +25,14 @@ std::string text_of(const Plan& plan) {
 }
 
 bool available(std::string_view id) { return find_backend(backends(), id).why_not({}, {}).empty(); }
+
+TEST(Together, ThreadsSlowEachOtherDownWhereAllOfThemWork) {
+  EXPECT_DOUBLE_EQ(together(4, 4, 1, 1.5), 4);
+  EXPECT_DOUBLE_EQ(together(3, 6, 2, 1.5), 4.5);  // both all the time
+  EXPECT_DOUBLE_EQ(together(3, 5, 2, 1.5), 4);    // both for two thirds of it
+  EXPECT_DOUBLE_EQ(together(3, 3, 2, 1.5), 3);    // one has nothing to do
+  EXPECT_DOUBLE_EQ(together(2, 8, 4, 1.25), 2.5);
+}
 
 TEST(Dispatcher, TakesWhatIsFastestOnTheMachineAtHand) {
   if (!available("klu")) GTEST_SKIP() << "without KLU";
@@ -65,7 +74,7 @@ TEST(Dispatcher, PassesOverAFormulationThatCannotBeHad) {
   b.fixed_point("A", {0, 0, 0}).fixed_point("B", {2, 0, 0}).point("C", {1, 0, 0});
   b.drive("crank", PointAngle{"A", "C", "", Law::polynomial({0, 1})});
   std::string before = "C";
-  for (const std::string& point : {"P", "Q", "R"}) {
+  for (const std::string point : {"P", "Q", "R"}) {
     const double x = point == "P" ? 1.5 : point == "Q" ? 2.5 : 3.5;
     b.point(point, {x, 1, 0}).constrain(point + before, Distance{point, before, {}});
     b.constrain(point + "B", Distance{point, "B", {}});

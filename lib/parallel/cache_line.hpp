@@ -1,0 +1,28 @@
+// Memory that begins where a cache line does.
+#pragma once
+
+#include <cstddef>
+#include <new>
+
+namespace assur {
+
+inline constexpr std::size_t kLineBytes = 64;
+
+// For vectors of up to 64 bytes: none of them crosses a line.
+template <class T>
+struct LineAllocator {
+  using value_type = T;
+  static constexpr std::align_val_t kAlignment{kLineBytes};
+
+  LineAllocator() = default;
+  template <class U>
+  explicit(false) LineAllocator(const LineAllocator<U>& /*other*/) noexcept {}
+
+  [[nodiscard]] T* allocate(std::size_t count) {
+    return static_cast<T*>(::operator new(count * sizeof(T), kAlignment));
+  }
+  void deallocate(T* memory, std::size_t /*count*/) noexcept { ::operator delete(memory, kAlignment); }
+  friend bool operator==(const LineAllocator&, const LineAllocator&) noexcept { return true; }
+};
+
+}  // namespace assur
