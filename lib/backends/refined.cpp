@@ -318,19 +318,21 @@ double Refined::normwise_error(double residual, std::size_t column, Transpose tr
 }
 
 Figures Refined::figures(int lane) const {
-  const bool in_double = by_[static_cast<std::size_t>(lane)] == By::in_double;
-  return (in_double ? *in_double_ : *inner_).figures(lane);
+  switch (by_[static_cast<std::size_t>(lane)]) {
+    case By::nobody:  // perhaps only since float had factors that did not serve
+      return {};
+    case By::inner:
+      return inner_->figures(lane);
+    case By::in_double:
+      return in_double_->figures(lane);
+  }
+  return {};
 }
 
 Effort Refined::effort() const {
   Effort sum = effort_;
   for (const LinearSolver* solver : {inner_.get(), in_double_.get()}) {
-    if (!solver) continue;
-    const Effort part = solver->effort();
-    sum.redone += part.redone;
-    sum.renewed += part.renewed;
-    sum.refined += part.refined;
-    sum.in_double += part.in_double;
+    if (solver) sum += solver->effort();
   }
   return sum;
 }

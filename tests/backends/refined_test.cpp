@@ -228,6 +228,37 @@ TEST(Refined, WhatCannotBeRefinedIsNotConverged) {
   EXPECT_GT(solution.status.figure, 0.1);
 }
 
+// Factors whatever it is given, and solves nothing.
+class Optimist final : public LinearSolver {
+ public:
+  Status analyze(const Pattern&, int) override { return {}; }
+  Status factorize(std::span<const double>) override { return {}; }
+  Status solve(std::span<double>, int, Transpose, int) override { return {}; }
+  [[nodiscard]] Figures figures(int) const override { return {true, 1, 1, 1}; }
+};
+
+// That float does not serve may show in a solution only; then double finds the matrix singular.
+TEST(Refined, FiguresOfALaneThatNobodyCanSolveSaySo) {
+  Backend row = kPlainLu;
+  row.make = [](ThreadBudget budget, Precision precision) -> std::unique_ptr<LinearSolver> {
+    if (precision == Precision::binary32) return std::make_unique<Optimist>();
+    return kPlainLu.make(budget, precision);
+  };
+  Random random(5);
+  const Matrix singular = repeated_row(3, random), regular = dense(3, random);
+  const auto solver = make_solver(row, {}, Precision::binary32, false);
+  ASSERT_TRUE(solver->analyze(regular.pattern, 2).ok());
+  ASSERT_TRUE(solver->factorize(interleave({regular.values, singular.values})).ok());
+  std::vector<double> x = {1, 1, 2, 2, 3, 3};
+  const Status status = solver->solve(x, 1);
+  EXPECT_EQ(status.code, Code::singular);
+  EXPECT_EQ(status.where, 1);
+  EXPECT_TRUE(std::isnan(x[1]));
+  EXPECT_FALSE(solver->figures(1).ok);
+  EXPECT_TRUE(std::isfinite(x[0]));
+  EXPECT_TRUE(solver->figures(0).ok);
+}
+
 TEST(Refined, FloatOfABackendWithoutItIsRefused) {
   Backend row = kPlainLu;
   row.single = false;
