@@ -3,15 +3,16 @@
 
 #include "assur/backend.hpp"
 #include "backends/backends.hpp"
+#include "parallel/thread_state.hpp"
 
 namespace assur {
 namespace {
 
-// id, why_not, make, steady, keeps_pivots, single, licence, version
+// id, why_not, make, steady, keeps_pivots, single, licence, version[, slowed]
 constexpr std::array kTable = {
     Backend{"eigen", eigen::why_not, eigen::make, true, false, true, "MPL-2.0", eigen::version},
-    Backend{"lapack", lapack::why_not, lapack::make, true, false, true, "BSD-3-Clause", lapack::version},
-    Backend{"team", team::why_not, team::make, true, false, true, "BSD-3-Clause", team::version},
+    Backend{"lapack", lapack::why_not, lapack::make, true, false, true, "BSD-3-Clause", lapack::version, blas_slowed},
+    Backend{"team", team::why_not, team::make, true, false, true, "BSD-3-Clause", team::version, blas_slowed},
     Backend{"klu", klu::why_not, klu::make, true, true, false, "LGPL-2.1-or-later", klu::version},
     Backend{"umfpack", umfpack::why_not, umfpack::make, false, false, false, "GPL-2.0-or-later", umfpack::version},
     Backend{"mumps", mumps::why_not, mumps::make, false, false, false, "CECILL-C", mumps::version},

@@ -3,12 +3,14 @@
 #include <dlfcn.h>
 #include <pthread.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstring>
 #include <string>
 
 #include "assur/status.hpp"
+#include "parallel/instruction_set.hpp"
 
 namespace assur {
 namespace {
@@ -107,6 +109,24 @@ std::string blas_version() {
                         : blas.kind == Library::Kind::sequential ? "one thread"
                                                                  : "threads unknown";
   return config.substr(0, config.find(' ', number + 1)) + ", " + threads + ", " + blas.openblas_core();
+}
+
+std::string blas_slowed() {
+  const Library& blas = library();
+  return blas.openblas_core ? slow_kernels(blas.openblas_core(), instruction_set()) : "";
+}
+
+std::string slow_kernels(std::string_view core, std::string_view instructions) {
+  // A name that is not here may be a newer processor's.
+  constexpr std::array<std::string_view, 21> kWithoutAvx2 = {
+      "Unknown", "Katmai",    "Coppermine", "Northwood",    "Prescott",  "Banias",      "Atom",
+      "Core2",   "Penryn",    "Dunnington", "Nehalem",      "Athlon",    "Nano",        "Opteron",
+      "Bobcat",  "Bulldozer", "Piledriver", "Opteron_SSE3", "Barcelona", "Sandybridge", "Steamroller"};
+  const bool known = std::find(kWithoutAvx2.begin(), kWithoutAvx2.end(), core) == kWithoutAvx2.end();
+  if (known || !instructions.starts_with("AVX")) return "";
+  return "OpenBLAS does not know this processor, takes it for " + std::string(core) +
+         " and leaves its wider instructions unused: set OPENBLAS_CORETYPE=" +
+         (instructions.starts_with("AVX3") ? "SkylakeX" : "Haswell");
 }
 
 std::string why_not_blas_threads(int threads) {

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace assur {
@@ -13,6 +14,14 @@ namespace assur {
 // What is loaded, e.g. "OpenBLAS 0.3.21, OpenMP, SkylakeX"; "LAPACK" if it does not say. The builds for OpenMP, for
 // pthreads and for one thread look alike to the linker.
 [[nodiscard]] std::string blas_version();
+
+// Why OpenBLAS does not use what the processor has, and what helps: it knows processors by name, and takes one that is
+// newer than itself for the oldest. "" if it does, or is not loaded.
+[[nodiscard]] std::string blas_slowed();
+
+// The same for kernels of this name (openblas_get_corename()) on a processor with such instructions
+// (instruction_set()).
+[[nodiscard]] std::string slow_kernels(std::string_view core, std::string_view instructions);
 
 // "" if BLAS calls of this thread can be given so many threads without changing those of another thread.
 [[nodiscard]] std::string why_not_blas_threads(int threads);
@@ -35,7 +44,8 @@ class BlasThreads {
 [[nodiscard]] std::vector<int> allowed_processors();
 
 // Keeps the calling thread, and the threads that it starts, on one processor until the end of the scope. Takes no
-// memory; within another one for the same processor hardly any time, for the system is only asked. Throws Error (environment) if it may not run there.
+// memory; within another one for the same processor hardly any time, for the system is only asked. Throws Error
+// (environment) if it may not run there.
 class Pinned {
  public:
   explicit Pinned(int processor);

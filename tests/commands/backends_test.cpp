@@ -19,6 +19,8 @@ TEST(Backends, JsonHasARowForEachBackendOfTheTable) {
     EXPECT_EQ(rows[i]["available"], why_not.empty());
     EXPECT_EQ(rows[i]["why_not"].is_null() ? "" : rows[i]["why_not"].get<std::string>(), why_not);
     EXPECT_EQ(rows[i]["version"].is_null() ? "" : rows[i]["version"].get<std::string>(), backend.version());
+    EXPECT_EQ(rows[i]["slowed"].is_null() ? "" : rows[i]["slowed"].get<std::string>(),
+              backend.slowed ? backend.slowed() : "");
     EXPECT_EQ(rows[i]["licence"], backend.licence);
     EXPECT_EQ(rows[i]["steady"], backend.steady);
   }

@@ -64,6 +64,17 @@ TEST(Blas, TheBuildThatWasLinkedIsTheOneThatIsLoaded) {
 #endif
 }
 
+// A core that OpenBLAS can be told to use stands for a processor that it does not know.
+TEST(Blas, KernelsThatLeaveInstructionsUnusedAreTold) {
+  EXPECT_NE(slow_kernels("Prescott", "AVX3_DL").find("OPENBLAS_CORETYPE=SkylakeX"), std::string::npos);
+  EXPECT_NE(slow_kernels("Sandybridge", "AVX2").find("OPENBLAS_CORETYPE=Haswell"), std::string::npos);
+  for (const char* core : {"Haswell", "Zen", "SkylakeX", "SapphireRapids", "some core of tomorrow"}) {
+    EXPECT_EQ(slow_kernels(core, "AVX3"), "") << core;
+  }
+  EXPECT_EQ(slow_kernels("Prescott", "SSE4"), "");
+  EXPECT_EQ(slow_kernels("Unknown", "NEON"), "");
+}
+
 // ---- processors
 
 TEST(Pinned, KeepsTheThreadOnOneProcessorUntilTheEndOfTheScope) {

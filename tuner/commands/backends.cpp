@@ -3,6 +3,7 @@
 #include "assur/backend.hpp"
 #include "commands/commands.hpp"
 #include "output/json.hpp"
+#include "output/notes.hpp"
 #include "output/page.hpp"
 
 namespace assur::command {
@@ -13,7 +14,7 @@ using output::Table;
 
 struct Row {
   const Backend& backend;
-  std::string version, why_not;
+  std::string version, why_not, slowed;
 };
 
 Json to_json(const std::vector<Row>& rows) {
@@ -23,6 +24,7 @@ Json to_json(const std::vector<Row>& rows) {
                     {"available", row.why_not.empty()},
                     {"why_not", row.why_not.empty() ? Json(nullptr) : Json(row.why_not)},
                     {"version", row.version.empty() ? Json(nullptr) : Json(row.version)},
+                    {"slowed", row.slowed.empty() ? Json(nullptr) : Json(row.slowed)},
                     {"licence", row.backend.licence},
                     {"steady", row.backend.steady}});
   }
@@ -43,6 +45,7 @@ void print(output::Page& page, const std::vector<Row>& rows) {
   for (const Row& row : rows) {
     if (!row.why_not.empty()) page.fact(row.backend.id, row.why_not);
   }
+  for (const std::string& reason : output::slowed(assur::backends())) page.fact("slowed", reason);
 }
 
 }  // namespace
@@ -50,7 +53,8 @@ void print(output::Page& page, const std::vector<Row>& rows) {
 int backends(const Common& common) {
   std::vector<Row> rows;
   for (const Backend& backend : assur::backends()) {
-    rows.push_back({backend, backend.version(), backend.why_not(Shape{}, ThreadBudget{})});
+    rows.push_back(
+        {backend, backend.version(), backend.why_not(Shape{}, ThreadBudget{}), backend.slowed ? backend.slowed() : ""});
   }
   if (common.json) {
     output::print(std::cout, to_json(rows));

@@ -13,6 +13,7 @@
 #include "db/places.hpp"
 #include "measure/noise.hpp"
 #include "measure/step_times.hpp"
+#include "output/notes.hpp"
 #include "output/progress.hpp"
 #include "output/tuning_report.hpp"
 #include "tuning/archive.hpp"
@@ -115,6 +116,9 @@ int tune(const Common& common, const TuneOptions& options) {
   }
   tuning::Archive archive(database_of(common, options), name_of(profile, options));
   for (const std::string& message : archive.messages()) std::cerr << message << '\n';
+  if (!common.quiet) {
+    for (const std::string& reason : output::slowed(assur::backends())) std::cerr << reason << '\n';
+  }
 
   tuning::CampaignOptions how;
   how.field.table = assur::backends();

@@ -1,11 +1,24 @@
 #include "output/notes.hpp"
 
+#include <algorithm>
+
 namespace assur::output {
 
 std::vector<Diagnostic> notes(const Scene& scene, const Structure& structure) {
   std::vector<Diagnostic> all = scene.warnings();
   all.insert(all.end(), structure.notes.begin(), structure.notes.end());
   return all;
+}
+
+std::vector<std::string> slowed(std::span<const Backend> table) {
+  std::vector<std::string> reasons;
+  for (const Backend& backend : table) {
+    const std::string reason = backend.slowed ? backend.slowed() : "";
+    if (!reason.empty() && std::find(reasons.begin(), reasons.end(), reason) == reasons.end()) {
+      reasons.push_back(reason);
+    }
+  }
+  return reasons;
 }
 
 void print_notes(Page& page, const Scene& scene, const Structure& structure) {

@@ -1,8 +1,11 @@
-// What is no error but should be known, for `inspect` and `run`.
+// What is no error but should be known.
 #pragma once
 
+#include <span>
+#include <string>
 #include <vector>
 
+#include "assur/backend.hpp"
 #include "assur/structure.hpp"
 #include "output/page.hpp"
 
@@ -10,6 +13,9 @@ namespace assur::output {
 
 // Of the scene (a vector that had to be normalised, ...), then of its start posture.
 [[nodiscard]] std::vector<Diagnostic> notes(const Scene& scene, const Structure& structure);
+
+// Why libraries are slower than they could be here, and what helps; once, however many solvers share one.
+[[nodiscard]] std::vector<std::string> slowed(std::span<const Backend> table);
 
 void print_notes(Page& page, const Scene& scene, const Structure& structure);
 

@@ -7,6 +7,7 @@
 #include "db/libraries.hpp"
 #include "db/unusable.hpp"
 #include "output/format.hpp"
+#include "output/notes.hpp"
 
 namespace assur::report {
 namespace {
@@ -95,6 +96,7 @@ Facts facts(const Knowledge& k, int threads, const std::string& date) {
         (libraries.empty() ? "" : "; ") + std::string(backend.id) + ": " + (version.empty() ? "absent" : version);
   }
   out.emplace_back("solvers", libraries);
+  for (const std::string& reason : output::slowed(backends())) out.emplace_back("slowed", reason);
   out.emplace_back("tuning", tuning_text(k));
   out.emplace_back("date", date);
   return out;
