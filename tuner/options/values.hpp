@@ -1,0 +1,27 @@
+// What may stand behind an option, and how a text is refused.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "assur/scene.hpp"
+
+namespace assur::options {
+
+// "name=value" with a finite number.
+void take_parameter(Parameters& set, const std::string& text);
+
+// "1e-4,1e-6": numbers > 0, then the largest first and each once.
+void take_accuracies(std::vector<double>& accuracies, const std::string& text);
+
+// "A,B", without an empty name.
+void take_names(std::vector<std::string>& names, const std::string& text, const std::string& option);
+
+// Checks; without a name, so that the help stays plain.
+[[nodiscard]] CLI::Validator number(double above, const std::string& what);  // finite; `what`: "" or " > 0"
+[[nodiscard]] CLI::Validator accuracy();
+[[nodiscard]] CLI::Validator whole_number(int least);
+[[nodiscard]] CLI::Validator one_of(const std::vector<std::string>& names);
+
+}  // namespace assur::options
