@@ -29,9 +29,13 @@ std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 double ErrorEstimate::Figures::worst() const { return std::max({position, velocity, acceleration}); }
 
-ErrorEstimate::ErrorEstimate(const System& system, Layout& layout, std::span<const OutputProgram> outputs,
+ErrorEstimate::ErrorEstimate(const Structure& structure, Layout& layout, std::span<const OutputProgram> outputs,
                              double accuracy)
-    : layout_(layout), outputs_(outputs), asked_(accuracy > 0 ? accuracy : kDoubtfulError) {
+    : layout_(layout),
+      static_(*structure.system, structure),
+      outputs_(outputs),
+      asked_(accuracy > 0 ? accuracy : kDoubtfulError) {
+  const System& system = *structure.system;
   for (std::size_t c = 0; c < system.coordinates.size(); ++c) {
     const bool drives = system.coordinates[c].role == Role::driven && system.coordinates[c].moving;
     if (drives && layout.address[c] >= 0) driven_.push_back(layout.address[c]);
@@ -56,6 +60,7 @@ ErrorEstimate::ErrorEstimate(const System& system, Layout& layout, std::span<con
     blocks += pack.omega.size();
     quadratic = quadratic && layout.solvers[idx(pack.group_class)]->quadratic();
   }
+  systems_.reserve(mechanisms_.size());
   omega_.reserve(blocks);
   regular_.resize(layout.packs.size());
   interval_ = quadratic ? kInterval : kIntervalUnseen;
@@ -63,6 +68,8 @@ ErrorEstimate::ErrorEstimate(const System& system, Layout& layout, std::span<con
 
 void ErrorEstimate::restart(std::span<const System* const> systems) {
   used_ = systems.size();
+  systems_.assign(systems.begin(), systems.end());
+  static_known_ = static_.coordinates().empty();
   for (std::size_t i = 0; i < used_; ++i) {
     Mechanism& m = mechanisms_[i];
     m.unit.clear();
@@ -117,12 +124,31 @@ Probes ErrorEstimate::begin(std::span<const double> times, const double* const (
     }
     scale[2] = std::max(scale[2], scale[1] * scale[1]);
   }
+  if (!static_known_) perturb_static(state[0]);
   Probes probes;
   for (std::size_t k = 0; k < kProbes; ++k) {
     perturb_known(times, state, k);
     for (std::size_t d = 0; d < 3; ++d) probes[k][d] = probes_[k][d].data();
   }
   return probes;
+}
+
+void ErrorEstimate::perturb_static(const double* state) {
+  const std::span<const std::int32_t> stands = static_.coordinates();
+  std::vector<double> q(systems_.empty() ? 0 : systems_[0]->coordinates.size());
+  for (std::size_t i = 0; i < used_; ++i) {
+    for (std::size_t c = 0; c < q.size(); ++c) {
+      const std::int32_t a = layout_.address[c];
+      q[c] = a >= 0 ? state[idx(a) + i] : 0;
+    }
+    const std::vector<double> errors = static_.draw(*systems_[i], q, kProbes, 0);
+    for (std::size_t k = 0; k < kProbes; ++k) {
+      for (std::size_t s = 0; s < stands.size(); ++s) {
+        probes_[k][0][idx(layout_.address[idx(stands[s])]) + i] = errors[k * stands.size() + s];
+      }
+    }
+  }
+  static_known_ = true;
 }
 
 // Laws are exact but for the rounding of their arguments, which grow with the time.

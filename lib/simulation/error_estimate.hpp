@@ -13,6 +13,7 @@
 #include "simulation/layout.hpp"
 #include "simulation/levels.hpp"
 #include "simulation/output_program.hpp"
+#include "simulation/static_errors.hpp"
 
 namespace assur {
 
@@ -27,9 +28,9 @@ class ErrorEstimate {
 
   // outputs: of the mechanism, or of those in the lanes of a tile, one next to the other. Both must outlive it.
   // accuracy: errors up to here are not in doubt; 0: up to kDoubtfulError.
-  ErrorEstimate(const System& system, Layout& layout, std::span<const OutputProgram> outputs, double accuracy);
+  ErrorEstimate(const Structure& structure, Layout& layout, std::span<const OutputProgram> outputs, double accuracy);
 
-  // Systems of one structure, one for each mechanism.
+  // Systems of one structure, one for each mechanism; they must outlive what is measured next.
   void restart(std::span<const System* const> systems);
 
   // Is what was measured last out of date? Tell it of every step, and of the largest residual that it left.
@@ -50,8 +51,8 @@ class ErrorEstimate {
   // Until the next measurement the errors may be as large as this where the conditions are as they were.
   void expect(double error) { expected_ = error; }
 
-  // Since restart(), if anything moves.
-  [[nodiscard]] bool measured() const { return seed_ > 0 && !driven_.empty(); }
+  // Since restart(), if anything was solved.
+  [[nodiscard]] bool measured() const { return seed_ > 0 && !(driven_.empty() && static_.coordinates().empty()); }
   [[nodiscard]] double asked() const { return asked_; }
   [[nodiscard]] const Figures& now(std::size_t mechanism = 0) const { return mechanisms_[mechanism].now; }
   // Of the whole run: the largest errors over the largest values.
@@ -77,12 +78,14 @@ class ErrorEstimate {
     Place worst;
   };
   [[nodiscard]] Probes begin(std::span<const double> times, const double* const (&state)[3]);
+  void perturb_static(const double* state);
   void perturb_known(std::span<const double> times, const double* const (&state)[3], std::size_t probe);
   void find_worst();
   void finish(const double* const (&state)[3], std::span<const double* const> rows);
   [[nodiscard]] Figures relative(const Mechanism& m, const std::vector<Size>& sizes) const;
 
   Layout& layout_;
+  StaticErrors static_;
   std::span<const OutputProgram> outputs_;
   double asked_;
   std::vector<std::int32_t> driven_;                                // addresses of what drives
@@ -91,11 +94,13 @@ class ErrorEstimate {
   std::array<std::array<std::vector<double>, 3>, kProbes> probes_;  // by derivative, like the state
   std::array<std::vector<double>, 3> moved_;                        // the state, moved along a probe
   std::vector<double> moved_row_;
-  std::vector<Mechanism> mechanisms_;  // lanes
-  std::size_t used_ = 0;               // of them
-  std::vector<double> omega_;          // of all packs, when it was measured
-  std::vector<std::uint8_t> regular_;  // packs
-  double residual_ = 0;                // the largest of a step that was measured
+  std::vector<Mechanism> mechanisms_;   // lanes
+  std::vector<const System*> systems_;  // of those used
+  bool static_known_ = true;            // the probes hold the errors of what stands still
+  std::size_t used_ = 0;                // of them
+  std::vector<double> omega_;           // of all packs, when it was measured
+  std::vector<std::uint8_t> regular_;   // packs
+  double residual_ = 0;                 // the largest of a step that was measured
   std::int64_t branch_checks_ = 0;
   std::int64_t steps_ = 0, interval_ = 0;
   std::uint64_t seed_ = 0;

@@ -87,7 +87,7 @@ void SideBySide::check_accuracy(std::span<LaneRun* const> lanes, std::size_t row
     const Status s = tile_.accuracy(static_cast<int>(i));
     if (s.ok()) continue;
     const std::string group = s.where < 0 ? "" : prepared_.structure->groups[static_cast<std::size_t>(s.where)].name;
-    record_doubt(run.events, {run.times[row - 1], run.times[row], group, s.code, s.figure});
+    record_doubt(run.events, {run.times[std::max<std::size_t>(row, 1) - 1], run.times[row], group, s.code, s.figure});
     if (run.status.ok()) run.status = s;
   }
 }
@@ -107,6 +107,7 @@ void SideBySide::run(std::span<LaneRun* const> lanes, const std::function<bool()
         write_row(static_cast<int>(i), *together[i], 0);
         together[i]->uniqueness = tile_.uniqueness(static_cast<int>(i));
       }
+      if (tile_.errors_are_due()) check_accuracy(together, 0);
     }
     if (started) row = follow(together, row, proceed);
     if (row == last) return;

@@ -42,7 +42,7 @@ struct Simulator::Impl {
         motion(prepared, limits, report),
         columns(column_names(system)),
         outputs(system, motion.layout().address),
-        estimate(system, motion.layout(), {&outputs, 1}, prepared.plan.accuracy) {
+        estimate(structure, motion.layout(), {&outputs, 1}, prepared.plan.accuracy) {
     std::vector<std::uint8_t> read(motion.layout().size, 0);
     outputs.mark(read);
     motion.keep_what_is_read(std::move(read));

@@ -59,7 +59,7 @@ Tile::Tile(const Prepared& prepared, const StepLimits& limits)
       layout_(lay_out_side_by_side(prepared, lanes_)),
       columns_(column_names(*structure_->system)),
       outputs_(idx(lanes_), OutputProgram(*structure_->system, layout_.address)),
-      estimate_(*structure_->system, layout_, outputs_, prepared.plan.accuracy) {
+      estimate_(*structure_, layout_, outputs_, prepared.plan.accuracy) {
   state_.resize(layout_.first_unknown, layout_.size, prepared.plan.predictor);
   const System& system = *structure_->system;
   watch_.resize(idx(lanes_));

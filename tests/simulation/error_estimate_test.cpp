@@ -67,6 +67,42 @@ TEST(ErrorEstimate, SeesWhatNewtonLeft) {
   }
 }
 
+// Two bars that stand still, nearly in line, and, if asked for, a crank that turns about their joint.
+Scene standing_bars(double missed, bool crank) {
+  const double coupler = 1.1, rocker = 0.7, ground = (coupler + rocker) * (1 - missed);
+  const double along = (coupler * coupler - rocker * rocker + ground * ground) / (2 * ground);
+  SceneBuilder b("standing", 2);
+  b.fixed_point("A", {0, 0, 0}).fixed_point("D", {ground, 0, 0});
+  b.point("C", {along, std::sqrt(coupler * coupler - along * along), 0});
+  b.constrain("coupler", Distance{"A", "C", coupler}).constrain("rocker", Distance{"C", "D", rocker});
+  if (crank) {
+    b.point("E", {along + 0.5, 0, 0}).constrain("crank", Distance{"C", "E", 0.5});
+    b.drive("motor", PointAngle{"C", "E", "", Law::polynomial({0, 1})});
+  }
+  return b.time(0, 1, 0.25).build();
+}
+
+constexpr double kBetween = 1e-9;  // the errors at 1e-11 and 1e-12
+
+TEST(ErrorEstimate, OfWhatStandsStill) {
+  for (const bool crank : {false, true}) {
+    for (double missed = 0.1; missed > 1e-13; missed /= 10) {
+      SCOPED_TRACE(std::to_string(std::log10(missed)) + (crank ? ", with a crank" : ""));
+      const Prepared p = prepare(standing_bars(missed, crank), {.strategy = "irreducible/eigen", .accuracy = kBetween});
+      Simulator s(p);
+      const Trajectory rows = s.run();
+      const ForwardError truth = forward_error(p, rows), guess = estimated(s.report());
+      EXPECT_LE(truth.position, 4 * guess.position);
+      EXPECT_LE(guess.position, 20 * test::kEps / std::sqrt(missed));
+      EXPECT_EQ(s.report().status.code, missed < 5e-12 ? Code::inaccurate : Code::ok) << guess.position;
+    }
+  }
+  const Result gough = test::run(sample("gough"), "irreducible/eigen");
+  const double truth = forward_error(gough.simulator.prepared(), gough.trajectory).position;
+  EXPECT_LE(truth, 4 * estimated(gough.report()).position);
+  EXPECT_LE(estimated(gough.report()).position, 1000 * truth);
+}
+
 TEST(ErrorEstimate, IsTheSameForAnyThreads) {
   const Scene scene = sample("rings:legs=6,n=24,steps=20");
   const Result one = test::run(scene, "groups/eigen"), two = test::run(scene, "groups/eigen 2x1");
@@ -185,6 +221,19 @@ TEST(Accuracy, OfEachMemberOfAnEnsemble) {
   // Signs are drawn anew for each lane.
   EXPECT_LE(e.report().error.estimated_position.value(), 10 * estimated_position);
   EXPECT_GE(e.report().error.estimated_position.value(), 0.1 * estimated_position);
+}
+
+TEST(Accuracy, OfMembersThatStandStill) {
+  const std::vector<double> missed = {0.1, 1e-13, 1e-3};
+  Ensemble e(missed.size(), [&](std::size_t i) {
+    return prepare(standing_bars(missed[i], false), {.strategy = "irreducible/eigen:4", .accuracy = kBetween});
+  });
+  (void)e.run();
+  for (std::size_t i = 0; i < missed.size(); ++i) {
+    const Ensemble::Outcome& o = e.outcomes()[i];
+    EXPECT_EQ(o.status.code, missed[i] < 1e-12 ? Code::inaccurate : Code::ok) << missed[i];
+    EXPECT_EQ(o.events.empty(), o.status.ok());
+  }
 }
 
 TEST(Accuracy, OfChunks) {

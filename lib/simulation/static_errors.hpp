@@ -1,0 +1,30 @@
+// How wrong coordinates are that stand still: they were solved once, with the start posture. One perturbation of what
+// was left in their equations and of its rounding, carried through all of them.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "assur/structure.hpp"
+
+namespace assur {
+
+class StaticErrors {
+ public:
+  // A loaded plan has no equations of what stands still: then there is nothing here.
+  StaticErrors(const System& system, const Structure& structure);
+
+  // Structure::static_coordinates, or none.
+  [[nodiscard]] std::span<const std::int32_t> coordinates() const { return coordinates_; }
+
+  // errors[k * coordinates + i]: of coordinate i in probe k, with signs drawn by seed + k. q: all coordinates of a
+  // system of this structure; only what stands still is read. Infinite where the matrix is singular.
+  [[nodiscard]] std::vector<double> draw(const System& system, const std::vector<double>& q, std::size_t probes,
+                                         std::uint64_t seed) const;
+
+ private:
+  std::vector<std::int32_t> coordinates_, equations_;
+};
+
+}  // namespace assur
