@@ -111,8 +111,8 @@ struct Backend {
   bool single;               // can factorise in float
   std::string_view licence;  // SPDX identifier of the library behind it
   std::string (*version)();  // of the library behind it; "" if absent
-  std::string (*slowed)() =
-      nullptr;  // why that library is slower than it could be here, and what helps; "" if it is not
+  // Why that library is slower than it could be here, and what helps; "" if it is not. Null: nobody knows.
+  std::string (*slowed)() = nullptr;
 };
 
 // Every backend of this build, present or absent, in the order of registry.cpp. In assur::assur.

@@ -122,8 +122,8 @@ std::string slow_kernels(std::string_view core, std::string_view instructions) {
       "Unknown", "Katmai",    "Coppermine", "Northwood",    "Prescott",  "Banias",      "Atom",
       "Core2",   "Penryn",    "Dunnington", "Nehalem",      "Athlon",    "Nano",        "Opteron",
       "Bobcat",  "Bulldozer", "Piledriver", "Opteron_SSE3", "Barcelona", "Sandybridge", "Steamroller"};
-  const bool known = std::find(kWithoutAvx2.begin(), kWithoutAvx2.end(), core) == kWithoutAvx2.end();
-  if (known || !instructions.starts_with("AVX")) return "";
+  const bool serves = std::find(kWithoutAvx2.begin(), kWithoutAvx2.end(), core) == kWithoutAvx2.end();
+  if (serves || !instructions.starts_with("AVX")) return "";
   return "OpenBLAS does not know this processor, takes it for " + std::string(core) +
          " and leaves its wider instructions unused: set OPENBLAS_CORETYPE=" +
          (instructions.starts_with("AVX3") ? "SkylakeX" : "Haswell");
