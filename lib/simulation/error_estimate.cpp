@@ -19,7 +19,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSafety = 2.5;
 constexpr double kRounding = 16 * kEps;       // residuals up to here are not looked at
 constexpr std::int64_t kInterval = 512;       // steps from one measurement to the next
-constexpr std::int64_t kIntervalUnseen = 16;  // where callbacks hide how the condition changes
+constexpr std::int64_t kIntervalUnseen = 16;  // where callbacks hide how the condition changes, or errors are in doubt
 constexpr double kGrown = 2;                  // of a condition, or a residual: then it is measured again
 constexpr double kMoved = 1e-7;               // of a posture along a probe, internal units
 
@@ -82,7 +82,6 @@ void ErrorEstimate::restart(std::span<const System* const> systems) {
   steps_ = branch_checks_ = 0;
   seed_ = 0;
   worst_ = expected_ = 0;
-  in_doubt_ = true;
 }
 
 // Errors of accelerations grow like the cube of a condition, and those of levels multiply.
@@ -94,23 +93,27 @@ bool ErrorEstimate::due(std::int64_t branch_checks, double residual) {
   }
   // The start is solved with care; the first step is the first of its kind.
   const bool first = seed_ < 2 * kProbes;
-  if (in_doubt_ || first || steps_ >= interval_) return true;
+  if (first || steps_ >= (in_doubt() ? kIntervalUnseen : interval_)) return true;
   // Where errors are let grow, conditions are watched between their measurements, too.
   if (branch_checks == branch_checks_ && expected_ == 0) return false;
   branch_checks_ = branch_checks;
   const double* before = omega_.data();
   // What a ball leaves open counts for one level: that all of them move towards a singularity at once is not expected.
-  double grown = 1, open = 1;
+  double grown = 1, open = 1, shrunk = 1;
   const std::vector<Pack>& packs = layout_.packs;
   for (std::size_t p = 0; p < packs.size();) {
     double of_level = 1;
     for (const std::int32_t level = packs[p].level; p < packs.size() && packs[p].level == level; ++p) {
-      for (const double omega : packs[p].omega) of_level = std::max(of_level, omega / *before++);
+      for (const double omega : packs[p].omega) {
+        of_level = std::max(of_level, omega / *before);
+        shrunk = std::max(shrunk, *before++ / omega);
+      }
       for (const double used : packs[p].ball_used) open = std::max(open, 1 / (1 - used));
     }
     if (of_level > kGrown && expected_ == 0) return true;
     grown *= of_level;
   }
+  if (in_doubt()) return shrunk > kGrown;
   if (expected_ > 0) grown *= open;
   return std::max(worst_, expected_) * grown * grown * grown > asked_;
 }
@@ -236,7 +239,6 @@ void ErrorEstimate::finish(const double* const (&state)[3], std::span<const doub
     m.now = relative(m, m.sizes);
     worst_ = std::max(worst_, m.now.worst());
   }
-  in_doubt_ = worst_ > asked_;
 }
 
 ErrorEstimate::Figures ErrorEstimate::relative(const Mechanism& m, const std::vector<Size>& sizes) const {

@@ -54,6 +54,8 @@ class ErrorEstimate {
   // Since restart(), if anything was solved.
   [[nodiscard]] bool measured() const { return seed_ > 0 && !(driven_.empty() && static_.coordinates().empty()); }
   [[nodiscard]] double asked() const { return asked_; }
+  // When it was measured last, errors were larger than was asked for, those of some mechanism.
+  [[nodiscard]] bool in_doubt() const { return worst_ > asked_; }
   [[nodiscard]] const Figures& now(std::size_t mechanism = 0) const { return mechanisms_[mechanism].now; }
   // Of the whole run: the largest errors over the largest values.
   [[nodiscard]] Figures of_run(std::size_t mechanism = 0) const;
@@ -106,7 +108,6 @@ class ErrorEstimate {
   std::uint64_t seed_ = 0;
   double worst_ = 0;  // of all mechanisms
   double expected_ = 0;
-  bool in_doubt_ = false;
 };
 
 // Adds what is in doubt to the events of a run: steps one after the other are one event, of the worst of them.

@@ -64,7 +64,7 @@ std::size_t SideBySide::follow(std::span<LaneRun* const> lanes, std::size_t from
     const bool moves = times[0] != lanes[0]->times[row - 1];
     if (moves && !tile_.step(times).ok()) return row - 1;
     for (std::size_t i = 0; i < lanes.size(); ++i) write_row(static_cast<int>(i), *lanes[i], row);
-    if (moves && tile_.errors_are_due()) check_accuracy(lanes, row);
+    if (moves) check_accuracy(lanes, row);
     if (!proceed()) {
       stopped_ = true;
       return row;
@@ -75,13 +75,16 @@ std::size_t SideBySide::follow(std::span<LaneRun* const> lanes, std::size_t from
 
 // Of the rows `row`, which all lanes are at.
 void SideBySide::check_accuracy(std::span<LaneRun* const> lanes, std::size_t row) {
-  std::array<double, kMostLanes> times{};
-  std::array<const double*, kMostLanes> rows{};
-  for (std::size_t i = 0; i < lanes.size(); ++i) {
-    times[i] = lanes[i]->times[row];
-    rows[i] = lanes[i]->row(row, columns().size());
+  if (tile_.errors_are_due()) {
+    std::array<double, kMostLanes> times{};
+    std::array<const double*, kMostLanes> rows{};
+    for (std::size_t i = 0; i < lanes.size(); ++i) {
+      times[i] = lanes[i]->times[row];
+      rows[i] = lanes[i]->row(row, columns().size());
+    }
+    tile_.measure_errors({times.data(), lanes.size()}, {rows.data(), lanes.size()});
   }
-  tile_.measure_errors({times.data(), lanes.size()}, {rows.data(), lanes.size()});
+  if (!tile_.in_doubt()) return;
   for (std::size_t i = 0; i < lanes.size(); ++i) {
     LaneRun& run = *lanes[i];
     const Status s = tile_.accuracy(static_cast<int>(i));
@@ -107,7 +110,7 @@ void SideBySide::run(std::span<LaneRun* const> lanes, const std::function<bool()
         write_row(static_cast<int>(i), *together[i], 0);
         together[i]->uniqueness = tile_.uniqueness(static_cast<int>(i));
       }
-      if (tile_.errors_are_due()) check_accuracy(together, 0);
+      check_accuracy(together, 0);
     }
     if (started) row = follow(together, row, proceed);
     if (row == last) return;

@@ -59,7 +59,7 @@ struct Simulator::Impl {
     report.events.reserve(kEventsReserved);
     const System* const of[] = {&system};
     estimate.restart(of);
-    doubt = {};
+    doubt = verdict = {};
     motion.start(time, posture);
     fill_row(false);
   }
@@ -94,10 +94,18 @@ struct Simulator::Impl {
 
   // Of the posture that was reached at last, on the way from `from`: is it as accurate as was asked for?
   Status check_accuracy(double from) {
-    if (!estimate.due(report.counters.branch_checks, motion.errors().worst())) return {};
+    if (estimate.due(report.counters.branch_checks, motion.errors().worst())) judge();
+    if (verdict.ok()) return {};
+    const std::string group = verdict.where < 0 ? "" : structure.groups[idx(verdict.where)].name;
+    record_doubt(report.events, {from, motion.time(), group, verdict.code, verdict.figure});
+    if (doubt.ok()) report.status = doubt = verdict;
+    return verdict;
+  }
+
+  void judge() {
     measure();
     const bool loose = motion.converged() > kConverged;
-    if (estimate.now().worst() > estimate.asked() && loose && motion.polish()) {
+    if (estimate.in_doubt() && loose && motion.polish()) {
       fill_row(true);
       measure();
     }
@@ -109,15 +117,11 @@ struct Simulator::Impl {
       motion.converge_to(std::clamp(left, kConverged, kLoosest));
       estimate.expect(motion.converged() > kConverged ? prepared.plan.accuracy / margin : 0);
     }
-    if (error <= estimate.asked()) return {};
-    const std::span<const Pack> packs = motion.packs();
+    verdict = {};
+    if (!estimate.in_doubt()) return;
     const auto [pack, lane] = estimate.worst_of();
-    const std::int32_t group = packs.empty() ? -1 : packs[pack].groups[idx(lane)];
-    const Status status{Code::inaccurate, group, error};
-    record_doubt(report.events,
-                 {from, motion.time(), group < 0 ? "" : structure.groups[idx(group)].name, status.code, error});
-    if (doubt.ok()) report.status = doubt = status;
-    return status;
+    const std::span<const Pack> packs = motion.packs();
+    verdict = {Code::inaccurate, packs.empty() ? -1 : packs[pack].groups[idx(lane)], error};
   }
 
   void measure() {
@@ -223,7 +227,8 @@ struct Simulator::Impl {
   std::vector<std::string> columns;
   OutputProgram outputs;
   ErrorEstimate estimate;
-  Status doubt;  // the first one of the run
+  Status verdict;  // of the last measurement: ok, or inaccurate
+  Status doubt;    // the first one of the run
   std::vector<double> row, previous_row;
   std::shared_ptr<const Prepared> first_structure;  // what reset() goes back to, after a reselection
   Effort earlier_effort;                            // of solvers that ran the chunks

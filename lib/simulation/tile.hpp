@@ -66,6 +66,8 @@ class Tile {
   // variant.
   [[nodiscard]] bool errors_are_due();
   void measure_errors(std::span<const double> times, std::span<const double* const> rows);
+  // When they were measured last, errors were larger than was asked for, those of some variant.
+  [[nodiscard]] bool in_doubt() const { return estimate_.in_doubt(); }
   // Of a variant, as they were measured: ok, or inaccurate with the group where they are largest.
   [[nodiscard]] Status accuracy(int lane) const;
 

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "assur/ensemble.hpp"
+#include "simulation/ensembles.hpp"
+#include "simulation/fan.hpp"
 #include "simulation/near_singular.hpp"
 #include "simulation/random_count.hpp"
 #include "simulation/run.hpp"
@@ -221,6 +223,26 @@ TEST(Accuracy, OfEachMemberOfAnEnsemble) {
   // Signs are drawn anew for each lane.
   EXPECT_LE(e.report().error.estimated_position.value(), 10 * estimated_position);
   EXPECT_GE(e.report().error.estimated_position.value(), 0.1 * estimated_position);
+}
+
+// A measurement costs as much as some steps: where a doubt lasts, not every step pays for one.
+TEST(Accuracy, ADoubtThatLastsIsNotMeasuredInEachStep) {
+  const auto calls = [](double accuracy) {
+    const auto count = std::make_shared<int>(0);
+    Callback rocker = test::distance_by_callback("D", "C", 1.3);
+    rocker.curvature = [count, curvature = rocker.curvature](auto x, auto rate, auto c) {
+      ++*count;
+      curvature(x, rate, c);
+    };
+    Simulator s(prepare(test::with_callback(1.3, rocker), {.strategy = "irreducible/eigen", .accuracy = accuracy}));
+    *count = 0;
+    const Trajectory rows = s.run();
+    EXPECT_EQ(rows.rows(), 101u);
+    EXPECT_EQ(s.report().status.code, accuracy > 0 ? Code::inaccurate : Code::ok);
+    EXPECT_EQ(s.report().events.size(), accuracy > 0 ? 1u : 0u);
+    return *count;
+  };
+  EXPECT_LE(calls(1e-18), 1.2 * calls(0));
 }
 
 TEST(Accuracy, OfMembersThatStandStill) {
