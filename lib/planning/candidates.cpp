@@ -94,7 +94,8 @@ std::vector<Candidate> weigh(const std::vector<Candidate>& offers, std::span<con
     for (const Load& load : loads) {
       const std::int32_t packs = (load.groups + s.lanes - 1) / s.lanes;
       const std::int32_t calls = (packs + load.threads - 1) / load.threads;
-      sum += offer.expected_seconds * together(calls, packs, load.threads, scales.model.contention(load.threads * s.q));
+      sum += offer.expected_seconds *
+             together(calls, packs, load.threads, scales.model.contention(load.threads * s.q, load.unknowns));
     }
     all.push_back(offer);
     all.back().expected_seconds = sum;
@@ -131,7 +132,7 @@ std::vector<Candidate> candidates(const Shape& shape, const CandidateOptions& op
   const std::vector<Candidate> offered = offers(shape, 2 * shape.groups - 1, budget, scales);
   std::vector<Candidate> all;
   for (std::int32_t p = 1; p <= std::min(budget, shape.groups); p *= 2) {
-    const Load load{shape.groups, p};
+    const Load load{shape.groups, p, shape.n};
     for (Candidate& c : weigh(offered, {&load, 1}, budget / p, scales)) {
       if (p > 1 && !c.why_not.empty()) continue;  // said once
       c.strategy.p = p;

@@ -23,7 +23,8 @@ struct Scales {
 // The groups of a class that are solved side by side.
 struct Load {
   std::int32_t groups = 1;
-  std::int32_t threads = 1;  // that share them
+  std::int32_t threads = 1;   // that share them
+  std::int32_t unknowns = 1;  // of each group
 };
 
 // Of work that p threads share, if the longest share takes `makespan` and all of it `work` on one thread: where all of

@@ -1,8 +1,9 @@
 #include "planning/dispatcher.hpp"
 
 #include <algorithm>
-#include <array>
+#include <cmath>
 #include <iomanip>
+#include <limits>
 #include <numeric>
 #include <optional>
 #include <sstream>
@@ -135,14 +136,18 @@ std::vector<std::int64_t> read_by_levels(const Structure& s) {
   return read;
 }
 
-// Threads of each level, and the time of all levels: a level is shared only where that gains. The threads start
-// together once a step; between levels they wait for each other, which is the smaller part of a meeting.
+// Threads of each level, and the time of all levels: a level is shared only where that gains, one of them also where
+// it brings the threads that share the outputs. The threads start together once a step; between levels they wait for
+// each other, which is the smaller part of a meeting.
 void share_levels(Plan& plan, const Structure& s, const std::vector<Batch>& batches, std::int32_t budget,
                   const Around& around, const PerformanceModel& model) {
   const std::int32_t p = plan.threads;
-  const double contention = model.contention(p);
   plan.meeting_seconds = kMeetings * model.meeting(p).seconds;
   const std::vector<std::int64_t> read = p > 1 ? read_by_levels(s) : std::vector<std::int64_t>(idx(s.levels), 0);
+  struct {
+    double seconds = std::numeric_limits<double>::infinity();
+    std::int32_t level = 0;
+  } least_loss;
   double all_alone = 0;
   plan.level_threads.assign(idx(s.levels), 1);
   plan.expected_seconds = 0;
@@ -151,31 +156,40 @@ void share_levels(Plan& plan, const Structure& s, const std::vector<Batch>& batc
     const std::int32_t level = batches[begin].level;
     costs.clear();
     std::int32_t most_q = 1;
-    double doubles = 3.0 * static_cast<double>(read[idx(level)]);
+    double doubles = 3.0 * static_cast<double>(read[idx(level)]), contended = 0;
     for (; end < batches.size() && batches[end].level == level; ++end) {
       const Plan::Choice& choice = plan.choices[idx(batches[end].group_class)];
-      costs.insert(costs.end(), idx(packs_of(batches[end], choice)), choice.expected_seconds);
+      const std::int32_t packs = packs_of(batches[end], choice), n = s.classes[idx(choice.group_class)].n;
+      costs.insert(costs.end(), idx(packs), choice.expected_seconds);
+      contended += packs * choice.expected_seconds * model.contention(p, n);
       most_q = std::max(most_q, choice.strategy.q);
-      doubles += batches[end].groups * kHandedOver * s.classes[idx(batches[end].group_class)].n;
+      doubles += batches[end].groups * kHandedOver * n;
     }
     const double alone = std::accumulate(costs.begin(), costs.end(), 0.0);
     double best = alone;
     const double handover = kMeetings * model.meeting(p, doubles * (p - 1) / p).seconds - plan.meeting_seconds;
     if (p > 1 && costs.size() > 1 && std::int64_t{p} * most_q <= budget) {
-      const double shared =
-          together(longest_first(costs, p).makespan, alone, p, contention) + kWait * plan.meeting_seconds + handover;
+      const double shared = together(longest_first(costs, p).makespan, alone, p, contended / alone) +
+                            kWait * plan.meeting_seconds + handover;
       if (shared < alone) {
         best = shared;
         plan.level_threads[idx(level)] = p;
+      } else if (shared - alone < least_loss.seconds) {
+        least_loss = {shared - alone, level};
       }
     }
     plan.expected_seconds += best;
     all_alone += alone;
   }
+  const bool any = std::any_of(plan.level_threads.begin(), plan.level_threads.end(), [](auto n) { return n > 1; });
+  if (!any && std::isfinite(least_loss.seconds)) {
+    plan.level_threads[idx(least_loss.level)] = p;
+    plan.expected_seconds += least_loss.seconds;
+  }
   plan.expected_seconds += plan.meeting_seconds + around.seconds(p);
   all_alone += around.seconds(1);
-  const bool any = std::any_of(plan.level_threads.begin(), plan.level_threads.end(), [](auto n) { return n > 1; });
-  if (any && plan.expected_seconds < all_alone) return;
+  const bool can = any || std::isfinite(least_loss.seconds);
+  if (can && plan.expected_seconds < all_alone) return;
   plan.level_threads.assign(idx(s.levels), 1);
   plan.expected_seconds = all_alone;
 }
@@ -211,7 +225,7 @@ Plan latency_plan(const std::vector<Shape>& shapes, const std::vector<ClassLoad>
   plan.lanes = kThroughputLanes;  // should mechanisms run side by side after all
   for (std::size_t c = 0; c < classes.size(); ++c) {
     std::vector<Load> loads;
-    for (const Batch& b : classes[c].batches) loads.push_back({b.groups, classes[c].alone ? p : 1});
+    for (const Batch& b : classes[c].batches) loads.push_back({b.groups, classes[c].alone ? p : 1, shapes[c].n});
     const std::int32_t most_q = classes[c].single() ? budget : budget / p;
     plan.choices.push_back(
         choice_of(static_cast<std::int32_t>(c), shapes[c], weigh(offers[c], loads, most_q, scales), scales));
@@ -227,7 +241,7 @@ Plan throughput_plan(const std::vector<Shape>& shapes, const Offers& offers, std
   plan.threads = p;
   plan.lanes = lanes;
   for (std::size_t c = 0; c < shapes.size(); ++c) {
-    const Load load{lanes * shapes[c].groups, 1};
+    const Load load{lanes * shapes[c].groups, 1, shapes[c].n};
     std::vector<Candidate> weighed = weigh(offers[c], {&load, 1}, 1, scales);
     std::erase_if(weighed, [&](const Candidate& x) { return x.why_not.empty() && x.strategy.lanes != lanes; });
     plan.choices.push_back(choice_of(static_cast<std::int32_t>(c), shapes[c], std::move(weighed), scales));

@@ -23,7 +23,7 @@ constexpr std::array kKernels = {NamedKernel{Kernel::evaluate, "evaluate"}, Name
                                  NamedKernel{Kernel::solve, "solve"},       NamedKernel{Kernel::pack, "pack"},
                                  NamedKernel{Kernel::meeting, "meeting"},   NamedKernel{Kernel::step, "step"}};
 
-constexpr std::int32_t kFormat = 4;  // of bytes(); raised whenever anything is fitted or written otherwise
+constexpr std::int32_t kFormat = 5;  // of bytes(); raised whenever anything is fitted or written otherwise
 
 // What of a strategy a kernel depends on. Solvers differ by backend, precision and threads; W is kept apart, so that
 // another W can stand in.
@@ -230,14 +230,15 @@ struct PerformanceModel::Impl {
       gathered.emplace(cell, Gathered{of[0]->shape, of[0]->strategy, median(seconds), median(noise), error});
     }
     for (const auto& [p, crowd] : crowds) {
-      std::vector<double> ratios;
+      std::map<std::int32_t, std::vector<double>> ratios;  // n
       for (const auto& [cell, seconds] : crowd) {
         const auto alone = gathered.find(cell);
         if (alone == gathered.end()) continue;
-        ratios.push_back(std::clamp(median(seconds) / alone->second.seconds, 1.0, static_cast<double>(p)));
+        ratios[alone->second.shape.n].push_back(
+            std::clamp(median(seconds) / alone->second.seconds, 1.0, static_cast<double>(p)));
       }
       // The mean: in some minutes the cores have nothing else to do, in others they have.
-      if (!ratios.empty()) contentions[p] = mean(ratios);
+      for (const auto& [n, of] : ratios) contentions[p][n] = mean(of);
     }
     return gathered;
   }
@@ -429,14 +430,14 @@ struct PerformanceModel::Impl {
   std::string source;
   std::size_t count = 0;
   std::map<Variant, std::int32_t> numbers;
-  std::vector<Known> known;                               // ascending
-  std::array<Curves, 3> curve;                            // evaluate, factor, solve; by variant
-  std::array<double, 3> speed{1, 1, 1};                   // measured over prior, of each
-  Curves rest;                                            // W
-  Curves packs;                                           // by variant
-  std::map<std::int32_t, std::vector<double>> meetings;   // p
-  std::map<std::int32_t, std::vector<double>> handovers;  // p; s for each double
-  std::map<std::int32_t, double> contentions;             // p
+  std::vector<Known> known;                                            // ascending
+  std::array<Curves, 3> curve;                                         // evaluate, factor, solve; by variant
+  std::array<double, 3> speed{1, 1, 1};                                // measured over prior, of each
+  Curves rest;                                                         // W
+  Curves packs;                                                        // by variant
+  std::map<std::int32_t, std::vector<double>> meetings;                // p
+  std::map<std::int32_t, std::vector<double>> handovers;               // p; s for each double
+  std::map<std::int32_t, std::map<std::int32_t, double>> contentions;  // p; n
 };
 
 PerformanceModel::PerformanceModel() : PerformanceModel(std::vector<Sample>{}, "nothing was measured") {}
@@ -474,7 +475,7 @@ Prediction PerformanceModel::kernel(Kernel kernel, const Shape& shape, const Str
     case Kernel::step: {
       Prediction whole = pack(shape, strategy);
       const double packs = std::ceil(static_cast<double>(shape.groups) / strategy.lanes);
-      whole.seconds *= std::ceil(packs / strategy.p) * contention(strategy.p);
+      whole.seconds *= std::ceil(packs / strategy.p) * contention(strategy.p, shape.n);
       whole.seconds += meeting(strategy.p).seconds + around(std::int64_t{shape.n} * shape.groups).seconds;
       return whole;
     }
@@ -506,12 +507,19 @@ Prediction PerformanceModel::meeting(std::int32_t p, double doubles) const {
   return sum;
 }
 
-// As far as was seen; beyond it as at most threads.
-double PerformanceModel::contention(std::int32_t p) const {
+// As far as was seen; beyond it as of most threads, and as of the smallest or largest groups.
+double PerformanceModel::contention(std::int32_t p, std::int32_t n) const {
   const auto& known = impl_->contentions;
   if (p < 2 || known.empty()) return 1;
-  const auto above = known.lower_bound(p);
-  return above == known.end() ? std::prev(above)->second : above->second;
+  const auto of = known.lower_bound(p);
+  const auto& sizes = of == known.end() ? std::prev(of)->second : of->second;
+  const auto above = sizes.lower_bound(n);
+  if (above == sizes.begin()) return above->second;
+  const auto below = std::prev(above);
+  if (above == sizes.end()) return below->second;
+  const double share =
+      std::log(static_cast<double>(n) / below->first) / std::log(static_cast<double>(above->first) / below->first);
+  return below->second + share * (above->second - below->second);
 }
 
 Prediction PerformanceModel::around(std::int64_t unknowns, std::int64_t pieces) const {

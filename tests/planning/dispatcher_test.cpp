@@ -116,6 +116,24 @@ TEST(Dispatcher, SharesALevelOnlyWhereThatGains) {
   EXPECT_EQ(few.plan.threads, 1);
 }
 
+// Where numbers are handed over slowly no level gains by itself, but the threads are there for the outputs then.
+TEST(Dispatcher, SharesALevelForTheSakeOfTheOutputs) {
+  std::vector<Sample> slow = samples();
+  Sample handover;
+  handover.kernel = Kernel::meeting;
+  handover.strategy.p = 2;
+  handover.shape.n = 4000;
+  handover.seconds = kAloneBeforeMeeting + 4000 * 2e-9;
+  slow.push_back(handover);
+  const auto known = std::make_shared<PerformanceModel>(slow);
+  const auto shared = [&](const Scene& scene) {
+    const Plan plan = prepare(scene, {.budget = ThreadBudget{2}, .model = known}).plan;
+    return std::count_if(plan.level_threads.begin(), plan.level_threads.end(), [](auto p) { return p > 1; });
+  };
+  EXPECT_EQ(shared(sample("stewart:platforms=100")), 1);
+  EXPECT_EQ(shared(sample("stewart:platforms=100").with_outputs({"O_1"})), 0);
+}
+
 TEST(Dispatcher, DecidesTheSameFromTheSameSamples) {
   for (const char* scene : {"stewart", "rings:legs=5,n=78", "andrews", "four_bar:23"}) {
     std::vector<Sample> known = samples();

@@ -130,7 +130,7 @@ TEST(PerformanceModel, WithoutSamplesThereIsAPriorForEverything) {
   }
   EXPECT_GT(nothing.meeting(2).seconds, 0);
   EXPECT_EQ(nothing.meeting(1).seconds, 0);
-  EXPECT_EQ(nothing.contention(2), 1);
+  EXPECT_EQ(nothing.contention(2, 15), 1);
 }
 
 TEST(PerformanceModel, SamplesThatMakeNoSenseAreNotUsed) {
@@ -149,19 +149,25 @@ TEST(PerformanceModel, SamplesThatMakeNoSenseAreNotUsed) {
 TEST(PerformanceModel, MeetingsAndContentionComeFromThreads) {
   std::vector<Sample> known = samples(0);
   std::mt19937_64 random(4);
-  for (const std::int32_t groups : {200, 400}) {
-    for (const std::int32_t p : {1, 2}) {
-      Strategy s = solver("klu");
-      s.p = p;
-      known.push_back(sample_of(Kernel::pack, sparse_shape(100, groups), s, 0, random));
-      if (p == 2) known.back().seconds *= 1.2;  // they share a cache
+  for (const auto& [n, slower] : {std::pair{100, 1.2}, {400, 1.6}}) {
+    for (const std::int32_t groups : {200, 400}) {
+      for (const std::int32_t p : {1, 2}) {
+        Strategy s = solver("klu");
+        s.p = p;
+        known.push_back(sample_of(Kernel::pack, sparse_shape(n, groups), s, 0, random));
+        if (p == 2) known.back().seconds *= slower;  // they share a cache
+      }
     }
   }
   const PerformanceModel model(known);
   EXPECT_NEAR(model.meeting(2).seconds, 0.8e-6, 1e-12);
   EXPECT_NEAR(model.meeting(4).seconds, 1.6e-6, 1e-12);
   EXPECT_NEAR(model.meeting(8).seconds, 3.2e-6, 1e-12);
-  EXPECT_NEAR(model.contention(2), 1.2, 1e-12);
+  EXPECT_NEAR(model.contention(2, 50), 1.2, 1e-12);
+  EXPECT_NEAR(model.contention(2, 100), 1.2, 1e-12);
+  EXPECT_NEAR(model.contention(2, 200), 1.4, 1e-12);
+  EXPECT_NEAR(model.contention(2, 1000), 1.6, 1e-12);
+  EXPECT_NEAR(model.contention(4, 100), 1.2, 1e-12);
 }
 
 TEST(Kernels, HaveNamesThatCanBeRead) {

@@ -11,7 +11,8 @@
 namespace assur::tuning {
 namespace {
 
-constexpr double kSetupShare = 0.5;    // of a cell's time, after which no more candidates enter
+constexpr double kSetupShare = 0.5;   // of a cell's time, after which no more candidates enter
+constexpr double kCrowdBlock = 1e-3;  // s: the threads of a crowd meet twice in a block, which is no part of their work
 constexpr double kLargestShare = 0.2;  // of a cell's time that one candidate may be expected to take to set up
 
 // What store() threw: the end of the run, where other errors are the end of a cell.
@@ -182,6 +183,7 @@ CellResult Campaign::measure_cell(const Cell& cell, Ground& ground, double secon
   }
   measure::RaceRules rules = options_.race;
   rules.seconds = end - instruments_.clock();
+  if (cell.kind == Cell::Kind::crowd) rules.block = kCrowdBlock;
   rules.seed += static_cast<std::uint64_t>(figures_.passes);
   const measure::RaceFigures race = measure::race(runners, rules, instruments_);
   figures_.race.blocks += race.blocks;

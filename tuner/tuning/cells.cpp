@@ -142,7 +142,8 @@ void add_packs(std::vector<Cell>& cells, const Extent& e) {
     }
   }
   for (const std::int32_t n : {4, 8, 20, 60, 200}) add(chain_packs(n));
-  for (Cell c : {dyad_packs(100), leg_packs(102, Formulation::groups), ring_packs(60, 100)}) {
+  // Numbers of groups that no other cell has: crowds are compared with what was measured in the same race.
+  for (Cell c : {dyad_packs(96), leg_packs(96, Formulation::groups), ring_packs(60, 96)}) {
     c.kind = Cell::Kind::crowd;
     c.policies = false;
     add(std::move(c));

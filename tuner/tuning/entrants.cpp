@@ -108,7 +108,8 @@ class PacksGround final : public Ground {
       // How threads slow each other down depends on the memory that they read, less on the solver.
       if (s.lanes != 1 && s.lanes != 8) continue;
       if (s.backend != "lanes" && (s.lanes > 1 || s.backend == "mumps")) continue;
-      for (s.p = 2; s.p <= field.budget.threads; s.p *= 2) candidates_.push_back({Kernel::pack, s});
+      // One thread alone among them: a machine may be twice as fast a second later.
+      for (s.p = 1; s.p <= field.budget.threads; s.p *= 2) candidates_.push_back({Kernel::pack, s});
     }
   }
 
