@@ -10,7 +10,8 @@
 namespace assur {
 namespace {
 
-constexpr double kAccurate = 1e-12;  // backward error of a solution in double, with room for growth
+constexpr double kLeastMeetings = 4;  // of threads within a solver: a factorisation and three solutions
+constexpr double kAccurate = 1e-12;   // backward error of a solution in double, with room for growth
 
 std::string refused(const Backend& backend, const Shape& shape, const Strategy& s, const Scales& scales) {
   if (std::find(scales.without.begin(), scales.without.end(), backend.id) != scales.without.end()) return "left out";
@@ -30,6 +31,16 @@ Prediction predict(const Shape& shape, const Strategy& s, const PerformanceModel
   const Prediction factor = model.kernel(Kernel::factor, shape, s), solve = model.kernel(Kernel::solve, shape, s);
   return {factor.seconds + shape.rhs * solve.seconds, std::max(factor.factor, solve.factor),
           std::max(factor.origin, solve.origin)};
+}
+
+// Threads within a solver meet in the factorisation and in every solution of a step. Their times are measured in large
+// groups, and say nothing of those that one thread solves before they have met.
+bool cannot_gain(const Strategy& s, const std::vector<Candidate>& weighed, const Scales& scales) {
+  Strategy alone = s;
+  alone.q = 1;
+  const auto at = std::find_if(weighed.begin(), weighed.end(), [&](const Candidate& c) { return c.strategy == alone; });
+  return at != weighed.end() && at->why_not.empty() &&
+         at->expected_seconds <= kLeastMeetings * scales.model.meeting(s.q).seconds;
 }
 
 // Which other ways of the same solver are worth weighing.
@@ -74,6 +85,7 @@ std::vector<Candidate> offers(const Shape& shape, std::int32_t most_lanes, std::
       Candidate candidate{.strategy = s, .why_not = refused(backend, shape, s, scales)};
       if (candidate.why_not.empty()) {
         const Prediction one = predict(shape, s, scales.model);
+        if (s.q > 1 && cannot_gain(s, all, scales)) continue;
         candidate.expected_seconds = one.seconds;
         candidate.factor = one.factor;
         candidate.origin = one.origin;

@@ -218,6 +218,15 @@ TEST(ChooseSolver, PicksForABagOfLinearSystems) {
   EXPECT_THROW((void)choose_solver(dense, 1, -1), Error);
 }
 
+TEST(Candidates, ShareNoSolverThatIsDoneBeforeItsThreadsHaveMet) {
+  const auto shares = [](std::int32_t n) {
+    const std::vector<Candidate> all = candidates(full_shape(n, 1), {.model = model(), .budget = ThreadBudget{2}});
+    return std::any_of(all.begin(), all.end(), [](const Candidate& c) { return c.strategy.q > 1; });
+  };
+  EXPECT_FALSE(shares(2));
+  EXPECT_EQ(shares(720), available("team") || available("lapack"));
+}
+
 TEST(Candidates, SayWhyTheyCannotRun) {
   std::vector<Sample> known = samples();
   for (Sample& s : known) {
