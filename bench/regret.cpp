@@ -45,26 +45,27 @@ double quantile(std::vector<double> values, double q) {
 }
 
 void print(const Answer& a) {
-  std::printf("%-22s %-10s %9.2f us %7.1f %%   %-34s %s\n", a.question.scene.c_str(), a.question.without_text().c_str(),
-              a.chosen.seconds * 1e6, 100 * a.regret(), a.chosen.strategy.c_str(),
-              a.regret() > 0.005 ? a.best.strategy.c_str() : "");
+  std::printf("%-22s %-10s %9.2f us %7.1f %% %7.1f %%   %-34s %s\n", a.question.scene.c_str(),
+              a.question.without_text().c_str(), a.chosen.seconds * 1e6, 100 * a.regret(), 100 * a.regret_to_itself(),
+              a.chosen.strategy.c_str(), a.regret() > 0.005 ? a.best.strategy.c_str() : "");
   std::fflush(stdout);
 }
 
 void write_csv(std::ostream& out, const std::vector<Answer>& answers) {
-  out << "scene,without,threads,chosen,chosen_seconds,expected_seconds,best,best_seconds,regret\n";
+  out << "scene,without,threads,chosen,chosen_seconds,again_seconds,expected_seconds,best,best_seconds,regret\n";
   for (const Answer& a : answers) {
     out << '"' << a.question.scene << "\",\"" << a.question.without_text() << "\"," << a.question.threads << ",\""
-        << a.chosen.strategy << "\"," << a.chosen.seconds << ',' << a.expected_seconds << ",\"" << a.best.strategy
-        << "\"," << a.best.seconds << ',' << a.regret() << '\n';
+        << a.chosen.strategy << "\"," << a.chosen.seconds << ',' << a.again.seconds << ',' << a.expected_seconds
+        << ",\"" << a.best.strategy << "\"," << a.best.seconds << ',' << a.regret() << '\n';
   }
 }
 
 void summarise(const std::vector<Answer>& answers) {
-  std::vector<double> ours, theirs, ratio;
+  std::vector<double> ours, theirs, itself, ratio;
   std::set<std::string> winners;
   for (const Answer& a : answers) {
     ours.push_back(a.regret());
+    itself.push_back(a.regret_to_itself());
     ratio.push_back(std::abs(std::log(a.chosen.seconds / a.expected_seconds)));
     winners.insert(a.best.strategy);
   }
@@ -77,11 +78,12 @@ void summarise(const std::vector<Answer>& answers) {
   }
   std::printf("regret, %%         median      p95      max     mean\n");
   const auto line = [](const char* who, const std::vector<double>& r) {
-    std::printf("%-14s %9.1f %8.1f %8.1f %8.1f\n", who, 100 * quantile(r, 0.5), 100 * quantile(r, 0.95),
+    std::printf("%-18s %5.1f %8.1f %8.1f %8.1f\n", who, 100 * quantile(r, 0.5), 100 * quantile(r, 0.95),
                 100 * quantile(r, 1), 100 * mean(r));
   };
   line("dispatcher", ours);
   line("constant", theirs);
+  line("choice to itself", itself);
   std::printf("expected against actual time of what was chosen: off by %.0f %% (median)\n",
               100 * (std::exp(quantile(ratio, 0.5)) - 1));
 }
@@ -91,8 +93,8 @@ int run(const SurveyOptions& o) {
   for (const auto& [name, text] : machine_facts()) std::printf("%s: %s\n", name.c_str(), text.c_str());
   const MachineModel& known = machine_model();
   for (const std::string& message : known.messages) std::printf("%s\n", message.c_str());
-  std::printf("model: %zu samples, %s\n\n%-22s %-10s %12s %9s   %-34s %s\n", known.model->samples(),
-              known.model->source().c_str(), "scene", "without", "chosen", "regret", "chosen", "best");
+  std::printf("model: %zu samples, %s\n\n%-22s %-10s %12s %9s %9s   %-34s %s\n", known.model->samples(),
+              known.model->source().c_str(), "scene", "without", "chosen", "regret", "to itself", "chosen", "best");
   std::vector<Answer> answers;
   for (const Question& q : questions(o, budget)) {
     const auto answer = measure::answer(q, {.model = known.model, .quick = o.quick});

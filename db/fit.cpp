@@ -1,15 +1,31 @@
 #include "db/fit.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstring>
 #include <set>
+#include <span>
 
 #include "db/checksum.hpp"
 
 namespace assur::db {
 namespace {
 
-std::int64_t sum_of(const void* bytes, std::size_t size) {
-  const Checksum sum = Checksum() << std::string_view(static_cast<const char*>(bytes), size);
+// In four strands, each of which waits for its own multiplications only: every program that opens the database sums up
+// all of it.
+std::int64_t sum_of(std::span<const std::byte> bytes) {
+  constexpr std::size_t kWord = sizeof(std::int64_t);
+  std::array<Checksum, 4> strands;
+  for (; bytes.size() >= strands.size() * kWord; bytes = bytes.subspan(strands.size() * kWord)) {
+    for (std::size_t i = 0; i < strands.size(); ++i) {
+      std::int64_t word = 0;
+      std::memcpy(&word, &bytes[i * kWord], kWord);
+      strands[i] << word;
+    }
+  }
+  Checksum sum;
+  for (const Checksum& strand : strands) sum << static_cast<std::int64_t>(strand.value());
+  sum << std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   return static_cast<std::int64_t>(sum.value());
 }
 
@@ -18,7 +34,7 @@ void keep(SQLite::Database& database, std::int64_t machine, const PerformanceMod
   SQLite::Statement put(database, "INSERT OR REPLACE INTO fit (machine, content, checksum) VALUES (?1, ?2, ?3)");
   put.bind(1, machine);
   put.bind(2, content.data(), static_cast<int>(content.size()));
-  put.bind(3, sum_of(content.data(), content.size()));
+  put.bind(3, sum_of(content));
   put.exec();
 }
 
@@ -57,7 +73,7 @@ std::optional<PerformanceModel> fitted_model(SQLite::Database& database, std::in
   const SQLite::Column content = find.getColumn(0);
   const auto size = static_cast<std::size_t>(content.getBytes());
   const auto* const bytes = static_cast<const std::byte*>(content.getBlob());
-  if (sum_of(bytes, size) != find.getColumn(1).getInt64()) return std::nullopt;
+  if (sum_of({bytes, size}) != find.getColumn(1).getInt64()) return std::nullopt;
   return PerformanceModel::from_bytes({bytes, size}, std::move(source));
 }
 

@@ -81,6 +81,8 @@ class PerformanceModel {
   [[nodiscard]] Prediction kernel(Kernel kernel, const Shape& shape, const Strategy& strategy) const;
   // Time of one step of a pack of W instances, composed from its kernels and the strategy's policies.
   [[nodiscard]] Prediction pack(const Shape& shape, const Strategy& strategy) const;
+  // The same of several strategies, in less time than one by one.
+  [[nodiscard]] std::vector<Prediction> packs(const Shape& shape, std::span<const Strategy> strategies) const;
   // Time that p threads lose by starting together, handing over so many doubles and back, and waiting for each other.
   [[nodiscard]] Prediction meeting(std::int32_t p, double doubles = 0) const;
   // How much longer packs of groups with n unknowns take where p threads work at once; 1 where nothing is known. As

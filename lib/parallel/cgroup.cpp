@@ -42,8 +42,8 @@ std::vector<Hierarchy> hierarchies(const path& root) {
   std::vector<Hierarchy> found;
   std::ifstream file(root / "proc/self/mountinfo");
   for (std::string line; std::getline(file, line);) {
-    const auto dash = line.find(" - ");
-    if (dash == std::string::npos) continue;
+    const auto dash = line.find(" - cgroup");
+    if (dash == std::string::npos) continue;  // most lines are of other file systems
     std::istringstream left(line.substr(0, dash)), right(line.substr(dash + 3));
     std::string skipped, top, mount_point, type, source, options;
     left >> skipped >> skipped >> skipped >> top >> mount_point;

@@ -35,6 +35,14 @@ std::string omp_num_threads() {
   return text != nullptr ? text : "";
 }
 
+// What the budget depends on, but for the cores.
+Machine limits(const std::filesystem::path& root, const std::string& omp_num_threads) {
+  Machine machine;
+  machine.quota = cpu_quota(root);
+  machine.openmp_limit = openmp_limit(omp_num_threads);
+  return machine;
+}
+
 }  // namespace
 
 void take(Machine& machine, const Topology& topology) {
@@ -67,19 +75,21 @@ ThreadBudget Machine::budget() const {
 Machine read_machine(const std::filesystem::path& root, const std::vector<int>& allowed,
                      const std::string& omp_num_threads) {
   const std::vector<int> processors = allowed.empty() ? std::vector<int>{0} : allowed;
-  Machine machine;
+  Machine machine = limits(root, omp_num_threads);
   machine.model = model_name(root);
   machine.instructions = instruction_set();
   machine.processors = static_cast<std::int32_t>(processors.size());
-  machine.quota = cpu_quota(root);
-  machine.openmp_limit = openmp_limit(omp_num_threads);
   take(machine, topology_by_sysfs(processors, root));
   return machine;
 }
 
 Machine machine_by_sysfs() { return read_machine("/", allowed_processors(), omp_num_threads()); }
 
-ThreadBudget available_budget() { return machine_by_sysfs().budget(); }
+ThreadBudget available_budget() {
+  Machine machine = limits("/", omp_num_threads());
+  machine.cores = cores_by_sysfs(allowed_processors());
+  return machine.budget();
+}
 
 std::string to_string(const Machine& machine) {
   std::ostringstream text;

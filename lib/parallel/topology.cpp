@@ -11,6 +11,7 @@ namespace {
 
 using std::filesystem::path;
 
+constexpr const char* kProcessors = "sys/devices/system/cpu";
 constexpr int kMostProcessors = 8192;  // that Linux can be built for
 
 std::string first_line(const path& name) {
@@ -84,15 +85,21 @@ std::vector<int> parse_processors(const std::string& list) {
   return {processors.begin(), processors.end()};
 }
 
+std::vector<std::int32_t> cores_by_sysfs(const std::vector<int>& allowed, const path& root) {
+  std::vector<std::int32_t> cores;
+  std::set<int> seen;
+  for (int processor : allowed) {
+    if (seen.insert(core_of(root / kProcessors, processor)).second) cores.push_back(processor);
+  }
+  return cores;
+}
+
 Topology topology_by_sysfs(const std::vector<int>& allowed, const path& root) {
   Topology topology;
   topology.source = "sysfs";
-  const path cpus = root / "sys/devices/system/cpu", nodes = root / "sys/devices/system/node";
-  std::set<int> seen;
-  for (int processor : allowed) {
-    if (seen.insert(core_of(cpus, processor)).second) topology.cores.push_back(processor);
-  }
-  if (!allowed.empty()) topology.caches = caches_of(cpus, allowed.front());
+  topology.cores = cores_by_sysfs(allowed, root);
+  if (!allowed.empty()) topology.caches = caches_of(root / kProcessors, allowed.front());
+  const path nodes = root / "sys/devices/system/node";
   const std::vector<int> online = parse_processors(first_line(nodes / "online"));
   topology.numa_nodes = static_cast<std::int32_t>(std::count_if(online.begin(), online.end(), [&](int node) {
     return any_of_them(parse_processors(first_line(nodes / ("node" + std::to_string(node)) / "cpulist")), allowed);

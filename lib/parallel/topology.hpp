@@ -23,8 +23,12 @@ struct Topology {
 // missing there or makes no sense: each processor is a core, caches are not known, there is one node.
 [[nodiscard]] Topology topology_by_sysfs(const std::vector<int>& allowed, const std::filesystem::path& root = "/");
 
-// The same from hwloc; empty if this build is without, or if hwloc finds nothing that is allowed. synthetic: a machine
-// in hwloc's words to take instead of this one, e.g. "numa:2 l3:1 core:4 pu:2".
+// Its cores alone: a file for each processor.
+[[nodiscard]] std::vector<std::int32_t> cores_by_sysfs(const std::vector<int>& allowed,
+                                                       const std::filesystem::path& root = "/");
+
+// The topology from hwloc; empty if this build is without, or if hwloc finds nothing that is allowed. synthetic: a
+// machine in hwloc's words to take instead of this one, e.g. "numa:2 l3:1 core:4 pu:2".
 [[nodiscard]] std::optional<Topology> topology_by_hwloc(const std::vector<int>& allowed,
                                                         const std::string& synthetic = "");
 

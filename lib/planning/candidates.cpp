@@ -26,11 +26,15 @@ std::string refused(const Backend& backend, const Shape& shape, const Strategy& 
 }
 
 // One call for W of them: a step of a pack, or a matrix factorised and solved.
-Prediction predict(const Shape& shape, const Strategy& s, const PerformanceModel& model) {
-  if (shape.terms > 0) return model.pack(shape, s);
-  const Prediction factor = model.kernel(Kernel::factor, shape, s), solve = model.kernel(Kernel::solve, shape, s);
-  return {factor.seconds + shape.rhs * solve.seconds, std::max(factor.factor, solve.factor),
-          std::max(factor.origin, solve.origin)};
+std::vector<Prediction> predict(const Shape& shape, std::span<const Strategy> ways, const PerformanceModel& model) {
+  if (shape.terms > 0) return model.packs(shape, ways);
+  std::vector<Prediction> all;
+  for (const Strategy& s : ways) {
+    const Prediction factor = model.kernel(Kernel::factor, shape, s), solve = model.kernel(Kernel::solve, shape, s);
+    all.push_back({factor.seconds + shape.rhs * solve.seconds, std::max(factor.factor, solve.factor),
+                   std::max(factor.origin, solve.origin)});
+  }
+  return all;
 }
 
 // Threads within a solver meet in the factorisation and in every solution of a step. Their times are measured in large
@@ -74,6 +78,7 @@ double together(double makespan, double work, std::int32_t p, double contention)
 
 std::vector<Candidate> offers(const Shape& shape, std::int32_t most_lanes, std::int32_t most_q, const Scales& scales) {
   std::vector<Candidate> all;
+  std::vector<Strategy> ways;  // that can run
   for (const Backend& backend : scales.table) {
     Strategy plain;
     plain.backend = backend.id;
@@ -82,16 +87,22 @@ std::vector<Candidate> offers(const Shape& shape, std::int32_t most_lanes, std::
       continue;
     }
     for (const Strategy& s : variants(backend, shape, most_lanes, most_q)) {
-      Candidate candidate{.strategy = s, .why_not = refused(backend, shape, s, scales)};
-      if (candidate.why_not.empty()) {
-        const Prediction one = predict(shape, s, scales.model);
-        if (s.q > 1 && cannot_gain(s, all, scales)) continue;
-        candidate.expected_seconds = one.seconds;
-        candidate.factor = one.factor;
-        candidate.origin = one.origin;
+      if (std::string why_not = refused(backend, shape, s, scales); why_not.empty()) {
+        ways.push_back(s);
+      } else {
+        all.push_back({.strategy = s, .why_not = std::move(why_not)});
       }
-      all.push_back(std::move(candidate));
     }
+  }
+  const std::vector<Prediction> expected = predict(shape, ways, scales.model);
+  for (std::size_t i = 0; i < ways.size(); ++i) {
+    if (ways[i].q > 1 && cannot_gain(ways[i], all, scales)) continue;
+    const Prediction& one = expected[i];
+    all.push_back({.strategy = ways[i],
+                   .expected_seconds = one.seconds,
+                   .factor = one.factor,
+                   .origin = one.origin,
+                   .why_not = ""});
   }
   return all;
 }

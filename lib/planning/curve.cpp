@@ -13,17 +13,12 @@ constexpr double kShrink = 0.15;      // weight of the fit among the neighbours
 constexpr double kHuber = 0.15;       // relative deviation from which a point counts as an outlier
 constexpr double kLeastNoise = 0.02;  // relative: no time is better known
 constexpr double kFar = 0.7;          // = log 2
+constexpr float kNowhere = 1e9F;      // so far away that it is nobody's neighbour
 constexpr int kReweightings = 6;
 
 using Terms = std::array<double, kTerms>;
 using Gram = Eigen::Matrix<double, kTerms, kTerms>;
 using Moments = Eigen::Matrix<double, kTerms, 1>;
-
-double squared_distance(const std::array<float, kAxes>& a, const std::array<double, kAxes>& b) {
-  double sum = 0;
-  for (std::size_t i = 0; i < kAxes; ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
-  return sum;
-}
 
 // min x'Gx - 2 m'x over x >= 0: without bounds first, then again and again without the most negative one. Mostly that
 // is the minimum, always it is near it.
@@ -74,25 +69,30 @@ Terms medians_of_ratios(const std::vector<Curve::Measured>& points) {
 
 }  // namespace
 
-Curve::Curve(std::vector<Measured> points) {
+Curve::Curve(std::vector<Measured> points) : points_(points.size()) {
   fit(points);
-  for (const Measured& p : points) {
+  Deviations none{};
+  for (auto& axis : none.place) axis.fill(kNowhere);
+  deviations_.assign((points.size() + kBlock - 1) / kBlock, none);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Measured& p = points[i];
+    Deviations& block = deviations_[i / kBlock];
+    const std::size_t at = i % kBlock;
+    for (std::size_t axis = 0; axis < kAxes; ++axis) block.place[axis][at] = static_cast<float>(p.at.place[axis]);
     const double noise = std::max(p.noise, kLeastNoise) / kLeastNoise;
-    Deviation d{};
-    std::transform(p.at.place.begin(), p.at.place.end(), d.place.begin(),
-                   [](double x) { return static_cast<float>(x); });
-    d.log_ratio = static_cast<float>(std::log(p.seconds / fitted(p.at)));
-    d.weight = static_cast<float>(1 / (noise * noise));
-    deviations_.push_back(d);
+    block.log_ratio[at] = static_cast<float>(std::log(p.seconds / fitted(p.at)));
+    block.weight[at] = static_cast<float>(1 / (noise * noise));
   }
 }
 
 void Curve::write(ByteWriter& bytes) const {
   for (const double c : coefficients_) bytes.put(c);
+  bytes.put(points_);
   bytes.put(deviations_);
 }
 void Curve::read(ByteReader& bytes) {
   for (double& c : coefficients_) bytes.get(c);
+  bytes.get(points_);
   bytes.get(deviations_);
 }
 
@@ -133,32 +133,34 @@ double Curve::fitted(const Point& point) const {
 }
 
 Prediction Curve::at(const Point& point) const {
-  constexpr double kNear = 2 * kBandwidth * kBandwidth;
-  double sum = kShrink, shift = 0, nearest = std::numeric_limits<double>::infinity();
+  using Block = Eigen::Array<float, kBlock, 1>;
+  using Blocks = Eigen::Map<const Block>;
+  constexpr auto kNear = static_cast<float>(2 * kBandwidth * kBandwidth);
   // How much the neighbours, of a wider range, differ among themselves; where there are none, how much the fit is off.
-  double weights = 0, mean = 0, square = 0;
-  for (const Deviation& d : deviations_) {
-    const double distance = squared_distance(d.place, point.place);
-    nearest = std::min(nearest, distance);
-    double wide = 1e-3;
-    if (distance < 30 * kNear) {  // beyond it both weights are nothing
-      const double root = std::exp(-distance / (4 * kNear));
-      wide += d.weight * root;
-      const double weight = d.weight * root * root * root * root;
-      sum += weight;
-      shift += weight * d.log_ratio;
+  constexpr double kAnyPoint = 1e-3;
+  double sum = kShrink, shift = 0, weights = kAnyPoint * static_cast<double>(points_), mean = 0, square = 0;
+  Block nearest = Block::Constant(std::numeric_limits<float>::infinity());
+  for (const Deviations& d : deviations_) {
+    Block distance = Block::Zero();
+    for (std::size_t axis = 0; axis < kAxes; ++axis) {
+      distance += (Blocks(d.place[axis].data()) - static_cast<float>(point.place[axis])).square();
     }
-    weights += wide;
-    mean += wide * d.log_ratio;
-    square += wide * d.log_ratio * d.log_ratio;
+    nearest = nearest.min(distance);
+    const Blocks log_ratio(d.log_ratio.data()), weight(d.weight.data());
+    const Block root = (distance / (-4 * kNear)).exp(), far = weight * root, near = far * root.cube();
+    sum += near.sum();
+    shift += (near * log_ratio).sum();
+    const Block wide = far + static_cast<float>(kAnyPoint);
+    weights += far.sum();
+    mean += (wide * log_ratio).sum();
+    square += (wide * log_ratio.square()).sum();
   }
   shift /= sum;
   const double spread = std::max(0.0, square - 2 * shift * mean + shift * shift * weights);
-  nearest = std::sqrt(nearest);
-  const double away = std::max(0.0, nearest - kBandwidth);
+  const double closest = std::sqrt(nearest.minCoeff()), away = std::max(0.0, closest - kBandwidth);
   return {fitted(point) * std::exp(shift),
           std::exp(std::sqrt(spread / weights + kLeastNoise * kLeastNoise) + 0.3 * away),
-          nearest <= kFar ? Origin::interpolated : Origin::extrapolated};
+          closest <= kFar ? Origin::interpolated : Origin::extrapolated};
 }
 
 }  // namespace assur

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "assur/performance.hpp"
@@ -39,17 +40,20 @@ class Curve {
   void read(ByteReader& bytes);
 
  private:
-  // A program reads thousands of these before its first step; no time is known to more digits than a float has.
-  struct Deviation {
-    std::array<float, kAxes> place;
-    float log_ratio;  // measured over fitted
-    float weight;
+  // How the points deviate from the fit, kBlock of them side by side: a program reads thousands before its first step
+  // and asks for hundreds of times. No time is known to more digits than a float has.
+  static constexpr std::size_t kBlock = 8;
+  struct Deviations {
+    std::array<std::array<float, kBlock>, kAxes> place;
+    std::array<float, kBlock> log_ratio;  // measured over fitted
+    std::array<float, kBlock> weight;     // 0: there is no point
   };
   [[nodiscard]] double fitted(const Point& point) const;
   void fit(const std::vector<Measured>& points);
 
   std::array<double, kTerms> coefficients_{};
-  std::vector<Deviation> deviations_;
+  std::uint64_t points_ = 0;
+  std::vector<Deviations> deviations_;
 };
 
 }  // namespace assur

@@ -2,7 +2,6 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <tuple>
 #include <utility>
 
@@ -23,7 +22,7 @@ constexpr std::array kKernels = {NamedKernel{Kernel::evaluate, "evaluate"}, Name
                                  NamedKernel{Kernel::solve, "solve"},       NamedKernel{Kernel::pack, "pack"},
                                  NamedKernel{Kernel::meeting, "meeting"},   NamedKernel{Kernel::step, "step"}};
 
-constexpr std::int32_t kFormat = 5;  // of bytes(); raised whenever anything is fitted or written otherwise
+constexpr std::int32_t kFormat = 6;  // of bytes(); raised whenever anything is fitted or written otherwise
 
 // What of a strategy a kernel depends on. Solvers differ by backend, precision and threads; W is kept apart, so that
 // another W can stand in.
@@ -146,10 +145,6 @@ double median(std::vector<double> values) {
   return (*middle + *std::max_element(values.begin(), middle)) / 2;
 }
 
-double mean(const std::vector<double>& values) {
-  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
-}
-
 Prediction combined(std::initializer_list<std::pair<double, Prediction>> parts) {
   Prediction sum{0, 1, Origin::measured};
   double variance = 0;
@@ -237,8 +232,8 @@ struct PerformanceModel::Impl {
         ratios[alone->second.shape.n].push_back(
             std::clamp(median(seconds) / alone->second.seconds, 1.0, static_cast<double>(p)));
       }
-      // The mean: in some minutes the cores have nothing else to do, in others they have.
-      for (const auto& [n, of] : ratios) contentions[p][n] = mean(of);
+      // What other programs take from the cores comes and goes within seconds: the median does not see it.
+      for (const auto& [n, of] : ratios) contentions[p][n] = median(of);
     }
     return gathered;
   }
@@ -268,9 +263,10 @@ struct PerformanceModel::Impl {
     }
     std::map<std::int32_t, std::vector<Curve::Measured>> points;
     for (const auto& [place, k] : quickest) {
-      const Prediction kernels = kernels_of_pack(k->shape, k->strategy);
-      const double rest_of_it = k->seconds - kernels.seconds;
-      if (kernels.origin == Origin::prior || rest_of_it < 0.05 * k->seconds) continue;  // else it is all noise
+      Kernels kernels(*this, k->shape);
+      const Prediction parts = kernels_of_pack(kernels, k->strategy);
+      const double rest_of_it = k->seconds - parts.seconds;
+      if (parts.origin == Origin::prior || rest_of_it < 0.05 * k->seconds) continue;  // else it is all noise
       points[k->strategy.lanes].push_back({point_of(Kernel::pack, k->shape, k->strategy), rest_of_it, k->noise});
     }
     for (auto& [lanes, measured] : points) rest.emplace(lanes, Curve(std::move(measured)));
@@ -281,7 +277,8 @@ struct PerformanceModel::Impl {
     std::map<std::int32_t, std::vector<Curve::Measured>> points;
     for (const auto& [cell, k] : cells) {
       if (cell.kernel != number(Kernel::pack)) continue;
-      const double parts = composed(k.shape, k.strategy).seconds;
+      Kernels kernels(*this, k.shape);
+      const double parts = composed(kernels, k.strategy).seconds;
       points[cell.variant].push_back({pack_point(k.shape, k.strategy, parts), k.seconds, k.noise});
     }
     for (auto& [variant, measured] : points) packs.emplace(variant, Curve(std::move(measured)));
@@ -294,16 +291,35 @@ struct PerformanceModel::Impl {
     return point;
   }
 
-  [[nodiscard]] Prediction kernels_of_pack(const Shape& shape, const Strategy& s) const {
-    const StepCounts counts = step_counts(s, shape.rhs - 1);
-    return combined({{counts.evaluations, predict(Kernel::evaluate, shape, s)},
-                     {counts.factorizations, predict(Kernel::factor, shape, s)},
-                     {counts.solutions, predict(Kernel::solve, shape, s)}});
+  // Those of one shape: strategies share most of them.
+  class Kernels {
+   public:
+    Kernels(const Impl& model, const Shape& shape) : model_(model), shape_(shape) {}
+
+    [[nodiscard]] const Shape& shape() const { return shape_; }
+    const Prediction& of(Kernel kernel, const Strategy& strategy) {
+      const auto [at, is_new] = known_.try_emplace({kernel, variant_of(kernel, strategy)});
+      if (is_new) at->second = model_.predict(kernel, shape_, strategy);
+      return at->second;
+    }
+
+   private:
+    const Impl& model_;
+    const Shape& shape_;
+    std::map<std::pair<Kernel, Variant>, Prediction> known_;
+  };
+
+  [[nodiscard]] static Prediction kernels_of_pack(Kernels& kernels, const Strategy& s) {
+    const StepCounts counts = step_counts(s, kernels.shape().rhs - 1);
+    return combined({{counts.evaluations, kernels.of(Kernel::evaluate, s)},
+                     {counts.factorizations, kernels.of(Kernel::factor, s)},
+                     {counts.solutions, kernels.of(Kernel::solve, s)}});
   }
 
-  [[nodiscard]] Prediction composed(const Shape& shape, const Strategy& s) const {
+  [[nodiscard]] Prediction composed(Kernels& kernels, const Strategy& s) const {
+    const Shape& shape = kernels.shape();
     if (in_registers(shape, s)) return {prior_seconds(Kernel::pack, shape, s) * speed_of_all(), 2, Origin::prior};
-    return combined({{1, kernels_of_pack(shape, s)}, {1, rest_of_pack(shape, s)}});
+    return combined({{1, kernels_of_pack(kernels, s)}, {1, rest_of_pack(shape, s)}});
   }
 
   [[nodiscard]] Prediction rest_of_pack(const Shape& shape, const Strategy& s) const {
@@ -385,11 +401,12 @@ struct PerformanceModel::Impl {
     return best;
   }
 
-  [[nodiscard]] Prediction pack(const Shape& shape, const Strategy& strategy) const {
+  [[nodiscard]] Prediction pack(Kernels& kernels, const Strategy& strategy) const {
+    const Shape& shape = kernels.shape();
     Variant variant = variant_of(Kernel::pack, strategy);
     const std::int32_t number = number_of(variant);
     if (const Known* k = exactly(Kernel::pack, shape, number)) return k->prediction();
-    const Prediction sum = composed(shape, strategy);
+    const Prediction sum = composed(kernels, strategy);
     auto found = packs.find(number);
     if (found == packs.end()) {  // of the same solver with the plain policy
       variant.once = variant.separate = false;
@@ -485,7 +502,14 @@ Prediction PerformanceModel::kernel(Kernel kernel, const Shape& shape, const Str
 }
 
 Prediction PerformanceModel::pack(const Shape& shape, const Strategy& strategy) const {
-  return impl_->pack(shape, strategy);
+  return packs(shape, {&strategy, 1})[0];
+}
+
+std::vector<Prediction> PerformanceModel::packs(const Shape& shape, std::span<const Strategy> strategies) const {
+  Impl::Kernels kernels(*impl_, shape);
+  std::vector<Prediction> all;
+  for (const Strategy& strategy : strategies) all.push_back(impl_->pack(kernels, strategy));
+  return all;
 }
 
 // Threads add to a meeting evenly, as far as was seen; to a handover they do not.

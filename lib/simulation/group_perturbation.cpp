@@ -10,11 +10,10 @@
 
 #include "simulation/group_solver.hpp"
 #include "simulation/random_sign.hpp"
+#include "simulation/tolerances.hpp"
 
 namespace assur {
 namespace {
-
-constexpr double kRounding = 2 * std::numeric_limits<double>::epsilon();  // of a sum, relative to its terms
 
 std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -111,7 +110,7 @@ bool GroupSolver::error_of(Pack& pack, const LaneArray& known, const Probes& pro
     evaluator_->velocity_rhs(input_errors_.data(), error_.data());
     for (const Bend& bend : bends) add_bend(pack, probes[k][bend.probe], bend);
     RandomSign sign(seed + (pack.unknowns * 3 + d) * kProbes + k);
-    for (std::size_t i = 0; i < error_.size(); ++i) error_[i] += known[i] + sign() * kRounding * noise_[i];
+    for (std::size_t i = 0; i < error_.size(); ++i) error_[i] += known[i] + sign() * kSumRounding * noise_[i];
     if (!solver_->solve(error_, 1).ok()) return false;
     for (const double e : error_) finite = finite && std::isfinite(e);
     std::copy(error_.begin(), error_.end(), probes[k][d] + pack.unknowns);

@@ -6,12 +6,11 @@
 
 #include "scene/system.hpp"
 #include "simulation/random_sign.hpp"
+#include "simulation/tolerances.hpp"
 #include "structure/dense_block.hpp"
 
 namespace assur {
 namespace {
-
-constexpr double kRounding = 2 * std::numeric_limits<double>::epsilon();  // of a sum, relative to its terms
 
 std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -52,7 +51,7 @@ std::vector<double> StaticErrors::draw(const System& system, const std::vector<d
     RandomSign sign(seed + k);
     Eigen::VectorXd e = -left;
     for (std::size_t i = 0; i < n; ++i) {
-      e[static_cast<Eigen::Index>(i)] += sign() * kRounding * residual_scale(system, equations_[i], q);
+      e[static_cast<Eigen::Index>(i)] += sign() * kSumRounding * residual_scale(system, equations_[i], q);
     }
     const Eigen::VectorXd error = lu.solve(e);
     std::copy_n(error.data(), n, errors.data() + k * n);

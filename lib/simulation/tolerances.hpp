@@ -8,6 +8,8 @@ namespace assur {
 inline constexpr double kConverged = 8 * std::numeric_limits<double>::epsilon();
 inline constexpr double kRoundingLevel = 1e-12;  // where a residual that no longer falls is taken for rounding
 
+inline constexpr double kSumRounding = 2 * std::numeric_limits<double>::epsilon();  // of a sum, relative to its terms
+
 inline constexpr double kConsistent = 1e-10;  // of a redundant equation that still holds
 
 // It did not fall to a quarter in the last iteration.

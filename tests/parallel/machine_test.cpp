@@ -209,11 +209,13 @@ TEST(ThisMachine, IsWhatTheCallingThreadMayUse) {
   EXPECT_GE(machine.budget().threads, 1);
   EXPECT_LE(machine.budget().threads, static_cast<int>(machine.cores.size()));
   EXPECT_LE(static_cast<int>(machine.cores.size()), machine.processors);
+  EXPECT_EQ(available_budget().threads, machine.budget().threads);
   if (allowed.empty()) return;
   EXPECT_EQ(machine.processors, static_cast<int>(allowed.size()));
   const Pinned pinned(allowed.back());
   EXPECT_EQ(this_machine().cores, Processors{allowed.back()});
   EXPECT_EQ(this_machine().budget().threads, 1);
+  EXPECT_EQ(available_budget().threads, 1);
 }
 
 TEST(ThisMachine, OmpNumThreadsIsAnUpperBound) {
@@ -221,6 +223,7 @@ TEST(ThisMachine, OmpNumThreadsIsAnUpperBound) {
   const std::string kept = before ? before : "";
   setenv("OMP_NUM_THREADS", "1", 1);
   EXPECT_EQ(this_machine().budget().threads, 1);
+  EXPECT_EQ(available_budget().threads, 1);
   setenv("OMP_NUM_THREADS", "100000", 1);
   const int bounded = this_machine().budget().threads;
   unsetenv("OMP_NUM_THREADS");

@@ -150,12 +150,12 @@ TEST(PerformanceModel, MeetingsAndContentionComeFromThreads) {
   std::vector<Sample> known = samples(0);
   std::mt19937_64 random(4);
   for (const auto& [n, slower] : {std::pair{100, 1.2}, {400, 1.6}}) {
-    for (const std::int32_t groups : {200, 400}) {
+    for (const std::int32_t groups : {200, 400, 600}) {
       for (const std::int32_t p : {1, 2}) {
         Strategy s = solver("klu");
         s.p = p;
         known.push_back(sample_of(Kernel::pack, sparse_shape(n, groups), s, 0, random));
-        if (p == 2) known.back().seconds *= slower;  // they share a cache
+        if (p == 2) known.back().seconds *= groups == 200 ? 1.9 : slower;  // another program had a core; a shared cache
       }
     }
   }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "report/measurement.hpp"
@@ -17,6 +18,7 @@ Answer answer(const std::string& scene, std::vector<std::string> without, double
   Answer a;
   a.question = {scene, std::move(without), 2};
   a.chosen = {"irreducible/lanes:8", chosen, chosen / 100, 21, 1e-15};
+  a.again = {a.chosen.strategy, chosen / 1.07, chosen / 100, 21, 1e-15};
   a.best = {chosen == best ? "irreducible/lanes:8" : "groups/klu", best, best / 50, 15, 2e-15};
   a.best_trial_seconds = best;
   a.uniform = {{"groups/klu", 1.5 * best}, {"groups/eigen", 3 * best}};
@@ -61,6 +63,12 @@ TEST(RegretSection, TheFiguresOfThePageAreThoseOfTheMeasurements) {
     EXPECT_DOUBLE_EQ(m.value, again.at(m.quantity));
     EXPECT_NE(s.body.find(">" + percent(m.value) + "<"), std::string::npos) << m.quantity;
   }
+  EXPECT_EQ(std::count_if(s.measurements.begin(), s.measurements.end(),
+                          [](const Measurement& m) {
+                            return m.strategy == "auto to itself" && std::abs(m.value - 0.07) < 1e-12;
+                          }),
+            4);  // median, p95, max and mean
+  EXPECT_NE(s.body.find("auto to itself"), std::string::npos);
   EXPECT_NE(s.body.find("3 questions of 62"), std::string::npos);
 }
 

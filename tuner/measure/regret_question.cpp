@@ -270,13 +270,16 @@ std::optional<Answer> answer(const Question& q, const QuestionOptions& options) 
     out.uniform[u.text] = u.seconds;
     for (const std::string& other : u.others) out.uniform[other] = u.seconds;
   }
-  // What the dispatcher chose takes part once.
+  // Of the others, what the dispatcher chose takes no part.
   std::vector<Racer*> final;
   const std::string essence = essence_of(chosen.prepared);
   for (Racer* r : all) {
     if (final.size() < 4 && essence_of(r->prepared) != essence) final.push_back(r);
   }
   if (together && essence_of(together->prepared) != essence) final.push_back(&*together);
+  Racer again{chosen.text, chosen.prepared};
+  if (!enter(again)) throw Error(Error::Kind::numerical, q.scene + ": " + again.text + " fails when it is made again");
+  final.push_back(&again);
   final.push_back(&chosen);
   const RaceRules last{.block = 500e-6,
                        .seconds = options.seconds,
@@ -286,6 +289,8 @@ std::optional<Answer> answer(const Question& q, const QuestionOptions& options) 
   race_in_passes(final, last, options.instruments);
   if (options.instruments.stop()) return std::nullopt;
   out.chosen = finalist(chosen);
+  out.again = finalist(again);
+  std::erase(final, &again);
   out.best = finalist(**std::min_element(final.begin(), final.end(), faster));
   return out;
 }
