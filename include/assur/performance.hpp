@@ -85,8 +85,8 @@ class PerformanceModel {
   [[nodiscard]] std::vector<Prediction> packs(const Shape& shape, std::span<const Strategy> strategies) const;
   // Time that p threads lose by starting together, handing over so many doubles and back, and waiting for each other.
   [[nodiscard]] Prediction meeting(std::int32_t p, double doubles = 0) const;
-  // How much longer packs of groups with n unknowns take where p threads work at once; 1 where nothing is known. As
-  // measured at some n, and between them by log n; why it depends on n is not modelled.
+  // How much longer packs of groups with n unknowns take where p threads work at once; 1 where nothing is known. The
+  // median of what was measured at some n, and between them by log n.
   [[nodiscard]] double contention(std::int32_t p, std::int32_t n) const;
   // Time of one step of a mechanism with so many unknowns beyond its packs: laws, prediction, outputs. pieces: terms of
   // the outputs. From counts, at the speed that this machine has otherwise.

@@ -5,7 +5,6 @@
 #include <cstring>
 #include <limits>
 #include <map>
-#include <span>
 #include <utility>
 
 #include "assur/machine.hpp"
@@ -65,7 +64,7 @@ class Comparison {
       for (const Strategy& s : options_.strategies) enter_forced({s}, true, true);
       enter_picks();
     }
-    race(entrants_, options_.rules);
+    race(pointers(), options_.rules);
     return finished();
   }
 
@@ -78,19 +77,29 @@ class Comparison {
     enter_picks();
     RaceRules trial = options_.rules;
     trial.most_rounds = trial.least_rounds = std::min(trial.least_rounds, 5);
-    race(entrants_, trial);
-    std::map<Formulation, std::pair<double, Strategy>> fastest;
+    race(pointers(), trial);
+    struct Leader {
+      Strategy strategy;
+      Entrant* entrant;
+    };
+    const auto seconds = [](const Leader& l) { return l.entrant->row.seconds.value_or(HUGE_VAL); };
+    std::map<Formulation, Leader> fastest;
     for (const Way& way : all) {
-      const Entrant* const e = find(to_string(way));
-      if (e == nullptr || !e->row.seconds) continue;
-      const auto [at, is_new] = fastest.try_emplace(way.strategy.formulation, *e->row.seconds, way.strategy);
-      if (!is_new && *e->row.seconds < at->second.first) at->second = {*e->row.seconds, way.strategy};
+      const Leader leader{way.strategy, find(to_string(way))};
+      if (leader.entrant == nullptr || !leader.entrant->row.seconds) continue;
+      const auto [at, is_new] = fastest.try_emplace(way.strategy.formulation, leader);
+      if (!is_new && seconds(leader) < seconds(at->second)) at->second = leader;
     }
-    const auto best = std::min_element(fastest.begin(), fastest.end(),
-                                       [](const auto& a, const auto& b) { return a.second.first < b.second.first; });
+    // Everything that follows hangs on which of these is the fastest: they are raced again, with all rounds.
+    std::vector<Entrant*> leaders;
+    for (const auto& [formulation, leader] : fastest) leaders.push_back(leader.entrant);
+    race(leaders, options_.rules);
+    const auto best = std::min_element(fastest.begin(), fastest.end(), [&](const auto& a, const auto& b) {
+      return seconds(a.second) < seconds(b.second);
+    });
     std::vector<Way> more;
     for (auto at = fastest.begin(); at != fastest.end(); ++at) {
-      const Strategy& solver = at->second.second;
+      const Strategy& solver = at->second.strategy;
       const std::vector<Way> ways = at == best ? variations(solver) : fixed_iterations(solver);
       more.insert(more.end(), ways.begin(), ways.end());
     }
@@ -212,14 +221,20 @@ class Comparison {
     return at == entrants_.end() ? nullptr : &*at;
   }
 
-  void race(std::span<Entrant> entrants, const RaceRules& rules) {
+  std::vector<Entrant*> pointers() {
+    std::vector<Entrant*> all;
+    for (Entrant& e : entrants_) all.push_back(&e);
+    return all;
+  }
+
+  void race(const std::vector<Entrant*>& entrants, const RaceRules& rules) {
     std::vector<Runner> runners;
     std::vector<WorkPrecisionRow*> rows;
-    for (Entrant& e : entrants) {
-      e.row.seconds.reset();
-      if (!e.runs()) continue;
-      runners.push_back({.work = e.step.get()});
-      rows.push_back(&e.row);
+    for (Entrant* e : entrants) {
+      e->row.seconds.reset();
+      if (!e->runs()) continue;
+      runners.push_back({.work = e->step.get()});
+      rows.push_back(&e->row);
     }
     (void)measure::race(runners, rules, options_.instruments);
     for (std::size_t i = 0; i < runners.size(); ++i) {
