@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "tuning/entrants.hpp"
@@ -24,6 +25,30 @@ TEST(Cells, WhatIsHeldOutIsMeasuredNowhereElse) {
   for (const Cell& c : cells) (c.held_out ? held_out : seen).insert({c.family, {c.n, c.groups}});
   EXPECT_GE(held_out.size(), 10u);
   for (const auto& cell : held_out) EXPECT_EQ(seen.count(cell), 0u) << cell.first << ' ' << cell.second.first;
+}
+
+// A disturbance of a few seconds does not decide how much threads slow each other down.
+TEST(Cells, CrowdsAreAskedFarApartWithGroupsInNumbersOfTheirOwn) {
+  const std::vector<Cell> cells = general_cells({});
+  double before = 0;                                 // weight of the cells so far
+  std::map<std::string, std::vector<double>> asked;  // by family
+  std::set<std::pair<std::int32_t, std::int32_t>> crowds, packs;
+  for (const Cell& c : cells) {
+    if (c.kind == Cell::Kind::crowd) {
+      asked[c.family].push_back(before);
+      EXPECT_TRUE(crowds.insert({c.n, c.groups}).second) << to_string(c);
+    } else if (c.kind == Cell::Kind::packs) {
+      packs.insert({c.n, c.groups});
+    }
+    before += c.weight;
+  }
+  EXPECT_EQ(asked.size(), 3u);
+  for (const auto& [family, times] : asked) {
+    ASSERT_EQ(times.size(), 3u) << family;
+    EXPECT_GT(times[1] - times[0], 0.2 * before) << family;
+    EXPECT_GT(times[2] - times[1], 0.2 * before) << family;
+  }
+  for (const auto& crowd : crowds) EXPECT_EQ(packs.count(crowd), 0u) << crowd.first << ", " << crowd.second;
 }
 
 TEST(Cells, EachCanBeOpenedAndEnteredByItsFirstCandidate) {
