@@ -238,18 +238,18 @@ std::vector<Cell> general_cells(const Extent& extent) {
     meeting.n = doubles;
     cells.push_back(std::move(meeting));
   }
-  add_crowds(cells, extent, 90);
+  add_crowds(cells, extent, 84);
   add_sizes(cells, extent);
   for (const Formulation f : {Formulation::global, Formulation::groups, Formulation::irreducible}) {
     for (const char* text : {"stewart", "andrews", "slider_crank", "four_bar"}) add_classes(cells, text, f);
   }
-  add_crowds(cells, extent, 96);
+  add_crowds(cells, extent, 90);
   add_packs(cells, extent);
   for (const char* text : {"stewart", "andrews", "four_bar:64", "rings:legs=6,n=120"}) {
     cells.push_back(steps(std::string(text) + ", groups", named(text), Formulation::groups));
   }
   cells.push_back(steps("stewart, irreducible", named("stewart"), Formulation::irreducible));
-  add_crowds(cells, extent, 102);
+  add_crowds(cells, extent, 96);
   return cells;
 }
 
