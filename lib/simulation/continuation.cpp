@@ -120,14 +120,15 @@ Status Continuation::solve_at(double t, Attempt::Branch branch, StepErrors& erro
       failed_pack_);
   if (s.code == Code::deadline) s.figure = limits_.seconds;
   if (!s.ok()) return s;
-  return check_watched(errors);
+  return check_watched(branch == Attempt::Branch::inside ? converged_ : kConverged, errors);
 }
 
-Status Continuation::check_watched(StepErrors& errors) {
+// Equations that hold cannot be told from others up to what is left in those that were solved.
+Status Continuation::check_watched(double left, StepErrors& errors) {
   if (!watch_) return {};
   report_.counters.evaluated_equations += static_cast<std::int64_t>(watch_->equations());
   const double r = watch_->residual(state_.at(0));
-  if (!(r <= kConsistent)) return {Code::inconsistent, -1, r};
+  if (!(r <= std::max(kConsistent, left))) return {Code::inconsistent, -1, r};
   errors.position = std::max(errors.position, r);
   return {};
 }
@@ -256,7 +257,13 @@ void Continuation::predict(double target, bool expand) {
 Status Continuation::try_step(double target, Attempt::Branch branch, bool expand) {
   predict(target, expand);
   StepErrors errors;
-  const Status s = solve_at(target, branch, errors);
+  Status s = solve_at(target, branch, errors);
+  if (s.code == Code::inconsistent && converged_ > kConverged) {  // or not solved far enough to tell
+    converged_ = kConverged;
+    predict(target, expand);
+    errors = {};
+    s = solve_at(target, branch, errors);
+  }
   if (s.ok()) accept(target, errors);
   return s;
 }

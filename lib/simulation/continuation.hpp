@@ -79,7 +79,8 @@ class Continuation {
  private:
   void repeat_in_idle_lanes();
   [[nodiscard]] Status solve_at(double t, Attempt::Branch branch, StepErrors& errors);
-  [[nodiscard]] Status check_watched(StepErrors& errors);
+  // left: relative residual of what was solved.
+  [[nodiscard]] Status check_watched(double left, StepErrors& errors);
   void accept(double t, const StepErrors& errors);
   void restore();
   [[nodiscard]] bool deadline_passed() const;

@@ -146,6 +146,23 @@ TEST(Accuracy, IsReached) {
   }
 }
 
+// What is watched agrees no better than what is solved was solved.
+TEST(Accuracy, IsReachedWithRedundantEquations) {
+  for (const std::string text : {"bricard:steps=200", "parallelograms:3", "parallelograms:5"}) {
+    for (const std::string strategy : {"irreducible/eigen", "irreducible/lanes:8", "groups/klu"}) {
+      for (const double asked : {1e-4, 1e-6, 1e-8, 1e-10}) {
+        SCOPED_TRACE(text + " " + strategy + " " + std::to_string(std::log10(asked)));
+        const Prepared p = prepare(sample(text), {.strategy = strategy, .accuracy = asked});
+        Simulator s(p);
+        const Trajectory rows = s.run();
+        EXPECT_TRUE(s.report().status.ok()) << name(s.report().status.code);
+        EXPECT_EQ(rows.rows(), static_cast<std::size_t>(p.scene->time().steps()) + 1);
+        EXPECT_LE(worst(forward_error(p, rows)), asked);
+      }
+    }
+  }
+}
+
 TEST(Accuracy, BuysWorkWhereThereIsWorkToSave) {
   const auto iterations = [](double asked) {
     Simulator s(prepare(sample("stewart:steps=100"), {.strategy = "irreducible/eigen", .accuracy = asked}));
