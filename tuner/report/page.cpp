@@ -33,7 +33,9 @@ section { overflow-wrap: break-word; }
 @media print {
   :root { --ink: #000; --paper: #fff; --faint: #444; --rule: #bbb; --tint: #f3f3f3; }
   body { max-width: none; font-size: 10pt; } nav, details { display: none; }
-  figure, tr { break-inside: avoid; } h2, h3 { break-after: avoid; } .scroll { overflow: visible; }
+  figure, tr { break-inside: avoid; } h2, h3, h4, h4 + p { break-after: avoid; }
+  figure svg { max-height: 11cm; } .scroll { overflow: visible; } .scroll table { font-size: 6.5pt; }
+  .scroll th, .scroll td { padding: 1pt 3pt; }
 }
 )";
 
