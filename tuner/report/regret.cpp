@@ -126,19 +126,19 @@ Section regret_section(const std::vector<Answer>& answers, std::size_t planned) 
                                   "first race of the question, over the fastest in it, less 1"});
     }
   }
-  const auto add_all = [&](const std::string& who, const std::vector<double>& r) {
+  const auto add_all = [&](const std::string& who, const std::string& what, const std::vector<double>& r) {
     const auto add = [&](const char* quantity, double value) {
-      out.measurements.push_back({out.id, "all questions", who, quantity, "1", value, 0, 0, std::nan(""),
+      out.measurements.push_back({out.id, "all questions", who, what + quantity, "1", value, 0, 0, std::nan(""),
                                   "computed from " + output::counted(static_cast<std::int64_t>(r.size()), "question")});
     };
-    add("regret, median", quantile(r, 0.5));
-    add("regret, p95", quantile(r, 0.95));
-    add("regret, max", quantile(r, 1));
-    add("regret, mean", mean(r));
+    add(", median", quantile(r, 0.5));
+    add(", p95", quantile(r, 0.95));
+    add(", max", quantile(r, 1));
+    add(", mean", mean(r));
   };
-  add_all("auto", ours);
-  if (!theirs.empty()) add_all("best constant", theirs);
-  add_all("auto to itself", itself);
+  add_all("auto", "regret", ours);
+  if (!theirs.empty()) add_all("best constant", "regret", theirs);
+  add_all("auto", "regret to itself", itself);
 
   const auto count = [](std::size_t n) { return static_cast<std::int64_t>(n); };
   out.body = paragraph(
