@@ -39,7 +39,7 @@ struct Sample {
   Kernel kernel = Kernel::factor;
   Shape shape;
   Strategy strategy;
-  double seconds = 0;  // median of one call
+  double seconds = 0;  // median of one call; the tuner's are at the machine's usual pace: db/README.md
   double spread = 0;   // median absolute deviation, s
   std::int64_t repetitions = 0;
   // Of the result that was timed, the worst over lanes; NaN: not measured. Of a solution: |A x - b| / (|A| |x| + |b|)

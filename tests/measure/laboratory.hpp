@@ -11,23 +11,25 @@ struct Laboratory {
   double now = 1000;
   std::int64_t switches = 0;
   bool stopped = false;
+  double slow = 1;  // times as long as usual that everything takes
 
   [[nodiscard]] Instruments instruments() {
     Instruments out;
     out.clock = [this] { return now; };
     out.switches = [this] { return switches; };
     out.stop = [this] { return stopped; };
+    out.slowness = [this] { return slow; };
     return out;
   }
 };
 
-// One call takes `seconds`, of the laboratory's clock; every block is noted.
+// One call takes `seconds` at the usual pace, of the laboratory's clock; every block is noted.
 class Timed : public Workload {
  public:
   Timed(Laboratory& laboratory, double seconds) : laboratory_(laboratory), seconds_(seconds) {}
 
   bool run(int calls) override {
-    laboratory_.now += seconds_ * calls;
+    laboratory_.now += seconds_ * calls * laboratory_.slow;
     blocks.push_back(calls);
     ends.push_back(laboratory_.now);
     return true;

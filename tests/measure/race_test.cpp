@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <set>
 
@@ -68,6 +69,24 @@ TEST_F(RaceTest, TheHopelessLeaveAfterTheirTrialAndKeepTheirTimes) {
   EXPECT_TRUE(runners_[2].hopeless);  // more than three times the leader's
   EXPECT_EQ(runners_[2].seconds.size(), 3u);
   EXPECT_GE(runners_[1].seconds.size(), 7u);
+}
+
+// Whatever the machine does meanwhile, for some moments or all the time.
+TEST_F(RaceTest, TimesCountAsAtTheUsualPace) {
+  enter(30e-6);
+  enter(33e-6);
+  Instruments with = laboratory_.instruments();
+  with.stop = [&] {
+    laboratory_.slow = std::fmod(laboratory_.now, 0.016) < 0.008 ? 1 : 1.8;
+    return false;
+  };
+  RaceRules rules;
+  rules.least_rounds = rules.most_rounds = 1000;
+  const RaceFigures figures = race(runners_, rules, with);
+  EXPECT_NEAR(runners_[0].median(), 30e-6, 1e-9);
+  EXPECT_NEAR(runners_[1].median(), 33e-6, 1e-9);
+  EXPECT_LT(runners_[0].spread(), 1e-9);
+  EXPECT_TRUE(figures.slowness == 1 || figures.slowness == 1.8) << figures.slowness;
 }
 
 TEST_F(RaceTest, WiderOnesMakeNobodyHopelessWhoNeedsFewerGroups) {

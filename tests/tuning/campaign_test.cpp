@@ -23,7 +23,8 @@ class CampaignTest : public testing::Test {
   }
   measure::Instruments instruments() {
     measure::Instruments out;
-    out.clock = [this] { return now_ += kTick; };
+    out.clock = [this] { return now_ += kTick * slow_; };
+    out.slowness = [this] { return slow_; };
     out.switches = [] { return std::int64_t{0}; };
     out.stop = [this] { return stored_.size() >= stop_after_; };
     return out;
@@ -39,7 +40,7 @@ class CampaignTest : public testing::Test {
     return out;
   }
 
-  double now_ = 0;
+  double now_ = 0, slow_ = 1;
   std::size_t stop_after_ = std::numeric_limits<std::size_t>::max();
   CampaignOptions options_;
   std::vector<CellResult> stored_;
@@ -96,6 +97,19 @@ TEST_F(CampaignTest, GoesOnWhereAnInterruptedRunStopped) {
   EXPECT_EQ(second.figures().earlier, 2u);
   ASSERT_EQ(second.results().size(), 4u);
   EXPECT_EQ(second.results()[0].results.size(), first.results()[0].results.size());
+}
+
+TEST_F(CampaignTest, TimesCountAsAtTheUsualPace) {
+  options_.progress = [this](double, const Cell& cell) { slow_ = cell.n > 5 ? 2 : 1; };
+  Campaign campaign(options_, instruments());
+  campaign.run(cells());
+  ASSERT_EQ(stored_.size(), 4u);
+  for (const CellResult& cell : stored_) {
+    // Each block is one look long, whatever is in it.
+    for (const Result& r : cell.results)
+      EXPECT_LE(r.sample.seconds, kTick * (1 + 1e-9)) << to_string(r.sample.strategy);
+  }
+  EXPECT_EQ(campaign.figures().drift(), 1.0);
 }
 
 TEST_F(CampaignTest, EqualMatricesAreMeasuredOnce) {

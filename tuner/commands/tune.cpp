@@ -12,6 +12,7 @@
 #include "commands/interrupt.hpp"
 #include "db/places.hpp"
 #include "measure/noise.hpp"
+#include "measure/pace.hpp"
 #include "measure/step_times.hpp"
 #include "output/notes.hpp"
 #include "output/progress.hpp"
@@ -75,7 +76,22 @@ measure::Judgement judgement_of(const tuning::Campaign& campaign, const measure:
   const measure::RaceFigures& race = campaign.figures().race;
   noise.disturbed = static_cast<double>(race.disturbed) / static_cast<double>(std::max<std::int64_t>(race.blocks, 1));
   noise.scatter = scatter_of(campaign.results());
+  noise.drift = campaign.figures().drift();
   return measure::judge(noise);
+}
+
+// What later runs on this machine go by as well.
+tuning::CellResult usual_pace(const measure::FixedWork& fixed, double seconds) {
+  Sample s;
+  s.kernel = fixed.kernel;
+  s.shape = fixed.shape;
+  s.strategy = fixed.strategy;
+  s.seconds = seconds;
+  s.repetitions = 1;
+  s.backward_error = s.forward_error = std::numeric_limits<double>::quiet_NaN();
+  tuning::CellResult cell;
+  cell.results.emplace_back(std::move(s));
+  return cell;
 }
 
 db::Grade grade_of(measure::Quiet quiet) {
@@ -126,6 +142,10 @@ int tune(const Common& common, const TuneOptions& options) {
   const measure::NoiseWatch watch(how.field.budget.threads);
   const tuning::Probes probes(how.field.table, how.field.budget, trial_of, kTrial);
   how.field.why_not = [&](const Strategy& s) { return probes.why_not(s); };
+  const measure::FixedWork fixed = measure::leg_steps();
+  const std::optional<double> usual = archive.first_seconds(fixed.kernel, fixed.shape, fixed.strategy);
+  measure::Pace pace(*fixed.work, measure::StepTimes::steady, usual);
+  if (!usual) archive.add(usual_pace(fixed, pace.usual()));
   how.seconds = profile.seconds - (measure::StepTimes::steady() - begin);
   how.most_for_cell = profile.most_for_cell;
   how.earlier = archive.earlier();
@@ -146,6 +166,7 @@ int tune(const Common& common, const TuneOptions& options) {
   const Interrupt interrupt;
   measure::Instruments instruments;
   instruments.stop = [] { return Interrupt::requested(); };
+  instruments.slowness = [&pace] { return pace.slowness(); };
 
   tuning::Campaign campaign(how, instruments);
   campaign.run(cells);

@@ -188,13 +188,14 @@ ErrorFigures PackStep::error() const {
 
 // ---- pack, in a crowd
 
-Crowd::Crowd(int threads, const std::function<std::unique_ptr<PackStep>()>& make) : team_(threads) {
+Crowd::Crowd(int threads, const std::vector<int>& cores, const std::function<std::unique_ptr<PackStep>()>& make)
+    : pin_to_(static_cast<int>(cores.size()) < threads ? std::vector<int>{} : cores), team_(threads, pin_to_) {
   for (int rank = 0; rank < threads; ++rank) steps_.push_back(make());
   ok_.resize(steps_.size());
 }
 
 void Crowd::get_ready(int calls) {
-  repeat_for(kUntilSpread, [this] { (void)run(1); });
+  repeat_for(pin_to_.empty() ? kUntilSpread : kUntilAwake, [this] { (void)run(1); });
   team_.run([&](int rank) { steps_[static_cast<std::size_t>(rank)]->get_ready(calls); });
 }
 

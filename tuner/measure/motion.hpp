@@ -43,7 +43,8 @@ class PackStep final : public Workload {
 // Several threads, each with packs of its own: one call solves one pack in each.
 class Crowd final : public Workload {
  public:
-  Crowd(int threads, const std::function<std::unique_ptr<PackStep>()>& make);
+  // cores: a processor of each; each thread has one for itself if there are enough.
+  Crowd(int threads, const std::vector<int>& cores, const std::function<std::unique_ptr<PackStep>()>& make);
 
   void get_ready(int calls) override;
   bool run(int calls) override;
@@ -51,6 +52,7 @@ class Crowd final : public Workload {
  private:
   std::vector<std::unique_ptr<PackStep>> steps_;  // threads
   std::vector<std::uint8_t> ok_;                  // threads
+  std::vector<int> pin_to_;                       // threads; empty: wherever the system puts them
   Team team_;
 };
 

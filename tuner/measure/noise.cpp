@@ -20,6 +20,7 @@ constexpr Threshold kThresholds[] = {
     {&Noise::stolen, 0.01, 0.05, 100, "the hypervisor took %.0f %% of the time"},
     {&Noise::disturbed, 0.02, 0.10, 100, "the processor was taken away during %.0f %% of the measurements"},
     {&Noise::scatter, 0.02, 0.05, 100, "times scatter by %.0f %%"},
+    {&Noise::drift, 0.1, 0.5, 100, "everything took up to %.0f %% longer at times, which is allowed for"},
 };
 
 void read_ticks(const std::filesystem::path& root, double& total, double& stolen) {

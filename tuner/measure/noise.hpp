@@ -12,6 +12,7 @@ struct Noise {
   double stolen = 0;     // share of the processors' time that the hypervisor gave to others
   double disturbed = 0;  // share of the timed blocks during which the system took the processor away
   double scatter = 0;    // median of spread / time over all samples
+  double drift = 0;      // by how much the machine was slower at some times than at others, relative
 };
 
 // Watches from its construction on. What the system does not tell counts as quiet.

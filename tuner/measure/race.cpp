@@ -19,6 +19,7 @@ constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr int kMostCalls = 1 << 20;
 constexpr double kShort = 1e-3;       // s: a longer block warms the caches by itself
 constexpr double kPrecise = 0.005;    // share of a median: nearer than this no two need to be told apart
+constexpr double kMoment = 1e-3;      // s that the machine's slowness counts for
 constexpr double kLargeShare = 0.25;  // of the time for all: a call that takes so much is made once
 
 double median_of(std::vector<double> values) {
@@ -53,14 +54,26 @@ class Race {
     for (Runner& r : runners_) {
       if (r.seconds.empty() && !r.failed && per_call_.contains(&r)) r.seconds.push_back(per_call_[&r]);
     }
+    if (!slowness_.empty()) figures_.slowness = median_of(slowness_);
     return figures_;
   }
 
  private:
+  // How slow the machine is; asked anew after a moment.
+  double slowness() {
+    if (slowness_.empty() || with_.clock() - asked_ >= kMoment) {
+      slowness_.push_back(with_.slowness());
+      asked_ = with_.clock();
+    }
+    return slowness_.back();
+  }
+
   [[nodiscard]] bool over() const { return with_.stop() || with_.clock() >= end_; }
 
-  // Seconds of one block; a negative number if a call fails. Some of what cannot run says so only when it is asked to.
+  // Seconds of one block, at the usual pace; a negative number if a call fails. Some of what cannot run says so only
+  // when it is asked to.
   double block(Runner& r) {
+    const double before = slowness();
     double begin = 0, end = 0;
     bool ok = false;
     try {
@@ -76,8 +89,9 @@ class Race {
       r.seconds.clear();
       return -1;
     }
-    per_call_[&r] = (end - begin) / r.calls;
-    return end - begin;
+    const double seconds = (end - begin) / ((before + slowness()) / 2);
+    per_call_[&r] = seconds / r.calls;
+    return seconds;
   }
 
   // Doubles the calls until a block is long enough for the clock. What takes long is a time already.
@@ -154,6 +168,8 @@ class Race {
   const Instruments& with_;
   double end_;
   std::map<const Runner*, double> per_call_;
+  std::vector<double> slowness_;  // of all moments
+  double asked_ = 0;              // s: when last
   RaceFigures figures_;
 };
 
@@ -170,7 +186,11 @@ double Runner::spread() const {
   return seconds.empty() ? kInfinite : median_of(std::move(deviations));
 }
 
-Instruments::Instruments() : clock(StepTimes::steady), switches(involuntary_switches), stop([] { return false; }) {}
+Instruments::Instruments()
+    : clock(StepTimes::steady),
+      switches(involuntary_switches),
+      stop([] { return false; }),
+      slowness([] { return 1.0; }) {}
 
 RaceFigures race(std::span<Runner> runners, const RaceRules& rules, const Instruments& instruments) {
   return Race(runners, rules, instruments).hold();

@@ -42,13 +42,16 @@ struct Instruments {
   std::function<double()> clock;           // s, monotonic
   std::function<std::int64_t()> switches;  // involuntary ones of this process so far
   std::function<bool()> stop;              // asked before each block
+  // How many times as long as usual everything takes at the moment: what times are divided by. Asked every millisecond.
+  std::function<double()> slowness;
 
-  Instruments();  // those of the system; never stops
+  Instruments();  // those of the system; never stops; times count as they are
 };
 
 struct RaceFigures {
   std::int64_t blocks = 0;     // that count
   std::int64_t disturbed = 0;  // blocks that were repeated, or counted though the processor was taken away
+  double slowness = 1;         // of the machine, the middle one
 };
 
 // Runners are compared for one result with all of their heat that have the same or a smaller share: what needs fewer

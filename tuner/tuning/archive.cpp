@@ -1,5 +1,7 @@
 #include "tuning/archive.hpp"
 
+#include "db/libraries.hpp"
+
 namespace assur::tuning {
 
 Archive::Archive(const std::optional<std::filesystem::path>& database, const std::string& profile) : profile_(profile) {
@@ -29,6 +31,17 @@ void Archive::finish(const db::RunResult& result, const std::string& learned) {
   store_->finish_run(run_, result);
   store_->put_model(host_, profile_, learned);
   store_->fit_models();
+}
+
+std::optional<double> Archive::first_seconds(Kernel kernel, const Shape& shape, const Strategy& strategy) const {
+  if (!store_) return std::nullopt;
+  for (const db::Run& run : store_->runs()) {  // the oldest first
+    if (run.machine != host_.fingerprint() || run.assur != db::assur_version()) continue;
+    for (const Sample& s : store_->samples({.run = run.id, .kernel = kernel})) {
+      if (s.shape == shape && s.strategy == strategy) return s.seconds;
+    }
+  }
+  return std::nullopt;
 }
 
 }  // namespace assur::tuning

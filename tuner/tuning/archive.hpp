@@ -26,6 +26,8 @@ class Archive {
   [[nodiscard]] const std::vector<Sample>& earlier() const { return earlier_; }  // of the run that is gone on with
   [[nodiscard]] std::optional<std::int64_t> run() const { return store_ ? std::optional(run_) : std::nullopt; }
   [[nodiscard]] std::string file() const { return store_ ? store_->file().string() : ""; }
+  // Time of a kernel as the first run of this version on this host has it; nullopt: none has it.
+  [[nodiscard]] std::optional<double> first_seconds(Kernel kernel, const Shape& shape, const Strategy& strategy) const;
   // What opening the database has found, for people.
   [[nodiscard]] const std::vector<std::string>& messages() const { return messages_; }
 

@@ -44,6 +44,14 @@ void add(std::vector<Result>& known, const Result& more) {
   }
 }
 
+double CampaignFigures::drift() const {
+  if (slowness.empty()) return 0;
+  std::vector<double> all = slowness;
+  std::sort(all.begin(), all.end());
+  const std::size_t tenth = all.size() / 10;
+  return all[all.size() - 1 - tenth] / all[tenth] - 1;
+}
+
 double Campaign::seconds_left() const { return options_.seconds - (instruments_.clock() - begin_); }
 
 template <class Work>
@@ -188,6 +196,7 @@ CellResult Campaign::measure_cell(const Cell& cell, Ground& ground, double secon
   const measure::RaceFigures race = measure::race(runners, rules, instruments_);
   figures_.race.blocks += race.blocks;
   figures_.race.disturbed += race.disturbed;
+  figures_.slowness.push_back(race.slowness);
 
   for (std::size_t i = 0; i < entrants.size(); ++i) {
     const Entrant& e = entrants[i];

@@ -55,6 +55,7 @@ struct CampaignFigures {
   int passes = 1;  // over all cells, as far as the time went
   std::int64_t samples = 0;
   measure::RaceFigures race;
+  std::vector<double> slowness;  // of the machine, in each cell measured
   double seconds = 0;
   bool interrupted = false;
   std::vector<std::string> failures;  // cells that could not be opened
@@ -63,11 +64,13 @@ struct CampaignFigures {
   [[nodiscard]] double coverage() const {
     return planned > 0 ? static_cast<double>(measured - cut_short) / static_cast<double>(planned) : 1;
   }
+  // How much slower the machine was in one cell of ten, at least, than in another one of ten; relative.
+  [[nodiscard]] double drift() const;
 };
 
 class Campaign {
  public:
-  // clock, involuntary switches and stop() as a race has them.
+  // As a race has them.
   Campaign(CampaignOptions options, measure::Instruments instruments);
 
   // Until all cells are done, the time is used up, or stop() says so. May be called again with more cells.

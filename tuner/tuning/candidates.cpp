@@ -60,9 +60,12 @@ std::vector<Strategy> pack_strategies(const Field& field, Formulation formulatio
     out.push_back(s);
     // Lane by lane, but with equations side by side.
     if (s.lanes == 1 && s.backend != "lanes" && s.backend != "mumps" && shape.groups > 4) {
-      Strategy wide = s;
-      wide.lanes = 8;
-      out.push_back(std::move(wide));
+      for (const int w : kWidths) {
+        if (w == 1 || w >= 2 * shape.groups) continue;
+        Strategy wide = s;
+        wide.lanes = w;
+        out.push_back(std::move(wide));
+      }
     }
     if (!policies || (s.lanes != 1 && s.lanes != 8)) continue;
     for (const Policy& policy : kPolicies) {

@@ -136,7 +136,6 @@ void add_crowds(std::vector<Cell>& cells, const Extent& e, std::int32_t groups) 
   for (Cell c : {dyad_packs(groups), leg_packs(groups, Formulation::groups), ring_packs(60, groups)}) {
     c.kind = Cell::Kind::crowd;
     c.policies = false;
-    c.weight /= 2;
     if (is_within(c, e)) cells.push_back(std::move(c));
   }
 }
@@ -240,16 +239,17 @@ std::vector<Cell> general_cells(const Extent& extent) {
   }
   add_crowds(cells, extent, 84);
   add_sizes(cells, extent);
+  add_crowds(cells, extent, 90);
   for (const Formulation f : {Formulation::global, Formulation::groups, Formulation::irreducible}) {
     for (const char* text : {"stewart", "andrews", "slider_crank", "four_bar"}) add_classes(cells, text, f);
   }
-  add_crowds(cells, extent, 90);
+  add_crowds(cells, extent, 96);
   add_packs(cells, extent);
   for (const char* text : {"stewart", "andrews", "four_bar:64", "rings:legs=6,n=120"}) {
     cells.push_back(steps(std::string(text) + ", groups", named(text), Formulation::groups));
   }
   cells.push_back(steps("stewart, irreducible", named("stewart"), Formulation::irreducible));
-  add_crowds(cells, extent, 96);
+  add_crowds(cells, extent, 108);
   return cells;
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "assur/machine.hpp"
 #include "assur/plan.hpp"
 #include "measure/linear.hpp"
 #include "measure/meeting.hpp"
@@ -106,8 +107,9 @@ class PacksGround final : public Ground {
         continue;
       }
       // How threads slow each other down depends on the memory that they read, less on the solver.
-      if (s.lanes != 1 && s.lanes != 8) continue;
-      if (s.backend != "lanes" && (s.lanes > 1 || s.backend == "mumps")) continue;
+      const bool one_of_few =
+          s.backend == "lanes" ? s.lanes == 1 || s.lanes == 8 : s.backend == "eigen" && s.lanes == 1;
+      if (!one_of_few) continue;
       // One thread alone among them: a machine may be twice as fast a second later.
       for (s.p = 1; s.p <= field.budget.threads; s.p *= 2) candidates_.push_back({Kernel::pack, s});
     }
@@ -116,7 +118,8 @@ class PacksGround final : public Ground {
   // The other classes stay as they are: they are solved once, to give this one its inputs.
   std::vector<Entrant> enter(const Candidate& c) override {
     if (c.strategy.p > 1) {
-      const auto crowd = std::make_shared<measure::Crowd>(c.strategy.p, [&] { return pack_step(c); });
+      const auto crowd =
+          std::make_shared<measure::Crowd>(c.strategy.p, this_machine().cores, [&] { return pack_step(c); });
       return {{Kernel::pack, shape_, c.strategy, crowd.get(), crowd, kNotMeasured, kNotMeasured}};
     }
     const std::shared_ptr<measure::PackStep> packs = pack_step(c);

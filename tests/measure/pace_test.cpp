@@ -1,0 +1,77 @@
+// On a machine whose pace the test sets.
+#include "measure/pace.hpp"
+
+#include <gtest/gtest.h>
+
+#include "assur/status.hpp"
+#include "measure/laboratory.hpp"
+
+namespace assur::measure {
+namespace {
+
+TEST(Pace, WhatIsUsualIsTheFastestQuarter) {
+  Laboratory laboratory;
+  Timed work(laboratory, 3e-6);
+  const auto clock = [&] {
+    laboratory.slow = laboratory.now < 1000.3 ? 2 : 1;  // more than half of the time that it looks
+    return laboratory.now;
+  };
+  Pace pace(work, clock);
+  EXPECT_NEAR(pace.usual(), 3e-6, 1e-12);
+  EXPECT_NEAR(pace.slowness(), 1, 1e-6);
+}
+
+TEST(Pace, TellsHowSlowTheMachineIsNow) {
+  Laboratory laboratory;
+  Timed work(laboratory, 3e-6);
+  Pace pace(work, laboratory.instruments().clock);
+  for (const double slow : {1.7, 0.9, 1.0}) {
+    laboratory.slow = slow;
+    EXPECT_NEAR(pace.slowness(), slow, 1e-6);
+  }
+}
+
+TEST(Pace, AnInterruptionIsNoPace) {
+  class Interrupted final : public Timed {
+   public:
+    using Timed::Timed;
+    bool run(int calls) override { return Timed::run(++runs_ % 3 == 2 ? 1000 * calls : calls); }
+
+   private:
+    int runs_ = 0;
+  };
+  Laboratory laboratory;
+  Interrupted work(laboratory, 3e-6);
+  Pace pace(work, laboratory.instruments().clock, 3e-6);
+  for (int i = 0; i < 5; ++i) EXPECT_NEAR(pace.slowness(), 1, 1e-6);
+}
+
+TEST(Pace, OfAnEarlierRunItIsTakenAsItIs) {
+  Laboratory laboratory;
+  Timed work(laboratory, 3e-6);
+  Pace pace(work, laboratory.instruments().clock, 2e-6);
+  EXPECT_LT(laboratory.now, 1000.001);  // it did not look for long
+  EXPECT_EQ(pace.usual(), 2e-6);
+  EXPECT_NEAR(pace.slowness(), 1.5, 1e-6);
+}
+
+TEST(Pace, WorkThatFailsIsTold) {
+  class Fails final : public Workload {
+    bool run(int) override { return false; }
+  } work;
+  Laboratory laboratory;
+  EXPECT_THROW(Pace(work, laboratory.instruments().clock), Error);
+}
+
+// Its time is stored as what it is: that of a pack.
+TEST(Pace, TheFixedWorkIsASampleLikeAnyOther) {
+  const FixedWork fixed = leg_steps();
+  EXPECT_EQ(fixed.shape.n, 15);
+  EXPECT_EQ(fixed.shape.groups, 6);
+  EXPECT_GT(fixed.shape.terms, 0);
+  EXPECT_EQ(to_string(fixed.strategy), "groups/eigen");
+  EXPECT_TRUE(fixed.work->run(12));
+}
+
+}  // namespace
+}  // namespace assur::measure

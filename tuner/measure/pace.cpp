@@ -1,0 +1,66 @@
+#include "measure/pace.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "assur/plan.hpp"
+#include "assur/scene.hpp"
+#include "assur/status.hpp"
+#include "measure/motion.hpp"
+#include "planning/counts.hpp"
+
+namespace assur::measure {
+namespace {
+
+constexpr double kBlock = 20e-6, kUsual = 0.5;  // s: of one look's three blocks; of all looks for what is usual
+constexpr int kMostCalls = 1 << 20;
+constexpr std::int32_t kLegs = 1;  // their class; the platform is the other
+
+}  // namespace
+
+FixedWork leg_steps() {
+  const std::string strategy = "groups/eigen";
+  PrepareOptions options;
+  options.strategy = strategy;
+  options.budget = ThreadBudget{1};
+  const Prepared prepared = prepare(sample("stewart"), options);
+  const GroupClass& legs = prepared.structure->classes[kLegs];
+  const auto groups = std::count_if(prepared.structure->groups.begin(), prepared.structure->groups.end(),
+                                    [](const Group& g) { return g.group_class == kLegs; });
+  return {Kernel::pack, shape_of(legs, static_cast<std::int32_t>(groups)), parse_strategy(strategy),
+          std::make_unique<PackStep>(prepared, kLegs)};
+}
+
+Pace::Pace(Workload& work, std::function<double()> clock, std::optional<double> usual)
+    : work_(work), clock_(std::move(clock)) {
+  while (calls_ < kMostCalls && calls_ * look() < kBlock) calls_ *= 2;
+  if (!usual) {
+    std::vector<double> looks;
+    for (const double begin = clock_(); looks.empty() || clock_() - begin < kUsual;) looks.push_back(look());
+    const auto quarter = looks.begin() + static_cast<std::ptrdiff_t>(looks.size() / 4);
+    std::nth_element(looks.begin(), quarter, looks.end());
+    usual = *quarter;
+  }
+  usual_ = *usual;
+}
+
+double Pace::slowness() { return look() / usual_; }
+
+// The middle of three: one may be interrupted.
+double Pace::look() {
+  std::array<double, 3> seconds{};
+  for (double& s : seconds) {
+    work_.get_ready(calls_);
+    const double begin = clock_();
+    if (!work_.run(calls_)) throw Error(Error::Kind::numerical, "the work that tells the machine's pace fails");
+    s = (clock_() - begin) / calls_;
+  }
+  std::sort(seconds.begin(), seconds.end());
+  return seconds[1];
+}
+
+}  // namespace assur::measure
