@@ -7,6 +7,7 @@
 #include <limits>
 #include <set>
 
+#include "planning/prior.hpp"
 #include "tuning/refinement.hpp"
 
 namespace assur::tuning {
@@ -110,6 +111,21 @@ TEST_F(CampaignTest, TimesCountAsAtTheUsualPace) {
       EXPECT_LE(r.sample.seconds, kTick * (1 + 1e-9)) << to_string(r.sample.strategy);
   }
   EXPECT_EQ(campaign.figures().drift(), 1.0);
+}
+
+TEST_F(CampaignTest, OfAMeetingOnlyWhatIsNotByTheClockIsAtAnyPace) {
+  options_.field.budget = ThreadBudget{2};
+  slow_ = 2;
+  Cell meeting;
+  meeting.kind = Cell::Kind::meeting;
+  Campaign campaign(options_, instruments());
+  campaign.run({meeting});
+  ASSERT_EQ(stored_.size(), 1u);
+  ASSERT_EQ(stored_[0].results.size(), 1u);
+  // A block of one call is one look, which is two ticks long here.
+  const Result& r = stored_[0].results[0];
+  const double raw = 2 * kTick * r.rounds / static_cast<double>(r.sample.repetitions);
+  EXPECT_NEAR(r.sample.seconds, kAloneBeforeMeeting + std::max(raw - kAloneBeforeMeeting, 0.0) / 2, 1e-9);
 }
 
 TEST_F(CampaignTest, EqualMatricesAreMeasuredOnce) {

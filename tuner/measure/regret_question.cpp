@@ -60,15 +60,19 @@ bool enter(Racer& racer) {
   }
 }
 
-void race(std::vector<Racer*>& racers, const RaceRules& rules, const Instruments& instruments) {
+// Whoever had no turn because others took all the time has one in a race of the rest.
+void race(const std::vector<Racer*>& racers, const RaceRules& rules, const Instruments& instruments) {
   std::vector<Runner> runners;
   for (Racer* r : racers) runners.push_back({.work = r->step.get()});
   (void)measure::race(runners, rules, instruments);
+  std::vector<Racer*> rest;
   for (std::size_t i = 0; i < racers.size(); ++i) {
     racers[i]->seconds = runners[i].failed || !is_right(racers[i]->step->report()) ? HUGE_VAL : runners[i].median();
     racers[i]->spread = runners[i].spread();
     racers[i]->rounds = runners[i].seconds.size();
+    if (runners[i].seconds.empty() && !runners[i].failed) rest.push_back(racers[i]);
   }
+  if (!rest.empty() && rest.size() < racers.size() && !instruments.stop()) race(rest, rules, instruments);
 }
 
 // Every strategy that is the same for all classes, on one thread or on several. Policies and formulations multiply what

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "assur/status.hpp"
+#include "planning/prior.hpp"
 
 namespace assur::tuning {
 namespace {
@@ -193,10 +194,19 @@ CellResult Campaign::measure_cell(const Cell& cell, Ground& ground, double secon
   rules.seconds = end - instruments_.clock();
   if (cell.kind == Cell::Kind::crowd) rules.block = kCrowdBlock;
   rules.seed += static_cast<std::uint64_t>(figures_.passes);
-  const measure::RaceFigures race = measure::race(runners, rules, instruments_);
+  // Of a meeting, what its first thread works alone for is by the clock, whatever the pace.
+  measure::Instruments with = instruments_;
+  const bool meets = cell.kind == Cell::Kind::meeting;
+  double slowness = 1;
+  if (meets) {
+    slowness = instruments_.slowness();
+    with.slowness = [] { return 1.0; };
+  }
+  const measure::RaceFigures race = measure::race(runners, rules, with);
+  if (meets) slowness = (slowness + instruments_.slowness()) / 2;
   figures_.race.blocks += race.blocks;
   figures_.race.disturbed += race.disturbed;
-  figures_.slowness.push_back(race.slowness);
+  figures_.slowness.push_back(meets ? slowness : race.slowness);
 
   for (std::size_t i = 0; i < entrants.size(); ++i) {
     const Entrant& e = entrants[i];
@@ -209,6 +219,7 @@ CellResult Campaign::measure_cell(const Cell& cell, Ground& ground, double secon
     s.shape = e.shape;
     s.strategy = e.strategy;
     s.seconds = runners[i].median();
+    if (meets) s.seconds = kAloneBeforeMeeting + std::max(s.seconds - kAloneBeforeMeeting, 0.0) / slowness;
     s.spread = runners[i].spread();
     s.repetitions = static_cast<std::int64_t>(runners[i].seconds.size()) * runners[i].calls;
     s.backward_error = e.backward_error;
