@@ -60,8 +60,8 @@ bool enter(Racer& racer) {
   }
 }
 
-// Whoever had no turn because others took all the time has one in a race of the rest.
-void race(const std::vector<Racer*>& racers, const RaceRules& rules, const Instruments& instruments) {
+// Whoever had no turn because others took all the time has one afterwards.
+void race(const std::vector<Racer*>& racers, RaceRules rules, const Instruments& instruments) {
   std::vector<Runner> runners;
   for (Racer* r : racers) runners.push_back({.work = r->step.get()});
   (void)measure::race(runners, rules, instruments);
@@ -72,6 +72,7 @@ void race(const std::vector<Racer*>& racers, const RaceRules& rules, const Instr
     racers[i]->rounds = runners[i].seconds.size();
     if (runners[i].seconds.empty() && !runners[i].failed) rest.push_back(racers[i]);
   }
+  rules.trial_rounds = rules.least_rounds = rules.most_rounds = 1;
   if (!rest.empty() && rest.size() < racers.size() && !instruments.stop()) race(rest, rules, instruments);
 }
 

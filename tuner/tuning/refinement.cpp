@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::size_t kAtOnce = 6;     // cells between two models
 constexpr double kWorthGoingOn = 0.9;  // of the least mean regret so far: what is no fall
+constexpr double kOfNoAccount = 1e-3;  // a fall by less is none either
 constexpr int kPatience = 3;           // models without a fall
 constexpr double kNeighbours = 1.12;   // sizes nearer to each other than this need nothing between them
 
@@ -117,7 +118,7 @@ void refine(Campaign& campaign, bool until_settled) {
     const PerformanceModel model = model_of(campaign.results());
     if (until_settled) {
       const double now = regret(model, campaign.results()).mean;
-      without_fall = now < kWorthGoingOn * least ? 0 : without_fall + 1;
+      without_fall = now < std::min(kWorthGoingOn * least, least - kOfNoAccount) ? 0 : without_fall + 1;
       least = std::min(least, now);
       if (without_fall == kPatience) return;
     }
