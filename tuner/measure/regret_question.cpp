@@ -8,6 +8,7 @@
 
 #include "assur/assur.hpp"
 #include "measure/motion.hpp"
+#include "measure/step_times.hpp"
 #include "measure/ways.hpp"
 
 namespace assur::measure {
@@ -23,6 +24,7 @@ struct Racer {
   Prepared prepared;
   std::vector<std::string> others = {};  // texts that mean the same here
   std::unique_ptr<WholeStep> step = nullptr;
+  double first_seconds = 0;  // of its first steps
   double seconds = HUGE_VAL, spread = 0;
   std::size_t rounds = 0;
 };
@@ -54,26 +56,27 @@ bool enter(Racer& racer) {
     static const std::vector<int> kCores = this_machine().cores;
     const bool enough = idx(racer.prepared.plan.threads) <= kCores.size();
     racer.step = std::make_unique<WholeStep>(racer.prepared, enough ? kCores : std::vector<int>{});
-    return racer.step->run(3) && is_right(racer.step->report());
+    const double begin = StepTimes::steady();
+    const bool runs = racer.step->run(3);
+    racer.first_seconds = StepTimes::steady() - begin;
+    return runs && is_right(racer.step->report());
   } catch (const Error&) {
     return false;
   }
 }
 
-// Whoever had no turn because others took all the time has one afterwards.
-void race(const std::vector<Racer*>& racers, RaceRules rules, const Instruments& instruments) {
+// Should a few slow ones need all the time, they are the ones without a turn.
+void race(std::vector<Racer*> racers, const RaceRules& rules, const Instruments& instruments) {
+  std::stable_sort(racers.begin(), racers.end(),
+                   [](const Racer* a, const Racer* b) { return a->first_seconds < b->first_seconds; });
   std::vector<Runner> runners;
   for (Racer* r : racers) runners.push_back({.work = r->step.get()});
   (void)measure::race(runners, rules, instruments);
-  std::vector<Racer*> rest;
   for (std::size_t i = 0; i < racers.size(); ++i) {
     racers[i]->seconds = runners[i].failed || !is_right(racers[i]->step->report()) ? HUGE_VAL : runners[i].median();
     racers[i]->spread = runners[i].spread();
     racers[i]->rounds = runners[i].seconds.size();
-    if (runners[i].seconds.empty() && !runners[i].failed) rest.push_back(racers[i]);
   }
-  rules.trial_rounds = rules.least_rounds = rules.most_rounds = 1;
-  if (!rest.empty() && rest.size() < racers.size() && !instruments.stop()) race(rest, rules, instruments);
 }
 
 // Every strategy that is the same for all classes, on one thread or on several. Policies and formulations multiply what
