@@ -206,7 +206,7 @@ CellResult Campaign::measure_cell(const Cell& cell, Ground& ground, double secon
   if (meets) slowness = (slowness + instruments_.slowness()) / 2;
   figures_.race.blocks += race.blocks;
   figures_.race.disturbed += race.disturbed;
-  figures_.slowness.push_back(meets ? slowness : race.slowness);
+  if (!entrants.empty()) figures_.slowness.push_back(meets ? slowness : race.slowness);
 
   for (std::size_t i = 0; i < entrants.size(); ++i) {
     const Entrant& e = entrants[i];
