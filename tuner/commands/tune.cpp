@@ -182,6 +182,7 @@ int tune(const Common& common, const TuneOptions& options) {
   summary.grade = name(grade_of(judgement.quiet));
   summary.reason = judgement.reason;
   summary.figures = campaign.figures();
+  if (!usual && archive.run()) ++summary.figures.samples;  // that of the pace
   summary.regret = tuning::regret(tuning::model_of(campaign.results()), campaign.results());
   summary.failed = probes.failed();
   summary.cells = campaign.results();
