@@ -16,7 +16,7 @@ TEST(Pace, WhatIsUsualIsTheFastestQuarter) {
     laboratory.slow = laboratory.now < 1000.3 ? 2 : 1;  // more than half of the time that it looks
     return laboratory.now;
   };
-  Pace pace(work, clock);
+  Pace pace(work, clock, 0.5);
   EXPECT_NEAR(pace.usual(), 3e-6, 1e-12);
   EXPECT_NEAR(pace.slowness(), 1, 1e-6);
 }
@@ -24,7 +24,7 @@ TEST(Pace, WhatIsUsualIsTheFastestQuarter) {
 TEST(Pace, TellsHowSlowTheMachineIsNow) {
   Laboratory laboratory;
   Timed work(laboratory, 3e-6);
-  Pace pace(work, laboratory.instruments().clock);
+  Pace pace(work, laboratory.instruments().clock, 0.5);
   for (const double slow : {1.7, 0.9, 1.0}) {
     laboratory.slow = slow;
     EXPECT_NEAR(pace.slowness(), slow, 1e-6);
@@ -42,14 +42,14 @@ TEST(Pace, AnInterruptionIsNoPace) {
   };
   Laboratory laboratory;
   Interrupted work(laboratory, 3e-6);
-  Pace pace(work, laboratory.instruments().clock, 3e-6);
+  Pace pace(work, laboratory.instruments().clock, 0.5, 3e-6);
   for (int i = 0; i < 5; ++i) EXPECT_NEAR(pace.slowness(), 1, 1e-6);
 }
 
 TEST(Pace, OfAnEarlierRunItIsTakenAsItIs) {
   Laboratory laboratory;
   Timed work(laboratory, 3e-6);
-  Pace pace(work, laboratory.instruments().clock, 2e-6);
+  Pace pace(work, laboratory.instruments().clock, 0.5, 2e-6);
   EXPECT_LT(laboratory.now, 1000.001);  // it did not look for long
   EXPECT_EQ(pace.usual(), 2e-6);
   EXPECT_NEAR(pace.slowness(), 1.5, 1e-6);
@@ -60,7 +60,7 @@ TEST(Pace, WorkThatFailsIsTold) {
     bool run(int) override { return false; }
   } work;
   Laboratory laboratory;
-  EXPECT_THROW(Pace(work, laboratory.instruments().clock), Error);
+  EXPECT_THROW(Pace(work, laboratory.instruments().clock, 0.5), Error);
 }
 
 // Its time is stored as what it is: that of a pack.

@@ -30,6 +30,8 @@ namespace assur::command {
 namespace {
 
 constexpr double kTrial = 5;        // s that a solver may take for its trial, which takes milliseconds
+constexpr double kLook = 0.01;      // of a run's time, for what the machine's pace usually is
+constexpr double kMostLook = 1;     // s of that
 constexpr int kRoundsOfSpread = 5;  // from which on a spread says something
 
 // Who has the samples as a file can do without a database.
@@ -145,7 +147,7 @@ int tune(const Common& common, const TuneOptions& options) {
   how.field.why_not = [&](const Strategy& s) { return probes.why_not(s); };
   const measure::FixedWork fixed = measure::leg_steps();
   const std::optional<double> usual = archive.first_seconds(fixed.kernel, fixed.shape, fixed.strategy);
-  measure::Pace pace(*fixed.work, measure::StepTimes::steady, usual);
+  measure::Pace pace(*fixed.work, measure::StepTimes::steady, std::min(kLook * profile.seconds, kMostLook), usual);
   if (!usual) archive.add(usual_pace(fixed, pace.usual()));
   how.seconds = profile.seconds - (measure::StepTimes::steady() - begin);
   how.most_for_cell = profile.most_for_cell;

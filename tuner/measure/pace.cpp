@@ -16,7 +16,7 @@
 namespace assur::measure {
 namespace {
 
-constexpr double kBlock = 20e-6, kUsual = 0.5;  // s: of one look's three blocks; of all looks for what is usual
+constexpr double kBlock = 20e-6;  // s: of one look's three blocks
 constexpr int kMostCalls = 1 << 20;
 constexpr std::int32_t kLegs = 1;  // their class; the platform is the other
 
@@ -35,12 +35,12 @@ FixedWork leg_steps() {
           std::make_unique<PackStep>(prepared, kLegs)};
 }
 
-Pace::Pace(Workload& work, std::function<double()> clock, std::optional<double> usual)
+Pace::Pace(Workload& work, std::function<double()> clock, double look, std::optional<double> usual)
     : work_(work), clock_(std::move(clock)) {
-  while (calls_ < kMostCalls && calls_ * look() < kBlock) calls_ *= 2;
+  while (calls_ < kMostCalls && calls_ * now() < kBlock) calls_ *= 2;
   if (!usual) {
     std::vector<double> looks;
-    for (const double begin = clock_(); looks.empty() || clock_() - begin < kUsual;) looks.push_back(look());
+    for (const double begin = clock_(); looks.empty() || clock_() - begin < look;) looks.push_back(now());
     const auto quarter = looks.begin() + static_cast<std::ptrdiff_t>(looks.size() / 4);
     std::nth_element(looks.begin(), quarter, looks.end());
     usual = *quarter;
@@ -48,10 +48,10 @@ Pace::Pace(Workload& work, std::function<double()> clock, std::optional<double> 
   usual_ = *usual;
 }
 
-double Pace::slowness() { return look() / usual_; }
+double Pace::slowness() { return now() / usual_; }
 
 // The middle of three: one may be interrupted.
-double Pace::look() {
+double Pace::now() {
   std::array<double, 3> seconds{};
   for (double& s : seconds) {
     work_.get_ready(calls_);

@@ -25,16 +25,16 @@ struct FixedWork {
 
 class Pace {
  public:
-  // clock: s. usual: s of one call; not given, it looks for half a second: the fastest quarter, since others only slow
-  // the machine down. Throws Error (numerical) if the work fails.
-  Pace(Workload& work, std::function<double()> clock, std::optional<double> usual = {});
+  // clock: s. Takes `look` seconds for what is usual: the fastest quarter, since others only slow the machine down; or
+  // goes by `usual`, s of one call. Throws Error (numerical) if the work fails.
+  Pace(Workload& work, std::function<double()> clock, double look, std::optional<double> usual = {});
 
   [[nodiscard]] double usual() const { return usual_; }
   // How many times as long as usual everything takes now. Takes some 60 us.
   [[nodiscard]] double slowness();
 
  private:
-  [[nodiscard]] double look();  // s of one call now
+  [[nodiscard]] double now();  // s of one call
 
   Workload& work_;
   std::function<double()> clock_;
