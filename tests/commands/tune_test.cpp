@@ -90,7 +90,7 @@ TEST_F(Tune, WritesItsSamplesAsCsvToo) {
   setenv("ASSUR_DB", "", 1);
   EXPECT_EQ(run_command({"tune", "--budget", "1"}).status, 3);  // neither a database nor a file
   const std::string csv = scratch_.file("samples.csv");
-  const Outcome outcome = run_command({"tune", "--scene", "four_bar", "--budget", "1", "--csv", csv, "--json"});
+  const Outcome outcome = run_command({"tune", "--scene", "four_bar", "--budget", "3", "--csv", csv, "--json"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_TRUE(outcome.json()["tuning_run"].is_null());
   EXPECT_TRUE(content(csv).starts_with("kernel,n,nnz,"));
