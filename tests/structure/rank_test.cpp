@@ -71,17 +71,18 @@ TEST(Rank, TheRedundantMechanismRuns) {
 
 // The dropped row is no free pass: the length of the third rod must go on to fit.
 TEST(Rank, ADroppedRowThatCeasesToHoldStopsTheRun) {
-  // Redundant at the start and to first order, but the third rod hangs on a point that leaves the circle.
-  SceneBuilder b("leaving", 2);
-  b.fixed_point("A", {0, 0, 0}).fixed_point("C", {1, 0, 0}).point("S", {0.5, 0, 0});
-  b.point("B", {1, 1, 0}).constrain("height", FixedCoordinate{"B.y", 1});
-  b.constrain("rod", Distance{"S", "B", std::hypot(0.5, 1)});
-  b.constrain("stop", Distance{"C", "B", 1.0});
-  b.drive("slide", DrivenCoordinate{"S.x", Law::polynomial({0.5, 0, 0, 0, 0.1})});
-  b.drive("lift", DrivenCoordinate{"S.y", Law::constant(0)});
-  const Scene scene = b.time(0, 1, 0.1).build();
-  EXPECT_EQ(structure(scene, groups).cannot_assemble, "");
-  for (const double accuracy : {0.0, 1e-4}) {
+  // Redundant at the start and to first order, but the third rod hangs on a point that leaves the circle: by the end
+  // the equations contradict each other by 5e-7 and 5e-3.
+  for (const auto& [accuracy, leaves] : {std::pair(0.0, 1e-3), std::pair(1e-4, 0.1)}) {
+    SceneBuilder b("leaving", 2);
+    b.fixed_point("A", {0, 0, 0}).fixed_point("C", {1, 0, 0}).point("S", {0.5, 0, 0});
+    b.point("B", {1, 1, 0}).constrain("height", FixedCoordinate{"B.y", 1});
+    b.constrain("rod", Distance{"S", "B", std::hypot(0.5, 1)});
+    b.constrain("stop", Distance{"C", "B", 1.0});
+    b.drive("slide", DrivenCoordinate{"S.x", Law::polynomial({0.5, 0, 0, 0, leaves})});
+    b.drive("lift", DrivenCoordinate{"S.y", Law::constant(0)});
+    const Scene scene = b.time(0, 1, 0.1).build();
+    EXPECT_EQ(structure(scene, groups).cannot_assemble, "");
     Simulator simulator(prepare(scene, {.strategy = "groups/eigen", .accuracy = accuracy}));
     (void)simulator.run();
     EXPECT_EQ(simulator.report().status.code, Code::inconsistent) << name(simulator.report().status.code);

@@ -89,7 +89,8 @@ class Race {
       r.seconds.clear();
       return -1;
     }
-    const double seconds = (end - begin) / ((before + slowness()) / 2);
+    const double fixed = std::min(r.by_the_clock * r.calls, end - begin);
+    const double seconds = fixed + (end - begin - fixed) / ((before + slowness()) / 2);
     per_call_[&r] = seconds / r.calls;
     return seconds;
   }

@@ -13,8 +13,9 @@ namespace assur::measure {
 
 struct Runner {
   Workload* work = nullptr;
-  int heat = 0;   // only those of one heat are compared
-  int share = 1;  // results of one call: seconds are compared for one result
+  int heat = 0;             // only those of one heat are compared
+  int share = 1;            // results of one call: seconds are compared for one result
+  double by_the_clock = 0;  // s of one call that the work waits by the clock: they are the same at any pace
 
   // What the race finds out.
   int calls = 1;                     // of a block

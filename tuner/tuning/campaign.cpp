@@ -188,25 +188,17 @@ CellResult Campaign::measure_cell(const Cell& cell, Ground& ground, double secon
     runner.work = e.work;
     runner.heat = heat;
     runner.share = whole ? 1 : e.strategy.lanes;
+    if (e.kernel == Kernel::meeting) runner.by_the_clock = kAloneBeforeMeeting;
     runners.push_back(std::move(runner));
   }
   measure::RaceRules rules = options_.race;
   rules.seconds = end - instruments_.clock();
   if (cell.kind == Cell::Kind::crowd) rules.block = kCrowdBlock;
   rules.seed += static_cast<std::uint64_t>(figures_.passes);
-  // Of a meeting, what its first thread works alone for is by the clock, whatever the pace.
-  measure::Instruments with = instruments_;
-  const bool meets = cell.kind == Cell::Kind::meeting;
-  double slowness = 1;
-  if (meets) {
-    slowness = instruments_.slowness();
-    with.slowness = [] { return 1.0; };
-  }
-  const measure::RaceFigures race = measure::race(runners, rules, with);
-  if (meets) slowness = (slowness + instruments_.slowness()) / 2;
+  const measure::RaceFigures race = measure::race(runners, rules, instruments_);
   figures_.race.blocks += race.blocks;
   figures_.race.disturbed += race.disturbed;
-  if (!entrants.empty()) figures_.slowness.push_back(meets ? slowness : race.slowness);
+  if (!entrants.empty()) figures_.slowness.push_back(race.slowness);
 
   for (std::size_t i = 0; i < entrants.size(); ++i) {
     const Entrant& e = entrants[i];
@@ -219,7 +211,6 @@ CellResult Campaign::measure_cell(const Cell& cell, Ground& ground, double secon
     s.shape = e.shape;
     s.strategy = e.strategy;
     s.seconds = runners[i].median();
-    if (meets) s.seconds = kAloneBeforeMeeting + std::max(s.seconds - kAloneBeforeMeeting, 0.0) / slowness;
     s.spread = runners[i].spread();
     s.repetitions = static_cast<std::int64_t>(runners[i].seconds.size()) * runners[i].calls;
     s.backward_error = e.backward_error;
