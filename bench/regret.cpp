@@ -1,6 +1,6 @@
 // What the dispatcher loses: its choice against the best of all candidates, on mechanisms that no tuner has seen, and
 // beside it the best strategy that is the same for all of them. Every time is of whole steps, measured in turns; a
-// candidate whose motion is not right does not count.
+// candidate whose motion is not right does not count. What is printed first is of one pass of the last races.
 //
 //   regret_bench [--quick] [--threads N] [--only TEXT] [--csv FILE]
 #include <algorithm>
@@ -14,6 +14,7 @@
 
 #include "assur/assur.hpp"
 #include "machine.hpp"
+#include "measure/pace.hpp"
 #include "measure/regret_survey.hpp"
 #include "survey.hpp"
 
@@ -21,7 +22,10 @@ namespace assur::bench {
 namespace {
 
 using measure::Answer;
+using measure::Contest;
 using measure::Question;
+
+constexpr double kLook = 1;  // s: at the usual pace
 
 std::vector<Question> questions(const SurveyOptions& o, int budget) {
   std::vector<Question> all = measure::regret_questions(budget);
@@ -95,11 +99,23 @@ int run(const SurveyOptions& o) {
   for (const std::string& message : known.messages) std::printf("%s\n", message.c_str());
   std::printf("model: %zu samples, %s\n\n%-22s %-10s %12s %9s %9s   %-34s %s\n", known.model->samples(),
               known.model->source().c_str(), "scene", "without", "chosen", "regret", "to itself", "chosen", "best");
-  std::vector<Answer> answers;
+  measure::QuestionOptions how{.model = known.model, .quick = o.quick};
+  measure::MachinePace pace(budget, kLook);
+  pace.attach(how.instruments);
+  std::vector<Contest> contests;
   for (const Question& q : questions(o, budget)) {
-    const auto answer = measure::answer(q, {.model = known.model, .quick = o.quick});
-    if (!answer) continue;
-    answers.push_back(*answer);
+    auto contest = Contest::open(q, how);
+    if (!contest || !contest->race()) continue;
+    contests.push_back(std::move(*contest));
+    print(contests.back().answer());
+  }
+  for (int pass = 1; pass < measure::kPasses; ++pass) {
+    for (Contest& c : contests) (void)c.race();
+  }
+  std::printf("\nafter %d passes, minutes apart\n", measure::kPasses);
+  std::vector<Answer> answers;
+  for (const Contest& c : contests) {
+    answers.push_back(c.answer());
     print(answers.back());
   }
   summarise(answers);

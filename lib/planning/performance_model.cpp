@@ -408,10 +408,11 @@ struct PerformanceModel::Impl {
     if (const Known* k = exactly(Kernel::pack, shape, number)) return k->prediction();
     const Prediction sum = composed(kernels, strategy);
     auto found = packs.find(number);
-    if (found == packs.end()) {  // of the same solver with the plain policy
+    if (found == packs.end()) {  // of the same solver with another W, or else with the plain policy
+      const auto next = stand_in(packs, variant);
       variant.once = variant.separate = false;
       variant.reuse = Reuse::fresh;
-      found = packs.find(number_of(variant));
+      found = packs.find(next == numbers.end() ? number_of(variant) : next->second);
     }
     if (found == packs.end()) return sum;
     const Prediction whole = found->second.at(pack_point(shape, strategy, sum.seconds));

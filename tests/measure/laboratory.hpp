@@ -11,7 +11,8 @@ struct Laboratory {
   double now = 1000;
   std::int64_t switches = 0;
   bool stopped = false;
-  double slow = 1;  // times as long as usual that everything takes
+  double slow = 1;        // times as long as usual that everything takes
+  double unevenness = 1;  // times as long on one core as on another
 
   [[nodiscard]] Instruments instruments() {
     Instruments out;
@@ -19,6 +20,7 @@ struct Laboratory {
     out.switches = [this] { return switches; };
     out.stop = [this] { return stopped; };
     out.slowness = [this] { return slow; };
+    out.unevenness = [this] { return unevenness; };
     return out;
   }
 };

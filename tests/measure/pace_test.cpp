@@ -3,6 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "assur/machine.hpp"
 #include "assur/status.hpp"
 #include "measure/laboratory.hpp"
 
@@ -71,6 +77,51 @@ TEST(Pace, TheFixedWorkIsASampleLikeAnyOther) {
   EXPECT_GT(fixed.shape.terms, 0);
   EXPECT_EQ(to_string(fixed.strategy), "groups/eigen");
   EXPECT_TRUE(fixed.work->run(12));
+}
+
+// A clock of each thread, and work that moves it.
+thread_local double own_clock = 0;
+
+class OnItsCore final : public Workload {
+ public:
+  bool run(int calls) override {
+    own_clock += seconds * calls;
+    return true;
+  }
+  double seconds = 1e-6;
+};
+
+TEST(CorePaces, TellHowUnlikeTheCoresAre) {
+  std::vector<std::int32_t> cores = this_machine().cores;
+  std::vector<OnItsCore*> made;
+  const auto work = [&] {
+    auto one = std::make_unique<OnItsCore>();
+    made.push_back(one.get());
+    return FixedWork{Kernel::pack, {}, {}, std::move(one)};
+  };
+  CorePaces paces(cores, work, [] { return own_clock; });
+  ASSERT_EQ(made.size(), std::max<std::size_t>(cores.size(), 1));
+  EXPECT_NEAR(paces.unevenness(), 1, 1e-9);
+  made.back()->seconds = 3e-6;
+  EXPECT_NEAR(paces.unevenness(), made.size() > 1 ? 3 : 1, 1e-9);
+  for (OnItsCore* one : made) one->seconds = 3e-6;
+  EXPECT_NEAR(paces.unevenness(), 1, 1e-9);
+}
+
+TEST(MachinePace, AnswersWhatRacesAsk) {
+  for (const int threads : {1, 64}) {
+    Instruments instruments;
+    MachinePace pace(threads, 0.01);
+    pace.attach(instruments);
+    EXPECT_GT(pace.usual(), 0);
+    EXPECT_GT(instruments.slowness(), 0);
+    const double unevenness = instruments.unevenness();
+    EXPECT_TRUE(std::isfinite(unevenness));
+    EXPECT_GE(unevenness, 1);
+    if (threads == 1) {
+      EXPECT_EQ(unevenness, 1);
+    }
+  }
 }
 
 }  // namespace

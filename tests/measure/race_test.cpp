@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <set>
+#include <utility>
 
 #include "measure/laboratory.hpp"
 
@@ -159,6 +161,57 @@ TEST_F(RaceTest, DisturbedBlocksAreRepeated) {
   const RaceFigures figures = hold();
   EXPECT_GT(figures.disturbed, 0);
   for (const double s : runners_[0].seconds) EXPECT_NEAR(s, 30e-6, 1e-9);
+}
+
+// One core is at half the pace for three of six milliseconds, and threads wait for it.
+TEST_F(RaceTest, OfSeveralThreadsOnlyTimesOnEvenCoresCount) {
+  const auto uneven = [this] { return std::fmod(laboratory_.now, 6e-3) < 3e-3; };
+  class Shared final : public Timed {
+   public:
+    Shared(Laboratory& laboratory, std::function<bool()> uneven)
+        : Timed(laboratory, 30e-6), laboratory_(laboratory), uneven_(std::move(uneven)) {}
+    bool run(int calls) override {
+      laboratory_.slow = uneven_() ? 2 : 1;
+      const bool ok = Timed::run(calls);
+      laboratory_.slow = 1;
+      return ok;
+    }
+
+   private:
+    Laboratory& laboratory_;
+    std::function<bool()> uneven_;
+  };
+  int looks = 0;
+  Instruments instruments = laboratory_.instruments();
+  instruments.unevenness = [&] {
+    laboratory_.now += 100e-6;
+    ++looks;
+    return uneven() ? 1.9 : 1.1;
+  };
+  RaceRules rules;
+  rules.least_rounds = rules.most_rounds = 30;
+  Shared shared(laboratory_, uneven);
+  runners_.push_back({.work = &shared, .threads = 2});
+  const RaceFigures figures = race(runners_, rules, instruments);
+  EXPECT_EQ(runners_[0].seconds.size(), 30u);
+  for (const double s : runners_[0].seconds) EXPECT_NEAR(s, 30e-6, 1e-9);
+  EXPECT_GE(looks, 60);  // before and after each
+  EXPECT_LT(figures.uneven, 30);
+
+  runners_[0].threads = 1;
+  looks = 0;
+  (void)race(runners_, rules, instruments);
+  EXPECT_EQ(looks, 0);
+}
+
+// Where they never are, the race goes on: a time of uneven cores is better than none.
+TEST_F(RaceTest, CoresThatStayUnevenAreNotWaitedForForEver) {
+  laboratory_.unevenness = 2;
+  enter(30e-6);
+  runners_[0].threads = 2;
+  const RaceFigures figures = hold();
+  EXPECT_GE(runners_[0].seconds.size(), 7u);
+  EXPECT_GT(figures.uneven, 0);
 }
 
 TEST_F(RaceTest, WhoFailsHasNoTimes) {

@@ -54,6 +54,28 @@ TEST(PerformanceModel, ComposesPacksThatNobodySampled) {
   }
 }
 
+// What a policy costs beyond its kernels hangs on the policy more than on W.
+TEST(PerformanceModel, AWidthThatNobodySampledIsAsTheNextOfItsPolicy) {
+  std::mt19937_64 random(5);
+  std::vector<Sample> known = samples();
+  for (const std::int32_t n : {6, 12, 25, 50, 100}) {
+    for (const std::int32_t lanes : {1, 2, 8, 16}) {
+      Strategy s = solver("klu", lanes);
+      known.push_back(sample_of(Kernel::pack, sparse_shape(n), s, 0.01, random));
+      if (lanes == 1 || lanes == 16) continue;
+      s.once = true;
+      known.push_back(sample_of(Kernel::pack, sparse_shape(n), s, 0.01, random));
+      known.back().seconds *= lanes == 2 ? 1.8 : 1.4;
+    }
+  }
+  const PerformanceModel model(known);
+  Strategy s = solver("klu", 16);
+  s.once = true;
+  EXPECT_LT(off_by(model.pack(sparse_shape(22), s), 1.4 * truth(Kernel::pack, sparse_shape(22), s)), 0.1);
+  s.lanes = 1;
+  EXPECT_LT(off_by(model.pack(sparse_shape(22), s), 1.8 * truth(Kernel::pack, sparse_shape(22), s)), 0.1);
+}
+
 TEST(PerformanceModel, TakesWhatWasMeasuredAsItIs) {
   std::vector<Sample> known = samples();
   const auto pack = std::find_if(known.begin(), known.end(), [](const Sample& s) { return s.kernel == Kernel::pack; });

@@ -116,6 +116,16 @@ TEST(Candidates, PacksAreMeasuredWithEveryWidthThatTheirGroupsCanFill) {
   EXPECT_EQ(widths["eigen"], (std::set<int>{1, 2, 4, 8}));
 }
 
+// +once is weighed at every width; what it costs beyond its kernels is not what the plain policy costs.
+TEST(Candidates, SolversLaneByLaneAreMeasuredOnceWithEveryWidth) {
+  std::map<std::string, std::set<int>> widths;
+  for (const Strategy& s : pack_strategies(kField, Formulation::groups, {.n = 20, .nnz = 60, .groups = 8}, true)) {
+    if (s.once) widths[s.backend].insert(s.lanes);
+  }
+  EXPECT_EQ(widths["lanes"], (std::set<int>{1, 8}));
+  EXPECT_EQ(widths["eigen"], (std::set<int>{1, 2, 4, 8}));
+}
+
 TEST(Candidates, WhatDidNotSurviveItsTrialIsLeftOut) {
   Field field = kField;
   field.why_not = [](const Strategy& s) { return s.backend == "eigen" ? "crashes" : ""; };

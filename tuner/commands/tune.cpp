@@ -147,7 +147,7 @@ int tune(const Common& common, const TuneOptions& options) {
   how.field.why_not = [&](const Strategy& s) { return probes.why_not(s); };
   const measure::FixedWork fixed = measure::leg_steps();
   const std::optional<double> usual = archive.first_seconds(fixed.kernel, fixed.shape, fixed.strategy);
-  measure::Pace pace(*fixed.work, measure::StepTimes::steady, std::min(kLook * profile.seconds, kMostLook), usual);
+  measure::MachinePace pace(how.field.budget.threads, std::min(kLook * profile.seconds, kMostLook), usual);
   if (!usual) archive.add(usual_pace(fixed, pace.usual()));
   how.seconds = profile.seconds - (measure::StepTimes::steady() - begin);
   how.most_for_cell = profile.most_for_cell;
@@ -169,7 +169,7 @@ int tune(const Common& common, const TuneOptions& options) {
   const Interrupt interrupt;
   measure::Instruments instruments;
   instruments.stop = [] { return Interrupt::requested(); };
-  instruments.slowness = [&pace] { return pace.slowness(); };
+  pace.attach(instruments);
 
   tuning::Campaign campaign(how, instruments);
   campaign.run(cells);

@@ -7,18 +7,26 @@
 #include <utility>
 #include <vector>
 
+#include "assur/machine.hpp"
 #include "assur/plan.hpp"
 #include "assur/scene.hpp"
 #include "assur/status.hpp"
 #include "measure/motion.hpp"
+#include "measure/step_times.hpp"
 #include "planning/counts.hpp"
 
 namespace assur::measure {
 namespace {
 
-constexpr double kBlock = 20e-6;  // s: of one look's three blocks
+constexpr double kBlock = 20e-6;  // s: each of the three that tell the pace
 constexpr int kMostCalls = 1 << 20;
 constexpr std::int32_t kLegs = 1;  // their class; the platform is the other
+
+std::vector<std::int32_t> first_cores(int threads) {
+  std::vector<std::int32_t> cores = this_machine().cores;
+  cores.resize(std::min(cores.size(), static_cast<std::size_t>(threads)));
+  return cores;
+}
 
 }  // namespace
 
@@ -61,6 +69,35 @@ double Pace::now() {
   }
   std::sort(seconds.begin(), seconds.end());
   return seconds[1];
+}
+
+CorePaces::CorePaces(std::span<const std::int32_t> processors, const std::function<FixedWork()>& work,
+                     const std::function<double()>& clock)
+    : team_(std::max(1, static_cast<int>(processors.size())), processors),
+      slowness_(static_cast<std::size_t>(team_.size()), 1) {
+  for (int rank = 0; rank < team_.size(); ++rank) {
+    works_.push_back(work());
+    paces_.emplace_back(*works_.back().work, clock, 0, 1);
+  }
+}
+
+double CorePaces::unevenness() {
+  team_.run([this](int rank) {
+    const auto core = static_cast<std::size_t>(rank);
+    slowness_[core] = paces_[core].slowness();
+  });
+  const auto [least, most] = std::minmax_element(slowness_.begin(), slowness_.end());
+  return *most / *least;
+}
+
+MachinePace::MachinePace(int threads, double look, std::optional<double> usual)
+    : work_(leg_steps()),
+      pace_(*work_.work, StepTimes::steady, look, usual),
+      cores_(first_cores(threads), leg_steps, StepTimes::steady) {}
+
+void MachinePace::attach(Instruments& instruments) {
+  instruments.slowness = [this] { return pace_.slowness(); };
+  instruments.unevenness = [this] { return cores_.unevenness(); };
 }
 
 }  // namespace assur::measure

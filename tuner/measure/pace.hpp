@@ -3,12 +3,17 @@
 // among what is measured. Work of all kinds slows down alike (bench/README.md), so its times tell those of others.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "assur/performance.hpp"
+#include "measure/race.hpp"
 #include "measure/workload.hpp"
+#include "parallel/team.hpp"
 
 namespace assur::measure {
 
@@ -40,6 +45,40 @@ class Pace {
   std::function<double()> clock_;
   int calls_ = 1;  // of a block
   double usual_ = 0;
+};
+
+// Whether the cores are at the same pace. Where each core of a host runs another guest beside this one, one may take
+// twice as long as another, and threads that share a step evenly as long as the slowest of them.
+class CorePaces {
+ public:
+  // work(): for a thread on each of these processors (Machine::cores); none: a single thread, wherever it is.
+  CorePaces(std::span<const std::int32_t> processors, const std::function<FixedWork()>& work,
+            const std::function<double()>& clock);
+
+  // How many times as long as on the fastest core it takes on the slowest, now. Takes some 100 us.
+  [[nodiscard]] double unevenness();
+
+ private:
+  Team team_;
+  std::vector<FixedWork> works_;
+  std::vector<Pace> paces_;  // one of each core
+  std::vector<double> slowness_;
+};
+
+// Both, of this machine by the system's clock, for races.
+class MachinePace {
+ public:
+  // threads: a core is watched for each of them, as far as there are cores. look, usual: as for Pace.
+  MachinePace(int threads, double look, std::optional<double> usual = {});
+
+  [[nodiscard]] double usual() const { return pace_.usual(); }
+  // Has races ask this one, which must outlive them.
+  void attach(Instruments& instruments);
+
+ private:
+  FixedWork work_;
+  Pace pace_;
+  CorePaces cores_;
 };
 
 }  // namespace assur::measure

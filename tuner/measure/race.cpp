@@ -20,6 +20,8 @@ constexpr int kMostCalls = 1 << 20;
 constexpr double kShort = 1e-3;       // s: a longer block warms the caches by itself
 constexpr double kPrecise = 0.005;    // share of a median: nearer than this no two need to be told apart
 constexpr double kMoment = 1e-3;      // s that the machine's slowness counts for
+constexpr double kUneven = 1.3;       // times as long on one core as on another: they are not alike
+constexpr int kLooks = 50;            // at the cores until they are alike; they mostly stay so for milliseconds
 constexpr double kLargeShare = 0.25;  // of the time for all: a call that takes so much is made once
 
 double median_of(std::vector<double> values) {
@@ -78,9 +80,11 @@ class Race {
     bool ok = false;
     try {
       if (r.calls == 1 || r.calls * per_call_[&r] < kShort) r.work->get_ready(r.calls);
+      const std::int64_t switches = with_.switches();
       begin = with_.clock();
       ok = r.work->run(r.calls);
       end = with_.clock();
+      switched_ = with_.switches() != switches;
     } catch (const Error&) {
       ok = false;
     }
@@ -107,15 +111,27 @@ class Race {
     }
   }
 
-  // One round of a runner. A block during which another program had the processor says little about this one.
+  [[nodiscard]] bool even(const Runner& r) const { return r.threads < 2 || with_.unevenness() < kUneven; }
+
+  // Until the cores are alike, for a while; whether they are.
+  [[nodiscard]] bool await_even(const Runner& r) const {
+    for (int look = 0; look < kLooks && !over(); ++look) {
+      if (even(r)) return true;
+    }
+    return false;
+  }
+
+  // One round of a runner. A block during which another program had the processor says little about this one; so does
+  // one of several threads where another guest of the host slows one core down.
   void take(Runner& r) {
     for (int attempt = 0;; ++attempt) {
-      const std::int64_t before = with_.switches();
+      const bool evenly = await_even(r);
       const double seconds = block(r);
       if (seconds < 0) return;
-      const bool disturbed = with_.switches() != before;
-      figures_.disturbed += disturbed ? 1 : 0;
-      if (disturbed && attempt < rules_.repeats && seconds < kLargeShare * rules_.seconds / 10) continue;
+      const bool uneven = !evenly || !even(r);
+      figures_.disturbed += switched_ ? 1 : 0;
+      figures_.uneven += uneven ? 1 : 0;
+      if ((switched_ || uneven) && attempt < rules_.repeats && seconds < kLargeShare * rules_.seconds / 10) continue;
       r.seconds.push_back(seconds / r.calls);
       ++figures_.blocks;
       return;
@@ -171,6 +187,7 @@ class Race {
   std::map<const Runner*, double> per_call_;
   std::vector<double> slowness_;  // of all moments
   double asked_ = 0;              // s: when last
+  bool switched_ = false;         // the system took the processor away during the last block
   RaceFigures figures_;
 };
 
@@ -191,7 +208,8 @@ Instruments::Instruments()
     : clock(StepTimes::steady),
       switches(involuntary_switches),
       stop([] { return false; }),
-      slowness([] { return 1.0; }) {}
+      slowness([] { return 1.0; }),
+      unevenness([] { return 1.0; }) {}
 
 RaceFigures race(std::span<Runner> runners, const RaceRules& rules, const Instruments& instruments) {
   return Race(runners, rules, instruments).hold();

@@ -15,6 +15,7 @@ struct Runner {
   Workload* work = nullptr;
   int heat = 0;             // only those of one heat are compared
   int share = 1;            // results of one call: seconds are compared for one result
+  int threads = 1;          // at work side by side: of several, only times on cores at the same pace say much
   double by_the_clock = 0;  // s of one call that the work waits by the clock: they are the same at any pace
 
   // What the race finds out.
@@ -35,7 +36,7 @@ struct RaceRules {
   int least_rounds = 7;  // of the others, time permitting
   int most_rounds = 40;  // also if the two best cannot be told apart
   double hopeless = 3;   // the best time over the leader's median from which on a runner is
-  int repeats = 3;       // of a block during which the system took the processor away, at most
+  int repeats = 3;       // of a block that was disturbed, at most
   std::uint64_t seed = 1;
 };
 
@@ -45,6 +46,8 @@ struct Instruments {
   std::function<bool()> stop;              // asked before each block
   // How many times as long as usual everything takes at the moment: what times are divided by. Asked every millisecond.
   std::function<double()> slowness;
+  // How many times as long as on the fastest core a piece of work takes on the slowest at the moment.
+  std::function<double()> unevenness;
 
   Instruments();  // those of the system; never stops; times count as they are
 };
@@ -52,6 +55,7 @@ struct Instruments {
 struct RaceFigures {
   std::int64_t blocks = 0;     // that count
   std::int64_t disturbed = 0;  // blocks that were repeated, or counted though the processor was taken away
+  std::int64_t uneven = 0;     // the same, of several threads while one core was much slower than another
   double slowness = 1;         // of the machine, the middle one
 };
 

@@ -15,7 +15,6 @@ namespace assur::measure {
 namespace {
 
 constexpr double kWrong = 1e-9;  // residual of a step from which on nobody wants it
-constexpr int kPasses = 5;       // of the last race
 constexpr std::size_t kFailed = static_cast<std::size_t>(-1);
 
 // A prepared scene that can be raced.
@@ -65,13 +64,19 @@ bool enter(Racer& racer) {
   }
 }
 
+int threads_of(const Plan& plan) {
+  std::int32_t q = 1;
+  for (const Plan::Choice& c : plan.choices) q = std::max(q, c.strategy.q);
+  return plan.threads * q;
+}
+
 // Should a few slow ones need all the time, they are the ones without a turn.
-void race(std::vector<Racer*> racers, const RaceRules& rules, const Instruments& instruments) {
+void compete(std::vector<Racer*> racers, const RaceRules& rules, const Instruments& instruments) {
   std::stable_sort(racers.begin(), racers.end(),
                    [](const Racer* a, const Racer* b) { return a->first_seconds < b->first_seconds; });
   std::vector<Runner> runners;
-  for (Racer* r : racers) runners.push_back({.work = r->step.get()});
-  (void)measure::race(runners, rules, instruments);
+  for (Racer* r : racers) runners.push_back({.work = r->step.get(), .threads = threads_of(r->prepared.plan)});
+  (void)race(runners, rules, instruments);
   for (std::size_t i = 0; i < racers.size(); ++i) {
     racers[i]->seconds = runners[i].failed || !is_right(racers[i]->step->report()) ? HUGE_VAL : runners[i].median();
     racers[i]->spread = runners[i].spread();
@@ -195,38 +200,7 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-// The last race, in passes with simulators made anew: where memory lies, and what else the machine does for a moment,
-// is not the strategy's. Racers get the medians of their passes, and the largest of their spreads.
-void race_in_passes(std::vector<Racer*>& racers, RaceRules rules, const Instruments& instruments) {
-  std::map<const Racer*, std::vector<double>> seconds, spreads;
-  std::map<const Racer*, std::size_t> rounds;
-  rules.seconds /= kPasses;
-  for (int pass = 0; pass < kPasses && !instruments.stop(); ++pass) {
-    for (Racer* r : racers) {
-      if (pass > 0 && !enter(*r)) throw Error(Error::Kind::numerical, r->text + " fails when it is prepared again");
-    }
-    rules.seed += 1;
-    race(racers, rules, instruments);
-    for (const Racer* r : racers) {
-      seconds[r].push_back(r->seconds);
-      spreads[r].push_back(r->spread);
-      rounds[r] += r->rounds;
-    }
-  }
-  for (Racer* r : racers) {
-    if (seconds[r].empty()) return;
-    r->seconds = median(seconds[r]);
-    r->spread = *std::max_element(spreads[r].begin(), spreads[r].end());
-    r->rounds = rounds[r];
-  }
-}
-
 bool faster(const Racer* a, const Racer* b) { return a->seconds < b->seconds; }
-
-Finalist finalist(const Racer& r) {
-  const ErrorFigures& error = r.step->report().error;
-  return {r.text, r.seconds, r.spread, r.rounds, std::max({error.position, error.velocity, error.acceleration})};
-}
 
 std::vector<Racer*> pointers(std::vector<Racer>& racers) {
   std::vector<Racer*> all;
@@ -242,7 +216,27 @@ std::string Question::without_text() const {
   return text;
 }
 
-std::optional<Answer> answer(const Question& q, const QuestionOptions& options) {
+std::vector<double> paired_medians(const std::vector<std::vector<double>>& seconds) {
+  std::vector<double> all, of_last;
+  for (const std::vector<double>& pass : seconds) of_last.push_back(pass.back());
+  for (std::size_t r = 0; !seconds.empty() && r < seconds[0].size(); ++r) {
+    std::vector<double> ratios;
+    for (const std::vector<double>& pass : seconds) ratios.push_back(pass[r] / pass.back());
+    all.push_back(median(ratios) * median(of_last));
+  }
+  return all;
+}
+
+struct Contest::Impl {
+  Question question;
+  QuestionOptions options;
+  Answer first;                              // what the first races tell
+  std::vector<Racer> racers;                 // of the last race; in the end the choice again, and the choice
+  std::vector<Finalist> finalists;           // of them
+  std::vector<std::vector<double>> seconds;  // by pass, of each racer
+};
+
+std::optional<Contest> Contest::open(const Question& q, const QuestionOptions& options) {
   const Scene scene = open_scene(q.scene);
   Racer chosen{"", prepare(scene, {.budget = ThreadBudget{q.threads}, .model = options.model, .without = q.without})};
   chosen.text = text_of(chosen.prepared.plan);
@@ -254,7 +248,7 @@ std::optional<Answer> answer(const Question& q, const QuestionOptions& options) 
   std::vector<Racer*> all = pointers(uniform);
   if (options.instruments.stop()) return std::nullopt;
   if (all.empty()) throw Error(Error::Kind::environment, q.scene + ": no strategy can run");
-  race(all, trial, options.instruments);
+  compete(all, trial, options.instruments);
   std::sort(all.begin(), all.end(), faster);
 
   std::vector<Racer> mixed = mixed_racers(*all[0], q, options);
@@ -263,44 +257,84 @@ std::optional<Answer> answer(const Question& q, const QuestionOptions& options) 
     std::vector<Racer*> entrants = pointers(mixed);
     Racer again{all[0]->text, all[0]->prepared};
     if (enter(again)) entrants.push_back(&again);
-    race(entrants, trial, options.instruments);
+    compete(entrants, trial, options.instruments);
     together = combined(again, mixed);
     for (Racer* m : pointers(mixed)) all.push_back(m);
     std::sort(all.begin(), all.end(), faster);
   }
+  if (options.instruments.stop()) return std::nullopt;
 
-  Answer out;
-  out.best_trial_seconds = all[0]->seconds;
-  out.question = q;
-  out.expected_seconds = chosen.prepared.plan.expected_seconds;
+  auto impl = std::make_unique<Impl>(Impl{q, options, {}, {}, {}, {}});
+  Answer& first = impl->first;
+  first.question = q;
+  first.best_trial_seconds = all[0]->seconds;
+  first.expected_seconds = chosen.prepared.plan.expected_seconds;
   for (const Racer& u : uniform) {
     if (!std::isfinite(u.seconds)) continue;
-    out.uniform[u.text] = u.seconds;
-    for (const std::string& other : u.others) out.uniform[other] = u.seconds;
+    first.uniform[u.text] = u.seconds;
+    for (const std::string& other : u.others) first.uniform[other] = u.seconds;
   }
   // Of the others, what the dispatcher chose takes no part.
-  std::vector<Racer*> final;
+  std::vector<Racer>& last = impl->racers;
   const std::string essence = essence_of(chosen.prepared);
   for (Racer* r : all) {
-    if (final.size() < 4 && essence_of(r->prepared) != essence) final.push_back(r);
+    if (last.size() < 4 && essence_of(r->prepared) != essence) last.push_back({r->text, r->prepared});
   }
-  if (together && essence_of(together->prepared) != essence) final.push_back(&*together);
-  Racer again{chosen.text, chosen.prepared};
-  if (!enter(again)) throw Error(Error::Kind::numerical, q.scene + ": " + again.text + " fails when it is made again");
-  final.push_back(&again);
-  final.push_back(&chosen);
-  const RaceRules last{.block = 500e-6,
-                       .seconds = options.seconds,
-                       .least_rounds = 5,
-                       .most_rounds = options.quick ? 5 : 11,
-                       .hopeless = 1e9};
-  race_in_passes(final, last, options.instruments);
-  if (options.instruments.stop()) return std::nullopt;
-  out.chosen = finalist(chosen);
-  out.again = finalist(again);
-  std::erase(final, &again);
-  out.best = finalist(**std::min_element(final.begin(), final.end(), faster));
+  if (together && essence_of(together->prepared) != essence) last.push_back({together->text, together->prepared});
+  for (int twice = 0; twice < 2; ++twice) last.push_back({chosen.text, chosen.prepared});
+  for (const Racer& r : last) impl->finalists.push_back({.strategy = r.text});
+  return Contest(std::move(impl));
+}
+
+bool Contest::race() {
+  Impl& of = *impl_;
+  std::vector<Racer*> all = pointers(of.racers);
+  for (Racer* r : all) {
+    if (!enter(*r)) throw Error(Error::Kind::numerical, of.question.scene + ": " + r->text + " fails when made again");
+  }
+  const RaceRules rules{.block = 500e-6,
+                        .seconds = of.options.seconds / kPasses,
+                        .least_rounds = 5,
+                        .most_rounds = of.options.quick ? 5 : 11,
+                        .hopeless = 1e9,
+                        .seed = of.seconds.size() + 1};
+  compete(all, rules, of.options.instruments);
+  if (!is_right(all.back()->step->report())) {
+    throw Error(Error::Kind::numerical, of.question.scene + ": " + all.back()->text + " goes wrong");
+  }
+  std::vector<double> seconds;
+  for (const Racer* r : all) seconds.push_back(r->seconds);
+  const bool counts = !of.options.instruments.stop() && std::isfinite(seconds.back());
+  for (std::size_t i = 0; counts && i < all.size(); ++i) {
+    const ErrorFigures& error = all[i]->step->report().error;
+    Finalist& f = of.finalists[i];
+    f.spread = std::max(f.spread, all[i]->spread);
+    f.rounds += all[i]->rounds;
+    f.error = std::max({f.error, error.position, error.velocity, error.acceleration});
+  }
+  for (Racer* r : all) r->step.reset();
+  if (counts) of.seconds.push_back(std::move(seconds));
+  return counts;
+}
+
+Answer Contest::answer() const {
+  Answer out = impl_->first;
+  std::vector<Finalist> all = impl_->finalists;
+  const std::vector<double> seconds = paired_medians(impl_->seconds);
+  for (std::size_t i = 0; i < all.size(); ++i) all[i].seconds = seconds[i];
+  out.chosen = all.back();
+  out.again = all[all.size() - 2];
+  all.erase(all.end() - 2);
+  out.best = *std::min_element(all.begin(), all.end(),
+                               [](const Finalist& a, const Finalist& b) { return a.seconds < b.seconds; });
   return out;
 }
+
+const Question& Contest::question() const { return impl_->question; }
+
+Contest::Contest(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Contest::Contest(Contest&&) noexcept = default;
+Contest& Contest::operator=(Contest&&) noexcept = default;
+Contest::~Contest() = default;
 
 }  // namespace assur::measure

@@ -24,7 +24,7 @@ struct Question {
 // One plan in the last race of a question, with what was verified.
 struct Finalist {
   std::string strategy;    // class by class where they differ
-  double seconds = 0;      // one step, median
+  double seconds = 0;      // one step, by paired_medians of the passes
   double spread = 0;       // of seconds: median absolute deviation, of the pass where it was largest
   std::size_t rounds = 0;  // that were timed
   double error = 0;        // the worst residual of all its steps
@@ -44,15 +44,43 @@ struct Answer {
 };
 
 struct QuestionOptions {
-  std::shared_ptr<const PerformanceModel> model;  // what is asked
-  bool quick = false;                             // fewer rounds
-  double seconds = 4;                             // for each of three races, at most
+  std::shared_ptr<const PerformanceModel> model = nullptr;  // what is asked; null: that of this machine
+  bool quick = false;                                       // fewer rounds
+  double seconds = 4;                                       // for each race, at most; a pass has a part of it
   Instruments instruments = {};
 };
 
-// Races every uniform strategy first; then, class after class, other backends and lanes in the fastest ones; then
-// measures the four fastest and the dispatcher's choice, this twice, again, in turns, in several passes with simulators
-// made anew. Empty if it was stopped. Throws Error if nothing can run.
-[[nodiscard]] std::optional<Answer> answer(const Question& question, const QuestionOptions& options);
+inline constexpr int kPasses = 5;  // of a last race, if there is time
+
+// Who may be the answer to a question. The last race is in passes, which should be minutes apart: another program on
+// the machine slows some strategies down more than others, as long as it runs.
+class Contest {
+ public:
+  // Races every uniform strategy; then, class after class, other backends and lanes in the fastest ones. Empty if it
+  // was stopped. Throws Error if nothing can run.
+  [[nodiscard]] static std::optional<Contest> open(const Question& question, const QuestionOptions& options);
+
+  // A pass: the four fastest, what is best for each class, and the dispatcher's choice, this twice, in turns, with
+  // simulators made anew (where memory lies is not the strategy's). False if it was stopped or the choice had no turn:
+  // then it does not count.
+  [[nodiscard]] bool race();
+
+  [[nodiscard]] Answer answer() const;  // of the passes, of which there has to be one
+  [[nodiscard]] const Question& question() const;
+
+  Contest(Contest&&) noexcept;
+  Contest& operator=(Contest&&) noexcept;
+  ~Contest();
+
+ private:
+  struct Impl;
+  explicit Contest(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+// What each racer takes, from what it took in each pass: of its times over those of the last racer in the same pass the
+// median, times the last racer's median. A machine that is slower in one pass than in another changes no ratio.
+// seconds[pass][racer].
+[[nodiscard]] std::vector<double> paired_medians(const std::vector<std::vector<double>>& seconds);
 
 }  // namespace assur::measure

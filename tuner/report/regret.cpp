@@ -5,6 +5,7 @@
 #include <numeric>
 #include <set>
 
+#include "measure/pace.hpp"
 #include "measure/regret_survey.hpp"
 #include "measure/step_times.hpp"
 #include "output/format.hpp"
@@ -21,7 +22,9 @@ using measure::Question;
 constexpr double kGolden = 0.6180339887498949;
 constexpr double kLeastRace = 0.2, kMostRace = 4;  // s for each race of a question
 constexpr double kQuestionsAtLeast = 12;           // that the time is meant for
-constexpr double kMostOfTime = 0.2;                // for one question
+constexpr double kLook = 0.01;                     // of the time: at the usual pace
+constexpr double kFirstPasses = 0.85;              // of the time: for the questions with one pass each
+constexpr double kMostOfTime = 0.2;                // of the time: for one question
 constexpr double kFar = 1;                         // regret from which on the axis is logarithmic
 constexpr std::size_t kWorst = 6;                  // that are named
 
@@ -175,26 +178,39 @@ Section regret(const Knowledge& knowledge, const Conditions& conditions) {
   const double begin = measure::StepTimes::steady();
   const auto taken = [&] { return measure::StepTimes::steady() - begin; };
   const std::vector<Question> all = spread_out(measure::regret_questions(conditions.threads));
-  std::vector<Answer> answers;
+  std::vector<measure::Contest> contests;
   std::vector<std::string> too_long;
-  double end = 0;  // s: until when a question has to be answered
+  double end = 0;  // s: until when what is under way has to end
   measure::QuestionOptions how;
   how.model = knowledge.known.model;
   how.quick = conditions.quick;
   how.seconds = std::clamp(conditions.seconds / kQuestionsAtLeast / 3, kLeastRace, kMostRace);
-  // The first one, which is small, is always answered.
+  measure::MachinePace pace(conditions.threads, kLook * conditions.seconds);
+  // The first question, which is small, is always answered.
   how.instruments = conditions.instruments();
-  how.instruments.stop = [&] { return conditions.interrupted() || (!answers.empty() && taken() > end); };
+  pace.attach(how.instruments);
+  how.instruments.stop = [&] { return conditions.interrupted() || (!contests.empty() && taken() > end); };
+  const double first_passes = kFirstPasses * conditions.seconds;
   for (const Question& q : all) {
-    if (conditions.interrupted() || (!answers.empty() && taken() > conditions.seconds)) break;
+    if (conditions.interrupted() || (!contests.empty() && taken() > first_passes)) break;
     conditions.progress(taken() / conditions.seconds, q.scene);
-    end = std::min(conditions.seconds, taken() + kMostOfTime * conditions.seconds);
-    if (const auto answer = measure::answer(q, how)) {
-      answers.push_back(*answer);
-    } else if (!conditions.interrupted() && end < conditions.seconds) {
+    end = std::min(first_passes, taken() + kMostOfTime * conditions.seconds);
+    auto contest = measure::Contest::open(q, how);
+    if (contest && contest->race()) {
+      contests.push_back(std::move(*contest));
+    } else if (!conditions.interrupted() && end < first_passes) {
       too_long.push_back(item_of(q));
     }
   }
+  end = conditions.seconds;
+  for (int pass = 1; pass < measure::kPasses; ++pass) {
+    for (measure::Contest& c : contests) {
+      conditions.progress(taken() / conditions.seconds, c.question().scene);
+      if (how.instruments.stop() || !c.race()) break;
+    }
+  }
+  std::vector<Answer> answers;
+  for (const measure::Contest& c : contests) answers.push_back(c.answer());
   Section out = regret_section(answers, all.size());
   if (!too_long.empty())
     out.body += paragraph("Given up, for want of time: " + output::listed(too_long) + ".", "faint");

@@ -188,6 +188,7 @@ CellResult Campaign::measure_cell(const Cell& cell, Ground& ground, double secon
     runner.work = e.work;
     runner.heat = heat;
     runner.share = whole ? 1 : e.strategy.lanes;
+    runner.threads = e.strategy.p * e.strategy.q;
     if (e.kernel == Kernel::meeting) runner.by_the_clock = kAloneBeforeMeeting;
     runners.push_back(std::move(runner));
   }
@@ -198,6 +199,7 @@ CellResult Campaign::measure_cell(const Cell& cell, Ground& ground, double secon
   const measure::RaceFigures race = measure::race(runners, rules, instruments_);
   figures_.race.blocks += race.blocks;
   figures_.race.disturbed += race.disturbed;
+  figures_.race.uneven += race.uneven;
   if (!entrants.empty()) figures_.slowness.push_back(race.slowness);
 
   for (std::size_t i = 0; i < entrants.size(); ++i) {

@@ -9,13 +9,6 @@ namespace {
 constexpr int kWidths[] = {1, 8, 16, 4, 2};  // in the order of their turns
 constexpr std::int32_t kWorthThreads = 100;  // unknowns from which on more threads in one factorisation may gain
 
-// What a step does with its factorisations, beside the ordinary two. What +reuse= takes depends on the motion: it
-// cannot be told from one posture.
-struct Policy {
-  bool once, separate;
-};
-constexpr Policy kPolicies[] = {{true, false}, {false, true}};
-
 bool has_widths(const Backend& backend) { return backend.id == "lanes"; }
 bool has_threads(const Backend& backend) { return backend.id == "team" || backend.id == "lapack"; }
 
@@ -54,24 +47,30 @@ std::vector<Strategy> linear_solvers(const Field& field, const Shape& shape, int
 
 std::vector<Strategy> pack_strategies(const Field& field, Formulation formulation, const Shape& shape, bool policies) {
   std::vector<Strategy> out;
+  // What +reuse= takes depends on the motion: it cannot be told from one posture.
+  const auto enter = [&](Strategy s, bool also_separate) {
+    out.push_back(s);
+    if (!policies) return;
+    s.once = true;
+    out.push_back(s);
+    s.once = false;
+    s.separate = true;
+    if (also_separate) out.push_back(s);
+  };
   for (Strategy s : linear_solvers(field, shape, shape.groups)) {
     if (s.single || s.refine || s.q > 1) continue;  // of bare matrices alone: a step composes them
     s.formulation = formulation;
-    out.push_back(s);
-    // Lane by lane, but with equations side by side.
-    if (s.lanes == 1 && s.backend != "lanes" && s.backend != "mumps" && shape.groups > 4) {
-      for (const int w : kWidths) {
-        if (w == 1 || w >= 2 * shape.groups) continue;
-        Strategy wide = s;
-        wide.lanes = w;
-        out.push_back(std::move(wide));
-      }
-    }
-    if (!policies || (s.lanes != 1 && s.lanes != 8)) continue;
-    for (const Policy& policy : kPolicies) {
-      s.once = policy.once;
-      s.separate = policy.separate;
+    if (s.backend == "lanes" && s.lanes != 1 && s.lanes != 8) {
       out.push_back(s);
+      continue;
+    }
+    enter(s, true);
+    // Lane by lane, but with equations side by side; no dispatcher weighs +separate.
+    if (s.backend == "lanes" || s.backend == "mumps" || shape.groups <= 4) continue;
+    for (const int w : kWidths) {
+      if (w == 1 || w >= 2 * shape.groups) continue;
+      s.lanes = w;
+      enter(s, false);
     }
   }
   return out;
