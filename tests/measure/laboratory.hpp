@@ -17,7 +17,7 @@ struct Laboratory {
   [[nodiscard]] Instruments instruments() {
     Instruments out;
     out.clock = [this] { return now; };
-    out.switches = [this] { return switches; };
+    out.switches = [this](int) { return switches; };
     out.stop = [this] { return stopped; };
     out.slowness = [this] { return slow; };
     out.unevenness = [this] { return unevenness; };

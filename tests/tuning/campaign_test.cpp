@@ -26,7 +26,7 @@ class CampaignTest : public testing::Test {
     measure::Instruments out;
     out.clock = [this] { return now_ += kTick * slow_; };
     out.slowness = [this] { return slow_; };
-    out.switches = [] { return std::int64_t{0}; };
+    out.switches = [](int) { return std::int64_t{0}; };
     out.stop = [this] { return stored_.size() >= stop_after_; };
     return out;
   }

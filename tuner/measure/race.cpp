@@ -80,11 +80,11 @@ class Race {
     bool ok = false;
     try {
       if (r.calls == 1 || r.calls * per_call_[&r] < kShort) r.work->get_ready(r.calls);
-      const std::int64_t switches = with_.switches();
+      const std::int64_t switches = with_.switches(r.threads);
       begin = with_.clock();
       ok = r.work->run(r.calls);
       end = with_.clock();
-      switched_ = with_.switches() != switches;
+      switched_ = with_.switches(r.threads) != switches;
     } catch (const Error&) {
       ok = false;
     }
@@ -215,9 +215,9 @@ RaceFigures race(std::span<Runner> runners, const RaceRules& rules, const Instru
   return Race(runners, rules, instruments).hold();
 }
 
-std::int64_t involuntary_switches() {
+std::int64_t involuntary_switches(int threads) {
   rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
+  getrusage(threads > 1 ? RUSAGE_SELF : RUSAGE_THREAD, &usage);
   return usage.ru_nivcsw;
 }
 

@@ -41,9 +41,9 @@ struct RaceRules {
 };
 
 struct Instruments {
-  std::function<double()> clock;           // s, monotonic
-  std::function<std::int64_t()> switches;  // involuntary ones of this process so far
-  std::function<bool()> stop;              // asked before each block
+  std::function<double()> clock;                      // s, monotonic
+  std::function<std::int64_t(int threads)> switches;  // involuntary ones so far: see involuntary_switches()
+  std::function<bool()> stop;                         // asked before each block
   // How many times as long as usual everything takes at the moment: what times are divided by. Asked every millisecond.
   std::function<double()> slowness;
   // How many times as long as on the fastest core a piece of work takes on the slowest at the moment.
@@ -63,7 +63,7 @@ struct RaceFigures {
 // groups side by side is never hopeless only because wider ones are faster.
 RaceFigures race(std::span<Runner> runners, const RaceRules& rules, const Instruments& instruments = {});
 
-// Of all threads of this process, since it began.
-[[nodiscard]] std::int64_t involuntary_switches();
+// Since they began: of the calling thread, or, where several threads are at work, of all in this process.
+[[nodiscard]] std::int64_t involuntary_switches(int threads);
 
 }  // namespace assur::measure
