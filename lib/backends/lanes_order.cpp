@@ -101,6 +101,14 @@ Elimination::Elimination(const Pattern& pattern, std::span<const double> values,
       ratio_(lanes_),
       row_level_(idx(n_)),
       column_level_(idx(n_)) {
+  std::vector<std::size_t> entries(idx(n_), 0);  // of each row
+  for (const Index i : pattern.row) ++entries[idx(i)];
+  for (Index i = 0; i < n_; ++i) {
+    const std::size_t most = std::min(2 * entries[idx(i)], idx(n_));  // with its fill, as a rule
+    rows_[idx(i)].column.reserve(most);
+    rows_[idx(i)].value.reserve(most * lanes_);
+    columns_[idx(i)].reserve(2 * idx(pattern.column_start[idx(i) + 1] - pattern.column_start[idx(i)]));
+  }
   for (Index j = 0; j < n_; ++j) {
     for (Index k = pattern.column_start[idx(j)]; k < pattern.column_start[idx(j) + 1]; ++k) {
       Row& row = rows_[idx(pattern.row[idx(k)])];

@@ -26,6 +26,13 @@ Factors factor_symbolically(const Pattern& pattern, const std::vector<std::int32
   for (Index k = 0; k < n; ++k) position[static_cast<std::size_t>(row[k])] = k;
   Factors f{std::vector<std::vector<Factors::Entry>>(n), std::vector<std::vector<Index>>(n),
             std::vector<std::vector<Index>>(n)};
+  std::vector<Index> entries(n, 0);  // of each row
+  for (const std::int32_t i : pattern.row) ++entries[position[static_cast<std::size_t>(i)]];
+  for (Index i = 0; i < n; ++i) {
+    f.a[i].reserve(entries[i]);
+    f.l[i].reserve(2 * entries[i]);  // as a rule there is less
+    f.u[i].reserve(2 * entries[i]);
+  }
   for (Index j = 0; j < n; ++j) {
     const auto c = static_cast<std::size_t>(column[j]);
     for (auto k = pattern.column_start[c]; k < pattern.column_start[c + 1]; ++k) {

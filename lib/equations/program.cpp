@@ -47,7 +47,7 @@ class Compiler {
   std::int32_t coefficient(Coefficient k) {
     std::sort(std::begin(k.constant), std::end(k.constant), std::greater<>());
     const auto key = std::tuple(k.literal, k.constant[0], k.constant[1], k.constant[2]);
-    const auto [found, added] = known_.emplace(key, static_cast<std::int32_t>(p_.coefficients.size()));
+    const auto [found, added] = known_.try_emplace(key, static_cast<std::int32_t>(p_.coefficients.size()));
     if (added) p_.coefficients.push_back(k);
     return found->second;
   }

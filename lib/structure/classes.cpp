@@ -58,7 +58,7 @@ void ClassTable::classify(const GroupContent& content, Group& group) {
   const auto constant = [&](Index global) -> Index {
     if (global == kPlus) return -1;
     if (global == kMinus) return -2;
-    const auto [it, added] = local_constant.emplace(global, c.constants);
+    const auto [it, added] = local_constant.try_emplace(global, c.constants);
     if (added) {
       ++c.constants;
       group.constants.push_back(global);

@@ -148,8 +148,8 @@ Section regret_section(const std::vector<Answer>& answers, std::size_t planned) 
       "Whole steps of mechanisms and sizes that the tuner does not measure: what auto chose against the "
       "fastest of every strategy that is the same for all classes, and of mixtures of them. Regret is how "
       "much longer the choice takes than the fastest; that of the choice to itself, prepared and raced a second time, "
-      "is "
-      "the measurement's alone. " +
+      "is the measurement's alone. Times are those of the machine's usual pace, of several threads while the cores are "
+      "alike. " +
       output::counted(count(answers.size()), "question") + " of " + output::grouped(count(planned)) + "; " +
       (winners.size() == 1
            ? "the same strategy is the fastest in all."
