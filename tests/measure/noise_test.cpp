@@ -32,6 +32,11 @@ TEST(Noise, TheWorstDecidesAndAllIsSaid) {
   noise.scatter = 0.03;
   EXPECT_EQ(judge(noise).quiet, Quiet::some_noise);
   EXPECT_EQ(judge(noise).reason, "times scatter by 3 %");
+  noise.uneven = 0.3;
+  EXPECT_EQ(judge(noise).reason,
+            "one core was slower than another for 30 % of the measurements of threads, which were repeated; times "
+            "scatter by 3 %");
+  noise.uneven = 0;
   noise.stolen = 0.2;
   EXPECT_EQ(judge(noise).quiet, Quiet::noisy);
   noise.drift = 0.4;

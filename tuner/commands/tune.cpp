@@ -78,6 +78,7 @@ measure::Judgement judgement_of(const tuning::Campaign& campaign, const measure:
   measure::Noise noise = watch.noise();
   const measure::RaceFigures& race = campaign.figures().race;
   noise.disturbed = static_cast<double>(race.disturbed) / static_cast<double>(std::max<std::int64_t>(race.blocks, 1));
+  noise.uneven = static_cast<double>(race.uneven) / static_cast<double>(std::max<std::int64_t>(race.shared, 1));
   noise.scatter = scatter_of(campaign.results());
   noise.drift = campaign.figures().drift();
   return measure::judge(noise);

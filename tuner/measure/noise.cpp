@@ -19,6 +19,8 @@ constexpr Threshold kThresholds[] = {
     {&Noise::load, 0.25, 0.75, 1, "the load was %.1f for each processor before it began"},
     {&Noise::stolen, 0.01, 0.05, 100, "the hypervisor took %.0f %% of the time"},
     {&Noise::disturbed, 0.02, 0.10, 100, "the processor was taken away during %.0f %% of the measurements"},
+    {&Noise::uneven, 0.1, 0.9, 100,
+     "one core was slower than another for %.0f %% of the measurements of threads, which were repeated"},
     {&Noise::scatter, 0.02, 0.05, 100, "times scatter by %.0f %%"},
     {&Noise::drift, 0.1, 0.5, 100, "everything took up to %.0f %% longer at times, which is allowed for"},
 };
@@ -58,7 +60,7 @@ Judgement judge(const Noise& noise) {
     const double value = noise.*t.what;
     if (value < t.some) continue;
     if (out.quiet != Quiet::noisy) out.quiet = value < t.much ? Quiet::some_noise : Quiet::noisy;
-    char text[128];
+    char text[160];
     std::snprintf(text, sizeof text, t.says, t.unit * value);
     out.reason += (out.reason.empty() ? "" : "; ") + std::string(text);
   }

@@ -11,6 +11,7 @@ struct Noise {
   double load = 0;       // of other programs, for each processor: the average of the last minute before
   double stolen = 0;     // share of the processors' time that the hypervisor gave to others
   double disturbed = 0;  // share of the timed blocks during which the system took the processor away
+  double uneven = 0;     // share of the blocks of several threads while one core was much slower than another
   double scatter = 0;    // median of spread / time over all samples
   double drift = 0;      // by how much the machine was slower at some times than at others, relative
 };

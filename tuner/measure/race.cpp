@@ -130,6 +130,7 @@ class Race {
       if (seconds < 0) return;
       const bool uneven = !evenly || !even(r);
       figures_.disturbed += switched_ ? 1 : 0;
+      figures_.shared += r.threads > 1 ? 1 : 0;
       figures_.uneven += uneven ? 1 : 0;
       if ((switched_ || uneven) && attempt < rules_.repeats && seconds < kLargeShare * rules_.seconds / 10) continue;
       r.seconds.push_back(seconds / r.calls);

@@ -199,6 +199,7 @@ CellResult Campaign::measure_cell(const Cell& cell, Ground& ground, double secon
   const measure::RaceFigures race = measure::race(runners, rules, instruments_);
   figures_.race.blocks += race.blocks;
   figures_.race.disturbed += race.disturbed;
+  figures_.race.shared += race.shared;
   figures_.race.uneven += race.uneven;
   if (!entrants.empty()) figures_.slowness.push_back(race.slowness);
 
