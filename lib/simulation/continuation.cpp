@@ -95,13 +95,30 @@ void Continuation::repeat_in_idle_lanes() {
 
 // ---- one posture
 
-// Known coordinates at t, then level after level, pack after pack.
+// An attempt: one that is rejected, or only looks ahead, leaves nothing in the packs.
 Status Continuation::solve_at(double t, Attempt::Branch branch, StepErrors& errors) {
+  ++attempts_;
+  const auto undo = [&] {
+    for (Pack& pack : packs_) pack.undo(attempts_);
+  };
+  try {
+    const Status s = solve_all(t, branch, errors);
+    if (!s.ok() || branch == Attempt::Branch::anywhere) undo();
+    return s;
+  } catch (...) {  // from a law or a callback
+    undo();
+    throw;
+  }
+}
+
+// Known coordinates at t, then level after level, pack after pack.
+Status Continuation::solve_all(double t, Attempt::Branch branch, StepErrors& errors) {
   double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
   failed_pack_ = packs_.size();
   if (const Status s = inputs_.drive(t, q); !s.ok()) return s;
   const auto attempt = [&](std::size_t p) {
     Attempt a;
+    a.number = attempts_;
     a.time = t;
     a.branch = passing_[p] != 0 && branch == Attempt::Branch::inside ? Attempt::Branch::pass : branch;
     a.iterations = packs_[p].level > 0 && branch == Attempt::Branch::inside ? limits_.iterations : 0;
@@ -139,13 +156,6 @@ void Continuation::accept(double t, const StepErrors& errors) {
   report_.reached = t;
   last_errors_ = errors;
   report_.error.merge({.position = errors.position, .velocity = errors.velocity, .acceleration = errors.acceleration});
-}
-
-// Back to the last accepted posture.
-void Continuation::restore() {
-  state_.restore();
-  double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
-  (void)inputs_.drive(now_, q);
 }
 
 bool Continuation::deadline_passed() const {
@@ -215,7 +225,7 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
 
 // A step that did not arrive leaves the last good posture, which may lie on the way.
 void Continuation::end_step(bool arrived) {
-  if (!arrived) restore();
+  if (!arrived) state_.restore();
   stands_still_ = inputs_.end_step(now_, wants_reselection_);
   if (arrived) ++report_.counters.steps;
 }
@@ -225,7 +235,7 @@ bool Continuation::polish() {
   state_.restore();
   StepErrors errors;
   if (!solve_at(now_, Attempt::Branch::inside, errors).ok()) {
-    restore();
+    state_.restore();
     return false;
   }
   state_.replace();
@@ -270,7 +280,7 @@ Status Continuation::try_step(double target, Attempt::Branch branch, bool expand
 
 // The smallest step fails: is this a limit, a change point that can be passed, or unknown?
 Status Continuation::at_the_limit(const Status& failed, double target, double t) {
-  restore();
+  state_.restore();
   if (structure_.classes[idx(packs_[failed_pack_].group_class)].derivatives == 0) state_.estimate_rates();
   double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
   Status found = levels_.solver(packs_[failed_pack_]).diagnose(packs_[failed_pack_], q);
@@ -310,7 +320,7 @@ double Continuation::first_without_solution(double target, double t) {
     const bool exists = solve_at(target, Attempt::Branch::anywhere, errors).ok();
     if (!exists) break;
   }
-  restore();
+  state_.restore();
   return target;
 }
 
@@ -336,7 +346,7 @@ bool Continuation::pass(double target, double t) {
   }
   if (!passed) {
     (void)walk(change, smallest, change);
-    restore();
+    state_.restore();
   }
   return passed;
 }

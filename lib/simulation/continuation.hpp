@@ -79,10 +79,10 @@ class Continuation {
  private:
   void repeat_in_idle_lanes();
   [[nodiscard]] Status solve_at(double t, Attempt::Branch branch, StepErrors& errors);
+  [[nodiscard]] Status solve_all(double t, Attempt::Branch branch, StepErrors& errors);
   // left: relative residual of what was solved.
   [[nodiscard]] Status check_watched(double left, StepErrors& errors);
   void accept(double t, const StepErrors& errors);
-  void restore();
   [[nodiscard]] bool deadline_passed() const;
   [[nodiscard]] Status check_aim(double t);
   [[nodiscard]] Status advance(double t, bool may_reselect, Stride& stride);
@@ -111,6 +111,7 @@ class Continuation {
   StepErrors last_errors_;             // of the last accepted posture
   std::vector<std::uint8_t> passing_;  // packs: on the way through a change point
   double now_ = 0;
+  std::int64_t attempts_ = 0;
   double last_before_pass_ = 0;
   double largest_correction_ = 0;  // of a step through a change point, over the move that was predicted
   bool stands_still_ = false;      // from the posture at hand on, until something moves again

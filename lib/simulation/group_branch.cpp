@@ -94,6 +94,7 @@ Status GroupSolver::set_anchor(Pack& pack, double* const (&state)[3], std::int32
       if (!(omega_[idx(l)] * error <= kRoundingRoom)) return fail(pack, Code::branch_unknown, error, l);
     }
   }
+  pack.keep_anchor(attempt.number);
   std::copy(omega_.begin(), omega_.end(), pack.omega.begin() + b * lanes_);
   gather(pack, state[1], input_rates_);
   const std::size_t first = blocks_.reads_start(b) * w;
@@ -122,6 +123,7 @@ bool GroupSolver::stays_inside(double used, double& before) {
 Status GroupSolver::check_branch(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters) {
   if (!class_.quadratic) return {};
   const double* x = state[0] + pack.unknowns;
+  pack.keep_use(attempt.number);
   for (std::int32_t b = 0; b < program_.blocks; ++b) {
     double& before = pack.ball_used[idx(b)];
     if (attempt.branch == Attempt::Branch::inside) {

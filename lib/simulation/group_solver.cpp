@@ -125,6 +125,7 @@ void GroupSolver::size(Pack& pack) const {
   pack.ball_used.assign(idx(program_.blocks), 0.0);
   pack.anchor_rates.resize(pack.anchor.size());
   pack.anchor_time.assign(idx(program_.blocks), std::numeric_limits<double>::quiet_NaN());
+  pack.kept = {0, 0, 0, pack.ball_used, pack.anchor, pack.anchor_rates, pack.anchor_time, pack.omega, {}};
 }
 
 void GroupSolver::bind_lane(const System& system, const Group& group, Pack& pack, int lane) const {
@@ -147,12 +148,16 @@ Status GroupSolver::solve(Pack& pack, double* const (&state)[3], const Attempt& 
                           StepErrors& errors) {
   if (Status s; small_step_ && small_step(pack, state, attempt, counters, errors, s)) return s;
   choose_solver(pack);
+  pack.kept.factors_of = attempt.number;
   set_inputs(pack, state[0]);
   double* x = state[0] + pack.unknowns;
   if (const Status s = newton(pack, x, attempt, counters, errors); !s.ok()) return s;
   if (attempt.branch == Attempt::Branch::anywhere) return {};
   if (const Status s = derivatives(pack, state, attempt, counters, errors); !s.ok()) return s;
-  if (small_step_) small_step_->choose_pivots(pack, state[0]);
+  if (small_step_) {
+    pack.keep_anchor(attempt.number);
+    small_step_->choose_pivots(pack, state[0]);
+  }
   return check_branch(pack, state, attempt, counters);
 }
 
@@ -176,7 +181,9 @@ bool GroupSolver::small_step(Pack& pack, double* const (&state)[3], const Attemp
   counters.factorized_unknowns += unknowns * factorizations;
   counters.solved_unknowns += unknowns * (figures.iterations + class_.derivatives);
   errors = {figures.position, figures.velocity, figures.acceleration};
+  pack.keep_use(attempt.number);
   if (stays_inside(figures.ball_used, pack.ball_used[0])) return true;
+  pack.keep_anchor(attempt.number);
   small_step_->choose_pivots(pack, state[0]);
   set_inputs(pack, state[0]);
   const double* x = state[0] + pack.unknowns;

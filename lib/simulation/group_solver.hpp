@@ -45,7 +45,8 @@ struct Attempt {
     anywhere,  // is there a solution at all? nothing is kept
   };
   Branch branch = Branch::inside;
-  int iterations = 0;  // exactly so many; 0: until convergence
+  std::int64_t number = 0;  // its own, from 1 on: by it a rejected attempt is undone in the packs
+  int iterations = 0;       // exactly so many; 0: until convergence
   int most_iterations = 12;
   double converged = kConverged;                           // relative residual that counts as solved
   double time = std::numeric_limits<double>::quiet_NaN();  // s, of the posture, or from any beginning; NaN: not known

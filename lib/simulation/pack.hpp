@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "assur/backend.hpp"
@@ -12,25 +13,64 @@
 
 namespace assur {
 
+// What an attempt at a step overwrites in a pack, as it was before that attempt: a rejected one leaves nothing behind.
+struct Kept {
+  std::int64_t use_of = 0, anchor_of = 0, factors_of = 0;  // the attempts that overwrote the pack's last; 0: none
+  LaneArray ball_used;
+  LaneArray anchor, anchor_rates, anchor_time, omega, swaps;
+};
+
 // W instances of a class. All arrays are owned by the simulator; lanes beyond `used` repeat lane 0.
 struct Pack {
   std::int32_t group_class = 0;
   std::int32_t level = 0;
-  std::int32_t used = 1;                 // lanes that hold a group
-  std::vector<std::int32_t> groups;      // used: indices into Structure::groups
-  std::size_t unknowns = 0;              // address of the first unknown in the state arrays
-  std::vector<std::int32_t> inputs;      // inputs x W addresses in the state arrays
-  std::vector<InputRow> input_rows;      // inputs: the same, where one address tells all
-  LaneArray coefficients;                // (coefficients, 0, 1) x W
-  LaneArray lipschitz;                   // equations x W
-  LaneArray anchor;                      // by block, what it reads x W: where omega was measured
-  LaneArray anchor_rates;                // the same: the rates there
-  LaneArray anchor_time;                 // blocks: s; NaN: unknown, or no rates were asked for
-  LaneArray omega;                       // blocks x W
-  LaneArray ball_used;                   // blocks: part of the ball used at the last posture inside it
-  LaneArray swaps;                       // of a small step: see SmallLu
+  std::int32_t used = 1;             // lanes that hold a group
+  std::vector<std::int32_t> groups;  // used: indices into Structure::groups
+  std::size_t unknowns = 0;          // address of the first unknown in the state arrays
+  std::vector<std::int32_t> inputs;  // inputs x W addresses in the state arrays
+  std::vector<InputRow> input_rows;  // inputs: the same, where one address tells all
+  LaneArray coefficients;            // (coefficients, 0, 1) x W
+  LaneArray lipschitz;               // equations x W
+  LaneArray anchor;                  // by block, what it reads x W: where omega was measured
+  LaneArray anchor_rates;            // the same: the rates there
+  LaneArray anchor_time;             // blocks: s; NaN: unknown, or no rates were asked for
+  LaneArray omega;                   // blocks x W
+  LaneArray ball_used;               // blocks: part of the ball used at the last posture inside it
+  LaneArray swaps;                   // of a small step: see SmallLu
+  Kept kept;
   std::unique_ptr<LinearSolver> solver;  // with pivots or factors of its own; null: the class's serves
   bool factored = false;                 // +reuse=run: `solver` holds factors of an earlier posture
+
+  // Call these before the attempt overwrites the arrays that they keep.
+  void keep_use(std::int64_t attempt) {
+    if (std::exchange(kept.use_of, attempt) == attempt) return;
+    if (ball_used.size() == 1) {  // of most groups
+      kept.ball_used[0] = ball_used[0];
+    } else {
+      kept.ball_used = ball_used;
+    }
+  }
+  void keep_anchor(std::int64_t attempt) {
+    if (std::exchange(kept.anchor_of, attempt) == attempt) return;
+    kept.anchor = anchor;
+    kept.anchor_rates = anchor_rates;
+    kept.anchor_time = anchor_time;
+    kept.omega = omega;
+    kept.swaps = swaps;
+  }
+  // The pack is as it was before the attempt, but for the pivot orders of `solver`.
+  void undo(std::int64_t attempt) {
+    if (kept.use_of == attempt) ball_used.swap(kept.ball_used);
+    if (kept.anchor_of == attempt) {
+      anchor.swap(kept.anchor);
+      anchor_rates.swap(kept.anchor_rates);
+      anchor_time.swap(kept.anchor_time);
+      omega.swap(kept.omega);
+      swaps.swap(kept.swaps);
+    }
+    if (kept.factors_of == attempt) factored = false;
+    kept.use_of = kept.anchor_of = kept.factors_of = 0;
+  }
 };
 
 // Among the coefficients of a pack, after those of the program.

@@ -37,7 +37,7 @@ class SmallStepOf final : public SmallStep {
     c_.set_inputs(pack, state);
     evaluate(x, u, phi);
     differentiate(u, jacobian);
-    pack.swaps.resize(SmallLu<W, N>::kSwaps * W);
+    for (LaneArray* swaps : {&pack.swaps, &pack.kept.swaps}) swaps->resize(SmallLu<W, N>::kSwaps * W);
     SmallLu<W, N>::choose_swaps(jacobian, pack.swaps.data());
   }
 

@@ -94,9 +94,7 @@ void State::stand_still() {
 
 void State::restore() {
   begin();
-  for (int d = 0; d < 3; ++d) {
-    std::copy_n(ring(d).at(last()) + first_unknown_, size_ - first_unknown_, at(d) + first_unknown_);
-  }
+  for (int d = 0; d < 3; ++d) std::copy_n(ring(d).at(last()), size_, at(d));
 }
 
 void State::replace() {

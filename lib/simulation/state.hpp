@@ -42,7 +42,7 @@ class State {
   void forget();
   // The next prediction is the last accepted posture itself.
   void stand_still();
-  // Unknowns of the last accepted posture.
+  // The last accepted posture, with what is known there.
   void restore();
   // The posture at hand takes the place of the last accepted one.
   void replace();

@@ -185,13 +185,24 @@ Status Tile::step(std::span<const double> times) {
   return s;
 }
 
+// An attempt: one that is rejected leaves nothing in the packs.
 Status Tile::solve(std::span<const double> times, Attempt::Branch branch) {
+  ++attempts_;
+  const Status s = solve_all(times, branch);
+  if (!s.ok()) {
+    for (Pack& pack : layout_.packs) pack.undo(attempts_);
+  }
+  return s;
+}
+
+Status Tile::solve_all(std::span<const double> times, Attempt::Branch branch) {
   if (const Status s = drive(times); !s.ok()) return s;
   double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
   StepErrors errors;
   for (Pack& pack : layout_.packs) {
     Attempt attempt;
     attempt.branch = branch;
+    attempt.number = attempts_;
     attempt.time = times[0];  // steps are as long in every lane
     attempt.iterations = pack.level > 0 && branch == Attempt::Branch::inside ? limits_.iterations : 0;
     attempt.most_iterations = limits_.most_iterations;

@@ -82,6 +82,7 @@ class Tile {
   [[nodiscard]] Status drive(std::span<const double> times);
   [[nodiscard]] Status drive_lane(std::size_t lane, double time);
   [[nodiscard]] Status solve(std::span<const double> times, Attempt::Branch branch);
+  [[nodiscard]] Status solve_all(std::span<const double> times, Attempt::Branch branch);
   [[nodiscard]] Status check_watched(StepErrors& errors);
 
   std::shared_ptr<const Structure> structure_;
@@ -99,6 +100,7 @@ class Tile {
   State state_;
   std::vector<const Variant*> variants_;  // lanes in use
   bool alike_ = false;                    // the drivers of all lanes are the same
+  std::int64_t attempts_ = 0;
   Counters counters_;
   Effort effort_;       // of solvers that are gone
   ErrorFigures error_;  // without what the estimate knows of the variants at hand
