@@ -96,14 +96,14 @@ void solve_unit_lower(const Block<T>& l, const Block<T>& x) {
   Routines<T>::trsm("L", "L", "N", "U", &n, &columns, &one, l.data, &stride, x.data, &x_stride, 1, 1, 1, 1);
 }
 
-// c -= a b
+// c -= a b, or a b'
 template <class T>
-void subtract_product(const Block<T>& c, const Block<T>& a, const Block<T>& b) {
+void subtract_product(const Block<T>& c, const Block<T>& a, const Block<T>& b, Transpose transpose = Transpose::no) {
   const std::int32_t m = number(c.rows), n = number(c.columns), k = number(a.columns);
   const std::int32_t a_stride = number(a.stride), b_stride = number(b.stride), c_stride = number(c.stride);
   const T minus_one = -1, one = 1;
-  Routines<T>::gemm("N", "N", &m, &n, &k, &minus_one, a.data, &a_stride, b.data, &b_stride, &one, c.data, &c_stride, 1,
-                    1);
+  Routines<T>::gemm("N", transpose == Transpose::yes ? "T" : "N", &m, &n, &k, &minus_one, a.data, &a_stride, b.data,
+                    &b_stride, &one, c.data, &c_stride, 1, 1);
 }
 
 }  // namespace assur::blas

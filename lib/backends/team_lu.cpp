@@ -14,6 +14,20 @@ namespace {
 constexpr Index kPanel = 48;         // columns; measured on n = 100 to 2000 with one and two threads
 constexpr Index kTile = 4 * kPanel;  // wide enough for the kernels, narrow enough for the threads to end together
 
+// c -= a b. OpenBLAS 0.3's AVX-512 kernels allocate in products of up to kSmall multiplications, unless b is given
+// transposed; they are as fast then.
+template <class T>
+void subtract_product(const Block<T>& c, const Block<T>& a, const Block<T>& b) {
+  constexpr Index kSmall = 1000000;
+  if (c.rows * c.columns * b.rows > kSmall) return blas::subtract_product(c, a, b);
+  T turned[kPanel * kTile];
+  const Block<T> transposed{turned, b.columns, b.rows, b.columns};
+  for (Index k = 0; k < b.rows; ++k) {
+    for (Index j = 0; j < b.columns; ++j) transposed(j, k) = b(k, j);
+  }
+  blas::subtract_product(c, a, transposed, Transpose::yes);
+}
+
 }  // namespace
 
 template <class T>
@@ -117,7 +131,7 @@ void TeamLu<T>::update(Index panel, Index first, Index last) {
   const Block<T> upper = a_.block(top, first, width, columns);
   blas::swap_rows(a_.block(top, first, n_ - top, columns), pivot_ + top, width);
   blas::solve_unit_lower(a_.block(top, top, width, width), upper);
-  blas::subtract_product(a_.block(top + width, first, below, columns), a_.block(top + width, top, below, width), upper);
+  subtract_product(a_.block(top + width, first, below, columns), a_.block(top + width, top, below, width), upper);
 }
 
 // Column by column, since a column fits into the cache.

@@ -162,16 +162,20 @@ TEST_F(TeamBackend, DeterminantSignIsThatOfEigen) {
 
 TEST_F(TeamBackend, TwoThreadsAllocateNothingAfterTheFirstFactorisation) {
   Random random(6);
-  const Matrix a = dense(433, random);
-  const auto solver = make(2, a.pattern);
-  std::vector<double> x = right_side(433);
-  for (int i = 0; i < 3; ++i) ASSERT_TRUE(solver->factorize(a.values).ok());  // each thread has worked
-  const auto before = allocations();
-  for (int i = 0; i < 5; ++i) {
-    ASSERT_TRUE(solver->factorize(a.values).ok());
-    ASSERT_TRUE(solver->solve(x, 1).ok());
+  for (const Precision precision : {Precision::binary64, Precision::binary32}) {
+    for (int n : {102, 200, 300, 433, 500}) {  // products of fewer and of more multiplications than 1e6
+      const Matrix a = dense(n, random);
+      const auto solver = make(2, a.pattern, precision);
+      std::vector<double> x = right_side(n);
+      for (int i = 0; i < 3; ++i) ASSERT_TRUE(solver->factorize(a.values).ok());  // each thread has worked
+      const auto before = allocations();
+      for (int i = 0; i < 5; ++i) {
+        ASSERT_TRUE(solver->factorize(a.values).ok());
+        ASSERT_TRUE(solver->solve(x, 1).ok());
+      }
+      EXPECT_EQ(allocations() - before, 0) << n << (precision == Precision::binary32 ? ", float" : "");
+    }
   }
-  EXPECT_EQ(allocations() - before, 0);
 }
 
 // A budget of four threads as 2 x 2: the matrix products of two packs run at once, on four threads, however few cores
