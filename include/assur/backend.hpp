@@ -82,7 +82,7 @@ class LinearSolver {
   // Once for each pattern. values and right-hand sides are interleaved: values[k * lanes + lane].
   [[nodiscard]] virtual Status analyze(const Pattern& pattern, int lanes) = 0;
 
-  // values: nnz x lanes, in the order of pattern.row. The status is that of the worst lane; `where` is the lane.
+  // values: nnz x lanes, in the order of pattern.row. The status is that of the worst lane, which `where` names.
   [[nodiscard]] virtual Status factorize(std::span<const double> values) = 0;
 
   // b_to_x: n x rhs x lanes, in place: element i of right-hand side r in lane l is b_to_x[(r * n + i) * lanes + l].

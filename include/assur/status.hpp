@@ -56,9 +56,30 @@ enum class Code : std::uint8_t {
 
 [[nodiscard]] std::string_view name(Code code) noexcept;
 
+// The object that a status is about.
+struct Place {
+  enum class Kind : std::uint8_t {
+    none,
+    driver,  // index: of Scene::drivers
+    group,   // of Structure::groups
+    lane,    // of a linear solver, or of variants that are solved side by side
+    member,  // of an ensemble
+  };
+  Kind kind = Kind::none;
+  std::int32_t index = -1;
+
+  [[nodiscard]] static constexpr Place driver(std::int32_t i) noexcept { return {Kind::driver, i}; }
+  [[nodiscard]] static constexpr Place group(std::int32_t i) noexcept { return {Kind::group, i}; }
+  [[nodiscard]] static constexpr Place lane(std::int32_t i) noexcept { return {Kind::lane, i}; }
+  [[nodiscard]] static constexpr Place member(std::int32_t i) noexcept { return {Kind::member, i}; }
+
+  [[nodiscard]] constexpr bool is(Kind k) const noexcept { return kind == k; }
+  friend constexpr bool operator==(const Place&, const Place&) = default;
+};
+
 struct [[nodiscard]] Status {
   Code code = Code::ok;
-  std::int32_t where = -1;  // group, row or unknown concerned; -1: none
+  Place where;
   double figure = 0;        // pivot, residual, contraction, ...: what the code is about
 
   [[nodiscard]] constexpr bool ok() const noexcept { return code == Code::ok; }

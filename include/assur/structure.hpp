@@ -118,6 +118,10 @@ struct Structure {
   // Why the start posture cannot be assembled: the group and its most violated constraint; empty: it can.
   std::string cannot_assemble;
 
+  // The name of a group; "" for any other place.
+  [[nodiscard]] std::string name_of(Place place) const {
+    return place.is(Place::Kind::group) ? groups[static_cast<std::size_t>(place.index)].name : std::string();
+  }
   [[nodiscard]] Shape shape(const Group& group) const;
   // Nonzeros of L + U of a group's Jacobian at the start posture, columns ordered by COLAMD-like minimum degree.
   [[nodiscard]] std::int32_t fill(const Group& group) const;

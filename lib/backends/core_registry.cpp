@@ -65,7 +65,7 @@ void check_size(std::string_view what, std::size_t actual, std::size_t expected)
 Status worst(std::span<const Code> lanes) {
   for (Code code : {Code::not_finite, Code::singular}) {
     const auto found = std::find(lanes.begin(), lanes.end(), code);
-    if (found != lanes.end()) return {code, static_cast<std::int32_t>(found - lanes.begin())};
+    if (found != lanes.end()) return {code, Place::lane(static_cast<std::int32_t>(found - lanes.begin()))};
   }
   return {};
 }

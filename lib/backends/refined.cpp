@@ -186,7 +186,7 @@ Status Refined::solve(std::span<double> b_to_x, int rhs, Transpose transpose, in
   if (const Status status = worst(code_); !status.ok()) return status;
   const auto largest = std::max_element(lane_error_.begin(), lane_error_.end());
   if (*largest <= goal_.bound) return {};
-  return {Code::not_converged, static_cast<std::int32_t>(largest - lane_error_.begin()), *largest};
+  return {Code::not_converged, Place::lane(static_cast<std::int32_t>(largest - lane_error_.begin())), *largest};
 }
 
 void Refined::solve_chunk(std::span<double> x, std::size_t count, Transpose transpose) {

@@ -95,12 +95,14 @@ Status drive(const System& s, double t, double* q, double* rate, double* acceler
       s, all_driven(s),
       [&](std::size_t input, int k) {
         const Law& law = s.inputs[input].laws[static_cast<std::size_t>(k)];
-        if (status.ok() && !law.covers(t)) status = {Code::out_of_range, s.inputs[input].driver, t};
+        if (status.ok() && !law.covers(t)) status = {Code::out_of_range, Place::driver(s.inputs[input].driver), t};
         return law(t);
       },
       q, rate, acceleration);
   for (const DriverInput& in : s.inputs) {
-    if (status.ok() && in.must_not_vanish && !(q[in.first] > 0)) status = {Code::actuator_zero, in.driver, q[in.first]};
+    if (status.ok() && in.must_not_vanish && !(q[in.first] > 0)) {
+      status = {Code::actuator_zero, Place::driver(in.driver), q[in.first]};
+    }
   }
   return status;
 }

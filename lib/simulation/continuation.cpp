@@ -69,7 +69,7 @@ void Continuation::start(double time, const std::vector<double>& posture) {
   StepErrors errors;
   const Status s = solve_at(now_, Attempt::Branch::start, errors);
   if (!s.ok()) {
-    const std::string group = s.where >= 0 ? " in group " + structure_.groups[idx(s.where)].name : "";
+    const std::string group = s.where.is(Place::Kind::group) ? " in group " + structure_.name_of(s.where) : "";
     throw Error(Error::Kind::numerical,
                 "the start posture has no " + std::string(s.code == Code::singular ? "velocities" : "solution") + ": " +
                     std::string(name(s.code)) + group +
@@ -145,7 +145,7 @@ Status Continuation::check_watched(double left, StepErrors& errors) {
   if (!watch_) return {};
   report_.counters.evaluated_equations += static_cast<std::int64_t>(watch_->equations());
   const double r = watch_->residual(state_.at(0));
-  if (!(r <= std::max(kConsistent, left))) return {Code::inconsistent, -1, r};
+  if (!(r <= std::max(kConsistent, left))) return {Code::inconsistent, {}, r};
   errors.position = std::max(errors.position, r);
   return {};
 }
@@ -245,13 +245,13 @@ bool Continuation::polish() {
 
 // Is it somewhere? A driver that was set to nowhere is named by an event, and nothing moves.
 Status Continuation::check_aim(double t) {
-  if (!std::isfinite(t)) return {Code::not_finite, -1, t};
+  if (!std::isfinite(t)) return {Code::not_finite, {}, t};
   double value = 0;
   const std::string* const driver = inputs_.not_finite(value);
   if (driver == nullptr) return {};
   record({now_, t, *driver, Code::not_finite, value}, std::abs(t - now_));
   inputs_.drop_pending();
-  return {Code::not_finite, -1, value};
+  return {Code::not_finite, {}, value};
 }
 
 bool Continuation::may_choose_anew(bool asked) const { return asked && prepared_.reselect && now_ != selected_at_; }
@@ -290,7 +290,7 @@ Status Continuation::at_the_limit(const Status& failed, double target, double t)
   const bool passed = found.code == Code::change_point_passed;
   if (found.code == Code::limit_reached) target = first_without_solution(target, t);
   record({passed ? last_before_pass_ : now_, passed ? now_ : target,
-          structure_.groups[idx(found.where >= 0 ? found.where : failed.where)].name, found.code, found.figure},
+          structure_.name_of(found.where.is(Place::Kind::group) ? found.where : failed.where), found.code, found.figure},
          std::abs(t - target));
   return passed ? Status{} : found;
 }

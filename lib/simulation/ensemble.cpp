@@ -151,7 +151,7 @@ struct Ensemble::Impl {
       // A member that failed outranks one that is only in doubt.
       if ((report.status.ok() && !o.status.ok()) || (report.status.arrived() && !o.status.arrived())) {
         report.status = o.status;
-        report.status.where = static_cast<std::int32_t>(i);
+        report.status.where = Place::member(static_cast<std::int32_t>(i));
       }
     }
     if (alone > 0) {
@@ -207,7 +207,7 @@ EnsembleTrajectory Ensemble::run(std::span<const double> times, const Simulator:
   before = rows(impl_->in_lanes.size());
   for (const auto& [i, prepared] : impl_->others) {
     if (stopped) {
-      impl_->outcomes[i].status = {Code::interrupted, -1, times[0]};
+      impl_->outcomes[i].status = {Code::interrupted, {}, times[0]};
       continue;
     }
     impl_->run_other(i, out, of_all);

@@ -141,7 +141,7 @@ void GroupSolver::gather(const Pack& pack, const double* state, LaneArray& out) 
 }
 
 Status GroupSolver::fail(const Pack& pack, Code code, double figure, std::int32_t lane) const {
-  return {code, pack.groups[std::min(idx(lane), pack.groups.size() - 1)], figure};
+  return {code, Place::group(pack.groups[std::min(idx(lane), pack.groups.size() - 1)]), figure};
 }
 
 Status GroupSolver::solve(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
@@ -198,7 +198,7 @@ Status GroupSolver::factorize(Pack& pack, Counters& counters) {
   const Status s = solver_->factorize(jacobian_);
   pack.factored = factored_in_step_ = s.ok();
   // An idle lane repeats lane 0 and fails with it.
-  return s.ok() ? s : fail(pack, s.code, s.figure, s.where < pack.used ? std::max(s.where, 0) : 0);
+  return s.ok() ? s : fail(pack, s.code, s.figure, s.where.index < pack.used ? std::max(s.where.index, 0) : 0);
 }
 
 Status GroupSolver::newton(Pack& pack, double* x, const Attempt& attempt, Counters& counters, StepErrors& errors) {

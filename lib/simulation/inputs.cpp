@@ -68,9 +68,9 @@ Status Inputs::drive(double t, double* const (&state)[3]) {
     if (c.slot >= 0 && c.set) program_.replace(c.slot, blend(c.from, c.to, c.start, c.end, t));
   }
   program_.place(state);
-  if (!program_.defined()) return {DriveProgram::why_undefined(system_, t), -1, t};
+  if (!program_.defined()) return {DriveProgram::why_undefined(system_, t), {}, t};
   for (const Index i : positive_) {
-    if (!(state[0][i] > 0)) return {Code::actuator_zero, -1, state[0][i]};
+    if (!(state[0][i] > 0)) return {Code::actuator_zero, {}, state[0][i]};
   }
   return {};
 }

@@ -90,7 +90,7 @@ void Levels::work(std::span<const std::int32_t> packs, int rank, double* const (
     const auto index = static_cast<std::size_t>(p);
     Pack& pack = packs_[index];
     if (!failure.status.ok() && packs_[failure.pack].level != pack.level) return;
-    const Status s = expired() ? Status{Code::deadline, pack.groups[0], 0}
+    const Status s = expired() ? Status{Code::deadline, Place::group(pack.groups[0]), 0}
                                : solver(pack, rank).solve(pack, state, attempt(index), counters, errors);
     if (!s.ok() && index < failure.pack) failure = {index, s};
   }

@@ -29,7 +29,7 @@ namespace {
 // A run that was stopped, at the posture of its last row.
 void stop(LaneRun& run, const std::vector<double>& posture) {
   if (run.done <= run.posture_wanted) run.posture = posture;
-  run.status = {Code::interrupted, -1, run.reached};
+  run.status = {Code::interrupted, {}, run.reached};
 }
 
 }  // namespace
@@ -89,7 +89,7 @@ void SideBySide::check_accuracy(std::span<LaneRun* const> lanes, std::size_t row
     LaneRun& run = *lanes[i];
     const Status s = tile_.accuracy(static_cast<int>(i));
     if (s.ok()) continue;
-    const std::string group = s.where < 0 ? "" : prepared_.structure->groups[static_cast<std::size_t>(s.where)].name;
+    const std::string group = prepared_.structure->name_of(s.where);
     record_doubt(run.events, {run.times[std::max<std::size_t>(row, 1) - 1], run.times[row], group, s.code, s.figure});
     if (run.status.ok()) run.status = s;
   }
@@ -181,7 +181,7 @@ void SideBySide::alone(LaneRun& lane, Variant at, std::size_t row, bool to_the_e
   if (restarted) shift_by_turns(angles(), first, start.data(), lane, row + 1, columns);
   lane.reached = simulator->time();
   if (lane.done <= lane.posture_wanted) lane.posture = posture_of(*simulator);
-  if (stopped_ && lane.status.arrived() && lane.done < rows) lane.status = {Code::interrupted, -1, lane.reached};
+  if (stopped_ && lane.status.arrived() && lane.done < rows) lane.status = {Code::interrupted, {}, lane.reached};
   const Report& report = simulator->report();
   lane.events.insert(lane.events.end(), report.events.begin(), report.events.end());
   lane.fallbacks = report.fallbacks;
@@ -204,7 +204,7 @@ std::optional<Simulator> SideBySide::simulator_of(LaneRun& lane, Variant at) con
     if (e.kind() != Error::Kind::numerical) throw;
     lane.alone = true;
     lane.alone_from = at.time;
-    lane.status = {Code::singular, -1, 0};
+    lane.status = {Code::singular, {}, 0};
     if (lane.done == 0) lane.cannot = e.what();
     return std::nullopt;
   }

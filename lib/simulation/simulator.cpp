@@ -96,7 +96,7 @@ struct Simulator::Impl {
   Status check_accuracy(double from) {
     if (estimate.due(report.counters.branch_checks, motion.errors().worst())) judge();
     if (verdict.ok()) return {};
-    const std::string group = verdict.where < 0 ? "" : structure.groups[idx(verdict.where)].name;
+    const std::string group = structure.name_of(verdict.where);
     record_doubt(report.events, {from, motion.time(), group, verdict.code, verdict.figure});
     if (doubt.ok()) report.status = doubt = verdict;
     return verdict;
@@ -121,7 +121,7 @@ struct Simulator::Impl {
     if (!estimate.in_doubt()) return;
     const auto [pack, lane] = estimate.worst_of();
     const std::span<const Pack> packs = motion.packs();
-    verdict = {Code::inaccurate, packs.empty() ? -1 : packs[pack].groups[idx(lane)], error};
+    verdict = {Code::inaccurate, packs.empty() ? Place{} : Place::group(packs[pack].groups[idx(lane)]), error};
   }
 
   void measure() {
@@ -302,7 +302,7 @@ Trajectory Simulator::run(std::span<const double> times, const Observer& observe
     out.times_.push_back(t);
     out.values_.insert(out.values_.end(), impl_->row.begin(), impl_->row.end());
     if (observer && !observer(static_cast<std::int64_t>(out.times_.size()), of)) {
-      if (static_cast<std::int64_t>(out.times_.size()) < of) impl_->report.status = {Code::interrupted, -1, t};
+      if (static_cast<std::int64_t>(out.times_.size()) < of) impl_->report.status = {Code::interrupted, {}, t};
       break;
     }
   }

@@ -168,7 +168,7 @@ Status Tile::drive_lane(std::size_t lane, double time) {
   DriveProgram& program = *drive_[lane];
   program.evaluate(time);
   program.place(q, idx(lanes_));
-  const auto where = static_cast<std::int32_t>(lane);
+  const Place where = Place::lane(static_cast<std::int32_t>(lane));
   if (!program.defined()) return {DriveProgram::why_undefined(*variants_[lane]->system, time), where, time};
   for (const Index c : positive_) {
     const double length = q[0][idx(c) * idx(lanes_)];
@@ -228,8 +228,8 @@ void Tile::measure_errors(std::span<const double> times, std::span<const double*
 Status Tile::accuracy(int lane) const {
   const double error = estimate_.now(idx(lane)).worst();
   if (error <= estimate_.asked()) return {};
-  const auto group = layout_.packs.empty() ? -1 : static_cast<std::int32_t>(estimate_.worst_of(idx(lane)).pack);
-  return {Code::inaccurate, group, error};
+  const auto group = static_cast<std::int32_t>(estimate_.worst_of(idx(lane)).pack);
+  return {Code::inaccurate, layout_.packs.empty() ? Place{} : Place::group(group), error};
 }
 
 ErrorFigures Tile::error() const {
@@ -250,7 +250,7 @@ Status Tile::check_watched(StepErrors& errors) {
   for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
     counters_.evaluated_equations += static_cast<std::int64_t>(watch_[lane]->equations());
     const double r = watch_[lane]->residual(state_.at(0) + lane);
-    if (!(r <= kConsistent)) return {Code::inconsistent, static_cast<std::int32_t>(lane), r};
+    if (!(r <= kConsistent)) return {Code::inconsistent, Place::lane(static_cast<std::int32_t>(lane)), r};
     errors.position = std::max(errors.position, r);
   }
   return {};

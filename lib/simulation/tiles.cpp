@@ -59,7 +59,7 @@ void Tiles::run(std::span<LaneRun> runs, const Simulator::Observer& observer, st
     }
   });
   for (LaneRun& run : runs) {
-    if (run.done == 0 && run.status.ok()) run.status = {Code::interrupted, -1, run.reached};
+    if (run.done == 0 && run.status.ok()) run.status = {Code::interrupted, {}, run.reached};
   }
   if (observer && !stopped && heard < done) (void)observer(done, rows);
 }

@@ -284,7 +284,7 @@ TEST(Lanes, IdleLanesFollowLaneZeroWithoutAlarmsOfTheirOwn) {
   }
   const Status failed = solver->factorize(interleave(std::vector(8, std::vector{1.0, 1.0, 1.0, 1.0})));
   EXPECT_EQ(failed.code, Code::singular);
-  EXPECT_EQ(failed.where, 0);
+  EXPECT_EQ(failed.where, Place::lane(0));
 }
 
 TEST(Lanes, PivotsAreRenewedWhenLanesKeepFailing) {

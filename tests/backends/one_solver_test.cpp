@@ -44,7 +44,7 @@ TEST_P(OneSolver, ABadLaneIsNamedAndTouchesNoOther) {
       std::vector<double> x = b;
       for (const Status status : {solver_->factorize(interleave(with_bad)), solver_->solve(x, 3)}) {
         EXPECT_EQ(status.code, code);
-        EXPECT_EQ(status.where, sick);
+        EXPECT_EQ(status.where, Place::lane(sick));
       }
       for (int lane = 0; lane < lanes; ++lane) {
         EXPECT_EQ(solver_->figures(lane).ok, lane != sick);
@@ -78,7 +78,7 @@ TEST_P(OneSolver, NotFiniteIsWorseThanSingular) {
   ASSERT_TRUE(solver_->analyze(a.pattern, 4).ok());
   const Status status = solver_->factorize(interleave({a.values, zero, a.values, nan}));
   EXPECT_EQ(status.code, Code::not_finite);
-  EXPECT_EQ(status.where, 3);
+  EXPECT_EQ(status.where, Place::lane(3));
 }
 
 // ---- the wanted unknowns only

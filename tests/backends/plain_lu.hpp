@@ -30,7 +30,7 @@ class PlainLu final : public LinearSolver {
     Status status;
     for (std::size_t lane = lanes_; lane-- > 0;) {
       ok_[lane] = factorize_lane(values, lane);
-      if (!ok_[lane]) status = {Code::singular, static_cast<std::int32_t>(lane)};
+      if (!ok_[lane]) status = {Code::singular, Place::lane(static_cast<std::int32_t>(lane))};
     }
     return status;
   }

@@ -129,10 +129,10 @@ TEST(Refined, SingularAndNotFiniteStayWhatTheyAre) {
     ASSERT_TRUE(solver->analyze(good.pattern, 3).ok());
     const Status one = solver->factorize(interleave({good.values, singular.values, good.values}));
     EXPECT_EQ(one.code, Code::singular);
-    EXPECT_EQ(one.where, 1);
+    EXPECT_EQ(one.where, Place::lane(1));
     const Status worse = solver->factorize(interleave({good.values, singular.values, nan.values}));
     EXPECT_EQ(worse.code, Code::not_finite);
-    EXPECT_EQ(worse.where, 2);
+    EXPECT_EQ(worse.where, Place::lane(2));
     std::vector<double> x(15, 1.0);
     EXPECT_EQ(solver->solve(x, 1, Transpose::no, 0).code, Code::not_finite);
     EXPECT_TRUE(std::isfinite(x[0]));
@@ -191,7 +191,7 @@ TEST(Refined, TheResidualCheckSeesAWrongSolution) {
   for (double factor : {1 + 1e-10, 0.5, -1.0}) {
     const Solution solution = solve(*checked(std::make_unique<Wrong>(factor)), {a}, Transpose::no, 5);
     EXPECT_EQ(solution.status.code, Code::not_converged);
-    EXPECT_EQ(solution.status.where, 0);
+    EXPECT_EQ(solution.status.where, Place::lane(0));
     EXPECT_NEAR(solution.status.figure, solution.normwise, 10 * 9 * kEps);  // residuals in double and long double
   }
   const Solution infinite = solve(*checked(std::make_unique<Wrong>(HUGE_VAL)), {a, a, a});
@@ -252,7 +252,7 @@ TEST(Refined, FiguresOfALaneThatNobodyCanSolveSaySo) {
   std::vector<double> x = {1, 1, 2, 2, 3, 3};
   const Status status = solver->solve(x, 1);
   EXPECT_EQ(status.code, Code::singular);
-  EXPECT_EQ(status.where, 1);
+  EXPECT_EQ(status.where, Place::lane(1));
   EXPECT_TRUE(std::isnan(x[1]));
   EXPECT_FALSE(solver->figures(1).ok);
   EXPECT_TRUE(std::isfinite(x[0]));

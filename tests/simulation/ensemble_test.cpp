@@ -90,7 +90,7 @@ TEST(Ensemble, AMemberAtItsLimitDoesNotHoldUpTheOthers) {
     EXPECT_EQ(all.rows(3), 0u);
     EXPECT_TRUE(std::isnan(all(3, 0, 0)));
     EXPECT_EQ(e.report().status.code, Code::not_converged);  // of the first member that is not ok
-    EXPECT_EQ(e.report().status.where, 3);
+    EXPECT_EQ(e.report().status.where, Place::member(3));
   }
 }
 

@@ -236,7 +236,7 @@ TEST(Accuracy, OfEachMemberOfAnEnsemble) {
     estimated_position = std::max(estimated_position, lone.report().error.estimated_position.value());
   }
   EXPECT_EQ(e.report().status.code, Code::inaccurate);
-  EXPECT_EQ(e.report().status.where, 1);
+  EXPECT_EQ(e.report().status.where, Place::member(1));
   // Signs are drawn anew for each lane.
   EXPECT_LE(e.report().error.estimated_position.value(), 10 * estimated_position);
   EXPECT_GE(e.report().error.estimated_position.value(), 0.1 * estimated_position);

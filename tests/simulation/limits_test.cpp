@@ -40,6 +40,8 @@ void expect_limit(const Limit& limit, const std::string& strategy) {
   EXPECT_EQ(r.report().status.code, Code::limit_reached);
   ASSERT_EQ(r.report().events.size(), 1u);
   const Event& e = r.report().events[0];
+  EXPECT_TRUE(r.report().status.where.is(Place::Kind::group));
+  EXPECT_EQ(r.simulator.prepared().structure->name_of(r.report().status.where), e.group);
   EXPECT_EQ(e.kind, Code::limit_reached);
   EXPECT_LE(e.time, limit.time);
   EXPECT_GE(e.until, limit.time);
