@@ -1,0 +1,146 @@
+// A scene that is being drawn: a posture in which everything fits, written down in the scene format turned, scaled and
+// shifted as a whole, with guesses beside the posture.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <string>
+#include <vector>
+
+namespace assur::check {
+
+using Json = nlohmann::ordered_json;
+using Place = std::array<double, 3>;
+
+// mt19937_64 is the same everywhere; the distributions of the standard library are not.
+class Chance {
+ public:
+  explicit Chance(std::uint64_t seed) : engine_(seed) {}
+  double real(double from, double to) { return from + (to - from) * static_cast<double>(engine_() >> 11) * 0x1p-53; }
+  std::size_t below(std::size_t n) { return static_cast<std::size_t>(engine_() % n); }
+  bool one_in(std::size_t n) { return below(n) == 0; }
+  double sign() { return one_in(2) ? 1 : -1; }
+  // A direction in space, or in the plane.
+  Place direction(int dimension = 3);
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+Place operator+(const Place& a, const Place& b);
+Place operator-(const Place& a, const Place& b);
+Place operator*(double s, const Place& a);
+double dot(const Place& a, const Place& b);
+Place cross(const Place& a, const Place& b);
+double norm(const Place& a);
+Place unit(const Place& a);
+Place turned(const Place& v, const Place& axis, double angle);  // axis of length 1
+
+// A vector's name, or two points.
+struct Way {
+  std::string first, second;
+  Way(const char* vector) : first(vector) {}             // NOLINT
+  Way(std::string vector) : first(std::move(vector)) {}  // NOLINT
+  Way(std::string a, std::string b) : first(std::move(a)), second(std::move(b)) {}
+};
+
+class Draft {
+ public:
+  Draft(int dimension, Chance& chance, std::string tables);
+
+  Chance& chance;
+  const int dimension;
+  // The motion's kind: how fast the drivers turn (rad/s), and over what time.
+  double speed = 1;
+
+  // Parts as they are in the posture, before everything is turned and scaled.
+  void fixed(const std::string& name, const Place& at) { put(name, at, true, true); }
+  void point(const std::string& name, const Place& at) { put(name, at, true, false); }
+  void fixed_vector(const std::string& name, const Place& at) { put(name, at, false, true); }
+  void vector(const std::string& name, const Place& at) { put(name, at, false, false); }
+  // Guesses of these are turned together when they are rough.
+  void together(const std::vector<std::string>& names);
+  // The guess of this one is its posture: a driver's angle begins there.
+  void exact(const std::string& name) { exact_[name] = true; }
+
+  // A body with a frame (3: space, 1: plane), a base or an origin alone. Members at their places in the posture.
+  void frame_body(const std::string& name, const std::string& origin, const std::vector<std::string>& frame,
+                  const std::map<std::string, Place>& points, const std::map<std::string, Place>& vectors = {});
+  void base_body(const std::string& name, const std::vector<std::string>& base,
+                 const std::map<std::string, Place>& points, const std::map<std::string, Place>& vectors = {});
+  void shifted_body(const std::string& name, const std::string& origin, const std::map<std::string, Place>& points);
+
+  void distance(const std::string& p, const std::string& q);
+  void equal_distance(const std::string& p, const std::string& q, const std::string& r, const std::string& s);
+  void dot_product(const Way& d, const Way& e);
+  void parallel(const Way& d, const Way& e);
+  std::string on_line(const std::string& p, const std::string& a, const Way& d);  // returns its name
+  std::string on_plane(const std::string& p, const std::string& a, const Way& d, const Way& e);
+  void level(const std::string& point, int component);                // stays where it is, along one axis of the ground
+  void constraint_equal(const std::string& p, const std::string& q);  // the same place, by `linear`
+  void middle(const std::string& m, const std::string& p, const std::string& q);  // m = (p + q) / 2, by `linear`
+
+  // Drivers begin in the posture and move on by a law drawn at random.
+  std::string turn(const std::string& a, const std::string& b, const std::string& axis = "");  // a point's angle
+  std::string turn_between(const Way& d, const Way& e, const std::string& axis = "");
+  std::string reach(const std::string& a, const std::string& b, double by);  // a distance, by so much
+  std::string slide(const std::string& coordinate, double begin, double by, bool length = true);
+  std::string move(const std::string& point, int component, double by);
+  void pose(const std::string& body, const std::string& origin, double shift, double angle);
+
+  void measure_angle(const std::string& a, const std::string& b);  // in the plane
+  void measure_between(const Way& d, const Way& e, const std::string& axis = "");
+  void measure_distance(const std::string& a, const std::string& b);
+  void measure_coordinate(const std::string& coordinate);
+
+  [[nodiscard]] const Place& at(const std::string& name) const { return at_.at(name).place; }
+  [[nodiscard]] Place along(const Way& d) const;
+
+  // The JSON of the whole; how rough it is.
+  [[nodiscard]] std::string finish(const std::string& name, double& rough);
+  // Drivers that a program may set, with their values at the start and how far they may go.
+  struct Driven {
+    std::string name;
+    double begin, by;
+  };
+  [[nodiscard]] const std::vector<Driven>& driven() const { return driven_; }
+  [[nodiscard]] bool turned_as_a_whole() const { return turned_; }
+  void keep_axes() { rotation_ = {Place{1, 0, 0}, Place{0, 1, 0}, Place{0, 0, 1}}, turned_ = false; }
+  double rough = 0;
+  bool far = false;
+
+ private:
+  struct Part {
+    Place place;
+    bool is_point, fixed;
+  };
+  void put(const std::string& name, const Place& at, bool is_point, bool fixed);
+  [[nodiscard]] Place written(const Part& part) const;  // turned, scaled and shifted
+  [[nodiscard]] Json numbers(const Place& p) const;
+  [[nodiscard]] Json name_of(const Way& d) const;
+  [[nodiscard]] bool is_length(const Way& d) const { return !d.second.empty(); }
+  Json law(double begin, double by);
+  std::string next(const char* kind);
+  void constrain(Json constraint);
+  void members(Json& body, const Place& origin, const std::array<Place, 3>& axes,
+               const std::map<std::string, Place>& points, const std::map<std::string, Place>& vectors);
+
+  std::string tables_;
+  Json json_;
+  std::map<std::string, Part> at_;
+  std::vector<std::string> order_;
+  std::map<std::string, int> cluster_;
+  std::map<std::string, bool> exact_;
+  std::vector<Driven> driven_;
+  std::array<Place, 3> rotation_;
+  bool turned_ = true;
+  double scale_ = 1;
+  Place shift_{};
+  double begin_ = 0, end_ = 1;
+  std::map<std::string, int> count_;
+};
+
+}  // namespace assur::check

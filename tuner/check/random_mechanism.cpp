@@ -1,0 +1,666 @@
+#include "check/random_mechanism.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "check/random_draft.hpp"
+
+namespace assur::check {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+std::string text(const char* name, std::size_t i) { return name + std::to_string(i); }
+Place polar(double radius, double angle) { return {radius * std::cos(angle), radius * std::sin(angle), 0}; }
+
+// Any unit vector across one.
+Place across(const Place& n, Chance& chance) { return unit(cross(n, chance.direction())); }
+
+// ---- in the plane
+
+// A bar that turns about a fixed pivot and is driven, written in one of several ways; returns the name of its end.
+std::string crank(Draft& d, const std::string& pivot, const std::string& end, const Place& at) {
+  const Place dir = unit(at - d.at(pivot));
+  switch (d.chance.below(4)) {
+    case 0:
+      d.point(end, at);
+      if (d.chance.one_in(2)) d.distance(pivot, end);
+      d.turn(pivot, end);
+      break;
+    case 1: {  // against a fixed direction
+      d.point(end, at);
+      d.distance(pivot, end);
+      const std::string zero = "x_" + end;
+      d.fixed_vector(zero, d.chance.one_in(2) ? Place{1, 0, 0} : d.chance.direction(2));
+      d.turn_between(zero, {pivot, end});
+      break;
+    }
+    case 2: {  // a body with a frame of one vector
+      const std::string u = "u_" + end, zero = "x_" + end;
+      d.vector(u, turned(dir, {0, 0, 1}, d.chance.real(-2, 2)));
+      d.fixed_vector(zero, {1, 0, 0});
+      d.frame_body("crank_" + end, pivot, {u}, {{end, at}});
+      d.turn_between(zero, u);
+      break;
+    }
+    default:  // a cylinder that pushes the bar
+      d.point(end, at);
+      d.distance(pivot, end);
+      const std::string foot = "foot_" + end;
+      d.fixed(foot, at + norm(at - d.at(pivot)) * d.chance.real(0.7, 1.5) *
+                             turned(dir, {0, 0, 1}, d.chance.sign() * d.chance.real(0.8, 2.3)));
+      d.reach(foot, end, d.chance.real(-0.5, 0.5) * norm(at - d.at(pivot)) * std::min(1.0, d.speed));
+  }
+  return end;
+}
+
+// A point on two of the parts that are there already.
+std::string dyad(Draft& d, std::size_t i, const std::string& from) {
+  Chance& c = d.chance;
+  const std::string k = std::to_string(i), end = "C" + k, base = "D" + k;
+  const double direction = c.real(-3, 3), length = c.real(0.8, 1.6), reach = c.real(0.8, 1.6);
+  const Place at = d.at(from) + polar(length, direction);
+  const double other = direction + c.sign() * c.real(0.7, 2.3);
+  switch (c.below(6)) {
+    case 0:  // two bars
+      d.point(end, at), d.fixed(base, at - polar(reach, other));
+      d.distance(from, end), d.distance(base, end);
+      d.measure_angle(base, end);
+      if (c.one_in(3)) d.measure_between({from, end}, {base, end});
+      return end;
+    case 1: {  // a coupler plate and a rocker
+      const std::string tip = "E" + k;
+      d.point(end, at), d.fixed(base, at - polar(reach, other));
+      d.base_body("plate" + k, {from, end}, {{tip, at + c.real(0.3, 1) * c.direction(2)}});
+      d.distance(base, end);
+      d.measure_between({from, end}, {base, end});
+      return tip;
+    }
+    case 2: {  // a slider on a fixed rail
+      const double rail = direction + c.real(-0.8, 0.8);
+      d.point(end, at), d.distance(from, end), d.fixed(base, at - polar(reach, rail));
+      d.fixed_vector("rail" + k, polar(1, rail));
+      const std::string line = d.on_line(end, base, "rail" + k);
+      d.measure_coordinate(line + ".lambda");
+      d.measure_angle(from, end);
+      return end;
+    }
+    case 3: {  // a bar that slides through a fixed pivot
+      const std::string bar = "bar" + k;
+      const Place pivot = d.at(from) + polar(length, direction);
+      d.fixed(base, pivot), d.vector(bar, polar(1, direction + (c.one_in(2) ? 0 : kPi)));
+      const std::string line = d.on_line(base, from, bar);
+      d.frame_body("sleeve" + k, from, {bar},
+                   {{end, d.at(from) + polar(length * c.real(0.5, 1.6), direction + c.real(-0.5, 0.5))}});
+      d.measure_coordinate(line + ".lambda");
+      if (c.one_in(2)) d.measure_distance(base, end);
+      return end;
+    }
+    case 4: {  // a slider held by a dot product, or by a coordinate
+      d.point(end, at), d.distance(from, end);
+      if (c.one_in(2)) {
+        d.level(end, std::abs(std::cos(direction)) > 0.7 && !d.turned_as_a_whole() ? 1 : static_cast<int>(c.below(2)));
+      } else {
+        d.fixed(base, at - polar(reach, direction));
+        d.fixed_vector("normal" + k, polar(1, direction + kPi / 2 + c.real(-0.7, 0.7)));
+        d.dot_product("normal" + k, {base, end});
+      }
+      d.measure_angle(from, end);
+      return end;
+    }
+    default: {  // a plate with a frame, held by a rocker; its middle by `linear`
+      const std::string u = "u" + k, tip = "E" + k, middle = "M" + k;
+      d.vector(u, c.direction(2)), d.fixed(base, at - polar(reach, other));
+      d.frame_body("plate" + k, from, {u}, {{end, at}, {tip, at + c.real(0.2, 0.8) * c.direction(2)}});
+      d.distance(base, end);
+      d.point(middle, 0.5 * (d.at(base) + d.at(tip)));
+      d.middle(middle, base, tip);
+      d.measure_between(u, {base, end});
+      return c.one_in(2) ? tip : middle;
+    }
+  }
+}
+
+void planar_chain(Draft& d) {
+  std::vector<std::string> moving;
+  for (std::size_t i = 0, cranks = 1 + d.chance.below(2); i < cranks; ++i) {
+    const std::string pivot = text("A", i);
+    d.fixed(pivot, {d.chance.real(-1, 1), d.chance.real(-1, 1), 0});
+    moving.push_back(crank(d, pivot, text("B", i), d.at(pivot) + d.chance.real(0.2, 0.6) * d.chance.direction(2)));
+  }
+  for (std::size_t i = 0, parts = 1 + d.chance.below(4); i < parts; ++i) {
+    moving.push_back(dyad(d, i, moving[d.chance.below(moving.size())]));
+  }
+}
+
+// 3-RRR, 3-RPR and mixtures, driven by their legs or by their pose.
+void planar_platform(Draft& d) {
+  Chance& c = d.chance;
+  const bool by_pose = c.one_in(4);
+  if (by_pose) d.keep_axes();
+  const double size = c.real(0.3, 0.8);
+  const Place o = {c.real(-0.2, 0.2), c.real(-0.2, 0.2), 0};
+  std::map<std::string, Place> corners;
+  const double first = c.real(0, 2);
+  for (std::size_t i = 0; i < 3; ++i)
+    corners[text("P", i)] = o + polar(size, first + c.real(1.7, 2.4) * static_cast<double>(i));
+  const std::size_t way = by_pose ? 0 : c.below(3);
+  if (way == 0) {
+    d.point("O", o), d.vector("u", by_pose ? Place{1, 0, 0} : c.direction(2));
+    d.frame_body("platform", "O", {"u"}, corners);
+  } else {
+    d.point("P0", corners["P0"]), d.point("P1", corners["P1"]);
+    if (way == 1) {
+      d.base_body("platform", {"P0", "P1"}, {{"P2", corners["P2"]}});
+    } else {
+      d.point("P2", corners["P2"]);
+      d.distance("P0", "P1"), d.distance("P1", "P2"), d.distance("P2", "P0");
+    }
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::string base = text("A", i), knee = text("B", i), top = text("P", i);
+    const double out = first + 2.09 * static_cast<double>(i) + c.real(-0.3, 0.3);
+    d.fixed(base, o + polar(c.real(1.5, 2.2), out));
+    const Place span = d.at(top) - d.at(base);
+    if (c.one_in(2)) {  // a cylinder
+      if (!by_pose) d.reach(base, top, c.real(-0.4, 0.4) * std::min(1.0, d.speed));
+      d.measure_distance(base, top);
+      continue;
+    }
+    d.point(knee, d.at(base) + 0.5 * span + c.sign() * c.real(0.3, 0.7) * Place{-span[1], span[0], 0});
+    if (by_pose) {
+      d.distance(base, knee);
+    } else {
+      if (c.one_in(2)) d.distance(base, knee);
+      d.turn(base, knee);
+    }
+    d.distance(knee, top);
+    d.measure_angle(knee, top);
+  }
+  if (by_pose) d.pose("platform", "O", 0.4 * std::min(1.0, d.speed), 0.6 * std::min(1.0, d.speed));
+}
+
+// Watt and Stephenson chains whose driver leaves four or more unknowns together.
+void six_bar(Draft& d) {
+  Chance& c = d.chance;
+  d.fixed("A", {0, 0, 0}), d.fixed("D", {c.real(1.2, 2), c.real(-0.3, 0.3), 0});
+  const Place b = polar(c.real(0.5, 0.9), c.real(0.8, 2.2)), cc = d.at("D") + polar(c.real(0.9, 1.4), c.real(0.9, 1.9));
+  d.point("B", b), d.point("C", cc);
+  d.distance("A", "B"), d.distance("D", "C");
+  const Place e = 0.5 * (b + cc) + c.real(0.4, 0.9) * unit(Place{b[1] - cc[1], cc[0] - b[0], 0});
+  d.base_body("coupler", {"B", "C"}, {{"E", e}});
+  const Place g = e + c.real(0.8, 1.3) * c.direction(2);
+  if (c.one_in(3)) {  // Watt: from the rocker's plate
+    const Place h = d.at("D") + c.real(0.7, 1.2) * c.direction(2);
+    d.base_body("rocker", {"D", "C"}, {{"H", h}});
+    const Place f = 0.5 * (e + h) + c.sign() * c.real(0.3, 0.8) * unit(Place{e[1] - h[1], h[0] - e[0], 0});
+    d.point("F", f);
+    d.distance("E", "F"), d.distance("H", "F");
+    d.fixed("G", f + c.real(0.6, 1.2) * c.direction(2));
+    d.reach("G", "F", c.real(-0.3, 0.3) * std::min(1.0, d.speed));
+    d.measure_angle("E", "F");
+  } else {  // Stephenson: driven at the far end
+    d.fixed("G", g);
+    const Place f = g + c.real(0.3, 0.6) * c.direction(2);
+    crank(d, "G", "F", f);
+    d.distance("E", "F");
+  }
+  d.measure_angle("A", "B"), d.measure_between({"A", "B"}, {"D", "C"});
+}
+
+// Rod ends on two lines: a trammel, driven by a coordinate, a scalar or an angle.
+void trammel(Draft& d) {
+  Chance& c = d.chance;
+  if (!c.one_in(4)) d.keep_axes();
+  const double angle = c.real(0.3, 1.2), length = c.real(0.8, 1.5);
+  const Place p = {length * std::cos(angle), 0, 0}, q = {0, length * std::sin(angle), 0};
+  d.fixed("O", {0, 0, 0}), d.point("P", p), d.point("Q", q);
+  d.base_body("rod", {"P", "Q"}, {{"T", 0.5 * (p + q) + c.real(0.1, 0.5) * c.direction(2)}});
+  d.fixed_vector("x", {1, 0, 0}), d.fixed_vector("y", {0, 1, 0});
+  const std::string line = d.on_line("P", "O", "x");
+  if (d.turned_as_a_whole() || c.one_in(2)) {
+    d.dot_product("x", {"O", "Q"});
+  } else {
+    d.level("Q", 0);
+  }
+  const double by = c.real(-0.6, 0.6) * std::min(1.0, d.speed);
+  switch (c.below(3)) {
+    case 0:
+      d.slide(line + ".lambda", p[0], by);
+      break;
+    case 1:
+      d.turn_between("x", {"P", "Q"});
+      break;
+    default:
+      d.turned_as_a_whole() ? d.reach("O", "Q", by) : d.move("Q", 1, by);
+  }
+  d.measure_angle("P", "Q"), d.measure_coordinate(line + ".lambda"), d.measure_distance("O", "T");
+}
+
+// ---- in space
+
+// An arm from a pivot that turns about a fixed axis, driven or not; three ways to write a hinge.
+void arm(Draft& d, const std::string& pivot, const std::string& end, const Place& at, const Place& axis, bool driven) {
+  Chance& c = d.chance;
+  const std::string n = "n_" + end, zero = "x_" + end;
+  d.fixed_vector(n, axis);
+  const Place offset = at - d.at(pivot);
+  const std::size_t way = c.below(3);
+  if (way == 2) {  // a body with a frame about the axis
+    const std::string u = "u_" + end, v = "v_" + end;
+    const Place x = across(axis, c);
+    d.vector(u, x), d.vector(v, cross(axis, x));
+    d.frame_body("arm_" + end, pivot, {u, v, n}, {{end, at}});
+    if (!driven) return;
+    d.fixed_vector(zero, c.one_in(2) ? x : across(axis, c));
+    d.turn_between(zero, u, n);
+    return;
+  }
+  d.point(end, at);
+  if (driven && way == 0) {
+    if (c.one_in(2)) d.distance(pivot, end);
+    d.turn(pivot, end, n);
+    return;
+  }
+  d.distance(pivot, end);
+  d.dot_product({pivot, end}, n);
+  if (!driven) return;
+  const Place flat = unit(offset - dot(offset, axis) * axis);
+  d.fixed_vector(zero, c.one_in(3) ? flat : turned(flat, axis, c.real(-3, 3)));
+  d.turn_between(zero, {pivot, end}, n);
+}
+
+void rssr(Draft& d) {
+  Chance& c = d.chance;
+  d.fixed("A", {0, 0, 0}), d.fixed("D", {c.real(1, 2), c.real(-0.5, 0.5), c.real(-0.5, 0.5)});
+  const Place axis = c.one_in(2) ? Place{0, 0, 1} : c.direction();
+  const Place b = c.real(0.2, 0.5) * across(axis, c) + (c.one_in(3) ? 0.1 : 0.0) * axis;
+  arm(d, "A", "B", b, axis, true);
+  const Place other = c.direction();
+  const Place cc = d.at("D") + c.real(0.6, 1.1) * across(other, c);
+  if (c.one_in(4)) {  // RSSP: a slider instead of the rocker
+    d.fixed_vector("rail", other), d.point("C", d.at("D") + c.real(0.3, 0.8) * other);
+    const std::string line = d.on_line("C", "D", "rail");
+    d.measure_coordinate(line + ".lambda");
+  } else {
+    arm(d, "D", "C", cc, other, false);
+    d.measure_between({"A", "D"}, {"D", "C"}, "n_C");
+  }
+  d.distance("B", "C");
+  d.measure_between({"A", "B"}, {"B", "C"});
+  for (std::size_t i = 0; i < c.below(3); ++i) {  // points on three spheres behind it
+    const std::string t = text("T", i), g = text("G", i), h = text("H", i);
+    const Place at = d.at("C") + Place{c.real(-0.2, 0.2), c.real(-0.2, 0.2), c.real(0.8, 1.2)};
+    d.point(t, at), d.fixed(g, at + Place{1, c.real(-0.2, 0.2), 0}), d.fixed(h, at + Place{c.real(-0.2, 0.2), 1, 0});
+    d.distance("C", t), d.distance(g, t), d.distance(h, t);
+  }
+}
+
+// A serial robot of bodies that share points and axes; each joint is driven.
+void robot(Draft& d) {
+  Chance& c = d.chance;
+  Place o = {0, 0, 0}, axis = {0, 0, 1}, x = {1, 0, 0};
+  d.fixed("O0", o), d.fixed_vector("z0", axis), d.fixed_vector("x0", x);
+  const std::size_t joints = 2 + c.below(4);
+  std::string origin = "O0", z = "z0", last_u = "x0";
+  for (std::size_t i = 1; i <= joints; ++i) {
+    const std::string u = text("u", i), v = text("v", i), next = text("O", i), n = text("z", i);
+    const Place ui = turned(unit(x - dot(x, axis) * axis), axis, c.real(-2, 2));
+    d.vector(u, ui), d.vector(v, cross(axis, ui));
+    const Place to = o + c.real(0.3, 1) * c.direction();
+    const Place turned_axis = c.one_in(3) ? axis : c.one_in(2) ? ui : c.direction();
+    std::map<std::string, Place> vectors = {{n, turned_axis}};
+    // Where a direction of this body begins the next joint's angle: across the next axis.
+    const std::string begin = text("b", i);
+    vectors[begin] = across(turned_axis, c);
+    if (c.one_in(4) && i < joints) {  // a prismatic joint behind the hinge
+      const std::string rail = text("w", i), slider = text("S", i);
+      vectors[rail] = c.direction();
+      d.point(next, o + 0.6 * vectors[rail]);
+      d.frame_body(text("link", i), origin, {u, v, z}, {{slider, o}}, vectors);
+      const std::string line = d.on_line(next, slider, rail);
+      d.slide(line + ".lambda", 0.6, c.real(-0.4, 0.6));
+      o = d.at(next);
+    } else {
+      d.frame_body(text("link", i), origin, {u, v, z}, {{next, to}}, vectors);
+      o = to;
+    }
+    d.turn_between(last_u, u, z);
+    origin = next, z = n, last_u = begin, axis = turned_axis, x = d.at(begin);
+  }
+  d.fixed("target", {c.real(-1, 1), c.real(-1, 1), c.real(-1, 1)});
+  d.measure_distance("target", origin);
+  d.measure_between("x0", last_u);
+  d.measure_between("x0", last_u, "z0");
+}
+
+// The platform of a parallel manipulator; corners by name.
+void platform(Draft& d, const Place& o, const std::map<std::string, Place>& corners, bool along_axes) {
+  Chance& c = d.chance;
+  if (along_axes || corners.size() != 3 || c.one_in(2)) {
+    const Place u = along_axes ? Place{1, 0, 0} : c.direction();
+    const Place v = along_axes ? Place{0, 1, 0} : across(u, c);
+    d.point("O", o), d.vector("u", u), d.vector("v", v), d.vector("w", cross(u, v));
+    d.frame_body("platform", "O", {"u", "v", "w"}, corners);
+    d.measure_between("u", {"O", corners.begin()->first});
+  } else {
+    for (const auto& [name, at] : corners) d.point(name, at);
+    const Place tip = o + Place{0.1, 0.1, 0.4};
+    d.base_body("platform", {"P0", "P1", "P2"}, {{"tip", tip}}, {{"up", {0, 0, 1}}});
+  }
+}
+
+// Six legs between ground and platform: driven lengths (the forward problem), cranks with rods, or the pose.
+void stewart(Draft& d) {
+  Chance& c = d.chance;
+  const bool by_pose = c.one_in(3);
+  if (by_pose) d.keep_axes();
+  const Place o = {c.real(-0.1, 0.1), c.real(-0.1, 0.1), c.real(0.8, 1.4)};
+  std::map<std::string, Place> corners;
+  const double size = c.real(0.4, 0.8);
+  for (std::size_t i = 0; i < 6; ++i) {
+    const double at = kPi / 3 * static_cast<double>(i) + (i % 2 == 0 ? 0.35 : -0.35) + c.real(-0.1, 0.1);
+    corners[text("P", i)] = o + polar(size, at) + Place{0, 0, c.real(-0.1, 0.1)};
+  }
+  platform(d, o, corners, by_pose);
+  for (std::size_t i = 0; i < 6; ++i) {
+    const std::string base = text("A", i), knee = text("B", i), top = text("P", i);
+    const double at = kPi / 3 * static_cast<double>(i) + (i % 2 == 0 ? -0.3 : 0.3) + c.real(-0.1, 0.1);
+    d.fixed(base, polar(c.real(1, 1.4), at) + Place{0, 0, c.real(-0.1, 0.1)});
+    const std::size_t way = c.below(by_pose ? 2 : 3);
+    if (way < 1) {
+      if (!by_pose) d.reach(base, top, c.real(-0.25, 0.25) * std::min(1.0, d.speed));
+      d.measure_distance(base, top);
+      continue;
+    }
+    const Place span = d.at(top) - d.at(base), side = across(span, c);
+    const Place elbow = d.at(base) + c.real(0.3, 0.5) * span + c.real(0.3, 0.6) * side;
+    arm(d, base, knee, elbow, unit(cross(elbow - d.at(base), span)), !by_pose);
+    d.distance(knee, top);
+  }
+  if (by_pose) d.pose("platform", "O", 0.2 * std::min(1.0, d.speed), 0.4 * std::min(1.0, d.speed));
+  if (!by_pose) d.speed = std::min(d.speed, 0.6);
+}
+
+void three_rps(Draft& d) {
+  Chance& c = d.chance;
+  const Place o = {0, 0, c.real(0.8, 1.4)};
+  std::map<std::string, Place> corners;
+  for (std::size_t i = 0; i < 3; ++i)
+    corners[text("P", i)] = o + polar(c.real(0.4, 0.7), 2.09 * static_cast<double>(i));
+  platform(d, o, corners, false);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::string base = text("A", i), top = text("P", i), n = text("n", i);
+    const double angle = 2.09 * static_cast<double>(i);
+    d.fixed(base, polar(c.real(0.8, 1.2), angle));
+    d.fixed_vector(n, unit(cross({0, 0, 1}, d.at(top) - d.at(base))));
+    d.dot_product({base, top}, n);
+    d.reach(base, top, c.real(-0.3, 0.3) * std::min(1.0, d.speed));
+  }
+}
+
+void delta(Draft& d) {
+  Chance& c = d.chance;
+  const std::size_t way = c.below(3);  // 0: single rods to a body that translates; 1, 2: six rods, 2: and equal
+  const bool by_pose = c.one_in(3);
+  if (by_pose) d.keep_axes();
+  const Place o = {c.real(-0.15, 0.15), c.real(-0.15, 0.15), -c.real(0.7, 1)};
+  const double R = c.real(0.3, 0.5), r = c.real(0.08, 0.2), L = c.real(0.3, 0.5), half = c.real(0.05, 0.1);
+  std::map<std::string, Place> corners;
+  std::vector<Place> out, side, knee;
+  for (std::size_t i = 0; i < 3; ++i) {
+    out.push_back(polar(1, 2 * kPi / 3 * static_cast<double>(i) + 0.3)), side.push_back(cross({0, 0, 1}, out[i]));
+    if (way == 0) {
+      corners[text("P", i)] = o + r * out[i];
+    } else {
+      corners[text("P", i)] = o + r * out[i] + half * side[i], corners[text("Q", i)] = o + r * out[i] - half * side[i];
+    }
+  }
+  d.point("O", o);
+  if (way == 0) {
+    d.shifted_body("platform", "O", corners);
+  } else {
+    d.vector("u", {1, 0, 0}), d.vector("v", {0, 1, 0}), d.vector("w", {0, 0, 1});
+    d.frame_body("platform", "O", {"u", "v", "w"}, corners);
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::string k = std::to_string(i), base = "A" + k, n = "n" + k;
+    const double tilt = c.real(-0.5, 0.5);
+    const Place pivot = R * out[i], elbow = pivot + L * (std::cos(tilt) * out[i] + std::sin(tilt) * Place{0, 0, 1});
+    d.fixed(base, pivot);
+    if (way == 0) {
+      arm(d, base, "B" + k, elbow, side[i], !by_pose);
+      d.distance("B" + k, "P" + k);
+      continue;
+    }
+    d.fixed_vector(n, side[i]), d.fixed_vector("x" + k, out[i]);
+    const Place u = unit(elbow - pivot);
+    d.vector("a" + k, u), d.vector("b" + k, cross(side[i], u));
+    d.frame_body("arm" + k, base, {"a" + k, "b" + k, n},
+                 {{"B" + k, elbow + half * side[i]}, {"C" + k, elbow - half * side[i]}});
+    if (!by_pose) d.turn_between("x" + k, "a" + k, n);
+    d.distance("B" + k, "P" + k), d.distance("C" + k, "Q" + k);
+    if (by_pose || way < 2) continue;
+    d.equal_distance("B" + k, "P" + k, "C" + k, "Q" + k);
+  }
+  if (by_pose) {
+    if (way == 0) {
+      d.pose("platform", "O", 0.3, 0);
+    } else {
+      for (int k = 0; k < 3; ++k) d.move("O", k, c.real(-0.15, 0.15));
+    }
+  }
+  d.measure_distance("A0", "O");
+}
+
+// A planar loop in space: bodies whose frames share the axes of their hinges, with more equations than it needs.
+void loop_in_space(Draft& d) {
+  Chance& c = d.chance;
+  const Place a = {0, 0, 0}, dd = {c.real(1.5, 2.2), c.real(-0.2, 0.2), 0};
+  const Place b = polar(c.real(0.3, 0.6), c.real(-3, 3)), cc = dd + polar(c.real(1.1, 1.5), c.real(1, 2));
+  d.fixed("A", a), d.fixed("D", dd), d.fixed_vector("z", {0, 0, 1}), d.fixed_vector("x", {1, 0, 0});
+  const std::size_t way = c.below(4);
+  if (way == 0) {  // points and dot products
+    d.point("B", b), d.point("C", cc);
+    d.distance("A", "B"), d.distance("B", "C"), d.distance("D", "C");
+    d.dot_product({"A", "B"}, "z"), d.dot_product({"B", "C"}, "z"), d.dot_product({"D", "C"}, "z");
+    c.one_in(2) ? d.turn_between("x", {"A", "B"}, "z") : d.turn("A", "B", "z");
+    d.measure_between("x", {"D", "C"}, "z");
+    return;
+  }
+  // bodies: crank and rocker about z, the coupler about z or about an axis of its own that both share
+  const auto body = [&](const std::string& k, const std::string& origin, const std::map<std::string, Place>& points,
+                        const std::map<std::string, Place>& vectors, const std::string& axis) {
+    const Place u = polar(1, c.real(-3, 3));
+    d.vector("u" + k, u), d.vector("v" + k, cross({0, 0, 1}, u));
+    d.frame_body("body" + k, origin, {"u" + k, "v" + k, axis}, points, vectors);
+  };
+  body("1", "A", {{"B", b}}, {{"z1", {0, 0, 1}}}, "z");
+  if (way == 1) {
+    body("2", "B", {{"C", cc}, {"T", b + Place{0.3, 0.4, 0.2}}}, {}, "z");
+    body("3", "D", {{"C3", cc}}, {}, "z");
+    d.constraint_equal("C", "C3");
+  } else if (way == 2) {  // the rocker's end is on the coupler: one distance
+    body("2", "B", {{"C", cc}}, {{"z2", {0, 0, 1}}}, "z1");
+    d.distance("D", "C"), d.dot_product({"D", "C"}, "z");
+    d.parallel("z", "z2");
+  } else {  // a slider instead
+    d.fixed_vector("rail", {1, 0, 0});
+    body("2", "B", {{"C", cc}}, {{"z2", {0, 0, 1}}}, "z1");
+    const std::string line = d.on_line("C", "D2", "rail");
+    d.fixed("D2", cc - Place{c.real(0.3, 0.8), 0, 0});
+    d.measure_coordinate(line + ".lambda");
+  }
+  d.turn_between("x", "u1", "z");
+  d.measure_between("u1", "u2", "z"), d.measure_between("x", "u2");
+}
+
+// a1 / sin alpha1 = a2 / sin alpha2: movable although it has an equation too many for it.
+void bennett(Draft& d) {
+  Chance& c = d.chance;
+  const double alpha = c.real(0.3, 1.2), beta = c.real(0.3, 1.2), a = 1, b = std::sin(beta) / std::sin(alpha);
+  // Hinge axes z_i and common normals; closure by tan(t1/2) tan(t2/2) = sin((beta+alpha)/2) / sin((beta-alpha)/2).
+  if (std::abs(beta - alpha) < 0.1) return rssr(d);
+  const double t1 = c.real(0.5, 2.6);
+  const double t2 = 2 * std::atan(std::sin((beta + alpha) / 2) / std::sin((beta - alpha) / 2) / std::tan(t1 / 2));
+  std::vector<Place> o = {{0, 0, 0}}, z = {{0, 0, 1}}, x = {{1, 0, 0}};
+  const double length[4] = {a, b, a, b}, twist[4] = {alpha, beta, alpha, beta}, angle[4] = {t1, t2, -t1, -t2};
+  for (std::size_t i = 0; i < 4; ++i) {
+    o.push_back(o[i] + length[i] * x[i]);
+    z.push_back(turned(z[i], x[i], twist[i]));
+    x.push_back(turned(x[i], z[i + 1], angle[(i + 1) % 4]));
+  }
+  if (norm(o[4]) > 1e-9 || norm(z[4] - z[0]) > 1e-9) return rssr(d);  // not this branch of the closure
+  d.fixed("A", o[0]), d.fixed("B", o[1]), d.fixed_vector("z0", z[0]), d.fixed_vector("z1", z[1]);
+  d.fixed_vector("x0", x[0]);
+  d.point("C", o[2]), d.point("D", o[3]), d.vector("z2", z[2]), d.vector("z3", z[3]);
+  // Link i: both hinges' points and axes.
+  const auto link = [&](const std::string& p, const std::string& q, const std::string& m, const std::string& n) {
+    d.distance(p, q), d.dot_product({p, q}, m), d.dot_product({p, q}, n), d.dot_product(m, n);
+  };
+  link("B", "C", "z1", "z2"), link("C", "D", "z2", "z3"), link("A", "D", "z0", "z3");
+  d.turn_between("x0", {"A", "D"}, "z0");
+  d.measure_between("x0", {"B", "C"}, "z1");
+}
+
+// Two shafts by a cross; the second one carries an arm.
+void cardan(Draft& d) {
+  Chance& c = d.chance;
+  const double bend = c.real(0.1, 1.1);
+  const Place first = {0, 0, 1}, second = turned(first, {0, 1, 0}, bend);
+  d.fixed("O", {0, 0, 0}), d.fixed_vector("a", first), d.fixed_vector("b", second), d.fixed_vector("x", {1, 0, 0});
+  const Place u = polar(1, c.real(-3, 3)), p = unit(cross(second, u));
+  d.vector("u", u), d.vector("v", cross(first, u));
+  d.frame_body("shaft1", "O", {"u", "v", "a"}, {});
+  d.vector("p", p), d.vector("q", cross(second, p));
+  d.frame_body("shaft2", "O", {"p", "q", "b"}, {{"T", 0.5 * p + c.real(0.2, 1) * second}});
+  d.dot_product("u", "p");
+  d.fixed_vector("y", across(second, c));
+  c.one_in(3) ? d.turn_between("y", "p", "b") : d.turn_between("x", "u", "a");
+  d.measure_between("y", "p", "b"), d.measure_between("x", "u", "a"), d.measure_between("u", "q");
+}
+
+// Double wishbones: two arms, an upright on three points, a tie rod; driven by an arm or the height of the wheel.
+void wishbone(Draft& d) {
+  Chance& c = d.chance;
+  const bool by_height = c.one_in(2);
+  if (by_height) d.keep_axes();
+  const auto near = [&](Place p) { return p + Place{c.real(-0.05, 0.05), c.real(-0.05, 0.05), c.real(-0.05, 0.05)}; };
+  const Place low = near({0, 0.7, 0.2}), high = near({0, 0.6, 0.6}), tie = near({0.15, 0.65, 0.3});
+  d.fixed("L1", near({-0.2, 0.3, 0.2})), d.fixed("L2", near({0.2, 0.3, 0.2}));
+  d.fixed("U1", near({-0.15, 0.35, 0.55})), d.fixed("U2", near({0.15, 0.35, 0.55})),
+      d.fixed("R", near({0.15, 0.3, 0.3}));
+  d.point("L", low), d.point("U", high), d.point("T", tie);
+  d.distance("L1", "L"), d.distance("L2", "L"), d.distance("U1", "U"), d.distance("U2", "U"), d.distance("R", "T");
+  const Place wheel = near({0, 0.8, 0.35});
+  d.base_body("upright", {"L", "U", "T"}, {{"W", wheel}}, {{"spin", {0, 1, 0}}});
+  d.fixed_vector("y", c.one_in(8) ? Place{0, 1, 0} : across({0, 1, 0}, c));
+  if (by_height) {
+    d.move(c.one_in(2) ? "W" : "L", 2, c.real(-0.12, 0.12));
+  } else {
+    d.fixed("S", near({0, 0.35, 0.8}));
+    d.reach("S", "L", c.real(-0.1, 0.1));  // the spring's length
+  }
+  d.measure_between("spin", "y");
+  if (c.one_in(2)) d.measure_distance("R", "W");
+}
+
+// Rods between lines and planes.
+void on_rails(Draft& d) {
+  Chance& c = d.chance;
+  d.fixed("A", {0, 0, 0}), d.fixed("D", {0.5, 1, 0.2});
+  const Place rail = c.direction(), d1 = c.direction(), d2 = across(d1, c);
+  d.fixed_vector("r", rail), d.fixed_vector("d1", d1), d.fixed_vector("d2", d2);
+  const Place p = c.real(0.2, 0.6) * rail, q = Place{0.5, 1, 0.2} + c.real(0.2, 0.6) * d1 + c.real(0.2, 0.6) * d2;
+  d.point("P", p), d.point("Q", q);
+  const std::string line = d.on_line("P", "A", "r"), plane = d.on_plane("Q", "D", "d1", "d2");
+  d.slide(line + ".lambda", norm(p), c.real(-0.5, 0.5));
+  d.distance("P", "Q");
+  const Place mu = q - Place{0.5, 1, 0.2};
+  if (c.one_in(2)) {
+    d.slide(plane + ".mu", dot(mu, d2), c.real(-0.3, 0.3));
+  } else {
+    d.fixed("E", q + c.real(0.6, 1.2) * c.direction());
+    d.distance("E", "Q");
+  }
+  d.measure_coordinate(plane + ".lambda"), d.measure_distance("A", "Q"), d.measure_between("r", {"P", "Q"});
+}
+
+struct Family {
+  const char* name;
+  int dimension;
+  void (*draw)(Draft&);
+};
+constexpr Family kFamilies[] = {{"planar_chain", 2, planar_chain},
+                                {"planar_platform", 2, planar_platform},
+                                {"six_bar", 2, six_bar},
+                                {"trammel", 2, trammel},
+                                {"rssr", 3, rssr},
+                                {"robot", 3, robot},
+                                {"stewart", 3, stewart},
+                                {"three_rps", 3, three_rps},
+                                {"delta", 3, delta},
+                                {"loop_in_space", 3, loop_in_space},
+                                {"bennett", 3, bennett},
+                                {"cardan", 3, cardan},
+                                {"wishbone", 3, wishbone},
+                                {"on_rails", 3, on_rails}};
+
+// Up to limits and back, and somewhere else again.
+void draw_commands(RandomMechanism& m, const Draft& draft, Chance& chance) {
+  std::vector<double> at, step;
+  for (const Draft::Driven& driven : draft.driven()) {
+    m.controlled.push_back(driven.name);
+    at.push_back(driven.begin);
+  }
+  m.with_rates = chance.one_in(2);
+  const std::size_t steps = 20 + chance.below(60);
+  std::size_t left = 0;
+  for (std::size_t k = 0; k < steps; ++k) {
+    if (left == 0) {
+      left = 5 + chance.below(25);
+      step.clear();
+      for (std::size_t i = 0; i < at.size(); ++i) {
+        const Draft::Driven& driven = draft.driven()[i];
+        const double target = driven.begin + driven.by * chance.real(-1.5, 1.5);
+        step.push_back((target - at[i]) / static_cast<double>(left));
+      }
+    }
+    --left;
+    for (std::size_t i = 0; i < at.size(); ++i) at[i] += step[i];
+    m.commands.push_back(at);
+  }
+}
+
+}  // namespace
+
+Scene RandomMechanism::scene() const { return parse_scene(json, family, tables); }
+
+RandomMechanism random_mechanism(std::uint64_t seed, const std::string& tables) {
+  Chance chance(seed);
+  (void)chance.below(2);
+  const Family& family = kFamilies[chance.below(std::size(kFamilies))];
+  RandomMechanism m;
+  m.seed = seed;
+  m.family = family.name;
+  m.tables = tables.empty() ? "." : tables;
+  Draft draft(family.dimension, chance, tables);
+  family.draw(draft);
+  m.json = draft.finish(family.name, m.rough);
+  if (chance.one_in(5) && !draft.driven().empty()) draw_commands(m, draft, chance);
+  m.how.budget = ThreadBudget{1};
+  static constexpr const char* kStrategies[] = {"irreducible/lanes",
+                                                "global/eigen",
+                                                "groups/eigen",
+                                                "irreducible/eigen",
+                                                "groups/lanes",
+                                                "irreducible/lanes+predict=taylor:2",
+                                                "irreducible/eigen+predict=past:3",
+                                                "irreducible/lanes:8+once"};
+  if (chance.one_in(3)) m.how.strategy = kStrategies[chance.below(std::size(kStrategies))];
+  if (chance.one_in(5)) m.how.accuracy = std::pow(10, chance.real(-11, -5));
+  return m;
+}
+
+}  // namespace assur::check

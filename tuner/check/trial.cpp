@@ -1,0 +1,414 @@
+#include "check/trial.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <sstream>
+
+#include "assur/simulator.hpp"
+#include "check/plain_motion.hpp"
+
+namespace assur::check {
+namespace {
+
+using Verdict = Trial::Verdict;
+constexpr int kMoreCare = 8;
+constexpr double kSingular = 1e5;  // condition from which on a posture is as good as singular
+constexpr double kClean = 1e-6;    // what a clean status promises where nothing else was asked for
+
+std::string number(double x) {
+  std::ostringstream out;
+  out.precision(6);
+  out << x;
+  return out.str();
+}
+
+// Rows against the plain motion, as ForwardError has it.
+class Comparison {
+ public:
+  Comparison(PlainMotion& motion, const std::vector<std::string>& columns) : motion_(motion) {
+    std::vector<PlainEquations::Column> angles;
+    for (const std::string& name : columns) {
+      columns_.push_back(motion.equations().column(name));
+      angle_.push_back(columns_.back().signed_angle ? static_cast<int>(angles.size()) : -1);
+      if (columns_.back().signed_angle) angles.push_back(columns_.back());
+    }
+    motion.follow(std::move(angles));
+    offset_.assign(columns.size(), 0);
+  }
+
+  // Of one row; `first`: whole turns of angles are those of the row.
+  void add(std::span<const double> row, bool clean, double time, bool first) {
+    const double rate = motion_.scale(1) / (2 * std::numbers::pi);
+    scale_[1] = std::max(scale_[1], rate);
+    scale_[2] = std::max({scale_[2], motion_.scale(2) / std::pow(2 * std::numbers::pi, 2), rate * rate});
+    for (std::size_t i = 0; i < columns_.size(); ++i) {
+      const PlainEquations::Column& c = columns_[i];
+      if (!c.known) continue;
+      const TimeJet<Real> jet = motion_.show(c);
+      Real is = c.derivative == 0 ? jet.value : c.derivative == 1 ? jet.rate : jet.curve;
+      if (angle_[i] >= 0) {
+        is = motion_.turned(static_cast<std::size_t>(angle_[i]));
+        if (first)
+          offset_[i] = std::round((row[i] - is) / (2 * std::numbers::pi_v<Real>)) * 2 * std::numbers::pi_v<Real>;
+        is += offset_[i];
+      }
+      Figure& f = figures_[std::string(c.output) + "'" + std::to_string(c.derivative)];
+      f.derivative = c.derivative, f.length = c.length;
+      if (std::isnan(row[i]) || std::isnan(is)) continue;  // an angle without a sign has no rate at its ends
+      f.size = std::max(f.size, std::abs(is));
+      f.difference = std::max(f.difference, std::abs(row[i] - is));
+      if (!clean) continue;
+      if (std::abs(row[i] - is) > f.clean) f.clean = std::abs(row[i] - is), f.when = time;
+    }
+  }
+
+  struct Worst {
+    double error[3] = {0, 0, 0};
+    double clean = 0;  // of rows with a clean status
+    std::string output;
+    double when = 0;
+  };
+  [[nodiscard]] Worst worst() const {
+    Worst w;
+    for (const auto& [name, f] : figures_) {
+      const double least = (f.length ? motion_.equations().length() : 1) * scale_[f.derivative];
+      const Real size = std::max(f.size, Real(least));
+      if (f.difference > 0) w.error[f.derivative] = std::max(w.error[f.derivative], double(f.difference / size));
+      if (f.clean > 0 && double(f.clean / size) > w.clean) {
+        w.clean = double(f.clean / size), w.output = name, w.when = f.when;
+      }
+    }
+    return w;
+  }
+
+ private:
+  struct Figure {
+    Real size = 0, difference = 0, clean = 0;
+    double when = 0;
+    int derivative = 0;
+    bool length = false;
+  };
+  PlainMotion& motion_;
+  std::vector<PlainEquations::Column> columns_;
+  std::vector<int> angle_;
+  std::vector<Real> offset_;
+  std::map<std::string, Figure> figures_;
+  double scale_[3] = {1, 0, 0};
+};
+
+std::vector<TimeJet<Real>> laws_at(const PlainEquations& e, Real t) {
+  std::vector<TimeJet<Real>> out;
+  for (const Law* law : e.laws()) out.push_back(value_of(*law, t));
+  return out;
+}
+
+// From t0 to t1 as s goes from 0 to 1.
+PlainMotion::Laws laws_over(const PlainEquations& e, Real t0, Real t1) {
+  return [&e, t0, t1](Real s) {
+    const Real h = t1 - t0;
+    std::vector<TimeJet<Real>> out = laws_at(e, t0 + s * h);
+    for (TimeJet<Real>& l : out) l = {l.value, l.rate * h, l.curve * h * h};
+    return out;
+  };
+}
+
+class Trying {
+ public:
+  Trying(const RandomMechanism& m, int care) : m_(m), care_(care), scene_(m.scene()), motion_(scene_, care) {}
+
+  Trial take() {
+    if (!begin()) return trial_;
+    if (m_.commands.empty()) {
+      run();
+    } else {
+      control();
+    }
+    return trial_;
+  }
+
+ private:
+  Trial& end(Verdict verdict, std::string what, double time = 0) {
+    trial_.verdict = verdict, trial_.what = std::move(what), trial_.time = time;
+    return trial_;
+  }
+
+  PrepareOptions how() const {
+    PrepareOptions how = m_.how;
+    if (!m_.commands.empty()) how.controlled = m_.controlled;
+    return how;
+  }
+
+  bool begin() {
+    try {
+      simulator_.emplace(prepare(scene_, how()));
+    } catch (const Error& error) {
+      // Strategies that cannot run are no matter here; an exact guess must do.
+      const bool rough = m_.rough > 0;
+      end(error.kind() == Error::Kind::numerical && rough ? Verdict::not_assembled : Verdict::refused, error.what());
+      return false;
+    }
+    const std::vector<double> row(simulator_->outputs().begin(), simulator_->outputs().end());
+    double figure = 0;
+    const auto start =
+        motion_.start(simulator_->columns(), row, laws_at(motion_.equations(), scene_.time().start), figure);
+    if (start == PlainMotion::Start::singular) {
+      end(Verdict::undecided, "the start is singular");
+      return false;
+    }
+    if (start != PlainMotion::Start::right) {
+      end(Verdict::wrong_start,
+          std::string(start == PlainMotion::Start::off_law ? "a driver's angle is " : "an equation is ") +
+              number(figure) + " off");
+      return false;
+    }
+    comparison_.emplace(motion_, simulator_->columns());
+    return true;
+  }
+
+  bool settle(const std::vector<TimeJet<Real>>& laws) {
+    const bool good = motion_.settle(laws);
+    trial_.condition = std::max(trial_.condition, motion_.condition());
+    return good;
+  }
+
+  void run() {
+    const Trajectory trajectory = simulator_->run();
+    const Report& report = simulator_->report();
+    const auto& times = trajectory.times();
+    if (!times.empty()) comparison_->add(trajectory.row(0), is_clean(report, times[0]), times[0], true);
+    Real lost = HUGE_VALL;
+    std::size_t k = 1;
+    for (; k < times.size(); ++k) {
+      const Real t0 = times[k - 1], t1 = times[k];
+      const Real came = motion_.advance(laws_over(motion_.equations(), t0, t1));
+      if (came < 1) {
+        lost = t0 + came * (t1 - t0);
+        break;
+      }
+      if (!settle(laws_at(motion_.equations(), t1))) {
+        lost = t1;
+        break;
+      }
+      comparison_->add(trajectory.row(k), is_clean(report, times[k]), times[k], false);
+      ++trial_.rows;
+    }
+    judge(report);
+    if (trial_.is_fault()) return;
+    const double reached = report.reached;
+    if (lost < HUGE_VALL) {
+      for (const Event& e : report.events) {
+        if (e.kind != Code::inaccurate && e.time <= lost + 1e-9)
+          return void(end(Verdict::stopped_rightly, "an event at the singularity"));
+      }
+      end(Verdict::undecided,
+          "the plain motion ends at t = " + number(double(lost)) + ", the run went on to " + number(reached));
+      return;
+    }
+    if (report.status.arrived()) return;
+    // It stopped: does the motion go on?
+    const TimeGrid& grid = scene_.time();
+    const Real t0 = times.back(), t1 = t0 + static_cast<Real>(grid.step);
+    if (report.status.code == Code::out_of_range) return;
+    const Real came = motion_.advance(laws_over(motion_.equations(), t0, t1));
+    const double ends = double(t0 + came * (t1 - t0));
+    if (came < 1) {
+      const bool there = std::abs(ends - reached) <= 0.02 * grid.step || ends <= reached;
+      end(there ? Verdict::stopped_rightly : Verdict::refused,
+          "ends at t = " + number(ends) + ", stopped at " + number(reached) + " as " +
+              std::string(name(report.status.code)),
+          reached);
+    } else {
+      end(Verdict::refused,
+          "stopped at t = " + number(reached) + " as " + std::string(name(report.status.code)) +
+              ", where the motion goes on; condition " + number(trial_.condition),
+          reached);
+    }
+    if (trial_.verdict != Verdict::refused) return;
+    try {
+      Simulator again(prepare(
+          scene_.with_time({grid.start, grid.start + 16 * grid.steps() * (grid.step / 16), grid.step / 16}), how()));
+      (void)again.run();
+      trial_.what += "; with smaller steps it " + (again.report().reached > reached + 0.05 * grid.step
+                                                       ? "goes on to " + number(again.report().reached)
+                                                       : std::string("stops there, too"));
+    } catch (const Error& error) {
+      trial_.what += std::string("; with smaller steps: ") + error.what();
+    }
+  }
+
+  static bool is_clean(const Report& report, double t) {
+    return std::none_of(report.events.begin(), report.events.end(), [t](const Event& e) {
+      // What is in doubt stays so; other events say that the branch is in doubt from there on.
+      return e.kind == Code::inaccurate ? e.time <= t && t <= e.until : e.time <= t;
+    });
+  }
+
+  void judge(const Report& report) {
+    const Comparison::Worst w = comparison_->worst();
+    for (std::size_t d = 0; d < 3; ++d) trial_.error[d] = w.error[d];
+    trial_.estimated[0] = report.error.estimated_position;
+    trial_.estimated[1] = report.error.estimated_velocity;
+    trial_.estimated[2] = report.error.estimated_acceleration;
+    const double limit = std::max(m_.how.accuracy, 0.0) > 0 ? std::max(m_.how.accuracy, 1e-12) : kClean;
+    if (!(w.clean <= limit)) {
+      end(Verdict::wrong,
+          w.output + " is " + number(w.clean) + " off at t = " + number(w.when) +
+              " with a clean status (asked: " + number(limit) + "), condition " + number(trial_.condition),
+          w.when);
+      return;
+    }
+    const bool doubted = std::any_of(report.events.begin(), report.events.end(),
+                                     [](const Event& e) { return e.kind == Code::inaccurate; });
+    end(doubted ? Verdict::doubted : Verdict::agrees, "");
+  }
+
+  // What a program has set: between commands a driver runs on a quintic from where it was, or stood still, to the value
+  // and rate it is set to.
+  struct Way {
+    Real value, rate, curve;                        // where it begins
+    Real to, to_rate, begins, ends;                 // and ends
+    [[nodiscard]] TimeJet<Real> at(Real s) const {  // by s = 0 ... 1
+      const Real h = ends - begins, v = h * rate, a = h * h * curve, w = h * to_rate;
+      const Real p = to - value - v - a / 2, q = w - v - a, r = -a;
+      const Real c3 = 10 * p - 4 * q + r / 2, c4 = -15 * p + 7 * q - r, c5 = 6 * p - 3 * q + r / 2;
+      const TimeJet<Real> u(s, 1, 0);
+      return TimeJet<Real>(value) +
+             u * (TimeJet<Real>(v) + u * (TimeJet<Real>(a / 2) +
+                                          u * (TimeJet<Real>(c3) + u * (TimeJet<Real>(c4) + u * TimeJet<Real>(c5)))));
+    }
+  };
+
+  // All laws over a step of h seconds, by s; those that are set follow their ways.
+  std::vector<TimeJet<Real>> commanded(const std::vector<Way>& ways, Real t0, Real t1, Real s) const {
+    const Real h = t1 - t0;
+    std::vector<TimeJet<Real>> laws = laws_at(motion_.equations(), t0 + s * h);
+    for (std::size_t i = 0; i < laws.size(); ++i) {
+      const auto& name = motion_.equations().law_names()[i];
+      const auto j =
+          static_cast<std::size_t>(std::find(m_.controlled.begin(), m_.controlled.end(), name) - m_.controlled.begin());
+      laws[i] = j < ways.size() ? ways[j].at(s) : TimeJet<Real>(laws[i].value, h * laws[i].rate, h * h * laws[i].curve);
+    }
+    return laws;
+  }
+
+  // Rates with which no driver overshoots: none where it turns back, and at most the smaller of both slopes.
+  [[nodiscard]] double rate_at(std::size_t k, std::size_t i, double before) const {
+    if (!m_.with_rates || k + 1 >= m_.commands.size()) return 0;
+    const double a = m_.commands[k][i] - before, b = m_.commands[k + 1][i] - m_.commands[k][i];
+    return a * b <= 0 ? 0 : (std::abs(a) < std::abs(b) ? a : b) / scene_.time().step;
+  }
+
+  void control() {
+    std::vector<Way> ways(m_.controlled.size());
+    const auto at_start = laws_at(motion_.equations(), scene_.time().start);
+    for (std::size_t j = 0; j < ways.size(); ++j) {  // until the first set() the laws serve
+      const auto& names = motion_.equations().law_names();
+      const auto& law =
+          at_start[static_cast<std::size_t>(std::find(names.begin(), names.end(), m_.controlled[j]) - names.begin())];
+      ways[j].value = law.value, ways[j].rate = law.rate, ways[j].curve = law.curve;
+    }
+    comparison_->add(simulator_->outputs(), true, simulator_->time(), true);
+    Real time = simulator_->time();
+    int failures = 0;
+    for (std::size_t k = 0; k < m_.commands.size(); ++k) {
+      for (std::size_t j = 0; j < ways.size(); ++j) {
+        const double rate = rate_at(k, j, static_cast<double>(ways[j].value));
+        ways[j].to = m_.commands[k][j], ways[j].to_rate = rate;
+        simulator_->set(m_.controlled[j], m_.commands[k][j], rate);
+      }
+      const Status status = simulator_->step();
+      const Real next = status.arrived() ? Real(simulator_->time()) : time + Real(scene_.time().step);
+      for (Way& w : ways) w.begins = time, w.ends = next;
+      const Real came = motion_.advance([&](Real s) { return commanded(ways, time, next, s); });
+      const std::string which = "command " + std::to_string(k) + " of " + std::to_string(m_.commands.size());
+      if (!status.arrived()) {
+        ++failures;
+        for (Way& w : ways) w.rate = w.curve = 0;
+        if (came < 1) continue;  // rightly; the posture of before is kept
+        judge(simulator_->report());
+        if (!trial_.is_fault()) {
+          end(Verdict::refused,
+              which + " fails as " + std::string(name(status.code)) + " at " + number(simulator_->time()) +
+                  ", where the motion goes on; " + std::to_string(failures - 1) + " failed before; condition " +
+                  number(trial_.condition),
+              double(time));
+        }
+        return;
+      }
+      if (came < 1) {
+        judge(simulator_->report());
+        if (!trial_.is_fault()) {
+          end(failures > 0 || trial_.condition > kSingular ? Verdict::undecided : Verdict::wrong,
+              which + " arrives, where the plain motion ends", double(next));
+        }
+        return;
+      }
+      std::vector<TimeJet<Real>> there = commanded(ways, time, next, 1);
+      const Real h = next - time;
+      for (TimeJet<Real>& l : there) l = {l.value, l.rate / h, l.curve / (h * h)};
+      for (std::size_t j = 0; j < ways.size(); ++j) {  // to the last bit, as they were set
+        const auto& names = motion_.equations().law_names();
+        const auto i =
+            static_cast<std::size_t>(std::find(names.begin(), names.end(), m_.controlled[j]) - names.begin());
+        there[i] = {ways[j].to, ways[j].to_rate, 0};
+        ways[j].value = ways[j].to, ways[j].rate = ways[j].to_rate, ways[j].curve = 0;
+      }
+      if (!settle(there)) break;
+      time = next;
+      comparison_->add(simulator_->outputs(), status.ok(), double(time), false);
+      ++trial_.rows;
+      if (!is_clean_now()) break;  // another branch may have been taken, and said so
+    }
+    judge(simulator_->report());
+    if (!trial_.is_fault() && failures > 0)
+      end(Verdict::stopped_rightly, std::to_string(failures) + " commands failed rightly");
+  }
+
+  // No event but of failed steps and doubt.
+  [[nodiscard]] bool is_clean_now() const {
+    return std::none_of(simulator_->report().events.begin(), simulator_->report().events.end(),
+                        [](const Event& e) { return e.kind == Code::change_point_passed; });
+  }
+
+  const RandomMechanism& m_;
+  int care_;
+  Scene scene_;
+  PlainMotion motion_;
+  std::optional<Simulator> simulator_;
+  std::optional<Comparison> comparison_;
+  Trial trial_;
+};
+
+}  // namespace
+
+const char* name(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::agrees:
+      return "agrees";
+    case Verdict::doubted:
+      return "doubted";
+    case Verdict::stopped_rightly:
+      return "stopped rightly";
+    case Verdict::undecided:
+      return "undecided";
+    case Verdict::not_assembled:
+      return "not assembled";
+    case Verdict::refused:
+      return "refused";
+    case Verdict::wrong_start:
+      return "wrong start";
+    case Verdict::wrong:
+      return "wrong";
+  }
+  return "";
+}
+
+Trial try_out(const RandomMechanism& mechanism, int care) {
+  Trial trial = Trying(mechanism, care).take();
+  if (!trial.is_fault() || care >= kMoreCare) return trial;
+  return Trying(mechanism, kMoreCare).take();
+}
+
+}  // namespace assur::check
