@@ -227,8 +227,10 @@ class Trying {
     }
     if (trial_.verdict != Verdict::refused) return;
     try {
-      Simulator again(prepare(
-          scene_.with_time({grid.start, grid.start + 16 * grid.steps() * (grid.step / 16), grid.step / 16}), how()));
+      Simulator again(
+          prepare(scene_.with_time({grid.start, grid.start + static_cast<double>(16 * grid.steps()) * (grid.step / 16),
+                                    grid.step / 16}),
+                  how()));
       (void)again.run();
       trial_.what += "; with smaller steps it " + (again.report().reached > reached + 0.05 * grid.step
                                                        ? "goes on to " + number(again.report().reached)
