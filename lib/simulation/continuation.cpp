@@ -50,10 +50,12 @@ void Continuation::keep_what_is_read(std::vector<std::uint8_t> marked) {
   inputs_.keep(std::move(marked));
 }
 
-void Continuation::start(double time, const std::vector<double>& posture) {
+void Continuation::start(double time, const std::vector<double>& posture, const Continuation* before) {
   now_ = time;
+  selected_at_ = before != nullptr ? time : std::numeric_limits<double>::quiet_NaN();
   deadline_ = std::chrono::steady_clock::time_point::max();  // it is for steps
   inputs_.reset();
+  if (before != nullptr) inputs_.continue_from(before->inputs_);
   levels_.restart();
   for (Pack& pack : packs_) {
     pack.solver.reset();
@@ -76,11 +78,6 @@ void Continuation::start(double time, const std::vector<double>& posture) {
                     (s.code == Code::singular ? "; the Jacobian is singular there, start elsewhere on the path" : ""));
   }
   accept(now_, errors);
-}
-
-void Continuation::continue_from(const Continuation& other) {
-  inputs_.continue_from(other.inputs_);
-  selected_at_ = now_;
 }
 
 void Continuation::repeat_in_idle_lanes() {
@@ -179,10 +176,10 @@ Status Continuation::step_to(double t, bool may_reselect, Stride& stride) {
     status = advance(t, may_reselect, stride);
   } catch (...) {  // from a law or a callback
     std::fill(passing_.begin(), passing_.end(), 0);
-    end_step(false);
+    end_step(Inputs::End::failed);
     throw;
   }
-  end_step(status.ok());
+  end_step(status.ok() ? Inputs::End::arrived : wants_reselection_ ? Inputs::End::goes_on : Inputs::End::failed);
   return status;
 }
 
@@ -224,10 +221,10 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
 }
 
 // A step that did not arrive leaves the last good posture, which may lie on the way.
-void Continuation::end_step(bool arrived) {
-  if (!arrived) state_.restore();
-  stands_still_ = inputs_.end_step(now_, wants_reselection_);
-  if (arrived) ++report_.counters.steps;
+void Continuation::end_step(Inputs::End end) {
+  if (end != Inputs::End::arrived) state_.restore();
+  stands_still_ = inputs_.end_step(now_, end);
+  if (end == Inputs::End::arrived) ++report_.counters.steps;
 }
 
 bool Continuation::polish() {

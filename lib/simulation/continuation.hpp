@@ -47,15 +47,14 @@ class Continuation {
   void keep_what_is_read(std::vector<std::uint8_t> marked);
 
   // From a posture (all coordinates) at a time. Throws Error (numerical) if it is none, or has no velocities.
-  void start(double time, const std::vector<double>& posture);
+  // before: goes on where this one, with other equations of the same scene, has been; its drivers are where they were
+  // set.
+  void start(double time, const std::vector<double>& posture, const Continuation* before = nullptr);
 
   // What is not ok leaves the last good posture. May redundant equations be chosen anew, then wants_reselection() tells
   // that they should be. What a law or a callback throws comes from here, with the last good posture too.
   [[nodiscard]] Status step_to(double t, bool may_reselect, Stride& stride);
   [[nodiscard]] bool wants_reselection() const { return wants_reselection_; }
-
-  // Goes on where another one, with other equations of the same scene, has been.
-  void continue_from(const Continuation& other);
 
   // The posture at hand once more, as exact as doubles are. False: it stays as it was.
   [[nodiscard]] bool polish();
@@ -86,7 +85,7 @@ class Continuation {
   [[nodiscard]] bool deadline_passed() const;
   [[nodiscard]] Status check_aim(double t);
   [[nodiscard]] Status advance(double t, bool may_reselect, Stride& stride);
-  void end_step(bool arrived);
+  void end_step(Inputs::End end);
   void predict(double target, bool expand);
   [[nodiscard]] Status try_step(double target, Attempt::Branch branch, bool expand = false);
   [[nodiscard]] bool may_choose_anew(bool asked) const;

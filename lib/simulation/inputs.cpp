@@ -117,18 +117,19 @@ void Inputs::begin_step(double now, double next) {
   }
 }
 
-bool Inputs::end_step(double now, bool will_be_repeated) {
+bool Inputs::end_step(double now, End end) {
   bool stopped = false;
   for (Control& c : controls_) {
     if (!c.set) continue;
-    if (will_be_repeated && !c.pending) {
+    if (end == End::goes_on && !c.pending) {
       c.next = c.to;
       c.pending = true;
     }
-    const bool on_the_way = now != c.start && now != c.end && !will_be_repeated;
     c.from = blend(c.from, c.to, c.start, c.end, now);
-    if (on_the_way) c.from = {c.from.value, 0, 0};  // whatever stopped it, it does not overshoot into it again
-    stopped = stopped || on_the_way;
+    if (end == End::failed) {  // whatever stopped it, it does not overshoot into it again
+      stopped = stopped || c.from.rate != 0 || c.from.acceleration != 0;
+      c.from = {c.from.value, 0, 0};
+    }
     c.to = c.from;
     c.start = c.end = now;
   }

@@ -1,6 +1,7 @@
 // The drivers at a time: laws, and what a control program has set instead.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,10 +29,11 @@ class Inputs {
   // Forgets what has been set since the last step.
   void drop_pending();
   // Between `now` and `next` the controlled drivers run from where they are to where they were set; end_step() says how
-  // far the step came, and whether the rest of it follows with the same aim. If not, those that did not arrive stand
-  // still, and it returns true.
+  // far the step came, and whether it failed, so that they stand still, or goes on with the same aim. True if some that
+  // moved stand still.
   void begin_step(double now, double next);
-  bool end_step(double now, bool will_be_repeated);
+  enum class End : std::uint8_t { arrived, failed, goes_on };
+  bool end_step(double now, End end);
   void reset();
   // Takes over what was set in `other`, of the same scene.
   void continue_from(const Inputs& other);

@@ -34,7 +34,8 @@ std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 }  // namespace
 
 struct Simulator::Impl {
-  Impl(Prepared p, StepLimits l, double start_time)
+  // before: see Continuation::start().
+  Impl(Prepared p, StepLimits l, double start_time, const Continuation* before = nullptr)
       : prepared(std::move(p)),
         limits(l),
         structure(*prepared.structure),
@@ -48,11 +49,11 @@ struct Simulator::Impl {
     motion.keep_what_is_read(std::move(read));
     row.resize(columns.size());
     previous_row.resize(row.size());
-    start(start_time, structure.start);
+    start(start_time, structure.start, before);
   }
 
   // From a posture (all coordinates) at a time: where the run began, or another one of the same motion.
-  void start(double time, const std::vector<double>& posture) {
+  void start(double time, const std::vector<double>& posture, const Continuation* before = nullptr) {
     report = Report{};
     earlier_effort = {};
     effort_lines = 0;
@@ -60,7 +61,7 @@ struct Simulator::Impl {
     const System* const of[] = {&system};
     estimate.restart(of);
     doubt = verdict = {};
-    motion.start(time, posture);
+    motion.start(time, posture, before);
     fill_row(false);
   }
 
@@ -158,8 +159,7 @@ struct Simulator::Impl {
       Prepared chosen = prepared.reselect(motion.posture(), motion.time());
       if (chosen.structure->checks == structure.checks) return nullptr;
       chosen.reselect = prepared.reselect;
-      auto next = std::make_unique<Impl>(std::move(chosen), limits, motion.time());
-      next->motion.continue_from(motion);
+      auto next = std::make_unique<Impl>(std::move(chosen), limits, motion.time(), &motion);
       next->doubt = doubt;
       next->first_structure = first_structure != nullptr ? first_structure : std::make_shared<const Prepared>(prepared);
       drop_effort_lines();
