@@ -50,6 +50,7 @@ class Reader {
       c.formulations.push_back(parse_strategy(name + "/eigen").formulation);
     }
     take("closed_form", c.closed_form);
+    take("plain", c.plain);
     take("singularity", c.singularity);
     take("because", c.because);
     take("quick", c.quick);

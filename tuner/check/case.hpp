@@ -38,6 +38,7 @@ struct Case {
   std::vector<Formulation> formulations;  // empty: all
   std::vector<std::string> strategies;    // empty: every one that can run it
   std::string closed_form;                // closed_forms.hpp; empty: the maker's, else the reference in quad
+  bool plain = false;                     // measured against plain equations of its own, laws and turns of angles too
   Parameters twin;                        // set instead, it has the same bits up to powers of two; empty: no twin
   std::string singularity = "regular";    // or "fold", "change_point", "redundant", ...: what the posture comes near
   Expected expected;

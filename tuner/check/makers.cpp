@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "check/matrices.hpp"
+#include "check/random_mechanism.hpp"
 #include "scene/law_evaluate.hpp"
 
 namespace assur::check {
@@ -169,6 +170,9 @@ Made make(const std::string& maker, const Parameters& set) {
   if (maker == "callback_to_infinity") return callback_to_infinity();
   if (maker == "table") return table(set);
   if (maker == "wide") return wide(set);
+  if (maker == "random_mechanism") {
+    return {random_mechanism(static_cast<std::uint64_t>(get(set, "seed", 1))).scene(), nullptr};
+  }
   if (maker.starts_with(kMatrix)) {
     return callback_matrix(dense(maker.substr(std::string(kMatrix).size()), set), get(set, "grade", 0));
   }

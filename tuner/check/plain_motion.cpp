@@ -284,7 +284,9 @@ bool PlainMotion::settle(const std::vector<TimeJet<Real>>& laws) {
       worst = std::max(worst, relative);
     }
     if (!std::isfinite(worst)) return false;
-    if (worst < 1e-18 || (k > 3 && worst >= before / 2)) return worst < 1e-13;
+    // The rounding of long double remains; that of the doubles to be judged is 2,048 times as large.
+    const double remains = std::max(1e-13, 1e-17 * static_cast<double>(most[0]) * condition_ * condition_);
+    if (worst < 1e-18 || (k > 3 && worst >= before / 2)) return std::min(worst, before) < remains;
     before = worst;
   }
   return before < 1e-13;

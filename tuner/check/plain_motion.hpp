@@ -40,6 +40,8 @@ class PlainMotion {
   void follow(std::vector<PlainEquations::Column> angles);
   [[nodiscard]] Real turned(std::size_t i) const { return turned_[i]; }
 
+  void take_care(int care) { care_ = care; }
+
   [[nodiscard]] const PlainEquations& equations() const { return equations_; }
   [[nodiscard]] TimeJet<Real> show(const PlainEquations::Column& column) const;
   // Largest derivative of an unknown, lengths over the typical one.

@@ -44,7 +44,6 @@ Draft::Draft(int d, Chance& c, std::string tables) : chance(c), dimension(d), ta
   }
   if (chance.one_in(3)) scale_ = std::pow(10, chance.real(-3, 3));
   if (chance.one_in(8)) {
-    far = true;
     shift_ = scale_ * std::pow(10, chance.real(2, 5)) * chance.direction(dimension);
   }
   if (chance.one_in(4)) begin_ = chance.real(-5, 5);
@@ -306,9 +305,8 @@ void Draft::measure_coordinate(const std::string& coordinate) {
   json_["measures"][next("m")] = {{"coordinate", coordinate}};
 }
 
-std::string Draft::finish(const std::string& name, double& how_rough) {
+std::string Draft::finish(const std::string& name, double off) {
   json_["name"] = name;
-  how_rough = rough;
   std::map<int, std::pair<Place, double>> turns;
   double size = 0;
   int points = 0;
@@ -322,13 +320,13 @@ std::string Draft::finish(const std::string& name, double& how_rough) {
   }
   for (const std::string& part : order_) {
     Part p = at_[part];
-    if (!p.fixed && rough > 0 && exact_.count(part) == 0) {
+    if (!p.fixed && off > 0 && exact_.count(part) == 0) {
       if (p.is_point) {
-        const double off = 0.3 * size * rough / (2 * std::numbers::pi / 3);
-        p.place = p.place + chance.real(0, off) * chance.direction(dimension);
+        const double most = 0.3 * size * off / (2 * std::numbers::pi / 3);
+        p.place = p.place + chance.real(0, most) * chance.direction(dimension);
       } else {
         const int cluster = cluster_.count(part) != 0 ? cluster_[part] : -1;
-        auto turn = std::pair(dimension == 3 ? chance.direction() : Place{0, 0, 1}, chance.real(-rough, rough));
+        auto turn = std::pair(dimension == 3 ? chance.direction() : Place{0, 0, 1}, chance.real(-off, off));
         if (cluster >= 0) turn = turns.emplace(cluster, turn).first->second;
         p.place = check::turned(p.place, turn.first, turn.second);
       }
@@ -337,10 +335,11 @@ std::string Draft::finish(const std::string& name, double& how_rough) {
     if (p.fixed) at["fixed"] = true;
     json_[p.is_point ? "points" : "vectors"][part] = std::move(at);
   }
+  Json written_down = json_;
   for (const char* section : {"vectors", "bodies", "measures"}) {
-    if (json_[section].empty()) json_.erase(section);
+    if (written_down[section].empty()) written_down.erase(section);
   }
-  return json_.dump();
+  return written_down.dump();
 }
 
 }  // namespace assur::check

@@ -99,8 +99,8 @@ class Draft {
   [[nodiscard]] const Place& at(const std::string& name) const { return at_.at(name).place; }
   [[nodiscard]] Place along(const Way& d) const;
 
-  // The JSON of the whole; how rough it is.
-  [[nodiscard]] std::string finish(const std::string& name, double& rough);
+  // The JSON of the whole, with guesses that are so many radians off, and lengths of them in proportion.
+  [[nodiscard]] std::string finish(const std::string& name, double off);
   // Drivers that a program may set, with their values at the start and how far they may go.
   struct Driven {
     std::string name;
@@ -109,8 +109,7 @@ class Draft {
   [[nodiscard]] const std::vector<Driven>& driven() const { return driven_; }
   [[nodiscard]] bool turned_as_a_whole() const { return turned_; }
   void keep_axes() { rotation_ = {Place{1, 0, 0}, Place{0, 1, 0}, Place{0, 0, 1}}, turned_ = false; }
-  double rough = 0;
-  bool far = false;
+  double rough = 0;  // how far guesses shall be off: then all values are written down
 
  private:
   struct Part {

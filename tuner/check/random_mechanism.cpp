@@ -496,12 +496,39 @@ void loop_in_space(Draft& d) {
   d.measure_between("u1", "u2", "z"), d.measure_between("x", "u2");
 }
 
-// a1 / sin alpha1 = a2 / sin alpha2: movable although it has an equation too many for it.
+// Two folding legs across each other lift a platform: by counting it cannot move.
+void sarrus(Draft& d) {
+  Chance& c = d.chance;
+  const double height = c.real(0.5, 1.1), radius = c.real(0.6, 1);
+  const Place o = {0, 0, height};
+  d.fixed_vector("x", {1, 0, 0}), d.fixed_vector("y", {0, 1, 0}), d.fixed_vector("z", {0, 0, 1});
+  d.point("O", o), d.vector("u", {1, 0, 0}), d.vector("v", {0, 1, 0}), d.vector("w", {0, 0, 1});
+  d.frame_body("platform", "O", {"u", "v", "w"}, {{"C0", o + Place{radius, 0, 0}}, {"C1", o + Place{0, radius, 0}}});
+  for (std::size_t i = 0; i < 2; ++i) {
+    const std::string base = text("A", i), knee = text("B", i), top = text("C", i), axis = i == 0 ? "y" : "x";
+    const Place out = i == 0 ? Place{1, 0, 0} : Place{0, 1, 0};
+    d.fixed(base, radius * out);
+    d.point(knee, radius * out + c.real(0.4, 0.6) * o + c.real(0.3, 0.8) * out);
+    d.distance(base, knee), d.distance(knee, top);
+    d.dot_product({base, knee}, axis), d.dot_product({knee, top}, axis);
+  }
+  d.dot_product("v", "x"), d.dot_product("v", "z"), d.dot_product("u", "y"), d.dot_product("u", "z");
+  if (c.one_in(2)) {
+    d.fixed_vector("zero", across({0, 1, 0}, c));
+    d.turn_between("zero", {"A0", "B0"}, "y");
+  } else {
+    d.fixed("F", {0, 0, 0});
+    d.reach("F", "O", c.real(-0.3, 0.3) * std::min(1.0, d.speed));
+  }
+  d.measure_between({"A1", "B1"}, {"B1", "C1"}, "x"), d.measure_between("u", "x");
+}
+
+// a1 / sin alpha1 = a2 / sin alpha2: movable although it has an equation too many for it. Else Sarrus' linkage.
 void bennett(Draft& d) {
   Chance& c = d.chance;
   const double alpha = c.real(0.3, 1.2), beta = c.real(0.3, 1.2), a = 1, b = std::sin(beta) / std::sin(alpha);
   // Hinge axes z_i and common normals; closure by tan(t1/2) tan(t2/2) = sin((beta+alpha)/2) / sin((beta-alpha)/2).
-  if (std::abs(beta - alpha) < 0.1) return rssr(d);
+  if (std::abs(beta - alpha) < 0.1) return sarrus(d);
   const double t1 = c.real(0.5, 2.6);
   const double t2 = 2 * std::atan(std::sin((beta + alpha) / 2) / std::sin((beta - alpha) / 2) / std::tan(t1 / 2));
   std::vector<Place> o = {{0, 0, 0}}, z = {{0, 0, 1}}, x = {{1, 0, 0}};
@@ -511,7 +538,7 @@ void bennett(Draft& d) {
     z.push_back(turned(z[i], x[i], twist[i]));
     x.push_back(turned(x[i], z[i + 1], angle[(i + 1) % 4]));
   }
-  if (norm(o[4]) > 1e-9 || norm(z[4] - z[0]) > 1e-9) return rssr(d);  // not this branch of the closure
+  if (norm(o[4]) > 1e-9 || norm(z[4] - z[0]) > 1e-9) return sarrus(d);  // not this branch of the closure
   d.fixed("A", o[0]), d.fixed("B", o[1]), d.fixed_vector("z0", z[0]), d.fixed_vector("z1", z[1]);
   d.fixed_vector("x0", x[0]);
   d.point("C", o[2]), d.point("D", o[3]), d.vector("z2", z[2]), d.vector("z3", z[3]);
@@ -647,6 +674,8 @@ RandomMechanism random_mechanism(std::uint64_t seed, const std::string& tables) 
   m.tables = tables.empty() ? "." : tables;
   Draft draft(family.dimension, chance, tables);
   family.draw(draft);
+  m.rough = draft.rough;
+  m.exact = draft.finish(family.name, 0);
   m.json = draft.finish(family.name, m.rough);
   if (chance.one_in(5) && !draft.driven().empty()) draw_commands(m, draft, chance);
   m.how.budget = ThreadBudget{1};

@@ -16,6 +16,7 @@ struct RandomMechanism {
   std::string family;  // "four_bar_chain", "delta", ...
   std::string json;    // the scene in the scene format
   std::string tables;  // the folder of its tables
+  std::string exact;   // the same with the posture for its guesses
   double rough = 0;    // rad: by how much its guesses are turned; lengths are off by up to 30 %
   // Control: drivers that a program sets, and the values of each step, one for each of them. Empty: the laws alone.
   std::vector<std::string> controlled;

@@ -92,7 +92,12 @@ class CaseRun {
       result_.interrupted = true;
       return;
     }
-    if (!yardstick_) look_for_yardstick(*prepared, trajectory);
+    try {
+      if (!yardstick_) look_for_yardstick(*prepared, trajectory);
+    } catch (const Error& error) {  // the run begins where it must not
+      result_.add({strategy, "wrong", error.what(), std::nullopt, std::nullopt});
+      return;
+    }
     Run run = judged(strategy, trajectory, report);
     if (!result_.what.twin.empty()) compare_with_twin(run, how, trajectory);
     result_.add(std::move(run));
@@ -112,6 +117,8 @@ class CaseRun {
     std::unique_ptr<TrueMotion> motion;
     if (made_->closed_form) {
       motion = known_motion(prepared, made_->closed_form);
+    } else if (result_.what.plain) {
+      motion = plain_motion(prepared);
     } else {
       try {
         motion = reference_motion(prepared);

@@ -66,7 +66,8 @@ class Comparison {
 
   struct Worst {
     double error[3] = {0, 0, 0};
-    double clean = 0;  // of rows with a clean status
+    std::string where[3];  // the outputs with these errors
+    double clean = 0;      // of rows with a clean status
     std::string output;
     double when = 0;
   };
@@ -75,7 +76,9 @@ class Comparison {
     for (const auto& [name, f] : figures_) {
       const double least = (f.length ? motion_.equations().length() : 1) * scale_[f.derivative];
       const Real size = std::max(f.size, Real(least));
-      if (f.difference > 0) w.error[f.derivative] = std::max(w.error[f.derivative], double(f.difference / size));
+      if (f.difference > 0 && double(f.difference / size) > w.error[f.derivative]) {
+        w.error[f.derivative] = double(f.difference / size), w.where[f.derivative] = name;
+      }
       if (f.clean > 0 && double(f.clean / size) > w.clean) {
         w.clean = double(f.clean / size), w.output = name, w.when = f.when;
       }
@@ -140,13 +143,21 @@ class Trying {
     return how;
   }
 
+  [[nodiscard]] bool starts_from(const std::string& json) const {
+    try {
+      const Simulator simulator(prepare(parse_scene(json, m_.family, m_.tables), how()));
+      return true;
+    } catch (const Error&) {
+      return false;
+    }
+  }
+
   bool begin() {
     try {
       simulator_.emplace(prepare(scene_, how()));
     } catch (const Error& error) {
-      // Strategies that cannot run are no matter here; an exact guess must do.
-      const bool rough = m_.rough > 0;
-      end(error.kind() == Error::Kind::numerical && rough ? Verdict::not_assembled : Verdict::refused, error.what());
+      // A guess may be too rough; the posture itself must do.
+      end(m_.rough > 0 && starts_from(m_.exact) ? Verdict::not_assembled : Verdict::refused, error.what());
       return false;
     }
     const std::vector<double> row(simulator_->outputs().begin(), simulator_->outputs().end());
@@ -199,7 +210,7 @@ class Trying {
     const double reached = report.reached;
     if (lost < HUGE_VALL) {
       for (const Event& e : report.events) {
-        if (e.kind != Code::inaccurate && e.time <= lost + 1e-9)
+        if (e.kind != Code::inaccurate && e.time <= lost + 0.02L * (times[1] - times[0]))
           return void(end(Verdict::stopped_rightly, "an event at the singularity"));
       }
       end(Verdict::undecided,
@@ -263,7 +274,7 @@ class Trying {
     }
     const bool doubted = std::any_of(report.events.begin(), report.events.end(),
                                      [](const Event& e) { return e.kind == Code::inaccurate; });
-    end(doubted ? Verdict::doubted : Verdict::agrees, "");
+    end(doubted ? Verdict::doubted : Verdict::agrees, "worst: " + w.where[0] + " " + w.where[1] + " " + w.where[2]);
   }
 
   // What a program has set: between commands a driver runs on a quintic from where it was, or stood still, to the value
@@ -409,7 +420,7 @@ const char* name(Verdict verdict) {
 
 Trial try_out(const RandomMechanism& mechanism, int care) {
   Trial trial = Trying(mechanism, care).take();
-  if (!trial.is_fault() || care >= kMoreCare) return trial;
+  if ((!trial.is_fault() && trial.verdict != Verdict::undecided) || care >= kMoreCare) return trial;
   return Trying(mechanism, kMoreCare).take();
 }
 

@@ -74,7 +74,7 @@ Yardstick::Yardstick(const Prepared& prepared, std::unique_ptr<TrueMotion> motio
       if (!o.wanted[d]) continue;
       const OutputPart& part = o.all_parts[0];
       items_.push_back({column, o.part_count, d, structure_->system->unit(part.dimension),
-                        d == 0 && o.part_count == 1 && is_signed_angle(part)});
+                        d == 0 && o.part_count == 1 && is_signed_angle(part) && !motion_->knows_turns()});
       column += o.part_count;
     }
   }

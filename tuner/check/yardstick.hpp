@@ -22,12 +22,18 @@ class TrueMotion {
   virtual std::vector<long double> row(std::size_t k, double t) = 0;
   // Of row k once more, where a trajectory is on another branch: followed in smaller steps.
   virtual std::vector<long double> row_again(std::size_t k, double t) { return row(k, t); }
+  // False: angles are compared but for whole turns.
+  [[nodiscard]] virtual bool knows_turns() const { return false; }
   // What a derivative of an output that rests is measured against (SI units of a scalar without dimension).
   [[nodiscard]] virtual double scale(int derivative) const { return derivative == 0 ? 1 : 0; }
 };
 
 // In quad precision; null if this build has none. Throws Error (numerical) if it cannot be started.
 [[nodiscard]] std::unique_ptr<TrueMotion> reference_motion(const Prepared& prepared);
+
+// By plain equations that share nothing with the library's, redundant ones included. Throws Error (numerical) if the
+// start posture meets not all of them, or a driver's angle is not that of its law.
+[[nodiscard]] std::unique_ptr<TrueMotion> plain_motion(const Prepared& prepared);
 
 [[nodiscard]] std::unique_ptr<TrueMotion> known_motion(const Prepared& prepared, ClosedForm closed_form);
 
