@@ -47,6 +47,8 @@ std::string_view name(Code code) noexcept {
       return "deadline";
     case Code::interrupted:
       return "interrupted";
+    case Code::wrong_function:
+      return "wrong_function";
   }
   return "unknown";
 }

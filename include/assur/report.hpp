@@ -70,9 +70,11 @@ struct Certificate {
 struct Event {
   double time = 0;    // where it was noticed
   double until = 0;   // end of the bracket, = time if there is none
-  std::string group;  // or the driver that was set to what is not finite; "": none
+  std::string group;  // or the driver that was set to what is not finite, or whose law is wrong, or the constraint whose
+                      // callback is; "": none
   Code kind = Code::ok;
-  double figure = 0;  // residual, contraction, smallest pivot
+  double figure = 0;  // residual, contraction, smallest pivot, relative difference of derivatives
+  std::string detail = {};  // which number is wrong, what it is and what it should be; "": nothing more to tell
 };
 
 struct Report {

@@ -105,7 +105,9 @@ struct OnPlane {  // P - A - lambda d - mu e = 0, 3D
 
 // Equations given by the user's code, C++ only. `coordinates` names scalars ("P.x", "name.lambda", or a driver of
 // kind `distance` or `coordinate` for its known value); all arguments and results are in SI units and not scaled.
-// Not quadratic: no certificate.
+// Not quadratic: no certificate. The residual is trusted: it says what the mechanism is. Jacobian and curvature are held
+// against differences (README.md, "What is trusted"): the functions are then called next to the posture, too; what
+// they throw there means that they are not defined there.
 struct Callback {
   std::vector<std::string> coordinates;  // m of them
   int equations = 0;                     // r
@@ -115,6 +117,8 @@ struct Callback {
   std::function<void(std::span<const double>, std::span<double>)> jacobian;
   // curvature(x[m], x'[m], c[r]): the term d/dt(Phi_q) q' of the acceleration equation
   std::function<void(std::span<const double>, std::span<const double>, std::span<double>)> curvature;
+  // How far derivatives may be off, where they are meant to be approximations; infinite: nothing is checked.
+  double tolerance = kDerivativeTolerance;
 };
 
 struct Constraint {

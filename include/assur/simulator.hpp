@@ -131,7 +131,8 @@ struct ForwardError {
 };
 
 // True forward error of a trajectory by a reference in quad precision (113 bits): same parameters, same times, laws and
-// residuals in quad, refined with a factorisation in double. The worst over the outputs of max over the times of
+// residuals in quad, refined with a factorisation in double. Functions of the program are asked as the run asks them:
+// the reference is wrong with them. The worst over the outputs of max over the times of
 // |x - x_ref| / max over the run |x_ref| (lengths: at least the characteristic length). Throws Error (environment) if
 // this build has no quad arithmetic, numerical if the reference does not converge.
 [[nodiscard]] ForwardError forward_error(const Prepared& prepared, const Trajectory& trajectory);

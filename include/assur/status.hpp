@@ -52,6 +52,7 @@ enum class Code : std::uint8_t {
   actuator_zero,        // a driven distance reached zero
   deadline,             // the time allowed for the step ran out
   interrupted,          // the observer asked to stop
+  wrong_function,       // derivatives that a law or a callback of the program gives are not those of its values
 };
 
 [[nodiscard]] std::string_view name(Code code) noexcept;

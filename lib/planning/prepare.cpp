@@ -7,6 +7,7 @@
 #include "planning/counts.hpp"
 #include "planning/dispatcher.hpp"
 #include "planning/throughput.hpp"
+#include "scene/differences.hpp"
 
 namespace assur {
 namespace {
@@ -92,6 +93,11 @@ void check_budget(const Strategy& wanted, const PrepareOptions& options) {
   }
 }
 
+// Within the first step.
+std::vector<Diagnostic> wrong_functions(const System& s, const std::vector<double>& q, const TimeGrid& time) {
+  return contradictions(s, q, time.start, time.start + time.step);
+}
+
 // Where a posture is given, redundant equations are chosen anew there.
 struct Start {
   std::vector<double> posture;
@@ -110,7 +116,14 @@ std::shared_ptr<const Structure> structure_for(const Scene& scene, const Prepare
   if (predictor.kind == Predictor::Kind::hermite) wanted.predictor_derivatives = 2;
   auto structure = std::make_shared<const Structure>(analyze(scene, wanted));
   refuse_undetermined(*structure);
-  if (!structure->cannot_assemble.empty()) throw Error(Error::Kind::numerical, structure->cannot_assemble);
+  if (!structure->cannot_assemble.empty()) {
+    // A wrong Jacobian may be the reason; it shows at the guess.
+    std::vector<Diagnostic> why{{"", structure->cannot_assemble}};
+    const System& s = *structure->system;
+    const std::vector<Diagnostic> wrong = wrong_functions(s, s.guess, scene.time());
+    why.insert(why.end(), wrong.begin(), wrong.end());
+    throw Error(Error::Kind::numerical, std::move(why));
+  }
   return structure;
 }
 
@@ -201,6 +214,10 @@ Prepared prepare_at(const Scene& scene, const PrepareOptions& options, Start sta
     const Strategy wanted = parse_strategy(options.strategy);
     choice.structure = structure_for(scene, options, wanted.formulation, wanted.predictor, start);
     choice.plan = forced_plan(*choice.structure, wanted, options);
+  }
+  if (start.posture.empty()) {
+    std::vector<Diagnostic> wrong = wrong_functions(*choice.structure->system, choice.structure->start, scene.time());
+    if (!wrong.empty()) throw Error(Error::Kind::input, std::move(wrong));
   }
   Plan& plan = choice.plan;
   plan.accuracy = options.accuracy;

@@ -43,6 +43,17 @@ void check_table(std::span<const double> time, std::span<const double> value) {
   }
 }
 
+// Its slopes and bends are numbers: times are not too close, values not too large.
+void check_spline(std::span<const double> time, std::span<const double> value, std::span<const double> second) {
+  for (std::size_t i = 1; i < time.size(); ++i) {
+    const double length = time[i] - time[i - 1], slope = (value[i] - value[i - 1]) / length;
+    const double bend = std::max(std::abs(second[i - 1]), std::abs(second[i])) * length * length;
+    if (std::isfinite(slope) && std::isfinite(bend)) continue;
+    refuse("no spline in doubles goes through this table between " + at("time", i - 1) + " and " + at("time", i) +
+           ": the times are too close to each other, or the values too large");
+  }
+}
+
 // Rows i of lower[i] x[i-1] + diagonal[i] x[i] + upper[i] x[i+1] = right[i], diagonally dominant.
 struct Tridiagonal {
   std::vector<double> lower, diagonal, upper, right;  // same size
@@ -183,12 +194,14 @@ Law Law::table(std::vector<double> time, std::vector<double> value, bool periodi
     value.back() = value.front();  // what the rounding of a computed table leaves open is closed
   }
   std::vector<double> second = periodic ? closed(time, value) : not_a_knot(time, value);
+  check_spline(time, value, second);
   return Law({Spline{std::move(time), std::move(value), std::move(second), periodic}});
 }
 
-Law Law::function(std::function<Motion(double)> motion) {
+Law Law::function(std::function<Motion(double)> motion, double tolerance) {
   if (!motion) refuse("the function of a law is empty");
-  return Law({Function{std::move(motion)}});
+  if (!(tolerance >= 0)) refuse("the tolerance of a law is a relative error such as 1e-5, not " + text(tolerance));
+  return Law({Function{std::move(motion), tolerance}});
 }
 
 Law operator+(const Law& a, const Law& b) {

@@ -163,6 +163,9 @@ void Validation::check(const Callback& c, const Where& where) {
   if (!c.residual || !c.jacobian || !c.curvature) {
     report(place, "a callback needs all three functions: residual, jacobian and curvature");
   }
+  if (!(c.tolerance >= 0)) {
+    report(place, "the tolerance of a callback is a relative error such as 1e-5, not " + std::to_string(c.tolerance));
+  }
   bool any_moves = c.coordinates.empty();
   for (std::size_t i = 0; i < c.coordinates.size(); ++i) {
     const Where here = place / "coordinates" / i;

@@ -167,8 +167,10 @@ Status Continuation::step_to(double t, bool may_reselect, Stride& stride) {
   if (const Status s = check_aim(t); !s.ok()) return s;
   if (std::exchange(stands_still_, false)) state_.stand_still();
   if (limits_.seconds > 0) {
-    deadline_ = std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-                                                       std::chrono::duration<double>(limits_.seconds));
+    constexpr double kLongest = 1e9;  // 30 years; the clock counts nanoseconds up to 300
+    deadline_ =
+        std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+                                               std::chrono::duration<double>(std::min(limits_.seconds, kLongest)));
   }
   inputs_.begin_step(now_, t);
   Status status;

@@ -196,6 +196,10 @@ void DriveProgram::turn() {
 bool DriveProgram::defined() const {
   bool ok = true;
   for (std::size_t i = 0; i < laws_; ++i) ok &= jets_[0][i] == jets_[0][i];
+  // Rates show in outputs as they are.
+  for (const std::size_t d : {1u, 2u}) {
+    for (std::size_t i = 0; i < laws_; ++i) ok &= jets_[d][i] - jets_[d][i] == 0;
+  }
   for (std::size_t i = 0; i < angles_; ++i) ok &= cosines_[i] == cosines_[i];  // none for an infinite angle
   return ok;
 }

@@ -75,6 +75,13 @@ Status Inputs::drive(double t, double* const (&state)[3]) {
   return {};
 }
 
+bool Inputs::follows_law(std::size_t input, std::size_t law) const {
+  return program_.slot(input, static_cast<int>(law)) >= 0 &&
+         std::none_of(controls_.begin(), controls_.end(), [&](const Control& c) {
+           return c.input == input && static_cast<std::size_t>(c.law) == law && (c.set || c.pending);
+         });
+}
+
 void Inputs::set(std::string_view driver, const Motion& motion) {
   for (Control& c : controls_) {
     if (c.name != driver) continue;

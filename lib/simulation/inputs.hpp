@@ -22,6 +22,9 @@ class Inputs {
   // Known coordinates at time t; state[d]: d-th derivative, indexed by coordinate.
   [[nodiscard]] Status drive(double t, double* const (&state)[3]);
 
+  // True if somebody reads that law of the system, and nothing was set instead.
+  [[nodiscard]] bool follows_law(std::size_t input, std::size_t law) const;
+
   // What a controlled driver reaches at the next step. Throws Error (input) for any other name.
   void set(std::string_view driver, const Motion& motion);
   // The first driver set to what is not finite, with that value; null if there is none.

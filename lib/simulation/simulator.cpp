@@ -1,6 +1,7 @@
 #include "assur/simulator.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -9,6 +10,7 @@
 #include "simulation/chunks.hpp"
 #include "simulation/continuation.hpp"
 #include "simulation/error_estimate.hpp"
+#include "simulation/function_check.hpp"
 #include "simulation/memory.hpp"
 #include "simulation/output_program.hpp"
 #include "simulation/run_arguments.hpp"
@@ -43,7 +45,8 @@ struct Simulator::Impl {
         motion(prepared, limits, report),
         columns(column_names(system)),
         outputs(system, motion.layout().address),
-        estimate(structure, motion.layout(), {&outputs, 1}, prepared.plan.accuracy) {
+        estimate(structure, motion.layout(), {&outputs, 1}, prepared.plan.accuracy),
+        functions(structure, system, motion.layout().address) {
     std::vector<std::uint8_t> read(motion.layout().size, 0);
     outputs.mark(read);
     motion.keep_what_is_read(std::move(read));
@@ -60,6 +63,7 @@ struct Simulator::Impl {
     report.events.reserve(kEventsReserved);
     const System* const of[] = {&system};
     estimate.restart(of);
+    functions.restart();
     doubt = verdict = {};
     motion.start(time, posture, before);
     fill_row(false);
@@ -89,6 +93,22 @@ struct Simulator::Impl {
   // Towards a fold rates are without bound, and tell nothing about how far an angle turned.
   void show_step(double from, bool arrived) {
     if (motion.time() != from) fill_row(true, arrived ? motion.time() - from : 0);
+  }
+
+  // ---- functions of the program
+
+  // Before a step to t. Nothing moves where one of them is wrong.
+  Status check_functions(double t) {
+    const double from = motion.time();
+    if (t == from || !std::isfinite(t)) return {};
+    const double* const q[3] = {motion.at(0), motion.at(1), motion.at(2)};
+    const auto asked = [&](std::size_t input, std::size_t k) { return motion.inputs().follows_law(input, k); };
+    std::optional<Event> found = functions.before_step(from, t, q, asked);
+    if (!found) return {};
+    report.status = doubt = {found->kind, {}, found->figure};
+    report.events.push_back(std::move(*found));
+    motion.inputs().drop_pending();
+    return report.status;
   }
 
   // ---- accuracy
@@ -227,6 +247,7 @@ struct Simulator::Impl {
   std::vector<std::string> columns;
   OutputProgram outputs;
   ErrorEstimate estimate;
+  FunctionCheck functions;
   Status verdict;  // of the last measurement: ok, or inaccurate
   Status doubt;    // the first one of the run
   std::vector<double> row, previous_row;
@@ -250,6 +271,7 @@ double Simulator::time() const { return impl_->motion.time(); }
 
 Status Simulator::step(double t) {
   const double from = impl_->motion.time();
+  if (const Status s = impl_->check_functions(t); !s.ok()) return s;
   Status status = impl_->step_to(t, true);
   if (impl_->motion.wants_reselection()) {
     if (auto next = impl_->reselected()) {

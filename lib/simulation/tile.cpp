@@ -64,6 +64,7 @@ Tile::Tile(const Prepared& prepared, const StepLimits& limits)
   const System& system = *structure_->system;
   watch_.resize(idx(lanes_));
   drive_.resize(idx(lanes_));
+  functions_.resize(idx(lanes_));
 
   std::vector<std::uint8_t> read(layout_.size, 0), needed(system.coordinates.size(), 0);
   for (const Pack& pack : layout_.packs) {
@@ -95,9 +96,9 @@ Status Tile::start(std::span<const Variant* const> variants) {
       if (layout_.address[c] >= 0) state_.at(0)[idx(layout_.address[c]) + lane] = v.posture[c];
     }
   }
-  std::vector<double> times;
-  for (const Variant* v : variants_) times.push_back(v->time);
-  return solve(times, Attempt::Branch::start);
+  now_.clear();
+  for (const Variant* v : variants_) now_.push_back(v->time);
+  return solve(std::vector(now_), Attempt::Branch::start);
 }
 
 void Tile::bind() {
@@ -119,6 +120,10 @@ void Tile::bind() {
     outputs_[lane].bind(system, layout_.address);
     drive_[lane].emplace(system, driven_);
     if (!structure_->watch_class.equations.empty()) watch_[lane].emplace(system, *structure_, layout_.address);
+    const bool repeats =
+        lane > 0 && &system == variants_[0]->system.get() && variants_[lane]->time == variants_[0]->time;
+    functions_[lane].reset();
+    if (!repeats) functions_[lane].emplace(*structure_, system, layout_.address);
   }
   std::vector<const System*> systems;
   for (const Variant* v : variants_) systems.push_back(v->system.get());
@@ -177,7 +182,20 @@ Status Tile::drive_lane(std::size_t lane, double time) {
   return {};
 }
 
+// Of the program, before a step to `times`.
+Status Tile::check_functions(std::span<const double> times) {
+  for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
+    if (!functions_[lane]) continue;
+    const double* const q[3] = {state_.at(0) + lane, state_.at(1) + lane, state_.at(2) + lane};
+    const auto asked = [&](std::size_t i, std::size_t k) { return drive_[lane]->slot(i, static_cast<int>(k)) >= 0; };
+    const std::optional<Event> wrong = functions_[lane]->before_step(now_[lane], times[lane], q, asked);
+    if (wrong) return {wrong->kind, Place::lane(static_cast<std::int32_t>(lane)), wrong->figure};
+  }
+  return {};
+}
+
 Status Tile::step(std::span<const double> times) {
+  if (const Status s = check_functions(times); !s.ok()) return s;
   state_.predict(times[0]);
   const Status s = solve(times, Attempt::Branch::inside);
   if (!s.ok()) state_.restore();
@@ -211,6 +229,7 @@ Status Tile::solve_all(std::span<const double> times, Attempt::Branch branch) {
   }
   if (const Status s = check_watched(errors); !s.ok()) return s;
   state_.accept(times[0]);
+  now_.assign(times.begin(), times.end());
   error_.merge({.position = errors.position, .velocity = errors.velocity, .acceleration = errors.acceleration});
   left_ = errors.worst();
   return {};

@@ -15,6 +15,7 @@
 #include "assur/simulator.hpp"
 #include "simulation/drive_program.hpp"
 #include "simulation/error_estimate.hpp"
+#include "simulation/function_check.hpp"
 #include "simulation/layout.hpp"
 #include "simulation/output_program.hpp"
 #include "simulation/state.hpp"
@@ -79,6 +80,7 @@ class Tile {
  private:
   void bind();
   [[nodiscard]] bool driven_alike() const;
+  [[nodiscard]] Status check_functions(std::span<const double> times);
   [[nodiscard]] Status drive(std::span<const double> times);
   [[nodiscard]] Status drive_lane(std::size_t lane, double time);
   [[nodiscard]] Status solve(std::span<const double> times, Attempt::Branch branch);
@@ -94,11 +96,13 @@ class Tile {
   std::vector<Index> positive_;                     // coordinates: driven distances
   std::vector<std::optional<DriveProgram>> drive_;  // lanes
   std::vector<std::string> columns_;
-  std::vector<OutputProgram> outputs_;       // lanes
-  std::vector<std::optional<Watch>> watch_;  // lanes
+  std::vector<OutputProgram> outputs_;                   // lanes
+  std::vector<std::optional<Watch>> watch_;              // lanes
+  std::vector<std::optional<FunctionCheck>> functions_;  // lanes; of equal ones the first
   ErrorEstimate estimate_;
   State state_;
   std::vector<const Variant*> variants_;  // lanes in use
+  std::vector<double> now_;               // their times
   bool alike_ = false;                    // the drivers of all lanes are the same
   std::int64_t attempts_ = 0;
   Counters counters_;

@@ -212,6 +212,12 @@ TEST(Law, RefusesBadInput) {
             }),
             "harmonics[0] of a law has an amplitude, frequency or phase that is not a finite number");
   EXPECT_EQ(message([&] { (void)Law::function(nullptr); }), "the function of a law is empty");
+  const auto rest = [](double) { return Motion{}; };
+  EXPECT_EQ(message([&] { (void)Law::function(rest, -1); }),
+            "the tolerance of a law is a relative error such as 1e-5, not -1");
+  const std::string no_spline = "no spline in doubles goes through this table between time[0] and time[1]";
+  EXPECT_EQ(message([&] { (void)Law::table({0, 1e-320, 1}, {0, 1, 0}); }).rfind(no_spline, 0), 0u);
+  EXPECT_EQ(message([&] { (void)Law::table({0, 1, 2, 3}, {0, 1e308, -1e308, 1e308}); }).rfind(no_spline, 0), 0u);
 }
 
 }  // namespace

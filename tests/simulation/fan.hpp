@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <numbers>
 #include <set>
 #include <string>
@@ -43,7 +44,7 @@ class Fan {
     constrain_rocker(ground, coupler, Distance{"D" + number(), "C" + number(), rocker}, rocker);
     return *this;
   }
-  // The same; `seen` is called with the dyad's number wherever its residual is evaluated.
+  // The same; `seen` is called with the dyad's number wherever its residual is evaluated, to solve it and for nothing else.
   Fan& dyad_by_callback(double ground, double coupler, double rocker, std::function<void(int)> seen) {
     Callback c = distance_by_callback("D" + number(), "C" + number(), rocker);
     c.residual = [i = dyads_, seen = std::move(seen), f = c.residual](std::span<const double> x,
@@ -51,6 +52,7 @@ class Fan {
       seen(i);
       f(x, phi);
     };
+    c.tolerance = std::numeric_limits<double>::infinity();
     constrain_rocker(ground, coupler, std::move(c), rocker);
     return *this;
   }

@@ -172,7 +172,9 @@ std::string status_of(const RunSummary& s) {
 }
 
 Json to_json(const Event& e) {
-  return {{"time", e.time}, {"until", e.until}, {"group", e.group}, {"kind", name(e.kind)}, {"figure", e.figure}};
+  Json out = {{"time", e.time}, {"until", e.until}, {"group", e.group}, {"kind", name(e.kind)}, {"figure", e.figure}};
+  if (!e.detail.empty()) out["detail"] = e.detail;
+  return out;
 }
 
 // A number that is not finite is null.
@@ -197,7 +199,8 @@ void add_members(Json& out, const RunSummary& s) {
 void print_events(Page& page, const Report& report) {
   std::vector<std::string> events;
   for (const Event& e : report.events) {
-    events.push_back(time_of(e) + (e.group.empty() ? "" : ", group " + e.group) + ": " + explained(e.kind));
+    events.push_back(time_of(e) + (e.group.empty() ? "" : ", group " + e.group) + ": " + explained(e.kind) +
+                     (e.detail.empty() ? "" : ": " + e.detail));
   }
   page.list("events", events);
   page.list("fallbacks", report.fallbacks);

@@ -42,6 +42,8 @@ std::string_view meaning(Code code) {
       return "the time allowed for the step ran out";
     case Code::interrupted:
       return "interrupted";
+    case Code::wrong_function:
+      return "derivatives that a law or a callback of the program gives are not those of its values";
   }
   return "unknown";
 }
