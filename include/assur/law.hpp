@@ -26,8 +26,9 @@ struct Harmonic {
   friend bool operator==(const Harmonic&, const Harmonic&) = default;
 };
 
-// Derivatives that a program's functions give are held against differences, now and then, in scenes and along runs; they
-// may be off by this much, relative to themselves, and by a tenth of it relative to the largest derivative beside them.
+// Derivatives that a program's functions give are held against differences, now and then, in scenes and along runs;
+// they may be off by this much, relative to themselves, and by a tenth of it relative to the largest derivative beside
+// them.
 inline constexpr double kDerivativeTolerance = 1e-5;
 
 // A value; copies share their parts. Laws add up: Law::constant(1) + Law::harmonics({...}).
@@ -64,9 +65,9 @@ class Law {
   [[nodiscard]] static Law harmonics(std::vector<Harmonic> terms, double offset = 0);
   // Throws Error (input) if the times do not ascend, sizes differ, or a periodic table does not close.
   [[nodiscard]] static Law table(std::vector<double> time, std::vector<double> value, bool periodic = false);
-  // t -> {value, rate, acceleration}; must be callable at any time of the run, and again after a rejected step, with the
-  // same answer. What it throws passes through the step that asked. The value is trusted; its rate and acceleration are
-  // checked (see README.md, "What is trusted"). `tolerance`: how far they may be off, for laws made of measurements
+  // t -> {value, rate, acceleration}; must be callable at any time of the run, and again after a rejected step, with
+  // the same answer. What it throws passes through the step that asked. The value is trusted; its rate and acceleration
+  // are checked (see README.md, "What is trusted"). `tolerance`: how far they may be off, for laws made of measurements
   // whose derivatives are those of another fit; infinite: nothing is checked. Throws Error (input) if it is negative.
   [[nodiscard]] static Law function(std::function<Motion(double)> motion, double tolerance = kDerivativeTolerance);
 

@@ -68,12 +68,13 @@ struct Certificate {
 
 // Something that happened at a time: a limit reached, a change point passed, ...
 struct Event {
-  double time = 0;    // where it was noticed
-  double until = 0;   // end of the bracket, = time if there is none
-  std::string group;  // or the driver that was set to what is not finite, or whose law is wrong, or the constraint whose
-                      // callback is; "": none
+  double time = 0;   // where it was noticed
+  double until = 0;  // end of the bracket, = time if there is none
+  // Or the driver that was set to what is not finite, or whose law is wrong, or the constraint of a wrong callback; "":
+  // none.
+  std::string group;
   Code kind = Code::ok;
-  double figure = 0;  // residual, contraction, smallest pivot, relative difference of derivatives
+  double figure = 0;        // residual, contraction, smallest pivot, relative difference of derivatives
   std::string detail = {};  // which number is wrong, what it is and what it should be; "": nothing more to tell
 };
 

@@ -44,7 +44,7 @@ class Fan {
     constrain_rocker(ground, coupler, Distance{"D" + number(), "C" + number(), rocker}, rocker);
     return *this;
   }
-  // The same; `seen` is called with the dyad's number wherever its residual is evaluated, to solve it and for nothing else.
+  // The same; `seen` is called with the dyad's number wherever its residual is evaluated, only to solve it.
   Fan& dyad_by_callback(double ground, double coupler, double rocker, std::function<void(int)> seen) {
     Callback c = distance_by_callback("D" + number(), "C" + number(), rocker);
     c.residual = [i = dyads_, seen = std::move(seen), f = c.residual](std::span<const double> x,
