@@ -1,6 +1,9 @@
 #include "equations/callbacks.hpp"
 
+#include <algorithm>
 #include <cmath>
+
+#include "scene/residual_scale.hpp"
 
 namespace assur {
 namespace {
@@ -13,6 +16,7 @@ CallbackRows::CallbackRows(const System& system, const Program& program, int lan
     : system_(system), program_(program), lanes_(lanes) {
   for (const Program::CallbackUse& use : program.callbacks) {
     const std::size_t m = use.arguments.size(), r = idx(block(use).callback->equations);
+    least_.resize(idx(program.equations_count) * idx(lanes));
     scratch_.push_back({std::vector<double>(m), std::vector<double>(m), std::vector<double>(r),
                         std::vector<double>(r * m * idx(lanes))});
   }
@@ -92,6 +96,17 @@ void CallbackRows::scale(const double* coefficients, const double* value, double
   for_each_argument([&](std::int32_t row, std::int32_t argument, double derivative) {
     scale[row] += std::abs(derivative * value[argument]);
   });
+}
+
+void CallbackRows::raise_scale(const double* coefficients, const double* value, double* scale) {
+  matrix(coefficients, value);
+  least_.assign(idx(program_.equations_count) * idx(lanes_), 0.0);
+  for_each_argument([&](std::int32_t row, std::int32_t, double derivative) {
+    least_[idx(row)] += kLeastFactor * std::abs(derivative);
+  });
+  for (std::size_t i = 0; i < least_.size(); ++i) {
+    if (std::isfinite(least_[i])) scale[i] = std::max(scale[i], least_[i]);
+  }
 }
 
 void CallbackRows::rates(const double* coefficients, const double* value, const double* rate, double* rhs) {

@@ -20,6 +20,8 @@ class CallbackRows {
   void jacobian(const double* coefficients, const double* value, double* jacobian);
   // scale += |dPhi/dx| |x|
   void scale(const double* coefficients, const double* value, double* scale);
+  // scale >= kLeastFactor |dPhi/dx|, internal units
+  void raise_scale(const double* coefficients, const double* value, double* scale);
   // rhs -= dPhi/dx rate
   void rates(const double* coefficients, const double* value, const double* rate, double* rhs);
   // rhs -= d/dt(dPhi/dx) rate
@@ -43,6 +45,7 @@ class CallbackRows {
   const Program& program_;
   int lanes_;
   std::vector<Scratch> scratch_;  // uses
+  std::vector<double> least_;     // equations x lanes: of raise_scale()
 };
 
 }  // namespace assur

@@ -10,6 +10,7 @@
 
 #include "equations/callbacks.hpp"
 #include "equations/lane_array.hpp"
+#include "scene/residual_scale.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace assur::HWY_NAMESPACE {
@@ -106,6 +107,33 @@ class EvaluatorOf final : public Evaluator {
     if (!callbacks_.empty()) callbacks_.scale(k_, value_, scale - p_.equations_count * W);
   }
 
+  void raise_scale(double* scale) override {
+    for (const Program::Equation& e : p_.equations) {
+      L least = L::set(0), a = L::set(0), b = L::set(0);
+      for (std::int32_t i = e.linear.begin; i < e.factors; ++i) {
+        const Program::Operand& o = p_.linear[static_cast<std::size_t>(i)];
+        least.add_product(abs(k(o.coefficient)), coordinates_of(o.reg));
+      }
+      const auto multiply = [&](const L& first, const L& second) {
+        a.add_product(first, first);
+        b.add_product(second, second);
+      };
+      for (const Program::Operand* o = at(p_.linear, e.factors); o != at(p_.linear, e.linear.end); ++o) {
+        if (o->reg != p_.one()) multiply(k(o->coefficient), reg(value_, o->reg));
+      }
+      for (const Program::Product* q = at(p_.products, e.products.begin); q != at(p_.products, e.products.end); ++q) {
+        if (q->a != q->b) multiply(k(q->coefficient) * reg(value_, q->a), reg(value_, q->b));
+      }
+      a = sqrt(a);
+      b = sqrt(b);
+      least.add_product(a, b);
+      least.add_product(L::set(kLeastFactor), a + b);
+      max_if_finite(L::load(scale), least).store(scale);
+      scale += W;
+    }
+    if (!callbacks_.empty()) callbacks_.raise_scale(k_, value_, scale - p_.equations_count * W);
+  }
+
   void velocity_rhs(const double* input_rates, double* rhs) override {
     set_input_derivatives(input_rates, input_rate_);
     for (std::size_t i = 0; i < p_.equations.size(); ++i) {
@@ -150,6 +178,17 @@ class EvaluatorOf final : public Evaluator {
   HWY_INLINE L sum(std::int32_t begin, std::int32_t end, const double* registers, L total) const {
     for (const Program::Operand* o = at(p_.operands, begin); o != at(p_.operands, end); ++o) {
       total.add_product(k(o->coefficient), reg(registers, o->reg));
+    }
+    return total;
+  }
+
+  // Of a linear form: the sum of |coefficient| over its coordinates.
+  L coordinates_of(std::int32_t r) const {
+    if (r <= p_.one()) return L::set(r < p_.one() ? 1 : 0);
+    const Program::Form& f = p_.forms[static_cast<std::size_t>(r - p_.one() - 1)];  // the last registers, in order
+    L total = L::set(0);
+    for (const Program::Operand* o = at(p_.operands, f.begin); o != at(p_.operands, f.end); ++o) {
+      if (o->reg != p_.one()) total = total + abs(k(o->coefficient));
     }
     return total;
   }

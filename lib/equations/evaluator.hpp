@@ -23,6 +23,9 @@ class Evaluator {
   // scale_i = sum_j |dPhi_i/dq_j| |q_j| + |constant|, at the posture of the last evaluate().
   virtual void scale(double* scale) = 0;
 
+  // Raises what scale() tells, or zeros, to what a residual is measured against at least: see residual_scale().
+  virtual void raise_scale(double* scale) = 0;
+
   // -Phi_h h', at the posture of the last evaluate().
   virtual void velocity_rhs(const double* input_rates, double* rhs) = 0;
 

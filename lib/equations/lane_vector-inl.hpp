@@ -65,6 +65,18 @@ struct Lanes {
     for (int i = 0; i < kVectors; ++i) a.v[i] = hn::Abs(a.v[i]);
     return a;
   }
+  friend HWY_INLINE Lanes sqrt(Lanes a) {
+    for (int i = 0; i < kVectors; ++i) a.v[i] = hn::Sqrt(a.v[i]);
+    return a;
+  }
+  // b where it is larger and a number, else a.
+  friend HWY_INLINE Lanes max_if_finite(Lanes a, const Lanes& b) {
+    for (int i = 0; i < kVectors; ++i) {
+      const auto larger = hn::And(hn::Gt(b.v[i], a.v[i]), hn::IsFinite(b.v[i]));
+      a.v[i] = hn::IfThenElse(larger, b.v[i], a.v[i]);
+    }
+    return a;
+  }
   // Elementwise; what it does with NaN differs between targets.
   friend HWY_INLINE Lanes max(Lanes a, const Lanes& b) {
     for (int i = 0; i < kVectors; ++i) a.v[i] = hn::Max(a.v[i], b.v[i]);

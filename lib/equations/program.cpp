@@ -123,6 +123,7 @@ class Compiler {
     out.callback = e.callback;
     out.row = e.row;
     if (e.linear >= 0) linear(Coefficient{}, values_[idx(e.linear)]);
+    out.factors = static_cast<std::int32_t>(p_.linear.size());
     if (e.callback < 0) {
       for (std::int32_t i = e.products_begin; i < e.products_end; ++i) product(c_.products[idx(i)]);
     }

@@ -38,9 +38,11 @@ struct Program {
     std::int32_t reg, begin, moving, unknowns, end;
   };
   // Phi_i = linear + products; -Phi_h h' = -(input_linear + input_products), where the rate of register a enters; what
-  // velocities add to accelerations = -curvature, where the rates of both enter.
+  // velocities add to accelerations = -curvature, where the rates of both enter. From `factors` on, the linear operands
+  // are products whose other factor is constant.
   struct Equation {
     Range linear, products, input_linear, input_products, curvature;
+    std::int32_t factors;
     std::int32_t callback, row;  // -1: none
   };
   struct CallbackEntry {  // chain rule through an argument of a callback: J[row, argument] * coefficient

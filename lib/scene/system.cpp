@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "scene/drive.hpp"
+#include "scene/residual_scale.hpp"
 
 namespace assur {
 
@@ -41,7 +42,46 @@ void System::mentioned(Index equation, std::vector<Index>& out) const {
   out.erase(std::unique(out.begin(), out.end()), out.end());
 }
 
+namespace {
+
+bool is_constant(const System& s, Index form) {
+  const auto terms = s.form(form);
+  return std::all_of(terms.begin(), terms.end(), [](const Term& t) { return t.coordinate == kOne; });
+}
+
+double least_scale(const System& s, Index equation, std::span<const double> q) {
+  const Equation& e = s.equations[static_cast<std::size_t>(equation)];
+  const auto constant = [&](Index k) { return s.constants[static_cast<std::size_t>(k)]; };
+  double sum = 0;
+  if (e.callback >= 0) {
+    gradient<double>(s, equation, q, [&](Index c, double g) { sum += c != kOne ? kLeastFactor * std::abs(g) : 0; });
+    return sum;
+  }
+  for (const Term& t : e.linear >= 0 ? s.form(e.linear) : std::span<const Term>()) {
+    if (t.coordinate != kOne) sum += std::abs(constant(t.constant));
+  }
+  double a = 0, b = 0;
+  for (const Product& p : s.products_of(e)) {
+    const bool a_varies = !is_constant(s, p.a), b_varies = !is_constant(s, p.b);
+    if (p.a == p.b || !(a_varies || b_varies)) continue;
+    const double first = constant(p.constant) * form_value<double>(s, b_varies ? p.a : p.b, q);
+    const double second = form_value<double>(s, b_varies ? p.b : p.a, q);
+    a += first * first;
+    b += second * second;
+  }
+  a = std::sqrt(a);
+  b = std::sqrt(b);
+  return sum + a * b + kLeastFactor * (a + b);
+}
+
+}  // namespace
+
 double residual_scale(const System& s, Index equation, std::span<const double> q) {
+  const double terms = size_of_terms(s, equation, q), least = least_scale(s, equation, q);
+  return least > terms && std::isfinite(least) ? least : terms;
+}
+
+double size_of_terms(const System& s, Index equation, std::span<const double> q) {
   const Equation& e = s.equations[static_cast<std::size_t>(equation)];
   if (e.callback >= 0) {
     double sum = 0;
@@ -55,16 +95,12 @@ double residual_scale(const System& s, Index equation, std::span<const double> q
     }
     return sum;
   };
-  const auto is_constant = [&](Index f) {
-    const auto terms = s.form(f);
-    return std::all_of(terms.begin(), terms.end(), [](const Term& t) { return t.coordinate == kOne; });
-  };
   double sum = e.linear >= 0 ? magnitude(e.linear) : 0;
   for (const Product& p : s.products_of(e)) {
     const double c = std::abs(s.constants[static_cast<std::size_t>(p.constant)]);
     const double a = std::abs(form_value<double>(s, p.a, q)), b = std::abs(form_value<double>(s, p.b, q));
     // A constant factor has no derivative; a product of constants is a constant.
-    const bool a_varies = !is_constant(p.a), b_varies = !is_constant(p.b);
+    const bool a_varies = !is_constant(s, p.a), b_varies = !is_constant(s, p.b);
     sum += c * (a_varies || b_varies ? a_varies * magnitude(p.a) * b + b_varies * a * magnitude(p.b) : a * b);
   }
   return sum;

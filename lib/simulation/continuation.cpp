@@ -37,7 +37,11 @@ Continuation::Continuation(const Prepared& prepared, const StepLimits& limits, R
       packs_(layout_.packs),
       levels_(prepared, layout_, limits.pin_to) {
   state_.resize(layout_.first_unknown, layout_.size, prepared.plan.predictor);
-  if (!structure_.watch_class.equations.empty()) watch_.emplace(system_, structure_, layout_.address);
+  if (!structure_.watch_class.equations.empty()) {
+    watch_.emplace(system_, structure_, layout_.address);
+    if (prepared.reselect) independence_.emplace(system_, structure_, layout_.address);
+    if (independence_ && independence_->empty()) independence_.reset();
+  }
   passing_.assign(packs_.size(), 0);
 }
 
@@ -56,6 +60,9 @@ void Continuation::start(double time, const std::vector<double>& posture, const 
   deadline_ = std::chrono::steady_clock::time_point::max();  // it is for steps
   inputs_.reset();
   if (before != nullptr) inputs_.continue_from(before->inputs_);
+  watched_level_ = 0;
+  poor_ = kPoorSet;
+  measured_at_ = -1;
   levels_.restart();
   for (Pack& pack : packs_) {
     pack.solver.reset();
@@ -113,6 +120,13 @@ Status Continuation::solve_all(double t, Attempt::Branch branch, StepErrors& err
   double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
   failed_pack_ = packs_.size();
   if (const Status s = inputs_.drive(t, q); !s.ok()) return s;
+  const double converged = branch == Attempt::Branch::inside ? converged_ : kConverged;
+  if (const Status s = solve_packs(t, branch, converged, errors); !s.ok()) return s;
+  return check_watched(t, branch, converged, errors);
+}
+
+Status Continuation::solve_packs(double t, Attempt::Branch branch, double converged, StepErrors& errors) {
+  double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
   const auto attempt = [&](std::size_t p) {
     Attempt a;
     a.number = attempts_;
@@ -120,7 +134,7 @@ Status Continuation::solve_all(double t, Attempt::Branch branch, StepErrors& err
     a.branch = passing_[p] != 0 && branch == Attempt::Branch::inside ? Attempt::Branch::pass : branch;
     a.iterations = packs_[p].level > 0 && branch == Attempt::Branch::inside ? limits_.iterations : 0;
     a.most_iterations = limits_.most_iterations;
-    if (a.branch == Attempt::Branch::inside) a.converged = converged_;
+    if (a.branch != Attempt::Branch::pass) a.converged = converged;
     if (a.branch == Attempt::Branch::pass) {
       const GroupSolver& s = levels_.solver(packs_[p]);
       const std::size_t count = idx(s.program().n) * idx(s.lanes());
@@ -133,15 +147,24 @@ Status Continuation::solve_all(double t, Attempt::Branch branch, StepErrors& err
       q, branch == Attempt::Branch::start, attempt, [&] { return deadline_passed(); }, report_.counters, errors,
       failed_pack_);
   if (s.code == Code::deadline) s.figure = limits_.seconds;
-  if (!s.ok()) return s;
-  return check_watched(branch == Attempt::Branch::inside ? converged_ : kConverged, errors);
+  return s;
 }
 
-// Equations that hold cannot be told from others up to what is left in those that were solved.
-Status Continuation::check_watched(double left, StepErrors& errors) {
+// Equations that hold cannot be told from others up to what is left in those that were solved; what is left there is
+// larger in those that are watched. One more correction brings both to the rounding level.
+Status Continuation::check_watched(double t, Attempt::Branch branch, double left, StepErrors& errors) {
   if (!watch_) return {};
-  report_.counters.evaluated_equations += static_cast<std::int64_t>(watch_->equations());
-  const double r = watch_->residual(state_.at(0));
+  const auto residual = [&] {
+    report_.counters.evaluated_equations += static_cast<std::int64_t>(watch_->equations());
+    return watch_->residual(state_.at(0));
+  };
+  double r = residual();
+  const bool may_correct = limits_.iterations == 0 && branch != Attempt::Branch::anywhere;
+  if (may_correct && r > std::max(left, 2 * watched_level_)) {
+    if (const Status s = solve_packs(t, branch, 0, errors); !s.ok()) return s;
+    r = residual();
+    watched_level_ = r > left ? r : 0;
+  }
   if (!(r <= std::max(kConsistent, left))) return {Code::inconsistent, {}, r};
   errors.position = std::max(errors.position, r);
   return {};
@@ -198,6 +221,10 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
       if (now_ == t) break;  // what was left says nothing of a whole stride
       stride.arrive();
       ++report_.counters.substeps;
+      if (may_choose_anew(may_reselect) && set_is_poor()) {
+        wants_reselection_ = true;
+        return {Code::singular, {}, largest_coefficient_};
+      }
       continue;
     }
     ++report_.counters.rejected;
@@ -207,7 +234,8 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
       wants_reselection_ = true;
       return s;
     }
-    if (!worth_halving(s.code) || failed_pack_ == packs_.size()) return s;
+    const bool halves = s.code == Code::inconsistent || (worth_halving(s.code) && failed_pack_ != packs_.size());
+    if (!halves) return s;
     if (std::abs(h) > smallest * 1.5) {
       stride.set(std::abs(target - now_) / 2);
       continue;
@@ -216,6 +244,7 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
       wants_reselection_ = true;
       return s;
     }
+    if (failed_pack_ == packs_.size()) return s;
     if (const Status found = at_the_limit(s, target, t); !found.ok()) return found;
     stride.set(smallest);
   }
@@ -255,6 +284,20 @@ Status Continuation::check_aim(double t) {
 
 bool Continuation::may_choose_anew(bool asked) const { return asked && prepared_.reselect && now_ != selected_at_; }
 
+// Within the ball of an anchor, conditions change by a bounded factor.
+bool Continuation::set_is_poor() {
+  if (independence_ && measured_at_ != report_.counters.branch_checks) {
+    measured_at_ = report_.counters.branch_checks;
+    largest_coefficient_ = independence_->largest_coefficient(state_.at(0));
+  }
+  return !(largest_coefficient_ <= poor_);
+}
+
+void Continuation::keep_set() {
+  poor_ = std::max(poor_, 2 * largest_coefficient_);
+  selected_at_ = now_;
+}
+
 void Continuation::predict(double target, bool expand) {
   const State::Prediction prediction = expand ? state_.begin_expansion(target) : state_.begin_prediction(target);
   levels_.share(state_.unknowns(), [&](std::size_t part, std::size_t parts) {
@@ -288,9 +331,10 @@ Status Continuation::at_the_limit(const Status& failed, double target, double t)
   if (found.code == Code::branch_unknown && failed.code == Code::not_converged && found.figure > 0.05) found = failed;
   const bool passed = found.code == Code::change_point_passed;
   if (found.code == Code::limit_reached) target = first_without_solution(target, t);
-  record({passed ? last_before_pass_ : now_, passed ? now_ : target,
-          structure_.name_of(found.where.is(Place::Kind::group) ? found.where : failed.where), found.code, found.figure},
-         std::abs(t - target));
+  record(
+      {passed ? last_before_pass_ : now_, passed ? now_ : target,
+       structure_.name_of(found.where.is(Place::Kind::group) ? found.where : failed.where), found.code, found.figure},
+      std::abs(t - target));
   return passed ? Status{} : found;
 }
 

@@ -12,6 +12,7 @@
 #include "assur/plan.hpp"
 #include "assur/report.hpp"
 #include "assur/simulator.hpp"
+#include "simulation/independence.hpp"
 #include "simulation/inputs.hpp"
 #include "simulation/layout.hpp"
 #include "simulation/levels.hpp"
@@ -55,6 +56,10 @@ class Continuation {
   // that they should be. What a law or a callback throws comes from here, with the last good posture too.
   [[nodiscard]] Status step_to(double t, bool may_reselect, Stride& stride);
   [[nodiscard]] bool wants_reselection() const { return wants_reselection_; }
+  // At the posture at hand another set of the redundant equations would be better than the one that is solved.
+  [[nodiscard]] bool set_is_poor();
+  // There is none that is: asks again once the set is twice as poor.
+  void keep_set();
 
   // The posture at hand once more, as exact as doubles are. False: it stays as it was.
   [[nodiscard]] bool polish();
@@ -80,7 +85,8 @@ class Continuation {
   [[nodiscard]] Status solve_at(double t, Attempt::Branch branch, StepErrors& errors);
   [[nodiscard]] Status solve_all(double t, Attempt::Branch branch, StepErrors& errors);
   // left: relative residual of what was solved.
-  [[nodiscard]] Status check_watched(double left, StepErrors& errors);
+  [[nodiscard]] Status check_watched(double t, Attempt::Branch branch, double left, StepErrors& errors);
+  [[nodiscard]] Status solve_packs(double t, Attempt::Branch branch, double converged, StepErrors& errors);
   void accept(double t, const StepErrors& errors);
   [[nodiscard]] bool deadline_passed() const;
   [[nodiscard]] Status check_aim(double t);
@@ -106,6 +112,10 @@ class Continuation {
   Levels levels_;
   State state_;
   std::optional<Watch> watch_;
+  double watched_level_ = 0;  // relative residual that the watched equations cannot be brought below
+  std::optional<Independence> independence_;
+  double largest_coefficient_ = 0, poor_ = kPoorSet;  // of the watched equations, and where it counts as poor
+  std::int64_t measured_at_ = -1;                     // branch check of that coefficient
   double converged_ = kConverged;
   StepErrors last_errors_;             // of the last accepted posture
   std::vector<std::uint8_t> passing_;  // packs: on the way through a change point
@@ -115,7 +125,7 @@ class Continuation {
   double largest_correction_ = 0;  // of a step through a change point, over the move that was predicted
   bool stands_still_ = false;      // from the posture at hand on, until something moves again
   bool wants_reselection_ = false;
-  double selected_at_ = std::numeric_limits<double>::quiet_NaN();  // time of the last reselection
+  double selected_at_ = std::numeric_limits<double>::quiet_NaN();  // time of the last reselection that was tried
   std::size_t failed_pack_ = 0;  // of the last posture that was tried; their number: none
   std::chrono::steady_clock::time_point deadline_;
 };

@@ -84,6 +84,15 @@ void ErrorEstimate::restart(std::span<const System* const> systems) {
   worst_ = expected_ = 0;
 }
 
+void ErrorEstimate::continue_from(const ErrorEstimate& before) {
+  for (std::size_t i = 0; i < used_; ++i) {
+    mechanisms_[i].scale = before.mechanisms_[i].scale;
+    mechanisms_[i].largest = before.mechanisms_[i].largest;
+    mechanisms_[i].now = before.mechanisms_[i].now;
+  }
+  worst_ = before.worst_;
+}
+
 // Errors of accelerations grow like the cube of a condition, and those of levels multiply.
 bool ErrorEstimate::due(std::int64_t branch_checks, double residual) {
   ++steps_;

@@ -32,6 +32,9 @@ class ErrorEstimate {
 
   // Systems of one structure, one for each mechanism; they must outlive what is measured next.
   void restart(std::span<const System* const> systems);
+  // The run goes on from another one's of the same outputs: the largest errors and values so far are those of both. The
+  // next step is measured.
+  void continue_from(const ErrorEstimate& before);
 
   // Is what was measured last out of date? Tell it of every step, and of the largest residual that it left.
   [[nodiscard]] bool due(std::int64_t branch_checks, double residual);

@@ -54,6 +54,7 @@ GroupSolver::Health GroupSolver::examine(Pack& pack, const double* state) {
   set_inputs(pack, state);
   evaluator_->evaluate(state + pack.unknowns, phi_.data(), jacobian_.data());
   evaluator_->scale(noise_.data());
+  evaluator_->raise_scale(noise_.data());
   const bool regular = solver_->factorize(jacobian_).ok();
   pack.factored = regular;
   Health health;

@@ -7,7 +7,6 @@
 
 #include "backends/refined.hpp"
 #include "backends/residual.hpp"
-#include "structure/dense_block.hpp"
 
 namespace assur {
 namespace {
@@ -180,6 +179,9 @@ bool GroupSolver::small_step(Pack& pack, double* const (&state)[3], const Attemp
   counters.factorizations += std::int64_t{pack.used} * factorizations;
   counters.factorized_unknowns += unknowns * factorizations;
   counters.solved_unknowns += unknowns * (figures.iterations + class_.derivatives);
+  if (figures.position > std::max(errors.position, kConverged)) {
+    figures.position = std::max(errors.position, residual_of(pack, state[0]));
+  }
   errors = {figures.position, figures.velocity, figures.acceleration};
   pack.keep_use(attempt.number);
   if (stays_inside(figures.ball_used, pack.ball_used[0])) return true;
@@ -190,6 +192,15 @@ bool GroupSolver::small_step(Pack& pack, double* const (&state)[3], const Attemp
   evaluator_->evaluate(x, phi_.data(), jacobian_.data());
   status = check_branch(pack, state, attempt, counters);
   return true;
+}
+
+// The relative residual of a posture.
+double GroupSolver::residual_of(const Pack& pack, const double* state) {
+  set_inputs(pack, state);
+  evaluator_->evaluate(state + pack.unknowns, phi_.data(), nullptr);
+  evaluator_->scale(inverse_scale_.data());
+  kernels_.invert_scale(inverse_scale_.data(), program_.n);
+  return raised_ratio();
 }
 
 Status GroupSolver::factorize(Pack& pack, Counters& counters) {
@@ -227,9 +238,8 @@ Status GroupSolver::newton(Pack& pack, double* x, const Attempt& attempt, Counte
         return fail(pack, Code::not_converged, relative, lane_with_most_left(pack));
     }
     if (iteration == kSlow && attempt.iterations == 0) {
-      // All terms of an equation may nearly vanish: then it is measured against a length that does not.
-      floor_scale();
-      relative = kernels_.largest_ratio(phi_.data(), inverse_scale_.data(), program_.n);
+      // All terms of an equation may nearly vanish: then it is measured against what does not.
+      relative = raised_ratio();
       if (relative <= attempt.converged) break;
     }
     stale = usable;
@@ -271,6 +281,7 @@ Status GroupSolver::newton(Pack& pack, double* x, const Attempt& attempt, Counte
     relative = kernels_.largest_ratio(phi_.data(), inverse_scale_.data(), program_.n);
   }
   counters.most_iterations = std::max<std::int64_t>(counters.most_iterations, iteration);
+  if (relative > kConverged) relative = raised_ratio();
   errors.position = std::max(errors.position, relative);
   return {};
 }
@@ -306,19 +317,14 @@ Status GroupSolver::refine_grown(const Pack& pack, const LaneArray& b, double* x
   return {};
 }
 
-// Every coordinate of an equation counts as kLeastScale at least.
-void GroupSolver::floor_scale() {
-  const std::size_t w = idx(lanes_);
-  for (std::size_t r = 0; r < idx(program_.n); ++r) {
-    for (std::size_t l = 0; l < w; ++l) {
-      double sum = 0;
-      for (std::int32_t k = row_start_[r]; k < row_start_[r + 1]; ++k) {
-        sum += std::abs(jacobian_[idx(row_entries_[idx(k)].nonzero) * w + l]);
-      }
-      double& inverse = inverse_scale_[r * w + l];
-      if (sum > 0) inverse = std::min(inverse, 1 / (kLeastScale * sum));
-    }
+// The relative residual, with the scales of the equations raised to the least that they are at this posture.
+double GroupSolver::raised_ratio() {
+  std::fill(scale_.begin(), scale_.end(), 0.0);
+  evaluator_->raise_scale(scale_.data());
+  for (std::size_t i = 0; i < scale_.size(); ++i) {
+    if (scale_[i] > 0) inverse_scale_[i] = std::min(inverse_scale_[i], 1 / scale_[i]);
   }
+  return kernels_.largest_ratio(phi_.data(), inverse_scale_.data(), program_.n);
 }
 
 // x -= correction_; returns its largest element.

@@ -133,7 +133,8 @@ class GroupSolver {
   [[nodiscard]] Status refine_grown(const Pack& pack, const LaneArray& b, double* x, Counters& counters,
                                     double& residual);
   [[nodiscard]] std::int32_t lane_with_most_left(const Pack& pack) const;
-  void floor_scale();
+  [[nodiscard]] double raised_ratio();
+  [[nodiscard]] double residual_of(const Pack& pack, const double* state);
   [[nodiscard]] double correct(double* x);
   [[nodiscard]] Status kantorovich(const Pack& pack);
   [[nodiscard]] Status factorize(Pack& pack, Counters& counters);

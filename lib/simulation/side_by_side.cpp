@@ -152,6 +152,7 @@ void SideBySide::alone(LaneRun& lane, Variant at, std::size_t row, bool to_the_e
   const Status before = lane.status;  // ok, or inaccurate
   std::optional<Simulator> simulator = simulator_of(lane, std::move(at));
   if (!simulator) return;
+  const Structure* const structure = simulator->prepared().structure.get();
   const std::size_t columns = simulator->columns().size(), rows = lane.times.size();
   double* const first = lane.row(row, columns);
   const bool restarted = lane.done > row;  // the row is there already: its angles are unwrapped
@@ -161,7 +162,8 @@ void SideBySide::alone(LaneRun& lane, Variant at, std::size_t row, bool to_the_e
   if (row == lane.posture_wanted) lane.posture = posture_of(*simulator);
   for (std::size_t k = row + 1; k < rows && lane.status.arrived() && !stopped_; ++k) {
     lane.status = simulator->step(lane.times[k]);
-    const bool plain = lane.status.arrived() && simulator->report().counters.rejected == 0;
+    const bool plain = lane.status.arrived() && simulator->report().counters.rejected == 0 &&
+                       simulator->prepared().structure.get() == structure;
     if (k == row + 1 && !to_the_end && plain) {
       lane.status = before;
       return;

@@ -36,8 +36,8 @@ std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 }  // namespace
 
 struct Simulator::Impl {
-  // before: see Continuation::start().
-  Impl(Prepared p, StepLimits l, double start_time, const Continuation* before = nullptr)
+  // before: the same motion up to here, with another set of the redundant equations.
+  Impl(Prepared p, StepLimits l, double start_time, Impl* before = nullptr)
       : prepared(std::move(p)),
         limits(l),
         structure(*prepared.structure),
@@ -56,17 +56,29 @@ struct Simulator::Impl {
   }
 
   // From a posture (all coordinates) at a time: where the run began, or another one of the same motion.
-  void start(double time, const std::vector<double>& posture, const Continuation* before = nullptr) {
+  void start(double time, const std::vector<double>& posture, Impl* before = nullptr) {
     report = Report{};
+    reselections = 0;
     earlier_effort = {};
-    effort_lines = 0;
+    own_lines = 0;
     report.events.reserve(kEventsReserved);
     const System* const of[] = {&system};
     estimate.restart(of);
     functions.restart();
     doubt = verdict = {};
-    motion.start(time, posture, before);
-    fill_row(false);
+    motion.start(time, posture, before != nullptr ? &before->motion : nullptr);
+    if (before == nullptr) return fill_row(false);
+    row = before->row;
+    fill_row(true);
+    estimate.continue_from(before->estimate);
+    doubt = before->doubt;
+    verdict = before->verdict;
+    first_structure = before->first_structure;
+    if (first_structure == nullptr) first_structure = std::make_shared<const Prepared>(before->prepared);
+    reselections = before->reselections + 1;
+    first_reselection = before->reselections > 0 ? before->first_reselection : time;
+    earlier_effort = before->earlier_effort;
+    earlier_effort += before->motion.levels().effort();
   }
 
   // ---- one step
@@ -177,37 +189,47 @@ struct Simulator::Impl {
   std::unique_ptr<Impl> reselected() {
     try {
       Prepared chosen = prepared.reselect(motion.posture(), motion.time());
-      if (chosen.structure->checks == structure.checks) return nullptr;
-      chosen.reselect = prepared.reselect;
-      auto next = std::make_unique<Impl>(std::move(chosen), limits, motion.time(), &motion);
-      next->doubt = doubt;
-      next->first_structure = first_structure != nullptr ? first_structure : std::make_shared<const Prepared>(prepared);
-      drop_effort_lines();
-      next->report = std::move(report);
-      next->row = row;
-      next->report.fallbacks.push_back(
-          "t = " + std::to_string(motion.time()) +
-          " s: an equation set became singular; another one of the redundant equations is solved");
-      return next;
-    } catch (const Error&) {
-      return nullptr;
+      if (chosen.structure->checks != structure.checks) {
+        chosen.reselect = prepared.reselect;
+        auto next = std::make_unique<Impl>(std::move(chosen), limits, motion.time(), this);
+        drop_own_lines();
+        const ErrorFigures there = next->report.error;
+        next->report = std::move(report);
+        next->report.error.merge(there);
+        return next;
+      }
+    } catch (const Error&) {  // no other set can be started here
     }
+    motion.keep_set();
+    return nullptr;
+  }
+
+  // Another set in time, before the one at hand is close to being dependent.
+  std::unique_ptr<Impl> reselected_if_poor() {
+    return prepared.reselect && motion.set_is_poor() ? reselected() : nullptr;
   }
 
   // ---- results
 
-  void drop_effort_lines() { report.fallbacks.resize(report.fallbacks.size() - std::exchange(effort_lines, 0)); }
+  void drop_own_lines() { report.fallbacks.resize(report.fallbacks.size() - std::exchange(own_lines, 0)); }
 
   // What the solvers had to do beyond what was planned, as a sum and in words.
   void report_effort() {
     Effort sum = earlier_effort;
     sum += motion.levels().effort();
     report.effort = sum;
-    drop_effort_lines();
+    drop_own_lines();
+    if (reselections > 0) {
+      const std::string times =
+          reselections == 1 ? "" : ", and " + std::to_string(reselections - 1) + " times later on";
+      report.fallbacks.push_back("t = " + std::to_string(first_reselection) + " s" + times +
+                                 ": another independent set of the redundant equations was chosen");
+      ++own_lines;
+    }
     const auto say = [&](std::int64_t count, const std::string& what) {
       if (count == 0) return;
       report.fallbacks.push_back(std::to_string(count) + what);
-      ++effort_lines;
+      ++own_lines;
     };
     say(sum.redone, " factorisations of one lane with pivots of its own, where those of the class did not serve");
     say(sum.renewed, " pivot orders chosen anew");
@@ -252,8 +274,10 @@ struct Simulator::Impl {
   Status doubt;    // the first one of the run
   std::vector<double> row, previous_row;
   std::shared_ptr<const Prepared> first_structure;  // what reset() goes back to, after a reselection
-  Effort earlier_effort;                            // of solvers that ran the chunks
-  std::size_t effort_lines = 0;                     // at the end of report.fallbacks
+  Effort earlier_effort;                            // of solvers that ran the chunks, or solved another set
+  std::size_t own_lines = 0;                        // at the end of report.fallbacks: report_effort()
+  std::int64_t reselections = 0;
+  double first_reselection = 0;  // time
 };
 
 std::vector<double> posture_of(const Simulator& simulator) { return simulator.impl_->motion.posture(); }
@@ -280,7 +304,9 @@ Status Simulator::step(double t) {
     }
     status = impl_->step_to(t, false);
   }
-  return status.ok() ? impl_->check_accuracy(from) : status;
+  if (!status.ok()) return status;
+  if (auto next = impl_->reselected_if_poor()) impl_ = std::move(next);
+  return impl_->check_accuracy(from);
 }
 
 void Simulator::set(std::string_view driver, double value, double rate, double acceleration) {
@@ -347,8 +373,8 @@ bool Simulator::run_in_chunks(std::span<const double> times, const Observer& obs
   const double first_time = impl_->motion.time();
   Stride stride = kLongWay;
   const auto reach = [&](double t) {
-    if (impl_->step_to(t, true, stride).ok()) return true;
     // The chunks begin with the equations that the run began with, or not at all.
+    if (impl_->step_to(t, true, stride).ok()) return !impl_->reselected_if_poor();
     return impl_->motion.wants_reselection() && !impl_->reselected() && impl_->step_to(t, false, stride).ok();
   };
   std::vector<Variant> starts;

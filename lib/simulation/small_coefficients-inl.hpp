@@ -74,6 +74,7 @@ class Coefficients {
   HWY_INLINE void set_rates(const Pack& pack, const double* state) { derive<kRate>(pack, state); }
   HWY_INLINE void set_accelerations(const Pack& pack, const double* state) { derive<kAcceleration>(pack, state); }
 
+  [[nodiscard]] bool may_vanish() const { return !e_.linear.empty(); }
   HWY_INLINE L s(int i, int j) const { return k(square(i, j).s); }
   HWY_INLINE L a(int i, int j) const { return k(square(i, j).a); }
   HWY_INLINE L b(int i, int j) const { return get(kValue, square(i, j).b); }

@@ -71,7 +71,10 @@ class SmallStepOf final : public SmallStep {
       if (iteration > 0) {
         const double relative = largest_ratio(phi, scale);
         if (!std::isfinite(relative)) return false;
-        if (only_rounding_is_left(relative, largest_ratio(phi_before, scale))) break;
+        const double before = largest_ratio(phi_before, scale);
+        // All terms of an equation may vanish, unless it is a sum of squares and a constant.
+        if (c_.may_vanish() && iteration > 1 && relative > before / 4) return false;
+        if (only_rounding_is_left(relative, before)) break;
       }
       for (int i = 0; i < N; ++i) phi_before[i] = phi[i];
       Matrix jacobian;

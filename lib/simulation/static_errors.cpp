@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "scene/system.hpp"
+#include "scene/residual_scale.hpp"
 #include "simulation/random_sign.hpp"
 #include "simulation/tolerances.hpp"
 #include "structure/dense_block.hpp"
@@ -51,7 +51,7 @@ std::vector<double> StaticErrors::draw(const System& system, const std::vector<d
     RandomSign sign(seed + k);
     Eigen::VectorXd e = -left;
     for (std::size_t i = 0; i < n; ++i) {
-      e[static_cast<Eigen::Index>(i)] += sign() * kSumRounding * residual_scale(system, equations_[i], q);
+      e[static_cast<Eigen::Index>(i)] += sign() * kSumRounding * size_of_terms(system, equations_[i], q);
     }
     const Eigen::VectorXd error = lu.solve(e);
     std::copy_n(error.data(), n, errors.data() + k * n);

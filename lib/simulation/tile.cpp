@@ -1,6 +1,7 @@
 #include "simulation/tile.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -63,6 +64,7 @@ Tile::Tile(const Prepared& prepared, const StepLimits& limits)
   state_.resize(layout_.first_unknown, layout_.size, prepared.plan.predictor);
   const System& system = *structure_->system;
   watch_.resize(idx(lanes_));
+  independence_.resize(idx(lanes_));
   drive_.resize(idx(lanes_));
   functions_.resize(idx(lanes_));
 
@@ -89,6 +91,8 @@ Status Tile::start(std::span<const Variant* const> variants) {
   variants_.assign(variants.begin(), variants.end());
   bind();
   state_.clear();
+  watched_level_ = 0;
+  measured_at_ = -1;
   const std::size_t w = idx(lanes_);
   for (std::size_t lane = 0; lane < w; ++lane) {
     const Variant& v = *variants_[lane < variants_.size() ? lane : 0];
@@ -119,11 +123,14 @@ void Tile::bind() {
     const System& system = *variants_[lane]->system;
     outputs_[lane].bind(system, layout_.address);
     drive_[lane].emplace(system, driven_);
-    if (!structure_->watch_class.equations.empty()) watch_[lane].emplace(system, *structure_, layout_.address);
     const bool repeats =
         lane > 0 && &system == variants_[0]->system.get() && variants_[lane]->time == variants_[0]->time;
     functions_[lane].reset();
     if (!repeats) functions_[lane].emplace(*structure_, system, layout_.address);
+    if (structure_->watch_class.equations.empty()) continue;
+    watch_[lane].emplace(system, *structure_, layout_.address);
+    independence_[lane] =
+        variants_[lane]->reselect ? std::make_unique<Independence>(system, *structure_, layout_.address) : nullptr;
   }
   std::vector<const System*> systems;
   for (const Variant* v : variants_) systems.push_back(v->system.get());
@@ -215,11 +222,23 @@ Status Tile::solve(std::span<const double> times, Attempt::Branch branch) {
 
 Status Tile::solve_all(std::span<const double> times, Attempt::Branch branch) {
   if (const Status s = drive(times); !s.ok()) return s;
-  double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
   StepErrors errors;
+  if (const Status s = solve_packs(times, branch, kConverged, errors); !s.ok()) return s;
+  if (const Status s = check_watched(times, branch, errors); !s.ok()) return s;
+  if (const Status s = check_sets(); !s.ok()) return s;
+  state_.accept(times[0]);
+  now_.assign(times.begin(), times.end());
+  error_.merge({.position = errors.position, .velocity = errors.velocity, .acceleration = errors.acceleration});
+  left_ = errors.worst();
+  return {};
+}
+
+Status Tile::solve_packs(std::span<const double> times, Attempt::Branch branch, double converged, StepErrors& errors) {
+  double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
   for (Pack& pack : layout_.packs) {
     Attempt attempt;
     attempt.branch = branch;
+    attempt.converged = converged;
     attempt.number = attempts_;
     attempt.time = times[0];  // steps are as long in every lane
     attempt.iterations = pack.level > 0 && branch == Attempt::Branch::inside ? limits_.iterations : 0;
@@ -227,11 +246,6 @@ Status Tile::solve_all(std::span<const double> times, Attempt::Branch branch) {
     GroupSolver& solver = *layout_.solvers[idx(pack.group_class)];
     if (const Status s = solver.solve(pack, q, attempt, counters_, errors); !s.ok()) return s;
   }
-  if (const Status s = check_watched(errors); !s.ok()) return s;
-  state_.accept(times[0]);
-  now_.assign(times.begin(), times.end());
-  error_.merge({.position = errors.position, .velocity = errors.velocity, .acceleration = errors.acceleration});
-  left_ = errors.worst();
   return {};
 }
 
@@ -264,13 +278,43 @@ ErrorFigures Tile::error() const {
   return all;
 }
 
-Status Tile::check_watched(StepErrors& errors) {
-  if (structure_->watch_class.equations.empty()) return {};
+// Largest relative residual of the watched equations, and the lane.
+double Tile::watched(std::int32_t& worst) {
+  double largest = 0;
   for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
     counters_.evaluated_equations += static_cast<std::int64_t>(watch_[lane]->equations());
     const double r = watch_[lane]->residual(state_.at(0) + lane);
-    if (!(r <= kConsistent)) return {Code::inconsistent, Place::lane(static_cast<std::int32_t>(lane)), r};
-    errors.position = std::max(errors.position, r);
+    if (r <= largest) continue;
+    largest = r;
+    worst = static_cast<std::int32_t>(lane);
+    if (std::isnan(r)) break;
+  }
+  return largest;
+}
+
+// As in Continuation.
+Status Tile::check_watched(std::span<const double> times, Attempt::Branch branch, StepErrors& errors) {
+  if (structure_->watch_class.equations.empty()) return {};
+  std::int32_t worst = 0;
+  double r = watched(worst);
+  if (limits_.iterations == 0 && r > std::max(kConverged, 2 * watched_level_)) {
+    if (const Status s = solve_packs(times, branch, 0, errors); !s.ok()) return s;
+    r = watched(worst);
+    watched_level_ = r > kConverged ? r : 0;
+  }
+  if (!(r <= kConsistent)) return {Code::inconsistent, Place::lane(worst), r};
+  errors.position = std::max(errors.position, r);
+  return {};
+}
+
+// A lane in which another set of the redundant equations would be better goes alone.
+Status Tile::check_sets() {
+  if (structure_->watch_class.equations.empty() || measured_at_ == counters_.branch_checks) return {};
+  measured_at_ = counters_.branch_checks;
+  for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
+    if (!independence_[lane] || independence_[lane]->empty()) continue;
+    const double largest = independence_[lane]->largest_coefficient(state_.at(0) + lane);
+    if (!(largest <= 2 * kPoorSet)) return {Code::singular, Place::lane(static_cast<std::int32_t>(lane)), largest};
   }
   return {};
 }

@@ -16,6 +16,7 @@
 #include "simulation/drive_program.hpp"
 #include "simulation/error_estimate.hpp"
 #include "simulation/function_check.hpp"
+#include "simulation/independence.hpp"
 #include "simulation/layout.hpp"
 #include "simulation/output_program.hpp"
 #include "simulation/state.hpp"
@@ -85,7 +86,11 @@ class Tile {
   [[nodiscard]] Status drive_lane(std::size_t lane, double time);
   [[nodiscard]] Status solve(std::span<const double> times, Attempt::Branch branch);
   [[nodiscard]] Status solve_all(std::span<const double> times, Attempt::Branch branch);
-  [[nodiscard]] Status check_watched(StepErrors& errors);
+  [[nodiscard]] Status solve_packs(std::span<const double> times, Attempt::Branch branch, double converged,
+                                   StepErrors& errors);
+  [[nodiscard]] double watched(std::int32_t& worst);
+  [[nodiscard]] Status check_watched(std::span<const double> times, Attempt::Branch branch, StepErrors& errors);
+  [[nodiscard]] Status check_sets();
 
   std::shared_ptr<const Structure> structure_;
   StepLimits limits_;
@@ -96,9 +101,11 @@ class Tile {
   std::vector<Index> positive_;                     // coordinates: driven distances
   std::vector<std::optional<DriveProgram>> drive_;  // lanes
   std::vector<std::string> columns_;
-  std::vector<OutputProgram> outputs_;                   // lanes
-  std::vector<std::optional<Watch>> watch_;              // lanes
-  std::vector<std::optional<FunctionCheck>> functions_;  // lanes; of equal ones the first
+  std::vector<OutputProgram> outputs_;                       // lanes
+  std::vector<std::optional<Watch>> watch_;                  // lanes
+  std::vector<std::unique_ptr<Independence>> independence_;  // lanes; null where no other set can be chosen
+  std::int64_t measured_at_ = -1;                            // branch checks when the sets were looked at
+  std::vector<std::optional<FunctionCheck>> functions_;      // lanes; of equal ones the first
   ErrorEstimate estimate_;
   State state_;
   std::vector<const Variant*> variants_;  // lanes in use
@@ -106,9 +113,10 @@ class Tile {
   bool alike_ = false;                    // the drivers of all lanes are the same
   std::int64_t attempts_ = 0;
   Counters counters_;
-  Effort effort_;       // of solvers that are gone
-  ErrorFigures error_;  // without what the estimate knows of the variants at hand
-  double left_ = 0;     // largest residual of the last step
+  Effort effort_;             // of solvers that are gone
+  ErrorFigures error_;        // without what the estimate knows of the variants at hand
+  double left_ = 0;           // largest residual of the last step
+  double watched_level_ = 0;  // relative residual that the watched equations cannot be brought below
 };
 
 }  // namespace assur

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "simulation/tolerances.hpp"
+
 namespace assur {
 
 Watch::Watch(const System& system, const Structure& structure, std::span<const std::int32_t> address)
@@ -23,6 +25,13 @@ double Watch::residual(const double* q) {
   evaluator_->set_inputs(coefficients_.data(), inputs_.data());
   evaluator_->evaluate(nullptr, phi_.data(), nullptr);
   evaluator_->scale(scale_.data());
+  const double of_terms = worst_ratio();
+  if (of_terms <= kConverged) return of_terms;
+  evaluator_->raise_scale(scale_.data());
+  return worst_ratio();
+}
+
+double Watch::worst_ratio() const {
   double worst = 0;
   for (std::size_t i = 0; i < phi_.size(); ++i) {
     const double r = scale_[i] > 0 ? std::abs(phi_[i]) / scale_[i] : std::abs(phi_[i]);

@@ -21,6 +21,8 @@ class Watch {
   [[nodiscard]] double residual(const double* q);
 
  private:
+  [[nodiscard]] double worst_ratio() const;
+
   Program program_;
   std::unique_ptr<Evaluator> evaluator_;
   std::vector<double> coefficients_;

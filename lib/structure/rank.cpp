@@ -15,6 +15,10 @@ constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr double kNonzero = 1e-8;        // entries of a null vector that count, relative to the largest
 constexpr Eigen::Index kLargest = 3000;  // dense QR: minutes beyond
 
+constexpr double kMostShare = 1.5;
+constexpr int kMostExchanges = 64;
+constexpr Eigen::Index kLargestSpread = 400;  // each exchange is a dense QR
+
 using Qr = Eigen::ColPivHouseholderQR<Eigen::MatrixXd>;
 
 // Rows, then columns, to unit length.
@@ -39,6 +43,21 @@ Qr factor(const Eigen::MatrixXd& a) {
 // Entries of a null vector beside the one that is 1: are they part of it?
 bool counts(const Eigen::VectorXd& c, Eigen::Index i) {
   return std::abs(c[i]) > kNonzero * std::max(1.0, c.cwiseAbs().maxCoeff());
+}
+
+// `order` of the rows, the first `rank` of them independent: exchanges rows until no other one is more than kMostShare
+// times one of these, as far as they are combinations of them (Gu and Eisenstat's strong rank-revealing factorisation).
+void spread(const Eigen::MatrixXd& a, Eigen::Index rank, std::vector<Eigen::Index>& order) {
+  if (rank == 0 || rank == a.rows() || rank > kLargestSpread) return;
+  for (int exchange = 0; exchange < kMostExchanges; ++exchange) {
+    Eigen::MatrixXd kept(a.cols(), rank), others(a.cols(), a.rows() - rank);
+    for (Eigen::Index k = 0; k < rank; ++k) kept.col(k) = a.row(order[static_cast<std::size_t>(k)]);
+    for (Eigen::Index k = rank; k < a.rows(); ++k) others.col(k - rank) = a.row(order[static_cast<std::size_t>(k)]);
+    const Eigen::MatrixXd shares = kept.householderQr().solve(others).cwiseAbs();
+    Eigen::Index i = 0, k = 0;
+    if (!(shares.maxCoeff(&i, &k) > kMostShare)) return;
+    std::swap(order[static_cast<std::size_t>(i)], order[static_cast<std::size_t>(rank + k)]);
+  }
 }
 
 // Column k >= rank of a pivoted QR as a combination of the first `rank` ones: the null vector's other entries.
@@ -84,15 +103,17 @@ RankStudy study_rank(const System& s, std::span<const Index> equations, std::spa
   out.singular_start = rank[0] < rank[best];
 
   const Qr rows = factor(postures[best].transpose());
+  std::vector<Eigen::Index> order(rows.colsPermutation().indices().begin(), rows.colsPermutation().indices().end());
+  spread(postures[best], rank[best], order);
   const auto equation_at = [&](Eigen::Index k) {
-    return equations[static_cast<std::size_t>(rows.colsPermutation().indices()[k])];
+    return equations[static_cast<std::size_t>(order[static_cast<std::size_t>(k)])];
   };
   for (Eigen::Index k = 0; k < block.rows(); ++k) (k < rank[best] ? out.kept : out.dropped).push_back(equation_at(k));
   // The null vectors of every posture: an entry may vanish in one of them by chance.
   std::vector<std::set<std::string>> names(static_cast<std::size_t>(block.rows() - rank[best]));
   for (const Eigen::MatrixXd& posture : postures) {
     if (rank[best] == 0) break;
-    const Eigen::MatrixXd permuted = rows.colsPermutation().transpose() * posture;
+    const Eigen::MatrixXd permuted = posture(order, Eigen::all);
     const Eigen::MatrixXd kept = permuted.topRows(rank[best]).transpose();
     const Qr basis = factor(kept);
     if (basis.rank() < rank[best]) continue;

@@ -12,6 +12,7 @@
 #include "equations/evaluator.hpp"
 #include "scene/drive.hpp"
 #include "scene/lowering.hpp"
+#include "scene/residual_scale.hpp"
 #include "structure/look.hpp"
 
 namespace assur {
@@ -233,6 +234,8 @@ class Pack {
     evaluator_->set_inputs(coefficients_.data(), gather(group_.inputs, &Lane::q).data());
     evaluator_->evaluate(gather(group_.unknowns, &Lane::q).data(), phi.data(), jacobian.data());
     evaluator_->scale(scale.data());
+    std::vector<double> raised = scale;
+    evaluator_->raise_scale(raised.data());
     evaluator_->velocity_rhs(gather(group_.inputs, &Lane::rate).data(), velocity.data());
     evaluator_->acceleration_rhs(gather(group_.unknowns, &Lane::rate).data(),
                                  gather(group_.inputs, &Lane::acceleration).data(), acceleration.data());
@@ -252,8 +255,9 @@ class Pack {
         const std::string what = structure_.system->equation_name(e);
         const double at_rest = sum_of_terms(lane, e, lane.q), moving = sum_of_terms(lane, e, reach);
         EXPECT_NEAR(phi[i * w_ + l], residual<double>(lane.system, e, lane.q), 16 * kEps * at_rest) << what;
-        const double expected_scale = residual_scale(lane.system, e, lane.q);
-        EXPECT_NEAR(scale[i * w_ + l], expected_scale, 64 * kEps * expected_scale) << what;
+        const double size = size_of_terms(lane.system, e, lane.q), against = residual_scale(lane.system, e, lane.q);
+        EXPECT_NEAR(scale[i * w_ + l], size, 64 * kEps * size) << what;
+        EXPECT_NEAR(raised[i * w_ + l], against, 64 * kEps * against) << what;
         check_row(lane, e, j.row(static_cast<Eigen::Index>(i)), moving);
         // Along q + s q' + s^2/2 q'' an equation is a polynomial of degree 4 in s: five points give its derivatives.
         const auto f = [&](int s) { return along(lane, e, s); };

@@ -1,0 +1,68 @@
+// Of redundant equations an independent set is solved and the others are watched. As the mechanism moves, the set may
+// come close to being dependent although all equations together are regular. A watched equation's gradient is a
+// combination of those of the solved ones, sum c_i grad Phi_i; with all gradients of length 1, the smallest singular
+// value of the solved set is at least that of all equations over sqrt(1 + |C|^2): only where some |c_i| is large is
+// another set better (Gu and Eisenstat, SIAM J. Sci. Comput. 17, 1996).
+#pragma once
+
+#include <Eigen/LU>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "assur/structure.hpp"
+#include "scene/system.hpp"
+
+namespace assur {
+
+// A set with larger coefficients is worth replacing. Those of a set just chosen are at most 1.5 (rank.cpp).
+inline constexpr double kPoorSet = 4;
+
+class Independence {
+ public:
+  // `address`: coordinates -> index into the state arrays. All must outlive it.
+  Independence(const System& system, const Structure& structure, std::span<const std::int32_t> address);
+
+  // Nothing is redundant, or a block is too large to look at (200 unknowns).
+  [[nodiscard]] bool empty() const { return dropped_.empty(); }
+
+  // Largest |c_i| of all watched equations at a posture; infinite if the solved equations are dependent there.
+  // Allocates in its first call only.
+  [[nodiscard]] double largest_coefficient(const double* q);
+
+ private:
+  struct Entry {
+    Index coordinate;
+    double value;
+  };
+  struct Row {
+    Index equation;
+    std::vector<Entry> entries;  // its gradient
+    double length = 0;           // over the unknowns of the units
+  };
+  // Equations and unknowns that are solved together: an irreducible block of a group.
+  struct Unit {
+    std::vector<Index> unknowns;
+    std::vector<Row> rows;
+    Eigen::MatrixXd jacobian;
+    Eigen::PartialPivLU<Eigen::MatrixXd> lu;
+    Eigen::VectorXd right;
+  };
+  void collect(const Structure& structure);
+  void keep_those_behind();
+  [[nodiscard]] bool in_solving_order();
+  void differentiate(Row& row);
+  [[nodiscard]] bool factorize(Unit& unit);
+  [[nodiscard]] double largest_of(Row& row);
+
+  const System& system_;
+  std::span<const std::int32_t> address_;
+  std::vector<Unit> units_;  // in solving order
+  std::vector<Row> dropped_;
+  std::vector<Index> unit_of_, place_;      // coordinates: the unit, -1: none; and the column there
+  std::vector<double> q_, gradient_;        // coordinates
+  std::vector<std::uint8_t> seen_;          // coordinates
+  std::vector<double> arguments_, slopes_;  // of a callback
+};
+
+}  // namespace assur

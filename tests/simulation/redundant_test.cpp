@@ -1,0 +1,203 @@
+// Mechanisms with redundant equations, which all hold to the rounding level in every row: those that are solved and
+// those that are watched.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "simulation/random_count.hpp"
+#include "simulation/random_mechanisms.hpp"
+#include "simulation/run.hpp"
+
+namespace assur {
+namespace {
+
+using Vec = std::array<long double, 3>;
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kHolds = 1e-14;
+
+Vec operator+(const Vec& a, const Vec& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+Vec operator-(const Vec& a, const Vec& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+Vec operator*(long double s, const Vec& a) { return {s * a[0], s * a[1], s * a[2]}; }
+long double dot(const Vec& a, const Vec& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+Vec cross(const Vec& a, const Vec& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+Vec sizes(const Vec& a) { return {std::abs(a[0]), std::abs(a[1]), std::abs(a[2])}; }
+long double norm(const Vec& a) { return std::sqrt(dot(a, a)); }
+Triple triple(const Vec& a) { return {double(a[0]), double(a[1]), double(a[2])}; }
+
+// Axes of a frame.
+struct Frame3 {
+  Vec x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
+
+  [[nodiscard]] Vec place(const Vec& v) const { return v[0] * x + (v[1] * y + v[2] * z); }
+};
+
+Frame3 turned(test::Draw& draw) {
+  std::array<long double, 4> q{};
+  long double size = 0;
+  while (size < 0.1L || size > 1) {
+    size = 0;
+    for (auto& c : q) {
+      c = draw.real(-1, 1);
+      size += c * c;
+    }
+  }
+  for (auto& c : q) c /= std::sqrt(size);
+  const auto [w, i, j, k] = q;
+  return {{1 - 2 * (j * j + k * k), 2 * (i * j + w * k), 2 * (i * k - w * j)},
+          {2 * (i * j - w * k), 1 - 2 * (i * i + k * k), 2 * (j * k + w * i)},
+          {2 * (i * k + w * j), 2 * (j * k - w * i), 1 - 2 * (i * i + j * j)}};
+}
+
+// Bennett's linkage (Bennett, Engineering 76, 1903): four revolute joints whose links alternate between lengths and
+// twists (a, alpha) and (b, beta), a / sin(alpha) = b / sin(beta). Its joint angles obey
+// tan(theta1 / 2) tan(theta2 / 2) = sin((beta + alpha) / 2) / sin((beta - alpha) / 2), theta3 = -theta1.
+struct Bennett {
+  double a = 1, alpha = kPi / 6, beta = kPi / 4;
+  double b = a * std::sin(beta) / std::sin(alpha);
+  double start = kPi / 2;  // of the crank, from joint 1 to joint 4
+  Frame3 frame;
+
+  [[nodiscard]] std::array<long double, 2> joints(long double crank) const {
+    const long double first = -crank - std::numbers::pi_v<long double>;
+    const long double k = std::sin((0.0L + beta + alpha) / 2) / std::sin((0.0L + beta - alpha) / 2);
+    return {first, 2 * std::atan2(k * std::cos(first / 2), std::sin(first / 2))};
+  }
+  // Points and axes of joints 1 to 4 in the frame where link 1-2 stands still.
+  struct Posture {
+    std::array<Vec, 4> point, axis;
+  };
+  [[nodiscard]] Posture posture(long double crank) const {
+    const auto [first, second] = joints(crank);
+    Posture p;
+    Vec at{0, 0, 0}, x{1, 0, 0}, z{0, 0, 1};  // x: along the link behind the joint
+    const std::array<long double, 4> angle = {0, second, -first, 0}, length = {a, b, a, b},
+                                     twist = {alpha, beta, alpha, beta};
+    for (std::size_t i = 0; i < 4; ++i) {
+      x = std::cos(angle[i]) * x + std::sin(angle[i]) * cross(z, x);
+      p.point[i] = frame.place(at);
+      p.axis[i] = frame.place(z);
+      at = at + length[i] * x;
+      z = std::cos(twist[i]) * z + std::sin(twist[i]) * cross(x, z);
+    }
+    return p;
+  }
+
+  [[nodiscard]] Scene scene(int steps_per_turn, int steps) const {
+    const Posture p = posture(start);
+    SceneBuilder s("bennett", 3);
+    s.fixed_point("P0", triple(p.point[0])).fixed_point("P1", triple(p.point[1]));
+    s.fixed_vector("u0", triple(p.axis[0])).fixed_vector("u1", triple(p.axis[1]));
+    for (const int i : {2, 3}) {
+      s.point("P" + std::to_string(i), triple(p.point[std::size_t(i)]));
+      s.vector("u" + std::to_string(i), triple(p.axis[std::size_t(i)]));
+    }
+    for (int i = 1; i < 4; ++i) {
+      const std::string from = std::to_string(i), to = std::to_string((i + 1) % 4), link = from + to;
+      const Direction rod("P" + from, "P" + to);
+      s.constrain("length" + link, Distance{rod.first, rod.second, i == 2 ? a : b});
+      s.constrain("begin" + link, Dot{"u" + from, rod, 0.0}).constrain("end" + link, Dot{"u" + to, rod, 0.0});
+      s.constrain("twist" + link, Dot{"u" + from, "u" + to, std::cos(i == 2 ? alpha : beta)});
+    }
+    s.drive("crank", RelativeAngle{{"P0", "P1"}, {"P0", "P3"}, "u0", Law::polynomial({start, 2 * kPi})});
+    return s.time(0, double(steps) / steps_per_turn, 1.0 / steps_per_turn).build();
+  }
+
+  // The largest relative residual of all equations in a row, and how far the coupler is from where it belongs.
+  struct Off {
+    long double equations = 0, posture = 0;
+  };
+  [[nodiscard]] Off off(const Trajectory& t, std::size_t row) const {
+    const Posture ideal =
+        posture(start + 2 * std::numbers::pi_v<long double> * static_cast<long double>(t.times()[row]));
+    Posture p = posture(start);
+    for (std::size_t i = 0; i < 2; ++i) {  // as the scene has them
+      for (auto& c : p.point[i]) c = double(c);
+      for (auto& c : p.axis[i]) c = double(c);
+      p.axis[i] = (1 / norm(p.axis[i])) * p.axis[i];
+    }
+    for (const std::size_t i : {2u, 3u}) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::string n = std::to_string(i), component(1, "xyz"[k]);
+        p.point[i][k] = t(row, t.index("P" + n + "." + component));
+        p.axis[i][k] = t(row, t.index("u" + n + "." + component));
+      }
+    }
+    Off out;
+    // Against the terms: sum |dPhi/dq| |q| + |constant|, and |d| |e| at least.
+    const auto see = [&](long double residual, long double scale) {
+      residual = std::abs(residual) / scale;
+      if (!(residual <= out.equations)) out.equations = residual;
+    };
+    for (std::size_t i = 1; i < 4; ++i) {
+      const std::size_t j = (i + 1) % 4;
+      const long double length = i == 2 ? a : b;
+      const Vec rod = p.point[j] - p.point[i];
+      const Vec ends = sizes(p.point[i]) + sizes(p.point[j]), bar = sizes(rod);
+      see(dot(rod, rod) - length * length, 2 * dot(bar, ends) + length * length);
+      for (const Vec& u : {p.axis[i], p.axis[j]}) {
+        see(dot(u, rod), std::max(norm(rod), dot(sizes(u), ends) + dot(sizes(u), bar)));
+      }
+      const long double twist = static_cast<double>(std::cos(i == 2 ? alpha : beta));
+      see(dot(p.axis[i], p.axis[j]) - twist, 2 * dot(sizes(p.axis[i]), sizes(p.axis[j])) + std::abs(twist));
+      if (i > 1) see(dot(p.axis[i], p.axis[i]) - 1, 2 * dot(p.axis[i], p.axis[i]) + 1);
+      if (i > 1) out.posture = std::max(out.posture, norm(p.point[i] - ideal.point[i]) / std::max(a, b));
+    }
+    return out;
+  }
+};
+
+void turn(const Bennett& linkage, int steps_per_turn, int steps, const std::string& strategy) {
+  SCOPED_TRACE(strategy + ": " + std::to_string(steps_per_turn) + " steps a turn from " +
+               std::to_string(linkage.start) + ", alpha " + std::to_string(linkage.alpha) + ", beta " +
+               std::to_string(linkage.beta) + ", a " + std::to_string(linkage.a));
+  const test::Result r = test::run(linkage.scene(steps_per_turn, steps), strategy);
+  EXPECT_EQ(r.report().status.code, Code::ok) << "at " << r.report().reached;
+  ASSERT_EQ(r.trajectory.rows(), std::size_t(steps) + 1);
+  EXPECT_LE(r.report().error.position, kHolds);
+  long double equations = 0, posture = 0;
+  for (std::size_t row = 0; row < r.trajectory.rows(); ++row) {
+    const Bennett::Off off = linkage.off(r.trajectory, row);
+    equations = std::max(equations, off.equations);
+    posture = std::max(posture, off.posture);
+  }
+  EXPECT_LE(equations, kHolds);
+  // Its mobility is that of the dimensions it was given: their rounding shows, by the condition of all equations.
+  EXPECT_LE(posture, 1e-12);
+}
+
+TEST(Redundant, BennettsLinkageTurnsAHundredTimes) {
+  test::Draw draw(19);
+  for (const bool in_space : {false, true}) {
+    Bennett linkage;
+    if (in_space) linkage.frame = turned(draw);
+    turn(linkage, 48, 100 * 48, "auto");
+  }
+}
+
+TEST(Redundant, BennettsLinkageOfAnyShapeTurns) {
+  test::Draw draw(7);
+  const std::vector<std::string> strategies = {"auto", "global/eigen", "irreducible/lanes", "groups/klu"};
+  for (int i = 0, all = test::random_count(40); i < all; ++i) {
+    Bennett linkage;
+    if (i % 4 != 0) {
+      linkage.a = draw.real(0.3, 3);
+      linkage.alpha = draw.real(0.2, 0.9);
+      linkage.beta = linkage.alpha + draw.real(0.15, 0.6);
+      linkage.b = linkage.a * std::sin(linkage.beta) / std::sin(linkage.alpha);
+    }
+    linkage.start = i % 3 == 0 ? double(draw.below(24)) * kPi / 12 : draw.real(0, 2 * kPi);
+    if (draw.maybe()) linkage.frame = turned(draw);
+    const int steps = draw.maybe() ? 12 * int(1 + draw.below(30)) : int(draw.real(20, 400));
+    turn(linkage, steps, 2 * steps, draw.of(strategies));
+  }
+}
+
+}  // namespace
+}  // namespace assur

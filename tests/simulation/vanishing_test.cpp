@@ -1,0 +1,113 @@
+// Equations all of whose terms vanish, because directions are perpendicular and lie along the axes: what is left of
+// them is rounding, and is measured against what is multiplied, not against itself.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "scene/lowering.hpp"
+#include "scene/residual_scale.hpp"
+#include "simulation/run.hpp"
+
+namespace assur {
+namespace {
+
+using test::kEps;
+using test::Result;
+
+constexpr double kNearlyZero = 6.123233995736766e-17;  // cos(pi / 2) in double
+
+// A crank about the third axis, with an equation that keeps it in its plane although nothing else would let it leave.
+Scene crank(const std::string& constraint) {
+  return parse_scene(R"({"assur": 1, "name": "mini", "dimension": 3,
+    "points": {"A": {"at": [0, 0, 0], "fixed": true}, "B": {"at": [1, 0, 0]}},
+    "vectors": {"n": {"at": [0, 0, 1], "fixed": true}}, "constraints": {"flat": )" +
+                     constraint + R"(},
+    "drivers": {"m": {"angle": ["A", "B"], "axis": "n", "law": {"polynomial": [0, 1]}}},
+    "time": {"start": 0, "end": 6.5, "step": 0.1}})");
+}
+
+TEST(Vanishing, EquationsOfKnownCoordinatesAreConsistent) {
+  for (const std::string constraint : {
+           R"j({"dot": ["n", ["A", "B"]], "value": "=cos(pi/2)"})j",
+           R"j({"dot": ["n", ["A", "B"]], "value": 0})j",
+           R"j({"coordinate": "B.z", "value": 6e-17})j",
+       }) {
+    const Result r = test::run(crank(constraint));
+    EXPECT_EQ(r.report().status.code, Code::ok) << constraint;
+    EXPECT_LE(r.report().error.position, 8 * kEps) << constraint;
+    const std::size_t last = r.trajectory.rows() - 1;
+    EXPECT_NEAR(r.trajectory(last, r.trajectory.index("B.x")), std::cos(6.5), 4 * kEps) << constraint;
+  }
+}
+
+// A four-bar in the plane z = 0 of space: each bar is told to stay in it, though one telling too many.
+Scene four_bar(double off, double size) {
+  const auto at = [&](double x, double y) { return Triple{size * x, size * y, 0}; };
+  SceneBuilder b("four_bar", 3);
+  b.fixed_point("A", at(0, 0)).fixed_point("D", at(2, 0)).fixed_vector("n", {0, 0, 1});
+  b.point("B", at(0.8, 0)).point("C", at(1.6, 1.2));
+  b.constrain("coupler", Distance{"B", "C", 1.8 * size}).constrain("rocker", Distance{"D", "C", 1.3 * size});
+  b.constrain("rocker_flat", Dot{"n", Direction("D", "C"), 0.0});
+  b.constrain("coupler_flat", Dot{"n", Direction("B", "C"), off * size});
+  b.constrain("third", Dot{"n", Direction("A", "C"), 0.0});
+  b.drive("motor", PointAngle{"A", "B", "n", Law::polynomial({0, 6.283185307179586})});
+  return b.measure("rocker_angle", AngleBetween{Direction("A", "D"), Direction("D", "C"), "n"})
+      .time(0, 1, 0.01)
+      .build();
+}
+
+Scene plane_four_bar() {
+  SceneBuilder b("four_bar", 2);
+  b.fixed_point("A", {0, 0, 0}).fixed_point("D", {2, 0, 0}).point("B", {0.8, 0, 0}).point("C", {1.6, 1.2, 0});
+  b.constrain("coupler", Distance{"B", "C", 1.8}).constrain("rocker", Distance{"D", "C", 1.3});
+  b.drive("motor", PointAngle{"A", "B", "", Law::polynomial({0, 6.283185307179586})});
+  return b.time(0, 1, 0.01).build();
+}
+
+TEST(Vanishing, RedundantPlanesDoNotContradict) {
+  const Result plane = test::run(plane_four_bar());
+  const std::vector<std::string> strategies = {"auto", "global/eigen", "irreducible/lanes", "groups/eigen+reuse=run"};
+  for (const double off : {0.0, kNearlyZero, -3e-16}) {
+    for (const double size : {1.0, 0.001953125, 1024.0}) {  // of two: the bits are those of size 1
+      for (const std::string& strategy : strategies) {
+        const Result r = test::run(four_bar(off, size), strategy);
+        ASSERT_EQ(r.report().status.code, Code::ok) << strategy << " " << off << " at " << r.report().reached;
+        EXPECT_LE(r.report().error.position, 1e-14) << strategy << " " << off;
+        for (std::size_t k = 0; k < r.trajectory.rows(); ++k) {
+          for (const std::string c : {"C.x", "C.y"}) {
+            EXPECT_NEAR(r.trajectory(k, r.trajectory.index(c)) / size, plane.trajectory(k, plane.trajectory.index(c)),
+                        64 * kEps);
+          }
+        }
+      }
+    }
+  }
+}
+
+// What contradicts, does: a plane that is off by more than rounding.
+TEST(Vanishing, WhatIsOffByMoreIsRefused) { EXPECT_THROW((void)test::run(four_bar(1e-7, 1)), Error); }
+
+// The scale does not vanish for any posture of the directions, and is hardly changed where they lie at random.
+TEST(Vanishing, ScalesAreThoseOfWhatIsMultiplied) {
+  SceneBuilder b("scales", 3);
+  b.fixed_point("A", {0, 0, 0}).point("B", {1, 0, 0}).vector("e", {0, 1, 0}).vector("f", {0, 0, 1});
+  b.constrain("both", Dot{"e", "f", 0.0}).constrain("one", Dot{"e", Direction("A", "B"), 0.0});
+  b.constrain("flat", FixedCoordinate{"B.z", 0.0});
+  const System s = lower(std::make_shared<const Scene>(b.time(0, 1, 1).build()), {}, false);
+  std::vector<double> q = s.guess;
+  for (Index e = 0; e < static_cast<Index>(s.equations.size()); ++e) {
+    const std::string name = s.equation_name(e);
+    if (name.starts_with("|")) {
+      EXPECT_DOUBLE_EQ(residual_scale(s, e, q), size_of_terms(s, e, q)) << name;
+      continue;
+    }
+    EXPECT_EQ(size_of_terms(s, e, q), 0) << name;
+    EXPECT_GE(residual_scale(s, e, q), 1) << name;
+    EXPECT_LE(residual_scale(s, e, q), 1 + 2 * 2 * kLeastFactor) << name;
+  }
+}
+
+}  // namespace
+}  // namespace assur
