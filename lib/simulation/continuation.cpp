@@ -16,6 +16,7 @@ constexpr int kReach = 12;           // a change point is passed from 2^12 of th
 constexpr int kMoreHalvings = 6;     // of the shortest step, on the way back from a change point
 constexpr double kApart = 1.0 / 16;  // of that reach: a step that ends nearer to the change point is in doubt
 constexpr double kSure = 1e-3;       // largest correction over the distance of the branches
+constexpr double kNoLever = 1e-3;    // of what it was at the start: a driver's lever that is about to vanish
 
 std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -39,6 +40,10 @@ Continuation::Continuation(const Prepared& prepared, const StepLimits& limits, R
   state_.resize(layout_.first_unknown, layout_.size, prepared.plan.predictor);
   if (!structure_.watch_class.equations.empty()) watch_.emplace(system_, structure_, layout_.address);
   passing_.assign(packs_.size(), 0);
+  for (const Positive& p : system_.positive) {
+    const std::int32_t address = layout_.address[idx(p.coordinate)];
+    if (address >= 0 && idx(address) >= layout_.first_unknown) positive_.push_back({address, p, 0});
+  }
 }
 
 void Continuation::keep_what_is_read(std::vector<std::uint8_t> marked) {
@@ -78,6 +83,7 @@ void Continuation::start(double time, const std::vector<double>& posture, const 
                     (s.code == Code::singular ? "; the Jacobian is singular there, start elsewhere on the path" : ""));
   }
   accept(now_, errors);
+  for (MustStayPositive& p : positive_) p.start = state_.at(0)[p.address];
 }
 
 void Continuation::repeat_in_idle_lanes() {
@@ -112,6 +118,7 @@ Status Continuation::solve_at(double t, Attempt::Branch branch, StepErrors& erro
 Status Continuation::solve_all(double t, Attempt::Branch branch, StepErrors& errors) {
   double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
   failed_pack_ = packs_.size();
+  vanished_ = false;
   if (const Status s = inputs_.drive(t, q); !s.ok()) return s;
   const auto attempt = [&](std::size_t p) {
     Attempt a;
@@ -134,6 +141,7 @@ Status Continuation::solve_all(double t, Attempt::Branch branch, StepErrors& err
       failed_pack_);
   if (s.code == Code::deadline) s.figure = limits_.seconds;
   if (!s.ok()) return s;
+  if (s = check_positive(); !s.ok()) return s;
   return check_watched(branch == Attempt::Branch::inside ? converged_ : kConverged, errors);
 }
 
@@ -145,6 +153,33 @@ Status Continuation::check_watched(double left, StepErrors& errors) {
   if (!(r <= std::max(kConsistent, left))) return {Code::inconsistent, {}, r};
   errors.position = std::max(errors.position, r);
   return {};
+}
+
+// Beyond zero a driver's equations hold half a turn away from its law.
+Status Continuation::check_positive() {
+  for (std::size_t i = 0; i < positive_.size(); ++i) {
+    const double value = state_.at(0)[positive_[i].address];
+    if (value > 0) continue;
+    vanished_ = true;
+    return {Code::actuator_zero, Place::driver(positive_[i].of.driver), value};
+  }
+  return {};
+}
+
+// Which driver or redundant equation stopped the motion.
+void Continuation::tell(const Status& stopped, double target) {
+  Event event{now_, target, "", stopped.code, stopped.figure};
+  if (stopped.code == Code::inconsistent) {
+    const Watched& of = structure_.watched[watch_->worst()];
+    event.group = of.name;
+    event.figure = watch_->violation(state_.at(0)) * system_.unit(of.is_length ? 1 : 0);
+    event.unit = of.is_length ? "m" : "";
+  } else if (stopped.code == Code::actuator_zero) {
+    event.group = system_.drivers[idx(stopped.where.index)];
+  } else {
+    return;
+  }
+  record(std::move(event), std::abs(target - now_));
 }
 
 void Continuation::accept(double t, const StepErrors& errors) {
@@ -207,10 +242,17 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
       wants_reselection_ = true;
       return s;
     }
-    if (!worth_halving(s.code) || failed_pack_ == packs_.size()) return s;
+    if (!vanished_ && (!worth_halving(s.code) || failed_pack_ == packs_.size())) {
+      tell(s, target);
+      return s;
+    }
     if (std::abs(h) > smallest * 1.5) {
       stride.set(std::abs(target - now_) / 2);
       continue;
+    }
+    if (vanished_) {
+      tell(s, target);
+      return s;
     }
     if (may_choose_anew(may_reselect)) {
       wants_reselection_ = true;
@@ -280,6 +322,13 @@ Status Continuation::try_step(double target, Attempt::Branch branch, bool expand
 // The smallest step fails: is this a limit, a change point that can be passed, or unknown?
 Status Continuation::at_the_limit(const Status& failed, double target, double t) {
   state_.restore();
+  for (std::size_t i = 0; i < positive_.size(); ++i) {
+    const double lever = state_.at(0)[positive_[i].address];
+    if (lever > kNoLever * positive_[i].start) continue;
+    const Status gone{Code::actuator_zero, Place::driver(positive_[i].of.driver), lever};
+    tell(gone, target);
+    return gone;
+  }
   if (structure_.classes[idx(packs_[failed_pack_].group_class)].derivatives == 0) state_.estimate_rates();
   double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
   Status found = levels_.solver(packs_[failed_pack_]).diagnose(packs_[failed_pack_], q);
@@ -288,9 +337,10 @@ Status Continuation::at_the_limit(const Status& failed, double target, double t)
   if (found.code == Code::branch_unknown && failed.code == Code::not_converged && found.figure > 0.05) found = failed;
   const bool passed = found.code == Code::change_point_passed;
   if (found.code == Code::limit_reached) target = first_without_solution(target, t);
-  record({passed ? last_before_pass_ : now_, passed ? now_ : target,
-          structure_.name_of(found.where.is(Place::Kind::group) ? found.where : failed.where), found.code, found.figure},
-         std::abs(t - target));
+  record(
+      {passed ? last_before_pass_ : now_, passed ? now_ : target,
+       structure_.name_of(found.where.is(Place::Kind::group) ? found.where : failed.where), found.code, found.figure},
+      std::abs(t - target));
   return passed ? Status{} : found;
 }
 

@@ -86,6 +86,7 @@ class Tile {
   [[nodiscard]] Status solve(std::span<const double> times, Attempt::Branch branch);
   [[nodiscard]] Status solve_all(std::span<const double> times, Attempt::Branch branch);
   [[nodiscard]] Status check_watched(StepErrors& errors);
+  [[nodiscard]] Status check_positive() const;
 
   std::shared_ptr<const Structure> structure_;
   StepLimits limits_;
@@ -94,6 +95,7 @@ class Tile {
   Driven driven_;
   std::vector<Index> driven_coordinates_;
   std::vector<Index> positive_;                     // coordinates: driven distances
+  std::vector<std::size_t> levers_;                 // addresses in lane 0: auxiliaries of drivers that must stay > 0
   std::vector<std::optional<DriveProgram>> drive_;  // lanes
   std::vector<std::string> columns_;
   std::vector<OutputProgram> outputs_;                   // lanes

@@ -19,6 +19,9 @@ class Watch {
 
   // Largest relative residual at the posture q.
   [[nodiscard]] double residual(const double* q);
+  // Of which equation it was, and how far that one is from holding at q: |Phi| / |grad Phi|, internal units.
+  [[nodiscard]] std::size_t worst() const { return worst_; }
+  [[nodiscard]] double violation(const double* q);
 
  private:
   Program program_;
@@ -26,6 +29,7 @@ class Watch {
   std::vector<double> coefficients_;
   std::vector<std::int32_t> addresses_;  // inputs
   std::vector<double> inputs_, phi_, scale_;
+  std::size_t worst_ = 0;
 };
 
 }  // namespace assur
