@@ -70,12 +70,15 @@ struct Certificate {
 struct Event {
   double time = 0;   // where it was noticed
   double until = 0;  // end of the bracket, = time if there is none
-  // Or the driver that was set to what is not finite, or whose law is wrong, or the constraint of a wrong callback; "":
-  // none.
+  // Or the driver that was set to a value that is not finite, that drives nothing any more, or whose law is wrong; or
+  // the constraint of a wrong callback; or the redundant equation that ceased to hold; "": none.
   std::string group;
   Code kind = Code::ok;
-  double figure = 0;        // residual, contraction, smallest pivot, relative difference of derivatives
+  // Residual, contraction, smallest pivot, relative difference of derivatives; of a redundant equation |Phi| / |grad
+  // Phi|.
+  double figure = 0;
   std::string detail = {};  // which number is wrong, what it is and what it should be; "": nothing more to tell
+  std::string unit = {};    // of the figure: "m" or ""
 };
 
 struct Report {

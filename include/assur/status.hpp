@@ -49,7 +49,7 @@ enum class Code : std::uint8_t {
   branch_unknown,       // which branch continues the motion could not be decided
   inconsistent,         // a redundant equation is no longer satisfied
   out_of_range,         // a law was asked for a time outside its table
-  actuator_zero,        // a driven distance reached zero
+  actuator_zero,        // a driven distance reached zero, or the directions of a driven angle: it drives nothing there
   deadline,             // the time allowed for the step ran out
   interrupted,          // the observer asked to stop
   wrong_function,       // derivatives that a law or a callback of the program gives are not those of its values

@@ -83,10 +83,28 @@ struct LeftOut {
   std::int64_t static_groups = 0;  // no moving driver: solved once
 };
 
-// An equation set of which one is implied by the others, in every posture looked at.
+// An equation set of which one depends on the others at the start posture.
 struct Redundancy {
+  enum class Kind : std::uint8_t {
+    structural,  // it follows from the others: at other values of the drivers, too
+    motion,      // it holds while the drivers run as their laws say, at other values of them it does not
+    start,       // it holds at the start posture and ceases to as the drivers move
+    unknown,     // no other posture was found to look at
+  };
   std::vector<std::string> constraints;  // the nonzeros of a left null vector
   std::string dropped;                   // the one that is checked instead of solved
+  Kind kind = Kind::unknown;
+  // Where it does not hold, elsewhere on the path (start) or off it (motion): by how much, |Phi| / |grad Phi|; in metres
+  // if is_length.
+  double violation = 0;
+  bool is_length = false;
+  double time = 0;  // start: when
+};
+
+// What a watched equation is, for messages.
+struct Watched {
+  std::string name;
+  bool is_length = false;  // |Phi| / |grad Phi| is a length
 };
 
 struct Structure {
@@ -103,7 +121,10 @@ struct Structure {
   std::int64_t derived = 0;  // scalars of body members
   std::int64_t equations = 0;
   std::int64_t eliminated = 0;            // by presolve
-  std::int64_t mobility = 0;              // degrees of freedom without the drivers: unknowns - rank + driven freedoms
+  // Degrees of freedom without the drivers: unknowns less the rank of all equations but the drivers', at the postures
+  // looked at where that is largest; and at the start posture, which may be singular.
+  std::int64_t mobility = 0;
+  std::int64_t mobility_at_start = 0;
   std::vector<std::string> undetermined;  // unknowns that nothing fixes
   std::vector<Redundancy> redundant;
   LeftOut left_out;
@@ -112,6 +133,7 @@ struct Structure {
   // The watched ones that move, as a group without unknowns.
   Group watch;
   GroupClass watch_class;                        // no equations: nothing to watch
+  std::vector<Watched> watched;                  // its equations
   std::vector<std::int32_t> static_coordinates;  // solved once
   std::vector<double> start;                     // assembled posture, all coordinates, internal units
   std::vector<Diagnostic> notes;                 // assembly: other mode than the guess, a singular start, ...

@@ -39,6 +39,7 @@ class Check {
     measures();
     inputs();
     assignments();
+    positive();
     for (std::size_t c = 0; c < structure_.classes.size(); ++c) {
       part("classes", c);
       equations(structure_.classes[c], structure_.classes[c].n);
@@ -151,6 +152,16 @@ class Check {
     }
   }
 
+  void positive() {
+    for (std::size_t i = 0; i < system_.positive.size(); ++i) {
+      part("positive", i);
+      const Positive& p = system_.positive[i];
+      require(within(p.coordinate, known_.size()) && known_[idx(p.coordinate)] == 0, "the coordinate");
+      require(within(p.driver, system_.drivers.size()), "the driver");
+      require_power(p.dimension);
+    }
+  }
+
   // ---- structure
 
   void equations(const GroupClass& c, Index unknowns) {
@@ -234,6 +245,7 @@ class Check {
     part("watch");
     const Group& group = structure_.watch;
     const GroupClass& c = structure_.watch_class;
+    require(structure_.watched.size() == c.equations.size(), "the number of names");
     if (c.equations.empty() && group.inputs.empty()) return;
     require(c.n == 0, "the number of unknowns");
     equations(c, 0);

@@ -40,6 +40,7 @@ inline void fields(auto& a, Either<MeasureForms> auto& m) { a(m.name, m.kind, m.
 inline void fields(auto& a, Either<DriverInput> auto& i) {
   a(i.driver, i.kind, i.first, i.count, i.dimension, i.must_not_vanish, i.laws);
 }
+inline void fields(auto& a, Either<Positive> auto& p) { a(p.coordinate, p.driver, p.dimension); }
 inline void fields(auto& a, Either<System> auto& s) {
   a.label("system", s.dimension, s.length_exponent);
   a.label("coordinates", s.coordinates);
@@ -53,6 +54,7 @@ inline void fields(auto& a, Either<System> auto& s) {
   a.label("outputs", s.outputs);
   a.label("drivers", s.drivers);
   a.label("inputs", s.inputs);
+  a.label("positive", s.positive);
 }
 
 // ---- structure
@@ -76,11 +78,13 @@ inline void fields(auto& a, Either<Group> auto& g) {
   a(g.name, g.of, g.level, g.group_class, g.derivatives, g.wanted_derivatives);
   a(g.unknowns, g.inputs, g.constants);
 }
+inline void fields(auto& a, Either<Watched> auto& w) { a(w.name, w.is_length); }
 inline void fields(auto& a, Either<Structure> auto& s) {
   a.label("structure", s.formulation, s.levels);
   a.label("classes", s.classes);
   a.label("groups", s.groups);
   a.label("watch", s.watch, s.watch_class);
+  a.label("watched", s.watched);
   a.label("static", s.static_coordinates);
   a.label("start", s.start);
 }

@@ -195,18 +195,15 @@ bool BodyWriter::posed_by_equations(const Body& b) const {
 
 void BodyWriter::write_frame(const Body& b, Index index) {
   const Item axis[3] = {forms_.item(b.frame[0]), forms_.item(b.frame[1]), forms_.item(b.frame[2])};
-  int known = -1, unknown = 0;
-  for (int j = 0; j < 3; ++j) {
-    if (forms_.all_known(axis[j])) {
-      known = j;
-    } else {
-      ++unknown;
-    }
-  }
-  if (unknown == 0) return;
   forms_.system().frames.push_back(
       {{forms_.item_index(b.frame[0]), forms_.item_index(b.frame[1]), forms_.item_index(b.frame[2])}, index});
-  if (posed_by_equations(b)) return;
+  int known = -1, unknown = 0;
+  for (int j = 0; j < 3; ++j) unknown += forms_.all_known(axis[j]) ? 0 : 1;
+  // Of two known axes the one whose next is known as well: the third is their product.
+  for (int j = 0; j < 3; ++j) {
+    if (forms_.all_known(axis[j]) && (unknown == 2 || forms_.all_known(axis[kNext[j]]))) known = j;
+  }
+  if (unknown == 0 || posed_by_equations(b)) return;
   const Index from = forms_.source("body " + b.name);
   if (known >= 0) return write_frame_about(from, axis[known], axis[kNext[known]], axis[kAfter[known]]);
   forms_.unit_equation(from, axis[0]);

@@ -12,11 +12,16 @@ std::size_t idx(Index i) { return static_cast<std::size_t>(i); }
 // ---- declarations
 
 void DriverWriter::declare_auxiliaries() {
-  for (const Driver& d : forms_.scene().drivers()) {
+  const auto& drivers = forms_.scene().drivers();
+  for (std::size_t i = 0; i < drivers.size(); ++i) {
+    const Driver& d = drivers[i];
     const auto* r = std::get_if<RelativeAngle>(&d.kind);
     if (r == nullptr) continue;
     const Triple from = forms_.at(r->d), to = forms_.at(r->e);
-    forms_.declare_scalar(d.name + ".rho", forms_.power(r->d) + forms_.power(r->e), length_of(from) * length_of(to));
+    const int power = forms_.power(r->d) + forms_.power(r->e);
+    forms_.declare_scalar(d.name + ".rho", power, length_of(from) * length_of(to));
+    const Index rho = forms_.system().form(forms_.item(d.name + ".rho").form[0])[0].coordinate;
+    forms_.system().positive.push_back({rho, static_cast<Index>(i), static_cast<std::int8_t>(power)});
     if (forms_.dimension() == 3 && !forms_.is_fixed(forms_.item(r->axis))) {
       const std::string across = d.name + ".across";
       forms_.declare(across, triple::cross(forms_.at(r->axis), from), false, forms_.power(r->d));
@@ -134,6 +139,13 @@ void DriverWriter::assign(Index coordinate, Index form) {
   s.assignments.push_back({coordinate, form});
 }
 
+// The direction of AB at the angle 0.
+Triple DriverWriter::zero_of(const PointAngle& a) const {
+  if (forms_.dimension() == 2) return {1, 0, 0};
+  const Triple ab = triple::subtract(forms_.at(a.b), forms_.at(a.a)), axis = forms_.at(a.axis);
+  return direction_of(triple::subtract(ab, triple::scale(triple::dot(ab, axis), axis)));
+}
+
 // B = A + r (cos, sin) in the plane; A + z n + r (cos e1 + sin e2) about a fixed axis n in space.
 Index DriverWriter::arm_end(const Driver& d, const PointAngle& a, Index n, int k) {
   const Triple ab = triple::subtract(forms_.at(a.b), forms_.at(a.a));
@@ -147,7 +159,7 @@ Index DriverWriter::arm_end(const Driver& d, const PointAngle& a, Index n, int k
   }
   const Triple axis = forms_.at(a.axis);
   const double z = triple::dot(ab, axis);
-  const Triple e1 = direction_of(triple::subtract(ab, triple::scale(z, axis))), e2 = triple::cross(axis, e1);
+  const Triple e1 = zero_of(a), e2 = triple::cross(axis, e1);
   const double r = std::sqrt(length * length - z * z);
   const auto at_k = [&](const Triple& v) { return v[static_cast<std::size_t>(k)]; };
   forms_.append(terms, forms_.constant_form(z * at_k(axis), 1), kPlus);

@@ -6,6 +6,7 @@
 
 #include "scene/drive.hpp"
 #include "scene/lowering_parts.hpp"
+#include "scene/own_values.hpp"
 
 namespace assur {
 namespace {
@@ -115,6 +116,7 @@ void declare_measures(Forms& forms) {
 // Driven coordinates start where their laws say; a guess that disagrees is overruled, with a note.
 void set_driven_guess(System& s) {
   const std::vector<double> written = s.guess;
+  for (DriverInput& in : s.inputs) in.written = own_values(s, in, written);
   (void)drive(s, s.scene->time().start, s.guess.data(), nullptr, nullptr);
   for (const DriverInput& in : s.inputs) {
     const Driver& d = s.scene->drivers()[idx(in.driver)];
@@ -159,6 +161,7 @@ System lower(std::shared_ptr<const Scene> scene, std::span<const std::string> co
   drivers.write_equations();
 
   declare_measures(forms);
+  drivers.note_own_forms();
   set_driven_guess(forms.system());
   for (Item& item : forms.system().items) item.fixed = forms.is_fixed(item);
   return std::move(forms.system());

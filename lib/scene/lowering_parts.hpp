@@ -105,6 +105,8 @@ class DriverWriter {
   void fix_coordinates();
   // Drivers that fix no coordinates add equations.
   void write_equations();
+  // What each driver drives, whatever its equations are.
+  void note_own_forms();
 
  private:
   // A point or vector of a body's base, as forms of its driver's frame.
@@ -122,6 +124,7 @@ class DriverWriter {
   bool fix(const Driver& driver, Index index);
   [[nodiscard]] bool can_be_fixed(const Item& item) const;
   void assign(Index coordinate, Index form);
+  [[nodiscard]] Triple zero_of(const PointAngle& angle) const;
   Index arm_end(const Driver& driver, const PointAngle& angle, Index index, int k);
   std::vector<PoseTarget> pose_targets(const Body& body, Index index);
   [[nodiscard]] const Body& body(const std::string& name) const;

@@ -90,6 +90,18 @@ struct DriverInput {
   std::vector<Law> laws;         // scalar, direction: 1; frame: the translation's, then the rotation's
   std::int8_t dimension = 0;     // of a scalar or of the translation
   bool must_not_vanish = false;  // a driven distance
+  // What it drives, as forms, for own_values(): a coordinate, the components of a distance, two directions (and in
+  // space the axis), or a body's origin and axes.
+  std::vector<Index> own;
+  std::vector<double> written;  // its own values in the posture as written, one for each law, SI units
+};
+
+// An auxiliary unknown that its driver needs > 0: rho of a relative angle, without which the angle is off by half a
+// turn.
+struct Positive {
+  Index coordinate;
+  Index driver;           // index into System::drivers
+  std::int8_t dimension;  // power of length
 };
 
 // coordinate := form, in order; the forms use known coordinates only.
@@ -147,6 +159,7 @@ class System {
   std::unordered_map<std::string, Index> item_of;
   std::vector<DriverInput> inputs;
   std::vector<Assignment> assignments;
+  std::vector<Positive> positive;
   std::vector<CallbackBlock> callbacks;
   std::vector<Frame> frames;
   std::vector<SystemGroup> groups;

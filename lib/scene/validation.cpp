@@ -16,6 +16,12 @@ bool has_auxiliary(const Constraint& constraint, std::string_view part) {
           std::holds_alternative<OnPlane>(constraint.kind));
 }
 
+constexpr double kAlong = 1e-6;  // rad between an axis and a direction that is along it
+
+std::string text(const Direction& d) {
+  return d.is_pair() ? "the direction from " + in_quotes(d.first) + " to " + in_quotes(d.second) : in_quotes(d.first);
+}
+
 std::size_t rank_of_section(const std::string& pointer) {
   static constexpr std::string_view kOrder[] = {"points",   "vectors", "bodies",  "constraints", "drivers",
                                                 "measures", "groups",  "outputs", "time"};
@@ -146,7 +152,30 @@ Validation::Involved Validation::direction(const Direction& direction, const Whe
     report(where, "a direction from " + in_quotes(direction.first) + " to itself; two different points are wanted");
     return {};
   }
-  return {from.usable && to.usable, from.fixed && to.fixed, triple::subtract(to.at, from.at)};
+  const Involved out{from.usable && to.usable, from.fixed && to.fixed, triple::subtract(to.at, from.at)};
+  if (out.usable && out.fixed && triple::norm(out.at) == 0) {
+    report(where, "a direction from " + in_quotes(direction.first) + " to " + in_quotes(direction.second) +
+                      ", which are at the same place; points at different places are wanted");
+    return {};
+  }
+  return out;
+}
+
+// An angle about an axis needs directions that are not along it.
+void Validation::check_axis(const std::string& name, std::initializer_list<std::pair<const Direction&, Involved>> of,
+                            const Where& where) {
+  const Involved axis = vector(name, where);
+  if (!axis.usable) return;
+  for (const auto& [direction, involved] : of) {
+    const bool itself = !direction.is_pair() && direction.first == name;
+    const bool along = axis.fixed && involved.fixed && involved.usable &&
+                       !(triple::norm(triple::cross(axis.at, involved.at)) >
+                         kAlong * triple::norm(axis.at) * triple::norm(involved.at));
+    if (!itself && !along) continue;
+    report(where, in_quotes(name) + (itself ? " is the axis and a direction" : " is along " + text(direction)) +
+                      ", so there is no angle about it; choose another axis, e.g. one across both directions");
+    return;
+  }
 }
 
 Validation::Scalar Validation::scalar(const std::string& text, const Where& where) {

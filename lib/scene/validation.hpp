@@ -51,6 +51,8 @@ class Validation {
   Involved vector(const std::string& name, const Where& where);
   Involved point_or_vector(const std::string& name, const Where& where);
   Involved direction(const Direction& direction, const Where& where);
+  void check_axis(const std::string& name, std::initializer_list<std::pair<const Direction&, Involved>> of,
+                  const Where& where);
   Scalar scalar(const std::string& text, const Where& where);
   void unknown_name(const std::string& name, std::initializer_list<NameKind> kinds, const Where& where);
   bool finite(double number, const Where& where);
@@ -66,6 +68,7 @@ class Validation {
   void order_bodies();
   void check_base(const Body& body, const Where& where);
   void check_frame(const Body& body, const Where& where);
+  void check_fixed_axes(const Body& body, const std::vector<Involved>& axes, const Where& where);
   void place_members(const Body& body, const Where& where);
 
   // constraints (validation_constraints.cpp)

@@ -13,6 +13,9 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 // Below this sine two directions count as one: no frame can be built on them in double precision.
 constexpr double kParallel = 1e-8;
 
+constexpr double kSquare =
+    1e-6;  // the largest dot product of a frame's vectors, which may be written with seven digits
+
 // Columns: the local axes in ground coordinates.
 struct Frame {
   Triple origin{}, x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
@@ -146,13 +149,33 @@ void Validation::check_frame(const Body& body, const Where& where) {
     report(where / "frame", dimension() == 3 ? "a frame has three vectors u, v, w = u x v"
                                              : "a frame has one vector in the plane; the other is at its left");
   }
+  std::vector<Involved> axes;
   for (std::size_t i = 0; i < body.frame.size(); ++i) {
-    (void)vector(body.frame[i], where / "frame" / i);
+    axes.push_back(vector(body.frame[i], where / "frame" / i));
     if (appears_before(body.frame, i)) {
       report(where / "frame" / i,
              in_quotes(body.frame[i]) + " is in this frame already; its vectors are different ones");
+      axes.back().usable = false;
     }
   }
+  if (body.frame.size() == wanted && wanted == 3) check_fixed_axes(body, axes, where / "frame");
+}
+
+// No equation holds fixed vectors at right angles to each other, or right-handed.
+void Validation::check_fixed_axes(const Body& body, const std::vector<Involved>& axes, const Where& where) {
+  const auto known = [&](std::size_t i) { return axes[i].usable && axes[i].fixed && triple::norm(axes[i].at) > 0; };
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t j = (i + 1) % 3;
+    if (!known(i) || !known(j)) continue;
+    const double cosine = triple::dot(unit(axes[i].at), unit(axes[j].at));
+    if (std::abs(cosine) <= kSquare) continue;
+    report(where, in_quotes(body.frame[i]) + " and " + in_quotes(body.frame[j]) + " have the dot product " +
+                      shortest(cosine) + "; the vectors of a frame are at right angles to each other");
+    return;
+  }
+  if (!known(0) || !known(1) || !known(2)) return;
+  if (triple::dot(triple::cross(axes[0].at, axes[1].at), axes[2].at) > 0) return;
+  report(where, "the frame is left-handed, so its body would be mirrored; write w = u x v");
 }
 
 // Where the members are as written and whether they are fixed; NaN and broken where the base is.

@@ -127,6 +127,17 @@ void Validation::check_arm(const PointAngle& d, const Involved& a, const Involve
              !(triple::norm(triple::cross(axis.at, arm)) > 1e-9 * triple::norm(arm) * triple::norm(axis.at))) {
     report(where / "angle", "there is no arm across the axis from " + in_quotes(d.a) + " to " + in_quotes(d.b) +
                                 ", so no angle about it; choose another axis or other positions");
+  } else if (placed) {
+    // The distance is the arm's length; what of it is along the axis is as written.
+    const double along = std::abs(triple::dot(axis.at, arm)) / triple::norm(axis.at);
+    for (const Constraint& c : scene_.constraints()) {
+      const auto* distance = std::get_if<Distance>(&c.kind);
+      if (distance == nullptr || !distance->value || pair_key(distance->p, distance->q) != pair_key(d.a, d.b)) continue;
+      if (*distance->value > along) continue;
+      report(where / "angle", "the distance " + in_quotes(c.name) + " of " + shortest(*distance->value) +
+                                  " leaves no arm across the axis: along it " + in_quotes(d.b) + " is " +
+                                  shortest(along) + " from " + in_quotes(d.a) + "; move it or choose another distance");
+    }
   }
 }
 
@@ -144,7 +155,7 @@ void Validation::check(const RelativeAngle& d, const Driver& driver, const Where
   } else if (d.axis.empty()) {
     report(where, "an angle in 3D needs an \"axis\", the name of a vector");
   } else {
-    (void)vector(d.axis, where / "axis");
+    check_axis(d.axis, {{d.d, from}, {d.e, to}}, where / "axis");
   }
   claim("angle from " + std::min(key(d.d), key(d.e)) + " to " + std::max(key(d.d), key(d.e)), driver, pair);
 }

@@ -26,9 +26,7 @@ void Validation::check_measures() {
 
 void Validation::check(const AbsoluteAngle& m, const Where& where) {
   const Where pair = where / "angle";
-  (void)point(m.a, pair / std::size_t{0});
-  (void)point(m.b, pair / std::size_t{1});
-  if (m.a == m.b) report(pair, "a direction from " + in_quotes(m.a) + " to itself; two different points are wanted");
+  (void)direction({m.a, m.b}, pair);
   if (dimension() == 3) {
     report(pair, "an absolute angle is for the plane; in 3D write two directions, [[\"A\", \"B\"], [\"C\", \"D\"]]");
   }
@@ -36,8 +34,7 @@ void Validation::check(const AbsoluteAngle& m, const Where& where) {
 
 void Validation::check(const AngleBetween& m, const Where& where) {
   const Where pair = where / "angle";
-  (void)direction(m.d, pair / std::size_t{0});
-  (void)direction(m.e, pair / std::size_t{1});
+  const Involved from = direction(m.d, pair / std::size_t{0}), to = direction(m.e, pair / std::size_t{1});
   if (m.d.first == m.e.first && m.d.second == m.e.second) {
     report(pair, "an angle from a direction to itself; two different directions are wanted");
   }
@@ -45,7 +42,7 @@ void Validation::check(const AngleBetween& m, const Where& where) {
   if (dimension() == 2) {
     report(where / "axis", "in the plane every axis is the normal; leave \"axis\" out");
   } else {
-    (void)vector(m.axis, where / "axis");
+    check_axis(m.axis, {{m.d, from}, {m.e, to}}, where / "axis");
   }
 }
 

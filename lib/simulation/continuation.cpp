@@ -16,6 +16,7 @@ constexpr int kReach = 12;           // a change point is passed from 2^12 of th
 constexpr int kMoreHalvings = 6;     // of the shortest step, on the way back from a change point
 constexpr double kApart = 1.0 / 16;  // of that reach: a step that ends nearer to the change point is in doubt
 constexpr double kSure = 1e-3;       // largest correction over the distance of the branches
+constexpr double kNoLever = 1e-3;    // of what it was at the start: a driver's lever that is about to vanish
 
 std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -43,6 +44,10 @@ Continuation::Continuation(const Prepared& prepared, const StepLimits& limits, R
     if (independence_ && independence_->empty()) independence_.reset();
   }
   passing_.assign(packs_.size(), 0);
+  for (const Positive& p : system_.positive) {
+    const std::int32_t address = layout_.address[idx(p.coordinate)];
+    if (address >= 0 && idx(address) >= layout_.first_unknown) positive_.push_back({address, p, 0});
+  }
 }
 
 void Continuation::keep_what_is_read(std::vector<std::uint8_t> marked) {
@@ -85,6 +90,7 @@ void Continuation::start(double time, const std::vector<double>& posture, const 
                     (s.code == Code::singular ? "; the Jacobian is singular there, start elsewhere on the path" : ""));
   }
   accept(now_, errors);
+  for (MustStayPositive& p : positive_) p.start = state_.at(0)[p.address];
 }
 
 void Continuation::repeat_in_idle_lanes() {
@@ -119,9 +125,11 @@ Status Continuation::solve_at(double t, Attempt::Branch branch, StepErrors& erro
 Status Continuation::solve_all(double t, Attempt::Branch branch, StepErrors& errors) {
   double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
   failed_pack_ = packs_.size();
+  vanished_ = false;
   if (const Status s = inputs_.drive(t, q); !s.ok()) return s;
   const double converged = branch == Attempt::Branch::inside ? converged_ : kConverged;
   if (const Status s = solve_packs(t, branch, converged, errors); !s.ok()) return s;
+  if (const Status s = check_positive(); !s.ok()) return s;
   return check_watched(t, branch, converged, errors);
 }
 
@@ -168,6 +176,33 @@ Status Continuation::check_watched(double t, Attempt::Branch branch, double left
   if (!(r <= std::max(kConsistent, left))) return {Code::inconsistent, {}, r};
   errors.position = std::max(errors.position, r);
   return {};
+}
+
+// Beyond zero a driver's equations hold half a turn away from its law.
+Status Continuation::check_positive() {
+  for (std::size_t i = 0; i < positive_.size(); ++i) {
+    const double value = state_.at(0)[positive_[i].address];
+    if (value > 0) continue;
+    vanished_ = true;
+    return {Code::actuator_zero, Place::driver(positive_[i].of.driver), value};
+  }
+  return {};
+}
+
+// Which driver or redundant equation stopped the motion.
+void Continuation::tell(const Status& stopped, double target) {
+  Event event{now_, target, "", stopped.code, stopped.figure};
+  if (stopped.code == Code::inconsistent) {
+    const Watched& of = structure_.watched[watch_->worst()];
+    event.group = of.name;
+    event.figure = watch_->violation(state_.at(0)) * system_.unit(of.is_length ? 1 : 0);
+    event.unit = of.is_length ? "m" : "";
+  } else if (stopped.code == Code::actuator_zero) {
+    event.group = system_.drivers[idx(stopped.where.index)];
+  } else {
+    return;
+  }
+  record(std::move(event), std::abs(target - now_));
 }
 
 void Continuation::accept(double t, const StepErrors& errors) {
@@ -234,17 +269,24 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
       wants_reselection_ = true;
       return s;
     }
-    const bool halves = s.code == Code::inconsistent || (worth_halving(s.code) && failed_pack_ != packs_.size());
-    if (!halves) return s;
+    const bool halves =
+        vanished_ || s.code == Code::inconsistent || (worth_halving(s.code) && failed_pack_ != packs_.size());
+    if (!halves) {
+      tell(s, target);
+      return s;
+    }
     if (std::abs(h) > smallest * 1.5) {
       stride.set(std::abs(target - now_) / 2);
       continue;
     }
-    if (may_choose_anew(may_reselect)) {
+    if (!vanished_ && may_choose_anew(may_reselect)) {
       wants_reselection_ = true;
       return s;
     }
-    if (failed_pack_ == packs_.size()) return s;
+    if (vanished_ || failed_pack_ == packs_.size()) {
+      tell(s, target);
+      return s;
+    }
     if (const Status found = at_the_limit(s, target, t); !found.ok()) return found;
     stride.set(smallest);
   }
@@ -323,6 +365,13 @@ Status Continuation::try_step(double target, Attempt::Branch branch, bool expand
 // The smallest step fails: is this a limit, a change point that can be passed, or unknown?
 Status Continuation::at_the_limit(const Status& failed, double target, double t) {
   state_.restore();
+  for (std::size_t i = 0; i < positive_.size(); ++i) {
+    const double lever = state_.at(0)[positive_[i].address];
+    if (lever > kNoLever * positive_[i].start) continue;
+    const Status gone{Code::actuator_zero, Place::driver(positive_[i].of.driver), lever};
+    tell(gone, target);
+    return gone;
+  }
   if (structure_.classes[idx(packs_[failed_pack_].group_class)].derivatives == 0) state_.estimate_rates();
   double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
   Status found = levels_.solver(packs_[failed_pack_]).diagnose(packs_[failed_pack_], q);

@@ -87,6 +87,8 @@ class Continuation {
   // left: relative residual of what was solved.
   [[nodiscard]] Status check_watched(double t, Attempt::Branch branch, double left, StepErrors& errors);
   [[nodiscard]] Status solve_packs(double t, Attempt::Branch branch, double converged, StepErrors& errors);
+  [[nodiscard]] Status check_positive();
+  void tell(const Status& stopped, double target);
   void accept(double t, const StepErrors& errors);
   [[nodiscard]] bool deadline_passed() const;
   [[nodiscard]] Status check_aim(double t);
@@ -127,6 +129,14 @@ class Continuation {
   bool wants_reselection_ = false;
   double selected_at_ = std::numeric_limits<double>::quiet_NaN();  // time of the last reselection that was tried
   std::size_t failed_pack_ = 0;  // of the last posture that was tried; their number: none
+  // Auxiliaries of drivers that must stay > 0, those that are solved for.
+  struct MustStayPositive {
+    std::int32_t address;
+    Positive of;
+    double start;  // value at the start of the run
+  };
+  std::vector<MustStayPositive> positive_;
+  bool vanished_ = false;  // one of them, in the last posture that was tried
   std::chrono::steady_clock::time_point deadline_;
 };
 

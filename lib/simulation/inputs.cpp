@@ -27,7 +27,7 @@ Inputs::Inputs(const System& system, const std::vector<std::string>& controlled)
     : system_(system), program_(system, {}) {
   for (std::size_t i = 0; i < system.inputs.size(); ++i) {
     const DriverInput& in = system.inputs[i];
-    const std::string& name = system.drivers[static_cast<std::size_t>(in.driver)];
+    const std::string& name = system.drivers[in.driver];
     if (std::find(controlled.begin(), controlled.end(), name) == controlled.end()) continue;
     if (in.kind != DriverInput::Kind::frame) {
       add_control(name, i, 0);
@@ -55,7 +55,7 @@ void Inputs::compile(const Driven& driven) {
   positive_.clear();
   for (const Index i : driven.inputs) {
     const DriverInput& in = system_.inputs[static_cast<std::size_t>(i)];
-    if (in.must_not_vanish) positive_.push_back(in.first);
+    if (in.must_not_vanish) positive_.push_back({in.first, in.driver});
   }
 }
 
@@ -69,8 +69,9 @@ Status Inputs::drive(double t, double* const (&state)[3]) {
   }
   program_.place(state);
   if (!program_.defined()) return {DriveProgram::why_undefined(system_, t), {}, t};
-  for (const Index i : positive_) {
-    if (!(state[0][i] > 0)) return {Code::actuator_zero, {}, state[0][i]};
+  for (const Distance& d : positive_) {
+    if (state[0][d.coordinate] > 0) continue;
+    return {Code::actuator_zero, Place::driver(d.driver), state[0][d.coordinate]};
   }
   return {};
 }

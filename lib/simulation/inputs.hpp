@@ -57,7 +57,11 @@ class Inputs {
 
   const System& system_;
   DriveProgram program_;
-  std::vector<Index> positive_;  // coordinates: driven distances
+  struct Distance {
+    Index coordinate;
+    Index driver;
+  };
+  std::vector<Distance> positive_;  // driven ones
   std::vector<Control> controls_;
 };
 

@@ -83,6 +83,10 @@ Tile::Tile(const Prepared& prepared, const StepLimits& limits)
     for (Index k = 0; k < in.count; ++k) driven_coordinates_.push_back(in.first + k);
     if (in.must_not_vanish) positive_.push_back(in.first);
   }
+  for (const Positive& p : system.positive) {
+    const std::int32_t address = layout_.address[idx(p.coordinate)];
+    if (address >= 0 && idx(address) >= layout_.first_unknown) levers_.push_back(idx(address));
+  }
   for (const Index i : driven_.assignments) driven_coordinates_.push_back(system.assignments[idx(i)].coordinate);
 }
 
@@ -224,6 +228,7 @@ Status Tile::solve_all(std::span<const double> times, Attempt::Branch branch) {
   if (const Status s = drive(times); !s.ok()) return s;
   StepErrors errors;
   if (const Status s = solve_packs(times, branch, kConverged, errors); !s.ok()) return s;
+  if (const Status s = check_positive(); !s.ok()) return s;
   if (const Status s = check_watched(times, branch, errors); !s.ok()) return s;
   if (const Status s = check_sets(); !s.ok()) return s;
   state_.accept(times[0]);
@@ -276,6 +281,16 @@ ErrorFigures Tile::error() const {
     all.merge(of);
   }
   return all;
+}
+
+Status Tile::check_positive() const {
+  for (const std::size_t address : levers_) {
+    for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
+      const double value = state_.at(0)[address + lane];
+      if (!(value > 0)) return {Code::actuator_zero, Place::lane(static_cast<std::int32_t>(lane)), value};
+    }
+  }
+  return {};
 }
 
 // Largest relative residual of the watched equations, and the lane.

@@ -91,6 +91,7 @@ class Tile {
   [[nodiscard]] double watched(std::int32_t& worst);
   [[nodiscard]] Status check_watched(std::span<const double> times, Attempt::Branch branch, StepErrors& errors);
   [[nodiscard]] Status check_sets();
+  [[nodiscard]] Status check_positive() const;
 
   std::shared_ptr<const Structure> structure_;
   StepLimits limits_;
@@ -99,6 +100,7 @@ class Tile {
   Driven driven_;
   std::vector<Index> driven_coordinates_;
   std::vector<Index> positive_;                     // coordinates: driven distances
+  std::vector<std::size_t> levers_;                 // addresses in lane 0: auxiliaries of drivers that must stay > 0
   std::vector<std::optional<DriveProgram>> drive_;  // lanes
   std::vector<std::string> columns_;
   std::vector<OutputProgram> outputs_;                       // lanes

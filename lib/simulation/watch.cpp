@@ -1,6 +1,8 @@
 #include "simulation/watch.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "simulation/tolerances.hpp"
 
@@ -31,13 +33,38 @@ double Watch::residual(const double* q) {
   return worst_ratio();
 }
 
-double Watch::worst_ratio() const {
+double Watch::worst_ratio() {
   double worst = 0;
   for (std::size_t i = 0; i < phi_.size(); ++i) {
     const double r = scale_[i] > 0 ? std::abs(phi_[i]) / scale_[i] : std::abs(phi_[i]);
-    if (!(r <= worst)) worst = r;
+    if (!(r <= worst)) {
+      worst = r;
+      worst_ = i;
+    }
   }
   return worst;
+}
+
+// The slopes by central differences, which are exact for quadratic equations.
+double Watch::violation(const double* q) {
+  constexpr double kStep = 0x1p-16;
+  const auto phi = [&] {
+    evaluator_->set_inputs(coefficients_.data(), inputs_.data());
+    evaluator_->evaluate(nullptr, phi_.data(), nullptr);
+    return phi_[worst_];
+  };
+  for (std::size_t i = 0; i < inputs_.size(); ++i) inputs_[i] = q[addresses_[i]];
+  double sum = 0;
+  for (std::size_t i = 0; i < inputs_.size(); ++i) {
+    const double at = inputs_[i];
+    inputs_[i] = at + kStep;
+    const double after = phi();
+    inputs_[i] = at - kStep;
+    const double slope = (after - phi()) / (2 * kStep);
+    inputs_[i] = at;
+    sum += slope * slope;
+  }
+  return std::abs(phi()) / std::max(std::sqrt(sum), std::numeric_limits<double>::min());
 }
 
 }  // namespace assur

@@ -19,15 +19,19 @@ class Watch {
 
   // Largest relative residual at the posture q.
   [[nodiscard]] double residual(const double* q);
+  // Of which equation it was, and how far that one is from holding at q: |Phi| / |grad Phi|, internal units.
+  [[nodiscard]] std::size_t worst() const { return worst_; }
+  [[nodiscard]] double violation(const double* q);
 
  private:
-  [[nodiscard]] double worst_ratio() const;
+  [[nodiscard]] double worst_ratio();
 
   Program program_;
   std::unique_ptr<Evaluator> evaluator_;
   std::vector<double> coefficients_;
   std::vector<std::int32_t> addresses_;  // inputs
   std::vector<double> inputs_, phi_, scale_;
+  std::size_t worst_ = 0;
 };
 
 }  // namespace assur

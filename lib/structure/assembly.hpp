@@ -28,6 +28,12 @@ struct BlockAssembly {
                                      std::span<const Index> unknowns, std::vector<double>& q,
                                      std::vector<Index>& column);
 
+// One small step along a branch: undamped Newton from a posture nearby. False, and q as it was, if it does not converge
+// within a quarter of a typical length, or if the Jacobian's determinant changes its sign on the way; `sign` is that of
+// the step before, 0 if there is none.
+[[nodiscard]] bool follow(const System& system, std::span<const Index> equations, std::span<const Index> unknowns,
+                          std::vector<double>& q, int& sign, std::vector<Index>& column);
+
 // Least-squares posture of equations that may be more or fewer than the unknowns, or dependent: Levenberg-Marquardt.
 // Returns the relative residual reached.
 double fit(const System& system, std::span<const Index> equations, std::span<const Index> unknowns,

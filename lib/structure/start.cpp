@@ -2,18 +2,27 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <numbers>
 #include <numeric>
 #include <set>
 #include <unordered_map>
+#include <utility>
 
+#include "scene/own_values.hpp"
+#include "scene/triple.hpp"
+#include "structure/approach.hpp"
 #include "structure/assembly.hpp"
 #include "structure/block_names.hpp"
+#include "structure/other_postures.hpp"
 #include "structure/rank.hpp"
 
 namespace assur {
 namespace {
 
 constexpr double kConsistent = 1e-10;  // relative residual up to which dependent equations agree with each other
+constexpr double kSkew = 1e-6;         // of a frame's axes, which may be written with seven digits
+constexpr double kFar = 0.1;           // rad or internal units from a driver's value as written to its law's
+constexpr std::size_t kMostFlips = 8;  // drivers that are led the longer way round, one at a time
 
 std::size_t idx(Index i) { return static_cast<std::size_t>(i); }
 
@@ -23,18 +32,26 @@ std::string shortened(double value) {
   return text;
 }
 
+std::string precise(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", value);
+  return text;
+}
+
 class Start {
  public:
   Start(const System& system, Problem& problem, Structure& out)
       : s_(system), p_(problem), out_(out), column_(system.coordinates.size(), -1) {}
 
-  void run() {
+  // Returns what is not regular.
+  DoubtfulParts run() {
     split_equations();
     p_.blocks = decompose(s_, p_.equations, p_.unknowns);
     const std::vector<Index> singular = assemble_blocks();
     const bool refused = !out_.cannot_assemble.empty() && p_.blocks.square();
     if (!refused && !(p_.blocks.square() && singular.empty())) study_doubtful_parts(singular);
-    check_handedness();
+    check_frames();
+    return std::move(doubtful_);
   }
 
  private:
@@ -48,6 +65,7 @@ class Start {
       if (solves) {
         p_.equations.push_back(e);
       } else {
+        doubtful_.equations.push_back(e);
         out_.checks.push_back(e);
         out_.redundant.push_back({{s_.equation_name(e)}, s_.equation_name(e)});
         if (relative_residual(e) > kConsistent) contradiction({s_.equation_name(e)}, relative_residual(e));
@@ -145,7 +163,9 @@ class Start {
     }
     for (const Index r : doubtful) {
       const auto& [equations, unknowns] = parts[r];
-      take(study_rank(s_, equations, unknowns, p_.time, p_.q, column_), static_cast<Index>(unknowns.size()), kept);
+      doubtful_.equations.insert(doubtful_.equations.end(), equations.begin(), equations.end());
+      doubtful_.unknowns.insert(doubtful_.unknowns.end(), unknowns.begin(), unknowns.end());
+      take(study_rank(s_, equations, unknowns, p_.time, p_.q, column_), kept);
     }
     std::sort(kept.begin(), kept.end());
     p_.equations = std::move(kept);
@@ -153,16 +173,11 @@ class Start {
     if (out_.undetermined.empty() && out_.cannot_assemble.empty()) assemble_blocks();
   }
 
-  void take(const RankStudy& study, Index unknowns, std::vector<Index>& kept) {
+  void take(const RankStudy& study, std::vector<Index>& kept) {
     kept.insert(kept.end(), study.kept.begin(), study.kept.end());
+    doubtful_.kept.insert(doubtful_.kept.end(), study.kept.begin(), study.kept.end());
     out_.checks.insert(out_.checks.end(), study.dropped.begin(), study.dropped.end());
-    for (const Redundancy& r : study.redundant) {
-      out_.redundant.push_back(r);
-      const bool names_a_driver = std::any_of(r.constraints.begin(), r.constraints.end(),
-                                              [](const std::string& n) { return n.rfind("driver ", 0) == 0; });
-      if (names_a_driver) --out_.mobility;
-    }
-    out_.mobility += unknowns - study.rank;
+    out_.redundant.insert(out_.redundant.end(), study.redundant.begin(), study.redundant.end());
     for (const Index u : study.undetermined) out_.undetermined.push_back(s_.coordinate_name(u));
     if (study.residual > kConsistent) {
       std::vector<std::string> names;
@@ -179,22 +194,196 @@ class Start {
     }
   }
 
-  // The equations of a frame driven inside a declared group hold for its mirror image as well.
-  void check_handedness() {
+  // The equations of a frame driven inside a declared group hold for its mirror image as well, and none hold for axes
+  // that are all known.
+  void check_frames() {
     for (const Frame& f : s_.frames) {
       if (!out_.cannot_assemble.empty() || !out_.undetermined.empty()) return;
-      double a[3][3];
-      for (int j = 0; j < 3; ++j) {
-        for (int k = 0; k < 3; ++k) a[j][k] = form_value<double>(s_, s_.items[idx(f.item[j])].form[k], p_.q);
+      Triple a[3];
+      for (std::size_t j = 0; j < 3; ++j) {
+        for (std::size_t k = 0; k < 3; ++k) a[j][k] = form_value<double>(s_, s_.items[idx(f.item[j])].form[k], p_.q);
       }
-      const double volume = a[0][0] * (a[1][1] * a[2][2] - a[1][2] * a[2][1]) +
-                            a[0][1] * (a[1][2] * a[2][0] - a[1][0] * a[2][2]) +
-                            a[0][2] * (a[1][0] * a[2][1] - a[1][1] * a[2][0]);
-      if (volume > 0) continue;
-      const std::string& body = s_.scene->bodies()[idx(f.body)].name;
-      out_.cannot_assemble = "the frame of body " + body +
-                             " was assembled as its mirror image; start its vectors nearer to a right-handed frame";
+      const std::string body = "the frame of body " + s_.scene->bodies()[idx(f.body)].name;
+      if (!(triple::dot(triple::cross(a[0], a[1]), a[2]) > 0)) {
+        out_.cannot_assemble =
+            body + " was assembled as its mirror image; start its vectors nearer to a right-handed frame";
+        return;
+      }
+      const Triple off = triple::subtract(triple::cross(a[0], a[1]), a[2]);
+      const double skew = std::max({triple::norm(off), std::abs(triple::dot(a[0], a[1])),
+                                    std::abs(triple::norm(a[0]) - 1), std::abs(triple::norm(a[1]) - 1)});
+      if (skew <= kSkew) continue;
+      out_.cannot_assemble = body + " has no axes of length 1 at right angles in the start posture (off by " +
+                             shortened(skew) + "); its vectors are fixed or driven otherwise";
     }
+  }
+
+  const System& s_;
+  Problem& p_;
+  Structure& out_;
+  DoubtfulParts doubtful_;
+  std::vector<Index> column_;  // scratch of DenseBlock
+};
+
+// The start posture in which every driver has the value of its law. Newton's method from a guess that is far from it
+// may end in a posture with another value that satisfies the same equations: then the drivers are led there step by
+// step.
+class DrivenStart {
+ public:
+  DrivenStart(const System& system, Problem& problem, Structure& out)
+      : s_(system), p_(problem), out_(out), column_(system.coordinates.size(), -1) {}
+
+  void run() {
+    const Problem asked = p_;
+    const Structure described = out_;
+    Attempt direct = attempt(asked, described, asked.q);
+    std::string wrong = is_assembled(direct.out) ? wrong_driver(direct.problem.q) : "";
+    const bool may_be_led = asked.is_guess && direct.problem.blocks.square();
+    if (may_be_led && (!wrong.empty() || (!direct.out.cannot_assemble.empty() && is_far()))) {
+      const auto take = [&](const std::vector<double>& q) {
+        Attempt led = attempt(asked, described, q);
+        if (!is_assembled(led.out) || !wrong_driver(led.problem.q).empty()) return false;
+        direct = std::move(led);
+        wrong.clear();
+        return true;
+      };
+      const Blocks blocks = direct.problem.blocks;
+      const std::vector<double> found = direct.problem.q;
+      const bool has_values = !wrong.empty();
+      const bool on_branch = lead_from_guess(blocks, asked.q, Branch::same, take) ||
+                             (has_values && lead_from_posture(blocks, found, Branch::same, take));
+      if (!on_branch && has_values &&
+          (lead_from_guess(blocks, asked.q, Branch::any, take) ||
+           lead_from_posture(blocks, found, Branch::any, take))) {
+        direct.out.notes.push_back(
+            {"/", "no posture on the branch of the guess has the values that the laws give; another branch was taken"});
+      }
+    }
+    p_ = std::move(direct.problem);
+    out_ = std::move(direct.out);
+    if (out_.cannot_assemble.empty()) {
+      out_.cannot_assemble = std::move(wrong);
+      check_directions();
+    }
+    out_.mobility_at_start = out_.mobility;
+    if (asked.is_guess) look_at_other_postures(s_, direct.doubtful, p_.q, p_.time, out_);
+  }
+
+ private:
+  struct Attempt {
+    Problem problem;
+    Structure out;
+    DoubtfulParts doubtful;
+  };
+
+  Attempt attempt(const Problem& problem, const Structure& out, const std::vector<double>& q) const {
+    Attempt a{problem, out, {}};
+    a.problem.q = q;
+    a.doubtful = Start(s_, a.problem, a.out).run();
+    return a;
+  }
+
+  static bool is_assembled(const Structure& out) { return out.cannot_assemble.empty() && out.undetermined.empty(); }
+
+  // ---- checks
+
+  // The first driver whose own value is not the one that its law gives; empty: none.
+  [[nodiscard]] std::string wrong_driver(const std::vector<double>& q) const {
+    for (const DriverInput& in : s_.inputs) {
+      if (!why_undefined(s_, in, q).empty()) continue;  // told as such
+      const std::optional<Mismatch> off = mismatch(s_, in, q);
+      if (!off) continue;
+      const std::string unit = off->unit.empty() ? "" : " " + off->unit;
+      return "driver " + name(in) + ": in the start posture found its " + off->what + " is " + precise(off->has) +
+             unit + ", its law says " + precise(off->wanted) + unit + "; start nearer to the law's value";
+    }
+    return "";
+  }
+
+  // Angles need directions with a length and off the axis. Without them nothing fixes what they should drive.
+  void check_directions() {
+    for (const DriverInput& in : s_.inputs) {
+      const std::string why = why_undefined(s_, in, p_.q);
+      if (why.empty()) continue;
+      out_.undetermined.clear();
+      out_.cannot_assemble = "driver " + name(in) + " has no angle in the start posture: " + why;
+      return;
+    }
+    for (const MeasureForms& m : s_.measures) {
+      if (m.kind != MeasureForms::Kind::signed_angle || s_.dimension == 2 || !out_.undetermined.empty()) continue;
+      Triple axis;
+      for (std::size_t k = 0; k < 3; ++k) axis[k] = form_value<double>(s_, m.forms[6 + k], p_.q);
+      if (std::abs(triple::norm(axis) - 1) <= kSkew) continue;
+      out_.cannot_assemble = "the axis of measure " + m.name + " has length " + precise(triple::norm(axis)) +
+                             " in the start posture; an axis is a unit vector";
+      return;
+    }
+  }
+
+  [[nodiscard]] const std::string& name(const DriverInput& in) const { return s_.drivers[idx(in.driver)]; }
+
+  // ---- another way to the start
+
+  [[nodiscard]] DriverValues values(const std::vector<double>& q, bool own) const {
+    DriverValues out;
+    for (const DriverInput& in : s_.inputs) out.push_back(own ? own_values(s_, in, q) : wanted_values(s_, in, q));
+    return out;
+  }
+
+  [[nodiscard]] DriverValues written() const {
+    DriverValues out;
+    for (const DriverInput& in : s_.inputs) out.push_back(in.written);
+    return out;
+  }
+
+  [[nodiscard]] bool is_far() const {
+    const DriverValues from = written(), to = values(p_.q, false);
+    for (std::size_t i = 0; i < s_.inputs.size(); ++i) {
+      for (const double d : difference(s_, s_.inputs[i], from[i], to[i])) {
+        if (std::abs(d) > kFar * std::min(1.0, s_.unit(1))) return true;
+      }
+    }
+    return false;
+  }
+
+  // On the branch of the guess: assembled with the drivers as they are written first.
+  template <class Take>
+  bool lead_from_guess(const Blocks& blocks, std::vector<double> q, Branch branch, Take&& take) {
+    const DriverValues from = written(), to = values(q, false);
+    drive_by_values(s_, from, q);
+    for (Index b = 0; b < blocks.size(); ++b) {
+      if (!assemble(s_, blocks.equations_of(b), blocks.unknowns_of(b), q, column_).converged) return false;
+    }
+    return lead(blocks, from, to, q, branch, take);
+  }
+
+  // From the posture with wrong values, which is a posture for these.
+  template <class Take>
+  bool lead_from_posture(const Blocks& blocks, std::vector<double> q, Branch branch, Take&& take) {
+    const DriverValues from = values(q, true), to = values(q, false);
+    for (const Positive& p : s_.positive) q[idx(p.coordinate)] = std::abs(q[idx(p.coordinate)]);
+    return lead(blocks, from, to, q, branch, take);
+  }
+
+  // The shorter way round first, then another one for each driver that turns by more than a right angle, then for all.
+  template <class Take>
+  bool lead(const Blocks& blocks, const DriverValues& from, const DriverValues& to, const std::vector<double>& q,
+            Branch branch, Take&& take) {
+    const std::vector<Way> shorter(s_.inputs.size(), Way::shorter);
+    std::vector<std::vector<Way>> ways = {shorter};
+    std::vector<Way> all = shorter;
+    for (std::size_t i = 0; i < s_.inputs.size() && ways.size() <= kMostFlips; ++i) {
+      const DriverInput& in = s_.inputs[i];
+      if (in.kind != DriverInput::Kind::direction) continue;
+      if (!(std::abs(difference(s_, in, to[i], from[i])[0]) > std::numbers::pi / 2)) continue;
+      ways.push_back(shorter);
+      ways.back()[i] = all[i] = Way::longer;
+    }
+    if (ways.size() > 2) ways.push_back(all);
+    return std::any_of(ways.begin(), ways.end(), [&](const std::vector<Way>& way) {
+      std::vector<double> led = q;
+      return approach(s_, blocks, from, to, way, branch, led, column_) && take(led);
+    });
   }
 
   const System& s_;
@@ -205,6 +394,6 @@ class Start {
 
 }  // namespace
 
-void assemble_start(const System& system, Problem& problem, Structure& out) { Start(system, problem, out).run(); }
+void assemble_start(const System& system, Problem& problem, Structure& out) { DrivenStart(system, problem, out).run(); }
 
 }  // namespace assur

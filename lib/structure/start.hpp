@@ -16,10 +16,13 @@ struct Problem {
   Blocks blocks;          // of these two
   std::vector<double> q;  // all coordinates: the guess, then the start posture
   double time = 0;        // of q
+  bool is_guess = true;   // q, before it is assembled: else it is a posture
 };
 
-// Given the unknowns, q and time, finds the equations and blocks and moves q to the start posture. Adds to `out`:
-// checks, redundant, undetermined, cannot_assemble, notes, and to its mobility what the rank says.
+// Given the unknowns, q and time, finds the equations and blocks and moves q to the start posture, in which every
+// driver has the value of its law: the equations do not see the sign of all of them. Adds to `out`:
+// checks, redundant, undetermined, cannot_assemble and notes. Its mobility is the drivers' freedoms before, and what
+// the rank says after.
 void assemble_start(const System& system, Problem& problem, Structure& out);
 
 }  // namespace assur

@@ -6,7 +6,9 @@
 #include "scene/lowering.hpp"
 #include "structure/classes.hpp"
 #include "structure/cut.hpp"
+#include "structure/freedoms.hpp"
 #include "structure/grouping.hpp"
+#include "structure/other_postures.hpp"
 #include "structure/presolve.hpp"
 #include "structure/start.hpp"
 
@@ -14,11 +16,6 @@ namespace assur {
 namespace {
 
 std::size_t idx(Index i) { return static_cast<std::size_t>(i); }
-
-int driven_freedoms(const System& s, const DriverInput& in) {
-  if (in.kind != DriverInput::Kind::frame) return 1;
-  return in.count == s.dimension ? s.dimension : s.dimension == 3 ? 6 : 3;
-}
 
 std::vector<Index> all_unknowns(const System& s) {
   std::vector<Index> unknowns;
@@ -36,7 +33,7 @@ void count(const System& s, const std::vector<Index>& unknowns, Structure& out) 
   }
   out.unknowns = static_cast<std::int64_t>(unknowns.size());
   out.equations = static_cast<std::int64_t>(s.equations.size());
-  for (const DriverInput& in : s.inputs) out.mobility += driven_freedoms(s, in);
+  for (const DriverInput& in : s.inputs) out.mobility += freedoms_of(s, in);
 }
 
 void list_what_is_left_out(const Blocks& blocks, const Cut& cut, Structure& out) {
@@ -137,6 +134,7 @@ void watch_what_is_not_solved(const System& s, const Blocks& blocks, const Cut& 
       watched.equations.push_back(e);
     }
   }
+  for (const Index e : watched.equations) out.watched.push_back({s.equation_name(e), is_length(s, e)});
   watched.equation_block.assign(watched.equations.size(), 0);
   ClassTable table(s, cut.moves);
   table.classify(watched, out.watch);
@@ -153,6 +151,7 @@ Structure analyze(const Scene& scene, const StructureOptions& options) {
   Problem p;
   p.unknowns = all_unknowns(s);
   p.q = at_start ? s.guess : options.posture;
+  p.is_guess = at_start;
   p.time = at_start ? scene.time().start : options.time;
 
   Structure out;

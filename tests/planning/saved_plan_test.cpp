@@ -269,7 +269,7 @@ TEST(SavedPlan, OtherFilesAreRefused) {
     EXPECT_NE(what.find("no saved plan"), std::string::npos) << what;
   }
   std::string later = text;
-  later.replace(0, 12, "assur plan 2");
+  later.replace(0, 12, "assur plan 3");
   EXPECT_EQ(kind_of([&] { (void)loaded(later); }, &what), Error::Kind::input);
   EXPECT_NE(what.find("version 2"), std::string::npos) << what;
   EXPECT_EQ(kind_of([] { (void)loaded(""); }), Error::Kind::input);

@@ -134,6 +134,32 @@ TEST(AssemblyMode, TheGuessDecidesTheSignOfD) {
   EXPECT_EQ(look::start(s, "B1.x"), before);
 }
 
+// Two axes of a frame are fixed: the third is their product, whichever it is.
+TEST(Assembly, AFrameWithTwoFixedAxesHasTheThird) {
+  const Triple axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (int free = 0; free < 3; ++free) {
+    SceneBuilder b("frame", 3);
+    b.fixed_point("O", {0, 0, 0});
+    const std::vector<std::string> names = {"u", "v", "w"};
+    for (int j = 0; j < 3; ++j) {
+      const Triple& a = axes[j];
+      if (j == free) {
+        b.vector(names[static_cast<std::size_t>(j)], {a[0] + 0.3, a[1] - 0.2, a[2] + 0.1});
+      } else {
+        b.fixed_vector(names[static_cast<std::size_t>(j)], a);
+      }
+    }
+    b.add(Body{"body", "O", names, {}, {}, {}});
+    const Structure s = structure(b.time(0, 1, 0.1).build(), groups);
+    EXPECT_EQ(s.cannot_assemble, "");
+    EXPECT_TRUE(s.undetermined.empty());
+    for (int k = 0; k < 3; ++k) {
+      EXPECT_NEAR(look::start(s, names[static_cast<std::size_t>(free)] + "." + "xyz"[k]),
+                  axes[free][static_cast<std::size_t>(k)], 1e-15);
+    }
+  }
+}
+
 // ---- impossible
 
 // The number in "... violated most, by NUMBER m" at the end; -1 if there is none in metres.

@@ -7,6 +7,7 @@
 
 #include "assur/plan.hpp"
 #include "assur/simulator.hpp"
+#include "references/delta.hpp"
 #include "structure/look.hpp"
 
 namespace assur {
@@ -182,6 +183,115 @@ TEST(Rank, StartAtADeadPoint) {
   EXPECT_TRUE(s.undetermined.empty());
   EXPECT_EQ(s.cannot_assemble, "");
   EXPECT_NE(look::notes(s).find("the start posture is singular"), std::string::npos) << look::notes(s);
+}
+
+// ---- mobility is the mechanism's, whatever drives it
+
+TEST(Mobility, OfADeltaRobotIsThreeHoweverItIsDriven) {
+  const references::Delta delta;
+  SceneBuilder motors = delta.scene({0.2, 0.2, 0.2}, 0.2), pose = delta.scene({0.2, 0.2, 0.2}, 0.2),
+               free = delta.scene({0.2, 0.2, 0.2}, 0.2);
+  for (int i = 0; i < 3; ++i) {
+    const std::string n = std::to_string(i);
+    motors.drive("motor" + n, RelativeAngle{"r" + n, {"S" + n, "E" + n}, "t" + n, Law::polynomial({0.2, 0.3})});
+  }
+  const Law zero = Law::constant(0);
+  pose.drive("p", Pose{"plate", {zero, zero, Law::polynomial({delta.height(0.2), -0.05})}, {zero, zero, zero}});
+  EXPECT_EQ(structure(motors.time(0, 1, 0.1).build(), groups).mobility, 3);
+  EXPECT_EQ(structure(free.time(0, 1, 0.1).build(), groups).mobility, 3);
+  const Structure s = structure(pose.time(0, 1, 0.1).build(), groups);
+  EXPECT_EQ(s.cannot_assemble, "");
+  EXPECT_EQ(s.mobility, 3);
+  EXPECT_EQ(s.mobility_at_start, 3);
+  // The platform does not turn because its laws say so: turned, it fits no rods.
+  ASSERT_EQ(s.redundant.size(), 3u);
+  for (const Redundancy& r : s.redundant) EXPECT_EQ(r.kind, Redundancy::Kind::motion) << r.dropped;
+}
+
+// A triangle of links that cannot move, and a driver that says nothing about it.
+TEST(Mobility, OfAPointThatADistanceAndACoordinateFixIsNone) {
+  SceneBuilder b("fixed", 2);
+  b.fixed_point("A", {0, 0, 0}).point("B", {0.6, 0.8, 0});
+  b.constrain("link", Distance{"A", "B", 1.0}).constrain("wall", FixedCoordinate{"B.x", std::cos(0.9)});
+  b.drive("m", PointAngle{"A", "B", "", Law::constant(0.9)});
+  const Structure s = structure(b.time(0, 1, 0.1).build(), groups);
+  EXPECT_EQ(s.mobility, 0);
+  EXPECT_EQ(s.mobility_at_start, 0);
+}
+
+// Two rods hold a point on a circle in space, a third one leads to a slider.
+TEST(Mobility, OfAWishboneWithARodIsOne) {
+  for (const bool driven_by_slider : {true, false}) {
+    SceneBuilder b("wishbone", 3);
+    b.fixed_point("A1", {0, -1, 0}).fixed_point("A2", {0, 1, 0}).fixed_point("T", {1, 0, 2});
+    b.fixed_vector("up", {0, 0, 1}).point("B", {1, 0, 0.1}).point("C", {1, 0, 1});
+    b.constrain("front", Distance{"A1", "B"}).constrain("back", Distance{"A2", "B"});
+    b.constrain("rod", Distance{"B", "C"}).constrain("rail", OnLine{"C", "T", "up"});
+    if (driven_by_slider) {
+      b.drive("m", DrivenCoordinate{"rail.lambda", Law::polynomial({-1, 0.1})});
+    } else {  // on the rail and by its height at once: one of both is too many
+      b.drive("m", DrivenCoordinate{"B.z", Law::polynomial({0.1, 0.1})});
+      b.constrain("twice", EqualDistance{"A1", "B", "A2", "B"});
+    }
+    const Structure s = structure(b.time(0, 1, 0.1).build(), groups);
+    EXPECT_EQ(s.cannot_assemble, "");
+    EXPECT_EQ(s.mobility, 1) << driven_by_slider;
+    EXPECT_EQ(s.mobility_at_start, 1) << driven_by_slider;
+  }
+}
+
+// Flat, its coupler may leave in two ways; nowhere else.
+TEST(Mobility, OfAFlatParallelogramIsTwoThereAndOneElsewhere) {
+  for (const bool driven : {true, false}) {
+    SceneBuilder b("parallelogram", 2);
+    b.fixed_point("A0", {0, 0, 0}).fixed_point("A1", {2, 0, 0}).point("B0", {1, 0, 0}).point("B1", {3, 0, 0});
+    b.constrain("coupler", Distance{"B0", "B1", 2.0}).constrain("rocker", Distance{"A1", "B1", 1.0});
+    if (driven) {
+      b.drive("motor", PointAngle{"A0", "B0", "", Law::polynomial({0, 1})});
+    } else {
+      b.constrain("crank", Distance{"A0", "B0", 1.0});
+    }
+    const Structure s = structure(b.time(0, 1, 0.01).build(), groups);
+    EXPECT_EQ(s.mobility, 1) << driven;
+    EXPECT_EQ(s.mobility_at_start, 2) << driven;
+  }
+}
+
+// ---- kinds of redundancy
+
+TEST(Redundancies, AreToldApart) {
+  // The third rod of a parallelogram follows from the others; a rod that only fits at the start does not.
+  const Structure always = structure(parallelogram(1).build(), groups);
+  ASSERT_EQ(always.redundant.size(), 1u);
+  EXPECT_EQ(always.redundant[0].kind, Redundancy::Kind::structural);
+  EXPECT_EQ(look::notes(always), "");
+
+  SceneBuilder b("leaving", 2);
+  b.fixed_point("A", {0, 0, 0}).fixed_point("D", {2, 0, 0}).fixed_point("F", {0, 3, 0});
+  b.point("B", {0.8 * std::cos(1), 0.8 * std::sin(1), 0}).point("C", {1.6, 1.2, 0});
+  b.constrain("coupler", Distance{"B", "C"}).constrain("rocker", Distance{"D", "C"});
+  b.constrain("stay", Distance{"F", "C"});  // as long as it happens to be at the start
+  b.drive("motor", PointAngle{"A", "B", "", Law::polynomial({1, 1})});
+  const Scene scene = b.time(0, 1, 0.1).build();
+  const Structure once = structure(scene, groups);
+  ASSERT_EQ(once.redundant.size(), 1u);
+  EXPECT_EQ(once.redundant[0].kind, Redundancy::Kind::start);
+  EXPECT_GT(once.redundant[0].violation, 1e-3);
+  EXPECT_TRUE(once.redundant[0].is_length);
+  EXPECT_EQ(once.mobility, 0);
+  const std::string& dropped = once.redundant[0].dropped;
+  EXPECT_NE(look::notes(once).find("'" + dropped + "' holds at the start posture and not beyond"), std::string::npos);
+
+  Simulator simulator(prepare(scene, {.strategy = "groups/eigen"}));
+  (void)simulator.run();
+  EXPECT_EQ(simulator.report().status.code, Code::inconsistent);
+  ASSERT_FALSE(simulator.report().events.empty());
+  const Event& event = simulator.report().events.back();
+  EXPECT_EQ(event.kind, Code::inconsistent);
+  EXPECT_EQ(event.group, dropped);
+  EXPECT_EQ(event.unit, "m");
+  EXPECT_GT(event.figure, 1e-11);  // metres: the step at which it is noticed is short
+  EXPECT_LE(event.time, 0.1);
 }
 
 // ---- Bricard: mobility 1 with one equation more than unknowns

@@ -98,8 +98,7 @@ void print_outcomes(Page& page, const Members& m) {
   for (const Members::Failure& f : m.failed) failed.push_back(to_string(f));
   for (const auto& [member, e, is_told] : m.events) {
     if (is_told) continue;
-    events.push_back("member " + grouped(member) + ", " + time_of(e) + (e.group.empty() ? "" : ", group " + e.group) +
-                     ": " + explained(e.kind));
+    events.push_back("member " + grouped(member) + ", " + time_of(e) + place_of(e) + ": " + explained(e.kind));
   }
   page.list("failed", failed);
   page.list("events", events);

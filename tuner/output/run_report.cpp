@@ -172,7 +172,8 @@ std::string status_of(const RunSummary& s) {
 }
 
 Json to_json(const Event& e) {
-  Json out = {{"time", e.time}, {"until", e.until}, {"group", e.group}, {"kind", name(e.kind)}, {"figure", e.figure}};
+  Json out = {{"time", e.time},       {"until", e.until},   {"group", e.group},
+              {"kind", name(e.kind)}, {"figure", e.figure}, {"unit", e.unit}};
   if (!e.detail.empty()) out["detail"] = e.detail;
   return out;
 }
@@ -199,8 +200,7 @@ void add_members(Json& out, const RunSummary& s) {
 void print_events(Page& page, const Report& report) {
   std::vector<std::string> events;
   for (const Event& e : report.events) {
-    events.push_back(time_of(e) + (e.group.empty() ? "" : ", group " + e.group) + ": " + explained(e.kind) +
-                     (e.detail.empty() ? "" : ": " + e.detail));
+    events.push_back(time_of(e) + place_of(e) + ": " + explained(e.kind) + (e.detail.empty() ? "" : ": " + e.detail));
   }
   page.list("events", events);
   page.list("fallbacks", report.fallbacks);

@@ -4,6 +4,8 @@
 #include <array>
 #include <cstdio>
 
+#include "output/format.hpp"
+
 namespace assur::output {
 namespace {
 
@@ -37,7 +39,7 @@ std::string_view meaning(Code code) {
     case Code::out_of_range:
       return "a law was asked for a time outside its table";
     case Code::actuator_zero:
-      return "a driven distance has reached zero";
+      return "a driven distance, or the lever of a driven angle, has reached zero";
     case Code::deadline:
       return "the time allowed for the step ran out";
     case Code::interrupted:
@@ -62,7 +64,14 @@ std::string why_stopped(const Status& status, const std::vector<Event>& events, 
   const bool is_told = at != events.rend() && (at == events.rbegin() || status.code == Code::inaccurate);
   if (!is_told) return "after t = " + moment(reached) + " s: " + explained(status.code);
   const Event& e = *at;
-  return time_of(e) + (e.group.empty() ? "" : ", group " + e.group) + ": " + explained(status.code);
+  return time_of(e) + place_of(e) + ": " + explained(status.code);
+}
+
+std::string place_of(const Event& e) {
+  if (e.group.empty()) return "";
+  if (e.kind == Code::actuator_zero) return ", driver " + e.group;
+  if (e.kind != Code::inconsistent) return ", group " + e.group;
+  return ", '" + e.group + "' off by " + number(e.figure) + (e.unit.empty() ? "" : " " + e.unit);
 }
 
 std::string time_of(const Event& event) {

@@ -16,5 +16,7 @@ namespace assur::output {
 
 // "t = 1.5 s", or "t = 1.5 ... 1.6 s" for a bracket
 [[nodiscard]] std::string time_of(const Event& event);
+// ", group G", ", driver D" or ", 'equation' off by 0.001 m"; "" if the event has none.
+[[nodiscard]] std::string place_of(const Event& event);
 
 }  // namespace assur::output

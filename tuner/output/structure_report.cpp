@@ -77,6 +77,13 @@ Json to_json(const Scene& scene, const Structure& s, const Irreducible& split) {
   for (const Redundancy& r : s.redundant) redundant.push_back(r.constraints);
   Json dropped = Json::array();
   for (const Redundancy& r : s.redundant) dropped.push_back(r.dropped);
+  Json kinds = Json::array();
+  for (const Redundancy& r : s.redundant) {
+    kinds.push_back(r.kind == Redundancy::Kind::structural ? "structural"
+                    : r.kind == Redundancy::Kind::motion   ? "motion"
+                    : r.kind == Redundancy::Kind::start    ? "start"
+                                                           : "unknown");
+  }
   Json blocks = Json::array();
   for (const GroupClass& c : s.classes) blocks.push_back(block_sizes(c));
   Json sizes = Json::array();
@@ -90,9 +97,11 @@ Json to_json(const Scene& scene, const Structure& s, const Irreducible& split) {
           {"equations", s.equations},
           {"eliminated", s.eliminated},
           {"mobility", s.mobility},
+          {"mobility_at_start", s.mobility_at_start},
           {"undetermined", s.undetermined},
           {"redundant", std::move(redundant)},
           {"checked", std::move(dropped)},
+          {"redundancy", std::move(kinds)},
           {"groups", std::move(groups)},
           {"levels", s.levels},
           {"classes", s.classes.size()},
@@ -131,7 +140,9 @@ void print_counts(Page& page, const Structure& s) {
   row("unknowns", s.unknowns);
   row("equations", s.equations);
   if (s.formulation == Formulation::irreducible) row("eliminated", s.eliminated, "by linear equations");
-  row("mobility", s.mobility, "without the drivers");
+  row("mobility", s.mobility,
+      "without the drivers" +
+          (s.mobility_at_start != s.mobility ? "; " + grouped(s.mobility_at_start) + " at the start posture" : ""));
   row("groups", static_cast<std::int64_t>(s.groups.size()),
       s.formulation == Formulation::groups ? "as declared, else irreducible" : std::string(name(s.formulation)));
   row("classes", static_cast<std::int64_t>(s.classes.size()), "of groups with the same equations");
@@ -227,14 +238,34 @@ void print_irreducible(Page& page, const Structure& s, const Irreducible& split)
           : left + "; no linear equation eliminates an unknown");
 }
 
+// What depends on what, and how far.
+std::string said(const Redundancy& r) {
+  const std::string by = number(r.violation) + (r.is_length ? " m" : "");
+  const bool alone = r.constraints.size() == 1;
+  const std::string between = alone ? r.dropped + ": between known values" : listed(r.constraints);
+  switch (r.kind) {
+    case Redundancy::Kind::structural:
+      return between + (alone ? "" : ": one follows from the others") + "; " + (alone ? "" : r.dropped + " is ") +
+             "checked, not solved";
+    case Redundancy::Kind::motion:
+      return between + ": " + (alone ? "it" : r.dropped) +
+             " holds while the drivers run by these laws, and is checked; at other values of them it does not (off "
+             "by " +
+             by + ")";
+    case Redundancy::Kind::start:
+      return between + ": " + (alone ? "it" : r.dropped) +
+             " holds at the start posture and not beyond: at t = " + number(r.time) + " s it is off by " + by;
+    case Redundancy::Kind::unknown:
+      break;
+  }
+  return between + (alone ? "" : ": dependent at the start posture") + "; " + (alone ? "" : r.dropped + " is ") +
+         "checked, not solved";
+}
+
 void print_findings(Page& page, const Scene& scene, const Structure& s) {
   if (!s.undetermined.empty()) page.fact("undetermined", listed(s.undetermined) + ": nothing fixes them");
   std::vector<std::string> redundant;
-  for (const Redundancy& r : s.redundant) {
-    redundant.push_back(r.constraints.size() > 1 ? listed(r.constraints) + ": one follows from the others; " +
-                                                       r.dropped + " is checked, not solved"
-                                                 : r.dropped + ": between known values; checked, not solved");
-  }
+  for (const Redundancy& r : s.redundant) redundant.push_back(said(r));
   page.list("redundant", redundant);
   if (!s.cannot_assemble.empty()) page.fact("start posture", s.cannot_assemble);
   print_notes(page, scene, s);

@@ -1,0 +1,224 @@
+#include "scene/own_values.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "scene/drive.hpp"
+#include "scene/triple.hpp"
+
+namespace assur {
+namespace {
+
+using Kind = DriverInput::Kind;
+
+// Equations hold to 1e-10 of their terms at worst, those that are redundant; the rest is for the lever between an
+// equation and the value. A value that the equations cannot tell from the right one is off by a half turn or a mirror.
+constexpr double kSlack = 1e-8;
+// A direction within this angle of the axis, in rad, has an angle about it that postures do not determine.
+constexpr double kNoLever = 1e-6;
+constexpr double kNoLength = 1e-12;  // of the coordinates that a direction is the difference of
+
+std::size_t idx(Index i) { return static_cast<std::size_t>(i); }
+
+struct Direction {
+  Triple at{};
+  double size = 0;  // of the terms that it is made of
+};
+
+Direction direction(const System& s, const DriverInput& in, std::size_t first, std::span<const double> q) {
+  Direction out;
+  for (std::size_t k = 0; k < idx(s.dimension); ++k) {
+    const Index f = in.own[first + k];
+    out.at[k] = form_value<double>(s, f, q);
+    double size = 0;
+    for (const Term& t : s.form(f)) size += std::abs(s.constants[idx(t.constant)] * q[idx(t.coordinate)]);
+    out.size = std::max(out.size, size);
+  }
+  return out;
+}
+
+struct Arms {
+  Direction d, e;
+  Triple axis;
+  double cosine, sine;  // times |d||e|
+
+  [[nodiscard]] double lever() const { return std::hypot(cosine, sine); }
+};
+
+Arms arms(const System& s, const DriverInput& in, std::span<const double> q) {
+  const std::size_t dim = idx(s.dimension);
+  Arms a{direction(s, in, 0, q), direction(s, in, dim, q), {0, 0, 1}, 0, 0};
+  if (dim == 3) a.axis = direction(s, in, 2 * dim, q).at;
+  a.cosine = triple::dot(a.d.at, a.e.at);
+  a.sine = triple::dot(a.axis, triple::cross(a.d.at, a.e.at));
+  return a;
+}
+
+double scalar(const System& s, const DriverInput& in, std::span<const double> q, double& size) {
+  if (in.own.size() > 1) {
+    const Direction d = direction(s, in, 0, q);
+    size = d.size;
+    return triple::norm(d.at);
+  }
+  size = 0;
+  for (const Term& t : s.form(in.own[0])) size += std::abs(s.constants[idx(t.constant)] * q[idx(t.coordinate)]);
+  return form_value<double>(s, in.own[0], q);
+}
+
+// Columns of the frame that a body has, and how uncertain they are.
+struct Axes {
+  Triple column[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  double slack = kSlack;
+};
+
+Axes own_axes(const System& s, const DriverInput& in, std::span<const double> q) {
+  const std::size_t dim = idx(s.dimension), count = in.own.size() / dim - 1;
+  Axes out;
+  Triple a[3];
+  for (std::size_t j = 0; j < count; ++j) {
+    const Direction d = direction(s, in, (j + 1) * dim, q);
+    const double length = triple::norm(d.at);
+    a[j] = triple::scale(1 / length, d.at);
+    out.slack += kSlack * d.size / length;
+  }
+  if (dim == 2) {
+    out.column[0] = a[0];
+    out.column[1] = {-a[0][1], a[0][0], 0};
+  } else if (count == 3) {
+    std::copy_n(a, 3, out.column);
+  } else {  // a base of three points
+    const Triple normal = triple::cross(a[0], a[1]);
+    out.slack /= triple::norm(normal);
+    out.column[0] = a[0];
+    out.column[2] = triple::scale(1 / triple::norm(normal), normal);
+    out.column[1] = triple::cross(out.column[2], out.column[0]);
+  }
+  return out;
+}
+
+Axes wanted_axes(const System& s, const DriverInput& in, std::span<const double> q) {
+  Axes out;
+  const double* const r = q.data() + in.first + s.dimension;
+  if (s.dimension == 2) {
+    out.column[0] = {r[0], r[1], 0};
+    out.column[1] = {-r[1], r[0], 0};
+  } else {
+    for (int j = 0; j < 3; ++j) out.column[j] = {r[3 * j], r[3 * j + 1], r[3 * j + 2]};
+  }
+  return out;
+}
+
+// psi, theta, phi of Rz(psi) Ry(theta) Rx(phi); in the plane the angle.
+void append_angles(const System& s, const Axes& axes, std::vector<double>& out) {
+  const Triple &a = axes.column[0], &b = axes.column[1], &c = axes.column[2];
+  out.push_back(std::atan2(a[1], a[0]));
+  if (s.dimension == 2) return;
+  out.push_back(std::atan2(-a[2], std::hypot(a[0], a[1])));
+  out.push_back(std::atan2(b[2], c[2]));
+}
+
+bool turns(const System& s, const DriverInput& in) { return in.kind == Kind::frame && in.count > s.dimension; }
+
+bool is_angle(const System& s, const DriverInput& in, std::size_t law) {
+  return in.kind == Kind::direction || (in.kind == Kind::frame && law >= idx(s.dimension));
+}
+
+}  // namespace
+
+std::vector<double> own_values(const System& s, const DriverInput& in, std::span<const double> q) {
+  double size = 0;
+  if (in.kind == Kind::scalar) return {scalar(s, in, q, size) * s.unit(in.dimension)};
+  if (in.kind == Kind::direction) {
+    const Arms a = arms(s, in, q);
+    return {std::atan2(a.sine, a.cosine)};
+  }
+  std::vector<double> out;
+  for (Index k = 0; k < s.dimension; ++k) out.push_back(form_value<double>(s, in.own[idx(k)], q) * s.unit(1));
+  if (turns(s, in)) append_angles(s, own_axes(s, in, q), out);
+  return out;
+}
+
+std::vector<double> wanted_values(const System& s, const DriverInput& in, std::span<const double> q) {
+  const double* const x = q.data() + in.first;
+  if (in.kind == Kind::scalar) return {x[0] * s.unit(in.dimension)};
+  if (in.kind == Kind::direction) return {std::atan2(x[1], x[0])};
+  std::vector<double> out;
+  for (Index k = 0; k < s.dimension; ++k) out.push_back(x[k] * s.unit(1));
+  if (turns(s, in)) append_angles(s, wanted_axes(s, in, q), out);
+  return out;
+}
+
+std::vector<double> difference(const System& s, const DriverInput& in, const std::vector<double>& a,
+                               const std::vector<double>& b) {
+  std::vector<double> out(a.size());
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    out[k] = is_angle(s, in, k) ? std::remainder(a[k] - b[k], 2 * std::numbers::pi) : a[k] - b[k];
+  }
+  return out;
+}
+
+void drive_by_values(const System& s, const std::vector<std::vector<double>>& values, std::vector<double>& q) {
+  drive<double>(
+      s, all_driven(s),
+      [&](std::size_t input, int k) {
+        return Jet<double>{values[input][idx(k)], 0, 0};
+      },
+      q.data(), nullptr, nullptr);
+}
+
+std::string why_undefined(const System& s, const DriverInput& in, std::span<const double> q) {
+  if (in.kind != Kind::direction) return "";
+  const Arms a = arms(s, in, q);
+  const double d = triple::norm(a.d.at), e = triple::norm(a.e.at), axis = triple::norm(a.axis);
+  if (!(d > kNoLength * a.d.size)) return "its first direction has no length";
+  if (!(e > kNoLength * a.e.size)) return "its second direction has no length";
+  if (!(std::abs(axis - 1) <= kNoLever)) return "its axis is no unit vector";
+  if (a.lever() > kNoLever * d * e) return "";
+  if (!(triple::norm(triple::cross(a.axis, a.d.at)) > kNoLever * d)) return "its axis is along its first direction";
+  if (!(triple::norm(triple::cross(a.axis, a.e.at)) > kNoLever * e)) return "its axis is along its second direction";
+  return "its directions are at right angles to each other, and its axis lies in their plane";
+}
+
+std::optional<Mismatch> mismatch(const System& s, const DriverInput& in, std::span<const double> q) {
+  const std::vector<double> has = own_values(s, in, q), wanted = wanted_values(s, in, q),
+                            off = difference(s, in, has, wanted);
+  if (in.kind == Kind::scalar) {
+    double size = 0;
+    (void)scalar(s, in, q, size);
+    const double slack = kSlack * (size * s.unit(in.dimension) + std::abs(wanted[0]));
+    if (std::abs(off[0]) <= slack) return {};
+    return Mismatch{in.must_not_vanish ? "distance" : "coordinate", has[0], wanted[0], in.dimension == 1 ? "m" : ""};
+  }
+  if (in.kind == Kind::direction) {
+    const Arms a = arms(s, in, q);
+    const double d = triple::norm(a.d.at), e = triple::norm(a.e.at);
+    const double slack = kSlack * (1 + (a.d.size * e + d * a.e.size) / a.lever());
+    if (std::abs(off[0]) <= slack) return {};
+    return Mismatch{"angle", has[0], wanted[0], "rad"};
+  }
+  static constexpr const char* kSpace[] = {"x", "y", "z", "psi", "theta", "phi"};
+  static constexpr const char* kPlane[] = {"x", "y", "angle"};
+  const auto part = [&](std::size_t k) {
+    return Mismatch{s.dimension == 3 ? kSpace[k] : kPlane[k], has[k], wanted[k], k < idx(s.dimension) ? "m" : "rad"};
+  };
+  for (std::size_t k = 0; k < idx(s.dimension); ++k) {
+    if (!(std::abs(off[k]) <= kSlack * (s.unit(1) + std::abs(has[k]) + std::abs(wanted[k])))) return part(k);
+  }
+  if (!turns(s, in)) return {};
+  // Not by the angles: close to theta = pi / 2 they say little of the frame.
+  const Axes own = own_axes(s, in, q), asked = wanted_axes(s, in, q);
+  double worst = 0;
+  for (int j = 0; j < 3; ++j) {
+    const double apart = triple::norm(triple::subtract(own.column[j], asked.column[j]));
+    if (!(apart <= worst)) worst = apart;
+  }
+  if (worst <= own.slack) return {};
+  std::size_t most = idx(s.dimension);
+  for (std::size_t k = most + 1; k < off.size(); ++k) {
+    if (std::abs(off[k]) > std::abs(off[most])) most = k;
+  }
+  return part(most);
+}
+
+}  // namespace assur

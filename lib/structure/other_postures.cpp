@@ -1,0 +1,396 @@
+#include "structure/other_postures.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <random>
+
+#include "structure/assembly.hpp"
+#include "structure/dense_block.hpp"
+#include "structure/freedoms.hpp"
+
+namespace assur {
+namespace {
+
+constexpr double kEps = std::numeric_limits<double>::epsilon();
+constexpr double kSolved = 1e-10;  // relative residual of equations that hold
+constexpr double kHolds = 1e-9;    // of an equation that follows from others that hold
+constexpr double kNear = 0.05;     // rad or internal units: how far drivers are moved
+constexpr int kTries = 3;          // in random directions, and each shorter
+constexpr double kStride = 0.1;    // of a driven coordinate between postures on the path
+constexpr int kOnPath = 7;         // steps of the grid
+constexpr int kNewtonSteps = 20;
+constexpr double kRounding = 1e-12;          // a residual that no longer falls is rounding
+constexpr double kDependent = 1e-7;          // pivots of rows of length 1: postures are good to far less
+constexpr std::size_t kLargest = 600;        // rows or columns: beyond, dense decompositions take seconds
+constexpr std::size_t kMostRates = 1 << 24;  // numbers
+
+std::size_t idx(Index i) { return static_cast<std::size_t>(i); }
+
+// A connected part: equations that share unknowns or drivers.
+struct Part {
+  std::vector<Index> equations, kept, unknowns, inputs;
+  std::vector<std::size_t> checks;  // indices into Structure::checks
+};
+
+class Union {
+ public:
+  explicit Union(std::size_t size) : parent_(size) { std::iota(parent_.begin(), parent_.end(), std::size_t{0}); }
+  std::size_t root(std::size_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void join(std::size_t a, std::size_t b) { parent_[root(a)] = root(b); }
+
+ private:
+  std::vector<std::size_t> parent_;
+};
+
+std::vector<Part> connected(const System& s, const DoubtfulParts& all, const std::vector<Index>& checks) {
+  const std::size_t coordinates = s.coordinates.size(), inputs = s.inputs.size();
+  std::vector<std::vector<std::size_t>> behind(coordinates);  // inputs behind a known coordinate
+  for (std::size_t i = 0; i < inputs; ++i) {
+    for (Index k = 0; k < s.inputs[i].count; ++k) behind[idx(s.inputs[i].first + k)] = {i};
+  }
+  for (const Assignment& a : s.assignments) {
+    for (const Term& t : s.form(a.form)) {
+      const auto& more = behind[idx(t.coordinate)];
+      behind[idx(a.coordinate)].insert(behind[idx(a.coordinate)].end(), more.begin(), more.end());
+    }
+  }
+  // Nodes: coordinates, then inputs, then equations.
+  Union nodes(coordinates + inputs + s.equations.size());
+  std::vector<Index> mentioned;
+  const auto node_of = [&](Index e) { return coordinates + inputs + idx(e); };
+  for (const Index e : all.equations) {
+    s.mentioned(e, mentioned);
+    for (const Index c : mentioned) {
+      if (s.coordinates[idx(c)].role == Role::unknown) nodes.join(node_of(e), idx(c));
+      for (const std::size_t i : behind[idx(c)]) nodes.join(node_of(e), coordinates + i);
+    }
+  }
+  std::map<std::size_t, Part> parts;
+  for (const Index e : all.equations) parts[nodes.root(node_of(e))].equations.push_back(e);
+  for (const Index e : all.kept) parts[nodes.root(node_of(e))].kept.push_back(e);
+  for (const Index u : all.unknowns) parts[nodes.root(idx(u))].unknowns.push_back(u);
+  for (std::size_t i = 0; i < inputs; ++i) {
+    const auto part = parts.find(nodes.root(coordinates + i));
+    if (part != parts.end()) part->second.inputs.push_back(static_cast<Index>(i));
+  }
+  for (std::size_t k = 0; k < checks.size(); ++k) parts[nodes.root(node_of(checks[k]))].checks.push_back(k);
+  std::vector<Part> out;
+  for (auto& [root, part] : parts) out.push_back(std::move(part));
+  return out;
+}
+
+class Look {
+ public:
+  Look(const System& system, const Part& part, const std::vector<double>& start, double time,
+       const std::vector<Index>& checks, Structure& out)
+      : s_(system),
+        p_(part),
+        start_(start),
+        time_(time),
+        checks_(checks),
+        out_(out),
+        freedoms_(system, part.inputs),
+        column_(system.coordinates.size(), -1) {}
+
+  // Degrees of freedom without the drivers beyond those that the drivers have: never more than 0 in a determined part.
+  struct Mobility {
+    std::int64_t at_start = 0, generic = 0;
+  };
+
+  Mobility run() {
+    if (out_.cannot_assemble.empty() && out_.undetermined.empty()) {
+      const bool on_path = walk_the_path();
+      const bool near = look_nearby();
+      for (const std::size_t k : p_.checks) judge(k, on_path, near);
+    }
+    return mobility();
+  }
+
+ private:
+  // ---- do the equations that were dropped follow from the others?
+
+  struct Seen {
+    bool holds = true;
+    Violation by;
+    double time = 0;
+  };
+
+  bool solve_kept(std::vector<double>& q) {
+    return p_.unknowns.empty() || p_.kept.empty() || fit(s_, p_.kept, p_.unknowns, q, column_) <= kSolved;
+  }
+
+  void see(const std::vector<double>& q, double time, std::map<std::size_t, Seen>& all) {
+    for (const std::size_t k : p_.checks) {
+      const Index e = checks_[k];
+      Seen& seen = all[k];
+      const double scale = std::max(residual_scale(s_, e, q), kLeastScale);
+      if (!seen.holds || std::abs(residual<double>(s_, e, q)) <= kHolds * scale) continue;
+      seen = {false, violation(s_, e, q), time};
+    }
+  }
+
+  // The first steps of the grid, in strides that leave no doubt of the branch. False if there is no path to look at.
+  bool walk_the_path() {
+    const double step = s_.scene->time().step;
+    std::vector<double> q = start_, next;
+    double t = time_;
+    bool any = false;
+    for (int k = 1; k <= kOnPath && step > 0; ++k) {
+      const double target = time_ + k * step;
+      double h = target - t;
+      while (t != target) {
+        next = q;
+        const double to = std::abs(target - t) <= h * 1.0000001 ? target : t + h;
+        if (!drive(s_, to, next.data(), nullptr, nullptr).ok()) return any;
+        double stride = 0;
+        for (const Index i : p_.inputs) {
+          for (Index c = s_.inputs[idx(i)].first; c < s_.inputs[idx(i)].first + s_.inputs[idx(i)].count; ++c) {
+            stride = std::max(stride, std::abs(next[idx(c)] - q[idx(c)]));
+          }
+        }
+        if (stride > kStride || !solve_kept(next)) {
+          if ((h /= 2) < step / 1024) return any;
+          continue;
+        }
+        std::swap(q, next);
+        t = to;
+        any = true;
+        see(q, t, path_);
+      }
+    }
+    return any;
+  }
+
+  // Other values of the drivers, near those at the start.
+  bool look_nearby() {
+    std::mt19937 random(1);
+    std::vector<double> amounts(freedoms_.count());
+    bool any = amounts.empty();
+    for (int k = 0; k < kTries && !amounts.empty(); ++k) {
+      double largest = 0;
+      for (double& a : amounts) {
+        a = 2 * static_cast<double>(random()) / static_cast<double>(std::mt19937::max()) - 1;
+        largest = std::max(largest, std::abs(a));
+      }
+      for (double& a : amounts) a *= kNear / largest;
+      for (int shorter = 0; shorter < kTries; ++shorter) {
+        std::vector<double> q = start_;
+        freedoms_.move(amounts, q);
+        if (solve_kept(q)) {
+          see(q, time_, near_);
+          any = true;
+          break;
+        }
+        for (double& a : amounts) a /= -8;
+      }
+    }
+    return any;
+  }
+
+  void judge(std::size_t k, bool on_path, bool near) {
+    Redundancy& r = out_.redundant[k];
+    const Seen path = path_[k], off = near_[k];
+    const Seen& shown = !path.holds ? path : off;
+    r.kind = !path.holds ? Redundancy::Kind::start
+             : !near     ? Redundancy::Kind::unknown
+             : off.holds ? Redundancy::Kind::structural
+             : on_path   ? Redundancy::Kind::motion
+                         : Redundancy::Kind::unknown;
+    r.violation = shown.by.by;
+    r.is_length = shown.by.is_length;
+    r.time = shown.time;
+  }
+
+  // ---- freedoms
+
+  // In the unknowns and the freedoms of the drivers.
+  Eigen::MatrixXd jacobian(const std::vector<Index>& equations, const std::vector<double>& q) {
+    const DenseBlock block(s_, equations, p_.unknowns, column_);
+    Eigen::MatrixXd j(block.rows(), block.columns() + static_cast<Eigen::Index>(freedoms_.count()));
+    j.leftCols(block.columns()) = block.jacobian(q);
+    for (std::size_t f = 0; f < freedoms_.count(); ++f) {
+      const std::vector<double> rate = freedoms_.rates(f, q);
+      for (Eigen::Index i = 0; i < block.rows(); ++i) {
+        double sum = 0;
+        gradient<double>(s_, equations[static_cast<std::size_t>(i)], q,
+                         [&](Index c, double value) { sum += value * rate[idx(c)]; });
+        j(i, block.columns() + static_cast<Eigen::Index>(f)) = sum;
+      }
+    }
+    for (Eigen::Index i = 0; i < j.rows(); ++i) {  // to unit length: |Phi| is then a distance
+      if (const double n = j.row(i).norm(); n > 0) j.row(i) /= n;
+    }
+    return j;
+  }
+
+  using Decomposition = Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>;
+
+  static Decomposition decompose(const Eigen::MatrixXd& j) {
+    Decomposition d(j.rows(), j.cols());
+    d.setThreshold(kDependent);
+    d.compute(j);
+    return d;
+  }
+
+  // The equations that were kept, and those of the others that say something of the drivers.
+  std::vector<Index> independent() {
+    std::vector<Index> all = p_.kept;
+    for (const Index e : p_.equations) {
+      if (std::find(p_.kept.begin(), p_.kept.end(), e) != p_.kept.end()) continue;
+      const Eigen::MatrixXd row = jacobian({e}, start_).transpose();
+      if (row.norm() == 0) continue;
+      if (!all.empty()) {
+        const Eigen::MatrixXd others = jacobian(all, start_).transpose();
+        if ((others * decompose(others).solve(row) - row).norm() <= kDependent * 10) continue;
+      }
+      all.push_back(e);
+    }
+    return all;
+  }
+
+  void displace(const Eigen::VectorXd& by, std::vector<double>& q) const {
+    const std::size_t n = p_.unknowns.size();
+    for (std::size_t i = 0; i < n; ++i) q[idx(p_.unknowns[i])] += by[static_cast<Eigen::Index>(i)];
+    const std::vector<double> amounts(by.data() + n, by.data() + by.size());
+    freedoms_.move(amounts, q);
+  }
+
+  // Onto the mechanism, the drivers wherever that leads them: Newton's method with the smallest steps.
+  bool settle(const std::vector<Index>& equations, std::vector<double>& q) {
+    const DenseBlock block(s_, equations, p_.unknowns, column_), all(s_, p_.equations, p_.unknowns, column_);
+    double last = HUGE_VAL;
+    for (int step = 0; step < kNewtonSteps; ++step) {
+      const double now = block.relative_residual(q);
+      if (now <= 4 * kEps || (now <= kRounding && now > last / 4)) break;
+      last = now;
+      Eigen::VectorXd phi = block.residuals(q);
+      for (Eigen::Index i = 0; i < phi.size(); ++i) phi[i] /= slope(equations[static_cast<std::size_t>(i)], q);
+      const Eigen::VectorXd by = -decompose(jacobian(equations, q)).solve(phi);
+      if (!by.allFinite() || by.lpNorm<Eigen::Infinity>() > 1) return false;
+      displace(by, q);
+    }
+    return all.relative_residual(q) <= kSolved;
+  }
+
+  // The length that a row of the Jacobian had.
+  double slope(Index e, const std::vector<double>& q) {
+    const DenseBlock block(s_, {&e, 1}, p_.unknowns, column_);
+    double sum = block.jacobian(q).squaredNorm();
+    for (std::size_t f = 0; f < freedoms_.count(); ++f) {
+      const std::vector<double> rate = freedoms_.rates(f, q);
+      double along = 0;
+      gradient<double>(s_, e, q, [&](Index c, double value) { along += value * rate[idx(c)]; });
+      sum += along * along;
+    }
+    return sum > 0 ? std::sqrt(sum) : 1;
+  }
+
+  Mobility mobility() {
+    const std::size_t columns = p_.unknowns.size() + freedoms_.count();
+    Mobility out;
+    if (p_.equations.empty() || columns == 0 || std::max(p_.equations.size(), columns) > kLargest ||
+        freedoms_.count() * s_.coordinates.size() > kMostRates) {
+      // The equations that were kept are independent; what the others say of the drivers is not looked at.
+      out.at_start = out.generic =
+          static_cast<std::int64_t>(p_.unknowns.size()) - static_cast<std::int64_t>(p_.kept.size());
+      return out;
+    }
+    const auto beyond = [&](Eigen::Index rank) {
+      return static_cast<std::int64_t>(p_.unknowns.size()) - static_cast<std::int64_t>(rank);
+    };
+    const Decomposition at_start = decompose(jacobian(p_.equations, start_));
+    out.at_start = out.generic = beyond(at_start.rank());
+    const Eigen::Index free = at_start.cols() - at_start.rank();
+    if (!out_.cannot_assemble.empty() || free == 0) return out;
+    // Null vectors are the last columns of Z^T.
+    const Eigen::MatrixXd last = at_start.matrixZ().transpose().rightCols(free);
+    const Eigen::MatrixXd basis = at_start.colsPermutation() * last;
+    const std::vector<Index> equations = independent();
+    std::mt19937 random(1);
+    for (int k = 0; k < kTries; ++k) {
+      Eigen::VectorXd along(free);
+      for (Eigen::Index i = 0; i < free; ++i) {
+        along[i] = 2 * static_cast<double>(random()) / static_cast<double>(std::mt19937::max()) - 1;
+      }
+      const Eigen::VectorXd by = basis * along;
+      std::vector<double> q = start_;
+      displace(by * (4 * kNear / by.lpNorm<Eigen::Infinity>()), q);
+      // Where the start is singular, equations may depend there that do not elsewhere.
+      std::vector<double> again = q;
+      if (!settle(equations, q) && !settle(p_.equations, q = std::move(again))) continue;
+      out.generic = std::min(out.generic, beyond(decompose(jacobian(p_.equations, q)).rank()));
+    }
+    return out;
+  }
+
+  const System& s_;
+  const Part& p_;
+  const std::vector<double>& start_;
+  double time_;
+  const std::vector<Index>& checks_;
+  Structure& out_;
+  Freedoms freedoms_;
+  std::vector<Index> column_;  // scratch of DenseBlock
+  std::map<std::size_t, Seen> path_, near_;
+};
+
+std::string amount(const Redundancy& r) {
+  char text[48];
+  std::snprintf(text, sizeof text, "%.3g%s", r.violation, r.is_length ? " m" : "");
+  return text;
+}
+
+void note(const Redundancy& r, Structure& out) {
+  char time[32];
+  std::snprintf(time, sizeof time, "%.6g", r.time);
+  if (r.kind == Redundancy::Kind::start) {
+    out.notes.push_back({"/", "'" + r.dropped + "' holds at the start posture and not beyond: at t = " + time +
+                                  " s it is off by " + amount(r)});
+  } else if (r.kind == Redundancy::Kind::motion) {
+    out.notes.push_back(
+        {"/", "'" + r.dropped + "' holds as the laws run, but does not follow from the other equations: it is off by " +
+                  amount(r) + " at other values of the drivers nearby"});
+  }
+}
+
+}  // namespace
+
+bool is_length(const System& s, Index equation) {
+  std::vector<Index> mentioned;
+  s.mentioned(equation, mentioned);
+  return std::any_of(mentioned.begin(), mentioned.end(), [&](Index c) { return s.coordinates[idx(c)].dimension == 1; });
+}
+
+Violation violation(const System& s, Index equation, const std::vector<double>& q) {
+  std::map<Index, double> slope;
+  gradient<double>(s, equation, q, [&](Index c, double value) {
+    if (c != kOne) slope[c] += value;
+  });
+  double sum = 0;
+  for (const auto& [c, value] : slope) sum += value * value;
+  const double by = std::abs(residual<double>(s, equation, q)) / std::max(std::sqrt(sum), 1e-300);
+  const bool length = is_length(s, equation);
+  return {by * s.unit(length ? 1 : 0), length};
+}
+
+void look_at_other_postures(const System& s, const DoubtfulParts& parts, const std::vector<double>& q, double time,
+                            Structure& out) {
+  const std::int64_t driven = out.mobility;
+  out.mobility_at_start = driven;
+  for (const Part& part : connected(s, parts, out.checks)) {
+    const Look::Mobility more = Look(s, part, q, time, out.checks, out).run();
+    out.mobility += more.generic;
+    out.mobility_at_start += more.at_start;
+  }
+  for (const Redundancy& r : out.redundant) note(r, out);
+}
+
+}  // namespace assur
