@@ -65,7 +65,7 @@ TEST(DriverValues, OfADeltaRobotFromArmsThatPointElsewhere) {
     ASSERT_EQ(r.report().status.code, Code::ok) << off;
     std::string notes;
     for (const Diagnostic& note : r.simulator.prepared().structure->notes) notes += note.what;
-    EXPECT_EQ(notes.find("another branch was taken") != std::string::npos, off > 3) << off << ": " << notes;
+    EXPECT_EQ(notes.find("another branch was taken") != std::string::npos, off > 2) << off << ": " << notes;
     for (std::size_t k = 0; k < r.trajectory.rows(); ++k) {
       const double angle = 0.2 + 0.3 * r.trajectory.times()[k];
       for (int i = 0; i < 3; ++i) {
@@ -76,8 +76,11 @@ TEST(DriverValues, OfADeltaRobotFromArmsThatPointElsewhere) {
           EXPECT_NEAR(r.trajectory(k, r.trajectory.index(column)), elbow[static_cast<std::size_t>(j)], 1e-13) << off;
         }
       }
-      // From arms that point inwards the platform would have to pass a posture with parallel rods.
-      if (off < 3) EXPECT_NEAR(r.trajectory(k, r.trajectory.index("O.z")), delta.height(angle), 1e-12) << off;
+      // Guesses at 2.4 and 3.3 rad lie beyond a posture with parallel rods, on another branch; the last one leads to
+      // the platform above the base.
+      if (off < 3) {
+        EXPECT_NEAR(r.trajectory(k, r.trajectory.index("O.z")), delta.height(angle), 1e-12) << off;
+      }
     }
   }
 }
