@@ -13,6 +13,7 @@ constexpr double kVolume = 0.7;       // log of how much the Jacobian's volume m
 constexpr double kCorrection = 0.05;  // of a step
 constexpr double kContraction = 0.1;
 constexpr double kConverged = 1e-11;
+constexpr double kMeet = 1e-7;  // of the way: what turns far in it has met
 constexpr Real kTwoPi = 2 * std::numbers::pi_v<Real>;
 
 template <class T, class F>
@@ -164,6 +165,7 @@ Real PlainMotion::advance(const Laws& laws) {
   double volume = factorise(x, now);
   derivatives(x, now, v, a);
   std::vector<Real> turned = turned_, next_turned;
+  std::vector<bool> met = met_, next_met;
   while (s < 1) {
     bool last = false;
     double h = stride;
@@ -199,8 +201,8 @@ Real PlainMotion::advance(const Laws& laws) {
       good = turn * care_ <= 0.2 * size(next - x) + 1e-9;
     }
     if (good) {
-      next_turned = turned;
-      good = unwrap(next, next_turned) || h < 1e-7;  // a point that passes another one: either way round is right
+      next_turned = turned, next_met = met;
+      good = unwrap(next, next_turned, next_met) || h < kMeet;
     }
     if (!good) {
       stride = h / 2;
@@ -209,7 +211,7 @@ Real PlainMotion::advance(const Laws& laws) {
       return s;
     }
     s = to;
-    turned = next_turned;
+    turned = next_turned, met = next_met;
     x = next, v = next_v, a = next_a, volume = next_volume, now = then;
     least_volume_ = std::min(least_volume_, volume), most_volume_ = std::max(most_volume_, volume);
     if (!last || h > 0.9 * stride) stride = std::min(1.0, 1.7 * h);
@@ -218,7 +220,7 @@ Real PlainMotion::advance(const Laws& laws) {
   for (Eigen::Index i = 0; i < n; ++i) {
     x_[static_cast<std::size_t>(i)].value = x[i];
   }
-  turned_ = turned;
+  turned_ = turned, met_ = met;
   return 1;
 }
 
@@ -226,9 +228,10 @@ void PlainMotion::follow(std::vector<PlainEquations::Column> angles) {
   angles_ = std::move(angles);
   turned_.clear();
   for (const auto& column : angles_) turned_.push_back(show(column).value);
+  met_.assign(angles_.size(), false);
 }
 
-bool PlainMotion::unwrap(const Vector& x, std::vector<Real>& turned) const {
+bool PlainMotion::unwrap(const Vector& x, std::vector<Real>& turned, std::vector<bool>& met) const {
   if (angles_.empty()) return true;
   std::vector<TimeJet<Real>> at(static_cast<std::size_t>(x.size()));
   for (std::size_t i = 0; i < at.size(); ++i) at[i].value = x[static_cast<Eigen::Index>(i)];
@@ -236,7 +239,9 @@ bool PlainMotion::unwrap(const Vector& x, std::vector<Real>& turned) const {
   for (std::size_t i = 0; i < angles_.size(); ++i) {
     const Real by = std::remainder(equations_.show(angles_[i], at.data()).value - turned[i], kTwoPi);
     turned[i] += by;
-    sure = sure && std::abs(by) * care_ <= 1;
+    if (std::abs(by) * care_ <= 1) continue;
+    sure = false;
+    met[i] = true;
   }
   return sure;
 }

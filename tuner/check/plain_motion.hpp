@@ -39,6 +39,8 @@ class PlainMotion {
   // Angles to be unwrapped along the way; turned() in this order, from (-pi, pi] at the start.
   void follow(std::vector<PlainEquations::Column> angles);
   [[nodiscard]] Real turned(std::size_t i) const { return turned_[i]; }
+  // False once its points or directions met on the way, where it turns round either way.
+  [[nodiscard]] bool knows_turns(std::size_t i) const { return !met_[i]; }
 
   void take_care(int care) { care_ = care; }
 
@@ -59,14 +61,15 @@ class PlainMotion {
   void derivatives(const Vector& x, const std::vector<TimeJet<Real>>& laws, Vector& v, Vector& a) const;
   Vector left(const Vector& x, const std::vector<TimeJet<Real>>& laws) const;
   [[nodiscard]] double size(const Vector& x) const;  // max over the unknowns, lengths over the typical one
-  // Their angles there, unwrapped; false if one turned so far that it may have gone either way round.
-  bool unwrap(const Vector& x, std::vector<Real>& turned) const;
+  // Their angles there, unwrapped; `met`: those that turned so far that they may have gone either way round.
+  bool unwrap(const Vector& x, std::vector<Real>& turned, std::vector<bool>& met) const;
 
   PlainEquations equations_;
   int care_;
   std::vector<TimeJet<Real>> x_;  // the posture
   std::vector<PlainEquations::Column> angles_;
   std::vector<Real> turned_;
+  std::vector<bool> met_;
   Eigen::HouseholderQR<Eigen::MatrixXd> qr_;
   Vector row_scale_, column_scale_;
   double stride_ = 0.25;

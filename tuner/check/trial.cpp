@@ -53,6 +53,8 @@ class Comparison {
         if (first)
           offset_[i] = std::round((row[i] - is) / (2 * std::numbers::pi_v<Real>)) * 2 * std::numbers::pi_v<Real>;
         is += offset_[i];
+        constexpr Real kTurn = 2 * std::numbers::pi_v<Real>;
+        if (!motion_.knows_turns(static_cast<std::size_t>(angle_[i]))) is += std::round((row[i] - is) / kTurn) * kTurn;
       }
       Figure& f = figures_[std::string(c.output) + "'" + std::to_string(c.derivative)];
       f.derivative = c.derivative, f.length = c.length;
@@ -322,7 +324,8 @@ class Trying {
           at_start[static_cast<std::size_t>(std::find(names.begin(), names.end(), m_.controlled[j]) - names.begin())];
       ways[j].value = law.value, ways[j].rate = law.rate, ways[j].curve = law.curve;
     }
-    comparison_->add(simulator_->outputs(), true, simulator_->time(), true);
+    comparison_->add(simulator_->outputs(), is_clean(simulator_->report(), simulator_->time()), simulator_->time(),
+                     true);
     Real time = simulator_->time();
     int failures = 0;
     for (std::size_t k = 0; k < m_.commands.size(); ++k) {
@@ -352,7 +355,9 @@ class Trying {
       }
       if (came < 1) {
         judge(simulator_->report());
-        if (!trial_.is_fault()) {
+        if (!trial_.is_fault() && !is_clean_now()) {
+          end(Verdict::stopped_rightly, "an event at the singularity");
+        } else if (!trial_.is_fault()) {
           end(failures > 0 || trial_.condition > kSingular ? Verdict::undecided : Verdict::wrong,
               which + " arrives, where the plain motion ends", double(next));
         }
