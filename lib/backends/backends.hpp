@@ -59,6 +59,9 @@ std::unique_ptr<LinearSolver> make(ThreadBudget budget, Precision precision);
 std::string version();
 }  // namespace lanes
 
+// Whether one thread at a time is inside the backend's library: others wait for their turn and gain nothing.
+[[nodiscard]] bool takes_turns(std::string_view id);
+
 // Throws Error (input) unless the pattern is as backend.hpp describes it and there is at least one lane.
 void check_analysis(const Pattern& pattern, int lanes);
 

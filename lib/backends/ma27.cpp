@@ -160,7 +160,9 @@ void Ma27::fail() const {
 
 }  // namespace
 
-std::string why_not(const Shape&, ThreadBudget) { return library().why_not; }
+std::string why_not(const Shape&, ThreadBudget budget) {
+  return library().why_not.empty() && budget.threads > 1 ? "it runs on one thread" : library().why_not;
+}
 
 std::unique_ptr<LinearSolver> make(ThreadBudget, Precision) {
   if (!library().why_not.empty()) return nullptr;

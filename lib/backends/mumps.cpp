@@ -50,7 +50,7 @@ class MumpsSolver final : public LaneByLane {
 
 std::string why_not(const Shape&, ThreadBudget budget) {
   if (budget.threads <= 1) return "";
-  return "the sequential MUMPS crashes when several threads use it: ask for one thread";
+  return "the sequential MUMPS runs on one thread";
 }
 
 std::unique_ptr<LinearSolver> make(ThreadBudget, Precision) { return std::make_unique<MumpsSolver>(); }

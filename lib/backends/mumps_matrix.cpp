@@ -1,12 +1,13 @@
 #include "backends/mumps_matrix.hpp"
 
+#include <pthread.h>
+
 #include <algorithm>
-#include <atomic>
 #include <cmath>
+#include <mutex>
 #include <new>
 #include <numeric>
 #include <string>
-#include <thread>
 
 namespace assur::mumps {
 namespace {
@@ -16,7 +17,10 @@ enum Job : int { kStart = -1, kEnd = -2, kAnalyze = 1, kFactorize = 2, kSolve = 
 constexpr int kUseWorld = -987654;     // communicator of the sequential version
 constexpr int kMostWorkspace = 10000;  // per cent beyond MUMPS's estimate
 
-std::atomic<bool> in_use{false};  // a thread is inside MUMPS
+// Whose turn it is to be inside MUMPS. A fork() waits for its end, so that the child's first call does not wait
+// forever.
+std::mutex turn;
+const int kForks = pthread_atfork([] { turn.lock(); }, [] { turn.unlock(); }, [] { turn.unlock(); });
 
 [[noreturn]] void fail(int code, int detail) {
   if (code == -5 || code == -7 || code == -13) throw std::bad_alloc();
@@ -41,21 +45,12 @@ Matrix::Matrix(Symmetry symmetry) {
   data_.cntl[0] = 0.5;  // as for KLU: with less, the chain of pivots of a ring multiplies their ratios
 }
 
-Matrix::~Matrix() {
-  while (in_use.exchange(true)) std::this_thread::yield();  // a destructor cannot refuse
-  data_.job = kEnd;
-  dmumps_c(&data_);
-  in_use = false;
-}
+Matrix::~Matrix() { call(kEnd); }
 
 void Matrix::call(int job) {
-  if (in_use.exchange(true)) {
-    throw Error(Error::Kind::environment,
-                "two threads call MUMPS at once, which its sequential version does not survive: use another backend");
-  }
+  const std::scoped_lock lock(turn);
   data_.job = job;
   dmumps_c(&data_);
-  in_use = false;
 }
 
 void Matrix::analyze(int order, std::span<int> row, std::span<int> column) {

@@ -14,8 +14,7 @@ namespace assur::mumps {
 
 enum class Symmetry : int { none = 0, indefinite = 2 };  // values of MUMPS's own SYM
 
-// MUMPS 5.5 crashes when two threads are inside it, whatever matrices they work on. There is no lock here to slow down
-// the usual case: a call that meets another one throws Error (environment).
+// MUMPS 5.5 crashes when two threads are inside it, whatever matrices they work on: calls take turns.
 class Matrix final : public SymmetricSolver {
  public:
   explicit Matrix(Symmetry symmetry);

@@ -24,4 +24,6 @@ constexpr std::array kTable = {
 
 std::span<const Backend> backends() { return kTable; }
 
+bool takes_turns(std::string_view id) { return id == "mumps"; }
+
 }  // namespace assur

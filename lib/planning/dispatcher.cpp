@@ -9,6 +9,7 @@
 #include <sstream>
 #include <utility>
 
+#include "backends/backends.hpp"
 #include "parallel/longest_first.hpp"
 #include "parallel/team.hpp"
 #include "planning/counts.hpp"
@@ -156,12 +157,13 @@ void share_levels(Plan& plan, const Structure& s, const std::vector<Batch>& batc
     const std::int32_t level = batches[begin].level;
     costs.clear();
     std::int32_t most_q = 1;
-    double doubles = 3.0 * static_cast<double>(read[idx(level)]), contended = 0;
+    double doubles = 3.0 * static_cast<double>(read[idx(level)]), contended = 0, in_turns = 0;
     for (; end < batches.size() && batches[end].level == level; ++end) {
       const Plan::Choice& choice = plan.choices[idx(batches[end].group_class)];
       const std::int32_t packs = packs_of(batches[end], choice), n = s.classes[idx(choice.group_class)].n;
       costs.insert(costs.end(), idx(packs), choice.expected_seconds);
       contended += packs * choice.expected_seconds * model.contention(p, n);
+      if (takes_turns(choice.strategy.backend)) in_turns += packs * choice.expected_seconds;
       most_q = std::max(most_q, choice.strategy.q);
       doubles += batches[end].groups * kHandedOver * n;
     }
@@ -169,8 +171,8 @@ void share_levels(Plan& plan, const Structure& s, const std::vector<Batch>& batc
     double best = alone;
     const double handover = kMeetings * model.meeting(p, doubles * (p - 1) / p).seconds - plan.meeting_seconds;
     if (p > 1 && costs.size() > 1 && std::int64_t{p} * most_q <= budget) {
-      const double shared = together(longest_first(costs, p).makespan, alone, p, contended / alone) +
-                            kWait * plan.meeting_seconds + handover;
+      const double makespan = std::max(longest_first(costs, p).makespan, in_turns);
+      const double shared = together(makespan, alone, p, contended / alone) + kWait * plan.meeting_seconds + handover;
       if (shared < alone) {
         best = shared;
         plan.level_threads[idx(level)] = p;
@@ -229,7 +231,8 @@ Plan latency_plan(const std::vector<Shape>& shapes, const std::vector<ClassLoad>
     const std::int32_t most_q = classes[c].single() ? budget : budget / p;
     plan.choices.push_back(
         choice_of(static_cast<std::int32_t>(c), shapes[c], weigh(offers[c], loads, most_q, scales), scales));
-    plan.choices.back().strategy.p = p;
+    Strategy& s = plan.choices.back().strategy;
+    s.p = s.q > budget / p ? 1 : p;
   }
   return plan;
 }

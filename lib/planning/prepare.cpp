@@ -68,10 +68,11 @@ std::shared_ptr<const PerformanceModel> model_of(const PrepareOptions& options) 
   return options.model ? options.model : machine_model().model;
 }
 
-void check_backend(const Backend& backend, const Plan::Choice& choice) {
+void check_backend(const Backend& backend, const Plan::Choice& choice, std::span<const std::string> without) {
   const auto refuse = [&](const std::string& why) {
     throw Error(Error::Kind::environment, "backend " + std::string(backend.id) + " cannot run here: " + why);
   };
+  if (std::find(without.begin(), without.end(), backend.id) != without.end()) refuse("left out");
   const std::string why_not = backend.why_not(choice.shape, ThreadBudget{choice.strategy.q});
   if (!why_not.empty()) refuse(why_not);
   if (choice.strategy.single && !backend.single) refuse("it has no float version; leave out +float");
@@ -137,6 +138,7 @@ Plan forced_plan(const Structure& s, const Strategy& wanted, const PrepareOption
   plan.threads = wanted.p;
   plan.reason = "forced";
   const std::vector<ClassSize> sizes = class_sizes(s);
+  check_names(options.without, backends());
   for (std::size_t c = 0; c < s.classes.size(); ++c) {
     Plan::Choice choice;
     choice.group_class = static_cast<std::int32_t>(c);
@@ -150,7 +152,7 @@ Plan forced_plan(const Structure& s, const Strategy& wanted, const PrepareOption
     choice.reason = "forced";
     // W is "up to": lanes that no group could fill would be computed for nothing.
     while (choice.strategy.lanes / 2 >= sizes[c].side_by_side) choice.strategy.lanes /= 2;
-    check_backend(find_backend(backends(), choice.strategy.backend), choice);
+    check_backend(find_backend(backends(), choice.strategy.backend), choice, options.without);
     plan.choices.push_back(std::move(choice));
   }
   check_budget(wanted, options);

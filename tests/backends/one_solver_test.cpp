@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <thread>
 
 #include "assur/backend.hpp"
 #include "backends/allocations.hpp"
@@ -137,6 +138,42 @@ TEST_P(OneSolver, AllocatesAfterTheFirstFactorisationIfAndOnlyIfItsRowSaysSo) {
   for (int n : {1, 15, 102, 360, 433, 720}) {
     for (int lanes : {1, 2}) expect_allocations(row, {1}, n, lanes);
     if (row.why_not({}, {2}).empty()) expect_allocations(row, {2}, n, 1);
+  }
+}
+
+// ---- several callers
+
+TEST_P(OneSolver, CallersSideBySideGetWhatEachGetsAlone) {
+  constexpr std::size_t kCallers = 3;
+  const auto work = [](std::size_t caller, bool& ok) {
+    Random random(caller);
+    std::vector<double> all;
+    for (int i = 0; i < 10; ++i) {
+      const int n = 30 + static_cast<int>(caller) + 10 * i;
+      const Matrix a = sparse(n, 3, random);
+      std::vector<double> x = right_sides(n, 1, 1, random);
+      const auto solver = GetParam()->make(ThreadBudget{}, Precision::binary64);
+      ok = ok && solver->analyze(a.pattern, 1).ok() && solver->factorize(a.values).ok() && solver->solve(x, 1).ok();
+      all.insert(all.end(), x.begin(), x.end());
+    }
+    return all;
+  };
+  std::vector<double> together[kCallers];
+  bool ok[kCallers] = {true, true, true};
+  std::vector<std::thread> callers;
+  for (std::size_t c = 0; c < kCallers; ++c) {
+    callers.emplace_back([&, c] {
+      try {
+        together[c] = work(c, ok[c]);
+      } catch (const Error&) {
+        ok[c] = false;
+      }
+    });
+  }
+  for (std::thread& caller : callers) caller.join();
+  for (std::size_t c = 0; c < kCallers; ++c) {
+    EXPECT_TRUE(ok[c]);
+    EXPECT_EQ(together[c], work(c, ok[c]));
   }
 }
 

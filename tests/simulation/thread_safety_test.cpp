@@ -41,7 +41,7 @@ const Scene& platforms() {
 std::vector<std::string> strategies() {
   std::vector<std::string> out = {"groups/eigen 2x1", "irreducible/lanes:4 2x1", "irreducible/lanes:8",
                                   "groups/eigen:4+chunks=4 2x1"};
-  for (const std::string id : {"klu", "lapack"}) {
+  for (const std::string id : {"klu", "lapack", "mumps"}) {
     if (find_backend(backends(), id).why_not({}, {}).empty()) out.push_back("groups/" + id + " 2x1");
   }
   if (find_backend(backends(), "team").why_not({}, {}).empty()) out.push_back("groups/team 2x2");

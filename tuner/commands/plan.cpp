@@ -42,8 +42,9 @@ int plan(const Common& common, const PlanOptions& options) {
                               .messages = known.messages,
                               .candidates = {}};
   for (const Plan::Choice& choice : prepared.plan.choices) {
-    summary.candidates.push_back(
+    std::vector<Candidate>& of_class = summary.candidates.emplace_back(
         candidates(choice.shape, {.model = known.model, .budget = budget, .without = options.without}));
+    for (Candidate& c : of_class) c.strategy.formulation = prepared.plan.formulation;
   }
   if (common.json) {
     output::print(std::cout, to_json(summary));

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "assur/assur.hpp"
+#include "backends/backends.hpp"
 #include "measure/motion.hpp"
 #include "measure/step_times.hpp"
 #include "measure/ways.hpp"
@@ -105,7 +106,7 @@ std::vector<std::string> uniform_strategies(const Scene& scene, const Question& 
     for (int p = 2; p <= q.threads; p *= 2) {
       const std::string threads = std::to_string(p);
       for (const int lanes : {1, 4, 8, 16}) {
-        if (lanes > 1 && (id == "mumps" || id == "umfpack")) continue;
+        if (takes_turns(id) || (lanes > 1 && id == "umfpack")) continue;
         all.push_back("irreducible/" + id + (lanes > 1 ? ":" + std::to_string(lanes) : "") + " " + threads + "x1");
       }
       if (backend.why_not({}, ThreadBudget{p}).empty()) all.push_back("irreducible/" + id + " 1x" + threads);

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "assur/backend.hpp"
+#include "backends/backends.hpp"
 
 namespace assur::measure {
 namespace {
@@ -56,7 +57,7 @@ std::vector<Way> solvers(const Scene& scene, ThreadBudget budget) {
       all.push_back({plain});
       if (formulation == Formulation::global) continue;  // a single group
       if (!solves_one_by_one(backend.id)) add([](Strategy& s) { s.lanes = kLanes; });
-      if (budget.threads > 1) add([&](Strategy& s) { s.p = budget.threads; });
+      if (budget.threads > 1 && !takes_turns(backend.id)) add([&](Strategy& s) { s.p = budget.threads; });
     }
     plain.formulation = Formulation::irreducible;
     if (budget.threads > 1 && backend.why_not({}, budget).empty()) add([&](Strategy& s) { s.q = budget.threads; });

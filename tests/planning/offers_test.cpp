@@ -1,0 +1,127 @@
+// What is offered for a scene runs, and what is said not to run is refused with that reason.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <map>
+#include <set>
+
+#include "assur/assur.hpp"
+#include "backends/backends.hpp"
+#include "scene/samples.hpp"
+
+namespace assur {
+namespace {
+
+constexpr ThreadBudget kBudget{2};
+
+// A few steps of every scene of scenes/ and of every sample.
+std::vector<Scene> shipped() {
+  std::vector<Scene> scenes;
+  for (const auto& entry : std::filesystem::directory_iterator(std::string(ASSUR_SOURCE_DIR) + "/scenes")) {
+    if (entry.path().filename() != "scene.schema.json") scenes.push_back(read_scene(entry.path()));
+  }
+  for (const samples::Sample& s : samples::table()) scenes.push_back(sample(s.name));
+  for (Scene& scene : scenes) {
+    const TimeGrid grid = scene.time();
+    scene = scene.with_time({grid.start, grid.start + 3 * grid.step, grid.step});
+  }
+  return scenes;
+}
+
+std::vector<std::string> all_but(std::string_view id) {
+  std::vector<std::string> others;
+  for (const Backend& b : backends()) {
+    if (b.id != id) others.emplace_back(b.id);
+  }
+  return others;
+}
+
+// "" if it ran to the end.
+std::string outcome(const Scene& scene, const PrepareOptions& options) {
+  try {
+    Simulator simulator(prepare(scene, options));
+    (void)simulator.run();
+    const Status status = simulator.report().status;
+    return status.ok() ? "" : std::string(name(status.code));
+  } catch (const Error& error) {
+    return error.what();
+  }
+}
+
+// Text of each candidate for a class of the plan, and why it cannot run.
+std::map<std::string, std::string> offered(const Prepared& prepared, const PrepareOptions& options) {
+  std::map<std::string, std::string> all;
+  for (const Plan::Choice& choice : prepared.plan.choices) {
+    for (Candidate& c : candidates(choice.shape, {.budget = options.budget, .without = options.without})) {
+      c.strategy.formulation = prepared.plan.formulation;
+      all[to_string(c.strategy)] = c.why_not;
+    }
+    all[to_string(choice.strategy)] = "";
+  }
+  return all;
+}
+
+void expect_as_offered(const Scene& scene, const PrepareOptions& options) {
+  SCOPED_TRACE(scene.name());
+  ASSERT_EQ(outcome(scene, options), "");
+  for (const auto& [text, why_not] : offered(prepare(scene, options), options)) {
+    PrepareOptions forced = options;
+    forced.strategy = text;
+    const std::string ended = outcome(scene, forced);
+    if (why_not.empty()) {
+      EXPECT_EQ(ended, "") << text;
+    } else {
+      EXPECT_NE(ended.find(why_not), std::string::npos)
+          << text << " is refused by \"" << ended << "\", not by \"" << why_not << "\"";
+    }
+  }
+}
+
+TEST(Offers, RunOrAreRefusedWithTheReasonGiven) {
+  for (const Scene& scene : shipped()) {
+    expect_as_offered(scene, {.budget = kBudget});
+    expect_as_offered(scene, {.budget = ThreadBudget{1}, .without = {"lanes", "klu"}, .accuracy = 1e-6});
+  }
+}
+
+TEST(Offers, OfThroughputRun) {
+  for (const Scene& scene : shipped()) expect_as_offered(scene, {.budget = kBudget, .mode = Mode::throughput});
+}
+
+// Each backend alone, whatever it is good at.
+TEST(Offers, OfOneBackendRun) {
+  const Scene scene = sample("stewart:steps=5"), long_enough_for_chunks = sample("stewart:steps=250");
+  for (const Backend& backend : backends()) {
+    if (!backend.why_not({}, {}).empty()) continue;
+    for (const Mode mode : {Mode::latency, Mode::throughput}) {
+      const PrepareOptions options{.budget = kBudget, .mode = mode, .without = all_but(backend.id)};
+      expect_as_offered(scene, options);
+      EXPECT_EQ(outcome(long_enough_for_chunks, options), "") << backend.id;
+      Ensemble side_by_side(9, [&](std::size_t i) {
+        return prepare(sample("stewart:steps=5", {{"omega", 0.5 + 0.1 * static_cast<double>(i)}}), options);
+      });
+      (void)side_by_side.run();
+      EXPECT_TRUE(side_by_side.report().status.ok()) << backend.id;
+    }
+  }
+}
+
+// Threads that wait for their turn are no offer, and no way to compare.
+TEST(Offers, LeaveOutThreadsThatWouldOnlyWait) {
+  for (const Backend& backend : backends()) {
+    if (!takes_turns(backend.id) || !backend.why_not({}, {}).empty()) continue;
+    const Prepared prepared = prepare(sample("stewart"), {.budget = kBudget, .without = all_but(backend.id)});
+    EXPECT_EQ(prepared.plan.threads, 1);
+    for (const Candidate& c : candidates(prepared.plan.choices[0].shape, {.budget = kBudget})) {
+      EXPECT_FALSE(c.strategy.backend == backend.id && c.strategy.p > 1) << to_string(c.strategy);
+    }
+  }
+}
+
+TEST(Offers, AStrategyThatNamesASolverLeftOutIsRefused) {
+  EXPECT_EQ(outcome(sample("stewart:steps=2"), {.strategy = "irreducible/lanes", .without = {"lanes"}}),
+            "backend lanes cannot run here: left out");
+}
+
+}  // namespace
+}  // namespace assur
