@@ -1,6 +1,8 @@
 #include "assur/report.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace assur {
 
@@ -20,10 +22,12 @@ Counters& Counters::operator+=(const Counters& o) {
   return *this;
 }
 
+double ErrorFigures::residual() const { return std::fmax(position, std::fmax(velocity, acceleration)); }
+
 void ErrorFigures::merge(const ErrorFigures& o) {
-  position = std::max(position, o.position);
-  velocity = std::max(velocity, o.velocity);
-  acceleration = std::max(acceleration, o.acceleration);
+  for (const auto figure : {&ErrorFigures::position, &ErrorFigures::velocity, &ErrorFigures::acceleration}) {
+    if (o.*figure > this->*figure || std::isnan(this->*figure)) this->*figure = o.*figure;
+  }
   for (const auto figure :
        {&ErrorFigures::estimated_position, &ErrorFigures::estimated_velocity, &ErrorFigures::estimated_acceleration,
         &ErrorFigures::certified_radius, &ErrorFigures::forward_position, &ErrorFigures::forward_velocity,
@@ -35,7 +39,11 @@ void ErrorFigures::merge(const ErrorFigures& o) {
 
 Certificate worst_of(std::span<const Certificate> certificates) {
   Certificate worst;
-  if (certificates.empty()) return worst;
+  if (certificates.empty()) {
+    worst.radius = std::numeric_limits<double>::infinity();
+    worst.why_not = "there is no posture";
+    return worst;
+  }
   const auto is_worse = [](const Certificate& a, const Certificate& b) { return a.radius < b.radius; };
   worst = *std::max_element(certificates.begin(), certificates.end(), is_worse);
   for (const Certificate& c : certificates) worst.uniqueness = std::min(worst.uniqueness, c.uniqueness);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -30,14 +31,18 @@ struct Counters {
   Counters& operator+=(const Counters& o);
 };
 
-// Relative errors, the worst of the run; the definitions are those of README.md, "Error".
+// Relative errors, the worst of the run; the definitions are those of README.md, "Error". What was not measured is NaN
+// (the residuals) or empty, never 0.
 struct ErrorFigures {
-  double position = 0;  // max |Phi_i| / (sum |dPhi_i/dq_j| |q_j| + |constant|)
+  static constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+  double position = kUnknown;  // max |Phi_i| / (sum |dPhi_i/dq_j| |q_j| + |constant|); NaN: nothing was solved
   // Normwise residuals of the linear systems, |J x - b| / (|J| |x| + |b|) in the maximum norm. A system of which only
   // some unknowns were solved for (the last back-substitution stops at those wanted) has none.
-  double velocity = 0;
-  double acceleration = 0;
-  // Of every output and step, as forward_* are defined, estimated to first order; empty where nobody asked.
+  double velocity = kUnknown;
+  double acceleration = kUnknown;
+  // Of every output and step, as forward_* are defined, estimated to first order; empty where nobody asked, or no
+  // output is of that kind.
   std::optional<double> estimated_position = {};
   std::optional<double> estimated_velocity = {};
   std::optional<double> estimated_acceleration = {};
@@ -46,7 +51,9 @@ struct ErrorFigures {
   std::optional<double> forward_velocity = {};
   std::optional<double> forward_acceleration = {};
 
-  // The worse of both residuals.
+  // The largest residual; NaN if none was measured.
+  [[nodiscard]] double residual() const;
+  // The worse of both figures, or the one that is known.
   void merge(const ErrorFigures& o);
 };
 

@@ -126,15 +126,15 @@ class Simulator {
   std::unique_ptr<Impl> impl_;
 };
 
-struct ForwardError {
-  double position = 0, velocity = 0, acceleration = 0;
+struct ForwardError {  // NaN: no output is of that kind
+  double position = ErrorFigures::kUnknown, velocity = ErrorFigures::kUnknown, acceleration = ErrorFigures::kUnknown;
 };
 
 // True forward error of a trajectory by a reference in quad precision (113 bits): same parameters, same times, laws and
 // residuals in quad, refined with a factorisation in double. Functions of the program are asked as the run asks them:
 // the reference is wrong with them. The worst over the outputs of max over the times of
-// |x - x_ref| / max over the run |x_ref| (lengths: at least the characteristic length). Throws Error (environment) if
-// this build has no quad arithmetic, numerical if the reference does not converge.
+// |x - x_ref| / max over the run |x_ref| (lengths: at least the characteristic length), infinite where x is not finite.
+// Throws Error (environment) if this build has no quad arithmetic, numerical if the reference does not converge.
 [[nodiscard]] ForwardError forward_error(const Prepared& prepared, const Trajectory& trajectory);
 
 // Proves the posture at time(). Throws Error: input if the plan was loaded, environment if this build has no quad

@@ -134,6 +134,34 @@ class EvaluatorOf final : public Evaluator {
     if (!callbacks_.empty()) callbacks_.raise_scale(k_, value_, scale - p_.equations_count * W);
   }
 
+  void rounding(double* bound) override {
+    double* const error = magnitude_;  // of the registers
+    for (int i = 0; i <= p_.one(); ++i) L::set(0).store(error + i * W);
+    for (const Program::Form& f : p_.forms) {
+      RoundedSum sum{L::set(0), L::set(0)};
+      for (const Program::Operand* o = at(p_.operands, f.begin); o != at(p_.operands, f.end); ++o) {
+        sum.add(k(o->coefficient), reg(value_, o->reg), L::set(0));
+      }
+      sum.error.store(error + f.reg * W);
+    }
+    for (const Program::Equation& e : p_.equations) {
+      RoundedSum sum{L::set(0), L::set(0)};
+      for (const Program::Operand* o = at(p_.linear, e.linear.begin); o != at(p_.linear, e.linear.end); ++o) {
+        sum.add(k(o->coefficient), reg(value_, o->reg), reg(error, o->reg));
+      }
+      for (const Program::Product* q = at(p_.products, e.products.begin); q != at(p_.products, e.products.end); ++q) {
+        const L a = reg(value_, q->a), b = reg(value_, q->b);
+        L of_factors = reg(error, q->a) * abs(b);
+        of_factors.add_product(abs(a), reg(error, q->b));
+        of_factors.add_product(abs(a), abs(b));
+        sum.add(k(q->coefficient), a * b, of_factors);
+      }
+      sum.error.store(bound);
+      bound += W;
+    }
+    if (!callbacks_.empty()) callbacks_.scale(k_, value_, bound - p_.equations_count * W);
+  }
+
   void velocity_rhs(const double* input_rates, double* rhs) override {
     set_input_derivatives(input_rates, input_rate_);
     for (std::size_t i = 0; i < p_.equations.size(); ++i) {
@@ -170,6 +198,21 @@ class EvaluatorOf final : public Evaluator {
   }
   static HWY_INLINE L reg(const double* registers, std::int32_t i) { return L::load(registers + i * W); }
   HWY_INLINE L k(std::int32_t i) const { return L::load(k_ + i * W); }
+
+  // A sum and the bound of its rounding, over epsilon / 2: a first term is not rounded, nor is what is taken as it is.
+  struct RoundedSum {
+    L value, error;
+
+    HWY_INLINE void add(const L& coefficient, const L& term, const L& term_error) {
+      const L before = abs(value);
+      L product = coefficient * term;
+      value = value + product;
+      error = error + if_positive(before, abs(value), L::set(0));
+      error.add_product(abs(coefficient), term_error);
+      product = abs(product);
+      error = error + if_positive(abs(abs(coefficient) - L::set(1)), product, L::set(0));
+    }
+  };
 
   static void copy(const double* from, std::int32_t count, double* to) {
     for (std::int32_t i = 0; i < count; ++i) L::load(from + i * W).store(to + i * W);

@@ -26,6 +26,10 @@ class Evaluator {
   // Raises what scale() tells, or zeros, to what a residual is measured against at least: see residual_scale().
   virtual void raise_scale(double* scale) = 0;
 
+  // How far the rounding of its sums and products may move each Phi_i, at most, over epsilon / 2, at the posture of the
+  // last evaluate(). The posture itself counts as exact: differences of neighbours far from the origin are.
+  virtual void rounding(double* bound) = 0;
+
   // -Phi_h h', at the posture of the last evaluate().
   virtual void velocity_rhs(const double* input_rates, double* rhs) = 0;
 

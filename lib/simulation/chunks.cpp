@@ -55,6 +55,7 @@ void settle(SideBySide& worker, const LaneRun& before, LaneRun& run, const std::
   run.done = 0;
   run.alone = false;
   run.status = {};
+  run.error = {};
   run.posture.clear();
   run.events.clear();
   run.fallbacks.clear();
@@ -124,12 +125,14 @@ ChunkedRun run_in_chunks(const Prepared& prepared, const StepLimits& limits, std
   const auto proceed = [&] { return !observer || observer(rows, rows); };
   const std::vector<std::size_t> angles = tiles.first().angles();
   Status doubt;  // the first one
+  ErrorFigures error;
   for (std::size_t c = 0; c < chunks; ++c) {
     LaneRun& run = runs[c];
     if (c > 0) {
       settle(tiles.first(), runs[c - 1], run, proceed, out.fallbacks);
       follow(runs[c - 1], run, angles, columns);
     }
+    error.merge(run.error);
     if (run.alone) say_alone(run, out.fallbacks);
     out.fallbacks.insert(out.fallbacks.end(), run.fallbacks.begin(), run.fallbacks.end());
 
@@ -150,6 +153,7 @@ ChunkedRun run_in_chunks(const Prepared& prepared, const StepLimits& limits, std
   }
   out.values.resize(out.rows * columns);
   out.totals = tiles.totals();
+  out.totals.error.merge(error);
   return out;
 }
 

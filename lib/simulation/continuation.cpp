@@ -210,7 +210,7 @@ void Continuation::accept(double t, const StepErrors& errors) {
   now_ = t;
   report_.reached = t;
   last_errors_ = errors;
-  report_.error.merge({.position = errors.position, .velocity = errors.velocity, .acceleration = errors.acceleration});
+  errors.add_to(report_.error);
 }
 
 bool Continuation::deadline_passed() const {

@@ -90,6 +90,7 @@ struct Ensemble::Impl {
     for (std::size_t i = 0; i < runs.size(); ++i) {
       LaneRun& run = runs[i];
       out.rows_[in_lanes[i]] = run.done;
+      totals.error.merge(run.error);
       outcomes[in_lanes[i]] = {run.status, run.reached,    std::move(run.cannot),
                                run.alone,  run.alone_from, std::move(run.events)};
       note(in_lanes[i], run.fallbacks);

@@ -17,7 +17,8 @@ constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Five probes all below 1/5 of the true size happen once in ten thousand times; rounding is half as large as its bound.
 constexpr double kSafety = 2.5;
-constexpr double kRounding = 16 * kEps;       // residuals up to here are not looked at
+constexpr double kUsual = 2 * kEps;           // residuals up to here are those of any step
+constexpr double kRounding = 16 * kEps;       // with residuals up to here equations are solved as well as they can be
 constexpr std::int64_t kInterval = 512;       // steps from one measurement to the next
 constexpr std::int64_t kIntervalUnseen = 16;  // where callbacks hide how the condition changes, or errors are in doubt
 constexpr double kGrown = 2;                  // of a condition, or a residual: then it is measured again
@@ -43,17 +44,26 @@ ErrorEstimate::ErrorEstimate(const Structure& structure, Layout& layout, std::sp
   for (const Output& o : wanted_outputs(system)) {
     const auto first = static_cast<std::int32_t>(3 * dimension_.size());
     for (std::int32_t d = 0; d < 3; ++d) {
-      if (o.wanted[d]) size_of_.insert(size_of_.end(), o.part_count, first + d);
+      if (!o.wanted[d]) continue;
+      size_of_.insert(size_of_.end(), o.part_count, first + d);
+      wanted_[idx(d)] = true;
     }
     dimension_.push_back(o.parts().front().dimension);
   }
-  for (auto& probe : probes_) {
-    for (auto& derivative : probe) derivative.resize(layout.size);
+  probes_.push_back({Probe::Cause::left, {}});
+  probes_.insert(probes_.end(), kRandom, {Probe::Cause::rounding, {}});
+  if (accuracy > 0) probes_.insert(probes_.end(), kRandom, {Probe::Cause::tolerance, {}});
+  for (std::size_t d = 0; d < 3; ++d) {
+    memory_[d].resize(probes_.size() * layout.size);
+    for (std::size_t k = 0; k < probes_.size(); ++k) probes_[k].errors[d] = memory_[d].data() + k * layout.size;
   }
   for (auto& derivative : moved_) derivative.resize(layout.size);
   moved_row_.resize(size_of_.size());
   mechanisms_.resize(outputs.size());
-  for (Mechanism& m : mechanisms_) m.sizes.resize(3 * dimension_.size());
+  for (Mechanism& m : mechanisms_) {
+    m.sizes.resize(3 * dimension_.size());
+    m.rounding.resize(m.sizes.size());
+  }
   std::size_t blocks = 0;
   bool quadratic = true;
   for (const Pack& pack : layout.packs) {
@@ -78,13 +88,31 @@ void ErrorEstimate::restart(std::span<const System* const> systems) {
     m.largest.assign(m.sizes.size(), {});
     m.now = {};
   }
-  residual_ = kRounding;
-  steps_ = branch_checks_ = 0;
+  residual_ = kUsual;
+  steps_ = branch_checks_ = measurements_ = 0;
   seed_ = 0;
-  worst_ = expected_ = 0;
+  worst_ = gain_ = left_ = 0;
+  loose_ = false;
 }
 
-void ErrorEstimate::continue_from(const ErrorEstimate& before) {
+bool ErrorEstimate::due(std::int64_t branch_checks, double residual) {
+  ++steps_;
+  const bool grown = residual > kGrown * residual_;
+  if (grown) residual_ = residual;
+  // The start is solved with care; the first step is the first of its kind.
+  const bool first = measurements_ < 2;
+  // What is left now may be in any equation.
+  const double error = residual > kRounding ? gain_ * residual : 0;
+  if (grown || first || error > asked_ || steps_ >= (in_doubt() ? kIntervalUnseen : interval_) ||
+      conditions_have_grown(branch_checks, error)) {
+    return true;
+  }
+  if (error > 0) left_ = std::max(left_, residual);
+  return false;
+}
+
+void ErrorEstimate::continue_from(ErrorEstimate& before) {
+  before.keep_steps_between();
   for (std::size_t i = 0; i < used_; ++i) {
     mechanisms_[i].scale = before.mechanisms_[i].scale;
     mechanisms_[i].largest = before.mechanisms_[i].largest;
@@ -94,17 +122,9 @@ void ErrorEstimate::continue_from(const ErrorEstimate& before) {
 }
 
 // Errors of accelerations grow like the cube of a condition, and those of levels multiply.
-bool ErrorEstimate::due(std::int64_t branch_checks, double residual) {
-  ++steps_;
-  if (residual > kGrown * residual_) {
-    residual_ = residual;
-    return true;
-  }
-  // The start is solved with care; the first step is the first of its kind.
-  const bool first = seed_ < 2 * kProbes;
-  if (first || steps_ >= (in_doubt() ? kIntervalUnseen : interval_)) return true;
+bool ErrorEstimate::conditions_have_grown(std::int64_t branch_checks, double error) {
   // Where errors are let grow, conditions are watched between their measurements, too.
-  if (branch_checks == branch_checks_ && expected_ == 0) return false;
+  if (branch_checks == branch_checks_ && !loose_) return false;
   branch_checks_ = branch_checks;
   const double* before = omega_.data();
   // What a ball leaves open counts for one level: that all of them move towards a singularity at once is not expected.
@@ -119,16 +139,18 @@ bool ErrorEstimate::due(std::int64_t branch_checks, double residual) {
       }
       for (const double used : packs[p].ball_used) open = std::max(open, 1 / (1 - used));
     }
-    if (of_level > kGrown && expected_ == 0) return true;
+    if (of_level > kGrown && !loose_) return true;
     grown *= of_level;
   }
   if (in_doubt()) return shrunk > kGrown;
-  if (expected_ > 0) grown *= open;
-  return std::max(worst_, expected_) * grown * grown * grown > asked_;
+  if (loose_) grown *= open;
+  return std::max(worst_, error) * grown * grown * grown > asked_;
 }
 
-Probes ErrorEstimate::begin(std::span<const double> times, const double* const (&state)[3]) {
+void ErrorEstimate::begin(std::span<const double> times, const double* const (&state)[3]) {
+  keep_steps_between();
   steps_ = 0;
+  ++measurements_;
   for (std::size_t i = 0; i < used_; ++i) {
     auto& scale = mechanisms_[i].scale;
     for (const std::int32_t a : driven_) {
@@ -137,14 +159,14 @@ Probes ErrorEstimate::begin(std::span<const double> times, const double* const (
     scale[2] = std::max(scale[2], scale[1] * scale[1]);
   }
   if (!static_known_) perturb_static(state[0]);
-  Probes probes;
-  for (std::size_t k = 0; k < kProbes; ++k) {
-    perturb_known(times, state, k);
-    for (std::size_t d = 0; d < 3; ++d) probes[k][d] = probes_[k][d].data();
+  // Where equations are solved as well as they can be and errors are too large, nothing will be loosened.
+  knows_gain_ = probes_.size() > 1 + kRandom && (loose_ || !in_doubt());
+  for (const Probe& probe : probes()) {
+    if (probe.cause == Probe::Cause::rounding) perturb_known(times, state, probe);
   }
-  return probes;
 }
 
+// What stands still has what was left in it at the start, whatever later steps leave.
 void ErrorEstimate::perturb_static(const double* state) {
   const std::span<const std::int32_t> stands = static_.coordinates();
   std::vector<double> q(systems_.empty() ? 0 : systems_[0]->coordinates.size());
@@ -153,10 +175,10 @@ void ErrorEstimate::perturb_static(const double* state) {
       const std::int32_t a = layout_.address[c];
       q[c] = a >= 0 ? state[idx(a) + i] : 0;
     }
-    const std::vector<double> errors = static_.draw(*systems_[i], q, kProbes, 0);
-    for (std::size_t k = 0; k < kProbes; ++k) {
+    const std::vector<double> errors = static_.draw(*systems_[i], q, kRandom, 0);
+    for (std::size_t k = 0; k <= kRandom; ++k) {
       for (std::size_t s = 0; s < stands.size(); ++s) {
-        probes_[k][0][idx(layout_.address[idx(stands[s])]) + i] = errors[k * stands.size() + s];
+        probes_[k].errors[0][idx(layout_.address[idx(stands[s])]) + i] = errors[k * stands.size() + s];
       }
     }
   }
@@ -164,9 +186,9 @@ void ErrorEstimate::perturb_static(const double* state) {
 }
 
 // Laws are exact but for the rounding of their arguments, which grow with the time.
-void ErrorEstimate::perturb_known(std::span<const double> times, const double* const (&state)[3], std::size_t probe) {
+void ErrorEstimate::perturb_known(std::span<const double> times, const double* const (&state)[3], const Probe& probe) {
   RandomSign sign(++seed_);
-  auto& [q, rate, acceleration] = probes_[probe];
+  const auto& [q, rate, acceleration] = probe.errors;
   for (std::size_t i = 0; i < used_; ++i) {
     const auto& scale = mechanisms_[i].scale;
     const double at = std::abs(times[i]), fastest = std::max(scale[1], std::sqrt(scale[2]));
@@ -187,14 +209,12 @@ void ErrorEstimate::find_worst() {
     const Pack& pack = layout_.packs[p];
     const GroupSolver& solver = *layout_.solvers[idx(pack.group_class)];
     const std::size_t w = idx(solver.lanes()), n = idx(solver.program().n);
-    for (const auto& probe : probes_) {
-      for (std::size_t i = 0; i < n * w; ++i) {
-        const std::size_t lane = i % w, m = mechanisms_.size() > 1 ? lane : 0;
-        const double error = regular_[p] != 0 ? std::abs(probe[0][pack.unknowns + i]) : kInfinity;
-        if (lane >= idx(pack.used) || error <= worst[m]) continue;
-        worst[m] = error;
-        mechanisms_[m].worst = {p, static_cast<std::int32_t>(lane)};
-      }
+    for (std::size_t i = 0; i < n * w; ++i) {
+      const std::size_t lane = i % w, m = mechanisms_.size() > 1 ? lane : 0;
+      const double error = regular_[p] != 0 ? of_coordinate(pack.unknowns + i) : kInfinity;
+      if (lane >= idx(pack.used) || error <= worst[m]) continue;
+      worst[m] = error;
+      mechanisms_[m].worst = {p, static_cast<std::int32_t>(lane)};
     }
   }
 }
@@ -203,73 +223,121 @@ void ErrorEstimate::finish(const double* const (&state)[3], std::span<const doub
   find_worst();
   omega_.clear();
   for (const Pack& pack : layout_.packs) omega_.insert(omega_.end(), pack.omega.begin(), pack.omega.end());
-  const bool regular = std::find(regular_.begin(), regular_.end(), 0) == regular_.end();
   for (std::size_t i = 0; i < used_; ++i) {
-    std::vector<Size>& sizes = mechanisms_[i].sizes;
-    std::fill(sizes.begin(), sizes.end(), Size{});
+    Mechanism& m = mechanisms_[i];
+    std::fill(m.sizes.begin(), m.sizes.end(), Size{});
+    std::fill(m.rounding.begin(), m.rounding.end(), 0.0);
     for (std::size_t c = 0; c < size_of_.size(); ++c) {
-      double& value = sizes[idx(size_of_[c])].value;
+      double& value = m.sizes[idx(size_of_[c])].value;
       value = std::max(value, std::abs(rows[i][c]));
     }
   }
-  for (const auto& probe : probes_) {
-    double largest = 0;
-    for (const double d : probe[0]) largest = std::max(largest, std::abs(d));
-    if (!regular || !std::isfinite(largest)) {
-      for (Mechanism& m : mechanisms_) {
-        for (Size& s : m.sizes) s.error = kInfinity;
-      }
-      break;
+  const bool regular = std::find(regular_.begin(), regular_.end(), 0) == regular_.end();
+  for (const Probe& probe : probes()) {
+    if (regular) carry(probe, state, rows);
+  }
+  worst_ = gain_ = 0;
+  for (std::size_t k = 0; k < used_; ++k) {
+    Mechanism& m = mechanisms_[k];
+    for (std::size_t i = 0; i < m.sizes.size(); ++i) {
+      Size& size = m.sizes[i];
+      size.error = regular ? kSafety * (size.error + m.rounding[i]) : kInfinity;
+      if (!regular) size.gain = kInfinity;
+      size.value = m.largest[i].value = std::max(m.largest[i].value, size.value);
     }
-    if (largest == 0) largest = kEps;
-    // The outputs are smooth: a small move along the probe tells their derivatives.
-    const double along = kMoved / largest;
-    for (std::size_t d = 0; d < 3; ++d) {
-      for (std::size_t i = 0; i < layout_.size; ++i) moved_[d][i] = state[d][i] + along * probe[d][i];
+    m.now = relative(m, m.sizes, &Size::error);
+    worst_ = std::max(worst_, m.now.worst());
+    gain_ = std::max(gain_, relative(m, m.sizes, &Size::gain).worst());
+  }
+}
+
+// How a probe shows in the outputs.
+void ErrorEstimate::carry(const Probe& probe, const double* const (&state)[3], std::span<const double* const> rows) {
+  double largest = 0;
+  for (std::size_t d = 0; d < 3; ++d) {
+    double error = 0, size = 0;
+    for (std::size_t i = 0; i < layout_.size; ++i) {
+      if (const double e = std::abs(probe.errors[d][i]); !(e <= error)) error = e;
+      size = std::max(size, std::abs(state[d][i]));
     }
-    for (std::size_t i = 0; i < used_; ++i) {
-      const double* const moved[3] = {moved_[0].data() + i, moved_[1].data() + i, moved_[2].data() + i};
-      outputs_[i].evaluate(moved, moved_row_.data(), rows[i], 0);
-      for (std::size_t c = 0; c < moved_row_.size(); ++c) {
-        double& error = mechanisms_[i].sizes[idx(size_of_[c])].error;
-        const double difference = kSafety * std::abs(moved_row_[c] - rows[i][c]) / along;
-        if (!(difference <= error)) error = std::isnan(difference) ? kInfinity : difference;
-      }
+    // Lengths against the characteristic one, rates and accelerations against their own.
+    if (d > 0 && size > 0) error /= size;
+    if (!(error <= largest)) largest = error;
+  }
+  // The outputs are smooth: a small move along the probe tells their derivatives.
+  const double along = std::isfinite(largest) ? kMoved / (largest > 0 ? largest : kEps) : 0;
+  for (std::size_t d = 0; d < 3; ++d) {
+    for (std::size_t i = 0; i < layout_.size; ++i) moved_[d][i] = state[d][i] + along * probe.errors[d][i];
+  }
+  for (std::size_t k = 0; k < used_; ++k) {
+    Mechanism& m = mechanisms_[k];
+    const double* const moved[3] = {moved_[0].data() + k, moved_[1].data() + k, moved_[2].data() + k};
+    outputs_[k].evaluate(moved, moved_row_.data(), rows[k], 0);
+    for (std::size_t c = 0; c < moved_row_.size(); ++c) {
+      const std::size_t i = idx(size_of_[c]);
+      double& size = probe.cause == Probe::Cause::left       ? m.sizes[i].error
+                     : probe.cause == Probe::Cause::rounding ? m.rounding[i]
+                                                             : m.sizes[i].gain;
+      double difference = along > 0 ? std::abs(moved_row_[c] - rows[k][c]) / along : kInfinity;
+      if (probe.cause == Probe::Cause::tolerance) difference *= kSafety / kSumRounding;
+      if (!(difference <= size)) size = std::isnan(difference) ? kInfinity : difference;
     }
   }
-  worst_ = 0;
+}
+
+void ErrorEstimate::keep() {
   for (std::size_t k = 0; k < used_; ++k) {
     Mechanism& m = mechanisms_[k];
     for (std::size_t i = 0; i < m.sizes.size(); ++i) {
       m.largest[i].error = std::max(m.largest[i].error, m.sizes[i].error);
-      m.largest[i].value = std::max(m.largest[i].value, m.sizes[i].value);
-      m.sizes[i].value = m.largest[i].value;
     }
-    m.now = relative(m, m.sizes);
-    worst_ = std::max(worst_, m.now.worst());
   }
 }
 
-ErrorEstimate::Figures ErrorEstimate::relative(const Mechanism& m, const std::vector<Size>& sizes) const {
+// Steps that nobody measured have errors as well: at most as large as they may be with what was left in them.
+void ErrorEstimate::keep_steps_between() {
+  const double left = std::exchange(left_, 0);
+  for (std::size_t k = 0; k < used_ && left > 0; ++k) {
+    Mechanism& m = mechanisms_[k];
+    for (std::size_t i = 0; i < m.sizes.size(); ++i) {
+      m.largest[i].error = std::max(m.largest[i].error, m.sizes[i].gain * left);
+    }
+  }
+}
+
+ErrorEstimate::Figures ErrorEstimate::relative(const Mechanism& m, const std::vector<Size>& sizes,
+                                               double Size::*what) const {
   constexpr double kTurn = 2 * std::numbers::pi;
   const std::array<double, 3> least = {1, m.scale[1] / kTurn, m.scale[2] / (kTurn * kTurn)};
   std::array<double, 3> worst{};
   for (std::size_t i = 0; i < sizes.size(); ++i) {
-    if (!(sizes[i].error > 0)) continue;
+    if (!(sizes[i].*what > 0)) continue;
     const std::size_t d = i % 3;
-    worst[d] = std::max(worst[d], sizes[i].error / std::max(sizes[i].value, least[d] * m.unit[i / 3]));
+    worst[d] = std::max(worst[d], sizes[i].*what / std::max(sizes[i].value, least[d] * m.unit[i / 3]));
   }
   return {worst[0], worst[1], worst[2]};
 }
 
-ErrorEstimate::Figures ErrorEstimate::of_run(std::size_t mechanism) const {
-  return relative(mechanisms_[mechanism], mechanisms_[mechanism].largest);
+ErrorFigures ErrorEstimate::of_run(std::size_t mechanism) {
+  if (!measured()) return {};
+  keep_steps_between();
+  const Mechanism& m = mechanisms_[mechanism];
+  const auto [position, velocity, acceleration] = relative(m, m.largest, &Size::error);
+  ErrorFigures figures;
+  if (wanted_[0]) figures.estimated_position = position;
+  if (wanted_[1]) figures.estimated_velocity = velocity;
+  if (wanted_[2]) figures.estimated_acceleration = acceleration;
+  return figures;
 }
 
 double ErrorEstimate::of_coordinate(std::size_t address) const {
-  double worst = 0;
-  for (const auto& probe : probes_) worst = std::max(worst, std::abs(probe[0][address]));
-  return kSafety * worst;
+  double left = 0, rounding = 0;
+  for (const Probe& probe : probes_) {
+    const double error = std::abs(probe.errors[0][address]);
+    if (probe.cause == Probe::Cause::left) left = error;
+    if (probe.cause == Probe::Cause::rounding) rounding = std::max(rounding, error);
+  }
+  return kSafety * (left + rounding);
 }
 
 void record_doubt(std::vector<Event>& events, Event event) {

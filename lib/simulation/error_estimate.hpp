@@ -2,6 +2,9 @@
 // its rounding, are carried through the groups in solving order and on to the outputs. A few such probes tell the size
 // of the error as a norm of the whole map would, at the price of as many more right-hand sides (small-sample condition
 // estimation: Kenney and Laub, SIAM J. Sci. Comput. 15, 1994).
+//
+// Where an accuracy is asked for, as many probes more tell how large an error is for each relative residual of any
+// equation. What is left at one posture does not tell that: it may be in an equation that no output feels.
 #pragma once
 
 #include <array>
@@ -34,34 +37,43 @@ class ErrorEstimate {
   void restart(std::span<const System* const> systems);
   // The run goes on from another one's of the same outputs: the largest errors and values so far are those of both. The
   // next step is measured.
-  void continue_from(const ErrorEstimate& before);
+  void continue_from(ErrorEstimate& before);
 
   // Is what was measured last out of date? Tell it of every step, and of the largest residual that it left.
   [[nodiscard]] bool due(std::int64_t branch_checks, double residual);
 
   // At the posture at hand; times, rows: of each mechanism, with its outputs. each(work) calls work(p, solver) for
-  // every pack, level after level. All figures are infinite where a matrix is singular.
+  // every pack, level after level. All figures are infinite where a matrix is singular. It is of the run only once
+  // it is kept: the posture may be improved and measured again first.
   template <class Each>
   void measure(std::span<const double> times, const double* const (&state)[3], std::span<const double* const> rows,
                const Each& each) {
-    const Probes probes = begin(times, state);
+    begin(times, state);
     each([&](std::size_t p, GroupSolver& solver) {
-      regular_[p] = solver.perturb(layout_.packs[p], state, probes, seed_) ? 1 : 0;
+      regular_[p] = solver.perturb(layout_.packs[p], state, probes(), seed_) ? 1 : 0;
     });
     finish(state, rows);
   }
 
-  // Until the next measurement the errors may be as large as this where the conditions are as they were.
-  void expect(double error) { expected_ = error; }
+  // What was measured is an error of the run. The status of its step has to follow in_doubt().
+  void keep();
+
+  // The largest relative residual of an equation with which errors are surely not larger than this, as far as was
+  // measured; infinite if none matters, 0 if that is not known: without an accuracy asked for, or while it is missed.
+  [[nodiscard]] double residual_for(double error) const { return knows_gain_ ? error / gain_ : 0; }
+  // Until the next measurement equations are solved only as well as that.
+  void loosen(bool loose) { loose_ = loose; }
 
   // Since restart(), if anything was solved.
-  [[nodiscard]] bool measured() const { return seed_ > 0 && !(driven_.empty() && static_.coordinates().empty()); }
+  [[nodiscard]] bool measured() const {
+    return measurements_ > 0 && !(driven_.empty() && static_.coordinates().empty());
+  }
   [[nodiscard]] double asked() const { return asked_; }
   // When it was measured last, errors were larger than was asked for, those of some mechanism.
   [[nodiscard]] bool in_doubt() const { return worst_ > asked_; }
   [[nodiscard]] const Figures& now(std::size_t mechanism = 0) const { return mechanisms_[mechanism].now; }
-  // Of the whole run: the largest errors over the largest values.
-  [[nodiscard]] Figures of_run(std::size_t mechanism = 0) const;
+  // Of the whole run: the largest errors over the largest values. Not in doubt as long as no step was.
+  [[nodiscard]] ErrorFigures of_run(std::size_t mechanism = 0);
   // The pack whose unknowns are the most uncertain, and the lane.
   struct Place {
     std::size_t pack = 0;
@@ -72,32 +84,41 @@ class ErrorEstimate {
   [[nodiscard]] double of_coordinate(std::size_t address) const;
 
  private:
+  static constexpr std::size_t kRandom = 5;  // probes of one cause with random signs
   struct Size {  // of an output, or of one of its derivatives
-    double error = 0, value = 0;
+    double value = 0, error = 0;
+    double gain = 0;  // error for each relative residual of any equation
   };
   struct Mechanism {
     std::vector<double> unit;              // outputs: SI units in an internal one
     std::array<double, 3> scale{1, 0, 0};  // fastest rate and largest acceleration of what drives, so far
     std::vector<Size> sizes, largest;      // now, and the largest of the run
+    std::vector<double> rounding;          // sizes: the part of the error that has no sign
     Figures now;
     Place worst;
   };
-  [[nodiscard]] Probes begin(std::span<const double> times, const double* const (&state)[3]);
+  void begin(std::span<const double> times, const double* const (&state)[3]);
+  [[nodiscard]] Probes probes() const { return Probes(probes_).first(knows_gain_ ? probes_.size() : 1 + kRandom); }
   void perturb_static(const double* state);
-  void perturb_known(std::span<const double> times, const double* const (&state)[3], std::size_t probe);
+  void perturb_known(std::span<const double> times, const double* const (&state)[3], const Probe& probe);
   void find_worst();
   void finish(const double* const (&state)[3], std::span<const double* const> rows);
-  [[nodiscard]] Figures relative(const Mechanism& m, const std::vector<Size>& sizes) const;
+  void carry(const Probe& probe, const double* const (&state)[3], std::span<const double* const> rows);
+  [[nodiscard]] bool conditions_have_grown(std::int64_t branch_checks, double error);
+  void keep_steps_between();
+  [[nodiscard]] Figures relative(const Mechanism& m, const std::vector<Size>& sizes, double Size::*what) const;
 
   Layout& layout_;
   StaticErrors static_;
   std::span<const OutputProgram> outputs_;
   double asked_;
-  std::vector<std::int32_t> driven_;                                // addresses of what drives
-  std::vector<std::int32_t> size_of_;                               // columns: 3 * output + derivative
-  std::vector<int> dimension_;                                      // outputs: power of a length
-  std::array<std::array<std::vector<double>, 3>, kProbes> probes_;  // by derivative, like the state
-  std::array<std::vector<double>, 3> moved_;                        // the state, moved along a probe
+  std::vector<std::int32_t> driven_;           // addresses of what drives
+  std::vector<std::int32_t> size_of_;          // columns: 3 * output + derivative
+  std::vector<int> dimension_;                 // outputs: power of a length
+  std::array<bool, 3> wanted_{};               // by some output: its value, rate, acceleration
+  std::array<std::vector<double>, 3> memory_;  // of all probes, by derivative
+  std::vector<Probe> probes_;                  // the first one: of what is left
+  std::array<std::vector<double>, 3> moved_;   // the state, moved along a probe
   std::vector<double> moved_row_;
   std::vector<Mechanism> mechanisms_;   // lanes
   std::vector<const System*> systems_;  // of those used
@@ -108,9 +129,13 @@ class ErrorEstimate {
   double residual_ = 0;                 // the largest of a step that was measured
   std::int64_t branch_checks_ = 0;
   std::int64_t steps_ = 0, interval_ = 0;
+  std::int64_t measurements_ = 0;
   std::uint64_t seed_ = 0;
   double worst_ = 0;  // of all mechanisms
-  double expected_ = 0;
+  bool knows_gain_ = false;
+  double gain_ = 0;   // the worst error of all mechanisms for each relative residual
+  double left_ = 0;   // the largest residual of the steps since
+  bool loose_ = false;
 };
 
 // Adds what is in doubt to the events of a run: steps one after the other are one event, of the worst of them.

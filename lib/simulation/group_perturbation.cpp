@@ -15,21 +15,26 @@
 namespace assur {
 namespace {
 
+constexpr double kHalfEps = std::numeric_limits<double>::epsilon() / 2;
+
 std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
-bool GroupSolver::perturb(Pack& pack, const double* const (&state)[3], const Probes& probes, std::uint64_t seed) {
+bool GroupSolver::perturb(Pack& pack, const double* const (&state)[3], Probes probes, std::uint64_t seed) {
   choose_solver(pack);
   set_inputs(pack, state[0]);
   const double* const x = state[0] + pack.unknowns;
   evaluator_->evaluate(x, phi_.data(), jacobian_.data());
-  evaluator_->scale(noise_.data());
+  evaluator_->scale(tolerance_.data());
+  evaluator_->raise_scale(tolerance_.data());
+  evaluator_->rounding(noise_.data());
   if (!solver_->factorize(jacobian_).ok()) return false;
   pack.factored = true;
 
   const std::size_t size = phi_.size();
   for (std::size_t i = 0; i < size; ++i) phi_[i] = -phi_[i];
+  round_unknowns(x);
   bool finite = error_of(pack, phi_, probes, 0, seed, {});
   if (class_.derivatives == 0) return finite;
 
@@ -83,7 +88,24 @@ const double* GroupSolver::solution(const Pack& pack, const double* state, int d
   return whole_.data();
 }
 
-// residual_ = rhs_ - J y, and its rounding as noise_.
+// noise_, a bound of the rounding of Phi over epsilon / 2, becomes what random signs are given to: twice that bound, and
+// what the rounding of the unknowns themselves leaves in the equations. That differs from step to step; inputs are as
+// they are.
+void GroupSolver::round_unknowns(const double* x) {
+  const std::size_t w = idx(lanes_);
+  for (std::size_t r = 0; r < idx(program_.n); ++r) {
+    for (std::size_t l = 0; l < w; ++l) {
+      double sum = 2 * noise_[r * w + l];
+      for (std::int32_t k = row_start_[r]; k < row_start_[r + 1]; ++k) {
+        const RowEntry& e = row_entries_[idx(k)];
+        sum += std::abs(jacobian_[idx(e.nonzero) * w + l] * x[idx(e.column) * w + l]);
+      }
+      noise_[r * w + l] = kHalfEps / kSumRounding * sum;
+    }
+  }
+}
+
+// residual_ = rhs_ - J y, and the size of its terms as noise_ and tolerance_.
 void GroupSolver::left_of(const double* y) {
   const std::size_t w = idx(lanes_);
   for (std::size_t r = 0; r < idx(program_.n); ++r) {
@@ -96,25 +118,30 @@ void GroupSolver::left_of(const double* y) {
         size += std::abs(term);
       }
       residual_[r * w + l] = left;
-      noise_[r * w + l] = size;
+      noise_[r * w + l] = tolerance_[r * w + l] = size;
     }
   }
 }
 
-// The d-th derivative of every probe. known: the part of the right-hand side that has a sign; noise_: of the other.
-bool GroupSolver::error_of(Pack& pack, const LaneArray& known, const Probes& probes, int derivative, std::uint64_t seed,
+// The d-th derivative of every probe. left: what the equations are off by.
+bool GroupSolver::error_of(Pack& pack, const LaneArray& left, Probes probes, int derivative, std::uint64_t seed,
                            std::initializer_list<Bend> bends) {
   bool finite = true;
-  for (std::size_t k = 0; k < kProbes; ++k) {
+  for (std::size_t k = 0; k < probes.size(); ++k) {
     const auto d = static_cast<std::size_t>(derivative);
-    gather(pack, probes[k][d], input_errors_);
+    gather(pack, probes[k].errors[d], input_errors_);
     evaluator_->velocity_rhs(input_errors_.data(), error_.data());
-    for (const Bend& bend : bends) add_bend(pack, probes[k][bend.probe], bend);
-    RandomSign sign(seed + (pack.unknowns * 3 + d) * kProbes + k);
-    for (std::size_t i = 0; i < error_.size(); ++i) error_[i] += known[i] + sign() * kSumRounding * noise_[i];
+    for (const Bend& bend : bends) add_bend(pack, probes[k].errors[bend.probe], bend);
+    if (probes[k].cause == Probe::Cause::left) {
+      for (std::size_t i = 0; i < error_.size(); ++i) error_[i] += left[i];
+    } else {
+      RandomSign sign(seed + (pack.unknowns * 3 + d) * probes.size() + k);
+      const LaneArray& size = probes[k].cause == Probe::Cause::rounding ? noise_ : tolerance_;
+      for (std::size_t i = 0; i < error_.size(); ++i) error_[i] += sign() * kSumRounding * size[i];
+    }
     if (!solver_->solve(error_, 1).ok()) return false;
     for (const double e : error_) finite = finite && std::isfinite(e);
-    std::copy(error_.begin(), error_.end(), probes[k][d] + pack.unknowns);
+    std::copy(error_.begin(), error_.end(), probes[k].errors[d] + pack.unknowns);
   }
   return finite;
 }

@@ -54,8 +54,8 @@ GroupSolver::GroupSolver(const System& system, const Structure& structure, std::
   input_rates_.resize(inputs_.size());
   input_accelerations_.resize(inputs_.size());
   if (has_small_steps(strategy_)) small_step_ = make_small_step(class_, program_, blocks_, lanes_);
-  for (LaneArray* v :
-       {&phi_, &inverse_scale_, &correction_, &rhs_, &residual_, &noise_, &error_, &bent_, &moved_, &whole_}) {
+  for (LaneArray* v : {&phi_, &inverse_scale_, &correction_, &rhs_, &residual_, &noise_, &tolerance_, &error_, &bent_,
+                       &moved_, &whole_}) {
     v->resize(n);
   }
   for (LaneArray* v : {&input_errors_, &moved_inputs_, &resting_inputs_}) v->resize(inputs_.size());

@@ -24,16 +24,32 @@
 
 namespace assur {
 
-// Errors of one attempt; merged into the report when the step is accepted.
+// Errors of one attempt; merged into the report when the step is accepted. Less than 0: nothing was measured.
 struct StepErrors {
-  double position = 0, velocity = 0, acceleration = 0;
+  double position = -1, velocity = -1, acceleration = -1;
   void merge(const StepErrors& o);
+  void add_to(ErrorFigures& worst) const {
+    const auto raise = [](double& figure, double error) {
+      if (error >= 0 && !(error <= figure)) figure = error;
+    };
+    raise(worst.position, position);
+    raise(worst.velocity, velocity);
+    raise(worst.acceleration, acceleration);
+  }
   [[nodiscard]] double worst() const;
 };
 
-// Errors of posture, velocity and acceleration, laid out like the state: a few possible ones.
-inline constexpr std::size_t kProbes = 5;
-using Probes = std::array<std::array<double*, 3>, kProbes>;
+// Possible errors of posture, velocity and acceleration, each laid out like the state, with their cause.
+struct Probe {
+  enum class Cause : std::uint8_t {
+    left,       // in the equations, with the signs that it has
+    rounding,   // with random signs
+    tolerance,  // a relative residual of kSumRounding in every equation, with random signs
+  };
+  Cause cause = Cause::left;
+  std::array<double*, 3> errors{};
+};
+using Probes = std::span<const Probe>;
 inline constexpr std::size_t kMostLanes = 16;
 
 // How a step is solved.
@@ -90,9 +106,9 @@ class GroupSolver {
   // allocates): limit_reached, change_point_passed (passing may be tried) or branch_unknown.
   [[nodiscard]] Status diagnose(Pack& pack, double* const (&state)[3]);
 
-  // The errors of the pack's unknowns that follow, to first order, from those of its inputs, from what is left in its
-  // equations and from their rounding, with signs drawn by `seed`. False if the Jacobian is singular.
-  [[nodiscard]] bool perturb(Pack& pack, const double* const (&state)[3], const Probes& probes, std::uint64_t seed);
+  // The errors of the pack's unknowns that follow, to first order, from those of its inputs and from the cause of each
+  // probe, with signs drawn by `seed`. False if the Jacobian is singular.
+  [[nodiscard]] bool perturb(Pack& pack, const double* const (&state)[3], Probes probes, std::uint64_t seed);
 
   // Relative residuals and conditions (GroupFigures) of the lanes at a posture.
   struct Health {
@@ -109,8 +125,9 @@ class GroupSolver {
   };
   [[nodiscard]] const double* solution(const Pack& pack, const double* state, int derivative);
   void left_of(const double* y);
-  [[nodiscard]] bool error_of(Pack& pack, const LaneArray& known, const Probes& probes, int derivative,
-                              std::uint64_t seed, std::initializer_list<Bend> bends);
+  void round_unknowns(const double* x);
+  [[nodiscard]] bool error_of(Pack& pack, const LaneArray& left, Probes probes, int derivative, std::uint64_t seed,
+                              std::initializer_list<Bend> bends);
   void add_bend(const Pack& pack, const double* probe, const Bend& bend);
   void sort_by_rows();
   [[nodiscard]] std::unique_ptr<LinearSolver> make_solver() const;
@@ -173,9 +190,9 @@ class GroupSolver {
   LaneArray scale_;                   // n x W
   LaneArray omega_, posture_errors_;  // W: of one block, of set_anchor()
   // Of perturb().
-  LaneArray noise_, error_, bent_, moved_, whole_;          // n x W
-  LaneArray input_errors_, moved_inputs_, resting_inputs_;  // inputs x W
-  std::int64_t refined_ = 0;                                // solutions, because their residual was too large
+  LaneArray noise_, tolerance_, error_, bent_, moved_, whole_;  // n x W
+  LaneArray input_errors_, moved_inputs_, resting_inputs_;      // inputs x W
+  std::int64_t refined_ = 0;                                    // solutions, because their residual was too large
   bool jacobian_measured_ = false, scales_measured_ = false;
   bool factored_in_step_ = false, factored_at_solution_ = false;
 };

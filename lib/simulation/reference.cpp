@@ -7,6 +7,7 @@
 // largest acceleration of a driven coordinate in place of w^2 if that is larger).
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <string>
 #include <utility>
@@ -75,15 +76,18 @@ class Comparison {
     constexpr double kTurn = 2 * std::numbers::pi;
     scale_[1] /= kTurn;
     scale_[2] /= kTurn * kTurn;
-    double worst[3] = {};
+    ForwardError worst;
+    double* const of[3] = {&worst.position, &worst.velocity, &worst.acceleration};
     for (const Compared& o : outputs_) {
       const double unit = motion_.system().unit(o.output.parts().front().dimension);
       for (std::size_t d = 0; d < 3; ++d) {
+        if (!o.output.wanted[d]) continue;
         const auto& [difference, size] = o.figures[d];
-        if (difference != 0) raise(worst[d], difference / std::max(size, scale_[d] * unit));
+        const double error = difference != 0 ? difference / std::max(size, scale_[d] * unit) : 0;
+        *of[d] = std::fmax(*of[d], std::isnan(error) ? std::numeric_limits<double>::infinity() : error);
       }
     }
-    return {worst[0], worst[1], worst[2]};
+    return worst;
   }
 
  private:

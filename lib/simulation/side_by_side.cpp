@@ -112,7 +112,10 @@ void SideBySide::run(std::span<LaneRun* const> lanes, const std::function<bool()
       }
       check_accuracy(together, 0);
     }
-    if (started) row = follow(together, row, proceed);
+    if (started) {
+      row = follow(together, row, proceed);
+      for (std::size_t i = 0; i < together.size(); ++i) together[i]->error.merge(tile_.estimated(static_cast<int>(i)));
+    }
     if (row == last) return;
 
     // Who cannot follow? The next step is tried alone by each.
@@ -187,7 +190,8 @@ void SideBySide::alone(LaneRun& lane, Variant at, std::size_t row, bool to_the_e
   const Report& report = simulator->report();
   lane.events.insert(lane.events.end(), report.events.begin(), report.events.end());
   lane.fallbacks = report.fallbacks;
-  of_those_alone_.merge({report.counters, report.error, report.effort});
+  lane.error.merge(report.error);
+  of_those_alone_.merge({report.counters, {}, report.effort});
 }
 
 // None if the posture has no velocities.

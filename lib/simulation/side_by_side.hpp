@@ -25,6 +25,7 @@ struct LaneRun {
   double reached = 0;    // last time with a valid posture
   bool alone = false;    // from the time `alone_from` on
   double alone_from = 0;
+  ErrorFigures error;  // estimates; where it went alone, residuals, too
   std::vector<Event> events;
   std::vector<std::string> fallbacks;  // where it went alone
   std::string cannot;                  // why it could not be started; empty: it was

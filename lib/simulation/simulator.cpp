@@ -60,6 +60,7 @@ struct Simulator::Impl {
     report = Report{};
     reselections = 0;
     earlier_effort = {};
+    earlier_error = {};
     own_lines = 0;
     report.events.reserve(kEventsReserved);
     const System* const of[] = {&system};
@@ -77,6 +78,7 @@ struct Simulator::Impl {
     if (first_structure == nullptr) first_structure = std::make_shared<const Prepared>(before->prepared);
     reselections = before->reselections + 1;
     first_reselection = before->reselections > 0 ? before->first_reselection : time;
+    earlier_error = before->earlier_error;
     earlier_effort = before->earlier_effort;
     earlier_effort += before->motion.levels().effort();
   }
@@ -128,10 +130,17 @@ struct Simulator::Impl {
   // Of the posture that was reached at last, on the way from `from`: is it as accurate as was asked for?
   Status check_accuracy(double from) {
     if (estimate.due(report.counters.branch_checks, motion.errors().worst())) judge();
+    return tell_verdict(from);
+  }
+
+  Status tell_verdict(double from) {
     if (verdict.ok()) return {};
     const std::string group = structure.name_of(verdict.where);
     record_doubt(report.events, {from, motion.time(), group, verdict.code, verdict.figure});
-    if (doubt.ok()) report.status = doubt = verdict;
+    if (doubt.ok()) {
+      doubt = verdict;
+      if (report.status.arrived()) report.status = doubt;
+    }
     return verdict;
   }
 
@@ -142,19 +151,24 @@ struct Simulator::Impl {
       fill_row(true);
       measure();
     }
-    const double error = estimate.now().worst();
     if (prepared.plan.accuracy > 0) {
-      // What is left in the equations shows in the outputs as their rounding does.
       const double margin = kMargin * std::clamp(structure.levels, 1, kMostLevels);
-      const double left = prepared.plan.accuracy / margin * (2 * kEps + motion.errors().worst()) / error;
+      const double left = estimate.residual_for(prepared.plan.accuracy / margin);
       motion.converge_to(std::clamp(left, kConverged, kLoosest));
-      estimate.expect(motion.converged() > kConverged ? prepared.plan.accuracy / margin : 0);
+      estimate.loosen(motion.converged() > kConverged);
     }
+    settle();
+  }
+
+  // What was measured counts: as an error of the run, and as the status of the step.
+  void settle() {
+    estimate.keep();
     verdict = {};
     if (!estimate.in_doubt()) return;
     const auto [pack, lane] = estimate.worst_of();
     const std::span<const Pack> packs = motion.packs();
-    verdict = {Code::inaccurate, packs.empty() ? Place{} : Place::group(packs[pack].groups[idx(lane)]), error};
+    verdict = {Code::inaccurate, packs.empty() ? Place{} : Place::group(packs[pack].groups[idx(lane)]),
+               estimate.now().worst()};
   }
 
   void measure() {
@@ -166,6 +180,8 @@ struct Simulator::Impl {
 
   std::vector<GroupFigures> examine() {
     measure();
+    settle();
+    (void)tell_verdict(motion.time());
     std::vector<GroupFigures> all(structure.groups.size());
     for (Pack& pack : motion.packs()) {
       GroupSolver& solver = motion.levels().solver(pack);
@@ -239,10 +255,11 @@ struct Simulator::Impl {
 
   void report_estimate() {
     if (!estimate.measured()) return;
-    const auto [position, velocity, acceleration] = estimate.of_run();
-    report.error.estimated_position = position;
-    report.error.estimated_velocity = velocity;
-    report.error.estimated_acceleration = acceleration;
+    ErrorFigures all = estimate.of_run();
+    all.merge(earlier_error);
+    report.error.estimated_position = all.estimated_position;
+    report.error.estimated_velocity = all.estimated_velocity;
+    report.error.estimated_acceleration = all.estimated_acceleration;
   }
 
   void fill_row(bool unwrap, double dt = 0) {
@@ -275,6 +292,7 @@ struct Simulator::Impl {
   std::vector<double> row, previous_row;
   std::shared_ptr<const Prepared> first_structure;  // what reset() goes back to, after a reselection
   Effort earlier_effort;                            // of solvers that ran the chunks, or solved another set
+  ErrorFigures earlier_error;                       // of the chunks: estimates
   std::size_t own_lines = 0;                        // at the end of report.fallbacks: report_effort()
   std::int64_t reselections = 0;
   double first_reselection = 0;  // time
@@ -401,7 +419,7 @@ bool Simulator::run_in_chunks(std::span<const double> times, const Observer& obs
   report.counters += run.totals.counters;
   report.counters.steps = static_cast<std::int64_t>(run.rows) - (times[0] == first_time ? 1 : 0);
   report.counters.stored_values = static_cast<std::int64_t>(out.values_.size());
-  report.error = run.totals.error;
+  report.error = impl_->earlier_error = run.totals.error;
   report.status = run.status;
   report.reached = run.reached;
   report.events = std::move(run.events);

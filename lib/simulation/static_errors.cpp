@@ -2,17 +2,53 @@
 
 #include <Eigen/SparseLU>
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "scene/residual_scale.hpp"
 #include "simulation/random_sign.hpp"
-#include "simulation/tolerances.hpp"
 #include "structure/dense_block.hpp"
 
 namespace assur {
 namespace {
 
+constexpr double kEps = std::numeric_limits<double>::epsilon();
+
 std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+// A sum and the bound of its rounding, over epsilon / 2: a first term is not rounded, nor is what is taken as it is.
+struct RoundedSum {
+  double value = 0, error = 0;
+
+  void add(double coefficient, double term, double term_error) {
+    const double product = coefficient * term;
+    const bool first = value == 0;
+    value += product;
+    error += std::abs(coefficient) * term_error;
+    if (!first) error += std::abs(value);
+    if (std::abs(coefficient) != 1) error += std::abs(product);
+  }
+};
+
+// As Evaluator::rounding().
+double rounding(const System& s, Index equation, const std::vector<double>& q) {
+  const Equation& e = s.equations[idx(equation)];
+  if (e.callback >= 0) return 2 * size_of_terms(s, equation, q);
+  const auto form = [&](Index f) {
+    RoundedSum sum;
+    for (const Term& t : s.form(f)) sum.add(s.constants[idx(t.constant)], q[idx(t.coordinate)], 0);
+    return sum;
+  };
+  RoundedSum sum;
+  if (e.linear >= 0) sum = form(e.linear);
+  for (const Product& p : s.products_of(e)) {
+    const RoundedSum a = form(p.a), b = form(p.b);
+    const double size = std::abs(a.value * b.value);
+    sum.add(s.constants[idx(p.constant)], a.value * b.value,
+            a.error * std::abs(b.value) + std::abs(a.value) * b.error + size);
+  }
+  return sum.error;
+}
 
 }  // namespace
 
@@ -38,7 +74,7 @@ StaticErrors::StaticErrors(const System& system, const Structure& structure)
 std::vector<double> StaticErrors::draw(const System& system, const std::vector<double>& q, std::size_t probes,
                                        std::uint64_t seed) const {
   const std::size_t n = coordinates_.size();
-  std::vector<double> errors(n * probes, std::numeric_limits<double>::infinity());
+  std::vector<double> errors(n * (probes + 1), std::numeric_limits<double>::infinity());
   if (n == 0) return errors;
   std::vector<std::int32_t> column(system.coordinates.size(), -1);
   const DenseBlock block(system, equations_, coordinates_, column);
@@ -46,12 +82,11 @@ std::vector<double> StaticErrors::draw(const System& system, const std::vector<d
   jacobian.makeCompressed();
   Eigen::SparseLU<Eigen::SparseMatrix<double>> lu(jacobian);
   if (lu.info() != Eigen::Success) return errors;
-  const Eigen::VectorXd left = block.residuals(q);
-  for (std::size_t k = 0; k < probes; ++k) {
+  Eigen::VectorXd e = -block.residuals(q);
+  for (std::size_t k = 0; k <= probes; ++k) {
     RandomSign sign(seed + k);
-    Eigen::VectorXd e = -left;
-    for (std::size_t i = 0; i < n; ++i) {
-      e[static_cast<Eigen::Index>(i)] += sign() * kSumRounding * size_of_terms(system, equations_[i], q);
+    for (std::size_t i = 0; i < n && k > 0; ++i) {
+      e[static_cast<Eigen::Index>(i)] = sign() * kEps * rounding(system, equations_[i], q);
     }
     const Eigen::VectorXd error = lu.solve(e);
     std::copy_n(error.data(), n, errors.data() + k * n);

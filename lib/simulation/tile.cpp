@@ -91,7 +91,6 @@ Tile::Tile(const Prepared& prepared, const StepLimits& limits)
 }
 
 Status Tile::start(std::span<const Variant* const> variants) {
-  error_ = error();
   variants_.assign(variants.begin(), variants.end());
   bind();
   state_.clear();
@@ -233,7 +232,7 @@ Status Tile::solve_all(std::span<const double> times, Attempt::Branch branch) {
   if (const Status s = check_sets(); !s.ok()) return s;
   state_.accept(times[0]);
   now_.assign(times.begin(), times.end());
-  error_.merge({.position = errors.position, .velocity = errors.velocity, .acceleration = errors.acceleration});
+  errors.add_to(error_);
   left_ = errors.worst();
   return {};
 }
@@ -261,6 +260,7 @@ void Tile::measure_errors(std::span<const double> times, std::span<const double*
   estimate_.measure(times, q, rows, [&](const auto& work) {
     for (std::size_t p = 0; p < layout_.packs.size(); ++p) work(p, *layout_.solvers[idx(layout_.packs[p].group_class)]);
   });
+  estimate_.keep();
 }
 
 Status Tile::accuracy(int lane) const {
@@ -268,19 +268,6 @@ Status Tile::accuracy(int lane) const {
   if (error <= estimate_.asked()) return {};
   const auto group = static_cast<std::int32_t>(estimate_.worst_of(idx(lane)).pack);
   return {Code::inaccurate, layout_.packs.empty() ? Place{} : Place::group(group), error};
-}
-
-ErrorFigures Tile::error() const {
-  ErrorFigures all = error_;
-  for (std::size_t lane = 0; lane < variants_.size() && estimate_.measured(); ++lane) {
-    const auto [position, velocity, acceleration] = estimate_.of_run(lane);
-    ErrorFigures of;
-    of.estimated_position = position;
-    of.estimated_velocity = velocity;
-    of.estimated_acceleration = acceleration;
-    all.merge(of);
-  }
-  return all;
 }
 
 Status Tile::check_positive() const {

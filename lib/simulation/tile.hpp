@@ -72,10 +72,12 @@ class Tile {
   [[nodiscard]] bool in_doubt() const { return estimate_.in_doubt(); }
   // Of a variant, as they were measured: ok, or inaccurate with the group where they are largest.
   [[nodiscard]] Status accuracy(int lane) const;
+  // Estimates of a variant since it was put into its lane.
+  [[nodiscard]] ErrorFigures estimated(int lane) { return estimate_.of_run(static_cast<std::size_t>(lane)); }
 
   [[nodiscard]] const Counters& counters() const { return counters_; }
   [[nodiscard]] Effort effort() const;
-  [[nodiscard]] ErrorFigures error() const;
+  [[nodiscard]] const ErrorFigures& error() const { return error_; }  // residuals
   void clear_figures();
 
  private:
@@ -116,7 +118,7 @@ class Tile {
   std::int64_t attempts_ = 0;
   Counters counters_;
   Effort effort_;             // of solvers that are gone
-  ErrorFigures error_;        // without what the estimate knows of the variants at hand
+  ErrorFigures error_;
   double left_ = 0;           // largest residual of the last step
   double watched_level_ = 0;  // relative residual that the watched equations cannot be brought below
 };

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <sstream>
 
 #include "assur/simulator.hpp"
@@ -171,6 +172,27 @@ TEST(Run, DerivativesThatAreNotComputedHaveNoError) {
   EXPECT_TRUE(json["error"]["acceleration"].is_null());
   EXPECT_LE(json["error"]["position"], 1e-14);
   EXPECT_EQ(json["left_out"]["groups"].empty(), false);
+}
+
+// Of a run, of chunks, of an ensemble: null, not 0.
+TEST(Run, WhatIsNotMeasuredIsNull) {
+  const std::string file = testing::TempDir() + "unknown_figures.csv";
+  std::ofstream(file) << "omega\n1\n2\n";
+  const std::vector<std::string> call = {"run", "stewart", "--json", "--steps", "20", "--outputs", "handle1.value"};
+  for (const auto& more : {std::vector<std::string>{"--strategy", "groups/eigen+predict=past:3"},
+                           {"--strategy", "groups/eigen:2+predict=past:3+chunks=2"},
+                           {"--strategy", "groups/eigen:2+predict=past:3", "--ensemble", file}}) {
+    std::vector<std::string> all = call;
+    all.insert(all.end(), more.begin(), more.end());
+    const Outcome outcome = run_command(all);
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const auto error = outcome.json()["error"];
+    EXPECT_LE(error["position"], 1e-14);
+    EXPECT_LE(error["estimated_position"], 1e-10);
+    for (const char* key : {"velocity", "acceleration", "estimated_velocity", "estimated_acceleration"}) {
+      EXPECT_TRUE(error[key].is_null()) << key << " " << more[1];
+    }
+  }
 }
 
 TEST(Run, IterationsAreFixedBeyondTheFirstLevel) {

@@ -36,7 +36,8 @@ TEST(Format, DurationsHaveThreeDigitsAndAUnit) {
 TEST(Format, ErrorsHaveTwoDigits) {
   EXPECT_EQ(error_figure(2.22e-16), "2.2e-16");
   EXPECT_EQ(error_figure(0), "0");
-  EXPECT_EQ(error_figure(std::numeric_limits<double>::quiet_NaN()), "not finite");
+  EXPECT_EQ(error_figure(std::numeric_limits<double>::quiet_NaN()), "-");
+  EXPECT_EQ(error_figure(std::numeric_limits<double>::infinity()), "not finite");
 }
 
 TEST(Format, ListsNameTheFirstAndCountTheRest) {

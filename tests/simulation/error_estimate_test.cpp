@@ -124,6 +124,50 @@ TEST(ErrorEstimate, DoesNotTouchTheMotion) {
   }
 }
 
+// Of mechanisms at random, near the origin and up to 1e7 lengths from it, 99 of 100 errors are at most three times the
+// estimate, and no estimate is in doubt without reason.
+TEST(ErrorEstimate, OfRandomMechanismsIsHonest) {
+  test::Draw draw(11);
+  const std::vector<std::string> strategies = {"irreducible/eigen", "global/eigen", "irreducible/lanes",
+                                               "groups/" + test::sparse()};
+  std::vector<double> ratios;
+  int runs = 0, doubted = 0, needless = 0;
+  const int all = test::random_count(200);
+  for (int i = 0; i < all; ++i) {
+    const double far = draw.below(3) == 0 ? 0 : std::pow(10, draw.real(0, 7));
+    Triple origin;
+    for (double& x : origin) x = far * draw.real(-1, 1);
+    const Scene scene = draw.maybe() ? test::planar_mechanism(draw, origin) : test::spatial_mechanism(draw, origin);
+    try {
+      const Prepared p = prepare(scene, {.strategy = draw.of(strategies)});
+      Simulator s(p);
+      const Trajectory rows = s.run();
+      if (!s.report().status.arrived()) continue;
+      const ForwardError truth = forward_error(p, rows), guess = estimated(s.report());
+      ++runs;
+      for (const auto figure : {&ForwardError::position, &ForwardError::velocity, &ForwardError::acceleration}) {
+        ratios.push_back(truth.*figure / guess.*figure);
+      }
+      if (s.report().status.ok()) continue;
+      ++doubted;
+      needless += worst(truth) < kDoubtfulError / 10 ? 1 : 0;
+    } catch (const Error& e) {
+      EXPECT_NE(e.kind(), Error::Kind::input) << e.what();
+    }
+  }
+  std::sort(ratios.begin(), ratios.end());
+  const auto quantile = [&](double share) {
+    return ratios[static_cast<std::size_t>(share * static_cast<double>(ratios.size() - 1))];
+  };
+  std::printf("%d runs: true over estimated error 1 %%: %.2g, median %.2g, 90 %%: %.2g, 99 %%: %.2g, largest %.2g; "
+              "%d in doubt, %d of them without reason\n",
+              runs, quantile(0.01), quantile(0.5), quantile(0.9), quantile(0.99), quantile(1), doubted, needless);
+  ASSERT_GT(runs, all * 9 / 10);
+  EXPECT_LE(quantile(0.99), 3);
+  EXPECT_GE(quantile(0.5), 0.03);
+  EXPECT_LE(needless, all / 1000);
+}
+
 // ---- the accuracy asked for
 
 TEST(Accuracy, IsReached) {
@@ -204,6 +248,22 @@ TEST(Accuracy, ADoubtIsNotForgotten) {
   ASSERT_EQ(s.report().events.size(), 2u);  // a row lies on the closest posture twice in a turn
   s.reset();
   EXPECT_TRUE(s.report().status.ok());
+}
+
+// What somebody measures by hand counts as well: a figure beyond what was asked for has a status that says so.
+TEST(Accuracy, WhatIsExaminedCounts) {
+  const Scene scene = sample("almost_parallelogram:delta=1e-9,step=0.01,steps=100");
+  Simulator s(prepare(scene, {.strategy = "global/eigen+predict=taylor:2", .accuracy = 1e-8}));
+  bool doubted = false;
+  for (std::int64_t k = 0; k <= 100; ++k) {
+    ASSERT_TRUE(s.step(scene.time().time(k)).arrived());
+    (void)s.examine();
+    if (worst(estimated(s.report())) > 1e-8) {
+      ASSERT_EQ(s.report().status.code, Code::inaccurate) << k;
+      doubted = true;
+    }
+  }
+  EXPECT_TRUE(doubted);
 }
 
 // ---- side by side
@@ -288,6 +348,61 @@ TEST(Accuracy, OfChunks) {
     EXPECT_LE(mine.position, 10 * theirs.position);
     EXPECT_GE(mine.position, 0.1 * theirs.position);
   }
+}
+
+TEST(Accuracy, OfChunksStaysWithTheRun) {
+  const Scene scene = sample("almost_parallelogram:delta=1e-12,step=0.01,steps=100");
+  Result r = test::run(scene, "global/eigen:4+chunks=4");
+  const ForwardError before = estimated(r.report());
+  EXPECT_GT(worst(before), kDoubtfulError);
+  ASSERT_TRUE(r.simulator.step(1.01).arrived());
+  ASSERT_TRUE(r.simulator.step(1.02).arrived());
+  EXPECT_GE(worst(estimated(r.report())), worst(before));
+  EXPECT_EQ(r.report().status.code, Code::inaccurate);
+}
+
+// ---- figures that nobody measured
+
+TEST(ErrorFigures, AreUnknownWhereNothingIsMeasured) {
+  const Scene scene = sample("stewart:steps=10").with_outputs({"handle1.value"});
+  for (const std::string strategy : {"groups/eigen+predict=past:3", "irreducible/lanes:8+predict=past:3"}) {
+    const Result r = test::run(scene, strategy);
+    const ErrorFigures& error = r.report().error;
+    EXPECT_LE(error.position, 1e-14);
+    EXPECT_EQ(error.residual(), error.position);
+    EXPECT_TRUE(std::isnan(error.velocity));
+    EXPECT_TRUE(std::isnan(error.acceleration));
+    EXPECT_TRUE(error.estimated_position.has_value());
+    EXPECT_FALSE(error.estimated_velocity.has_value());
+    EXPECT_FALSE(error.estimated_acceleration.has_value());
+    const ForwardError truth = forward_error(r.simulator.prepared(), r.trajectory);
+    EXPECT_LE(truth.position, 1e-14);
+    EXPECT_TRUE(std::isnan(truth.velocity));
+    EXPECT_TRUE(std::isnan(truth.acceleration));
+  }
+  // Nothing is solved where all is driven.
+  SceneBuilder b("driven", 2);
+  b.fixed_point("A", {0, 0, 0}).point("B", {1, 0, 0});
+  b.constrain("length", Distance{"A", "B", 1.0}).drive("motor", PointAngle{"A", "B", "", Law::polynomial({0, 1})});
+  const Result driven = test::run(b.output("B").time(0, 1, 0.1).build());
+  if (driven.counters().group_solutions == 0) {
+    EXPECT_TRUE(std::isnan(driven.report().error.position));
+  }
+  EXPECT_TRUE(std::isnan(ErrorFigures{}.residual()));
+}
+
+TEST(ErrorFigures, MergeWhatIsKnown) {
+  ErrorFigures a, b;
+  a.velocity = 2;
+  b.velocity = 1;
+  b.acceleration = 3;
+  a.merge(b);
+  EXPECT_TRUE(std::isnan(a.position));
+  EXPECT_EQ(a.velocity, 2);
+  EXPECT_EQ(a.acceleration, 3);
+  b.merge(ErrorFigures{});
+  EXPECT_EQ(b.velocity, 1);
+  EXPECT_EQ(b.residual(), 3);
 }
 
 // ---- regular scenes are left in peace, singular ones are not believed

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "simulation/conditions.hpp"
 
@@ -87,7 +88,7 @@ TEST(Policies, SeparateIsNothingWhereNoAccelerationIsWanted) {
     const Result shared = test::run(scene, "groups/eigen" + predictor);
     const Result separate = test::run(scene, "groups/eigen+separate" + predictor);
     ASSERT_TRUE(shared.report().status.ok() && separate.report().status.ok());
-    EXPECT_EQ(separate.report().error.acceleration, 0);
+    EXPECT_TRUE(std::isnan(separate.report().error.acceleration));  // not measured
     EXPECT_EQ(separate.counters().factorizations, shared.counters().factorizations);
     EXPECT_EQ(separate.trajectory.values(), shared.trajectory.values());
   }

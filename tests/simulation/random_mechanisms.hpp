@@ -47,8 +47,10 @@ inline Law swing(Draw& draw, double value, double amplitude) {
   return Law::harmonics({{amplitude, frequency, phase}}, value - amplitude * std::sin(phase));
 }
 
+inline Triple shifted(const Triple& at, const Triple& by) { return {at[0] + by[0], at[1] + by[1], at[2] + by[2]}; }
+
 // Cranks, and behind them dyads, sliders and points of couplers, each on two of the points that are there already.
-inline Scene planar_mechanism(Draw& draw) {
+inline Scene planar_mechanism(Draw& draw, const Triple& origin = {}) {
   SceneBuilder b("planar", 2);
   std::vector<Placed> fixed, moving;
   const auto ground = [&](const Triple& at) {
@@ -58,7 +60,8 @@ inline Scene planar_mechanism(Draw& draw) {
   };
   const auto size = draw.real(0.3, 3);
   for (std::size_t i = 0, cranks = 1 + draw.below(2); i < cranks; ++i) {
-    const Placed pivot = ground({size * draw.real(-1, 1), size * draw.real(-1, 1), 0});
+    const double x = size * draw.real(-1, 1), y = size * draw.real(-1, 1);
+    const Placed pivot = ground({origin[0] + x, origin[1] + y, 0});
     const double angle = draw.real(-3, 3), radius = size * draw.real(0.2, 0.6);
     const std::string name = "M" + std::to_string(moving.size());
     moving.push_back({name, {pivot.at[0] + radius * std::cos(angle), pivot.at[1] + radius * std::sin(angle), 0}});
@@ -93,13 +96,13 @@ inline Scene planar_mechanism(Draw& draw) {
 }
 
 // A terminal whose pose is given, legs of a handle on a hinge and a rod each, and tripods on what moves.
-inline Scene spatial_mechanism(Draw& draw) {
+inline Scene spatial_mechanism(Draw& draw, const Triple& origin = {}) {
   SceneBuilder b("spatial", 3);
   const double size = draw.real(0.3, 3);
-  b.point("O", {0, 0, 0}).vector("u", {1, 0, 0}).vector("v", {0, 1, 0}).vector("w", {0, 0, 1});
+  b.point("O", origin).vector("u", {1, 0, 0}).vector("v", {0, 1, 0}).vector("w", {0, 0, 1});
   Body terminal{"terminal", "O", {"u", "v", "w"}, {}, {}, {}};
   Pose pose{"terminal", {}, {}};
-  for (int i = 0; i < 3; ++i) pose.translation.push_back(swing(draw, 0, size * 0.05));
+  for (const double at : origin) pose.translation.push_back(swing(draw, at, size * 0.05));
   for (int i = 0; i < 3; ++i) pose.rotation.push_back(swing(draw, 0, 0.1));
   b.drive("pose", std::move(pose));
   std::vector<Placed> ends;
@@ -117,7 +120,7 @@ inline Scene spatial_mechanism(Draw& draw) {
                       -rod * std::cos(tilt)};
     const Triple A = {B[0] + handle * out[0], B[1] + handle * out[1], B[2] + handle * draw.real(-0.3, 0.3)};
     terminal.points.push_back({"P" + k, P});
-    b.fixed_point("A" + k, A).fixed_vector("a" + k, side).point("B" + k, B);
+    b.fixed_point("A" + k, shifted(A, origin)).fixed_vector("a" + k, side).point("B" + k, shifted(B, origin));
     b.constrain("handle" + k, Distance{"A" + k, "B" + k, std::nullopt});
     b.constrain("hinge" + k, Dot{Direction("A" + k, "B" + k), "a" + k, std::nullopt});
     b.constrain("rod" + k, Distance{"B" + k, "P" + k, std::nullopt});
@@ -128,9 +131,9 @@ inline Scene spatial_mechanism(Draw& draw) {
     const Placed foot = draw.of(ends);
     const Triple at = {foot.at[0] + size * draw.real(-0.2, 0.2), foot.at[1] + size * draw.real(-0.2, 0.2),
                        foot.at[2] - size * draw.real(0.8, 1.2)};
-    b.point("T" + k, at).constrain("up" + k, Distance{foot.name, "T" + k, std::nullopt});
-    b.fixed_point("G" + k, {at[0] + size, at[1] + size * draw.real(-0.2, 0.2), at[2]});
-    b.fixed_point("H" + k, {at[0] + size * draw.real(-0.2, 0.2), at[1] + size, at[2]});
+    b.point("T" + k, shifted(at, origin)).constrain("up" + k, Distance{foot.name, "T" + k, std::nullopt});
+    b.fixed_point("G" + k, shifted({at[0] + size, at[1] + size * draw.real(-0.2, 0.2), at[2]}, origin));
+    b.fixed_point("H" + k, shifted({at[0] + size * draw.real(-0.2, 0.2), at[1] + size, at[2]}, origin));
     b.constrain("east" + k, Distance{"G" + k, "T" + k, std::nullopt});
     b.constrain("north" + k, Distance{"H" + k, "T" + k, std::nullopt});
     ends.push_back({"T" + k, at});

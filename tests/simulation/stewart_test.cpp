@@ -1,6 +1,8 @@
 // The paper's platform: accuracy in every formulation, and what is left out where only the handles' angles are wanted.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "references/stewart.hpp"
 #include "simulation/deviation.hpp"
 
@@ -130,8 +132,8 @@ TEST(Stewart, HandlesAloneNeedNoDerivativesAndNoDeeperBlocks) {
     EXPECT_LT(r.counters().factorized_unknowns, full.counters().factorized_unknowns);
     EXPECT_LT(r.counters().solved_unknowns, full.counters().solved_unknowns);
     EXPECT_LT(r.counters().evaluated_equations, full.counters().evaluated_equations);
-    EXPECT_EQ(r.report().error.velocity, 0);
-    EXPECT_EQ(r.report().error.acceleration, 0);
+    EXPECT_TRUE(std::isnan(r.report().error.velocity));  // not computed, so not measured
+    EXPECT_TRUE(std::isnan(r.report().error.acceleration));
     EXPECT_LE(r.report().error.position, 1e-14);
 
     const Structure& structure = *r.simulator.prepared().structure;
@@ -169,7 +171,7 @@ TEST(Stewart, DerivativesForThePredictorAloneAreListed) {
   // taylor:1 needs velocities, no accelerations.
   const Result r = test::run(handles, "groups/" + test::sparse() + "+predict=taylor:1");
   for (const LeftOut::Level& level : r.simulator.prepared().structure->left_out.levels) EXPECT_EQ(level.derivatives, 1);
-  EXPECT_EQ(r.report().error.acceleration, 0);
+  EXPECT_TRUE(std::isnan(r.report().error.acceleration));
   EXPECT_GT(r.report().error.velocity, 0);
 }
 

@@ -151,7 +151,7 @@ class CaseRun {
   Run judged(const std::string& strategy, const Trajectory& trajectory, const Report& report) {
     Run run;
     run.strategy = strategy;
-    run.backward_error = std::max({report.error.position, report.error.velocity, report.error.acceleration});
+    if (const double residual = report.error.residual(); !std::isnan(residual)) run.backward_error = residual;
     run.verdict = report.status.ok() ? "pass" : std::string(name(report.status.code));
     for (const Event& e : report.events) {
       if (report.status.ok() && e.kind != Code::inaccurate) run.verdict = name(e.kind);

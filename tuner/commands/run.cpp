@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <iostream>
 #include <optional>
 #include <utility>
@@ -55,9 +56,10 @@ int run(const Common& common, const RunOptions& options) {
   Report report = simulator.report();
   if (options.reference && trajectory.rows() > 0 && report.status.code != Code::interrupted) {
     const ForwardError forward = forward_error(prepared, trajectory);
-    report.error.forward_position = forward.position;
-    report.error.forward_velocity = forward.velocity;
-    report.error.forward_acceleration = forward.acceleration;
+    const auto known = [](double error) { return std::isnan(error) ? std::nullopt : std::optional(error); };
+    report.error.forward_position = known(forward.position);
+    report.error.forward_velocity = known(forward.velocity);
+    report.error.forward_acceleration = known(forward.acceleration);
   }
   std::optional<Certificate> certificate;
   if (options.certify && trajectory.rows() > 0 && report.status.code != Code::interrupted) {

@@ -181,9 +181,9 @@ int PackStep::lanes() const { return impl_->solver.lanes(); }
 std::size_t PackStep::packs() const { return impl_->packs.size(); }
 const Counters& PackStep::counters() const { return impl_->counters; }
 ErrorFigures PackStep::error() const {
-  return {.position = impl_->errors.position,
-          .velocity = impl_->errors.velocity,
-          .acceleration = impl_->errors.acceleration};
+  ErrorFigures figures;
+  impl_->errors.add_to(figures);
+  return figures;
 }
 
 // ---- pack, in a crowd

@@ -44,8 +44,7 @@ std::string text_of(const Plan& plan) {
 }
 
 bool is_right(const Report& report) {
-  return report.status.ok() && report.error.position < kWrong && report.error.velocity < kWrong &&
-         report.error.acceleration < kWrong;
+  return report.status.ok() && report.error.residual() < kWrong;
 }
 
 // False if it cannot run or is wrong.
@@ -307,11 +306,10 @@ bool Contest::race() {
   for (const Racer* r : all) seconds.push_back(r->seconds);
   const bool counts = !of.options.instruments.stop() && std::isfinite(seconds.back());
   for (std::size_t i = 0; counts && i < all.size(); ++i) {
-    const ErrorFigures& error = all[i]->step->report().error;
     Finalist& f = of.finalists[i];
     f.spread = std::max(f.spread, all[i]->spread);
     f.rounds += all[i]->rounds;
-    f.error = std::max({f.error, error.position, error.velocity, error.acceleration});
+    f.error = std::fmax(f.error, all[i]->step->report().error.residual());
   }
   for (Racer* r : all) r->step.reset();
   if (counts) of.seconds.push_back(std::move(seconds));

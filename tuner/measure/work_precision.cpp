@@ -272,14 +272,8 @@ class Comparison {
 }  // namespace
 
 double WorkPrecisionRow::worst_error() const {
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-  if (!error) return kNaN;
-  double worst = 0;
-  for (const double e : {error->position, error->velocity, error->acceleration}) {
-    if (std::isnan(e)) return kNaN;
-    worst = std::max(worst, e);
-  }
-  return worst;
+  if (!error) return std::numeric_limits<double>::quiet_NaN();
+  return std::fmax(error->position, std::fmax(error->velocity, error->acceleration));
 }
 
 Trade WorkPrecisionRow::trade() const {

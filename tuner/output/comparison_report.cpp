@@ -35,7 +35,7 @@ Json to_json(const WorkPrecision& result, const WorkPrecisionRow& row, double ac
           {"knob", row.knob ? Json(measure::name(*row.knob)) : Json(nullptr)},
           {"accuracy", accuracy > 0 ? Json(accuracy) : Json(nullptr)},
           {"seconds_per_step", or_null(row.seconds)},
-          {"spread", row.seconds ? Json(row.spread) : Json(nullptr)},
+          {"spread", row.seconds && row.rounds > 1 ? Json(row.spread) : Json(nullptr)},
           {"rounds", row.rounds},
           {"forward_position", error(&ForwardError::position)},
           {"forward_velocity", error(&ForwardError::velocity)},

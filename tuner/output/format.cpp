@@ -51,7 +51,8 @@ std::string number(double value) { return printed("%.6g", value); }
 std::string fixed(double value) { return printed("%.2f", value); }
 
 std::string error_figure(double value) {
-  if (!std::isfinite(value)) return "not finite";
+  if (std::isnan(value)) return "-";
+  if (std::isinf(value)) return "not finite";
   return value == 0 ? "0" : printed("%.1e", value);
 }
 

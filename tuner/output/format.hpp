@@ -26,7 +26,7 @@ inline constexpr std::size_t kPageWidth = 80;  // columns
 // Two decimals: "1.00".
 [[nodiscard]] std::string fixed(double value);
 
-// Two digits with an exponent: "2.2e-16"; "0" if it is zero, "not finite" if it is not.
+// Two digits with an exponent: "2.2e-16"; "0" if it is zero, "-" if it is not known (NaN), "not finite" if infinite.
 [[nodiscard]] std::string error_figure(double value);
 
 // "a, b, c", or "a, b, c and 12 more" beyond `most`.

@@ -20,15 +20,10 @@ Json or_null(const std::optional<T>& value) {
   return value ? Json(*value) : Json(nullptr);
 }
 
-double mean_iterations(const Counters& c) {
-  return c.group_solutions > 0 ? static_cast<double>(c.newton_iterations) / static_cast<double>(c.group_solutions) : 0;
-}
-
-// The highest derivative that any group computes.
-std::int32_t derivatives(const Structure& s) {
-  std::int32_t highest = 0;
-  for (const Group& g : s.groups) highest = std::max(highest, g.derivatives);
-  return highest;
+// Empty if nothing was solved.
+std::optional<double> mean_iterations(const Counters& c) {
+  if (c.group_solutions == 0) return std::nullopt;
+  return static_cast<double>(c.newton_iterations) / static_cast<double>(c.group_solutions);
 }
 
 // What a class is solved with. Side by side the lanes are mechanisms, however few groups a class has.
@@ -115,18 +110,18 @@ void print_times(Page& page, const RunSummary& s) {
 }
 
 void print_work(Page& page, const Counters& c) {
-  page.fact("Newton", fixed(mean_iterations(c)) + " iterations mean, " + grouped(c.most_iterations) + " max");
+  const std::optional<double> mean = mean_iterations(c);
+  page.fact("Newton", mean ? fixed(*mean) + " iterations mean, " + grouped(c.most_iterations) + " max" : "-");
   page.fact("factorizations", grouped(c.factorizations));
   if (c.rejected > 0) page.fact("substeps", grouped(c.substeps) + " accepted, " + grouped(c.rejected) + " halved");
 }
 
-void print_errors(Page& page, const ErrorFigures& e, std::int32_t highest) {
+void print_errors(Page& page, const ErrorFigures& e) {
   using enum Table::Align;
   Table table({left, right, right, right});
   const auto label = [](std::string text) { return text.append(16 - text.size(), ' '); };
   table.row({label("error"), "position", "velocity", "acceleration"});
-  table.row({label("  residual"), error_figure(e.position), highest < 1 ? "-" : error_figure(e.velocity),
-             highest < 2 ? "-" : error_figure(e.acceleration)});
+  table.row({label("  residual"), error_figure(e.position), error_figure(e.velocity), error_figure(e.acceleration)});
   const auto row = [&](const char* what, const auto& position, const auto& velocity, const auto& acceleration) {
     const auto figure = [](const std::optional<double>& v) { return v ? error_figure(*v) : std::string("-"); };
     if (position || velocity || acceleration) {
@@ -229,7 +224,6 @@ Json to_json(const RunSummary& s) {
   }
   const Counters& c = s.report.counters;
   const ErrorFigures& e = s.report.error;
-  const std::int32_t highest = derivatives(*s.prepared.structure);
   Json out = {{"scene", s.prepared.scene->name()},
               {"mode", s.mode == Mode::throughput ? "throughput" : "latency"},
               {"strategy", s.strategy},
@@ -237,14 +231,16 @@ Json to_json(const RunSummary& s) {
               {"steps", s.steps},
               {"seconds", s.seconds},
               {"step_seconds", std::move(step_seconds)},
-              {"newton_iterations", {{"mean", mean_iterations(c)}, {"max", c.most_iterations}}},
+              {"newton_iterations",
+               {{"mean", or_null(mean_iterations(c))},
+                {"max", c.group_solutions > 0 ? Json(c.most_iterations) : Json(nullptr)}}},
               {"factorizations", c.factorizations},
               {"substeps", c.substeps},
               {"rejected", c.rejected},
               {"error",
-               {{"position", e.position},
-                {"velocity", highest < 1 ? Json(nullptr) : Json(e.velocity)},
-                {"acceleration", highest < 2 ? Json(nullptr) : Json(e.acceleration)},
+               {{"position", e.position},  // NaN is null
+                {"velocity", e.velocity},
+                {"acceleration", e.acceleration},
                 {"estimated_position", or_null(e.estimated_position)},
                 {"estimated_velocity", or_null(e.estimated_velocity)},
                 {"estimated_acceleration", or_null(e.estimated_acceleration)},
@@ -272,7 +268,7 @@ void print(Page& page, const RunSummary& s) {
   if (s.members != nullptr) print_counts(page, *s.members);
   print_times(page, s);
   print_work(page, s.report.counters);
-  print_errors(page, s.report.error, derivatives(*s.prepared.structure));
+  print_errors(page, s.report.error);
   if (s.certificate) print_certificate(page, *s.certificate);
   print(page, s.prepared.structure->left_out);
   print_notes(page, *s.prepared.scene, *s.prepared.structure);

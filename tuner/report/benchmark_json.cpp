@@ -54,7 +54,7 @@ Json benchmark(const Measurement& m) {
               {"time_unit", "ns"},
               {"label", m.origin}};
   if (!is_time) out[m.quantity] = number(m.value);
-  out["relative_spread"] = number(m.spread);
+  out["relative_spread"] = m.repetitions > 1 ? number(m.spread) : Json(nullptr);
   out["relative_error"] = number(m.error);
   return out;
 }

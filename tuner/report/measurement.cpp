@@ -28,7 +28,8 @@ std::string about(const Measurement& m) {
   std::string text = m.strategy.empty() ? m.item : m.strategy;
   text += ": " + value_text(m) + "; ";
   if (m.repetitions > 0) {
-    text += output::counted(m.repetitions, "repetition") + ", spread " + percent(m.spread) + ", ";
+    text += output::counted(m.repetitions, "repetition") + ", ";
+    if (m.repetitions > 1) text += "spread " + percent(m.spread) + ", ";
   }
   if (!std::isnan(m.error)) text += "error " + output::error_figure(m.error) + ", ";
   return text + m.origin;
@@ -44,7 +45,7 @@ view::HtmlTable table_of(const std::vector<Measurement>& measurements, std::size
     const bool repeated = m.repetitions > 0;
     table.rows.push_back(
         {{m.item, m.strategy, m.quantity, value_text(m), repeated ? std::to_string(m.repetitions) : "",
-          repeated ? percent(m.spread) : "", std::isnan(m.error) ? "" : output::error_figure(m.error), m.origin}});
+          m.repetitions > 1 ? percent(m.spread) : "", std::isnan(m.error) ? "" : output::error_figure(m.error), m.origin}});
   }
   return table;
 }

@@ -36,7 +36,7 @@ constexpr double kMeterSeconds = 0.25;  // the counters tick each millisecond
 constexpr double kShareExpected = 0.7;  // of the time left: what is expected need not come true
 constexpr double kRoundsAtLeast = 3;    // of all that was verified, whatever that takes
 
-double worst_residual(const ErrorFigures& e) { return std::max({e.position, e.velocity, e.acceleration, kConverged}); }
+double worst_residual(const ErrorFigures& e) { return std::fmax(e.residual(), kConverged); }
 
 // A motion that all others are held against, with as many iterations as convergence takes.
 struct Yardstick {

@@ -28,8 +28,6 @@ struct Entry {
   Measurement measured = {};
 };
 
-double worst(const ErrorFigures& e) { return std::max({e.position, e.velocity, e.acceleration}); }
-
 // All members over all times at each call.
 class EnsembleRun final : public measure::Workload {
  public:
@@ -60,7 +58,7 @@ class Contest {
       const bool enough = static_cast<std::size_t>(conditions_.threads) <= cores_.size();
       auto step = std::make_unique<measure::WholeStep>(prepared,
                                                        enough && conditions_.threads > 1 ? cores_ : std::vector<int>{});
-      entries_.push_back({item, strategy, nullptr, [s = step.get()] { return worst(s->report().error); }});
+      entries_.push_back({item, strategy, nullptr, [s = step.get()] { return s->report().error.residual(); }});
       entries_.back().work = std::move(step);
     } catch (const Error&) {
       // it cannot run here: `assur backends` says why
@@ -71,7 +69,7 @@ class Contest {
     PrepareOptions options = how(strategy);
     options.mode = Mode::throughput;
     auto run = std::make_unique<EnsembleRun>(members, options);
-    entries_.push_back({item, strategy, nullptr, [r = run.get()] { return worst(r->report().error); },
+    entries_.push_back({item, strategy, nullptr, [r = run.get()] { return r->report().error.residual(); },
                         static_cast<double>(members.size()) * static_cast<double>(members.front().time().steps())});
     entries_.back().work = std::move(run);
   }

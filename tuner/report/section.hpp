@@ -15,7 +15,7 @@ struct Measurement {
   std::string unit;      // "s", "J", "1"
   double value = 0;
   int repetitions = 0;  // 0: not measured here (a figure of the paper, an estimate)
-  double spread = 0;    // median absolute deviation of the repetitions over their median
+  double spread = 0;    // median absolute deviation of the repetitions over their median; of fewer than two: none
   double error = 0;     // relative forward error or deviation that was verified before the time counted; NaN: none
   std::string origin;   // "measured", "estimated from ...", "paper, table 2, Core i5-2400"
 };

@@ -123,9 +123,7 @@ class PacksGround final : public Ground {
       return {{Kernel::pack, shape_, c.strategy, crowd.get(), crowd, kNotMeasured, kNotMeasured}};
     }
     const std::shared_ptr<measure::PackStep> packs = pack_step(c);
-    const ErrorFigures e = packs->error();
-    return {{Kernel::pack, shape_, c.strategy, packs.get(), packs, std::max({e.position, e.velocity, e.acceleration}),
-             kNotMeasured}};
+    return {{Kernel::pack, shape_, c.strategy, packs.get(), packs, packs->error().residual(), kNotMeasured}};
   }
 
  private:
@@ -173,9 +171,7 @@ class StepsGround final : public Ground {
     options.strategy = to_string(c.strategy);
     options.budget = budget_;
     const auto step = std::make_shared<measure::WholeStep>(prepare(scene_, options));
-    const ErrorFigures& e = step->report().error;
-    return {{Kernel::step, shape_, c.strategy, step.get(), step, std::max({e.position, e.velocity, e.acceleration}),
-             kNotMeasured}};
+    return {{Kernel::step, shape_, c.strategy, step.get(), step, step->report().error.residual(), kNotMeasured}};
   }
 
  private:
