@@ -57,6 +57,7 @@ void settle(SideBySide& worker, const LaneRun& before, LaneRun& run, const std::
   run.status = {};
   run.error = {};
   run.posture.clear();
+  run.outputs.clear();
   run.events.clear();
   run.fallbacks.clear();
   run.cannot.clear();
@@ -149,6 +150,8 @@ ChunkedRun run_in_chunks(const Prepared& prepared, const StepLimits& limits, std
     out.status = run.status.ok() ? doubt : run.status;
     out.posture = run.posture;
     out.reached = run.reached;
+    const double* const last = run.row(run.done - 1, columns);
+    out.outputs = run.outputs.empty() ? std::vector<double>(last, last + columns) : run.outputs;
     break;
   }
   out.values.resize(out.rows * columns);

@@ -28,6 +28,7 @@ struct ChunkedRun {
   std::size_t rows = 0;
   Status status;
   std::vector<double> posture;  // at `reached`
+  std::vector<double> outputs;  // there
   double reached = 0;           // last time with a valid posture: that of the last row, or beyond on the way to a limit
   std::vector<Event> events;
   std::vector<std::string> fallbacks;

@@ -11,6 +11,7 @@ namespace {
 
 constexpr int kHalvings = 20;  // a step is halved down to 2^-20
 constexpr double kSmallest = 1.0 / (1 << kHalvings);
+constexpr double kUnseen = 2;        // parts of a step in which a measured angle turned unseen
 constexpr int kExpandAfter = 4;      // rejected attempts a predictor that reads no derivatives reads them
 constexpr int kReach = 12;           // a change point is passed from 2^12 of the shortest steps before it to beyond
 constexpr int kMoreHalvings = 6;     // of the shortest step, on the way back from a change point
@@ -36,7 +37,8 @@ Continuation::Continuation(const Prepared& prepared, const StepLimits& limits, R
       inputs_(system_, prepared.controlled),
       layout_(lay_out(prepared)),
       packs_(layout_.packs),
-      levels_(prepared, layout_, limits.pin_to) {
+      levels_(prepared, layout_, limits.pin_to),
+      together_(angles_together(system_, structure_)) {
   state_.resize(layout_.first_unknown, layout_.size, prepared.plan.predictor);
   if (!structure_.watch_class.equations.empty()) {
     watch_.emplace(system_, structure_, layout_.address);
@@ -75,6 +77,7 @@ void Continuation::start(double time, const std::vector<double>& posture, const 
   }
   converged_ = kConverged;
   stands_still_ = false;
+  any_turn_ = true;
   state_.clear();
   for (std::size_t c = 0; c < layout_.address.size(); ++c) {
     if (layout_.address[c] >= 0) state_.at(0)[layout_.address[c]] = posture[c];
@@ -89,6 +92,8 @@ void Continuation::start(double time, const std::vector<double>& posture, const 
                     std::string(name(s.code)) + group +
                     (s.code == Code::singular ? "; the Jacobian is singular there, start elsewhere on the path" : ""));
   }
+  if (turns_ != nullptr) turns_->start(state_.at(0));
+  turn_guessed_ = false;
   accept(now_, errors);
   for (MustStayPositive& p : positive_) p.start = state_.at(0)[p.address];
 }
@@ -126,11 +131,25 @@ Status Continuation::solve_all(double t, Attempt::Branch branch, StepErrors& err
   double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
   failed_pack_ = packs_.size();
   vanished_ = false;
+  turned_ = 0;
   if (const Status s = inputs_.drive(t, q); !s.ok()) return s;
+  if (!any_turn_) turned_ = inputs_.turned(together_);
+  if (turned_ > 1) return {Code::branch_unknown, {}, turned_};
   const double converged = branch == Attempt::Branch::inside ? converged_ : kConverged;
   if (const Status s = solve_packs(t, branch, converged, errors); !s.ok()) return s;
   if (const Status s = check_positive(); !s.ok()) return s;
-  return check_watched(t, branch, converged, errors);
+  if (const Status s = check_watched(t, branch, converged, errors); !s.ok()) return s;
+  return branch == Attempt::Branch::inside ? follow_angles(t) : Status{};
+}
+
+// Drivers turned no more than a step may; does what follows them?
+Status Continuation::follow_angles(double t) {
+  if (turns_ == nullptr || turns_->follow(state_.at(0), t - now_)) return {};
+  turn_guessed_ = turn_guessed_ || any_turn_;
+  if (any_turn_) return {};
+  ++report_.counters.rejected;
+  turned_ = kUnseen;
+  return {Code::branch_unknown, {}, turned_};
 }
 
 Status Continuation::solve_packs(double t, Attempt::Branch branch, double converged, StepErrors& errors) {
@@ -207,6 +226,8 @@ void Continuation::tell(const Status& stopped, double target) {
 
 void Continuation::accept(double t, const StepErrors& errors) {
   state_.accept(t);
+  inputs_.accept();
+  if (turns_ != nullptr) turns_->accept(t - now_);
   now_ = t;
   report_.reached = t;
   last_errors_ = errors;
@@ -246,6 +267,7 @@ Status Continuation::step_to(double t, bool may_reselect, Stride& stride) {
 // From posture to posture until t.
 Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
   const double span = t - now_, smallest = std::abs(span) * kSmallest;
+  any_turn_ = turn_guessed_ = false;
   int in_a_row = 0;  // attempts that were rejected; once they are many, they stay so
   while (now_ != t) {
     const double h = std::copysign(std::min(stride.length, std::abs(span)), span);
@@ -260,6 +282,11 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
         wants_reselection_ = true;
         return {Code::singular, {}, largest_coefficient_};
       }
+      continue;
+    }
+    if (turned_ > 1) {
+      any_turn_ = std::abs(h) <= smallest * 1.5;
+      if (!any_turn_) stride.set(std::max(std::abs(target - now_) / std::ceil(turned_), smallest));
       continue;
     }
     ++report_.counters.rejected;
@@ -309,6 +336,7 @@ bool Continuation::polish() {
     return false;
   }
   state_.replace();
+  if (turns_ != nullptr) turns_->accept(0);
   last_errors_ = errors;
   return true;
 }
@@ -372,14 +400,16 @@ Status Continuation::at_the_limit(const Status& failed, double target, double t)
     tell(gone, target);
     return gone;
   }
+  any_turn_ = true;
   if (structure_.classes[idx(packs_[failed_pack_].group_class)].derivatives == 0) state_.estimate_rates();
   double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
   Status found = levels_.solver(packs_[failed_pack_]).diagnose(packs_[failed_pack_], q);
   if (failed.code == Code::not_finite && found.code == Code::branch_unknown) found = failed;
   if (found.code == Code::change_point_passed && !pass(target, t)) found.code = Code::branch_unknown;
   if (found.code == Code::branch_unknown && failed.code == Code::not_converged && found.figure > 0.05) found = failed;
-  const bool passed = found.code == Code::change_point_passed;
   if (found.code == Code::limit_reached) target = first_without_solution(target, t);
+  any_turn_ = false;
+  const bool passed = found.code == Code::change_point_passed;
   record(
       {passed ? last_before_pass_ : now_, passed ? now_ : target,
        structure_.name_of(found.where.is(Place::Kind::group) ? found.where : failed.where), found.code, found.figure},

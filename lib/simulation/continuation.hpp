@@ -12,6 +12,7 @@
 #include "assur/plan.hpp"
 #include "assur/report.hpp"
 #include "assur/simulator.hpp"
+#include "simulation/angle_turns.hpp"
 #include "simulation/independence.hpp"
 #include "simulation/inputs.hpp"
 #include "simulation/layout.hpp"
@@ -44,6 +45,9 @@ class Continuation {
   // Throws Error (environment) if a backend of the plan cannot run here.
   Continuation(const Prepared& prepared, const StepLimits& limits, Report& report);
 
+  // Signed angles that follow the postures from start() on; it must outlive this.
+  void follow(AngleTurns& turns) { turns_ = &turns; }
+
   // Drivers behind nothing that is computed, or marked (by address), are left out.
   void keep_what_is_read(std::vector<std::uint8_t> marked);
 
@@ -73,6 +77,8 @@ class Continuation {
   [[nodiscard]] std::vector<double> posture() const;
   // d-th derivative of the coordinates, by address.
   [[nodiscard]] const double* at(int d) const { return state_.at(d); }
+  // In the last step an angle passed so close to where it has none that its direction is a guess.
+  [[nodiscard]] bool turn_guessed() const { return turn_guessed_; }
   [[nodiscard]] const StepErrors& errors() const { return last_errors_; }
 
   [[nodiscard]] Layout& layout() { return layout_; }
@@ -96,6 +102,7 @@ class Continuation {
   void end_step(Inputs::End end);
   void predict(double target, bool expand);
   [[nodiscard]] Status try_step(double target, Attempt::Branch branch, bool expand = false);
+  [[nodiscard]] Status follow_angles(double t);
   [[nodiscard]] bool may_choose_anew(bool asked) const;
   [[nodiscard]] Status at_the_limit(const Status& failed, double target, double t);
   [[nodiscard]] double first_without_solution(double target, double t);
@@ -124,6 +131,11 @@ class Continuation {
   double now_ = 0;
   std::int64_t attempts_ = 0;
   double last_before_pass_ = 0;
+  AngleTurns* turns_ = nullptr;
+  int together_;          // angles_together()
+  bool any_turn_ = true;  // angles take the shorter way, however far they turn
+  bool turn_guessed_ = false;
+  double turned_ = 0;              // by the step that was tried, over what a step may turn
   double largest_correction_ = 0;  // of a step through a change point, over the move that was predicted
   bool stands_still_ = false;      // from the posture at hand on, until something moves again
   bool wants_reselection_ = false;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "assur/status.hpp"
@@ -10,6 +11,9 @@
 #include "simulation/angle_kernels.hpp"
 
 namespace assur {
+
+// Whether a law of an input is an angle.
+[[nodiscard]] bool is_angle(const System& system, const DriverInput& input, int law);
 
 class DriveProgram {
  public:
@@ -24,6 +28,8 @@ class DriveProgram {
   // All laws at time t.
   void evaluate(double t);
   void replace(std::int32_t slot, const Motion& motion);  // SI units
+  // Those laws that are angles: their values, unwrapped.
+  [[nodiscard]] std::span<const double> angles() const { return {jets_[0].data(), angles_}; }
   // The driven coordinates, from the laws. state[d]: d-th derivative, indexed by coordinate * stride.
   void place(double* const (&state)[3], std::size_t stride = 1);
   // After place(): false if a table ended, or a law is no number otherwise.

@@ -21,8 +21,8 @@ constexpr double kUsual = 2 * kEps;           // residuals up to here are those 
 constexpr double kRounding = 16 * kEps;       // with residuals up to here equations are solved as well as they can be
 constexpr std::int64_t kInterval = 512;       // steps from one measurement to the next
 constexpr std::int64_t kIntervalUnseen = 16;  // where callbacks hide how the condition changes, or errors are in doubt
+constexpr double kCloser = 1.6;               // of the square of a divisor; 2 for the inverse of its cube
 constexpr double kGrown = 2;                  // of a condition, or a residual: then it is measured again
-constexpr double kMoved = 1e-7;               // of a posture along a probe, internal units
 
 std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -57,8 +57,7 @@ ErrorEstimate::ErrorEstimate(const Structure& structure, Layout& layout, std::sp
     memory_[d].resize(probes_.size() * layout.size);
     for (std::size_t k = 0; k < probes_.size(); ++k) probes_[k].errors[d] = memory_[d].data() + k * layout.size;
   }
-  for (auto& derivative : moved_) derivative.resize(layout.size);
-  moved_row_.resize(size_of_.size());
+  slopes_.resize(size_of_.size());
   mechanisms_.resize(outputs.size());
   for (Mechanism& m : mechanisms_) {
     m.sizes.resize(3 * dimension_.size());
@@ -87,6 +86,9 @@ void ErrorEstimate::restart(std::span<const System* const> systems) {
     m.scale = {1, 0, 0};
     m.largest.assign(m.sizes.size(), {});
     m.now = {};
+    m.smallest.assign(outputs_[i].measures(), kInfinity);
+    m.least.assign(m.smallest.size(), 0.0);
+    m.most.assign(m.smallest.size(), kInfinity);
   }
   residual_ = kUsual;
   steps_ = branch_checks_ = measurements_ = 0;
@@ -95,7 +97,7 @@ void ErrorEstimate::restart(std::span<const System* const> systems) {
   loose_ = false;
 }
 
-bool ErrorEstimate::due(std::int64_t branch_checks, double residual) {
+bool ErrorEstimate::due(std::int64_t branch_checks, double residual, std::span<const double* const> divisors) {
   ++steps_;
   const bool grown = residual > kGrown * residual_;
   if (grown) residual_ = residual;
@@ -103,7 +105,9 @@ bool ErrorEstimate::due(std::int64_t branch_checks, double residual) {
   const bool first = measurements_ < 2;
   // What is left now may be in any equation.
   const double error = residual > kRounding ? gain_ * residual : 0;
-  if (grown || first || error > asked_ || steps_ >= (in_doubt() ? kIntervalUnseen : interval_) ||
+  bool serve = true;
+  for (std::size_t i = 0; i < used_; ++i) serve = serve && serves(mechanisms_[i], divisors[i]);
+  if (grown || first || !serve || error > asked_ || steps_ >= (in_doubt() ? kIntervalUnseen : interval_) ||
       conditions_have_grown(branch_checks, error)) {
     return true;
   }
@@ -234,7 +238,7 @@ void ErrorEstimate::finish(const double* const (&state)[3], std::span<const doub
   }
   const bool regular = std::find(regular_.begin(), regular_.end(), 0) == regular_.end();
   for (const Probe& probe : probes()) {
-    if (regular) carry(probe, state, rows);
+    if (regular) carry(probe, state);
   }
   worst_ = gain_ = 0;
   for (std::size_t k = 0; k < used_; ++k) {
@@ -251,36 +255,21 @@ void ErrorEstimate::finish(const double* const (&state)[3], std::span<const doub
   }
 }
 
-// How a probe shows in the outputs.
-void ErrorEstimate::carry(const Probe& probe, const double* const (&state)[3], std::span<const double* const> rows) {
-  double largest = 0;
-  for (std::size_t d = 0; d < 3; ++d) {
-    double error = 0, size = 0;
-    for (std::size_t i = 0; i < layout_.size; ++i) {
-      if (const double e = std::abs(probe.errors[d][i]); !(e <= error)) error = e;
-      size = std::max(size, std::abs(state[d][i]));
-    }
-    // Lengths against the characteristic one, rates and accelerations against their own.
-    if (d > 0 && size > 0) error /= size;
-    if (!(error <= largest)) largest = error;
-  }
-  // The outputs are smooth: a small move along the probe tells their derivatives.
-  const double along = std::isfinite(largest) ? kMoved / (largest > 0 ? largest : kEps) : 0;
-  for (std::size_t d = 0; d < 3; ++d) {
-    for (std::size_t i = 0; i < layout_.size; ++i) moved_[d][i] = state[d][i] + along * probe.errors[d][i];
-  }
+// How a probe shows in the outputs. Rounding of what the measures are made of is that of the probes of rounding.
+void ErrorEstimate::carry(const Probe& probe, const double* const (&state)[3]) {
+  const bool rounds = probe.cause == Probe::Cause::rounding;
+  RandomSign sign(seed_ + static_cast<std::uint64_t>(&probe - probes_.data()));
   for (std::size_t k = 0; k < used_; ++k) {
     Mechanism& m = mechanisms_[k];
-    const double* const moved[3] = {moved_[0].data() + k, moved_[1].data() + k, moved_[2].data() + k};
-    outputs_[k].evaluate(moved, moved_row_.data(), rows[k], 0);
-    for (std::size_t c = 0; c < moved_row_.size(); ++c) {
+    const double* const of[3] = {state[0] + k, state[1] + k, state[2] + k};
+    const double* const along[3] = {probe.errors[0] + k, probe.errors[1] + k, probe.errors[2] + k};
+    outputs_[k].differentiate(of, along, rounds ? &sign : nullptr, slopes_.data());
+    for (std::size_t c = 0; c < slopes_.size(); ++c) {
       const std::size_t i = idx(size_of_[c]);
-      double& size = probe.cause == Probe::Cause::left       ? m.sizes[i].error
-                     : probe.cause == Probe::Cause::rounding ? m.rounding[i]
-                                                             : m.sizes[i].gain;
-      double difference = along > 0 ? std::abs(moved_row_[c] - rows[k][c]) / along : kInfinity;
-      if (probe.cause == Probe::Cause::tolerance) difference *= kSafety / kSumRounding;
-      if (!(difference <= size)) size = std::isnan(difference) ? kInfinity : difference;
+      double& size = probe.cause == Probe::Cause::left ? m.sizes[i].error : rounds ? m.rounding[i] : m.sizes[i].gain;
+      double slope = std::abs(slopes_[c]);
+      if (probe.cause == Probe::Cause::tolerance) slope *= kSafety / kSumRounding;
+      if (!(slope <= size)) size = std::isnan(slope) ? kInfinity : slope;
     }
   }
 }
@@ -292,6 +281,23 @@ void ErrorEstimate::keep() {
       m.largest[i].error = std::max(m.largest[i].error, m.sizes[i].error);
     }
   }
+}
+
+// The error of an acceleration grows like the cube of one over the length by which it is divided. Lengths that were not
+// met yet are measured for the figures of the run, others where they matter to the verdict.
+void ErrorEstimate::watch_divisors(Mechanism& m, const double* divisors) const {
+  const double room = std::cbrt(std::pow(asked_ / m.now.worst(), 2));
+  for (std::size_t i = 0; i < m.smallest.size(); ++i) {
+    m.smallest[i] = std::min(m.smallest[i], divisors[i]);
+    m.least[i] = std::max(m.smallest[i] / kCloser, divisors[i] / std::max(room, kCloser));
+    m.most[i] = in_doubt() ? divisors[i] * kCloser : kInfinity;
+  }
+}
+
+bool ErrorEstimate::serves(const Mechanism& m, const double* divisors) {
+  bool serves = true;
+  for (std::size_t i = 0; i < m.least.size(); ++i) serves &= divisors[i] >= m.least[i] && divisors[i] <= m.most[i];
+  return serves;
 }
 
 // Steps that nobody measured have errors as well: at most as large as they may be with what was left in them.

@@ -39,20 +39,22 @@ class ErrorEstimate {
   // next step is measured.
   void continue_from(ErrorEstimate& before);
 
-  // Is what was measured last out of date? Tell it of every step, and of the largest residual that it left.
-  [[nodiscard]] bool due(std::int64_t branch_checks, double residual);
+  // Is what was measured last out of date? Tell it of every step, of the largest residual that it left, and of what the
+  // measures of each mechanism divide by (OutputProgram::evaluate).
+  [[nodiscard]] bool due(std::int64_t branch_checks, double residual, std::span<const double* const> divisors);
 
-  // At the posture at hand; times, rows: of each mechanism, with its outputs. each(work) calls work(p, solver) for
-  // every pack, level after level. All figures are infinite where a matrix is singular. It is of the run only once
-  // it is kept: the posture may be improved and measured again first.
+  // At the posture at hand; times, rows, divisors: of each mechanism, with its outputs. each(work) calls work(p,
+  // solver) for every pack, level after level. All figures are infinite where a matrix is singular. It is of the run
+  // only once it is kept: the posture may be improved and measured again first.
   template <class Each>
   void measure(std::span<const double> times, const double* const (&state)[3], std::span<const double* const> rows,
-               const Each& each) {
+               std::span<const double* const> divisors, const Each& each) {
     begin(times, state);
     each([&](std::size_t p, GroupSolver& solver) {
       regular_[p] = solver.perturb(layout_.packs[p], state, probes(), seed_) ? 1 : 0;
     });
     finish(state, rows);
+    for (std::size_t i = 0; i < used_; ++i) watch_divisors(mechanisms_[i], divisors[i]);
   }
 
   // What was measured is an error of the run. The status of its step has to follow in_doubt().
@@ -85,7 +87,7 @@ class ErrorEstimate {
 
  private:
   static constexpr std::size_t kRandom = 5;  // probes of one cause with random signs
-  struct Size {  // of an output, or of one of its derivatives
+  struct Size {                              // of an output, or of one of its derivatives
     double value = 0, error = 0;
     double gain = 0;  // error for each relative residual of any equation
   };
@@ -96,6 +98,8 @@ class ErrorEstimate {
     std::vector<double> rounding;          // sizes: the part of the error that has no sign
     Figures now;
     Place worst;
+    // Of what the measures divide by: the smallest that was measured, and between which the last measurement serves.
+    std::vector<double> smallest, least, most;
   };
   void begin(std::span<const double> times, const double* const (&state)[3]);
   [[nodiscard]] Probes probes() const { return Probes(probes_).first(knows_gain_ ? probes_.size() : 1 + kRandom); }
@@ -103,10 +107,12 @@ class ErrorEstimate {
   void perturb_known(std::span<const double> times, const double* const (&state)[3], const Probe& probe);
   void find_worst();
   void finish(const double* const (&state)[3], std::span<const double* const> rows);
-  void carry(const Probe& probe, const double* const (&state)[3], std::span<const double* const> rows);
+  void carry(const Probe& probe, const double* const (&state)[3]);
   [[nodiscard]] bool conditions_have_grown(std::int64_t branch_checks, double error);
   void keep_steps_between();
   [[nodiscard]] Figures relative(const Mechanism& m, const std::vector<Size>& sizes, double Size::*what) const;
+  void watch_divisors(Mechanism& m, const double* divisors) const;
+  [[nodiscard]] static bool serves(const Mechanism& m, const double* divisors);
 
   Layout& layout_;
   StaticErrors static_;
@@ -118,23 +124,22 @@ class ErrorEstimate {
   std::array<bool, 3> wanted_{};               // by some output: its value, rate, acceleration
   std::array<std::vector<double>, 3> memory_;  // of all probes, by derivative
   std::vector<Probe> probes_;                  // the first one: of what is left
-  std::array<std::vector<double>, 3> moved_;   // the state, moved along a probe
-  std::vector<double> moved_row_;
-  std::vector<Mechanism> mechanisms_;   // lanes
-  std::vector<const System*> systems_;  // of those used
-  bool static_known_ = true;            // the probes hold the errors of what stands still
-  std::size_t used_ = 0;                // of them
-  std::vector<double> omega_;           // of all packs, when it was measured
-  std::vector<std::uint8_t> regular_;   // packs
-  double residual_ = 0;                 // the largest of a step that was measured
+  std::vector<double> slopes_;                 // of the outputs along a probe
+  std::vector<Mechanism> mechanisms_;          // lanes
+  std::vector<const System*> systems_;         // of those used
+  bool static_known_ = true;                   // the probes hold the errors of what stands still
+  std::size_t used_ = 0;                       // of them
+  std::vector<double> omega_;                  // of all packs, when it was measured
+  std::vector<std::uint8_t> regular_;          // packs
+  double residual_ = 0;                        // the largest of a step that was measured
   std::int64_t branch_checks_ = 0;
   std::int64_t steps_ = 0, interval_ = 0;
   std::int64_t measurements_ = 0;
   std::uint64_t seed_ = 0;
   double worst_ = 0;  // of all mechanisms
   bool knows_gain_ = false;
-  double gain_ = 0;   // the worst error of all mechanisms for each relative residual
-  double left_ = 0;   // the largest residual of the steps since
+  double gain_ = 0;  // the worst error of all mechanisms for each relative residual
+  double left_ = 0;  // the largest residual of the steps since
   bool loose_ = false;
 };
 

@@ -52,6 +52,7 @@ void Inputs::add_control(std::string name, std::size_t input, int law) {
 void Inputs::compile(const Driven& driven) {
   program_ = DriveProgram(system_, driven);
   for (Control& c : controls_) c.slot = program_.slot(c.input, c.law);
+  accepted_angles_.assign(program_.angles().begin(), program_.angles().end());
   positive_.clear();
   for (const Index i : driven.inputs) {
     const DriverInput& in = system_.inputs[static_cast<std::size_t>(i)];

@@ -1,6 +1,7 @@
 // The drivers at a time: laws, and what a control program has set instead.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -8,6 +9,7 @@
 
 #include "assur/plan.hpp"
 #include "scene/system.hpp"
+#include "simulation/angle_turns.hpp"
 #include "simulation/drive_program.hpp"
 
 namespace assur {
@@ -24,6 +26,13 @@ class Inputs {
 
   // True if somebody reads that law of the system, and nothing was set instead.
   [[nodiscard]] bool follows_law(std::size_t input, std::size_t law) const;
+
+  // Part of what the drivers' angles may turn in one step, by which drive() turned them since accept().
+  [[nodiscard]] double turned(int together) const {
+    return assur::turned(accepted_angles_, program_.angles(), together);
+  }
+  // The last drive() was to a posture that is accepted.
+  void accept() { std::copy(program_.angles().begin(), program_.angles().end(), accepted_angles_.begin()); }
 
   // What a controlled driver reaches at the next step. Throws Error (input) for any other name.
   void set(std::string_view driver, const Motion& motion);
@@ -62,6 +71,7 @@ class Inputs {
     Index driver;
   };
   std::vector<Distance> positive_;  // driven ones
+  std::vector<double> accepted_angles_;
   std::vector<Control> controls_;
 };
 

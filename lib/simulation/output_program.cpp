@@ -2,9 +2,24 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
+#include "simulation/dual.hpp"
+
 namespace assur {
+namespace {
+
+// Two directions that are parallel stay so, as far as their rates tell.
+bool rests(const Jet<double> (&f)[9]) {
+  const auto turns = [&](std::size_t i, std::size_t j) {
+    return f[i].rate * f[3 + j].value + f[i].value * f[3 + j].rate - f[j].rate * f[3 + i].value -
+           f[j].value * f[3 + i].rate;
+  };
+  return turns(1, 2) == 0 && turns(2, 0) == 0 && turns(0, 1) == 0;
+}
+
+}  // namespace
 
 void OutputProgram::bind(const System& s, std::span<const std::int32_t> address) {
   dimension_ = s.dimension;
@@ -15,6 +30,7 @@ void OutputProgram::bind(const System& s, std::span<const std::int32_t> address)
   terms_.clear();
   form_start_.assign(1, 0);
   parts_.clear();
+  angles_.clear();
   std::int32_t next = 0;  // column
   for (const Output& o : wanted_outputs(s)) {
     const auto parts = static_cast<std::int32_t>(o.part_count);
@@ -46,14 +62,17 @@ void OutputProgram::add(const System& s, std::span<const std::int32_t> address, 
     sums_.push_back({begin, static_cast<std::int32_t>(sum_terms_.size()), column});
     return;
   }
-  Part part{m.kind, static_cast<std::int32_t>(form_start_.size()) - 1,
-            0,      unit,
-            column, m.kind == MeasureForms::Kind::absolute_angle || m.kind == MeasureForms::Kind::signed_angle};
+  Part part{m.kind, static_cast<std::int32_t>(form_start_.size()) - 1, 0, unit, column, -1};
   for (const Index f : m.forms) {
     for (const Term& t : s.form(f)) terms_.push_back(term_at(t));
     form_start_.push_back(static_cast<std::int32_t>(terms_.size()));
   }
   part.forms_end = static_cast<std::int32_t>(form_start_.size()) - 1;
+  const bool is_signed = m.kind == MeasureForms::Kind::absolute_angle || m.kind == MeasureForms::Kind::signed_angle;
+  if (is_signed && column[0] >= 0) {
+    part.angle = static_cast<std::int32_t>(angles_.size());
+    angles_.push_back(parts_.size());
+  }
   parts_.push_back(part);
 }
 
@@ -87,29 +106,98 @@ void OutputProgram::mark(std::vector<std::uint8_t>& addresses) const {
 
 std::vector<std::size_t> OutputProgram::angles() const {
   std::vector<std::size_t> columns;
-  for (const Part& part : parts_) {
-    if (part.angle && part.column[0] >= 0) columns.push_back(static_cast<std::size_t>(part.column[0]));
-  }
+  for (const std::size_t part : angles_) columns.push_back(static_cast<std::size_t>(parts_[part].column[0]));
   return columns;
 }
 
-void OutputProgram::evaluate(const double* const (&state)[3], double* out, const double* previous, double dt,
+void OutputProgram::arm(std::size_t i, const double* q, double& x, double& y) const {
+  const Part& part = parts_[angles_[i]];
+  double forms[9] = {};
+  for (std::int32_t f = part.forms_begin; f < part.forms_end; ++f) {
+    double value = 0;
+    for (const TermAt& t : terms_of(f)) value += t.factor * q[t.address];
+    forms[f - part.forms_begin] = value;
+  }
+  const ArmOf<double> arm = arm_of<double>(part.kind, forms, dimension_);
+  x = arm.x;
+  y = arm.y;
+}
+
+double OutputProgram::size_of_arm(std::size_t i, const double* q) const {
+  const Part& part = parts_[angles_[i]];
+  double size = 1;
+  for (std::int32_t f = part.forms_begin; f < part.forms_end; f += dimension_) {  // a vector each
+    double largest = 0;
+    for (std::int32_t k = f; k < f + dimension_ && k < part.forms_end; ++k) {
+      double sum = 0;
+      for (const TermAt& t : terms_of(k)) sum += std::abs(t.factor * q[t.address]);
+      largest = std::max(largest, sum);
+    }
+    size *= largest;
+  }
+  return size;
+}
+
+void OutputProgram::evaluate(const double* const (&state)[3], double* out, const double* turns, double* divisors,
                              std::size_t part, std::size_t parts) const {
   const auto share = [&](const auto& list) {
     const std::size_t begin = list.size() * part / parts, end = list.size() * (part + 1) / parts;
     return std::span(list).subspan(begin, end - begin);
   };
-  for (const Line& l : share(motions_)) {
-    out[l.column[0]] = l.offset + l.factor * state[0][l.address];
+  evaluate_linear(state, out, share(motions_), share(lines_), share(sums_), 1);
+  for (const Part& measure : share(parts_)) {
+    Jet<double> forms[9];
+    evaluate_forms(measure, state, forms);
+    Jet<double> m = evaluate_measure<double>(measure.kind, {forms, 9}, dimension_);
+    divisors[&measure - parts_.data()] = divisor_of<double>(measure.kind, {forms, 9}, dimension_);
+    if (measure.angle >= 0) m.value += 2 * std::numbers::pi * turns[measure.angle];
+    const double value[3] = {m.value, m.rate, m.acceleration};
+    for (std::size_t d = 0; d < 3; ++d) {
+      if (measure.column[d] >= 0) out[measure.column[d]] = value[d] * measure.unit;
+    }
+  }
+}
+
+void OutputProgram::differentiate(const double* const (&state)[3], const double* const (&change)[3], RandomSign* sign,
+                                  double* out) const {
+  evaluate_linear(change, out, motions_, lines_, sums_, 0);
+  for (const Part& measure : parts_) {
+    Jet<double> forms[9], changes[9];
+    evaluate_forms(measure, state, forms);
+    evaluate_forms(measure, change, changes);
+    Jet<Dual> both[9];
+    for (std::size_t f = 0; f < 9; ++f) {
+      const auto with_rounding = [&](double value, double by) {
+        return Dual(value, by + (sign != nullptr ? (*sign)() : 0) * std::numeric_limits<double>::epsilon() * value);
+      };
+      both[f] = {with_rounding(forms[f].value, changes[f].value), with_rounding(forms[f].rate, changes[f].rate),
+                 with_rounding(forms[f].acceleration, changes[f].acceleration)};
+    }
+    const Jet<Dual> m = evaluate_measure<Dual>(measure.kind, {both, 9}, dimension_);
+    double slope[3] = {m.value.slope, m.rate.slope, m.acceleration.slope};
+    if (measure.kind == MeasureForms::Kind::unsigned_angle && !(divisor_of<double>(measure.kind, {forms, 9}, 3) > 0)) {
+      slope[1] = slope[2] = rests(forms) ? 0 : std::numeric_limits<double>::infinity();  // at the kink, or through it
+    }
+    for (std::size_t d = 0; d < 3; ++d) {
+      if (measure.column[d] >= 0) out[measure.column[d]] = slope[d] * measure.unit;
+    }
+  }
+}
+
+// constant: times the offsets.
+void OutputProgram::evaluate_linear(const double* const (&state)[3], double* out, std::span<const Line> motions,
+                                    std::span<const Line> lines, std::span<const Sum> sums, double constant) const {
+  for (const Line& l : motions) {
+    out[l.column[0]] = constant * l.offset + l.factor * state[0][l.address];
     out[l.column[1]] = l.factor * state[1][l.address];
     out[l.column[2]] = l.factor * state[2][l.address];
   }
-  for (const Line& l : share(lines_)) {
+  for (const Line& l : lines) {
     for (std::size_t d = 0; d < 3; ++d) {
-      if (l.column[d] >= 0) out[l.column[d]] = (d == 0 ? l.offset : 0) + l.factor * state[d][l.address];
+      if (l.column[d] >= 0) out[l.column[d]] = (d == 0 ? constant * l.offset : 0) + l.factor * state[d][l.address];
     }
   }
-  for (const Sum& sum : share(sums_)) {
+  for (const Sum& sum : sums) {
     double total[3] = {};
     for (std::int32_t t = sum.begin; t < sum.end; ++t) {
       const TermAt& term = sum_terms_[static_cast<std::size_t>(t)];
@@ -119,30 +207,19 @@ void OutputProgram::evaluate(const double* const (&state)[3], double* out, const
       if (sum.column[d] >= 0) out[sum.column[d]] = total[d];
     }
   }
-  for (const Part& measure : share(parts_)) {
-    Jet<double> forms[9];
-    for (std::int32_t f = measure.forms_begin; f < measure.forms_end; ++f) {
-      // Derivatives that nobody wants are added as well: three sums stay in registers.
-      double value = 0, rate = 0, acceleration = 0;
-      for (std::int32_t t = form_start_[static_cast<std::size_t>(f)]; t < form_start_[static_cast<std::size_t>(f) + 1];
-           ++t) {
-        const TermAt& term = terms_[static_cast<std::size_t>(t)];
-        value += term.factor * state[0][term.address];
-        rate += term.factor * state[1][term.address];
-        acceleration += term.factor * state[2][term.address];
-      }
-      forms[f - measure.forms_begin] = {value, rate, acceleration};
+}
+
+void OutputProgram::evaluate_forms(const Part& measure, const double* const (&state)[3],
+                                   Jet<double> (&forms)[9]) const {
+  for (std::int32_t f = measure.forms_begin; f < measure.forms_end; ++f) {
+    // Derivatives that nobody wants are added as well: three sums stay in registers.
+    double value = 0, rate = 0, acceleration = 0;
+    for (const TermAt& term : terms_of(f)) {
+      value += term.factor * state[0][term.address];
+      rate += term.factor * state[1][term.address];
+      acceleration += term.factor * state[2][term.address];
     }
-    Jet<double> m = evaluate_measure<double>(measure.kind, {forms, 9}, dimension_);
-    if (measure.angle && previous != nullptr && measure.column[0] >= 0) {
-      double expected = previous[measure.column[0]];
-      if (measure.column[1] >= 0) expected += dt * (previous[measure.column[1]] + m.rate) / 2;
-      m.value += 2 * std::numbers::pi * std::round((expected - m.value) / (2 * std::numbers::pi));
-    }
-    const double value[3] = {m.value, m.rate, m.acceleration};
-    for (std::size_t d = 0; d < 3; ++d) {
-      if (measure.column[d] >= 0) out[measure.column[d]] = value[d] * measure.unit;
-    }
+    forms[f - measure.forms_begin] = {value, rate, acceleration};
   }
 }
 

@@ -9,8 +9,46 @@
 #include "scene/jet.hpp"
 #include "scene/outputs.hpp"
 #include "scene/system.hpp"
+#include "simulation/random_sign.hpp"
 
 namespace assur {
+
+// A signed angle is atan2(y, x), from its forms: numbers, or jets of them.
+template <class N>
+struct ArmOf {
+  N x, y;
+};
+template <class N>
+ArmOf<N> arm_of(MeasureForms::Kind kind, std::span<const N> f, int dimension) {
+  if (kind == MeasureForms::Kind::absolute_angle) return {f[0], f[1]};
+  if (dimension == 2) return {f[0] * f[2] + f[1] * f[3], f[0] * f[3] - f[1] * f[2]};
+  const auto across = [&](std::size_t i, std::size_t j) { return f[i] * f[3 + j] - f[j] * f[3 + i]; };
+  return {f[0] * f[3] + f[1] * f[4] + f[2] * f[5], f[6] * across(1, 2) + f[7] * across(2, 0) + f[8] * across(0, 1)};
+}
+
+// The square of the length by which derivatives of a measure are divided; the length of a distance, else the arm's, or
+// the sine's of an unsigned angle.
+template <class T>
+T divisor_of(MeasureForms::Kind kind, std::span<const Jet<T>> f, int dimension) {
+  const auto square = [](const T& x) { return x * x; };
+  const auto cross = [&](std::size_t i, std::size_t j) {
+    return square(f[i].value * f[3 + j].value - f[j].value * f[3 + i].value);
+  };
+  switch (kind) {
+    case MeasureForms::Kind::form:
+      return T(1);
+    case MeasureForms::Kind::distance:
+      return square(f[0].value) + square(f[1].value) + (dimension == 3 ? square(f[2].value) : T(0));
+    case MeasureForms::Kind::absolute_angle:
+    case MeasureForms::Kind::signed_angle: {
+      const ArmOf<Jet<T>> arm = arm_of(kind, f, dimension);
+      return square(arm.x.value) + square(arm.y.value);
+    }
+    case MeasureForms::Kind::unsigned_angle:
+      return cross(1, 2) + cross(2, 0) + cross(0, 1);
+  }
+  return T(1);
+}
 
 // Value, rate and acceleration of a measure from the jets of its forms (internal units).
 template <class T>
@@ -31,10 +69,10 @@ Jet<T> evaluate_measure(MeasureForms::Kind kind, std::span<const Jet<T>> f, int 
     case MeasureForms::Kind::distance:
       return sqrt(dot(0, 0));
     case MeasureForms::Kind::absolute_angle:
-      return atan2(f[1], f[0]);
-    case MeasureForms::Kind::signed_angle:
-      if (dimension == 2) return atan2(f[0] * f[3] - f[1] * f[2], dot(0, 2));
-      return atan2(f[6] * cross(0, 3, 0) + f[7] * cross(0, 3, 1) + f[8] * cross(0, 3, 2), dot(0, 3));
+    case MeasureForms::Kind::signed_angle: {
+      const ArmOf<Jet<T>> arm = arm_of(kind, f, dimension);
+      return atan2(arm.y, arm.x);
+    }
     case MeasureForms::Kind::unsigned_angle: {
       const Jet<T> x = cross(0, 3, 0), y = cross(0, 3, 1), z = cross(0, 3, 2);
       const Jet<T> square = x * x + y * y + z * z;
@@ -57,15 +95,26 @@ class OutputProgram {
 
   // Columns of signed angles, which are unwrapped along a run.
   [[nodiscard]] std::vector<std::size_t> angles() const;
+  // The i-th of them is atan2(y, x) at a posture.
+  void arm(std::size_t i, const double* q, double& x, double& y) const;
+  // Of what x and y are made of: they are no more accurate than a part of it.
+  [[nodiscard]] double size_of_arm(std::size_t i, const double* q) const;
 
   // Marks the addresses that are read.
   void mark(std::vector<std::uint8_t>& addresses) const;
 
   // state[d]: d-th derivative. out: one double for each column, SI units.
-  // `previous`: the row before at a time dt earlier, to unwrap signed angles; null: the first row.
+  // turns: of the angles(), whole turns to add. divisors, of measures(): squares of the lengths by which they divide.
   // part of parts: a share of the columns, for one of several threads.
-  void evaluate(const double* const (&state)[3], double* out, const double* previous, double dt, std::size_t part = 0,
-                std::size_t parts = 1) const;
+  void evaluate(const double* const (&state)[3], double* out, const double* turns, double* divisors,
+                std::size_t part = 0, std::size_t parts = 1) const;
+  // Those that are more than sums.
+  [[nodiscard]] std::size_t measures() const { return parts_.size(); }
+
+  // How every column changes along a change of the state and, if signs are drawn for it, by rounding of what measures
+  // are made of, to first order; not finite where a measure has a kink.
+  void differentiate(const double* const (&state)[3], const double* const (&change)[3], RandomSign* sign,
+                     double* out) const;
 
  private:
   struct TermAt {
@@ -77,7 +126,7 @@ class OutputProgram {
     std::int32_t forms_begin, forms_end;
     double unit;
     std::array<std::int32_t, 3> column;  // of value, rate, acceleration; -1: not wanted
-    bool angle;
+    std::int32_t angle;                  // which of angles(); -1: none
   };
   // What is linear in one coordinate, in SI units: offset + factor * coordinate.
   struct Line {
@@ -90,6 +139,13 @@ class OutputProgram {
     std::int32_t begin, end;
     std::array<std::int32_t, 3> column;  // -1: not wanted
   };
+  void evaluate_linear(const double* const (&state)[3], double* out, std::span<const Line> motions,
+                       std::span<const Line> lines, std::span<const Sum> sums, double constant) const;
+  void evaluate_forms(const Part& measure, const double* const (&state)[3], Jet<double> (&forms)[9]) const;
+  [[nodiscard]] std::span<const TermAt> terms_of(std::int32_t form) const {
+    const auto f = static_cast<std::size_t>(form);
+    return {terms_.data() + form_start_[f], terms_.data() + form_start_[f + 1]};
+  }
   void add(const System& system, std::span<const std::int32_t> address, const OutputPart& part,
            const std::array<std::int32_t, 3>& column);
   // False if more than one coordinate takes part.
@@ -104,6 +160,7 @@ class OutputProgram {
   std::vector<TermAt> terms_;
   std::vector<std::int32_t> form_start_;
   std::vector<Part> parts_;
+  std::vector<std::size_t> angles_;  // parts
 };
 
 }  // namespace assur

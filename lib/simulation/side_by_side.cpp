@@ -21,6 +21,7 @@ void shift_by_turns(std::span<const std::size_t> angles, const double* before, c
     const double shift = kTurn * std::round((before[c] - here[c]) / kTurn);
     if (shift == 0) continue;
     for (std::size_t k = from; k < run.done; ++k) run.row(k, columns)[c] += shift;
+    if (!run.outputs.empty()) run.outputs[c] += shift;
   }
 }
 
@@ -46,9 +47,7 @@ void SideBySide::clear_totals() {
 }
 
 void SideBySide::write_row(int lane, LaneRun& run, std::size_t row) {
-  const std::size_t size = columns().size();
-  const double* const before = row > 0 ? run.row(row - 1, size) : nullptr;
-  tile_.fill_row(lane, run.row(row, size), before, row > 0 ? run.times[row] - run.times[row - 1] : 0);
+  tile_.fill_row(lane, run.row(row, columns().size()));
   run.done = row + 1;
   run.reached = run.times[row];
   if (row == run.posture_wanted) run.posture = tile_.posture(lane);
@@ -112,6 +111,10 @@ void SideBySide::run(std::span<LaneRun* const> lanes, const std::function<bool()
       }
       check_accuracy(together, 0);
     }
+    for (std::size_t i = 0; i < together.size() && started && row > 0; ++i) {
+      const std::size_t size = columns().size();
+      tile_.continue_from(static_cast<int>(i), {together[i]->row(row, size), size});
+    }
     if (started) {
       row = follow(together, row, proceed);
       for (std::size_t i = 0; i < together.size(); ++i) together[i]->error.merge(tile_.estimated(static_cast<int>(i)));
@@ -165,7 +168,8 @@ void SideBySide::alone(LaneRun& lane, Variant at, std::size_t row, bool to_the_e
   if (row == lane.posture_wanted) lane.posture = posture_of(*simulator);
   for (std::size_t k = row + 1; k < rows && lane.status.arrived() && !stopped_; ++k) {
     lane.status = simulator->step(lane.times[k]);
-    const bool plain = lane.status.arrived() && simulator->report().counters.rejected == 0 &&
+    const Counters& its = simulator->report().counters;
+    const bool plain = lane.status.arrived() && its.rejected == 0 && its.substeps == 0 &&
                        simulator->prepared().structure.get() == structure;
     if (k == row + 1 && !to_the_end && plain) {
       lane.status = before;
@@ -180,6 +184,9 @@ void SideBySide::alone(LaneRun& lane, Variant at, std::size_t row, bool to_the_e
     lane.done = k + 1;
     if (k == lane.posture_wanted) lane.posture = posture_of(*simulator);
     stopped_ = !proceed();
+  }
+  if (!lane.status.arrived() && simulator->time() != lane.times[lane.done - 1]) {
+    lane.outputs.assign(simulator->outputs().begin(), simulator->outputs().end());
   }
   if (lane.status.arrived()) lane.status = simulator->report().status;
   if (lane.status.ok()) lane.status = before;

@@ -33,6 +33,7 @@ struct LaneRun {
   // The posture at one of the times, where somebody wants it, or at `reached` if the run does not get there.
   std::size_t posture_wanted = static_cast<std::size_t>(-1);
   std::vector<double> posture;
+  std::vector<double> outputs;     // at `reached`, where that is no row
   std::vector<double> uniqueness;  // at the start, see Tile
 
   [[nodiscard]] double* row(std::size_t k, std::size_t columns) const {

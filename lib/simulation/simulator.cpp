@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <utility>
 
 #include "parallel/thread_state.hpp"
+#include "simulation/angle_turns.hpp"
 #include "simulation/chunks.hpp"
 #include "simulation/continuation.hpp"
 #include "simulation/error_estimate.hpp"
@@ -45,13 +47,15 @@ struct Simulator::Impl {
         motion(prepared, limits, report),
         columns(column_names(system)),
         outputs(system, motion.layout().address),
+        turns(outputs),
         estimate(structure, motion.layout(), {&outputs, 1}, prepared.plan.accuracy),
         functions(structure, system, motion.layout().address) {
     std::vector<std::uint8_t> read(motion.layout().size, 0);
     outputs.mark(read);
     motion.keep_what_is_read(std::move(read));
+    motion.follow(turns);
     row.resize(columns.size());
-    previous_row.resize(row.size());
+    divisors.resize(outputs.measures());
     start(start_time, structure.start, before);
   }
 
@@ -68,9 +72,9 @@ struct Simulator::Impl {
     functions.restart();
     doubt = verdict = {};
     motion.start(time, posture, before != nullptr ? &before->motion : nullptr);
-    if (before == nullptr) return fill_row(false);
-    row = before->row;
-    fill_row(true);
+    if (before != nullptr) turns.continue_from(before->row);
+    fill_row();
+    if (before == nullptr) return;
     estimate.continue_from(before->estimate);
     doubt = before->doubt;
     verdict = before->verdict;
@@ -96,17 +100,12 @@ struct Simulator::Impl {
     try {
       status = motion.step_to(t, may_reselect, stride);
     } catch (...) {
-      show_step(from, false);
+      if (motion.time() != from) fill_row();
       throw;
     }
-    show_step(from, status.ok());
+    if (motion.time() != from) fill_row();
     if (t != from) report.status = status.ok() ? doubt : status;
     return status;
-  }
-
-  // Towards a fold rates are without bound, and tell nothing about how far an angle turned.
-  void show_step(double from, bool arrived) {
-    if (motion.time() != from) fill_row(true, arrived ? motion.time() - from : 0);
   }
 
   // ---- functions of the program
@@ -129,26 +128,28 @@ struct Simulator::Impl {
 
   // Of the posture that was reached at last, on the way from `from`: is it as accurate as was asked for?
   Status check_accuracy(double from) {
-    if (estimate.due(report.counters.branch_checks, motion.errors().worst())) judge();
+    const double* const divided_by = divisors.data();
+    if (estimate.due(report.counters.branch_checks, motion.errors().worst(), {&divided_by, 1})) judge();
     return tell_verdict(from);
   }
 
   Status tell_verdict(double from) {
-    if (verdict.ok()) return {};
-    const std::string group = structure.name_of(verdict.where);
-    record_doubt(report.events, {from, motion.time(), group, verdict.code, verdict.figure});
+    Status s = verdict;
+    if (s.ok() && motion.turn_guessed()) s = {Code::inaccurate, {}, std::numbers::pi};
+    if (s.ok()) return {};
+    record_doubt(report.events, {from, motion.time(), structure.name_of(s.where), s.code, s.figure});
     if (doubt.ok()) {
-      doubt = verdict;
+      doubt = s;
       if (report.status.arrived()) report.status = doubt;
     }
-    return verdict;
+    return s;
   }
 
   void judge() {
     measure();
     const bool loose = motion.converged() > kConverged;
     if (estimate.in_doubt() && loose && motion.polish()) {
-      fill_row(true);
+      fill_row();
       measure();
     }
     if (prepared.plan.accuracy > 0) {
@@ -174,8 +175,8 @@ struct Simulator::Impl {
   void measure() {
     const double* const q[3] = {motion.at(0), motion.at(1), motion.at(2)};
     const double now = motion.time();
-    const double* const of = row.data();
-    estimate.measure({&now, 1}, q, {&of, 1}, [&](const auto& work) { motion.levels().each(work); });
+    const double *const of = row.data(), *const divided_by = divisors.data();
+    estimate.measure({&now, 1}, q, {&of, 1}, {&divided_by, 1}, [&](const auto& work) { motion.levels().each(work); });
   }
 
   std::vector<GroupFigures> examine() {
@@ -262,19 +263,17 @@ struct Simulator::Impl {
     report.error.estimated_acceleration = all.estimated_acceleration;
   }
 
-  void fill_row(bool unwrap, double dt = 0) {
+  void fill_row() {
     const double* const q[3] = {motion.at(0), motion.at(1), motion.at(2)};
-    row.swap(previous_row);
-    const double* const before = unwrap ? previous_row.data() : nullptr;
     motion.levels().share(row.size(), [&](std::size_t part, std::size_t parts) {
-      outputs.evaluate(q, row.data(), before, dt, part, parts);
+      outputs.evaluate(q, row.data(), turns.turns(), divisors.data(), part, parts);
     });
   }
 
-  // The outputs follow those of a row that was reached elsewhere, a time dt before.
-  void stands_behind(std::span<const double> last_row, double dt) {
-    std::copy(last_row.begin(), last_row.end(), row.begin());
-    if (dt != 0) fill_row(true, dt);
+  // The outputs of the posture at hand are known already.
+  void stands_at(std::span<const double> outputs_there) {
+    std::copy(outputs_there.begin(), outputs_there.end(), row.begin());
+    turns.continue_from(row);
   }
 
   Prepared prepared;
@@ -285,11 +284,13 @@ struct Simulator::Impl {
   Continuation motion;
   std::vector<std::string> columns;
   OutputProgram outputs;
+  AngleTurns turns;
   ErrorEstimate estimate;
   FunctionCheck functions;
   Status verdict;  // of the last measurement: ok, or inaccurate
   Status doubt;    // the first one of the run
-  std::vector<double> row, previous_row;
+  std::vector<double> row;
+  std::vector<double> divisors;                     // of the measures
   std::shared_ptr<const Prepared> first_structure;  // what reset() goes back to, after a reselection
   Effort earlier_effort;                            // of solvers that ran the chunks, or solved another set
   ErrorFigures earlier_error;                       // of the chunks: estimates
@@ -411,7 +412,7 @@ bool Simulator::run_in_chunks(std::span<const double> times, const Observer& obs
   out.times_.assign(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(run.rows));
 
   impl_->start(run.reached, run.posture);
-  impl_->stands_behind(out.row(run.rows - 1), run.reached - out.times_.back());
+  impl_->stands_at(run.outputs);
   impl_->earlier_effort = run.totals.effort;
   Report& report = impl_->report;
   report = {};

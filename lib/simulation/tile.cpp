@@ -58,13 +58,20 @@ Tile::Tile(const Prepared& prepared, const StepLimits& limits)
       limits_(limits),
       lanes_(prepared.plan.lanes),
       layout_(lay_out_side_by_side(prepared, lanes_)),
+      together_(angles_together(*structure_->system, *structure_)),
+      driven_angles_(idx(lanes_)),
       columns_(column_names(*structure_->system)),
       outputs_(idx(lanes_), OutputProgram(*structure_->system, layout_.address)),
+      turns_(outputs_.begin(), outputs_.end()),
       estimate_(*structure_, layout_, outputs_, prepared.plan.accuracy) {
   state_.resize(layout_.first_unknown, layout_.size, prepared.plan.predictor);
   const System& system = *structure_->system;
   watch_.resize(idx(lanes_));
   independence_.resize(idx(lanes_));
+  all_divisors_.resize(idx(lanes_) * outputs_[0].measures());
+  for (std::size_t lane = 0; lane < idx(lanes_); ++lane) {
+    divisors_.push_back(all_divisors_.data() + lane * outputs_[0].measures());
+  }
   drive_.resize(idx(lanes_));
   functions_.resize(idx(lanes_));
 
@@ -165,7 +172,7 @@ bool Tile::driven_alike() const {
 
 Status Tile::drive(std::span<const double> times) {
   const bool at_once = alike_ && std::all_of(times.begin(), times.end(), [&](double t) { return t == times[0]; });
-  const std::size_t w = idx(lanes_), driven = at_once ? 1 : times.size();
+  const std::size_t w = idx(lanes_), driven = driven_lanes_ = at_once ? 1 : times.size();
   for (std::size_t lane = 0; lane < driven; ++lane) {
     if (const Status s = drive_lane(lane, times[lane]); !s.ok()) return s;
   }
@@ -225,13 +232,18 @@ Status Tile::solve(std::span<const double> times, Attempt::Branch branch) {
 
 Status Tile::solve_all(std::span<const double> times, Attempt::Branch branch) {
   if (const Status s = drive(times); !s.ok()) return s;
+  const bool inside = branch == Attempt::Branch::inside;
+  for (std::size_t lane = 0; lane < driven_lanes_ && inside; ++lane) {
+    const double part = turned(driven_angles_[lane], drive_[lane]->angles(), together_);
+    if (part > 1) return {Code::branch_unknown, Place::lane(static_cast<std::int32_t>(lane)), part};
+  }
   StepErrors errors;
   if (const Status s = solve_packs(times, branch, kConverged, errors); !s.ok()) return s;
   if (const Status s = check_positive(); !s.ok()) return s;
   if (const Status s = check_watched(times, branch, errors); !s.ok()) return s;
   if (const Status s = check_sets(); !s.ok()) return s;
-  state_.accept(times[0]);
-  now_.assign(times.begin(), times.end());
+  if (const Status s = inside ? follow_angles(times[0] - now_[0]) : begin_angles(times); !s.ok()) return s;
+  accept(times);
   errors.add_to(error_);
   left_ = errors.worst();
   return {};
@@ -253,11 +265,11 @@ Status Tile::solve_packs(std::span<const double> times, Attempt::Branch branch, 
   return {};
 }
 
-bool Tile::errors_are_due() { return estimate_.due(counters_.branch_checks, left_); }
+bool Tile::errors_are_due() { return estimate_.due(counters_.branch_checks, left_, divisors_); }
 
 void Tile::measure_errors(std::span<const double> times, std::span<const double* const> rows) {
   const double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
-  estimate_.measure(times, q, rows, [&](const auto& work) {
+  estimate_.measure(times, q, rows, divisors_, [&](const auto& work) {
     for (std::size_t p = 0; p < layout_.packs.size(); ++p) work(p, *layout_.solvers[idx(layout_.packs[p].group_class)]);
   });
   estimate_.keep();
@@ -321,9 +333,35 @@ Status Tile::check_sets() {
   return {};
 }
 
-void Tile::fill_row(int lane, double* row, const double* previous, double dt) const {
+Status Tile::begin_angles(std::span<const double> times) {
+  now_.assign(times.begin(), times.end());
+  for (std::size_t lane = 0; lane < variants_.size(); ++lane) turns_[lane].start(state_.at(0) + lane);
+  return {};
+}
+
+// Not ok if some lane turned too far to tell how.
+Status Tile::follow_angles(double seconds) {
+  Status s;
+  for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
+    const bool known = turns_[lane].follow(state_.at(0) + lane, seconds);
+    if (!known) s = {Code::branch_unknown, Place::lane(static_cast<std::int32_t>(lane)), seconds};
+  }
+  return s;
+}
+
+void Tile::accept(std::span<const double> times) {
+  state_.accept(times[0]);
+  for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
+    const std::span<const double> angles = drive_[lane < driven_lanes_ ? lane : 0]->angles();
+    driven_angles_[lane].assign(angles.begin(), angles.end());
+    turns_[lane].accept(times[0] - now_[0]);
+  }
+  now_.assign(times.begin(), times.end());
+}
+
+void Tile::fill_row(int lane, double* row) {
   const double* const q[3] = {state_.at(0) + lane, state_.at(1) + lane, state_.at(2) + lane};
-  outputs_[idx(lane)].evaluate(q, row, previous, dt);
+  outputs_[idx(lane)].evaluate(q, row, turns_[idx(lane)].turns(), divisors_[idx(lane)]);
 }
 
 std::vector<double> Tile::posture(int lane) const {

@@ -13,6 +13,7 @@
 #include "assur/plan.hpp"
 #include "assur/report.hpp"
 #include "assur/simulator.hpp"
+#include "simulation/angle_turns.hpp"
 #include "simulation/drive_program.hpp"
 #include "simulation/error_estimate.hpp"
 #include "simulation/function_check.hpp"
@@ -54,8 +55,12 @@ class Tile {
   // posture is kept.
   [[nodiscard]] Status step(std::span<const double> times);
 
-  // The outputs of one variant, as Simulator::outputs(); `previous`: its row a time dt earlier, null: none.
-  void fill_row(int lane, double* row, const double* previous, double dt) const;
+  // The outputs of one variant, as Simulator::outputs().
+  void fill_row(int lane, double* row);
+  // Those of the posture at hand are known already: angles go on from there.
+  void continue_from(int lane, std::span<const double> row) {
+    turns_[static_cast<std::size_t>(lane)].continue_from(row);
+  }
 
   // All coordinates of one variant; those that are not computed as they were at the start.
   [[nodiscard]] std::vector<double> posture(int lane) const;
@@ -94,6 +99,9 @@ class Tile {
   [[nodiscard]] Status check_watched(std::span<const double> times, Attempt::Branch branch, StepErrors& errors);
   [[nodiscard]] Status check_sets();
   [[nodiscard]] Status check_positive() const;
+  [[nodiscard]] Status begin_angles(std::span<const double> times);
+  [[nodiscard]] Status follow_angles(double seconds);
+  void accept(std::span<const double> times);
 
   std::shared_ptr<const Structure> structure_;
   StepLimits limits_;
@@ -104,8 +112,14 @@ class Tile {
   std::vector<Index> positive_;                     // coordinates: driven distances
   std::vector<std::size_t> levers_;                 // addresses in lane 0: auxiliaries of drivers that must stay > 0
   std::vector<std::optional<DriveProgram>> drive_;  // lanes
+  int together_;                                    // angles_together()
+  std::size_t driven_lanes_ = 0;                    // whose drivers were evaluated last; the others are as the first
+  std::vector<std::vector<double>> driven_angles_;  // lanes: of the drivers, at the last posture
   std::vector<std::string> columns_;
   std::vector<OutputProgram> outputs_;                       // lanes
+  std::vector<AngleTurns> turns_;                            // lanes
+  std::vector<double> all_divisors_;                         // of the measures, lane after lane
+  std::vector<double*> divisors_;                            // lanes: there
   std::vector<std::optional<Watch>> watch_;                  // lanes
   std::vector<std::unique_ptr<Independence>> independence_;  // lanes; null where no other set can be chosen
   std::int64_t measured_at_ = -1;                            // branch checks when the sets were looked at
@@ -117,7 +131,7 @@ class Tile {
   bool alike_ = false;                    // the drivers of all lanes are the same
   std::int64_t attempts_ = 0;
   Counters counters_;
-  Effort effort_;             // of solvers that are gone
+  Effort effort_;  // of solvers that are gone
   ErrorFigures error_;
   double left_ = 0;           // largest residual of the last step
   double watched_level_ = 0;  // relative residual that the watched equations cannot be brought below
