@@ -67,6 +67,27 @@ struct GroupFigures {
   double estimated_error = 0;  // of its unknowns, over the characteristic length; those of its inputs included
 };
 
+// All that the next steps of a simulator depend on: posture, rates and the older postures that predictions read, the
+// turns of angles, what drivers were set to, the equations chosen among redundant ones, and what is known of the
+// errors. It may be copied, and outlives its simulator.
+class SimulatorState {
+ public:
+  SimulatorState();
+  SimulatorState(const SimulatorState& other);
+  SimulatorState(SimulatorState&& other) noexcept;
+  SimulatorState& operator=(const SimulatorState& other);
+  SimulatorState& operator=(SimulatorState&& other) noexcept;
+  ~SimulatorState();
+
+  [[nodiscard]] bool empty() const { return impl_ == nullptr; }
+  [[nodiscard]] double time() const;  // NaN if it is empty
+
+ private:
+  friend class Simulator;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
 // Simulators share nothing that changes: each thread of the program's may use its own, within a parallel region of
 // OpenMP too, with the threads of its plan; one simulator serves one thread at a time, whichever that is. The child of
 // a fork() may go on with those that no other thread was using at that moment; they start their threads anew.
@@ -85,9 +106,9 @@ class Simulator {
   [[nodiscard]] double time() const;
 
   // Moves to time t, which may be earlier than time(), by continuation: the step is halved where needed. On failure the
-  // last good posture is kept (time() says which) and the status says why. Code::inaccurate is no failure: time t is
-  // reached, and an event says how wrong it may be. What a law or a callback throws comes from here, and then the last
-  // good posture is kept too.
+  // last good posture on the way is kept (time() says which) and the status says why. Code::inaccurate is no failure:
+  // time t is reached, and an event says how wrong it may be. What a law or a callback throws comes from here, and then
+  // the last good posture is kept too.
   Status step(double t);
 
   // Control: the driver's value, rate and acceleration at the next step (SI units; angle, distance or coordinate
@@ -95,8 +116,24 @@ class Simulator {
   // as not_finite, with an event that names the driver; nothing of what was set for it is kept.
   void set(std::string_view driver, double value, double rate = 0, double acceleration = 0);
 
-  // One grid step further with what has been set; the other drivers follow their laws.
+  // One grid step further with what has been set; the other drivers follow their laws. A step that fails leaves the
+  // simulator as it was before: time, posture, rates and all that save() holds, and nothing of what was set for it is
+  // kept; status and events say why, and how far the way was open. Controlled drivers that move are first tried to stop
+  // at once, where the way back from a limit would lead into it.
   Status step();
+
+  // All that the next steps depend on, and back to it: the same steps follow bit by bit, in this simulator or in
+  // another one of the same Prepared, unless a solver had to find another pivot order in between, which changes last
+  // bits. What the report says of the run goes on. save() takes no memory if `into` has been saved to before. restore()
+  // throws Error (input) if the state is empty or of another Prepared.
+  void save(SimulatorState& into);
+  [[nodiscard]] SimulatorState save();
+  void restore(const SimulatorState& state);
+
+  // Back to the last posture from which the way is open, with all that save() holds: one that was reached by a step
+  // which was not divided, so that at most 0.7 of the ball was used in which the posture is known to be the only one
+  // (lib/simulation/branch.hpp). Nothing changes if the posture at hand is one.
+  void retreat();
 
   // From the start over the scene's time grid, or over `times`. Stops at the first failure: what was reached is
   // kept. `observer` (k rows done of n) may return false to stop. Throws Error (input) if `times` descend anywhere or
@@ -120,6 +157,7 @@ class Simulator {
   [[nodiscard]] const Prepared& prepared() const;
 
  private:
+  Status go_to(double t);
   [[nodiscard]] bool run_in_chunks(std::span<const double> times, const Observer& observer, Trajectory& out);
   friend std::vector<double> posture_of(const Simulator& simulator);
   struct Impl;

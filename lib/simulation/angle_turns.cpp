@@ -84,6 +84,16 @@ void AngleTurns::continue_from(std::span<const double> row) {
   }
 }
 
+void AngleTurns::save(Snapshot& into) const {
+  into.arms = now_;
+  into.turns = turns_;
+}
+
+void AngleTurns::restore(const Snapshot& from) {
+  now_ = from.arms;
+  turns_ = from.turns;
+}
+
 double turned(std::span<const double> from, std::span<const double> to, int together) {
   double sum = 0, largest = 0;
   for (std::size_t i = 0; i < from.size(); ++i) {

@@ -32,6 +32,11 @@ class AngleTurns {
   // Whole turns to add to each angle in (-pi, pi].
   [[nodiscard]] const double* turns() const { return turns_.data(); }
 
+  // Of the last accepted posture. Takes no memory once `into` has been taken of the same angles.
+  struct Snapshot;
+  void save(Snapshot& into) const;
+  void restore(const Snapshot& from);
+
  private:
   struct Arm {
     double x = 0, y = 0;
@@ -45,6 +50,11 @@ class AngleTurns {
   std::vector<std::size_t> columns_;
   std::vector<Arm> now_, next_;
   std::vector<double> turns_;
+};
+
+struct AngleTurns::Snapshot {
+  std::vector<Arm> arms;
+  std::vector<double> turns;
 };
 
 // Whole turns from one angle to another, rounded.

@@ -9,12 +9,20 @@
 namespace assur {
 namespace {
 
-constexpr int kHalvings = 20;  // a step is halved down to 2^-20
+constexpr int kHalvings = 20;  // a step is halved down to 2^-20, then it is asked why it fails
 constexpr double kSmallest = 1.0 / (1 << kHalvings);
-constexpr double kUnseen = 2;        // parts of a step in which a measured angle turned unseen
-constexpr int kExpandAfter = 4;      // rejected attempts a predictor that reads no derivatives reads them
-constexpr int kReach = 12;           // a change point is passed from 2^12 of the shortest steps before it to beyond
-constexpr int kMoreHalvings = 6;     // of the shortest step, on the way back from a change point
+constexpr double kUnseen = 2;  // parts of a step in which a measured angle turned unseen
+constexpr double kShorter = 1.0 / 4;                                       // each time it is asked again
+constexpr double kLeast = 0x1p-44;                                         // of the step, and
+constexpr double kResolved = 16 * std::numeric_limits<double>::epsilon();  // of the time: no step is shorter
+constexpr int kMostRejected = 10000;  // attempts at steps shorter than the first shortest ones
+constexpr double kPassed = 64;        // steps so much longer than the first shortest one are far from where it failed
+constexpr double kClear = 1e-5;   // singular value, over the largest one: a posture is known to eps / kClear^2 of it
+constexpr double kNearer = 1.15;  // of singular values, from one posture to the next that is compared
+constexpr int kExpandAfter = 4;   // rejected attempts a predictor that reads no derivatives reads them
+constexpr int kReach = 12;        // a change point is passed from 2^12 of the first shortest steps before it to beyond
+constexpr int kLonger = 8;        // or from up to 2^8 times as far
+constexpr int kMoreHalvings = 6;  // of the shortest step, on the way back from a change point
 constexpr double kApart = 1.0 / 16;  // of that reach: a step that ends nearer to the change point is in doubt
 constexpr double kSure = 1e-3;       // largest correction over the distance of the branches
 constexpr double kNoLever = 1e-3;    // of what it was at the start: a driver's lever that is about to vanish
@@ -61,20 +69,16 @@ void Continuation::keep_what_is_read(std::vector<std::uint8_t> marked) {
   inputs_.keep(std::move(marked));
 }
 
-void Continuation::start(double time, const std::vector<double>& posture, const Continuation* before) {
+void Continuation::start(double time, const std::vector<double>& posture, const Inputs::Controls* before) {
   now_ = time;
   selected_at_ = before != nullptr ? time : std::numeric_limits<double>::quiet_NaN();
   deadline_ = std::chrono::steady_clock::time_point::max();  // it is for steps
   inputs_.reset();
-  if (before != nullptr) inputs_.continue_from(before->inputs_);
+  if (before != nullptr) inputs_.take(*before);
   watched_level_ = 0;
   poor_ = kPoorSet;
   measured_at_ = -1;
-  levels_.restart();
-  for (Pack& pack : packs_) {
-    pack.solver.reset();
-    pack.factored = false;
-  }
+  restart_solvers();
   converged_ = kConverged;
   stands_still_ = false;
   any_turn_ = true;
@@ -96,6 +100,74 @@ void Continuation::start(double time, const std::vector<double>& posture, const 
   turn_guessed_ = false;
   accept(now_, errors);
   for (MustStayPositive& p : positive_) p.start = state_.at(0)[p.address];
+}
+
+void Continuation::restart_solvers() {
+  levels_.restart();
+  for (Pack& pack : packs_) {
+    pack.solver.reset();
+    pack.factored = false;
+  }
+}
+
+void Continuation::drop_factors() {
+  for (Pack& pack : packs_) pack.factored = false;
+}
+
+void Continuation::save(Snapshot& into, bool in_step) const {
+  into.state.copy(state_);
+  into.controls = inputs_.controls();
+  if (in_step) Inputs::undo_step(into.controls, now_);
+  into.packs.resize(packs_.size());
+  for (std::size_t p = 0; p < packs_.size(); ++p) {
+    packs_[p].save(into.packs[p]);
+  }
+  into.errors = last_errors_;
+  into.converged = converged_;
+  into.time = now_;
+  into.selected_at = selected_at_;
+  into.stands_still = stands_still_;
+  into.watched_level = watched_level_;
+  into.poor = poor_;
+  into.positive = positive_;
+  into.angles = inputs_.accepted_angles();
+  if (turns_ != nullptr) turns_->save(into.turns);
+}
+
+bool Continuation::fits(const Snapshot& from) const {
+  if (packs_.size() != from.packs.size() || !state_.is_like(from.state)) return false;
+  for (std::size_t p = 0; p < packs_.size(); ++p) {
+    if (packs_[p].anchor.size() != from.packs[p].anchor.size()) return false;
+  }
+  return inputs_.controls().size() == from.controls.size();
+}
+
+void Continuation::restore(const Snapshot& from) {
+  state_.copy(from.state);
+  state_.restore();
+  inputs_.take(from.controls);
+  for (std::size_t p = 0; p < packs_.size(); ++p) packs_[p].restore(from.packs[p]);
+  last_errors_ = from.errors;
+  converged_ = from.converged;
+  report_.reached = now_ = from.time;
+  selected_at_ = from.selected_at;
+  stands_still_ = from.stands_still;
+  watched_level_ = from.watched_level;
+  poor_ = from.poor;
+  measured_at_ = -1;
+  positive_ = from.positive;
+  inputs_.accept(from.angles);
+  if (turns_ != nullptr) turns_->restore(from.turns);
+  wants_reselection_ = false;
+}
+
+bool Continuation::ask_again_from_rest() {
+  stands_still_ = inputs_.ask_again_from_rest();
+  return stands_still_;
+}
+
+void Continuation::tell_before_dividing() {
+  if (!std::exchange(divided_, true) && before_dividing_) before_dividing_();
 }
 
 void Continuation::repeat_in_idle_lanes() {
@@ -242,6 +314,7 @@ bool Continuation::deadline_passed() const {
 
 Status Continuation::step_to(double t, bool may_reselect, Stride& stride) {
   wants_reselection_ = false;
+  divided_ = false;
   if (t == now_) return {};
   if (const Status s = check_aim(t); !s.ok()) return s;
   if (std::exchange(stands_still_, false)) state_.stand_still();
@@ -257,6 +330,7 @@ Status Continuation::step_to(double t, bool may_reselect, Stride& stride) {
     status = advance(t, may_reselect, stride);
   } catch (...) {  // from a law or a callback
     std::fill(passing_.begin(), passing_.end(), 0);
+    tell_before_dividing();
     end_step(Inputs::End::failed);
     throw;
   }
@@ -266,8 +340,11 @@ Status Continuation::step_to(double t, bool may_reselect, Stride& stride) {
 
 // From posture to posture until t.
 Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
-  const double span = t - now_, smallest = std::abs(span) * kSmallest;
+  const double span = t - now_, first = std::abs(span) * kSmallest;
   any_turn_ = turn_guessed_ = false;
+  shortest_ = first;
+  approach_.clear();
+  int rejected = 0;
   int in_a_row = 0;  // attempts that were rejected; once they are many, they stay so
   while (now_ != t) {
     const double h = std::copysign(std::min(stride.length, std::abs(span)), span);
@@ -277,6 +354,10 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
       if (in_a_row < kExpandAfter) in_a_row = 0;
       if (now_ == t) break;  // what was left says nothing of a whole stride
       stride.arrive();
+      if (stride.length > kPassed * first) {  // whatever was close
+        shortest_ = first;
+        approach_.clear();
+      }
       ++report_.counters.substeps;
       if (may_choose_anew(may_reselect) && set_is_poor()) {
         wants_reselection_ = true;
@@ -284,13 +365,18 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
       }
       continue;
     }
+    tell_before_dividing();
     if (turned_ > 1) {
-      any_turn_ = std::abs(h) <= smallest * 1.5;
-      if (!any_turn_) stride.set(std::max(std::abs(target - now_) / std::ceil(turned_), smallest));
+      any_turn_ = std::abs(h) <= shortest_ * 1.5;
+      if (!any_turn_) stride.set(std::max(std::abs(target - now_) / std::ceil(turned_), shortest_));
       continue;
     }
     ++report_.counters.rejected;
     ++in_a_row;
+    if (shortest_ < first && ++rejected == kMostRejected) {
+      record({now_, target, structure_.name_of(s.where), Code::branch_unknown, s.figure}, std::abs(t - target));
+      return {Code::branch_unknown, s.where, s.figure};
+    }
     // Close to a singularity of the equations that are solved, what is watched is the first to tell.
     if (s.code == Code::inconsistent && may_choose_anew(may_reselect)) {
       wants_reselection_ = true;
@@ -302,7 +388,7 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
       tell(s, target);
       return s;
     }
-    if (std::abs(h) > smallest * 1.5) {
+    if (std::abs(h) > shortest_ * 1.5) {
       stride.set(std::abs(target - now_) / 2);
       continue;
     }
@@ -314,8 +400,8 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
       tell(s, target);
       return s;
     }
-    if (const Status found = at_the_limit(s, target, t); !found.ok()) return found;
-    stride.set(smallest);
+    if (const Status found = at_the_limit(s, target, t, first); !found.ok()) return found;
+    stride.set(shortest_);
   }
   return {};
 }
@@ -390,8 +476,9 @@ Status Continuation::try_step(double target, Attempt::Branch branch, bool expand
   return s;
 }
 
-// The smallest step fails: is this a limit, a change point that can be passed, or unknown?
-Status Continuation::at_the_limit(const Status& failed, double target, double t) {
+// The shortest step fails: is this a limit, a change point that can be passed, or are shorter steps needed? ok: go on.
+// What a posture is near to does not depend on the grid: where rounding ends the search, it is left undecided.
+Status Continuation::at_the_limit(const Status& failed, double target, double t, double first) {
   state_.restore();
   for (std::size_t i = 0; i < positive_.size(); ++i) {
     const double lever = state_.at(0)[positive_[i].address];
@@ -401,20 +488,70 @@ Status Continuation::at_the_limit(const Status& failed, double target, double t)
     return gone;
   }
   any_turn_ = true;
-  if (structure_.classes[idx(packs_[failed_pack_].group_class)].derivatives == 0) state_.estimate_rates();
+  Pack& pack = packs_[failed_pack_];
+  if (structure_.classes[idx(pack.group_class)].derivatives == 0) state_.estimate_rates();
   double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
-  Status found = levels_.solver(packs_[failed_pack_]).diagnose(packs_[failed_pack_], q);
-  if (failed.code == Code::not_finite && found.code == Code::branch_unknown) found = failed;
-  if (found.code == Code::change_point_passed && !pass(target, t)) found.code = Code::branch_unknown;
-  if (found.code == Code::branch_unknown && failed.code == Code::not_converged && found.figure > 0.05) found = failed;
+  GroupSolver::Singularity nearest = levels_.solver(pack).diagnose(pack, q);
+  Status found = nearest.status;
+  if (found.code == Code::limit_reached && !turns_back(std::move(nearest))) found.code = Code::branch_unknown;
+  const double least = std::max(first * (kLeast / kSmallest), kResolved * std::max(std::abs(now_), std::abs(t)));
+  // Close to a change point rounding would take one of the branches.
+  const bool clear = found.code != Code::change_point_passed || found.figure > kClear;
+  if (found.code != Code::limit_reached && clear && kShorter * shortest_ >= least) {
+    shortest_ *= kShorter;
+    any_turn_ = false;
+    return {};
+  }
+  if (found.code == Code::change_point_passed && !pass(target, t, first)) found.code = Code::branch_unknown;
+  const bool unclear = failed.code == Code::not_converged && found.figure > 0.05;
+  if (found.code == Code::branch_unknown && (failed.code == Code::not_finite || unclear)) found = failed;
+  const bool passed = found.code == Code::change_point_passed;
   if (found.code == Code::limit_reached) target = first_without_solution(target, t);
   any_turn_ = false;
-  const bool passed = found.code == Code::change_point_passed;
   record(
       {passed ? last_before_pass_ : now_, passed ? now_ : target,
        structure_.name_of(found.where.is(Place::Kind::group) ? found.where : failed.where), found.code, found.figure},
       std::abs(t - target));
-  return passed ? Status{} : found;
+  if (!passed) return found;
+  shortest_ = first;
+  return {};
+}
+
+// Rates that grow are no evidence of a fold: they do so before a posture that is nearly singular, too, behind which the
+// motion goes on. Towards a fold, where the unknowns turn back like s* - s = y^2, the square of the smallest singular
+// value falls in proportion to the way of the inputs s: the slopes between three postures are the same. Towards the
+// others, like s = y^3 + e y, it falls slower and slower, at least as it does for e = 0.
+bool Continuation::turns_back(GroupSolver::Singularity here) {
+  const auto same = [&](const GroupSolver::Singularity& o) {  // others may fail in turns with it
+    return o.status.where == here.status.where && o.block == here.block;
+  };
+  std::erase_if(approach_, [&](const auto& o) { return same(o) && o.smallest <= here.smallest; });
+  std::vector<const GroupSolver::Singularity*> nearer;
+  approach_.reserve(approach_.size() + 1);
+  for (const auto& o : approach_) {
+    if (same(o)) nearer.push_back(&o);
+  }
+  if (!nearer.empty() && nearer.back()->smallest < kNearer * here.smallest) return false;
+  nearer.push_back(&approach_.emplace_back(std::move(here)));
+  if (nearer.size() < 3) return false;
+  const auto *const last = nearer.back(), *const middle = nearer[nearer.size() - 2],
+                    *const first = nearer[nearer.size() - 3];
+  const auto fall = [](const auto& far, const auto& near) {
+    return far->smallest * far->smallest - near->smallest * near->smallest;
+  };
+  const auto way = [](const auto& far, const auto& near) {
+    double sum = 0;
+    for (std::size_t i = 0; i < near->reads.size(); ++i) sum = std::hypot(sum, near->reads[i] - far->reads[i]);
+    return sum;
+  };
+  const auto way_of_cubic = [](const auto& far, const auto& near) {
+    return std::pow(far->smallest, 1.5) - std::pow(near->smallest, 1.5);
+  };
+  const double falls = fall(middle, last) / fall(first, middle);
+  const double slopes = falls * way(first, middle) / way(middle, last);
+  const double of_cubic = falls * way_of_cubic(first, middle) / way_of_cubic(middle, last);
+  const double least = std::sqrt(of_cubic);  // halfway between both
+  return slopes >= least && slopes <= 1 / least;
 }
 
 // The shortest steps through one change point are one event.
@@ -449,10 +586,19 @@ double Continuation::first_without_solution(double target, double t) {
 // Over a change point by the smooth continuation. Close to it a posture is uncertain by eps / distance and its rates
 // by eps / distance^2, so the step starts well before it and lands as far beyond, where the branches are apart by
 // more than any error. Other packs may be at one of theirs at the same time.
-bool Continuation::pass(double target, double t) {
+bool Continuation::pass(double target, double t, double first) {
+  const std::size_t failed = failed_pack_;
+  for (int longer = 0; longer <= kLonger; longer += kLonger / 2) {
+    if (pass_by(std::copysign(std::ldexp(first, kReach + longer), target - now_), target, t)) return true;
+    failed_pack_ = failed;
+  }
+  return false;
+}
+
+bool Continuation::pass_by(double reach, double target, double t) {
   last_before_pass_ = now_;
   const std::size_t at_its_change_point = failed_pack_;
-  const double change = now_, smallest = target - now_, reach = std::ldexp(smallest, kReach);
+  const double change = now_, smallest = target - now_;
   const double to = std::abs(t - change) <= std::abs(reach) ? t : change + reach;
   bool passed = false;
   if (std::abs(to - change) >= kApart * std::abs(reach) && walk(change - reach, smallest, change)) {

@@ -4,9 +4,11 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "assur/plan.hpp"
@@ -52,9 +54,45 @@ class Continuation {
   void keep_what_is_read(std::vector<std::uint8_t> marked);
 
   // From a posture (all coordinates) at a time. Throws Error (numerical) if it is none, or has no velocities.
-  // before: goes on where this one, with other equations of the same scene, has been; its drivers are where they were
-  // set.
-  void start(double time, const std::vector<double>& posture, const Continuation* before = nullptr);
+  // before: what was set to another one, with other equations of the same scene, which stops here.
+  void start(double time, const std::vector<double>& posture, const Inputs::Controls* before = nullptr);
+
+  struct MustStayPositive {
+    std::int32_t address;
+    Positive of;
+    double start;  // value at the start of the run
+  };
+
+  // All that the next steps depend on.
+  struct Snapshot {
+    State state;
+    Inputs::Controls controls;
+    std::vector<Kept> packs;
+    StepErrors errors;
+    double converged = kConverged;
+    double time = 0;
+    double selected_at = std::numeric_limits<double>::quiet_NaN();
+    bool stands_still = false;
+    double watched_level = 0, poor = 0;
+    std::vector<MustStayPositive> positive;
+    std::vector<double> angles;  // of the drivers
+    AngleTurns::Snapshot turns;
+  };
+  // Takes no memory once `into` has been taken from the same plan. in_step: within a step, before it leaves the posture
+  // where it began: then as it was before that step.
+  void save(Snapshot& into, bool in_step) const;
+  // Of earlier postures, with +reuse=run: a snapshot does not hold them.
+  void drop_factors();
+  [[nodiscard]] bool fits(const Snapshot& from) const;
+  // With the same equations. Solvers keep their pivot orders.
+  void restore(const Snapshot& from);
+  // Instead of start(), before restore().
+  void restart_solvers();
+  // Is called, once in a step, at the posture where it began, before the step is divided or fails.
+  void before_dividing(std::function<void()> call) { before_dividing_ = std::move(call); }
+  // After restore() of a snapshot in a step: that step once more, with controlled drivers that stand still to begin
+  // with. False if they did, or none is controlled.
+  [[nodiscard]] bool ask_again_from_rest();
 
   // What is not ok leaves the last good posture. May redundant equations be chosen anew, then wants_reselection() tells
   // that they should be. What a law or a callback throws comes from here, with the last good posture too.
@@ -88,6 +126,7 @@ class Continuation {
 
  private:
   void repeat_in_idle_lanes();
+  void tell_before_dividing();
   [[nodiscard]] Status solve_at(double t, Attempt::Branch branch, StepErrors& errors);
   [[nodiscard]] Status solve_all(double t, Attempt::Branch branch, StepErrors& errors);
   // left: relative residual of what was solved.
@@ -104,9 +143,11 @@ class Continuation {
   [[nodiscard]] Status try_step(double target, Attempt::Branch branch, bool expand = false);
   [[nodiscard]] Status follow_angles(double t);
   [[nodiscard]] bool may_choose_anew(bool asked) const;
-  [[nodiscard]] Status at_the_limit(const Status& failed, double target, double t);
+  [[nodiscard]] Status at_the_limit(const Status& failed, double target, double t, double first);
+  [[nodiscard]] bool turns_back(GroupSolver::Singularity here);
   [[nodiscard]] double first_without_solution(double target, double t);
-  [[nodiscard]] bool pass(double target, double t);
+  [[nodiscard]] bool pass(double target, double t, double first);
+  [[nodiscard]] bool pass_by(double reach, double target, double t);
   [[nodiscard]] bool walk(double until, double h, double change);
   void record(Event event, double step);
 
@@ -136,17 +177,17 @@ class Continuation {
   bool any_turn_ = true;  // angles take the shorter way, however far they turn
   bool turn_guessed_ = false;
   double turned_ = 0;              // by the step that was tried, over what a step may turn
+  double shortest_ = 0;  // attempt of this step so far, before it is asked why it fails
+  // Postures of this step at which that was asked, those of one block each nearer to a singular one.
+  std::vector<GroupSolver::Singularity> approach_;
   double largest_correction_ = 0;  // of a step through a change point, over the move that was predicted
-  bool stands_still_ = false;      // from the posture at hand on, until something moves again
+  std::function<void()> before_dividing_;
+  bool divided_ = false;       // the step at hand, or it failed
+  bool stands_still_ = false;  // from the posture at hand on, until something moves again
   bool wants_reselection_ = false;
   double selected_at_ = std::numeric_limits<double>::quiet_NaN();  // time of the last reselection that was tried
   std::size_t failed_pack_ = 0;  // of the last posture that was tried; their number: none
   // Auxiliaries of drivers that must stay > 0, those that are solved for.
-  struct MustStayPositive {
-    std::int32_t address;
-    Positive of;
-    double start;  // value at the start of the run
-  };
   std::vector<MustStayPositive> positive_;
   bool vanished_ = false;  // one of them, in the last posture that was tried
   std::chrono::steady_clock::time_point deadline_;

@@ -346,6 +346,39 @@ double ErrorEstimate::of_coordinate(std::size_t address) const {
   return kSafety * (left + rounding);
 }
 
+void ErrorEstimate::save(Snapshot& into) const {
+  into.mechanisms = mechanisms_;
+  into.omega.reserve(omega_.capacity());
+  into.omega = omega_;
+  into.residual = residual_;
+  into.worst = worst_;
+  into.gain = gain_;
+  into.left = left_;
+  into.knows_gain = knows_gain_;
+  into.loose = loose_;
+  into.branch_checks = branch_checks_;
+  into.steps = steps_;
+  into.interval = interval_;
+  into.measurements = measurements_;
+  into.seed = seed_;
+}
+
+void ErrorEstimate::restore(const Snapshot& from, std::int64_t branch_checks) {
+  mechanisms_ = from.mechanisms;
+  omega_ = from.omega;
+  residual_ = from.residual;
+  worst_ = from.worst;
+  gain_ = from.gain;
+  left_ = from.left;
+  knows_gain_ = from.knows_gain;
+  loose_ = from.loose;
+  branch_checks_ = from.branch_checks + branch_checks;
+  steps_ = from.steps;
+  interval_ = from.interval;
+  measurements_ = from.measurements;
+  seed_ = from.seed;
+}
+
 void record_doubt(std::vector<Event>& events, Event event) {
   if (events.empty() || events.back().kind != event.kind || events.back().until != event.time) {
     events.push_back(std::move(event));

@@ -33,6 +33,12 @@ class ErrorEstimate {
   // accuracy: errors up to here are not in doubt; 0: up to kDoubtfulError.
   ErrorEstimate(const Structure& structure, Layout& layout, std::span<const OutputProgram> outputs, double accuracy);
 
+  // What is known of the errors so far. Takes no memory once `into` has been taken from the same plan.
+  struct Snapshot;
+  void save(Snapshot& into) const;
+  // branch_checks: as many as were done since it was saved.
+  void restore(const Snapshot& from, std::int64_t branch_checks);
+
   // Systems of one structure, one for each mechanism; they must outlive what is measured next.
   void restart(std::span<const System* const> systems);
   // The run goes on from another one's of the same outputs: the largest errors and values so far are those of both. The
@@ -141,6 +147,15 @@ class ErrorEstimate {
   double gain_ = 0;  // the worst error of all mechanisms for each relative residual
   double left_ = 0;  // the largest residual of the steps since
   bool loose_ = false;
+};
+
+struct ErrorEstimate::Snapshot {
+  std::vector<Mechanism> mechanisms;
+  std::vector<double> omega;
+  double residual = 0, worst = 0, gain = 0, left = 0;
+  bool knows_gain = false, loose = false;
+  std::int64_t branch_checks = 0, steps = 0, interval = 0, measurements = 0;
+  std::uint64_t seed = 0;
 };
 
 // Adds what is in doubt to the events of a run: steps one after the other are one event, of the worst of them.

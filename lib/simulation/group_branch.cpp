@@ -139,7 +139,7 @@ Status GroupSolver::check_branch(Pack& pack, double* const (&state)[3], const At
   return {};
 }
 
-Status GroupSolver::diagnose(Pack& pack, double* const (&state)[3]) {
+GroupSolver::Singularity GroupSolver::diagnose(Pack& pack, double* const (&state)[3]) {
   const std::size_t w = idx(lanes_);
   gather(pack, state[0], inputs_);
   evaluator_->set_inputs(pack.coefficients.data(), inputs_.data());
@@ -160,7 +160,8 @@ Status GroupSolver::diagnose(Pack& pack, double* const (&state)[3]) {
     for (std::size_t i = lane; i < input_rates_.size(); i += w) largest = std::max(largest, std::abs(input_rates_[i]));
     return largest;
   };
-  Status worst = fail(pack, Code::branch_unknown, 1.0);
+  Singularity nearest;
+  Status& worst = nearest.status = fail(pack, Code::branch_unknown, 1.0);
   std::vector<double> matrix;
   for (int lane = 0; lane < pack.used; ++lane) {
     for (std::int32_t b = 0; b < program_.blocks; ++b) {
@@ -168,11 +169,14 @@ Status GroupSolver::diagnose(Pack& pack, double* const (&state)[3]) {
       if (n > 400) continue;  // minutes for a dense SVD
       matrix.resize(static_cast<std::size_t>(n * n));
       blocks_.extract(jacobian_.data(), b, lane, matrix);
-      const Eigen::JacobiSVD<Eigen::MatrixXd> svd(Eigen::Map<const Eigen::MatrixXd>(matrix.data(), n, n),
-                                                  Eigen::ComputeFullU);
+      const Eigen::BDCSVD<Eigen::MatrixXd> svd(Eigen::Map<const Eigen::MatrixXd>(matrix.data(), n, n),
+                                               Eigen::ComputeFullU);
       const double ratio = svd.singularValues()[n - 1] / svd.singularValues()[0];
       if (!(ratio < worst.figure)) continue;
       worst = fail(pack, Code::branch_unknown, ratio, lane);
+      nearest.block = b;
+      nearest.lane = lane;
+      nearest.smallest = svd.singularValues()[n - 1];
       if (ratio > 0.05) continue;
       // Towards a fold the velocity along the null vector grows like 1/sigma; at a change point it stays bounded.
       Eigen::VectorXd g(n);
@@ -182,7 +186,14 @@ Status GroupSolver::diagnose(Pack& pack, double* const (&state)[3]) {
       worst.code = velocity > kFold * input_rate(idx(lane)) ? Code::limit_reached : Code::change_point_passed;
     }
   }
-  return worst;
+  if (nearest.block < 0) return nearest;
+  for (const std::int32_t c : blocks_.reads(nearest.block)) {
+    const bool unknown = c < program_.n;
+    if (unknown && program_.unknown_block[idx(c)] == nearest.block) continue;
+    const std::size_t at = idx(unknown ? c : c - program_.n) * w + idx(nearest.lane);
+    nearest.reads.push_back(unknown ? state[0][pack.unknowns + at] : inputs_[at]);
+  }
+  return nearest;
 }
 
 }  // namespace assur

@@ -102,9 +102,16 @@ class GroupSolver {
   [[nodiscard]] Status solve(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
                              StepErrors& errors);
 
-  // Why the last accepted posture of a pack is as far as it goes, from the block's smallest singular value (dense SVD;
-  // allocates): limit_reached, change_point_passed (passing may be tried) or branch_unknown.
-  [[nodiscard]] Status diagnose(Pack& pack, double* const (&state)[3]);
+  // The block of a pack that is nearest to a singular posture (dense SVD; allocates).
+  struct Singularity {
+    Status status;            // limit_reached: its rates grow as they do towards a fold, which is no evidence of one
+                              // yet; change_point_passed: they do not, passing may be tried; else branch_unknown
+    std::int32_t block = -1;  // -1: none was looked at
+    int lane = 0;
+    double smallest = 0;        // singular value of the block
+    std::vector<double> reads;  // what the block reads of others, internal units
+  };
+  [[nodiscard]] Singularity diagnose(Pack& pack, double* const (&state)[3]);
 
   // The errors of the pack's unknowns that follow, to first order, from those of its inputs and from the cause of each
   // probe, with signs drawn by `seed`. False if the Jacobian is singular.

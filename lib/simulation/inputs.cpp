@@ -116,6 +116,8 @@ void Inputs::drop_pending() {
 
 void Inputs::begin_step(double now, double next) {
   for (Control& c : controls_) {
+    c.was_set = c.set;
+    c.was_pending = c.pending;
     if (!c.set && !c.pending) continue;
     if (!c.set) c.from = system_.inputs[c.input].laws[static_cast<std::size_t>(c.law)](now);
     c.to = c.pending ? c.next : Motion{c.from.value, 0, 0};  // not renewed: it comes to rest where it is
@@ -149,12 +151,32 @@ void Inputs::reset() {
   for (Control& c : controls_) c.set = c.pending = false;
 }
 
-void Inputs::continue_from(const Inputs& other) {
+void Inputs::undo_step(Controls& controls, double now) {
+  for (Control& c : controls) {
+    c.set = c.was_set;
+    c.pending = false;
+    c.to = c.from;
+    c.start = c.end = now;
+  }
+}
+
+void Inputs::take(const Controls& other) {
   for (std::size_t i = 0; i < controls_.size(); ++i) {
     const std::int32_t slot = controls_[i].slot;  // what is read may differ
-    controls_[i] = other.controls_[i];
+    controls_[i] = other[i];
     controls_[i].slot = slot;
   }
+}
+
+bool Inputs::ask_again_from_rest() {
+  bool moved = false;
+  for (Control& c : controls_) {
+    c.pending = c.was_pending;
+    if (!c.set) continue;
+    moved = moved || c.from.rate != 0 || c.from.acceleration != 0;
+    c.from = c.to = {c.from.value, 0, 0};
+  }
+  return moved;
 }
 
 }  // namespace assur

@@ -33,6 +33,8 @@ class Inputs {
   }
   // The last drive() was to a posture that is accepted.
   void accept() { std::copy(program_.angles().begin(), program_.angles().end(), accepted_angles_.begin()); }
+  [[nodiscard]] const std::vector<double>& accepted_angles() const { return accepted_angles_; }
+  void accept(const std::vector<double>& angles) { accepted_angles_ = angles; }
 
   // What a controlled driver reaches at the next step. Throws Error (input) for any other name.
   void set(std::string_view driver, const Motion& motion);
@@ -47,20 +49,29 @@ class Inputs {
   enum class End : std::uint8_t { arrived, failed, goes_on };
   bool end_step(double now, End end);
   void reset();
-  // Takes over what was set in `other`, of the same scene.
-  void continue_from(const Inputs& other);
 
- private:
   struct Control {
     std::string name;
     std::size_t input = 0;
     int law = 0;
-    std::int32_t slot = -1;  // in the program; -1: nobody reads it
-    bool set = false;        // else the law serves
-    bool pending = false;    // `next` waits for the next step
+    std::int32_t slot = -1;                     // in the program; -1: nobody reads it
+    bool set = false;                           // else the law serves
+    bool pending = false;                       // `next` waits for the next step
+    bool was_set = false, was_pending = false;  // before the step at hand
     Motion next, from, to;
     double start = 0, end = 0;
   };
+  // What was set; copies take no memory once they were made.
+  using Controls = std::vector<Control>;
+  [[nodiscard]] const Controls& controls() const { return controls_; }
+  // As it was before begin_step(), without what was set for that step.
+  static void undo_step(Controls& controls, double now);
+  // Takes over what was set in another one of the same scene.
+  void take(const Controls& other);
+  // After undo_step(): the drivers are to move as they were asked to, but stand still first. False if they did.
+  bool ask_again_from_rest();
+
+ private:
   void add_control(std::string name, std::size_t input, int law);
   void compile(const Driven& driven);
 
@@ -72,7 +83,7 @@ class Inputs {
   };
   std::vector<Distance> positive_;  // driven ones
   std::vector<double> accepted_angles_;
-  std::vector<Control> controls_;
+  Controls controls_;
 };
 
 }  // namespace assur

@@ -51,12 +51,7 @@ struct Pack {
     }
   }
   void keep_anchor(std::int64_t attempt) {
-    if (std::exchange(kept.anchor_of, attempt) == attempt) return;
-    kept.anchor = anchor;
-    kept.anchor_rates = anchor_rates;
-    kept.anchor_time = anchor_time;
-    kept.omega = omega;
-    kept.swaps = swaps;
+    if (std::exchange(kept.anchor_of, attempt) != attempt) copy_anchor(kept);
   }
   // The pack is as it was before the attempt, but for the pivot orders of `solver`.
   void undo(std::int64_t attempt) {
@@ -70,6 +65,30 @@ struct Pack {
     }
     if (kept.factors_of == attempt) factored = false;
     kept.use_of = kept.anchor_of = kept.factors_of = 0;
+  }
+
+  // All that the next step depends on, but for `solver`.
+  void save(Kept& into) const {
+    into.ball_used = ball_used;
+    copy_anchor(into);
+  }
+  void restore(const Kept& from) {
+    ball_used = from.ball_used;
+    anchor = from.anchor;
+    anchor_rates = from.anchor_rates;
+    anchor_time = from.anchor_time;
+    omega = from.omega;
+    swaps = from.swaps;
+    factored = false;
+  }
+
+ private:
+  void copy_anchor(Kept& into) const {
+    into.anchor = anchor;
+    into.anchor_rates = anchor_rates;
+    into.anchor_time = anchor_time;
+    into.omega = omega;
+    into.swaps = swaps;
   }
 };
 

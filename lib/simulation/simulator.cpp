@@ -37,10 +37,26 @@ std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
+struct SimulatorState::Impl {
+  std::shared_ptr<const Prepared> first, prepared;  // as the run began, and with the equations chosen since
+  Continuation::Snapshot motion;
+  ErrorEstimate::Snapshot estimate;
+  std::int64_t branch_checks = 0;
+  Status verdict, doubt;
+  std::vector<double> row;
+  std::vector<double> divisors;
+  bool in_one_piece = true;            // the posture was reached by a step that was not divided
+  std::shared_ptr<const Impl> inside;  // what Simulator::retreat() goes back to otherwise
+};
+
 struct Simulator::Impl {
-  // before: the same motion up to here, with another set of the redundant equations.
-  Impl(Prepared p, StepLimits l, double start_time, Impl* before = nullptr)
-      : prepared(std::move(p)),
+  using Snapshot = SimulatorState::Impl;
+
+  // The posture is still to come: from start() or restore().
+  Impl(std::shared_ptr<const Prepared> p, StepLimits l)
+      : owned(std::move(p)),
+        prepared(*owned),
+        first(owned),
         limits(l),
         structure(*prepared.structure),
         system(*structure.system),
@@ -56,11 +72,15 @@ struct Simulator::Impl {
     motion.follow(turns);
     row.resize(columns.size());
     divisors.resize(outputs.measures());
-    start(start_time, structure.start, before);
+    motion.before_dividing([this] { keep_where_it_began(); });
+    for (auto* kept : {&inside, &divided}) *kept = std::make_shared<Snapshot>();
+    clear();
+  }
+  Impl(std::shared_ptr<const Prepared> p, StepLimits l, double start_time) : Impl(std::move(p), l) {
+    start(start_time, structure.start);
   }
 
-  // From a posture (all coordinates) at a time: where the run began, or another one of the same motion.
-  void start(double time, const std::vector<double>& posture, Impl* before = nullptr) {
+  void clear() {
     report = Report{};
     reselections = 0;
     earlier_effort = {};
@@ -71,20 +91,25 @@ struct Simulator::Impl {
     estimate.restart(of);
     functions.restart();
     doubt = verdict = {};
-    motion.start(time, posture, before != nullptr ? &before->motion : nullptr);
-    if (before != nullptr) turns.continue_from(before->row);
+    in_one_piece = true;
+    began = nullptr;
+  }
+
+  // From a posture (all coordinates) at a time: where the run began, or another one of the same motion. before: the
+  // same motion up to here, with another set of the redundant equations.
+  void start(double time, const std::vector<double>& posture, Impl* before = nullptr) {
+    clear();
+    motion.start(time, posture, before != nullptr ? &before->motion.inputs().controls() : nullptr);
+    if (before == nullptr) {
+      fill_row();
+      for (auto* kept : {&inside, &divided}) save(writable(*kept), false);  // so that steps need not take memory
+      return;
+    }
+    turns.continue_from(before->row);
     fill_row();
-    if (before == nullptr) return;
     estimate.continue_from(before->estimate);
     doubt = before->doubt;
     verdict = before->verdict;
-    first_structure = before->first_structure;
-    if (first_structure == nullptr) first_structure = std::make_shared<const Prepared>(before->prepared);
-    reselections = before->reselections + 1;
-    first_reselection = before->reselections > 0 ? before->first_reselection : time;
-    earlier_error = before->earlier_error;
-    earlier_effort = before->earlier_effort;
-    earlier_effort += before->motion.levels().effort();
   }
 
   // ---- one step
@@ -199,6 +224,72 @@ struct Simulator::Impl {
     return all;
   }
 
+  // ---- going back
+
+  static Snapshot& writable(std::shared_ptr<Snapshot>& kept) {
+    if (kept.use_count() > 1) kept = std::make_shared<Snapshot>();
+    return *kept;
+  }
+
+  void save(Snapshot& into, bool in_step) {
+    into.first = first;
+    into.prepared = owned;
+    motion.save(into.motion, in_step);
+    estimate.save(into.estimate);
+    into.branch_checks = report.counters.branch_checks;
+    into.verdict = verdict;
+    into.doubt = doubt;
+    into.row = row;
+    into.divisors = divisors;
+    into.in_one_piece = in_one_piece;
+  }
+
+  // The equations must be the same.
+  void restore(const Snapshot& from) {
+    motion.restore(from.motion);
+    estimate.restore(from.estimate, report.counters.branch_checks - from.branch_checks);
+    verdict = from.verdict;
+    doubt = from.doubt;
+    row = from.row;
+    divisors = from.divisors;
+    in_one_piece = from.in_one_piece;
+  }
+
+  // Called before a step is divided or fails.
+  void keep_where_it_began() {
+    if (began != nullptr) return;
+    Snapshot& kept = writable(in_one_piece ? inside : divided);
+    save(kept, true);
+    began = &kept;
+  }
+
+  // Takes the place of another one, with other equations of the same scene.
+  void take_over(Impl& other) {
+    first = other.first;
+    other.drop_own_lines();
+    report = std::move(other.report);
+    reselections = other.reselections;
+    first_reselection = other.first_reselection;
+    earlier_error = other.earlier_error;
+    earlier_effort = other.earlier_effort;
+    earlier_effort += other.motion.levels().effort();
+    in_one_piece = other.in_one_piece;
+    inside = std::move(other.inside);
+    divided = std::move(other.divided);
+    began = other.began;
+  }
+
+  // The simulator as it was, with the equations of then.
+  static void restore(std::unique_ptr<Impl>& impl, const Snapshot& from) {
+    if (impl->structure.checks != from.prepared->structure->checks) {
+      auto next = std::make_unique<Impl>(from.prepared, impl->limits);
+      next->motion.restart_solvers();
+      next->take_over(*impl);
+      impl = std::move(next);
+    }
+    impl->restore(from);
+  }
+
   // ---- redundant equations
 
   // The same motion with another independent set of the redundant equations, chosen at the last accepted posture; null
@@ -208,11 +299,12 @@ struct Simulator::Impl {
       Prepared chosen = prepared.reselect(motion.posture(), motion.time());
       if (chosen.structure->checks != structure.checks) {
         chosen.reselect = prepared.reselect;
-        auto next = std::make_unique<Impl>(std::move(chosen), limits, motion.time(), this);
-        drop_own_lines();
+        auto next = std::make_unique<Impl>(std::make_shared<const Prepared>(std::move(chosen)), limits);
+        next->start(motion.time(), next->structure.start, this);
         const ErrorFigures there = next->report.error;
-        next->report = std::move(report);
+        next->take_over(*this);
         next->report.error.merge(there);
+        if (next->reselections++ == 0) next->first_reselection = motion.time();
         return next;
       }
     } catch (const Error&) {  // no other set can be started here
@@ -276,7 +368,9 @@ struct Simulator::Impl {
     turns.continue_from(row);
   }
 
-  Prepared prepared;
+  std::shared_ptr<const Prepared> owned;
+  const Prepared& prepared;
+  std::shared_ptr<const Prepared> first;  // what reset() goes back to: `owned` until equations are chosen anew
   StepLimits limits;
   Report report;
   const Structure& structure;
@@ -290,11 +384,14 @@ struct Simulator::Impl {
   Status verdict;  // of the last measurement: ok, or inaccurate
   Status doubt;    // the first one of the run
   std::vector<double> row;
-  std::vector<double> divisors;                     // of the measures
-  std::shared_ptr<const Prepared> first_structure;  // what reset() goes back to, after a reselection
-  Effort earlier_effort;                            // of solvers that ran the chunks, or solved another set
-  ErrorFigures earlier_error;                       // of the chunks: estimates
-  std::size_t own_lines = 0;                        // at the end of report.fallbacks: report_effort()
+  std::vector<double> divisors;               // of the measures
+  bool in_one_piece = true;                   // the posture was reached by a step that was not divided
+  std::shared_ptr<Snapshot> inside, divided;  // where steps began that were divided, or failed: at such a posture,
+                                              // or at another one
+  const Snapshot* began = nullptr;            // the one of them where the step at hand did, if it was divided
+  Effort earlier_effort;                      // of solvers that ran the chunks, or solved another set
+  ErrorFigures earlier_error;                 // of the chunks: estimates
+  std::size_t own_lines = 0;                  // at the end of report.fallbacks: report_effort()
   std::int64_t reselections = 0;
   double first_reselection = 0;  // time
 };
@@ -304,7 +401,7 @@ std::vector<double> posture_of(const Simulator& simulator) { return simulator.im
 Simulator::Simulator(Prepared prepared, StepLimits limits) {
   check_limits(limits);
   const double start = prepared.start_time.value_or(prepared.time.start);
-  impl_ = std::make_unique<Impl>(std::move(prepared), limits, start);
+  impl_ = std::make_unique<Impl>(std::make_shared<const Prepared>(std::move(prepared)), limits, start);
 }
 Simulator::Simulator(Simulator&&) noexcept = default;
 Simulator& Simulator::operator=(Simulator&&) noexcept = default;
@@ -313,16 +410,22 @@ Simulator::~Simulator() = default;
 double Simulator::time() const { return impl_->motion.time(); }
 
 Status Simulator::step(double t) {
+  impl_->began = nullptr;
+  return go_to(t);
+}
+
+Status Simulator::go_to(double t) {
   const double from = impl_->motion.time();
   if (const Status s = impl_->check_functions(t); !s.ok()) return s;
   Status status = impl_->step_to(t, true);
   if (impl_->motion.wants_reselection()) {
     if (auto next = impl_->reselected()) {
       impl_ = std::move(next);
-      return step(t);
+      return go_to(t);
     }
     status = impl_->step_to(t, false);
   }
+  if (t != from) impl_->in_one_piece = status.ok() && impl_->began == nullptr;
   if (!status.ok()) return status;
   if (auto next = impl_->reselected_if_poor()) impl_ = std::move(next);
   return impl_->check_accuracy(from);
@@ -332,12 +435,75 @@ void Simulator::set(std::string_view driver, double value, double rate, double a
   impl_->motion.inputs().set(driver, {value, rate, acceleration});
 }
 
-Status Simulator::step() { return step(impl_->motion.time() + impl_->prepared.time.step); }
+Status Simulator::step() {
+  const double t = impl_->motion.time() + impl_->prepared.time.step;
+  const auto go_back = [&] {
+    if (impl_->began != nullptr) Impl::restore(impl_, *impl_->began);
+  };
+  const std::size_t events = impl_->report.events.size();
+  try {
+    const Status status = step(t);
+    if (status.arrived()) return status;
+    go_back();
+    // Drivers that move towards a limit may overshoot into it on their way back.
+    if (impl_->began == nullptr || status.code == Code::deadline || !impl_->motion.ask_again_from_rest()) return status;
+    const Status again = go_to(t);
+    if (again.arrived()) {
+      impl_->report.events.resize(events);
+      return again;
+    }
+    impl_->report.status = status;
+    go_back();
+    return status;
+  } catch (...) {  // from a law or a callback
+    go_back();
+    throw;
+  }
+}
+
+SimulatorState Simulator::save() {
+  SimulatorState state;
+  save(state);
+  return state;
+}
+
+void Simulator::save(SimulatorState& into) {
+  if (!into.impl_) into.impl_ = std::make_unique<SimulatorState::Impl>();
+  impl_->motion.drop_factors();
+  impl_->save(*into.impl_, false);
+  into.impl_->inside = impl_->inside;
+}
+
+void Simulator::restore(const SimulatorState& from) {
+  if (from.empty()) throw Error(Error::Kind::input, "nothing was saved in this state");
+  const SimulatorState::Impl& state = *from.impl_;
+  const bool other_equations = state.prepared->structure->checks != impl_->structure.checks;
+  if (state.first->structure != impl_->first->structure || !(other_equations || impl_->motion.fits(state.motion))) {
+    throw Error(Error::Kind::input, "the state is that of another plan; save it from a simulator of the same Prepared");
+  }
+  Impl::restore(impl_, state);
+  impl_->inside = std::const_pointer_cast<SimulatorState::Impl>(state.inside);
+  impl_->report.status = impl_->doubt;
+}
+
+void Simulator::retreat() {
+  if (!impl_->in_one_piece) Impl::restore(impl_, *std::shared_ptr<const SimulatorState::Impl>(impl_->inside));
+  impl_->report.status = impl_->doubt;
+}
+
+SimulatorState::SimulatorState() = default;
+SimulatorState::SimulatorState(SimulatorState&&) noexcept = default;
+SimulatorState& SimulatorState::operator=(SimulatorState&&) noexcept = default;
+SimulatorState::~SimulatorState() = default;
+SimulatorState::SimulatorState(const SimulatorState& o) : impl_(o.impl_ ? std::make_unique<Impl>(*o.impl_) : nullptr) {}
+SimulatorState& SimulatorState::operator=(const SimulatorState& o) { return *this = SimulatorState(o); }
+
+double SimulatorState::time() const { return impl_ ? impl_->motion.time : std::numeric_limits<double>::quiet_NaN(); }
 
 void Simulator::reset() {
-  const double start = impl_->prepared.start_time.value_or(impl_->prepared.time.start);
-  if (impl_->first_structure != nullptr) {
-    impl_ = std::make_unique<Impl>(*impl_->first_structure, impl_->limits, start);
+  const double start = impl_->first->start_time.value_or(impl_->first->time.start);
+  if (impl_->first != impl_->owned) {
+    impl_ = std::make_unique<Impl>(impl_->first, impl_->limits, start);
   } else {
     impl_->start(start, impl_->structure.start);
   }

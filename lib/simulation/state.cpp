@@ -17,6 +17,15 @@ void State::resize(std::size_t first_unknown, std::size_t size, const Predictor&
   times_.reserve(depth_ + 1);
 }
 
+void State::copy(const State& from) {
+  *this = from;
+  times_.reserve(depth_ + 1);
+}
+
+bool State::is_like(const State& o) const {
+  return size_ == o.size_ && first_unknown_ == o.first_unknown_ && depth_ == o.depth_ && levels_ == o.levels_;
+}
+
 void State::clear() {
   for (Ring& r : rings_) {
     for (auto& posture : r.postures) std::fill(posture.begin(), posture.end(), 0.0);
@@ -63,8 +72,8 @@ State::Prediction State::begin_expansion(double t) {
 
 void State::predict(Prediction prediction, std::size_t begin, std::size_t end) {
   for (std::int32_t i = 0; i < prediction.count; ++i) prediction.sources[i] += begin;
-  kernels_.combine(prediction.sources, prediction.weights, prediction.count, end - begin,
-                   at(0) + first_unknown_ + begin);
+  kernels_->combine(prediction.sources, prediction.weights, prediction.count, end - begin,
+                    at(0) + first_unknown_ + begin);
 }
 
 double State::predicted_move(std::size_t address, std::size_t count) const {

@@ -16,6 +16,11 @@ class State {
   // Coordinates [0, first_unknown) are known at any time; [first_unknown, size) are solved for.
   void resize(std::size_t first_unknown, std::size_t size, const Predictor& predictor);
 
+  // Takes no memory once both were sized alike.
+  void copy(const State& from);
+  // Whether copies of the other one can take its place.
+  [[nodiscard]] bool is_like(const State& other) const;
+
   // d-th derivative of every coordinate, valid until the next predict() or restore(). After predict() the unknowns have
   // values, but no derivatives yet.
   [[nodiscard]] double* at(int d) { return ring(d).at(0); }
@@ -68,7 +73,7 @@ class State {
   [[nodiscard]] std::size_t last() const { return begun_ ? 1 : 0; }
   void begin();
 
-  const LaneKernels& kernels_ = lane_kernels(1);
+  const LaneKernels* kernels_ = &lane_kernels(1);
   Predictor predictor_;
   WeightsOfEqualSteps weights_;
   std::size_t first_unknown_ = 0;

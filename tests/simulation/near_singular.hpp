@@ -77,6 +77,40 @@ inline Scene three_legs_that_meet(Draw& draw, int steps) {
   return b.time(0, 1, 1.0 / steps).build();
 }
 
+// A platform on six legs, whose lengths pulsate: forward kinematics, with folds and near passes of singular postures.
+inline Scene six_legs(Draw& draw, int steps) {
+  SceneBuilder b("six_legs", 3);
+  Body platform{"platform", "O", {"u", "v", "w"}, {}, {}, {}};
+  const Triple O = {draw.real(-0.2, 0.2), draw.real(-0.2, 0.2), draw.real(0.8, 1.2)};
+  const double psi = draw.real(-0.6, 0.6), theta = draw.real(-0.5, 0.5), phi = draw.real(-0.5, 0.5);
+  const double c1 = std::cos(psi), s1 = std::sin(psi), c2 = std::cos(theta), s2 = std::sin(theta), c3 = std::cos(phi),
+               s3 = std::sin(phi);
+  const Triple u = {c1 * c2, s1 * c2, -s2}, v = {c1 * s2 * s3 - s1 * c3, s1 * s2 * s3 + c1 * c3, c2 * s3},
+               w = {c1 * s2 * c3 + s1 * s3, s1 * s2 * c3 - c1 * s3, c2 * c3};
+  b.point("O", O).vector("u", u).vector("v", v).vector("w", w);
+  for (int i = 0; i < 6; ++i) {
+    const std::string k = std::to_string(i);
+    const double below = 2 * std::numbers::pi * i / 6 + draw.real(-0.4, 0.4);
+    const double above = 2 * std::numbers::pi * i / 6 + draw.real(-0.4, 0.4);
+    const Triple G = {std::cos(below), std::sin(below), draw.real(-0.1, 0.1)};
+    const Triple p = {0.5 * std::cos(above), 0.5 * std::sin(above), draw.real(-0.07, 0.07)};
+    double square = 0;
+    for (std::size_t j = 0; j < 3; ++j) {
+      const double leg = O[j] + p[0] * u[j] + p[1] * v[j] + p[2] * w[j] - G[j];
+      square += leg * leg;
+    }
+    const double length = std::sqrt(square), amplitude = draw.real(0, 0.25), phase = draw.real(0, 6.28);
+    b.fixed_point("G" + k, G);
+    platform.points.push_back({"P" + k, p});
+    const double frequency = draw.real(0.1, 0.5);
+    b.drive("leg" + k,
+            DrivenDistance{"G" + k, "P" + k,
+                           Law::harmonics({{amplitude, frequency, phase}}, length - amplitude * std::sin(phase))});
+  }
+  b.add(std::move(platform));
+  return b.time(0, 2, 2.0 / steps).build();
+}
+
 inline Scene near_singular(Draw& draw) {
   const int steps = 5 + static_cast<int>(draw.below(30));
   switch (draw.below(3)) {

@@ -3,9 +3,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <string>
+#include <utility>
+#include <variant>
+#include <vector>
 
+#include "backends/allocations.hpp"
 #include "simulation/delta_robot.hpp"
+#include "simulation/limited.hpp"
+#include "simulation/random_count.hpp"
+#include "simulation/random_mechanisms.hpp"
 #include "simulation/run.hpp"
 
 namespace assur {
@@ -52,6 +60,243 @@ TEST(Recovery, ADeltaRobotComesBackFromItsLimit) {
       }
     }
   }
+}
+
+// What can be set, with the values at the start.
+struct Lever {
+  std::string name;
+  double value;
+};
+std::vector<Lever> levers(const Scene& scene) {
+  const double t = scene.time().start;
+  std::vector<Lever> all;
+  for (const Driver& d : scene.drivers()) {
+    const auto add_one = [&](const Law& law) { all.push_back({d.name, law(t).value}); };
+    if (const auto* pose = std::get_if<Pose>(&d.kind)) {
+      const std::vector<std::string> space = {"x", "y", "z", "psi", "theta", "phi"}, plane = {"x", "y", "angle"};
+      const auto& parts = scene.dimension() == 3 ? space : plane;
+      std::size_t k = 0;
+      for (const Law& law : pose->translation) all.push_back({d.name + "." + parts[k++], law(t).value});
+      for (const Law& law : pose->rotation) all.push_back({d.name + "." + parts[k++], law(t).value});
+    }
+    if (const auto* angle = std::get_if<PointAngle>(&d.kind)) add_one(angle->law);
+    if (const auto* angle = std::get_if<RelativeAngle>(&d.kind)) add_one(angle->law);
+    if (const auto* distance = std::get_if<DrivenDistance>(&d.kind)) add_one(distance->law);
+    if (const auto* coordinate = std::get_if<DrivenCoordinate>(&d.kind)) add_one(coordinate->law);
+  }
+  return all;
+}
+
+std::vector<std::string> all_drivers(const Scene& scene) {
+  std::vector<std::string> names;
+  for (const Driver& d : scene.drivers()) names.push_back(d.name);
+  return names;
+}
+
+std::vector<double> row_of(const Simulator& s) { return {s.outputs().begin(), s.outputs().end()}; }
+
+std::vector<Scene> shipped() {
+  std::vector<Scene> all;
+  for (const auto& entry : std::filesystem::directory_iterator(std::string(ASSUR_SOURCE_DIR) + "/scenes")) {
+    if (entry.path().string().find("schema") == std::string::npos && entry.path().extension() == ".json") {
+      all.push_back(read_scene(entry.path()));
+    }
+  }
+  for (const std::string text :
+       {"n_four_bar:2", "whitworth", "bricard", "parallelograms:2", "rings:legs=2,n=12,terminal=12"}) {
+    all.push_back(sample(text));
+  }
+  all.push_back(test::DeltaRobot{}.scene());
+  all.push_back(test::limited_four_bar(Law::constant(0.5)).time(0, 1, 0.01).build());
+  return all;
+}
+
+// A walk of each mechanism across its limits: one simulator is given all commands, the other one those that succeeded.
+// They agree bit by bit, so a command that fails leaves no trace, and none is refused that would succeed without it.
+TEST(Recovery, FailedCommandsLeaveNoTrace) {
+  test::Draw draw(16);
+  const std::vector<Scene> scenes = shipped();
+  const int steps = test::random_count(4000);
+  int failed = 0, done = 0;
+  for (int round = 0; done < steps; ++round) {
+    for (const Scene& scene : scenes) {
+      const std::string strategy = round % 2 == 0 ? "irreducible/eigen" : "irreducible/lanes";
+      SCOPED_TRACE(scene.name() + " " + strategy + " round " + std::to_string(round));
+      const Prepared prepared = prepare(scene, {.strategy = strategy, .controlled = all_drivers(scene)});
+      Simulator every(prepared), successful(prepared);
+      std::vector<Lever> at = levers(scene);
+      const double size = std::pow(10, draw.real(-3, -0.5));
+      std::vector<double> heading(at.size());
+      for (int k = 0; k < 40; ++k, ++done) {
+        if (k % 10 == 0) {
+          for (double& h : heading) h = draw.maybe() ? draw.real(-size, size) : 0;
+        }
+        const double jump = draw.below(20) == 0 ? 30 : 1, rate = draw.below(3) == 0 ? 1 / scene.time().step : 0;
+        const SimulatorState before = successful.save();
+        for (std::size_t i = 0; i < at.size(); ++i) {
+          for (Simulator* s : {&every, &successful}) {
+            s->set(at[i].name, at[i].value + jump * heading[i], rate * jump * heading[i]);
+          }
+        }
+        const Status status = every.step(), without = successful.step();
+        ASSERT_EQ(status.code, without.code) << k;
+        if (!status.arrived()) {
+          ++failed;
+          successful = Simulator(prepared);  // has never seen it
+          successful.restore(before);
+          for (double& h : heading) h = -h;
+        } else {
+          for (std::size_t i = 0; i < at.size(); ++i) at[i].value += jump * heading[i];
+        }
+        ASSERT_EQ(every.time(), successful.time()) << k;
+        ASSERT_EQ(row_of(every), row_of(successful)) << k;
+      }
+    }
+  }
+  EXPECT_GT(failed, done / 100);
+}
+
+// Bit by bit, with equations chosen anew, an accuracy asked for, and turns of angles.
+TEST(Recovery, SavedStatesGoOnAsTheyDid) {
+  struct Case {
+    Scene scene;
+    std::string strategy;
+    double accuracy;
+  };
+  const Scene turning = sample("four_bar:loops=2,step=0.01,steps=400"), delta = test::DeltaRobot{}.scene();
+  for (const Case& c : {Case{turning, "irreducible/lanes", 0}, Case{turning, "groups/eigen+predict=past:3", 1e-8},
+                        Case{turning, "global/" + test::sparse() + "+reuse=run", 0},
+                        Case{turning, "irreducible/eigen", 1e-6}, Case{sample("stewart"), "irreducible/lanes", 1e-6}}) {
+    SCOPED_TRACE(c.scene.name() + " " + c.strategy);
+    const Prepared prepared = prepare(c.scene, {.strategy = c.strategy, .accuracy = c.accuracy});
+    Simulator s(prepared), other(prepared);
+    for (int k = 0; k < 123; ++k) ASSERT_TRUE(s.step().arrived());
+    SimulatorState state;
+    EXPECT_TRUE(state.empty());
+    s.save(state);
+    EXPECT_EQ(state.time(), s.time());
+    const SimulatorState copy = state;
+    const std::vector<double> here = row_of(s);
+    std::vector<std::vector<double>> rows;
+    for (int k = 0; k < 150; ++k) {
+      ASSERT_TRUE(s.step().arrived());
+      rows.push_back(row_of(s));
+    }
+    for (int again = 0; again < 3; ++again) {
+      Simulator& at = again == 2 ? other : s;
+      at.restore(again == 0 ? state : copy);
+      EXPECT_EQ(at.time(), state.time());
+      EXPECT_EQ(row_of(at), here);
+      for (const std::vector<double>& row : rows) {
+        ASSERT_TRUE(at.step().arrived());
+        ASSERT_EQ(row_of(at), row);
+      }
+    }
+  }
+}
+
+TEST(Recovery, EquationsChosenAnewAreSavedAsWell) {
+  const test::DeltaRobot robot;
+  const Prepared prepared = prepare(robot.scene(), {.strategy = "irreducible/eigen", .controlled = {"pose"}});
+  Simulator s(prepared);
+  const SimulatorState start = s.save();
+  const double x = 0.05, lowest = std::max(robot.lowest(1, x), robot.lowest(0, x));
+  const auto move = [&](Simulator& of, double z) {
+    of.set("pose.x", x);
+    of.set("pose.z", z);
+    return of.step();
+  };
+  ASSERT_TRUE(move(s, robot.home).arrived());
+  const SimulatorState home = s.save();
+  for (double z = robot.home; z > lowest + 1e-3; z -= 0.004) ASSERT_TRUE(move(s, z).arrived());
+  const SimulatorState low = s.save();
+  const std::vector<double> row = row_of(s);
+  EXPECT_EQ(move(s, lowest - 1e-3).code, Code::limit_reached);
+  EXPECT_EQ(row_of(s), row);
+  Simulator other(prepared);
+  for (Simulator* of : {&s, &other}) {
+    of->restore(home);
+    ASSERT_TRUE(move(*of, robot.home - 0.01).arrived());
+    of->restore(low);
+    EXPECT_EQ(row_of(*of), row);
+    ASSERT_TRUE(move(*of, lowest + 5e-3).arrived());
+    EXPECT_NEAR(of->output("O.z"), lowest + 5e-3, 2 * kEps);
+    for (int arm = 0; arm < 3; ++arm) {
+      EXPECT_NEAR(of->output("B" + std::to_string(arm) + ".z"), robot.elbow(arm, x, lowest + 5e-3)[2], 1e-14 / 0.07);
+    }
+  }
+  s.restore(start);
+  EXPECT_EQ(s.time(), 0);
+}
+
+// Steps to a given time keep the last good posture on the way, here one that is next to the limit.
+TEST(Recovery, RetreatsToWhereTheWayIsOpen) {
+  const Scene scene = test::limited_four_bar(Law::polynomial({0.5, 1})).time(0, 2, 0.01).build();
+  for (const std::string strategy : {"irreducible/lanes", "global/eigen", "groups/eigen+predict=past:3"}) {
+    SCOPED_TRACE(strategy);
+    Simulator s = test::simulator(scene, strategy), as_far(s.prepared());
+    s.retreat();
+    EXPECT_EQ(s.time(), 0);
+    Status status;
+    for (int k = 1; status.arrived(); ++k) status = s.step(0.01 * k);
+    ASSERT_EQ(status.code, Code::limit_reached);
+    const double limit = std::acos(0.04) - 0.5, there = s.time();
+    EXPECT_NEAR(there, limit, 1e-6);
+    s.retreat();
+    const double back = s.time();
+    EXPECT_LT(back, there - 0.005);
+    EXPECT_GT(back, there - 0.2);
+    // It is the posture of a simulator that did not go further.
+    for (int k = 1; as_far.time() < back; ++k) ASSERT_TRUE(as_far.step(0.01 * k).arrived());
+    EXPECT_EQ(as_far.time(), back);
+    EXPECT_EQ(row_of(s), row_of(as_far));
+    EXPECT_EQ(as_far.report().counters.rejected, 0);
+    ASSERT_TRUE(s.step(back - 0.01).arrived());
+    ASSERT_TRUE(as_far.step(back - 0.01).arrived());
+    EXPECT_EQ(row_of(s), row_of(as_far));
+  }
+}
+
+// At rest next to the limit, and moving towards it so fast that it cannot stop in time.
+TEST(Recovery, DriversThatWouldOvershootStopAtOnce) {
+  Simulator s = test::simulator(test::limited_four_bar(Law::constant(0.5)).time(0, 1, 0.01).build(), "groups/eigen", {},
+                                {"motor"});
+  const double limit = std::acos(0.04);
+  for (int k = 1; 0.5 + 0.05 * k < limit; ++k) {
+    s.set("motor", 0.5 + 0.05 * k, 5);
+    ASSERT_TRUE(s.step().arrived());
+  }
+  const std::vector<double> row = row_of(s);
+  s.set("motor", limit + 0.05, 5);
+  EXPECT_EQ(s.step().code, Code::limit_reached);
+  EXPECT_EQ(row_of(s), row);
+  const std::size_t events = s.report().events.size();
+  s.set("motor", limit - 0.04);
+  ASSERT_TRUE(s.step().arrived());
+  EXPECT_NEAR(s.output("B.x"), std::cos(limit - 0.04), 4 * kEps);
+  EXPECT_EQ(s.report().events.size(), events);
+}
+
+TEST(Recovery, StatesOfOtherScenesAreRefused) {
+  Simulator s = test::simulator(sample("four_bar")), other = test::simulator(sample("four_bar"));
+  EXPECT_THROW(s.restore(SimulatorState()), Error);
+  const SimulatorState state = other.save();
+  EXPECT_THROW(s.restore(state), Error);
+}
+
+TEST(Recovery, TakesNoMemory) {
+  Simulator s = test::simulator(test::limited_four_bar(Law::constant(0.5)).time(0, 1, 0.01).build(),
+                                "irreducible/lanes", {}, {"motor"});
+  SimulatorState state = s.save();
+  std::int64_t before = 0;
+  for (int k = 1; k <= 40; ++k) {
+    if (k == 5) before = test::allocations();
+    s.set("motor", 0.5 + 0.005 * k);
+    ASSERT_TRUE(s.step().arrived());
+    s.save(state);
+    if (k % 2 == 0) s.restore(state);
+  }
+  EXPECT_EQ(test::allocations() - before, 0);
 }
 
 }  // namespace

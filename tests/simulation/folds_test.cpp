@@ -1,0 +1,82 @@
+// A fold is told by evidence that the branch turns back, whatever the grid: not by rates that grow.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <string>
+
+#include "simulation/near_singular.hpp"
+#include "simulation/random_chains.hpp"
+#include "simulation/random_count.hpp"
+#include "simulation/run.hpp"
+
+namespace assur {
+namespace {
+
+// From t = 0 on in so many steps.
+Scene over(const Scene& scene, double end, int steps) {
+  SceneBuilder b(scene.name(), scene.dimension());
+  for (const Point& p : scene.points()) b.add(p);
+  for (const Vector& v : scene.vectors()) b.add(v);
+  for (const Body& body : scene.bodies()) b.add(body);
+  for (const Constraint& c : scene.constraints()) b.add(c);
+  for (const Driver& d : scene.drivers()) b.add(d);
+  return b.time(0, end, end / steps).build();
+}
+
+// Its six legs nearly meet a singular posture at t = 0.0033 s: rates grow to 200 m/s within a millisecond, and fall.
+TEST(Folds, AreNotMixedUpWithAPostureThatIsNearlySingular) {
+  const Scene scene = read_scene(std::string(ASSUR_SOURCE_DIR) + "/tests/data/references/near_fold_stewart.json");
+  double from = 0, until = 1;
+  for (const int steps : {5, 10, 20, 30, 50, 1000}) {
+    SCOPED_TRACE(steps);
+    const test::Result r = test::run(over(scene, 4.3032, steps), "irreducible/eigen");
+    EXPECT_EQ(r.report().status.code, Code::limit_reached);
+    ASSERT_FALSE(r.report().events.empty());
+    const Event& e = r.report().events.back();
+    EXPECT_NEAR(e.time, 0.25187, 0.00001);
+    from = std::max(from, e.time);
+    until = std::min(until, e.until);
+  }
+  EXPECT_LE(from, until);  // the brackets hold the same time
+}
+
+// Motions of random platforms and chains end at the same time with every grid, or with none.
+TEST(Folds, OfRandomMechanismsDoNotDependOnTheGrid) {
+  int ends = 0, goes_on = 0;
+  const int all = test::random_count(60);
+  for (int i = 0; i < all; ++i) {
+    SCOPED_TRACE(i);
+    int arrived = 0, limits = 0, refused = 0, others = 0;
+    double first = std::numeric_limits<double>::infinity(), last = 0, end = 0;
+    for (const int steps : {5, 20, 100, 1000}) {
+      test::Draw draw(static_cast<std::uint64_t>(1000 + i));
+      const Scene scene = i % 3 == 0   ? test::six_legs(draw, steps)
+                          : i % 3 == 1 ? test::chain_with_triad(draw, steps)
+                                       : test::three_legs(draw, steps);
+      end = scene.time().end;
+      try {
+        const test::Result r = test::run(scene, "irreducible/eigen");
+        const Code code = r.report().status.code;
+        arrived += r.report().status.arrived() ? 1 : 0;
+        limits += code == Code::limit_reached ? 1 : 0;
+        others += !r.report().status.arrived() && code != Code::limit_reached ? 1 : 0;
+        if (code != Code::limit_reached) continue;
+        first = std::min(first, r.report().reached);
+        last = std::max(last, r.report().reached);
+      } catch (const Error&) {
+        ++refused;  // drawn in a posture that is singular
+      }
+    }
+    if (refused > 0) continue;
+    EXPECT_EQ(others, 0);
+    EXPECT_TRUE(arrived == 0 || limits == 0) << arrived << " arrive, " << limits << " end";
+    if (limits > 0) EXPECT_LE(last - first, 1e-5 * end);
+    (limits > 0 ? ends : goes_on) += 1;
+  }
+  EXPECT_GT(ends, all / 4);
+  EXPECT_GT(goes_on, all / 10);
+}
+
+}  // namespace
+}  // namespace assur
