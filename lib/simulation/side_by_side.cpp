@@ -207,7 +207,7 @@ std::optional<Simulator> SideBySide::simulator_of(LaneRun& lane, Variant at) con
   auto structure = std::make_shared<Structure>(*prepared_.structure);
   structure->system = at.system;
   structure->start = std::move(at.posture);
-  prepared.structure = std::move(structure);
+  prepared.structure = structure;
   prepared.start_time = at.time;
   prepared.reselect = at.reselect;
   prepared.plan.chunks = prepared.plan.threads = 1;
@@ -219,6 +219,10 @@ std::optional<Simulator> SideBySide::simulator_of(LaneRun& lane, Variant at) con
     lane.alone_from = at.time;
     lane.status = {Code::singular, {}, 0};
     if (lane.done == 0) lane.cannot = e.what();
+    if (lane.done > 0 && lane.done <= lane.posture_wanted) {
+      lane.posture = structure->start;
+      lane.reached = at.time;
+    }
     return std::nullopt;
   }
 }

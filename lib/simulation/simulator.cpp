@@ -574,10 +574,15 @@ bool Simulator::run_in_chunks(std::span<const double> times, const Observer& obs
   counters.steps = 0;  // those between the starts are not of the grid
   ChunkedRun run = assur::run_in_chunks(impl_->prepared, impl_->limits, times, grid, std::move(starts), observer);
   if (run.rows == 0) return refuse("the first one could not be started");
+  try {
+    impl_->start(run.reached, run.posture);
+  } catch (const Error& e) {
+    if (e.kind() != Error::Kind::numerical) throw;
+    return refuse("they ended in a posture that no run can start from, at t = " + std::to_string(run.reached) + " s");
+  }
   out.values_ = std::move(run.values);
   out.times_.assign(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(run.rows));
 
-  impl_->start(run.reached, run.posture);
   impl_->stands_at(run.outputs);
   impl_->earlier_effort = run.totals.effort;
   Report& report = impl_->report;

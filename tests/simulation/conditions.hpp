@@ -19,9 +19,13 @@ std::vector<double> posture_of(const Simulator& simulator);  // all coordinates,
 
 namespace assur::test {
 
-// The condition of a posture: if every equation holds to a relative residual r, that is to r times its scale s_i =
-// sum |dPhi_i/dq_j| |q_j| + |constant|, no coordinate is off by more than r |J^-1| s; over the largest coordinate.
-inline double condition(const Structure& structure, std::span<const double> q) {
+// How far the coordinates of a posture may be off: if every equation holds to a relative residual r, that is to r times
+// its scale s_i = sum |dPhi_i/dq_j| |q_j| + |constant|, no coordinate is off by more than r |J^-1| s.
+struct Condition {
+  double all = 1;  // max |J^-1| s over the largest coordinate
+  double own = 1;  // over the characteristic length, which is less far from the origin
+};
+inline Condition both_of(const Structure& structure, std::span<const double> q) {
   const System& system = *structure.system;
   std::vector<Eigen::Index> column(system.coordinates.size(), -1);
   std::vector<Index> equations;
@@ -30,7 +34,7 @@ inline double condition(const Structure& structure, std::span<const double> q) {
     for (const std::int32_t u : g.unknowns) column[static_cast<std::size_t>(u)] = n++;
     equations.insert(equations.end(), g.equations.begin(), g.equations.end());
   }
-  if (n == 0) return 1;
+  if (n == 0) return {};
   Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(n, n);
   Eigen::VectorXd scale(n);
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -43,8 +47,10 @@ inline double condition(const Structure& structure, std::span<const double> q) {
   const Eigen::VectorXd open = jacobian.partialPivLu().inverse().cwiseAbs() * scale;
   double largest = 0;
   for (const double x : q.subspan(1)) largest = std::max(largest, std::abs(x));
-  return std::max(1.0, open.maxCoeff() / largest);
+  const double all = std::max(1.0, open.maxCoeff() / largest);
+  return {all, std::max(all, open.maxCoeff())};  // one internal unit is the characteristic length
 }
+inline double condition(const Structure& structure, std::span<const double> q) { return both_of(structure, q).all; }
 
 // Of every row of a run, as far as it gets; between two rows that were looked at the larger one counts.
 inline std::vector<double> conditions(const Scene& scene, std::span<const double> times, std::size_t every = 1) {
@@ -58,6 +64,16 @@ inline std::vector<double> conditions(const Scene& scene, std::span<const double
     }
     out.push_back(condition(*s.prepared().structure, posture_of(s)));
     for (std::size_t j = k; j-- > 0 && out[j] == 0;) out[j] = std::max(out[k], out[k - (k - 1) % every - 1]);
+  }
+  return out;
+}
+
+inline std::vector<Condition> both_conditions(const Scene& scene, std::span<const double> times) {
+  Simulator s = simulator(scene, "groups/eigen");
+  std::vector<Condition> out;
+  for (const double t : times) {
+    if (!s.step(t).arrived()) break;
+    out.push_back(both_of(*s.prepared().structure, posture_of(s)));
   }
   return out;
 }

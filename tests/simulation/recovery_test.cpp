@@ -116,7 +116,7 @@ std::vector<Scene> shipped() {
 TEST(Recovery, FailedCommandsLeaveNoTrace) {
   test::Draw draw(16);
   const std::vector<Scene> scenes = shipped();
-  const int steps = test::random_count(4000);
+  const int steps = test::random_count(400);
   int failed = 0, done = 0;
   for (int round = 0; done < steps; ++round) {
     for (const Scene& scene : scenes) {

@@ -1,0 +1,323 @@
+// A mechanism drawn at random moves alike however it is run: alone, in chunks, among other members of an ensemble, with
+// some of its outputs, with any strategy. ASSUR_RANDOM_SCENES asks for more mechanisms, ASSUR_RANDOM_SEED begins
+// elsewhere.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "assur/ensemble.hpp"
+#include "check/random_mechanism.hpp"
+#include "simulation/any_mechanism.hpp"
+#include "simulation/conditions.hpp"
+#include "simulation/random_count.hpp"
+
+namespace assur {
+namespace {
+
+using test::Draw;
+using test::kEps;
+
+constexpr ThreadBudget kBudget{2};
+constexpr std::size_t kMembers = 4;
+// Beyond this condition a posture is as good as singular: rounding decides what becomes of it.
+constexpr double kSingular = 1e6;
+
+std::uint64_t first_seed() {
+  const char* const wanted = std::getenv("ASSUR_RANDOM_SEED");
+  return wanted != nullptr ? std::strtoull(wanted, nullptr, 10) : 1;
+}
+
+// ---- what is run
+
+nlohmann::ordered_json faster(nlohmann::ordered_json scene, double factor) {
+  for (auto& [name, driver] : scene["drivers"].items()) {
+    for (auto& [key, law] : driver.items()) {
+      if (!law.is_object() || !law.contains("polynomial")) continue;
+      auto& c = law["polynomial"];
+      for (std::size_t i = 1; i < c.size(); ++i) {
+        if (c[i].is_number()) c[i] = c[i].get<double>() * std::pow(factor, static_cast<double>(i));
+      }
+    }
+  }
+  return scene;
+}
+
+// Member 0 is the mechanism itself; the others have the same structure and move otherwise.
+Scene member(std::uint64_t seed, std::size_t i) {
+  if (seed % 2 == 0) {
+    Draw draw(seed, i == 0 ? 0 : 0.02, i);
+    return test::any_mechanism(draw);
+  }
+  check::RandomMechanism m = check::random_mechanism(seed, ASSUR_SOURCE_DIR "/tests/data/tables");
+  if (i > 0) m.json = faster(nlohmann::ordered_json::parse(m.json), 1 + 0.1 * static_cast<double>(i)).dump();
+  return m.scene();
+}
+
+struct Run {
+  std::string cannot;  // be started
+  std::vector<std::string> columns;
+  std::vector<double> times;  // that were reached
+  std::vector<double> values;
+  Status status;
+  double reached = 0;
+  std::vector<Event> events;
+  double residual = 8 * kEps;
+  std::vector<std::string> groups;  // by their unknowns
+
+  [[nodiscard]] std::span<const double> row(std::size_t k) const {
+    return std::span(values).subspan(k * columns.size(), columns.size());
+  }
+  [[nodiscard]] Code code() const { return status.arrived() ? Code::ok : status.code; }
+};
+
+PrepareOptions with(const std::string& strategy) {
+  static const auto kNothingKnown = std::make_shared<const PerformanceModel>();
+  return {.strategy = strategy, .budget = kBudget, .model = kNothingKnown};
+}
+
+Run run(const Scene& scene, const std::string& strategy) {
+  Run r;
+  try {
+    Simulator s(prepare(scene, with(strategy)));
+    const Trajectory t = s.run();
+    const Report& report = s.report();
+    r = {"",
+         t.columns(),
+         t.times(),
+         t.values(),
+         report.status,
+         report.reached,
+         report.events,
+         test::residual_of(report, report),
+         {}};
+  } catch (const Error& error) {
+    r.cannot = error.what();
+  }
+  return r;
+}
+
+Run run_among_others(std::uint64_t seed, const std::string& strategy, std::size_t place, const Scene& scene) {
+  Run r;
+  try {
+    const std::vector<double> grid = test::grid_of(scene);
+    Ensemble all(kMembers, [&](std::size_t i) {
+      return prepare(member(seed, i == place ? 0 : i < place ? i + 1 : i), with(strategy));
+    });
+    const EnsembleTrajectory t = all.run(grid);
+    const Ensemble::Outcome& mine = all.outcomes()[place];
+    r.cannot = mine.cannot;
+    r.columns = t.columns();
+    r.times.assign(t.times().begin(), t.times().begin() + static_cast<std::ptrdiff_t>(t.rows(place)));
+    for (std::size_t k = 0; k < t.rows(place); ++k) {
+      const auto row = t.row(place, k);
+      r.values.insert(r.values.end(), row.begin(), row.end());
+    }
+    r.status = mine.status;
+    r.reached = mine.reached;
+    r.events = mine.events;
+    r.residual = test::residual_of(all.report(), all.report());
+  } catch (const Error& error) {
+    r.cannot = error.what();
+  }
+  return r;
+}
+
+// ---- how they compare
+
+struct Plain {
+  Scene scene;
+  Run run;
+  std::vector<test::Condition> conditions;
+};
+
+std::string figure(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", x);
+  return text;
+}
+
+std::string ending(const Run& r) {
+  return std::string(name(r.status.code)) + " after " + std::to_string(r.times.size()) + " rows, reached " +
+         figure(r.reached);
+}
+
+// "" or how they differ. What a part of the outputs does not need may end a motion that goes on without it.
+std::string difference(const Plain& plain, const Run& other, bool part = false) {
+  const Run& a = plain.run;
+  if (a.cannot.empty() != other.cannot.empty()) return "START " + a.cannot + " | " + other.cannot;
+  if (!a.cannot.empty()) return "";
+  const bool stopped = a.code() != Code::ok;
+  const bool goes_on = part && stopped && other.times.size() >= a.times.size();
+  const double step = plain.scene.time().step;
+  if (!goes_on && (a.code() != other.code() || a.times.size() != other.times.size()))
+    return "STATUS " + ending(a) + " | " + ending(other);
+  if (!goes_on && std::abs(a.reached - other.reached) > step / 512)
+    return "TIME " + figure(a.reached) + " | " + figure(other.reached);
+
+  std::vector<std::size_t> column;
+  for (const std::string& c : other.columns) {
+    column.push_back(static_cast<std::size_t>(std::find(a.columns.begin(), a.columns.end(), c) - a.columns.begin()));
+  }
+  double size[3] = {1, 0, 0};
+  for (std::size_t k = 0; k < a.times.size(); ++k) {
+    for (std::size_t c = 0; c < a.columns.size(); ++c) {
+      double& s = size[test::derivative_of(a.columns[c])];
+      s = std::max(s, std::abs(a.row(k)[c]));
+    }
+  }
+  const double residual = std::max(a.residual, other.residual);
+  for (std::size_t k = 0; k < std::min({a.times.size(), other.times.size(), plain.conditions.size()}); ++k) {
+    const auto [kappa, own] = plain.conditions[k];
+    for (std::size_t c = 0; c < column.size(); ++c) {
+      const int d = test::derivative_of(other.columns[c]);
+      const double of = d == 0 ? size[0] : std::max(size[d], size[d - 1]);
+      const double bound = 2 * residual * kappa * std::pow(own, d) * of;
+      const double off = std::abs(a.row(k)[column[c]] - other.row(k)[c]);
+      if (off <= bound) continue;
+      return "VALUE of " + other.columns[c] + " in row " + std::to_string(k) + ": " + figure(off) + " apart, bound " +
+             figure(bound) + ", conditions " + figure(kappa) + " " + figure(own);
+    }
+  }
+  return "";
+}
+
+// ---- the pairings
+
+std::string any_strategy(Draw& draw) {
+  static const std::vector<const Backend*> here = [] {
+    std::vector<const Backend*> out;
+    for (const Backend& b : backends()) {
+      if (b.why_not({}, {}).empty()) out.push_back(&b);
+    }
+    return out;
+  }();
+  Strategy s;
+  s.formulation = draw.of(std::vector{Formulation::global, Formulation::groups, Formulation::irreducible});
+  const Backend& backend = *draw.of(here);
+  s.backend = backend.id;
+  s.lanes = 1 << draw.below(5);
+  s.single = backend.single && draw.below(4) == 0;
+  s.refine = draw.below(4) == 0;
+  s.reuse = draw.of(std::vector{Reuse::fresh, Reuse::fresh, Reuse::step, Reuse::run});
+  s.once = draw.below(3) == 0;
+  s.separate = !s.once && draw.below(4) == 0;
+  using Kind = Predictor::Kind;
+  s.predictor = draw.of(std::vector<Predictor>{{Kind::automatic, 0},
+                                               {Kind::automatic, 0},
+                                               {Kind::taylor, 1},
+                                               {Kind::taylor, 2},
+                                               {Kind::hermite, 5},
+                                               {Kind::past, 2},
+                                               {Kind::past, 5}});
+  return to_string(s);
+}
+
+std::string in_chunks(Draw& draw) {
+  Strategy s = parse_strategy(draw.maybe() ? "irreducible/lanes" : "groups/eigen");
+  s.lanes = draw.of(std::vector{1, 4, 8});
+  s.chunks = 2 + static_cast<std::int32_t>(draw.below(8));
+  s.p = 1 + static_cast<std::int32_t>(draw.below(2));
+  return to_string(s);
+}
+
+std::string side_by_side(Draw& draw) {
+  Strategy s = parse_strategy(draw.maybe() ? "irreducible/lanes" : "groups/eigen");
+  s.lanes = draw.of(std::vector{1, 2, 4, 8});
+  return to_string(s);
+}
+
+// One or two of the outputs, perhaps without all derivatives.
+std::vector<std::string> part_of(const Run& plain, Draw& draw) {
+  std::vector<std::string> out;
+  for (std::size_t i = 0, n = 1 + draw.below(2); i < n; ++i) {
+    const std::string& column = draw.of(plain.columns);  // "C.vx", "angle.rate", "P.T.x"
+    const std::string stem = column.substr(0, column.rfind('.'));
+    const std::string last = column.substr(column.rfind('.') + 1);
+    const bool coordinate = last == "x" || last == "y" || last == "z" || (last.size() == 2 && last[1] >= 'x');
+    std::string wanted = coordinate ? stem : last == "rate" || last == "acceleration" ? stem : column;
+    switch (draw.below(3)) {
+      case 0:
+        wanted += coordinate ? ".position" : ".value";
+        break;
+      case 1:
+        wanted += coordinate ? ".velocity" : ".rate";
+        break;
+      default:
+        break;
+    }
+    if (std::find(out.begin(), out.end(), wanted) == out.end()) out.push_back(wanted);
+  }
+  return out;
+}
+
+template <class Of>
+void expect_alike(const Of& other) {
+  const int count = test::random_count(30);
+  int compared = 0, singular = 0;
+  for (std::uint64_t seed = first_seed(), end = seed + static_cast<std::uint64_t>(count); seed != end; ++seed) {
+    std::optional<Scene> scene;
+    try {
+      scene = member(seed, 0);
+    } catch (const Error&) {
+      continue;
+    }
+    Plain plain{*scene, run(*scene, "auto"), {}};
+    if (plain.run.cannot.empty()) {
+      try {
+        plain.conditions = test::both_conditions(plain.scene, plain.run.times);
+      } catch (const Error&) {
+      }
+      if (!plain.conditions.empty() && !std::all_of(plain.conditions.begin(), plain.conditions.end(),
+                                                    [](const test::Condition& c) { return c.own < kSingular; })) {
+        ++singular;
+        continue;
+      }
+    }
+    Draw draw(seed ^ 0x5bd1e995);
+    const auto [what, difference] = other(plain, seed, draw);
+    ++compared;
+    EXPECT_EQ(difference, "") << "seed " << seed << ", " << plain.scene.name() << ", " << what;
+  }
+  std::cout << compared << " compared, " << singular << " singular\n";
+}
+
+using Told = std::pair<std::string, std::string>;
+
+TEST(Pairings, Chunks) {
+  expect_alike([](const Plain& plain, std::uint64_t, Draw& draw) {
+    const std::string strategy = in_chunks(draw);
+    return Told{strategy, difference(plain, run(plain.scene, strategy))};
+  });
+}
+
+TEST(Pairings, Ensembles) {
+  expect_alike([](const Plain& plain, std::uint64_t seed, Draw& draw) {
+    const std::string strategy = side_by_side(draw);
+    const std::size_t place = draw.below(kMembers);
+    return Told{strategy + ", member " + std::to_string(place),
+                difference(plain, run_among_others(seed, strategy, place, plain.scene))};
+  });
+}
+
+TEST(Pairings, Outputs) {
+  expect_alike([](const Plain& plain, std::uint64_t, Draw& draw) {
+    if (!plain.run.cannot.empty() || plain.run.columns.empty()) return Told{"", ""};
+    const std::vector<std::string> wanted = part_of(plain.run, draw);
+    std::string all;
+    for (const std::string& w : wanted) all += " " + w;
+    return Told{"outputs" + all, difference(plain, run(plain.scene.with_outputs(wanted), "auto"), true)};
+  });
+}
+
+TEST(Pairings, Strategies) {
+  expect_alike([](const Plain& plain, std::uint64_t, Draw& draw) {
+    const std::string strategy = any_strategy(draw);
+    return Told{strategy, difference(plain, run(plain.scene, strategy))};
+  });
+}
+
+}  // namespace
+}  // namespace assur
