@@ -27,7 +27,7 @@ class Counting final : public LinearSolver {
   }
   Status factorize(std::span<const double> values) override {
     ++calls.factorizations;
-    if (code_of_factorizations != Code::ok) return {code_of_factorizations, 0, 0};
+    if (code_of_factorizations != Code::ok) return {code_of_factorizations, {}, 0};
     return solver_->factorize(values);
   }
   Status solve(std::span<double> b_to_x, int rhs, Transpose transpose, int first_wanted) override {
