@@ -178,12 +178,17 @@ TEST(SavedPlan, WithoutTheSceneRedundantEquationsAreNotChosenAnew) {
   const Result original = run(made), again = run(loaded(saved(made)));
   EXPECT_TRUE(original.report().status.ok());
   ASSERT_FALSE(original.report().fallbacks.empty());
-  EXPECT_FALSE(again.report().status.ok());
-  ASSERT_GT(again.trajectory.rows(), 1u);
-  ASSERT_LT(again.trajectory.rows(), original.trajectory.rows());
-  // Until then it is the same motion, and the equation that is left out is watched.
+  EXPECT_TRUE(again.report().fallbacks.empty());
+  // Its equations have singularities where the mechanism has none: they are passed as change points and told, while the
+  // equation that is left out is watched. The estimates know of them.
+  ASSERT_TRUE(again.report().status.ok());
+  ASSERT_EQ(again.report().events.size(), 2u);
+  for (const Event& e : again.report().events) EXPECT_EQ(e.kind, Code::change_point_passed);
+  const ErrorFigures& error = again.report().error;
+  const double bound = std::max({*error.estimated_position, *error.estimated_velocity, *error.estimated_acceleration});
+  ASSERT_EQ(again.trajectory.rows(), original.trajectory.rows());
   for (std::size_t i = 0; i < again.trajectory.values().size(); ++i) {
-    ASSERT_TRUE(test::same_bits(again.trajectory.values()[i], original.trajectory.values()[i])) << i;
+    ASSERT_NEAR(again.trajectory.values()[i], original.trajectory.values()[i], bound) << i;
   }
 }
 

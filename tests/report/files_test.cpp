@@ -27,7 +27,7 @@ TEST(ReportCsv, QuotesTextsAndKeepsEveryDigit) {
             "section,item,strategy,quantity,unit,value,repetitions,spread,error,origin\n"
             "\"steps\",\"six \"\"legs\"\", fast\",\"groups/klu\",\"seconds per step\",\"s\",3.3333333333333335e-07,21,"
             "0.0040000000000000001,1.8000000000000001e-15,\"measured\"\n"
-            "\"regret\",\"all questions\",\"auto\",\"regret, median\",\"1\",0.042000000000000003,0,0,,"
+            "\"regret\",\"all questions\",\"auto\",\"regret, median\",\"1\",0.042000000000000003,0,,,"
             "\"computed from 5 questions\"\n");
 }
 
