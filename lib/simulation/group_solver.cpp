@@ -224,6 +224,7 @@ Status GroupSolver::newton(Pack& pack, double* x, const Attempt& attempt, Counte
   double relative = kernels_.largest_ratio(phi_.data(), inverse_scale_.data(), program_.n), before = 0, last_norm = 0;
   int iteration = 0;
   for (;; ++iteration) {
+    if (!std::isfinite(relative)) relative = raised_ratio();  // terms below all normal numbers have no inverse
     if (!std::isfinite(relative)) return fail(pack, Code::not_finite, relative, lane_with_most_left(pack));
     if (attempt.iterations > 0) {
       if (iteration == attempt.iterations) break;

@@ -89,6 +89,33 @@ TEST(Vanishing, RedundantPlanesDoNotContradict) {
 // What contradicts, does: a plane that is off by more than rounding.
 TEST(Vanishing, WhatIsOffByMoreIsRefused) { EXPECT_THROW((void)test::run(four_bar(1e-7, 1)), Error); }
 
+// A loop in the plane, written in space with frames a little askew in the guess: steps take the terms of u2 . z down to
+// numbers so small that they have no inverse.
+TEST(Vanishing, TermsMayBecomeDenormal) {
+  const Scene scene = parse_scene(R"(
+      {"assur": 1, "name": "upright", "dimension": 3, "points": {"A": {"at": [0.0, 0.0, 0.0], "fixed":
+      true}, "D": {"at": [2.0029743597612804, -0.13036061027576884, 0.0], "fixed": true}}, "vectors":
+      {"z": {"at": [0.0, 0.0, 1.0], "fixed": true}, "x": {"at": [1.0, 0.0, 0.0], "fixed": true}, "u1":
+      {"at": [0.7984332297261308, -0.5987511442869755, 0.0632569749840836]}, "v1": {"at":
+      [0.6016659599165765, 0.7973753364395574, -0.04680433223075845]}, "u2": {"at": [-0.5851799848425738,
+      0.8079789727098059, 0.06880672204408533]}, "v2": {"at": [-0.7967370935079452, -0.5570922197586061,
+      -0.23421840771583463]}}, "bodies": {"body1": {"origin": "A", "frame": ["u1", "v1", "z"], "points":
+      {"B": [0.45055003274742994, -0.19963822529420833, 0.0]}, "vectors": {"z1": [0.0, 0.0, 1.0]}},
+      "body2": {"origin": "B", "frame": ["u2", "v2", "z1"], "points": {"C": [0.025522905062496548,
+      -2.2448370440897167, 0.0]}, "vectors": {"z2": [0.0, 0.0, 1.0]}}}, "constraints": {"c0": {"distance":
+      ["D", "C"], "value": 1.4005563193379804}, "c1": {"dot": [["D", "C"], "z"], "value": 0.0}, "c2":
+      {"parallel": ["z", "z2"]}}, "drivers": {"motor0": {"angle": ["x", "u1"], "axis": "z", "law":
+      {"polynomial": [-0.5988806352722023, -0.7359767250045626, 0.05347068730845995]}}}, "time": {"start":
+      0.0, "end": 0.4089600289487134, "step": 0.006816000482478557}}
+  )");
+  for (const std::string strategy : {"irreducible/eigen", "irreducible/lanes", "groups/eigen"}) {
+    SCOPED_TRACE(strategy);
+    const Result r = test::run(scene, strategy);
+    EXPECT_EQ(r.report().status.code, Code::ok);
+    EXPECT_LE(r.report().error.position, 16 * test::kEps);
+  }
+}
+
 // The scale does not vanish for any posture of the directions, and is hardly changed where they lie at random.
 TEST(Vanishing, ScalesAreThoseOfWhatIsMultiplied) {
   SceneBuilder b("scales", 3);
