@@ -16,6 +16,7 @@ constexpr double kShorter = 1.0 / 4;                                       // ea
 constexpr double kLeast = 0x1p-44;                                         // of the step, and
 constexpr double kResolved = 16 * std::numeric_limits<double>::epsilon();  // of the time: no step is shorter
 constexpr int kMostRejected = 10000;  // attempts at steps shorter than the first shortest ones
+constexpr int kMostWalked = 1000;     // attempts on the way to or from a change point; it takes some tens
 constexpr double kPassed = 64;        // steps so much longer than the first shortest one are far from where it failed
 constexpr double kClear = 1e-5;   // singular value, over the largest one: a posture is known to eps / kClear^2 of it
 constexpr double kNearer = 1.15;  // of singular values, from one posture to the next that is compared
@@ -624,7 +625,8 @@ bool Continuation::pass_by(double reach, double target, double t) {
 bool Continuation::walk(double until, double h, double change) {
   h = std::abs(h);
   const double shortest = std::ldexp(h, -kMoreHalvings);
-  while (now_ != until) {
+  for (int attempts = 0; now_ != until; ++attempts) {
+    if (attempts == kMostWalked) return false;
     if (std::abs(now_ - change) < std::abs(until - change) / 4) state_.forget();
     const double left = until - now_;
     if (try_step(std::abs(left) <= h ? until : now_ + std::copysign(h, left), Attempt::Branch::inside).ok()) {
