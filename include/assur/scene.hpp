@@ -162,11 +162,13 @@ struct Driver {
 struct AbsoluteAngle {  // 2D: direction of AB from +x
   std::string a, b;
 };
-struct AngleBetween {  // 2D: signed from d to e; 3D with axis: atan2(axis . (d x e), d . e); 3D without: in [0, pi]
+// 2D: signed from d to e; 3D with axis: atan2(axis . (d x e), d . e); 3D without: in [0, pi], and at these ends it has
+// no derivatives (NaN; empty in a CSV), with the status inaccurate, unless it is at rest there.
+struct AngleBetween {
   Direction d, e;
   std::string axis;
 };
-struct MeasuredDistance {
+struct MeasuredDistance {  // at 0 as an angle at its ends
   std::string a, b;
 };
 struct MeasuredCoordinate {

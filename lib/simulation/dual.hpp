@@ -33,6 +33,5 @@ inline Dual atan2(const Dual& y, const Dual& x) {
   const double square = x.value * x.value + y.value * y.value;
   return {std::atan2(y.value, x.value), (x.value * y.slope - y.value * x.slope) / square};
 }
-inline Dual acos(const Dual& a) { return {std::acos(a.value), -a.slope / std::sqrt(1 - a.value * a.value)}; }
 
 }  // namespace assur

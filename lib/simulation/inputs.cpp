@@ -172,7 +172,8 @@ bool Inputs::ask_again_from_rest() {
   bool moved = false;
   for (Control& c : controls_) {
     c.pending = c.was_pending;
-    if (!c.set) continue;
+    if (!c.set && !c.pending) continue;
+    c.set = true;  // also where the law had moved it so far
     moved = moved || c.from.rate != 0 || c.from.acceleration != 0;
     c.from = c.to = {c.from.value, 0, 0};
   }

@@ -8,18 +8,6 @@
 #include "simulation/dual.hpp"
 
 namespace assur {
-namespace {
-
-// Two directions that are parallel stay so, as far as their rates tell.
-bool rests(const Jet<double> (&f)[9]) {
-  const auto turns = [&](std::size_t i, std::size_t j) {
-    return f[i].rate * f[3 + j].value + f[i].value * f[3 + j].rate - f[j].rate * f[3 + i].value -
-           f[j].value * f[3 + i].rate;
-  };
-  return turns(1, 2) == 0 && turns(2, 0) == 0 && turns(0, 1) == 0;
-}
-
-}  // namespace
 
 void OutputProgram::bind(const System& s, std::span<const std::int32_t> address) {
   dimension_ = s.dimension;
@@ -174,10 +162,7 @@ void OutputProgram::differentiate(const double* const (&state)[3], const double*
                  with_rounding(forms[f].acceleration, changes[f].acceleration)};
     }
     const Jet<Dual> m = evaluate_measure<Dual>(measure.kind, {both, 9}, dimension_);
-    double slope[3] = {m.value.slope, m.rate.slope, m.acceleration.slope};
-    if (measure.kind == MeasureForms::Kind::unsigned_angle && !(divisor_of<double>(measure.kind, {forms, 9}, 3) > 0)) {
-      slope[1] = slope[2] = rests(forms) ? 0 : std::numeric_limits<double>::infinity();  // at the kink, or through it
-    }
+    const double slope[3] = {m.value.slope, m.rate.slope, m.acceleration.slope};
     for (std::size_t d = 0; d < 3; ++d) {
       if (measure.column[d] >= 0) out[measure.column[d]] = slope[d] * measure.unit;
     }

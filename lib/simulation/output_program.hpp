@@ -50,6 +50,20 @@ T divisor_of(MeasureForms::Kind kind, std::span<const Jet<T>> f, int dimension) 
   return T(1);
 }
 
+// At zero a length has a kink, and no derivatives (NaN), unless it is at rest: then it can only grow.
+template <class T>
+Jet<T> length_of(const Jet<T>& x, const Jet<T>& y, const Jet<T>& z) {
+  const Jet<T> square = x * x + y * y + z * z;
+  if (square.value > T(0)) return sqrt(square);
+  using std::sqrt;
+  const auto square_of = [](const T& a, const T& b, const T& c) { return a * a + b * b + c * c; };
+  if (!(square_of(x.rate, y.rate, z.rate) > T(0))) {
+    return {T(0), T(0), sqrt(square_of(x.acceleration, y.acceleration, z.acceleration))};
+  }
+  const T none = T(0) / T(0);
+  return {T(0), none, none};
+}
+
 // Value, rate and acceleration of a measure from the jets of its forms (internal units).
 template <class T>
 Jet<T> evaluate_measure(MeasureForms::Kind kind, std::span<const Jet<T>> f, int dimension) {
@@ -67,18 +81,14 @@ Jet<T> evaluate_measure(MeasureForms::Kind kind, std::span<const Jet<T>> f, int 
     case MeasureForms::Kind::form:
       return f[0];
     case MeasureForms::Kind::distance:
-      return sqrt(dot(0, 0));
+      return length_of(f[0], f[1], dimension == 3 ? f[2] : Jet<T>{});
     case MeasureForms::Kind::absolute_angle:
     case MeasureForms::Kind::signed_angle: {
       const ArmOf<Jet<T>> arm = arm_of(kind, f, dimension);
       return atan2(arm.y, arm.x);
     }
     case MeasureForms::Kind::unsigned_angle: {
-      const Jet<T> x = cross(0, 3, 0), y = cross(0, 3, 1), z = cross(0, 3, 2);
-      const Jet<T> square = x * x + y * y + z * z;
-      // At 0 and pi the angle has a kink: value only, the rate is none.
-      if (!(square.value > T(0))) return {dot(0, 3).value < T(0) ? acos(T(-1)) : T(0), T(0), T(0)};
-      return atan2(sqrt(square), dot(0, 3));
+      return atan2(length_of(cross(0, 3, 0), cross(0, 3, 1), cross(0, 3, 2)), dot(0, 3));
     }
   }
   return {};

@@ -127,6 +127,7 @@ class Comparison {
         if (!o.output.wanted[d]) continue;
         for (std::size_t i = 0; i < jets.size(); ++i, ++column) {
           const Quad x = trajectory_(k, column);
+          if (d > 0 && std::isnan(trajectory_(k, column))) continue;  // at a kink there is none
           Quad reference = d == 0 ? jets[i].value : d == 1 ? jets[i].rate : jets[i].acceleration;
           if (d == 0 && is_signed_angle(o.output.parts()[i])) reference += turns(x - reference);
           raise(o.now[d].difference, static_cast<double>(abs(x - reference)));

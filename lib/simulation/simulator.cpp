@@ -102,6 +102,8 @@ struct Simulator::Impl {
     motion.start(time, posture, before != nullptr ? &before->motion.inputs().controls() : nullptr);
     if (before == nullptr) {
       fill_row();
+      judge();
+      (void)tell_verdict(time);
       for (auto* kept : {&inside, &divided}) save(writable(*kept), false);  // so that steps need not take memory
       return;
     }
@@ -426,7 +428,7 @@ Status Simulator::go_to(double t) {
     status = impl_->step_to(t, false);
   }
   if (t != from) impl_->in_one_piece = status.ok() && impl_->began == nullptr;
-  if (!status.ok()) return status;
+  if (!status.ok() || t == from) return status.ok() ? impl_->tell_verdict(from) : status;
   if (auto next = impl_->reselected_if_poor()) impl_ = std::move(next);
   return impl_->check_accuracy(from);
 }

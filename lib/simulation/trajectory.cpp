@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <ostream>
 
 #include "assur/ensemble.hpp"
@@ -25,7 +26,7 @@ std::size_t Trajectory::index(std::string_view column) const {
 
 namespace {
 
-// Lines of a CSV; numbers as the shortest text that reads back the same.
+// Lines of a CSV; numbers as the shortest text that reads back the same, nothing for none.
 class Lines {
  public:
   explicit Lines(std::ostream& out) : out_(out) {}
@@ -36,7 +37,13 @@ class Lines {
     line_.append(number, std::to_chars(number, number + sizeof number, value).ptr);
   }
   void put(std::span<const double> values) {
-    for (const double v : values) put(v);
+    for (const double v : values) {
+      if (std::isnan(v)) {
+        line_ += ',';
+      } else {
+        put(v);
+      }
+    }
   }
   void end() {
     line_ += '\n';

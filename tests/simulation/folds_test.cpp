@@ -71,7 +71,9 @@ TEST(Folds, OfRandomMechanismsDoNotDependOnTheGrid) {
     if (refused > 0) continue;
     EXPECT_EQ(others, 0);
     EXPECT_TRUE(arrived == 0 || limits == 0) << arrived << " arrive, " << limits << " end";
-    if (limits > 0) EXPECT_LE(last - first, 1e-5 * end);
+    if (limits > 0) {
+      EXPECT_LE(last - first, 1e-5 * end);
+    }
     (limits > 0 ? ends : goes_on) += 1;
   }
   EXPECT_GT(ends, all / 4);

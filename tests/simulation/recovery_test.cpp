@@ -277,6 +277,17 @@ TEST(Recovery, DriversThatWouldOvershootStopAtOnce) {
   EXPECT_EQ(s.report().events.size(), events);
 }
 
+// Until a driver is set its law moves it: here towards the limit, from which the first command leads away.
+TEST(Recovery, TheFirstCommandMayTurnBackFromWhereTheLawLeads) {
+  const double limit = std::acos(0.04), start = limit - 0.01;
+  Simulator s = test::simulator(test::limited_four_bar(Law::polynomial({start, 3})).time(0, 1, 0.1).build(),
+                                "groups/eigen", {}, {"motor"});
+  s.set("motor", start - 0.1);
+  EXPECT_TRUE(s.step().arrived());
+  EXPECT_NEAR(s.output("B.x"), std::cos(start - 0.1), 4 * kEps);
+  EXPECT_TRUE(s.report().events.empty());
+}
+
 TEST(Recovery, StatesOfOtherScenesAreRefused) {
   Simulator s = test::simulator(sample("four_bar")), other = test::simulator(sample("four_bar"));
   EXPECT_THROW(s.restore(SimulatorState()), Error);

@@ -1,6 +1,8 @@
 #include "check/plain_equations.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <numbers>
 #include <set>
 #include <variant>
@@ -55,6 +57,20 @@ TimeJet<Real> arc(const TimeJet<Real>& y, const TimeJet<Real>& x) {
   const Real turn_rate = x.value * y.curve - y.value * x.curve;
   return {std::atan2(y.value, x.value), turn / square.value,
           (turn_rate - turn / square.value * square_rate) / square.value};
+}
+
+// Zero, as far as these numbers tell, has no derivatives, unless it is at rest.
+// size: of what it is made of; fastest: what moves.
+TimeJet<Real> length_of(const Spatial<TimeJet<Real>>& v, Real size, Real fastest) {
+  constexpr Real kNothing = 1e-12L;
+  const TimeJet<Real> square = dot(v, v);
+  if (square.value > kNothing * size * kNothing * size) return sqrt(square);
+  const auto norm = [&](Real TimeJet<Real>::*of) {
+    return std::sqrt(v.x.*of * v.x.*of + v.y.*of * v.y.*of + v.z.*of * v.z.*of);
+  };
+  const Real none = std::numeric_limits<Real>::quiet_NaN();
+  if (norm(&TimeJet<Real>::rate) > kNothing * size * fastest) return {0, none, none};
+  return {0, 0, norm(&TimeJet<Real>::curve)};
 }
 
 }  // namespace
@@ -448,7 +464,13 @@ TimeJet<Real> PlainEquations::show(const Column& column, const TimeJet<Real>* x)
   if (s.kind == 0) return arc(d.y, d.x);
   if (s.kind == 3) return sqrt(dot(d, d));
   const Spatial<Jet> e = look(at, s.e), both = cross(d, e);
-  if (s.kind == 1) return arc(sqrt(dot(both, both)), dot(d, e));
+  if (s.kind == 1) {
+    Real fastest = 0;
+    for (std::size_t i = 0; i < unknowns(); ++i) {
+      fastest = std::max(fastest, std::abs(x[i].rate) / (is_length_[i] ? static_cast<Real>(length()) : 1));
+    }
+    return arc(length_of(both, std::sqrt(dot(d, d).value * dot(e, e).value), fastest), dot(d, e));
+  }
   return arc(s.axis < 0 ? both.z : dot(at[static_cast<std::size_t>(s.axis)], both), dot(d, e));
 }
 

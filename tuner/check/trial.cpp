@@ -337,7 +337,12 @@ class Trying {
       const Status status = simulator_->step();
       const Real next = status.arrived() ? Real(simulator_->time()) : time + Real(scene_.time().step);
       for (Way& w : ways) w.begins = time, w.ends = next;
-      const Real came = motion_.advance([&](Real s) { return commanded(ways, time, next, s); });
+      const auto follow = [&] { return motion_.advance([&](Real s) { return commanded(ways, time, next, s); }); };
+      Real came = follow();
+      if (status.arrived() && came < 1) {  // drivers that would overshoot into a limit begin at rest
+        for (Way& w : ways) w.rate = w.curve = 0;
+        came = follow();
+      }
       const std::string which = "command " + std::to_string(k) + " of " + std::to_string(m_.commands.size());
       if (!status.arrived()) {
         ++failures;
