@@ -11,11 +11,11 @@ namespace {
 
 constexpr int kHalvings = 20;  // a step is halved down to 2^-20, then it is asked why it fails
 constexpr double kSmallest = 1.0 / (1 << kHalvings);
-constexpr double kUnseen = 2;  // parts of a step in which a measured angle turned unseen
-constexpr double kShorter = 1.0 / 4;                                       // each time it is asked again
-constexpr double kLeast = 0x1p-44;                                         // of the step, and
+constexpr double kUnseen = 2;         // parts of a step in which a measured angle turned unseen
+constexpr double kShorter = 1.0 / 4;  // each time it is asked again
+constexpr double kLeast = 0x1p-44;    // of the step, and
 constexpr double kResolved = 16 * std::numeric_limits<double>::epsilon();  // of the time: no step is shorter
-constexpr int kMostRejected = 10000;  // attempts at steps shorter than the first shortest ones
+constexpr int kMostRejected = 10000;  // attempts of one step, whatever they were for
 constexpr int kMostWalked = 1000;     // attempts on the way to or from a change point; it takes some tens
 constexpr double kPassed = 64;        // steps so much longer than the first shortest one are far from where it failed
 constexpr double kClear = 1e-5;   // singular value, over the largest one: a posture is known to eps / kClear^2 of it
@@ -345,7 +345,6 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
   any_turn_ = turn_guessed_ = false;
   shortest_ = first;
   approach_.clear();
-  int rejected = 0;
   int in_a_row = 0;  // attempts that were rejected; once they are many, they stay so
   while (now_ != t) {
     const double h = std::copysign(std::min(stride.length, std::abs(span)), span);
@@ -374,7 +373,7 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
     }
     ++report_.counters.rejected;
     ++in_a_row;
-    if (shortest_ < first && ++rejected == kMostRejected) {
+    if (rejected_ >= kMostRejected) {
       record({now_, target, structure_.name_of(s.where), Code::branch_unknown, s.figure}, std::abs(t - target));
       return {Code::branch_unknown, s.where, s.figure};
     }
@@ -473,7 +472,11 @@ Status Continuation::try_step(double target, Attempt::Branch branch, bool expand
     errors = {};
     s = solve_at(target, branch, errors);
   }
-  if (s.ok()) accept(target, errors);
+  if (s.ok()) {
+    accept(target, errors);
+  } else if (turned_ <= 1) {
+    ++rejected_;
+  }
   return s;
 }
 
@@ -626,7 +629,7 @@ bool Continuation::walk(double until, double h, double change) {
   h = std::abs(h);
   const double shortest = std::ldexp(h, -kMoreHalvings);
   for (int attempts = 0; now_ != until; ++attempts) {
-    if (attempts == kMostWalked) return false;
+    if (attempts == kMostWalked || rejected_ >= kMostRejected) return false;
     if (std::abs(now_ - change) < std::abs(until - change) / 4) state_.forget();
     const double left = until - now_;
     if (try_step(std::abs(left) <= h ? until : now_ + std::copysign(h, left), Attempt::Branch::inside).ok()) {

@@ -94,6 +94,11 @@ class Continuation {
   // with. False if they did, or none is controlled.
   [[nodiscard]] bool ask_again_from_rest();
 
+  // Attempts of a step that were rejected so far: after some thousands the step fails, as branch_unknown. Its first
+  // part begins with 0, others go on where those before them ended.
+  [[nodiscard]] std::int64_t rejected() const { return rejected_; }
+  void count_rejected_from(std::int64_t count) { rejected_ = count; }
+
   // What is not ok leaves the last good posture. May redundant equations be chosen anew, then wants_reselection() tells
   // that they should be. What a law or a callback throws comes from here, with the last good posture too.
   [[nodiscard]] Status step_to(double t, bool may_reselect, Stride& stride);
@@ -170,13 +175,13 @@ class Continuation {
   StepErrors last_errors_;             // of the last accepted posture
   std::vector<std::uint8_t> passing_;  // packs: on the way through a change point
   double now_ = 0;
-  std::int64_t attempts_ = 0;
+  std::int64_t attempts_ = 0, rejected_ = 0;
   double last_before_pass_ = 0;
   AngleTurns* turns_ = nullptr;
   int together_;          // angles_together()
   bool any_turn_ = true;  // angles take the shorter way, however far they turn
   bool turn_guessed_ = false;
-  double turned_ = 0;              // by the step that was tried, over what a step may turn
+  double turned_ = 0;    // by the step that was tried, over what a step may turn
   double shortest_ = 0;  // attempt of this step so far, before it is asked why it fails
   // Postures of this step at which that was asked, those of one block each nearer to a singular one.
   std::vector<GroupSolver::Singularity> approach_;

@@ -279,6 +279,7 @@ struct Simulator::Impl {
     inside = std::move(other.inside);
     divided = std::move(other.divided);
     began = other.began;
+    motion.count_rejected_from(other.motion.rejected());
   }
 
   // The simulator as it was, with the equations of then.
@@ -413,6 +414,7 @@ double Simulator::time() const { return impl_->motion.time(); }
 
 Status Simulator::step(double t) {
   impl_->began = nullptr;
+  impl_->motion.count_rejected_from(0);
   return go_to(t);
 }
 
@@ -449,6 +451,7 @@ Status Simulator::step() {
     go_back();
     // Drivers that move towards a limit may overshoot into it on their way back.
     if (impl_->began == nullptr || status.code == Code::deadline || !impl_->motion.ask_again_from_rest()) return status;
+    impl_->motion.count_rejected_from(0);
     const Status again = go_to(t);
     if (again.arrived()) {
       impl_->report.events.resize(events);
@@ -560,6 +563,7 @@ bool Simulator::run_in_chunks(std::span<const double> times, const Observer& obs
   const double first_time = impl_->motion.time();
   Stride stride = kLongWay;
   const auto reach = [&](double t) {
+    impl_->motion.count_rejected_from(0);
     // The chunks begin with the equations that the run began with, or not at all.
     if (impl_->step_to(t, true, stride).ok()) return !impl_->reselected_if_poor();
     return impl_->motion.wants_reselection() && !impl_->reselected() && impl_->step_to(t, false, stride).ok();

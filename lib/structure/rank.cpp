@@ -68,8 +68,8 @@ Eigen::VectorXd combination(const Qr& qr, Eigen::Index k) {
 
 }  // namespace
 
-RankStudy study_rank(const System& s, std::span<const Index> equations, std::span<const Index> unknowns, double time,
-                     std::vector<double>& q, std::vector<Index>& column) {
+RankStudy study_rank(const System& s, std::span<const Index> equations, std::span<const Index> unknowns,
+                     std::optional<double> laws_from, std::vector<double>& q, std::vector<Index>& column) {
   RankStudy out;
   const DenseBlock block(s, equations, unknowns, column);
   if (std::max(block.rows(), block.columns()) > kLargest) {
@@ -87,8 +87,8 @@ RankStudy study_rank(const System& s, std::span<const Index> equations, std::spa
   const TimeGrid& grid = s.scene->time();
   std::vector<Eigen::MatrixXd> postures = {scaled(block.jacobian(q))};
   std::vector<double> on_path = q;
-  for (int step = 1; step <= 7 && grid.step > 0; ++step) {
-    if (!drive(s, time + step * grid.step, on_path.data(), nullptr, nullptr).ok()) break;
+  for (int step = 1; step <= 7 && grid.step > 0 && laws_from; ++step) {
+    if (!drive(s, *laws_from + step * grid.step, on_path.data(), nullptr, nullptr).ok()) break;
     if (fit(s, equations, unknowns, on_path, column) > 1e-10) break;
     if (step == 3 || step == 7) postures.push_back(scaled(block.jacobian(on_path)));
   }

@@ -1,6 +1,7 @@
 // Numerical rank of a part of the equations at several postures: redundant equations and undetermined unknowns by name.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -19,9 +20,10 @@ struct RankStudy {
   double residual = 0;                // relative, of all equations at the start; large: inconsistent
 };
 
-// Looks at the posture q at `time`, which is fitted to the equations first, and at two further postures on the path.
+// Looks at the posture q, which is fitted to the equations first, and at two further ones where the laws lead from a
+// time on, if there is one: a program may lead elsewhere.
 [[nodiscard]] RankStudy study_rank(const System& system, std::span<const Index> equations,
-                                   std::span<const Index> unknowns, double time, std::vector<double>& q,
-                                   std::vector<Index>& column);
+                                   std::span<const Index> unknowns, std::optional<double> laws_from,
+                                   std::vector<double>& q, std::vector<Index>& column);
 
 }  // namespace assur

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <numbers>
 #include <numeric>
+#include <optional>
 #include <set>
 #include <unordered_map>
 #include <utility>
@@ -165,7 +166,8 @@ class Start {
       const auto& [equations, unknowns] = parts[r];
       doubtful_.equations.insert(doubtful_.equations.end(), equations.begin(), equations.end());
       doubtful_.unknowns.insert(doubtful_.unknowns.end(), unknowns.begin(), unknowns.end());
-      take(study_rank(s_, equations, unknowns, p_.time, p_.q, column_), kept);
+      const auto laws_from = p_.is_guess ? std::optional(p_.time) : std::nullopt;
+      take(study_rank(s_, equations, unknowns, laws_from, p_.q, column_), kept);
     }
     std::sort(kept.begin(), kept.end());
     p_.equations = std::move(kept);

@@ -153,5 +153,25 @@ TEST(Limit, OfADrivenDistanceIsZero) {
   EXPECT_TRUE(s.step(0.95).ok());
 }
 
+// Gough's platform, almost singular all along its way to a limit: balls, and with them steps, are tens of thousands
+// times shorter than what is left.
+TEST(Limit, AStepGivesUpAfterSomeThousandsOfAttempts) {
+  const Scene scene = read_scene(ASSUR_SOURCE_DIR "/scenes/gough.json");
+  std::vector<std::string> legs;
+  for (const Driver& d : scene.drivers()) legs.push_back(d.name);
+  Simulator s = test::simulator(scene, "irreducible/eigen", {}, legs);
+  const std::vector<double> by = {0.0012, -0.0021, 0.0059, 0.0061, -0.0029, -0.0032};
+  for (std::size_t i = 0; i < legs.size(); ++i) {
+    s.set(legs[i], std::get<DrivenDistance>(scene.drivers()[i].kind).law(0).value + by[i]);
+  }
+  const Status status = s.step(1);
+  EXPECT_EQ(status.code, Code::branch_unknown);
+  EXPECT_GT(s.report().counters.rejected, 1000);
+  EXPECT_LE(s.report().counters.rejected, 10000);
+  EXPECT_GT(s.time(), 0);
+  ASSERT_EQ(s.report().events.size(), 1U);
+  EXPECT_EQ(s.report().events[0].kind, Code::branch_unknown);
+}
+
 }  // namespace
 }  // namespace assur
