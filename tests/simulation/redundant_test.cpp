@@ -174,10 +174,12 @@ void turn(const Bennett& linkage, int steps_per_turn, int steps, const std::stri
 
 TEST(Redundant, BennettsLinkageTurnsAHundredTimes) {
   test::Draw draw(19);
-  for (const bool in_space : {false, true}) {
+  for (int i = 0, all = test::random_count(3); i < all; ++i) {
     Bennett linkage;
-    if (in_space) linkage.frame = turned(draw);
-    turn(linkage, 48, 100 * 48, "auto");
+    if (i % 2 != 0) linkage.frame = turned(draw);
+    if (i > 1) linkage.start = draw.maybe() ? double(draw.below(24)) * kPi / 12 : draw.real(0, 2 * kPi);
+    const int steps = i < 2 ? 48 : draw.maybe() ? 12 * int(1 + draw.below(30)) : int(draw.real(20, 400));
+    turn(linkage, steps, 100 * steps, "auto");
   }
 }
 
