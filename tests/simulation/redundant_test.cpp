@@ -201,5 +201,43 @@ TEST(Redundant, BennettsLinkageOfAnyShapeTurns) {
   }
 }
 
+// Sets of equations that were followed close to their own singularity lost eight digits of the accelerations.
+TEST(Redundant, BennettsLinkageKeepsItsAccuracyFromSetToSet) {
+  for (const auto& [start, steps] : {std::pair{kPi / 2, 5000}, std::pair{75 * kPi / 180, 400}}) {
+    SCOPED_TRACE(steps);
+    Bennett linkage;
+    linkage.start = start;
+    const test::Result r = test::run(linkage.scene(steps, steps));
+    EXPECT_EQ(r.report().status.code, Code::ok);
+    std::array<long double, 3> off{};
+    for (std::size_t row = 0; row < r.trajectory.rows(); ++row) {
+      // Derivatives of the closed form by differences of eighth order, exact to 1e-13.
+      constexpr long double kStep = 1e-3L, kTurn = 2 * std::numbers::pi_v<long double>;
+      constexpr std::array<long double, 5> kFirst = {0, 4.0L / 5, -1.0L / 5, 4.0L / 105, -1.0L / 280};
+      constexpr std::array<long double, 5> kSecond = {-205.0L / 72, 8.0L / 5, -1.0L / 5, 8.0L / 315, -1.0L / 560};
+      const long double crank = start + kTurn * static_cast<long double>(r.trajectory.times()[row]);
+      std::array<Vec, 3> ideal{};  // of P3, with its derivatives by the crank
+      for (int k = -4; k <= 4; ++k) {
+        const Vec at = linkage.posture(crank + k * kStep).point[3];
+        const auto i = static_cast<std::size_t>(std::abs(k));
+        if (k == 0) ideal[0] = at;
+        ideal[1] = ideal[1] + (k < 0 ? -1 : 1) * kFirst[i] / kStep * at;
+        ideal[2] = ideal[2] + kSecond[i] / (kStep * kStep) * at;
+      }
+      for (std::size_t d = 0; d < 3; ++d) {
+        for (std::size_t k = 0; k < 3; ++k) {
+          const std::string column = std::array{"P3.", "P3.v", "P3.a"}[d] + std::string(1, "xyz"[k]);
+          const long double is = r.trajectory(row, r.trajectory.index(column));
+          off[d] = std::max(off[d], std::abs(is / std::pow(kTurn, static_cast<long double>(d)) - ideal[d][k]));
+        }
+      }
+    }
+    // The dimensions are those of the closed form to the rounding of doubles only.
+    EXPECT_LE(off[0], 1e-13);
+    EXPECT_LE(off[1], 1e-12);
+    EXPECT_LE(off[2], 1e-11);
+  }
+}
+
 }  // namespace
 }  // namespace assur
