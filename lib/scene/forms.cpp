@@ -12,6 +12,25 @@ std::size_t idx(Index i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
+// Far from the origin the sum of a fixed point and of an offset on its body loses the offset's last digits, which the
+// difference with another point there would show.
+struct Forms::Exact {
+  double value, rest;
+
+  friend Exact operator+(const Exact& a, const Exact& b) {
+    const double sum = a.value + b.value, of_b = sum - a.value;
+    return rounded(sum, (a.value - (sum - of_b)) + (b.value - of_b) + (a.rest + b.rest));
+  }
+  friend Exact operator*(const Exact& a, const Exact& b) {
+    const double product = a.value * b.value;
+    return rounded(product, std::fma(a.value, b.value, -product) + (a.value * b.rest + a.rest * b.value));
+  }
+  static Exact rounded(double sum, double rest) {
+    const double value = sum + rest;
+    return {value, std::isfinite(value) ? rest - (value - sum) : 0};
+  }
+};
+
 Forms::Forms(std::shared_ptr<const Scene> scene, int length_exponent) {
   s_.scene = std::move(scene);
   s_.dimension = s_.scene->dimension();
@@ -19,6 +38,7 @@ Forms::Forms(std::shared_ptr<const Scene> scene, int length_exponent) {
   s_.outputs = s_.scene->outputs();
   s_.length_exponent = length_exponent;
   s_.constants = {1.0, -1.0};
+  rests_ = {0, 0};
   s_.coordinates.push_back({-1, -1, 0, Role::one, false});
   s_.guess.push_back(1.0);
 }
@@ -27,12 +47,16 @@ Forms::Forms(std::shared_ptr<const Scene> scene, int length_exponent) {
 
 double Forms::scaled(double value, int power) const { return std::ldexp(value, -s_.length_exponent * power); }
 
-Index Forms::internal_constant(double value) {
-  s_.constants.push_back(value);
+Index Forms::internal_constant(const Exact& exact) {
+  s_.constants.push_back(exact.value);
+  rests_.resize(s_.constants.size());
+  rests_.back() = exact.rest;
   return static_cast<Index>(s_.constants.size()) - 1;
 }
 
-Index Forms::constant(double value, int power) { return internal_constant(scaled(value, power)); }
+Forms::Exact Forms::exact(Index constant) const { return {s_.constants[idx(constant)], rests_[idx(constant)]}; }
+
+Index Forms::constant(double value, int power) { return internal_constant({scaled(value, power), 0}); }
 
 Index Forms::form(const Terms& terms) {
   s_.terms.insert(s_.terms.end(), terms.begin(), terms.end());
@@ -45,7 +69,7 @@ Index Forms::times(Index a, Index b) {
   if (a == kPlus) return b;
   if (b == kPlus) return a;
   if (a == kMinus && b == kMinus) return kPlus;
-  return internal_constant(value(a) * value(b));
+  return internal_constant(exact(a) * exact(b));
 }
 
 void Forms::append(Terms& terms, Index f, Index factor) {
@@ -62,7 +86,7 @@ void Forms::append(Terms& terms, Index f, Index factor) {
     } else if (t.coordinate != kOne && cancels()) {
       terms.erase(same);
     } else {
-      same->constant = internal_constant(value(same->constant) + value(c));
+      same->constant = internal_constant(exact(same->constant) + exact(c));
     }
   }
 }

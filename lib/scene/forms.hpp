@@ -85,11 +85,13 @@ class Forms {
 
  private:
   [[nodiscard]] double scaled(double value, int power) const;
-  [[nodiscard]] double value(Index constant) const { return s_.constants[static_cast<std::size_t>(constant)]; }
-  Index internal_constant(double value);
+  struct Exact;  // a constant, to twice the digits
+  [[nodiscard]] Exact exact(Index constant) const;
+  Index internal_constant(const Exact& exact);
   Index times(Index a, Index b);
 
   System s_;
+  std::vector<double> rests_;  // what rounding left of each constant
   Index row_ = 0;
 };
 

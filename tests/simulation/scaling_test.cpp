@@ -1,4 +1,4 @@
-// The unit of length is nobody's business: scaling all lengths by a power of two changes no bit.
+// The unit of length is nobody's business: scaling all lengths by a power of two changes no bit. Nor is the place.
 #include <gtest/gtest.h>
 
 #include "references/scaled.hpp"
@@ -53,6 +53,27 @@ TEST(Scaling, ByAPowerOfTwoChangesNoBit) {
           expect_the_same_bits(sample(text), formulation + "/" + solver, exponent);
         }
       }
+    }
+  }
+}
+
+// A point on a body that turns about a fixed axis, partly along that axis: its distances have the digits of the body.
+TEST(Scaling, DistancesFarAwayKeepTheirDigits) {
+  const double height = 0.3, arm = 0.7;
+  for (const double far : {0.0, 12345.678901, 7.3e8}) {
+    SceneBuilder builder("far", 3);
+    builder.fixed_point("O", {far, -3 * far, far / 7}).fixed_vector("axis", {2.0 / 3, 1.0 / 3, -2.0 / 3});
+    builder.fixed_vector("zero", {1 / std::sqrt(5.0), -2 / std::sqrt(5.0), 0});
+    builder.vector("u", {1 / std::sqrt(5.0), -2 / std::sqrt(5.0), 0})
+        .vector("v", {-4 / std::sqrt(45.0), -2 / std::sqrt(45.0), -5 / std::sqrt(45.0)});
+    builder.add(Body{"arm", "O", {"u", "v", "axis"}, {}, {{"P", {arm, 0, height}}}, {}});
+    builder.drive("motor", RelativeAngle{"zero", "u", "axis", Law::polynomial({0, 1})});
+    builder.measure("reach", MeasuredDistance{"O", "P"}).output("reach").time(0, 1, 0.125);
+    const test::Result r = test::run(builder.build());
+    ASSERT_TRUE(r.report().status.ok());
+    for (std::size_t k = 0; k < r.trajectory.rows(); ++k) {
+      EXPECT_NEAR(r.trajectory(k, 0), std::hypot(arm, height), 16 * test::kEps) << far;
+      EXPECT_NEAR(r.trajectory(k, 2), 0, 64 * test::kEps) << far;
     }
   }
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <sstream>
+#include <variant>
 
 #include "assur/simulator.hpp"
 #include "check/plain_motion.hpp"
@@ -224,6 +225,9 @@ class Trying {
     const TimeGrid& grid = scene_.time();
     const Real t0 = times.back(), t1 = t0 + static_cast<Real>(grid.step);
     if (report.status.code == Code::out_of_range) return;
+    if (report.status.code == Code::actuator_zero && reaches_zero(static_cast<double>(t1))) {
+      return void(end(Verdict::stopped_rightly, "an actuator's length is zero or less at the next time"));
+    }
     const Real came = motion_.advance(laws_over(motion_.equations(), t0, t1));
     const double ends = double(t0 + came * (t1 - t0));
     if (came < 1) {
@@ -251,6 +255,13 @@ class Trying {
     } catch (const Error& error) {
       trial_.what += std::string("; with smaller steps: ") + error.what();
     }
+  }
+
+  [[nodiscard]] bool reaches_zero(double t) const {
+    return std::any_of(scene_.drivers().begin(), scene_.drivers().end(), [&](const Driver& d) {
+      const auto* const distance = std::get_if<DrivenDistance>(&d.kind);
+      return distance != nullptr && distance->law(t).value <= 0;
+    });
   }
 
   static bool is_clean(const Report& report, double t) {
