@@ -12,7 +12,9 @@ void State::resize(std::size_t first_unknown, std::size_t size, const Predictor&
   depth_ = static_cast<std::size_t>(postures_read(predictor));
   levels_ = derivatives_read(predictor) + 1;
   for (int d = 0; d < 3; ++d) {
-    ring(d).postures.assign(1 + (d < levels_ ? depth_ : 1), LaneArray(size, 0.0));
+    Ring& r = ring(d);
+    r.count = 1 + (d < levels_ ? depth_ : 1);
+    for (std::size_t i = 0; i < r.postures.size(); ++i) r.postures[i].assign(i < r.count ? size : 0, 0.0);
   }
   times_.reserve(depth_ + 1);
 }
@@ -37,7 +39,7 @@ void State::clear() {
 
 void State::begin() {
   if (begun_) return;
-  for (Ring& r : rings_) r.newest = (r.newest == 0 ? r.postures.size() : r.newest) - 1;
+  for (Ring& r : rings_) r.newest = (r.newest == 0 ? r.count : r.newest) - 1;
   begun_ = true;
 }
 
@@ -47,14 +49,16 @@ State::Prediction State::begin_prediction(double t) {
   begin();
   const PredictionWeights& w = weights_.at(predictor_, times_, t);
   Prediction out;
+  std::int32_t count = 0;
   for (std::size_t p = 0; p < static_cast<std::size_t>(w.postures); ++p) {
     for (int d = 0; d < levels_; ++d) {
       const double weight = w.weight[p][static_cast<std::size_t>(d)];
       if (weight == 0) continue;
-      out.sources[out.count] = ring(d).at(last() + p) + first_unknown_;
-      out.weights[out.count++] = weight;
+      out.sources[count] = ring(d).at(last() + p) + first_unknown_;
+      out.weights[count++] = weight;
     }
   }
+  out.count = count;
   return out;
 }
 
@@ -70,10 +74,10 @@ State::Prediction State::begin_expansion(double t) {
   return out;
 }
 
-void State::predict(Prediction prediction, std::size_t begin, std::size_t end) {
-  for (std::int32_t i = 0; i < prediction.count; ++i) prediction.sources[i] += begin;
-  kernels_->combine(prediction.sources, prediction.weights, prediction.count, end - begin,
-                    at(0) + first_unknown_ + begin);
+void State::predict(const Prediction& prediction, std::size_t begin, std::size_t end) {
+  const double* sources[3 * kMostPostures];
+  for (std::int32_t i = 0; i < prediction.count; ++i) sources[i] = prediction.sources[i] + begin;
+  kernels_->combine(sources, prediction.weights, prediction.count, end - begin, at(0) + first_unknown_ + begin);
 }
 
 double State::predicted_move(std::size_t address, std::size_t count) const {
@@ -85,7 +89,8 @@ double State::predicted_move(std::size_t address, std::size_t count) const {
 
 void State::accept(double t) {
   if (times_.empty()) {  // what is known and never moves is the same in all postures
-    for (auto& posture : ring(0).postures) std::copy_n(at(0), first_unknown_, posture.data());
+    Ring& r = ring(0);
+    for (std::size_t age = 0; age < r.count; ++age) std::copy_n(at(0), first_unknown_, r.at(age));
   }
   begun_ = false;
   if (times_.size() == depth_) times_.pop_back();

@@ -23,8 +23,8 @@ class State {
 
   // d-th derivative of every coordinate, valid until the next predict() or restore(). After predict() the unknowns have
   // values, but no derivatives yet.
-  [[nodiscard]] double* at(int d) { return ring(d).at(0); }
-  [[nodiscard]] const double* at(int d) const { return ring(d).at(0); }
+  [[nodiscard]] double* at(int d) { return ring(d).at_hand(); }
+  [[nodiscard]] const double* at(int d) const { return ring(d).at_hand(); }
 
   void clear();
   // Unknowns of the next posture, from the accepted ones.
@@ -38,7 +38,7 @@ class State {
   [[nodiscard]] Prediction begin_prediction(double t);
   // The same, by the derivatives of the last accepted posture if the predictor reads none.
   [[nodiscard]] Prediction begin_expansion(double t);
-  void predict(Prediction prediction, std::size_t begin, std::size_t end);
+  void predict(const Prediction& prediction, std::size_t begin, std::size_t end);
   [[nodiscard]] std::size_t unknowns() const { return size_ - first_unknown_; }
   // Largest move, over `count` unknowns from an address on, from the last accepted posture to the prediction.
   [[nodiscard]] double predicted_move(std::size_t address, std::size_t count) const;
@@ -57,13 +57,15 @@ class State {
  private:
   // One derivative of the postures by age, 0: the newest. Nothing is moved when a posture becomes an older one.
   struct Ring {
-    std::vector<LaneArray> postures;
-    std::size_t newest = 0;
+    std::array<LaneArray, kMostPostures + 1> postures;  // `count` of them
+    std::size_t count = 1, newest = 0;
 
     [[nodiscard]] std::size_t place(std::size_t age) const {
       const std::size_t i = newest + age;
-      return i < postures.size() ? i : i - postures.size();
+      return i < count ? i : i - count;
     }
+    [[nodiscard]] double* at_hand() { return postures[newest].data(); }
+    [[nodiscard]] const double* at_hand() const { return postures[newest].data(); }
     [[nodiscard]] double* at(std::size_t age) { return postures[place(age)].data(); }
     [[nodiscard]] const double* at(std::size_t age) const { return postures[place(age)].data(); }
   };
