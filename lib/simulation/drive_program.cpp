@@ -132,7 +132,9 @@ void DriveProgram::evaluate(double t) {
     value[i] = base_[i];
     rate[i] = acceleration[i] = 0;
   }
-  kernels_->add_harmonics(harmonics_.data(), harmonics_.size(), t, value, rate, acceleration);
+  if (!harmonics_.empty()) {
+    kernels_->add_harmonics(harmonics_.data(), harmonics_.size(), t, value, rate, acceleration);
+  }
   const auto add = [&](std::int32_t slot, const Motion& m, double scale) {
     value[slot] += m.value * scale;
     rate[slot] += m.rate * scale;
@@ -157,16 +159,26 @@ void DriveProgram::replace(std::int32_t slot, const Motion& motion) {
 
 void DriveProgram::place(double* const (&state)[3], std::size_t stride) {
   turn();
-  for (std::size_t d = 0; d < 3; ++d) {
-    const double* jet = jets_[d].data();
-    double* x = state[d];
-    for (const Copy& c : copies_) x[idx(c.coordinate) * stride] = jet[c.slot];
-    for (const Sum& s : sums_) {
-      double total = 0;
-      for (std::int32_t t = s.begin; t < s.end; ++t)
-        total += terms_[idx(t)].factor * x[idx(terms_[idx(t)].coordinate) * stride];
-      x[idx(s.coordinate) * stride] = total;
+  double *const q = state[0], *const rate = state[1], *const acceleration = state[2];
+  const double *const value = jets_[0].data(), *const first = jets_[1].data(), *const second = jets_[2].data();
+  for (const Copy& c : copies_) {
+    const std::size_t at = idx(c.coordinate) * stride;
+    q[at] = value[c.slot];
+    rate[at] = first[c.slot];
+    acceleration[at] = second[c.slot];
+  }
+  for (const Sum& s : sums_) {
+    double total = 0, of_rates = 0, of_accelerations = 0;
+    for (const TermOf& t : std::span(terms_.data() + s.begin, terms_.data() + s.end)) {
+      const std::size_t from = idx(t.coordinate) * stride;
+      total += t.factor * q[from];
+      of_rates += t.factor * rate[from];
+      of_accelerations += t.factor * acceleration[from];
     }
+    const std::size_t at = idx(s.coordinate) * stride;
+    q[at] = total;
+    rate[at] = of_rates;
+    acceleration[at] = of_accelerations;
   }
 }
 
@@ -194,14 +206,16 @@ void DriveProgram::turn() {
 }
 
 bool DriveProgram::defined() const {
-  bool ok = true;
-  for (std::size_t i = 0; i < laws_; ++i) ok &= jets_[0][i] == jets_[0][i];
-  // Rates show in outputs as they are.
-  for (const std::size_t d : {1u, 2u}) {
-    for (std::size_t i = 0; i < laws_; ++i) ok &= jets_[d][i] - jets_[d][i] == 0;
+  const double *const value = jets_[0].data(), *const rate = jets_[1].data(), *const acceleration = jets_[2].data();
+  for (std::size_t i = 0; i < laws_; ++i) {
+    if (std::isnan(value[i])) return false;
+    // Rates show in outputs as they are.
+    if (!std::isfinite(rate[i]) || !std::isfinite(acceleration[i])) return false;
   }
-  for (std::size_t i = 0; i < angles_; ++i) ok &= cosines_[i] == cosines_[i];  // none for an infinite angle
-  return ok;
+  for (std::size_t i = 0; i < angles_; ++i) {
+    if (std::isnan(cosines_[i])) return false;  // of an infinite angle
+  }
+  return true;
 }
 
 Code DriveProgram::why_undefined(const System& system, double t) {
