@@ -8,6 +8,16 @@
 #include "simulation/dual.hpp"
 
 namespace assur {
+namespace {
+
+template <class T>
+std::span<const T> share(const std::vector<T>& list, std::size_t part, std::size_t parts) {
+  if (parts == 1) return list;
+  const std::size_t begin = list.size() * part / parts, end = list.size() * (part + 1) / parts;
+  return std::span(list).subspan(begin, end - begin);
+}
+
+}  // namespace
 
 void OutputProgram::bind(const System& s, std::span<const std::int32_t> address) {
   dimension_ = s.dimension;
@@ -100,12 +110,18 @@ std::vector<std::size_t> OutputProgram::angles() const {
 
 void OutputProgram::arm(std::size_t i, const double* q, double& x, double& y) const {
   const Part& part = parts_[angles_[i]];
-  double forms[9] = {};
-  for (std::int32_t f = part.forms_begin; f < part.forms_end; ++f) {
+  const auto value_of = [&](std::int32_t form) {
     double value = 0;
-    for (const TermAt& t : terms_of(f)) value += t.factor * q[t.address];
-    forms[f - part.forms_begin] = value;
+    for (const TermAt& t : terms_of(form)) value += t.factor * q[t.address];
+    return value;
+  };
+  if (part.kind == MeasureForms::Kind::absolute_angle) {
+    x = value_of(part.forms_begin);
+    y = value_of(part.forms_begin + 1);
+    return;
   }
+  double forms[9];  // those of two directions, and in space the axis
+  for (std::int32_t f = part.forms_begin; f < part.forms_end; ++f) forms[f - part.forms_begin] = value_of(f);
   const ArmOf<double> arm = arm_of<double>(part.kind, forms, dimension_);
   x = arm.x;
   y = arm.y;
@@ -128,16 +144,10 @@ double OutputProgram::size_of_arm(std::size_t i, const double* q) const {
 
 void OutputProgram::evaluate(const double* const (&state)[3], double* out, const double* turns, double* divisors,
                              std::size_t part, std::size_t parts) const {
-  const auto share = [&](const auto& list) {
-    const std::size_t begin = list.size() * part / parts, end = list.size() * (part + 1) / parts;
-    return std::span(list).subspan(begin, end - begin);
-  };
-  evaluate_linear(state, out, share(motions_), share(lines_), share(sums_), 1);
-  for (const Part& measure : share(parts_)) {
-    Jet<double> forms[9];
-    evaluate_forms(measure, state, forms);
-    Jet<double> m = evaluate_measure<double>(measure.kind, {forms, 9}, dimension_);
-    divisors[&measure - parts_.data()] = divisor_of<double>(measure.kind, {forms, 9}, dimension_);
+  evaluate_linear(state, out, 1, part, parts);
+  for (const Part& measure : share(parts_, part, parts)) {
+    auto [m, divisor] = evaluate(measure, state);
+    divisors[&measure - parts_.data()] = divisor;
     if (measure.angle >= 0) m.value += 2 * std::numbers::pi * turns[measure.angle];
     const double value[3] = {m.value, m.rate, m.acceleration};
     for (std::size_t d = 0; d < 3; ++d) {
@@ -146,9 +156,26 @@ void OutputProgram::evaluate(const double* const (&state)[3], double* out, const
   }
 }
 
+OutputProgram::Measured OutputProgram::evaluate(const Part& measure, const double* const (&state)[3]) const {
+  const auto angle_of = [](const Jet<double>& x, const Jet<double>& y) {
+    return Measured{atan2(y, x), x.value * x.value + y.value * y.value};
+  };
+  if (measure.kind == MeasureForms::Kind::absolute_angle) {
+    return angle_of(jet_of(measure.forms_begin, state), jet_of(measure.forms_begin + 1, state));
+  }
+  Jet<double> forms[9];
+  evaluate_forms(measure, state, forms);
+  if (measure.kind == MeasureForms::Kind::signed_angle) {
+    const ArmOf<Jet<double>> arm = arm_of<Jet<double>>(measure.kind, forms, dimension_);
+    return angle_of(arm.x, arm.y);
+  }
+  return {evaluate_measure<double>(measure.kind, {forms, 9}, dimension_),
+          divisor_of<double>(measure.kind, {forms, 9}, dimension_)};
+}
+
 void OutputProgram::differentiate(const double* const (&state)[3], const double* const (&change)[3], RandomSign* sign,
                                   double* out) const {
-  evaluate_linear(change, out, motions_, lines_, sums_, 0);
+  evaluate_linear(change, out, 0, 0, 1);
   for (const Part& measure : parts_) {
     Jet<double> forms[9], changes[9];
     evaluate_forms(measure, state, forms);
@@ -170,19 +197,19 @@ void OutputProgram::differentiate(const double* const (&state)[3], const double*
 }
 
 // constant: times the offsets.
-void OutputProgram::evaluate_linear(const double* const (&state)[3], double* out, std::span<const Line> motions,
-                                    std::span<const Line> lines, std::span<const Sum> sums, double constant) const {
-  for (const Line& l : motions) {
+void OutputProgram::evaluate_linear(const double* const (&state)[3], double* out, double constant, std::size_t part,
+                                    std::size_t parts) const {
+  for (const Line& l : share(motions_, part, parts)) {
     out[l.column[0]] = constant * l.offset + l.factor * state[0][l.address];
     out[l.column[1]] = l.factor * state[1][l.address];
     out[l.column[2]] = l.factor * state[2][l.address];
   }
-  for (const Line& l : lines) {
+  for (const Line& l : share(lines_, part, parts)) {
     for (std::size_t d = 0; d < 3; ++d) {
       if (l.column[d] >= 0) out[l.column[d]] = (d == 0 ? constant * l.offset : 0) + l.factor * state[d][l.address];
     }
   }
-  for (const Sum& sum : sums) {
+  for (const Sum& sum : share(sums_, part, parts)) {
     double total[3] = {};
     for (std::int32_t t = sum.begin; t < sum.end; ++t) {
       const TermAt& term = sum_terms_[static_cast<std::size_t>(t)];
@@ -197,15 +224,19 @@ void OutputProgram::evaluate_linear(const double* const (&state)[3], double* out
 void OutputProgram::evaluate_forms(const Part& measure, const double* const (&state)[3],
                                    Jet<double> (&forms)[9]) const {
   for (std::int32_t f = measure.forms_begin; f < measure.forms_end; ++f) {
-    // Derivatives that nobody wants are added as well: three sums stay in registers.
-    double value = 0, rate = 0, acceleration = 0;
-    for (const TermAt& term : terms_of(f)) {
-      value += term.factor * state[0][term.address];
-      rate += term.factor * state[1][term.address];
-      acceleration += term.factor * state[2][term.address];
-    }
-    forms[f - measure.forms_begin] = {value, rate, acceleration};
+    forms[f - measure.forms_begin] = jet_of(f, state);
   }
+}
+
+Jet<double> OutputProgram::jet_of(std::int32_t form, const double* const (&state)[3]) const {
+  // Derivatives that nobody wants are added as well: three sums stay in registers.
+  double value = 0, rate = 0, acceleration = 0;
+  for (const TermAt& term : terms_of(form)) {
+    value += term.factor * state[0][term.address];
+    rate += term.factor * state[1][term.address];
+    acceleration += term.factor * state[2][term.address];
+  }
+  return {value, rate, acceleration};
 }
 
 }  // namespace assur

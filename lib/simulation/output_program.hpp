@@ -149,9 +149,15 @@ class OutputProgram {
     std::int32_t begin, end;
     std::array<std::int32_t, 3> column;  // -1: not wanted
   };
-  void evaluate_linear(const double* const (&state)[3], double* out, std::span<const Line> motions,
-                       std::span<const Line> lines, std::span<const Sum> sums, double constant) const;
+  void evaluate_linear(const double* const (&state)[3], double* out, double constant, std::size_t part,
+                       std::size_t parts) const;
   void evaluate_forms(const Part& measure, const double* const (&state)[3], Jet<double> (&forms)[9]) const;
+  [[nodiscard]] Jet<double> jet_of(std::int32_t form, const double* const (&state)[3]) const;
+  struct Measured {
+    Jet<double> value;
+    double divisor;
+  };
+  [[nodiscard]] Measured evaluate(const Part& measure, const double* const (&state)[3]) const;
   [[nodiscard]] std::span<const TermAt> terms_of(std::int32_t form) const {
     const auto f = static_cast<std::size_t>(form);
     return {terms_.data() + form_start_[f], terms_.data() + form_start_[f + 1]};
