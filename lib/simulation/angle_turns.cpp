@@ -46,7 +46,7 @@ bool AngleTurns::is_short(const Arm& from, const Arm& to, double way) {
 
 bool AngleTurns::follow(const double* q, double seconds) {
   bool known = true;
-  for (std::size_t i = 0; i < now_.size(); ++i) {
+  for (std::size_t i = 0, count = now_.size(); i < count; ++i) {
     const Arm& now = now_[i];
     Arm& next = next_[i];
     outputs_.arm(i, q, next.x, next.y);

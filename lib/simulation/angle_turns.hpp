@@ -17,6 +17,9 @@ class AngleTurns {
   // Of the angles whose values the program puts out; it must outlive this.
   explicit AngleTurns(const OutputProgram& outputs);
 
+  // Nothing to follow.
+  [[nodiscard]] bool empty() const { return now_.empty(); }
+
   // Angles in (-pi, pi]. q: coordinates by address.
   void start(const double* q);
 

@@ -211,13 +211,15 @@ Status Continuation::solve_all(double t, Attempt::Branch branch, StepErrors& err
   const double converged = branch == Attempt::Branch::inside ? converged_ : kConverged;
   if (const Status s = solve_packs(t, branch, converged, errors); !s.ok()) return s;
   if (const Status s = check_positive(); !s.ok()) return s;
-  if (const Status s = check_watched(t, branch, converged, errors); !s.ok()) return s;
-  return branch == Attempt::Branch::inside ? follow_angles(t) : Status{};
+  if (watch_) {
+    if (const Status s = check_watched(t, branch, converged, errors); !s.ok()) return s;
+  }
+  // Drivers turned no more than a step may; does what follows them?
+  const bool seen = turns_ == nullptr || branch != Attempt::Branch::inside || turns_->follow(state_.at(0), t - now_);
+  return seen ? Status{} : turned_unseen();
 }
 
-// Drivers turned no more than a step may; does what follows them?
-Status Continuation::follow_angles(double t) {
-  if (turns_ == nullptr || turns_->follow(state_.at(0), t - now_)) return {};
+Status Continuation::turned_unseen() {
   turn_guessed_ = turn_guessed_ || any_turn_;
   if (any_turn_) return {};
   ++report_.counters.rejected;
@@ -227,15 +229,19 @@ Status Continuation::follow_angles(double t) {
 
 Status Continuation::solve_packs(double t, Attempt::Branch branch, double converged, StepErrors& errors) {
   double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
+  Attempt usual;
+  usual.branch = branch;
+  usual.number = attempts_;
+  usual.most_iterations = limits_.most_iterations;
+  usual.converged = converged;
+  usual.time = t;
+  const bool inside = branch == Attempt::Branch::inside;
   const auto attempt = [&](std::size_t p) {
-    Attempt a;
-    a.number = attempts_;
-    a.time = t;
-    a.branch = passing_[p] != 0 && branch == Attempt::Branch::inside ? Attempt::Branch::pass : branch;
-    a.iterations = packs_[p].level > 0 && branch == Attempt::Branch::inside ? limits_.iterations : 0;
-    a.most_iterations = limits_.most_iterations;
-    if (a.branch != Attempt::Branch::pass) a.converged = converged;
-    if (a.branch == Attempt::Branch::pass) {
+    Attempt a = usual;
+    if (inside && packs_[p].level > 0) a.iterations = limits_.iterations;
+    if (inside && passing_[p] != 0) {
+      a.branch = Attempt::Branch::pass;
+      a.converged = kConverged;
       const GroupSolver& s = levels_.solver(packs_[p]);
       const std::size_t count = idx(s.program().n) * idx(s.lanes());
       a.largest_correction = largest_correction_ * state_.predicted_move(packs_[p].unknowns, count);
@@ -253,7 +259,6 @@ Status Continuation::solve_packs(double t, Attempt::Branch branch, double conver
 // Equations that hold cannot be told from others up to what is left in those that were solved; what is left there is
 // larger in those that are watched. One more correction brings both to the rounding level.
 Status Continuation::check_watched(double t, Attempt::Branch branch, double left, StepErrors& errors) {
-  if (!watch_) return {};
   const auto residual = [&] {
     report_.counters.evaluated_equations += static_cast<std::int64_t>(watch_->equations());
     return watch_->residual(state_.at(0));

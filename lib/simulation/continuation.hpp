@@ -48,7 +48,7 @@ class Continuation {
   Continuation(const Prepared& prepared, const StepLimits& limits, Report& report);
 
   // Signed angles that follow the postures from start() on; it must outlive this.
-  void follow(AngleTurns& turns) { turns_ = &turns; }
+  void follow(AngleTurns& turns) { turns_ = turns.empty() ? nullptr : &turns; }
 
   // Drivers behind nothing that is computed, or marked (by address), are left out.
   void keep_what_is_read(std::vector<std::uint8_t> marked);
@@ -146,7 +146,7 @@ class Continuation {
   void end_step(Inputs::End end);
   void predict(double target, bool expand);
   [[nodiscard]] Status try_step(double target, Attempt::Branch branch, bool expand = false);
-  [[nodiscard]] Status follow_angles(double t);
+  [[nodiscard]] Status turned_unseen();
   [[nodiscard]] bool may_choose_anew(bool asked) const;
   [[nodiscard]] Status at_the_limit(const Status& failed, double target, double t, double first);
   [[nodiscard]] bool turns_back(GroupSolver::Singularity here);

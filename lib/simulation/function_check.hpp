@@ -19,6 +19,9 @@ class FunctionCheck {
 
   void restart();
 
+  // Nothing is of the program.
+  [[nodiscard]] bool empty() const { return callbacks_.empty() && laws_.empty(); }
+
   // Before a step between two times, from the posture with the derivatives state[d], by address: an event that names
   // what contradicts itself; then the next step is checked, too. asked(input, k): is that law of the system asked?
   // Allocates nothing but for the event, and throws nothing.
