@@ -137,6 +137,7 @@ void Tile::bind() {
         lane > 0 && &system == variants_[0]->system.get() && variants_[lane]->time == variants_[0]->time;
     functions_[lane].reset();
     if (!repeats) functions_[lane].emplace(*structure_, system, layout_.address);
+    if (!repeats && functions_[lane]->empty()) functions_[lane].reset();
     if (structure_->watch_class.equations.empty()) continue;
     watch_[lane].emplace(system, *structure_, layout_.address);
     independence_[lane] =
@@ -234,7 +235,8 @@ Status Tile::solve_all(std::span<const double> times, Attempt::Branch branch) {
   if (const Status s = drive(times); !s.ok()) return s;
   const bool inside = branch == Attempt::Branch::inside;
   for (std::size_t lane = 0; lane < driven_lanes_ && inside; ++lane) {
-    const double part = turned(driven_angles_[lane], drive_[lane]->angles(), together_);
+    const std::size_t before = lane < lanes_accepted_ ? lane : 0;
+    const double part = turned(driven_angles_[before], drive_[lane]->angles(), together_);
     if (part > 1) return {Code::branch_unknown, Place::lane(static_cast<std::int32_t>(lane)), part};
   }
   StepErrors errors;
@@ -342,6 +344,7 @@ Status Tile::begin_angles(std::span<const double> times) {
 // Not ok if some lane turned too far to tell how.
 Status Tile::follow_angles(double seconds) {
   Status s;
+  if (turns_[0].empty()) return s;
   for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
     const bool known = turns_[lane].follow(state_.at(0) + lane, seconds);
     if (!known) s = {Code::branch_unknown, Place::lane(static_cast<std::int32_t>(lane)), seconds};
@@ -351,9 +354,14 @@ Status Tile::follow_angles(double seconds) {
 
 void Tile::accept(std::span<const double> times) {
   state_.accept(times[0]);
-  for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
-    const std::span<const double> angles = drive_[lane < driven_lanes_ ? lane : 0]->angles();
-    driven_angles_[lane].assign(angles.begin(), angles.end());
+  lanes_accepted_ = driven_lanes_;
+  for (std::size_t lane = 0; lane < driven_lanes_; ++lane) {
+    const std::span<const double> angles = drive_[lane]->angles();
+    std::vector<double>& accepted = driven_angles_[lane];
+    if (accepted.size() != angles.size()) accepted.resize(angles.size());
+    for (std::size_t i = 0; i < angles.size(); ++i) accepted[i] = angles[i];
+  }
+  for (std::size_t lane = 0; lane < variants_.size() && !turns_[0].empty(); ++lane) {
     turns_[lane].accept(times[0] - now_[0]);
   }
   now_.assign(times.begin(), times.end());

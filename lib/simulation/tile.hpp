@@ -115,6 +115,7 @@ class Tile {
   int together_;                                    // angles_together()
   std::size_t driven_lanes_ = 0;                    // whose drivers were evaluated last; the others are as the first
   std::vector<std::vector<double>> driven_angles_;  // lanes: of the drivers, at the last posture
+  std::size_t lanes_accepted_ = 1;                  // whose driven angles are there; the others' are the first one's
   std::vector<std::string> columns_;
   std::vector<OutputProgram> outputs_;                       // lanes
   std::vector<AngleTurns> turns_;                            // lanes
@@ -123,7 +124,7 @@ class Tile {
   std::vector<std::optional<Watch>> watch_;                  // lanes
   std::vector<std::unique_ptr<Independence>> independence_;  // lanes; null where no other set can be chosen
   std::int64_t measured_at_ = -1;                            // branch checks when the sets were looked at
-  std::vector<std::optional<FunctionCheck>> functions_;      // lanes; of equal ones the first
+  std::vector<std::optional<FunctionCheck>> functions_;      // lanes; of equal ones the first; none: nothing to check
   ErrorEstimate estimate_;
   State state_;
   std::vector<const Variant*> variants_;  // lanes in use
