@@ -25,4 +25,5 @@ count() {
 printf '%-14s %-44s %12s\n' scene strategy instructions
 for solver in klu lanes:8 lanes:8+once; do count stewart "groups/$solver+predict=hermite:5"; done
 for solver in eigen lanes:8 lanes:8+once; do count stewart "irreducible/$solver+predict=hermite:5"; done
+for scene in four_bar slider_crank; do count "$scene" "irreducible/lanes+predict=hermite:5"; done
 for solver in eigen klu lanes lanes+once; do count four_bar:100 "irreducible/$solver+predict=hermite:5"; done
