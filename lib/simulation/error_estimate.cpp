@@ -23,6 +23,8 @@ constexpr std::int64_t kInterval = 512;       // steps from one measurement to t
 constexpr std::int64_t kIntervalUnseen = 16;  // where callbacks hide how the condition changes, or errors are in doubt
 constexpr double kCloser = 1.6;               // of the square of a divisor; 2 for the inverse of its cube
 constexpr double kGrown = 2;                  // of a condition, or a residual: then it is measured again
+constexpr double kFaster = 4;                 // of a rate of what drives, or an acceleration
+constexpr double kSlow = 1.0 / 16;            // of the fastest one: how fast slower ones are does not matter
 
 std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -85,6 +87,7 @@ void ErrorEstimate::restart(std::span<const System* const> systems) {
     for (const int dimension : dimension_) m.unit.push_back(systems[i]->unit(dimension));
     m.scale = {1, 0, 0};
     m.largest.assign(m.sizes.size(), {});
+    m.fast.assign(2 * driven_.size(), 0.0);
     m.now = {};
     m.smallest.assign(outputs_[i].measures(), kInfinity);
     m.least.assign(m.smallest.size(), 0.0);
@@ -97,7 +100,8 @@ void ErrorEstimate::restart(std::span<const System* const> systems) {
   loose_ = false;
 }
 
-bool ErrorEstimate::due(std::int64_t branch_checks, double residual, std::span<const double* const> divisors) {
+bool ErrorEstimate::due(std::int64_t branch_checks, const double* const (&state)[3], double residual,
+                        std::span<const double* const> divisors) {
   ++steps_;
   const bool grown = residual > kGrown * residual_;
   if (grown) residual_ = residual;
@@ -107,8 +111,8 @@ bool ErrorEstimate::due(std::int64_t branch_checks, double residual, std::span<c
   const double error = residual > kRounding ? gain_ * residual : 0;
   bool serve = true;
   for (std::size_t i = 0; i < used_; ++i) serve = serve && serves(mechanisms_[i], divisors[i]);
-  if (grown || first || !serve || error > asked_ || steps_ >= (in_doubt() ? kIntervalUnseen : interval_) ||
-      conditions_have_grown(branch_checks, error)) {
+  if (grown || first || !serve || error > asked_ || is_faster(state) ||
+      steps_ >= (in_doubt() ? kIntervalUnseen : interval_) || conditions_have_grown(branch_checks, error)) {
     return true;
   }
   if (error > 0) left_ = std::max(left_, residual);
@@ -156,11 +160,17 @@ void ErrorEstimate::begin(std::span<const double> times, const double* const (&s
   steps_ = 0;
   ++measurements_;
   for (std::size_t i = 0; i < used_; ++i) {
-    auto& scale = mechanisms_[i].scale;
+    Mechanism& m = mechanisms_[i];
+    std::array<double, 3>& scale = m.scale;
     for (const std::int32_t a : driven_) {
       for (std::size_t d = 1; d < 3; ++d) scale[d] = std::max(scale[d], std::abs(state[d][idx(a) + i]));
     }
     scale[2] = std::max(scale[2], scale[1] * scale[1]);
+    for (std::size_t k = 0; k < m.fast.size(); ++k) {
+      const std::size_t d = k % 2 + 1;
+      const double now = std::abs(state[d][idx(driven_[k / 2]) + i]);
+      m.fast[k] = std::max({m.fast[k], kFaster * now, kFaster * kSlow * scale[d]});
+    }
   }
   if (!static_known_) perturb_static(state[0]);
   // Where equations are solved as well as they can be and errors are too large, nothing will be loosened.
@@ -298,6 +308,21 @@ bool ErrorEstimate::serves(const Mechanism& m, const double* divisors) {
   bool serves = true;
   for (std::size_t i = 0; i < m.least.size(); ++i) serves &= divisors[i] >= m.least[i] && divisors[i] <= m.most[i];
   return serves;
+}
+
+// What was measured at rest, or slower, says little of the errors of velocities and accelerations.
+bool ErrorEstimate::is_faster(const double* const (&state)[3]) const {
+  if (!wanted_[1] && !wanted_[2]) return false;
+  bool faster = false;
+  for (std::size_t i = 0; i < used_; ++i) {
+    const double* fast = mechanisms_[i].fast.data();
+    for (const std::int32_t a : driven_) {
+      faster |= std::abs(state[1][idx(a) + i]) > fast[0];
+      faster |= std::abs(state[2][idx(a) + i]) > fast[1];
+      fast += 2;
+    }
+  }
+  return faster;
 }
 
 // Steps that nobody measured have errors as well: at most as large as they may be with what was left in them.

@@ -45,9 +45,10 @@ class ErrorEstimate {
   // next step is measured.
   void continue_from(ErrorEstimate& before);
 
-  // Is what was measured last out of date? Tell it of every step, of the largest residual that it left, and of what the
-  // measures of each mechanism divide by (OutputProgram::evaluate).
-  [[nodiscard]] bool due(std::int64_t branch_checks, double residual, std::span<const double* const> divisors);
+  // Is what was measured last out of date? Tell it of every step, of the posture, of the largest residual that it left,
+  // and of what the measures of each mechanism divide by (OutputProgram::evaluate).
+  [[nodiscard]] bool due(std::int64_t branch_checks, const double* const (&state)[3], double residual,
+                         std::span<const double* const> divisors);
 
   // At the posture at hand; times, rows, divisors: of each mechanism, with its outputs. each(work) calls work(p,
   // solver) for every pack, level after level. All figures are infinite where a matrix is singular. It is of the run
@@ -106,6 +107,7 @@ class ErrorEstimate {
     Place worst;
     // Of what the measures divide by: the smallest that was measured, and between which the last measurement serves.
     std::vector<double> smallest, least, most;
+    std::vector<double> fast;  // driven_: rates and accelerations beyond which the last measurements do not serve
   };
   void begin(std::span<const double> times, const double* const (&state)[3]);
   [[nodiscard]] Probes probes() const { return Probes(probes_).first(knows_gain_ ? probes_.size() : 1 + kRandom); }
@@ -119,6 +121,7 @@ class ErrorEstimate {
   [[nodiscard]] Figures relative(const Mechanism& m, const std::vector<Size>& sizes, double Size::*what) const;
   void watch_divisors(Mechanism& m, const double* divisors) const;
   [[nodiscard]] static bool serves(const Mechanism& m, const double* divisors);
+  [[nodiscard]] bool is_faster(const double* const (&state)[3]) const;
 
   Layout& layout_;
   StaticErrors static_;

@@ -155,8 +155,9 @@ struct Simulator::Impl {
 
   // Of the posture that was reached at last, on the way from `from`: is it as accurate as was asked for?
   Status check_accuracy(double from) {
+    const double* const q[3] = {motion.at(0), motion.at(1), motion.at(2)};
     const double* const divided_by = divisors.data();
-    if (estimate.due(report.counters.branch_checks, motion.errors().worst(), {&divided_by, 1})) judge();
+    if (estimate.due(report.counters.branch_checks, q, motion.errors().worst(), {&divided_by, 1})) judge();
     return verdict.ok() && !motion.turn_guessed() ? Status{} : tell_verdict(from);
   }
 

@@ -267,7 +267,10 @@ Status Tile::solve_packs(std::span<const double> times, Attempt::Branch branch, 
   return {};
 }
 
-bool Tile::errors_are_due() { return estimate_.due(counters_.branch_checks, left_, divisors_); }
+bool Tile::errors_are_due() {
+  const double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
+  return estimate_.due(counters_.branch_checks, q, left_, divisors_);
+}
 
 void Tile::measure_errors(std::span<const double> times, std::span<const double* const> rows) {
   const double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};

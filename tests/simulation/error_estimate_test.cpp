@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -159,9 +160,10 @@ TEST(ErrorEstimate, OfRandomMechanismsIsHonest) {
   const auto quantile = [&](double share) {
     return ratios[static_cast<std::size_t>(share * static_cast<double>(ratios.size() - 1))];
   };
-  std::printf("%d runs: true over estimated error 1 %%: %.2g, median %.2g, 90 %%: %.2g, 99 %%: %.2g, largest %.2g; "
-              "%d in doubt, %d of them without reason\n",
-              runs, quantile(0.01), quantile(0.5), quantile(0.9), quantile(0.99), quantile(1), doubted, needless);
+  std::printf(
+      "%d runs: true over estimated error 1 %%: %.2g, median %.2g, 90 %%: %.2g, 99 %%: %.2g, largest %.2g; "
+      "%d in doubt, %d of them without reason\n",
+      runs, quantile(0.01), quantile(0.5), quantile(0.9), quantile(0.99), quantile(1), doubted, needless);
   ASSERT_GT(runs, all * 9 / 10);
   EXPECT_LE(quantile(0.99), 3);
   EXPECT_GE(quantile(0.5), 0.03);
@@ -362,6 +364,37 @@ TEST(Accuracy, OfChunksStaysWithTheRun) {
 }
 
 // ---- figures that nobody measured
+
+// At rest no error of a velocity shows, however bad the posture: a slider's C is at a distance s from where the rod is
+// across its rail, and accelerations are known to about eps / s^2.
+TEST(ErrorEstimate, OfWhatBeginsAtRest) {
+  for (const double missed : {0.5, 1e-11}) {
+    SCOPED_TRACE(missed);
+    const double rod = 1 + missed, across = std::numbers::pi / 2;
+    SceneBuilder b("slider", 2);
+    b.fixed_point("A", {0, 0, 0}).fixed_vector("rail", {1, 0, 0});
+    b.point("B", {0, 1, 0}).point("C", {std::sqrt((rod - 1) * (rod + 1)), 0, 0});
+    b.constrain("rod", Distance{"B", "C", rod}).constrain("line", OnLine{"C", "A", "rail"});
+    b.constrain("crank", Distance{"A", "B", 1.0});
+    b.drive("motor", PointAngle{"A", "B", "", Law::polynomial({across, 0})}).output("C").time(0, 1, 0.01);
+    Simulator s(prepare(b.build(), {.strategy = "irreducible/eigen", .controlled = {"motor"}}));
+    for (int k = 0; k < 4; ++k) ASSERT_TRUE(s.step().ok());
+    EXPECT_EQ(s.report().error.estimated_velocity, 0);
+    s.set("motor", across, 1.0);
+    const Status moving = s.step();
+    ASSERT_TRUE(moving.arrived());
+    const auto angle = static_cast<long double>(across), square = static_cast<long double>(rod) * rod;
+    const long double sine = std::sin(angle), cosine = std::cos(angle), root = std::sqrt(square - sine * sine);
+    const long double rate = -sine - sine * cosine / root;
+    const long double acceleration =
+        -cosine - (cosine * cosine - sine * sine) / root - sine * sine * cosine * cosine / (root * root * root);
+    const double off = static_cast<double>(std::abs(s.output("C.ax") - acceleration) / acceleration);
+    EXPECT_LE(std::abs(s.output("C.vx") - static_cast<double>(rate)), 4 * s.report().error.estimated_velocity.value());
+    EXPECT_LE(off, 4 * s.report().error.estimated_acceleration.value());
+    EXPECT_GE(s.report().error.estimated_acceleration, test::kEps / missed / 100);
+    EXPECT_EQ(moving.ok(), missed > 0.1);
+  }
+}
 
 TEST(ErrorFigures, AreUnknownWhereNothingIsMeasured) {
   const Scene scene = sample("stewart:steps=10").with_outputs({"handle1.value"});
