@@ -44,8 +44,8 @@ bool AngleTurns::is_short(const Arm& from, const Arm& to, double way) {
   return 2 * std::sqrt(way) <= std::sqrt(from.square) + std::sqrt(to.square);
 }
 
-bool AngleTurns::follow(const double* q, double seconds) {
-  bool known = true;
+AngleTurns::Way AngleTurns::follow(const double* q, double seconds) {
+  Way found = Way::known;
   for (std::size_t i = 0, count = now_.size(); i < count; ++i) {
     const Arm& now = now_[i];
     Arm& next = next_[i];
@@ -54,9 +54,10 @@ bool AngleTurns::follow(const double* q, double seconds) {
     next.square = next.x * next.x + next.y * next.y;
     next.chord = dx * dx + dy * dy;
     const double way = now.speed < 0 ? kFirstSteps * next.chord : std::max(next.chord, now.speed * seconds * seconds);
-    if (!is_short(now, next, way) && !is_noise(i, now, next, q)) known = false;
+    if (found == Way::unknown || is_short(now, next, way)) continue;
+    found = is_noise(i, now, next, q) ? Way::none : Way::unknown;
   }
-  return known;
+  return found;
 }
 
 bool AngleTurns::is_noise(std::size_t i, const Arm& from, const Arm& to, const double* q) const {

@@ -23,9 +23,13 @@ class AngleTurns {
   // Angles in (-pi, pi]. q: coordinates by address.
   void start(const double* q);
 
-  // Another posture, a time `seconds` later. False if some vector moved so far, or would have at the speed of the step
-  // before, that it is not known how it turned.
-  [[nodiscard]] bool follow(const double* q, double seconds);
+  enum class Way {
+    known,
+    unknown,  // some vector moved so far, or would have at the speed of the step before: a shorter step may tell
+    none,     // some vector is nothing but rounding: no step tells
+  };
+  // Another posture, a time `seconds` later: is it known how the vectors turned?
+  [[nodiscard]] Way follow(const double* q, double seconds);
   // It is accepted. Angles of which too little is known take the shorter way.
   void accept(double seconds);
 

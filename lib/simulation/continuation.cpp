@@ -215,13 +215,15 @@ Status Continuation::solve_all(double t, Attempt::Branch branch, StepErrors& err
     if (const Status s = check_watched(t, branch, converged, errors); !s.ok()) return s;
   }
   // Drivers turned no more than a step may; does what follows them?
-  const bool seen = turns_ == nullptr || branch != Attempt::Branch::inside || turns_->follow(state_.at(0), t - now_);
-  return seen ? Status{} : turned_unseen();
+  if (turns_ == nullptr || branch != Attempt::Branch::inside) return {};
+  const AngleTurns::Way way = turns_->follow(state_.at(0), t - now_);
+  return way == AngleTurns::Way::known ? Status{} : turned_unseen(way);
 }
 
-Status Continuation::turned_unseen() {
-  turn_guessed_ = turn_guessed_ || any_turn_;
-  if (any_turn_) return {};
+Status Continuation::turned_unseen(AngleTurns::Way way) {
+  const bool guesses = any_turn_ || way == AngleTurns::Way::none;
+  turn_guessed_ = turn_guessed_ || guesses;
+  if (guesses) return {};
   ++report_.counters.rejected;
   turned_ = kUnseen;
   return {Code::branch_unknown, {}, turned_};

@@ -146,7 +146,7 @@ class Continuation {
   void end_step(Inputs::End end);
   void predict(double target, bool expand);
   [[nodiscard]] Status try_step(double target, Attempt::Branch branch, bool expand = false);
-  [[nodiscard]] Status turned_unseen();
+  [[nodiscard]] Status turned_unseen(AngleTurns::Way way);
   [[nodiscard]] bool may_choose_anew(bool asked) const;
   [[nodiscard]] Status at_the_limit(const Status& failed, double target, double t, double first);
   [[nodiscard]] bool turns_back(GroupSolver::Singularity here);

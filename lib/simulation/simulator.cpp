@@ -163,7 +163,13 @@ struct Simulator::Impl {
 
   Status tell_verdict(double from) {
     Status s = verdict;
-    if (s.ok() && motion.turn_guessed()) s = {Code::inaccurate, {}, std::numbers::pi};
+    if (motion.turn_guessed()) {  // the other way round it is a whole turn more or less
+      constexpr double kTurn = 2 * std::numbers::pi;
+      s = {Code::inaccurate, s.where, std::max(s.figure, kTurn)};
+      ErrorFigures turn;
+      turn.estimated_position = kTurn;
+      earlier_error.merge(turn);
+    }
     if (s.ok()) return {};
     record_doubt(report.events, {from, motion.time(), structure.name_of(s.where), s.code, s.figure});
     if (doubt.ok()) {

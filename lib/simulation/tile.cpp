@@ -349,7 +349,7 @@ Status Tile::follow_angles(double seconds) {
   Status s;
   if (turns_[0].empty()) return s;
   for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
-    const bool known = turns_[lane].follow(state_.at(0) + lane, seconds);
+    const bool known = turns_[lane].follow(state_.at(0) + lane, seconds) == AngleTurns::Way::known;
     if (!known) s = {Code::branch_unknown, Place::lane(static_cast<std::int32_t>(lane)), seconds};
   }
   return s;

@@ -34,11 +34,16 @@ std::string told(const RandomMechanism& m, const Trial& t) {
 TEST(RandomMechanisms, NoneIsWrongWithACleanStatus) {
   const int count = test::random_count(25);
   std::map<std::string, int> verdicts;
-  int refused = 0;
+  int refused = 0, estimates = 0, exceeded = 0;
   for (std::uint64_t seed = first_seed(), end = seed + static_cast<std::uint64_t>(count); seed != end; ++seed) {
     const RandomMechanism m = random_mechanism(seed, ASSUR_SOURCE_DIR "/tests/data/tables");
     const Trial t = try_out(m);
     ++verdicts[name(t.verdict)];
+    for (std::size_t d = 0; d < 3 && t.verdict == Verdict::agrees && t.rows > 0; ++d) {
+      if (!t.error[d] || !t.estimated[d]) continue;
+      ++estimates;
+      exceeded += *t.error[d] > 3 * *t.estimated[d] ? 1 : 0;
+    }
     if (t.verdict == Verdict::refused) {
       ++refused;
       std::cout << told(m, t) << '\n';
@@ -46,7 +51,9 @@ TEST(RandomMechanisms, NoneIsWrongWithACleanStatus) {
     EXPECT_LT(t.verdict, Verdict::wrong_start) << told(m, t);
   }
   for (const auto& [verdict, n] : verdicts) std::cout << verdict << ": " << n << '\n';
+  std::cout << exceeded << " of " << estimates << " estimates exceeded by more than 3\n";
   EXPECT_LE(refused, std::max(1, count / 1000));
+  EXPECT_LE(exceeded, std::max(1, estimates / 100));
 }
 
 // What the search finds: a motion that the plain equations contradict.

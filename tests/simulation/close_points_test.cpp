@@ -1,6 +1,7 @@
 // Measures of points that pass close to each other divide by that distance: the estimated errors tell what is lost.
 #include <gtest/gtest.h>
 
+#include <numbers>
 #include <random>
 
 #include "simulation/run.hpp"
@@ -38,6 +39,33 @@ TEST(ClosePoints, OnALine) {
   expect_covered(scene, "irreducible/lanes");
   expect_covered(scene, "groups/eigen:4+chunks=4");
   EXPECT_EQ(test::run(scene).report().status.code, Code::inaccurate);
+}
+
+// It passes through the point at t = 0.856: which way round the direction turns there is a guess, by a whole turn.
+TEST(ClosePoints, ThatMeetLeaveAWholeTurnInDoubt) {
+  constexpr double kTurn = 2 * std::numbers::pi;
+  const Scene scene = parse_scene(R"({"assur": 1, "name": "close", "dimension": 2,
+    "points": {"A": {"at": [0, 0], "fixed": true}, "B": {"at": [0.5, 0]}, "C": {"at": [1.07, 1.43]},
+               "F": {"at": [1.0789035682494987, 1.438538090999332], "fixed": true}},
+    "vectors": {"d": {"at": [0.6, 0.8], "fixed": true}},
+    "constraints": {"crank": {"distance": ["A", "B"], "value": 0.5}, "rod": {"distance": ["B", "C"], "value": 1.3},
+                    "slide": {"on_line": ["C", "A", "d"]}},
+    "drivers": {"motor": {"angle": ["A", "B"], "law": {"polynomial": [0, 1]}}},
+    "measures": {"q": {"angle": ["F", "C"]}}, "outputs": ["q"], "time": {"start": 0, "end": 0.95, "step": 0.01}})");
+  for (const std::string strategy : {"groups/eigen", "global/eigen+reuse=run", "irreducible/lanes", "groups/eigen:4"}) {
+    SCOPED_TRACE(strategy);
+    const test::Result r = test::run(scene, strategy);
+    ASSERT_TRUE(r.report().status.arrived());
+    EXPECT_GE(r.report().error.estimated_position, kTurn);
+    const std::vector<Event>& events = r.report().events;
+    ASSERT_FALSE(events.empty());
+    EXPECT_EQ(events[0].kind, Code::inaccurate);
+    EXPECT_GE(events[0].figure, kTurn);
+    EXPECT_LT(events[0].time, 0.856);
+    EXPECT_GT(events[0].until, 0.856);
+    const std::size_t last = r.trajectory.rows() - 1;
+    EXPECT_NEAR(std::abs(r.trajectory(last, 0) - r.trajectory(0, 0)), kTurn / 2, 1e-9);
+  }
 }
 
 // The rocker of a four-bar passes a fixed point, or a direction, at 1e-3 to 1e-9.

@@ -231,6 +231,12 @@ void PlainMotion::follow(std::vector<PlainEquations::Column> angles) {
   met_.assign(angles_.size(), false);
 }
 
+// Turns are counted along the way, in doubles; the angle is that of the posture at hand.
+Real PlainMotion::turned(std::size_t i) const {
+  const Real value = show(angles_[i]).value;
+  return value + kTwoPi * std::round((turned_[i] - value) / kTwoPi);
+}
+
 bool PlainMotion::unwrap(const Vector& x, std::vector<Real>& turned, std::vector<bool>& met) const {
   if (angles_.empty()) return true;
   std::vector<TimeJet<Real>> at(static_cast<std::size_t>(x.size()));

@@ -38,7 +38,7 @@ class PlainMotion {
 
   // Angles to be unwrapped along the way; turned() in this order, from (-pi, pi] at the start.
   void follow(std::vector<PlainEquations::Column> angles);
-  [[nodiscard]] Real turned(std::size_t i) const { return turned_[i]; }
+  [[nodiscard]] Real turned(std::size_t i) const;
   // False once its points or directions met on the way, where it turns round either way.
   [[nodiscard]] bool knows_turns(std::size_t i) const { return !met_[i]; }
 

@@ -40,7 +40,9 @@ class PlainTrueMotion final : public TrueMotion {
     from_ = now_ = everything.time();
   }
 
-  [[nodiscard]] bool knows_turns() const override { return true; }
+  [[nodiscard]] bool knows_turns(std::size_t column) const override {
+    return angle_[column] >= 0 && motion_.knows_turns(static_cast<std::size_t>(angle_[column]));
+  }
 
   std::vector<long double> row(std::size_t, double t) override {
     before_ = motion_;

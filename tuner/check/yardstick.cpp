@@ -74,7 +74,7 @@ Yardstick::Yardstick(const Prepared& prepared, std::unique_ptr<TrueMotion> motio
       if (!o.wanted[d]) continue;
       const OutputPart& part = o.all_parts[0];
       items_.push_back({column, o.part_count, d, structure_->system->unit(part.dimension),
-                        d == 0 && o.part_count == 1 && is_signed_angle(part) && !motion_->knows_turns()});
+                        d == 0 && o.part_count == 1 && is_signed_angle(part)});
       column += o.part_count;
     }
   }
@@ -86,7 +86,7 @@ Yardstick::Figure Yardstick::compare(const Item& item, const Trajectory& traject
     const long double is = rows_[row][i];
     if (std::isnan(is)) continue;
     long double difference = trajectory(row, i) - is;
-    if (item.angle) difference = std::remainder(difference, 2 * std::numbers::pi_v<long double>);
+    if (row >= item.turns_known) difference = std::remainder(difference, 2 * std::numbers::pi_v<long double>);
     difference = std::abs(difference);
     if (!(difference <= figure.difference)) figure.difference = std::isnan(difference) ? kInfinite : difference;
     figure.size = std::max(figure.size, std::abs(is));
@@ -108,6 +108,9 @@ void Yardstick::add_row(const Trajectory& trajectory) {
   const double t = trajectory.times()[k];
   try {
     rows_.push_back(motion_->row(k, t));
+    for (Item& item : items_) {
+      if (item.angle && !motion_->knows_turns(item.first)) item.turns_known = std::min(item.turns_known, k);
+    }
     // Where they part, it may be the yardstick that took the wrong branch; where they stay apart, it is not.
     if (apart_ || !is_far(trajectory, k)) return;
     rows_[k] = motion_->row_again(k, t);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,8 +23,9 @@ class TrueMotion {
   virtual std::vector<long double> row(std::size_t k, double t) = 0;
   // Of row k once more, where a trajectory is on another branch: followed in smaller steps.
   virtual std::vector<long double> row_again(std::size_t k, double t) { return row(k, t); }
-  // False: angles are compared but for whole turns.
-  [[nodiscard]] virtual bool knows_turns() const { return false; }
+  // Of the angle in that column, in the row that was asked for last. False: it is compared but for whole turns, from
+  // there on.
+  [[nodiscard]] virtual bool knows_turns(std::size_t) const { return false; }
   // What a derivative of an output that rests is measured against (SI units of a scalar without dimension).
   [[nodiscard]] virtual double scale(int derivative) const { return derivative == 0 ? 1 : 0; }
 };
@@ -60,7 +62,8 @@ class Yardstick {
     std::size_t first, count;
     int derivative;
     double unit;
-    bool angle;  // a value that is known but for whole turns
+    bool angle;                                                         // the value of one that has a sign
+    std::size_t turns_known = std::numeric_limits<std::size_t>::max();  // an angle: rows
   };
   [[nodiscard]] Figure compare(const Item& item, const Trajectory& trajectory, std::size_t row) const;
   void add_row(const Trajectory& trajectory);
