@@ -420,8 +420,9 @@ void Continuation::end_step(Inputs::End end) {
   if (end == Inputs::End::arrived) ++report_.counters.steps;
 }
 
-bool Continuation::polish() {
-  converged_ = kConverged;
+bool Continuation::polish(double converged) {
+  if (converged == 0 && limits_.iterations > 0) return false;
+  converged_ = converged;
   state_.restore();
   StepErrors errors;
   if (!solve_at(now_, Attempt::Branch::inside, errors).ok()) {

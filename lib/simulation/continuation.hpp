@@ -108,11 +108,12 @@ class Continuation {
   // There is none that is: asks again once the set is twice as poor.
   void keep_set();
 
-  // The posture at hand once more, as exact as doubles are. False: it stays as it was.
-  [[nodiscard]] bool polish();
+  // The posture at hand once more, and those of the next steps, until what is left counts as solved. False: it stays as
+  // it was, because it cannot be, or the number of iterations is given.
+  [[nodiscard]] bool polish(double converged);
 
   // The residual at which an equation counts as solved.
-  [[nodiscard]] double converged() const { return converged_; }
+  [[nodiscard]] double converged() const { return converged_; }  // 0: as exact as doubles are
   void converge_to(double residual) { converged_ = residual; }
 
   [[nodiscard]] double time() const { return now_; }

@@ -37,7 +37,8 @@ ErrorEstimate::ErrorEstimate(const Structure& structure, Layout& layout, std::sp
     : layout_(layout),
       static_(*structure.system, structure),
       outputs_(outputs),
-      asked_(accuracy > 0 ? accuracy : kDoubtfulError) {
+      asked_(accuracy > 0 ? accuracy : kDoubtfulError),
+      best_(accuracy > 0 ? kConverged : 0) {
   const System& system = *structure.system;
   for (std::size_t c = 0; c < system.coordinates.size(); ++c) {
     const bool drives = system.coordinates[c].role == Role::driven && system.coordinates[c].moving;

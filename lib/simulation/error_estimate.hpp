@@ -78,8 +78,13 @@ class ErrorEstimate {
     return measurements_ > 0 && !(driven_.empty() && static_.coordinates().empty());
   }
   [[nodiscard]] double asked() const { return asked_; }
+  // The residual up to which equations are solved where errors are in doubt; 0: as exactly as doubles allow. Who asks
+  // for an accuracy does not pay more for it than who asks for nothing.
+  [[nodiscard]] double best() const { return best_; }
   // When it was measured last, errors were larger than was asked for, those of some mechanism.
   [[nodiscard]] bool in_doubt() const { return worst_ > asked_; }
+  // Or not far from it: steps that are solved less well may be.
+  [[nodiscard]] bool close_to_doubt() const { return kClose * worst_ > asked_; }
   [[nodiscard]] const Figures& now(std::size_t mechanism = 0) const { return mechanisms_[mechanism].now; }
   // Of the whole run: the largest errors over the largest values. Not in doubt as long as no step was.
   [[nodiscard]] ErrorFigures of_run(std::size_t mechanism = 0);
@@ -94,6 +99,7 @@ class ErrorEstimate {
 
  private:
   static constexpr std::size_t kRandom = 5;  // probes of one cause with random signs
+  static constexpr double kClose = 16;       // kConverged over what rounding leaves, and what conditions may grow by
   struct Size {                              // of an output, or of one of its derivatives
     double value = 0, error = 0;
     double gain = 0;  // error for each relative residual of any equation
@@ -126,7 +132,7 @@ class ErrorEstimate {
   Layout& layout_;
   StaticErrors static_;
   std::span<const OutputProgram> outputs_;
-  double asked_;
+  double asked_, best_;
   std::vector<std::int32_t> driven_;           // addresses of what drives
   std::vector<std::int32_t> size_of_;          // columns: 3 * output + derivative
   std::vector<int> dimension_;                 // outputs: power of a length

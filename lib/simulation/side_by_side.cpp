@@ -73,15 +73,24 @@ std::size_t SideBySide::follow(std::span<LaneRun* const> lanes, std::size_t from
 }
 
 // Of the rows `row`, which all lanes are at.
+void SideBySide::measure_errors(std::span<LaneRun* const> lanes, std::size_t row) {
+  std::array<double, kMostLanes> times{};
+  std::array<const double*, kMostLanes> rows{};
+  for (std::size_t i = 0; i < lanes.size(); ++i) {
+    times[i] = lanes[i]->times[row];
+    rows[i] = lanes[i]->row(row, columns().size());
+  }
+  tile_.measure_errors({times.data(), lanes.size()}, {rows.data(), lanes.size()});
+}
+
 void SideBySide::check_accuracy(std::span<LaneRun* const> lanes, std::size_t row) {
   if (tile_.errors_are_due()) {
-    std::array<double, kMostLanes> times{};
-    std::array<const double*, kMostLanes> rows{};
-    for (std::size_t i = 0; i < lanes.size(); ++i) {
-      times[i] = lanes[i]->times[row];
-      rows[i] = lanes[i]->row(row, columns().size());
+    measure_errors(lanes, row);
+    if (tile_.in_doubt() && tile_.polish()) {
+      for (std::size_t i = 0; i < lanes.size(); ++i) write_row(static_cast<int>(i), *lanes[i], row);
+      measure_errors(lanes, row);
     }
-    tile_.measure_errors({times.data(), lanes.size()}, {rows.data(), lanes.size()});
+    tile_.keep_errors();
   }
   if (!tile_.in_doubt()) return;
   for (std::size_t i = 0; i < lanes.size(); ++i) {

@@ -72,6 +72,7 @@ class SideBySide {
  private:
   [[nodiscard]] std::size_t follow(std::span<LaneRun* const> lanes, std::size_t from,
                                    const std::function<bool()>& proceed);
+  void measure_errors(std::span<LaneRun* const> lanes, std::size_t row);
   void check_accuracy(std::span<LaneRun* const> lanes, std::size_t row);
   void alone(LaneRun& lane, Variant at, std::size_t row, bool to_the_end, const std::function<bool()>& proceed);
   [[nodiscard]] std::optional<Simulator> simulator_of(LaneRun& lane, Variant at) const;

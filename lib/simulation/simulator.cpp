@@ -181,17 +181,19 @@ struct Simulator::Impl {
 
   void judge() {
     measure();
-    const bool loose = motion.converged() > kConverged;
-    if (estimate.in_doubt() && loose && motion.polish()) {
+    if (estimate.in_doubt() && motion.converged() > estimate.best() && motion.polish(estimate.best())) {
       fill_row();
       measure();
     }
+    double converged = kConverged;
     if (prepared.plan.accuracy > 0) {
       const double margin = kMargin * std::clamp(structure.levels, 1, kMostLevels);
-      const double left = estimate.residual_for(prepared.plan.accuracy / margin);
-      motion.converge_to(std::clamp(left, kConverged, kLoosest));
-      estimate.loosen(motion.converged() > kConverged);
+      converged = std::clamp(estimate.residual_for(prepared.plan.accuracy / margin), kConverged, kLoosest);
     }
+    // What only the most exact solutions keep out of doubt.
+    if (motion.converged() == 0 && estimate.close_to_doubt()) converged = 0;
+    motion.converge_to(converged);
+    estimate.loosen(converged > kConverged);
     settle();
   }
 

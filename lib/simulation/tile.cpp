@@ -112,7 +112,11 @@ Status Tile::start(std::span<const Variant* const> variants) {
   }
   now_.clear();
   for (const Variant* v : variants_) now_.push_back(v->time);
-  return solve(std::vector(now_), Attempt::Branch::start);
+  converged_ = kConverged;
+  const std::vector<double> times = now_;
+  const Status s = solve(times, Attempt::Branch::start);
+  if (s.ok()) accept(times);
+  return s;
 }
 
 void Tile::bind() {
@@ -216,22 +220,30 @@ Status Tile::step(std::span<const double> times) {
   if (const Status s = check_functions(times); !s.ok()) return s;
   state_.predict(times[0]);
   const Status s = solve(times, Attempt::Branch::inside);
-  if (!s.ok()) state_.restore();
-  if (s.ok()) counters_.steps += static_cast<std::int64_t>(variants_.size());
+  if (!s.ok()) {
+    state_.restore();
+    return s;
+  }
+  accept(times);
+  counters_.steps += static_cast<std::int64_t>(variants_.size());
   return s;
 }
 
 // An attempt: one that is rejected leaves nothing in the packs.
 Status Tile::solve(std::span<const double> times, Attempt::Branch branch) {
   ++attempts_;
-  const Status s = solve_all(times, branch);
+  StepErrors errors;
+  const Status s = solve_all(times, branch, errors);
   if (!s.ok()) {
     for (Pack& pack : layout_.packs) pack.undo(attempts_);
+    return s;
   }
+  left_ = errors.worst();
+  errors.add_to(error_);
   return s;
 }
 
-Status Tile::solve_all(std::span<const double> times, Attempt::Branch branch) {
+Status Tile::solve_all(std::span<const double> times, Attempt::Branch branch, StepErrors& errors) {
   if (const Status s = drive(times); !s.ok()) return s;
   const bool inside = branch == Attempt::Branch::inside;
   for (std::size_t lane = 0; lane < driven_lanes_ && inside; ++lane) {
@@ -239,16 +251,24 @@ Status Tile::solve_all(std::span<const double> times, Attempt::Branch branch) {
     const double part = turned(driven_angles_[before], drive_[lane]->angles(), together_);
     if (part > 1) return {Code::branch_unknown, Place::lane(static_cast<std::int32_t>(lane)), part};
   }
-  StepErrors errors;
-  if (const Status s = solve_packs(times, branch, kConverged, errors); !s.ok()) return s;
+  if (const Status s = solve_packs(times, branch, inside ? converged_ : kConverged, errors); !s.ok()) return s;
   if (const Status s = check_positive(); !s.ok()) return s;
   if (const Status s = check_watched(times, branch, errors); !s.ok()) return s;
   if (const Status s = check_sets(); !s.ok()) return s;
-  if (const Status s = inside ? follow_angles(times[0] - now_[0]) : begin_angles(times); !s.ok()) return s;
-  accept(times);
-  errors.add_to(error_);
-  left_ = errors.worst();
-  return {};
+  return inside ? follow_angles(times[0] - now_[0]) : begin_angles(times);
+}
+
+bool Tile::polish() {
+  if (limits_.iterations > 0 || converged_ == estimate_.best()) return false;
+  converged_ = estimate_.best();
+  state_.restore();
+  if (!solve(now_, Attempt::Branch::inside).ok()) {
+    state_.restore();
+    return false;
+  }
+  state_.replace();
+  for (std::size_t lane = 0; lane < variants_.size(); ++lane) turns_[lane].accept(0);
+  return true;
 }
 
 Status Tile::solve_packs(std::span<const double> times, Attempt::Branch branch, double converged, StepErrors& errors) {
@@ -277,7 +297,11 @@ void Tile::measure_errors(std::span<const double> times, std::span<const double*
   estimate_.measure(times, q, rows, divisors_, [&](const auto& work) {
     for (std::size_t p = 0; p < layout_.packs.size(); ++p) work(p, *layout_.solvers[idx(layout_.packs[p].group_class)]);
   });
+}
+
+void Tile::keep_errors() {
   estimate_.keep();
+  if (!estimate_.close_to_doubt()) converged_ = kConverged;
 }
 
 Status Tile::accuracy(int lane) const {

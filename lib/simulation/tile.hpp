@@ -73,6 +73,11 @@ class Tile {
   // variant.
   [[nodiscard]] bool errors_are_due();
   void measure_errors(std::span<const double> times, std::span<const double* const> rows);
+  // The postures at hand once more, and those of the next steps, as well as they are solved where errors are in doubt.
+  // False: they are that already, or cannot be.
+  [[nodiscard]] bool polish();
+  // What was measured counts: as errors of the variants.
+  void keep_errors();
   // When they were measured last, errors were larger than was asked for, those of some variant.
   [[nodiscard]] bool in_doubt() const { return estimate_.in_doubt(); }
   // Of a variant, as they were measured: ok, or inaccurate with the group where they are largest.
@@ -92,7 +97,7 @@ class Tile {
   [[nodiscard]] Status drive(std::span<const double> times);
   [[nodiscard]] Status drive_lane(std::size_t lane, double time);
   [[nodiscard]] Status solve(std::span<const double> times, Attempt::Branch branch);
-  [[nodiscard]] Status solve_all(std::span<const double> times, Attempt::Branch branch);
+  [[nodiscard]] Status solve_all(std::span<const double> times, Attempt::Branch branch, StepErrors& errors);
   [[nodiscard]] Status solve_packs(std::span<const double> times, Attempt::Branch branch, double converged,
                                    StepErrors& errors);
   [[nodiscard]] double watched(std::int32_t& worst);
@@ -134,6 +139,7 @@ class Tile {
   Counters counters_;
   Effort effort_;  // of solvers that are gone
   ErrorFigures error_;
+  double converged_ = 0;      // residual with which a step counts as solved; 0: as exact as doubles are
   double left_ = 0;           // largest residual of the last step
   double watched_level_ = 0;  // relative residual that the watched equations cannot be brought below
 };

@@ -49,6 +49,7 @@ ClosedForm piston(const Scene& scene) {
 ClosedForm equal_slider_crank(const Scene& scene) {
   const double length = *std::get<Distance>(scene.constraints().at(0).kind).value;
   return [scene, length](const std::string& output, double t) -> std::optional<std::array<LongJet, 3>> {
+    if (output == "rod_angle") return std::array<LongJet, 3>{motor(scene, t) * -1.0L, LongJet{}, LongJet{}};
     if (output != "C" && output != "displacement" && output != "slide.lambda") return std::nullopt;
     const std::array<LongJet, 3> crank = on_circle({0, 0, 0}, length, motor(scene, t));
     return std::array<LongJet, 3>{crank[0] * 2, LongJet{}, LongJet{}};

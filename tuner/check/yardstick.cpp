@@ -13,6 +13,10 @@ constexpr long double kSameMotion = 1e-3L;  // beyond, one of the two is on anot
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr long double kUnknown = std::numeric_limits<long double>::quiet_NaN();
 
+bool is_signed_angle(const OutputPart& part) {
+  return part.kind == MeasureForms::Kind::absolute_angle || part.kind == MeasureForms::Kind::signed_angle;
+}
+
 class KnownMotion final : public TrueMotion {
  public:
   KnownMotion(const Prepared& prepared, ClosedForm closed_form)
@@ -27,15 +31,25 @@ class KnownMotion final : public TrueMotion {
         for (std::size_t i = 0; i < o.part_count; ++i) {
           const LongJet jet = jets ? (*jets)[i] : LongJet{kUnknown, kUnknown, kUnknown};
           out.push_back(d == 0 ? jet.value : d == 1 ? jet.rate : jet.acceleration);
+          if (jets && is_signed_angle(o.all_parts[i])) see(jet);
         }
       }
     }
     return out;
   }
+  [[nodiscard]] double scale(int derivative) const override { return scale_[derivative]; }
 
  private:
+  void see(const LongJet& angle) {
+    constexpr long double kTurn = 2 * std::numbers::pi_v<long double>;
+    const long double rate = std::abs(angle.rate) / kTurn, acceleration = std::abs(angle.acceleration) / kTurn / kTurn;
+    scale_[1] = std::max(scale_[1], static_cast<double>(rate));
+    scale_[2] = std::max({scale_[2], static_cast<double>(acceleration), static_cast<double>(rate * rate)});
+  }
+
   std::vector<Output> outputs_;
   ClosedForm closed_form_;
+  double scale_[3] = {1, 0, 0};
 };
 
 class AgreedMotion final : public TrueMotion {
@@ -51,10 +65,6 @@ class AgreedMotion final : public TrueMotion {
  private:
   Trajectory trajectory_;
 };
-
-bool is_signed_angle(const OutputPart& part) {
-  return part.kind == MeasureForms::Kind::absolute_angle || part.kind == MeasureForms::Kind::signed_angle;
-}
 
 }  // namespace
 
