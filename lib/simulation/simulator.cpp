@@ -571,11 +571,18 @@ bool Simulator::run_in_chunks(std::span<const double> times, const Observer& obs
   const ChunkGrid grid = chunk_grid(times.size(), idx(impl_->prepared.plan.chunks));
   const double first_time = impl_->motion.time();
   Stride stride = kLongWay;
+  // The chunks begin with the equations that the run began with, or not at all. A simulator with other equations has
+  // taken over what reset() needs: it replaces this one.
+  const auto begins_anew = [&](std::unique_ptr<Impl> with_others) {
+    if (!with_others) return false;
+    impl_ = std::move(with_others);
+    return true;
+  };
   const auto reach = [&](double t) {
     impl_->motion.count_rejected_from(0);
-    // The chunks begin with the equations that the run began with, or not at all.
-    if (impl_->step_to(t, true, stride).ok()) return !impl_->reselected_if_poor();
-    return impl_->motion.wants_reselection() && !impl_->reselected() && impl_->step_to(t, false, stride).ok();
+    if (impl_->step_to(t, true, stride).ok()) return !begins_anew(impl_->reselected_if_poor());
+    return impl_->motion.wants_reselection() && !begins_anew(impl_->reselected()) &&
+           impl_->step_to(t, false, stride).ok();
   };
   std::vector<Variant> starts;
   for (const std::size_t row : grid.first) {

@@ -183,6 +183,18 @@ TEST(Redundant, BennettsLinkageTurnsAHundredTimes) {
   }
 }
 
+// The starts of the chunks are found with the equations of the start; where those have to be chosen anew, nothing is
+// cut.
+TEST(Redundant, ChunksThatWouldNeedOtherEquationsRunInSequence) {
+  const Scene scene = Bennett{}.scene(48, 96);
+  const test::Result alone = test::run(scene, "groups/eigen"), cut = test::run(scene, "groups/eigen+chunks=4");
+  EXPECT_EQ(cut.trajectory.values(), alone.trajectory.values());
+  const std::vector<std::string>& told = cut.report().fallbacks;
+  EXPECT_TRUE(std::any_of(told.begin(), told.end(), [](const std::string& line) {
+    return line.find("no chunks: their start postures were found up to") != std::string::npos;
+  }));
+}
+
 TEST(Redundant, BennettsLinkageOfAnyShapeTurns) {
   test::Draw draw(7);
   const std::vector<std::string> strategies = {"auto", "global/eigen", "irreducible/lanes", "groups/klu"};
