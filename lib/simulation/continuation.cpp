@@ -16,11 +16,11 @@ constexpr double kShorter = 1.0 / 4;  // each time it is asked again
 constexpr double kLeast = 0x1p-44;    // of the step, and
 constexpr double kResolved = 16 * std::numeric_limits<double>::epsilon();  // of the time: no step is shorter
 constexpr int kMostRejected = 10000;  // attempts of one step, whatever they were for
-constexpr int kMostWalked = 1000;     // attempts on the way to or from a change point; it takes some tens
+constexpr int kMostWalked = 1000;     // attempts on a part of the way to or from a change point; it takes some tens
 constexpr double kPassed = 64;        // steps so much longer than the first shortest one are far from where it failed
 constexpr double kClear = 1e-5;   // singular value, over the largest one: a posture is known to eps / kClear^2 of it
 constexpr double kNearer = 1.15;  // of singular values, from one posture to the next that is compared
-constexpr int kExpandAfter = 4;   // rejected attempts a predictor that reads no derivatives reads them
+constexpr int kExpandAfter = 4;   // rejected attempts rates are computed of all unknowns, and predict
 constexpr int kReach = 12;        // a change point is passed from 2^12 of the first shortest steps before it to beyond
 constexpr int kLonger = 8;        // or from up to 2^8 times as far
 constexpr int kMoreHalvings = 6;  // of the shortest step, on the way back from a change point
@@ -55,6 +55,8 @@ Continuation::Continuation(const Prepared& prepared, const StepLimits& limits, R
     if (independence_ && independence_->empty()) independence_.reset();
   }
   passing_.assign(packs_.size(), 0);
+  lacks_rates_ = std::any_of(structure_.classes.begin(), structure_.classes.end(),
+                             [](const GroupClass& c) { return c.derivatives == 0 || c.first_wanted > 0; });
   for (const Positive& p : system_.positive) {
     const std::int32_t address = layout_.address[idx(p.coordinate)];
     if (address >= 0 && idx(address) >= layout_.first_unknown) positive_.push_back({address, p, 0});
@@ -237,6 +239,7 @@ Status Continuation::solve_packs(double t, Attempt::Branch branch, double conver
   usual.most_iterations = limits_.most_iterations;
   usual.converged = converged;
   usual.time = t;
+  usual.all_rates = expands_;
   const bool inside = branch == Attempt::Branch::inside;
   const auto attempt = [&](std::size_t p) {
     Attempt a = usual;
@@ -349,14 +352,15 @@ Status Continuation::step_to(double t, bool may_reselect, Stride& stride) {
 // From posture to posture until t.
 Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
   const double span = t - now_, first = std::abs(span) * kSmallest;
-  any_turn_ = turn_guessed_ = false;
+  any_turn_ = turn_guessed_ = expands_ = false;
   shortest_ = first;
   approach_.clear();
   int in_a_row = 0;  // attempts that were rejected; once they are many, they stay so
   while (now_ != t) {
     const double h = std::copysign(std::min(stride.length, std::abs(span)), span);
     const double target = std::abs(t - now_) <= std::abs(h) * 1.0000001 ? t : now_ + h;
-    const Status s = try_step(target, Attempt::Branch::inside, in_a_row >= kExpandAfter);
+    if (in_a_row >= kExpandAfter) expand();
+    const Status s = try_step(target, Attempt::Branch::inside);
     if (s.ok()) {
       if (in_a_row < kExpandAfter) in_a_row = 0;
       if (now_ == t) break;  // what was left says nothing of a whole stride
@@ -462,21 +466,33 @@ void Continuation::keep_set() {
   selected_at_ = now_;
 }
 
-void Continuation::predict(double target, bool expand) {
-  const State::Prediction prediction = expand ? state_.begin_expansion(target) : state_.begin_prediction(target);
+void Continuation::predict(double target) {
+  const State::Prediction prediction = over_ != nullptr ? state_.begin_prediction(*over_, target)
+                                       : expands_       ? state_.begin_expansion(target)
+                                                        : state_.begin_prediction(target);
   levels_.share(state_.unknowns(), [&](std::size_t part, std::size_t parts) {
     state_.predict(prediction, state_.unknowns() * part / parts, state_.unknowns() * (part + 1) / parts);
   });
 }
 
-// expand: also with a predictor that reads no derivatives, by those of the posture at hand.
-Status Continuation::try_step(double target, Attempt::Branch branch, bool expand) {
-  predict(target, expand);
+// Until the end of the step rates of all unknowns are computed, wanted or not, and predictions are from the last
+// posture and its derivatives, whatever the predictor reads: how a motion goes on where it is in doubt depends on no
+// strategy.
+void Continuation::expand() {
+  if (std::exchange(expands_, true) || !lacks_rates_) return;
+  state_.restore();
+  StepErrors errors;
+  if (solve_at(now_, Attempt::Branch::inside, errors).ok()) state_.replace();
+  state_.restore();
+}
+
+Status Continuation::try_step(double target, Attempt::Branch branch) {
+  predict(target);
   StepErrors errors;
   Status s = solve_at(target, branch, errors);
   if (s.code == Code::inconsistent && converged_ > kConverged) {  // or not solved far enough to tell
     converged_ = kConverged;
-    predict(target, expand);
+    predict(target);
     errors = {};
     s = solve_at(target, branch, errors);
   }
@@ -491,6 +507,9 @@ Status Continuation::try_step(double target, Attempt::Branch branch, bool expand
 // The shortest step fails: is this a limit, a change point that can be passed, or are shorter steps needed? ok: go on.
 // What a posture is near to does not depend on the grid: where rounding ends the search, it is left undecided.
 Status Continuation::at_the_limit(const Status& failed, double target, double t, double first) {
+  const std::size_t at_fault = failed_pack_;
+  expand();
+  failed_pack_ = at_fault;
   state_.restore();
   for (std::size_t i = 0; i < positive_.size(); ++i) {
     const double lever = state_.at(0)[positive_[i].address];
@@ -501,7 +520,6 @@ Status Continuation::at_the_limit(const Status& failed, double target, double t,
   }
   any_turn_ = true;
   Pack& pack = packs_[failed_pack_];
-  if (structure_.classes[idx(pack.group_class)].derivatives == 0) state_.estimate_rates();
   double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
   GroupSolver::Singularity nearest = levels_.solver(pack).diagnose(pack, q);
   Status found = nearest.status;
@@ -597,7 +615,8 @@ double Continuation::first_without_solution(double target, double t) {
 
 // Over a change point by the smooth continuation. Close to it a posture is uncertain by eps / distance and its rates
 // by eps / distance^2, so the step starts well before it and lands as far beyond, where the branches are apart by
-// more than any error. Other packs may be at one of theirs at the same time.
+// more than any error. What predicts that step does not depend on the strategy: a cubic through postures on the way
+// back. Other packs may be at one of theirs at the same time.
 bool Continuation::pass(double target, double t, double first) {
   const std::size_t failed = failed_pack_;
   for (int longer = 0; longer <= kLonger; longer += kLonger / 2) {
@@ -612,8 +631,14 @@ bool Continuation::pass_by(double reach, double target, double t) {
   const std::size_t at_its_change_point = failed_pack_;
   const double change = now_, smallest = target - now_;
   const double to = std::abs(t - change) <= std::abs(reach) ? t : change + reach;
-  bool passed = false;
-  if (std::abs(to - change) >= kApart * std::abs(reach) && walk(change - reach, smallest, change)) {
+  bool passed = false, walked = std::abs(to - change) >= kApart * std::abs(reach);
+  State::Way way;
+  for (const double part : {1.0 / 4, 2.0 / 4, 3.0 / 4, 1.0}) {
+    walked = walked && walk(change - part * reach, smallest, change);
+    if (walked) state_.keep(way);
+  }
+  if (walked) {
+    over_ = &way;
     passing_[at_its_change_point] = 1;
     largest_correction_ = kSure * (to - change) / (to - now_);
     for (std::size_t more = 0; more < packs_.size() && !passed; ++more) {
@@ -623,6 +648,7 @@ bool Continuation::pass_by(double reach, double target, double t) {
       passing_[failed_pack_] = 1;
     }
     std::fill(passing_.begin(), passing_.end(), 0);
+    over_ = nullptr;
   }
   if (!passed) {
     (void)walk(change, smallest, change);
@@ -631,14 +657,14 @@ bool Continuation::pass_by(double reach, double target, double t) {
   return passed;
 }
 
-// By continuation to `until`, in steps of about h. Predictions away from a change point do not read the older of the
-// postures close to it.
+// By continuation to `until`, in steps of about h. Predictions away from a change point do not read older postures,
+// which are closer to it.
 bool Continuation::walk(double until, double h, double change) {
   h = std::abs(h);
   const double shortest = std::ldexp(h, -kMoreHalvings);
   for (int attempts = 0; now_ != until; ++attempts) {
     if (attempts == kMostWalked || rejected_ >= kMostRejected) return false;
-    if (std::abs(now_ - change) < std::abs(until - change) / 4) state_.forget();
+    if (std::abs(now_ - change) < std::abs(until - change)) state_.forget();
     const double left = until - now_;
     if (try_step(std::abs(left) <= h ? until : now_ + std::copysign(h, left), Attempt::Branch::inside).ok()) {
       h *= 2;

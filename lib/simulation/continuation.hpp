@@ -145,8 +145,9 @@ class Continuation {
   [[nodiscard]] Status check_aim(double t);
   [[nodiscard]] Status advance(double t, bool may_reselect, Stride& stride);
   void end_step(Inputs::End end);
-  void predict(double target, bool expand);
-  [[nodiscard]] Status try_step(double target, Attempt::Branch branch, bool expand = false);
+  void predict(double target);
+  void expand();
+  [[nodiscard]] Status try_step(double target, Attempt::Branch branch);
   [[nodiscard]] Status turned_unseen(AngleTurns::Way way);
   [[nodiscard]] bool may_choose_anew(bool asked) const;
   [[nodiscard]] Status at_the_limit(const Status& failed, double target, double t, double first);
@@ -167,6 +168,9 @@ class Continuation {
   std::vector<Pack>& packs_;
   Levels levels_;
   State state_;
+  const State::Way* over_ = nullptr;  // while a change point is passed: predicts the step over it
+  bool lacks_rates_ = false;          // of some unknowns, because they are not wanted
+  bool expands_ = false;              // all rates are computed, and predict
   std::optional<Watch> watch_;
   double watched_level_ = 0;  // relative residual that the watched equations cannot be brought below
   std::optional<Independence> independence_;

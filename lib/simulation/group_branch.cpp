@@ -108,7 +108,8 @@ Status GroupSolver::set_anchor(Pack& pack, double* const (&state)[3], std::int32
     rates += w;
   }
   // Without rates nothing is known of the way.
-  pack.anchor_time[idx(b)] = class_.derivatives > 0 ? attempt.time : std::numeric_limits<double>::quiet_NaN();
+  const bool has_rates = class_.derivatives > 0 || attempt.all_rates;
+  pack.anchor_time[idx(b)] = has_rates ? attempt.time : std::numeric_limits<double>::quiet_NaN();
   pack.ball_used[idx(b)] = 0;
   return {};
 }

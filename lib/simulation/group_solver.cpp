@@ -168,6 +168,7 @@ void GroupSolver::set_inputs(const Pack& pack, const double* state) {
 bool GroupSolver::small_step(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
                              StepErrors& errors, Status& status) {
   if (attempt.branch != Attempt::Branch::inside || attempt.iterations > 0) return false;
+  if (attempt.all_rates && class_.derivatives == 0) return false;
   SmallStepFigures figures{0, errors.position, errors.velocity, errors.acceleration, 0};
   if (!small_step_->run(pack, state, attempt.most_iterations, attempt.converged, figures)) return false;
   const int factorizations = figures.iterations + (class_.derivatives > 0 ? 1 : 0);
@@ -220,7 +221,9 @@ Status GroupSolver::newton(Pack& pack, double* x, const Attempt& attempt, Counte
   counters.evaluated_equations += evaluated;
   counters.group_solutions += pack.used;
   factored_at_solution_ = factored_in_step_ = false;
-  bool usable = strategy_.reuse == Reuse::run && pack.factored, stale = false;
+  // Beyond a change point a singular value has the other sign: factors of before lead astray.
+  bool usable = strategy_.reuse == Reuse::run && pack.factored && attempt.branch != Attempt::Branch::pass;
+  bool stale = false;
   double relative = kernels_.largest_ratio(phi_.data(), inverse_scale_.data(), program_.n), before = 0, last_norm = 0;
   int iteration = 0;
   for (;; ++iteration) {
@@ -424,7 +427,9 @@ Status GroupSolver::linear(Pack& pack, const LaneArray& b, double* x, int first_
 
 Status GroupSolver::derivatives(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
                                 StepErrors& errors) {
-  if (class_.derivatives == 0) return {};
+  const int most = std::max(class_.derivatives, attempt.all_rates ? 1 : 0);
+  const int first = attempt.all_rates ? 0 : class_.first_wanted;
+  if (most == 0) return {};
   // +once: the factors of the prediction (or, with +reuse=run, of an earlier step) serve, with refinement.
   const bool at_hand = strategy_.reuse == Reuse::run ? pack.factored : factored_in_step_;
   if (!(strategy_.once && at_hand)) {
@@ -435,15 +440,16 @@ Status GroupSolver::derivatives(Pack& pack, double* const (&state)[3], const Att
   double* rate = state[1] + pack.unknowns;
   gather(pack, state[1], input_rates_);
   evaluator_->velocity_rhs(input_rates_.data(), rhs_.data());
-  const int wanted_rate = class_.derivatives == 1 ? class_.first_wanted : 0;
-  if (const Status s = linear(pack, rhs_, rate, wanted_rate, attempt, counters, errors.velocity); !s.ok()) return s;
-  if (class_.derivatives == 1) return {};
+  double unwanted = 0;
+  double& error = class_.derivatives > 0 ? errors.velocity : unwanted;
+  if (const Status s = linear(pack, rhs_, rate, most == 1 ? first : 0, attempt, counters, error); !s.ok()) return s;
+  if (most == 1) return {};
   if (strategy_.separate) {
     if (const Status s = factorize(pack, counters); !s.ok()) return s;
   }
   gather(pack, state[2], input_accelerations_);
   evaluator_->acceleration_rhs(rate, input_accelerations_.data(), rhs_.data());
-  return linear(pack, rhs_, state[2] + pack.unknowns, class_.first_wanted, attempt, counters, errors.acceleration);
+  return linear(pack, rhs_, state[2] + pack.unknowns, first, attempt, counters, errors.acceleration);
 }
 
 }  // namespace assur

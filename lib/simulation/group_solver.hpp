@@ -67,6 +67,7 @@ struct Attempt {
   double converged = kConverged;                           // relative residual that counts as solved
   double time = std::numeric_limits<double>::quiet_NaN();  // s, of the posture, or from any beginning; NaN: not known
   double largest_correction = 0;  // pass: the first one, in the maximum norm; a larger one may lead to the other branch
+  bool all_rates = false;         // of all unknowns, also where none are wanted; accelerations of all if of some
 };
 
 class GroupSolver {

@@ -63,13 +63,31 @@ State::Prediction State::begin_prediction(double t) {
 }
 
 State::Prediction State::begin_expansion(double t) {
-  if (levels_ > 1) return begin_prediction(t);
+  if (levels_ > 2) return begin_prediction(t);
   begin();
   const double dt = t - times_.front();
   Prediction out;
   for (const double weight : {1.0, dt, dt * dt / 2}) {
     out.sources[out.count] = ring(out.count).at(last()) + first_unknown_;
     out.weights[out.count++] = weight;
+  }
+  return out;
+}
+
+void State::keep(Way& way) const {
+  const double* newest = ring(0).at(last());
+  way.postures.insert(way.postures.begin(), LaneArray(newest, newest + size_));
+  way.times.insert(way.times.begin(), times_.front());
+}
+
+State::Prediction State::begin_prediction(const Way& way, double t) {
+  begin();
+  const Predictor through_all{Predictor::Kind::past, static_cast<std::int32_t>(way.times.size()) - 1};
+  const PredictionWeights w = prediction_weights(through_all, way.times, t);
+  Prediction out;
+  for (; out.count < w.postures; ++out.count) {
+    out.sources[out.count] = way.postures[static_cast<std::size_t>(out.count)].data() + first_unknown_;
+    out.weights[out.count] = w.weight[static_cast<std::size_t>(out.count)][0];
   }
   return out;
 }
@@ -115,13 +133,6 @@ void State::replace() {
   for (int d = 0; d < 3; ++d) {
     std::copy_n(at(d) + first_unknown_, size_ - first_unknown_, ring(d).at(last()) + first_unknown_);
   }
-}
-
-void State::estimate_rates() {
-  if (times_.size() < 2) return;
-  const double dt = times_[0] - times_[1];
-  const double *newer = ring(0).at(last()), *older = ring(0).at(last() + 1);
-  for (std::size_t i = first_unknown_; i < size_; ++i) at(1)[i] = (newer[i] - older[i]) / dt;
 }
 
 }  // namespace assur

@@ -36,8 +36,15 @@ class State {
     std::int32_t count = 0;
   };
   [[nodiscard]] Prediction begin_prediction(double t);
-  // The same, by the derivatives of the last accepted posture if the predictor reads none.
+  // The same, by all derivatives of the last accepted posture if the predictor does not read them.
   [[nodiscard]] Prediction begin_expansion(double t);
+  // The same by accepted postures that were kept on a way, newest first: a polynomial through them.
+  struct Way {
+    std::vector<LaneArray> postures;
+    std::vector<double> times;
+  };
+  void keep(Way& way) const;
+  [[nodiscard]] Prediction begin_prediction(const Way& way, double t);
   void predict(const Prediction& prediction, std::size_t begin, std::size_t end);
   [[nodiscard]] std::size_t unknowns() const { return size_ - first_unknown_; }
   // Largest move, over `count` unknowns from an address on, from the last accepted posture to the prediction.
@@ -51,8 +58,6 @@ class State {
   void restore();
   // The posture at hand takes the place of the last accepted one.
   void replace();
-  // Where no velocities are computed: those of the unknowns from the last two accepted postures.
-  void estimate_rates();
 
  private:
   // One derivative of the postures by age, 0: the newest. Nothing is moved when a posture becomes an older one.

@@ -95,14 +95,25 @@ TEST(State, ForgetsOlderPostures) {
   expect_at(s, 4 * kStep, 0);  // of one posture
 }
 
-TEST(State, EstimatesRatesFromTheLastTwoPostures) {
-  State s = after_steps(kPast, 4);
-  s.predict(5 * kStep);
-  s.restore();
-  s.estimate_rates();
-  const double middle = 3.5 * kStep;  // of a parabola
-  EXPECT_EQ(s.at(1)[1], 1 - 2 * middle);
-  EXPECT_EQ(s.at(1)[2], 1 - 2 * middle);
+TEST(State, ExpandsByAllDerivativesOfTheLastPosture) {
+  for (const Predictor& predictor : {Predictor{Predictor::Kind::taylor, 1}, kPast}) {
+    State s = after_steps(predictor, 4);
+    s.predict(s.begin_expansion(5 * kStep), 0, s.unknowns());
+    expect_at(s, 5 * kStep, 0);
+  }
+}
+
+TEST(State, PredictsThroughPosturesThatWereKept) {
+  State s = after_steps(kTaylor, 1);
+  State::Way way;
+  for (int k = 2; k < 5; ++k) {
+    s.keep(way);
+    s.predict(k * kStep);
+    put(s, k * kStep);
+    s.accept(k * kStep);
+  }
+  s.predict(s.begin_prediction(way, 5 * kStep), 0, s.unknowns());  // through the first three
+  expect_at(s, 5 * kStep, 0);
 }
 
 TEST(State, StartsAnewWhenCleared) {
