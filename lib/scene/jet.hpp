@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cmath>
+#include <span>
 #include <type_traits>
 
 #include "assur/law.hpp"
@@ -87,6 +88,31 @@ Jet<T> sqrt(const Jet<T>& a) {
   const T rate = a.rate / (2 * root);
   const T acceleration = (a.acceleration / 2 - rate * rate) / root;
   return {root, rate, acceleration};
+}
+
+// Length of a vector. At zero it has a kink, and no derivatives (NaN), unless it is at rest: then it can only grow.
+// Elsewhere not the root of a sum of squares, whose second derivative cancels where the rate lies along a short vector.
+template <class T>
+Jet<T> length(std::span<const Jet<T>> of) {
+  using std::sqrt;
+  const auto norm = [&](T Jet<T>::*part) {
+    T square = 0;
+    for (const Jet<T>& x : of) square = square + x.*part * x.*part;
+    return sqrt(square);
+  };
+  const T root = norm(&Jet<T>::value), none = T(0) / T(0);
+  if (!(root > T(0))) {
+    const bool rests = !(norm(&Jet<T>::rate) > T(0));
+    return {T(0), rests ? T(0) : none, rests ? norm(&Jet<T>::acceleration) : none};
+  }
+  T along = 0, bent = 0;
+  for (const Jet<T>& x : of) along = along + x.value * x.rate;
+  const T rate = along / root;
+  for (const Jet<T>& x : of) {
+    const T across = x.rate - rate * x.value / root;
+    bent = bent + x.value * x.acceleration + across * across;
+  }
+  return {root, rate, bent / root};
 }
 
 // cos and sin of an angle, at the cost of one pair.

@@ -50,20 +50,6 @@ T divisor_of(MeasureForms::Kind kind, std::span<const Jet<T>> f, int dimension) 
   return T(1);
 }
 
-// At zero a length has a kink, and no derivatives (NaN), unless it is at rest: then it can only grow.
-template <class T>
-Jet<T> length_of(const Jet<T>& x, const Jet<T>& y, const Jet<T>& z) {
-  const Jet<T> square = x * x + y * y + z * z;
-  if (square.value > T(0)) return sqrt(square);
-  using std::sqrt;
-  const auto square_of = [](const T& a, const T& b, const T& c) { return a * a + b * b + c * c; };
-  if (!(square_of(x.rate, y.rate, z.rate) > T(0))) {
-    return {T(0), T(0), sqrt(square_of(x.acceleration, y.acceleration, z.acceleration))};
-  }
-  const T none = T(0) / T(0);
-  return {T(0), none, none};
-}
-
 // Value, rate and acceleration of a measure from the jets of its forms (internal units).
 template <class T>
 Jet<T> evaluate_measure(MeasureForms::Kind kind, std::span<const Jet<T>> f, int dimension) {
@@ -81,14 +67,15 @@ Jet<T> evaluate_measure(MeasureForms::Kind kind, std::span<const Jet<T>> f, int 
     case MeasureForms::Kind::form:
       return f[0];
     case MeasureForms::Kind::distance:
-      return length_of(f[0], f[1], dimension == 3 ? f[2] : Jet<T>{});
+      return length(f.first(static_cast<std::size_t>(dimension)));
     case MeasureForms::Kind::absolute_angle:
     case MeasureForms::Kind::signed_angle: {
       const ArmOf<Jet<T>> arm = arm_of(kind, f, dimension);
       return atan2(arm.y, arm.x);
     }
     case MeasureForms::Kind::unsigned_angle: {
-      return atan2(length_of(cross(0, 3, 0), cross(0, 3, 1), cross(0, 3, 2)), dot(0, 3));
+      const Jet<T> across[3] = {cross(0, 3, 0), cross(0, 3, 1), cross(0, 3, 2)};
+      return atan2(length(std::span<const Jet<T>>(across)), dot(0, 3));
     }
   }
   return {};

@@ -4,6 +4,7 @@
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <cmath>
 #include <random>
+#include <span>
 
 #include "scene/law_evaluate.hpp"
 #include "scene/motions.hpp"
@@ -38,6 +39,31 @@ TEST(Jet, DerivativesOfEveryOperationAgreeWithDifferences) {
     EXPECT_LT(abs(here.rate - rate), 1e-16) << t;  // third derivatives of order 100 times h^2 / 6
     EXPECT_LT(abs(here.acceleration - acceleration), 1e-16) << t;
     expect_near(composed(t), rounded(here), {200 * kEps, 200 * kEps, 2000 * kEps});
+  }
+}
+
+// The root of a sum of squares is off by eps rate^2 / length there, which has no bound.
+TEST(Jet, LengthOfAShortVectorThatGrowsAlongItself) {
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> any(-1, 1), exponent(-8, 0);
+  for (int i = 0; i < 1000; ++i) {
+    const double size = std::pow(10, exponent(random)), growth = any(random);
+    Jet<double> x[3];
+    Jet<Quad> exact[3];
+    double rates = 0;
+    for (int k = 0; k < 3; ++k) {
+      const double along = any(random);
+      x[k] = {size * along, growth * along + size * any(random), size * any(random)};
+      exact[k] = {x[k].value, x[k].rate, x[k].acceleration};
+      rates += std::abs(x[k].rate);
+    }
+    const Quad value = sqrt(exact[0] * exact[0] + exact[1] * exact[1] + exact[2] * exact[2]).value;
+    const Motion expected = rounded(length(std::span<const Jet<Quad>>(exact)));
+    EXPECT_EQ(expected.value, static_cast<double>(value));
+    // What is across is off by eps |rate|, and multiplied by itself, at most by a few times the size.
+    const double across = 16 * kEps * (rates + size) * size / expected.value;
+    expect_near(length(std::span<const Jet<double>>(x)), expected,
+                {4 * kEps * expected.value, 8 * kEps * rates, across});
   }
 }
 
