@@ -100,10 +100,11 @@ Jet<T> length(std::span<const Jet<T>> of) {
     for (const Jet<T>& x : of) square = square + x.*part * x.*part;
     return sqrt(square);
   };
-  const T root = norm(&Jet<T>::value), none = T(0) / T(0);
+  const T root = norm(&Jet<T>::value);
   if (!(root > T(0))) {
-    const bool rests = !(norm(&Jet<T>::rate) > T(0));
-    return {T(0), rests ? T(0) : none, rests ? norm(&Jet<T>::acceleration) : none};
+    if (!(norm(&Jet<T>::rate) > T(0))) return {T(0), T(0), norm(&Jet<T>::acceleration)};
+    const T none = T(0) / T(0);
+    return {T(0), none, none};
   }
   T along = 0, bent = 0;
   for (const Jet<T>& x : of) along = along + x.value * x.rate;

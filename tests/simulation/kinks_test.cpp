@@ -18,7 +18,7 @@ Scene turning_bar(const std::string& law, const std::string& to, double start) {
   return parse_scene(R"({"assur": 1, "name": "bar", "dimension": 3,
     "points": {"O": {"at": [0, 0, 0], "fixed": true}, "P": {"at": [2, 0, 0]}},
     "vectors": {"x": {"at": [1, 0, 0], "fixed": true}, "back": {"at": [-1, 0, 0], "fixed": true},
-                "aside": {"at": [0.6, 0.8, 0], "fixed": true},
+                "aside": {"at": [0.6, 0.8, 3e-13], "fixed": true},
                 "z": {"at": [0, 0, 1], "fixed": true}},
     "constraints": {"bar": {"distance": ["O", "P"], "value": 2}, "flat": {"dot": ["z", ["O", "P"]], "value": 0}},
     "drivers": {"motor": {"angle": ["O", "P"], "axis": "z", "law": {"polynomial": )" +
@@ -86,9 +86,10 @@ TEST(Kinks, ALengthGrowsFromRest) {
   EXPECT_NEAR(moves.output("gap.rate"), 2, 16 * kEps);
 }
 
-// What is read before the first step is judged as well: rates of what is mostly rounding.
+// What is read before the first step is judged as well: here the bar passes a direction at an angle that is mostly
+// rounding, and so is its acceleration.
 TEST(Kinks, TheStartIsJudged) {
-  Simulator s = test::simulator(turning_bar("[0.92729521800191, 0.1]", "aside", 0), "auto", {}, {"motor"});
+  Simulator s = test::simulator(turning_bar("[0.9272952180016122, 0.1]", "aside", 0), "auto", {}, {"motor"});
   EXPECT_NEAR(s.output("sight"), 3e-13, 1e-13);
   EXPECT_EQ(s.report().status.code, Code::inaccurate);
   ASSERT_EQ(s.report().events.size(), 1U);
