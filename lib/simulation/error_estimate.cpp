@@ -90,6 +90,7 @@ void ErrorEstimate::restart(std::span<const System* const> systems) {
     m.largest.assign(m.sizes.size(), {});
     m.fast.assign(2 * driven_.size(), 0.0);
     m.now = {};
+    m.limit = asked_;
     m.smallest.assign(outputs_[i].measures(), kInfinity);
     m.least.assign(m.smallest.size(), 0.0);
     m.most.assign(m.smallest.size(), kInfinity);
@@ -126,6 +127,7 @@ void ErrorEstimate::continue_from(ErrorEstimate& before) {
     mechanisms_[i].scale = before.mechanisms_[i].scale;
     mechanisms_[i].largest = before.mechanisms_[i].largest;
     mechanisms_[i].now = before.mechanisms_[i].now;
+    mechanisms_[i].limit = before.mechanisms_[i].limit;
   }
   worst_ = before.worst_;
 }
@@ -291,6 +293,7 @@ void ErrorEstimate::keep() {
     for (std::size_t i = 0; i < m.sizes.size(); ++i) {
       m.largest[i].error = std::max(m.largest[i].error, m.sizes[i].error);
     }
+    m.limit = in_doubt(k) ? asked_ / kGrown : asked_;
   }
 }
 

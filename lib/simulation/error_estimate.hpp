@@ -77,12 +77,20 @@ class ErrorEstimate {
   [[nodiscard]] bool measured() const {
     return measurements_ > 0 && !(driven_.empty() && static_.coordinates().empty());
   }
-  [[nodiscard]] double asked() const { return asked_; }
   // The residual up to which equations are solved where errors are in doubt; 0: as exactly as doubles allow. Who asks
   // for an accuracy does not pay more for it than who asks for nothing.
   [[nodiscard]] double best() const { return best_; }
-  // When it was measured last, errors were larger than was asked for, those of some mechanism.
-  [[nodiscard]] bool in_doubt() const { return worst_ > asked_; }
+  // When it was measured last, errors were larger than was asked for, or, where they had been before, than half of
+  // that: from one measurement to the next they may double.
+  [[nodiscard]] bool in_doubt(std::size_t mechanism) const {
+    return mechanisms_[mechanism].now.worst() > mechanisms_[mechanism].limit;
+  }
+  [[nodiscard]] bool in_doubt() const {  // one of them
+    for (std::size_t i = 0; i < used_; ++i) {
+      if (in_doubt(i)) return true;
+    }
+    return false;
+  }
   // Or not far from it: steps that are solved less well may be.
   [[nodiscard]] bool close_to_doubt() const { return kClose * worst_ > asked_; }
   [[nodiscard]] const Figures& now(std::size_t mechanism = 0) const { return mechanisms_[mechanism].now; }
@@ -110,6 +118,7 @@ class ErrorEstimate {
     std::vector<Size> sizes, largest;      // now, and the largest of the run
     std::vector<double> rounding;          // sizes: the part of the error that has no sign
     Figures now;
+    double limit = 0;  // beyond which they are in doubt
     Place worst;
     // Of what the measures divide by: the smallest that was measured, and between which the last measurement serves.
     std::vector<double> smallest, least, most;

@@ -305,10 +305,9 @@ void Tile::keep_errors() {
 }
 
 Status Tile::accuracy(int lane) const {
-  const double error = estimate_.now(idx(lane)).worst();
-  if (error <= estimate_.asked()) return {};
+  if (!estimate_.in_doubt(idx(lane))) return {};
   const auto group = static_cast<std::int32_t>(estimate_.worst_of(idx(lane)).pack);
-  return {Code::inaccurate, layout_.packs.empty() ? Place{} : Place::group(group), error};
+  return {Code::inaccurate, layout_.packs.empty() ? Place{} : Place::group(group), estimate_.now(idx(lane)).worst()};
 }
 
 Status Tile::check_positive() const {

@@ -56,6 +56,15 @@ TEST(RandomMechanisms, NoneIsWrongWithACleanStatus) {
   EXPECT_LE(exceeded, std::max(1, estimates / 100));
 }
 
+// Seeds that searches of tens of thousands ended with, one or two of each kind of fault.
+TEST(RandomMechanisms, ThoseThatWereWrongOnceAreNot) {
+  for (const std::uint64_t seed : {492, 1163, 1792, 5583, 6622, 101955, 103855, 697, 2303, 103555}) {
+    const RandomMechanism m = random_mechanism(seed, ASSUR_SOURCE_DIR "/tests/data/tables");
+    const Trial t = try_out(m);
+    EXPECT_LT(t.verdict, Verdict::refused) << told(m, t);
+  }
+}
+
 // What the search finds: a motion that the plain equations contradict.
 TEST(RandomMechanisms, PlainEquationsFollowAFourBar) {
   RandomMechanism m;
