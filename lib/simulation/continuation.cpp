@@ -370,7 +370,7 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
         approach_.clear();
       }
       ++report_.counters.substeps;
-      if (may_choose_anew(may_reselect) && set_is_poor()) {
+      if (may_choose_anew(may_reselect, first) && set_is_poor()) {
         wants_reselection_ = true;
         return {Code::singular, {}, largest_coefficient_};
       }
@@ -389,7 +389,7 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
       return {Code::branch_unknown, s.where, s.figure};
     }
     // Close to a singularity of the equations that are solved, what is watched is the first to tell.
-    if (s.code == Code::inconsistent && may_choose_anew(may_reselect)) {
+    if (s.code == Code::inconsistent && may_choose_anew(may_reselect, first)) {
       wants_reselection_ = true;
       return s;
     }
@@ -403,7 +403,7 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
       stride.set(std::abs(target - now_) / 2);
       continue;
     }
-    if (!vanished_ && may_choose_anew(may_reselect)) {
+    if (!vanished_ && may_choose_anew(may_reselect, first)) {
       wants_reselection_ = true;
       return s;
     }
@@ -450,7 +450,10 @@ Status Continuation::check_aim(double t) {
   return {Code::not_finite, {}, value};
 }
 
-bool Continuation::may_choose_anew(bool asked) const { return asked && prepared_.reselect && now_ != selected_at_; }
+// Equations that were chosen close by would serve if any did; near a fold none do, and others would be chosen in turns.
+bool Continuation::may_choose_anew(bool asked, double first) const {
+  return asked && prepared_.reselect && !(std::abs(now_ - selected_at_) <= kPassed * first);
+}
 
 // Within the ball of an anchor, conditions change by a bounded factor.
 bool Continuation::set_is_poor() {

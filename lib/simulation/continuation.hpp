@@ -149,7 +149,7 @@ class Continuation {
   void expand();
   [[nodiscard]] Status try_step(double target, Attempt::Branch branch);
   [[nodiscard]] Status turned_unseen(AngleTurns::Way way);
-  [[nodiscard]] bool may_choose_anew(bool asked) const;
+  [[nodiscard]] bool may_choose_anew(bool asked, double first) const;
   [[nodiscard]] Status at_the_limit(const Status& failed, double target, double t, double first);
   [[nodiscard]] bool turns_back(GroupSolver::Singularity here);
   [[nodiscard]] double first_without_solution(double target, double t);
