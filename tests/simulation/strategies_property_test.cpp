@@ -6,6 +6,7 @@
 #include "simulation/conditions.hpp"
 #include "simulation/limited.hpp"
 #include "simulation/random_mechanisms.hpp"
+#include "simulation/random_strategy.hpp"
 
 namespace assur {
 namespace {
@@ -60,32 +61,8 @@ double worst_condition(const Scene& scene) {
   return *std::max_element(all.begin(), all.end());
 }
 
-std::vector<const Backend*> backends_here() {
-  std::vector<const Backend*> out;
-  for (const Backend& b : backends()) {
-    if (b.why_not({}, {}).empty()) out.push_back(&b);
-  }
-  return out;
-}
-
-std::string random_strategy(Draw& draw) {
-  Strategy s;
-  s.formulation = draw.of(std::vector{Formulation::global, Formulation::groups, Formulation::irreducible});
-  const Backend& backend = *draw.of(backends_here());
-  s.backend = backend.id;
-  s.lanes = 1 << draw.below(5);
-  s.single = backend.single && draw.below(3) == 0;
-  s.refine = draw.below(4) == 0;
-  s.reuse = draw.of(std::vector{Reuse::fresh, Reuse::fresh, Reuse::step, Reuse::run});
-  s.once = draw.below(3) == 0;
-  s.separate = !s.once && draw.below(4) == 0;
-  using Kind = Predictor::Kind;
-  s.predictor = draw.of(std::vector<Predictor>{{Kind::automatic, 0},
-                                               {Kind::taylor, 1},
-                                               {Kind::taylor, 2},
-                                               {Kind::hermite, 5},
-                                               {Kind::past, 2},
-                                               {Kind::past, 5}});
+std::string any_strategy(Draw& draw) {
+  Strategy s = test::random_strategy(draw);
   s.chunks = draw.maybe() ? 1 : 1 + static_cast<std::int32_t>(draw.below(9));
   return to_string(s);
 }
@@ -97,7 +74,7 @@ TEST(Strategies, AnyGivesTheMotionOfAnyMechanism) {
     const double condition = worst_condition(scene);
     for (int k = 0; k < 4; ++k) {
       SCOPED_TRACE("seed " + std::to_string(seed) + ", condition " + std::to_string(condition));
-      expect_the_motion_of_the_reference(scene, random_strategy(draw), condition);
+      expect_the_motion_of_the_reference(scene, any_strategy(draw), condition);
       if (testing::Test::HasFailure()) return;
     }
   }
@@ -107,7 +84,7 @@ TEST(Strategies, AnyGivesTheMotionOfAnyMechanism) {
 std::vector<std::string> every_kind_of_strategy() {
   std::vector<std::string> out;
   for (const std::string formulation : {"global/", "groups/", "irreducible/"}) {
-    for (const Backend* backend : backends_here()) {
+    for (const Backend* backend : test::backends_here()) {
       for (const std::string options : {"", ":4+once", "+separate", ":8+reuse=run", "+reuse=step+refine"}) {
         out.push_back(formulation + std::string(backend->id) + options);
       }
@@ -179,7 +156,7 @@ TEST(Strategies, TheNumberOfThreadsChangesNoBit) {
   const Scene platform = sample("stewart:legs=22,steps=40"), rings = sample("rings:legs=7,n=60,steps=20");
   const Scene limited = test::limited_four_bar(Law::polynomial({0.5, 1})).time(0, 2, 0.01).build();
   for (const Scene& scene : {platform, rings, limited}) {
-    for (const Backend* backend : backends_here()) {
+    for (const Backend* backend : test::backends_here()) {
       const std::string id(backend->id);
       if (id == "mumps" || id == "ma27") continue;  // one thread
       for (const std::string& head :

@@ -1,0 +1,44 @@
+// Strategies drawn at random, of the solvers that can run here.
+#pragma once
+
+#include <vector>
+
+#include "assur/backend.hpp"
+#include "assur/strategy.hpp"
+#include "simulation/random_mechanisms.hpp"
+
+namespace assur::test {
+
+inline std::vector<const Backend*> backends_here() {
+  std::vector<const Backend*> out;
+  for (const Backend& b : backends()) {
+    if (b.why_not({}, {}).empty()) out.push_back(&b);
+  }
+  return out;
+}
+
+// One chunk, one thread.
+inline Strategy random_strategy(Draw& draw) {
+  static const std::vector<const Backend*> here = backends_here();
+  Strategy s;
+  s.formulation = draw.of(std::vector{Formulation::global, Formulation::groups, Formulation::irreducible});
+  const Backend& backend = *draw.of(here);
+  s.backend = backend.id;
+  s.lanes = 1 << draw.below(5);
+  s.single = backend.single && draw.below(3) == 0;
+  s.refine = draw.below(4) == 0;
+  s.reuse = draw.of(std::vector{Reuse::fresh, Reuse::fresh, Reuse::step, Reuse::run});
+  s.once = draw.below(3) == 0;
+  s.separate = !s.once && draw.below(4) == 0;
+  using Kind = Predictor::Kind;
+  s.predictor = draw.of(std::vector<Predictor>{{Kind::automatic, 0},
+                                               {Kind::automatic, 0},
+                                               {Kind::taylor, 1},
+                                               {Kind::taylor, 2},
+                                               {Kind::hermite, 5},
+                                               {Kind::past, 2},
+                                               {Kind::past, 5}});
+  return s;
+}
+
+}  // namespace assur::test
