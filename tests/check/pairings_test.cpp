@@ -6,8 +6,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <numeric>
 #include <optional>
 
@@ -29,6 +31,7 @@ constexpr ThreadBudget kBudget{2};
 constexpr std::size_t kMembers = 4;
 // Beyond this condition a posture is as good as singular: rounding decides what becomes of it.
 constexpr double kSingular = 1e6;
+constexpr double kTurn = 2 * std::numbers::pi;
 
 std::uint64_t first_seed() {
   const char* const wanted = std::getenv("ASSUR_RANDOM_SEED");
@@ -69,12 +72,21 @@ struct Run {
   Status status;
   double reached = 0;
   double residual = 8 * kEps;
+  double turn_guessed = HUGE_VAL;  // time from which on an angle may be off by a whole turn, as an event says
 
   [[nodiscard]] std::span<const double> row(std::size_t k) const {
     return std::span(values).subspan(k * columns.size(), columns.size());
   }
   [[nodiscard]] Code code() const { return status.arrived() ? Code::ok : status.code; }
 };
+
+double turn_guessed(const std::vector<Event>& events) {
+  double since = HUGE_VAL;
+  for (const Event& e : events) {
+    if (e.kind == Code::inaccurate && e.figure >= kTurn) since = std::min(since, e.time);
+  }
+  return since;
+}
 
 PrepareOptions with(const std::string& strategy) {
   static const auto kNothingKnown = std::make_shared<const PerformanceModel>();
@@ -87,7 +99,14 @@ Run run(const Scene& scene, const std::string& strategy) {
     Simulator s(prepare(scene, with(strategy)));
     const Trajectory t = s.run();
     const Report& report = s.report();
-    r = {"", t.columns(), t.times(), t.values(), report.status, report.reached, test::residual_of(report, report)};
+    r = {"",
+         t.columns(),
+         t.times(),
+         t.values(),
+         report.status,
+         report.reached,
+         test::residual_of(report, report),
+         turn_guessed(report.events)};
   } catch (const Error& error) {
     r.cannot = error.what();
   }
@@ -113,6 +132,7 @@ Run run_among_others(std::uint64_t seed, const std::string& strategy, std::size_
     r.status = mine.status;
     r.reached = mine.reached;
     r.residual = test::residual_of(all.report(), all.report());
+    r.turn_guessed = turn_guessed(mine.events);
   } catch (const Error& error) {
     r.cannot = error.what();
   }
@@ -170,10 +190,12 @@ std::string difference(const Plain& plain, const Run& other, bool part = false) 
   for (const std::string& c : other.columns) {
     column.push_back(static_cast<std::size_t>(std::find(a.columns.begin(), a.columns.end(), c) - a.columns.begin()));
   }
-  const double residual = std::max(a.residual, other.residual);
+  const double residual = std::max(a.residual, other.residual), since = std::min(a.turn_guessed, other.turn_guessed);
   for (std::size_t k = 0; k < std::min({a.times.size(), other.times.size(), plain.left_open.size()}); ++k) {
     for (std::size_t c = 0; c < column.size(); ++c) {
-      const double value = a.row(k)[column[c]], off = std::abs(value - other.row(k)[c]);
+      const double value = a.row(k)[column[c]];
+      double off = std::abs(value - other.row(k)[c]);
+      if (a.times[k] >= since) off = std::abs(std::remainder(off, kTurn));
       const double bound = 2 * residual * (plain.left_open[k][column[c]] + std::abs(value));
       if (off <= bound && (std::isfinite(bound) || !a.status.ok())) continue;
       return "VALUE of " + other.columns[c] + " in row " + std::to_string(k) + ": " + figure(off) + " apart, bound " +
