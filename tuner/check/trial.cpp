@@ -359,6 +359,7 @@ class Trying {
         ++failures;
         for (Way& w : ways) w.rate = w.curve = 0;
         if (came < 1) continue;  // rightly; the posture of before is kept
+        if (status.code == Code::actuator_zero && commands_zero(k)) continue;
         judge(simulator_->report());
         if (!trial_.is_fault()) {
           end(Verdict::refused,
@@ -398,6 +399,14 @@ class Trying {
     judge(simulator_->report());
     if (!trial_.is_fault() && failures > 0)
       end(Verdict::stopped_rightly, std::to_string(failures) + " commands failed rightly");
+  }
+
+  [[nodiscard]] bool commands_zero(std::size_t k) const {
+    return std::any_of(scene_.drivers().begin(), scene_.drivers().end(), [&](const Driver& d) {
+      const auto i = static_cast<std::size_t>(std::find(m_.controlled.begin(), m_.controlled.end(), d.name) -
+                                              m_.controlled.begin());
+      return std::holds_alternative<DrivenDistance>(d.kind) && i < m_.controlled.size() && m_.commands[k][i] <= 0;
+    });
   }
 
   // No event but of failed steps and doubt.
