@@ -189,7 +189,11 @@ void OutputProgram::differentiate(const double* const (&state)[3], const double*
                  with_rounding(forms[f].acceleration, changes[f].acceleration)};
     }
     const Jet<Dual> m = evaluate_measure<Dual>(measure.kind, {both, 9}, dimension_);
-    const double slope[3] = {m.value.slope, m.rate.slope, m.acceleration.slope};
+    double slope[3] = {m.value.slope, m.rate.slope, m.acceleration.slope};
+    if (slope[0] == 0 && !(divisor_of<double>(measure.kind, {forms, 9}, dimension_) > 0)) {  // at a kink
+      for (std::size_t f = 0; f < 9; ++f) forms[f].value += both[f].value.slope;
+      slope[0] = evaluate_measure<double>(measure.kind, {forms, 9}, dimension_).value - m.value.value;
+    }
     for (std::size_t d = 0; d < 3; ++d) {
       if (measure.column[d] >= 0) out[measure.column[d]] = slope[d] * measure.unit;
     }
