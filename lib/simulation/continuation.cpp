@@ -210,6 +210,13 @@ Status Continuation::solve_all(double t, Attempt::Branch branch, StepErrors& err
   if (const Status s = inputs_.drive(t, q); !s.ok()) return s;
   if (!any_turn_) turned_ = inputs_.turned(together_);
   if (turned_ > 1) return {Code::branch_unknown, {}, turned_};
+  if (branch == Attempt::Branch::inside && t != now_) {
+    const double *const from[3] = {state_.accepted(0), state_.accepted(1), state_.accepted(2)}, *const to[3] = {
+                                                                                                    q[0], q[1], q[2]};
+    const Index driver = inputs_.reaches_zero(from, to, t - now_);
+    vanished_ = driver >= 0;
+    if (vanished_) return {Code::actuator_zero, Place::driver(driver), 0};
+  }
   const double converged = branch == Attempt::Branch::inside ? converged_ : kConverged;
   if (const Status s = solve_packs(t, branch, converged, errors); !s.ok()) return s;
   if (const Status s = check_positive(); !s.ok()) return s;

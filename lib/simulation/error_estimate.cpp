@@ -24,6 +24,7 @@ constexpr std::int64_t kIntervalUnseen = 16;  // where callbacks hide how the co
 constexpr double kCloser = 1.6;               // of the square of a divisor; 2 for the inverse of its cube
 constexpr double kGrown = 2;                  // of a condition, or a residual: then it is measured again
 constexpr double kFaster = 4;                 // of a rate of what drives, or an acceleration
+constexpr double kAtRest = 1e-4;              // of the rate that a driver reaches within a radian
 constexpr double kSlow = 1.0 / 16;            // of the fastest one: how fast slower ones are does not matter
 
 std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
@@ -343,7 +344,9 @@ void ErrorEstimate::keep_steps_between() {
 ErrorEstimate::Figures ErrorEstimate::relative(const Mechanism& m, const std::vector<Size>& sizes,
                                                double Size::*what) const {
   constexpr double kTurn = 2 * std::numbers::pi;
-  const std::array<double, 3> least = {1, m.scale[1] / kTurn, m.scale[2] / (kTurn * kTurn)};
+  // Drivers that stand still for a moment have rates that are but rounding.
+  const double fastest = std::max(m.scale[1], kAtRest * std::sqrt(m.scale[2]));
+  const std::array<double, 3> least = {1, fastest / kTurn, m.scale[2] / (kTurn * kTurn)};
   std::array<double, 3> worst{};
   for (std::size_t i = 0; i < sizes.size(); ++i) {
     if (!(sizes[i].*what > 0)) continue;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "scene/jet.hpp"
 
@@ -21,7 +22,35 @@ Motion blend(const Motion& a, const Motion& b, double start, double end, double 
          (d * d / 2 * a.acceleration) * (r3 * s * s) + (d * d / 2 * b.acceleration) * (s3 * r * r);
 }
 
+constexpr int kLooks = 16;       // at a length on its way
+constexpr int kBisections = 40;  // to its minimum
+
 }  // namespace
+
+bool reaches_zero(const Motion& from, const Motion& to, double seconds) {
+  const double h = std::abs(seconds);
+  const double way =
+      h * (std::abs(from.rate) + std::abs(to.rate)) + h * h * (std::abs(from.acceleration) + std::abs(to.acceleration));
+  if (std::min(from.value, to.value) > way) return false;
+  const double nothing = 8 * std::numeric_limits<double>::epsilon();  // typical lengths are 1
+  const auto at = [&](double part) { return blend(from, to, 0, seconds, part * seconds); };
+  const auto falls = [&](const Motion& m) { return m.rate * seconds < 0; };
+  Motion before = from;
+  for (int i = 1; i <= kLooks; ++i) {
+    double low = (i - 1.0) / kLooks, high = static_cast<double>(i) / kLooks;
+    const Motion here = at(high);
+    if (!(here.value > nothing)) return true;
+    if (falls(before) && !falls(here)) {
+      for (int k = 0; k < kBisections; ++k) {
+        const double middle = (low + high) / 2;
+        (falls(at(middle)) ? low : high) = middle;
+      }
+      if (!(std::min(at(low).value, at(high).value) > nothing)) return true;
+    }
+    before = here;
+  }
+  return false;
+}
 
 Inputs::Inputs(const System& system, const std::vector<std::string>& controlled)
     : system_(system), program_(system, {}) {
@@ -75,6 +104,16 @@ Status Inputs::drive(double t, double* const (&state)[3]) {
     return {Code::actuator_zero, Place::driver(d.driver), state[0][d.coordinate]};
   }
   return {};
+}
+
+Index Inputs::reaches_zero(const double* const (&from)[3], const double* const (&to)[3], double seconds) const {
+  for (const Distance& d : positive_) {
+    const Index c = d.coordinate;
+    if (assur::reaches_zero({from[0][c], from[1][c], from[2][c]}, {to[0][c], to[1][c], to[2][c]}, seconds)) {
+      return d.driver;
+    }
+  }
+  return -1;
 }
 
 bool Inputs::follows_law(std::size_t input, std::size_t law) const {

@@ -14,6 +14,9 @@
 
 namespace assur {
 
+// Whether a length reaches zero between two of its motions, as far as they tell: on the quintic through them.
+[[nodiscard]] bool reaches_zero(const Motion& from, const Motion& to, double seconds);
+
 class Inputs {
  public:
   Inputs(const System& system, const std::vector<std::string>& controlled);
@@ -23,6 +26,10 @@ class Inputs {
 
   // Known coordinates at time t; state[d]: d-th derivative, indexed by coordinate.
   [[nodiscard]] Status drive(double t, double* const (&state)[3]);
+
+  // The driver of a distance that reaches zero on the way between two motions of what is known, as drive() places them
+  // `seconds` apart; -1: none.
+  [[nodiscard]] Index reaches_zero(const double* const (&from)[3], const double* const (&to)[3], double seconds) const;
 
   // True if somebody reads that law of the system, and nothing was set instead.
   [[nodiscard]] bool follows_law(std::size_t input, std::size_t law) const;

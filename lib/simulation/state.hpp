@@ -26,6 +26,9 @@ class State {
   [[nodiscard]] double* at(int d) { return ring(d).at_hand(); }
   [[nodiscard]] const double* at(int d) const { return ring(d).at_hand(); }
 
+  // The same of the last accepted posture.
+  [[nodiscard]] const double* accepted(int d) const { return ring(d).at(last()); }
+
   void clear();
   // Unknowns of the next posture, from the accepted ones.
   void predict(double t);

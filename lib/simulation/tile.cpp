@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "simulation/inputs.hpp"
 #include "simulation/tolerances.hpp"
 
 namespace assur {
@@ -251,6 +252,9 @@ Status Tile::solve_all(std::span<const double> times, Attempt::Branch branch, St
     const double part = turned(driven_angles_[before], drive_[lane]->angles(), together_);
     if (part > 1) return {Code::branch_unknown, Place::lane(static_cast<std::int32_t>(lane)), part};
   }
+  for (std::size_t lane = 0; lane < driven_lanes_ && inside; ++lane) {
+    if (reaches_zero(lane, times[lane])) return {Code::actuator_zero, Place::lane(static_cast<std::int32_t>(lane)), 0};
+  }
   if (const Status s = solve_packs(times, branch, inside ? converged_ : kConverged, errors); !s.ok()) return s;
   if (const Status s = check_positive(); !s.ok()) return s;
   if (const Status s = check_watched(times, branch, errors); !s.ok()) return s;
@@ -308,6 +312,18 @@ Status Tile::accuracy(int lane) const {
   if (!estimate_.in_doubt(idx(lane))) return {};
   const auto group = static_cast<std::int32_t>(estimate_.worst_of(idx(lane)).pack);
   return {Code::inaccurate, layout_.packs.empty() ? Place{} : Place::group(group), estimate_.now(idx(lane)).worst()};
+}
+
+// A driven distance, on the way from the last accepted posture.
+bool Tile::reaches_zero(std::size_t lane, double time) const {
+  return time != now_[lane] && std::any_of(positive_.begin(), positive_.end(), [&](Index c) {
+           const auto motion = [&](const auto& of) {
+             const std::size_t i = idx(c) * idx(lanes_) + lane;
+             return Motion{of(0)[i], of(1)[i], of(2)[i]};
+           };
+           return assur::reaches_zero(motion([&](int d) { return state_.accepted(d); }),
+                                      motion([&](int d) { return state_.at(d); }), time - now_[lane]);
+         });
 }
 
 Status Tile::check_positive() const {

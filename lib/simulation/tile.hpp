@@ -103,6 +103,7 @@ class Tile {
   [[nodiscard]] double watched(std::int32_t& worst);
   [[nodiscard]] Status check_watched(std::span<const double> times, Attempt::Branch branch, StepErrors& errors);
   [[nodiscard]] Status check_sets();
+  [[nodiscard]] bool reaches_zero(std::size_t lane, double time) const;
   [[nodiscard]] Status check_positive() const;
   [[nodiscard]] Status begin_angles(std::span<const double> times);
   [[nodiscard]] Status follow_angles(double seconds);

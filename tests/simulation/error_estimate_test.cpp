@@ -496,5 +496,16 @@ TEST(Doubt, ComesBeforeAnyWrongResult) {
   EXPECT_LT(unknown, all / 20);
 }
 
+// The rates of drivers that stand still for a moment are rounding: nothing is large against them.
+TEST(ErrorEstimate, OfAStartWhereDriversTurnBack) {
+  SceneBuilder builder("swing", 2);
+  builder.fixed_point("A", {0, 0, 0}).fixed_point("D", {2, 0, 0}).point("B", {0.5, 0.8, 0}).point("C", {1.6, 1.2, 0});
+  builder.constrain("crank", Distance{"A", "B", 1.0}).constrain("coupler", Distance{"B", "C", 1.8});
+  builder.constrain("rocker", Distance{"D", "C", 1.3});
+  builder.drive("motor", PointAngle{"A", "B", "", Law::harmonics({{1, 1, 0}})});
+  const test::Result r = test::run(builder.time(0.25, 0.5, 0.025).build());
+  EXPECT_EQ(r.report().status.code, Code::ok) << r.report().status.figure;
+}
+
 }  // namespace
 }  // namespace assur

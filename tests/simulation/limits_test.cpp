@@ -153,6 +153,32 @@ TEST(Limit, OfADrivenDistanceIsZero) {
   EXPECT_TRUE(s.step(0.95).ok());
 }
 
+// A length that is positive at both ends of a step and not in between: behind that there is no motion.
+TEST(Limit, OfADrivenDistanceIsSeenBetweenTheRows) {
+  const auto cylinder = [](Law law) {
+    SceneBuilder builder("cylinder", 2);
+    builder.fixed_point("O", {0, 0, 0}).fixed_vector("x", {1, 0, 0}).point("P", {law(0).value, 0, 0});
+    builder.constrain("rail", OnLine{"P", "O", "x"});
+    builder.drive("push", DrivenDistance{"O", "P", std::move(law)}).time(0, 1, 0.25);
+    return builder.build();
+  };
+  struct Dip {
+    Law law;
+    double zero;
+  };
+  for (const auto& [law, zero] :
+       {Dip{Law::polynomial({0.1406 - 1e-6, -0.75, 1}), 0.374}, Dip{Law::polynomial({0.36, -1.2, 1}), 0.6},
+        Dip{Law::polynomial({0.05, -0.21, 0.21}), 0.39}}) {
+    for (const std::string strategy : {"irreducible/eigen", "groups/eigen:4+chunks=2"}) {
+      const Result r = test::run(cylinder(law), strategy);
+      EXPECT_FALSE(r.report().status.arrived()) << strategy << " " << zero;  // close to zero it may be the branch
+      EXPECT_LT(r.report().reached, zero) << strategy;
+      EXPECT_GE(r.trajectory.times().back(), 0.25) << strategy;
+    }
+  }
+  EXPECT_TRUE(test::run(cylinder(Law::polynomial({0.3601, -1.2, 1}))).report().status.ok());
+}
+
 // Gough's platform, almost singular all along its way to a limit: balls, and with them steps, are tens of thousands
 // times shorter than what is left.
 TEST(Limit, AStepGivesUpAfterSomeThousandsOfAttempts) {
