@@ -210,12 +210,8 @@ Status Continuation::solve_all(double t, Attempt::Branch branch, StepErrors& err
   if (const Status s = inputs_.drive(t, q); !s.ok()) return s;
   if (!any_turn_) turned_ = inputs_.turned(together_);
   if (turned_ > 1) return {Code::branch_unknown, {}, turned_};
-  if (branch == Attempt::Branch::inside && t != now_) {
-    const double *const from[3] = {state_.accepted(0), state_.accepted(1), state_.accepted(2)}, *const to[3] = {
-                                                                                                    q[0], q[1], q[2]};
-    const Index driver = inputs_.reaches_zero(from, to, t - now_);
-    vanished_ = driver >= 0;
-    if (vanished_) return {Code::actuator_zero, Place::driver(driver), 0};
+  if (branch == Attempt::Branch::inside) {
+    if (const Status s = check_driven_on_the_way(t); !s.ok()) return s;
   }
   const double converged = branch == Attempt::Branch::inside ? converged_ : kConverged;
   if (const Status s = solve_packs(t, branch, converged, errors); !s.ok()) return s;
@@ -296,6 +292,17 @@ Status Continuation::check_positive() {
     return {Code::actuator_zero, Place::driver(positive_[i].of.driver), value};
   }
   return {};
+}
+
+// A driven distance is positive at both ends of the step; between them, too?
+Status Continuation::check_driven_on_the_way(double t) {
+  if (t == now_) return {};
+  const double* const from[3] = {state_.accepted(0), state_.accepted(1), state_.accepted(2)};
+  const double* const to[3] = {state_.at(0), state_.at(1), state_.at(2)};
+  const Index driver = inputs_.reaches_zero(from, to, t - now_);
+  if (driver < 0) return {};
+  vanished_ = true;
+  return {Code::actuator_zero, Place::driver(driver), 0};
 }
 
 // Which driver or redundant equation stopped the motion.

@@ -139,6 +139,7 @@ class Continuation {
   [[nodiscard]] Status check_watched(double t, Attempt::Branch branch, double left, StepErrors& errors);
   [[nodiscard]] Status solve_packs(double t, Attempt::Branch branch, double converged, StepErrors& errors);
   [[nodiscard]] Status check_positive();
+  [[nodiscard]] Status check_driven_on_the_way(double t);
   void tell(const Status& stopped, double target);
   void accept(double t, const StepErrors& errors);
   [[nodiscard]] bool deadline_passed() const;

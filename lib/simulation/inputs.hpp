@@ -14,7 +14,8 @@
 
 namespace assur {
 
-// Whether a length reaches zero between two of its motions, as far as they tell: on the quintic through them.
+// Whether a length, in internal units, reaches zero between two of its motions, as far as they tell: on the quintic
+// through them.
 [[nodiscard]] bool reaches_zero(const Motion& from, const Motion& to, double seconds);
 
 class Inputs {

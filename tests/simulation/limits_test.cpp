@@ -165,13 +165,15 @@ TEST(Limit, OfADrivenDistanceIsSeenBetweenTheRows) {
   struct Dip {
     Law law;
     double zero;
+    bool touches = false;  // the rail is singular there, which may be told first
   };
-  for (const auto& [law, zero] :
-       {Dip{Law::polynomial({0.1406 - 1e-6, -0.75, 1}), 0.374}, Dip{Law::polynomial({0.36, -1.2, 1}), 0.6},
-        Dip{Law::polynomial({0.05, -0.21, 0.21}), 0.39}}) {
+  for (const auto& [law, zero, touches] :
+       {Dip{Law::polynomial({0.1406 - 1e-6, -0.75, 1}), 0.374}, Dip{Law::polynomial({0.05, -0.21, 0.21}), 0.39},
+        Dip{Law::polynomial({0.36, -1.2, 1}), 0.6, true}}) {
     for (const std::string strategy : {"irreducible/eigen", "groups/eigen:4+chunks=2"}) {
       const Result r = test::run(cylinder(law), strategy);
-      EXPECT_FALSE(r.report().status.arrived()) << strategy << " " << zero;  // close to zero it may be the branch
+      const Code code = r.report().status.code;
+      EXPECT_TRUE(code == Code::actuator_zero || (touches && code == Code::branch_unknown)) << strategy << name(code);
       EXPECT_LT(r.report().reached, zero) << strategy;
       EXPECT_GE(r.trajectory.times().back(), 0.25) << strategy;
     }
