@@ -1,6 +1,7 @@
 #include "simulation/continuation.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -18,9 +19,11 @@ constexpr double kResolved = 16 * std::numeric_limits<double>::epsilon();  // of
 constexpr int kMostRejected = 10000;  // attempts of one step, whatever they were for
 constexpr int kMostWalked = 1000;     // attempts on a part of the way to or from a change point; it takes some tens
 constexpr double kPassed = 64;        // steps so much longer than the first shortest one are far from where it failed
-constexpr double kClear = 1e-5;   // singular value, over the largest one: a posture is known to eps / kClear^2 of it
-constexpr double kNearer = 1.15;  // of singular values, from one posture to the next that is compared
-constexpr int kExpandAfter = 4;   // rejected attempts rates are computed of all unknowns, and predict
+constexpr double kClear = 1e-5;     // singular value, over the largest one: a posture is known to eps / kClear^2 of it
+constexpr double kLookedAt = 4e-6;  // singular values from which the least one of a crossing is foretold
+constexpr double kSeen = 1e-7;      // least one that rounding of dimensions to 14 digits does not explain
+constexpr double kNearer = 1.15;    // of singular values, from one posture to the next that is compared
+constexpr int kExpandAfter = 4;     // rejected attempts rates are computed of all unknowns, and predict
 constexpr int kReach = 12;        // a change point is passed from 2^12 of the first shortest steps before it to beyond
 constexpr int kLonger = 8;        // or from up to 2^8 times as far
 constexpr int kMoreHalvings = 6;  // of the shortest step, on the way back from a change point
@@ -57,10 +60,6 @@ Continuation::Continuation(const Prepared& prepared, const StepLimits& limits, R
   passing_.assign(packs_.size(), 0);
   lacks_rates_ = std::any_of(structure_.classes.begin(), structure_.classes.end(),
                              [](const GroupClass& c) { return c.derivatives == 0 || c.first_wanted > 0; });
-  for (const Positive& p : system_.positive) {
-    const std::int32_t address = layout_.address[idx(p.coordinate)];
-    if (address >= 0 && idx(address) >= layout_.first_unknown) positive_.push_back({address, p, 0});
-  }
 }
 
 void Continuation::keep_what_is_read(std::vector<std::uint8_t> marked) {
@@ -70,6 +69,12 @@ void Continuation::keep_what_is_read(std::vector<std::uint8_t> marked) {
   for (const std::int32_t c : structure_.watch.inputs) marked[idx(layout_.address[idx(c)])] = 1;
   marked.resize(system_.coordinates.size());  // known coordinates lie at their own index
   inputs_.keep(std::move(marked));
+  levers_ = inputs_.levers();
+  known_levers_ = levers_.size();
+  for (const Positive& p : system_.positive) {
+    const std::int32_t address = layout_.address[idx(p.coordinate)];
+    if (address >= 0 && idx(address) >= layout_.first_unknown) levers_.push_back({address, p.driver});
+  }
 }
 
 void Continuation::start(double time, const std::vector<double>& posture, const Inputs::Controls* before) {
@@ -102,7 +107,7 @@ void Continuation::start(double time, const std::vector<double>& posture, const 
   if (turns_ != nullptr) turns_->start(state_.at(0));
   turn_guessed_ = false;
   accept(now_, errors);
-  for (MustStayPositive& p : positive_) p.start = state_.at(0)[p.address];
+  for (Lever& l : levers_) l.start = state_.at(0)[l.address];
 }
 
 void Continuation::restart_solvers() {
@@ -132,7 +137,7 @@ void Continuation::save(Snapshot& into, bool in_step) const {
   into.stands_still = stands_still_;
   into.watched_level = watched_level_;
   into.poor = poor_;
-  into.positive = positive_;
+  into.levers = levers_;
   into.angles = inputs_.accepted_angles();
   if (turns_ != nullptr) turns_->save(into.turns);
 }
@@ -158,7 +163,7 @@ void Continuation::restore(const Snapshot& from) {
   watched_level_ = from.watched_level;
   poor_ = from.poor;
   measured_at_ = -1;
-  positive_ = from.positive;
+  levers_ = from.levers;
   inputs_.accept(from.angles);
   if (turns_ != nullptr) turns_->restore(from.turns);
   wants_reselection_ = false;
@@ -210,12 +215,11 @@ Status Continuation::solve_all(double t, Attempt::Branch branch, StepErrors& err
   if (const Status s = inputs_.drive(t, q); !s.ok()) return s;
   if (!any_turn_) turned_ = inputs_.turned(together_);
   if (turned_ > 1) return {Code::branch_unknown, {}, turned_};
-  if (branch == Attempt::Branch::inside) {
-    if (const Status s = check_driven_on_the_way(t); !s.ok()) return s;
-  }
+  const double seconds = branch == Attempt::Branch::inside ? t - now_ : 0;
+  if (const Status s = check_levers(0, known_levers_, seconds); !s.ok()) return s;
   const double converged = branch == Attempt::Branch::inside ? converged_ : kConverged;
   if (const Status s = solve_packs(t, branch, converged, errors); !s.ok()) return s;
-  if (const Status s = check_positive(); !s.ok()) return s;
+  if (const Status s = check_levers(known_levers_, levers_.size(), seconds); !s.ok()) return s;
   if (watch_) {
     if (const Status s = check_watched(t, branch, converged, errors); !s.ok()) return s;
   }
@@ -284,25 +288,14 @@ Status Continuation::check_watched(double t, Attempt::Branch branch, double left
 }
 
 // Beyond zero a driver's equations hold half a turn away from its law.
-Status Continuation::check_positive() {
-  for (std::size_t i = 0; i < positive_.size(); ++i) {
-    const double value = state_.at(0)[positive_[i].address];
-    if (value > 0) continue;
-    vanished_ = true;
-    return {Code::actuator_zero, Place::driver(positive_[i].of.driver), value};
-  }
-  return {};
-}
-
-// A driven distance is positive at both ends of the step; between them, too?
-Status Continuation::check_driven_on_the_way(double t) {
-  if (t == now_) return {};
+Status Continuation::check_levers(std::size_t begin, std::size_t end, double seconds) {
   const double* const from[3] = {state_.accepted(0), state_.accepted(1), state_.accepted(2)};
   const double* const to[3] = {state_.at(0), state_.at(1), state_.at(2)};
-  const Index driver = inputs_.reaches_zero(from, to, t - now_);
-  if (driver < 0) return {};
-  vanished_ = true;
-  return {Code::actuator_zero, Place::driver(driver), 0};
+  const Lever* const l = vanished(std::span(levers_).subspan(begin, end - begin), from, to, seconds);
+  if (l == nullptr) return {};
+  // A driver that is to get there does so however short the step is.
+  vanished_ = idx(l->address) >= layout_.first_unknown || to[0][l->address] > 0;
+  return {Code::actuator_zero, Place::driver(l->driver), std::min(to[0][l->address], 0.0)};
 }
 
 // Which driver or redundant equation stopped the motion.
@@ -528,10 +521,10 @@ Status Continuation::at_the_limit(const Status& failed, double target, double t,
   expand();
   failed_pack_ = at_fault;
   state_.restore();
-  for (std::size_t i = 0; i < positive_.size(); ++i) {
-    const double lever = state_.at(0)[positive_[i].address];
-    if (lever > kNoLever * positive_[i].start) continue;
-    const Status gone{Code::actuator_zero, Place::driver(positive_[i].of.driver), lever};
+  for (const Lever& l : levers_) {
+    const double lever = state_.at(0)[l.address];
+    if (lever > kNoLever * l.start) continue;
+    const Status gone{Code::actuator_zero, Place::driver(l.driver), lever};
     tell(gone, target);
     return gone;
   }
@@ -542,9 +535,11 @@ Status Continuation::at_the_limit(const Status& failed, double target, double t,
   Status found = nearest.status;
   if (found.code == Code::limit_reached && !turns_back(std::move(nearest))) found.code = Code::branch_unknown;
   const double least = std::max(first * (kLeast / kSmallest), kResolved * std::max(std::abs(now_), std::abs(t)));
+  const bool shorter = kShorter * shortest_ >= least;
   // Close to a change point rounding would take one of the branches.
-  const bool clear = found.code != Code::change_point_passed || found.figure > kClear;
-  if (found.code != Code::limit_reached && clear && kShorter * shortest_ >= least) {
+  const bool clear = found.code != Code::change_point_passed || (found.figure > kClear && shorter);
+  if (!clear && is_avoided(target - now_)) found.code = Code::branch_unknown;
+  if (found.code != Code::limit_reached && (clear || found.code == Code::branch_unknown) && shorter) {
     shortest_ *= kShorter;
     any_turn_ = false;
     return {};
@@ -599,6 +594,43 @@ bool Continuation::turns_back(GroupSolver::Singularity here) {
   const double of_cubic = falls * way_of_cubic(first, middle) / way_of_cubic(middle, last);
   const double least = std::sqrt(of_cubic);  // halfway between both
   return slopes >= least && slopes <= 1 / least;
+}
+
+// At a change point the smallest singular value is zero. Where two branches come close and stay apart it is not, and
+// each goes its own way, which shorter steps follow. Close to the least value its square is a parabola of the way: two
+// of them, through postures twice as far from here each, tell the least value and how well it is known.
+bool Continuation::is_avoided(double h) {
+  const std::size_t at_fault = failed_pack_;
+  const double change = now_;
+  std::array<double, 4> way{}, square{};
+  std::size_t looks = 0;
+  std::int32_t block = -1;
+  bool same = true;
+  for (double back = std::abs(h); looks < way.size() && same; back *= 2) {
+    same = walk(change - std::copysign(back, h), h, change);
+    if (!same) break;
+    Pack& pack = packs_[at_fault];
+    double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
+    const GroupSolver::Singularity here = levels_.solver(pack).diagnose(pack, q);
+    if (here.status.figure < kLookedAt) continue;
+    if (looks == 0) block = here.block;
+    same = here.block == block;
+    way[looks] = back;
+    square[looks++] = here.status.figure * here.status.figure;
+  }
+  (void)walk(change, h, change);
+  state_.restore();
+  failed_pack_ = at_fault;
+  if (!same) return false;
+  const auto least = [&](std::size_t i) {  // of the parabola through three of them
+    const double near = (square[i + 1] - square[i]) / (way[i + 1] - way[i]);
+    const double far = (square[i + 2] - square[i + 1]) / (way[i + 2] - way[i + 1]);
+    const double bend = (far - near) / (way[i + 2] - way[i]);
+    const double slope = near - bend * (way[i + 1] - way[i]);
+    return square[i] - slope * slope / (4 * bend);
+  };
+  const double nearer = least(0), farther = least(1);
+  return nearer > std::abs(farther - nearer) + kSeen * kSeen;
 }
 
 // The shortest steps through one change point are one event.

@@ -57,12 +57,6 @@ class Continuation {
   // before: what was set to another one, with other equations of the same scene, which stops here.
   void start(double time, const std::vector<double>& posture, const Inputs::Controls* before = nullptr);
 
-  struct MustStayPositive {
-    std::int32_t address;
-    Positive of;
-    double start;  // value at the start of the run
-  };
-
   // All that the next steps depend on.
   struct Snapshot {
     State state;
@@ -74,7 +68,7 @@ class Continuation {
     double selected_at = std::numeric_limits<double>::quiet_NaN();
     bool stands_still = false;
     double watched_level = 0, poor = 0;
-    std::vector<MustStayPositive> positive;
+    std::vector<Lever> levers;
     std::vector<double> angles;  // of the drivers
     AngleTurns::Snapshot turns;
   };
@@ -138,8 +132,7 @@ class Continuation {
   // left: relative residual of what was solved.
   [[nodiscard]] Status check_watched(double t, Attempt::Branch branch, double left, StepErrors& errors);
   [[nodiscard]] Status solve_packs(double t, Attempt::Branch branch, double converged, StepErrors& errors);
-  [[nodiscard]] Status check_positive();
-  [[nodiscard]] Status check_driven_on_the_way(double t);
+  [[nodiscard]] Status check_levers(std::size_t begin, std::size_t end, double seconds);
   void tell(const Status& stopped, double target);
   void accept(double t, const StepErrors& errors);
   [[nodiscard]] bool deadline_passed() const;
@@ -155,6 +148,7 @@ class Continuation {
   [[nodiscard]] bool turns_back(GroupSolver::Singularity here);
   [[nodiscard]] double first_without_solution(double target, double t);
   [[nodiscard]] bool pass(double target, double t, double first);
+  [[nodiscard]] bool is_avoided(double h);
   [[nodiscard]] bool pass_by(double reach, double target, double t);
   [[nodiscard]] bool walk(double until, double h, double change);
   void record(Event event, double step);
@@ -198,8 +192,8 @@ class Continuation {
   bool wants_reselection_ = false;
   double selected_at_ = std::numeric_limits<double>::quiet_NaN();  // time of the last reselection that was tried
   std::size_t failed_pack_ = 0;  // of the last posture that was tried; their number: none
-  // Auxiliaries of drivers that must stay > 0, those that are solved for.
-  std::vector<MustStayPositive> positive_;
+  std::vector<Lever> levers_;       // those that are known, then those that are solved for
+  std::size_t known_levers_ = 0;
   bool vanished_ = false;  // one of them, in the last posture that was tried
   std::chrono::steady_clock::time_point deadline_;
 };

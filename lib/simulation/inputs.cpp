@@ -25,8 +25,6 @@ Motion blend(const Motion& a, const Motion& b, double start, double end, double 
 constexpr int kLooks = 16;       // at a length on its way
 constexpr int kBisections = 40;  // to its minimum
 
-}  // namespace
-
 bool reaches_zero(const Motion& from, const Motion& to, double seconds) {
   const double h = std::abs(seconds);
   const double way =
@@ -50,6 +48,19 @@ bool reaches_zero(const Motion& from, const Motion& to, double seconds) {
     before = here;
   }
   return false;
+}
+
+}  // namespace
+
+const Lever* vanished(std::span<const Lever> levers, const double* const (&from)[3], const double* const (&to)[3],
+                      double seconds) {
+  for (const Lever& l : levers) {
+    const std::int32_t c = l.address;
+    if (!(to[0][c] > 0)) return &l;
+    if (seconds == 0) continue;
+    if (reaches_zero({from[0][c], from[1][c], from[2][c]}, {to[0][c], to[1][c], to[2][c]}, seconds)) return &l;
+  }
+  return nullptr;
 }
 
 Inputs::Inputs(const System& system, const std::vector<std::string>& controlled)
@@ -82,10 +93,10 @@ void Inputs::compile(const Driven& driven) {
   program_ = DriveProgram(system_, driven);
   for (Control& c : controls_) c.slot = program_.slot(c.input, c.law);
   accepted_angles_.assign(program_.angles().begin(), program_.angles().end());
-  positive_.clear();
+  levers_.clear();
   for (const Index i : driven.inputs) {
     const DriverInput& in = system_.inputs[static_cast<std::size_t>(i)];
-    if (in.must_not_vanish) positive_.push_back({in.first, in.driver});
+    if (in.must_not_vanish) levers_.push_back({in.first, in.driver});
   }
 }
 
@@ -99,21 +110,7 @@ Status Inputs::drive(double t, double* const (&state)[3]) {
   }
   program_.place(state);
   if (!program_.defined()) return {DriveProgram::why_undefined(system_, t), {}, t};
-  for (const Distance& d : positive_) {
-    if (state[0][d.coordinate] > 0) continue;
-    return {Code::actuator_zero, Place::driver(d.driver), state[0][d.coordinate]};
-  }
   return {};
-}
-
-Index Inputs::reaches_zero(const double* const (&from)[3], const double* const (&to)[3], double seconds) const {
-  for (const Distance& d : positive_) {
-    const Index c = d.coordinate;
-    if (assur::reaches_zero({from[0][c], from[1][c], from[2][c]}, {to[0][c], to[1][c], to[2][c]}, seconds)) {
-      return d.driver;
-    }
-  }
-  return -1;
 }
 
 bool Inputs::follows_law(std::size_t input, std::size_t law) const {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,9 +15,17 @@
 
 namespace assur {
 
-// Whether a length, in internal units, reaches zero between two of its motions, as far as they tell: on the quintic
-// through them.
-[[nodiscard]] bool reaches_zero(const Motion& from, const Motion& to, double seconds);
+// What must stay positive, or its driver does nothing: a driven distance, or what a relative angle's driver acts on.
+struct Lever {
+  std::int32_t address;  // in a state, of its first lane
+  Index driver;          // into System::drivers
+  double start = 0;      // value at the start of the run
+};
+
+// The first one that is not positive in the posture `to`, or is not on the way there from `from`, `seconds` before (0:
+// there is none), as far as both tell: on the quintic through them. Null: there is none. [d]: d-th derivatives.
+[[nodiscard]] const Lever* vanished(std::span<const Lever> levers, const double* const (&from)[3],
+                                    const double* const (&to)[3], double seconds);
 
 class Inputs {
  public:
@@ -28,9 +37,8 @@ class Inputs {
   // Known coordinates at time t; state[d]: d-th derivative, indexed by coordinate.
   [[nodiscard]] Status drive(double t, double* const (&state)[3]);
 
-  // The driver of a distance that reaches zero on the way between two motions of what is known, as drive() places them
-  // `seconds` apart; -1: none.
-  [[nodiscard]] Index reaches_zero(const double* const (&from)[3], const double* const (&to)[3], double seconds) const;
+  // Driven distances, of those that are evaluated.
+  [[nodiscard]] const std::vector<Lever>& levers() const { return levers_; }
 
   // True if somebody reads that law of the system, and nothing was set instead.
   [[nodiscard]] bool follows_law(std::size_t input, std::size_t law) const;
@@ -85,11 +93,7 @@ class Inputs {
 
   const System& system_;
   DriveProgram program_;
-  struct Distance {
-    Index coordinate;
-    Index driver;
-  };
-  std::vector<Distance> positive_;  // driven ones
+  std::vector<Lever> levers_;
   std::vector<double> accepted_angles_;
   Controls controls_;
 };

@@ -5,7 +5,6 @@
 #include <limits>
 #include <utility>
 
-#include "simulation/inputs.hpp"
 #include "simulation/tolerances.hpp"
 
 namespace assur {
@@ -89,11 +88,12 @@ Tile::Tile(const Prepared& prepared, const StepLimits& limits)
   for (const Index i : driven_.inputs) {
     const DriverInput& in = system.inputs[idx(i)];
     for (Index k = 0; k < in.count; ++k) driven_coordinates_.push_back(in.first + k);
-    if (in.must_not_vanish) positive_.push_back(in.first);
+    if (in.must_not_vanish) levers_.push_back({in.first * lanes_, in.driver});
   }
+  known_levers_ = levers_.size();
   for (const Positive& p : system.positive) {
     const std::int32_t address = layout_.address[idx(p.coordinate)];
-    if (address >= 0 && idx(address) >= layout_.first_unknown) levers_.push_back(idx(address));
+    if (address >= 0 && idx(address) >= layout_.first_unknown) levers_.push_back({address, p.driver});
   }
   for (const Index i : driven_.assignments) driven_coordinates_.push_back(system.assignments[idx(i)].coordinate);
 }
@@ -198,10 +198,6 @@ Status Tile::drive_lane(std::size_t lane, double time) {
   program.place(q, idx(lanes_));
   const Place where = Place::lane(static_cast<std::int32_t>(lane));
   if (!program.defined()) return {DriveProgram::why_undefined(*variants_[lane]->system, time), where, time};
-  for (const Index c : positive_) {
-    const double length = q[0][idx(c) * idx(lanes_)];
-    if (!(length > 0)) return {Code::actuator_zero, where, length};
-  }
   return {};
 }
 
@@ -252,11 +248,14 @@ Status Tile::solve_all(std::span<const double> times, Attempt::Branch branch, St
     const double part = turned(driven_angles_[before], drive_[lane]->angles(), together_);
     if (part > 1) return {Code::branch_unknown, Place::lane(static_cast<std::int32_t>(lane)), part};
   }
-  for (std::size_t lane = 0; lane < driven_lanes_ && inside; ++lane) {
-    if (reaches_zero(lane, times[lane])) return {Code::actuator_zero, Place::lane(static_cast<std::int32_t>(lane)), 0};
+  const auto seconds = [&](std::size_t lane) { return inside ? times[lane] - now_[lane] : 0; };
+  for (std::size_t lane = 0; lane < driven_lanes_; ++lane) {
+    if (const Status s = check_levers(0, known_levers_, lane, seconds(lane)); !s.ok()) return s;
   }
   if (const Status s = solve_packs(times, branch, inside ? converged_ : kConverged, errors); !s.ok()) return s;
-  if (const Status s = check_positive(); !s.ok()) return s;
+  for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
+    if (const Status s = check_levers(known_levers_, levers_.size(), lane, seconds(lane)); !s.ok()) return s;
+  }
   if (const Status s = check_watched(times, branch, errors); !s.ok()) return s;
   if (const Status s = check_sets(); !s.ok()) return s;
   return inside ? follow_angles(times[0] - now_[0]) : begin_angles(times);
@@ -314,26 +313,12 @@ Status Tile::accuracy(int lane) const {
   return {Code::inaccurate, layout_.packs.empty() ? Place{} : Place::group(group), estimate_.now(idx(lane)).worst()};
 }
 
-// A driven distance, on the way from the last accepted posture.
-bool Tile::reaches_zero(std::size_t lane, double time) const {
-  return time != now_[lane] && std::any_of(positive_.begin(), positive_.end(), [&](Index c) {
-           const auto motion = [&](const auto& of) {
-             const std::size_t i = idx(c) * idx(lanes_) + lane;
-             return Motion{of(0)[i], of(1)[i], of(2)[i]};
-           };
-           return assur::reaches_zero(motion([&](int d) { return state_.accepted(d); }),
-                                      motion([&](int d) { return state_.at(d); }), time - now_[lane]);
-         });
-}
-
-Status Tile::check_positive() const {
-  for (const std::size_t address : levers_) {
-    for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
-      const double value = state_.at(0)[address + lane];
-      if (!(value > 0)) return {Code::actuator_zero, Place::lane(static_cast<std::int32_t>(lane)), value};
-    }
-  }
-  return {};
+Status Tile::check_levers(std::size_t begin, std::size_t end, std::size_t lane, double seconds) const {
+  const double* const from[3] = {state_.accepted(0) + lane, state_.accepted(1) + lane, state_.accepted(2) + lane};
+  const double* const to[3] = {state_.at(0) + lane, state_.at(1) + lane, state_.at(2) + lane};
+  const Lever* const l = vanished(std::span(levers_).subspan(begin, end - begin), from, to, seconds);
+  if (l == nullptr) return {};
+  return {Code::actuator_zero, Place::lane(static_cast<std::int32_t>(lane)), std::min(to[0][l->address], 0.0)};
 }
 
 // Largest relative residual of the watched equations, and the lane.

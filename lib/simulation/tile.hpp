@@ -18,6 +18,7 @@
 #include "simulation/error_estimate.hpp"
 #include "simulation/function_check.hpp"
 #include "simulation/independence.hpp"
+#include "simulation/inputs.hpp"
 #include "simulation/layout.hpp"
 #include "simulation/output_program.hpp"
 #include "simulation/state.hpp"
@@ -103,8 +104,7 @@ class Tile {
   [[nodiscard]] double watched(std::int32_t& worst);
   [[nodiscard]] Status check_watched(std::span<const double> times, Attempt::Branch branch, StepErrors& errors);
   [[nodiscard]] Status check_sets();
-  [[nodiscard]] bool reaches_zero(std::size_t lane, double time) const;
-  [[nodiscard]] Status check_positive() const;
+  [[nodiscard]] Status check_levers(std::size_t begin, std::size_t end, std::size_t lane, double seconds) const;
   [[nodiscard]] Status begin_angles(std::span<const double> times);
   [[nodiscard]] Status follow_angles(double seconds);
   void accept(std::span<const double> times);
@@ -115,8 +115,8 @@ class Tile {
   Layout layout_;
   Driven driven_;
   std::vector<Index> driven_coordinates_;
-  std::vector<Index> positive_;                     // coordinates: driven distances
-  std::vector<std::size_t> levers_;                 // addresses in lane 0: auxiliaries of drivers that must stay > 0
+  std::vector<Lever> levers_;                       // those that are known, then those that are solved for
+  std::size_t known_levers_ = 0;
   std::vector<std::optional<DriveProgram>> drive_;  // lanes
   int together_;                                    // angles_together()
   std::size_t driven_lanes_ = 0;                    // whose drivers were evaluated last; the others are as the first

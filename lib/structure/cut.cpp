@@ -40,6 +40,19 @@ void find_needed_blocks(const System& s, const Blocks& blocks, std::span<const I
   }
 }
 
+// What must stay positive is watched between two postures, too.
+void need_motions_of_levers(const System& s, const Blocks& blocks, const Cut& cut, std::vector<std::int8_t>& need) {
+  if (s.positive.empty()) return;
+  std::vector<std::uint8_t> solved(s.coordinates.size(), 0);
+  for (Index b = 0; b < blocks.size(); ++b) {
+    if (!cut.solved_each_step(b)) continue;
+    for (const Index u : blocks.unknowns_of(b)) solved[idx(u)] = 1;
+  }
+  for (const Positive& p : s.positive) {
+    if (solved[idx(p.coordinate)] != 0) need[idx(p.coordinate)] = 2;
+  }
+}
+
 // From the last group back: the derivatives that it computes, `at_least` so many, are those needed of its unknowns; its
 // inputs follow. Inside the group only what others want counts as needed: the last back-substitution may stop there.
 void find_derivatives(const System& s, const Blocks& blocks, const std::vector<Draft>& drafts, int at_least,
@@ -88,6 +101,7 @@ Cut cut_to_outputs(const System& s, const Blocks& blocks, const std::vector<Draf
   }
   find_what_moves(s, blocks, cut);
   find_needed_blocks(s, blocks, checks, need, cut);
+  need_motions_of_levers(s, blocks, cut, need);
   find_derivatives(s, blocks, drafts, 0, &Cut::Derivatives::wanted, need, cut);
   find_derivatives(s, blocks, drafts, predictor_derivatives, &Cut::Derivatives::computed, need, cut);
   cut.need = std::move(need);
