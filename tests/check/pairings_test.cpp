@@ -78,6 +78,8 @@ struct Run {
     return std::span(values).subspan(k * columns.size(), columns.size());
   }
   [[nodiscard]] Code code() const { return status.arrived() ? Code::ok : status.code; }
+  // Two branches come so close that it refuses to follow one, which steps that lie otherwise might.
+  [[nodiscard]] bool may_go_on() const { return status.code == Code::branch_unknown && status.figure < 1 / kSingular; }
 };
 
 double turn_guessed(const std::vector<Event>& events) {
@@ -178,8 +180,8 @@ std::string difference(const Plain& plain, const Run& other, bool part = false) 
   const Run& a = plain.run;
   if (a.cannot.empty() != other.cannot.empty()) return "START " + a.cannot + " | " + other.cannot;
   if (!a.cannot.empty()) return "";
-  const bool stopped = a.code() != Code::ok;
-  const bool goes_on = part && stopped && other.times.size() >= a.times.size();
+  const bool longer = other.times.size() >= a.times.size(), shorter = other.times.size() <= a.times.size();
+  const bool goes_on = (a.code() != Code::ok && (part || a.may_go_on()) && longer) || (other.may_go_on() && shorter);
   const double step = plain.scene.time().step;
   if (!goes_on && (a.code() != other.code() || a.times.size() != other.times.size()))
     return "STATUS " + ending(a) + " | " + ending(other);
@@ -254,7 +256,8 @@ std::vector<std::uint64_t> seeds() {
   std::vector<std::uint64_t> out(static_cast<std::size_t>(test::random_count(30)));
   std::iota(out.begin(), out.end(), first_seed());
   if (std::getenv("ASSUR_RANDOM_SCENES") == nullptr) {
-    out.insert(out.end(), {36, 197, 479, 484, 1097, 2131, 2283, 2677, 3777, 6091, 6156, 7198, 7865, 8374, 9819});
+    out.insert(out.end(),
+               {36, 197, 479, 484, 1097, 2131, 2283, 2677, 3180, 3777, 6091, 6156, 6680, 7198, 7865, 8374, 9680, 9819});
   }
   return out;
 }
