@@ -1,5 +1,6 @@
 // The input: mechanism, drivers, wanted outputs, time grid. SI units, angles in rad.
-// A Scene is immutable. It is read from a file, named as a sample, or built in C++ with SceneBuilder.
+// A Scene is immutable, and cheap to copy. It is read from a file, named as a sample, or built in C++ with
+// SceneBuilder.
 #pragma once
 
 #include <array>
@@ -199,20 +200,20 @@ struct TimeGrid {
 
 class Scene {
  public:
-  [[nodiscard]] const std::string& name() const { return name_; }
-  [[nodiscard]] int dimension() const { return dimension_; }
-  [[nodiscard]] const std::vector<Point>& points() const { return points_; }
-  [[nodiscard]] const std::vector<Vector>& vectors() const { return vectors_; }
+  [[nodiscard]] const std::string& name() const { return parts_->name; }
+  [[nodiscard]] int dimension() const { return parts_->dimension; }
+  [[nodiscard]] const std::vector<Point>& points() const { return parts_->points; }
+  [[nodiscard]] const std::vector<Vector>& vectors() const { return parts_->vectors; }
   // Each after those whose members its base is made of.
-  [[nodiscard]] const std::vector<Body>& bodies() const { return bodies_; }
-  [[nodiscard]] const std::vector<Constraint>& constraints() const { return constraints_; }
-  [[nodiscard]] const std::vector<Driver>& drivers() const { return drivers_; }
-  [[nodiscard]] const std::vector<Measure>& measures() const { return measures_; }
-  [[nodiscard]] const std::vector<DeclaredGroup>& groups() const { return groups_; }
+  [[nodiscard]] const std::vector<Body>& bodies() const { return parts_->bodies; }
+  [[nodiscard]] const std::vector<Constraint>& constraints() const { return parts_->constraints; }
+  [[nodiscard]] const std::vector<Driver>& drivers() const { return parts_->drivers; }
+  [[nodiscard]] const std::vector<Measure>& measures() const { return parts_->measures; }
+  [[nodiscard]] const std::vector<DeclaredGroup>& groups() const { return parts_->groups; }
   [[nodiscard]] const std::vector<std::string>& outputs() const { return outputs_; }  // as written; empty: everything
   [[nodiscard]] const TimeGrid& time() const { return time_; }
   // Notes that are no errors: a vector that had to be normalised, ...
-  [[nodiscard]] const std::vector<Diagnostic>& warnings() const { return warnings_; }
+  [[nodiscard]] const std::vector<Diagnostic>& warnings() const { return parts_->warnings; }
 
   // The same mechanism with other wanted outputs; throws Error (input) for a name that is not there.
   [[nodiscard]] Scene with_outputs(std::vector<std::string> outputs) const;
@@ -221,18 +222,21 @@ class Scene {
 
  private:
   friend class SceneBuilder;
-  std::string name_;
-  int dimension_ = 2;
-  std::vector<Point> points_;
-  std::vector<Vector> vectors_;
-  std::vector<Body> bodies_;
-  std::vector<Constraint> constraints_;
-  std::vector<Driver> drivers_;
-  std::vector<Measure> measures_;
-  std::vector<DeclaredGroup> groups_;
+  struct Parts {
+    std::string name;
+    int dimension = 2;
+    std::vector<Point> points;
+    std::vector<Vector> vectors;
+    std::vector<Body> bodies;
+    std::vector<Constraint> constraints;
+    std::vector<Driver> drivers;
+    std::vector<Measure> measures;
+    std::vector<DeclaredGroup> groups;
+    std::vector<Diagnostic> warnings;
+  };
+  std::shared_ptr<const Parts> parts_ = std::make_shared<const Parts>();  // of all copies
   std::vector<std::string> outputs_;
   TimeGrid time_;
-  std::vector<Diagnostic> warnings_;
 };
 
 // Collects a scene; build() checks it as a whole and reports everything that is wrong in one go. Order does not matter.
@@ -267,6 +271,9 @@ class SceneBuilder {
   SceneBuilder& measure(std::string name, Kind kind) {
     return add(Measure{std::move(name), std::move(kind)});
   }
+  // Room for as many; a scene may have millions.
+  SceneBuilder& reserve(std::size_t points, std::size_t constraints);
+
   SceneBuilder& output(std::string name);
   SceneBuilder& time(double start, double end, double step);
 
@@ -275,10 +282,16 @@ class SceneBuilder {
   SceneBuilder& diagnose(Diagnostic diagnostic);
 
   // Throws Error (input) with every diagnostic.
-  [[nodiscard]] Scene build() const;
+  // An rvalue is used up, not copied.
+  [[nodiscard]] Scene build() const& { return SceneBuilder(*this).finish(); }
+  [[nodiscard]] Scene build() && { return finish(); }
 
  private:
-  Scene scene_;
+  [[nodiscard]] Scene finish();
+
+  Scene::Parts parts_;
+  std::vector<std::string> outputs_;
+  TimeGrid time_;
   std::vector<Diagnostic> found_;
 };
 

@@ -41,6 +41,26 @@ Forms::Forms(std::shared_ptr<const Scene> scene, int length_exponent) {
   rests_ = {0, 0};
   s_.coordinates.push_back({-1, -1, 0, Role::one, false});
   s_.guess.push_back(1.0);
+
+  // Drivers add a few of their own.
+  const std::size_t named = s_.scene->points().size() + s_.scene->vectors().size() + 8 * s_.drivers.size();
+  const std::size_t scalars = 1 + named * static_cast<std::size_t>(s_.dimension);
+  s_.items.reserve(named);
+  s_.item_of.reserve(named);
+  s_.coordinates.reserve(scalars);
+  s_.guess.reserve(scalars);
+  s_.sources.reserve(s_.scene->constraints().size());
+  s_.equations.reserve(s_.scene->constraints().size());
+}
+
+void Forms::give_back() {
+  rests_ = {};
+  s_.constants.shrink_to_fit();
+  s_.form_start.shrink_to_fit();
+  s_.terms.shrink_to_fit();
+  s_.products.shrink_to_fit();
+  s_.equations.shrink_to_fit();
+  s_.sources.shrink_to_fit();
 }
 
 // ---- constants and forms

@@ -32,6 +32,9 @@ class Forms {
   [[nodiscard]] System& system() { return s_; }
   [[nodiscard]] const System& system() const { return s_; }
 
+  // Room that nothing was written into: a scene may have millions of equations.
+  void give_back();
+
   // Constants and forms. Values are in SI units, `power` is their power of length.
   Index constant(double value, int power = 0);
   Index form(const Terms& terms);

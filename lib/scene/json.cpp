@@ -7,11 +7,22 @@
 namespace assur {
 namespace {
 
+// The document is gone before the scene is checked, and read again to sort what is wrong.
+Scene build(SceneBuilder builder, std::string_view text) {
+  try {
+    return std::move(builder).build();
+  } catch (const Error& error) {
+    std::vector<Diagnostic> findings = error.diagnostics();
+    const JsonDocument document = parse_json(text);
+    sort_by_place(findings, document.root);
+    throw Error(error.kind(), std::move(findings));
+  }
+}
+
 Scene parse(std::string_view text, const std::string& source, const std::string& title,
             const std::filesystem::path& folder, const Parameters& set) {
   try {
-    const JsonDocument document = parse_json(text);
-    return JsonReader(document, folder, set).read(title);
+    return build(JsonReader(parse_json(text), folder, set).read(title), text);
   } catch (const Error& error) {
     throw Error(error.kind(), error.diagnostics(), source);
   }

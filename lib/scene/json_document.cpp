@@ -13,36 +13,30 @@ namespace {
 
 constexpr std::size_t kDeepest = 32;  // levels; a scene has eight
 
-// Builds the tree from the parser's events.
+// Builds the tree from the parser's events: items wait until the array or object around them is closed.
 class Builder : public nlohmann::json_sax<nlohmann::json> {
  public:
-  explicit Builder(std::string_view text) : text_(text) {}
+  explicit Builder(std::string_view text) : text_(text) {
+    document_.memory = std::make_unique<std::pmr::monotonic_buffer_resource>();
+  }
 
   JsonDocument take() { return std::move(document_); }
 
   bool null() override { return put({}); }
-  bool boolean(bool value) override {
-    JsonNode node = of(JsonNode::Type::boolean);
-    node.boolean = value;
-    return put(std::move(node));
-  }
-  bool number_integer(number_integer_t value) override { return put_number(static_cast<double>(value)); }
-  bool number_unsigned(number_unsigned_t value) override { return put_number(static_cast<double>(value)); }
-  bool number_float(number_float_t value, const string_t&) override { return put_number(value); }
-  bool string(string_t& value) override {
-    JsonNode node = of(JsonNode::Type::string);
-    node.text = std::move(value);
-    return put(std::move(node));
-  }
+  bool boolean(bool value) override { return put(JsonNode(value)); }
+  bool number_integer(number_integer_t value) override { return put(JsonNode(static_cast<double>(value))); }
+  bool number_unsigned(number_unsigned_t value) override { return put(JsonNode(static_cast<double>(value))); }
+  bool number_float(number_float_t value, const string_t&) override { return put(JsonNode(value)); }
+  bool string(string_t& value) override { return put(JsonNode(kept(value))); }
   bool binary(binary_t&) override { return false; }  // text has none
   bool start_object(std::size_t) override { return open(JsonNode::Type::object); }
   bool start_array(std::size_t) override { return open(JsonNode::Type::array); }
   bool key(string_t& name) override {
-    open_.back().keys.push_back(std::move(name));
+    keys_.push_back(kept(name));
     return true;
   }
   bool end_object() override {
-    drop_repeated_keys(open_.back());
+    drop_repeated_keys();
     return close();
   }
   bool end_array() override { return close(); }
@@ -64,11 +58,11 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
   }
 
  private:
-  static JsonNode of(JsonNode::Type type) {
-    JsonNode node;
-    node.type = type;
-    return node;
-  }
+  struct Open {
+    JsonNode::Type type;
+    std::uint32_t order;
+    std::size_t items, keys;  // before it
+  };
 
   // position: of the character after the one concerned
   [[noreturn]] void fail(std::size_t position, const std::string& reason) const {
@@ -79,19 +73,20 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
                 "line " + std::to_string(line) + ", column " + std::to_string(column) + ": not JSON: " + reason);
   }
 
-  bool put_number(double value) {
-    JsonNode node = of(JsonNode::Type::number);
-    node.number = value;
-    return put(std::move(node));
+  template <class T>
+  T* room_for(std::size_t count, std::size_t more = 0) {
+    return static_cast<T*>(document_.memory->allocate(count * sizeof(T) + more, alignof(T)));
+  }
+
+  std::string_view kept(const std::string& text) {
+    char* const copy = room_for<char>(text.size());
+    std::copy(text.begin(), text.end(), copy);
+    return {copy, text.size()};
   }
 
   bool put(JsonNode node) {
-    if (node.order == 0) node.order = count_++;
-    if (open_.empty()) {
-      document_.root = std::move(node);
-    } else {
-      open_.back().items.push_back(std::move(node));
-    }
+    if (node.order() == 0) node.place(count_++);
+    (open_.empty() ? document_.root : items_.emplace_back()) = node;
     return true;
   }
 
@@ -99,51 +94,64 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
     if (open_.size() == kDeepest) {
       throw Error(Error::Kind::input, "nested more than " + std::to_string(kDeepest) + " levels deep; no scene is");
     }
-    open_.push_back(of(type));
-    open_.back().order = count_++;
+    open_.push_back({type, count_++, items_.size(), keys_.size()});
     return true;
   }
 
   bool close() {
-    JsonNode node = std::move(open_.back());
+    const Open of = open_.back();
     open_.pop_back();
-    return put(std::move(node));
+    const std::size_t items = items_.size() - of.items, keys = keys_.size() - of.keys;
+    static_assert(sizeof(JsonNode) % alignof(std::string_view) == 0);
+    JsonNode* const kept_items = room_for<JsonNode>(items, keys * sizeof(std::string_view));
+    std::uninitialized_copy_n(items_.data() + of.items, items, kept_items);
+    std::uninitialized_copy_n(keys_.data() + of.keys, keys, reinterpret_cast<std::string_view*>(kept_items + items));
+    items_.resize(of.items);
+    keys_.resize(of.keys);
+    JsonNode node(of.type, kept_items, items);
+    node.place(of.order);
+    return put(node);
   }
 
   Where here() const {
     Where where;
     for (std::size_t i = 0; i + 1 < open_.size(); ++i) {
-      where = open_[i].is(JsonNode::Type::object) ? where / open_[i].keys.back() : where / open_[i].items.size();
+      const Open &outer = open_[i], &inner = open_[i + 1];
+      where =
+          outer.type == JsonNode::Type::object ? where / keys_[inner.keys - 1] : where / (inner.items - outer.items);
     }
     return where;
   }
 
-  void drop_repeated_keys(JsonNode& object) {
-    std::unordered_set<std::string> seen;  // of large objects; small ones are many, and searched
-    const auto is_repeated = [&](std::size_t kept, const std::string& key) {
-      if (object.keys.size() > 16) return !seen.insert(key).second;
-      const auto end = object.keys.begin() + static_cast<std::ptrdiff_t>(kept);
-      return std::find(object.keys.begin(), end, key) != end;
+  void drop_repeated_keys() {
+    const Open& of = open_.back();
+    std::unordered_set<std::string_view> seen;  // of large objects; small ones are many, and searched
+    const bool large = keys_.size() - of.keys > 16;
+    if (large) seen.reserve(keys_.size() - of.keys);
+    std::size_t item = of.items, kept = of.keys;
+    const auto is_repeated = [&](std::string_view key) {
+      if (large) return !seen.insert(key).second;
+      const auto begin = keys_.begin() + static_cast<std::ptrdiff_t>(of.keys);
+      const auto end = keys_.begin() + static_cast<std::ptrdiff_t>(kept);
+      return std::find(begin, end, key) != end;
     };
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < object.keys.size(); ++i) {
-      if (is_repeated(kept, object.keys[i])) {
-        document_.findings.push_back({(here() / object.keys[i]).text(), "this key appears twice in the same object"});
+    for (std::size_t i = of.keys; i < keys_.size(); ++i) {
+      if (is_repeated(keys_[i])) {
+        document_.findings.push_back({(here() / keys_[i]).text(), "this key appears twice in the same object"});
         continue;
       }
-      if (kept != i) {
-        object.keys[kept] = std::move(object.keys[i]);
-        object.items[kept] = std::move(object.items[i]);
-      }
-      ++kept;
+      items_[item++] = items_[of.items + (i - of.keys)];
+      keys_[kept++] = keys_[i];
     }
-    object.keys.resize(kept);
-    object.items.resize(kept);
+    items_.resize(item);
+    keys_.resize(kept);
   }
 
   std::string_view text_;
   JsonDocument document_;
-  std::vector<JsonNode> open_;
+  std::vector<Open> open_;
+  std::vector<JsonNode> items_;         // of what is open, outermost first
+  std::vector<std::string_view> keys_;  // the same
   std::uint32_t count_ = 1;
 };
 
@@ -162,19 +170,21 @@ class Places {
       if (next == nullptr) break;
       node = next;
     }
-    return node->order;
+    return node->order();
   }
 
  private:
   const JsonNode* child(const JsonNode& node, std::string_view token) {
     if (node.is(JsonNode::Type::array)) {
-      std::size_t i = node.items.size();
+      std::size_t i = node.items().size();
       std::from_chars(token.data(), token.data() + token.size(), i);
-      return i < node.items.size() ? &node.items[i] : nullptr;
+      return i < node.items().size() ? &node.items()[i] : nullptr;
     }
     auto& index = index_[&node];
     if (index.empty()) {
-      for (std::size_t i = 0; i < node.keys.size(); ++i) index.emplace((Where() / node.keys[i]).text(), &node.items[i]);
+      for (std::size_t i = 0; i < node.keys().size(); ++i) {
+        index.emplace((Where() / node.keys()[i]).text(), &node.items()[i]);
+      }
     }
     const auto found = index.find("/" + std::string(token));
     return found == index.end() ? nullptr : found->second;
@@ -186,9 +196,29 @@ class Places {
 
 }  // namespace
 
+JsonNode::JsonNode(std::string_view text)
+    : type_(Type::string), count_(static_cast<std::uint32_t>(text.size())), characters_(text.data()) {}
+
+JsonNode::JsonNode(Type array_or_object, const JsonNode* items, std::size_t count)
+    : type_(array_or_object), count_(static_cast<std::uint32_t>(count)), items_(items) {}
+
+std::string_view JsonNode::text() const {
+  return is(Type::string) ? std::string_view(characters_, count_) : std::string_view();
+}
+
+std::span<const JsonNode> JsonNode::items() const {
+  return is(Type::array) || is(Type::object) ? std::span(items_, count_) : std::span<const JsonNode>();
+}
+
+std::span<const std::string_view> JsonNode::keys() const {
+  if (!is(Type::object)) return {};
+  return {reinterpret_cast<const std::string_view*>(items_ + count_), count_};
+}
+
 const JsonNode* JsonNode::find(std::string_view key) const {
-  const auto found = std::find(keys.begin(), keys.end(), key);
-  return found == keys.end() ? nullptr : &items[static_cast<std::size_t>(found - keys.begin())];
+  const auto all = keys();
+  const auto found = std::find(all.begin(), all.end(), key);
+  return found == all.end() ? nullptr : &items()[static_cast<std::size_t>(found - all.begin())];
 }
 
 std::string_view with_article(JsonNode::Type type) {

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
+#include <memory>
+#include <memory_resource>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -10,26 +12,47 @@
 
 namespace assur {
 
-struct JsonNode {
+// 24 bytes: a scene may have millions. What it refers to belongs to its document.
+class JsonNode {
+ public:
   enum class Type : std::uint8_t { null, boolean, number, string, array, object };
 
-  Type type = Type::null;
-  bool boolean = false;
-  std::uint32_t order = 0;  // position among all nodes of the document
-  double number = 0;
-  std::string text;               // of a string
-  std::vector<JsonNode> items;    // of an array or object
-  std::vector<std::string> keys;  // of an object, one for each item
+  JsonNode() = default;
+  explicit JsonNode(bool value) : type_(Type::boolean), boolean_(value) {}
+  explicit JsonNode(double value) : type_(Type::number), number_(value) {}
+  explicit JsonNode(std::string_view text);
+  // keys: of an object, one for each item, right behind them.
+  JsonNode(Type array_or_object, const JsonNode* items, std::size_t count);
 
-  [[nodiscard]] bool is(Type wanted) const { return type == wanted; }
-  // Null if there is no such key.
-  [[nodiscard]] const JsonNode* find(std::string_view key) const;
+  [[nodiscard]] Type type() const { return type_; }
+  [[nodiscard]] bool is(Type wanted) const { return type_ == wanted; }
+  // False, 0 or empty for nodes of another type.
+  [[nodiscard]] bool boolean() const { return boolean_; }
+  [[nodiscard]] double number() const { return is(Type::number) ? number_ : 0; }
+  [[nodiscard]] std::string_view text() const;
+  [[nodiscard]] std::span<const JsonNode> items() const;           // of an array or object
+  [[nodiscard]] std::span<const std::string_view> keys() const;    // of an object, one for each item
+  [[nodiscard]] const JsonNode* find(std::string_view key) const;  // null if there is no such key
+  [[nodiscard]] std::uint32_t order() const { return order_; }     // position among all nodes of the document
+  void place(std::uint32_t order) { order_ = order; }
+
+ private:
+  Type type_ = Type::null;
+  bool boolean_ = false;
+  std::uint32_t order_ = 0;
+  std::uint32_t count_ = 0;  // of items or characters
+  union {
+    double number_ = 0;
+    const char* characters_;
+    const JsonNode* items_;
+  };
 };
 
 // "an object", "a number", ...
 [[nodiscard]] std::string_view with_article(JsonNode::Type type);
 
 struct JsonDocument {
+  std::unique_ptr<std::pmr::monotonic_buffer_resource> memory;  // of the nodes below the root, keys and texts
   JsonNode root;
   std::vector<Diagnostic> findings;  // keys that appear twice; the first one is kept
 };

@@ -30,7 +30,7 @@ void JsonReader::read_kinds(const JsonNode* section, const Where& where, const s
     };
     if (!node.is(Type::object)) {
       note(here, "an object with one of the keys " + one_of(kind_keys) + " is wanted here, not " +
-                     std::string(with_article(node.type)));
+                     std::string(with_article(node.type())));
       return unreadable();
     }
     for (const auto& [key, reason] : later) {
@@ -48,9 +48,9 @@ void JsonReader::read_kinds(const JsonNode* section, const Where& where, const s
       return unreadable();
     }
     if (told.empty()) {
-      const auto strange = std::find_if(node.keys.begin(), node.keys.end(),
-                                        [&](const std::string& key) { return !near_miss(key, kind_keys).empty(); });
-      if (strange == node.keys.end()) {
+      const auto strange = std::find_if(node.keys().begin(), node.keys().end(),
+                                        [&](std::string_view key) { return !near_miss(key, kind_keys).empty(); });
+      if (strange == node.keys().end()) {
         note(here, "the kind is missing; expected one of " + one_of(kind_keys));
       } else {
         note(here / *strange, "unknown key " + in_quotes(*strange) + suggestion(*strange, kind_keys));
@@ -112,19 +112,19 @@ decltype(Constraint::kind) JsonReader::distance(const Object& item, const JsonNo
 
 decltype(Constraint::kind) JsonReader::equal_distance(const Object& item, const JsonNode& node) {
   const Where where = item.where() / "equal_distance";
-  const auto* pairs = list(node, 2, where, "[[\"P\", \"Q\"], [\"R\", \"S\"]]");
-  if (pairs == nullptr) return EqualDistance{};
-  auto [p, q] = pair((*pairs)[0], where / std::size_t{0});
-  auto [r, s] = pair((*pairs)[1], where / std::size_t{1});
+  const auto pairs = list(node, 2, where, "[[\"P\", \"Q\"], [\"R\", \"S\"]]");
+  if (pairs.empty()) return EqualDistance{};
+  auto [p, q] = pair(pairs[0], where / std::size_t{0});
+  auto [r, s] = pair(pairs[1], where / std::size_t{1});
   return EqualDistance{std::move(p), std::move(q), std::move(r), std::move(s)};
 }
 
 decltype(Constraint::kind) JsonReader::dot(const Object& item, const JsonNode& node) {
   const Where where = item.where() / "dot";
   Dot c;
-  if (const auto* items = list(node, 2, where, "[\"u\", \"v\"]")) {
-    c.d = direction((*items)[0], where / std::size_t{0});
-    c.e = direction((*items)[1], where / std::size_t{1});
+  if (const auto items = list(node, 2, where, "[\"u\", \"v\"]"); !items.empty()) {
+    c.d = direction(items[0], where / std::size_t{0});
+    c.e = direction(items[1], where / std::size_t{1});
   }
   if (const JsonNode* value = item.find("value")) c.value = number(*value, item.where() / "value");
   return c;
@@ -132,23 +132,22 @@ decltype(Constraint::kind) JsonReader::dot(const Object& item, const JsonNode& n
 
 decltype(Constraint::kind) JsonReader::parallel(const Object& item, const JsonNode& node) {
   const Where where = item.where() / "parallel";
-  const auto* items = list(node, 2, where, "[\"u\", \"v\"]");
-  if (items == nullptr) return Parallel{};
-  return Parallel{direction((*items)[0], where / std::size_t{0}), direction((*items)[1], where / std::size_t{1})};
+  const auto items = list(node, 2, where, "[\"u\", \"v\"]");
+  if (items.empty()) return Parallel{};
+  return Parallel{direction(items[0], where / std::size_t{0}), direction(items[1], where / std::size_t{1})};
 }
 
 decltype(Constraint::kind) JsonReader::linear(const Object& item, const JsonNode& node) {
   const Where where = item.where() / "linear";
   Linear c;
   if (expect(node, Type::array, where, "[[\"B\", 2], [\"C\", -1]]")) {
-    for (std::size_t i = 0; i < node.items.size(); ++i) {
+    for (std::size_t i = 0; i < node.items().size(); ++i) {
       const Where here = where / i;
-      const auto* term = list(node.items[i], 2, here, "[\"B\", 2]");
-      if (term == nullptr) {
+      const auto term = list(node.items()[i], 2, here, "[\"B\", 2]");
+      if (term.empty()) {
         c.terms.emplace_back("", 1);
       } else {
-        c.terms.emplace_back(text((*term)[0], here / std::size_t{0}, "\"B\""),
-                             number((*term)[1], here / std::size_t{1}));
+        c.terms.emplace_back(text(term[0], here / std::size_t{0}, "\"B\""), number(term[1], here / std::size_t{1}));
       }
     }
   }
@@ -175,18 +174,18 @@ decltype(Constraint::kind) JsonReader::fixed_coordinate(const Object& item, cons
 
 decltype(Constraint::kind) JsonReader::on_line(const Object& item, const JsonNode& node) {
   const Where where = item.where() / "on_line";
-  const auto* items = list(node, 3, where, "[\"P\", \"A\", \"d\"]");
-  if (items == nullptr) return OnLine{};
-  return OnLine{text((*items)[0], where / std::size_t{0}, "\"P\""), text((*items)[1], where / std::size_t{1}, "\"A\""),
-                direction((*items)[2], where / std::size_t{2})};
+  const auto items = list(node, 3, where, "[\"P\", \"A\", \"d\"]");
+  if (items.empty()) return OnLine{};
+  return OnLine{text(items[0], where / std::size_t{0}, "\"P\""), text(items[1], where / std::size_t{1}, "\"A\""),
+                direction(items[2], where / std::size_t{2})};
 }
 
 decltype(Constraint::kind) JsonReader::on_plane(const Object& item, const JsonNode& node) {
   const Where where = item.where() / "on_plane";
-  const auto* items = list(node, 4, where, "[\"P\", \"A\", \"d\", \"e\"]");
-  if (items == nullptr) return OnPlane{};
-  return OnPlane{text((*items)[0], where / std::size_t{0}, "\"P\""), text((*items)[1], where / std::size_t{1}, "\"A\""),
-                 direction((*items)[2], where / std::size_t{2}), direction((*items)[3], where / std::size_t{3})};
+  const auto items = list(node, 4, where, "[\"P\", \"A\", \"d\", \"e\"]");
+  if (items.empty()) return OnPlane{};
+  return OnPlane{text(items[0], where / std::size_t{0}, "\"P\""), text(items[1], where / std::size_t{1}, "\"A\""),
+                 direction(items[2], where / std::size_t{2}), direction(items[3], where / std::size_t{3})};
 }
 
 // ---- drivers
@@ -197,10 +196,10 @@ decltype(Driver::kind) JsonReader::driven_angle(const Object& item, const JsonNo
   std::string axis;
   if (const JsonNode* name = item.find("axis")) axis = text(*name, item.where() / "axis", "\"u\"");
   Law motion = needed_law(item);
-  const auto* items = list(node, 2, where, "[\"A\", \"B\"]");
-  if (items == nullptr) return PointAngle{"", "", std::move(axis), std::move(motion)};
-  const Direction d = direction((*items)[0], where / std::size_t{0});
-  const Direction e = direction((*items)[1], where / std::size_t{1});
+  const auto items = list(node, 2, where, "[\"A\", \"B\"]");
+  if (items.empty()) return PointAngle{"", "", std::move(axis), std::move(motion)};
+  const Direction d = direction(items[0], where / std::size_t{0});
+  const Direction e = direction(items[1], where / std::size_t{1});
   if (!d.is_pair() && !e.is_pair() && (is_point(d.first) || is_point(e.first))) {
     return PointAngle{d.first, e.first, std::move(axis), std::move(motion)};
   }
@@ -223,8 +222,8 @@ decltype(Driver::kind) JsonReader::pose(const Object& item, const JsonNode& node
   if (const JsonNode* laws = item.find("translation"); laws == nullptr) {
     note(translation, "this is missing: a list of laws, one for each coordinate of the origin");
   } else if (expect(*laws, Type::array, translation, "[law, law]")) {
-    for (std::size_t k = 0; k < laws->items.size(); ++k)
-      pose.translation.push_back(law(laws->items[k], translation / k));
+    for (std::size_t k = 0; k < laws->items().size(); ++k)
+      pose.translation.push_back(law(laws->items()[k], translation / k));
   }
   const JsonNode* node_of_rotation = item.find("rotation");
   if (node_of_rotation == nullptr) return pose;
@@ -237,9 +236,9 @@ decltype(Driver::kind) JsonReader::pose(const Object& item, const JsonNode& node
     Object angles(*this, *node_of_rotation, rotation, {"euler_zyx"});
     const JsonNode* euler = angles.need("euler_zyx", "the laws [psi, theta, phi] of Rz Ry Rx");
     if (euler == nullptr) return pose;
-    const auto* laws = list(*euler, 3, rotation / "euler_zyx", "[psi, theta, phi]");
-    for (std::size_t k = 0; laws != nullptr && k < 3; ++k) {
-      pose.rotation.push_back(law((*laws)[k], rotation / "euler_zyx" / k));
+    const auto laws = list(*euler, 3, rotation / "euler_zyx", "[psi, theta, phi]");
+    for (std::size_t k = 0; k < laws.size(); ++k) {
+      pose.rotation.push_back(law(laws[k], rotation / "euler_zyx" / k));
     }
   }
   return pose;
@@ -249,10 +248,10 @@ decltype(Driver::kind) JsonReader::pose(const Object& item, const JsonNode& node
 
 decltype(Measure::kind) JsonReader::measured_angle(const Object& item, const JsonNode& node) {
   const Where where = item.where() / "angle";
-  const auto* items = list(node, 2, where, "[\"A\", \"B\"]");
-  if (items == nullptr) return AngleBetween{};
-  const Direction d = direction((*items)[0], where / std::size_t{0});
-  const Direction e = direction((*items)[1], where / std::size_t{1});
+  const auto items = list(node, 2, where, "[\"A\", \"B\"]");
+  if (items.empty()) return AngleBetween{};
+  const Direction d = direction(items[0], where / std::size_t{0});
+  const Direction e = direction(items[1], where / std::size_t{1});
   const JsonNode* axis = item.find("axis");
   if (!d.is_pair() && !e.is_pair() && (is_point(d.first) || is_point(e.first))) {
     if (axis != nullptr) {

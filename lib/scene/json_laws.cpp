@@ -51,9 +51,9 @@ Law JsonReader::needed_law(const Object& item) {
 Law JsonReader::law(const JsonNode& node, const Where& where) {
   if (node.is(Type::array)) {
     Law sum;
-    if (node.items.empty()) note(where, "an empty list of laws; write at least one, e.g. [{\"constant\": 0}]");
-    for (std::size_t i = 0; i < node.items.size(); ++i)
-      sum = i == 0 ? law(node.items[i], where / i) : sum + law(node.items[i], where / i);
+    if (node.items().empty()) note(where, "an empty list of laws; write at least one, e.g. [{\"constant\": 0}]");
+    for (std::size_t i = 0; i < node.items().size(); ++i)
+      sum = i == 0 ? law(node.items()[i], where / i) : sum + law(node.items()[i], where / i);
     return sum;
   }
   if (node.is(Type::number) || node.is(Type::string)) {
@@ -72,7 +72,7 @@ Law JsonReader::law(const JsonNode& node, const Where& where) {
   }
   if (told.empty()) {
     Object unknown(*this, node, where, kKinds);
-    if (unknown.is_object() && node.keys.empty()) note(where, "the law is empty; expected " + one_of(kKinds));
+    if (unknown.is_object() && node.keys().empty()) note(where, "the law is empty; expected " + one_of(kKinds));
     broken(where);
     return {};
   }
@@ -86,7 +86,7 @@ Law JsonReader::law(const JsonNode& node, const Where& where) {
   try {
     if (kind == "constant") return Law::constant(number(value, here));
     if (kind == "polynomial") {
-      if (value.is(Type::array) && value.items.empty()) note(here, "a polynomial needs at least one coefficient");
+      if (value.is(Type::array) && value.items().empty()) note(here, "a polynomial needs at least one coefficient");
       return Law::polynomial(numbers(value, here));
     }
     if (kind == "harmonics") return harmonics(value, object.find("offset"), where);
@@ -105,9 +105,10 @@ Law JsonReader::harmonics(const JsonNode& node, const JsonNode* offset, const Wh
   const Where here = where / "harmonics";
   std::vector<Harmonic> terms;
   if (expect(node, Type::array, here, "[{\"amplitude\": 1, \"frequency\": 2}]")) {
-    if (node.items.empty()) note(here, "at least one harmonic is wanted; for a number alone write {\"constant\": ...}");
-    for (std::size_t i = 0; i < node.items.size(); ++i) {
-      Object item(*this, node.items[i], here / i, {"amplitude", "frequency", "phase"});
+    if (node.items().empty())
+      note(here, "at least one harmonic is wanted; for a number alone write {\"constant\": ...}");
+    for (std::size_t i = 0; i < node.items().size(); ++i) {
+      Object item(*this, node.items()[i], here / i, {"amplitude", "frequency", "phase"});
       Harmonic term;
       if (const auto* a = item.need("amplitude", "of the sine")) term.amplitude = number(*a, here / i / "amplitude");
       if (const auto* f = item.need("frequency", "in Hz")) term.frequency = number(*f, here / i / "frequency");

@@ -20,7 +20,7 @@ bool JsonReader::expect(const JsonNode& node, Type type, const Where& where, std
   if (node.is(type)) return true;
   note(where, std::string(with_article(type)) + " is wanted here" +
                   (example.empty() ? "" : ", e.g. " + std::string(example)) + ", not " +
-                  std::string(with_article(node.type)));
+                  std::string(with_article(node.type())));
   return false;
 }
 
@@ -30,10 +30,10 @@ JsonReader::Object::Object(JsonReader& reader, const JsonNode& node, Where where
     : reader_(reader), node_(node.is(Type::object) ? &node : nullptr), where_(std::move(where)) {
   if (node_ == nullptr) {
     reader_.note(where_, "an object with the keys " + list_of(allowed) + " is wanted here, not " +
-                             std::string(with_article(node.type)));
+                             std::string(with_article(node.type())));
     return;
   }
-  for (const std::string& key : node.keys) {
+  for (const std::string_view key : node.keys()) {
     if (std::find(allowed.begin(), allowed.end(), key) != allowed.end()) continue;
     std::vector<std::string_view> absent;
     for (const std::string_view name : allowed) {
@@ -61,15 +61,15 @@ const JsonNode* JsonReader::Object::need(std::string_view key, std::string_view 
 // ---- values
 
 double JsonReader::number(const JsonNode& node, const Where& where) {
-  if (node.is(Type::number)) return node.number;
-  if (node.is(Type::string) && !node.text.empty() && node.text.front() == '=') {
-    const Expressions::Result result = expressions_.evaluate(node.text.substr(1));
+  if (node.is(Type::number)) return node.number();
+  if (node.is(Type::string) && !node.text().empty() && node.text().front() == '=') {
+    const Expressions::Result result = expressions_.evaluate(std::string(node.text().substr(1)));
     if (result.ok()) return result.value;
     note(where, result.what);
   } else if (node.is(Type::string)) {
-    note(where, "a number is wanted here, not the text " + in_quotes(node.text) + "; an expression begins with '='");
+    note(where, "a number is wanted here, not the text " + in_quotes(node.text()) + "; an expression begins with '='");
   } else {
-    note(where, "a number is wanted here, not " + std::string(with_article(node.type)));
+    note(where, "a number is wanted here, not " + std::string(with_article(node.type())));
   }
   return kNan;
 }
@@ -77,14 +77,14 @@ double JsonReader::number(const JsonNode& node, const Where& where) {
 std::vector<double> JsonReader::numbers(const JsonNode& node, const Where& where) {
   std::vector<double> values;
   if (!expect(node, Type::array, where, "[0, 1]")) return values;
-  for (std::size_t i = 0; i < node.items.size(); ++i) values.push_back(number(node.items[i], where / i));
+  for (std::size_t i = 0; i < node.items().size(); ++i) values.push_back(number(node.items()[i], where / i));
   return values;
 }
 
 Triple JsonReader::triple(const JsonNode& node, const Where& where) {
   const Triple nowhere{kNan, kNan, kNan};
   if (!expect(node, Type::array, where, dimension_ == 3 ? "[0, 0, 0]" : "[0, 0]")) return nowhere;
-  const std::size_t size = node.items.size();
+  const std::size_t size = node.items().size();
   if (dimension_ != 0 ? size != static_cast<std::size_t>(dimension_) : size != 2 && size != 3) {
     note(where, dimension_ == 2 ? "2 numbers [x, y] are wanted in a scene of dimension 2, not " + std::to_string(size)
                 : dimension_ == 3
@@ -93,42 +93,42 @@ Triple JsonReader::triple(const JsonNode& node, const Where& where) {
     return nowhere;
   }
   Triple at{};
-  for (std::size_t i = 0; i < size; ++i) at[i] = number(node.items[i], where / i);
+  for (std::size_t i = 0; i < size; ++i) at[i] = number(node.items()[i], where / i);
   return at;
 }
 
 bool JsonReader::boolean(const JsonNode& node, const Where& where) {
-  return expect(node, Type::boolean, where, "") && node.boolean;
+  return expect(node, Type::boolean, where, "") && node.boolean();
 }
 
 std::string JsonReader::text(const JsonNode& node, const Where& where, std::string_view example) {
-  return expect(node, Type::string, where, example) ? node.text : "";
+  return expect(node, Type::string, where, example) ? std::string(node.text()) : "";
 }
 
 std::vector<std::string> JsonReader::texts(const JsonNode& node, const Where& where, std::string_view example) {
   std::vector<std::string> values;
   if (!expect(node, Type::array, where, "[" + std::string(example) + "]")) return values;
-  for (std::size_t i = 0; i < node.items.size(); ++i) values.push_back(text(node.items[i], where / i, example));
+  for (std::size_t i = 0; i < node.items().size(); ++i) values.push_back(text(node.items()[i], where / i, example));
   return values;
 }
 
-const std::vector<JsonNode>* JsonReader::list(const JsonNode& node, std::size_t size, const Where& where,
-                                              std::string_view example) {
-  if (!expect(node, Type::array, where, example)) return nullptr;
-  if (node.items.size() == size) return &node.items;
+std::span<const JsonNode> JsonReader::list(const JsonNode& node, std::size_t size, const Where& where,
+                                           std::string_view example) {
+  if (!expect(node, Type::array, where, example)) return {};
+  if (node.items().size() == size) return node.items();
   note(where, std::to_string(size) + " items are wanted here, e.g. " + std::string(example) + ", not " +
-                  std::to_string(node.items.size()));
-  return nullptr;
+                  std::to_string(node.items().size()));
+  return {};
 }
 
 std::array<std::string, 2> JsonReader::pair(const JsonNode& node, const Where& where) {
-  const auto* items = list(node, 2, where, "[\"A\", \"B\"]");
-  if (items == nullptr) return {};
-  return {text((*items)[0], where / std::size_t{0}, "\"A\""), text((*items)[1], where / std::size_t{1}, "\"A\"")};
+  const auto items = list(node, 2, where, "[\"A\", \"B\"]");
+  if (items.empty()) return {};
+  return {text(items[0], where / std::size_t{0}, "\"A\""), text(items[1], where / std::size_t{1}, "\"A\"")};
 }
 
 Direction JsonReader::direction(const JsonNode& node, const Where& where) {
-  if (node.is(Type::string)) return {node.text};
+  if (node.is(Type::string)) return {std::string(node.text())};
   if (node.is(Type::array)) {
     const auto [from, to] = pair(node, where);
     return {from, to};
@@ -140,18 +140,19 @@ Direction JsonReader::direction(const JsonNode& node, const Where& where) {
 void JsonReader::each(const JsonNode* section, const Where& where,
                       const std::function<void(const std::string&, const JsonNode&, const Where&)>& read) {
   if (section == nullptr || !expect(*section, Type::object, where, "{\"name\": ...}")) return;
-  for (std::size_t i = 0; i < section->items.size(); ++i) {
-    const Where item = where / section->keys[i];
-    if (parameter_names_.count(section->keys[i]) != 0) {
-      note(item, in_quotes(section->keys[i]) + " is a parameter already; all kinds share one set of names");
+  for (std::size_t i = 0; i < section->items().size(); ++i) {
+    const std::string name(section->keys()[i]);
+    const Where item = where / name;
+    if (parameter_names_.count(name) != 0) {
+      note(item, in_quotes(name) + " is a parameter already; all kinds share one set of names");
     }
-    read(section->keys[i], section->items[i], item);
+    read(name, section->items()[i], item);
   }
 }
 
 // ---- the scene
 
-Scene JsonReader::read(const std::string& name) {
+SceneBuilder JsonReader::read(const std::string& name) {
   check_version();
   Object scene(*this, document_.root, Where(),
                {"assur", "name", "dimension", "parameters", "points", "vectors", "bodies", "constraints", "drivers",
@@ -162,6 +163,9 @@ Scene JsonReader::read(const std::string& name) {
   const JsonNode* title = scene.find("name");
   std::string own_name = title ? text(*title, scene.where() / "name", "\"four_bar\"") : name;
   builder_ = SceneBuilder(std::move(own_name), dimension_);
+
+  const auto count = [&](std::string_view key) { return scene.find(key) ? scene.find(key)->items().size() : 0; };
+  builder_.reserve(count("points"), count("constraints"));
 
   read_parameters(scene.find("parameters"));
   remember_names(document_.root);
@@ -176,27 +180,21 @@ Scene JsonReader::read(const std::string& name) {
   read_time(scene.find("time"));
 
   for (Diagnostic& finding : findings_) builder_.diagnose(std::move(finding));
-  try {
-    return builder_.build();
-  } catch (const Error& error) {
-    std::vector<Diagnostic> findings = error.diagnostics();
-    sort_by_place(findings, document_.root);
-    throw Error(error.kind(), std::move(findings));
-  }
+  return std::move(builder_);
 }
 
 // Another version may mean anything: then nothing else is read.
 void JsonReader::check_version() const {
   const JsonNode* version = document_.root.find("assur");
-  if (version == nullptr || (version->is(Type::number) && version->number == 1)) return;
+  if (version == nullptr || (version->is(Type::number) && version->number() == 1)) return;
   throw Error(Error::Kind::input, {{"/assur", "this version of the format is not known; \"assur\": 1 is"}});
 }
 
 void JsonReader::read_dimension(Object& scene) {
   const JsonNode* node = scene.need("dimension", "2 for the plane, 3 for space");
   if (node == nullptr) return;
-  if (node->is(Type::number) && (node->number == 2 || node->number == 3)) {
-    dimension_ = static_cast<int>(node->number);
+  if (node->is(Type::number) && (node->number() == 2 || node->number() == 3)) {
+    dimension_ = static_cast<int>(node->number());
   } else {
     note(scene.where() / "dimension", "the dimension is 2 or 3");
   }
@@ -207,8 +205,8 @@ void JsonReader::read_parameters(const JsonNode* section) {
   std::vector<Expressions::Parameter> parameters;
   std::vector<std::string> unusable;
   std::vector<std::string_view> names;
+  if (section != nullptr) names.assign(section->keys().begin(), section->keys().end());
   each(section, where, [&](const std::string& name, const JsonNode& node, const Where& here) {
-    names.push_back(name);
     const auto replaced = set_.find(name);
     if (!is_name(name)) {
       note(here, in_quotes(name) + " is no name; use letters, digits and _, and no digit first");
@@ -218,9 +216,9 @@ void JsonReader::read_parameters(const JsonNode* section) {
       note(here, "the parameter is set to " + shortest(replaced->second) + "; a finite number is wanted");
       unusable.push_back(name);
     } else if (node.is(Type::number)) {
-      parameters.push_back({name, node.number});
-    } else if (node.is(Type::string) && !node.text.empty() && node.text.front() == '=') {
-      parameters.push_back({name, node.text.substr(1)});
+      parameters.push_back({name, node.number()});
+    } else if (node.is(Type::string) && !node.text().empty() && node.text().front() == '=') {
+      parameters.push_back({name, std::string(node.text().substr(1))});
     } else {
       (void)number(node, here);  // says what is wrong
       unusable.push_back(name);

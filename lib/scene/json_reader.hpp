@@ -23,8 +23,9 @@ class JsonReader {
  public:
   JsonReader(const JsonDocument& document, std::filesystem::path folder, const Parameters& set);
 
-  // Throws Error (input) with every finding, in document order. `name`: of a scene that has none.
-  [[nodiscard]] Scene read(const std::string& name);
+  // The scene, not yet built, with every finding. `name`: of a scene that has none. Throws Error (input) for what is no
+  // scene at all.
+  [[nodiscard]] SceneBuilder read(const std::string& name);
 
  private:
   using Type = JsonNode::Type;
@@ -67,9 +68,8 @@ class JsonReader {
   std::string text(const JsonNode& node, const Where& where, std::string_view example);
   std::vector<std::string> texts(const JsonNode& node, const Where& where, std::string_view example);
   Direction direction(const JsonNode& node, const Where& where);
-  // The items of an array of that length; else a finding, and nothing.
-  const std::vector<JsonNode>* list(const JsonNode& node, std::size_t size, const Where& where,
-                                    std::string_view example);
+  // The items of an array of that length, at least 1; else a finding, and none.
+  std::span<const JsonNode> list(const JsonNode& node, std::size_t size, const Where& where, std::string_view example);
   // Two point names.
   std::array<std::string, 2> pair(const JsonNode& node, const Where& where);
   void each(const JsonNode* section, const Where& where,
@@ -125,8 +125,8 @@ class JsonReader {
   Expressions expressions_;
   std::vector<Diagnostic> findings_;
   int dimension_ = 0;  // 0: not known
-  std::unordered_set<std::string> point_names_;
-  std::unordered_set<std::string> parameter_names_;
+  std::unordered_set<std::string_view> point_names_;
+  std::unordered_set<std::string_view> parameter_names_;
   std::unordered_map<std::string, Law> tables_;  // by file: many drivers may share one
   SceneBuilder builder_{"", 2};
 };

@@ -5,12 +5,12 @@ namespace assur {
 // Names of points, members included: they tell an angle of points from one of vectors.
 void JsonReader::remember_names(const JsonNode& scene) {
   const auto remember = [&](const JsonNode* points) {
-    if (points != nullptr) point_names_.insert(points->keys.begin(), points->keys.end());
+    if (points != nullptr) point_names_.insert(points->keys().begin(), points->keys().end());
   };
   remember(scene.find("points"));
   const JsonNode* bodies = scene.find("bodies");
   if (bodies == nullptr) return;
-  for (const JsonNode& body : bodies->items) remember(body.find("points"));
+  for (const JsonNode& body : bodies->items()) remember(body.find("points"));
 }
 
 void JsonReader::read_points(const JsonNode* section) {

@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <map>
+#include <string_view>
+#include <unordered_set>
 
 #include "scene/lowering_parts.hpp"
 
@@ -20,9 +22,13 @@ double ratio(const Triple& d, const Triple& e) {
 // ---- before the equations
 
 void ConstraintWriter::note_lengths() {
+  std::unordered_set<std::string_view> in_bases;
+  for (const Body& b : forms_.scene().bodies()) in_bases.insert(b.base.begin(), b.base.end());
   for (const Constraint& c : forms_.scene().constraints()) {
     const auto* d = std::get_if<Distance>(&c.kind);
-    if (d != nullptr && d->value) shared_.lengths[pair_key(d->p, d->q)] = *d->value;
+    if (d == nullptr || in_bases.count(d->p) == 0 || in_bases.count(d->q) == 0) continue;
+    shared_.distances.insert(pair_key(d->p, d->q));
+    if (d->value) shared_.lengths[pair_key(d->p, d->q)] = *d->value;
   }
 }
 
@@ -46,13 +52,16 @@ void ConstraintWriter::declare_auxiliaries() {
 
 void ConstraintWriter::absorb_distances() {
   std::map<Pair, std::string> angle_of;
+  std::unordered_set<std::string_view> ends;
   for (const Driver& d : forms_.scene().drivers()) {
-    if (const auto* a = std::get_if<PointAngle>(&d.kind)) angle_of[pair_key(a->a, a->b)] = d.name;
+    const auto* a = std::get_if<PointAngle>(&d.kind);
+    if (a == nullptr) continue;
+    angle_of[pair_key(a->a, a->b)] = d.name;
+    ends.insert({a->a, a->b});
   }
   for (const Constraint& c : forms_.scene().constraints()) {
     const auto* d = std::get_if<Distance>(&c.kind);
-    if (d == nullptr) continue;
-    shared_.distances.insert(pair_key(d->p, d->q));
+    if (d == nullptr || ends.count(d->p) == 0 || ends.count(d->q) == 0) continue;
     const auto found = angle_of.find(pair_key(d->p, d->q));
     if (found == angle_of.end()) continue;
     shared_.absorbed.insert(c.name);

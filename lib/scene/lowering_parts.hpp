@@ -31,8 +31,8 @@ struct Shared {
   std::unordered_set<Index> in_groups;             // coordinates that belong to declared groups
   std::unordered_set<std::string> absorbed;        // distance constraints that an angle driver takes over
   std::unordered_map<std::string, double> radius;  // angle drivers: the value of the distance absorbed
-  std::map<Pair, double> lengths;                  // of distance constraints that have a value
-  std::set<Pair> distances;                        // pairs of points whose distance is an equation already
+  std::map<Pair, double> lengths;                  // between points of bodies: of constraints that have a value
+  std::set<Pair> distances;                        // such pairs whose distance is an equation already
   std::vector<bool> fixes;                         // drivers that fix coordinates, so that no equation is left
 };
 
@@ -74,7 +74,7 @@ class ConstraintWriter {
 
   void note_lengths();
   void declare_auxiliaries();
-  // A distance between the points of an angle driver is its radius.
+  // Distances between points of bodies, and that between the points of an angle driver, which is its radius.
   void absorb_distances();
   void write_equations();
 

@@ -43,44 +43,49 @@ Scene Scene::with_time(TimeGrid time) const {
 }
 
 SceneBuilder::SceneBuilder(std::string name, int dimension) {
-  scene_.name_ = std::move(name);
-  scene_.dimension_ = dimension;
+  parts_.name = std::move(name);
+  parts_.dimension = dimension;
 }
 
 SceneBuilder& SceneBuilder::add(Point point) {
-  scene_.points_.push_back(std::move(point));
+  parts_.points.push_back(std::move(point));
   return *this;
 }
 SceneBuilder& SceneBuilder::add(Vector vector) {
-  scene_.vectors_.push_back(std::move(vector));
+  parts_.vectors.push_back(std::move(vector));
   return *this;
 }
 SceneBuilder& SceneBuilder::add(Body body) {
-  scene_.bodies_.push_back(std::move(body));
+  parts_.bodies.push_back(std::move(body));
   return *this;
 }
 SceneBuilder& SceneBuilder::add(Constraint constraint) {
-  scene_.constraints_.push_back(std::move(constraint));
+  parts_.constraints.push_back(std::move(constraint));
   return *this;
 }
 SceneBuilder& SceneBuilder::add(Driver driver) {
-  scene_.drivers_.push_back(std::move(driver));
+  parts_.drivers.push_back(std::move(driver));
   return *this;
 }
 SceneBuilder& SceneBuilder::add(Measure measure) {
-  scene_.measures_.push_back(std::move(measure));
+  parts_.measures.push_back(std::move(measure));
   return *this;
 }
 SceneBuilder& SceneBuilder::add(DeclaredGroup group) {
-  scene_.groups_.push_back(std::move(group));
+  parts_.groups.push_back(std::move(group));
+  return *this;
+}
+SceneBuilder& SceneBuilder::reserve(std::size_t points, std::size_t constraints) {
+  parts_.points.reserve(points);
+  parts_.constraints.reserve(constraints);
   return *this;
 }
 SceneBuilder& SceneBuilder::output(std::string name) {
-  scene_.outputs_.push_back(std::move(name));
+  outputs_.push_back(std::move(name));
   return *this;
 }
 SceneBuilder& SceneBuilder::time(double start, double end, double step) {
-  scene_.time_ = {start, end, step};
+  time_ = {start, end, step};
   // build() takes three zeros for a grid that was never given.
   if (step == 0) diagnose({"/time/step", "the step is 0 s; it must be > 0"});
   return *this;
@@ -90,8 +95,16 @@ SceneBuilder& SceneBuilder::diagnose(Diagnostic diagnostic) {
   return *this;
 }
 
-Scene SceneBuilder::build() const {
-  Validation validation(scene_, found_);
+Scene SceneBuilder::finish() {
+  const auto parts = std::make_shared<Scene::Parts>(std::move(parts_));
+  parts->points.shrink_to_fit();
+  parts->constraints.shrink_to_fit();
+  Scene scene;
+  scene.parts_ = parts;
+  scene.outputs_ = std::move(outputs_);
+  scene.time_ = time_;
+
+  Validation validation(scene, found_);
   const std::vector<Diagnostic> more = validation.scene();
   std::vector<Diagnostic> findings;
   for (const Diagnostic& finding : found_) {
@@ -100,15 +113,13 @@ Scene SceneBuilder::build() const {
   findings.insert(findings.end(), more.begin(), more.end());
   refuse_if_any(std::move(findings));
 
-  Scene scene = scene_;
-  for (Vector& vector : scene.vectors_) normalise(vector.at, Where("/vectors") / vector.name / "at", scene.warnings_);
-  scene.bodies_.clear();
+  for (Vector& vector : parts->vectors) normalise(vector.at, Where("/vectors") / vector.name / "at", parts->warnings);
+  const std::vector<Body> bodies = std::exchange(parts->bodies, {});
   for (const std::size_t b : validation.body_order()) {
-    Body body = scene_.bodies_[b];
+    Body& body = parts->bodies.emplace_back(bodies[b]);
     for (Member& member : body.vectors) {
-      normalise(member.local, Where("/bodies") / body.name / "vectors" / member.name, scene.warnings_);
+      normalise(member.local, Where("/bodies") / body.name / "vectors" / member.name, parts->warnings);
     }
-    scene.bodies_.push_back(std::move(body));
   }
   return scene;
 }

@@ -1,8 +1,8 @@
 #include "structure/grouping.hpp"
 
 #include <algorithm>
+#include <compare>
 #include <numeric>
-#include <set>
 #include <tuple>
 
 #include "structure/block_names.hpp"
@@ -59,32 +59,37 @@ class Grouping {
     }
   }
 
+  struct Need {
+    Index of, by;  // groups
+    friend auto operator<=>(const Need&, const Need&) = default;
+  };
+
   // Levels by longest path among groups; a cycle means that an outside block lies between two of a group.
   void order_groups() {
     const std::size_t n = drafts_.size();
-    std::vector<std::set<Index>> needs(n);
+    std::vector<Need> needs;
     for (Index b = 0; b < blocks_.size(); ++b) {
       for (const Index o : blocks_.needs_of(b)) {
-        if (group_of_[idx(o)] != group_of_[idx(b)]) needs[idx(group_of_[idx(b)])].insert(group_of_[idx(o)]);
+        if (group_of_[idx(o)] != group_of_[idx(b)]) needs.push_back({group_of_[idx(o)], group_of_[idx(b)]});
       }
     }
-    std::vector<std::vector<Index>> feeds(n);
-    std::vector<Index> waiting(n), ready, order;
+    std::sort(needs.begin(), needs.end());
+    needs.erase(std::unique(needs.begin(), needs.end()), needs.end());
+    std::vector<Index> waiting(n, 0), ready;
+    for (const Need& need : needs) ++waiting[idx(need.by)];
     for (std::size_t g = 0; g < n; ++g) {
-      waiting[g] = static_cast<Index>(needs[g].size());
-      for (const Index o : needs[g]) feeds[idx(o)].push_back(static_cast<Index>(g));
       if (waiting[g] == 0) ready.push_back(static_cast<Index>(g));
     }
-    while (!ready.empty()) {
+    std::size_t ordered = 0;
+    for (; !ready.empty(); ++ordered) {
       const Index g = ready.back();
       ready.pop_back();
-      order.push_back(g);
-      for (const Index f : feeds[idx(g)]) {
-        drafts_[idx(f)].level = std::max(drafts_[idx(f)].level, drafts_[idx(g)].level + 1);
-        if (--waiting[idx(f)] == 0) ready.push_back(f);
+      for (auto f = std::lower_bound(needs.begin(), needs.end(), Need{g, 0}); f != needs.end() && f->of == g; ++f) {
+        drafts_[idx(f->by)].level = std::max(drafts_[idx(f->by)].level, drafts_[idx(g)].level + 1);
+        if (--waiting[idx(f->by)] == 0) ready.push_back(f->by);
       }
     }
-    if (order.size() != n) refuse_cycle(waiting, needs);
+    if (ordered != n) refuse_cycle(waiting, needs);
     // In solving order.
     std::vector<Index> sorted(n);
     std::iota(sorted.begin(), sorted.end(), 0);
@@ -100,13 +105,12 @@ class Grouping {
     drafts_ = std::move(drafts);
   }
 
-  [[noreturn]] void refuse_cycle(const std::vector<Index>& waiting, const std::vector<std::set<Index>>& needs) const {
+  [[noreturn]] void refuse_cycle(const std::vector<Index>& waiting, const std::vector<Need>& needs) const {
     for (std::size_t g = 0; g < s_.groups.size(); ++g) {
-      if (waiting[g] == 0) continue;
-      for (const Index o : needs[g]) {
-        if (waiting[idx(o)] == 0) continue;
+      for (const Need& need : needs) {
+        if (idx(need.by) != g || waiting[g] == 0 || waiting[idx(need.of)] == 0) continue;
         throw Error(Error::Kind::input, {{"/groups/" + s_.groups[g].name,
-                                          "needs " + drafts_[idx(o)].name +
+                                          "needs " + drafts_[idx(need.of)].name +
                                               ", which in turn needs this group: it lies between blocks of the "
                                               "group and must belong to it"}});
       }

@@ -77,9 +77,11 @@ GroupContent content(const Blocks& blocks, const std::vector<Index>& solved, con
 void classify(const System& s, const Blocks& blocks, const std::vector<Draft>& drafts, const Cut& cut,
               int predictor_derivatives, Structure& out) {
   ClassTable table(s, cut.moves);
+  out.groups.reserve(drafts.size());
+  std::vector<Index> solved;
   for (std::size_t g = 0; g < drafts.size(); ++g) {
     const Draft& d = drafts[g];
-    std::vector<Index> solved;
+    solved.clear();
     std::copy_if(d.blocks.begin(), d.blocks.end(), std::back_inserter(solved),
                  [&](Index b) { return cut.solved_each_step(b); });
     if (solved.empty()) {

@@ -35,6 +35,20 @@ std::string findings(const SceneBuilder& builder) {
   return findings([&] { return builder.build(); });
 }
 
+// A scene may have millions of parts, and many plans.
+TEST(Scene, CopiesShareTheirParts) {
+  SceneBuilder builder("bar", 2);
+  builder.fixed_point("A", {0, 0, 0}).point("B", {1, 0, 0}).constrain("bar", Distance{"A", "B", 1.0});
+  const Scene scene = builder.build(), again = builder.build();
+  const Scene other = scene.with_outputs({"B"}).with_time({0, 1, 0.5});
+  EXPECT_EQ(&other.points(), &scene.points());
+  EXPECT_EQ(&other.constraints(), &scene.constraints());
+  EXPECT_TRUE(scene.outputs().empty());
+  EXPECT_NE(&again.points(), &scene.points());
+  EXPECT_EQ(again.points().size(), 2U);
+  EXPECT_EQ(std::move(builder).build().points().size(), 2U);
+}
+
 TEST(SceneBuilder, BuildsWhatWasAdded) {
   const Scene scene = four_bar().build();
   EXPECT_EQ(scene.name(), "four_bar");

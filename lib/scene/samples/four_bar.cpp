@@ -35,7 +35,8 @@ struct Chain {
 
   Scene finish(int loops, const Values& values) {
     builder.measure("rocker_angle", AbsoluteAngle{number("A", loops), number("B", loops)});
-    return builder.time(0, values["steps"] * values["step"], values["step"]).build();
+    builder.time(0, values["steps"] * values["step"], values["step"]);
+    return std::move(builder).build();
   }
 };
 
