@@ -18,8 +18,12 @@ using IsAtHand = std::function<bool(const Library&)>;
 // For every machine whose samples are all whole, known and of libraries at hand. Throws SQLite::Exception.
 void fit_models(SQLite::Database& database, const IsAtHand& is_at_hand);
 
+struct Fit {
+  PerformanceModel model;
+  bool of_this_file = false;  // bit for bit; else its samples have to be looked at
+};
+
 // nullopt: there is none, or none that can be believed. Throws SQLite::Exception.
-[[nodiscard]] std::optional<PerformanceModel> fitted_model(SQLite::Database& database, std::int64_t machine,
-                                                           std::string source);
+[[nodiscard]] std::optional<Fit> find_fit(SQLite::Database& database, std::int64_t machine, std::string source);
 
 }  // namespace assur::db

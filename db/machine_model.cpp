@@ -42,14 +42,14 @@ class Reading {
   MachineModel finish();
 
  private:
-  std::optional<PerformanceModel> fitted();
+  std::optional<Fit> fit();
   bool take_level(Likeness level);
   std::vector<Sample> samples_of(Source& source, std::int64_t machine);
   void add(std::vector<Sample> found);
   void say_source(const Source& source, std::int64_t machine, Likeness level);
   const Library& library_of(const std::string& name);  // at hand
   bool believed(const Library& library);
-  void say_counts();
+  void say_counts(std::size_t once);
   void say_nothing_fits();
   void say(std::string text) { messages_.push_back(std::move(text)); }
 
@@ -145,7 +145,7 @@ std::vector<Sample> Reading::samples_of(Source& source, std::int64_t machine) {
 }
 
 // Of this machine, if one file alone knows it and no sample of that file is of another library.
-std::optional<PerformanceModel> Reading::fitted() {
+std::optional<Fit> Reading::fit() {
   Source* only = nullptr;
   for (Source& source : sources_) {
     for (const auto& [likeness, machine] : source.machines) {
@@ -160,14 +160,14 @@ std::optional<PerformanceModel> Reading::fitted() {
   }
   const std::int64_t machine = only->machines.front().second;
   say_source(*only, machine, Likeness::same);
-  std::optional<PerformanceModel> model;
+  std::optional<Fit> found;
   try {
-    model = guarded(only->file, [&] { return fitted_model(only->database, machine, source_); });
+    found = guarded(only->file, [&] { return find_fit(only->database, machine, source_); });
   } catch (const Unusable&) {
     // said when the samples are read
   }
-  if (!model) source_.clear();
-  return model;
+  if (!found || !found->of_this_file) source_.clear();
+  return found;
 }
 
 // Of this machine all files tell; of a similar one only the first that knows one, so that all samples are of one.
@@ -218,7 +218,8 @@ void Reading::say_source(const Source& source, std::int64_t machine, Likeness le
   }
 }
 
-void Reading::say_counts() {
+// once: samples there were when they were fitted; 0: not known.
+void Reading::say_counts(std::size_t once) {
   if (counts_.stale > 0) {
     std::string changes;
     for (const std::string& change : counts_.changes) changes += (changes.empty() ? "" : "; ") + change;
@@ -226,7 +227,13 @@ void Reading::say_counts() {
         changes + "): not believed" + kTune);
   }
   if (counts_.damaged > 0) {
-    say(number(counts_.damaged) + " damaged samples are left out; `assur db check` repairs the database");
+    say(number(counts_.damaged) + (counts_.damaged == 1 ? " damaged sample is" : " damaged samples are") +
+        " left out; `assur db check` repairs the database");
+  }
+  const std::int64_t lost = static_cast<std::int64_t>(once) - counts_.seen - counts_.damaged;
+  if (lost > 0 && messages_.empty()) {
+    say(number(lost) + " of " + number(static_cast<std::int64_t>(once)) +
+        " samples are lost; `assur db check` repairs the database");
   }
 }
 
@@ -242,11 +249,12 @@ void Reading::say_nothing_fits() {
 }
 
 MachineModel Reading::finish() {
-  if (auto model = fitted()) return {std::make_shared<const PerformanceModel>(*std::move(model)), std::move(messages_)};
+  const std::optional<Fit> kept = fit();
+  if (kept && kept->of_this_file) return {std::make_shared<const PerformanceModel>(kept->model), std::move(messages_)};
   const bool found =
       take_level(Likeness::same) || take_level(Likeness::processor) || take_level(Likeness::microarchitecture);
   if (!found) say_nothing_fits();
-  say_counts();
+  say_counts(kept ? kept->model.samples() : 0);
   return {std::make_shared<const PerformanceModel>(std::move(samples_), std::move(source_)), std::move(messages_)};
 }
 

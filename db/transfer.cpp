@@ -83,8 +83,8 @@ std::int64_t Store::export_to(const fs::path& file, const Filter& filter) const 
   const std::int64_t copied = guarded(part, [&] {
     SQLite::Database target = open_to_write(part, true);  // without a log, which needs a folder that can be written
     const std::int64_t all = copy(contents, target).samples;
-    db::fit_models(target, [](const Library& library) { return library == library_at_hand(library.name); });
     target.exec("VACUUM");
+    db::fit_models(target, [](const Library& library) { return library == library_at_hand(library.name); });
     return all;
   });
   fs::rename(part, file, error);

@@ -269,6 +269,50 @@ TEST(Faults, ADamagedSampleIsSavedFrom) {
   EXPECT_FALSE(by_uid(store.samples()).contains(stored[6].uid));
 }
 
+// A program that has the fitted model need not read the samples: it must be told all the same.
+TEST(Faults, ADamagedSampleIsToldWhereTheFitIsWhole) {
+  FileTree tree;
+  const auto file = tree.root() / "tuning.db";
+  make_database(file, host_with(4), 50);
+  Store(file, Access::write).fit_models();
+  {
+    SQLite::Database database(file.string(), SQLite::OPEN_READWRITE);
+    database.exec("DROP TRIGGER sample_changed; UPDATE sample SET seconds = seconds * 2 WHERE id = 7");
+    ASSERT_EQ(database.execAndGet("SELECT count(*) FROM fit").getInt(), 1);
+  }
+  MachineModel model = model_of(file);
+  EXPECT_EQ(model.model->samples(), 49u);
+  ASSERT_EQ(model.messages.size(), 1u);
+  EXPECT_EQ(model.messages[0], "1 damaged sample is left out; `assur db check` repairs the database");
+
+  SQLite::Database(file.string(), SQLite::OPEN_READWRITE)
+      .exec("DROP TRIGGER sample_removed; DELETE FROM sample WHERE id = 7 OR id = 9");
+  model = model_of(file);
+  EXPECT_EQ(model.model->samples(), 48u);
+  ASSERT_EQ(model.messages.size(), 1u);
+  EXPECT_EQ(model.messages[0], "2 of 50 samples are lost; `assur db check` repairs the database");
+}
+
+// Many bytes in the middle, as a disk loses them: all of the file is left out.
+TEST(Faults, AHoleInTheFileIsToldWhereTheFitIsWhole) {
+  FileTree tree;
+  const auto file = tree.root() / "tuning.db";
+  make_database(file, host_with(4), 500);
+  const std::string without = bytes(file);
+  Store(file, Access::write).fit_models();
+  EXPECT_EQ(model_of(file).model->samples(), 500u);
+  EXPECT_TRUE(model_of(file).messages.empty());
+  std::string damaged = bytes(file);
+  std::mt19937_64 random(20261121);
+  const std::size_t at = without.size() / 2;
+  for (std::size_t i = 0; i < 3000; ++i) damaged[at + i] = static_cast<char>(random());
+  write_bytes(file, damaged);
+  const MachineModel model = model_of(file);
+  EXPECT_EQ(model.model->samples(), 0u);
+  ASSERT_EQ(model.messages.size(), 1u);
+  EXPECT_EQ(model.messages[0], file.string() + ": is damaged: database disk image is malformed");
+}
+
 // What a sample refers to is under its checksum too.
 TEST(Faults, ASampleIsOnlyAsGoodAsWhatItRefersTo) {
   FileTree tree;
@@ -301,7 +345,9 @@ TEST(Faults, AHundredRandomFaults) {
   FileTree tree;
   const auto good = tree.root() / "good.db";
   const auto originals = by_uid(make_database(good, host_with(4), 300));
-  const std::string whole = bytes(good);
+  const std::string without_fit = bytes(good);
+  Store(good, Access::write).fit_models();
+  const std::string with_fit = bytes(good);
   std::mt19937_64 random(20261121);
   const auto below = [&](std::size_t bound) { return static_cast<std::size_t>(random() % bound); };
   const auto expect_right = [&](const std::vector<Sample>& samples, const std::string& fault) {
@@ -314,6 +360,7 @@ TEST(Faults, AHundredRandomFaults) {
   int repaired = 0, refused = 0, unharmed = 0;
   std::size_t saved = 0;
   for (int round = 0; round < 100; ++round) {
+    const std::string& whole = round % 8 < 4 ? with_fit : without_fit;
     std::string damaged = whole;
     std::string fault = "round " + std::to_string(round);
     if (round % 4 == 0) {
@@ -340,7 +387,8 @@ TEST(Faults, AHundredRandomFaults) {
     } catch (const Error&) {
     }
     expect_right(readable, fault);
-    EXPECT_TRUE(model.model->samples() == originals.size() || !model.messages.empty());
+    EXPECT_LE(model.model->samples(), readable.size());
+    EXPECT_EQ(model.messages.empty(), readable.size() == originals.size());
     EXPECT_EQ(bytes(file), damaged);
     EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 1);
 

@@ -3,6 +3,7 @@
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <gtest/gtest.h>
 
+#include "db/fit.hpp"
 #include "db/samples.hpp"
 #include "parallel/file_tree.hpp"
 
@@ -156,6 +157,12 @@ TEST_F(Databases, KeepTheModelThatTheirSamplesGive) {
   const PerformanceModel made = *read(files({"a.db"}), host_with(4)).model;
   db::Store(file("a.db"), db::Access::write).fit_models();
   EXPECT_EQ(rows_of_fit(file("a.db")), 1);
+  {
+    SQLite::Database database(file("a.db").string());
+    const auto fit = db::find_fit(database, 1, "");
+    ASSERT_TRUE(fit.has_value());
+    EXPECT_TRUE(fit->of_this_file);
+  }
   const PerformanceModel kept = *read(files({"a.db"}), host_with(4)).model;
   EXPECT_EQ(kept.bytes(), made.bytes());
   EXPECT_EQ(kept.source(), made.source());
@@ -166,6 +173,16 @@ TEST_F(Databases, KeepTheModelThatTheirSamplesGive) {
   store.add(1, {&more, 1});
   EXPECT_EQ(rows_of_fit(file("a.db")), 0);
   EXPECT_EQ(read(files({"a.db"}), host_with(4)).model->samples(), 41u);
+}
+
+// An exported file is read by others: it brings a model that holds for it as it lies there.
+TEST_F(Databases, ExportTheModelWithTheSamples) {
+  make_database(file("a.db"), host_with(4), 40);
+  (void)db::Store(file("a.db"), db::Access::read).export_to(file("b.db"));
+  SQLite::Database database(file("b.db").string());
+  const auto fit = db::find_fit(database, 1, "");
+  ASSERT_TRUE(fit.has_value());
+  EXPECT_TRUE(fit->of_this_file);
 }
 
 TEST_F(Databases, KeepNoModelOfOtherLibraries) {
