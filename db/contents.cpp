@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <functional>
 #include <limits>
+#include <locale>
 #include <optional>
 #include <sstream>
 
@@ -84,6 +85,7 @@ std::int32_t integer(Row& row, int column) { return row.getColumn(column).getInt
 std::vector<Cache> caches_of(const std::string& text) {
   std::vector<Cache> caches;
   std::istringstream stream(text);
+  stream.imbue(std::locale::classic());
   Cache cache;
   for (char colon = 0; stream >> cache.level >> colon >> cache.bytes >> colon >> cache.cores;) caches.push_back(cache);
   return caches;

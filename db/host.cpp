@@ -6,9 +6,10 @@
 #include <charconv>
 #include <cstdlib>
 #include <fstream>
-#include <sstream>
+#include <locale>
 
 #include "db/checksum.hpp"
+#include "decimal.hpp"
 #include "parallel/machine.hpp"
 #include "parallel/thread_state.hpp"
 
@@ -46,6 +47,7 @@ void read_processor(std::istream& cpuinfo, Host& host) {
 // The first line is "MemTotal:  16384 kB".
 std::int64_t memory(const std::filesystem::path& root) {
   std::ifstream file(root / "proc/meminfo");
+  file.imbue(std::locale::classic());
   std::string key;
   std::int64_t kibibytes = 0;
   return file >> key >> kibibytes && key == "MemTotal:" ? kibibytes * 1024 : 0;
@@ -97,15 +99,15 @@ Likeness likeness(const Host& a, const Host& b) {
 }
 
 std::string to_string(const Host& host) {
-  std::ostringstream text;
-  text << (host.machine.model.empty() ? "unknown processor" : host.machine.model);
+  std::string text = host.machine.model.empty() ? "unknown processor" : host.machine.model;
   if (!host.vendor.empty()) {
-    text << " (" << host.vendor << " " << host.family << "/" << host.model << "/" << host.stepping << ")";
+    text += " (" + host.vendor + " " + std::to_string(host.family) + "/" + std::to_string(host.model) + "/" +
+            std::to_string(host.stepping) + ")";
   }
   const std::size_t cores = host.machine.cores.size();
-  text << ", " << host.machine.instructions << ", " << cores << (cores == 1 ? " core" : " cores");
-  if (host.machine.quota > 0) text << ", quota " << host.machine.quota;
-  return text.str();
+  text += ", " + host.machine.instructions + ", " + std::to_string(cores) + (cores == 1 ? " core" : " cores");
+  if (host.machine.quota > 0) text += ", quota " + general(host.machine.quota, 6);
+  return text;
 }
 
 }  // namespace assur::db

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <locale>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -77,8 +78,10 @@ path below_mount_point(const std::string& group, const std::string& top) {
 double quotient(double quota, double period) { return quota > 0 && period > 0 ? quota / period : 0; }
 
 double read_number(const path& name) {
+  std::ifstream file(name);
+  file.imbue(std::locale::classic());
   double number = 0;
-  std::ifstream(name) >> number;
+  file >> number;
   return number;
 }
 
@@ -86,6 +89,7 @@ double read_number(const path& name) {
 double quota_of(const path& group, int version) {
   if (version == 1) return quotient(read_number(group / "cpu.cfs_quota_us"), read_number(group / "cpu.cfs_period_us"));
   std::ifstream file(group / "cpu.max");
+  file.imbue(std::locale::classic());
   double quota = 0, period = 0;
   return file >> quota >> period ? quotient(quota, period) : 0;
 }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "assur/status.hpp"
+#include "decimal.hpp"
 
 namespace assur {
 namespace {
@@ -18,7 +19,7 @@ void check(std::span<const double> cost, int threads) {
   const auto bad = std::find_if(cost.begin(), cost.end(), [](double c) { return !(c >= 0 && std::isfinite(c)); });
   if (bad != cost.end()) {
     throw Error(Error::Kind::input, "the cost of pack " + std::to_string(bad - cost.begin()) +
-                                        " must be a number >= 0, not " + std::to_string(*bad));
+                                        " must be a number >= 0, not " + general(*bad, 6));
   }
 }
 

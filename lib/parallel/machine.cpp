@@ -4,8 +4,10 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <locale>
 #include <sstream>
 
+#include "decimal.hpp"
 #include "parallel/cgroup.hpp"
 #include "parallel/instruction_set.hpp"
 #include "parallel/thread_state.hpp"
@@ -26,7 +28,9 @@ std::string model_name(const std::filesystem::path& root) {
 // Of "4" and of "4,2", which is for nested regions, 4; 0 of what is no number from 1 on.
 std::int32_t openmp_limit(const std::string& omp_num_threads) {
   std::int32_t threads = 0;
-  std::istringstream(omp_num_threads) >> threads;
+  std::istringstream text(omp_num_threads);
+  text.imbue(std::locale::classic());  // of another one "4,2" may be 42
+  text >> threads;
   return std::max(threads, 0);
 }
 
@@ -92,21 +96,20 @@ ThreadBudget available_budget() {
 }
 
 std::string to_string(const Machine& machine) {
-  std::ostringstream text;
-  text << (machine.model.empty() ? "unknown processor" : machine.model) << ", " << machine.instructions << ": "
-       << counted(static_cast<std::int64_t>(machine.cores.size()), "core");
+  std::string text = (machine.model.empty() ? "unknown processor" : machine.model) + ", " + machine.instructions +
+                     ": " + counted(static_cast<std::int64_t>(machine.cores.size()), "core");
   if (machine.processors != static_cast<std::int32_t>(machine.cores.size())) {
-    text << " (" << counted(machine.processors, "processor") << ")";
+    text += " (" + counted(machine.processors, "processor") + ")";
   }
   for (const Cache& cache : machine.caches) {
-    text << ", L" << cache.level << " " << size_text(cache.bytes);
-    if (cache.cores > 1) text << " for " << counted(cache.cores, "core");
+    text += ", L" + std::to_string(cache.level) + " " + size_text(cache.bytes);
+    if (cache.cores > 1) text += " for " + counted(cache.cores, "core");
   }
-  if (machine.numa_nodes > 1) text << ", " << counted(machine.numa_nodes, "NUMA node");
-  text << "; budget: " << counted(machine.budget().threads, "thread");
-  if (machine.quota > 0) text << ", quota " << machine.quota;
-  if (machine.openmp_limit > 0) text << ", OMP_NUM_THREADS " << machine.openmp_limit;
-  return text.str();
+  if (machine.numa_nodes > 1) text += ", " + counted(machine.numa_nodes, "NUMA node");
+  text += "; budget: " + counted(machine.budget().threads, "thread");
+  if (machine.quota > 0) text += ", quota " + general(machine.quota, 6);
+  if (machine.openmp_limit > 0) text += ", OMP_NUM_THREADS " + std::to_string(machine.openmp_limit);
+  return text;
 }
 
 }  // namespace assur

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <locale>
 #include <set>
 #include <sstream>
 
@@ -40,6 +41,7 @@ int core_of(const path& cpus, int processor) {
 // "48K", "1M"; 0 if it is neither.
 std::int64_t parse_bytes(const std::string& text) {
   std::istringstream stream(text);
+  stream.imbue(std::locale::classic());
   std::int64_t number = 0;
   char unit = 0;
   if (!(stream >> number) || number < 0) return 0;
@@ -72,6 +74,7 @@ std::vector<int> parse_processors(const std::string& list) {
   std::istringstream items(list);
   for (std::string item; std::getline(items, item, ',');) {
     std::istringstream stream(item);
+    stream.imbue(std::locale::classic());
     int first = 0, last = 0;
     char dash = 0;
     if (!(stream >> first)) continue;

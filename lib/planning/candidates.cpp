@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 #include "backends/backends.hpp"
+#include "decimal.hpp"
 #include "parallel/machine.hpp"
 #include "planning/counts.hpp"
 
@@ -18,10 +18,7 @@ std::string refused(const Backend& backend, const Shape& shape, const Strategy& 
   if (std::find(scales.without.begin(), scales.without.end(), backend.id) != scales.without.end()) return "left out";
   if (std::string why_not = backend.why_not(shape, ThreadBudget{s.q}); !why_not.empty()) return why_not;
   if (const double error = scales.model.backward_error(shape, s); error > kAccurate) {
-    std::ostringstream text;
-    text.precision(1);
-    text << std::scientific << "its solutions had a backward error of " << error;
-    return text.str();
+    return "its solutions had a backward error of " + scientific(error, 1);
   }
   return "";
 }

@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iomanip>
 #include <limits>
 #include <numeric>
 #include <optional>
-#include <sstream>
 #include <utility>
 
 #include "backends/backends.hpp"
+#include "decimal.hpp"
 #include "parallel/longest_first.hpp"
 #include "parallel/team.hpp"
 #include "planning/counts.hpp"
@@ -73,16 +72,14 @@ std::int32_t packs_of(const Batch& batch, const Plan::Choice& choice) {
 // The solver of a class and how much it wins by.
 std::string reason_of(const std::vector<Candidate>& ranked) {
   const Candidate& best = ranked[0];
-  std::ostringstream text;
-  text << (best.origin == Origin::prior ? "not measured" : name(best.origin));
+  std::string text(best.origin == Origin::prior ? "not measured" : name(best.origin));
   for (const Candidate& c : ranked) {
     if (!c.why_not.empty() || c.strategy.backend == best.strategy.backend) continue;
     const double ratio = c.expected_seconds / best.expected_seconds;
-    text << ": expected " << std::fixed << std::setprecision(ratio < 10 ? 1 : 0) << ratio << " times as fast as "
-         << c.strategy.backend;
+    text += ": expected " + fixed(ratio, ratio < 10 ? 1 : 0) + " times as fast as " + c.strategy.backend;
     break;
   }
-  return text.str();
+  return text;
 }
 
 Plan::Choice choice_of(std::int32_t group_class, const Shape& shape, std::vector<Candidate> weighed,
@@ -254,12 +251,10 @@ Plan throughput_plan(const std::vector<Shape>& shapes, const Offers& offers, std
 }
 
 std::string threads_reason(const Plan& best, std::int32_t budget, double alone) {
-  std::ostringstream text;
   if (budget == 1) return "one thread: the budget has no more";
   if (best.threads == 1) return "one thread: more would only wait";
-  text << best.threads << " threads: expected " << std::fixed << std::setprecision(1) << alone / best.expected_seconds
-       << " times as fast as one";
-  return text.str();
+  return std::to_string(best.threads) + " threads: expected " + fixed(alone / best.expected_seconds, 1) +
+         " times as fast as one";
 }
 
 // With the W that takes least time for each mechanism.

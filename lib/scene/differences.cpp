@@ -4,8 +4,8 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <cstdio>
 
+#include "decimal.hpp"
 #include "scene/outputs.hpp"
 
 namespace assur {
@@ -51,11 +51,7 @@ double last_bit(double f) {
   return std::ldexp(1.0, exponent - 53 + std::countr_zero(bits));
 }
 
-std::string text(double x) {
-  char digits[32];
-  std::snprintf(digits, sizeof digits, "%.10g", x);
-  return digits;
-}
+std::string text(double x) { return general(x, 10); }
 
 }  // namespace
 
@@ -424,10 +420,8 @@ int wanted_derivatives(const System& s) {
 
 std::string describe(const Contradiction& c, const Callback* callback) {
   const auto says = [&](const std::string& what, const std::string& of) {
-    std::array<char, 32> within{};
-    std::snprintf(within.data(), within.size(), "%.1g", c.uncertainty);
     return what + " is " + text(c.given) + ", but differences of the " + of + " give " + text(c.found) + " (within " +
-           within.data() + ")";
+           general(c.uncertainty, 1) + ")";
   };
   const std::string row = "row " + std::to_string(c.row), time = " at t = " + text(c.time) + " s";
   switch (c.of) {

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <optional>
 #include <utility>
 
+#include "decimal.hpp"
 #include "scene/drive.hpp"
 #include "scene/lowering.hpp"
 #include "scene/outputs.hpp"
@@ -24,11 +24,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 std::size_t idx(Index i) { return static_cast<std::size_t>(i); }
 
-std::string figure(double x) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1e", x);
-  return text;
-}
+std::string figure(double x) { return scientific(x, 1); }
 
 // The condition that fails, in words.
 std::string why_not(const SolutionProof& p) {

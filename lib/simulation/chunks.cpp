@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "decimal.hpp"
 #include "simulation/run_arguments.hpp"
 #include "simulation/tiles.hpp"
 
@@ -25,8 +26,8 @@ bool same_posture(const std::vector<double>& a, const std::vector<double>& b, co
 }
 
 void say_alone(const LaneRun& run, std::vector<std::string>& fallbacks) {
-  fallbacks.push_back("the chunk from t = " + std::to_string(run.times[0]) + " s on was run alone from t = " +
-                      std::to_string(run.alone_from) + " s on, where it could not keep step with others");
+  fallbacks.push_back("the chunk from t = " + general(run.times[0], 6) + " s on was run alone from t = " +
+                      general(run.alone_from, 6) + " s on, where it could not keep step with others");
 }
 
 // One run for each chunk; the rows behind the border to the next one are kept apart.
@@ -67,7 +68,7 @@ void settle(SideBySide& worker, const LaneRun& before, LaneRun& run, const std::
   }
   worker.run_alone(run, proceed);
   run.alone = false;  // that is told by:
-  fallbacks.push_back("the chunk from t = " + std::to_string(run.times[0]) +
+  fallbacks.push_back("the chunk from t = " + general(run.times[0], 6) +
                       " s on began on another branch than the one before ended; it was run again");
 }
 

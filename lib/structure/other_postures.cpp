@@ -3,12 +3,12 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <map>
 #include <numeric>
 #include <random>
 
+#include "decimal.hpp"
 #include "structure/assembly.hpp"
 #include "structure/dense_block.hpp"
 #include "structure/freedoms.hpp"
@@ -342,15 +342,10 @@ class Look {
   std::map<std::size_t, Seen> path_, near_;
 };
 
-std::string amount(const Redundancy& r) {
-  char text[48];
-  std::snprintf(text, sizeof text, "%.3g%s", r.violation, r.is_length ? " m" : "");
-  return text;
-}
+std::string amount(const Redundancy& r) { return general(r.violation, 3) + (r.is_length ? " m" : ""); }
 
 void note(const Redundancy& r, Structure& out) {
-  char time[32];
-  std::snprintf(time, sizeof time, "%.6g", r.time);
+  const std::string time = general(r.time, 6);
   if (r.kind == Redundancy::Kind::start) {
     out.notes.push_back({"/", "'" + r.dropped + "' holds at the start posture and not beyond: at t = " + time +
                                   " s it is off by " + amount(r)});

@@ -1,7 +1,6 @@
 #include "structure/start.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <numbers>
 #include <numeric>
 #include <optional>
@@ -9,6 +8,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "decimal.hpp"
 #include "scene/own_values.hpp"
 #include "scene/triple.hpp"
 #include "structure/approach.hpp"
@@ -27,17 +27,8 @@ constexpr std::size_t kMostFlips = 8;  // drivers that are led the longer way ro
 
 std::size_t idx(Index i) { return static_cast<std::size_t>(i); }
 
-std::string shortened(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
-
-std::string precise(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return text;
-}
+std::string shortened(double value) { return general(value, 3); }
+std::string precise(double value) { return general(value, 6); }
 
 class Start {
  public:

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "db/samples.hpp"
+#include "foreign_locale.hpp"
 #include "parallel/file_tree.hpp"
 
 namespace assur::test {
@@ -79,6 +80,25 @@ TEST(Host, LikenessFallsStepByStep) {
   EXPECT_EQ(with([](db::Host& h) { h.model = 18; }), Likeness::none);
   EXPECT_EQ(with([](db::Host& h) { h.family = 26; }), Likeness::none);
   EXPECT_EQ(with([](db::Host& h) { h.vendor = "Other"; }), Likeness::none);
+}
+
+// A program that writes 1234.5 as "1.234,5" reads and tells the same machine.
+TEST(Host, IsTheSameInEveryLocale) {
+  FileTree tree;
+  tree.file("proc/meminfo", "MemTotal:       16384000 kB\n");
+  const auto file = tree.root() / "tuning.db";
+  make_database(file, host_with(1200, 1.5), 3);
+  const auto look = [&] {
+    return std::tuple(to_string(host_with(1200, 1.5)), db::read_host(tree.root(), {0}, "").memory,
+                      db::Store(file, db::Access::read).runs().at(0).machine);
+  };
+  const auto expected = look();
+  EXPECT_EQ(std::get<0>(expected), "Fast One (MakerOfProcessors 25/17/1), AVX2, 1200 cores, quota 1.5");
+  EXPECT_EQ(std::get<2>(expected), host_with(1200, 1.5).fingerprint());
+  for (const char point : {',', '.'}) {
+    const ForeignLocale locale(point);
+    EXPECT_EQ(look(), expected);
+  }
 }
 
 }  // namespace

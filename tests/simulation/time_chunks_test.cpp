@@ -5,6 +5,7 @@
 #include <numbers>
 #include <set>
 
+#include "decimal.hpp"
 #include "simulation/chunks.hpp"
 #include "simulation/conditions.hpp"
 #include "simulation/limited.hpp"
@@ -283,7 +284,7 @@ TEST(TimeChunks, AStartOnTheWrongBranchIsDetectedAndRunAgain) {
       // A chunk that was right began where its wrong neighbour did not end: only that one is run again.
       EXPECT_EQ(r.fallbacks.size(), wrong.size());
       for (const std::size_t c : wrong) {
-        EXPECT_TRUE(mentions(r.fallbacks, "the chunk from t = " + std::to_string(times[grid.first[c]]) +
+        EXPECT_TRUE(mentions(r.fallbacks, "the chunk from t = " + general(times[grid.first[c]], 6) +
                                               " s on began on another branch"));
       }
       const Trajectory& expected = right.result.trajectory;
