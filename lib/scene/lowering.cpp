@@ -4,12 +4,16 @@
 #include <cmath>
 #include <string_view>
 
+#include "decimal.hpp"
 #include "scene/drive.hpp"
 #include "scene/lowering_parts.hpp"
+#include "scene/names.hpp"
 #include "scene/own_values.hpp"
 
 namespace assur {
 namespace {
+
+constexpr double kDisagree = 1e-3;  // relative: guesses are written with three digits or more
 
 std::size_t idx(Index i) { return static_cast<std::size_t>(i); }
 
@@ -116,21 +120,19 @@ void declare_measures(Forms& forms) {
 // Driven coordinates start where their laws say; a guess that disagrees is overruled, with a note.
 void set_driven_guess(System& s) {
   const std::vector<double> written = s.guess;
-  for (DriverInput& in : s.inputs) in.written = own_values(s, in, written);
   (void)drive(s, s.scene->time().start, s.guess.data(), nullptr, nullptr);
-  for (const DriverInput& in : s.inputs) {
-    const Driver& d = s.scene->drivers()[idx(in.driver)];
-    double off = 0;
-    for (const Assignment& a : s.assignments) {
-      for (const Term& t : s.form(a.form)) {
-        if (t.coordinate >= in.first && t.coordinate < in.first + in.count) {
-          off = std::max(off, std::abs(s.guess[idx(a.coordinate)] - written[idx(a.coordinate)]));
-        }
-      }
-    }
-    if (off > 1e-6) {
-      s.notes.push_back({"/drivers/" + d.name, "the law's value at the start and `at` disagree; the law wins"});
-    }
+  std::vector<double> posture = written;  // as written, with what the laws ask for
+  for (DriverInput& in : s.inputs) {
+    std::copy_n(s.guess.begin() + in.first, in.count, posture.begin() + in.first);
+    in.written = own_values(s, in, written);
+    if (!why_undefined(s, in, posture).empty()) continue;
+    const std::optional<Mismatch> off = mismatch(s, in, posture, kDisagree);
+    if (!off || !std::isfinite(off->wanted)) continue;
+    const std::string unit = off->unit.empty() ? "" : " " + off->unit;
+    s.notes.push_back({"/drivers/" + s.drivers[idx(in.driver)], "the law's value at the start and `at` disagree: its " +
+                                                                    off->what + " is " + general(off->wanted, 6) +
+                                                                    unit + " by the law and " + general(off->has, 6) +
+                                                                    unit + " by `at`; the law wins"});
   }
 }
 

@@ -12,9 +12,6 @@ namespace {
 
 using Kind = DriverInput::Kind;
 
-// Equations hold to 1e-10 of their terms at worst, those that are redundant; the rest is for the lever between an
-// equation and the value. A value that the equations cannot tell from the right one is off by a half turn or a mirror.
-constexpr double kSlack = 1e-8;
 // A direction within this angle of the axis, in rad, has an angle about it that postures do not determine.
 constexpr double kNoLever = 1e-6;
 constexpr double kNoLength = 1e-12;  // of the coordinates that a direction is the difference of
@@ -69,7 +66,7 @@ double scalar(const System& s, const DriverInput& in, std::span<const double> q,
 // Columns of the frame that a body has, and how uncertain they are.
 struct Axes {
   Triple column[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  double slack = kSlack;
+  double slack = 1;  // times the relative slack
 };
 
 Axes own_axes(const System& s, const DriverInput& in, std::span<const double> q) {
@@ -80,7 +77,7 @@ Axes own_axes(const System& s, const DriverInput& in, std::span<const double> q)
     const Direction d = direction(s, in, (j + 1) * dim, q);
     const double length = triple::norm(d.at);
     a[j] = triple::scale(1 / length, d.at);
-    out.slack += kSlack * d.size / length;
+    out.slack += d.size / length;
   }
   if (dim == 2) {
     out.column[0] = a[0];
@@ -180,21 +177,19 @@ std::string why_undefined(const System& s, const DriverInput& in, std::span<cons
   return "its directions are at right angles to each other, and its axis lies in their plane";
 }
 
-std::optional<Mismatch> mismatch(const System& s, const DriverInput& in, std::span<const double> q) {
+std::optional<Mismatch> mismatch(const System& s, const DriverInput& in, std::span<const double> q, double slack) {
   const std::vector<double> has = own_values(s, in, q), wanted = wanted_values(s, in, q),
                             off = difference(s, in, has, wanted);
   if (in.kind == Kind::scalar) {
     double size = 0;
     (void)scalar(s, in, q, size);
-    const double slack = kSlack * (size * s.unit(in.dimension) + std::abs(wanted[0]));
-    if (std::abs(off[0]) <= slack) return {};
+    if (std::abs(off[0]) <= slack * (size * s.unit(in.dimension) + std::abs(wanted[0]))) return {};
     return Mismatch{in.must_not_vanish ? "distance" : "coordinate", has[0], wanted[0], in.dimension == 1 ? "m" : ""};
   }
   if (in.kind == Kind::direction) {
     const Arms a = arms(s, in, q);
     const double d = triple::norm(a.d.at), e = triple::norm(a.e.at);
-    const double slack = kSlack * (1 + (a.d.size * e + d * a.e.size) / a.lever());
-    if (std::abs(off[0]) <= slack) return {};
+    if (std::abs(off[0]) <= slack * (1 + (a.d.size * e + d * a.e.size) / a.lever())) return {};
     return Mismatch{"angle", has[0], wanted[0], "rad"};
   }
   static constexpr const char* kSpace[] = {"x", "y", "z", "psi", "theta", "phi"};
@@ -203,7 +198,7 @@ std::optional<Mismatch> mismatch(const System& s, const DriverInput& in, std::sp
     return Mismatch{s.dimension == 3 ? kSpace[k] : kPlane[k], has[k], wanted[k], k < idx(s.dimension) ? "m" : "rad"};
   };
   for (std::size_t k = 0; k < idx(s.dimension); ++k) {
-    if (!(std::abs(off[k]) <= kSlack * (s.unit(1) + std::abs(has[k]) + std::abs(wanted[k])))) return part(k);
+    if (!(std::abs(off[k]) <= slack * (s.unit(1) + std::abs(has[k]) + std::abs(wanted[k])))) return part(k);
   }
   if (!turns(s, in)) return {};
   // Not by the angles: close to theta = pi / 2 they say little of the frame.
@@ -213,7 +208,7 @@ std::optional<Mismatch> mismatch(const System& s, const DriverInput& in, std::sp
     const double apart = triple::norm(triple::subtract(own.column[j], asked.column[j]));
     if (!(apart <= worst)) worst = apart;
   }
-  if (worst <= own.slack) return {};
+  if (worst <= slack * own.slack) return {};
   std::size_t most = idx(s.dimension);
   for (std::size_t k = most + 1; k < off.size(); ++k) {
     if (std::abs(off[k]) > std::abs(off[most])) most = k;

@@ -28,13 +28,18 @@ void drive_by_values(const System& system, const std::vector<std::vector<double>
 // Why the driver has no value in this posture: a direction without length, or along the axis; empty: it has one.
 [[nodiscard]] std::string why_undefined(const System& system, const DriverInput& input, std::span<const double> q);
 
-// The value that differs most from the one that is asked for by more than rounding explains.
+// Equations hold to 1e-10 of their terms at worst, those that are redundant; the rest is for the lever between an
+// equation and the value. A value that the equations cannot tell from the right one is off by a half turn or a mirror.
+inline constexpr double kSlack = 1e-8;
+
+// The value that differs most from the one that is asked for by more than rounding explains, or by more than `slack`,
+// relative to the terms that it is made of.
 struct Mismatch {
   std::string what;  // "angle", "distance", "x", "psi", ...
   double has, wanted;
   std::string unit;  // "rad", "m", or none
 };
 [[nodiscard]] std::optional<Mismatch> mismatch(const System& system, const DriverInput& input,
-                                               std::span<const double> q);
+                                               std::span<const double> q, double slack = kSlack);
 
 }  // namespace assur

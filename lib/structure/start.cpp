@@ -27,6 +27,10 @@ constexpr std::size_t kMostFlips = 8;  // drivers that are led the longer way ro
 
 std::size_t idx(Index i) { return static_cast<std::size_t>(i); }
 
+// A point that moved by more from its guess to the start posture is told of, in internal units: typical lengths are 1
+// to 2, and guesses by eye are within half of one.
+constexpr double kMovedFar = 0.75;
+
 std::string shortened(double value) { return general(value, 3); }
 std::string precise(double value) { return general(value, 6); }
 
@@ -258,6 +262,7 @@ class DrivenStart {
       out_.cannot_assemble = std::move(wrong);
       check_directions();
     }
+    if (asked.is_guess && is_assembled(out_)) tell_what_moved_far();
     out_.mobility_at_start = out_.mobility;
     if (asked.is_guess) look_at_other_postures(s_, direct.doubtful, p_.q, p_.time, out_);
   }
@@ -311,6 +316,38 @@ class DrivenStart {
                              " in the start posture; an axis is a unit vector";
       return;
     }
+  }
+
+  // The point that is farthest from its guess. Points that a driver places alone are its own matter.
+  void tell_what_moved_far() {
+    const Point* most = nullptr;
+    Triple where{};
+    double farthest = kMovedFar * s_.unit(1);
+    for (const Point& point : s_.scene->points()) {
+      const Item& item = s_.items[idx(s_.item_of.at(point.name))];
+      const bool is_placed = std::none_of(item.form, item.form + item.components, [&](Index form) {
+        const auto terms = s_.form(form);
+        return std::any_of(terms.begin(), terms.end(),
+                           [&](const Term& t) { return s_.coordinates[idx(t.coordinate)].role == Role::unknown; });
+      });
+      if (is_placed) continue;
+      Triple at{};
+      for (int k = 0; k < item.components; ++k) {
+        at[static_cast<std::size_t>(k)] = form_value<double>(s_, item.form[k], p_.q) * s_.unit(1);
+      }
+      const double moved = triple::norm(triple::subtract(at, point.at));
+      if (!(moved > farthest)) continue;
+      farthest = moved;
+      most = &point;
+      where = at;
+    }
+    if (most == nullptr) return;
+    const auto written = [&](const Triple& at) {
+      return "(" + precise(at[0]) + ", " + precise(at[1]) + (s_.dimension == 3 ? ", " + precise(at[2]) : "") + ") m";
+    };
+    out_.notes.push_back({"/points/" + most->name, "the start posture is far from the guess: " + most->name +
+                                                       " moved most, by " + shortened(farthest) + " m, from " +
+                                                       written(most->at) + " to " + written(where)});
   }
 
   [[nodiscard]] const std::string& name(const DriverInput& in) const { return s_.drivers[idx(in.driver)]; }

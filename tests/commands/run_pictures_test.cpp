@@ -41,6 +41,23 @@ TEST(RunPictures, AMotionThatEndsEarlySaysWhy) {
   EXPECT_NE(content(picture).find("The motion ends early: t = 1.3181"), std::string::npos);
 }
 
+TEST(RunPictures, AStartPostureThatCannotBeAssembledIsShown) {
+  const Scratch scratch;
+  const std::string page = scratch.file("motion.html");
+  const std::string scene = scratch.file("short.json", R"({"assur": 1, "dimension": 2,
+      "points": {"A": {"at": [0, 0], "fixed": true}, "B": {"at": [4, 0], "fixed": true}, "P": {"at": [1, 1]}},
+      "constraints": {"PA": {"distance": ["P", "A"], "value": 1.5}, "PB": {"distance": ["P", "B"], "value": 1.5}},
+      "time": {"start": 0, "end": 1, "step": 0.1}})");
+  const Outcome o = run_command({"run", scene, "--quiet", "--animate", page});
+  EXPECT_EQ(o.status, 1);
+  EXPECT_NE(o.err.find("group P cannot be assembled"), std::string::npos) << o.err;
+  const std::string text = content(page);
+  EXPECT_NE(text.find("The mechanism cannot be assembled: group P cannot be assembled: "), std::string::npos);
+  EXPECT_NE(text.find("Shown are the guess and the closest posture, which violates P"), std::string::npos);
+  EXPECT_NE(text.find("by 0.4375 m"), std::string::npos);
+  EXPECT_NE(text.find("\"postures\":[\"the guess\",\"the closest posture\"],\"violated\":[\"P"), std::string::npos);
+}
+
 TEST(RunPictures, EveryStrategyCanBeAnimated) {
   const Scratch scratch;
   for (const std::string strategy : {"global/eigen", "irreducible/lanes:8+once", "groups/eigen+chunks=4"}) {

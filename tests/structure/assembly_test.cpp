@@ -3,11 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numeric>
 #include <random>
 
 #include "assur/plan.hpp"
 #include "references/perturb.hpp"
+#include "structure/closest.hpp"
 #include "structure/dense_block.hpp"
 #include "structure/look.hpp"
 
@@ -68,7 +70,9 @@ TEST(AssemblyMode, ADyadStaysOnItsSide) {
     const Structure s = structure(dyad(guess), groups);
     ASSERT_EQ(s.cannot_assemble, "");
     EXPECT_GT(look::start(s, "P.y") * guess[1], 0) << guess[0] << ", " << guess[1];
-    EXPECT_EQ(look::notes(s), "");
+    const double moved = std::hypot(look::start(s, "P.x") - guess[0], look::start(s, "P.y") - guess[1]);
+    EXPECT_EQ(look::notes(s).find("the start posture is far from the guess: P moved most") == 0, moved > 0.75);
+    EXPECT_EQ(look::notes(s).empty(), moved <= 0.75) << look::notes(s);
   }
 }
 
@@ -132,6 +136,78 @@ TEST(AssemblyMode, TheGuessDecidesTheSignOfD) {
   EXPECT_EQ(look::notes(s), "");
   EXPECT_NEAR(look::start(s, "d1.x"), -look::start(structure(scene, groups), "d1.x"), 1e-14);
   EXPECT_EQ(look::start(s, "B1.x"), before);
+}
+
+// The dyad's other point of intersection: x = (1.5^2 - 1.2^2 + 2^2) / 4.
+TEST(StartNotes, APostureFarFromTheGuessIsTold) {
+  const Structure s = structure(dyad({-1, 0.1, 0}), groups);
+  ASSERT_EQ(s.notes.size(), 1u);
+  EXPECT_EQ(s.notes[0].where, "/points/P");
+  EXPECT_EQ(s.notes[0].what,
+            "the start posture is far from the guess: P moved most, by 2.34 m, from (-1, 0.1) m to (1.2025, "
+            "0.896657) m");
+}
+
+// A and B are fixed 1 m apart; every driver is told that the law says something else than `at`, once.
+TEST(StartNotes, LawsThatDisagreeWithThePostureAreToldOfEveryKindOfDriver) {
+  struct Case {
+    const char* text;
+    decltype(Driver::kind) kind;
+    bool keeps_y, keeps_length;
+  };
+  const Law angle = Law::constant(0.5), length = Law::constant(1.2);
+  const Case cases[] = {
+      {"its angle is 0.5 rad by the law and 0 rad by `at`", PointAngle{"A", "B", "", angle}, false, false},
+      {"its angle is 0.5 rad by the law and 0 rad by `at`", RelativeAngle{{"A", "X"}, {"A", "B"}, "", angle}, false,
+       true},
+      {"its distance is 1.2 m by the law and 1 m by `at`", DrivenDistance{"A", "B", length}, true, false},
+      {"its coordinate is 1.2 m by the law and 1 m by `at`", DrivenCoordinate{"B.x", length}, true, false},
+      {"its x is 1.2 m by the law and 1 m by `at`", Pose{"body", {length, Law()}, {Law()}}, false, false},
+      {"its angle is 0.5 rad by the law and 0 rad by `at`", Pose{"body", {Law::constant(1), Law()}, {angle}}, false,
+       false},
+  };
+  for (const Case& c : cases) {
+    const bool posed = std::holds_alternative<Pose>(c.kind);
+    for (const bool declared : {false, true}) {
+      if (declared && c.keeps_length) continue;  // the group would cut through what the driver adds
+      SceneBuilder b("drivers", 2);
+      b.fixed_point("A", {0, 0}).fixed_point("X", {2, 0}).point("B", {1, 0});
+      if (c.keeps_y) b.constrain("y", FixedCoordinate{"B.y", 0});
+      if (c.keeps_length) b.constrain("length", Distance{"A", "B", 1.0});
+      if (posed) b.point("C", {2, 0}).add(Body{"body", "", {}, {"B", "C"}, {}, {}});
+      std::vector<std::string> group = {"B"};
+      if (posed) group.push_back("C");
+      if (declared) b.add(DeclaredGroup{"G", group, false});
+      b.drive("motor", c.kind).time(0, 1, 0.1);
+      const Structure s = structure(b.build(), groups);
+      EXPECT_EQ(s.cannot_assemble, "");
+      ASSERT_FALSE(s.notes.empty()) << c.text;
+      EXPECT_EQ(s.notes[0].where, "/drivers/motor");
+      EXPECT_EQ(s.notes[0].what,
+                std::string("the law's value at the start and `at` disagree: ") + c.text + "; the law wins");
+      EXPECT_EQ(s.notes.size(), 1u) << s.notes[1].what;
+    }
+  }
+}
+
+// Two rods that do not reach: as far as they go, P is between A and B, and both are violated alike.
+TEST(ClosestPosture, SharesTheViolationAmongTheConstraints) {
+  const Scene scene = SceneBuilder("short", 2)
+                          .fixed_point("A", {0, 0})
+                          .fixed_point("B", {4, 0})
+                          .point("P", {1, 1})
+                          .constrain("PA", Distance{"P", "A", 1.5})
+                          .constrain("PB", Distance{"P", "B", 1.5})
+                          .time(0, 1, 0.1)
+                          .build();
+  const Structure s = structure(scene, groups);
+  ASSERT_NE(s.cannot_assemble, "");
+  const ClosestPosture closest = closest_posture(s);
+  ASSERT_EQ(closest.violated.size(), 2u);
+  for (const ViolatedConstraint& v : closest.violated) {
+    EXPECT_TRUE(v.is_length);
+    EXPECT_NEAR(v.by, (4 - 2.25) / 4, 1e-6);  // |P-A|^2 - 1.5^2 over 2 |P-A|, with |P-A| = 2
+  }
 }
 
 // Two axes of a frame are fixed: the third is their product, whichever it is.

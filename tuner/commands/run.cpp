@@ -26,6 +26,19 @@ Trajectory follow(Simulator& simulator, Progress& progress, measure::StepTimes& 
   return trajectory;
 }
 
+// A start posture that cannot be assembled is drawn, if there is to be a page.
+Prepared prepare_or_show(const Scene& scene, const PrepareOptions& how, const RunOptions& options) {
+  try {
+    return prepare(scene, how);
+  } catch (const Error& error) {
+    if (error.kind() == Error::Kind::numerical && !options.animate.empty()) {
+      std::ofstream animation = open_picture("--animate", options.animate);
+      write_refused(scene, how, options, animation);
+    }
+    throw;
+  }
+}
+
 // Why the run stopped before its end; empty: it did not.
 std::string ending(const Report& report) {
   return report.status.arrived() ? "" : output::why_stopped(report.status, report.events, report.reached);
@@ -38,7 +51,7 @@ int run(const Common& common, const RunOptions& options) {
   const PrepareOptions how = how_of(common, options);
   check_errors(options, how);
   const Scene scene = scene_of(options, common.set);
-  const Prepared prepared = prepare(scene, how);
+  const Prepared prepared = prepare_or_show(scene, how, options);
   Simulator simulator(prepared, limits_of(options));
   output::CsvFile csv(options.csv);
   std::optional<output::ErrorsCsv> errors;

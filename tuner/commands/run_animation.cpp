@@ -87,4 +87,13 @@ bool write_animation(const Prepared& prepared, const Report& report, PrepareOpti
   return !Interrupt::requested();
 }
 
+void write_refused(const Scene& scene, const PrepareOptions& how, const RunOptions& options, std::ofstream& page) {
+  StructureOptions asked;
+  asked.controlled = how.controlled;
+  const Structure structure = analyze(scene, asked);
+  if (structure.cannot_assemble.empty()) return;
+  page << view::Animation(scene, structure).page({"assur " + std::string(db::assur_version()) + "."});
+  close_picture("--animate", options.animate, page);
+}
+
 }  // namespace assur::command

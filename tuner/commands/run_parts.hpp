@@ -45,6 +45,9 @@ void close_picture(const std::string& option, const std::string& file, std::ofst
 [[nodiscard]] bool write_animation(const Prepared& prepared, const Report& report, PrepareOptions how,
                                    const RunOptions& options, std::ofstream& page, output::Progress& progress);
 
+// Where the start posture cannot be assembled: the page with the guess and the closest posture.
+void write_refused(const Scene& scene, const PrepareOptions& how, const RunOptions& options, std::ofstream& page);
+
 // --ensemble.
 int run_ensemble(const Common& common, const RunOptions& options);
 

@@ -9,6 +9,8 @@
 #include <utility>
 
 #include "output/format.hpp"
+#include "scene/system.hpp"
+#include "structure/closest.hpp"
 #include "view/animation_files.hpp"
 #include "view/faces.hpp"
 #include "view/html.hpp"
@@ -21,6 +23,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::int64_t kMostFrames = 1000;      // more are not seen on any screen
 constexpr std::int64_t kMostNumbers = 2000000;  // of points, and of outputs: four bytes each in the page
+constexpr std::size_t kMostNamed = 8;           // violated constraints
 constexpr std::size_t kMostQuantities = 200;    // that one would look for in a list
 
 double six_digits(double value) {
@@ -85,13 +88,38 @@ Animation::Animation(const Prepared& wanted, const Prepared& shown, std::int64_t
   stride_ = std::max<std::int64_t>((steps + most - 1) / most, 1);
 }
 
+Animation::Animation(const Scene& scene, const Structure& refused)
+    : name_(scene.name()), drawing_(drawing_of(scene)), steps_(1), last_(1) {
+  const System& system = *refused.system;
+  const ClosestPosture closest = closest_posture(refused);
+  for (const std::vector<double>* q : {&system.guess, &closest.q}) {
+    times_.push_back(static_cast<double>(times_.size()));
+    for (std::size_t i = 0; i < drawing_.moving; ++i) {
+      const Item& item = system.items[static_cast<std::size_t>(system.item_of.at(drawing_.points[i].name))];
+      for (int k = 0; k < item.components; ++k) {
+        points_.push_back(form_value<double>(system, item.form[k], *q) * system.unit(1));
+      }
+    }
+  }
+  postures_ = {"the guess", "the closest posture"};
+  std::string worst;
+  for (const ViolatedConstraint& v : closest.violated) {
+    violated_.push_back(v.name);
+    if (violated_.size() > kMostNamed) continue;
+    worst += (worst.empty() ? "" : ", ") + v.name + " by " + output::number(v.by) + (v.is_length ? " m" : "");
+  }
+  if (violated_.size() > kMostNamed) worst += ", ...";
+  ended_ = "The mechanism cannot be assembled: " + refused.cannot_assemble +
+           ". Shown are the guess and the closest posture, which violates " + worst;
+}
+
 void Animation::take(std::int64_t k, const Simulator& simulator) {
   last_ = k;
   if (k % stride_ == 0 || k == steps_) keep(simulator);
 }
 
 void Animation::end(const Simulator& simulator, std::string why) {
-  why_ended_ = std::move(why);
+  ended_ = "The motion ends early: " + std::move(why);
   if (simulator.time() == times_.back()) return;
   keep(simulator);
   // It is no step of the motion, and at a fold the outputs' derivatives have no bounds.
@@ -147,6 +175,10 @@ std::string Animation::data() const {
               {"outputs", outputs},
               {"places", json(packed(points_, dimension))},
               {"values", json(packed(values_, std::max<std::size_t>(value_columns_.size(), 1)))}};
+  if (!postures_.empty()) {
+    all["postures"] = postures_;
+    all["violated"] = violated_;
+  }
   std::string text = all.dump();
   // Nothing in it may end the element that it stands in.
   for (std::size_t at = 0; (at = text.find('<', at)) != std::string::npos;) text.replace(at, 1, "\\u003c");
@@ -173,9 +205,7 @@ std::vector<std::string> Animation::notes() const {
 
 std::string Animation::page(const std::vector<std::string>& about) const {
   std::string body = "<h1>" + escaped(name_) + "</h1>\n";
-  if (!why_ended_.empty()) {
-    body += "<p class=\"ended\">The motion ends early: " + escaped(why_ended_) + ".</p>\n";
-  }
+  if (!ended_.empty()) body += "<p class=\"ended\">" + escaped(ended_) + ".</p>\n";
   body.append(animation_body());
   body += "<p class=\"faint\">";
   bool first = true;

@@ -23,6 +23,10 @@ class Animation {
   // evenly thinned ones become frames. Throws what drawing_of() does.
   Animation(const Prepared& wanted, const Prepared& shown, std::int64_t steps);
 
+  // Where there is no motion because `refused` cannot be assembled: the guess and the closest posture to be had, the
+  // constraints that it violates in red. Throws what drawing_of() does.
+  Animation(const Scene& scene, const Structure& refused);
+
   // After each step k = 0, 1, ..., `steps`.
   void take(std::int64_t k, const Simulator& simulator);
   // Where the motion ended before its last step, maybe between two steps; `why`: "t = 1.3 s, group C: ...".
@@ -45,7 +49,9 @@ class Animation {
   std::vector<std::size_t> point_columns_;  // of the moving points: moving x dimension
   std::vector<std::size_t> value_columns_;  // of what is shown
   std::int64_t steps_ = 0, stride_ = 1, last_ = 0;
-  std::string why_ended_;
+  std::string ended_;                  // a sentence; empty: the motion is whole
+  std::vector<std::string> postures_;  // names instead of times; empty: times
+  std::vector<std::string> violated_;  // constraints
   std::vector<double> times_;
   std::vector<double> points_;  // frames x moving x dimension
   std::vector<double> values_;  // frames x value_columns_

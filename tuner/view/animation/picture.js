@@ -46,7 +46,9 @@ class Picture {
     // Who hangs on two groups belongs to the later one.
     const later = points => motion.points[points.reduce((a, b) => rank(b) > rank(a) ? b : a)].group;
     this.pointColour = motion.points.map(p => colour(p.group));
-    this.linkColour = motion.links.map(([from, to]) => colour(later([from, to])));
+    const wrong = new Set(motion.violated);
+    this.linkColour = motion.links.map(([from, to, , name]) =>
+      wrong.has(name) ? this.style('--wrong') : colour(later([from, to])));
     this.bodyColour = motion.bodies.map(([, points]) => colour(later(points)));
     const gather = (colours, keep) => {
       const batches = new Map();

@@ -26,7 +26,7 @@
   function show(k) {
     frame = Math.max(0, Math.min(last, k));
     slider.value = frame;
-    const text = `t = ${moment(motion.times[frame])} s`;
+    const text = motion.postures ? motion.postures[frame] : `t = ${moment(motion.times[frame])} s`;
     element('clock').textContent = text;
     slider.setAttribute('aria-valuetext', text);
     redraw();
@@ -126,6 +126,7 @@
         if (byLevel || drawn.has(i)) add(picture.hue(i, count), byLevel ? `level ${i + 1}` : motion.groups[i][0]);
       }
     }
+    if (motion.violated) add(picture.style('--wrong'), 'violated');
     const others = ['driven', 'at rest'].filter(g => drawn.has(g));
     if (others.length > 0) add(picture.ink, others.join(', '));
   }
@@ -142,6 +143,7 @@
 
   slider.max = last;
   for (const id of ['player', 'speeds']) element(id).hidden = last === 0;
+  if (motion.postures) element('speeds').hidden = true;
   element('play').addEventListener('click', () => playing ? pause() : play());
   const step = by => {
     pause();
@@ -217,5 +219,5 @@
   legend();
   panels();
   show(0);
-  if (last > 0 && !matchMedia('(prefers-reduced-motion: reduce)').matches) play(); else label();
+  if (last > 0 && !motion.postures && !matchMedia('(prefers-reduced-motion: reduce)').matches) play(); else label();
 })();
