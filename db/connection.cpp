@@ -8,6 +8,8 @@
 #include <new>
 #include <thread>
 
+#include "scene/input_file.hpp"
+
 namespace assur::db {
 namespace {
 
@@ -36,6 +38,7 @@ Trouble trouble_of(const fs::path& file, bool& is_good) {
 }
 
 void refuse_what_is_none(const fs::path& file) {
+  if (const std::string kind = why_not_regular(file); !kind.empty()) throw Unusable(Trouble::foreign, file, kind);
   bool is_good = false;
   const Trouble trouble = trouble_of(file, is_good);
   if (is_good) return;

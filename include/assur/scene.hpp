@@ -298,13 +298,16 @@ class SceneBuilder {
 // Values of parameters that replace those of the scene (`--set name=value`).
 using Parameters = std::map<std::string, double>;
 
-// Reads a scene file. Throws Error: kind environment if the file cannot be read, kind input with every diagnostic
-// ("FILE: /json/pointer: what") otherwise.
-[[nodiscard]] Scene read_scene(const std::filesystem::path& file, const Parameters& set = {});
+// Reads a scene file: a regular file of at most 1 GB. Its tables, CSV files of at most 256 MB, lie in its folder or in
+// one of `more_folders`, wherever links lead. Throws Error: kind environment if the file cannot be read, kind input
+// with every diagnostic ("FILE: /json/pointer: what") otherwise.
+[[nodiscard]] Scene read_scene(const std::filesystem::path& file, const Parameters& set = {},
+                               const std::vector<std::filesystem::path>& more_folders = {});
 
 // The same from text; tables are looked up relative to `folder`, `name` stands in front of the diagnostics.
 [[nodiscard]] Scene parse_scene(std::string_view text, const std::string& name = "scene",
-                                const std::filesystem::path& folder = ".", const Parameters& set = {});
+                                const std::filesystem::path& folder = ".", const Parameters& set = {},
+                                const std::vector<std::filesystem::path>& more_folders = {});
 
 // A sample by its text: "stewart", "stewart:legs=22", "four_bar:64", ... Throws Error (input) that lists the samples.
 [[nodiscard]] Scene sample(std::string_view text, const Parameters& set = {});
@@ -313,9 +316,11 @@ using Parameters = std::map<std::string, double>;
 [[nodiscard]] bool is_sample(std::string_view text);
 
 // A file if one of that name exists, else a sample: what the command takes as SCENE.
-[[nodiscard]] Scene open_scene(const std::string& file_or_sample, const Parameters& set = {});
+[[nodiscard]] Scene open_scene(const std::string& file_or_sample, const Parameters& set = {},
+                               const std::vector<std::filesystem::path>& more_folders = {});
 
-// Many sets of parameters, for an ensemble: a CSV whose first line names them and whose further lines are one set each.
+// Many sets of parameters, for an ensemble: a CSV whose first line names them and whose further lines are one set each,
+// a regular file of at most 256 MB.
 // Throws Error: kind environment if the file cannot be read, kind input with what is wrong ("FILE: line 3, column 2
 // (crank): what"). Whether a scene has such parameters is not asked here.
 [[nodiscard]] std::vector<Parameters> read_variants(const std::filesystem::path& file);

@@ -12,7 +12,9 @@ namespace {
 constexpr std::string_view kMagic = "assur plan ";
 constexpr std::int64_t kVersion = 2;
 constexpr std::string_view kChecksum = "checksum ";
-constexpr std::size_t kDigits = 16;  // of the checksum
+constexpr std::size_t kDigits = 16;              // of the checksum
+constexpr std::size_t kPiece = 1'000'000;        // bytes read at once
+constexpr std::size_t kLargest = 2'000'000'000;  // bytes; a million dyads take a fifth of it
 constexpr std::string_view kSpace = " \n";
 
 // FNV-1a, 64 bits: every step is one-to-one in the state, so that no change of a single byte goes unnoticed.
@@ -67,6 +69,28 @@ void PlanWriter::put(const std::string& name) {
 }
 
 // ---- reading
+
+std::string text_of_plan(std::istream& in) {
+  std::string text;
+  try {
+    for (std::size_t size = in.rdbuf() != nullptr ? kPiece : 0;
+         size == kPiece && (text.empty() || text.starts_with(kMagic));) {
+      if (text.size() > kLargest) {
+        refuse_at("", "it has more than " + std::to_string(kLargest / 1'000'000) + " MB, the most that is read");
+      }
+      text.resize(text.size() + kPiece);
+      char* const end = text.data() + text.size() - kPiece;
+      size = static_cast<std::size_t>(std::max<std::streamsize>(in.rdbuf()->sgetn(end, kPiece), 0));
+      text.resize(text.size() - kPiece + size);
+    }
+  } catch (const std::ios_base::failure& failure) {
+    throw Error(Error::Kind::environment, std::string("the plan could not be read: ") + failure.code().message());
+  }
+  if (in.bad() || (text.empty() && in.fail())) {
+    throw Error(Error::Kind::environment, "the plan could not be read: there is no such file, or it is not open");
+  }
+  return text;
+}
 
 PlanReader::PlanReader(std::string text) : text_(std::move(text)) {
   if (!text_.starts_with(kMagic)) {

@@ -10,6 +10,7 @@
 
 #include <concepts>
 #include <cstdint>
+#include <istream>
 #include <limits>
 #include <optional>
 #include <string>
@@ -22,6 +23,10 @@ namespace assur {
 // T or const T.
 template <class U, class T>
 concept Either = std::same_as<std::remove_const_t<U>, T>;
+
+// All that is left in the stream; of what does not begin as a plan, its beginning. Throws Error: environment if it
+// cannot be read, input if it has more than 2 GB.
+[[nodiscard]] std::string text_of_plan(std::istream& in);
 
 class PlanWriter {
  public:

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <istream>
-#include <iterator>
 #include <ostream>
 #include <variant>
 
@@ -132,11 +131,7 @@ Prepared load_plan(std::istream& in, const LoadOptions& options) {
   if (options.budget && options.budget->threads < 1) {
     throw Error(Error::Kind::input, "a budget has at least one thread, not " + std::to_string(options.budget->threads));
   }
-  std::string text{std::istreambuf_iterator<char>(in), {}};
-  if (in.bad() || (text.empty() && in.fail())) {
-    throw Error(Error::Kind::environment, "the plan could not be read: there is no such file, or it is not open");
-  }
-  PlanReader read(std::move(text));
+  PlanReader read(text_of_plan(in));
   Prepared prepared;
   System system;
   auto structure = std::make_shared<Structure>();

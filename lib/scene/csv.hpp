@@ -9,6 +9,9 @@ namespace assur {
 // Without spaces, tabs and carriage returns at both ends.
 [[nodiscard]] std::string_view trimmed(std::string_view text);
 
+// The first line of `text`, which loses it and the end of line behind it.
+[[nodiscard]] std::string_view take_line(std::string_view& text);
+
 // The fields between the commas, trimmed; a line without a comma is one field.
 [[nodiscard]] std::vector<std::string_view> fields_of(std::string_view line);
 

@@ -26,7 +26,7 @@ std::string unreadable(const std::string& text, const mu::Parser::exception_type
     if (const std::size_t at = reason.rfind(tail); at != std::string::npos) reason.resize(at);
   }
   if (!reason.empty() && reason.front() >= 'A' && reason.front() <= 'Z') reason.front() += 'a' - 'A';
-  return in_quotes("=" + text) + " cannot be read: " + reason;
+  return in_quotes("=" + text) + " cannot be read: " + excerpt(reason);
 }
 
 }  // namespace
@@ -207,13 +207,15 @@ std::vector<Expressions::Finding> Expressions::define(const std::vector<Paramete
     std::size_t i = start;
     for (; visit[i] == n; i = next(i)) visit[i] = start;
     if (visit[i] != start) continue;  // runs into a circle that is reported already
-    std::string circle = parameters[i].name;
-    std::size_t first = i;
-    for (std::size_t j = next(i);; j = next(j)) {
-      circle += " -> " + parameters[j].name;
-      if (j == i) break;
+    constexpr std::size_t kShown = 10;
+    std::string circle = excerpt(parameters[i].name);
+    std::size_t first = i, length = 1;
+    for (std::size_t j = next(i); j != i; j = next(j), ++length) {
+      if (length < kShown) circle += " -> " + excerpt(parameters[j].name);
       first = std::min(first, j);
     }
+    if (length > kShown) circle += " -> (" + std::to_string(length - kShown) + " more)";
+    circle += " -> " + excerpt(parameters[i].name);
     findings.push_back({parameters[first].name, "parameters define each other in a circle: " + circle});
   }
   return findings;

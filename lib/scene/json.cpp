@@ -1,7 +1,7 @@
-#include <fstream>
-#include <iterator>
+#include <algorithm>
 
 #include "assur/scene.hpp"
+#include "scene/input_file.hpp"
 #include "scene/json_reader.hpp"
 
 namespace assur {
@@ -19,30 +19,48 @@ Scene build(SceneBuilder builder, std::string_view text) {
   }
 }
 
-Scene parse(std::string_view text, const std::string& source, const std::string& title,
-            const std::filesystem::path& folder, const Parameters& set) {
+constexpr std::size_t kMostFindings = 1000;
+
+// What can be read of the findings: their places quote keys of the file, and there may be millions of them.
+std::vector<Diagnostic> readable(std::vector<Diagnostic> findings) {
+  const std::size_t more = findings.size() - std::min(findings.size(), kMostFindings);
+  findings.resize(findings.size() - more);
+  if (more > 0) findings.push_back({"", "and " + std::to_string(more) + " findings more"});
+  for (Diagnostic& finding : findings) {
+    std::string where;
+    for (std::size_t at = 0; at < finding.where.size();) {
+      const std::size_t end = std::min(finding.where.find('/', at + 1), finding.where.size());
+      where += excerpt(std::string_view(finding.where).substr(at, end - at));
+      at = end;
+    }
+    finding.where = std::move(where);
+  }
+  return findings;
+}
+
+Scene parse(std::string_view text, const std::string& source, const std::string& title, const TableFolders& tables,
+            const Parameters& set) {
   try {
-    return build(JsonReader(parse_json(text), folder, set).read(title), text);
+    return build(JsonReader(parse_json(text), tables, set).read(title), text);
   } catch (const Error& error) {
-    throw Error(error.kind(), error.diagnostics(), source);
+    throw Error(error.kind(), readable(error.diagnostics()), source);
   }
 }
 
 }  // namespace
 
 Scene parse_scene(std::string_view text, const std::string& name, const std::filesystem::path& folder,
-                  const Parameters& set) {
-  return parse(text, name, name, folder, set);
+                  const Parameters& set, const std::vector<std::filesystem::path>& more_folders) {
+  return parse(text, name, name, {folder, more_folders}, set);
 }
 
-Scene read_scene(const std::filesystem::path& path, const Parameters& set) {
-  std::error_code unused;
-  std::ifstream file(path, std::ios::binary);
-  if (!file || std::filesystem::is_directory(path, unused)) {
-    throw Error(Error::Kind::environment, {{"", "the scene file cannot be read"}}, path.string());
+Scene read_scene(const std::filesystem::path& path, const Parameters& set,
+                 const std::vector<std::filesystem::path>& more_folders) {
+  const InputFile file = read_input(path, kLargestScene);
+  if (!file.why_not.empty()) {
+    throw Error(Error::Kind::environment, {{"", "the scene file cannot be read: " + file.why_not}}, path.string());
   }
-  const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  return parse(text, path.string(), path.stem().string(), path.parent_path(), set);
+  return parse(file.text, path.string(), path.stem().string(), {path.parent_path(), more_folders}, set);
 }
 
 }  // namespace assur

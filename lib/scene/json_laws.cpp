@@ -1,7 +1,8 @@
+#include <algorithm>
 #include <cmath>
-#include <fstream>
 
 #include "scene/csv.hpp"
+#include "scene/input_file.hpp"
 #include "scene/json_reader.hpp"
 
 namespace assur {
@@ -13,12 +14,11 @@ struct Table {
 
 // Rows "t, value"; empty lines, lines that begin with '#', and a first line of words are passed over. Throws Error
 // "FILE:LINE: ..." at a row that cannot be used.
-Table read_table(std::istream& file, const std::string& name) {
+Table read_table(std::string_view file, const std::string& name) {
   Table table;
-  std::string line;
   bool may_be_heading = true;
-  for (int row = 1; std::getline(file, line); ++row) {
-    const std::string_view text = trimmed(line);
+  for (int row = 1; !file.empty(); ++row) {
+    const std::string_view text = trimmed(take_line(file));
     if (text.empty() || text.front() == '#') continue;
     const auto at_row = [&](const std::string& what) {
       return Error(Error::Kind::input, name + ":" + std::to_string(row) + ": " + what);
@@ -41,6 +41,25 @@ Table read_table(std::istream& file, const std::string& name) {
 }
 
 }  // namespace
+
+// A link within the folder may lead out of it: what counts is where the file is.
+bool TableFolders::has(const std::string& name) const {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const auto is_below = [](const fs::path& file, const fs::path& top) {
+    return std::mismatch(top.begin(), top.end(), file.begin(), file.end()).first == top.end();
+  };
+  const auto real = [&error](const fs::path& path) {
+    return fs::weakly_canonical(fs::absolute(path.empty() ? fs::path(".") : path, error), error);
+  };
+  const fs::path file = real(folder / name);
+  if (error) return false;
+  if (const fs::path own = real(folder); !error && is_below(file, own)) return true;
+  return std::any_of(more.begin(), more.end(), [&](const fs::path& one) {
+    const fs::path top = real(one);
+    return !error && is_below(file, top);
+  });
+}
 
 Law JsonReader::needed_law(const Object& item) {
   if (const JsonNode* node = item.find("law")) return law(*node, item.where() / "law");
@@ -128,19 +147,22 @@ Law JsonReader::table(const JsonNode& node, const JsonNode* periodic, const Wher
   }
   const bool closes = periodic != nullptr && boolean(*periodic, where / "periodic");
   const std::string key = name + (closes ? " periodic" : "");
-  if (const auto found = tables_.find(key); found != tables_.end()) return found->second;
-  const std::filesystem::path path = folder_ / name;
-  std::ifstream file(path);
-  std::error_code unused;
-  if (!file || !std::filesystem::is_regular_file(path, unused)) {
-    throw Error(Error::Kind::input,
-                "the file " + in_quotes(name) + " cannot be read; its path is relative to the scene file");
+  if (const auto found = laws_of_tables_.find(key); found != laws_of_tables_.end()) return found->second;
+  if (!tables_.has(name)) {
+    throw Error(Error::Kind::input, "the file " + in_quotes(name) +
+                                        " is outside the folder of the scene; tables are read from there only, or from "
+                                        "folders that you allow (--tables FOLDER)");
   }
-  Table rows = read_table(file, name);
+  const InputFile file = read_input(tables_.folder / name, kLargestTable);
+  if (!file.why_not.empty()) {
+    throw Error(Error::Kind::input, "the file " + in_quotes(name) + " cannot be read: " + file.why_not +
+                                        "; its path is relative to the scene file");
+  }
+  Table rows = read_table(file.text, excerpt(name));
   try {
-    return tables_[key] = Law::table(std::move(rows.time), std::move(rows.value), closes);
+    return laws_of_tables_[key] = Law::table(std::move(rows.time), std::move(rows.value), closes);
   } catch (const Error& error) {
-    throw Error(Error::Kind::input, name + ": " + error.diagnostics().front().what);
+    throw Error(Error::Kind::input, excerpt(name) + ": " + error.diagnostics().front().what);
   }
 }
 

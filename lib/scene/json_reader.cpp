@@ -11,8 +11,8 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
 
-JsonReader::JsonReader(const JsonDocument& document, std::filesystem::path folder, const Parameters& set)
-    : document_(document), folder_(std::move(folder)), set_(set), findings_(document.findings) {}
+JsonReader::JsonReader(const JsonDocument& document, TableFolders tables, const Parameters& set)
+    : document_(document), tables_(std::move(tables)), set_(set), findings_(document.findings) {}
 
 void JsonReader::note(const Where& where, std::string what) { findings_.push_back({where.text(), std::move(what)}); }
 
@@ -161,7 +161,7 @@ SceneBuilder JsonReader::read(const std::string& name) {
   (void)scene.need("assur", "the version of the format, \"assur\": 1");
   read_dimension(scene);
   const JsonNode* title = scene.find("name");
-  std::string own_name = title ? text(*title, scene.where() / "name", "\"four_bar\"") : name;
+  std::string own_name = title ? excerpt(text(*title, scene.where() / "name", "\"four_bar\"")) : name;
   builder_ = SceneBuilder(std::move(own_name), dimension_);
 
   const auto count = [&](std::string_view key) { return scene.find(key) ? scene.find(key)->items().size() : 0; };
@@ -208,8 +208,8 @@ void JsonReader::read_parameters(const JsonNode* section) {
   if (section != nullptr) names.assign(section->keys().begin(), section->keys().end());
   each(section, where, [&](const std::string& name, const JsonNode& node, const Where& here) {
     const auto replaced = set_.find(name);
-    if (!is_name(name)) {
-      note(here, in_quotes(name) + " is no name; use letters, digits and _, and no digit first");
+    if (std::string wrong = why_no_name(name); !wrong.empty()) {
+      note(here, std::move(wrong));
     } else if (replaced != set_.end() && std::isfinite(replaced->second)) {
       parameters.push_back({name, replaced->second});
     } else if (replaced != set_.end()) {

@@ -19,9 +19,18 @@
 
 namespace assur {
 
+// Where the tables of a scene may be: in its folder, and in those that the caller allows.
+struct TableFolders {
+  std::filesystem::path folder;  // paths are relative to it
+  std::vector<std::filesystem::path> more;
+
+  // True if the file is in one of them, whether it is there or not; links are followed.
+  [[nodiscard]] bool has(const std::string& name) const;
+};
+
 class JsonReader {
  public:
-  JsonReader(const JsonDocument& document, std::filesystem::path folder, const Parameters& set);
+  JsonReader(const JsonDocument& document, TableFolders tables, const Parameters& set);
 
   // The scene, not yet built, with every finding. `name`: of a scene that has none. Throws Error (input) for what is no
   // scene at all.
@@ -120,14 +129,14 @@ class JsonReader {
   Law table(const JsonNode& node, const JsonNode* periodic, const Where& where);
 
   const JsonDocument& document_;
-  std::filesystem::path folder_;
+  TableFolders tables_;
   const Parameters& set_;
   Expressions expressions_;
   std::vector<Diagnostic> findings_;
   int dimension_ = 0;  // 0: not known
   std::unordered_set<std::string_view> point_names_;
   std::unordered_set<std::string_view> parameter_names_;
-  std::unordered_map<std::string, Law> tables_;  // by file: many drivers may share one
+  std::unordered_map<std::string, Law> laws_of_tables_;  // by file: many drivers may share one
   SceneBuilder builder_{"", 2};
 };
 

@@ -11,6 +11,18 @@ bool is_letter(char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z')
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
+bool is_control(char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; }
+bool is_continued(char c) { return (static_cast<unsigned char>(c) & 0xc0) == 0x80; }  // within a character of UTF-8
+
+std::string escaped(char c) {
+  if (c == '\n') return "\\n";
+  if (c == '\t') return "\\t";
+  if (c == '\r') return "\\r";
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  const auto byte = static_cast<unsigned char>(c);
+  return {'\\', 'x', kDigits[byte >> 4], kDigits[byte & 15]};
+}
+
 // Insertions, deletions, replacements and swaps of neighbours that turn a into b, without regard to case; `limit` + 1
 // if there are more than `limit`.
 std::size_t edit_distance(std::string_view a, std::string_view b, std::size_t limit) {
@@ -63,6 +75,12 @@ bool is_name(std::string_view text) {
          std::all_of(text.begin(), text.end(), [](char c) { return is_letter(c) || is_digit(c); });
 }
 
+std::string why_no_name(std::string_view text) {
+  constexpr std::size_t kLongest = 255;
+  if (!is_name(text)) return in_quotes(text) + " is no name; use letters, digits and _, and no digit first";
+  return text.size() <= kLongest ? "" : in_quotes(text) + " is too long for a name: 255 characters at most";
+}
+
 std::string near_miss(std::string_view word, const std::vector<std::string_view>& candidates) {
   std::size_t best = word.size() <= 1 ? 0 : word.size() <= 5 ? 1 : 2;  // slips that leave the word recognisable
   std::string_view found;
@@ -80,7 +98,23 @@ std::string suggestion(std::string_view word, const std::vector<std::string_view
   return near.empty() ? "" : "; did you mean " + in_quotes(near) + "?";
 }
 
-std::string in_quotes(std::string_view text) { return "'" + std::string(text) + "'"; }
+std::string excerpt(std::string_view text) {
+  constexpr std::size_t kLongest = 120, kShown = 100;
+  std::size_t end = text.size() > kLongest ? kShown : text.size();
+  while (end < text.size() && is_continued(text[end])) --end;  // no character is cut in two
+  std::string shown;
+  for (std::size_t i = 0; i < end; ++i) {
+    const bool of_two = text[i] == '\xc2' && i + 1 < end;  // U+0080 to U+009F are control characters as well
+    if (is_control(text[i]) || (of_two && is_continued(text[i + 1]) && text[i + 1] < '\xa0')) {
+      shown += escaped(of_two ? text[++i] : text[i]);
+    } else {
+      shown += text[i];
+    }
+  }
+  return end == text.size() ? shown : shown + "... (" + std::to_string(text.size()) + " characters)";
+}
+
+std::string in_quotes(std::string_view text) { return "'" + excerpt(text) + "'"; }
 
 std::string list_of(const std::vector<std::string_view>& words) { return joined(words, ", "); }
 std::string one_of(const std::vector<std::string_view>& words) { return joined(words, " or "); }

@@ -25,13 +25,20 @@ class Where {
 // [A-Za-z_][A-Za-z0-9_]*
 [[nodiscard]] bool is_name(std::string_view text);
 
+// Why `text` is no name that a scene may have: not of that form, or longer than 255 characters; "" if it is one.
+[[nodiscard]] std::string why_no_name(std::string_view text);
+
 // The candidate that `word` is most likely a slip of the finger for; "" if none is near. Ties: the first.
 [[nodiscard]] std::string near_miss(std::string_view word, const std::vector<std::string_view>& candidates);
 
 // "; did you mean 'B'?", or "" if nothing is near.
 [[nodiscard]] std::string suggestion(std::string_view word, const std::vector<std::string_view>& candidates);
 
-// 'text'
+// What a message shows of a text, which may be a stranger's: its first 100 bytes if it has more than 120, and how many
+// it has; control characters as \n or \x1b.
+[[nodiscard]] std::string excerpt(std::string_view text);
+
+// 'text', as an excerpt of it
 [[nodiscard]] std::string in_quotes(std::string_view text);
 
 // a, b, c

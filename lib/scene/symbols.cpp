@@ -120,9 +120,9 @@ Symbols::Symbols(const Scene& scene, const Known& known) {
 
 void Symbols::enter(std::string_view name, const Where& where, Symbol symbol, const Known& known) {
   symbol.broken = known.at_or_below(where.text()) || known.at_or_above(where.text());
-  if (!is_name(name)) {
+  if (std::string wrong = why_no_name(name); !wrong.empty()) {
     symbol.broken = true;
-    findings_.push_back({where.text(), in_quotes(name) + " is no name; use letters, digits and _, and no digit first"});
+    findings_.push_back({where.text(), std::move(wrong)});
   } else if (name == "ground" && symbol.kind != NameKind::body) {
     findings_.push_back({where.text(), "'ground' is the name of the fixed body; choose another name"});
   }

@@ -1,12 +1,12 @@
 // Variants of a scene from a CSV: the first line names parameters, each further line is one variant.
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <string>
 #include <utility>
 
 #include "assur/scene.hpp"
 #include "scene/csv.hpp"
+#include "scene/input_file.hpp"
 #include "scene/names.hpp"
 
 namespace assur {
@@ -19,10 +19,10 @@ class VariantReader {
  public:
   explicit VariantReader(std::string source) : source_(std::move(source)) {}
 
-  std::vector<Parameters> read(std::istream& file) {
-    for (std::string line; findings_.size() < kMostFindings && std::getline(file, line);) {
+  std::vector<Parameters> read(std::string_view file) {
+    while (findings_.size() < kMostFindings && !file.empty()) {
       ++line_;
-      std::string_view text = line;
+      std::string_view text = take_line(file);
       if (line_ == 1 && text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
       if (trimmed(text).empty()) {
         if (blank_ == 0) blank_ = line_;
@@ -73,7 +73,7 @@ class VariantReader {
     for (std::size_t i = 0; i < fields.size(); ++i) {
       const double value = parse_number(fields[i]);
       if (std::isnan(value)) {
-        note(at_line(line_) + ", column " + std::to_string(i + 1) + " (" + names_[i] + ")",
+        note(at_line(line_) + ", column " + std::to_string(i + 1) + " (" + excerpt(names_[i]) + ")",
              fields[i].empty() ? "a number is missing" : in_quotes(fields[i]) + " is no finite number");
       }
       variant.emplace(names_[i], value);
@@ -106,12 +106,12 @@ class VariantReader {
 }  // namespace
 
 std::vector<Parameters> read_variants(const std::filesystem::path& path) {
-  std::error_code unused;
-  std::ifstream file(path, std::ios::binary);
-  if (!file || std::filesystem::is_directory(path, unused)) {
-    throw Error(Error::Kind::environment, {{"", "the file of variants cannot be read"}}, path.string());
+  const InputFile file = read_input(path, kLargestTable);
+  if (!file.why_not.empty()) {
+    throw Error(Error::Kind::environment, {{"", "the file of variants cannot be read: " + file.why_not}},
+                path.string());
   }
-  return VariantReader(path.string()).read(file);
+  return VariantReader(path.string()).read(file.text);
 }
 
 }  // namespace assur

@@ -202,7 +202,7 @@ TEST_F(Ensembles, AFileThatCannotBeUsedIsRefused) {
             "error: " + scratch_.file("variants.csv") + ": line 3, column 1 (omega): 'fast' is no finite number\n");
   const Outcome none = run_command({"run", "stewart", "--ensemble", scratch_.file("none.csv")});
   EXPECT_EQ(none.status, 3);
-  EXPECT_EQ(none.err, "error: " + scratch_.file("none.csv") + ": the file of variants cannot be read\n");
+  EXPECT_EQ(none.err, "error: " + scratch_.file("none.csv") + ": the file of variants cannot be read: no such file or directory\n");
 }
 
 TEST_F(Ensembles, SetHoldsForEveryMember) {

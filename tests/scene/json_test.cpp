@@ -312,7 +312,7 @@ TEST(Json, AFileThatIsNotThere) {
       FAIL();
     } catch (const Error& error) {
       EXPECT_EQ(error.kind(), Error::Kind::environment);
-      EXPECT_STREQ(error.what(), "no/such/scene.json: the scene file cannot be read");
+      EXPECT_STREQ(error.what(), "no/such/scene.json: the scene file cannot be read: no such file or directory");
     }
   }
 }

@@ -99,13 +99,14 @@ TEST_F(Variants, AnotherFileThanWasMeantIsNotReadToItsEnd) {
 }
 
 TEST_F(Variants, AFileThatCannotBeReadIsOfTheEnvironment) {
-  for (const auto& path : {folder_ / "none.csv", folder_}) {
+  for (const auto& [path, why] : {std::pair(folder_ / "none.csv", "no such file or directory"),
+                                  std::pair(folder_, "it is a folder; only regular files are read")}) {
     try {
       (void)read_variants(path);
       FAIL();
     } catch (const Error& error) {
       EXPECT_EQ(error.kind(), Error::Kind::environment);
-      EXPECT_EQ(error.what(), path.string() + ": the file of variants cannot be read");
+      EXPECT_EQ(error.what(), path.string() + ": the file of variants cannot be read: " + why);
     }
   }
 }

@@ -30,7 +30,8 @@ struct Case {
   // One of these: a sample's text or a file, a scene in the scene format, a maker's name (makers.hpp), a matrix's
   // (matrices.hpp).
   std::string text, scene, maker, matrix;
-  Parameters set;  // of the scene, the maker or the matrix
+  Parameters set;                             // of the scene, the maker or the matrix
+  std::vector<std::filesystem::path> tables;  // folders beside the scene's own
   std::optional<TimeGrid> time;
   std::vector<std::string> outputs;
   double accuracy = 0;                    // asked for; 0: none, and kDoubtfulError is the limit

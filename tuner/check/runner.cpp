@@ -27,7 +27,7 @@ Made made(const Case& c) {
   Made out = [&]() -> Made {
     if (!c.maker.empty()) return make(c.maker, c.set);
     if (!c.scene.empty()) return {parse_scene(c.scene, c.name, ".", c.set), nullptr};
-    return {open_scene(c.text, c.set), nullptr};
+    return {open_scene(c.text, c.set, c.tables), nullptr};
   }();
   if (!c.outputs.empty()) out.scene = out.scene.with_outputs(c.outputs);
   if (c.time) out.scene = out.scene.with_time(*c.time);

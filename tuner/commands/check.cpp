@@ -12,22 +12,23 @@ namespace assur::command {
 namespace {
 
 // Scenes of the user's: nobody knows how they end, but all strategies shall agree.
-std::vector<check::Case> cases_of_scenes(const CheckOptions& options, const Parameters& set) {
+std::vector<check::Case> cases_of_scenes(const Common& common, const CheckOptions& options) {
   std::vector<check::Case> cases;
   for (const std::string& text : options.scenes) {
     check::Case c;
     c.family = "scenes";
     c.name = c.text = text;
     c.about = "all strategies end alike and are as exact as asked";
-    c.set = set;
+    c.set = common.set;
+    c.tables = common.tables;
     (void)scene_of(c);  // a bad one is bad input here, no verdict
     cases.push_back(std::move(c));
   }
   return cases;
 }
 
-std::vector<check::Case> cases_of(const CheckOptions& options, const Parameters& set) {
-  if (!options.scenes.empty()) return cases_of_scenes(options, set);
+std::vector<check::Case> cases_of(const Common& common, const CheckOptions& options) {
+  if (!options.scenes.empty()) return cases_of_scenes(common, options);
   std::vector<check::Case> cases = check::all_cases();
   if (!options.only.empty()) {
     std::erase_if(cases, [&](const check::Case& c) { return !c.name.starts_with(options.only); });
@@ -55,7 +56,7 @@ void print(const Common& common, const output::CheckSummary& summary) {
 }  // namespace
 
 int check(const Common& common, const CheckOptions& options) {
-  const std::vector<check::Case> cases = cases_of(options, common.set);
+  const std::vector<check::Case> cases = cases_of(common, options);
   using output::Progress;
   Progress progress(std::cerr, common.quiet ? Progress::Style::none : Progress::style_of_standard_error(), "case");
   const Interrupt interrupt;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,11 +19,12 @@ enum Exit : int { kDone = 0, kNumerical = 1, kBadInput = 2, kEnvironment = 3, kI
 
 // Options that every command takes.
 struct Common {
-  bool json = false;   // standard output is one JSON object and nothing else
-  bool quiet = false;  // nothing but results and errors
-  int threads = 0;     // --threads N, at most; 0: as many as the machine's budget
-  std::string db;      // --db FILE: this tuning database and no other
-  Parameters set;      // --set name=value
+  bool json = false;                          // standard output is one JSON object and nothing else
+  bool quiet = false;                         // nothing but results and errors
+  int threads = 0;                            // --threads N, at most; 0: as many as the machine's budget
+  std::string db;                             // --db FILE: this tuning database and no other
+  Parameters set;                             // --set name=value
+  std::vector<std::filesystem::path> tables;  // --tables FOLDER: tables of scenes may lie there, too
 };
 
 struct InspectOptions {

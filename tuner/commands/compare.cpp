@@ -26,7 +26,7 @@ constexpr std::int64_t kMostSteps = 1000;  // unless more are asked for: the ref
 constexpr measure::RaceRules kRules{.seconds = 10, .least_rounds = 15, .most_rounds = 41, .hopeless = 100};
 
 Scene scene_of(const Common& common, const CompareOptions& options) {
-  Scene scene = open_scene(options.scene, common.set);
+  Scene scene = open_scene(options.scene, common.set, common.tables);
   if (!options.outputs.empty()) scene = scene.with_outputs(options.outputs);
   TimeGrid grid = scene.time();
   const std::int64_t steps = options.steps.value_or(std::min(grid.steps(), kMostSteps));

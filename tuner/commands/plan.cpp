@@ -23,7 +23,7 @@ void save(const std::string& file, const Prepared& prepared) {
 }  // namespace
 
 int plan(const Common& common, const PlanOptions& options) {
-  Scene scene = open_scene(options.scene, common.set);
+  Scene scene = open_scene(options.scene, common.set, common.tables);
   if (!options.outputs.empty()) scene = scene.with_outputs(options.outputs);
   const MachineModel known = machine_model_of(common);
   const ThreadBudget budget = common.threads > 0 ? ThreadBudget{common.threads} : this_machine().budget();

@@ -50,7 +50,7 @@ int run(const Common& common, const RunOptions& options) {
   if (!options.ensemble.empty()) return run_ensemble(common, options);
   const PrepareOptions how = how_of(common, options);
   check_errors(options, how);
-  const Scene scene = scene_of(options, common.set);
+  const Scene scene = scene_of(common, options, common.set);
   const Prepared prepared = prepare_or_show(scene, how, options);
   Simulator simulator(prepared, limits_of(options));
   output::CsvFile csv(options.csv);

@@ -54,8 +54,8 @@ void check_grid(const TimeGrid& grid, const TimeGrid& first) {
   throw Error(Error::Kind::input, "its time grid is another one than that of the first member");
 }
 
-Ensemble prepare_all(const std::vector<Parameters>& variants, const RunOptions& options, const PrepareOptions& how,
-                     Progress& progress) {
+Ensemble prepare_all(const Common& common, const std::vector<Parameters>& variants, const RunOptions& options,
+                     const PrepareOptions& how, Progress& progress) {
   const double begin = StepTimes::steady();
   const auto all = static_cast<std::int64_t>(variants.size());
   std::optional<TimeGrid> first;
@@ -63,7 +63,7 @@ Ensemble prepare_all(const std::vector<Parameters>& variants, const RunOptions& 
       variants.size(),
       [&](std::size_t i) {
         progress.show(StepTimes::steady() - begin, static_cast<std::int64_t>(i), all);
-        const Scene scene = scene_of(options, variants[i]);
+        const Scene scene = scene_of(common, options, variants[i]);
         if (first) check_grid(scene.time(), *first);
         Prepared prepared = prepare(scene, how);
         first = scene.time();
@@ -99,7 +99,7 @@ int run_ensemble(const Common& common, const RunOptions& options) {
   const Progress::Style style = common.quiet ? Progress::Style::none : Progress::style_of_standard_error();
   Progress preparing(std::cerr, style, "member");
   const double start = StepTimes::steady();
-  Ensemble ensemble = prepare_all(variants, options, how, preparing);
+  Ensemble ensemble = prepare_all(common, variants, options, how, preparing);
   output::CsvFile csv(options.csv);
 
   const std::int64_t steps = ensemble.prepared().scene->time().steps();

@@ -45,8 +45,8 @@ void check_mode(const RunOptions& options, bool chunks) {
 
 }  // namespace
 
-Scene scene_of(const RunOptions& options, const Parameters& set) {
-  Scene scene = open_scene(options.scene, set);
+Scene scene_of(const Common& common, const RunOptions& options, const Parameters& set) {
+  Scene scene = open_scene(options.scene, set, common.tables);
   if (!options.outputs.empty()) scene = scene.with_outputs(options.outputs);
   if (options.start || options.dt || options.steps) scene = scene.with_time(grid_of(scene.time(), options));
   return scene;

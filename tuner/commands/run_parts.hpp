@@ -15,7 +15,7 @@
 namespace assur::command {
 
 // The scene with its options, and with these values of parameters.
-[[nodiscard]] Scene scene_of(const RunOptions& options, const Parameters& set);
+[[nodiscard]] Scene scene_of(const Common& common, const RunOptions& options, const Parameters& set);
 
 [[nodiscard]] PrepareOptions how_of(const Common& common, const RunOptions& options);
 [[nodiscard]] StepLimits limits_of(const RunOptions& options);

@@ -45,11 +45,11 @@ std::vector<std::string> trial_of(const Strategy& strategy) {
   return {"/proc/self/exe", "tune", "--trial", to_string(strategy)};
 }
 
-std::vector<tuning::Cell> cells_of(const TuneOptions& options, const Parameters& set, const tuning::Extent& extent) {
+std::vector<tuning::Cell> cells_of(const Common& common, const TuneOptions& options, const tuning::Extent& extent) {
   if (options.scenes.empty()) return tuning::general_cells(extent);
   std::vector<tuning::Cell> cells;
   for (const std::string& text : options.scenes) {
-    std::vector<tuning::Cell> more = tuning::scene_cells(text, open_scene(text, set));
+    std::vector<tuning::Cell> more = tuning::scene_cells(text, open_scene(text, common.set, common.tables));
     std::move(more.begin(), more.end(), std::back_inserter(cells));
   }
   return cells;
@@ -128,7 +128,7 @@ int tune(const Common& common, const TuneOptions& options) {
   }
   const double begin = measure::StepTimes::steady();
   const tuning::Profile profile = tuning::profile(options.profile, options.budget);
-  std::vector<tuning::Cell> cells = cells_of(options, common.set, profile.extent);
+  std::vector<tuning::Cell> cells = cells_of(common, options, profile.extent);
   std::ofstream csv;
   if (!options.csv.empty()) {
     csv.open(options.csv);

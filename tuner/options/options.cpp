@@ -29,7 +29,8 @@ void add_common(CLI::App& app, Common& common) {
   app.set_version_flag("--version", "assur " ASSUR_VERSION, "Show the version");
 }
 
-void add_set(CLI::App& app, Common& common) {
+// What goes with every SCENE.
+void add_reading(CLI::App& app, Common& common) {
   app.add_option_function<std::vector<std::string>>(
          "--set",
          [&common](const std::vector<std::string>& texts) {
@@ -38,6 +39,10 @@ void add_set(CLI::App& app, Common& common) {
          "Another value for a parameter; may be repeated")
       ->allow_extra_args(false)
       ->type_name("name=value");
+  app.add_option("--tables", common.tables, "Tables may lie in this folder, too; may be repeated")
+      ->allow_extra_args(false)
+      ->check(CLI::Validator(CLI::ExistingDirectory).description(""))
+      ->type_name("FOLDER");
 }
 
 void add_names(CLI::App& app, const std::string& option, std::vector<std::string>& names, const std::string& what) {
@@ -54,7 +59,7 @@ void add_names(CLI::App& app, const std::string& option, std::vector<std::string
 void add_scene(CLI::App& app, Common& common, std::string& scene, std::vector<std::string>& outputs) {
   app.add_option("SCENE", scene, "A file or a sample: stewart, four_bar:64, ...")->required()->type_name("");
   add_names(app, "--outputs", outputs, "What is wanted: C, C.velocity, angle, ...");
-  add_set(app, common);
+  add_reading(app, common);
 }
 
 void add_inspect(CLI::App& app, Invocation& call) {
@@ -230,7 +235,7 @@ void add_tune(CLI::App& app, Invocation& call) {
       ->allow_extra_args(false)
       ->type_name("SCENE");
   tune.add_option("--csv", o.csv, "Write the samples, too")->type_name("FILE");
-  add_set(tune, call.common);
+  add_reading(tune, call.common);
   tune.add_option("--trial", o.trial)->group("");  // a child process that may crash: not for people
   add_common(tune, call.common);
   tune.callback([&call] { call.chosen = [&call] { return command::tune(call.common, call.tune); }; });
@@ -241,7 +246,7 @@ void add_check(CLI::App& app, Invocation& call) {
   check.add_option("SCENE", call.check.scenes, "These scenes instead, with every strategy")->type_name("");
   check.add_flag("--quick", call.check.quick, "Less than a minute: some cases, fewer strategies");
   check.add_option("--case", call.check.only, "Only cases whose names begin so")->type_name("NAME");
-  add_set(check, call.common);
+  add_reading(check, call.common);
   add_common(check, call.common);
   check.callback([&call] { call.chosen = [&call] { return command::check(call.common, call.check); }; });
 }

@@ -95,6 +95,7 @@ std::string how_to_repeat(const Case& c, const std::string& strategy) {
   if (c.text.empty() && c.scene.empty()) return "assur check --case '" + c.name + "'";
   std::string line = "assur run '" + (c.text.empty() ? file_of(c) : c.text) + "'";
   for (const auto& [name, value] : c.set) line += " --set " + name + "=" + exact(value);
+  for (const auto& folder : c.tables) line += " --tables " + folder.string();
   if (c.time) {
     line += " --start " + exact(c.time->start) + " --dt " + exact(c.time->step) + " --steps " +
             std::to_string(c.time->steps());

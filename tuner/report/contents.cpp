@@ -1,10 +1,11 @@
 #include "report/contents.hpp"
 
-#include <fstream>
+#include <sstream>
 
 #include "report/paper_tables.hpp"
 #include "report/peers.hpp"
 #include "report/sections.hpp"
+#include "scene/input_file.hpp"
 
 namespace assur::report {
 namespace {
@@ -22,8 +23,11 @@ std::vector<Section> paper(const Knowledge& knowledge, double watts, const Condi
 }
 
 Section peers_of(const std::string& file) {
-  std::ifstream in(file);
-  if (!in) throw Error(Error::Kind::input, {{"--peers", "cannot read " + file}});
+  const InputFile found = read_input(file, kLargestTable);
+  if (!found.why_not.empty()) {
+    throw Error(Error::Kind::input, {{"--peers", "cannot read " + file + ": " + found.why_not}});
+  }
+  std::istringstream in(found.text);
   return peers_section(in, file);
 }
 

@@ -9,6 +9,7 @@
 #include "assur/status.hpp"
 #include "output/format.hpp"
 #include "report/measurement.hpp"
+#include "scene/names.hpp"
 
 namespace assur::report {
 namespace {
@@ -48,8 +49,8 @@ class Reader {
       row.seconds = number(c[4]);
       row.spread = number(c[5]);
       row.repetitions = static_cast<int>(number(c[6]));
-      if (row.levels < 1 || row.levels > 3) fail("levels are 1 to 3, not " + c[2]);
-      if (!(row.seconds > 0)) fail("seconds_per_step is a time > 0, not " + c[4]);
+      if (row.levels < 1 || row.levels > 3) fail("levels are 1 to 3, not " + in_quotes(c[2]));
+      if (!(row.seconds > 0)) fail("seconds_per_step is a time > 0, not " + in_quotes(c[4]));
       for (int level = 0; level < row.levels; ++level)
         row.error = std::max(row.error, number(c[7 + static_cast<std::size_t>(level)]));
       out.push_back(std::move(row));
@@ -64,7 +65,7 @@ class Reader {
   double number(const std::string& text) const {
     double value = 0;
     const auto [end, trouble] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (trouble != std::errc() || end != text.data() + text.size()) fail("expects a number, not \"" + text + "\"");
+    if (trouble != std::errc() || end != text.data() + text.size()) fail("expects a number, not " + in_quotes(text));
     return value;
   }
 

@@ -1,0 +1,79 @@
+// No file that a command line names makes the command wait, or read without end.
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <filesystem>
+
+#include "commands/command.hpp"
+
+namespace assur {
+namespace {
+
+class StrangersFilesInCommands : public testing::Test {
+ protected:
+  void SetUp() override { ASSERT_EQ(::mkfifo(pipe_.c_str(), 0600), 0); }
+
+  [[nodiscard]] std::string scene(const std::string& table) const {
+    return scratch_.file("scene.json", R"({"assur": 1, "dimension": 2, "points": {"A": {"at": [0, 0]}},
+      "drivers": {"push": {"coordinate": "A.x", "law": {"table": ")" +
+                                           table + R"("}},
+                  "lift": {"coordinate": "A.y", "law": {"constant": 0}}},
+      "time": {"start": 0, "end": 1, "step": 0.5}})");
+  }
+
+  Scratch scratch_;
+  std::string pipe_ = scratch_.file("pipe");
+};
+
+TEST_F(StrangersFilesInCommands, PipesAndDevicesAreRefusedAtOnce) {
+  for (const std::string command : {"run", "inspect", "plan", "compare", "check"}) {
+    const Outcome of_pipe = run_command({command, pipe_});
+    EXPECT_EQ(of_pipe.status, 3) << command;
+    EXPECT_EQ(of_pipe.err,
+              "error: " + pipe_ + ": the scene file cannot be read: it is a pipe; only regular files are read\n");
+    EXPECT_EQ(run_command({command, "/dev/zero"}).err,
+              "error: /dev/zero: the scene file cannot be read: it is a device; only regular files are read\n");
+  }
+  EXPECT_EQ(run_command({"tune", "--scene", pipe_}).err,
+            "error: " + pipe_ + ": the scene file cannot be read: it is a pipe; only regular files are read\n");
+  EXPECT_EQ(run_command({"run", "stewart", "--ensemble", pipe_}).err,
+            "error: " + pipe_ + ": the file of variants cannot be read: it is a pipe; only regular files are read\n");
+  EXPECT_EQ(run_command({"report", "--out", scratch_.file("r"), "--peers", pipe_}).err,
+            "error: --peers: cannot read " + pipe_ + ": it is a pipe; only regular files are read\n");
+}
+
+TEST_F(StrangersFilesInCommands, ADatabaseIsARegularFile) {
+  const std::string why = ": it is a pipe; only regular files are read\n";
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
+           {"run", "stewart"}, {"plan", "stewart"}, {"db", "samples"}, {"db", "check"}, {"tune", "--budget", "1"}}) {
+    std::vector<std::string> all = words;
+    all.insert(all.end(), {"--db", pipe_});
+    const Outcome outcome = run_command(all);
+    EXPECT_EQ(outcome.status, 3) << words[0];
+    EXPECT_EQ(outcome.err, "error: " + pipe_ + why) << words[0];
+  }
+  EXPECT_EQ(run_command({"db", "import", pipe_, "--db", scratch_.file("new.db")}).err, "error: " + pipe_ + why);
+}
+
+TEST_F(StrangersFilesInCommands, TablesFromElsewhereAreAllowedByName) {
+  std::filesystem::create_directory(scratch_.file("data"));
+  (void)scratch_.file("data/good.csv", "0,0\n1,1\n");
+  std::filesystem::create_directory(scratch_.file("mine"));
+  std::filesystem::rename(scene("../data/good.csv"), scratch_.file("mine/scene.json"));
+  const Outcome refused = run_command({"run", scratch_.file("mine/scene.json")});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_EQ(refused.err,
+            "error: " + scratch_.file("mine/scene.json") +
+                ": /drivers/push/law/table: the file '../data/good.csv' is outside the folder of the scene; "
+                "tables are read from there only, or from folders that you allow (--tables FOLDER)\n");
+  for (const std::string command : {"run", "inspect", "plan"}) {
+    EXPECT_EQ(run_command({command, scratch_.file("mine/scene.json"), "--tables", scratch_.file("data")}).status, 0);
+  }
+  const Outcome absent = run_command({"run", scratch_.file("mine/scene.json"), "--tables", scratch_.file("none")});
+  EXPECT_EQ(absent.status, 2);
+  EXPECT_EQ(absent.err.substr(0, absent.err.find('\n')),
+            "error: --tables: Directory does not exist: " + scratch_.file("none"));
+}
+
+}  // namespace
+}  // namespace assur
