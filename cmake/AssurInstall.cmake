@@ -32,7 +32,12 @@ foreach(name IN ITEMS assur_core assur)
   install(FILES ${PROJECT_BINARY_DIR}/${name}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 endforeach()
 
-install(FILES LICENSE README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+# What README.md names lies beside it, as in the sources.
+install(FILES LICENSE README.md CHANGELOG.md CONTRIBUTING.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES db/README.md db/schema.sql DESTINATION ${CMAKE_INSTALL_DOCDIR}/db)
+install(FILES db/migrations/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/db/migrations)
+install(FILES bench/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/bench)
+install(DIRECTORY scenes examples DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
 configure_file(cmake/tune_on_install.cmake.in tune_on_install.cmake.in @ONLY)
 file(GENERATE OUTPUT ${PROJECT_BINARY_DIR}/tune_on_install.cmake INPUT ${PROJECT_BINARY_DIR}/tune_on_install.cmake.in)

@@ -1,0 +1,27 @@
+# find_package(assur COMPONENTS core) looks for what the core needs and for nothing else.
+cmake_minimum_required(VERSION 3.25)
+file(REMOVE_RECURSE ${OUT})
+file(WRITE ${OUT}/CMakeLists.txt [=[
+cmake_minimum_required(VERSION 3.25)
+project(core_alone LANGUAGES CXX)
+find_package(assur COMPONENTS core)
+if(NOT assur_FOUND OR NOT TARGET assur::core OR TARGET assur::assur)
+  message(FATAL_ERROR "the core was not found, or more than it: ${assur_NOT_FOUND_MESSAGE}")
+endif()
+]=])
+execute_process(COMMAND ${CMAKE_COMMAND} -S ${OUT} -B ${OUT}/build -D CMAKE_PREFIX_PATH=${PREFIX}
+  -D CMAKE_CXX_COMPILER=${COMPILER} --trace-expand --trace-redirect=${OUT}/trace
+  OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
+file(STRINGS ${OUT}/trace calls REGEX "find_package\\(")
+set(looked_for "")
+foreach(call IN LISTS calls)
+  string(REGEX REPLACE ".*find_package\\(([A-Za-z0-9_]+).*" "\\1" name "${call}")
+  list(APPEND looked_for ${name})
+endforeach()
+if(NOT "assur" IN_LIST looked_for)
+  message(FATAL_ERROR "the trace shows no search: ${looked_for}")
+endif()
+list(REMOVE_ITEM looked_for assur hwy Threads)
+if(looked_for)
+  message(FATAL_ERROR "the core looks for ${looked_for}")
+endif()

@@ -1,0 +1,36 @@
+# All that the installed texts name is there: files that they link to, and scenes, examples and headers in `quotes`. The
+# scenes are read by the installed command.
+cmake_minimum_required(VERSION 3.25)
+set(folder ${PREFIX}/${DOCDIR})
+set(missing "")
+set(named 0)
+
+file(GLOB_RECURSE texts ${folder}/*.md)
+foreach(text IN LISTS texts)
+  get_filename_component(here ${text} DIRECTORY)
+  file(READ ${text} content)
+  string(REPLACE "](" "link:" content "${content}")
+  string(REGEX REPLACE "[][;\\\\]" "" content "${content}")  # what is special in lists
+  string(REGEX MATCHALL "link:[A-Za-z0-9_./-]+[)#]" links "${content}")
+  string(REGEX MATCHALL "`(scenes|examples|include|share/doc)/[A-Za-z0-9_./-]*`" quotes "${content}")
+  foreach(name IN LISTS links quotes)
+    string(REGEX REPLACE "link:|[)#`]" "" name "${name}")
+    math(EXPR named "${named} + 1")
+    if(NOT EXISTS ${here}/${name} AND NOT EXISTS ${PREFIX}/${name})
+      list(APPEND missing "${text} names ${name}")
+    endif()
+  endforeach()
+endforeach()
+if(missing OR named LESS 8)
+  list(JOIN missing "\n" lines)
+  message(FATAL_ERROR "${named} names found; not installed:\n${lines}")
+endif()
+
+file(GLOB scenes RELATIVE ${SOURCE}/scenes ${SOURCE}/scenes/*.json)
+list(REMOVE_ITEM scenes scene.schema.json)
+foreach(scene IN LISTS scenes)
+  execute_process(COMMAND ${PREFIX}/${BINDIR}/assur inspect ${folder}/scenes/${scene} --json
+    OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
+endforeach()
+list(LENGTH scenes count)
+message(STATUS "${named} names and ${count} scenes are installed")
