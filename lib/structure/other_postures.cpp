@@ -123,18 +123,28 @@ class Look {
     double time = 0;
   };
 
-  bool solve_kept(std::vector<double>& q) {
-    return p_.unknowns.empty() || p_.kept.empty() || fit(s_, p_.kept, p_.unknowns, q, column_) <= kSolved;
+  bool solve(const std::vector<Index>& equations, std::vector<double>& q) {
+    return p_.unknowns.empty() || equations.empty() || fit(s_, equations, p_.unknowns, q, column_) <= kSolved;
   }
 
-  void see(const std::vector<double>& q, double time, std::map<std::size_t, Seen>& all) {
-    for (const std::size_t k : p_.checks) {
-      const Index e = checks_[k];
-      Seen& seen = all[k];
-      const double scale = std::max(residual_scale(s_, e, q), kLeastScale);
-      if (!seen.holds || std::abs(residual<double>(s_, e, q)) <= kHolds * scale) continue;
-      seen = {false, violation(s_, e, q), time};
+  // Solves the equations that were kept, and looks at the others. Where those that were kept are singular they may hold
+  // where rounding puts them, or on another branch: a posture close by where all equations hold is the one that counts.
+  bool look_at(std::vector<double>& q, double time, std::map<std::size_t, Seen>& all) {
+    std::vector<double> together = q;
+    if (!solve(p_.kept, q)) return false;
+    const auto is_off = [&](std::size_t k) {
+      const double scale = std::max(residual_scale(s_, checks_[k], q), kLeastScale);
+      return !(std::abs(residual<double>(s_, checks_[k], q)) <= kHolds * scale);
+    };
+    if (std::none_of(p_.checks.begin(), p_.checks.end(), is_off)) return true;
+    if (solve(p_.equations, together)) {
+      q = std::move(together);
+      return true;
     }
+    for (const std::size_t k : p_.checks) {
+      if (all[k].holds && is_off(k)) all[k] = {false, violation(s_, checks_[k], q), time};
+    }
+    return true;
   }
 
   // The first steps of the grid, in strides that leave no doubt of the branch. False if there is no path to look at.
@@ -156,14 +166,13 @@ class Look {
             stride = std::max(stride, std::abs(next[idx(c)] - q[idx(c)]));
           }
         }
-        if (stride > kStride || !solve_kept(next)) {
+        if (stride > kStride || !look_at(next, to, path_)) {
           if ((h /= 2) < step / 1024) return any;
           continue;
         }
         std::swap(q, next);
         t = to;
         any = true;
-        see(q, t, path_);
       }
     }
     return any;
@@ -184,8 +193,7 @@ class Look {
       for (int shorter = 0; shorter < kTries; ++shorter) {
         std::vector<double> q = start_;
         freedoms_.move(amounts, q);
-        if (solve_kept(q)) {
-          see(q, time_, near_);
+        if (look_at(q, time_, near_)) {
           any = true;
           break;
         }
