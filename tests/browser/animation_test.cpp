@@ -126,6 +126,42 @@ TEST_F(AnimationPage, MouseAndKeysTurnMoveAndZoom) {
   }
 }
 
+// To set the size of a canvas empties it. What is looked at is what the screen shows: after the frame in which the size
+// changed, before the next one.
+TEST_F(AnimationPage, IsNeverEmptyWhileTheWindowChangesItsSize) {
+  open("stewart", {}, {"--outputs", "handle1"});
+  const Json empty = browser_->evaluate(R"(
+    const isEmpty = canvas => canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data.every(v => v === 0);
+    const seen = [];
+    for (let k = 0; k < 5; ++k) {
+      await new Promise(shown => requestAnimationFrame(() => {
+        document.body.style.width = `${900 - 40 * k}px`;
+        const {port1, port2} = new MessageChannel();
+        port1.onmessage = shown;
+        port2.postMessage('painted');
+      }));
+      seen.push([document.getElementById('picture'), ...document.querySelectorAll('#panels canvas')].map(isEmpty));
+    }
+    return seen)");
+  ASSERT_EQ(empty.size(), 5u);
+  for (const auto& canvases : empty) EXPECT_EQ(canvases, Json::parse("[false, false, false, false]"));
+  expect_no_errors();
+}
+
+// Tabs in the background, and browsers that only take a picture, call no frames.
+TEST_F(AnimationPage, IsThereBeforeTheFirstFrame) {
+  const std::string file = scratch_.file("motion.html");
+  ASSERT_EQ(run_command({"run", "stewart", "--outputs", "handle1", "--quiet", "--animate", file}).status, 0);
+  std::string page = content(file);
+  page.insert(page.find("<head>") + 6, "<script>window.requestAnimationFrame = () => 0</script>");
+  browser_->open(scratch_.file("still.html", page));
+  EXPECT_EQ(browser_->evaluate(R"(
+    const isEmpty = canvas => canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data.every(v => v === 0);
+    return [document.getElementById('picture'), ...document.querySelectorAll('#panels canvas')].map(isEmpty))"),
+            Json::parse("[false, false, false, false]"));
+  expect_no_errors();
+}
+
 TEST_F(AnimationPage, TwoFingersZoomOnATelephone) {
   open("stewart", {.width = 390, .height = 844, .touch = true});
   const std::string before = picture();

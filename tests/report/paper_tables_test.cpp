@@ -70,7 +70,7 @@ TEST(PaperSections, RatiosAreThoseOfTheTimes) {
                   ">102</td><td class=\"number\">15</td><td class=\"number\">1.66</td><td class=\"number\">"
                   "0.125</td><td class=\"number\">-</td><td class=\"number\">7.91</td><td class=\"number\">"
                   "0.500</td><td class=\"number\">0.400</td><td class=\"number\">5.66</td><td class=\"number\">"
-                  "0.750</td><td class=\"number\">-</td><td class=\"number\">4.00</td><td>GEOMP+MKL</td>"
+                  "0.750</td><td class=\"number\">-</td><td class=\"number\">4.00</td><td>GEOMP+<wbr>MKL</td>"
                   "<td>GMA27</td>"))
       << s.body;
   EXPECT_TRUE(has(s.body, "0.480 (2x1)")) << "24 us times 20,000 steps";

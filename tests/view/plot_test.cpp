@@ -82,9 +82,39 @@ TEST(Plot, AStaircaseGoesAlongXFirst) {
 
 TEST(Plot, LabelsThatWouldCoverEachOtherGiveWay) {
   Plot plot = logarithmic({});
-  for (int i = 0; i < 5; ++i) plot.series[0].points.push_back({1e-9, 1e-6, "", std::to_string(i)});
-  plot.series[0].points.push_back({1e-3, 1e-5, "", "apart"});
-  EXPECT_EQ(count(svg(plot), "class=\"label\""), 3u);  // above, below, and the one that is apart
+  plot.series[0].points = {{1e-9, 1e-8}, {1e-2, 1e-4}};  // the ends of the axes
+  for (int i = 0; i < 12; ++i) plot.series[0].points.push_back({1e-6, 1e-6, "", std::to_string(i)});
+  plot.series[0].points.push_back({1e-4, 1e-5, "", "apart"});
+  EXPECT_EQ(count(svg(plot), "class=\"label\""), 8u + 1u);  // all around, and the one that is apart
+}
+
+// A front as narrow as that of many strategies that are equally fast, with its first point on an axis.
+TEST(Plot, LabelsLieApartAndBesideTheMarks) {
+  Plot plot = logarithmic({{1e-3, 1e-2}});
+  for (int i = 0; i < 14; ++i) {
+    plot.series[0].points.push_back({1e-15 * std::pow(1.3, i), 1e-6 * std::pow(0.97, i), "", std::to_string(i + 1)});
+  }
+  for (const Size size : {Size{960, 560}, Size{360, 400}}) {
+    const std::string picture = svg(plot, size);
+    struct Label {
+      double x, y, half;
+    };
+    std::vector<Label> labels;
+    const std::regex form("<text class=\"label\" x=\"([0-9.]+)\" y=\"([0-9.]+)\"[^>]*>([0-9]+)</text>");
+    for (std::sregex_iterator it(picture.begin(), picture.end(), form), end; it != end; ++it) {
+      // A bold figure of 13 px is 9.1 px wide and 9.5 px high.
+      labels.push_back({std::stod((*it)[1]), std::stod((*it)[2]), 9.1 / 2 * static_cast<double>((*it)[3].length())});
+    }
+    EXPECT_GE(labels.size(), 6u);
+    for (std::size_t i = 0; i < labels.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        EXPECT_TRUE(std::abs(labels[i].x - labels[j].x) > labels[i].half + labels[j].half + 1 ||
+                    std::abs(labels[i].y - labels[j].y) > 9.5 + 1)
+            << i << " and " << j;
+      }
+    }
+    EXPECT_EQ(picture.find("class=\"label\" x=\"-"), std::string::npos);
+  }
 }
 
 TEST(Plot, TextsCannotBreakThePage) {

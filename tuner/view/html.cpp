@@ -23,6 +23,7 @@ th, td { vertical-align: top; white-space: nowrap; padding: 0.2rem 0.75rem 0.2re
 th { color: var(--faint); font-weight: 600; }
 th.number, td.number { text-align: right; }
 th.words, td.words { white-space: normal; min-width: 7rem; }
+@media (min-width: 641px) { td:not([class]) { white-space: normal; } }
 tr.strong td { background: var(--tint); font-weight: 600; }
 )";
 
@@ -38,11 +39,22 @@ std::string_view css_class(HtmlTable::Column column) {
   return "";
 }
 
+// A line may also end behind these, where lines may end at all.
+std::string breakable(const std::string& text, std::string_view behind) {
+  std::string out;
+  for (const char c : text) {
+    out += c;
+    if (behind.find(c) != std::string_view::npos) out += "<wbr>";
+  }
+  return out;
+}
+
 std::string row(const HtmlTable& table, const HtmlTable::Row& row, std::string_view element) {
   std::string out = row.css_class.empty() ? "<tr>" : "<tr class=\"" + row.css_class + "\">";
   for (std::size_t c = 0; c < row.cells.size(); ++c) {
     out.append("<").append(element).append(css_class(table.columns[c])).append(">");
-    out.append(escaped(row.cells[c])).append("</").append(element).append(">");
+    const std::string_view behind = element == "th" ? "+/" : "+";
+    out.append(breakable(escaped(row.cells[c]), behind)).append("</").append(element).append(">");
   }
   return out + "</tr>\n";
 }

@@ -1,6 +1,7 @@
 #include "view/plot.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -13,6 +14,8 @@ namespace {
 
 constexpr Size kWide{960, 560}, kNarrow{360, 400};
 constexpr double kTop = 34, kRight = 14, kBottom = 46;  // around the axes: the title of y, the end of a tick, that of x
+constexpr double kMark = 4.5;                           // half the size of a mark
+constexpr double kBold = 1.25, kGap = 2;                // bold letters over others; beside a label
 constexpr double kPixelsOfTick = 62, kLinesOfTick = 34;
 
 std::string colour_class(int colour) { return colour < 0 ? "ink" : "c" + std::to_string(colour % Series::kColours); }
@@ -206,28 +209,43 @@ class Picture {
     if (s.mark == Series::Mark::none) return;
     out_ += "<g class=\"mark " + colour_class(s.colour) + "\">\n";
     for (const Point& p : s.points) {
-      if (shows(p)) out_ += marked(s, x_(p.x), y_(p.y), 4.5, p.about);
+      if (!shows(p)) continue;
+      out_ += marked(s, x_(p.x), y_(p.y), kMark, p.about);
+      marks_.push_back({x_(p.x) - kMark, y_(p.y) - kMark, 2 * kMark, 2 * kMark});
     }
     out_ += "</g>\n";
   }
 
-  // Above or below the point, wherever no other label is; else nowhere.
+  // Around the point, within the axes, where neither a mark nor another label is; else above or below it, where no
+  // other label is; else nowhere.
   void draw_labels(const Series& s) {
     for (const Point& p : s.points) {
       if (p.label.empty() || !shows(p)) continue;
-      for (const double dy : {-9.0, 19.0}) {
-        const Box box{x_(p.x) - width(p.label) / 2, y_(p.y) + dy - kLine, width(p.label), kLine};
-        if (!take(box)) continue;
-        text("label", x_(p.x), y_(p.y) + dy, "middle", p.label);
-        break;
-      }
+      const double w = kBold * width(p.label), beside = w / 2 + 10;
+      const std::array<std::pair<double, double>, 8> places = {
+          {{0, -9}, {0, 19}, {beside, 5}, {-beside, 5}, {beside, -11}, {-beside, -11}, {beside, 21}, {-beside, 21}}};
+      const auto is_placed = [&](std::size_t most, bool on_marks) {
+        for (std::size_t i = 0; i < most; ++i) {
+          const auto [dx, dy] = places[i];
+          const double x = x_(p.x) + dx, y = y_(p.y) + dy;
+          const Box box{x - w / 2 - kGap, y - kLine + 2, w + 2 * kGap, kLine};
+          if (box.x < x_.from - kGap - 2 || box.x + box.w > x_.to || box.y < y_.to || box.y + box.h > y_.from) continue;
+          const auto overlaps = [&](const Box& mark) { return mark.overlaps(box); };
+          if (!on_marks && std::any_of(marks_.begin(), marks_.end(), overlaps)) continue;
+          if (!take(box)) continue;
+          text("label", x, y, "middle", p.label);
+          return true;
+        }
+        return false;
+      };
+      if (!is_placed(places.size(), false)) (void)is_placed(2, true);
     }
   }
 
   const Plot& plot_;
   Size size_;
   Scale x_, y_;
-  std::vector<Box> taken_;
+  std::vector<Box> taken_, marks_;
   std::string out_;
 };
 
@@ -238,7 +256,7 @@ std::string legend(const Plot& plot) {
     if (s.name.empty()) continue;
     out += "<li><svg class=\"plot key\" viewBox=\"0 0 24 18\" width=\"24\" height=\"18\" aria-hidden=\"true\">";
     if (s.line != Series::Line::none) out += "<path class=\"line " + colour_class(s.colour) + "\" d=\"M1 9H23\"/>";
-    out += "<g class=\"mark " + colour_class(s.colour) + "\">" + marked(s, 12, 9, 4.5, "") + "</g></svg>";
+    out += "<g class=\"mark " + colour_class(s.colour) + "\">" + marked(s, 12, 9, kMark, "") + "</g></svg>";
     out += escaped(s.name) + "</li>\n";
   }
   return out + "</ul>\n";

@@ -9,14 +9,18 @@
 
   // ---- drawing, at most once for each picture of the screen
 
+  function draw() {
+    picture.draw(frame);
+    for (const c of curves) c.draw(frame);
+    tell();
+  }
+
   function redraw() {
     if (waiting) return;
     waiting = true;
     requestAnimationFrame(() => {
       waiting = false;
-      picture.draw(frame);
-      for (const c of curves) c.draw(frame);
-      tell();
+      draw();
     });
   }
 
@@ -135,8 +139,10 @@
     const output = element('output').value;
     element('panels').replaceChildren();
     curves = motion.outputs.filter(q => q.of === output).map(q => new Curves(q, element('panels'), seek));
-    for (const c of curves) c.resize();
-    redraw();
+    for (const c of curves) {
+      c.resize();
+      c.draw(frame);
+    }
   }
 
   // ---- wiring
@@ -200,10 +206,11 @@
   element('keys').textContent = (motion.dimension === 3 ? 'Drag: turn (w a s d); with Shift or two fingers: move. ' : 'Drag: move. ') +
     'Wheel, pinch, + and -: closer and farther; 0: all of it. Space: play; arrows, Home, End: step.';
 
+  // A canvas whose size is set is empty, and on the screen before the next frame: it is drawn at once.
   const resize = () => {
     picture.resize();
     for (const c of curves) c.resize();
-    redraw();
+    draw();
   };
   new ResizeObserver(resize).observe(canvas);
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => {
@@ -218,6 +225,7 @@
   picture.options.paths = element('paths').checked = motion.moving <= 40 && last > 0;
   legend();
   panels();
+  resize();
   show(0);
   if (last > 0 && !motion.postures && !matchMedia('(prefers-reduced-motion: reduce)').matches) play(); else label();
 })();
