@@ -250,11 +250,21 @@ Plan throughput_plan(const std::vector<Shape>& shapes, const Offers& offers, std
   return plan;
 }
 
-std::string threads_reason(const Plan& best, std::int32_t budget, double alone) {
+bool threads_were_measured(const PerformanceModel& model) { return model.meeting(2).origin != Origin::prior; }
+
+// A machine of which something is known, but nothing with threads: what they gain here would be guessed.
+bool tuned_for_one_thread(const PerformanceModel& model) {
+  return model.samples() > 0 && !threads_were_measured(model);
+}
+
+std::string threads_reason(const Plan& best, std::int32_t budget, double alone, const PerformanceModel& model) {
   if (budget == 1) return "one thread: the budget has no more";
+  if (tuned_for_one_thread(model)) {
+    return "one thread: nothing was measured with several; `assur tune` without `--threads 1` does it";
+  }
   if (best.threads == 1) return "one thread: more would only wait";
   return std::to_string(best.threads) + " threads: expected " + fixed(alone / best.expected_seconds, 1) +
-         " times as fast as one";
+         " times as fast as one" + (threads_were_measured(model) ? "" : ", not measured");
 }
 
 // With the W that takes least time for each mechanism.
@@ -269,13 +279,15 @@ Plan best_throughput(const Structure& s, const std::vector<Shape>& shapes, std::
     plan.expected_seconds = around;
     for (const Plan::Choice& c : plan.choices) plan.expected_seconds += c.expected_seconds / lanes * c.shape.groups;
     plan.reason = std::to_string(lanes) + " mechanisms side by side in each thread";
+    if (threads > 1 && tuned_for_one_thread(scales.model)) plan.reason += "; nothing was measured with several threads";
     if (!best || plan.expected_seconds < best->expected_seconds * (1 - scales.tie)) best = std::move(plan);
   }
   return std::move(*best);
 }
 
 // With the p that takes least time for a step.
-Plan best_latency(const Structure& s, const std::vector<Shape>& shapes, std::int32_t budget, const Scales& scales) {
+Plan best_latency(const Structure& s, const std::vector<Shape>& shapes, std::int32_t allowed, const Scales& scales) {
+  const std::int32_t budget = tuned_for_one_thread(scales.model) ? 1 : allowed;
   const std::vector<Batch> batches = batches_of(s);
   const std::vector<ClassLoad> classes = loads_of(s, batches);
   // W is "up to": lanes that no group could fill would be computed for nothing.
@@ -291,7 +303,7 @@ Plan best_latency(const Structure& s, const std::vector<Shape>& shapes, std::int
     if (p == 1) alone = plan.expected_seconds;
     if (!best || plan.expected_seconds < best->expected_seconds * (1 - scales.tie)) best = std::move(plan);
   }
-  best->reason = threads_reason(*best, budget, alone);
+  best->reason = threads_reason(*best, allowed, alone, scales.model);
   return std::move(*best);
 }
 

@@ -117,6 +117,26 @@ TEST(Dispatcher, SharesALevelOnlyWhereThatGains) {
 }
 
 // Where numbers are handed over slowly no level gains by itself, but the threads are there for the outputs then.
+TEST(Dispatcher, TakesNoThreadsThatWereNeverMeasured) {
+  std::vector<Sample> alone = samples();
+  std::erase_if(alone, [](const Sample& s) { return s.kernel == Kernel::meeting; });
+  const Scene scene = sample("rings:legs=64,n=120");
+  const auto plan_by = [&](std::vector<Sample> known, std::int32_t threads, Mode mode = Mode::latency) {
+    return prepare(scene, {.budget = ThreadBudget{threads},
+                           .mode = mode,
+                           .model = std::make_shared<PerformanceModel>(std::move(known))})
+        .plan;
+  };
+  const Plan plan = plan_by(alone, 2);
+  EXPECT_EQ(plan.threads, 1);
+  for (const Plan::Choice& c : plan.choices) EXPECT_EQ(c.strategy.p * c.strategy.q, 1);
+  EXPECT_EQ(plan.reason, "one thread: nothing was measured with several; `assur tune` without `--threads 1` does it");
+  EXPECT_EQ(plan_by(alone, 1).reason, "one thread: the budget has no more");
+  EXPECT_TRUE(plan_by(samples(), 2).reason.ends_with(" times as fast as one")) << plan_by(samples(), 2).reason;
+  EXPECT_TRUE(plan_by({}, 2).reason.ends_with(" times as fast as one, not measured")) << plan_by({}, 2).reason;
+  EXPECT_TRUE(plan_by(alone, 2, Mode::throughput).reason.ends_with("; nothing was measured with several threads"));
+}
+
 TEST(Dispatcher, SharesALevelForTheSakeOfTheOutputs) {
   std::vector<Sample> slow = samples();
   Sample handover;
