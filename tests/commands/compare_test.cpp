@@ -53,6 +53,14 @@ TEST(Compare, JsonHasARowForEachStrategyAndEachAccuracy) {
   EXPECT_EQ(any_front, json["no_yardstick"].is_null());
 }
 
+TEST(Compare, AutoAloneHasNoOthersBesideIt) {
+  const Outcome o = run_command(
+      {"compare", "four_bar", "--steps", "20", "--quiet", "--strategies", "auto", "--accuracy", "1e-6", "--json"});
+  ASSERT_EQ(o.status, 0) << o.err;
+  ASSERT_EQ(o.json()["rows"].size(), 1u);
+  EXPECT_EQ(o.json()["rows"][0]["picked"], true);
+}
+
 TEST(Compare, ThePageHasThePictureAndEveryRow) {
   const Scratch scratch;
   const std::string file = scratch.file("compare.html");
@@ -82,7 +90,6 @@ TEST(Compare, AWrongCallSaysWhatIsWrong) {
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
       {{"--accuracy", "fine"}, "--accuracy: expects numbers > 0 such as 1e-4,1e-8, not \"fine\""},
       {{"--accuracy", "1e-4,0"}, "--accuracy: expects numbers > 0 such as 1e-4,1e-8, not \"1e-4,0\""},
-      {{"--strategies", "auto"}, "auto"},
       {{"--strategies", "groups/eigen+chunks=4"}, "leave out +chunks="},
       {{"--html", ""}, "--html: expects a file name"},
       {{"--steps", "0"}, "--steps: expects a whole number from 1, not \"0\""},

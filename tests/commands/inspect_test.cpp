@@ -57,6 +57,27 @@ TEST(Inspect, OutputsCutTheGroups) {
   }
 }
 
+// Declared groups, and the irreducible ones that `auto` takes: each as a run in that formulation leaves out.
+TEST(Inspect, AgreesWithRunOnWhatIsLeftOut) {
+  for (const std::string scene : {"stewart", "slider_crank", "four_bar:3"}) {
+    const std::string output = scene == "stewart"        ? "handle1.value"
+                               : scene == "slider_crank" ? "C.position"
+                                                         : "B1.velocity";
+    const auto seen = run_command({"inspect", scene, "--json", "--outputs", output}).json();
+    const auto left_out = [&](const std::string& strategy) {
+      const std::vector<std::string> call = {"run", scene,       "--json", "--quiet",    "--steps",
+                                             "2",   "--outputs", output,   "--strategy", strategy};
+      return run_command(call).json()["left_out"];
+    };
+    EXPECT_EQ(left_out("groups/eigen+predict=past:3"), seen["left_out"]) << scene;
+    EXPECT_EQ(left_out("irreducible/eigen+predict=past:3"), seen["irreducible"]["left_out"]) << scene;
+  }
+  const Outcome page = run_command({"inspect", "stewart", "--outputs", "handle1.value"});
+  EXPECT_NE(page.out.find("  left out        81 unknowns, 81 equations\n"), std::string::npos) << page.out;
+  EXPECT_NE(page.out.find("                  of the irreducible groups 51 unknowns, 51 equations\n"), std::string::npos)
+      << page.out;
+}
+
 // Everything in the JSON that stands in the structure is the structure's.
 TEST(Inspect, JsonIsTheStructure) {
   for (const std::string scene : {"andrews", "slider_crank", "four_bar:5", "rings:legs=2,n=12"}) {
@@ -131,6 +152,10 @@ TEST(Inspect, ThePage) {
   left out        72 unknowns, 72 equations
                   4 groups: SG_HS3, SG_HS4, SG_HS5, SG_HS6
                   no velocity, no acceleration: SG_HS2
+                  of the irreducible groups 48 unknowns, 48 equations
+                  16 groups: e3, e4, e5, e6, c1, c2, c3, c4, c5, c6, d1, d2, d3,
+                  d4, d5, d6
+                  no velocity, no acceleration: e2
 )");
 }
 

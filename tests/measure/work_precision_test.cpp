@@ -12,7 +12,8 @@ namespace {
 
 WorkPrecisionOptions quick(const std::vector<std::string>& strategies, std::vector<double> accuracies) {
   WorkPrecisionOptions options;
-  for (const std::string& text : strategies) options.strategies.push_back(parse_strategy(text));
+  if (!strategies.empty()) options.strategies.emplace();
+  for (const std::string& text : strategies) options.strategies->push_back(parse_strategy(text));
   options.accuracies = std::move(accuracies);
   options.model = std::make_shared<const PerformanceModel>();
   options.rules = {.seconds = 0.5, .least_rounds = 3, .most_rounds = 3};

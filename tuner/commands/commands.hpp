@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "assur/performance.hpp"
@@ -105,6 +106,10 @@ struct ReportOptions {
 // Throws Error (input) for --threads beyond the processors that this process may use; warns beyond the machine's
 // budget.
 void check_threads(const Common& common);
+
+// Throws Error (input) for an output (option, file) that is one of the inputs, or another output. "" and "-" are none.
+void refuse_overwriting(const std::vector<std::pair<std::string, std::string>>& outputs,
+                        const std::vector<std::string>& inputs);
 
 int inspect(const Common& common, const InspectOptions& options);
 int run(const Common& common, const RunOptions& options);

@@ -35,9 +35,12 @@ Scene scene_of(const Common& common, const CompareOptions& options) {
   return scene.with_time(grid);
 }
 
-std::vector<Strategy> strategies_of(const CompareOptions& options) {
+// `auto` is compared in any case; it may be asked for by name to leave out all others.
+std::optional<std::vector<Strategy>> strategies_of(const CompareOptions& options) {
+  if (options.strategies.empty()) return std::nullopt;
   std::vector<Strategy> all;
   for (const std::string& text : options.strategies) {
+    if (text == "auto") continue;
     all.push_back(parse_strategy(text));
     if (all.back().chunks == 1) continue;
     throw Error(Error::Kind::input,
@@ -76,6 +79,7 @@ bool has_time(const measure::WorkPrecision& result) {
 
 int compare(const Common& common, const CompareOptions& options) {
   const Scene scene = scene_of(common, options);
+  refuse_overwriting({{"--html", options.html}}, {options.scene});
   const MachineModel known = machine_model_of(common);
   if (!common.quiet) {
     for (const std::string& message : known.messages) std::cerr << "note: " << message << '\n';

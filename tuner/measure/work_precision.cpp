@@ -56,12 +56,12 @@ class Comparison {
   }
 
   WorkPrecision run() {
-    if (options_.strategies.empty()) {
+    if (!options_.strategies) {
       compare_all();
     } else {
       const std::int64_t accuracies = std::ssize(options_.accuracies);
-      expected_ = std::ssize(options_.strategies) * (accuracies + 1) + accuracies;
-      for (const Strategy& s : options_.strategies) enter_forced({s}, true, true);
+      expected_ = std::ssize(*options_.strategies) * (accuracies + 1) + accuracies;
+      for (const Strategy& s : *options_.strategies) enter_forced({s}, true, true);
       enter_picks();
     }
     race(pointers(), options_.rules);

@@ -50,8 +50,9 @@ struct WorkPrecision {
 };
 
 struct WorkPrecisionOptions {
-  std::vector<double> accuracies;    // to ask for, each > 0
-  std::vector<Strategy> strategies;  // each with every accuracy; empty: all solvers, and every knob of the fastest
+  std::vector<double> accuracies;  // to ask for, each > 0
+  // Each with every accuracy, beside `auto`; left out: all solvers, and every knob of the fastest.
+  std::optional<std::vector<Strategy>> strategies = {};
   ThreadBudget budget;
   std::shared_ptr<const PerformanceModel> model = nullptr;  // null: machine_model()
   RaceRules rules;                                          // of the race of all

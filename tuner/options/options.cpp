@@ -58,7 +58,7 @@ void add_names(CLI::App& app, const std::string& option, std::vector<std::string
 
 void add_scene(CLI::App& app, Common& common, std::string& scene, std::vector<std::string>& outputs) {
   app.add_option("SCENE", scene, "A file or a sample: stewart, four_bar:64, ...")->required()->type_name("");
-  add_names(app, "--outputs", outputs, "What is wanted: C, C.velocity, angle, ...");
+  add_names(app, "--outputs", outputs, "What is wanted: C, C.velocity, C.vx, angle, ...; or all");
   add_reading(app, common);
 }
 
@@ -146,7 +146,7 @@ void add_compare(CLI::App& app, Invocation& call) {
   compare
       .add_option_function<std::string>(
           "--strategies", [&o](const std::string& text) { take_names(o.strategies, text, "--strategies"); },
-          "Only these: groups/klu,irreducible/lanes:8+once, ...")
+          "Only auto and these: groups/klu,irreducible/lanes, ...")
       ->type_name("LIST");
   CLI::Option* html = compare.add_option("--html", o.html, "Write a page with the diagram")->type_name("FILE");
   add_common(compare, call.common);

@@ -17,26 +17,26 @@ std::string_view fate(const LeftOut::Level& level) {
 
 }  // namespace
 
-Json to_json(const LeftOut& left_out) {
+Json to_json(const LeftOut& left_out, Formulation formulation) {
   Json levels = Json::array();
   for (const LeftOut::Level& l : left_out.levels) {
     levels.push_back({{"group", l.group}, {"derivatives", l.derivatives}, {"for_predictor", l.for_predictor}});
   }
-  return {{"groups", left_out.groups},
-          {"unknowns", left_out.unknowns},
-          {"equations", left_out.equations},
-          {"levels", std::move(levels)},
-          {"static_groups", left_out.static_groups}};
+  return {{"formulation", name(formulation)}, {"groups", left_out.groups},   {"unknowns", left_out.unknowns},
+          {"equations", left_out.equations},  {"levels", std::move(levels)}, {"static_groups", left_out.static_groups}};
 }
 
-void print(Page& page, const LeftOut& left_out) {
-  std::string_view label = "left out";
+void print(Page& page, const LeftOut& left_out, Formulation formulation, std::string_view label) {
+  bool said = false;
   const auto say = [&](const std::string& text) {
     page.fact(label, text);
     label = "";
+    said = true;
   };
   if (left_out.unknowns > 0 || left_out.equations > 0) {
-    say(counted(left_out.unknowns, "unknown") + ", " + counted(left_out.equations, "equation"));
+    const bool split = formulation == Formulation::irreducible;
+    say((split ? "of the irreducible groups " : "") + counted(left_out.unknowns, "unknown") + ", " +
+        counted(left_out.equations, "equation"));
   }
   if (const auto& groups = left_out.groups; !groups.empty()) {
     say(counted(static_cast<std::int64_t>(groups.size()), "group") + ": " + listed(groups));
@@ -48,7 +48,7 @@ void print(Page& page, const LeftOut& left_out) {
     say(std::string(what) + ": " +
         (groups.size() > 20 ? counted(static_cast<std::int64_t>(groups.size()), "group") : listed(groups)));
   }
-  if (!label.empty()) say("nothing: the outputs need all of it");
+  if (!said) say("nothing: the outputs need all of it");
 }
 
 }  // namespace assur::output

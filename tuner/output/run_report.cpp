@@ -249,7 +249,7 @@ Json to_json(const RunSummary& s) {
                 {"forward_acceleration", or_null(e.forward_acceleration)},
                 {"certified_radius", or_null(e.certified_radius)}}},
               {"certificate", s.certificate ? to_json(*s.certificate) : Json(nullptr)},
-              {"left_out", to_json(s.prepared.structure->left_out)},
+              {"left_out", to_json(s.prepared.structure->left_out, s.prepared.structure->formulation)},
               {"status", name(s.report.status.code)},
               {"reached", s.report.reached},
               {"notes", to_json(notes(*s.prepared.scene, *s.prepared.structure))},
@@ -270,7 +270,7 @@ void print(Page& page, const RunSummary& s) {
   print_work(page, s.report.counters);
   print_errors(page, s.report.error);
   if (s.certificate) print_certificate(page, *s.certificate);
-  print(page, s.prepared.structure->left_out);
+  print(page, s.prepared.structure->left_out, s.prepared.structure->formulation);
   print_notes(page, *s.prepared.scene, *s.prepared.structure);
   if (s.members != nullptr) print_outcomes(page, *s.members);
   print_events(page, s.report);

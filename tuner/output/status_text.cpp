@@ -33,7 +33,8 @@ std::string_view meaning(Code code) {
     case Code::inaccurate:
       return "the estimated error exceeds the accuracy asked for";
     case Code::branch_unknown:
-      return "which branch continues the motion could not be decided";
+      return "which branch continues the motion could not be decided; where a row lies at, or very near, a posture in "
+             "which branches cross, another step or start time avoids it";
     case Code::inconsistent:
       return "a redundant equation is no longer satisfied";
     case Code::out_of_range:
@@ -64,7 +65,7 @@ std::string why_stopped(const Status& status, const std::vector<Event>& events, 
   const bool is_told = at != events.rend() && (at == events.rbegin() || status.code == Code::inaccurate);
   if (!is_told) return "after t = " + moment(reached) + " s: " + explained(status.code);
   const Event& e = *at;
-  return time_of(e) + place_of(e) + ": " + explained(status.code);
+  return time_of(e) + place_of(e) + ": " + explained(status.code) + (e.detail.empty() ? "" : ": " + e.detail);
 }
 
 std::string place_of(const Event& e) {

@@ -55,6 +55,7 @@ Irreducible irreducible(const Structure& s) {
   Irreducible out;
   out.groups = static_cast<std::int64_t>(s.groups.size());
   out.eliminated = s.eliminated;
+  out.left_out = s.left_out;
   for (const Group& g : s.groups) ++out.sizes[static_cast<std::int32_t>(g.unknowns.size())];
   return out;
 }
@@ -105,11 +106,12 @@ Json to_json(const Scene& scene, const Structure& s, const Irreducible& split) {
           {"groups", std::move(groups)},
           {"levels", s.levels},
           {"classes", s.classes.size()},
-          {"left_out", to_json(s.left_out)},
+          {"left_out", to_json(s.left_out, s.formulation)},
           {"irreducible",
            {{"groups", split.groups},
             {"eliminated", split.eliminated},
             {"sizes", std::move(sizes)},
+            {"left_out", to_json(split.left_out, Formulation::irreducible)},
             {"blocks_of_classes", std::move(blocks)}}},
           {"cannot_assemble", s.cannot_assemble.empty() ? Json(nullptr) : Json(s.cannot_assemble)},
           {"notes", to_json(notes(scene, s))}};
@@ -280,7 +282,10 @@ void print(Page& page, const Scene& scene, const Structure& s, const Irreducible
   print_groups(page, s, class_figures(s));
   page.gap();
   if (split.groups > 0) print_irreducible(page, s, split);
-  print(page, s.left_out);
+  print(page, s.left_out, s.formulation);
+  if (s.formulation != Formulation::irreducible && s.left_out.unknowns != split.left_out.unknowns) {
+    print(page, split.left_out, Formulation::irreducible, "");
+  }
   print_findings(page, scene, s);
 }
 

@@ -14,6 +14,7 @@ namespace assur::output {
 struct Irreducible {
   std::int64_t groups = 0, eliminated = 0;
   std::map<std::int32_t, std::int64_t> sizes;  // unknowns of a group -> groups
+  LeftOut left_out;                            // as a run in this formulation does
 };
 
 // Of a structure in the formulation `irreducible`.
