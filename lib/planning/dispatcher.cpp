@@ -24,6 +24,7 @@ constexpr double kWait = 0.3;         // of a meeting: what a level adds; a barr
 constexpr double kMeetings = 1.5;     // of those measured: they take once or twice as long from minute to minute, with
                                       // the cores that the system gives
 constexpr double kHandedOver = 4;     // doubles for each unknown: the prediction, and what comes back
+constexpr double kStoring = 0.3e-9;   // s a value, into pages that are there: 0.23 to 0.39 for 393 to 8,640 values
 constexpr std::int64_t kCurved = 60;  // pieces, of an output that is a distance or an angle
 
 // Groups of one class on one level.
@@ -110,6 +111,8 @@ class Around {
       }
     }
   }
+
+  [[nodiscard]] std::int64_t columns() const { return columns_; }
 
   [[nodiscard]] double seconds(std::int32_t threads) const {
     const bool shared = threads > 1 && columns_ >= static_cast<std::int64_t>(kWorthSharing);
@@ -322,6 +325,13 @@ void expect(Plan& plan, const Structure& structure, const PerformanceModel& mode
   std::int32_t most_q = 1;
   for (const Plan::Choice& c : plan.choices) most_q = std::max(most_q, c.strategy.q);
   share_levels(plan, structure, batches_of(structure), plan.threads * most_q, Around(structure, model), model);
+}
+
+BesideGroups beside_groups(const Structure& structure, const PerformanceModel& model, std::int32_t threads) {
+  const Around around(structure, model);
+  return {.around = around.seconds(threads),
+          .storing = kStoring * static_cast<double>(around.columns()),
+          .outputs = around.columns()};
 }
 
 Plan dispatch(const Structure& s, const Task& task, const Scales& scales) {

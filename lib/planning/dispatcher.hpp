@@ -19,6 +19,15 @@ struct Task {
 // Shape of every class, everything counted, in the order of the classes.
 [[nodiscard]] std::vector<Shape> class_shapes(const Structure& structure);
 
+// What a step of a plan is expected to take beside the solution of its groups, s.
+struct BesideGroups {
+  double around = 0;   // laws, predictions and outputs: part of Plan::expected_seconds
+  double storing = 0;  // a row of outputs, where a run keeps them: no part of it
+  std::int64_t outputs = 0;
+};
+[[nodiscard]] BesideGroups beside_groups(const Structure& structure, const PerformanceModel& model,
+                                         std::int32_t threads);
+
 // Fills what a plan expects of its strategies, whoever chose them.
 void expect(Plan& plan, const Structure& structure, const PerformanceModel& model);
 

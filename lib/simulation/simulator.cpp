@@ -541,12 +541,15 @@ Trajectory Simulator::run(std::span<const double> times, const Observer& observe
   if (impl_->prepared.plan.chunks > 1 && run_in_chunks(times, observer, out)) return out;
   out.values_.reserve(times.size() * out.columns_.size());
   out.times_.reserve(times.size());
+  PagesAhead pages(out.values_);
+  pages.reach(out.columns_.size());
   const auto of = static_cast<std::int64_t>(times.size());
   std::optional<Pinned> here;  // once, not in every step
   if (!impl_->limits.pin_to.empty() && impl_->motion.levels().threads() > 1) here.emplace(impl_->limits.pin_to[0]);
   for (const double t : times) {
     if (!step(t).arrived()) break;
     out.times_.push_back(t);
+    pages.reach(out.values_.size() + impl_->row.size());
     out.values_.insert(out.values_.end(), impl_->row.begin(), impl_->row.end());
     if (observer && !observer(static_cast<std::int64_t>(out.times_.size()), of)) {
       if (static_cast<std::int64_t>(out.times_.size()) < of) impl_->report.status = {Code::interrupted, {}, t};

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <regex>
 
 #include "assur/saved_plan.hpp"
 #include "assur/simulator.hpp"
@@ -35,6 +36,28 @@ TEST(Plan, OnlyTheDatabaseThatIsNamedCounts) {
     EXPECT_EQ(o.status, 3) << command;
     EXPECT_NE(o.err.find(missing), std::string::npos) << o.err;
   }
+}
+
+// Without measurements: counts of operations, the same everywhere.
+TEST(Plan, TellsWhatAStepConsistsOf) {
+  const nlohmann::json all = run_command({"plan", "stewart", "--json", "--threads", "1"}).json();
+  const nlohmann::json one =
+      run_command({"plan", "stewart", "--outputs", "handle1.value", "--json", "--threads", "1"}).json();
+  EXPECT_EQ(all["outputs"], 432);
+  EXPECT_EQ(one["outputs"], 1);
+  for (const nlohmann::json& plan : {all, one}) {
+    EXPECT_GT(plan["expected_around_seconds"], 0);
+    EXPECT_GT(plan["expected_seconds"], plan["expected_around_seconds"]);
+    EXPECT_NEAR(plan["expected_storing_seconds"], 0.3e-9 * plan["outputs"].get<double>(), 1e-15);
+  }
+  EXPECT_GT(all["expected_around_seconds"], one["expected_around_seconds"]);
+  const std::string text = run_command({"plan", "stewart", "--threads", "1"}).out;
+  EXPECT_TRUE(std::regex_search(text, std::regex("\n  expected        [0-9.]+ .+s for a step\n"
+                                                 "                  [0-9.]+ .+s groups; [0-9.]+ .+s laws, predictions, "
+                                                 "432 outputs\n"
+                                                 "                  a run that keeps its rows takes 130 ns more for "
+                                                 "each\n")))
+      << text;
 }
 
 TEST(Plan, AFileThatCannotBeWrittenIsNamed) {

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "output/format.hpp"
+#include "planning/dispatcher.hpp"
 
 namespace assur::output {
 namespace {
@@ -36,6 +37,23 @@ std::string threads_text(const Plan& plan, const Structure& s) {
   std::int32_t shared = 0;
   for (std::int32_t level = 0; level < s.levels; ++level) shared += threads_of(plan, level) > 1 ? 1 : 0;
   return std::to_string(plan.threads) + " on " + grouped(shared) + " of " + counted(s.levels, "level");
+}
+
+BesideGroups beside_groups_of(const PlanSummary& s) {
+  const Plan& plan = s.prepared.plan;
+  const auto& p = plan.level_threads;
+  const bool alone = !p.empty() && std::all_of(p.begin(), p.end(), [](std::int32_t threads) { return threads == 1; });
+  return beside_groups(*s.prepared.structure, s.model, alone || s.mode == Mode::throughput ? 1 : plan.threads);
+}
+
+void print_expected(Page& page, const PlanSummary& s) {
+  const BesideGroups beside = beside_groups_of(s);
+  const double groups = std::max(s.prepared.plan.expected_seconds - beside.around, 0.0);
+  page.fact("expected", duration(s.prepared.plan.expected_seconds) +
+                            (s.mode == Mode::throughput ? " for a step of one mechanism" : " for a step"));
+  page.fact("", duration(groups) + " groups; " + duration(beside.around) + " laws, predictions, " +
+                    counted(beside.outputs, "output"));
+  page.fact("", "a run that keeps its rows takes " + duration(beside.storing) + " more for each");
 }
 
 void print_classes(Page& page, const PlanSummary& s) {
@@ -117,6 +135,7 @@ Json to_json(const PlanSummary& s) {
   for (std::size_t k = 0; k < s.candidates.size(); ++k) {
     for (const Candidate& c : s.candidates[k]) candidates.push_back(json_of(c, k));
   }
+  const BesideGroups beside = beside_groups_of(s);
   return {{"scene", s.prepared.scene->name()},
           {"mode", s.mode == Mode::latency ? "latency" : "throughput"},
           {"accuracy", plan.accuracy},
@@ -126,6 +145,9 @@ Json to_json(const PlanSummary& s) {
           {"lanes", plan.lanes},
           {"chunks", plan.chunks},
           {"expected_seconds", plan.expected_seconds},
+          {"expected_around_seconds", beside.around},
+          {"expected_storing_seconds", beside.storing},
+          {"outputs", beside.outputs},
           {"reason", plan.reason},
           {"samples", s.model.samples()},
           {"source", s.model.source()},
@@ -146,8 +168,7 @@ void print(Page& page, const PlanSummary& s) {
   page.fact("formulation", name(plan.formulation));
   page.fact("threads", threads_text(plan, *s.prepared.structure) + "; " + plan.reason);
   if (s.mode == Mode::throughput) page.fact("chunks", grouped(plan.chunks) + " of the time grid");
-  page.fact("expected", duration(plan.expected_seconds) +
-                            (s.mode == Mode::throughput ? " for a step of one mechanism" : " for a step"));
+  print_expected(page, s);
   page.gap();
   if (plan.choices.empty()) {
     page.fact("classes", "nothing has to be solved");
