@@ -80,6 +80,11 @@ Copied salvage(const fs::path& aside, SQLite::Database& target) {
   } catch (const SQLite::Exception&) {
   } catch (const Unusable&) {
   }
+  for (const char* suffix : {"-wal", "-shm"}) {  // that reading it has made; a log with content is part of it
+    std::error_code none;
+    const fs::path part = aside.string() + suffix;
+    if (std::string_view(suffix) == "-shm" || fs::file_size(part, none) == 0) fs::remove(part, none);
+  }
   return copy(contents, target);
 }
 

@@ -75,6 +75,9 @@ Forgotten Store::forget_all() {
 
 std::int64_t Store::export_to(const fs::path& file, const Filter& filter) const {
   if (fs::exists(file)) throw Error(Error::Kind::environment, file.string() + ": exists already; name another file");
+  if (const fs::path folder = fs::absolute(file).parent_path(); !fs::is_directory(folder)) {
+    throw Error(Error::Kind::environment, file.string() + ": there is no folder " + folder.string());
+  }
   Contents contents = guarded(impl_->file, [&] { return read_all(impl_->database); });
   restrict_to(filter, contents);
   const fs::path part = file.string() + ".part";  // nobody finds half a file

@@ -1,4 +1,5 @@
 #include <hwloc.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <memory>
@@ -13,6 +14,8 @@ using Handle = std::unique_ptr<hwloc_topology, void (*)(hwloc_topology_t)>;
 // Cores, caches and nodes of a whole machine, those included that this process may not use; null if hwloc fails.
 Handle load(const std::string& synthetic) {
   hwloc_topology_t topology = nullptr;
+  // Without sysfs hwloc finds nothing, and says so on standard error.
+  if (synthetic.empty() && access("/sys/devices/system/cpu", R_OK) != 0) return {nullptr, nullptr};
   if (hwloc_topology_init(&topology) != 0) return {nullptr, nullptr};
   Handle handle(topology, hwloc_topology_destroy);
   const bool ready = hwloc_topology_set_flags(topology, HWLOC_TOPOLOGY_FLAG_INCLUDE_DISALLOWED) == 0 &&

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <sstream>
+
 #include "commands/command.hpp"
 #include "db/samples.hpp"
 #include "db/store.hpp"
@@ -58,9 +60,47 @@ TEST(Db, InfoTellsWhatIsThereAndWhatIsBelieved) {
 TEST(Db, InfoOfWhatCannotBeReadSaysWhy) {
   const Scratch scratch;
   const std::string file = scratch.file("notes.txt", "buy milk\n");
-  const auto row = rows(file, {"info"}).at(0);
+  const Outcome refused = ask(file, {"info", "--json"});
+  EXPECT_EQ(refused.status, 3);
+  const auto row = refused.json()["rows"].at(0);
   EXPECT_NE(row["why_not"].get<std::string>().find("no tuning database"), std::string::npos);
   EXPECT_EQ(rows(scratch.file("absent.db"), {"info"}).at(0)["why_not"], "not there");
+}
+
+// Many bytes in the middle: the fitted model is whole, and all the same nothing is believed in silence.
+TEST(Db, DamageIsToldByEveryCommand) {
+  const Scratch scratch;
+  const std::string file = scratch.file("tuning.db");
+  make_database(file, db::this_host(), 500);
+  const std::size_t middle = bytes(file).size() / 2;
+  db::Store(file, db::Access::write).fit_models();
+  std::string damaged = bytes(file);
+  for (std::size_t i = 0; i < 3000; ++i) damaged[middle + i] = static_cast<char>(i * i * 7 + 3 * i);
+  write_bytes(file, damaged);
+  const std::string says = file + ": is damaged: database disk image is malformed";
+  const auto in_one_line = [](const std::string& page) {
+    std::istringstream words(page);
+    std::string line;
+    for (std::string word; words >> word;) line += (line.empty() ? "" : " ") + word;
+    return line;
+  };
+  for (const char* command : {"plan", "run"}) {
+    const Outcome outcome = run_command({command, "four_bar", "--db", file});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_NE(in_one_line(outcome.out + outcome.err).find(says), std::string::npos)
+        << command << outcome.out << outcome.err;
+  }
+  const Outcome info = ask(file, {"info", "--json"});
+  EXPECT_EQ(info.status, 3);
+  EXPECT_EQ(info.json()["believed"], 0);
+  EXPECT_EQ(info.json()["rows"][0]["why_not"], says);
+  const auto checked = rows(file, {"check"}).at(0);
+  EXPECT_GT(checked["samples"], 250);
+  std::size_t files = 0;
+  for ([[maybe_unused]] const auto& entry :
+       std::filesystem::directory_iterator(std::filesystem::path(file).parent_path()))
+    ++files;
+  EXPECT_EQ(files, 3u);  // the new one, the damaged one, the lock
 }
 
 TEST(Db, SamplesBestCrossoversAndModelsAreRows) {
@@ -118,7 +158,11 @@ TEST(Db, ExportsAndImports) {
   const std::string ours = scratch.file("ours.db"), theirs = scratch.file("theirs.db"), file = scratch.file("file.db");
   make_database(ours, host_with(4), 8);
   EXPECT_EQ(rows(ours, {"export", file}).at(0)["samples"], 8);
-  EXPECT_EQ(ask(ours, {"export", file}).status, 3);      // it exists
+  EXPECT_EQ(ask(ours, {"export", file}).status, 3);  // it exists
+  const std::filesystem::path folder = scratch.file("no/such");
+  EXPECT_EQ(ask(ours, {"export", folder / "file.db"}).err,
+            "error: " + (folder / "file.db").string() + ": there is no folder " + folder.string() + "\n");
+  EXPECT_FALSE(std::filesystem::exists(folder));
   auto imported = rows(theirs, {"import", file}).at(0);  // makes theirs
   EXPECT_EQ(imported["samples"], 8);
   EXPECT_EQ(imported["known"], 0);

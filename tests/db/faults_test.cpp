@@ -264,6 +264,11 @@ TEST(Faults, ADamagedSampleIsSavedFrom) {
   ASSERT_EQ(files_put_aside(file).size(), 1u);
   EXPECT_NE(store.messages()[0].find(files_put_aside(file)[0].string()), std::string::npos) << store.messages()[0];
   EXPECT_EQ(store.samples().size(), 49u);
+  std::size_t parts = 0;  // of what was put aside: nothing lies beside it
+  for (const auto& entry : fs::directory_iterator(tree.root())) {
+    parts += entry.path().filename().string().find(".corrupt-") != std::string::npos ? 1 : 0;
+  }
+  EXPECT_EQ(parts, 1u);
   EXPECT_EQ(store.health().damaged, 0);
   EXPECT_EQ(store.runs().at(0).grade, "good");
   EXPECT_FALSE(by_uid(store.samples()).contains(stored[6].uid));

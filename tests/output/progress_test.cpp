@@ -41,10 +41,24 @@ TEST(Progress, CountsWhatItIsTold) {
   EXPECT_EQ(out.str(), "100 %, 64 of 64 members\n");
 }
 
+// A line that wraps could not be erased.
+TEST(Progress, IsNoWiderThanTheTerminal) {
+  const auto drawn = [](int columns) {
+    std::ostringstream out;
+    Progress progress(out, Progress::Style::bar, "step", columns);
+    progress.show(2, 500, 1000);
+    return out.str();
+  };
+  EXPECT_EQ(drawn(80), drawn(0));
+  EXPECT_EQ(drawn(75), drawn(0));
+  EXPECT_EQ(drawn(74), "\r\x1b[K50 %  500 of 1,000 steps, about 2 s left");
+  EXPECT_EQ(drawn(20), "\r\x1b[K50 %  500 of 1,000 ");
+}
+
 TEST(Progress, TheBarRedrawsItselfAndGoesAway) {
   std::ostringstream out;
   {
-    Progress progress(out, Progress::Style::bar);
+    Progress progress(out, Progress::Style::bar, "step", 0);
     progress.show(2, 500, 1000);
     progress.show(2.05, 510, 1000);  // too soon
     progress.show(4, 1000, 1000);

@@ -1,10 +1,8 @@
 // assur compare SCENE
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <ctime>
-#include <fstream>
 #include <iostream>
+#include <optional>
 
 #include "assur/machine.hpp"
 #include "commands/commands.hpp"
@@ -15,6 +13,7 @@
 #include "output/comparison_report.hpp"
 #include "output/format.hpp"
 #include "output/progress.hpp"
+#include "output/replace_file.hpp"
 #include "view/comparison_page.hpp"
 
 namespace assur::command {
@@ -67,10 +66,6 @@ std::vector<std::string> origin(const PerformanceModel& model) {
                     model.source()};
 }
 
-[[noreturn]] void cannot_write(const std::string& file) {
-  throw Error(Error::Kind::environment, {{"--html", "cannot write " + file + ": " + std::strerror(errno)}});
-}
-
 bool has_time(const measure::WorkPrecision& result) {
   return std::any_of(result.rows.begin(), result.rows.end(), [](const auto& row) { return row.seconds.has_value(); });
 }
@@ -84,12 +79,8 @@ int compare(const Common& common, const CompareOptions& options) {
   if (!common.quiet) {
     for (const std::string& message : known.messages) std::cerr << "note: " << message << '\n';
   }
-  std::ofstream html;
-  if (!options.html.empty()) {  // before the work, so that none is lost to a misspelt folder
-    errno = 0;
-    html.open(options.html);
-    if (!html) cannot_write(options.html);
-  }
+  std::optional<output::Replacement> html;
+  if (!options.html.empty()) html.emplace("--html", options.html);
 
   using output::Progress;
   Progress progress(std::cerr, common.quiet ? Progress::Style::none : Progress::style_of_standard_error(), "candidate");
@@ -109,10 +100,9 @@ int compare(const Common& common, const CompareOptions& options) {
   progress.clear();
 
   const output::ComparisonSummary summary{scene.name(), scene.time().step, options.accuracies, result};
-  if (html.is_open()) {
-    html << view::comparison_page(summary, origin(*known.model));
-    html.close();
-    if (!html) cannot_write(options.html);
+  if (html) {
+    html->stream() << view::comparison_page(summary, origin(*known.model));
+    html->put();
   }
   if (common.json) {
     output::print(std::cout, to_json(summary));

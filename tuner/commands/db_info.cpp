@@ -1,4 +1,5 @@
 // assur db info: which databases there are, and what they hold.
+#include <algorithm>
 #include <iostream>
 
 #include "commands/db_parts.hpp"
@@ -17,7 +18,8 @@ using output::Table;
 
 struct Row {
   db::DatabaseFile place;
-  std::string why_not;  // it cannot be read
+  std::string why_not;   // it cannot be read
+  bool refused = false;  // it is there
   std::vector<db::Run> runs;
   db::Health health;
 };
@@ -35,13 +37,14 @@ std::string role(db::DatabaseFile::Role role) {
 }
 
 Row look(const db::DatabaseFile& place) {
-  Row row{place, "", {}, {}};
+  Row row{place, {}, false, {}, {}};
   try {
     const db::Store store(place.file, db::Access::read);
     row.runs = store.runs();
     row.health = store.health();
   } catch (const db::Unusable& unusable) {
-    row.why_not = unusable.trouble() == db::Trouble::absent ? "not there" : unusable.what();
+    row.refused = unusable.trouble() != db::Trouble::absent;
+    row.why_not = row.refused ? unusable.what() : "not there";
   }
   return row;
 }
@@ -73,6 +76,7 @@ Json to_json(const std::vector<Row>& rows) {
                     {"samples", row.health.samples},
                     {"damaged", row.health.damaged},
                     {"stale", row.health.stale},
+                    {"findings", row.health.findings},
                     {"runs", std::move(runs)}});
   }
   return list;
@@ -89,6 +93,7 @@ void print(Page& page, const Row& row, const std::string& here) {
             output::grouped(row.health.samples) +
                 (row.health.stale > 0 ? ", " + output::grouped(row.health.stale) + " of other libraries" : "") +
                 (row.health.damaged > 0 ? ", and " + output::grouped(row.health.damaged) + " damaged" : ""));
+  page.list("findings", row.health.findings);
   if (row.runs.empty()) return;
   using enum Table::Align;
   Table table({right, left, left, left, left, right, right});
@@ -108,6 +113,7 @@ int db_info(const Common& common) {
   const db::Host host = db::this_host();
   std::vector<Row> rows;
   for (const db::DatabaseFile& file : files) rows.push_back(look(file));
+  const bool refused = std::any_of(rows.begin(), rows.end(), [](const Row& row) { return row.refused; });
   const MachineModel model = db::read_machine_model(files, host, db::library_at_hand);
   if (common.json) {
     output::print(std::cout, {{"machine", host.fingerprint()},
@@ -115,7 +121,7 @@ int db_info(const Common& common) {
                               {"believed", model.model->samples()},
                               {"source", model.model->source()},
                               {"messages", model.messages}});
-    return kDone;
+    return refused ? kEnvironment : kDone;
   }
   Page page(std::cout);
   page.title("This machine: " + to_string(host));
@@ -127,7 +133,7 @@ int db_info(const Common& common) {
     page.gap();
     print(page, row, host.fingerprint());
   }
-  return kDone;
+  return refused ? kEnvironment : kDone;
 }
 
 }  // namespace assur::command

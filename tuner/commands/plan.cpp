@@ -1,23 +1,21 @@
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <iostream>
+#include <sstream>
 
 #include "assur/machine.hpp"
 #include "assur/saved_plan.hpp"
 #include "commands/commands.hpp"
 #include "output/plan_report.hpp"
+#include "output/replace_file.hpp"
 
 namespace assur::command {
 namespace {
 
 void save(const std::string& file, const Prepared& prepared) {
-  errno = 0;
-  std::ofstream out(file);
-  if (!out) {
-    throw Error(Error::Kind::environment, {{"--save", "cannot write " + file + ": " + std::strerror(errno)}});
-  }
-  save_plan(out, prepared);
+  output::Replacement out("--save", file);
+  std::ostringstream text;
+  save_plan(text, prepared);
+  out.stream() << text.str();
+  out.put();
 }
 
 }  // namespace

@@ -59,7 +59,9 @@ int run(const Common& common, const RunOptions& options) {
   output::CsvFile csv(options.csv);
   std::optional<output::ErrorsCsv> errors;
   if (!options.errors.empty()) errors.emplace(options.errors);
-  std::ofstream animation = open_picture("--animate", options.animate), plot = open_picture("--plot", options.plot);
+  std::optional<output::Replacement> animation, plot;
+  if (!options.animate.empty()) animation.emplace("--animate", options.animate);
+  if (!options.plot.empty()) plot.emplace("--plot", options.plot);
 
   const std::int64_t steps = scene.time().steps();
   Progress progress(std::cerr, common.quiet ? Progress::Style::none : Progress::style_of_standard_error());
@@ -92,14 +94,14 @@ int run(const Common& common, const RunOptions& options) {
                              .certificate = std::move(certificate)};
   if (summary.steps > 0 && how.mode == Mode::latency) summary.step_seconds = times.figures();
   print(common, options, summary);
-  if (plot.is_open()) {
-    plot << view::outputs_over_time(prepared, trajectory, ending(report));
-    close_picture("--plot", options.plot, plot);
+  if (plot) {
+    plot->stream() << view::outputs_over_time(prepared, trajectory, ending(report));
+    plot->put();
   }
   bool all_written = !errors || write_errors(simulator, options, *errors, progress);
-  if (animation.is_open()) {
-    all_written = write_animation(prepared, report, how, options, animation, progress) && all_written;
-    close_picture("--animate", options.animate, animation);
+  if (animation) {
+    all_written = write_animation(prepared, report, how, options, animation->stream(), progress) && all_written;
+    animation->put();
   }
   const Exit exit = all_written ? exit_of(report.status.code) : kInterrupted;
   if (exit == kNumerical && !common.json) {

@@ -1,7 +1,5 @@
 // assur run SCENE --animate FILE
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <optional>
 #include <utility>
 
@@ -15,11 +13,6 @@
 
 namespace assur::command {
 namespace {
-
-[[noreturn]] void cannot_write(const std::string& option, const std::string& file) {
-  const std::string why = errno != 0 ? std::strerror(errno) : "unknown reason";
-  throw Error(Error::Kind::environment, {{option, "cannot write " + file + ": " + why}});
-}
 
 // Single steps can be looked at, so nothing runs side by side.
 PrepareOptions step_by_step(PrepareOptions how) {
@@ -40,23 +33,8 @@ std::vector<std::string> about(const Prepared& prepared, const RunOptions& optio
 
 }  // namespace
 
-std::ofstream open_picture(const std::string& option, const std::string& file) {
-  std::ofstream picture;
-  if (file.empty()) return picture;
-  errno = 0;
-  picture.open(file);
-  if (!picture) cannot_write(option, file);
-  return picture;
-}
-
-void close_picture(const std::string& option, const std::string& file, std::ofstream& picture) {
-  errno = 0;
-  picture.close();
-  if (!picture) cannot_write(option, file);
-}
-
 bool write_animation(const Prepared& prepared, const Report& report, PrepareOptions how, const RunOptions& options,
-                     std::ofstream& page, output::Progress& progress) {
+                     std::ostream& page, output::Progress& progress) {
   const Prepared shown = prepare(view::with_all_points(*prepared.scene), step_by_step(std::move(how)));
   Simulator simulator(shown, limits_of(options));
   const std::int64_t steps = prepared.time.steps();

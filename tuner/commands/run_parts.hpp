@@ -36,14 +36,10 @@ void check_errors(const RunOptions& options, const PrepareOptions& how);
 [[nodiscard]] bool write_errors(Simulator& simulator, const RunOptions& options, output::ErrorsCsv& csv,
                                 output::Progress& progress);
 
-// --animate, --plot: opened before the work; no file for an empty name. Both throw Error (environment) for a file
-// that cannot be written.
-[[nodiscard]] std::ofstream open_picture(const std::string& option, const std::string& file);
-void close_picture(const std::string& option, const std::string& file, std::ofstream& picture);
 // The motion of this run once more, step by step and with all points. False if interrupted: the page then shows what
 // was reached.
 [[nodiscard]] bool write_animation(const Prepared& prepared, const Report& report, PrepareOptions how,
-                                   const RunOptions& options, std::ofstream& page, output::Progress& progress);
+                                   const RunOptions& options, std::ostream& page, output::Progress& progress);
 
 // Where the start posture cannot be assembled: the page with the guess and the closest posture.
 void write_refused(const Scene& scene, const PrepareOptions& how, const RunOptions& options, std::ofstream& page);

@@ -6,27 +6,21 @@
 
 namespace assur::output {
 
-CsvFile::CsvFile(std::string name) : name_(std::move(name)) {
-  if (name_.empty() || name_ == "-") return;
-  errno = 0;
-  file_.open(name_);
-  if (!file_) fail();
+CsvFile::CsvFile(const std::string& name) : to_standard_output_(name == "-") {
+  if (!name.empty() && !to_standard_output_) file_.emplace("--csv", name);
 }
 
 std::ostream& CsvFile::begin() {
   errno = 0;
-  return name_ == "-" ? std::cout : file_;
+  return file_ ? file_->stream() : std::cout;
 }
 
-void CsvFile::end(std::ostream& out) const {
-  out.flush();
-  if (!out) fail();
-}
-
-void CsvFile::fail() const {
+void CsvFile::end() {
+  if (file_) return file_->put();
+  std::cout.flush();
+  if (std::cout) return;
   const std::string why = errno != 0 ? std::strerror(errno) : "unknown reason";
-  throw Error(Error::Kind::environment,
-              {{"--csv", "cannot write " + (name_ == "-" ? "to standard output" : name_) + ": " + why}});
+  throw Error(Error::Kind::environment, {{"--csv", "cannot write to standard output: " + why}});
 }
 
 }  // namespace assur::output

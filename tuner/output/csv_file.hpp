@@ -1,11 +1,12 @@
 // Where --csv goes.
 #pragma once
 
-#include <fstream>
 #include <iostream>
+#include <optional>
 #include <string>
 
 #include "assur/simulator.hpp"
+#include "output/replace_file.hpp"
 
 namespace assur::output {
 
@@ -13,24 +14,22 @@ class CsvFile {
  public:
   // "-": standard output; "": nowhere. Opened before the run: an hour's work is not lost to a misspelt folder. Throws
   // Error (environment), as write() does.
-  explicit CsvFile(std::string name);
+  explicit CsvFile(const std::string& name);
 
   // `result`: of a run, anything that write_csv() takes.
   template <class Result>
   void write(const Result& result) {
-    if (name_.empty()) return;
-    std::ostream& out = begin();
-    write_csv(out, result);
-    end(out);
+    if (!file_ && !to_standard_output_) return;
+    write_csv(begin(), result);
+    end();
   }
 
  private:
   std::ostream& begin();
-  void end(std::ostream& out) const;
-  [[noreturn]] void fail() const;
+  void end();
 
-  std::string name_;
-  std::ofstream file_;
+  bool to_standard_output_;
+  std::optional<Replacement> file_;
 };
 
 }  // namespace assur::output

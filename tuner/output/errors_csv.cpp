@@ -1,9 +1,5 @@
 #include "output/errors_csv.hpp"
 
-#include <cerrno>
-#include <cstring>
-#include <utility>
-
 namespace assur::output {
 namespace {
 
@@ -18,36 +14,25 @@ void cell(std::ostream& out, const std::optional<T>& value) {
 
 }  // namespace
 
-ErrorsCsv::ErrorsCsv(std::string file) : file_(std::move(file)) {
-  errno = 0;
-  out_.open(file_);
-  if (!out_) fail();
-  out_.precision(kDigits);
-  out_ << "t,group,residual,estimated,error,condition,iterations,substeps\n";
+ErrorsCsv::ErrorsCsv(const std::string& file) : file_("--errors", file) {
+  file_.stream().precision(kDigits);
+  file_.stream() << "t,group,residual,estimated,error,condition,iterations,substeps\n";
 }
 
 void ErrorsCsv::write(double t, std::int64_t substeps, const Structure& structure, std::span<const ErrorsRow> rows) {
+  std::ostream& out = file_.stream();
   for (const ErrorsRow& row : rows) {
     const GroupFigures& f = row.figures;
-    out_ << t << ",\"" << structure.groups[static_cast<std::size_t>(f.group)].name << "\"," << f.residual << ','
-         << f.estimated_error;
-    cell(out_, row.error);
-    out_ << ',' << f.condition;
-    cell(out_, row.iterations);
-    out_ << ',' << substeps << '\n';
+    out << t << ",\"" << structure.groups[static_cast<std::size_t>(f.group)].name << "\"," << f.residual << ','
+        << f.estimated_error;
+    cell(out, row.error);
+    out << ',' << f.condition;
+    cell(out, row.iterations);
+    out << ',' << substeps << '\n';
   }
-  if (!out_) fail();
+  file_.check();
 }
 
-void ErrorsCsv::close() {
-  errno = 0;
-  out_.close();
-  if (!out_) fail();
-}
-
-void ErrorsCsv::fail() const {
-  const std::string why = errno != 0 ? std::strerror(errno) : "unknown reason";
-  throw Error(Error::Kind::environment, {{"--errors", "cannot write " + file_ + ": " + why}});
-}
+void ErrorsCsv::close() { file_.put(); }
 
 }  // namespace assur::output

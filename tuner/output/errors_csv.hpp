@@ -2,12 +2,12 @@
 #pragma once
 
 #include <cstdint>
-#include <fstream>
 #include <optional>
 #include <span>
 #include <string>
 
 #include "assur/simulator.hpp"
+#include "output/replace_file.hpp"
 
 namespace assur::output {
 
@@ -22,17 +22,14 @@ struct ErrorsRow {
 class ErrorsCsv {
  public:
   // Throws Error (environment), as all of it does, that names the file.
-  explicit ErrorsCsv(std::string file);
+  explicit ErrorsCsv(const std::string& file);
 
   // substeps: accepted ones on the way to t.
   void write(double t, std::int64_t substeps, const Structure& structure, std::span<const ErrorsRow> rows);
   void close();
 
  private:
-  [[noreturn]] void fail() const;
-
-  std::string file_;
-  std::ofstream out_;
+  Replacement file_;
 };
 
 }  // namespace assur::output

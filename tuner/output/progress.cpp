@@ -1,8 +1,11 @@
 #include "output/progress.hpp"
 
+#include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <string>
 
 #include "output/format.hpp"
@@ -31,7 +34,16 @@ std::string roughly(double seconds) {
 
 }  // namespace
 
-Progress::Style Progress::style_of_standard_error() { return isatty(STDERR_FILENO) == 1 ? Style::bar : Style::lines; }
+Progress::Style Progress::style_of_standard_error() {
+  const char* const terminal = std::getenv("TERM");
+  const bool redraws = terminal == nullptr || (*terminal != '\0' && std::string_view(terminal) != "dumb");
+  return isatty(STDERR_FILENO) == 1 && redraws ? Style::bar : Style::lines;
+}
+
+int Progress::columns_of_standard_error() {
+  winsize size{};
+  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;
+}
 
 void Progress::print(double seconds, std::int64_t done, std::int64_t of) {
   const double share = of > 0 ? static_cast<double>(done) / static_cast<double>(of) : 1;
@@ -39,7 +51,15 @@ void Progress::print(double seconds, std::int64_t done, std::int64_t of) {
   if (done > 0 && done < of) text += ", about " + roughly(seconds / share - seconds) + " left";
   const std::string percent = number(std::floor(100 * share)) + " %";
   if (style_ == Style::bar) {
-    out_ << kEraseLine << "  " << bar(share) << "  " << percent << "  " << text << std::flush;
+    // A line that wraps cannot be erased: on a narrow terminal without the bar, and cut.
+    std::string line = percent + "  " + text;
+    const std::size_t room = columns_ > 0 ? static_cast<std::size_t>(columns_) - 1 : std::string::npos;
+    if (line.size() + kBarWidth + 4 <= room) {
+      line = "  " + bar(share) + "  " + line;
+    } else {
+      line.resize(std::min(line.size(), room));
+    }
+    out_ << kEraseLine << line << std::flush;
     drawn_ = true;
   } else {
     out_ << percent << ", " << text << std::endl;

@@ -11,11 +11,15 @@ class Progress {
  public:
   enum class Style : std::uint8_t { none, lines, bar };
 
-  // bar if standard error is a terminal, else lines.
+  // bar if standard error is a terminal that can redraw a line, else lines.
   [[nodiscard]] static Style style_of_standard_error();
+  // Of the terminal at standard error; 0 if it does not say.
+  [[nodiscard]] static int columns_of_standard_error();
 
   // noun: what is counted, a literal.
-  Progress(std::ostream& out, Style style, std::string_view noun = "step") : out_(out), style_(style), noun_(noun) {}
+  // columns: that the bar and its text may take, 0: any number.
+  Progress(std::ostream& out, Style style, std::string_view noun = "step", int columns = columns_of_standard_error())
+      : out_(out), style_(style), noun_(noun), columns_(columns) {}
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
   ~Progress() { clear(); }
@@ -34,6 +38,7 @@ class Progress {
   std::ostream& out_;
   Style style_;
   std::string_view noun_;
+  int columns_;
   double due_ = 1;  // s: a shorter run needs no progress
   bool drawn_ = false;
 };
