@@ -163,6 +163,36 @@ TEST_F(RaceTest, DisturbedBlocksAreRepeated) {
   for (const double s : runners_[0].seconds) EXPECT_NEAR(s, 30e-6, 1e-9);
 }
 
+// Of what one thread does nothing is uneven, and what is disturbed is of all that was tried, whenever the time is over.
+TEST_F(RaceTest, CountsNoMoreDisturbancesThanBlocks) {
+  class Disturbed final : public Timed {
+   public:
+    explicit Disturbed(Laboratory& laboratory) : Timed(laboratory, 30e-6), laboratory_(laboratory) {}
+    bool run(int calls) override {
+      ++laboratory_.switches;
+      return Timed::run(calls);
+    }
+
+   private:
+    Laboratory& laboratory_;
+  };
+  laboratory_.unevenness = 2;
+  for (const double seconds : {3e-4, 1e-3, 5e-3, 0.5}) {
+    runners_.clear();
+    std::vector<std::unique_ptr<Disturbed>> work;
+    for (int i = 0; i < 6; ++i) {
+      work.push_back(std::make_unique<Disturbed>(laboratory_));
+      runners_.push_back({.work = work.back().get(), .threads = i == 0 ? 2 : 1});
+    }
+    RaceRules rules;
+    rules.seconds = seconds;
+    const RaceFigures figures = hold(rules);
+    EXPECT_GT(figures.disturbed, 0) << seconds;
+    EXPECT_LE(figures.disturbed, figures.blocks) << seconds;
+    EXPECT_LE(figures.uneven, figures.shared) << seconds;
+  }
+}
+
 // One core is at half the pace for three of six milliseconds, and threads wait for it.
 TEST_F(RaceTest, OfSeveralThreadsOnlyTimesOnEvenCoresCount) {
   const auto uneven = [this] { return std::fmod(laboratory_.now, 6e-3) < 3e-3; };

@@ -1,11 +1,12 @@
-// Ctrl-C while a run goes on.
+// Ctrl-C, or the end that a system asks for, while a run goes on.
 #pragma once
 
+#include <array>
 #include <csignal>
 
 namespace assur::command {
 
-// From construction to destruction the first SIGINT only sets a flag; the second one ends the program.
+// From construction to destruction the first SIGINT or SIGTERM only sets a flag; the second of its kind ends the program.
 class Interrupt {
  public:
   Interrupt();
@@ -18,8 +19,9 @@ class Interrupt {
  private:
   static void note(int) { flag_ = 1; }
 
+  static constexpr std::array<int, 2> kSignals = {SIGINT, SIGTERM};
   static inline volatile std::sig_atomic_t flag_ = 0;
-  struct sigaction before_ {};
+  std::array<struct sigaction, kSignals.size()> before_{};
 };
 
 }  // namespace assur::command

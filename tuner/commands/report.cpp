@@ -55,6 +55,7 @@ int report(const Common& common, const ReportOptions& options) {
                               {"failures", outcome.failures}});
   } else {
     for (const auto& file : outcome.files) std::cout << file.string() << '\n';
+    if (outcome.interrupted) std::cerr << "interrupted: the report holds what was measured until then\n";
     for (const std::string& failure : outcome.failures) std::cerr << "error: " << failure << '\n';
   }
   if (outcome.interrupted) return kInterrupted;

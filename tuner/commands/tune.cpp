@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <iostream>
 #include <iterator>
 #include <limits>
@@ -15,8 +14,10 @@
 #include "measure/noise.hpp"
 #include "measure/pace.hpp"
 #include "measure/step_times.hpp"
+#include "output/format.hpp"
 #include "output/notes.hpp"
 #include "output/progress.hpp"
+#include "output/replace_file.hpp"
 #include "output/tuning_report.hpp"
 #include "tuning/archive.hpp"
 #include "tuning/campaign.hpp"
@@ -110,13 +111,13 @@ db::Grade grade_of(measure::Quiet quiet) {
   return db::Grade::noisy;
 }
 
-void write_csv(std::ofstream& out, const std::string& file, const std::vector<tuning::CellResult>& cells) {
+void write_csv(output::Replacement& out, const std::vector<tuning::CellResult>& cells) {
   std::vector<Sample> samples;
   for (const tuning::CellResult& cell : cells) {
     for (const tuning::Result& r : cell.results) samples.insert(samples.end(), r.passes.begin(), r.passes.end());
   }
-  tuning::write_csv(out, samples);
-  if (!out.flush()) throw Error(Error::Kind::environment, {{file, "cannot be written"}});
+  tuning::write_csv(out.stream(), samples);
+  out.put();
 }
 
 }  // namespace
@@ -129,11 +130,8 @@ int tune(const Common& common, const TuneOptions& options) {
   const double begin = measure::StepTimes::steady();
   const tuning::Profile profile = tuning::profile(options.profile, options.budget);
   std::vector<tuning::Cell> cells = cells_of(common, options, profile.extent);
-  std::ofstream csv;
-  if (!options.csv.empty()) {
-    csv.open(options.csv);
-    if (!csv) throw Error(Error::Kind::environment, {{options.csv, "cannot be written"}});
-  }
+  std::optional<output::Replacement> csv;
+  if (!options.csv.empty()) csv.emplace("--csv", options.csv);
   tuning::Archive archive(database_of(common, options), name_of(profile, options));
   for (const std::string& message : archive.messages()) std::cerr << message << '\n';
   if (!common.quiet) {
@@ -190,18 +188,23 @@ int tune(const Common& common, const TuneOptions& options) {
   summary.failed = probes.failed();
   summary.cells = campaign.results();
   summary.seconds = measure::StepTimes::steady() - begin;
-  if (!summary.figures.interrupted) {
+  const bool nothing = summary.figures.measured == 0;  // then the next run is to go on with this one
+  if (!summary.figures.interrupted && !nothing) {
     archive.finish({grade_of(judgement.quiet), summary.seconds, summary.figures.coverage(), judgement.reason},
                    to_json(summary).dump());
   }
-  if (csv.is_open()) write_csv(csv, options.csv, campaign.results());
+  if (csv) write_csv(*csv, campaign.results());
   if (common.json) {
     output::print(std::cout, to_json(summary));
   } else {
     output::Page page(std::cout);
     print(page, summary);
   }
-  return summary.figures.interrupted ? kInterrupted : kDone;
+  if (summary.figures.interrupted) return kInterrupted;
+  if (!nothing) return kDone;
+  std::cerr << "error: nothing was measured in " << output::duration(profile.seconds)
+            << ": the machine is busy or slow; give more seconds with --budget\n";
+  return kEnvironment;
 }
 
 }  // namespace assur::command

@@ -115,6 +115,7 @@ class Race {
 
   // Until the cores are alike, for a while; whether they are.
   [[nodiscard]] bool await_even(const Runner& r) const {
+    if (r.threads < 2) return true;
     for (int look = 0; look < kLooks && !over(); ++look) {
       if (even(r)) return true;
     }
@@ -129,12 +130,12 @@ class Race {
       const double seconds = block(r);
       if (seconds < 0) return;
       const bool uneven = !evenly || !even(r);
+      ++figures_.blocks;
       figures_.disturbed += switched_ ? 1 : 0;
       figures_.shared += r.threads > 1 ? 1 : 0;
       figures_.uneven += uneven ? 1 : 0;
       if ((switched_ || uneven) && attempt < rules_.repeats && seconds < kLargeShare * rules_.seconds / 10) continue;
       r.seconds.push_back(seconds / r.calls);
-      ++figures_.blocks;
       return;
     }
   }

@@ -53,8 +53,8 @@ struct Instruments {
 };
 
 struct RaceFigures {
-  std::int64_t blocks = 0;     // that count
-  std::int64_t disturbed = 0;  // blocks that were repeated, or counted though the processor was taken away
+  std::int64_t blocks = 0;     // repeated ones as well
+  std::int64_t disturbed = 0;  // of these, those during which the processor was taken away
   std::int64_t shared = 0;     // blocks of several threads, repeated ones as well
   std::int64_t uneven = 0;     // of these, those while one core was much slower than another
   double slowness = 1;         // of the machine, the middle one

@@ -111,6 +111,10 @@ void print(Page& page, const TuningSummary& s) {
   if (s.figures.cut_short > 0) samples += ", " + count(s.figures.cut_short) + " are cut short";
   if (s.figures.earlier > 0) samples += ", " + count(s.figures.earlier) + " are of the run that was interrupted";
   page.fact("samples", samples);
+  if (s.figures.interrupted) {
+    page.fact("interrupted", s.database.empty() ? "the cells until then are here"
+                                                : "what was measured is kept; the same command goes on with it");
+  }
   page.fact("grade", s.grade + (s.reason.empty() ? "" : ": " + s.reason));
   if (s.regret.questions > 0) {
     const auto percent = [](double share) { return number(std::round(1000 * share) / 10) + " %"; };

@@ -84,8 +84,8 @@ class PaperExperiments {
  private:
   [[nodiscard]] measure::Noise noise() const {
     measure::Noise noise = watch_->noise();
-    noise.disturbed = std::min(
-        1.0, static_cast<double>(blocks_.disturbed) / static_cast<double>(std::max<std::int64_t>(blocks_.blocks, 1)));
+    noise.disturbed =
+        static_cast<double>(blocks_.disturbed) / static_cast<double>(std::max<std::int64_t>(blocks_.blocks, 1));
     std::vector<double> spreads;
     for (const PaperTiming& t : out_.times) {
       if (t.rounds > 2) spreads.push_back(t.spread / t.seconds);
