@@ -8,6 +8,7 @@
 #include <new>
 #include <sstream>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "commands/commands.hpp"
@@ -92,6 +93,8 @@ int perform(const options::Invocation& call) {
     return report(error, call.common.json);
   } catch (const std::bad_alloc&) {
     return report(Error(Error::Kind::environment, "out of memory"), call.common.json);
+  } catch (const std::system_error& error) {  // no thread, no file
+    return report(Error(Error::Kind::environment, error.what()), call.common.json);
   }
 }
 

@@ -8,6 +8,7 @@
 #include "backends/backends.hpp"
 #include "backends/lane_by_lane.hpp"
 #include "backends/mumps_matrix.hpp"
+#include "parallel/thread_state.hpp"
 
 namespace assur::mumps {
 namespace {
@@ -49,7 +50,7 @@ class MumpsSolver final : public LaneByLane {
 }  // namespace
 
 std::string why_not(const Shape&, ThreadBudget budget) {
-  if (budget.threads <= 1) return "";
+  if (budget.threads <= 1) return why_not_blas_memory();
   return "the sequential MUMPS runs on one thread";
 }
 

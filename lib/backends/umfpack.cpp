@@ -12,6 +12,7 @@
 
 #include "backends/backends.hpp"
 #include "backends/lane_by_lane.hpp"
+#include "parallel/thread_state.hpp"
 
 namespace assur::umfpack {
 namespace {
@@ -132,7 +133,9 @@ Figures UmfpackSolver::lane_figures(int index) const {
 
 }  // namespace
 
-std::string why_not(const Shape&, ThreadBudget budget) { return budget.threads > 1 ? "it runs on one thread" : ""; }
+std::string why_not(const Shape&, ThreadBudget budget) {
+  return budget.threads > 1 ? "it runs on one thread" : why_not_blas_memory();
+}
 
 std::unique_ptr<LinearSolver> make(ThreadBudget, Precision) { return std::make_unique<UmfpackSolver>(); }
 

@@ -2,6 +2,7 @@
 
 #include <dlfcn.h>
 #include <pthread.h>
+#include <sys/mman.h>
 
 #include <algorithm>
 #include <array>
@@ -129,7 +130,23 @@ std::string slow_kernels(std::string_view core, std::string_view instructions) {
          (instructions.starts_with("AVX3") ? "SkylakeX" : "Haswell");
 }
 
+std::string why_not_blas_memory() {
+  const Library& blas = library();
+  if (!blas.openblas_threads) return "";
+  const int threads = std::max(blas.openblas_threads(), 1);
+  const std::size_t bytes = static_cast<std::size_t>(threads) * kBlasBuffer;
+  void* const room = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (room != MAP_FAILED) {
+    munmap(room, bytes);
+    return "";
+  }
+  return "OpenBLAS cannot have the address space that it needs, " + std::to_string(bytes >> 20) + " MiB for " +
+         std::to_string(threads) + (threads == 1 ? " thread" : " threads") +
+         "; raise `ulimit -v`, or set OMP_NUM_THREADS=1";
+}
+
 std::string why_not_blas_threads(int threads) {
+  if (std::string no_room = why_not_blas_memory(); !no_room.empty()) return no_room;
   const Library& blas = library();
   const std::string wanted = std::to_string(threads) + (threads == 1 ? " thread" : " threads");
   switch (blas.kind) {

@@ -5,6 +5,7 @@
 #include <sched.h>
 
 #include <array>
+#include <cstddef>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -25,6 +26,13 @@ namespace assur {
 
 // "" if BLAS calls of this thread can be given so many threads without changing those of another thread.
 [[nodiscard]] std::string why_not_blas_threads(int threads);
+
+// OpenBLAS takes so much address space for each thread that calls it (BUFFER_SIZE in its common_x86_64.h, and a page),
+// and where it gets none it asks for ever.
+inline constexpr std::size_t kBlasBuffer = (std::size_t{128} << 20) + 4096;
+
+// "" if every thread can call BLAS.
+[[nodiscard]] std::string why_not_blas_memory();
 
 // Gives the BLAS calls of this thread so many threads until the end of the scope. Only with a number for which
 // why_not_blas_threads() is "".

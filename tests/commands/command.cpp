@@ -1,6 +1,7 @@
 #include "commands/command.hpp"
 
 #include <fcntl.h>
+#include <pty.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -22,11 +23,16 @@ void redirect(int descriptor, const std::string& file) {
   if (to < 0 || dup2(to, descriptor) < 0) _exit(99);
 }
 
-[[noreturn]] void become(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
-                         const std::string& out, const std::string& err) {
+[[noreturn]] void become(const std::vector<std::string>& arguments, const Setting& setting, const std::string& out,
+                         const std::string& err, int terminal) {
   redirect(STDOUT_FILENO, out);
-  redirect(STDERR_FILENO, err);
-  if (!folder.empty() && chdir(folder.c_str()) != 0) _exit(98);
+  if (terminal < 0) {
+    redirect(STDERR_FILENO, err);
+  } else if (dup2(terminal, STDERR_FILENO) < 0) {
+    _exit(99);
+  }
+  if (!setting.folder.empty() && chdir(setting.folder.c_str()) != 0) _exit(98);
+  if (setting.before) setting.before();
   std::vector<char*> words = {const_cast<char*>(ASSUR_COMMAND)};
   for (const std::string& a : arguments) words.push_back(const_cast<char*>(a.c_str()));
   words.push_back(nullptr);
@@ -47,9 +53,21 @@ Outcome run_command(const std::vector<std::string>& arguments, const Setting& se
   const Scratch scratch;
   const std::string out = setting.out.empty() ? scratch.file("out") : setting.out.string();
   const std::string err = scratch.file("err", "");
+  int ours = -1, theirs = -1;
+  const winsize size{24, setting.columns, 0, 0};
+  if (setting.columns > 0 && openpty(&ours, &theirs, nullptr, nullptr, &size) != 0) {
+    throw std::runtime_error("no terminal");
+  }
   const pid_t child = fork();
   if (child < 0) throw std::runtime_error("fork failed");
-  if (child == 0) become(arguments, setting.folder, out, err);
+  if (child == 0) become(arguments, setting, out, err, theirs);
+  std::string drawn;
+  if (setting.columns > 0) {
+    close(theirs);
+    char some[512];
+    for (ssize_t count = 0; (count = read(ours, some, sizeof some)) > 0;) drawn.append(some, count);
+    close(ours);
+  }
 
   int status = 0;
   if (!setting.interrupt_when_err.empty()) {
@@ -57,10 +75,11 @@ Outcome run_command(const std::vector<std::string>& arguments, const Setting& se
       if (waitpid(child, &status, WNOHANG) == child) throw std::runtime_error("ended too early: " + content(err));
       std::this_thread::sleep_for(10ms);
     }
-    kill(child, SIGINT);
+    kill(child, setting.signal);
   }
   waitpid(child, &status, 0);
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, setting.out.empty() ? content(out) : "", content(err)};
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, setting.out.empty() ? content(out) : "",
+          setting.columns > 0 ? drawn : content(err)};
 }
 
 std::string content(const std::filesystem::path& file) {

@@ -1,6 +1,7 @@
 // Runs the command as a user does.
 #pragma once
 
+#include <csignal>
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
@@ -18,9 +19,12 @@ struct Outcome {
 };
 
 struct Setting {
-  std::filesystem::path folder;    // where it runs; empty: here
-  std::filesystem::path out;       // where standard output goes; empty: into Outcome::out
-  std::string interrupt_when_err;  // SIGINT is sent once standard error contains this; empty: never
+  std::filesystem::path folder = {};    // where it runs; empty: here
+  std::filesystem::path out = {};       // where standard output goes; empty: into Outcome::out
+  std::string interrupt_when_err = {};  // a signal is sent once standard error contains this; empty: never
+  int signal = SIGINT;
+  std::function<void()> before = {};  // done in the child: limits, environment
+  unsigned short columns = 0;         // of the terminal that standard error is; 0: it is none
 };
 
 [[nodiscard]] Outcome run_command(const std::vector<std::string>& arguments, const Setting& setting = {});

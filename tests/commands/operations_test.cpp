@@ -1,0 +1,182 @@
+// The command where the system gives it little: memory, disk, terminal, time.
+#include <gtest/gtest.h>
+#include <stdlib.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "commands/command.hpp"
+#include "sanitizers.hpp"
+
+namespace assur {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::function<void()> limited_to(int what, std::size_t bytes) {
+  return [what, bytes] {
+    const rlimit limit{bytes, bytes};
+    if (setrlimit(what, &limit) != 0) _exit(96);
+    alarm(120);  // one that hangs is ended
+  };
+}
+
+std::size_t files_in(const fs::path& folder) {
+  return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
+}
+
+// With too little address space it says so, and never hangs in a library.
+TEST(Operations, EndsWhereItCannotHaveItsMemory) {
+#if defined(ASSUR_ADDRESS_SANITIZER) || defined(ASSUR_THREAD_SANITIZER)
+  GTEST_SKIP() << "sanitizers reserve more address space than there is memory";
+#endif
+  const std::vector<std::vector<std::string>> calls = {{"run", "stewart", "--quiet"},
+                                                       {"run", "stewart", "--strategy", "groups/lapack", "--quiet"},
+                                                       {"plan", "stewart", "--json"}};
+  for (const std::size_t megabytes : {100, 200, 300, 400, 450, 500, 600}) {
+    for (const auto& words : calls) {
+      SCOPED_TRACE(words[0] + " " + words.back() + " in " + std::to_string(megabytes) + " MB");
+      Setting setting;
+      setting.before = limited_to(RLIMIT_AS, megabytes * 1'000'000);
+      const Outcome outcome = run_command(words, setting);
+      ASSERT_TRUE(outcome.status == 0 || outcome.status == 3) << outcome.status << outcome.err;
+      if (outcome.status == 0) continue;
+      if (words.back() == "--json") {
+        EXPECT_EQ(outcome.json()["error"]["kind"], "environment");
+      } else {
+        EXPECT_TRUE(outcome.err.starts_with("error: ")) << outcome.err;
+      }
+    }
+  }
+}
+
+TEST(Operations, ATunerWithLittleMemoryEnds) {
+#if defined(ASSUR_ADDRESS_SANITIZER) || defined(ASSUR_THREAD_SANITIZER)
+  GTEST_SKIP() << "sanitizers reserve more address space than there is memory";
+#endif
+  const Scratch scratch;
+  Setting setting;
+  setting.before = limited_to(RLIMIT_AS, 500'000'000);
+  const Outcome outcome = run_command({"tune", "--budget", "2", "--quiet", "--db", scratch.file("tuning.db")}, setting);
+  EXPECT_TRUE(outcome.status == 0 || outcome.status == 3) << outcome.status << outcome.err;
+}
+
+class Written : public testing::TestWithParam<std::pair<const char*, std::vector<std::string>>> {};
+
+TEST_P(Written, ToAFullDeviceItSaysWhy) {
+  const auto& [option, before] = GetParam();
+  std::vector<std::string> words = before;
+  words.insert(words.end(), {option, "/dev/full"});
+  const Outcome outcome = run_command(words);
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_NE(outcome.err.find("error: " + std::string(option) + ": cannot write /dev/full: No space left on device\n"),
+            std::string::npos)
+      << outcome.err;
+  EXPECT_TRUE(fs::is_character_file("/dev/full"));
+}
+
+TEST_P(Written, ToADiskThatFillsUpItLeavesWhatWasThere) {
+  const auto& [option, before] = GetParam();
+  const Scratch scratch;
+  const std::string file = scratch.file("out", "old");
+  std::vector<std::string> words = before;
+  words.insert(words.end(), {option, file});
+  Setting setting;
+  setting.before = [] {
+    signal(SIGXFSZ, SIG_IGN);
+    limited_to(RLIMIT_FSIZE, 1000)();
+  };
+  setting.out = "/dev/null";
+  const Outcome outcome = run_command(words, setting);
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_NE(outcome.err.find("error: " + std::string(option) + ": cannot write " + file + ": File too large\n"),
+            std::string::npos)
+      << outcome.err;
+  EXPECT_EQ(content(file), "old");
+  EXPECT_EQ(files_in(fs::path(file).parent_path()), 1u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Operations, Written,
+                         testing::Values(std::pair("--csv", std::vector<std::string>{"run", "four_bar"}),
+                                         std::pair("--plot", std::vector<std::string>{"run", "four_bar"}),
+                                         std::pair("--animate", std::vector<std::string>{"run", "four_bar"}),
+                                         std::pair("--errors",
+                                                   std::vector<std::string>{"run", "four_bar", "--steps", "100"}),
+                                         std::pair("--save", std::vector<std::string>{"plan", "four_bar"})),
+                         [](const auto& of) { return std::string(of.param.first).substr(2); });
+
+TEST(Operations, ALinkIsFollowedAndAPipeIsWrittenTo) {
+  const Scratch scratch;
+  const std::string target = scratch.file("target", "old"), link = scratch.file("link");
+  fs::create_symlink(target, link);
+  EXPECT_EQ(run_command({"run", "four_bar", "--steps", "5", "--quiet", "--csv", link}).status, 0);
+  EXPECT_TRUE(fs::is_symlink(link));
+  EXPECT_TRUE(content(target).starts_with("t,"));
+  EXPECT_EQ(run_command({"run", "four_bar", "--steps", "5", "--quiet", "--csv", "/dev/null"}).status, 0);
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+}
+
+// Whatever asks it to end: what was measured is kept, and it says how to go on.
+TEST(Operations, ATunerThatIsToldToEndSaysHowItGoesOn) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const Scratch scratch;
+    Setting setting;
+    setting.interrupt_when_err = "of 60 seconds";
+    setting.signal = signal;
+    const Outcome outcome = run_command({"tune", "--budget", "60", "--db", scratch.file("tuning.db")}, setting);
+    EXPECT_EQ(outcome.status, 130);
+    EXPECT_NE(outcome.out.find("what was measured is kept; the same command goes on with it"), std::string::npos)
+        << outcome.out;
+  }
+}
+
+TEST(Operations, AReportThatIsToldToEndIsThere) {
+  const Scratch scratch;
+  Setting setting;
+  setting.interrupt_when_err = " seconds";
+  setting.signal = SIGTERM;
+  const Outcome outcome = run_command({"report", "--quick", "--out", scratch.file("report")}, setting);
+  EXPECT_EQ(outcome.status, 130);
+  EXPECT_NE(outcome.err.find("interrupted: the report holds what was measured until then\n"), std::string::npos)
+      << outcome.err;
+  EXPECT_NE(content(scratch.file("report") + "/index.html").find("Interrupted after"), std::string::npos);
+}
+
+TEST(Operations, TheBarFitsTheTerminal) {
+  const Scratch scratch;
+  const std::vector<std::string> words = {"tune", "--budget", "3", "--db", scratch.file("t.db")};
+  Setting setting;
+  setting.columns = 20;
+  setting.before = [] { setenv("TERM", "xterm", 1); };
+  const std::string drawn = run_command(words, setting).err;
+  const std::string erase = "\r\x1b[K";
+  ASSERT_NE(drawn.find(erase), std::string::npos);
+  for (std::size_t at = 0, next = 0; next != std::string::npos; at = next + erase.size()) {
+    next = drawn.find(erase, at);
+    EXPECT_LT(drawn.substr(at, next == std::string::npos ? next : next - at).size(), 20u);
+    if (next == std::string::npos) break;
+  }
+  setting.before = [] { setenv("TERM", "dumb", 1); };
+  EXPECT_EQ(run_command(words, setting).err.find('\x1b'), std::string::npos);
+}
+
+// The command itself knows one locale only.
+TEST(Operations, NoLocaleChangesAPlan) {
+  const Scratch scratch;
+  const std::string here = scratch.file("here"), there = scratch.file("there");
+  EXPECT_EQ(run_command({"plan", "stewart", "--quiet", "--save", here}).status, 0);
+  Setting setting;
+  setting.before = [] {
+    for (const char* name : {"LC_ALL", "LANG", "LC_NUMERIC"}) setenv(name, "de_DE.UTF-8", 1);
+  };
+  EXPECT_EQ(run_command({"plan", "stewart", "--quiet", "--save", there}, setting).status, 0);
+  EXPECT_EQ(content(here), content(there));
+}
+
+}  // namespace
+}  // namespace assur
