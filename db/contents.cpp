@@ -72,8 +72,14 @@ void salvage(SQLite::Database& database, const std::string& select, const TakeRo
   });
 }
 
-void each(SQLite::Database& database, Care care, const std::string& select, const TakeRow& take) {
+// index: one that holds all that is selected, so that a table is known where its own pages are lost.
+void each(SQLite::Database& database, Care care, const std::string& select, const TakeRow& take,
+          const char* index = nullptr) {
   if (care == Care::salvaging) {
+    try {
+      if (index != nullptr) scan(database, select + " INDEXED BY " + index, take, false);
+    } catch (const SQLite::Exception&) {
+    }
     salvage(database, select, take);
   } else {
     scan(database, select + " ORDER BY id", take);
@@ -246,25 +252,33 @@ Tables read_origins(SQLite::Database& database, Care care) {
          const std::uint64_t sum = sum_of(r.run.uid, r.run.machine);
          tables.runs.insert_or_assign(r.run.id, Checked<RunRow>{std::move(r), sum});
        });
-  each(database, care, "SELECT id, name, version, build FROM library", [&](Row& row) {
-    Library library{row.getColumn(1).getString(), row.getColumn(2).getString(), row.getColumn(3).getString()};
-    const std::uint64_t sum = sum_of(library);
-    tables.libraries.insert_or_assign(row.getColumn(0).getInt64(), Checked<Library>{std::move(library), sum});
-  });
+  each(
+      database, care, "SELECT id, name, version, build FROM library",
+      [&](Row& row) {
+        Library library{row.getColumn(1).getString(), row.getColumn(2).getString(), row.getColumn(3).getString()};
+        const std::uint64_t sum = sum_of(library);
+        tables.libraries.insert_or_assign(row.getColumn(0).getInt64(), Checked<Library>{std::move(library), sum});
+      },
+      "sqlite_autoindex_library_1");
   return tables;
 }
 
 void read_subjects(SQLite::Database& database, Tables& tables, Care care) {
-  each(database, care, "SELECT id, n, nnz, groups, rhs, fill, operations, depth, terms, pattern FROM shape",
-       [&](Row& row) {
-         const Shape shape = shape_of(row);
-         tables.shapes.insert_or_assign(row.getColumn(0).getInt64(), Checked<Shape>{shape, checksum(shape)});
-       });
-  each(database, care, "SELECT id, text FROM strategy", [&](Row& row) {
-    const std::string text = row.getColumn(1).getString();
-    tables.strategies.insert_or_assign(row.getColumn(0).getInt64(),
-                                       Checked<std::optional<Strategy>>{strategy_of(text), sum_of(text)});
-  });
+  each(
+      database, care, "SELECT id, n, nnz, groups, rhs, fill, operations, depth, terms, pattern FROM shape",
+      [&](Row& row) {
+        const Shape shape = shape_of(row);
+        tables.shapes.insert_or_assign(row.getColumn(0).getInt64(), Checked<Shape>{shape, checksum(shape)});
+      },
+      "sqlite_autoindex_shape_1");
+  each(
+      database, care, "SELECT id, text FROM strategy",
+      [&](Row& row) {
+        const std::string text = row.getColumn(1).getString();
+        tables.strategies.insert_or_assign(row.getColumn(0).getInt64(),
+                                           Checked<std::optional<Strategy>>{strategy_of(text), sum_of(text)});
+      },
+      "sqlite_autoindex_strategy_1");
 }
 
 Tables read_tables(SQLite::Database& database, Care care) {

@@ -318,6 +318,40 @@ TEST(Faults, AHoleInTheFileIsToldWhereTheFitIsWhole) {
   EXPECT_EQ(model.messages[0], file.string() + ": is damaged: database disk image is malformed");
 }
 
+// A table whose first page was split late lies at the end of the file: cut off, it is known from its index.
+TEST(Faults, WhatIsCutOffCostsNoSampleThatIsThere) {
+  FileTree tree;
+  const auto file = tree.root() / "tuning.db";
+  {
+    Store store(file, Access::write);
+    const std::int64_t run = store.begin_run(host_with(4), "quick");
+    std::vector<Sample> samples;
+    for (int i = 0; i < 1200; ++i) {
+      samples.push_back(sample_of(i % 20));
+      samples.back().strategy.p = 1 + (i < 1100 ? i % 40 : i - 1000);
+    }
+    store.add(run, samples);
+    store.finish_run(run, {});
+  }
+  const auto pages = static_cast<int>(fs::file_size(file) / 4096 / 2);
+  std::size_t there = 0;
+  {
+    SQLite::Database database(file.string());
+    const std::string leaves = " FROM dbstat WHERE pagetype = 'leaf' AND name = ";
+    ASSERT_GT(database.execAndGet("SELECT min(pageno)" + leaves + "'strategy'").getInt(), pages);
+    there = static_cast<std::size_t>(
+        database.execAndGet("SELECT sum(ncell)" + leaves + "'sample' AND pageno <= " + std::to_string(pages)).getInt());
+  }
+  fs::resize_file(file, static_cast<std::uintmax_t>(pages) * 4096);
+  const Store store(file, Access::write);
+  ASSERT_EQ(store.messages().size(), 1u);
+  EXPECT_GT(there, 300u);
+  EXPECT_EQ(store.samples().size(), there);
+  EXPECT_TRUE(store.messages()[0].ends_with("; " + std::to_string(store.samples().size()) +
+                                            " good samples of it go on in a new file"))
+      << store.messages()[0];
+}
+
 // What a sample refers to is under its checksum too.
 TEST(Faults, ASampleIsOnlyAsGoodAsWhatItRefersTo) {
   FileTree tree;
