@@ -61,8 +61,9 @@ std::vector<std::string> all_of_it(const FileTree& tree) {
   PrepareOptions options;
   options.budget = ThreadBudget{3};
   options.model = std::make_shared<const PerformanceModel>();
-  for (const std::string& text : {std::string("four_bar:loops=8,steps=20"), std::string("rings:legs=6,n=48,terminal=12,steps=20"),
-                                  (tree.root() / "crank.json").string()}) {
+  for (const std::string& text :
+       {std::string("four_bar:loops=8,steps=20"), std::string("rings:legs=6,n=48,terminal=12,steps=20"),
+        (tree.root() / "crank.json").string()}) {
     const Prepared prepared = prepare(open_scene(text), options);
     const std::string plan = saved(prepared);
     found.push_back(plan);

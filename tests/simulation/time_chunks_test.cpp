@@ -284,8 +284,8 @@ TEST(TimeChunks, AStartOnTheWrongBranchIsDetectedAndRunAgain) {
       // A chunk that was right began where its wrong neighbour did not end: only that one is run again.
       EXPECT_EQ(r.fallbacks.size(), wrong.size());
       for (const std::size_t c : wrong) {
-        EXPECT_TRUE(mentions(r.fallbacks, "the chunk from t = " + general(times[grid.first[c]], 6) +
-                                              " s on began on another branch"));
+        EXPECT_TRUE(mentions(
+            r.fallbacks, "the chunk from t = " + general(times[grid.first[c]], 6) + " s on began on another branch"));
       }
       const Trajectory& expected = right.result.trajectory;
       for (std::size_t k = 0; k < r.rows; ++k) {

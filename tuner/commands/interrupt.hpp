@@ -6,7 +6,8 @@
 
 namespace assur::command {
 
-// From construction to destruction the first SIGINT or SIGTERM only sets a flag; the second of its kind ends the program.
+// From construction to destruction the first SIGINT or SIGTERM only sets a flag; the second of its kind ends the
+// program.
 class Interrupt {
  public:
   Interrupt();
