@@ -42,6 +42,8 @@ struct Vector {
 struct Member {
   std::string name;
   Triple local{};  // m for points
+  // `local` are ground coordinates of the posture as written; the built scene has them in the body's base.
+  bool in_ground = false;
 };
 
 // A moving frame. Exactly one of these bases:
@@ -156,6 +158,8 @@ struct Pose {
 struct Driver {
   std::string name;
   std::variant<PointAngle, RelativeAngle, DrivenDistance, DrivenCoordinate, Pose> kind;
+  // The laws say by how much the driver is off its value in the posture as written.
+  bool relative = false;
 };
 
 // ---- measures
@@ -175,10 +179,15 @@ struct MeasuredDistance {  // at 0 as an angle at its ends
 struct MeasuredCoordinate {
   std::string coordinate;
 };
+// A constant and multiples of other measures, all of one unit; none of them is a combination.
+struct Combination {
+  std::vector<std::pair<std::string, double>> terms;  // measure, factor
+  double constant = 0;                                // in that unit
+};
 
 struct Measure {
   std::string name;
-  std::variant<AbsoluteAngle, AngleBetween, MeasuredDistance, MeasuredCoordinate> kind;
+  std::variant<AbsoluteAngle, AngleBetween, MeasuredDistance, MeasuredCoordinate, Combination> kind;
 };
 
 struct DeclaredGroup {
@@ -215,7 +224,8 @@ class Scene {
   // Notes that are no errors: a vector that had to be normalised, ...
   [[nodiscard]] const std::vector<Diagnostic>& warnings() const { return parts_->warnings; }
 
-  // The same mechanism with other wanted outputs; throws Error (input) for a name that is not there.
+  // The same mechanism with other wanted outputs: "C", "C.velocity", columns such as "C.vx", or "all" alone, which is
+  // everything. Throws Error (input) for a name that is not there, with the names that are.
   [[nodiscard]] Scene with_outputs(std::vector<std::string> outputs) const;
   // Over another time grid; throws Error (input) if it has no whole number of steps.
   [[nodiscard]] Scene with_time(TimeGrid time) const;
@@ -264,8 +274,8 @@ class SceneBuilder {
     return add(Constraint{std::move(name), std::move(kind)});
   }
   template <class Kind>
-  SceneBuilder& drive(std::string name, Kind kind) {
-    return add(Driver{std::move(name), std::move(kind)});
+  SceneBuilder& drive(std::string name, Kind kind, bool relative = false) {
+    return add(Driver{std::move(name), std::move(kind), relative});
   }
   template <class Kind>
   SceneBuilder& measure(std::string name, Kind kind) {

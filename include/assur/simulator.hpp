@@ -111,9 +111,12 @@ class Simulator {
   // the last good posture is kept too.
   Status step(double t);
 
-  // Control: the driver's value, rate and acceleration at the next step (SI units; angle, distance or coordinate
-  // drivers). Throws Error (input) for a name that is no controlled driver. A value that is not finite fails that step
-  // as not_finite, with an event that names the driver; nothing of what was set for it is kept.
+  // Control: the driver's value, rate and acceleration at the next step (SI units). `driver` is the name of a driver
+  // of an angle, a distance or a coordinate, or one value of a pose: "pose.x", "pose.y", "pose.z", "pose.psi",
+  // "pose.theta", "pose.phi" in space, "pose.x", "pose.y", "pose.angle" in the plane, where "pose" is the driver's
+  // name; values of a pose that were not set follow their laws. Throws Error (input) for any other name. A value that
+  // is not finite fails that step as not_finite, with an event that names the driver; nothing of what was set for it is
+  // kept.
   void set(std::string_view driver, double value, double rate = 0, double acceleration = 0);
 
   // One grid step further with what has been set; the other drivers follow their laws. A step that fails leaves the

@@ -115,8 +115,13 @@ class Check {
       };
       using Kind = MeasureForms::Kind;
       require(takes(Kind::form, 1) || takes(Kind::distance, d) || takes(Kind::absolute_angle, 2) ||
-                  takes(Kind::signed_angle, d == 2 ? 4 : 9) || (d == 3 && takes(Kind::unsigned_angle, 6)),
+                  takes(Kind::signed_angle, d == 2 ? 4 : 9) || (d == 3 && takes(Kind::unsigned_angle, 6)) ||
+                  takes(Kind::sum, 0) || takes(Kind::sum_of_angles, 0),
               "the kind of measure");
+      require(m.is_sum() || m.terms.empty(), "the terms");
+      for (const MeasureForms::SumTerm& t : m.terms) {
+        require(within(t.measure, system_.measures.size()) && !system_.measures[idx(t.measure)].is_sum(), "the terms");
+      }
     }
   }
 

@@ -36,7 +36,10 @@ inline void fields(auto& a, Either<Assignment> auto& x) { a(x.coordinate, x.form
 inline void fields(auto& a, Either<Item> auto& i) {
   a(i.name, i.components, i.form[0], i.form[1], i.form[2], i.dimension, i.hidden, i.fixed);
 }
-inline void fields(auto& a, Either<MeasureForms> auto& m) { a(m.name, m.kind, m.forms, m.dimension); }
+inline void fields(auto& a, Either<MeasureForms::SumTerm> auto& t) { a(t.measure, t.factor); }
+inline void fields(auto& a, Either<MeasureForms> auto& m) {
+  a(m.name, m.kind, m.forms, m.dimension, m.terms, m.constant);
+}
 inline void fields(auto& a, Either<DriverInput> auto& i) {
   a(i.driver, i.kind, i.first, i.count, i.dimension, i.must_not_vanish, i.laws);
 }

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <type_traits>
 
 #include "scene/json_reader.hpp"
 
@@ -60,7 +61,11 @@ void JsonReader::read_kinds(const JsonNode* section, const Where& where, const s
     std::vector<std::string_view> allowed{told[0]->key};
     allowed.insert(allowed.end(), told[0]->more.begin(), told[0]->more.end());
     const Object object(*this, node, here, allowed);
-    builder_.add(Item{name, (this->*told[0]->read)(object, *node.find(told[0]->key))});
+    Item item{name, (this->*told[0]->read)(object, *node.find(told[0]->key))};
+    if constexpr (std::is_same_v<Item, Driver>) {
+      if (const JsonNode* relative = object.find("relative")) item.relative = boolean(*relative, here / "relative");
+    }
+    builder_.add(std::move(item));
   });
 }
 
@@ -84,10 +89,10 @@ void JsonReader::read_constraints(const JsonNode* section) {
 
 void JsonReader::read_drivers(const JsonNode* section) {
   static const std::vector<Kind<Driver>> kKinds = {
-      {"angle", {"axis", "law"}, &JsonReader::driven_angle},
-      {"distance", {"law"}, &JsonReader::driven_distance},
-      {"coordinate", {"law"}, &JsonReader::driven_coordinate},
-      {"pose", {"translation", "rotation"}, &JsonReader::pose},
+      {"angle", {"axis", "law", "relative"}, &JsonReader::driven_angle},
+      {"distance", {"law", "relative"}, &JsonReader::driven_distance},
+      {"coordinate", {"law", "relative"}, &JsonReader::driven_coordinate},
+      {"pose", {"translation", "rotation", "relative"}, &JsonReader::pose},
   };
   read_kinds<Driver>(section, Where("/drivers"), kKinds, {});
 }
@@ -97,6 +102,7 @@ void JsonReader::read_measures(const JsonNode* section) {
       {"angle", {"axis"}, &JsonReader::measured_angle},
       {"distance", {}, &JsonReader::measured_distance},
       {"coordinate", {}, &JsonReader::measured_coordinate},
+      {"sum", {"constant"}, &JsonReader::sum},
   };
   read_kinds<Measure>(section, Where("/measures"), kKinds, {});
 }
@@ -195,7 +201,7 @@ decltype(Driver::kind) JsonReader::driven_angle(const Object& item, const JsonNo
   const Where where = item.where() / "angle";
   std::string axis;
   if (const JsonNode* name = item.find("axis")) axis = text(*name, item.where() / "axis", "\"u\"");
-  Law motion = needed_law(item);
+  Law motion = needed_law(item, angle_unit_);
   const auto items = list(node, 2, where, "[\"A\", \"B\"]");
   if (items.empty()) return PointAngle{"", "", std::move(axis), std::move(motion)};
   const Direction d = direction(items[0], where / std::size_t{0});
@@ -208,11 +214,11 @@ decltype(Driver::kind) JsonReader::driven_angle(const Object& item, const JsonNo
 
 decltype(Driver::kind) JsonReader::driven_distance(const Object& item, const JsonNode& node) {
   auto [a, b] = pair(node, item.where() / "distance");
-  return DrivenDistance{std::move(a), std::move(b), needed_law(item)};
+  return DrivenDistance{std::move(a), std::move(b), needed_law(item, 1)};
 }
 
 decltype(Driver::kind) JsonReader::driven_coordinate(const Object& item, const JsonNode& node) {
-  return DrivenCoordinate{text(node, item.where() / "coordinate", "\"P.x\""), needed_law(item)};
+  return DrivenCoordinate{text(node, item.where() / "coordinate", "\"P.x\""), needed_law(item, 1)};
 }
 
 decltype(Driver::kind) JsonReader::pose(const Object& item, const JsonNode& node) {
@@ -223,14 +229,14 @@ decltype(Driver::kind) JsonReader::pose(const Object& item, const JsonNode& node
     note(translation, "this is missing: a list of laws, one for each coordinate of the origin");
   } else if (expect(*laws, Type::array, translation, "[law, law]")) {
     for (std::size_t k = 0; k < laws->items().size(); ++k)
-      pose.translation.push_back(law(laws->items()[k], translation / k));
+      pose.translation.push_back(law(laws->items()[k], translation / k, 1));
   }
   const JsonNode* node_of_rotation = item.find("rotation");
   if (node_of_rotation == nullptr) return pose;
   if (dimension_ == 2) {
     Object angles(*this, *node_of_rotation, rotation, {"angle"});
     if (const JsonNode* angle = angles.need("angle", "the law of the angle from +x")) {
-      pose.rotation.push_back(law(*angle, rotation / "angle"));
+      pose.rotation.push_back(law(*angle, rotation / "angle", angle_unit_));
     }
   } else {
     Object angles(*this, *node_of_rotation, rotation, {"euler_zyx"});
@@ -238,7 +244,7 @@ decltype(Driver::kind) JsonReader::pose(const Object& item, const JsonNode& node
     if (euler == nullptr) return pose;
     const auto laws = list(*euler, 3, rotation / "euler_zyx", "[psi, theta, phi]");
     for (std::size_t k = 0; k < laws.size(); ++k) {
-      pose.rotation.push_back(law(laws[k], rotation / "euler_zyx" / k));
+      pose.rotation.push_back(law(laws[k], rotation / "euler_zyx" / k, angle_unit_));
     }
   }
   return pose;
@@ -272,6 +278,28 @@ decltype(Measure::kind) JsonReader::measured_distance(const Object& item, const 
 
 decltype(Measure::kind) JsonReader::measured_coordinate(const Object& item, const JsonNode& node) {
   return MeasuredCoordinate{text(node, item.where() / "coordinate", "\"P.x\"")};
+}
+
+decltype(Measure::kind) JsonReader::sum(const Object& item, const JsonNode& node) {
+  const Where where = item.where() / "sum";
+  Combination c;
+  bool of_angles = false;
+  if (expect(node, Type::array, where, "[[\"toe\", 1], [\"steer\", -1]]")) {
+    for (std::size_t i = 0; i < node.items().size(); ++i) {
+      const auto term = list(node.items()[i], 2, where / i, "[\"toe\", 1]");
+      if (term.empty()) {
+        c.terms.emplace_back("", 1);
+        continue;
+      }
+      c.terms.emplace_back(text(term[0], where / i / std::size_t{0}, "\"toe\""),
+                           number(term[1], where / i / std::size_t{1}));
+      of_angles = of_angles || is_angle(c.terms.back().first);
+    }
+  }
+  if (const JsonNode* constant = item.find("constant")) {
+    c.constant = number(*constant, item.where() / "constant") * (of_angles ? angle_unit_ : 1);
+  }
+  return c;
 }
 
 }  // namespace assur

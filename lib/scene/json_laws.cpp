@@ -32,7 +32,7 @@ Table read_table(std::string_view file, const std::string& name) {
     if (std::isnan(time) || std::isnan(value))
       throw at_row("a row has two numbers \"t, value\", not " + in_quotes(text));
     if (!table.time.empty() && !(time > table.time.back())) {
-      throw at_row("the times must ascend, but " + shortest(time) + " follows " + shortest(table.time.back()));
+      throw at_row("the times must ascend, but " + shortest(time) + " s follows " + shortest(table.time.back()) + " s");
     }
     table.time.push_back(time);
     table.value.push_back(value);
@@ -61,18 +61,18 @@ bool TableFolders::has(const std::string& name) const {
   });
 }
 
-Law JsonReader::needed_law(const Object& item) {
-  if (const JsonNode* node = item.find("law")) return law(*node, item.where() / "law");
+Law JsonReader::needed_law(const Object& item, double unit) {
+  if (const JsonNode* node = item.find("law")) return law(*node, item.where() / "law", unit);
   note(item.where() / "law", "this is missing: the motion, e.g. {\"polynomial\": [0, 1]}");
   return {};
 }
 
-Law JsonReader::law(const JsonNode& node, const Where& where) {
+Law JsonReader::law(const JsonNode& node, const Where& where, double unit) {
   if (node.is(Type::array)) {
     Law sum;
     if (node.items().empty()) note(where, "an empty list of laws; write at least one, e.g. [{\"constant\": 0}]");
     for (std::size_t i = 0; i < node.items().size(); ++i)
-      sum = i == 0 ? law(node.items()[i], where / i) : sum + law(node.items()[i], where / i);
+      sum = i == 0 ? law(node.items()[i], where / i, unit) : sum + law(node.items()[i], where / i, unit);
     return sum;
   }
   if (node.is(Type::number) || node.is(Type::string)) {
@@ -103,13 +103,15 @@ Law JsonReader::law(const JsonNode& node, const Where& where) {
   if (kind == "table") allowed.push_back("periodic");
   const Object object(*this, node, where, allowed);
   try {
-    if (kind == "constant") return Law::constant(number(value, here));
+    if (kind == "constant") return Law::constant(unit * number(value, here));
     if (kind == "polynomial") {
       if (value.is(Type::array) && value.items().empty()) note(here, "a polynomial needs at least one coefficient");
-      return Law::polynomial(numbers(value, here));
+      std::vector<double> coefficients = numbers(value, here);
+      for (double& c : coefficients) c *= unit;
+      return Law::polynomial(std::move(coefficients));
     }
-    if (kind == "harmonics") return harmonics(value, object.find("offset"), where);
-    return table(value, object.find("periodic"), where);
+    if (kind == "harmonics") return harmonics(value, object.find("offset"), where, unit);
+    return table(value, object.find("periodic"), where, unit);
   } catch (const Error& error) {
     // Numbers that are not finite were noted where they stand.
     if (kind == "table") {
@@ -120,7 +122,7 @@ Law JsonReader::law(const JsonNode& node, const Where& where) {
   }
 }
 
-Law JsonReader::harmonics(const JsonNode& node, const JsonNode* offset, const Where& where) {
+Law JsonReader::harmonics(const JsonNode& node, const JsonNode* offset, const Where& where, double unit) {
   const Where here = where / "harmonics";
   std::vector<Harmonic> terms;
   if (expect(node, Type::array, here, "[{\"amplitude\": 1, \"frequency\": 2}]")) {
@@ -129,16 +131,17 @@ Law JsonReader::harmonics(const JsonNode& node, const JsonNode* offset, const Wh
     for (std::size_t i = 0; i < node.items().size(); ++i) {
       Object item(*this, node.items()[i], here / i, {"amplitude", "frequency", "phase"});
       Harmonic term;
-      if (const auto* a = item.need("amplitude", "of the sine")) term.amplitude = number(*a, here / i / "amplitude");
+      if (const auto* a = item.need("amplitude", "of the sine"))
+        term.amplitude = unit * number(*a, here / i / "amplitude");
       if (const auto* f = item.need("frequency", "in Hz")) term.frequency = number(*f, here / i / "frequency");
-      if (const auto* p = item.find("phase")) term.phase = number(*p, here / i / "phase");
+      if (const auto* p = item.find("phase")) term.phase = angle_unit_ * number(*p, here / i / "phase");
       terms.push_back(term);
     }
   }
-  return Law::harmonics(std::move(terms), offset ? number(*offset, where / "offset") : 0);
+  return Law::harmonics(std::move(terms), offset ? unit * number(*offset, where / "offset") : 0);
 }
 
-Law JsonReader::table(const JsonNode& node, const JsonNode* periodic, const Where& where) {
+Law JsonReader::table(const JsonNode& node, const JsonNode* periodic, const Where& where, double unit) {
   const std::string name = text(node, where / "table", "\"drive.csv\"");
   if (name.empty()) {
     if (node.is(Type::string)) note(where / "table", "the name of a CSV file is wanted here");
@@ -146,7 +149,7 @@ Law JsonReader::table(const JsonNode& node, const JsonNode* periodic, const Wher
     return {};
   }
   const bool closes = periodic != nullptr && boolean(*periodic, where / "periodic");
-  const std::string key = name + (closes ? " periodic" : "");
+  const std::string key = name + (closes ? " periodic" : "") + (unit == 1 ? "" : " angle");
   if (const auto found = laws_of_tables_.find(key); found != laws_of_tables_.end()) return found->second;
   if (!tables_.has(name)) {
     throw Error(Error::Kind::input, "the file " + in_quotes(name) +
@@ -159,6 +162,7 @@ Law JsonReader::table(const JsonNode& node, const JsonNode* periodic, const Wher
                                         "; its path is relative to the scene file");
   }
   Table rows = read_table(file.text, excerpt(name));
+  for (double& value : rows.value) value *= unit;
   try {
     return laws_of_tables_[key] = Law::table(std::move(rows.time), std::move(rows.value), closes);
   } catch (const Error& error) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace assur {
 namespace {
@@ -155,11 +156,12 @@ void JsonReader::each(const JsonNode* section, const Where& where,
 SceneBuilder JsonReader::read(const std::string& name) {
   check_version();
   Object scene(*this, document_.root, Where(),
-               {"assur", "name", "dimension", "parameters", "points", "vectors", "bodies", "constraints", "drivers",
-                "measures", "groups", "outputs", "time"});
+               {"assur", "name", "dimension", "angles", "parameters", "points", "vectors", "bodies", "constraints",
+                "drivers", "measures", "groups", "outputs", "time"});
   if (!scene.is_object()) throw Error(Error::Kind::input, std::move(findings_));
   (void)scene.need("assur", "the version of the format, \"assur\": 1");
   read_dimension(scene);
+  read_angles(scene);
   const JsonNode* title = scene.find("name");
   std::string own_name = title ? excerpt(text(*title, scene.where() / "name", "\"four_bar\"")) : name;
   builder_ = SceneBuilder(std::move(own_name), dimension_);
@@ -197,6 +199,16 @@ void JsonReader::read_dimension(Object& scene) {
     dimension_ = static_cast<int>(node->number());
   } else {
     note(scene.where() / "dimension", "the dimension is 2 or 3");
+  }
+}
+
+void JsonReader::read_angles(Object& scene) {
+  const JsonNode* node = scene.find("angles");
+  if (node == nullptr || (node->is(Type::string) && node->text() == "rad")) return;
+  if (node->is(Type::string) && node->text() == "deg") {
+    angle_unit_ = std::numbers::pi / 180;
+  } else {
+    note(scene.where() / "angles", "the unit of all angles of the file, \"rad\" or \"deg\", is wanted here");
   }
 }
 

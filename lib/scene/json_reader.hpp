@@ -87,6 +87,7 @@ class JsonReader {
   // sections (json_reader.cpp, json_sections.cpp)
   void check_version() const;
   void read_dimension(Object& scene);
+  void read_angles(Object& scene);
   void read_parameters(const JsonNode* section);
   void remember_names(const JsonNode& scene);
   void read_points(const JsonNode* section);
@@ -121,20 +122,24 @@ class JsonReader {
   decltype(Measure::kind) measured_angle(const Object& item, const JsonNode& node);
   decltype(Measure::kind) measured_distance(const Object& item, const JsonNode& node);
   decltype(Measure::kind) measured_coordinate(const Object& item, const JsonNode& node);
+  decltype(Measure::kind) sum(const Object& item, const JsonNode& node);
+  bool is_angle(const std::string& measure) const { return angle_names_.count(measure) != 0; }
 
-  // laws (json_laws.cpp)
-  Law law(const JsonNode& node, const Where& where);
-  Law needed_law(const Object& item);
-  Law harmonics(const JsonNode& node, const JsonNode* offset, const Where& where);
-  Law table(const JsonNode& node, const JsonNode* periodic, const Where& where);
+  // laws (json_laws.cpp); unit: SI value of 1 in the file, angle_unit_ for angles
+  Law law(const JsonNode& node, const Where& where, double unit);
+  Law needed_law(const Object& item, double unit);
+  Law harmonics(const JsonNode& node, const JsonNode* offset, const Where& where, double unit);
+  Law table(const JsonNode& node, const JsonNode* periodic, const Where& where, double unit);
 
   const JsonDocument& document_;
   TableFolders tables_;
   const Parameters& set_;
   Expressions expressions_;
   std::vector<Diagnostic> findings_;
-  int dimension_ = 0;  // 0: not known
+  int dimension_ = 0;      // 0: not known
+  double angle_unit_ = 1;  // rad
   std::unordered_set<std::string_view> point_names_;
+  std::unordered_set<std::string_view> angle_names_;  // measures of angles
   std::unordered_set<std::string_view> parameter_names_;
   std::unordered_map<std::string, Law> laws_of_tables_;  // by file: many drivers may share one
   SceneBuilder builder_{"", 2};

@@ -2,12 +2,17 @@
 
 namespace assur {
 
-// Names of points, members included: they tell an angle of points from one of vectors.
+// Names of points, members included: they tell an angle of points from one of vectors. Names of measured angles.
 void JsonReader::remember_names(const JsonNode& scene) {
   const auto remember = [&](const JsonNode* points) {
     if (points != nullptr) point_names_.insert(points->keys().begin(), points->keys().end());
   };
   remember(scene.find("points"));
+  if (const JsonNode* measures = scene.find("measures"); measures != nullptr) {
+    for (std::size_t i = 0; i < measures->keys().size(); ++i) {
+      if (measures->items()[i].find("angle") != nullptr) angle_names_.insert(measures->keys()[i]);
+    }
+  }
   const JsonNode* bodies = scene.find("bodies");
   if (bodies == nullptr) return;
   for (const JsonNode& body : bodies->items()) remember(body.find("points"));
@@ -59,7 +64,13 @@ void JsonReader::read_bodies(const JsonNode* section) {
 
 void JsonReader::read_members(const JsonNode* section, const Where& where, std::vector<Member>& members) {
   each(section, where, [&](const std::string& name, const JsonNode& node, const Where& here) {
-    members.push_back({name, triple(node, here)});
+    if (!node.is(Type::object)) {
+      members.push_back({name, triple(node, here)});
+      return;
+    }
+    Object item(*this, node, here, {"at"});
+    const JsonNode* at = item.need("at", "the ground coordinates in the posture as written");
+    members.push_back({name, at ? triple(*at, here / "at") : Triple{}, true});
   });
 }
 

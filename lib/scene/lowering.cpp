@@ -117,9 +117,57 @@ void declare_measures(Forms& forms) {
   }
 }
 
+std::string unit_of(const MeasureForms& m) {
+  using K = MeasureForms::Kind;
+  if (m.kind != K::form && m.kind != K::distance) return "rad";
+  return m.dimension == 0 ? "1" : m.dimension == 1 ? "m" : "m^" + std::to_string(m.dimension);
+}
+
+// After all other measures.
+void declare_sums(System& s) {
+  std::unordered_map<std::string_view, Index> measure;
+  for (std::size_t i = 0; i < s.measures.size(); ++i) measure.emplace(s.measures[i].name, static_cast<Index>(i));
+  for (std::size_t i = 0; i < s.measures.size(); ++i) {
+    const auto* sum = std::get_if<Combination>(&s.scene->measures()[i].kind);
+    if (sum == nullptr) continue;
+    MeasureForms& out = s.measures[i];
+    const MeasureForms& first = s.measures[idx(measure.at(sum->terms.front().first))];
+    const std::string unit = unit_of(first);
+    for (const auto& [name, factor] : sum->terms) {
+      out.terms.push_back({measure.at(name), factor});
+      const std::string other = unit_of(s.measures[idx(out.terms.back().measure)]);
+      if (other == unit) continue;
+      throw Error(Error::Kind::input, {{"/measures/" + out.name + "/sum", in_quotes(first.name) + " is in " + unit +
+                                                                              ", " + in_quotes(name) + " in " + other +
+                                                                              "; a sum is of measures of one unit"}});
+    }
+    out.kind = unit == "rad" ? MeasureForms::Kind::sum_of_angles : MeasureForms::Kind::sum;
+    out.dimension = first.dimension;
+    out.constant = sum->constant;
+  }
+}
+
+// Laws that say how far the driver is off its value in the posture as written.
+void count_from_guess(const System& s, DriverInput& in) {
+  const std::string where = "/drivers/" + s.drivers[idx(in.driver)];
+  if (const std::string why = why_undefined(s, in, s.guess); !why.empty()) {
+    throw Error(Error::Kind::input, {{where, "relative to no angle: in the posture as written " + why}});
+  }
+  const std::vector<double> from = own_values(s, in, s.guess);
+  for (std::size_t k = 0; k < in.laws.size(); ++k) in.laws[k] = Law::constant(from[k]) + in.laws[k];
+  const double start = in.laws[0](s.scene->time().start).value;
+  if (in.must_not_vanish && start <= 0) {
+    throw Error(Error::Kind::input, {{where + "/law", "the distance at the start is " + general(start, 6) +
+                                                          " m; a driven distance must stay > 0"}});
+  }
+}
+
 // Driven coordinates start where their laws say; a guess that disagrees is overruled, with a note.
 void set_driven_guess(System& s) {
   const std::vector<double> written = s.guess;
+  for (DriverInput& in : s.inputs) {
+    if (s.scene->drivers()[idx(in.driver)].relative) count_from_guess(s, in);
+  }
   (void)drive(s, s.scene->time().start, s.guess.data(), nullptr, nullptr);
   std::vector<double> posture = written;  // as written, with what the laws ask for
   for (DriverInput& in : s.inputs) {
@@ -163,6 +211,7 @@ System lower(std::shared_ptr<const Scene> scene, std::span<const std::string> co
   drivers.write_equations();
 
   declare_measures(forms);
+  declare_sums(forms.system());
   drivers.note_own_forms();
   set_driven_guess(forms.system());
   for (Item& item : forms.system().items) item.fixed = forms.is_fixed(item);

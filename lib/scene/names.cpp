@@ -114,6 +114,21 @@ std::string excerpt(std::string_view text) {
   return end == text.size() ? shown : shown + "... (" + std::to_string(text.size()) + " characters)";
 }
 
+std::string known_instead(std::string_view word, const std::vector<std::string_view>& candidates) {
+  constexpr std::size_t kLongest = 400;  // letters
+  const std::string near = suggestion(word, candidates);
+  const std::string front = near.empty() ? "; there are: " : near + " There are: ";
+  std::string list;
+  for (const std::string_view name : candidates) {
+    if (list.size() > kLongest) {
+      list += ", ...";
+      break;
+    }
+    list += (list.empty() ? front : ", ") + std::string(name);
+  }
+  return list;
+}
+
 std::string in_quotes(std::string_view text) { return "'" + excerpt(text) + "'"; }
 
 std::string list_of(const std::vector<std::string_view>& words) { return joined(words, ", "); }

@@ -38,6 +38,10 @@ class Where {
 // it has; control characters as \n or \x1b.
 [[nodiscard]] std::string excerpt(std::string_view text);
 
+// What to say of a name that is none of these: "; did you mean 'B'? There are: A, B" or "; there are: A, B", the list
+// cut where it is long.
+[[nodiscard]] std::string known_instead(std::string_view word, const std::vector<std::string_view>& candidates);
+
 // 'text', as an excerpt of it
 [[nodiscard]] std::string in_quotes(std::string_view text);
 

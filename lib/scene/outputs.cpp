@@ -4,6 +4,7 @@
 #include <array>
 #include <functional>
 #include <unordered_map>
+#include <utility>
 
 namespace assur {
 namespace {
@@ -22,23 +23,73 @@ Output of_measure(const MeasureForms& measure) {
   Output out;
   out.name = measure.name;
   out.all_parts[0] = {measure.kind, measure.forms, measure.dimension};
+  if (measure.is_sum()) out.sum = &measure;
   return out;
 }
 
-// A column stands once, where it is first asked for.
-void drop_repeated(std::vector<Output>& outputs) {
-  std::unordered_map<std::string_view, std::array<bool, 3>> taken;
-  for (Output& o : outputs) {
+// What sums are made of, before them.
+std::vector<Output> with_terms(const System& s, std::vector<Output> outputs) {
+  if (std::none_of(outputs.begin(), outputs.end(), [](const Output& o) { return o.sum != nullptr; })) return outputs;
+  std::vector<Output> out;
+  for (const Output& o : outputs) {
+    for (std::size_t i = 0; o.sum != nullptr && i < o.sum->terms.size(); ++i) {
+      out.push_back(of_measure(s.measures[static_cast<std::size_t>(o.sum->terms[i].measure)]));
+      std::copy_n(o.wanted, 3, out.back().wanted);
+    }
+    out.push_back(o);
+  }
+  return out;
+}
+
+// One component in one derivative: a column.
+Output column_of(const Output& output, std::size_t component, std::size_t derivative) {
+  Output out = output;
+  out.component = static_cast<int>(component);
+  out.all_parts[0] = output.all_parts[component];
+  out.part_count = 1;
+  for (std::size_t d = 0; d < 3; ++d) out.wanted[d] = d == derivative;
+  return out;
+}
+
+// A column stands once, where it is first asked for: of what was asked for in part, columns are left.
+std::vector<Output> without_repetition(const std::vector<Output>& outputs) {
+  std::unordered_map<std::string_view, std::array<std::array<bool, 3>, 3>> taken;  // [derivative][component]
+  std::vector<Output> out;
+  for (Output o : outputs) {
     auto& before = taken[o.name];
+    const std::size_t first = o.component < 0 ? 0 : static_cast<std::size_t>(o.component);
+    bool is_cut = false;
     for (std::size_t d = 0; d < 3; ++d) {
-      o.wanted[d] = o.wanted[d] && !before[d];
-      before[d] = before[d] || o.wanted[d];
+      const auto begin = before[d].begin() + static_cast<std::ptrdiff_t>(first);
+      const auto count = std::count(begin, begin + static_cast<std::ptrdiff_t>(o.part_count), true);
+      if (count == static_cast<std::ptrdiff_t>(o.part_count)) o.wanted[d] = false;
+      is_cut = is_cut || (o.wanted[d] && count > 0);
+    }
+    if (!is_cut && std::any_of(o.wanted, o.wanted + 3, std::identity{})) out.push_back(o);
+    for (std::size_t d = 0; d < 3; ++d) {
+      for (std::size_t k = first; o.wanted[d] && k < first + o.part_count; ++k) {
+        if (is_cut && !before[d][k]) out.push_back(column_of(o, k, d));
+        before[d][k] = true;
+      }
     }
   }
-  std::erase_if(outputs, [](const Output& o) { return std::none_of(o.wanted, o.wanted + 3, std::identity{}); });
+  return out;
 }
 
 }  // namespace
+
+std::optional<AskedPart> asked_part(std::string_view part, int components) {
+  static constexpr std::string_view kScalar[3] = {"value", "rate", "acceleration"};
+  static constexpr std::string_view kWhole[3] = {"position", "velocity", "acceleration"};
+  for (int d = 0; d < 3; ++d) {
+    if (part == (components == 1 ? kScalar : kWhole)[d]) return AskedPart{-1, d};
+  }
+  if (components == 1 || part.empty()) return {};
+  const int derivative = part.size() == 1 ? 0 : part[0] == 'v' ? 1 : part[0] == 'a' ? 2 : -1;
+  const int component = part.back() - 'x';
+  if (part.size() > 2 || derivative < 0 || component < 0 || component >= components) return {};
+  return AskedPart{component, derivative};
+}
 
 std::vector<Output> wanted_outputs(const System& s) {
   std::vector<Output> out;
@@ -46,7 +97,11 @@ std::vector<Output> wanted_outputs(const System& s) {
     for (const Item& item : s.items) {
       if (!item.hidden && !item.fixed) out.push_back(of_item(item));
     }
-    for (const MeasureForms& m : s.measures) out.push_back(of_measure(m));
+    for (const bool sums : {false, true}) {
+      for (const MeasureForms& m : s.measures) {
+        if (m.is_sum() == sums) out.push_back(of_measure(m));
+      }
+    }
     return out;
   }
   std::unordered_map<std::string_view, const MeasureForms*> measure;
@@ -64,16 +119,20 @@ std::vector<Output> wanted_outputs(const System& s) {
       return false;
     };
     if (find(text)) continue;
+    const auto refuse = [&] {
+      throw Error(Error::Kind::input, {{"/outputs", "'" + text + "' is no point, vector, scalar, measure or column"}});
+    };
     const std::size_t dot = text.rfind('.');
-    if (dot == std::string::npos || !find(text.substr(0, dot))) {
-      throw Error(Error::Kind::input, {{"/outputs", "'" + text + "' is no point, vector, scalar or measure"}});
+    if (dot == std::string::npos || !find(text.substr(0, dot))) refuse();
+    const auto asked = asked_part(std::string_view(text).substr(dot + 1), static_cast<int>(out.back().part_count));
+    if (!asked) refuse();
+    if (asked->component >= 0) {
+      out.back() = column_of(out.back(), static_cast<std::size_t>(asked->component),
+                             static_cast<std::size_t>(asked->derivative));
     }
-    const std::string part = text.substr(dot + 1);
-    const int d = part == "position" || part == "value" ? 0 : part == "velocity" || part == "rate" ? 1 : 2;
-    for (int k = 0; k < 3; ++k) out.back().wanted[k] = k == d;
+    for (int d = 0; d < 3; ++d) out.back().wanted[d] = d == asked->derivative;
   }
-  drop_repeated(out);
-  return out;
+  return without_repetition(with_terms(s, std::move(out)));
 }
 
 void append_columns(const Output& o, std::vector<std::string>& columns) {
@@ -81,7 +140,9 @@ void append_columns(const Output& o, std::vector<std::string>& columns) {
   static constexpr const char* kVector[3] = {".", ".v", ".a"};
   for (int d = 0; d < 3; ++d) {
     if (!o.wanted[d]) continue;
-    if (o.part_count == 1) {
+    if (o.component >= 0) {
+      columns.push_back(std::string(o.name) + kVector[d] + "xyz"[o.component]);
+    } else if (o.part_count == 1) {
       columns.push_back(std::string(o.name) + kScalar[d]);
     } else {
       for (std::size_t k = 0; k < o.part_count; ++k) columns.push_back(std::string(o.name) + kVector[d] + "xyz"[k]);

@@ -1,8 +1,10 @@
 #include "assur/scene.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "decimal.hpp"
 #include "scene/names.hpp"
 #include "scene/triple.hpp"
 #include "scene/validation.hpp"
@@ -13,13 +15,44 @@ namespace {
 // Lengths this far from 1 are typing errors rather than rounding: they are told.
 constexpr double kNearlyUnit = 1e-6;
 
-void normalise(Triple& at, const Where& where, std::vector<Diagnostic>& warnings) {
+constexpr std::size_t kMostNamed = 6;
+
+struct Normalised {
+  std::string name, where;
+  double length;
+};
+
+void normalise(const std::string& name, Triple& at, const Where& where, std::vector<Normalised>& all) {
   const double length = triple::norm(at);
   if (length == 1) return;
-  if (std::abs(length - 1) > kNearlyUnit) {
-    warnings.push_back({where.text(), "the vector has length " + shortest(length) + " and is normalised"});
-  }
+  if (std::abs(length - 1) > kNearlyUnit) all.push_back({name, where.text(), length});
   at = triple::scale(1 / length, at);
+}
+
+// One note, however many they are.
+void tell(const std::vector<Normalised>& all, std::vector<Diagnostic>& warnings) {
+  if (all.empty()) return;
+  if (all.size() == 1) {
+    warnings.push_back({all[0].where, "the vector has length " + general(all[0].length, 6) + " and is normalised"});
+    return;
+  }
+  std::string what = std::to_string(all.size()) + " vectors are normalised: ";
+  for (std::size_t i = 0; i < std::min(all.size(), kMostNamed); ++i) {
+    what += (i == 0 ? "" : ", ") + all[i].name + (i == 0 ? " has length " : " ") + general(all[i].length, 6);
+  }
+  if (all.size() > kMostNamed) what += ", and " + std::to_string(all.size() - kMostNamed) + " more";
+  warnings.push_back({"/vectors", std::move(what)});
+}
+
+// "all" asks for everything, unless something has that name; no outputs mean the same.
+void expand_all(const Scene& scene, std::vector<std::string>& outputs) {
+  if (outputs.size() != 1 || outputs.front() != "all") return;
+  const auto is_all = [](const auto& item) { return item.name == "all"; };
+  const auto among = [&](const auto& items) { return std::any_of(items.begin(), items.end(), is_all); };
+  const bool is_name = among(scene.points()) || among(scene.vectors()) || among(scene.measures()) ||
+                       std::any_of(scene.bodies().begin(), scene.bodies().end(),
+                                   [&](const Body& b) { return among(b.points) || among(b.vectors); });
+  if (!is_name) outputs.clear();
 }
 
 void refuse_if_any(std::vector<Diagnostic> findings) {
@@ -32,6 +65,7 @@ Scene Scene::with_outputs(std::vector<std::string> outputs) const {
   Scene scene = *this;
   scene.outputs_ = std::move(outputs);
   refuse_if_any(Validation(scene, {}).outputs());
+  expand_all(scene, scene.outputs_);
   return scene;
 }
 
@@ -113,14 +147,25 @@ Scene SceneBuilder::finish() {
   findings.insert(findings.end(), more.begin(), more.end());
   refuse_if_any(std::move(findings));
 
-  for (Vector& vector : parts->vectors) normalise(vector.at, Where("/vectors") / vector.name / "at", parts->warnings);
+  std::vector<Normalised> normalised;
+  for (Vector& vector : parts->vectors) {
+    normalise(vector.name, vector.at, Where("/vectors") / vector.name / "at", normalised);
+  }
   const std::vector<Body> bodies = std::exchange(parts->bodies, {});
   for (const std::size_t b : validation.body_order()) {
     Body& body = parts->bodies.emplace_back(bodies[b]);
+    for (auto* members : {&body.points, &body.vectors}) {
+      for (Member& member : *members) {
+        if (member.in_ground && body.name != "ground") member.local = validation.local(member.name);
+        member.in_ground = false;
+      }
+    }
     for (Member& member : body.vectors) {
-      normalise(member.local, Where("/bodies") / body.name / "vectors" / member.name, parts->warnings);
+      normalise(member.name, member.local, Where("/bodies") / body.name / "vectors" / member.name, normalised);
     }
   }
+  expand_all(scene, scene.outputs_);
+  tell(normalised, parts->warnings);
   return scene;
 }
 

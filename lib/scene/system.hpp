@@ -131,12 +131,21 @@ struct SystemGroup {
 
 // Something that can be asked for, in forms: see measure.hpp for its evaluation.
 struct MeasureForms {
-  enum class Kind : std::uint8_t { form, distance, absolute_angle, signed_angle, unsigned_angle };
+  // sum, sum_of_angles: of other measures
+  enum class Kind : std::uint8_t { form, distance, absolute_angle, signed_angle, unsigned_angle, sum, sum_of_angles };
+  struct SumTerm {
+    Index measure;
+    double factor;
+  };
   std::string name;
   Kind kind = Kind::form;
   // form: {f}; distance: {dx, dy(, dz)}; absolute_angle: {dx, dy}; angles: d, e (, axis) components in a row
   std::vector<Index> forms;
-  std::int8_t dimension = 0;  // of the value, power of length
+  std::int8_t dimension = 0;   // of the value, power of length
+  std::vector<SumTerm> terms;  // of a sum
+  double constant = 0;         // of a sum, SI units
+
+  [[nodiscard]] bool is_sum() const { return kind == Kind::sum || kind == Kind::sum_of_angles; }
 };
 
 class System {

@@ -8,14 +8,6 @@
 namespace assur {
 namespace {
 
-// What constraints with auxiliary unknowns bring along.
-bool has_auxiliary(const Constraint& constraint, std::string_view part) {
-  if (part == "mu") return std::holds_alternative<OnPlane>(constraint.kind);
-  return part == "lambda" &&
-         (std::holds_alternative<Parallel>(constraint.kind) || std::holds_alternative<OnLine>(constraint.kind) ||
-          std::holds_alternative<OnPlane>(constraint.kind));
-}
-
 constexpr double kAlong = 1e-6;  // rad between an axis and a direction that is along it
 
 std::string text(const Direction& d) {
@@ -32,6 +24,13 @@ std::size_t rank_of_section(const std::string& pointer) {
 }
 
 }  // namespace
+
+bool has_auxiliary(const Constraint& constraint, std::string_view part) {
+  if (part == "mu") return std::holds_alternative<OnPlane>(constraint.kind);
+  return part == "lambda" &&
+         (std::holds_alternative<Parallel>(constraint.kind) || std::holds_alternative<OnLine>(constraint.kind) ||
+          std::holds_alternative<OnPlane>(constraint.kind));
+}
 
 Validation::Validation(const Scene& scene, const std::vector<Diagnostic>& known)
     : scene_(scene), known_(known), symbols_(scene, known_) {}

@@ -13,6 +13,9 @@
 
 namespace assur {
 
+// True if the constraint brings along an unknown "lambda" or "mu".
+[[nodiscard]] bool has_auxiliary(const Constraint& constraint, std::string_view part);
+
 // One check of one scene. Places are those of the scene format, also for scenes built in C++.
 class Validation {
  public:
@@ -24,6 +27,9 @@ class Validation {
   // Only what Scene::with_outputs and Scene::with_time can make wrong.
   [[nodiscard]] std::vector<Diagnostic> outputs();
   [[nodiscard]] std::vector<Diagnostic> time();
+
+  // Local coordinates of a member whose coordinates were given in the ground. Valid after scene(), without findings.
+  [[nodiscard]] const Triple& local(const std::string& member) const { return local_.at(member); }
 
   // Indices of bodies such that each comes after the bodies that own its base. Valid after scene().
   [[nodiscard]] const std::vector<std::size_t>& body_order() const { return body_order_; }
@@ -103,16 +109,19 @@ class Validation {
   void check(const AngleBetween& m, const Where& where);
   void check(const MeasuredDistance& m, const Where& where);
   void check(const MeasuredCoordinate& m, const Where& where);
+  void check(const Combination& m, const Where& where);
   void check_groups();
   void check_unknown(const std::string& name, const Where& where);
   void check_outputs();
   void check_output(const std::string& text, const Where& where);
+  [[nodiscard]] int auxiliary(const Symbol& symbol, const std::string& name) const;
 
   const Scene& scene_;
   Known known_;
   Symbols symbols_;
   std::vector<Diagnostic> found_;
   std::vector<std::size_t> body_order_;
+  std::unordered_map<std::string, Triple> local_;         // of members given in the ground
   std::unordered_map<std::string, std::string> claimed_;  // what is driven -> name of its driver
   int suggestions_left_ = 100;  // each looks at every name: a scene full of unknown names stays fast
 };

@@ -23,6 +23,12 @@ struct Frame {
   [[nodiscard]] Triple turn(const Triple& local) const {
     return triple::add(triple::scale(local[0], x), triple::add(triple::scale(local[1], y), triple::scale(local[2], z)));
   }
+  // Axes as written need not be at right angles.
+  [[nodiscard]] Triple turn_back(const Triple& a) const {
+    const double volume = triple::dot(triple::cross(x, y), z);
+    return triple::scale(1 / volume, {triple::dot(a, triple::cross(y, z)), triple::dot(a, triple::cross(z, x)),
+                                      triple::dot(a, triple::cross(x, y))});
+  }
 };
 
 Triple unit(const Triple& a) { return triple::scale(1 / triple::norm(a), a); }
@@ -219,7 +225,11 @@ void Validation::place_members(const Body& body, const Where& where) {
   const auto place = [&](const Member& member, bool is_point) {
     Symbol* symbol = symbols_.find(member.name);
     if (symbol == nullptr || !symbol->is_derived()) return;
-    const Triple turned = frame.turn(member.local);
+    const Triple local = member.in_ground
+                             ? frame.turn_back(is_point ? triple::subtract(member.local, frame.origin) : member.local)
+                             : member.local;
+    if (member.in_ground) local_[member.name] = local;
+    const Triple turned = frame.turn(local);
     symbol->at = is_point ? triple::add(frame.origin, turned) : unit(turned);
     symbol->fixed = fixed || (!is_point && !turns);
     symbol->broken = symbol->broken || !usable || !triple::is_finite(symbol->at);

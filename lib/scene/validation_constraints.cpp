@@ -45,7 +45,7 @@ void Validation::check(const Distance& c, const Where& where) {
   if (c.value) {
     if (!finite(*c.value, where / "value")) return;
     if (*c.value == 0) report(where / "value", "a distance must be > 0; for 0 share the point");
-    if (*c.value < 0) report(where / "value", "a distance must be > 0, not " + shortest(*c.value));
+    if (*c.value < 0) report(where / "value", "a distance must be > 0, not " + shortest(*c.value) + " m");
   } else if (p.usable && q.usable && !known_.at_or_below((where / "value").text()) &&
              triple::norm(triple::subtract(p.at, q.at)) == 0) {
     report(pair, in_quotes(c.p) + " and " + in_quotes(c.q) +

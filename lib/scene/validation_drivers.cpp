@@ -52,8 +52,8 @@ void Validation::check_law(const Law& law, const Where& where) {
   for (const Law::Part& part : law.parts()) {
     const auto* table = std::get_if<Law::Spline>(&part);
     if (table == nullptr || table->periodic) continue;
-    report(where, "its table goes from t = " + shortest(table->time.front()) + " to " + shortest(table->time.back()) +
-                      ", the time grid from " + shortest(time.start) + " to " + shortest(time.end) +
+    report(where, "its table goes from t = " + shortest(table->time.front()) + " s to " + shortest(table->time.back()) +
+                      " s, the time grid from " + shortest(time.start) + " s to " + shortest(time.end) + " s" +
                       "; the table must cover the grid or be periodic");
     return;
   }
@@ -134,9 +134,10 @@ void Validation::check_arm(const PointAngle& d, const Involved& a, const Involve
       const auto* distance = std::get_if<Distance>(&c.kind);
       if (distance == nullptr || !distance->value || pair_key(distance->p, distance->q) != pair_key(d.a, d.b)) continue;
       if (*distance->value > along) continue;
-      report(where / "angle", "the distance " + in_quotes(c.name) + " of " + shortest(*distance->value) +
+      report(where / "angle", "the distance " + in_quotes(c.name) + " of " + shortest(*distance->value) + " m" +
                                   " leaves no arm across the axis: along it " + in_quotes(d.b) + " is " +
-                                  shortest(along) + " from " + in_quotes(d.a) + "; move it or choose another distance");
+                                  shortest(along) + " m from " + in_quotes(d.a) +
+                                  "; move it or choose another distance");
     }
   }
 }
@@ -170,10 +171,10 @@ void Validation::check(const DrivenDistance& d, const Driver& driver, const Wher
   }
   check_driven({a, b}, pair);
   claim("distance " + pair_key(d.a, d.b), driver, pair);
-  if (calls_program(d.law)) return;
+  if (calls_program(d.law) || driver.relative) return;
   const double start = d.law(scene_.time().start).value;
   if (start <= 0) {  // NaN, outside a table, is reported above
-    report(where / "law", "the distance at the start is " + shortest(start) + "; a driven distance must stay > 0");
+    report(where / "law", "the distance at the start is " + shortest(start) + " m; a driven distance must stay > 0");
   }
 }
 

@@ -1,16 +1,13 @@
 #include <algorithm>
+#include <cmath>
 
+#include "scene/outputs.hpp"
 #include "scene/validation.hpp"
 
 namespace assur {
 namespace {
 
-const std::vector<std::string_view> kPointParts = {"position", "velocity", "acceleration"};
-const std::vector<std::string_view> kScalarParts = {"value", "rate", "acceleration"};
-
-bool contains(const std::vector<std::string_view>& words, std::string_view word) {
-  return std::find(words.begin(), words.end(), word) != words.end();
-}
+constexpr std::string_view kEverything = "all";
 
 }  // namespace
 
@@ -55,6 +52,25 @@ void Validation::check(const MeasuredDistance& m, const Where& where) {
 
 void Validation::check(const MeasuredCoordinate& m, const Where& where) {
   (void)scalar(m.coordinate, where / "coordinate");
+}
+
+// Units are compared where they are known, when the scene is lowered.
+void Validation::check(const Combination& m, const Where& where) {
+  const Where sum = where / "sum";
+  if (m.terms.empty()) report(sum, "a sum needs at least one measure");
+  for (std::size_t i = 0; i < m.terms.size(); ++i) {
+    const auto& [name, factor] = m.terms[i];
+    if (!std::isfinite(factor) || factor == 0) {
+      report(sum / i / std::size_t{1},
+             "the factor is " + shortest(factor) + "; a finite number other than 0 is wanted");
+    }
+    const Symbol* symbol = want(name, NameKind::measure, sum / i / std::size_t{0});
+    if (symbol == nullptr || symbol->broken) continue;
+    if (std::holds_alternative<Combination>(scene_.measures()[symbol->index].kind)) {
+      report(sum / i / std::size_t{0}, in_quotes(name) + " is a sum itself; name the measures that it is made of");
+    }
+  }
+  (void)finite(m.constant, where / "constant");
 }
 
 // ---- declared groups
@@ -112,32 +128,65 @@ void Validation::check_output(const std::string& text, const Where& where) {
   const std::string name = text.substr(0, first);
   std::string part = first == std::string::npos ? "" : text.substr(first + 1);
   const Symbol* symbol = symbols_.find(name);
+  if (symbol == nullptr && text == kEverything) {
+    if (scene_.outputs().size() > 1) report(where, "'all' is everything; it stands alone");
+    return;
+  }
   if (symbol == nullptr) {
     if (known_.hides_names()) return;
     std::string what = "there is no point, vector or measure " + in_quotes(name);
     if (suggestions_left_-- > 0) {
-      what += suggestion(name, symbols_.names({NameKind::point, NameKind::vector, NameKind::measure}));
+      const auto names = symbols_.names({NameKind::point, NameKind::vector, NameKind::measure});
+      const std::string near = suggestion(name, names);
+      what += near.empty() ? known_instead(name, names) : near;
     }
     report(where, std::move(what));
     return;
   }
   if (symbol->broken) return;
-  const std::vector<std::string_view>* parts = &kScalarParts;
+  int components = 1;
   std::string owner = name;
+  const std::size_t second = part.find('.');
+  const std::string own = part.substr(0, second);
   if (symbol->kind == NameKind::point || symbol->kind == NameKind::vector) {
-    parts = &kPointParts;
-  } else if (symbol->kind == NameKind::constraint && !part.empty()) {
-    const std::size_t second = part.find('.');
-    owner = name + "." + part.substr(0, second);
-    if (!scalar(owner, where).usable) return;
+    components = dimension();
+  } else if (const int of_auxiliary = auxiliary(*symbol, own); of_auxiliary > 0) {
+    components = of_auxiliary;
+    owner = name + "." + own;
     part = second == std::string::npos ? "" : part.substr(second + 1);
+  } else if (symbol->kind == NameKind::constraint && !part.empty()) {
+    (void)scalar(name + "." + own, where);
+    return;
   } else if (symbol->kind != NameKind::measure) {
     report(where, in_quotes(name) + " is " + std::string(with_article(symbol->kind)) +
                       "; an output is a point, a vector, a measure or a constraint's lambda or mu");
     return;
   }
-  if (text == owner || contains(*parts, part)) return;
-  report(where, in_quotes(owner) + " has no part " + in_quotes(part) + "; expected " + one_of(*parts));
+  if (text == owner || asked_part(part, components)) return;
+  report(where, in_quotes(owner) + " has no part " + in_quotes(part) + "; expected " +
+                    (components == 1   ? "value, rate or acceleration"
+                     : components == 2 ? "position, velocity, acceleration, x, y, vx, vy, ax or ay"
+                                       : "position, velocity, acceleration, x, y, z, vx, vy, vz, ax, ay or az"));
+}
+
+// Components of an unknown that a constraint, driver or body brings with it; 0: it has none of that name.
+int Validation::auxiliary(const Symbol& symbol, const std::string& name) const {
+  if (symbol.kind == NameKind::constraint) return has_auxiliary(scene_.constraints()[symbol.index], name) ? 1 : 0;
+  if (symbol.kind == NameKind::driver) {
+    const auto* angle = std::get_if<RelativeAngle>(&scene_.drivers()[symbol.index].kind);
+    if (angle == nullptr) return 0;
+    const Symbol* axis = symbols_.find(angle->axis);
+    if (name == "across") return dimension() == 3 && axis != nullptr && !axis->fixed ? 3 : 0;
+    return name == "rho" ? 1 : 0;
+  }
+  if (symbol.kind == NameKind::body && name == "normal" && dimension() == 3) {
+    const Body& body = scene_.bodies()[symbol.index];
+    const auto off_plane = [](const Member& m) { return m.local[2] != 0; };
+    const bool has_normal = std::any_of(body.points.begin(), body.points.end(), off_plane) ||
+                            std::any_of(body.vectors.begin(), body.vectors.end(), off_plane);
+    return body.base.size() == 3 && has_normal ? 3 : 0;
+  }
+  return 0;
 }
 
 }  // namespace assur

@@ -73,7 +73,7 @@ void settle(SideBySide& worker, const LaneRun& before, LaneRun& run, const std::
 }
 
 // Its angles follow those of the chunk before; one that did nothing has at least the row where that one ended.
-void follow(const LaneRun& before, LaneRun& run, std::span<const std::size_t> angles, std::size_t columns) {
+void follow(const LaneRun& before, LaneRun& run, const OutputProgram& outputs, std::size_t columns) {
   const double* const border = before.row(before.split, columns);
   if (run.done == 0) {
     std::copy_n(border, columns, run.rows);
@@ -83,7 +83,7 @@ void follow(const LaneRun& before, LaneRun& run, std::span<const std::size_t> an
     return;
   }
   const std::vector<double> here(run.rows, run.rows + columns);
-  shift_by_turns(angles, border, here.data(), run, 0, columns);
+  shift_by_turns(outputs, border, here.data(), run, 0, columns);
 }
 
 }  // namespace
@@ -125,14 +125,13 @@ ChunkedRun run_in_chunks(const Prepared& prepared, const StepLimits& limits, std
   tiles.run(runs, of_the_grid, rows);
 
   const auto proceed = [&] { return !observer || observer(rows, rows); };
-  const std::vector<std::size_t> angles = tiles.first().angles();
   Status doubt;  // the first one
   ErrorFigures error;
   for (std::size_t c = 0; c < chunks; ++c) {
     LaneRun& run = runs[c];
     if (c > 0) {
       settle(tiles.first(), runs[c - 1], run, proceed, out.fallbacks);
-      follow(runs[c - 1], run, angles, columns);
+      follow(runs[c - 1], run, tiles.first().outputs(), columns);
     }
     error.merge(run.error);
     if (run.alone) say_alone(run, out.fallbacks);

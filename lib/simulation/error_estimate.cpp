@@ -418,6 +418,7 @@ void record_doubt(std::vector<Event>& events, Event event) {
   }
   Event& before = events.back();
   before.until = event.until;
+  if (before.detail.empty()) before.detail = std::move(event.detail);
   if (before.figure < event.figure) {
     before.figure = event.figure;
     before.group = std::move(event.group);

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "scene/jet.hpp"
+#include "scene/names.hpp"
 
 namespace assur {
 namespace {
@@ -127,11 +128,11 @@ void Inputs::set(std::string_view driver, const Motion& motion) {
     c.pending = true;
     return;
   }
-  std::string known;
-  for (const Control& c : controls_) known += (known.empty() ? "" : ", ") + c.name;
+  std::vector<std::string_view> known;
+  for (const Control& c : controls_) known.push_back(c.name);
   throw Error(Error::Kind::input,
-              "'" + std::string(driver) + "' is no controlled driver; " +
-                  (known.empty() ? "name them in PrepareOptions::controlled" : "there are: " + known));
+              in_quotes(driver) + " is no controlled driver" +
+                  (known.empty() ? "; name them in PrepareOptions::controlled" : known_instead(driver, known)));
 }
 
 const std::string* Inputs::not_finite(double& value) const {

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
+#include <utility>
 
 #include "simulation/dual.hpp"
 
@@ -29,14 +31,30 @@ void OutputProgram::bind(const System& s, std::span<const std::int32_t> address)
   form_start_.assign(1, 0);
   parts_.clear();
   angles_.clear();
-  std::int32_t next = 0;  // column
+  totals_.clear();
+  total_terms_.clear();
+  std::int32_t next = 0;                                               // column
+  std::map<std::pair<std::string_view, int>, std::int32_t> column_of;  // of measures, where there are sums
+  const bool has_sums =
+      std::any_of(s.measures.begin(), s.measures.end(), [](const MeasureForms& m) { return m.is_sum(); });
   for (const Output& o : wanted_outputs(s)) {
     const auto parts = static_cast<std::int32_t>(o.part_count);
     std::int32_t first[3];  // column of the first part
     for (int d = 0; d < 3; ++d) {
       first[d] = o.wanted[d] ? next : -1;
       if (o.wanted[d]) next += parts;
+      if (has_sums && o.wanted[d] && o.component < 0) column_of[{o.name, d}] = first[d];
     }
+    for (int d = 0; o.sum != nullptr && d < 3; ++d) {
+      if (!o.wanted[d]) continue;
+      const auto begin = static_cast<std::int32_t>(total_terms_.size());
+      for (const auto& [measure, factor] : o.sum->terms) {
+        total_terms_.push_back({column_of.at({s.measures[static_cast<std::size_t>(measure)].name, d}), factor});
+      }
+      totals_.push_back(
+          {begin, static_cast<std::int32_t>(total_terms_.size()), first[d], d == 0 ? o.sum->constant : 0});
+    }
+    if (o.sum != nullptr) continue;
     for (std::int32_t k = 0; k < parts; ++k) {
       const auto column = [&](int d) { return first[d] < 0 ? -1 : first[d] + k; };
       add(s, address, o.all_parts[static_cast<std::size_t>(k)], {column(0), column(1), column(2)});
@@ -197,6 +215,19 @@ void OutputProgram::differentiate(const double* const (&state)[3], const double*
     for (std::size_t d = 0; d < 3; ++d) {
       if (measure.column[d] >= 0) out[measure.column[d]] = slope[d] * measure.unit;
     }
+  }
+  add_up(out, 0);
+}
+
+// constant: times the constants.
+void OutputProgram::add_up(double* out, double constant) const {
+  for (const Total& total : totals_) {
+    double sum = constant * total.constant;
+    for (std::int32_t t = total.begin; t < total.end; ++t) {
+      const TotalTerm& term = total_terms_[static_cast<std::size_t>(t)];
+      sum += term.factor * out[term.column];
+    }
+    out[total.column] = sum;
   }
 }
 

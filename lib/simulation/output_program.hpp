@@ -36,6 +36,8 @@ T divisor_of(MeasureForms::Kind kind, std::span<const Jet<T>> f, int dimension) 
   };
   switch (kind) {
     case MeasureForms::Kind::form:
+    case MeasureForms::Kind::sum:
+    case MeasureForms::Kind::sum_of_angles:
       return T(1);
     case MeasureForms::Kind::distance:
       return square(f[0].value) + square(f[1].value) + (dimension == 3 ? square(f[2].value) : T(0));
@@ -50,7 +52,7 @@ T divisor_of(MeasureForms::Kind kind, std::span<const Jet<T>> f, int dimension) 
   return T(1);
 }
 
-// Value, rate and acceleration of a measure from the jets of its forms (internal units).
+// Value, rate and acceleration of a measure that is no sum from the jets of its forms (internal units).
 template <class T>
 Jet<T> evaluate_measure(MeasureForms::Kind kind, std::span<const Jet<T>> f, int dimension) {
   const auto dot = [&](std::size_t a, std::size_t b) {
@@ -77,6 +79,9 @@ Jet<T> evaluate_measure(MeasureForms::Kind kind, std::span<const Jet<T>> f, int 
       const Jet<T> across[3] = {cross(0, 3, 0), cross(0, 3, 1), cross(0, 3, 2)};
       return atan2(length(std::span<const Jet<T>>(across)), dot(0, 3));
     }
+    case MeasureForms::Kind::sum:
+    case MeasureForms::Kind::sum_of_angles:
+      break;
   }
   return {};
 }
@@ -105,6 +110,8 @@ class OutputProgram {
   // part of parts: a share of the columns, for one of several threads.
   void evaluate(const double* const (&state)[3], double* out, const double* turns, double* divisors,
                 std::size_t part = 0, std::size_t parts = 1) const;
+  // Sums of measures from the columns of the same row: after evaluate(), and after whole turns were added to angles.
+  void add_up(double* out) const { add_up(out, 1); }
   // Those that are more than sums.
   [[nodiscard]] std::size_t measures() const { return parts_.size(); }
 
@@ -155,7 +162,21 @@ class OutputProgram {
   bool add_line(const System& system, std::span<const std::int32_t> address, Index form, double unit,
                 const std::array<std::int32_t, 3>& column);
 
+  // A column that is a constant and multiples of others.
+  struct Total {
+    std::int32_t begin, end;  // in total_terms_
+    std::int32_t column;
+    double constant;
+  };
+  struct TotalTerm {
+    std::int32_t column;
+    double factor;
+  };
+  void add_up(double* out, double constant) const;
+
   int dimension_ = 2;
+  std::vector<Total> totals_;
+  std::vector<TotalTerm> total_terms_;
   std::vector<Line> motions_;  // value, rate and acceleration wanted
   std::vector<Line> lines_;    // not all of them
   std::vector<Sum> sums_;

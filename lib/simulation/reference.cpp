@@ -8,8 +8,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -52,10 +54,23 @@ class Comparison {
  public:
   Comparison(const Prepared& prepared, const Trajectory& trajectory) : trajectory_(trajectory), motion_(prepared) {
     std::vector<std::string> columns;
+    std::map<std::pair<std::string_view, std::size_t>, std::size_t> column_of;  // of measures
     for (const Output& o : wanted_outputs(motion_.system())) {
+      std::size_t next = columns.size();
       append_columns(o, columns);
       outputs_.emplace_back().output = o;
+      for (std::size_t d = 0; d < 3; ++d) {
+        if (!o.wanted[d]) continue;
+        for (std::size_t i = 0; o.sum != nullptr && i < o.sum->terms.size(); ++i) {
+          const auto& [measure, factor] = o.sum->terms[i];
+          const std::string& name = motion_.system().measures[static_cast<std::size_t>(measure)].name;
+          outputs_.back().terms[d].emplace_back(column_of.at({name, d}), factor);
+        }
+        if (o.component < 0) column_of[{o.name, d}] = next;
+        next += o.part_count;
+      }
     }
+    row_.resize(columns.size());
     if (columns != trajectory.columns()) {
       throw Error(Error::Kind::input, "the trajectory has other columns than the scene: compare it with its own");
     }
@@ -96,7 +111,8 @@ class Comparison {
   };
   struct Compared {
     Output output;
-    Figure figures[3];  // the worst of the run
+    std::vector<std::pair<std::size_t, double>> terms[3];  // of a sum: columns and factors
+    Figure figures[3];                                     // the worst of the run
     Figure now[3];
   };
 
@@ -127,9 +143,12 @@ class Comparison {
         if (!o.output.wanted[d]) continue;
         for (std::size_t i = 0; i < jets.size(); ++i, ++column) {
           const Quad x = trajectory_(k, column);
-          if (d > 0 && std::isnan(trajectory_(k, column))) continue;  // at a kink there is none
           Quad reference = d == 0 ? jets[i].value : d == 1 ? jets[i].rate : jets[i].acceleration;
           if (d == 0 && is_signed_angle(o.output.parts()[i])) reference += turns(x - reference);
+          if (o.output.sum != nullptr) reference = d == 0 ? o.output.sum->constant : 0;
+          for (const auto& [term, factor] : o.terms[d]) reference += Quad(factor) * row_[term];
+          row_[column] = reference;
+          if (d > 0 && std::isnan(trajectory_(k, column))) continue;  // at a kink there is none
           raise(o.now[d].difference, static_cast<double>(abs(x - reference)));
           raise(o.now[d].size, static_cast<double>(abs(reference)));
         }
@@ -149,6 +168,7 @@ class Comparison {
   const Trajectory& trajectory_;
   ReferenceMotion motion_;
   std::vector<Compared> outputs_;
+  std::vector<Quad> row_;  // of the reference
   double scale_[3] = {};
   bool apart_ = false;
 };

@@ -6,6 +6,8 @@
 #include <numbers>
 #include <utility>
 
+#include "simulation/columns.hpp"
+
 namespace assur {
 
 void Totals::merge(const Totals& o) {
@@ -14,15 +16,19 @@ void Totals::merge(const Totals& o) {
   error.merge(o.error);
 }
 
-void shift_by_turns(std::span<const std::size_t> angles, const double* before, const double* here, LaneRun& run,
+void shift_by_turns(const OutputProgram& outputs, const double* before, const double* here, LaneRun& run,
                     std::size_t from, std::size_t columns) {
   constexpr double kTurn = 2 * std::numbers::pi;
-  for (const std::size_t c : angles) {
+  bool shifted = false;
+  for (const std::size_t c : outputs.angles()) {
     const double shift = kTurn * std::round((before[c] - here[c]) / kTurn);
     if (shift == 0) continue;
+    shifted = true;
     for (std::size_t k = from; k < run.done; ++k) run.row(k, columns)[c] += shift;
     if (!run.outputs.empty()) run.outputs[c] += shift;
   }
+  for (std::size_t k = from; shifted && k < run.done; ++k) outputs.add_up(run.row(k, columns));
+  if (shifted && !run.outputs.empty()) outputs.add_up(run.outputs.data());
 }
 
 namespace {
@@ -98,7 +104,9 @@ void SideBySide::check_accuracy(std::span<LaneRun* const> lanes, std::size_t row
     const Status s = tile_.accuracy(static_cast<int>(i));
     if (s.ok()) continue;
     const std::string group = prepared_.structure->name_of(s.where);
-    record_doubt(run.events, {run.times[std::max<std::size_t>(row, 1) - 1], run.times[row], group, s.code, s.figure});
+    const std::size_t count = columns().size();
+    record_doubt(run.events, {run.times[std::max<std::size_t>(row, 1) - 1], run.times[row], group, s.code, s.figure,
+                              without_derivatives(columns(), {run.row(row, count), count})});
     if (run.status.ok()) run.status = s;
   }
 }
@@ -199,7 +207,7 @@ void SideBySide::alone(LaneRun& lane, Variant at, std::size_t row, bool to_the_e
   }
   if (lane.status.arrived()) lane.status = simulator->report().status;
   if (lane.status.ok()) lane.status = before;
-  if (restarted) shift_by_turns(angles(), first, start.data(), lane, row + 1, columns);
+  if (restarted) shift_by_turns(outputs(), first, start.data(), lane, row + 1, columns);
   lane.reached = simulator->time();
   if (lane.done <= lane.posture_wanted) lane.posture = posture_of(*simulator);
   if (stopped_ && lane.status.arrived() && lane.done < rows) lane.status = {Code::interrupted, {}, lane.reached};

@@ -57,7 +57,7 @@ class SideBySide {
 
   [[nodiscard]] int lanes() const { return tile_.lanes(); }
   [[nodiscard]] const std::vector<std::string>& columns() const { return tile_.columns(); }
-  [[nodiscard]] std::vector<std::size_t> angles() const { return tile_.outputs().angles(); }
+  [[nodiscard]] const OutputProgram& outputs() const { return tile_.outputs(); }
 
   // All of them have the same number of times and, the n-th from the (n-1)-th, the same steps. `proceed` is asked
   // after every step; false stops all. What laws and callbacks throw passes through.
@@ -87,7 +87,7 @@ class SideBySide {
 
 // Adds whole turns to the angles of a run, from a row on, so that they follow those of the row `before`, which is of
 // the same time as `here`.
-void shift_by_turns(std::span<const std::size_t> angles, const double* before, const double* here, LaneRun& run,
+void shift_by_turns(const OutputProgram& outputs, const double* before, const double* here, LaneRun& run,
                     std::size_t from, std::size_t columns);
 
 }  // namespace assur

@@ -10,6 +10,7 @@
 #include "parallel/thread_state.hpp"
 #include "simulation/angle_turns.hpp"
 #include "simulation/chunks.hpp"
+#include "simulation/columns.hpp"
 #include "simulation/continuation.hpp"
 #include "simulation/error_estimate.hpp"
 #include "simulation/function_check.hpp"
@@ -171,7 +172,8 @@ struct Simulator::Impl {
       earlier_error.merge(turn);
     }
     if (s.ok()) return {};
-    record_doubt(report.events, {from, motion.time(), structure.name_of(s.where), s.code, s.figure});
+    record_doubt(report.events, {from, motion.time(), structure.name_of(s.where), s.code, s.figure,
+                                 without_derivatives(columns, row)});
     if (doubt.ok()) {
       doubt = s;
       if (report.status.arrived()) report.status = doubt;
@@ -372,6 +374,7 @@ struct Simulator::Impl {
     motion.levels().share(row.size(), [&](std::size_t part, std::size_t parts) {
       outputs.evaluate(q, row.data(), turns.turns(), divisors.data(), part, parts);
     });
+    outputs.add_up(row.data());
   }
 
   // The outputs of the posture at hand are known already.
@@ -627,12 +630,7 @@ bool Simulator::run_in_chunks(std::span<const double> times, const Observer& obs
 const std::vector<std::string>& Simulator::columns() const { return impl_->columns; }
 std::span<const double> Simulator::outputs() const { return impl_->row; }
 
-double Simulator::output(std::string_view column) const {
-  const auto& columns = impl_->columns;
-  const auto found = std::find(columns.begin(), columns.end(), column);
-  if (found == columns.end()) throw Error(Error::Kind::input, "no column '" + std::string(column) + "'");
-  return impl_->row[static_cast<std::size_t>(found - columns.begin())];
-}
+double Simulator::output(std::string_view column) const { return impl_->row[column_index(impl_->columns, column)]; }
 
 std::vector<GroupFigures> Simulator::examine() { return impl_->examine(); }
 

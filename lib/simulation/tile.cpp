@@ -397,6 +397,7 @@ void Tile::accept(std::span<const double> times) {
 void Tile::fill_row(int lane, double* row) {
   const double* const q[3] = {state_.at(0) + lane, state_.at(1) + lane, state_.at(2) + lane};
   outputs_[idx(lane)].evaluate(q, row, turns_[idx(lane)].turns(), divisors_[idx(lane)]);
+  outputs_[idx(lane)].add_up(row);
 }
 
 std::vector<double> Tile::posture(int lane) const {

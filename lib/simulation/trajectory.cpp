@@ -5,24 +5,34 @@
 
 #include "assur/ensemble.hpp"
 #include "assur/simulator.hpp"
+#include "scene/names.hpp"
+#include "simulation/columns.hpp"
 
 namespace assur {
 
-std::size_t Trajectory::index(std::string_view column) const {
-  const auto found = std::find(columns_.begin(), columns_.end(), column);
-  if (found == columns_.end()) {
-    std::string known;
-    for (const std::string& c : columns_) {
-      if (known.size() > 400) {
-        known += ", ...";
-        break;
-      }
-      known += (known.empty() ? "" : ", ") + c;
-    }
-    throw Error(Error::Kind::input, "no column '" + std::string(column) + "'; there are: " + known);
+std::size_t column_index(const std::vector<std::string>& columns, std::string_view column) {
+  const auto found = std::find(columns.begin(), columns.end(), column);
+  if (found == columns.end()) {
+    throw Error(Error::Kind::input,
+                "no column " + in_quotes(column) + known_instead(column, {columns.begin(), columns.end()}));
   }
-  return static_cast<std::size_t>(found - columns_.begin());
+  return static_cast<std::size_t>(found - columns.begin());
 }
+
+std::string without_derivatives(const std::vector<std::string>& columns, std::span<const double> row) {
+  constexpr std::size_t kMostNamed = 4;
+  std::string names;
+  std::size_t count = 0;
+  for (std::size_t c = 0; c < row.size(); ++c) {
+    if (!std::isnan(row[c])) continue;
+    if (++count <= kMostNamed) names += (count == 1 ? "" : ", ") + columns[c];
+  }
+  if (count == 0) return "";
+  if (count > kMostNamed) names += ", ...";
+  return "there is no " + names + ": an angle without a sign has no derivatives at 0 and pi, a distance none at 0";
+}
+
+std::size_t Trajectory::index(std::string_view column) const { return column_index(columns_, column); }
 
 namespace {
 

@@ -1,6 +1,8 @@
 #include "structure/start.hpp"
 
+#include <Eigen/QR>
 #include <algorithm>
+#include <iterator>
 #include <numbers>
 #include <numeric>
 #include <optional>
@@ -14,15 +16,21 @@
 #include "structure/approach.hpp"
 #include "structure/assembly.hpp"
 #include "structure/block_names.hpp"
+#include "structure/dense_block.hpp"
+#include "structure/freedoms.hpp"
 #include "structure/other_postures.hpp"
 #include "structure/rank.hpp"
 
 namespace assur {
 namespace {
 
-constexpr double kConsistent = 1e-10;  // relative residual up to which dependent equations agree with each other
-constexpr double kSkew = 1e-6;         // of a frame's axes, which may be written with seven digits
-constexpr double kFar = 0.1;           // rad or internal units from a driver's value as written to its law's
+constexpr double kConsistent = 1e-10;        // relative residual up to which dependent equations agree with each other
+constexpr double kSkew = 1e-6;               // of a frame's axes, which may be written with seven digits
+constexpr double kFar = 0.1;                 // rad or internal units from a driver's value as written to its law's
+constexpr double kNearby = 0.05;             // rad or internal units: how far drivers are moved off a singular posture
+constexpr double kDependentNearby = 1e-7;    // pivots of rows of length 1
+constexpr std::size_t kLargestNearby = 600;  // equations or unknowns: beyond, dense decompositions take seconds
+constexpr std::size_t kMostNamed = 12;
 constexpr std::size_t kMostFlips = 8;  // drivers that are led the longer way round, one at a time
 
 std::size_t idx(Index i) { return static_cast<std::size_t>(i); }
@@ -263,6 +271,7 @@ class DrivenStart {
       check_directions();
     }
     if (asked.is_guess && is_assembled(out_)) tell_what_moved_far();
+    if (asked.is_guess && !out_.undetermined.empty() && is_determined_nearby(direct.doubtful)) refuse_dead_centre();
     out_.mobility_at_start = out_.mobility;
     if (asked.is_guess) look_at_other_postures(s_, direct.doubtful, p_.q, p_.time, out_);
   }
@@ -351,6 +360,43 @@ class DrivenStart {
   }
 
   [[nodiscard]] const std::string& name(const DriverInput& in) const { return s_.drivers[idx(in.driver)]; }
+
+  // Where the drivers stand a little off, nothing is undetermined: it is the posture, not the scene.
+  bool is_determined_nearby(const DoubtfulParts& parts) {
+    std::vector<Index> equations, mentioned, inputs(s_.inputs.size());
+    std::copy_if(parts.equations.begin(), parts.equations.end(), std::back_inserter(equations), [&](Index e) {
+      s_.mentioned(e, mentioned);
+      return std::any_of(mentioned.begin(), mentioned.end(),
+                         [&](Index c) { return s_.coordinates[idx(c)].role == Role::unknown; });
+    });
+    if (std::max(equations.size(), parts.unknowns.size()) > kLargestNearby) return false;
+    std::iota(inputs.begin(), inputs.end(), 0);
+    const Freedoms freedoms(s_, inputs);
+    const DenseBlock block(s_, equations, parts.unknowns, column_);
+    for (const double by : {kNearby, -kNearby}) {
+      if (freedoms.count() == 0) return false;
+      std::vector<double> q = p_.q;
+      freedoms.move(std::vector<double>(freedoms.count(), by), q);
+      if (fit(s_, equations, parts.unknowns, q, column_) > kConsistent) continue;
+      Eigen::MatrixXd j = block.jacobian(q);
+      for (Eigen::Index i = 0; i < j.rows(); ++i) j.row(i).normalize();
+      Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(j.rows(), j.cols());
+      qr.setThreshold(kDependentNearby);
+      if (qr.compute(j).rank() == j.cols()) return true;
+    }
+    return false;
+  }
+
+  void refuse_dead_centre() {
+    std::string names;
+    for (std::size_t i = 0; i < std::min(out_.undetermined.size(), kMostNamed); ++i) {
+      names += (i == 0 ? "" : ", ") + out_.undetermined[i];
+    }
+    if (out_.undetermined.size() > kMostNamed) names += ", ...";
+    out_.undetermined.clear();
+    out_.cannot_assemble = "the start posture is singular (a dead centre): the Jacobian does not determine " + names +
+                           " there, though it does in postures nearby; let the drivers start off it";
+  }
 
   // ---- another way to the start
 

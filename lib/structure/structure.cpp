@@ -144,6 +144,12 @@ void watch_what_is_not_solved(const System& s, const Blocks& blocks, const Cut& 
   out.watch.name = "redundant equations";
 }
 
+// The first of each stays.
+void drop_repeated(std::vector<Diagnostic>& notes) {
+  std::set<std::pair<std::string, std::string>> known;
+  std::erase_if(notes, [&](const Diagnostic& note) { return !known.emplace(note.where, note.what).second; });
+}
+
 }  // namespace
 
 Structure analyze(const Scene& scene, const StructureOptions& options) {
@@ -158,9 +164,10 @@ Structure analyze(const Scene& scene, const StructureOptions& options) {
 
   Structure out;
   out.formulation = options.formulation;
-  out.notes = s.notes;
   count(s, p.unknowns, out);
   assemble_start(s, p, out);
+  out.notes.insert(out.notes.end(), s.notes.begin(), s.notes.end());
+  drop_repeated(out.notes);
   if (irreducible && out.cannot_assemble.empty()) {
     out.eliminated = presolve(s, p.equations, p.unknowns);
     if (out.eliminated > 0) p.blocks = decompose(s, p.equations, p.unknowns);

@@ -78,6 +78,23 @@ TEST(Inspect, AgreesWithRunOnWhatIsLeftOut) {
       << page.out;
 }
 
+// The posture first, then the drivers, then what was written carelessly.
+TEST(Inspect, NotesComeOnceInOrderOfImportance) {
+  const Scratch scratch;
+  const std::string scene = scratch.file("notes.json", R"({"assur": 1, "dimension": 2,
+      "points": {"A": {"at": [0, 0], "fixed": true}, "B": {"at": [1, 0]}, "D": {"at": [3, 0], "fixed": true},
+                 "C": {"at": [-3, 0.5]}},
+      "vectors": {"u": {"at": [2, 0], "fixed": true}, "v": {"at": [0, 3], "fixed": true}},
+      "constraints": {"coupler": {"distance": ["B", "C"], "value": 2}, "rocker": {"distance": ["D", "C"], "value": 2}},
+      "drivers": {"motor": {"angle": ["A", "B"], "law": {"constant": 0.5}}},
+      "time": {"start": 0, "end": 1, "step": 0.5}})");
+  const auto notes = run_command({"inspect", scene, "--json"}).json()["notes"];
+  ASSERT_EQ(notes.size(), 3u) << notes;
+  EXPECT_EQ(notes[0]["where"], "/points/C");
+  EXPECT_EQ(notes[1]["where"], "/drivers/motor");
+  EXPECT_EQ(notes[2]["what"], "2 vectors are normalised: u has length 2, v 3");
+}
+
 // Everything in the JSON that stands in the structure is the structure's.
 TEST(Inspect, JsonIsTheStructure) {
   for (const std::string scene : {"andrews", "slider_crank", "four_bar:5", "rings:legs=2,n=12"}) {

@@ -274,9 +274,9 @@ TEST(SavedPlan, OtherFilesAreRefused) {
     EXPECT_NE(what.find("no saved plan"), std::string::npos) << what;
   }
   std::string later = text;
-  later.replace(0, 12, "assur plan 3");
+  later.replace(0, 12, "assur plan 4");
   EXPECT_EQ(kind_of([&] { (void)loaded(later); }, &what), Error::Kind::input);
-  EXPECT_NE(what.find("version 2"), std::string::npos) << what;
+  EXPECT_NE(what.find("version 3"), std::string::npos) << what;
   EXPECT_EQ(kind_of([] { (void)loaded(""); }), Error::Kind::input);
   std::istringstream missing;
   missing.setstate(std::ios::failbit);

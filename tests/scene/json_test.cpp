@@ -131,10 +131,25 @@ TEST(Json, VectorsAreNormalised) {
   EXPECT_EQ(scene.vectors()[1].at, (Triple{3 * 0.2, 0, 4 * 0.2}));
   EXPECT_NEAR(std::hypot(scene.vectors()[2].at[0], scene.vectors()[2].at[1]), 1, 4e-16);
   EXPECT_EQ(scene.bodies()[0].vectors[0].local, (Triple{0, 1, 0}));
-  ASSERT_EQ(scene.warnings().size(), 2u);  // w is off by 3.2e-7 only
-  EXPECT_EQ(scene.warnings()[0].where, "/vectors/v/at");
-  EXPECT_EQ(scene.warnings()[0].what, "the vector has length 5 and is normalised");
-  EXPECT_EQ(scene.warnings()[1].where, "/bodies/ground/vectors/g");
+  ASSERT_EQ(scene.warnings().size(), 1u);  // w is off by 3.2e-7 only
+  EXPECT_EQ(scene.warnings()[0].where, "/vectors");
+  EXPECT_EQ(scene.warnings()[0].what, "2 vectors are normalised: v has length 5, g 2");
+}
+
+TEST(Json, OneNormalisedVectorIsToldWithItsPlaceAndManyAreCut) {
+  const auto warning = [](int vectors) {
+    std::string text;
+    for (int i = 0; i < vectors; ++i) {
+      text += (i == 0 ? "\"v" : ", \"v") + std::to_string(i) + R"(": {"at": [0, 0, 0.9486832980505138]})";
+    }
+    const Scene scene = parse_scene(space("\"vectors\": {" + text + "}"));
+    EXPECT_EQ(scene.warnings().size(), 1u);
+    return scene.warnings()[0].where + ": " + scene.warnings()[0].what;
+  };
+  EXPECT_EQ(warning(1), "/vectors/v0/at: the vector has length 0.948683 and is normalised");
+  EXPECT_EQ(warning(8),
+            "/vectors: 8 vectors are normalised: v0 has length 0.948683, v1 0.948683, v2 0.948683, v3 0.948683, v4 "
+            "0.948683, v5 0.948683, and 2 more");
 }
 
 TEST(Json, BodiesAndPoses) {
@@ -279,8 +294,8 @@ TEST(Json, FindingsAreInDocumentOrder) {
                         "constraints": {"rod": {"distance": ["A", "B"], "value": -1}, "wrong": 3},
                         "points": {"A": {"at": [0, 0]}, "B": {"at": [1]}}})"),
             "scene: /time/step: the step is 0 s; it must be > 0\n"
-            "scene: /outputs/0: there is no point, vector or measure 'Q'\n"
-            "scene: /constraints/rod/value: a distance must be > 0, not -1\n"
+            "scene: /outputs/0: there is no point, vector or measure 'Q'; there are: A, B\n"
+            "scene: /constraints/rod/value: a distance must be > 0, not -1 m\n"
             "scene: /constraints/wrong: an object with one of the keys distance, equal_distance, dot, parallel, "
             "linear, coordinate, "
             "on_line or on_plane is wanted here, not a number\n"

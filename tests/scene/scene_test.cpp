@@ -63,7 +63,7 @@ TEST(SceneBuilder, FindsTheSameAsTheReader) {
   builder.drive("turn", RelativeAngle{{"A", "X"}, {"D", "C"}, "", {}});
   EXPECT_EQ(findings(builder),
             "/constraints/bad/distance/1: there is no point 'Cc'; did you mean 'C'?\n"
-            "/constraints/bad/value: a distance must be > 0, not -1\n"
+            "/constraints/bad/value: a distance must be > 0, not -1 m\n"
             "/drivers/push/coordinate: everything here is fixed, so nothing can be driven; drive something that moves\n"
             "/drivers/turn/angle/0/1: there is no point 'X'");
 }
@@ -236,7 +236,7 @@ TEST(Scene, WithOutputs) {
               return scene.with_outputs({"C", "Bb", "C.speed"});
             }),
             "/outputs/1: there is no point, vector or measure 'Bb'; did you mean 'B'?\n"
-            "/outputs/2: 'C' has no part 'speed'; expected position, velocity or acceleration");
+            "/outputs/2: 'C' has no part 'speed'; expected position, velocity, acceleration, x, y, vx, vy, ax or ay");
 }
 
 TEST(Scene, WithTime) {
@@ -245,12 +245,13 @@ TEST(Scene, WithTime) {
   builder.drive("push", DrivenCoordinate{"A.x", Law::table({0, 1}, {0, 1})});
   const Scene scene = builder.build();
   EXPECT_EQ(scene.with_time({0, 0.5, 0.25}).time().steps(), 2);
-  EXPECT_EQ(findings([&] {
-              return scene.with_time({0, 2, 0.5});
-            }),
-            "/drivers/push/law: its table goes from t = 0 to 1, the time grid from 0 to 2; the table must cover the "
-            "grid or be "
-            "periodic");
+  EXPECT_EQ(
+      findings([&] {
+        return scene.with_time({0, 2, 0.5});
+      }),
+      "/drivers/push/law: its table goes from t = 0 s to 1 s, the time grid from 0 s to 2 s; the table must cover the "
+      "grid or be "
+      "periodic");
   EXPECT_EQ(findings([&] { return scene.with_time({0, 1, -1}); }), "/time/step: the step is -1 s; it must be > 0");
   EXPECT_EQ(scene.with_time({0.5, 0.5, 0.25}).time().steps(), 0);  // one posture
   // None at all is no rounding of one step.

@@ -115,7 +115,7 @@ TEST(Trajectory, UnknownColumnIsRefusedWithTheKnownOnes) {
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.kind(), Error::Kind::input);
-    EXPECT_STREQ(e.what(), "no column 'B1.q'; there are: B1.x, B1.y, B1.vx, B1.vy, B1.ax, B1.ay");
+    EXPECT_STREQ(e.what(), "no column 'B1.q'; did you mean 'B1.x'? There are: B1.x, B1.y, B1.vx, B1.vy, B1.ax, B1.ay");
   }
   EXPECT_THROW((void)r.simulator.output("B1.q"), Error);
 }

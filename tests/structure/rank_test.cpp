@@ -329,6 +329,23 @@ TEST(Rank, BricardHasOneRedundantEquation) {
   }
 }
 
+// At its dead centre the crank may go either way; the scene lacks nothing.
+TEST(Rank, ADeadCentreIsToldFromASceneThatLacksAConstraint) {
+  const auto crank = [](double x, bool with_rod) {
+    SceneBuilder b("slider_crank", 2);
+    b.fixed_point("A", {0, 0}).point("B", {1, 0}).point("C", {3, 0});
+    b.constrain("crank", Distance{"A", "B", 1.0}).constrain("rail", FixedCoordinate{"C.y", 0});
+    if (with_rod) b.constrain("rod", Distance{"B", "C", 2.0});
+    return b.drive("piston", DrivenCoordinate{"C.x", Law::constant(x)}).time(0, 1, 0.1).build();
+  };
+  EXPECT_EQ(
+      look::error(Error::Kind::numerical, [&] { (void)prepare(crank(3, true)); }),
+      "the start posture is singular (a dead centre): the Jacobian does not determine B.y there, though it does in "
+      "postures nearby; let the drivers start off it");
+  EXPECT_EQ(look::error(Error::Kind::input, [&] { (void)prepare(crank(3, false)); }).substr(0, 31),
+            "undetermined: nothing fixes B.y");
+}
+
 TEST(Rank, BricardRuns) {
   Simulator simulator(prepare(bricard(), {"groups/eigen", {}}));
   const Trajectory run = simulator.run();

@@ -36,7 +36,7 @@ class QuadMotion final : public TrueMotion {
     std::vector<long double> out;
     for (const Output& o : outputs_) {
       std::vector<Jet<Quad>> jets;
-      for (const OutputPart& part : o.parts()) jets.push_back(jet(part));
+      for (const OutputPart& part : o.parts()) jets.push_back(o.sum != nullptr ? jet(*o.sum) : jet(part));
       for (const int d : {0, 1, 2}) {
         if (!o.wanted[d]) continue;
         for (const Jet<Quad>& jet : jets) {
@@ -45,6 +45,15 @@ class QuadMotion final : public TrueMotion {
       }
     }
     return out;
+  }
+
+  [[nodiscard]] Jet<Quad> jet(const MeasureForms& sum) const {
+    Jet<Quad> total{Quad(sum.constant), 0, 0};
+    for (const auto& [measure, factor] : sum.terms) {
+      const MeasureForms& m = motion_.system().measures[static_cast<std::size_t>(measure)];
+      total = total + Quad(factor) * jet(OutputPart{m.kind, m.forms, m.dimension});
+    }
+    return total;
   }
 
   [[nodiscard]] Jet<Quad> jet(const OutputPart& part) const {

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
+#include <string_view>
 #include <utility>
 
 namespace assur::check {
@@ -29,7 +31,8 @@ class KnownMotion final : public TrueMotion {
       for (const int d : {0, 1, 2}) {
         if (!o.wanted[d]) continue;
         for (std::size_t i = 0; i < o.part_count; ++i) {
-          const LongJet jet = jets ? (*jets)[i] : LongJet{kUnknown, kUnknown, kUnknown};
+          const std::size_t component = o.component < 0 ? i : static_cast<std::size_t>(o.component);
+          const LongJet jet = jets ? (*jets)[component] : LongJet{kUnknown, kUnknown, kUnknown};
           out.push_back(d == 0 ? jet.value : d == 1 ? jet.rate : jet.acceleration);
           if (jets && is_signed_angle(o.all_parts[i])) see(jet);
         }
@@ -79,15 +82,29 @@ std::unique_ptr<TrueMotion> agreed_motion(const Trajectory& trajectory) {
 Yardstick::Yardstick(const Prepared& prepared, std::unique_ptr<TrueMotion> motion)
     : structure_(prepared.structure), motion_(std::move(motion)) {
   std::size_t column = 0;
+  std::map<std::string_view, std::size_t> angle;
   for (const Output& o : wanted_outputs(*structure_->system)) {
     for (const int d : {0, 1, 2}) {
       if (!o.wanted[d]) continue;
       const OutputPart& part = o.all_parts[0];
       items_.push_back({column, o.part_count, d, structure_->system->unit(part.dimension),
                         d == 0 && o.part_count == 1 && is_signed_angle(part)});
+      if (items_.back().angle) angle[o.name] = items_.size() - 1;
+      for (std::size_t i = 0; d == 0 && o.sum != nullptr && i < o.sum->terms.size(); ++i) {
+        const auto& [measure, factor] = o.sum->terms[i];
+        const auto at = angle.find(structure_->system->measures[static_cast<std::size_t>(measure)].name);
+        if (at != angle.end()) items_.back().angles.emplace_back(at->second, factor);
+      }
       column += o.part_count;
     }
   }
+}
+
+long double Yardstick::turns(const Item& item, const Trajectory& trajectory, std::size_t row) const {
+  constexpr long double kTurn = 2 * std::numbers::pi_v<long double>;
+  if (row < item.turns_known) return 0;
+  const long double difference = trajectory(row, item.first) - rows_[row][item.first];
+  return difference - std::remainder(difference, kTurn);
 }
 
 Yardstick::Figure Yardstick::compare(const Item& item, const Trajectory& trajectory, std::size_t row) const {
@@ -96,7 +113,8 @@ Yardstick::Figure Yardstick::compare(const Item& item, const Trajectory& traject
     const long double is = rows_[row][i];
     if (std::isnan(is)) continue;
     long double difference = trajectory(row, i) - is;
-    if (row >= item.turns_known) difference = std::remainder(difference, 2 * std::numbers::pi_v<long double>);
+    if (item.angle) difference -= turns(item, trajectory, row);
+    for (const auto& [angle, factor] : item.angles) difference -= factor * turns(items_[angle], trajectory, row);
     difference = std::abs(difference);
     if (!(difference <= figure.difference)) figure.difference = std::isnan(difference) ? kInfinite : difference;
     figure.size = std::max(figure.size, std::abs(is));

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "assur/plan.hpp"
@@ -64,7 +65,10 @@ class Yardstick {
     double unit;
     bool angle;                                                         // the value of one that has a sign
     std::size_t turns_known = std::numeric_limits<std::size_t>::max();  // an angle: rows
+    std::vector<std::pair<std::size_t, double>> angles = {};            // of a sum: items and factors
   };
+  // Whole turns, in rad, by which a run counts an angle otherwise than the true motion does, which cannot know.
+  [[nodiscard]] long double turns(const Item& item, const Trajectory& trajectory, std::size_t row) const;
   [[nodiscard]] Figure compare(const Item& item, const Trajectory& trajectory, std::size_t row) const;
   void add_row(const Trajectory& trajectory);
   [[nodiscard]] bool is_far(const Trajectory& trajectory, std::size_t row) const;

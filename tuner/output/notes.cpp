@@ -5,8 +5,8 @@
 namespace assur::output {
 
 std::vector<Diagnostic> notes(const Scene& scene, const Structure& structure) {
-  std::vector<Diagnostic> all = scene.warnings();
-  all.insert(all.end(), structure.notes.begin(), structure.notes.end());
+  std::vector<Diagnostic> all = structure.notes;
+  all.insert(all.end(), scene.warnings().begin(), scene.warnings().end());
   return all;
 }
 

@@ -11,7 +11,8 @@
 
 namespace assur::output {
 
-// Of the scene (a vector that had to be normalised, ...), then of its start posture.
+// In order of importance: of the start posture (another one than meant), of its drivers, then of the scene (vectors
+// that had to be normalised).
 [[nodiscard]] std::vector<Diagnostic> notes(const Scene& scene, const Structure& structure);
 
 // Why libraries are slower than they could be here, and what helps; once, however many solvers share one.

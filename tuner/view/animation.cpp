@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "output/format.hpp"
+#include "scene/outputs.hpp"
 #include "scene/system.hpp"
 #include "structure/closest.hpp"
 #include "view/animation_files.hpp"
@@ -64,14 +65,12 @@ Scene with_all_points(const Scene& scene) {
 
 Animation::Animation(const Prepared& wanted, const Prepared& shown, std::int64_t steps)
     : name_(wanted.name), drawing_(drawing_of(*wanted.scene)), steps_(steps) {
-  const std::vector<Quantity> all = quantities(*shown.structure);
-  std::unordered_map<std::string, const Quantity*> position;  // the first quantity of each output is its value
-  for (const Quantity& q : all) {
-    if (q.title == q.output) position.emplace(q.output, &q);
-  }
+  std::unordered_map<std::string, std::size_t> column;
+  for (const std::string& name : column_names(*shown.structure->system)) column.emplace(name, column.size());
   for (std::size_t i = 0; i < drawing_.moving; ++i) {
-    const Quantity& q = *position.at(drawing_.points[i].name);
-    point_columns_.insert(point_columns_.end(), q.columns.begin(), q.columns.end());
+    for (int k = 0; k < drawing_.dimension; ++k) {
+      point_columns_.push_back(column.at(drawing_.points[i].name + "." + "xyz"[k]));
+    }
   }
   // Positions that were added stand behind what was asked for: that has the same columns here.
   shown_ = worth_showing(*wanted.structure);

@@ -10,7 +10,8 @@ namespace {
 
 std::string unit_of(const OutputPart& part, std::size_t derivative) {
   static constexpr std::array kPerTime = {"", "/s", "/s²"};
-  const bool is_angle = part.kind != MeasureForms::Kind::form && part.kind != MeasureForms::Kind::distance;
+  using Kind = MeasureForms::Kind;
+  const bool is_angle = part.kind != Kind::form && part.kind != Kind::distance && part.kind != Kind::sum;
   std::string unit = is_angle ? "rad" : part.dimension == 1 ? "m" : part.dimension == 2 ? "m²" : "";
   if (unit.empty() && derivative > 0) unit = "1";
   return unit + kPerTime[derivative];
@@ -19,7 +20,9 @@ std::string unit_of(const OutputPart& part, std::size_t derivative) {
 std::string title_of(const Output& output, std::size_t derivative) {
   static constexpr std::array kOfScalar = {"", ", rate", ", acceleration"};
   static constexpr std::array kOfPoint = {"", ", velocity", ", acceleration"};
-  return std::string(output.name) + (output.part_count == 1 ? kOfScalar : kOfPoint)[derivative];
+  const std::string name(output.name);
+  if (output.component >= 0) return name + "." + "xyz"[output.component] + kOfPoint[derivative];
+  return name + (output.part_count == 1 ? kOfScalar : kOfPoint)[derivative];
 }
 
 }  // namespace
