@@ -32,8 +32,7 @@ Prepared prepare_or_show(const Scene& scene, const PrepareOptions& how, const Ru
     return prepare(scene, how);
   } catch (const Error& error) {
     if (error.kind() == Error::Kind::numerical && !options.animate.empty()) {
-      std::ofstream animation = open_picture("--animate", options.animate);
-      write_refused(scene, how, options, animation);
+      write_refused(scene, how, options.animate);
     }
     throw;
   }

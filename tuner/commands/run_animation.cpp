@@ -8,6 +8,7 @@
 #include "commands/run_parts.hpp"
 #include "db/libraries.hpp"
 #include "output/format.hpp"
+#include "output/replace_file.hpp"
 #include "output/status_text.hpp"
 #include "view/animation.hpp"
 
@@ -65,13 +66,14 @@ bool write_animation(const Prepared& prepared, const Report& report, PrepareOpti
   return !Interrupt::requested();
 }
 
-void write_refused(const Scene& scene, const PrepareOptions& how, const RunOptions& options, std::ofstream& page) {
+void write_refused(const Scene& scene, const PrepareOptions& how, const std::string& file) {
   StructureOptions asked;
   asked.controlled = how.controlled;
   const Structure structure = analyze(scene, asked);
   if (structure.cannot_assemble.empty()) return;
-  page << view::Animation(scene, structure).page({"assur " + std::string(db::assur_version()) + "."});
-  close_picture("--animate", options.animate, page);
+  output::Replacement page("--animate", file);
+  page.stream() << view::Animation(scene, structure).page({"assur " + std::string(db::assur_version()) + "."});
+  page.put();
 }
 
 }  // namespace assur::command

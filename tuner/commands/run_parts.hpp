@@ -1,7 +1,7 @@
 // What a run of one mechanism and one of an ensemble have in common.
 #pragma once
 
-#include <fstream>
+#include <ostream>
 #include <string>
 
 #include "assur/plan.hpp"
@@ -42,7 +42,7 @@ void check_errors(const RunOptions& options, const PrepareOptions& how);
                                    const RunOptions& options, std::ostream& page, output::Progress& progress);
 
 // Where the start posture cannot be assembled: the page with the guess and the closest posture.
-void write_refused(const Scene& scene, const PrepareOptions& how, const RunOptions& options, std::ofstream& page);
+void write_refused(const Scene& scene, const PrepareOptions& how, const std::string& file);
 
 // --ensemble.
 int run_ensemble(const Common& common, const RunOptions& options);
