@@ -82,6 +82,15 @@ Outcome run_command(const std::vector<std::string>& arguments, const Setting& se
           setting.columns > 0 ? drawn : content(err)};
 }
 
+Outcome run_tuning(int seconds, const std::vector<std::string>& more) {
+  for (;; seconds *= 4) {
+    std::vector<std::string> words = {"tune", "--budget", std::to_string(seconds)};
+    words.insert(words.end(), more.begin(), more.end());
+    Outcome outcome = run_command(words);
+    if (outcome.err.find("nothing was measured") == std::string::npos || seconds > 60) return outcome;
+  }
+}
+
 std::string content(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(stream), {}};

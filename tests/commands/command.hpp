@@ -28,6 +28,8 @@ struct Setting {
 };
 
 [[nodiscard]] Outcome run_command(const std::vector<std::string>& arguments, const Setting& setting = {});
+// `assur tune --budget SECONDS` and more; again with four times the budget where the machine was too busy to measure.
+[[nodiscard]] Outcome run_tuning(int seconds, const std::vector<std::string>& more);
 
 [[nodiscard]] std::string content(const std::filesystem::path& file);
 

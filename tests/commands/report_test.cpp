@@ -130,7 +130,7 @@ TEST(ReportCommand, InterruptedKeepsWhatIsDone) {
 TEST(ReportCommand, ShowsWhatATuningRunHasMeasured) {
   const Scratch scratch;
   const std::string db = scratch.file("tuning.db");
-  ASSERT_EQ(run_command({"tune", "--budget", "2", "--db", db, "--quiet"}).status, 0);
+  ASSERT_EQ(run_tuning(2, {"--db", db, "--quiet"}).status, 0);
   const Outcome o =
       run_command({"report", "--quick", "--budget", "1", "--out", scratch.file("r"), "--db", db, "--quiet"});
   ASSERT_EQ(o.status, 0) << o.err;
