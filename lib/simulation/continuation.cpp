@@ -538,7 +538,7 @@ Status Continuation::at_the_limit(const Status& failed, double target, double t,
   const bool shorter = kShorter * shortest_ >= least;
   // Close to a change point rounding would take one of the branches.
   const bool clear = found.code != Code::change_point_passed || (found.figure > kClear && shorter);
-  if (!clear && is_avoided(target - now_)) found.code = Code::branch_unknown;
+  if (!clear && is_avoided(target - now_, first)) found.code = Code::branch_unknown;
   if (found.code != Code::limit_reached && (clear || found.code == Code::branch_unknown) && shorter) {
     shortest_ *= kShorter;
     any_turn_ = false;
@@ -598,16 +598,18 @@ bool Continuation::turns_back(GroupSolver::Singularity here) {
 
 // At a change point the smallest singular value is zero. Where two branches come close and stay apart it is not, and
 // each goes its own way, which shorter steps follow. Close to the least value its square is a parabola of the way: two
-// of them, through postures twice as far from here each, tell the least value and how well it is known.
-bool Continuation::is_avoided(double h) {
+// of them, through postures twice as far from here each, tell the least value and how well it is known. No farther than
+// a change point is passed from: what is singular there, too, is none of the two.
+bool Continuation::is_avoided(double h, double first) {
   const std::size_t at_fault = failed_pack_;
   const double change = now_;
   std::array<double, 4> way{}, square{};
   std::size_t looks = 0;
   std::int32_t block = -1;
+  const double farthest = std::ldexp(first, kReach + kLonger);
   bool same = true;
   for (double back = std::abs(h); looks < way.size() && same; back *= 2) {
-    same = walk(change - std::copysign(back, h), h, change);
+    same = back <= farthest && walk(change - std::copysign(back, h), h, change);
     if (!same) break;
     Pack& pack = packs_[at_fault];
     double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};

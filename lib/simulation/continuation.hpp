@@ -148,7 +148,7 @@ class Continuation {
   [[nodiscard]] bool turns_back(GroupSolver::Singularity here);
   [[nodiscard]] double first_without_solution(double target, double t);
   [[nodiscard]] bool pass(double target, double t, double first);
-  [[nodiscard]] bool is_avoided(double h);
+  [[nodiscard]] bool is_avoided(double h, double first);
   [[nodiscard]] bool pass_by(double reach, double target, double t);
   [[nodiscard]] bool walk(double until, double h, double change);
   void record(Event event, double step);
