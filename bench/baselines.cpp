@@ -167,7 +167,7 @@ class LegsByLibrary {
   // d-th derivative of a point or vector, SI units
   [[nodiscard]] Vec value(const std::string& name, int d) const {
     const System& s = *structure_.system;
-    const Item& item = s.items[static_cast<std::size_t>(s.item_of.at(name))];
+    const Item& item = s.item(name);
     Vec out{};
     for (std::size_t i = 0; i < 3; ++i) {
       for (const Term& t : s.form(item.form[i])) {

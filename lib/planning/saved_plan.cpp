@@ -137,9 +137,7 @@ Prepared load_plan(std::istream& in, const LoadOptions& options) {
   auto structure = std::make_shared<Structure>();
   fields(read, prepared, system, *structure);
   read.finish();
-  for (std::size_t i = 0; i < system.items.size(); ++i) {
-    system.item_of.emplace(system.items[i].name, static_cast<Index>(i));
-  }
+  system.index_names();
   structure->system = std::make_shared<const System>(std::move(system));
   prepared.structure = std::move(structure);
   check_plan(prepared);

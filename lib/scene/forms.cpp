@@ -46,21 +46,24 @@ Forms::Forms(std::shared_ptr<const Scene> scene, int length_exponent) {
   const std::size_t named = s_.scene->points().size() + s_.scene->vectors().size() + 8 * s_.drivers.size();
   const std::size_t scalars = 1 + named * static_cast<std::size_t>(s_.dimension);
   s_.items.reserve(named);
-  s_.item_of.reserve(named);
+  item_of_.reserve(named);
   s_.coordinates.reserve(scalars);
   s_.guess.reserve(scalars);
   s_.sources.reserve(s_.scene->constraints().size());
   s_.equations.reserve(s_.scene->constraints().size());
 }
 
-void Forms::give_back() {
+System Forms::finish() {
   rests_ = {};
+  item_of_ = {};
+  s_.index_names();
   s_.constants.shrink_to_fit();
   s_.form_start.shrink_to_fit();
   s_.terms.shrink_to_fit();
   s_.products.shrink_to_fit();
   s_.equations.shrink_to_fit();
   s_.sources.shrink_to_fit();
+  return std::move(s_);
 }
 
 // ---- constants and forms
@@ -121,7 +124,7 @@ Index Forms::combination(std::initializer_list<std::pair<Index, Index>> parts) {
 
 Index Forms::add_item(Item item) {
   const Index id = static_cast<Index>(s_.items.size());
-  s_.item_of.emplace(item.name, id);
+  item_of_.emplace(item.name, id);
   s_.items.push_back(std::move(item));
   return id;
 }
@@ -166,15 +169,15 @@ void Forms::declare_scalar(const std::string& name, int power, double guess) {
 }
 
 Index Forms::scalar_form(const std::string& text) const {
-  const auto whole = s_.item_of.find(text);
-  if (whole != s_.item_of.end()) return s_.items[idx(whole->second)].form[0];
+  const auto whole = item_of_.find(text);
+  if (whole != item_of_.end()) return s_.items[idx(whole->second)].form[0];
   const std::size_t point = text.rfind('.');
   return item(text.substr(0, point)).form[text[point + 1] - 'x'];
 }
 
 int Forms::scalar_dimension(const std::string& text) const {
-  const auto whole = s_.item_of.find(text);
-  if (whole != s_.item_of.end()) return s_.items[idx(whole->second)].dimension;
+  const auto whole = item_of_.find(text);
+  if (whole != item_of_.end()) return s_.items[idx(whole->second)].dimension;
   return item(text.substr(0, text.rfind('.'))).dimension;
 }
 

@@ -4,6 +4,7 @@
 #include <initializer_list>
 #include <memory>
 #include <string>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -32,8 +33,8 @@ class Forms {
   [[nodiscard]] System& system() { return s_; }
   [[nodiscard]] const System& system() const { return s_; }
 
-  // Room that nothing was written into: a scene may have millions of equations.
-  void give_back();
+  // The finished system, without the room that nothing was written into: a scene may have millions of equations.
+  [[nodiscard]] System finish();
 
   // Constants and forms. Values are in SI units, `power` is their power of length.
   Index constant(double value, int power = 0);
@@ -54,7 +55,7 @@ class Forms {
 
   // Both throw std::out_of_range for a name that a valid scene cannot contain.
   [[nodiscard]] const Item& item(const std::string& name) const;
-  [[nodiscard]] Index item_index(const std::string& name) const { return s_.item_of.at(name); }
+  [[nodiscard]] Index item_index(const std::string& name) const { return item_of_.at(name); }
 
   // "P.x" or "name.lambda"
   [[nodiscard]] Index scalar_form(const std::string& text) const;
@@ -94,6 +95,7 @@ class Forms {
   Index times(Index a, Index b);
 
   System s_;
+  std::unordered_map<std::string, Index> item_of_;
   std::vector<double> rests_;  // what rounding left of each constant
   Index row_ = 0;
 };

@@ -41,7 +41,8 @@ std::vector<Diagnostic> readable(std::vector<Diagnostic> findings) {
 Scene parse(std::string_view text, const std::string& source, const std::string& title, const TableFolders& tables,
             const Parameters& set) {
   try {
-    return build(JsonReader(parse_json(text), tables, set).read(title), text);
+    SceneBuilder builder = JsonReader(parse_json(text), tables, set).read(title);
+    return build(std::move(builder), text);
   } catch (const Error& error) {
     throw Error(error.kind(), readable(error.diagnostics()), source);
   }

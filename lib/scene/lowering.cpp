@@ -215,8 +215,7 @@ System lower(std::shared_ptr<const Scene> scene, std::span<const std::string> co
   drivers.note_own_forms();
   set_driven_guess(forms.system());
   for (Item& item : forms.system().items) item.fixed = forms.is_fixed(item);
-  forms.give_back();
-  return std::move(forms.system());
+  return forms.finish();
 }
 
 }  // namespace assur

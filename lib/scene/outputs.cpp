@@ -14,7 +14,7 @@ Output of_item(const Item& item) {
   out.name = item.name;
   out.part_count = static_cast<std::size_t>(item.components);
   for (std::size_t k = 0; k < out.part_count; ++k) {
-    out.all_parts[k] = {MeasureForms::Kind::form, {&item.form[k], 1}, item.dimension};
+    out.all_parts[k] = {MeasureForms::Kind::form, item.dimension, {&item.form[k], 1}};
   }
   return out;
 }
@@ -22,7 +22,7 @@ Output of_item(const Item& item) {
 Output of_measure(const MeasureForms& measure) {
   Output out;
   out.name = measure.name;
-  out.all_parts[0] = {measure.kind, measure.forms, measure.dimension};
+  out.all_parts[0] = {measure.kind, measure.dimension, measure.forms};
   if (measure.is_sum()) out.sum = &measure;
   return out;
 }
@@ -94,8 +94,10 @@ std::optional<AskedPart> asked_part(std::string_view part, int components) {
 std::vector<Output> wanted_outputs(const System& s) {
   std::vector<Output> out;
   if (s.outputs.empty()) {
+    const auto is_wanted = [](const Item& item) { return !item.hidden && !item.fixed; };
+    out.reserve(static_cast<std::size_t>(std::count_if(s.items.begin(), s.items.end(), is_wanted)) + s.measures.size());
     for (const Item& item : s.items) {
-      if (!item.hidden && !item.fixed) out.push_back(of_item(item));
+      if (is_wanted(item)) out.push_back(of_item(item));
     }
     for (const bool sums : {false, true}) {
       for (const MeasureForms& m : s.measures) {
@@ -112,8 +114,8 @@ std::vector<Output> wanted_outputs(const System& s) {
         out.push_back(of_measure(*m->second));
         return true;
       }
-      if (const auto i = s.item_of.find(name); i != s.item_of.end()) {
-        out.push_back(of_item(s.items[static_cast<std::size_t>(i->second)]));
+      if (const Index i = s.find_item(name); i >= 0) {
+        out.push_back(of_item(s.items[static_cast<std::size_t>(i)]));
         return true;
       }
       return false;

@@ -15,8 +15,8 @@ namespace assur {
 // One component of a point or vector; a measure or a scalar.
 struct OutputPart {
   MeasureForms::Kind kind = MeasureForms::Kind::form;
-  std::span<const Index> forms;
   std::int8_t dimension = 0;  // of the value, power of length
+  std::span<const Index> forms;
 };
 
 // Views of the system, which must outlive it: every member of an ensemble makes them anew.

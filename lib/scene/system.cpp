@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <tuple>
 
 #include "scene/drive.hpp"
 #include "scene/residual_scale.hpp"
@@ -21,6 +23,34 @@ std::string System::equation_name(Index equation) const {
   const Equation& e = equations[static_cast<std::size_t>(equation)];
   return sources[static_cast<std::size_t>(e.source)].name;
 }
+
+namespace {
+
+std::uint32_t hash_of(std::string_view name) {
+  return static_cast<std::uint32_t>(std::hash<std::string_view>{}(name));
+}
+
+}  // namespace
+
+void System::index_names() {
+  by_name.clear();
+  by_name.reserve(items.size());
+  for (const Item& item : items) by_name.push_back({hash_of(item.name), static_cast<Index>(by_name.size())});
+  std::sort(by_name.begin(), by_name.end(),
+            [](const NamedItem& a, const NamedItem& b) { return std::tie(a.hash, a.item) < std::tie(b.hash, b.item); });
+}
+
+Index System::find_item(std::string_view name) const {
+  const std::uint32_t hash = hash_of(name);
+  const auto first = std::lower_bound(by_name.begin(), by_name.end(), hash,
+                                      [](const NamedItem& n, std::uint32_t wanted) { return n.hash < wanted; });
+  const auto found = std::find_if(first, by_name.end(), [&](const NamedItem& n) {
+    return n.hash != hash || items[static_cast<std::size_t>(n.item)].name == name;
+  });
+  return found == by_name.end() || found->hash != hash ? -1 : found->item;
+}
+
+const Item& System::item(std::string_view name) const { return items.at(static_cast<std::size_t>(find_item(name))); }
 
 void System::mentioned(Index equation, std::vector<Index>& out) const {
   out.clear();

@@ -13,7 +13,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <unordered_map>
 #include <variant>
 #include <vector>
 
@@ -74,6 +73,12 @@ struct Item {
   bool derived = false;        // a body's member
   bool hidden = false;         // a driver's input: no output
   bool fixed = false;          // as the scene has it; presolve may find more that never moves
+};
+
+// 8 bytes: a scene may have millions of names.
+struct NamedItem {
+  std::uint32_t hash;
+  Index item;
 };
 
 // The known scalars of one driver, in consecutive coordinates from `first`.
@@ -165,7 +170,7 @@ class System {
   std::vector<Equation> equations;
   std::vector<Source> sources;
   std::vector<Item> items;
-  std::unordered_map<std::string, Index> item_of;
+  std::vector<NamedItem> by_name;  // all items, for find_item(); set by index_names()
   std::vector<DriverInput> inputs;
   std::vector<Assignment> assignments;
   std::vector<Positive> positive;
@@ -182,6 +187,12 @@ class System {
   [[nodiscard]] std::span<const Product> products_of(const Equation& e) const {
     return {products.data() + e.products_begin, products.data() + e.products_end};
   }
+  // Once all items are there.
+  void index_names();
+  // The item of that name; -1: there is none.
+  [[nodiscard]] Index find_item(std::string_view name) const;
+  // Throws std::out_of_range if there is none.
+  [[nodiscard]] const Item& item(std::string_view name) const;
   [[nodiscard]] Index forms() const { return static_cast<Index>(form_start.size()) - 1; }
   [[nodiscard]] std::string coordinate_name(Index coordinate) const;
   [[nodiscard]] std::string equation_name(Index equation) const;

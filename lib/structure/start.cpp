@@ -333,7 +333,7 @@ class DrivenStart {
     Triple where{};
     double farthest = kMovedFar * s_.unit(1);
     for (const Point& point : s_.scene->points()) {
-      const Item& item = s_.items[idx(s_.item_of.at(point.name))];
+      const Item& item = s_.item(point.name);
       const bool is_placed = std::none_of(item.form, item.form + item.components, [&](Index form) {
         const auto terms = s_.form(form);
         return std::any_of(terms.begin(), terms.end(),

@@ -143,7 +143,7 @@ TEST_P(EveryKind, MembersAreWhereTheirBodyIs) {
   for (const double t : {0.0, 0.375, 1.0}) {
     const std::vector<Quad> q = values(on_path(s, kind(), t));
     for (const auto& [name, at] : kind().members(t)) {
-      const Item& item = s.items[idx(s.item_of.at(name))];
+      const Item& item = s.item(name);
       EXPECT_TRUE(item.derived);
       for (int k = 0; k < item.components; ++k) {
         const Quad here = form_value<Quad>(s, item.form[k], q) * s.unit(item.dimension);

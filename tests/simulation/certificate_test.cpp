@@ -205,7 +205,7 @@ struct Fold {
   Certificate certify(double x, double y) {
     std::vector<double> posture = prepared.structure->start;
     const System& s = *prepared.structure->system;
-    const Index first = s.form(s.items[static_cast<std::size_t>(s.item_of.at("Q"))].form[0])[0].coordinate;
+    const Index first = s.form(s.item("Q").form[0])[0].coordinate;
     posture[static_cast<std::size_t>(first)] = x / 2;
     posture[static_cast<std::size_t>(first) + 1] = y;
     return Certifier(prepared).certify(posture, x);
@@ -277,7 +277,7 @@ TEST(Certificate, OfACallbackThereIsNoneNorBehindIt) {
   EXPECT_EQ(certificate.radius, HUGE_VAL);
   const System& s = certifier.system();
   const auto radius = [&](const char* point, int component) {
-    const Index form = s.items[static_cast<std::size_t>(s.item_of.at(point))].form[component];
+    const Index form = s.item(point).form[component];
     return certifier.coordinates()[static_cast<std::size_t>(s.form(form)[0].coordinate)].radius();
   };
   EXPECT_EQ(radius("P", 0), HUGE_VAL);

@@ -27,7 +27,7 @@ constexpr double kExact = 1e-20;
 
 Vec<QuadJet> place(const ReferenceMotion& motion, const std::string& name) {
   const System& s = motion.system();
-  const Item& item = s.items[static_cast<std::size_t>(s.item_of.at(name))];
+  const Item& item = s.item(name);
   Vec<QuadJet> out{};
   for (std::size_t k = 0; k < static_cast<std::size_t>(item.components); ++k) {
     const auto of = [&](std::size_t d) { return form_value<Quad>(s, item.form[k], motion.state().q[d]); };

@@ -52,11 +52,10 @@ inline std::int64_t solved(const Structure& s) {
 // Start value of "C.x" in SI units, also of what presolve has eliminated.
 inline double start(const Structure& s, const std::string& coordinate) {
   const System& system = *s.system;
-  const auto whole = system.item_of.find(coordinate);
+  const bool is_scalar = system.find_item(coordinate) >= 0;
   const std::size_t dot = coordinate.rfind('.');
-  const Item& item = system.items.at(static_cast<std::size_t>(
-      whole != system.item_of.end() ? whole->second : system.item_of.at(coordinate.substr(0, dot))));
-  const int k = whole != system.item_of.end() ? 0 : coordinate[dot + 1] - 'x';
+  const Item& item = system.item(is_scalar ? coordinate : coordinate.substr(0, dot));
+  const int k = is_scalar ? 0 : coordinate[dot + 1] - 'x';
   return form_value<double>(system, item.form[k], s.start) * system.unit(item.dimension);
 }
 

@@ -35,7 +35,7 @@ struct Presolved {
   }
   // Coefficient of `of` in the form of `item`, 0 if it is not there.
   [[nodiscard]] double coefficient(const std::string& item, int k, const std::string& of) const {
-    const Item& it = system.items.at(static_cast<std::size_t>(system.item_of.at(item)));
+    const Item& it = system.item(item);
     for (const Term& t : system.form(it.form[k])) {
       if (system.coordinate_name(t.coordinate) == of) return system.constants[static_cast<std::size_t>(t.constant)];
     }

@@ -51,7 +51,7 @@ class QuadMotion final : public TrueMotion {
     Jet<Quad> total{Quad(sum.constant), 0, 0};
     for (const auto& [measure, factor] : sum.terms) {
       const MeasureForms& m = motion_.system().measures[static_cast<std::size_t>(measure)];
-      total = total + Quad(factor) * jet(OutputPart{m.kind, m.forms, m.dimension});
+      total = total + Quad(factor) * jet(OutputPart{m.kind, m.dimension, m.forms});
     }
     return total;
   }

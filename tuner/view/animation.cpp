@@ -77,9 +77,9 @@ Animation::Animation(const Prepared& wanted, const Prepared& shown, std::int64_t
   quantities_ = shown_.size();
   if (shown_.size() > kMostQuantities) shown_.resize(kMostQuantities);
   for (Quantity& q : shown_) {
-    for (std::size_t& column : q.columns) {
-      value_columns_.push_back(column);
-      column = value_columns_.size() - 1;
+    for (std::size_t& value : q.columns) {
+      value_columns_.push_back(value);
+      value = value_columns_.size() - 1;
     }
   }
   const auto numbers = static_cast<std::int64_t>(std::max(point_columns_.size(), value_columns_.size()));
@@ -94,7 +94,7 @@ Animation::Animation(const Scene& scene, const Structure& refused)
   for (const std::vector<double>* q : {&system.guess, &closest.q}) {
     times_.push_back(static_cast<double>(times_.size()));
     for (std::size_t i = 0; i < drawing_.moving; ++i) {
-      const Item& item = system.items[static_cast<std::size_t>(system.item_of.at(drawing_.points[i].name))];
+      const Item& item = system.item(drawing_.points[i].name);
       for (int k = 0; k < item.components; ++k) {
         points_.push_back(form_value<double>(system, item.form[k], *q) * system.unit(1));
       }

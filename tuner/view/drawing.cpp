@@ -63,7 +63,7 @@ class Draughtsman {
     const std::vector<int> solver = solvers(structure);
     std::vector<Drawing::Point> fixed;
     const auto add = [&](const std::string& name, const Triple& at, bool is_fixed) {
-      const Item& item = system.items[static_cast<std::size_t>(system.item_of.at(name))];
+      const Item& item = system.item(name);
       (is_fixed ? fixed : out_.points).push_back({name, solver_of(system, solver, item), false, at});
     };
     for (const assur::Point& p : scene_.points()) add(p.name, p.at, p.fixed);
