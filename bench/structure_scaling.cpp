@@ -39,7 +39,7 @@ std::string four_bar_file(int loops) {
   out << R"(}, "constraints": {)";
   separator = "";
   for (const Constraint& c : scene.constraints()) {
-    const auto& d = std::get<Distance>(c.kind);
+    const auto& d = *c.as<Distance>();
     out << separator << '"' << c.name << R"(": {"distance": [")" << d.p << R"(", ")" << d.q << R"("], "value": )"
         << d.value.value() << '}';
     separator = ",\n";

@@ -14,6 +14,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -124,9 +125,36 @@ struct Callback {
   double tolerance = kDerivativeTolerance;
 };
 
+// A kind that is large, kept apart: most constraints are distances, and a scene may have millions.
+template <class Kind>
+class Apart {
+ public:
+  Apart(Kind kind) : kind_(std::make_shared<const Kind>(std::move(kind))) {}  // NOLINT: stands for the kind itself
+  operator const Kind&() const { return *kind_; }                             // NOLINT
+
+ private:
+  std::shared_ptr<const Kind> kind_;  // of all copies
+};
+
 struct Constraint {
   std::string name;
-  std::variant<Distance, EqualDistance, Dot, Parallel, Linear, FixedCoordinate, OnLine, OnPlane, Callback> kind;
+  std::variant<Distance, Apart<EqualDistance>, Apart<Dot>, Apart<Parallel>, Linear, FixedCoordinate, Apart<OnLine>,
+               Apart<OnPlane>, Apart<Callback>>
+      kind;
+
+  // As that kind; null: it is of another one.
+  template <class Kind>
+  [[nodiscard]] const Kind* as() const {
+    return std::visit(
+        [](const auto& own) -> const Kind* {
+          if constexpr (std::is_convertible_v<decltype(own), const Kind&>) {
+            return &static_cast<const Kind&>(own);
+          } else {
+            return nullptr;
+          }
+        },
+        kind);
+  }
 };
 
 // ---- drivers

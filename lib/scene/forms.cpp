@@ -55,7 +55,6 @@ Forms::Forms(std::shared_ptr<const Scene> scene, int length_exponent) {
 
 System Forms::finish() {
   rests_ = {};
-  item_of_ = {};
   s_.index_names();
   s_.constants.shrink_to_fit();
   s_.form_start.shrink_to_fit();

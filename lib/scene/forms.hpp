@@ -3,6 +3,7 @@
 
 #include <initializer_list>
 #include <memory>
+#include <memory_resource>
 #include <string>
 #include <unordered_map>
 #include <utility>
@@ -95,7 +96,8 @@ class Forms {
   Index times(Index a, Index b);
 
   System s_;
-  std::unordered_map<std::string, Index> item_of_;
+  std::pmr::monotonic_buffer_resource names_;  // given back as a whole: millions of small pieces leave gaps
+  std::pmr::unordered_map<std::string, Index> item_of_{&names_};
   std::vector<double> rests_;  // what rounding left of each constant
   Index row_ = 0;
 };

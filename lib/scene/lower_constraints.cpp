@@ -25,7 +25,7 @@ void ConstraintWriter::note_lengths() {
   std::unordered_set<std::string_view> in_bases;
   for (const Body& b : forms_.scene().bodies()) in_bases.insert(b.base.begin(), b.base.end());
   for (const Constraint& c : forms_.scene().constraints()) {
-    const auto* d = std::get_if<Distance>(&c.kind);
+    const auto* d = c.as<Distance>();
     if (d == nullptr || in_bases.count(d->p) == 0 || in_bases.count(d->q) == 0) continue;
     shared_.distances.insert(pair_key(d->p, d->q));
     if (d->value) shared_.lengths[pair_key(d->p, d->q)] = *d->value;
@@ -35,11 +35,11 @@ void ConstraintWriter::note_lengths() {
 void ConstraintWriter::declare_auxiliaries() {
   Forms& f = forms_;
   for (const Constraint& c : f.scene().constraints()) {
-    if (const auto* p = std::get_if<Parallel>(&c.kind)) {
+    if (const auto* p = c.as<Parallel>()) {
       f.declare_scalar(c.name + ".lambda", f.power(p->e) - f.power(p->d), ratio(f.at(p->d), f.at(p->e)));
-    } else if (const auto* l = std::get_if<OnLine>(&c.kind)) {
+    } else if (const auto* l = c.as<OnLine>()) {
       f.declare_scalar(c.name + ".lambda", 1 - f.power(l->d), ratio(f.at(l->d), subtract(f.at(l->p), f.at(l->a))));
-    } else if (const auto* o = std::get_if<OnPlane>(&c.kind)) {
+    } else if (const auto* o = c.as<OnPlane>()) {
       const Triple d = f.at(o->d), e = f.at(o->e), r = subtract(f.at(o->p), f.at(o->a));
       const double dd = dot(d, d), de = dot(d, e), ee = dot(e, e), det = dd * ee - de * de;
       const double lambda = det > 0 ? (dot(d, r) * ee - dot(e, r) * de) / det : 0;
@@ -60,7 +60,7 @@ void ConstraintWriter::absorb_distances() {
     ends.insert({a->a, a->b});
   }
   for (const Constraint& c : forms_.scene().constraints()) {
-    const auto* d = std::get_if<Distance>(&c.kind);
+    const auto* d = c.as<Distance>();
     if (d == nullptr || ends.count(d->p) == 0 || ends.count(d->q) == 0) continue;
     const auto found = angle_of.find(pair_key(d->p, d->q));
     if (found == angle_of.end()) continue;

@@ -34,14 +34,14 @@ int length_exponent(const Scene& scene) {
     if (i != at.end() && j != at.end()) see(length_of(triple::subtract(*i->second, *j->second)));
   };
   for (const Constraint& c : scene.constraints()) {
-    if (const auto* d = std::get_if<Distance>(&c.kind)) {
+    if (const auto* d = c.as<Distance>()) {
       if (d->value) {
         see(*d->value);
       } else {
         see_pair(d->p, d->q);
       }
     }
-    if (const auto* l = std::get_if<OnLine>(&c.kind)) see_pair(l->p, l->a);
+    if (const auto* l = c.as<OnLine>()) see_pair(l->p, l->a);
   }
   for (const Driver& d : scene.drivers()) {
     if (const auto* a = std::get_if<PointAngle>(&d.kind)) see_pair(a->a, a->b);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory_resource>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -62,7 +63,8 @@ class Symbols {
  private:
   void enter(std::string_view name, const Where& where, Symbol symbol, const Known& known);
 
-  std::unordered_map<std::string_view, Symbol> symbols_;
+  std::pmr::monotonic_buffer_resource memory_;  // given back as a whole: millions of small pieces leave gaps
+  std::pmr::unordered_map<std::string_view, Symbol> symbols_{&memory_};
   std::vector<std::pair<std::string_view, NameKind>> order_;
   std::vector<Diagnostic> findings_;
 };

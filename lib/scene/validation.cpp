@@ -26,10 +26,10 @@ std::size_t rank_of_section(const std::string& pointer) {
 }  // namespace
 
 bool has_auxiliary(const Constraint& constraint, std::string_view part) {
-  if (part == "mu") return std::holds_alternative<OnPlane>(constraint.kind);
+  if (part == "mu") return constraint.as<OnPlane>() != nullptr;
   return part == "lambda" &&
-         (std::holds_alternative<Parallel>(constraint.kind) || std::holds_alternative<OnLine>(constraint.kind) ||
-          std::holds_alternative<OnPlane>(constraint.kind));
+         (constraint.as<Parallel>() != nullptr || constraint.as<OnLine>() != nullptr ||
+          constraint.as<OnPlane>() != nullptr);
 }
 
 Validation::Validation(const Scene& scene, const std::vector<Diagnostic>& known)

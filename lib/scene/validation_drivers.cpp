@@ -103,7 +103,7 @@ void Validation::check_arm(const PointAngle& d, const Involved& a, const Involve
   if (dimension() == 2) {
     if (!d.axis.empty()) report(where / "axis", "in the plane every axis is the normal; leave \"axis\" out");
     const auto gives_radius = [&](const Constraint& c) {
-      const auto* distance = std::get_if<Distance>(&c.kind);
+      const auto* distance = c.as<Distance>();
       return distance != nullptr && distance->value && pair_key(distance->p, distance->q) == pair_key(d.a, d.b);
     };
     const auto& constraints = scene_.constraints();
@@ -131,7 +131,7 @@ void Validation::check_arm(const PointAngle& d, const Involved& a, const Involve
     // The distance is the arm's length; what of it is along the axis is as written.
     const double along = std::abs(triple::dot(axis.at, arm)) / triple::norm(axis.at);
     for (const Constraint& c : scene_.constraints()) {
-      const auto* distance = std::get_if<Distance>(&c.kind);
+      const auto* distance = c.as<Distance>();
       if (distance == nullptr || !distance->value || pair_key(distance->p, distance->q) != pair_key(d.a, d.b)) continue;
       if (*distance->value > along) continue;
       report(where / "angle", "the distance " + in_quotes(c.name) + " of " + shortest(*distance->value) + " m" +

@@ -74,13 +74,13 @@ GroupContent content(const Blocks& blocks, const std::vector<Index>& solved, con
   return c;
 }
 
-void classify(const System& s, const Blocks& blocks, const std::vector<Draft>& drafts, const Cut& cut,
+void classify(const System& s, const Blocks& blocks, std::vector<Draft> drafts, const Cut& cut,
               int predictor_derivatives, Structure& out) {
   ClassTable table(s, cut.moves);
   out.groups.reserve(drafts.size());
   std::vector<Index> solved;
   for (std::size_t g = 0; g < drafts.size(); ++g) {
-    const Draft& d = drafts[g];
+    const Draft d = std::move(drafts[g]);
     solved.clear();
     std::copy_if(d.blocks.begin(), d.blocks.end(), std::back_inserter(solved),
                  [&](Index b) { return cut.solved_each_step(b); });
@@ -173,10 +173,10 @@ Structure analyze(const Scene& scene, const StructureOptions& options) {
     if (out.eliminated > 0) p.blocks = decompose(s, p.equations, p.unknowns);
   }
 
-  const std::vector<Draft> drafts = form_groups(s, p.blocks, options.formulation);
+  std::vector<Draft> drafts = form_groups(s, p.blocks, options.formulation);
   const Cut cut = cut_to_outputs(s, p.blocks, drafts, out.checks, options.predictor_derivatives);
   list_what_is_left_out(p.blocks, cut, out);
-  classify(s, p.blocks, drafts, cut, options.predictor_derivatives, out);
+  classify(s, p.blocks, std::move(drafts), cut, options.predictor_derivatives, out);
   close_gaps(out);
   watch_what_is_not_solved(s, p.blocks, cut, out);
 

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <pty.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -70,6 +71,7 @@ Outcome run_command(const std::vector<std::string>& arguments, const Setting& se
   }
 
   int status = 0;
+  rusage used{};
   if (!setting.interrupt_when_err.empty()) {
     while (content(err).find(setting.interrupt_when_err) == std::string::npos) {
       if (waitpid(child, &status, WNOHANG) == child) throw std::runtime_error("ended too early: " + content(err));
@@ -77,9 +79,9 @@ Outcome run_command(const std::vector<std::string>& arguments, const Setting& se
     }
     kill(child, setting.signal);
   }
-  waitpid(child, &status, 0);
+  wait4(child, &status, 0, &used);
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, setting.out.empty() ? content(out) : "",
-          setting.columns > 0 ? drawn : content(err)};
+          setting.columns > 0 ? drawn : content(err), std::int64_t{1024} * used.ru_maxrss};
 }
 
 Outcome run_tuning(int seconds, const std::vector<std::string>& more) {

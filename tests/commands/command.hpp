@@ -2,6 +2,7 @@
 #pragma once
 
 #include <csignal>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
@@ -13,6 +14,7 @@ namespace assur {
 struct Outcome {
   int status = -1;  // exit status; -1: ended by a signal
   std::string out, err;
+  std::int64_t memory = 0;  // the most that it had, bytes
 
   [[nodiscard]] nlohmann::json json() const { return nlohmann::json::parse(out); }
   [[nodiscard]] std::vector<std::string> lines() const;  // of out

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "commands/command.hpp"
+#include "sanitizers.hpp"
 
 namespace assur {
 namespace {
@@ -74,6 +75,41 @@ TEST_F(StrangersFilesInCommands, TablesFromElsewhereAreAllowedByName) {
   EXPECT_EQ(absent.err.substr(0, absent.err.find('\n')),
             "error: --tables: Directory does not exist: " + scratch_.file("none"));
 }
+
+#if !defined(ASSUR_ADDRESS_SANITIZER) && !defined(ASSUR_THREAD_SANITIZER)
+
+// A crank, and dyads that hang on its end.
+std::string dyads(int count) {
+  std::string points, constraints;
+  for (int i = 0; i < count; ++i) {
+    const std::string n = std::to_string(i);
+    points += R"(, "G)" + n + R"(": {"at": [)" + std::to_string(3 + 0.001 * i) + R"(, 0], "fixed": true}, "P)" + n +
+              R"(": {"at": [)" + std::to_string(1.5 + 0.0005 * i) + ", 1.7]}";
+    constraints += R"(, "a)" + n + R"(": {"distance": ["T", "P)" + n + R"("]}, "b)" + n + R"(": {"distance": ["G)" + n +
+                   R"(", "P)" + n + R"("]})";
+  }
+  return R"({"assur": 1, "dimension": 2, "points": {"O": {"at": [0, 0], "fixed": true}, "T": {"at": [0, 1]})" + points +
+         R"(}, "constraints": {"crank": {"distance": ["O", "T"], "value": 1})" + constraints +
+         R"(}, "drivers": {"m": {"angle": ["O", "T"], "law": {"polynomial": ["=pi/2", 1]}}},
+             "time": {"start": 0, "end": 0.02, "step": 0.01}})";
+}
+
+TEST(BigScenes, AMillionDyadsNeedLessThan1500Megabytes) {
+  constexpr int kMore = 80000;
+  const Scratch scratch;
+  const auto memory = [](const std::string& scene) {
+    const Outcome outcome = run_command({"plan", scene, "--threads", "1"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return outcome.memory;
+  };
+  const auto of_each = [&](const std::string& few, const std::string& many) {
+    return static_cast<double>(memory(many) - memory(few)) / kMore;
+  };
+  EXPECT_LT(of_each(scratch.file("few.json", dyads(20000)), scratch.file("many.json", dyads(20000 + kMore))), 1500);
+  EXPECT_LT(of_each("four_bar:20000", "four_bar:" + std::to_string(20000 + kMore)), 1500);
+}
+
+#endif
 
 }  // namespace
 }  // namespace assur

@@ -57,7 +57,7 @@ TEST(Units, TypicalLengthsAreOne) {
     const System s = lower(std::make_shared<const Scene>(sample(name)));
     std::vector<double> lengths;
     for (const Constraint& c : s.scene->constraints()) {
-      if (const auto* d = std::get_if<Distance>(&c.kind)) lengths.push_back(d->value.value_or(1) / s.unit(1));
+      if (const auto* d = c.as<Distance>()) lengths.push_back(d->value.value_or(1) / s.unit(1));
     }
     for (const double x : lengths) {
       EXPECT_GT(x, 0.1) << name;

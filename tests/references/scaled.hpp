@@ -21,8 +21,8 @@ inline std::unordered_map<std::string, int> powers_of_length(const Scene& scene)
   }
   const auto of = [&](const Direction& d) { return d.is_pair() ? 1 : power.at(d.first); };
   for (const Constraint& c : scene.constraints()) {
-    if (const auto* line = std::get_if<OnLine>(&c.kind)) power[c.name + ".lambda"] = 1 - of(line->d);
-    if (const auto* parallel = std::get_if<Parallel>(&c.kind))
+    if (const auto* line = c.as<OnLine>()) power[c.name + ".lambda"] = 1 - of(line->d);
+    if (const auto* parallel = c.as<Parallel>())
       power[c.name + ".lambda"] = of(parallel->e) - of(parallel->d);
   }
   for (const Measure& m : scene.measures()) {
@@ -83,8 +83,10 @@ inline Scene scaled(const Scene& scene, int exponent) {
   for (Constraint c : scene.constraints()) {
     if (auto* distance = std::get_if<Distance>(&c.kind)) {
       if (distance->value) *distance->value *= factor;
-    } else if (auto* dot = std::get_if<Dot>(&c.kind)) {
-      if (dot->value) *dot->value *= std::ldexp(1.0, exponent * (of(dot->d) + of(dot->e)));
+    } else if (const Dot* own = c.as<Dot>()) {
+      Dot dot = *own;
+      if (dot.value) *dot.value *= std::ldexp(1.0, exponent * (of(dot.d) + of(dot.e)));
+      c.kind = dot;
     } else if (auto* linear = std::get_if<Linear>(&c.kind)) {
       bool points = false;
       for (const auto& [name, f] : linear->terms) points = points || power.at(name) == 1;

@@ -38,8 +38,8 @@ inline Posture<QuadJet> stewart(const Scene& scene, double t, const std::string&
     const std::string k = std::to_string(leg) + suffix;
     double handle = 0, rod = 0;
     for (const Constraint& c : scene.constraints()) {
-      if (c.name == "handle_length" + k) handle = -std::get<Linear>(c.kind).terms.at(2).second;
-      if (c.name == "rod_length" + k) rod = -std::get<Linear>(c.kind).terms.at(2).second;
+      if (c.name == "handle_length" + k) handle = -c.as<Linear>()->terms.at(2).second;
+      if (c.name == "rod_length" + k) rod = -c.as<Linear>()->terms.at(2).second;
     }
     // In the plane across a through A: x towards P, y = a x x; the law of cosines in the triangle A, B, P seen along a.
     const Vec<QuadJet> AP = all.at("P" + k) - all.at("A" + k), a = unit(all.at("a" + k));

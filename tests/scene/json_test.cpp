@@ -26,7 +26,11 @@ std::string space(const std::string& rest) { return R"({"assur": 1, "dimension":
 
 template <class Kind, class Item>
 const Kind& as(const Item& item) {
-  return std::get<Kind>(item.kind);
+  if constexpr (requires { item.template as<Kind>(); }) {
+    return *item.template as<Kind>();
+  } else {
+    return std::get<Kind>(item.kind);
+  }
 }
 
 // The example of the format's description, word for word.

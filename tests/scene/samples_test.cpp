@@ -330,7 +330,7 @@ TEST(Rings, HaveThreeNonzerosInARow) {
     const std::set<std::string> unknowns(group.unknowns.begin(), group.unknowns.end());
     std::size_t equations = 0, nonzeros = 0;
     for (const Constraint& c : scene.constraints()) {
-      const auto& distance = std::get<Distance>(c.kind);
+      const auto& distance = *c.as<Distance>();
       const std::size_t ends = unknowns.count(distance.p) + unknowns.count(distance.q);
       nonzeros += 2 * ends;
       if (ends > 0) ++equations;

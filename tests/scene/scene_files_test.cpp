@@ -121,6 +121,11 @@ void expect_same(const Kind&, const Kind&) {
   ADD_FAILURE() << "no comparison is written for this kind";
 }
 
+template <class Kind>
+void expect_same(const Apart<Kind>& a, const Apart<Kind>& b) {
+  expect_same(static_cast<const Kind&>(a), static_cast<const Kind&>(b));
+}
+
 template <class... Kinds>
 void expect_same_kind(const std::variant<Kinds...>& a, const std::variant<Kinds...>& b) {
   ASSERT_EQ(a.index(), b.index());

@@ -254,7 +254,7 @@ TEST(Callbacks, ADistanceIsADistance) {
   SceneBuilder builder("four_bar", 2);
   for (const Point& p : built_in.points()) builder.add(p);
   for (const Constraint& c : built_in.constraints()) {
-    const auto& d = std::get<Distance>(c.kind);
+    const auto& d = *c.as<Distance>();
     if (c.name == "coupler1" || c.name == "rocker2") {
       builder.constrain(c.name, distance(d.p, d.q, *d.value));
     } else {

@@ -123,7 +123,7 @@ TEST(ReferenceMotion, KeepsTheLengthsOfRings) {
   const Scene scene = sample("rings:legs=2,n=240");  // sparse blocks
   ReferenceMotion motion(prepare(scene));
   const auto square = [&](const Constraint& c) {
-    const auto& link = std::get<Distance>(c.kind);
+    const auto& link = *c.as<Distance>();
     const Vec<QuadJet> d = place(motion, link.q) - place(motion, link.p);
     return dot(d, d);
   };

@@ -34,7 +34,7 @@ ClosedForm rhombi(const Scene& scene, double distance) {
 ClosedForm piston(const Scene& scene) {
   const Law law = std::get<DrivenCoordinate>(scene.drivers().at(0).kind).law;
   const auto length = [&scene](std::size_t i) {
-    return static_cast<long double>(*std::get<Distance>(scene.constraints().at(i).kind).value);
+    return static_cast<long double>(*scene.constraints().at(i).as<Distance>()->value);
   };
   const long double crank = length(0), rod = length(1);
   return [law, crank, rod](const std::string& output, double t) -> std::optional<std::array<LongJet, 3>> {
@@ -47,7 +47,7 @@ ClosedForm piston(const Scene& scene) {
 
 // C = 2 r cos(angle) along the rail: what the motion continues as where the rod is across the rail.
 ClosedForm equal_slider_crank(const Scene& scene) {
-  const double length = *std::get<Distance>(scene.constraints().at(0).kind).value;
+  const double length = *scene.constraints().at(0).as<Distance>()->value;
   return [scene, length](const std::string& output, double t) -> std::optional<std::array<LongJet, 3>> {
     if (output == "rod_angle") return std::array<LongJet, 3>{motor(scene, t) * -1.0L, LongJet{}, LongJet{}};
     if (output != "C" && output != "displacement" && output != "slide.lambda") return std::nullopt;

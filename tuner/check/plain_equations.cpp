@@ -86,8 +86,8 @@ PlainEquations::PlainEquations(const Scene& scene) : dimension_(scene.dimension(
   for (const Vector& v : scene.vectors()) add_item(v.name, v.at, v.fixed, false, dimension_);
   add_bodies(scene);
   for (const Constraint& c : scene.constraints()) {
-    const bool plane = std::holds_alternative<OnPlane>(c.kind);
-    if (!plane && !std::holds_alternative<OnLine>(c.kind) && !std::holds_alternative<Parallel>(c.kind)) continue;
+    const bool plane = c.as<OnPlane>() != nullptr;
+    if (!plane && c.as<OnLine>() == nullptr && c.as<Parallel>() == nullptr) continue;
     const int i = add_item(c.name, {}, false, false, plane ? 2 : 1);
     names_.erase(c.name);
     names_[c.name + ".lambda"] = i;
@@ -107,10 +107,10 @@ PlainEquations::PlainEquations(const Scene& scene) : dimension_(scene.dimension(
       const auto it = std::find(unknown_names_.begin(), unknown_names_.end(), name);
       if (it != unknown_names_.end()) is_length_[static_cast<std::size_t>(it - unknown_names_.begin())] = length;
     };
-    if (const auto* l = std::get_if<OnLine>(&c.kind)) mark(c.name + ".lambda", !l->d.is_pair());
-    if (const auto* p = std::get_if<OnPlane>(&c.kind))
+    if (const auto* l = c.as<OnLine>()) mark(c.name + ".lambda", !l->d.is_pair());
+    if (const auto* p = c.as<OnPlane>())
       mark(c.name + ".lambda", !p->d.is_pair()), mark(c.name + ".mu", !p->e.is_pair());
-    if (const auto* p = std::get_if<Parallel>(&c.kind)) mark(c.name + ".lambda", p->e.is_pair() && !p->d.is_pair());
+    if (const auto* p = c.as<Parallel>()) mark(c.name + ".lambda", p->e.is_pair() && !p->d.is_pair());
   }
   // The median of what the scene shows as lengths.
   std::vector<double> lengths;
@@ -121,8 +121,8 @@ PlainEquations::PlainEquations(const Scene& scene) : dimension_(scene.dimension(
     for (const Member& m : b.points) see(std::hypot(m.local[0], m.local[1], m.local[2]));
   }
   for (const Constraint& c : scene.constraints()) {
-    if (const auto* d = std::get_if<Distance>(&c.kind)) see(d->value ? *d->value : between(d->p, d->q));
-    if (const auto* l = std::get_if<OnLine>(&c.kind)) see(between(l->p, l->a));
+    if (const auto* d = c.as<Distance>()) see(d->value ? *d->value : between(d->p, d->q));
+    if (const auto* l = c.as<OnLine>()) see(between(l->p, l->a));
   }
   for (const Driver& d : scene.drivers()) {
     if (const auto* a = std::get_if<PointAngle>(&d.kind)) see(between(a->a, a->b));
@@ -249,7 +249,7 @@ void PlainEquations::add_base_lengths(const Scene& scene, const Body& body) {
   for (std::size_t i = 0; i < body.base.size(); ++i) {
     for (std::size_t j = i + 1; j < body.base.size(); ++j) {
       const auto is_given = [&](const Constraint& c) {
-        const auto* d = std::get_if<Distance>(&c.kind);
+        const auto* d = c.as<Distance>();
         return d != nullptr && key(d->p, d->q) == key(body.base[i], body.base[j]);
       };
       if (std::any_of(scene.constraints().begin(), scene.constraints().end(), is_given)) continue;
@@ -262,32 +262,32 @@ void PlainEquations::add_base_lengths(const Scene& scene, const Body& body) {
 
 void PlainEquations::add_constraint(const Scene&, const Constraint& c) {
   Equation q(Kind::distance);
-  if (const auto* d = std::get_if<Distance>(&c.kind)) {
+  if (const auto* d = c.as<Distance>()) {
     q.d = ray({d->p, d->q});
     q.value = d->value ? Real(*d->value) : between(d->p, d->q);
     add(std::move(q), 1);
-  } else if (const auto* e = std::get_if<EqualDistance>(&c.kind)) {
+  } else if (const auto* e = c.as<EqualDistance>()) {
     q.kind = Kind::equal, q.d = ray({e->p, e->q}), q.e = ray({e->r, e->s});
     add(std::move(q), 1);
-  } else if (const auto* o = std::get_if<Dot>(&c.kind)) {
+  } else if (const auto* o = c.as<Dot>()) {
     q.kind = Kind::dot, q.d = ray(o->d), q.e = ray(o->e);
     q.value = o->value ? Real(*o->value) : dot(guess(q.d), guess(q.e));
     add(std::move(q), 1);
-  } else if (const auto* p = std::get_if<Parallel>(&c.kind)) {
+  } else if (const auto* p = c.as<Parallel>()) {
     q.kind = Kind::parallel, q.d = ray(p->d), q.e = ray(p->e), q.a = item(c.name + ".lambda");
     add(std::move(q), dimension_);
-  } else if (const auto* l = std::get_if<Linear>(&c.kind)) {
+  } else if (const auto* l = c.as<Linear>()) {
     q.kind = Kind::linear, q.constant = l->value;
     for (const auto& [name, factor] : l->terms) q.terms.emplace_back(item(name), factor);
     add(std::move(q), dimension_);
-  } else if (const auto* f = std::get_if<FixedCoordinate>(&c.kind)) {
+  } else if (const auto* f = c.as<FixedCoordinate>()) {
     q.kind = Kind::coordinate, q.value = f->value;
     std::tie(q.a, q.b) = scalar(f->coordinate);
     add(std::move(q), 1);
-  } else if (const auto* s = std::get_if<OnLine>(&c.kind)) {
+  } else if (const auto* s = c.as<OnLine>()) {
     q.kind = Kind::on_line, q.d = ray({s->a, s->p}), q.e = ray(s->d), q.a = item(c.name + ".lambda");
     add(std::move(q), dimension_);
-  } else if (const auto* w = std::get_if<OnPlane>(&c.kind)) {
+  } else if (const auto* w = c.as<OnPlane>()) {
     q.kind = Kind::on_plane, q.d = ray({w->a, w->p}), q.e = ray(w->d), q.a = item(c.name + ".lambda");
     std::tie(q.b, q.c) = std::pair(ray(w->e).first, ray(w->e).second);
     add(std::move(q), dimension_);
@@ -311,7 +311,7 @@ void PlainEquations::add_driver(const Scene& scene, const Driver& driver) {
     Real length = between(a->a, a->b);
     bool written = false;
     for (const Constraint& c : scene.constraints()) {
-      const auto* d = std::get_if<Distance>(&c.kind);
+      const auto* d = c.as<Distance>();
       if (d == nullptr || key(d->p, d->q) != key(a->a, a->b)) continue;
       written = true;
       if (d->value) length = *d->value;
@@ -368,7 +368,7 @@ void PlainEquations::add_driver(const Scene& scene, const Driver& driver) {
     // The lengths of a base are given or those of the guess.
     const auto side = [&](std::size_t i, std::size_t j) {
       for (const Constraint& c2 : scene.constraints()) {
-        const auto* d = std::get_if<Distance>(&c2.kind);
+        const auto* d = c2.as<Distance>();
         if (d != nullptr && d->value && key(d->p, d->q) == key(b.base[i], b.base[j])) return Real(*d->value);
       }
       return between(b.base[i], b.base[j]);
