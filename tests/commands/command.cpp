@@ -84,11 +84,11 @@ Outcome run_command(const std::vector<std::string>& arguments, const Setting& se
           setting.columns > 0 ? drawn : content(err), std::int64_t{1024} * used.ru_maxrss};
 }
 
-Outcome run_tuning(int seconds, const std::vector<std::string>& more) {
+Outcome run_tuning(int seconds, const std::vector<std::string>& more, const Setting& setting) {
   for (;; seconds *= 4) {
     std::vector<std::string> words = {"tune", "--budget", std::to_string(seconds)};
     words.insert(words.end(), more.begin(), more.end());
-    Outcome outcome = run_command(words);
+    Outcome outcome = run_command(words, setting);
     if (outcome.err.find("nothing was measured") == std::string::npos || seconds > 60) return outcome;
   }
 }

@@ -31,7 +31,7 @@ struct Setting {
 
 [[nodiscard]] Outcome run_command(const std::vector<std::string>& arguments, const Setting& setting = {});
 // `assur tune --budget SECONDS` and more; again with four times the budget where the machine was too busy to measure.
-[[nodiscard]] Outcome run_tuning(int seconds, const std::vector<std::string>& more);
+[[nodiscard]] Outcome run_tuning(int seconds, const std::vector<std::string>& more, const Setting& setting = {});
 
 [[nodiscard]] std::string content(const std::filesystem::path& file);
 

@@ -112,5 +112,29 @@ TEST_F(Tune, ATrialSaysByItsStatusWhetherASolverRuns) {
   EXPECT_EQ(run_command({"tune", "--trial", "groups/no_such_solver"}).status, 2);
 }
 
+// A library of a user's whose first call never returns: the trial is ended, the solver named, all others are measured.
+TEST_F(Tune, ASolverThatHangsIsLeftOut) {
+  Setting setting;
+  setting.before = [] { setenv("LD_LIBRARY_PATH", ASSUR_HSL_THAT_HANGS, 1); };
+  const Outcome outcome = run_tuning(10, {"--scene", "four_bar", "--quiet", "--json"}, setting);
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(outcome.json()["left_out"], nlohmann::json::parse(R"([{"backend": "ma27", "why_not": "does not end"}])"));
+  std::set<std::string> measured;
+  for (const Sample& s : store().samples()) measured.insert(s.strategy.backend);
+  EXPECT_GT(measured.size(), 1u);
+  EXPECT_EQ(measured.count("ma27"), 0u);
+}
+
+// Where the seconds are over before the first cell, which no machine can prevent.
+TEST_F(Tune, SaysThatNothingWasMeasured) {
+  const Outcome outcome = run_command({"tune", "--budget", "1e-3", "--scene", "four_bar", "--quiet"});
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_EQ(outcome.err,
+            "error: nothing was measured in 1.00 ms: the machine is busy or slow; give more seconds with --budget\n");
+  EXPECT_NE(outcome.out.find("samples         0 of 0 cells in "), std::string::npos) << outcome.out;
+  ASSERT_EQ(store().runs().size(), 1u);
+  EXPECT_FALSE(store().runs()[0].finished);
+}
+
 }  // namespace
 }  // namespace assur

@@ -60,5 +60,25 @@ TEST(Probes, TryWhatIsNotOfTheCoreAndWhatHasThreads) {
   }
 }
 
+// The first child never returns, whatever it is told: it is ended, recorded by name, and all others are tried.
+TEST(Probes, GoOnAfterAChildThatHangs) {
+  std::vector<std::string> tried;
+  const auto command = [&](const Strategy& s) {
+    tried.push_back(to_string(s));
+    return shell(tried.size() == 1 ? "trap '' TERM INT HUP; while :; do :; done" : "exit 0");
+  };
+  const Probes probes(backends(), ThreadBudget{2}, command, 3);
+  ASSERT_FALSE(tried.empty());
+  const Strategy first = parse_strategy(tried.front());
+  EXPECT_EQ(std::set<std::string>(tried.begin(), tried.end()).size(), tried.size());
+  EXPECT_EQ(probes.failed(),
+            (std::map<std::string, std::string>{{first.backend + (first.q > 1 ? " 1x2" : ""), "does not end"}}));
+  EXPECT_EQ(probes.why_not(first), "does not end");
+  for (std::size_t i = 1; i < tried.size(); ++i) {
+    const Strategy s = parse_strategy(tried[i]);
+    EXPECT_EQ(probes.why_not(s), s.backend == first.backend && first.q == 1 ? "does not end" : "") << tried[i];
+  }
+}
+
 }  // namespace
 }  // namespace assur::tuning

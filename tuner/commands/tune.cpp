@@ -183,12 +183,12 @@ int tune(const Common& common, const TuneOptions& options) {
   summary.grade = name(grade_of(judgement.quiet));
   summary.reason = judgement.reason;
   summary.figures = campaign.figures();
-  if (!usual && archive.run()) ++summary.figures.samples;  // that of the pace
   summary.regret = tuning::regret(tuning::model_of(campaign.results()), campaign.results());
   summary.failed = probes.failed();
   summary.cells = campaign.results();
   summary.seconds = measure::StepTimes::steady() - begin;
-  const bool nothing = summary.figures.measured == 0;  // then the next run is to go on with this one
+  const bool nothing = summary.figures.measured == 0;                  // then the next run is to go on with this one
+  if (!usual && archive.run() && !nothing) ++summary.figures.samples;  // that of the pace
   if (!summary.figures.interrupted && !nothing) {
     archive.finish({grade_of(judgement.quiet), summary.seconds, summary.figures.coverage(), judgement.reason},
                    to_json(summary).dump());
