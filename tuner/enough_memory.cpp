@@ -12,25 +12,32 @@
 #include "commands/commands.hpp"
 #include "parallel/thread_state.hpp"
 
-extern "C" char* openblas_get_config() __attribute__((weak));
+extern "C" {
+char* openblas_get_config() __attribute__((weak));
+int openblas_get_parallel() __attribute__((weak));  // a constant of the build
+}
 
 namespace assur::command {
 namespace {
 
 constexpr std::size_t kOthers = std::size_t{32} << 20;  // bytes that the other libraries and main() have use for
 
-// Those that OpenBLAS begins with: a thread for each processor, or as many as its user says.
+// Those that OpenBLAS begins with. Its build for OpenMP: one for each processor of the machine, or as many as
+// OMP_NUM_THREADS says if that is less; affinity and its own variables count with its other builds alone.
 std::size_t openblas_threads(char** environment) {
+  const bool openmp = openblas_get_parallel == nullptr || openblas_get_parallel() == 2;
+  int threads = static_cast<int>(std::max(sysconf(_SC_NPROCESSORS_CONF), 1L));
   cpu_set_t allowed;
   CPU_ZERO(&allowed);
-  int threads = sched_getaffinity(0, sizeof allowed, &allowed) == 0 ? std::max(CPU_COUNT(&allowed), 1) : 1;
-  for (char** entry = environment; *entry != nullptr; ++entry) {
-    for (const std::string_view name : {"OPENBLAS_NUM_THREADS=", "GOTO_NUM_THREADS=", "OMP_NUM_THREADS="}) {
+  if (!openmp && sched_getaffinity(0, sizeof allowed, &allowed) == 0) threads = std::max(CPU_COUNT(&allowed), 1);
+  for (const std::string_view name : {"OPENBLAS_NUM_THREADS=", "GOTO_NUM_THREADS=", "OMP_NUM_THREADS="}) {
+    if (openmp && name != "OMP_NUM_THREADS=") continue;
+    for (char** entry = environment; *entry != nullptr; ++entry) {
       const std::string_view text = *entry;
       int said = 0;
       if (!text.starts_with(name)) continue;
       std::from_chars(text.data() + name.size(), text.data() + text.size(), said);
-      if (said > 0) threads = std::min(threads, said);
+      if (said > 0) return static_cast<std::size_t>(std::min(threads, said));
     }
   }
   return static_cast<std::size_t>(threads);

@@ -1,5 +1,6 @@
 // The command where the system gives it little: memory, disk, terminal, time.
 #include <gtest/gtest.h>
+#include <sched.h>
 #include <stdlib.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -51,6 +52,33 @@ TEST(Operations, EndsWhereItCannotHaveItsMemory) {
       } else {
         EXPECT_TRUE(outcome.err.starts_with("error: ")) << outcome.err;
       }
+    }
+  }
+}
+
+// What OpenBLAS's build for OpenMP pays no heed to does not mislead the command: it takes its memory all the same.
+TEST(Operations, EndsWhereOpenBlasIsNotToldOfOneThread) {
+#if defined(ASSUR_ADDRESS_SANITIZER) || defined(ASSUR_THREAD_SANITIZER)
+  GTEST_SKIP() << "sanitizers reserve more address space than there is memory";
+#endif
+  const std::vector<std::function<void()>> ways = {[] { setenv("OPENBLAS_NUM_THREADS", "1", 1); },
+                                                   [] {
+                                                     cpu_set_t one;
+                                                     CPU_ZERO(&one);
+                                                     CPU_SET(sched_getcpu(), &one);
+                                                     sched_setaffinity(0, sizeof one, &one);
+                                                   }};
+  for (std::size_t way = 0; way < ways.size(); ++way) {
+    for (const std::size_t megabytes : {200, 250, 300, 350}) {
+      SCOPED_TRACE(std::to_string(way) + " in " + std::to_string(megabytes) + " MB");
+      Setting setting;
+      setting.before = [&] {
+        ways[way]();
+        limited_to(RLIMIT_AS, megabytes * 1'000'000)();
+      };
+      const Outcome outcome = run_command({"--version"}, setting);
+      ASSERT_TRUE(outcome.status == 0 || outcome.status == 3) << outcome.status << outcome.err;
+      if (outcome.status == 3) EXPECT_TRUE(outcome.err.starts_with("error: out of memory: ")) << outcome.err;
     }
   }
 }
