@@ -27,11 +27,8 @@ void redirect(int descriptor, const std::string& file) {
 [[noreturn]] void become(const std::vector<std::string>& arguments, const Setting& setting, const std::string& out,
                          const std::string& err, int terminal) {
   redirect(STDOUT_FILENO, out);
-  if (terminal < 0) {
-    redirect(STDERR_FILENO, err);
-  } else if (dup2(terminal, STDERR_FILENO) < 0) {
-    _exit(99);
-  }
+  redirect(STDERR_FILENO, err);
+  if (terminal >= 0 && dup2(terminal, setting.terminal) < 0) _exit(99);
   if (!setting.folder.empty() && chdir(setting.folder.c_str()) != 0) _exit(98);
   if (setting.before) setting.before();
   std::vector<char*> words = {const_cast<char*>(ASSUR_COMMAND)};
@@ -80,8 +77,11 @@ Outcome run_command(const std::vector<std::string>& arguments, const Setting& se
     kill(child, setting.signal);
   }
   wait4(child, &status, 0, &used);
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, setting.out.empty() ? content(out) : "",
-          setting.columns > 0 ? drawn : content(err), std::int64_t{1024} * used.ru_maxrss};
+  const auto written = [&](int descriptor, const std::string& file) {
+    return setting.columns > 0 && setting.terminal == descriptor ? drawn : content(file);
+  };
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, setting.out.empty() ? written(STDOUT_FILENO, out) : "",
+          written(STDERR_FILENO, err), std::int64_t{1024} * used.ru_maxrss};
 }
 
 Outcome run_tuning(int seconds, const std::vector<std::string>& more, const Setting& setting) {

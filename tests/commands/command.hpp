@@ -1,6 +1,8 @@
 // Runs the command as a user does.
 #pragma once
 
+#include <unistd.h>
+
 #include <csignal>
 #include <cstdint>
 #include <filesystem>
@@ -26,7 +28,8 @@ struct Setting {
   std::string interrupt_when_err = {};  // a signal is sent once standard error contains this; empty: never
   int signal = SIGINT;
   std::function<void()> before = {};  // done in the child: limits, environment
-  unsigned short columns = 0;         // of the terminal that standard error is; 0: it is none
+  unsigned short columns = 0;         // of a terminal; 0: there is none
+  int terminal = STDERR_FILENO;       // what goes to it: this or STDOUT_FILENO
 };
 
 [[nodiscard]] Outcome run_command(const std::vector<std::string>& arguments, const Setting& setting = {});

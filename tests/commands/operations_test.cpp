@@ -5,13 +5,17 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <filesystem>
 #include <functional>
+#include <iterator>
+#include <sstream>
 #include <string>
 #include <vector>
 
 #include "commands/command.hpp"
+#include "output/format.hpp"
 #include "sanitizers.hpp"
 
 namespace assur {
@@ -78,7 +82,9 @@ TEST(Operations, EndsWhereOpenBlasIsNotToldOfOneThread) {
       };
       const Outcome outcome = run_command({"--version"}, setting);
       ASSERT_TRUE(outcome.status == 0 || outcome.status == 3) << outcome.status << outcome.err;
-      if (outcome.status == 3) EXPECT_TRUE(outcome.err.starts_with("error: out of memory: ")) << outcome.err;
+      if (outcome.status == 3) {
+        EXPECT_TRUE(outcome.err.starts_with("error: out of memory: ")) << outcome.err;
+      }
     }
   }
 }
@@ -191,6 +197,48 @@ TEST(Operations, TheBarFitsTheTerminal) {
   }
   setting.before = [] { setenv("TERM", "dumb", 1); };
   EXPECT_EQ(run_command(words, setting).err.find('\x1b'), std::string::npos);
+}
+
+// A page on a terminal keeps to its columns and says the same words; a wide one shows what a file gets.
+TEST(Operations, PagesFitTheTerminal) {
+  const std::vector<std::vector<std::string>> calls = {
+      {"plan", "stewart"},
+      {"inspect", "rings:legs=6,n=120,terminal=24"},
+      {"backends"},
+      {"compare", "four_bar", "--steps", "20", "--strategies", "groups/eigen"},
+      {"db", "info"}};
+  const auto lines_of = [](std::string text) {
+    text.erase(std::remove(text.begin(), text.end(), '\r'), text.end());
+    return Outcome{0, text, ""}.lines();
+  };
+  const auto words_of = [](const std::string& text) {
+    std::istringstream stream(text);
+    return std::vector<std::string>(std::istream_iterator<std::string>(stream), {});
+  };
+  for (const auto& words : calls) {
+    SCOPED_TRACE(words[0]);
+    const bool repeats = words[0] != "compare";  // it measures anew
+    const std::string file = run_command(words).out;
+    ASSERT_FALSE(file.empty());
+    for (const unsigned short columns : std::initializer_list<unsigned short>{40, 80, 300}) {
+      Setting setting;
+      setting.columns = columns;
+      setting.terminal = STDOUT_FILENO;
+      const std::string drawn = run_command(words, setting).out;
+      ASSERT_FALSE(drawn.empty());
+      if (repeats) {
+        EXPECT_EQ(words_of(drawn), words_of(file)) << columns;
+      }
+      if (repeats && columns == 300) {
+        EXPECT_EQ(lines_of(drawn), lines_of(file));
+      }
+      for (const std::string& line : lines_of(drawn)) {
+        const std::size_t text = std::min(line.find_first_not_of(' '), line.size());
+        const bool one_word = line.find(' ', text) == std::string::npos;  // which nothing shortens
+        EXPECT_TRUE(one_word || output::display_width(line) <= columns) << columns << ": " << line;
+      }
+    }
+  }
 }
 
 // The command itself knows one locale only.

@@ -43,7 +43,7 @@ TEST(Progress, CountsWhatItIsTold) {
 
 // A line that wraps could not be erased.
 TEST(Progress, IsNoWiderThanTheTerminal) {
-  const auto drawn = [](int columns) {
+  const auto drawn = [](std::size_t columns) {
     std::ostringstream out;
     Progress progress(out, Progress::Style::bar, "step", columns);
     progress.show(2, 500, 1000);

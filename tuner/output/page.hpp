@@ -1,4 +1,4 @@
-// A page of text for people: facts with a label, and tables. 80 columns.
+// A page of text for people: facts with a label, and tables. 80 columns, or those of the terminal if it has fewer.
 #pragma once
 
 #include <ostream>
@@ -7,6 +7,9 @@
 #include <vector>
 
 namespace assur::output {
+
+// Of the terminal that a standard stream writes to; 0 if it writes to none.
+[[nodiscard]] std::size_t terminal_columns(const std::ostream& out);
 
 // Rows of aligned columns, two spaces between them.
 class Table {
@@ -22,8 +25,9 @@ class Table {
   }
   [[nodiscard]] bool empty() const { return rows_.empty(); }
 
-  // Each line with `indent` spaces in front and none behind.
-  void print(std::ostream& out, std::size_t indent) const;
+  // Each line with `indent` spaces in front and none behind. room: columns, 0: any number; cells that find no more of
+  // it go on in a line below, the last one in several if need be.
+  void print(std::ostream& out, std::size_t indent, std::size_t room = 0) const;
 
  private:
   std::vector<Align> columns_;
@@ -32,7 +36,8 @@ class Table {
 
 class Page {
  public:
-  explicit Page(std::ostream& out) : out_(out) {}
+  explicit Page(std::ostream& out) : Page(out, terminal_columns(out)) {}
+  Page(std::ostream& out, std::size_t columns) : out_(out), columns_(columns) {}  // 0: any number
 
   void title(std::string_view text);
   void gap() { out_ << '\n'; }
@@ -48,7 +53,11 @@ class Page {
   static constexpr std::size_t kMostListed = 12;
 
  private:
+  // Those that text has from this one on.
+  [[nodiscard]] std::size_t room(std::size_t column) const;
+
   std::ostream& out_;
+  std::size_t columns_;
 };
 
 }  // namespace assur::output

@@ -1,6 +1,5 @@
 #include "output/progress.hpp"
 
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -40,11 +39,6 @@ Progress::Style Progress::style_of_standard_error() {
   return isatty(STDERR_FILENO) == 1 && redraws ? Style::bar : Style::lines;
 }
 
-int Progress::columns_of_standard_error() {
-  winsize size{};
-  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;
-}
-
 void Progress::print(double seconds, std::int64_t done, std::int64_t of) {
   const double share = of > 0 ? static_cast<double>(done) / static_cast<double>(of) : 1;
   std::string text = grouped(done) + " of " + counted(of, noun_);
@@ -53,7 +47,7 @@ void Progress::print(double seconds, std::int64_t done, std::int64_t of) {
   if (style_ == Style::bar) {
     // A line that wraps cannot be erased: on a narrow terminal without the bar, and cut.
     std::string line = percent + "  " + text;
-    const std::size_t room = columns_ > 0 ? static_cast<std::size_t>(columns_) - 1 : std::string::npos;
+    const std::size_t room = columns_ > 0 ? columns_ - 1 : std::string::npos;
     if (line.size() + kBarWidth + 4 <= room) {
       line = "  " + bar(share) + "  " + line;
     } else {

@@ -5,6 +5,8 @@
 #include <ostream>
 #include <string_view>
 
+#include "output/page.hpp"
+
 namespace assur::output {
 
 class Progress {
@@ -13,13 +15,13 @@ class Progress {
 
   // bar if standard error is a terminal that can redraw a line, else lines.
   [[nodiscard]] static Style style_of_standard_error();
-  // Of the terminal at standard error; 0 if it does not say.
-  [[nodiscard]] static int columns_of_standard_error();
 
   // noun: what is counted, a literal.
   // columns: that the bar and its text may take, 0: any number.
-  Progress(std::ostream& out, Style style, std::string_view noun = "step", int columns = columns_of_standard_error())
+  Progress(std::ostream& out, Style style, std::string_view noun, std::size_t columns)
       : out_(out), style_(style), noun_(noun), columns_(columns) {}
+  Progress(std::ostream& out, Style style, std::string_view noun = "step")
+      : Progress(out, style, noun, terminal_columns(out)) {}
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
   ~Progress() { clear(); }
@@ -38,7 +40,7 @@ class Progress {
   std::ostream& out_;
   Style style_;
   std::string_view noun_;
-  int columns_;
+  std::size_t columns_;
   double due_ = 1;  // s: a shorter run needs no progress
   bool drawn_ = false;
 };
