@@ -270,7 +270,10 @@ class DrivenStart {
       out_.cannot_assemble = std::move(wrong);
       check_directions();
     }
-    if (asked.is_guess && is_assembled(out_)) tell_what_moved_far();
+    if (asked.is_guess && is_assembled(out_)) {
+      tell_what_moved_far();
+      tell_what_turned_over();
+    }
     if (asked.is_guess && !out_.undetermined.empty() && is_determined_nearby(direct.doubtful)) refuse_dead_centre();
     out_.mobility_at_start = out_.mobility;
     if (asked.is_guess) look_at_other_postures(s_, direct.doubtful, p_.q, p_.time, out_);
@@ -327,23 +330,33 @@ class DrivenStart {
     }
   }
 
-  // The point that is farthest from its guess. Points that a driver places alone are its own matter.
+  // False for what drivers place alone, which is their own matter.
+  [[nodiscard]] bool is_unknown(const Item& item) const {
+    return std::any_of(item.form, item.form + item.components, [&](Index form) {
+      const auto terms = s_.form(form);
+      return std::any_of(terms.begin(), terms.end(),
+                         [&](const Term& t) { return s_.coordinates[idx(t.coordinate)].role == Role::unknown; });
+    });
+  }
+
+  [[nodiscard]] Triple found(const Item& item) const {
+    Triple at{};
+    for (int k = 0; k < item.components; ++k) {
+      at[static_cast<std::size_t>(k)] = form_value<double>(s_, item.form[k], p_.q);
+    }
+    return at;
+  }
+
+  // The point that is farthest from its guess.
   void tell_what_moved_far() {
     const Point* most = nullptr;
     Triple where{};
     double farthest = kMovedFar * s_.unit(1);
     for (const Point& point : s_.scene->points()) {
       const Item& item = s_.item(point.name);
-      const bool is_placed = std::none_of(item.form, item.form + item.components, [&](Index form) {
-        const auto terms = s_.form(form);
-        return std::any_of(terms.begin(), terms.end(),
-                           [&](const Term& t) { return s_.coordinates[idx(t.coordinate)].role == Role::unknown; });
-      });
-      if (is_placed) continue;
-      Triple at{};
-      for (int k = 0; k < item.components; ++k) {
-        at[static_cast<std::size_t>(k)] = form_value<double>(s_, item.form[k], p_.q) * s_.unit(1);
-      }
+      if (!is_unknown(item)) continue;
+      Triple at = found(item);
+      for (double& a : at) a *= s_.unit(1);
       const double moved = triple::norm(triple::subtract(at, point.at));
       if (!(moved > farthest)) continue;
       farthest = moved;
@@ -357,6 +370,25 @@ class DrivenStart {
     out_.notes.push_back({"/points/" + most->name, "the start posture is far from the guess: " + most->name +
                                                        " moved most, by " + shortened(farthest) + " m, from " +
                                                        written(most->at) + " to " + written(where)});
+  }
+
+  // The vector that points farthest away from its guess, if that is by more than a right angle.
+  void tell_what_turned_over() {
+    const Vector* most = nullptr;
+    double least = 0;  // cosine
+    for (const Vector& vector : s_.scene->vectors()) {
+      const Item& item = s_.item(vector.name);
+      if (!is_unknown(item)) continue;
+      const Triple at = found(item);
+      const double cosine = triple::dot(at, vector.at) / (triple::norm(at) * triple::norm(vector.at));
+      if (!(cosine < least)) continue;
+      least = cosine;
+      most = &vector;
+    }
+    if (most == nullptr) return;
+    out_.notes.push_back({"/vectors/" + most->name, "the start posture is far from the guess: " + most->name +
+                                                        " turned most, by " +
+                                                        shortened(std::acos(std::max(least, -1.0))) + " rad"});
   }
 
   [[nodiscard]] const std::string& name(const DriverInput& in) const { return s_.drivers[idx(in.driver)]; }

@@ -148,6 +148,25 @@ TEST(StartNotes, APostureFarFromTheGuessIsTold) {
             "0.896657) m");
 }
 
+// e . a = 0.8 leaves e = (0.8, 0.6) on the side of either guess, whose angle to it is acos(-0.28) and 0.33.
+TEST(StartNotes, AVectorThatIsTurnedOverIsTold) {
+  const auto notes = [](Triple guess) {
+    return structure(SceneBuilder("turned", 2)
+                         .fixed_vector("a", {1, 0, 0})
+                         .vector("e", guess)
+                         .constrain("ea", Dot{"e", "a", 0.8})
+                         .time(0, 1, 0.1)
+                         .build(),
+                     groups)
+        .notes;
+  };
+  const auto turned = notes({-0.8, 0.6, 0});
+  ASSERT_EQ(turned.size(), 1u);
+  EXPECT_EQ(turned[0].where, "/vectors/e");
+  EXPECT_EQ(turned[0].what, "the start posture is far from the guess: e turned most, by 1.85 rad");
+  EXPECT_EQ(notes({0.6, 0.8, 0}).size(), 0u);
+}
+
 // A and B are fixed 1 m apart; every driver is told that the law says something else than `at`, once.
 TEST(StartNotes, LawsThatDisagreeWithThePostureAreToldOfEveryKindOfDriver) {
   struct Case {
