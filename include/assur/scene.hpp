@@ -249,6 +249,8 @@ class Scene {
   [[nodiscard]] const std::vector<DeclaredGroup>& groups() const { return parts_->groups; }
   [[nodiscard]] const std::vector<std::string>& outputs() const { return outputs_; }  // as written; empty: everything
   [[nodiscard]] const TimeGrid& time() const { return time_; }
+  // The CSV files that its laws were read from, as reading found them.
+  [[nodiscard]] const std::vector<std::filesystem::path>& tables() const { return parts_->tables; }
   // Notes that are no errors: a vector that had to be normalised, ...
   [[nodiscard]] const std::vector<Diagnostic>& warnings() const { return parts_->warnings; }
 
@@ -270,6 +272,7 @@ class Scene {
     std::vector<Driver> drivers;
     std::vector<Measure> measures;
     std::vector<DeclaredGroup> groups;
+    std::vector<std::filesystem::path> tables;
     std::vector<Diagnostic> warnings;
   };
   std::shared_ptr<const Parts> parts_ = std::make_shared<const Parts>();  // of all copies
@@ -314,6 +317,7 @@ class SceneBuilder {
 
   SceneBuilder& output(std::string name);
   SceneBuilder& time(double start, double end, double step);
+  SceneBuilder& table(std::filesystem::path file);  // that a law was read from
 
   // What is already known to be wrong (a reader's own findings), reported together with those of build(), which finds
   // nothing again at, above or below that place. Without `what`: wrong for a reason given elsewhere.

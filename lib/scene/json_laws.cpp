@@ -164,7 +164,9 @@ Law JsonReader::table(const JsonNode& node, const JsonNode* periodic, const Wher
   Table rows = read_table(file.text, excerpt(name));
   for (double& value : rows.value) value *= unit;
   try {
-    return laws_of_tables_[key] = Law::table(std::move(rows.time), std::move(rows.value), closes);
+    Law law = Law::table(std::move(rows.time), std::move(rows.value), closes);
+    builder_.table(tables_.folder / name);
+    return laws_of_tables_[key] = std::move(law);
   } catch (const Error& error) {
     throw Error(Error::Kind::input, excerpt(name) + ": " + error.diagnostics().front().what);
   }

@@ -109,6 +109,11 @@ SceneBuilder& SceneBuilder::add(DeclaredGroup group) {
   parts_.groups.push_back(std::move(group));
   return *this;
 }
+
+SceneBuilder& SceneBuilder::table(std::filesystem::path file) {
+  parts_.tables.push_back(std::move(file));
+  return *this;
+}
 SceneBuilder& SceneBuilder::reserve(std::size_t points, std::size_t constraints) {
   parts_.points.reserve(points);
   parts_.constraints.reserve(constraints);

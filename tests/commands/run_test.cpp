@@ -344,6 +344,36 @@ TEST(Run, ThePageFitsAndNamesEverything) {
   }
 }
 
+// By any of its names, and where a member of an ensemble reads it.
+TEST(Run, NoOutputOverwritesATableThatTheSceneReads) {
+  const Scratch scratch;
+  const std::string table = "0,0\n1,1\n2,4\n", variants = "AP\n1\n";
+  const std::string csv = scratch.file("swing.csv", table), speeds = scratch.file("speeds.csv", variants);
+  const std::string link = scratch.file("link.csv");
+  std::filesystem::create_symlink(csv, link);
+  const std::string scene = scratch.file("swing.json", R"({"assur": 1, "name": "swing", "dimension": 2,
+    "parameters": {"AP": 1}, "points": {"A": {"at": [0, 0], "fixed": true}, "P": {"at": ["=AP", 0]}},
+    "constraints": {"arm": {"distance": ["A", "P"], "value": "=AP"}},
+    "drivers": {"motor": {"angle": ["A", "P"], "law": {"table": "swing.csv"}}},
+    "time": {"start": 0, "end": 2, "step": 0.5}})");
+  ASSERT_EQ(run_command({"run", scene, "--quiet"}).status, 0) << run_command({"run", scene}).err;
+  const auto refused = [](const std::string& option, const std::string& file) {
+    return "error: " + option + ": " + file + " is being read, and would be overwritten; name another file\n";
+  };
+  for (const std::string& file : {csv, link}) {
+    for (const std::string option : {"--csv", "--errors", "--animate", "--plot"}) {
+      EXPECT_EQ(run_command({"run", scene, option, file}).err, refused(option, file));
+    }
+    EXPECT_EQ(run_command({"run", scene, "--ensemble", speeds, "--csv", file}).err, refused("--csv", file));
+    EXPECT_EQ(run_command({"plan", scene, "--save", file}).err, refused("--save", file));
+    EXPECT_EQ(run_command({"compare", scene, "--html", file}).err, refused("--html", file));
+    EXPECT_EQ(run_command({"tune", "--scene", scene, "--budget", "1", "--csv", file}).err, refused("--csv", file));
+  }
+  EXPECT_EQ(run_command({"tune", "--scene", scene, "--budget", "1", "--csv", scene}).err, refused("--csv", scene));
+  EXPECT_EQ(content(csv), table);
+  EXPECT_EQ(content(speeds), variants);
+}
+
 TEST(Run, NoOutputOverwritesWhatIsRead) {
   const Scratch scratch;
   const std::string scene = scratch.file("fold.json", kFold), speeds = scratch.file("speeds.csv", "a\n1\n");
@@ -362,6 +392,15 @@ TEST(Run, NoOutputOverwritesWhatIsRead) {
   const Outcome page = run_command({"compare", scene, "--html", scene});
   EXPECT_EQ(page.status, 2);
   EXPECT_EQ(content(scene), kFold);
+  const std::string database = scratch.file("tuning.db", "of samples");
+  EXPECT_EQ(run_command({"run", scene, "--db", database, "--csv", database}).err,
+            "error: --csv: " + database + " is being read, and would be overwritten; name another file\n");
+  EXPECT_EQ(content(database), "of samples");
+  const std::string peers = scratch.file("report.csv", "of others");
+  const std::string folder = std::filesystem::path(peers).parent_path();
+  EXPECT_EQ(run_command({"report", "--quick", "--peers", peers, "--out", folder}).err,
+            "error: --out: " + peers + " is being read, and would be overwritten; name another file\n");
+  EXPECT_EQ(content(peers), "of others");
   const std::string both = scratch.file("both");
   EXPECT_EQ(run_command({"run", scene, "--csv", both, "--plot", both}).err,
             "error: --plot: --csv writes " + both + ", too; name another file\n");

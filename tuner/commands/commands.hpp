@@ -107,9 +107,13 @@ struct ReportOptions {
 // budget.
 void check_threads(const Common& common);
 
-// Throws Error (input) for an output (option, file) that is one of the inputs, or another output. "" and "-" are none.
-void refuse_overwriting(const std::vector<std::pair<std::string, std::string>>& outputs,
+// Throws Error (input) for an output (option, file) that is one of the inputs, one of the tuning databases that are
+// read, or another output. "" and "-" are none.
+void refuse_overwriting(const Common& common, const std::vector<std::pair<std::string, std::string>>& outputs,
                         const std::vector<std::string>& inputs);
+
+// The same for the tables of a scene, which are known once it was read. Asked before anything is written.
+void refuse_overwriting(const std::vector<std::pair<std::string, std::string>>& outputs, const Scene& scene);
 
 int inspect(const Common& common, const InspectOptions& options);
 int run(const Common& common, const RunOptions& options);

@@ -74,7 +74,8 @@ bool has_time(const measure::WorkPrecision& result) {
 
 int compare(const Common& common, const CompareOptions& options) {
   const Scene scene = scene_of(common, options);
-  refuse_overwriting({{"--html", options.html}}, {options.scene});
+  refuse_overwriting(common, {{"--html", options.html}}, {options.scene});
+  refuse_overwriting({{"--html", options.html}}, scene);
   const MachineModel known = machine_model_of(common);
   if (!common.quiet) {
     for (const std::string& message : known.messages) std::cerr << "note: " << message << '\n';

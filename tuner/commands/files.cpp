@@ -2,6 +2,7 @@
 #include <system_error>
 
 #include "commands/commands.hpp"
+#include "db/places.hpp"
 
 namespace assur::command {
 namespace {
@@ -20,25 +21,41 @@ bool is_file(const std::string& name) {
          (std::filesystem::is_regular_file(name, unused) || !std::filesystem::exists(name, unused));
 }
 
+void refuse_inputs(const std::pair<std::string, std::string>& output, const std::vector<std::string>& inputs) {
+  const auto& [option, file] = output;
+  if (!is_file(file)) return;
+  for (const std::string& input : inputs) {
+    if (is_file(input) && same_file(file, input)) {
+      throw Error(Error::Kind::input, {{option, file + " is being read, and would be overwritten; name another file"}});
+    }
+  }
+}
+
 }  // namespace
 
-void refuse_overwriting(const std::vector<std::pair<std::string, std::string>>& outputs,
+void refuse_overwriting(const Common& common, const std::vector<std::pair<std::string, std::string>>& outputs,
                         const std::vector<std::string>& inputs) {
+  std::vector<std::string> all = inputs;
+  if (common.db.empty()) {
+    for (const db::DatabaseFile& database : db::database_files()) all.push_back(database.file.string());
+  } else {
+    all.push_back(common.db);
+  }
   for (std::size_t i = 0; i < outputs.size(); ++i) {
+    refuse_inputs(outputs[i], all);
     const auto& [option, file] = outputs[i];
-    if (!is_file(file)) continue;
-    for (const std::string& input : inputs) {
-      if (is_file(input) && same_file(file, input)) {
-        throw Error(Error::Kind::input,
-                    {{option, file + " is being read, and would be overwritten; name another file"}});
-      }
-    }
     for (std::size_t k = 0; k < i; ++k) {
-      if (is_file(outputs[k].second) && same_file(file, outputs[k].second)) {
+      if (is_file(file) && is_file(outputs[k].second) && same_file(file, outputs[k].second)) {
         throw Error(Error::Kind::input, {{option, outputs[k].first + " writes " + file + ", too; name another file"}});
       }
     }
   }
+}
+
+void refuse_overwriting(const std::vector<std::pair<std::string, std::string>>& outputs, const Scene& scene) {
+  std::vector<std::string> tables;
+  for (const std::filesystem::path& table : scene.tables()) tables.push_back(table.string());
+  for (const auto& output : outputs) refuse_inputs(output, tables);
 }
 
 }  // namespace assur::command

@@ -23,7 +23,8 @@ void save(const std::string& file, const Prepared& prepared) {
 int plan(const Common& common, const PlanOptions& options) {
   Scene scene = open_scene(options.scene, common.set, common.tables);
   if (!options.outputs.empty()) scene = scene.with_outputs(options.outputs);
-  refuse_overwriting({{"--save", options.save}}, {options.scene});
+  refuse_overwriting(common, {{"--save", options.save}}, {options.scene});
+  refuse_overwriting({{"--save", options.save}}, scene);
   const MachineModel known = machine_model_of(common);
   const ThreadBudget budget = common.threads > 0 ? ThreadBudget{common.threads} : this_machine().budget();
   const Prepared prepared = prepare(scene, {.budget = budget,

@@ -2,6 +2,7 @@
 #include "report/report.hpp"
 
 #include <cmath>
+#include <filesystem>
 #include <iostream>
 
 #include "assur/machine.hpp"
@@ -21,6 +22,9 @@ constexpr double kQuick = 150, kFull = 1500;  // s: within 3 and 30 minutes on t
 }  // namespace
 
 int report(const Common& common, const ReportOptions& options) {
+  for (const char* name : {"index.html", "report.csv", "report.json"}) {
+    refuse_overwriting(common, {{"--out", (std::filesystem::path(options.out) / name).string()}}, {options.peers});
+  }
   const report::Knowledge knowledge = report::knowledge(machine_model_of(common), databases_of(common));
   if (!common.quiet) {
     for (const std::string& message : knowledge.known.messages) std::cerr << "note: " << message << '\n';

@@ -46,9 +46,7 @@ std::string ending(const Report& report) {
 }  // namespace
 
 int run(const Common& common, const RunOptions& options) {
-  refuse_overwriting(
-      {{"--csv", options.csv}, {"--errors", options.errors}, {"--animate", options.animate}, {"--plot", options.plot}},
-      {options.scene, options.ensemble});
+  refuse_overwriting(common, outputs_of(options), {options.scene, options.ensemble});
   if (!options.ensemble.empty()) return run_ensemble(common, options);
   const PrepareOptions how = how_of(common, options);
   check_errors(options, how);

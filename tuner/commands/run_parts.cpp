@@ -45,8 +45,14 @@ void check_mode(const RunOptions& options, bool chunks) {
 
 }  // namespace
 
+std::vector<std::pair<std::string, std::string>> outputs_of(const RunOptions& options) {
+  return {
+      {"--csv", options.csv}, {"--errors", options.errors}, {"--animate", options.animate}, {"--plot", options.plot}};
+}
+
 Scene scene_of(const Common& common, const RunOptions& options, const Parameters& set) {
   Scene scene = open_scene(options.scene, set, common.tables);
+  refuse_overwriting(outputs_of(options), scene);
   if (!options.outputs.empty()) scene = scene.with_outputs(options.outputs);
   if (options.start || options.dt || options.steps) scene = scene.with_time(grid_of(scene.time(), options));
   return scene;

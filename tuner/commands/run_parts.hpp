@@ -3,6 +3,8 @@
 
 #include <ostream>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "assur/plan.hpp"
 #include "assur/simulator.hpp"
@@ -14,7 +16,10 @@
 
 namespace assur::command {
 
-// The scene with its options, and with these values of parameters.
+// The files that are written: (option, file), "" for those that were not asked for.
+[[nodiscard]] std::vector<std::pair<std::string, std::string>> outputs_of(const RunOptions& options);
+
+// The scene with its options, and with these values of parameters. Throws Error (input) if an output is a table of it.
 [[nodiscard]] Scene scene_of(const Common& common, const RunOptions& options, const Parameters& set);
 
 [[nodiscard]] PrepareOptions how_of(const Common& common, const RunOptions& options);

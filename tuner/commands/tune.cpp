@@ -50,7 +50,9 @@ std::vector<tuning::Cell> cells_of(const Common& common, const TuneOptions& opti
   if (options.scenes.empty()) return tuning::general_cells(extent);
   std::vector<tuning::Cell> cells;
   for (const std::string& text : options.scenes) {
-    std::vector<tuning::Cell> more = tuning::scene_cells(text, open_scene(text, common.set, common.tables));
+    const Scene scene = open_scene(text, common.set, common.tables);
+    refuse_overwriting({{"--csv", options.csv}}, scene);
+    std::vector<tuning::Cell> more = tuning::scene_cells(text, scene);
     std::move(more.begin(), more.end(), std::back_inserter(cells));
   }
   return cells;
@@ -128,6 +130,7 @@ int tune(const Common& common, const TuneOptions& options) {
     return kDone;
   }
   const double begin = measure::StepTimes::steady();
+  refuse_overwriting(common, {{"--csv", options.csv}}, options.scenes);
   const tuning::Profile profile = tuning::profile(options.profile, options.budget);
   std::vector<tuning::Cell> cells = cells_of(common, options, profile.extent);
   std::optional<output::Replacement> csv;
