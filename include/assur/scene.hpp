@@ -224,7 +224,7 @@ struct DeclaredGroup {
   bool keep = false;                  // do not shrink to what the outputs need
 };
 
-// Seconds; (end - start) / step is a whole number within 1e-9.
+// Seconds; (end - start) / step is a whole number within 1e-9 and the rounding of times, at most 1e12.
 struct TimeGrid {
   double start = 0;
   double end = 0;

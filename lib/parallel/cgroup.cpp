@@ -12,7 +12,7 @@ namespace {
 
 using std::filesystem::path;
 
-// A mounted hierarchy of groups: the one of version 2, or one of version 1 with the controller `cpu`.
+// A mounted hierarchy of groups: the one of version 2, or one of version 1 with the controller asked for.
 struct Hierarchy {
   int version;
   std::string top;  // the group that the mount shows as its root
@@ -39,7 +39,7 @@ std::string unescaped(const std::string& text) {
 }
 
 // Lines of mountinfo: id, parent, device, top, mount point, options, optional fields, "-", type, source, options.
-std::vector<Hierarchy> hierarchies(const path& root) {
+std::vector<Hierarchy> hierarchies(const path& root, const std::string& controller) {
   std::vector<Hierarchy> found;
   std::ifstream file(root / "proc/self/mountinfo");
   for (std::string line; std::getline(file, line);) {
@@ -49,20 +49,20 @@ std::vector<Hierarchy> hierarchies(const path& root) {
     std::string skipped, top, mount_point, type, source, options;
     left >> skipped >> skipped >> skipped >> top >> mount_point;
     right >> type >> source >> options;
-    const int version = type == "cgroup2" ? 2 : type == "cgroup" && has_item(options, "cpu") ? 1 : 0;
+    const int version = type == "cgroup2" ? 2 : type == "cgroup" && has_item(options, controller) ? 1 : 0;
     if (version != 0) found.push_back({version, unescaped(top), unescaped(mount_point)});
   }
   return found;
 }
 
 // The group of this process in a hierarchy. Lines: id, controllers, group, apart by colons; "0::/..." for version 2.
-std::string group_of_this_process(const path& root, int version) {
+std::string group_of_this_process(const path& root, int version, const std::string& controller) {
   std::ifstream file(root / "proc/self/cgroup");
   for (std::string line; std::getline(file, line);) {
     const auto first = line.find(':'), second = line.find(':', first + 1);
     if (second == std::string::npos) continue;
     const std::string controllers = line.substr(first + 1, second - first - 1);
-    if (version == 2 ? line.rfind("0::", 0) == 0 : has_item(controllers, "cpu")) return line.substr(second + 1);
+    if (version == 2 ? line.rfind("0::", 0) == 0 : has_item(controllers, controller)) return line.substr(second + 1);
   }
   return "/";
 }
@@ -94,19 +94,45 @@ double quota_of(const path& group, int version) {
   return file >> quota >> period ? quotient(quota, period) : 0;
 }
 
-}  // namespace
-
-double cpu_quota(const path& root) {
+// The least of what the groups from this process's own to the top say; groups that say 0 or less do not count. 0: none.
+template <class Say>
+double least_on_the_way(const path& root, const std::string& controller, const Say& say) {
   double least = 0;
-  for (const Hierarchy& hierarchy : hierarchies(root)) {
-    path group = below_mount_point(group_of_this_process(root, hierarchy.version), hierarchy.top);
+  for (const Hierarchy& hierarchy : hierarchies(root, controller)) {
+    path group = below_mount_point(group_of_this_process(root, hierarchy.version, controller), hierarchy.top);
     for (;; group = group.parent_path()) {
-      const double quota = quota_of(root / hierarchy.mount_point.relative_path() / group, hierarchy.version);
-      if (quota > 0) least = least > 0 ? std::min(least, quota) : quota;
+      const double said = say(root / hierarchy.mount_point.relative_path() / group, hierarchy.version);
+      if (said > 0) least = least > 0 ? std::min(least, said) : said;
       if (group.empty()) break;
     }
   }
   return least;
 }
+
+// The value behind `name` in a file of lines "name value"; 0 if there is none.
+double read_named(const path& file_name, const std::string& name) {
+  std::ifstream file(file_name);
+  file.imbue(std::locale::classic());
+  std::string found;
+  for (double value = 0; file >> found >> value;) {
+    if (found == name) return value;
+  }
+  return 0;
+}
+
+// Bytes that one group may still take, at least 1; 0 if it has no limit. Pages of files give way.
+double memory_of(const path& group, int version) {
+  const double most = read_number(group / (version == 2 ? "memory.max" : "memory.limit_in_bytes"));
+  if (!(most > 0)) return 0;
+  const double used = read_number(group / (version == 2 ? "memory.current" : "memory.usage_in_bytes"));
+  const double files = read_named(group / "memory.stat", version == 2 ? "inactive_file" : "total_inactive_file");
+  return std::max(1.0, most - std::max(0.0, used - files));
+}
+
+}  // namespace
+
+double cpu_quota(const path& root) { return least_on_the_way(root, "cpu", quota_of); }
+
+double cgroup_memory(const path& root) { return least_on_the_way(root, "memory", memory_of); }
 
 }  // namespace assur

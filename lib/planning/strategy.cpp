@@ -2,6 +2,7 @@
 
 #include <array>
 #include <charconv>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -157,7 +158,8 @@ class Reader {
 
   void read_chunks(std::string_view value) {
     const auto chunks = positive(value);
-    if (!chunks) refuse(quoted(value) + " is no number of chunks: 1 or more");
+    if (!chunks)
+      refuse(quoted(value) + " is no number of chunks: 1 to " + std::to_string(std::numeric_limits<int>::max()));
     strategy_.chunks = *chunks;
   }
 

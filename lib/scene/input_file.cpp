@@ -8,8 +8,12 @@
 #include <cerrno>
 #include <system_error>
 
+#include "parallel/free_memory.hpp"
+
 namespace assur {
 namespace {
+
+constexpr std::uintmax_t kSmall = 16'000'000;  // bytes that are there
 
 std::string reason_of(int error) {
   std::string text = std::generic_category().message(error);
@@ -38,6 +42,9 @@ struct Descriptor {
 InputFile read_all(int file, std::uintmax_t told, std::uintmax_t most) {
   const InputFile too_large{"", "it has more than " + std::to_string(most / 1'000'000) + " MB, the most that is read"};
   if (told > most) return too_large;
+  if (told > kSmall && static_cast<double>(told) > free_memory()) {
+    return {"", "it has " + std::to_string(told / 1'000'000) + " MB, more than the memory that is free"};
+  }
   InputFile input;
   std::size_t size = 0;
   for (;;) {

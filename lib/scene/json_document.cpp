@@ -6,12 +6,50 @@
 #include <unordered_map>
 #include <unordered_set>
 
+#include "parallel/free_memory.hpp"
 #include "scene/names.hpp"
 
 namespace assur {
 namespace {
 
-constexpr std::size_t kDeepest = 32;  // levels; a scene has eight
+constexpr std::size_t kDeepest = 32;              // levels; a scene has eight
+constexpr std::size_t kMostValues = 100'000'000;  // a million dyads have 17
+constexpr double kBytesOfValue = 64;  // at least, until the scene is built: that of a million dyads takes 80
+
+// Of a document, if it is one: each begins the text or an array or object that is not empty, or follows a comma.
+std::size_t count_values(std::string_view text) {
+  std::size_t values = 1, at = 0;
+  char last = ' ';  // but for space
+  const auto behind = [&](std::string_view end) {
+    at = std::min(text.find(end, at + 1), text.size() - 1) + end.size() - 1;
+  };
+  for (; at < text.size(); ++at) {
+    const char c = text[at];
+    if (c == '/') {
+      text.substr(at, 2) == "/*" ? behind("*/") : behind("\n");
+      continue;
+    }
+    if (c == ' ' || c == '\n' || c == '\t' || c == '\r') continue;
+    if (c == ',' || c == '[' || c == '{') ++values;
+    if ((c == ']' || c == '}') && (last == '[' || last == '{')) --values;
+    if (c == '"') {
+      while (++at < text.size() && text[at] != '"') at += text[at] == '\\' ? 1 : 0;
+    }
+    last = c;
+  }
+  return values;
+}
+
+// Before anything is taken: a value of two characters takes many times as much.
+void check_size(std::string_view text) {
+  const std::size_t values = count_values(text);
+  if (values > kMostValues) {
+    throw Error(Error::Kind::input, "it has " + std::to_string(values) + " values; the most that are read are " +
+                                        std::to_string(kMostValues));
+  }
+  require_memory(static_cast<double>(values) * kBytesOfValue, "the scene of " + std::to_string(values) + " values",
+                 "write a smaller one");
+}
 
 // Builds the tree from the parser's events: items wait until the array or object around them is closed.
 class Builder : public nlohmann::json_sax<nlohmann::json> {
@@ -243,6 +281,7 @@ JsonDocument parse_json(std::string_view text) {
   if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) {
     throw Error(Error::Kind::input, "the file is empty; a scene begins with {\"assur\": 1, \"dimension\": 2, ...");
   }
+  check_size(text);
   Builder builder(text);
   nlohmann::json::sax_parse(text.begin(), text.end(), &builder, nlohmann::json::input_format_t::json, true, true);
   return builder.take();

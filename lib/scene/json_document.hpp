@@ -57,7 +57,8 @@ struct JsonDocument {
   std::vector<Diagnostic> findings;  // keys that appear twice; the first one is kept
 };
 
-// Comments are allowed. Throws Error (input) with line and column if the text is not JSON.
+// Comments are allowed. Throws Error (input) with line and column if the text is not JSON, or has more than 100,000,000
+// values; (environment) if there is no memory for it.
 [[nodiscard]] JsonDocument parse_json(std::string_view text);
 
 // Stable order by the place in the document; what has no place of its own comes where its nearest parent is.

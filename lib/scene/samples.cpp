@@ -8,12 +8,14 @@
 #include <string>
 #include <utility>
 
+#include "parallel/free_memory.hpp"
 #include "scene/names.hpp"
 
 namespace assur::samples {
 namespace {
 
-constexpr double kMany = 1e7;  // more would not fit the index type
+constexpr double kMany = 1e7, kMostUnknowns = 1e8;  // more would not fit the index type
+constexpr double kBytesOfUnknown = 500;             // at least, until it is prepared: four_bar takes 1000, stewart 780
 
 Option count(std::string_view name, double value, double least, double most, std::string_view meaning,
              std::int64_t multiple = 1) {
@@ -53,7 +55,8 @@ std::vector<Sample> make_table() {
        "loops",
        {count("loops", 1, 1, kMany, "number of four-bars"), omega(2 * std::numbers::pi, "speed of the crank, rad/s"),
         step(0.001), steps(1000)},
-       four_bar},
+       four_bar,
+       [](const Values& v) { return 2 * v["loops"]; }},
       {"gough",
        "forward kinematics of Dietmaier's Stewart-Gough platform with 40 postures",
        "posture",
@@ -70,14 +73,16 @@ std::vector<Sample> make_table() {
        "loops",
        {count("loops", 40, 1, kMany, "number of four-bars"),
         real("swing", 1.2, -7, 7, "of the crank to either side of the vertical, rad"), step(0.01), steps(1000)},
-       n_four_bar},
+       n_four_bar,
+       [](const Values& v) { return 2 * v["loops"]; }},
       {"parallelograms",
        "parallelograms in series, each with a redundant third rod",
        "loops",
        {count("loops", 3, 1, kMany, "number of parallelograms"),
         real("excess", 0, -0.5, 0.5, "what the third rods are too long, m"), omega(1, "speed of the motion, rad/s"),
         step(0.01), steps(1000)},
-       parallelograms},
+       parallelograms,
+       [](const Values& v) { return 2 * v["loops"]; }},
       {"rings",
        "planar rings: one driven terminal, and legs that depend on it",
        "",
@@ -85,7 +90,8 @@ std::vector<Sample> make_table() {
         count("n", 120, 12, kMany, "unknowns of each leg", 2),
         count("terminal", 24, 12, kMany, "unknowns of the terminal", 2), omega(1, "speed of the drivers, rad/s"),
         step(0.01), steps(1000)},
-       rings},
+       rings,
+       [](const Values& v) { return v["legs"] * v["n"] + v["terminal"]; }},
       {"slider_crank",
        "slider-crank, one turn per second",
        "",
@@ -99,7 +105,8 @@ std::vector<Sample> make_table() {
        {count("legs", 6, 3, kMany, "legs; another number than 6 is spread evenly"),
         count("platforms", 1, 1, kMany, "copies, out of step with each other"), omega(1, "speed of the motion, rad/s"),
         step(0.01), steps(1000)},
-       stewart},
+       stewart,
+       [](const Values& v) { return v["platforms"] * (15 * v["legs"] + 12); }},
       {"whitworth",
        "Whitworth's quick return, tilted in space",
        "",
@@ -177,9 +184,20 @@ class Request {
     values_.set(name, value);
   }
 
-  [[nodiscard]] Scene make() const { return row_.make(values_); }
+  [[nodiscard]] Scene make() const {
+    if (row_.unknowns != nullptr) check_size(row_.unknowns(values_));
+    return row_.make(values_);
+  }
 
  private:
+  void check_size(double unknowns) const {
+    if (unknowns > kMostUnknowns) {
+      refuse("sample " + in_quotes(row_.name) + ": " + shortest(unknowns) + " unknowns are too many; the limit is " +
+             shortest(kMostUnknowns));
+    }
+    require_memory(unknowns * kBytesOfUnknown, shortest(unknowns) + " unknowns", "ask for a smaller mechanism");
+  }
+
   void assign(std::string_view name, std::string_view text) {
     const Option& option = find_option(name);
     const auto word = std::find(option.words.begin(), option.words.end(), text);

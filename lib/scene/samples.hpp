@@ -48,6 +48,7 @@ struct Sample {
   std::string_view counted;  // the option that a bare number sets: 64 of "four_bar:64"; "" if there is none
   std::vector<Option> options;
   Scene (*make)(const Values&);
+  double (*unknowns)(const Values&) = nullptr;  // about; of samples that may be large
 };
 
 // Every sample, in alphabetic order.

@@ -8,7 +8,9 @@
 namespace assur {
 namespace {
 
-constexpr double kAlong = 1e-6;  // rad between an axis and a direction that is along it
+constexpr double kAlong = 1e-6;       // rad between an axis and a direction that is along it
+constexpr double kWholeSteps = 1e-9;  // that their number may be off, besides the rounding of times
+constexpr double kMostSteps = 1e12;   // hours of computing, and counted exactly
 
 std::string text(const Direction& d) {
   return d.is_pair() ? "the direction from " + in_quotes(d.first) + " to " + in_quotes(d.second) : in_quotes(d.first);
@@ -248,8 +250,17 @@ void Validation::check_time() {
            "the end, " + shortest(time.end) + " s, comes before the start, " + shortest(time.start) + " s");
   } else {
     const double steps = (time.end - time.start) / time.step;
+    const double farthest = std::max(std::abs(time.start), std::abs(time.end));
+    const double apart = std::nextafter(farthest, HUGE_VAL) - farthest;  // doubles there; HUGE_VAL for the last ones
     const bool too_long = std::round(steps) == 0 && time.end > time.start;
-    if (too_long || std::abs(steps - std::round(steps)) > 1e-9) {
+    if (!(steps <= kMostSteps)) {
+      report(where / "step", "(end - start) / step is " + shortest(steps) + "; more than " + shortest(kMostSteps) +
+                                 " steps are not possible");
+    } else if (time.step < 16 * apart) {
+      report(where / "step", "the step of " + shortest(time.step) + " s is lost in rounding: around " +
+                                 shortest(farthest) + " s doubles are " + shortest(apart) +
+                                 " s apart; take times nearer to 0, or longer steps");
+    } else if (too_long || std::abs(steps - std::round(steps)) > kWholeSteps + 4 * apart / time.step) {
       report(where / "step", "(end - start) / step is " + shortest(steps) +
                                  "; a whole number of steps is wanted, e.g. to the end " +
                                  shortest(time.start + std::ceil(steps) * time.step));

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "assur/scene.hpp"
+#include "parallel/free_memory.hpp"
 #include "scene/csv.hpp"
 #include "scene/input_file.hpp"
 #include "scene/names.hpp"
@@ -13,6 +14,7 @@ namespace assur {
 namespace {
 
 constexpr std::size_t kMostFindings = 20;  // then the file is another one than was meant
+constexpr double kBytesOfValue = 80;       // of a parameter, with its name
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
 class VariantReader {
@@ -111,6 +113,10 @@ std::vector<Parameters> read_variants(const std::filesystem::path& path) {
     throw Error(Error::Kind::environment, {{"", "the file of variants cannot be read: " + file.why_not}},
                 path.string());
   }
+  const auto rows = static_cast<double>(std::count(file.text.begin(), file.text.end(), '\n'));
+  const auto commas = static_cast<double>(std::count(file.text.begin(), file.text.end(), ','));
+  require_memory(rows * sizeof(Parameters) + (rows + commas) * kBytesOfValue,
+                 "the variants of " + path.string() + ", about " + shortest(rows), "give fewer at a time");
   return VariantReader(path.string()).read(file.text);
 }
 

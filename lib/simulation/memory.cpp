@@ -4,11 +4,10 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <string>
 
-#include "assur/status.hpp"
+#include "parallel/free_memory.hpp"
 
 namespace assur {
 namespace {
@@ -18,13 +17,9 @@ constexpr std::uintptr_t kLarge = 4'000'000;  // bytes that hold a huge page whe
 }  // namespace
 
 void check_memory(std::size_t rows, std::size_t columns) {
-  const double wanted = static_cast<double>(rows) * static_cast<double>(columns) * sizeof(double);
-  const double free = static_cast<double>(sysconf(_SC_AVPHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
-  if (wanted < free) return;
-  throw Error(Error::Kind::environment,
-              "no memory for " + std::to_string(rows) + " times x " + std::to_string(columns) + " values (" +
-                  std::to_string(std::llround(wanted / 1048576)) + " MiB, " +
-                  std::to_string(std::llround(free / 1048576)) + " free); ask for fewer outputs or a shorter run");
+  require_memory(static_cast<double>(rows) * static_cast<double>(columns) * sizeof(double),
+                 std::to_string(rows) + " times x " + std::to_string(columns) + " values",
+                 "ask for fewer outputs or a shorter run");
 }
 
 void PagesAhead::take() noexcept {

@@ -6,8 +6,7 @@
 
 namespace assur {
 
-// Throws Error (environment) if there is no room for so many results. Memory that is promised but not there ends the
-// process later, so it is asked for first.
+// Throws Error (environment) if there is no room for so many results.
 void check_memory(std::size_t rows, std::size_t columns);
 
 // Takes the pages of reserved room before they are written, 16 MB at once: a page that comes with the first write to it

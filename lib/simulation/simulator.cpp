@@ -531,6 +531,7 @@ Trajectory Simulator::run(const Observer& observer) {
   // The grid itself, the trajectory's times and its values.
   check_memory(static_cast<std::size_t>(grid.steps()) + 1, columns().size() + 2);
   std::vector<double> times;
+  times.reserve(static_cast<std::size_t>(grid.steps()) + 1);
   for (std::int64_t k = 0; k <= grid.steps(); ++k) times.push_back(grid.time(k));
   return run(times, observer);
 }

@@ -92,7 +92,7 @@ TEST(Compare, AWrongCallSaysWhatIsWrong) {
       {{"--accuracy", "1e-4,0"}, "--accuracy: expects numbers > 0 such as 1e-4,1e-8, not \"1e-4,0\""},
       {{"--strategies", "groups/eigen+chunks=4"}, "leave out +chunks="},
       {{"--html", ""}, "--html: expects a file name"},
-      {{"--steps", "0"}, "--steps: expects a whole number from 1, not \"0\""},
+      {{"--steps", "0"}, "--steps: expects a whole number from 1 to 2147483647, not \"0\""},
   };
   for (const auto& [options, message] : cases) {
     const Outcome o = run_command(with({"compare", "stewart"}, options));

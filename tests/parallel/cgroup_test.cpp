@@ -120,5 +120,28 @@ TEST(CpuQuota, AMountPointMayHaveASpace) {
   EXPECT_EQ(cpu_quota(tree.root()), 2);
 }
 
+TEST(CgroupMemory, IsTheLeastOnTheWayUpLessWhatIsUsedButForFiles) {
+  FileTree tree;
+  tree.file("proc/self/cgroup", "0::/a/b\n").file("proc/self/mountinfo", kMountV2);
+  EXPECT_EQ(cgroup_memory(tree.root()), 0);
+  tree.file("sys/fs/cgroup/a/b/memory.max", "max\n");
+  EXPECT_EQ(cgroup_memory(tree.root()), 0);
+  tree.file("sys/fs/cgroup/a/memory.max", "8000\n").file("sys/fs/cgroup/a/memory.current", "5000\n");
+  EXPECT_EQ(cgroup_memory(tree.root()), 3000);
+  tree.file("sys/fs/cgroup/a/memory.stat", "anon 1000\nactive_file 70\ninactive_file 2500\n");
+  EXPECT_EQ(cgroup_memory(tree.root()), 5500);
+  tree.file("sys/fs/cgroup/a/b/memory.max", "4000").file("sys/fs/cgroup/a/b/memory.current", "4100");
+  EXPECT_EQ(cgroup_memory(tree.root()), 1);
+}
+
+TEST(CgroupMemory, OfVersion1IsOfTheControllerMemory) {
+  FileTree tree;
+  tree.file("proc/self/cgroup", "4:memory:/m\n1:cpu,cpuacct:/job\n").file("proc/self/mountinfo", kMountV1);
+  tree.file("sys/fs/cgroup/memory/m/memory.limit_in_bytes", "9000");
+  tree.file("sys/fs/cgroup/memory/m/memory.usage_in_bytes", "2000");
+  tree.file("sys/fs/cgroup/memory/m/memory.stat", "inactive_file 1\ntotal_inactive_file 500\n");
+  EXPECT_EQ(cgroup_memory(tree.root()), 7500);
+}
+
 }  // namespace
 }  // namespace assur::test

@@ -347,5 +347,19 @@ TEST(Json, AFileIsNamedByItsStemAndFindsItsTables) {
   EXPECT_EQ(as<DrivenCoordinate>(scene.drivers()[0]).law(0.5).value, 0.5);
 }
 
+TEST(Json, MoreValuesThanAreReadAreCountedFirst) {
+  std::string text = R"({"a": /* ,, */ "[,\"{", "b": [[], {}, [ ]], // ,,
+    "c": [0)";
+  text.reserve(200'000'100);
+  for (int i = 0; i < 100'000'000; ++i) text += ",0";
+  text += "]}";
+  try {
+    (void)parse_scene(text, "zeros.json");
+    FAIL() << "it is too large";
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(), "zeros.json: it has 100000008 values; the most that are read are 100000000");
+  }
+}
+
 }  // namespace
 }  // namespace assur

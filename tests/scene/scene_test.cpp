@@ -225,6 +225,18 @@ TEST(TimeGrid, Checked) {
       "/time/step: (end - start) / step is 2.5; a whole number of steps is wanted, e.g. to the end 1.2000000000000002");
   EXPECT_EQ(checked(0, 1 + 2e-9, 1).rfind("/time/step: (end - start) / step is 1.000000002", 0), 0u);
   EXPECT_EQ(checked(0, 1 + 0.5e-9, 1), "");
+  // Their rounding is no fault of a grid, however many steps it has and wherever it lies.
+  EXPECT_EQ(checked(0, 0.001 * 2147483647, 0.001), "");
+  EXPECT_EQ(checked(1e9, 1e9 + 0.003, 0.001), "");
+  EXPECT_EQ(SceneBuilder("t", 2).time(1e9, 1e9 + 0.003, 0.001).build().time().steps(), 3);
+  EXPECT_NE(checked(1e9, 1e9 + 0.0035, 0.001).find("; a whole number of steps is wanted"), std::string::npos);
+  EXPECT_EQ(checked(0, 1e12, 1), "");
+  EXPECT_EQ(checked(0, 2e12, 1), "/time/step: (end - start) / step is 2e+12; more than 1e+12 steps are not possible");
+  EXPECT_EQ(checked(-1e308, 1e308, 1),
+            "/time/step: (end - start) / step is inf; more than 1e+12 steps are not possible");
+  EXPECT_EQ(checked(1e15, 1e15 + 1, 0.5),
+            "/time/step: the step of 0.5 s is lost in rounding: around 1000000000000001 s doubles are 0.125 s apart; "
+            "take times nearer to 0, or longer steps");
 }
 
 TEST(Scene, WithOutputs) {

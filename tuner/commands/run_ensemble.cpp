@@ -15,6 +15,8 @@
 #include "output/members.hpp"
 #include "output/progress.hpp"
 #include "output/run_report.hpp"
+#include "parallel/free_memory.hpp"
+#include "scene/outputs.hpp"
 
 namespace assur::command {
 namespace {
@@ -54,18 +56,36 @@ void check_grid(const TimeGrid& grid, const TimeGrid& first) {
   throw Error(Error::Kind::input, "its time grid is another one than that of the first member");
 }
 
+constexpr std::int64_t kTried = 200;  // members that tell how much memory one takes
+
+// Before hours and the machine's memory are spent on preparing what cannot be run.
+void check_room(const Prepared& first, std::int64_t members) {
+  const double rows = static_cast<double>(members) * static_cast<double>(first.time.steps() + 1);
+  const auto columns = column_names(*first.structure->system).size();
+  require_memory(
+      rows * static_cast<double>(columns) * sizeof(double),
+      output::number(rows) + " times x " + std::to_string(columns) + " values of " + output::counted(members, "member"),
+      "ask for fewer outputs, a shorter run or fewer members");
+}
+
 Ensemble prepare_all(const Common& common, const std::vector<Parameters>& variants, const RunOptions& options,
                      const PrepareOptions& how, Progress& progress) {
   const double begin = StepTimes::steady();
   const auto all = static_cast<std::int64_t>(variants.size());
   std::optional<TimeGrid> first;
+  const double taken = taken_memory();
   Ensemble ensemble(
       variants.size(),
       [&](std::size_t i) {
         progress.show(StepTimes::steady() - begin, static_cast<std::int64_t>(i), all);
+        if (static_cast<std::int64_t>(i) == kTried) {
+          require_memory((taken_memory() - taken) / kTried * static_cast<double>(all - kTried),
+                         output::counted(all, "member"), "give fewer at a time");
+        }
         const Scene scene = scene_of(common, options, variants[i]);
         if (first) check_grid(scene.time(), *first);
         Prepared prepared = prepare(scene, how);
+        if (!first) check_room(prepared, all);
         first = scene.time();
         return prepared;
       },

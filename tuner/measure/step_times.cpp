@@ -43,14 +43,13 @@ double StepTimes::steady() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-StepTimes::StepTimes(std::int64_t steps, Clock clock) : clock_(std::move(clock)) {
+StepTimes::StepTimes(std::int64_t steps, Clock clock) : clock_(std::move(clock)), steps_(steps) {
   std::vector<double> costs;
   for (int i = 0; i < kClockCalls; ++i) {
     const double before = clock_();
     costs.push_back(clock_() - before);
   }
   cost_ = ranked(costs, 0.5);
-  samples_.reserve(static_cast<std::size_t>(std::max<std::int64_t>(steps, 0)));
 }
 
 void StepTimes::read() {
@@ -61,6 +60,7 @@ void StepTimes::read() {
   } else {
     first_ = now;
     started_ = true;
+    samples_.reserve(static_cast<std::size_t>(std::max<std::int64_t>(steps_, 0)));
   }
   until_read_ = block_;
   last_ = clock_();

@@ -21,6 +21,7 @@ class StepTimes {
   };
   using Clock = std::function<double()>;  // s, monotonic
 
+  // Takes its memory with the first tick: a run that is refused has none.
   explicit StepTimes(std::int64_t steps, Clock clock = steady);
 
   // Call at the start of the first step and at the end of each. Returns true if the clock was read: then, and only
@@ -47,6 +48,7 @@ class StepTimes {
   void consider_blocks();
 
   Clock clock_;
+  std::int64_t steps_;           // that are expected
   double cost_ = 0;              // s of one clock call
   double first_ = 0, last_ = 0;  // readings
   bool started_ = false;

@@ -45,6 +45,9 @@ void add_reading(CLI::App& app, Common& common) {
       ->type_name("FOLDER");
 }
 
+// Seconds of measuring.
+CLI::Validator budget() { return number(0, " > 0 and at most 1000000, which are 11 days", 1e6); }
+
 void add_names(CLI::App& app, const std::string& option, std::vector<std::string>& names, const std::string& what) {
   app.add_option_function<std::vector<std::string>>(
          option,
@@ -230,7 +233,7 @@ void add_tune(CLI::App& app, Invocation& call) {
   tune.add_option("--profile", o.profile, "quick (the default, a minute), standard or patient")
       ->check(one_of({"quick", "standard", "patient"}))
       ->type_name("NAME");
-  tune.add_option("--budget", o.budget, "Take so long, s")->check(number(0, " > 0"))->type_name("SECONDS");
+  tune.add_option("--budget", o.budget, "Take so long, s")->check(budget())->type_name("SECONDS");
   tune.add_option("--scene", o.scenes, "Only what this scene needs; may be repeated")
       ->allow_extra_args(false)
       ->type_name("SCENE");
@@ -256,7 +259,7 @@ void add_report(CLI::App& app, Invocation& call) {
   ReportOptions& o = call.report;
   CLI::Option* out = report.add_option("--out", o.out, "Write into this folder: assur-report")->type_name("DIR");
   report.add_flag("--quick", o.quick, "Three minutes at most, instead of thirty");
-  report.add_option("--budget", o.budget, "Take about so long, s")->check(number(0, " > 0"))->type_name("SECONDS");
+  report.add_option("--budget", o.budget, "Take about so long, s")->check(budget())->type_name("SECONDS");
   report.add_option("--watts", o.watts, "Of the processor (TDP), for energy that cannot be read")
       ->check(number(0, " > 0"))
       ->type_name("W");

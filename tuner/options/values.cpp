@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <sstream>
 
 namespace assur::options {
@@ -42,11 +43,12 @@ void take_names(std::vector<std::string>& names, const std::string& text, const 
   }
 }
 
-CLI::Validator number(double above, const std::string& what) {
+CLI::Validator number(double above, const std::string& what, double most) {
   return CLI::Validator(
-      [above, what](std::string& text) {
+      [above, what, most](std::string& text) {
         double value = 0;
-        const bool fits = CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value > above;
+        const bool fits =
+            CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value > above && value <= most;
         return fits ? std::string() : "expects a number" + what + ", not \"" + text + "\"";
       },
       "");
@@ -65,7 +67,9 @@ CLI::Validator whole_number(int least) {
       [least](std::string& text) {
         int value = 0;
         const bool fits = CLI::detail::lexical_cast(text, value) && value >= least;
-        return fits ? std::string() : "expects a whole number from " + std::to_string(least) + ", not \"" + text + "\"";
+        if (fits) return std::string();
+        return "expects a whole number from " + std::to_string(least) + " to " +
+               std::to_string(std::numeric_limits<int>::max()) + ", not \"" + text + "\"";
       },
       "");
 }

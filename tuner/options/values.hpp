@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -19,9 +20,10 @@ void take_accuracies(std::vector<double>& accuracies, const std::string& text);
 void take_names(std::vector<std::string>& names, const std::string& text, const std::string& option);
 
 // Checks; without a name, so that the help stays plain.
-[[nodiscard]] CLI::Validator number(double above, const std::string& what);  // finite; `what`: "" or " > 0"
+// Finite, more than `above`, at most `most`; `what` tells both: "", " > 0".
+[[nodiscard]] CLI::Validator number(double above, const std::string& what, double most = HUGE_VAL);
 [[nodiscard]] CLI::Validator accuracy();
-[[nodiscard]] CLI::Validator whole_number(int least);
+[[nodiscard]] CLI::Validator whole_number(int least);  // to the largest int
 [[nodiscard]] CLI::Validator one_of(const std::vector<std::string>& names);
 
 }  // namespace assur::options

@@ -22,7 +22,7 @@ using measure::Question;
 constexpr double kGolden = 0.6180339887498949;
 constexpr double kLeastRace = 0.2, kMostRace = 4;  // s for each race of a question
 constexpr double kQuestionsAtLeast = 12;           // that the time is meant for
-constexpr double kLook = 0.01;                     // of the time: at the usual pace
+constexpr double kLook = 0.01, kMostLook = 10;     // of the time, and s: at the usual pace, without a way to end it
 constexpr double kFirstPasses = 0.85;              // of the time: for the questions with one pass each
 constexpr double kMostOfTime = 0.2;                // of the time: for one question
 constexpr double kFar = 1;                         // regret from which on the axis is logarithmic
@@ -185,7 +185,7 @@ Section regret(const Knowledge& knowledge, const Conditions& conditions) {
   how.model = knowledge.known.model;
   how.quick = conditions.quick;
   how.seconds = std::clamp(conditions.seconds / kQuestionsAtLeast / 3, kLeastRace, kMostRace);
-  measure::MachinePace pace(conditions.threads, kLook * conditions.seconds);
+  measure::MachinePace pace(conditions.threads, std::min(kLook * conditions.seconds, kMostLook));
   // The first question, which is small, is always answered.
   how.instruments = conditions.instruments();
   pace.attach(how.instruments);
