@@ -20,6 +20,7 @@
 #include "bare_calls.hpp"
 #include "legs_by_hand.hpp"
 #include "matrices.hpp"
+#include "median.hpp"
 #include "program.hpp"
 #include "simulation/inputs.hpp"
 #include "simulation/layout.hpp"
@@ -31,12 +32,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 double seconds(Clock::time_point from) { return std::chrono::duration<double>(Clock::now() - from).count(); }
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 double median_ratio(const std::vector<double>& a, const std::vector<double>& b) {
   std::vector<double> ratio;

@@ -16,6 +16,7 @@
 #include "assur/assur.hpp"
 #include "heap.hpp"
 #include "machine.hpp"
+#include "median.hpp"
 
 namespace assur::bench {
 namespace {
@@ -120,12 +121,6 @@ struct Size {
     }
   }
 };
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // One line for each size; returns the largest growth of time or memory per group.
 double print(const char* stage, const std::vector<Size>& sizes, Figures Size::*figures) {

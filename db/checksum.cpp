@@ -3,7 +3,8 @@
 #include <bit>
 #include <charconv>
 #include <cmath>
-#include <limits>
+
+#include "numbers.hpp"
 
 namespace assur::db {
 
@@ -34,7 +35,7 @@ Checksum& Checksum::operator<<(std::int64_t number) {
 }
 
 Checksum& Checksum::operator<<(double number) {
-  if (std::isnan(number)) number = std::numeric_limits<double>::quiet_NaN();
+  if (std::isnan(number)) number = kNan;
   take(std::bit_cast<std::uint64_t>(number == 0 ? 0.0 : number));
   return *this;
 }

@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <functional>
-#include <limits>
 #include <locale>
 #include <optional>
 #include <sstream>
 
 #include "db/checksum.hpp"
+#include "numbers.hpp"
 
 namespace assur::db {
 namespace {
@@ -179,9 +179,7 @@ std::optional<Kernel> kernel_of(std::string_view text) {
   }
 }
 
-double or_nan(const SQLite::Column& column) {
-  return column.isNull() ? std::numeric_limits<double>::quiet_NaN() : column.getDouble();
-}
+double or_nan(const SQLite::Column& column) { return column.isNull() ? kNan : column.getDouble(); }
 
 // Everything that is stored with a sample; what it refers to by the sum of that.
 std::int64_t sum_of(const Sample& s, std::string_view kernel, std::uint64_t shape, std::uint64_t strategy,

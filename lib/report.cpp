@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "numbers.hpp"
 
 namespace assur {
 
@@ -40,7 +41,7 @@ void ErrorFigures::merge(const ErrorFigures& o) {
 Certificate worst_of(std::span<const Certificate> certificates) {
   Certificate worst;
   if (certificates.empty()) {
-    worst.radius = std::numeric_limits<double>::infinity();
+    worst.radius = kInfinity;
     worst.why_not = "there is no posture";
     return worst;
   }

@@ -75,6 +75,8 @@ struct Effort {
   }
 };
 
+inline constexpr std::int32_t kMostLanes = 16;  // solved side by side: a power of two
+
 class LinearSolver {
  public:
   virtual ~LinearSolver() = default;

@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "backends/backends.hpp"
 #include "backends/lane_by_lane.hpp"
 
 namespace assur {
 namespace {
-
-constexpr std::size_t kRightSides = 4;
 
 class AugmentedSolver final : public LaneByLane {
  public:
@@ -51,7 +50,7 @@ void AugmentedSolver::solve_lane(std::span<double> b_to_x, int rhs, Transpose tr
   const std::size_t given = transpose == Transpose::no ? 0 : n_, wanted = n_ - given;
   const auto columns = static_cast<std::size_t>(rhs);
   for (std::size_t r = 0; r < columns; r += kRightSides) {
-    const std::size_t count = std::min(kRightSides, columns - r);
+    const std::size_t count = std::min<std::size_t>(kRightSides, columns - r);
     double* const b = b_to_x.data() + r * n_;
     const std::span<double> both = std::span(both_).first(2 * n_ * count);
     std::fill(both.begin(), both.end(), 0.0);

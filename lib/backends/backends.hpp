@@ -11,6 +11,8 @@
 
 namespace assur {
 
+inline constexpr int kRightSides = 4;  // solved at once: room is made for so many
+
 namespace eigen {
 std::string why_not(const Shape& shape, ThreadBudget budget);
 std::unique_ptr<LinearSolver> make(ThreadBudget budget, Precision precision);

@@ -59,7 +59,7 @@ struct Routines<float> {
   static constexpr auto gemm = sgemm_;
 };
 
-inline std::int32_t number(Index i) { return static_cast<std::int32_t>(i); }
+inline std::int32_t number(DenseIndex i) { return static_cast<std::int32_t>(i); }
 
 // P a = L U in place. False at a pivot that is zero.
 template <class T>
@@ -82,7 +82,7 @@ void getrs(const Block<T>& lu, const std::int32_t* pivot, const Block<T>& x, Tra
 
 // Swaps the rows of a as `count` pivots say.
 template <class T>
-void swap_rows(const Block<T>& a, const std::int32_t* pivot, Index count) {
+void swap_rows(const Block<T>& a, const std::int32_t* pivot, DenseIndex count) {
   const std::int32_t columns = number(a.columns), stride = number(a.stride), one = 1, last = number(count);
   Routines<T>::laswp(&columns, a.data, &stride, &one, &last, pivot, &one);
 }

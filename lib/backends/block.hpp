@@ -5,16 +5,18 @@
 
 namespace assur {
 
-using Index = std::ptrdiff_t;
+using DenseIndex = std::ptrdiff_t;
 
 template <class T>
 struct Block {
   T* data;
-  Index rows, columns, stride;
+  DenseIndex rows, columns, stride;
 
-  T& operator()(Index i, Index j) const { return data[i + j * stride]; }
-  T* column(Index j) const { return data + j * stride; }
-  Block block(Index i, Index j, Index r, Index c) const { return {data + i + j * stride, r, c, stride}; }
+  T& operator()(DenseIndex i, DenseIndex j) const { return data[i + j * stride]; }
+  T* column(DenseIndex j) const { return data + j * stride; }
+  Block block(DenseIndex i, DenseIndex j, DenseIndex r, DenseIndex c) const {
+    return {data + i + j * stride, r, c, stride};
+  }
 };
 
 }  // namespace assur

@@ -3,10 +3,10 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 
 #include "assur/backend.hpp"
 #include "backends/backends.hpp"
+#include "numbers.hpp"
 
 namespace assur {
 namespace {
@@ -81,7 +81,7 @@ bool all_within(std::span<const double> values, double limit) {
 
 void fill_with_nan(std::span<double> interleaved, int lanes, int lane) {
   for (auto i = static_cast<std::size_t>(lane); i < interleaved.size(); i += static_cast<std::size_t>(lanes)) {
-    interleaved[i] = std::numeric_limits<double>::quiet_NaN();
+    interleaved[i] = kNan;
   }
 }
 

@@ -11,9 +11,9 @@
 namespace assur::eigen {
 namespace {
 
-constexpr Index kPanel = 24;  // columns eliminated by plain loops; measured on n = 3 to 720
-constexpr Index kLeaf = 8;    // unknowns of a triangular system solved by plain loops; measured as well
-constexpr Index kTile = 192;  // of a matrix product: two tiles of doubles need 0.6 MB of stack
+constexpr DenseIndex kPanel = 24;  // columns eliminated by plain loops; measured on n = 3 to 720
+constexpr DenseIndex kLeaf = 8;    // unknowns of a triangular system solved by plain loops; measured as well
+constexpr DenseIndex kTile = 192;  // of a matrix product: two tiles of doubles need 0.6 MB of stack
 
 template <class T>
 auto map(const Block<T>& b) {
@@ -24,12 +24,12 @@ auto map(const Block<T>& b) {
 // c -= a b, or a' b
 template <class T>
 void subtract_product(const Block<T>& c, const Block<T>& a, const Block<T>& b, Transpose transpose = Transpose::no) {
-  const Index depth = b.rows;
-  for (Index j = 0; j < c.columns; j += kTile) {
-    for (Index k = 0; k < depth; k += kTile) {
-      for (Index i = 0; i < c.rows; i += kTile) {
-        const Index m = std::min(kTile, c.rows - i), n = std::min(kTile, c.columns - j);
-        const Index d = std::min(kTile, depth - k);
+  const DenseIndex depth = b.rows;
+  for (DenseIndex j = 0; j < c.columns; j += kTile) {
+    for (DenseIndex k = 0; k < depth; k += kTile) {
+      for (DenseIndex i = 0; i < c.rows; i += kTile) {
+        const DenseIndex m = std::min(kTile, c.rows - i), n = std::min(kTile, c.columns - j);
+        const DenseIndex d = std::min(kTile, depth - k);
         const Block<T> part = c.block(i, j, m, n), right = b.block(k, j, d, n);
         if (transpose == Transpose::no) {
           map(part).noalias() -= map(a.block(i, k, m, d)) * map(right);
@@ -42,21 +42,21 @@ void subtract_product(const Block<T>& c, const Block<T>& a, const Block<T>& b, T
 }
 
 template <class T>
-void swap_rows(const Block<T>& a, const std::int32_t* pivot, Index count) {
-  for (Index j = 0; j < a.columns; ++j) {
+void swap_rows(const Block<T>& a, const std::int32_t* pivot, DenseIndex count) {
+  for (DenseIndex j = 0; j < a.columns; ++j) {
     T* column = a.column(j);
-    for (Index k = 0; k < count; ++k) std::swap(column[k], column[pivot[k]]);
+    for (DenseIndex k = 0; k < count; ++k) std::swap(column[k], column[pivot[k]]);
   }
 }
 
 // Plain right-looking elimination of a few columns. False at a pivot that is zero or not finite.
 template <class T>
 bool eliminate_panel(const Block<T>& a, std::int32_t* pivot) {
-  for (Index k = 0; k < a.columns; ++k) {
+  for (DenseIndex k = 0; k < a.columns; ++k) {
     T* column = a.column(k);
-    Index p = k;
+    DenseIndex p = k;
     T largest = std::abs(column[k]);
-    for (Index i = k + 1; i < a.rows; ++i) {  // without a branch, which would often be foretold wrongly
+    for (DenseIndex i = k + 1; i < a.rows; ++i) {  // without a branch, which would often be foretold wrongly
       const T size = std::abs(column[i]);
       const bool larger = size > largest;
       largest = larger ? size : largest;
@@ -65,15 +65,15 @@ bool eliminate_panel(const Block<T>& a, std::int32_t* pivot) {
     pivot[k] = static_cast<std::int32_t>(p);
     if (!(largest > 0 && largest <= std::numeric_limits<T>::max())) return false;
     if (p != k) {
-      for (Index j = 0; j < a.columns; ++j) std::swap(a(k, j), a(p, j));
+      for (DenseIndex j = 0; j < a.columns; ++j) std::swap(a(k, j), a(p, j));
     }
     const T divisor = column[k];
-    for (Index i = k + 1; i < a.rows; ++i) column[i] /= divisor;
-    for (Index j = k + 1; j < a.columns; ++j) {
+    for (DenseIndex i = k + 1; i < a.rows; ++i) column[i] /= divisor;
+    for (DenseIndex j = k + 1; j < a.columns; ++j) {
       T* other = a.column(j);
       const T factor = other[k];
       if (factor == 0) continue;  // often, in the few columns of a mechanism's equations
-      for (Index i = k + 1; i < a.rows; ++i) other[i] -= column[i] * factor;
+      for (DenseIndex i = k + 1; i < a.rows; ++i) other[i] -= column[i] * factor;
     }
   }
   return true;
@@ -84,17 +84,17 @@ bool eliminate_panel(const Block<T>& a, std::int32_t* pivot) {
 // Each triangular solution halves its matrix: the other half is a product.
 template <class T>
 void solve_lower(const Block<T>& l, const Block<T>& x) {
-  const Index n = l.columns;
+  const DenseIndex n = l.columns;
   if (n <= kLeaf) {
-    for (Index r = 0; r < x.columns; ++r) {
+    for (DenseIndex r = 0; r < x.columns; ++r) {
       T* v = x.column(r);
-      for (Index j = 0; j < n; ++j) {
-        for (Index i = j + 1; i < n; ++i) v[i] -= l(i, j) * v[j];
+      for (DenseIndex j = 0; j < n; ++j) {
+        for (DenseIndex i = j + 1; i < n; ++i) v[i] -= l(i, j) * v[j];
       }
     }
     return;
   }
-  const Index h = n / 2;
+  const DenseIndex h = n / 2;
   const Block<T> top = x.block(0, 0, h, x.columns), bottom = x.block(h, 0, n - h, x.columns);
   solve_lower(l.block(0, 0, h, h), top);
   subtract_product(bottom, l.block(h, 0, n - h, h), top);
@@ -102,21 +102,21 @@ void solve_lower(const Block<T>& l, const Block<T>& x) {
 }
 
 template <class T>
-void solve_upper(const Block<T>& u, const Block<T>& x, Index first) {
-  const Index n = u.columns;
+void solve_upper(const Block<T>& u, const Block<T>& x, DenseIndex first) {
+  const DenseIndex n = u.columns;
   if (n <= kLeaf) {
-    for (Index r = 0; r < x.columns; ++r) {
+    for (DenseIndex r = 0; r < x.columns; ++r) {
       T* v = x.column(r);
-      for (Index j = n; j-- > first;) {
+      for (DenseIndex j = n; j-- > first;) {
         v[j] /= u(j, j);
-        for (Index i = first; i < j; ++i) v[i] -= u(i, j) * v[j];
+        for (DenseIndex i = first; i < j; ++i) v[i] -= u(i, j) * v[j];
       }
     }
     return;
   }
-  const Index h = n / 2;
+  const DenseIndex h = n / 2;
   const Block<T> bottom = x.block(h, 0, n - h, x.columns);
-  solve_upper(u.block(h, h, n - h, n - h), bottom, std::max<Index>(first - h, 0));
+  solve_upper(u.block(h, h, n - h, n - h), bottom, std::max<DenseIndex>(first - h, 0));
   if (first >= h) return;
   subtract_product(x.block(first, 0, h - first, x.columns), u.block(first, h, h - first, n - h), bottom);
   solve_upper(u.block(0, 0, h, h), x.block(0, 0, h, x.columns), first);
@@ -124,18 +124,18 @@ void solve_upper(const Block<T>& u, const Block<T>& x, Index first) {
 
 template <class T>
 void solve_upper_transposed(const Block<T>& u, const Block<T>& x) {
-  const Index n = u.columns;
+  const DenseIndex n = u.columns;
   if (n <= kLeaf) {
-    for (Index r = 0; r < x.columns; ++r) {
+    for (DenseIndex r = 0; r < x.columns; ++r) {
       T* v = x.column(r);
-      for (Index j = 0; j < n; ++j) {
-        for (Index i = 0; i < j; ++i) v[j] -= u(i, j) * v[i];
+      for (DenseIndex j = 0; j < n; ++j) {
+        for (DenseIndex i = 0; i < j; ++i) v[j] -= u(i, j) * v[i];
         v[j] /= u(j, j);
       }
     }
     return;
   }
-  const Index h = n / 2;
+  const DenseIndex h = n / 2;
   const Block<T> top = x.block(0, 0, h, x.columns), bottom = x.block(h, 0, n - h, x.columns);
   solve_upper_transposed(u.block(0, 0, h, h), top);
   subtract_product(bottom, u.block(0, h, h, n - h), top, Transpose::yes);
@@ -144,17 +144,17 @@ void solve_upper_transposed(const Block<T>& u, const Block<T>& x) {
 
 template <class T>
 void solve_lower_transposed(const Block<T>& l, const Block<T>& x) {
-  const Index n = l.columns;
+  const DenseIndex n = l.columns;
   if (n <= kLeaf) {
-    for (Index r = 0; r < x.columns; ++r) {
+    for (DenseIndex r = 0; r < x.columns; ++r) {
       T* v = x.column(r);
-      for (Index j = n; j-- > 0;) {
-        for (Index i = j + 1; i < n; ++i) v[j] -= l(i, j) * v[i];
+      for (DenseIndex j = n; j-- > 0;) {
+        for (DenseIndex i = j + 1; i < n; ++i) v[j] -= l(i, j) * v[i];
       }
     }
     return;
   }
-  const Index h = n / 2;
+  const DenseIndex h = n / 2;
   const Block<T> top = x.block(0, 0, h, x.columns), bottom = x.block(h, 0, n - h, x.columns);
   solve_lower_transposed(l.block(h, h, n - h, n - h), bottom);
   subtract_product(top, l.block(h, 0, n - h, h), bottom, Transpose::yes);
@@ -163,9 +163,9 @@ void solve_lower_transposed(const Block<T>& l, const Block<T>& x) {
 
 template <class T>
 bool eliminate(const Block<T>& a, std::int32_t* pivot) {
-  const Index n = a.columns;
+  const DenseIndex n = a.columns;
   if (n <= kPanel) return eliminate_panel(a, pivot);
-  const Index h = n / 2;
+  const DenseIndex h = n / 2;
   const Block<T> left = a.block(0, 0, a.rows, h), right = a.block(0, h, a.rows, n - h);
   if (!eliminate(left, pivot)) return false;
   swap_rows(right, pivot, h);
@@ -174,14 +174,14 @@ bool eliminate(const Block<T>& a, std::int32_t* pivot) {
   subtract_product(rest, left.block(h, 0, a.rows - h, h), top);
   if (!eliminate(rest, pivot + h)) return false;
   swap_rows(left.block(h, 0, a.rows - h, h), pivot + h, n - h);
-  for (Index k = h; k < n; ++k) pivot[k] += static_cast<std::int32_t>(h);
+  for (DenseIndex k = h; k < n; ++k) pivot[k] += static_cast<std::int32_t>(h);
   return true;
 }
 
 template void solve_lower(const Block<double>&, const Block<double>&);
 template void solve_lower(const Block<float>&, const Block<float>&);
-template void solve_upper(const Block<double>&, const Block<double>&, Index);
-template void solve_upper(const Block<float>&, const Block<float>&, Index);
+template void solve_upper(const Block<double>&, const Block<double>&, DenseIndex);
+template void solve_upper(const Block<float>&, const Block<float>&, DenseIndex);
 template void solve_upper_transposed(const Block<double>&, const Block<double>&);
 template void solve_upper_transposed(const Block<float>&, const Block<float>&);
 template void solve_lower_transposed(const Block<double>&, const Block<double>&);

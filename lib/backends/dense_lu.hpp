@@ -18,7 +18,7 @@ bool eliminate(const Block<T>& a, std::int32_t* pivot);
 template <class T>
 void solve_lower(const Block<T>& l, const Block<T>& x);  // L x = x
 template <class T>
-void solve_upper(const Block<T>& u, const Block<T>& x, Index first);  // U x = x, rows before `first` left out
+void solve_upper(const Block<T>& u, const Block<T>& x, DenseIndex first);  // U x = x, rows before `first` left out
 template <class T>
 void solve_upper_transposed(const Block<T>& u, const Block<T>& x);  // U' x = x
 template <class T>

@@ -11,8 +11,7 @@
 namespace assur {
 namespace {
 
-constexpr Index kRightSides = 4;               // solved at once
-constexpr std::int32_t kMostUnknowns = 16384;  // 2 GiB for each lane, in double
+constexpr std::int32_t kMostDenseUnknowns = 16384;  // 2 GiB for each lane, in double
 
 template <class T>
 class DenseSolver final : public LinearSolver {
@@ -28,12 +27,12 @@ class DenseSolver final : public LinearSolver {
   std::int32_t* pivot(int lane) { return pivot_.data() + lane * n_; }
   double spread(const double* values, const Block<T>& a);
   Code factorize_lane(const double* values, int lane);
-  void solve_lane(double* b_to_x, Index columns, Transpose transpose, Index first_wanted, int lane);
+  void solve_lane(double* b_to_x, DenseIndex columns, Transpose transpose, DenseIndex first_wanted, int lane);
 
   std::unique_ptr<DenseLu<T>> lu_;
-  Index n_ = 0;
+  DenseIndex n_ = 0;
   int lanes_ = 0;
-  std::vector<Index> place_;         // nnz: where a nonzero stands in a dense matrix
+  std::vector<DenseIndex> place_;    // nnz: where a nonzero stands in a dense matrix
   std::vector<T> factors_;           // lanes x n x n, column-major: L below the diagonal, U on and above it
   std::vector<std::int32_t> pivot_;  // lanes x n
   std::vector<T> right_;             // n x kRightSides
@@ -51,7 +50,7 @@ Status DenseSolver<T>::analyze(const Pattern& pattern, int lanes) {
     place_.clear();
     for (std::size_t j = 0; j < n; ++j) {
       for (auto k = pattern.column_start[j]; k < pattern.column_start[j + 1]; ++k) {
-        place_.push_back(pattern.row[static_cast<std::size_t>(k)] + static_cast<Index>(j) * n_);
+        place_.push_back(pattern.row[static_cast<std::size_t>(k)] + static_cast<DenseIndex>(j) * n_);
       }
     }
     factors_.resize(w * n * n);
@@ -81,7 +80,7 @@ template <class T>
 double DenseSolver<T>::spread(const double* values, const Block<T>& a) {
   std::fill_n(a.data, n_ * n_, T{0});
   T largest = 0, poison = 0;  // poison: 0 as long as every value is finite, else NaN
-  for (const Index place : place_) {
+  for (const DenseIndex place : place_) {
     const T value = static_cast<T>(*values);
     a.data[place] = value;
     largest = std::max(largest, std::abs(value));
@@ -101,7 +100,7 @@ Code DenseSolver<T>::factorize_lane(const double* values, int lane) {
   if (!lu_->factorize(a, pivot(lane))) return Code::singular;
   // What overflows on the way ends on the diagonal.
   T poison = 0;
-  for (Index j = 0; j < n_; ++j) poison += a(j, j) * 0;
+  for (DenseIndex j = 0; j < n_; ++j) poison += a(j, j) * 0;
   return poison == 0 ? Code::ok : Code::singular;
 }
 
@@ -116,8 +115,9 @@ Status DenseSolver<T>::solve(std::span<double> b_to_x, int rhs, Transpose transp
       continue;
     }
     if (n_ == 0) continue;
-    for (Index r = 0; r < rhs; r += kRightSides) {
-      solve_lane(b_to_x.data() + r * n_ * lanes_ + lane, std::min(kRightSides, rhs - r), transpose, first_wanted, lane);
+    for (DenseIndex r = 0; r < rhs; r += kRightSides) {
+      solve_lane(b_to_x.data() + r * n_ * lanes_ + lane, std::min<DenseIndex>(kRightSides, rhs - r), transpose,
+                 first_wanted, lane);
     }
   }
   return worst(code_);
@@ -125,36 +125,37 @@ Status DenseSolver<T>::solve(std::span<double> b_to_x, int rhs, Transpose transp
 
 // Exponent of the largest of n numbers, such that two to its power and its inverse are ordinary numbers; 0 if there is
 // none.
-int exponent_of(const double* b, Index n, Index step) {
+int exponent_of(const double* b, DenseIndex n, DenseIndex step) {
   double largest = 0;
-  for (Index i = 0; i < n; ++i) largest = std::max(largest, std::abs(b[i * step]));
+  for (DenseIndex i = 0; i < n; ++i) largest = std::max(largest, std::abs(b[i * step]));
   return largest > 0 && std::isfinite(largest) ? std::clamp(std::ilogb(largest), -1000, 1000) : 0;
 }
 
 template <class T>
-void DenseSolver<T>::solve_lane(double* b_to_x, Index columns, Transpose transpose, Index first_wanted, int lane) {
+void DenseSolver<T>::solve_lane(double* b_to_x, DenseIndex columns, Transpose transpose, DenseIndex first_wanted,
+                                int lane) {
   constexpr bool kScaled = !std::is_same_v<T, double>;
   const Block<T> x{right_.data(), n_, columns, n_};
   int exponent[kRightSides];
-  for (Index r = 0; r < columns; ++r) {
+  for (DenseIndex r = 0; r < columns; ++r) {
     const double* b = b_to_x + r * n_ * lanes_;
     if constexpr (kScaled) {
       exponent[r] = exponent_of(b, n_, lanes_);
       const double scale = std::ldexp(1.0, -exponent[r]);
-      for (Index i = 0; i < n_; ++i) x(i, r) = static_cast<T>(b[i * lanes_] * scale);
+      for (DenseIndex i = 0; i < n_; ++i) x(i, r) = static_cast<T>(b[i * lanes_] * scale);
     } else {
-      for (Index i = 0; i < n_; ++i) x(i, r) = b[i * lanes_];
+      for (DenseIndex i = 0; i < n_; ++i) x(i, r) = b[i * lanes_];
     }
   }
   if (transpose == Transpose::yes) first_wanted = 0;
   lu_->solve(matrix(lane), pivot(lane), x, transpose, first_wanted);
-  for (Index r = 0; r < columns; ++r) {
+  for (DenseIndex r = 0; r < columns; ++r) {
     double* to = b_to_x + r * n_ * lanes_;
     if constexpr (kScaled) {
       const double scale = std::ldexp(1.0, exponent[r]);
-      for (Index i = first_wanted; i < n_; ++i) to[i * lanes_] = x(i, r) * scale;
+      for (DenseIndex i = first_wanted; i < n_; ++i) to[i * lanes_] = x(i, r) * scale;
     } else {
-      for (Index i = first_wanted; i < n_; ++i) to[i * lanes_] = x(i, r);
+      for (DenseIndex i = first_wanted; i < n_; ++i) to[i * lanes_] = x(i, r);
     }
   }
 }
@@ -164,11 +165,11 @@ Figures DenseSolver<T>::figures(int lane) const {
   if (code_[static_cast<std::size_t>(lane)] != Code::ok) return {};
   if (n_ == 0) return {true, 1, 1, 1};
   const T* factors = factors_.data() + lane * n_ * n_;
-  const auto u = [&](Index i, Index j) { return static_cast<double>(factors[i + j * n_]); };
+  const auto u = [&](DenseIndex i, DenseIndex j) { return static_cast<double>(factors[i + j * n_]); };
   double largest = 0, smallest_pivot = std::abs(u(0, 0)), largest_pivot = 0;
   int sign = 1;
-  for (Index j = 0; j < n_; ++j) {
-    for (Index i = 0; i <= j; ++i) largest = std::max(largest, std::abs(u(i, j)));
+  for (DenseIndex j = 0; j < n_; ++j) {
+    for (DenseIndex i = 0; i <= j; ++i) largest = std::max(largest, std::abs(u(i, j)));
     smallest_pivot = std::min(smallest_pivot, std::abs(u(j, j)));
     largest_pivot = std::max(largest_pivot, std::abs(u(j, j)));
     if (u(j, j) < 0) sign = -sign;
@@ -187,9 +188,9 @@ template std::unique_ptr<LinearSolver> make_dense_solver<double>(std::unique_ptr
 template std::unique_ptr<LinearSolver> make_dense_solver<float>(std::unique_ptr<DenseLu<float>>);
 
 std::string why_not_dense(const Shape& shape) {
-  if (shape.n <= kMostUnknowns) return "";
+  if (shape.n <= kMostDenseUnknowns) return "";
   return "dense factors of " + std::to_string(shape.n) + " unknowns are too large; the limit is " +
-         std::to_string(kMostUnknowns);
+         std::to_string(kMostDenseUnknowns);
 }
 
 }  // namespace assur

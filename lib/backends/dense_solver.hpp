@@ -18,7 +18,7 @@ class DenseLu {
   virtual ~DenseLu() = default;
 
   // Before the first matrix of order n: takes the memory that the others need.
-  virtual void prepare(Index n) { (void)n; }
+  virtual void prepare(DenseIndex n) { (void)n; }
 
   // P a = L U, L with a unit diagonal; pivot: the row that was swapped with each row, both counted from 1 as LAPACK
   // does. False at a pivot that is zero; one that is not finite may be left to the caller.
@@ -26,7 +26,7 @@ class DenseLu {
 
   // a x = x, or a' x = x. Without transposition, unknowns before first_wanted may be left undone.
   virtual void solve(const Block<T>& lu, const std::int32_t* pivot, const Block<T>& x, Transpose transpose,
-                     Index first_wanted) = 0;
+                     DenseIndex first_wanted) = 0;
 };
 
 // T: double or float. In float, values beyond its range are not finite; right-hand sides are scaled, so that their

@@ -15,24 +15,24 @@ class EigenLu final : public DenseLu<T> {
  public:
   bool factorize(const Block<T>& a, std::int32_t* pivot) override {
     if (!eliminate(a, pivot)) return false;
-    for (Index k = 0; k < a.columns; ++k) ++pivot[k];  // counted from 1
+    for (DenseIndex k = 0; k < a.columns; ++k) ++pivot[k];  // counted from 1
     return true;
   }
 
   void solve(const Block<T>& lu, const std::int32_t* pivot, const Block<T>& x, Transpose transpose,
-             Index first_wanted) override {
-    const auto swap = [&](T* column, Index k) { std::swap(column[k], column[pivot[k] - 1]); };
+             DenseIndex first_wanted) override {
+    const auto swap = [&](T* column, DenseIndex k) { std::swap(column[k], column[pivot[k] - 1]); };
     if (transpose == Transpose::no) {  // P A = L U
-      for (Index r = 0; r < x.columns; ++r) {
-        for (Index k = 0; k < x.rows; ++k) swap(x.column(r), k);
+      for (DenseIndex r = 0; r < x.columns; ++r) {
+        for (DenseIndex k = 0; k < x.rows; ++k) swap(x.column(r), k);
       }
       solve_lower(lu, x);
       solve_upper(lu, x, first_wanted);
     } else {  // A' = U' L' P
       solve_upper_transposed(lu, x);
       solve_lower_transposed(lu, x);
-      for (Index r = 0; r < x.columns; ++r) {
-        for (Index k = x.rows; k-- > 0;) swap(x.column(r), k);
+      for (DenseIndex r = 0; r < x.columns; ++r) {
+        for (DenseIndex k = x.rows; k-- > 0;) swap(x.column(r), k);
       }
     }
   }

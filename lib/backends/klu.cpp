@@ -11,7 +11,8 @@
 //     growth = max |L| * max_j (max |U_j| / max |A_j|).
 // Growth of U alone would miss a small pivot whose column of L is large. It is watched after every factorisation:
 //   - refactorised, and growth above the lane's limit: factorise with pivoting again;
-//   - pivoted with the relaxed tolerance, and growth above kGrowth: factorise with partial pivoting, and take twice the
+//   - pivoted with the relaxed tolerance, and growth above kTrustedGrowth: factorise with partial pivoting, and take
+//   twice the
 //     growth of that as the lane's limit, since nothing better can be had.
 // Measured in full it would cost a third of a refactorisation. Mostly a bound suffices that is cheap: max |L| max |U|
 // over the smallest column of A, where a column is at least as large as that entry of it which was the largest when
@@ -25,7 +26,6 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <new>
 #include <string>
@@ -33,14 +33,15 @@
 
 #include "backends/backends.hpp"
 #include "backends/lane_by_lane.hpp"
+#include "numbers.hpp"
 
 namespace assur::klu {
 namespace {
 
-constexpr double kRelaxed = 0.5;  // keep a pivot on the diagonal if no entry below is more than twice as large:
-                                  // half the fill of partial pivoting on rings, the same on random matrices
-constexpr double kPartial = 1;    // partial pivoting
-constexpr double kGrowth = 64;    // backward errors measured up to a growth of 300: at most 5 n eps
+constexpr double kRelaxed = 0.5;       // keep a pivot on the diagonal if no entry below is more than twice as large:
+                                       // half the fill of partial pivoting on rings, the same on random matrices
+constexpr double kPartial = 1;         // partial pivoting
+constexpr double kTrustedGrowth = 64;  // backward errors measured up to a growth of 300: at most 5 n eps
 // Of a row's largest entry times its scale; in [1/2, 1) at first.
 constexpr double kSmallestRow = 0.25;
 constexpr double kLargestRow = 2;
@@ -101,7 +102,7 @@ class KluSolver final : public LaneByLane {
     std::vector<double> scale, entry_scale;  // n rows; nnz: that of the row in which each stands
     std::vector<const double*> l, u;         // values of L and U without their diagonals; with new pivots they move
     std::vector<std::uint32_t> of_row, of_column;  // n nonzeros: the largest when scales were chosen, growth measured
-    double limit = kGrowth;                        // of growth, for a refactorisation
+    double limit = kTrustedGrowth;                 // of growth, for a refactorisation
     double largest_u = 0;                          // rows scaled: the largest of A is in [1/4, 2]
     int permutation_sign = 0;                      // of rows and columns together
   };
@@ -210,11 +211,11 @@ bool KluSolver::refactorize(Lane& lane) {
 
 Code KluSolver::factorize_with_pivoting(Lane& lane) {
   if (lane.numeric) ++renewed_;
-  lane.limit = kGrowth;
+  lane.limit = kTrustedGrowth;
   double reached = pivot(lane, kRelaxed);
-  if (!(reached <= kGrowth)) {
+  if (!(reached <= kTrustedGrowth)) {
     reached = pivot(lane, kPartial);
-    lane.limit = std::max(kGrowth, 2 * reached);
+    lane.limit = std::max(kTrustedGrowth, 2 * reached);
   }
   if (!std::isfinite(reached)) {
     lane.numeric.reset();
@@ -230,7 +231,7 @@ double KluSolver::pivot(Lane& lane, double tolerance) {
   lane.numeric.reset(klu_factor(column_start_.data(), row_.data(), scaled_.data(), symbolic_.get(), &common_));
   if (!lane.numeric) {
     if (common_.status != KLU_SINGULAR) throw std::bad_alloc();
-    return std::numeric_limits<double>::quiet_NaN();
+    return kNan;
   }
   find_factors(lane);
   return growth(lane);

@@ -8,12 +8,6 @@
 #include "backends/backends.hpp"
 
 namespace assur {
-namespace {
-
-constexpr std::size_t kRightSides = 4;  // given to a library at once
-
-}  // namespace
-
 Status LaneByLane::analyze(const Pattern& pattern, int lanes) {
   check_analysis(pattern, lanes);
   n_ = static_cast<std::size_t>(pattern.n);
@@ -52,7 +46,7 @@ Status LaneByLane::solve(std::span<double> b_to_x, int rhs, Transpose transpose,
       continue;
     }
     for (std::size_t r = 0; r < columns; r += kRightSides) {
-      const std::size_t count = std::min(kRightSides, columns - r);
+      const std::size_t count = std::min<std::size_t>(kRightSides, columns - r);
       double* const given = b_to_x.data() + r * n_ * w + lane;
       const std::span<double> right(w == 1 ? given : right_.data(), n_ * count);
       for (std::size_t i = 0; w > 1 && i < right.size(); ++i) right[i] = given[i * w];

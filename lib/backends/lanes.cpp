@@ -23,10 +23,10 @@
 
 #include "backends/backends.hpp"
 #include "backends/lanes_alone.hpp"
+#include "backends/lanes_elimination.hpp"
 #include "backends/lanes_factors.hpp"
 #include "backends/lanes_kernels.hpp"
 #include "backends/lanes_order.hpp"
-#include "backends/lanes_program.hpp"
 
 namespace assur::lanes {
 namespace {
@@ -138,13 +138,13 @@ std::uint32_t LanesSolver::finite_lanes(std::span<const double> values) {
 // The first rule whose pivots keep growth within bounds in all wanted lanes, or that which does in most of them. What
 // is there stays if no matrix of these lanes has a full set of pivots.
 void LanesSolver::choose_pivots(std::span<const double> values, std::uint32_t wanted) {
-  std::shared_ptr<const Program> best;
+  std::shared_ptr<const Elimination> best;
   int most = -1;
   for (const PivotRule& rule : kRules) {
     if (rule.rook) continue;  // pivots in common are hardly to be found
     const Order order = markowitz_order(*pattern_, values, lanes_, wanted, rule);
     if (!order.complete(pattern_->n)) break;
-    factors_->set_program(std::make_shared<const Program>(write_program(*pattern_, order)));
+    factors_->set_program(std::make_shared<const Elimination>(write_program(*pattern_, order)));
     const int served = std::popcount(wanted & ~factors_->factorize(values, limits_).growth);
     if (served > most) {
       most = served;

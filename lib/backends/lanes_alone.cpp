@@ -16,7 +16,7 @@ Code LaneAlone::factorize(std::span<const double> values) {
     // Elimination with divisions decides what is singular: a small pivot that it leaves is one to live with.
     const Order order = markowitz_order(*pattern_, values, 1, 1, rule);
     if (!order.complete(pattern_->n)) return Code::singular;
-    factors_.set_program(std::make_shared<const Program>(write_program(*pattern_, order)));
+    factors_.set_program(std::make_shared<const Elimination>(write_program(*pattern_, order)));
     const Alarms alarms = factors_.factorize(values, limits_);
     good_ = alarms.any() == 0;
     if (alarms.growth == 0) return Code::ok;

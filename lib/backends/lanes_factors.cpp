@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "numbers.hpp"
+
 namespace assur::lanes {
 namespace {
 
@@ -18,8 +20,8 @@ Limits limits_of(std::int32_t n) {
 
 // Growth is that of rows in 2-norms, U taken before its division.
 template <class T>
-Figures measure(const Program& p, const T* slots, std::size_t lanes, std::size_t lane) {
-  double growth = 0, smallest = std::numeric_limits<double>::infinity(), largest = 0;
+Figures measure(const Elimination& p, const T* slots, std::size_t lanes, std::size_t lane) {
+  double growth = 0, smallest = kInfinity, largest = 0;
   int sign = p.permutation_sign;
   const auto at = [&](std::size_t slot) { return static_cast<double>(slots[slot * lanes + lane]); };
   for (std::size_t i = 0; i < p.n; ++i) {
@@ -45,7 +47,7 @@ Limits limits(std::int32_t n, Precision precision) {
 Factors::Factors(int lanes, Precision precision)
     : lanes_(lanes), precision_(precision), kernels_(kernels(lanes, precision)) {}
 
-void Factors::set_program(std::shared_ptr<const Program> program) {
+void Factors::set_program(std::shared_ptr<const Elimination> program) {
   const std::size_t slot =
       static_cast<std::size_t>(lanes_) * (precision_ == Precision::binary64 ? sizeof(double) : sizeof(float));
   slots_.assign(program->slots * slot, std::byte{0});

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "assur/backend.hpp"
+#include "backends/lanes_elimination.hpp"
 #include "backends/lanes_kernels.hpp"
 #include "backends/lanes_order.hpp"
-#include "backends/lanes_program.hpp"
 #include "parallel/cache_line.hpp"
 
 namespace assur::lanes {
@@ -30,8 +30,8 @@ class Factors {
   Factors(int lanes, Precision precision);
 
   // The factors of the last program are lost. Takes memory; nothing else here does.
-  void set_program(std::shared_ptr<const Program> program);
-  [[nodiscard]] const std::shared_ptr<const Program>& program() const { return program_; }
+  void set_program(std::shared_ptr<const Elimination> program);
+  [[nodiscard]] const std::shared_ptr<const Elimination>& program() const { return program_; }
 
   [[nodiscard]] Alarms factorize(std::span<const double> values, const Limits& limits) {
     return kernels_.factorize(*program_, values.data(), slots_.data(), limits);
@@ -46,7 +46,7 @@ class Factors {
   int lanes_;
   Precision precision_;
   Kernels kernels_;
-  std::shared_ptr<const Program> program_;
+  std::shared_ptr<const Elimination> program_;
   std::vector<std::byte, LineAllocator<std::byte>> slots_, work_;  // doubles or floats
 };
 

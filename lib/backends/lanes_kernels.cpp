@@ -14,11 +14,11 @@ namespace HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
-using Index = Program::Index;
+using Index = Elimination::Slot;
 
 // kVectors side by side: all lanes of a slot, or, where the vectors are short, a part of them.
 template <class T, int kLanes>
-struct Lanes {
+struct SlotVectors {
   using D = hn::CappedTag<T, kLanes>;
   using V = hn::Vec<D>;
   static constexpr int kWidth = static_cast<int>(hn::MaxLanes(D()));
@@ -28,16 +28,16 @@ struct Lanes {
 
   V v[kVectors];
 
-  static HWY_INLINE Lanes load(const T* from) {
-    Lanes r;
+  static HWY_INLINE SlotVectors load(const T* from) {
+    SlotVectors r;
     for (int i = 0; i < kVectors; ++i) r.v[i] = hn::Load(D(), from + i * kWidth);
     return r;
   }
   HWY_INLINE void store(T* to) const {
     for (int i = 0; i < kVectors; ++i) hn::Store(v[i], D(), to + i * kWidth);
   }
-  static HWY_INLINE Lanes set(T value) {
-    Lanes r;
+  static HWY_INLINE SlotVectors set(T value) {
+    SlotVectors r;
     for (int i = 0; i < kVectors; ++i) r.v[i] = hn::Set(D(), value);
     return r;
   }
@@ -121,7 +121,7 @@ HWY_INLINE L add_square(const L& sum, const L& a) {
 template <class L, class T>
 HWY_INLINE L entry(const Index*& op, const double* values, const T* slots, L& square_of_a) {
   L a;
-  if (*op != Program::kZero) {
+  if (*op != Elimination::kZero) {
     a = take<L>(values + *op * L::kStride);
     square_of_a = add_square(square_of_a, a);
   } else {
@@ -136,7 +136,7 @@ HWY_INLINE L entry(const Index*& op, const double* values, const T* slots, L& sq
 }
 
 template <class L, class T>
-HWY_INLINE Alarms factorize_part(const Program& p, const double* values, T* slots, const Limits& limits) {
+HWY_INLINE Alarms factorize_part(const Elimination& p, const double* values, T* slots, const Limits& limits) {
   constexpr typename L::D d;
   const auto square = [](double x) { return static_cast<T>(x * x); };
   const auto shrink = hn::Set(d, square(1 / limits.growth)), pivot = hn::Set(d, square(limits.pivot)),
@@ -188,8 +188,8 @@ HWY_INLINE Alarms factorize_part(const Program& p, const double* values, T* slot
 }
 
 template <class T, int kLanes>
-HWY_ATTR Alarms factorize(const Program& p, const double* values, void* slots, const Limits& limits) {
-  using L = Lanes<T, kLanes>;
+HWY_ATTR Alarms factorize(const Elimination& p, const double* values, void* slots, const Limits& limits) {
+  using L = SlotVectors<T, kLanes>;
   Alarms all;
   for (int part = 0; part < kLanes; part += L::kPart) {
     const Alarms some = factorize_part<L>(p, values + part, static_cast<T*>(slots) + part, limits);
@@ -200,7 +200,7 @@ HWY_ATTR Alarms factorize(const Program& p, const double* values, void* slots, c
 }
 
 template <class L, std::size_t kRhs, class T>
-HWY_INLINE void solve_part(const Program& p, const T* slots, double* b_to_x, Index rows, T* work) {
+HWY_INLINE void solve_part(const Elimination& p, const T* slots, double* b_to_x, Index rows, T* work) {
   const std::size_t next_rhs = p.n * L::kStride;
   const T* factor = slots;
   {
@@ -245,8 +245,8 @@ HWY_INLINE void solve_part(const Program& p, const T* slots, double* b_to_x, Ind
 }
 
 template <class T, int kLanes>
-HWY_ATTR void solve(const Program& p, const void* slots, double* b_to_x, int rhs, int first_wanted, void* work) {
-  using L = Lanes<T, kLanes>;
+HWY_ATTR void solve(const Elimination& p, const void* slots, double* b_to_x, int rhs, int first_wanted, void* work) {
+  using L = SlotVectors<T, kLanes>;
   const Index rows = p.wanted_rows[static_cast<std::size_t>(first_wanted)];
   for (; rhs > 0; rhs -= kRightSides, b_to_x += kRightSides * p.n * L::kStride) {
     for (int part = 0; part < kLanes; part += L::kPart) {
@@ -272,7 +272,7 @@ HWY_ATTR void solve(const Program& p, const void* slots, double* b_to_x, int rhs
 
 // A' = Q U' L' P: both by columns, that is by rows of U and of L.
 template <class L, class T>
-HWY_INLINE void solve_transposed_part(const Program& p, const T* slots, double* b_to_x, T* work) {
+HWY_INLINE void solve_transposed_part(const Elimination& p, const T* slots, double* b_to_x, T* work) {
   const auto subtract = [&](const Index*& op, Index count, const L& x, const T*& factor) HWY_ATTR {
     for (; count != 0; --count, ++op, factor += L::kStride) {
       T* to = work + *op * L::kStride;
@@ -303,8 +303,8 @@ HWY_INLINE void solve_transposed_part(const Program& p, const T* slots, double* 
 }
 
 template <class T, int kLanes>
-HWY_ATTR void solve_transposed(const Program& p, const void* slots, double* b_to_x, int rhs, void* work) {
-  using L = Lanes<T, kLanes>;
+HWY_ATTR void solve_transposed(const Elimination& p, const void* slots, double* b_to_x, int rhs, void* work) {
+  using L = SlotVectors<T, kLanes>;
   for (; rhs > 0; --rhs, b_to_x += p.n * L::kStride) {
     for (int part = 0; part < kLanes; part += L::kPart) {
       solve_transposed_part<L>(p, static_cast<const T*>(slots) + part, b_to_x + part, static_cast<T*>(work) + part);

@@ -1,15 +1,13 @@
-// The inner loops: a Program run over interleaved lanes, compiled for several instruction sets.
+// The inner loops: a Elimination run over interleaved lanes, compiled for several instruction sets.
 #pragma once
 
 #include <cstdint>
 
 #include "assur/backend.hpp"
-#include "backends/lanes_program.hpp"
+#include "backends/backends.hpp"
+#include "backends/lanes_elimination.hpp"
 
 namespace assur::lanes {
-
-inline constexpr int kMostLanes = 16;
-inline constexpr int kRightSides = 4;  // solved at once
 
 // What a lane is held to, row by row, in 2-norms. Their squares must be numbers: rows below 1e-150 or above 1e150 (in
 // float 1e-18, 1e18) are alarms.
@@ -29,9 +27,9 @@ struct Alarms {
 // For one number of lanes and one precision. Arrays of the solver: slots (program.slots x lanes) and work
 // (kRightSides x n x lanes), in that precision and aligned to 64 bytes; those of the caller in double.
 struct Kernels {
-  Alarms (*factorize)(const Program& program, const double* values, void* slots, const Limits& limits);
-  void (*solve)(const Program& program, const void* slots, double* b_to_x, int rhs, int first_wanted, void* work);
-  void (*solve_transposed)(const Program& program, const void* slots, double* b_to_x, int rhs, void* work);
+  Alarms (*factorize)(const Elimination& program, const double* values, void* slots, const Limits& limits);
+  void (*solve)(const Elimination& program, const void* slots, double* b_to_x, int rhs, int first_wanted, void* work);
+  void (*solve_transposed)(const Elimination& program, const void* slots, double* b_to_x, int rhs, void* work);
 };
 
 // The best that this processor can run; lanes: 1, 2, 4, 8 or 16.

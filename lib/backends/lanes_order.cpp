@@ -6,14 +6,13 @@
 #include <limits>
 #include <string>
 
+#include "index.hpp"
+
 namespace assur::lanes {
 namespace {
 
-using Index = std::int32_t;
 constexpr double kLeastRatio = 1e-3;  // of a pivot to its row, where no other serves all lanes
 constexpr int kLists = 16;            // rows and columns of least count looked at for one pivot (Zlatev 1980), each
-
-std::size_t idx(Index i) { return static_cast<std::size_t>(i); }
 
 // Rows or columns by their number of entries: doubly linked lists.
 class Buckets {

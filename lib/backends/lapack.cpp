@@ -17,7 +17,8 @@ class LapackLu final : public DenseLu<T> {
     return blas::getrf(a, pivot);
   }
 
-  void solve(const Block<T>& lu, const std::int32_t* pivot, const Block<T>& x, Transpose transpose, Index) override {
+  void solve(const Block<T>& lu, const std::int32_t* pivot, const Block<T>& x, Transpose transpose,
+             DenseIndex) override {
     const BlasThreads threads(threads_);
     blas::getrs(lu, pivot, x, transpose);
   }

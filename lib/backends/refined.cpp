@@ -10,14 +10,11 @@
 
 #include "backends/backends.hpp"
 #include "backends/residual.hpp"
+#include "numbers.hpp"
 
 namespace assur {
 namespace {
-
-constexpr double kEps = std::numeric_limits<double>::epsilon();
-constexpr double kWorst = std::numeric_limits<double>::infinity();
 constexpr int kMostRounds = 10;
-constexpr int kRightSides = 4;  // improved at once
 
 // What a solution is held to: refined until its error is at most `target`, refused if it ends above `bound`.
 struct Goal {
@@ -246,7 +243,7 @@ void Refined::improve(By by, std::span<double> x, std::size_t count, Transpose t
 // Refines the open columns, until none is open.
 void Refined::refine(By by, std::span<double> x, std::size_t count, Transpose transpose) {
   for (std::size_t column = 0; column < count * lanes_; ++column) {
-    if (open_[column]) error_[column] = kWorst;
+    if (open_[column]) error_[column] = kInfinity;
   }
   for (int round = 0;; ++round) {
     measure(x, count, transpose);

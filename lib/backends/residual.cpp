@@ -3,29 +3,29 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
+#include <type_traits>
+
+#include "numbers.hpp"
 
 namespace assur {
 namespace {
 
 // Calls visit(lanes) with the number of lanes as a constant where it is a usual one: inner loops become vectors.
-template <int W>
-struct Lanes {
-  constexpr operator std::size_t() const { return W; }
-};
+template <std::size_t W>
+using Constant = std::integral_constant<std::size_t, W>;
 template <typename Visit>
 void with_lanes(std::size_t lanes, const Visit& visit) {
   switch (lanes) {
     case 1:
-      return visit(Lanes<1>{});
+      return visit(Constant<1>{});
     case 2:
-      return visit(Lanes<2>{});
+      return visit(Constant<2>{});
     case 4:
-      return visit(Lanes<4>{});
+      return visit(Constant<4>{});
     case 8:
-      return visit(Lanes<8>{});
+      return visit(Constant<8>{});
     case 16:
-      return visit(Lanes<16>{});
+      return visit(Constant<16>{});
     default:
       return visit(lanes);
   }
@@ -153,7 +153,7 @@ void componentwise_errors(std::span<const double> residual, std::span<const doub
 void raise_vanishing_weights(const PackSystem& system, std::span<const double> x, std::span<double> weight,
                              std::span<double> column, std::span<double> row) {
   const auto lanes = static_cast<std::size_t>(system.lanes);
-  const double vanishing = 1000 * system.pattern.n * std::numeric_limits<double>::epsilon();
+  const double vanishing = 1000 * system.pattern.n * kEps;
   std::fill(column.begin(), column.end(), 0.0);
   std::fill(row.begin(), row.end(), 0.0);
   for_each_entry(system, [&](std::size_t k, std::size_t, std::size_t from) {

@@ -19,12 +19,13 @@ class Solver final : public DenseLu<T> {
  public:
   explicit Solver(int threads) : team_(threads) {}
 
-  void prepare(Index n) override { lu_.emplace(n); }
+  void prepare(DenseIndex n) override { lu_.emplace(n); }
 
   bool factorize(const Block<T>& a, std::int32_t* pivot) override { return lu_->factorize(a, pivot, team_); }
 
   // Reads each factor once, which more threads do no faster.
-  void solve(const Block<T>& lu, const std::int32_t* pivot, const Block<T>& x, Transpose transpose, Index) override {
+  void solve(const Block<T>& lu, const std::int32_t* pivot, const Block<T>& x, Transpose transpose,
+             DenseIndex) override {
     const BlasThreads one(1);
     blas::getrs(lu, pivot, x, transpose);
   }

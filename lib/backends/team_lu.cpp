@@ -11,19 +11,19 @@
 namespace assur {
 namespace {
 
-constexpr Index kPanel = 48;         // columns; measured on n = 100 to 2000 with one and two threads
-constexpr Index kTile = 4 * kPanel;  // wide enough for the kernels, narrow enough for the threads to end together
+constexpr DenseIndex kPanel = 48;         // columns; measured on n = 100 to 2000 with one and two threads
+constexpr DenseIndex kTile = 4 * kPanel;  // wide enough for the kernels, narrow enough for the threads to end together
 
 // c -= a b. OpenBLAS 0.3's AVX-512 kernels allocate in products of up to kSmall multiplications, unless b is given
 // transposed; they are as fast then.
 template <class T>
 void subtract_product(const Block<T>& c, const Block<T>& a, const Block<T>& b) {
-  constexpr Index kSmall = 1000000;
+  constexpr DenseIndex kSmall = 1000000;
   if (c.rows * c.columns * b.rows > kSmall) return blas::subtract_product(c, a, b);
   T turned[kPanel * kTile];
   const Block<T> transposed{turned, b.columns, b.rows, b.columns};
-  for (Index k = 0; k < b.rows; ++k) {
-    for (Index j = 0; j < b.columns; ++j) transposed(j, k) = b(k, j);
+  for (DenseIndex k = 0; k < b.rows; ++k) {
+    for (DenseIndex j = 0; j < b.columns; ++j) transposed(j, k) = b(k, j);
   }
   blas::subtract_product(c, a, transposed, Transpose::yes);
 }
@@ -31,7 +31,7 @@ void subtract_product(const Block<T>& c, const Block<T>& a, const Block<T>& b) {
 }  // namespace
 
 template <class T>
-TeamLu<T>::TeamLu(Index n)
+TeamLu<T>::TeamLu(DenseIndex n)
     : n_(n),
       panels_((n + kPanel - 1) / kPanel),
       tiles_((n + kTile - 1) / kTile),
@@ -50,7 +50,7 @@ bool TeamLu<T>::factorize(const Block<T>& a, std::int32_t* pivot, Team& team) {
   } else {
     work(0);
   }
-  for (Index k = kPanel; k < n_; ++k) pivot_[k] += static_cast<std::int32_t>(k - k % kPanel);  // from the top of a
+  for (DenseIndex k = kPanel; k < n_; ++k) pivot_[k] += static_cast<std::int32_t>(k - k % kPanel);  // from the top of a
   return !failed_;
 }
 
@@ -62,9 +62,9 @@ void TeamLu<T>::work(int rank) noexcept {
     factorize_panel(0);
     advance(factorized_.value);
   }
-  Index panel = 0, first = 0;  // first: number of the first item of this panel
+  DenseIndex panel = 0, first = 0;  // first: number of the first item of this panel
   for (;;) {
-    const Index number = next_.value.fetch_add(1, std::memory_order_relaxed);
+    const DenseIndex number = next_.value.fetch_add(1, std::memory_order_relaxed);
     while (panel + 1 < panels_ && number - first >= items(panel)) first += items(panel++);
     if (panel + 1 < panels_) {
       do_item(panel, number - first);
@@ -79,19 +79,19 @@ void TeamLu<T>::work(int rank) noexcept {
 
 // One for the next panel, and one for each tile that has columns right of it.
 template <class T>
-Index TeamLu<T>::items(Index panel) const {
+DenseIndex TeamLu<T>::items(DenseIndex panel) const {
   return 1 + (end(panel + 1) < n_ ? tiles_ - end(panel + 1) / kTile : 0);
 }
 
 template <class T>
-Index TeamLu<T>::end(Index panel) const {
+DenseIndex TeamLu<T>::end(DenseIndex panel) const {
   return std::min((panel + 1) * kPanel, n_);
 }
 
 template <class T>
-void TeamLu<T>::do_item(Index panel, Index item) noexcept {
-  const Index next_end = end(panel + 1);
-  const Index tile = item == 0 ? end(panel) / kTile : next_end / kTile + item - 1;
+void TeamLu<T>::do_item(DenseIndex panel, DenseIndex item) noexcept {
+  const DenseIndex next_end = end(panel + 1);
+  const DenseIndex tile = item == 0 ? end(panel) / kTile : next_end / kTile + item - 1;
   Counter& updated = updated_[static_cast<std::size_t>(tile)];
   await(factorized_, panel + 1);
   await(updated, panel);
@@ -108,17 +108,17 @@ void TeamLu<T>::do_item(Index panel, Index item) noexcept {
 }
 
 template <class T>
-void TeamLu<T>::await(const Counter& counter, Index value) const {
+void TeamLu<T>::await(const Counter& counter, DenseIndex value) const {
   const auto wanted = static_cast<std::uint32_t>(value);
   for (std::uint32_t is; (is = counter.value.load(std::memory_order_acquire)) < wanted;) wait_while(counter.value, is);
 }
 
 template <class T>
-void TeamLu<T>::factorize_panel(Index panel) {
-  const Index first = panel * kPanel, columns = end(panel) - first;
+void TeamLu<T>::factorize_panel(DenseIndex panel) {
+  const DenseIndex first = panel * kPanel, columns = end(panel) - first;
   const Block<T> block = a_.block(first, first, n_ - first, columns);
   if (!blas::getrf(block, pivot_ + first)) failed_ = true;
-  for (Index k = 0; k < columns; ++k) {
+  for (DenseIndex k = 0; k < columns; ++k) {
     if (!std::isfinite(block(k, k))) failed_ = true;
   }
 }
@@ -126,8 +126,8 @@ void TeamLu<T>::factorize_panel(Index panel) {
 // Pivots are counted from the top of their panel until all is done. Columns `first` to `last`, right of the panel: rows
 // swapped, U by substitution, the product taken off the rest.
 template <class T>
-void TeamLu<T>::update(Index panel, Index first, Index last) {
-  const Index top = panel * kPanel, width = end(panel) - top, below = n_ - top - width, columns = last - first;
+void TeamLu<T>::update(DenseIndex panel, DenseIndex first, DenseIndex last) {
+  const DenseIndex top = panel * kPanel, width = end(panel) - top, below = n_ - top - width, columns = last - first;
   const Block<T> upper = a_.block(top, first, width, columns);
   blas::swap_rows(a_.block(top, first, n_ - top, columns), pivot_ + top, width);
   blas::solve_unit_lower(a_.block(top, top, width, width), upper);
@@ -136,12 +136,12 @@ void TeamLu<T>::update(Index panel, Index first, Index last) {
 
 // Column by column, since a column fits into the cache.
 template <class T>
-void TeamLu<T>::swap_left(Index panel) {
-  for (Index j = panel * kPanel; j < end(panel); ++j) {
-    for (Index later = panel + 1; later < panels_; ++later) {
+void TeamLu<T>::swap_left(DenseIndex panel) {
+  for (DenseIndex j = panel * kPanel; j < end(panel); ++j) {
+    for (DenseIndex later = panel + 1; later < panels_; ++later) {
       T* const column = a_.column(j) + later * kPanel;
       const std::int32_t* const pivot = pivot_ + later * kPanel;
-      for (Index k = 0; k < end(later) - later * kPanel; ++k) std::swap(column[k], column[pivot[k] - 1]);
+      for (DenseIndex k = 0; k < end(later) - later * kPanel; ++k) std::swap(column[k], column[pivot[k] - 1]);
     }
   }
 }

@@ -25,7 +25,7 @@ template <class T>
 class TeamLu {
  public:
   // For matrices of order n.
-  explicit TeamLu(Index n);
+  explicit TeamLu(DenseIndex n);
 
   // P a = L U in place; pivot: the row swapped with each row, counted from 1. False at a pivot that is zero or not
   // finite.
@@ -37,15 +37,15 @@ class TeamLu {
   };
 
   void work(int rank) noexcept;
-  void do_item(Index panel, Index item) noexcept;
-  void factorize_panel(Index panel);
-  void update(Index panel, Index first, Index last);
-  void swap_left(Index panel);
-  Index items(Index panel) const;
-  Index end(Index panel) const;
-  void await(const Counter& counter, Index value) const;
+  void do_item(DenseIndex panel, DenseIndex item) noexcept;
+  void factorize_panel(DenseIndex panel);
+  void update(DenseIndex panel, DenseIndex first, DenseIndex last);
+  void swap_left(DenseIndex panel);
+  DenseIndex items(DenseIndex panel) const;
+  DenseIndex end(DenseIndex panel) const;
+  void await(const Counter& counter, DenseIndex value) const;
 
-  Index n_, panels_, tiles_;
+  DenseIndex n_, panels_, tiles_;
   Block<T> a_{};
   std::int32_t* pivot_ = nullptr;
   Counter next_;                  // item of the list that is taken next

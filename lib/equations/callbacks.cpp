@@ -3,15 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "index.hpp"
 #include "scene/residual_scale.hpp"
 
 namespace assur {
-namespace {
-
-std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
-
 CallbackRows::CallbackRows(const System& system, const Program& program, int lanes)
     : system_(system), program_(program), lanes_(lanes) {
   for (const Program::CallbackUse& use : program.callbacks) {

@@ -9,7 +9,7 @@
 
 #include <hwy/highway.h>
 
-#include <limits>
+#include "numbers.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace assur::HWY_NAMESPACE {
@@ -125,7 +125,7 @@ struct Lanes {
       top = hn::Max(top, v[i]);
       missing = hn::Or(missing, hn::IsNaN(v[i]));
     }
-    if (HWY_UNLIKELY(!hn::AllFalse(D(), missing))) return std::numeric_limits<double>::quiet_NaN();
+    if (HWY_UNLIKELY(!hn::AllFalse(D(), missing))) return kNan;
     return hn::GetLane(hn::MaxOfLanes(D(), top));
   }
 };

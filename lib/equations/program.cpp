@@ -2,14 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <tuple>
 
+#include "index.hpp"
+#include "numbers.hpp"
+
 namespace assur {
 namespace {
-
-std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 class Compiler {
  public:
@@ -275,7 +275,7 @@ void bind_coefficients(const Program& p, std::span<const double> constants, doub
 void lipschitz(const GroupClass& c, std::span<const double> constants, double* out, std::size_t stride) {
   for (std::size_t i = 0; i < c.equations.size(); ++i) {
     const GroupClass::Equation& e = c.equations[i];
-    double sum = e.callback >= 0 ? std::numeric_limits<double>::infinity() : 0;
+    double sum = e.callback >= 0 ? kInfinity : 0;
     const std::int32_t block = c.equation_block[i];
     // Coefficient sums of a form over the block's unknowns and over everything that moves.
     const auto sums = [&](std::int32_t f) {

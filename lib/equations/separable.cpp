@@ -1,9 +1,9 @@
 #include "equations/separable.hpp"
 
+#include "index.hpp"
+
 namespace assur {
 namespace {
-
-std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 class Separation {
  public:

@@ -51,7 +51,7 @@ std::vector<Strategy> variants(const Backend& backend, const Shape& shape, std::
   std::vector<Strategy> all;
   Strategy s;
   s.backend = backend.id;
-  for (s.lanes = 1; s.lanes <= std::min(most_lanes, kWidest); s.lanes *= 2) {
+  for (s.lanes = 1; s.lanes <= std::min(most_lanes, kMostLanes); s.lanes *= 2) {
     for (s.q = 1; s.q <= most_q; s.q *= 2) {
       if (s.q > 1 && (s.lanes > 1 || !backend.why_not(shape, ThreadBudget{s.q}).empty())) continue;
       for (const bool once : {false, true}) {

@@ -10,8 +10,6 @@
 
 namespace assur {
 
-inline constexpr std::int32_t kWidest = 16;  // lanes
-
 // What candidates are weighed with.
 struct Scales {
   const PerformanceModel& model;

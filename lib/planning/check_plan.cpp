@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include "index.hpp"
 #include "scene/outputs.hpp"
 #include "scene/system.hpp"
 
@@ -13,8 +14,6 @@ namespace {
 constexpr int kLargestExponent = 1074;  // of the smallest double: beyond, lengths are no numbers
 constexpr int kLargestPower = 2;        // of length
 constexpr Index kNever = -1;            // level on which nothing is computed
-
-std::size_t idx(Index i) { return static_cast<std::size_t>(i); }
 
 bool within(Index i, std::size_t size) { return i >= 0 && idx(i) < size; }
 bool all_within(const std::vector<Index>& indices, std::size_t size) {

@@ -4,7 +4,7 @@
 #include <random>
 #include <vector>
 
-#include "backends/lanes_program.hpp"
+#include "backends/lanes_elimination.hpp"
 #include "equations/program.hpp"
 
 namespace assur {
@@ -43,7 +43,8 @@ void count_as_full(Shape& shape) {
 // Longest chain of rows in which each needs the one before. Rows are "head, count, positions", of which `head` numbers
 // come before the count; own(row, numbers) is the position that a row computes.
 template <class Own>
-std::int64_t depth_of(const std::vector<lanes::Program::Index>& rows, std::size_t n, std::size_t head, const Own& own) {
+std::int64_t depth_of(const std::vector<lanes::Elimination::Slot>& rows, std::size_t n, std::size_t head,
+                      const Own& own) {
   std::vector<std::int64_t> depth(n, 0);
   std::int64_t deepest = 0;
   std::size_t at = 0;
@@ -64,7 +65,7 @@ void count_elimination(Shape& shape, const Pattern& pattern) {
     const lanes::Order order = lanes::markowitz_order(pattern, generic_values(pattern.row.size()), 1, 1,
                                                       {.threshold = 0, .shallow = false, .rook = false});
     if (!order.complete(pattern.n)) return count_as_full(shape);  // singular by structure: whatever it costs
-    const lanes::Program program = lanes::write_program(pattern, order);
+    const lanes::Elimination program = lanes::write_program(pattern, order);
     shape.fill = std::int64_t{program.slots} - program.n;
     // Three numbers for each row, two for each entry, two for each product.
     const std::int64_t products = (std::ssize(program.factor) - 3 * std::int64_t{shape.n} - 2 * shape.fill) / 2;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "median.hpp"
+
 namespace assur {
 namespace {
 
@@ -12,7 +14,7 @@ constexpr double kBandwidth = 0.35;   // in logarithms: sizes a factor of 1.4 ap
 constexpr double kShrink = 0.15;      // weight of the fit among the neighbours
 constexpr double kHuber = 0.15;       // relative deviation from which a point counts as an outlier
 constexpr double kLeastNoise = 0.02;  // relative: no time is better known
-constexpr double kFar = 0.7;          // = log 2
+constexpr double kFarAway = 0.7;      // = log 2
 constexpr float kNowhere = 1e9F;      // so far away that it is nobody's neighbour
 constexpr int kReweightings = 6;
 
@@ -60,9 +62,7 @@ Terms medians_of_ratios(const std::vector<Curve::Measured>& points) {
     for (const Curve::Measured& p : points) {
       if (p.at.terms[j] > 0) ratios.push_back(p.seconds / p.at.terms[j]);
     }
-    if (ratios.empty()) continue;
-    std::nth_element(ratios.begin(), ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2), ratios.end());
-    scale[j] = ratios[ratios.size() / 2];
+    if (!ratios.empty()) scale[j] = median(std::move(ratios));
   }
   return scale;
 }
@@ -126,13 +126,13 @@ void Curve::fit(const std::vector<Measured>& points) {
   }
 }
 
-double Curve::fitted(const Point& point) const {
+double Curve::fitted(const FitPoint& point) const {
   double sum = 0;
   for (std::size_t j = 0; j < kTerms; ++j) sum += coefficients_[j] * point.terms[j];
   return std::max(sum, 1e-12);
 }
 
-Prediction Curve::at(const Point& point) const {
+Prediction Curve::at(const FitPoint& point) const {
   using Block = Eigen::Array<float, kBlock, 1>;
   using Blocks = Eigen::Map<const Block>;
   constexpr auto kNear = static_cast<float>(2 * kBandwidth * kBandwidth);
@@ -160,7 +160,7 @@ Prediction Curve::at(const Point& point) const {
   const double closest = std::sqrt(nearest.minCoeff()), away = std::max(0.0, closest - kBandwidth);
   return {fitted(point) * std::exp(shift),
           std::exp(std::sqrt(spread / weights + kLeastNoise * kLeastNoise) + 0.3 * away),
-          closest <= kFar ? Origin::interpolated : Origin::extrapolated};
+          closest <= kFarAway ? Origin::interpolated : Origin::extrapolated};
 }
 
 }  // namespace assur

@@ -16,7 +16,7 @@ inline constexpr std::size_t kTerms = 5;
 inline constexpr std::size_t kAxes = 4;
 
 // Where a time was, or is to be, measured.
-struct Point {
+struct FitPoint {
   std::array<double, kTerms> terms{};  // counts that the time grows with; unused ones are 0
   std::array<double, kAxes> place{};   // logarithms: points close to each other have like deviations
 };
@@ -24,7 +24,7 @@ struct Point {
 class Curve {
  public:
   struct Measured {
-    Point at;
+    FitPoint at;
     double seconds = 0;
     double noise = 0;  // relative
   };
@@ -34,7 +34,7 @@ class Curve {
   explicit Curve(std::vector<Measured> points);
   Curve() = default;  // to be read
 
-  [[nodiscard]] Prediction at(const Point& point) const;
+  [[nodiscard]] Prediction at(const FitPoint& point) const;
 
   void write(ByteWriter& bytes) const;
   void read(ByteReader& bytes);
@@ -48,7 +48,7 @@ class Curve {
     std::array<float, kBlock> log_ratio;  // measured over fitted
     std::array<float, kBlock> weight;     // 0: there is no point
   };
-  [[nodiscard]] double fitted(const Point& point) const;
+  [[nodiscard]] double fitted(const FitPoint& point) const;
   void fit(const std::vector<Measured>& points);
 
   std::array<double, kTerms> coefficients_{};

@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <optional>
 #include <utility>
 
 #include "backends/backends.hpp"
 #include "decimal.hpp"
+#include "index.hpp"
+#include "numbers.hpp"
 #include "parallel/longest_first.hpp"
 #include "parallel/team.hpp"
 #include "planning/counts.hpp"
@@ -17,8 +18,6 @@
 
 namespace assur {
 namespace {
-
-std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 constexpr double kWait = 0.3;         // of a meeting: what a level adds; a barrier alone (barriers_bench) is a tenth
 constexpr double kMeetings = 1.5;     // of those measured: they take once or twice as long from minute to minute, with
@@ -146,7 +145,7 @@ void share_levels(Plan& plan, const Structure& s, const std::vector<Batch>& batc
   plan.meeting_seconds = kMeetings * model.meeting(p).seconds;
   const std::vector<std::int64_t> read = p > 1 ? read_by_levels(s) : std::vector<std::int64_t>(idx(s.levels), 0);
   struct {
-    double seconds = std::numeric_limits<double>::infinity();
+    double seconds = kInfinity;
     std::int32_t level = 0;
   } least_loss;
   double all_alone = 0;
@@ -275,8 +274,8 @@ Plan best_throughput(const Structure& s, const std::vector<Shape>& shapes, std::
   std::optional<Plan> best;
   const double around = Around(s, scales.model).seconds(1);
   const Offers offered = offers_of(
-      shapes, [](std::size_t) { return kWidest; }, 1, scales);
-  for (std::int32_t lanes = 1; lanes <= kWidest; lanes *= 2) {
+      shapes, [](std::size_t) { return kMostLanes; }, 1, scales);
+  for (std::int32_t lanes = 1; lanes <= kMostLanes; lanes *= 2) {
     Plan plan = throughput_plan(shapes, offered, lanes, threads, scales);
     expect_packs(plan, scales.model);
     plan.expected_seconds = around;

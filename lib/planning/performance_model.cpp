@@ -7,6 +7,7 @@
 
 #include "assur/performance.hpp"
 #include "assur/status.hpp"
+#include "median.hpp"
 #include "planning/bytes.hpp"
 #include "planning/curve.hpp"
 #include "planning/prior.hpp"
@@ -115,7 +116,7 @@ double beyond(double bytes, double cache) {
 }
 constexpr double kSmallCache = 1 << 20, kLargeCache = 1 << 24;  // bytes; where they are exactly, neighbours tell
 
-Point point_of(Kernel kernel, const Shape& shape, const Strategy& strategy) {
+FitPoint point_of(Kernel kernel, const Shape& shape, const Strategy& strategy) {
   const double n = shape.n, nnz = shape.nnz, fill = static_cast<double>(shape.fill);
   const double operations = static_cast<double>(shape.operations), terms = static_cast<double>(shape.terms);
   const double deep = static_cast<double>(shape.depth);
@@ -135,14 +136,6 @@ Point point_of(Kernel kernel, const Shape& shape, const Strategy& strategy) {
               {size, filled, in_registers(shape, strategy) ? 10.0 : 0.0, 0.15 * positive_log(all)}};
     }
   }
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2 == 1) return *middle;
-  return (*middle + *std::max_element(values.begin(), middle)) / 2;
 }
 
 Prediction combined(std::initializer_list<std::pair<double, Prediction>> parts) {
@@ -285,8 +278,8 @@ struct PerformanceModel::Impl {
   }
 
   // parts: seconds of composed().
-  [[nodiscard]] static Point pack_point(const Shape& shape, const Strategy& strategy, double parts) {
-    Point point = point_of(Kernel::pack, shape, strategy);
+  [[nodiscard]] static FitPoint pack_point(const Shape& shape, const Strategy& strategy, double parts) {
+    FitPoint point = point_of(Kernel::pack, shape, strategy);
     point.terms = {parts};
     return point;
   }
@@ -323,7 +316,7 @@ struct PerformanceModel::Impl {
   }
 
   [[nodiscard]] Prediction rest_of_pack(const Shape& shape, const Strategy& s) const {
-    const Point point = point_of(Kernel::pack, shape, s);
+    const FitPoint point = point_of(Kernel::pack, shape, s);
     if (const auto found = rest.find(s.lanes); found != rest.end()) return found->second.at(point);
     if (!rest.empty()) {
       const auto nearest = std::min_element(rest.begin(), rest.end(), [&](const auto& a, const auto& b) {
@@ -361,7 +354,7 @@ struct PerformanceModel::Impl {
     const std::int32_t variant = number_of(wanted);
     if (const Known* k = exactly(kernel, shape, variant)) return k->prediction();
     const auto& curves = curve[static_cast<std::size_t>(kernel)];
-    const Point point = point_of(kernel, shape, strategy);
+    const FitPoint point = point_of(kernel, shape, strategy);
     if (const auto found = curves.find(variant); found != curves.end()) return found->second.at(point);
     const double prior = prior_seconds(kernel, shape, strategy);
     if (const auto next = stand_in(curves, wanted); next != numbers.end()) {

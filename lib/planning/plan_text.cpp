@@ -12,16 +12,16 @@ namespace {
 constexpr std::string_view kMagic = "assur plan ";
 constexpr std::int64_t kVersion = 3;
 constexpr std::string_view kChecksum = "checksum ";
-constexpr std::size_t kDigits = 16;              // of the checksum
-constexpr std::size_t kPiece = 1'000'000;        // bytes read at once
-constexpr std::size_t kLargest = 2'000'000'000;  // bytes; a million dyads take a fifth of it
+constexpr std::size_t kChecksumDigits = 16;          // of the checksum
+constexpr std::size_t kPlanPiece = 1'000'000;        // bytes read at once
+constexpr std::size_t kLargestPlan = 2'000'000'000;  // bytes; a million dyads take a fifth of it
 constexpr std::string_view kSpace = " \n";
 
 // FNV-1a, 64 bits: every step is one-to-one in the state, so that no change of a single byte goes unnoticed.
 std::string checksum(std::string_view text) {
   std::uint64_t hash = 0xcbf29ce484222325;
   for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
-  std::string digits(kDigits, '0');
+  std::string digits(kChecksumDigits, '0');
   for (auto d = digits.rbegin(); d != digits.rend(); ++d, hash >>= 4) *d = "0123456789abcdef"[hash & 15];
   return digits;
 }
@@ -73,15 +73,15 @@ void PlanWriter::put(const std::string& name) {
 std::string text_of_plan(std::istream& in) {
   std::string text;
   try {
-    for (std::size_t size = in.rdbuf() != nullptr ? kPiece : 0;
-         size == kPiece && (text.empty() || text.starts_with(kMagic));) {
-      if (text.size() > kLargest) {
-        refuse_at("", "it has more than " + std::to_string(kLargest / 1'000'000) + " MB, the most that is read");
+    for (std::size_t size = in.rdbuf() != nullptr ? kPlanPiece : 0;
+         size == kPlanPiece && (text.empty() || text.starts_with(kMagic));) {
+      if (text.size() > kLargestPlan) {
+        refuse_at("", "it has more than " + std::to_string(kLargestPlan / 1'000'000) + " MB, the most that is read");
       }
-      text.resize(text.size() + kPiece);
-      char* const end = text.data() + text.size() - kPiece;
-      size = static_cast<std::size_t>(std::max<std::streamsize>(in.rdbuf()->sgetn(end, kPiece), 0));
-      text.resize(text.size() - kPiece + size);
+      text.resize(text.size() + kPlanPiece);
+      char* const end = text.data() + text.size() - kPlanPiece;
+      size = static_cast<std::size_t>(std::max<std::streamsize>(in.rdbuf()->sgetn(end, kPlanPiece), 0));
+      text.resize(text.size() - kPlanPiece + size);
     }
   } catch (const std::ios_base::failure& failure) {
     throw Error(Error::Kind::environment, std::string("the plan could not be read: ") + failure.code().message());
@@ -102,7 +102,7 @@ PlanReader::PlanReader(std::string text) : text_(std::move(text)) {
     refuse_at("", "its format is version " + std::to_string(version) + ", and this library reads version " +
                       std::to_string(kVersion) + "; save the plan again with this library");
   }
-  const std::size_t tail = kChecksum.size() + kDigits + 1;
+  const std::size_t tail = kChecksum.size() + kChecksumDigits + 1;
   const std::size_t body = text_.size() - std::min(tail, text_.size());
   const std::string_view all = text_;
   if (version != kVersion || all.substr(body) != std::string(kChecksum) + checksum(all.substr(0, body)) + '\n') {

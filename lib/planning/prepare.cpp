@@ -162,11 +162,11 @@ Plan forced_plan(const Structure& s, const Strategy& wanted, const PrepareOption
 
 // Other formulations are tried where that is cheap and may gain.
 std::vector<Formulation> formulations(const Scene& scene, const Structure& irreducible) {
-  constexpr std::int64_t kMostUnknowns = 2000;
+  constexpr std::int64_t kMostWeighed = 2000;
   std::vector<Formulation> others;
   std::int64_t unknowns = 0;
   for (const Group& g : irreducible.groups) unknowns += std::ssize(g.unknowns);
-  if (unknowns > kMostUnknowns || irreducible.groups.size() < 2) return others;
+  if (unknowns > kMostWeighed || irreducible.groups.size() < 2) return others;
   if (!scene.groups().empty()) others.push_back(Formulation::groups);
   others.push_back(Formulation::global);
   return others;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "assur/backend.hpp"
 #include "assur/status.hpp"
 
 namespace assur {
@@ -98,7 +99,7 @@ class Reader {
 
   void read_lanes(std::string_view text) {
     const auto lanes = positive(text);
-    if (!lanes || *lanes > 16 || (*lanes & (*lanes - 1)) != 0) {
+    if (!lanes || *lanes > kMostLanes || (*lanes & (*lanes - 1)) != 0) {
       refuse(quoted(text) + " is no number of lanes: 1, 2, 4, 8 or 16");
     }
     strategy_.lanes = *lanes;

@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <limits>
 #include <system_error>
+
+#include "numbers.hpp"
 
 namespace assur {
 
@@ -35,7 +36,7 @@ double parse_number(std::string_view text) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   const bool whole = error == std::errc() && end == text.data() + text.size();
-  return whole && std::isfinite(value) ? value : std::numeric_limits<double>::quiet_NaN();
+  return whole && std::isfinite(value) ? value : kNan;
 }
 
 }  // namespace assur

@@ -6,26 +6,23 @@
 #include <cmath>
 
 #include "decimal.hpp"
+#include "numbers.hpp"
 #include "scene/outputs.hpp"
 
 namespace assur {
 namespace {
 
-constexpr double kEps = std::numeric_limits<double>::epsilon();
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 // Distances, in internal units or in the length of a step of time.
-constexpr double kLongest = 0x1p-8;
-constexpr double kShortest = 0x1p-30;
+constexpr double kLongestOffset = 0x1p-8;
+constexpr double kShortestOffset = 0x1p-30;
 constexpr double kGlance = 0x1p-16;    // the one distance of a cheap look
 constexpr double kLawGlance = 0x1p-9;  // the same, of a step of time
 constexpr double kLawLongest = 0x1p-2;
 constexpr double kSpan = 100;            // steps of time in which a motion is expected to change
 constexpr double kRoundingSteps = 1024;  // no distance is below so many roundings of the argument
 
-constexpr double kSure = 4;          // uncertainties that a derivative must be off by
-constexpr double kBlind = 0.1;       // of the difference: a level this uncertain can neither confirm nor deny it
+constexpr double kSureUncertainties = 4;  // uncertainties that a derivative must be off by
+constexpr double kBlind = 0.1;            // of the difference: a level this uncertain can neither confirm nor deny it
 constexpr double kCalm = 0.01;       // of the change at the longest distance: roughness of a function that has a slope
 constexpr double kRounded = 16;      // roundings: no roughness
 constexpr double kConfirms = 0.25;   // of the difference: a level this near to what was given confirms it
@@ -130,7 +127,7 @@ Differences::Verdict Differences::judge(std::size_t row, double given, double to
   const double tolerated = tolerance * std::max(std::abs(given), std::abs(out.found)) + floor;
   if (std::isfinite(gap)) {
     if (rough_at_best > kCalm * std::abs(out.found) * distance_[0] + kRounded * noise) return out;
-    if (gap <= kSure * out.uncertainty + tolerated) return out;
+    if (gap <= kSureUncertainties * out.uncertainty + tolerated) return out;
     for (std::size_t k = 0; k < levels_; ++k) {
       if (uncertainty[k] <= kBlind * gap && std::abs(given - slope(k, row)) <= kConfirms * gap) return out;
     }
@@ -183,7 +180,7 @@ double CallbackCheck::rounding(std::size_t row) const {
 double CallbackCheck::shortest() const {
   double farthest = 0;
   for (std::size_t j = 0; j < m_; ++j) farthest = std::max(farthest, std::abs(x[j]) / block_.unit[j]);
-  return std::max(kShortest, kRoundingSteps * kEps * farthest);
+  return std::max(kShortestOffset, kRoundingSteps * kEps * farthest);
 }
 
 // Until the fastest argument has moved by one internal unit; infinite at rest.
@@ -280,7 +277,8 @@ void CallbackCheck::find_in_jacobian(std::optional<Contradiction>& worst) {
     if (moves[j] == 0) continue;
     const double unit = block_.unit[j];
     moved_ = x;
-    differences_.measure(kLongest * unit, std::max(kShortest * unit, std::min(nearest * unit, kLongest * unit)),
+    differences_.measure(kLongestOffset * unit,
+                         std::max(kShortestOffset * unit, std::min(nearest * unit, kLongestOffset * unit)),
                          [&](double h, double* phi) {
                            moved_[j] = x[j] + h;
                            residual(moved_, phi);
@@ -301,7 +299,7 @@ void CallbackCheck::find_in_curvature(std::optional<Contradiction>& worst) {
   const double time = time_to_move();
   if (!std::isfinite(time)) return;
   call([&] { block_.callback->curvature(x, rate, curvature_); }, curvature_.data(), r_);
-  differences_.measure(kLongest, shortest(), [&](double h, double* out) {
+  differences_.measure(kLongestOffset, shortest(), [&](double h, double* out) {
     for (std::size_t j = 0; j < m_; ++j) moved_[j] = x[j] + h * time * rate[j];
     turn(moved_, out);
   });
@@ -377,11 +375,12 @@ std::optional<Contradiction> LawCheck::find(const Law::Function& law, double fro
     return Contradiction{Contradiction::Of::value, 0, 0, t, m.value, again.value, 0, off / floor.value};
   }
   const double longest = kLawLongest * std::abs(to - from);
-  differences_.measure(longest, std::max(kShortest * longest, kRoundingSteps * spacing), [&](double h, double* out) {
-    const Motion at = ask(law, t + h);
-    out[0] = at.value;
-    out[1] = at.rate;
-  });
+  differences_.measure(longest, std::max(kShortestOffset * longest, kRoundingSteps * spacing),
+                       [&](double h, double* out) {
+                         const Motion at = ask(law, t + h);
+                         out[0] = at.value;
+                         out[1] = at.rate;
+                       });
   std::optional<Contradiction> worst;
   const auto judge = [&](Contradiction::Of of, std::size_t row, double given, double least) {
     const Differences::Verdict v = differences_.judge(row, given, law.tolerance, least, spacing * std::abs(given));

@@ -3,15 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "index.hpp"
 #include "scene/triple.hpp"
 
 namespace assur {
-namespace {
-
-std::size_t idx(Index i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
-
 // Far from the origin the sum of a fixed point and of an offset on its body loses the offset's last digits, which the
 // difference with another point there would show.
 struct Forms::Exact {

@@ -19,11 +19,11 @@ Scene build(SceneBuilder builder, std::string_view text) {
   }
 }
 
-constexpr std::size_t kMostFindings = 1000;
+constexpr std::size_t kMostSceneFindings = 1000;
 
 // What can be read of the findings: their places quote keys of the file, and there may be millions of them.
 std::vector<Diagnostic> readable(std::vector<Diagnostic> findings) {
-  const std::size_t more = findings.size() - std::min(findings.size(), kMostFindings);
+  const std::size_t more = findings.size() - std::min(findings.size(), kMostSceneFindings);
   findings.resize(findings.size() - more);
   if (more > 0) findings.push_back({"", "and " + std::to_string(more) + " findings more"});
   for (Diagnostic& finding : findings) {

@@ -5,13 +5,9 @@
 #include <limits>
 #include <numbers>
 
+#include "numbers.hpp"
+
 namespace assur {
-namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-}  // namespace
-
 JsonReader::JsonReader(const JsonDocument& document, TableFolders tables, const Parameters& set)
     : document_(document), tables_(std::move(tables)), set_(set), findings_(document.findings) {}
 

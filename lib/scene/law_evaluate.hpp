@@ -10,6 +10,7 @@
 #include <variant>
 
 #include "assur/law.hpp"
+#include "numbers.hpp"
 #include "scene/jet.hpp"
 
 namespace assur {
@@ -73,8 +74,7 @@ Jet<T> evaluate(const Law::Harmonics& harmonics, const T& t) {
 
 // Times of a grid are rounded: a time this close outside a table belongs to its end.
 inline double slack(const Law::Spline& spline) {
-  return 4 * std::numeric_limits<double>::epsilon() *
-         std::max(std::abs(spline.time.front()), std::abs(spline.time.back()));
+  return 4 * kEps * std::max(std::abs(spline.time.front()), std::abs(spline.time.back()));
 }
 
 template <class T>

@@ -1,14 +1,9 @@
 #include <algorithm>
 
+#include "index.hpp"
 #include "scene/lowering_parts.hpp"
 
 namespace assur {
-namespace {
-
-std::size_t idx(Index i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
-
 // ---- declarations
 
 void DriverWriter::declare_auxiliaries() {

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "decimal.hpp"
+#include "index.hpp"
 #include "scene/drive.hpp"
 #include "scene/lowering_parts.hpp"
 #include "scene/names.hpp"
@@ -14,8 +15,6 @@ namespace assur {
 namespace {
 
 constexpr double kDisagree = 1e-3;  // relative: guesses are written with three digits or more
-
-std::size_t idx(Index i) { return static_cast<std::size_t>(i); }
 
 // Median binary exponent of the lengths that the scene shows: typical lengths become about 1, and scaling all of
 // them by 2^k moves the median by exactly k.

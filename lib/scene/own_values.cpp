@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "index.hpp"
 #include "scene/drive.hpp"
 #include "scene/triple.hpp"
 
@@ -15,8 +16,6 @@ using Kind = DriverInput::Kind;
 // A direction within this angle of the axis, in rad, has an angle about it that postures do not determine.
 constexpr double kNoLever = 1e-6;
 constexpr double kNoLength = 1e-12;  // of the coordinates that a direction is the difference of
-
-std::size_t idx(Index i) { return static_cast<std::size_t>(i); }
 
 struct Direction {
   Triple at{};

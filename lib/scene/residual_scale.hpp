@@ -7,6 +7,9 @@
 
 namespace assur {
 
+// Relative residual up to which an equation that depends on others, and is not solved, still holds.
+inline constexpr double kConsistent = 1e-10;
+
 // A factor of a product counts as this much at least, and so does each argument of a callback; internal units.
 inline constexpr double kLeastFactor = 0x1p-10;
 

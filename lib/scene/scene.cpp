@@ -15,7 +15,7 @@ namespace {
 // Lengths this far from 1 are typing errors rather than rounding: they are told.
 constexpr double kNearlyUnit = 1e-6;
 
-constexpr std::size_t kMostNamed = 6;
+constexpr std::size_t kMostVectorsNamed = 6;
 
 struct Normalised {
   std::string name, where;
@@ -37,10 +37,10 @@ void tell(const std::vector<Normalised>& all, std::vector<Diagnostic>& warnings)
     return;
   }
   std::string what = std::to_string(all.size()) + " vectors are normalised: ";
-  for (std::size_t i = 0; i < std::min(all.size(), kMostNamed); ++i) {
+  for (std::size_t i = 0; i < std::min(all.size(), kMostVectorsNamed); ++i) {
     what += (i == 0 ? "" : ", ") + all[i].name + (i == 0 ? " has length " : " ") + general(all[i].length, 6);
   }
-  if (all.size() > kMostNamed) what += ", and " + std::to_string(all.size() - kMostNamed) + " more";
+  if (all.size() > kMostVectorsNamed) what += ", and " + std::to_string(all.size() - kMostVectorsNamed) + " more";
   warnings.push_back({"/vectors", std::move(what)});
 }
 

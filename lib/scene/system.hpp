@@ -17,10 +17,9 @@
 #include <vector>
 
 #include "assur/scene.hpp"
+#include "index.hpp"
 
 namespace assur {
-
-using Index = std::int32_t;
 
 inline constexpr Index kOne = 0;       // coordinate: the constant 1
 inline constexpr Index kPlus = 0;      // constant: +1

@@ -2,13 +2,12 @@
 #include <cmath>
 #include <limits>
 
+#include "numbers.hpp"
 #include "scene/triple.hpp"
 #include "scene/validation.hpp"
 
 namespace assur {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 // Below this sine two directions count as one: no frame can be built on them in double precision.
 constexpr double kParallel = 1e-8;

@@ -13,8 +13,8 @@
 namespace assur {
 namespace {
 
-constexpr std::size_t kMostFindings = 20;  // then the file is another one than was meant
-constexpr double kBytesOfValue = 80;       // of a parameter, with its name
+constexpr std::size_t kMostVariantFindings = 20;  // then the file is another one than was meant
+constexpr double kBytesOfValue = 80;              // of a parameter, with its name
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
 class VariantReader {
@@ -22,7 +22,7 @@ class VariantReader {
   explicit VariantReader(std::string source) : source_(std::move(source)) {}
 
   std::vector<Parameters> read(std::string_view file) {
-    while (findings_.size() < kMostFindings && !file.empty()) {
+    while (findings_.size() < kMostVariantFindings && !file.empty()) {
       ++line_;
       std::string_view text = take_line(file);
       if (line_ == 1 && text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());

@@ -6,17 +6,15 @@
 #include <cstdint>
 #include <numbers>
 
+#include "index.hpp"
+#include "numbers.hpp"
 #include "simulation/drive_program.hpp"
 
 namespace assur {
 namespace {
-
-constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kStepOfDrivers = 1;  // rad
 constexpr double kFirstSteps = 16;    // a way of which nothing is known may be four times as long as the chord
 constexpr double kNoise = 1e-12;      // of the terms of a vector: shorter ones have no direction
-
-std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 

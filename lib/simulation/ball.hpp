@@ -7,16 +7,14 @@
 #include <limits>
 #include <utility>
 
+#include "numbers.hpp"
+
 namespace assur {
 
 // At least the next double after x >= 0: an upper bound of what was rounded to x.
-[[nodiscard]] constexpr double up(double x) {
-  return x * (1 + std::numeric_limits<double>::epsilon()) + std::numeric_limits<double>::denorm_min();
-}
+[[nodiscard]] constexpr double up(double x) { return x * (1 + kEps) + std::numeric_limits<double>::denorm_min(); }
 // At most the double before x >= 0.
-[[nodiscard]] constexpr double down(double x) {
-  return x * (1 - std::numeric_limits<double>::epsilon()) - std::numeric_limits<double>::denorm_min();
-}
+[[nodiscard]] constexpr double down(double x) { return x * (1 - kEps) - std::numeric_limits<double>::denorm_min(); }
 
 // S: a binary floating-point type whose sums, products and quotients are exact up to a unit in the last place (double,
 // quad). What is not finite stays so: a NaN among the operands, or a division by what may be 0, is an infinite or NaN
@@ -50,7 +48,7 @@ class Ball {
   friend Ball operator/(const Ball& a, const Ball& b) {
     const S quotient = a.middle_ / b.middle_;
     const double least = down(down(std::abs(static_cast<double>(b.middle_))) - b.radius_);
-    if (!(least > 0)) return {quotient, std::numeric_limits<double>::infinity()};
+    if (!(least > 0)) return {quotient, kInfinity};
     return rounded(quotient, up(up(a.radius_ + up(up_abs(quotient) * b.radius_)) / least));
   }
   Ball& operator+=(const Ball& b) { return *this = *this + b; }

@@ -4,21 +4,20 @@
 #include <cmath>
 #include <limits>
 
+#include "index.hpp"
+#include "numbers.hpp"
 #include "simulation/tolerances.hpp"
 
 namespace assur {
 namespace {
 
-constexpr std::int32_t kDense = 64;
+constexpr std::int32_t kDenseInverse = 64;
 constexpr int kHagerRounds = 3;
 constexpr int kGrowths = 20;  // of a box until it holds its image
-constexpr double kGrowth = 1.2;
+constexpr double kRadiusGrowth = 1.2;
 constexpr double kDefectBetween = 1.5, kChangeBetween = 1.25;  // between the postures of a tube, over those at them
 // Residuals that are nothing but rounding, with room: at a change point they decide between the branches.
-constexpr double kRounding = 64 * kConverged;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
+constexpr double kRoundingOfBranch = 64 * kConverged;
 
 // out = a^-1 by Gauss-Jordan with row pivoting (column-major, n x n; a is overwritten). False: singular.
 bool invert_dense(double* a, double* out, std::int32_t n) {
@@ -85,7 +84,7 @@ BlockConditions::BlockConditions(const GroupClass& group_class, const Program& p
     nonzeros_.insert(nonzeros_.end(), nonzeros[idx(b)].begin(), nonzeros[idx(b)].end());
     unknown_start_.push_back(static_cast<std::int32_t>(unknowns_.size()));
     nonzero_start_.push_back(static_cast<std::int32_t>(nonzeros_.size()));
-    if (size(b) <= kDense) {
+    if (size(b) <= kDenseInverse) {
       largest = std::max(largest, size(b));
     } else {
       has_large = true;
@@ -127,7 +126,7 @@ void BlockConditions::find_reads(const GroupClass& c) {
   }
 }
 
-bool BlockConditions::needs_solver(std::int32_t b) const { return size(b) > kDense; }
+bool BlockConditions::needs_solver(std::int32_t b) const { return size(b) > kDenseInverse; }
 
 std::span<const std::int32_t> BlockConditions::unknowns(std::int32_t b) const {
   return {unknowns_.data() + unknown_start_[idx(b)], idx(size(b))};
@@ -230,7 +229,7 @@ bool BlockConditions::holds_one_solution(std::int32_t b, int lane, const double*
       sum += inverse_[idx(c * n + r)] * phi[at];
       rounding += std::abs(inverse_[idx(c * n + r)]) * scale[at];
     }
-    defect_[idx(r)] = kDefectBetween * std::abs(sum) + kRounding * rounding;
+    defect_[idx(r)] = kDefectBetween * std::abs(sum) + kRoundingOfBranch * rounding;
     radius_[idx(r)] = kDefectBetween * defect_[idx(r)];
   }
   const std::span<const double> radius = std::span(radius_).first(idx(n));
@@ -247,7 +246,7 @@ bool BlockConditions::holds_one_solution(std::int32_t b, int lane, const double*
     for (std::int32_t r = 0; r < n; ++r) {
       if (!std::isfinite(image_[idx(r)])) return false;
       inside = inside && image_[idx(r)] <= radius[idx(r)];
-      radius_[idx(r)] = kGrowth * std::max(image_[idx(r)], radius[idx(r)]);
+      radius_[idx(r)] = kRadiusGrowth * std::max(image_[idx(r)], radius[idx(r)]);
     }
     if (inside) return true;
   }

@@ -7,6 +7,8 @@
 #include <utility>
 
 #include "decimal.hpp"
+#include "index.hpp"
+#include "numbers.hpp"
 #include "scene/drive.hpp"
 #include "scene/lowering.hpp"
 #include "scene/outputs.hpp"
@@ -19,10 +21,7 @@ std::vector<double> posture_of(const Simulator& simulator);
 
 namespace {
 
-constexpr std::size_t kDense = 400;  // unknowns: inverses and products are dense, n^3 each
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-std::size_t idx(Index i) { return static_cast<std::size_t>(i); }
+constexpr std::size_t kDenseProof = 400;  // unknowns: inverses and products are dense, n^3 each
 
 std::string figure(double x) { return scientific(x, 1); }
 
@@ -181,9 +180,9 @@ std::string Certifier::why_out_of_reach(Index b) const {
       return "it depends on a driver that has no law at this time: " + system_.coordinate_name(c);
     }
   }
-  if (unknowns.size() <= kDense) return "";
-  return "it has " + std::to_string(unknowns.size()) + " unknowns: the proof is dense, for " + std::to_string(kDense) +
-         " at most";
+  if (unknowns.size() <= kDenseProof) return "";
+  return "it has " + std::to_string(unknowns.size()) + " unknowns: the proof is dense, for " +
+         std::to_string(kDenseProof) + " at most";
 }
 
 // Columns of the block's matrices: its unknowns, then what else its equations read.

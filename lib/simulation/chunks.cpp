@@ -4,10 +4,10 @@
 #include <cmath>
 #include <functional>
 #include <iterator>
-#include <limits>
 #include <utility>
 
 #include "decimal.hpp"
+#include "numbers.hpp"
 #include "simulation/run_arguments.hpp"
 #include "simulation/tiles.hpp"
 
@@ -139,7 +139,7 @@ ChunkedRun run_in_chunks(const Prepared& prepared, const StepLimits& limits, std
 
     // What comes after the first row of the next chunk is that one's affair.
     const bool goes_on = c + 1 < chunks && run.done > run.split;
-    const double end = goes_on ? run.times[run.split] : std::numeric_limits<double>::infinity();
+    const double end = goes_on ? run.times[run.split] : kInfinity;
     std::copy_if(run.events.begin(), run.events.end(), std::back_inserter(out.events),
                  [&](const Event& e) { return e.time < end; });
     if (goes_on) {

@@ -6,19 +6,22 @@
 #include <utility>
 
 #include "assur/status.hpp"
+#include "index.hpp"
+#include "numbers.hpp"
+#include "scene/residual_scale.hpp"
 
 namespace assur {
 namespace {
 
-constexpr int kHalvings = 20;  // a step is halved down to 2^-20, then it is asked why it fails
-constexpr double kSmallest = 1.0 / (1 << kHalvings);
-constexpr double kUnseen = 2;         // parts of a step in which a measured angle turned unseen
-constexpr double kShorter = 1.0 / 4;  // each time it is asked again
-constexpr double kLeast = 0x1p-44;    // of the step, and
-constexpr double kResolved = 16 * std::numeric_limits<double>::epsilon();  // of the time: no step is shorter
-constexpr int kMostRejected = 10000;  // attempts of one step, whatever they were for
-constexpr int kMostWalked = 1000;     // attempts on a part of the way to or from a change point; it takes some tens
-constexpr double kPassed = 64;        // steps so much longer than the first shortest one are far from where it failed
+constexpr int kStepHalvings = 20;  // a step is halved down to 2^-20, then it is asked why it fails
+constexpr double kSmallestStep = 1.0 / (1 << kStepHalvings);
+constexpr double kUnseen = 2;            // parts of a step in which a measured angle turned unseen
+constexpr double kShorter = 1.0 / 4;     // each time it is asked again
+constexpr double kLeast = 0x1p-44;       // of the step, and
+constexpr double kResolved = 16 * kEps;  // of the time: no step is shorter
+constexpr int kMostRejected = 10000;     // attempts of one step, whatever they were for
+constexpr int kMostWalked = 1000;        // attempts on a part of the way to or from a change point; it takes some tens
+constexpr double kPassed = 64;      // steps so much longer than the first shortest one are far from where it failed
 constexpr double kClear = 1e-5;     // singular value, over the largest one: a posture is known to eps / kClear^2 of it
 constexpr double kLookedAt = 4e-6;  // singular values from which the least one of a crossing is foretold
 constexpr double kSeen = 1e-7;      // least one that rounding of dimensions to 14 digits does not explain
@@ -27,11 +30,9 @@ constexpr int kExpandAfter = 4;     // rejected attempts rates are computed of a
 constexpr int kReach = 12;        // a change point is passed from 2^12 of the first shortest steps before it to beyond
 constexpr int kLonger = 8;        // or from up to 2^8 times as far
 constexpr int kMoreHalvings = 6;  // of the shortest step, on the way back from a change point
-constexpr double kApart = 1.0 / 16;  // of that reach: a step that ends nearer to the change point is in doubt
-constexpr double kSure = 1e-3;       // largest correction over the distance of the branches
-constexpr double kNoLever = 1e-3;    // of what it was at the start: a driver's lever that is about to vanish
-
-std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
+constexpr double kApart = 1.0 / 16;     // of that reach: a step that ends nearer to the change point is in doubt
+constexpr double kSureOfBranch = 1e-3;  // largest correction over the distance of the branches
+constexpr double kLittleLever = 1e-3;   // of what it was at the start: a driver's lever that is about to vanish
 
 bool worth_halving(Code code) {
   return code == Code::branch_unknown || code == Code::not_converged || code == Code::singular ||
@@ -79,7 +80,7 @@ void Continuation::keep_what_is_read(std::vector<std::uint8_t> marked) {
 
 void Continuation::start(double time, const std::vector<double>& posture, const Inputs::Controls* before) {
   now_ = time;
-  selected_at_ = before != nullptr ? time : std::numeric_limits<double>::quiet_NaN();
+  selected_at_ = before != nullptr ? time : kNan;
   deadline_ = std::chrono::steady_clock::time_point::max();  // it is for steps
   inputs_.reset();
   if (before != nullptr) inputs_.take(*before);
@@ -337,10 +338,10 @@ Status Continuation::step_to(double t, bool may_reselect, Stride& stride) {
   if (const Status s = check_aim(t); !s.ok()) return s;
   if (std::exchange(stands_still_, false)) state_.stand_still();
   if (limits_.seconds > 0) {
-    constexpr double kLongest = 1e9;  // 30 years; the clock counts nanoseconds up to 300
+    constexpr double kLongestTime = 1e9;  // 30 years; the clock counts nanoseconds up to 300
     deadline_ =
         std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-                                               std::chrono::duration<double>(std::min(limits_.seconds, kLongest)));
+                                               std::chrono::duration<double>(std::min(limits_.seconds, kLongestTime)));
   }
   inputs_.begin_step(now_, t);
   Status status;
@@ -358,7 +359,7 @@ Status Continuation::step_to(double t, bool may_reselect, Stride& stride) {
 
 // From posture to posture until t.
 Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
-  const double span = t - now_, first = std::abs(span) * kSmallest;
+  const double span = t - now_, first = std::abs(span) * kSmallestStep;
   any_turn_ = turn_guessed_ = expands_ = false;
   shortest_ = first;
   approach_.clear();
@@ -523,7 +524,7 @@ Status Continuation::at_the_limit(const Status& failed, double target, double t,
   state_.restore();
   for (const Lever& l : levers_) {
     const double lever = state_.at(0)[l.address];
-    if (lever > kNoLever * l.start) continue;
+    if (lever > kLittleLever * l.start) continue;
     const Status gone{Code::actuator_zero, Place::driver(l.driver), lever};
     tell(gone, target);
     return gone;
@@ -534,7 +535,7 @@ Status Continuation::at_the_limit(const Status& failed, double target, double t,
   GroupSolver::Singularity nearest = levels_.solver(pack).diagnose(pack, q);
   Status found = nearest.status;
   if (found.code == Code::limit_reached && !turns_back(std::move(nearest))) found.code = Code::branch_unknown;
-  const double least = std::max(first * (kLeast / kSmallest), kResolved * std::max(std::abs(now_), std::abs(t)));
+  const double least = std::max(first * (kLeast / kSmallestStep), kResolved * std::max(std::abs(now_), std::abs(t)));
   const bool shorter = kShorter * shortest_ >= least;
   // Close to a change point rounding would take one of the branches.
   const bool clear = found.code != Code::change_point_passed || (found.figure > kClear && shorter);
@@ -652,7 +653,7 @@ void Continuation::record(Event event, double step) {
 // the first time at which Newton's method finds no solution at all.
 double Continuation::first_without_solution(double target, double t) {
   const double smallest = target - now_;
-  for (int k = 0; k <= kHalvings; ++k) {
+  for (int k = 0; k <= kStepHalvings; ++k) {
     const double h = std::ldexp(smallest, k);
     target = std::abs(t - now_) <= std::abs(h) ? t : now_ + h;
     state_.predict(target);
@@ -691,7 +692,7 @@ bool Continuation::pass_by(double reach, double target, double t) {
   if (walked) {
     over_ = &way;
     passing_[at_its_change_point] = 1;
-    largest_correction_ = kSure * (to - change) / (to - now_);
+    largest_correction_ = kSureOfBranch * (to - change) / (to - now_);
     for (std::size_t more = 0; more < packs_.size() && !passed; ++more) {
       passed = try_step(to, Attempt::Branch::inside).ok();
       // Beyond all packs if none of them failed.

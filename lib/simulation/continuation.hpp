@@ -5,7 +5,6 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <optional>
 #include <span>
 #include <utility>
@@ -14,6 +13,7 @@
 #include "assur/plan.hpp"
 #include "assur/report.hpp"
 #include "assur/simulator.hpp"
+#include "numbers.hpp"
 #include "simulation/angle_turns.hpp"
 #include "simulation/independence.hpp"
 #include "simulation/inputs.hpp"
@@ -27,7 +27,7 @@ namespace assur {
 
 // The length of the steps that are tried: halved where one fails, `growth` times as long after `patience` that arrived.
 struct Stride {
-  double length = std::numeric_limits<double>::infinity();
+  double length = kInfinity;
   int patience = 1;
   double growth = 2;
   int arrived = 0;
@@ -65,7 +65,7 @@ class Continuation {
     StepErrors errors;
     double converged = kConverged;
     double time = 0;
-    double selected_at = std::numeric_limits<double>::quiet_NaN();
+    double selected_at = kNan;
     bool stands_still = false;
     double watched_level = 0, poor = 0;
     std::vector<Lever> levers;
@@ -190,9 +190,9 @@ class Continuation {
   bool divided_ = false;       // the step at hand, or it failed
   bool stands_still_ = false;  // from the posture at hand on, until something moves again
   bool wants_reselection_ = false;
-  double selected_at_ = std::numeric_limits<double>::quiet_NaN();  // time of the last reselection that was tried
+  double selected_at_ = kNan;    // time of the last reselection that was tried
   std::size_t failed_pack_ = 0;  // of the last posture that was tried; their number: none
-  std::vector<Lever> levers_;       // those that are known, then those that are solved for
+  std::vector<Lever> levers_;    // those that are known, then those that are solved for
   std::size_t known_levers_ = 0;
   bool vanished_ = false;  // one of them, in the last posture that was tried
   std::chrono::steady_clock::time_point deadline_;

@@ -3,15 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "index.hpp"
 #include "scene/drive.hpp"
 
 namespace assur {
-namespace {
-
-std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
-
 bool is_angle(const System& s, const DriverInput& in, int law) {
   if (in.kind == DriverInput::Kind::scalar) return false;
   return in.kind == DriverInput::Kind::direction || law >= s.dimension;

@@ -7,18 +7,13 @@
 #include <optional>
 #include <utility>
 
+#include "numbers.hpp"
 #include "scene/outputs.hpp"
 #include "simulation/memory.hpp"
 #include "simulation/run_arguments.hpp"
 #include "simulation/tiles.hpp"
 
 namespace assur {
-namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-}  // namespace
-
 struct Ensemble::Impl {
   Impl(std::size_t count, const std::function<Prepared(std::size_t)>& member, StepLimits step_limits)
       : limits(step_limits), cannot(count) {

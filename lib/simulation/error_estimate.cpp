@@ -6,28 +6,26 @@
 #include <numbers>
 #include <utility>
 
+#include "index.hpp"
+#include "numbers.hpp"
 #include "scene/outputs.hpp"
 #include "simulation/random_sign.hpp"
 #include "simulation/tolerances.hpp"
 
 namespace assur {
 namespace {
-
-constexpr double kEps = std::numeric_limits<double>::epsilon();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Five probes all below 1/5 of the true size happen once in ten thousand times; rounding is half as large as its bound.
 constexpr double kSafety = 2.5;
-constexpr double kUsual = 2 * kEps;           // residuals up to here are those of any step
-constexpr double kRounding = 16 * kEps;       // with residuals up to here equations are solved as well as they can be
-constexpr std::int64_t kInterval = 512;       // steps from one measurement to the next
+constexpr double kUsual = 2 * kEps;  // residuals up to here are those of any step
+constexpr double kSolvedToRounding =
+    16 * kEps;                                // with residuals up to here equations are solved as well as they can be
+constexpr std::int64_t kStepsBetween = 512;   // steps from one measurement to the next
 constexpr std::int64_t kIntervalUnseen = 16;  // where callbacks hide how the condition changes, or errors are in doubt
 constexpr double kCloser = 1.6;               // of the square of a divisor; 2 for the inverse of its cube
-constexpr double kGrown = 2;                  // of a condition, or a residual: then it is measured again
+constexpr double kGrownTwice = 2;             // of a condition, or a residual: then it is measured again
 constexpr double kFaster = 4;                 // of a rate of what drives, or an acceleration
 constexpr double kAtRest = 1e-4;              // of the rate that a driver reaches within a radian
-constexpr double kSlow = 1.0 / 16;            // of the fastest one: how fast slower ones are does not matter
-
-std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
+constexpr double kSlowerThan = 1.0 / 16;      // of the fastest one: how fast slower ones are does not matter
 
 }  // namespace
 
@@ -76,7 +74,7 @@ ErrorEstimate::ErrorEstimate(const Structure& structure, Layout& layout, std::sp
   systems_.reserve(mechanisms_.size());
   omega_.reserve(blocks);
   regular_.resize(layout.packs.size());
-  interval_ = quadratic ? kInterval : kIntervalUnseen;
+  interval_ = quadratic ? kStepsBetween : kIntervalUnseen;
 }
 
 void ErrorEstimate::restart(std::span<const System* const> systems) {
@@ -106,12 +104,12 @@ void ErrorEstimate::restart(std::span<const System* const> systems) {
 bool ErrorEstimate::due(std::int64_t branch_checks, const double* const (&state)[3], double residual,
                         std::span<const double* const> divisors) {
   ++steps_;
-  const bool grown = residual > kGrown * residual_;
+  const bool grown = residual > kGrownTwice * residual_;
   if (grown) residual_ = residual;
   // The start is solved with care; the first step is the first of its kind.
   const bool first = measurements_ < 2;
   // What is left now may be in any equation.
-  const double error = residual > kRounding ? gain_ * residual : 0;
+  const double error = residual > kSolvedToRounding ? gain_ * residual : 0;
   bool serve = true;
   for (std::size_t i = 0; i < used_; ++i) serve = serve && serves(mechanisms_[i], divisors[i]);
   if (grown || first || !serve || error > asked_ || is_faster(state) ||
@@ -151,10 +149,10 @@ bool ErrorEstimate::conditions_have_grown(std::int64_t branch_checks, double err
       }
       for (const double used : packs[p].ball_used) open = std::max(open, 1 / (1 - used));
     }
-    if (of_level > kGrown && !loose_) return true;
+    if (of_level > kGrownTwice && !loose_) return true;
     grown *= of_level;
   }
-  if (in_doubt()) return shrunk > kGrown;
+  if (in_doubt()) return shrunk > kGrownTwice;
   if (loose_) grown *= open;
   return std::max(worst_, error) * grown * grown * grown > asked_;
 }
@@ -173,7 +171,7 @@ void ErrorEstimate::begin(std::span<const double> times, const double* const (&s
     for (std::size_t k = 0; k < m.fast.size(); ++k) {
       const std::size_t d = k % 2 + 1;
       const double now = std::abs(state[d][idx(driven_[k / 2]) + i]);
-      m.fast[k] = std::max({m.fast[k], kFaster * now, kFaster * kSlow * scale[d]});
+      m.fast[k] = std::max({m.fast[k], kFaster * now, kFaster * kSlowerThan * scale[d]});
     }
   }
   if (!static_known_) perturb_static(state[0]);
@@ -294,7 +292,7 @@ void ErrorEstimate::keep() {
     for (std::size_t i = 0; i < m.sizes.size(); ++i) {
       m.largest[i].error = std::max(m.largest[i].error, m.sizes[i].error);
     }
-    m.limit = in_doubt(k) ? asked_ / kGrown : asked_;
+    m.limit = in_doubt(k) ? asked_ / kGrownTwice : asked_;
   }
 }
 
@@ -343,7 +341,6 @@ void ErrorEstimate::keep_steps_between() {
 
 ErrorEstimate::Figures ErrorEstimate::relative(const Mechanism& m, const std::vector<Size>& sizes,
                                                double Size::*what) const {
-  constexpr double kTurn = 2 * std::numbers::pi;
   // Drivers that stand still for a moment have rates that are but rounding.
   const double fastest = std::max(m.scale[1], kAtRest * std::sqrt(m.scale[2]));
   const std::array<double, 3> least = {1, fastest / kTurn, m.scale[2] / (kTurn * kTurn)};

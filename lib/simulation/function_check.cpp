@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "index.hpp"
+
 namespace assur {
 namespace {
 
@@ -11,8 +13,6 @@ namespace {
 constexpr std::int64_t kCallbackInterval = 16;
 constexpr std::int64_t kLawInterval = 64;
 constexpr std::int64_t kLater = 4;  // times the interval, after a closer look that found nothing
-
-std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 double relative(const Contradiction& c) {
   return std::abs(c.given - c.found) / std::max(std::abs(c.given), std::abs(c.found));

@@ -8,7 +8,7 @@
 #endif
 
 #include "equations/lane_vector-inl.hpp"
-#include "simulation/lane_kernels.hpp"
+#include "simulation/pack_kernels.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace assur::HWY_NAMESPACE {

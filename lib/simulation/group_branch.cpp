@@ -2,16 +2,15 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "index.hpp"
+#include "numbers.hpp"
 #include "simulation/group_solver.hpp"
 
 namespace assur {
 namespace {
 
 constexpr double kFold = 30;  // velocity over input velocity near a singularity that makes it a fold
-
-std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
@@ -109,7 +108,7 @@ Status GroupSolver::set_anchor(Pack& pack, double* const (&state)[3], std::int32
   }
   // Without rates nothing is known of the way.
   const bool has_rates = class_.derivatives > 0 || attempt.all_rates;
-  pack.anchor_time[idx(b)] = has_rates ? attempt.time : std::numeric_limits<double>::quiet_NaN();
+  pack.anchor_time[idx(b)] = has_rates ? attempt.time : kNan;
   pack.ball_used[idx(b)] = 0;
   return {};
 }

@@ -6,8 +6,9 @@
 // Callbacks lack the terms of the third derivative.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "index.hpp"
+#include "numbers.hpp"
 #include "simulation/group_solver.hpp"
 #include "simulation/random_sign.hpp"
 #include "simulation/tolerances.hpp"
@@ -15,9 +16,7 @@
 namespace assur {
 namespace {
 
-constexpr double kHalfEps = std::numeric_limits<double>::epsilon() / 2;
-
-std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
+constexpr double kHalfEps = kEps / 2;
 
 }  // namespace
 
@@ -70,7 +69,7 @@ GroupSolver::Health GroupSolver::examine(Pack& pack, const double* state) {
   std::array<double, kMostLanes> condition{};
   for (std::int32_t b = 0; b < program_.blocks; ++b) {
     if (!regular && blocks_.needs_solver(b)) {
-      condition.fill(std::numeric_limits<double>::infinity());
+      condition.fill(kInfinity);
     } else {
       const BlockConditions::Weights both{noise_.data(), noise_.data()};
       blocks_.measure(b, jacobian_.data(), both, solver_, {condition.data(), condition.data()});
@@ -88,9 +87,9 @@ const double* GroupSolver::solution(const Pack& pack, const double* state, int d
   return whole_.data();
 }
 
-// noise_, a bound of the rounding of Phi over epsilon / 2, becomes what random signs are given to: twice that bound, and
-// what the rounding of the unknowns themselves leaves in the equations. That differs from step to step; inputs are as
-// they are.
+// noise_, a bound of the rounding of Phi over epsilon / 2, becomes what random signs are given to: twice that bound,
+// and what the rounding of the unknowns themselves leaves in the equations. That differs from step to step; inputs are
+// as they are.
 void GroupSolver::round_unknowns(const double* x) {
   const std::size_t w = idx(lanes_);
   for (std::size_t r = 0; r < idx(program_.n); ++r) {

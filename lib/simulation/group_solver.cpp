@@ -2,24 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "backends/refined.hpp"
 #include "backends/residual.hpp"
+#include "index.hpp"
+#include "numbers.hpp"
 
 namespace assur {
 namespace {
-
-constexpr double kEps = std::numeric_limits<double>::epsilon();
-constexpr double kLinear = 8 * kEps;  // normwise residual of a refined linear system
-constexpr double kGrown = 1e-13;      // that of a direct solution is smaller, unless pivots grew
-constexpr int kSlow = 2;              // iterations that a step seldom takes
-constexpr int kMostSearching = 40;    // iterations at a fold, where they gain one bit each
+constexpr double kLinear = 8 * kEps;   // normwise residual of a refined linear system
+constexpr double kPivotsGrew = 1e-13;  // that of a direct solution is smaller, unless pivots grew
+constexpr int kSlowIterations = 2;     // iterations that a step seldom takes
+constexpr int kMostSearching = 40;     // iterations at a fold, where they gain one bit each
 constexpr int kMostRefinements = 6;
 constexpr double kContraction = 0.1;  // of successive corrections
-
-std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 // Small steps factorise in registers, afresh and in double: what `lanes` means without more.
 bool has_small_steps(const Strategy& s) {
@@ -46,7 +43,7 @@ GroupSolver::GroupSolver(const System& system, const Structure& structure, std::
       backend_(find_backend(table, strategy_.backend)),
       own_solvers_(backend_.keeps_pivots || strategy_.reuse == Reuse::run),
       blocks_(class_, program_, lanes_),
-      kernels_(lane_kernels(lanes_)) {
+      kernels_(pack_kernels(lanes_)) {
   const std::string why_not = backend_.why_not(choice.shape, ThreadBudget{strategy_.q});
   if (!why_not.empty()) throw Error(Error::Kind::environment, "backend " + strategy_.backend + ": " + why_not);
   const std::size_t w = idx(lanes_), n = idx(program_.n) * w;
@@ -123,7 +120,7 @@ void GroupSolver::size(Pack& pack) const {
   pack.omega.assign(idx(program_.blocks) * w, 0.0);
   pack.ball_used.assign(idx(program_.blocks), 0.0);
   pack.anchor_rates.resize(pack.anchor.size());
-  pack.anchor_time.assign(idx(program_.blocks), std::numeric_limits<double>::quiet_NaN());
+  pack.anchor_time.assign(idx(program_.blocks), kNan);
   pack.kept = {0, 0, 0, pack.ball_used, pack.anchor, pack.anchor_rates, pack.anchor_time, pack.omega, {}};
 }
 
@@ -241,7 +238,7 @@ Status GroupSolver::newton(Pack& pack, double* x, const Attempt& attempt, Counte
       if (iteration == (attempt.branch == Attempt::Branch::anywhere ? kMostSearching : attempt.most_iterations))
         return fail(pack, Code::not_converged, relative, lane_with_most_left(pack));
     }
-    if (iteration == kSlow && attempt.iterations == 0) {
+    if (iteration == kSlowIterations && attempt.iterations == 0) {
       // All terms of an equation may nearly vanish: then it is measured against what does not.
       relative = raised_ratio();
       if (relative <= attempt.converged) break;
@@ -310,7 +307,7 @@ std::int32_t GroupSolver::lane_with_most_left(const Pack& pack) const {
 // x = J^-1 b, whose residual_ is at hand, by factors of J itself: where they grew they do not serve as they are.
 Status GroupSolver::refine_grown(const Pack& pack, const LaneArray& b, double* x, Counters& counters,
                                  double& residual) {
-  for (int k = 0; k < kMostRefinements && residual > kGrown; ++k) {
+  for (int k = 0; k < kMostRefinements && residual > kPivotsGrew; ++k) {
     if (const Status s = solver_->solve(residual_, 1); !s.ok()) return fail(pack, s.code, s.figure);
     counters.solved_unknowns += std::int64_t{pack.used} * program_.n;
     refined_ += pack.used;

@@ -6,7 +6,6 @@
 #include <chrono>
 #include <cstdint>
 #include <initializer_list>
-#include <limits>
 #include <memory>
 #include <vector>
 
@@ -16,9 +15,10 @@
 #include "equations/evaluator.hpp"
 #include "equations/lane_array.hpp"
 #include "equations/program.hpp"
+#include "numbers.hpp"
 #include "simulation/branch.hpp"
-#include "simulation/lane_kernels.hpp"
 #include "simulation/pack.hpp"
+#include "simulation/pack_kernels.hpp"
 #include "simulation/small_step.hpp"
 #include "simulation/tolerances.hpp"
 
@@ -50,7 +50,6 @@ struct Probe {
   std::array<double*, 3> errors{};
 };
 using Probes = std::span<const Probe>;
-inline constexpr std::size_t kMostLanes = 16;
 
 // How a step is solved.
 struct Attempt {
@@ -64,8 +63,8 @@ struct Attempt {
   std::int64_t number = 0;  // its own, from 1 on: by it a rejected attempt is undone in the packs
   int iterations = 0;       // exactly so many; 0: until convergence
   int most_iterations = 12;
-  double converged = kConverged;                           // relative residual that counts as solved
-  double time = std::numeric_limits<double>::quiet_NaN();  // s, of the posture, or from any beginning; NaN: not known
+  double converged = kConverged;  // relative residual that counts as solved
+  double time = kNan;             // s, of the posture, or from any beginning; NaN: not known
   double largest_correction = 0;  // pass: the first one, in the maximum norm; a larger one may lead to the other branch
   bool all_rates = false;         // of all unknowns, also where none are wanted; accelerations of all if of some
 };
@@ -184,7 +183,7 @@ class GroupSolver {
   const LinearSolver* first_ = nullptr;  // of the packs' own ones: what the others are cloned from
   LinearSolver* solver_ = nullptr;       // the pack's at hand, or shared_
   BlockConditions blocks_;
-  const LaneKernels& kernels_;
+  const PackKernels& kernels_;
   std::unique_ptr<SmallStep> small_step_;                 // null: the class, or the strategy, has none
   std::vector<std::int32_t> row_start_;                   // n + 1
   std::vector<RowEntry> row_entries_;                     // nnz: the Jacobian by rows

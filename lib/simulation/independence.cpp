@@ -3,16 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
 #include <numeric>
 #include <utility>
+
+#include "index.hpp"
+#include "numbers.hpp"
 
 namespace assur {
 namespace {
 
-constexpr std::size_t kLargest = 200;  // unknowns of a unit: its factors are dense
-
-std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
+constexpr std::size_t kLargestUnit = 200;  // unknowns of a unit: its factors are dense
 
 }  // namespace
 
@@ -25,7 +25,7 @@ Independence::Independence(const System& system, const Structure& structure, std
       gradient_(system.coordinates.size(), 0.0),
       seen_(system.coordinates.size(), 0) {
   collect(structure);
-  const auto too_large = [](const Unit& u) { return u.unknowns.size() > kLargest; };
+  const auto too_large = [](const Unit& u) { return u.unknowns.size() > kLargestUnit; };
   if (!in_solving_order() || std::any_of(units_.begin(), units_.end(), too_large)) dropped_.clear();
   std::size_t arguments = 0, slopes = 0;
   for (const CallbackBlock& b : system_.callbacks) {
@@ -107,7 +107,7 @@ double Independence::largest_coefficient(const double* q) {
     if (address_[c] >= 0) q_[c] = q[address_[c]];
   }
   for (Unit& unit : units_) {
-    if (!factorize(unit)) return std::numeric_limits<double>::infinity();
+    if (!factorize(unit)) return kInfinity;
   }
   double largest = 0;
   for (Row& row : dropped_) {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "numbers.hpp"
 #include "scene/jet.hpp"
 #include "scene/names.hpp"
 
@@ -31,7 +31,7 @@ bool reaches_zero(const Motion& from, const Motion& to, double seconds) {
   const double way =
       h * (std::abs(from.rate) + std::abs(to.rate)) + h * h * (std::abs(from.acceleration) + std::abs(to.acceleration));
   if (std::min(from.value, to.value) > way) return false;
-  const double nothing = 8 * std::numeric_limits<double>::epsilon();  // typical lengths are 1
+  const double nothing = 8 * kEps;  // typical lengths are 1
   const auto at = [&](double part) { return blend(from, to, 0, seconds, part * seconds); };
   const auto falls = [&](const Motion& m) { return m.rate * seconds < 0; };
   Motion before = from;

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <numeric>
 
+#include "index.hpp"
+
 namespace assur {
 namespace {
-
-std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 std::vector<Pack> fill_packs(const Structure& structure, const std::vector<std::unique_ptr<GroupSolver>>& solvers) {
   std::vector<Pack> packs;

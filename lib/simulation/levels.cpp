@@ -4,12 +4,11 @@
 #include <numeric>
 #include <utility>
 
+#include "index.hpp"
 #include "parallel/longest_first.hpp"
 
 namespace assur {
 namespace {
-
-std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 // Packs on the level that has most of them.
 int widest_level(const std::vector<Pack>& packs) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "numbers.hpp"
 #include "simulation/ball.hpp"
 
 namespace assur {
@@ -11,8 +12,6 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-constexpr double kEps = std::numeric_limits<double>::epsilon();  // 2 u
 constexpr double kTiny = std::numeric_limits<double>::min();
 constexpr double kSpare = 0x1p-40;  // of the radius that is tried, for the rounding of its verification
 constexpr int kRefinements = 2;     // each is worth the square of Z1: more change no digit that is shown
@@ -52,7 +51,7 @@ SolutionProof prove_solution(const QuadraticEquations& e) {
   SolutionProof proof;
   const MatrixXd c = e.jacobian.middle.partialPivLu().inverse();
   if (!c.allFinite()) {
-    proof.defect = std::numeric_limits<double>::infinity();
+    proof.defect = kInfinity;
     return proof;
   }
 

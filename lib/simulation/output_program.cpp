@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numbers>
 #include <utility>
 
+#include "numbers.hpp"
 #include "simulation/dual.hpp"
 
 namespace assur {
@@ -201,7 +201,7 @@ void OutputProgram::differentiate(const double* const (&state)[3], const double*
     Jet<Dual> both[9];
     for (std::size_t f = 0; f < 9; ++f) {
       const auto with_rounding = [&](double value, double by) {
-        return Dual(value, by + (sign != nullptr ? (*sign)() : 0) * std::numeric_limits<double>::epsilon() * value);
+        return Dual(value, by + (sign != nullptr ? (*sign)() : 0) * kEps * value);
       };
       both[f] = {with_rounding(forms[f].value, changes[f].value), with_rounding(forms[f].rate, changes[f].rate),
                  with_rounding(forms[f].acceleration, changes[f].acceleration)};

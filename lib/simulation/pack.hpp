@@ -9,7 +9,7 @@
 #include "assur/backend.hpp"
 #include "equations/lane_array.hpp"
 #include "equations/program.hpp"
-#include "simulation/lane_kernels.hpp"
+#include "simulation/pack_kernels.hpp"
 
 namespace assur {
 

@@ -7,7 +7,6 @@
 // largest acceleration of a driven coordinate in place of w^2 if that is larger).
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numbers>
 #include <string>
@@ -16,6 +15,7 @@
 #include <vector>
 
 #include "assur/simulator.hpp"
+#include "numbers.hpp"
 #include "scene/outputs.hpp"
 #include "simulation/output_program.hpp"
 #include "simulation/reference_motion.hpp"
@@ -88,7 +88,6 @@ class Comparison {
         }
       }
     }
-    constexpr double kTurn = 2 * std::numbers::pi;
     scale_[1] /= kTurn;
     scale_[2] /= kTurn * kTurn;
     ForwardError worst;
@@ -99,7 +98,7 @@ class Comparison {
         if (!o.output.wanted[d]) continue;
         const auto& [difference, size] = o.figures[d];
         const double error = difference != 0 ? difference / std::max(size, scale_[d] * unit) : 0;
-        *of[d] = std::fmax(*of[d], std::isnan(error) ? std::numeric_limits<double>::infinity() : error);
+        *of[d] = std::fmax(*of[d], std::isnan(error) ? kInfinity : error);
       }
     }
     return worst;

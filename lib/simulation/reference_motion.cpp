@@ -6,6 +6,7 @@
 #include <string>
 
 #include "assur/structure.hpp"
+#include "index.hpp"
 #include "scene/drive.hpp"
 #include "scene/law_evaluate.hpp"
 #include "scene/lowering.hpp"
@@ -15,24 +16,22 @@
 namespace assur {
 namespace {
 
-constexpr Eigen::Index kDense = 96;
+constexpr Eigen::Index kDenseReference = 96;
 // A correction this small, and contracting, leaves an error below a millionth of the rounding of doubles.
-constexpr double kConverged = 1e-22;
+constexpr double kQuadConverged = 1e-22;
 constexpr double kConvergedCallback = 1e-10;  // a callback's residual is a double: below it only rounding is left
-constexpr double kClose = 1e-9;               // where Newton in double hands over to quad,
+constexpr double kQuadHandover = 1e-9;        // where Newton in double hands over to quad,
 constexpr double kStagnated = 1e-6;           // or where rounding ends it, in a badly conditioned block
-constexpr double kContraction = 1.0 / 8;      // of simplified Newton corrections: Kantorovich number <= 1/4
+constexpr double kQuadContraction = 1.0 / 8;  // of simplified Newton corrections: Kantorovich number <= 1/4
 constexpr int kMostCorrections = 24;
-constexpr int kHalvings = 20;
-
-std::size_t idx(Index i) { return static_cast<std::size_t>(i); }
+constexpr int kQuadHalvings = 20;
 
 double infinity_norm(const Eigen::VectorXd& x) { return x.allFinite() ? x.lpNorm<Eigen::Infinity>() : HUGE_VAL; }
 
 }  // namespace
 
 void ReferenceLu::compute(const DenseBlock& block, const std::vector<double>& q) {
-  is_dense_ = block.rows() <= kDense;
+  is_dense_ = block.rows() <= kDenseReference;
   if (is_dense_) {
     dense_.compute(block.jacobian(q));
   } else {
@@ -117,7 +116,7 @@ ReferenceMotion::Block ReferenceMotion::block_of(Index b) const {
   Block block;
   block.equations = decomposition_.equations_of(b);
   block.unknowns = decomposition_.unknowns_of(b);
-  block.tolerance = kConverged;
+  block.tolerance = kQuadConverged;
   for (const Index e : block.equations) {
     const Equation& equation = system_.equations[idx(e)];
     if (equation.linear >= 0) block.forms.push_back(equation.linear);
@@ -141,7 +140,7 @@ void ReferenceMotion::advance(double t, int pieces) {
     const double target = last ? t : state_.time + h;
     if (target == state_.time) refuse(t);  // halved below the spacing of doubles
     // The sign of a determinant changes at a change point only: passed, if at all, with the smallest step.
-    const bool smallest = std::abs(h) <= std::ldexp(std::abs(span), -kHalvings);
+    const bool smallest = std::abs(h) <= std::ldexp(std::abs(span), -kQuadHalvings);
     if (step(target, smallest)) {
       h = std::copysign(std::min(2 * std::abs(h), std::abs(span / pieces)), span);
     } else if (smallest) {
@@ -216,11 +215,11 @@ bool ReferenceMotion::approach(const Block& block, const DenseBlock& jacobian) {
     if (norm == HUGE_VAL) return false;
     double size = scale_[0];
     for (const Index u : block.unknowns) size = std::max(size, std::abs(rounded_[idx(u)]));
-    if (norm > kContraction * before) return norm <= kStagnated * size;
+    if (norm > kQuadContraction * before) return norm <= kStagnated * size;
     for (Eigen::Index i = 0; i < correction.size(); ++i) {
       rounded_[idx(block.unknowns[static_cast<std::size_t>(i)])] -= correction[i];
     }
-    if (norm <= kClose * size) return true;
+    if (norm <= kQuadHandover * size) return true;
     before = norm;
   }
   return false;
@@ -238,7 +237,7 @@ void ReferenceMotion::evaluate_forms(const Block& block, int d) {
 // The d-th derivative of the block's unknowns, from residuals in quad and corrections in double.
 bool ReferenceMotion::refine(const Block& block, int d) {
   std::vector<Quad>& q = state_.q[static_cast<std::size_t>(d)];
-  const double tolerance = d == 0 ? block.tolerance : kConverged;
+  const double tolerance = d == 0 ? block.tolerance : kQuadConverged;
   Eigen::VectorXd left(static_cast<Eigen::Index>(block.unknowns.size()));
   double before = HUGE_VAL;
   for (int k = 0; k < kMostCorrections; ++k) {
@@ -255,7 +254,7 @@ bool ReferenceMotion::refine(const Block& block, int d) {
       size = std::max(size, std::abs(static_cast<double>(x)));
     }
     if (norm <= tolerance * size) return true;
-    if (!(norm <= kContraction * before)) return false;
+    if (!(norm <= kQuadContraction * before)) return false;
     before = norm;
   }
   return false;

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
+
+#include "numbers.hpp"
 
 namespace assur {
 
@@ -29,8 +30,7 @@ void check_limits(const StepLimits& limits) {
 bool evenly_spaced(std::span<const double> times) {
   if (times.size() < 3) return true;
   const double step = times[1] - times[0];
-  const double rounding =
-      4 * std::numeric_limits<double>::epsilon() * std::max(std::abs(times.front()), std::abs(times.back()));
+  const double rounding = 4 * kEps * std::max(std::abs(times.front()), std::abs(times.back()));
   for (std::size_t k = 2; k < times.size(); ++k) {
     if (!(std::abs(times[k] - times[k - 1] - step) <= rounding)) return false;
   }

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <utility>
 
+#include "numbers.hpp"
 #include "simulation/columns.hpp"
 
 namespace assur {
@@ -18,7 +19,6 @@ void Totals::merge(const Totals& o) {
 
 void shift_by_turns(const OutputProgram& outputs, const double* before, const double* here, LaneRun& run,
                     std::size_t from, std::size_t columns) {
-  constexpr double kTurn = 2 * std::numbers::pi;
   bool shifted = false;
   for (const std::size_t c : outputs.angles()) {
     const double shift = kTurn * std::round((before[c] - here[c]) / kTurn);

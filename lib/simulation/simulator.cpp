@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <optional>
 #include <utility>
 
+#include "index.hpp"
+#include "numbers.hpp"
 #include "parallel/thread_state.hpp"
 #include "simulation/angle_turns.hpp"
 #include "simulation/chunks.hpp"
@@ -27,14 +28,10 @@ constexpr std::size_t kEventsReserved = 64;
 // On the long way to the chunks the length that works hardly changes. Measured on stewart and four_bar, with patience
 // from 2 to 16 and growth from 1.25 to 2: few attempts in all, and one in seven rejected.
 constexpr Stride kLongWay{.patience = 4, .growth = 1.5};
-
-constexpr double kEps = std::numeric_limits<double>::epsilon();
 // Of the accuracy asked for, what is used: conditions grow before they are measured again, each level's for itself.
 constexpr double kMargin = 16;
 constexpr int kMostLevels = 8;     // that count
 constexpr double kLoosest = 1e-6;  // where a residual counts as solved at most
-
-std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
@@ -165,7 +162,6 @@ struct Simulator::Impl {
   Status tell_verdict(double from) {
     Status s = verdict;
     if (motion.turn_guessed()) {  // the other way round it is a whole turn more or less
-      constexpr double kTurn = 2 * std::numbers::pi;
       s = {Code::inaccurate, s.where, std::max(s.figure, kTurn)};
       ErrorFigures turn;
       turn.estimated_position = kTurn;
@@ -515,7 +511,7 @@ SimulatorState::~SimulatorState() = default;
 SimulatorState::SimulatorState(const SimulatorState& o) : impl_(o.impl_ ? std::make_unique<Impl>(*o.impl_) : nullptr) {}
 SimulatorState& SimulatorState::operator=(const SimulatorState& o) { return *this = SimulatorState(o); }
 
-double SimulatorState::time() const { return impl_ ? impl_->motion.time : std::numeric_limits<double>::quiet_NaN(); }
+double SimulatorState::time() const { return impl_ ? impl_->motion.time : kNan; }
 
 void Simulator::reset() {
   const double start = impl_->first->start_time.value_or(impl_->first->time.start);

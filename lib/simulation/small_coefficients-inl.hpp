@@ -116,7 +116,7 @@ class Coefficients {
     for (int i = 0; i < N; ++i) rhs[i] = rhs[i] - L::load(sum + i * W);
   }
 
-  // Largest over the lanes of omega * largest |coordinate - anchor|: see LaneKernels.
+  // Largest over the lanes of omega * largest |coordinate - anchor|: see PackKernels.
   HWY_INLINE double ball_use(const Pack& pack, std::span<const std::int32_t> coordinates, const L (&x)[N]) {
     for (int j = 0; j < N; ++j) x[j].store(at(kValue, j));
     L moved = L::set(0), poison = L::set(0);

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "equations/lane_array.hpp"
-#include "simulation/lane_kernels.hpp"
+#include "simulation/pack_kernels.hpp"
 #include "simulation/predictor.hpp"
 
 namespace assur {
@@ -83,7 +83,7 @@ class State {
   [[nodiscard]] std::size_t last() const { return begun_ ? 1 : 0; }
   void begin();
 
-  const LaneKernels* kernels_ = &lane_kernels(1);
+  const PackKernels* kernels_ = &pack_kernels(1);
   Predictor predictor_;
   WeightsOfEqualSteps weights_;
   std::size_t first_unknown_ = 0;

@@ -3,18 +3,15 @@
 #include <Eigen/SparseLU>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "index.hpp"
+#include "numbers.hpp"
 #include "scene/residual_scale.hpp"
 #include "simulation/random_sign.hpp"
 #include "structure/dense_block.hpp"
 
 namespace assur {
 namespace {
-
-constexpr double kEps = std::numeric_limits<double>::epsilon();
-
-std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 // A sum and the bound of its rounding, over epsilon / 2: a first term is not rounded, nor is what is taken as it is.
 struct RoundedSum {
@@ -74,7 +71,7 @@ StaticErrors::StaticErrors(const System& system, const Structure& structure)
 std::vector<double> StaticErrors::draw(const System& system, const std::vector<double>& q, std::size_t probes,
                                        std::uint64_t seed) const {
   const std::size_t n = coordinates_.size();
-  std::vector<double> errors(n * (probes + 1), std::numeric_limits<double>::infinity());
+  std::vector<double> errors(n * (probes + 1), kInfinity);
   if (n == 0) return errors;
   std::vector<std::int32_t> column(system.coordinates.size(), -1);
   const DenseBlock block(system, equations_, coordinates_, column);

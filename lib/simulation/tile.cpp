@@ -2,15 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
+#include "index.hpp"
+#include "numbers.hpp"
+#include "scene/residual_scale.hpp"
 #include "simulation/tolerances.hpp"
 
 namespace assur {
 namespace {
-
-std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 bool same_group(const Group& a, const Group& b) {
   return a.group_class == b.group_class && a.level == b.level && a.unknowns == b.unknowns &&
@@ -418,7 +418,7 @@ void Tile::clear_figures() {
 }
 
 std::vector<double> Tile::uniqueness(int lane) const {
-  std::vector<double> radius(layout_.address.size(), std::numeric_limits<double>::infinity());
+  std::vector<double> radius(layout_.address.size(), kInfinity);
   for (std::size_t g = 0; g < layout_.packs.size(); ++g) {
     const Pack& pack = layout_.packs[g];
     const Program& program = layout_.solvers[idx(pack.group_class)]->program();

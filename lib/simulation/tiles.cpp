@@ -5,10 +5,10 @@
 #include <bit>
 #include <utility>
 
+#include "index.hpp"
+
 namespace assur {
 namespace {
-
-std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 std::size_t lanes_for(const Plan& plan, std::size_t runs) {
   return std::min(idx(plan.lanes), std::bit_ceil(std::max<std::size_t>(runs, 1)));

@@ -20,15 +20,15 @@ std::size_t column_index(const std::vector<std::string>& columns, std::string_vi
 }
 
 std::string without_derivatives(const std::vector<std::string>& columns, std::span<const double> row) {
-  constexpr std::size_t kMostNamed = 4;
+  constexpr std::size_t kMostColumnsNamed = 4;
   std::string names;
   std::size_t count = 0;
   for (std::size_t c = 0; c < row.size(); ++c) {
     if (!std::isnan(row[c])) continue;
-    if (++count <= kMostNamed) names += (count == 1 ? "" : ", ") + columns[c];
+    if (++count <= kMostColumnsNamed) names += (count == 1 ? "" : ", ") + columns[c];
   }
   if (count == 0) return "";
-  if (count > kMostNamed) names += ", ...";
+  if (count > kMostColumnsNamed) names += ", ...";
   return "there is no " + names + ": an angle without a sign has no derivatives at 0 and pi, a distance none at 0";
 }
 

@@ -4,18 +4,17 @@
 #include <cmath>
 #include <numbers>
 
+#include "index.hpp"
 #include "scene/own_values.hpp"
 #include "structure/assembly.hpp"
 
 namespace assur {
 namespace {
 
-constexpr double kFirst = 0.1;      // rad, or internal units: the first step
-constexpr double kLongest = 0.3;    // the longest
-constexpr double kShortest = 1e-4;  // shorter ones lead nowhere
-constexpr double kGrowth = 1.5;     // after a step that arrives
-
-std::size_t idx(Index i) { return static_cast<std::size_t>(i); }
+constexpr double kFirst = 0.1;            // rad, or internal units: the first step
+constexpr double kLongestStride = 0.3;    // the longest
+constexpr double kShortestStride = 1e-4;  // shorter ones lead nowhere
+constexpr double kStrideGrowth = 1.5;     // after a step that arrives
 
 class Approach {
  public:
@@ -39,11 +38,11 @@ class Approach {
         last = target - at;
         before = std::exchange(q, next);
         at = target;
-        length = std::min(length * kGrowth, kLongest);
+        length = std::min(length * kStrideGrowth, kLongestStride);
       } else {
         sign_ = std::move(sign);
         length /= 2;
-        if (length < kShortest) return false;
+        if (length < kShortestStride) return false;
       }
     }
     return true;

@@ -6,26 +6,25 @@
 #include <cmath>
 #include <limits>
 
+#include "numbers.hpp"
 #include "structure/dense_block.hpp"
 
 namespace assur {
 namespace {
-
-constexpr double kEps = std::numeric_limits<double>::epsilon();
-constexpr double kSatisfied = 64 * kEps;  // relative residual of an equation that holds
-constexpr Eigen::Index kDense = 96;       // larger blocks are factored sparse
-constexpr int kNewtonSteps = 60;
+constexpr double kSatisfied = 64 * kEps;     // relative residual of an equation that holds
+constexpr Eigen::Index kDenseAssembly = 96;  // larger blocks are factored sparse
+constexpr int kAssemblySteps = 60;
 constexpr int kFitSteps = 400;
 constexpr int kPolishSteps = 10;
-constexpr double kNear = 0.25;   // internal units
-constexpr double kStuck = 1e-8;  // relative residual: least squares that end above it are at no posture
-constexpr double kNudge = 0.1;   // internal units: typical lengths are 1
+constexpr double kNearGuess = 0.25;  // internal units
+constexpr double kStuck = 1e-8;      // relative residual: least squares that end above it are at no posture
+constexpr double kNudge = 0.1;       // internal units: typical lengths are 1
 
 // A direct solution with what assembly asks of it: singular or not, and the sign of the determinant.
 class Linearization {
  public:
   explicit Linearization(const DenseBlock& block, const std::vector<double>& q) {
-    if (block.rows() <= kDense) {
+    if (block.rows() <= kDenseAssembly) {
       const Eigen::MatrixXd j = block.jacobian(q);
       // Rows to unit length: rank and condition do not depend on the units of an equation.
       scale_ = j.rowwise().norm().cwiseMax(std::numeric_limits<double>::min()).cwiseInverse();
@@ -95,7 +94,7 @@ void descend(const DenseBlock& block, std::span<const Index> unknowns, std::vect
     for (int attempt = 0; attempt < 40 && !improved; ++attempt) {
       // min |J p + phi|^2 + mu^2 |p|^2 as a least-squares system: J^T J alone would square the condition.
       Eigen::VectorXd p;
-      if (block.columns() <= kDense) {
+      if (block.columns() <= kDenseAssembly) {
         Eigen::MatrixXd a(block.rows() + block.columns(), block.columns());
         a << Eigen::MatrixXd(j), mu * Eigen::MatrixXd::Identity(block.columns(), block.columns());
         Eigen::VectorXd b = Eigen::VectorXd::Zero(a.rows());
@@ -131,7 +130,7 @@ void leave_saddle(const DenseBlock& block, std::span<const Index> unknowns, std:
 }
 
 // Undamped Newton stays on the posture of a good guess even where that is badly conditioned, which damping may leave
-// for one nearby. False, and q as it was, if it does not converge within kNear of the guess.
+// for one nearby. False, and q as it was, if it does not converge within kNearGuess of the guess.
 bool polish(const DenseBlock& block, std::span<const Index> unknowns, std::vector<double>& q) {
   const Eigen::VectorXd guess = gather(unknowns, q);
   for (int step = 0; step < kPolishSteps; ++step) {
@@ -139,7 +138,7 @@ bool polish(const DenseBlock& block, std::span<const Index> unknowns, std::vecto
     const Linearization j(block, q);
     if (!(j.rcond() > kEps)) break;
     const Eigen::VectorXd x = gather(unknowns, q) - j.solve(block.residuals(q));
-    if (!((x - guess).lpNorm<Eigen::Infinity>() <= kNear)) break;
+    if (!((x - guess).lpNorm<Eigen::Infinity>() <= kNearGuess)) break;
     scatter(unknowns, x, q);
   }
   if (block.relative_residual(q) <= kSatisfied) return true;
@@ -156,7 +155,7 @@ BlockAssembly assemble(const System& s, std::span<const Index> equations, std::s
   int first_sign = 0;
   bool decidable = true;
   bool fitted = false;
-  for (int step = 0; step < kNewtonSteps; ++step) {
+  for (int step = 0; step < kAssemblySteps; ++step) {
     const double residual_now = block.relative_residual(q);
     if (!(residual_now < HUGE_VAL)) break;
     const Linearization j(block, q);
@@ -228,7 +227,7 @@ double fit(const System& s, std::span<const Index> equations, std::span<const In
   const DenseBlock block(s, equations, unknowns, column);
   descend(block, unknowns, q);
   const double reached = block.relative_residual(q);
-  if (reached <= kStuck || std::max(block.rows(), block.columns()) > kDense) return reached;
+  if (reached <= kStuck || std::max(block.rows(), block.columns()) > kDenseAssembly) return reached;
   const Eigen::VectorXd x = gather(unknowns, q);
   leave_saddle(block, unknowns, q);
   descend(block, unknowns, q);

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
+#include "index.hpp"
+
 namespace assur {
 namespace {
-
-std::size_t idx(Index i) { return static_cast<std::size_t>(i); }
 
 std::string names(const System& s, std::span<const Index> unknowns, std::size_t most, const char* separator) {
   std::vector<std::string> found;

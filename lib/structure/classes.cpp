@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "index.hpp"
+
 namespace assur {
 namespace {
 
@@ -35,7 +37,6 @@ ClassTable::ClassTable(const System& system, const std::vector<std::uint8_t>& mo
     : system_(system), moves_(moves), local_coordinate_(system.coordinates.size(), kAbsent) {}
 
 void ClassTable::classify(const GroupContent& content, Group& group) {
-  const auto idx = [](Index i) { return static_cast<std::size_t>(i); };
   const System& s = system_;
   GroupClass c;
   c.n = static_cast<Index>(content.unknowns.size());

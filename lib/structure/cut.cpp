@@ -2,13 +2,12 @@
 
 #include <algorithm>
 
+#include "index.hpp"
 #include "scene/outputs.hpp"
 #include "structure/demand.hpp"
 
 namespace assur {
 namespace {
-
-std::size_t idx(Index i) { return static_cast<std::size_t>(i); }
 
 // A block moves if one of its inputs does.
 void find_what_moves(const System& s, const Blocks& blocks, Cut& cut) {

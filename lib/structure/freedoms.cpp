@@ -3,12 +3,12 @@
 #include <cmath>
 #include <utility>
 
+#include "index.hpp"
+
 namespace assur {
 namespace {
 
 using Kind = DriverInput::Kind;
-
-std::size_t idx(Index i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 

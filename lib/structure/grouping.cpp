@@ -5,12 +5,11 @@
 #include <numeric>
 #include <tuple>
 
+#include "index.hpp"
 #include "structure/block_names.hpp"
 
 namespace assur {
 namespace {
-
-std::size_t idx(Index i) { return static_cast<std::size_t>(i); }
 
 class Grouping {
  public:

@@ -9,27 +9,25 @@
 #include <random>
 
 #include "decimal.hpp"
+#include "index.hpp"
+#include "numbers.hpp"
 #include "structure/assembly.hpp"
 #include "structure/dense_block.hpp"
 #include "structure/freedoms.hpp"
 
 namespace assur {
 namespace {
-
-constexpr double kEps = std::numeric_limits<double>::epsilon();
-constexpr double kSolved = 1e-10;  // relative residual of equations that hold
-constexpr double kHolds = 1e-9;    // of an equation that follows from others that hold
-constexpr double kNear = 0.05;     // rad or internal units: how far drivers are moved
-constexpr int kTries = 3;          // in random directions, and each shorter
-constexpr double kStride = 0.1;    // of a driven coordinate between postures on the path
-constexpr int kOnPath = 7;         // steps of the grid
-constexpr int kNewtonSteps = 20;
-constexpr double kRounding = 1e-12;          // a residual that no longer falls is rounding
+constexpr double kSolved = 1e-10;    // relative residual of equations that hold
+constexpr double kHolds = 1e-9;      // of an equation that follows from others that hold
+constexpr double kAround = 0.05;     // rad or internal units: how far drivers are moved
+constexpr int kTries = 3;            // in random directions, and each shorter
+constexpr double kPathStride = 0.1;  // of a driven coordinate between postures on the path
+constexpr int kOnPath = 7;           // steps of the grid
+constexpr int kStepsElsewhere = 20;
+constexpr double kNoLongerFalls = 1e-12;     // a residual that no longer falls is rounding
 constexpr double kDependent = 1e-7;          // pivots of rows of length 1: postures are good to far less
-constexpr std::size_t kLargest = 600;        // rows or columns: beyond, dense decompositions take seconds
+constexpr std::size_t kLargestDense = 600;   // rows or columns: beyond, dense decompositions take seconds
 constexpr std::size_t kMostRates = 1 << 24;  // numbers
-
-std::size_t idx(Index i) { return static_cast<std::size_t>(i); }
 
 // A connected part: equations that share unknowns or drivers.
 struct Part {
@@ -166,7 +164,7 @@ class Look {
             stride = std::max(stride, std::abs(next[idx(c)] - q[idx(c)]));
           }
         }
-        if (stride > kStride || !look_at(next, to, path_)) {
+        if (stride > kPathStride || !look_at(next, to, path_)) {
           if ((h /= 2) < step / 1024) return any;
           continue;
         }
@@ -189,7 +187,7 @@ class Look {
         a = 2 * static_cast<double>(random()) / static_cast<double>(std::mt19937::max()) - 1;
         largest = std::max(largest, std::abs(a));
       }
-      for (double& a : amounts) a *= kNear / largest;
+      for (double& a : amounts) a *= kAround / largest;
       for (int shorter = 0; shorter < kTries; ++shorter) {
         std::vector<double> q = start_;
         freedoms_.move(amounts, q);
@@ -275,9 +273,9 @@ class Look {
   bool settle(const std::vector<Index>& equations, std::vector<double>& q) {
     const DenseBlock block(s_, equations, p_.unknowns, column_), all(s_, p_.equations, p_.unknowns, column_);
     double last = HUGE_VAL;
-    for (int step = 0; step < kNewtonSteps; ++step) {
+    for (int step = 0; step < kStepsElsewhere; ++step) {
       const double now = block.relative_residual(q);
-      if (now <= 4 * kEps || (now <= kRounding && now > last / 4)) break;
+      if (now <= 4 * kEps || (now <= kNoLongerFalls && now > last / 4)) break;
       last = now;
       Eigen::VectorXd phi = block.residuals(q);
       for (Eigen::Index i = 0; i < phi.size(); ++i) phi[i] /= slope(equations[static_cast<std::size_t>(i)], q);
@@ -304,7 +302,7 @@ class Look {
   Mobility mobility() {
     const std::size_t columns = p_.unknowns.size() + freedoms_.count();
     Mobility out;
-    if (p_.equations.empty() || columns == 0 || std::max(p_.equations.size(), columns) > kLargest ||
+    if (p_.equations.empty() || columns == 0 || std::max(p_.equations.size(), columns) > kLargestDense ||
         freedoms_.count() * s_.coordinates.size() > kMostRates) {
       // The equations that were kept are independent; what the others say of the drivers is not looked at.
       out.at_start = out.generic =
@@ -330,7 +328,7 @@ class Look {
       }
       const Eigen::VectorXd by = basis * along;
       std::vector<double> q = start_;
-      displace(by * (4 * kNear / by.lpNorm<Eigen::Infinity>()), q);
+      displace(by * (4 * kAround / by.lpNorm<Eigen::Infinity>()), q);
       // Where the start is singular, equations may depend there that do not elsewhere.
       std::vector<double> again = q;
       if (!settle(equations, q) && !settle(p_.equations, q = std::move(again))) continue;

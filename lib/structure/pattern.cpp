@@ -2,16 +2,9 @@
 #include <set>
 
 #include "assur/structure.hpp"
+#include "index.hpp"
 
 namespace assur {
-namespace {
-
-using Index = std::int32_t;
-
-std::size_t idx(Index i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
-
 Shape Structure::shape(const Group& group) const {
   const GroupClass& c = classes[idx(group.group_class)];
   Shape s;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "index.hpp"
+
 namespace assur {
 namespace {
 
@@ -41,8 +43,6 @@ class Presolve {
   }
 
  private:
-  static std::size_t idx(Index i) { return static_cast<std::size_t>(i); }
-
   static bool is_literal(const Affine::Part& p) { return p.constant >= 0 && p.constant < kLiterals; }
 
   void add(Affine& sum, const Affine::Part& p) const {

@@ -5,15 +5,14 @@
 #include <limits>
 #include <set>
 
+#include "numbers.hpp"
 #include "structure/assembly.hpp"
 #include "structure/dense_block.hpp"
 
 namespace assur {
 namespace {
-
-constexpr double kEps = std::numeric_limits<double>::epsilon();
-constexpr double kNonzero = 1e-8;        // entries of a null vector that count, relative to the largest
-constexpr Eigen::Index kLargest = 3000;  // dense QR: minutes beyond
+constexpr double kNonzero = 1e-8;          // entries of a null vector that count, relative to the largest
+constexpr Eigen::Index kLargestQr = 3000;  // dense QR: minutes beyond
 
 constexpr double kMostShare = 1.5;
 constexpr int kMostExchanges = 64;
@@ -72,7 +71,7 @@ RankStudy study_rank(const System& s, std::span<const Index> equations, std::spa
                      std::optional<double> laws_from, std::vector<double>& q, std::vector<Index>& column) {
   RankStudy out;
   const DenseBlock block(s, equations, unknowns, column);
-  if (std::max(block.rows(), block.columns()) > kLargest) {
+  if (std::max(block.rows(), block.columns()) > kLargestQr) {
     throw Error(Error::Kind::input, "a part with " + std::to_string(block.columns()) + " unknowns and " +
                                         std::to_string(block.rows()) +
                                         " equations is not regular by its structure, and too large (3000) to find out "

@@ -11,7 +11,9 @@
 #include <utility>
 
 #include "decimal.hpp"
+#include "index.hpp"
 #include "scene/own_values.hpp"
+#include "scene/residual_scale.hpp"
 #include "scene/triple.hpp"
 #include "structure/approach.hpp"
 #include "structure/assembly.hpp"
@@ -24,16 +26,13 @@
 namespace assur {
 namespace {
 
-constexpr double kConsistent = 1e-10;        // relative residual up to which dependent equations agree with each other
 constexpr double kSkew = 1e-6;               // of a frame's axes, which may be written with seven digits
-constexpr double kFar = 0.1;                 // rad or internal units from a driver's value as written to its law's
+constexpr double kFarFromWritten = 0.1;      // rad or internal units from a driver's value as written to its law's
 constexpr double kNearby = 0.05;             // rad or internal units: how far drivers are moved off a singular posture
 constexpr double kDependentNearby = 1e-7;    // pivots of rows of length 1
 constexpr std::size_t kLargestNearby = 600;  // equations or unknowns: beyond, dense decompositions take seconds
-constexpr std::size_t kMostNamed = 12;
+constexpr std::size_t kMostRedundantNamed = 12;
 constexpr std::size_t kMostFlips = 8;  // drivers that are led the longer way round, one at a time
-
-std::size_t idx(Index i) { return static_cast<std::size_t>(i); }
 
 // A point that moved by more from its guess to the start posture is told of, in internal units: typical lengths are 1
 // to 2, and guesses by eye are within half of one.
@@ -421,10 +420,10 @@ class DrivenStart {
 
   void refuse_dead_centre() {
     std::string names;
-    for (std::size_t i = 0; i < std::min(out_.undetermined.size(), kMostNamed); ++i) {
+    for (std::size_t i = 0; i < std::min(out_.undetermined.size(), kMostRedundantNamed); ++i) {
       names += (i == 0 ? "" : ", ") + out_.undetermined[i];
     }
-    if (out_.undetermined.size() > kMostNamed) names += ", ...";
+    if (out_.undetermined.size() > kMostRedundantNamed) names += ", ...";
     out_.undetermined.clear();
     out_.cannot_assemble = "the start posture is singular (a dead centre): the Jacobian does not determine " + names +
                            " there, though it does in postures nearby; let the drivers start off it";
@@ -448,7 +447,7 @@ class DrivenStart {
     const DriverValues from = written(), to = values(p_.q, false);
     for (std::size_t i = 0; i < s_.inputs.size(); ++i) {
       for (const double d : difference(s_, s_.inputs[i], from[i], to[i])) {
-        if (std::abs(d) > kFar * std::min(1.0, s_.unit(1))) return true;
+        if (std::abs(d) > kFarFromWritten * std::min(1.0, s_.unit(1))) return true;
       }
     }
     return false;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "index.hpp"
 #include "scene/lowering.hpp"
 #include "structure/classes.hpp"
 #include "structure/cut.hpp"
@@ -14,8 +15,6 @@
 
 namespace assur {
 namespace {
-
-std::size_t idx(Index i) { return static_cast<std::size_t>(i); }
 
 std::vector<Index> all_unknowns(const System& s) {
   std::vector<Index> unknowns;

@@ -2,11 +2,10 @@
 
 #include <limits>
 
+#include "numbers.hpp"
+
 namespace assur::test {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 Matrix scaled(Matrix a, const std::function<double(int, int)>& factor) {
   scale(a, factor);

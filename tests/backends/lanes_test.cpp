@@ -7,8 +7,8 @@
 
 #include "assur/backend.hpp"
 #include "backends/allocations.hpp"
+#include "backends/lanes_elimination.hpp"
 #include "backends/lanes_kernels.hpp"
-#include "backends/lanes_program.hpp"
 #include "backends/matrices.hpp"
 
 namespace assur::test {
@@ -402,7 +402,7 @@ TEST(Lanes, ATriangleIsSolvedWithoutFillOrProducts) {
   const Matrix a = permuted_triangle(40, 1, random);
   const lanes::Order order = lanes::markowitz_order(a.pattern, a.values, 1, 1, {});
   ASSERT_TRUE(order.complete(40));
-  const lanes::Program program = lanes::write_program(a.pattern, order);
+  const lanes::Elimination program = lanes::write_program(a.pattern, order);
   EXPECT_EQ(program.slots, static_cast<unsigned>(a.pattern.nnz()) + 40);
   EXPECT_EQ(program.factor.size(), 40u * 3 + 2 * a.values.size());
 }
@@ -412,7 +412,8 @@ TEST(Lanes, BackwardSubstitutionStopsAtWhatIsWanted) {
   Random random(6);
   const Matrix a = compress(
       n, [](int i, int j) { return j == i || j == i + 1; }, [&](int, int) { return nonzero(random); });
-  const lanes::Program program = lanes::write_program(a.pattern, lanes::markowitz_order(a.pattern, a.values, 1, 1, {}));
+  const lanes::Elimination program =
+      lanes::write_program(a.pattern, lanes::markowitz_order(a.pattern, a.values, 1, 1, {}));
   // As rows or as columns of a triangle, one of the two substitutions does everything.
   for (std::size_t first = 0; first <= n; ++first) EXPECT_EQ(program.wanted_rows[first], n - first);
 }

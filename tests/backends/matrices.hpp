@@ -14,10 +14,9 @@
 #include <vector>
 
 #include "assur/backend.hpp"
+#include "numbers.hpp"
 
 namespace assur::test {
-
-inline constexpr double kEps = std::numeric_limits<double>::epsilon();
 using Random = std::mt19937_64;
 
 inline double uniform(Random& random, double low, double high) {

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "index.hpp"
 #include "scene/system.hpp"
 #include "simulation/output_program.hpp"
 
@@ -90,7 +91,6 @@ class LeftOpen {
     double norm = 0;  // of all coordinates: the largest sum of a row
   };
 
-  static std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
   [[nodiscard]] Index equation(Eigen::Index i) const { return equations_[static_cast<std::size_t>(i)]; }
   static std::vector<std::int32_t> every_coordinate(const System& system) {
     std::vector<std::int32_t> out(system.coordinates.size());

@@ -16,6 +16,7 @@
 #include "assur/ensemble.hpp"
 #include "check/left_open.hpp"
 #include "check/random_mechanism.hpp"
+#include "numbers.hpp"
 #include "simulation/any_mechanism.hpp"
 #include "simulation/conditions.hpp"
 #include "simulation/random_count.hpp"
@@ -31,7 +32,6 @@ constexpr ThreadBudget kBudget{2};
 constexpr std::size_t kMembers = 4;
 // Beyond this condition a posture is as good as singular: rounding decides what becomes of it.
 constexpr double kSingular = 1e6;
-constexpr double kTurn = 2 * std::numbers::pi;
 
 std::uint64_t first_seed() {
   const char* const wanted = std::getenv("ASSUR_RANDOM_SEED");

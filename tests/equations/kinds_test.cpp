@@ -10,6 +10,8 @@
 #include "assur/plan.hpp"
 #include "assur/simulator.hpp"
 #include "equations/evaluator.hpp"
+#include "index.hpp"
+#include "numbers.hpp"
 #include "scene/drive.hpp"
 #include "scene/lowering.hpp"
 #include "scene/residual_scale.hpp"
@@ -23,10 +25,6 @@ using references::Posture;
 using references::Quad;
 using references::QuadJet;
 using enum Formulation;
-
-constexpr double kEps = std::numeric_limits<double>::epsilon();
-
-std::size_t idx(Index i) { return static_cast<std::size_t>(i); }
 
 class EveryKind : public testing::TestWithParam<Kind> {
  protected:

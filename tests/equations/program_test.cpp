@@ -8,6 +8,8 @@
 #include <random>
 
 #include "equations/evaluator.hpp"
+#include "index.hpp"
+#include "numbers.hpp"
 #include "structure/look.hpp"
 
 namespace assur {
@@ -15,10 +17,6 @@ namespace {
 
 using enum Formulation;
 using look::structure;
-
-constexpr double kEps = std::numeric_limits<double>::epsilon();
-
-std::size_t idx(Index i) { return static_cast<std::size_t>(i); }
 
 // P on a circle about A with the callback's radius, and on a rod of length 2 from a crank. Arguments in metres.
 Scene with_callback(double length = 1) {

@@ -1,5 +1,6 @@
 // What a block of `factor` and `solve` does, and who is never timed.
 #include "measure/linear.hpp"
+#include "numbers.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +8,6 @@
 
 namespace assur::measure {
 namespace {
-
-constexpr double kEps = std::numeric_limits<double>::epsilon();
 
 struct Calls {
   int analyses = 0, factorizations = 0, solutions = 0;

@@ -1,4 +1,5 @@
 #include "measure/pareto.hpp"
+#include "numbers.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +10,6 @@ namespace assur::measure {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 TEST(Pareto, OnlyWhatNobodyBeatsIsOnTheFront) {
   const std::vector<Trade> all = {{3, 1e-12}, {1, 1e-3}, {2, 1e-3}, {2, 1e-6}, {4, 1e-12}, {5, 1e-9}};
@@ -22,7 +22,7 @@ TEST(Pareto, EqualOnesStandOrFallTogether) {
 }
 
 TEST(Pareto, WhatIsNotKnownIsNeverOnTheFront) {
-  const std::vector<Trade> all = {{kNaN, 0}, {1, kNaN}, {0, kInfinite}, {2, 0}};
+  const std::vector<Trade> all = {{kNaN, 0}, {1, kNaN}, {0, kInfinity}, {2, 0}};
   EXPECT_EQ(pareto_front(all), (std::vector<bool>{false, false, false, true}));
   EXPECT_TRUE(pareto_front({}).empty());
 }

@@ -8,11 +8,10 @@
 #include <optional>
 
 #include "assur/simulator.hpp"
+#include "numbers.hpp"
 
 namespace assur::measure {
 namespace {
-
-constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr double kSolved = 8 * kEps;  // residual of an equation that counts as solved
 
 // C at distance 1 from A = (0, 0) and from B = (x, 0), which a driver moves: C = (x/2, h), h = sqrt(1 - x^2/4).

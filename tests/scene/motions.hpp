@@ -10,10 +10,9 @@
 #include <vector>
 
 #include "assur/law.hpp"
+#include "numbers.hpp"
 
 namespace assur::test {
-
-inline constexpr double kEps = std::numeric_limits<double>::epsilon();
 inline constexpr double kTau = 2 * std::numbers::pi;
 
 inline void expect_near(const Motion& actual, const Motion& expected, const Motion& tolerance,

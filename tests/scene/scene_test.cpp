@@ -1,4 +1,5 @@
 #include "assur/scene.hpp"
+#include "numbers.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +9,6 @@
 
 namespace assur {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 SceneBuilder four_bar() {
   SceneBuilder builder("four_bar", 2);

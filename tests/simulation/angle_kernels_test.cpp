@@ -1,5 +1,6 @@
 // Sines, cosines and harmonics side by side, measured in quad, in every instruction set that this machine has.
 #include "simulation/angle_kernels.hpp"
+#include "numbers.hpp"
 
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
@@ -18,8 +19,6 @@ namespace {
 
 using references::Quad;
 using Exact = boost::multiprecision::cpp_bin_float_100;  // quad is too short next to a zero
-
-constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr double kTiny = 0x1p-30;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN(), kInfinity = std::numeric_limits<double>::infinity();
 

@@ -6,12 +6,11 @@
 #include <random>
 
 #include "assur/ensemble.hpp"
+#include "numbers.hpp"
 #include "simulation/run.hpp"
 
 namespace assur {
 namespace {
-
-constexpr double kTurn = 2 * std::numbers::pi;
 // An angle is wrong by whole turns or not at all; its own error is far smaller, at the border of a fold sqrt(eps).
 constexpr double kNoTurn = 1e-6;
 constexpr double kFine = 2e-3;  // rad, of the crank: steps of the closed form

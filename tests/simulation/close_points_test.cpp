@@ -4,6 +4,7 @@
 #include <numbers>
 #include <random>
 
+#include "numbers.hpp"
 #include "simulation/run.hpp"
 
 namespace assur {
@@ -43,7 +44,6 @@ TEST(ClosePoints, OnALine) {
 
 // It passes through the point at t = 0.856: which way round the direction turns there is a guess, by a whole turn.
 TEST(ClosePoints, ThatMeetLeaveAWholeTurnInDoubt) {
-  constexpr double kTurn = 2 * std::numbers::pi;
   const Scene scene = parse_scene(R"({"assur": 1, "name": "close", "dimension": 2,
     "points": {"A": {"at": [0, 0], "fixed": true}, "B": {"at": [0.5, 0]}, "C": {"at": [1.07, 1.43]},
                "F": {"at": [1.0789035682494987, 1.438538090999332], "fixed": true}},

@@ -1,5 +1,6 @@
 // The flat program of the drivers against their definition in quad.
 #include "simulation/drive_program.hpp"
+#include "numbers.hpp"
 
 #include <gtest/gtest.h>
 
@@ -19,8 +20,6 @@ namespace assur {
 namespace {
 
 using references::Quad;
-
-constexpr double kEps = std::numeric_limits<double>::epsilon();
 
 using State = std::array<std::vector<double>, 3>;
 

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "assur/scene.hpp"
+#include "numbers.hpp"
 #include "simulation/limited.hpp"
 
 namespace assur::test {
@@ -97,7 +98,6 @@ inline Scene limited_fan(const std::set<int>& ending) {
 
 // Every other dyad is a parallelogram: all of those pass their change points at t = 0.25.
 inline Scene fan_of_parallelograms() {
-  constexpr double kTurn = 2 * std::numbers::pi;
   Fan fan("parallelograms", kTurn / 4, Law::polynomial({kTurn / 4, kTurn}));
   for (int i = 0; i < kWide; ++i) fan.dyad(2, i % 2 == 1 ? 2 : 2.3, i % 2 == 1 ? 1 : 1.6 + 0.005 * i);
   return fan.build(0.7, 0.007);

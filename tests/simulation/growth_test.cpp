@@ -7,17 +7,13 @@
 #include <string>
 #include <vector>
 
+#include "median.hpp"
 #include "simulation/random_chains.hpp"
 #include "simulation/random_count.hpp"
 #include "simulation/run.hpp"
 
 namespace assur {
 namespace {
-
-double median(std::vector<double> v) {
-  std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2), v.end());
-  return v[v.size() / 2];
-}
 
 // A dyad B-C-D on a crank, whose bars are off one line by the angle sigma at the time 0, where it is looked at.
 Scene dyad_off_line_by(double sigma, test::Draw& draw) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "assur/simulator.hpp"
+#include "numbers.hpp"
 
 namespace assur {
 
@@ -20,8 +21,6 @@ inline void PrintTo(Code code, std::ostream* out) { *out << name(code); }
 }  // namespace assur
 
 namespace assur::test {
-
-inline constexpr double kEps = std::numeric_limits<double>::epsilon();
 
 inline Simulator simulator(const Scene& scene, const std::string& strategy = "auto", StepLimits limits = {},
                            std::vector<std::string> controlled = {}) {

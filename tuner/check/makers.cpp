@@ -2,18 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <vector>
 
 #include "check/matrices.hpp"
 #include "check/random_mechanism.hpp"
+#include "numbers.hpp"
 #include "scene/law_evaluate.hpp"
 
 namespace assur::check {
 namespace {
-
-constexpr double kTurn = 2 * std::numbers::pi;
 
 // The value of a parameter, or what it is if nothing is set.
 double get(const Parameters& set, const std::string& name, double otherwise) {
@@ -102,7 +100,7 @@ Made callback_to_infinity() {
   Callback callback;
   callback.coordinates = {"S.x", "S.y"};
   callback.equations = 1;
-  const auto bad = [](double t) { return t < 0.475 ? 1.0 : std::numeric_limits<double>::infinity(); };
+  const auto bad = [](double t) { return t < 0.475 ? 1.0 : kInfinity; };
   callback.residual = [bad](std::span<const double> x, std::span<double> phi) { phi[0] = bad(x[0]) * (x[1] - x[0]); };
   callback.jacobian = [bad](std::span<const double> x, std::span<double> j) { j[0] = -bad(x[0]), j[1] = bad(x[0]); };
   callback.curvature = [](std::span<const double>, std::span<const double>, std::span<double> out) { out[0] = 0; };
@@ -165,8 +163,8 @@ Made wide(const Parameters& set) {
 
 Made make(const std::string& maker, const Parameters& set) {
   constexpr const char* kMatrix = "callback_";
-  if (maker == "law_to_nan") return law_to(std::numeric_limits<double>::quiet_NaN());
-  if (maker == "law_to_infinity") return law_to(std::numeric_limits<double>::infinity());
+  if (maker == "law_to_nan") return law_to(kNan);
+  if (maker == "law_to_infinity") return law_to(kInfinity);
   if (maker == "callback_to_infinity") return callback_to_infinity();
   if (maker == "table") return table(set);
   if (maker == "wide") return wide(set);

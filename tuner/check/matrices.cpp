@@ -3,17 +3,15 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <random>
 
 #include "assur/backend.hpp"
 #include "backends/refined.hpp"
+#include "numbers.hpp"
 
 namespace assur::check {
 namespace {
-
-constexpr double kEps = std::numeric_limits<double>::epsilon();
 
 Dense filled(std::size_t n, const std::function<double(std::size_t, std::size_t)>& entry) {
   Dense a(n, std::vector<double>(n));
@@ -61,7 +59,7 @@ double condition_of(const Dense& a) {
   for (Eigen::Index i = 0; i < n; ++i) {
     for (Eigen::Index j = 0; j < n; ++j) m(i, j) = a[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
   }
-  if (!m.allFinite()) return std::numeric_limits<double>::infinity();
+  if (!m.allFinite()) return kInfinity;
   for (Eigen::Index i = 0; i < n; ++i) {
     if (const double size = m.row(i).lpNorm<Eigen::Infinity>(); size > 0) m.row(i) /= size;
   }
@@ -120,7 +118,7 @@ double forward_error(const Task& task, const std::vector<double>& x) {
   double off = 0;
   for (std::size_t i = 0; i < x.size(); ++i) {
     const double d = std::abs(x[i] - task.solution[i]) / std::abs(task.solution[i]);
-    if (!(d <= off)) off = std::isnan(d) ? std::numeric_limits<double>::infinity() : d;
+    if (!(d <= off)) off = std::isnan(d) ? kInfinity : d;
   }
   return off;
 }
@@ -190,7 +188,7 @@ Dense matrix(const std::string& name, const Parameters& set) {
   } else if (name == "zero_row") {
     a[n / 2].assign(n, 0.0);
   } else if (name == "nan") {
-    a[n / 2][n / 2] = std::numeric_limits<double>::quiet_NaN();
+    a[n / 2][n / 2] = kNan;
   } else {
     throw Error(Error::Kind::input, "there is no matrix '" + name + "'");
   }

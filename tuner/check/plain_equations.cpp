@@ -7,6 +7,8 @@
 #include <set>
 #include <variant>
 
+#include "median.hpp"
+
 namespace assur::check {
 namespace {
 
@@ -128,10 +130,7 @@ PlainEquations::PlainEquations(const Scene& scene) : dimension_(scene.dimension(
     if (const auto* a = std::get_if<PointAngle>(&d.kind)) see(between(a->a, a->b));
     if (const auto* a = std::get_if<DrivenDistance>(&d.kind)) see(between(a->a, a->b));
   }
-  if (!lengths.empty()) {
-    std::nth_element(lengths.begin(), lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2), lengths.end());
-    length_ = lengths[lengths.size() / 2];
-  }
+  if (!lengths.empty()) length_ = median(std::move(lengths));
 
   // Vectors of frames get their norms from their bodies.
   std::set<std::string> framed;

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
+
+#include "numbers.hpp"
 
 namespace assur::check {
 namespace {
@@ -268,7 +269,7 @@ bool PlainMotion::settle(const std::vector<TimeJet<Real>>& laws) {
   Real least = 1e-9;
   for (const TimeJet<Real>& l : laws) least = std::max({least, std::abs(l.rate), std::sqrt(std::abs(l.curve))});
   least *= Real(1e-3);
-  double before = std::numeric_limits<double>::infinity();
+  double before = kInfinity;
   for (int k = 0; k < 12; ++k) {
     equations_.evaluate(x_.data(), in.data(), out.data());
     for (std::size_t r = 0; r < m; ++r) {

@@ -15,13 +15,13 @@
 #include "check/strategies.hpp"
 #include "check/twin.hpp"
 #include "check/yardstick.hpp"
+#include "numbers.hpp"
 #include "output/format.hpp"
 
 namespace assur::check {
 namespace {
 
 constexpr double kHopeless = 1, kHopelessQuick = 0.1;  // s that one run may take by counts of operations
-constexpr double kEps = std::numeric_limits<double>::epsilon();
 
 Made made(const Case& c) {
   Made out = [&]() -> Made {

@@ -8,11 +8,12 @@
 #include <string_view>
 #include <utility>
 
+#include "numbers.hpp"
+
 namespace assur::check {
 namespace {
 
 constexpr long double kSameMotion = 1e-3L;  // beyond, one of the two is on another branch
-constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr long double kUnknown = std::numeric_limits<long double>::quiet_NaN();
 
 bool is_signed_angle(const OutputPart& part) {
@@ -116,7 +117,7 @@ Yardstick::Figure Yardstick::compare(const Item& item, const Trajectory& traject
     if (item.angle) difference -= turns(item, trajectory, row);
     for (const auto& [angle, factor] : item.angles) difference -= factor * turns(items_[angle], trajectory, row);
     difference = std::abs(difference);
-    if (!(difference <= figure.difference)) figure.difference = std::isnan(difference) ? kInfinite : difference;
+    if (!(difference <= figure.difference)) figure.difference = std::isnan(difference) ? kInfinity : difference;
     figure.size = std::max(figure.size, std::abs(is));
   }
   return figure;
@@ -162,7 +163,7 @@ double Yardstick::forward_error(const Trajectory& trajectory, std::size_t rows, 
       anything = anything || !std::isnan(rows_[k][items_[i].first]);
     }
   }
-  if (!anything) return rows == 0 || items_.empty() ? 0 : kInfinite;
+  if (!anything) return rows == 0 || items_.empty() ? 0 : kInfinity;
   long double error = 0;
   for (std::size_t i = 0; i < items_.size(); ++i) {
     if (worst[i].difference == 0) continue;

@@ -2,7 +2,6 @@
 #include <cmath>
 #include <iostream>
 #include <iterator>
-#include <limits>
 #include <optional>
 #include <utility>
 
@@ -14,6 +13,8 @@
 #include "measure/noise.hpp"
 #include "measure/pace.hpp"
 #include "measure/step_times.hpp"
+#include "median.hpp"
+#include "numbers.hpp"
 #include "output/format.hpp"
 #include "output/notes.hpp"
 #include "output/progress.hpp"
@@ -71,10 +72,7 @@ double scatter_of(const std::vector<tuning::CellResult>& cells) {
       if (r.rounds >= kRoundsOfSpread) scatter.push_back(r.sample.spread / r.sample.seconds);
     }
   }
-  if (scatter.empty()) return 0;
-  const auto middle = scatter.begin() + static_cast<std::ptrdiff_t>(scatter.size() / 2);
-  std::nth_element(scatter.begin(), middle, scatter.end());
-  return *middle;
+  return scatter.empty() ? 0 : median(std::move(scatter));
 }
 
 measure::Judgement judgement_of(const tuning::Campaign& campaign, const measure::NoiseWatch& watch) {
@@ -95,7 +93,7 @@ tuning::CellResult usual_pace(const measure::FixedWork& fixed, double seconds) {
   s.strategy = fixed.strategy;
   s.seconds = seconds;
   s.repetitions = 1;
-  s.backward_error = s.forward_error = std::numeric_limits<double>::quiet_NaN();
+  s.backward_error = s.forward_error = kNan;
   tuning::CellResult cell;
   cell.results.emplace_back(std::move(s));
   return cell;

@@ -6,6 +6,8 @@
 #include <limits>
 #include <map>
 
+#include "numbers.hpp"
+
 namespace assur::measure {
 namespace {
 
@@ -19,7 +21,7 @@ std::string kind_of(const std::string& column) {
 }  // namespace
 
 double deviation(const std::vector<std::string>& columns, std::span<const double> a, std::span<const double> b) {
-  if (a.size() != b.size() || a.empty()) return std::numeric_limits<double>::infinity();
+  if (a.size() != b.size() || a.empty()) return kInfinity;
   if (std::memcmp(a.data(), b.data(), a.size_bytes()) == 0) return 0;
   struct Kind {
     double off = 0, largest = 0;

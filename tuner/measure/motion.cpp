@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "equations/evaluator.hpp"
+#include "index.hpp"
 #include "measure/postures.hpp"
 #include "parallel/thread_state.hpp"
 #include "simulation/inputs.hpp"
@@ -21,8 +22,6 @@ constexpr std::size_t kWorthWarming = 20000;     // packs x unknowns x W up to w
 constexpr double kFirstOff = 1e-8;               // of a prediction, relative; in one iteration its square is left
 constexpr double kLeastOff = 1e-12;              // still far above what counts as solved
 constexpr std::int64_t kStepsBeforeSteady = 10;  // until predictors have the postures that they read
-
-std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 class Evaluation final : public Workload {
  public:

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
+
+#include "numbers.hpp"
 
 namespace assur::measure {
 namespace {
@@ -21,7 +22,7 @@ std::vector<bool> pareto_front(std::span<const Trade> all) {
     return std::pair(all[a].seconds, all[a].error) < std::pair(all[b].seconds, all[b].error);
   });
   std::vector<bool> front(all.size(), false);
-  Trade last{0, std::numeric_limits<double>::infinity()};  // of the front so far: the slowest and most exact
+  Trade last{0, kInfinity};  // of the front so far: the slowest and most exact
   for (const std::size_t i : order) {
     const bool equal = all[i].seconds == last.seconds && all[i].error == last.error;
     if (!equal && !(all[i].error < last.error)) continue;

@@ -11,11 +11,11 @@
 
 #include "assur/status.hpp"
 #include "measure/step_times.hpp"
+#include "median.hpp"
+#include "numbers.hpp"
 
 namespace assur::measure {
 namespace {
-
-constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr int kMostCalls = 1 << 20;
 constexpr double kShort = 1e-3;       // s: a longer block warms the caches by itself
 constexpr double kPrecise = 0.005;    // share of a median: nearer than this no two need to be told apart
@@ -23,13 +23,6 @@ constexpr double kMoment = 1e-3;      // s that the machine's slowness counts fo
 constexpr double kUneven = 1.3;       // times as long on one core as on another: they are not alike
 constexpr int kLooks = 50;            // at the cores until they are alike; they mostly stay so for milliseconds
 constexpr double kLargeShare = 0.25;  // of the time for all: a call that takes so much is made once
-
-double median_of(std::vector<double> values) {
-  if (values.empty()) return kInfinite;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 class Race {
  public:
@@ -56,7 +49,7 @@ class Race {
     for (Runner& r : runners_) {
       if (r.seconds.empty() && !r.failed && per_call_.contains(&r)) r.seconds.push_back(per_call_[&r]);
     }
-    if (!slowness_.empty()) figures_.slowness = median_of(slowness_);
+    if (!slowness_.empty()) figures_.slowness = assur::median(slowness_);
     return figures_;
   }
 
@@ -144,7 +137,7 @@ class Race {
 
   // Median of the fastest in the heat, for one result, among those with at most this share.
   [[nodiscard]] double leader(int heat, int share) const {
-    double best = kInfinite;
+    double best = kInfinity;
     for (const Runner& r : runners_) {
       if (r.heat == heat && r.share <= share && !r.seconds.empty()) best = std::min(best, r.median() / r.share);
     }
@@ -195,7 +188,7 @@ class Race {
 
 }  // namespace
 
-double Runner::median() const { return median_of(seconds); }
+double Runner::median() const { return seconds.empty() ? kInfinity : assur::median(seconds); }
 
 double Runner::spread() const {
   if (seconds.size() == 1) return seconds[0];
@@ -203,7 +196,7 @@ double Runner::spread() const {
   std::vector<double> deviations;
   const double middle = median();
   for (const double s : seconds) deviations.push_back(std::abs(s - middle));
-  return seconds.empty() ? kInfinite : median_of(std::move(deviations));
+  return seconds.empty() ? kInfinity : assur::median(std::move(deviations));
 }
 
 Instruments::Instruments()

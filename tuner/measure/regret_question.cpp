@@ -8,9 +8,11 @@
 
 #include "assur/assur.hpp"
 #include "backends/backends.hpp"
+#include "index.hpp"
 #include "measure/motion.hpp"
 #include "measure/step_times.hpp"
 #include "measure/ways.hpp"
+#include "median.hpp"
 
 namespace assur::measure {
 namespace {
@@ -29,8 +31,6 @@ struct Racer {
   std::size_t rounds = 0;
 };
 
-std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
-
 std::string text_of(const Plan& plan) {
   std::vector<std::string> texts;
   for (Plan::Choice c : plan.choices) {
@@ -43,9 +43,7 @@ std::string text_of(const Plan& plan) {
   return all;
 }
 
-bool is_right(const Report& report) {
-  return report.status.ok() && report.error.residual() < kWrong;
-}
+bool is_right(const Report& report) { return report.status.ok() && report.error.residual() < kWrong; }
 
 // False if it cannot run or is wrong.
 bool enter(Racer& racer) {
@@ -192,12 +190,6 @@ std::optional<Racer> combined(const Racer& fastest, const std::vector<Racer>& mi
   all.text = text_of(plan);
   if (!changed || !enter(all)) return std::nullopt;
   return all;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 bool faster(const Racer* a, const Racer* b) { return a->seconds < b->seconds; }

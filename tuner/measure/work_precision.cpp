@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <map>
 #include <utility>
 
 #include "assur/machine.hpp"
 #include "measure/motion.hpp"
+#include "numbers.hpp"
 
 namespace assur::measure {
 namespace {
@@ -272,13 +272,11 @@ class Comparison {
 }  // namespace
 
 double WorkPrecisionRow::worst_error() const {
-  if (!error) return std::numeric_limits<double>::quiet_NaN();
+  if (!error) return kNan;
   return std::fmax(error->position, std::fmax(error->velocity, error->acceleration));
 }
 
-Trade WorkPrecisionRow::trade() const {
-  return {seconds.value_or(std::numeric_limits<double>::quiet_NaN()), worst_error()};
-}
+Trade WorkPrecisionRow::trade() const { return {seconds.value_or(kNan), worst_error()}; }
 
 const WorkPrecisionRow* WorkPrecision::pick(double accuracy) const {
   const auto at = std::find_if(rows.begin(), rows.end(), [&](const WorkPrecisionRow& row) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "index.hpp"
 #include "output/format.hpp"
 #include "planning/dispatcher.hpp"
 
@@ -11,8 +12,6 @@ namespace {
 
 constexpr std::size_t kMostClasses = 12;  // more are counted
 constexpr std::size_t kMostCandidates = 6;
-
-std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 // Levels that the groups of each class are on.
 std::vector<std::set<std::int32_t>> levels_of_classes(const Structure& s) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "index.hpp"
 #include "output/format.hpp"
 #include "output/left_out.hpp"
 #include "output/notes.hpp"
@@ -13,8 +14,6 @@ namespace {
 constexpr std::size_t kMostRows = 20;     // more groups are shown by class
 constexpr std::size_t kMostClasses = 40;  // more classes are counted
 constexpr std::size_t kLongestName = 20;  // columns
-
-std::size_t idx(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 // What the groups of a class have in common.
 struct ClassFigures {

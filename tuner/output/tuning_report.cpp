@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <tuple>
 #include <utility>
 
+#include "numbers.hpp"
 #include "output/format.hpp"
 
 namespace assur::output {
@@ -27,7 +27,7 @@ std::string short_text(const Strategy& strategy) {
 // The fastest of those that `groups` fill.
 std::optional<Winner> fastest(const CellResult& cell, Kernel kernel, int groups) {
   Winner best;
-  best.seconds = std::numeric_limits<double>::infinity();
+  best.seconds = kInfinity;
   for (const tuning::Result& r : cell.results) {
     const Sample& s = r.sample;
     if (s.kernel != kernel || (kernel != Kernel::step && s.strategy.lanes > groups)) continue;

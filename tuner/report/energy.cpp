@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <fstream>
-#include <limits>
 #include <optional>
+
+#include "numbers.hpp"
 
 namespace assur::report {
 namespace {
@@ -57,7 +58,7 @@ std::vector<std::int64_t> EnergyMeter::read() const {
 
 double EnergyMeter::joules(const std::vector<std::int64_t>& from, const std::vector<std::int64_t>& to) const {
   if (packages_.empty() || from.size() != packages_.size() || to.size() != packages_.size()) {
-    return std::numeric_limits<double>::quiet_NaN();
+    return kNan;
   }
   double microjoules = 0;
   for (std::size_t i = 0; i < packages_.size(); ++i) {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 #include <numeric>
 
+#include "numbers.hpp"
 #include "output/format.hpp"
 
 namespace assur::report {
@@ -43,22 +43,22 @@ view::HtmlTable table_of(const std::vector<Measurement>& measurements, std::size
   for (const Measurement& m : measurements) {
     if (table.rows.size() == most) break;
     const bool repeated = m.repetitions > 0;
-    table.rows.push_back(
-        {{m.item, m.strategy, m.quantity, value_text(m), repeated ? std::to_string(m.repetitions) : "",
-          m.repetitions > 1 ? percent(m.spread) : "", std::isnan(m.error) ? "" : output::error_figure(m.error), m.origin}});
+    table.rows.push_back({{m.item, m.strategy, m.quantity, value_text(m), repeated ? std::to_string(m.repetitions) : "",
+                           m.repetitions > 1 ? percent(m.spread) : "",
+                           std::isnan(m.error) ? "" : output::error_figure(m.error), m.origin}});
   }
   return table;
 }
 
 double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+  if (values.empty()) return kNan;
   std::sort(values.begin(), values.end());
   const double rank = std::ceil(share * static_cast<double>(values.size()));
   return values[static_cast<std::size_t>(std::max(rank, 1.0)) - 1];
 }
 
 double mean(const std::vector<double>& values) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+  if (values.empty()) return kNan;
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "numbers.hpp"
 #include "output/format.hpp"
 #include "report/measurement.hpp"
 #include "report/sections.hpp"
@@ -59,7 +60,7 @@ view::Plot scatter(const std::vector<Fit>& all) {
   plot.title = "Expected time over measured time";
   plot.x = {"measured, one call", true, view::time_text};
   plot.y = {"expected", true, view::time_text};
-  double low = std::numeric_limits<double>::infinity(), high = 0;
+  double low = kInfinity, high = 0;
   for (const Fit& f : all) {
     low = std::min({low, f.sample->seconds, f.expected.seconds});
     high = std::max({high, f.sample->seconds, f.expected.seconds});

@@ -2,11 +2,12 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "numbers.hpp"
 
 namespace assur::report {
 
@@ -50,14 +51,14 @@ struct PaperTiming {
   int p = 1, q = 1;      // of the paper's versions: groups at once, threads in the linear algebra of each
   std::string strategy;  // ours: what was run; theirs: ""
   Reading reading = Reading::shared;
-  double seconds = std::numeric_limits<double>::quiet_NaN();  // of one step; NaN: none
-  double spread = 0;                                          // median absolute deviation, s
-  int rounds = 0;                                             // blocks that were timed
+  double seconds = kNan;  // of one step; NaN: none
+  double spread = 0;      // median absolute deviation, s
+  int rounds = 0;         // blocks that were timed
   std::int64_t steps_timed = 0;
-  double deviation = std::numeric_limits<double>::quiet_NaN();  // from the reference motion, which was verified before
-  double joules = std::numeric_limits<double>::quiet_NaN();     // of one step, by the machine's own counters
-  double newton = 0;                                            // iterations of a group and step, mean
-  std::string why_not;                                          // there is no time; "": there is
+  double deviation = kNan;  // from the reference motion, which was verified before
+  double joules = kNan;     // of one step, by the machine's own counters
+  double newton = 0;        // iterations of a group and step, mean
+  std::string why_not;      // there is no time; "": there is
 
   [[nodiscard]] bool timed() const { return seconds > 0; }
 };

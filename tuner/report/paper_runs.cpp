@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <utility>
 
@@ -14,6 +13,8 @@
 #include "measure/race.hpp"
 #include "measure/step_times.hpp"
 #include "measure/ways.hpp"
+#include "median.hpp"
+#include "numbers.hpp"
 #include "output/format.hpp"
 #include "report/grid_run.hpp"
 #include "report/paper_cells.hpp"
@@ -23,13 +24,13 @@ namespace {
 
 using measure::StepTimes;
 
-constexpr double kStep = 0.01;                                             // s: the paper's dt
-constexpr std::int64_t kSteps = 20000;                                     // of the grid: the paper's tEnd / dt
-constexpr double kCondition = 23;                                          // at most, of all these mechanisms
-constexpr double kConverged = 8 * std::numeric_limits<double>::epsilon();  // where Newton's method ends
-constexpr double kVerification = 0.02;  // s of steps that are compared, from 2 to 50 of them
-constexpr double kBlock = 2e-3;         // s of steps that are timed together, at least
-constexpr double kShort = 0.02;         // s: steps that can have some rounds more
+constexpr double kPaperStep = 0.01;      // s: the paper's dt
+constexpr std::int64_t kSteps = 20000;   // of the grid: the paper's tEnd / dt
+constexpr double kCondition = 23;        // at most, of all these mechanisms
+constexpr double kConverged = 8 * kEps;  // where Newton's method ends
+constexpr double kVerification = 0.02;   // s of steps that are compared, from 2 to 50 of them
+constexpr double kBlock = 2e-3;          // s of steps that are timed together, at least
+constexpr double kShort = 0.02;          // s: steps that can have some rounds more
 constexpr int kRoundsOfTheShort = 7;
 constexpr double kSecondsOfTheShort = 2;
 constexpr double kMeterSeconds = 0.25;  // the counters tick each millisecond
@@ -90,9 +91,7 @@ class PaperExperiments {
     for (const PaperTiming& t : out_.times) {
       if (t.rounds > 2) spreads.push_back(t.spread / t.seconds);
     }
-    const auto middle = spreads.begin() + static_cast<std::ptrdiff_t>(spreads.size() / 2);
-    std::nth_element(spreads.begin(), middle, spreads.end());
-    noise.scatter = spreads.empty() ? 0 : *middle;
+    noise.scatter = spreads.empty() ? 0 : median(std::move(spreads));
     return noise;
   }
   [[nodiscard]] bool stopped() const { return options_.interrupted && options_.interrupted(); }
@@ -116,7 +115,8 @@ class PaperExperiments {
     }
     const double end = elapsed() + (time_left - others) / static_cast<double>(left.size());
 
-    const Scene scene = sample(contest.cell.scene()).with_time({0, kStep * static_cast<double>(kSteps), kStep});
+    const Scene scene =
+        sample(contest.cell.scene()).with_time({0, kPaperStep * static_cast<double>(kSteps), kPaperStep});
     std::optional<Yardstick> yardstick;
     std::vector<Contender> contenders;
     for (std::size_t e = 0; e < contest.entrants.size() && !stopped(); ++e) {
@@ -218,7 +218,7 @@ class PaperExperiments {
     rules.seconds = seconds;
     rules.least_rounds = std::min(rules.least_rounds, most_rounds);
     rules.most_rounds = most_rounds;
-    rules.hopeless = std::numeric_limits<double>::infinity();  // the slow ones are wanted too
+    rules.hopeless = kInfinity;  // the slow ones are wanted too
     measure::Instruments instruments;
     instruments.stop = [this] { return stopped(); };
     const measure::RaceFigures figures = measure::race(runners, rules, instruments);

@@ -1,12 +1,12 @@
 #include "tuning/campaign.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <map>
 #include <numeric>
 #include <utility>
 
 #include "assur/status.hpp"
+#include "numbers.hpp"
 #include "planning/prior.hpp"
 
 namespace assur::tuning {
@@ -229,7 +229,7 @@ CellResult Campaign::measure_cell(const Cell& cell, Ground& ground, double secon
 
 void Campaign::note(const CellResult& result, double n, const std::vector<std::pair<Candidate, double>>& setups) {
   for (const auto& [candidate, setup] : setups) {
-    double leader = std::numeric_limits<double>::infinity();
+    double leader = kInfinity;
     const Sample* own = nullptr;
     for (const Result& r : result.results) {
       if (r.sample.kernel != candidate.kernel) continue;

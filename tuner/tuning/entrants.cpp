@@ -1,7 +1,6 @@
 #include "tuning/entrants.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <string>
 #include <utility>
 
@@ -10,13 +9,13 @@
 #include "measure/linear.hpp"
 #include "measure/meeting.hpp"
 #include "measure/motion.hpp"
+#include "numbers.hpp"
 #include "planning/counts.hpp"
 
 namespace assur::tuning {
 namespace {
 
-constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
-constexpr int kMostLanes = 16;
+constexpr double kNotMeasured = kNan;
 constexpr int kDifferent = 16;  // matrices of a pattern; more repeat these
 
 [[noreturn]] void refuse(const std::string& why) { throw Error(Error::Kind::numerical, why); }

@@ -3,15 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <numeric>
 #include <vector>
+
+#include "numbers.hpp"
 
 namespace assur::tuning {
 namespace {
 
-constexpr double kUnknown = 0.25;  // of a time: one that scatters so much tells nothing about a choice
-constexpr int kSolutions = 3;      // of one factorisation: a step of Newton's method, velocity, acceleration
+constexpr double kTooScattered = 0.25;  // of a time: one that scatters so much tells nothing about a choice
+constexpr int kSolutions = 3;           // of one factorisation: a step of Newton's method, velocity, acceleration
 
 const Sample* find(const CellResult& cell, Kernel kernel, const Strategy& strategy) {
   for (const Result& r : cell.results) {
@@ -22,7 +23,7 @@ const Sample* find(const CellResult& cell, Kernel kernel, const Strategy& strate
 
 // A candidate's time in a cell, for all groups, as it was measured and as the model has it.
 struct Times {
-  double measured = std::numeric_limits<double>::quiet_NaN(), expected = 0;
+  double measured = kNan, expected = 0;
 };
 
 Times times(const PerformanceModel& model, const CellResult& cell, const Sample& s, int groups) {
@@ -38,12 +39,12 @@ Times times(const PerformanceModel& model, const CellResult& cell, const Sample&
 // Of the choice among candidates that may be used; NaN if there is no choice.
 double regret(const PerformanceModel& model, const CellResult& cell, int groups,
               const std::function<bool(const Strategy&)>& allowed) {
-  double best = std::numeric_limits<double>::infinity(), chosen = best, least_expected = best;
+  double best = kInfinity, chosen = best, least_expected = best;
   int candidates = 0;
   for (const Result& r : cell.results) {
     const Sample& s = r.sample;
     if ((s.kernel != Kernel::factor && s.kernel != Kernel::pack) || !allowed(s.strategy)) continue;
-    if (s.strategy.lanes >= 2 * groups || s.spread > kUnknown * s.seconds) continue;
+    if (s.strategy.lanes >= 2 * groups || s.spread > kTooScattered * s.seconds) continue;
     const Times t = times(model, cell, s, groups);
     if (std::isnan(t.measured)) continue;
     ++candidates;
@@ -52,7 +53,7 @@ double regret(const PerformanceModel& model, const CellResult& cell, int groups,
     least_expected = t.expected;
     chosen = t.measured;
   }
-  return candidates < 2 ? std::numeric_limits<double>::quiet_NaN() : chosen / best - 1;
+  return candidates < 2 ? kNan : chosen / best - 1;
 }
 
 }  // namespace

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <set>
 #include <string>
 #include <utility>
 
+#include "numbers.hpp"
 #include "tuning/held_out.hpp"
 
 namespace assur::tuning {
@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kAtOnce = 6;     // cells between two models
 constexpr double kWorthGoingOn = 0.9;  // of the least mean regret so far: what is no fall
 constexpr double kOfNoAccount = 1e-3;  // a fall by less is none either
-constexpr int kPatience = 3;           // models without a fall
+constexpr int kModelsWithoutFall = 3;  // models without a fall
 constexpr double kNeighbours = 1.12;   // sizes nearer to each other than this need nothing between them
 
 // Between two shapes of a family: every count grows as a power of n.
@@ -41,7 +41,7 @@ Shape between(const Shape& a, const Shape& b) {
 double expected_loss(const PerformanceModel& model, const Shape& shape, const std::set<std::string>& strategies,
                      int lanes) {
   struct Expected {
-    double seconds = std::numeric_limits<double>::infinity(), log_factor = 0;
+    double seconds = kInfinity, log_factor = 0;
   };
   Expected best, second;
   for (const std::string& text : strategies) {
@@ -112,7 +112,7 @@ PerformanceModel model_of(std::span<const CellResult> cells) {
 }
 
 void refine(Campaign& campaign, bool until_settled) {
-  double least = std::numeric_limits<double>::infinity();
+  double least = kInfinity;
   int without_fall = 0;
   while (!campaign.figures().interrupted && campaign.seconds_left() > 0) {
     const PerformanceModel model = model_of(campaign.results());
@@ -120,7 +120,7 @@ void refine(Campaign& campaign, bool until_settled) {
       const double now = regret(model, campaign.results()).mean;
       without_fall = now < std::min(kWorthGoingOn * least, least - kOfNoAccount) ? 0 : without_fall + 1;
       least = std::min(least, now);
-      if (without_fall == kPatience) return;
+      if (without_fall == kModelsWithoutFall) return;
     }
     const std::vector<Cell> more = propose(model, campaign.results(), kAtOnce);
     const std::size_t before = campaign.results().size();

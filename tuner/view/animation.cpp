@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <unordered_map>
 #include <utility>
 
+#include "numbers.hpp"
 #include "output/format.hpp"
 #include "scene/outputs.hpp"
 #include "scene/system.hpp"
@@ -122,8 +122,7 @@ void Animation::end(const Simulator& simulator, std::string why) {
   if (simulator.time() == times_.back()) return;
   keep(simulator);
   // It is no step of the motion, and at a fold the outputs' derivatives have no bounds.
-  std::fill(values_.end() - static_cast<std::ptrdiff_t>(value_columns_.size()), values_.end(),
-            std::numeric_limits<double>::quiet_NaN());
+  std::fill(values_.end() - static_cast<std::ptrdiff_t>(value_columns_.size()), values_.end(), kNan);
 }
 
 void Animation::keep(const Simulator& simulator) {

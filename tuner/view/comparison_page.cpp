@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <map>
 #include <utility>
 
+#include "numbers.hpp"
 #include "output/format.hpp"
 #include "view/html.hpp"
 #include "view/ticks.hpp"
@@ -19,7 +19,7 @@ using output::ComparisonSummary;
 using output::error_figure;
 
 // An error of 0 is shown as half of what a double can tell.
-constexpr double kLeastError = std::numeric_limits<double>::epsilon() / 2;
+constexpr double kLeastError = kEps / 2;
 
 struct Kind {
   Knob knob;

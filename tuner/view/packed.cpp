@@ -6,6 +6,8 @@
 #include <limits>
 #include <string_view>
 
+#include "numbers.hpp"
+
 namespace assur::view {
 namespace {
 
@@ -20,7 +22,6 @@ void append(std::string& text, std::uint32_t bits) {
 }  // namespace
 
 Packed packed(std::span<const double> rows, std::size_t width) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   Packed out{std::vector(width, kInfinity), std::vector(width, 0.0), {}};
   std::vector<double> high(width, -kInfinity);
   for (std::size_t i = 0; i < rows.size(); ++i) {

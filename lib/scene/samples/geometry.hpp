@@ -5,11 +5,10 @@
 #include <numbers>
 
 #include "assur/scene.hpp"
+#include "numbers.hpp"
 #include "scene/triple.hpp"
 
 namespace assur::samples {
-
-inline constexpr double kTurn = 2 * std::numbers::pi;  // rad
 
 inline Triple operator+(const Triple& a, const Triple& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
 inline Triple operator-(const Triple& a, const Triple& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }

@@ -19,7 +19,7 @@
 
 namespace assur::lanes {
 
-struct Program {
+struct Elimination {
   using Index = std::uint32_t;
   static constexpr Index kZero = 0xFFFFFFFF;  // as a source: the entry is fill
 
@@ -45,6 +45,6 @@ struct Program {
 };
 
 // The order must be complete.
-[[nodiscard]] Program write_program(const Pattern& pattern, const Order& order);
+[[nodiscard]] Elimination write_program(const Pattern& pattern, const Order& order);
 
 }  // namespace assur::lanes

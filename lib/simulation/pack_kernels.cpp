@@ -1,9 +1,9 @@
 // Compiled once for each SIMD target.
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "simulation/lane_kernels.cpp"
+#define HWY_TARGET_INCLUDE "simulation/pack_kernels.cpp"
 #include <hwy/foreach_target.h>  // before what is compiled once for each target
 
-#include "simulation/lane_kernels.hpp"
+#include "simulation/pack_kernels.hpp"
 
 #include "simulation/gather-inl.hpp"
 
@@ -120,7 +120,7 @@ struct Kernels {
 };
 
 template <int W>
-constexpr LaneKernels kTable = {combine,
+constexpr PackKernels kTable = {combine,
                                 Kernels<W>::gather,
                                 Kernels<W>::invert_scale,
                                 Kernels<W>::largest_ratio,
@@ -128,7 +128,7 @@ constexpr LaneKernels kTable = {combine,
                                 Kernels<W>::residual,
                                 Kernels<W>::ball_use};
 
-const LaneKernels* table(int lanes) {
+const PackKernels* table(int lanes) {
   switch (lanes) {
     case 1:
       return &kTable<1>;
@@ -152,7 +152,7 @@ namespace assur {
 
 HWY_EXPORT(table);
 
-const LaneKernels& lane_kernels(int lanes) { return *HWY_DYNAMIC_DISPATCH(table)(lanes); }
+const PackKernels& pack_kernels(int lanes) { return *HWY_DYNAMIC_DISPATCH(table)(lanes); }
 
 }  // namespace assur
 #endif

@@ -1,4 +1,4 @@
-#include "backends/lanes_program.hpp"
+#include "backends/lanes_elimination.hpp"
 
 #include <algorithm>
 #include <functional>
@@ -8,7 +8,7 @@
 namespace assur::lanes {
 namespace {
 
-using Index = Program::Index;
+using Index = Elimination::Slot;
 
 // The permuted matrix and its factors by rows; all positions are those of pivots.
 struct Factors {
@@ -102,7 +102,7 @@ std::vector<Index> last_need(const Factors& f, const std::vector<std::int32_t>& 
 
 }  // namespace
 
-Program write_program(const Pattern& pattern, const Order& order) {
+Elimination write_program(const Pattern& pattern, const Order& order) {
   const auto n = static_cast<Index>(pattern.n);
   std::vector<std::int32_t> row(n), column(n);
   {
@@ -113,7 +113,7 @@ Program write_program(const Pattern& pattern, const Order& order) {
     }
   }
   const Factors f = factor_symbolically(pattern, row, column);
-  Program p;
+  Elimination p;
   p.n = n;
   p.permutation_sign = parity(row) * parity(column);
 
@@ -142,7 +142,7 @@ Program write_program(const Pattern& pattern, const Order& order) {
   struct Product {
     Index l, u;
   };
-  std::vector<Index> source(n, Program::kZero);
+  std::vector<Index> source(n, Elimination::kZero);
   std::vector<std::vector<Product>> products(n);
   for (Index i = 0; i < n; ++i) {
     const auto &l = f.l[i], &u = f.u[i];
@@ -156,7 +156,7 @@ Program write_program(const Pattern& pattern, const Order& order) {
     const auto write = [&](Index j) {
       p.factor.insert(p.factor.end(), {source[j], static_cast<Index>(products[j].size())});
       for (const Product& product : products[j]) p.factor.insert(p.factor.end(), {product.l, product.u});
-      source[j] = Program::kZero;
+      source[j] = Elimination::kZero;
       products[j].clear();
     };
     std::for_each(l.begin(), l.end(), write);

@@ -20,7 +20,7 @@ struct RowEntry {
   std::int32_t nonzero, column;
 };
 
-struct LaneKernels {
+struct PackKernels {
   // out = sum of weights * sources, elementwise.
   void (*combine)(const double* const* sources, const double* weights, std::int32_t count, std::size_t size,
                   double* out);
@@ -51,6 +51,6 @@ struct LaneKernels {
 };
 
 // lanes: 1, 2, 4, 8 or 16.
-[[nodiscard]] const LaneKernels& lane_kernels(int lanes);
+[[nodiscard]] const PackKernels& pack_kernels(int lanes);
 
 }  // namespace assur
