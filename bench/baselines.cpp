@@ -21,10 +21,10 @@
 #include "legs_by_hand.hpp"
 #include "matrices.hpp"
 #include "median.hpp"
+#include "path/layout.hpp"
+#include "path/state.hpp"
 #include "program.hpp"
-#include "simulation/inputs.hpp"
-#include "simulation/layout.hpp"
-#include "simulation/state.hpp"
+#include "signals/inputs.hpp"
 
 namespace assur::bench {
 namespace {

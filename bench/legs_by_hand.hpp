@@ -1,6 +1,6 @@
 // The six legs of `stewart` by hand: what groups/klu or groups/lapack would be without a library around the library.
 // Either it only computes, or it does all that the simulator does to trust its result: residuals relative to their
-// terms, residuals of the linear systems, and the ball in which the branch cannot change (lib/simulation/branch.hpp;
+// terms, residuals of the linear systems, and the ball in which the branch cannot change (lib/group/branch.hpp;
 // here one ball for a whole leg).
 #pragma once
 

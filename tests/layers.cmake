@@ -2,7 +2,7 @@
 # of the core (CORE, relative to lib/) reach, through whatever header, nothing of the libraries that the core must do
 # without; and no source is forgotten in lib/CMakeLists.txt.
 cmake_minimum_required(VERSION 3.25)
-set(layers parallel scene structure equations backends planning simulation db)
+set(layers parallel scene structure equations backends planning signals group path errors side_by_side simulation db)
 set(foreign "^#include [<\"](nlohmann|muParser|cs\\.h|btf\\.h|klu\\.h|umfpack|dmumps|suitesparse|SQLite|CLI|boost)")
 set(findings "")
 file(READ ${LIB}/CMakeLists.txt listed)

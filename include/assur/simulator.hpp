@@ -135,7 +135,7 @@ class Simulator {
 
   // Back to the last posture from which the way is open, with all that save() holds: one that was reached by a step
   // which was not divided, so that at most 0.7 of the ball was used in which the posture is known to be the only one
-  // (lib/simulation/branch.hpp). Nothing changes if the posture at hand is one.
+  // (lib/group/branch.hpp). Nothing changes if the posture at hand is one.
   void retreat();
 
   // From the start over the scene's time grid, or over `times`. Stops at the first failure: what was reached is

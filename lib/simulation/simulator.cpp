@@ -6,19 +6,19 @@
 #include <optional>
 #include <utility>
 
+#include "errors/error_estimate.hpp"
+#include "group/tolerances.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
 #include "parallel/thread_state.hpp"
-#include "simulation/angle_turns.hpp"
-#include "simulation/chunks.hpp"
-#include "simulation/columns.hpp"
-#include "simulation/continuation.hpp"
-#include "simulation/error_estimate.hpp"
-#include "simulation/function_check.hpp"
-#include "simulation/memory.hpp"
-#include "simulation/output_program.hpp"
-#include "simulation/run_arguments.hpp"
-#include "simulation/tolerances.hpp"
+#include "path/continuation.hpp"
+#include "path/function_check.hpp"
+#include "side_by_side/chunks.hpp"
+#include "side_by_side/memory.hpp"
+#include "side_by_side/run_arguments.hpp"
+#include "signals/angle_turns.hpp"
+#include "signals/columns.hpp"
+#include "signals/output_program.hpp"
 
 namespace assur {
 namespace {

@@ -6,7 +6,7 @@
 #include "assur/ensemble.hpp"
 #include "assur/simulator.hpp"
 #include "scene/names.hpp"
-#include "simulation/columns.hpp"
+#include "signals/columns.hpp"
 
 namespace assur {
 

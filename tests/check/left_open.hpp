@@ -11,7 +11,7 @@
 
 #include "index.hpp"
 #include "scene/system.hpp"
-#include "simulation/output_program.hpp"
+#include "signals/output_program.hpp"
 
 namespace assur::test {
 

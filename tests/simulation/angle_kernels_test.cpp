@@ -1,5 +1,5 @@
 // Sines, cosines and harmonics side by side, measured in quad, in every instruction set that this machine has.
-#include "simulation/angle_kernels.hpp"
+#include "signals/angle_kernels.hpp"
 #include "numbers.hpp"
 
 #include <gtest/gtest.h>

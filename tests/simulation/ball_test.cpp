@@ -1,5 +1,5 @@
 // Midpoint-radius arithmetic and the theorem on it, against exact rational arithmetic.
-#include "simulation/ball.hpp"
+#include "group/ball.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <cmath>
 #include <vector>
 
+#include "group/newton_kantorovich.hpp"
 #include "scene/law_evaluate.hpp"
-#include "simulation/newton_kantorovich.hpp"
 #include "simulation/random_mechanisms.hpp"
 
 namespace assur {

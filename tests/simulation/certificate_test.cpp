@@ -1,5 +1,5 @@
 // Certificates against the reference in quad, which shares the scene's equations and nothing else.
-#include "simulation/certificate.hpp"
+#include "errors/certificate.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,11 +11,11 @@
 #include <vector>
 
 #include "assur/saved_plan.hpp"
+#include "errors/reference_motion.hpp"
 #include "references/scaled.hpp"
 #include "simulation/conditions.hpp"
 #include "simulation/limited.hpp"
 #include "simulation/random_mechanisms.hpp"
-#include "simulation/reference_motion.hpp"
 
 namespace assur {
 namespace {

@@ -1,5 +1,5 @@
 // The flat program of the drivers against their definition in quad.
-#include "simulation/drive_program.hpp"
+#include "signals/drive_program.hpp"
 #include "numbers.hpp"
 
 #include <gtest/gtest.h>

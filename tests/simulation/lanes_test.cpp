@@ -5,9 +5,9 @@
 #include <cstdint>
 
 #include "equations/lane_array.hpp"
-#include "simulation/layout.hpp"
+#include "path/layout.hpp"
+#include "path/state.hpp"
 #include "simulation/run.hpp"
-#include "simulation/state.hpp"
 
 namespace assur {
 namespace {

@@ -1,5 +1,5 @@
 // Packs of a level on several threads: the number of threads changes nothing but the time.
-#include "simulation/levels.hpp"
+#include "path/levels.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // Predictors: their orders, and that the result does not depend on them. Steps in any direction, repeated runs.
 #include <gtest/gtest.h>
 
-#include "simulation/predictor.hpp"
+#include "path/predictor.hpp"
 #include "simulation/run.hpp"
 
 namespace assur {

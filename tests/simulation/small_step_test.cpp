@@ -1,13 +1,13 @@
 // The step of a small group in one piece is the step that GroupSolver puts together.
-#include "simulation/small_step.hpp"
-#include "simulation/tolerances.hpp"
+#include "group/small_step.hpp"
+#include "group/tolerances.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "simulation/layout.hpp"
+#include "path/layout.hpp"
 #include "simulation/run.hpp"
 
 namespace assur {

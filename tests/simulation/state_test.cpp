@@ -1,5 +1,5 @@
 // What a state keeps of the accepted postures while others are begun, given up and accepted.
-#include "simulation/state.hpp"
+#include "path/state.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "decimal.hpp"
-#include "simulation/chunks.hpp"
+#include "side_by_side/chunks.hpp"
 #include "simulation/conditions.hpp"
 #include "simulation/limited.hpp"
 

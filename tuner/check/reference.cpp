@@ -3,8 +3,8 @@
 #include <numbers>
 
 #include "check/yardstick.hpp"
-#include "simulation/output_program.hpp"
-#include "simulation/reference_motion.hpp"
+#include "errors/reference_motion.hpp"
+#include "signals/output_program.hpp"
 
 namespace assur::check {
 namespace {

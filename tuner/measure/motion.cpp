@@ -12,8 +12,8 @@
 #include "index.hpp"
 #include "measure/postures.hpp"
 #include "parallel/thread_state.hpp"
-#include "simulation/inputs.hpp"
-#include "simulation/layout.hpp"
+#include "path/layout.hpp"
+#include "signals/inputs.hpp"
 
 namespace assur::measure {
 namespace {

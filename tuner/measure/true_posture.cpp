@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "simulation/reference_motion.hpp"
+#include "errors/reference_motion.hpp"
 
 namespace assur::measure {
 

@@ -1,0 +1,425 @@
+#include "errors/error_estimate.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include "group/tolerances.hpp"
+#include "index.hpp"
+#include "numbers.hpp"
+#include "scene/outputs.hpp"
+#include "signals/random_sign.hpp"
+
+namespace assur {
+namespace {
+// Five probes all below 1/5 of the true size happen once in ten thousand times; rounding is half as large as its bound.
+constexpr double kSafety = 2.5;
+constexpr double kUsual = 2 * kEps;  // residuals up to here are those of any step
+constexpr double kSolvedToRounding =
+    16 * kEps;                                // with residuals up to here equations are solved as well as they can be
+constexpr std::int64_t kStepsBetween = 512;   // steps from one measurement to the next
+constexpr std::int64_t kIntervalUnseen = 16;  // where callbacks hide how the condition changes, or errors are in doubt
+constexpr double kCloser = 1.6;               // of the square of a divisor; 2 for the inverse of its cube
+constexpr double kGrownTwice = 2;             // of a condition, or a residual: then it is measured again
+constexpr double kFaster = 4;                 // of a rate of what drives, or an acceleration
+constexpr double kAtRest = 1e-4;              // of the rate that a driver reaches within a radian
+constexpr double kSlowerThan = 1.0 / 16;      // of the fastest one: how fast slower ones are does not matter
+
+}  // namespace
+
+double ErrorEstimate::Figures::worst() const { return std::max({position, velocity, acceleration}); }
+
+ErrorEstimate::ErrorEstimate(const Structure& structure, Layout& layout, std::span<const OutputProgram> outputs,
+                             double accuracy)
+    : layout_(layout),
+      static_(*structure.system, structure),
+      outputs_(outputs),
+      asked_(accuracy > 0 ? accuracy : kDoubtfulError),
+      best_(accuracy > 0 ? kConverged : 0) {
+  const System& system = *structure.system;
+  for (std::size_t c = 0; c < system.coordinates.size(); ++c) {
+    const bool drives = system.coordinates[c].role == Role::driven && system.coordinates[c].moving;
+    if (drives && layout.address[c] >= 0) driven_.push_back(layout.address[c]);
+  }
+  for (const Output& o : wanted_outputs(system)) {
+    const auto first = static_cast<std::int32_t>(3 * dimension_.size());
+    for (std::int32_t d = 0; d < 3; ++d) {
+      if (!o.wanted[d]) continue;
+      size_of_.insert(size_of_.end(), o.part_count, first + d);
+      wanted_[idx(d)] = true;
+    }
+    dimension_.push_back(o.parts().front().dimension);
+  }
+  probes_.push_back({Probe::Cause::left, {}});
+  probes_.insert(probes_.end(), kRandom, {Probe::Cause::rounding, {}});
+  if (accuracy > 0) probes_.insert(probes_.end(), kRandom, {Probe::Cause::tolerance, {}});
+  for (std::size_t d = 0; d < 3; ++d) {
+    memory_[d].resize(probes_.size() * layout.size);
+    for (std::size_t k = 0; k < probes_.size(); ++k) probes_[k].errors[d] = memory_[d].data() + k * layout.size;
+  }
+  slopes_.resize(size_of_.size());
+  mechanisms_.resize(outputs.size());
+  for (Mechanism& m : mechanisms_) {
+    m.sizes.resize(3 * dimension_.size());
+    m.rounding.resize(m.sizes.size());
+  }
+  std::size_t blocks = 0;
+  bool quadratic = true;
+  for (const Pack& pack : layout.packs) {
+    blocks += pack.omega.size();
+    quadratic = quadratic && layout.solvers[idx(pack.group_class)]->quadratic();
+  }
+  systems_.reserve(mechanisms_.size());
+  omega_.reserve(blocks);
+  regular_.resize(layout.packs.size());
+  interval_ = quadratic ? kStepsBetween : kIntervalUnseen;
+}
+
+void ErrorEstimate::restart(std::span<const System* const> systems) {
+  used_ = systems.size();
+  systems_.assign(systems.begin(), systems.end());
+  static_known_ = static_.coordinates().empty();
+  for (std::size_t i = 0; i < used_; ++i) {
+    Mechanism& m = mechanisms_[i];
+    m.unit.clear();
+    for (const int dimension : dimension_) m.unit.push_back(systems[i]->unit(dimension));
+    m.scale = {1, 0, 0};
+    m.largest.assign(m.sizes.size(), {});
+    m.fast.assign(2 * driven_.size(), 0.0);
+    m.now = {};
+    m.limit = asked_;
+    m.smallest.assign(outputs_[i].measures(), kInfinity);
+    m.least.assign(m.smallest.size(), 0.0);
+    m.most.assign(m.smallest.size(), kInfinity);
+  }
+  residual_ = kUsual;
+  steps_ = branch_checks_ = measurements_ = 0;
+  seed_ = 0;
+  worst_ = gain_ = left_ = 0;
+  loose_ = false;
+}
+
+bool ErrorEstimate::due(std::int64_t branch_checks, const double* const (&state)[3], double residual,
+                        std::span<const double* const> divisors) {
+  ++steps_;
+  const bool grown = residual > kGrownTwice * residual_;
+  if (grown) residual_ = residual;
+  // The start is solved with care; the first step is the first of its kind.
+  const bool first = measurements_ < 2;
+  // What is left now may be in any equation.
+  const double error = residual > kSolvedToRounding ? gain_ * residual : 0;
+  bool serve = true;
+  for (std::size_t i = 0; i < used_; ++i) serve = serve && serves(mechanisms_[i], divisors[i]);
+  if (grown || first || !serve || error > asked_ || is_faster(state) ||
+      steps_ >= (in_doubt() ? kIntervalUnseen : interval_) || conditions_have_grown(branch_checks, error)) {
+    return true;
+  }
+  if (error > 0) left_ = std::max(left_, residual);
+  return false;
+}
+
+void ErrorEstimate::continue_from(ErrorEstimate& before) {
+  before.keep_steps_between();
+  for (std::size_t i = 0; i < used_; ++i) {
+    mechanisms_[i].scale = before.mechanisms_[i].scale;
+    mechanisms_[i].largest = before.mechanisms_[i].largest;
+    mechanisms_[i].now = before.mechanisms_[i].now;
+    mechanisms_[i].limit = before.mechanisms_[i].limit;
+  }
+  worst_ = before.worst_;
+}
+
+// Errors of accelerations grow like the cube of a condition, and those of levels multiply.
+bool ErrorEstimate::conditions_have_grown(std::int64_t branch_checks, double error) {
+  // Where errors are let grow, conditions are watched between their measurements, too.
+  if (branch_checks == branch_checks_ && !loose_) return false;
+  branch_checks_ = branch_checks;
+  const double* before = omega_.data();
+  // What a ball leaves open counts for one level: that all of them move towards a singularity at once is not expected.
+  double grown = 1, open = 1, shrunk = 1;
+  const std::vector<Pack>& packs = layout_.packs;
+  for (std::size_t p = 0; p < packs.size();) {
+    double of_level = 1;
+    for (const std::int32_t level = packs[p].level; p < packs.size() && packs[p].level == level; ++p) {
+      for (const double omega : packs[p].omega) {
+        of_level = std::max(of_level, omega / *before);
+        shrunk = std::max(shrunk, *before++ / omega);
+      }
+      for (const double used : packs[p].ball_used) open = std::max(open, 1 / (1 - used));
+    }
+    if (of_level > kGrownTwice && !loose_) return true;
+    grown *= of_level;
+  }
+  if (in_doubt()) return shrunk > kGrownTwice;
+  if (loose_) grown *= open;
+  return std::max(worst_, error) * grown * grown * grown > asked_;
+}
+
+void ErrorEstimate::begin(std::span<const double> times, const double* const (&state)[3]) {
+  keep_steps_between();
+  steps_ = 0;
+  ++measurements_;
+  for (std::size_t i = 0; i < used_; ++i) {
+    Mechanism& m = mechanisms_[i];
+    std::array<double, 3>& scale = m.scale;
+    for (const std::int32_t a : driven_) {
+      for (std::size_t d = 1; d < 3; ++d) scale[d] = std::max(scale[d], std::abs(state[d][idx(a) + i]));
+    }
+    scale[2] = std::max(scale[2], scale[1] * scale[1]);
+    for (std::size_t k = 0; k < m.fast.size(); ++k) {
+      const std::size_t d = k % 2 + 1;
+      const double now = std::abs(state[d][idx(driven_[k / 2]) + i]);
+      m.fast[k] = std::max({m.fast[k], kFaster * now, kFaster * kSlowerThan * scale[d]});
+    }
+  }
+  if (!static_known_) perturb_static(state[0]);
+  // Where equations are solved as well as they can be and errors are too large, nothing will be loosened.
+  knows_gain_ = probes_.size() > 1 + kRandom && (loose_ || !in_doubt());
+  for (const Probe& probe : probes()) {
+    if (probe.cause == Probe::Cause::rounding) perturb_known(times, state, probe);
+  }
+}
+
+// What stands still has what was left in it at the start, whatever later steps leave.
+void ErrorEstimate::perturb_static(const double* state) {
+  const std::span<const std::int32_t> stands = static_.coordinates();
+  std::vector<double> q(systems_.empty() ? 0 : systems_[0]->coordinates.size());
+  for (std::size_t i = 0; i < used_; ++i) {
+    for (std::size_t c = 0; c < q.size(); ++c) {
+      const std::int32_t a = layout_.address[c];
+      q[c] = a >= 0 ? state[idx(a) + i] : 0;
+    }
+    const std::vector<double> errors = static_.draw(*systems_[i], q, kRandom, 0);
+    for (std::size_t k = 0; k <= kRandom; ++k) {
+      for (std::size_t s = 0; s < stands.size(); ++s) {
+        probes_[k].errors[0][idx(layout_.address[idx(stands[s])]) + i] = errors[k * stands.size() + s];
+      }
+    }
+  }
+  static_known_ = true;
+}
+
+// Laws are exact but for the rounding of their arguments, which grow with the time.
+void ErrorEstimate::perturb_known(std::span<const double> times, const double* const (&state)[3], const Probe& probe) {
+  RandomSign sign(++seed_);
+  const auto& [q, rate, acceleration] = probe.errors;
+  for (std::size_t i = 0; i < used_; ++i) {
+    const auto& scale = mechanisms_[i].scale;
+    const double at = std::abs(times[i]), fastest = std::max(scale[1], std::sqrt(scale[2]));
+    for (const std::int32_t address : driven_) {
+      const std::size_t a = idx(address) + i;
+      const double v = std::abs(state[1][a]), w = std::abs(state[2][a]);
+      q[a] = sign() * 2 * kEps * (std::abs(state[0][a]) + v * at);
+      rate[a] = sign() * 2 * kEps * (v + w * at);
+      acceleration[a] = sign() * 2 * kEps * (w + w * fastest * at);
+    }
+  }
+}
+
+void ErrorEstimate::find_worst() {
+  std::array<double, kMostLanes> worst{};
+  worst.fill(-1);
+  for (std::size_t p = 0; p < layout_.packs.size(); ++p) {
+    const Pack& pack = layout_.packs[p];
+    const GroupSolver& solver = *layout_.solvers[idx(pack.group_class)];
+    const std::size_t w = idx(solver.lanes()), n = idx(solver.program().n);
+    for (std::size_t i = 0; i < n * w; ++i) {
+      const std::size_t lane = i % w, m = mechanisms_.size() > 1 ? lane : 0;
+      const double error = regular_[p] != 0 ? of_coordinate(pack.unknowns + i) : kInfinity;
+      if (lane >= idx(pack.used) || error <= worst[m]) continue;
+      worst[m] = error;
+      mechanisms_[m].worst = {p, static_cast<std::int32_t>(lane)};
+    }
+  }
+}
+
+void ErrorEstimate::finish(const double* const (&state)[3], std::span<const double* const> rows) {
+  find_worst();
+  omega_.clear();
+  for (const Pack& pack : layout_.packs) omega_.insert(omega_.end(), pack.omega.begin(), pack.omega.end());
+  for (std::size_t i = 0; i < used_; ++i) {
+    Mechanism& m = mechanisms_[i];
+    std::fill(m.sizes.begin(), m.sizes.end(), Size{});
+    std::fill(m.rounding.begin(), m.rounding.end(), 0.0);
+    for (std::size_t c = 0; c < size_of_.size(); ++c) {
+      double& value = m.sizes[idx(size_of_[c])].value;
+      value = std::max(value, std::abs(rows[i][c]));
+    }
+  }
+  const bool regular = std::find(regular_.begin(), regular_.end(), 0) == regular_.end();
+  for (const Probe& probe : probes()) {
+    if (regular) carry(probe, state);
+  }
+  worst_ = gain_ = 0;
+  for (std::size_t k = 0; k < used_; ++k) {
+    Mechanism& m = mechanisms_[k];
+    for (std::size_t i = 0; i < m.sizes.size(); ++i) {
+      Size& size = m.sizes[i];
+      size.error = regular ? kSafety * (size.error + m.rounding[i]) : kInfinity;
+      if (!regular) size.gain = kInfinity;
+      size.value = m.largest[i].value = std::max(m.largest[i].value, size.value);
+    }
+    m.now = relative(m, m.sizes, &Size::error);
+    worst_ = std::max(worst_, m.now.worst());
+    gain_ = std::max(gain_, relative(m, m.sizes, &Size::gain).worst());
+  }
+}
+
+// How a probe shows in the outputs. Rounding of what the measures are made of is that of the probes of rounding.
+void ErrorEstimate::carry(const Probe& probe, const double* const (&state)[3]) {
+  const bool rounds = probe.cause == Probe::Cause::rounding;
+  RandomSign sign(seed_ + static_cast<std::uint64_t>(&probe - probes_.data()));
+  for (std::size_t k = 0; k < used_; ++k) {
+    Mechanism& m = mechanisms_[k];
+    const double* const of[3] = {state[0] + k, state[1] + k, state[2] + k};
+    const double* const along[3] = {probe.errors[0] + k, probe.errors[1] + k, probe.errors[2] + k};
+    outputs_[k].differentiate(of, along, rounds ? &sign : nullptr, slopes_.data());
+    for (std::size_t c = 0; c < slopes_.size(); ++c) {
+      const std::size_t i = idx(size_of_[c]);
+      double& size = probe.cause == Probe::Cause::left ? m.sizes[i].error : rounds ? m.rounding[i] : m.sizes[i].gain;
+      double slope = std::abs(slopes_[c]);
+      if (probe.cause == Probe::Cause::tolerance) slope *= kSafety / kSumRounding;
+      if (!(slope <= size)) size = std::isnan(slope) ? kInfinity : slope;
+    }
+  }
+}
+
+void ErrorEstimate::keep() {
+  for (std::size_t k = 0; k < used_; ++k) {
+    Mechanism& m = mechanisms_[k];
+    for (std::size_t i = 0; i < m.sizes.size(); ++i) {
+      m.largest[i].error = std::max(m.largest[i].error, m.sizes[i].error);
+    }
+    m.limit = in_doubt(k) ? asked_ / kGrownTwice : asked_;
+  }
+}
+
+// The error of an acceleration grows like the cube of one over the length by which it is divided. Lengths that were not
+// met yet are measured for the figures of the run, others where they matter to the verdict.
+void ErrorEstimate::watch_divisors(Mechanism& m, const double* divisors) const {
+  const double room = std::cbrt(std::pow(asked_ / m.now.worst(), 2));
+  for (std::size_t i = 0; i < m.smallest.size(); ++i) {
+    m.smallest[i] = std::min(m.smallest[i], divisors[i]);
+    m.least[i] = std::max(m.smallest[i] / kCloser, divisors[i] / std::max(room, kCloser));
+    m.most[i] = in_doubt() ? divisors[i] * kCloser : kInfinity;
+  }
+}
+
+bool ErrorEstimate::serves(const Mechanism& m, const double* divisors) {
+  bool serves = true;
+  for (std::size_t i = 0; i < m.least.size(); ++i) serves &= divisors[i] >= m.least[i] && divisors[i] <= m.most[i];
+  return serves;
+}
+
+// What was measured at rest, or slower, says little of the errors of velocities and accelerations.
+bool ErrorEstimate::is_faster(const double* const (&state)[3]) const {
+  if (!wanted_[1] && !wanted_[2]) return false;
+  bool faster = false;
+  for (std::size_t i = 0; i < used_; ++i) {
+    const double* fast = mechanisms_[i].fast.data();
+    for (const std::int32_t a : driven_) {
+      faster |= std::abs(state[1][idx(a) + i]) > fast[0];
+      faster |= std::abs(state[2][idx(a) + i]) > fast[1];
+      fast += 2;
+    }
+  }
+  return faster;
+}
+
+// Steps that nobody measured have errors as well: at most as large as they may be with what was left in them.
+void ErrorEstimate::keep_steps_between() {
+  const double left = std::exchange(left_, 0);
+  for (std::size_t k = 0; k < used_ && left > 0; ++k) {
+    Mechanism& m = mechanisms_[k];
+    for (std::size_t i = 0; i < m.sizes.size(); ++i) {
+      m.largest[i].error = std::max(m.largest[i].error, m.sizes[i].gain * left);
+    }
+  }
+}
+
+ErrorEstimate::Figures ErrorEstimate::relative(const Mechanism& m, const std::vector<Size>& sizes,
+                                               double Size::*what) const {
+  // Drivers that stand still for a moment have rates that are but rounding.
+  const double fastest = std::max(m.scale[1], kAtRest * std::sqrt(m.scale[2]));
+  const std::array<double, 3> least = {1, fastest / kTurn, m.scale[2] / (kTurn * kTurn)};
+  std::array<double, 3> worst{};
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    if (!(sizes[i].*what > 0)) continue;
+    const std::size_t d = i % 3;
+    worst[d] = std::max(worst[d], sizes[i].*what / std::max(sizes[i].value, least[d] * m.unit[i / 3]));
+  }
+  return {worst[0], worst[1], worst[2]};
+}
+
+ErrorFigures ErrorEstimate::of_run(std::size_t mechanism) {
+  if (!measured()) return {};
+  keep_steps_between();
+  const Mechanism& m = mechanisms_[mechanism];
+  const auto [position, velocity, acceleration] = relative(m, m.largest, &Size::error);
+  ErrorFigures figures;
+  if (wanted_[0]) figures.estimated_position = position;
+  if (wanted_[1]) figures.estimated_velocity = velocity;
+  if (wanted_[2]) figures.estimated_acceleration = acceleration;
+  return figures;
+}
+
+double ErrorEstimate::of_coordinate(std::size_t address) const {
+  double left = 0, rounding = 0;
+  for (const Probe& probe : probes_) {
+    const double error = std::abs(probe.errors[0][address]);
+    if (probe.cause == Probe::Cause::left) left = error;
+    if (probe.cause == Probe::Cause::rounding) rounding = std::max(rounding, error);
+  }
+  return kSafety * (left + rounding);
+}
+
+void ErrorEstimate::save(Snapshot& into) const {
+  into.mechanisms = mechanisms_;
+  into.omega.reserve(omega_.capacity());
+  into.omega = omega_;
+  into.residual = residual_;
+  into.worst = worst_;
+  into.gain = gain_;
+  into.left = left_;
+  into.knows_gain = knows_gain_;
+  into.loose = loose_;
+  into.branch_checks = branch_checks_;
+  into.steps = steps_;
+  into.interval = interval_;
+  into.measurements = measurements_;
+  into.seed = seed_;
+}
+
+void ErrorEstimate::restore(const Snapshot& from, std::int64_t branch_checks) {
+  mechanisms_ = from.mechanisms;
+  omega_ = from.omega;
+  residual_ = from.residual;
+  worst_ = from.worst;
+  gain_ = from.gain;
+  left_ = from.left;
+  knows_gain_ = from.knows_gain;
+  loose_ = from.loose;
+  branch_checks_ = from.branch_checks + branch_checks;
+  steps_ = from.steps;
+  interval_ = from.interval;
+  measurements_ = from.measurements;
+  seed_ = from.seed;
+}
+
+void record_doubt(std::vector<Event>& events, Event event) {
+  if (events.empty() || events.back().kind != event.kind || events.back().until != event.time) {
+    events.push_back(std::move(event));
+    return;
+  }
+  Event& before = events.back();
+  before.until = event.until;
+  if (before.detail.empty()) before.detail = std::move(event.detail);
+  if (before.figure < event.figure) {
+    before.figure = event.figure;
+    before.group = std::move(event.group);
+  }
+}
+
+}  // namespace assur

@@ -1,0 +1,184 @@
+// The forward error of a trajectory against the motion in quad precision.
+//
+// For each named output (a point with all its components) and each derivative: max over the times of |x - x_ref| over
+// max |x_ref|, both in the maximum norm. |x_ref| counts as one internal unit of its dimension at least (lengths: the
+// characteristic length; angles: 1 rad), and for an output that rests: rates as one unit for each turn at the fastest
+// rate w of the driven coordinates in the run (times w / 2 pi), accelerations likewise (times w^2 / 4 pi^2, with the
+// largest acceleration of a driven coordinate in place of w^2 if that is larger).
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "assur/simulator.hpp"
+#include "errors/reference_motion.hpp"
+#include "numbers.hpp"
+#include "scene/outputs.hpp"
+#include "signals/output_program.hpp"
+
+namespace assur {
+namespace {
+
+constexpr double kSameMotion = 1e-3;  // beyond, one of the two is taken to be on another branch
+constexpr int kPieces = 16;           // in which the reference then repeats its step
+
+// NaN once, NaN for ever.
+void raise(double& worst, double value) {
+  if (!std::isnan(worst) && !(value <= worst)) worst = value;
+}
+
+// Jets of an output's components in SI units.
+std::vector<Jet<Quad>> evaluate(const ReferenceMotion& motion, const Output& output) {
+  const System& s = motion.system();
+  std::vector<Jet<Quad>> out;
+  for (const OutputPart& part : output.parts()) {
+    Jet<Quad> forms[9];
+    for (std::size_t f = 0; f < part.forms.size(); ++f) {
+      const auto of = [&](std::size_t d) { return form_value<Quad>(s, part.forms[f], motion.state().q[d]); };
+      forms[f] = {of(0), of(1), of(2)};
+    }
+    out.push_back(evaluate_measure<Quad>(part.kind, {forms, 9}, s.dimension) * Quad(s.unit(part.dimension)));
+  }
+  return out;
+}
+
+bool is_signed_angle(const OutputPart& part) {
+  return part.kind == MeasureForms::Kind::absolute_angle || part.kind == MeasureForms::Kind::signed_angle;
+}
+
+class Comparison {
+ public:
+  Comparison(const Prepared& prepared, const Trajectory& trajectory) : trajectory_(trajectory), motion_(prepared) {
+    std::vector<std::string> columns;
+    std::map<std::pair<std::string_view, std::size_t>, std::size_t> column_of;  // of measures
+    for (const Output& o : wanted_outputs(motion_.system())) {
+      std::size_t next = columns.size();
+      append_columns(o, columns);
+      outputs_.emplace_back().output = o;
+      for (std::size_t d = 0; d < 3; ++d) {
+        if (!o.wanted[d]) continue;
+        for (std::size_t i = 0; o.sum != nullptr && i < o.sum->terms.size(); ++i) {
+          const auto& [measure, factor] = o.sum->terms[i];
+          const std::string& name = motion_.system().measures[static_cast<std::size_t>(measure)].name;
+          outputs_.back().terms[d].emplace_back(column_of.at({name, d}), factor);
+        }
+        if (o.component < 0) column_of[{o.name, d}] = next;
+        next += o.part_count;
+      }
+    }
+    row_.resize(columns.size());
+    if (columns != trajectory.columns()) {
+      throw Error(Error::Kind::input, "the trajectory has other columns than the scene: compare it with its own");
+    }
+    if (trajectory.rows() == 0) throw Error(Error::Kind::input, "the trajectory has no row: nothing to compare");
+  }
+
+  ForwardError run() {
+    for (std::size_t k = 0; k < trajectory_.rows(); ++k) {
+      follow(k);
+      for (std::size_t d = 0; d < 3; ++d) raise(scale_[d], motion_.scale(static_cast<int>(d)));
+      for (Compared& o : outputs_) {
+        for (std::size_t d = 0; d < 3; ++d) {
+          raise(o.figures[d].difference, o.now[d].difference);
+          raise(o.figures[d].size, o.now[d].size);
+        }
+      }
+    }
+    scale_[1] /= kTurn;
+    scale_[2] /= kTurn * kTurn;
+    ForwardError worst;
+    double* const of[3] = {&worst.position, &worst.velocity, &worst.acceleration};
+    for (const Compared& o : outputs_) {
+      const double unit = motion_.system().unit(o.output.parts().front().dimension);
+      for (std::size_t d = 0; d < 3; ++d) {
+        if (!o.output.wanted[d]) continue;
+        const auto& [difference, size] = o.figures[d];
+        const double error = difference != 0 ? difference / std::max(size, scale_[d] * unit) : 0;
+        *of[d] = std::fmax(*of[d], std::isnan(error) ? kInfinity : error);
+      }
+    }
+    return worst;
+  }
+
+ private:
+  struct Figure {
+    double difference = 0, size = 0;  // |x - x_ref|, |x_ref|; 0 for what is not asked for
+  };
+  struct Compared {
+    Output output;
+    std::vector<std::pair<std::size_t, double>> terms[3];  // of a sum: columns and factors
+    Figure figures[3];                                     // the worst of the run
+    Figure now[3];
+  };
+
+  // Moves the reference to row k. Where the two part, it repeats the step in smaller ones, to be sure that it is not
+  // the reference which left the branch; as long as they stay apart it is not asked again.
+  void follow(std::size_t k) {
+    const ReferenceMotion::State before = motion_.state();
+    motion_.advance(trajectory_.times()[k]);
+    const bool apart = !compare(k);
+    if (apart && !apart_) {
+      motion_.restore(before);
+      motion_.advance(trajectory_.times()[k], kPieces);
+      apart_ = !compare(k);
+    } else {
+      apart_ = apart;
+    }
+  }
+
+  // Fills `now`; true if the trajectory shows the same motion.
+  bool compare(std::size_t k) {
+    bool same = true;
+    std::size_t column = 0;
+    for (Compared& o : outputs_) {
+      const std::vector<Jet<Quad>> jets = evaluate(motion_, o.output);
+      const double unit = motion_.system().unit(o.output.parts().front().dimension);
+      for (std::size_t d = 0; d < 3; ++d) {
+        o.now[d] = {};
+        if (!o.output.wanted[d]) continue;
+        for (std::size_t i = 0; i < jets.size(); ++i, ++column) {
+          const Quad x = trajectory_(k, column);
+          Quad reference = d == 0 ? jets[i].value : d == 1 ? jets[i].rate : jets[i].acceleration;
+          if (d == 0 && is_signed_angle(o.output.parts()[i])) reference += turns(x - reference);
+          if (o.output.sum != nullptr) reference = d == 0 ? o.output.sum->constant : 0;
+          for (const auto& [term, factor] : o.terms[d]) reference += Quad(factor) * row_[term];
+          row_[column] = reference;
+          if (d > 0 && std::isnan(trajectory_(k, column))) continue;  // at a kink there is none
+          raise(o.now[d].difference, static_cast<double>(abs(x - reference)));
+          raise(o.now[d].size, static_cast<double>(abs(reference)));
+        }
+        const double least = motion_.scale(static_cast<int>(d)) * unit;
+        same = same && o.now[d].difference <= kSameMotion * std::max(o.now[d].size, least);
+      }
+    }
+    return same;
+  }
+
+  // The multiple of 2 pi next to an angle: which turn the trajectory counts is its own affair.
+  static Quad turns(const Quad& angle) {
+    static const Quad kTurn = 2 * acos(Quad(-1));
+    return kTurn * std::round(static_cast<double>(angle) / (2 * std::numbers::pi));
+  }
+
+  const Trajectory& trajectory_;
+  ReferenceMotion motion_;
+  std::vector<Compared> outputs_;
+  std::vector<Quad> row_;  // of the reference
+  double scale_[3] = {};
+  bool apart_ = false;
+};
+
+}  // namespace
+
+ForwardError forward_error(const Prepared& prepared, const Trajectory& trajectory) {
+  if (!prepared.scene) {
+    throw Error(Error::Kind::input, "a loaded plan has no scene to make a reference of: prepare the scene instead");
+  }
+  return Comparison(prepared, trajectory).run();
+}
+
+}  // namespace assur

@@ -1,0 +1,297 @@
+#include "group/branch.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "group/tolerances.hpp"
+#include "index.hpp"
+#include "numbers.hpp"
+
+namespace assur {
+namespace {
+
+constexpr std::int32_t kDenseInverse = 64;
+constexpr int kHagerRounds = 3;
+constexpr int kGrowths = 20;  // of a box until it holds its image
+constexpr double kRadiusGrowth = 1.2;
+constexpr double kDefectBetween = 1.5, kChangeBetween = 1.25;  // between the postures of a tube, over those at them
+// Residuals that are nothing but rounding, with room: at a change point they decide between the branches.
+constexpr double kRoundingOfBranch = 64 * kConverged;
+
+// out = a^-1 by Gauss-Jordan with row pivoting (column-major, n x n; a is overwritten). False: singular.
+bool invert_dense(double* a, double* out, std::int32_t n) {
+  std::fill_n(out, idx(n) * idx(n), 0.0);
+  for (std::int32_t i = 0; i < n; ++i) out[i * n + i] = 1;
+  for (std::int32_t c = 0; c < n; ++c) {
+    std::int32_t pivot = c;
+    for (std::int32_t r = c + 1; r < n; ++r) {
+      if (std::abs(a[c * n + r]) > std::abs(a[c * n + pivot])) pivot = r;
+    }
+    const double p = a[c * n + pivot];
+    if (!(std::abs(p) > 0) || !std::isfinite(p)) return false;
+    if (pivot != c) {
+      for (std::int32_t j = 0; j < n; ++j) {
+        std::swap(a[j * n + c], a[j * n + pivot]);
+        std::swap(out[j * n + c], out[j * n + pivot]);
+      }
+    }
+    for (std::int32_t j = 0; j < n; ++j) {
+      a[j * n + c] /= p;
+      out[j * n + c] /= p;
+    }
+    for (std::int32_t r = 0; r < n; ++r) {
+      const double f = a[c * n + r];
+      if (r == c || f == 0) continue;
+      for (std::int32_t j = 0; j < n; ++j) {
+        a[j * n + r] -= f * a[j * n + c];
+        out[j * n + r] -= f * out[j * n + c];
+      }
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+BlockConditions::BlockConditions(const GroupClass& group_class, const Program& p, int lanes)
+    : program_(p), lanes_(lanes) {
+  place_.resize(idx(p.n));
+  row_place_.resize(idx(p.n));
+  std::vector<std::vector<std::int32_t>> unknowns(idx(p.blocks)), equations(idx(p.blocks)), nonzeros(idx(p.blocks));
+  for (std::int32_t i = 0; i < p.n; ++i) {
+    auto& u = unknowns[idx(p.unknown_block[idx(i)])];
+    place_[idx(i)] = static_cast<std::int32_t>(u.size());
+    u.push_back(i);
+    auto& e = equations[idx(p.equation_block[idx(i)])];
+    row_place_[idx(i)] = static_cast<std::int32_t>(e.size());
+    e.push_back(i);
+  }
+  nonzero_column_.resize(idx(p.pattern.nnz()));
+  for (std::int32_t c = 0; c < p.n; ++c) {
+    for (std::int32_t k = p.pattern.column_start[idx(c)]; k < p.pattern.column_start[idx(c) + 1]; ++k) {
+      nonzero_column_[idx(k)] = c;
+      const std::int32_t b = p.unknown_block[idx(c)];
+      if (p.equation_block[idx(p.pattern.row[idx(k)])] == b) nonzeros[idx(b)].push_back(k);
+    }
+  }
+  unknown_start_ = nonzero_start_ = {0};
+  std::int32_t largest = 0;
+  bool has_large = false;
+  for (std::int32_t b = 0; b < p.blocks; ++b) {
+    unknowns_.insert(unknowns_.end(), unknowns[idx(b)].begin(), unknowns[idx(b)].end());
+    equations_.insert(equations_.end(), equations[idx(b)].begin(), equations[idx(b)].end());
+    nonzeros_.insert(nonzeros_.end(), nonzeros[idx(b)].begin(), nonzeros[idx(b)].end());
+    unknown_start_.push_back(static_cast<std::int32_t>(unknowns_.size()));
+    nonzero_start_.push_back(static_cast<std::int32_t>(nonzeros_.size()));
+    if (size(b) <= kDenseInverse) {
+      largest = std::max(largest, size(b));
+    } else {
+      has_large = true;
+    }
+  }
+  matrix_.resize(idx(largest) * idx(largest));
+  inverse_.resize(matrix_.size());
+  change_.resize(matrix_.size());
+  for (std::vector<double>* v : {&defect_, &radius_, &image_}) v->resize(idx(largest));
+  register_change_.resize(idx(p.registers));
+  if (has_large) vector_.resize(idx(p.n) * idx(lanes));
+  find_reads(group_class);
+}
+
+void BlockConditions::find_reads(const GroupClass& c) {
+  std::vector<std::int32_t> last(idx(c.n + c.inputs), -1);  // block that has listed the coordinate already
+  std::vector<std::vector<std::int32_t>> reads(idx(c.blocks));
+  for (std::size_t i = 0; i < c.equations.size(); ++i) {
+    const std::int32_t b = c.equation_block[i];
+    const auto take = [&](std::int32_t form) {
+      for (std::int32_t t = c.form_start[idx(form)]; t < c.form_start[idx(form) + 1]; ++t) {
+        const std::int32_t x = c.terms[idx(t)].coordinate;
+        if (x < 0 || (x >= c.n && c.input_moves[idx(x - c.n)] == 0) || last[idx(x)] == b) continue;
+        last[idx(x)] = b;
+        reads[idx(b)].push_back(x);
+      }
+    };
+    const GroupClass::Equation& e = c.equations[i];
+    if (e.linear >= 0) take(e.linear);
+    for (std::int32_t k = e.products_begin; k < e.products_end; ++k) {
+      take(c.products[idx(k)].a);
+      if (c.products[idx(k)].b >= 0) take(c.products[idx(k)].b);
+    }
+  }
+  reads_start_ = {0};
+  for (const auto& r : reads) {
+    reads_.insert(reads_.end(), r.begin(), r.end());
+    reads_start_.push_back(static_cast<std::int32_t>(reads_.size()));
+  }
+}
+
+bool BlockConditions::needs_solver(std::int32_t b) const { return size(b) > kDenseInverse; }
+
+std::span<const std::int32_t> BlockConditions::unknowns(std::int32_t b) const {
+  return {unknowns_.data() + unknown_start_[idx(b)], idx(size(b))};
+}
+std::span<const std::int32_t> BlockConditions::equations(std::int32_t b) const {
+  return {equations_.data() + unknown_start_[idx(b)], idx(size(b))};
+}
+
+void BlockConditions::extract(const double* jacobian, std::int32_t b, int lane, std::vector<double>& out) const {
+  const std::int32_t n = size(b);
+  std::fill_n(out.data(), idx(n) * idx(n), 0.0);
+  for (std::int32_t i = nonzero_start_[idx(b)]; i < nonzero_start_[idx(b) + 1]; ++i) {
+    const std::int32_t k = nonzeros_[idx(i)];
+    const std::int32_t column = place_[idx(nonzero_column_[idx(k)])];
+    const std::int32_t row = row_place_[idx(program_.pattern.row[idx(k)])];
+    out[idx(column * n + row)] = jacobian[k * lanes_ + lane];
+  }
+}
+
+void BlockConditions::measure(std::int32_t b, const double* jacobian, const Weights& weights, LinearSolver* solver,
+                              const Norms& norms) {
+  if (!needs_solver(b)) {
+    for (int w = 0; w < lanes_; ++w) dense_norms(b, w, jacobian, weights, norms);
+    return;
+  }
+  sparse_norms(b, weights.lipschitz, *solver, norms.omega);
+  for (int w = 0; w < lanes_; ++w) {
+    double ratio = 0;
+    for (const std::int32_t r : equations(b)) {
+      const double k = weights.lipschitz[r * lanes_ + w];
+      if (k > 0) ratio = std::max(ratio, weights.scale[r * lanes_ + w] / k);
+    }
+    norms.scale[w] = norms.omega[w] * ratio;
+  }
+}
+
+void BlockConditions::dense_norms(std::int32_t b, int lane, const double* jacobian, const Weights& weights,
+                                  const Norms& norms) {
+  const std::int32_t n = size(b);
+  extract(jacobian, b, lane, matrix_);
+  norms.omega[lane] = norms.scale[lane] = kInfinity;
+  if (!invert_dense(matrix_.data(), inverse_.data(), n)) return;
+  const auto rows = equations(b);
+  double omega = 0, scale = 0;
+  for (std::int32_t r = 0; r < n; ++r) {
+    double of_lipschitz = 0, of_scale = 0;
+    for (std::int32_t c = 0; c < n; ++c) {
+      const double entry = std::abs(inverse_[idx(c * n + r)]);
+      of_lipschitz += entry * weights.lipschitz[rows[idx(c)] * lanes_ + lane];
+      of_scale += entry * weights.scale[rows[idx(c)] * lanes_ + lane];
+    }
+    omega = std::max(omega, of_lipschitz);
+    scale = std::max(scale, of_scale);
+  }
+  if (std::isfinite(omega)) norms.omega[lane] = omega;
+  if (std::isfinite(scale)) norms.scale[lane] = scale;
+}
+
+bool BlockConditions::invert(std::int32_t b, int lane, const double* jacobian) {
+  if (needs_solver(b)) return false;
+  extract(jacobian, b, lane, matrix_);
+  return invert_dense(matrix_.data(), inverse_.data(), size(b));
+}
+
+// matrix_ += |Phi'' r|: what changes of the block's unknowns up to r do to each entry of its Jacobian at most.
+void BlockConditions::add_change(std::int32_t b, int lane, const double* coefficients, std::span<const double> r) {
+  std::fill(register_change_.begin(), register_change_.end(), 0.0);
+  const auto columns = unknowns(b);
+  for (std::size_t i = 0; i < columns.size(); ++i) register_change_[idx(columns[i])] = r[i];
+  const auto size_of = [&](const Program::Operand& o) {
+    return std::abs(coefficients[o.coefficient * lanes_ + lane]) * register_change_[idx(o.reg)];
+  };
+  for (const Program::Form& f : program_.forms) {
+    double sum = 0;
+    for (std::int32_t i = f.unknowns; i < f.end; ++i) sum += size_of(program_.operands[idx(i)]);
+    register_change_[idx(f.reg)] = sum;
+  }
+  const std::int32_t n = size(b);
+  for (std::int32_t i = nonzero_start_[idx(b)]; i < nonzero_start_[idx(b) + 1]; ++i) {
+    const std::int32_t k = nonzeros_[idx(i)];
+    const std::int32_t column = place_[idx(nonzero_column_[idx(k)])];
+    double& entry = matrix_[idx(column * n + row_place_[idx(program_.pattern.row[idx(k)])])];
+    for (std::int32_t e = program_.entries[idx(k)].begin; e < program_.entries[idx(k)].end; ++e) {
+      entry += size_of(program_.entry_operands[idx(e)]);
+    }
+  }
+}
+
+bool BlockConditions::holds_one_solution(std::int32_t b, int lane, const double* jacobian, const double* there,
+                                         const double* phi, const double* scale, const double* coefficients) {
+  const std::int32_t n = size(b);
+  const auto rows = equations(b);
+  extract(jacobian, b, lane, change_);
+  extract(there, b, lane, matrix_);
+  for (std::size_t i = 0; i < idx(n * n); ++i) change_[i] = kChangeBetween * std::abs(change_[i] - matrix_[i]);
+  for (std::int32_t r = 0; r < n; ++r) {
+    double sum = 0, rounding = 0;
+    for (std::int32_t c = 0; c < n; ++c) {
+      const std::int32_t at = rows[idx(c)] * lanes_ + lane;
+      sum += inverse_[idx(c * n + r)] * phi[at];
+      rounding += std::abs(inverse_[idx(c * n + r)]) * scale[at];
+    }
+    defect_[idx(r)] = kDefectBetween * std::abs(sum) + kRoundingOfBranch * rounding;
+    radius_[idx(r)] = kDefectBetween * defect_[idx(r)];
+  }
+  const std::span<const double> radius = std::span(radius_).first(idx(n));
+  for (int growth = 0; growth < kGrowths; ++growth) {
+    std::copy_n(change_.begin(), n * n, matrix_.begin());
+    add_change(b, lane, coefficients, radius);
+    std::copy_n(defect_.begin(), n, image_.begin());
+    for (std::int32_t c = 0; c < n; ++c) {  // image += |C| (matrix radius), one row of the product after the other
+      double product = 0;
+      for (std::int32_t k = 0; k < n; ++k) product += matrix_[idx(k * n + c)] * radius[idx(k)];
+      for (std::int32_t r = 0; r < n; ++r) image_[idx(r)] += std::abs(inverse_[idx(c * n + r)]) * product;
+    }
+    bool inside = true;
+    for (std::int32_t r = 0; r < n; ++r) {
+      if (!std::isfinite(image_[idx(r)])) return false;
+      inside = inside && image_[idx(r)] <= radius[idx(r)];
+      radius_[idx(r)] = kRadiusGrowth * std::max(image_[idx(r)], radius[idx(r)]);
+    }
+    if (inside) return true;
+  }
+  return false;
+}
+
+// Hager's power method for | J^-1 D |_inf = | (J^-1 D)^T |_1, all lanes at once; right-hand sides live on the block
+// only, so the answers on the block are those of the block alone.
+void BlockConditions::sparse_norms(std::int32_t b, const double* weights, LinearSolver& solver, double* norms) {
+  const auto columns = unknowns(b), rows = equations(b);
+  const std::int32_t n = size(b);
+  const auto at = [&](std::int32_t i, int w) -> double& { return vector_[idx(i * lanes_ + w)]; };
+  std::fill_n(norms, lanes_, 0.0);
+  // Start: the row of J^-1 D that meets a vector of ones worst.
+  std::fill(vector_.begin(), vector_.end(), 0.0);
+  for (int w = 0; w < lanes_; ++w) {
+    for (const std::int32_t r : rows) at(r, w) = weights[r * lanes_ + w];
+  }
+  for (int round = 0; round < kHagerRounds; ++round) {
+    if (!solver.solve(vector_, 1).ok()) break;
+    for (int w = 0; w < lanes_; ++w) {
+      std::int32_t worst = columns[0];
+      for (const std::int32_t c : columns) {
+        if (!(std::abs(at(c, w)) <= std::abs(at(worst, w)))) worst = c;
+      }
+      for (std::int32_t i = 0; i < program_.n; ++i) at(i, w) = 0;
+      at(worst, w) = 1;
+    }
+    if (!solver.solve(vector_, 1, Transpose::yes).ok()) break;
+    for (int w = 0; w < lanes_; ++w) {
+      double sum = 0;
+      for (std::int32_t k = 0; k < n; ++k) {
+        const double z = at(rows[idx(k)], w) * weights[rows[idx(k)] * lanes_ + w];
+        sum += std::abs(z);
+      }
+      norms[w] = std::isfinite(sum) ? std::max(norms[w], sum) : kInfinity;
+      for (const std::int32_t r : rows) at(r, w) = std::copysign(weights[r * lanes_ + w], at(r, w));
+      for (std::int32_t i = 0; i < program_.n; ++i) {
+        if (program_.equation_block[idx(i)] != b) at(i, w) = 0;
+      }
+    }
+  }
+  for (int w = 0; w < lanes_; ++w) {
+    if (norms[w] == 0) norms[w] = kInfinity;  // no solve succeeded
+  }
+}
+
+}  // namespace assur

@@ -1,0 +1,101 @@
+// What is solved side by side.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "assur/backend.hpp"
+#include "equations/lane_array.hpp"
+#include "equations/program.hpp"
+#include "group/pack_kernels.hpp"
+
+namespace assur {
+
+// What an attempt at a step overwrites in a pack, as it was before that attempt: a rejected one leaves nothing behind.
+struct Kept {
+  std::int64_t use_of = 0, anchor_of = 0, factors_of = 0;  // the attempts that overwrote the pack's last; 0: none
+  LaneArray ball_used;
+  LaneArray anchor, anchor_rates, anchor_time, omega, swaps;
+};
+
+// W instances of a class. All arrays are owned by the simulator; lanes beyond `used` repeat lane 0.
+struct Pack {
+  std::int32_t group_class = 0;
+  std::int32_t level = 0;
+  std::int32_t used = 1;             // lanes that hold a group
+  std::vector<std::int32_t> groups;  // used: indices into Structure::groups
+  std::size_t unknowns = 0;          // address of the first unknown in the state arrays
+  std::vector<std::int32_t> inputs;  // inputs x W addresses in the state arrays
+  std::vector<InputRow> input_rows;  // inputs: the same, where one address tells all
+  LaneArray coefficients;            // (coefficients, 0, 1) x W
+  LaneArray lipschitz;               // equations x W
+  LaneArray anchor;                  // by block, what it reads x W: where omega was measured
+  LaneArray anchor_rates;            // the same: the rates there
+  LaneArray anchor_time;             // blocks: s; NaN: unknown, or no rates were asked for
+  LaneArray omega;                   // blocks x W
+  LaneArray ball_used;               // blocks: part of the ball used at the last posture inside it
+  LaneArray swaps;                   // of a small step: see SmallLu
+  Kept kept;
+  std::unique_ptr<LinearSolver> solver;  // with pivots or factors of its own; null: the class's serves
+  bool factored = false;                 // +reuse=run: `solver` holds factors of an earlier posture
+
+  // Call these before the attempt overwrites the arrays that they keep.
+  void keep_use(std::int64_t attempt) {
+    if (std::exchange(kept.use_of, attempt) == attempt) return;
+    if (ball_used.size() == 1) {  // of most groups
+      kept.ball_used[0] = ball_used[0];
+    } else {
+      kept.ball_used = ball_used;
+    }
+  }
+  void keep_anchor(std::int64_t attempt) {
+    if (std::exchange(kept.anchor_of, attempt) != attempt) copy_anchor(kept);
+  }
+  // The pack is as it was before the attempt, but for the pivot orders of `solver`.
+  void undo(std::int64_t attempt) {
+    if (kept.use_of == attempt) ball_used.swap(kept.ball_used);
+    if (kept.anchor_of == attempt) {
+      anchor.swap(kept.anchor);
+      anchor_rates.swap(kept.anchor_rates);
+      anchor_time.swap(kept.anchor_time);
+      omega.swap(kept.omega);
+      swaps.swap(kept.swaps);
+    }
+    if (kept.factors_of == attempt) factored = false;
+    kept.use_of = kept.anchor_of = kept.factors_of = 0;
+  }
+
+  // All that the next step depends on, but for `solver`.
+  void save(Kept& into) const {
+    into.ball_used = ball_used;
+    copy_anchor(into);
+  }
+  void restore(const Kept& from) {
+    ball_used = from.ball_used;
+    anchor = from.anchor;
+    anchor_rates = from.anchor_rates;
+    anchor_time = from.anchor_time;
+    omega = from.omega;
+    swaps = from.swaps;
+    factored = false;
+  }
+
+ private:
+  void copy_anchor(Kept& into) const {
+    into.anchor = anchor;
+    into.anchor_rates = anchor_rates;
+    into.anchor_time = anchor_time;
+    into.omega = omega;
+    into.swaps = swaps;
+  }
+};
+
+// Among the coefficients of a pack, after those of the program.
+[[nodiscard]] inline std::int32_t zero_coefficient(const Program& p) {
+  return static_cast<std::int32_t>(p.coefficients.size());
+}
+[[nodiscard]] inline std::int32_t one_coefficient(const Program& p) { return zero_coefficient(p) + 1; }
+
+}  // namespace assur

@@ -1,0 +1,206 @@
+// What the separable equations of a small group take from its inputs. Included once for each target, inside its
+// HWY_NAMESPACE (see Highway, "foreach_target.h").
+#if defined(ASSUR_SMALL_COEFFICIENTS_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef ASSUR_SMALL_COEFFICIENTS_INL
+#undef ASSUR_SMALL_COEFFICIENTS_INL
+#else
+#define ASSUR_SMALL_COEFFICIENTS_INL
+#endif
+
+#include "equations/lane_vector-inl.hpp"
+#include "group/gather-inl.hpp"
+
+#include <algorithm>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "assur/structure.hpp"
+#include "equations/lane_array.hpp"
+#include "equations/program.hpp"
+#include "equations/separable.hpp"
+#include "group/pack.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace assur::HWY_NAMESPACE {
+
+// The numbers of a Separable at one time, from the inputs of a pack. Registers as in Program, and a last one of zeros.
+template <int W, int N>
+class Coefficients {
+  using L = Lanes<W>;
+  enum Part { kValue, kMagnitude, kRate, kAcceleration, kParts };
+
+ public:
+  Coefficients(const GroupClass& group_class, const Program& program, Separable separable)
+      : p_(program),
+        e_(std::move(separable)),
+        registers_(static_cast<std::size_t>((program.registers + 1) * kParts * W)) {
+    for (std::int32_t i = 0; i < p_.inputs; ++i) {
+      if (group_class.input_moves[static_cast<std::size_t>(i)] != 0) moving_.push_back(i);
+    }
+    L::set(1).store(at(kValue, p_.one()));
+    // What is not there is a slot, too, so that nothing has to be asked for each use.
+    const auto or_else = [](std::int32_t& slot, std::int32_t other) {
+      if (slot == Separable::kNone) slot = other;
+    };
+    for (Separable::Square& q : e_.squares) {
+      or_else(q.s, zero_coefficient(p_));
+      or_else(q.a, one_coefficient(p_));
+      or_else(q.b, p_.registers);
+    }
+    for (std::vector<Separable::Linear>* list : {&e_.linear, &e_.moving_linear}) {
+      for (Separable::Linear& t : *list) or_else(t.slope, one_coefficient(p_));
+    }
+    for (double* zeros : {linear_, linear_magnitude_}) std::fill_n(zeros, N * N * W, 0.0);
+  }
+
+  HWY_INLINE void set_inputs(const Pack& pack, const double* state) {
+    k_ = pack.coefficients.data();
+    for (std::int32_t i = 0; i < p_.inputs; ++i) input(pack, i, state).store(at(kValue, N + i));
+    for (const Program::Form& f : p_.forms) {
+      L total = L::set(0), magnitude = L::set(0);
+      const Program::Operand* const end = p_.operands.data() + f.unknowns;
+      for (const Program::Operand* o = p_.operands.data() + f.begin; o != end; ++o) {
+        const L term = k(o->coefficient) * get(kValue, o->reg);
+        total = total + term;
+        magnitude = magnitude + abs(term);
+      }
+      total.store(at(kValue, f.reg));
+      magnitude.store(at(kMagnitude, f.reg));
+    }
+    set_known();
+    if (!e_.linear.empty()) set_linear();
+  }
+  HWY_INLINE void set_rates(const Pack& pack, const double* state) { derive<kRate>(pack, state); }
+  HWY_INLINE void set_accelerations(const Pack& pack, const double* state) { derive<kAcceleration>(pack, state); }
+
+  [[nodiscard]] bool may_vanish() const { return !e_.linear.empty(); }
+  HWY_INLINE L s(int i, int j) const { return k(square(i, j).s); }
+  HWY_INLINE L a(int i, int j) const { return k(square(i, j).a); }
+  HWY_INLINE L b(int i, int j) const { return get(kValue, square(i, j).b); }
+  HWY_INLINE L b_magnitude(int i, int j) const { return get(kMagnitude, square(i, j).b); }
+  HWY_INLINE L b_rate(int i, int j) const { return get(kRate, square(i, j).b); }
+  HWY_INLINE L b_acceleration(int i, int j) const { return get(kAcceleration, square(i, j).b); }
+  HWY_INLINE L l(int i, int j) const { return L::load(linear_ + (i * N + j) * W); }
+  HWY_INLINE L l_magnitude(int i, int j) const { return L::load(linear_magnitude_ + (i * N + j) * W); }
+  HWY_INLINE L g(int i) const { return L::load(known_ + i * W); }
+  HWY_INLINE L g_magnitude(int i) const { return L::load(known_magnitude_ + i * W); }
+
+  // rhs_i -= g_i' + sum_j l_ij' x_j
+  HWY_INLINE void subtract_rates(const L (&x)[N], L (&rhs)[N]) {
+    if (e_.moving_known.empty() && e_.moving_linear.empty()) return;
+    double sum[N * W] = {}, unknowns[N * W];
+    for (int j = 0; j < N; ++j) x[j].store(unknowns + j * W);
+    for (const Separable::Known& t : e_.moving_known) add(k(t.coefficient) * get(kRate, t.reg), sum + t.equation * W);
+    for (const Separable::Linear& t : e_.moving_linear) {
+      add(k(t.coefficient) * get(kRate, t.reg) * L::load(unknowns + t.unknown * W), sum + t.equation * W);
+    }
+    for (int i = 0; i < N; ++i) rhs[i] = rhs[i] - L::load(sum + i * W);
+  }
+  // rhs_i -= g_i'' + sum_j l_ij'' x_j + 2 l_ij' x_j'
+  HWY_INLINE void subtract_accelerations(const L (&x)[N], const L (&rate)[N], L (&rhs)[N]) {
+    if (e_.moving_known.empty() && e_.moving_linear.empty()) return;
+    double sum[N * W] = {}, unknowns[N * W], twice_rates[N * W];
+    for (int j = 0; j < N; ++j) {
+      x[j].store(unknowns + j * W);
+      (rate[j] + rate[j]).store(twice_rates + j * W);
+    }
+    for (const Separable::Known& t : e_.moving_known) {
+      add(k(t.coefficient) * get(kAcceleration, t.reg), sum + t.equation * W);
+    }
+    for (const Separable::Linear& t : e_.moving_linear) {
+      L terms = get(kAcceleration, t.reg) * L::load(unknowns + t.unknown * W);
+      terms.add_product(get(kRate, t.reg), L::load(twice_rates + t.unknown * W));
+      add(k(t.coefficient) * terms, sum + t.equation * W);
+    }
+    for (int i = 0; i < N; ++i) rhs[i] = rhs[i] - L::load(sum + i * W);
+  }
+
+  // Largest over the lanes of omega * largest |coordinate - anchor|: see PackKernels.
+  HWY_INLINE double ball_use(const Pack& pack, std::span<const std::int32_t> coordinates, const L (&x)[N]) {
+    for (int j = 0; j < N; ++j) x[j].store(at(kValue, j));
+    L moved = L::set(0), poison = L::set(0);
+    const double* anchor = pack.anchor.data();
+    for (const std::int32_t c : coordinates) {
+      const L by = get(kValue, c) - L::load(anchor);
+      moved = max(moved, abs(by));
+      poison.add_product(by, L::set(0));
+      anchor += W;
+    }
+    return (if_positive(moved, moved * L::load(pack.omega.data()), moved) + poison).largest();
+  }
+
+ private:
+  HWY_INLINE double* at(Part part, std::int32_t reg) { return registers_.data() + (reg * kParts + part) * W; }
+  HWY_INLINE L get(Part part, std::int32_t reg) const { return L::load(registers_.data() + (reg * kParts + part) * W); }
+  HWY_INLINE L k(std::int32_t i) const { return L::load(k_ + i * W); }
+  static HWY_INLINE void add(const L& term, double* to) { (L::load(to) + term).store(to); }
+  HWY_INLINE const Separable::Square& square(int i, int j) const {
+    return e_.squares[static_cast<std::size_t>(i * N + j)];
+  }
+  HWY_INLINE L input(const Pack& pack, std::int32_t i, const double* state) const {
+    return gather_input<W>(pack.input_rows[static_cast<std::size_t>(i)], pack.inputs.data() + i * W, state);
+  }
+  // Of a coordinate it is its size.
+  HWY_INLINE L magnitude(std::int32_t reg) const {
+    return reg > p_.one() ? get(kMagnitude, reg) : abs(get(kValue, reg));
+  }
+
+  HWY_INLINE void set_known() {
+    for (int i = 0; i < N; ++i) {
+      L::set(0).store(known_ + i * W);
+      L::set(0).store(known_magnitude_ + i * W);
+    }
+    for (const Separable::Known& t : e_.known) {
+      add(k(t.coefficient) * get(kValue, t.reg), known_ + t.equation * W);
+      add(abs(k(t.coefficient)) * magnitude(t.reg), known_magnitude_ + t.equation * W);
+    }
+  }
+  void set_linear() {
+    for (const Separable::Linear& t : e_.linear) {
+      const int slot = t.equation * N + t.unknown;
+      L::set(0).store(linear_ + slot * W);
+      L::set(0).store(linear_magnitude_ + slot * W);
+    }
+    for (const Separable::Linear& t : e_.linear) {
+      const int slot = t.equation * N + t.unknown;
+      const L factor = k(t.coefficient) * k(t.slope), value = get(kValue, t.reg);
+      add(factor * value, linear_ + slot * W);
+      // A factor that is no number is a coordinate, too.
+      L size = abs(value);
+      if (t.reg != p_.one()) size = size + magnitude(t.reg);
+      add(abs(factor) * size, linear_magnitude_ + slot * W);
+    }
+  }
+
+  // Derivatives of what moves; those of everything else stay zero.
+  template <Part kPart>
+  HWY_INLINE void derive(const Pack& pack, const double* state) {
+    for (const std::int32_t i : moving_) input(pack, i, state).store(at(kPart, N + i));
+    for (const Program::Form& f : p_.forms) {
+      if (f.moving == f.unknowns) continue;
+      L total = L::set(0);
+      const Program::Operand* const end = p_.operands.data() + f.unknowns;
+      for (const Program::Operand* o = p_.operands.data() + f.moving; o != end; ++o) {
+        total.add_product(k(o->coefficient), get(kPart, o->reg));
+      }
+      total.store(at(kPart, f.reg));
+    }
+  }
+
+  const Program& p_;
+  Separable e_;
+  std::vector<std::int32_t> moving_;  // inputs
+  LaneArray registers_;               // registers x parts x W
+  const double* k_ = nullptr;         // coefficients of the pack at hand
+  alignas(kLineBytes) double known_[N * W];
+  alignas(kLineBytes) double known_magnitude_[N * W];
+  alignas(kLineBytes) double linear_[N * N * W];
+  alignas(kLineBytes) double linear_magnitude_[N * N * W];
+};
+
+// NOLINTNEXTLINE(google-readability-namespace-comments)
+}  // namespace assur::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif  // include guard for each target

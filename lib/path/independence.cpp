@@ -1,0 +1,198 @@
+#include "path/independence.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <numeric>
+#include <utility>
+
+#include "index.hpp"
+#include "numbers.hpp"
+
+namespace assur {
+namespace {
+
+constexpr std::size_t kLargestUnit = 200;  // unknowns of a unit: its factors are dense
+
+}  // namespace
+
+Independence::Independence(const System& system, const Structure& structure, std::span<const std::int32_t> address)
+    : system_(system),
+      address_(address),
+      unit_of_(system.coordinates.size(), -1),
+      place_(system.coordinates.size(), -1),
+      q_(structure.start),
+      gradient_(system.coordinates.size(), 0.0),
+      seen_(system.coordinates.size(), 0) {
+  collect(structure);
+  const auto too_large = [](const Unit& u) { return u.unknowns.size() > kLargestUnit; };
+  if (!in_solving_order() || std::any_of(units_.begin(), units_.end(), too_large)) dropped_.clear();
+  std::size_t arguments = 0, slopes = 0;
+  for (const CallbackBlock& b : system_.callbacks) {
+    arguments = std::max(arguments, b.coordinates.size());
+    slopes = std::max(slopes, b.coordinates.size() * idx(b.callback->equations));
+  }
+  arguments_.resize(arguments);
+  slopes_.resize(slopes);
+}
+
+// The blocks of the groups, level after level, that the watched equations depend on.
+void Independence::collect(const Structure& structure) {
+  std::vector<std::size_t> order(structure.groups.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return structure.groups[a].level < structure.groups[b].level; });
+  for (const std::size_t g : order) {
+    const Group& group = structure.groups[g];
+    const GroupClass& c = structure.classes[idx(group.group_class)];
+    std::vector<Unit> blocks(idx(c.blocks));
+    for (std::size_t i = 0; i < group.unknowns.size(); ++i) {
+      blocks[idx(c.unknown_block[i])].unknowns.push_back(group.unknowns[i]);
+    }
+    for (std::size_t i = 0; i < group.equations.size(); ++i) {
+      blocks[idx(c.equation_block[i])].rows.push_back({group.equations[i], {}, 0});
+    }
+    std::move(blocks.begin(), blocks.end(), std::back_inserter(units_));
+  }
+  for (const std::int32_t e : structure.watch.equations) dropped_.push_back({e, {}, 0});
+  keep_those_behind();
+  for (std::size_t u = 0; u < units_.size(); ++u) {
+    Unit& unit = units_[u];
+    for (std::size_t i = 0; i < unit.unknowns.size(); ++i) {
+      unit_of_[idx(unit.unknowns[i])] = static_cast<Index>(u);
+      place_[idx(unit.unknowns[i])] = static_cast<Index>(i);
+    }
+    const auto n = static_cast<Eigen::Index>(unit.unknowns.size());
+    unit.jacobian.resize(n, n);
+    unit.right.resize(n);
+  }
+}
+
+void Independence::keep_those_behind() {
+  std::vector<std::uint8_t> needed(system_.coordinates.size(), 0);
+  std::vector<Index> mentioned;
+  const auto need = [&](const Row& row) {
+    system_.mentioned(row.equation, mentioned);
+    for (const Index c : mentioned) needed[idx(c)] = 1;
+  };
+  for (const Row& row : dropped_) need(row);
+  for (auto unit = units_.rbegin(); unit != units_.rend(); ++unit) {
+    const bool wanted =
+        std::any_of(unit->unknowns.begin(), unit->unknowns.end(), [&](Index c) { return needed[idx(c)] != 0; });
+    if (!wanted) {
+      unit->rows.clear();
+    } else {
+      for (const Row& row : unit->rows) need(row);
+    }
+  }
+  std::erase_if(units_, [](const Unit& u) { return u.rows.empty(); });
+}
+
+bool Independence::in_solving_order() {
+  std::vector<Index> mentioned;
+  for (std::size_t u = 0; u < units_.size(); ++u) {
+    if (units_[u].rows.size() != units_[u].unknowns.size()) return false;
+    for (const Row& row : units_[u].rows) {
+      system_.mentioned(row.equation, mentioned);
+      for (const Index c : mentioned) {
+        if (unit_of_[idx(c)] > static_cast<Index>(u)) return false;
+      }
+    }
+  }
+  return true;
+}
+
+double Independence::largest_coefficient(const double* q) {
+  for (std::size_t c = 0; c < q_.size(); ++c) {
+    if (address_[c] >= 0) q_[c] = q[address_[c]];
+  }
+  for (Unit& unit : units_) {
+    if (!factorize(unit)) return kInfinity;
+  }
+  double largest = 0;
+  for (Row& row : dropped_) {
+    const double of_row = largest_of(row);
+    if (!(of_row <= largest)) largest = of_row;
+  }
+  return largest;
+}
+
+void Independence::differentiate(Row& row) {
+  row.entries.clear();
+  const auto add = [&](Index c, double value) {
+    if (c == kOne) return;
+    if (seen_[idx(c)] == 0) row.entries.push_back({c, 0});
+    seen_[idx(c)] = 1;
+    gradient_[idx(c)] += value;
+  };
+  const Equation& e = system_.equations[idx(row.equation)];
+  if (e.callback < 0) {
+    gradient<double>(system_, row.equation, q_, add);
+  } else {
+    const CallbackBlock& block = system_.callbacks[idx(e.callback)];
+    const std::size_t m = block.coordinates.size();
+    for (std::size_t i = 0; i < m; ++i) {
+      arguments_[i] = form_value<double>(system_, block.coordinates[i], q_) * block.unit[i];
+    }
+    block.callback->jacobian({arguments_.data(), m}, {slopes_.data(), m * idx(block.callback->equations)});
+    for (std::size_t i = 0; i < m; ++i) {
+      const double slope = slopes_[idx(e.row) * m + i] * block.unit[i];
+      for (const Term& t : system_.form(block.coordinates[i])) {
+        add(t.coordinate, system_.constants[idx(t.constant)] * slope);
+      }
+    }
+  }
+  double squares = 0;
+  for (Entry& entry : row.entries) {
+    entry.value = std::exchange(gradient_[idx(entry.coordinate)], 0.0);
+    seen_[idx(entry.coordinate)] = 0;
+    if (unit_of_[idx(entry.coordinate)] >= 0) squares += entry.value * entry.value;
+  }
+  row.length = std::sqrt(squares);
+}
+
+bool Independence::factorize(Unit& unit) {
+  unit.jacobian.setZero();
+  const Index self = unit_of_[idx(unit.unknowns.front())];
+  for (std::size_t i = 0; i < unit.rows.size(); ++i) {
+    differentiate(unit.rows[i]);
+    for (const Entry& e : unit.rows[i].entries) {
+      if (unit_of_[idx(e.coordinate)] != self) continue;
+      unit.jacobian(static_cast<Eigen::Index>(i), place_[idx(e.coordinate)]) = e.value;
+    }
+  }
+  unit.lu.compute(unit.jacobian);
+  for (Eigen::Index i = 0; i < unit.jacobian.rows(); ++i) {
+    const double pivot = unit.lu.matrixLU()(i, i);
+    if (!std::isfinite(pivot) || pivot == 0) return false;
+  }
+  return true;
+}
+
+// sum c_i grad Phi_i = grad of the row, from the last unit to the first.
+double Independence::largest_of(Row& row) {
+  differentiate(row);
+  if (!(row.length > 0)) return 0;
+  for (const Entry& e : row.entries) gradient_[idx(e.coordinate)] = e.value;
+  double largest = 0;
+  for (auto unit = units_.rbegin(); unit != units_.rend(); ++unit) {
+    for (std::size_t j = 0; j < unit->unknowns.size(); ++j) {
+      unit->right[static_cast<Eigen::Index>(j)] = gradient_[idx(unit->unknowns[j])];
+    }
+    // P J = L U, so U' L' P c = right.
+    unit->lu.matrixLU().triangularView<Eigen::Upper>().transpose().solveInPlace(unit->right);
+    unit->lu.matrixLU().triangularView<Eigen::UnitLower>().transpose().solveInPlace(unit->right);
+    const auto& place = unit->lu.permutationP().indices();
+    for (std::size_t i = 0; i < unit->rows.size(); ++i) {
+      const Row& solved = unit->rows[i];
+      const double c = unit->right[place[static_cast<Eigen::Index>(i)]];
+      const double share = std::abs(c) * solved.length / row.length;
+      if (!(share <= largest)) largest = share;
+      for (const Entry& e : solved.entries) gradient_[idx(e.coordinate)] -= c * e.value;
+    }
+  }
+  std::fill(gradient_.begin(), gradient_.end(), 0.0);
+  return largest;
+}
+
+}  // namespace assur

@@ -1,0 +1,150 @@
+// Packs are solved level after level; those of one level are independent of each other and are shared out among
+// threads, the longest first, wherever that gains more than a meeting of the threads costs.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "assur/plan.hpp"
+#include "parallel/team.hpp"
+#include "path/layout.hpp"
+
+namespace assur {
+
+class Levels {
+ public:
+  // As many threads as the plan has, or fewer if no level has work for them. pin_to: see Team.
+  Levels(const Prepared& prepared, Layout& layout, std::span<const int> pin_to);
+
+  // Threads that take part.
+  [[nodiscard]] int threads() const { return static_cast<int>(helpers_.size()) + 1; }
+  // The solver of a pack on the calling thread.
+  [[nodiscard]] GroupSolver& solver(const Pack& pack, int rank = 0);
+  void restart();
+  [[nodiscard]] Effort effort() const;
+
+  // Solves every pack. attempt(p) says how; expired() is asked before each one and may end it all. A level in which
+  // packs fail is finished, so that the outcome does not depend on the threads; `failed` is then the first of them.
+  template <class AttemptOf, class Expired>
+  [[nodiscard]] Status solve(double* const (&state)[3], bool alone, const AttemptOf& attempt, const Expired& expired,
+                             Counters& counters, StepErrors& errors, std::size_t& failed);
+
+  // work(pack, solver) for every pack, level after level, by the threads that solve them.
+  template <class Work>
+  void each(const Work& work);
+
+  // work(part, parts) of something with so many pieces, each of half a nanosecond or more, on all threads if that pays.
+  template <class Work>
+  void share(std::size_t pieces, const Work& work) {
+    if (!team_ || pieces < kWorthSharing) return work(0, 1);
+    const auto parts = static_cast<std::size_t>(threads());
+    team_->run([&](int rank) { work(static_cast<std::size_t>(rank), parts); });
+  }
+
+ private:
+  // Work between two meetings: whole levels of the caller's, or one level of all threads.
+  struct Phase {
+    std::vector<std::int32_t> packs;  // by thread, in the order of their work
+    std::vector<std::int32_t> start;  // threads + 1
+
+    [[nodiscard]] std::span<const std::int32_t> of(int rank) const {
+      const auto r = static_cast<std::size_t>(rank);
+      return std::span(packs).subspan(static_cast<std::size_t>(start[r]),
+                                      static_cast<std::size_t>(start[r + 1] - start[r]));
+    }
+  };
+  // The first pack that fails, if one does.
+  struct Failure {
+    std::size_t pack;  // number of packs: none
+    Status status;
+  };
+  struct alignas(64) Share {  // of a thread in one solve()
+    Counters counters;
+    StepErrors errors;
+    Failure failure;
+  };
+  void schedule(const Prepared& prepared, int threads);
+  template <class AttemptOf, class Expired>
+  void work(std::span<const std::int32_t> packs, int rank, double* const (&state)[3], const AttemptOf& attempt,
+            const Expired& expired, Counters& counters, StepErrors& errors, Failure& failure);
+  template <class AttemptOf, class Expired>
+  void work_together(double* const (&state)[3], const AttemptOf& attempt, const Expired& expired);
+
+  std::vector<Pack>& packs_;
+  std::vector<std::unique_ptr<GroupSolver>>& solvers_;              // classes; of the caller
+  std::vector<std::vector<std::unique_ptr<GroupSolver>>> helpers_;  // the same of each other thread
+  std::vector<Phase> phases_;
+  std::vector<std::int32_t> all_;              // packs
+  std::vector<Share> shares_;                  // threads
+  std::unique_ptr<Team> team_;                 // null: one thread
+  std::atomic<std::size_t> failed_phase_ = 0;  // number of phases: none
+};
+
+template <class AttemptOf, class Expired>
+void Levels::work(std::span<const std::int32_t> packs, int rank, double* const (&state)[3], const AttemptOf& attempt,
+                  const Expired& expired, Counters& counters, StepErrors& errors, Failure& failure) {
+  for (const std::int32_t p : packs) {
+    const auto index = static_cast<std::size_t>(p);
+    Pack& pack = packs_[index];
+    if (!failure.status.ok() && packs_[failure.pack].level != pack.level) return;
+    const Status s = expired() ? Status{Code::deadline, Place::group(pack.groups[0]), 0}
+                               : solver(pack, rank).solve(pack, state, attempt(index), counters, errors);
+    if (!s.ok() && index < failure.pack) failure = {index, s};
+  }
+}
+
+template <class Work>
+void Levels::each(const Work& work) {
+  const auto all_of = [&](std::span<const std::int32_t> packs, int rank) {
+    for (const std::int32_t p : packs) {
+      const auto index = static_cast<std::size_t>(p);
+      work(index, solver(packs_[index], rank));
+    }
+  };
+  if (!team_) return all_of(all_, 0);
+  team_->run([&](int rank) {
+    for (std::size_t i = 0; i < phases_.size(); ++i) {
+      if (i > 0) team_->barrier();
+      all_of(phases_[i].of(rank), rank);
+    }
+  });
+}
+
+template <class AttemptOf, class Expired>
+void Levels::work_together(double* const (&state)[3], const AttemptOf& attempt, const Expired& expired) {
+  for (Share& share : shares_) share = {{}, {}, {packs_.size(), {}}};
+  failed_phase_ = phases_.size();
+  team_->run([&](int rank) {
+    Share& share = shares_[static_cast<std::size_t>(rank)];
+    for (std::size_t i = 0; i < phases_.size(); ++i) {
+      work(phases_[i].of(rank), rank, state, attempt, expired, share.counters, share.errors, share.failure);
+      if (!share.failure.status.ok()) failed_phase_ = i;
+      if (i + 1 == phases_.size()) return;
+      team_->barrier();
+      if (failed_phase_ <= i) return;  // who is ahead may have failed in the next phase
+    }
+  });
+}
+
+template <class AttemptOf, class Expired>
+Status Levels::solve(double* const (&state)[3], bool alone, const AttemptOf& attempt, const Expired& expired,
+                     Counters& counters, StepErrors& errors, std::size_t& failed) {
+  Failure first{packs_.size(), {}};
+  if (alone || !team_) {
+    work(all_, 0, state, attempt, expired, counters, errors, first);
+  } else {
+    work_together(state, attempt, expired);
+    for (const Share& share : shares_) {
+      counters += share.counters;
+      errors.merge(share.errors);
+      if (share.failure.pack < first.pack) first = share.failure;
+    }
+  }
+  failed = first.pack;
+  return first.status;
+}
+
+}  // namespace assur

@@ -1,0 +1,138 @@
+#include "path/state.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace assur {
+
+void State::resize(std::size_t first_unknown, std::size_t size, const Predictor& predictor) {
+  predictor_ = predictor;
+  first_unknown_ = first_unknown;
+  size_ = size;
+  depth_ = static_cast<std::size_t>(postures_read(predictor));
+  levels_ = derivatives_read(predictor) + 1;
+  for (int d = 0; d < 3; ++d) {
+    Ring& r = ring(d);
+    r.count = 1 + (d < levels_ ? depth_ : 1);
+    for (std::size_t i = 0; i < r.postures.size(); ++i) r.postures[i].assign(i < r.count ? size : 0, 0.0);
+  }
+  times_.reserve(depth_ + 1);
+}
+
+void State::copy(const State& from) {
+  *this = from;
+  times_.reserve(depth_ + 1);
+}
+
+bool State::is_like(const State& o) const {
+  return size_ == o.size_ && first_unknown_ == o.first_unknown_ && depth_ == o.depth_ && levels_ == o.levels_;
+}
+
+void State::clear() {
+  for (Ring& r : rings_) {
+    for (auto& posture : r.postures) std::fill(posture.begin(), posture.end(), 0.0);
+  }
+  begun_ = true;
+  times_.clear();
+  weights_.clear();
+}
+
+void State::begin() {
+  if (begun_) return;
+  for (Ring& r : rings_) r.newest = (r.newest == 0 ? r.count : r.newest) - 1;
+  begun_ = true;
+}
+
+void State::predict(double t) { predict(begin_prediction(t), 0, unknowns()); }
+
+State::Prediction State::begin_prediction(double t) {
+  begin();
+  const PredictionWeights& w = weights_.at(predictor_, times_, t);
+  Prediction out;
+  std::int32_t count = 0;
+  for (std::size_t p = 0; p < static_cast<std::size_t>(w.postures); ++p) {
+    for (int d = 0; d < levels_; ++d) {
+      const double weight = w.weight[p][static_cast<std::size_t>(d)];
+      if (weight == 0) continue;
+      out.sources[count] = ring(d).at(last() + p) + first_unknown_;
+      out.weights[count++] = weight;
+    }
+  }
+  out.count = count;
+  return out;
+}
+
+State::Prediction State::begin_expansion(double t) {
+  if (levels_ > 2) return begin_prediction(t);
+  begin();
+  const double dt = t - times_.front();
+  Prediction out;
+  for (const double weight : {1.0, dt, dt * dt / 2}) {
+    out.sources[out.count] = ring(out.count).at(last()) + first_unknown_;
+    out.weights[out.count++] = weight;
+  }
+  return out;
+}
+
+void State::keep(Way& way) const {
+  const double* newest = ring(0).at(last());
+  way.postures.insert(way.postures.begin(), LaneArray(newest, newest + size_));
+  way.times.insert(way.times.begin(), times_.front());
+}
+
+State::Prediction State::begin_prediction(const Way& way, double t) {
+  begin();
+  const Predictor through_all{Predictor::Kind::past, static_cast<std::int32_t>(way.times.size()) - 1};
+  const PredictionWeights w = prediction_weights(through_all, way.times, t);
+  Prediction out;
+  for (; out.count < w.postures; ++out.count) {
+    out.sources[out.count] = way.postures[static_cast<std::size_t>(out.count)].data() + first_unknown_;
+    out.weights[out.count] = w.weight[static_cast<std::size_t>(out.count)][0];
+  }
+  return out;
+}
+
+void State::predict(const Prediction& prediction, std::size_t begin, std::size_t end) {
+  const double* sources[3 * kMostPostures];
+  for (std::int32_t i = 0; i < prediction.count; ++i) sources[i] = prediction.sources[i] + begin;
+  kernels_->combine(sources, prediction.weights, prediction.count, end - begin, at(0) + first_unknown_ + begin);
+}
+
+double State::predicted_move(std::size_t address, std::size_t count) const {
+  const double *now = at(0), *before = ring(0).at(last());
+  double largest = 0;
+  for (std::size_t i = address; i < address + count; ++i) largest = std::max(largest, std::abs(now[i] - before[i]));
+  return largest;
+}
+
+void State::accept(double t) {
+  if (times_.empty()) {  // what is known and never moves is the same in all postures
+    Ring& r = ring(0);
+    for (std::size_t age = 0; age < r.count; ++age) std::copy_n(at(0), first_unknown_, r.at(age));
+  }
+  begun_ = false;
+  if (times_.size() == depth_) times_.pop_back();
+  times_.insert(times_.begin(), t);
+}
+
+void State::forget() {
+  while (times_.size() > 1) times_.pop_back();
+}
+
+void State::stand_still() {
+  forget();
+  for (int d = 1; d < 3; ++d) std::fill_n(ring(d).at(last()) + first_unknown_, size_ - first_unknown_, 0.0);
+}
+
+void State::restore() {
+  begin();
+  for (int d = 0; d < 3; ++d) std::copy_n(ring(d).at(last()), size_, at(d));
+}
+
+void State::replace() {
+  for (int d = 0; d < 3; ++d) {
+    std::copy_n(at(d) + first_unknown_, size_ - first_unknown_, ring(d).at(last()) + first_unknown_);
+  }
+}
+
+}  // namespace assur

@@ -1,0 +1,98 @@
+// The posture at hand, the last accepted one, and the older ones that the predictor reads.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "equations/lane_array.hpp"
+#include "group/pack_kernels.hpp"
+#include "path/predictor.hpp"
+
+namespace assur {
+
+class State {
+ public:
+  // Coordinates [0, first_unknown) are known at any time; [first_unknown, size) are solved for.
+  void resize(std::size_t first_unknown, std::size_t size, const Predictor& predictor);
+
+  // Takes no memory once both were sized alike.
+  void copy(const State& from);
+  // Whether copies of the other one can take its place.
+  [[nodiscard]] bool is_like(const State& other) const;
+
+  // d-th derivative of every coordinate, valid until the next predict() or restore(). After predict() the unknowns have
+  // values, but no derivatives yet.
+  [[nodiscard]] double* at(int d) { return ring(d).at_hand(); }
+  [[nodiscard]] const double* at(int d) const { return ring(d).at_hand(); }
+
+  // The same of the last accepted posture.
+  [[nodiscard]] const double* accepted(int d) const { return ring(d).at(last()); }
+
+  void clear();
+  // Unknowns of the next posture, from the accepted ones.
+  void predict(double t);
+  // The same in parts, for several threads: those from `begin` to `end` of all unknowns().
+  struct Prediction {
+    const double* sources[3 * kMostPostures];
+    double weights[3 * kMostPostures];
+    std::int32_t count = 0;
+  };
+  [[nodiscard]] Prediction begin_prediction(double t);
+  // The same, by all derivatives of the last accepted posture if the predictor does not read them.
+  [[nodiscard]] Prediction begin_expansion(double t);
+  // The same by accepted postures that were kept on a way, newest first: a polynomial through them.
+  struct Way {
+    std::vector<LaneArray> postures;
+    std::vector<double> times;
+  };
+  void keep(Way& way) const;
+  [[nodiscard]] Prediction begin_prediction(const Way& way, double t);
+  void predict(const Prediction& prediction, std::size_t begin, std::size_t end);
+  [[nodiscard]] std::size_t unknowns() const { return size_ - first_unknown_; }
+  // Largest move, over `count` unknowns from an address on, from the last accepted posture to the prediction.
+  [[nodiscard]] double predicted_move(std::size_t address, std::size_t count) const;
+  void accept(double t);
+  // The older postures: the next prediction is from the last accepted one alone.
+  void forget();
+  // The next prediction is the last accepted posture itself.
+  void stand_still();
+  // The last accepted posture, with what is known there.
+  void restore();
+  // The posture at hand takes the place of the last accepted one.
+  void replace();
+
+ private:
+  // One derivative of the postures by age, 0: the newest. Nothing is moved when a posture becomes an older one.
+  struct Ring {
+    std::array<LaneArray, kMostPostures + 1> postures;  // `count` of them
+    std::size_t count = 1, newest = 0;
+
+    [[nodiscard]] std::size_t place(std::size_t age) const {
+      const std::size_t i = newest + age;
+      return i < count ? i : i - count;
+    }
+    [[nodiscard]] double* at_hand() { return postures[newest].data(); }
+    [[nodiscard]] const double* at_hand() const { return postures[newest].data(); }
+    [[nodiscard]] double* at(std::size_t age) { return postures[place(age)].data(); }
+    [[nodiscard]] const double* at(std::size_t age) const { return postures[place(age)].data(); }
+  };
+  [[nodiscard]] Ring& ring(int d) { return rings_[static_cast<std::size_t>(d)]; }
+  [[nodiscard]] const Ring& ring(int d) const { return rings_[static_cast<std::size_t>(d)]; }
+  // Age of the last accepted posture: 0 until another one is begun.
+  [[nodiscard]] std::size_t last() const { return begun_ ? 1 : 0; }
+  void begin();
+
+  const PackKernels* kernels_ = &pack_kernels(1);
+  Predictor predictor_;
+  WeightsOfEqualSteps weights_;
+  std::size_t first_unknown_ = 0;
+  std::size_t size_ = 0;
+  std::size_t depth_ = 1;  // postures that the predictor reads
+  int levels_ = 1;         // derivatives that it reads, and the value
+  std::array<Ring, 3> rings_;
+  bool begun_ = true;          // the newest posture is not accepted
+  std::vector<double> times_;  // of the accepted postures, newest first
+};
+
+}  // namespace assur

@@ -1,0 +1,163 @@
+#include "side_by_side/chunks.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <iterator>
+#include <utility>
+
+#include "decimal.hpp"
+#include "numbers.hpp"
+#include "side_by_side/run_arguments.hpp"
+#include "side_by_side/tiles.hpp"
+
+namespace assur {
+namespace {
+
+constexpr std::size_t kOverlap = 2;  // rows of a chunk from the first of the next one on, at most
+
+// Both postures solve the same equations; within the ball in which a solution is unique they are the same.
+bool same_posture(const std::vector<double>& a, const std::vector<double>& b, const std::vector<double>& uniqueness) {
+  if (a.size() != b.size() || uniqueness.size() != b.size()) return false;
+  for (std::size_t c = 0; c < a.size(); ++c) {
+    if (!(std::abs(a[c] - b[c]) <= uniqueness[c])) return false;
+  }
+  return true;
+}
+
+void say_alone(const LaneRun& run, std::vector<std::string>& fallbacks) {
+  fallbacks.push_back("the chunk from t = " + general(run.times[0], 6) + " s on was run alone from t = " +
+                      general(run.alone_from, 6) + " s on, where it could not keep step with others");
+}
+
+// One run for each chunk; the rows behind the border to the next one are kept apart.
+std::vector<LaneRun> cut(std::span<const double> times, const ChunkGrid& grid, std::vector<Variant> starts,
+                         double* values, double* overlaps, std::size_t columns) {
+  const std::size_t chunks = grid.first.size();
+  std::vector<LaneRun> runs(chunks);
+  for (std::size_t c = 0; c < chunks; ++c) {
+    runs[c].variant = std::move(starts[c]);
+    runs[c].times = times.subspan(grid.first[c], grid.rows);
+    runs[c].rows = values + grid.first[c] * columns;
+    runs[c].beyond = overlaps + c * kOverlap * columns;
+    if (c + 1 < chunks) runs[c].split = grid.first[c + 1] - grid.first[c];
+    runs[c].posture_wanted = c + 1 < chunks ? runs[c].split : grid.rows - 1;
+  }
+  return runs;
+}
+
+// A chunk that did not begin where the one before ended begins anew from there; if the run was stopped, it has done
+// nothing.
+void settle(SideBySide& worker, const LaneRun& before, LaneRun& run, const std::function<bool()>& proceed,
+            std::vector<std::string>& fallbacks) {
+  if (same_posture(before.posture, run.variant.posture, run.uniqueness)) return;
+  const Status stopped = run.status;
+  run.variant.posture = before.posture;
+  run.done = 0;
+  run.alone = false;
+  run.status = {};
+  run.error = {};
+  run.posture.clear();
+  run.outputs.clear();
+  run.events.clear();
+  run.fallbacks.clear();
+  run.cannot.clear();
+  if (stopped.code == Code::interrupted) {
+    run.status = stopped;
+    return;
+  }
+  worker.run_alone(run, proceed);
+  run.alone = false;  // that is told by:
+  fallbacks.push_back("the chunk from t = " + general(run.times[0], 6) +
+                      " s on began on another branch than the one before ended; it was run again");
+}
+
+// Its angles follow those of the chunk before; one that did nothing has at least the row where that one ended.
+void follow(const LaneRun& before, LaneRun& run, const OutputProgram& outputs, std::size_t columns) {
+  const double* const border = before.row(before.split, columns);
+  if (run.done == 0) {
+    std::copy_n(border, columns, run.rows);
+    run.done = 1;
+    run.posture = before.posture;
+    run.reached = run.times[0];
+    return;
+  }
+  const std::vector<double> here(run.rows, run.rows + columns);
+  shift_by_turns(outputs, border, here.data(), run, 0, columns);
+}
+
+}  // namespace
+
+std::string no_chunks(const Structure& structure, const StepLimits& limits, std::span<const double> times) {
+  if (limits.seconds > 0) return "a deadline is for single steps";
+  if (!evenly_spaced(times)) return "the steps are not equally long";
+  for (const GroupClass& c : structure.classes) {
+    if (!c.quadratic) return "equations of the program's own have no certificate to verify their start postures by";
+  }
+  return {};
+}
+
+ChunkGrid chunk_grid(std::size_t rows, std::size_t chunks) {
+  const std::size_t steps = rows - 1;
+  chunks = std::clamp<std::size_t>(chunks, 1, std::max<std::size_t>(steps, 1));
+  ChunkGrid grid;
+  const std::size_t length = (steps + chunks - 1) / chunks;
+  grid.rows = length + 1;
+  for (std::size_t c = 0; c < chunks; ++c) {
+    grid.first.push_back(chunks == 1 ? 0 : c * (steps - length) / (chunks - 1));
+  }
+  return grid;
+}
+
+ChunkedRun run_in_chunks(const Prepared& prepared, const StepLimits& limits, std::span<const double> times,
+                         const ChunkGrid& grid, std::vector<Variant> starts, const Simulator::Observer& observer) {
+  const std::size_t chunks = grid.first.size();
+  Tiles tiles(prepared, limits, chunks);
+  const std::size_t columns = tiles.first().columns().size();
+  ChunkedRun out;
+  out.values.resize(times.size() * columns);
+  std::vector<double> overlaps(chunks * kOverlap * columns);
+  std::vector<LaneRun> runs = cut(times, grid, std::move(starts), out.values.data(), overlaps.data(), columns);
+  // Rows that two chunks compute count once.
+  const auto rows = static_cast<std::int64_t>(times.size());
+  Simulator::Observer of_the_grid;
+  if (observer) of_the_grid = [&](std::int64_t done, std::int64_t) { return observer(std::min(done, rows), rows); };
+  tiles.run(runs, of_the_grid, rows);
+
+  const auto proceed = [&] { return !observer || observer(rows, rows); };
+  Status doubt;  // the first one
+  ErrorFigures error;
+  for (std::size_t c = 0; c < chunks; ++c) {
+    LaneRun& run = runs[c];
+    if (c > 0) {
+      settle(tiles.first(), runs[c - 1], run, proceed, out.fallbacks);
+      follow(runs[c - 1], run, tiles.first().outputs(), columns);
+    }
+    error.merge(run.error);
+    if (run.alone) say_alone(run, out.fallbacks);
+    out.fallbacks.insert(out.fallbacks.end(), run.fallbacks.begin(), run.fallbacks.end());
+
+    // What comes after the first row of the next chunk is that one's affair.
+    const bool goes_on = c + 1 < chunks && run.done > run.split;
+    const double end = goes_on ? run.times[run.split] : kInfinity;
+    std::copy_if(run.events.begin(), run.events.end(), std::back_inserter(out.events),
+                 [&](const Event& e) { return e.time < end; });
+    if (goes_on) {
+      if (doubt.ok() && run.status.code == Code::inaccurate) doubt = run.status;
+      continue;
+    }
+    out.rows = grid.first[c] + run.done;
+    out.status = run.status.ok() ? doubt : run.status;
+    out.posture = run.posture;
+    out.reached = run.reached;
+    const double* const last = run.row(run.done - 1, columns);
+    out.outputs = run.outputs.empty() ? std::vector<double>(last, last + columns) : run.outputs;
+    break;
+  }
+  out.values.resize(out.rows * columns);
+  out.totals = tiles.totals();
+  out.totals.error.merge(error);
+  return out;
+}
+
+}  // namespace assur

@@ -1,0 +1,247 @@
+#include "side_by_side/side_by_side.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "numbers.hpp"
+#include "signals/columns.hpp"
+
+namespace assur {
+
+void Totals::merge(const Totals& o) {
+  counters += o.counters;
+  effort += o.effort;
+  error.merge(o.error);
+}
+
+void shift_by_turns(const OutputProgram& outputs, const double* before, const double* here, LaneRun& run,
+                    std::size_t from, std::size_t columns) {
+  bool shifted = false;
+  for (const std::size_t c : outputs.angles()) {
+    const double shift = kTurn * std::round((before[c] - here[c]) / kTurn);
+    if (shift == 0) continue;
+    shifted = true;
+    for (std::size_t k = from; k < run.done; ++k) run.row(k, columns)[c] += shift;
+    if (!run.outputs.empty()) run.outputs[c] += shift;
+  }
+  for (std::size_t k = from; shifted && k < run.done; ++k) outputs.add_up(run.row(k, columns));
+  if (shifted && !run.outputs.empty()) outputs.add_up(run.outputs.data());
+}
+
+namespace {
+
+// A run that was stopped, at the posture of its last row.
+void stop(LaneRun& run, const std::vector<double>& posture) {
+  if (run.done <= run.posture_wanted) run.posture = posture;
+  run.status = {Code::interrupted, {}, run.reached};
+}
+
+}  // namespace
+
+Totals SideBySide::totals() const {
+  Totals sum{tile_.counters(), tile_.error(), tile_.effort()};
+  sum.merge(of_those_alone_);
+  return sum;
+}
+
+void SideBySide::clear_totals() {
+  tile_.clear_figures();
+  of_those_alone_ = {};
+}
+
+void SideBySide::write_row(int lane, LaneRun& run, std::size_t row) {
+  tile_.fill_row(lane, run.row(row, columns().size()));
+  run.done = row + 1;
+  run.reached = run.times[row];
+  if (row == run.posture_wanted) run.posture = tile_.posture(lane);
+}
+
+// From row `from`, which their variants are at, to the last row that all of them reach in lockstep.
+std::size_t SideBySide::follow(std::span<LaneRun* const> lanes, std::size_t from,
+                               const std::function<bool()>& proceed) {
+  const std::size_t rows = lanes[0]->times.size();
+  std::vector<double> times(lanes.size());
+  for (std::size_t row = from + 1; row < rows; ++row) {
+    for (std::size_t i = 0; i < lanes.size(); ++i) times[i] = lanes[i]->times[row];
+    const bool moves = times[0] != lanes[0]->times[row - 1];
+    if (moves && !tile_.step(times).ok()) return row - 1;
+    for (std::size_t i = 0; i < lanes.size(); ++i) write_row(static_cast<int>(i), *lanes[i], row);
+    if (moves) check_accuracy(lanes, row);
+    if (!proceed()) {
+      stopped_ = true;
+      return row;
+    }
+  }
+  return rows - 1;
+}
+
+// Of the rows `row`, which all lanes are at.
+void SideBySide::measure_errors(std::span<LaneRun* const> lanes, std::size_t row) {
+  std::array<double, kMostLanes> times{};
+  std::array<const double*, kMostLanes> rows{};
+  for (std::size_t i = 0; i < lanes.size(); ++i) {
+    times[i] = lanes[i]->times[row];
+    rows[i] = lanes[i]->row(row, columns().size());
+  }
+  tile_.measure_errors({times.data(), lanes.size()}, {rows.data(), lanes.size()});
+}
+
+void SideBySide::check_accuracy(std::span<LaneRun* const> lanes, std::size_t row) {
+  if (tile_.errors_are_due()) {
+    measure_errors(lanes, row);
+    if (tile_.in_doubt() && tile_.polish()) {
+      for (std::size_t i = 0; i < lanes.size(); ++i) write_row(static_cast<int>(i), *lanes[i], row);
+      measure_errors(lanes, row);
+    }
+    tile_.keep_errors();
+  }
+  if (!tile_.in_doubt()) return;
+  for (std::size_t i = 0; i < lanes.size(); ++i) {
+    LaneRun& run = *lanes[i];
+    const Status s = tile_.accuracy(static_cast<int>(i));
+    if (s.ok()) continue;
+    const std::string group = prepared_.structure->name_of(s.where);
+    const std::size_t count = columns().size();
+    record_doubt(run.events, {run.times[std::max<std::size_t>(row, 1) - 1], run.times[row], group, s.code, s.figure,
+                              without_derivatives(columns(), {run.row(row, count), count})});
+    if (run.status.ok()) run.status = s;
+  }
+}
+
+void SideBySide::run(std::span<LaneRun* const> lanes, const std::function<bool()>& proceed) {
+  const std::size_t last = lanes[0]->times.size() - 1;
+  std::vector<LaneRun*> together(lanes.begin(), lanes.end());
+  std::vector<Variant> at;
+  for (const LaneRun* lane : together) at.push_back(lane->variant);
+  stopped_ = false;
+  for (std::size_t row = 0; !together.empty();) {
+    std::vector<const Variant*> variants;
+    for (const Variant& v : at) variants.push_back(&v);
+    const bool started = tile_.start(variants).ok();
+    if (started && row == 0) {
+      for (std::size_t i = 0; i < together.size(); ++i) {
+        write_row(static_cast<int>(i), *together[i], 0);
+        together[i]->uniqueness = tile_.uniqueness(static_cast<int>(i));
+      }
+      check_accuracy(together, 0);
+    }
+    for (std::size_t i = 0; i < together.size() && started && row > 0; ++i) {
+      const std::size_t size = columns().size();
+      tile_.continue_from(static_cast<int>(i), {together[i]->row(row, size), size});
+    }
+    if (started) {
+      row = follow(together, row, proceed);
+      for (std::size_t i = 0; i < together.size(); ++i) together[i]->error.merge(tile_.estimated(static_cast<int>(i)));
+    }
+    if (row == last) return;
+
+    // Who cannot follow? The next step is tried alone by each.
+    std::vector<LaneRun*> able;
+    std::vector<Variant> able_at;
+    for (std::size_t i = 0; i < together.size(); ++i) {
+      Variant here = at[i];
+      if (started) here.posture = tile_.posture(static_cast<int>(i));
+      here.time = together[i]->times[row];
+      if (!stopped_) alone(*together[i], here, row, false, proceed);
+      if (together[i]->alone) continue;
+      able.push_back(together[i]);
+      able_at.push_back(std::move(here));
+    }
+    if (stopped_) {
+      for (std::size_t i = 0; i < able.size(); ++i) stop(*able[i], able_at[i].posture);
+      return;
+    }
+    if (able.size() == together.size()) {  // each of them can alone what they cannot together
+      for (std::size_t i = 0; i < able.size(); ++i) alone(*able[i], able_at[i], row, true, proceed);
+      return;
+    }
+    together = std::move(able);
+    at = std::move(able_at);
+  }
+}
+
+void SideBySide::run_alone(LaneRun& run, const std::function<bool()>& proceed) {
+  stopped_ = false;
+  alone(run, run.variant, 0, true, proceed);
+}
+
+// One step from `row` on; if it is no plain one (or to_the_end is set) the whole rest of the way.
+void SideBySide::alone(LaneRun& lane, Variant at, std::size_t row, bool to_the_end,
+                       const std::function<bool()>& proceed) {
+  const double from = at.time;
+  const Status before = lane.status;  // ok, or inaccurate
+  std::optional<Simulator> simulator = simulator_of(lane, std::move(at));
+  if (!simulator) return;
+  const Structure* const structure = simulator->prepared().structure.get();
+  const std::size_t columns = simulator->columns().size(), rows = lane.times.size();
+  double* const first = lane.row(row, columns);
+  const bool restarted = lane.done > row;  // the row is there already: its angles are unwrapped
+  const std::vector<double> start(simulator->outputs().begin(), simulator->outputs().end());
+  if (!restarted) std::copy(start.begin(), start.end(), first);
+  lane.done = std::max(lane.done, row + 1);
+  if (row == lane.posture_wanted) lane.posture = posture_of(*simulator);
+  for (std::size_t k = row + 1; k < rows && lane.status.arrived() && !stopped_; ++k) {
+    lane.status = simulator->step(lane.times[k]);
+    const Counters& its = simulator->report().counters;
+    const bool plain = lane.status.arrived() && its.rejected == 0 && its.substeps == 0 &&
+                       simulator->prepared().structure.get() == structure;
+    if (k == row + 1 && !to_the_end && plain) {
+      lane.status = before;
+      return;
+    }
+    if (!lane.alone) {
+      lane.alone = true;
+      lane.alone_from = from;
+    }
+    if (!lane.status.arrived()) break;
+    std::copy(simulator->outputs().begin(), simulator->outputs().end(), lane.row(k, columns));
+    lane.done = k + 1;
+    if (k == lane.posture_wanted) lane.posture = posture_of(*simulator);
+    stopped_ = !proceed();
+  }
+  if (!lane.status.arrived() && simulator->time() != lane.times[lane.done - 1]) {
+    lane.outputs.assign(simulator->outputs().begin(), simulator->outputs().end());
+  }
+  if (lane.status.arrived()) lane.status = simulator->report().status;
+  if (lane.status.ok()) lane.status = before;
+  if (restarted) shift_by_turns(outputs(), first, start.data(), lane, row + 1, columns);
+  lane.reached = simulator->time();
+  if (lane.done <= lane.posture_wanted) lane.posture = posture_of(*simulator);
+  if (stopped_ && lane.status.arrived() && lane.done < rows) lane.status = {Code::interrupted, {}, lane.reached};
+  const Report& report = simulator->report();
+  lane.events.insert(lane.events.end(), report.events.begin(), report.events.end());
+  lane.fallbacks = report.fallbacks;
+  lane.error.merge(report.error);
+  of_those_alone_.merge({report.counters, {}, report.effort});
+}
+
+// None if the posture has no velocities.
+std::optional<Simulator> SideBySide::simulator_of(LaneRun& lane, Variant at) const {
+  Prepared prepared = prepared_;
+  auto structure = std::make_shared<Structure>(*prepared_.structure);
+  structure->system = at.system;
+  structure->start = std::move(at.posture);
+  prepared.structure = structure;
+  prepared.start_time = at.time;
+  prepared.reselect = at.reselect;
+  prepared.plan.chunks = prepared.plan.threads = 1;
+  try {
+    return Simulator(std::move(prepared), limits_);
+  } catch (const Error& e) {
+    if (e.kind() != Error::Kind::numerical) throw;
+    lane.alone = true;
+    lane.alone_from = at.time;
+    lane.status = {Code::singular, {}, 0};
+    if (lane.done == 0) lane.cannot = e.what();
+    if (lane.done > 0 && lane.done <= lane.posture_wanted) {
+      lane.posture = structure->start;
+      lane.reached = at.time;
+    }
+    return std::nullopt;
+  }
+}
+
+}  // namespace assur

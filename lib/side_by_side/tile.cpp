@@ -1,0 +1,443 @@
+#include "side_by_side/tile.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "group/tolerances.hpp"
+#include "index.hpp"
+#include "numbers.hpp"
+#include "scene/residual_scale.hpp"
+
+namespace assur {
+namespace {
+
+bool same_group(const Group& a, const Group& b) {
+  return a.group_class == b.group_class && a.level == b.level && a.unknowns == b.unknowns &&
+         a.equations == b.equations && a.inputs == b.inputs && a.constants == b.constants;
+}
+
+bool same_input(const DriverInput& a, const DriverInput& b) {
+  return a.kind == b.kind && a.first == b.first && a.count == b.count && a.laws.size() == b.laws.size() &&
+         a.dimension == b.dimension && a.must_not_vanish == b.must_not_vanish;
+}
+
+bool same_assignments(const System& a, const System& b) {
+  const auto same_term = [](const Term& x, const Term& y) { return x.coordinate == y.coordinate; };
+  return std::equal(a.assignments.begin(), a.assignments.end(), b.assignments.begin(), b.assignments.end(),
+                    [&](const Assignment& x, const Assignment& y) {
+                      const auto terms = a.form(x.form), others = b.form(y.form);
+                      return x.coordinate == y.coordinate &&
+                             std::equal(terms.begin(), terms.end(), others.begin(), others.end(), same_term);
+                    });
+}
+
+// All that lanes share: what has to be the same in both.
+bool same_known(const System& a, const System& b) {
+  const auto same_coordinate = [](const Coordinate& x, const Coordinate& y) { return x.role == y.role; };
+  return a.dimension == b.dimension && a.constants.size() == b.constants.size() &&
+         std::equal(a.coordinates.begin(), a.coordinates.end(), b.coordinates.begin(), b.coordinates.end(),
+                    same_coordinate) &&
+         std::equal(a.inputs.begin(), a.inputs.end(), b.inputs.begin(), b.inputs.end(), same_input) &&
+         same_assignments(a, b);
+}
+
+}  // namespace
+
+bool same_structure(const Structure& a, const Structure& b) {
+  if (a.system == b.system) return true;
+  return a.classes == b.classes &&
+         std::equal(a.groups.begin(), a.groups.end(), b.groups.begin(), b.groups.end(), same_group) &&
+         a.static_coordinates == b.static_coordinates && a.watch_class == b.watch_class &&
+         a.watch.inputs == b.watch.inputs && a.watch.constants == b.watch.constants &&
+         same_known(*a.system, *b.system) && a.system->callbacks.empty();
+}
+
+Tile::Tile(const Prepared& prepared, const StepLimits& limits)
+    : structure_(prepared.structure),
+      limits_(limits),
+      lanes_(prepared.plan.lanes),
+      layout_(lay_out_side_by_side(prepared, lanes_)),
+      together_(angles_together(*structure_->system, *structure_)),
+      driven_angles_(idx(lanes_)),
+      columns_(column_names(*structure_->system)),
+      outputs_(idx(lanes_), OutputProgram(*structure_->system, layout_.address)),
+      turns_(outputs_.begin(), outputs_.end()),
+      estimate_(*structure_, layout_, outputs_, prepared.plan.accuracy) {
+  state_.resize(layout_.first_unknown, layout_.size, prepared.plan.predictor);
+  const System& system = *structure_->system;
+  watch_.resize(idx(lanes_));
+  independence_.resize(idx(lanes_));
+  all_divisors_.resize(idx(lanes_) * outputs_[0].measures());
+  for (std::size_t lane = 0; lane < idx(lanes_); ++lane) {
+    divisors_.push_back(all_divisors_.data() + lane * outputs_[0].measures());
+  }
+  drive_.resize(idx(lanes_));
+  functions_.resize(idx(lanes_));
+
+  std::vector<std::uint8_t> read(layout_.size, 0), needed(system.coordinates.size(), 0);
+  for (const Pack& pack : layout_.packs) {
+    for (const std::int32_t a : pack.inputs) read[idx(a)] = 1;
+  }
+  outputs_[0].mark(read);
+  for (const std::int32_t c : structure_->watch.inputs) read[idx(layout_.address[idx(c)])] = 1;
+  for (std::size_t c = 0; c < needed.size(); ++c) {
+    needed[c] = layout_.address[c] >= 0 ? read[idx(layout_.address[c])] : std::uint8_t{0};
+  }
+  driven_ = driven_behind(system, std::move(needed));
+  for (const Index i : driven_.inputs) {
+    const DriverInput& in = system.inputs[idx(i)];
+    for (Index k = 0; k < in.count; ++k) driven_coordinates_.push_back(in.first + k);
+    if (in.must_not_vanish) levers_.push_back({in.first * lanes_, in.driver});
+  }
+  known_levers_ = levers_.size();
+  for (const Positive& p : system.positive) {
+    const std::int32_t address = layout_.address[idx(p.coordinate)];
+    if (address >= 0 && idx(address) >= layout_.first_unknown) levers_.push_back({address, p.driver});
+  }
+  for (const Index i : driven_.assignments) driven_coordinates_.push_back(system.assignments[idx(i)].coordinate);
+}
+
+Status Tile::start(std::span<const Variant* const> variants) {
+  variants_.assign(variants.begin(), variants.end());
+  bind();
+  state_.clear();
+  watched_level_ = 0;
+  measured_at_ = -1;
+  const std::size_t w = idx(lanes_);
+  for (std::size_t lane = 0; lane < w; ++lane) {
+    const Variant& v = *variants_[lane < variants_.size() ? lane : 0];
+    for (std::size_t c = 0; c < layout_.address.size(); ++c) {
+      if (layout_.address[c] >= 0) state_.at(0)[idx(layout_.address[c]) + lane] = v.posture[c];
+    }
+  }
+  now_.clear();
+  for (const Variant* v : variants_) now_.push_back(v->time);
+  converged_ = kConverged;
+  const std::vector<double> times = now_;
+  const Status s = solve(times, Attempt::Branch::start);
+  if (s.ok()) accept(times);
+  return s;
+}
+
+void Tile::bind() {
+  effort_ = effort();
+  for (const auto& s : layout_.solvers) s->restart();
+  for (std::size_t g = 0; g < layout_.packs.size(); ++g) {
+    Pack& pack = layout_.packs[g];
+    pack.solver.reset();
+    pack.factored = false;
+    pack.used = static_cast<std::int32_t>(variants_.size());
+    GroupSolver& solver = *layout_.solvers[idx(pack.group_class)];
+    for (int lane = 0; lane < lanes_; ++lane) {
+      const Variant& v = *variants_[idx(lane) < variants_.size() ? idx(lane) : 0];
+      solver.bind_lane(*v.system, structure_->groups[g], pack, lane);
+    }
+  }
+  for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
+    const System& system = *variants_[lane]->system;
+    outputs_[lane].bind(system, layout_.address);
+    drive_[lane].emplace(system, driven_);
+    const bool repeats =
+        lane > 0 && &system == variants_[0]->system.get() && variants_[lane]->time == variants_[0]->time;
+    functions_[lane].reset();
+    if (!repeats) functions_[lane].emplace(*structure_, system, layout_.address);
+    if (!repeats && functions_[lane]->empty()) functions_[lane].reset();
+    if (structure_->watch_class.equations.empty()) continue;
+    watch_[lane].emplace(system, *structure_, layout_.address);
+    independence_[lane] =
+        variants_[lane]->reselect ? std::make_unique<Independence>(system, *structure_, layout_.address) : nullptr;
+  }
+  std::vector<const System*> systems;
+  for (const Variant* v : variants_) systems.push_back(v->system.get());
+  estimate_.restart(systems);
+  alike_ = driven_alike();
+}
+
+// Drivers of the same laws need not be evaluated again for each lane at the same time.
+bool Tile::driven_alike() const {
+  const System& first = *variants_[0]->system;
+  const auto alike = [&](const Variant* v) {
+    const System& s = *v->system;
+    if (&s == &first) return true;
+    return s.length_exponent == first.length_exponent &&
+           std::all_of(driven_.inputs.begin(), driven_.inputs.end(),
+                       [&](Index i) { return s.inputs[idx(i)].laws == first.inputs[idx(i)].laws; }) &&
+           std::all_of(driven_.assignments.begin(), driven_.assignments.end(), [&](Index i) {
+             const auto terms = s.form(s.assignments[idx(i)].form), others = first.form(first.assignments[idx(i)].form);
+             return std::equal(terms.begin(), terms.end(), others.begin(), others.end(),
+                               [&](const Term& a, const Term& b) {
+                                 return a.coordinate == b.coordinate &&
+                                        s.constants[idx(a.constant)] == first.constants[idx(b.constant)] &&
+                                        s.coordinates[idx(a.coordinate)].moving;
+                               });
+           });
+  };
+  return std::all_of(variants_.begin(), variants_.end(), alike);
+}
+
+Status Tile::drive(std::span<const double> times) {
+  const bool at_once = alike_ && std::all_of(times.begin(), times.end(), [&](double t) { return t == times[0]; });
+  const std::size_t w = idx(lanes_), driven = driven_lanes_ = at_once ? 1 : times.size();
+  for (std::size_t lane = 0; lane < driven; ++lane) {
+    if (const Status s = drive_lane(lane, times[lane]); !s.ok()) return s;
+  }
+  for (int d = 0; d < 3 && driven < w; ++d) {  // idle lanes repeat lane 0
+    for (const Index c : driven_coordinates_) {
+      double* const row = state_.at(d) + idx(c) * w;
+      std::fill(row + driven, row + w, row[0]);
+    }
+  }
+  return {};
+}
+
+Status Tile::drive_lane(std::size_t lane, double time) {
+  double* const q[3] = {state_.at(0) + lane, state_.at(1) + lane, state_.at(2) + lane};
+  DriveProgram& program = *drive_[lane];
+  program.evaluate(time);
+  program.place(q, idx(lanes_));
+  const Place where = Place::lane(static_cast<std::int32_t>(lane));
+  if (!program.defined()) return {DriveProgram::why_undefined(*variants_[lane]->system, time), where, time};
+  return {};
+}
+
+// Of the program, before a step to `times`.
+Status Tile::check_functions(std::span<const double> times) {
+  for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
+    if (!functions_[lane]) continue;
+    const double* const q[3] = {state_.at(0) + lane, state_.at(1) + lane, state_.at(2) + lane};
+    const auto asked = [&](std::size_t i, std::size_t k) { return drive_[lane]->slot(i, static_cast<int>(k)) >= 0; };
+    const std::optional<Event> wrong = functions_[lane]->before_step(now_[lane], times[lane], q, asked);
+    if (wrong) return {wrong->kind, Place::lane(static_cast<std::int32_t>(lane)), wrong->figure};
+  }
+  return {};
+}
+
+Status Tile::step(std::span<const double> times) {
+  if (const Status s = check_functions(times); !s.ok()) return s;
+  state_.predict(times[0]);
+  const Status s = solve(times, Attempt::Branch::inside);
+  if (!s.ok()) {
+    state_.restore();
+    return s;
+  }
+  accept(times);
+  counters_.steps += static_cast<std::int64_t>(variants_.size());
+  return s;
+}
+
+// An attempt: one that is rejected leaves nothing in the packs.
+Status Tile::solve(std::span<const double> times, Attempt::Branch branch) {
+  ++attempts_;
+  StepErrors errors;
+  const Status s = solve_all(times, branch, errors);
+  if (!s.ok()) {
+    for (Pack& pack : layout_.packs) pack.undo(attempts_);
+    return s;
+  }
+  left_ = errors.worst();
+  errors.add_to(error_);
+  return s;
+}
+
+Status Tile::solve_all(std::span<const double> times, Attempt::Branch branch, StepErrors& errors) {
+  if (const Status s = drive(times); !s.ok()) return s;
+  const bool inside = branch == Attempt::Branch::inside;
+  for (std::size_t lane = 0; lane < driven_lanes_ && inside; ++lane) {
+    const std::size_t before = lane < lanes_accepted_ ? lane : 0;
+    const double part = turned(driven_angles_[before], drive_[lane]->angles(), together_);
+    if (part > 1) return {Code::branch_unknown, Place::lane(static_cast<std::int32_t>(lane)), part};
+  }
+  const auto seconds = [&](std::size_t lane) { return inside ? times[lane] - now_[lane] : 0; };
+  for (std::size_t lane = 0; lane < driven_lanes_; ++lane) {
+    if (const Status s = check_levers(0, known_levers_, lane, seconds(lane)); !s.ok()) return s;
+  }
+  if (const Status s = solve_packs(times, branch, inside ? converged_ : kConverged, errors); !s.ok()) return s;
+  for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
+    if (const Status s = check_levers(known_levers_, levers_.size(), lane, seconds(lane)); !s.ok()) return s;
+  }
+  if (const Status s = check_watched(times, branch, errors); !s.ok()) return s;
+  if (const Status s = check_sets(); !s.ok()) return s;
+  return inside ? follow_angles(times[0] - now_[0]) : begin_angles(times);
+}
+
+bool Tile::polish() {
+  if (limits_.iterations > 0 || converged_ == estimate_.best()) return false;
+  converged_ = estimate_.best();
+  state_.restore();
+  if (!solve(now_, Attempt::Branch::inside).ok()) {
+    state_.restore();
+    return false;
+  }
+  state_.replace();
+  for (std::size_t lane = 0; lane < variants_.size(); ++lane) turns_[lane].accept(0);
+  return true;
+}
+
+Status Tile::solve_packs(std::span<const double> times, Attempt::Branch branch, double converged, StepErrors& errors) {
+  double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
+  for (Pack& pack : layout_.packs) {
+    Attempt attempt;
+    attempt.branch = branch;
+    attempt.converged = converged;
+    attempt.number = attempts_;
+    attempt.time = times[0];  // steps are as long in every lane
+    attempt.iterations = pack.level > 0 && branch == Attempt::Branch::inside ? limits_.iterations : 0;
+    attempt.most_iterations = limits_.most_iterations;
+    GroupSolver& solver = *layout_.solvers[idx(pack.group_class)];
+    if (const Status s = solver.solve(pack, q, attempt, counters_, errors); !s.ok()) return s;
+  }
+  return {};
+}
+
+bool Tile::errors_are_due() {
+  const double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
+  return estimate_.due(counters_.branch_checks, q, left_, divisors_);
+}
+
+void Tile::measure_errors(std::span<const double> times, std::span<const double* const> rows) {
+  const double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
+  estimate_.measure(times, q, rows, divisors_, [&](const auto& work) {
+    for (std::size_t p = 0; p < layout_.packs.size(); ++p) work(p, *layout_.solvers[idx(layout_.packs[p].group_class)]);
+  });
+}
+
+void Tile::keep_errors() {
+  estimate_.keep();
+  if (!estimate_.close_to_doubt()) converged_ = kConverged;
+}
+
+Status Tile::accuracy(int lane) const {
+  if (!estimate_.in_doubt(idx(lane))) return {};
+  const auto group = static_cast<std::int32_t>(estimate_.worst_of(idx(lane)).pack);
+  return {Code::inaccurate, layout_.packs.empty() ? Place{} : Place::group(group), estimate_.now(idx(lane)).worst()};
+}
+
+Status Tile::check_levers(std::size_t begin, std::size_t end, std::size_t lane, double seconds) const {
+  const double* const from[3] = {state_.accepted(0) + lane, state_.accepted(1) + lane, state_.accepted(2) + lane};
+  const double* const to[3] = {state_.at(0) + lane, state_.at(1) + lane, state_.at(2) + lane};
+  const Lever* const l = vanished(std::span(levers_).subspan(begin, end - begin), from, to, seconds);
+  if (l == nullptr) return {};
+  return {Code::actuator_zero, Place::lane(static_cast<std::int32_t>(lane)), std::min(to[0][l->address], 0.0)};
+}
+
+// Largest relative residual of the watched equations, and the lane.
+double Tile::watched(std::int32_t& worst) {
+  double largest = 0;
+  for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
+    counters_.evaluated_equations += static_cast<std::int64_t>(watch_[lane]->equations());
+    const double r = watch_[lane]->residual(state_.at(0) + lane);
+    if (r <= largest) continue;
+    largest = r;
+    worst = static_cast<std::int32_t>(lane);
+    if (std::isnan(r)) break;
+  }
+  return largest;
+}
+
+// As in Continuation.
+Status Tile::check_watched(std::span<const double> times, Attempt::Branch branch, StepErrors& errors) {
+  if (structure_->watch_class.equations.empty()) return {};
+  std::int32_t worst = 0;
+  double r = watched(worst);
+  if (limits_.iterations == 0 && r > std::max(kConverged, 2 * watched_level_)) {
+    if (const Status s = solve_packs(times, branch, 0, errors); !s.ok()) return s;
+    r = watched(worst);
+    watched_level_ = r > kConverged ? r : 0;
+  }
+  if (!(r <= kConsistent)) return {Code::inconsistent, Place::lane(worst), r};
+  errors.position = std::max(errors.position, r);
+  return {};
+}
+
+// A lane in which another set of the redundant equations would be better goes alone.
+Status Tile::check_sets() {
+  if (structure_->watch_class.equations.empty() || measured_at_ == counters_.branch_checks) return {};
+  measured_at_ = counters_.branch_checks;
+  for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
+    if (!independence_[lane] || independence_[lane]->empty()) continue;
+    const double largest = independence_[lane]->largest_coefficient(state_.at(0) + lane);
+    if (!(largest <= 2 * kPoorSet)) return {Code::singular, Place::lane(static_cast<std::int32_t>(lane)), largest};
+  }
+  return {};
+}
+
+Status Tile::begin_angles(std::span<const double> times) {
+  now_.assign(times.begin(), times.end());
+  for (std::size_t lane = 0; lane < variants_.size(); ++lane) turns_[lane].start(state_.at(0) + lane);
+  return {};
+}
+
+// Not ok if some lane turned too far to tell how.
+Status Tile::follow_angles(double seconds) {
+  Status s;
+  if (turns_[0].empty()) return s;
+  for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
+    const bool known = turns_[lane].follow(state_.at(0) + lane, seconds) == AngleTurns::Way::known;
+    if (!known) s = {Code::branch_unknown, Place::lane(static_cast<std::int32_t>(lane)), seconds};
+  }
+  return s;
+}
+
+void Tile::accept(std::span<const double> times) {
+  state_.accept(times[0]);
+  lanes_accepted_ = driven_lanes_;
+  for (std::size_t lane = 0; lane < driven_lanes_; ++lane) {
+    const std::span<const double> angles = drive_[lane]->angles();
+    std::vector<double>& accepted = driven_angles_[lane];
+    if (accepted.size() != angles.size()) accepted.resize(angles.size());
+    for (std::size_t i = 0; i < angles.size(); ++i) accepted[i] = angles[i];
+  }
+  for (std::size_t lane = 0; lane < variants_.size() && !turns_[0].empty(); ++lane) {
+    turns_[lane].accept(times[0] - now_[0]);
+  }
+  now_.assign(times.begin(), times.end());
+}
+
+void Tile::fill_row(int lane, double* row) {
+  const double* const q[3] = {state_.at(0) + lane, state_.at(1) + lane, state_.at(2) + lane};
+  outputs_[idx(lane)].evaluate(q, row, turns_[idx(lane)].turns(), divisors_[idx(lane)]);
+  outputs_[idx(lane)].add_up(row);
+}
+
+std::vector<double> Tile::posture(int lane) const {
+  std::vector<double> all = variants_[idx(lane)]->posture;
+  for (std::size_t c = 0; c < all.size(); ++c) {
+    if (layout_.address[c] >= 0) all[c] = state_.at(0)[layout_.address[c] + lane];
+  }
+  return all;
+}
+
+void Tile::clear_figures() {
+  counters_ = {};
+  error_ = {};
+  effort_ = {};
+  estimate_.restart({});
+  for (Pack& pack : layout_.packs) pack.solver.reset();
+  for (const auto& s : layout_.solvers) s->restart();
+}
+
+std::vector<double> Tile::uniqueness(int lane) const {
+  std::vector<double> radius(layout_.address.size(), kInfinity);
+  for (std::size_t g = 0; g < layout_.packs.size(); ++g) {
+    const Pack& pack = layout_.packs[g];
+    const Program& program = layout_.solvers[idx(pack.group_class)]->program();
+    const bool quadratic = structure_->classes[idx(pack.group_class)].quadratic;
+    for (std::size_t i = 0; i < idx(program.n); ++i) {
+      const double omega = pack.omega[idx(program.unknown_block[i]) * idx(lanes_) + idx(lane)];
+      radius[idx(structure_->groups[g].unknowns[i])] = quadratic ? kBall / omega : 0;
+    }
+  }
+  return radius;
+}
+
+Effort Tile::effort() const {
+  Effort sum = effort_;
+  for (const auto& s : layout_.solvers) sum += s->effort();
+  for (const Pack& pack : layout_.packs) {
+    if (pack.solver) sum += pack.solver->effort();
+  }
+  return sum;
+}
+
+}  // namespace assur

@@ -1,0 +1,140 @@
+#include "signals/angle_turns.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+
+#include "index.hpp"
+#include "numbers.hpp"
+#include "signals/drive_program.hpp"
+
+namespace assur {
+namespace {
+constexpr double kStepOfDrivers = 1;  // rad
+constexpr double kFirstSteps = 16;    // a way of which nothing is known may be four times as long as the chord
+constexpr double kNoise = 1e-12;      // of the terms of a vector: shorter ones have no direction
+
+}  // namespace
+
+double whole_turns(double from, double to) { return std::round((to - from) / kTurn); }
+
+AngleTurns::AngleTurns(const OutputProgram& outputs)
+    : outputs_(outputs),
+      columns_(outputs.angles()),
+      now_(columns_.size()),
+      next_(columns_.size()),
+      turns_(columns_.size()) {}
+
+void AngleTurns::start(const double* q) {
+  (void)follow(q, 0);
+  for (std::size_t i = 0; i < now_.size(); ++i) {
+    next_[i].speed = -1;
+    now_[i] = next_[i];
+    turns_[i] = 0;
+  }
+}
+
+// Is the way shorter than half of what it takes from one end round the origin to the other?
+bool AngleTurns::is_short(const Arm& from, const Arm& to, double way) {
+  if (way <= std::min(from.square, to.square)) return true;
+  return 2 * std::sqrt(way) <= std::sqrt(from.square) + std::sqrt(to.square);
+}
+
+AngleTurns::Way AngleTurns::follow(const double* q, double seconds) {
+  Way found = Way::known;
+  for (std::size_t i = 0, count = now_.size(); i < count; ++i) {
+    const Arm& now = now_[i];
+    Arm& next = next_[i];
+    outputs_.arm(i, q, next.x, next.y);
+    const double dx = next.x - now.x, dy = next.y - now.y;
+    next.square = next.x * next.x + next.y * next.y;
+    next.chord = dx * dx + dy * dy;
+    const double way = now.speed < 0 ? kFirstSteps * next.chord : std::max(next.chord, now.speed * seconds * seconds);
+    if (found == Way::unknown || is_short(now, next, way)) continue;
+    found = is_noise(i, now, next, q) ? Way::none : Way::unknown;
+  }
+  return found;
+}
+
+bool AngleTurns::is_noise(std::size_t i, const Arm& from, const Arm& to, const double* q) const {
+  return std::sqrt(std::max(from.square, to.square)) <= kNoise * outputs_.size_of_arm(i, q);
+}
+
+void AngleTurns::accept(double seconds) {
+  for (std::size_t i = 0; i < now_.size(); ++i) {
+    const Arm& from = now_[i];
+    Arm& to = next_[i];
+    // The shorter way leads through the half-line where atan2 jumps, or it does not.
+    if (std::signbit(from.y) != std::signbit(to.y)) {
+      const double left = from.x * to.y - from.y * to.x;
+      if (left > 0 && std::signbit(to.y)) turns_[i] += 1;
+      if (left < 0 && std::signbit(from.y)) turns_[i] -= 1;
+    }
+    to.speed = seconds == 0 ? from.speed : to.chord / (seconds * seconds);
+    now_[i] = to;
+  }
+}
+
+void AngleTurns::continue_from(std::span<const double> row) {
+  for (std::size_t i = 0; i < now_.size(); ++i) {
+    turns_[i] = whole_turns(std::atan2(now_[i].y, now_[i].x), row[columns_[i]]);
+  }
+}
+
+void AngleTurns::save(Snapshot& into) const {
+  into.arms = now_;
+  into.turns = turns_;
+}
+
+void AngleTurns::restore(const Snapshot& from) {
+  now_ = from.arms;
+  turns_ = from.turns;
+}
+
+double turned(std::span<const double> from, std::span<const double> to, int together) {
+  double sum = 0, largest = 0;
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    const double by = std::abs(to[i] - from[i]);
+    sum += by;
+    largest = std::max(largest, by);
+  }
+  return std::min(sum, together * largest) / kStepOfDrivers;
+}
+
+int angles_together(const System& s, const Structure& structure) {
+  std::size_t laws = 0;
+  for (const DriverInput& in : s.inputs) laws += in.laws.size();
+  const std::size_t words = (laws + 63) / 64;
+  std::vector<std::uint64_t> behind(s.coordinates.size() * words);  // coordinates: a bit for each law
+  const auto of = [&](std::int32_t c) { return std::span(behind).subspan(idx(c) * words, words); };
+  const auto add = [&](std::int32_t to, std::int32_t from) {
+    for (std::size_t w = 0; w < words; ++w) of(to)[w] |= of(from)[w];
+  };
+  std::size_t law = 0;
+  for (const DriverInput& in : s.inputs) {
+    for (std::size_t k = 0; k < in.laws.size(); ++k, ++law) {
+      if (!is_angle(s, in, static_cast<int>(k))) continue;
+      for (Index c = in.first; c < in.first + in.count; ++c) of(c)[law / 64] |= std::uint64_t{1} << (law % 64);
+    }
+  }
+  for (const Assignment& a : s.assignments) {
+    for (const Term& t : s.form(a.form)) add(a.coordinate, t.coordinate);
+  }
+  for (const Group& group : structure.groups) {
+    if (group.unknowns.empty()) continue;
+    const std::int32_t first = group.unknowns.front();
+    for (const std::int32_t c : group.inputs) add(first, c);
+    for (const std::int32_t c : group.unknowns) add(c, first);
+  }
+  int most = 1;
+  for (std::size_t c = 0; c < s.coordinates.size(); ++c) {
+    int count = 0;
+    for (const std::uint64_t word : of(static_cast<std::int32_t>(c))) count += std::popcount(word);
+    most = std::max(most, count);
+  }
+  return most;
+}
+
+}  // namespace assur

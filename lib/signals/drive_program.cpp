@@ -1,0 +1,225 @@
+#include "signals/drive_program.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "index.hpp"
+#include "scene/drive.hpp"
+
+namespace assur {
+bool is_angle(const System& s, const DriverInput& in, int law) {
+  if (in.kind == DriverInput::Kind::scalar) return false;
+  return in.kind == DriverInput::Kind::direction || law >= s.dimension;
+}
+
+DriveProgram::DriveProgram(const System& system, const Driven& driven) {
+  for (const DriverInput& in : system.inputs) {
+    first_slot_.push_back(static_cast<std::int32_t>(slot_.size()));
+    slot_.resize(slot_.size() + in.laws.size(), -1);
+  }
+  add_slots(system, driven, true);
+  angles_ = scale_.size();
+  add_slots(system, driven, false);
+  laws_ = scale_.size();
+  const std::size_t padded = (laws_ + kAngleBlock - 1) / kAngleBlock * kAngleBlock;
+  for (std::vector<double>* v : {&base_, &jets_[0], &jets_[1], &jets_[2], &sines_, &cosines_}) v->resize(padded);
+  held_.resize(laws_);
+  slot_of_.resize(system.coordinates.size(), -1);
+  for (const Index input : driven.inputs) add_input(system, idx(input));
+  for (const Index i : driven.assignments) add_assignment(system, system.assignments[idx(i)]);
+}
+
+void DriveProgram::add_slots(const System& system, const Driven& driven, bool angles) {
+  for (const Index input : driven.inputs) {
+    const DriverInput& in = system.inputs[idx(input)];
+    for (std::size_t k = 0; k < in.laws.size(); ++k) {
+      if (is_angle(system, in, static_cast<int>(k)) != angles) continue;
+      slot_[idx(first_slot_[idx(input)]) + k] = static_cast<std::int32_t>(scale_.size());
+      scale_.push_back(angles ? 1 : 1 / system.unit(in.dimension));
+    }
+  }
+}
+
+void DriveProgram::add_input(const System& system, std::size_t input) {
+  const DriverInput& in = system.inputs[input];
+  for (std::size_t k = 0; k < in.laws.size(); ++k) add_law(slot(input, static_cast<int>(k)), in.laws[k]);
+  if (in.kind == DriverInput::Kind::direction) {
+    add_copies(add_turn(directions_, slot(input, 0), 2), in.first, 2);
+    return;
+  }
+  const int straight = in.kind == DriverInput::Kind::scalar ? 1 : system.dimension;
+  add_copies(slot(input, 0), in.first, straight);
+  if (in.count == straight) return;
+  const std::int32_t angle = slot(input, straight), results = in.count - straight;
+  add_copies(add_turn(system.dimension == 2 ? directions_ : frames_, angle, results), in.first + straight, results);
+}
+
+std::int32_t DriveProgram::add_turn(std::vector<Turn>& turns, std::int32_t angle, std::int32_t results) {
+  const auto result = static_cast<std::int32_t>(jets_[0].size());
+  turns.push_back({angle, result});
+  for (auto& jet : jets_) jet.resize(jet.size() + idx(results));
+  return result;
+}
+
+void DriveProgram::add_copies(std::int32_t slot, Index coordinate, std::int32_t count) {
+  for (std::int32_t k = 0; k < count; ++k) {
+    copies_.push_back({slot + k, coordinate + k});
+    slot_of_[idx(coordinate + k)] = slot + k;
+  }
+}
+
+void DriveProgram::add_law(std::int32_t slot, const Law& law) {
+  const double scale = scale_[idx(slot)];
+  for (const Law::Part& part : law.parts()) {
+    const auto* harmonics = std::get_if<Law::Harmonics>(&part);
+    const auto reducible = [](const Harmonic& term) { return std::abs(term.phase) <= kLargestAngle; };
+    if (harmonics != nullptr && std::all_of(harmonics->terms.begin(), harmonics->terms.end(), reducible)) {
+      base_[idx(slot)] += harmonics->offset * scale;
+      for (const Harmonic& term : harmonics->terms) add_term(slot, term);
+    } else if (const auto* polynomial = std::get_if<Law::Polynomial>(&part)) {
+      const auto begin = static_cast<std::int32_t>(coefficients_.size());
+      for (const double c : polynomial->coefficients) coefficients_.push_back(c * scale);
+      polynomials_.push_back({slot, begin, static_cast<std::int32_t>(coefficients_.size())});
+    } else {
+      others_.push_back({slot, &part});
+    }
+  }
+}
+
+// Into the first block of its eight slots where its own place is free.
+void DriveProgram::add_term(std::int32_t slot, const Harmonic& term) {
+  if (term.amplitude == 0) return;
+  constexpr auto kSize = static_cast<std::int32_t>(kAngleBlock);
+  const std::int32_t first = slot / kSize * kSize;
+  const std::size_t lane = idx(slot - first);
+  auto block = std::find_if(harmonics_.begin(), harmonics_.end(),
+                            [&](const HarmonicBlock& b) { return b.slot == first && b.amplitude[lane] == 0; });
+  if (block == harmonics_.end()) {
+    block = harmonics_.insert(block, HarmonicBlock{});
+    block->slot = first;
+  }
+  block->frequency[lane] = term.frequency;
+  block->phase[lane] = term.phase;
+  block->amplitude[lane] = term.amplitude * scale_[idx(slot)];
+  block->omega[lane] = law_detail::two_pi<double>() * term.frequency;
+}
+
+void DriveProgram::add_assignment(const System& system, const Assignment& assignment) {
+  const auto terms = system.form(assignment.form);
+  const auto factor = [&](const Term& t) { return system.constants[idx(t.constant)]; };
+  const auto begin = static_cast<std::int32_t>(terms_.size());
+  if (terms.size() == 1 && factor(terms[0]) == 1 && slot_of_[idx(terms[0].coordinate)] >= 0) {
+    add_copies(slot_of_[idx(terms[0].coordinate)], assignment.coordinate, 1);
+    return;
+  }
+  for (const Term& t : terms) terms_.push_back({t.coordinate, factor(t)});
+  sums_.push_back({assignment.coordinate, begin, static_cast<std::int32_t>(terms_.size())});
+}
+
+std::int32_t DriveProgram::slot(std::size_t input, int law) const {
+  return slot_[idx(first_slot_[input]) + static_cast<std::size_t>(law)];
+}
+
+void DriveProgram::evaluate(double t) {
+  const std::size_t size = base_.size();
+  double *value = jets_[0].data(), *rate = jets_[1].data(), *acceleration = jets_[2].data();
+  for (std::size_t i = 0; i < size; ++i) {
+    value[i] = base_[i];
+    rate[i] = acceleration[i] = 0;
+  }
+  if (!harmonics_.empty()) {
+    kernels_->add_harmonics(harmonics_.data(), harmonics_.size(), t, value, rate, acceleration);
+  }
+  const auto add = [&](std::int32_t slot, const Motion& m, double scale) {
+    value[slot] += m.value * scale;
+    rate[slot] += m.rate * scale;
+    acceleration[slot] += m.acceleration * scale;
+  };
+  for (const Polynomial& p : polynomials_) {
+    add(p.slot, law_detail::horner({coefficients_.data() + p.begin, coefficients_.data() + p.end}, t), 1);
+  }
+  for (const Other& o : others_) {
+    if (held_[idx(o.slot)] != 0) continue;
+    add(o.slot, std::visit([&](const auto& part) { return law_detail::evaluate(part, t); }, *o.part),
+        scale_[idx(o.slot)]);
+  }
+}
+
+void DriveProgram::replace(std::int32_t slot, const Motion& motion) {
+  const double scale = scale_[idx(slot)];
+  jets_[0][idx(slot)] = motion.value * scale;
+  jets_[1][idx(slot)] = motion.rate * scale;
+  jets_[2][idx(slot)] = motion.acceleration * scale;
+}
+
+void DriveProgram::place(double* const (&state)[3], std::size_t stride) {
+  turn();
+  double *const q = state[0], *const rate = state[1], *const acceleration = state[2];
+  const double *const value = jets_[0].data(), *const first = jets_[1].data(), *const second = jets_[2].data();
+  for (const Copy& c : copies_) {
+    const std::size_t at = idx(c.coordinate) * stride;
+    q[at] = value[c.slot];
+    rate[at] = first[c.slot];
+    acceleration[at] = second[c.slot];
+  }
+  for (const Sum& s : sums_) {
+    double total = 0, of_rates = 0, of_accelerations = 0;
+    for (const TermOf& t : std::span(terms_.data() + s.begin, terms_.data() + s.end)) {
+      const std::size_t from = idx(t.coordinate) * stride;
+      total += t.factor * q[from];
+      of_rates += t.factor * rate[from];
+      of_accelerations += t.factor * acceleration[from];
+    }
+    const std::size_t at = idx(s.coordinate) * stride;
+    q[at] = total;
+    rate[at] = of_rates;
+    acceleration[at] = of_accelerations;
+  }
+}
+
+void DriveProgram::turn() {
+  kernels_->sin_cos(jets_[0].data(), angles_, sines_.data(), cosines_.data());
+  const auto at = [&](std::int32_t angle) {
+    const std::size_t i = idx(angle);
+    return cos_sin<double>({jets_[0][i], jets_[1][i], jets_[2][i]}, cosines_[i], sines_[i]);
+  };
+  const auto put = [&](std::int32_t slot, const Motion& m) {
+    jets_[0][idx(slot)] = m.value;
+    jets_[1][idx(slot)] = m.rate;
+    jets_[2][idx(slot)] = m.acceleration;
+  };
+  for (const Turn& turn : directions_) {
+    const CosSin<double> both = at(turn.angle);
+    put(turn.result, both.cosine);
+    put(turn.result + 1, both.sine);
+  }
+  for (const Turn& turn : frames_) {
+    Motion r[9];
+    euler_zyx(at(turn.angle), at(turn.angle + 1), at(turn.angle + 2), r);
+    for (std::int32_t k = 0; k < 9; ++k) put(turn.result + k, r[k]);
+  }
+}
+
+bool DriveProgram::defined() const {
+  const double *const value = jets_[0].data(), *const rate = jets_[1].data(), *const acceleration = jets_[2].data();
+  for (std::size_t i = 0; i < laws_; ++i) {
+    if (std::isnan(value[i])) return false;
+    // Rates show in outputs as they are.
+    if (!std::isfinite(rate[i]) || !std::isfinite(acceleration[i])) return false;
+  }
+  for (std::size_t i = 0; i < angles_; ++i) {
+    if (std::isnan(cosines_[i])) return false;  // of an infinite angle
+  }
+  return true;
+}
+
+Code DriveProgram::why_undefined(const System& system, double t) {
+  for (const DriverInput& input : system.inputs) {
+    for (const Law& law : input.laws) {
+      if (!law.covers(t)) return Code::out_of_range;
+    }
+  }
+  return Code::not_finite;
+}
+
+}  // namespace assur

@@ -1,0 +1,95 @@
+// The drivers as a flat program in double: all laws side by side, then the coordinates that they make. What it computes
+// is what drive() of scene/drive.hpp defines.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "assur/status.hpp"
+#include "scene/system.hpp"
+#include "signals/angle_kernels.hpp"
+
+namespace assur {
+
+// Whether a law of an input is an angle.
+[[nodiscard]] bool is_angle(const System& system, const DriverInput& input, int law);
+
+class DriveProgram {
+ public:
+  // Keeps references to the laws of `system`.
+  DriveProgram(const System& system, const Driven& driven);
+
+  // Where a law of System::inputs[input] lies; -1: nobody reads it.
+  [[nodiscard]] std::int32_t slot(std::size_t input, int law) const;
+  // Someone else replaces this law after each evaluation: its tables and functions are not asked.
+  void hold(std::int32_t slot, bool held) { held_[static_cast<std::size_t>(slot)] = held; }
+
+  // All laws at time t.
+  void evaluate(double t);
+  void replace(std::int32_t slot, const Motion& motion);  // SI units
+  // Those laws that are angles: their values, unwrapped.
+  [[nodiscard]] std::span<const double> angles() const { return {jets_[0].data(), angles_}; }
+  // The driven coordinates, from the laws. state[d]: d-th derivative, indexed by coordinate * stride.
+  void place(double* const (&state)[3], std::size_t stride = 1);
+  // After place(): false if a table ended, or a law is no number otherwise.
+  [[nodiscard]] bool defined() const;
+  // Why not, at time t: out_of_range of a table, or not_finite.
+  [[nodiscard]] static Code why_undefined(const System& system, double t);
+
+ private:
+  struct Polynomial {
+    std::int32_t slot, begin, end;  // range in coefficients_
+  };
+  struct Other {
+    std::int32_t slot;
+    const Law::Part* part;
+  };
+  struct Copy {
+    std::int32_t slot;
+    Index coordinate;
+  };
+  // Cosine and sine of an angle, or the frame of three, as jets from a slot on.
+  struct Turn {
+    std::int32_t angle, result;  // slots
+  };
+  struct Sum {
+    Index coordinate;
+    std::int32_t begin, end;  // range in terms_
+  };
+  struct TermOf {
+    Index coordinate;
+    double factor;
+  };
+  void turn();
+  void add_slots(const System& system, const Driven& driven, bool angles);
+  void add_law(std::int32_t slot, const Law& law);
+  void add_term(std::int32_t slot, const Harmonic& term);
+  void add_input(const System& system, std::size_t input);
+  std::int32_t add_turn(std::vector<Turn>& turns, std::int32_t angle, std::int32_t results);
+  void add_copies(std::int32_t slot, Index coordinate, std::int32_t count);
+  void add_assignment(const System& system, const Assignment& assignment);
+
+  const AngleKernels* kernels_ = &angle_kernels();
+  std::vector<std::int32_t> first_slot_;  // inputs: first law in slot_
+  std::vector<std::int32_t> slot_;        // laws
+  // Slots: angles, other laws, padding, then what turns make of the angles.
+  std::size_t angles_ = 0;
+  std::size_t laws_ = 0;                 // and angles
+  std::vector<double> scale_;            // laws: internal units in one SI unit, a power of two
+  std::vector<double> base_;             // laws, padded: what is constant
+  std::vector<double> jets_[3];          // slots: value, rate, acceleration
+  std::vector<double> sines_, cosines_;  // angles, padded
+  std::vector<std::uint8_t> held_;       // laws
+  std::vector<HarmonicBlock> harmonics_;
+  std::vector<Polynomial> polynomials_;
+  std::vector<double> coefficients_;
+  std::vector<Other> others_;
+  std::vector<Copy> copies_;
+  std::vector<std::int32_t> slot_of_;  // coordinates; -1: a sum
+  std::vector<Turn> directions_, frames_;
+  std::vector<Sum> sums_;
+  std::vector<TermOf> terms_;
+};
+
+}  // namespace assur

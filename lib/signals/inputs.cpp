@@ -1,0 +1,220 @@
+#include "signals/inputs.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "numbers.hpp"
+#include "scene/jet.hpp"
+#include "scene/names.hpp"
+
+namespace assur {
+namespace {
+
+// Quintic through value, rate and acceleration at both ends.
+Motion blend(const Motion& a, const Motion& b, double start, double end, double t) {
+  if (t == end) return b;
+  if (t == start) return a;
+  const double d = end - start;
+  const Jet<double> s{(t - start) / d, 1 / d, 0}, r = 1.0 - s;
+  const Jet<double> s3 = s * s * s, r3 = r * r * r;
+  const Jet<double> one_b = s3 * (10.0 + s * (6.0 * s - 15.0)), one_a = r3 * (10.0 + r * (6.0 * r - 15.0));
+  const Jet<double> rate_a = r3 * s * (4.0 - 3.0 * r), rate_b = s3 * r * (4.0 - 3.0 * s);
+  return a.value * one_a + b.value * one_b + (d * a.rate) * rate_a - (d * b.rate) * rate_b +
+         (d * d / 2 * a.acceleration) * (r3 * s * s) + (d * d / 2 * b.acceleration) * (s3 * r * r);
+}
+
+constexpr int kLooks = 16;       // at a length on its way
+constexpr int kBisections = 40;  // to its minimum
+
+bool reaches_zero(const Motion& from, const Motion& to, double seconds) {
+  const double h = std::abs(seconds);
+  const double way =
+      h * (std::abs(from.rate) + std::abs(to.rate)) + h * h * (std::abs(from.acceleration) + std::abs(to.acceleration));
+  if (std::min(from.value, to.value) > way) return false;
+  const double nothing = 8 * kEps;  // typical lengths are 1
+  const auto at = [&](double part) { return blend(from, to, 0, seconds, part * seconds); };
+  const auto falls = [&](const Motion& m) { return m.rate * seconds < 0; };
+  Motion before = from;
+  for (int i = 1; i <= kLooks; ++i) {
+    double low = (i - 1.0) / kLooks, high = static_cast<double>(i) / kLooks;
+    const Motion here = at(high);
+    if (!(here.value > nothing)) return true;
+    if (falls(before) && !falls(here)) {
+      for (int k = 0; k < kBisections; ++k) {
+        const double middle = (low + high) / 2;
+        (falls(at(middle)) ? low : high) = middle;
+      }
+      if (!(std::min(at(low).value, at(high).value) > nothing)) return true;
+    }
+    before = here;
+  }
+  return false;
+}
+
+}  // namespace
+
+const Lever* vanished(std::span<const Lever> levers, const double* const (&from)[3], const double* const (&to)[3],
+                      double seconds) {
+  for (const Lever& l : levers) {
+    const std::int32_t c = l.address;
+    if (!(to[0][c] > 0)) return &l;
+    if (seconds == 0) continue;
+    if (reaches_zero({from[0][c], from[1][c], from[2][c]}, {to[0][c], to[1][c], to[2][c]}, seconds)) return &l;
+  }
+  return nullptr;
+}
+
+Inputs::Inputs(const System& system, const std::vector<std::string>& controlled)
+    : system_(system), program_(system, {}) {
+  for (std::size_t i = 0; i < system.inputs.size(); ++i) {
+    const DriverInput& in = system.inputs[i];
+    const std::string& name = system.drivers[in.driver];
+    if (std::find(controlled.begin(), controlled.end(), name) == controlled.end()) continue;
+    if (in.kind != DriverInput::Kind::frame) {
+      add_control(name, i, 0);
+      continue;
+    }
+    static const std::vector<std::string> kSpace = {"x", "y", "z", "psi", "theta", "phi"}, kPlane = {"x", "y", "angle"};
+    const auto& parts = system.dimension == 3 ? kSpace : kPlane;
+    for (std::size_t k = 0; k < in.laws.size(); ++k) {
+      add_control(name + "." + parts[k], i, static_cast<int>(k));
+    }
+  }
+  compile(all_driven(system));
+}
+
+void Inputs::add_control(std::string name, std::size_t input, int law) {
+  Control& c = controls_.emplace_back();
+  c.name = std::move(name);
+  c.input = input;
+  c.law = law;
+}
+
+void Inputs::compile(const Driven& driven) {
+  program_ = DriveProgram(system_, driven);
+  for (Control& c : controls_) c.slot = program_.slot(c.input, c.law);
+  accepted_angles_.assign(program_.angles().begin(), program_.angles().end());
+  levers_.clear();
+  for (const Index i : driven.inputs) {
+    const DriverInput& in = system_.inputs[static_cast<std::size_t>(i)];
+    if (in.must_not_vanish) levers_.push_back({in.first, in.driver});
+  }
+}
+
+Status Inputs::drive(double t, double* const (&state)[3]) {
+  for (const Control& c : controls_) {
+    if (c.slot >= 0) program_.hold(c.slot, c.set);
+  }
+  program_.evaluate(t);
+  for (const Control& c : controls_) {
+    if (c.slot >= 0 && c.set) program_.replace(c.slot, blend(c.from, c.to, c.start, c.end, t));
+  }
+  program_.place(state);
+  if (!program_.defined()) return {DriveProgram::why_undefined(system_, t), {}, t};
+  return {};
+}
+
+bool Inputs::follows_law(std::size_t input, std::size_t law) const {
+  return program_.slot(input, static_cast<int>(law)) >= 0 &&
+         std::none_of(controls_.begin(), controls_.end(), [&](const Control& c) {
+           return c.input == input && static_cast<std::size_t>(c.law) == law && (c.set || c.pending);
+         });
+}
+
+void Inputs::set(std::string_view driver, const Motion& motion) {
+  for (Control& c : controls_) {
+    if (c.name != driver) continue;
+    c.next = motion;
+    c.pending = true;
+    return;
+  }
+  std::vector<std::string_view> known;
+  for (const Control& c : controls_) known.push_back(c.name);
+  throw Error(Error::Kind::input,
+              in_quotes(driver) + " is no controlled driver" +
+                  (known.empty() ? "; name them in PrepareOptions::controlled" : known_instead(driver, known)));
+}
+
+const std::string* Inputs::not_finite(double& value) const {
+  for (const Control& c : controls_) {
+    if (!c.pending) continue;
+    for (const double v : {c.next.value, c.next.rate, c.next.acceleration}) {
+      if (std::isfinite(v)) continue;
+      value = v;
+      return &c.name;
+    }
+  }
+  return nullptr;
+}
+
+void Inputs::drop_pending() {
+  for (Control& c : controls_) c.pending = false;
+}
+
+void Inputs::begin_step(double now, double next) {
+  for (Control& c : controls_) {
+    c.was_set = c.set;
+    c.was_pending = c.pending;
+    if (!c.set && !c.pending) continue;
+    if (!c.set) c.from = system_.inputs[c.input].laws[static_cast<std::size_t>(c.law)](now);
+    c.to = c.pending ? c.next : Motion{c.from.value, 0, 0};  // not renewed: it comes to rest where it is
+    c.set = true;
+    c.pending = false;
+    c.start = now;
+    c.end = next;
+  }
+}
+
+bool Inputs::end_step(double now, End end) {
+  bool stopped = false;
+  for (Control& c : controls_) {
+    if (!c.set) continue;
+    if (end == End::goes_on && !c.pending) {
+      c.next = c.to;
+      c.pending = true;
+    }
+    c.from = blend(c.from, c.to, c.start, c.end, now);
+    if (end == End::failed) {  // whatever stopped it, it does not overshoot into it again
+      stopped = stopped || c.from.rate != 0 || c.from.acceleration != 0;
+      c.from = {c.from.value, 0, 0};
+    }
+    c.to = c.from;
+    c.start = c.end = now;
+  }
+  return stopped;
+}
+
+void Inputs::reset() {
+  for (Control& c : controls_) c.set = c.pending = false;
+}
+
+void Inputs::undo_step(Controls& controls, double now) {
+  for (Control& c : controls) {
+    c.set = c.was_set;
+    c.pending = false;
+    c.to = c.from;
+    c.start = c.end = now;
+  }
+}
+
+void Inputs::take(const Controls& other) {
+  for (std::size_t i = 0; i < controls_.size(); ++i) {
+    const std::int32_t slot = controls_[i].slot;  // what is read may differ
+    controls_[i] = other[i];
+    controls_[i].slot = slot;
+  }
+}
+
+bool Inputs::ask_again_from_rest() {
+  bool moved = false;
+  for (Control& c : controls_) {
+    c.pending = c.was_pending;
+    if (!c.set && !c.pending) continue;
+    c.set = true;  // also where the law had moved it so far
+    moved = moved || c.from.rate != 0 || c.from.acceleration != 0;
+    c.from = c.to = {c.from.value, 0, 0};
+  }
+  return moved;
+}
+
+}  // namespace assur

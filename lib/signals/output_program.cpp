@@ -1,0 +1,277 @@
+#include "signals/output_program.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <utility>
+
+#include "numbers.hpp"
+#include "signals/dual.hpp"
+
+namespace assur {
+namespace {
+
+template <class T>
+std::span<const T> share(const std::vector<T>& list, std::size_t part, std::size_t parts) {
+  if (parts == 1) return list;
+  const std::size_t begin = list.size() * part / parts, end = list.size() * (part + 1) / parts;
+  return std::span(list).subspan(begin, end - begin);
+}
+
+}  // namespace
+
+void OutputProgram::bind(const System& s, std::span<const std::int32_t> address) {
+  dimension_ = s.dimension;
+  motions_.clear();
+  lines_.clear();
+  sums_.clear();
+  sum_terms_.clear();
+  terms_.clear();
+  form_start_.assign(1, 0);
+  parts_.clear();
+  angles_.clear();
+  totals_.clear();
+  total_terms_.clear();
+  std::int32_t next = 0;                                               // column
+  std::map<std::pair<std::string_view, int>, std::int32_t> column_of;  // of measures, where there are sums
+  const bool has_sums =
+      std::any_of(s.measures.begin(), s.measures.end(), [](const MeasureForms& m) { return m.is_sum(); });
+  for (const Output& o : wanted_outputs(s)) {
+    const auto parts = static_cast<std::int32_t>(o.part_count);
+    std::int32_t first[3];  // column of the first part
+    for (int d = 0; d < 3; ++d) {
+      first[d] = o.wanted[d] ? next : -1;
+      if (o.wanted[d]) next += parts;
+      if (has_sums && o.wanted[d] && o.component < 0) column_of[{o.name, d}] = first[d];
+    }
+    for (int d = 0; o.sum != nullptr && d < 3; ++d) {
+      if (!o.wanted[d]) continue;
+      const auto begin = static_cast<std::int32_t>(total_terms_.size());
+      for (const auto& [measure, factor] : o.sum->terms) {
+        total_terms_.push_back({column_of.at({s.measures[static_cast<std::size_t>(measure)].name, d}), factor});
+      }
+      totals_.push_back(
+          {begin, static_cast<std::int32_t>(total_terms_.size()), first[d], d == 0 ? o.sum->constant : 0});
+    }
+    if (o.sum != nullptr) continue;
+    for (std::int32_t k = 0; k < parts; ++k) {
+      const auto column = [&](int d) { return first[d] < 0 ? -1 : first[d] + k; };
+      add(s, address, o.all_parts[static_cast<std::size_t>(k)], {column(0), column(1), column(2)});
+    }
+  }
+}
+
+void OutputProgram::add(const System& s, std::span<const std::int32_t> address, const OutputPart& m,
+                        const std::array<std::int32_t, 3>& column) {
+  const auto term_at = [&](const Term& t) {
+    return TermAt{address[static_cast<std::size_t>(t.coordinate)], s.constants[static_cast<std::size_t>(t.constant)]};
+  };
+  const double unit = s.unit(m.dimension);
+  if (m.kind == MeasureForms::Kind::form && add_line(s, address, m.forms[0], unit, column)) return;
+  if (m.kind == MeasureForms::Kind::form) {
+    const auto begin = static_cast<std::int32_t>(sum_terms_.size());
+    for (const Term& t : s.form(m.forms[0])) {
+      sum_terms_.push_back(term_at(t));
+      sum_terms_.back().factor *= unit;  // a power of two
+    }
+    sums_.push_back({begin, static_cast<std::int32_t>(sum_terms_.size()), column});
+    return;
+  }
+  Part part{m.kind, static_cast<std::int32_t>(form_start_.size()) - 1, 0, unit, column, -1};
+  for (const Index f : m.forms) {
+    for (const Term& t : s.form(f)) terms_.push_back(term_at(t));
+    form_start_.push_back(static_cast<std::int32_t>(terms_.size()));
+  }
+  part.forms_end = static_cast<std::int32_t>(form_start_.size()) - 1;
+  const bool is_signed = m.kind == MeasureForms::Kind::absolute_angle || m.kind == MeasureForms::Kind::signed_angle;
+  if (is_signed && column[0] >= 0) {
+    part.angle = static_cast<std::int32_t>(angles_.size());
+    angles_.push_back(parts_.size());
+  }
+  parts_.push_back(part);
+}
+
+bool OutputProgram::add_line(const System& s, std::span<const std::int32_t> address, Index form, double unit,
+                             const std::array<std::int32_t, 3>& column) {
+  Line line{address[kOne], column, 0, 0};
+  bool moves = false;
+  for (const Term& t : s.form(form)) {
+    const double factor = s.constants[static_cast<std::size_t>(t.constant)] * unit;  // a power of two
+    if (t.coordinate == kOne) {
+      line.offset += factor;
+      continue;
+    }
+    if (moves) return false;
+    moves = true;
+    line.address = address[static_cast<std::size_t>(t.coordinate)];
+    line.factor = factor;
+  }
+  const bool all = std::all_of(column.begin(), column.end(), [](std::int32_t c) { return c >= 0; });
+  (all ? motions_ : lines_).push_back(line);
+  return true;
+}
+
+void OutputProgram::mark(std::vector<std::uint8_t>& addresses) const {
+  for (const auto* lines : {&motions_, &lines_}) {
+    for (const Line& l : *lines) addresses[static_cast<std::size_t>(l.address)] = 1;
+  }
+  for (const TermAt& t : terms_) addresses[static_cast<std::size_t>(t.address)] = 1;
+  for (const TermAt& t : sum_terms_) addresses[static_cast<std::size_t>(t.address)] = 1;
+}
+
+std::vector<std::size_t> OutputProgram::angles() const {
+  std::vector<std::size_t> columns;
+  for (const std::size_t part : angles_) columns.push_back(static_cast<std::size_t>(parts_[part].column[0]));
+  return columns;
+}
+
+void OutputProgram::arm(std::size_t i, const double* q, double& x, double& y) const {
+  const Part& part = parts_[angles_[i]];
+  const auto value_of = [&](std::int32_t form) {
+    double value = 0;
+    for (const TermAt& t : terms_of(form)) value += t.factor * q[t.address];
+    return value;
+  };
+  if (part.kind == MeasureForms::Kind::absolute_angle) {
+    x = value_of(part.forms_begin);
+    y = value_of(part.forms_begin + 1);
+    return;
+  }
+  double forms[9];  // those of two directions, and in space the axis
+  for (std::int32_t f = part.forms_begin; f < part.forms_end; ++f) forms[f - part.forms_begin] = value_of(f);
+  const ArmOf<double> arm = arm_of<double>(part.kind, forms, dimension_);
+  x = arm.x;
+  y = arm.y;
+}
+
+double OutputProgram::size_of_arm(std::size_t i, const double* q) const {
+  const Part& part = parts_[angles_[i]];
+  double size = 1;
+  for (std::int32_t f = part.forms_begin; f < part.forms_end; f += dimension_) {  // a vector each
+    double largest = 0;
+    for (std::int32_t k = f; k < f + dimension_ && k < part.forms_end; ++k) {
+      double sum = 0;
+      for (const TermAt& t : terms_of(k)) sum += std::abs(t.factor * q[t.address]);
+      largest = std::max(largest, sum);
+    }
+    size *= largest;
+  }
+  return size;
+}
+
+void OutputProgram::evaluate(const double* const (&state)[3], double* out, const double* turns, double* divisors,
+                             std::size_t part, std::size_t parts) const {
+  evaluate_linear(state, out, 1, part, parts);
+  for (const Part& measure : share(parts_, part, parts)) {
+    auto [m, divisor] = evaluate(measure, state);
+    divisors[&measure - parts_.data()] = divisor;
+    if (measure.angle >= 0) m.value += 2 * std::numbers::pi * turns[measure.angle];
+    const double value[3] = {m.value, m.rate, m.acceleration};
+    for (std::size_t d = 0; d < 3; ++d) {
+      if (measure.column[d] >= 0) out[measure.column[d]] = value[d] * measure.unit;
+    }
+  }
+}
+
+OutputProgram::Measured OutputProgram::evaluate(const Part& measure, const double* const (&state)[3]) const {
+  const auto angle_of = [](const Jet<double>& x, const Jet<double>& y) {
+    return Measured{atan2(y, x), x.value * x.value + y.value * y.value};
+  };
+  if (measure.kind == MeasureForms::Kind::absolute_angle) {
+    return angle_of(jet_of(measure.forms_begin, state), jet_of(measure.forms_begin + 1, state));
+  }
+  Jet<double> forms[9];
+  evaluate_forms(measure, state, forms);
+  if (measure.kind == MeasureForms::Kind::signed_angle) {
+    const ArmOf<Jet<double>> arm = arm_of<Jet<double>>(measure.kind, forms, dimension_);
+    return angle_of(arm.x, arm.y);
+  }
+  return {evaluate_measure<double>(measure.kind, {forms, 9}, dimension_),
+          divisor_of<double>(measure.kind, {forms, 9}, dimension_)};
+}
+
+void OutputProgram::differentiate(const double* const (&state)[3], const double* const (&change)[3], RandomSign* sign,
+                                  double* out) const {
+  evaluate_linear(change, out, 0, 0, 1);
+  for (const Part& measure : parts_) {
+    Jet<double> forms[9], changes[9];
+    evaluate_forms(measure, state, forms);
+    evaluate_forms(measure, change, changes);
+    Jet<Dual> both[9];
+    for (std::size_t f = 0; f < 9; ++f) {
+      const auto with_rounding = [&](double value, double by) {
+        return Dual(value, by + (sign != nullptr ? (*sign)() : 0) * kEps * value);
+      };
+      both[f] = {with_rounding(forms[f].value, changes[f].value), with_rounding(forms[f].rate, changes[f].rate),
+                 with_rounding(forms[f].acceleration, changes[f].acceleration)};
+    }
+    const Jet<Dual> m = evaluate_measure<Dual>(measure.kind, {both, 9}, dimension_);
+    double slope[3] = {m.value.slope, m.rate.slope, m.acceleration.slope};
+    if (slope[0] == 0 && !(divisor_of<double>(measure.kind, {forms, 9}, dimension_) > 0)) {  // at a kink
+      for (std::size_t f = 0; f < 9; ++f) forms[f].value += both[f].value.slope;
+      slope[0] = evaluate_measure<double>(measure.kind, {forms, 9}, dimension_).value - m.value.value;
+    }
+    for (std::size_t d = 0; d < 3; ++d) {
+      if (measure.column[d] >= 0) out[measure.column[d]] = slope[d] * measure.unit;
+    }
+  }
+  add_up(out, 0);
+}
+
+// constant: times the constants.
+void OutputProgram::add_up(double* out, double constant) const {
+  for (const Total& total : totals_) {
+    double sum = constant * total.constant;
+    for (std::int32_t t = total.begin; t < total.end; ++t) {
+      const TotalTerm& term = total_terms_[static_cast<std::size_t>(t)];
+      sum += term.factor * out[term.column];
+    }
+    out[total.column] = sum;
+  }
+}
+
+// constant: times the offsets.
+void OutputProgram::evaluate_linear(const double* const (&state)[3], double* out, double constant, std::size_t part,
+                                    std::size_t parts) const {
+  for (const Line& l : share(motions_, part, parts)) {
+    out[l.column[0]] = constant * l.offset + l.factor * state[0][l.address];
+    out[l.column[1]] = l.factor * state[1][l.address];
+    out[l.column[2]] = l.factor * state[2][l.address];
+  }
+  for (const Line& l : share(lines_, part, parts)) {
+    for (std::size_t d = 0; d < 3; ++d) {
+      if (l.column[d] >= 0) out[l.column[d]] = (d == 0 ? constant * l.offset : 0) + l.factor * state[d][l.address];
+    }
+  }
+  for (const Sum& sum : share(sums_, part, parts)) {
+    double total[3] = {};
+    for (std::int32_t t = sum.begin; t < sum.end; ++t) {
+      const TermAt& term = sum_terms_[static_cast<std::size_t>(t)];
+      for (std::size_t d = 0; d < 3; ++d) total[d] += term.factor * state[d][term.address];
+    }
+    for (std::size_t d = 0; d < 3; ++d) {
+      if (sum.column[d] >= 0) out[sum.column[d]] = total[d];
+    }
+  }
+}
+
+void OutputProgram::evaluate_forms(const Part& measure, const double* const (&state)[3],
+                                   Jet<double> (&forms)[9]) const {
+  for (std::int32_t f = measure.forms_begin; f < measure.forms_end; ++f) {
+    forms[f - measure.forms_begin] = jet_of(f, state);
+  }
+}
+
+Jet<double> OutputProgram::jet_of(std::int32_t form, const double* const (&state)[3]) const {
+  // Derivatives that nobody wants are added as well: three sums stay in registers.
+  double value = 0, rate = 0, acceleration = 0;
+  for (const TermAt& term : terms_of(form)) {
+    value += term.factor * state[0][term.address];
+    rate += term.factor * state[1][term.address];
+    acceleration += term.factor * state[2][term.address];
+  }
+  return {value, rate, acceleration};
+}
+
+}  // namespace assur

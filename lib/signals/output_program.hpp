@@ -1,0 +1,190 @@
+// Outputs and measures from a state: forms over addresses, then jets.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "scene/jet.hpp"
+#include "scene/outputs.hpp"
+#include "scene/system.hpp"
+#include "signals/random_sign.hpp"
+
+namespace assur {
+
+// A signed angle is atan2(y, x), from its forms: numbers, or jets of them.
+template <class N>
+struct ArmOf {
+  N x, y;
+};
+template <class N>
+ArmOf<N> arm_of(MeasureForms::Kind kind, std::span<const N> f, int dimension) {
+  if (kind == MeasureForms::Kind::absolute_angle) return {f[0], f[1]};
+  if (dimension == 2) return {f[0] * f[2] + f[1] * f[3], f[0] * f[3] - f[1] * f[2]};
+  const auto across = [&](std::size_t i, std::size_t j) { return f[i] * f[3 + j] - f[j] * f[3 + i]; };
+  return {f[0] * f[3] + f[1] * f[4] + f[2] * f[5], f[6] * across(1, 2) + f[7] * across(2, 0) + f[8] * across(0, 1)};
+}
+
+// The square of the length by which derivatives of a measure are divided; the length of a distance, else the arm's, or
+// the sine's of an unsigned angle.
+template <class T>
+T divisor_of(MeasureForms::Kind kind, std::span<const Jet<T>> f, int dimension) {
+  const auto square = [](const T& x) { return x * x; };
+  const auto cross = [&](std::size_t i, std::size_t j) {
+    return square(f[i].value * f[3 + j].value - f[j].value * f[3 + i].value);
+  };
+  switch (kind) {
+    case MeasureForms::Kind::form:
+    case MeasureForms::Kind::sum:
+    case MeasureForms::Kind::sum_of_angles:
+      return T(1);
+    case MeasureForms::Kind::distance:
+      return square(f[0].value) + square(f[1].value) + (dimension == 3 ? square(f[2].value) : T(0));
+    case MeasureForms::Kind::absolute_angle:
+    case MeasureForms::Kind::signed_angle: {
+      const ArmOf<Jet<T>> arm = arm_of(kind, f, dimension);
+      return square(arm.x.value) + square(arm.y.value);
+    }
+    case MeasureForms::Kind::unsigned_angle:
+      return cross(1, 2) + cross(2, 0) + cross(0, 1);
+  }
+  return T(1);
+}
+
+// Value, rate and acceleration of a measure that is no sum from the jets of its forms (internal units).
+template <class T>
+Jet<T> evaluate_measure(MeasureForms::Kind kind, std::span<const Jet<T>> f, int dimension) {
+  const auto dot = [&](std::size_t a, std::size_t b) {
+    Jet<T> sum = f[a] * f[b];
+    for (int k = 1; k < dimension; ++k)
+      sum = sum + f[a + static_cast<std::size_t>(k)] * f[b + static_cast<std::size_t>(k)];
+    return sum;
+  };
+  const auto cross = [&](std::size_t a, std::size_t b, int k) {
+    const std::size_t i = static_cast<std::size_t>((k + 1) % 3), j = static_cast<std::size_t>((k + 2) % 3);
+    return f[a + i] * f[b + j] - f[a + j] * f[b + i];
+  };
+  switch (kind) {
+    case MeasureForms::Kind::form:
+      return f[0];
+    case MeasureForms::Kind::distance:
+      return length(f.first(static_cast<std::size_t>(dimension)));
+    case MeasureForms::Kind::absolute_angle:
+    case MeasureForms::Kind::signed_angle: {
+      const ArmOf<Jet<T>> arm = arm_of(kind, f, dimension);
+      return atan2(arm.y, arm.x);
+    }
+    case MeasureForms::Kind::unsigned_angle: {
+      const Jet<T> across[3] = {cross(0, 3, 0), cross(0, 3, 1), cross(0, 3, 2)};
+      return atan2(length(std::span<const Jet<T>>(across)), dot(0, 3));
+    }
+    case MeasureForms::Kind::sum:
+    case MeasureForms::Kind::sum_of_angles:
+      break;
+  }
+  return {};
+}
+
+// A flat program: one entry for each part, in the order of wanted_outputs().
+class OutputProgram {
+ public:
+  // `address`: coordinates -> index into the state arrays; -1: not available (never read by a needed output).
+  OutputProgram(const System& system, std::span<const std::int32_t> address) { bind(system, address); }
+
+  // The same for another system, in the memory at hand.
+  void bind(const System& system, std::span<const std::int32_t> address);
+
+  // Columns of signed angles, which are unwrapped along a run.
+  [[nodiscard]] std::vector<std::size_t> angles() const;
+  // The i-th of them is atan2(y, x) at a posture.
+  void arm(std::size_t i, const double* q, double& x, double& y) const;
+  // Of what x and y are made of: they are no more accurate than a part of it.
+  [[nodiscard]] double size_of_arm(std::size_t i, const double* q) const;
+
+  // Marks the addresses that are read.
+  void mark(std::vector<std::uint8_t>& addresses) const;
+
+  // state[d]: d-th derivative. out: one double for each column, SI units.
+  // turns: of the angles(), whole turns to add. divisors, of measures(): squares of the lengths by which they divide.
+  // part of parts: a share of the columns, for one of several threads.
+  void evaluate(const double* const (&state)[3], double* out, const double* turns, double* divisors,
+                std::size_t part = 0, std::size_t parts = 1) const;
+  // Sums of measures from the columns of the same row: after evaluate(), and after whole turns were added to angles.
+  void add_up(double* out) const { add_up(out, 1); }
+  // Those that are more than sums.
+  [[nodiscard]] std::size_t measures() const { return parts_.size(); }
+
+  // How every column changes along a change of the state and, if signs are drawn for it, by rounding of what measures
+  // are made of, to first order; not finite where a measure has a kink.
+  void differentiate(const double* const (&state)[3], const double* const (&change)[3], RandomSign* sign,
+                     double* out) const;
+
+ private:
+  struct TermAt {
+    std::int32_t address;
+    double factor;
+  };
+  struct Part {
+    MeasureForms::Kind kind;
+    std::int32_t forms_begin, forms_end;
+    double unit;
+    std::array<std::int32_t, 3> column;  // of value, rate, acceleration; -1: not wanted
+    std::int32_t angle;                  // which of angles(); -1: none
+  };
+  // What is linear in one coordinate, in SI units: offset + factor * coordinate.
+  struct Line {
+    std::int32_t address;
+    std::array<std::int32_t, 3> column;  // of value, rate, acceleration; -1: not wanted
+    double factor, offset;
+  };
+  // What is linear in more of them: terms in SI units, the same for value, rate and acceleration.
+  struct Sum {
+    std::int32_t begin, end;
+    std::array<std::int32_t, 3> column;  // -1: not wanted
+  };
+  void evaluate_linear(const double* const (&state)[3], double* out, double constant, std::size_t part,
+                       std::size_t parts) const;
+  void evaluate_forms(const Part& measure, const double* const (&state)[3], Jet<double> (&forms)[9]) const;
+  [[nodiscard]] Jet<double> jet_of(std::int32_t form, const double* const (&state)[3]) const;
+  struct Measured {
+    Jet<double> value;
+    double divisor;
+  };
+  [[nodiscard]] Measured evaluate(const Part& measure, const double* const (&state)[3]) const;
+  [[nodiscard]] std::span<const TermAt> terms_of(std::int32_t form) const {
+    const auto f = static_cast<std::size_t>(form);
+    return {terms_.data() + form_start_[f], terms_.data() + form_start_[f + 1]};
+  }
+  void add(const System& system, std::span<const std::int32_t> address, const OutputPart& part,
+           const std::array<std::int32_t, 3>& column);
+  // False if more than one coordinate takes part.
+  bool add_line(const System& system, std::span<const std::int32_t> address, Index form, double unit,
+                const std::array<std::int32_t, 3>& column);
+
+  // A column that is a constant and multiples of others.
+  struct Total {
+    std::int32_t begin, end;  // in total_terms_
+    std::int32_t column;
+    double constant;
+  };
+  struct TotalTerm {
+    std::int32_t column;
+    double factor;
+  };
+  void add_up(double* out, double constant) const;
+
+  int dimension_ = 2;
+  std::vector<Total> totals_;
+  std::vector<TotalTerm> total_terms_;
+  std::vector<Line> motions_;  // value, rate and acceleration wanted
+  std::vector<Line> lines_;    // not all of them
+  std::vector<Sum> sums_;
+  std::vector<TermAt> sum_terms_;
+  std::vector<TermAt> terms_;
+  std::vector<std::int32_t> form_start_;
+  std::vector<Part> parts_;
+  std::vector<std::size_t> angles_;  // parts
+};
+
+}  // namespace assur
