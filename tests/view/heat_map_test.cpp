@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <regex>
+#include <set>
 
 namespace assur::view {
 namespace {
@@ -28,6 +29,20 @@ std::size_t count(const std::string& text, const std::string& part) {
 std::string wide(const std::string& figure) {
   const std::size_t from = figure.find("<svg class=\"plot heat wide\"");
   return figure.substr(from, figure.find("</svg>", from) - from);
+}
+
+// "720" and "2000" stood as "7202000" in the narrow picture.
+TEST(HeatMap, NamesOfColumnsThatWouldTouchStandInTwoLines) {
+  static const std::regex kTick("<text class=\"tick\" x=\"[0-9.]+\" y=\"([0-9.]+)\" text-anchor=\"middle\">");
+  const auto lines = [](const std::string& picture) {
+    std::set<std::string> at;
+    for (std::sregex_iterator i(picture.begin(), picture.end(), kTick), end; i != end; ++i) at.insert((*i)[1]);
+    return at.size();
+  };
+  HeatMap map = two_by_two();
+  EXPECT_EQ(lines(figure(map)), 2u);  // one in each of the two pictures
+  map.columns = {std::string(40, '1'), std::string(40, '2')};
+  EXPECT_EQ(lines(figure(map)), 3u);
 }
 
 TEST(HeatMap, HasACellForEachAnswerAndNoneForNone) {

@@ -54,8 +54,12 @@ std::string draw(const HeatMap& map, double all_width, double cell_height, std::
   const auto rows = static_cast<double>(map.rows.size());
   const double w = (all_width - left) / static_cast<double>(map.columns.size()), h = cell_height;
   const double foot = kTop + rows * h;
+  // Names of columns that would touch stand in two lines in turn.
+  const bool tight = std::any_of(map.columns.begin(), map.columns.end(),
+                                 [w](const std::string& column) { return width(column) > w - 2 * kGap; });
+  const double second = tight ? kLine : 0;
   std::string out = "<svg class=\"plot heat " + std::string(css_class) + "\" viewBox=\"0 0 " + at(all_width) + " " +
-                    at(foot + kBottom) + "\" xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" aria-label=\"" +
+                    at(foot + kBottom + second) + "\" xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" aria-label=\"" +
                     escaped(map.title) + "\">\n";
   for (std::size_t r = 0; r < map.rows.size(); ++r) {
     const double y = foot - static_cast<double>(r + 1) * h;
@@ -76,9 +80,10 @@ std::string draw(const HeatMap& map, double all_width, double cell_height, std::
     }
   }
   for (std::size_t c = 0; c < map.columns.size(); ++c) {
-    out += text("tick", left + (static_cast<double>(c) + 0.5) * w, foot + 16, "middle", map.columns[c]);
+    out += text("tick", left + (static_cast<double>(c) + 0.5) * w, foot + 16 + (c % 2 == 0 ? 0 : second), "middle",
+                map.columns[c]);
   }
-  out += text("title", all_width, foot + 36, "end", map.x_title) + text("title", 2, 14, "start", map.y_title);
+  out += text("title", all_width, foot + 36 + second, "end", map.x_title) + text("title", 2, 14, "start", map.y_title);
   return out + "</svg>\n";
 }
 
