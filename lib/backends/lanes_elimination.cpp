@@ -8,42 +8,42 @@
 namespace assur::lanes {
 namespace {
 
-using Index = Elimination::Slot;
+using Number = Elimination::Number;
 
 // The permuted matrix and its factors by rows; all positions are those of pivots.
 struct Factors {
   struct Entry {
-    Index column, source;
+    Number column, source;
   };
   std::vector<std::vector<Entry>> a;
-  std::vector<std::vector<Index>> l, u;  // columns left and right of the diagonal, ascending
+  std::vector<std::vector<Number>> l, u;  // columns left and right of the diagonal, ascending
 };
 
 Factors factor_symbolically(const Pattern& pattern, const std::vector<std::int32_t>& row,
                             const std::vector<std::int32_t>& column) {
   const auto n = row.size();
-  std::vector<Index> position(n);
-  for (Index k = 0; k < n; ++k) position[static_cast<std::size_t>(row[k])] = k;
-  Factors f{std::vector<std::vector<Factors::Entry>>(n), std::vector<std::vector<Index>>(n),
-            std::vector<std::vector<Index>>(n)};
-  std::vector<Index> entries(n, 0);  // of each row
+  std::vector<Number> position(n);
+  for (Number k = 0; k < n; ++k) position[static_cast<std::size_t>(row[k])] = k;
+  Factors f{std::vector<std::vector<Factors::Entry>>(n), std::vector<std::vector<Number>>(n),
+            std::vector<std::vector<Number>>(n)};
+  std::vector<Number> entries(n, 0);  // of each row
   for (const std::int32_t i : pattern.row) ++entries[position[static_cast<std::size_t>(i)]];
-  for (Index i = 0; i < n; ++i) {
+  for (Number i = 0; i < n; ++i) {
     f.a[i].reserve(entries[i]);
     f.l[i].reserve(2 * entries[i]);  // as a rule there is less
     f.u[i].reserve(2 * entries[i]);
   }
-  for (Index j = 0; j < n; ++j) {
+  for (Number j = 0; j < n; ++j) {
     const auto c = static_cast<std::size_t>(column[j]);
     for (auto k = pattern.column_start[c]; k < pattern.column_start[c + 1]; ++k) {
       const auto i = position[static_cast<std::size_t>(pattern.row[static_cast<std::size_t>(k)])];
-      f.a[i].push_back({j, static_cast<Index>(k)});
+      f.a[i].push_back({j, static_cast<Number>(k)});
     }
   }
-  std::vector<Index> seen(n, 0);  // row + 1 that met a column last
-  std::vector<Index> open;        // columns left of the diagonal, a heap with the least on top
-  for (Index i = 0; i < n; ++i) {
-    const auto meet = [&](Index j) {
+  std::vector<Number> seen(n, 0);  // row + 1 that met a column last
+  std::vector<Number> open;        // columns left of the diagonal, a heap with the least on top
+  for (Number i = 0; i < n; ++i) {
+    const auto meet = [&](Number j) {
       if (seen[j] == i + 1) return;
       seen[j] = i + 1;
       if (j < i) {
@@ -56,10 +56,10 @@ Factors factor_symbolically(const Pattern& pattern, const std::vector<std::int32
     for (const auto& entry : f.a[i]) meet(entry.column);
     while (!open.empty()) {
       std::pop_heap(open.begin(), open.end(), std::greater<>());
-      const Index m = open.back();
+      const Number m = open.back();
       open.pop_back();
       f.l[i].push_back(m);
-      for (Index j : f.u[m]) meet(j);
+      for (Number j : f.u[m]) meet(j);
     }
     std::sort(f.u[i].begin(), f.u[i].end());
   }
@@ -67,15 +67,15 @@ Factors factor_symbolically(const Pattern& pattern, const std::vector<std::int32
 }
 
 // Pivots that need nothing of each other side by side, so that a processor has several in flight.
-std::vector<Index> by_level(const Factors& f) {
+std::vector<Number> by_level(const Factors& f) {
   const auto n = f.l.size();
-  std::vector<Index> level(n, 0), order(n);
-  for (Index i = 0; i < n; ++i) {
-    for (Index k : f.l[i]) level[i] = std::max(level[i], level[k] + 1);
-    for (Index j : f.u[i]) level[j] = std::max(level[j], level[i] + 1);
+  std::vector<Number> level(n, 0), order(n);
+  for (Number i = 0; i < n; ++i) {
+    for (Number k : f.l[i]) level[i] = std::max(level[i], level[k] + 1);
+    for (Number j : f.u[i]) level[j] = std::max(level[j], level[i] + 1);
   }
-  std::iota(order.begin(), order.end(), Index{0});
-  std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) { return level[a] < level[b]; });
+  std::iota(order.begin(), order.end(), Number{0});
+  std::stable_sort(order.begin(), order.end(), [&](Number a, Number b) { return level[a] < level[b]; });
   return order;
 }
 
@@ -92,10 +92,10 @@ int parity(const std::vector<std::int32_t>& permutation) {
 }
 
 // For each row the last unknown of the matrix that needs it: the row is computed for first_wanted up to this.
-std::vector<Index> last_need(const Factors& f, const std::vector<std::int32_t>& column) {
-  std::vector<Index> need(column.begin(), column.end());
-  for (Index i = 0; i < need.size(); ++i) {
-    for (Index j : f.u[i]) need[j] = std::max(need[j], need[i]);
+std::vector<Number> last_need(const Factors& f, const std::vector<std::int32_t>& column) {
+  std::vector<Number> need(column.begin(), column.end());
+  for (Number i = 0; i < need.size(); ++i) {
+    for (Number j : f.u[i]) need[j] = std::max(need[j], need[i]);
   }
   return need;
 }
@@ -103,11 +103,11 @@ std::vector<Index> last_need(const Factors& f, const std::vector<std::int32_t>& 
 }  // namespace
 
 Elimination write_program(const Pattern& pattern, const Order& order) {
-  const auto n = static_cast<Index>(pattern.n);
+  const auto n = static_cast<Number>(pattern.n);
   std::vector<std::int32_t> row(n), column(n);
   {
-    const std::vector<Index> levels = by_level(factor_symbolically(pattern, order.row, order.column));
-    for (Index k = 0; k < n; ++k) {
+    const std::vector<Number> levels = by_level(factor_symbolically(pattern, order.row, order.column));
+    for (Number k = 0; k < n; ++k) {
       row[k] = order.row[levels[k]];
       column[k] = order.column[levels[k]];
     }
@@ -118,43 +118,43 @@ Elimination write_program(const Pattern& pattern, const Order& order) {
   p.permutation_sign = parity(row) * parity(column);
 
   // Rows that more unknowns need come first in the backward substitution; a row that another one needs is before it.
-  const std::vector<Index> need = last_need(f, column);
-  std::vector<Index> back(n);
-  std::iota(back.rbegin(), back.rend(), Index{0});
-  std::stable_sort(back.begin(), back.end(), [&](Index a, Index b) { return need[a] > need[b]; });
+  const std::vector<Number> need = last_need(f, column);
+  std::vector<Number> back(n);
+  std::iota(back.rbegin(), back.rend(), Number{0});
+  std::stable_sort(back.begin(), back.end(), [&](Number a, Number b) { return need[a] > need[b]; });
   p.wanted_rows.assign(n + 1, 0);
-  for (Index last : need) ++p.wanted_rows[last];
+  for (Number last : need) ++p.wanted_rows[last];
   std::partial_sum(p.wanted_rows.rbegin(), p.wanted_rows.rend(), p.wanted_rows.rbegin());
 
-  std::vector<Index> l_start(n), u_start(n);
-  for (Index i = 0; i < n; ++i) {
+  std::vector<Number> l_start(n), u_start(n);
+  for (Number i = 0; i < n; ++i) {
     l_start[i] = p.slots;
-    p.slots += static_cast<Index>(f.l[i].size());
+    p.slots += static_cast<Number>(f.l[i].size());
     p.pivot_slot.push_back(p.slots++);
   }
-  for (Index i : back) {
+  for (Number i : back) {
     u_start[i] = p.slots;
-    p.slots += static_cast<Index>(f.u[i].size());
+    p.slots += static_cast<Number>(f.u[i].size());
   }
   p.square_slot = p.slots;
   p.slots += n;
 
   struct Product {
-    Index l, u;
+    Number l, u;
   };
-  std::vector<Index> source(n, Elimination::kZero);
+  std::vector<Number> source(n, Elimination::kZero);
   std::vector<std::vector<Product>> products(n);
-  for (Index i = 0; i < n; ++i) {
+  for (Number i = 0; i < n; ++i) {
     const auto &l = f.l[i], &u = f.u[i];
     for (const auto& entry : f.a[i]) source[entry.column] = entry.source;
-    for (Index e = 0; e < l.size(); ++e) {
-      for (Index v = 0; v < f.u[l[e]].size(); ++v) {
+    for (Number e = 0; e < l.size(); ++e) {
+      for (Number v = 0; v < f.u[l[e]].size(); ++v) {
         products[f.u[l[e]][v]].push_back({l_start[i] + e, u_start[l[e]] + v});
       }
     }
-    p.factor.insert(p.factor.end(), {static_cast<Index>(l.size()), static_cast<Index>(u.size()), u_start[i]});
-    const auto write = [&](Index j) {
-      p.factor.insert(p.factor.end(), {source[j], static_cast<Index>(products[j].size())});
+    p.factor.insert(p.factor.end(), {static_cast<Number>(l.size()), static_cast<Number>(u.size()), u_start[i]});
+    const auto write = [&](Number j) {
+      p.factor.insert(p.factor.end(), {source[j], static_cast<Number>(products[j].size())});
       for (const Product& product : products[j]) p.factor.insert(p.factor.end(), {product.l, product.u});
       source[j] = Elimination::kZero;
       products[j].clear();
@@ -163,14 +163,14 @@ Elimination write_program(const Pattern& pattern, const Order& order) {
     write(i);
     std::for_each(u.begin(), u.end(), write);
 
-    p.forward_row.push_back(static_cast<Index>(p.forward.size()));
-    p.forward.insert(p.forward.end(), {static_cast<Index>(row[i]), static_cast<Index>(l.size())});
+    p.forward_row.push_back(static_cast<Number>(p.forward.size()));
+    p.forward.insert(p.forward.end(), {static_cast<Number>(row[i]), static_cast<Number>(l.size())});
     p.forward.insert(p.forward.end(), l.begin(), l.end());
   }
   p.backward_row.resize(n);
-  for (Index i : back) {
-    p.backward_row[i] = static_cast<Index>(p.backward.size());
-    p.backward.insert(p.backward.end(), {i, static_cast<Index>(column[i]), static_cast<Index>(f.u[i].size())});
+  for (Number i : back) {
+    p.backward_row[i] = static_cast<Number>(p.backward.size());
+    p.backward.insert(p.backward.end(), {i, static_cast<Number>(column[i]), static_cast<Number>(f.u[i].size())});
     p.backward.insert(p.backward.end(), f.u[i].begin(), f.u[i].end());
   }
   p.upper_slot = std::move(u_start);

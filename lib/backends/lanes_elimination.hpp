@@ -20,28 +20,28 @@
 namespace assur::lanes {
 
 struct Elimination {
-  using Index = std::uint32_t;
-  static constexpr Index kZero = 0xFFFFFFFF;  // as a source: the entry is fill
+  using Number = std::uint32_t;
+  static constexpr Number kZero = 0xFFFFFFFF;  // as a source: the entry is fill
 
-  Index n = 0, slots = 0;
+  Number n = 0, slots = 0;
   int permutation_sign = 0;  // of rows and columns together
 
   // For each row: entries of L left of the diagonal, entries of U, slot of the first of these. Then for each entry (L,
   // the diagonal, U): its source among the nonzeros or kZero, the number of its products, and for each the slots of l
   // and u.
-  std::vector<Index> factor;
+  std::vector<Number> factor;
   // For each row: row of the matrix, entries of L; for each entry its position in y.
-  std::vector<Index> forward;
+  std::vector<Number> forward;
   // For each row, from the last on: its position in y, unknown of the matrix, entries of U; for each its position in y.
-  std::vector<Index> backward;
-  std::vector<Index> wanted_rows;  // n + 1: rows of `backward` that unknowns from first_wanted on need
+  std::vector<Number> backward;
+  std::vector<Number> wanted_rows;  // n + 1: rows of `backward` that unknowns from first_wanted on need
 
   // Where to find a row out of this order, n each: its reciprocal, its U, its places in `forward` and `backward`.
-  std::vector<Index> pivot_slot, upper_slot, forward_row, backward_row;
-  Index square_slot = 0;  // of the squares of row 0 of A
+  std::vector<Number> pivot_slot, upper_slot, forward_row, backward_row;
+  Number square_slot = 0;  // of the squares of row 0 of A
 
-  [[nodiscard]] Index lower_count(std::size_t row) const { return forward[forward_row[row] + 1]; }
-  [[nodiscard]] Index upper_count(std::size_t row) const { return backward[backward_row[row] + 2]; }
+  [[nodiscard]] Number lower_count(std::size_t row) const { return forward[forward_row[row] + 1]; }
+  [[nodiscard]] Number upper_count(std::size_t row) const { return backward[backward_row[row] + 2]; }
 };
 
 // The order must be complete.

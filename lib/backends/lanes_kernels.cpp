@@ -14,7 +14,7 @@ namespace HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
-using Index = Elimination::Slot;
+using Number = Elimination::Number;
 
 // kVectors side by side: all lanes of a slot, or, where the vectors are short, a part of them.
 template <class T, int kLanes>
@@ -119,7 +119,7 @@ HWY_INLINE L add_square(const L& sum, const L& a) {
 
 // The next entry of a row: its value in A minus its products.
 template <class L, class T>
-HWY_INLINE L entry(const Index*& op, const double* values, const T* slots, L& square_of_a) {
+HWY_INLINE L entry(const Number*& op, const double* values, const T* slots, L& square_of_a) {
   L a;
   if (*op != Elimination::kZero) {
     a = take<L>(values + *op * L::kStride);
@@ -127,7 +127,7 @@ HWY_INLINE L entry(const Index*& op, const double* values, const T* slots, L& sq
   } else {
     a = L::set(0);
   }
-  Index products = op[1];
+  Number products = op[1];
   op += 2;
   for (; products != 0; --products, op += 2) {
     a = minus_product(L::load(slots + op[0] * L::kStride), L::load(slots + op[1] * L::kStride), a);
@@ -145,10 +145,10 @@ HWY_INLINE Alarms factorize_part(const Elimination& p, const double* values, T* 
   hn::Mask<typename L::D> grown[L::kVectors], small[L::kVectors];
   for (int i = 0; i < L::kVectors; ++i) grown[i] = small[i] = hn::FirstN(d, 0);
 
-  const Index* op = p.factor.data();
+  const Number* op = p.factor.data();
   T *l = slots, *row_square = slots + p.square_slot * L::kStride;
-  for (Index row = 0; row < p.n; ++row, row_square += L::kStride) {
-    Index left = op[0], right = op[1];
+  for (Number row = 0; row < p.n; ++row, row_square += L::kStride) {
+    Number left = op[0], right = op[1];
     T* u = slots + op[2] * L::kStride;
     op += 3;
     L of_a = L::set(0), of_l = L::set(0), of_u = L::set(0);  // squares
@@ -200,17 +200,17 @@ HWY_ATTR Alarms factorize(const Elimination& p, const double* values, void* slot
 }
 
 template <class L, std::size_t kRhs, class T>
-HWY_INLINE void solve_part(const Elimination& p, const T* slots, double* b_to_x, Index rows, T* work) {
+HWY_INLINE void solve_part(const Elimination& p, const T* slots, double* b_to_x, Number rows, T* work) {
   const std::size_t next_rhs = p.n * L::kStride;
   const T* factor = slots;
   {
-    const Index* op = p.forward.data();
+    const Number* op = p.forward.data();
     T* y = work;
-    for (Index row = 0; row < p.n; ++row, y += L::kStride) {
+    for (Number row = 0; row < p.n; ++row, y += L::kStride) {
       L sum[kRhs];
       const double* b = b_to_x + op[0] * L::kStride;
       for (std::size_t r = 0; r < kRhs; ++r) sum[r] = take<L>(b + r * next_rhs);
-      Index left = op[1];
+      Number left = op[1];
       op += 2;
       for (; left != 0; --left, ++op, factor += L::kStride) {
         const L l = L::load(factor);
@@ -223,13 +223,13 @@ HWY_INLINE void solve_part(const Elimination& p, const T* slots, double* b_to_x,
       for (std::size_t r = 0; r < kRhs; ++r) times(sum[r], pivot).store(y + r * next_rhs);
     }
   }
-  const Index* op = p.backward.data();
+  const Number* op = p.backward.data();
   for (; rows != 0; --rows) {
     L sum[kRhs];
     T* y = work + op[0] * L::kStride;
     double* x = b_to_x + op[1] * L::kStride;
     for (std::size_t r = 0; r < kRhs; ++r) sum[r] = L::load(y + r * next_rhs);
-    Index right = op[2];
+    Number right = op[2];
     op += 3;
     for (; right != 0; --right, ++op, factor += L::kStride) {
       const L u = L::load(factor);
@@ -247,7 +247,7 @@ HWY_INLINE void solve_part(const Elimination& p, const T* slots, double* b_to_x,
 template <class T, int kLanes>
 HWY_ATTR void solve(const Elimination& p, const void* slots, double* b_to_x, int rhs, int first_wanted, void* work) {
   using L = SlotVectors<T, kLanes>;
-  const Index rows = p.wanted_rows[static_cast<std::size_t>(first_wanted)];
+  const Number rows = p.wanted_rows[static_cast<std::size_t>(first_wanted)];
   for (; rhs > 0; rhs -= kRightSides, b_to_x += kRightSides * p.n * L::kStride) {
     for (int part = 0; part < kLanes; part += L::kPart) {
       const T* factors = static_cast<const T*>(slots) + part;
@@ -273,25 +273,25 @@ HWY_ATTR void solve(const Elimination& p, const void* slots, double* b_to_x, int
 // A' = Q U' L' P: both by columns, that is by rows of U and of L.
 template <class L, class T>
 HWY_INLINE void solve_transposed_part(const Elimination& p, const T* slots, double* b_to_x, T* work) {
-  const auto subtract = [&](const Index*& op, Index count, const L& x, const T*& factor) HWY_ATTR {
+  const auto subtract = [&](const Number*& op, Number count, const L& x, const T*& factor) HWY_ATTR {
     for (; count != 0; --count, ++op, factor += L::kStride) {
       T* to = work + *op * L::kStride;
       minus_product(L::load(factor), x, L::load(to)).store(to);
     }
   };
-  for (const Index* op = p.backward.data(); op != p.backward.data() + p.backward.size(); op += 3 + op[2]) {
+  for (const Number* op = p.backward.data(); op != p.backward.data() + p.backward.size(); op += 3 + op[2]) {
     take<L>(b_to_x + op[1] * L::kStride).store(work + op[0] * L::kStride);
   }
-  for (Index row = 0; row < p.n; ++row) {
-    const Index* op = p.backward.data() + p.backward_row[row];
+  for (Number row = 0; row < p.n; ++row) {
+    const Number* op = p.backward.data() + p.backward_row[row];
     const T* factor = slots + p.upper_slot[row] * L::kStride;
-    const Index count = op[2];
+    const Number count = op[2];
     op += 3;
     subtract(op, count, L::load(work + row * L::kStride), factor);
   }
-  for (Index row = p.n; row-- > 0;) {
-    const Index* op = p.forward.data() + p.forward_row[row];
-    const Index count = op[1];
+  for (Number row = p.n; row-- > 0;) {
+    const Number* op = p.forward.data() + p.forward_row[row];
+    const Number count = op[1];
     double* x = b_to_x + op[0] * L::kStride;
     const T* pivot = slots + p.pivot_slot[row] * L::kStride;
     const T* factor = pivot - count * L::kStride;

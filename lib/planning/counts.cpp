@@ -43,7 +43,7 @@ void count_as_full(Shape& shape) {
 // Longest chain of rows in which each needs the one before. Rows are "head, count, positions", of which `head` numbers
 // come before the count; own(row, numbers) is the position that a row computes.
 template <class Own>
-std::int64_t depth_of(const std::vector<lanes::Elimination::Slot>& rows, std::size_t n, std::size_t head,
+std::int64_t depth_of(const std::vector<lanes::Elimination::Number>& rows, std::size_t n, std::size_t head,
                       const Own& own) {
   std::vector<std::int64_t> depth(n, 0);
   std::int64_t deepest = 0;
