@@ -135,20 +135,17 @@ void time_solver(benchmark::State& state, const std::shared_ptr<Matrices>& sourc
 
 // The largest that is run. A dense solver is held by its memory, groups x n^2; a sparse one on a dense matrix by its
 // time, which grows with n^3 at the speed of scalar code.
-constexpr std::string_view kDenseSolvers[] = {"eigen", "lapack", "team"};
 constexpr double kDenseMemory = 16e6;  // doubles: 4000 unknowns of one group, 500 of 64
 constexpr int kSparseOnDense = 240;    // unknowns
 
 bool worth_running(const Candidate& c, std::string_view kind, int n, int groups) {
-  const bool dense =
-      std::find(std::begin(kDenseSolvers), std::end(kDenseSolvers), c.backend->id) != std::end(kDenseSolvers);
-  if (dense) return static_cast<double>(groups) * n * n <= kDenseMemory;
+  if (c.backend->dense) return static_cast<double>(groups) * n * n <= kDenseMemory;
   return kind != "dense" || n <= kSparseOnDense;
 }
 
 // Lanes of `lanes`: one group has no use for more than one, more than eight groups fill sixteen.
 std::vector<int> widths(const Backend& backend, int groups) {
-  if (backend.id != "lanes") return {1};
+  if (!backend.fills_lanes) return {1};
   if (groups == 1) return {1};
   if (groups <= 8) return {8};
   return {8, 16};

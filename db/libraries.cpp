@@ -1,9 +1,9 @@
 #include "db/libraries.hpp"
 
 #include <algorithm>
-#include <array>
 
 #include "assur/backend.hpp"
+#include "backends/backends.hpp"
 
 namespace assur::db {
 namespace {
@@ -14,23 +14,17 @@ const Backend* row(std::string_view id) {
   return found == table.end() ? nullptr : &*found;
 }
 
-// Backends whose inner loops are compiled with assur.
-bool is_own_code(std::string_view name) {
-  constexpr std::array<std::string_view, 3> kOwn = {"eigen", "team", "lanes"};
-  return std::find(kOwn.begin(), kOwn.end(), name) != kOwn.end();
-}
-
 }  // namespace
 
 std::string_view assur_version() { return ASSUR_VERSION; }
 
 Library library_at_hand(std::string_view name) {
   // The equations run in the same lanes.
-  const Backend* const backend = row(name == "assur" ? "lanes" : name);
+  const Backend* const backend = row(name == "assur" ? kLanes.id : name);
   if (!backend) return {std::string(name), "", ""};
   std::string version = backend->version();
   if (version.empty()) return {std::string(name), "", ""};
-  if (name == "assur" || is_own_code(name)) version += ", assur " ASSUR_VERSION;
+  if (name == "assur" || backend->own_loops) version += ", assur " ASSUR_VERSION;
   return {std::string(name), version, ASSUR_BUILD};
 }
 

@@ -108,13 +108,19 @@ struct Backend {
   std::string (*why_not)(const Shape&, ThreadBudget);  // "" if it can run here and now
   // Call only if why_not() is "", with binary32 only where `single` is set.
   std::unique_ptr<LinearSolver> (*make)(ThreadBudget, Precision);
-  bool steady;               // allocates nothing after the first factorisation
-  bool keeps_pivots;         // starts from those of its last matrix: one solver for each pack
-  bool single;               // can factorise in float
-  std::string_view licence;  // SPDX identifier of the library behind it
   std::string (*version)();  // of the library behind it; "" if absent
+  std::string_view licence;  // SPDX identifier of that library
   // Why that library is slower than it could be here, and what helps; "" if it is not. Null: nobody knows.
   std::string (*slowed)() = nullptr;
+
+  bool dense = false;         // stores every entry, whatever the pattern
+  bool single = false;        // can factorise in float
+  bool steady = false;        // allocates nothing after the first factorisation
+  bool keeps_pivots = false;  // starts from those of its last matrix: one solver for each pack
+  bool fills_lanes = false;   // solves the lanes of a pack side by side: others take one after the other
+  bool threads = false;       // may use several threads in one factorisation
+  bool takes_turns = false;   // one call at a time in a process: other threads wait and gain nothing
+  bool own_loops = false;     // its inner loops are compiled with assur, and change with it
 };
 
 // Every backend of this build, present or absent, in the order of registry.cpp. In assur::assur.

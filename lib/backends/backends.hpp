@@ -13,56 +13,29 @@ namespace assur {
 
 inline constexpr int kRightSides = 4;  // solved at once: room is made for so many
 
-namespace eigen {
-std::string why_not(const Shape& shape, ThreadBudget budget);
-std::unique_ptr<LinearSolver> make(ThreadBudget budget, Precision precision);
-std::string version();
-}  // namespace eigen
+// The functions that a backend's file brings; where its library was not found they come from absent.cpp.in.
+#define ASSUR_DECLARE_BACKEND(ID)                                               \
+  namespace ID {                                                                \
+  std::string why_not(const Shape& shape, ThreadBudget budget);                 \
+  std::unique_ptr<LinearSolver> make(ThreadBudget budget, Precision precision); \
+  std::string version();                                                        \
+  }
 
-namespace lapack {
-std::string why_not(const Shape& shape, ThreadBudget budget);
-std::unique_ptr<LinearSolver> make(ThreadBudget budget, Precision precision);
-std::string version();
-}  // namespace lapack
+// Its row, with the properties that it has.
+#define ASSUR_BACKEND(ID, ...) \
+  Backend { .id = #ID, .why_not = ID::why_not, .make = ID::make, .version = ID::version, __VA_ARGS__ }
 
-namespace team {
-std::string why_not(const Shape& shape, ThreadBudget budget);
-std::unique_ptr<LinearSolver> make(ThreadBudget budget, Precision precision);
-std::string version();
-}  // namespace team
+ASSUR_DECLARE_BACKEND(eigen)
+ASSUR_DECLARE_BACKEND(lanes)
 
-namespace klu {
-std::string why_not(const Shape& shape, ThreadBudget budget);
-std::unique_ptr<LinearSolver> make(ThreadBudget budget, Precision precision);
-std::string version();
-}  // namespace klu
+// Those of the core, which are in both tables.
+inline constexpr Backend kEigen =
+    ASSUR_BACKEND(eigen, .licence = "MPL-2.0", .dense = true, .single = true, .steady = true, .own_loops = true);
+inline constexpr Backend kLanes = ASSUR_BACKEND(lanes, .licence = "Apache-2.0", .single = true, .steady = true,
+                                                .keeps_pivots = true, .fills_lanes = true, .own_loops = true);
 
-namespace umfpack {
-std::string why_not(const Shape& shape, ThreadBudget budget);
-std::unique_ptr<LinearSolver> make(ThreadBudget budget, Precision precision);
-std::string version();
-}  // namespace umfpack
-
-namespace mumps {
-std::string why_not(const Shape& shape, ThreadBudget budget);
-std::unique_ptr<LinearSolver> make(ThreadBudget budget, Precision precision);
-std::string version();
-}  // namespace mumps
-
-namespace ma27 {
-std::string why_not(const Shape& shape, ThreadBudget budget);
-std::unique_ptr<LinearSolver> make(ThreadBudget budget, Precision precision);
-std::string version();
-}  // namespace ma27
-
-namespace lanes {
-std::string why_not(const Shape& shape, ThreadBudget budget);
-std::unique_ptr<LinearSolver> make(ThreadBudget budget, Precision precision);
-std::string version();
-}  // namespace lanes
-
-// Whether one thread at a time is inside the backend's library: others wait for their turn and gain nothing.
-[[nodiscard]] bool takes_turns(std::string_view id);
+// The row of backends() with this id, for what a strategy says of its solver; one without properties if there is none.
+[[nodiscard]] const Backend& properties_of(std::string_view id);
 
 // Throws Error (input) unless the pattern is as backend.hpp describes it and there is at least one lane.
 void check_analysis(const Pattern& pattern, int lanes);

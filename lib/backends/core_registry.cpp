@@ -11,10 +11,7 @@
 namespace assur {
 namespace {
 
-constexpr std::array kCore = {
-    Backend{"eigen", eigen::why_not, eigen::make, true, false, true, "MPL-2.0", eigen::version},
-    Backend{"lanes", lanes::why_not, lanes::make, true, true, true, "Apache-2.0", lanes::version},
-};
+constexpr std::array kCore = {kEigen, kLanes};
 
 [[noreturn]] void refuse(std::string what) { throw Error(Error::Kind::input, std::move(what)); }
 

@@ -1,4 +1,5 @@
-// THE table of solvers. To add one: a file in this folder, a row here, a line in lib/CMakeLists.txt.
+// THE table of solvers. To add one: a file in this folder, its name and its row here, a line in lib/CMakeLists.txt.
+#include <algorithm>
 #include <array>
 
 #include "assur/backend.hpp"
@@ -6,24 +7,37 @@
 #include "parallel/thread_state.hpp"
 
 namespace assur {
+
+ASSUR_DECLARE_BACKEND(lapack)
+ASSUR_DECLARE_BACKEND(team)
+ASSUR_DECLARE_BACKEND(klu)
+ASSUR_DECLARE_BACKEND(umfpack)
+ASSUR_DECLARE_BACKEND(mumps)
+ASSUR_DECLARE_BACKEND(ma27)
+
 namespace {
 
-// id, why_not, make, steady, keeps_pivots, single, licence, version[, slowed]
 constexpr std::array kTable = {
-    Backend{"eigen", eigen::why_not, eigen::make, true, false, true, "MPL-2.0", eigen::version},
-    Backend{"lapack", lapack::why_not, lapack::make, true, false, true, "BSD-3-Clause", lapack::version, blas_slowed},
-    Backend{"team", team::why_not, team::make, true, false, true, "BSD-3-Clause", team::version, blas_slowed},
-    Backend{"klu", klu::why_not, klu::make, true, true, false, "LGPL-2.1-or-later", klu::version},
-    Backend{"umfpack", umfpack::why_not, umfpack::make, false, false, false, "GPL-2.0-or-later", umfpack::version},
-    Backend{"mumps", mumps::why_not, mumps::make, false, false, false, "CECILL-C", mumps::version},
-    Backend{"lanes", lanes::why_not, lanes::make, true, true, true, "Apache-2.0", lanes::version},
-    Backend{"ma27", ma27::why_not, ma27::make, true, false, false, "LicenseRef-HSL", ma27::version},
+    kEigen,
+    ASSUR_BACKEND(lapack, .licence = "BSD-3-Clause", .slowed = blas_slowed, .dense = true, .single = true,
+                  .steady = true, .threads = true),
+    ASSUR_BACKEND(team, .licence = "BSD-3-Clause", .slowed = blas_slowed, .dense = true, .single = true, .steady = true,
+                  .threads = true, .own_loops = true),
+    ASSUR_BACKEND(klu, .licence = "LGPL-2.1-or-later", .steady = true, .keeps_pivots = true),
+    ASSUR_BACKEND(umfpack, .licence = "GPL-2.0-or-later"),
+    ASSUR_BACKEND(mumps, .licence = "CECILL-C", .takes_turns = true),
+    kLanes,
+    ASSUR_BACKEND(ma27, .licence = "LicenseRef-HSL", .steady = true),
 };
 
 }  // namespace
 
 std::span<const Backend> backends() { return kTable; }
 
-bool takes_turns(std::string_view id) { return id == "mumps"; }
+const Backend& properties_of(std::string_view id) {
+  static constexpr Backend kUnknown{};
+  const auto* const found = std::find_if(kTable.begin(), kTable.end(), [&](const Backend& b) { return b.id == id; });
+  return found == kTable.end() ? kUnknown : *found;
+}
 
 }  // namespace assur

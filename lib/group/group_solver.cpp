@@ -8,6 +8,7 @@
 #include "backends/residual.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
+#include "planning/small_steps.hpp"
 
 namespace assur {
 namespace {
@@ -17,11 +18,6 @@ constexpr int kSlowIterations = 2;     // iterations that a step seldom takes
 constexpr int kMostSearching = 40;     // iterations at a fold, where they gain one bit each
 constexpr int kMostRefinements = 6;
 constexpr double kContraction = 0.1;  // of successive corrections
-
-// Small steps factorise in registers, afresh and in double: what `lanes` means without more.
-bool has_small_steps(const Strategy& s) {
-  return s.backend == "lanes" && !s.single && !s.refine && !s.once && !s.separate && s.reuse == Reuse::fresh;
-}
 
 }  // namespace
 

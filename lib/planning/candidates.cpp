@@ -113,7 +113,7 @@ std::vector<Candidate> weigh(const std::vector<Candidate>& offers, std::span<con
     if (s.q > most_q) continue;
     double sum = 0;
     for (const Load& load : loads) {
-      const std::int32_t threads = takes_turns(s.backend) ? 1 : load.threads;
+      const std::int32_t threads = properties_of(s.backend).takes_turns ? 1 : load.threads;
       const std::int32_t packs = (load.groups + s.lanes - 1) / s.lanes;
       const std::int32_t calls = (packs + threads - 1) / threads;
       sum += offer.expected_seconds *
@@ -157,7 +157,7 @@ std::vector<Candidate> candidates(const Shape& shape, const CandidateOptions& op
     const Load load{shape.groups, p, shape.n};
     for (Candidate& c : weigh(offered, {&load, 1}, budget / p, scales)) {
       if (p > 1 && !c.why_not.empty()) continue;  // said once
-      if (p > 1 && takes_turns(c.strategy.backend)) continue;
+      if (p > 1 && properties_of(c.strategy.backend).takes_turns) continue;
       c.strategy.p = p;
       c.strategy.formulation = Formulation::irreducible;
       if (c.why_not.empty()) c.expected_seconds += model->meeting(p).seconds;

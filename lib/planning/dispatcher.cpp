@@ -162,7 +162,7 @@ void share_levels(Plan& plan, const Structure& s, const std::vector<Batch>& batc
       const std::int32_t packs = packs_of(batches[end], choice), n = s.classes[idx(choice.group_class)].n;
       costs.insert(costs.end(), idx(packs), choice.expected_seconds);
       contended += packs * choice.expected_seconds * model.contention(p, n);
-      if (takes_turns(choice.strategy.backend)) in_turns += packs * choice.expected_seconds;
+      if (properties_of(choice.strategy.backend).takes_turns) in_turns += packs * choice.expected_seconds;
       most_q = std::max(most_q, choice.strategy.q);
       doubles += batches[end].groups * kHandedOver * n;
     }

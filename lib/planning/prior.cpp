@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "backends/backends.hpp"
+#include "planning/small_steps.hpp"
+
 namespace assur {
 namespace {
 
@@ -24,24 +27,27 @@ struct Counts {
 
 double factor_seconds(const Shape& shape, const Strategy& s) {
   const auto [n, fill, operations] = Counts(shape);
-  if (s.backend == "lanes") return 1e-9 * (3 + (1.2 * n + 0.6 * operations) * width(s, 0.075)) * (s.single ? 1.3 : 1);
-  if (is_dense(s)) {
+  const Backend& backend = properties_of(s.backend);
+  if (backend.fills_lanes) return 1e-9 * (3 + (1.2 * n + 0.6 * operations) * width(s, 0.075)) * (s.single ? 1.3 : 1);
+  if (backend.dense) {
     const double elimination =
-        s.backend == "eigen" ? 5 + 6 * n + n * n + 0.04 * n * n * n : 30 + 40 * n + 1.8 * n * n + 0.015 * n * n * n;
+        backend.threads ? 30 + 40 * n + 1.8 * n * n + 0.015 * n * n * n : 5 + 6 * n + n * n + 0.04 * n * n * n;
     const double meetings = 2000.0 * (s.q - 1);
     return 1e-9 * s.lanes * (elimination * (s.single ? 0.8 : 1) / threads_at_work(shape, s) + meetings);
   }
-  if (s.backend == "klu") return 1e-9 * s.lanes * (20 + 3 * n + fill + 0.7 * operations);
+  if (backend.keeps_pivots) return 1e-9 * s.lanes * (20 + 3 * n + fill + 0.7 * operations);
   return 1e-9 * s.lanes * (20'000 + 600 * n + 0.7 * operations);  // they order anew
 }
 
 double solve_seconds(const Shape& shape, const Strategy& s) {
   const auto [n, fill, operations] = Counts(shape);
   const double refinement = s.refine || s.single ? 3 : 1;
-  if (s.backend == "lanes") return 1e-9 * refinement * (6 + (1.2 * n + 1.2 * fill) * width(s, 0.07));
-  if (is_dense(s))
-    return 1e-9 * refinement * s.lanes * (s.backend == "eigen" ? 10 + 8 * n + 0.2 * n * n : 25 + 14 * n + 0.2 * n * n);
-  if (s.backend == "klu") return 1e-9 * refinement * s.lanes * (10 + 5 * n + 2.2 * fill);
+  const Backend& backend = properties_of(s.backend);
+  if (backend.fills_lanes) return 1e-9 * refinement * (6 + (1.2 * n + 1.2 * fill) * width(s, 0.07));
+  if (backend.dense) {
+    return 1e-9 * refinement * s.lanes * (backend.threads ? 25 + 14 * n + 0.2 * n * n : 10 + 8 * n + 0.2 * n * n);
+  }
+  if (backend.keeps_pivots) return 1e-9 * refinement * s.lanes * (10 + 5 * n + 2.2 * fill);
   return 1e-9 * refinement * s.lanes * (20'000 + 100 * n + 3 * fill);
 }
 
@@ -105,10 +111,9 @@ StepCounts step_counts(const Strategy& s, int derivatives) {
 }
 
 bool in_registers(const Shape& shape, const Strategy& s) {
-  return (shape.n == 2 || shape.n == 3) && s.backend == "lanes" && s.lanes <= 8 && !s.single && !s.refine && !s.once &&
-         !s.separate && s.reuse == Reuse::fresh;
+  return (shape.n == 2 || shape.n == 3) && s.lanes <= 8 && has_small_steps(s);
 }
 
-bool is_dense(const Strategy& s) { return s.backend == "eigen" || s.backend == "lapack" || s.backend == "team"; }
+bool is_dense(const Strategy& s) { return properties_of(s.backend).dense; }
 
 }  // namespace assur

@@ -109,7 +109,7 @@ TEST(Offers, OfOneBackendRun) {
 // Threads that wait for their turn are no offer, and no way to compare.
 TEST(Offers, LeaveOutThreadsThatWouldOnlyWait) {
   for (const Backend& backend : backends()) {
-    if (!takes_turns(backend.id) || !backend.why_not({}, {}).empty()) continue;
+    if (!backend.takes_turns || !backend.why_not({}, {}).empty()) continue;
     const Prepared prepared = prepare(sample("stewart"), {.budget = kBudget, .without = all_but(backend.id)});
     EXPECT_EQ(prepared.plan.threads, 1);
     for (const Candidate& c : candidates(prepared.plan.choices[0].shape, {.budget = kBudget})) {

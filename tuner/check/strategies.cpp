@@ -90,7 +90,7 @@ class Selector {
  private:
   void one_backend(const std::string& front, const Backend& backend, const Demand& demand, bool first) {
     std::vector<std::string> lanes = {""};
-    if (demand.side_by_side > 1 && (!quick_ || backend.id == "lanes")) lanes.push_back(":" + std::to_string(kLanes));
+    if (demand.side_by_side > 1 && (!quick_ || backend.fills_lanes)) lanes.push_back(":" + std::to_string(kLanes));
     for (const std::string& w : lanes) {
       for (const char* precision : {"", "+float"}) {
         if (*precision != '\0' && !backend.single) continue;

@@ -97,14 +97,14 @@ std::vector<std::string> uniform_strategies(const Scene& scene, const Question& 
       const std::string solver = formulation + "/" + id;
       all.push_back(solver);
       all.push_back(solver + "+once");
-      if (formulation == "global" || id == "mumps" || id == "umfpack") continue;
+      if (formulation == "global" || !backend.steady) continue;
       for (const int lanes : {2, 4, 8, 16}) all.push_back(solver + ":" + std::to_string(lanes));
       all.push_back(solver + ":8+once");
     }
     for (int p = 2; p <= q.threads; p *= 2) {
       const std::string threads = std::to_string(p);
       for (const int lanes : {1, 4, 8, 16}) {
-        if (takes_turns(id) || (lanes > 1 && id == "umfpack")) continue;
+        if (backend.takes_turns || (lanes > 1 && !backend.steady)) continue;
         all.push_back("irreducible/" + id + (lanes > 1 ? ":" + std::to_string(lanes) : "") + " " + threads + "x1");
       }
       if (backend.why_not({}, ThreadBudget{p}).empty()) all.push_back("irreducible/" + id + " 1x" + threads);

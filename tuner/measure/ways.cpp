@@ -19,8 +19,6 @@ constexpr std::array kPredictors = {Predictor{Predictor::Kind::taylor, 0}, Predi
                                     Predictor{Predictor::Kind::past, 1},   Predictor{Predictor::Kind::past, 3},
                                     Predictor{Predictor::Kind::past, 5}};
 
-bool solves_one_by_one(std::string_view backend) { return backend == "mumps" || backend == "umfpack"; }
-
 // What one class is solved with, threads aside: those are the plan's.
 std::string text_of(Strategy s) {
   s.p = 1;
@@ -56,8 +54,8 @@ std::vector<Way> solvers(const Scene& scene, ThreadBudget budget) {
       plain.formulation = formulation;
       all.push_back({plain});
       if (formulation == Formulation::global) continue;  // a single group
-      if (!solves_one_by_one(backend.id)) add([](Strategy& s) { s.lanes = kLanes; });
-      if (budget.threads > 1 && !takes_turns(backend.id)) add([&](Strategy& s) { s.p = budget.threads; });
+      if (backend.steady) add([](Strategy& s) { s.lanes = kLanes; });
+      if (budget.threads > 1 && !backend.takes_turns) add([&](Strategy& s) { s.p = budget.threads; });
     }
     plain.formulation = Formulation::irreducible;
     if (budget.threads > 1 && backend.why_not({}, budget).empty()) add([&](Strategy& s) { s.q = budget.threads; });
@@ -119,8 +117,7 @@ std::string essence(const Plan& plan) {
 
 bool is_hopeless(const Plan& plan) {
   return std::any_of(plan.choices.begin(), plan.choices.end(), [](const Plan::Choice& c) {
-    const std::string& b = c.strategy.backend;
-    return c.shape.n > kMostDense && (b == "eigen" || b == "lapack" || b == "team");
+    return c.shape.n > kMostDense && properties_of(c.strategy.backend).dense;
   });
 }
 

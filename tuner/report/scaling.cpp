@@ -5,6 +5,7 @@
 #include "assur/ensemble.hpp"
 #include "assur/machine.hpp"
 #include "assur/plan.hpp"
+#include "backends/backends.hpp"
 #include "measure/motion.hpp"
 #include "measure/race.hpp"
 #include "output/format.hpp"
@@ -139,7 +140,7 @@ void splits(Section& out, Contest& contest, const std::string& rings, const Cond
     contest.enter("threads, " + rings, rings, strategy);
     if (conditions.threads == 1) continue;
     contest.enter("threads, " + rings, rings, strategy + " " + threads + "x1");
-    if (strategy.ends_with("lapack") || strategy.ends_with("team"))
+    if (properties_of(parse_strategy(strategy).backend).threads)
       contest.enter("threads, " + rings, rings, strategy + " 1x" + threads);
   }
   out.body += "<h4>Threads</h4>\n" +

@@ -9,9 +9,6 @@ namespace {
 constexpr int kWidths[] = {1, 8, 16, 4, 2};  // in the order of their turns
 constexpr std::int32_t kWorthThreads = 100;  // unknowns from which on more threads in one factorisation may gain
 
-bool has_widths(const Backend& backend) { return backend.id == "lanes"; }
-bool has_threads(const Backend& backend) { return backend.id == "team" || backend.id == "lapack"; }
-
 bool can_run(const Field& field, const Backend& backend, const Shape& shape, const Strategy& strategy) {
   return backend.why_not(shape, ThreadBudget{strategy.q}).empty() && field.why_not(strategy).empty();
 }
@@ -26,7 +23,7 @@ std::vector<Strategy> linear_solvers(const Field& field, const Shape& shape, int
     s.lanes = lanes;
     s.q = q;
     if (!can_run(field, backend, shape, s)) return;
-    const bool leading = has_widths(backend) && (lanes == 1 || lanes == 8);
+    const bool leading = backend.fills_lanes && (lanes == 1 || lanes == 8);
     (leading ? first : lanes == 1 && q == 1 ? plain : wider).push_back(s);
     if (q > 1 || lanes == 2 || lanes == 4) return;  // what they take in float follows from the others'
     s.single = true;                                // which refines by itself
@@ -34,9 +31,9 @@ std::vector<Strategy> linear_solvers(const Field& field, const Shape& shape, int
   };
   for (const Backend& backend : field.table) {
     for (const int w : kWidths) {
-      if (w == 1 || (has_widths(backend) && w <= most_lanes)) enter(backend, w, 1);
+      if (w == 1 || (backend.fills_lanes && w <= most_lanes)) enter(backend, w, 1);
     }
-    for (int q = 2; has_threads(backend) && shape.n >= kWorthThreads && q <= field.budget.threads; q *= 2) {
+    for (int q = 2; backend.threads && shape.n >= kWorthThreads && q <= field.budget.threads; q *= 2) {
       enter(backend, 1, q);
     }
   }
@@ -60,13 +57,14 @@ std::vector<Strategy> pack_strategies(const Field& field, Formulation formulatio
   for (Strategy s : linear_solvers(field, shape, shape.groups)) {
     if (s.single || s.refine || s.q > 1) continue;  // of bare matrices alone: a step composes them
     s.formulation = formulation;
-    if (s.backend == "lanes" && s.lanes != 1 && s.lanes != 8) {
+    const Backend& backend = find_backend(field.table, s.backend);
+    if (backend.fills_lanes && s.lanes != 1 && s.lanes != 8) {
       out.push_back(s);
       continue;
     }
     enter(s, true);
     // Lane by lane, but with equations side by side; no dispatcher weighs +separate.
-    if (s.backend == "lanes" || s.backend == "mumps" || shape.groups <= 4) continue;
+    if (backend.fills_lanes || backend.takes_turns || shape.groups <= 4) continue;
     for (const int w : kWidths) {
       if (w == 1 || w >= 2 * shape.groups) continue;
       s.lanes = w;

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <vector>
 
+#include "backends/backends.hpp"
 #include "numbers.hpp"
 
 namespace assur::tuning {
@@ -66,7 +67,7 @@ Regret regret(const PerformanceModel& model, std::span<const CellResult> cells) 
     for (const int groups : packs ? std::vector{cell.cell.groups} : std::vector{1, 16}) {
       for (const bool lanes : {true, false}) {
         const double r = regret(model, cell, groups, [&](const Strategy& s) {
-          return (lanes || s.backend != "lanes") && s.reuse == Reuse::fresh && !s.once;
+          return (lanes || !properties_of(s.backend).fills_lanes) && s.reuse == Reuse::fresh && !s.once;
         });
         if (!std::isnan(r)) all.push_back(r);
         if (groups > 1 && !packs) break;  // nothing else is made for groups side by side
