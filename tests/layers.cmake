@@ -1,4 +1,5 @@
-# The order of lib/: each folder includes only itself and those to its left in `layers`, so none includes db/; the sources
+# The order of lib/ and of tuner/: each folder includes only itself and those to its left in `layers` and `rooms`, so none
+# of lib/ includes db/; the sources
 # of the core (CORE, relative to lib/) reach, through whatever header, nothing of the libraries that the core must do
 # without; and no source is forgotten in lib/CMakeLists.txt.
 cmake_minimum_required(VERSION 3.25)
@@ -22,6 +23,25 @@ foreach(file IN LISTS files)
   if(file MATCHES "\\.cpp$" AND NOT listed MATCHES "[ \n(]${file}[ \n)]")
     list(APPEND findings "lib/${file}: is not listed in lib/CMakeLists.txt")
   endif()
+endforeach()
+
+# Rooms of the command; what they include of lib/ is not looked at.
+set(rooms measure output pictures check tuning report commands)
+file(GLOB_RECURSE tuner_files RELATIVE ${TUNER} ${TUNER}/*.cpp ${TUNER}/*.hpp)
+foreach(file IN LISTS tuner_files)
+  string(REGEX REPLACE "/.*" "" folder ${file})
+  list(FIND rooms "${folder}" own)
+  if(own EQUAL -1)
+    continue()  # main.cpp and what is beside it
+  endif()
+  file(STRINGS ${TUNER}/${file} includes REGEX "^#include \"[a-z_]+/")
+  foreach(include IN LISTS includes)
+    string(REGEX REPLACE "^#include \"([a-z_]+)/.*" "\\1" used "${include}")
+    list(FIND rooms "${used}" other)
+    if(other GREATER own)
+      list(APPEND findings "tuner/${file}: ${include} reaches from ${folder} to ${used}")
+    endif()
+  endforeach()
 endforeach()
 
 set(open ${CORE})

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "commands/commands.hpp"
-#include "options/options.hpp"
+#include "commands/options.hpp"
 #include "output/json.hpp"
 
 namespace {

@@ -48,7 +48,7 @@ TEST(Measurement, QuantilesAreNearestRanks) {
 
 TEST(Measurement, TheTableHasEveryColumnAndNoMoreRowsThanAskedFor) {
   const std::vector<Measurement> all(5, time_of(1e-6));
-  const view::HtmlTable table = table_of(all, 3);
+  const pictures::HtmlTable table = table_of(all, 3);
   ASSERT_EQ(table.rows.size(), 3u);
   EXPECT_EQ(table.rows[0].cells, (std::vector<std::string>{"stewart", "groups/klu 2x1", "seconds per step", "1.00 µs",
                                                            "21", "0.4 %", "1.8e-15", "measured"}));

@@ -1,11 +1,11 @@
 #include <iostream>
 #include <utility>
 
+#include "check/check_report.hpp"
 #include "check/runner.hpp"
 #include "commands/commands.hpp"
 #include "commands/interrupt.hpp"
 #include "measure/step_times.hpp"
-#include "output/check_report.hpp"
 #include "output/progress.hpp"
 
 namespace assur::command {

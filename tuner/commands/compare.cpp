@@ -14,7 +14,7 @@
 #include "output/format.hpp"
 #include "output/progress.hpp"
 #include "output/replace_file.hpp"
-#include "view/comparison_page.hpp"
+#include "pictures/comparison_page.hpp"
 
 namespace assur::command {
 namespace {
@@ -102,7 +102,7 @@ int compare(const Common& common, const CompareOptions& options) {
 
   const output::ComparisonSummary summary{scene.name(), scene.time().step, options.accuracies, result};
   if (html) {
-    html->stream() << view::comparison_page(summary, origin(*known.model));
+    html->stream() << pictures::comparison_page(summary, origin(*known.model));
     html->put();
   }
   if (common.json) {

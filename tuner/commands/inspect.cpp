@@ -2,7 +2,7 @@
 
 #include "assur/structure.hpp"
 #include "commands/commands.hpp"
-#include "output/structure_report.hpp"
+#include "commands/structure_report.hpp"
 
 namespace assur::command {
 namespace {

@@ -4,7 +4,7 @@
 #include "assur/machine.hpp"
 #include "assur/saved_plan.hpp"
 #include "commands/commands.hpp"
-#include "output/plan_report.hpp"
+#include "commands/plan_report.hpp"
 #include "output/replace_file.hpp"
 
 namespace assur::command {

@@ -8,11 +8,11 @@
 #include "commands/commands.hpp"
 #include "commands/interrupt.hpp"
 #include "commands/run_parts.hpp"
+#include "commands/run_report.hpp"
 #include "output/csv_file.hpp"
 #include "output/progress.hpp"
-#include "output/run_report.hpp"
 #include "output/status_text.hpp"
-#include "view/outputs_over_time.hpp"
+#include "pictures/outputs_over_time.hpp"
 
 namespace assur::command {
 namespace {
@@ -92,7 +92,7 @@ int run(const Common& common, const RunOptions& options) {
   if (summary.steps > 0 && how.mode == Mode::latency) summary.step_seconds = times.figures();
   print(common, options, summary);
   if (plot) {
-    plot->stream() << view::outputs_over_time(prepared, trajectory, ending(report));
+    plot->stream() << pictures::outputs_over_time(prepared, trajectory, ending(report));
     plot->put();
   }
   bool all_written = !errors || write_errors(simulator, options, *errors, progress);

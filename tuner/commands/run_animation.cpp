@@ -10,7 +10,7 @@
 #include "output/format.hpp"
 #include "output/replace_file.hpp"
 #include "output/status_text.hpp"
-#include "view/animation.hpp"
+#include "pictures/animation.hpp"
 
 namespace assur::command {
 namespace {
@@ -36,10 +36,10 @@ std::vector<std::string> about(const Prepared& prepared, const RunOptions& optio
 
 bool write_animation(const Prepared& prepared, const Report& report, PrepareOptions how, const RunOptions& options,
                      std::ostream& page, output::Progress& progress) {
-  const Prepared shown = prepare(view::with_all_points(*prepared.scene), step_by_step(std::move(how)));
+  const Prepared shown = prepare(pictures::with_all_points(*prepared.scene), step_by_step(std::move(how)));
   Simulator simulator(shown, limits_of(options));
   const std::int64_t steps = prepared.time.steps();
-  view::Animation animation(prepared, shown, steps);
+  pictures::Animation animation(prepared, shown, steps);
   animation.take(0, simulator);
 
   const Interrupt interrupt;
@@ -72,7 +72,7 @@ void write_refused(const Scene& scene, const PrepareOptions& how, const std::str
   const Structure structure = analyze(scene, asked);
   if (structure.cannot_assemble.empty()) return;
   output::Replacement page("--animate", file);
-  page.stream() << view::Animation(scene, structure).page({"assur " + std::string(db::assur_version()) + "."});
+  page.stream() << pictures::Animation(scene, structure).page({"assur " + std::string(db::assur_version()) + "."});
   page.put();
 }
 

@@ -9,10 +9,10 @@
 #include "assur/plan.hpp"
 #include "assur/simulator.hpp"
 #include "commands/commands.hpp"
+#include "commands/errors_csv.hpp"
+#include "commands/run_report.hpp"
 #include "measure/step_times.hpp"
-#include "output/errors_csv.hpp"
 #include "output/progress.hpp"
-#include "output/run_report.hpp"
 
 namespace assur::command {
 

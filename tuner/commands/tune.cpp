@@ -19,7 +19,6 @@
 #include "output/notes.hpp"
 #include "output/progress.hpp"
 #include "output/replace_file.hpp"
-#include "output/tuning_report.hpp"
 #include "tuning/archive.hpp"
 #include "tuning/campaign.hpp"
 #include "tuning/held_out.hpp"
@@ -27,6 +26,7 @@
 #include "tuning/profile.hpp"
 #include "tuning/refinement.hpp"
 #include "tuning/sample_csv.hpp"
+#include "tuning/tuning_report.hpp"
 
 namespace assur::command {
 namespace {

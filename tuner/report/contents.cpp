@@ -2,7 +2,7 @@
 
 #include <sstream>
 
-#include "report/paper_tables.hpp"
+#include "report/paper/tables.hpp"
 #include "report/peers.hpp"
 #include "report/sections.hpp"
 #include "scene/input_file.hpp"

@@ -35,11 +35,11 @@ std::string about(const Measurement& m) {
   return text + m.origin;
 }
 
-view::HtmlTable table_of(const std::vector<Measurement>& measurements, std::size_t most) {
-  using enum view::HtmlTable::Column;
-  view::HtmlTable table{{"what", "strategy", "quantity", "value", "repetitions", "spread", "error", "origin"},
-                        {text, text, text, number, number, number, number, words},
-                        {}};
+pictures::HtmlTable table_of(const std::vector<Measurement>& measurements, std::size_t most) {
+  using enum pictures::HtmlTable::Column;
+  pictures::HtmlTable table{{"what", "strategy", "quantity", "value", "repetitions", "spread", "error", "origin"},
+                            {text, text, text, number, number, number, number, words},
+                            {}};
   for (const Measurement& m : measurements) {
     if (table.rows.size() == most) break;
     const bool repeated = m.repetitions > 0;
@@ -65,7 +65,7 @@ double mean(const std::vector<double>& values) {
 std::string paragraph(std::string_view text, std::string_view css_class) {
   std::string out = "<p";
   if (!css_class.empty()) out.append(" class=\"").append(css_class).append("\"");
-  return out.append(">").append(view::escaped(text)).append("</p>\n");
+  return out.append(">").append(pictures::escaped(text)).append("</p>\n");
 }
 
 }  // namespace assur::report

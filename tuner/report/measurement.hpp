@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "pictures/html.hpp"
 #include "report/section.hpp"
-#include "view/html.hpp"
 
 namespace assur::report {
 
@@ -17,7 +17,7 @@ namespace assur::report {
 [[nodiscard]] std::string about(const Measurement& m);
 
 // Every column of report.csv but the section, in the order of the measurements; the first `most` of them.
-[[nodiscard]] view::HtmlTable table_of(const std::vector<Measurement>& measurements, std::size_t most);
+[[nodiscard]] pictures::HtmlTable table_of(const std::vector<Measurement>& measurements, std::size_t most);
 
 // "12.3 %"
 [[nodiscard]] std::string percent(double share);

@@ -5,12 +5,12 @@
 
 #include "numbers.hpp"
 #include "output/format.hpp"
+#include "pictures/plot.hpp"
+#include "pictures/ticks.hpp"
 #include "report/measurement.hpp"
 #include "report/sections.hpp"
 #include "tuning/refinement.hpp"
 #include "tuning/replay.hpp"
-#include "view/plot.hpp"
-#include "view/ticks.hpp"
 
 namespace assur::report {
 namespace {
@@ -44,22 +44,22 @@ std::string item_of(const Sample& s) {
          ", " + output::counted(s.shape.groups, "group");
 }
 
-void draw_factor(view::Plot& plot, double factor, double low, double high, const std::string& name) {
-  view::Series line{.name = name,
-                    .points = {{low, factor * low}, {high, factor * high}},
-                    .colour = view::Series::kInk,
-                    .mark = view::Series::Mark::none,
-                    .line = view::Series::Line::straight};
+void draw_factor(pictures::Plot& plot, double factor, double low, double high, const std::string& name) {
+  pictures::Series line{.name = name,
+                        .points = {{low, factor * low}, {high, factor * high}},
+                        .colour = pictures::Series::kInk,
+                        .mark = pictures::Series::Mark::none,
+                        .line = pictures::Series::Line::straight};
   if (factor > 1) line.points.back() = {high / factor, high};
   if (factor < 1) line.points.front() = {low / factor, low};
   plot.series.push_back(std::move(line));
 }
 
-view::Plot scatter(const std::vector<Fit>& all) {
-  view::Plot plot;
+pictures::Plot scatter(const std::vector<Fit>& all) {
+  pictures::Plot plot;
   plot.title = "Expected time over measured time";
-  plot.x = {"measured, one call", true, view::time_text};
-  plot.y = {"expected", true, view::time_text};
+  plot.x = {"measured, one call", true, pictures::time_text};
+  plot.y = {"expected", true, pictures::time_text};
   double low = kInfinity, high = 0;
   for (const Fit& f : all) {
     low = std::min({low, f.sample->seconds, f.expected.seconds});
@@ -68,15 +68,15 @@ view::Plot scatter(const std::vector<Fit>& all) {
   draw_factor(plot, 1, low, high, "equal, and a factor of two either way");
   draw_factor(plot, 2, low, high, "");
   draw_factor(plot, 0.5, low, high, "");
-  using Mark = view::Series::Mark;
+  using Mark = pictures::Series::Mark;
   constexpr std::array kKernels = {std::pair(Kernel::evaluate, Mark::plus), std::pair(Kernel::factor, Mark::dot),
                                    std::pair(Kernel::solve, Mark::triangle), std::pair(Kernel::pack, Mark::square)};
   const std::size_t stride = (all.size() + kMostShown - 1) / kMostShown;
   for (std::size_t k = 0; k < kKernels.size(); ++k) {
-    view::Series series{.name = std::string(name(kKernels[k].first)),
-                        .points = {},
-                        .colour = static_cast<int>(k),
-                        .mark = kKernels[k].second};
+    pictures::Series series{.name = std::string(name(kKernels[k].first)),
+                            .points = {},
+                            .colour = static_cast<int>(k),
+                            .mark = kKernels[k].second};
     for (std::size_t i = 0; i < all.size(); i += stride) {
       const Sample& s = *all[i].sample;
       if (s.kernel != kKernels[k].first) continue;
@@ -137,7 +137,7 @@ Section model_fit(const Knowledge& knowledge, const Conditions&) {
       factor_text(most) + " (most); " +
       percent(static_cast<double>(within.size()) / static_cast<double>(std::max<std::size_t>(factors.size(), 1))) +
       " are within a factor of two.");
-  out.body += view::figure(scatter(all));
+  out.body += pictures::figure(scatter(all));
   return out;
 }
 

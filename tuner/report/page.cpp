@@ -1,15 +1,15 @@
 #include "report/page.hpp"
 
 #include "output/format.hpp"
+#include "pictures/heat_map.hpp"
+#include "pictures/html.hpp"
+#include "pictures/plot.hpp"
 #include "report/measurement.hpp"
-#include "view/heat_map.hpp"
-#include "view/html.hpp"
-#include "view/plot.hpp"
 
 namespace assur::report {
 namespace {
 
-using view::escaped;
+using pictures::escaped;
 
 constexpr std::size_t kMostRows = 200;  // of the table of all numbers: more are in the CSV
 
@@ -94,8 +94,8 @@ std::string page(const PageHead& head, const std::vector<Part>& parts) {
       "Every number is in report.csv, with strategy, repetitions, spread and error, and in report.json as Google "
       "Benchmark writes it. Times are medians, spreads their median absolute deviation over the median.",
       "faint");
-  return view::html_page(
-      title, std::string(view::plot_style()) + std::string(view::heat_map_style()) + std::string(kStyle), body);
+  return pictures::html_page(
+      title, std::string(pictures::plot_style()) + std::string(pictures::heat_map_style()) + std::string(kStyle), body);
 }
 
 }  // namespace assur::report

@@ -89,8 +89,8 @@ const Row* ours(const std::vector<Row>& rows, const Row& of) {
 Section peers_section(std::istream& in, const std::string& file) {
   Section out{"peers", "Other libraries on the same mechanisms", "", {}};
   const std::vector<Row> rows = Reader(in, file).rows();
-  using enum view::HtmlTable::Column;
-  view::HtmlTable table{
+  using enum pictures::HtmlTable::Column;
+  pictures::HtmlTable table{
       {"mechanism", "library", "levels computed", "step", "over assur", "repetitions", "spread", "error", "how"},
       {text, text, text, number, number, number, number, number, words},
       {}};

@@ -9,9 +9,9 @@
 #include "measure/regret_survey.hpp"
 #include "measure/step_times.hpp"
 #include "output/format.hpp"
+#include "pictures/plot.hpp"
 #include "report/measurement.hpp"
 #include "report/sections.hpp"
-#include "view/plot.hpp"
 
 namespace assur::report {
 namespace {
@@ -44,9 +44,10 @@ std::string item_of(const Question& q) {
   return q.scene + (without.empty() ? "" : ", " + without);
 }
 
-view::Series steps(const std::string& name, const std::vector<std::pair<double, std::string>>& regrets, double to,
-                   int colour, view::Series::Mark mark) {
-  view::Series out{.name = name, .points = {}, .colour = colour, .mark = mark, .line = view::Series::Line::steps};
+pictures::Series steps(const std::string& name, const std::vector<std::pair<double, std::string>>& regrets, double to,
+                       int colour, pictures::Series::Mark mark) {
+  pictures::Series out{
+      .name = name, .points = {}, .colour = colour, .mark = mark, .line = pictures::Series::Line::steps};
   auto sorted = regrets;
   std::sort(sorted.begin(), sorted.end());
   out.points.push_back({1, 0, name});
@@ -58,9 +59,10 @@ view::Series steps(const std::string& name, const std::vector<std::pair<double, 
   return out;
 }
 
-view::HtmlTable summary(const std::vector<std::pair<std::string, std::vector<double>>>& all) {
-  using enum view::HtmlTable::Column;
-  view::HtmlTable table{{"regret", "median", "95 of 100", "most", "mean"}, {words, number, number, number, number}, {}};
+pictures::HtmlTable summary(const std::vector<std::pair<std::string, std::vector<double>>>& all) {
+  using enum pictures::HtmlTable::Column;
+  pictures::HtmlTable table{
+      {"regret", "median", "95 of 100", "most", "mean"}, {words, number, number, number, number}, {}};
   for (const auto& [who, regrets] : all) {
     table.rows.push_back({{who, percent(quantile(regrets, 0.5)), percent(quantile(regrets, 0.95)),
                            percent(quantile(regrets, 1)), percent(mean(regrets))}});
@@ -68,11 +70,11 @@ view::HtmlTable summary(const std::vector<std::pair<std::string, std::vector<dou
   return table;
 }
 
-view::HtmlTable worst(std::vector<Answer> answers) {
-  using enum view::HtmlTable::Column;
+pictures::HtmlTable worst(std::vector<Answer> answers) {
+  using enum pictures::HtmlTable::Column;
   std::stable_sort(answers.begin(), answers.end(),
                    [](const Answer& a, const Answer& b) { return a.regret() > b.regret(); });
-  view::HtmlTable table{
+  pictures::HtmlTable table{
       {"worst cases", "regret", "auto", "step", "fastest", "step"}, {text, number, text, number, text, number}, {}};
   for (const Answer& a : answers) {
     if (table.rows.size() == kWorst || a.regret() <= 0) break;
@@ -159,17 +161,17 @@ Section regret_section(const std::vector<Answer>& answers, std::size_t planned) 
   rows.emplace_back("auto to itself", itself);
   out.body += html(summary(rows));
 
-  view::Plot plot;
+  pictures::Plot plot;
   plot.title = "Share of the questions over the time of the choice over that of the fastest";
   plot.y = {"questions, %", false, [](double v) { return output::number(v); }};
   const double to = std::max(quantile(ours, 1), theirs.empty() ? 0 : quantile(theirs, 1));
   plot.x = {"time of the choice over that of the fastest", to > kFar, [](double v) { return output::number(v); }};
-  plot.series.push_back(steps("auto", of_auto, to, 0, view::Series::Mark::dot));
+  plot.series.push_back(steps("auto", of_auto, to, 0, pictures::Series::Mark::dot));
   if (!theirs.empty())
-    plot.series.push_back(steps("the best constant strategy", of_constants, to, 1, view::Series::Mark::square));
-  out.body += view::figure(plot);
+    plot.series.push_back(steps("the best constant strategy", of_constants, to, 1, pictures::Series::Mark::square));
+  out.body += pictures::figure(plot);
   if (!constants.empty()) out.body += paragraph("Best constant strategies: " + constants + ".", "faint");
-  const view::HtmlTable cases = worst(answers);
+  const pictures::HtmlTable cases = worst(answers);
   if (!cases.rows.empty()) out.body += html(cases);
   return out;
 }

@@ -9,10 +9,10 @@
 #include "measure/motion.hpp"
 #include "measure/race.hpp"
 #include "output/format.hpp"
+#include "pictures/plot.hpp"
+#include "pictures/ticks.hpp"
 #include "report/measurement.hpp"
 #include "report/sections.hpp"
-#include "view/plot.hpp"
-#include "view/ticks.hpp"
 
 namespace assur::report {
 namespace {
@@ -106,12 +106,12 @@ class Contest {
 };
 
 // Each over the first of the same scene and solver.
-view::HtmlTable table_of_speed_ups(Section& out, const std::vector<Measurement>& times,
-                                   const std::function<bool(const Measurement&)>& is_first) {
-  using enum view::HtmlTable::Column;
-  view::HtmlTable table{{"what", "strategy", "step", "repetitions", "spread", "error", "speed-up"},
-                        {text, text, number, number, number, number, number},
-                        {}};
+pictures::HtmlTable table_of_speed_ups(Section& out, const std::vector<Measurement>& times,
+                                       const std::function<bool(const Measurement&)>& is_first) {
+  using enum pictures::HtmlTable::Column;
+  pictures::HtmlTable table{{"what", "strategy", "step", "repetitions", "spread", "error", "speed-up"},
+                            {text, text, number, number, number, number, number},
+                            {}};
   double first = 0;
   for (const Measurement& m : times) {
     if (is_first(m)) first = m.value;
@@ -159,16 +159,16 @@ void lanes(Section& out, Contest& contest, const std::string& rings, double seco
       contest.enter("lanes, " + scene, scene, solver + (w > 1 ? ":" + std::to_string(w) : ""));
   }
   const std::vector<Measurement> times = contest.hold(seconds);
-  view::Plot plot;
+  pictures::Plot plot;
   plot.title = "Speed-up over one lane";
   plot.x = {"lanes, W", false, [](double v) { return v == std::floor(v) ? output::number(std::exp2(v)) : ""; }};
   plot.y = {"speed-up over one lane", false, [](double v) { return output::number(v); }};
   for (std::size_t k = 0; k < sweeps.size(); ++k) {
-    view::Series series{.name = sweeps[k].first + ", " + sweeps[k].second,
-                        .points = {},
-                        .colour = static_cast<int>(k),
-                        .mark = k == 0 ? view::Series::Mark::dot : view::Series::Mark::square,
-                        .line = view::Series::Line::straight};
+    pictures::Series series{.name = sweeps[k].first + ", " + sweeps[k].second,
+                            .points = {},
+                            .colour = static_cast<int>(k),
+                            .mark = k == 0 ? pictures::Series::Mark::dot : pictures::Series::Mark::square,
+                            .line = pictures::Series::Line::straight};
     double first = 0;
     for (const Measurement& m : times) {
       if (m.item != "lanes, " + sweeps[k].first) continue;
@@ -179,7 +179,7 @@ void lanes(Section& out, Contest& contest, const std::string& rings, double seco
     plot.series.push_back(std::move(series));
   }
   out.body +=
-      "<h4>Lanes</h4>\n" + paragraph("One thread, W groups side by side.") + view::figure(plot) +
+      "<h4>Lanes</h4>\n" + paragraph("One thread, W groups side by side.") + pictures::figure(plot) +
       html(table_of_speed_ups(out, times, [](const Measurement& m) { return parse_strategy(m.strategy).lanes == 1; }));
 }
 

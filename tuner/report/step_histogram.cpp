@@ -7,10 +7,10 @@
 #include "measure/step_times.hpp"
 #include "measure/ways.hpp"
 #include "output/format.hpp"
+#include "pictures/plot.hpp"
+#include "pictures/ticks.hpp"
 #include "report/measurement.hpp"
 #include "report/sections.hpp"
-#include "view/plot.hpp"
-#include "view/ticks.hpp"
 
 namespace assur::report {
 namespace {
@@ -51,15 +51,18 @@ Timed time_steps(const Prepared& prepared, const Conditions& conditions) {
 }
 
 // From the shortest to the longest, logarithmic; the last point ends the last bar.
-view::Series bars(const Timed& timed) {
+pictures::Series bars(const Timed& timed) {
   const auto [least, most] = std::minmax_element(timed.blocks.seconds.begin(), timed.blocks.seconds.end());
   const double low = std::log(std::max(*least, 1e-9)), width = std::max(1e-6, (std::log(*most) - low) / kBins);
   std::vector<std::int64_t> counts(kBins, 0);
   for (const double s : timed.blocks.seconds) {
     ++counts[static_cast<std::size_t>(std::clamp((std::log(std::max(s, 1e-9)) - low) / width, 0.0, kBins - 1.0))];
   }
-  view::Series out{
-      .name = "", .points = {}, .colour = 0, .mark = view::Series::Mark::none, .line = view::Series::Line::bars};
+  pictures::Series out{.name = "",
+                       .points = {},
+                       .colour = 0,
+                       .mark = pictures::Series::Mark::none,
+                       .line = pictures::Series::Line::bars};
   const auto all = static_cast<double>(timed.blocks.seconds.size());
   for (int i = 0; i <= kBins; ++i) {
     const double from = std::exp(low + i * width);
@@ -95,10 +98,10 @@ Section step_histogram(const Knowledge& knowledge, const Conditions& conditions)
   add("seconds per step, p99", timed.figures.p99);
   add("seconds per step, max", timed.figures.max);
 
-  view::Plot plot;
+  pictures::Plot plot;
   plot.title = std::string(kScene) + ": histogram of the times of steps";
-  plot.x = {"time of one step", true, view::time_text};
-  plot.y = {"share of the steps, %", true, view::power_of_ten};
+  plot.x = {"time of one step", true, pictures::time_text};
+  plot.y = {"share of the steps, %", true, pictures::power_of_ten};
   plot.guides = {{timed.figures.median, "p50"}, {timed.figures.p99, "p99"}, {timed.figures.max, "max"}};
   plot.series = {bars(timed)};
   out.body = paragraph(std::string(kScene) + ", auto (" + strategy + "), " +
@@ -106,7 +109,7 @@ Section step_histogram(const Knowledge& knowledge, const Conditions& conditions)
                        output::duration(timed.figures.median) + ", p99 " + output::duration(timed.figures.p99) +
                        ", max " + output::duration(timed.figures.max) + ". The largest position error is " +
                        output::error_figure(timed.error) + ".");
-  out.body += view::figure(plot);
+  out.body += pictures::figure(plot);
   out.body += paragraph(
       "Both axes are logarithmic. What is far to the right is the system taking the processor away: a "
       "machine for real time has less of it.",

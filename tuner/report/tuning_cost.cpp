@@ -1,8 +1,8 @@
 #include "output/format.hpp"
+#include "pictures/plot.hpp"
 #include "report/measurement.hpp"
 #include "report/sections.hpp"
 #include "tuning/replay.hpp"
-#include "view/plot.hpp"
 
 namespace assur::report {
 namespace {
@@ -25,7 +25,7 @@ Section tuning_cost(const Knowledge& knowledge, const Conditions&) {
     out.body = paragraph("The tuning run held nothing out by which its choices could be judged.", "notice");
     return out;
   }
-  using view::Series;
+  using pictures::Series;
   Series average{.name = "mean", .points = {}, .colour = 0, .mark = Series::Mark::dot, .line = Series::Line::straight};
   Series worse{
       .name = "95 of 100", .points = {}, .colour = 1, .mark = Series::Mark::square, .line = Series::Line::straight};
@@ -48,7 +48,7 @@ Section tuning_cost(const Knowledge& knowledge, const Conditions&) {
     out.measurements.push_back({out.id, item, "auto", "seconds of tuning", "s", seconds, 0, 0, std::nan(""),
                                 "share of the timed calls, of the " + output::duration(run.seconds) + " of the run"});
   }
-  view::Plot plot;
+  pictures::Plot plot;
   plot.title = "Held-out regret over seconds of tuning";
   plot.x = {"tuning so far", false, [](double s) { return output::number(s) + " s"; }};
   plot.y = {"regret of auto on what was held out, %", true, percent_text};
@@ -60,7 +60,7 @@ Section tuning_cost(const Knowledge& knowledge, const Conditions&) {
                        " that were measured but that it has not seen. With all samples it loses " + percent(last.mean) +
                        " of the time of the best on average, " + percent(last.p95) + " in 95 of 100, " +
                        percent(last.max) + " at most.");
-  out.body += view::figure(plot);
+  out.body += pictures::figure(plot);
   return out;
 }
 

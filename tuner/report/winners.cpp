@@ -9,11 +9,11 @@
 #include "assur/scene.hpp"
 #include "assur/structure.hpp"
 #include "output/format.hpp"
+#include "pictures/heat_map.hpp"
 #include "planning/counts.hpp"
 #include "report/measurement.hpp"
 #include "report/sections.hpp"
 #include "tuning/mechanisms.hpp"
-#include "view/heat_map.hpp"
 
 namespace assur::report {
 namespace {
@@ -100,7 +100,7 @@ int colour_of(const std::string& backend) {
 }
 
 struct Atlas {
-  view::HeatMap map;
+  pictures::HeatMap map;
   std::vector<Measurement> measurements;
   std::vector<std::vector<Candidate>> winners;  // rows, columns
 };
@@ -148,8 +148,8 @@ Atlas atlas(const std::vector<Column>& columns, const std::vector<int>& rows, co
           what + ", n = " + c.name + ", " +
           (shape.terms > 0 ? output::counted(groups, "group") : std::to_string(groups) + " of them");
       out.measurements.push_back(measurement(all[0], sample, item));
-      view::HeatMap::Cell cell{0, short_text(all[0].strategy), item + ": " + about(out.measurements.back()),
-                               sample != nullptr};
+      pictures::HeatMap::Cell cell{0, short_text(all[0].strategy), item + ": " + about(out.measurements.back()),
+                                   sample != nullptr};
       if (all.size() > 1 && all[1].why_not.empty()) {
         cell.about += "; next: " + short_text(all[1].strategy) + ", " + output::duration(all[1].expected_seconds);
       }
@@ -174,9 +174,9 @@ Atlas atlas(const std::vector<Column>& columns, const std::vector<int>& rows, co
 }
 
 // Along each row: up to which n one strategy is the fastest, and from which on the next.
-view::HtmlTable crossovers(const Atlas& atlas) {
-  using enum view::HtmlTable::Column;
-  view::HtmlTable table{{"groups", "fastest, with n"}, {number, words}, {}};
+pictures::HtmlTable crossovers(const Atlas& atlas) {
+  using enum pictures::HtmlTable::Column;
+  pictures::HtmlTable table{{"groups", "fastest, with n"}, {number, words}, {}};
   for (std::size_t r = 0; r < atlas.winners.size(); ++r) {
     std::string line, before;
     for (std::size_t c = 0; c < atlas.map.columns.size(); ++c) {
@@ -228,7 +228,7 @@ Section winners(const Knowledge& knowledge, const Conditions& conditions) {
   groups.map.title = "Fastest strategy over unknowns of a group and number of groups";
   groups.map.x_title = "unknowns of a group, n";
   groups.map.y_title = "groups of a level";
-  out.body += view::figure(groups.map);
+  out.body += pictures::figure(groups.map);
   out.body += paragraph(
       "n = 2: dyads; 3 and 15: legs of a Stewart platform, irreducible and whole; others: rings of 3n "
       "nonzeros.",
@@ -240,7 +240,7 @@ Section winners(const Knowledge& knowledge, const Conditions& conditions) {
   full_ones.map.x_title = "size of a matrix, n";
   full_ones.map.y_title = "matrices";
   out.body += paragraph("The same for full matrices, each factorised once and solved with three right-hand sides:");
-  out.body += view::figure(full_ones.map);
+  out.body += pictures::figure(full_ones.map);
   if (const std::string text = measured_crossovers(knowledge); !text.empty()) out.body += paragraph(text, "faint");
 
   out.measurements = std::move(groups.measurements);

@@ -6,10 +6,10 @@
 #include "measure/step_times.hpp"
 #include "output/comparison_report.hpp"
 #include "output/format.hpp"
+#include "pictures/comparison_page.hpp"
+#include "pictures/ticks.hpp"
 #include "report/measurement.hpp"
 #include "report/sections.hpp"
-#include "view/comparison_page.hpp"
-#include "view/ticks.hpp"
 
 namespace assur::report {
 namespace {
@@ -31,13 +31,13 @@ Scene shortened(const Scene& scene, std::int64_t steps) {
   return scene.with_time(grid);
 }
 
-view::HtmlTable verdicts(const output::ComparisonSummary& s) {
-  using enum view::HtmlTable::Column;
-  view::HtmlTable table{
+pictures::HtmlTable verdicts(const output::ComparisonSummary& s) {
+  using enum pictures::HtmlTable::Column;
+  pictures::HtmlTable table{
       {"asked for", "reached", "step", "auto", "strategy"}, {number, number, number, words, text}, {}};
   for (const double a : s.accuracies) {
     const output::Verdict v = output::verdict(s.result, a);
-    table.rows.push_back({{view::power_of_ten(a), v.reached, v.step, v.words, v.strategy}});
+    table.rows.push_back({{pictures::power_of_ten(a), v.reached, v.step, v.words, v.strategy}});
   }
   return table;
 }
@@ -85,10 +85,10 @@ Section work_precision(const Knowledge& knowledge, const Conditions& conditions)
     if (result.interrupted) break;
     const output::ComparisonSummary summary{name, scene.time().step, how.accuracies, result};
     out.body +=
-        "<h4>" + view::escaped(name) + "</h4>\n" +
+        "<h4>" + pictures::escaped(name) + "</h4>\n" +
         paragraph(output::counted(result.steps, "step") + " of " + output::number(scene.time().step) + " s.", "faint");
     if (result.no_yardstick.empty()) {
-      out.body += view::figure(view::work_precision_plot(summary));
+      out.body += pictures::figure(pictures::work_precision_plot(summary));
     } else {
       out.body += paragraph("There is no picture, for there is no yardstick: " + result.no_yardstick, "notice");
     }

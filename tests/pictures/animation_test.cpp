@@ -1,0 +1,106 @@
+#include "pictures/animation.hpp"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "pictures/unpacked.hpp"
+
+namespace assur::pictures {
+namespace {
+
+struct Shown {
+  nlohmann::json data;
+  std::vector<double> places, values;
+  std::string page;
+};
+
+Shown show(const Scene& scene, std::int64_t until = -1) {
+  const Prepared wanted = prepare(scene), all = prepare(with_all_points(scene));
+  Simulator simulator(all);
+  const std::int64_t steps = scene.time().steps();
+  Animation animation(wanted, all, steps);
+  animation.take(0, simulator);
+  for (std::int64_t k = 1; k <= (until < 0 ? steps : until); ++k) {
+    EXPECT_TRUE(simulator.step(scene.time().time(k)).ok());
+    animation.take(k, simulator);
+  }
+  if (until >= 0) animation.end(simulator, "the </script> of it");
+  Shown out{{}, {}, {}, animation.page({"a <b> sentence"})};
+  const std::string begin = "id=\"motion\">";
+  const std::size_t from = out.page.find(begin) + begin.size();
+  out.data = nlohmann::json::parse(out.page.substr(from, out.page.find("</script>", from) - from));
+  const auto unpack = [&](const char* key) {
+    const auto& packed = out.data[key];
+    return unpacked(packed["text"], packed["low"], packed["span"]);
+  };
+  out.places = unpack("places");
+  out.values = unpack("values");
+  return out;
+}
+
+// All postures of a four-bar are within what 24 bits over the range of its points can tell.
+TEST(Animation, HasThePosturesOfTheRun) {
+  const Scene scene = sample("four_bar").with_outputs({"rocker_angle"});
+  const Shown shown = show(scene);
+  Simulator simulator(prepare(scene.with_outputs({"B0.position", "B1.position", "rocker_angle.value"})));
+  const Trajectory run = simulator.run();
+  ASSERT_EQ(run.rows(), 1001u);
+  const std::size_t frames = shown.data["times"].size();
+  ASSERT_EQ(shown.places.size(), frames * 4);
+  ASSERT_EQ(shown.values.size(), frames * 3);  // with rate and acceleration
+  const double span = shown.data["places"]["span"][0], angle = shown.data["values"]["span"][0];
+  for (std::size_t f = 0; f < frames; ++f) {
+    const double t = shown.data["times"][f];
+    const auto k = static_cast<std::size_t>(std::llround(t / scene.time().step));
+    EXPECT_EQ(run.times()[k], t);
+    for (std::size_t c = 0; c < 4; ++c) EXPECT_NEAR(shown.places[4 * f + c], run(k, c), span * 1e-7);
+    EXPECT_NEAR(shown.values[3 * f], run(k, 4), angle * 1e-7);
+  }
+  EXPECT_EQ(shown.data["outputs"].size(), 3u);
+  EXPECT_EQ(shown.data["outputs"][0]["of"], "rocker_angle");
+}
+
+TEST(Animation, ManyStepsAreThinnedEvenlyWithTheFirstAndTheLast) {
+  const Shown shown = show(sample("slider_crank").with_time({0, 1, 1.0 / 4321}));
+  const std::vector<double> times = shown.data["times"];
+  EXPECT_LE(times.size(), 1001u);
+  EXPECT_GE(times.size(), 500u);
+  EXPECT_EQ(times.front(), 0);
+  EXPECT_EQ(times.back(), 1);
+  for (std::size_t i = 1; i + 1 < times.size(); ++i) EXPECT_NEAR(times[i] - times[i - 1], 5.0 / 4321, 1e-12);
+  EXPECT_NE(shown.page.find(" of 4,322 postures are shown, every 5th."), std::string::npos);
+}
+
+TEST(Animation, OfAMotionThatEndsEarlyThereIsWhatThereIsAndWhy) {
+  const Shown shown = show(sample("four_bar"), 40);
+  EXPECT_EQ(shown.data["times"].size(), 41u);
+  EXPECT_NE(shown.page.find("The motion ends early: the &lt;/script&gt; of it."), std::string::npos);
+  EXPECT_NE(shown.page.find("a &lt;b&gt; sentence"), std::string::npos);
+}
+
+TEST(Animation, ALargeSceneStaysAFileThatOpens) {
+  const Shown shown = show(sample("rings:legs=64,n=120,steps=40"));
+  EXPECT_GT(shown.data["points"].size(), 5000u);
+  EXPECT_EQ(shown.data["times"].size(), 41u);
+  EXPECT_LT(shown.page.size(), 4u << 20U);
+  EXPECT_NE(shown.page.find("200 of 17,334 diagrams can be chosen"), std::string::npos);
+}
+
+TEST(Animation, ThePageNeedsNothingButItself) {
+  const std::string page = show(sample("gough")).page;
+  EXPECT_EQ(page.find("src="), std::string::npos);
+  EXPECT_EQ(page.find("<link"), std::string::npos);
+  EXPECT_EQ(page.find("url("), std::string::npos);
+  EXPECT_EQ(page.find("http"), std::string::npos);
+}
+
+TEST(WithAllPoints, AddsWhatIsNotAskedForAndFollowsWhatIs) {
+  const Scene scene = with_all_points(sample("stewart").with_outputs({"handle1", "B1"}));
+  EXPECT_EQ(scene.outputs().size(), 2 + 13u);
+  EXPECT_EQ(scene.outputs()[0], "handle1");
+  EXPECT_TRUE(with_all_points(sample("stewart")).outputs().empty());  // everything
+}
+
+}  // namespace
+}  // namespace assur::pictures

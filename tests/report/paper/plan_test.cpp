@@ -1,0 +1,119 @@
+// Which strategies stand for the paper's, and which of them a budget of time allows.
+#include "report/paper/plan.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "assur/strategy.hpp"
+
+namespace assur::report {
+namespace {
+
+std::set<std::string> texts(const std::vector<Split>& splits) {
+  std::set<std::string> out;
+  for (const Split& s : splits) out.insert(std::to_string(s.p) + "x" + std::to_string(s.q));
+  return out;
+}
+
+TEST(PaperPlan, SplitsGoAsFarAsTheThreadsAndTheGroups) {
+  EXPECT_EQ(texts(splits(1, 6)), (std::set<std::string>{"1x1"}));
+  EXPECT_EQ(texts(splits(2, 6)), (std::set<std::string>{"1x1", "1x2", "2x1"}));
+  EXPECT_EQ(texts(splits(4, 6)), (std::set<std::string>{"1x1", "1x2", "1x3", "1x4", "2x1", "2x2", "3x1", "4x1"}));
+  EXPECT_EQ(texts(splits(4, 1)), (std::set<std::string>{"1x1", "1x2", "1x3", "1x4"}));
+  EXPECT_TRUE(texts(splits(12, 6)).contains("6x2"));
+  EXPECT_TRUE(texts(splits(12, 6)).contains("2x6"));
+}
+
+TEST(PaperPlan, Table5sSplitsAreThePapersOnTwelveCores) {
+  const auto both = [](int threads) {
+    const auto [wide, narrow] = wide_and_narrow(threads);
+    return texts({wide, narrow});
+  };
+  EXPECT_EQ(both(12), (std::set<std::string>{"6x2", "2x6"}));
+  EXPECT_EQ(both(4), (std::set<std::string>{"4x1", "1x4"}));
+  EXPECT_EQ(both(2), (std::set<std::string>{"2x1", "1x2"}));
+  EXPECT_EQ(both(1), (std::set<std::string>{"1x1"}));
+}
+
+TEST(PaperPlan, EachMechanismIsHeldOnceWithBothReadings) {
+  const StandIns with{"lapack", "team", "klu", false};
+  const std::vector<PaperContest> all = contests(4, false, with);
+  std::size_t cells = 0;
+  for (const int table : {2, 3, 4, 5}) cells += cells_of_table(table).size();
+  EXPECT_EQ(all.size(), cells - 4);  // six groups are in tables 2 and 3
+  for (const PaperContest& contest : all) {
+    std::set<std::string> seen;
+    for (const Entrant& e : contest.entrants) {
+      EXPECT_TRUE(seen.insert(e.strategy).second) << e.strategy;
+      const Strategy parsed = parse_strategy(e.strategy == "auto" ? "groups/eigen" : e.strategy);
+      EXPECT_EQ(parsed.p, e.p) << e.strategy;
+      EXPECT_EQ(parsed.q, e.q) << e.strategy;
+      EXPECT_EQ(parsed.separate, e.reading == Reading::separate) << e.strategy;
+      EXPECT_LE(e.p * e.q, 4);
+      if (!e.version.starts_with("G")) continue;
+      const bool other = std::any_of(contest.entrants.begin(), contest.entrants.end(), [&](const Entrant& o) {
+        return o.version == e.version && o.p == e.p && o.q == e.q && o.reading != e.reading &&
+               parse_strategy(o.strategy).backend == parsed.backend;
+      });
+      EXPECT_EQ(other, reads_twice(contest.cell)) << e.strategy;
+    }
+    EXPECT_TRUE(seen.contains("auto"));
+  }
+  const auto strategies = [&](std::size_t i) {
+    std::set<std::string> out;
+    for (const Entrant& e : all[i].entrants) out.insert(e.strategy);
+    return out;
+  };
+  for (const char* text :
+       {"global/lapack", "global/lapack 1x4", "global/klu+separate", "groups/lapack 3x1", "groups/team 2x2",
+        "groups/team 1x3", "global/team 1x2", "groups/lapack+separate 1x4", "groups/klu 4x1"}) {
+    EXPECT_TRUE(strategies(0).contains(text)) << text;
+  }
+  EXPECT_FALSE(strategies(0).contains("groups/team 3x2"));
+  EXPECT_LT(contests(4, true, with).size(), all.size());
+}
+
+TEST(PaperPlan, TheCheapestFitFirstAndNeverMoreThanThereIsTimeFor) {
+  const std::vector<PaperContest> all = contests(2, false, {"lapack", "", "klu", false});
+  const PaperCosts costs;
+  for (const double seconds : {0.0, 1.0, 30.0, 1e9}) {
+    const std::vector<std::vector<bool>> chosen = affordable(all, costs, seconds);
+    double sum = 0, dearest = 0, cheapest_left_out = HUGE_VAL;
+    for (std::size_t c = 0; c < all.size(); ++c) {
+      for (std::size_t e = 0; e < all[c].entrants.size(); ++e) {
+        const double cost = costs.least(all[c].cell, all[c].entrants[e]);
+        if (chosen[c][e]) {
+          sum += cost;
+          dearest = std::max(dearest, cost);
+        } else {
+          cheapest_left_out = std::min(cheapest_left_out, cost);
+        }
+      }
+    }
+    EXPECT_LE(sum, seconds);
+    EXPECT_LE(dearest, cheapest_left_out);
+    EXPECT_EQ(seconds == 0, dearest == 0);
+    EXPECT_EQ(seconds == 1e9, cheapest_left_out == HUGE_VAL);
+  }
+}
+
+TEST(PaperPlan, WhatWasTimedCorrectsWhatIsExpected) {
+  const PaperCell small = cells_of_table(2)[0], large = cells_of_table(2)[7];
+  const Entrant dense{"GMKL", 1, 1, Reading::shared, "global/lapack"};
+  PaperCosts costs;
+  // By counts alone dense work grows with n^3 or nearly so.
+  const double before = costs.step(large, dense) / costs.step(small, dense);
+  EXPECT_GT(before, std::pow(4344.0 / 102, 2));
+  EXPECT_LT(before, std::pow(4344.0 / 102, 3));
+  costs.learn(small, dense, 2 * costs.step(small, dense));
+  EXPECT_DOUBLE_EQ(costs.step(large, dense) / costs.step(small, dense), before);
+  EXPECT_DOUBLE_EQ(costs.step(large, dense), 2 * PaperCosts().step(large, dense));
+  const Entrant sparse{"GMA27", 1, 1, Reading::shared, "global/klu"};
+  EXPECT_DOUBLE_EQ(costs.step(large, sparse), PaperCosts().step(large, sparse));  // another kind
+}
+
+}  // namespace
+}  // namespace assur::report

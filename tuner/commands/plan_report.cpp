@@ -1,0 +1,187 @@
+#include "commands/plan_report.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include "index.hpp"
+#include "output/format.hpp"
+#include "planning/dispatcher.hpp"
+
+namespace assur::output {
+namespace {
+
+constexpr std::size_t kMostClasses = 12;  // more are counted
+constexpr std::size_t kMostCandidates = 6;
+
+// Levels that the groups of each class are on.
+std::vector<std::set<std::int32_t>> levels_of_classes(const Structure& s) {
+  std::vector<std::set<std::int32_t>> levels(s.classes.size());
+  for (const Group& g : s.groups) levels[idx(g.group_class)].insert(g.level);
+  return levels;
+}
+
+std::string range_text(const std::set<std::int32_t>& levels) {
+  if (levels.empty()) return "-";
+  if (levels.size() == 1) return std::to_string(*levels.begin());
+  return std::to_string(*levels.begin()) + "-" + std::to_string(*levels.rbegin());
+}
+
+std::int32_t threads_of(const Plan& plan, std::int32_t level) {
+  return plan.level_threads.empty() ? plan.threads : plan.level_threads[idx(level)];
+}
+
+// "2 on 3 of 5 levels"
+std::string threads_text(const Plan& plan, const Structure& s) {
+  if (plan.threads == 1) return "1";
+  std::int32_t shared = 0;
+  for (std::int32_t level = 0; level < s.levels; ++level) shared += threads_of(plan, level) > 1 ? 1 : 0;
+  return std::to_string(plan.threads) + " on " + grouped(shared) + " of " + counted(s.levels, "level");
+}
+
+BesideGroups beside_groups_of(const PlanSummary& s) {
+  const Plan& plan = s.prepared.plan;
+  const auto& p = plan.level_threads;
+  const bool alone = !p.empty() && std::all_of(p.begin(), p.end(), [](std::int32_t threads) { return threads == 1; });
+  return beside_groups(*s.prepared.structure, s.model, alone || s.mode == Mode::throughput ? 1 : plan.threads);
+}
+
+void print_expected(Page& page, const PlanSummary& s) {
+  const BesideGroups beside = beside_groups_of(s);
+  const double groups = std::max(s.prepared.plan.expected_seconds - beside.around, 0.0);
+  page.fact("expected", duration(s.prepared.plan.expected_seconds) +
+                            (s.mode == Mode::throughput ? " for a step of one mechanism" : " for a step"));
+  page.fact("", duration(groups) + " groups; " + duration(beside.around) + " laws, predictions, " +
+                    counted(beside.outputs, "output"));
+  page.fact("", "a run that keeps its rows takes " + duration(beside.storing) + " more for each");
+}
+
+void print_classes(Page& page, const PlanSummary& s) {
+  using enum Table::Align;
+  const Plan& plan = s.prepared.plan;
+  const auto levels = levels_of_classes(*s.prepared.structure);
+  Table table({left, right, right, right, left, right, left});
+  table.row({"class", "level", "groups", "unknowns", "strategy", "pack", "origin"});
+  for (const Plan::Choice& c : plan.choices) {
+    if (idx(c.group_class) == kMostClasses) break;
+    Strategy shown = c.strategy;  // predictor and threads are said once
+    shown.predictor = {};
+    shown.p = 1;
+    table.row({std::to_string(c.group_class), range_text(levels[idx(c.group_class)]), grouped(c.shape.groups),
+               grouped(c.shape.n), to_string(shown), duration(c.expected_seconds), std::string(name(c.origin))});
+  }
+  page.table(table);
+  if (plan.choices.size() > kMostClasses) {
+    page.fact("", "and " + grouped(static_cast<std::int64_t>(plan.choices.size() - kMostClasses)) + " classes more");
+  }
+}
+
+// The best of each backend, and why others cannot run.
+void print_candidates(Page& page, std::int32_t group_class, const std::vector<Candidate>& candidates) {
+  using enum Table::Align;
+  page.gap();
+  page.fact("class " + std::to_string(group_class), "what else there is, for all its groups");
+  Table table({left, right, right, left});
+  std::set<std::string> seen;
+  for (const Candidate& c : candidates) {
+    if (!seen.insert(c.strategy.backend + (c.why_not.empty() ? "" : "!")).second || seen.size() > kMostCandidates) {
+      continue;
+    }
+    if (c.why_not.empty()) {
+      table.row({to_string(c.strategy), duration(c.expected_seconds),
+                 fixed(c.expected_seconds / candidates.front().expected_seconds) + "x", std::string(name(c.origin))});
+    } else {
+      table.row({c.strategy.backend, "-", "-", c.why_not});
+    }
+  }
+  page.table(table);
+}
+
+Json json_of(const Candidate& c, std::size_t group_class) {
+  const bool runs = c.why_not.empty();
+  return {{"class", group_class},
+          {"strategy", to_string(c.strategy)},
+          {"expected_seconds", runs ? Json(c.expected_seconds) : Json(nullptr)},
+          {"factor", runs ? Json(c.factor) : Json(nullptr)},
+          {"origin", runs ? Json(name(c.origin)) : Json(nullptr)},
+          {"why_not", c.why_not}};
+}
+
+}  // namespace
+
+Json to_json(const PlanSummary& s) {
+  const Plan& plan = s.prepared.plan;
+  const Structure& structure = *s.prepared.structure;
+  Json levels = Json::array();
+  for (std::int32_t level = 0; level < structure.levels; ++level) {
+    levels.push_back({{"level", level}, {"p", threads_of(plan, level)}});
+  }
+  const auto levels_of = levels_of_classes(structure);
+  Json classes = Json::array(), candidates = Json::array();
+  for (const Plan::Choice& c : plan.choices) {
+    const auto& on = levels_of[idx(c.group_class)];
+    classes.push_back({{"class", c.group_class},
+                       {"level", on.empty() ? Json(nullptr) : Json(*on.begin())},
+                       {"levels", on},
+                       {"groups", c.shape.groups},
+                       {"n", c.shape.n},
+                       {"nnz", c.shape.nnz},
+                       {"fill", c.shape.fill},
+                       {"strategy", to_string(c.strategy)},
+                       {"expected_seconds", c.expected_seconds},
+                       {"origin", name(c.origin)},
+                       {"reason", c.reason}});
+  }
+  for (std::size_t k = 0; k < s.candidates.size(); ++k) {
+    for (const Candidate& c : s.candidates[k]) candidates.push_back(json_of(c, k));
+  }
+  const BesideGroups beside = beside_groups_of(s);
+  return {{"scene", s.prepared.scene->name()},
+          {"mode", s.mode == Mode::latency ? "latency" : "throughput"},
+          {"accuracy", plan.accuracy},
+          {"formulation", name(plan.formulation)},
+          {"budget", s.budget.threads},
+          {"threads", plan.threads},
+          {"lanes", plan.lanes},
+          {"chunks", plan.chunks},
+          {"expected_seconds", plan.expected_seconds},
+          {"expected_around_seconds", beside.around},
+          {"expected_storing_seconds", beside.storing},
+          {"outputs", beside.outputs},
+          {"reason", plan.reason},
+          {"samples", s.model.samples()},
+          {"source", s.model.source()},
+          {"messages", s.messages},
+          {"levels", std::move(levels)},
+          {"classes", std::move(classes)},
+          {"candidates", std::move(candidates)}};
+}
+
+void print(Page& page, const PlanSummary& s) {
+  const Plan& plan = s.prepared.plan;
+  page.title(s.prepared.scene->name());
+  page.fact("known", s.model.samples() == 0
+                         ? "nothing was measured on this machine; run assur tune"
+                         : counted(static_cast<std::int64_t>(s.model.samples()), "sample") + ", " + s.model.source());
+  for (const std::string& message : s.messages) page.fact("", message);
+  page.gap();
+  page.fact("formulation", name(plan.formulation));
+  page.fact("threads", threads_text(plan, *s.prepared.structure) + "; " + plan.reason);
+  if (s.mode == Mode::throughput) page.fact("chunks", grouped(plan.chunks) + " of the time grid");
+  print_expected(page, s);
+  page.gap();
+  if (plan.choices.empty()) {
+    page.fact("classes", "nothing has to be solved");
+    return;
+  }
+  print_classes(page, s);
+  page.gap();
+  for (const Plan::Choice& c : plan.choices) {
+    if (idx(c.group_class) == kMostClasses) break;
+    page.fact(c.group_class == 0 ? "reason" : "", "class " + std::to_string(c.group_class) + ": " + c.reason);
+  }
+  for (std::size_t k = 0; k < std::min(s.candidates.size(), kMostClasses); ++k) {
+    print_candidates(page, static_cast<std::int32_t>(k), s.candidates[k]);
+  }
+}
+
+}  // namespace assur::output

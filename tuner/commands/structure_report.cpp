@@ -1,0 +1,291 @@
+#include "commands/structure_report.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "commands/left_out.hpp"
+#include "index.hpp"
+#include "output/format.hpp"
+#include "output/notes.hpp"
+
+namespace assur::output {
+namespace {
+
+constexpr std::size_t kMostRows = 20;     // more groups are shown by class
+constexpr std::size_t kMostClasses = 40;  // more classes are counted
+constexpr std::size_t kLongestName = 20;  // columns
+
+// What the groups of a class have in common.
+struct ClassFigures {
+  std::int64_t groups = 0;
+  const Group* first = nullptr;
+  std::int32_t lowest_level = 0, highest_level = 0;
+  std::int32_t nnz = 0;
+  std::int32_t fill = -1;  // -1: the Jacobian is singular at the start posture
+};
+
+std::vector<ClassFigures> class_figures(const Structure& s) {
+  std::vector<ClassFigures> figures(s.classes.size());
+  for (const Group& g : s.groups) {
+    ClassFigures& f = figures[idx(g.group_class)];
+    if (f.groups++ == 0) {
+      f.first = &g;
+      f.lowest_level = g.level;
+      f.nnz = s.pattern(g.group_class).nnz();
+      if (s.cannot_assemble.empty()) f.fill = s.fill(g);
+    }
+    f.highest_level = g.level;  // groups ascend by level
+  }
+  return figures;
+}
+
+// Unknowns of the irreducible blocks of a class, in solving order.
+std::vector<std::int32_t> block_sizes(const GroupClass& c) {
+  std::vector<std::int32_t> sizes(idx(c.blocks), 0);
+  for (const std::int32_t b : c.unknown_block) ++sizes[idx(b)];
+  return sizes;
+}
+
+Json null_if(bool missing, std::int32_t value) { return missing ? Json(nullptr) : Json(value); }
+
+}  // namespace
+
+Irreducible irreducible(const Structure& s) {
+  Irreducible out;
+  out.groups = static_cast<std::int64_t>(s.groups.size());
+  out.eliminated = s.eliminated;
+  out.left_out = s.left_out;
+  for (const Group& g : s.groups) ++out.sizes[static_cast<std::int32_t>(g.unknowns.size())];
+  return out;
+}
+
+Json to_json(const Scene& scene, const Structure& s, const Irreducible& split) {
+  const std::vector<ClassFigures> figures = class_figures(s);
+  Json groups = Json::array();
+  for (const Group& g : s.groups) {
+    const ClassFigures& f = figures[idx(g.group_class)];
+    groups.push_back({{"name", g.name},
+                      {"n", g.unknowns.size()},
+                      {"of", g.of},
+                      {"nnz", f.nnz},
+                      {"fill", null_if(f.fill < 0, f.fill)},
+                      {"level", g.level},
+                      {"class", g.group_class},
+                      {"derivatives", g.derivatives}});
+  }
+  Json redundant = Json::array();
+  for (const Redundancy& r : s.redundant) redundant.push_back(r.constraints);
+  Json dropped = Json::array();
+  for (const Redundancy& r : s.redundant) dropped.push_back(r.dropped);
+  Json kinds = Json::array();
+  for (const Redundancy& r : s.redundant) {
+    kinds.push_back(r.kind == Redundancy::Kind::structural ? "structural"
+                    : r.kind == Redundancy::Kind::motion   ? "motion"
+                    : r.kind == Redundancy::Kind::start    ? "start"
+                                                           : "unknown");
+  }
+  Json blocks = Json::array();
+  for (const GroupClass& c : s.classes) blocks.push_back(block_sizes(c));
+  Json sizes = Json::array();
+  for (const auto& [n, count] : split.sizes) sizes.push_back({{"n", n}, {"groups", count}});
+  return {{"scene", scene.name()},
+          {"dimension", scene.dimension()},
+          {"formulation", name(s.formulation)},
+          {"coordinates", s.coordinates},
+          {"unknowns", s.unknowns},
+          {"derived", s.derived},
+          {"equations", s.equations},
+          {"eliminated", s.eliminated},
+          {"mobility", s.mobility},
+          {"mobility_at_start", s.mobility_at_start},
+          {"undetermined", s.undetermined},
+          {"redundant", std::move(redundant)},
+          {"checked", std::move(dropped)},
+          {"redundancy", std::move(kinds)},
+          {"groups", std::move(groups)},
+          {"levels", s.levels},
+          {"classes", s.classes.size()},
+          {"left_out", to_json(s.left_out, s.formulation)},
+          {"irreducible",
+           {{"groups", split.groups},
+            {"eliminated", split.eliminated},
+            {"sizes", std::move(sizes)},
+            {"left_out", to_json(split.left_out, Formulation::irreducible)},
+            {"blocks_of_classes", std::move(blocks)}}},
+          {"cannot_assemble", s.cannot_assemble.empty() ? Json(nullptr) : Json(s.cannot_assemble)},
+          {"notes", to_json(notes(scene, s))}};
+}
+
+namespace {
+
+std::string unknowns_of(const Group& g) {
+  const auto n = static_cast<std::int64_t>(g.unknowns.size());
+  return n == g.of ? grouped(n) : grouped(n) + " of " + grouped(g.of);
+}
+
+std::string fill_of(const ClassFigures& f) { return f.fill < 0 ? "-" : grouped(f.fill); }
+
+std::string up_to(const Group& g) {
+  static constexpr std::array kNames = {"position", "velocity", "acceleration"};
+  return kNames[idx(std::clamp(g.derivatives, 0, 2))];
+}
+
+void print_counts(Page& page, const Structure& s) {
+  using enum Table::Align;
+  Table table({left, right, left});
+  const auto row = [&](const char* label, std::int64_t count, const std::string& note = "") {
+    table.row({std::string(label) + std::string(16 - std::string_view(label).size(), ' '), grouped(count), note});
+  };
+  row("coordinates", s.coordinates, "of points, vectors and auxiliaries");
+  if (s.derived > 0) row("derived", s.derived, "of body members: no unknowns, no equations");
+  row("unknowns", s.unknowns);
+  row("equations", s.equations);
+  if (s.formulation == Formulation::irreducible) row("eliminated", s.eliminated, "by linear equations");
+  row("mobility", s.mobility,
+      "without the drivers" +
+          (s.mobility_at_start != s.mobility ? "; " + grouped(s.mobility_at_start) + " at the start posture" : ""));
+  row("groups", static_cast<std::int64_t>(s.groups.size()),
+      s.formulation == Formulation::groups ? "as declared, else irreducible" : std::string(name(s.formulation)));
+  row("classes", static_cast<std::int64_t>(s.classes.size()), "of groups with the same equations");
+  row("levels", s.levels, "of groups that do not need each other");
+  page.table(table);
+}
+
+Table group_table(const Structure& s, const std::vector<ClassFigures>& figures) {
+  using enum Table::Align;
+  Table table({right, left, right, right, right, right, left});
+  table.row({"level", "group", "unknowns", "nonzeros", "fill", "class", "up to"});
+  for (const Group& g : s.groups) {
+    const ClassFigures& f = figures[idx(g.group_class)];
+    table.row({std::to_string(g.level), shortened(g.name, kLongestName), unknowns_of(g), grouped(f.nnz), fill_of(f),
+               std::to_string(g.group_class), up_to(g)});
+  }
+  return table;
+}
+
+// One row for each class, with the name of its first group.
+Table class_table(const std::vector<ClassFigures>& figures) {
+  using enum Table::Align;
+  Table table({right, right, left, right, right, right, left, left});
+  table.row({"class", "groups", "first", "unknowns", "nonzeros", "fill", "levels", "up to"});
+  for (std::size_t c = 0; c < std::min(figures.size(), kMostClasses); ++c) {
+    const ClassFigures& f = figures[c];
+    const std::string level = std::to_string(f.lowest_level);
+    table.row({std::to_string(c), grouped(f.groups), shortened(f.first->name, kLongestName - 6), unknowns_of(*f.first),
+               grouped(f.nnz), fill_of(f),
+               f.lowest_level == f.highest_level ? level : level + "-" + std::to_string(f.highest_level),
+               up_to(*f.first)});
+  }
+  return table;
+}
+
+void print_groups(Page& page, const Structure& s, const std::vector<ClassFigures>& figures) {
+  if (s.groups.empty()) return;
+  page.gap();
+  if (s.groups.size() <= kMostRows) {
+    page.table(group_table(s, figures));
+  } else {
+    page.table(class_table(figures));
+    if (figures.size() > kMostClasses) {
+      page.fact("", "and " + counted(static_cast<std::int64_t>(figures.size() - kMostClasses), "class") + " more");
+    }
+  }
+}
+
+// "9 + 3 + 3", runs as "40 x 2".
+std::string blocks_of(const GroupClass& c) {
+  constexpr std::size_t kMostTerms = 8;
+  const std::vector<std::int32_t> sizes = block_sizes(c);
+  std::string text;
+  std::size_t terms = 0;
+  for (std::size_t k = 0; k < sizes.size() && terms <= kMostTerms; ++terms) {
+    const auto run_end = std::find_if(sizes.begin() + static_cast<std::ptrdiff_t>(k), sizes.end(),
+                                      [&](std::int32_t n) { return n != sizes[k]; });
+    const std::size_t run = static_cast<std::size_t>(run_end - sizes.begin()) - k;
+    const std::size_t written = run > 3 ? run : 1;
+    text += text.empty() ? "" : " + ";
+    text += terms == kMostTerms ? "..."
+            : written > 1       ? std::to_string(run) + " x " + std::to_string(sizes[k])
+                                : std::to_string(sizes[k]);
+    k += written;
+  }
+  return text;
+}
+
+// "12 of 3, 6 of 9"
+std::string sizes_of(const Irreducible& split) {
+  std::vector<std::string> parts;
+  for (const auto& [n, count] : split.sizes) parts.push_back(grouped(count) + " of " + grouped(n));
+  return listed(parts);
+}
+
+void print_irreducible(Page& page, const Structure& s, const Irreducible& split) {
+  std::string_view label = "irreducible";
+  const auto say = [&](const std::string& text) {
+    page.fact(label, text);
+    label = "";
+  };
+  if (s.classes.size() <= kMostRows) {
+    for (std::size_t c = 0; c < s.classes.size(); ++c) {
+      if (s.classes[c].blocks < 2) continue;
+      say("class " + std::to_string(c) + ": " + grouped(s.classes[c].n) + " = " + blocks_of(s.classes[c]));
+    }
+  }
+  const std::string left = split.sizes.size() == 1
+                               ? counted(split.groups, "group") + " of " + grouped(split.sizes.begin()->first)
+                               : counted(split.groups, "group") + ": " + sizes_of(split);
+  say(split.eliminated > 0
+          ? "linear equations eliminate " + counted(split.eliminated, "unknown") + ", which leaves " + left
+          : left + "; no linear equation eliminates an unknown");
+}
+
+// What depends on what, and how far.
+std::string said(const Redundancy& r) {
+  const std::string by = number(r.violation) + (r.is_length ? " m" : "");
+  const bool alone = r.constraints.size() == 1;
+  const std::string between = alone ? r.dropped + ": between known values" : listed(r.constraints);
+  switch (r.kind) {
+    case Redundancy::Kind::structural:
+      return between + (alone ? "" : ": one follows from the others") + "; " + (alone ? "" : r.dropped + " is ") +
+             "checked, not solved";
+    case Redundancy::Kind::motion:
+      return between + ": " + (alone ? "it" : r.dropped) +
+             " holds while the drivers run by these laws, and is checked; at other values of them it does not (off "
+             "by " +
+             by + ")";
+    case Redundancy::Kind::start:
+      return between + ": " + (alone ? "it" : r.dropped) +
+             " holds at the start posture and not beyond: at t = " + number(r.time) + " s it is off by " + by;
+    case Redundancy::Kind::unknown:
+      break;
+  }
+  return between + (alone ? "" : ": dependent at the start posture") + "; " + (alone ? "" : r.dropped + " is ") +
+         "checked, not solved";
+}
+
+void print_findings(Page& page, const Scene& scene, const Structure& s) {
+  if (!s.undetermined.empty()) page.fact("undetermined", listed(s.undetermined) + ": nothing fixes them");
+  std::vector<std::string> redundant;
+  for (const Redundancy& r : s.redundant) redundant.push_back(said(r));
+  page.list("redundant", redundant);
+  if (!s.cannot_assemble.empty()) page.fact("start posture", s.cannot_assemble);
+  print_notes(page, scene, s);
+}
+
+}  // namespace
+
+void print(Page& page, const Scene& scene, const Structure& s, const Irreducible& split) {
+  page.title(scene.name() + ", " + std::to_string(scene.dimension()) + "D");
+  page.gap();
+  print_counts(page, s);
+  print_groups(page, s, class_figures(s));
+  page.gap();
+  if (split.groups > 0) print_irreducible(page, s, split);
+  print(page, s.left_out, s.formulation);
+  if (s.formulation != Formulation::irreducible && s.left_out.unknowns != split.left_out.unknowns) {
+    print(page, split.left_out, Formulation::irreducible, "");
+  }
+  print_findings(page, scene, s);
+}
+
+}  // namespace assur::output

@@ -1,0 +1,221 @@
+#include "pictures/animation.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <unordered_map>
+#include <utility>
+
+#include "numbers.hpp"
+#include "output/format.hpp"
+#include "pictures/animation_files.hpp"
+#include "pictures/faces.hpp"
+#include "pictures/html.hpp"
+#include "pictures/packed.hpp"
+#include "scene/outputs.hpp"
+#include "scene/system.hpp"
+#include "structure/closest.hpp"
+
+namespace assur::pictures {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::int64_t kMostFrames = 1000;      // more are not seen on any screen
+constexpr std::int64_t kMostNumbers = 2000000;  // of points, and of outputs: four bytes each in the page
+constexpr std::size_t kMostNamed = 8;           // violated constraints
+constexpr std::size_t kMostQuantities = 200;    // that one would look for in a list
+
+double six_digits(double value) {
+  if (value == 0 || !std::isfinite(value)) return value;
+  const double unit = std::pow(10, 5 - std::floor(std::log10(std::abs(value))));
+  return std::isfinite(unit) && unit > 0 ? std::round(value * unit) / unit : value;
+}
+
+Json json(const Packed& packed) { return {{"low", packed.low}, {"span", packed.span}, {"text", packed.text}}; }
+
+// A point's group, or in words why it has none.
+Json solver(int group) {
+  if (group >= 0) return group;
+  return group == Drawing::Point::kDriven ? "driven" : group == Drawing::Point::kResting ? "at rest" : "fixed";
+}
+
+std::string kind_name(Drawing::Kind kind) {
+  static constexpr std::array kNames = {"rod", "actuator", "rail", "relation"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
+
+}  // namespace
+
+Scene with_all_points(const Scene& scene) {
+  if (scene.outputs().empty()) return scene;  // then everything is wanted
+  std::vector<std::string> outputs = scene.outputs();
+  const auto add = [&](const std::string& point) { outputs.push_back(point + ".position"); };
+  for (const assur::Point& p : scene.points()) {
+    if (!p.fixed) add(p.name);
+  }
+  for (const Body& b : scene.bodies()) {
+    for (const Member& m : b.points) {
+      if (b.name != "ground") add(m.name);
+    }
+  }
+  return scene.with_outputs(std::move(outputs));
+}
+
+Animation::Animation(const Prepared& wanted, const Prepared& shown, std::int64_t steps)
+    : name_(wanted.name), drawing_(drawing_of(*wanted.scene)), steps_(steps) {
+  std::unordered_map<std::string, std::size_t> column;
+  for (const std::string& name : column_names(*shown.structure->system)) column.emplace(name, column.size());
+  for (std::size_t i = 0; i < drawing_.moving; ++i) {
+    for (int k = 0; k < drawing_.dimension; ++k) {
+      point_columns_.push_back(column.at(drawing_.points[i].name + "." + "xyz"[k]));
+    }
+  }
+  // Positions that were added stand behind what was asked for: that has the same columns here.
+  shown_ = worth_showing(*wanted.structure);
+  quantities_ = shown_.size();
+  if (shown_.size() > kMostQuantities) shown_.resize(kMostQuantities);
+  for (Quantity& q : shown_) {
+    for (std::size_t& value : q.columns) {
+      value_columns_.push_back(value);
+      value = value_columns_.size() - 1;
+    }
+  }
+  const auto numbers = static_cast<std::int64_t>(std::max(point_columns_.size(), value_columns_.size()));
+  const std::int64_t most = std::clamp<std::int64_t>(kMostNumbers / std::max<std::int64_t>(numbers, 1), 2, kMostFrames);
+  stride_ = std::max<std::int64_t>((steps + most - 1) / most, 1);
+}
+
+Animation::Animation(const Scene& scene, const Structure& refused)
+    : name_(scene.name()), drawing_(drawing_of(scene)), steps_(1), last_(1) {
+  const System& system = *refused.system;
+  const ClosestPosture closest = closest_posture(refused);
+  for (const std::vector<double>* q : {&system.guess, &closest.q}) {
+    times_.push_back(static_cast<double>(times_.size()));
+    for (std::size_t i = 0; i < drawing_.moving; ++i) {
+      const Item& item = system.item(drawing_.points[i].name);
+      for (int k = 0; k < item.components; ++k) {
+        points_.push_back(form_value<double>(system, item.form[k], *q) * system.unit(1));
+      }
+    }
+  }
+  postures_ = {"the guess", "the closest posture"};
+  std::string worst;
+  for (const ViolatedConstraint& v : closest.violated) {
+    violated_.push_back(v.name);
+    if (violated_.size() > kMostNamed) continue;
+    worst += (worst.empty() ? "" : ", ") + v.name + " by " + output::number(v.by) + (v.is_length ? " m" : "");
+  }
+  if (violated_.size() > kMostNamed) worst += ", ...";
+  ended_ = "The mechanism cannot be assembled: " + refused.cannot_assemble +
+           ". Shown are the guess and the closest posture, which violates " + worst;
+}
+
+void Animation::take(std::int64_t k, const Simulator& simulator) {
+  last_ = k;
+  if (k % stride_ == 0 || k == steps_) keep(simulator);
+}
+
+void Animation::end(const Simulator& simulator, std::string why) {
+  ended_ = "The motion ends early: " + std::move(why);
+  if (simulator.time() == times_.back()) return;
+  keep(simulator);
+  // It is no step of the motion, and at a fold the outputs' derivatives have no bounds.
+  std::fill(values_.end() - static_cast<std::ptrdiff_t>(value_columns_.size()), values_.end(), kNan);
+}
+
+void Animation::keep(const Simulator& simulator) {
+  const std::span<const double> now = simulator.outputs();
+  times_.push_back(simulator.time());
+  for (const std::size_t c : point_columns_) points_.push_back(now[c]);
+  for (const std::size_t c : value_columns_) values_.push_back(now[c]);
+}
+
+std::string Animation::data() const {
+  const auto dimension = static_cast<std::size_t>(drawing_.dimension);
+  const auto first_place = [&](int i) {
+    Triple at = drawing_.points[static_cast<std::size_t>(i)].at;
+    if (static_cast<std::size_t>(i) < drawing_.moving) {
+      for (std::size_t k = 0; k < dimension; ++k) at[k] = points_[static_cast<std::size_t>(i) * dimension + k];
+    }
+    return at;
+  };
+  Json groups = Json::array(), points = Json::array(), links = Json::array(), bodies = Json::array(),
+       outputs = Json::array();
+  for (const Drawing::Group& g : drawing_.groups) groups.push_back({g.name, g.level});
+  for (const Drawing::Point& p : drawing_.points) {
+    Json& row = points.emplace_back(Json{{"name", p.name}, {"group", solver(p.group)}});
+    if (p.slides) row["slides"] = true;
+    if (points.size() > drawing_.moving)
+      row["at"] = Json{six_digits(p.at[0]), six_digits(p.at[1]), six_digits(p.at[2])};
+  }
+  for (const Drawing::Link& l : drawing_.links) links.push_back({l.from, l.to, kind_name(l.kind), l.name});
+  for (const Drawing::Body& b : drawing_.bodies) {
+    std::vector<Triple> at;
+    for (const int i : b.points) at.push_back(first_place(i));
+    std::vector<std::vector<int>> corners = faces(at);
+    for (std::vector<int>& face : corners) {
+      for (int& corner : face) corner = b.points[static_cast<std::size_t>(corner)];
+    }
+    bodies.push_back({b.name, b.points, corners});
+  }
+  for (const Quantity& q : shown_) {
+    outputs.push_back({{"of", q.output}, {"title", q.title}, {"unit", q.unit}, {"columns", q.columns}});
+  }
+  // The axes share no range, but all points do.
+  Json all = {{"dimension", drawing_.dimension},
+              {"times", times_},
+              {"groups", groups},
+              {"points", points},
+              {"links", links},
+              {"bodies", bodies},
+              {"outputs", outputs},
+              {"places", json(packed(points_, dimension))},
+              {"values", json(packed(values_, std::max<std::size_t>(value_columns_.size(), 1)))}};
+  if (!postures_.empty()) {
+    all["postures"] = postures_;
+    all["violated"] = violated_;
+  }
+  std::string text = all.dump();
+  // Nothing in it may end the element that it stands in.
+  for (std::size_t at = 0; (at = text.find('<', at)) != std::string::npos;) text.replace(at, 1, "\\u003c");
+  return text;
+}
+
+std::vector<std::string> Animation::notes() const {
+  std::vector<std::string> notes;
+  if (stride_ > 1) {
+    notes.push_back(output::grouped(static_cast<std::int64_t>(times_.size())) + " of " +
+                    output::counted(last_ + 1, "posture") + " are shown, every " + output::grouped(stride_) +
+                    (stride_ == 2   ? "nd"
+                     : stride_ == 3 ? "rd"
+                                    : "th") +
+                    ".");
+  }
+  if (shown_.size() < quantities_) {
+    notes.push_back(output::grouped(static_cast<std::int64_t>(shown_.size())) + " of " +
+                    output::counted(static_cast<std::int64_t>(quantities_), "diagram") +
+                    " can be chosen; --outputs says which are wanted.");
+  }
+  return notes;
+}
+
+std::string Animation::page(const std::vector<std::string>& about) const {
+  std::string body = "<h1>" + escaped(name_) + "</h1>\n";
+  if (!ended_.empty()) body += "<p class=\"ended\">" + escaped(ended_) + ".</p>\n";
+  body.append(animation_body());
+  body += "<p class=\"faint\">";
+  bool first = true;
+  for (const auto& sentences : {notes(), about}) {
+    for (const std::string& sentence : sentences) {
+      body += (first ? "" : "<br>") + escaped(sentence);
+      first = false;
+    }
+  }
+  body += "</p>\n<script type=\"application/json\" id=\"motion\">" + data() + "</script>\n<script>\n";
+  body.append(animation_script()).append("</script>\n");
+  return html_page(name_, animation_style(), body);
+}
+
+}  // namespace assur::pictures

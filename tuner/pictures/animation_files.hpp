@@ -1,0 +1,12 @@
+// tuner/view/animation, embedded at build time.
+#pragma once
+
+#include <string_view>
+
+namespace assur::pictures {
+
+[[nodiscard]] std::string_view animation_body();    // HTML: controls and canvases
+[[nodiscard]] std::string_view animation_style();   // CSS, beside that of every page
+[[nodiscard]] std::string_view animation_script();  // JavaScript, in the order in which it needs itself
+
+}  // namespace assur::pictures

@@ -1,0 +1,18 @@
+// `assur compare` as a page: the work-precision diagram, what `auto` makes of each accuracy, and every number.
+#pragma once
+
+#include <string>
+
+#include "output/comparison_report.hpp"
+#include "pictures/plot.hpp"
+
+namespace assur::pictures {
+
+// Error against time, logarithmic; a series for each knob, the Pareto front, and what `auto` took.
+[[nodiscard]] Plot work_precision_plot(const output::ComparisonSummary& summary);
+
+// `origin`: machine, version and day, a sentence each.
+[[nodiscard]] std::string comparison_page(const output::ComparisonSummary& summary,
+                                          const std::vector<std::string>& origin);
+
+}  // namespace assur::pictures

@@ -1,0 +1,100 @@
+#include "pictures/html.hpp"
+
+namespace assur::pictures {
+namespace {
+
+constexpr std::string_view kStyle = R"(
+:root { color-scheme: light dark; --ink: #1b1f24; --paper: #ffffff; --faint: #59636e; --rule: #d5dae0; --tint: #f3f6f9; }
+@media (prefers-color-scheme: dark) {
+  :root { --ink: #e6e9ed; --paper: #14181d; --faint: #9aa5b1; --rule: #343b44; --tint: #1d232a; }
+}
+* { box-sizing: border-box; }
+body { margin: 0 auto; max-width: 1240px; padding: 1rem; background: var(--paper); color: var(--ink);
+       font: 16px/1.5 system-ui, sans-serif; }
+h1 { font-size: 1.5rem; line-height: 1.25; margin: 0.5rem 0; }
+h2 { font-size: 1.15rem; margin: 2rem 0 0.5rem; }
+p { margin: 0.5rem 0; }
+.faint { color: var(--faint); }
+.scroll { overflow-x: auto; }
+table { border-collapse: collapse; font-size: 0.875rem; font-variant-numeric: tabular-nums; }
+th, td { vertical-align: top; white-space: nowrap; padding: 0.2rem 0.75rem 0.2rem 0; text-align: left; border-bottom: 1px solid var(--rule); }
+.small table { font-size: 0.75rem; }
+.tall th { white-space: normal; min-width: 4.5rem; vertical-align: bottom; }
+th { color: var(--faint); font-weight: 600; }
+th.number, td.number { text-align: right; }
+th.words, td.words { white-space: normal; min-width: 7rem; }
+@media (min-width: 641px) { td:not([class]) { white-space: normal; } }
+tr.strong td { background: var(--tint); font-weight: 600; }
+)";
+
+std::string_view css_class(HtmlTable::Column column) {
+  switch (column) {
+    case HtmlTable::Column::text:
+      return "";
+    case HtmlTable::Column::number:
+      return " class=\"number\"";
+    case HtmlTable::Column::words:
+      return " class=\"words\"";
+  }
+  return "";
+}
+
+// A line may also end behind these, where lines may end at all.
+std::string breakable(const std::string& text, std::string_view behind) {
+  std::string out;
+  for (const char c : text) {
+    out += c;
+    if (behind.find(c) != std::string_view::npos) out += "<wbr>";
+  }
+  return out;
+}
+
+std::string row(const HtmlTable& table, const HtmlTable::Row& row, std::string_view element) {
+  std::string out = row.css_class.empty() ? "<tr>" : "<tr class=\"" + row.css_class + "\">";
+  for (std::size_t c = 0; c < row.cells.size(); ++c) {
+    out.append("<").append(element).append(css_class(table.columns[c])).append(">");
+    const std::string_view behind = element == "th" ? "+/" : "+";
+    out.append(breakable(escaped(row.cells[c]), behind)).append("</").append(element).append(">");
+  }
+  return out + "</tr>\n";
+}
+
+}  // namespace
+
+std::string escaped(std::string_view text) {
+  std::string out;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        out += c;
+    }
+  }
+  return out;
+}
+
+std::string html(const HtmlTable& table) {
+  std::string out = "<div class=\"scroll\"><table>\n<thead>" + row(table, {table.titles}, "th") + "</thead>\n<tbody>\n";
+  for (const HtmlTable::Row& r : table.rows) out += row(table, r, "td");
+  return out + "</tbody></table></div>\n";
+}
+
+std::string html_page(std::string_view title, std::string_view style, std::string_view body) {
+  std::string out = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n";
+  out += "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n";
+  out.append("<title>").append(escaped(title)).append("</title>\n<style>").append(kStyle).append(style);
+  return out.append("</style>\n</head>\n<body>\n").append(body).append("</body>\n</html>\n");
+}
+
+}  // namespace assur::pictures

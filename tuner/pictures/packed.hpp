@@ -1,0 +1,19 @@
+// Many numbers as text that is short and that a page reads fast.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace assur::pictures {
+
+// Rows of `width` numbers each: 24 bits over the range of their column, seven digits in four letters of base64.
+struct Packed {
+  std::vector<double> low, span;  // width
+  std::string text;               // 4 letters for each number; 24 ones: it is not finite
+};
+
+[[nodiscard]] Packed packed(std::span<const double> rows, std::size_t width);
+
+}  // namespace assur::pictures

@@ -1,0 +1,271 @@
+#include "report/paper/runs.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "assur/machine.hpp"
+#include "assur/plan.hpp"
+#include "assur/simulator.hpp"
+#include "measure/deviation.hpp"
+#include "measure/noise.hpp"
+#include "measure/race.hpp"
+#include "measure/step_times.hpp"
+#include "measure/ways.hpp"
+#include "median.hpp"
+#include "numbers.hpp"
+#include "output/format.hpp"
+#include "report/grid_run.hpp"
+#include "report/paper/cells.hpp"
+
+namespace assur::report {
+namespace {
+
+using measure::StepTimes;
+
+constexpr double kPaperStep = 0.01;      // s: the paper's dt
+constexpr std::int64_t kSteps = 20000;   // of the grid: the paper's tEnd / dt
+constexpr double kCondition = 23;        // at most, of all these mechanisms
+constexpr double kConverged = 8 * kEps;  // where Newton's method ends
+constexpr double kVerification = 0.02;   // s of steps that are compared, from 2 to 50 of them
+constexpr double kBlock = 2e-3;          // s of steps that are timed together, at least
+constexpr double kShort = 0.02;          // s: steps that can have some rounds more
+constexpr int kRoundsOfTheShort = 7;
+constexpr double kSecondsOfTheShort = 2;
+constexpr double kMeterSeconds = 0.25;  // the counters tick each millisecond
+constexpr double kShareExpected = 0.7;  // of the time left: what is expected need not come true
+constexpr double kRoundsAtLeast = 3;    // of all that was verified, whatever that takes
+
+double worst_residual(const ErrorFigures& e) { return std::fmax(e.residual(), kConverged); }
+
+// A motion that all others are held against, with as many iterations as convergence takes.
+struct Yardstick {
+  std::vector<double> rows;  // steps x columns
+  double residual = 0;
+};
+
+struct Contender {
+  PaperTiming timing;
+  std::unique_ptr<GridRun> run;
+};
+
+class PaperExperiments {
+ public:
+  explicit PaperExperiments(const PaperOptions& options) : options_(options), begin_(StepTimes::steady()) {
+    const Machine machine = this_machine();
+    cores_ = machine.cores;
+    out_.threads = options.threads > 0 ? options.threads : machine.budget().threads;
+    watch_.emplace(out_.threads);
+    out_.quick = options.quick;
+    out_.stand_ins = stand_ins();
+  }
+
+  PaperResults run() {
+    std::vector<PaperContest> left = contests(out_.threads, options_.quick, out_.stand_ins);
+    std::stable_sort(left.begin(), left.end(),
+                     [this](const PaperContest& a, const PaperContest& b) { return least(a) < least(b); });
+    const std::size_t all = left.size();
+    while (!left.empty() && !stopped()) {
+      if (options_.progress) {
+        const double of_cells = static_cast<double>(all - left.size()) / static_cast<double>(all);
+        options_.progress(std::min(1.0, std::max(of_cells, elapsed() / options_.seconds)),
+                          "the paper, total size " + std::to_string(left[0].cell.total()));
+      }
+      hold(left);
+      left.erase(left.begin());
+    }
+    out_.interrupted = stopped();
+    out_.seconds = elapsed();
+    out_.noise = measure::judge(noise());
+    if (options_.progress && !out_.interrupted) options_.progress(1, "the paper");
+    return std::move(out_);
+  }
+
+ private:
+  [[nodiscard]] measure::Noise noise() const {
+    measure::Noise noise = watch_->noise();
+    noise.disturbed =
+        static_cast<double>(blocks_.disturbed) / static_cast<double>(std::max<std::int64_t>(blocks_.blocks, 1));
+    std::vector<double> spreads;
+    for (const PaperTiming& t : out_.times) {
+      if (t.rounds > 2) spreads.push_back(t.spread / t.seconds);
+    }
+    noise.scatter = spreads.empty() ? 0 : median(std::move(spreads));
+    return noise;
+  }
+  [[nodiscard]] bool stopped() const { return options_.interrupted && options_.interrupted(); }
+  [[nodiscard]] double elapsed() const { return StepTimes::steady() - begin_; }
+  [[nodiscard]] double least(const PaperContest& contest) const {
+    double sum = 0;
+    for (const Entrant& e : contest.entrants) sum += costs_.least(contest.cell, e);
+    return sum;
+  }
+
+  // The first of those left.
+  void hold(const std::vector<PaperContest>& left) {
+    const PaperContest& contest = left[0];
+    const double time_left = options_.seconds - elapsed();
+    const std::vector<std::vector<bool>> chosen = affordable(left, costs_, kShareExpected * time_left);
+    double others = 0;
+    for (std::size_t c = 1; c < left.size(); ++c) {
+      for (std::size_t e = 0; e < left[c].entrants.size(); ++e) {
+        if (chosen[c][e]) others += costs_.least(left[c].cell, left[c].entrants[e]);
+      }
+    }
+    const double end = elapsed() + (time_left - others) / static_cast<double>(left.size());
+
+    const Scene scene =
+        sample(contest.cell.scene()).with_time({0, kPaperStep * static_cast<double>(kSteps), kPaperStep});
+    std::optional<Yardstick> yardstick;
+    std::vector<Contender> contenders;
+    for (std::size_t e = 0; e < contest.entrants.size() && !stopped(); ++e) {
+      const Entrant& entrant = contest.entrants[e];
+      Contender c = named(contest.cell, entrant);
+      if (!chosen[0][e]) {
+        c.timing.why_not = "did not fit into the time that was left: some " +
+                           output::duration(costs_.step(contest.cell, entrant)) + " a step";
+      } else {
+        verify(c, scene, entrant, yardstick);
+      }
+      contenders.push_back(std::move(c));
+    }
+    race(contenders, end - elapsed());
+    for (std::size_t e = 0; e < contenders.size(); ++e) {
+      PaperTiming& t = contenders[e].timing;
+      if (contenders[e].run) t.newton = contenders[e].run->iterations();
+      if (t.timed()) costs_.learn(contest.cell, contest.entrants[e], t.seconds);
+      if (t.timed() && contest.cell.iterations == cells_of_table(4)[0].iterations) weigh(contenders[e]);
+      out_.times.push_back(std::move(t));
+    }
+  }
+
+  static Contender named(const PaperCell& cell, const Entrant& entrant) {
+    Contender c;
+    c.timing.cell = cell;
+    c.timing.version = entrant.version;
+    c.timing.p = entrant.p;
+    c.timing.q = entrant.q;
+    c.timing.reading = entrant.reading;
+    c.timing.strategy = entrant.strategy;
+    return c;
+  }
+
+  [[nodiscard]] PrepareOptions how(const std::string& strategy) const {
+    PrepareOptions options{.strategy = strategy, .budget = ThreadBudget{out_.threads}};
+    options.model = options_.model;
+    return options;
+  }
+
+  // Leaves a run behind whose motion is right, or the reason why there is none.
+  void verify(Contender& c, const Scene& scene, const Entrant& entrant, std::optional<Yardstick>& yardstick) const {
+    try {
+      if (!yardstick) yardstick = make_yardstick(scene, c.timing.cell);
+      const Prepared prepared = prepare(scene, how(entrant.strategy));
+      if (entrant.version == kAuto) c.timing.strategy = "auto: " + measure::essence(prepared.plan);
+      auto run = std::make_unique<GridRun>(prepared, c.timing.cell.iterations, cores_);
+      const auto width = static_cast<std::size_t>(run->columns().size());
+      const int steps = std::min(steps_to_verify(costs_.step(c.timing.cell, entrant)),
+                                 static_cast<int>(yardstick->rows.size() / width));
+      const std::vector<double> rows = run->first_steps(steps);
+      const double off = measure::deviation(run->columns(), rows, std::span(yardstick->rows).first(rows.size()));
+      c.timing.deviation = off;
+      // What residuals r of two motions leave of their accelerations, the most sensitive of their outputs.
+      const double bound = 2 * std::max(worst_residual(run->error()), yardstick->residual) * std::pow(kCondition, 3);
+      if (!(off <= bound)) {
+        c.timing.why_not =
+            "wrong: off by " + output::error_figure(off) + ", allowed are " + output::error_figure(bound);
+        return;
+      }
+      c.run = std::move(run);
+    } catch (const Error& error) {
+      c.timing.why_not = error.what();
+    }
+  }
+
+  static int steps_to_verify(double step) { return static_cast<int>(std::clamp(kVerification / step, 2.0, 50.0)); }
+
+  // By a solver that is quick at all sizes, in a way that no entrant takes.
+  [[nodiscard]] Yardstick make_yardstick(const Scene& scene, const PaperCell& cell) const {
+    const Entrant sparse{"GEOMP+MA27", 1, 1, Reading::shared, "groups/" + out_.stand_ins.sparse};
+    GridRun run(prepare(scene, how("global/" + out_.stand_ins.sparse + "+refine")), 0, {});
+    Yardstick out;
+    out.rows = run.first_steps(steps_to_verify(costs_.step(cell, sparse)));
+    out.residual = worst_residual(run.error());
+    return out;
+  }
+
+  void race(std::vector<Contender>& contenders, double seconds) {
+    std::vector<measure::Runner> runners;
+    double round = 0;
+    for (Contender& c : contenders) {
+      if (c.run == nullptr) continue;
+      runners.push_back({.work = c.run.get()});
+      round += std::max(c.run->seconds(), kBlock);
+    }
+    take_turns(runners, std::max(seconds, kRoundsAtLeast * round), options_.quick ? 11 : 21);
+    take_turns(short_of_rounds(runners), kSecondsOfTheShort, kRoundsOfTheShort);
+    for (Contender& c : contenders) {
+      for (const measure::Runner& r : runners) {
+        if (r.work == c.run.get()) write_down(r, c.timing);
+      }
+    }
+  }
+
+  void take_turns(std::span<measure::Runner> runners, double seconds, int most_rounds) {
+    measure::RaceRules rules;
+    rules.block = kBlock;
+    rules.seconds = seconds;
+    rules.least_rounds = std::min(rules.least_rounds, most_rounds);
+    rules.most_rounds = most_rounds;
+    rules.hopeless = kInfinity;  // the slow ones are wanted too
+    measure::Instruments instruments;
+    instruments.stop = [this] { return stopped(); };
+    const measure::RaceFigures figures = measure::race(runners, rules, instruments);
+    blocks_.blocks += figures.blocks;
+    blocks_.disturbed += figures.disturbed;
+  }
+
+  // Those that would have had more rounds, had they not waited for slow ones: moved to the end, to take turns again.
+  static std::span<measure::Runner> short_of_rounds(std::vector<measure::Runner>& runners) {
+    const auto first = std::stable_partition(runners.begin(), runners.end(), [](const measure::Runner& r) {
+      return r.failed || r.median() > kShort || r.seconds.size() >= kRoundsOfTheShort;
+    });
+    std::for_each(first, runners.end(), [](measure::Runner& r) { r.hopeless = false; });
+    return {first, runners.end()};
+  }
+
+  void write_down(const measure::Runner& r, PaperTiming& t) const {
+    if (r.seconds.empty()) {
+      t.why_not = r.failed ? "failed when it was timed" : stopped() ? "interrupted" : "there was no time left for it";
+      return;
+    }
+    t.seconds = r.median();
+    t.spread = r.spread();
+    t.rounds = static_cast<int>(r.seconds.size());
+    t.steps_timed = static_cast<std::int64_t>(r.seconds.size()) * r.calls;
+  }
+
+  // Energy of one step, from as many as the counters can tell apart.
+  void weigh(Contender& c) const {
+    if (!options_.meter.why_not().empty() || stopped()) return;
+    const int calls = std::max(1, static_cast<int>(std::ceil(kMeterSeconds / c.timing.seconds)));
+    const std::vector<std::int64_t> before = options_.meter.read();
+    if (!c.run->run(calls)) return;
+    c.timing.joules = options_.meter.joules(before, options_.meter.read()) / calls;
+  }
+
+  const PaperOptions& options_;
+  double begin_;
+  std::vector<int> cores_;
+  std::optional<measure::NoiseWatch> watch_;
+  measure::RaceFigures blocks_;
+  PaperCosts costs_;
+  PaperResults out_;
+};
+
+}  // namespace
+
+PaperResults run_the_paper(const PaperOptions& options) { return PaperExperiments(options).run(); }
+
+}  // namespace assur::report

@@ -1,0 +1,41 @@
+// The paper's experiments, run on this machine: every strategy of a cell verified, then all of them timed in turns.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "assur/performance.hpp"
+#include "measure/noise.hpp"
+#include "report/energy.hpp"
+#include "report/paper/cells.hpp"
+#include "report/paper/plan.hpp"
+
+namespace assur::report {
+
+struct PaperOptions {
+  double seconds = 75;  // for everything
+  bool quick = true;    // small cells only
+  int threads = 0;      // 0: the machine's budget
+  std::function<bool()> interrupted = {};
+  std::function<void(double fraction, const std::string& what)> progress = {};
+  double watts = 0;                                         // of the processor (thermal design power); 0: not known
+  std::shared_ptr<const PerformanceModel> model = nullptr;  // that `auto` decides by; null: machine_model()
+  EnergyMeter meter = EnergyMeter();
+};
+
+struct PaperResults {
+  std::vector<PaperTiming> times;  // of what was run, and of what was not, and why
+  StandIns stand_ins;
+  int threads = 1;
+  bool quick = true, interrupted = false;
+  double seconds = 0;  // that all of it took
+  measure::Judgement noise = {};
+};
+
+// Everything that fits into the time given, the short cells first. Never throws for what cannot run here: it is listed
+// with the reason.
+[[nodiscard]] PaperResults run_the_paper(const PaperOptions& options);
+
+}  // namespace assur::report
