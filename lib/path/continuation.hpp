@@ -125,6 +125,10 @@ class Continuation {
   [[nodiscard]] Inputs& inputs() { return inputs_; }
 
  private:
+  static constexpr int kStepHalvings = 20;  // a step is halved down to 2^-20, then it is asked why it fails
+  static constexpr double kSmallestStep = 1.0 / (1 << kStepHalvings);
+  static constexpr int kMostRejected = 10000;  // attempts of one step, whatever they were for
+
   void repeat_in_idle_lanes();
   void tell_before_dividing();
   [[nodiscard]] Status solve_at(double t, Attempt::Branch branch, StepErrors& errors);

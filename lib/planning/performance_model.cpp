@@ -246,8 +246,8 @@ struct PerformanceModel::Impl {
 
   // What a pack costs beyond its kernels, by W: whatever the solver, so the quickest one tells best.
   void fit_rest(const Cells& cells) {
-    using Place = std::tuple<std::int32_t, std::uint64_t, std::int64_t, std::int32_t>;
-    std::map<Place, const Gathered*> quickest;
+    using CellKey = std::tuple<std::int32_t, std::uint64_t, std::int64_t, std::int32_t>;
+    std::map<CellKey, const Gathered*> quickest;
     for (const auto& [cell, k] : cells) {
       if (cell.kernel != number(Kernel::pack) || in_registers(k.shape, k.strategy) || k.strategy.once) continue;
       if (k.strategy.reuse != Reuse::fresh) continue;

@@ -109,17 +109,17 @@ class PlainLu final : public LinearSolver {
 };
 
 inline constexpr Backend kPlainLu = {
-    "plain_lu",
-    [](const Shape&, ThreadBudget) { return std::string(); },
-    [](ThreadBudget, Precision precision) -> std::unique_ptr<LinearSolver> {
+    .id = "plain_lu",
+    .why_not = [](const Shape&, ThreadBudget) { return std::string(); },
+    .make = [](ThreadBudget, Precision precision) -> std::unique_ptr<LinearSolver> {
       if (precision == Precision::binary32) return std::make_unique<PlainLu<float>>();
       return std::make_unique<PlainLu<double>>();
     },
-    true,
-    false,
-    true,
-    "Apache-2.0",
-    [] { return std::string("1"); },
+    .version = [] { return std::string("1"); },
+    .licence = "Apache-2.0",
+    .dense = true,
+    .single = true,
+    .steady = true,
 };
 
 }  // namespace assur::test

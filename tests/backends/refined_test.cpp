@@ -212,16 +212,15 @@ TEST(Refined, NoRowHidesBehindALargerOne) {
 }
 
 TEST(Refined, WhatCannotBeRefinedIsNotConverged) {
-  static constexpr Backend kWrong = {"wrong",
-                                     kPlainLu.why_not,
-                                     [](ThreadBudget, Precision) -> std::unique_ptr<LinearSolver> {
+  static constexpr Backend kWrong = {.id = "wrong",
+                                     .why_not = kPlainLu.why_not,
+                                     .make = [](ThreadBudget, Precision) -> std::unique_ptr<LinearSolver> {
                                        return std::make_unique<Wrong>(3.0);  // each correction makes it worse
                                      },
-                                     true,
-                                     false,
-                                     true,
-                                     "Apache-2.0",
-                                     kPlainLu.version};
+                                     .version = kPlainLu.version,
+                                     .licence = "Apache-2.0",
+                                     .single = true,
+                                     .steady = true};
   Random random(5);
   const Solution solution = solve(*make_solver(kWrong, {}, Precision::binary64, true), {dense(9, random)});
   EXPECT_EQ(solution.status.code, Code::not_converged);

@@ -51,8 +51,11 @@ std::string refusal(std::span<const Backend> table, std::string_view id) {
 TEST(Registry, AnUnknownIdIsAnsweredWithTheKnownOnes) {
   const Backend table[] = {
       core_backends()[0],
-      {"gone", [](const Shape&, ThreadBudget) { return std::string("install it"); }, nullptr, true, false, false, "MIT",
-       nullptr},
+      {.id = "gone",
+       .why_not = [](const Shape&, ThreadBudget) { return std::string("install it"); },
+       .make = nullptr,
+       .version = nullptr,
+       .licence = "MIT"},
   };
   EXPECT_EQ(&find_backend(table, "gone"), &table[1]);  // an absent one is still a row
   EXPECT_EQ(refusal(table, "clu"),

@@ -6,14 +6,12 @@
 namespace assur::test {
 
 const Backend* symmetric_mumps() {
-  static constexpr Backend kRow = {"symmetric_mumps",
-                                   [](const Shape&, ThreadBudget) { return std::string(); },
-                                   [](ThreadBudget, Precision) { return make_augmented(mumps::make_symmetric); },
-                                   false,
-                                   false,
-                                   false,
-                                   "CECILL-C",
-                                   [] { return std::string(MUMPS_VERSION); }};
+  static constexpr Backend kRow = {
+      .id = "symmetric_mumps",
+      .why_not = [](const Shape&, ThreadBudget) { return std::string(); },
+      .make = [](ThreadBudget, Precision) { return make_augmented(mumps::make_symmetric); },
+      .version = [] { return std::string(MUMPS_VERSION); },
+      .licence = "CECILL-C"};
   return &kRow;
 }
 

@@ -57,8 +57,8 @@ constexpr double kRequired = 1e-10;  // of a rival, whatever the condition would
 // more. The linear systems of the derivatives add what pivots cost: those of klu_defaults are kept down to 0.001 of
 // their column, so that elements grow up to 1000 times; partial pivoting in blocks of three at most 4 times.
 void expect_within(const Off& off, double condition, KluOptions options) {
-  const double residual = 2 * 8 * test::kEps;
-  const double pivots = options == KluOptions::defaults ? 1000 * test::kEps * condition : 0;  // else within the 8 eps
+  const double residual = 2 * 8 * kEps;
+  const double pivots = options == KluOptions::defaults ? 1000 * kEps * condition : 0;  // else within the 8 eps
   EXPECT_LE(off.value, std::min(kRequired, residual * condition));
   EXPECT_LE(off.rate, std::min(kRequired, residual * std::pow(condition, 2) + pivots));
   EXPECT_LE(off.acceleration, std::min(kRequired, residual * std::pow(condition, 3) + pivots * condition));

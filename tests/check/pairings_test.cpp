@@ -26,7 +26,6 @@ namespace assur {
 namespace {
 
 using test::Draw;
-using test::kEps;
 
 constexpr ThreadBudget kBudget{2};
 constexpr std::size_t kMembers = 4;

@@ -69,7 +69,7 @@ TEST(AskedOutputs, WhatABodyAndADriverBringAlongCanBeAskedFor) {
   const Scene scene = sample("stewart");
   EXPECT_EQ(test::simulator(scene.with_outputs({"P3.z"})).columns(), std::vector<std::string>{"P3.z"});
   const test::Result r = test::run(pendulum().with_outputs({"motor.rho.value"}));
-  EXPECT_NEAR(r.trajectory.last("motor.rho"), 1, 8 * test::kEps);  // |AX| |AB|
+  EXPECT_NEAR(r.trajectory.last("motor.rho"), 1, 8 * kEps);  // |AX| |AB|
 }
 
 TEST(AskedOutputs, AreRefusedWithWhatThereIs) {

@@ -8,7 +8,7 @@ namespace assur {
 namespace {
 
 using references::QuadJet;
-using test::kEps;
+
 using test::Result;
 
 struct Verdict {

@@ -21,7 +21,6 @@ namespace assur {
 namespace {
 
 using test::Draw;
-using test::kEps;
 
 struct Largest {
   double radius = 0, error = 0;  // of the run

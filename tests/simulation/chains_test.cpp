@@ -10,7 +10,7 @@ namespace {
 using references::Posture;
 using references::QuadJet;
 using test::Deviation;
-using test::kEps;
+
 using test::Result;
 
 struct Chain {

@@ -7,7 +7,6 @@
 namespace assur {
 namespace {
 
-using test::kEps;
 using test::Result;
 
 constexpr double kOmega = 6.283185307179586;

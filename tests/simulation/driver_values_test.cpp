@@ -43,9 +43,9 @@ TEST(DriverValues, OfARelativeAngleFromAnyGuess) {
         const double t = r.trajectory.times()[k];
         const auto at = [&](const char* column) { return r.trajectory(k, r.trajectory.index(column)); };
         // A few roundings of numbers of size 1.
-        EXPECT_NEAR(at("q"), 0.3 + t, 64 * test::kEps) << dimension << "D, off by " << degrees << " at " << t;
-        EXPECT_NEAR(at("e.x"), std::cos(0.3 + t), 64 * test::kEps);
-        EXPECT_NEAR(at("e.y"), std::sin(0.3 + t), 64 * test::kEps);
+        EXPECT_NEAR(at("q"), 0.3 + t, 64 * kEps) << dimension << "D, off by " << degrees << " at " << t;
+        EXPECT_NEAR(at("e.x"), std::cos(0.3 + t), 64 * kEps);
+        EXPECT_NEAR(at("e.y"), std::sin(0.3 + t), 64 * kEps);
       }
     }
   }
@@ -376,10 +376,10 @@ TEST(DriverValues, OfAPoseFromAFrameThatIsTurnedAbout) {
     for (std::size_t k = 0; k < r.trajectory.rows(); ++k) {
       const double c = std::cos(0.1 * r.trajectory.times()[k]), s = std::sin(0.1 * r.trajectory.times()[k]);
       const auto at = [&](const char* column) { return r.trajectory(k, r.trajectory.index(column)); };
-      EXPECT_NEAR(at("u.x"), c, 64 * test::kEps);
-      EXPECT_NEAR(at("u.y"), s, 64 * test::kEps);
-      EXPECT_NEAR(at("v.x"), -s, 64 * test::kEps);
-      EXPECT_NEAR(at("w.z"), 1, 64 * test::kEps);
+      EXPECT_NEAR(at("u.x"), c, 64 * kEps);
+      EXPECT_NEAR(at("u.y"), s, 64 * kEps);
+      EXPECT_NEAR(at("v.x"), -s, 64 * kEps);
+      EXPECT_NEAR(at("w.z"), 1, 64 * kEps);
     }
   }
 }

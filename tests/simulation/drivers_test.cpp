@@ -7,7 +7,6 @@
 namespace assur {
 namespace {
 
-using test::kEps;
 using test::Result;
 
 constexpr double kValue = 64 * kEps, kRate = 640 * kEps, kAcceleration = 6400 * kEps;

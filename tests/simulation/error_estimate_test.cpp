@@ -52,7 +52,7 @@ TEST(ErrorEstimate, IsNearTheTruth) {
       const ForwardError truth = forward_error(r.simulator.prepared(), r.trajectory), guess = estimated(r.report());
       for (const auto figure : {&ForwardError::position, &ForwardError::velocity, &ForwardError::acceleration}) {
         EXPECT_LE(truth.*figure, 4 * guess.*figure);
-        EXPECT_LE(guess.*figure, 1000 * std::max(truth.*figure, test::kEps));
+        EXPECT_LE(guess.*figure, 1000 * std::max(truth.*figure, kEps));
       }
     }
   }
@@ -96,7 +96,7 @@ TEST(ErrorEstimate, OfWhatStandsStill) {
       const Trajectory rows = s.run();
       const ForwardError truth = forward_error(p, rows), guess = estimated(s.report());
       EXPECT_LE(truth.position, 4 * guess.position);
-      EXPECT_LE(guess.position, 20 * test::kEps / std::sqrt(missed));
+      EXPECT_LE(guess.position, 20 * kEps / std::sqrt(missed));
       EXPECT_EQ(s.report().status.code, missed < 5e-12 ? Code::inaccurate : Code::ok) << guess.position;
     }
   }
@@ -391,7 +391,7 @@ TEST(ErrorEstimate, OfWhatBeginsAtRest) {
     const double off = static_cast<double>(std::abs(s.output("C.ax") - acceleration) / acceleration);
     EXPECT_LE(std::abs(s.output("C.vx") - static_cast<double>(rate)), 4 * s.report().error.estimated_velocity.value());
     EXPECT_LE(off, 4 * s.report().error.estimated_acceleration.value());
-    EXPECT_GE(s.report().error.estimated_acceleration, test::kEps / missed / 100);
+    EXPECT_GE(s.report().error.estimated_acceleration, kEps / missed / 100);
     EXPECT_EQ(moving.ok(), missed > 0.1);
   }
 }

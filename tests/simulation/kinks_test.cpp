@@ -11,8 +11,6 @@
 namespace assur {
 namespace {
 
-using test::kEps;
-
 // A bar in space turns about z from x; its angle with another direction is measured, without sign.
 Scene turning_bar(const std::string& law, const std::string& to, double start) {
   return parse_scene(R"({"assur": 1, "name": "bar", "dimension": 3,

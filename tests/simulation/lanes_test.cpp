@@ -12,7 +12,6 @@
 namespace assur {
 namespace {
 
-using test::kEps;
 using test::Result;
 
 // Elimination orders differ between one lane and several (pivots are chosen for all lanes together), so results agree

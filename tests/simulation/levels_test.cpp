@@ -299,7 +299,7 @@ TEST(Levels, WhatIsThrownOnTheWayLeavesThePostureOnTheWay) {
       }
       most = std::numeric_limits<int>::max();
       const auto expect_posture = [&] {
-        EXPECT_NEAR(s.output("B.x"), std::cos(0.5 + s.time()), 8 * test::kEps) << p << " " << allowed;
+        EXPECT_NEAR(s.output("B.x"), std::cos(0.5 + s.time()), 8 * kEps) << p << " " << allowed;
         EXPECT_NEAR(std::hypot(s.output("C7.x") - s.output("B.x"), s.output("C7.y") - s.output("B.y")), 1.8, 1e-14);
       };
       expect_posture();
@@ -327,7 +327,7 @@ TEST(Levels, WhatALawThrowsLeavesTheLastGoodPosture) {
   broken = false;
   EXPECT_EQ(s.time(), 0.01);
   ASSERT_TRUE(s.step(0.02).ok());
-  EXPECT_NEAR(s.output("B.x"), std::cos(0.52), 4 * test::kEps);
+  EXPECT_NEAR(s.output("B.x"), std::cos(0.52), 4 * kEps);
 }
 
 TEST(Levels, ADeadlineEndsAStep) {

@@ -7,7 +7,6 @@
 namespace assur {
 namespace {
 
-using test::kEps;
 using test::Result;
 
 struct Limit {
@@ -191,7 +190,8 @@ TEST(Limit, OfALeverIsSeenBetweenTheRows) {
     return builder.time(0, 1, 1).build();
   };
   for (const std::string strategy : {"irreducible/eigen", "groups/eigen", "groups/eigen:4+chunks=2"}) {
-    for (const std::vector<std::string>& outputs : {std::vector<std::string>{}, std::vector<std::string>{"B.position"}}) {
+    for (const std::vector<std::string>& outputs :
+         {std::vector<std::string>{}, std::vector<std::string>{"B.position"}}) {
       const Scene through = arm(-0.05);
       const Result r = test::run(outputs.empty() ? through : through.with_outputs(outputs), strategy);
       EXPECT_EQ(r.report().status.code, Code::actuator_zero) << strategy;

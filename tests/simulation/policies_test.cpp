@@ -9,7 +9,6 @@
 namespace assur {
 namespace {
 
-using test::kEps;
 using test::Result;
 
 // Positions to residuals of 8 eps, derivatives to normwise residuals of 32 eps, at the condition of a group (23 for a

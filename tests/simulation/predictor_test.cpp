@@ -7,7 +7,6 @@
 namespace assur {
 namespace {
 
-using test::kEps;
 using test::Result;
 
 const std::vector<std::string> kPredictors = {"taylor:0", "taylor:1", "taylor:2", "hermite:5", "past:0",

@@ -11,7 +11,6 @@
 namespace assur {
 namespace {
 
-using test::kEps;
 using test::Result;
 
 constexpr double kDegree = std::numbers::pi / 180;

@@ -19,8 +19,6 @@
 namespace assur {
 namespace {
 
-using test::kEps;
-
 // The platform is lowered until two arms, or all three, are outstretched, and lifted again. There the rods that were
 // chosen among the redundant ones become singular as well, and others are chosen.
 TEST(Recovery, ADeltaRobotComesBackFromItsLimit) {

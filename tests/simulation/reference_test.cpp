@@ -283,7 +283,7 @@ TEST(ForwardError, OfTheStewartPlatformInEveryFormulationAndSolver) {
 TEST(ForwardError, OfRingsIsThatOfTheirCondition) {
   const Prepared prepared = prepare(sample("rings:legs=3,n=12").with_time({0, 1, 0.01}));
   const ForwardError found = forward_error(prepared, Simulator(prepared).run());
-  EXPECT_LE(found.position, 8 * test::kEps * 16 * 17);
+  EXPECT_LE(found.position, 8 * kEps * 16 * 17);
 }
 
 TEST(ForwardError, OfGoughPosturesIsThatOfTheirCondition) {
@@ -321,10 +321,10 @@ TEST(ForwardError, WithACallback) {
   const QuadJet off = place(motion, "P")[0] - sqrt(QuadJet{1} - y * y);
   // Two roundings of the residual over its derivative 2x >= 1.6; the acceleration amplifies them by the square of the
   // driver's 2 pi 1/s.
-  EXPECT_LE(magnitude(off), 2 * test::kEps * std::pow(2 * std::numbers::pi, 2));
+  EXPECT_LE(magnitude(off), 2 * kEps * std::pow(2 * std::numbers::pi, 2));
 
   const Prepared prepared = prepare(scene);
-  EXPECT_LE(forward_error(prepared, Simulator(prepared).run()).position, 8 * test::kEps);
+  EXPECT_LE(forward_error(prepared, Simulator(prepared).run()).position, 8 * kEps);
 }
 
 // An angle may be counted from another turn on; that is no error.
@@ -334,7 +334,7 @@ TEST(ForwardError, OfAnAngleOverManyTurns) {
   const Prepared prepared = prepare(scene.with_time({0, 200 * grid.step, grid.step}));
   const Trajectory trajectory = Simulator(prepared).run();
   ASSERT_GT(trajectory.last("beta"), 17.0);  // 200 / 72 turns
-  EXPECT_LE(forward_error(prepared, trajectory).position, test::kEps);
+  EXPECT_LE(forward_error(prepared, trajectory).position, kEps);
 }
 
 TEST(ForwardError, RefusesWhatCannotBeCompared) {

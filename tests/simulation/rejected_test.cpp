@@ -46,7 +46,7 @@ TEST(Rejected, AttemptsLeaveNoMark) {
     // What is left out must not decide on what is computed.
     const test::Result one = test::run(scene.with_outputs({"E.position"}), strategy);
     ASSERT_TRUE(one.report().status.arrived()) << name(one.report().status.code);
-    EXPECT_NEAR(one.trajectory.last("E.x"), r.trajectory.last("E.x"), 2 * 8 * test::kEps * kCondition * kLargest);
+    EXPECT_NEAR(one.trajectory.last("E.x"), r.trajectory.last("E.x"), 2 * 8 * kEps * kCondition * kLargest);
   }
   EXPECT_GT(rejected, all);
 }

@@ -72,8 +72,8 @@ TEST(Scaling, DistancesFarAwayKeepTheirDigits) {
     const test::Result r = test::run(builder.build());
     ASSERT_TRUE(r.report().status.ok());
     for (std::size_t k = 0; k < r.trajectory.rows(); ++k) {
-      EXPECT_NEAR(r.trajectory(k, 0), std::hypot(arm, height), 16 * test::kEps) << far;
-      EXPECT_NEAR(r.trajectory(k, 2), 0, 64 * test::kEps) << far;
+      EXPECT_NEAR(r.trajectory(k, 0), std::hypot(arm, height), 16 * kEps) << far;
+      EXPECT_NEAR(r.trajectory(k, 2), 0, 64 * kEps) << far;
     }
   }
 }

@@ -13,8 +13,6 @@
 namespace assur {
 namespace {
 
-using test::kEps;
-
 // Both are within 8 eps of the same posture, at most 23 times that where their groups are at their worst (the legs of
 // the platform), and rates square it.
 constexpr double kTolerance = 2 * 8 * 23 * 23 * kEps;

@@ -12,7 +12,7 @@ namespace assur {
 namespace {
 
 using test::Draw;
-using test::kEps;
+
 using test::Result;
 
 constexpr ThreadBudget kBudget{4};

@@ -13,7 +13,6 @@
 namespace assur {
 namespace {
 
-using test::kEps;
 using test::Result;
 
 Simulator simulator(const Scene& scene, const std::string& strategy, StepLimits limits = {}) {

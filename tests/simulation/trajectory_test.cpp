@@ -214,8 +214,8 @@ TEST(Trajectory, AnglesAreUnwrapped) {
   for (std::size_t k = 0; k < t.rows(); ++k) {
     const double angle = 6.283185307179586 * t.times()[k];
     // The law's own rounding: a few eps of the angle.
-    ASSERT_NEAR(t(k, 0), angle, 4 * test::kEps * (1 + angle)) << k;
-    ASSERT_NEAR(t(k, 1), angle + 3.141592653589793, 4 * test::kEps * (4 + angle)) << k;  // starts at pi, not at -pi
+    ASSERT_NEAR(t(k, 0), angle, 4 * kEps * (1 + angle)) << k;
+    ASSERT_NEAR(t(k, 1), angle + 3.141592653589793, 4 * kEps * (4 + angle)) << k;  // starts at pi, not at -pi
   }
 }
 

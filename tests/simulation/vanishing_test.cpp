@@ -13,7 +13,6 @@
 namespace assur {
 namespace {
 
-using test::kEps;
 using test::Result;
 
 constexpr double kNearlyZero = 6.123233995736766e-17;  // cos(pi / 2) in double
@@ -112,7 +111,7 @@ TEST(Vanishing, TermsMayBecomeDenormal) {
     SCOPED_TRACE(strategy);
     const Result r = test::run(scene, strategy);
     EXPECT_EQ(r.report().status.code, Code::ok);
-    EXPECT_LE(r.report().error.position, 16 * test::kEps);
+    EXPECT_LE(r.report().error.position, 16 * kEps);
   }
 }
 

@@ -36,8 +36,8 @@ TEST(RelativeLaws, CountFromThePostureAsWritten) {
   for (std::size_t k = 0; k < r.trajectory.rows(); ++k) {
     const double t = r.trajectory.times()[k], length = 5 + 0.2 * t, angle = std::atan2(4, 3) + 0.1 * t;
     const auto at = [&](const char* column) { return r.trajectory(k, r.trajectory.index(column)); };
-    EXPECT_NEAR(at("B.x"), length * std::cos(angle), 64 * test::kEps * length);
-    EXPECT_NEAR(at("B.y"), length * std::sin(angle), 64 * test::kEps * length);
+    EXPECT_NEAR(at("B.x"), length * std::cos(angle), 64 * kEps * length);
+    EXPECT_NEAR(at("B.y"), length * std::sin(angle), 64 * kEps * length);
     EXPECT_NEAR(at("B.vx"), 0.2 * std::cos(angle) - 0.1 * length * std::sin(angle), 1e-13);
   }
 }

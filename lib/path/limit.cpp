@@ -1,0 +1,244 @@
+// Where a step cannot be divided further: is it a limit of the motion, a change point that can be passed, or are the
+// branches only close to each other?
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "index.hpp"
+#include "numbers.hpp"
+#include "path/continuation.hpp"
+
+namespace assur {
+namespace {
+
+constexpr double kShorter = 1.0 / 4;     // each time it is asked again
+constexpr double kLeast = 0x1p-44;       // of the step, and
+constexpr double kResolved = 16 * kEps;  // of the time: no step is shorter
+constexpr int kMostWalked = 1000;        // attempts on a part of the way to or from a change point; it takes some tens
+constexpr double kClear = 1e-5;     // singular value, over the largest one: a posture is known to eps / kClear^2 of it
+constexpr double kLookedAt = 4e-6;  // singular values from which the least one of a crossing is foretold
+constexpr double kSeen = 1e-7;      // least one that rounding of dimensions to 14 digits does not explain
+constexpr double kNearer = 1.15;    // of singular values, from one posture to the next that is compared
+constexpr int kReach = 12;        // a change point is passed from 2^12 of the first shortest steps before it to beyond
+constexpr int kLonger = 8;        // or from up to 2^8 times as far
+constexpr int kMoreHalvings = 6;  // of the shortest step, on the way back from a change point
+constexpr double kApart = 1.0 / 16;     // of that reach: a step that ends nearer to the change point is in doubt
+constexpr double kSureOfBranch = 1e-3;  // largest correction over the distance of the branches
+constexpr double kLittleLever = 1e-3;   // of what it was at the start: a driver's lever that is about to vanish
+
+}  // namespace
+
+// The shortest step fails: is this a limit, a change point that can be passed, or are shorter steps needed? ok: go on.
+// What a posture is near to does not depend on the grid: where rounding ends the search, it is left undecided.
+Status Continuation::at_the_limit(const Status& failed, double target, double t, double first) {
+  const std::size_t at_fault = failed_pack_;
+  expand();
+  failed_pack_ = at_fault;
+  state_.restore();
+  for (const Lever& l : levers_) {
+    const double lever = state_.at(0)[l.address];
+    if (lever > kLittleLever * l.start) continue;
+    const Status gone{Code::actuator_zero, Place::driver(l.driver), lever};
+    tell(gone, target);
+    return gone;
+  }
+  any_turn_ = true;
+  Pack& pack = packs_[failed_pack_];
+  double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
+  GroupSolver::Singularity nearest = levels_.solver(pack).diagnose(pack, q);
+  Status found = nearest.status;
+  if (found.code == Code::limit_reached && !turns_back(std::move(nearest))) found.code = Code::branch_unknown;
+  const double least = std::max(first * (kLeast / kSmallestStep), kResolved * std::max(std::abs(now_), std::abs(t)));
+  const bool shorter = kShorter * shortest_ >= least;
+  // Close to a change point rounding would take one of the branches.
+  const bool clear = found.code != Code::change_point_passed || (found.figure > kClear && shorter);
+  if (!clear && is_avoided(target - now_, first)) found.code = Code::branch_unknown;
+  if (found.code != Code::limit_reached && (clear || found.code == Code::branch_unknown) && shorter) {
+    shortest_ *= kShorter;
+    any_turn_ = false;
+    return {};
+  }
+  if (found.code == Code::change_point_passed && !pass(target, t, first)) found.code = Code::branch_unknown;
+  const bool unclear = failed.code == Code::not_converged && found.figure > 0.05;
+  if (found.code == Code::branch_unknown && (failed.code == Code::not_finite || unclear)) found = failed;
+  const bool passed = found.code == Code::change_point_passed;
+  if (found.code == Code::limit_reached) target = first_without_solution(target, t);
+  any_turn_ = false;
+  record(
+      {passed ? last_before_pass_ : now_, passed ? now_ : target,
+       structure_.name_of(found.where.is(Place::Kind::group) ? found.where : failed.where), found.code, found.figure},
+      std::abs(t - target));
+  if (!passed) return found;
+  shortest_ = first;
+  return {};
+}
+
+// Rates that grow are no evidence of a fold: they do so before a posture that is nearly singular, too, behind which the
+// motion goes on. Towards a fold, where the unknowns turn back like s* - s = y^2, the square of the smallest singular
+// value falls in proportion to the way of the inputs s: the slopes between three postures are the same. Towards the
+// others, like s = y^3 + e y, it falls slower and slower, at least as it does for e = 0.
+bool Continuation::turns_back(GroupSolver::Singularity here) {
+  const auto same = [&](const GroupSolver::Singularity& o) {  // others may fail in turns with it
+    return o.status.where == here.status.where && o.block == here.block;
+  };
+  std::erase_if(approach_, [&](const auto& o) { return same(o) && o.smallest <= here.smallest; });
+  std::vector<const GroupSolver::Singularity*> nearer;
+  approach_.reserve(approach_.size() + 1);
+  for (const auto& o : approach_) {
+    if (same(o)) nearer.push_back(&o);
+  }
+  if (!nearer.empty() && nearer.back()->smallest < kNearer * here.smallest) return false;
+  nearer.push_back(&approach_.emplace_back(std::move(here)));
+  if (nearer.size() < 3) return false;
+  const auto *const last = nearer.back(), *const middle = nearer[nearer.size() - 2],
+                    *const first = nearer[nearer.size() - 3];
+  const auto fall = [](const auto& far, const auto& near) {
+    return far->smallest * far->smallest - near->smallest * near->smallest;
+  };
+  const auto way = [](const auto& far, const auto& near) {
+    double sum = 0;
+    for (std::size_t i = 0; i < near->reads.size(); ++i) sum = std::hypot(sum, near->reads[i] - far->reads[i]);
+    return sum;
+  };
+  const auto way_of_cubic = [](const auto& far, const auto& near) {
+    return std::pow(far->smallest, 1.5) - std::pow(near->smallest, 1.5);
+  };
+  const double falls = fall(middle, last) / fall(first, middle);
+  const double slopes = falls * way(first, middle) / way(middle, last);
+  const double of_cubic = falls * way_of_cubic(first, middle) / way_of_cubic(middle, last);
+  const double least = std::sqrt(of_cubic);  // halfway between both
+  return slopes >= least && slopes <= 1 / least;
+}
+
+// At a change point the smallest singular value is zero. Where two branches come close and stay apart it is not, and
+// each goes its own way, which shorter steps follow. Close to the least value its square is a parabola of the way: two
+// of them, through postures twice as far from here each, tell the least value and how well it is known. No farther than
+// a change point is passed from: what is singular there, too, is none of the two.
+bool Continuation::is_avoided(double h, double first) {
+  const std::size_t at_fault = failed_pack_;
+  const double change = now_;
+  std::array<double, 4> way{}, square{};
+  std::size_t looks = 0;
+  std::int32_t block = -1;
+  const double farthest = std::ldexp(first, kReach + kLonger);
+  bool same = true;
+  for (double back = std::abs(h); looks < way.size() && same; back *= 2) {
+    same = back <= farthest && walk(change - std::copysign(back, h), h, change);
+    if (!same) break;
+    Pack& pack = packs_[at_fault];
+    double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
+    const GroupSolver::Singularity here = levels_.solver(pack).diagnose(pack, q);
+    if (here.status.figure < kLookedAt) continue;
+    if (looks == 0) block = here.block;
+    same = here.block == block;
+    way[looks] = back;
+    square[looks++] = here.status.figure * here.status.figure;
+  }
+  (void)walk(change, h, change);
+  state_.restore();
+  failed_pack_ = at_fault;
+  if (!same) return false;
+  const auto least = [&](std::size_t i) {  // of the parabola through three of them
+    const double near = (square[i + 1] - square[i]) / (way[i + 1] - way[i]);
+    const double far = (square[i + 2] - square[i + 1]) / (way[i + 2] - way[i + 1]);
+    const double bend = (far - near) / (way[i + 2] - way[i]);
+    const double slope = near - bend * (way[i + 1] - way[i]);
+    return square[i] - slope * slope / (4 * bend);
+  };
+  const double nearer = least(0), farther = least(1);
+  return nearer > std::abs(farther - nearer) + kSeen * kSeen;
+}
+
+// The shortest steps through one change point are one event.
+void Continuation::record(Event event, double step) {
+  if (!report_.events.empty()) {
+    Event& before = report_.events.back();
+    if (before.kind == event.kind && before.group == event.group && std::abs(event.time - before.until) <= step) {
+      before.until = event.until;
+      before.figure = std::min(before.figure, event.figure);
+      return;
+    }
+  }
+  report_.events.push_back(std::move(event));
+}
+
+// Steps end a little before a fold, where the ball around the posture shrinks to nothing; the fold itself lies before
+// the first time at which Newton's method finds no solution at all.
+double Continuation::first_without_solution(double target, double t) {
+  const double smallest = target - now_;
+  for (int k = 0; k <= kStepHalvings; ++k) {
+    const double h = std::ldexp(smallest, k);
+    target = std::abs(t - now_) <= std::abs(h) ? t : now_ + h;
+    state_.predict(target);
+    StepErrors errors;
+    const bool exists = solve_at(target, Attempt::Branch::anywhere, errors).ok();
+    if (!exists) break;
+  }
+  state_.restore();
+  return target;
+}
+
+// Over a change point by the smooth continuation. Close to it a posture is uncertain by eps / distance and its rates
+// by eps / distance^2, so the step starts well before it and lands as far beyond, where the branches are apart by
+// more than any error. What predicts that step does not depend on the strategy: a cubic through postures on the way
+// back. Other packs may be at one of theirs at the same time.
+bool Continuation::pass(double target, double t, double first) {
+  const std::size_t failed = failed_pack_;
+  for (int longer = 0; longer <= kLonger; longer += kLonger / 2) {
+    if (pass_by(std::copysign(std::ldexp(first, kReach + longer), target - now_), target, t)) return true;
+    failed_pack_ = failed;
+  }
+  return false;
+}
+
+bool Continuation::pass_by(double reach, double target, double t) {
+  last_before_pass_ = now_;
+  const std::size_t at_its_change_point = failed_pack_;
+  const double change = now_, smallest = target - now_;
+  const double to = std::abs(t - change) <= std::abs(reach) ? t : change + reach;
+  bool passed = false, walked = std::abs(to - change) >= kApart * std::abs(reach);
+  State::Way way;
+  for (const double part : {1.0 / 4, 2.0 / 4, 3.0 / 4, 1.0}) {
+    walked = walked && walk(change - part * reach, smallest, change);
+    if (walked) state_.keep(way);
+  }
+  if (walked) {
+    over_ = &way;
+    passing_[at_its_change_point] = 1;
+    largest_correction_ = kSureOfBranch * (to - change) / (to - now_);
+    for (std::size_t more = 0; more < packs_.size() && !passed; ++more) {
+      passed = try_step(to, Attempt::Branch::inside).ok();
+      // Beyond all packs if none of them failed.
+      if (failed_pack_ == packs_.size() || passing_[failed_pack_] != 0) break;
+      passing_[failed_pack_] = 1;
+    }
+    std::fill(passing_.begin(), passing_.end(), 0);
+    over_ = nullptr;
+  }
+  if (!passed) {
+    (void)walk(change, smallest, change);
+    state_.restore();
+  }
+  return passed;
+}
+
+// By continuation to `until`, in steps of about h. Predictions away from a change point do not read older postures,
+// which are closer to it.
+bool Continuation::walk(double until, double h, double change) {
+  h = std::abs(h);
+  const double shortest = std::ldexp(h, -kMoreHalvings);
+  for (int attempts = 0; now_ != until; ++attempts) {
+    if (attempts == kMostWalked || rejected_ >= kMostRejected) return false;
+    if (std::abs(now_ - change) < std::abs(until - change)) state_.forget();
+    const double left = until - now_;
+    if (try_step(std::abs(left) <= h ? until : now_ + std::copysign(h, left), Attempt::Branch::inside).ok()) {
+      h *= 2;
+    } else if ((h /= 2) < shortest) {
+      return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace assur
