@@ -1,5 +1,5 @@
 // The one interface of a linear solver: analyze once, factorize often, solve many; square systems, batched over the
-// lanes of a pack from the start. To add a backend: one file in lib/backends and one row in registry.cpp.
+// lanes of a pack from the start. How to add a backend: CONTRIBUTING.md, "Where things live".
 #pragma once
 
 #include <cstdint>

@@ -16,8 +16,8 @@
 
 namespace assur {
 
-// Results of an ensemble in SI units, contiguous [member][time][output]; NaN where a member did not get. Copies share
-// the values.
+// Results of an ensemble in SI units, contiguous [member][time][output]; NaN in rows that a member did not reach.
+// Copies share the values.
 class EnsembleTrajectory {
  public:
   [[nodiscard]] const std::vector<std::string>& columns() const { return columns_; }
@@ -44,7 +44,7 @@ class EnsembleTrajectory {
   std::shared_ptr<double[]> values_;
 };
 
-// member, counted from 1, t, then every column; 17 significant digits.
+// member, counted from 1, t, then every column: the shortest text that reads back as the same double, nothing for NaN.
 void write_csv(std::ostream& out, const EnsembleTrajectory& trajectory);
 
 // Safe as simulators are: one ensemble for each thread of the program's, one thread at a time for each ensemble, and

@@ -44,7 +44,7 @@ class Trajectory {
   std::vector<double> values_;
 };
 
-// t, then every column; 17 significant digits, so that reading it back gives the same doubles.
+// t, then every column: the shortest text that reads back as the same double, nothing for NaN.
 void write_csv(std::ostream& out, const Trajectory& trajectory);
 
 // What a control loop asks of one step.

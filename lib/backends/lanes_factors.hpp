@@ -1,4 +1,4 @@
-// A program, its kernels and the numbers that they work on.
+// An Elimination, its kernels and the numbers that they work on.
 #pragma once
 
 #include <cstddef>
@@ -29,7 +29,7 @@ class Factors {
  public:
   Factors(int lanes, Precision precision);
 
-  // The factors of the last program are lost. Takes memory; nothing else here does.
+  // The factors of the last Elimination are lost. Takes memory; nothing else here does.
   void set_program(std::shared_ptr<const Elimination> program);
   [[nodiscard]] const std::shared_ptr<const Elimination>& program() const { return program_; }
 

@@ -1,4 +1,4 @@
-// The inner loops: a Elimination run over interleaved lanes, compiled for several instruction sets.
+// The inner loops: an Elimination run over interleaved lanes, compiled for several instruction sets.
 #pragma once
 
 #include <cstdint>

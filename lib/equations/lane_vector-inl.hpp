@@ -92,7 +92,7 @@ struct Lanes {
   struct Mask {
     hn::Mask<D> m[kVectors];
   };
-  // False where a number is none.
+  // False for NaN.
   friend HWY_INLINE Mask less(const Lanes& a, const Lanes& b) {
     Mask out;
     for (int i = 0; i < kVectors; ++i) out.m[i] = hn::Lt(a.v[i], b.v[i]);

@@ -133,7 +133,7 @@ struct SystemGroup {
   bool keep = false;
 };
 
-// Something that can be asked for, in forms: see measure.hpp for its evaluation.
+// Something that can be asked for, in forms: see signals/output_program.hpp for its evaluation.
 struct MeasureForms {
   // sum, sum_of_angles: of other measures
   enum class Kind : std::uint8_t { form, distance, absolute_angle, signed_angle, unsigned_angle, sum, sum_of_angles };

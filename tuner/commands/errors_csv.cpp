@@ -3,7 +3,7 @@
 namespace assur::output {
 namespace {
 
-// 17 digits, so that a time finds its row in the trajectory.
+// Up to 17 digits: a time reads back as the same double as in the CSV of the trajectory, which has the shortest text.
 constexpr int kDigits = 17;
 
 template <class T>

@@ -19,7 +19,7 @@ namespace assur::report {
 // Every column of report.csv but the section, in the order of the measurements; the first `most` of them.
 [[nodiscard]] pictures::HtmlTable table_of(const std::vector<Measurement>& measurements, std::size_t most);
 
-// "12.3 %"
+// "1.2 %", "12 %"
 [[nodiscard]] std::string percent(double share);
 
 // Nearest rank: the smallest value that at least this share of them do not exceed; NaN of none.

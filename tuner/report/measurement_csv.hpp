@@ -8,8 +8,8 @@
 
 namespace assur::report {
 
-// section, item, strategy, quantity, unit, value, repetitions, spread, error, origin; 17 digits, an error that nobody
-// knows is empty. Texts in quotes, quotes within them doubled.
+// section, item, strategy, quantity, unit, value, repetitions, spread, error, origin; up to 17 digits. Empty: the
+// spread of fewer than two repetitions, an unknown error. Texts in quotes, quotes within them doubled.
 void write_csv(std::ostream& out, std::span<const Section> sections);
 
 }  // namespace assur::report
