@@ -86,7 +86,7 @@ struct Imported {
 
 // One connection to one file; one thread at a time. Everything throws Error (environment) that names the file if it
 // cannot be read or written: no space, no permission, not a tuning database, newer than this library, locked by
-// another process for a minute. A call that throws has changed nothing.
+// another process for a minute (to read: a second). A call that throws has changed nothing.
 class Store {
  public:
   explicit Store(std::filesystem::path file, Access access);
@@ -103,8 +103,8 @@ class Store {
   // The last run of this profile, by this version of assur and on this very host, that was never finished and that no
   // other process is working on, which now is this one's: go on with it, and skip what it has().
   [[nodiscard]] std::optional<std::int64_t> unfinished_run(const Host& host, std::string_view profile);
-  // All of them or none, in one transaction that survives the process. A sample without uid gets one; one that is
-  // there already, by its uid, stays as it is. Throws Error (input) for one whose time is not finite and positive.
+  // All of them or none, in one transaction that survives the process. A sample without uid gets one; one that is there
+  // already, by its uid, stays. Throws Error (input) for a time, spread or uid that is none, or an unknown run.
   void add(std::int64_t run, std::span<const Sample> samples);
   void finish_run(std::int64_t run, const RunResult& result);
   // With the library that is at hand.

@@ -63,8 +63,8 @@ class Ensemble {
 
   // `member` prepares the i-th variant; it is called here, in order, on the calling thread. What it throws as Error of
   // kind input or numerical is the outcome of that member; if all throw, so does this. The first member that can be
-  // prepared gives the plan: W lanes of a strategy are W members, p threads take packs of members in turn. Members
-  // whose structure is another one run alone, and so do those with callbacks, but for copies of one Prepared; a member
+  // prepared gives the plan: W lanes of a strategy are W members, p threads take packs of members in turn. Members with
+  // another structure or start time run alone, and so do those with callbacks, but for copies of one Prepared; a member
   // with other outputs than the first cannot take part. Throws Error: input for no members or a deadline in `limits`,
   // environment if a backend of the plan cannot run here.
   Ensemble(std::size_t members, const std::function<Prepared(std::size_t)>& member, StepLimits limits = {});
@@ -75,8 +75,8 @@ class Ensemble {
   // Every member over the time grid of the first one, or over `times`, which begin with its start. The results do not
   // depend on the number of threads, and on that of lanes by their last bits only (the bound: README.md, "Strategies").
   // `observer` (rows done, of all members) is called on the calling thread and may return false to stop. Laws and
-  // callbacks are called by all threads of the plan; what they throw comes from run(). Throws Error (input) if `times`
-  // begin elsewhere, descend anywhere or are not finite.
+  // callbacks are called by all threads of the plan; what they throw comes from run(). Throws Error: input if `times`
+  // begin elsewhere, descend anywhere or are not finite; environment if there is no memory for the results.
   EnsembleTrajectory run(const Simulator::Observer& observer = {});
   EnsembleTrajectory run(std::span<const double> times, const Simulator::Observer& observer = {});
 

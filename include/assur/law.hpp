@@ -63,7 +63,7 @@ class Law {
   [[nodiscard]] static Law constant(double value);
   [[nodiscard]] static Law polynomial(std::vector<double> coefficients);
   [[nodiscard]] static Law harmonics(std::vector<Harmonic> terms, double offset = 0);
-  // Throws Error (input) if the times do not ascend, sizes differ, or a periodic table does not close.
+  // Throws Error (input) for under 2 rows, sizes that differ, times that do not ascend, a period that does not close.
   [[nodiscard]] static Law table(std::vector<double> time, std::vector<double> value, bool periodic = false);
   // t -> {value, rate, acceleration}; must be callable at any time of the run, and again after a rejected step, with
   // the same answer. What it throws passes through the step that asked. The value is trusted; its rate and acceleration
@@ -82,7 +82,7 @@ class Law {
   // True if t lies within every (non-periodic) table.
   [[nodiscard]] bool covers(double t) const;
 
-  // True if both are surely the same: parts with equal numbers, or a function of the program and its copy.
+  // True if both are surely the same: parts with equal numbers, or (with functions of the program) a law and its copy.
   friend bool operator==(const Law& a, const Law& b);
 
   [[nodiscard]] const std::vector<Part>& parts() const { return *parts_; }

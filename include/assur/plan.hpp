@@ -36,7 +36,7 @@ struct Plan {
   std::vector<std::int32_t> level_threads;  // p of each level, of these; empty: `threads` for all
   double accuracy = 0;                      // PrepareOptions::accuracy
   std::string reason;                       // of the formulation and of p
-  double expected_seconds = 0;              // one step of the mechanism, its groups only; 0: nobody asked
+  double expected_seconds = 0;              // one step: groups, laws, prediction, outputs (no rows); 0: nobody asked
   double meeting_seconds = 0;               // of the threads, once; 0: nobody asked
 };
 
@@ -60,7 +60,7 @@ struct PrepareOptions {
   Mode mode = Mode::latency;
   // What `auto` decides by; null: machine_model(). A model without samples decides by counts of operations.
   std::shared_ptr<const PerformanceModel> model = nullptr;
-  std::vector<std::string> without = {};  // backends that `auto` leaves out
+  std::vector<std::string> without = {};  // backends that `auto` leaves out, and a strategy text must not name
   // Largest forward error (ErrorFigures) that any output may have; looser ones take less time. 0: as exact as doubles
   // are. Steps whose estimated error is larger, or where nothing is asked larger than kDoubtfulError, carry
   // Code::inaccurate.
@@ -108,8 +108,8 @@ struct CandidateOptions {
 [[nodiscard]] std::vector<Candidate> candidates(const Shape& shape, const CandidateOptions& options = {});
 
 // For equations of one's own: the strategy for `count` matrices with one pattern, each factorised once and solved with
-// `rhs` right-hand sides: backend, W, precision and threads are those of the first of candidates(). Throws Error
-// (environment) if none can run.
+// `rhs` right-hand sides: backend, W, precision and threads are those of the first of candidates(). Throws Error:
+// input for less than one matrix, environment if no backend can run.
 [[nodiscard]] Candidate choose_solver(const Pattern& pattern, std::int32_t count, std::int32_t rhs = 1,
                                       const CandidateOptions& options = {});
 

@@ -17,7 +17,7 @@ namespace assur {
 struct Counters {
   std::int64_t steps = 0;                // grid times reached
   std::int64_t substeps = 0;             // accepted steps between grid times
-  std::int64_t rejected = 0;             // steps that were halved
+  std::int64_t rejected = 0;             // attempts at a step that failed: it was divided, or ended there
   std::int64_t group_solutions = 0;      // groups solved for their position
   std::int64_t newton_iterations = 0;    // corrections, summed over groups
   std::int64_t most_iterations = 0;      // of one group in one step
@@ -70,7 +70,7 @@ struct Certificate {
   std::string why_not;    // there is none; empty: proven
 };
 
-// Of a run: the largest radius, with its time and group, and the smallest uniqueness.
+// Of a run: the largest radius, with its time and group, and the smallest uniqueness. Of none: nothing is proven.
 [[nodiscard]] Certificate worst_of(std::span<const Certificate> certificates);
 
 // Something that happened at a time: a limit reached, a change point passed, ...
@@ -92,7 +92,7 @@ struct Report {
   Counters counters;
   Effort effort;  // of all solvers, beyond plain factorisations; lanes of a pack count one by one
   ErrorFigures error;
-  Status status;       // ok, or why the run stopped
+  Status status;       // ok; inaccurate: the first step in doubt; else why the run stopped
   double reached = 0;  // last time with a valid posture
   std::vector<Event> events;
   std::vector<std::string> fallbacks;  // whatever was done otherwise than planned, with the reason

@@ -357,7 +357,7 @@ using Parameters = std::map<std::string, double>;
 // True if the text before ':' is the name of a sample.
 [[nodiscard]] bool is_sample(std::string_view text);
 
-// A file if one of that name exists, else a sample: what the command takes as SCENE.
+// A file if one of that name exists or only a file can be meant ('/', .json), else a sample: the command's SCENE.
 [[nodiscard]] Scene open_scene(const std::string& file_or_sample, const Parameters& set = {},
                                const std::vector<std::filesystem::path>& more_folders = {});
 

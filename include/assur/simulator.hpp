@@ -1,4 +1,4 @@
-// Runs a plan: the only mutable type, and the owner of every workspace. After construction step() allocates nothing,
+// Runs a plan, and owns every workspace that this takes. After construction step() allocates nothing,
 // locks nothing, throws nothing and reads no file, except on a reported numerical event, with backends marked steady.
 #pragma once
 
@@ -96,7 +96,7 @@ class SimulatorState {
 // chunks also laws, at the same time. p changes no bit of the motion.
 class Simulator {
  public:
-  // Throws Error (environment) if the plan asks for something that cannot run here.
+  // Throws Error: environment if the plan cannot run here, input for bad limits, numerical if the start has no rates.
   explicit Simulator(Prepared prepared, StepLimits limits = {});
   Simulator(Simulator&&) noexcept;
   Simulator& operator=(Simulator&&) noexcept;
@@ -139,8 +139,8 @@ class Simulator {
   void retreat();
 
   // From the start over the scene's time grid, or over `times`. Stops at the first failure: what was reached is
-  // kept. `observer` (k rows done of n) may return false to stop. Throws Error (input) if `times` descend anywhere or
-  // are not finite.
+  // kept. `observer` (k rows done of n) may return false to stop. Throws Error: input if `times` descend anywhere or
+  // are not finite, environment if there is no memory for the rows. Exceptions from laws and callbacks propagate.
   using Observer = std::function<bool(std::int64_t done, std::int64_t of)>;
   Trajectory run(const Observer& observer = {});
   Trajectory run(std::span<const double> times, const Observer& observer = {});
@@ -156,7 +156,7 @@ class Simulator {
   // Of every group, at time(). Takes memory and the time of several steps.
   [[nodiscard]] std::vector<GroupFigures> examine();
 
-  [[nodiscard]] const Report& report() const;
+  [[nodiscard]] const Report& report() const;  // each call updates effort, fallbacks and estimates: do not keep it
   [[nodiscard]] const Prepared& prepared() const;
 
  private:
@@ -173,9 +173,9 @@ struct ForwardError {  // NaN: no output is of that kind
 
 // True forward error of a trajectory by a reference in quad precision (113 bits): same parameters, same times, laws and
 // residuals in quad, refined with a factorisation in double. Functions of the program are asked as the run asks them:
-// the reference is wrong with them. The worst over the outputs of max over the times of
-// |x - x_ref| / max over the run |x_ref| (lengths: at least the characteristic length), infinite where x is not finite.
-// Throws Error (environment) if this build has no quad arithmetic, numerical if the reference does not converge.
+// the reference is wrong with them. The worst over the outputs of max over the times of |x - x_ref| / max over the run
+// |x_ref| (lengths: at least the characteristic length); infinite where x is not finite, but for NaN rates at a kink.
+// Throws Error: input (loaded plan, other columns), environment (no quad arithmetic), numerical (it does not converge).
 [[nodiscard]] ForwardError forward_error(const Prepared& prepared, const Trajectory& trajectory);
 
 // Proves the posture at time(). Throws Error: input if the plan was loaded, environment if this build has no quad

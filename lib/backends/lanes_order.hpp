@@ -10,7 +10,7 @@
 
 namespace assur::lanes {
 
-inline constexpr std::int64_t kMostProducts = 10'000'000;  // of one elimination; its program then takes 80 MB
+inline constexpr std::int64_t kMostProducts = 10'000'000;  // of one elimination; written down it takes 80 MB
 
 // Which entries may be pivots. `threshold`: not smaller than this times the largest of its row, among what is left of
 // the matrix; with `rook` not smaller than any other of its row and of its column. Of entries that cost the same the

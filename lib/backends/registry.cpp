@@ -1,4 +1,4 @@
-// THE table of solvers. To add one: a file in this folder, its name and its row here, a line in lib/CMakeLists.txt.
+// THE table of solvers. How to add one: CONTRIBUTING.md, "Where things live".
 #include <algorithm>
 #include <array>
 

@@ -3,8 +3,8 @@
 // The matrix is cut into panels of kPanel columns and into tiles of kTile; the cuts depend on its order alone, so that
 // the result is the same, bit by bit, for every number of threads. The work is one list:
 //
-//   for each panel k:  [ update panel k + 1 by panel k and factorise it ]   the look-ahead: first, since all wait for
-//   it
+//   for each panel k:  [ update panel k + 1 by panel k and factorise it ]   the look-ahead: first, since
+//                      all wait for it
 //                      [ update each tile right of it by panel k ]
 //   then for each panel:  [ swap its rows by the pivots of the later panels ]
 //

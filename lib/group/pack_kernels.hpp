@@ -1,6 +1,6 @@
 // The loops of a group step over the W lanes of a pack, in the SIMD target of the machine. All arrays are [row][lane].
 // Idle lanes repeat lane 0, so what is largest over all lanes is largest over those that are used. A NaN anywhere makes
-// the result NaN.
+// what is returned NaN.
 #pragma once
 
 #include <cstddef>
@@ -29,7 +29,7 @@ struct PackKernels {
   void (*gather)(const InputRow* rows, const std::int32_t* addresses, std::int32_t count, const double* state,
                  double* out);
 
-  // scale -> 1 / scale, and 1 where the scale is 0.
+  // scale -> 1 / scale, and 1 where the scale is not positive (or NaN).
   void (*invert_scale)(double* scale, std::int32_t count);
 
   // max |phi| * inverse_scale

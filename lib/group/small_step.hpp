@@ -33,7 +33,7 @@ class SmallStep {
                                  SmallStepFigures& figures) = 0;
 };
 
-// Null if the class has none: 2 or 3 unknowns in one irreducible block of separable equations, in up to 8 lanes.
+// Null if the class has none: 2 or 3 unknowns, all wanted, of one irreducible block of separable equations; 8 lanes.
 // `program` and `blocks` must outlive it.
 [[nodiscard]] std::unique_ptr<SmallStep> make_small_step(const GroupClass& group_class, const Program& program,
                                                          const BlockConditions& blocks, int lanes);

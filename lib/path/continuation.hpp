@@ -88,7 +88,7 @@ class Continuation {
   // with. False if they did, or none is controlled.
   [[nodiscard]] bool ask_again_from_rest();
 
-  // Attempts of a step that were rejected so far: after some thousands the step fails, as branch_unknown. Its first
+  // Attempts of a step that were rejected so far: after 10,000 the step fails, as branch_unknown. Its first
   // part begins with 0, others go on where those before them ended.
   [[nodiscard]] std::int64_t rejected() const { return rejected_; }
   void count_rejected_from(std::int64_t count) { rejected_ = count; }

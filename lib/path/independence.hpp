@@ -23,7 +23,7 @@ class Independence {
   // `address`: coordinates -> index into the state arrays. All must outlive it.
   Independence(const System& system, const Structure& structure, std::span<const std::int32_t> address);
 
-  // Nothing is redundant, or a block is too large to look at (200 unknowns).
+  // Nothing is redundant, or a block is too large to look at (more than 200 unknowns).
   [[nodiscard]] bool empty() const { return dropped_.empty(); }
 
   // Largest |c_i| of all watched equations at a posture; infinite if the solved equations are dependent there.

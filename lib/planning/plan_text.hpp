@@ -1,6 +1,6 @@
 // The tokens of a saved plan: numbers that read back exactly, "names", and labels that say what comes next.
 //
-//   assur plan 2
+//   assur plan 3
 //   scene "four bar"
 //   ...
 //   checksum 0123456789abcdef

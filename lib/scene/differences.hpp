@@ -75,7 +75,7 @@ class CallbackCheck {
   std::vector<double> x, rate;      // arguments, SI units
   std::vector<std::uint8_t> moves;  // 0: a constant, whose derivatives are nobody's business
 
-  // Some five calls: is a closer look needed? Along a direction with random signs, by `seed`.
+  // Three calls, with `curvature` six: is a closer look needed? Along a direction with random signs, by `seed`.
   [[nodiscard]] bool doubtful(bool curvature, std::uint64_t seed);
   // Some 25 calls for each argument: the entry that its differences contradict most.
   [[nodiscard]] std::optional<Contradiction> find(bool curvature);

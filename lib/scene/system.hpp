@@ -262,7 +262,7 @@ void gradient(const System& s, Index equation, std::span<const T> q, Add&& add) 
   }
 }
 
-// sum_j |dPhi/dq_j| |q_j| + |constant|: what a residual is measured against.
+// What a residual is measured against: size_of_terms(), and no less than residual_scale.hpp says.
 double residual_scale(const System& s, Index equation, std::span<const double> q);
 
 // The inputs and assignments that somebody reads.

@@ -13,7 +13,7 @@ void check_times(std::span<const double> times);
 // Throws Error (input) for numbers that make no sense.
 void check_limits(const StepLimits& limits);
 
-// True if all steps are equally long, but for the rounding of the times.
+// True if all steps are > 0 and equally long, but for the rounding of the times; of fewer than two steps always.
 [[nodiscard]] bool evenly_spaced(std::span<const double> times);
 
 }  // namespace assur

@@ -32,7 +32,7 @@ class DenseBlock {
     return phi;
   }
 
-  // max |Phi_i| / (sum |dPhi_i/dq_j| |q_j| + |constant|), the denominator at least kLeastScale
+  // max |Phi_i| / residual_scale(), the denominator at least kLeastScale
   [[nodiscard]] double relative_residual(const std::vector<double>& q) const {
     double worst = 0;
     for (const Index e : equations_) {

@@ -17,8 +17,8 @@ using Dense = std::vector<std::vector<double>>;  // rows
 [[nodiscard]] Dense matrix(const std::string& name, const Parameters& set);
 
 // Solves with every backend that can, plain (""), "+float", "+refine" and both, or those of them that are the case's
-// strategies, for a known solution. The forward error is that
-// of the solution; where it is more than asked, figures() must tell: "inaccurate", else "wrong".
+// strategies, for a known solution. The forward error is that of the solution; where it is more than asked,
+// figures() must tell: "inaccurate", else "wrong".
 [[nodiscard]] Result run_matrix(const Case& c, const std::function<bool()>& stop);
 
 }  // namespace assur::check

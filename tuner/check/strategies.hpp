@@ -13,10 +13,10 @@ struct Selection {
   std::vector<std::string> left_out;  // "lapack, team in global: hopeless, some 900 s for 4,000 unknowns"
 };
 
-// Every backend that can run here, in double and in float, with the lanes that its classes fill, plain and with +once,
-// +refine, +reuse=step and +reuse=run, in each formulation; every predictor with one backend of each formulation. Left
+// What the case lists; else every backend that runs here, in double and in float, alone and in 8 lanes, plain and
+// with +once, +refine, +reuse=step and +reuse=run, in each formulation; every predictor with one backend of each. Left
 // out is what would take more than `seconds` by counts of operations, which know no machine. quick: each backend and
-// precision once in each formulation, and the policies and predictors with one of them. Throws what analyze() does.
+// precision once in each formulation (of three not in `groups`), policies and predictors with one. Throws as analyze().
 [[nodiscard]] Selection select_strategies(const Case& c, const Scene& scene, double seconds, bool quick);
 
 }  // namespace assur::check

@@ -50,7 +50,7 @@ class Yardstick {
 
   // The worst over outputs and derivatives of the first `rows` rows, as ForwardError has it: max |x - x_true| over max
   // |x_true| (values: one internal unit at least). Rows that do not count add to the second maximum only. Infinite for
-  // what is not finite, and if nothing could be compared.
+  // what is not finite, and if nothing in the rows could be compared; 0 for no rows.
   using Counts = std::function<bool(std::size_t row)>;
   [[nodiscard]] double forward_error(const Trajectory& trajectory, std::size_t rows, const Counts& counts = {});
 

@@ -38,7 +38,7 @@ class StepTimes {
 
   // Of the steps so far, all of them; without those that fill no block.
   [[nodiscard]] Blocks blocks() const;
-  // Of the steps so far; all zero if there was none. p99 is the nearest rank.
+  // Of the steps so far; times are 0 if there was none. p99 is the nearest rank.
   [[nodiscard]] Figures figures() const;
 
   [[nodiscard]] static double steady();

@@ -1,4 +1,4 @@
-// A page of text for people: facts with a label, and tables. 80 columns, or those of the terminal if it has fewer.
+// A page of text for people: facts with a label, in 80 columns or those of a narrower terminal; tables as wide as it.
 #pragma once
 
 #include <ostream>

@@ -17,7 +17,7 @@ struct Ticks {
 // The same for a logarithmic axis, 0 < least: powers of ten, or 1, 2, 5, 10, ... where those would be too few.
 [[nodiscard]] Ticks logarithmic_ticks(double least, double greatest, int most);
 
-// "10⁻¹²", "1", "10"; a number that is no power of ten as "2·10⁻³".
+// "10⁻¹²", "2·10⁻³"; from 1 to below 1000 as it is: "1", "10", "250".
 [[nodiscard]] std::string power_of_ten(double value);
 
 // "20 µs", "0.1 ms" is "100 µs": as short as it can be said.

@@ -27,13 +27,13 @@ struct Cell {
   std::int32_t n = 0;       // unknowns, as far as the family's size says
   std::int32_t groups = 1;  // of the class, on one level
   bool held_out = false;    // measured to judge the model, which does not see it
-  bool policies = false;    // packs: with +once and +reuse
+  bool policies = false;    // packs: with +once and +separate
   double weight = 1;        // share of the time
   std::function<Scene()> scene = nullptr;  // null: random matrices
   Formulation formulation = Formulation::groups;
   std::int32_t group_class = -1;                     // -1: the one with most groups, of those the largest
   std::function<Cell(std::int32_t n)> at = nullptr;  // the family's cell of another size; null: it has no other
-  int per_row = 0;                                   // random matrices: entries
+  int per_row = 0;                                   // random matrices: entries of a column
 };
 
 // "rings, n = 120", "stewart groups, 60 groups"
@@ -43,7 +43,7 @@ struct Extent {
   int sizes = 14;                     // of n, from 3 to largest
   std::int32_t largest = 4000;        // unknowns, sparse
   std::int32_t largest_full = 800;    // the same, dense
-  std::int32_t largest_random = 300;  // the same, random with few entries a row, which fills up
+  std::int32_t largest_random = 300;  // the same, random with few entries a column, which fills up
   std::int32_t most_groups = 10'000;
   std::int32_t most_unknowns = 60'000;  // groups x n of a cell of packs
   bool held_out = true;

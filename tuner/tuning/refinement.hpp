@@ -17,7 +17,7 @@ namespace assur::tuning {
 [[nodiscard]] PerformanceModel model_of(std::span<const CellResult> cells);
 
 // Spends the time that a campaign has left on new cells, a few between two models. until_settled: measures all cells
-// again between two models, and ends as soon as the mean regret on what was held out no longer falls.
+// again between two models, and ends once three models in a row have not lowered the mean regret on what was held out.
 void refine(Campaign& campaign, bool until_settled);
 
 }  // namespace assur::tuning
