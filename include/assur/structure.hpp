@@ -94,7 +94,7 @@ struct Redundancy {
   std::vector<std::string> constraints;  // the nonzeros of a left null vector
   std::string dropped;                   // the one that is checked instead of solved
   Kind kind = Kind::unknown;
-  // Where it does not hold, elsewhere on the path (start) or off it (motion): by how much, |Phi| / |grad Phi|; in metres
+  // Where it does not hold, elsewhere on the path (start) or off it (motion): by how much, |Phi| / |grad Phi|; in m
   // if is_length.
   double violation = 0;
   bool is_length = false;
@@ -162,9 +162,9 @@ struct StructureOptions {
   double time = 0;
 };
 
-// Finds the groups of a scene and assembles its start posture. Throws Error (input) for a declared group that is no
-// union of irreducible groups. An undetermined or impossible scene is described, not refused: see `undetermined` and
-// `cannot_assemble`.
+// Finds the groups of a scene and assembles its start posture. Throws Error (input), among others for a declared group
+// that is no union of irreducible groups. An undetermined or impossible scene is described, not refused: see
+// `undetermined` and `cannot_assemble`.
 [[nodiscard]] Structure analyze(const Scene& scene, const StructureOptions& options = {});
 
 }  // namespace assur

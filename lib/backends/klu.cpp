@@ -12,8 +12,8 @@
 // Growth of U alone would miss a small pivot whose column of L is large. It is watched after every factorisation:
 //   - refactorised, and growth above the lane's limit: factorise with pivoting again;
 //   - pivoted with the relaxed tolerance, and growth above kTrustedGrowth: factorise with partial pivoting, and take
-//   twice the
-//     growth of that as the lane's limit, since nothing better can be had.
+//     twice the growth of that as the lane's limit,
+//     since nothing better can be had.
 // Measured in full it would cost a third of a refactorisation. Mostly a bound suffices that is cheap: max |L| max |U|
 // over the smallest column of A, where a column is at least as large as that entry of it which was the largest when
 // last measured.
