@@ -15,7 +15,7 @@ namespace {
 
 void factorize(benchmark::State& state, const Backend& backend, const test::Matrix& a, int threads,
                Precision precision) {
-  const double eps = precision == Precision::binary64 ? test::kEps : std::numeric_limits<float>::epsilon();
+  const double eps = precision == Precision::binary64 ? kEps : std::numeric_limits<float>::epsilon();
   const auto solver = backend.make(ThreadBudget{threads}, precision);
   const std::vector<double> b(static_cast<std::size_t>(a.pattern.n), 1.0);
   std::vector<double> x = b;
