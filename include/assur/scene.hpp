@@ -142,18 +142,32 @@ struct Constraint {
                Apart<OnPlane>, Apart<Callback>>
       kind;
 
+  // visitor(kind), whichever it is.
+  template <class Visitor>
+  decltype(auto) visit(Visitor&& visitor) const {
+    return std::visit([&](const auto& own) -> decltype(auto) { return visitor(itself(own)); }, kind);
+  }
+
   // As that kind; null: it is of another one.
   template <class Kind>
   [[nodiscard]] const Kind* as() const {
-    return std::visit(
-        [](const auto& own) -> const Kind* {
-          if constexpr (std::is_convertible_v<decltype(own), const Kind&>) {
-            return &static_cast<const Kind&>(own);
-          } else {
-            return nullptr;
-          }
-        },
-        kind);
+    return visit([](const auto& own) -> const Kind* {
+      if constexpr (std::is_same_v<decltype(own), const Kind&>) {
+        return &own;
+      } else {
+        return nullptr;
+      }
+    });
+  }
+
+ private:
+  template <class Kind>
+  static const Kind& itself(const Kind& kind) {
+    return kind;
+  }
+  template <class Kind>
+  static const Kind& itself(const Apart<Kind>& kind) {
+    return kind;
   }
 };
 

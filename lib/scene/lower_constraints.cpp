@@ -74,7 +74,7 @@ void ConstraintWriter::absorb_distances() {
 void ConstraintWriter::write_equations() {
   for (const Constraint& c : forms_.scene().constraints()) {
     if (shared_.absorbed.count(c.name) != 0) continue;
-    std::visit([&](const auto& kind) { write(c.name, kind); }, c.kind);
+    c.visit([&](const auto& kind) { write(c.name, kind); });
   }
 }
 

@@ -23,7 +23,7 @@ void Validation::check_constraints() {
   for (const Constraint& constraint : scene_.constraints()) {
     const Where where = Where("/constraints") / constraint.name;
     if (known_.at_or_above(where.text())) continue;
-    std::visit([&](const auto& kind) { check(kind, where); }, constraint.kind);
+    constraint.visit([&](const auto& kind) { check(kind, where); });
   }
 }
 

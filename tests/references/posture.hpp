@@ -69,7 +69,7 @@ class Equations {
       leave("body " + body.name, at(body.frame[2]) - cross(at(body.frame[0]), at(body.frame[1])));
     }
     for (const Constraint& c : scene.constraints()) {
-      std::visit([&](const auto& kind) { constrain(c.name, kind); }, c.kind);
+      c.visit([&](const auto& kind) { constrain(c.name, kind); });
     }
   }
 

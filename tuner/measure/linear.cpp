@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "backends/refined.hpp"
+#include "decimal.hpp"
 
 namespace assur::measure {
 namespace {
@@ -145,9 +146,7 @@ bool Linear::check(const Matrices& matrices, const std::vector<double>& values) 
     if (!(forward <= forward_)) forward_ = forward;
   }
   if (backward_ <= kWrong && std::isfinite(forward_)) return true;
-  char figure[32];
-  std::snprintf(figure, sizeof figure, "%.2g", backward_);
-  refused_ = std::string("its backward error is ") + figure;
+  refused_ = "its backward error is " + general(backward_, 2);
   return false;
 }
 

@@ -3,16 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
+
+#include "decimal.hpp"
 
 namespace assur::output {
 namespace {
-
-std::string printed(const char* format, double value) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), format, value);
-  return text.data();
-}
 
 bool starts_code_point(char byte) { return (static_cast<unsigned char>(byte) & 0xC0U) != 0x80U; }
 
@@ -42,18 +37,17 @@ std::string duration(double seconds) {
   const auto unit = std::find_if(kUnits.begin(), kUnits.end() - 1,
                                  [&](const Unit& u) { return std::abs(seconds) >= u.size * 0.9995; });
   const double value = seconds / unit->size;
-  const char* format = std::abs(value) < 9.995 ? "%.2f" : std::abs(value) < 99.95 ? "%.1f" : "%.0f";
-  return printed(format, value) + unit->name;
+  return assur::fixed(value, std::abs(value) < 9.995 ? 2 : std::abs(value) < 99.95 ? 1 : 0) + unit->name;
 }
 
-std::string number(double value) { return printed("%.6g", value); }
+std::string number(double value) { return general(value, 6); }
 
-std::string fixed(double value) { return printed("%.2f", value); }
+std::string fixed(double value) { return assur::fixed(value, 2); }
 
 std::string error_figure(double value) {
   if (std::isnan(value)) return "-";
   if (std::isinf(value)) return "not finite";
-  return value == 0 ? "0" : printed("%.1e", value);
+  return value == 0 ? "0" : scientific(value, 1);
 }
 
 std::string listed(const std::vector<std::string>& names, std::size_t most) {

@@ -1,20 +1,15 @@
 #include "output/status_text.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 
+#include "decimal.hpp"
 #include "output/format.hpp"
 
 namespace assur::output {
 namespace {
 
 // Times need more digits than other numbers: an event is looked up by its time.
-std::string moment(double t) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.10g", t);
-  return text.data();
-}
+std::string moment(double t) { return general(t, 10); }
 
 std::string_view meaning(Code code) {
   switch (code) {

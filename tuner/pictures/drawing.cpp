@@ -47,7 +47,7 @@ class Draughtsman {
   Drawing draw() {
     add_points();
     for (const Constraint& c : scene_.constraints()) {
-      std::visit([&](const auto& kind) { relate(c.name, kind); }, c.kind);
+      c.visit([&](const auto& kind) { relate(c.name, kind); });
     }
     for (const Driver& d : scene_.drivers()) std::visit([&](const auto& kind) { drive(d.name, kind); }, d.kind);
     add_bodies();

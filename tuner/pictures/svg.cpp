@@ -1,16 +1,12 @@
 #include "pictures/svg.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
+
+#include "decimal.hpp"
 
 namespace assur::pictures {
 
-std::string at(double value) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.1f", value);
-  return text.data();
-}
+std::string at(double value) { return fixed(value, 1); }
 
 double width(std::string_view text) {
   const auto starts = [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; };

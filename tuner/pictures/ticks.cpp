@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
+
+#include "decimal.hpp"
 
 namespace assur::pictures {
 namespace {
@@ -11,12 +12,6 @@ namespace {
 constexpr double kRounding = 1e-9;              // of a tick that a value lies on
 constexpr double kFewDecades = 2.5;             // up to which there are ticks within a decade
 constexpr std::array kRound = {1.0, 2.0, 5.0};  // in each decade
-
-std::string printed(const char* format, double value) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), format, value);
-  return text.data();
-}
 
 // Steps of 1, 2 or 5 times a power of ten.
 double round_step(double least) {
@@ -86,9 +81,9 @@ Ticks logarithmic_ticks(double least, double greatest, int most) {
 std::string power_of_ten(double value) {
   const int k = static_cast<int>(std::floor(std::log10(value) + kRounding));
   const double factor = value / std::pow(10, k);
-  if (k >= 0 && k <= 2) return printed("%g", value);
+  if (k >= 0 && k <= 2) return general(value, 6);
   const std::string power = "10" + superscript(k);
-  return std::abs(factor - 1) < 1e-6 ? power : printed("%.3g", factor) + "·" + power;
+  return std::abs(factor - 1) < 1e-6 ? power : general(factor, 3) + "·" + power;
 }
 
 std::string time_text(double seconds) {
@@ -99,7 +94,7 @@ std::string time_text(double seconds) {
   static constexpr std::array kUnits = {Unit{1, " s"}, Unit{1e-3, " ms"}, Unit{1e-6, " µs"}, Unit{1e-9, " ns"}};
   const auto* const unit =
       std::find_if(kUnits.begin(), kUnits.end() - 1, [&](const Unit& u) { return seconds >= u.size * (1 - 1e-6); });
-  return printed("%.4g", seconds / unit->size) + unit->name;
+  return general(seconds / unit->size, 4) + unit->name;
 }
 
 }  // namespace assur::pictures

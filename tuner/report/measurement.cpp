@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
 
+#include "decimal.hpp"
 #include "numbers.hpp"
 #include "output/format.hpp"
 
@@ -13,16 +13,10 @@ namespace assur::report {
 std::string value_text(const Measurement& m) {
   if (!std::isfinite(m.value)) return "-";
   if (m.unit == "s") return output::duration(m.value);
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", m.value);
-  return m.unit == "1" || m.unit.empty() ? text : std::string(text) + " " + m.unit;
+  return general(m.value, 3) + (m.unit == "1" || m.unit.empty() ? "" : " " + m.unit);
 }
 
-std::string percent(double share) {
-  char text[32];
-  std::snprintf(text, sizeof text, std::abs(share) < 0.0995 ? "%.1f %%" : "%.0f %%", 100 * share);
-  return text;
-}
+std::string percent(double share) { return fixed(100 * share, std::abs(share) < 0.0995 ? 1 : 0) + " %"; }
 
 std::string about(const Measurement& m) {
   std::string text = m.strategy.empty() ? m.item : m.strategy;

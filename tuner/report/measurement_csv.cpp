@@ -20,7 +20,9 @@ void write_csv(std::ostream& out, std::span<const Section> sections) {
   for (const Section& section : sections) {
     for (const Measurement& m : section.measurements) {
       out << quoted(m.section) << ',' << quoted(m.item) << ',' << quoted(m.strategy) << ',' << quoted(m.quantity) << ','
-          << quoted(m.unit) << ',' << m.value << ',' << m.repetitions << ',';
+          << quoted(m.unit) << ',';
+      if (!std::isnan(m.value)) out << m.value;
+      out << ',' << m.repetitions << ',';
       if (m.repetitions > 1) out << m.spread;
       out << ',';
       if (!std::isnan(m.error)) out << m.error;

@@ -8,6 +8,7 @@
 #include "assur/plan.hpp"
 #include "assur/scene.hpp"
 #include "assur/structure.hpp"
+#include "decimal.hpp"
 #include "output/format.hpp"
 #include "pictures/heat_map.hpp"
 #include "planning/counts.hpp"
@@ -122,9 +123,8 @@ Measurement measurement(const Candidate& winner, const Sample* sample, const std
     m.error = sample->backward_error;
     m.origin = "composed from the measured time of one pack";
   } else {
-    char factor[32];
-    std::snprintf(factor, sizeof factor, "%.2f", winner.factor);
-    m.origin = "predicted, " + std::string(name(winner.origin)) + ", two times in three within a factor " + factor;
+    m.origin = "predicted, " + std::string(name(winner.origin)) + ", two times in three within a factor " +
+               fixed(winner.factor, 2);
   }
   return m;
 }

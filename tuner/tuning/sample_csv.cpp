@@ -1,18 +1,14 @@
 #include "tuning/sample_csv.hpp"
 
 #include <cmath>
-#include <cstdio>
 #include <string>
+
+#include "decimal.hpp"
 
 namespace assur::tuning {
 namespace {
 
-std::string number(double value) {
-  if (std::isnan(value)) return "";
-  char digits[32];
-  std::snprintf(digits, sizeof digits, "%.17g", value);
-  return digits;
-}
+std::string number(double value) { return std::isnan(value) ? "" : general(value, 17); }
 
 }  // namespace
 

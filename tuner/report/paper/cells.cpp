@@ -1,9 +1,9 @@
 #include "report/paper/cells.hpp"
 
-#include <array>
-#include <cstdio>
+#include <cmath>
 
 #include "assur/status.hpp"
+#include "decimal.hpp"
 
 namespace assur::report {
 namespace {
@@ -65,14 +65,8 @@ const PaperTiming* timing(std::span<const PaperTiming> times, const PaperCell& c
 std::string split_text(const PaperTiming& timing) { return std::to_string(timing.p) + "x" + std::to_string(timing.q); }
 
 std::string ratio_text(double ratio) {
-  std::array<char, 32> out{};
-  const char* const format = ratio < 0.0995   ? "%#.2g"
-                             : ratio < 0.9995 ? "%.3f"
-                             : ratio < 9.995  ? "%.2f"
-                             : ratio < 99.95  ? "%.1f"
-                                              : "%.0f";
-  std::snprintf(out.data(), out.size(), format, ratio);
-  return out.data();
+  if (ratio < 0.0995) return fixed(ratio, ratio > 0 ? 1 - static_cast<int>(std::floor(std::log10(ratio))) : 2);
+  return fixed(ratio, ratio < 0.9995 ? 3 : ratio < 9.995 ? 2 : ratio < 99.95 ? 1 : 0);
 }
 
 }  // namespace assur::report
