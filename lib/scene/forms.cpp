@@ -44,8 +44,15 @@ Forms::Forms(std::shared_ptr<const Scene> scene, int length_exponent) {
   item_of_.reserve(named);
   s_.coordinates.reserve(scalars);
   s_.guess.reserve(scalars);
-  s_.sources.reserve(s_.scene->constraints().size());
-  s_.equations.reserve(s_.scene->constraints().size());
+  // Enough for distances, which most constraints are: what is not written into takes no memory.
+  const std::size_t constraints = s_.scene->constraints().size(), size = static_cast<std::size_t>(s_.dimension);
+  s_.sources.reserve(constraints);
+  s_.equations.reserve(constraints);
+  s_.products.reserve(constraints * (size + 1));
+  s_.form_start.reserve(scalars + constraints * (size + 1));
+  s_.terms.reserve(scalars + constraints * (2 * size + 1));
+  s_.constants.reserve(scalars + constraints);
+  rests_.reserve(scalars + constraints);
 }
 
 System Forms::finish() {

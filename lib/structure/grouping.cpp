@@ -23,6 +23,7 @@ class Grouping {
     } else if (formulation == Formulation::groups) {
       declared_groups();
     }
+    if (formulation != Formulation::global) drafts_.reserve(drafts_.size() + idx(blocks_.size()));
     for (Index b = 0; b < blocks_.size(); ++b) {
       if (group_of_[idx(b)] < 0) {
         group_of_[idx(b)] = static_cast<Index>(drafts_.size());
@@ -100,6 +101,7 @@ class Grouping {
       return key(x) < key(y);
     });
     std::vector<Draft> drafts;
+    drafts.reserve(n);
     for (const Index g : sorted) drafts.push_back(std::move(drafts_[idx(g)]));
     drafts_ = std::move(drafts);
   }
