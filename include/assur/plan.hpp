@@ -97,14 +97,16 @@ struct Candidate {
   std::string why_not;  // "": it can run here, and is as accurate as a solution in double
 };
 
-// Every candidate for the groups of one class that are solved side by side, the fastest first, those that cannot run
-// last. shape.groups: how many; shape.terms = 0: bare matrices, each factorised once and solved with shape.rhs
-// right-hand sides. The first is what `auto` takes: of those within 2 % of the fastest the one with fewer threads.
+// What candidates are chosen by.
 struct CandidateOptions {
   std::shared_ptr<const PerformanceModel> model = nullptr;  // null: machine_model()
   std::optional<ThreadBudget> budget = std::nullopt;        // empty: this machine's
   std::vector<std::string> without = {};
 };
+
+// Every candidate for the groups of one class that are solved side by side, the fastest first, those that cannot run
+// last. shape.groups: how many; shape.terms = 0: bare matrices, each factorised once and solved with shape.rhs
+// right-hand sides. The first is what `auto` takes: of those within 2 % of the fastest the one with fewer threads.
 [[nodiscard]] std::vector<Candidate> candidates(const Shape& shape, const CandidateOptions& options = {});
 
 // For equations of one's own: the strategy for `count` matrices with one pattern, each factorised once and solved with

@@ -78,14 +78,14 @@ struct Direction {
 
 struct Distance {  // |P - Q|^2 = value^2
   std::string p, q;
-  std::optional<double> value;  // m, > 0; left out: from `at`
+  std::optional<double> value = {};  // m, > 0; left out: from `at`
 };
 struct EqualDistance {  // |P - Q|^2 = |R - S|^2
   std::string p, q, r, s;
 };
 struct Dot {  // d . e = value
   Direction d, e;
-  std::optional<double> value;  // left out: from `at`
+  std::optional<double> value = {};  // left out: from `at`
 };
 struct Parallel {  // e - lambda d = 0, lambda = NAME.lambda
   Direction d, e;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
@@ -42,6 +43,9 @@ void check_analysis(const Pattern& pattern, int lanes);
 
 // Throws Error (input) unless a span called `what` has the size that the analysed pattern asks for.
 void check_size(std::string_view what, std::size_t actual, std::size_t expected);
+
+// +1 for an even permutation of 0 to n - 1, -1 for an odd one.
+int parity(std::span<const std::int32_t> permutation);
 
 // Status of the worst lane: not_finite before singular, then the lowest lane.
 Status worst(std::span<const Code> lanes);

@@ -3,6 +3,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <vector>
 
 #include "assur/backend.hpp"
 #include "backends/backends.hpp"
@@ -57,6 +58,18 @@ void check_analysis(const Pattern& pattern, int lanes) {
 void check_size(std::string_view what, std::size_t actual, std::size_t expected) {
   if (actual == expected) return;
   refuse("a solver expects " + std::to_string(expected) + " " + std::string(what) + ", not " + std::to_string(actual));
+}
+
+int parity(std::span<const std::int32_t> permutation) {
+  int sign = 1;
+  std::vector<bool> seen(permutation.size());
+  for (std::size_t start = 0; start < seen.size(); ++start) {
+    for (std::size_t i = start; !seen[i]; i = static_cast<std::size_t>(permutation[i])) {
+      seen[i] = true;
+      if (static_cast<std::size_t>(permutation[i]) != start) sign = -sign;  // a cycle of k is k - 1 swaps
+    }
+  }
+  return sign;
 }
 
 Status worst(std::span<const Code> lanes) {

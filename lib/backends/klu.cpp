@@ -55,19 +55,6 @@ struct FreeNumeric {
   void operator()(klu_numeric* numeric) const { klu_free_numeric(&numeric, common); }
 };
 
-// -1 for an odd permutation, else +1; `seen` is workspace.
-int parity(const int* permutation, std::vector<bool>& seen) {
-  int sign = 1;
-  std::fill(seen.begin(), seen.end(), false);
-  for (std::size_t start = 0; start < seen.size(); ++start) {
-    for (std::size_t i = start; !seen[i]; i = static_cast<std::size_t>(permutation[i])) {
-      seen[i] = true;
-      if (static_cast<std::size_t>(permutation[i]) != start) sign = -sign;  // a cycle of k is k - 1 swaps
-    }
-  }
-  return sign;
-}
-
 // Sizes as integers, where comparing is cheap: infinity and NaN are larger than any finite one.
 constexpr auto kMagnitude = ~std::uint64_t{0} >> 1;
 constexpr std::uint64_t magnitude(double number) { return std::bit_cast<std::uint64_t>(number) & kMagnitude; }
@@ -128,7 +115,6 @@ class KluSolver final : public LaneByLane {
   std::size_t n_ = 0;
   std::vector<int> column_start_, row_;  // n + 1, nnz
   std::vector<double> scaled_;           // nnz: values of the lane at hand, rows scaled
-  std::vector<bool> seen_;               // n
   std::vector<Lane> lanes_;
 };
 
@@ -145,7 +131,6 @@ void KluSolver::analyze_lanes(const Pattern& pattern, int lanes) {
   column_start_ = pattern.column_start;
   row_ = pattern.row;
   scaled_.resize(row_.size());
-  seen_.resize(n_);
   for (int lane = 0; lane < lanes; ++lane) {
     Lane& added = lanes_.emplace_back();
     added.numeric = {nullptr, FreeNumeric{&common_}};
@@ -221,7 +206,7 @@ Code KluSolver::factorize_with_pivoting(Lane& lane) {
     lane.numeric.reset();
     return Code::singular;
   }
-  lane.permutation_sign = parity(lane.numeric->Pnum, seen_) * parity(symbolic_->Q, seen_);
+  lane.permutation_sign = parity({lane.numeric->Pnum, n_}) * parity({symbolic_->Q, n_});
   return Code::ok;
 }
 

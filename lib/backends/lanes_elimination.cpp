@@ -5,6 +5,8 @@
 #include <numeric>
 #include <utility>
 
+#include "backends/backends.hpp"
+
 namespace assur::lanes {
 namespace {
 
@@ -77,18 +79,6 @@ std::vector<Number> by_level(const Factors& f) {
   std::iota(order.begin(), order.end(), Number{0});
   std::stable_sort(order.begin(), order.end(), [&](Number a, Number b) { return level[a] < level[b]; });
   return order;
-}
-
-int parity(const std::vector<std::int32_t>& permutation) {
-  std::vector<bool> seen(permutation.size());
-  int sign = 1;
-  for (std::size_t start = 0; start < seen.size(); ++start) {
-    for (std::size_t i = start; !seen[i]; i = static_cast<std::size_t>(permutation[i])) {
-      seen[i] = true;
-      if (static_cast<std::size_t>(permutation[i]) != start) sign = -sign;  // a cycle of k is k - 1 swaps
-    }
-  }
-  return sign;
 }
 
 // For each row the last unknown of the matrix that needs it: the row is computed for first_wanted up to this.

@@ -190,11 +190,15 @@ TEST(Operations, TheBarFitsTheTerminal) {
   const std::string drawn = run_command(words, setting).err;
   const std::string erase = "\r\x1b[K";
   ASSERT_NE(drawn.find(erase), std::string::npos);
+  int bars = 0;
   for (std::size_t at = 0, next = 0; next != std::string::npos; at = next + erase.size()) {
     next = drawn.find(erase, at);
-    EXPECT_LT(drawn.substr(at, next == std::string::npos ? next : next - at).size(), 20u);
-    if (next == std::string::npos) break;
+    const std::string piece = drawn.substr(at, next == std::string::npos ? next : next - at);
+    if (piece.find('\n') != std::string::npos) continue;  // a note, e.g. on the kernels that OpenBLAS has taken
+    EXPECT_LT(piece.size(), 20u) << piece;
+    ++bars;
   }
+  EXPECT_GT(bars, 0);
   setting.before = [] { setenv("TERM", "dumb", 1); };
   EXPECT_EQ(run_command(words, setting).err.find('\x1b'), std::string::npos);
 }

@@ -99,7 +99,8 @@ std::string outputs_over_time(const Prepared& prepared, const Trajectory& trajec
   const std::string width = std::to_string(kDiagram.width);
   const std::string height = std::to_string(y + kDiagram.height * static_cast<int>(shown));
   std::string out = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + width + "\" height=\"" + height +
-                    "\" viewBox=\"0 0 " + width + " " + height + "\">\n<style>\n" + style() + "</style>\n";
+                    "\" viewBox=\"0 0 " + width + " " + height + "\" style=\"max-width:100%;height:auto\">\n<style>\n" +
+                    style() + "</style>\n";
   out += "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n";
   out += "<text class=\"head\" x=\"2\" y=\"24\">" + escaped(prepared.name) + "</text>\n";
   for (std::size_t i = 0; i < below.size(); ++i) {
