@@ -1,4 +1,4 @@
-// tuner/view/animation, embedded at build time.
+// tuner/pictures/animation, embedded at build time.
 #pragma once
 
 #include <string_view>
