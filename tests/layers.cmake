@@ -1,47 +1,38 @@
-# The order of lib/ and of tuner/: each folder includes only itself and those to its left in `layers` and `rooms`, so none
-# of lib/ includes db/; the sources
-# of the core (CORE, relative to lib/) reach, through whatever header, nothing of the libraries that the core must do
-# without; and no source is forgotten in lib/CMakeLists.txt.
+# The order of lib/ and of tuner/: each folder includes only itself and those to its left, so none of lib/ includes db/;
+# the sources of the core (CORE, relative to lib/) reach, through whatever header, nothing of the libraries that the core
+# must do without; and no source is forgotten in lib/CMakeLists.txt.
 cmake_minimum_required(VERSION 3.25)
-set(layers parallel scene structure equations backends planning signals group path errors side_by_side simulation db)
 set(foreign "^#include [<\"](nlohmann|muParser|cs\\.h|btf\\.h|klu\\.h|umfpack|dmumps|suitesparse|SQLite|CLI|boost)")
 set(findings "")
-file(READ ${LIB}/CMakeLists.txt listed)
 
-file(GLOB_RECURSE files RELATIVE ${LIB} ${LIB}/*.cpp ${LIB}/*.hpp ${LIB}/*.in)
-foreach(file IN LISTS files)
-  string(REGEX REPLACE "/.*" "" folder ${file})
-  list(FIND layers "${folder}" own)  # -1 in lib/ itself
-  file(STRINGS ${LIB}/${file} includes REGEX "^#include \"[a-z_]+/")
-  foreach(include IN LISTS includes)
-    string(REGEX REPLACE "^#include \"([a-z_]+)/.*" "\\1" used "${include}")
-    list(FIND layers "${used}" other)
-    if(other GREATER own)
-      list(APPEND findings "lib/${file}: ${include} reaches from ${folder} to ${used}")
-    endif()
+# check_order(ROOT folders...): appends to `findings`, and sets `files`. What lies in ROOT itself includes no folder, unless
+# it is named among them.
+macro(check_order root)
+  set(layers ${ARGN})
+  file(GLOB_RECURSE files RELATIVE ${root} ${root}/*.cpp ${root}/*.hpp ${root}/*.in)
+  foreach(file IN LISTS files)
+    string(REGEX REPLACE "/.*" "" folder ${file})
+    list(FIND layers "${folder}" own)  # -1 in ROOT itself
+    file(STRINGS ${root}/${file} includes REGEX "^#include \"[a-z_]+/")
+    foreach(include IN LISTS includes)
+      string(REGEX REPLACE "^#include \"([a-z_]+)/.*" "\\1" used "${include}")
+      list(FIND layers "${used}" other)
+      if(other GREATER own)
+        list(APPEND findings "${root}/${file}: ${include} reaches from ${folder} to ${used}")
+      endif()
+    endforeach()
   endforeach()
+endmacro()
+
+check_order(${TUNER} measure output pictures check tuning report commands enough_memory.cpp main.cpp)
+check_order(${LIB} parallel scene structure equations backends planning signals group path errors side_by_side
+            simulation db)
+
+file(READ ${LIB}/CMakeLists.txt listed)
+foreach(file IN LISTS files)
   if(file MATCHES "\\.cpp$" AND NOT listed MATCHES "[ \n(]${file}[ \n)]")
     list(APPEND findings "lib/${file}: is not listed in lib/CMakeLists.txt")
   endif()
-endforeach()
-
-# Rooms of the command; what they include of lib/ is not looked at.
-set(rooms measure output pictures check tuning report commands)
-file(GLOB_RECURSE tuner_files RELATIVE ${TUNER} ${TUNER}/*.cpp ${TUNER}/*.hpp)
-foreach(file IN LISTS tuner_files)
-  string(REGEX REPLACE "/.*" "" folder ${file})
-  list(FIND rooms "${folder}" own)
-  if(own EQUAL -1)
-    continue()  # main.cpp and what is beside it
-  endif()
-  file(STRINGS ${TUNER}/${file} includes REGEX "^#include \"[a-z_]+/")
-  foreach(include IN LISTS includes)
-    string(REGEX REPLACE "^#include \"([a-z_]+)/.*" "\\1" used "${include}")
-    list(FIND rooms "${used}" other)
-    if(other GREATER own)
-      list(APPEND findings "tuner/${file}: ${include} reaches from ${folder} to ${used}")
-    endif()
-  endforeach()
 endforeach()
 
 set(open ${CORE})

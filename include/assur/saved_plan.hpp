@@ -16,8 +16,8 @@ void save_plan(std::ostream& out, const Prepared& prepared);
 
 struct LoadOptions {
   std::span<const Backend> table = core_backends();  // where the plan's backends are looked up
-  // Threads to use at most; empty: Machine::budget() of this machine. A plan with
-  // larger p runs with fewer threads, which changes no bit of the motion, and its `reason` says so.
+  // Threads to use at most; empty: Machine::budget() of this machine. A plan with larger p runs with fewer threads,
+  // which changes no bit of the motion, and its `reason` says so.
   std::optional<ThreadBudget> budget = std::nullopt;
 };
 

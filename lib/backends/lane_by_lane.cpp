@@ -8,6 +8,7 @@
 #include "backends/backends.hpp"
 
 namespace assur {
+
 Status LaneByLane::analyze(const Pattern& pattern, int lanes) {
   check_analysis(pattern, lanes);
   n_ = static_cast<std::size_t>(pattern.n);

@@ -7,6 +7,7 @@
 #include "scene/residual_scale.hpp"
 
 namespace assur {
+
 CallbackRows::CallbackRows(const System& system, const Program& program, int lanes)
     : system_(system), program_(program), lanes_(lanes) {
   for (const Program::CallbackUse& use : program.callbacks) {

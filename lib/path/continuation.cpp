@@ -1,7 +1,6 @@
 #include "path/continuation.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 

@@ -7,6 +7,7 @@
 #include "scene/triple.hpp"
 
 namespace assur {
+
 // Far from the origin the sum of a fixed point and of an offset on its body loses the offset's last digits, which the
 // difference with another point there would show.
 struct Forms::Exact {

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "numbers.hpp"
 
 namespace assur {
+
 JsonReader::JsonReader(const JsonDocument& document, TableFolders tables, const Parameters& set)
     : document_(document), tables_(std::move(tables)), set_(set), findings_(document.findings) {}
 

@@ -4,6 +4,7 @@
 #include "scene/lowering_parts.hpp"
 
 namespace assur {
+
 // ---- declarations
 
 void DriverWriter::declare_auxiliaries() {

@@ -15,7 +15,7 @@ namespace assur::samples {
 namespace {
 
 constexpr double kMany = 1e7, kMostUnknowns = 1e8;  // more would not fit the index type
-constexpr double kBytesOfUnknown = 500;             // at least, until it is prepared: four_bar takes 1000, stewart 780
+constexpr double kBytesOfUnknown = 500;             // at least, until it is prepared: four_bar takes 735
 
 Option count(std::string_view name, double value, double least, double most, std::string_view meaning,
              std::int64_t multiple = 1) {

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "numbers.hpp"
 #include "scene/triple.hpp"

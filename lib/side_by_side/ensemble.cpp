@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <exception>
-#include <limits>
 #include <map>
 #include <optional>
 #include <utility>
@@ -14,6 +13,7 @@
 #include "side_by_side/tiles.hpp"
 
 namespace assur {
+
 struct Ensemble::Impl {
   Impl(std::size_t count, const std::function<Prepared(std::size_t)>& member, StepLimits step_limits)
       : limits(step_limits), cannot(count) {

@@ -7,6 +7,7 @@
 #include "scene/drive.hpp"
 
 namespace assur {
+
 bool is_angle(const System& s, const DriverInput& in, int law) {
   if (in.kind == DriverInput::Kind::scalar) return false;
   return in.kind == DriverInput::Kind::direction || law >= s.dimension;

@@ -5,6 +5,7 @@
 #include "index.hpp"
 
 namespace assur {
+
 Shape Structure::shape(const Group& group) const {
   const GroupClass& c = classes[idx(group.group_class)];
   Shape s;

@@ -2,7 +2,6 @@
 
 #include <Eigen/QR>
 #include <algorithm>
-#include <limits>
 #include <set>
 
 #include "numbers.hpp"

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <numeric>
 #include <random>
 #include <span>
@@ -17,6 +16,7 @@
 #include "numbers.hpp"
 
 namespace assur::test {
+
 using Random = std::mt19937_64;
 
 inline double uniform(Random& random, double low, double high) {

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
-#include <limits>
 #include <random>
 
 #include "assur/plan.hpp"

@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <numbers>
 #include <random>
 #include <string>
@@ -13,6 +12,7 @@
 #include "numbers.hpp"
 
 namespace assur::test {
+
 inline constexpr double kTau = 2 * std::numbers::pi;
 
 inline void expect_near(const Motion& actual, const Motion& expected, const Motion& tolerance,

@@ -5,7 +5,6 @@
 
 #include <cmath>
 #include <concepts>
-#include <limits>
 
 namespace assur {
 namespace {

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <numbers>
 #include <random>
 
 #include "assur/ensemble.hpp"

@@ -1,7 +1,6 @@
 // Measures of points that pass close to each other divide by that distance: the estimated errors tell what is lost.
 #include <gtest/gtest.h>
 
-#include <numbers>
 #include <random>
 
 #include "numbers.hpp"

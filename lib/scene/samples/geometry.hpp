@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cmath>
-#include <numbers>
 
 #include "assur/scene.hpp"
 #include "numbers.hpp"
