@@ -126,7 +126,7 @@ class LegsByLibrary {
         structure_(*prepared_.structure),
         inputs_(*structure_.system, {}),
         layout_(lay_out(prepared_)) {
-    state_.resize(layout_.first_unknown, layout_.size, prepared_.plan.predictor);
+    state_.resize(layout_.first_unknown, layout_.size, prepared_.plan.run.predictor);
     for (std::size_t c = 0; c < layout_.address.size(); ++c) {
       if (layout_.address[c] >= 0) state_.at(0)[layout_.address[c]] = structure_.start[c];
     }

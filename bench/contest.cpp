@@ -22,7 +22,7 @@ void fail(Entry& entry, const std::string& why, bool wrong) {
 
 bool one_thread(const Entry& entry) {
   const Strategy strategy = parse_strategy(entry.strategy);
-  return strategy.p * strategy.q == 1;
+  return strategy.run.threads * strategy.solver.threads == 1;
 }
 
 std::string text(double value) {

@@ -51,7 +51,7 @@ void add_splits(std::vector<Entry>& contest, const Options& o, const std::string
     steps = steps_in(o.block, scene, strategy);
   } catch (const Error&) {  // the entry says why
   }
-  const bool parallel = properties_of(parse_strategy(strategy).backend).threads;
+  const bool parallel = properties_of(parse_strategy(strategy).solver.backend).threads;
   const bool both = strategy.ends_with("team");  // OpenBLAS cannot nest
   const std::size_t alone = add_split(1, 1, Entry::kItself);
   for (const int p : o.counts()) {

@@ -32,7 +32,7 @@ double fastest(const Entry& entry) {
 Figures figures_of(const std::vector<Entry>& contest, const Entry& entry) {
   Figures f;
   f.strategy = parse_strategy(entry.strategy);
-  f.threads = f.strategy.p * f.strategy.q;
+  f.threads = f.strategy.run.threads * f.strategy.solver.threads;
   f.seconds = spread(entry.seconds);
   f.telling = spread(telling(entry));
   f.fastest = fastest(entry);
@@ -77,7 +77,8 @@ std::vector<Column> columns_of(Show show, const Figures& f) {
            {"at best", 8, 2, f.at_best}});
       break;
     case Show::lanes:
-      add({{"speed-up", 9, 2, f.over_base.median}, {"efficiency", 11, 2, f.over_base.median / f.strategy.lanes}});
+      add({{"speed-up", 9, 2, f.over_base.median},
+           {"efficiency", 11, 2, f.over_base.median / f.strategy.solver.lanes}});
       break;
     case Show::chunks:
       add({{"speed-up", 9, 2, f.over_base.median},
@@ -167,7 +168,8 @@ void write_csv_rows(std::ostream& out, const std::string& experiment, const std:
   for (const Entry& e : contest) {
     const Figures f = figures_of(contest, e);
     out << experiment << ',' << quoted(e.scene) << ',' << quoted(e.strategy) << ',' << quoted(e.condition);
-    for (const int count : {f.strategy.p, f.strategy.q, f.strategy.lanes, f.strategy.chunks, e.members, e.legs}) {
+    for (const int count : {f.strategy.run.threads, f.strategy.solver.threads, f.strategy.solver.lanes,
+                            f.strategy.run.chunks, e.members, e.legs}) {
       out << ',' << count;
     }
     out << ',' << e.seconds.size();

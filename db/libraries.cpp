@@ -30,7 +30,7 @@ Library library_at_hand(std::string_view name) {
 
 std::string library_name(const Sample& sample) {
   const bool solves = sample.kernel != Kernel::evaluate && sample.kernel != Kernel::meeting;
-  return solves ? sample.strategy.backend : "assur";
+  return solves ? sample.strategy.solver.backend : "assur";
 }
 
 }  // namespace assur::db

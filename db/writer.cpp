@@ -95,7 +95,9 @@ std::int64_t Writer::strategy(const Strategy& strategy) {
       "INSERT INTO strategy (text, backend, lanes, p, q) VALUES (?1, ?2, ?3, ?4, ?5) ON CONFLICT DO NOTHING";
   static constexpr const char* kFind = "SELECT id FROM strategy WHERE text = ?1";
   const std::string text = to_string(strategy);
-  bound(prepared(kInsert), text, strategy.backend, strategy.lanes, strategy.p, strategy.q).exec();
+  bound(prepared(kInsert), text, strategy.solver.backend, strategy.solver.lanes, strategy.run.threads,
+        strategy.solver.threads)
+      .exec();
   return the_id(bound(prepared(kFind), text));
 }
 

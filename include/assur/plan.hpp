@@ -17,27 +17,28 @@
 
 namespace assur {
 
-// One strategy for each class of a structure.
+// One solver for each class of a structure.
 struct Plan {
   struct Choice {
     std::int32_t group_class = 0;
     Shape shape;
-    Strategy strategy;
+    SolverSettings solver;
+    std::int32_t threads = 1;     // packs of this class at once
     std::string reason;           // "forced", "interpolated: 2.1 times as fast as klu", ...
     double expected_seconds = 0;  // one step of one pack; 0: nobody asked
     Origin origin = Origin::prior;
   };
-  Formulation formulation = Formulation::groups;
-  Predictor predictor;          // resolved: never automatic
+  RunSettings run;              // its predictor is never automatic
   std::int32_t lanes = 1;       // W asked for: of a class, or, where mechanisms run side by side, mechanisms
-  std::int32_t chunks = 1;      // of the time grid, run side by side
-  std::int32_t threads = 1;     // p
   std::vector<Choice> choices;  // one for each class
-  std::vector<std::int32_t> level_threads;  // p of each level, of these; empty: `threads` for all
+  std::vector<std::int32_t> level_threads;  // of each level, of run.threads; empty: those for all
   double accuracy = 0;                      // PrepareOptions::accuracy
   std::string reason;                       // of the formulation and of p
   double expected_seconds = 0;              // one step: groups, laws, prediction, outputs (no rows); 0: nobody asked
   double meeting_seconds = 0;               // of the threads, once; 0: nobody asked
+
+  // The strategy text of one class: what forces its solver, and this run, for all classes.
+  [[nodiscard]] Strategy strategy(const Choice& choice) const;
 };
 
 // An estimated error that a run tells of where no accuracy was asked for.

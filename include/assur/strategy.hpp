@@ -27,19 +27,33 @@ struct Predictor {
   friend bool operator==(const Predictor&, const Predictor&) = default;
 };
 
-struct Strategy {
-  Formulation formulation = Formulation::groups;
+// How the systems of a group, or of W groups of one class side by side, are solved.
+struct SolverSettings {
   std::string backend = "eigen";
   std::int32_t lanes = 1;  // W, instances of a class solved side by side (up to)
   bool single = false;     // +float
   bool refine = false;     // +refine
   Reuse reuse = Reuse::fresh;
-  bool once = false;      // one factorisation per step, taken at the prediction
-  bool separate = false;  // one more for the acceleration, which nothing needs: to repeat published experiments
+  bool once = false;         // one factorisation per step, taken at the prediction
+  bool separate = false;     // one more for the acceleration, which nothing needs: to repeat published experiments
+  std::int32_t threads = 1;  // Q, inside the linear algebra of each pack; changes the last bits of the motion
+
+  friend bool operator==(const SolverSettings&, const SolverSettings&) = default;
+};
+
+// What all groups of a run have in common.
+struct RunSettings {
+  Formulation formulation = Formulation::groups;
   Predictor predictor;
-  std::int32_t chunks = 1;
-  std::int32_t p = 1;  // packs at once; changes no bit of the motion, while lanes, chunks and q change the last ones
-  std::int32_t q = 1;  // threads inside each one's linear algebra
+  std::int32_t chunks = 1;   // of the time grid, run side by side; they change the last bits of the motion
+  std::int32_t threads = 1;  // P, packs at once; changes no bit of the motion
+
+  friend bool operator==(const RunSettings&, const RunSettings&) = default;
+};
+
+struct Strategy {
+  RunSettings run;
+  SolverSettings solver;
 
   friend bool operator==(const Strategy&, const Strategy&) = default;
 };

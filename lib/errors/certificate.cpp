@@ -259,7 +259,7 @@ Certificate certify(const Simulator& simulator) {
 std::vector<Certificate> certify(const Prepared& prepared, const Trajectory& trajectory, StepLimits limits) {
   std::vector<Certificate> out;
   Prepared plan = prepared;
-  const bool in_chunks = std::exchange(plan.plan.chunks, 1) > 1;
+  const bool in_chunks = std::exchange(plan.plan.run.chunks, 1) > 1;
   Simulator simulator(std::move(plan), std::move(limits));
   std::shared_ptr<const Structure> structure;
   std::optional<Certifier> certifier;

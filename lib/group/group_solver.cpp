@@ -32,21 +32,21 @@ double StepErrors::worst() const { return std::max({position, velocity, accelera
 GroupSolver::GroupSolver(const System& system, const Structure& structure, std::int32_t group_class,
                          const Plan::Choice& choice, std::span<const Backend> table)
     : class_(structure.classes[idx(group_class)]),
-      strategy_(choice.strategy),
+      settings_(choice.solver),
       program_(compile(class_, structure.pattern(group_class))),
-      lanes_(strategy_.lanes),
+      lanes_(settings_.lanes),
       evaluator_(make_evaluator(system, program_, lanes_)),
-      backend_(find_backend(table, strategy_.backend)),
-      own_solvers_(backend_.keeps_pivots || strategy_.reuse == Reuse::run),
+      backend_(find_backend(table, settings_.backend)),
+      own_solvers_(backend_.keeps_pivots || settings_.reuse == Reuse::run),
       blocks_(class_, program_, lanes_),
       kernels_(pack_kernels(lanes_)) {
-  const std::string why_not = backend_.why_not(choice.shape, ThreadBudget{strategy_.q});
-  if (!why_not.empty()) throw Error(Error::Kind::environment, "backend " + strategy_.backend + ": " + why_not);
+  const std::string why_not = backend_.why_not(choice.shape, ThreadBudget{settings_.threads});
+  if (!why_not.empty()) throw Error(Error::Kind::environment, "backend " + settings_.backend + ": " + why_not);
   const std::size_t w = idx(lanes_), n = idx(program_.n) * w;
   inputs_.resize(idx(program_.inputs) * w);
   input_rates_.resize(inputs_.size());
   input_accelerations_.resize(inputs_.size());
-  if (has_small_steps(strategy_)) small_step_ = make_small_step(class_, program_, blocks_, lanes_);
+  if (has_small_steps(settings_)) small_step_ = make_small_step(class_, program_, blocks_, lanes_);
   for (LaneArray* v : {&phi_, &inverse_scale_, &correction_, &rhs_, &residual_, &noise_, &tolerance_, &error_, &bent_,
                        &moved_, &whole_}) {
     v->resize(n);
@@ -82,10 +82,10 @@ void GroupSolver::sort_by_rows() {
 }
 
 std::unique_ptr<LinearSolver> GroupSolver::make_solver() const {
-  auto solver = assur::make_solver(backend_, ThreadBudget{strategy_.q},
-                                   strategy_.single ? Precision::binary32 : Precision::binary64, strategy_.refine);
+  auto solver = assur::make_solver(backend_, ThreadBudget{settings_.threads},
+                                   settings_.single ? Precision::binary32 : Precision::binary64, settings_.refine);
   if (!solver->analyze(program_.pattern, lanes_).ok()) {
-    throw Error(Error::Kind::environment, "backend " + strategy_.backend + " cannot analyse the pattern of a group");
+    throw Error(Error::Kind::environment, "backend " + settings_.backend + " cannot analyse the pattern of a group");
   }
   return solver;
 }
@@ -215,7 +215,7 @@ Status GroupSolver::newton(Pack& pack, double* x, const Attempt& attempt, Counte
   counters.group_solutions += pack.used;
   factored_at_solution_ = factored_in_step_ = false;
   // Beyond a change point a singular value has the other sign: factors of before lead astray.
-  bool usable = strategy_.reuse == Reuse::run && pack.factored && attempt.branch != Attempt::Branch::pass;
+  bool usable = settings_.reuse == Reuse::run && pack.factored && attempt.branch != Attempt::Branch::pass;
   bool stale = false;
   double relative = kernels_.largest_ratio(phi_.data(), inverse_scale_.data(), program_.n), before = 0, last_norm = 0;
   int iteration = 0;
@@ -270,7 +270,7 @@ Status GroupSolver::newton(Pack& pack, double* x, const Attempt& attempt, Counte
       return fail(pack, Code::not_converged, norm / last_norm);
     }
     // Factors of another posture serve as long as the corrections contract.
-    usable = (strategy_.once || strategy_.reuse != Reuse::fresh) && contracts;
+    usable = (settings_.once || settings_.reuse != Reuse::fresh) && contracts;
     last_norm = norm;
     before = relative;
     evaluator_->evaluate(x, phi_.data(), jacobian_.data());
@@ -424,8 +424,8 @@ Status GroupSolver::derivatives(Pack& pack, double* const (&state)[3], const Att
   const int first = attempt.all_rates ? 0 : class_.first_wanted;
   if (most == 0) return {};
   // +once: the factors of the prediction (or, with +reuse=run, of an earlier step) serve, with refinement.
-  const bool at_hand = strategy_.reuse == Reuse::run ? pack.factored : factored_in_step_;
-  if (!(strategy_.once && at_hand)) {
+  const bool at_hand = settings_.reuse == Reuse::run ? pack.factored : factored_in_step_;
+  if (!(settings_.once && at_hand)) {
     if (const Status s = factorize(pack, counters); !s.ok()) return s;
     factored_at_solution_ = true;
   }
@@ -437,7 +437,7 @@ Status GroupSolver::derivatives(Pack& pack, double* const (&state)[3], const Att
   double& error = class_.derivatives > 0 ? errors.velocity : unwanted;
   if (const Status s = linear(pack, rhs_, rate, most == 1 ? first : 0, attempt, counters, error); !s.ok()) return s;
   if (most == 1) return {};
-  if (strategy_.separate) {
+  if (settings_.separate) {
     if (const Status s = factorize(pack, counters); !s.ok()) return s;
   }
   gather(pack, state[2], input_accelerations_);

@@ -173,7 +173,7 @@ class GroupSolver {
   [[nodiscard]] double ball_use_of(const Pack& pack, const double* x, std::int32_t block, std::int32_t lane) const;
 
   const GroupClass& class_;
-  Strategy strategy_;
+  SolverSettings settings_;
   Program program_;
   int lanes_ = 1;
   std::unique_ptr<Evaluator> evaluator_;

@@ -34,7 +34,7 @@ Continuation::Continuation(const Prepared& prepared, const StepLimits& limits, R
       packs_(layout_.packs),
       levels_(prepared, layout_, limits.pin_to),
       together_(angles_together(system_, structure_)) {
-  state_.resize(layout_.first_unknown, layout_.size, prepared.plan.predictor);
+  state_.resize(layout_.first_unknown, layout_.size, prepared.plan.run.predictor);
   if (!structure_.watch_class.equations.empty()) {
     watch_.emplace(system_, structure_, layout_.address);
     if (prepared.reselect) independence_.emplace(system_, structure_, layout_.address);

@@ -55,7 +55,7 @@ std::vector<InputRow> input_rows(const std::vector<std::int32_t>& addresses, std
 std::vector<std::unique_ptr<GroupSolver>> make_solvers(const Prepared& prepared, int lanes) {
   std::vector<std::unique_ptr<GroupSolver>> solvers;
   for (Plan::Choice choice : prepared.plan.choices) {
-    if (lanes > 0) choice.strategy.lanes = lanes;
+    if (lanes > 0) choice.solver.lanes = lanes;
     solvers.push_back(std::make_unique<GroupSolver>(*prepared.structure->system, *prepared.structure,
                                                     choice.group_class, choice, prepared.table));
   }

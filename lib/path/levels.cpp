@@ -25,7 +25,7 @@ int widest_level(const std::vector<Pack>& packs) {
 Levels::Levels(const Prepared& prepared, Layout& layout, std::span<const int> pin_to)
     : packs_(layout.packs), solvers_(layout.solvers), all_(layout.packs.size()) {
   std::iota(all_.begin(), all_.end(), 0);
-  schedule(prepared, prepared.plan.threads);
+  schedule(prepared, prepared.plan.run.threads);
   if (phases_.empty()) return;
   const auto threads = static_cast<int>(phases_[0].start.size()) - 1;
   for (int rank = 1; rank < threads; ++rank) helpers_.push_back(make_solvers(prepared));

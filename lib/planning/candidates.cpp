@@ -16,7 +16,7 @@ constexpr double kAccurate = 1e-12;   // backward error of a solution in double,
 
 std::string refused(const Backend& backend, const Shape& shape, const Strategy& s, const Scales& scales) {
   if (std::find(scales.without.begin(), scales.without.end(), backend.id) != scales.without.end()) return "left out";
-  if (std::string why_not = backend.why_not(shape, ThreadBudget{s.q}); !why_not.empty()) return why_not;
+  if (std::string why_not = backend.why_not(shape, ThreadBudget{s.solver.threads}); !why_not.empty()) return why_not;
   if (const double error = scales.model.backward_error(shape, s); error > kAccurate) {
     return "its solutions had a backward error of " + scientific(error, 1);
   }
@@ -39,10 +39,10 @@ std::vector<Prediction> predict(const Shape& shape, std::span<const Strategy> wa
 // groups, and say nothing of those that one thread solves before they have met.
 bool cannot_gain(const Strategy& s, const std::vector<Candidate>& weighed, const Scales& scales) {
   Strategy alone = s;
-  alone.q = 1;
+  alone.solver.threads = 1;
   const auto at = std::find_if(weighed.begin(), weighed.end(), [&](const Candidate& c) { return c.strategy == alone; });
   return at != weighed.end() && at->why_not.empty() &&
-         at->expected_seconds <= kLeastMeetings * scales.model.meeting(s.q).seconds;
+         at->expected_seconds <= kLeastMeetings * scales.model.meeting(s.solver.threads).seconds;
 }
 
 // Which other ways of the same solver are worth weighing.
@@ -50,16 +50,18 @@ std::vector<Strategy> variants(const Backend& backend, const Shape& shape, std::
                                std::int32_t most_q) {
   std::vector<Strategy> all;
   Strategy s;
-  s.backend = backend.id;
-  for (s.lanes = 1; s.lanes <= std::min(most_lanes, kMostLanes); s.lanes *= 2) {
-    for (s.q = 1; s.q <= most_q; s.q *= 2) {
-      if (s.q > 1 && (s.lanes > 1 || !backend.why_not(shape, ThreadBudget{s.q}).empty())) continue;
+  s.solver.backend = backend.id;
+  for (s.solver.lanes = 1; s.solver.lanes <= std::min(most_lanes, kMostLanes); s.solver.lanes *= 2) {
+    for (s.solver.threads = 1; s.solver.threads <= most_q; s.solver.threads *= 2) {
+      if (s.solver.threads > 1 &&
+          (s.solver.lanes > 1 || !backend.why_not(shape, ThreadBudget{s.solver.threads}).empty()))
+        continue;
       for (const bool once : {false, true}) {
         if (once && shape.terms == 0) continue;
         for (const bool single : {false, true}) {
           if (single && !backend.single) continue;
-          s.once = once;
-          s.single = single;
+          s.solver.once = once;
+          s.solver.single = single;
           all.push_back(s);
         }
       }
@@ -79,7 +81,7 @@ std::vector<Candidate> offers(const Shape& shape, std::int32_t most_lanes, std::
   std::vector<Strategy> ways;  // that can run
   for (const Backend& backend : scales.table) {
     Strategy plain;
-    plain.backend = backend.id;
+    plain.solver.backend = backend.id;
     if (std::string why_not = refused(backend, shape, plain, scales); !why_not.empty()) {
       all.push_back({.strategy = plain, .why_not = std::move(why_not)});
       continue;
@@ -94,7 +96,7 @@ std::vector<Candidate> offers(const Shape& shape, std::int32_t most_lanes, std::
   }
   const std::vector<Prediction> expected = predict(shape, ways, scales.model);
   for (std::size_t i = 0; i < ways.size(); ++i) {
-    if (ways[i].q > 1 && cannot_gain(ways[i], all, scales)) continue;
+    if (ways[i].solver.threads > 1 && cannot_gain(ways[i], all, scales)) continue;
     const Prediction& one = expected[i];
     all.push_back({.strategy = ways[i],
                    .expected_seconds = one.seconds,
@@ -110,14 +112,14 @@ std::vector<Candidate> weigh(const std::vector<Candidate>& offers, std::span<con
   std::vector<Candidate> all;
   for (const Candidate& offer : offers) {
     const Strategy& s = offer.strategy;
-    if (s.q > most_q) continue;
+    if (s.solver.threads > most_q) continue;
     double sum = 0;
     for (const Load& load : loads) {
-      const std::int32_t threads = properties_of(s.backend).takes_turns ? 1 : load.threads;
-      const std::int32_t packs = (load.groups + s.lanes - 1) / s.lanes;
+      const std::int32_t threads = properties_of(s.solver.backend).takes_turns ? 1 : load.threads;
+      const std::int32_t packs = (load.groups + s.solver.lanes - 1) / s.solver.lanes;
       const std::int32_t calls = (packs + threads - 1) / threads;
       sum += offer.expected_seconds *
-             together(calls, packs, threads, scales.model.contention(threads * s.q, load.unknowns));
+             together(calls, packs, threads, scales.model.contention(threads * s.solver.threads, load.unknowns));
     }
     all.push_back(offer);
     all.back().expected_seconds = sum;
@@ -135,7 +137,8 @@ void rank(std::vector<Candidate>& candidates, double tie) {
   const auto end = std::find_if(candidates.begin(), candidates.end(),
                                 [&](const Candidate& c) { return !c.why_not.empty() || c.expected_seconds > within; });
   const auto modesty = [](const Candidate& c) {
-    return std::tuple(c.strategy.p * c.strategy.q, c.strategy.single, c.strategy.once);
+    return std::tuple(c.strategy.run.threads * c.strategy.solver.threads, c.strategy.solver.single,
+                      c.strategy.solver.once);
   };
   const auto best = std::min_element(candidates.begin(), end,
                                      [&](const Candidate& a, const Candidate& b) { return modesty(a) < modesty(b); });
@@ -157,9 +160,9 @@ std::vector<Candidate> candidates(const Shape& shape, const CandidateOptions& op
     const Load load{shape.groups, p, shape.n};
     for (Candidate& c : weigh(offered, {&load, 1}, budget / p, scales)) {
       if (p > 1 && !c.why_not.empty()) continue;  // said once
-      if (p > 1 && properties_of(c.strategy.backend).takes_turns) continue;
-      c.strategy.p = p;
-      c.strategy.formulation = Formulation::irreducible;
+      if (p > 1 && properties_of(c.strategy.solver.backend).takes_turns) continue;
+      c.strategy.run.threads = p;
+      c.strategy.run.formulation = Formulation::irreducible;
       if (c.why_not.empty()) c.expected_seconds += model->meeting(p).seconds;
       all.push_back(std::move(c));
     }
@@ -178,7 +181,7 @@ Candidate choose_solver(const Pattern& pattern, std::int32_t count, std::int32_t
   std::vector<Candidate> all = candidates(shape, options);
   if (all.empty() || !all[0].why_not.empty()) {
     std::string reasons;
-    for (const Candidate& c : all) reasons += "; " + c.strategy.backend + ": " + c.why_not;
+    for (const Candidate& c : all) reasons += "; " + c.strategy.solver.backend + ": " + c.why_not;
     throw Error(Error::Kind::environment, "no backend can solve these systems" + reasons);
   }
   return std::move(all[0]);

@@ -274,16 +274,16 @@ class Check {
   void plan() {
     const Plan& plan = prepared_.plan;
     part("plan");
-    require(plan.formulation <= Formulation::irreducible && structure_.formulation == plan.formulation,
+    require(plan.run.formulation <= Formulation::irreducible && structure_.formulation == plan.run.formulation,
             "the formulation");
-    require(plan.threads > 0 && plan.chunks > 0, "the number of threads or chunks");
+    require(plan.run.threads > 0 && plan.run.chunks > 0, "the number of threads or chunks");
     // A strategy is right if its text is; `past` and `hermite` bound their orders there.
     Strategy all;
-    all.lanes = plan.lanes;
-    all.predictor = plan.predictor;
-    require(plan.predictor.kind != Predictor::Kind::automatic && has_text(all), "the predictor or the lanes");
+    all.solver.lanes = plan.lanes;
+    all.run.predictor = plan.run.predictor;
+    require(plan.run.predictor.kind != Predictor::Kind::automatic && has_text(all), "the predictor or the lanes");
     require(plan.level_threads.empty() || plan.level_threads.size() == idx(structure_.levels), "the threads of levels");
-    for (const Index p : plan.level_threads) require(0 < p && p <= plan.threads, "the threads of a level");
+    for (const Index p : plan.level_threads) require(0 < p && p <= plan.run.threads, "the threads of a level");
     require(plan.choices.size() == structure_.classes.size(), "the number of choices");
     for (std::size_t c = 0; c < plan.choices.size(); ++c) {
       part("choices", c);

@@ -66,7 +66,7 @@ std::vector<ClassLoad> loads_of(const Structure& s, const std::vector<Batch>& ba
 }
 
 std::int32_t packs_of(const Batch& batch, const Plan::Choice& choice) {
-  return (batch.groups + choice.strategy.lanes - 1) / choice.strategy.lanes;
+  return (batch.groups + choice.solver.lanes - 1) / choice.solver.lanes;
 }
 
 // The solver of a class and how much it wins by.
@@ -74,9 +74,9 @@ std::string reason_of(const std::vector<Candidate>& ranked) {
   const Candidate& best = ranked[0];
   std::string text(best.origin == Origin::prior ? "not measured" : name(best.origin));
   for (const Candidate& c : ranked) {
-    if (!c.why_not.empty() || c.strategy.backend == best.strategy.backend) continue;
+    if (!c.why_not.empty() || c.strategy.solver.backend == best.strategy.solver.backend) continue;
     const double ratio = c.expected_seconds / best.expected_seconds;
-    text += ": expected " + fixed(ratio, ratio < 10 ? 1 : 0) + " times as fast as " + c.strategy.backend;
+    text += ": expected " + fixed(ratio, ratio < 10 ? 1 : 0) + " times as fast as " + c.strategy.solver.backend;
     break;
   }
   return text;
@@ -88,12 +88,13 @@ Plan::Choice choice_of(std::int32_t group_class, const Shape& shape, std::vector
   if (weighed.empty() || !weighed[0].why_not.empty()) {
     std::string reasons;
     for (const Candidate& c : weighed) {
-      reasons += (reasons.empty() ? "" : "; ") + c.strategy.backend + ": " + c.why_not;
+      reasons += (reasons.empty() ? "" : "; ") + c.strategy.solver.backend + ": " + c.why_not;
     }
     throw Error(Error::Kind::environment,
                 "no backend can solve groups of " + std::to_string(shape.n) + " unknowns here: " + reasons);
   }
-  return {.group_class = group_class, .shape = shape, .strategy = weighed[0].strategy, .reason = reason_of(weighed)};
+  return {
+      .group_class = group_class, .shape = shape, .solver = weighed[0].strategy.solver, .reason = reason_of(weighed)};
 }
 
 // What a step takes beyond its packs. Threads that are there for the levels share the outputs if they are many.
@@ -141,7 +142,7 @@ std::vector<std::int64_t> read_by_levels(const Structure& s) {
 // each other, which is the smaller part of a meeting.
 void share_levels(Plan& plan, const Structure& s, const std::vector<Batch>& batches, std::int32_t budget,
                   const Around& around, const PerformanceModel& model) {
-  const std::int32_t p = plan.threads;
+  const std::int32_t p = plan.run.threads;
   plan.meeting_seconds = kMeetings * model.meeting(p).seconds;
   const std::vector<std::int64_t> read = p > 1 ? read_by_levels(s) : std::vector<std::int64_t>(idx(s.levels), 0);
   struct {
@@ -162,8 +163,8 @@ void share_levels(Plan& plan, const Structure& s, const std::vector<Batch>& batc
       const std::int32_t packs = packs_of(batches[end], choice), n = s.classes[idx(choice.group_class)].n;
       costs.insert(costs.end(), idx(packs), choice.expected_seconds);
       contended += packs * choice.expected_seconds * model.contention(p, n);
-      if (properties_of(choice.strategy.backend).takes_turns) in_turns += packs * choice.expected_seconds;
-      most_q = std::max(most_q, choice.strategy.q);
+      if (properties_of(choice.solver.backend).takes_turns) in_turns += packs * choice.expected_seconds;
+      most_q = std::max(most_q, choice.solver.threads);
       doubles += batches[end].groups * kHandedOver * n;
     }
     const double alone = std::accumulate(costs.begin(), costs.end(), 0.0);
@@ -197,7 +198,7 @@ void share_levels(Plan& plan, const Structure& s, const std::vector<Batch>& batc
 
 void expect_packs(Plan& plan, const PerformanceModel& model) {
   for (Plan::Choice& c : plan.choices) {
-    const Prediction one = model.pack(c.shape, c.strategy);
+    const Prediction one = model.pack(c.shape, plan.strategy(c));
     c.expected_seconds = one.seconds;
     c.origin = one.origin;
   }
@@ -222,7 +223,7 @@ Offers offers_of(const std::vector<Shape>& shapes, const MostLanes& most_lanes, 
 Plan latency_plan(const std::vector<Shape>& shapes, const std::vector<ClassLoad>& classes, const Offers& offers,
                   std::int32_t p, std::int32_t budget, const Scales& scales) {
   Plan plan;
-  plan.threads = p;
+  plan.run.threads = p;
   plan.lanes = kThroughputLanes;  // should mechanisms run side by side after all
   for (std::size_t c = 0; c < classes.size(); ++c) {
     std::vector<Load> loads;
@@ -230,8 +231,8 @@ Plan latency_plan(const std::vector<Shape>& shapes, const std::vector<ClassLoad>
     const std::int32_t most_q = classes[c].single() ? budget : budget / p;
     plan.choices.push_back(
         choice_of(static_cast<std::int32_t>(c), shapes[c], weigh(offers[c], loads, most_q, scales), scales));
-    Strategy& s = plan.choices.back().strategy;
-    s.p = s.q > budget / p ? 1 : p;
+    Plan::Choice& choice = plan.choices.back();
+    choice.threads = choice.solver.threads > budget / p ? 1 : p;
   }
   return plan;
 }
@@ -240,14 +241,14 @@ Plan latency_plan(const std::vector<Shape>& shapes, const std::vector<ClassLoad>
 Plan throughput_plan(const std::vector<Shape>& shapes, const Offers& offers, std::int32_t lanes, std::int32_t p,
                      const Scales& scales) {
   Plan plan;
-  plan.threads = p;
+  plan.run.threads = p;
   plan.lanes = lanes;
   for (std::size_t c = 0; c < shapes.size(); ++c) {
     const Load load{lanes * shapes[c].groups, 1, shapes[c].n};
     std::vector<Candidate> weighed = weigh(offers[c], {&load, 1}, 1, scales);
-    std::erase_if(weighed, [&](const Candidate& x) { return x.why_not.empty() && x.strategy.lanes != lanes; });
+    std::erase_if(weighed, [&](const Candidate& x) { return x.why_not.empty() && x.strategy.solver.lanes != lanes; });
     plan.choices.push_back(choice_of(static_cast<std::int32_t>(c), shapes[c], std::move(weighed), scales));
-    plan.choices.back().strategy.p = p;
+    plan.choices.back().threads = p;
   }
   return plan;
 }
@@ -264,8 +265,8 @@ std::string threads_reason(const Plan& best, std::int32_t budget, double alone, 
   if (tuned_for_one_thread(model)) {
     return "one thread: nothing was measured with several; `assur tune` without `--threads 1` does it";
   }
-  if (best.threads == 1) return "one thread: more would only wait";
-  return std::to_string(best.threads) + " threads: expected " + fixed(alone / best.expected_seconds, 1) +
+  if (best.run.threads == 1) return "one thread: more would only wait";
+  return std::to_string(best.run.threads) + " threads: expected " + fixed(alone / best.expected_seconds, 1) +
          " times as fast as one" + (threads_were_measured(model) ? "" : ", not measured");
 }
 
@@ -322,8 +323,8 @@ std::vector<Shape> class_shapes(const Structure& s) {
 void expect(Plan& plan, const Structure& structure, const PerformanceModel& model) {
   expect_packs(plan, model);
   std::int32_t most_q = 1;
-  for (const Plan::Choice& c : plan.choices) most_q = std::max(most_q, c.strategy.q);
-  share_levels(plan, structure, batches_of(structure), plan.threads * most_q, Around(structure, model), model);
+  for (const Plan::Choice& c : plan.choices) most_q = std::max(most_q, c.solver.threads);
+  share_levels(plan, structure, batches_of(structure), plan.run.threads * most_q, Around(structure, model), model);
 }
 
 BesideGroups beside_groups(const Structure& structure, const PerformanceModel& model, std::int32_t threads) {
@@ -337,8 +338,7 @@ Plan dispatch(const Structure& s, const Task& task, const Scales& scales) {
   const std::vector<Shape> shapes = class_shapes(s);
   Plan plan = task.mode == Mode::throughput ? best_throughput(s, shapes, task.threads, scales)
                                             : best_latency(s, shapes, task.threads, scales);
-  plan.formulation = s.formulation;
-  for (Plan::Choice& c : plan.choices) c.strategy.formulation = s.formulation;
+  plan.run.formulation = s.formulation;
   return plan;
 }
 

@@ -51,12 +51,16 @@ struct Variant {
 };
 
 Variant variant_of(Kernel kernel, const Strategy& s) {
-  if (kernel == Kernel::evaluate) return {.backend = "", .lanes = s.lanes};
-  Variant v{.backend = s.backend, .single = s.single, .refine = s.refine, .q = s.q, .lanes = s.lanes};
+  if (kernel == Kernel::evaluate) return {.backend = "", .lanes = s.solver.lanes};
+  Variant v{.backend = s.solver.backend,
+            .single = s.solver.single,
+            .refine = s.solver.refine,
+            .q = s.solver.threads,
+            .lanes = s.solver.lanes};
   if (kernel == Kernel::pack) {
-    v.once = s.once;
-    v.separate = s.separate;
-    v.reuse = s.reuse;
+    v.once = s.solver.once;
+    v.separate = s.solver.separate;
+    v.reuse = s.solver.reuse;
   }
   return v;
 }
@@ -131,7 +135,7 @@ FitPoint point_of(Kernel kernel, const Shape& shape, const Strategy& strategy) {
     case Kernel::evaluate:
       return {{1, n, terms, nnz}, {size, positive_log(terms / std::max(n, 1.0))}};
     default: {
-      const double one = bytes_of_group(shape), all = one * shape.groups, moved = one * strategy.lanes;
+      const double one = bytes_of_group(shape), all = one * shape.groups, moved = one * strategy.solver.lanes;
       return {{1, n, nnz, moved * beyond(all, kSmallCache), moved * beyond(all, kLargeCache)},
               {size, filled, in_registers(shape, strategy) ? 10.0 : 0.0, 0.15 * positive_log(all)}};
     }
@@ -199,9 +203,9 @@ struct PerformanceModel::Impl {
       const Cell cell = cell_of(s.kernel, s.shape, numbers.at(variant_of(s.kernel, s.strategy)));
       if (s.kernel == Kernel::meeting) {
         const double together = std::max(s.seconds - kAloneBeforeMeeting, 0.0);
-        (s.shape.n == 0 ? meetings : handovers)[s.strategy.p].push_back(together / std::max(s.shape.n, 1));
-      } else if (s.kernel == Kernel::pack && s.strategy.p > 1) {
-        crowds[s.strategy.p][cell].push_back(s.seconds);
+        (s.shape.n == 0 ? meetings : handovers)[s.strategy.run.threads].push_back(together / std::max(s.shape.n, 1));
+      } else if (s.kernel == Kernel::pack && s.strategy.run.threads > 1) {
+        crowds[s.strategy.run.threads][cell].push_back(s.seconds);
       } else if (s.kernel != Kernel::step) {
         cells[cell].push_back(&s);
       }
@@ -249,9 +253,9 @@ struct PerformanceModel::Impl {
     using CellKey = std::tuple<std::int32_t, std::uint64_t, std::int64_t, std::int32_t>;
     std::map<CellKey, const Gathered*> quickest;
     for (const auto& [cell, k] : cells) {
-      if (cell.kernel != number(Kernel::pack) || in_registers(k.shape, k.strategy) || k.strategy.once) continue;
-      if (k.strategy.reuse != Reuse::fresh) continue;
-      const Gathered*& best = quickest[{k.strategy.lanes, cell.pattern, cell.terms, cell.groups}];
+      if (cell.kernel != number(Kernel::pack) || in_registers(k.shape, k.strategy) || k.strategy.solver.once) continue;
+      if (k.strategy.solver.reuse != Reuse::fresh) continue;
+      const Gathered*& best = quickest[{k.strategy.solver.lanes, cell.pattern, cell.terms, cell.groups}];
       if (best == nullptr || k.seconds < best->seconds) best = &k;
     }
     std::map<std::int32_t, std::vector<Curve::Measured>> points;
@@ -260,7 +264,7 @@ struct PerformanceModel::Impl {
       const Prediction parts = kernels_of_pack(kernels, k->strategy);
       const double rest_of_it = k->seconds - parts.seconds;
       if (parts.origin == Origin::prior || rest_of_it < 0.05 * k->seconds) continue;  // else it is all noise
-      points[k->strategy.lanes].push_back({point_of(Kernel::pack, k->shape, k->strategy), rest_of_it, k->noise});
+      points[k->strategy.solver.lanes].push_back({point_of(Kernel::pack, k->shape, k->strategy), rest_of_it, k->noise});
     }
     for (auto& [lanes, measured] : points) rest.emplace(lanes, Curve(std::move(measured)));
   }
@@ -317,10 +321,10 @@ struct PerformanceModel::Impl {
 
   [[nodiscard]] Prediction rest_of_pack(const Shape& shape, const Strategy& s) const {
     const FitPoint point = point_of(Kernel::pack, shape, s);
-    if (const auto found = rest.find(s.lanes); found != rest.end()) return found->second.at(point);
+    if (const auto found = rest.find(s.solver.lanes); found != rest.end()) return found->second.at(point);
     if (!rest.empty()) {
       const auto nearest = std::min_element(rest.begin(), rest.end(), [&](const auto& a, const auto& b) {
-        return std::abs(a.first - s.lanes) < std::abs(b.first - s.lanes);
+        return std::abs(a.first - s.solver.lanes) < std::abs(b.first - s.solver.lanes);
       });
       Prediction there = nearest->second.at(point);
       there.origin = Origin::extrapolated;
@@ -359,8 +363,8 @@ struct PerformanceModel::Impl {
     const double prior = prior_seconds(kernel, shape, strategy);
     if (const auto next = stand_in(curves, wanted); next != numbers.end()) {
       Strategy other = strategy;
-      other.lanes = next->first.lanes;
-      other.q = next->first.q;
+      other.solver.lanes = next->first.lanes;
+      other.solver.threads = next->first.q;
       Prediction there = curves.at(next->second).at(point);
       there.seconds *= prior / prior_seconds(kernel, shape, other);
       there.factor *= 1.5;
@@ -482,12 +486,12 @@ Prediction PerformanceModel::kernel(Kernel kernel, const Shape& shape, const Str
     case Kernel::pack:
       return pack(shape, strategy);
     case Kernel::meeting:
-      return meeting(strategy.p);
+      return meeting(strategy.run.threads);
     case Kernel::step: {
       Prediction whole = pack(shape, strategy);
-      const double packs = std::ceil(static_cast<double>(shape.groups) / strategy.lanes);
-      whole.seconds *= std::ceil(packs / strategy.p) * contention(strategy.p, shape.n);
-      whole.seconds += meeting(strategy.p).seconds + around(std::int64_t{shape.n} * shape.groups).seconds;
+      const double packs = std::ceil(static_cast<double>(shape.groups) / strategy.solver.lanes);
+      whole.seconds *= std::ceil(packs / strategy.run.threads) * contention(strategy.run.threads, shape.n);
+      whole.seconds += meeting(strategy.run.threads).seconds + around(std::int64_t{shape.n} * shape.groups).seconds;
       return whole;
     }
     default:

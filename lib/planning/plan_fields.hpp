@@ -98,10 +98,15 @@ inline void fields(auto& a, Either<Shape> auto& s) {
   a(s.n, s.nnz, s.groups, s.rhs, s.fill, s.operations, s.depth, s.terms, s.pattern);
 }
 inline void fields(auto& a, Either<Plan::Choice> auto& c) {
-  a(c.group_class, c.strategy, c.expected_seconds, c.origin, c.reason, c.shape);
+  Strategy text{{.threads = c.threads}, c.solver};  // what all classes have in common is the plan's
+  a(c.group_class, text, c.expected_seconds, c.origin, c.reason, c.shape);
+  if constexpr (std::remove_reference_t<decltype(a)>::kReads) {
+    c.solver = text.solver;
+    c.threads = text.run.threads;
+  }
 }
 inline void fields(auto& a, Either<Plan> auto& p) {
-  a.label("plan", p.formulation, p.predictor.kind, p.predictor.order, p.lanes, p.chunks, p.threads);
+  a.label("plan", p.run.formulation, p.run.predictor.kind, p.run.predictor.order, p.lanes, p.run.chunks, p.run.threads);
   a.label("level_threads", p.level_threads);
   a.label("accuracy", p.accuracy);
   a.label("expected", p.expected_seconds, p.meeting_seconds, p.reason);

@@ -73,9 +73,9 @@ void check_backend(const Backend& backend, const Plan::Choice& choice, std::span
     throw Error(Error::Kind::environment, "backend " + std::string(backend.id) + " cannot run here: " + why);
   };
   if (std::find(without.begin(), without.end(), backend.id) != without.end()) refuse("left out");
-  const std::string why_not = backend.why_not(choice.shape, ThreadBudget{choice.strategy.q});
+  const std::string why_not = backend.why_not(choice.shape, ThreadBudget{choice.solver.threads});
   if (!why_not.empty()) refuse(why_not);
-  if (choice.strategy.single && !backend.single) refuse("it has no float version; leave out +float");
+  if (choice.solver.single && !backend.single) refuse("it has no float version; leave out +float");
 }
 
 // The machine is asked only where the answer matters.
@@ -84,7 +84,7 @@ std::int32_t threads_at_most(const PrepareOptions& options) {
 }
 
 void check_budget(const Strategy& wanted, const PrepareOptions& options) {
-  const auto threads = std::int64_t{wanted.p} * wanted.q;
+  const auto threads = std::int64_t{wanted.run.threads} * wanted.solver.threads;
   if (threads == 1) return;
   const std::int32_t most = threads_at_most(options);
   if (threads > most) {
@@ -131,11 +131,8 @@ std::shared_ptr<const Structure> structure_for(const Scene& scene, const Prepare
 // A strategy given as a text, for every class.
 Plan forced_plan(const Structure& s, const Strategy& wanted, const PrepareOptions& options) {
   Plan plan;
-  plan.formulation = wanted.formulation;
-  plan.predictor = wanted.predictor;
-  plan.lanes = wanted.lanes;
-  plan.chunks = wanted.chunks;
-  plan.threads = wanted.p;
+  plan.run = wanted.run;
+  plan.lanes = wanted.solver.lanes;
   plan.reason = "forced";
   const std::vector<ClassSize> sizes = class_sizes(s);
   check_names(options.without, backends());
@@ -143,20 +140,21 @@ Plan forced_plan(const Structure& s, const Strategy& wanted, const PrepareOption
     Plan::Choice choice;
     choice.group_class = static_cast<std::int32_t>(c);
     // Shares of unequal packs depend on what they cost; nothing else asks for the counts.
-    choice.shape = wanted.p > 1 ? shape_of(s.classes[c], sizes[c].groups)
-                                : Shape{.n = s.classes[c].n,
-                                        .nnz = s.pattern(choice.group_class).nnz(),
-                                        .groups = sizes[c].groups,
-                                        .rhs = 1 + s.classes[c].derivatives};
-    choice.strategy = wanted;
+    choice.shape = wanted.run.threads > 1 ? shape_of(s.classes[c], sizes[c].groups)
+                                          : Shape{.n = s.classes[c].n,
+                                                  .nnz = s.pattern(choice.group_class).nnz(),
+                                                  .groups = sizes[c].groups,
+                                                  .rhs = 1 + s.classes[c].derivatives};
+    choice.solver = wanted.solver;
+    choice.threads = wanted.run.threads;
     choice.reason = "forced";
     // W is "up to": lanes that no group could fill would be computed for nothing.
-    while (choice.strategy.lanes / 2 >= sizes[c].side_by_side) choice.strategy.lanes /= 2;
-    check_backend(find_backend(backends(), choice.strategy.backend), choice, options.without);
+    while (choice.solver.lanes / 2 >= sizes[c].side_by_side) choice.solver.lanes /= 2;
+    check_backend(find_backend(backends(), choice.solver.backend), choice, options.without);
     plan.choices.push_back(std::move(choice));
   }
   check_budget(wanted, options);
-  if (wanted.p > 1) expect(plan, s, *model_of(options));
+  if (wanted.run.threads > 1) expect(plan, s, *model_of(options));
   return plan;
 }
 
@@ -214,7 +212,7 @@ Prepared prepare_at(const Scene& scene, const PrepareOptions& options, Start sta
     choice = automatic_choice(scene, options, start);
   } else {
     const Strategy wanted = parse_strategy(options.strategy);
-    choice.structure = structure_for(scene, options, wanted.formulation, wanted.predictor, start);
+    choice.structure = structure_for(scene, options, wanted.run.formulation, wanted.run.predictor, start);
     choice.plan = forced_plan(*choice.structure, wanted, options);
   }
   if (start.posture.empty()) {
@@ -223,14 +221,10 @@ Prepared prepare_at(const Scene& scene, const PrepareOptions& options, Start sta
   }
   Plan& plan = choice.plan;
   plan.accuracy = options.accuracy;
-  if (plan.predictor.kind == Predictor::Kind::automatic)
-    plan.predictor = automatic_predictor(*choice.structure, plan.accuracy);
+  if (plan.run.predictor.kind == Predictor::Kind::automatic)
+    plan.run.predictor = automatic_predictor(*choice.structure, plan.accuracy);
   if (options.mode == Mode::throughput && options.strategy.find("+chunks=") == std::string::npos) {
-    plan.chunks = chunks_for(plan.lanes, plan.threads, scene.time().steps());
-  }
-  for (Plan::Choice& c : plan.choices) {
-    c.strategy.predictor = plan.predictor;
-    c.strategy.chunks = plan.chunks;
+    plan.run.chunks = chunks_for(plan.lanes, plan.run.threads, scene.time().steps());
   }
 
   Prepared out;

@@ -39,7 +39,7 @@ void check_backends(const Plan& plan, std::span<const Backend> table) {
   std::string known;
   for (const Backend& b : table) known += (known.empty() ? "" : ", ") + std::string(b.id);
   for (const Plan::Choice& choice : plan.choices) {
-    const Strategy& s = choice.strategy;
+    const SolverSettings& s = choice.solver;
     const auto refuse = [&](const std::string& why, const std::string& instead) {
       throw Error(Error::Kind::environment, "the plan solves " + std::to_string(choice.shape.groups) + " group(s) of " +
                                                 std::to_string(choice.shape.n) + " unknowns with " + s.backend + ", " +
@@ -51,7 +51,7 @@ void check_backends(const Plan& plan, std::span<const Backend> table) {
       refuse("which is not among the solvers at hand (" + known + ")",
              "link assur::assur and give load_plan() its backends(), or");
     }
-    const std::string why_not = found->why_not(choice.shape, ThreadBudget{s.q});
+    const std::string why_not = found->why_not(choice.shape, ThreadBudget{s.threads});
     if (!why_not.empty()) refuse("which cannot run here: " + why_not, "mend that, or");
     if (s.single && !found->single) refuse("which has no float version", "leave out +float, or");
   }
@@ -60,8 +60,8 @@ void check_backends(const Plan& plan, std::span<const Backend> table) {
 // p changes no bit of the motion, q does.
 void fit_threads(Plan& plan, const std::optional<ThreadBudget>& budget) {
   std::int32_t q = 1;
-  for (const Plan::Choice& choice : plan.choices) q = std::max(q, choice.strategy.q);
-  if (plan.threads == 1 && q == 1) return;
+  for (const Plan::Choice& choice : plan.choices) q = std::max(q, choice.solver.threads);
+  if (plan.run.threads == 1 && q == 1) return;
   const std::int32_t most = budget ? budget->threads : available_budget().threads;
   if (q > most) {
     throw Error(Error::Kind::environment, "the plan takes " + std::to_string(q) +
@@ -69,12 +69,12 @@ void fit_threads(Plan& plan, const std::optional<ThreadBudget>& budget) {
                                               std::to_string(most) + "; make the plan again with fewer threads");
   }
   const std::int32_t p = most / q;
-  if (plan.threads <= p) return;
-  plan.reason += (plan.reason.empty() ? "" : "; ") + std::to_string(p) + " instead of " + std::to_string(plan.threads) +
-                 " threads at once, which is the budget at hand";
-  plan.threads = p;
+  if (plan.run.threads <= p) return;
+  plan.reason += (plan.reason.empty() ? "" : "; ") + std::to_string(p) + " instead of " +
+                 std::to_string(plan.run.threads) + " threads at once, which is the budget at hand";
+  plan.run.threads = p;
   for (std::int32_t& threads : plan.level_threads) threads = std::min(threads, p);
-  for (Plan::Choice& choice : plan.choices) choice.strategy.p = std::min(choice.strategy.p, p);
+  for (Plan::Choice& choice : plan.choices) choice.threads = std::min(choice.threads, p);
 }
 
 }  // namespace

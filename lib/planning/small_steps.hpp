@@ -7,7 +7,7 @@
 namespace assur {
 
 // Registers factorise afresh and in double.
-[[nodiscard]] inline bool has_small_steps(const Strategy& s) {
+[[nodiscard]] inline bool has_small_steps(const SolverSettings& s) {
   return s.backend == kLanes.id && !s.single && !s.refine && !s.once && !s.separate && s.reuse == Reuse::fresh;
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "assur/backend.hpp"
+#include "assur/plan.hpp"
 #include "assur/status.hpp"
 
 namespace assur {
@@ -85,7 +86,7 @@ class Reader {
     bool known = false;
     for (Formulation f : kFormulations) {
       if (name(f) != formulation) continue;
-      strategy_.formulation = f;
+      strategy_.run.formulation = f;
       known = true;
     }
     if (!known) refuse(quoted(formulation) + " is no formulation: global, groups or irreducible");
@@ -93,7 +94,7 @@ class Reader {
 
     const auto [backend, lanes, has_lanes] = cut(solver, ':');
     if (!is_id(backend)) refuse(quoted(backend) + " is no name of a backend");
-    strategy_.backend = backend;
+    strategy_.solver.backend = backend;
     if (has_lanes) read_lanes(lanes);
   }
 
@@ -102,7 +103,7 @@ class Reader {
     if (!lanes || *lanes > kMostLanes || (*lanes & (*lanes - 1)) != 0) {
       refuse(quoted(text) + " is no number of lanes: 1, 2, 4, 8 or 16");
     }
-    strategy_.lanes = *lanes;
+    strategy_.solver.lanes = *lanes;
   }
 
   void read_options(std::string_view options) {
@@ -113,7 +114,7 @@ class Reader {
       options = next.after;
       more = next.found;
     }
-    if (strategy_.once && strategy_.separate) {
+    if (strategy_.solver.once && strategy_.solver.separate) {
       refuse("options \"once\" and \"separate\" contradict each other: one factorisation for a step, or one more");
     }
   }
@@ -130,10 +131,10 @@ class Reader {
     if (wants_value && !has_value) refuse("option " + quoted(key) + " needs a value");
     if (!wants_value && has_value) refuse("option " + quoted(key) + " takes no value");
 
-    if (key == "float") strategy_.single = true;
-    if (key == "refine") strategy_.refine = true;
-    if (key == "once") strategy_.once = true;
-    if (key == "separate") strategy_.separate = true;
+    if (key == "float") strategy_.solver.single = true;
+    if (key == "refine") strategy_.solver.refine = true;
+    if (key == "once") strategy_.solver.once = true;
+    if (key == "separate") strategy_.solver.separate = true;
     if (key == "reuse") read_reuse(value);
     if (key == "predict") read_predictor(value);
     if (key == "chunks") read_chunks(value);
@@ -141,7 +142,7 @@ class Reader {
 
   void read_reuse(std::string_view value) {
     if (value != "step" && value != "run") refuse(quoted(value) + " is no reuse: step or run");
-    strategy_.reuse = value == "step" ? Reuse::step : Reuse::run;
+    strategy_.solver.reuse = value == "step" ? Reuse::step : Reuse::run;
   }
 
   void read_predictor(std::string_view value) {
@@ -150,7 +151,7 @@ class Reader {
       if (form.name != kind) continue;
       const auto k = number(order);
       if (k && *k >= form.lowest && *k <= form.highest) {
-        strategy_.predictor = {form.kind, *k};
+        strategy_.run.predictor = {form.kind, *k};
         return;
       }
     }
@@ -161,15 +162,15 @@ class Reader {
     const auto chunks = positive(value);
     if (!chunks)
       refuse(quoted(value) + " is no number of chunks: 1 to " + std::to_string(std::numeric_limits<int>::max()));
-    strategy_.chunks = *chunks;
+    strategy_.run.chunks = *chunks;
   }
 
   void read_split(std::string_view text) {
     const Cut split = cut(text, 'x');
     const auto p = positive(split.before), q = positive(split.after);
     if (!p || !q) refuse(quoted(text) + " is no split PxQ of threads, such as 1x1 or 3x2");
-    strategy_.p = *p;
-    strategy_.q = *q;
+    strategy_.run.threads = *p;
+    strategy_.solver.threads = *q;
   }
 
   std::string_view text_;
@@ -181,21 +182,28 @@ class Reader {
 Strategy parse_strategy(std::string_view text) { return Reader(text).read(); }
 
 std::string to_string(const Strategy& s) {
-  std::string text = std::string(name(s.formulation)) + "/" + s.backend;
-  if (s.lanes != 1) text += ":" + std::to_string(s.lanes);
-  if (s.single) text += "+float";
-  if (s.refine) text += "+refine";
-  if (s.reuse == Reuse::step) text += "+reuse=step";
-  if (s.reuse == Reuse::run) text += "+reuse=run";
-  if (s.once) text += "+once";
-  if (s.separate) text += "+separate";
+  std::string text = std::string(name(s.run.formulation)) + "/" + s.solver.backend;
+  if (s.solver.lanes != 1) text += ":" + std::to_string(s.solver.lanes);
+  if (s.solver.single) text += "+float";
+  if (s.solver.refine) text += "+refine";
+  if (s.solver.reuse == Reuse::step) text += "+reuse=step";
+  if (s.solver.reuse == Reuse::run) text += "+reuse=run";
+  if (s.solver.once) text += "+once";
+  if (s.solver.separate) text += "+separate";
   for (const PredictorForm& form : kPredictors) {
-    if (form.kind != s.predictor.kind) continue;
-    text += "+predict=" + std::string(form.name) + ":" + std::to_string(s.predictor.order);
+    if (form.kind != s.run.predictor.kind) continue;
+    text += "+predict=" + std::string(form.name) + ":" + std::to_string(s.run.predictor.order);
   }
-  if (s.chunks != 1) text += "+chunks=" + std::to_string(s.chunks);
-  if (s.p != 1 || s.q != 1) text += " " + std::to_string(s.p) + "x" + std::to_string(s.q);
+  if (s.run.chunks != 1) text += "+chunks=" + std::to_string(s.run.chunks);
+  if (s.run.threads != 1 || s.solver.threads != 1)
+    text += " " + std::to_string(s.run.threads) + "x" + std::to_string(s.solver.threads);
   return text;
+}
+
+Strategy Plan::strategy(const Choice& choice) const {
+  Strategy all{run, choice.solver};
+  all.run.threads = choice.threads;
+  return all;
 }
 
 std::string_view name(Formulation formulation) noexcept {

@@ -37,7 +37,7 @@ struct Ensemble::Impl {
   }
 
   void take(std::size_t i, Prepared p) {
-    p.plan.chunks = 1;
+    p.plan.run.chunks = 1;
     if (!prepared) {
       prepared = p;
       columns = column_names(*p.structure->system);
@@ -95,7 +95,7 @@ struct Ensemble::Impl {
 
   void run_other(std::size_t i, EnsembleTrajectory& out, const Simulator::Observer& observer) {
     Prepared p = others.at(i);
-    p.plan.threads = 1;
+    p.plan.run.threads = 1;
     Outcome& outcome = outcomes[i];
     outcome.alone = true;
     outcome.alone_from = outcome.reached = out.times_[0];

@@ -226,7 +226,7 @@ std::optional<Simulator> SideBySide::simulator_of(LaneRun& lane, Variant at) con
   prepared.structure = structure;
   prepared.start_time = at.time;
   prepared.reselect = at.reselect;
-  prepared.plan.chunks = prepared.plan.threads = 1;
+  prepared.plan.run.chunks = prepared.plan.run.threads = 1;
   try {
     return Simulator(std::move(prepared), limits_);
   } catch (const Error& e) {

@@ -64,7 +64,7 @@ Tile::Tile(const Prepared& prepared, const StepLimits& limits)
       outputs_(idx(lanes_), OutputProgram(*structure_->system, layout_.address)),
       turns_(outputs_.begin(), outputs_.end()),
       estimate_(*structure_, layout_, outputs_, prepared.plan.accuracy) {
-  state_.resize(layout_.first_unknown, layout_.size, prepared.plan.predictor);
+  state_.resize(layout_.first_unknown, layout_.size, prepared.plan.run.predictor);
   const System& system = *structure_->system;
   watch_.resize(idx(lanes_));
   independence_.resize(idx(lanes_));

@@ -16,7 +16,7 @@ std::size_t lanes_for(const Plan& plan, std::size_t runs) {
 
 int threads_for(const Plan& plan, std::size_t runs) {
   const std::size_t lanes = lanes_for(plan, runs), tiles = (runs + lanes - 1) / lanes;
-  return static_cast<int>(std::clamp<std::size_t>(tiles, 1, idx(plan.threads)));
+  return static_cast<int>(std::clamp<std::size_t>(tiles, 1, idx(plan.run.threads)));
 }
 
 }  // namespace

@@ -537,7 +537,7 @@ Trajectory Simulator::run(std::span<const double> times, const Observer& observe
   Trajectory out;
   out.columns_ = impl_->columns;
   check_memory(times.size(), out.columns_.size() + 1);
-  if (impl_->prepared.plan.chunks > 1 && run_in_chunks(times, observer, out)) return out;
+  if (impl_->prepared.plan.run.chunks > 1 && run_in_chunks(times, observer, out)) return out;
   out.values_.reserve(times.size() * out.columns_.size());
   out.times_.reserve(times.size());
   PagesAhead pages(out.values_);
@@ -570,7 +570,7 @@ bool Simulator::run_in_chunks(std::span<const double> times, const Observer& obs
   if (const std::string why = no_chunks(*impl_->prepared.structure, impl_->limits, times); !why.empty()) {
     return refuse(why);
   }
-  const ChunkGrid grid = chunk_grid(times.size(), idx(impl_->prepared.plan.chunks));
+  const ChunkGrid grid = chunk_grid(times.size(), idx(impl_->prepared.plan.run.chunks));
   const double first_time = impl_->motion.time();
   Stride stride = kLongWay;
   // The chunks begin with the equations that the run began with, or not at all. A simulator with other equations has

@@ -211,15 +211,15 @@ std::string difference(const Plain& plain, const Run& other, bool part = false) 
 
 std::string in_chunks(Draw& draw) {
   Strategy s = parse_strategy(draw.maybe() ? "irreducible/lanes" : "groups/eigen");
-  s.lanes = draw.of(std::vector{1, 4, 8});
-  s.chunks = 2 + static_cast<std::int32_t>(draw.below(8));
-  s.p = 1 + static_cast<std::int32_t>(draw.below(2));
+  s.solver.lanes = draw.of(std::vector{1, 4, 8});
+  s.run.chunks = 2 + static_cast<std::int32_t>(draw.below(8));
+  s.run.threads = 1 + static_cast<std::int32_t>(draw.below(2));
   return to_string(s);
 }
 
 std::string side_by_side(Draw& draw) {
   Strategy s = parse_strategy(draw.maybe() ? "irreducible/lanes" : "groups/eigen");
-  s.lanes = draw.of(std::vector{1, 2, 4, 8});
+  s.solver.lanes = draw.of(std::vector{1, 2, 4, 8});
   return to_string(s);
 }
 

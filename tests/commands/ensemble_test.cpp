@@ -124,8 +124,8 @@ TEST_F(Ensembles, JsonTellsWhatWasDone) {
     EXPECT_LE(json["error"][key], 1e-14) << key;
   }
   for (const auto& choice : json["plan"]) {
-    EXPECT_EQ(parse_strategy(choice["strategy"].get<std::string>()).chunks, 1);
-    EXPECT_GE(parse_strategy(choice["strategy"].get<std::string>()).lanes, 2);
+    EXPECT_EQ(parse_strategy(choice["strategy"].get<std::string>()).run.chunks, 1);
+    EXPECT_GE(parse_strategy(choice["strategy"].get<std::string>()).solver.lanes, 2);
   }
 }
 
@@ -170,7 +170,8 @@ TEST_F(Ensembles, FailuresAreNamedAndTheOthersGoOn) {
 
 TEST_F(Ensembles, AMemberLessAccurateThanAskedForIsTold) {
   const std::string variants = "delta\n1e-3\n1e-12\n1e-2\n";
-  const auto json = run("almost_parallelogram", variants, {"--json", "--strategy", "global/eigen:4+predict=taylor:2"}).json();
+  const auto json =
+      run("almost_parallelogram", variants, {"--json", "--strategy", "global/eigen:4+predict=taylor:2"}).json();
   EXPECT_EQ(json["status"], "inaccurate");
   ASSERT_EQ(json["failed"].size(), 1u);
   EXPECT_EQ(json["failed"][0]["member"], 2);
@@ -202,7 +203,8 @@ TEST_F(Ensembles, AFileThatCannotBeUsedIsRefused) {
             "error: " + scratch_.file("variants.csv") + ": line 3, column 1 (omega): 'fast' is no finite number\n");
   const Outcome none = run_command({"run", "stewart", "--ensemble", scratch_.file("none.csv")});
   EXPECT_EQ(none.status, 3);
-  EXPECT_EQ(none.err, "error: " + scratch_.file("none.csv") + ": the file of variants cannot be read: no such file or directory\n");
+  EXPECT_EQ(none.err, "error: " + scratch_.file("none.csv") +
+                          ": the file of variants cannot be read: no such file or directory\n");
 }
 
 TEST_F(Ensembles, SetHoldsForEveryMember) {
@@ -329,14 +331,14 @@ TEST(Mode, ThroughputRunsChunksAndTellsTheMean) {
   for (const char* key : {"median", "p99", "max"}) EXPECT_TRUE(json["step_seconds"][key].is_null());
   EXPECT_DOUBLE_EQ(json["step_seconds"]["mean"].get<double>() * 1000, json["seconds"].get<double>());
   for (const auto& choice : json["plan"]) {
-    EXPECT_GT(parse_strategy(choice["strategy"].get<std::string>()).chunks, 1);
+    EXPECT_GT(parse_strategy(choice["strategy"].get<std::string>()).run.chunks, 1);
   }
 }
 
 TEST(Mode, ChunksInAStrategyMeanThroughput) {
   const auto json = run_command({"run", "stewart", "--json", "--strategy", "groups/eigen+chunks=3"}).json();
   EXPECT_EQ(json["mode"], "throughput");
-  EXPECT_EQ(parse_strategy(json["plan"][0]["strategy"].get<std::string>()).chunks, 3);
+  EXPECT_EQ(parse_strategy(json["plan"][0]["strategy"].get<std::string>()).run.chunks, 3);
   EXPECT_FALSE(json["step_seconds"]["mean"].is_null());
   const Outcome outcome = run_command({"run", "stewart", "--strategy", "groups/eigen+chunks=3", "--mode", "latency"});
   EXPECT_EQ(outcome.status, 2);

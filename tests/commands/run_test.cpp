@@ -43,7 +43,7 @@ TEST(Run, JsonTellsWhatWasDone) {
   EXPECT_EQ(json["plan"][1]["n"], 15);
   EXPECT_EQ(json["plan"][1]["groups"], 6);
   EXPECT_EQ(json["plan"][1]["reason"], "forced");
-  EXPECT_EQ(parse_strategy(json["plan"][1]["strategy"].get<std::string>()).backend, "eigen");
+  EXPECT_EQ(parse_strategy(json["plan"][1]["strategy"].get<std::string>()).solver.backend, "eigen");
   EXPECT_GE(json["factorizations"], 7 * 1000);
   EXPECT_LE(json["newton_iterations"]["mean"], json["newton_iterations"]["max"]);
   EXPECT_GT(json["newton_iterations"]["mean"], 0);

@@ -120,7 +120,7 @@ TEST_F(Tune, ASolverThatHangsIsLeftOut) {
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(outcome.json()["left_out"], nlohmann::json::parse(R"([{"backend": "ma27", "why_not": "does not end"}])"));
   std::set<std::string> measured;
-  for (const Sample& s : store().samples()) measured.insert(s.strategy.backend);
+  for (const Sample& s : store().samples()) measured.insert(s.strategy.solver.backend);
   EXPECT_GT(measured.size(), 1u);
   EXPECT_EQ(measured.count("ma27"), 0u);
 }

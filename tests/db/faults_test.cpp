@@ -328,7 +328,7 @@ TEST(Faults, WhatIsCutOffCostsNoSampleThatIsThere) {
     std::vector<Sample> samples;
     for (int i = 0; i < 1200; ++i) {
       samples.push_back(sample_of(i % 20));
-      samples.back().strategy.p = 1 + (i < 1100 ? i % 40 : i - 1000);
+      samples.back().strategy.run.threads = 1 + (i < 1100 ? i % 40 : i - 1000);
     }
     store.add(run, samples);
     store.finish_run(run, {});

@@ -18,8 +18,8 @@ std::shared_ptr<const PerformanceModel> model(double noise = 0.01, std::uint64_t
 }
 
 std::string text_of(const Plan& plan) {
-  std::string text(name(plan.formulation));
-  for (const Plan::Choice& c : plan.choices) text += " " + to_string(c.strategy);
+  std::string text(name(plan.run.formulation));
+  for (const Plan::Choice& c : plan.choices) text += " " + to_string(plan.strategy(c));
   for (const std::int32_t p : plan.level_threads) text += " " + std::to_string(p);
   return text;
 }
@@ -39,22 +39,23 @@ TEST(Dispatcher, TakesWhatIsFastestOnTheMachineAtHand) {
   // Where lanes are a thousand times as slow, nobody wants them.
   std::vector<Sample> other = samples();
   for (Sample& s : other) {
-    if (s.strategy.backend == "lanes" && (s.kernel == Kernel::factor || s.kernel == Kernel::solve)) s.seconds *= 1000;
+    if (s.strategy.solver.backend == "lanes" && (s.kernel == Kernel::factor || s.kernel == Kernel::solve))
+      s.seconds *= 1000;
   }
   std::erase_if(other, [](const Sample& s) { return s.kernel == Kernel::pack; });
   const Scene scene = sample("rings:legs=3,n=120");
   const Plan usual = prepare(scene, {.budget = ThreadBudget{1}, .model = model()}).plan;
   const Plan strange =
       prepare(scene, {.budget = ThreadBudget{1}, .model = std::make_shared<PerformanceModel>(other)}).plan;
-  for (const Plan::Choice& c : usual.choices) EXPECT_EQ(c.strategy.backend, "lanes");
-  EXPECT_EQ(strange.choices.back().strategy.backend, "klu");
-  for (const Plan::Choice& c : strange.choices) EXPECT_NE(c.strategy.backend, "lanes");
+  for (const Plan::Choice& c : usual.choices) EXPECT_EQ(c.solver.backend, "lanes");
+  EXPECT_EQ(strange.choices.back().solver.backend, "klu");
+  for (const Plan::Choice& c : strange.choices) EXPECT_NE(c.solver.backend, "lanes");
 }
 
 TEST(Dispatcher, LeavesOutWhatItIsToldTo) {
   const Scene scene = sample("stewart");
   const Plan plan = prepare(scene, {.budget = ThreadBudget{2}, .model = model(), .without = {"lanes"}}).plan;
-  for (const Plan::Choice& c : plan.choices) EXPECT_NE(c.strategy.backend, "lanes");
+  for (const Plan::Choice& c : plan.choices) EXPECT_NE(c.solver.backend, "lanes");
   EXPECT_THROW((void)prepare(scene, {.model = model(), .without = {"lane"}}), Error);
   std::vector<std::string> all;
   for (const Backend& backend : backends()) all.emplace_back(backend.id);
@@ -83,7 +84,7 @@ TEST(Dispatcher, PassesOverAFormulationThatCannotBeHad) {
   const Scene scene = b.add(DeclaredGroup{"PR", {"P", "R"}}).time(0, 0.1, 0.01).build();
   EXPECT_THROW((void)prepare(scene, {.strategy = "groups/eigen"}), Error);
   const Prepared p = prepare(scene, {.budget = ThreadBudget{1}, .model = model()});
-  EXPECT_NE(p.plan.formulation, Formulation::groups);
+  EXPECT_NE(p.plan.run.formulation, Formulation::groups);
   Simulator s(p);
   EXPECT_EQ(s.run().rows(), 11u);
 }
@@ -94,11 +95,11 @@ TEST(Dispatcher, NeverTakesMoreThreadsThanTheBudget) {
       const Plan plan = prepare(sample(scene), {.budget = ThreadBudget{budget}, .model = model()}).plan;
       std::int32_t most_q = 1;
       for (const Plan::Choice& c : plan.choices) {
-        EXPECT_LE(c.strategy.q, budget);
-        most_q = std::max(most_q, c.strategy.q);
+        EXPECT_LE(c.solver.threads, budget);
+        most_q = std::max(most_q, c.solver.threads);
       }
       for (const std::int32_t p : plan.level_threads) EXPECT_LE(p, budget);
-      EXPECT_LE(plan.threads, budget);
+      EXPECT_LE(plan.run.threads, budget);
     }
   }
 }
@@ -106,14 +107,14 @@ TEST(Dispatcher, NeverTakesMoreThreadsThanTheBudget) {
 TEST(Dispatcher, SharesALevelOnlyWhereThatGains) {
   // 384 legs are worth two threads; the terminals of one mechanism are not.
   const Prepared many = prepare(sample("rings:legs=64,n=120"), {.budget = ThreadBudget{2}, .model = model()});
-  ASSERT_EQ(many.plan.threads, 2);
+  ASSERT_EQ(many.plan.run.threads, 2);
   for (const Group& g : many.structure->groups) {
     const auto on = std::count_if(many.structure->groups.begin(), many.structure->groups.end(),
                                   [&](const Group& other) { return other.level == g.level; });
     EXPECT_EQ(many.plan.level_threads[static_cast<std::size_t>(g.level)], on > 1 ? 2 : 1) << g.name;
   }
   const Prepared few = prepare(sample("stewart"), {.budget = ThreadBudget{2}, .model = model()});
-  EXPECT_EQ(few.plan.threads, 1);
+  EXPECT_EQ(few.plan.run.threads, 1);
 }
 
 // Where numbers are handed over slowly no level gains by itself, but the threads are there for the outputs then.
@@ -128,8 +129,8 @@ TEST(Dispatcher, TakesNoThreadsThatWereNeverMeasured) {
         .plan;
   };
   const Plan plan = plan_by(alone, 2);
-  EXPECT_EQ(plan.threads, 1);
-  for (const Plan::Choice& c : plan.choices) EXPECT_EQ(c.strategy.p * c.strategy.q, 1);
+  EXPECT_EQ(plan.run.threads, 1);
+  for (const Plan::Choice& c : plan.choices) EXPECT_EQ(c.threads * c.solver.threads, 1);
   EXPECT_EQ(plan.reason, "one thread: nothing was measured with several; `assur tune` without `--threads 1` does it");
   EXPECT_EQ(plan_by(alone, 1).reason, "one thread: the budget has no more");
   EXPECT_TRUE(plan_by(samples(), 2).reason.ends_with(" times as fast as one")) << plan_by(samples(), 2).reason;
@@ -141,7 +142,7 @@ TEST(Dispatcher, SharesALevelForTheSakeOfTheOutputs) {
   std::vector<Sample> slow = samples();
   Sample handover;
   handover.kernel = Kernel::meeting;
-  handover.strategy.p = 2;
+  handover.strategy.run.threads = 2;
   handover.shape.n = 4000;
   handover.seconds = kAloneBeforeMeeting + 4000 * 2e-9;
   slow.push_back(handover);
@@ -174,7 +175,7 @@ TEST(Dispatcher, TuningAnewChangesNoBackend) {
     for (std::uint64_t seed = 1; seed <= 10; ++seed) {
       const Plan plan = prepare(sample(scene), {.budget = ThreadBudget{2}, .model = model(0.02, seed)}).plan;
       std::vector<std::string> chosen;
-      for (const Plan::Choice& c : plan.choices) chosen.push_back(c.strategy.backend);
+      for (const Plan::Choice& c : plan.choices) chosen.push_back(c.solver.backend);
       if (seed == 1) first = chosen;
       EXPECT_EQ(chosen, first) << scene << " seed " << seed;
     }
@@ -193,9 +194,10 @@ TEST(Dispatcher, LosesNoMoreThanTheModelIsUnsure) {
         std::vector<Candidate> ranked = candidates(
             shape,
             {.model = known, .budget = ThreadBudget{1}, .without = {"lapack", "team", "umfpack", "mumps", "ma27"}});
-        std::erase_if(ranked, [](const Candidate& c) { return !c.why_not.empty() || c.strategy.single; });
+        std::erase_if(ranked, [](const Candidate& c) { return !c.why_not.empty() || c.strategy.solver.single; });
         const auto seconds = [&](const Candidate& c) {
-          return std::ceil(static_cast<double>(groups) / c.strategy.lanes) * truth(Kernel::pack, shape, c.strategy);
+          return std::ceil(static_cast<double>(groups) / c.strategy.solver.lanes) *
+                 truth(Kernel::pack, shape, c.strategy);
         };
         const Candidate& best = *std::min_element(
             ranked.begin(), ranked.end(), [&](const auto& a, const auto& b) { return seconds(a) < seconds(b); });
@@ -214,9 +216,9 @@ TEST(Dispatcher, LosesNoMoreThanTheModelIsUnsure) {
 TEST(Dispatcher, FillsLanesWithMechanismsInThroughput) {
   const Plan plan =
       prepare(sample("stewart"), {.budget = ThreadBudget{3}, .mode = Mode::throughput, .model = model()}).plan;
-  EXPECT_EQ(plan.threads, 3);
+  EXPECT_EQ(plan.run.threads, 3);
   EXPECT_GE(plan.lanes, 8);
-  for (const Plan::Choice& c : plan.choices) EXPECT_EQ(c.strategy.lanes, plan.lanes);
+  for (const Plan::Choice& c : plan.choices) EXPECT_EQ(c.solver.lanes, plan.lanes);
 }
 
 TEST(ChooseSolver, PicksForABagOfLinearSystems) {
@@ -228,12 +230,12 @@ TEST(ChooseSolver, PicksForABagOfLinearSystems) {
     dense.column_start.push_back(dense.nnz());
   }
   const Candidate one = choose_solver(dense, 1, 1, {.model = model(), .budget = ThreadBudget{1}});
-  EXPECT_EQ(one.strategy.lanes, 1);
+  EXPECT_EQ(one.strategy.solver.lanes, 1);
   EXPECT_EQ(one.why_not, "");
   EXPECT_GT(one.expected_seconds, 0);
   const Candidate many = choose_solver(dense, 1000, 2, {.model = model(), .budget = ThreadBudget{1}});
-  EXPECT_EQ(many.strategy.backend, "lanes");
-  EXPECT_GE(many.strategy.lanes, 8);
+  EXPECT_EQ(many.strategy.solver.backend, "lanes");
+  EXPECT_GE(many.strategy.solver.lanes, 8);
   EXPECT_THROW((void)choose_solver(dense, 0), Error);
   EXPECT_THROW((void)choose_solver(dense, 1, -1), Error);
 }
@@ -241,7 +243,7 @@ TEST(ChooseSolver, PicksForABagOfLinearSystems) {
 TEST(Candidates, ShareNoSolverThatIsDoneBeforeItsThreadsHaveMet) {
   const auto shares = [](std::int32_t n) {
     const std::vector<Candidate> all = candidates(full_shape(n, 1), {.model = model(), .budget = ThreadBudget{2}});
-    return std::any_of(all.begin(), all.end(), [](const Candidate& c) { return c.strategy.q > 1; });
+    return std::any_of(all.begin(), all.end(), [](const Candidate& c) { return c.strategy.solver.threads > 1; });
   };
   EXPECT_FALSE(shares(2));
   const bool can = std::any_of(backends().begin(), backends().end(),
@@ -252,7 +254,7 @@ TEST(Candidates, ShareNoSolverThatIsDoneBeforeItsThreadsHaveMet) {
 TEST(Candidates, SayWhyTheyCannotRun) {
   std::vector<Sample> known = samples();
   for (Sample& s : known) {
-    if (s.kernel == Kernel::solve && s.strategy.backend == "eigen") s.backward_error = 1e-3;
+    if (s.kernel == Kernel::solve && s.strategy.solver.backend == "eigen") s.backward_error = 1e-3;
   }
   const auto ranked =
       candidates(sparse_shape(22, 4),
@@ -260,8 +262,8 @@ TEST(Candidates, SayWhyTheyCannotRun) {
   ASSERT_FALSE(ranked.empty());
   EXPECT_EQ(ranked[0].why_not, "");
   for (const Candidate& c : ranked) {
-    EXPECT_EQ(c.strategy.backend == "lanes", c.why_not == "left out");
-    if (c.strategy.backend == "eigen" && !c.strategy.single) {
+    EXPECT_EQ(c.strategy.solver.backend == "lanes", c.why_not == "left out");
+    if (c.strategy.solver.backend == "eigen" && !c.strategy.solver.single) {
       EXPECT_EQ(c.why_not, "its solutions had a backward error of 1.0e-03");
     }
   }

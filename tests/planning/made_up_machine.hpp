@@ -34,17 +34,18 @@ inline Shape full_shape(std::int32_t n, std::int32_t groups = 1) {
 // Seconds of one call, with a bend where caches end, so that no sum of terms is the truth.
 inline double truth(Kernel kernel, const Shape& shape, const Strategy& s) {
   const double n = shape.n, fill = static_cast<double>(shape.fill), operations = static_cast<double>(shape.operations);
-  const double lanes = s.lanes, held = is_dense(s) ? n * n : fill;
+  const double lanes = s.solver.lanes, held = is_dense(s) ? n * n : fill;
   const double bend = 1 + 0.4 / (1 + std::exp(-(std::log(held) - std::log(3000.0))));
   switch (kernel) {
     case Kernel::evaluate:
       return 20e-9 + 0.9e-9 * static_cast<double>(shape.terms) * std::max(1.0, lanes / 8);
     case Kernel::factor:
-      if (s.backend == "lanes") return (25e-9 + 0.9e-9 * operations * bend) * std::max(1.0, lanes / 8);
-      if (is_dense(s)) return lanes * (120e-9 + 20e-9 * n + 0.4e-9 * n * n + 0.03e-9 * n * n * n * bend) / s.q;
+      if (s.solver.backend == "lanes") return (25e-9 + 0.9e-9 * operations * bend) * std::max(1.0, lanes / 8);
+      if (is_dense(s))
+        return lanes * (120e-9 + 20e-9 * n + 0.4e-9 * n * n + 0.03e-9 * n * n * n * bend) / s.solver.threads;
       return lanes * (250e-9 + 30e-9 * n + 6e-9 * fill * bend + 2e-9 * operations);
     case Kernel::solve:
-      if (s.backend == "lanes") return (15e-9 + 0.7e-9 * fill * bend) * std::max(1.0, lanes / 8);
+      if (s.solver.backend == "lanes") return (15e-9 + 0.7e-9 * fill * bend) * std::max(1.0, lanes / 8);
       if (is_dense(s)) return lanes * (60e-9 + 5e-9 * n + 0.5e-9 * n * n);
       return lanes * (90e-9 + 10e-9 * n + 2e-9 * fill * bend);
     case Kernel::pack: {
@@ -54,9 +55,9 @@ inline double truth(Kernel kernel, const Shape& shape, const Strategy& s) {
              counts.solutions * truth(Kernel::solve, shape, s);
     }
     case Kernel::meeting:
-      return s.p < 2 ? 0 : kAloneBeforeMeeting + 0.4e-6 * s.p;
+      return s.run.threads < 2 ? 0 : kAloneBeforeMeeting + 0.4e-6 * s.run.threads;
     case Kernel::step:
-      return 300e-9 + std::ceil(std::ceil(shape.groups / lanes) / s.p) * truth(Kernel::pack, shape, s) +
+      return 300e-9 + std::ceil(std::ceil(shape.groups / lanes) / s.run.threads) * truth(Kernel::pack, shape, s) +
              std::max(0.0, truth(Kernel::meeting, shape, s) - kAloneBeforeMeeting);
   }
   return 0;
@@ -64,9 +65,9 @@ inline double truth(Kernel kernel, const Shape& shape, const Strategy& s) {
 
 inline Strategy solver(const std::string& backend, std::int32_t lanes = 1, std::int32_t q = 1) {
   Strategy s;
-  s.backend = backend;
-  s.lanes = lanes;
-  s.q = q;
+  s.solver.backend = backend;
+  s.solver.lanes = lanes;
+  s.solver.threads = q;
   return s;
 }
 
@@ -114,7 +115,7 @@ inline std::vector<Sample> samples(double noise = 0.01, std::uint64_t seed = 1) 
   }
   for (const std::int32_t p : {2, 4}) {
     Strategy threads = solver("lanes");
-    threads.p = p;
+    threads.run.threads = p;
     all.push_back(sample_of(Kernel::meeting, {}, threads, noise, random));
   }
   return all;

@@ -53,10 +53,10 @@ std::map<std::string, std::string> offered(const Prepared& prepared, const Prepa
   std::map<std::string, std::string> all;
   for (const Plan::Choice& choice : prepared.plan.choices) {
     for (Candidate& c : candidates(choice.shape, {.budget = options.budget, .without = options.without})) {
-      c.strategy.formulation = prepared.plan.formulation;
+      c.strategy.run.formulation = prepared.plan.run.formulation;
       all[to_string(c.strategy)] = c.why_not;
     }
-    all[to_string(choice.strategy)] = "";
+    all[to_string(prepared.plan.strategy(choice))] = "";
   }
   return all;
 }
@@ -111,9 +111,9 @@ TEST(Offers, LeaveOutThreadsThatWouldOnlyWait) {
   for (const Backend& backend : backends()) {
     if (!backend.takes_turns || !backend.why_not({}, {}).empty()) continue;
     const Prepared prepared = prepare(sample("stewart"), {.budget = kBudget, .without = all_but(backend.id)});
-    EXPECT_EQ(prepared.plan.threads, 1);
+    EXPECT_EQ(prepared.plan.run.threads, 1);
     for (const Candidate& c : candidates(prepared.plan.choices[0].shape, {.budget = kBudget})) {
-      EXPECT_FALSE(c.strategy.backend == backend.id && c.strategy.p > 1) << to_string(c.strategy);
+      EXPECT_FALSE(c.strategy.solver.backend == backend.id && c.strategy.run.threads > 1) << to_string(c.strategy);
     }
   }
 }

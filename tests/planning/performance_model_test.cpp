@@ -31,7 +31,8 @@ TEST(PerformanceModel, PredictsKernelsBetweenTheSizesThatWereSampled) {
         const Prediction predicted = model.kernel(kernel, shape, s);
         // Noise of 1 % and a bend that no term follows.
         EXPECT_LT(off_by(predicted, truth(kernel, shape, s)), 0.08)
-            << name(kernel) << " " << s.backend << ":" << s.lanes << " n = " << shape.n << " nnz = " << shape.nnz;
+            << name(kernel) << " " << s.solver.backend << ":" << s.solver.lanes << " n = " << shape.n
+            << " nnz = " << shape.nnz;
         if (shape.n < 500) {
           EXPECT_EQ(predicted.origin, Origin::interpolated);
         }
@@ -44,11 +45,11 @@ TEST(PerformanceModel, ComposesPacksThatNobodySampled) {
   const PerformanceModel model(samples());
   for (const Shape& shape : unseen()) {
     for (Strategy s : {solver("klu"), solver("eigen"), solver("lanes", 4)}) {
-      if (shape.n > 500 && s.backend == "eigen") continue;
+      if (shape.n > 500 && s.solver.backend == "eigen") continue;
       for (const bool once : {false, true}) {
-        s.once = once;
+        s.solver.once = once;
         EXPECT_LT(off_by(model.pack(shape, s), truth(Kernel::pack, shape, s)), 0.1)
-            << s.backend << " n = " << shape.n << " nnz = " << shape.nnz << " once " << once;
+            << s.solver.backend << " n = " << shape.n << " nnz = " << shape.nnz << " once " << once;
       }
     }
   }
@@ -63,16 +64,16 @@ TEST(PerformanceModel, AWidthThatNobodySampledIsAsTheNextOfItsPolicy) {
       Strategy s = solver("klu", lanes);
       known.push_back(sample_of(Kernel::pack, sparse_shape(n), s, 0.01, random));
       if (lanes == 1 || lanes == 16) continue;
-      s.once = true;
+      s.solver.once = true;
       known.push_back(sample_of(Kernel::pack, sparse_shape(n), s, 0.01, random));
       known.back().seconds *= lanes == 2 ? 1.8 : 1.4;
     }
   }
   const PerformanceModel model(known);
   Strategy s = solver("klu", 16);
-  s.once = true;
+  s.solver.once = true;
   EXPECT_LT(off_by(model.pack(sparse_shape(22), s), 1.4 * truth(Kernel::pack, sparse_shape(22), s)), 0.1);
-  s.lanes = 1;
+  s.solver.lanes = 1;
   EXPECT_LT(off_by(model.pack(sparse_shape(22), s), 1.8 * truth(Kernel::pack, sparse_shape(22), s)), 0.1);
 }
 
@@ -175,7 +176,7 @@ TEST(PerformanceModel, MeetingsAndContentionComeFromThreads) {
     for (const std::int32_t groups : {200, 400, 600}) {
       for (const std::int32_t p : {1, 2}) {
         Strategy s = solver("klu");
-        s.p = p;
+        s.run.threads = p;
         known.push_back(sample_of(Kernel::pack, sparse_shape(n, groups), s, 0, random));
         if (p == 2) known.back().seconds *= groups == 200 ? 1.9 : slower;  // another program had a core; a shared cache
       }

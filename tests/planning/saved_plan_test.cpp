@@ -40,11 +40,11 @@ Result run(Prepared prepared) {
 }
 
 void expect_same_plan(const Plan& a, const Plan& b) {
-  EXPECT_EQ(a.formulation, b.formulation);
-  EXPECT_EQ(a.predictor, b.predictor);
+  EXPECT_EQ(a.run.formulation, b.run.formulation);
+  EXPECT_EQ(a.run.predictor, b.run.predictor);
   EXPECT_EQ(a.lanes, b.lanes);
-  EXPECT_EQ(a.chunks, b.chunks);
-  EXPECT_EQ(a.threads, b.threads);
+  EXPECT_EQ(a.run.chunks, b.run.chunks);
+  EXPECT_EQ(a.run.threads, b.run.threads);
   EXPECT_EQ(a.level_threads, b.level_threads);
   EXPECT_EQ(a.reason, b.reason);
   EXPECT_EQ(a.expected_seconds, b.expected_seconds);
@@ -53,7 +53,7 @@ void expect_same_plan(const Plan& a, const Plan& b) {
   for (std::size_t c = 0; c < a.choices.size(); ++c) {
     EXPECT_EQ(a.choices[c].group_class, b.choices[c].group_class);
     EXPECT_EQ(a.choices[c].shape, b.choices[c].shape);
-    EXPECT_EQ(a.choices[c].strategy, b.choices[c].strategy);
+    EXPECT_EQ(a.strategy(a.choices[c]), b.strategy(b.choices[c]));
     EXPECT_EQ(a.choices[c].reason, b.choices[c].reason);
     EXPECT_EQ(a.choices[c].expected_seconds, b.choices[c].expected_seconds);
     EXPECT_EQ(a.choices[c].origin, b.choices[c].origin);
@@ -245,8 +245,8 @@ TEST(SavedPlan, FewerThreadsAreTakenAndSaid) {
   const std::string text = saved(made);
   EXPECT_EQ(loaded(text, {.budget = ThreadBudget{3}}).plan.reason, "forced");
   const Prepared fewer = loaded(text, {.budget = ThreadBudget{2}});
-  EXPECT_EQ(fewer.plan.threads, 2);
-  EXPECT_EQ(fewer.plan.choices[0].strategy.p, 2);
+  EXPECT_EQ(fewer.plan.run.threads, 2);
+  EXPECT_EQ(fewer.plan.choices[0].threads, 2);
   EXPECT_NE(fewer.plan.reason.find("2 instead of 3 threads"), std::string::npos) << fewer.plan.reason;
   test::expect_same_rows(run(made).trajectory, run(fewer).trajectory);
   EXPECT_EQ(kind_of([&] { (void)loaded(text, {.budget = ThreadBudget{0}}); }), Error::Kind::input);
@@ -255,7 +255,7 @@ TEST(SavedPlan, FewerThreadsAreTakenAndSaid) {
 TEST(SavedPlan, ThreadsWithinTheLinearAlgebraAreNotTakenAway) {
   if (!find_backend(backends(), "team").why_not({}, {2}).empty()) GTEST_SKIP() << "without team";
   const std::string text = saved(prepare(sample("stewart"), {"groups/team 2x2", {}, ThreadBudget{4}}));
-  EXPECT_EQ(loaded(text, {.table = backends(), .budget = ThreadBudget{3}}).plan.threads, 1);
+  EXPECT_EQ(loaded(text, {.table = backends(), .budget = ThreadBudget{3}}).plan.run.threads, 1);
   const auto load = [&] { (void)loaded(text, {.table = backends(), .budget = ThreadBudget{1}}); };
   EXPECT_EQ(kind_of(load), Error::Kind::environment);
 }

@@ -25,8 +25,9 @@ std::vector<Strategy> every_strategy() {
             for (const Predictor& predictor : predictors)
               for (int chunks : {1, 7})
                 for (auto [p, q] : {std::pair{1, 1}, {3, 1}, {1, 2}, {16, 12}})
-                  all.push_back({formulation, backend, lanes, (flags & 1) != 0, (flags & 2) != 0, reuse, flags / 4 == 1,
-                                 flags / 4 == 2, predictor, chunks, p, q});
+                  all.push_back(
+                      {{formulation, predictor, chunks, p},
+                       {backend, lanes, (flags & 1) != 0, (flags & 2) != 0, reuse, flags / 4 == 1, flags / 4 == 2, q}});
   return all;
 }
 
@@ -54,13 +55,13 @@ TEST(Strategy, TakesOptionsInAnyOrderAndPrintsThemInOne) {
 
 TEST(Strategy, ReadsTheDocumentedExamples) {
   const Strategy a = parse_strategy("irreducible/lanes:8+once+predict=hermite:5");
-  EXPECT_EQ(a.formulation, Formulation::irreducible);
-  EXPECT_EQ(a.backend, "lanes");
-  EXPECT_EQ(a.lanes, 8);
-  EXPECT_TRUE(a.once);
-  EXPECT_EQ(a.predictor, (Predictor{Predictor::Kind::hermite, 5}));
-  EXPECT_EQ(parse_strategy("groups/lapack 3x1").p, 3);
-  EXPECT_EQ(parse_strategy("global/klu 1x2").q, 2);
+  EXPECT_EQ(a.run.formulation, Formulation::irreducible);
+  EXPECT_EQ(a.solver.backend, "lanes");
+  EXPECT_EQ(a.solver.lanes, 8);
+  EXPECT_TRUE(a.solver.once);
+  EXPECT_EQ(a.run.predictor, (Predictor{Predictor::Kind::hermite, 5}));
+  EXPECT_EQ(parse_strategy("groups/lapack 3x1").run.threads, 3);
+  EXPECT_EQ(parse_strategy("global/klu 1x2").solver.threads, 2);
 }
 
 TEST(Strategy, NamesFormulations) {

@@ -48,7 +48,7 @@ double error_of_prediction(const Predictor& predictor, double h) {
 // The error is c h^k (1 + O(h)): with steps of 2.9 and 1.4 degrees of the crank k shows to a few per cent.
 TEST(Predictor, HasItsOrder) {
   for (const std::string& text : kPredictors) {
-    const Predictor predictor = parse_strategy("groups/eigen+predict=" + text).predictor;
+    const Predictor predictor = parse_strategy("groups/eigen+predict=" + text).run.predictor;
     const double order = predictor.kind == Predictor::Kind::hermite ? 6 : predictor.order + 1;
     const double coarse = error_of_prediction(predictor, 0.008), fine = error_of_prediction(predictor, 0.004);
     EXPECT_NEAR(std::log2(coarse / fine), order, 0.35) << text << ": " << coarse << ", " << fine;
@@ -59,7 +59,7 @@ TEST(Predictor, HasItsOrder) {
 TEST(Predictor, WeightsReproduceTheLastPosture) {
   const std::vector<double> times = {0.3, 0.29, 0.27, 0.26, 0.2, 0.1};
   for (const std::string& text : kPredictors) {
-    const Predictor predictor = parse_strategy("groups/eigen+predict=" + text).predictor;
+    const Predictor predictor = parse_strategy("groups/eigen+predict=" + text).run.predictor;
     const PredictionWeights w =
         prediction_weights(predictor, {times.data(), static_cast<std::size_t>(postures_read(predictor))}, 0.3);
     for (std::size_t p = 0; p < kMostPostures; ++p) {
@@ -84,7 +84,7 @@ TEST(Predictor, LeavesOutPosturesThatAreTooNear) {
 TEST(Predictor, KeepsTheWeightsOfEqualSteps) {
   for (const std::string& text : kPredictors) {
     SCOPED_TRACE(text);
-    const Predictor predictor = parse_strategy("groups/eigen+predict=" + text).predictor;
+    const Predictor predictor = parse_strategy("groups/eigen+predict=" + text).run.predictor;
     const auto count = static_cast<std::size_t>(postures_read(predictor));
     const auto grid = [&](int newest, double step) {
       std::vector<double> times;
@@ -132,7 +132,7 @@ TEST(Predictor, DoesNotChangeTheResult) {
 }
 
 TEST(Predictor, AutomaticReadsWhatIsComputedAnyway) {
-  const auto chosen = [](const Scene& scene) { return prepare(scene, {"groups/eigen", {}}).plan.predictor; };
+  const auto chosen = [](const Scene& scene) { return prepare(scene, {"groups/eigen", {}}).plan.run.predictor; };
   const Scene stewart = sample("stewart");
   EXPECT_EQ(chosen(stewart), (Predictor{Predictor::Kind::hermite, 5}));
   EXPECT_EQ(chosen(stewart.with_outputs({"handle1.value"})), (Predictor{Predictor::Kind::past, 5}));

@@ -21,23 +21,23 @@ inline std::vector<const Backend*> backends_here() {
 inline Strategy random_strategy(Draw& draw) {
   static const std::vector<const Backend*> here = backends_here();
   Strategy s;
-  s.formulation = draw.of(std::vector{Formulation::global, Formulation::groups, Formulation::irreducible});
+  s.run.formulation = draw.of(std::vector{Formulation::global, Formulation::groups, Formulation::irreducible});
   const Backend& backend = *draw.of(here);
-  s.backend = backend.id;
-  s.lanes = 1 << draw.below(5);
-  s.single = backend.single && draw.below(3) == 0;
-  s.refine = draw.below(4) == 0;
-  s.reuse = draw.of(std::vector{Reuse::fresh, Reuse::fresh, Reuse::step, Reuse::run});
-  s.once = draw.below(3) == 0;
-  s.separate = !s.once && draw.below(4) == 0;
+  s.solver.backend = backend.id;
+  s.solver.lanes = 1 << draw.below(5);
+  s.solver.single = backend.single && draw.below(3) == 0;
+  s.solver.refine = draw.below(4) == 0;
+  s.solver.reuse = draw.of(std::vector{Reuse::fresh, Reuse::fresh, Reuse::step, Reuse::run});
+  s.solver.once = draw.below(3) == 0;
+  s.solver.separate = !s.solver.once && draw.below(4) == 0;
   using Kind = Predictor::Kind;
-  s.predictor = draw.of(std::vector<Predictor>{{Kind::automatic, 0},
-                                               {Kind::automatic, 0},
-                                               {Kind::taylor, 1},
-                                               {Kind::taylor, 2},
-                                               {Kind::hermite, 5},
-                                               {Kind::past, 2},
-                                               {Kind::past, 5}});
+  s.run.predictor = draw.of(std::vector<Predictor>{{Kind::automatic, 0},
+                                                   {Kind::automatic, 0},
+                                                   {Kind::taylor, 1},
+                                                   {Kind::taylor, 2},
+                                                   {Kind::hermite, 5},
+                                                   {Kind::past, 2},
+                                                   {Kind::past, 5}});
   return s;
 }
 

@@ -63,7 +63,7 @@ double worst_condition(const Scene& scene) {
 
 std::string any_strategy(Draw& draw) {
   Strategy s = test::random_strategy(draw);
-  s.chunks = draw.maybe() ? 1 : 1 + static_cast<std::int32_t>(draw.below(9));
+  s.run.chunks = draw.maybe() ? 1 : 1 + static_cast<std::int32_t>(draw.below(9));
   return to_string(s);
 }
 
@@ -138,7 +138,8 @@ TEST(Strategies, OfThePaperRun) {
   const double condition = worst_condition(scene);
   for (const OfThePaper& s : strategies_of_the_paper()) {
     const Strategy parsed = parse_strategy(s.strategy);
-    if (!find_backend(backends(), parsed.backend).why_not({}, ThreadBudget{parsed.q}).empty()) continue;
+    if (!find_backend(backends(), parsed.solver.backend).why_not({}, ThreadBudget{parsed.solver.threads}).empty())
+      continue;
     SCOPED_TRACE(s.name);
     expect_the_motion_of_the_reference(scene, s.strategy, condition);
     // Readings of the paper's code: velocity and acceleration share a factorisation, or have one each; beyond it, one

@@ -95,22 +95,22 @@ TEST(Candidates, OneOfEachBackendComesFirst) {
   std::size_t last_new = 0;  // candidates until each backend had its turn
   for (const Strategy& s : all) {
     texts.insert(to_string(s));
-    if (backends_seen.insert(s.backend).second) last_new = texts.size();
+    if (backends_seen.insert(s.solver.backend).second) last_new = texts.size();
   }
   EXPECT_EQ(last_new, backends_seen.size() + 1);  // lanes come twice: alone, and eight side by side
   EXPECT_EQ(texts.size(), all.size());
   EXPECT_EQ(texts.count("groups/lanes:16"), 1u);
   EXPECT_EQ(texts.count("groups/eigen+float"), 1u);
-  for (const Strategy& s : linear_solvers(kField, shape, 1)) EXPECT_EQ(s.lanes, 1);
+  for (const Strategy& s : linear_solvers(kField, shape, 1)) EXPECT_EQ(s.solver.lanes, 1);
   shape.n = 20;
-  for (const Strategy& s : linear_solvers(kField, shape, 16)) EXPECT_EQ(s.q, 1);
+  for (const Strategy& s : linear_solvers(kField, shape, 16)) EXPECT_EQ(s.solver.threads, 1);
 }
 
 // Also where matrices are solved lane by lane: what is around them is not.
 TEST(Candidates, PacksAreMeasuredWithEveryWidthThatTheirGroupsCanFill) {
   std::map<std::string, std::set<int>> widths;
   for (const Strategy& s : pack_strategies(kField, Formulation::groups, {.n = 20, .nnz = 60, .groups = 8}, false)) {
-    widths[s.backend].insert(s.lanes);
+    widths[s.solver.backend].insert(s.solver.lanes);
   }
   EXPECT_EQ(widths["lanes"], (std::set<int>{1, 2, 4, 8}));
   EXPECT_EQ(widths["eigen"], (std::set<int>{1, 2, 4, 8}));
@@ -120,7 +120,7 @@ TEST(Candidates, PacksAreMeasuredWithEveryWidthThatTheirGroupsCanFill) {
 TEST(Candidates, SolversLaneByLaneAreMeasuredOnceWithEveryWidth) {
   std::map<std::string, std::set<int>> widths;
   for (const Strategy& s : pack_strategies(kField, Formulation::groups, {.n = 20, .nnz = 60, .groups = 8}, true)) {
-    if (s.once) widths[s.backend].insert(s.lanes);
+    if (s.solver.once) widths[s.solver.backend].insert(s.solver.lanes);
   }
   EXPECT_EQ(widths["lanes"], (std::set<int>{1, 8}));
   EXPECT_EQ(widths["eigen"], (std::set<int>{1, 2, 4, 8}));
@@ -128,8 +128,8 @@ TEST(Candidates, SolversLaneByLaneAreMeasuredOnceWithEveryWidth) {
 
 TEST(Candidates, WhatDidNotSurviveItsTrialIsLeftOut) {
   Field field = kField;
-  field.why_not = [](const Strategy& s) { return s.backend == "eigen" ? "crashes" : ""; };
-  for (const Strategy& s : linear_solvers(field, {.n = 20, .nnz = 60}, 16)) EXPECT_NE(s.backend, "eigen");
+  field.why_not = [](const Strategy& s) { return s.solver.backend == "eigen" ? "crashes" : ""; };
+  for (const Strategy& s : linear_solvers(field, {.n = 20, .nnz = 60}, 16)) EXPECT_NE(s.solver.backend, "eigen");
 }
 
 TEST(Profile, ASmallerBudgetSamplesLess) {

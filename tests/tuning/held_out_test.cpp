@@ -70,7 +70,7 @@ TEST(Regret, DoesNotJudgeByTimesThatNobodyKnows) {
   std::vector<CellResult> cells = grid();
   cells.push_back(cell(11, true, 8));
   for (Result& r : cells.back().results) {
-    if (r.sample.strategy.backend == "eigen") r.sample.spread = r.sample.seconds;
+    if (r.sample.strategy.solver.backend == "eigen") r.sample.spread = r.sample.seconds;
   }
   EXPECT_EQ(regret(model_of(cells), cells).questions, 0u);  // one candidate is no choice
 }

@@ -29,7 +29,7 @@ TEST(Probe, EveryBackendThatRunsHerePassesItsTrial) {
   for (const Backend& backend : backends()) {
     if (!backend.why_not({}, {}).empty()) continue;
     Strategy s;
-    s.backend = backend.id;
+    s.solver.backend = backend.id;
     EXPECT_NO_THROW(probe(s, backends())) << backend.id;
   }
 }
@@ -40,7 +40,7 @@ TEST(Probes, TryWhatIsNotOfTheCoreAndWhatHasThreads) {
       backends(), ThreadBudget{2},
       [&](const Strategy& s) {
         tried.insert(to_string(s));
-        return shell(s.backend == "klu" || s.q > 1 ? "kill -SEGV $$" : "exit 0");
+        return shell(s.solver.backend == "klu" || s.solver.threads > 1 ? "kill -SEGV $$" : "exit 0");
       },
       10);
   EXPECT_EQ(tried.count("groups/eigen"), 0u);
@@ -71,12 +71,14 @@ TEST(Probes, GoOnAfterAChildThatHangs) {
   ASSERT_FALSE(tried.empty());
   const Strategy first = parse_strategy(tried.front());
   EXPECT_EQ(std::set<std::string>(tried.begin(), tried.end()).size(), tried.size());
-  EXPECT_EQ(probes.failed(),
-            (std::map<std::string, std::string>{{first.backend + (first.q > 1 ? " 1x2" : ""), "does not end"}}));
+  EXPECT_EQ(probes.failed(), (std::map<std::string, std::string>{
+                                 {first.solver.backend + (first.solver.threads > 1 ? " 1x2" : ""), "does not end"}}));
   EXPECT_EQ(probes.why_not(first), "does not end");
   for (std::size_t i = 1; i < tried.size(); ++i) {
     const Strategy s = parse_strategy(tried[i]);
-    EXPECT_EQ(probes.why_not(s), s.backend == first.backend && first.q == 1 ? "does not end" : "") << tried[i];
+    EXPECT_EQ(probes.why_not(s),
+              s.solver.backend == first.solver.backend && first.solver.threads == 1 ? "does not end" : "")
+        << tried[i];
   }
 }
 

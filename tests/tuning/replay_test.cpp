@@ -17,7 +17,7 @@ void add(std::vector<Sample>& samples, std::int32_t n) {
       s.shape = {.n = n, .nnz = n * n, .fill = std::int64_t{n} * n, .operations = std::int64_t{n} * n * n / 3};
       s.shape.pattern = static_cast<std::uint64_t>(n);
       s.strategy = parse_strategy(strategy);
-      s.seconds = (s.strategy.backend == "eigen" ? n * n : 20 * n) * (kernel == Kernel::factor ? 1e-9 : 1e-10);
+      s.seconds = (s.strategy.solver.backend == "eigen" ? n * n : 20 * n) * (kernel == Kernel::factor ? 1e-9 : 1e-10);
       s.spread = s.seconds / 100;
       s.repetitions = static_cast<std::int64_t>(1 / s.seconds);
       samples.push_back(s);

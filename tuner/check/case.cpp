@@ -47,7 +47,7 @@ class Reader {
     take("iterations", c.iterations);
     take("strategies", c.strategies);
     for (const std::string& name : value<std::vector<std::string>>("formulations")) {
-      c.formulations.push_back(parse_strategy(name + "/eigen").formulation);
+      c.formulations.push_back(parse_strategy(name + "/eigen").run.formulation);
     }
     take("closed_form", c.closed_form);
     take("plain", c.plain);

@@ -105,7 +105,7 @@ class CaseRun {
   // Once for each reason.
   void leave_out(const std::string& strategy, const std::string& why) {
     const Strategy s = parse_strategy(strategy);
-    const std::string what = s.backend + ": " + why;
+    const std::string what = s.solver.backend + ": " + why;
     if (std::find(result_.notes.begin(), result_.notes.end(), what) == result_.notes.end()) {
       result_.notes.push_back(what);
     }

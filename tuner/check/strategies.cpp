@@ -53,7 +53,7 @@ double seconds_of(const Demand& demand, std::string_view backend) {
   for (const Shape& shape : demand.shapes) {
     double least = HUGE_VAL;
     for (const Candidate& c : candidates(shape, {.model = kNothingKnown, .budget = ThreadBudget{1}, .without = {}})) {
-      if (c.strategy.backend == backend && c.why_not.empty()) least = std::min(least, c.expected_seconds);
+      if (c.strategy.solver.backend == backend && c.why_not.empty()) least = std::min(least, c.expected_seconds);
     }
     sum += least;
   }

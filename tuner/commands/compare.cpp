@@ -41,7 +41,7 @@ std::optional<std::vector<Strategy>> strategies_of(const CompareOptions& options
   for (const std::string& text : options.strategies) {
     if (text == "auto") continue;
     all.push_back(parse_strategy(text));
-    if (all.back().chunks == 1) continue;
+    if (all.back().run.chunks == 1) continue;
     throw Error(Error::Kind::input,
                 {{"--strategies", text + ": single steps are compared, and chunks have none; leave out +chunks="}});
   }

@@ -44,7 +44,7 @@ int plan(const Common& common, const PlanOptions& options) {
   for (const Plan::Choice& choice : prepared.plan.choices) {
     std::vector<Candidate>& of_class = summary.candidates.emplace_back(
         candidates(choice.shape, {.model = known.model, .budget = budget, .without = options.without}));
-    for (Candidate& c : of_class) c.strategy.formulation = prepared.plan.formulation;
+    for (Candidate& c : of_class) c.strategy.run.formulation = prepared.plan.run.formulation;
   }
   if (common.json) {
     output::print(std::cout, to_json(summary));

@@ -27,22 +27,22 @@ std::string range_text(const std::set<std::int32_t>& levels) {
 }
 
 std::int32_t threads_of(const Plan& plan, std::int32_t level) {
-  return plan.level_threads.empty() ? plan.threads : plan.level_threads[idx(level)];
+  return plan.level_threads.empty() ? plan.run.threads : plan.level_threads[idx(level)];
 }
 
 // "2 on 3 of 5 levels"
 std::string threads_text(const Plan& plan, const Structure& s) {
-  if (plan.threads == 1) return "1";
+  if (plan.run.threads == 1) return "1";
   std::int32_t shared = 0;
   for (std::int32_t level = 0; level < s.levels; ++level) shared += threads_of(plan, level) > 1 ? 1 : 0;
-  return std::to_string(plan.threads) + " on " + grouped(shared) + " of " + counted(s.levels, "level");
+  return std::to_string(plan.run.threads) + " on " + grouped(shared) + " of " + counted(s.levels, "level");
 }
 
 BesideGroups beside_groups_of(const PlanSummary& s) {
   const Plan& plan = s.prepared.plan;
   const auto& p = plan.level_threads;
   const bool alone = !p.empty() && std::all_of(p.begin(), p.end(), [](std::int32_t threads) { return threads == 1; });
-  return beside_groups(*s.prepared.structure, s.model, alone || s.mode == Mode::throughput ? 1 : plan.threads);
+  return beside_groups(*s.prepared.structure, s.model, alone || s.mode == Mode::throughput ? 1 : plan.run.threads);
 }
 
 void print_expected(Page& page, const PlanSummary& s) {
@@ -63,9 +63,7 @@ void print_classes(Page& page, const PlanSummary& s) {
   table.row({"class", "level", "groups", "unknowns", "strategy", "pack", "origin"});
   for (const Plan::Choice& c : plan.choices) {
     if (idx(c.group_class) == kMostClasses) break;
-    Strategy shown = c.strategy;  // predictor and threads are said once
-    shown.predictor = {};
-    shown.p = 1;
+    const Strategy shown{{.formulation = plan.run.formulation, .chunks = plan.run.chunks}, c.solver};  // the rest once
     table.row({std::to_string(c.group_class), range_text(levels[idx(c.group_class)]), grouped(c.shape.groups),
                grouped(c.shape.n), to_string(shown), duration(c.expected_seconds), std::string(name(c.origin))});
   }
@@ -83,14 +81,15 @@ void print_candidates(Page& page, std::int32_t group_class, const std::vector<Ca
   Table table({left, right, right, left});
   std::set<std::string> seen;
   for (const Candidate& c : candidates) {
-    if (!seen.insert(c.strategy.backend + (c.why_not.empty() ? "" : "!")).second || seen.size() > kMostCandidates) {
+    if (!seen.insert(c.strategy.solver.backend + (c.why_not.empty() ? "" : "!")).second ||
+        seen.size() > kMostCandidates) {
       continue;
     }
     if (c.why_not.empty()) {
       table.row({to_string(c.strategy), duration(c.expected_seconds),
                  fixed(c.expected_seconds / candidates.front().expected_seconds) + "x", std::string(name(c.origin))});
     } else {
-      table.row({c.strategy.backend, "-", "-", c.why_not});
+      table.row({c.strategy.solver.backend, "-", "-", c.why_not});
     }
   }
   page.table(table);
@@ -126,7 +125,7 @@ Json to_json(const PlanSummary& s) {
                        {"n", c.shape.n},
                        {"nnz", c.shape.nnz},
                        {"fill", c.shape.fill},
-                       {"strategy", to_string(c.strategy)},
+                       {"strategy", to_string(plan.strategy(c))},
                        {"expected_seconds", c.expected_seconds},
                        {"origin", name(c.origin)},
                        {"reason", c.reason}});
@@ -138,11 +137,11 @@ Json to_json(const PlanSummary& s) {
   return {{"scene", s.prepared.scene->name()},
           {"mode", s.mode == Mode::latency ? "latency" : "throughput"},
           {"accuracy", plan.accuracy},
-          {"formulation", name(plan.formulation)},
+          {"formulation", name(plan.run.formulation)},
           {"budget", s.budget.threads},
-          {"threads", plan.threads},
+          {"threads", plan.run.threads},
           {"lanes", plan.lanes},
-          {"chunks", plan.chunks},
+          {"chunks", plan.run.chunks},
           {"expected_seconds", plan.expected_seconds},
           {"expected_around_seconds", beside.around},
           {"expected_storing_seconds", beside.storing},
@@ -164,9 +163,9 @@ void print(Page& page, const PlanSummary& s) {
                          : counted(static_cast<std::int64_t>(s.model.samples()), "sample") + ", " + s.model.source());
   for (const std::string& message : s.messages) page.fact("", message);
   page.gap();
-  page.fact("formulation", name(plan.formulation));
+  page.fact("formulation", name(plan.run.formulation));
   page.fact("threads", threads_text(plan, *s.prepared.structure) + "; " + plan.reason);
-  if (s.mode == Mode::throughput) page.fact("chunks", grouped(plan.chunks) + " of the time grid");
+  if (s.mode == Mode::throughput) page.fact("chunks", grouped(plan.run.chunks) + " of the time grid");
   print_expected(page, s);
   page.gap();
   if (plan.choices.empty()) {

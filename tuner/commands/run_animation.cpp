@@ -20,7 +20,7 @@ PrepareOptions step_by_step(PrepareOptions how) {
   how.mode = Mode::latency;
   if (how.strategy == "auto") return how;
   Strategy strategy = parse_strategy(how.strategy);
-  strategy.chunks = 1;
+  strategy.run.chunks = 1;
   how.strategy = to_string(strategy);
   return how;
 }

@@ -29,7 +29,7 @@ using output::Progress;
 }
 
 void check(const RunOptions& options, const PrepareOptions& how) {
-  if (how.strategy != "auto" && parse_strategy(how.strategy).chunks > 1) {
+  if (how.strategy != "auto" && parse_strategy(how.strategy).run.chunks > 1) {
     refuse("--ensemble", "its members fill the lanes and threads; leave out +chunks= of the strategy");
   }
   if (options.reference) refuse("--reference", "it compares one mechanism; run the member in question with --set");

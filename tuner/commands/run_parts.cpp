@@ -59,7 +59,7 @@ Scene scene_of(const Common& common, const RunOptions& options, const Parameters
 }
 
 PrepareOptions how_of(const Common& common, const RunOptions& options) {
-  const bool chunks = options.strategy != "auto" && parse_strategy(options.strategy).chunks > 1;
+  const bool chunks = options.strategy != "auto" && parse_strategy(options.strategy).run.chunks > 1;
   check_mode(options, chunks);
   PrepareOptions how;
   how.strategy = options.strategy;

@@ -28,11 +28,8 @@ std::optional<double> mean_iterations(const Counters& c) {
 
 // What a class is solved with. Side by side the lanes are mechanisms, however few groups a class has.
 Strategy strategy_of(const Plan::Choice& choice, const RunSummary& s) {
-  Strategy strategy = choice.strategy;
-  if (s.mode == Mode::throughput) {
-    strategy.lanes = s.prepared.plan.lanes;
-    strategy.chunks = s.prepared.plan.chunks;
-  }
+  Strategy strategy = s.prepared.plan.strategy(choice);
+  if (s.mode == Mode::throughput) strategy.solver.lanes = s.prepared.plan.lanes;
   return strategy;
 }
 

@@ -54,9 +54,9 @@ class Linear::Solve final : public Workload {
 };
 
 Linear::Linear(const Matrices& matrices, const Strategy& strategy, const Backend& backend)
-    : lanes_(strategy.lanes),
-      solver_(make_solver(backend, ThreadBudget{strategy.q},
-                          strategy.single ? Precision::binary32 : Precision::binary64, strategy.refine)),
+    : lanes_(strategy.solver.lanes),
+      solver_(make_solver(backend, ThreadBudget{strategy.solver.threads},
+                          strategy.solver.single ? Precision::binary32 : Precision::binary64, strategy.solver.refine)),
       factor_(std::make_unique<Factor>(*this)),
       solve_(std::make_unique<Solve>(*this)) {
   if (const Status s = solver_->analyze(matrices.pattern, lanes_); !s.ok()) {

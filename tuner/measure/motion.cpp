@@ -209,7 +209,7 @@ bool Crowd::run(int calls) {
 // ---- step
 
 WholeStep::WholeStep(const Prepared& prepared, std::vector<int> pin_to, int iterations)
-    : pin_to_(prepared.plan.threads > 1 ? std::move(pin_to) : std::vector<int>{}),
+    : pin_to_(prepared.plan.run.threads > 1 ? std::move(pin_to) : std::vector<int>{}),
       simulator_(prepared, {.iterations = iterations, .pin_to = pin_to_}),
       grid_(prepared.scene->time()) {
   for (std::int64_t k = 0; k < std::min(kStepsBeforeSteady, grid_.steps()); ++k) {
@@ -220,7 +220,7 @@ WholeStep::WholeStep(const Prepared& prepared, std::vector<int> pin_to, int iter
 bool WholeStep::advance() { return simulator_.step(grid_.time(next_++)).arrived(); }
 
 void WholeStep::get_ready(int calls) {
-  if (simulator_.prepared().plan.threads > 1) {
+  if (simulator_.prepared().plan.run.threads > 1) {
     repeat_for(pin_to_.empty() ? kUntilSpread : kUntilAwake, [this] { (void)run(4); });
   } else {
     (void)advance();

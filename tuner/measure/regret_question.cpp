@@ -34,9 +34,10 @@ struct Racer {
 
 std::string text_of(const Plan& plan) {
   std::vector<std::string> texts;
-  for (Plan::Choice c : plan.choices) {
-    c.strategy.predictor = {};  // the same for all
-    texts.push_back(to_string(c.strategy));
+  for (const Plan::Choice& c : plan.choices) {
+    Strategy s = plan.strategy(c);
+    s.run.predictor = {};  // the same for all
+    texts.push_back(to_string(s));
   }
   if (std::set<std::string>(texts.begin(), texts.end()).size() <= 1) return texts.empty() ? "-" : texts[0];
   std::string all;
@@ -52,7 +53,7 @@ bool enter(Racer& racer) {
   try {
     // Where the system puts two threads is luck in a race of many teams: each has its core.
     static const std::vector<int> kCores = this_machine().cores;
-    const bool enough = idx(racer.prepared.plan.threads) <= kCores.size();
+    const bool enough = idx(racer.prepared.plan.run.threads) <= kCores.size();
     racer.step = std::make_unique<WholeStep>(racer.prepared, enough ? kCores : std::vector<int>{});
     const double begin = StepTimes::steady();
     const bool runs = racer.step->run(3);
@@ -65,8 +66,8 @@ bool enter(Racer& racer) {
 
 int threads_of(const Plan& plan) {
   std::int32_t q = 1;
-  for (const Plan::Choice& c : plan.choices) q = std::max(q, c.strategy.q);
-  return plan.threads * q;
+  for (const Plan::Choice& c : plan.choices) q = std::max(q, c.solver.threads);
+  return plan.run.threads * q;
 }
 
 // Should a few slow ones need all the time, they are the ones without a turn.
@@ -116,7 +117,7 @@ std::vector<std::string> uniform_strategies(const Scene& scene, const Question& 
 // What is run in the end: where there are no groups for more lanes or threads, other texts mean the same.
 std::string essence_of(const Prepared& prepared) {
   Plan plan = prepared.plan;
-  for (Plan::Choice& c : plan.choices) c.strategy.p = 1;
+  for (Plan::Choice& c : plan.choices) c.threads = 1;
   std::string text = text_of(plan);
   const auto& threads = prepared.plan.level_threads;
   for (std::size_t level = 0; level < threads.size(); ++level) {
@@ -160,7 +161,7 @@ std::vector<Racer> mixed_racers(const Racer& fastest, const Question& q, const Q
         if (options.instruments.stop()) return racers;
         if (lanes > 2 * plan.choices[c].shape.groups - 1) continue;
         Racer racer{.text = "", .prepared = fastest.prepared};
-        Strategy& s = racer.prepared.plan.choices[c].strategy;
+        SolverSettings& s = racer.prepared.plan.choices[c].solver;
         if (s.backend == backend.id && s.lanes == lanes) continue;
         s.backend = backend.id;
         s.lanes = lanes;
@@ -181,10 +182,10 @@ std::optional<Racer> combined(const Racer& fastest, const std::vector<Racer>& mi
   for (std::size_t c = 0; c < plan.choices.size(); ++c) {
     double best = fastest.seconds;
     for (const Racer& m : mixed) {
-      const Strategy& s = m.prepared.plan.choices[c].strategy;
-      if (m.seconds >= best || s == fastest.prepared.plan.choices[c].strategy) continue;
+      const SolverSettings& s = m.prepared.plan.choices[c].solver;
+      if (m.seconds >= best || s == fastest.prepared.plan.choices[c].solver) continue;
       best = m.seconds;
-      plan.choices[c].strategy = s;
+      plan.choices[c].solver = s;
       changed = true;
     }
   }

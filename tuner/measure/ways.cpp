@@ -21,7 +21,7 @@ constexpr std::array kPredictors = {Predictor{Predictor::Kind::taylor, 0}, Predi
 
 // What one class is solved with, threads aside: those are the plan's.
 std::string text_of(Strategy s) {
-  s.p = 1;
+  s.run.threads = 1;
   return to_string(s);
 }
 
@@ -44,21 +44,22 @@ std::vector<Way> solvers(const Scene& scene, ThreadBudget budget) {
   for (const Backend& backend : backends()) {
     if (!backend.why_not({}, {}).empty()) continue;
     Strategy plain;
-    plain.backend = backend.id;
+    plain.solver.backend = backend.id;
     const auto add = [&](auto turn) {
       Way way{plain};
       turn(way.strategy);
       all.push_back(std::move(way));
     };
     for (const Formulation formulation : formulations) {
-      plain.formulation = formulation;
+      plain.run.formulation = formulation;
       all.push_back({plain});
       if (formulation == Formulation::global) continue;  // a single group
-      if (backend.steady) add([](Strategy& s) { s.lanes = kLanes; });
-      if (budget.threads > 1 && !backend.takes_turns) add([&](Strategy& s) { s.p = budget.threads; });
+      if (backend.steady) add([](Strategy& s) { s.solver.lanes = kLanes; });
+      if (budget.threads > 1 && !backend.takes_turns) add([&](Strategy& s) { s.run.threads = budget.threads; });
     }
-    plain.formulation = Formulation::irreducible;
-    if (budget.threads > 1 && backend.why_not({}, budget).empty()) add([&](Strategy& s) { s.q = budget.threads; });
+    plain.run.formulation = Formulation::irreducible;
+    if (budget.threads > 1 && backend.why_not({}, budget).empty())
+      add([&](Strategy& s) { s.solver.threads = budget.threads; });
   }
   return all;
 }
@@ -67,7 +68,7 @@ std::vector<Way> variations(const Strategy& solver) {
   std::vector<Way> all = fixed_iterations(solver);
   Strategy s = solver;
   for (const Predictor& predictor : kPredictors) {
-    s.predictor = predictor;
+    s.run.predictor = predictor;
     all.push_back({s, 0, Knob::predictor});
     for (const int iterations : kFixed) all.push_back({s, iterations, Knob::iterations});
   }
@@ -77,16 +78,16 @@ std::vector<Way> variations(const Strategy& solver) {
     all.push_back({turned, 0, knob});
     all.push_back({turned, 1, Knob::iterations});
   };
-  if (find_backend(backends(), solver.backend).single) {
-    with(Knob::precision, [](Strategy& t) { t.single = true; });
-    with(Knob::precision, [](Strategy& t) { t.single = t.refine = true; });
-    with(Knob::precision, [](Strategy& t) { t.single = t.once = true; });
+  if (find_backend(backends(), solver.solver.backend).single) {
+    with(Knob::precision, [](Strategy& t) { t.solver.single = true; });
+    with(Knob::precision, [](Strategy& t) { t.solver.single = t.solver.refine = true; });
+    with(Knob::precision, [](Strategy& t) { t.solver.single = t.solver.once = true; });
   }
-  with(Knob::precision, [](Strategy& t) { t.refine = true; });
-  with(Knob::policy, [](Strategy& t) { t.once = true; });
-  with(Knob::policy, [](Strategy& t) { t.reuse = Reuse::step; });
-  with(Knob::policy, [](Strategy& t) { t.reuse = Reuse::run; });
-  with(Knob::policy, [](Strategy& t) { t.separate = true; });
+  with(Knob::precision, [](Strategy& t) { t.solver.refine = true; });
+  with(Knob::policy, [](Strategy& t) { t.solver.once = true; });
+  with(Knob::policy, [](Strategy& t) { t.solver.reuse = Reuse::step; });
+  with(Knob::policy, [](Strategy& t) { t.solver.reuse = Reuse::run; });
+  with(Knob::policy, [](Strategy& t) { t.solver.separate = true; });
   return all;
 }
 
@@ -98,14 +99,14 @@ std::vector<Way> fixed_iterations(const Strategy& solver) {
 
 std::string essence(const Plan& plan) {
   std::vector<std::string> texts;
-  for (const Plan::Choice& c : plan.choices) texts.push_back(text_of(c.strategy));
+  for (const Plan::Choice& c : plan.choices) texts.push_back(text_of(plan.strategy(c)));
   if (std::set<std::string>(texts.begin(), texts.end()).size() <= 1)
     texts.resize(std::min<std::size_t>(texts.size(), 1));
-  std::string all = texts.empty() ? std::string(name(plan.formulation)) : "";
+  std::string all = texts.empty() ? std::string(name(plan.run.formulation)) : "";
   for (const std::string& text : texts) all += (all.empty() ? "" : " | ") + text;
   const bool by_level = !plan.level_threads.empty();
   const std::int32_t most =
-      by_level ? *std::max_element(plan.level_threads.begin(), plan.level_threads.end()) : plan.threads;
+      by_level ? *std::max_element(plan.level_threads.begin(), plan.level_threads.end()) : plan.run.threads;
   if (most == 1) return all;
   all += ", p = ";
   if (!by_level) return all + std::to_string(most);
@@ -117,7 +118,7 @@ std::string essence(const Plan& plan) {
 
 bool is_hopeless(const Plan& plan) {
   return std::any_of(plan.choices.begin(), plan.choices.end(), [](const Plan::Choice& c) {
-    return c.shape.n > kMostDense && properties_of(c.strategy.backend).dense;
+    return c.shape.n > kMostDense && properties_of(c.solver.backend).dense;
   });
 }
 

@@ -87,7 +87,7 @@ class Comparison {
     for (const Way& way : all) {
       const Leader leader{way.strategy, find(to_string(way))};
       if (leader.entrant == nullptr || !leader.entrant->row.seconds) continue;
-      const auto [at, is_new] = fastest.try_emplace(way.strategy.formulation, leader);
+      const auto [at, is_new] = fastest.try_emplace(way.strategy.run.formulation, leader);
       if (!is_new && seconds(leader) < seconds(at->second)) at->second = leader;
     }
     // Everything that follows hangs on which of these is the fastest: they are raced again, with all rounds.
@@ -198,7 +198,7 @@ class Comparison {
       e.row.status = "another motion";
       return;
     }
-    const bool enough = static_cast<std::size_t>(e.prepared.plan.threads) <= cores_.size();
+    const bool enough = static_cast<std::size_t>(e.prepared.plan.run.threads) <= cores_.size();
     e.step = std::make_unique<WholeStep>(e.prepared, enough ? cores_ : std::vector<int>{}, e.row.iterations);
   }
 

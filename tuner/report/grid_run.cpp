@@ -14,8 +14,8 @@ constexpr double kLong = 0.02;  // s
 
 int most_threads(const Plan& plan) {
   int q = 1;
-  for (const Plan::Choice& c : plan.choices) q = std::max(q, c.strategy.q);
-  return plan.threads * q;
+  for (const Plan::Choice& c : plan.choices) q = std::max(q, c.solver.threads);
+  return plan.run.threads * q;
 }
 
 }  // namespace
@@ -23,7 +23,7 @@ int most_threads(const Plan& plan) {
 GridRun::GridRun(const Prepared& prepared, int iterations, const std::vector<int>& cores)
     : grid_(prepared.time),
       threads_(most_threads(prepared.plan)),
-      pinned_(prepared.plan.threads > 1 && static_cast<std::size_t>(threads_) <= cores.size()),
+      pinned_(prepared.plan.run.threads > 1 && static_cast<std::size_t>(threads_) <= cores.size()),
       simulator_(prepared, {.iterations = iterations, .pin_to = pinned_ ? cores : std::vector<int>{}}),
       at_start_(simulator_.report().counters) {}
 

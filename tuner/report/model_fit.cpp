@@ -31,7 +31,7 @@ std::vector<Fit> fits(const std::vector<tuning::CellResult>& cells, const Perfor
     if (held_out && !c.cell.held_out) continue;
     for (const tuning::Result& r : c.results) {
       const Sample& s = r.sample;
-      if (s.kernel == Kernel::meeting || s.kernel == Kernel::step || s.strategy.p > 1) continue;
+      if (s.kernel == Kernel::meeting || s.kernel == Kernel::step || s.strategy.run.threads > 1) continue;
       out.push_back({&s, s.kernel == Kernel::pack ? model.pack(s.shape, s.strategy)
                                                   : model.kernel(s.kernel, s.shape, s.strategy)});
     }

@@ -130,7 +130,7 @@ pictures::HtmlTable table_of_speed_ups(Section& out, const std::vector<Measureme
 
 bool alone(const Measurement& m) {
   const Strategy s = parse_strategy(m.strategy);
-  return s.p == 1 && s.q == 1;
+  return s.run.threads == 1 && s.solver.threads == 1;
 }
 
 void splits(Section& out, Contest& contest, const std::string& rings, const Conditions& conditions, double seconds) {
@@ -140,7 +140,7 @@ void splits(Section& out, Contest& contest, const std::string& rings, const Cond
     contest.enter("threads, " + rings, rings, strategy);
     if (conditions.threads == 1) continue;
     contest.enter("threads, " + rings, rings, strategy + " " + threads + "x1");
-    if (properties_of(parse_strategy(strategy).backend).threads)
+    if (properties_of(parse_strategy(strategy).solver.backend).threads)
       contest.enter("threads, " + rings, rings, strategy + " 1x" + threads);
   }
   out.body += "<h4>Threads</h4>\n" +
@@ -172,15 +172,15 @@ void lanes(Section& out, Contest& contest, const std::string& rings, double seco
     double first = 0;
     for (const Measurement& m : times) {
       if (m.item != "lanes, " + sweeps[k].first) continue;
-      const int w = parse_strategy(m.strategy).lanes;
+      const int w = parse_strategy(m.strategy).solver.lanes;
       if (w == 1) first = m.value;
       if (first > 0) series.points.push_back({std::log2(w), first / m.value, m.item + ", " + about(m)});
     }
     plot.series.push_back(std::move(series));
   }
-  out.body +=
-      "<h4>Lanes</h4>\n" + paragraph("One thread, W groups side by side.") + pictures::figure(plot) +
-      html(table_of_speed_ups(out, times, [](const Measurement& m) { return parse_strategy(m.strategy).lanes == 1; }));
+  out.body += "<h4>Lanes</h4>\n" + paragraph("One thread, W groups side by side.") + pictures::figure(plot) +
+              html(table_of_speed_ups(
+                  out, times, [](const Measurement& m) { return parse_strategy(m.strategy).solver.lanes == 1; }));
 }
 
 void ensemble(Section& out, Contest& contest, const Conditions& conditions, bool small, double seconds) {
@@ -202,7 +202,7 @@ void ensemble(Section& out, Contest& contest, const Conditions& conditions, bool
                   "An ensemble of Stewart platforms of different speeds, all outputs, with their start; speed-up over "
                   "one lane on one thread.") +
               html(table_of_speed_ups(out, contest.hold(seconds), [](const Measurement& m) {
-                return alone(m) && parse_strategy(m.strategy).lanes == 1;
+                return alone(m) && parse_strategy(m.strategy).solver.lanes == 1;
               }));
 }
 

@@ -76,7 +76,9 @@ std::string short_text(const Strategy& strategy) {
   return text.substr(text.find('/') + 1);
 }
 
-std::string kind_of(const Strategy& s) { return s.backend + (s.lanes > 1 ? ":" + std::to_string(s.lanes) : ""); }
+std::string kind_of(const Strategy& s) {
+  return s.solver.backend + (s.solver.lanes > 1 ? ":" + std::to_string(s.solver.lanes) : "");
+}
 
 // The sample that the winner's time comes from; null if it was predicted.
 const Sample* measured(const Knowledge& knowledge, const Shape& shape, const Strategy& s) {
@@ -85,8 +87,9 @@ const Sample* measured(const Knowledge& knowledge, const Shape& shape, const Str
   for (const Sample& sample : knowledge.tuning->samples) {
     if (sample.kernel != kernel || sample.shape.n != shape.n || sample.shape.pattern != shape.pattern) continue;
     const Strategy& o = sample.strategy;
-    if (o.backend != s.backend || o.lanes != s.lanes || o.single != s.single || o.once != s.once || o.q != s.q ||
-        o.p != 1)
+    if (o.solver.backend != s.solver.backend || o.solver.lanes != s.solver.lanes ||
+        o.solver.single != s.solver.single || o.solver.once != s.solver.once || o.solver.threads != s.solver.threads ||
+        o.run.threads != 1)
       continue;
     const double ratio = static_cast<double>(sample.shape.groups) / shape.groups;
     if (shape.terms == 0 || (ratio <= kSameCount && ratio >= 1 / kSameCount)) return &sample;
@@ -154,7 +157,7 @@ Atlas atlas(const std::vector<Column>& columns, const std::vector<int>& rows, co
         cell.about += "; next: " + short_text(all[1].strategy) + ", " + output::duration(all[1].expected_seconds);
       }
       out.map.cells.push_back(std::move(cell));
-      kinds.emplace(all[0].strategy.backend, all[0].strategy.lanes);
+      kinds.emplace(all[0].strategy.solver.backend, all[0].strategy.solver.lanes);
       row.push_back(all[0]);
     }
   }

@@ -21,7 +21,7 @@ struct CannotStore {
   Error why;
 };
 
-double per_lane(const Sample& s) { return s.seconds / (s.kernel == Kernel::step ? 1 : s.strategy.lanes); }
+double per_lane(const Sample& s) { return s.seconds / (s.kernel == Kernel::step ? 1 : s.strategy.solver.lanes); }
 
 }  // namespace
 
@@ -181,14 +181,14 @@ CellResult Campaign::measure_cell(const Cell& cell, Ground& ground, double secon
   for (const Entrant& e : entrants) {
     const bool whole = e.kernel == Kernel::step;
     // Meetings are not rivals of each other, nor are the widths of an evaluation.
-    const int heat = e.kernel == Kernel::meeting    ? 100 + e.strategy.p
-                     : e.kernel == Kernel::evaluate ? 200 + e.strategy.lanes
+    const int heat = e.kernel == Kernel::meeting    ? 100 + e.strategy.run.threads
+                     : e.kernel == Kernel::evaluate ? 200 + e.strategy.solver.lanes
                                                     : static_cast<int>(e.kernel);
     measure::Runner runner;
     runner.work = e.work;
     runner.heat = heat;
-    runner.share = whole ? 1 : e.strategy.lanes;
-    runner.threads = e.strategy.p * e.strategy.q;
+    runner.share = whole ? 1 : e.strategy.solver.lanes;
+    runner.threads = e.strategy.run.threads * e.strategy.solver.threads;
     if (e.kernel == Kernel::meeting) runner.by_the_clock = kAloneBeforeMeeting;
     runners.push_back(std::move(runner));
   }
@@ -234,7 +234,8 @@ void Campaign::note(const CellResult& result, double n, const std::vector<std::p
     for (const Result& r : result.results) {
       if (r.sample.kernel != candidate.kernel) continue;
       // As in a race: only those that need no more groups side by side are rivals.
-      if (r.sample.strategy.lanes <= candidate.strategy.lanes) leader = std::min(leader, per_lane(r.sample));
+      if (r.sample.strategy.solver.lanes <= candidate.strategy.solver.lanes)
+        leader = std::min(leader, per_lane(r.sample));
       if (r.sample.strategy == candidate.strategy) own = &r.sample;
     }
     if (own != nullptr) history_.note(result.cell.family, candidate, {n, per_lane(*own), leader, setup});

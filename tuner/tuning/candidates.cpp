@@ -10,7 +10,7 @@ constexpr int kWidths[] = {1, 8, 16, 4, 2};  // in the order of their turns
 constexpr std::int32_t kWorthThreads = 100;  // unknowns from which on more threads in one factorisation may gain
 
 bool can_run(const Field& field, const Backend& backend, const Shape& shape, const Strategy& strategy) {
-  return backend.why_not(shape, ThreadBudget{strategy.q}).empty() && field.why_not(strategy).empty();
+  return backend.why_not(shape, ThreadBudget{strategy.solver.threads}).empty() && field.why_not(strategy).empty();
 }
 
 }  // namespace
@@ -19,14 +19,14 @@ std::vector<Strategy> linear_solvers(const Field& field, const Shape& shape, int
   std::vector<Strategy> first, plain, wider, more;
   const auto enter = [&](const Backend& backend, int lanes, int q) {
     Strategy s;
-    s.backend = backend.id;
-    s.lanes = lanes;
-    s.q = q;
+    s.solver.backend = backend.id;
+    s.solver.lanes = lanes;
+    s.solver.threads = q;
     if (!can_run(field, backend, shape, s)) return;
     const bool leading = backend.fills_lanes && (lanes == 1 || lanes == 8);
     (leading ? first : lanes == 1 && q == 1 ? plain : wider).push_back(s);
     if (q > 1 || lanes == 2 || lanes == 4) return;  // what they take in float follows from the others'
-    s.single = true;                                // which refines by itself
+    s.solver.single = true;                         // which refines by itself
     if (backend.single) more.push_back(s);
   };
   for (const Backend& backend : field.table) {
@@ -48,17 +48,18 @@ std::vector<Strategy> pack_strategies(const Field& field, Formulation formulatio
   const auto enter = [&](Strategy s, bool also_separate) {
     out.push_back(s);
     if (!policies) return;
-    s.once = true;
+    s.solver.once = true;
     out.push_back(s);
-    s.once = false;
-    s.separate = true;
+    s.solver.once = false;
+    s.solver.separate = true;
     if (also_separate) out.push_back(s);
   };
   for (Strategy s : linear_solvers(field, shape, shape.groups)) {
-    if (s.single || s.refine || s.q > 1) continue;  // of bare matrices alone: a step composes them
-    s.formulation = formulation;
-    const Backend& backend = find_backend(field.table, s.backend);
-    if (backend.fills_lanes && s.lanes != 1 && s.lanes != 8) {
+    if (s.solver.single || s.solver.refine || s.solver.threads > 1)
+      continue;  // of bare matrices alone: a step composes them
+    s.run.formulation = formulation;
+    const Backend& backend = find_backend(field.table, s.solver.backend);
+    if (backend.fills_lanes && s.solver.lanes != 1 && s.solver.lanes != 8) {
       out.push_back(s);
       continue;
     }
@@ -67,7 +68,7 @@ std::vector<Strategy> pack_strategies(const Field& field, Formulation formulatio
     if (backend.fills_lanes || backend.takes_turns || shape.groups <= 4) continue;
     for (const int w : kWidths) {
       if (w == 1 || w >= 2 * shape.groups) continue;
-      s.lanes = w;
+      s.solver.lanes = w;
       enter(s, false);
     }
   }

@@ -53,8 +53,8 @@ class MatrixGround final : public Ground {
       shape_ = shape_of(structure_->classes[static_cast<std::size_t>(class_)]);
       for (int w = 1; w <= kMostLanes; w *= 2) {
         Strategy s;
-        s.backend = "lanes";
-        s.lanes = w;
+        s.solver.backend = "lanes";
+        s.solver.lanes = w;
         candidates_.push_back({Kernel::evaluate, s});
       }
     } else {
@@ -68,11 +68,11 @@ class MatrixGround final : public Ground {
 
   std::vector<Entrant> enter(const Candidate& c) override {
     if (c.kernel == Kernel::evaluate) {
-      std::shared_ptr<measure::Workload> work = measure::evaluation(structure_, class_, c.strategy.lanes);
+      std::shared_ptr<measure::Workload> work = measure::evaluation(structure_, class_, c.strategy.solver.lanes);
       return {{c.kernel, shape_, c.strategy, work.get(), work, kNotMeasured, kNotMeasured}};
     }
     const auto linear =
-        std::make_shared<measure::Linear>(matrices_, c.strategy, find_backend(field_.table, c.strategy.backend));
+        std::make_shared<measure::Linear>(matrices_, c.strategy, find_backend(field_.table, c.strategy.solver.backend));
     if (!linear->refused().empty()) refuse(linear->refused());
     const double backward = linear->backward_error(), forward = linear->forward_error();
     return {{Kernel::factor, shape_, c.strategy, &linear->factor(), linear, backward, forward},
@@ -106,19 +106,20 @@ class PacksGround final : public Ground {
         continue;
       }
       // How threads slow each other down depends on the memory that they read, less on the solver.
-      const bool one_of_few =
-          s.backend == "lanes" ? s.lanes == 1 || s.lanes == 8 : s.backend == "eigen" && s.lanes == 1;
+      const bool one_of_few = s.solver.backend == "lanes" ? s.solver.lanes == 1 || s.solver.lanes == 8
+                                                          : s.solver.backend == "eigen" && s.solver.lanes == 1;
       if (!one_of_few) continue;
       // One thread alone among them: a machine may be twice as fast a second later.
-      for (s.p = 1; s.p <= field.budget.threads; s.p *= 2) candidates_.push_back({Kernel::pack, s});
+      for (s.run.threads = 1; s.run.threads <= field.budget.threads; s.run.threads *= 2)
+        candidates_.push_back({Kernel::pack, s});
     }
   }
 
   // The other classes stay as they are: they are solved once, to give this one its inputs.
   std::vector<Entrant> enter(const Candidate& c) override {
-    if (c.strategy.p > 1) {
+    if (c.strategy.run.threads > 1) {
       const auto crowd =
-          std::make_shared<measure::Crowd>(c.strategy.p, this_machine().cores, [&] { return pack_step(c); });
+          std::make_shared<measure::Crowd>(c.strategy.run.threads, this_machine().cores, [&] { return pack_step(c); });
       return {{Kernel::pack, shape_, c.strategy, crowd.get(), crowd, kNotMeasured, kNotMeasured}};
     }
     const std::shared_ptr<measure::PackStep> packs = pack_step(c);
@@ -128,9 +129,7 @@ class PacksGround final : public Ground {
  private:
   [[nodiscard]] std::unique_ptr<measure::PackStep> pack_step(const Candidate& c) const {
     Prepared prepared = prepared_;
-    Strategy& strategy = prepared.plan.choices[static_cast<std::size_t>(class_)].strategy;
-    const Predictor predictor = std::exchange(strategy, c.strategy).predictor;
-    strategy.predictor = predictor;
+    prepared.plan.choices[static_cast<std::size_t>(class_)].solver = c.strategy.solver;
     return std::make_unique<measure::PackStep>(prepared, class_);
   }
 
@@ -157,9 +156,9 @@ class StepsGround final : public Ground {
     Field whole = field;
     for (Strategy& s : pack_strategies(whole, cell.formulation, shape_, true)) {
       candidates_.push_back({Kernel::step, s});
-      if (s.once || s.separate || s.reuse != Reuse::fresh || shape_.groups == 1) continue;
+      if (s.solver.once || s.solver.separate || s.solver.reuse != Reuse::fresh || shape_.groups == 1) continue;
       for (int p = 2; p <= std::min(field.budget.threads, shape_.groups); p *= 2) {
-        s.p = p;
+        s.run.threads = p;
         if (field.why_not(s).empty()) candidates_.push_back({Kernel::step, s});
       }
     }
@@ -186,15 +185,15 @@ class MeetingGround final : public Ground {
     shape_.n = cell.n;
     for (int p = 2; p <= field.budget.threads; ++p) {
       Strategy s;
-      s.formulation = Formulation::irreducible;
-      s.backend = "lanes";
-      s.p = p;
+      s.run.formulation = Formulation::irreducible;
+      s.solver.backend = "lanes";
+      s.run.threads = p;
       candidates_.push_back({Kernel::meeting, s});
     }
   }
 
   std::vector<Entrant> enter(const Candidate& c) override {
-    const auto meeting = std::make_shared<measure::Meeting>(c.strategy.p, shape_.n);
+    const auto meeting = std::make_shared<measure::Meeting>(c.strategy.run.threads, shape_.n);
     return {{Kernel::meeting, shape_, c.strategy, meeting.get(), meeting, kNotMeasured, kNotMeasured}};
   }
 };

@@ -28,7 +28,7 @@ struct Times {
 };
 
 Times times(const PerformanceModel& model, const CellResult& cell, const Sample& s, int groups) {
-  const double packs = std::ceil(static_cast<double>(groups) / s.strategy.lanes);
+  const double packs = std::ceil(static_cast<double>(groups) / s.strategy.solver.lanes);
   if (s.kernel == Kernel::pack) return {packs * s.seconds, packs * model.pack(s.shape, s.strategy).seconds};
   const Sample* solve = find(cell, Kernel::solve, s.strategy);
   if (solve == nullptr) return {};
@@ -45,7 +45,7 @@ double regret(const PerformanceModel& model, const CellResult& cell, int groups,
   for (const Result& r : cell.results) {
     const Sample& s = r.sample;
     if ((s.kernel != Kernel::factor && s.kernel != Kernel::pack) || !allowed(s.strategy)) continue;
-    if (s.strategy.lanes >= 2 * groups || s.spread > kTooScattered * s.seconds) continue;
+    if (s.strategy.solver.lanes >= 2 * groups || s.spread > kTooScattered * s.seconds) continue;
     const Times t = times(model, cell, s, groups);
     if (std::isnan(t.measured)) continue;
     ++candidates;
@@ -67,7 +67,8 @@ Regret regret(const PerformanceModel& model, std::span<const CellResult> cells) 
     for (const int groups : packs ? std::vector{cell.cell.groups} : std::vector{1, 16}) {
       for (const bool lanes : {true, false}) {
         const double r = regret(model, cell, groups, [&](const Strategy& s) {
-          return (lanes || !properties_of(s.backend).fills_lanes) && s.reuse == Reuse::fresh && !s.once;
+          return (lanes || !properties_of(s.solver.backend).fills_lanes) && s.solver.reuse == Reuse::fresh &&
+                 !s.solver.once;
         });
         if (!std::isnan(r)) all.push_back(r);
         if (groups > 1 && !packs) break;  // nothing else is made for groups side by side

@@ -40,7 +40,7 @@ std::string told(int status) {
 }
 
 std::string key(const Strategy& strategy) {
-  return strategy.backend + (strategy.q > 1 ? " 1x" + std::to_string(strategy.q) : "");
+  return strategy.solver.backend + (strategy.solver.threads > 1 ? " 1x" + std::to_string(strategy.solver.threads) : "");
 }
 
 }  // namespace
@@ -70,7 +70,7 @@ std::string try_in_child(const std::vector<std::string>& command, double seconds
 
 void probe(const Strategy& strategy, std::span<const Backend> table) {
   const measure::Matrices matrices = measure::random_matrices(kUnknowns, kEntries, kMatrices);
-  measure::Linear linear(matrices, strategy, find_backend(table, strategy.backend));
+  measure::Linear linear(matrices, strategy, find_backend(table, strategy.solver.backend));
   if (!linear.refused().empty()) throw Error(Error::Kind::numerical, linear.refused());
   if (!linear.factor().run(kCalls) || !linear.solve().run(kCalls)) {
     throw Error(Error::Kind::numerical, "it fails after its first matrix");
@@ -88,9 +88,11 @@ Probes::Probes(std::span<const Backend> table, ThreadBudget budget,
   shape.nnz = kUnknowns * kEntries;
   for (const Backend& backend : table) {
     Strategy s;
-    s.backend = backend.id;
-    for (s.q = 1; s.q <= std::max(budget.threads, 1); s.q *= 2) {
-      if ((s.q == 1 && in_core(backend)) || !backend.why_not(shape, ThreadBudget{s.q}).empty()) continue;
+    s.solver.backend = backend.id;
+    for (s.solver.threads = 1; s.solver.threads <= std::max(budget.threads, 1); s.solver.threads *= 2) {
+      if ((s.solver.threads == 1 && in_core(backend)) ||
+          !backend.why_not(shape, ThreadBudget{s.solver.threads}).empty())
+        continue;
       if (const std::string why = try_in_child(command(s), seconds); !why.empty()) failed_[key(s)] = why;
     }
   }
@@ -98,7 +100,7 @@ Probes::Probes(std::span<const Backend> table, ThreadBudget budget,
 
 std::string Probes::why_not(const Strategy& strategy) const {
   Strategy one_thread = strategy;
-  one_thread.q = 1;
+  one_thread.solver.threads = 1;
   for (const std::string& k : {key(strategy), key(one_thread)}) {
     if (const auto found = failed_.find(k); found != failed_.end()) return found->second;
   }

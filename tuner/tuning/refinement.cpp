@@ -46,9 +46,9 @@ double expected_loss(const PerformanceModel& model, const Shape& shape, const st
   Expected best, second;
   for (const std::string& text : strategies) {
     const Strategy s = parse_strategy(text);
-    if (s.lanes > lanes) continue;
+    if (s.solver.lanes > lanes) continue;
     const Prediction p = model.kernel(Kernel::factor, shape, s);
-    const Expected e{p.seconds / s.lanes, std::log(p.factor)};
+    const Expected e{p.seconds / s.solver.lanes, std::log(p.factor)};
     if (e.seconds < best.seconds) {
       second = best;
       best = e;

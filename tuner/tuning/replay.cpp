@@ -14,7 +14,7 @@ Cell::Kind kind_of(const Sample& s) {
     case Kernel::solve:
       return Cell::Kind::matrix;
     case Kernel::pack:
-      return s.strategy.p > 1 ? Cell::Kind::crowd : Cell::Kind::packs;
+      return s.strategy.run.threads > 1 ? Cell::Kind::crowd : Cell::Kind::packs;
     case Kernel::meeting:
       return Cell::Kind::meeting;
     case Kernel::step:

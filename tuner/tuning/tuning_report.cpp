@@ -30,7 +30,7 @@ std::optional<Winner> fastest(const CellResult& cell, Kernel kernel, int groups)
   best.seconds = kInfinity;
   for (const tuning::Result& r : cell.results) {
     const Sample& s = r.sample;
-    if (s.kernel != kernel || (kernel != Kernel::step && s.strategy.lanes > groups)) continue;
+    if (s.kernel != kernel || (kernel != Kernel::step && s.strategy.solver.lanes > groups)) continue;
     double seconds = s.seconds;
     if (kernel == Kernel::factor) {
       const auto solve = std::find_if(cell.results.begin(), cell.results.end(), [&](const tuning::Result& other) {
@@ -39,7 +39,7 @@ std::optional<Winner> fastest(const CellResult& cell, Kernel kernel, int groups)
       if (solve == cell.results.end()) continue;
       seconds += kSolutions * solve->sample.seconds;
     }
-    if (kernel != Kernel::step) seconds /= s.strategy.lanes;
+    if (kernel != Kernel::step) seconds /= s.strategy.solver.lanes;
     if (seconds >= best.seconds) continue;
     best = {cell.cell.family,       kernel, kernel == Kernel::factor && groups > 1, s.shape.n, cell.cell.groups,
             short_text(s.strategy), seconds};

@@ -49,14 +49,14 @@ TEST(PaperPlan, EachMechanismIsHeldOnceWithBothReadings) {
     for (const Entrant& e : contest.entrants) {
       EXPECT_TRUE(seen.insert(e.strategy).second) << e.strategy;
       const Strategy parsed = parse_strategy(e.strategy == "auto" ? "groups/eigen" : e.strategy);
-      EXPECT_EQ(parsed.p, e.p) << e.strategy;
-      EXPECT_EQ(parsed.q, e.q) << e.strategy;
-      EXPECT_EQ(parsed.separate, e.reading == Reading::separate) << e.strategy;
+      EXPECT_EQ(parsed.run.threads, e.p) << e.strategy;
+      EXPECT_EQ(parsed.solver.threads, e.q) << e.strategy;
+      EXPECT_EQ(parsed.solver.separate, e.reading == Reading::separate) << e.strategy;
       EXPECT_LE(e.p * e.q, 4);
       if (!e.version.starts_with("G")) continue;
       const bool other = std::any_of(contest.entrants.begin(), contest.entrants.end(), [&](const Entrant& o) {
         return o.version == e.version && o.p == e.p && o.q == e.q && o.reading != e.reading &&
-               parse_strategy(o.strategy).backend == parsed.backend;
+               parse_strategy(o.strategy).solver.backend == parsed.solver.backend;
       });
       EXPECT_EQ(other, reads_twice(contest.cell)) << e.strategy;
     }
