@@ -7,6 +7,7 @@
 #include "decimal.hpp"
 #include "parallel/machine.hpp"
 #include "planning/counts.hpp"
+#include "planning/strategies.hpp"
 
 namespace assur {
 namespace {
@@ -14,13 +15,16 @@ namespace {
 constexpr double kLeastMeetings = 4;  // of threads within a solver: a factorisation and three solutions
 constexpr double kAccurate = 1e-12;   // backward error of a solution in double, with room for growth
 
-std::string refused(const Backend& backend, const Shape& shape, const Strategy& s, const Scales& scales) {
+std::string too_inaccurate(const Shape& shape, const Strategy& s, const Scales& scales) {
+  const double error = scales.model.backward_error(shape, s);
+  return error > kAccurate ? "its solutions had a backward error of " + scientific(error, 1) : "";
+}
+
+// Why a backend has nothing to offer; "": it has.
+std::string refused(const Backend& backend, const Shape& shape, const Scales& scales) {
   if (std::find(scales.without.begin(), scales.without.end(), backend.id) != scales.without.end()) return "left out";
-  if (std::string why_not = backend.why_not(shape, ThreadBudget{s.solver.threads}); !why_not.empty()) return why_not;
-  if (const double error = scales.model.backward_error(shape, s); error > kAccurate) {
-    return "its solutions had a backward error of " + scientific(error, 1);
-  }
-  return "";
+  if (std::string why_not = backend.why_not(shape, ThreadBudget{1}); !why_not.empty()) return why_not;
+  return too_inaccurate(shape, {.run = {}, .solver = {.backend = std::string(backend.id)}}, scales);
 }
 
 // One call for W of them: a step of a pack, or a matrix factorised and solved.
@@ -45,29 +49,14 @@ bool cannot_gain(const Strategy& s, const std::vector<Candidate>& weighed, const
          at->expected_seconds <= kLeastMeetings * scales.model.meeting(s.solver.threads).seconds;
 }
 
-// Which other ways of the same solver are worth weighing.
-std::vector<Strategy> variants(const Backend& backend, const Shape& shape, std::int32_t most_lanes,
-                               std::int32_t most_q) {
-  std::vector<Strategy> all;
-  Strategy s;
-  s.solver.backend = backend.id;
-  for (s.solver.lanes = 1; s.solver.lanes <= std::min(most_lanes, kMostLanes); s.solver.lanes *= 2) {
-    for (s.solver.threads = 1; s.solver.threads <= most_q; s.solver.threads *= 2) {
-      if (s.solver.threads > 1 &&
-          (s.solver.lanes > 1 || !backend.why_not(shape, ThreadBudget{s.solver.threads}).empty()))
-        continue;
-      for (const bool once : {false, true}) {
-        if (once && shape.terms == 0) continue;
-        for (const bool single : {false, true}) {
-          if (single && !backend.single) continue;
-          s.solver.once = once;
-          s.solver.single = single;
-          all.push_back(s);
-        }
-      }
-    }
-  }
-  return all;
+// What of a backend is worth weighing.
+StrategySpace space_of(const Shape& shape, std::int32_t most_lanes, std::int32_t most_q) {
+  StrategySpace space;
+  space.lanes = powers_of_two(std::min(most_lanes, kMostLanes));
+  space.threads = powers_of_two(most_q);
+  space.policies = {{}, {.single = true}};
+  if (shape.terms > 0) space.policies.insert(space.policies.end(), {{.once = true}, {.single = true, .once = true}});
+  return space;
 }
 
 }  // namespace
@@ -78,22 +67,20 @@ double together(double makespan, double work, std::int32_t p, double contention)
 
 std::vector<Candidate> offers(const Shape& shape, std::int32_t most_lanes, std::int32_t most_q, const Scales& scales) {
   std::vector<Candidate> all;
-  std::vector<Strategy> ways;  // that can run
+  std::vector<std::string> without;
   for (const Backend& backend : scales.table) {
-    Strategy plain;
-    plain.solver.backend = backend.id;
-    if (std::string why_not = refused(backend, shape, plain, scales); !why_not.empty()) {
-      all.push_back({.strategy = plain, .why_not = std::move(why_not)});
-      continue;
-    }
-    for (const Strategy& s : variants(backend, shape, most_lanes, most_q)) {
-      if (std::string why_not = refused(backend, shape, s, scales); why_not.empty()) {
-        ways.push_back(s);
-      } else {
-        all.push_back({.strategy = s, .why_not = std::move(why_not)});
-      }
-    }
+    std::string why_not = refused(backend, shape, scales);
+    if (why_not.empty()) continue;
+    all.push_back({.strategy = {.run = {}, .solver = {.backend = without.emplace_back(backend.id)}},
+                   .why_not = std::move(why_not)});
   }
+  std::vector<Strategy> ways = strategies(space_of(shape, most_lanes, most_q), {scales.table, shape, without});
+  std::erase_if(ways, [&](const Strategy& s) {
+    std::string why_not = too_inaccurate(shape, s, scales);
+    const bool out = !why_not.empty();
+    if (out) all.push_back({.strategy = s, .why_not = std::move(why_not)});
+    return out;
+  });
   const std::vector<Prediction> expected = predict(shape, ways, scales.model);
   for (std::size_t i = 0; i < ways.size(); ++i) {
     if (ways[i].solver.threads > 1 && cannot_gain(ways[i], all, scales)) continue;

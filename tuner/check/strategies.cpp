@@ -1,7 +1,6 @@
 #include "check/strategies.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -11,13 +10,19 @@
 #include "assur/plan.hpp"
 #include "assur/structure.hpp"
 #include "output/format.hpp"
+#include "planning/strategies.hpp"
 
 namespace assur::check {
 namespace {
 
 constexpr int kLanes = 8;
-constexpr std::array kPolicies = {"", "+once", "+refine", "+reuse=step", "+reuse=run"};
-constexpr std::array kPredictors = {"taylor:0", "taylor:1", "taylor:2", "hermite:5", "past:0", "past:3", "past:5"};
+// In double, then in float.
+std::vector<SolverSettings> policies() {
+  std::vector<SolverSettings> all = {
+      {}, {.once = true}, {.refine = true}, {.reuse = Reuse::step}, {.reuse = Reuse::run}};
+  for (int i = 0; i < 5; ++i) all.push_back(all[static_cast<std::size_t>(i)]), all.back().single = true;
+  return all;
+}
 
 // What a formulation asks of a backend.
 struct Demand {
@@ -65,21 +70,33 @@ class Selector {
   Selector(double seconds, std::int64_t steps, bool quick) : seconds_(seconds), steps_(steps), quick_(quick) {}
 
   void formulation(Formulation f, const Demand& demand) {
-    const std::string front = std::string(name(f)) + "/";
+    StrategyFilter able{.table = backends(), .shape = {.n = demand.largest}};
     std::vector<std::string> hopeless;
-    bool first = true;
     double worst = 0;
-    for (const Backend& backend : backends()) {
-      const Shape shape{.n = demand.largest};
-      if (!backend.why_not(shape, ThreadBudget{1}).empty()) continue;
-      const double takes = seconds_of(demand, backend.id) * static_cast<double>(steps_ + 1);
-      if (takes > seconds_) {
-        hopeless.emplace_back(backend.id);
-        worst = std::max(worst, takes);
-        continue;
-      }
-      one_backend(front + std::string(backend.id), backend, demand, std::exchange(first, false));
+    for (const Strategy& s : strategies({}, able)) {
+      const double takes = seconds_of(demand, s.solver.backend) * static_cast<double>(steps_ + 1);
+      if (takes <= seconds_) continue;
+      hopeless.push_back(s.solver.backend);
+      worst = std::max(worst, takes);
     }
+    able.without = hopeless;
+    std::string first;
+    StrategySpace space;
+    space.formulations = {f};
+    if (demand.side_by_side > 1) space.lanes = {1, kLanes};
+    space.policies = policies();
+    able.wanted = [&](const Backend& backend, const Strategy& s) {
+      if (first.empty()) first = backend.id;
+      const SolverSettings plain{.backend = s.solver.backend, .lanes = s.solver.lanes, .single = s.solver.single};
+      const bool alone = first == backend.id && s.solver.lanes == 1 && !s.solver.single;
+      return !quick_ || ((s.solver.lanes == 1 || backend.fills_lanes) && (s.solver == plain || alone));
+    };
+    enter(strategies(space, able));
+    space.lanes = {1};
+    space.policies = {{}};
+    space.predictors.assign(kTypicalPredictors.begin(), kTypicalPredictors.end());
+    able.wanted = [&](const Backend& backend, const Strategy&) { return first == backend.id; };
+    enter(strategies(space, able));
     if (hopeless.empty()) return;
     out_.left_out.push_back(output::listed(hopeless) + " in " + std::string(name(f)) + ": hopeless, up to some " +
                             output::duration(worst) + " for each run");
@@ -88,21 +105,8 @@ class Selector {
   [[nodiscard]] Selection take() { return std::move(out_); }
 
  private:
-  void one_backend(const std::string& front, const Backend& backend, const Demand& demand, bool first) {
-    std::vector<std::string> lanes = {""};
-    if (demand.side_by_side > 1 && (!quick_ || backend.fills_lanes)) lanes.push_back(":" + std::to_string(kLanes));
-    for (const std::string& w : lanes) {
-      for (const char* precision : {"", "+float"}) {
-        if (*precision != '\0' && !backend.single) continue;
-        for (const char* policy : kPolicies) {
-          if (*policy == '\0' || !quick_ || (first && *precision == '\0' && w.empty())) {
-            out_.strategies.push_back(front + w + precision + policy);
-          }
-        }
-      }
-    }
-    if (!first) return;
-    for (const char* predictor : kPredictors) out_.strategies.push_back(front + "+predict=" + predictor);
+  void enter(const std::vector<Strategy>& strategies) {
+    for (const Strategy& s : strategies) out_.strategies.push_back(to_string(s));
   }
 
   double seconds_;

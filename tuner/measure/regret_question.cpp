@@ -13,6 +13,7 @@
 #include "measure/step_times.hpp"
 #include "measure/ways.hpp"
 #include "median.hpp"
+#include "planning/strategies.hpp"
 
 namespace assur::measure {
 namespace {
@@ -31,19 +32,6 @@ struct Racer {
   double seconds = HUGE_VAL, spread = 0;
   std::size_t rounds = 0;
 };
-
-std::string text_of(const Plan& plan) {
-  std::vector<std::string> texts;
-  for (const Plan::Choice& c : plan.choices) {
-    Strategy s = plan.strategy(c);
-    s.run.predictor = {};  // the same for all
-    texts.push_back(to_string(s));
-  }
-  if (std::set<std::string>(texts.begin(), texts.end()).size() <= 1) return texts.empty() ? "-" : texts[0];
-  std::string all;
-  for (const std::string& text : texts) all += (all.empty() ? "" : " | ") + text;
-  return all;
-}
 
 bool is_right(const Report& report) { return report.status.ok() && report.error.residual() < kWrong; }
 
@@ -86,55 +74,32 @@ void compete(std::vector<Racer*> racers, const RaceRules& rules, const Instrumen
 
 // Every strategy that is the same for all classes, on one thread or on several. Policies and formulations multiply what
 // is already many: they are tried where they can matter.
-std::vector<std::string> uniform_strategies(const Scene& scene, const Question& q) {
-  std::vector<std::string> all;
-  std::vector<std::string> formulations = {"irreducible", "global"};
-  if (!scene.groups().empty()) formulations.push_back("groups");
-  for (const Backend& backend : backends()) {
-    const std::string id(backend.id);
-    if (!backend.why_not({}, {}).empty()) continue;
-    if (std::find(q.without.begin(), q.without.end(), id) != q.without.end()) continue;
-    for (const std::string& formulation : formulations) {
-      const std::string solver = formulation + "/" + id;
-      all.push_back(solver);
-      all.push_back(solver + "+once");
-      if (formulation == "global" || !backend.steady) continue;
-      for (const int lanes : {2, 4, 8, 16}) all.push_back(solver + ":" + std::to_string(lanes));
-      all.push_back(solver + ":8+once");
-    }
-    for (int p = 2; p <= q.threads; p *= 2) {
-      const std::string threads = std::to_string(p);
-      for (const int lanes : {1, 4, 8, 16}) {
-        if (backend.takes_turns || (lanes > 1 && !backend.steady)) continue;
-        all.push_back("irreducible/" + id + (lanes > 1 ? ":" + std::to_string(lanes) : "") + " " + threads + "x1");
-      }
-      if (backend.why_not({}, ThreadBudget{p}).empty()) all.push_back("irreducible/" + id + " 1x" + threads);
-    }
-  }
-  return all;
-}
-
-// What is run in the end: where there are no groups for more lanes or threads, other texts mean the same.
-std::string essence_of(const Prepared& prepared) {
-  Plan plan = prepared.plan;
-  for (Plan::Choice& c : plan.choices) c.threads = 1;
-  std::string text = text_of(plan);
-  const auto& threads = prepared.plan.level_threads;
-  for (std::size_t level = 0; level < threads.size(); ++level) {
-    if (threads[level] > 1) text += ", level " + std::to_string(level) + ": " + std::to_string(threads[level]);
-  }
-  return text;
+std::vector<Strategy> uniform_strategies(const Scene& scene, const Question& q) {
+  StrategySpace space;
+  space.formulations = formulations_of(scene);
+  space.lanes = powers_of_two(kMostLanes);
+  space.packs = space.threads = powers_of_two(q.threads);
+  space.policies = {{}, {.once = true}};
+  const auto wanted = [](const Backend& backend, const Strategy& s) {
+    const SolverSettings& solver = s.solver;
+    if (solver.lanes > 1 && !backend.steady) return false;
+    if (s.run.threads == 1 && solver.threads == 1) return !solver.once || solver.lanes == 1 || solver.lanes == 8;
+    if (s.run.threads > 1 && solver.threads > 1) return false;
+    return s.run.formulation == Formulation::irreducible && !solver.once && solver.lanes != 2;
+  };
+  return strategies(space, {.table = backends(), .without = q.without, .wanted = wanted});
 }
 
 std::vector<Racer> uniform_racers(const Scene& scene, const Question& q, const QuestionOptions& options) {
   std::vector<Racer> racers;
   std::map<std::string, std::size_t> place;  // by essence: of the racer, or kFailed
-  for (const std::string& strategy : uniform_strategies(scene, q)) {
+  for (const Strategy& uniform : uniform_strategies(scene, q)) {
     if (options.instruments.stop()) return racers;
+    const std::string strategy = to_string(uniform);
     try {
       Racer racer{strategy,
                   prepare(scene, {.strategy = strategy, .budget = ThreadBudget{q.threads}, .model = options.model})};
-      const auto [at, is_new] = place.try_emplace(essence_of(racer.prepared), racers.size());
+      const auto [at, is_new] = place.try_emplace(essence(racer.prepared.plan), racers.size());
       if (is_new && enter(racer)) {
         racers.push_back(std::move(racer));
       } else if (is_new) {
@@ -154,21 +119,18 @@ std::vector<Racer> mixed_racers(const Racer& fastest, const Question& q, const Q
   std::vector<Racer> racers;
   const Plan& plan = fastest.prepared.plan;
   for (std::size_t c = 0; c < plan.choices.size() && plan.choices.size() > 1; ++c) {
-    for (const Backend& backend : backends()) {
-      if (!backend.why_not({}, {}).empty()) continue;
-      if (std::find(q.without.begin(), q.without.end(), backend.id) != q.without.end()) continue;
-      for (const int lanes : {1, 2, 4, 8, 16}) {
-        if (options.instruments.stop()) return racers;
-        if (lanes > 2 * plan.choices[c].shape.groups - 1) continue;
-        Racer racer{.text = "", .prepared = fastest.prepared};
-        SolverSettings& s = racer.prepared.plan.choices[c].solver;
-        if (s.backend == backend.id && s.lanes == lanes) continue;
-        s.backend = backend.id;
-        s.lanes = lanes;
-        s.once = false;
-        racer.text = text_of(racer.prepared.plan);
-        if (enter(racer)) racers.push_back(std::move(racer));
-      }
+    StrategySpace space;
+    space.lanes = powers_of_two(std::min(kMostLanes, 2 * plan.choices[c].shape.groups - 1));
+    for (const Strategy& s : strategies(space, {.table = backends(), .without = q.without})) {
+      if (options.instruments.stop()) return racers;
+      Racer racer{.text = "", .prepared = fastest.prepared};
+      SolverSettings& solver = racer.prepared.plan.choices[c].solver;
+      if (solver.backend == s.solver.backend && solver.lanes == s.solver.lanes) continue;
+      solver.backend = s.solver.backend;
+      solver.lanes = s.solver.lanes;
+      solver.once = false;
+      racer.text = text_of(racer.prepared.plan);
+      if (enter(racer)) racers.push_back(std::move(racer));
     }
   }
   return racers;
@@ -270,11 +232,11 @@ std::optional<Contest> Contest::open(const Question& q, const QuestionOptions& o
   }
   // Of the others, what the dispatcher chose takes no part.
   std::vector<Racer>& last = impl->racers;
-  const std::string essence = essence_of(chosen.prepared);
+  const std::string own = essence(chosen.prepared.plan);
   for (Racer* r : all) {
-    if (last.size() < 4 && essence_of(r->prepared) != essence) last.push_back({r->text, r->prepared});
+    if (last.size() < 4 && essence(r->prepared.plan) != own) last.push_back({r->text, r->prepared});
   }
-  if (together && essence_of(together->prepared) != essence) last.push_back({together->text, together->prepared});
+  if (together && essence(together->prepared.plan) != own) last.push_back({together->text, together->prepared});
   for (int twice = 0; twice < 2; ++twice) last.push_back({chosen.text, chosen.prepared});
   for (const Racer& r : last) impl->finalists.push_back({.strategy = r.text});
   return Contest(std::move(impl));

@@ -6,6 +6,7 @@
 
 #include "assur/backend.hpp"
 #include "backends/backends.hpp"
+#include "planning/strategies.hpp"
 
 namespace assur::measure {
 namespace {
@@ -13,17 +14,6 @@ namespace {
 constexpr std::array kFixed = {1, 2, 3};  // the paper's tEnd2
 constexpr std::int32_t kLanes = 8;        // one width stands for all: the dispatcher weighs the others
 constexpr std::int32_t kMostDense = 600;  // unknowns
-
-constexpr std::array kPredictors = {Predictor{Predictor::Kind::taylor, 0}, Predictor{Predictor::Kind::taylor, 1},
-                                    Predictor{Predictor::Kind::taylor, 2}, Predictor{Predictor::Kind::hermite, 5},
-                                    Predictor{Predictor::Kind::past, 1},   Predictor{Predictor::Kind::past, 3},
-                                    Predictor{Predictor::Kind::past, 5}};
-
-// What one class is solved with, threads aside: those are the plan's.
-std::string text_of(Strategy s) {
-  s.run.threads = 1;
-  return to_string(s);
-}
 
 }  // namespace
 
@@ -37,37 +27,31 @@ std::string to_string(const Way& way) {
   return to_string(way.strategy) + (way.iterations > 0 ? " --iterations " + std::to_string(way.iterations) : "");
 }
 
+std::vector<Formulation> formulations_of(const Scene& scene) {
+  std::vector<Formulation> all = {Formulation::irreducible, Formulation::global};
+  if (!scene.groups().empty()) all.push_back(Formulation::groups);
+  return all;
+}
+
 std::vector<Way> solvers(const Scene& scene, ThreadBudget budget) {
-  std::vector<Formulation> formulations = {Formulation::irreducible, Formulation::global};
-  if (!scene.groups().empty()) formulations.push_back(Formulation::groups);
+  StrategySpace space;
+  space.formulations = formulations_of(scene);
+  space.lanes = {1, kLanes};
+  if (budget.threads > 1) space.packs = space.threads = {1, budget.threads};
+  const auto wanted = [](const Backend& backend, const Strategy& s) {
+    const bool irreducible = s.run.formulation == Formulation::irreducible;
+    const int turned = (s.solver.lanes > 1) + (s.run.threads > 1) + (s.solver.threads > 1);
+    return turned <= 1 && (s.solver.lanes == 1 || backend.steady) && (s.solver.threads == 1 || irreducible);
+  };
   std::vector<Way> all;
-  for (const Backend& backend : backends()) {
-    if (!backend.why_not({}, {}).empty()) continue;
-    Strategy plain;
-    plain.solver.backend = backend.id;
-    const auto add = [&](auto turn) {
-      Way way{plain};
-      turn(way.strategy);
-      all.push_back(std::move(way));
-    };
-    for (const Formulation formulation : formulations) {
-      plain.run.formulation = formulation;
-      all.push_back({plain});
-      if (formulation == Formulation::global) continue;  // a single group
-      if (backend.steady) add([](Strategy& s) { s.solver.lanes = kLanes; });
-      if (budget.threads > 1 && !backend.takes_turns) add([&](Strategy& s) { s.run.threads = budget.threads; });
-    }
-    plain.run.formulation = Formulation::irreducible;
-    if (budget.threads > 1 && backend.why_not({}, budget).empty())
-      add([&](Strategy& s) { s.solver.threads = budget.threads; });
-  }
+  for (Strategy& s : strategies(space, {.table = backends(), .wanted = wanted})) all.push_back({std::move(s)});
   return all;
 }
 
 std::vector<Way> variations(const Strategy& solver) {
   std::vector<Way> all = fixed_iterations(solver);
   Strategy s = solver;
-  for (const Predictor& predictor : kPredictors) {
+  for (const Predictor& predictor : kTypicalPredictors) {
     s.run.predictor = predictor;
     all.push_back({s, 0, Knob::predictor});
     for (const int iterations : kFixed) all.push_back({s, iterations, Knob::iterations});
@@ -97,13 +81,19 @@ std::vector<Way> fixed_iterations(const Strategy& solver) {
   return all;
 }
 
-std::string essence(const Plan& plan) {
+std::string text_of(const Plan& plan) {
   std::vector<std::string> texts;
-  for (const Plan::Choice& c : plan.choices) texts.push_back(text_of(plan.strategy(c)));
-  if (std::set<std::string>(texts.begin(), texts.end()).size() <= 1)
-    texts.resize(std::min<std::size_t>(texts.size(), 1));
-  std::string all = texts.empty() ? std::string(name(plan.run.formulation)) : "";
-  for (const std::string& text : texts) all += (all.empty() ? "" : " | ") + text;
+  for (const Plan::Choice& c : plan.choices) texts.push_back(to_string(plan.strategy(c)));
+  const bool uniform = std::set<std::string>(texts.begin(), texts.end()).size() <= 1;
+  std::string all = texts.empty() ? std::string(name(plan.run.formulation)) : texts[0];
+  for (std::size_t c = 1; c < texts.size() && !uniform; ++c) all += " | " + texts[c];
+  return all;
+}
+
+std::string essence(const Plan& plan) {
+  Plan alone = plan;  // threads apart: those are the plan's
+  for (Plan::Choice& c : alone.choices) c.threads = 1;
+  std::string all = text_of(alone);
   const bool by_level = !plan.level_threads.empty();
   const std::int32_t most =
       by_level ? *std::max_element(plan.level_threads.begin(), plan.level_threads.end()) : plan.run.threads;

@@ -30,6 +30,9 @@ struct Way {
 // "groups/klu --iterations 2": as `assur run` takes it.
 [[nodiscard]] std::string to_string(const Way& way);
 
+// Those that differ: without declared groups, `groups` are the irreducible ones.
+[[nodiscard]] std::vector<Formulation> formulations_of(const Scene& scene);
+
 // Every solver that can run here in every formulation that the scene has, on one thread and on as many as allowed.
 [[nodiscard]] std::vector<Way> solvers(const Scene& scene, ThreadBudget budget);
 
@@ -39,7 +42,10 @@ struct Way {
 // The solver with fixed iterations only.
 [[nodiscard]] std::vector<Way> fixed_iterations(const Strategy& solver);
 
-// Class by class what is run; the same for two texts that mean the same here.
+// The strategies of the classes, " | " between them; one if all are the same.
+[[nodiscard]] std::string text_of(const Plan& plan);
+
+// What is run, threads of levels included: the same for two strategies that mean the same here.
 [[nodiscard]] std::string essence(const Plan& plan);
 
 // Dense factors of many hundred unknowns: up to a second a step, which nobody waits for.

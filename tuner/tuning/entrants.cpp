@@ -106,9 +106,8 @@ class PacksGround final : public Ground {
         continue;
       }
       // How threads slow each other down depends on the memory that they read, less on the solver.
-      const bool one_of_few = s.solver.backend == "lanes" ? s.solver.lanes == 1 || s.solver.lanes == 8
-                                                          : s.solver.backend == "eigen" && s.solver.lanes == 1;
-      if (!one_of_few) continue;
+      const bool fills = find_backend(field.table, s.solver.backend).fills_lanes;
+      if (!(fills ? s.solver.lanes == 1 || s.solver.lanes == 8 : s.solver == SolverSettings{})) continue;
       // One thread alone among them: a machine may be twice as fast a second later.
       for (s.run.threads = 1; s.run.threads <= field.budget.threads; s.run.threads *= 2)
         candidates_.push_back({Kernel::pack, s});
