@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "group/tolerances.hpp"
+#include "group/step_rules.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
 

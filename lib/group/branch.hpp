@@ -25,11 +25,6 @@
 
 namespace assur {
 
-inline constexpr double kBall = 0.7;          // part of the ball that a step may use
-inline constexpr double kRoundingRoom = 0.1;  // part of the ball that rounding of the posture may take
-inline constexpr std::array kAlongTheTube = {0.0, 0.25, 0.5, 0.75};  // parts of the way from the anchor
-inline constexpr double kKantorovich = 0.25;  // largest omega * |first correction| at the prediction
-
 class BlockConditions {
  public:
   BlockConditions(const GroupClass& group_class, const Program& program, int lanes);

@@ -1,6 +1,7 @@
 // What is solved side by side.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <utility>
@@ -40,6 +41,11 @@ struct Pack {
   Kept kept;
   std::unique_ptr<LinearSolver> solver;  // with pivots or factors of its own; null: the class's serves
   bool factored = false;                 // +reuse=run: `solver` holds factors of an earlier posture
+
+  // A failure of the group in a lane.
+  [[nodiscard]] Status failed(Code code, double figure, std::int32_t lane = 0) const {
+    return {code, Place::group(groups[std::min(static_cast<std::size_t>(lane), groups.size() - 1)]), figure};
+  }
 
   // Call these before the attempt overwrites the arrays that they keep.
   void keep_use(std::int64_t attempt) {

@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "equations/separable.hpp"
-#include "group/tolerances.hpp"
+#include "group/step_rules.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace assur::HWY_NAMESPACE {
@@ -73,7 +73,7 @@ class SmallStepOf final : public SmallStep {
         if (!std::isfinite(relative)) return false;
         const double before = largest_ratio(phi_before, scale);
         // All terms of an equation may vanish, unless it is a sum of squares and a constant.
-        if (c_.may_vanish() && iteration > 1 && relative > before / 4) return false;
+        if (c_.may_vanish() && iteration > 1 && falls_slowly(relative, before)) return false;
         if (only_rounding_is_left(relative, before)) break;
       }
       for (int i = 0; i < N; ++i) phi_before[i] = phi[i];
@@ -169,10 +169,10 @@ class SmallStepOf final : public SmallStep {
     return total;
   }
 
-  // omega |first correction| <= kKantorovich, in what is left of the ball; 0 is within any.
+  // omega |first correction| within what is allowed; 0 is within any ball.
   static HWY_INLINE bool is_near(const Pack& pack, const L& largest) {
     const L used = if_positive(largest, largest * L::load(pack.omega.data()), largest);
-    return used.largest() <= kKantorovich * (1 - pack.ball_used[0]);
+    return used.largest() <= largest_first_correction(pack.ball_used[0]);
   }
 
   // |phi| <= bound * scale everywhere: no division, and false for NaN.

@@ -13,7 +13,7 @@
 #include "assur/plan.hpp"
 #include "assur/report.hpp"
 #include "assur/simulator.hpp"
-#include "group/tolerances.hpp"
+#include "group/step_rules.hpp"
 #include "numbers.hpp"
 #include "path/independence.hpp"
 #include "path/layout.hpp"
@@ -149,7 +149,7 @@ class Continuation {
   [[nodiscard]] Status turned_unseen(AngleTurns::Way way);
   [[nodiscard]] bool may_choose_anew(bool asked, double first) const;
   [[nodiscard]] Status at_the_limit(const Status& failed, double target, double t, double first);
-  [[nodiscard]] bool turns_back(GroupSolver::Singularity here);
+  [[nodiscard]] bool turns_back(Singularity here);
   [[nodiscard]] double first_without_solution(double target, double t);
   [[nodiscard]] bool pass(double target, double t, double first);
   [[nodiscard]] bool is_avoided(double h, double first);
@@ -188,7 +188,7 @@ class Continuation {
   double turned_ = 0;    // by the step that was tried, over what a step may turn
   double shortest_ = 0;  // attempt of this step so far, before it is asked why it fails
   // Postures of this step at which that was asked, those of one block each nearer to a singular one.
-  std::vector<GroupSolver::Singularity> approach_;
+  std::vector<Singularity> approach_;
   double largest_correction_ = 0;  // of a step through a change point, over the move that was predicted
   std::function<void()> before_dividing_;
   bool divided_ = false;       // the step at hand, or it failed

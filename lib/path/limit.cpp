@@ -46,7 +46,7 @@ Status Continuation::at_the_limit(const Status& failed, double target, double t,
   any_turn_ = true;
   Pack& pack = packs_[failed_pack_];
   double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
-  GroupSolver::Singularity nearest = levels_.solver(pack).diagnose(pack, q);
+  Singularity nearest = levels_.solver(pack).diagnose(pack, q);
   Status found = nearest.status;
   if (found.code == Code::limit_reached && !turns_back(std::move(nearest))) found.code = Code::branch_unknown;
   const double least = std::max(first * (kLeast / kSmallestStep), kResolved * std::max(std::abs(now_), std::abs(t)));
@@ -78,12 +78,12 @@ Status Continuation::at_the_limit(const Status& failed, double target, double t,
 // motion goes on. Towards a fold, where the unknowns turn back like s* - s = y^2, the square of the smallest singular
 // value falls in proportion to the way of the inputs s: the slopes between three postures are the same. Towards the
 // others, like s = y^3 + e y, it falls slower and slower, at least as it does for e = 0.
-bool Continuation::turns_back(GroupSolver::Singularity here) {
-  const auto same = [&](const GroupSolver::Singularity& o) {  // others may fail in turns with it
+bool Continuation::turns_back(Singularity here) {
+  const auto same = [&](const Singularity& o) {  // others may fail in turns with it
     return o.status.where == here.status.where && o.block == here.block;
   };
   std::erase_if(approach_, [&](const auto& o) { return same(o) && o.smallest <= here.smallest; });
-  std::vector<const GroupSolver::Singularity*> nearer;
+  std::vector<const Singularity*> nearer;
   approach_.reserve(approach_.size() + 1);
   for (const auto& o : approach_) {
     if (same(o)) nearer.push_back(&o);
@@ -128,7 +128,7 @@ bool Continuation::is_avoided(double h, double first) {
     if (!same) break;
     Pack& pack = packs_[at_fault];
     double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
-    const GroupSolver::Singularity here = levels_.solver(pack).diagnose(pack, q);
+    const Singularity here = levels_.solver(pack).diagnose(pack, q);
     if (here.status.figure < kLookedAt) continue;
     if (looks == 0) block = here.block;
     same = here.block == block;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "group/tolerances.hpp"
+#include "group/step_rules.hpp"
 
 namespace assur {
 

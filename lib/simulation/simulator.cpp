@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "errors/error_estimate.hpp"
-#include "group/tolerances.hpp"
+#include "group/step_rules.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
 #include "parallel/thread_state.hpp"
@@ -219,7 +219,7 @@ struct Simulator::Impl {
     std::vector<GroupFigures> all(structure.groups.size());
     for (Pack& pack : motion.packs()) {
       GroupSolver& solver = motion.levels().solver(pack);
-      const GroupSolver::Health health = solver.examine(pack, motion.at(0));
+      const GroupHealth health = solver.examine(pack, motion.at(0));
       const std::size_t w = idx(solver.lanes());
       for (std::size_t lane = 0; lane < pack.groups.size(); ++lane) {
         GroupFigures& of = all[idx(pack.groups[lane])];

@@ -1,6 +1,6 @@
 // The step of a small group in one piece is the step that GroupSolver puts together.
 #include "group/small_step.hpp"
-#include "group/tolerances.hpp"
+#include "group/step_rules.hpp"
 
 #include <gtest/gtest.h>
 

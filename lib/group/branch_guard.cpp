@@ -1,0 +1,168 @@
+#include "group/branch_guard.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "group/step_rules.hpp"
+#include "numbers.hpp"
+
+namespace assur {
+
+BranchGuard::BranchGuard(Workspace& work, JacobianSolver& solver)
+    : work_(work), solver_(solver), blocks_(work.group_class, work.program, work.lanes) {
+  there_.resize(work_.size());
+  there_phi_.resize(work_.size());
+  there_jacobian_.resize(work_.jacobian.size());
+  there_inputs_.resize(work_.inputs.size());
+  omega_.resize(idx(work_.lanes));
+  posture_errors_.resize(idx(work_.lanes));
+}
+
+double BranchGuard::ball_use(const Pack& pack, const double* x, std::int32_t b) const {
+  const auto reads = blocks_.reads(b);
+  return work_.kernels.ball_use(reads.data(), static_cast<std::int32_t>(reads.size()), work_.program.n, x,
+                                work_.inputs.data(), pack.anchor.data() + blocks_.reads_start(b) * idx(work_.lanes),
+                                pack.omega.data() + b * work_.lanes);
+}
+
+// The same of one lane.
+double BranchGuard::ball_use_of(const Pack& pack, const double* x, std::int32_t b, std::int32_t lane) const {
+  const double* anchor = pack.anchor.data() + blocks_.reads_start(b) * idx(work_.lanes) + lane;
+  double moved = 0;
+  for (const std::int32_t c : blocks_.reads(b)) {
+    const double at =
+        c < work_.program.n ? x[c * work_.lanes + lane] : work_.inputs[idx((c - work_.program.n) * work_.lanes + lane)];
+    const double by = std::abs(at - *anchor);
+    if (!(by <= moved)) moved = by;
+    anchor += work_.lanes;
+  }
+  return pack.omega[idx(b * work_.lanes + lane)] * moved;
+}
+
+// Of what left the ball of one norm for all coordinates. The lane that is furthest off is told.
+Status BranchGuard::check_tubes(const Pack& pack, double* const (&state)[3], std::int32_t b, const Attempt& attempt) {
+  const double seconds = attempt.time - pack.anchor_time[idx(b)];
+  const double* x = state[0] + pack.unknowns;
+  Status worst;
+  for (std::int32_t l = 0; l < pack.used; ++l) {
+    const double used = ball_use_of(pack, x, b, l);
+    if (used <= std::max(kBall, worst.figure) || tube_leads_here(pack, state, b, l, seconds)) continue;
+    worst = pack.failed(Code::branch_unknown, used, l);
+  }
+  return worst;
+}
+
+// From the anchor, which was `seconds` ago, along the cubic with the rates of both postures.
+bool BranchGuard::tube_leads_here(const Pack& pack, double* const (&state)[3], std::int32_t b, int lane,
+                                  double seconds) {
+  const double *x = state[0] + pack.unknowns, *rate = state[1] + pack.unknowns;
+  if (!std::isfinite(seconds) || !blocks_.invert(b, lane, work_.jacobian.data())) return false;
+  work_.gather(pack, state[1], work_.input_rates);
+  const auto reads = blocks_.reads(b);
+  const std::size_t w = idx(work_.lanes), first = blocks_.reads_start(b) * w + idx(lane);
+  std::copy_n(x, there_.size(), there_.begin());
+  there_inputs_ = work_.inputs;
+  bool leads = true;
+  for (const double t : kAlongTheTube) {
+    const double s = 1 - t, end = t * t * (3 - 2 * t), begin = 1 - end;
+    for (std::size_t i = 0; i < reads.size(); ++i) {
+      const bool unknown = reads[i] < work_.program.n;
+      const std::size_t at = idx(unknown ? reads[i] : reads[i] - work_.program.n) * w + idx(lane);
+      const double q0 = pack.anchor[first + i * w], v0 = pack.anchor_rates[first + i * w];
+      const double q1 = unknown ? x[at] : work_.inputs[at], v1 = unknown ? rate[at] : work_.input_rates[at];
+      (unknown ? there_ : there_inputs_)[at] = begin * q0 + end * q1 + seconds * t * s * (s * v0 - t * v1);
+    }
+    work_.evaluator->set_inputs(pack.coefficients.data(), there_inputs_.data());
+    work_.evaluator->evaluate(there_.data(), there_phi_.data(), there_jacobian_.data());
+    work_.evaluator->scale(work_.scale.data());
+    leads = blocks_.holds_one_solution(b, lane, work_.jacobian.data(), there_jacobian_.data(), there_phi_.data(),
+                                       work_.scale.data(), pack.coefficients.data());
+    if (!leads) break;
+  }
+  work_.evaluator->set_inputs(pack.coefficients.data(), work_.inputs.data());
+  work_.evaluate(x);
+  return leads;
+}
+
+// The posture is where the next steps start from, unless so near a singular one that rounding decides on its branch.
+Status BranchGuard::set_anchor(Pack& pack, double* const (&state)[3], std::int32_t b, const Attempt& attempt,
+                               Counters& counters) {
+  counters.branch_checks += pack.used;
+  const std::size_t w = idx(work_.lanes);
+  using Factors = JacobianSolver::Factors;
+  if (blocks_.needs_solver(b) && solver_.factors() != Factors::solution) {
+    (void)solver_.factorize(pack, Factors::solution, counters);
+  }
+  work_.evaluator->scale(work_.scale.data());
+  blocks_.measure(b, work_.jacobian.data(), {pack.lipschitz.data(), work_.scale.data()}, solver_.at_hand(),
+                  {omega_.data(), posture_errors_.data()});
+  if (attempt.branch == Attempt::Branch::inside) {
+    for (std::int32_t l = 0; l < pack.used; ++l) {
+      const double error = kConverged * posture_errors_[idx(l)];
+      if (!(omega_[idx(l)] * error <= kRoundingRoom)) return pack.failed(Code::branch_unknown, error, l);
+    }
+  }
+  pack.keep_anchor(attempt.number);
+  std::copy(omega_.begin(), omega_.end(), pack.omega.begin() + b * work_.lanes);
+  work_.gather(pack, state[1], work_.input_rates);
+  const std::size_t first = blocks_.reads_start(b) * w;
+  double *anchor = pack.anchor.data() + first, *rates = pack.anchor_rates.data() + first;
+  for (const std::int32_t c : blocks_.reads(b)) {
+    const bool unknown = c < work_.program.n;
+    const std::size_t at = unknown ? pack.unknowns + idx(c) * w : idx(c - work_.program.n) * w;
+    std::copy_n(unknown ? state[0] + at : work_.inputs.data() + at, w, anchor);
+    std::copy_n(unknown ? state[1] + at : work_.input_rates.data() + at, w, rates);
+    anchor += w;
+    rates += w;
+  }
+  // Without rates nothing is known of the way.
+  const bool has_rates = work_.group_class.derivatives > 0 || attempt.all_rates;
+  pack.anchor_time[idx(b)] = has_rates ? attempt.time : kNan;
+  pack.ball_used[idx(b)] = 0;
+  return {};
+}
+
+// From omega |first correction| <= 1/4 the iteration converges to the one solution nearby; so it does where a box
+// around the prediction, where the workspace is, holds only one.
+Status BranchGuard::check_first_correction(const Pack& pack) {
+  for (std::int32_t b = 0; b < work_.program.blocks; ++b) {
+    const double used = pack.ball_used[idx(b)];
+    const double *omega = pack.omega.data() + b * work_.lanes, *largest = work_.correction.data() + b * work_.lanes;
+    for (int l = 0; l < pack.used; ++l) {
+      if (largest[l] == 0 || omega[l] * largest[l] <= largest_first_correction(used)) continue;
+      work_.evaluator->scale(work_.scale.data());
+      const bool one = blocks_.invert(b, l, work_.jacobian.data()) &&
+                       blocks_.holds_one_solution(b, l, work_.jacobian.data(), work_.jacobian.data(), work_.phi.data(),
+                                                  work_.scale.data(), pack.coefficients.data());
+      if (!one) return pack.failed(Code::branch_unknown, omega[l] * largest[l] / (1 - used), l);
+    }
+  }
+  return {};
+}
+
+bool BranchGuard::stays_inside(double used, double& before) {
+  const bool lasts = ball_lasts(used, before);
+  if (lasts) before = used;
+  return lasts;
+}
+
+Status BranchGuard::check(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters) {
+  if (!work_.group_class.quadratic) return {};
+  const double* x = state[0] + pack.unknowns;
+  pack.keep_use(attempt.number);
+  for (std::int32_t b = 0; b < work_.program.blocks; ++b) {
+    double& before = pack.ball_used[idx(b)];
+    if (attempt.branch == Attempt::Branch::inside) {
+      const double used = ball_use(pack, x, b);
+      if (!(used <= kBall)) {
+        if (const Status s = check_tubes(pack, state, b, attempt); !s.ok()) return s;
+      }
+      if (stays_inside(used, before)) continue;
+    }
+    // At the start, after a change point, and before the next steps of this length leave the ball.
+    if (const Status s = set_anchor(pack, state, b, attempt, counters); !s.ok()) return s;
+  }
+  return {};
+}
+
+}  // namespace assur

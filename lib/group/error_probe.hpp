@@ -1,0 +1,69 @@
+// What the errors of a solved pack are, and what they may be: residuals, conditions, and how errors of inputs, of the
+// equations and of rounding show in the unknowns.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <initializer_list>
+#include <span>
+
+#include "backends/residual.hpp"
+#include "group/branch.hpp"
+#include "group/jacobian_solver.hpp"
+#include "group/workspace.hpp"
+
+namespace assur {
+
+// Possible errors of posture, velocity and acceleration, each laid out like the state, with their cause.
+struct Probe {
+  enum class Cause : std::uint8_t {
+    left,       // in the equations, with the signs that it has
+    rounding,   // with random signs
+    tolerance,  // a relative residual of kSumRounding in every equation, with random signs
+  };
+  Cause cause = Cause::left;
+  std::array<double*, 3> errors{};
+};
+using Probes = std::span<const Probe>;
+
+// Relative residuals and conditions (GroupFigures) of the lanes of a pack.
+struct GroupHealth {
+  std::array<double, kMostLanes> residual{}, condition{};
+};
+
+class ErrorProbe {
+ public:
+  ErrorProbe(Workspace& work, JacobianSolver& solver, BlockConditions& blocks);
+
+  // The errors of the pack's unknowns that follow, to first order, from those of its inputs and from the cause of each
+  // probe, with signs drawn by `seed`. False if the Jacobian is singular.
+  [[nodiscard]] bool perturb(Pack& pack, const double* const (&state)[3], Probes probes, std::uint64_t seed);
+
+  // At a posture.
+  [[nodiscard]] GroupHealth examine(Pack& pack, const double* state);
+
+ private:
+  struct Bend {  // times * Phi''[a probe's derivative, direction]
+    std::size_t probe;
+    const double* direction;  // of the unknowns
+    const LaneArray* inputs;
+    double times;
+  };
+  [[nodiscard]] PackSystem system() const {
+    return {work_.program.pattern, work_.jacobian, work_.lanes, Transpose::no};
+  }
+  [[nodiscard]] const double* solution(const Pack& pack, const double* state, int derivative);
+  void left_of(const double* y);
+  void round_unknowns(const double* x);
+  [[nodiscard]] bool error_of(Pack& pack, const LaneArray& left, Probes probes, int derivative, std::uint64_t seed,
+                              std::initializer_list<Bend> bends);
+  void add_bend(const Pack& pack, const double* probe, const Bend& bend);
+
+  Workspace& work_;
+  JacobianSolver& solver_;
+  BlockConditions& blocks_;
+  LaneArray residual_, noise_, tolerance_, error_, bent_, moved_, whole_;  // n x W
+  LaneArray input_errors_, moved_inputs_, resting_inputs_;                 // inputs x W
+};
+
+}  // namespace assur

@@ -1,0 +1,161 @@
+#include "group/newton_step.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "group/step_rules.hpp"
+
+namespace assur {
+
+NewtonStep::NewtonStep(Workspace& work, JacobianSolver& solver, BranchGuard& guard, const SolverSettings& settings)
+    : work_(work), solver_(solver), guard_(guard), settings_(settings) {
+  inverse_scale_.resize(work_.size());
+  correction_.resize(work_.size());
+}
+
+double NewtonStep::residual_of(const Pack& pack, const double* state) {
+  work_.set_inputs(pack, state);
+  work_.evaluator->evaluate(state + pack.unknowns, work_.phi.data(), nullptr);
+  work_.evaluator->scale(inverse_scale_.data());
+  work_.kernels.invert_scale(inverse_scale_.data(), work_.program.n);
+  return raised_ratio();
+}
+
+Status NewtonStep::position(Pack& pack, double* x, const Attempt& attempt, Counters& counters, StepErrors& errors) {
+  const std::int64_t evaluated = std::int64_t{pack.used} * work_.program.n;
+  work_.evaluate(x);
+  work_.evaluator->scale(inverse_scale_.data());
+  work_.kernels.invert_scale(inverse_scale_.data(), work_.program.n);
+  counters.evaluated_equations += evaluated;
+  counters.group_solutions += pack.used;
+  solver_.begin_step();
+  // Beyond a change point a singular value has the other sign: factors of before lead astray.
+  bool usable = settings_.reuse == Reuse::run && pack.factored && attempt.branch != Attempt::Branch::pass;
+  bool stale = false;
+  double relative = work_.kernels.largest_ratio(work_.phi.data(), inverse_scale_.data(), work_.program.n), before = 0,
+         last_norm = 0;
+  int iteration = 0;
+  for (;; ++iteration) {
+    if (!std::isfinite(relative)) relative = raised_ratio();  // terms below all normal numbers have no inverse
+    if (!std::isfinite(relative)) return pack.failed(Code::not_finite, relative, lane_with_most_left(pack));
+    if (attempt.iterations > 0) {
+      if (iteration == attempt.iterations) break;
+    } else {
+      if (relative <= attempt.converged) break;
+      if (iteration > 0 && only_rounding_is_left(relative, before)) {
+        // Rounding, or factors that no longer fit.
+        if (!stale) break;
+        usable = false;
+      }
+      if (iteration == (attempt.branch == Attempt::Branch::anywhere ? kMostSearching : attempt.most_iterations))
+        return pack.failed(Code::not_converged, relative, lane_with_most_left(pack));
+    }
+    if (iteration == kSlowIterations && attempt.iterations == 0) {
+      // All terms of an equation may nearly vanish: then it is measured against what does not.
+      relative = raised_ratio();
+      if (relative <= attempt.converged) break;
+    }
+    stale = usable;
+    if (!usable) {
+      if (const Status s = solver_.factorize(pack, Factors::step, counters); !s.ok()) return s;
+    }
+    // The first correction is seldom looked at so closely: the second one, if need be, tells.
+    const bool checked = !stale && (iteration > 0 || !work_.group_class.quadratic);
+    if (const Status s = solver_.correction(pack, work_.phi, correction_.data(), checked, counters); !s.ok()) return s;
+    counters.newton_iterations += pack.used;
+    const double norm = correct(x);
+    if (!std::isfinite(norm)) return pack.failed(Code::not_finite, norm);
+    if (attempt.branch == Attempt::Branch::pass && iteration == 0 && !(norm <= attempt.largest_correction)) {
+      return pack.failed(Code::branch_unknown, norm);
+    }
+    if (attempt.branch == Attempt::Branch::inside && work_.group_class.quadratic && iteration == 0) {
+      if (const Status s = guard_.check_first_correction(pack); !s.ok()) return s;
+    }
+    // Without a constant second derivative two corrections have to contract tenfold.
+    const bool must_contract = attempt.branch == Attempt::Branch::pass ||
+                               (!work_.group_class.quadratic && attempt.branch != Attempt::Branch::anywhere);
+    const bool contracts = iteration == 0 || norm <= kContraction * last_norm || relative <= kRoundingLevel;
+    if (must_contract && attempt.iterations == 0 && !contracts) {
+      return pack.failed(Code::not_converged, norm / last_norm);
+    }
+    // Factors of another posture serve as long as the corrections contract.
+    usable = (settings_.once || settings_.reuse != Reuse::fresh) && contracts;
+    last_norm = norm;
+    before = relative;
+    work_.evaluate(x);
+    counters.evaluated_equations += evaluated;
+    relative = work_.kernels.largest_ratio(work_.phi.data(), inverse_scale_.data(), work_.program.n);
+  }
+  counters.most_iterations = std::max<std::int64_t>(counters.most_iterations, iteration);
+  if (relative > kConverged) relative = raised_ratio();
+  errors.position = std::max(errors.position, relative);
+  return {};
+}
+
+// Whose equations are furthest from being solved.
+std::int32_t NewtonStep::lane_with_most_left(const Pack& pack) const {
+  const std::size_t w = idx(work_.lanes);
+  std::int32_t found = 0;
+  double most = -1;
+  for (std::int32_t l = 0; l < pack.used; ++l) {
+    for (std::size_t i = idx(l); i < work_.phi.size(); i += w) {
+      const double left = std::abs(work_.phi[i]) * inverse_scale_[i];
+      if (left <= most) continue;  // a NaN is not
+      if (std::isnan(left)) return l;
+      most = left;
+      found = l;
+    }
+  }
+  return found;
+}
+
+// The relative residual, with the scales of the equations raised to the least that they are at this posture.
+double NewtonStep::raised_ratio() {
+  std::fill(work_.scale.begin(), work_.scale.end(), 0.0);
+  work_.evaluator->raise_scale(work_.scale.data());
+  for (std::size_t i = 0; i < work_.scale.size(); ++i) {
+    if (work_.scale[i] > 0) inverse_scale_[i] = std::min(inverse_scale_[i], 1 / work_.scale[i]);
+  }
+  return work_.kernels.largest_ratio(work_.phi.data(), inverse_scale_.data(), work_.program.n);
+}
+
+// x -= correction_; returns its largest element.
+double NewtonStep::correct(double* x) {
+  double norm = 0;
+  for (std::int32_t b = 0; b < work_.program.blocks; ++b) {
+    const auto unknowns = guard_.blocks().unknowns(b);
+    const double largest = work_.kernels.correct(unknowns.data(), static_cast<std::int32_t>(unknowns.size()),
+                                                 correction_.data(), x, work_.correction.data() + b * work_.lanes);
+    if (!(largest <= norm)) norm = largest;
+  }
+  return norm;
+}
+
+Status NewtonStep::derivatives(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
+                               StepErrors& errors) {
+  const int most = std::max(work_.group_class.derivatives, attempt.all_rates ? 1 : 0);
+  const int first = attempt.all_rates ? 0 : work_.group_class.first_wanted;
+  if (most == 0) return {};
+  // +once: the factors of the prediction (or, with +reuse=run, of an earlier step) serve, with refinement.
+  const bool at_hand = settings_.reuse == Reuse::run ? pack.factored : solver_.factors() != Factors::earlier;
+  if (!(settings_.once && at_hand)) {
+    if (const Status s = solver_.factorize(pack, Factors::solution, counters); !s.ok()) return s;
+  }
+  solver_.new_jacobian();
+  double* rate = state[1] + pack.unknowns;
+  work_.gather(pack, state[1], work_.input_rates);
+  work_.evaluator->velocity_rhs(work_.input_rates.data(), work_.rhs.data());
+  double unwanted = 0;
+  double& error = work_.group_class.derivatives > 0 ? errors.velocity : unwanted;
+  const Status s = solver_.solve(pack, work_.rhs, rate, most == 1 ? first : 0, attempt.converged, counters, error);
+  if (!s.ok() || most == 1) return s;
+  if (settings_.separate) {
+    if (const Status failed = solver_.factorize(pack, Factors::solution, counters); !failed.ok()) return failed;
+  }
+  work_.gather(pack, state[2], work_.input_accelerations);
+  work_.evaluator->acceleration_rhs(rate, work_.input_accelerations.data(), work_.rhs.data());
+  return solver_.solve(pack, work_.rhs, state[2] + pack.unknowns, first, attempt.converged, counters,
+                       errors.acceleration);
+}
+
+}  // namespace assur

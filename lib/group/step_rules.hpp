@@ -1,0 +1,47 @@
+// The rules of a group's step, those of one in registers (SmallStep) among them: when an equation counts as solved,
+// when a step stays on its branch, when a linear solution is good.
+#pragma once
+
+#include <array>
+
+#include "numbers.hpp"
+
+namespace assur {
+
+// ---- equations: |Phi_i| against sum_j |dPhi_i/dq_j| |q_j| + |constant|
+
+inline constexpr double kConverged = 8 * kEps;
+inline constexpr double kRoundingLevel = 1e-12;   // where a residual that no longer falls is taken for rounding
+inline constexpr double kSumRounding = 2 * kEps;  // of a sum, relative to its terms
+
+// The residual did not fall to a quarter in the last iteration.
+[[nodiscard]] inline bool falls_slowly(double relative, double before) { return relative > before / 4; }
+[[nodiscard]] inline bool only_rounding_is_left(double relative, double before) {
+  return relative <= kRoundingLevel && falls_slowly(relative, before);
+}
+
+inline constexpr int kSlowIterations = 2;    // iterations that a step seldom takes
+inline constexpr int kMostSearching = 40;    // iterations at a fold, where they gain one bit each
+inline constexpr double kContraction = 0.1;  // of successive corrections, where nothing else tells of convergence
+
+// ---- branch: see branch.hpp
+
+inline constexpr double kBall = 0.7;          // part of the ball that a step may use
+inline constexpr double kRoundingRoom = 0.1;  // part of the ball that rounding of the posture may take
+inline constexpr std::array kAlongTheTube = {0.0, 0.25, 0.5, 0.75};  // parts of the way from the anchor
+
+// Newton converges to the one solution nearby from omega |first correction| <= 1/4, in what is left of the ball.
+[[nodiscard]] inline double largest_first_correction(double ball_used) { return 0.25 * (1 - ball_used); }
+
+// Whether the next step of this length stays inside the ball, too.
+[[nodiscard]] inline bool ball_lasts(double used, double before) {
+  return used + 2 * (used > before ? used - before : 0.0) <= kBall;
+}
+
+// ---- linear systems: normwise residuals
+
+inline constexpr double kLinear = 8 * kEps;   // of a refined solution
+inline constexpr double kPivotsGrew = 1e-13;  // that of a direct solution is smaller, unless pivots grew
+inline constexpr int kMostRefinements = 6;
+
+}  // namespace assur

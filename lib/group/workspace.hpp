@@ -1,0 +1,58 @@
+// What the parts of a group's step share: the class, its equations, and the numbers of the pack at hand.
+#pragma once
+
+#include <memory>
+
+#include "assur/structure.hpp"
+#include "equations/evaluator.hpp"
+#include "equations/lane_array.hpp"
+#include "equations/program.hpp"
+#include "group/pack.hpp"
+#include "group/pack_kernels.hpp"
+#include "index.hpp"
+
+namespace assur {
+
+// One posture of one pack; whoever evaluates another one leaves that behind. All arrays are [row][lane].
+struct Workspace {
+  Workspace(const System& system, const GroupClass& its_class, const Pattern& pattern, int its_lanes)
+      : group_class(its_class),
+        program(compile(its_class, pattern)),
+        lanes(its_lanes),
+        evaluator(make_evaluator(system, program, lanes)),
+        kernels(pack_kernels(lanes)) {
+    const std::size_t w = idx(lanes);
+    for (LaneArray* v : {&inputs, &input_rates, &input_accelerations}) v->resize(idx(program.inputs) * w);
+    for (LaneArray* v : {&phi, &scale, &rhs}) v->resize(idx(program.n) * w);
+    jacobian.resize(idx(program.pattern.nnz()) * w);
+    correction.resize(idx(program.blocks) * w);
+  }
+  Workspace(const Workspace&) = delete;
+  Workspace& operator=(const Workspace&) = delete;
+
+  // Values of the inputs of a pack.
+  void gather(const Pack& pack, const double* state, LaneArray& out) const {
+    kernels.gather(pack.input_rows.data(), pack.inputs.data(), program.inputs, state, out.data());
+  }
+  void set_inputs(const Pack& pack, const double* state) {
+    gather(pack, state, inputs);
+    evaluator->set_inputs(pack.coefficients.data(), inputs.data());
+  }
+  // Fills phi and jacobian. x: the unknowns.
+  void evaluate(const double* x) { evaluator->evaluate(x, phi.data(), jacobian.data()); }
+
+  // Unknowns, or equations, of all lanes.
+  [[nodiscard]] std::size_t size() const { return phi.size(); }
+
+  const GroupClass& group_class;
+  const Program program;
+  const int lanes;  // W
+  const std::unique_ptr<Evaluator> evaluator;
+  const PackKernels& kernels;
+  LaneArray inputs, input_rates, input_accelerations;  // inputs x W
+  LaneArray phi, scale, rhs;  // n x W: equations, Evaluator::scale, of velocity or acceleration
+  LaneArray jacobian;         // nnz x W
+  LaneArray correction;       // blocks x W: the largest of Newton's last
+};
+
+}  // namespace assur
