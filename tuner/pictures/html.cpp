@@ -84,10 +84,18 @@ std::string escaped(std::string_view text) {
   return out;
 }
 
-std::string html(const HtmlTable& table) {
-  std::string out = "<div class=\"scroll\"><table>\n<thead>" + row(table, {table.titles}, "th") + "</thead>\n<tbody>\n";
+std::string html(const HtmlTable& table, std::string_view css_class) {
+  std::string out = "<div class=\"scroll";
+  if (!css_class.empty()) out.append(" ").append(css_class);
+  out += "\"><table>\n<thead>" + row(table, {table.titles}, "th") + "</thead>\n<tbody>\n";
   for (const HtmlTable::Row& r : table.rows) out += row(table, r, "td");
   return out + "</tbody></table></div>\n";
+}
+
+std::string paragraph(std::string_view text, std::string_view css_class) {
+  std::string out = "<p";
+  if (!css_class.empty()) out.append(" class=\"").append(css_class).append("\"");
+  return out.append(">").append(escaped(text)).append("</p>\n");
 }
 
 std::string html_page(std::string_view title, std::string_view style, std::string_view body) {

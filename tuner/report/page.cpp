@@ -2,9 +2,7 @@
 
 #include "output/format.hpp"
 #include "pictures/heat_map.hpp"
-#include "pictures/html.hpp"
 #include "pictures/plot.hpp"
-#include "report/measurement.hpp"
 
 namespace assur::report {
 namespace {
