@@ -7,7 +7,6 @@
 #include "output/comparison_report.hpp"
 #include "output/format.hpp"
 #include "pictures/comparison_page.hpp"
-#include "pictures/ticks.hpp"
 #include "report/section.hpp"
 #include "report/sections.hpp"
 
@@ -29,16 +28,6 @@ Scene shortened(const Scene& scene, std::int64_t steps) {
   if (grid.steps() <= steps) return scene;
   grid.end = grid.time(steps);
   return scene.with_time(grid);
-}
-
-HtmlTable verdicts(const output::ComparisonSummary& s) {
-  using enum HtmlTable::Column;
-  HtmlTable table{{"asked for", "reached", "step", "auto", "strategy"}, {number, number, number, words, text}, {}};
-  for (const double a : s.accuracies) {
-    const output::Verdict v = output::verdict(s.result, a);
-    table.rows.push_back({{pictures::power_of_ten(a), v.reached, v.step, v.words, v.strategy}});
-  }
-  return table;
 }
 
 void add(Section& out, const std::string& scene, const measure::WorkPrecision& result) {
@@ -83,12 +72,7 @@ Section work_precision(const Knowledge& knowledge, const Conditions& conditions)
     out.body +=
         "<h4>" + pictures::escaped(name) + "</h4>\n" +
         paragraph(output::counted(result.steps, "step") + " of " + output::number(scene.time().step) + " s.", "faint");
-    if (result.no_yardstick.empty()) {
-      out.body += pictures::figure(pictures::work_precision_plot(summary));
-    } else {
-      out.body += paragraph("There is no picture, for there is no yardstick: " + result.no_yardstick, "notice");
-    }
-    out.body += html(verdicts(summary));
+    out.body += pictures::work_precision_figure(summary) + html(pictures::table_of_verdicts(summary));
     add(out, name, result);
   }
   return out;
