@@ -43,7 +43,7 @@ Plot logarithmic(std::vector<Point> points) {
 }
 
 TEST(Plot, LogarithmsOfTheNumbersAreEvenlySpaced) {
-  const auto at = circles(svg(logarithmic({{1e-12, 1e-6}, {1e-8, 1e-5}, {1e-4, 1e-4}}), {600, 400}));
+  const auto at = circles(drawn(logarithmic({{1e-12, 1e-6}, {1e-8, 1e-5}, {1e-4, 1e-4}}), {600, 400}));
   ASSERT_EQ(at.size(), 3u);
   // Written with one decimal.
   EXPECT_NEAR(at[1].x - at[0].x, at[2].x - at[1].x, 0.2);
@@ -61,14 +61,14 @@ TEST(Plot, LogarithmsOfTheNumbersAreEvenlySpaced) {
 TEST(Plot, WhatAnAxisCannotShowIsLeftOut) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   const std::string picture =
-      svg(logarithmic({{1e-9, 1e-6}, {0, 1e-6}, {1e-9, kNaN}, {-1, 1}, {HUGE_VAL, 1e-6}, {1e-3, 1e-5}}), {600, 400});
+      drawn(logarithmic({{1e-9, 1e-6}, {0, 1e-6}, {1e-9, kNaN}, {-1, 1}, {HUGE_VAL, 1e-6}, {1e-3, 1e-5}}), {600, 400});
   EXPECT_EQ(circles(picture).size(), 2u);
   EXPECT_EQ(picture.find("nan"), std::string::npos);
   EXPECT_EQ(picture.find("inf"), std::string::npos);
 }
 
 TEST(Plot, WithoutAPointThereAreAxes) {
-  const std::string picture = svg(logarithmic({}));
+  const std::string picture = drawn(logarithmic({}));
   EXPECT_EQ(circles(picture).size(), 0u);
   EXPECT_GE(count(picture, "class=\"grid\""), 4u);
 }
@@ -76,7 +76,7 @@ TEST(Plot, WithoutAPointThereAreAxes) {
 TEST(Plot, AStaircaseGoesAlongXFirst) {
   Plot plot = logarithmic({{1e-12, 1e-4}, {1e-8, 1e-5}});
   plot.series[0].line = Series::Line::steps;
-  const std::string picture = svg(plot, {600, 400});
+  const std::string picture = drawn(plot, {600, 400});
   EXPECT_TRUE(std::regex_search(picture, std::regex("d=\"M[0-9.]+ [0-9.]+H[0-9.]+V[0-9.]+\"")));
 }
 
@@ -85,7 +85,7 @@ TEST(Plot, LabelsThatWouldCoverEachOtherGiveWay) {
   plot.series[0].points = {{1e-9, 1e-8}, {1e-2, 1e-4}};  // the ends of the axes
   for (int i = 0; i < 12; ++i) plot.series[0].points.push_back({1e-6, 1e-6, "", std::to_string(i)});
   plot.series[0].points.push_back({1e-4, 1e-5, "", "apart"});
-  EXPECT_EQ(count(svg(plot), "class=\"label\""), 8u + 1u);  // all around, and the one that is apart
+  EXPECT_EQ(count(drawn(plot), "class=\"label\""), 8u + 1u);  // all around, and the one that is apart
 }
 
 // A front as narrow as that of many strategies that are equally fast, with its first point on an axis.
@@ -95,7 +95,7 @@ TEST(Plot, LabelsLieApartAndBesideTheMarks) {
     plot.series[0].points.push_back({1e-15 * std::pow(1.3, i), 1e-6 * std::pow(0.97, i), "", std::to_string(i + 1)});
   }
   for (const Size size : {Size{960, 560}, Size{360, 400}}) {
-    const std::string picture = svg(plot, size);
+    const std::string picture = drawn(plot, size);
     struct Label {
       double x, y, half;
     };
@@ -157,7 +157,7 @@ TEST(Plot, BarsStandOnTheAxisFromEachXToTheNext) {
   Plot plot = logarithmic({{1, 10}, {10, 0}, {100, 1000}, {1000, 1}});
   plot.series[0].mark = Series::Mark::none;
   plot.series[0].line = Series::Line::bars;
-  const std::string picture = svg(plot, {600, 400});
+  const std::string picture = drawn(plot, {600, 400});
   static const std::regex kBar("<rect x=\"([0-9.]+)\" y=\"([0-9.]+)\" width=\"([0-9.]+)\" height=\"([0-9.]+)\"");
   std::vector<std::array<double, 4>> bars;
   for (std::sregex_iterator at(picture.begin(), picture.end(), kBar), end; at != end; ++at) {

@@ -1,11 +1,10 @@
 // Other libraries, as a file says that they were measured.
-#include "report/peers.hpp"
-
 #include <gtest/gtest.h>
 
 #include <sstream>
 
 #include "assur/status.hpp"
+#include "report/sections.hpp"
 
 namespace assur::report {
 namespace {

@@ -1,13 +1,11 @@
 // What the section says of answers that are made up: every figure again from its measurements.
-#include "report/regret.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 
-#include "report/measurement.hpp"
+#include "report/sections.hpp"
 
 namespace assur::report {
 namespace {

@@ -34,8 +34,8 @@ class MakeReport : public testing::Test {
     return {"Chapter <A>", "Part " + id, share, [this, id](const Conditions& conditions) {
               given_.push_back(conditions.seconds);
               pages_.push_back(content(folder_ / "index.html"));
-              Section s{id, "Section " + id, "<p>body of " + id + "</p>", {}};
-              s.measurements.push_back({id, "thing", "groups/klu", "seconds", "s", 1, 3, 0, 0, "measured"});
+              Section s{id, "Section " + id, "<p>body of " + id + "</p>"};
+              s.measurements.push_back({"thing", "groups/klu", "seconds", "s", 1, "measured", 3, 0, 0});
               return std::vector{s};
             }};
   }

@@ -12,7 +12,6 @@
 #include "measure/step_times.hpp"
 #include "output/json.hpp"
 #include "output/progress.hpp"
-#include "report/contents.hpp"
 
 namespace assur::command {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "numbers.hpp"
 #include "output/format.hpp"
-#include "pictures/html.hpp"
+#include "pictures/plot.hpp"
 #include "pictures/ticks.hpp"
 
 namespace assur::pictures {
@@ -69,16 +69,6 @@ std::vector<Series> curves(const ComparisonSummary& s, Knob knob, int colour) {
   return all;
 }
 
-HtmlTable table_of_verdicts(const ComparisonSummary& s) {
-  using enum HtmlTable::Column;
-  HtmlTable table{{"asked for", "reached", "step", "", "strategy"}, {number, number, number, words, text}, {}};
-  for (const double a : s.accuracies) {
-    const output::Verdict v = output::verdict(s.result, a);
-    table.rows.push_back({{power_of_ten(a), v.reached, v.step, v.words, v.strategy}});
-  }
-  return table;
-}
-
 HtmlTable table_of_rows(const ComparisonSummary& s) {
   using enum HtmlTable::Column;
   HtmlTable table{{"front", "strategy", "auto for", "step", "spread", "rounds", "position", "velocity", "acceleration",
@@ -100,8 +90,6 @@ HtmlTable table_of_rows(const ComparisonSummary& s) {
   }
   return table;
 }
-
-}  // namespace
 
 Plot work_precision_plot(const ComparisonSummary& s) {
   Plot plot;
@@ -137,26 +125,41 @@ Plot work_precision_plot(const ComparisonSummary& s) {
   return plot;
 }
 
+}  // namespace
+
+std::string work_precision_figure(const ComparisonSummary& s) {
+  if (s.result.no_yardstick.empty()) return figure(work_precision_plot(s));
+  return paragraph("There is no picture, for there is no yardstick: " + s.result.no_yardstick, "notice");
+}
+
+HtmlTable table_of_verdicts(const ComparisonSummary& s) {
+  using enum HtmlTable::Column;
+  HtmlTable table{{"asked for", "reached", "step", "auto", "strategy"}, {number, number, number, words, text}, {}};
+  for (const double a : s.accuracies) {
+    const output::Verdict v = output::verdict(s.result, a);
+    table.rows.push_back({{power_of_ten(a), v.reached, v.step, v.words, v.strategy}});
+  }
+  return table;
+}
+
 std::string comparison_page(const ComparisonSummary& s, const std::vector<std::string>& origin) {
   const std::string title = s.scene + ": error against run time";
   std::string body = "<h1>" + escaped(title) + "</h1>\n<p class=\"faint\">" +
                      escaped(output::counted(s.result.steps, "step") + " of " + output::number(s.step) + " s.");
   for (const std::string& sentence : origin) body += "<br>" + escaped(sentence);
   body += "</p>\n";
+  body += work_precision_figure(s);
   if (s.result.no_yardstick.empty()) {
-    body += figure(work_precision_plot(s));
     body +=
-        "<p class=\"faint\">Dotted: the accuracies that auto was asked for. Numbers: the front, as in the last "
-        "table.</p>\n";
-  } else {
-    body += "<p>There is no picture, for there is no yardstick: " + escaped(s.result.no_yardstick) + "</p>\n";
+        paragraph("Dotted: the accuracies that auto was asked for. Numbers: the front, as in the last table.", "faint");
   }
   if (!s.accuracies.empty()) body += "<h2>What auto makes of an accuracy</h2>\n" + html(table_of_verdicts(s));
   body += "<h2>Every way, the fastest first</h2>\n" + html(table_of_rows(s));
-  body +=
-      "<p class=\"faint\">Errors: against a solution in quad precision, the worst over the run, as \"Error\" of the "
-      "README defines them; estimate: the worst that the run itself expects. Times: medians of rounds in which all "
-      "took their turns, and their median absolute deviation.</p>\n";
+  body += paragraph(
+      "Errors: against a solution in quad precision, the worst over the run, as \"Error\" of the README defines them; "
+      "estimate: the worst that the run itself expects. Times: medians of rounds in which all took their turns, and "
+      "their median absolute deviation.",
+      "faint");
   return html_page(title, plot_style(), body);
 }
 

@@ -4,12 +4,16 @@
 #include <string>
 
 #include "output/comparison_report.hpp"
-#include "pictures/plot.hpp"
+#include "pictures/html.hpp"
 
 namespace assur::pictures {
 
-// Error against time, logarithmic; a series for each knob, the Pareto front, and what `auto` took.
-[[nodiscard]] Plot work_precision_plot(const output::ComparisonSummary& summary);
+// Error against time, logarithmic; a series for each knob, the Pareto front, and what `auto` took. Without a yardstick:
+// that and why.
+[[nodiscard]] std::string work_precision_figure(const output::ComparisonSummary& summary);
+
+// What `auto` makes of each accuracy.
+[[nodiscard]] HtmlTable table_of_verdicts(const output::ComparisonSummary& summary);
 
 // `origin`: machine, version and day, a sentence each.
 [[nodiscard]] std::string comparison_page(const output::ComparisonSummary& summary,

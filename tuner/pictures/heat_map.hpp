@@ -2,7 +2,6 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace assur::pictures {
@@ -30,8 +29,5 @@ struct HeatMap {
 
 // A <figure> with its legend, for wide and narrow windows as that of a Plot.
 [[nodiscard]] std::string figure(const HeatMap& map);
-
-// What its classes look like, beside plot_style().
-[[nodiscard]] std::string_view heat_map_style();
 
 }  // namespace assur::pictures

@@ -4,9 +4,11 @@ namespace assur::pictures {
 namespace {
 
 constexpr std::string_view kStyle = R"(
-:root { color-scheme: light dark; --ink: #1b1f24; --paper: #ffffff; --faint: #59636e; --rule: #d5dae0; --tint: #f3f6f9; }
+:root { color-scheme: light dark; --ink: #1b1f24; --paper: #ffffff; --faint: #59636e; --rule: #d5dae0; --tint: #f3f6f9;
+        --c0: #0068a5; --c1: #b36b00; --c2: #00805d; --c3: #b0508a; --c4: #c44f00; --c5: #5b5fc7; }
 @media (prefers-color-scheme: dark) {
-  :root { --ink: #e6e9ed; --paper: #14181d; --faint: #9aa5b1; --rule: #343b44; --tint: #1d232a; }
+  :root { --ink: #e6e9ed; --paper: #14181d; --faint: #9aa5b1; --rule: #343b44; --tint: #1d232a;
+          --c0: #58b0ea; --c1: #f0b34a; --c2: #3ccca0; --c3: #eb9cc8; --c4: #ff8e4d; --c5: #a5a8ff; }
 }
 * { box-sizing: border-box; }
 body { margin: 0 auto; max-width: 1240px; padding: 1rem; background: var(--paper); color: var(--ink);
@@ -24,6 +26,8 @@ th { color: var(--faint); font-weight: 600; }
 th.number, td.number { text-align: right; }
 th.words, td.words { white-space: normal; min-width: 7rem; }
 @media (min-width: 641px) { td:not([class]) { white-space: normal; } }
+.legend { list-style: none; display: flex; flex-wrap: wrap; gap: 0.25rem 1.25rem; margin: 0.5rem 0; padding: 0;
+          font-size: 0.875rem; }
 tr.strong td { background: var(--tint); font-weight: 600; }
 )";
 
@@ -84,10 +88,18 @@ std::string escaped(std::string_view text) {
   return out;
 }
 
-std::string html(const HtmlTable& table) {
-  std::string out = "<div class=\"scroll\"><table>\n<thead>" + row(table, {table.titles}, "th") + "</thead>\n<tbody>\n";
+std::string html(const HtmlTable& table, std::string_view css_class) {
+  std::string out = "<div class=\"scroll";
+  if (!css_class.empty()) out.append(" ").append(css_class);
+  out += "\"><table>\n<thead>" + row(table, {table.titles}, "th") + "</thead>\n<tbody>\n";
   for (const HtmlTable::Row& r : table.rows) out += row(table, r, "td");
   return out + "</tbody></table></div>\n";
+}
+
+std::string paragraph(std::string_view text, std::string_view css_class) {
+  std::string out = "<p";
+  if (!css_class.empty()) out.append(" class=\"").append(css_class).append("\"");
+  return out.append(">").append(escaped(text)).append("</p>\n");
 }
 
 std::string html_page(std::string_view title, std::string_view style, std::string_view body) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,7 +23,31 @@ struct HtmlTable {
   };
   std::vector<Row> rows;
 };
-[[nodiscard]] std::string html(const HtmlTable& table);
+[[nodiscard]] std::string html(const HtmlTable& table, std::string_view css_class = {});
+
+// A column of a table that has a row for each of some things.
+template <class Thing>
+struct ColumnOf {
+  std::string title;
+  HtmlTable::Column kind;
+  std::function<std::string(const Thing&)> cell;
+};
+template <class Thing>
+[[nodiscard]] HtmlTable table_of(const std::vector<Thing>& things, const std::vector<ColumnOf<Thing>>& columns) {
+  HtmlTable table;
+  for (const ColumnOf<Thing>& column : columns) {
+    table.titles.push_back(column.title);
+    table.columns.push_back(column.kind);
+  }
+  for (const Thing& thing : things) {
+    HtmlTable::Row& row = table.rows.emplace_back();
+    for (const ColumnOf<Thing>& column : columns) row.cells.push_back(column.cell(thing));
+  }
+  return table;
+}
+
+// "<p>text</p>", escaped.
+[[nodiscard]] std::string paragraph(std::string_view text, std::string_view css_class = {});
 
 // The whole page, light and dark; `style`: of what the body has beyond text and tables.
 [[nodiscard]] std::string html_page(std::string_view title, std::string_view style, std::string_view body);

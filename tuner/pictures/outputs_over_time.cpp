@@ -109,7 +109,7 @@ std::string outputs_over_time(const Prepared& prepared, const Trajectory& trajec
   }
   for (std::size_t i = 0; i < shown; ++i, y += kDiagram.height) {
     out += "<svg y=\"" + std::to_string(y) + "\" width=\"" + width + "\" height=\"" + std::to_string(kDiagram.height) +
-           "\">\n" + svg(diagram(trajectory, all[i]), kDiagram) + key(all[i]) + "</svg>\n";
+           "\">\n" + drawn(diagram(trajectory, all[i]), kDiagram) + key(all[i]) + "</svg>\n";
   }
   return out + "</svg>\n";
 }

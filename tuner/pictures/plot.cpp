@@ -12,6 +12,11 @@
 namespace assur::pictures {
 namespace {
 
+using svg::at;
+using svg::kLetter;
+using svg::kLine;
+using svg::width;
+
 constexpr Size kWide{960, 560}, kNarrow{360, 400};
 constexpr double kTop = 34, kRight = 14, kBottom = 46;  // around the axes: the title of y, the end of a tick, that of x
 constexpr double kMark = 4.5;                           // half the size of a mark
@@ -99,15 +104,12 @@ class Picture {
   }
 
   std::string draw(std::string_view css_class) {
-    out_ = "<svg class=\"plot " + std::string(css_class) + "\" viewBox=\"0 0 " + std::to_string(size_.width) + " " +
-           std::to_string(size_.height) + "\" xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" aria-label=\"" +
-           escaped(plot_.title) + "\">\n";
     draw_axes();
     for (const Guide& g : plot_.guides) draw_guide(g);
     for (const Series& s : plot_.series) draw_line(s);
     for (const Series& s : plot_.series) draw_marks(s);
     for (const Series& s : plot_.series) draw_labels(s);
-    return out_ + "</svg>\n";
+    return svg::picture(css_class, size_.width, size_.height, plot_.title, out_);
   }
 
  private:
@@ -122,34 +124,23 @@ class Picture {
     return all;
   }
 
-  void line(std::string_view css_class, double x1, double y1, double x2, double y2) {
-    out_ += "<line class=\"" + std::string(css_class) + "\" x1=\"" + at(x1) + "\" y1=\"" + at(y1) + "\" x2=\"" +
-            at(x2) + "\" y2=\"" + at(y2) + "\"/>\n";
-  }
-
-  // anchor: "start", "middle" or "end"
-  void text(std::string_view css_class, double x, double y, std::string_view anchor, std::string_view what) {
-    out_ += "<text class=\"" + std::string(css_class) + "\" x=\"" + at(x) + "\" y=\"" + at(y) + "\" text-anchor=\"" +
-            std::string(anchor) + "\">" + escaped(what) + "</text>\n";
-  }
-
   void draw_axes() {
     double free_from = -1e9;  // of the line of ticks below
     for (const double t : x_.ticks.at) {
-      line("grid", x_(t), y_.from, x_(t), y_.to);
+      out_ += svg::line("grid", x_(t), y_.from, x_(t), y_.to);
       const std::string what = plot_.x.text(t);
       const double half = width(what) / 2;
       const double middle = std::min(x_(t), size_.width - half);
       if (middle - half < free_from) continue;
-      text("tick", middle, y_.from + 17, "middle", what);
+      out_ += svg::text("tick", middle, y_.from + 17, "middle", what);
       free_from = middle + half + kLetter;
     }
     for (const double t : y_.ticks.at) {
-      line("grid", x_.from, y_(t), x_.to, y_(t));
-      text("tick", x_.from - 6, y_(t) + 4, "end", plot_.y.text(t));
+      out_ += svg::line("grid", x_.from, y_(t), x_.to, y_(t));
+      out_ += svg::text("tick", x_.from - 6, y_(t) + 4, "end", plot_.y.text(t));
     }
-    text("title", x_.to, size_.height - 8, "end", plot_.x.title);
-    text("title", 2, 14, "start", plot_.y.title);
+    out_ += svg::text("title", x_.to, size_.height - 8, "end", plot_.x.title);
+    out_ += svg::text("title", 2, 14, "start", plot_.y.title);
   }
 
   struct Box {
@@ -168,10 +159,10 @@ class Picture {
 
   void draw_guide(const Guide& guide) {
     if (!x_.shows(guide.x)) return;
-    line("guide", x_(guide.x), y_.from, x_(guide.x), y_.to - 2);
+    out_ += svg::line("guide", x_(guide.x), y_.from, x_(guide.x), y_.to - 2);
     const double half = width(guide.text) / 2, middle = std::clamp(x_(guide.x), x_.from + half, x_.to - half);
     if (take({middle - half, y_.to - 5 - kLine, 2 * half, kLine})) {
-      text("tick", middle, y_.to - 5, "middle", guide.text);
+      out_ += svg::text("tick", middle, y_.to - 5, "middle", guide.text);
     }
   }
 
@@ -199,8 +190,7 @@ class Picture {
     for (std::size_t i = 0; i + 1 < s.points.size(); ++i) {
       const Point &here = s.points[i], &next = s.points[i + 1];
       if (!shows(here) || !x_.shows(next.x)) continue;
-      out_ += "<rect x=\"" + at(x_(here.x)) + "\" y=\"" + at(y_(here.y)) + "\" width=\"" + at(x_(next.x) - x_(here.x)) +
-              "\" height=\"" + at(y_.from - y_(here.y)) + "\"><title>" + escaped(here.about) + "</title></rect>\n";
+      out_ += svg::rectangle(x_(here.x), y_(here.y), x_(next.x) - x_(here.x), y_.from - y_(here.y), here.about);
     }
     out_ += "</g>\n";
   }
@@ -233,7 +223,7 @@ class Picture {
           const auto overlaps = [&](const Box& mark) { return mark.overlaps(box); };
           if (!on_marks && std::any_of(marks_.begin(), marks_.end(), overlaps)) continue;
           if (!take(box)) continue;
-          text("label", x, y, "middle", p.label);
+          out_ += svg::text("label", x, y, "middle", p.label);
           return true;
         }
         return false;
@@ -250,33 +240,29 @@ class Picture {
 };
 
 // A mark, or a stroke of the line, before each name.
-std::string legend(const Plot& plot) {
-  std::string out = "<ul class=\"legend\">\n";
+std::string keys(const Plot& plot) {
+  std::string out;
   for (const Series& s : plot.series) {
     if (s.name.empty()) continue;
-    out += "<li><svg class=\"plot key\" viewBox=\"0 0 24 18\" width=\"24\" height=\"18\" aria-hidden=\"true\">";
-    if (s.line != Series::Line::none) out += "<path class=\"line " + colour_class(s.colour) + "\" d=\"M1 9H23\"/>";
-    out += "<g class=\"mark " + colour_class(s.colour) + "\">" + marked(s, 12, 9, kMark, "") + "</g></svg>";
-    out += escaped(s.name) + "</li>\n";
+    const std::string colour = colour_class(s.colour);
+    out += svg::key((s.line == Series::Line::none ? "" : "<path class=\"line " + colour + "\" d=\"M1 9H23\"/>") +
+                        "<g class=\"mark " + colour + "\">" + marked(s, 12, 9, kMark, "") + "</g>",
+                    s.name);
   }
-  return out + "</ul>\n";
+  return out;
 }
 
 }  // namespace
 
-std::string svg(const Plot& plot, Size size) { return Picture(plot, size).draw(""); }
+std::string drawn(const Plot& plot, Size size) { return Picture(plot, size).draw(""); }
 
 std::string figure(const Plot& plot) {
-  return "<figure>\n" + Picture(plot, kWide).draw("wide") + Picture(plot, kNarrow).draw("narrow") + legend(plot) +
-         "</figure>\n";
+  return svg::figure(Picture(plot, kWide).draw("wide"), Picture(plot, kNarrow).draw("narrow"), keys(plot));
 }
 
 std::string_view plot_style() {
   return R"(
-figure { margin: 1rem 0; --c0: #0068a5; --c1: #b36b00; --c2: #00805d; --c3: #b0508a; --c4: #c44f00; --c5: #5b5fc7; }
-@media (prefers-color-scheme: dark) {
-  figure { --c0: #58b0ea; --c1: #f0b34a; --c2: #3ccca0; --c3: #eb9cc8; --c4: #ff8e4d; --c5: #a5a8ff; }
-}
+figure { margin: 1rem 0; }
 .plot { display: block; width: 100%; height: auto; overflow: visible; font: 13px system-ui, sans-serif; }
 .plot.narrow { display: none; }
 @media (max-width: 640px) { .plot.wide { display: none; } .plot.narrow { display: block; } }
@@ -294,8 +280,7 @@ figure { margin: 1rem 0; --c0: #0068a5; --c1: #b36b00; --c2: #00805d; --c3: #b05
 .plot .ink { color: var(--ink); } .plot .mark.ink { fill: none; stroke-width: 2; }
 .plot .c0 { color: var(--c0); } .plot .c1 { color: var(--c1); } .plot .c2 { color: var(--c2); }
 .plot .c3 { color: var(--c3); } .plot .c4 { color: var(--c4); } .plot .c5 { color: var(--c5); }
-.legend { list-style: none; display: flex; flex-wrap: wrap; gap: 0.25rem 1.25rem; margin: 0.5rem 0; padding: 0;
-          font-size: 0.875rem; }
+.heat .cell { font-size: 12px; } .heat .measured, .key .measured { fill: var(--ink); }
 )";
 }
 

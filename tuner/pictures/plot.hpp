@@ -54,12 +54,12 @@ struct Size {
 
 // Points that an axis cannot show (not finite, or not above 0 where it is logarithmic) are left out. The axes span all
 // others and the guides.
-[[nodiscard]] std::string svg(const Plot& plot, Size size = {});
+[[nodiscard]] std::string drawn(const Plot& plot, Size size = {});
 
-// A <figure> with its legend, and the picture twice, of which plot_style() shows the one that is legible in the window.
+// A <figure> with its legend, and the picture twice, for wide and narrow windows.
 [[nodiscard]] std::string figure(const Plot& plot);
 
-// What the classes of these elements look like, light and dark.
+// What the classes of these elements, and of those of heat maps, look like, light and dark.
 [[nodiscard]] std::string_view plot_style();
 
 }  // namespace assur::pictures

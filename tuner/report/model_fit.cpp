@@ -7,7 +7,7 @@
 #include "output/format.hpp"
 #include "pictures/plot.hpp"
 #include "pictures/ticks.hpp"
-#include "report/measurement.hpp"
+#include "report/section.hpp"
 #include "report/sections.hpp"
 #include "tuning/refinement.hpp"
 #include "tuning/replay.hpp"
@@ -44,17 +44,6 @@ std::string item_of(const Sample& s) {
          ", " + output::counted(s.shape.groups, "group");
 }
 
-void draw_factor(pictures::Plot& plot, double factor, double low, double high, const std::string& name) {
-  pictures::Series line{.name = name,
-                        .points = {{low, factor * low}, {high, factor * high}},
-                        .colour = pictures::Series::kInk,
-                        .mark = pictures::Series::Mark::none,
-                        .line = pictures::Series::Line::straight};
-  if (factor > 1) line.points.back() = {high / factor, high};
-  if (factor < 1) line.points.front() = {low / factor, low};
-  plot.series.push_back(std::move(line));
-}
-
 pictures::Plot scatter(const std::vector<Fit>& all) {
   pictures::Plot plot;
   plot.title = "Expected time over measured time";
@@ -65,9 +54,14 @@ pictures::Plot scatter(const std::vector<Fit>& all) {
     low = std::min({low, f.sample->seconds, f.expected.seconds});
     high = std::max({high, f.sample->seconds, f.expected.seconds});
   }
-  draw_factor(plot, 1, low, high, "equal, and a factor of two either way");
-  draw_factor(plot, 2, low, high, "");
-  draw_factor(plot, 0.5, low, high, "");
+  for (const double factor : {1.0, 2.0, 0.5}) {
+    plot.series.push_back({.name = factor == 1 ? "equal, and a factor of two either way" : "",
+                           .points = {{low / std::min(factor, 1.0), low * std::max(factor, 1.0)},
+                                      {high / std::max(factor, 1.0), high * std::min(factor, 1.0)}},
+                           .colour = pictures::Series::kInk,
+                           .mark = pictures::Series::Mark::none,
+                           .line = pictures::Series::Line::straight});
+  }
   using Mark = pictures::Series::Mark;
   constexpr std::array kKernels = {std::pair(Kernel::evaluate, Mark::plus), std::pair(Kernel::factor, Mark::dot),
                                    std::pair(Kernel::solve, Mark::triangle), std::pair(Kernel::pack, Mark::square)};
@@ -94,7 +88,7 @@ pictures::Plot scatter(const std::vector<Fit>& all) {
 }  // namespace
 
 Section model_fit(const Knowledge& knowledge, const Conditions&) {
-  Section out{"model-fit", "How well times are predicted", "", {}};
+  Section out{"model-fit", "How well times are predicted"};
   if (!knowledge.tuning) {
     out.body = paragraph("There is no finished tuning run of this machine to look at.", "notice");
     return out;
@@ -105,38 +99,37 @@ Section model_fit(const Knowledge& knowledge, const Conditions&) {
   const bool unseen = !all.empty();
   if (!unseen) all = fits(cells, model, false);
 
-  std::vector<double> factors, within;
+  std::vector<double> factors;
   const std::string origin =
       unseen ? "predicted by a model that has not seen its cell" : "predicted by a model that knows it";
   for (const Fit& f : all) {
     const Sample& s = *f.sample;
     factors.push_back(f.factor());
-    if (f.factor() <= 2) within.push_back(f.factor());
     const std::string strategy = to_string(s.strategy);
     const auto count = static_cast<int>(std::min<std::int64_t>(s.repetitions, std::numeric_limits<int>::max()));
-    out.measurements.push_back({out.id, item_of(s), strategy, "seconds per call, measured", "s", s.seconds, count,
-                                s.spread / s.seconds, s.backward_error,
-                                "tuning run " + std::to_string(knowledge.tuning->run.id)});
-    out.measurements.push_back({out.id, item_of(s), strategy, "seconds per call, expected", "s", f.expected.seconds, 0,
-                                0, std::nan(""), origin + ", " + std::string(name(f.expected.origin))});
+    out.measurements.push_back({item_of(s), strategy, "seconds per call, measured", "s", s.seconds,
+                                "tuning run " + std::to_string(knowledge.tuning->run.id), count, s.spread / s.seconds,
+                                s.backward_error});
+    out.measurements.push_back({item_of(s), strategy, "seconds per call, expected", "s", f.expected.seconds,
+                                origin + ", " + std::string(name(f.expected.origin))});
   }
   const double median = quantile(factors, 0.5), p95 = quantile(factors, 0.95), most = quantile(factors, 1);
   const auto add = [&](const char* quantity, double value) {
     out.measurements.push_back(
-        {out.id, "all samples", "", quantity, "1", value, 0, 0, std::nan(""),
+        {"all samples", "", quantity, "1", value,
          "computed from " + output::counted(static_cast<std::int64_t>(factors.size()), "sample")});
   };
   add("expected over measured, off by a factor, median", median);
   add("expected over measured, off by a factor, p95", p95);
   add("expected over measured, off by a factor, max", most);
-  const auto factor_text = [](double f) { return output::fixed(f); };
+  const auto within =
+      static_cast<double>(std::count_if(all.begin(), all.end(), [](auto& f) { return f.factor() <= 2; }));
   out.body = paragraph(
       std::string(unseen ? "Samples that were held out, and what a model from all others expects of them: "
                          : "Nothing was held out: the model has seen what it is compared with here. ") +
-      "it is off by a factor of " + factor_text(median) + " (median), " + factor_text(p95) + " (95 of 100), " +
-      factor_text(most) + " (most); " +
-      percent(static_cast<double>(within.size()) / static_cast<double>(std::max<std::size_t>(factors.size(), 1))) +
-      " are within a factor of two.");
+      "it is off by a factor of " + output::fixed(median) + " (median), " + output::fixed(p95) + " (95 of 100), " +
+      output::fixed(most) + " (most); " +
+      percent(within / static_cast<double>(std::max<std::size_t>(factors.size(), 1))) + " are within a factor of two.");
   out.body += pictures::figure(scatter(all));
   return out;
 }

@@ -1,10 +1,7 @@
 #include "report/page.hpp"
 
 #include "output/format.hpp"
-#include "pictures/heat_map.hpp"
-#include "pictures/html.hpp"
 #include "pictures/plot.hpp"
-#include "report/measurement.hpp"
 
 namespace assur::report {
 namespace {
@@ -94,8 +91,7 @@ std::string page(const PageHead& head, const std::vector<Part>& parts) {
       "Every number is in report.csv, with strategy, repetitions, spread and error, and in report.json as Google "
       "Benchmark writes it. Times are medians, spreads their median absolute deviation over the median.",
       "faint");
-  return pictures::html_page(
-      title, std::string(pictures::plot_style()) + std::string(pictures::heat_map_style()) + std::string(kStyle), body);
+  return pictures::html_page(title, std::string(pictures::plot_style()) + std::string(kStyle), body);
 }
 
 }  // namespace assur::report

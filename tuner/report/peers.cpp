@@ -1,14 +1,11 @@
-#include "report/peers.hpp"
-
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <cmath>
 #include <vector>
 
 #include "assur/status.hpp"
 #include "output/format.hpp"
-#include "report/measurement.hpp"
+#include "report/sections.hpp"
 #include "scene/names.hpp"
 
 namespace assur::report {
@@ -87,36 +84,38 @@ const Row* ours(const std::vector<Row>& rows, const Row& of) {
 }  // namespace
 
 Section peers_section(std::istream& in, const std::string& file) {
-  Section out{"peers", "Other libraries on the same mechanisms", "", {}};
-  const std::vector<Row> rows = Reader(in, file).rows();
-  using enum pictures::HtmlTable::Column;
-  pictures::HtmlTable table{
+  Section out{"peers", "Other libraries on the same mechanisms"};
+  using enum HtmlTable::Column;
+  HtmlTable table{
       {"mechanism", "library", "levels computed", "step", "over assur", "repetitions", "spread", "error", "how"},
       {text, text, text, number, number, number, number, number, words},
       {}};
+  const std::vector<Row> rows = Reader(in, file).rows();
   for (const Row& r : rows) {
     const Row* own = ours(rows, r);
-    const double ratio = own != nullptr ? r.seconds / own->seconds : std::nan("");
     const std::string levels(kLevels[static_cast<std::size_t>(r.levels - 1)]);
-    Measurement m{out.id,        r.mechanism + ", " + levels,
-                  r.peer,        "seconds per step",
-                  "s",           r.seconds,
-                  r.repetitions, r.spread,
-                  r.error,       "measured by bench/peers/peers.sh, " + file};
+    Measurement m{r.mechanism + ", " + levels,
+                  r.peer,
+                  "seconds per step",
+                  "s",
+                  r.seconds,
+                  "measured by bench/peers/peers.sh, " + file,
+                  r.repetitions,
+                  r.spread,
+                  r.error};
+    const double ratio = own != nullptr ? r.seconds / own->seconds : kNan;
     table.rows.push_back({{r.mechanism, r.peer, levels, value_text(m), own != nullptr ? output::fixed(ratio) : "-",
                            std::to_string(r.repetitions), percent(r.spread), output::error_figure(r.error), r.comment},
                           own == &r ? "strong" : ""});
     out.measurements.push_back(m);
-    m.quantity = "time over that of assur";
-    m.unit = "1";
-    m.value = ratio;
-    m.origin = "ratio of the times";
-    if (own != nullptr && own != &r) out.measurements.push_back(std::move(m));
+    if (own != nullptr && own != &r) {
+      out.measurements.push_back(derived(m, "time over that of assur", ratio, "ratio of the times"));
+    }
   }
   out.body = paragraph(
-      "Processor time of a step; all follow the same times, and their answers are held against the closed form. Who "
-      "computes fewer levels has less to do: compare rows of the same levels.");
-  out.body += html(table);
+                 "Processor time of a step; all follow the same times, and their answers are held against the closed "
+                 "form. Who computes fewer levels has less to do: compare rows of the same levels.") +
+             html(table);
   return out;
 }
 

@@ -1,6 +1,5 @@
-#include "report/regret.hpp"
-
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <set>
@@ -10,7 +9,6 @@
 #include "measure/step_times.hpp"
 #include "output/format.hpp"
 #include "pictures/plot.hpp"
-#include "report/measurement.hpp"
 #include "report/sections.hpp"
 
 namespace assur::report {
@@ -44,37 +42,68 @@ std::string item_of(const Question& q) {
   return q.scene + (without.empty() ? "" : ", " + without);
 }
 
-pictures::Series steps(const std::string& name, const std::vector<std::pair<double, std::string>>& regrets, double to,
-                       int colour, pictures::Series::Mark mark) {
-  pictures::Series out{
-      .name = name, .points = {}, .colour = colour, .mark = mark, .line = pictures::Series::Line::steps};
-  auto sorted = regrets;
+std::string questions_text(std::size_t count) { return output::counted(static_cast<std::int64_t>(count), "question"); }
+
+// A choice in one question: by how much it is slower than the fastest.
+struct Choice {
+  double regret;
+  std::string item, strategy, note = {};
+};
+
+// All choices of somebody.
+struct Choices {
+  std::string who;  // in the picture and the table
+  std::string strategy, quantity;
+  std::vector<Choice> all = {};
+
+  [[nodiscard]] std::vector<double> regrets() const {
+    std::vector<double> out;
+    for (const Choice& c : all) out.push_back(c.regret);
+    return out;
+  }
+};
+
+struct Figure {
+  const char *title, *quantity;
+  double (*of)(const std::vector<double>&);
+};
+constexpr std::array kFigures = {Figure{"median", ", median", [](const auto& r) { return quantile(r, 0.5); }},
+                                 Figure{"95 of 100", ", p95", [](const auto& r) { return quantile(r, 0.95); }},
+                                 Figure{"most", ", max", [](const auto& r) { return quantile(r, 1); }},
+                                 Figure{"mean", ", mean", mean}};
+
+HtmlTable summary(const std::vector<Choices>& everybody) {
+  std::vector<pictures::ColumnOf<Choices>> columns = {
+      {"regret", HtmlTable::Column::words, [](const Choices& c) { return c.who; }}};
+  for (const Figure& f : kFigures) {
+    columns.push_back(
+        {f.title, HtmlTable::Column::number, [&f](const Choices& c) { return percent(f.of(c.regrets())); }});
+  }
+  return pictures::table_of(everybody, columns);
+}
+
+pictures::Series steps(const Choices& choices, double to, int colour, pictures::Series::Mark mark) {
+  std::vector<std::pair<double, std::string>> sorted;
+  for (const Choice& c : choices.all) sorted.emplace_back(c.regret, c.item + ", " + c.strategy + c.note);
   std::sort(sorted.begin(), sorted.end());
-  out.points.push_back({1, 0, name});
+  pictures::Series out{.name = choices.who,
+                       .points = {{1, 0, choices.who}},
+                       .colour = colour,
+                       .mark = mark,
+                       .line = pictures::Series::Line::steps};
   for (std::size_t i = 0; i < sorted.size(); ++i) {
     const double share = static_cast<double>(i + 1) / static_cast<double>(sorted.size());
     out.points.push_back({1 + sorted[i].first, 100 * share, sorted[i].second + ": " + percent(sorted[i].first)});
   }
-  if (!sorted.empty() && sorted.back().first < to) out.points.push_back({1 + to, 100, name});
+  if (!sorted.empty() && sorted.back().first < to) out.points.push_back({1 + to, 100, choices.who});
   return out;
 }
 
-pictures::HtmlTable summary(const std::vector<std::pair<std::string, std::vector<double>>>& all) {
-  using enum pictures::HtmlTable::Column;
-  pictures::HtmlTable table{
-      {"regret", "median", "95 of 100", "most", "mean"}, {words, number, number, number, number}, {}};
-  for (const auto& [who, regrets] : all) {
-    table.rows.push_back({{who, percent(quantile(regrets, 0.5)), percent(quantile(regrets, 0.95)),
-                           percent(quantile(regrets, 1)), percent(mean(regrets))}});
-  }
-  return table;
-}
-
-pictures::HtmlTable worst(std::vector<Answer> answers) {
-  using enum pictures::HtmlTable::Column;
+HtmlTable worst(std::vector<Answer> answers) {
+  using enum HtmlTable::Column;
   std::stable_sort(answers.begin(), answers.end(),
                    [](const Answer& a, const Answer& b) { return a.regret() > b.regret(); });
-  pictures::HtmlTable table{
+  HtmlTable table{
       {"worst cases", "regret", "auto", "step", "fastest", "step"}, {text, number, text, number, text, number}, {}};
   for (const Answer& a : answers) {
     if (table.rows.size() == kWorst || a.regret() <= 0) break;
@@ -85,36 +114,34 @@ pictures::HtmlTable worst(std::vector<Answer> answers) {
 }
 
 void add_answer(Section& out, const Answer& a) {
-  const std::string item = item_of(a.question);
-  const auto add = [&](const char* quantity, const measure::Finalist& f) {
-    out.measurements.push_back({out.id, item, f.strategy, quantity, "s", f.seconds, static_cast<int>(f.rounds),
-                                f.spread / f.seconds, f.error, "measured"});
+  const auto time = [&](const char* quantity, const measure::Finalist& f) {
+    return Measurement{item_of(a.question),        f.strategy,           quantity, "s", f.seconds, "measured",
+                       static_cast<int>(f.rounds), f.spread / f.seconds, f.error};
   };
-  add("seconds per step, auto", a.chosen);
-  add("seconds per step, auto again", a.again);
-  add("seconds per step, fastest", a.best);
-  out.measurements.push_back({out.id, item, a.chosen.strategy, "regret", "1", a.regret(),
-                              static_cast<int>(a.chosen.rounds), a.chosen.spread / a.chosen.seconds, a.chosen.error,
-                              "time of auto over that of the fastest, less 1"});
+  const Measurement chosen = time("seconds per step, auto", a.chosen);
+  for (const Measurement& m :
+       {chosen, time("seconds per step, auto again", a.again), time("seconds per step, fastest", a.best),
+        derived(chosen, "regret", a.regret(), "time of auto over that of the fastest, less 1")}) {
+    out.measurements.push_back(m);
+  }
 }
 
 }  // namespace
 
 Section regret_section(const std::vector<Answer>& answers, std::size_t planned) {
-  Section out{"regret", "What auto loses", "", {}};
+  Section out{"regret", "What auto loses"};
   if (answers.empty()) {
     out.body = paragraph("No question was answered.", "notice");
     return out;
   }
-  std::vector<double> ours, theirs, itself;
-  std::vector<std::pair<double, std::string>> of_auto, of_constants;
+  Choices ours{"auto", "auto", "regret"}, theirs{"the best constant strategy", "best constant", "regret"},
+      itself{"auto to itself", "auto", "regret to itself"};
   std::set<std::string> winners;
   for (const Answer& a : answers) {
     add_answer(out, a);
-    ours.push_back(a.regret());
-    itself.push_back(a.regret_to_itself());
-    of_auto.emplace_back(a.regret(),
-                         item_of(a.question) + ", " + a.chosen.strategy + " (fastest: " + a.best.strategy + ")");
+    const std::string item = item_of(a.question);
+    ours.all.push_back({a.regret(), item, a.chosen.strategy, " (fastest: " + a.best.strategy + ")"});
+    itself.all.push_back({a.regret_to_itself(), item, a.chosen.strategy});
     winners.insert(a.best.strategy);
   }
   std::string constants;
@@ -123,56 +150,50 @@ Section regret_section(const std::vector<Answer>& answers, std::size_t planned) 
     std::size_t i = 0;
     for (const Answer& a : answers) {
       if (a.question.without_text() != set) continue;
-      const double r = constant.regrets[i++];
-      theirs.push_back(r);
-      of_constants.emplace_back(r, item_of(a.question) + ", " + constant.strategy);
-      out.measurements.push_back({out.id, item_of(a.question), constant.strategy,
-                                  "regret of the best constant strategy", "1", r, 0, 0, std::nan(""),
+      theirs.all.push_back({constant.regrets[i++], item_of(a.question), constant.strategy});
+      out.measurements.push_back({item_of(a.question), constant.strategy, "regret of the best constant strategy", "1",
+                                  theirs.all.back().regret,
                                   "first race of the question, over the fastest in it, less 1"});
     }
   }
-  const auto add_all = [&](const std::string& who, const std::string& what, const std::vector<double>& r) {
-    const auto add = [&](const char* quantity, double value) {
-      out.measurements.push_back({out.id, "all questions", who, what + quantity, "1", value, 0, 0, std::nan(""),
-                                  "computed from " + output::counted(static_cast<std::int64_t>(r.size()), "question")});
-    };
-    add(", median", quantile(r, 0.5));
-    add(", p95", quantile(r, 0.95));
-    add(", max", quantile(r, 1));
-    add(", mean", mean(r));
-  };
-  add_all("auto", "regret", ours);
-  if (!theirs.empty()) add_all("best constant", "regret", theirs);
-  add_all("auto", "regret to itself", itself);
+  std::vector<Choices> everybody = {std::move(ours)};
+  if (!theirs.all.empty()) everybody.push_back(std::move(theirs));
+  everybody.push_back(std::move(itself));
+  double to = 0;
+  for (const Choices& c : everybody) {
+    for (const Figure& f : kFigures) {
+      out.measurements.push_back({"all questions", c.strategy, c.quantity + f.quantity, "1", f.of(c.regrets()),
+                                  "computed from " + questions_text(c.all.size())});
+    }
+    if (&c != &everybody.back()) to = std::max(to, quantile(c.regrets(), 1));
+  }
 
-  const auto count = [](std::size_t n) { return static_cast<std::int64_t>(n); };
-  out.body = paragraph(
-      "Whole steps of mechanisms and sizes that the tuner does not measure: what auto chose against the "
-      "fastest of every strategy that is the same for all classes, and of mixtures of them. Regret is how "
-      "much longer the choice takes than the fastest; that of the choice to itself, prepared and raced a second time, "
-      "is the measurement's alone. Times are those of the machine's usual pace, of several threads while the cores are "
-      "alike. " +
-      output::counted(count(answers.size()), "question") + " of " + output::grouped(count(planned)) + "; " +
-      (winners.size() == 1
-           ? "the same strategy is the fastest in all."
-           : output::grouped(count(winners.size())) + " different strategies are the fastest somewhere."));
-  std::vector<std::pair<std::string, std::vector<double>>> rows = {{"auto", ours}};
-  if (!theirs.empty()) rows.emplace_back("the best constant strategy", theirs);
-  rows.emplace_back("auto to itself", itself);
-  out.body += html(summary(rows));
+  out.body =
+      paragraph(
+          "Whole steps of mechanisms and sizes that the tuner does not measure: what auto chose against the fastest of "
+          "every strategy that is the same for all classes, and of mixtures of them. Regret is how much longer the "
+          "choice takes than the fastest; that of the choice to itself, prepared and raced a second time, is the "
+          "measurement's alone. Times are those of the machine's usual pace, of several threads while the cores are "
+          "alike. " +
+          questions_text(answers.size()) + " of " + output::grouped(static_cast<std::int64_t>(planned)) + "; " +
+          (winners.size() == 1 ? "the same strategy is the fastest in all."
+                               : output::grouped(static_cast<std::int64_t>(winners.size())) +
+                                     " different strategies are the fastest somewhere.")) +
+      html(summary(everybody));
 
+  everybody.pop_back();
   pictures::Plot plot;
   plot.title = "Share of the questions over the time of the choice over that of the fastest";
-  plot.y = {"questions, %", false, [](double v) { return output::number(v); }};
-  const double to = std::max(quantile(ours, 1), theirs.empty() ? 0 : quantile(theirs, 1));
-  plot.x = {"time of the choice over that of the fastest", to > kFar, [](double v) { return output::number(v); }};
-  plot.series.push_back(steps("auto", of_auto, to, 0, pictures::Series::Mark::dot));
-  if (!theirs.empty())
-    plot.series.push_back(steps("the best constant strategy", of_constants, to, 1, pictures::Series::Mark::square));
+  plot.y = {"questions, %", false, output::number};
+  plot.x = {"time of the choice over that of the fastest", to > kFar, output::number};
+  for (const Choices& c : everybody) {
+    const bool first = plot.series.empty();
+    plot.series.push_back(
+        steps(c, to, first ? 0 : 1, first ? pictures::Series::Mark::dot : pictures::Series::Mark::square));
+  }
   out.body += pictures::figure(plot);
   if (!constants.empty()) out.body += paragraph("Best constant strategies: " + constants + ".", "faint");
-  const pictures::HtmlTable cases = worst(answers);
-  if (!cases.rows.empty()) out.body += html(cases);
+  if (const HtmlTable cases = worst(answers); !cases.rows.empty()) out.body += html(cases);
   return out;
 }
 
@@ -195,7 +216,6 @@ Section regret(const Knowledge& knowledge, const Conditions& conditions) {
   const double first_passes = kFirstPasses * conditions.seconds;
   for (const Question& q : all) {
     if (conditions.interrupted() || (!contests.empty() && taken() > first_passes)) break;
-    conditions.progress(taken() / conditions.seconds, q.scene);
     end = std::min(first_passes, taken() + kMostOfTime * conditions.seconds);
     auto contest = measure::Contest::open(q, how);
     if (contest && contest->race()) {
@@ -207,7 +227,6 @@ Section regret(const Knowledge& knowledge, const Conditions& conditions) {
   end = conditions.seconds;
   for (int pass = 1; pass < measure::kPasses; ++pass) {
     for (measure::Contest& c : contests) {
-      conditions.progress(taken() / conditions.seconds, c.question().scene);
       if (how.instruments.stop() || !c.race()) break;
     }
   }

@@ -10,8 +10,9 @@
 #include "measure/step_times.hpp"
 #include "output/format.hpp"
 #include "output/replace_file.hpp"
-#include "report/benchmark_json.hpp"
-#include "report/measurement_csv.hpp"
+#include "report/page.hpp"
+#include "report/paper/tables.hpp"
+#include "scene/input_file.hpp"
 
 namespace assur::report {
 namespace {
@@ -30,41 +31,32 @@ std::string now() {
 
 class Folder {
  public:
-  Folder(fs::path folder, const Knowledge& knowledge, int threads)
-      : folder_(std::move(folder)), machine_(knowledge.machine), date_(now()) {
+  Folder(const fs::path& folder, const Knowledge& knowledge, int threads)
+      : files{folder / "index.html", folder / "report.csv", folder / "report.json"},
+        machine_(knowledge.machine),
+        date_(now()),
+        head_{facts(knowledge, threads, date_), how_to_tune(knowledge), ""} {
     std::error_code error;
-    fs::create_directories(folder_, error);
-    if (error) throw Error(Error::Kind::environment, "--out: cannot make " + folder_.string() + ": " + error.message());
-    head_ = {facts(knowledge, threads, date_), how_to_tune(knowledge), ""};
+    fs::create_directories(folder, error);
+    if (error) throw Error(Error::Kind::environment, "--out: cannot make " + folder.string() + ": " + error.message());
   }
 
   void write(const std::vector<Part>& parts, const std::string& state) {
     head_.state = state;
     std::vector<Section> sections;
     for (const Part& part : parts) sections.insert(sections.end(), part.sections.begin(), part.sections.end());
-    std::ostringstream csv;
-    write_csv(csv, sections);
-    output::replace_file(folder_ / "index.html", page(head_, parts));
-    output::replace_file(folder_ / "report.csv", csv.str());
-    output::replace_file(folder_ / "report.json", benchmark_json(sections, machine_, date_).dump(1) + "\n");
+    output::replace_file(files[0], page(head_, parts));
+    output::replace_file(files[1], csv_of(sections));
+    output::replace_file(files[2], benchmark_json(sections, machine_, date_).dump(1) + "\n");
   }
 
-  [[nodiscard]] std::vector<fs::path> files() const {
-    return {folder_ / "index.html", folder_ / "report.csv", folder_ / "report.json"};
-  }
+  const std::vector<fs::path> files;
 
  private:
-  fs::path folder_;
   const Machine& machine_;
   std::string date_;
   PageHead head_;
 };
-
-double shares_from(const std::vector<Planned>& planned, std::size_t first) {
-  double sum = 0;
-  for (std::size_t i = first; i < planned.size(); ++i) sum += planned[i].share;
-  return sum;
-}
 
 std::string state_of(bool interrupted, bool done, double seconds) {
   if (interrupted) return "Interrupted after " + output::duration(seconds) + ": not everything is here.";
@@ -78,7 +70,41 @@ std::string quiet_text(const measure::NoiseWatch& watch) {
                                                 : " The machine was not quiet: " + judgement.reason + ".";
 }
 
+Section peers_of(const std::string& file) {
+  const InputFile found = read_input(file, kLargestTable);
+  if (!found.why_not.empty()) {
+    throw Error(Error::Kind::input, {{"--peers", "cannot read " + file + ": " + found.why_not}});
+  }
+  std::istringstream in(found.text);
+  return peers_section(in, file);
+}
+
 }  // namespace
+
+std::vector<Planned> contents(const Knowledge& knowledge, const Wishes& wishes) {
+  const auto one = [&knowledge](Section (*make)(const Knowledge&, const Conditions&)) {
+    return [&knowledge, make](const Conditions& conditions) { return std::vector{make(knowledge, conditions)}; };
+  };
+  constexpr const char* kHere = "This machine";
+  std::vector<Planned> all = {
+      {kHere, "Which strategy wins", 0.01, one(winners)},
+      {kHere, "What auto loses", 0.35, one(regret)},
+      {kHere, "Error against run time", 0.25, one(work_precision)},
+      {kHere, "How it scales: threads, lanes, variants", 0.25, one(scaling)},
+      {kHere, "How long single steps take", 0.06, one(step_histogram)},
+      {kHere, "What tuning costs, and what it saves", 0.04, one(tuning_cost)},
+      {kHere, "How well times are predicted", 0.04, one(model_fit)},
+      {"The paper again", "The paper's tables, figures and conclusions", 1,
+       [&knowledge, watts = wishes.watts](const Conditions& conditions) {
+         return reproduce_paper({conditions, knowledge.known.model, watts});
+       }},
+  };
+  if (!wishes.peers.empty()) {
+    all.push_back({"Beside others", "Other libraries on the same mechanisms", 0.01,
+                   [peers = peers_of(wishes.peers)](const Conditions&) { return std::vector{peers}; }});
+  }
+  return all;
+}
 
 Outcome make_report(const fs::path& folder, const std::vector<Planned>& planned, const Knowledge& knowledge,
                     const Conditions& whole) {
@@ -89,13 +115,14 @@ Outcome make_report(const fs::path& folder, const std::vector<Planned>& planned,
   for (const Planned& p : planned) parts.push_back({p.chapter, p.title, {}, "not made yet"});
   out.write(parts, state_of(false, false, 0));
 
-  Outcome outcome{.files = out.files(), .failures = {}, .parts = {}};
+  Outcome outcome{.files = out.files, .failures = {}, .parts = {}};
   const measure::NoiseWatch watch(whole.threads);
   for (std::size_t i = 0; i < planned.size() && !outcome.interrupted; ++i) {
     Conditions conditions = whole;
     const double start = taken(), left = std::max(0.0, whole.seconds - start);
-    conditions.seconds = left * planned[i].share / shares_from(planned, i);
-    whole.progress(start / whole.seconds, planned[i].title);
+    double shares = 0;
+    for (std::size_t k = i; k < planned.size(); ++k) shares += planned[k].share;
+    conditions.seconds = left * planned[i].share / shares;
     try {
       parts[i].sections = planned[i].make(conditions);
       parts[i].missing.clear();

@@ -6,17 +6,26 @@
 #include <string>
 #include <vector>
 
-#include "report/conditions.hpp"
-#include "report/page.hpp"
+#include "report/sections.hpp"
 
 namespace assur::report {
 
-// A part to be made.
+// A part to be made: sections that belong together.
 struct Planned {
-  std::string chapter, title;  // as of Part
-  double share = 1;            // of the time, beside those of the others
+  std::string chapter;  // "This machine"
+  std::string title;    // of what it is about
+  double share = 1;     // of the time, beside those of the others
   std::function<std::vector<Section>(const Conditions&)> make;
 };
+
+struct Wishes {
+  std::string peers = {};  // a file that bench/peers/peers.sh has written; empty: none
+  double watts = 0;        // PaperOptions::watts
+};
+
+// What a report has, in order. The knowledge outlives what is returned. Throws Error (input) for a file of peers that
+// cannot be read or is none.
+[[nodiscard]] std::vector<Planned> contents(const Knowledge& knowledge, const Wishes& wishes = {});
 
 struct Outcome {
   struct Took {

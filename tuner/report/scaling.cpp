@@ -2,16 +2,15 @@
 #include <cmath>
 #include <memory>
 
+#include "assur/backend.hpp"
 #include "assur/ensemble.hpp"
 #include "assur/machine.hpp"
 #include "assur/plan.hpp"
-#include "backends/backends.hpp"
 #include "measure/motion.hpp"
 #include "measure/race.hpp"
 #include "output/format.hpp"
 #include "pictures/plot.hpp"
 #include "pictures/ticks.hpp"
-#include "report/measurement.hpp"
 #include "report/sections.hpp"
 
 namespace assur::report {
@@ -19,15 +18,6 @@ namespace {
 
 constexpr double kShort = 5;      // s: in less there is time for small mechanisms only
 constexpr double kWrong = 1e-12;  // residual from which on a time does not count; exact runs end at some eps
-
-// One candidate of a race; steps: that one call makes.
-struct Entry {
-  std::string item, strategy;
-  std::unique_ptr<measure::Workload> work;
-  std::function<double()> error;
-  double steps = 1;
-  Measurement measured = {};
-};
 
 // All members over all times at each call.
 class EnsembleRun final : public measure::Workload {
@@ -55,12 +45,9 @@ class Contest {
   // A mechanism, step after step. item: what the CSV calls it.
   void enter(const std::string& item, const std::string& scene, const std::string& strategy) {
     try {
-      const Prepared prepared = prepare(sample(scene), how(strategy));
       const bool enough = static_cast<std::size_t>(conditions_.threads) <= cores_.size();
-      auto step = std::make_unique<measure::WholeStep>(prepared,
-                                                       enough && conditions_.threads > 1 ? cores_ : std::vector<int>{});
-      entries_.push_back({item, strategy, nullptr, [s = step.get()] { return s->report().error.residual(); }});
-      entries_.back().work = std::move(step);
+      enter<measure::WholeStep>(item, strategy, 1, prepare(sample(scene), how(strategy)),
+                                enough && conditions_.threads > 1 ? cores_ : std::vector<int>{});
     } catch (const Error&) {
       // it cannot run here: `assur backends` says why
     }
@@ -69,10 +56,9 @@ class Contest {
   void enter_all(const std::string& item, const std::vector<Scene>& members, const std::string& strategy) {
     PrepareOptions options = how(strategy);
     options.mode = Mode::throughput;
-    auto run = std::make_unique<EnsembleRun>(members, options);
-    entries_.push_back({item, strategy, nullptr, [r = run.get()] { return r->report().error.residual(); },
-                        static_cast<double>(members.size()) * static_cast<double>(members.front().time().steps())});
-    entries_.back().work = std::move(run);
+    enter<EnsembleRun>(item, strategy,
+                       static_cast<double>(members.size()) * static_cast<double>(members.front().time().steps()),
+                       members, options);
   }
 
   // Those that have a time, in their order.
@@ -84,10 +70,10 @@ class Contest {
     std::vector<Measurement> times;
     for (std::size_t i = 0; i < runners.size(); ++i) {
       const measure::Runner& r = runners[i];
-      if (r.failed || r.seconds.empty() || !(entries_[i].error() < kWrong)) continue;
-      times.push_back({out_.id, entries_[i].item, entries_[i].strategy, "seconds per step", "s",
-                       r.median() / entries_[i].steps, static_cast<int>(r.seconds.size()), r.spread() / r.median(),
-                       entries_[i].error(), "measured"});
+      const Entry& e = entries_[i];
+      if (r.failed || r.seconds.empty() || !(e.error() < kWrong)) continue;
+      times.push_back({e.item, e.strategy, "seconds per step", "s", r.median() / e.steps, "measured",
+                       static_cast<int>(r.seconds.size()), r.spread() / r.median(), e.error()});
     }
     entries_.clear();
     out_.measurements.insert(out_.measurements.end(), times.begin(), times.end());
@@ -95,6 +81,20 @@ class Contest {
   }
 
  private:
+  // One candidate of a race; steps: that one call makes.
+  struct Entry {
+    std::string item, strategy;
+    double steps;
+    std::unique_ptr<measure::Workload> work;
+    std::function<double()> error;
+  };
+
+  template <class Work, class... Arguments>
+  void enter(const std::string& item, const std::string& strategy, double steps, const Arguments&... arguments) {
+    auto work = std::make_unique<Work>(arguments...);
+    auto error = [w = work.get()] { return w->report().error.residual(); };
+    entries_.push_back({item, strategy, steps, std::move(work), error});
+  }
   [[nodiscard]] PrepareOptions how(const std::string& strategy) const {
     return {.strategy = strategy, .budget = ThreadBudget{conditions_.threads}};
   }
@@ -105,25 +105,20 @@ class Contest {
   std::vector<Entry> entries_;
 };
 
-// Each over the first of the same scene and solver.
-pictures::HtmlTable table_of_speed_ups(Section& out, const std::vector<Measurement>& times,
-                                       const std::function<bool(const Measurement&)>& is_first) {
-  using enum pictures::HtmlTable::Column;
-  pictures::HtmlTable table{{"what", "strategy", "step", "repetitions", "spread", "error", "speed-up"},
-                            {text, text, number, number, number, number, number},
-                            {}};
+// Each over the last one before it that is a first: of the same scene and solver.
+HtmlTable table_of_speed_ups(Section& out, const std::vector<Measurement>& times,
+                             const std::function<bool(const Measurement&)>& is_first) {
+  using enum HtmlTable::Column;
+  HtmlTable table{{"what", "strategy", "step", "repetitions", "spread", "error", "speed-up"},
+                  {text, text, number, number, number, number, number},
+                  {}};
   double first = 0;
   for (const Measurement& m : times) {
     if (is_first(m)) first = m.value;
-    const double speed_up = first > 0 ? first / m.value : std::nan("");
-    Measurement ratio = m;
-    ratio.quantity = "speed-up";
-    ratio.unit = "1";
-    ratio.value = speed_up;
-    ratio.origin = "ratio of the times above";
+    const double speed_up = first > 0 ? first / m.value : kNan;
     table.rows.push_back({{m.item, m.strategy, value_text(m), std::to_string(m.repetitions), percent(m.spread),
                            output::error_figure(m.error), output::fixed(speed_up)}});
-    out.measurements.push_back(std::move(ratio));
+    out.measurements.push_back(derived(m, "speed-up", speed_up, "ratio of the times above"));
   }
   return table;
 }
@@ -135,13 +130,13 @@ bool alone(const Measurement& m) {
 
 void splits(Section& out, Contest& contest, const std::string& rings, const Conditions& conditions, double seconds) {
   const std::string threads = std::to_string(conditions.threads);
-  for (const char* solver : {"lanes:8", "klu", "lapack", "team"}) {
-    const std::string strategy = std::string("groups/") + solver;
+  for (const Backend& solver : backends()) {
+    if (!solver.threads && !solver.keeps_pivots) continue;  // the others gain nothing, or less
+    const std::string strategy = "groups/" + std::string(solver.id) + (solver.fills_lanes ? ":8" : "");
     contest.enter("threads, " + rings, rings, strategy);
     if (conditions.threads == 1) continue;
     contest.enter("threads, " + rings, rings, strategy + " " + threads + "x1");
-    if (properties_of(parse_strategy(strategy).solver.backend).threads)
-      contest.enter("threads, " + rings, rings, strategy + " 1x" + threads);
+    if (solver.threads) contest.enter("threads, " + rings, rings, strategy + " 1x" + threads);
   }
   out.body += "<h4>Threads</h4>\n" +
               paragraph(
@@ -162,7 +157,7 @@ void lanes(Section& out, Contest& contest, const std::string& rings, double seco
   pictures::Plot plot;
   plot.title = "Speed-up over one lane";
   plot.x = {"lanes, W", false, [](double v) { return v == std::floor(v) ? output::number(std::exp2(v)) : ""; }};
-  plot.y = {"speed-up over one lane", false, [](double v) { return output::number(v); }};
+  plot.y = {"speed-up over one lane", false, output::number};
   for (std::size_t k = 0; k < sweeps.size(); ++k) {
     pictures::Series series{.name = sweeps[k].first + ", " + sweeps[k].second,
                             .points = {},
@@ -209,7 +204,7 @@ void ensemble(Section& out, Contest& contest, const Conditions& conditions, bool
 }  // namespace
 
 Section scaling(const Knowledge&, const Conditions& conditions) {
-  Section out{"scaling", "How it scales: threads, lanes, variants", "", {}};
+  Section out{"scaling", "How it scales: threads, lanes, variants"};
   const bool small = conditions.seconds < kShort;
   const std::string rings = small ? "rings:legs=16,n=24" : "rings:legs=64,n=120";
   const auto seconds = [&](double share) { return std::clamp(share * conditions.seconds, 0.3, 20.0); };

@@ -9,7 +9,7 @@
 #include "output/format.hpp"
 #include "pictures/plot.hpp"
 #include "pictures/ticks.hpp"
-#include "report/measurement.hpp"
+#include "report/section.hpp"
 #include "report/sections.hpp"
 
 namespace assur::report {
@@ -77,7 +77,7 @@ pictures::Series bars(const Timed& timed) {
 }  // namespace
 
 Section step_histogram(const Knowledge& knowledge, const Conditions& conditions) {
-  Section out{"steps", "How long single steps take", "", {}};
+  Section out{"steps", "How long single steps take"};
   const Prepared prepared =
       prepare(sample(kScene), {.budget = ThreadBudget{conditions.threads}, .model = knowledge.known.model});
   const std::string strategy = measure::essence(prepared.plan);
@@ -89,10 +89,11 @@ Section step_histogram(const Knowledge& knowledge, const Conditions& conditions)
   const double spread = quantile(std::move(deviations), 0.5) / timed.figures.median;
   const auto count = static_cast<int>(timed.blocks.seconds.size());
   const auto add = [&](const char* quantity, double seconds) {
-    out.measurements.push_back({out.id, kScene, strategy, quantity, "s", seconds, count, spread, timed.error,
+    out.measurements.push_back({kScene, strategy, quantity, "s", seconds,
                                 timed.figures.block > 1
                                     ? "measured in blocks of " + std::to_string(timed.figures.block) + " steps"
-                                    : "measured, each step by itself"});
+                                    : "measured, each step by itself",
+                                count, spread, timed.error});
   };
   add("seconds per step, p50", timed.figures.median);
   add("seconds per step, p99", timed.figures.p99);

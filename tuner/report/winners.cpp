@@ -1,18 +1,16 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <functional>
-#include <map>
 #include <set>
 
+#include "assur/backend.hpp"
 #include "assur/plan.hpp"
 #include "assur/scene.hpp"
 #include "assur/structure.hpp"
 #include "decimal.hpp"
 #include "output/format.hpp"
 #include "pictures/heat_map.hpp"
+#include "pictures/plot.hpp"
 #include "planning/counts.hpp"
-#include "report/measurement.hpp"
 #include "report/sections.hpp"
 #include "tuning/mechanisms.hpp"
 
@@ -76,10 +74,6 @@ std::string short_text(const Strategy& strategy) {
   return text.substr(text.find('/') + 1);
 }
 
-std::string kind_of(const Strategy& s) {
-  return s.solver.backend + (s.solver.lanes > 1 ? ":" + std::to_string(s.solver.lanes) : "");
-}
-
 // The sample that the winner's time comes from; null if it was predicted.
 const Sample* measured(const Knowledge& knowledge, const Shape& shape, const Strategy& s) {
   if (!knowledge.tuning) return nullptr;
@@ -97,98 +91,111 @@ const Sample* measured(const Knowledge& knowledge, const Shape& shape, const Str
   return nullptr;
 }
 
-// One for each backend, the same in all maps; the more lanes, the stronger it is.
-int colour_of(const std::string& backend) {
-  constexpr std::array<std::string_view, 6> kInOrder = {"lanes", "klu", "eigen", "lapack", "team", "umfpack"};
-  return static_cast<int>(std::find(kInOrder.begin(), kInOrder.end() - 1, backend) - kInOrder.begin());
-}
-
+// What a heat map shows: the fastest for each column and row.
 struct Atlas {
-  pictures::HeatMap map;
-  std::vector<Measurement> measurements;
-  std::vector<std::vector<Candidate>> winners;  // rows, columns
+  std::string title, x_title, y_title;
+  std::string what;  // "mechanism"
+  std::vector<Column> columns;
+  std::vector<int> rows;
+  struct Cell {
+    Candidate first;
+    std::string next = {};  // the second one with its time; empty: there is none
+    Measurement measurement = {};
+    bool measured = false;
+  };
+  std::vector<Cell> cells = {};  // rows x columns
 };
 
-Measurement measurement(const Candidate& winner, const Sample* sample, const std::string& item) {
-  Measurement m{"winners",
-                item,
-                short_text(winner.strategy),
-                "expected seconds for all groups",
-                "s",
-                winner.expected_seconds,
-                0,
-                0,
-                std::nan(""),
-                ""};
-  if (sample != nullptr) {
+Atlas::Cell cell(const Atlas& atlas, const Column& column, int groups, const Knowledge& knowledge, int threads) {
+  Shape shape = column.shape;
+  shape.groups = groups;
+  const std::vector<Candidate> all =
+      candidates(shape, {.model = knowledge.known.model, .budget = ThreadBudget{threads}});
+  if (all.empty() || !all[0].why_not.empty()) throw Error(Error::Kind::environment, "no solver can run");
+  Atlas::Cell out{all[0]};
+  if (all.size() > 1 && all[1].why_not.empty()) {
+    out.next = short_text(all[1].strategy) + ", " + output::duration(all[1].expected_seconds);
+  }
+  const Sample* sample = measured(knowledge, shape, all[0].strategy);
+  out.measured = sample != nullptr;
+  Measurement& m = out.measurement;
+  m = {atlas.what + ", n = " + column.name + ", " +
+           (shape.terms > 0 ? output::counted(groups, "group") : std::to_string(groups) + " of them"),
+       short_text(all[0].strategy),
+       "expected seconds for all groups",
+       "s",
+       all[0].expected_seconds,
+       "predicted, " + std::string(name(all[0].origin)) + ", two times in three within a factor " +
+           fixed(all[0].factor, 2)};
+  if (out.measured) {
+    m.origin = "composed from the measured time of one pack";
     m.repetitions = static_cast<int>(std::min<std::int64_t>(sample->repetitions, 1'000'000'000));
     m.spread = sample->spread / sample->seconds;
     m.error = sample->backward_error;
-    m.origin = "composed from the measured time of one pack";
-  } else {
-    m.origin = "predicted, " + std::string(name(winner.origin)) + ", two times in three within a factor " +
-               fixed(winner.factor, 2);
   }
-  return m;
-}
-
-Atlas atlas(const std::vector<Column>& columns, const std::vector<int>& rows, const std::string& what,
-            const Knowledge& knowledge, const Conditions& conditions) {
-  Atlas out;
-  for (const Column& c : columns) out.map.columns.push_back(c.name);
-  std::set<std::pair<std::string, int>> kinds;  // backend, lanes
-  for (const int groups : rows) {
-    out.map.rows.push_back(output::grouped(groups));
-    std::vector<Candidate>& row = out.winners.emplace_back();
-    for (const Column& c : columns) {
-      Shape shape = c.shape;
-      shape.groups = groups;
-      const std::vector<Candidate> all =
-          candidates(shape, {.model = knowledge.known.model, .budget = ThreadBudget{conditions.threads}});
-      if (all.empty() || !all[0].why_not.empty()) throw Error(Error::Kind::environment, "no solver can run");
-      const Sample* sample = measured(knowledge, shape, all[0].strategy);
-      const std::string item =
-          what + ", n = " + c.name + ", " +
-          (shape.terms > 0 ? output::counted(groups, "group") : std::to_string(groups) + " of them");
-      out.measurements.push_back(measurement(all[0], sample, item));
-      pictures::HeatMap::Cell cell{0, short_text(all[0].strategy), item + ": " + about(out.measurements.back()),
-                                   sample != nullptr};
-      if (all.size() > 1 && all[1].why_not.empty()) {
-        cell.about += "; next: " + short_text(all[1].strategy) + ", " + output::duration(all[1].expected_seconds);
-      }
-      out.map.cells.push_back(std::move(cell));
-      kinds.emplace(all[0].strategy.solver.backend, all[0].strategy.solver.lanes);
-      row.push_back(all[0]);
-    }
-  }
-  std::map<std::string, int> place;
-  for (const auto& [backend, lanes] : kinds) {
-    const std::string name = backend + (lanes > 1 ? ":" + std::to_string(lanes) : "");
-    place[name] = static_cast<int>(out.map.kinds.size());
-    out.map.kinds.push_back({name, colour_of(backend), (1 + std::log2(lanes)) / 5});
-  }
-  for (std::size_t r = 0; r < out.winners.size(); ++r) {
-    for (std::size_t c = 0; c < columns.size(); ++c) {
-      out.map.cells[r * columns.size() + c].kind = place[kind_of(out.winners[r][c].strategy)];
-    }
-  }
-  out.map.mark = "measured with so many groups; the others are predicted from samples of other sizes";
   return out;
 }
 
+void fill(Atlas& atlas, const Knowledge& knowledge, const Conditions& conditions) {
+  for (const int groups : atlas.rows) {
+    for (const Column& c : atlas.columns) atlas.cells.push_back(cell(atlas, c, groups, knowledge, conditions.threads));
+  }
+}
+
+// Backends that win somewhere, in the order of the table of backends: each has its colour in all maps.
+std::vector<std::string_view> winning_backends(const std::vector<Atlas>& all) {
+  std::vector<std::string_view> out;
+  for (const Backend& b : backends()) {
+    const auto wins = [&b](const Atlas& a) {
+      return std::any_of(a.cells.begin(), a.cells.end(),
+                         [&b](const Atlas::Cell& c) { return c.first.strategy.solver.backend == b.id; });
+    };
+    if (std::any_of(all.begin(), all.end(), wins)) out.push_back(b.id);
+  }
+  return out;
+}
+
+// The more lanes, the stronger is the colour.
+pictures::HeatMap map_of(const Atlas& atlas, const std::vector<std::string_view>& backends) {
+  pictures::HeatMap map{.title = atlas.title,
+                        .x_title = atlas.x_title,
+                        .y_title = atlas.y_title,
+                        .columns = {},
+                        .rows = {},
+                        .cells = {},
+                        .kinds = {},
+                        .mark = "measured with so many groups; the others are predicted from samples of other sizes"};
+  for (const Column& c : atlas.columns) map.columns.push_back(c.name);
+  for (const int groups : atlas.rows) map.rows.push_back(output::grouped(groups));
+  std::set<std::pair<std::string, int>> kinds;  // backend, lanes
+  for (const Atlas::Cell& c : atlas.cells)
+    kinds.emplace(c.first.strategy.solver.backend, c.first.strategy.solver.lanes);
+  for (const auto& [backend, lanes] : kinds) {
+    const auto hue = std::find(backends.begin(), backends.end(), backend) - backends.begin();
+    map.kinds.push_back({backend + (lanes > 1 ? ":" + std::to_string(lanes) : ""),
+                         static_cast<int>(hue) % pictures::Series::kColours, (1 + std::log2(lanes)) / 5});
+  }
+  for (const Atlas::Cell& c : atlas.cells) {
+    const auto kind = kinds.find({c.first.strategy.solver.backend, c.first.strategy.solver.lanes});
+    map.cells.push_back({static_cast<int>(std::distance(kinds.begin(), kind)), short_text(c.first.strategy),
+                         c.measurement.item + ": " + about(c.measurement) + (c.next.empty() ? "" : "; next: " + c.next),
+                         c.measured});
+  }
+  return map;
+}
+
 // Along each row: up to which n one strategy is the fastest, and from which on the next.
-pictures::HtmlTable crossovers(const Atlas& atlas) {
-  using enum pictures::HtmlTable::Column;
-  pictures::HtmlTable table{{"groups", "fastest, with n"}, {number, words}, {}};
-  for (std::size_t r = 0; r < atlas.winners.size(); ++r) {
+HtmlTable crossovers(const Atlas& atlas) {
+  HtmlTable table{{"groups", "fastest, with n"}, {HtmlTable::Column::number, HtmlTable::Column::words}, {}};
+  for (std::size_t r = 0; r < atlas.rows.size(); ++r) {
     std::string line, before;
-    for (std::size_t c = 0; c < atlas.map.columns.size(); ++c) {
-      const std::string text = short_text(atlas.winners[r][c].strategy);
+    for (std::size_t c = 0; c < atlas.columns.size(); ++c) {
+      const std::string text = short_text(atlas.cells[r * atlas.columns.size() + c].first.strategy);
       if (text == before) continue;
-      line += before.empty() ? text : "; from " + atlas.map.columns[c] + ": " + text;
+      line += before.empty() ? text : "; from " + atlas.columns[c].name + ": " + text;
       before = text;
     }
-    table.rows.push_back({{atlas.map.rows[r], line}});
+    table.rows.push_back({{output::grouped(atlas.rows[r]), line}});
   }
   return table;
 }
@@ -216,38 +223,41 @@ std::string measured_crossovers(const Knowledge& knowledge) {
 }  // namespace
 
 Section winners(const Knowledge& knowledge, const Conditions& conditions) {
-  Section out{"winners", "Which strategy wins", "", {}};
-  const std::vector<int> rows = {1, 2, 4, 8, 16, 32, 64, 100, 1000, 10'000};
+  std::vector<Atlas> all = {{"Fastest strategy over unknowns of a group and number of groups",
+                             "unknowns of a group, n",
+                             "groups of a level",
+                             "mechanism",
+                             mechanisms(conditions.quick),
+                             {1, 2, 4, 8, 16, 32, 64, 100, 1000, 10'000}},
+                            {"Fastest solver over the size and number of full matrices",
+                             "size of a matrix, n",
+                             "matrices",
+                             "full matrix",
+                             matrices(),
+                             {1, 2, 4, 8, 16, 64}}};
+  for (Atlas& atlas : all) fill(atlas, knowledge, conditions);
+  const std::vector<std::string_view> backends = winning_backends(all);
+
+  Section out{"winners", "Which strategy wins"};
   out.body = paragraph(
       "The strategy that is expected to be the fastest for a level of groups of one class: for how many unknowns each "
       "and how many of them. PxQ: P packs at once, Q threads within each. Dots: that very pack was measured; elsewhere "
-      "the "
-      "performance model says so.");
+      "the performance model says so.");
   if (knowledge.known.model->samples() == 0) {
     out.body += paragraph("Nothing was measured on this machine: these are the answers of the prior.", "notice");
   }
-
-  Atlas groups = atlas(mechanisms(conditions.quick), rows, "mechanism", knowledge, conditions);
-  groups.map.title = "Fastest strategy over unknowns of a group and number of groups";
-  groups.map.x_title = "unknowns of a group, n";
-  groups.map.y_title = "groups of a level";
-  out.body += pictures::figure(groups.map);
-  out.body += paragraph(
-      "n = 2: dyads; 3 and 15: legs of a Stewart platform, irreducible and whole; others: rings of 3n "
-      "nonzeros.",
-      "faint");
-  out.body += html(crossovers(groups));
-
-  Atlas full_ones = atlas(matrices(), {1, 2, 4, 8, 16, 64}, "full matrix", knowledge, conditions);
-  full_ones.map.title = "Fastest solver over the size and number of full matrices";
-  full_ones.map.x_title = "size of a matrix, n";
-  full_ones.map.y_title = "matrices";
-  out.body += paragraph("The same for full matrices, each factorised once and solved with three right-hand sides:");
-  out.body += pictures::figure(full_ones.map);
+  out.body += figure(map_of(all[0], backends)) +
+              paragraph(
+                  "n = 2: dyads; 3 and 15: legs of a Stewart platform, irreducible and whole; others: rings of 3n "
+                  "nonzeros.",
+                  "faint") +
+              html(crossovers(all[0])) +
+              paragraph("The same for full matrices, each factorised once and solved with three right-hand sides:") +
+              figure(map_of(all[1], backends));
   if (const std::string text = measured_crossovers(knowledge); !text.empty()) out.body += paragraph(text, "faint");
-
-  out.measurements = std::move(groups.measurements);
-  std::move(full_ones.measurements.begin(), full_ones.measurements.end(), std::back_inserter(out.measurements));
+  for (const Atlas& atlas : all) {
+    for (const Atlas::Cell& c : atlas.cells) out.measurements.push_back(c.measurement);
+  }
   return out;
 }
 

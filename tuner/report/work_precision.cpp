@@ -7,8 +7,7 @@
 #include "output/comparison_report.hpp"
 #include "output/format.hpp"
 #include "pictures/comparison_page.hpp"
-#include "pictures/ticks.hpp"
-#include "report/measurement.hpp"
+#include "report/section.hpp"
 #include "report/sections.hpp"
 
 namespace assur::report {
@@ -31,27 +30,14 @@ Scene shortened(const Scene& scene, std::int64_t steps) {
   return scene.with_time(grid);
 }
 
-pictures::HtmlTable verdicts(const output::ComparisonSummary& s) {
-  using enum pictures::HtmlTable::Column;
-  pictures::HtmlTable table{
-      {"asked for", "reached", "step", "auto", "strategy"}, {number, number, number, words, text}, {}};
-  for (const double a : s.accuracies) {
-    const output::Verdict v = output::verdict(s.result, a);
-    table.rows.push_back({{pictures::power_of_ten(a), v.reached, v.step, v.words, v.strategy}});
-  }
-  return table;
-}
-
 void add(Section& out, const std::string& scene, const measure::WorkPrecision& result) {
   for (const measure::WorkPrecisionRow& row : result.rows) {
     if (!row.seconds) continue;
     std::string origin = "measured";
     if (row.on_front) origin += ", on the front";
     if (!row.picked.empty()) origin += ", taken by auto for " + output::accuracies_text(row.picked);
-    const auto rounds = static_cast<int>(row.rounds);
-    const double spread = row.spread / *row.seconds;
-    out.measurements.push_back({out.id, scene, output::way_text(row), "seconds per step", "s", *row.seconds, rounds,
-                                spread, row.worst_error(), origin});
+    out.measurements.push_back({scene, output::way_text(row), "seconds per step", "s", *row.seconds, origin,
+                                static_cast<int>(row.rounds), row.spread / *row.seconds, row.worst_error()});
   }
 }
 
@@ -59,7 +45,7 @@ void add(Section& out, const std::string& scene, const measure::WorkPrecision& r
 
 Section work_precision(const Knowledge& knowledge, const Conditions& conditions) {
   const double begin = measure::StepTimes::steady();
-  Section out{"work-precision", "Error against run time", "", {}};
+  Section out{"work-precision", "Error against run time"};
   out.body = paragraph(
       "Every way to run a mechanism: the time of a step and the true error, the worst of position, velocity and "
       "acceleration over the run, against a solution in quad precision. The front is what no other way beats in both; "
@@ -69,7 +55,6 @@ Section work_precision(const Knowledge& knowledge, const Conditions& conditions)
   for (const std::string& name : names) {
     const double now = measure::StepTimes::steady() - begin;
     if (conditions.interrupted() || (longest > 0 && now + longest > conditions.seconds)) break;
-    conditions.progress(now / conditions.seconds, name);
     const Scene scene = shortened(sample(name), conditions.quick || conditions.seconds < kShort ? kQuickSteps : kSteps);
     measure::WorkPrecisionOptions how;
     how.accuracies = {1e-4, 1e-6, 1e-8, 1e-10, 1e-12};
@@ -87,12 +72,7 @@ Section work_precision(const Knowledge& knowledge, const Conditions& conditions)
     out.body +=
         "<h4>" + pictures::escaped(name) + "</h4>\n" +
         paragraph(output::counted(result.steps, "step") + " of " + output::number(scene.time().step) + " s.", "faint");
-    if (result.no_yardstick.empty()) {
-      out.body += pictures::figure(pictures::work_precision_plot(summary));
-    } else {
-      out.body += paragraph("There is no picture, for there is no yardstick: " + result.no_yardstick, "notice");
-    }
-    out.body += html(verdicts(summary));
+    out.body += pictures::work_precision_figure(summary) + html(pictures::table_of_verdicts(summary));
     add(out, name, result);
   }
   return out;

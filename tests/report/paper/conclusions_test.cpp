@@ -7,7 +7,6 @@
 #include <cmath>
 #include <functional>
 
-#include "report/paper/figures.hpp"
 #include "report/paper/plan.hpp"
 
 namespace assur::report {
@@ -31,8 +30,7 @@ std::vector<PaperTiming> made_up(const Law& law, int threads) {
           PaperTiming t;
           t.cell = cell;
           t.version = version;
-          t.p = split.p;
-          t.q = split.q;
+          t.split = split;
           t.seconds = law(cell, version, split.p, split.q);
           if (t.timed()) out.push_back(t);
         }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <set>
 
+#include "assur/backend.hpp"
 #include "assur/strategy.hpp"
 
 namespace assur::report {
@@ -14,7 +15,7 @@ namespace {
 
 std::set<std::string> texts(const std::vector<Split>& splits) {
   std::set<std::string> out;
-  for (const Split& s : splits) out.insert(std::to_string(s.p) + "x" + std::to_string(s.q));
+  for (const Split& s : splits) out.insert(text_of(s));
   return out;
 }
 
@@ -38,6 +39,32 @@ TEST(PaperPlan, Table5sSplitsAreThePapersOnTwelveCores) {
   EXPECT_EQ(both(1), (std::set<std::string>{"1x1"}));
 }
 
+TEST(PaperPlan, StandInsRunHereAndWorkAsThePapersDo) {
+  const StandIns with = stand_ins();
+  const auto row = [](const std::string& id) { return find_backend(backends(), id); };
+  for (const std::string& id : {with.dense, with.threaded, with.sparse}) {
+    if (!id.empty()) {
+      EXPECT_EQ(row(id).why_not({}, {}), "");
+    }
+  }
+  EXPECT_TRUE(row(with.dense).dense);
+  EXPECT_FALSE(row(with.sparse).dense);
+  EXPECT_TRUE(row(with.sparse).keeps_pivots);
+  for (const Backend& b : backends()) {
+    if (!b.why_not({}, {}).empty()) continue;
+    if (b.id == "lapack") {
+      EXPECT_EQ(with.dense, b.id);
+    }
+    if (b.id == "team") {
+      EXPECT_EQ(with.threaded, b.id);
+    }
+    if (b.id == "klu") {
+      EXPECT_EQ(with.sparse, b.id);
+    }
+  }
+  EXPECT_EQ(ours(), (std::vector<std::string>{"auto", "groups/lanes:8", "irreducible/lanes:8"}));
+}
+
 TEST(PaperPlan, EachMechanismIsHeldOnceWithBothReadings) {
   const StandIns with{"lapack", "team", "klu", false};
   const std::vector<PaperContest> all = contests(4, false, with);
@@ -49,13 +76,13 @@ TEST(PaperPlan, EachMechanismIsHeldOnceWithBothReadings) {
     for (const Entrant& e : contest.entrants) {
       EXPECT_TRUE(seen.insert(e.strategy).second) << e.strategy;
       const Strategy parsed = parse_strategy(e.strategy == "auto" ? "groups/eigen" : e.strategy);
-      EXPECT_EQ(parsed.run.threads, e.p) << e.strategy;
-      EXPECT_EQ(parsed.solver.threads, e.q) << e.strategy;
+      EXPECT_EQ(parsed.run.threads, e.split.p) << e.strategy;
+      EXPECT_EQ(parsed.solver.threads, e.split.q) << e.strategy;
       EXPECT_EQ(parsed.solver.separate, e.reading == Reading::separate) << e.strategy;
-      EXPECT_LE(e.p * e.q, 4);
+      EXPECT_LE(e.split.p * e.split.q, 4);
       if (!e.version.starts_with("G")) continue;
       const bool other = std::any_of(contest.entrants.begin(), contest.entrants.end(), [&](const Entrant& o) {
-        return o.version == e.version && o.p == e.p && o.q == e.q && o.reading != e.reading &&
+        return o.version == e.version && o.split == e.split && o.reading != e.reading &&
                parse_strategy(o.strategy).solver.backend == parsed.solver.backend;
       });
       EXPECT_EQ(other, reads_twice(contest.cell)) << e.strategy;
@@ -102,7 +129,7 @@ TEST(PaperPlan, TheCheapestFitFirstAndNeverMoreThanThereIsTimeFor) {
 
 TEST(PaperPlan, WhatWasTimedCorrectsWhatIsExpected) {
   const PaperCell small = cells_of_table(2)[0], large = cells_of_table(2)[7];
-  const Entrant dense{"GMKL", 1, 1, Reading::shared, "global/lapack"};
+  const Entrant dense{"GMKL", {}, Reading::shared, "global/lapack"};
   PaperCosts costs;
   // By counts alone dense work grows with n^3 or nearly so.
   const double before = costs.step(large, dense) / costs.step(small, dense);
@@ -111,7 +138,7 @@ TEST(PaperPlan, WhatWasTimedCorrectsWhatIsExpected) {
   costs.learn(small, dense, 2 * costs.step(small, dense));
   EXPECT_DOUBLE_EQ(costs.step(large, dense) / costs.step(small, dense), before);
   EXPECT_DOUBLE_EQ(costs.step(large, dense), 2 * PaperCosts().step(large, dense));
-  const Entrant sparse{"GMA27", 1, 1, Reading::shared, "global/klu"};
+  const Entrant sparse{"GMA27", {}, Reading::shared, "global/klu"};
   EXPECT_DOUBLE_EQ(costs.step(large, sparse), PaperCosts().step(large, sparse));  // another kind
 }
 

@@ -25,17 +25,7 @@ class Curves {
 
   value(frame, column) { return motion.values[frame * motion.width + column]; }
 
-  resize() {
-    const ratio = window.devicePixelRatio || 1;
-    const {clientWidth, clientHeight} = this.canvas;
-    for (const canvas of [this.canvas, this.background]) {
-      canvas.width = Math.round(clientWidth * ratio);
-      canvas.height = Math.round(clientHeight * ratio);
-    }
-    const c = this.background.getContext('2d');
-    c.setTransform(ratio, 0, 0, ratio, 0, 0);
-    this.drawBackground(c, clientWidth, clientHeight);
-  }
+  resize() { this.drawBackground(this.background.getContext('2d'), ...fitToScreen(this.canvas, this.background)); }
 
   range() {
     let [low, high] = [Infinity, -Infinity];
@@ -53,7 +43,6 @@ class Curves {
   }
 
   drawBackground(c, width, height) {
-    const style = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
     const [low, high] = this.range();
     const step = roundUp((high - low) / 4);
     const bottom = Math.floor(low / step + 1e-9) * step, top = Math.ceil(high / step - 1e-9) * step;
@@ -106,11 +95,11 @@ class Curves {
 
   draw(frame) {
     const c = this.canvas.getContext('2d');
-    c.setTransform(1, 0, 0, 1, 0, 0);
+    c.save();
+    c.resetTransform();  // pixel by pixel
     c.clearRect(0, 0, this.canvas.width, this.canvas.height);
     c.drawImage(this.background, 0, 0);
-    const ratio = window.devicePixelRatio || 1;
-    c.setTransform(ratio, 0, 0, ratio, 0, 0);
+    c.restore();
     const x = this.x(motion.times[frame]);
     c.strokeStyle = this.ink;
     c.lineWidth = 1;

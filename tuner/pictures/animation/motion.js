@@ -61,3 +61,17 @@ const roundUp = least => {
   const power = 10 ** Math.floor(Math.log10(least) + 1e-9);
   return [1, 2, 5, 10].map(f => f * power).find(step => step >= least * (1 - 1e-9));
 };
+
+// A colour or another variable of the page's style.
+const style = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+
+// Makes canvases as fine as the screen, which empties them. Returns their size in the page.
+const fitToScreen = (shown, ...canvases) => {
+  const ratio = window.devicePixelRatio || 1, {clientWidth, clientHeight} = shown;
+  for (const canvas of [shown, ...canvases]) {
+    canvas.width = Math.round(clientWidth * ratio);
+    canvas.height = Math.round(clientHeight * ratio);
+    canvas.getContext('2d').setTransform(ratio, 0, 0, ratio, 0, 0);
+  }
+  return [clientWidth, clientHeight];
+};

@@ -13,28 +13,19 @@ class Picture {
     this.recolour();
   }
 
-  resize() {
-    const ratio = window.devicePixelRatio || 1;
-    const {clientWidth, clientHeight} = this.canvas;
-    this.canvas.width = Math.round(clientWidth * ratio);
-    this.canvas.height = Math.round(clientHeight * ratio);
-    this.context.setTransform(ratio, 0, 0, ratio, 0, 0);
-    this.camera.resize(clientWidth, clientHeight);
-  }
+  resize() { this.camera.resize(...fitToScreen(this.canvas)); }
 
   // ---- colours
 
   // Of group or level i of `count`.
   hue(i, count) {
-    if (count <= 6) return this.style(`--c${i}`);
+    if (count <= 6) return style(`--c${i}`);
     return `hsl(${(i * 137.508 + 205) % 360} 60% ${this.isDark ? 66 : 40}%)`;  // the golden angle: neighbours differ
   }
 
-  style(name) { return getComputedStyle(document.documentElement).getPropertyValue(name).trim(); }
-
   recolour() {
     this.isDark = matchMedia('(prefers-color-scheme: dark)').matches;
-    for (const name of ['ink', 'paper', 'faint', 'rule']) this[name] = this.style(`--${name}`);
+    for (const name of ['ink', 'paper', 'faint', 'rule']) this[name] = style(`--${name}`);
     this.levels = motion.groups.reduce((most, [, level]) => Math.max(most, level + 1), 0);
     this.groupColour = motion.groups.map(([, level], i) =>
       this.options.by === 'level' ? this.hue(level, this.levels) : this.hue(i, motion.groups.length));
@@ -48,7 +39,7 @@ class Picture {
     this.pointColour = motion.points.map(p => colour(p.group));
     const wrong = new Set(motion.violated);
     this.linkColour = motion.links.map(([from, to, , name]) =>
-      wrong.has(name) ? this.style('--wrong') : colour(later([from, to])));
+      wrong.has(name) ? style('--wrong') : colour(later([from, to])));
     this.bodyColour = motion.bodies.map(([, points]) => colour(later(points)));
     const gather = (colours, keep) => {
       const batches = new Map();

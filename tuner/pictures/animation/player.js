@@ -130,7 +130,7 @@
         if (byLevel || drawn.has(i)) add(picture.hue(i, count), byLevel ? `level ${i + 1}` : motion.groups[i][0]);
       }
     }
-    if (motion.violated) add(picture.style('--wrong'), 'violated');
+    if (motion.violated) add(style('--wrong'), 'violated');
     const others = ['driven', 'at rest'].filter(g => drawn.has(g));
     if (others.length > 0) add(picture.ink, others.join(', '));
   }

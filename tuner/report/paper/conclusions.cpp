@@ -2,14 +2,266 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <functional>
+#include <optional>
+#include <set>
+#include <utility>
 
-#include "report/paper/figures.hpp"
-#include "report/paper/findings.hpp"
+#include "output/format.hpp"
 
 namespace assur::report {
 namespace {
 
-Finding no_raspberry_pi(const Source&) { return {std::nullopt, "no Raspberry Pi here"}; }
+constexpr double kAsFast = 1.05;  // times that are so near each other count as equal
+
+// Whose times are asked: those of the paper are kept table by table, for two of its tables have cells in common.
+struct Source {
+  std::optional<Times> here;  // empty: the paper's
+  int threads;                // that the versions could use
+
+  [[nodiscard]] Times table(int number) const { return here ? *here : paper_times(number); }
+};
+
+struct Finding {
+  std::optional<bool> holds = {};   // empty: cannot be told
+  std::string numbers = "not run";  // or why it cannot
+};
+
+Finding needs_threads(int threads) { return {{}, "takes " + std::to_string(threads) + " threads at least"}; }
+
+std::string total(const PaperCell& cell) { return "total size " + std::to_string(cell.total()); }
+
+// Ratios of several cells; those that are not known (NaN) are left out.
+struct Ratios {
+  struct Of {
+    PaperCell cell;
+    double ratio;
+  };
+  std::vector<Of> all;
+
+  [[nodiscard]] bool empty() const { return all.empty(); }
+  [[nodiscard]] double least() const { return limit(std::fmin); }
+  [[nodiscard]] double most() const { return limit(std::fmax); }
+  [[nodiscard]] const Of& first() const { return all.front(); }
+  [[nodiscard]] const Of& last() const { return all.back(); }
+  [[nodiscard]] std::string text() const {  // "3.83 to 7.98"
+    return least() == most() ? ratio_text(least()) : ratio_text(least()) + " to " + ratio_text(most());
+  }
+
+ private:
+  [[nodiscard]] double limit(double (*of)(double, double)) const {
+    double limit = kNan;
+    for (const Of& r : all) limit = of(limit, r.ratio);
+    return limit;
+  }
+};
+
+Ratios ratios(const std::vector<PaperCell>& cells, const std::function<double(const PaperCell&)>& of) {
+  Ratios out;
+  for (const PaperCell& cell : cells) {
+    if (const double ratio = of(cell); !std::isnan(ratio)) out.all.push_back({cell, ratio});
+  }
+  return out;
+}
+
+// Of a table: the time of one version over that of another one.
+Ratios ratios(const Source& s, int table, std::string_view a, std::string_view b) {
+  return ratios(cells_of_table(table),
+                [&](const PaperCell& c) { return best(s.table(table), c, a) / best(s.table(table), c, b); });
+}
+
+double best_of_groups(const Source& s, const PaperCell& cell) {
+  return std::fmin(best(s.table(2), cell, kDense), best(s.table(2), cell, kSparse));
+}
+double best_of_global(const Source& s, const PaperCell& cell) {
+  return std::fmin(best(s.table(2), cell, kGlobalDense), best(s.table(2), cell, kGlobalSparse));
+}
+Ratios groups_over_global(const Source& s) {
+  return ratios(cells_of_table(2), [&](const PaperCell& c) { return best_of_global(s, c) / best_of_groups(s, c); });
+}
+
+bool is_first(const PaperCell& cell, int table) { return cell == cells_of_table(table)[0]; }
+
+// ---- global formulation and groups, dense and sparse
+
+Finding dense_for_the_case_study(const Source& s) {
+  const Ratios r = ratios(s, 2, kGlobalSparse, kGlobalDense);
+  if (r.empty() || !is_first(r.first().cell, 2)) return {};
+  return {r.first().ratio > 1,
+          "GMKL is " + ratio_text(r.first().ratio) + " times as fast as GMA27 at " + total(r.first().cell)};
+}
+
+Finding sparse_for_large(const Source& s) {
+  const Ratios r = ratios(s, 2, kGlobalDense, kGlobalSparse);
+  if (r.empty() || !is_first(r.first().cell, 2)) return {};
+  const PaperCell first = r.first().cell, last = r.last().cell;
+  if (last.total() < 2 * first.total()) return {};
+  const auto exponent = [&](std::string_view version) {
+    return std::log(best(s.table(2), last, version) / best(s.table(2), first, version)) /
+           std::log(static_cast<double>(last.total()) / first.total());
+  };
+  const double dense = exponent(kGlobalDense), sparse = exponent(kGlobalSparse);
+  return {r.last().ratio > 1 && sparse < 1.5 && dense > sparse + 0.5,
+          "GMA27 is " + ratio_text(r.last().ratio) + " times as fast as GMKL at " + total(last) +
+              "; times grow like size^" + ratio_text(sparse) + " and size^" + ratio_text(dense)};
+}
+
+Finding groups_beat_global(const Source& s) {
+  const Ratios r = groups_over_global(s);
+  if (r.empty()) return {};
+  return {r.least() > 1, "groups are " + r.text() + " times as fast as the better global version"};
+}
+
+Finding four_times_for_the_largest(const Source& s) {
+  const Ratios r = groups_over_global(s);
+  if (r.empty()) return {};
+  return {std::round(r.last().ratio) >= 4, ratio_text(r.last().ratio) + " times as fast at " + total(r.last().cell)};
+}
+
+Finding crossover_of_sparsity(const Source& s) {
+  const auto at = [all = ratios(s, 3, kSparse, kDense)](int n) {
+    Ratios out = all;
+    std::erase_if(out.all, [n](const Ratios::Of& r) { return r.cell.n != n; });
+    return out;
+  };
+  const Ratios at_60 = at(60), at_120 = at(120);
+  if (at_60.empty() || at_120.empty()) return {};
+  return {at_60.least() > 1 && at_120.most() < 1,
+          "time of sparse over dense: " + at_60.text() + " at n = 60, " + at_120.text() + " at n = 120"};
+}
+
+Finding sparse_large_dense_small(const Source& s) {
+  const Ratios r = ratios(s, 2, kSparse, kDense);
+  if (r.all.size() < 2 || !is_first(r.first().cell, 2)) return {};
+  return {r.first().ratio > 1 && r.last().ratio < 1,
+          "time of sparse over dense groups: " + ratio_text(r.first().ratio) + " at " + total(r.first().cell) + ", " +
+              ratio_text(r.last().ratio) + " at " + total(r.last().cell)};
+}
+
+Finding method_depends(const Source& s) {
+  std::set<std::string> winners;
+  for (const int table : {2, 3}) {
+    for (const Ratios::Of& r : ratios(s, table, kDense, kSparse).all) winners.emplace(r.ratio < 1 ? kDense : kSparse);
+  }
+  if (winners.empty()) return {};
+  std::string names;
+  for (const std::string& w : winners) names += (names.empty() ? "" : " and ") + w;
+  return {winners.size() > 1, "fastest in some cell of tables 2 and 3: " + names};
+}
+
+Finding four_to_eight(const Source& s) {
+  const Ratios r = ratios(
+      cells_of_table(2), [&](const PaperCell& c) { return best(s.table(2), c, kGlobalSparse) / best_of_groups(s, c); });
+  if (r.empty()) return {};
+  return {std::round(r.least()) >= 4 && std::round(r.most()) <= 8, r.text() + " times as fast as GMA27"};
+}
+
+Finding auto_is_the_fastest(const Source& s) {
+  Ratios r;
+  for (const int table : {2, 3, 4, 5}) {
+    const Ratios more = ratios(cells_of_table(table), [&](const PaperCell& c) {
+      return std::fmin(best_of_global(s, c), best_of_groups(s, c)) / best(s.table(2), c, kAuto);
+    });
+    r.all.insert(r.all.end(), more.all.begin(), more.all.end());
+  }
+  if (r.empty()) return {{}, "none: it is an outlook"};
+  return {r.least() * kAsFast >= 1,
+          "auto is " + r.text() + " times as fast as the fastest of the paper's versions in the same cell"};
+}
+
+// ---- threads, and the GPU
+
+bool several_groups(const Split& s) { return s.p > 1 && s.q == 1; }
+bool several_threads(const Split& s) { return s.p == 1 && s.q > 1; }
+
+Finding openmp_beats_mkl(const Source& s) {
+  if (s.threads < 2) return needs_threads(2);
+  const std::vector<PaperCell> cells = cells_of_table(2);
+  std::vector<std::string> ahead_by_openmp, ahead_by_mkl;
+  bool holds = true;
+  for (const PaperCell& cell : cells) {
+    const double openmp = best(s.table(2), cell, kDense, several_groups);
+    const double mkl = best(s.table(2), cell, kDense, several_threads);
+    if (std::isnan(openmp) && std::isnan(mkl)) continue;
+    const bool by_openmp = std::isnan(mkl) || openmp < mkl;  // of the paper only the faster one is known
+    (by_openmp ? ahead_by_openmp : ahead_by_mkl).push_back(std::to_string(cell.total()));
+    holds = holds && by_openmp == (cell != cells.back());
+  }
+  if (ahead_by_openmp.empty() && ahead_by_mkl.empty()) return {};
+  const auto list = [](const std::vector<std::string>& of) { return of.empty() ? "no size" : output::listed(of); };
+  return {holds, "OpenMP is ahead at " + list(ahead_by_openmp) + "; MKL at " + list(ahead_by_mkl)};
+}
+
+Finding three_threads(const Source& s) {
+  if (s.threads < 4) return needs_threads(4);
+  int three = 0, all = 0;
+  for (const PaperCell& cell : cells_of_table(2)) {
+    for (const std::string_view version : {kDense, kSparse}) {
+      const PaperTiming* const t = fastest(s.table(2), cell, version);
+      if (t == nullptr) continue;
+      ++all;
+      three += t->split == Split{3, 1} ? 1 : 0;
+    }
+  }
+  if (all == 0) return {};
+  return {2 * three > all,
+          "3x1 is the fastest split in " + std::to_string(three) + " of " + std::to_string(all) + " cells"};
+}
+
+Finding parallelism_grows(const Source& s) {
+  if (s.threads < 2) return needs_threads(2);
+  std::string numbers;
+  bool holds = true;
+  for (const std::string_view version : {kDense, kSparse}) {
+    const Ratios r = ratios(cells_of_table(3), [&](const PaperCell& c) {
+      return best(s.table(3), c, version, just({1, 1})) / best(s.table(3), c, version, several_groups);
+    });
+    if (r.all.size() < 2) continue;
+    holds = holds && r.least() > 1 && r.last().ratio > r.first().ratio;
+    numbers += (numbers.empty() ? "" : "; ") + std::string(version) + ": " + r.text() + " times as fast as one " +
+               "thread, from " + ratio_text(r.first().ratio) + " in the smallest to " + ratio_text(r.last().ratio) +
+               " in the largest";
+  }
+  if (numbers.empty()) return {};
+  return {holds, numbers};
+}
+
+Finding hybrid_for_large(const Source& s) {
+  if (s.threads < 4) return needs_threads(4);
+  std::vector<const PaperTiming*> all;
+  for (const PaperCell& cell : cells_of_table(2)) {
+    if (const PaperTiming* const t = fastest(s.table(2), cell, kDense)) all.push_back(t);
+  }
+  if (all.size() < 2) return {};
+  const PaperTiming &small = *all.front(), &large = *all.back();
+  return {several_groups(small.split) && large.split.p > 1 && large.split.q > 1,
+          "fastest splits: " + text_of(small.split) + " at " + total(small.cell) + ", " + text_of(large.split) +
+              " at " + total(large.cell)};
+}
+
+// 6x2 over 2x6 in the smallest and the largest cell that has both.
+Finding wide_for_small_narrow_for_large(const Source& s) {
+  if (s.threads < 6) return needs_threads(6);
+  const Ratios r = ratios(cells_of_table(5), [&](const PaperCell& c) {
+    return best(s.table(5), c, kDense, [](const Split& x) { return x.q == 2 && x.p > 2; }) /
+           best(s.table(5), c, kDense, [](const Split& x) { return x.p == 2 && x.q > 2; });
+  });
+  if (r.empty() || r.last().cell.n < 400) return {};
+  return {r.first().ratio < 1 && r.last().ratio > 1,
+          "time of many groups at once over many threads in each: " + ratio_text(r.first().ratio) + " at n = 18, " +
+              ratio_text(r.last().ratio) + " at n = " + std::to_string(r.last().cell.n)};
+}
+
+Finding gpu_for_large_only(const Source& s) {
+  const Ratios r = ratios(s, 5, kGpu, kDense);
+  if (r.all.size() < cells_of_table(5).size()) return {{}, "no GPU here"};
+  return {r.first().ratio > 1 && r.first().ratio > r.last().ratio,
+          "MAGMA takes " + ratio_text(r.first().ratio) + " times as long as the CPU at n = 18, " +
+              ratio_text(r.last().ratio) + " times at n = 4000"};
+}
+
+Finding no_raspberry_pi(const Source&) { return {{}, "no Raspberry Pi here"}; }
 
 struct Rule {
   const char *where, *claim;
@@ -40,64 +292,51 @@ constexpr std::array kRules = {
 // What table 4 says of the first and the last size.
 std::string raspberry_pi_of_the_paper() {
   const auto of = [](std::string_view machine, const PaperCell& cell) {
-    const auto& all = paper_energies();
+    const auto& all = paper_times(4);
     return *std::find_if(all.begin(), all.end(),
-                         [&](const PaperEnergy& e) { return e.machine == machine && e.cell == cell; });
+                         [&](const PaperTiming& t) { return t.machine == machine && t.cell == cell; });
   };
-  const std::vector<PaperCell> cells = cells_of_table(4);
   const auto line = [&](const PaperCell& cell) {
-    const PaperEnergy pi = of("RP3", cell), i5 = of("i5", cell);
+    const PaperTiming pi = of("RP3", cell), i5 = of("i5", cell);
     return ratio_text(pi.seconds / i5.seconds) + " times the i5's time and " + ratio_text(pi.joules / i5.joules) +
            " times its energy at n = " + std::to_string(cell.n);
   };
+  const std::vector<PaperCell> cells = cells_of_table(4);
   return "RP3: " + line(cells.front()) + ", " + line(cells.back());
 }
 
-Verdict verdict(const Finding& finding) {
-  if (!finding.holds) return Verdict::cannot_be_tested;
-  return *finding.holds ? Verdict::holds : Verdict::does_not_hold;
+// The best splits that table 2 names are those of four cores; what figure 3 shows is nowhere in numbers.
+Finding finding_of_the_paper(const Rule& rule) {
+  if (rule.find == no_raspberry_pi) return {{}, raspberry_pi_of_the_paper()};
+  if (rule.find == hybrid_for_large) return {{}, "in figure 3 only, without numbers"};
+  return rule.find({{}, 12});
 }
 
-Source source_of_the_paper() { return {paper_times(2), paper_times(3), paper_times(5), 12}; }
-
-std::string numbers_of_the_paper(const Rule& rule) {
-  if (rule.find == no_raspberry_pi) return raspberry_pi_of_the_paper();
-  if (rule.find == hybrid_for_large) return "in figure 3 only, without numbers";
-  return rule.find(source_of_the_paper()).numbers;
+std::vector<Conclusion> all_of(const std::function<Finding(const Rule&, const Finding& theirs)>& find) {
+  std::vector<Conclusion> out;
+  for (const Rule& rule : kRules) {
+    const Finding theirs = finding_of_the_paper(rule), here = find(rule, theirs);
+    const Verdict verdict = !here.holds   ? Verdict::cannot_be_tested
+                            : *here.holds ? Verdict::holds
+                                          : Verdict::does_not_hold;
+    out.push_back({rule.where, rule.claim, theirs.numbers, here.numbers, verdict});
+  }
+  return out;
 }
 
 }  // namespace
 
 std::string_view verdict_text(Verdict verdict) noexcept {
-  switch (verdict) {
-    case Verdict::holds:
-      return "holds here";
-    case Verdict::does_not_hold:
-      return "does not hold here";
-    case Verdict::cannot_be_tested:
-      break;
-  }
-  return "cannot be tested here";
+  constexpr std::array<std::string_view, 3> kTexts = {"holds here", "does not hold here", "cannot be tested here"};
+  return kTexts[static_cast<std::size_t>(verdict)];
 }
 
-std::vector<Conclusion> conclusions(std::span<const PaperTiming> times, int threads) {
-  std::vector<Conclusion> out;
-  for (const Rule& rule : kRules) {
-    const Finding finding = rule.find({times, times, times, threads});
-    out.push_back({rule.where, rule.claim, numbers_of_the_paper(rule), finding.numbers, verdict(finding)});
-  }
-  return out;
+std::vector<Conclusion> conclusions(Times times, int threads) {
+  return all_of([&](const Rule& rule, const Finding&) { return rule.find({times, threads}); });
 }
 
 std::vector<Conclusion> conclusions_of_the_paper() {
-  std::vector<Conclusion> out;
-  for (const Rule& rule : kRules) {
-    // The best splits that table 2 names are those of four cores; what figure 3 shows is nowhere in numbers.
-    const bool untold = rule.find == hybrid_for_large;
-    const Finding finding = untold ? Finding{} : rule.find(source_of_the_paper());
-    out.push_back({rule.where, rule.claim, numbers_of_the_paper(rule), finding.numbers, verdict(finding)});
-  }
-  return out;
+  return all_of([](const Rule&, const Finding& theirs) { return theirs; });
 }
 
 }  // namespace assur::report

@@ -3,12 +3,11 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "report/paper/cells.hpp"
+#include "report/paper/paper.hpp"
 
 namespace assur::report {
 
@@ -25,7 +24,7 @@ struct Conclusion {
 };
 
 // times: of this machine; threads: that they could use. In the order of the paper.
-[[nodiscard]] std::vector<Conclusion> conclusions(std::span<const PaperTiming> times, int threads);
+[[nodiscard]] std::vector<Conclusion> conclusions(Times times, int threads);
 
 // The same rules asked of the paper's own tables.
 [[nodiscard]] std::vector<Conclusion> conclusions_of_the_paper();

@@ -13,12 +13,14 @@ namespace {
 constexpr int kQuickTotal = 1500, kQuickUnknowns = 144;
 constexpr int kLargeUnknowns = 400;  // of table 5
 
-bool runs_here(std::string_view id) { return find_backend(backends(), id).why_not({}, {}).empty(); }
+constexpr std::string_view kMa27 = "ma27";  // the paper's own
 
-std::string with(const std::string& head, Reading reading, const Split& split) {
-  std::string text = head + (reading == Reading::separate ? "+separate" : "");
-  if (split.p * split.q > 1) text += " " + std::to_string(split.p) + "x" + std::to_string(split.q);
-  return text;
+// The first of this build that can run here and has these properties; "" if there is none.
+std::string first(bool (*is)(const Backend&)) {
+  for (const Backend& b : backends()) {
+    if (is(b) && b.why_not({}, {}).empty()) return std::string(b.id);
+  }
+  return "";
 }
 
 class Contests {
@@ -26,36 +28,17 @@ class Contests {
   Contests(int threads, bool quick, const StandIns& with) : threads_(threads), quick_(quick), with_(with) {}
 
   std::vector<PaperContest> all() {
+    const auto [wide, narrow] = wide_and_narrow(threads_);
+    const std::vector<Split> few = {{1, 1}, {std::min(threads_, 4), 1}};
     for (const PaperCell& cell : cells_of_table(2)) {
       if (!wanted(cell)) continue;
-      for (const Reading r : {Reading::shared, Reading::separate}) {
-        for (const Split& s : splits(threads_, 1)) {
-          for (const std::string& solver : dense(s)) add(cell, {"GMKL", 1, s.q, r, with("global/" + solver, r, s)});
-        }
-        add(cell, {"GMA27", 1, 1, r, with("global/" + with_.sparse, r, {})});
+      add_global(cell);
+      add_groups(cell, splits(threads_, cell.groups));
+    }
+    for (const auto& [table, splits] : {std::pair(3, few), {4, few}, {5, {wide, narrow}}}) {
+      for (const PaperCell& cell : cells_of_table(table)) {
+        if (wanted(cell)) add_groups(cell, splits);
       }
-      if (with_.ma27) add(cell, {"MA27 itself", 1, 1, Reading::shared, "global/ma27"});
-      for (const Split& s : splits(threads_, cell.groups)) add_groups(cell, s);
-      add_ours(cell);
-    }
-    for (const PaperCell& cell : cells_of_table(3)) {
-      if (!wanted(cell)) continue;
-      add_groups(cell, {1, 1});
-      add_groups(cell, {std::min(threads_, 4), 1});
-      add_ours(cell);
-    }
-    for (const PaperCell& cell : cells_of_table(4)) {
-      if (!wanted(cell)) continue;
-      add_groups(cell, {1, 1});
-      add_groups(cell, {std::min(threads_, 4), 1});
-      add_ours(cell);
-    }
-    const auto [wide, narrow] = wide_and_narrow(threads_);
-    for (const PaperCell& cell : cells_of_table(5)) {
-      if (!wanted(cell)) continue;
-      add_groups(cell, wide);
-      add_groups(cell, narrow);
-      add_ours(cell);
     }
     return std::move(contests_);
   }
@@ -65,9 +48,6 @@ class Contests {
     return !quick_ || (cell.iterations == 1 ? cell.total() <= kQuickTotal : cell.n <= kQuickUnknowns);
   }
 
-  [[nodiscard]] static std::string with(const std::string& head, Reading reading, const Split& split) {
-    return report::with(head, reading, split);
-  }
   // The solvers that can take a split: a BLAS with threads of its own serves one group at a time.
   [[nodiscard]] std::vector<std::string> dense(const Split& s) const {
     std::vector<std::string> out;
@@ -76,30 +56,38 @@ class Contests {
     return out;
   }
 
-  void add_groups(const PaperCell& cell, const Split& s) {
+  void add_global(const PaperCell& cell) {
     for (const Reading r : {Reading::shared, Reading::separate}) {
-      if (r == Reading::separate && !reads_twice(cell)) continue;
-      for (const std::string& solver : dense(s)) {
-        add(cell, {"GEOMP+MKL", s.p, s.q, r, with("groups/" + solver, r, s)});
+      for (const Split& s : splits(threads_, 1)) {
+        for (const std::string& solver : dense(s)) add(cell, kGlobalDense, "global/" + solver, s, r);
       }
-      if (s.q == 1) add(cell, {"GEOMP+MA27", s.p, 1, r, with("groups/" + with_.sparse, r, s)});
+      add(cell, kGlobalSparse, "global/" + with_.sparse, {}, r);
     }
-    if (with_.ma27 && s.p * s.q == 1) add(cell, {"MA27 itself", 1, 1, Reading::shared, "groups/ma27"});
+    if (with_.ma27) add(cell, "MA27 itself", "global/" + std::string(kMa27));
   }
 
-  void add_ours(const PaperCell& cell) {
-    for (const char* strategy : {"auto", "groups/lanes:8", "irreducible/lanes:8"}) {
-      add(cell, {strategy, 1, 1, Reading::shared, strategy});
+  void add_groups(const PaperCell& cell, const std::vector<Split>& splits) {
+    for (const Split& s : splits) {
+      for (const Reading r : {Reading::shared, Reading::separate}) {
+        if (r == Reading::separate && !reads_twice(cell)) continue;
+        for (const std::string& solver : dense(s)) add(cell, kDense, "groups/" + solver, s, r);
+        if (s.q == 1) add(cell, kSparse, "groups/" + with_.sparse, s, r);
+      }
+      if (with_.ma27 && s == Split{}) add(cell, "MA27 itself", "groups/" + std::string(kMa27));
     }
+    for (const std::string& strategy : ours()) add(cell, strategy, strategy);
   }
 
-  void add(const PaperCell& cell, Entrant entrant) {
+  void add(const PaperCell& cell, std::string_view version, std::string strategy, const Split& split = {},
+           Reading reading = Reading::shared) {
+    if (reading == Reading::separate) strategy += "+separate";
+    if (split != Split{}) strategy += " " + text_of(split);
     auto at =
         std::find_if(contests_.begin(), contests_.end(), [&](const PaperContest& c) { return c.cell.same_work(cell); });
     if (at == contests_.end()) at = contests_.insert(at, {cell, {}});
-    const bool known = std::any_of(at->entrants.begin(), at->entrants.end(),
-                                   [&](const Entrant& e) { return e.strategy == entrant.strategy; });
-    if (!known) at->entrants.push_back(std::move(entrant));
+    const bool known =
+        std::any_of(at->entrants.begin(), at->entrants.end(), [&](const Entrant& e) { return e.strategy == strategy; });
+    if (!known) at->entrants.push_back({std::string(version), split, reading, std::move(strategy)});
   }
 
   int threads_;
@@ -112,11 +100,20 @@ class Contests {
 
 StandIns stand_ins() {
   StandIns out;
-  out.dense = runs_here("lapack") ? "lapack" : "eigen";
-  out.threaded = runs_here("team") ? "team" : "";
-  out.sparse = runs_here("klu") ? "klu" : "lanes";
-  out.ma27 = runs_here("ma27");
+  out.dense = first([](const Backend& b) { return b.dense && b.threads && !b.own_loops; });  // a BLAS, as MKL is
+  if (out.dense.empty()) out.dense = first([](const Backend& b) { return b.dense; });
+  out.threaded = first([](const Backend& b) { return b.dense && b.threads && b.own_loops; });
+  // As MA27, one matrix after the other, and steadily.
+  out.sparse = first([](const Backend& b) { return !b.dense && b.keeps_pivots && !b.fills_lanes; });
+  if (out.sparse.empty()) out.sparse = first([](const Backend& b) { return !b.dense && b.keeps_pivots; });
+  out.ma27 = find_backend(backends(), kMa27).why_not({}, {}).empty();
   return out;
+}
+
+const std::vector<std::string>& ours() {
+  static const std::string kLanes = first([](const Backend& b) { return b.fills_lanes; }) + ":8";
+  static const std::vector<std::string> kOurs = {std::string(kAuto), "groups/" + kLanes, "irreducible/" + kLanes};
+  return kOurs;
 }
 
 std::vector<Split> splits(int threads, int groups) {
@@ -153,7 +150,7 @@ constexpr double kPerFlop = 0.5e-9, kPerCopied = 2e-9, kPerUnknown = 0.3e-6;  //
 constexpr double kPerEntrant = 0.05, kPerPrepared = 20e-6;                    // s; s for each unknown
 constexpr double kStepsAtLeast = 7;  // as the start posture, its verification and three rounds take
 
-bool is_dense(const Entrant& entrant) { return entrant.version == "GMKL" || entrant.version == "GEOMP+MKL"; }
+bool is_dense(const Entrant& e) { return e.version == kGlobalDense || e.version == kDense; }
 
 double counted(const PaperCell& cell, const Entrant& entrant) {
   const double factorisations = cell.iterations + (entrant.reading == Reading::separate ? 2.0 : 1.0);
@@ -167,7 +164,7 @@ double counted(const PaperCell& cell, const Entrant& entrant) {
 
 // What one of them tells of another one: the same solver and formulation.
 std::string kind(const Entrant& entrant) {
-  return entrant.strategy.substr(0, entrant.strategy.find_first_of("+ ")) + (entrant.q > 1 ? " threaded" : "");
+  return entrant.strategy.substr(0, entrant.strategy.find_first_of("+ ")) + (entrant.split.q > 1 ? " threaded" : "");
 }
 
 }  // namespace

@@ -6,31 +6,31 @@
 #include <string>
 #include <vector>
 
-#include "report/paper/cells.hpp"
+#include "report/paper/paper.hpp"
 
 namespace assur::report {
 
-// The solvers that stand for the paper's on this machine.
+// The solvers that stand for the paper's on this machine, by their properties; ids of backends.
 struct StandIns {
-  std::string dense;     // for MKL, one thread in each: "lapack"
-  std::string threaded;  // for MKL with several threads in each of several groups: "team"; "": there is none
-  std::string sparse;    // for MA27: "klu"
+  std::string dense;     // for MKL, one thread in each group
+  std::string threaded;  // for MKL with several threads in each of several groups; "": there is none
+  std::string sparse;    // for MA27
   bool ma27 = false;     // itself is there as well, for one thread
 };
 [[nodiscard]] StandIns stand_ins();
 
+// What this library has of its own, beside the paper's versions: auto, and the solver that fills lanes.
+[[nodiscard]] const std::vector<std::string>& ours();
+
 // One thing to run in a cell.
 struct Entrant {
   std::string version;
-  int p = 1, q = 1;
+  Split split;
   Reading reading = Reading::shared;
   std::string strategy;
 };
 
-// Groups at once x threads in each, p q <= threads, p <= groups: 1 to 4, then 6, 8, 12, 16, ...
-struct Split {
-  int p = 1, q = 1;
-};
+// p q <= threads, p <= groups: 1 to 4, then 6, 8, 12, 16, ...
 [[nodiscard]] std::vector<Split> splits(int threads, int groups);
 
 // Table 5's 6x2 and 2x6, as far as the threads go: 2x1 and 1x2 of two, 4x1 and 1x4 of four, 6x2 and 2x6 of twelve.

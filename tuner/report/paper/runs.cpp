@@ -9,15 +9,12 @@
 #include "assur/plan.hpp"
 #include "assur/simulator.hpp"
 #include "measure/deviation.hpp"
-#include "measure/noise.hpp"
 #include "measure/race.hpp"
 #include "measure/step_times.hpp"
 #include "measure/ways.hpp"
 #include "median.hpp"
 #include "numbers.hpp"
 #include "output/format.hpp"
-#include "report/grid_run.hpp"
-#include "report/paper/cells.hpp"
 
 namespace assur::report {
 namespace {
@@ -30,7 +27,7 @@ constexpr double kCondition = 23;        // at most, of all these mechanisms
 constexpr double kConverged = 8 * kEps;  // where Newton's method ends
 constexpr double kVerification = 0.02;   // s of steps that are compared, from 2 to 50 of them
 constexpr double kBlock = 2e-3;          // s of steps that are timed together, at least
-constexpr double kShort = 0.02;          // s: steps that can have some rounds more
+constexpr double kShort = 0.02;          // s: steps that can have some rounds more, and need to be got ready for
 constexpr int kRoundsOfTheShort = 7;
 constexpr double kSecondsOfTheShort = 2;
 constexpr double kMeterSeconds = 0.25;  // the counters tick each millisecond
@@ -45,6 +42,79 @@ struct Yardstick {
   double residual = 0;
 };
 
+// A strategy to be timed: step after step over the time grid of its scene, again from the start when that ends.
+class GridRun final : public measure::Workload {
+ public:
+  // iterations: as StepLimits has them; cores: to pin to, used only if there is one for each thread. Throws Error as
+  // Simulator does.
+  GridRun(const Prepared& prepared, int iterations, const std::vector<int>& cores)
+      : grid_(prepared.time), threads_(most_threads(prepared.plan)) {
+    StepLimits limits{.iterations = iterations};
+    if (prepared.plan.run.threads > 1 && static_cast<std::size_t>(threads_) <= cores.size()) limits.pin_to = cores;
+    pinned_ = !limits.pin_to.empty();
+    simulator_.emplace(prepared, limits);
+    at_start_ = simulator_->report().counters;
+  }
+
+  // Outputs of the first steps: count rows of columns(). Throws Error (numerical) if one fails.
+  std::vector<double> first_steps(int count) {
+    std::vector<double> rows;
+    const double begin = StepTimes::steady();
+    for (int k = 0; k < count; ++k) {
+      if (!advance()) throw Error(Error::Kind::numerical, std::string(name(simulator_->report().status.code)));
+      rows.insert(rows.end(), simulator_->outputs().begin(), simulator_->outputs().end());
+    }
+    seconds_ = (StepTimes::steady() - begin) / count;
+    return rows;
+  }
+
+  // Long steps need no preparation, and would take too long for it.
+  void get_ready(int) override {
+    if (seconds_ > kShort) return;
+    const auto step = [this] { (void)advance(); };
+    threads_ > 1 ? measure::repeat_for(pinned_ ? measure::kUntilAwake : measure::kUntilSpread, step) : step();
+  }
+  bool run(int calls) override {
+    const double begin = StepTimes::steady();
+    bool ok = true;
+    for (int i = 0; i < calls; ++i) ok = advance() && ok;
+    seconds_ = (StepTimes::steady() - begin) / calls;
+    return ok;
+  }
+
+  [[nodiscard]] const std::vector<std::string>& columns() const { return simulator_->columns(); }
+  [[nodiscard]] const ErrorFigures& error() const { return simulator_->report().error; }
+  [[nodiscard]] double seconds() const { return seconds_; }  // of a step, when it was last run
+  [[nodiscard]] double iterations() const {                  // of Newton's method, of a group and step, mean
+    const Counters& now = simulator_->report().counters;
+    return static_cast<double>(now.newton_iterations - at_start_.newton_iterations) /
+           static_cast<double>(std::max<std::int64_t>(now.group_solutions - at_start_.group_solutions, 1));
+  }
+
+ private:
+  static int most_threads(const Plan& plan) {
+    int q = 1;
+    for (const Plan::Choice& c : plan.choices) q = std::max(q, c.solver.threads);
+    return plan.run.threads * q;
+  }
+  bool advance() {
+    if (next_ > grid_.steps()) {
+      simulator_->reset();
+      at_start_ = simulator_->report().counters;
+      next_ = 1;
+    }
+    return simulator_->step(grid_.time(next_++)).arrived();
+  }
+
+  TimeGrid grid_;
+  int threads_;
+  bool pinned_ = false;
+  std::optional<Simulator> simulator_;
+  Counters at_start_;
+  std::int64_t next_ = 1;
+  double seconds_ = 0;
+};
+
 struct Contender {
   PaperTiming timing;
   std::unique_ptr<GridRun> run;
@@ -52,39 +122,32 @@ struct Contender {
 
 class PaperExperiments {
  public:
-  explicit PaperExperiments(const PaperOptions& options) : options_(options), begin_(StepTimes::steady()) {
-    const Machine machine = this_machine();
-    cores_ = machine.cores;
-    out_.threads = options.threads > 0 ? options.threads : machine.budget().threads;
-    watch_.emplace(out_.threads);
-    out_.quick = options.quick;
+  explicit PaperExperiments(const PaperOptions& options)
+      : options_(options),
+        begin_(StepTimes::steady()),
+        cores_(this_machine().cores),
+        watch_(options.conditions.threads) {
+    out_.threads = options.conditions.threads;
+    out_.quick = options.conditions.quick;
     out_.stand_ins = stand_ins();
   }
 
   PaperResults run() {
-    std::vector<PaperContest> left = contests(out_.threads, options_.quick, out_.stand_ins);
+    std::vector<PaperContest> left = contests(out_.threads, out_.quick, out_.stand_ins);
     std::stable_sort(left.begin(), left.end(),
                      [this](const PaperContest& a, const PaperContest& b) { return least(a) < least(b); });
-    const std::size_t all = left.size();
     while (!left.empty() && !stopped()) {
-      if (options_.progress) {
-        const double of_cells = static_cast<double>(all - left.size()) / static_cast<double>(all);
-        options_.progress(std::min(1.0, std::max(of_cells, elapsed() / options_.seconds)),
-                          "the paper, total size " + std::to_string(left[0].cell.total()));
-      }
       hold(left);
       left.erase(left.begin());
     }
     out_.interrupted = stopped();
-    out_.seconds = elapsed();
     out_.noise = measure::judge(noise());
-    if (options_.progress && !out_.interrupted) options_.progress(1, "the paper");
     return std::move(out_);
   }
 
  private:
   [[nodiscard]] measure::Noise noise() const {
-    measure::Noise noise = watch_->noise();
+    measure::Noise noise = watch_.noise();
     noise.disturbed =
         static_cast<double>(blocks_.disturbed) / static_cast<double>(std::max<std::int64_t>(blocks_.blocks, 1));
     std::vector<double> spreads;
@@ -94,7 +157,7 @@ class PaperExperiments {
     noise.scatter = spreads.empty() ? 0 : median(std::move(spreads));
     return noise;
   }
-  [[nodiscard]] bool stopped() const { return options_.interrupted && options_.interrupted(); }
+  [[nodiscard]] bool stopped() const { return options_.conditions.interrupted(); }
   [[nodiscard]] double elapsed() const { return StepTimes::steady() - begin_; }
   [[nodiscard]] double least(const PaperContest& contest) const {
     double sum = 0;
@@ -105,7 +168,7 @@ class PaperExperiments {
   // The first of those left.
   void hold(const std::vector<PaperContest>& left) {
     const PaperContest& contest = left[0];
-    const double time_left = options_.seconds - elapsed();
+    const double time_left = options_.conditions.seconds - elapsed();
     const std::vector<std::vector<bool>> chosen = affordable(left, costs_, kShareExpected * time_left);
     double others = 0;
     for (std::size_t c = 1; c < left.size(); ++c) {
@@ -121,7 +184,12 @@ class PaperExperiments {
     std::vector<Contender> contenders;
     for (std::size_t e = 0; e < contest.entrants.size() && !stopped(); ++e) {
       const Entrant& entrant = contest.entrants[e];
-      Contender c = named(contest.cell, entrant);
+      Contender c;
+      c.timing = {.cell = contest.cell,
+                  .version = entrant.version,
+                  .split = entrant.split,
+                  .strategy = entrant.strategy,
+                  .reading = entrant.reading};
       if (!chosen[0][e]) {
         c.timing.why_not = "did not fit into the time that was left: some " +
                            output::duration(costs_.step(contest.cell, entrant)) + " a step";
@@ -138,17 +206,6 @@ class PaperExperiments {
       if (t.timed() && contest.cell.iterations == cells_of_table(4)[0].iterations) weigh(contenders[e]);
       out_.times.push_back(std::move(t));
     }
-  }
-
-  static Contender named(const PaperCell& cell, const Entrant& entrant) {
-    Contender c;
-    c.timing.cell = cell;
-    c.timing.version = entrant.version;
-    c.timing.p = entrant.p;
-    c.timing.q = entrant.q;
-    c.timing.reading = entrant.reading;
-    c.timing.strategy = entrant.strategy;
-    return c;
   }
 
   [[nodiscard]] PrepareOptions how(const std::string& strategy) const {
@@ -187,7 +244,7 @@ class PaperExperiments {
 
   // By a solver that is quick at all sizes, in a way that no entrant takes.
   [[nodiscard]] Yardstick make_yardstick(const Scene& scene, const PaperCell& cell) const {
-    const Entrant sparse{"GEOMP+MA27", 1, 1, Reading::shared, "groups/" + out_.stand_ins.sparse};
+    const Entrant sparse{std::string(kSparse), {}, Reading::shared, "groups/" + out_.stand_ins.sparse};
     GridRun run(prepare(scene, how("global/" + out_.stand_ins.sparse + "+refine")), 0, {});
     Yardstick out;
     out.rows = run.first_steps(steps_to_verify(costs_.step(cell, sparse)));
@@ -203,7 +260,7 @@ class PaperExperiments {
       runners.push_back({.work = c.run.get()});
       round += std::max(c.run->seconds(), kBlock);
     }
-    take_turns(runners, std::max(seconds, kRoundsAtLeast * round), options_.quick ? 11 : 21);
+    take_turns(runners, std::max(seconds, kRoundsAtLeast * round), out_.quick ? 11 : 21);
     take_turns(short_of_rounds(runners), kSecondsOfTheShort, kRoundsOfTheShort);
     for (Contender& c : contenders) {
       for (const measure::Runner& r : runners) {
@@ -219,9 +276,7 @@ class PaperExperiments {
     rules.least_rounds = std::min(rules.least_rounds, most_rounds);
     rules.most_rounds = most_rounds;
     rules.hopeless = kInfinity;  // the slow ones are wanted too
-    measure::Instruments instruments;
-    instruments.stop = [this] { return stopped(); };
-    const measure::RaceFigures figures = measure::race(runners, rules, instruments);
+    const measure::RaceFigures figures = measure::race(runners, rules, options_.conditions.instruments());
     blocks_.blocks += figures.blocks;
     blocks_.disturbed += figures.disturbed;
   }
@@ -246,19 +301,19 @@ class PaperExperiments {
     t.steps_timed = static_cast<std::int64_t>(r.seconds.size()) * r.calls;
   }
 
-  // Energy of one step, from as many as the counters can tell apart.
+  // Energy of a run, from as many steps as the counters can tell apart.
   void weigh(Contender& c) const {
     if (!options_.meter.why_not().empty() || stopped()) return;
     const int calls = std::max(1, static_cast<int>(std::ceil(kMeterSeconds / c.timing.seconds)));
     const std::vector<std::int64_t> before = options_.meter.read();
     if (!c.run->run(calls)) return;
-    c.timing.joules = options_.meter.joules(before, options_.meter.read()) / calls;
+    c.timing.joules = options_.meter.joules(before, options_.meter.read()) / calls * c.timing.cell.steps;
   }
 
   const PaperOptions& options_;
   double begin_;
   std::vector<int> cores_;
-  std::optional<measure::NoiseWatch> watch_;
+  measure::NoiseWatch watch_;
   measure::RaceFigures blocks_;
   PaperCosts costs_;
   PaperResults out_;

@@ -1,27 +1,21 @@
 // The paper's experiments, run on this machine: every strategy of a cell verified, then all of them timed in turns.
 #pragma once
 
-#include <functional>
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "assur/performance.hpp"
 #include "measure/noise.hpp"
 #include "report/energy.hpp"
-#include "report/paper/cells.hpp"
 #include "report/paper/plan.hpp"
+#include "report/sections.hpp"
 
 namespace assur::report {
 
 struct PaperOptions {
-  double seconds = 75;  // for everything
-  bool quick = true;    // small cells only
-  int threads = 0;      // 0: the machine's budget
-  std::function<bool()> interrupted = {};
-  std::function<void(double fraction, const std::string& what)> progress = {};
-  double watts = 0;                                         // of the processor (thermal design power); 0: not known
+  Conditions conditions;
   std::shared_ptr<const PerformanceModel> model = nullptr;  // that `auto` decides by; null: machine_model()
+  double watts = 0;                                         // of the processor (thermal design power); 0: not known
   EnergyMeter meter = EnergyMeter();
 };
 
@@ -30,7 +24,6 @@ struct PaperResults {
   StandIns stand_ins;
   int threads = 1;
   bool quick = true, interrupted = false;
-  double seconds = 0;  // that all of it took
   measure::Judgement noise = {};
 };
 
