@@ -147,6 +147,7 @@ Status JacobianSolver::refine(const Pack& pack, const LaneArray& b, double* x, c
 // By factors of J itself, which do not serve as they are where they grew.
 Status JacobianSolver::refine_grown(const Pack& pack, const LaneArray& b, double* x, Counters& counters,
                                     double& residual) {
+  if (!(residual > kPivotsGrew)) return {};
   int rounds = 0;
   const Status s = refine(pack, b, x, {kPivotsGrew, kInfinity, false}, counters, residual, rounds);
   refined_ += std::int64_t{pack.used} * std::min(rounds, kMostRefinements);
