@@ -203,17 +203,12 @@ std::vector<std::string> Animation::notes() const {
 
 std::string Animation::page(const std::vector<std::string>& about) const {
   std::string body = "<h1>" + escaped(name_) + "</h1>\n";
-  if (!ended_.empty()) body += "<p class=\"ended\">" + escaped(ended_) + ".</p>\n";
+  if (!ended_.empty()) body += paragraph(ended_ + ".", "ended");
   body.append(animation_body());
-  body += "<p class=\"faint\">";
-  bool first = true;
-  for (const auto& sentences : {notes(), about}) {
-    for (const std::string& sentence : sentences) {
-      body += (first ? "" : "<br>") + escaped(sentence);
-      first = false;
-    }
-  }
-  body += "</p>\n<script type=\"application/json\" id=\"motion\">" + data() + "</script>\n<script>\n";
+  std::vector<std::string> sentences = notes();
+  sentences.insert(sentences.end(), about.begin(), about.end());
+  body += paragraph(sentences, "faint") + "<script type=\"application/json\" id=\"motion\">" + data() +
+          "</script>\n<script>\n";
   body.append(animation_script()).append("</script>\n");
   return html_page(name_, animation_style(), body);
 }

@@ -144,11 +144,9 @@ HtmlTable table_of_verdicts(const ComparisonSummary& s) {
 
 std::string comparison_page(const ComparisonSummary& s, const std::vector<std::string>& origin) {
   const std::string title = s.scene + ": error against run time";
-  std::string body = "<h1>" + escaped(title) + "</h1>\n<p class=\"faint\">" +
-                     escaped(output::counted(s.result.steps, "step") + " of " + output::number(s.step) + " s.");
-  for (const std::string& sentence : origin) body += "<br>" + escaped(sentence);
-  body += "</p>\n";
-  body += work_precision_figure(s);
+  std::vector<std::string> lines = {output::counted(s.result.steps, "step") + " of " + output::number(s.step) + " s."};
+  lines.insert(lines.end(), origin.begin(), origin.end());
+  std::string body = "<h1>" + escaped(title) + "</h1>\n" + paragraph(lines, "faint") + work_precision_figure(s);
   if (s.result.no_yardstick.empty()) {
     body +=
         paragraph("Dotted: the accuracies that auto was asked for. Numbers: the front, as in the last table.", "faint");

@@ -1,5 +1,7 @@
 #include "pictures/html.hpp"
 
+#include <array>
+
 namespace assur::pictures {
 namespace {
 
@@ -31,17 +33,7 @@ th.words, td.words { white-space: normal; min-width: 7rem; }
 tr.strong td { background: var(--tint); font-weight: 600; }
 )";
 
-std::string_view css_class(HtmlTable::Column column) {
-  switch (column) {
-    case HtmlTable::Column::text:
-      return "";
-    case HtmlTable::Column::number:
-      return " class=\"number\"";
-    case HtmlTable::Column::words:
-      return " class=\"words\"";
-  }
-  return "";
-}
+constexpr std::array<std::string_view, 3> kClasses = {"", " class=\"number\"", " class=\"words\""};  // of columns
 
 // A line may also end behind these, where lines may end at all.
 std::string breakable(const std::string& text, std::string_view behind) {
@@ -56,7 +48,7 @@ std::string breakable(const std::string& text, std::string_view behind) {
 std::string row(const HtmlTable& table, const HtmlTable::Row& row, std::string_view element) {
   std::string out = row.css_class.empty() ? "<tr>" : "<tr class=\"" + row.css_class + "\">";
   for (std::size_t c = 0; c < row.cells.size(); ++c) {
-    out.append("<").append(element).append(css_class(table.columns[c])).append(">");
+    out.append("<").append(element).append(kClasses[static_cast<std::size_t>(table.columns[c])]).append(">");
     const std::string_view behind = element == "th" ? "+/" : "+";
     out.append(breakable(escaped(row.cells[c]), behind)).append("</").append(element).append(">");
   }
@@ -68,22 +60,8 @@ std::string row(const HtmlTable& table, const HtmlTable::Row& row, std::string_v
 std::string escaped(std::string_view text) {
   std::string out;
   for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
+    const std::string_view name = c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '"' ? "&quot;" : "";
+    name.empty() ? out.push_back(c) : static_cast<void>(out += name);
   }
   return out;
 }
@@ -96,10 +74,11 @@ std::string html(const HtmlTable& table, std::string_view css_class) {
   return out + "</tbody></table></div>\n";
 }
 
-std::string paragraph(std::string_view text, std::string_view css_class) {
+std::string paragraph(const std::vector<std::string>& lines, std::string_view css_class) {
   std::string out = "<p";
   if (!css_class.empty()) out.append(" class=\"").append(css_class).append("\"");
-  return out.append(">").append(escaped(text)).append("</p>\n");
+  for (std::size_t i = 0; i < lines.size(); ++i) out.append(i == 0 ? ">" : "<br>").append(escaped(lines[i]));
+  return out.append(lines.empty() ? ">" : "").append("</p>\n");
 }
 
 std::string html_page(std::string_view title, std::string_view style, std::string_view body) {

@@ -46,8 +46,11 @@ template <class Thing>
   return table;
 }
 
-// "<p>text</p>", escaped.
-[[nodiscard]] std::string paragraph(std::string_view text, std::string_view css_class = {});
+// "<p>text</p>", escaped; of several texts a line each.
+[[nodiscard]] std::string paragraph(const std::vector<std::string>& lines, std::string_view css_class = {});
+[[nodiscard]] inline std::string paragraph(const std::string& text, std::string_view css_class = {}) {
+  return paragraph(std::vector{text}, css_class);
+}
 
 // The whole page, light and dark; `style`: of what the body has beyond text and tables.
 [[nodiscard]] std::string html_page(std::string_view title, std::string_view style, std::string_view body);

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "output/format.hpp"
-#include "pictures/html.hpp"
 #include "pictures/plot.hpp"
 #include "pictures/quantities.hpp"
+#include "pictures/svg.hpp"
 
 namespace assur::pictures {
 namespace {
@@ -55,8 +55,7 @@ std::string key(const Quantity& q) {
   std::string out;
   for (std::size_t i = 0; q.columns.size() > 1 && i < q.columns.size(); ++i) {
     const int x = kDiagram.width - 20 * static_cast<int>(q.columns.size() - i);
-    out += "<text class=\"key c" + std::to_string(i) + "\" x=\"" + std::to_string(x) + "\" y=\"14\">" + "xyz"[i] +
-           "</text>\n";
+    out += svg::text("key c" + std::to_string(i), x, 14, "start", std::string_view("xyz").substr(i, 1));
   }
   return out;
 }
@@ -102,10 +101,9 @@ std::string outputs_over_time(const Prepared& prepared, const Trajectory& trajec
                     "\" viewBox=\"0 0 " + width + " " + height + "\" style=\"max-width:100%;height:auto\">\n<style>\n" +
                     style() + "</style>\n";
   out += "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n";
-  out += "<text class=\"head\" x=\"2\" y=\"24\">" + escaped(prepared.name) + "</text>\n";
+  out += svg::text("head", 2, 24, "start", prepared.name);
   for (std::size_t i = 0; i < below.size(); ++i) {
-    out += "<text class=\"faint\" x=\"2\" y=\"" + std::to_string(kHead + kLine * static_cast<int>(i)) + "\">" +
-           escaped(below[i]) + "</text>\n";
+    out += svg::text("faint", 2, kHead + kLine * static_cast<int>(i), "start", below[i]);
   }
   for (std::size_t i = 0; i < shown; ++i, y += kDiagram.height) {
     out += "<svg y=\"" + std::to_string(y) + "\" width=\"" + width + "\" height=\"" + std::to_string(kDiagram.height) +

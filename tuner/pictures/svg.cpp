@@ -1,18 +1,14 @@
 #include "pictures/svg.hpp"
 
-#include <algorithm>
-
 #include "decimal.hpp"
+#include "output/format.hpp"
 #include "pictures/html.hpp"
 
 namespace assur::pictures::svg {
 
 std::string at(double value) { return fixed(value, 1); }
 
-double width(std::string_view text) {
-  const auto starts = [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; };
-  return kLetter * static_cast<double>(std::count_if(text.begin(), text.end(), starts));
-}
+double width(std::string_view text) { return kLetter * static_cast<double>(output::display_width(text)); }
 
 std::string text(std::string_view css_class, double x, double y, std::string_view anchor, std::string_view what) {
   std::string out = "<text class=\"";

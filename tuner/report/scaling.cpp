@@ -105,20 +105,22 @@ class Contest {
   std::vector<Entry> entries_;
 };
 
-// Each over the last one before it that is a first: of the same scene and solver.
+// Each over the first of the same scene and solver.
 HtmlTable table_of_speed_ups(Section& out, const std::vector<Measurement>& times,
                              const std::function<bool(const Measurement&)>& is_first) {
   using enum HtmlTable::Column;
   HtmlTable table{{"what", "strategy", "step", "repetitions", "spread", "error", "speed-up"},
                   {text, text, number, number, number, number, number},
                   {}};
-  double first = 0;
+  const auto solver = [](const Measurement& m) { return parse_strategy(m.strategy).backend; };
   for (const Measurement& m : times) {
-    if (is_first(m)) first = m.value;
-    const double speed_up = first > 0 ? first / m.value : kNan;
+    const auto first = std::find_if(times.begin(), times.end(), [&](const Measurement& f) {
+      return is_first(f) && f.item == m.item && solver(f) == solver(m);
+    });
+    const double speed_up = first != times.end() ? first->value / m.value : kNan;
     table.rows.push_back({{m.item, m.strategy, value_text(m), std::to_string(m.repetitions), percent(m.spread),
-                           output::error_figure(m.error), output::fixed(speed_up)}});
-    out.measurements.push_back(derived(m, "speed-up", speed_up, "ratio of the times above"));
+                           output::error_figure(m.error), std::isnan(speed_up) ? "-" : output::fixed(speed_up)}});
+    if (!std::isnan(speed_up)) out.measurements.push_back(derived(m, "speed-up", speed_up, "ratio of the times above"));
   }
   return table;
 }
