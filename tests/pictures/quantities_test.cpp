@@ -30,7 +30,7 @@ TEST(Quantities, AreThoseOfTheColumnsWithTheirUnits) {
 }
 
 TEST(Quantities, OfASceneThatWantsEverythingScalarsComeFirst) {
-  const auto all = worth_showing(*prepare(sample("stewart")).structure);
+  const auto all = quantities(*prepare(sample("stewart")).structure);
   EXPECT_EQ(all[0].title, "handle1");
   EXPECT_EQ(all[17].output, "handle6");
   for (std::size_t i = 18; i < all.size(); ++i) EXPECT_EQ(all[i].columns.size(), 3u);

@@ -73,7 +73,7 @@ Animation::Animation(const Prepared& wanted, const Prepared& shown, std::int64_t
     }
   }
   // Positions that were added stand behind what was asked for: that has the same columns here.
-  shown_ = worth_showing(*wanted.structure);
+  shown_ = quantities(*wanted.structure);
   quantities_ = shown_.size();
   if (shown_.size() > kMostQuantities) shown_.resize(kMostQuantities);
   for (Quantity& q : shown_) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "output/comparison_report.hpp"
 #include "pictures/html.hpp"

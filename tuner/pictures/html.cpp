@@ -61,7 +61,7 @@ std::string escaped(std::string_view text) {
   std::string out;
   for (const char c : text) {
     const std::string_view name = c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '"' ? "&quot;" : "";
-    name.empty() ? out.push_back(c) : static_cast<void>(out += name);
+    out += name.empty() ? std::string_view(&c, 1) : name;
   }
   return out;
 }

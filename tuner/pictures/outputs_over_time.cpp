@@ -91,7 +91,7 @@ std::vector<std::string> sentences(const std::vector<Quantity>& all, const std::
 }  // namespace
 
 std::string outputs_over_time(const Prepared& prepared, const Trajectory& trajectory, const std::string& why_ended) {
-  const std::vector<Quantity> all = worth_showing(*prepared.structure);
+  const std::vector<Quantity> all = quantities(*prepared.structure);
   const std::vector<std::string> below = sentences(all, why_ended);
   const std::size_t shown = std::min(all.size(), kMostDiagrams);
   int y = kHead + kLine * static_cast<int>(below.size());

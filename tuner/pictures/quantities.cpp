@@ -37,11 +37,6 @@ std::vector<Quantity> quantities(const Structure& structure) {
       for (std::size_t k = 0; k < o.part_count; ++k) q.columns.push_back(column++);
     }
   }
-  return all;
-}
-
-std::vector<Quantity> worth_showing(const Structure& structure) {
-  std::vector<Quantity> all = quantities(structure);
   if (structure.system->outputs.empty()) {
     std::stable_partition(all.begin(), all.end(), [](const Quantity& q) { return q.columns.size() == 1; });
   }

@@ -17,11 +17,8 @@ struct Quantity {
   std::vector<std::size_t> columns;  // indices into Trajectory::columns()
 };
 
-// Everything that the scene's outputs name, in the order of the columns.
+// Everything that the scene's outputs name, in the order in which it is shown: as asked for; of a scene that wants
+// everything scalars come first, such as its measures.
 [[nodiscard]] std::vector<Quantity> quantities(const Structure& structure);
-
-// The same in the order in which they are shown: as asked for; of a scene that wants everything scalars come first,
-// such as its measures.
-[[nodiscard]] std::vector<Quantity> worth_showing(const Structure& structure);
 
 }  // namespace assur::pictures

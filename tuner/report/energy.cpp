@@ -1,6 +1,5 @@
 #include "report/energy.hpp"
 
-#include <algorithm>
 #include <fstream>
 #include <optional>
 

@@ -7,7 +7,6 @@
 #include "output/format.hpp"
 #include "pictures/plot.hpp"
 #include "pictures/ticks.hpp"
-#include "report/section.hpp"
 #include "report/sections.hpp"
 #include "tuning/refinement.hpp"
 #include "tuning/replay.hpp"

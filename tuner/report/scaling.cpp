@@ -10,7 +10,6 @@
 #include "measure/race.hpp"
 #include "output/format.hpp"
 #include "pictures/plot.hpp"
-#include "pictures/ticks.hpp"
 #include "report/sections.hpp"
 
 namespace assur::report {

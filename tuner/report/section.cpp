@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <locale>
 #include <numeric>
 #include <sstream>
 

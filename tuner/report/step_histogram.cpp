@@ -9,7 +9,6 @@
 #include "output/format.hpp"
 #include "pictures/plot.hpp"
 #include "pictures/ticks.hpp"
-#include "report/section.hpp"
 #include "report/sections.hpp"
 
 namespace assur::report {

@@ -2,7 +2,6 @@
 
 #include "output/format.hpp"
 #include "pictures/plot.hpp"
-#include "report/section.hpp"
 #include "report/sections.hpp"
 #include "tuning/replay.hpp"
 

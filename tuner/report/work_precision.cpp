@@ -1,13 +1,11 @@
 #include "measure/work_precision.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "measure/step_times.hpp"
 #include "output/comparison_report.hpp"
 #include "output/format.hpp"
 #include "pictures/comparison_page.hpp"
-#include "report/section.hpp"
 #include "report/sections.hpp"
 
 namespace assur::report {

@@ -6,7 +6,6 @@
 #include <functional>
 #include <optional>
 #include <set>
-#include <utility>
 
 #include "output/format.hpp"
 

@@ -1,11 +1,9 @@
 #include "report/paper/plan.hpp"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 #include "assur/backend.hpp"
-#include "assur/strategy.hpp"
 
 namespace assur::report {
 namespace {

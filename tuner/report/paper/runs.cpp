@@ -71,8 +71,11 @@ class GridRun final : public measure::Workload {
   // Long steps need no preparation, and would take too long for it.
   void get_ready(int) override {
     if (seconds_ > kShort) return;
-    const auto step = [this] { (void)advance(); };
-    threads_ > 1 ? measure::repeat_for(pinned_ ? measure::kUntilAwake : measure::kUntilSpread, step) : step();
+    if (threads_ == 1) {
+      (void)advance();
+    } else {
+      measure::repeat_for(pinned_ ? measure::kUntilAwake : measure::kUntilSpread, [this] { (void)advance(); });
+    }
   }
   bool run(int calls) override {
     const double begin = StepTimes::steady();

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
+#include <tuple>
 #include <utility>
 
 #include "backends/backends.hpp"
@@ -461,7 +463,10 @@ Section table_4(const PaperResults& r, const PaperOptions& options) {
       if (std::isnan(value)) continue;
       Measurement& m = s.measurements.emplace_back(energy(measured(*t), cell, value));
       m.origin = energies.origin;
-      if (energies.counted) m.repetitions = 1, m.spread = 0;
+      if (energies.counted) {
+        m.repetitions = 1;
+        m.spread = 0;
+      }
     }
   }
   finish(s, r, 4);
