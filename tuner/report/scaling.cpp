@@ -111,7 +111,7 @@ HtmlTable table_of_speed_ups(Section& out, const std::vector<Measurement>& times
   HtmlTable table{{"what", "strategy", "step", "repetitions", "spread", "error", "speed-up"},
                   {text, text, number, number, number, number, number},
                   {}};
-  const auto solver = [](const Measurement& m) { return parse_strategy(m.strategy).backend; };
+  const auto solver = [](const Measurement& m) { return parse_strategy(m.strategy).solver.backend; };
   for (const Measurement& m : times) {
     const auto first = std::find_if(times.begin(), times.end(), [&](const Measurement& f) {
       return is_first(f) && f.item == m.item && solver(f) == solver(m);
