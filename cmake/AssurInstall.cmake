@@ -38,6 +38,7 @@ install(FILES db/README.md db/schema.sql DESTINATION ${CMAKE_INSTALL_DOCDIR}/db)
 install(FILES db/migrations/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/db/migrations)
 install(FILES bench/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/bench)
 install(DIRECTORY scenes examples DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} PATTERN *.py EXCLUDE)
 
 configure_file(cmake/tune_on_install.cmake.in tune_on_install.cmake.in @ONLY)
 file(GENERATE OUTPUT ${PROJECT_BINARY_DIR}/tune_on_install.cmake INPUT ${PROJECT_BINARY_DIR}/tune_on_install.cmake.in)

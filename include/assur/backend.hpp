@@ -1,5 +1,5 @@
 // The one interface of a linear solver: analyze once, factorize often, solve many; square systems, batched over the
-// lanes of a pack from the start. How to add a backend: CONTRIBUTING.md, "Where things live".
+// lanes of a pack from the start. How to add a backend: docs/extending.md.
 #pragma once
 
 #include <cstdint>

@@ -73,7 +73,7 @@ class Ensemble {
   ~Ensemble();
 
   // Every member over the time grid of the first one, or over `times`, which begin with its start. The results do not
-  // depend on the number of threads, and on that of lanes by their last bits only (the bound: README.md, "Strategies").
+  // depend on the number of threads, and on that of lanes by their last bits only (the bound: docs/strategies.md).
   // `observer` (rows done, of all members) is called on the calling thread and may return false to stop. Laws and
   // callbacks are called by all threads of the plan; what they throw comes from run(). Throws Error: input if `times`
   // begin elsewhere, descend anywhere or are not finite; environment if there is no memory for the results.

@@ -67,7 +67,7 @@ class Law {
   [[nodiscard]] static Law table(std::vector<double> time, std::vector<double> value, bool periodic = false);
   // t -> {value, rate, acceleration}; must be callable at any time of the run, and again after a rejected step, with
   // the same answer. What it throws passes through the step that asked. The value is trusted; its rate and acceleration
-  // are checked (see README.md, "What is trusted"). `tolerance`: how far they may be off, for laws made of measurements
+  // are checked (see docs/accuracy.md). `tolerance`: how far they may be off, for laws made of measurements
   // whose derivatives are those of another fit; infinite: nothing is checked. Throws Error (input) if it is negative.
   [[nodiscard]] static Law function(std::function<Motion(double)> motion, double tolerance = kDerivativeTolerance);
 

@@ -85,7 +85,7 @@ struct Prepared {
 
 // Analyses the scene and assembles its start posture. Throws Error: input for a strategy text that does not parse or an
 // undetermined scene (the free unknowns are named), a budget of no threads, or laws and Jacobians of the program that
-// are wrong at the start (README.md, "What is trusted"), numerical if the start posture cannot be assembled (group and
+// are wrong at the start (docs/accuracy.md), numerical if the start posture cannot be assembled (group and
 // most violated constraint are named), environment if a forced strategy cannot run here (and why).
 [[nodiscard]] Prepared prepare(const Scene& scene, const PrepareOptions& options = {});
 

@@ -31,7 +31,7 @@ struct Counters {
   Counters& operator+=(const Counters& o);
 };
 
-// Relative errors, the worst of the run; the definitions are those of README.md, "Error". What was not measured is NaN
+// Relative errors, the worst of the run; docs/accuracy.md defines them. What was not measured is NaN
 // (the residuals) or empty, never 0.
 struct ErrorFigures {
   static constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();

@@ -110,7 +110,7 @@ struct OnPlane {  // P - A - lambda d - mu e = 0, 3D
 // Equations given by the user's code, C++ only. `coordinates` names scalars ("P.x", "name.lambda", or a driver of
 // kind `distance` or `coordinate` for its known value); all arguments and results are in SI units and not scaled.
 // Not quadratic: no certificate. The residual is trusted: it says what the mechanism is. Jacobian and curvature are
-// held against differences (README.md, "What is trusted"): the functions are then called next to the posture, too; what
+// held against differences (docs/accuracy.md): the functions are then called next to the posture, too; what
 // they throw there means that they are not defined there.
 struct Callback {
   std::vector<std::string> coordinates;  // m of them

@@ -1,4 +1,4 @@
-// THE table of solvers. How to add one: CONTRIBUTING.md, "Where things live".
+// THE table of solvers. How to add one: docs/extending.md.
 #include <algorithm>
 #include <array>
 

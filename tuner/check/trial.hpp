@@ -21,7 +21,7 @@ struct Trial {
   };
   Verdict verdict = Verdict::undecided;
   std::string what;                // in words
-  std::optional<double> error[3];  // true ones, as README.md, "Error", has them
+  std::optional<double> error[3];  // true ones, as docs/accuracy.md has them
   std::optional<double> estimated[3];
   double condition = 0;  // of the plain equations, the worst of the rows
   double time = 0;       // where it went wrong

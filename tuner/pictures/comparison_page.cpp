@@ -154,9 +154,9 @@ std::string comparison_page(const ComparisonSummary& s, const std::vector<std::s
   if (!s.accuracies.empty()) body += "<h2>What auto makes of an accuracy</h2>\n" + html(table_of_verdicts(s));
   body += "<h2>Every way, the fastest first</h2>\n" + html(table_of_rows(s));
   body += paragraph(
-      "Errors: against a solution in quad precision, the worst over the run, as \"Error\" of the README defines them; "
-      "estimate: the worst that the run itself expects. Times: medians of rounds in which all took their turns, and "
-      "their median absolute deviation.",
+      "Errors: against a solution in quadruple precision, the worst of the run, as defined in docs/accuracy.md. "
+      "Estimate: the largest estimated error of the run. Times: medians of rounds in which all strategies took their "
+      "turns, and their median absolute deviation.",
       "faint");
   return html_page(title, plot_style(), body);
 }
