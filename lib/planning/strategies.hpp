@@ -22,7 +22,7 @@ inline constexpr std::array kTypicalPredictors = {
 
 // What may vary, each with every other.
 struct StrategySpace {
-  std::vector<Formulation> formulations = {Formulation::irreducible};
+  std::vector<Formulation> formulations = {RunSettings{}.formulation};
   std::vector<std::int32_t> packs = {1};        // P, at once
   std::vector<std::int32_t> lanes = {1};        // W
   std::vector<std::int32_t> threads = {1};      // Q, inside the linear algebra

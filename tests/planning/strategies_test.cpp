@@ -75,11 +75,11 @@ TEST(StrategySpace, IsFilteredByShapeNameAndWish) {
   const std::array table = {kPlain, kRich, kInTurns};
   const std::vector<std::string> without = {"rich"};
   const auto listed = [&](const StrategyFilter& filter) { return texts({}, filter); };
-  EXPECT_EQ(listed({.table = table, .shape = {.n = 101}}), std::vector<std::string>{"irreducible/rich"});
+  EXPECT_EQ(listed({.table = table, .shape = {.n = 101}}), std::vector<std::string>{"groups/rich"});
   EXPECT_EQ(listed({.table = table, .without = without}),
-            (std::vector<std::string>{"irreducible/plain", "irreducible/in_turns"}));
+            (std::vector<std::string>{"groups/plain", "groups/in_turns"}));
   EXPECT_EQ(listed({.table = table, .wanted = [](const Backend& b, const Strategy&) { return b.takes_turns; }}),
-            std::vector<std::string>{"irreducible/in_turns"});
+            std::vector<std::string>{"groups/in_turns"});
 }
 
 TEST(StrategySpace, HoldsEveryStrategyOnceAndInItsShortestText) {
