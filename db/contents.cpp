@@ -133,6 +133,7 @@ RunRow run_of(Row& row) {
   r.run.load = row.getColumn(7).getDouble();
   r.microcode = row.getColumn(8).getString();
   r.process = row.getColumn(9).getInt64();
+  r.samples = row.getColumn(15).getInt64();
   r.run.finished = !row.getColumn(10).isNull();
   if (!r.run.finished) return r;
   r.finished = row.getColumn(10).getString();
@@ -231,6 +232,15 @@ void take_sample(Row& row, const Tables& tables, Samples& samples) {
   samples.rows.push_back(std::move(r));
 }
 
+// Files of an older schema are read, too: `otherwise` stands for a column that they do not have.
+std::string column_or(SQLite::Database& database, const std::string& table, const std::string& column,
+                      const std::string& otherwise) {
+  SQLite::Statement find(database, "SELECT 1 FROM pragma_table_info(?1) WHERE name = ?2");
+  find.bind(1, table);
+  find.bind(2, column);
+  return find.executeStep() ? column : otherwise;
+}
+
 }  // namespace
 
 Tables read_origins(SQLite::Database& database, Care care) {
@@ -241,7 +251,8 @@ Tables read_origins(SQLite::Database& database, Care care) {
        [&](Row& row) { tables.machines[row.getColumn(0).getInt64()] = host_of(row); });
   each(database, care,
        "SELECT id, uid, machine, profile, assur, started, threads, load, microcode, process, finished, grade, seconds, "
-       "coverage, note FROM tuning_run",
+       "coverage, note, " +
+           column_or(database, "tuning_run", "samples", "0") + " FROM tuning_run",
        [&](Row& row) {
          RunRow r = run_of(row);
          const auto machine = tables.machines.find(r.machine);
@@ -293,6 +304,12 @@ Samples read_samples(SQLite::Database& database, const Tables& tables, Care care
       "forward_error, checksum FROM sample";
   if (runs.empty()) each(database, care, select, take);
   for (const std::int64_t run : runs) scan(database, select + " WHERE run = " + std::to_string(run), take, false);
+  std::int64_t counted = 0;
+  for (const auto& [id, run] : tables.runs) {
+    if (runs.empty() || std::find(runs.begin(), runs.end(), id) != runs.end()) counted += run.value.samples;
+  }
+  const std::int64_t found = static_cast<std::int64_t>(samples.rows.size()) + samples.damaged + samples.unknown;
+  samples.lost = std::max<std::int64_t>(counted - found, 0);
   return samples;
 }
 

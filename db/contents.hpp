@@ -33,6 +33,7 @@ struct RunRow {
   Run run;
   std::int64_t machine = 0, process = 0;
   std::string microcode, finished;
+  std::int64_t samples = 0;  // as they were counted; 0 in files of an older schema
 };
 
 struct SampleRow {
@@ -53,6 +54,7 @@ struct Samples {
   std::vector<SampleRow> rows;
   std::int64_t damaged = 0;  // their checksum differs, or what they refer to is missing
   std::int64_t unknown = 0;  // whole, but of a kernel or a strategy that this version does not know
+  std::int64_t lost = 0;     // that were counted when they were stored, and are not there
 };
 
 // All tables but that of samples; or first where samples come from (machines, runs, libraries), and what they are of

@@ -1,4 +1,4 @@
--- The tuning database of assur, version 2. The only description of its tables: this file is built into the library.
+-- The tuning database of assur, version 3. The only description of its tables: this file is built into the library.
 -- Units: seconds, bytes. Kernels, strategies and libraries by name, never by a number that another version could read
 -- as something else. How to ask it by hand: db/README.md.
 
@@ -42,7 +42,8 @@ CREATE TABLE tuning_run (
   grade TEXT,                        -- 'good', 'fair', 'noisy'
   seconds REAL,                      -- that it took
   coverage REAL,                     -- of what was planned, 0 to 1
-  note TEXT
+  note TEXT,
+  samples INTEGER NOT NULL DEFAULT 0  -- that it has, as the triggers below count them: what is missing was lost
 ) STRICT;
 
 CREATE TABLE shape (                 -- what is solved: the members of assur::Shape
@@ -94,16 +95,10 @@ CREATE TABLE model (                 -- what was learned from the samples; can b
   PRIMARY KEY (machine, name)
 ) STRICT;
 
-CREATE TABLE fit (                   -- the model as the runtime reads it in place of all samples; can be made anew
-  machine INTEGER PRIMARY KEY REFERENCES machine ON DELETE CASCADE,
-  content BLOB NOT NULL,             -- PerformanceModel::bytes(), of the build that the libraries are of, and a
-                                     -- checksum over the rest of the file: where it differs the samples are read
-  checksum INTEGER NOT NULL          -- over the content; one that differs is not believed
-) STRICT;
--- A fit is of the samples that are there.
-CREATE TRIGGER sample_added AFTER INSERT ON sample BEGIN DELETE FROM fit; END;
-CREATE TRIGGER sample_changed AFTER UPDATE ON sample BEGIN DELETE FROM fit; END;
-CREATE TRIGGER sample_removed AFTER DELETE ON sample BEGIN DELETE FROM fit; END;
+CREATE TRIGGER sample_added AFTER INSERT ON sample
+BEGIN UPDATE tuning_run SET samples = samples + 1 WHERE id = new.run; END;
+CREATE TRIGGER sample_removed AFTER DELETE ON sample
+BEGIN UPDATE tuning_run SET samples = samples - 1 WHERE id = old.run; END;
 
 -- For people. Every time is that of one instance: of a call, divided by the lanes that it serves.
 

@@ -3,7 +3,6 @@
 #include <random>
 
 #include "db/checksum.hpp"
-#include "db/fit.hpp"
 #include "db/repair.hpp"
 #include "db/store_impl.hpp"
 
@@ -62,12 +61,6 @@ bool fits(const Filter& filter, const SampleRow& row, const Tables& tables) {
          (!filter.kernel || *filter.kernel == row.sample.kernel);
 }
 
-void Store::fit_models() {
-  guarded(impl_->file, [&] {
-    db::fit_models(impl_->database, [&](const Library& library) { return library == impl_->library(library.name); });
-  });
-}
-
 std::vector<Sample> Store::samples(const Filter& filter) const {
   return guarded(impl_->file, [&] {
     auto [tables, samples] = read_all(impl_->database);
@@ -87,6 +80,7 @@ Health Store::health() const {
     health.samples = static_cast<std::int64_t>(samples.rows.size());
     health.damaged = samples.damaged;
     health.unknown = samples.unknown;
+    health.lost = samples.lost;
     for (const SampleRow& row : samples.rows) {
       const Library& library = tables.libraries.at(row.library).value;
       if (library != impl_->library(library.name)) ++health.stale;

@@ -69,6 +69,7 @@ struct Answer {
 struct Health {
   std::int64_t samples = 0;           // good ones
   std::int64_t damaged = 0;           // samples whose checksum differs
+  std::int64_t lost = 0;              // samples that were stored, and are not there
   std::int64_t unknown = 0;           // of a kernel or strategy that this version does not know
   std::int64_t stale = 0;             // good ones of another version of their library than the one at hand
   std::vector<std::string> findings;  // of the file's structure
@@ -118,10 +119,6 @@ class Store {
   // runtime does not read it. One for each name; the new one takes the place of the old.
   void put_model(const Host& host, std::string_view name, std::string_view json);
   [[nodiscard]] std::optional<std::string> model(const Host& host, std::string_view name) const;
-
-  // What a program reads instead of all samples, for every machine whose samples are all good and of the libraries at
-  // hand. To be called once samples have been added; until then programs fit for themselves.
-  void fit_models();
 
   // For people; seconds in best and crossovers are those of one instance. Filter::run and library are for samples only.
   [[nodiscard]] Answer sample_rows(const Filter& filter = {}) const;

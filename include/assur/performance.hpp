@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -97,15 +96,8 @@ class PerformanceModel {
   [[nodiscard]] std::size_t samples() const;
   [[nodiscard]] const std::string& source() const;
 
-  // All but the source, for the same build of the library on the same machine: they are read without fitting anew.
-  [[nodiscard]] std::vector<std::byte> bytes() const;
-  // nullopt: they are not what bytes() of this version makes. Wrong numbers are not noticed: keep a checksum.
-  [[nodiscard]] static std::optional<PerformanceModel> from_bytes(std::span<const std::byte> bytes,
-                                                                  std::string source = {});
-
  private:
   struct Impl;
-  explicit PerformanceModel(std::shared_ptr<const Impl> impl);
   std::shared_ptr<const Impl> impl_;
 };
 

@@ -8,7 +8,6 @@
 #include "assur/performance.hpp"
 #include "assur/status.hpp"
 #include "median.hpp"
-#include "planning/bytes.hpp"
 #include "planning/curve.hpp"
 #include "planning/prior.hpp"
 
@@ -23,8 +22,6 @@ constexpr std::array kKernels = {NamedKernel{Kernel::evaluate, "evaluate"}, Name
                                  NamedKernel{Kernel::solve, "solve"},       NamedKernel{Kernel::pack, "pack"},
                                  NamedKernel{Kernel::meeting, "meeting"},   NamedKernel{Kernel::step, "step"}};
 
-constexpr std::int32_t kFormat = 6;  // of bytes(); raised whenever anything is fitted or written otherwise
-
 // What of a strategy a kernel depends on. Solvers differ by backend, precision and threads; W is kept apart, so that
 // another W can stand in.
 struct Variant {
@@ -33,20 +30,6 @@ struct Variant {
   Reuse reuse = Reuse::fresh;
   std::int32_t q = 1, lanes = 1;
 
-  void write(ByteWriter& bytes) const {
-    bytes.put(backend);
-    for (const bool b : {single, refine, once, separate}) bytes.put(b);
-    bytes.put(reuse);
-    bytes.put(q);
-    bytes.put(lanes);
-  }
-  void read(ByteReader& bytes) {
-    bytes.get(backend);
-    for (bool* b : {&single, &refine, &once, &separate}) bytes.get(*b);
-    bytes.get(reuse);
-    bytes.get(q);
-    bytes.get(lanes);
-  }
   friend auto operator<=>(const Variant&, const Variant&) = default;
 };
 
@@ -61,8 +44,8 @@ Variant variant_of(Kernel kernel, const Strategy& s) {
   return v;
 }
 
-struct Cell {            // samples of one cell are of the same thing
-  std::int32_t kernel;   // a Kernel; as wide as the rest, so that a cell has no bytes that mean nothing
+struct Cell {  // samples of one cell are of the same thing
+  Kernel kernel;
   std::int32_t variant;  // its number
   std::uint64_t pattern;
   std::int64_t terms;
@@ -71,16 +54,12 @@ struct Cell {            // samples of one cell are of the same thing
   friend auto operator<=>(const Cell&, const Cell&) = default;
 };
 
-std::int32_t number(Kernel kernel) { return static_cast<std::int32_t>(kernel); }
-
-static_assert(std::has_unique_object_representations_v<Cell>);
-
 // A bare matrix and a group with the same pattern cost a solver the same.
 Cell cell_of(Kernel kernel, const Shape& shape, std::int32_t variant) {
   const bool solver = kernel == Kernel::factor || kernel == Kernel::solve;
   const bool pack = kernel == Kernel::pack;
-  return {number(kernel), variant,   shape.pattern,           solver ? 0 : shape.terms,
-          shape.n,        shape.nnz, pack ? shape.groups : 1, pack ? shape.rhs : 1};
+  return {kernel,  variant,   shape.pattern,           solver ? 0 : shape.terms,
+          shape.n, shape.nnz, pack ? shape.groups : 1, pack ? shape.rhs : 1};
 }
 
 // What is known of a cell.
@@ -175,8 +154,6 @@ std::string_view name(Origin origin) noexcept {
 }
 
 struct PerformanceModel::Impl {
-  explicit Impl(std::string from) : source(std::move(from)) {}
-
   Impl(const std::vector<Sample>& samples, std::string from) : source(std::move(from)), count(samples.size()) {
     const Cells cells = gather(samples);
     for (const auto& [cell, g] : cells) {
@@ -235,7 +212,7 @@ struct PerformanceModel::Impl {
     std::map<std::int32_t, std::vector<Curve::Measured>> points;
     std::vector<double> ratios;
     for (const auto& [cell, k] : cells) {
-      if (cell.kernel != number(kernel)) continue;
+      if (cell.kernel != kernel) continue;
       points[cell.variant].push_back({point_of(kernel, k.shape, k.strategy), k.seconds, k.noise});
       ratios.push_back(k.seconds / prior_seconds(kernel, k.shape, k.strategy));
     }
@@ -249,7 +226,7 @@ struct PerformanceModel::Impl {
     using CellKey = std::tuple<std::int32_t, std::uint64_t, std::int64_t, std::int32_t>;
     std::map<CellKey, const Gathered*> quickest;
     for (const auto& [cell, k] : cells) {
-      if (cell.kernel != number(Kernel::pack) || in_registers(k.shape, k.strategy) || k.strategy.once) continue;
+      if (cell.kernel != Kernel::pack || in_registers(k.shape, k.strategy) || k.strategy.once) continue;
       if (k.strategy.reuse != Reuse::fresh) continue;
       const Gathered*& best = quickest[{k.strategy.lanes, cell.pattern, cell.terms, cell.groups}];
       if (best == nullptr || k.seconds < best->seconds) best = &k;
@@ -269,7 +246,7 @@ struct PerformanceModel::Impl {
   void fit_packs(const Cells& cells) {
     std::map<std::int32_t, std::vector<Curve::Measured>> points;
     for (const auto& [cell, k] : cells) {
-      if (cell.kernel != number(Kernel::pack)) continue;
+      if (cell.kernel != Kernel::pack) continue;
       Kernels kernels(*this, k.shape);
       const double parts = composed(kernels, k.strategy).seconds;
       points[cell.variant].push_back({pack_point(k.shape, k.strategy, parts), k.seconds, k.noise});
@@ -413,31 +390,6 @@ struct PerformanceModel::Impl {
     return {whole.seconds, std::max(whole.factor, std::min(sum.factor, 1.5)), std::max(sum.origin, whole.origin)};
   }
 
-  void write(ByteWriter& bytes) const {
-    bytes.put(count);
-    bytes.put(numbers);
-    bytes.put(known);
-    for (const Curves& curves : curve) bytes.put(curves);
-    for (const double s : speed) bytes.put(s);
-    bytes.put(rest);
-    bytes.put(packs);
-    bytes.put(meetings);
-    bytes.put(handovers);
-    bytes.put(contentions);
-  }
-  void read(ByteReader& bytes) {
-    bytes.get(count);
-    bytes.get(numbers);
-    bytes.get(known);
-    for (Curves& curves : curve) bytes.get(curves);
-    for (double& s : speed) bytes.get(s);
-    bytes.get(rest);
-    bytes.get(packs);
-    bytes.get(meetings);
-    bytes.get(handovers);
-    bytes.get(contentions);
-  }
-
   std::string source;
   std::size_t count = 0;
   std::map<Variant, std::int32_t> numbers;
@@ -456,26 +408,7 @@ PerformanceModel::PerformanceModel() : PerformanceModel(std::vector<Sample>{}, "
 PerformanceModel::PerformanceModel(std::vector<Sample> samples, std::string source)
     : impl_(std::make_shared<Impl>(samples, std::move(source))) {}
 
-PerformanceModel::PerformanceModel(std::shared_ptr<const Impl> impl) : impl_(std::move(impl)) {}
 PerformanceModel::~PerformanceModel() = default;
-
-std::vector<std::byte> PerformanceModel::bytes() const {
-  ByteWriter bytes;
-  bytes.put(kFormat);
-  impl_->write(bytes);
-  return std::move(bytes).take();
-}
-
-std::optional<PerformanceModel> PerformanceModel::from_bytes(std::span<const std::byte> from, std::string source) {
-  ByteReader bytes(from);
-  std::int32_t format = 0;
-  bytes.get(format);
-  if (format != kFormat) return std::nullopt;
-  auto impl = std::make_shared<Impl>(std::move(source));
-  impl->read(bytes);
-  if (!bytes.whole()) return std::nullopt;
-  return PerformanceModel(std::move(impl));
-}
 
 Prediction PerformanceModel::kernel(Kernel kernel, const Shape& shape, const Strategy& strategy) const {
   switch (kernel) {
@@ -548,7 +481,7 @@ double PerformanceModel::backward_error(const Shape& shape, const Strategy& stra
   const std::int32_t wanted = impl_->number_of(variant_of(Kernel::solve, strategy));
   double worst = 0;
   const auto& known = impl_->known;
-  const Cell first{number(Kernel::solve), wanted, 0, 0, 0, 0, 0, 0};
+  const Cell first{Kernel::solve, wanted, 0, 0, 0, 0, 0, 0};
   for (auto k = std::lower_bound(known.begin(), known.end(), first); k != known.end(); ++k) {
     if (k->cell.kernel != first.kernel || k->cell.variant != wanted) break;
     if (k->cell.n <= 2 * shape.n && 2 * k->cell.n >= shape.n) worst = std::max<double>(worst, k->backward_error);

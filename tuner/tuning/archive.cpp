@@ -30,7 +30,6 @@ void Archive::finish(const db::RunResult& result, const std::string& learned) {
   if (!store_) return;
   store_->finish_run(run_, result);
   store_->put_model(host_, profile_, learned);
-  store_->fit_models();
 }
 
 std::optional<double> Archive::first_seconds(Kernel kernel, const Shape& shape, const Strategy& strategy) const {
