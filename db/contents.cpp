@@ -17,6 +17,7 @@ namespace {
 using Row = SQLite::Statement;
 using TakeRow = std::function<void(Row&)>;
 
+constexpr std::int64_t kMostReserved = 10'000;    // samples, whatever a damaged count says
 constexpr std::int64_t kFurthestLookup = 10'000;  // ids beyond the last one seen, where the end of a table is damaged
 
 // Rows in the order of their ids; where they are in none the tree of the table is damaged. Returns the last id.
@@ -302,12 +303,13 @@ Samples read_samples(SQLite::Database& database, const Tables& tables, Care care
   const std::string select =
       "SELECT id, uid, run, library, kernel, shape, strategy, seconds, spread, repetitions, backward_error, "
       "forward_error, checksum FROM sample";
-  if (runs.empty()) each(database, care, select, take);
-  for (const std::int64_t run : runs) scan(database, select + " WHERE run = " + std::to_string(run), take, false);
   std::int64_t counted = 0;
   for (const auto& [id, run] : tables.runs) {
     if (runs.empty() || std::find(runs.begin(), runs.end(), id) != runs.end()) counted += run.value.samples;
   }
+  samples.rows.reserve(static_cast<std::size_t>(std::clamp<std::int64_t>(counted, 0, kMostReserved)));
+  if (runs.empty()) each(database, care, select, take);
+  for (const std::int64_t run : runs) scan(database, select + " WHERE run = " + std::to_string(run), take, false);
   const std::int64_t found = static_cast<std::int64_t>(samples.rows.size()) + samples.damaged + samples.unknown;
   samples.lost = std::max<std::int64_t>(counted - found, 0);
   return samples;

@@ -74,13 +74,13 @@ struct Known {
   friend bool operator<(const Known& a, const Cell& b) { return a.cell < b; }
 };
 
-// The same with an example of what was measured, to fit curves to.
+// The same with one of its samples, to fit curves to.
 struct Gathered {
-  Shape shape;
-  Strategy strategy;
+  Cell cell;
+  const Sample* example;
   double seconds = 0, noise = 0, backward_error = 0;
 };
-using Cells = std::map<Cell, Gathered>;
+using Cells = std::vector<Gathered>;  // ascending
 using Curves = std::map<std::int32_t, Curve>;
 
 double positive_log(double x) { return std::log(std::max(x, 1.0)); }
@@ -140,11 +140,11 @@ std::string_view name(Kernel kernel) noexcept {
 }
 
 Kernel parse_kernel(std::string_view text) {
-  std::string known;
   for (const NamedKernel& k : kKernels) {
     if (k.name == text) return k.kernel;
-    known += (known.empty() ? "" : ", ") + std::string(k.name);
   }
+  std::string known;
+  for (const NamedKernel& k : kKernels) known += (known.empty() ? "" : ", ") + std::string(k.name);
   throw Error(Error::Kind::input, '"' + std::string(text) + "\" is no kernel; there are " + known);
 }
 
@@ -154,113 +154,6 @@ std::string_view name(Origin origin) noexcept {
 }
 
 struct PerformanceModel::Impl {
-  Impl(const std::vector<Sample>& samples, std::string from) : source(std::move(from)), count(samples.size()) {
-    const Cells cells = gather(samples);
-    for (const auto& [cell, g] : cells) {
-      known.push_back({cell, g.seconds, static_cast<float>(g.noise), static_cast<float>(g.backward_error)});
-    }
-    for (const Kernel kernel : {Kernel::evaluate, Kernel::factor, Kernel::solve}) fit(kernel, cells);
-    fit_rest(cells);
-    fit_packs(cells);
-  }
-
-  // Of what was measured more than once, the median.
-  Cells gather(const std::vector<Sample>& samples) {
-    std::map<Cell, std::vector<const Sample*>> cells;
-    std::map<std::int32_t, std::map<Cell, std::vector<double>>> crowds;  // p: packs while so many threads work
-    // Numbered in their own order, not in that of the samples.
-    for (const Sample& s : samples) numbers.try_emplace(variant_of(s.kernel, s.strategy), 0);
-    for (std::int32_t next = 0; auto& [variant, number] : numbers) number = next++;
-    for (const Sample& s : samples) {
-      if (!(s.seconds > 0) || !std::isfinite(s.seconds)) continue;
-      const Cell cell = cell_of(s.kernel, s.shape, numbers.at(variant_of(s.kernel, s.strategy)));
-      if (s.kernel == Kernel::meeting) {
-        const double together = std::max(s.seconds - kAloneBeforeMeeting, 0.0);
-        (s.shape.n == 0 ? meetings : handovers)[s.strategy.p].push_back(together / std::max(s.shape.n, 1));
-      } else if (s.kernel == Kernel::pack && s.strategy.p > 1) {
-        crowds[s.strategy.p][cell].push_back(s.seconds);
-      } else if (s.kernel != Kernel::step) {
-        cells[cell].push_back(&s);
-      }
-    }
-    Cells gathered;
-    for (const auto& [cell, of] : cells) {
-      std::vector<double> seconds, noise;
-      double error = 0;
-      for (const Sample* s : of) {
-        seconds.push_back(s->seconds);
-        noise.push_back(s->spread / s->seconds);
-        if (s->backward_error > error) error = s->backward_error;
-      }
-      gathered.emplace(cell, Gathered{of[0]->shape, of[0]->strategy, median(seconds), median(noise), error});
-    }
-    for (const auto& [p, crowd] : crowds) {
-      std::map<std::int32_t, std::vector<double>> ratios;  // n
-      for (const auto& [cell, seconds] : crowd) {
-        const auto alone = gathered.find(cell);
-        if (alone == gathered.end()) continue;
-        ratios[alone->second.shape.n].push_back(
-            std::clamp(median(seconds) / alone->second.seconds, 1.0, static_cast<double>(p)));
-      }
-      // What other programs take from the cores comes and goes within seconds: the median does not see it.
-      for (const auto& [n, of] : ratios) contentions[p][n] = median(of);
-    }
-    return gathered;
-  }
-
-  void fit(Kernel kernel, const Cells& cells) {
-    std::map<std::int32_t, std::vector<Curve::Measured>> points;
-    std::vector<double> ratios;
-    for (const auto& [cell, k] : cells) {
-      if (cell.kernel != kernel) continue;
-      points[cell.variant].push_back({point_of(kernel, k.shape, k.strategy), k.seconds, k.noise});
-      ratios.push_back(k.seconds / prior_seconds(kernel, k.shape, k.strategy));
-    }
-    auto& curves = curve[static_cast<std::size_t>(kernel)];
-    for (auto& [variant, measured] : points) curves.emplace(variant, Curve(std::move(measured)));
-    speed[static_cast<std::size_t>(kernel)] = ratios.empty() ? 1 : median(ratios);
-  }
-
-  // What a pack costs beyond its kernels, by W: whatever the solver, so the quickest one tells best.
-  void fit_rest(const Cells& cells) {
-    using CellKey = std::tuple<std::int32_t, std::uint64_t, std::int64_t, std::int32_t>;
-    std::map<CellKey, const Gathered*> quickest;
-    for (const auto& [cell, k] : cells) {
-      if (cell.kernel != Kernel::pack || in_registers(k.shape, k.strategy) || k.strategy.once) continue;
-      if (k.strategy.reuse != Reuse::fresh) continue;
-      const Gathered*& best = quickest[{k.strategy.lanes, cell.pattern, cell.terms, cell.groups}];
-      if (best == nullptr || k.seconds < best->seconds) best = &k;
-    }
-    std::map<std::int32_t, std::vector<Curve::Measured>> points;
-    for (const auto& [place, k] : quickest) {
-      Kernels kernels(*this, k->shape);
-      const Prediction parts = kernels_of_pack(kernels, k->strategy);
-      const double rest_of_it = k->seconds - parts.seconds;
-      if (parts.origin == Origin::prior || rest_of_it < 0.05 * k->seconds) continue;  // else it is all noise
-      points[k->strategy.lanes].push_back({point_of(Kernel::pack, k->shape, k->strategy), rest_of_it, k->noise});
-    }
-    for (auto& [lanes, measured] : points) rest.emplace(lanes, Curve(std::move(measured)));
-  }
-
-  // What whole packs say beyond the sum of their parts.
-  void fit_packs(const Cells& cells) {
-    std::map<std::int32_t, std::vector<Curve::Measured>> points;
-    for (const auto& [cell, k] : cells) {
-      if (cell.kernel != Kernel::pack) continue;
-      Kernels kernels(*this, k.shape);
-      const double parts = composed(kernels, k.strategy).seconds;
-      points[cell.variant].push_back({pack_point(k.shape, k.strategy, parts), k.seconds, k.noise});
-    }
-    for (auto& [variant, measured] : points) packs.emplace(variant, Curve(std::move(measured)));
-  }
-
-  // parts: seconds of composed().
-  [[nodiscard]] static FitPoint pack_point(const Shape& shape, const Strategy& strategy, double parts) {
-    FitPoint point = point_of(Kernel::pack, shape, strategy);
-    point.terms = {parts};
-    return point;
-  }
-
   // Those of one shape: strategies share most of them.
   class Kernels {
    public:
@@ -278,6 +171,139 @@ struct PerformanceModel::Impl {
     const Shape& shape_;
     std::map<std::pair<Kernel, Variant>, Prediction> known_;
   };
+
+  // The same for the shape of each cell.
+  class KernelsOfShapes {
+   public:
+    explicit KernelsOfShapes(const Impl& model) : model_(model) {}
+
+    Kernels& of(const Gathered& g) {
+      const Cell& c = g.cell;
+      const auto at = std::tuple(c.pattern, c.terms, c.n, c.nnz, c.groups, c.rhs);
+      return shapes_.try_emplace(at, model_, g.example->shape).first->second;
+    }
+
+   private:
+    const Impl& model_;
+    std::map<std::tuple<std::uint64_t, std::int64_t, std::int32_t, std::int32_t, std::int32_t, std::int32_t>, Kernels>
+        shapes_;
+  };
+
+  Impl(const std::vector<Sample>& samples, std::string from) : source(std::move(from)), count(samples.size()) {
+    const Cells cells = gather(samples);
+    for (const Gathered& g : cells) {
+      known.push_back({g.cell, g.seconds, static_cast<float>(g.noise), static_cast<float>(g.backward_error)});
+    }
+    for (const Kernel kernel : {Kernel::evaluate, Kernel::factor, Kernel::solve}) fit(kernel, cells);
+    KernelsOfShapes kernels(*this);
+    fit_rest(cells, kernels);
+    fit_packs(cells, kernels);
+  }
+
+  // Of what was measured more than once, the median.
+  Cells gather(const std::vector<Sample>& samples) {
+    std::vector<std::pair<Cell, const Sample*>> all;
+    std::map<std::int32_t, std::map<Cell, std::vector<double>>> crowds;  // p: packs while so many threads work
+    // Numbered in their own order, not in that of the samples.
+    std::vector<std::map<Variant, std::int32_t>::iterator> variants;
+    for (const Sample& s : samples) variants.push_back(numbers.try_emplace(variant_of(s.kernel, s.strategy), 0).first);
+    for (std::int32_t next = 0; auto& [variant, number] : numbers) number = next++;
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      const Sample& s = samples[i];
+      if (!(s.seconds > 0) || !std::isfinite(s.seconds)) continue;
+      const Cell cell = cell_of(s.kernel, s.shape, variants[i]->second);
+      if (s.kernel == Kernel::meeting) {
+        const double together = std::max(s.seconds - kAloneBeforeMeeting, 0.0);
+        (s.shape.n == 0 ? meetings : handovers)[s.strategy.p].push_back(together / std::max(s.shape.n, 1));
+      } else if (s.kernel == Kernel::pack && s.strategy.p > 1) {
+        crowds[s.strategy.p][cell].push_back(s.seconds);
+      } else if (s.kernel != Kernel::step) {
+        all.emplace_back(cell, &s);
+      }
+    }
+    std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    Cells gathered;
+    std::vector<double> seconds, noise;
+    for (auto begin = all.begin(), end = begin; begin != all.end(); begin = end) {
+      seconds.clear();
+      noise.clear();
+      double error = 0;
+      for (; end != all.end() && end->first == begin->first; ++end) {
+        const Sample& s = *end->second;
+        seconds.push_back(s.seconds);
+        noise.push_back(s.spread / s.seconds);
+        if (s.backward_error > error) error = s.backward_error;
+      }
+      gathered.push_back({begin->first, begin->second, median(seconds), median(noise), error});
+    }
+    for (const auto& [p, crowd] : crowds) {
+      std::map<std::int32_t, std::vector<double>> ratios;  // n
+      for (const auto& [cell, seconds_of] : crowd) {
+        const auto alone = std::lower_bound(gathered.begin(), gathered.end(), cell,
+                                            [](const Gathered& g, const Cell& c) { return g.cell < c; });
+        if (alone == gathered.end() || alone->cell != cell) continue;
+        ratios[cell.n].push_back(std::clamp(median(seconds_of) / alone->seconds, 1.0, static_cast<double>(p)));
+      }
+      // What other programs take from the cores comes and goes within seconds: the median does not see it.
+      for (const auto& [n, of] : ratios) contentions[p][n] = median(of);
+    }
+    return gathered;
+  }
+
+  void fit(Kernel kernel, const Cells& cells) {
+    std::map<std::int32_t, std::vector<Curve::Measured>> points;
+    std::vector<double> ratios;
+    for (const Gathered& g : cells) {
+      if (g.cell.kernel != kernel) continue;
+      const Sample& s = *g.example;
+      points[g.cell.variant].push_back({point_of(kernel, s.shape, s.strategy), g.seconds, g.noise});
+      ratios.push_back(g.seconds / prior_seconds(kernel, s.shape, s.strategy));
+    }
+    auto& curves = curve[static_cast<std::size_t>(kernel)];
+    for (auto& [variant, measured] : points) curves.emplace(variant, Curve(std::move(measured)));
+    speed[static_cast<std::size_t>(kernel)] = ratios.empty() ? 1 : median(ratios);
+  }
+
+  // What a pack costs beyond its kernels, by W: whatever the solver, so the quickest one tells best.
+  void fit_rest(const Cells& cells, KernelsOfShapes& kernels) {
+    using CellKey = std::tuple<std::int32_t, std::uint64_t, std::int64_t, std::int32_t>;
+    std::map<CellKey, const Gathered*> quickest;
+    for (const Gathered& g : cells) {
+      if (g.cell.kernel != Kernel::pack) continue;
+      const Strategy& s = g.example->strategy;
+      if (in_registers(g.example->shape, s) || s.once || s.reuse != Reuse::fresh) continue;
+      const Gathered*& best = quickest[{s.lanes, g.cell.pattern, g.cell.terms, g.cell.groups}];
+      if (best == nullptr || g.seconds < best->seconds) best = &g;
+    }
+    std::map<std::int32_t, std::vector<Curve::Measured>> points;
+    for (const auto& [place, g] : quickest) {
+      const auto& [shape, strategy] = std::tie(g->example->shape, g->example->strategy);
+      const Prediction parts = kernels_of_pack(kernels.of(*g), strategy);
+      const double rest_of_it = g->seconds - parts.seconds;
+      if (parts.origin == Origin::prior || rest_of_it < 0.05 * g->seconds) continue;  // else it is all noise
+      points[strategy.lanes].push_back({point_of(Kernel::pack, shape, strategy), rest_of_it, g->noise});
+    }
+    for (auto& [lanes, measured] : points) rest.emplace(lanes, Curve(std::move(measured)));
+  }
+
+  // What whole packs say beyond the sum of their parts.
+  void fit_packs(const Cells& cells, KernelsOfShapes& kernels) {
+    std::map<std::int32_t, std::vector<Curve::Measured>> points;
+    for (const Gathered& g : cells) {
+      if (g.cell.kernel != Kernel::pack) continue;
+      const auto& [shape, strategy] = std::tie(g.example->shape, g.example->strategy);
+      const double parts = composed(kernels.of(g), strategy).seconds;
+      points[g.cell.variant].push_back({pack_point(shape, strategy, parts), g.seconds, g.noise});
+    }
+    for (auto& [variant, measured] : points) packs.emplace(variant, Curve(std::move(measured)));
+  }
+
+  // parts: seconds of composed().
+  [[nodiscard]] static FitPoint pack_point(const Shape& shape, const Strategy& strategy, double parts) {
+    FitPoint point = point_of(Kernel::pack, shape, strategy);
+    point.terms = {parts};
+    return point;
+  }
 
   [[nodiscard]] static Prediction kernels_of_pack(Kernels& kernels, const Strategy& s) {
     const StepCounts counts = step_counts(s, kernels.shape().rhs - 1);
