@@ -126,6 +126,7 @@ std::vector<Sample> Reading::samples_of(Source& source, std::int64_t machine) {
   counts_.damaged += samples.damaged;
   counts_.lost += samples.lost;
   counts_.seen += static_cast<std::int64_t>(samples.rows.size());
+  at_usual_pace(samples, source.tables);
   std::map<std::int64_t, bool> holds;
   std::vector<Sample> good;
   good.reserve(samples.rows.size());

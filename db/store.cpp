@@ -64,11 +64,23 @@ bool fits(const Filter& filter, const SampleRow& row, const Tables& tables) {
 std::vector<Sample> Store::samples(const Filter& filter) const {
   return guarded(impl_->file, [&] {
     auto [tables, samples] = read_all(impl_->database);
+    at_usual_pace(samples, tables);
     std::vector<Sample> found;
     for (SampleRow& row : samples.rows) {
       if (fits(filter, row, tables)) found.push_back(std::move(row.sample));
     }
     return found;
+  });
+}
+
+std::optional<double> Store::usual_pace(const Host& host) const {
+  return guarded(impl_->file, [&]() -> std::optional<double> {
+    const Contents contents = read_all(impl_->database);
+    for (const auto& [id, machine] : contents.tables.machines) {
+      if (machine.fingerprint() != host.fingerprint()) continue;
+      return db::usual_pace(contents, id, assur_version(), library_at_hand("assur").build);
+    }
+    return std::nullopt;
   });
 }
 

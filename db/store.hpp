@@ -13,6 +13,7 @@
 
 #include "assur/performance.hpp"
 #include "db/host.hpp"
+#include "numbers.hpp"
 
 namespace assur::db {
 
@@ -105,8 +106,11 @@ class Store {
   // other process is working on, which now is this one's: go on with it, and skip what it has().
   [[nodiscard]] std::optional<std::int64_t> unfinished_run(const Host& host, std::string_view profile);
   // All of them or none, in one transaction that survives the process. A sample without uid gets one; one that is there
-  // already, by its uid, stays. Throws Error (input) for a time, spread or uid that is none, or an unknown run.
-  void add(std::int64_t run, std::span<const Sample> samples);
+  // already, by its uid, stays. pace: s that the fixed work takes where their slowness is 1; NaN: not known, as their
+  // slowness then is. Throws Error (input) for a time, spread, slowness or uid that is none, or an unknown run.
+  void add(std::int64_t run, std::span<const Sample> samples, double pace = kNan);
+  // s that the fixed work usually takes on this host, with this build of assur; nullopt: no sample tells it.
+  [[nodiscard]] std::optional<double> usual_pace(const Host& host) const;
   void finish_run(std::int64_t run, const RunResult& result);
   // With the library that is at hand.
   [[nodiscard]] bool has(std::int64_t run, Kernel kernel, const Shape& shape, const Strategy& strategy) const;

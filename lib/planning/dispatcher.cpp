@@ -112,6 +112,8 @@ class Around {
   }
 
   [[nodiscard]] std::int64_t columns() const { return columns_; }
+  [[nodiscard]] std::int64_t unknowns() const { return unknowns_; }
+  [[nodiscard]] std::int64_t pieces() const { return pieces_; }
 
   [[nodiscard]] double seconds(std::int32_t threads) const {
     const bool shared = threads > 1 && columns_ >= static_cast<std::int64_t>(kWorthSharing);
@@ -330,7 +332,9 @@ BesideGroups beside_groups(const Structure& structure, const PerformanceModel& m
   const Around around(structure, model);
   return {.around = around.seconds(threads),
           .storing = kStoring * static_cast<double>(around.columns()),
-          .outputs = around.columns()};
+          .outputs = around.columns(),
+          .unknowns = around.unknowns(),
+          .pieces = around.pieces()};
 }
 
 Plan dispatch(const Structure& s, const Task& task, const Scales& scales) {

@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -20,7 +21,8 @@ struct NamedKernel {
 };
 constexpr std::array kKernels = {NamedKernel{Kernel::evaluate, "evaluate"}, NamedKernel{Kernel::factor, "factor"},
                                  NamedKernel{Kernel::solve, "solve"},       NamedKernel{Kernel::pack, "pack"},
-                                 NamedKernel{Kernel::meeting, "meeting"},   NamedKernel{Kernel::step, "step"}};
+                                 NamedKernel{Kernel::meeting, "meeting"},   NamedKernel{Kernel::step, "step"},
+                                 NamedKernel{Kernel::around, "around"}};
 
 // What of a strategy a kernel depends on. Solvers differ by backend, precision and threads; W is kept apart, so that
 // another W can stand in.
@@ -34,6 +36,7 @@ struct Variant {
 };
 
 Variant variant_of(Kernel kernel, const Strategy& s) {
+  if (kernel == Kernel::around) return {};  // whatever solves the groups
   if (kernel == Kernel::evaluate) return {.backend = "", .lanes = s.lanes};
   Variant v{.backend = s.backend, .single = s.single, .refine = s.refine, .q = s.q, .lanes = s.lanes};
   if (kernel == Kernel::pack) {
@@ -198,6 +201,7 @@ struct PerformanceModel::Impl {
     KernelsOfShapes kernels(*this);
     fit_rest(cells, kernels);
     fit_packs(cells, kernels);
+    fit_around(cells);
   }
 
   // Of what was measured more than once, the median.
@@ -296,6 +300,20 @@ struct PerformanceModel::Impl {
       points[g.cell.variant].push_back({pack_point(shape, strategy, parts), g.seconds, g.noise});
     }
     for (auto& [variant, measured] : points) packs.emplace(variant, Curve(std::move(measured)));
+  }
+
+  // How many times its prior it takes: mechanisms are too few to tell its terms from each other.
+  void fit_around(const Cells& cells) {
+    std::vector<Curve::Measured> points;
+    for (const Gathered& g : cells) {
+      if (g.cell.kernel == Kernel::around) points.push_back({around_point(g.cell.n, g.cell.terms), g.seconds, g.noise});
+    }
+    if (!points.empty()) around.emplace(std::move(points));
+  }
+
+  [[nodiscard]] static FitPoint around_point(std::int64_t unknowns, std::int64_t pieces) {
+    return {{prior_around_seconds(unknowns, pieces)},
+            {positive_log(static_cast<double>(unknowns)), positive_log(static_cast<double>(pieces))}};
   }
 
   // parts: seconds of composed().
@@ -419,11 +437,12 @@ struct PerformanceModel::Impl {
   std::string source;
   std::size_t count = 0;
   std::map<Variant, std::int32_t> numbers;
-  std::vector<Known> known;                                            // ascending
-  std::array<Curves, 3> curve;                                         // evaluate, factor, solve; by variant
-  std::array<double, 3> speed{1, 1, 1};                                // measured over prior, of each
-  Curves rest;                                                         // W
-  Curves packs;                                                        // by variant
+  std::vector<Known> known;              // ascending
+  std::array<Curves, 3> curve;           // evaluate, factor, solve; by variant
+  std::array<double, 3> speed{1, 1, 1};  // measured over prior, of each
+  Curves rest;                           // W
+  Curves packs;                          // by variant
+  std::optional<Curve> around;
   std::map<std::int32_t, std::vector<double>> meetings;                // p
   std::map<std::int32_t, std::vector<double>> handovers;               // p; s for each double
   std::map<std::int32_t, std::map<std::int32_t, double>> contentions;  // p; n
@@ -449,6 +468,8 @@ Prediction PerformanceModel::kernel(Kernel kernel, const Shape& shape, const Str
       whole.seconds += meeting(strategy.p).seconds + around(std::int64_t{shape.n} * shape.groups).seconds;
       return whole;
     }
+    case Kernel::around:
+      return around(shape.n, shape.terms);
     default:
       return impl_->predict(kernel, shape, strategy);
   }
@@ -500,6 +521,7 @@ double PerformanceModel::contention(std::int32_t p, std::int32_t n) const {
 }
 
 Prediction PerformanceModel::around(std::int64_t unknowns, std::int64_t pieces) const {
+  if (impl_->around) return impl_->around->at(Impl::around_point(unknowns, pieces));
   return {prior_around_seconds(unknowns, pieces) * impl_->speed_of_all(), 1.5, Origin::prior};
 }
 

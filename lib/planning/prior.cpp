@@ -89,6 +89,8 @@ double prior_seconds(Kernel kernel, const Shape& shape, const Strategy& strategy
     case Kernel::step:
       return prior_around_seconds(std::int64_t{shape.n} * shape.groups) +
              std::ceil(static_cast<double>(shape.groups) / strategy.lanes) * pack_seconds(shape, strategy);
+    case Kernel::around:
+      return prior_around_seconds(shape.n, shape.terms);
   }
   return 0;
 }

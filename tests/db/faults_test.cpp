@@ -420,6 +420,7 @@ TEST(Faults, ASampleIsOnlyAsGoodAsWhatItRefersTo) {
       {"UPDATE sample SET kernel = 'solve' WHERE id = 3", 1},
       {"UPDATE sample SET kernel = 'dance' WHERE id = 3", 1},
       {"UPDATE sample SET backward_error = NULL WHERE id = 3", 1},
+      {"UPDATE sample SET slowness = 1 WHERE id = 3", 1},
       {"PRAGMA foreign_keys = OFF; DELETE FROM shape WHERE id = 3", 1},
   };
   for (const auto& [sql, damaged] : changes) {
