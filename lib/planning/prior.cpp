@@ -9,10 +9,13 @@
 namespace assur {
 namespace {
 
+// Each constant is a number of ns, and each function names the command that measured it: of the samples of
+// `assur tune --budget 30` those that `assur db samples --kernel K` shows, on one core of an AMD EPYC (Zen 5, AVX-512).
+
 // Wider lanes cost more, but less than in proportion; `more`: each beyond the first, relative.
 double width(const Strategy& s, double more) { return 1 + more * (s.lanes - 1); }
 
-// Threads inside one factorisation gain little on few unknowns.
+// Threads inside one factorisation gain little on few unknowns: `team_bench`.
 double threads_at_work(const Shape& shape, const Strategy& s) {
   return s.q == 1 ? 1 : 1 + (s.q - 1) * std::min(1.0, shape.n / 600.0);
 }
@@ -20,15 +23,28 @@ double threads_at_work(const Shape& shape, const Strategy& s) {
 struct Counts {
   explicit Counts(const Shape& s)
       : n(s.n),
+        nnz(s.nnz),
         fill(static_cast<double>(std::max<std::int64_t>(s.fill, s.nnz))),
         operations(std::max(static_cast<double>(s.operations), fill)) {}
-  double n, fill, operations;
+  double n, nnz, fill, operations;
 };
 
-double factor_seconds(const Shape& shape, const Strategy& s) {
-  const auto [n, fill, operations] = Counts(shape);
+bool refines(const Strategy& s) { return s.single || s.refine; }
+
+// The matrix is kept for residuals; how float and double differ: `--kernel factor` of +float.
+double keeping_seconds(const Shape& shape, const Strategy& s) {
+  return refines(s) ? 1e-9 * (60 + 7.0 * shape.n + 2.0 * shape.nnz) * width(s, 0.75) : 0;
+}
+// Residuals, norms and the judgement of two corrections: `--kernel solve` of +float.
+double correcting_seconds(const Shape& shape, const Strategy& s) {
+  return refines(s) ? 1e-9 * (60 + 25.0 * shape.n + 1.5 * shape.nnz) * width(s, 0.37) : 0;
+}
+
+// `--kernel factor`, and `solvers_bench --benchmark_filter='/factor$'`.
+double plain_factor_seconds(const Shape& shape, const Strategy& s) {
+  const auto [n, nnz, fill, operations] = Counts(shape);
   const Backend& backend = properties_of(s.backend);
-  if (backend.fills_lanes) return 1e-9 * (3 + (1.2 * n + 0.6 * operations) * width(s, 0.075)) * (s.single ? 1.3 : 1);
+  if (backend.fills_lanes) return 1e-9 * (3 + (1.2 * n + 0.6 * operations) * width(s, 0.075));
   if (backend.dense) {
     const double elimination =
         backend.threads ? 30 + 40 * n + 1.8 * n * n + 0.015 * n * n * n : 5 + 6 * n + n * n + 0.04 * n * n * n;
@@ -39,28 +55,39 @@ double factor_seconds(const Shape& shape, const Strategy& s) {
   return 1e-9 * s.lanes * (20'000 + 600 * n + 0.7 * operations);  // they order anew
 }
 
-double solve_seconds(const Shape& shape, const Strategy& s) {
-  const auto [n, fill, operations] = Counts(shape);
-  const double refinement = s.refine || s.single ? 3 : 1;
-  const Backend& backend = properties_of(s.backend);
-  if (backend.fills_lanes) return 1e-9 * refinement * (6 + (1.2 * n + 1.2 * fill) * width(s, 0.07));
-  if (backend.dense) {
-    return 1e-9 * refinement * s.lanes * (backend.threads ? 25 + 14 * n + 0.2 * n * n : 10 + 8 * n + 0.2 * n * n);
-  }
-  if (backend.keeps_pivots) return 1e-9 * refinement * s.lanes * (10 + 5 * n + 2.2 * fill);
-  return 1e-9 * refinement * s.lanes * (20'000 + 100 * n + 3 * fill);
+double factor_seconds(const Shape& shape, const Strategy& s) {
+  return plain_factor_seconds(shape, s) + keeping_seconds(shape, s);
 }
 
-// Inputs gathered, norms, the branch check; factors of another posture also ask for residuals.
+// `--kernel solve`, and `solvers_bench --benchmark_filter='/solve$'`.
+double plain_solve_seconds(const Shape& shape, const Strategy& s) {
+  const auto [n, nnz, fill, operations] = Counts(shape);
+  const Backend& backend = properties_of(s.backend);
+  if (backend.fills_lanes) return 1e-9 * (5 + (0.9 * n + 0.9 * fill) * width(s, 0.07));
+  if (backend.dense) {
+    return 1e-9 * s.lanes * (backend.threads ? 25 + 14 * n + 0.2 * n * n : 10 + 8 * n + 0.2 * n * n);
+  }
+  if (backend.keeps_pivots) return 1e-9 * s.lanes * (10 + 3.3 * n + 1.5 * fill);
+  return 1e-9 * s.lanes * (35'000 + 180 * n + 5 * fill);
+}
+
+double solve_seconds(const Shape& shape, const Strategy& s) {
+  return (refines(s) ? 3 : 1) * plain_solve_seconds(shape, s) + correcting_seconds(shape, s);
+}
+
+// Inputs gathered, norms, the branch check; factors of another posture also ask for residuals. `--kernel pack` without
+// what `--kernel evaluate`, `factor` and `solve` say of the same shape.
 double rest_seconds(const Shape& shape, const Strategy& s) {
   return 1e-9 * (120 + (6.0 * shape.n + (s.once ? 7 : 3.3) * shape.nnz) * width(s, 0.2));
 }
 
+// `--kernel evaluate`.
 double evaluate_seconds(const Shape& shape, const Strategy& s) {
   const auto terms = static_cast<double>(std::max<std::int64_t>(shape.terms, 2 * shape.nnz));
   return 1e-9 * (5 + 0.8 * terms * width(s, 0.13));
 }
 
+// `--kernel pack` by `lanes` at n = 2 and 3.
 double in_registers_seconds(const Shape& shape, const Strategy& s) {
   return 1e-9 * (20 + 13.0 * shape.n * shape.n) * width(s, 0.14);
 }
@@ -95,10 +122,12 @@ double prior_seconds(Kernel kernel, const Shape& shape, const Strategy& strategy
   return 0;
 }
 
+// `--kernel around`.
 double prior_around_seconds(std::int64_t unknowns, std::int64_t pieces) {
   return 1e-9 * (300 + 2 * static_cast<double>(unknowns) + 0.6 * static_cast<double>(pieces));
 }
 
+// `--kernel meeting`, without the 5 us by the clock.
 double prior_meeting_seconds(std::int32_t p) { return p < 2 ? 0 : 1e-9 * (700 + 50.0 * p); }
 
 StepCounts step_counts(const Strategy& s, int derivatives) {
