@@ -302,11 +302,12 @@ struct PerformanceModel::Impl {
     for (auto& [variant, measured] : points) packs.emplace(variant, Curve(std::move(measured)));
   }
 
-  // How many times its prior it takes: mechanisms are too few to tell its terms from each other.
+  // How many times its prior it takes: mechanisms are too few to tell its terms from each other. A difference of times
+  // scatters more than they do, and all the same says more about its neighbours than the fit.
   void fit_around(const Cells& cells) {
     std::vector<Curve::Measured> points;
     for (const Gathered& g : cells) {
-      if (g.cell.kernel == Kernel::around) points.push_back({around_point(g.cell.n, g.cell.terms), g.seconds, g.noise});
+      if (g.cell.kernel == Kernel::around) points.push_back({around_point(g.cell.n, g.cell.terms), g.seconds, 0});
     }
     if (!points.empty()) around.emplace(std::move(points));
   }

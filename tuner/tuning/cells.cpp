@@ -244,6 +244,11 @@ std::vector<Cell> general_cells(const Extent& extent) {
     meeting.n = doubles;
     cells.push_back(std::move(meeting));
   }
+  for (const char* text :
+       {"four_bar", "andrews", "stewart", "four_bar:64", "rings:legs=6,n=120", "stewart:platforms=40"}) {
+    cells.push_back(around(steps(std::string(text) + ", groups", named(text), Formulation::groups)));
+  }
+  cells.push_back(around(steps("stewart, irreducible", named("stewart"), Formulation::irreducible)));
   add_crowds(cells, extent, 84);
   add_sizes(cells, extent);
   add_crowds(cells, extent, 90);
@@ -256,11 +261,6 @@ std::vector<Cell> general_cells(const Extent& extent) {
     cells.push_back(steps(std::string(text) + ", groups", named(text), Formulation::groups));
   }
   cells.push_back(steps("stewart, irreducible", named("stewart"), Formulation::irreducible));
-  for (const char* text :
-       {"four_bar", "andrews", "stewart", "four_bar:64", "rings:legs=6,n=120", "stewart:platforms=40"}) {
-    cells.push_back(around(steps(std::string(text) + ", groups", named(text), Formulation::groups)));
-  }
-  cells.push_back(around(steps("stewart, irreducible", named("stewart"), Formulation::irreducible)));
   add_crowds(cells, extent, 108);
   return cells;
 }

@@ -193,10 +193,10 @@ class StepsGround final : public Ground {
   }
 
  private:
-  // What a step takes beyond its packs hangs on no solver: a few of the quickest tell it.
-  static bool tells_around(const Strategy& s) {
-    return !s.once && !s.separate &&
-           (s.backend == "lanes" ? s.lanes == 1 || s.lanes == 8 : s.backend == "eigen" && s.lanes == 1);
+  // What a step takes beyond its packs hangs on no solver, but a little on their number: the two widest of the quickest
+  // tell it, of which plans are made.
+  [[nodiscard]] bool tells_around(const Strategy& s) const {
+    return s.backend == "lanes" && !s.once && !s.separate && 4 * s.lanes > std::min(shape_.groups, kMostLanes);
   }
 
   Scene scene_;
