@@ -72,12 +72,10 @@ bool has_content(const fs::path& file, const char* suffix) {
 
 std::int32_t version_of(SQLite::Database& database) { return database.execAndGet("PRAGMA user_version").getInt(); }
 
-std::string of_version(std::int32_t version) {
-  return "its schema is version " + std::to_string(version) + ", this assur knows " + std::to_string(kSchemaVersion);
-}
-
 [[noreturn]] void refuse_newer(const fs::path& file, std::int32_t version) {
-  throw Unusable(Trouble::newer, file, of_version(version) + ": it is left alone; use a newer assur");
+  throw Unusable(Trouble::newer, file,
+                 "its schema is version " + std::to_string(version) + ", this assur knows " +
+                     std::to_string(kSchemaVersion) + ": it is left alone; use a newer assur");
 }
 
 // Damaged files are read too: sizes in them are checked, and views and triggers call nothing but what is built in.
@@ -104,9 +102,6 @@ SQLite::Database open_so(const fs::path& file, std::string_view query, const cha
   const std::int32_t version = version_of(database);  // the first look into the file
   database.setBusyTimeout(static_cast<int>(std::chrono::milliseconds(kReadersPatience).count()));
   if (version > kSchemaVersion) refuse_newer(file, version);
-  if (version < kSchemaVersion) {
-    throw Unusable(Trouble::older, file, of_version(version) + "; `assur db check` brings it up to date");
-  }
   return database;
 }
 

@@ -25,7 +25,7 @@ decltype(auto) guarded(const std::filesystem::path& file, Work&& work) {
   }
 }
 
-// Nothing is written. Throws Unusable.
+// Nothing is written; an older schema is read as it is. Throws Unusable.
 [[nodiscard]] SQLite::Database open_to_read(const std::filesystem::path& file);
 
 // The same of a damaged file, whose end may be missing.

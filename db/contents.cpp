@@ -3,13 +3,16 @@
 #include <sqlite3.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <locale>
 #include <optional>
 #include <sstream>
+#include <tuple>
 
 #include "db/checksum.hpp"
 #include "numbers.hpp"
+#include "planning/pace.hpp"
 
 namespace assur::db {
 namespace {
@@ -17,6 +20,7 @@ namespace {
 using Row = SQLite::Statement;
 using TakeRow = std::function<void(Row&)>;
 
+constexpr std::int64_t kMostReserved = 10'000;    // samples, whatever a damaged count says
 constexpr std::int64_t kFurthestLookup = 10'000;  // ids beyond the last one seen, where the end of a table is damaged
 
 // Rows in the order of their ids; where they are in none the tree of the table is damaged. Returns the last id.
@@ -133,6 +137,7 @@ RunRow run_of(Row& row) {
   r.run.load = row.getColumn(7).getDouble();
   r.microcode = row.getColumn(8).getString();
   r.process = row.getColumn(9).getInt64();
+  r.samples = row.getColumn(15).getInt64();
   r.run.finished = !row.getColumn(10).isNull();
   if (!r.run.finished) return r;
   r.finished = row.getColumn(10).getString();
@@ -186,6 +191,7 @@ std::int64_t sum_of(const Sample& s, std::string_view kernel, std::uint64_t shap
                     std::uint64_t library, std::uint64_t run) {
   Checksum sum;
   sum << s.uid << kernel << s.seconds << s.spread << s.repetitions << s.backward_error << s.forward_error;
+  if (!std::isnan(s.slowness)) sum << s.slowness;  // older schemas had no such column
   for (const std::uint64_t part : {shape, strategy, library, run}) sum << static_cast<std::int64_t>(part);
   return static_cast<std::int64_t>(sum.value());
 }
@@ -209,6 +215,7 @@ void take_sample(Row& row, const Tables& tables, Samples& samples) {
   s.repetitions = row.getColumn(9).getInt64();
   s.backward_error = or_nan(row.getColumn(10));
   s.forward_error = or_nan(row.getColumn(11));
+  s.slowness = or_nan(row.getColumn(13));
   const auto* const shape = find(tables.shapes, row.getColumn(5).getInt64());
   const auto* const strategy = find(tables.strategies, row.getColumn(6).getInt64());
   const auto* const library = find(tables.libraries, r.library);
@@ -231,6 +238,42 @@ void take_sample(Row& row, const Tables& tables, Samples& samples) {
   samples.rows.push_back(std::move(r));
 }
 
+// The fixed work is of one version and build of assur.
+using PaceOrigin = std::tuple<std::int64_t, std::string_view, std::string_view>;  // machine, assur, build
+
+PaceOrigin origin_of(const SampleRow& row, const Tables& tables) {
+  const RunRow& run = tables.runs.at(row.run).value;
+  return {run.machine, run.run.assur, tables.libraries.at(row.library).value.build};
+}
+
+// Others only slow a machine down, so its lower quartile is what is usual.
+std::map<PaceOrigin, double> usual_paces(const Samples& samples, const Tables& tables) {
+  std::map<PaceOrigin, std::vector<double>> seen;
+  std::map<std::pair<std::int64_t, std::int64_t>, std::vector<double>*> of;  // run, library
+  for (const SampleRow& row : samples.rows) {
+    if (std::isnan(row.sample.slowness)) continue;
+    const auto [at, is_new] = of.try_emplace({row.run, row.library});
+    if (is_new) at->second = &seen[origin_of(row, tables)];
+    at->second->push_back(row.sample.slowness);
+  }
+  std::map<PaceOrigin, double> usual;
+  for (auto& [origin, all] : seen) {
+    const auto quarter = all.begin() + static_cast<std::ptrdiff_t>((all.size() - 1) / 4);
+    std::nth_element(all.begin(), quarter, all.end());
+    usual[origin] = *quarter;
+  }
+  return usual;
+}
+
+// Files of an older schema are read, too: `otherwise` stands for a column that they do not have.
+std::string column_or(SQLite::Database& database, const std::string& table, const std::string& column,
+                      const std::string& otherwise) {
+  SQLite::Statement find(database, "SELECT 1 FROM pragma_table_info(?1) WHERE name = ?2");
+  find.bind(1, table);
+  find.bind(2, column);
+  return find.executeStep() ? column : otherwise;
+}
+
 }  // namespace
 
 Tables read_origins(SQLite::Database& database, Care care) {
@@ -241,7 +284,8 @@ Tables read_origins(SQLite::Database& database, Care care) {
        [&](Row& row) { tables.machines[row.getColumn(0).getInt64()] = host_of(row); });
   each(database, care,
        "SELECT id, uid, machine, profile, assur, started, threads, load, microcode, process, finished, grade, seconds, "
-       "coverage, note FROM tuning_run",
+       "coverage, note, " +
+           column_or(database, "tuning_run", "samples", "0") + " FROM tuning_run",
        [&](Row& row) {
          RunRow r = run_of(row);
          const auto machine = tables.machines.find(r.machine);
@@ -290,9 +334,17 @@ Samples read_samples(SQLite::Database& database, const Tables& tables, Care care
   const TakeRow take = [&](Row& row) { take_sample(row, tables, samples); };
   const std::string select =
       "SELECT id, uid, run, library, kernel, shape, strategy, seconds, spread, repetitions, backward_error, "
-      "forward_error, checksum FROM sample";
+      "forward_error, checksum, " +
+      column_or(database, "sample", "slowness", "NULL") + " FROM sample";
+  std::int64_t counted = 0;
+  for (const auto& [id, run] : tables.runs) {
+    if (runs.empty() || std::find(runs.begin(), runs.end(), id) != runs.end()) counted += run.value.samples;
+  }
+  samples.rows.reserve(static_cast<std::size_t>(std::clamp<std::int64_t>(counted, 0, kMostReserved)));
   if (runs.empty()) each(database, care, select, take);
   for (const std::int64_t run : runs) scan(database, select + " WHERE run = " + std::to_string(run), take, false);
+  const std::int64_t found = static_cast<std::int64_t>(samples.rows.size()) + samples.damaged + samples.unknown;
+  samples.lost = std::max<std::int64_t>(counted - found, 0);
   return samples;
 }
 
@@ -302,6 +354,30 @@ Contents read_all(SQLite::Database& database, Care care) {
   contents.tables = read_tables(database, care);
   contents.samples = read_samples(database, contents.tables, care);
   return contents;
+}
+
+void at_usual_pace(Samples& samples, const Tables& tables) {
+  const auto usual = usual_paces(samples, tables);
+  std::map<std::pair<std::int64_t, std::int64_t>, double> of;  // run, library
+  for (SampleRow& row : samples.rows) {
+    Sample& s = row.sample;
+    if (std::isnan(s.slowness)) {
+      s.slowness = 1;
+      continue;
+    }
+    const auto [at, is_new] = of.try_emplace({row.run, row.library});
+    if (is_new) at->second = usual.at(origin_of(row, tables));
+    const double slowness = s.slowness / at->second;
+    s = slowed(std::move(s), 1 / slowness);
+    s.slowness = slowness;
+  }
+}
+
+std::optional<double> usual_pace(const Contents& contents, std::int64_t machine, std::string_view assur,
+                                 std::string_view build) {
+  const auto usual = usual_paces(contents.samples, contents.tables);
+  const auto found = usual.find({machine, assur, build});
+  return found == usual.end() ? std::nullopt : std::optional(found->second);
 }
 
 std::int64_t checksum(const Sample& sample, const Library& library, const std::string& run,

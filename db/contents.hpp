@@ -33,8 +33,10 @@ struct RunRow {
   Run run;
   std::int64_t machine = 0, process = 0;
   std::string microcode, finished;
+  std::int64_t samples = 0;  // as they were counted; 0 in files of an older schema
 };
 
+// Of the sample times are as the clock had them, and the slowness is in s of the fixed work; NaN: it is not known.
 struct SampleRow {
   Sample sample;
   std::int64_t id = 0, run = 0, library = 0;
@@ -53,6 +55,7 @@ struct Samples {
   std::vector<SampleRow> rows;
   std::int64_t damaged = 0;  // their checksum differs, or what they refer to is missing
   std::int64_t unknown = 0;  // whole, but of a kernel or a strategy that this version does not know
+  std::int64_t lost = 0;     // that were counted when they were stored, and are not there
 };
 
 // All tables but that of samples; or first where samples come from (machines, runs, libraries), and what they are of
@@ -72,6 +75,13 @@ struct Contents {
 
 // All of it, as of one moment whatever others write. Throws SQLite::Exception.
 [[nodiscard]] Contents read_all(SQLite::Database& database, Care care = Care::trusting);
+
+// As everybody else has samples: their times at the machine's usual pace, and their slowness relative to it, 1 where it
+// is not known. All samples of a machine, version and build together tell what is usual: a wrong one scales no other.
+void at_usual_pace(Samples& samples, const Tables& tables);
+// s of the fixed work; nullopt: no sample of this machine (its id), version of assur and build tells it.
+[[nodiscard]] std::optional<double> usual_pace(const Contents& contents, std::int64_t machine, std::string_view assur,
+                                               std::string_view build);
 
 // What the column sample.checksum holds.
 [[nodiscard]] std::int64_t checksum(const Sample& sample, const Library& library, const std::string& run,

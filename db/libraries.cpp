@@ -29,8 +29,9 @@ Library library_at_hand(std::string_view name) {
 }
 
 std::string library_name(const Sample& sample) {
-  const bool solves = sample.kernel != Kernel::evaluate && sample.kernel != Kernel::meeting;
-  return solves ? sample.strategy.solver.backend : "assur";
+  const bool solves = sample.kernel == Kernel::factor || sample.kernel == Kernel::solve ||
+                      sample.kernel == Kernel::pack || sample.kernel == Kernel::step;
+  return solves ? sample.strategy.backend : "assur";
 }
 
 }  // namespace assur::db

@@ -10,7 +10,6 @@
 #include "db/checksum.hpp"
 #include "db/connection.hpp"
 #include "db/contents.hpp"
-#include "db/fit.hpp"
 
 namespace assur::db {
 namespace {
@@ -28,7 +27,7 @@ struct Source {
 };
 
 struct Counts {
-  std::int64_t seen = 0, stale = 0, damaged = 0;
+  std::int64_t seen = 0, stale = 0, damaged = 0, lost = 0;
   std::vector<std::string> changes;  // "klu 1.3.9 is now 2.0.0"
 };
 
@@ -42,14 +41,13 @@ class Reading {
   MachineModel finish();
 
  private:
-  std::optional<Fit> fit();
   bool take_level(Likeness level);
   std::vector<Sample> samples_of(Source& source, std::int64_t machine);
   void add(std::vector<Sample> found);
   void say_source(const Source& source, std::int64_t machine, Likeness level);
   const Library& library_of(const std::string& name);  // at hand
   bool believed(const Library& library);
-  void say_counts(std::size_t once);
+  void say_counts();
   void say_nothing_fits();
   void say(std::string text) { messages_.push_back(std::move(text)); }
 
@@ -126,7 +124,9 @@ std::vector<Sample> Reading::samples_of(Source& source, std::int64_t machine) {
     runs.clear();  // all of them: in the order of the table, which is faster
   Samples samples = read_samples(source.database, source.tables, Care::trusting, runs);
   counts_.damaged += samples.damaged;
+  counts_.lost += samples.lost;
   counts_.seen += static_cast<std::int64_t>(samples.rows.size());
+  at_usual_pace(samples, source.tables);
   std::map<std::int64_t, bool> holds;
   std::vector<Sample> good;
   good.reserve(samples.rows.size());
@@ -142,32 +142,6 @@ std::vector<Sample> Reading::samples_of(Source& source, std::int64_t machine) {
     }
   }
   return good;
-}
-
-// Of this machine, if one file alone knows it and no sample of that file is of another library.
-std::optional<Fit> Reading::fit() {
-  Source* only = nullptr;
-  for (Source& source : sources_) {
-    for (const auto& [likeness, machine] : source.machines) {
-      if (likeness != Likeness::same) continue;
-      if (only != nullptr) return std::nullopt;
-      only = &source;
-    }
-  }
-  if (only == nullptr) return std::nullopt;
-  for (const auto& [id, library] : only->tables.libraries) {
-    if (library_of(library.value.name) != library.value) return std::nullopt;
-  }
-  const std::int64_t machine = only->machines.front().second;
-  say_source(*only, machine, Likeness::same);
-  std::optional<Fit> found;
-  try {
-    found = guarded(only->file, [&] { return find_fit(only->database, machine, source_); });
-  } catch (const Unusable&) {
-    // said when the samples are read
-  }
-  if (!found || !found->of_this_file) source_.clear();
-  return found;
 }
 
 // Of this machine all files tell; of a similar one only the first that knows one, so that all samples are of one.
@@ -218,8 +192,7 @@ void Reading::say_source(const Source& source, std::int64_t machine, Likeness le
   }
 }
 
-// once: samples there were when they were fitted; 0: not known.
-void Reading::say_counts(std::size_t once) {
+void Reading::say_counts() {
   if (counts_.stale > 0) {
     std::string changes;
     for (const std::string& change : counts_.changes) changes += (changes.empty() ? "" : "; ") + change;
@@ -230,9 +203,8 @@ void Reading::say_counts(std::size_t once) {
     say(number(counts_.damaged) + (counts_.damaged == 1 ? " damaged sample is" : " damaged samples are") +
         " left out; `assur db check` repairs the database");
   }
-  const std::int64_t lost = static_cast<std::int64_t>(once) - counts_.seen - counts_.damaged;
-  if (lost > 0 && messages_.empty()) {
-    say(number(lost) + " of " + number(static_cast<std::int64_t>(once)) +
+  if (counts_.lost > 0) {
+    say(number(counts_.lost) + " of " + number(counts_.seen + counts_.damaged + counts_.lost) +
         " samples are lost; `assur db check` repairs the database");
   }
 }
@@ -249,12 +221,10 @@ void Reading::say_nothing_fits() {
 }
 
 MachineModel Reading::finish() {
-  const std::optional<Fit> kept = fit();
-  if (kept && kept->of_this_file) return {std::make_shared<const PerformanceModel>(kept->model), std::move(messages_)};
   const bool found =
       take_level(Likeness::same) || take_level(Likeness::processor) || take_level(Likeness::microarchitecture);
   if (!found) say_nothing_fits();
-  say_counts(kept ? kept->model.samples() : 0);
+  say_counts();
   return {std::make_shared<const PerformanceModel>(std::move(samples_), std::move(source_)), std::move(messages_)};
 }
 

@@ -1,5 +1,8 @@
 // Store: what people ask it.
+#include <cmath>
+
 #include "db/store_impl.hpp"
+#include "numbers.hpp"
 
 namespace assur::db {
 namespace {
@@ -39,20 +42,39 @@ Value known(double value) { return value == value ? Value(value) : Value(); }
 Answer Store::sample_rows(const Filter& filter) const {
   return guarded(impl_->file, [&] {
     Answer answer;
-    answer.columns = {"uid",           "machine", "started",  "kernel",  "n",      "nnz",         "groups",
-                      "rhs",           "fill",    "strategy", "seconds", "spread", "repetitions", "backward_error",
-                      "forward_error", "library", "version",  "build"};
-    const auto [tables, samples] = read_all(impl_->database);
-    for (const SampleRow& row : samples.rows) {
+    answer.columns = {"uid",           "machine", "started",  "kernel",  "n",           "nnz",         "groups",
+                      "rhs",           "fill",    "strategy", "seconds", "spread",      "repetitions", "backward_error",
+                      "forward_error", "library", "version",  "build",   "raw_seconds", "slowness"};
+    const auto [tables, raw] = read_all(impl_->database);
+    Samples samples = raw;
+    at_usual_pace(samples, tables);
+    for (std::size_t i = 0; i < samples.rows.size(); ++i) {
+      const SampleRow& row = samples.rows[i];
       if (!fits(filter, row, tables)) continue;
       const Sample& s = row.sample;
+      const bool paced = !std::isnan(raw.rows[i].sample.slowness);
       const Run& run = tables.runs.at(row.run).value.run;
       const Library& library = tables.libraries.at(row.library).value;
-      answer.rows.push_back({s.uid, run.machine, run.started, std::string(name(s.kernel)), std::int64_t{s.shape.n},
-                             std::int64_t{s.shape.nnz}, std::int64_t{s.shape.groups}, std::int64_t{s.shape.rhs},
-                             s.shape.fill, to_string(s.strategy), s.seconds, s.spread, s.repetitions,
-                             known(s.backward_error), known(s.forward_error), library.name, library.version,
-                             library.build});
+      answer.rows.push_back({s.uid,
+                             run.machine,
+                             run.started,
+                             std::string(name(s.kernel)),
+                             std::int64_t{s.shape.n},
+                             std::int64_t{s.shape.nnz},
+                             std::int64_t{s.shape.groups},
+                             std::int64_t{s.shape.rhs},
+                             s.shape.fill,
+                             to_string(s.strategy),
+                             s.seconds,
+                             s.spread,
+                             s.repetitions,
+                             known(s.backward_error),
+                             known(s.forward_error),
+                             library.name,
+                             library.version,
+                             library.build,
+                             known(paced ? raw.rows[i].sample.seconds : kNan),
+                             known(paced ? s.slowness : kNan)});
     }
     return answer;
   });

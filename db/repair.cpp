@@ -43,9 +43,12 @@ std::optional<SQLite::Database> open_if_whole(const fs::path& file, std::string&
         why = file.string() + ": " + findings.front();
         return std::nullopt;
       }
-      const std::int64_t damaged = read_all(database).samples.damaged;
-      if (damaged == 0) return database;
-      why = file.string() + ": " + std::to_string(damaged) + " samples are damaged";
+      const Samples samples = read_all(database).samples;
+      if (samples.damaged == 0 && samples.lost == 0) return database;
+      why = file.string() + ": " + std::to_string(samples.damaged + samples.lost) + " samples are " +
+            (samples.lost == 0      ? "damaged"
+             : samples.damaged == 0 ? "lost"
+                                    : "damaged or lost");
       return std::nullopt;
     });
   } catch (const Unusable& unusable) {

@@ -11,6 +11,7 @@
 #include "db/store_impl.hpp"
 #include "db/time.hpp"
 #include "db/writer.hpp"
+#include "planning/pace.hpp"
 
 namespace assur::db {
 namespace {
@@ -30,6 +31,7 @@ void check_sample(const Sample& sample) {
   const auto refuse = [](const std::string& what) { throw Error(Error::Kind::input, "a sample to store: " + what); };
   if (!std::isfinite(sample.seconds) || sample.seconds <= 0) refuse("its time must be finite and positive");
   if (!std::isfinite(sample.spread) || sample.spread < 0) refuse("its spread must be finite and not negative");
+  if (!std::isfinite(sample.slowness) || sample.slowness <= 0) refuse("its slowness must be finite and positive");
   std::uint64_t half = 0;
   const std::string_view uid = sample.uid;
   const bool is_uid =
@@ -87,7 +89,7 @@ std::optional<std::int64_t> Store::unfinished_run(const Host& host, std::string_
   });
 }
 
-void Store::add(std::int64_t run, std::span<const Sample> samples) {
+void Store::add(std::int64_t run, std::span<const Sample> samples, double pace) {
   for (const Sample& sample : samples) check_sample(sample);
   guarded(impl_->file, [&] {
     SQLite::Transaction transaction(impl_->database, SQLite::TransactionBehavior::IMMEDIATE);
@@ -101,6 +103,8 @@ void Store::add(std::int64_t run, std::span<const Sample> samples) {
     Writer writer(impl_->database);
     for (Sample sample : samples) {
       if (sample.uid.empty()) sample.uid = new_uid();
+      if (!std::isnan(pace)) sample = slowed(std::move(sample), sample.slowness);
+      sample.slowness *= pace;
       writer.sample(sample, impl_->library(library_name(sample)), run, uid, machine);
     }
     transaction.commit();

@@ -1,4 +1,4 @@
--- The tuning database of assur, version 2. The only description of its tables: this file is built into the library.
+-- The tuning database of assur, version 3. The only description of its tables: this file is built into the library.
 -- Units: seconds, bytes. Kernels, strategies and libraries by name, never by a number that another version could read
 -- as something else. How to ask it by hand: db/README.md.
 
@@ -42,7 +42,8 @@ CREATE TABLE tuning_run (
   grade TEXT,                        -- 'good', 'fair', 'noisy'
   seconds REAL,                      -- that it took
   coverage REAL,                     -- of what was planned, 0 to 1
-  note TEXT
+  note TEXT,
+  samples INTEGER NOT NULL DEFAULT 0  -- that it has, as the triggers below count them: what is missing was lost
 ) STRICT;
 
 CREATE TABLE shape (                 -- what is solved: the members of assur::Shape
@@ -73,15 +74,17 @@ CREATE TABLE sample (
   uid TEXT NOT NULL UNIQUE,          -- 32 hexadecimal digits, drawn at random: the same sample in two databases is one
   run INTEGER NOT NULL REFERENCES tuning_run ON DELETE CASCADE,
   library INTEGER NOT NULL REFERENCES library,
-  kernel TEXT NOT NULL,              -- 'evaluate', 'factor', 'solve', 'pack', 'meeting', 'step'
+  kernel TEXT NOT NULL,              -- 'evaluate', 'factor', 'solve', 'pack', 'meeting', 'step', 'around'
   shape INTEGER NOT NULL REFERENCES shape,
   strategy INTEGER NOT NULL REFERENCES strategy,
-  seconds REAL NOT NULL,             -- median of one call, which serves all lanes
-  spread REAL NOT NULL,              -- median absolute deviation, s
+  seconds REAL NOT NULL,             -- median of one call, which serves all lanes, as the clock had it
+  spread REAL NOT NULL,              -- median absolute deviation at one pace, s
   repetitions INTEGER NOT NULL,
   backward_error REAL,               -- of the result that was timed, the worst over lanes; NULL: not measured
   forward_error REAL,
-  checksum INTEGER NOT NULL          -- over this row and all that it refers to; one that differs is not believed
+  checksum INTEGER NOT NULL,         -- over this row and all that it refers to; one that differs is not believed
+  slowness REAL                      -- of the machine meanwhile: s that a fixed piece of work took; NULL: not known, and
+                                     -- seconds are at what was the usual pace then
 ) STRICT;
 CREATE INDEX sample_of_run ON sample (run);
 
@@ -94,25 +97,35 @@ CREATE TABLE model (                 -- what was learned from the samples; can b
   PRIMARY KEY (machine, name)
 ) STRICT;
 
-CREATE TABLE fit (                   -- the model as the runtime reads it in place of all samples; can be made anew
-  machine INTEGER PRIMARY KEY REFERENCES machine ON DELETE CASCADE,
-  content BLOB NOT NULL,             -- PerformanceModel::bytes(), of the build that the libraries are of, and a
-                                     -- checksum over the rest of the file: where it differs the samples are read
-  checksum INTEGER NOT NULL          -- over the content; one that differs is not believed
-) STRICT;
--- A fit is of the samples that are there.
-CREATE TRIGGER sample_added AFTER INSERT ON sample BEGIN DELETE FROM fit; END;
-CREATE TRIGGER sample_changed AFTER UPDATE ON sample BEGIN DELETE FROM fit; END;
-CREATE TRIGGER sample_removed AFTER DELETE ON sample BEGIN DELETE FROM fit; END;
+CREATE TRIGGER sample_added AFTER INSERT ON sample
+BEGIN UPDATE tuning_run SET samples = samples + 1 WHERE id = new.run; END;
+CREATE TRIGGER sample_removed AFTER DELETE ON sample
+BEGIN UPDATE tuning_run SET samples = samples - 1 WHERE id = old.run; END;
 
 -- For people. Every time is that of one instance: of a call, divided by the lanes that it serves.
 
--- The newest sample of each cell.
+-- The usual pace of a machine, by version and build of assur: the lower quartile of the slowness, s.
+CREATE VIEW usual_pace AS
+SELECT machine, assur, build, slowness
+FROM (SELECT r.machine, r.assur, l.build, s.slowness, row_number() OVER fastest AS place,
+             count(*) OVER (PARTITION BY r.machine, r.assur, l.build) AS samples
+      FROM sample s JOIN tuning_run r ON r.id = s.run JOIN library l ON l.id = s.library
+      WHERE s.slowness IS NOT NULL
+      WINDOW fastest AS (PARTITION BY r.machine, r.assur, l.build ORDER BY s.slowness))
+WHERE place = (samples + 3) / 4;
+
+-- The newest sample of each cell, at the usual pace. The 5 us of a meeting that the clock counts are the same at any.
 CREATE VIEW measured AS
 SELECT r.machine, s.kernel, s.shape, s.strategy,
-       s.seconds / CASE WHEN s.kernel IN ('step', 'meeting') THEN 1 ELSE t.lanes END AS seconds,
-       s.spread / s.seconds AS scatter, s.backward_error, s.forward_error, max(s.id) AS sample
+       CASE WHEN s.kernel = 'meeting'
+            THEN min(s.seconds, 5e-6) + max(s.seconds - 5e-6, 0) * coalesce(u.slowness / s.slowness, 1)
+            ELSE s.seconds * coalesce(u.slowness / s.slowness, 1)
+                 / CASE WHEN s.kernel IN ('step', 'around') THEN 1 ELSE t.lanes END END AS seconds,
+       s.spread / s.seconds AS scatter, s.slowness / u.slowness AS slowness, s.backward_error, s.forward_error,
+       max(s.id) AS sample
 FROM sample s JOIN tuning_run r ON r.id = s.run JOIN strategy t ON t.id = s.strategy
+JOIN library l ON l.id = s.library
+LEFT JOIN usual_pace u ON u.machine = r.machine AND u.assur = r.assur AND u.build = l.build
 GROUP BY r.machine, s.kernel, s.shape, s.strategy;
 
 -- The same, and the linear algebra of a step put together: the kernel 'factor+3solve'.
@@ -129,7 +142,7 @@ WITH ranked AS (
   SELECT machine, kernel, shape, strategy, seconds,
          row_number() OVER rank AS place,
          lead(strategy) OVER rank AS next, lead(seconds) OVER rank AS next_seconds
-  FROM cost WHERE kernel != 'meeting'
+  FROM cost WHERE kernel NOT IN ('meeting', 'around')
   WINDOW rank AS (PARTITION BY machine, kernel, shape ORDER BY seconds, strategy)
 )
 SELECT m.fingerprint AS machine, b.kernel, h.n, h.nnz, h.fill, h.groups, h.rhs, h.pattern, t.text AS strategy,

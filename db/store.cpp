@@ -3,7 +3,6 @@
 #include <random>
 
 #include "db/checksum.hpp"
-#include "db/fit.hpp"
 #include "db/repair.hpp"
 #include "db/store_impl.hpp"
 
@@ -62,20 +61,26 @@ bool fits(const Filter& filter, const SampleRow& row, const Tables& tables) {
          (!filter.kernel || *filter.kernel == row.sample.kernel);
 }
 
-void Store::fit_models() {
-  guarded(impl_->file, [&] {
-    db::fit_models(impl_->database, [&](const Library& library) { return library == impl_->library(library.name); });
-  });
-}
-
 std::vector<Sample> Store::samples(const Filter& filter) const {
   return guarded(impl_->file, [&] {
     auto [tables, samples] = read_all(impl_->database);
+    at_usual_pace(samples, tables);
     std::vector<Sample> found;
     for (SampleRow& row : samples.rows) {
       if (fits(filter, row, tables)) found.push_back(std::move(row.sample));
     }
     return found;
+  });
+}
+
+std::optional<double> Store::usual_pace(const Host& host) const {
+  return guarded(impl_->file, [&]() -> std::optional<double> {
+    const Contents contents = read_all(impl_->database);
+    for (const auto& [id, machine] : contents.tables.machines) {
+      if (machine.fingerprint() != host.fingerprint()) continue;
+      return db::usual_pace(contents, id, assur_version(), library_at_hand("assur").build);
+    }
+    return std::nullopt;
   });
 }
 
@@ -87,6 +92,7 @@ Health Store::health() const {
     health.samples = static_cast<std::int64_t>(samples.rows.size());
     health.damaged = samples.damaged;
     health.unknown = samples.unknown;
+    health.lost = samples.lost;
     for (const SampleRow& row : samples.rows) {
       const Library& library = tables.libraries.at(row.library).value;
       if (library != impl_->library(library.name)) ++health.stale;

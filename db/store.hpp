@@ -13,6 +13,7 @@
 
 #include "assur/performance.hpp"
 #include "db/host.hpp"
+#include "numbers.hpp"
 
 namespace assur::db {
 
@@ -69,6 +70,7 @@ struct Answer {
 struct Health {
   std::int64_t samples = 0;           // good ones
   std::int64_t damaged = 0;           // samples whose checksum differs
+  std::int64_t lost = 0;              // samples that were stored, and are not there
   std::int64_t unknown = 0;           // of a kernel or strategy that this version does not know
   std::int64_t stale = 0;             // good ones of another version of their library than the one at hand
   std::vector<std::string> findings;  // of the file's structure
@@ -104,8 +106,11 @@ class Store {
   // other process is working on, which now is this one's: go on with it, and skip what it has().
   [[nodiscard]] std::optional<std::int64_t> unfinished_run(const Host& host, std::string_view profile);
   // All of them or none, in one transaction that survives the process. A sample without uid gets one; one that is there
-  // already, by its uid, stays. Throws Error (input) for a time, spread or uid that is none, or an unknown run.
-  void add(std::int64_t run, std::span<const Sample> samples);
+  // already, by its uid, stays. pace: s that the fixed work takes where their slowness is 1; NaN: not known, as their
+  // slowness then is. Throws Error (input) for a time, spread, slowness or uid that is none, or an unknown run.
+  void add(std::int64_t run, std::span<const Sample> samples, double pace = kNan);
+  // s that the fixed work usually takes on this host, with this build of assur; nullopt: no sample tells it.
+  [[nodiscard]] std::optional<double> usual_pace(const Host& host) const;
   void finish_run(std::int64_t run, const RunResult& result);
   // With the library that is at hand.
   [[nodiscard]] bool has(std::int64_t run, Kernel kernel, const Shape& shape, const Strategy& strategy) const;
@@ -118,10 +123,6 @@ class Store {
   // runtime does not read it. One for each name; the new one takes the place of the old.
   void put_model(const Host& host, std::string_view name, std::string_view json);
   [[nodiscard]] std::optional<std::string> model(const Host& host, std::string_view name) const;
-
-  // What a program reads instead of all samples, for every machine whose samples are all good and of the libraries at
-  // hand. To be called once samples have been added; until then programs fit for themselves.
-  void fit_models();
 
   // For people; seconds in best and crossovers are those of one instance. Filter::run and library are for samples only.
   [[nodiscard]] Answer sample_rows(const Filter& filter = {}) const;

@@ -1,7 +1,6 @@
 // Store: samples from and to other files, and none at all.
 #include <set>
 
-#include "db/fit.hpp"
 #include "db/repair.hpp"
 #include "db/store_impl.hpp"
 
@@ -56,7 +55,6 @@ Forgotten Store::forget(const Filter& filter) {
     forgotten.samples = forget.exec();
     forgotten.runs = prune(impl_->database);
     transaction.commit();
-    fit_models();
     return forgotten;
   });
 }
@@ -87,7 +85,6 @@ std::int64_t Store::export_to(const fs::path& file, const Filter& filter) const 
     SQLite::Database target = open_to_write(part, true);  // without a log, which needs a folder that can be written
     const std::int64_t all = copy(contents, target).samples;
     target.exec("VACUUM");
-    db::fit_models(target, [](const Library& library) { return library == library_at_hand(library.name); });
     return all;
   });
   fs::rename(part, file, error);
@@ -102,7 +99,6 @@ Imported Store::import_from(const fs::path& file) {
   });
   return guarded(impl_->file, [&] {
     const Copied copied = copy(contents, impl_->database);
-    fit_models();
     return Imported{copied.samples, copied.known, contents.samples.damaged};
   });
 }

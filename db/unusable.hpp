@@ -13,7 +13,6 @@ enum class Trouble : std::uint8_t {
   absent,   // no such file, or an empty one
   foreign,  // a file of something else: never touched
   newer,    // of a version to come: never touched
-  older,    // of an older version: opening it to write brings it up to date
   damaged,  // was a tuning database
   blocked,  // locked, no space, no permission, ...: the file may be good
 };

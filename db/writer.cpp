@@ -105,11 +105,11 @@ bool Writer::sample(const Sample& sample, const Library& from, std::int64_t run,
                     const std::string& machine) {
   static constexpr const char* kInsert =
       "INSERT INTO sample (uid, run, library, kernel, shape, strategy, seconds, spread, repetitions, backward_error, "
-      "forward_error, checksum) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12) "
+      "forward_error, checksum, slowness) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13) "
       "ON CONFLICT (uid) DO NOTHING";
   return bound(prepared(kInsert), sample.uid, run, library(from), std::string(name(sample.kernel)), shape(sample.shape),
                strategy(sample.strategy), sample.seconds, sample.spread, sample.repetitions, sample.backward_error,
-               sample.forward_error, checksum(sample, from, uid, machine))
+               sample.forward_error, checksum(sample, from, uid, machine), sample.slowness)
              .exec() > 0;
 }
 

@@ -22,7 +22,8 @@ class Writer {
   std::int64_t shape(const Shape& shape);
   std::int64_t strategy(const Strategy& strategy);
 
-  // False if a sample of this uid is there already. run: its id; uid and machine are those of the run.
+  // False if a sample of this uid is there already. sample: as SampleRow has it. run: its id; uid and machine are those
+  // of the run.
   bool sample(const Sample& sample, const Library& library, std::int64_t run, const std::string& uid,
               const std::string& machine);
 

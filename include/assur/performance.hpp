@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -26,6 +25,8 @@ enum class Kernel : std::uint8_t {
   meeting,   // the first of p threads works alone for 5 us, which count; then all start together and wait for each
              // other; the others are handed shape.n doubles in all by the first, change them and hand them back
   step,      // one step of a mechanism: checks what is composed of the others
+  around,  // what a step takes beyond its packs: laws, prediction, outputs; shape.n unknowns of all groups, shape.terms
+           // pieces of outputs as the dispatcher counts them
 };
 
 [[nodiscard]] std::string_view name(Kernel kernel) noexcept;
@@ -39,8 +40,9 @@ struct Sample {
   Kernel kernel = Kernel::factor;
   Shape shape;
   Strategy strategy;
-  double seconds = 0;  // median of one call; the tuner's are at the machine's usual pace: db/README.md
-  double spread = 0;   // median absolute deviation, s
+  double seconds = 0;   // median of one call, at the machine's usual pace: db/README.md
+  double spread = 0;    // median absolute deviation, s
+  double slowness = 1;  // how many times as long as usual it took when it was measured; 1: or not known
   std::int64_t repetitions = 0;
   // Of the result that was timed, the worst over lanes; NaN: not measured. Of a solution: |A x - b| / (|A| |x| + |b|)
   // and |x - x_ref| / |x_ref|, maximum norms; of a step: the worst of Report::error, and that of forward_error().
@@ -97,15 +99,8 @@ class PerformanceModel {
   [[nodiscard]] std::size_t samples() const;
   [[nodiscard]] const std::string& source() const;
 
-  // All but the source, for the same build of the library on the same machine: they are read without fitting anew.
-  [[nodiscard]] std::vector<std::byte> bytes() const;
-  // nullopt: they are not what bytes() of this version makes. Wrong numbers are not noticed: keep a checksum.
-  [[nodiscard]] static std::optional<PerformanceModel> from_bytes(std::span<const std::byte> bytes,
-                                                                  std::string source = {});
-
  private:
   struct Impl;
-  explicit PerformanceModel(std::shared_ptr<const Impl> impl);
   std::shared_ptr<const Impl> impl_;
 };
 

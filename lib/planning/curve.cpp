@@ -85,17 +85,6 @@ Curve::Curve(std::vector<Measured> points) : points_(points.size()) {
   }
 }
 
-void Curve::write(ByteWriter& bytes) const {
-  for (const double c : coefficients_) bytes.put(c);
-  bytes.put(points_);
-  bytes.put(deviations_);
-}
-void Curve::read(ByteReader& bytes) {
-  for (double& c : coefficients_) bytes.get(c);
-  bytes.get(points_);
-  bytes.get(deviations_);
-}
-
 // Deviations count relative to what is larger, the time measured or fitted before: so no point can pull by more than
 // its own size, whichever side it is on.
 void Curve::fit(const std::vector<Measured>& points) {

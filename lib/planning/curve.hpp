@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "assur/performance.hpp"
-#include "planning/bytes.hpp"
 
 namespace assur {
 
@@ -32,16 +31,12 @@ class Curve {
   // The fit is robust: coefficients >= 0 of the terms, least squares of relative deviations, outliers weigh less
   // (Huber 1964). At least one point; the order of the points does not matter beyond rounding.
   explicit Curve(std::vector<Measured> points);
-  Curve() = default;  // to be read
 
   [[nodiscard]] Prediction at(const FitPoint& point) const;
 
-  void write(ByteWriter& bytes) const;
-  void read(ByteReader& bytes);
-
  private:
-  // How the points deviate from the fit, kBlock of them side by side: a program reads thousands before its first step
-  // and asks for hundreds of times. No time is known to more digits than a float has.
+  // How the points deviate from the fit, kBlock of them side by side: a program asks for hundreds of times among
+  // thousands of points before its first step. No time is known to more digits than a float has.
   static constexpr std::size_t kBlock = 8;
   struct Deviations {
     std::array<std::array<float, kBlock>, kAxes> place;
@@ -52,7 +47,7 @@ class Curve {
   void fit(const std::vector<Measured>& points);
 
   std::array<double, kTerms> coefficients_{};
-  std::uint64_t points_ = 0;
+  std::size_t points_ = 0;
   std::vector<Deviations> deviations_;
 };
 

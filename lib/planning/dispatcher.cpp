@@ -21,9 +21,10 @@ namespace {
 
 constexpr double kWait = 0.3;         // of a meeting: what a level adds; a barrier alone (barriers_bench) is a tenth
 constexpr double kMeetings = 1.5;     // of those measured: they take once or twice as long from minute to minute, with
-                                      // the cores that the system gives
-constexpr double kHandedOver = 4;     // doubles for each unknown: the prediction, and what comes back
-constexpr double kStoring = 0.3e-9;   // s a value, into pages that are there: 0.23 to 0.39 for 393 to 8,640 values
+                                      // the cores that the system gives (regret_bench)
+constexpr double kHandedOver = 4;     // doubles for each unknown: the prediction, and what comes back; counted
+constexpr double kStoring = 0.3e-9;   // s a value, into pages that are there: 0.23 to 0.39 for 393 to 8,640 values, by
+                                      // `assur run` less `assur compare`
 constexpr std::int64_t kCurved = 60;  // pieces, of an output that is a distance or an angle
 
 // Groups of one class on one level.
@@ -113,6 +114,8 @@ class Around {
   }
 
   [[nodiscard]] std::int64_t columns() const { return columns_; }
+  [[nodiscard]] std::int64_t unknowns() const { return unknowns_; }
+  [[nodiscard]] std::int64_t pieces() const { return pieces_; }
 
   [[nodiscard]] double seconds(std::int32_t threads) const {
     const bool shared = threads > 1 && columns_ >= static_cast<std::int64_t>(kWorthSharing);
@@ -331,7 +334,9 @@ BesideGroups beside_groups(const Structure& structure, const PerformanceModel& m
   const Around around(structure, model);
   return {.around = around.seconds(threads),
           .storing = kStoring * static_cast<double>(around.columns()),
-          .outputs = around.columns()};
+          .outputs = around.columns(),
+          .unknowns = around.unknowns(),
+          .pieces = around.pieces()};
 }
 
 Plan dispatch(const Structure& s, const Task& task, const Scales& scales) {

@@ -24,6 +24,7 @@ struct BesideGroups {
   double around = 0;   // laws, predictions and outputs: part of Plan::expected_seconds
   double storing = 0;  // a row of outputs, where a run keeps them: no part of it
   std::int64_t outputs = 0;
+  std::int64_t unknowns = 0, pieces = 0;  // that `around` is counted by, as PerformanceModel::around() takes them
 };
 [[nodiscard]] BesideGroups beside_groups(const Structure& structure, const PerformanceModel& model,
                                          std::int32_t threads);

@@ -2,13 +2,13 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <tuple>
 #include <utility>
 
 #include "assur/performance.hpp"
 #include "assur/status.hpp"
 #include "median.hpp"
-#include "planning/bytes.hpp"
 #include "planning/curve.hpp"
 #include "planning/prior.hpp"
 
@@ -21,9 +21,8 @@ struct NamedKernel {
 };
 constexpr std::array kKernels = {NamedKernel{Kernel::evaluate, "evaluate"}, NamedKernel{Kernel::factor, "factor"},
                                  NamedKernel{Kernel::solve, "solve"},       NamedKernel{Kernel::pack, "pack"},
-                                 NamedKernel{Kernel::meeting, "meeting"},   NamedKernel{Kernel::step, "step"}};
-
-constexpr std::int32_t kFormat = 6;  // of bytes(); raised whenever anything is fitted or written otherwise
+                                 NamedKernel{Kernel::meeting, "meeting"},   NamedKernel{Kernel::step, "step"},
+                                 NamedKernel{Kernel::around, "around"}};
 
 // What of a strategy a kernel depends on. Solvers differ by backend, precision and threads; W is kept apart, so that
 // another W can stand in.
@@ -33,40 +32,23 @@ struct Variant {
   Reuse reuse = Reuse::fresh;
   std::int32_t q = 1, lanes = 1;
 
-  void write(ByteWriter& bytes) const {
-    bytes.put(backend);
-    for (const bool b : {single, refine, once, separate}) bytes.put(b);
-    bytes.put(reuse);
-    bytes.put(q);
-    bytes.put(lanes);
-  }
-  void read(ByteReader& bytes) {
-    bytes.get(backend);
-    for (bool* b : {&single, &refine, &once, &separate}) bytes.get(*b);
-    bytes.get(reuse);
-    bytes.get(q);
-    bytes.get(lanes);
-  }
   friend auto operator<=>(const Variant&, const Variant&) = default;
 };
 
 Variant variant_of(Kernel kernel, const Strategy& s) {
-  if (kernel == Kernel::evaluate) return {.backend = "", .lanes = s.solver.lanes};
-  Variant v{.backend = s.solver.backend,
-            .single = s.solver.single,
-            .refine = s.solver.refine,
-            .q = s.solver.threads,
-            .lanes = s.solver.lanes};
+  if (kernel == Kernel::around) return {};  // whatever solves the groups
+  if (kernel == Kernel::evaluate) return {.backend = "", .lanes = s.lanes};
+  Variant v{.backend = s.backend, .single = s.single, .refine = s.refine, .q = s.q, .lanes = s.lanes};
   if (kernel == Kernel::pack) {
-    v.once = s.solver.once;
-    v.separate = s.solver.separate;
-    v.reuse = s.solver.reuse;
+    v.once = s.once;
+    v.separate = s.separate;
+    v.reuse = s.reuse;
   }
   return v;
 }
 
-struct Cell {            // samples of one cell are of the same thing
-  std::int32_t kernel;   // a Kernel; as wide as the rest, so that a cell has no bytes that mean nothing
+struct Cell {  // samples of one cell are of the same thing
+  Kernel kernel;
   std::int32_t variant;  // its number
   std::uint64_t pattern;
   std::int64_t terms;
@@ -75,16 +57,12 @@ struct Cell {            // samples of one cell are of the same thing
   friend auto operator<=>(const Cell&, const Cell&) = default;
 };
 
-std::int32_t number(Kernel kernel) { return static_cast<std::int32_t>(kernel); }
-
-static_assert(std::has_unique_object_representations_v<Cell>);
-
 // A bare matrix and a group with the same pattern cost a solver the same.
 Cell cell_of(Kernel kernel, const Shape& shape, std::int32_t variant) {
   const bool solver = kernel == Kernel::factor || kernel == Kernel::solve;
   const bool pack = kernel == Kernel::pack;
-  return {number(kernel), variant,   shape.pattern,           solver ? 0 : shape.terms,
-          shape.n,        shape.nnz, pack ? shape.groups : 1, pack ? shape.rhs : 1};
+  return {kernel,  variant,   shape.pattern,           solver ? 0 : shape.terms,
+          shape.n, shape.nnz, pack ? shape.groups : 1, pack ? shape.rhs : 1};
 }
 
 // What is known of a cell.
@@ -99,13 +77,13 @@ struct Known {
   friend bool operator<(const Known& a, const Cell& b) { return a.cell < b; }
 };
 
-// The same with an example of what was measured, to fit curves to.
+// The same with one of its samples, to fit curves to.
 struct Gathered {
-  Shape shape;
-  Strategy strategy;
+  Cell cell;
+  const Sample* example;
   double seconds = 0, noise = 0, backward_error = 0;
 };
-using Cells = std::map<Cell, Gathered>;
+using Cells = std::vector<Gathered>;  // ascending
 using Curves = std::map<std::int32_t, Curve>;
 
 double positive_log(double x) { return std::log(std::max(x, 1.0)); }
@@ -135,7 +113,7 @@ FitPoint point_of(Kernel kernel, const Shape& shape, const Strategy& strategy) {
     case Kernel::evaluate:
       return {{1, n, terms, nnz}, {size, positive_log(terms / std::max(n, 1.0))}};
     default: {
-      const double one = bytes_of_group(shape), all = one * shape.groups, moved = one * strategy.solver.lanes;
+      const double one = bytes_of_group(shape), all = one * shape.groups, moved = one * strategy.lanes;
       return {{1, n, nnz, moved * beyond(all, kSmallCache), moved * beyond(all, kLargeCache)},
               {size, filled, in_registers(shape, strategy) ? 10.0 : 0.0, 0.15 * positive_log(all)}};
     }
@@ -165,11 +143,11 @@ std::string_view name(Kernel kernel) noexcept {
 }
 
 Kernel parse_kernel(std::string_view text) {
-  std::string known;
   for (const NamedKernel& k : kKernels) {
     if (k.name == text) return k.kernel;
-    known += (known.empty() ? "" : ", ") + std::string(k.name);
   }
+  std::string known;
+  for (const NamedKernel& k : kKernels) known += (known.empty() ? "" : ", ") + std::string(k.name);
   throw Error(Error::Kind::input, '"' + std::string(text) + "\" is no kernel; there are " + known);
 }
 
@@ -179,115 +157,6 @@ std::string_view name(Origin origin) noexcept {
 }
 
 struct PerformanceModel::Impl {
-  explicit Impl(std::string from) : source(std::move(from)) {}
-
-  Impl(const std::vector<Sample>& samples, std::string from) : source(std::move(from)), count(samples.size()) {
-    const Cells cells = gather(samples);
-    for (const auto& [cell, g] : cells) {
-      known.push_back({cell, g.seconds, static_cast<float>(g.noise), static_cast<float>(g.backward_error)});
-    }
-    for (const Kernel kernel : {Kernel::evaluate, Kernel::factor, Kernel::solve}) fit(kernel, cells);
-    fit_rest(cells);
-    fit_packs(cells);
-  }
-
-  // Of what was measured more than once, the median.
-  Cells gather(const std::vector<Sample>& samples) {
-    std::map<Cell, std::vector<const Sample*>> cells;
-    std::map<std::int32_t, std::map<Cell, std::vector<double>>> crowds;  // p: packs while so many threads work
-    // Numbered in their own order, not in that of the samples.
-    for (const Sample& s : samples) numbers.try_emplace(variant_of(s.kernel, s.strategy), 0);
-    for (std::int32_t next = 0; auto& [variant, number] : numbers) number = next++;
-    for (const Sample& s : samples) {
-      if (!(s.seconds > 0) || !std::isfinite(s.seconds)) continue;
-      const Cell cell = cell_of(s.kernel, s.shape, numbers.at(variant_of(s.kernel, s.strategy)));
-      if (s.kernel == Kernel::meeting) {
-        const double together = std::max(s.seconds - kAloneBeforeMeeting, 0.0);
-        (s.shape.n == 0 ? meetings : handovers)[s.strategy.run.threads].push_back(together / std::max(s.shape.n, 1));
-      } else if (s.kernel == Kernel::pack && s.strategy.run.threads > 1) {
-        crowds[s.strategy.run.threads][cell].push_back(s.seconds);
-      } else if (s.kernel != Kernel::step) {
-        cells[cell].push_back(&s);
-      }
-    }
-    Cells gathered;
-    for (const auto& [cell, of] : cells) {
-      std::vector<double> seconds, noise;
-      double error = 0;
-      for (const Sample* s : of) {
-        seconds.push_back(s->seconds);
-        noise.push_back(s->spread / s->seconds);
-        if (s->backward_error > error) error = s->backward_error;
-      }
-      gathered.emplace(cell, Gathered{of[0]->shape, of[0]->strategy, median(seconds), median(noise), error});
-    }
-    for (const auto& [p, crowd] : crowds) {
-      std::map<std::int32_t, std::vector<double>> ratios;  // n
-      for (const auto& [cell, seconds] : crowd) {
-        const auto alone = gathered.find(cell);
-        if (alone == gathered.end()) continue;
-        ratios[alone->second.shape.n].push_back(
-            std::clamp(median(seconds) / alone->second.seconds, 1.0, static_cast<double>(p)));
-      }
-      // What other programs take from the cores comes and goes within seconds: the median does not see it.
-      for (const auto& [n, of] : ratios) contentions[p][n] = median(of);
-    }
-    return gathered;
-  }
-
-  void fit(Kernel kernel, const Cells& cells) {
-    std::map<std::int32_t, std::vector<Curve::Measured>> points;
-    std::vector<double> ratios;
-    for (const auto& [cell, k] : cells) {
-      if (cell.kernel != number(kernel)) continue;
-      points[cell.variant].push_back({point_of(kernel, k.shape, k.strategy), k.seconds, k.noise});
-      ratios.push_back(k.seconds / prior_seconds(kernel, k.shape, k.strategy));
-    }
-    auto& curves = curve[static_cast<std::size_t>(kernel)];
-    for (auto& [variant, measured] : points) curves.emplace(variant, Curve(std::move(measured)));
-    speed[static_cast<std::size_t>(kernel)] = ratios.empty() ? 1 : median(ratios);
-  }
-
-  // What a pack costs beyond its kernels, by W: whatever the solver, so the quickest one tells best.
-  void fit_rest(const Cells& cells) {
-    using CellKey = std::tuple<std::int32_t, std::uint64_t, std::int64_t, std::int32_t>;
-    std::map<CellKey, const Gathered*> quickest;
-    for (const auto& [cell, k] : cells) {
-      if (cell.kernel != number(Kernel::pack) || in_registers(k.shape, k.strategy) || k.strategy.solver.once) continue;
-      if (k.strategy.solver.reuse != Reuse::fresh) continue;
-      const Gathered*& best = quickest[{k.strategy.solver.lanes, cell.pattern, cell.terms, cell.groups}];
-      if (best == nullptr || k.seconds < best->seconds) best = &k;
-    }
-    std::map<std::int32_t, std::vector<Curve::Measured>> points;
-    for (const auto& [place, k] : quickest) {
-      Kernels kernels(*this, k->shape);
-      const Prediction parts = kernels_of_pack(kernels, k->strategy);
-      const double rest_of_it = k->seconds - parts.seconds;
-      if (parts.origin == Origin::prior || rest_of_it < 0.05 * k->seconds) continue;  // else it is all noise
-      points[k->strategy.solver.lanes].push_back({point_of(Kernel::pack, k->shape, k->strategy), rest_of_it, k->noise});
-    }
-    for (auto& [lanes, measured] : points) rest.emplace(lanes, Curve(std::move(measured)));
-  }
-
-  // What whole packs say beyond the sum of their parts.
-  void fit_packs(const Cells& cells) {
-    std::map<std::int32_t, std::vector<Curve::Measured>> points;
-    for (const auto& [cell, k] : cells) {
-      if (cell.kernel != number(Kernel::pack)) continue;
-      Kernels kernels(*this, k.shape);
-      const double parts = composed(kernels, k.strategy).seconds;
-      points[cell.variant].push_back({pack_point(k.shape, k.strategy, parts), k.seconds, k.noise});
-    }
-    for (auto& [variant, measured] : points) packs.emplace(variant, Curve(std::move(measured)));
-  }
-
-  // parts: seconds of composed().
-  [[nodiscard]] static FitPoint pack_point(const Shape& shape, const Strategy& strategy, double parts) {
-    FitPoint point = point_of(Kernel::pack, shape, strategy);
-    point.terms = {parts};
-    return point;
-  }
-
   // Those of one shape: strategies share most of them.
   class Kernels {
    public:
@@ -306,6 +175,155 @@ struct PerformanceModel::Impl {
     std::map<std::pair<Kernel, Variant>, Prediction> known_;
   };
 
+  // The same for the shape of each cell.
+  class KernelsOfShapes {
+   public:
+    explicit KernelsOfShapes(const Impl& model) : model_(model) {}
+
+    Kernels& of(const Gathered& g) {
+      const Cell& c = g.cell;
+      const auto at = std::tuple(c.pattern, c.terms, c.n, c.nnz, c.groups, c.rhs);
+      return shapes_.try_emplace(at, model_, g.example->shape).first->second;
+    }
+
+   private:
+    const Impl& model_;
+    std::map<std::tuple<std::uint64_t, std::int64_t, std::int32_t, std::int32_t, std::int32_t, std::int32_t>, Kernels>
+        shapes_;
+  };
+
+  Impl(const std::vector<Sample>& samples, std::string from) : source(std::move(from)), count(samples.size()) {
+    const Cells cells = gather(samples);
+    for (const Gathered& g : cells) {
+      known.push_back({g.cell, g.seconds, static_cast<float>(g.noise), static_cast<float>(g.backward_error)});
+    }
+    for (const Kernel kernel : {Kernel::evaluate, Kernel::factor, Kernel::solve}) fit(kernel, cells);
+    KernelsOfShapes kernels(*this);
+    fit_rest(cells, kernels);
+    fit_packs(cells, kernels);
+    fit_around(cells);
+  }
+
+  // Of what was measured more than once, the median.
+  Cells gather(const std::vector<Sample>& samples) {
+    std::vector<std::pair<Cell, const Sample*>> all;
+    std::map<std::int32_t, std::map<Cell, std::vector<double>>> crowds;  // p: packs while so many threads work
+    // Numbered in their own order, not in that of the samples.
+    std::vector<std::map<Variant, std::int32_t>::iterator> variants;
+    for (const Sample& s : samples) variants.push_back(numbers.try_emplace(variant_of(s.kernel, s.strategy), 0).first);
+    for (std::int32_t next = 0; auto& [variant, number] : numbers) number = next++;
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      const Sample& s = samples[i];
+      if (!(s.seconds > 0) || !std::isfinite(s.seconds)) continue;
+      const Cell cell = cell_of(s.kernel, s.shape, variants[i]->second);
+      if (s.kernel == Kernel::meeting) {
+        const double together = std::max(s.seconds - kAloneBeforeMeeting, 0.0);
+        (s.shape.n == 0 ? meetings : handovers)[s.strategy.p].push_back(together / std::max(s.shape.n, 1));
+      } else if (s.kernel == Kernel::pack && s.strategy.p > 1) {
+        crowds[s.strategy.p][cell].push_back(s.seconds);
+      } else if (s.kernel != Kernel::step) {
+        all.emplace_back(cell, &s);
+      }
+    }
+    std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    Cells gathered;
+    std::vector<double> seconds, noise;
+    for (auto begin = all.begin(), end = begin; begin != all.end(); begin = end) {
+      seconds.clear();
+      noise.clear();
+      double error = 0;
+      for (; end != all.end() && end->first == begin->first; ++end) {
+        const Sample& s = *end->second;
+        seconds.push_back(s.seconds);
+        noise.push_back(s.spread / s.seconds);
+        if (s.backward_error > error) error = s.backward_error;
+      }
+      gathered.push_back({begin->first, begin->second, median(seconds), median(noise), error});
+    }
+    for (const auto& [p, crowd] : crowds) {
+      std::map<std::int32_t, std::vector<double>> ratios;  // n
+      for (const auto& [cell, seconds_of] : crowd) {
+        const auto alone = std::lower_bound(gathered.begin(), gathered.end(), cell,
+                                            [](const Gathered& g, const Cell& c) { return g.cell < c; });
+        if (alone == gathered.end() || alone->cell != cell) continue;
+        ratios[cell.n].push_back(std::clamp(median(seconds_of) / alone->seconds, 1.0, static_cast<double>(p)));
+      }
+      // What other programs take from the cores comes and goes within seconds: the median does not see it.
+      for (const auto& [n, of] : ratios) contentions[p][n] = median(of);
+    }
+    return gathered;
+  }
+
+  void fit(Kernel kernel, const Cells& cells) {
+    std::map<std::int32_t, std::vector<Curve::Measured>> points;
+    std::vector<double> ratios;
+    for (const Gathered& g : cells) {
+      if (g.cell.kernel != kernel) continue;
+      const Sample& s = *g.example;
+      points[g.cell.variant].push_back({point_of(kernel, s.shape, s.strategy), g.seconds, g.noise});
+      ratios.push_back(g.seconds / prior_seconds(kernel, s.shape, s.strategy));
+    }
+    auto& curves = curve[static_cast<std::size_t>(kernel)];
+    for (auto& [variant, measured] : points) curves.emplace(variant, Curve(std::move(measured)));
+    speed[static_cast<std::size_t>(kernel)] = ratios.empty() ? 1 : median(ratios);
+  }
+
+  // What a pack costs beyond its kernels, by W: whatever the solver, so the quickest one tells best.
+  void fit_rest(const Cells& cells, KernelsOfShapes& kernels) {
+    using CellKey = std::tuple<std::int32_t, std::uint64_t, std::int64_t, std::int32_t>;
+    std::map<CellKey, const Gathered*> quickest;
+    for (const Gathered& g : cells) {
+      if (g.cell.kernel != Kernel::pack) continue;
+      const Strategy& s = g.example->strategy;
+      if (in_registers(g.example->shape, s) || s.once || s.reuse != Reuse::fresh) continue;
+      const Gathered*& best = quickest[{s.lanes, g.cell.pattern, g.cell.terms, g.cell.groups}];
+      if (best == nullptr || g.seconds < best->seconds) best = &g;
+    }
+    std::map<std::int32_t, std::vector<Curve::Measured>> points;
+    for (const auto& [place, g] : quickest) {
+      const auto& [shape, strategy] = std::tie(g->example->shape, g->example->strategy);
+      const Prediction parts = kernels_of_pack(kernels.of(*g), strategy);
+      const double rest_of_it = g->seconds - parts.seconds;
+      if (parts.origin == Origin::prior || rest_of_it < 0.05 * g->seconds) continue;  // else it is all noise
+      points[strategy.lanes].push_back({point_of(Kernel::pack, shape, strategy), rest_of_it, g->noise});
+    }
+    for (auto& [lanes, measured] : points) rest.emplace(lanes, Curve(std::move(measured)));
+  }
+
+  // What whole packs say beyond the sum of their parts.
+  void fit_packs(const Cells& cells, KernelsOfShapes& kernels) {
+    std::map<std::int32_t, std::vector<Curve::Measured>> points;
+    for (const Gathered& g : cells) {
+      if (g.cell.kernel != Kernel::pack) continue;
+      const auto& [shape, strategy] = std::tie(g.example->shape, g.example->strategy);
+      const double parts = composed(kernels.of(g), strategy).seconds;
+      points[g.cell.variant].push_back({pack_point(shape, strategy, parts), g.seconds, g.noise});
+    }
+    for (auto& [variant, measured] : points) packs.emplace(variant, Curve(std::move(measured)));
+  }
+
+  // How many times its prior it takes: mechanisms are too few to tell its terms from each other. A difference of times
+  // scatters more than they do, and all the same says more about its neighbours than the fit.
+  void fit_around(const Cells& cells) {
+    std::vector<Curve::Measured> points;
+    for (const Gathered& g : cells) {
+      if (g.cell.kernel == Kernel::around) points.push_back({around_point(g.cell.n, g.cell.terms), g.seconds, 0});
+    }
+    if (!points.empty()) around.emplace(std::move(points));
+  }
+
+  [[nodiscard]] static FitPoint around_point(std::int64_t unknowns, std::int64_t pieces) {
+    return {{prior_around_seconds(unknowns, pieces)},
+            {positive_log(static_cast<double>(unknowns)), positive_log(static_cast<double>(pieces))}};
+  }
+
+  // parts: seconds of composed().
+  [[nodiscard]] static FitPoint pack_point(const Shape& shape, const Strategy& strategy, double parts) {
+    FitPoint point = point_of(Kernel::pack, shape, strategy);
+    point.terms = {parts};
+    return point;
+  }
+
   [[nodiscard]] static Prediction kernels_of_pack(Kernels& kernels, const Strategy& s) {
     const StepCounts counts = step_counts(s, kernels.shape().rhs - 1);
     return combined({{counts.evaluations, kernels.of(Kernel::evaluate, s)},
@@ -321,10 +339,10 @@ struct PerformanceModel::Impl {
 
   [[nodiscard]] Prediction rest_of_pack(const Shape& shape, const Strategy& s) const {
     const FitPoint point = point_of(Kernel::pack, shape, s);
-    if (const auto found = rest.find(s.solver.lanes); found != rest.end()) return found->second.at(point);
+    if (const auto found = rest.find(s.lanes); found != rest.end()) return found->second.at(point);
     if (!rest.empty()) {
       const auto nearest = std::min_element(rest.begin(), rest.end(), [&](const auto& a, const auto& b) {
-        return std::abs(a.first - s.solver.lanes) < std::abs(b.first - s.solver.lanes);
+        return std::abs(a.first - s.lanes) < std::abs(b.first - s.lanes);
       });
       Prediction there = nearest->second.at(point);
       there.origin = Origin::extrapolated;
@@ -363,8 +381,8 @@ struct PerformanceModel::Impl {
     const double prior = prior_seconds(kernel, shape, strategy);
     if (const auto next = stand_in(curves, wanted); next != numbers.end()) {
       Strategy other = strategy;
-      other.solver.lanes = next->first.lanes;
-      other.solver.threads = next->first.q;
+      other.lanes = next->first.lanes;
+      other.q = next->first.q;
       Prediction there = curves.at(next->second).at(point);
       there.seconds *= prior / prior_seconds(kernel, shape, other);
       there.factor *= 1.5;
@@ -417,39 +435,15 @@ struct PerformanceModel::Impl {
     return {whole.seconds, std::max(whole.factor, std::min(sum.factor, 1.5)), std::max(sum.origin, whole.origin)};
   }
 
-  void write(ByteWriter& bytes) const {
-    bytes.put(count);
-    bytes.put(numbers);
-    bytes.put(known);
-    for (const Curves& curves : curve) bytes.put(curves);
-    for (const double s : speed) bytes.put(s);
-    bytes.put(rest);
-    bytes.put(packs);
-    bytes.put(meetings);
-    bytes.put(handovers);
-    bytes.put(contentions);
-  }
-  void read(ByteReader& bytes) {
-    bytes.get(count);
-    bytes.get(numbers);
-    bytes.get(known);
-    for (Curves& curves : curve) bytes.get(curves);
-    for (double& s : speed) bytes.get(s);
-    bytes.get(rest);
-    bytes.get(packs);
-    bytes.get(meetings);
-    bytes.get(handovers);
-    bytes.get(contentions);
-  }
-
   std::string source;
   std::size_t count = 0;
   std::map<Variant, std::int32_t> numbers;
-  std::vector<Known> known;                                            // ascending
-  std::array<Curves, 3> curve;                                         // evaluate, factor, solve; by variant
-  std::array<double, 3> speed{1, 1, 1};                                // measured over prior, of each
-  Curves rest;                                                         // W
-  Curves packs;                                                        // by variant
+  std::vector<Known> known;              // ascending
+  std::array<Curves, 3> curve;           // evaluate, factor, solve; by variant
+  std::array<double, 3> speed{1, 1, 1};  // measured over prior, of each
+  Curves rest;                           // W
+  Curves packs;                          // by variant
+  std::optional<Curve> around;
   std::map<std::int32_t, std::vector<double>> meetings;                // p
   std::map<std::int32_t, std::vector<double>> handovers;               // p; s for each double
   std::map<std::int32_t, std::map<std::int32_t, double>> contentions;  // p; n
@@ -460,40 +454,23 @@ PerformanceModel::PerformanceModel() : PerformanceModel(std::vector<Sample>{}, "
 PerformanceModel::PerformanceModel(std::vector<Sample> samples, std::string source)
     : impl_(std::make_shared<Impl>(samples, std::move(source))) {}
 
-PerformanceModel::PerformanceModel(std::shared_ptr<const Impl> impl) : impl_(std::move(impl)) {}
 PerformanceModel::~PerformanceModel() = default;
-
-std::vector<std::byte> PerformanceModel::bytes() const {
-  ByteWriter bytes;
-  bytes.put(kFormat);
-  impl_->write(bytes);
-  return std::move(bytes).take();
-}
-
-std::optional<PerformanceModel> PerformanceModel::from_bytes(std::span<const std::byte> from, std::string source) {
-  ByteReader bytes(from);
-  std::int32_t format = 0;
-  bytes.get(format);
-  if (format != kFormat) return std::nullopt;
-  auto impl = std::make_shared<Impl>(std::move(source));
-  impl->read(bytes);
-  if (!bytes.whole()) return std::nullopt;
-  return PerformanceModel(std::move(impl));
-}
 
 Prediction PerformanceModel::kernel(Kernel kernel, const Shape& shape, const Strategy& strategy) const {
   switch (kernel) {
     case Kernel::pack:
       return pack(shape, strategy);
     case Kernel::meeting:
-      return meeting(strategy.run.threads);
+      return meeting(strategy.p);
     case Kernel::step: {
       Prediction whole = pack(shape, strategy);
-      const double packs = std::ceil(static_cast<double>(shape.groups) / strategy.solver.lanes);
-      whole.seconds *= std::ceil(packs / strategy.run.threads) * contention(strategy.run.threads, shape.n);
-      whole.seconds += meeting(strategy.run.threads).seconds + around(std::int64_t{shape.n} * shape.groups).seconds;
+      const double packs = std::ceil(static_cast<double>(shape.groups) / strategy.lanes);
+      whole.seconds *= std::ceil(packs / strategy.p) * contention(strategy.p, shape.n);
+      whole.seconds += meeting(strategy.p).seconds + around(std::int64_t{shape.n} * shape.groups).seconds;
       return whole;
     }
+    case Kernel::around:
+      return around(shape.n, shape.terms);
     default:
       return impl_->predict(kernel, shape, strategy);
   }
@@ -545,6 +522,7 @@ double PerformanceModel::contention(std::int32_t p, std::int32_t n) const {
 }
 
 Prediction PerformanceModel::around(std::int64_t unknowns, std::int64_t pieces) const {
+  if (impl_->around) return impl_->around->at(Impl::around_point(unknowns, pieces));
   return {prior_around_seconds(unknowns, pieces) * impl_->speed_of_all(), 1.5, Origin::prior};
 }
 
@@ -552,7 +530,7 @@ double PerformanceModel::backward_error(const Shape& shape, const Strategy& stra
   const std::int32_t wanted = impl_->number_of(variant_of(Kernel::solve, strategy));
   double worst = 0;
   const auto& known = impl_->known;
-  const Cell first{number(Kernel::solve), wanted, 0, 0, 0, 0, 0, 0};
+  const Cell first{Kernel::solve, wanted, 0, 0, 0, 0, 0, 0};
   for (auto k = std::lower_bound(known.begin(), known.end(), first); k != known.end(); ++k) {
     if (k->cell.kernel != first.kernel || k->cell.variant != wanted) break;
     if (k->cell.n <= 2 * shape.n && 2 * k->cell.n >= shape.n) worst = std::max<double>(worst, k->backward_error);

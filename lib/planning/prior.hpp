@@ -5,8 +5,8 @@
 
 namespace assur {
 
-// Seconds of one call: operations and overheads as seen by `assur tune` on one processor of 2024 with AVX-512. Good to
-// a factor of two or so, which is enough for a sensible plan and to share packs out.
+// Seconds of one call: operations and overheads as `assur tune` measured them on one processor of 2024 with AVX-512.
+// Good to a factor of two or so, which is enough for a sensible plan and to share packs out.
 [[nodiscard]] double prior_seconds(Kernel kernel, const Shape& shape, const Strategy& strategy);
 
 // What a step of a mechanism takes beyond its packs. pieces: of its outputs, the terms of those that are linear, and
@@ -14,7 +14,7 @@ namespace assur {
 [[nodiscard]] double prior_around_seconds(std::int64_t unknowns, std::int64_t pieces = 0);
 
 [[nodiscard]] double prior_meeting_seconds(std::int32_t p);
-inline constexpr double kPriorHandover = 0.5e-9;     // s for each double that another thread changes
+inline constexpr double kPriorHandover = 0.5e-9;  // s for each double that another thread changes: meetings, n = 4000
 inline constexpr double kAloneBeforeMeeting = 5e-6;  // s, as in a step: threads that wait so long do not spin any more
 
 // Calls for one step of a pack, with one Newton iteration as a good prediction needs.

@@ -7,8 +7,8 @@
 
 namespace assur {
 
-inline constexpr std::int32_t kThroughputLanes = 8;  // of `auto`: a register of AVX-512, two of AVX2
-inline constexpr std::int64_t kLeastSteps = 50;      // of a chunk, for its start has to be found first
+inline constexpr std::int32_t kThroughputLanes = 8;  // of `auto`: a register of AVX-512; scaling_bench --only lanes
+inline constexpr std::int64_t kLeastSteps = 50;  // of a chunk, whose start is found first; scaling_bench --only chunks
 
 // Chunks of a time grid of `steps` steps: they fill lanes and threads evenly, twice where the grid is
 // long enough, and have kLeastSteps or more each. 1 if the grid is too short for two.

@@ -40,7 +40,7 @@ TEST_F(Tune, MeasuresTheMachineWithinItsBudget) {
   ASSERT_EQ(runs.size(), 1u);
   EXPECT_TRUE(runs[0].finished);
   EXPECT_EQ(runs[0].id, result["tuning_run"]);
-  EXPECT_GE(runs[0].samples, result["samples"]);  // more if it went on where one measured the pace alone
+  EXPECT_EQ(runs[0].samples, result["samples"]);
   EXPECT_EQ(runs[0].grade, result["grade"]);
   const std::optional<std::string> learned = store().model(db::this_host(), "quick");
   ASSERT_TRUE(learned.has_value());
@@ -53,14 +53,11 @@ TEST_F(Tune, SamplesWhatASceneNeeds) {
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_NE(outcome.out.find("Tuning run 1, quick: four_bar"), std::string::npos);
   std::set<std::string> kernels;
-  std::vector<Sample> samples = store().samples();
-  ASSERT_FALSE(samples.empty());
-  EXPECT_EQ(samples[0].shape.n, 15);  // what the pace is measured by
-  samples.erase(samples.begin());
-  for (const Sample& s : samples) {
+  for (const Sample& s : store().samples()) {
     kernels.insert(std::string(name(s.kernel)));
     EXPECT_EQ(s.shape.n, 2) << to_string(s.strategy);
   }
+  kernels.erase("around");  // where the machine is quiet enough to tell it
   EXPECT_EQ(kernels, (std::set<std::string>{"evaluate", "factor", "pack", "solve", "step"}));
 }
 

@@ -3,7 +3,6 @@
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <gtest/gtest.h>
 
-#include "db/fit.hpp"
 #include "db/samples.hpp"
 #include "parallel/file_tree.hpp"
 
@@ -18,11 +17,6 @@ MachineModel read(const Files& files, const db::Host& host, const db::LibraryAtH
 }
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
-int rows_of_fit(const std::filesystem::path& file) {
-  SQLite::Database database(file.string());
-  return database.execAndGet("SELECT count(*) FROM fit").getInt();
-}
 
 class Databases : public testing::Test {
  protected:
@@ -150,71 +144,6 @@ TEST_F(Databases, NoneMakeAModelThatKnowsNothing) {
 }
 
 // ctest sets ASSUR_DB to nothing.
-// What a program reads is what it would have fitted, to the bit, and only as long as it is of the samples that are
-// there.
-TEST_F(Databases, KeepTheModelThatTheirSamplesGive) {
-  make_database(file("a.db"), host_with(4), 40);
-  const PerformanceModel made = *read(files({"a.db"}), host_with(4)).model;
-  db::Store(file("a.db"), db::Access::write).fit_models();
-  EXPECT_EQ(rows_of_fit(file("a.db")), 1);
-  {
-    SQLite::Database database(file("a.db").string());
-    const auto fit = db::find_fit(database, 1, "");
-    ASSERT_TRUE(fit.has_value());
-    EXPECT_TRUE(fit->of_this_file);
-  }
-  const PerformanceModel kept = *read(files({"a.db"}), host_with(4)).model;
-  EXPECT_EQ(kept.bytes(), made.bytes());
-  EXPECT_EQ(kept.source(), made.source());
-  EXPECT_EQ(kept.samples(), 40u);
-
-  db::Store store(file("a.db"), db::Access::write);
-  const Sample more = sample_of(50);
-  store.add(1, {&more, 1});
-  EXPECT_EQ(rows_of_fit(file("a.db")), 0);
-  EXPECT_EQ(read(files({"a.db"}), host_with(4)).model->samples(), 41u);
-}
-
-// An exported file is read by others: it brings a model that holds for it as it lies there.
-TEST_F(Databases, ExportTheModelWithTheSamples) {
-  make_database(file("a.db"), host_with(4), 40);
-  (void)db::Store(file("a.db"), db::Access::read).export_to(file("b.db"));
-  SQLite::Database database(file("b.db").string());
-  const auto fit = db::find_fit(database, 1, "");
-  ASSERT_TRUE(fit.has_value());
-  EXPECT_TRUE(fit->of_this_file);
-}
-
-TEST_F(Databases, KeepNoModelOfOtherLibraries) {
-  make_database(file("a.db"), host_with(4), 12);
-  db::Store(file("a.db"), db::Access::write).fit_models();
-  const auto newer = [](std::string_view name) {
-    db::Library library = db::library_at_hand(name);
-    library.version += ".1";
-    return library;
-  };
-  const MachineModel model = read(files({"a.db"}), host_with(4), newer);
-  EXPECT_EQ(model.model->samples(), 0u);
-  ASSERT_EQ(model.messages.size(), 1u);
-  EXPECT_TRUE(contains(model.messages[0], "other libraries")) << model.messages[0];
-}
-
-TEST_F(Databases, BelieveNoModelThatIsDamaged) {
-  make_database(file("a.db"), host_with(4), 12);
-  db::Store(file("a.db"), db::Access::write).fit_models();
-  {
-    SQLite::Database database(file("a.db").string(), SQLite::OPEN_READWRITE);
-    database.exec("UPDATE fit SET content = zeroblob(length(content))");
-  }
-  EXPECT_EQ(read(files({"a.db"}), host_with(4)).model->samples(), 12u);
-  const PerformanceModel model;
-  std::vector<std::byte> bytes = model.bytes();
-  EXPECT_TRUE(PerformanceModel::from_bytes(bytes).has_value());
-  bytes.pop_back();
-  EXPECT_FALSE(PerformanceModel::from_bytes(bytes).has_value());
-  EXPECT_FALSE(PerformanceModel::from_bytes({}).has_value());
-}
-
 TEST(MachineModel, IsReadOnce) { EXPECT_EQ(&machine_model(), &machine_model()); }
 
 TEST(Libraries, OwnCodeIsOfTheVersionOfAssur) {

@@ -72,6 +72,86 @@ TEST(Store, NotesTheRunAndItsEnd) {
   EXPECT_THROW(store.finish_run(run + 1, {}), Error);
 }
 
+// Raw times and the machine's slowness are kept; what is usual is found out when they are read.
+TEST(Store, GivesTimesAtTheUsualPaceOfAllSamples) {
+  FileTree tree;
+  const auto file = tree.root() / "tuning.db";
+  const auto put = [&](std::vector<Sample> samples, double slowness, double pace) {
+    for (Sample& s : samples) s.slowness = slowness;
+    Store store(file, Access::write);
+    const std::int64_t run = store.begin_run(host_with(4), "quick");
+    store.add(run, samples, pace);
+    store.finish_run(run, {});
+  };
+  std::vector<Sample> usual = cell_of(0, 6);
+  const std::vector<Sample> hurried = {sample_of(20)}, old = {sample_of(21)};
+  usual[0].kernel = Kernel::meeting;
+  usual[0].seconds = 7e-6;
+  put(usual, 1.6, 2e-6);  // the machine was slow, and taken for fast: 3.2 us of the fixed work are usual
+  put(hurried, 0.5, 2e-6);
+  put(old, 1, kNan);
+  const auto found = by_uid(Store(file, Access::read).samples());
+  ASSERT_EQ(found.size(), 8u);
+  for (const Sample& s : usual) {
+    const double fixed = s.kernel == Kernel::meeting ? 5e-6 : 0;
+    EXPECT_DOUBLE_EQ(found.at(s.uid).seconds, fixed + 1.6 * (s.seconds - fixed));
+    EXPECT_DOUBLE_EQ(found.at(s.uid).spread, 1.6 * s.spread);
+    EXPECT_DOUBLE_EQ(found.at(s.uid).slowness, 1);
+  }
+  EXPECT_DOUBLE_EQ(found.at(hurried[0].uid).seconds, 1.6 * hurried[0].seconds);
+  EXPECT_DOUBLE_EQ(found.at(hurried[0].uid).slowness, 1 / 3.2);
+  EXPECT_TRUE(same(found.at(old[0].uid), old[0]));
+
+  SQLite::Database database(file.string());
+  SQLite::Statement stored(database, "SELECT seconds, slowness FROM sample ORDER BY id");
+  ASSERT_TRUE(stored.executeStep());
+  EXPECT_DOUBLE_EQ(stored.getColumn(0).getDouble(), 5e-6 + 1.6 * 2e-6);
+  EXPECT_DOUBLE_EQ(stored.getColumn(1).getDouble(), 3.2e-6);
+  SQLite::Statement view(database, "SELECT m.seconds, s.uid FROM measured m JOIN sample s ON s.id = m.sample");
+  int rows = 0;
+  for (; view.executeStep(); ++rows) {
+    EXPECT_NEAR(view.getColumn(0).getDouble() / found.at(view.getColumn(1).getString()).seconds, 1, 1e-14);
+  }
+  EXPECT_EQ(rows, 8);
+  // People see both; of old ones nobody knows.
+  const db::Answer answer = Store(file, Access::read).sample_rows();
+  const auto column = [&](const char* name) {
+    return std::find(answer.columns.begin(), answer.columns.end(), name) - answer.columns.begin();
+  };
+  const auto raw = static_cast<std::size_t>(column("raw_seconds")), slow = static_cast<std::size_t>(column("slowness"));
+  ASSERT_EQ(answer.rows.size(), 8u);
+  EXPECT_DOUBLE_EQ(std::get<double>(answer.rows[6][raw]), hurried[0].seconds / 2);
+  EXPECT_DOUBLE_EQ(std::get<double>(answer.rows[6][slow]), 1 / 3.2);
+  EXPECT_TRUE(std::holds_alternative<std::monostate>(answer.rows[7][raw]));
+  EXPECT_TRUE(std::holds_alternative<std::monostate>(answer.rows[7][slow]));
+  // An export keeps what was measured, bit by bit.
+  (void)Store(file, Access::read).export_to(tree.root() / "export.db");
+  const std::string of_file = "SELECT uid, seconds, spread, slowness FROM ";
+  database.exec("ATTACH '" + (tree.root() / "export.db").string() + "' AS export");
+  EXPECT_EQ(database.execAndGet("SELECT count(*) FROM export.sample").getInt(), 8);
+  EXPECT_EQ(
+      database.execAndGet("SELECT count(*) FROM (" + of_file + "sample EXCEPT " + of_file + "export.sample)").getInt(),
+      0);
+}
+
+// The fixed work of another version may be another one.
+TEST(Store, EveryVersionHasItsOwnPace) {
+  FileTree tree;
+  const auto file = tree.root() / "tuning.db";
+  const std::vector<Sample> before = cell_of(0, 5), now = cell_of(1, 3);
+  {
+    Store store(file, Access::write);
+    store.add(store.begin_run(host_with(4), "quick"), before, 9e-6);
+    store.add(store.begin_run(host_with(4), "quick"), now, 3e-6);
+  }
+  SQLite::Database(file.string(), SQLite::OPEN_READWRITE).exec("UPDATE tuning_run SET assur = 'older' WHERE id = 1");
+  const auto found = by_uid(Store(file, Access::read).samples());
+  for (const Sample& s : before) EXPECT_DOUBLE_EQ(found.at(s.uid).seconds, s.seconds);
+  for (const Sample& s : now) EXPECT_DOUBLE_EQ(found.at(s.uid).seconds, s.seconds);
+  EXPECT_EQ(Store(file, Access::read).usual_pace(host_with(4)), 3e-6);
+  EXPECT_EQ(Store(file, Access::read).usual_pace(host_with(2)), std::nullopt);
+}
+
 TEST(Store, AddsAllOfACellOrNothing) {
   FileTree tree;
   Store store(tree.root() / "tuning.db", Access::write);

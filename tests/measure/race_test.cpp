@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "measure/laboratory.hpp"
+#include "median.hpp"
 
 namespace assur::measure {
 namespace {
@@ -88,6 +89,8 @@ TEST_F(RaceTest, TimesCountAsAtTheUsualPace) {
   EXPECT_NEAR(runners_[0].median(), 30e-6, 1e-9);
   EXPECT_NEAR(runners_[1].median(), 33e-6, 1e-9);
   EXPECT_LT(runners_[0].spread(), 1e-9);
+  ASSERT_EQ(runners_[0].raw.size(), runners_[0].seconds.size());
+  EXPECT_NEAR(runners_[0].slowness() * runners_[0].median(), median(runners_[0].raw), 1e-12);
   EXPECT_TRUE(figures.slowness == 1 || figures.slowness == 1.8) << figures.slowness;
 }
 
@@ -267,6 +270,18 @@ TEST_F(RaceTest, StopsWhenAsked) {
   laboratory_.stopped = true;
   hold();
   EXPECT_TRUE(runners_[0].seconds.empty());
+}
+
+TEST(Runner, HowSlowTheMachineWas) {
+  Runner r;
+  EXPECT_EQ(r.slowness(), 1);
+  r.seconds = {10e-6, 11e-6, 12e-6};
+  r.raw = {20e-6, 22e-6, 24e-6};
+  EXPECT_DOUBLE_EQ(r.slowness(), 2);
+  r.by_the_clock = 5e-6;
+  EXPECT_DOUBLE_EQ(r.slowness(), 17.0 / 6);
+  r.by_the_clock = 11e-6;  // nothing else
+  EXPECT_EQ(r.slowness(), 1);
 }
 
 TEST(Runner, MedianAndDeviation) {

@@ -59,6 +59,8 @@ inline double truth(Kernel kernel, const Shape& shape, const Strategy& s) {
     case Kernel::step:
       return 300e-9 + std::ceil(std::ceil(shape.groups / lanes) / s.run.threads) * truth(Kernel::pack, shape, s) +
              std::max(0.0, truth(Kernel::meeting, shape, s) - kAloneBeforeMeeting);
+    case Kernel::around:
+      return 300e-9;
   }
   return 0;
 }

@@ -193,9 +193,33 @@ TEST(PerformanceModel, MeetingsAndContentionComeFromThreads) {
   EXPECT_NEAR(model.contention(4, 100), 1.2, 1e-12);
 }
 
+// What steps were measured to take beyond their packs counts, not what other kernels say about the machine.
+TEST(PerformanceModel, WhatIsAroundThePacksComesFromSteps) {
+  std::vector<Sample> known = samples();
+  const double before = PerformanceModel(known).around(500, 3000).seconds;
+  EXPECT_EQ(PerformanceModel(known).around(500, 3000).origin, Origin::prior);
+  std::mt19937_64 random(6);
+  for (const auto& [unknowns, pieces] : {std::pair{4, 40}, {102, 1500}, {700, 9000}}) {
+    for (const char* strategy : {"groups/lanes", "groups/eigen"}) {
+      Sample s = sample_of(Kernel::factor, sparse_shape(20), parse_strategy(strategy), 0, random);
+      s.kernel = Kernel::around;
+      s.shape = {.n = unknowns, .terms = pieces};
+      s.seconds = 3 * prior_around_seconds(unknowns, pieces);
+      known.push_back(s);
+    }
+  }
+  const PerformanceModel model(known);
+  EXPECT_NEAR(model.around(102, 1500).seconds / prior_around_seconds(102, 1500), 3, 1e-6);
+  EXPECT_NEAR(model.around(500, 3000).seconds / prior_around_seconds(500, 3000), 3, 1e-6);
+  EXPECT_NE(model.around(500, 3000).seconds, before);
+  EXPECT_EQ(model.around(102, 1500).origin, Origin::interpolated);
+  EXPECT_EQ(model.around(100'000, 1'000'000).origin, Origin::extrapolated);
+  EXPECT_EQ(model.kernel(Kernel::around, {.n = 102, .terms = 1500}, {}).seconds, model.around(102, 1500).seconds);
+}
+
 TEST(Kernels, HaveNamesThatCanBeRead) {
   for (const Kernel kernel :
-       {Kernel::evaluate, Kernel::factor, Kernel::solve, Kernel::pack, Kernel::meeting, Kernel::step}) {
+       {Kernel::evaluate, Kernel::factor, Kernel::solve, Kernel::pack, Kernel::meeting, Kernel::step, Kernel::around}) {
     EXPECT_EQ(parse_kernel(name(kernel)), kernel);
   }
   EXPECT_THROW((void)parse_kernel("Factor"), Error);

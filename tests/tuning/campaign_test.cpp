@@ -5,9 +5,10 @@
 
 #include <cmath>
 #include <limits>
+#include <map>
 #include <set>
 
-#include "planning/prior.hpp"
+#include "planning/pace.hpp"
 #include "tuning/refinement.hpp"
 
 namespace assur::tuning {
@@ -107,8 +108,10 @@ TEST_F(CampaignTest, TimesCountAsAtTheUsualPace) {
   ASSERT_EQ(stored_.size(), 4u);
   for (const CellResult& cell : stored_) {
     // Each block is one look long, whatever is in it.
-    for (const Result& r : cell.results)
+    for (const Result& r : cell.results) {
       EXPECT_LE(r.sample.seconds, kTick * (1 + 1e-9)) << to_string(r.sample.strategy);
+      EXPECT_NEAR(r.sample.slowness, cell.cell.n > 5 ? 2 : 1, 1e-9) << to_string(r.sample.strategy);
+    }
   }
   EXPECT_EQ(campaign.figures().drift(), 1.0);
 }
@@ -126,6 +129,66 @@ TEST_F(CampaignTest, OfAMeetingOnlyWhatIsNotByTheClockIsAtAnyPace) {
   const Result& r = stored_[0].results[0];
   const double raw = 2 * kTick * r.rounds / static_cast<double>(r.sample.repetitions);
   EXPECT_NEAR(r.sample.seconds, kAloneBeforeMeeting + std::max(raw - kAloneBeforeMeeting, 0.0) / 2, 1e-9);
+  EXPECT_NEAR(slowed(r.sample, r.sample.slowness).seconds, raw, 1e-9);
+}
+
+TEST(Around, IsWhatIsLeftOfAStepWithoutItsPacks) {
+  const Shape shape{.n = 102, .terms = 700};
+  std::vector<Entrant> entrants;
+  CellResult cell;
+  const auto enter = [&](Kernel kernel, int n, const std::string& strategy, double seconds, int packs) {
+    Entrant e{kernel, {.n = n}, parse_strategy(strategy)};
+    e.packs_of_step = packs;
+    entrants.push_back(e);
+    if (seconds == 0) return;  // it was not timed
+    Sample s;
+    s.kernel = kernel;
+    s.shape = e.shape;
+    s.strategy = e.strategy;
+    s.seconds = seconds;
+    s.spread = kernel == Kernel::step ? 30e-9 : 20e-9;
+    s.slowness = 1.25;
+    cell.results.emplace_back(std::move(s));
+  };
+  const auto step_of = [&](const std::string& strategy, double seconds, double large_pack) {
+    enter(Kernel::step, 15, strategy, seconds, 0);
+    enter(Kernel::pack, 15, strategy, 0.5e-6, 2);
+    enter(Kernel::pack, 12, strategy, large_pack, 1);
+  };
+  step_of("groups/lanes", 5e-6, 2e-6);
+  step_of("groups/lanes:8", 5e-6, 0);              // a part is missing
+  step_of("groups/eigen", 3.02e-6, 2e-6);          // all that is left is noise
+  enter(Kernel::step, 15, "groups/klu", 5e-6, 0);  // without its packs
+  const std::size_t timed = cell.results.size();
+  add_around(cell, entrants, shape);
+  ASSERT_EQ(cell.results.size(), timed + 1);
+  const Sample& around = cell.results.back().sample;
+  EXPECT_EQ(around.kernel, Kernel::around);
+  EXPECT_EQ(around.shape, shape);
+  EXPECT_EQ(to_string(around.strategy), "groups/lanes");
+  EXPECT_NEAR(around.seconds, 2e-6, 1e-12);
+  EXPECT_NEAR(around.spread, std::hypot(30e-9, 40e-9, 20e-9), 1e-15);
+  EXPECT_EQ(around.slowness, 1.25);
+}
+
+TEST(Around, OfAStepEveryClassIsTimedToo) {
+  Cell cell;
+  cell.kind = Cell::Kind::around;
+  cell.scene = [] { return sample("stewart"); };
+  const Field field{backends(), ThreadBudget{1}};
+  const auto ground = open(cell, field);
+  ASSERT_TRUE(ground->around());
+  EXPECT_EQ(ground->around()->n, 6 * 15 + 12);
+  EXPECT_GT(ground->around()->terms, 0);
+  for (const Candidate& c : ground->candidates()) EXPECT_TRUE(c.strategy.backend == "lanes" && c.strategy.lanes >= 2);
+  const auto entrants = ground->enter({Kernel::step, parse_strategy("groups/lanes:8")});
+  std::map<std::int32_t, int> packs;
+  for (const Entrant& e : entrants) {
+    if (e.kernel == Kernel::pack) packs[e.shape.n] = e.packs_of_step;
+  }
+  EXPECT_EQ(packs, (std::map<std::int32_t, int>{{12, 1}, {15, 1}}));
+  cell.kind = Cell::Kind::steps;
+  EXPECT_EQ(open(cell, field)->enter({Kernel::step, parse_strategy("groups/lanes:8")}).size(), 1u);
 }
 
 TEST_F(CampaignTest, EqualMatricesAreMeasuredOnce) {

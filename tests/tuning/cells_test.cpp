@@ -58,10 +58,12 @@ TEST(Cells, EachCanBeOpenedAndEnteredByItsFirstCandidate) {
     const std::vector<Entrant> entrants = ground->enter(ground->candidates().front());
     ASSERT_FALSE(entrants.empty()) << to_string(cell);
     for (const Entrant& e : entrants) {
-      EXPECT_EQ(e.shape, ground->shape());
+      if (e.packs_of_step == 0) {
+        EXPECT_EQ(e.shape, ground->shape());
+      }
       EXPECT_TRUE(e.work->run(2)) << to_string(cell);
     }
-    if (cell.kind == Cell::Kind::meeting || cell.kind == Cell::Kind::steps) continue;
+    if (cell.kind == Cell::Kind::meeting || cell.kind == Cell::Kind::steps || ground->around()) continue;
     EXPECT_EQ(ground->shape().n, cell.n) << to_string(cell);
     EXPECT_EQ(ground->shape().groups, cell.groups) << to_string(cell);
   }

@@ -91,12 +91,14 @@ TEST(Refinement, EndsWhereNeighboursAreClose) {
 TEST(SampleCsv, HasALineForEachSample) {
   Sample s = sample_of(Kernel::factor, 3, "groups/lanes:8", 0.25);
   s.forward_error = std::nan("");
+  s.slowness = 1.5;
   std::ostringstream out;
   write_csv(out, std::vector{s});
   EXPECT_EQ(
       out.str(),
       "kernel,n,nnz,fill,operations,depth,terms,pattern,groups,strategy,seconds,spread,repetitions,backward_error,"
-      "forward_error\nfactor,3,9,9,9,0,0,3,1,groups/lanes:8,0.25,0.0025000000000000001,100,0,\n");
+      "forward_error,raw_seconds,slowness\n"
+      "factor,3,9,9,9,0,0,3,1,groups/lanes:8,0.25,0.0025000000000000001,100,0,,0.375,1.5\n");
 }
 
 }  // namespace

@@ -152,7 +152,7 @@ int import_samples(const Common& common, const DbOptions& options) {
                   (imported.damaged > 0 ? ", " + output::grouped(imported.damaged) + " damaged ones left out" : ""));
 }
 
-// Repaired, brought up to date and fitted where it can be written, else only looked at.
+// Repaired and brought up to date where it can be written, else only looked at.
 Store store_to_check(const Common& common) {
   const fs::path file = own_database_of(common);
   try {
@@ -161,9 +161,7 @@ Store store_to_check(const Common& common) {
     if (unusable.trouble() == db::Trouble::absent) throw;  // nothing is made
   }
   try {
-    Store store(file, Access::write);
-    store.fit_models();
-    return store;
+    return Store(file, Access::write);
   } catch (const db::Unusable& unusable) {
     if (unusable.trouble() != db::Trouble::blocked) throw;
     return Store(file, Access::read);
@@ -173,11 +171,12 @@ Store store_to_check(const Common& common) {
 int check(const Common& common) {
   const Store store = store_to_check(common);
   const db::Health health = store.health();
-  const bool whole = health.damaged == 0 && health.findings.empty();
+  const bool whole = health.damaged == 0 && health.lost == 0 && health.findings.empty();
   if (common.json) {
     output::print(std::cout, {{"rows", Json::array({{{"database", store.file().string()},
                                                      {"samples", health.samples},
                                                      {"damaged", health.damaged},
+                                                     {"lost", health.lost},
                                                      {"stale", health.stale},
                                                      {"unknown", health.unknown},
                                                      {"findings", health.findings},
@@ -191,6 +190,7 @@ int check(const Common& common) {
   page.list("findings", health.findings);
   page.fact("samples", output::grouped(health.samples));
   if (health.damaged > 0) page.fact("damaged", output::grouped(health.damaged));
+  if (health.lost > 0) page.fact("lost", output::grouped(health.lost));
   if (health.stale > 0) page.fact("stale", output::grouped(health.stale) + " of other libraries than those at hand");
   if (health.unknown > 0) page.fact("unknown", output::grouped(health.unknown) + " of a newer assur");
   return whole ? kDone : kEnvironment;

@@ -75,6 +75,7 @@ Json to_json(const std::vector<Row>& rows) {
                     {"why_not", row.why_not.empty() ? Json(nullptr) : Json(row.why_not)},
                     {"samples", row.health.samples},
                     {"damaged", row.health.damaged},
+                    {"lost", row.health.lost},
                     {"stale", row.health.stale},
                     {"findings", row.health.findings},
                     {"runs", std::move(runs)}});
@@ -92,7 +93,8 @@ void print(Page& page, const Row& row, const std::string& here) {
   page.fact("samples",
             output::grouped(row.health.samples) +
                 (row.health.stale > 0 ? ", " + output::grouped(row.health.stale) + " of other libraries" : "") +
-                (row.health.damaged > 0 ? ", and " + output::grouped(row.health.damaged) + " damaged" : ""));
+                (row.health.damaged > 0 ? ", " + output::grouped(row.health.damaged) + " damaged" : "") +
+                (row.health.lost > 0 ? ", " + output::grouped(row.health.lost) + " lost" : ""));
   page.list("findings", row.health.findings);
   if (row.runs.empty()) return;
   using enum Table::Align;

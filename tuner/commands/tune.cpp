@@ -85,20 +85,6 @@ measure::Judgement judgement_of(const tuning::Campaign& campaign, const measure:
   return measure::judge(noise);
 }
 
-// What later runs on this machine go by as well.
-tuning::CellResult usual_pace(const measure::FixedWork& fixed, double seconds) {
-  Sample s;
-  s.kernel = fixed.kernel;
-  s.shape = fixed.shape;
-  s.strategy = fixed.strategy;
-  s.seconds = seconds;
-  s.repetitions = 1;
-  s.backward_error = s.forward_error = kNan;
-  tuning::CellResult cell;
-  cell.results.emplace_back(std::move(s));
-  return cell;
-}
-
 db::Grade grade_of(measure::Quiet quiet) {
   switch (quiet) {
     case measure::Quiet::yes:
@@ -145,14 +131,12 @@ int tune(const Common& common, const TuneOptions& options) {
   const measure::NoiseWatch watch(how.field.budget.threads);
   const tuning::Probes probes(how.field.table, how.field.budget, trial_of, kTrial);
   how.field.why_not = [&](const Strategy& s) { return probes.why_not(s); };
-  const measure::FixedWork fixed = measure::leg_steps();
-  const std::optional<double> usual = archive.first_seconds(fixed.kernel, fixed.shape, fixed.strategy);
-  measure::MachinePace pace(how.field.budget.threads, std::min(kLook * profile.seconds, kMostLook), usual);
-  if (!usual) archive.add(usual_pace(fixed, pace.usual()));
+  measure::MachinePace pace(how.field.budget.threads, std::min(kLook * profile.seconds, kMostLook),
+                            archive.usual_pace());
   how.seconds = profile.seconds - (measure::StepTimes::steady() - begin);
   how.most_for_cell = profile.most_for_cell;
   how.earlier = archive.earlier();
-  how.store = [&](const tuning::CellResult& cell) { archive.add(cell); };
+  how.store = [&](const tuning::CellResult& cell) { archive.add(cell, pace.usual()); };
   // A scene is done when its cells are; otherwise all of the time is used.
   using output::Progress;
   const bool by_cells = !options.scenes.empty();
@@ -188,8 +172,7 @@ int tune(const Common& common, const TuneOptions& options) {
   summary.failed = probes.failed();
   summary.cells = campaign.results();
   summary.seconds = measure::StepTimes::steady() - begin;
-  const bool nothing = summary.figures.measured == 0;                  // then the next run is to go on with this one
-  if (!usual && archive.run() && !nothing) ++summary.figures.samples;  // that of the pace
+  const bool nothing = summary.figures.measured == 0;  // then the next run is to go on with this one
   if (!summary.figures.interrupted && !nothing) {
     archive.finish({grade_of(judgement.quiet), summary.seconds, summary.figures.coverage(), judgement.reason},
                    to_json(summary).dump());

@@ -46,7 +46,7 @@ class Race {
     }
     // Time may have been too short for a single round: then the slow ones would be the only ones with a time.
     for (Runner& r : runners_) {
-      if (r.seconds.empty() && !r.failed && per_call_.contains(&r)) r.seconds.push_back(per_call_[&r]);
+      if (r.seconds.empty() && !r.failed && per_call_.contains(&r)) keep(r);
     }
     if (!slowness_.empty()) figures_.slowness = assur::median(slowness_);
     return figures_;
@@ -71,7 +71,7 @@ class Race {
     double begin = 0, end = 0;
     bool ok = false;
     try {
-      if (r.calls == 1 || r.calls * per_call_[&r] < kShort) r.work->get_ready(r.calls);
+      if (r.calls == 1 || r.calls * per_call_[&r].seconds < kShort) r.work->get_ready(r.calls);
       const std::int64_t switches = with_.switches(r.threads);
       begin = with_.clock();
       ok = r.work->run(r.calls);
@@ -83,12 +83,19 @@ class Race {
     if (!ok) {
       r.failed = true;
       r.seconds.clear();
+      r.raw.clear();
       return -1;
     }
     const double fixed = std::min(r.by_the_clock * r.calls, end - begin);
     const double seconds = fixed + (end - begin - fixed) / ((before + slowness()) / 2);
-    per_call_[&r] = seconds / r.calls;
+    per_call_[&r] = {seconds / r.calls, (end - begin) / r.calls};
     return seconds;
+  }
+
+  // The last block as a round.
+  void keep(Runner& r) {
+    r.seconds.push_back(per_call_[&r].seconds);
+    r.raw.push_back(per_call_[&r].raw);
   }
 
   // Doubles the calls until a block is long enough for the clock. What takes long is a time already.
@@ -98,7 +105,7 @@ class Race {
       const double seconds = block(r);
       if (seconds < 0) return;
       if (seconds >= kLargeShare * rules_.seconds) r.hopeless = true;
-      if (seconds >= kShort) r.seconds.push_back(seconds / r.calls);
+      if (seconds >= kShort) keep(r);
       if (seconds >= rules_.block || r.calls >= kMostCalls) return;
     }
   }
@@ -127,7 +134,7 @@ class Race {
       figures_.shared += r.threads > 1 ? 1 : 0;
       figures_.uneven += uneven ? 1 : 0;
       if ((switched_ || uneven) && attempt < rules_.repeats && seconds < kLargeShare * rules_.seconds / 10) continue;
-      r.seconds.push_back(seconds / r.calls);
+      keep(r);
       return;
     }
   }
@@ -178,10 +185,13 @@ class Race {
   const RaceRules& rules_;
   const Instruments& with_;
   double end_;
-  std::map<const Runner*, double> per_call_;
-  std::vector<double> slowness_;  // of all moments
-  double asked_ = 0;              // s: when last
-  bool switched_ = false;         // the system took the processor away during the last block
+  struct Call {
+    double seconds = 0, raw = 0;  // at the usual pace, and by the clock
+  };
+  std::map<const Runner*, Call> per_call_;  // of the last block
+  std::vector<double> slowness_;            // of all moments
+  double asked_ = 0;                        // s: when last
+  bool switched_ = false;                   // the system took the processor away during the last block
   RaceFigures figures_;
 };
 
@@ -196,6 +206,12 @@ double Runner::spread() const {
   const double middle = median();
   for (const double s : seconds) deviations.push_back(std::abs(s - middle));
   return seconds.empty() ? kInfinity : assur::median(std::move(deviations));
+}
+
+double Runner::slowness() const {
+  if (raw.empty()) return 1;
+  const double by_clock = assur::median(raw) - by_the_clock, usual = median() - by_the_clock;
+  return by_clock > 0 && usual > 0 ? by_clock / usual : 1;
 }
 
 Instruments::Instruments()

@@ -20,13 +20,16 @@ struct Runner {
 
   // What the race finds out.
   int calls = 1;                     // of a block
-  std::vector<double> seconds = {};  // rounds: of one call
+  std::vector<double> seconds = {};  // rounds: of one call, at the usual pace
+  std::vector<double> raw = {};      // the same, as the clock had them
   bool hopeless = false;             // left early
   bool failed = false;               // a call failed: no times
 
   [[nodiscard]] double median() const;  // of one call, s; infinite without a time
   // Median absolute deviation, s. From less than three rounds: the range of two, all of one.
   [[nodiscard]] double spread() const;
+  // How many times as long as usual it took: the median by the clock over that at the usual pace, but for by_the_clock.
+  [[nodiscard]] double slowness() const;
 };
 
 struct RaceRules {

@@ -19,29 +19,19 @@ Archive::Archive(const std::optional<std::filesystem::path>& database, const std
   }
 }
 
-void Archive::add(const CellResult& cell) {
+void Archive::add(const CellResult& cell, double pace) {
   if (!store_) return;
   std::vector<Sample> samples;
   for (const Result& r : cell.results) samples.push_back(r.sample);
-  store_->add(run_, samples);
+  store_->add(run_, samples, pace);
 }
 
 void Archive::finish(const db::RunResult& result, const std::string& learned) {
   if (!store_) return;
   store_->finish_run(run_, result);
   store_->put_model(host_, profile_, learned);
-  store_->fit_models();
 }
 
-std::optional<double> Archive::first_seconds(Kernel kernel, const Shape& shape, const Strategy& strategy) const {
-  if (!store_) return std::nullopt;
-  for (const db::Run& run : store_->runs()) {  // the oldest first
-    if (run.machine != host_.fingerprint() || run.assur != db::assur_version()) continue;
-    for (const Sample& s : store_->samples({.run = run.id, .kernel = kernel})) {
-      if (s.shape == shape && s.strategy == strategy) return s.seconds;
-    }
-  }
-  return std::nullopt;
-}
+std::optional<double> Archive::usual_pace() const { return store_ ? store_->usual_pace(host_) : std::nullopt; }
 
 }  // namespace assur::tuning

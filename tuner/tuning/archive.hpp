@@ -18,16 +18,16 @@ class Archive {
   // else begins one. Throws Error (environment) if the database cannot be written.
   Archive(const std::optional<std::filesystem::path>& database, const std::string& profile);
 
-  // In one transaction.
-  void add(const CellResult& cell);
+  // In one transaction. pace: as Store::add() has it.
+  void add(const CellResult& cell, double pace);
   // learned: JSON, what the run found beside its samples.
   void finish(const db::RunResult& result, const std::string& learned);
 
   [[nodiscard]] const std::vector<Sample>& earlier() const { return earlier_; }  // of the run that is gone on with
   [[nodiscard]] std::optional<std::int64_t> run() const { return store_ ? std::optional(run_) : std::nullopt; }
   [[nodiscard]] std::string file() const { return store_ ? store_->file().string() : ""; }
-  // Time of a kernel as the first run of this version on this host has it; nullopt: none has it.
-  [[nodiscard]] std::optional<double> first_seconds(Kernel kernel, const Shape& shape, const Strategy& strategy) const;
+  // Of this build on this host, as all samples so far tell it; nullopt: there are none.
+  [[nodiscard]] std::optional<double> usual_pace() const;
   // What opening the database has found, for people.
   [[nodiscard]] const std::vector<std::string>& messages() const { return messages_; }
 

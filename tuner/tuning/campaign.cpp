@@ -1,6 +1,7 @@
 #include "tuning/campaign.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <numeric>
 #include <utility>
@@ -14,6 +15,7 @@ namespace {
 
 constexpr double kSetupShare = 0.5;   // of a cell's time, after which no more candidates enter
 constexpr double kCrowdBlock = 1e-3;  // s: the threads of a crowd meet twice in a block, which is no part of their work
+constexpr double kMostScatter = 0.5;  // of what a step takes beyond its packs: more tells nothing
 constexpr double kLargestShare = 0.2;  // of a cell's time that one candidate may be expected to take to set up
 
 // What store() threw: the end of the run, where other errors are the end of a cell.
@@ -21,7 +23,9 @@ struct CannotStore {
   Error why;
 };
 
-double per_lane(const Sample& s) { return s.seconds / (s.kernel == Kernel::step ? 1 : s.strategy.solver.lanes); }
+double per_lane(const Sample& s) {
+  return s.seconds / (s.kernel == Kernel::step || s.kernel == Kernel::around ? 1 : s.strategy.lanes);
+}
 
 }  // namespace
 
@@ -43,6 +47,34 @@ void add(std::vector<Result>& known, const Result& more) {
   } else {
     same->add(more.sample);
   }
+}
+
+void add_around(CellResult& cell, std::span<const Entrant> entrants, const Shape& shape) {
+  const auto timed = [&](const Entrant& e) -> const Sample* {
+    for (const Result& r : cell.results) {
+      if (r.sample.kernel == e.kernel && r.sample.shape == e.shape && r.sample.strategy == e.strategy) return &r.sample;
+    }
+    return nullptr;
+  };
+  std::vector<Result> found;
+  for (const Entrant& whole : entrants) {
+    const Sample* const step = whole.kernel == Kernel::step ? timed(whole) : nullptr;
+    if (step == nullptr) continue;
+    Sample s = *step;
+    s.kernel = Kernel::around;
+    s.shape = shape;
+    s.backward_error = s.forward_error = kNan;
+    bool all = false;
+    for (const Entrant& part : entrants) {
+      if (part.packs_of_step == 0 || !(part.strategy == whole.strategy)) continue;
+      const Sample* const pack = timed(part);
+      s.seconds -= pack != nullptr ? part.packs_of_step * pack->seconds : kInfinity;
+      s.spread = pack != nullptr ? std::hypot(s.spread, part.packs_of_step * pack->spread) : kInfinity;
+      all = true;
+    }
+    if (all && s.spread < kMostScatter * s.seconds) found.emplace_back(std::move(s));
+  }
+  for (Result& r : found) cell.results.push_back(std::move(r));
 }
 
 double CampaignFigures::drift() const {
@@ -180,9 +212,10 @@ CellResult Campaign::measure_cell(const Cell& cell, Ground& ground, double secon
   std::vector<measure::Runner> runners;
   for (const Entrant& e : entrants) {
     const bool whole = e.kernel == Kernel::step;
-    // Meetings are not rivals of each other, nor are the widths of an evaluation.
-    const int heat = e.kernel == Kernel::meeting    ? 100 + e.strategy.run.threads
-                     : e.kernel == Kernel::evaluate ? 200 + e.strategy.solver.lanes
+    // Meetings are not rivals of each other, nor are the widths of an evaluation or the parts of a step.
+    const int heat = e.kernel == Kernel::meeting    ? 100 + e.strategy.p
+                     : e.kernel == Kernel::evaluate ? 200 + e.strategy.lanes
+                     : e.packs_of_step > 0          ? 300 + static_cast<int>(runners.size())
                                                     : static_cast<int>(e.kernel);
     measure::Runner runner;
     runner.work = e.work;
@@ -215,6 +248,7 @@ CellResult Campaign::measure_cell(const Cell& cell, Ground& ground, double secon
     s.strategy = e.strategy;
     s.seconds = runners[i].median();
     s.spread = runners[i].spread();
+    s.slowness = runners[i].slowness();
     s.repetitions = static_cast<std::int64_t>(runners[i].seconds.size()) * runners[i].calls;
     s.backward_error = e.backward_error;
     s.forward_error = e.forward_error;
@@ -224,6 +258,7 @@ CellResult Campaign::measure_cell(const Cell& cell, Ground& ground, double secon
   }
 
   note(out, ground.shape().n, setups);
+  if (ground.around()) add_around(out, entrants, *ground.around());
   return out;
 }
 

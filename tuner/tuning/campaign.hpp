@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -38,6 +39,9 @@ struct CellResult {
   bool earlier = false;          // measured by an interrupted run
   bool cut_short = false;        // time ran out before every candidate had its turn
 };
+
+// What is left of a step without its packs, `shape` of it, where both were timed: Kernel::around.
+void add_around(CellResult& cell, std::span<const Entrant> entrants, const Shape& shape);
 
 struct CampaignOptions {
   Field field;

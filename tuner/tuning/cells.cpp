@@ -175,6 +175,11 @@ Cell steps(std::string family, std::function<Scene()> scene, Formulation formula
   return c;
 }
 
+Cell around(Cell of_steps) {
+  of_steps.kind = Cell::Kind::around;
+  return of_steps;
+}
+
 // The largest number of groups of a class that one level has.
 std::int32_t side_by_side(const Structure& structure, std::int32_t group_class) {
   std::int32_t most = 0, level = -1, count = 0;
@@ -195,6 +200,7 @@ std::string to_string(const Cell& cell) {
   }
   std::string text = cell.family;
   if (cell.kind == Cell::Kind::steps) return text + ", whole steps";
+  if (cell.kind == Cell::Kind::around) return text + ", steps without their packs";
   text += ", n = " + std::to_string(cell.n);
   if (cell.kind == Cell::Kind::packs || cell.kind == Cell::Kind::crowd)
     text += ", " + std::to_string(cell.groups) + (cell.groups == 1 ? " group" : " groups");
@@ -213,6 +219,7 @@ bool is_held_out(Kernel kernel, const Shape& shape) {
              std::end(kPacksOffTheGrid);
     case Kernel::meeting:
     case Kernel::step:
+    case Kernel::around:
       break;
   }
   return false;
@@ -237,6 +244,11 @@ std::vector<Cell> general_cells(const Extent& extent) {
     meeting.n = doubles;
     cells.push_back(std::move(meeting));
   }
+  for (const char* text :
+       {"four_bar", "andrews", "stewart", "four_bar:64", "rings:legs=6,n=120", "stewart:platforms=40"}) {
+    cells.push_back(around(steps(std::string(text) + ", groups", named(text), Formulation::groups)));
+  }
+  cells.push_back(around(steps("stewart, irreducible", named("stewart"), Formulation::irreducible)));
   add_crowds(cells, extent, 84);
   add_sizes(cells, extent);
   add_crowds(cells, extent, 90);
@@ -277,6 +289,7 @@ std::vector<Cell> scene_cells(const std::string& text, const Scene& scene) {
       cells.push_back(std::move(p));
     }
     cells.push_back(steps(family, same, f));
+    cells.push_back(around(cells.back()));
   }
   return cells;
 }

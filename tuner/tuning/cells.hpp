@@ -20,6 +20,7 @@ struct Cell {
     packs,    // pack
     crowd,    // pack, while several threads are at the same work
     steps,    // step
+    around,   // step and its packs, by a few strategies: what is left is around
     meeting,  // meeting
   };
   Kind kind = Kind::matrix;

@@ -11,6 +11,7 @@
 #include "measure/motion.hpp"
 #include "numbers.hpp"
 #include "planning/counts.hpp"
+#include "planning/dispatcher.hpp"
 
 namespace assur::tuning {
 namespace {
@@ -152,8 +153,15 @@ class StepsGround final : public Ground {
       if (s.groups * (s.operations + s.terms) > shape_.groups * (shape_.operations + shape_.terms)) shape_ = s;
     }
     if (shape_.n == 0) throw Error(Error::Kind::input, to_string(cell) + ": nothing in it moves");
-    Field whole = field;
-    for (Strategy& s : pack_strategies(whole, cell.formulation, shape_, true)) {
+    if (cell.kind == Cell::Kind::around) {
+      const BesideGroups beside = beside_groups(structure, PerformanceModel(), 1);
+      around_ = {.n = static_cast<std::int32_t>(beside.unknowns), .terms = beside.pieces};
+    }
+    for (Strategy& s : pack_strategies(field, cell.formulation, shape_, true)) {
+      if (cell.kind == Cell::Kind::around) {
+        if (tells_around(s)) candidates_.push_back({Kernel::step, s});
+        continue;
+      }
       candidates_.push_back({Kernel::step, s});
       if (s.solver.once || s.solver.separate || s.solver.reuse != Reuse::fresh || shape_.groups == 1) continue;
       for (int p = 2; p <= std::min(field.budget.threads, shape_.groups); p *= 2) {
@@ -167,11 +175,28 @@ class StepsGround final : public Ground {
     PrepareOptions options;
     options.strategy = to_string(c.strategy);
     options.budget = budget_;
-    const auto step = std::make_shared<measure::WholeStep>(prepare(scene_, options));
-    return {{Kernel::step, shape_, c.strategy, step.get(), step, step->report().error.residual(), kNotMeasured}};
+    const Prepared prepared = prepare(scene_, options);
+    const auto step = std::make_shared<measure::WholeStep>(prepared);
+    std::vector<Entrant> out = {
+        {Kernel::step, shape_, c.strategy, step.get(), step, step->report().error.residual(), kNotMeasured}};
+    if (!around_) return out;
+    const std::vector<Shape> shapes = class_shapes(*prepared.structure);
+    for (std::size_t k = 0; k < shapes.size(); ++k) {
+      const auto pack = std::make_shared<measure::PackStep>(prepared, static_cast<std::int32_t>(k));
+      Entrant part{Kernel::pack, shapes[k], c.strategy, pack.get(), pack, pack->error().residual(), kNotMeasured};
+      part.packs_of_step = static_cast<int>(pack->packs());
+      out.push_back(std::move(part));
+    }
+    return out;
   }
 
  private:
+  // What a step takes beyond its packs hangs on no solver, but a little on their number: the two widest of the quickest
+  // tell it, of which plans are made.
+  [[nodiscard]] bool tells_around(const Strategy& s) const {
+    return s.backend == "lanes" && !s.once && !s.separate && 4 * s.lanes > std::min(shape_.groups, kMostLanes);
+  }
+
   Scene scene_;
   ThreadBudget budget_;
 };
@@ -207,6 +232,7 @@ std::unique_ptr<Ground> open(const Cell& cell, const Field& field) {
     case Cell::Kind::crowd:
       return std::make_unique<PacksGround>(cell, field);
     case Cell::Kind::steps:
+    case Cell::Kind::around:
       return std::make_unique<StepsGround>(cell, field);
     case Cell::Kind::meeting:
       return std::make_unique<MeetingGround>(cell, field);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "assur/performance.hpp"
@@ -26,6 +27,7 @@ struct Entrant {
   std::shared_ptr<void> owner = nullptr;  // of what `work` lives in
   double backward_error = 0;              // NaN: not measured
   double forward_error = 0;
+  int packs_of_step = 0;  // of a pack: that a step of this cell has of its class; 0: it is no part of one
 };
 
 class Ground {
@@ -33,6 +35,8 @@ class Ground {
   virtual ~Ground() = default;
 
   [[nodiscard]] const Shape& shape() const { return shape_; }
+  // Of Kernel::around, in cells that are about it.
+  [[nodiscard]] const std::optional<Shape>& around() const { return around_; }
   [[nodiscard]] const std::vector<Candidate>& candidates() const { return candidates_; }
 
   // Throws Error if the candidate cannot run, fails, or computes what is wrong: such a one is never timed.
@@ -40,6 +44,7 @@ class Ground {
 
  protected:
   Shape shape_;
+  std::optional<Shape> around_;
   std::vector<Candidate> candidates_;
 };
 

@@ -17,6 +17,8 @@ Cell::Kind kind_of(const Sample& s) {
       return s.strategy.run.threads > 1 ? Cell::Kind::crowd : Cell::Kind::packs;
     case Kernel::meeting:
       return Cell::Kind::meeting;
+    case Kernel::around:
+      return Cell::Kind::around;
     case Kernel::step:
       break;
   }

@@ -91,6 +91,7 @@ std::vector<Winner> winners(std::span<const CellResult> cells) {
       case Cell::Kind::steps:
         add(Kernel::step, 0);
         break;
+      case Cell::Kind::around:
       case Cell::Kind::crowd:
       case Cell::Kind::meeting:
         break;

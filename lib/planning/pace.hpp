@@ -1,0 +1,23 @@
+// A time at another pace of the machine.
+#pragma once
+
+#include <algorithm>
+
+#include "assur/performance.hpp"
+#include "planning/prior.hpp"
+
+namespace assur {
+
+// What a kernel takes while everything is so many times as slow. What a meeting waits by the clock stays as it is.
+[[nodiscard]] inline double slowed(Kernel kernel, double seconds, double times) {
+  const double fixed = kernel == Kernel::meeting ? std::min(kAloneBeforeMeeting, seconds) : 0;
+  return times == 1 ? seconds : fixed + (seconds - fixed) * times;
+}
+
+[[nodiscard]] inline Sample slowed(Sample sample, double times) {
+  sample.seconds = slowed(sample.kernel, sample.seconds, times);
+  sample.spread *= times;
+  return sample;
+}
+
+}  // namespace assur
