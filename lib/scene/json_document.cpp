@@ -12,7 +12,7 @@
 namespace assur {
 namespace {
 
-constexpr std::size_t kDeepest = 32;              // levels; a scene has eight
+constexpr std::size_t kDeepest = 32;              // levels; a scene has nine, and lists of laws within lists
 constexpr std::size_t kMostValues = 100'000'000;  // a million dyads have 17
 constexpr double kBytesOfValue = 64;  // at least, until the scene is built: that of a million dyads takes 80
 

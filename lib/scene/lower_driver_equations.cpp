@@ -35,7 +35,7 @@ void DriverWriter::write(Index from, const Driver&, const DrivenDistance& d, Ind
   forms_.equation(from, products, {});
 }
 
-// d . e = rho cos, axis . (d x e) = rho sin with the auxiliary rho = |d||e| > 0: regular in every posture.
+// d . e = rho cos, axis . (d x e) = rho sin with the auxiliary rho > 0, which is |d||e| if the axis is across both.
 void DriverWriter::write(Index from, const Driver& driver, const RelativeAngle& r, Index n) {
   const Forms::Components d = forms_.direction(r.d), e = forms_.direction(r.e);
   const Index rho = forms_.item(driver.name + ".rho").form[0];

@@ -31,8 +31,8 @@ struct Shared {
   std::unordered_set<Index> in_groups;             // coordinates that belong to declared groups
   std::unordered_set<std::string> absorbed;        // distance constraints that an angle driver takes over
   std::unordered_map<std::string, double> radius;  // angle drivers: the value of the distance absorbed
-  std::map<Pair, double> lengths;                  // between points of bodies: of constraints that have a value
-  std::set<Pair> distances;                        // such pairs whose distance is an equation already
+  std::map<Pair, double> lengths;                  // between points of bases: of constraints that have a value
+  std::set<Pair> distances;                        // such pairs whose distance something keeps already
   std::vector<bool> fixes;                         // drivers that fix coordinates, so that no equation is left
 };
 
@@ -72,9 +72,10 @@ class ConstraintWriter {
  public:
   ConstraintWriter(Forms& forms, Shared& shared) : forms_(forms), shared_(shared) {}
 
+  // Distances between points of bases.
   void note_lengths();
   void declare_auxiliaries();
-  // Distances between points of bodies, and that between the points of an angle driver, which is its radius.
+  // The distance between the points of an angle driver is its radius, and no equation.
   void absorb_distances();
   void write_equations();
 
