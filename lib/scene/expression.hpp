@@ -20,7 +20,7 @@ class Expressions {
     std::string parameter;
     std::string what;
   };
-  // `what` empty: `value` is a finite number. Otherwise it says what is wrong, unless `follows`: then the cause is a
+  // ok(): `value` is a finite number. Otherwise `what` says what is wrong; it is empty if the value `follows` from a
   // parameter about which a finding was made already.
   struct Result {
     double value = 0;

@@ -12,7 +12,7 @@
 namespace assur {
 namespace {
 
-constexpr std::size_t kDeepest = 32;              // levels; a scene has eight
+constexpr std::size_t kDeepest = 32;              // levels; a scene has nine, and lists of laws within lists
 constexpr std::size_t kMostValues = 100'000'000;  // a million dyads have 17
 constexpr double kBytesOfValue = 64;  // at least, until the scene is built: that of a million dyads takes 80
 
@@ -260,21 +260,8 @@ const JsonNode* JsonNode::find(std::string_view key) const {
 }
 
 std::string_view with_article(JsonNode::Type type) {
-  switch (type) {
-    case JsonNode::Type::null:
-      return "null";
-    case JsonNode::Type::boolean:
-      return "true or false";
-    case JsonNode::Type::number:
-      return "a number";
-    case JsonNode::Type::string:
-      return "a text";
-    case JsonNode::Type::array:
-      return "an array";
-    case JsonNode::Type::object:
-      return "an object";
-  }
-  return "unknown";
+  static constexpr std::string_view kWords[] = {"null", "true or false", "a number", "a text", "an array", "an object"};
+  return kWords[static_cast<std::size_t>(type)];
 }
 
 JsonDocument parse_json(std::string_view text) {

@@ -61,27 +61,45 @@ bool TableFolders::has(const std::string& name) const {
   });
 }
 
-Law JsonReader::needed_law(const Object& item, double unit) {
-  if (const JsonNode* node = item.find("law")) return law(*node, item.where() / "law", unit);
-  note(item.where() / "law", "this is missing: the motion, e.g. {\"polynomial\": [0, 1]}");
-  return {};
+void JsonReader::read(Law& out, const rows::About& about, const Place& at) {
+  out = law(at, about.means == rows::Means::angle ? angle_unit_ : 1);
 }
 
-Law JsonReader::law(const JsonNode& node, const Where& where, double unit) {
+// Those of a rotation are named.
+void JsonReader::read(std::vector<Law>& out, const rows::About& about, const Place& at) {
+  if (about.means != rows::Means::rotation) {
+    if (!expect(at, Type::array, "[law, law]")) return;
+    for (std::size_t k = 0; k < at.size(); ++k) out.push_back(law(at[k], 1));
+    return;
+  }
+  const std::string_view name = dimension_ == 2 ? "angle" : "euler_zyx";
+  Object angles(*this, at, {{name}});
+  const JsonNode* node =
+      angles.need(name, dimension_ == 2 ? "the law of the angle from +x" : "the laws [psi, theta, phi] of Rz Ry Rx");
+  if (node == nullptr) return;
+  const Place named{*node, at.where / name};
+  if (dimension_ == 2) {
+    out.push_back(law(named, angle_unit_));
+  } else if (is_list(named, 3, "[psi, theta, phi]")) {
+    for (std::size_t k = 0; k < 3; ++k) out.push_back(law(named[k], angle_unit_));
+  }
+}
+
+Law JsonReader::law(const Place& at, double unit) {
+  const auto& [node, where] = at;
   if (node.is(Type::array)) {
     Law sum;
-    if (node.items().empty()) note(where, "an empty list of laws; write at least one, e.g. [{\"constant\": 0}]");
-    for (std::size_t i = 0; i < node.items().size(); ++i)
-      sum = i == 0 ? law(node.items()[i], where / i, unit) : sum + law(node.items()[i], where / i, unit);
+    if (at.size() == 0) note(where, "an empty list of laws; write at least one, e.g. [{\"constant\": 0}]");
+    for (std::size_t i = 0; i < at.size(); ++i) sum = i == 0 ? law(at[i], unit) : sum + law(at[i], unit);
     return sum;
   }
   if (node.is(Type::number) || node.is(Type::string)) {
     note(where, "a law is wanted here; for a number write {\"constant\": ...}");
     return {};
   }
-  static const std::vector<std::string_view> kKinds = {"constant", "polynomial", "harmonics", "table"};
+  static const rows::Keys kKinds{{"constant", "polynomial", "harmonics", "table"}};
   std::vector<std::string_view> told;
-  for (const std::string_view kind : kKinds) {
+  for (const std::string_view kind : kKinds.allowed) {
     if (node.find(kind) != nullptr) told.push_back(kind);
   }
   if (told.size() > 1) {
@@ -90,65 +108,64 @@ Law JsonReader::law(const JsonNode& node, const Where& where, double unit) {
     return {};
   }
   if (told.empty()) {
-    Object unknown(*this, node, where, kKinds);
-    if (unknown.is_object() && node.keys().empty()) note(where, "the law is empty; expected " + one_of(kKinds));
+    Object unknown(*this, at, kKinds);
+    if (unknown.is_object() && node.keys().empty()) note(where, "the law is empty; expected " + one_of(kKinds.allowed));
     broken(where);
     return {};
   }
   const std::string_view kind = told[0];
-  const Where here = where / kind;
-  const JsonNode& value = *node.find(kind);
-  std::vector<std::string_view> allowed{kind};
-  if (kind == "harmonics") allowed.push_back("offset");
-  if (kind == "table") allowed.push_back("periodic");
-  const Object object(*this, node, where, allowed);
+  const Place value{*node.find(kind), where / kind};
+  rows::Keys keys{{kind}};
+  if (kind == "harmonics") keys.allowed.push_back("offset");
+  if (kind == "table") keys.allowed.push_back("periodic");
+  const Object object(*this, at, keys);
   try {
-    if (kind == "constant") return Law::constant(unit * number(value, here));
-    if (kind == "polynomial") {
-      if (value.is(Type::array) && value.items().empty()) note(here, "a polynomial needs at least one coefficient");
-      std::vector<double> coefficients = numbers(value, here);
-      for (double& c : coefficients) c *= unit;
-      return Law::polynomial(std::move(coefficients));
+    if (kind == "constant") return Law::constant(unit * number(value));
+    if (kind == "harmonics") return harmonics(value, object, unit);
+    if (kind == "table") return table(value, object, unit);
+    std::vector<double> coefficients;
+    if (expect(value, Type::array, "[0, 1]")) {
+      if (value.size() == 0) note(value.where, "a polynomial needs at least one coefficient");
+      for (std::size_t k = 0; k < value.size(); ++k) coefficients.push_back(unit * number(value[k]));
     }
-    if (kind == "harmonics") return harmonics(value, object.find("offset"), where, unit);
-    return table(value, object.find("periodic"), where, unit);
+    return Law::polynomial(std::move(coefficients));
   } catch (const Error& error) {
     // Numbers that are not finite were noted where they stand.
     if (kind == "table") {
-      for (const Diagnostic& finding : error.diagnostics()) note(here, finding.what);
+      for (const Diagnostic& finding : error.diagnostics()) note(value.where, finding.what);
     }
     broken(where);
     return {};
   }
 }
 
-Law JsonReader::harmonics(const JsonNode& node, const JsonNode* offset, const Where& where, double unit) {
-  const Where here = where / "harmonics";
+Law JsonReader::harmonics(const Place& at, const Object& object, double unit) {
   std::vector<Harmonic> terms;
-  if (expect(node, Type::array, here, "[{\"amplitude\": 1, \"frequency\": 2}]")) {
-    if (node.items().empty())
-      note(here, "at least one harmonic is wanted; for a number alone write {\"constant\": ...}");
-    for (std::size_t i = 0; i < node.items().size(); ++i) {
-      Object item(*this, node.items()[i], here / i, {"amplitude", "frequency", "phase"});
-      Harmonic term;
-      if (const auto* a = item.need("amplitude", "of the sine"))
-        term.amplitude = unit * number(*a, here / i / "amplitude");
-      if (const auto* f = item.need("frequency", "in Hz")) term.frequency = number(*f, here / i / "frequency");
-      if (const auto* p = item.find("phase")) term.phase = angle_unit_ * number(*p, here / i / "phase");
-      terms.push_back(term);
+  if (expect(at, Type::array, "[{\"amplitude\": 1, \"frequency\": 2}]")) {
+    if (at.size() == 0) {
+      note(at.where, "at least one harmonic is wanted; for a number alone write {\"constant\": ...}");
+    }
+    const rows::Keys keys = rows::keys_of(rows::kHarmonic);
+    for (std::size_t i = 0; i < at.size(); ++i) {
+      Object item(*this, at[i], keys);
+      Harmonic& term = terms.emplace_back();
+      fill(term, item, rows::kHarmonic);
+      term.amplitude *= unit;
     }
   }
-  return Law::harmonics(std::move(terms), offset ? unit * number(*offset, where / "offset") : 0);
+  const JsonNode* offset = object.find("offset");
+  return Law::harmonics(std::move(terms), offset ? unit * number({*offset, object.where() / "offset"}) : 0);
 }
 
-Law JsonReader::table(const JsonNode& node, const JsonNode* periodic, const Where& where, double unit) {
-  const std::string name = text(node, where / "table", "\"drive.csv\"");
+Law JsonReader::table(const Place& at, const Object& object, double unit) {
+  const std::string name = text(at, "drive.csv");
   if (name.empty()) {
-    if (node.is(Type::string)) note(where / "table", "the name of a CSV file is wanted here");
-    broken(where);
+    if (at.node.is(Type::string)) note(at.where, "the name of a CSV file is wanted here");
+    broken(object.where());
     return {};
   }
-  const bool closes = periodic != nullptr && boolean(*periodic, where / "periodic");
+  bool closes = false;
+  if (const JsonNode* periodic = object.find("periodic")) read(closes, {}, {*periodic, object.where() / "periodic"});
   const std::string key = name + (closes ? " periodic" : "") + (unit == 1 ? "" : " angle");
   if (const auto found = laws_of_tables_.find(key); found != laws_of_tables_.end()) return found->second;
   if (!tables_.has(name)) {

@@ -15,6 +15,7 @@
 #include "assur/scene.hpp"
 #include "scene/expression.hpp"
 #include "scene/json_document.hpp"
+#include "scene/kinds.hpp"
 #include "scene/names.hpp"
 
 namespace assur {
@@ -39,13 +40,22 @@ class JsonReader {
  private:
   using Type = JsonNode::Type;
 
+  // A value of the document, and where it stands.
+  struct Place {
+    const JsonNode& node;
+    Where where;
+
+    Place operator[](std::size_t item) const { return {node.items()[item], where / item}; }
+    [[nodiscard]] std::size_t size() const { return node.items().size(); }
+  };
+
   // An object's keys: the allowed ones, the misspelt ones.
   class Object {
    public:
-    // Reports keys that are not among `allowed`, and a node that is no object.
-    Object(JsonReader& reader, const JsonNode& node, Where where, std::vector<std::string_view> allowed);
+    // Reports other keys, and what is no object.
+    Object(JsonReader& reader, const Place& at, const rows::Keys& keys);
     [[nodiscard]] const JsonNode* find(std::string_view key) const { return node_ ? node_->find(key) : nullptr; }
-    // Reports a missing key, unless it is there but misspelt.
+    // Reports a missing key, unless it is there but misspelt. {} in `what`: the names of the coordinates.
     [[nodiscard]] const JsonNode* need(std::string_view key, std::string_view what);
     [[nodiscard]] const Where& where() const { return where_; }
     [[nodiscard]] bool is_object() const { return node_ != nullptr; }
@@ -57,79 +67,98 @@ class JsonReader {
     std::unordered_set<std::string> misspelt_;
   };
 
-  // A kind of constraint, driver or measure: the key that tells it, the keys that go with it, and its reader.
-  template <class Item>
-  struct Kind {
-    std::string_view key;
-    std::vector<std::string_view> more;
-    decltype(Item::kind) (JsonReader::*read)(const Object&, const JsonNode&);
-  };
-
   void note(const Where& where, std::string what);
   void broken(const Where& where) { note(where, ""); }  // wrong for a reason noted elsewhere
-  [[nodiscard]] bool expect(const JsonNode& node, Type type, const Where& where, std::string_view example);
+  [[nodiscard]] bool expect(const Place& at, Type type, std::string_view example);
+  // True, after a finding, if an object with this key is refused.
+  bool is_refused(std::string_view key, const rows::Keys& keys, const Where& where);
 
-  // values (json_reader.cpp); NaN, "" and the like after a finding
-  double number(const JsonNode& node, const Where& where);
-  std::vector<double> numbers(const JsonNode& node, const Where& where);
-  Triple triple(const JsonNode& node, const Where& where);
-  bool boolean(const JsonNode& node, const Where& where);
-  std::string text(const JsonNode& node, const Where& where, std::string_view example);
-  std::vector<std::string> texts(const JsonNode& node, const Where& where, std::string_view example);
-  Direction direction(const JsonNode& node, const Where& where);
-  // The items of an array of that length, at least 1; else a finding, and none.
-  std::span<const JsonNode> list(const JsonNode& node, std::size_t size, const Where& where, std::string_view example);
-  // Two point names.
-  std::array<std::string, 2> pair(const JsonNode& node, const Where& where);
-  void each(const JsonNode* section, const Where& where,
-            const std::function<void(const std::string&, const JsonNode&, const Where&)>& read);
+  // values (json_reader.cpp, laws: json_laws.cpp); NaN, "" and the like after a finding. example: as it stands in a
+  // file, but a text without quotes
+  double number(const Place& at);
+  Triple triple(const Place& at);
+  std::string text(const Place& at, std::string_view example);
+  // True if it is an array of that length; else a finding.
+  [[nodiscard]] bool is_list(const Place& at, std::size_t size, std::string_view example);
+  void read(double& out, const rows::About& about, const Place& at);
+  void read(std::optional<double>& out, const rows::About& about, const Place& at);
+  void read(bool& out, const rows::About& about, const Place& at);
+  void read(Triple& out, const rows::About& about, const Place& at);
+  void read(std::string& out, const rows::About& about, const Place& at);
+  void read(std::vector<std::string>& out, const rows::About& about, const Place& at);
+  void read(Direction& out, const rows::About& about, const Place& at);
+  void read(std::vector<std::pair<std::string, double>>& out, const rows::About& about, const Place& at);
+  void read(std::vector<Member>& out, const rows::About& about, const Place& at);
+  void read(Law& out, const rows::About& about, const Place& at);
+  void read(std::vector<Law>& out, const rows::About& about, const Place& at);
 
-  // sections (json_reader.cpp, json_sections.cpp)
+  // Objects: the members that the row names. False: one that is needed is missing, and was reported.
+  template <class Struct, class Row>
+  bool fill(Struct& out, Object& object, const Row& row) {
+    bool is_full = true;
+    rows::for_each_key(row, [&]<class Content>(const rows::Key<Content>& key) {
+      if constexpr (!rows::is_refused<Content>) {
+        const JsonNode* node = key.missing.empty() ? object.find(key.name) : object.need(key.name, key.missing);
+        if (node != nullptr) put(out, key.content, {*node, object.where() / key.name});
+        is_full = is_full && (node != nullptr || key.missing.empty());
+      }
+    });
+    return is_full;
+  }
+  template <class Struct, class Type>
+  void put(Struct& out, const rows::Slot<Struct, Type>& slot, const Place& at) {
+    read(out.*slot.member, slot.about, at);
+  }
+  void put(Combination& out, const rows::Slot<Combination, double>& constant, const Place& at);
+  template <class Struct, class... Entries>
+  void put(Struct& out, const rows::List<Entries...>& list, const Place& at) {
+    const bool fits = at.node.is(Type::array) && at.size() == sizeof...(Entries);
+    if (!fits) return (void)is_list(at, sizeof...(Entries), example(list));
+    std::size_t i = 0;
+    std::apply([&](const auto&... entry) { (put(out, entry, at[i++]), ...); }, list.entries);
+  }
+  template <class Slot>
+  static std::string example(const Slot& slot) {
+    return "\"" + std::string(slot.about.example) + "\"";
+  }
+  template <class... Entries>
+  static std::string example(const rows::List<Entries...>& list) {
+    std::string text;
+    std::apply([&](const auto&... entry) { ((text += (text.empty() ? "[" : ", ") + example(entry)), ...); },
+               list.entries);
+    return text + "]";
+  }
+
+  // sections (json_sections.cpp, json_kinds.cpp)
   void check_version() const;
   void read_dimension(Object& scene);
   void read_angles(Object& scene);
   void read_parameters(const JsonNode* section);
   void remember_names(const JsonNode& scene);
-  void read_points(const JsonNode* section);
-  void read_vectors(const JsonNode* section);
-  void read_bodies(const JsonNode* section);
-  void read_groups(const JsonNode* section);
-  void read_outputs(const JsonNode* section);
-  void read_time(const JsonNode* section);
-  void read_members(const JsonNode* section, const Where& where, std::vector<Member>& members);
-
-  // constraints, drivers, measures (json_kinds.cpp)
+  void each(const JsonNode* section, const Where& where,
+            const std::function<void(const std::string&, const Place&)>& read);
+  template <class Item, class Row>
+  void read_items(const JsonNode* section, const Where& where, const Row& row);
   void read_constraints(const JsonNode* section);
   void read_drivers(const JsonNode* section);
   void read_measures(const JsonNode* section);
-  template <class Item>
-  void read_kinds(const JsonNode* section, const Where& where, const std::vector<Kind<Item>>& kinds,
-                  const std::vector<std::pair<std::string_view, std::string_view>>& later);
-  bool is_point(const std::string& name) const { return point_names_.count(name) != 0; }
+  void read_outputs(const JsonNode* section);
+  void read_time(const JsonNode* section);
 
-  decltype(Constraint::kind) distance(const Object& item, const JsonNode& node);
-  decltype(Constraint::kind) equal_distance(const Object& item, const JsonNode& node);
-  decltype(Constraint::kind) dot(const Object& item, const JsonNode& node);
-  decltype(Constraint::kind) parallel(const Object& item, const JsonNode& node);
-  decltype(Constraint::kind) linear(const Object& item, const JsonNode& node);
-  decltype(Constraint::kind) fixed_coordinate(const Object& item, const JsonNode& node);
-  decltype(Constraint::kind) on_line(const Object& item, const JsonNode& node);
-  decltype(Constraint::kind) on_plane(const Object& item, const JsonNode& node);
-  decltype(Driver::kind) driven_angle(const Object& item, const JsonNode& node);
-  decltype(Driver::kind) driven_distance(const Object& item, const JsonNode& node);
-  decltype(Driver::kind) driven_coordinate(const Object& item, const JsonNode& node);
-  decltype(Driver::kind) pose(const Object& item, const JsonNode& node);
-  decltype(Measure::kind) measured_angle(const Object& item, const JsonNode& node);
-  decltype(Measure::kind) measured_distance(const Object& item, const JsonNode& node);
-  decltype(Measure::kind) measured_coordinate(const Object& item, const JsonNode& node);
-  decltype(Measure::kind) sum(const Object& item, const JsonNode& node);
-  bool is_angle(const std::string& measure) const { return angle_names_.count(measure) != 0; }
+  // constraints, drivers, measures (json_kinds.cpp)
+  template <class Item>
+  struct Kind;
+  template <class Item, class Row, class... Rows>
+  void read_kinds(const JsonNode* section, const Where& where, const Row& own, const std::tuple<Rows...>& rows,
+                  rows::Keys told);
+  template <class Item>
+  const Kind<Item>* told_kind(const std::vector<Kind<Item>>& kinds, const rows::Keys& keys, const Place& at);
+  [[nodiscard]] bool is_pair_of_points(const JsonNode& node) const;
 
   // laws (json_laws.cpp); unit: SI value of 1 in the file, angle_unit_ for angles
-  Law law(const JsonNode& node, const Where& where, double unit);
-  Law needed_law(const Object& item, double unit);
-  Law harmonics(const JsonNode& node, const JsonNode* offset, const Where& where, double unit);
-  Law table(const JsonNode& node, const JsonNode* periodic, const Where& where, double unit);
+  Law law(const Place& at, double unit);
+  Law harmonics(const Place& at, const Object& object, double unit);
+  Law table(const Place& at, const Object& object, double unit);
 
   const JsonDocument& document_;
   TableFolders tables_;

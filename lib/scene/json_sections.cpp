@@ -1,6 +1,127 @@
+#include <cmath>
+#include <numbers>
+
 #include "scene/json_reader.hpp"
 
 namespace assur {
+
+void JsonReader::each(const JsonNode* section, const Where& where,
+                      const std::function<void(const std::string&, const Place&)>& read) {
+  if (section == nullptr || !expect({*section, where}, Type::object, "{\"name\": ...}")) return;
+  for (std::size_t i = 0; i < section->items().size(); ++i) {
+    const std::string name(section->keys()[i]);
+    const Place item{section->items()[i], where / name};
+    if (parameter_names_.count(name) != 0) {
+      note(item.where, in_quotes(name) + " is a parameter already; all kinds share one set of names");
+    }
+    read(name, item);
+  }
+}
+
+template <class Item, class Row>
+void JsonReader::read_items(const JsonNode* section, const Where& where, const Row& row) {
+  const rows::Keys keys = rows::keys_of(row);
+  each(section, where, [&](const std::string& name, const Place& at) {
+    Object object(*this, at, keys);
+    Item item;
+    item.name = name;
+    fill(item, object, row);
+    builder_.add(std::move(item));
+  });
+}
+
+SceneBuilder JsonReader::read(const std::string& name) {
+  check_version();
+  Object scene(*this, {document_.root, Where()},
+               {{"assur", "name", "dimension", "angles", "parameters", "points", "vectors", "bodies", "constraints",
+                 "drivers", "measures", "groups", "outputs", "time"}});
+  if (!scene.is_object()) throw Error(Error::Kind::input, std::move(findings_));
+  (void)scene.need("assur", "the version of the format, \"assur\": 1");
+  read_dimension(scene);
+  read_angles(scene);
+  const JsonNode* title = scene.find("name");
+  std::string own_name = title ? excerpt(text({*title, Where("/name")}, "four_bar")) : name;
+  builder_ = SceneBuilder(std::move(own_name), dimension_);
+
+  const auto count = [&](std::string_view key) { return scene.find(key) ? scene.find(key)->items().size() : 0; };
+  builder_.reserve(count("points"), count("constraints"));
+
+  read_parameters(scene.find("parameters"));
+  remember_names(document_.root);
+  read_items<Point>(scene.find("points"), Where("/points"), rows::kPoint);
+  read_items<Vector>(scene.find("vectors"), Where("/vectors"), rows::kVector);
+  read_items<Body>(scene.find("bodies"), Where("/bodies"), rows::kBody);
+  read_constraints(scene.find("constraints"));
+  read_drivers(scene.find("drivers"));
+  read_measures(scene.find("measures"));
+  read_items<DeclaredGroup>(scene.find("groups"), Where("/groups"), rows::kGroup);
+  read_outputs(scene.find("outputs"));
+  read_time(scene.find("time"));
+
+  for (Diagnostic& finding : findings_) builder_.diagnose(std::move(finding));
+  return std::move(builder_);
+}
+
+// Another version may mean anything: then nothing else is read.
+void JsonReader::check_version() const {
+  const JsonNode* version = document_.root.find("assur");
+  if (version == nullptr || (version->is(Type::number) && version->number() == 1)) return;
+  throw Error(Error::Kind::input, {{"/assur", "this version of the format is not known; \"assur\": 1 is"}});
+}
+
+void JsonReader::read_dimension(Object& scene) {
+  const JsonNode* node = scene.need("dimension", "2 for the plane, 3 for space");
+  if (node == nullptr) return;
+  if (node->is(Type::number) && (node->number() == 2 || node->number() == 3)) {
+    dimension_ = static_cast<int>(node->number());
+  } else {
+    note(scene.where() / "dimension", "the dimension is 2 or 3");
+  }
+}
+
+void JsonReader::read_angles(Object& scene) {
+  const JsonNode* node = scene.find("angles");
+  if (node == nullptr || (node->is(Type::string) && node->text() == "rad")) return;
+  if (node->is(Type::string) && node->text() == "deg") {
+    angle_unit_ = std::numbers::pi / 180;
+  } else {
+    note(scene.where() / "angles", "the unit of all angles of the file, \"rad\" or \"deg\", is wanted here");
+  }
+}
+
+void JsonReader::read_parameters(const JsonNode* section) {
+  const Where where("/parameters");
+  std::vector<Expressions::Parameter> parameters;
+  std::vector<std::string> unusable;
+  std::vector<std::string_view> names;
+  if (section != nullptr) names.assign(section->keys().begin(), section->keys().end());
+  each(section, where, [&](const std::string& name, const Place& at) {
+    const std::string_view text = at.node.text();
+    const auto replaced = set_.find(name);
+    if (std::string wrong = why_no_name(name); !wrong.empty()) {
+      note(at.where, std::move(wrong));
+    } else if (replaced != set_.end() && std::isfinite(replaced->second)) {
+      parameters.push_back({name, replaced->second});
+    } else if (replaced != set_.end()) {
+      note(at.where, "the parameter is set to " + shortest(replaced->second) + "; a finite number is wanted");
+      unusable.push_back(name);
+    } else if (at.node.is(Type::number)) {
+      parameters.push_back({name, at.node.number()});
+    } else if (text.starts_with('=')) {
+      parameters.push_back({name, std::string(text.substr(1))});
+    } else {
+      (void)number(at);  // says what is wrong
+      unusable.push_back(name);
+    }
+  });
+  for (const std::string_view name : names) parameter_names_.emplace(name);
+  for (const auto& [name, value] : set_) {
+    if (parameter_names_.count(name) != 0) continue;
+    note(where, "there is no parameter " + in_quotes(name) + " to be set" + suggestion(name, names));
+  }
+  for (auto& finding : expressions_.define(parameters, unusable))
+    note(where / finding.parameter, std::move(finding.what));
+}
 
 // Names of points, members included: they tell an angle of points from one of vectors. Names of measured angles.
 void JsonReader::remember_names(const JsonNode& scene) {
@@ -18,90 +139,19 @@ void JsonReader::remember_names(const JsonNode& scene) {
   for (const JsonNode& body : bodies->items()) remember(body.find("points"));
 }
 
-void JsonReader::read_points(const JsonNode* section) {
-  each(section, Where("/points"), [&](const std::string& name, const JsonNode& node, const Where& where) {
-    Object item(*this, node, where, {"at", "fixed"});
-    Point point{name, {}, false};
-    const std::string_view needed = dimension_ == 3 ? "the position [x, y, z]" : "the position [x, y]";
-    if (const JsonNode* at = item.need("at", needed)) point.at = triple(*at, where / "at");
-    if (const JsonNode* fixed = item.find("fixed")) point.fixed = boolean(*fixed, where / "fixed");
-    builder_.add(std::move(point));
-  });
-}
-
-void JsonReader::read_vectors(const JsonNode* section) {
-  each(section, Where("/vectors"), [&](const std::string& name, const JsonNode& node, const Where& where) {
-    Object item(*this, node, where, {"at", "fixed", "unit"});
-    Vector vector{name, {}, false, true};
-    const std::string_view needed = dimension_ == 3 ? "the direction [x, y, z]" : "the direction [x, y]";
-    if (const JsonNode* at = item.need("at", needed)) vector.at = triple(*at, where / "at");
-    if (const JsonNode* fixed = item.find("fixed")) vector.fixed = boolean(*fixed, where / "fixed");
-    if (const JsonNode* unit = item.find("unit")) vector.unit = boolean(*unit, where / "unit");
-    builder_.add(std::move(vector));
-  });
-}
-
-void JsonReader::read_bodies(const JsonNode* section) {
-  each(section, Where("/bodies"), [&](const std::string& name, const JsonNode& node, const Where& where) {
-    Body body;
-    body.name = name;
-    if (node.is(Type::object) && node.find("rigid") != nullptr) {
-      note(where / "rigid",
-           "\"rigid\" comes in a later format version; write a \"base\" and members with local coordinates");
-      broken(where);
-      builder_.add(std::move(body));
-      return;
-    }
-    Object item(*this, node, where, {"origin", "frame", "base", "points", "vectors"});
-    if (const JsonNode* origin = item.find("origin")) body.origin = text(*origin, where / "origin", "\"O\"");
-    if (const JsonNode* frame = item.find("frame")) body.frame = texts(*frame, where / "frame", "\"u\"");
-    if (const JsonNode* base = item.find("base")) body.base = texts(*base, where / "base", "\"A\"");
-    if (const JsonNode* points = item.find("points")) read_members(points, where / "points", body.points);
-    if (const JsonNode* vectors = item.find("vectors")) read_members(vectors, where / "vectors", body.vectors);
-    builder_.add(std::move(body));
-  });
-}
-
-void JsonReader::read_members(const JsonNode* section, const Where& where, std::vector<Member>& members) {
-  each(section, where, [&](const std::string& name, const JsonNode& node, const Where& here) {
-    if (!node.is(Type::object)) {
-      members.push_back({name, triple(node, here)});
-      return;
-    }
-    Object item(*this, node, here, {"at"});
-    const JsonNode* at = item.need("at", "the ground coordinates in the posture as written");
-    members.push_back({name, at ? triple(*at, here / "at") : Triple{}, true});
-  });
-}
-
-void JsonReader::read_groups(const JsonNode* section) {
-  each(section, Where("/groups"), [&](const std::string& name, const JsonNode& node, const Where& where) {
-    Object item(*this, node, where, {"unknowns", "keep"});
-    DeclaredGroup group;
-    group.name = name;
-    if (const JsonNode* unknowns = item.need("unknowns", "the names of points and vectors")) {
-      group.unknowns = texts(*unknowns, where / "unknowns", "\"B\"");
-    }
-    if (const JsonNode* keep = item.find("keep")) group.keep = boolean(*keep, where / "keep");
-    builder_.add(std::move(group));
-  });
-}
-
 void JsonReader::read_outputs(const JsonNode* section) {
   if (section == nullptr) return;
-  for (std::string& name : texts(*section, Where("/outputs"), "\"C\"")) builder_.output(std::move(name));
+  std::vector<std::string> names;
+  read(names, {rows::Means::text, "C"}, {*section, Where("/outputs")});
+  for (std::string& name : names) builder_.output(std::move(name));
 }
 
 void JsonReader::read_time(const JsonNode* section) {
   if (section == nullptr) return;
-  const Where where("/time");
-  Object item(*this, *section, where, {"start", "end", "step"});
-  const JsonNode* start = item.need("start", "the first time, s");
-  const JsonNode* end = item.need("end", "the last time, s");
-  const JsonNode* step = item.need("step", "from one time to the next, s");
-  if (start == nullptr || end == nullptr || step == nullptr) return broken(where);
-  const double first = number(*start, where / "start"), last = number(*end, where / "end");
-  builder_.time(first, last, number(*step, where / "step"));
+  Object object(*this, {*section, Where("/time")}, rows::keys_of(rows::kTime));
+  TimeGrid time;
+  if (!fill(time, object, rows::kTime)) return broken(object.where());
+  builder_.time(time.start, time.end, time.step);
 }
 
 }  // namespace assur

@@ -33,21 +33,28 @@ void ConstraintWriter::note_lengths() {
 }
 
 void ConstraintWriter::declare_auxiliaries() {
-  Forms& f = forms_;
-  for (const Constraint& c : f.scene().constraints()) {
-    if (const auto* p = c.as<Parallel>()) {
-      f.declare_scalar(c.name + ".lambda", f.power(p->e) - f.power(p->d), ratio(f.at(p->d), f.at(p->e)));
-    } else if (const auto* l = c.as<OnLine>()) {
-      f.declare_scalar(c.name + ".lambda", 1 - f.power(l->d), ratio(f.at(l->d), subtract(f.at(l->p), f.at(l->a))));
-    } else if (const auto* o = c.as<OnPlane>()) {
-      const Triple d = f.at(o->d), e = f.at(o->e), r = subtract(f.at(o->p), f.at(o->a));
-      const double dd = dot(d, d), de = dot(d, e), ee = dot(e, e), det = dd * ee - de * de;
-      const double lambda = det > 0 ? (dot(d, r) * ee - dot(e, r) * de) / det : 0;
-      const double mu = det > 0 ? (dot(e, r) * dd - dot(d, r) * de) / det : 0;
-      f.declare_scalar(c.name + ".lambda", 1 - f.power(o->d), lambda);
-      f.declare_scalar(c.name + ".mu", 1 - f.power(o->e), mu);
-    }
+  for (const Constraint& c : forms_.scene().constraints()) {
+    c.visit([&](const auto& kind) { declare(c.name, kind); });
   }
+}
+
+void ConstraintWriter::declare(const std::string& name, const Parallel& c) {
+  const Forms& f = forms_;
+  forms_.declare_scalar(name + ".lambda", f.power(c.e) - f.power(c.d), ratio(f.at(c.d), f.at(c.e)));
+}
+
+void ConstraintWriter::declare(const std::string& name, const OnLine& c) {
+  const Forms& f = forms_;
+  forms_.declare_scalar(name + ".lambda", 1 - f.power(c.d), ratio(f.at(c.d), subtract(f.at(c.p), f.at(c.a))));
+}
+
+void ConstraintWriter::declare(const std::string& name, const OnPlane& c) {
+  const Triple d = forms_.at(c.d), e = forms_.at(c.e), r = subtract(forms_.at(c.p), forms_.at(c.a));
+  const double dd = dot(d, d), de = dot(d, e), ee = dot(e, e), det = dd * ee - de * de;
+  const double lambda = det > 0 ? (dot(d, r) * ee - dot(e, r) * de) / det : 0;
+  const double mu = det > 0 ? (dot(e, r) * dd - dot(d, r) * de) / det : 0;
+  forms_.declare_scalar(name + ".lambda", 1 - forms_.power(c.d), lambda);
+  forms_.declare_scalar(name + ".mu", 1 - forms_.power(c.e), mu);
 }
 
 void ConstraintWriter::absorb_distances() {

@@ -35,7 +35,7 @@ void DriverWriter::write(Index from, const Driver&, const DrivenDistance& d, Ind
   forms_.equation(from, products, {});
 }
 
-// d . e = rho cos, axis . (d x e) = rho sin with the auxiliary rho = |d||e| > 0: regular in every posture.
+// d . e = rho cos, axis . (d x e) = rho sin with the auxiliary rho > 0, which is |d||e| if the axis is across both.
 void DriverWriter::write(Index from, const Driver& driver, const RelativeAngle& r, Index n) {
   const Forms::Components d = forms_.direction(r.d), e = forms_.direction(r.e);
   const Index rho = forms_.item(driver.name + ".rho").form[0];
@@ -63,34 +63,46 @@ void DriverWriter::write(Index from, const Driver& driver, const RelativeAngle& 
 }
 
 void DriverWriter::note_own_forms() {
-  const auto& drivers = forms_.scene().drivers();
-  const int dim = forms_.dimension();
   for (DriverInput& in : forms_.system().inputs) {
-    const Driver& driver = drivers[static_cast<std::size_t>(in.driver)];
     std::vector<Index> own;
-    const auto take = [&](const Index* form) { own.insert(own.end(), form, form + dim); };
-    const auto take_direction = [&](const Direction& d) { take(forms_.direction(d).form); };
-    if (const auto* a = std::get_if<PointAngle>(&driver.kind)) {
-      const Triple zero = zero_of(*a);
-      for (int k = 0; k < dim; ++k) own.push_back(forms_.constant_form(zero[static_cast<std::size_t>(k)], 0));
-      take_direction({a->a, a->b});
-      if (dim == 3) take_direction(Direction(a->axis));
-    } else if (const auto* r = std::get_if<RelativeAngle>(&driver.kind)) {
-      take_direction(r->d);
-      take_direction(r->e);
-      if (dim == 3) take_direction(Direction(r->axis));
-    } else if (const auto* d = std::get_if<DrivenDistance>(&driver.kind)) {
-      take_direction({d->a, d->b});
-    } else if (const auto* c = std::get_if<DrivenCoordinate>(&driver.kind)) {
-      own.push_back(forms_.scalar_form(c->coordinate));
-    } else if (const auto* p = std::get_if<Pose>(&driver.kind)) {
-      const Body& b = body(p->body);
-      take(forms_.item(b.base.empty() ? b.origin : b.base[0]).form);
-      for (const std::string& axis : b.frame) take_direction(Direction(axis));
-      for (std::size_t i = 1; i < b.base.size(); ++i) take_direction({b.base[0], b.base[i]});
-    }
+    std::visit([&](const auto& kind) { note_own(own, kind); },
+               forms_.scene().drivers()[static_cast<std::size_t>(in.driver)].kind);
     in.own = std::move(own);
   }
+}
+
+void DriverWriter::append_own(std::vector<Index>& own, const Direction& d) {
+  const Forms::Components c = forms_.direction(d);
+  own.insert(own.end(), c.form, c.form + forms_.dimension());
+}
+
+void DriverWriter::note_own(std::vector<Index>& own, const PointAngle& a) {
+  const Triple zero = zero_of(a);
+  for (int k = 0; k < forms_.dimension(); ++k) {
+    own.push_back(forms_.constant_form(zero[static_cast<std::size_t>(k)], 0));
+  }
+  append_own(own, {a.a, a.b});
+  if (forms_.dimension() == 3) append_own(own, a.axis);
+}
+
+void DriverWriter::note_own(std::vector<Index>& own, const RelativeAngle& r) {
+  append_own(own, r.d);
+  append_own(own, r.e);
+  if (forms_.dimension() == 3) append_own(own, r.axis);
+}
+
+void DriverWriter::note_own(std::vector<Index>& own, const DrivenDistance& d) { append_own(own, {d.a, d.b}); }
+
+void DriverWriter::note_own(std::vector<Index>& own, const DrivenCoordinate& c) {
+  own.push_back(forms_.scalar_form(c.coordinate));
+}
+
+void DriverWriter::note_own(std::vector<Index>& own, const Pose& p) {
+  const Body& b = body(p.body);
+  const Item& origin = forms_.item(b.base.empty() ? b.origin : b.base[0]);
+  own.insert(own.end(), origin.form, origin.form + forms_.dimension());
+  for (const std::string& axis : b.frame) append_own(own, axis);
+  for (std::size_t i = 1; i < b.base.size(); ++i) append_own(own, {b.base[0], b.base[i]});
 }
 
 // In a declared group the base stays unknown.

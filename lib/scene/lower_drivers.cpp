@@ -27,31 +27,38 @@ void DriverWriter::declare_auxiliaries() {
 }
 
 void DriverWriter::declare_inputs() {
-  using K = DriverInput::Kind;
   const auto& drivers = forms_.scene().drivers();
   for (std::size_t i = 0; i < drivers.size(); ++i) {
-    const Driver& d = drivers[i];
-    const Index n = static_cast<Index>(i);
-    if (const auto* a = std::get_if<PointAngle>(&d.kind)) {
-      declare_input(d, n, K::direction, {a->law}, 0, 2);
-    } else if (const auto* r = std::get_if<RelativeAngle>(&d.kind)) {
-      declare_input(d, n, K::direction, {r->law}, 0, 2);
-    } else if (const auto* l = std::get_if<DrivenDistance>(&d.kind)) {
-      declare_input(d, n, K::scalar, {l->law}, 1, 1);
-      forms_.system().inputs.back().must_not_vanish = true;
-    } else if (const auto* c = std::get_if<DrivenCoordinate>(&d.kind)) {
-      declare_input(d, n, K::scalar, {c->law}, forms_.scalar_dimension(c->coordinate), 1);
-    } else if (const auto* p = std::get_if<Pose>(&d.kind)) {
-      std::vector<Law> laws = p->translation;
-      laws.insert(laws.end(), p->rotation.begin(), p->rotation.end());
-      const int dim = forms_.dimension();
-      declare_input(d, n, K::frame, std::move(laws), 1, p->rotation.empty() ? dim : dim == 3 ? 12 : 4);
-    }
+    std::visit([&](const auto& kind) { declare_input(drivers[i], static_cast<Index>(i), input(kind)); },
+               drivers[i].kind);
   }
 }
 
-void DriverWriter::declare_input(const Driver& driver, Index index, DriverInput::Kind kind, std::vector<Law> laws,
-                                 int power, Index count) {
+DriverWriter::Input DriverWriter::input(const PointAngle& a) const {
+  return {DriverInput::Kind::direction, {a.law}, 0, 2};
+}
+
+DriverWriter::Input DriverWriter::input(const RelativeAngle& r) const {
+  return {DriverInput::Kind::direction, {r.law}, 0, 2};
+}
+
+DriverWriter::Input DriverWriter::input(const DrivenDistance& d) const {
+  return {DriverInput::Kind::scalar, {d.law}, 1, 1, true};
+}
+
+DriverWriter::Input DriverWriter::input(const DrivenCoordinate& c) const {
+  return {DriverInput::Kind::scalar, {c.law}, forms_.scalar_dimension(c.coordinate), 1};
+}
+
+DriverWriter::Input DriverWriter::input(const Pose& p) const {
+  std::vector<Law> laws = p.translation;
+  laws.insert(laws.end(), p.rotation.begin(), p.rotation.end());
+  const int dim = forms_.dimension();
+  return {DriverInput::Kind::frame, std::move(laws), 1, p.rotation.empty() ? dim : dim == 3 ? 12 : 4};
+}
+
+void DriverWriter::declare_input(const Driver& driver, Index index, const Input& input) {
+  const auto& [kind, laws, power, count, must_not_vanish] = input;
   System& s = forms_.system();
   DriverInput in;
   in.driver = index;
@@ -61,7 +68,8 @@ void DriverWriter::declare_input(const Driver& driver, Index index, DriverInput:
   in.dimension = static_cast<std::int8_t>(power);
   const bool moving = controlled_.count(driver.name) != 0 ||
                       !std::all_of(laws.begin(), laws.end(), [](const Law& l) { return l.is_constant(); });
-  in.laws = std::move(laws);
+  in.laws = laws;
+  in.must_not_vanish = must_not_vanish;
   Item item;
   item.name = driver.name;
   item.dimension = static_cast<std::int8_t>(power);
@@ -86,35 +94,37 @@ void DriverWriter::fix_coordinates() {
   for (bool changed = true; changed;) {
     changed = false;
     for (std::size_t i = 0; i < drivers.size(); ++i) {
-      if (!shared_.fixes[i] && fix(drivers[i], static_cast<Index>(i))) changed = shared_.fixes[i] = true;
+      if (shared_.fixes[i]) continue;
+      const auto fixes = [&](const auto& kind) { return fix(drivers[i], kind, static_cast<Index>(i)); };
+      if (std::visit(fixes, drivers[i].kind)) changed = shared_.fixes[i] = true;
     }
   }
 }
 
-bool DriverWriter::fix(const Driver& d, Index n) {
-  const auto own = [&](const Item& item, int k) { return forms_.own_coordinate(item.form[k]); };
-  if (const auto* c = std::get_if<DrivenCoordinate>(&d.kind)) {
-    const Index coordinate = forms_.own_coordinate(forms_.scalar_form(c->coordinate));
-    if (coordinate < 0 || shared_.in_groups.count(coordinate) != 0) return false;
-    assign(coordinate, input_form(n, 0));
-    return true;
-  }
-  if (const auto* a = std::get_if<PointAngle>(&d.kind)) {
-    const Item &from = forms_.item(a->a), &to = forms_.item(a->b);
-    if (!forms_.all_known(from) || !can_be_fixed(to)) return false;
-    for (int k = 0; k < forms_.dimension(); ++k) assign(own(to, k), arm_end(d, *a, n, k));
-    return true;
-  }
-  if (const auto* p = std::get_if<Pose>(&d.kind)) {
-    const std::vector<PoseTarget> targets = pose_targets(body(p->body), n);
-    const auto free = [&](const PoseTarget& t) { return can_be_fixed(forms_.item(t.item)); };
-    if (!std::all_of(targets.begin(), targets.end(), free)) return false;
-    for (const PoseTarget& t : targets) {
-      for (int k = 0; k < forms_.dimension(); ++k) assign(own(forms_.item(t.item), k), t.form[k]);
+bool DriverWriter::fix(const Driver&, const DrivenCoordinate& c, Index n) {
+  const Index coordinate = forms_.own_coordinate(forms_.scalar_form(c.coordinate));
+  if (coordinate < 0 || shared_.in_groups.count(coordinate) != 0) return false;
+  assign(coordinate, input_form(n, 0));
+  return true;
+}
+
+bool DriverWriter::fix(const Driver& d, const PointAngle& a, Index n) {
+  const Item &from = forms_.item(a.a), &to = forms_.item(a.b);
+  if (!forms_.all_known(from) || !can_be_fixed(to)) return false;
+  for (int k = 0; k < forms_.dimension(); ++k) assign(forms_.own_coordinate(to.form[k]), arm_end(d, a, n, k));
+  return true;
+}
+
+bool DriverWriter::fix(const Driver&, const Pose& p, Index n) {
+  const std::vector<PoseTarget> targets = pose_targets(body(p.body), n);
+  const auto free = [&](const PoseTarget& t) { return can_be_fixed(forms_.item(t.item)); };
+  if (!std::all_of(targets.begin(), targets.end(), free)) return false;
+  for (const PoseTarget& t : targets) {
+    for (int k = 0; k < forms_.dimension(); ++k) {
+      assign(forms_.own_coordinate(forms_.item(t.item).form[k]), t.form[k]);
     }
-    return true;
   }
-  return false;
+  return true;
 }
 
 // Coordinates of its own may vanish: not derived ones, not those of declared groups.

@@ -85,33 +85,43 @@ void write_norms(Forms& forms, const Shared& shared) {
   }
 }
 
+void append(Forms& forms, MeasureForms& out, const Direction& d) {
+  const Forms::Components c = forms.direction(d);
+  out.forms.insert(out.forms.end(), c.form, c.form + forms.dimension());
+}
+
+void declare(Forms& forms, MeasureForms& out, const AbsoluteAngle& a) {
+  out.kind = MeasureForms::Kind::absolute_angle;
+  append(forms, out, {a.a, a.b});
+}
+
+void declare(Forms& forms, MeasureForms& out, const AngleBetween& b) {
+  const bool is_signed = forms.dimension() == 2 || !b.axis.empty();
+  out.kind = is_signed ? MeasureForms::Kind::signed_angle : MeasureForms::Kind::unsigned_angle;
+  append(forms, out, b.d);
+  append(forms, out, b.e);
+  if (!b.axis.empty()) append(forms, out, b.axis);
+}
+
+void declare(Forms& forms, MeasureForms& out, const MeasuredDistance& d) {
+  out.kind = MeasureForms::Kind::distance;
+  out.dimension = 1;
+  append(forms, out, {d.a, d.b});
+}
+
+void declare(Forms& forms, MeasureForms& out, const MeasuredCoordinate& c) {
+  out.kind = MeasureForms::Kind::form;
+  out.dimension = static_cast<std::int8_t>(forms.scalar_dimension(c.coordinate));
+  out.forms.push_back(forms.scalar_form(c.coordinate));
+}
+
+void declare(Forms&, MeasureForms&, const Combination&) {}  // declare_sums()
+
 void declare_measures(Forms& forms) {
-  using K = MeasureForms::Kind;
-  const int dim = forms.dimension();
   for (const Measure& m : forms.scene().measures()) {
     MeasureForms out;
     out.name = m.name;
-    const auto take = [&](const Direction& d) {
-      const Forms::Components c = forms.direction(d);
-      out.forms.insert(out.forms.end(), c.form, c.form + dim);
-    };
-    if (const auto* a = std::get_if<AbsoluteAngle>(&m.kind)) {
-      out.kind = K::absolute_angle;
-      take({a->a, a->b});
-    } else if (const auto* b = std::get_if<AngleBetween>(&m.kind)) {
-      out.kind = dim == 2 || !b->axis.empty() ? K::signed_angle : K::unsigned_angle;
-      take(b->d);
-      take(b->e);
-      if (!b->axis.empty()) take(Direction(b->axis));
-    } else if (const auto* d = std::get_if<MeasuredDistance>(&m.kind)) {
-      out.kind = K::distance;
-      out.dimension = 1;
-      take({d->a, d->b});
-    } else if (const auto* c = std::get_if<MeasuredCoordinate>(&m.kind)) {
-      out.kind = K::form;
-      out.dimension = static_cast<std::int8_t>(forms.scalar_dimension(c->coordinate));
-      out.forms.push_back(forms.scalar_form(c->coordinate));
-    }
+    std::visit([&](const auto& kind) { declare(forms, out, kind); }, m.kind);
     forms.system().measures.push_back(std::move(out));
   }
 }

@@ -31,8 +31,8 @@ struct Shared {
   std::unordered_set<Index> in_groups;             // coordinates that belong to declared groups
   std::unordered_set<std::string> absorbed;        // distance constraints that an angle driver takes over
   std::unordered_map<std::string, double> radius;  // angle drivers: the value of the distance absorbed
-  std::map<Pair, double> lengths;                  // between points of bodies: of constraints that have a value
-  std::set<Pair> distances;                        // such pairs whose distance is an equation already
+  std::map<Pair, double> lengths;                  // between points of bases: of constraints that have a value
+  std::set<Pair> distances;                        // such pairs whose distance something keeps already
   std::vector<bool> fixes;                         // drivers that fix coordinates, so that no equation is left
 };
 
@@ -72,13 +72,21 @@ class ConstraintWriter {
  public:
   ConstraintWriter(Forms& forms, Shared& shared) : forms_(forms), shared_(shared) {}
 
+  // Distances between points of bases.
   void note_lengths();
   void declare_auxiliaries();
-  // Distances between points of bodies, and that between the points of an angle driver, which is its radius.
+  // The distance between the points of an angle driver is its radius, and no equation.
   void absorb_distances();
   void write_equations();
 
  private:
+  // Unknowns that come with a constraint; most have none.
+  template <class Kind>
+  void declare(const std::string&, const Kind&) {}
+  void declare(const std::string& name, const Parallel& c);
+  void declare(const std::string& name, const OnLine& c);
+  void declare(const std::string& name, const OnPlane& c);
+
   void write(const std::string& name, const Distance& c);
   void write(const std::string& name, const EqualDistance& c);
   void write(const std::string& name, const Dot& c);
@@ -115,13 +123,32 @@ class DriverWriter {
     Index form[3];
   };
 
-  void declare_input(const Driver& driver, Index index, DriverInput::Kind kind, std::vector<Law> laws, int power,
-                     Index count);
+  // The known scalars of one driver: what they are, their laws, power of length and number.
+  struct Input {
+    DriverInput::Kind kind;
+    std::vector<Law> laws;
+    int power;
+    Index count;
+    bool must_not_vanish = false;
+  };
+  void declare_input(const Driver& driver, Index index, const Input& input);
+  [[nodiscard]] Input input(const PointAngle& a) const;
+  [[nodiscard]] Input input(const RelativeAngle& r) const;
+  [[nodiscard]] Input input(const DrivenDistance& d) const;
+  [[nodiscard]] Input input(const DrivenCoordinate& c) const;
+  [[nodiscard]] Input input(const Pose& p) const;
   [[nodiscard]] Index input_form(Index driver, Index k) const {
     return first_form_[static_cast<std::size_t>(driver)] + k;
   }
 
-  bool fix(const Driver& driver, Index index);
+  // True if the driver fixes coordinates; most cannot.
+  template <class Kind>
+  bool fix(const Driver&, const Kind&, Index) {
+    return false;
+  }
+  bool fix(const Driver& driver, const DrivenCoordinate& c, Index index);
+  bool fix(const Driver& driver, const PointAngle& a, Index index);
+  bool fix(const Driver& driver, const Pose& p, Index index);
   [[nodiscard]] bool can_be_fixed(const Item& item) const;
   void assign(Index coordinate, Index form);
   [[nodiscard]] Triple zero_of(const PointAngle& angle) const;
@@ -135,6 +162,12 @@ class DriverWriter {
   void write(Index source, const Driver& driver, const DrivenDistance& d, Index index);
   void write(Index source, const Driver& driver, const RelativeAngle& r, Index index);
   void write(Index source, const Driver& driver, const Pose& p, Index index);
+  void append_own(std::vector<Index>& own, const Direction& d);
+  void note_own(std::vector<Index>& own, const PointAngle& a);
+  void note_own(std::vector<Index>& own, const RelativeAngle& r);
+  void note_own(std::vector<Index>& own, const DrivenDistance& d);
+  void note_own(std::vector<Index>& own, const DrivenCoordinate& c);
+  void note_own(std::vector<Index>& own, const Pose& p);
   void write_posed_frame(Index source, const Body& body, Index index);
   void write_equal(Index source, Index f, Index g);
 

@@ -134,6 +134,18 @@ std::string in_quotes(std::string_view text) { return "'" + excerpt(text) + "'";
 std::string list_of(const std::vector<std::string_view>& words) { return joined(words, ", "); }
 std::string one_of(const std::vector<std::string_view>& words) { return joined(words, " or "); }
 
+std::string filled(std::string_view sentence, std::string_view first, std::string_view second) {
+  std::string text;
+  for (const std::string_view value : {first, second}) {
+    const std::size_t place = sentence.find("{}");
+    if (place == std::string_view::npos) break;
+    text += sentence.substr(0, place);
+    text += value;
+    sentence.remove_prefix(place + 2);
+  }
+  return text += sentence;
+}
+
 std::string shortest(double number) {
   if (std::isnan(number)) return "nan";  // with or without sign
   char digits[32];

@@ -51,6 +51,9 @@ class Where {
 // a, b or c
 [[nodiscard]] std::string one_of(const std::vector<std::string_view>& words);
 
+// The sentence with its first {} replaced, and its second one.
+[[nodiscard]] std::string filled(std::string_view sentence, std::string_view first, std::string_view second = {});
+
 // The shortest text that reads back as the same double.
 [[nodiscard]] std::string shortest(double number);
 

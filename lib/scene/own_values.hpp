@@ -25,7 +25,7 @@ namespace assur {
 // Sets all driven coordinates of q by values[input][law].
 void drive_by_values(const System& system, const std::vector<std::vector<double>>& values, std::vector<double>& q);
 
-// Why the driver has no value in this posture: a direction without length, or along the axis; empty: it has one.
+// Why the driver has no value in this posture, e.g. a direction without length or along the axis; empty: it has one.
 [[nodiscard]] std::string why_undefined(const System& system, const DriverInput& input, std::span<const double> q);
 
 // Equations hold to 1e-10 of their terms at worst, those that are redundant; the rest is for the lever between an

@@ -24,43 +24,15 @@ bool defines_names(std::string_view pointer) {
 }  // namespace
 
 std::string_view with_article(NameKind kind) {
-  switch (kind) {
-    case NameKind::point:
-      return "a point";
-    case NameKind::vector:
-      return "a vector";
-    case NameKind::body:
-      return "a body";
-    case NameKind::constraint:
-      return "a constraint";
-    case NameKind::driver:
-      return "a driver";
-    case NameKind::measure:
-      return "a measure";
-    case NameKind::group:
-      return "a group";
-  }
-  return "unknown";
+  static constexpr std::string_view kWords[] = {"a point",  "a vector",  "a body", "a constraint",
+                                                "a driver", "a measure", "a group"};
+  return kWords[static_cast<std::size_t>(kind)];
 }
 
 std::string_view section(NameKind kind) {
-  switch (kind) {
-    case NameKind::point:
-      return "points";
-    case NameKind::vector:
-      return "vectors";
-    case NameKind::body:
-      return "bodies";
-    case NameKind::constraint:
-      return "constraints";
-    case NameKind::driver:
-      return "drivers";
-    case NameKind::measure:
-      return "measures";
-    case NameKind::group:
-      return "groups";
-  }
-  return "unknown";
+  static constexpr std::string_view kSections[] = {"points",  "vectors",  "bodies", "constraints",
+                                                   "drivers", "measures", "groups"};
+  return kSections[static_cast<std::size_t>(kind)];
 }
 
 Known::Known(const std::vector<Diagnostic>& findings) {

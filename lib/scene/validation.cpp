@@ -1,4 +1,4 @@
-#include "scene/validation.hpp"
+#include "scene/validation_rows.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -27,11 +27,16 @@ std::size_t rank_of_section(const std::string& pointer) {
 
 }  // namespace
 
+std::span<const std::string_view> auxiliaries(const Constraint& constraint) {
+  return constraint.visit([]<class Kind>(const Kind&) -> std::span<const std::string_view> {
+    const auto& names = rows::row_of<Kind>().unknowns;
+    return {names.begin(), std::find(names.begin(), names.end(), "")};
+  });
+}
+
 bool has_auxiliary(const Constraint& constraint, std::string_view part) {
-  if (part == "mu") return constraint.as<OnPlane>() != nullptr;
-  return part == "lambda" &&
-         (constraint.as<Parallel>() != nullptr || constraint.as<OnLine>() != nullptr ||
-          constraint.as<OnPlane>() != nullptr);
+  const auto names = auxiliaries(constraint);
+  return std::find(names.begin(), names.end(), part) != names.end();
 }
 
 Validation::Validation(const Scene& scene, const std::vector<Diagnostic>& known)
@@ -62,20 +67,8 @@ std::vector<Diagnostic> Validation::outputs() {
 
 std::vector<Diagnostic> Validation::time() {
   check_time();
-  for (const Driver& driver : scene_.drivers()) {
-    const Where where = Where("/drivers") / driver.name;
-    std::visit(
-        [&](const auto& kind) {
-          if constexpr (requires { kind.law; }) {
-            check_law(kind.law, where / "law");
-          } else {
-            for (std::size_t k = 0; k < kind.translation.size(); ++k)
-              check_law(kind.translation[k], where / "translation" / k);
-            for (const Law& law : kind.rotation) check_law(law, where / "rotation");
-          }
-        },
-        driver.kind);
-  }
+  check_bodies();  // they place what drivers move
+  check_drivers();
   return sorted();
 }
 
@@ -93,11 +86,17 @@ std::vector<Diagnostic> Validation::sorted() {
 
 // ---- names
 
-void Validation::unknown_name(const std::string& name, std::initializer_list<NameKind> kinds, const Where& where) {
+void Validation::unknown_name(const std::string& name, std::initializer_list<NameKind> kinds, const Where& where,
+                              bool names_all) {
   if (known_.hides_names()) return;
-  const std::string_view kind = kinds.size() == 1 ? with_article(*kinds.begin()).substr(2) : "point or vector";
-  std::string what = "there is no " + std::string(kind) + " " + in_quotes(name);
-  if (suggestions_left_-- > 0) what += suggestion(name, symbols_.names(kinds));
+  std::vector<std::string_view> words;
+  for (const NameKind kind : kinds) words.push_back(with_article(kind).substr(2));
+  std::string what = "there is no " + one_of(words) + " " + in_quotes(name);
+  if (suggestions_left_-- > 0) {
+    const auto names = symbols_.names(kinds);
+    const std::string near = suggestion(name, names);
+    what += near.empty() && names_all ? known_instead(name, names) : near;
+  }
   report(where, std::move(what));
 }
 
@@ -112,14 +111,8 @@ const Symbol* Validation::want(const std::string& name, NameKind kind, const Whe
   return symbol != nullptr && symbol->kind == kind ? symbol : nullptr;
 }
 
-Validation::Involved Validation::point(const std::string& name, const Where& where) {
-  const Symbol* symbol = want(name, NameKind::point, where);
-  if (symbol == nullptr || symbol->broken) return {};
-  return {true, symbol->fixed, symbol->at};
-}
-
-Validation::Involved Validation::vector(const std::string& name, const Where& where) {
-  const Symbol* symbol = want(name, NameKind::vector, where);
+Validation::Involved Validation::one(NameKind kind, const std::string& name, const Where& where) {
+  const Symbol* symbol = want(name, kind, where);
   if (symbol == nullptr || symbol->broken) return {};
   return {true, symbol->fixed, symbol->at};
 }
@@ -150,16 +143,19 @@ Validation::Involved Validation::direction(const Direction& direction, const Whe
   const Involved from = point(direction.first, where / std::size_t{0});
   const Involved to = point(direction.second, where / std::size_t{1});
   if (direction.first == direction.second) {
-    report(where, "a direction from " + in_quotes(direction.first) + " to itself; two different points are wanted");
+    report(where, filled(rows::kNoDirection, in_quotes(direction.first)));
     return {};
   }
+  return pair(from, to, direction, where);
+}
+
+Validation::Involved Validation::pair(const Involved& from, const Involved& to, const Direction& names,
+                                      const Where& where) {
   const Involved out{from.usable && to.usable, from.fixed && to.fixed, triple::subtract(to.at, from.at)};
-  if (out.usable && out.fixed && triple::norm(out.at) == 0) {
-    report(where, "a direction from " + in_quotes(direction.first) + " to " + in_quotes(direction.second) +
-                      ", which are at the same place; points at different places are wanted");
-    return {};
-  }
-  return out;
+  if (!out.usable || !out.fixed || triple::norm(out.at) != 0) return out;
+  report(where, "a direction from " + in_quotes(names.first) + " to " + in_quotes(names.second) +
+                    ", which are at the same place; points at different places are wanted");
+  return {};
 }
 
 // An angle about an axis needs directions that are not along it.
@@ -179,27 +175,24 @@ void Validation::check_axis(const std::string& name, std::initializer_list<std::
   }
 }
 
-Validation::Scalar Validation::scalar(const std::string& text, const Where& where) {
+Validation::Involved Validation::scalar(const std::string& text, const Where& where) {
   const std::size_t dot = text.rfind('.');
   const std::string name = text.substr(0, dot);
   const std::string part = dot == std::string::npos ? "" : text.substr(dot + 1);
   const std::string components = dimension() == 2 ? ".x or .y" : ".x, .y or .z";
   const Symbol* symbol = symbols_.find(name);
   if (symbol == nullptr) {
-    const auto kinds = {NameKind::point, NameKind::vector, NameKind::constraint};
-    if (known_.hides_names()) return {};
-    std::string what = "there is no point, vector or constraint " + in_quotes(name);
-    if (suggestions_left_-- > 0) what += suggestion(name, symbols_.names(kinds));
-    report(where, std::move(what));
+    unknown_name(name, {NameKind::point, NameKind::vector, NameKind::constraint}, where);
     return {};
   }
   if (symbol->broken) return {};
   if (symbol->kind == NameKind::constraint) {
     const Constraint& constraint = scene_.constraints()[symbol->index];
     if (has_auxiliary(constraint, part)) return {true, false};
-    const bool any = has_auxiliary(constraint, "lambda");
+    std::string has;
+    for (const std::string_view one : auxiliaries(constraint)) has += (has.empty() ? "" : " and ") + in_quotes(one);
     report(where, in_quotes(text) + " is no coordinate; constraint " + in_quotes(name) + " has " +
-                      (any ? has_auxiliary(constraint, "mu") ? "'lambda' and 'mu'" : "'lambda'" : "none"));
+                      (has.empty() ? "none" : has));
     return {};
   }
   if (symbol->kind != NameKind::point && symbol->kind != NameKind::vector) {

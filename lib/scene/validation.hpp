@@ -3,17 +3,21 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <unordered_map>
 #include <vector>
 
 #include "assur/scene.hpp"
+#include "scene/kinds.hpp"
 #include "scene/names.hpp"
 #include "scene/symbols.hpp"
 
 namespace assur {
 
-// True if the constraint brings along an unknown "lambda" or "mu".
+// The names of the unknowns that the constraint brings along, such as "lambda"; whether that is one of them.
+[[nodiscard]] std::span<const std::string_view> auxiliaries(const Constraint& constraint);
 [[nodiscard]] bool has_auxiliary(const Constraint& constraint, std::string_view part);
 
 // One check of one scene. Places are those of the scene format, also for scenes built in C++.
@@ -35,16 +39,16 @@ class Validation {
   [[nodiscard]] const std::vector<std::size_t>& body_order() const { return body_order_; }
 
  private:
-  // A point, vector or direction that a constraint, driver or measure involves.
+  // Something named that a constraint, driver or measure involves.
   struct Involved {
     bool usable = false;  // found, and nothing about it is broken
     bool fixed = false;
-    Triple at{};  // of a direction: its components
-  };
-  // "P.x", "name.lambda"
-  struct Scalar {
-    bool usable = false;
-    bool fixed = false;
+    Triple at{};                        // of a direction: its components
+    const std::string* name = nullptr;  // of a pair: the first one
+    const std::string* to = nullptr;    // of a pair: the second one
+
+    [[nodiscard]] bool is(const Involved& other) const;  // the same; a pair either way round
+    [[nodiscard]] std::string text() const;              // 'u', [A, B]
   };
 
   void report(const Where& where, std::string what);
@@ -53,15 +57,46 @@ class Validation {
 
   // names (validation.cpp)
   const Symbol* want(const std::string& name, NameKind kind, const Where& where);
-  Involved point(const std::string& name, const Where& where);
-  Involved vector(const std::string& name, const Where& where);
+  Involved one(NameKind kind, const std::string& name, const Where& where);
+  Involved point(const std::string& name, const Where& where) { return one(NameKind::point, name, where); }
+  Involved vector(const std::string& name, const Where& where) { return one(NameKind::vector, name, where); }
   Involved point_or_vector(const std::string& name, const Where& where);
   Involved direction(const Direction& direction, const Where& where);
   void check_axis(const std::string& name, std::initializer_list<std::pair<const Direction&, Involved>> of,
                   const Where& where);
-  Scalar scalar(const std::string& text, const Where& where);
-  void unknown_name(const std::string& name, std::initializer_list<NameKind> kinds, const Where& where);
+  Involved scalar(const std::string& text, const Where& where);  // "P.x", "name.lambda"
+  Involved pair(const Involved& from, const Involved& to, const Direction& names, const Where& where);
+  // names_all: which names there are, if none is near.
+  void unknown_name(const std::string& name, std::initializer_list<NameKind> kinds, const Where& where,
+                    bool names_all = false);
   bool finite(double number, const Where& where);
+
+  // rows of kinds.hpp: names, numbers and laws, and what they involve (validation_rows.hpp). False: an entry of a list
+  // is the same as the one before it, so that rules would find no more.
+  template <class Kind>
+  bool check_row(const Kind& kind, const Where& where);
+  template <class Kind, class... Entries>
+  bool check_content(const Kind& kind, const rows::List<Entries...>& list, const Where& where);
+  template <class Kind, class Value>
+  bool check_content(const Kind& kind, const rows::Slot<Kind, Value>& slot, const Where& where) {
+    check_value(kind.*slot.member, slot.about, where);
+    return true;
+  }
+  template <class Kind>
+  bool check_content(const Kind&, const rows::Refused&, const Where&) {
+    return true;
+  }
+  void check_value(const std::string& name, const rows::About& about, const Where& where);
+  void check_value(const Direction& way, const rows::About& about, const Where& where);
+  void check_value(double number, const rows::About& about, const Where& where);
+  void check_value(const std::optional<double>& number, const rows::About& about, const Where& where);
+  void check_value(const Triple& numbers, const rows::About& about, const Where& where);
+  void check_value(const std::vector<std::pair<std::string, double>>& terms, const rows::About& about,
+                   const Where& where);
+  void check_value(const Law& law, const rows::About& about, const Where& where);
+  void check_value(const std::vector<Law>& laws, const rows::About& about, const Where& where);
+  bool check_differ(const rows::About& about, const Where& where);
+  bool all_fixed() const;
 
   // points, vectors, time (validation.cpp)
   void check_points();
@@ -79,37 +114,34 @@ class Validation {
 
   // constraints (validation_constraints.cpp)
   void check_constraints();
-  void check(const Distance& c, const Where& where);
-  void check(const EqualDistance& c, const Where& where);
-  void check(const Dot& c, const Where& where);
-  void check(const Parallel& c, const Where& where);
-  void check(const Linear& c, const Where& where);
-  void check(const FixedCoordinate& c, const Where& where);
-  void check(const OnLine& c, const Where& where);
-  void check(const OnPlane& c, const Where& where);
   void check(const Callback& c, const Where& where);
-  void check_moves(std::initializer_list<Involved> involved, const Where& where);
+  template <class Kind>
+  void check(const Kind& kind, const Where& where);
+  // What is wrong beyond the row of a kind.
+  template <class Kind>
+  void rule(const Kind&, const Where&) {}
+  void rule(const Distance& c, const Where& where);
+  void rule(const EqualDistance& c, const Where& where);
+  void rule(const Dot& c, const Where& where);
+  void rule(const Linear& c, const Where& where);
 
   // drivers (validation_drivers.cpp)
   void check_drivers();
-  void check(const PointAngle& d, const Driver& driver, const Where& where);
-  void check(const RelativeAngle& d, const Driver& driver, const Where& where);
-  void check(const DrivenDistance& d, const Driver& driver, const Where& where);
-  void check(const DrivenCoordinate& d, const Driver& driver, const Where& where);
-  void check(const Pose& d, const Driver& driver, const Where& where);
+  void rule(const PointAngle& d, const Driver& driver, const Where& where);
+  void rule(const RelativeAngle& d, const Driver& driver, const Where& where);
+  void rule(const DrivenDistance& d, const Driver& driver, const Where& where);
+  void rule(const DrivenCoordinate& d, const Driver& driver, const Where& where);
+  void rule(const Pose& d, const Driver& driver, const Where& where);
   void check_law(const Law& law, const Where& where);
   void check_arm(const PointAngle& d, const Involved& a, const Involved& b, const Where& where);
-  void check_driven(std::initializer_list<Involved> involved, const Where& where);
   void claim(const std::string& what, const Driver& driver, const Where& where);
   void claim_point(const std::string& name, const Driver& driver, const Where& where);
 
   // measures, groups, outputs (validation_outputs.cpp)
   void check_measures();
-  void check(const AbsoluteAngle& m, const Where& where);
-  void check(const AngleBetween& m, const Where& where);
-  void check(const MeasuredDistance& m, const Where& where);
-  void check(const MeasuredCoordinate& m, const Where& where);
-  void check(const Combination& m, const Where& where);
+  void rule(const AbsoluteAngle& m, const Where& where);
+  void rule(const AngleBetween& m, const Where& where);
+  void rule(const Combination& m, const Where& where);
   void check_groups();
   void check_unknown(const std::string& name, const Where& where);
   void check_outputs();
@@ -123,6 +155,7 @@ class Validation {
   std::vector<std::size_t> body_order_;
   std::unordered_map<std::string, Triple> local_;         // of members given in the ground
   std::unordered_map<std::string, std::string> claimed_;  // what is driven -> name of its driver
+  std::vector<Involved> involved_;                        // of the item at hand, in the order of its row
   int suggestions_left_ = 100;  // each looks at every name: a scene full of unknown names stays fast
 };
 

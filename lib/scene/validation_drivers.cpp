@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "scene/triple.hpp"
-#include "scene/validation.hpp"
+#include "scene/validation_rows.hpp"
 
 namespace assur {
 namespace {
@@ -35,7 +35,16 @@ void Validation::check_drivers() {
   for (const Driver& driver : scene_.drivers()) {
     const Where where = Where("/drivers") / driver.name;
     if (known_.at_or_above(where.text())) continue;
-    std::visit([&](const auto& kind) { check(kind, driver, where); }, driver.kind);
+    std::visit(
+        [&]<class Kind>(const Kind& kind) {
+          if (!check_row(kind, where)) return;
+          if (all_fixed()) {
+            report(where / rows::row_of<Kind>().name(),
+                   "everything here is fixed, so nothing can be driven; drive something that moves");
+          }
+          rule(kind, driver, where);
+        },
+        driver.kind);
   }
 }
 
@@ -59,12 +68,6 @@ void Validation::check_law(const Law& law, const Where& where) {
   }
 }
 
-void Validation::check_driven(std::initializer_list<Involved> involved, const Where& where) {
-  const bool all_fixed =
-      std::all_of(involved.begin(), involved.end(), [](const Involved& i) { return i.usable && i.fixed; });
-  if (all_fixed) report(where, "everything here is fixed, so nothing can be driven; drive something that moves");
-}
-
 void Validation::claim(const std::string& what, const Driver& driver, const Where& where) {
   const auto [found, is_new] = claimed_.emplace(what, driver.name);
   const bool told = !found_.empty() && found_.back().where == where.text();
@@ -76,15 +79,9 @@ void Validation::claim_point(const std::string& name, const Driver& driver, cons
   for (int k = 0; k < dimension(); ++k) claim(name + "." + "xyz"[k], driver, where);
 }
 
-void Validation::check(const PointAngle& d, const Driver& driver, const Where& where) {
+void Validation::rule(const PointAngle& d, const Driver& driver, const Where& where) {
   const Where pair = where / "angle";
-  check_law(d.law, where / "law");
-  const Involved a = point(d.a, pair / std::size_t{0}), b = point(d.b, pair / std::size_t{1});
-  if (d.a == d.b && a.usable) {
-    report(pair, "a direction from " + in_quotes(d.a) + " to itself; two different points are wanted");
-    return;
-  }
-  check_driven({a, b}, pair);
+  const Involved a = involved_[0], b = involved_[1];
   check_arm(d, a, b, where);
   if (!a.usable || !b.usable || (a.fixed && b.fixed)) return;
   if (a.fixed) {
@@ -142,15 +139,8 @@ void Validation::check_arm(const PointAngle& d, const Involved& a, const Involve
   }
 }
 
-void Validation::check(const RelativeAngle& d, const Driver& driver, const Where& where) {
-  const Where pair = where / "angle";
-  check_law(d.law, where / "law");
-  const Involved from = direction(d.d, pair / std::size_t{0}), to = direction(d.e, pair / std::size_t{1});
-  if (from.usable && key(d.d) == key(d.e)) {
-    report(pair, "an angle from a direction to itself; two different directions are wanted");
-    return;
-  }
-  check_driven({from, to}, pair);
+void Validation::rule(const RelativeAngle& d, const Driver& driver, const Where& where) {
+  const Involved from = involved_[0], to = involved_[1];
   if (dimension() == 2) {
     if (!d.axis.empty()) report(where / "axis", "in the plane every axis is the normal; leave \"axis\" out");
   } else if (d.axis.empty()) {
@@ -158,19 +148,11 @@ void Validation::check(const RelativeAngle& d, const Driver& driver, const Where
   } else {
     check_axis(d.axis, {{d.d, from}, {d.e, to}}, where / "axis");
   }
-  claim("angle from " + std::min(key(d.d), key(d.e)) + " to " + std::max(key(d.d), key(d.e)), driver, pair);
+  claim("angle from " + std::min(key(d.d), key(d.e)) + " to " + std::max(key(d.d), key(d.e)), driver, where / "angle");
 }
 
-void Validation::check(const DrivenDistance& d, const Driver& driver, const Where& where) {
-  const Where pair = where / "distance";
-  check_law(d.law, where / "law");
-  const Involved a = point(d.a, pair / std::size_t{0}), b = point(d.b, pair / std::size_t{1});
-  if (d.a == d.b && a.usable) {
-    report(pair, "a distance from " + in_quotes(d.a) + " to itself; two different points are wanted");
-    return;
-  }
-  check_driven({a, b}, pair);
-  claim("distance " + pair_key(d.a, d.b), driver, pair);
+void Validation::rule(const DrivenDistance& d, const Driver& driver, const Where& where) {
+  claim("distance " + pair_key(d.a, d.b), driver, where / "distance");
   if (calls_program(d.law) || driver.relative) return;
   const double start = d.law(scene_.time().start).value;
   if (start <= 0) {  // NaN, outside a table, is reported above
@@ -178,26 +160,17 @@ void Validation::check(const DrivenDistance& d, const Driver& driver, const Wher
   }
 }
 
-void Validation::check(const DrivenCoordinate& d, const Driver& driver, const Where& where) {
-  check_law(d.law, where / "law");
-  const Scalar coordinate = scalar(d.coordinate, where / "coordinate");
-  if (!coordinate.usable) return;
-  check_driven({{true, coordinate.fixed, {}}}, where / "coordinate");
-  claim(d.coordinate, driver, where / "coordinate");
+void Validation::rule(const DrivenCoordinate& d, const Driver& driver, const Where& where) {
+  if (involved_[0].usable) claim(d.coordinate, driver, where / "coordinate");
 }
 
-void Validation::check(const Pose& d, const Driver& driver, const Where& where) {
-  const Where rotation = where / "rotation";
-  const Where angles = dimension() == 3 ? rotation / "euler_zyx" : rotation / "angle";
-  for (std::size_t k = 0; k < d.translation.size(); ++k) check_law(d.translation[k], where / "translation" / k);
-  for (std::size_t k = 0; k < d.rotation.size(); ++k) check_law(d.rotation[k], dimension() == 3 ? angles / k : angles);
+void Validation::rule(const Pose& d, const Driver& driver, const Where& where) {
   if (static_cast<int>(d.translation.size()) != dimension()) {
     report(where / "translation", "a pose in " + std::to_string(dimension()) + "D has " + std::to_string(dimension()) +
                                       " translations, not " + std::to_string(d.translation.size()));
   }
-  const Symbol* symbol = want(d.body, NameKind::body, where / "pose");
-  if (symbol == nullptr || symbol->broken) return;
-  const Body& body = scene_.bodies()[symbol->index];
+  if (!involved_[0].usable) return;
+  const Body& body = scene_.bodies()[symbols_.find(d.body)->index];
   if (body.name == "ground") {
     report(where / "pose", "the ground does not move; name another body");
     return;
@@ -205,10 +178,10 @@ void Validation::check(const Pose& d, const Driver& driver, const Where& where) 
   const bool turns = !body.frame.empty() || !body.base.empty();
   const std::size_t wanted = !turns ? 0 : dimension() == 3 ? 3 : 1;
   if (d.rotation.size() != wanted) {
-    report(rotation, wanted == 0
-                         ? in_quotes(body.name) + " has an origin alone and only translates; leave \"rotation\" out"
-                     : wanted == 1 ? "a pose in 2D has one rotation, {\"angle\": law}"
-                                   : "a pose in 3D has three rotations, {\"euler_zyx\": [psi, theta, phi]}");
+    report(where / "rotation",
+           wanted == 0   ? in_quotes(body.name) + " has an origin alone and only translates; leave \"rotation\" out"
+           : wanted == 1 ? "a pose in 2D has one rotation, {\"angle\": law}"
+                         : "a pose in 3D has three rotations, {\"euler_zyx\": [psi, theta, phi]}");
   }
   if (!body.origin.empty()) claim_point(body.origin, driver, where / "pose");
   for (const std::string& name : body.frame) claim_point(name, driver, where / "pose");

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "scene/outputs.hpp"
-#include "scene/validation.hpp"
+#include "scene/validation_rows.hpp"
 
 namespace assur {
 namespace {
@@ -17,60 +17,47 @@ void Validation::check_measures() {
   for (const Measure& measure : scene_.measures()) {
     const Where where = Where("/measures") / measure.name;
     if (known_.at_or_above(where.text())) continue;
-    std::visit([&](const auto& kind) { check(kind, where); }, measure.kind);
+    std::visit(
+        [&](const auto& kind) {
+          if (check_row(kind, where)) rule(kind, where);
+        },
+        measure.kind);
   }
 }
 
-void Validation::check(const AbsoluteAngle& m, const Where& where) {
-  const Where pair = where / "angle";
-  (void)direction({m.a, m.b}, pair);
-  if (dimension() == 3) {
-    report(pair, "an absolute angle is for the plane; in 3D write two directions, [[\"A\", \"B\"], [\"C\", \"D\"]]");
-  }
+void Validation::rule(const AbsoluteAngle& m, const Where& where) {
+  (void)pair(involved_[0], involved_[1], {m.a, m.b}, where / "angle");
+  if (dimension() == 2) return;
+  report(where / "angle",
+         "an absolute angle is for the plane; in 3D write two directions, [[\"A\", \"B\"], [\"C\", \"D\"]]");
 }
 
-void Validation::check(const AngleBetween& m, const Where& where) {
-  const Where pair = where / "angle";
-  const Involved from = direction(m.d, pair / std::size_t{0}), to = direction(m.e, pair / std::size_t{1});
+// There and back is half a turn.
+void Validation::rule(const AngleBetween& m, const Where& where) {
   if (m.d.first == m.e.first && m.d.second == m.e.second) {
-    report(pair, "an angle from a direction to itself; two different directions are wanted");
+    report(where / "angle", "an angle from a direction to itself; two different directions are wanted");
   }
   if (m.axis.empty()) return;
   if (dimension() == 2) {
     report(where / "axis", "in the plane every axis is the normal; leave \"axis\" out");
   } else {
+    const Involved from = involved_[0], to = involved_[1];
     check_axis(m.axis, {{m.d, from}, {m.e, to}}, where / "axis");
   }
 }
 
-void Validation::check(const MeasuredDistance& m, const Where& where) {
-  const Where pair = where / "distance";
-  (void)point(m.a, pair / std::size_t{0});
-  (void)point(m.b, pair / std::size_t{1});
-  if (m.a == m.b) report(pair, "a distance from " + in_quotes(m.a) + " to itself; two different points are wanted");
-}
-
-void Validation::check(const MeasuredCoordinate& m, const Where& where) {
-  (void)scalar(m.coordinate, where / "coordinate");
-}
-
 // Units are compared where they are known, when the scene is lowered.
-void Validation::check(const Combination& m, const Where& where) {
+void Validation::rule(const Combination& m, const Where& where) {
   const Where sum = where / "sum";
   if (m.terms.empty()) report(sum, "a sum needs at least one measure");
   for (std::size_t i = 0; i < m.terms.size(); ++i) {
     const auto& [name, factor] = m.terms[i];
-    if (!std::isfinite(factor) || factor == 0) {
-      report(sum / i / std::size_t{1},
-             "the factor is " + shortest(factor) + "; a finite number other than 0 is wanted");
-    }
-    const Symbol* symbol = want(name, NameKind::measure, sum / i / std::size_t{0});
-    if (symbol == nullptr || symbol->broken) continue;
-    if (std::holds_alternative<Combination>(scene_.measures()[symbol->index].kind)) {
+    if (factor == 0) report(sum / i / std::size_t{1}, "the factor is 0; a finite number other than 0 is wanted");
+    if (!involved_[i].usable) continue;
+    if (std::holds_alternative<Combination>(scene_.measures()[symbols_.find(name)->index].kind)) {
       report(sum / i / std::size_t{0}, in_quotes(name) + " is a sum itself; name the measures that it is made of");
     }
   }
-  (void)finite(m.constant, where / "constant");
 }
 
 // ---- declared groups
@@ -133,14 +120,7 @@ void Validation::check_output(const std::string& text, const Where& where) {
     return;
   }
   if (symbol == nullptr) {
-    if (known_.hides_names()) return;
-    std::string what = "there is no point, vector or measure " + in_quotes(name);
-    if (suggestions_left_-- > 0) {
-      const auto names = symbols_.names({NameKind::point, NameKind::vector, NameKind::measure});
-      const std::string near = suggestion(name, names);
-      what += near.empty() ? known_instead(name, names) : near;
-    }
-    report(where, std::move(what));
+    unknown_name(name, {NameKind::point, NameKind::vector, NameKind::measure}, where, true);
     return;
   }
   if (symbol->broken) return;

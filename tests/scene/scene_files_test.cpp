@@ -1,15 +1,25 @@
-// The mechanisms of scenes/ are the samples of the same name.
+// The mechanisms of scenes/ are the samples of the same name; the schema there has the rows of scene/kinds.hpp.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <filesystem>
+#include <fstream>
+#include <initializer_list>
+#include <iterator>
 #include <map>
 #include <optional>
+#include <set>
+#include <stdexcept>
 #include <string>
+#include <string_view>
+#include <tuple>
+#include <type_traits>
 #include <variant>
 #include <vector>
 
 #include "assur/scene.hpp"
+#include "scene/json_document.hpp"
+#include "scene/kinds.hpp"
 
 namespace assur {
 namespace {
@@ -196,6 +206,90 @@ TEST(SceneFiles, FollowTheirParameters) {
   compare("slider_crank", {{"offset", 0.05}, {"crank_length", 0.4}, {"rod_length", 0.7}});
   compare("andrews", {{"xb", 0.03635}, {"omega", 3}});
   compare("almost_parallelogram", {{"delta", 1e-9}, {"step", 0.005}, {"steps", 200}});
+}
+
+// The keys of an object, and those that it must have.
+struct Keys {
+  std::set<std::string_view> all, needed;
+
+  bool operator==(const Keys&) const = default;
+};
+
+void PrintTo(const Keys& keys, std::ostream* out) {
+  for (const std::string_view key : keys.all) *out << key << (keys.needed.count(key) != 0 ? "! " : " ");
+}
+
+const JsonNode& at(const JsonNode& node, std::initializer_list<std::string_view> path) {
+  const JsonNode* found = &node;
+  for (const std::string_view key : path) {
+    found = found->find(key);
+    if (found == nullptr) throw std::out_of_range(std::string(key));
+  }
+  return *found;
+}
+
+Keys keys_of_schema(const JsonNode& object) {
+  Keys keys;
+  const auto names = at(object, {"properties"}).keys();
+  keys.all.insert(names.begin(), names.end());
+  if (const JsonNode* needed = object.find("required")) {
+    for (const JsonNode& name : needed->items()) keys.needed.insert(name.text());
+  }
+  return keys;
+}
+
+template <class Row>
+void add_keys(Keys& keys, const Row& row) {
+  rows::for_each_key(row, [&]<class Content>(const rows::Key<Content>& key) {
+    if constexpr (rows::is_refused<Content>) return;
+    keys.all.insert(key.name);
+    if (!key.missing.empty()) keys.needed.insert(key.name);
+  });
+}
+
+// Kinds with the same first key are one in the schema.
+template <class Own, class... Rows>
+std::map<std::string_view, Keys> keys_of_kinds(const Own& own, const std::tuple<Rows...>& kinds) {
+  std::map<std::string_view, Keys> keys;
+  const auto add = [&](const auto& row) {
+    if constexpr (rows::is_refused<std::remove_cvref_t<decltype(std::get<0>(row.keys).content)>>) return;
+    Keys& kind = keys[row.name()];
+    kind.needed.insert(row.name());
+    add_keys(kind, row);
+    add_keys(kind, own);
+  };
+  std::apply([&](const auto&... row) { (add(row), ...); }, kinds);
+  return keys;
+}
+
+TEST(SceneSchema, HasTheKeysOfAllRows) {
+  std::ifstream file(kScenes / "scene.schema.json");
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const JsonDocument schema = parse_json(text);
+  const auto item = [&](std::string_view section) -> const JsonNode& {
+    return at(schema.root, {"properties", section, "additionalProperties"});
+  };
+  const auto kinds = [&](std::string_view section) {
+    std::map<std::string_view, Keys> found;
+    for (const JsonNode& kind : at(item(section), {"oneOf"}).items()) {
+      found[at(kind, {"required"}).items()[0].text()] = keys_of_schema(kind);
+    }
+    return found;
+  };
+  EXPECT_EQ(kinds("constraints"), keys_of_kinds(rows::kConstraint, rows::kConstraints));
+  EXPECT_EQ(kinds("drivers"), keys_of_kinds(rows::kDriver, rows::kDrivers));
+  EXPECT_EQ(kinds("measures"), keys_of_kinds(rows::kMeasure, rows::kMeasures));
+
+  const auto expect_object = [](const JsonNode& object, const auto& row) {
+    Keys keys;
+    add_keys(keys, row);
+    EXPECT_EQ(keys_of_schema(object), keys);
+  };
+  expect_object(item("points"), rows::kPoint);
+  expect_object(item("vectors"), rows::kVector);
+  expect_object(item("bodies"), rows::kBody);
+  expect_object(item("groups"), rows::kGroup);
+  expect_object(at(schema.root, {"properties", "time"}), rows::kTime);
 }
 
 }  // namespace

@@ -264,6 +264,17 @@ TEST(Scene, WithTime) {
       "periodic");
   EXPECT_EQ(findings([&] { return scene.with_time({0, 1, -1}); }), "/time/step: the step is -1 s; it must be > 0");
   EXPECT_EQ(scene.with_time({0.5, 0.5, 0.25}).time().steps(), 0);  // one posture
+  // A distance that is right at one start may not be at another one; what a body carries stays where it is.
+  SceneBuilder rod("rod", 2);
+  rod.fixed_point("O", {0, 0, 0}).point("A", {1, 0, 0}).point("B", {2, 0, 0}).time(1, 2, 0.5);
+  rod.add(Body{"bar", "", {}, {"A", "B"}, {{"M", {0, 1, 0}}}, {}});
+  rod.drive("pull", DrivenDistance{"O", "M", Law::polynomial({0, 1})});
+  rod.drive("turn", PointAngle{"O", "M", "", Law::polynomial({0, 1})});
+  EXPECT_EQ(rod.build().with_time({0.5, 1, 0.5}).time().start, 0.5);
+  EXPECT_EQ(findings([&] {
+              return rod.build().with_time({0, 1, 0.5});
+            }),
+            "/drivers/pull/law: the distance at the start is 0 m; a driven distance must stay > 0");
   // None at all is no rounding of one step.
   EXPECT_EQ(findings([&] {
               return scene.with_time({0, 1, 1e10});
