@@ -31,7 +31,7 @@ Library library_at_hand(std::string_view name) {
 std::string library_name(const Sample& sample) {
   const bool solves = sample.kernel == Kernel::factor || sample.kernel == Kernel::solve ||
                       sample.kernel == Kernel::pack || sample.kernel == Kernel::step;
-  return solves ? sample.strategy.backend : "assur";
+  return solves ? sample.strategy.solver.backend : "assur";
 }
 
 }  // namespace assur::db

@@ -37,12 +37,16 @@ struct Variant {
 
 Variant variant_of(Kernel kernel, const Strategy& s) {
   if (kernel == Kernel::around) return {};  // whatever solves the groups
-  if (kernel == Kernel::evaluate) return {.backend = "", .lanes = s.lanes};
-  Variant v{.backend = s.backend, .single = s.single, .refine = s.refine, .q = s.q, .lanes = s.lanes};
+  if (kernel == Kernel::evaluate) return {.backend = "", .lanes = s.solver.lanes};
+  Variant v{.backend = s.solver.backend,
+            .single = s.solver.single,
+            .refine = s.solver.refine,
+            .q = s.solver.threads,
+            .lanes = s.solver.lanes};
   if (kernel == Kernel::pack) {
-    v.once = s.once;
-    v.separate = s.separate;
-    v.reuse = s.reuse;
+    v.once = s.solver.once;
+    v.separate = s.solver.separate;
+    v.reuse = s.solver.reuse;
   }
   return v;
 }
@@ -113,7 +117,7 @@ FitPoint point_of(Kernel kernel, const Shape& shape, const Strategy& strategy) {
     case Kernel::evaluate:
       return {{1, n, terms, nnz}, {size, positive_log(terms / std::max(n, 1.0))}};
     default: {
-      const double one = bytes_of_group(shape), all = one * shape.groups, moved = one * strategy.lanes;
+      const double one = bytes_of_group(shape), all = one * shape.groups, moved = one * strategy.solver.lanes;
       return {{1, n, nnz, moved * beyond(all, kSmallCache), moved * beyond(all, kLargeCache)},
               {size, filled, in_registers(shape, strategy) ? 10.0 : 0.0, 0.15 * positive_log(all)}};
     }
@@ -218,9 +222,9 @@ struct PerformanceModel::Impl {
       const Cell cell = cell_of(s.kernel, s.shape, variants[i]->second);
       if (s.kernel == Kernel::meeting) {
         const double together = std::max(s.seconds - kAloneBeforeMeeting, 0.0);
-        (s.shape.n == 0 ? meetings : handovers)[s.strategy.p].push_back(together / std::max(s.shape.n, 1));
-      } else if (s.kernel == Kernel::pack && s.strategy.p > 1) {
-        crowds[s.strategy.p][cell].push_back(s.seconds);
+        (s.shape.n == 0 ? meetings : handovers)[s.strategy.run.threads].push_back(together / std::max(s.shape.n, 1));
+      } else if (s.kernel == Kernel::pack && s.strategy.run.threads > 1) {
+        crowds[s.strategy.run.threads][cell].push_back(s.seconds);
       } else if (s.kernel != Kernel::step) {
         all.emplace_back(cell, &s);
       }
@@ -275,8 +279,8 @@ struct PerformanceModel::Impl {
     for (const Gathered& g : cells) {
       if (g.cell.kernel != Kernel::pack) continue;
       const Strategy& s = g.example->strategy;
-      if (in_registers(g.example->shape, s) || s.once || s.reuse != Reuse::fresh) continue;
-      const Gathered*& best = quickest[{s.lanes, g.cell.pattern, g.cell.terms, g.cell.groups}];
+      if (in_registers(g.example->shape, s) || s.solver.once || s.solver.reuse != Reuse::fresh) continue;
+      const Gathered*& best = quickest[{s.solver.lanes, g.cell.pattern, g.cell.terms, g.cell.groups}];
       if (best == nullptr || g.seconds < best->seconds) best = &g;
     }
     std::map<std::int32_t, std::vector<Curve::Measured>> points;
@@ -285,7 +289,7 @@ struct PerformanceModel::Impl {
       const Prediction parts = kernels_of_pack(kernels.of(*g), strategy);
       const double rest_of_it = g->seconds - parts.seconds;
       if (parts.origin == Origin::prior || rest_of_it < 0.05 * g->seconds) continue;  // else it is all noise
-      points[strategy.lanes].push_back({point_of(Kernel::pack, shape, strategy), rest_of_it, g->noise});
+      points[strategy.solver.lanes].push_back({point_of(Kernel::pack, shape, strategy), rest_of_it, g->noise});
     }
     for (auto& [lanes, measured] : points) rest.emplace(lanes, Curve(std::move(measured)));
   }
@@ -339,10 +343,10 @@ struct PerformanceModel::Impl {
 
   [[nodiscard]] Prediction rest_of_pack(const Shape& shape, const Strategy& s) const {
     const FitPoint point = point_of(Kernel::pack, shape, s);
-    if (const auto found = rest.find(s.lanes); found != rest.end()) return found->second.at(point);
+    if (const auto found = rest.find(s.solver.lanes); found != rest.end()) return found->second.at(point);
     if (!rest.empty()) {
       const auto nearest = std::min_element(rest.begin(), rest.end(), [&](const auto& a, const auto& b) {
-        return std::abs(a.first - s.lanes) < std::abs(b.first - s.lanes);
+        return std::abs(a.first - s.solver.lanes) < std::abs(b.first - s.solver.lanes);
       });
       Prediction there = nearest->second.at(point);
       there.origin = Origin::extrapolated;
@@ -381,8 +385,8 @@ struct PerformanceModel::Impl {
     const double prior = prior_seconds(kernel, shape, strategy);
     if (const auto next = stand_in(curves, wanted); next != numbers.end()) {
       Strategy other = strategy;
-      other.lanes = next->first.lanes;
-      other.q = next->first.q;
+      other.solver.lanes = next->first.lanes;
+      other.solver.threads = next->first.q;
       Prediction there = curves.at(next->second).at(point);
       there.seconds *= prior / prior_seconds(kernel, shape, other);
       there.factor *= 1.5;
@@ -461,12 +465,12 @@ Prediction PerformanceModel::kernel(Kernel kernel, const Shape& shape, const Str
     case Kernel::pack:
       return pack(shape, strategy);
     case Kernel::meeting:
-      return meeting(strategy.p);
+      return meeting(strategy.run.threads);
     case Kernel::step: {
       Prediction whole = pack(shape, strategy);
-      const double packs = std::ceil(static_cast<double>(shape.groups) / strategy.lanes);
-      whole.seconds *= std::ceil(packs / strategy.p) * contention(strategy.p, shape.n);
-      whole.seconds += meeting(strategy.p).seconds + around(std::int64_t{shape.n} * shape.groups).seconds;
+      const double packs = std::ceil(static_cast<double>(shape.groups) / strategy.solver.lanes);
+      whole.seconds *= std::ceil(packs / strategy.run.threads) * contention(strategy.run.threads, shape.n);
+      whole.seconds += meeting(strategy.run.threads).seconds + around(std::int64_t{shape.n} * shape.groups).seconds;
       return whole;
     }
     case Kernel::around:

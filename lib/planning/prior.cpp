@@ -13,11 +13,11 @@ namespace {
 // `assur tune --budget 30` those that `assur db samples --kernel K` shows, on one core of an AMD EPYC (Zen 5, AVX-512).
 
 // Wider lanes cost more, but less than in proportion; `more`: each beyond the first, relative.
-double width(const Strategy& s, double more) { return 1 + more * (s.lanes - 1); }
+double width(const Strategy& s, double more) { return 1 + more * (s.solver.lanes - 1); }
 
 // Threads inside one factorisation gain little on few unknowns: `team_bench`.
 double threads_at_work(const Shape& shape, const Strategy& s) {
-  return s.q == 1 ? 1 : 1 + (s.q - 1) * std::min(1.0, shape.n / 600.0);
+  return s.solver.threads == 1 ? 1 : 1 + (s.solver.threads - 1) * std::min(1.0, shape.n / 600.0);
 }
 
 struct Counts {
@@ -29,7 +29,7 @@ struct Counts {
   double n, nnz, fill, operations;
 };
 
-bool refines(const Strategy& s) { return s.single || s.refine; }
+bool refines(const Strategy& s) { return s.solver.single || s.solver.refine; }
 
 // The matrix is kept for residuals; how float and double differ: `--kernel factor` of +float.
 double keeping_seconds(const Shape& shape, const Strategy& s) {
@@ -43,16 +43,16 @@ double correcting_seconds(const Shape& shape, const Strategy& s) {
 // `--kernel factor`, and `solvers_bench --benchmark_filter='/factor$'`.
 double plain_factor_seconds(const Shape& shape, const Strategy& s) {
   const auto [n, nnz, fill, operations] = Counts(shape);
-  const Backend& backend = properties_of(s.backend);
+  const Backend& backend = properties_of(s.solver.backend);
   if (backend.fills_lanes) return 1e-9 * (3 + (1.2 * n + 0.6 * operations) * width(s, 0.075));
   if (backend.dense) {
     const double elimination =
         backend.threads ? 30 + 40 * n + 1.8 * n * n + 0.015 * n * n * n : 5 + 6 * n + n * n + 0.04 * n * n * n;
-    const double meetings = 2000.0 * (s.q - 1);
-    return 1e-9 * s.lanes * (elimination * (s.single ? 0.8 : 1) / threads_at_work(shape, s) + meetings);
+    const double meetings = 2000.0 * (s.solver.threads - 1);
+    return 1e-9 * s.solver.lanes * (elimination * (s.solver.single ? 0.8 : 1) / threads_at_work(shape, s) + meetings);
   }
-  if (backend.keeps_pivots) return 1e-9 * s.lanes * (20 + 3 * n + fill + 0.7 * operations);
-  return 1e-9 * s.lanes * (20'000 + 600 * n + 0.7 * operations);  // they order anew
+  if (backend.keeps_pivots) return 1e-9 * s.solver.lanes * (20 + 3 * n + fill + 0.7 * operations);
+  return 1e-9 * s.solver.lanes * (20'000 + 600 * n + 0.7 * operations);  // they order anew
 }
 
 double factor_seconds(const Shape& shape, const Strategy& s) {
@@ -62,13 +62,13 @@ double factor_seconds(const Shape& shape, const Strategy& s) {
 // `--kernel solve`, and `solvers_bench --benchmark_filter='/solve$'`.
 double plain_solve_seconds(const Shape& shape, const Strategy& s) {
   const auto [n, nnz, fill, operations] = Counts(shape);
-  const Backend& backend = properties_of(s.backend);
+  const Backend& backend = properties_of(s.solver.backend);
   if (backend.fills_lanes) return 1e-9 * (5 + (0.9 * n + 0.9 * fill) * width(s, 0.07));
   if (backend.dense) {
-    return 1e-9 * s.lanes * (backend.threads ? 25 + 14 * n + 0.2 * n * n : 10 + 8 * n + 0.2 * n * n);
+    return 1e-9 * s.solver.lanes * (backend.threads ? 25 + 14 * n + 0.2 * n * n : 10 + 8 * n + 0.2 * n * n);
   }
-  if (backend.keeps_pivots) return 1e-9 * s.lanes * (10 + 3.3 * n + 1.5 * fill);
-  return 1e-9 * s.lanes * (35'000 + 180 * n + 5 * fill);
+  if (backend.keeps_pivots) return 1e-9 * s.solver.lanes * (10 + 3.3 * n + 1.5 * fill);
+  return 1e-9 * s.solver.lanes * (35'000 + 180 * n + 5 * fill);
 }
 
 double solve_seconds(const Shape& shape, const Strategy& s) {
@@ -78,7 +78,7 @@ double solve_seconds(const Shape& shape, const Strategy& s) {
 // Inputs gathered, norms, the branch check; factors of another posture also ask for residuals. `--kernel pack` without
 // what `--kernel evaluate`, `factor` and `solve` say of the same shape.
 double rest_seconds(const Shape& shape, const Strategy& s) {
-  return 1e-9 * (120 + (6.0 * shape.n + (s.once ? 7 : 3.3) * shape.nnz) * width(s, 0.2));
+  return 1e-9 * (120 + (6.0 * shape.n + (s.solver.once ? 7 : 3.3) * shape.nnz) * width(s, 0.2));
 }
 
 // `--kernel evaluate`.
@@ -112,10 +112,10 @@ double prior_seconds(Kernel kernel, const Shape& shape, const Strategy& strategy
     case Kernel::pack:
       return pack_seconds(shape, strategy);
     case Kernel::meeting:
-      return kAloneBeforeMeeting + prior_meeting_seconds(strategy.p) + kPriorHandover * shape.n;
+      return kAloneBeforeMeeting + prior_meeting_seconds(strategy.run.threads) + kPriorHandover * shape.n;
     case Kernel::step:
       return prior_around_seconds(std::int64_t{shape.n} * shape.groups) +
-             std::ceil(static_cast<double>(shape.groups) / strategy.lanes) * pack_seconds(shape, strategy);
+             std::ceil(static_cast<double>(shape.groups) / strategy.solver.lanes) * pack_seconds(shape, strategy);
     case Kernel::around:
       return prior_around_seconds(shape.n, shape.terms);
   }
@@ -132,19 +132,19 @@ double prior_meeting_seconds(std::int32_t p) { return p < 2 ? 0 : 1e-9 * (700 + 
 
 StepCounts step_counts(const Strategy& s, int derivatives) {
   // Factors taken at the prediction serve the derivatives with one refinement each.
-  const bool borrowed = s.once && derivatives > 0;
+  const bool borrowed = s.solver.once && derivatives > 0;
   StepCounts counts{2, 1, 1.0 + derivatives};
   if (borrowed) counts.solutions += derivatives;
   if (!borrowed && derivatives > 0) counts.factorizations += 1;
-  if (s.separate && derivatives > 1) counts.factorizations += 1;
-  if (s.reuse == Reuse::run) counts.factorizations -= 1;
+  if (s.solver.separate && derivatives > 1) counts.factorizations += 1;
+  if (s.solver.reuse == Reuse::run) counts.factorizations -= 1;
   return counts;
 }
 
 bool in_registers(const Shape& shape, const Strategy& s) {
-  return (shape.n == 2 || shape.n == 3) && s.lanes <= 8 && has_small_steps(s);
+  return (shape.n == 2 || shape.n == 3) && s.solver.lanes <= 8 && has_small_steps(s.solver);
 }
 
-bool is_dense(const Strategy& s) { return properties_of(s.backend).dense; }
+bool is_dense(const Strategy& s) { return properties_of(s.solver.backend).dense; }
 
 }  // namespace assur

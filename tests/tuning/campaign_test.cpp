@@ -180,7 +180,8 @@ TEST(Around, OfAStepEveryClassIsTimedToo) {
   ASSERT_TRUE(ground->around());
   EXPECT_EQ(ground->around()->n, 6 * 15 + 12);
   EXPECT_GT(ground->around()->terms, 0);
-  for (const Candidate& c : ground->candidates()) EXPECT_TRUE(c.strategy.backend == "lanes" && c.strategy.lanes >= 2);
+  for (const Candidate& c : ground->candidates())
+    EXPECT_TRUE(c.strategy.solver.backend == "lanes" && c.strategy.solver.lanes >= 2);
   const auto entrants = ground->enter({Kernel::step, parse_strategy("groups/lanes:8")});
   std::map<std::int32_t, int> packs;
   for (const Entrant& e : entrants) {

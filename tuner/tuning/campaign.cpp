@@ -24,7 +24,7 @@ struct CannotStore {
 };
 
 double per_lane(const Sample& s) {
-  return s.seconds / (s.kernel == Kernel::step || s.kernel == Kernel::around ? 1 : s.strategy.lanes);
+  return s.seconds / (s.kernel == Kernel::step || s.kernel == Kernel::around ? 1 : s.strategy.solver.lanes);
 }
 
 }  // namespace
@@ -213,8 +213,8 @@ CellResult Campaign::measure_cell(const Cell& cell, Ground& ground, double secon
   for (const Entrant& e : entrants) {
     const bool whole = e.kernel == Kernel::step;
     // Meetings are not rivals of each other, nor are the widths of an evaluation or the parts of a step.
-    const int heat = e.kernel == Kernel::meeting    ? 100 + e.strategy.p
-                     : e.kernel == Kernel::evaluate ? 200 + e.strategy.lanes
+    const int heat = e.kernel == Kernel::meeting    ? 100 + e.strategy.run.threads
+                     : e.kernel == Kernel::evaluate ? 200 + e.strategy.solver.lanes
                      : e.packs_of_step > 0          ? 300 + static_cast<int>(runners.size())
                                                     : static_cast<int>(e.kernel);
     measure::Runner runner;

@@ -194,7 +194,8 @@ class StepsGround final : public Ground {
   // What a step takes beyond its packs hangs on no solver, but a little on their number: the two widest of the quickest
   // tell it, of which plans are made.
   [[nodiscard]] bool tells_around(const Strategy& s) const {
-    return s.backend == "lanes" && !s.once && !s.separate && 4 * s.lanes > std::min(shape_.groups, kMostLanes);
+    return s.solver.backend == "lanes" && !s.solver.once && !s.solver.separate &&
+           4 * s.solver.lanes > std::min(shape_.groups, kMostLanes);
   }
 
   Scene scene_;
