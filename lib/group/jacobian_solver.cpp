@@ -86,6 +86,35 @@ bool JacobianSolver::factorize(Pack& pack) {
   return pack.factored;
 }
 
+// Adds corrections to x until it is good enough, or ceases to get better by half. residual: that of x, normwise, whose
+// vector is residual_. rounds: more than kMostRefinements if all of them did not bring it there.
+[[gnu::always_inline]] inline Status JacobianSolver::refine(const Pack& pack, const LaneArray& b, double* x,
+                                                            const Goal& goal, Counters& counters, double& residual,
+                                                            int& rounds) {
+  const auto measured = [&] { return goal.scaled ? std::max(residual, scaled_residual(x, b)) : residual; };
+  double left = measured();
+  for (rounds = 0; left > goal.enough;) {
+    if (++rounds > kMostRefinements) return {};
+    if (const Status s = solver_->solve(residual_, 1); !s.ok()) return pack.failed(s.code, s.figure);
+    counters.solved_unknowns += std::int64_t{pack.used} * work_.program.n;
+    for (std::size_t i = 0; i < b.size(); ++i) x[i] += residual_[i];
+    residual = residual_of(x, b);
+    const double before = std::exchange(left, measured());
+    if (!(left < before / 2) && left <= goal.tolerated) return {};
+  }
+  return {};
+}
+
+// By factors of J itself, which do not serve as they are where they grew.
+[[gnu::always_inline]] inline Status JacobianSolver::refine_grown(const Pack& pack, const LaneArray& b, double* x,
+                                                                  Counters& counters, double& residual) {
+  if (!(residual > kPivotsGrew)) return {};
+  int rounds = 0;
+  const Status s = refine(pack, b, x, {kPivotsGrew, kInfinity, false}, counters, residual, rounds);
+  refined_ += std::int64_t{pack.used} * std::min(rounds, kMostRefinements);
+  return s;
+}
+
 Status JacobianSolver::correction(Pack& pack, const LaneArray& b, double* x, bool checked, Counters& counters) {
   std::copy(b.begin(), b.end(), x);
   if (const Status s = solver_->solve({x, b.size()}, 1); !s.ok()) return pack.failed(s.code, s.figure);
@@ -124,34 +153,6 @@ Status JacobianSolver::solve(Pack& pack, const LaneArray& b, double* x, int firs
   if (!std::isfinite(residual)) return pack.failed(Code::not_finite, residual);
   error = std::max(error, residual);
   return {};
-}
-
-// Adds corrections to x until it is good enough, or ceases to get better by half. residual: that of x, normwise, whose
-// vector is residual_. rounds: more than kMostRefinements if all of them did not bring it there.
-Status JacobianSolver::refine(const Pack& pack, const LaneArray& b, double* x, const Goal& goal, Counters& counters,
-                              double& residual, int& rounds) {
-  const auto measured = [&] { return goal.scaled ? std::max(residual, scaled_residual(x, b)) : residual; };
-  double left = measured();
-  for (rounds = 0; left > goal.enough;) {
-    if (++rounds > kMostRefinements) return {};
-    if (const Status s = solver_->solve(residual_, 1); !s.ok()) return pack.failed(s.code, s.figure);
-    counters.solved_unknowns += std::int64_t{pack.used} * work_.program.n;
-    for (std::size_t i = 0; i < b.size(); ++i) x[i] += residual_[i];
-    residual = residual_of(x, b);
-    const double before = std::exchange(left, measured());
-    if (!(left < before / 2) && left <= goal.tolerated) return {};
-  }
-  return {};
-}
-
-// By factors of J itself, which do not serve as they are where they grew.
-Status JacobianSolver::refine_grown(const Pack& pack, const LaneArray& b, double* x, Counters& counters,
-                                    double& residual) {
-  if (!(residual > kPivotsGrew)) return {};
-  int rounds = 0;
-  const Status s = refine(pack, b, x, {kPivotsGrew, kInfinity, false}, counters, residual, rounds);
-  refined_ += std::int64_t{pack.used} * std::min(rounds, kMostRefinements);
-  return s;
 }
 
 // residual_ = b - J x; returns |residual| / (|J| |x| + |b|), maximum norms, of the worst lane.
