@@ -22,6 +22,12 @@ NR == 1 && /^\/\// { print "/// @file" }
     print code "/// " text
   } else {
     column = at
+    # Of several members declared together, Doxygen documents the last: each gets the comment.
+    if (code ~ /^ *[A-Za-z_:0-9]+ [a-z_]+( = [A-Za-z_:0-9]+)?(, [a-z_]+( = [A-Za-z_:0-9]+)?)+; *$/) {
+      each = text
+      gsub(/&/, "\\\\&", each)
+      gsub(/, /, ", /**< " each " */ ", code)
+    }
     print code "///< " text
   }
 }

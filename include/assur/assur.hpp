@@ -1,4 +1,4 @@
-// Everything: kinematic analysis of multibody systems by group equations.
+// Includes all headers of assur, the library for the kinematic analysis of multibody systems by group equations.
 #pragma once
 
 #include "assur/backend.hpp"   // IWYU pragma: export

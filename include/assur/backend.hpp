@@ -1,5 +1,5 @@
-// The one interface of a linear solver: analyze once, factorize often, solve many; square systems, batched over the
-// lanes of a pack from the start. How to add a backend: docs/extending.md.
+// The interface of all linear solvers: analyze once, factorize often, solve many. Systems are square, and each call
+// treats all lanes of a pack. docs/extending.md explains how to add a backend.
 #pragma once
 
 #include <cstdint>
@@ -13,58 +13,60 @@
 
 namespace assur {
 
-// Sparsity of a square matrix in compressed sparse columns; rows ascend within each column, no duplicates.
+// Sparsity of a square matrix in compressed sparse columns. Rows ascend within each column, without duplicates.
 struct Pattern {
-  std::int32_t n = 0;
-  std::vector<std::int32_t> column_start;  // n + 1
-  std::vector<std::int32_t> row;           // nnz
+  std::int32_t n = 0;                      // order of the matrix
+  std::vector<std::int32_t> column_start;  // n + 1: index into `row` of the first nonzero of each column, then nnz
+  std::vector<std::int32_t> row;           // nnz: row of each nonzero, 0 to n - 1
 
+  // Number of nonzeros.
   [[nodiscard]] std::int32_t nnz() const { return static_cast<std::int32_t>(row.size()); }
 };
 
-// What a group costs.
+// Size of the systems of a class, and the operation counts that predict their cost. The counts are 0 where no plan
+// needs them; fill, operations and depth assume Markowitz pivots.
 struct Shape {
-  std::int32_t n = 0;       // unknowns
-  std::int32_t nnz = 0;     // nonzeros of its Jacobian
-  std::int32_t groups = 1;  // groups of the class
-  std::int32_t rhs = 1;     // right-hand sides of one factorisation
-  // Counted for a plan, else 0; the first three with Markowitz pivots.
+  std::int32_t n = 0;           // unknowns of one group, or order of one matrix
+  std::int32_t nnz = 0;         // nonzeros of the Jacobian
+  std::int32_t groups = 1;      // groups of the class, or number of matrices
+  std::int32_t rhs = 1;         // right-hand sides that are solved with each factorisation
   std::int64_t fill = 0;        // nonzeros of L + U
-  std::int64_t operations = 0;  // multiplications of a factorisation
-  std::int64_t depth = 0;       // rows that wait for each other in a solution, forward and backward
-  std::int64_t terms = 0;       // of the equations; 0: a bare matrix
-  std::uint64_t pattern = 0;    // a number that only equal patterns have
+  std::int64_t operations = 0;  // multiplications and divisions of one factorisation
+  std::int64_t depth = 0;       // longest chains of dependent rows in forward and backward substitution, added
+  std::int64_t terms = 0;       // terms of the compiled equations of a group; 0: a bare matrix
+  std::uint64_t pattern = 0;    // hash (64-bit FNV-1a) of the sparsity pattern; 0: not computed
 
   friend bool operator==(const Shape&, const Shape&) = default;
 };
 
-// Threads that a call may use; handed down, never global.
+// Threads that a call may use. It is an argument of each call, never a global setting.
 struct ThreadBudget {
-  std::int32_t threads = 1;
+  std::int32_t threads = 1;  // at least 1
 };
 
-// What a solver factorises and solves in. Values and right-hand sides are double either way.
+// Arithmetic of the factors: double or float. Values and right-hand sides are double in both cases.
 enum class Precision : std::uint8_t { binary64, binary32 };
 
+// Solve A x = b, or with the transposed matrix.
 enum class Transpose : std::uint8_t { no, yes };
 
-// Health of the last factorisation of one lane.
+// Quality of the last factorisation of one lane. A figure that the library behind a backend does not report is 0.
 struct Figures {
-  bool ok = false;  // false: singular, or not finite
-  // What a library does not tell is 0, also where ok is true.
-  double pivot_growth = 0;          // max |U| / max |A|, where a backend scales rows: of the scaled matrix
+  bool ok = false;                  // false if the matrix is singular or not finite
+  double pivot_growth = 0;          // max |U| / max |A|; of the scaled matrix if the backend scales rows
   double reciprocal_condition = 0;  // a cheap estimate, at most min |u_ii| / max |u_ii|; 0 if singular
-  int determinant_sign = 0;         // -1, +1; 0 if singular
+  int determinant_sign = 0;         // -1 or +1; 0 if singular
 };
 
-// What a solver did beyond plain factorisations and solutions, in all since analyze().
+// Extra work of a solver since analyze(), beyond the factorisations and solutions that were asked for.
 struct Effort {
-  std::int64_t redone = 0;     // lanes factorised with pivots of their own, because those of the class did not serve
-  std::int64_t renewed = 0;    // pivot orders chosen anew
-  std::int64_t refined = 0;    // steps of iterative refinement
-  std::int64_t unplanned = 0;  // of those: nobody asked for them, but the factors of the lane had grown
-  std::int64_t in_double = 0;  // lanes factorised in double, because float did not converge
+  std::int64_t redone = 0;     // lanes factorised with their own pivots, because the common pivots failed
+  std::int64_t renewed = 0;    // new pivot orders
+  std::int64_t refined = 0;    // steps of iterative refinement, counted for each lane
+  std::int64_t unplanned = 0;  // steps among `refined` that no setting asked for: the pivots had grown
+  std::int64_t in_double = 0;  // lanes factorised in double, because refinement from float did not converge
 
+  // Adds each figure.
   Effort& operator+=(const Effort& o) {
     redone += o.redone;
     renewed += o.renewed;
@@ -75,61 +77,71 @@ struct Effort {
   }
 };
 
-inline constexpr std::int32_t kMostLanes = 16;  // solved side by side: a power of two
+inline constexpr std::int32_t kMostLanes = 16;  // largest number of lanes; a power of two
 
+// Direct solver for square systems with one sparsity pattern, for several lanes at once. One thread at a time may use a
+// solver. Values and right-hand sides are interleaved: number k of a lane is at [k * lanes + lane].
 class LinearSolver {
  public:
   virtual ~LinearSolver() = default;
 
-  // Once for each pattern. values and right-hand sides are interleaved: values[k * lanes + lane].
+  // Prepares for matrices of this pattern; to be called once, before factorize(). Throws Error (input) if the pattern
+  // is not as described at Pattern, or if the backend does not support this number of lanes.
   [[nodiscard]] virtual Status analyze(const Pattern& pattern, int lanes) = 0;
 
-  // values: nnz x lanes, in the order of pattern.row. The status is that of the worst lane, which `where` names.
+  // Factorises one matrix in each lane. values: nnz x lanes, in the order of pattern.row. The status is that of the
+  // worst lane, which Status::where names: `not_finite` before `singular`, then the lowest lane. Throws Error (input)
+  // for another number of values.
   [[nodiscard]] virtual Status factorize(std::span<const double> values) = 0;
 
-  // b_to_x: n x rhs x lanes, in place: element i of right-hand side r in lane l is b_to_x[(r * n + i) * lanes + l].
-  // Unknowns before first_wanted are not needed: a backend that can stop its back-substitution there leaves them
-  // unspecified. A lane whose factorisation failed gets NaN.
+  // Solves with the factors of the last factorize(). b_to_x: n x rhs x lanes, overwritten by the solution; element i of
+  // right-hand side r in lane l is b_to_x[(r * n + i) * lanes + l]. Unknowns before first_wanted are not needed: a
+  // backend that can stop its back-substitution there leaves them unspecified. A lane whose factorisation failed gets
+  // NaN. Throws Error (input) for another number of right-hand sides.
   [[nodiscard]] virtual Status solve(std::span<double> b_to_x, int rhs, Transpose transpose = Transpose::no,
                                      int first_wanted = 0) = 0;
 
+  // Quality of the last factorisation of a lane, 0 to lanes - 1.
   [[nodiscard]] virtual Figures figures(int lane) const = 0;
 
+  // Extra work since analyze().
   [[nodiscard]] virtual Effort effort() const { return {}; }
 
-  // Another solver for the same pattern and lanes, which shares what no longer changes (analysis, pivot order); null
-  // where a new one is as good.
+  // Another solver for the same pattern and lanes, which shares analysis and pivot order with this one. Null if a new
+  // solver would be as good.
   [[nodiscard]] virtual std::unique_ptr<LinearSolver> clone() const { return nullptr; }
 };
 
-// One row of the table of solvers.
+// One row of the table of solvers: functions and properties.
 struct Backend {
-  std::string_view id;                                 // stored in the database: never renamed
-  std::string (*why_not)(const Shape&, ThreadBudget);  // "" if it can run here and now
-  // Call only if why_not() is "", with binary32 only where `single` is set.
+  std::string_view id;  // name in strategies and databases; never changes
+  // The reason if the backend cannot solve systems of this shape with these threads here; "" if it can.
+  std::string (*why_not)(const Shape&, ThreadBudget);
+  // Makes a solver. Call it only if why_not() is "", and with binary32 only if `single` is set.
   std::unique_ptr<LinearSolver> (*make)(ThreadBudget, Precision);
-  std::string (*version)();  // of the library behind it; "" if absent
-  std::string_view licence;  // SPDX identifier of that library
-  // Why that library is slower than it could be here, and what helps; "" if it is not. Null: nobody knows.
+  std::string (*version)();  // version of the library behind the backend; "" if the library is absent
+  std::string_view licence;  // SPDX identifier of the licence of that library
+  // The reason if that library is slower here than it could be, with a remedy; "" if it is not. Null: unknown.
   std::string (*slowed)() = nullptr;
 
   bool dense = false;         // stores every entry, whatever the pattern
   bool single = false;        // can factorise in float
-  bool steady = false;        // allocates nothing after the first factorisation
-  bool keeps_pivots = false;  // starts from those of its last matrix: one solver for each pack
-  bool fills_lanes = false;   // solves the lanes of a pack side by side: others take one after the other
+  bool steady = false;        // allocates no memory after the first factorisation
+  bool keeps_pivots = false;  // starts from the pivots of its last matrix, so that each pack needs its own solver
+  bool fills_lanes = false;   // solves all lanes at once by SIMD; other backends solve them one after the other
   bool threads = false;       // may use several threads in one factorisation
-  bool takes_turns = false;   // one call at a time in a process: other threads wait and gain nothing
-  bool own_loops = false;     // its inner loops are compiled with assur, and change with it
+  bool takes_turns = false;   // allows one call at a time in a process, so that several threads gain nothing
+  bool own_loops = false;     // its inner loops are compiled with assur, so that times change with the version of assur
 };
 
-// Every backend of this build, present or absent, in the order of registry.cpp. In assur::assur.
+// All backends that this version knows, including those that were not built; order of registry.cpp. Needs the library
+// assur::assur.
 [[nodiscard]] std::span<const Backend> backends();
 
-// The backends that assur::core brings with it.
+// The backends of the library assur::core, which are always built: `eigen` and `lanes`.
 [[nodiscard]] std::span<const Backend> core_backends();
 
-// The row with this id in `table`; throws Error (input) that lists the ids if there is none.
+// The row with this id in `table`. Throws Error (input), with a list of the ids, if there is no such row.
 [[nodiscard]] const Backend& find_backend(std::span<const Backend> table, std::string_view id);
 
 }  // namespace assur

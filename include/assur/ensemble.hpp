@@ -1,4 +1,4 @@
-// Throughput: many variants of one mechanism over the same times, side by side in SIMD lanes and threads.
+// Ensembles: many variants of one mechanism over the same times, side by side in SIMD lanes and on threads.
 #pragma once
 
 #include <cstdint>
@@ -16,21 +16,27 @@
 
 namespace assur {
 
-// Results of an ensemble in SI units, contiguous [member][time][output]; NaN in rows that a member did not reach.
-// Copies share the values.
+// Results of an ensemble in SI units, contiguous [member][time][output]. Rows that a member did not reach are NaN.
+// Members are counted from 0. Copies share the values.
 class EnsembleTrajectory {
  public:
+  // Names of the outputs: "C.x", "C.vx", "angle.rate", ...
   [[nodiscard]] const std::vector<std::string>& columns() const { return columns_; }
+  // Times of the rows, s; the same for all members.
   [[nodiscard]] const std::vector<double>& times() const { return times_; }
+  // Number of members, including those that could not start.
   [[nodiscard]] std::size_t members() const { return rows_.size(); }
-  // Rows of one member that are there.
+  // Number of rows that a member reached; 0 if it could not start.
   [[nodiscard]] std::size_t rows(std::size_t member) const { return rows_[member]; }
+  // All outputs of a member at times()[k].
   [[nodiscard]] std::span<const double> row(std::size_t member, std::size_t k) const {
     return {values_.get() + (member * times_.size() + k) * columns_.size(), columns_.size()};
   }
+  // One output of a member at times()[row].
   [[nodiscard]] double operator()(std::size_t member, std::size_t row, std::size_t column) const {
     return this->row(member, row)[column];
   }
+  // All values: members x times x columns.
   [[nodiscard]] std::span<const double> values() const {
     return {values_.get(), rows_.size() * times_.size() * columns_.size()};
   }
@@ -40,50 +46,58 @@ class EnsembleTrajectory {
   std::vector<std::string> columns_;
   std::vector<double> times_;
   std::vector<std::size_t> rows_;
-  // Memory as it comes: each thread is the first to write where its members are.
+  // Uninitialised memory, placed by the first thread that writes it.
   std::shared_ptr<double[]> values_;
 };
 
-// member, counted from 1, t, then every column: the shortest text that reads back as the same double, nothing for NaN.
+// Writes a CSV with the columns `member` (counted from 1), `t` and all outputs. Each number is the shortest text that
+// reads back as the same double; NaN is empty. Rows that a member did not reach are left out.
 void write_csv(std::ostream& out, const EnsembleTrajectory& trajectory);
 
-// Safe as simulators are: one ensemble for each thread of the program's, one thread at a time for each ensemble, and
-// the child of a fork() may run those that were not running.
+// Runs the members of an ensemble. Threads may use ensembles as they use simulators: each ensemble serves one thread at
+// a time, and different ensembles share no data that changes. After a fork(), both processes may use those ensembles
+// that were not running.
 class Ensemble {
  public:
-  // How one member ended.
+  // The end of one member.
   struct Outcome {
-    Status status;       // ok, inaccurate (it arrived all the same), or why it stopped
-    double reached = 0;  // last time with a valid posture
-    std::string cannot;  // why it could not be started; empty: it was
-    bool alone = false;  // not in lockstep with others, from the time `alone_from` on
-    double alone_from = 0;
-    std::vector<Event> events;
+    Status status;              // ok, `inaccurate` (the member arrived nevertheless), or the reason why it stopped
+    double reached = 0;         // last time with a valid posture, s
+    std::string cannot;         // reason why the member could not start; "": it started
+    bool alone = false;         // true if it ran apart from the others, because it could not keep step with them
+    double alone_from = 0;      // the time from which it ran alone, s; set if `alone`
+    std::vector<Event> events;  // events of this member
   };
 
-  // `member` prepares the i-th variant; it is called here, in order, on the calling thread. What it throws as Error of
-  // kind input or numerical is the outcome of that member; if all throw, so does this. The first member that can be
-  // prepared gives the plan: W lanes of a strategy are W members, p threads take packs of members in turn. Members with
-  // another structure or start time run alone, and so do those with callbacks, but for copies of one Prepared; a member
-  // with other outputs than the first cannot take part. Throws Error: input for no members or a deadline in `limits`,
-  // environment if a backend of the plan cannot run here.
+  // `member` prepares the i-th variant, i = 0, 1, ...; the constructor calls it in this order on the calling thread. An
+  // Error of kind input or numerical that it throws becomes the outcome of that member; if no member can be prepared,
+  // the constructor throws the first of these errors. The first member that can be prepared gives the plan: W members
+  // run in the lanes of a pack, and P threads take packs in turn. Members with another structure or start time run
+  // alone. So do members with callbacks, unless they are copies of one Prepared. A member whose outputs differ from
+  // those of the first cannot take part. Throws Error: input for no members, for limits as in Simulator, and for a
+  // deadline among them; environment if a backend of the plan cannot run here.
   Ensemble(std::size_t members, const std::function<Prepared(std::size_t)>& member, StepLimits limits = {});
-  Ensemble(Ensemble&&) noexcept;
-  Ensemble& operator=(Ensemble&&) noexcept;
+  Ensemble(Ensemble&&) noexcept;             // the other ensemble may then only be destroyed or assigned to
+  Ensemble& operator=(Ensemble&&) noexcept;  // the other ensemble may then only be destroyed or assigned to
   ~Ensemble();
 
-  // Every member over the time grid of the first one, or over `times`, which begin with its start. The results do not
-  // depend on the number of threads, and on that of lanes by their last bits only (the bound: docs/strategies.md).
-  // `observer` (rows done, of all members) is called on the calling thread and may return false to stop. Laws and
-  // callbacks are called by all threads of the plan; what they throw comes from run(). Throws Error: input if `times`
-  // begin elsewhere, descend anywhere or are not finite; environment if there is no memory for the results.
+  // Runs all members over the time grid of the first member. The results are bitwise identical for every number of
+  // threads; the number of lanes changes their last bits (docs/strategies.md gives the bound). The calling thread calls
+  // `observer` (rows done, rows in all; of all members), which may return false to stop. All threads of the plan call
+  // laws and callbacks, and exceptions from them propagate. Throws Error: environment if there is no memory for the
+  // results.
   EnsembleTrajectory run(const Simulator::Observer& observer = {});
+  // The same over `times` (s), which begin with the start time. Throws also Error (input) if `times` are empty, begin
+  // elsewhere, descend, or are not finite.
   EnsembleTrajectory run(std::span<const double> times, const Simulator::Observer& observer = {});
 
+  // Number of members, including those that cannot start.
   [[nodiscard]] std::size_t members() const;
-  [[nodiscard]] const Prepared& prepared() const;  // of the first member
-  // Of the last run: all members together, and one by one.
+  [[nodiscard]] const Prepared& prepared() const;  // the first member that could be prepared; with one chunk
+  // The last run: sums and largest errors of all members. The status is that of the first member that failed, else of
+  // the first inaccurate one; its place is that member. `reached` is the smallest of all members.
   [[nodiscard]] const Report& report() const;
+  // The last run: the end of each member. Empty before the first run.
   [[nodiscard]] const std::vector<Outcome>& outcomes() const;
 
  private:

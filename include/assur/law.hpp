@@ -1,4 +1,4 @@
-// Laws: scalars as functions of time with two derivatives. SI units and rad.
+// Laws: scalar functions of time with two derivatives. Units are SI, angles are in rad.
 #pragma once
 
 #include <functional>
@@ -12,79 +12,95 @@ namespace assur {
 // A value with its first and second time derivative.
 template <class T>
 struct Jet {
-  T value{};
-  T rate{};
-  T acceleration{};
+  T value{};         // in the unit of the quantity
+  T rate{};          // in that unit per s
+  T acceleration{};  // in that unit per s^2
 };
+// The motion of one scalar at one time.
 using Motion = Jet<double>;
 
-// offset + sum amplitude * sin(2 pi frequency t + phase)
+// amplitude * sin(2 pi frequency t + phase)
 struct Harmonic {
-  double amplitude = 0;
+  double amplitude = 0;  // in the unit of the law
   double frequency = 0;  // Hz
   double phase = 0;      // rad
   friend bool operator==(const Harmonic&, const Harmonic&) = default;
 };
 
-// Derivatives that a program's functions give are held against differences, now and then, in scenes and along runs;
-// they may be off by this much, relative to themselves, and by a tenth of it relative to the largest derivative beside
-// them.
+// Default tolerance for the derivatives that functions of the program return. assur compares them with differences, in
+// prepare() and along runs (docs/accuracy.md). An error is tolerated up to this part of the derivative itself, plus a
+// tenth of this part of the largest derivative beside it.
 inline constexpr double kDerivativeTolerance = 1e-5;
 
-// A value; copies share their parts. Laws add up: Law::constant(1) + Law::harmonics({...}).
+// A function of time, made of parts that are added: Law::constant(1) + Law::harmonics({...}). A law has value
+// semantics; copies share their parts.
 class Law {
  public:
+  // The part c0 + c1 t + c2 t^2 + ...
   struct Polynomial {
-    std::vector<double> coefficients;  // c0 + c1 t + c2 t^2 + ..., absolute t
+    std::vector<double> coefficients;  // c0, c1, c2, ...; t is absolute time
     friend bool operator==(const Polynomial&, const Polynomial&) = default;
   };
+  // The part offset + sum of harmonics.
   struct Harmonics {
-    std::vector<Harmonic> terms;
-    double offset = 0;
+    std::vector<Harmonic> terms;  // any number, also none
+    double offset = 0;            // in the unit of the law
     friend bool operator==(const Harmonics&, const Harmonics&) = default;
   };
-  // C2 cubic spline: not-a-knot ends (2 points: a line, 3 points: a parabola), or periodic with the last value
-  // equal to the first.
+  // The part that interpolates a table: a C2 cubic spline, either periodic or with not-a-knot ends (2 knots give a
+  // line, 3 knots a parabola).
   struct Spline {
-    std::vector<double> time;    // ascending, at least 2
-    std::vector<double> value;   // same size
-    std::vector<double> second;  // second derivative at the knots
-    bool periodic = false;
+    std::vector<double> time;    // knots: s, ascending, at least 2
+    std::vector<double> value;   // same size; a periodic spline ends with its first value
+    std::vector<double> second;  // same size: second derivatives at the knots
+    bool periodic = false;       // true: defined at any time; false: between first and last knot
     friend bool operator==(const Spline&, const Spline&) = default;
   };
+  // The part that a function of the program computes, see Law::function().
   struct Function {
-    std::function<Motion(double)> motion;
-    double tolerance = kDerivativeTolerance;
+    std::function<Motion(double)> motion;     // t in s -> value, rate and acceleration
+    double tolerance = kDerivativeTolerance;  // of its derivatives; infinite: not checked
   };
+  // One addend of a law.
   using Part = std::variant<Polynomial, Harmonics, Spline, Function>;
 
   Law() = default;  // constant zero
-  // All of these throw Error (input) for a number that is not finite.
+  // The law that is `value` at all times. Throws Error (input) if the value is not finite.
   [[nodiscard]] static Law constant(double value);
+  // The law c0 + c1 t + c2 t^2 + ... with absolute time t. Throws Error (input) if a coefficient is not finite.
   [[nodiscard]] static Law polynomial(std::vector<double> coefficients);
+  // The law offset + sum of the terms. Throws Error (input) if a number is not finite.
   [[nodiscard]] static Law harmonics(std::vector<Harmonic> terms, double offset = 0);
-  // Throws Error (input) for under 2 rows, sizes that differ, times that do not ascend, a period that does not close.
+  // A cubic spline through the points (time[i], value[i]), see Spline. Throws Error (input) for fewer than 2 points,
+  // for sizes that differ, for numbers that are not finite, for times that do not ascend, for points so close or so
+  // large that the spline overflows, and for a periodic table that does not end with its first value (within a relative
+  // 1e-12).
   [[nodiscard]] static Law table(std::vector<double> time, std::vector<double> value, bool periodic = false);
-  // t -> {value, rate, acceleration}; must be callable at any time of the run, and again after a rejected step, with
-  // the same answer. What it throws passes through the step that asked. The value is trusted; its rate and acceleration
-  // are checked (see docs/accuracy.md). `tolerance`: how far they may be off, for laws made of measurements
-  // whose derivatives are those of another fit; infinite: nothing is checked. Throws Error (input) if it is negative.
+  // A law that `motion` computes. assur may call it at any time of the run, repeatedly, and on several threads at once
+  // (Simulator, Ensemble); the same time must give the same answer. Exceptions that it throws propagate through the
+  // call that needed the law. assur trusts the value and checks rate and acceleration (docs/accuracy.md). Raise
+  // `tolerance` if the derivatives are approximations, e.g. of a fit to measurements; an infinite one switches the
+  // check off. Throws Error (input) if `motion` is empty or if `tolerance` is negative or NaN.
   [[nodiscard]] static Law function(std::function<Motion(double)> motion, double tolerance = kDerivativeTolerance);
 
+  // The sum of two laws.
   friend Law operator+(const Law& a, const Law& b);
 
-  // NaN outside the range of a table (4 units in the last place more count as inside: times of a grid are rounded).
+  // The motion at time t (s). NaN outside the range of a table; 4 units in the last place beyond its ends count as
+  // inside, because times of a grid are rounded.
   [[nodiscard]] Motion operator()(double t) const;
 
-  // True if value does not depend on time: a driver with such a law does not move anything.
+  // True if no part depends on time; false if there is a function of the program. A driver with a constant law moves
+  // nothing.
   [[nodiscard]] bool is_constant() const;
 
-  // True if t lies within every (non-periodic) table.
+  // True if t lies within the range of every table that is not periodic.
   [[nodiscard]] bool covers(double t) const;
 
-  // True if both are surely the same: parts with equal numbers, or (with functions of the program) a law and its copy.
+  // True if both laws have equal parts. Functions of the program are equal only in a law and its copy.
   friend bool operator==(const Law& a, const Law& b);
 
+  // The parts that are added; none: constant zero. Valid as long as the law or a copy of it.
   [[nodiscard]] const std::vector<Part>& parts() const { return *parts_; }
 
  private:

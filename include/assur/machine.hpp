@@ -1,4 +1,4 @@
-// What this process may use of the machine that it runs on.
+// The machine that the process runs on, and the share of it that the process may use.
 #pragma once
 
 #include <cstdint>
@@ -9,38 +9,41 @@
 
 namespace assur {
 
+// One level of the cache hierarchy.
 struct Cache {
-  std::int32_t level = 1;  // 1 (of data), 2, 3
-  std::int64_t bytes = 0;
-  std::int32_t cores = 1;  // that share one, those included that this process may not use
+  std::int32_t level = 1;  // 1 (data cache), 2 or 3
+  std::int64_t bytes = 0;  // size of one such cache
+  std::int32_t cores = 1;  // physical cores that share one such cache, including cores that this process may not use
 
   friend bool operator==(const Cache&, const Cache&) = default;
 };
 
+// Description of the machine, as far as plans depend on it.
 struct Machine {
-  std::string model;                // of the processor, as it calls itself; "" if it does not
-  std::string instructions;         // widest of those that this library has code for, as Highway calls it: "AVX2", ...
-  std::vector<std::int32_t> cores;  // physical ones that the affinity mask allows: a processor of each, to pin to
-  std::int32_t processors = 1;      // logical ones that the mask allows: more than cores where a core runs two threads
-  double quota = 0;                 // processors' time that the control groups allow; 0: no limit
+  std::string model;                // name of the processor from /proc/cpuinfo; "" if unknown
+  std::string instructions;         // widest set that this library can use, named as in Highway: "AVX2"
+  std::vector<std::int32_t> cores;  // usable physical cores: the number of one logical processor of each, to pin to
+  std::int32_t processors = 1;      // logical processors in the affinity mask; more than cores with hyper-threading
+  double quota = 0;                 // processors that the control groups allow, e.g. 1.5; 0: no limit
   std::int32_t openmp_limit = 0;    // OMP_NUM_THREADS; 0: not set
-  std::vector<Cache> caches;        // of the first core, from level 1; empty if the system does not tell
-  std::int32_t numa_nodes = 1;      // that the cores belong to
-  std::string source;               // of cores, caches and nodes: "hwloc 2.9.0" or "sysfs"
+  std::vector<Cache> caches;        // of the first usable core, from level 1; empty if the system does not report them
+  std::int32_t numa_nodes = 1;      // memory nodes that the usable cores belong to
+  std::string source;               // origin of cores, caches and nodes: "hwloc 2.9.0" or "sysfs"
 
-  // Threads that work at once without disturbing each other: as many as cores, but no more than the quota, rounded up,
-  // nor than OMP_NUM_THREADS, which so is an upper bound for this library too; at least 1. A budget that the user gives
-  // (PrepareOptions::budget) takes its place, whatever it is.
+  // Default number of threads: one for each usable core, at most the quota (rounded up), at most OMP_NUM_THREADS, and
+  // at least 1. PrepareOptions::budget replaces it.
   [[nodiscard]] ThreadBudget budget() const;
 
   friend bool operator==(const Machine&, const Machine&) = default;
 };
 
-// Asks the system anew each time: some 10 ms with hwloc, 0.5 ms without (two cores). What it does not tell stays as it
-// is above; a machine that tells nothing has one core. In assur::assur.
+// Reads the description from the system at each call. Takes 0.5 ms, or some 10 ms if sysfs does not report the caches
+// and hwloc is asked (measured on two cores). Properties that the system does not report keep their defaults; there is
+// at least one core. Needs the library assur::assur.
 [[nodiscard]] Machine this_machine();
 
-// One line, e.g. "AMD EPYC, AVX3: 2 cores, L1 48 KiB, L2 1 MiB, L3 32 MiB for 2 cores; budget: 2 threads".
+// The machine in one line, e.g. "AMD EPYC, AVX3: 2 cores, L1 48 KiB, L2 1 MiB, L3 32 MiB for 2 cores; budget: 2
+// threads".
 [[nodiscard]] std::string to_string(const Machine& machine);
 
 }  // namespace assur

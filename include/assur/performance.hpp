@@ -1,5 +1,5 @@
-// What was measured on a machine, and what it says about strategies that were not: samples of kernels, and a model
-// that composes the cost of a step from them.
+// Measurements of a machine, and the performance model: it predicts the time of a step by any strategy from measured
+// times of kernels.
 #pragma once
 
 #include <cstddef>
@@ -15,88 +15,98 @@
 
 namespace assur {
 
-// What is timed: one call, for all lanes. The names are stored in databases.
+// The pieces of work that are timed; each time is that of one call, which serves all W lanes. Databases store the
+// names.
 enum class Kernel : std::uint8_t {
   evaluate,  // equations and Jacobian of a pack; depends on shape and W only
   factor,    // one factorisation of W matrices
-  solve,     // one solution with one right-hand side of each
-  pack,      // one whole step of a pack: position in one iteration, velocity, acceleration; with p > 1 while p threads
-             // are at the same work
-  meeting,   // the first of p threads works alone for 5 us, which count; then all start together and wait for each
-             // other; the others are handed shape.n doubles in all by the first, change them and hand them back
-  step,      // one step of a mechanism: checks what is composed of the others
-  around,  // what a step takes beyond its packs: laws, prediction, outputs; shape.n unknowns of all groups, shape.terms
-           // pieces of outputs as the dispatcher counts them
+  solve,     // one solution of W systems, each with one right-hand side
+  pack,      // one step of a pack: position in one iteration, velocity and acceleration; if p > 1, while p threads do
+             // the same work
+  meeting,   // p threads start together and wait for each other, after the first has worked alone for 5 us (included).
+             // The first hands shape.n doubles in all to the others, which change them and hand them back
+  step,      // one step of a mechanism; only to compare with the sum of the other kernels
+  around,    // the part of a step beyond its packs: laws, prediction, outputs. shape.n: unknowns of all groups;
+             // shape.terms: terms of the outputs
 };
 
+// Name of a kernel as in databases, e.g. "factor".
 [[nodiscard]] std::string_view name(Kernel kernel) noexcept;
-// Throws Error (input) that lists the kernels if there is none of that name.
+// The kernel with this name. Throws Error (input), with a list of the kernels, if there is no such name.
 [[nodiscard]] Kernel parse_kernel(std::string_view text);
 
-// One thing measured. Only what the kernel depends on is set: of a strategy's text a bare matrix needs backend, W,
-// precision, refinement and q.
+// One measured time. The strategy is set as far as the kernel depends on it: for a bare matrix, backend, W, precision,
+// refinement and Q.
 struct Sample {
-  std::string uid;  // 32 hexadecimal digits, drawn at random: the same sample in two databases is one
-  Kernel kernel = Kernel::factor;
-  Shape shape;
-  Strategy strategy;
-  double seconds = 0;   // median of one call, at the machine's usual pace: db/README.md
-  double spread = 0;    // median absolute deviation, s
-  double slowness = 1;  // how many times as long as usual it took when it was measured; 1: or not known
-  std::int64_t repetitions = 0;
-  // Of the result that was timed, the worst over lanes; NaN: not measured. Of a solution: |A x - b| / (|A| |x| + |b|)
-  // and |x - x_ref| / |x_ref|, maximum norms; of a step: the worst of Report::error, and that of forward_error().
+  std::string uid;                 // 32 random hexadecimal digits, which identify the sample in all databases
+  Kernel kernel = Kernel::factor;  // the work
+  Shape shape;                     // its size
+  Strategy strategy;               // the way it was done
+  double seconds = 0;              // median time of one call at the usual pace of the machine (db/README.md)
+  double spread = 0;               // median absolute deviation of the times, s
+  double slowness = 1;             // time at the pace of the measurement over time at the usual pace; 1 if unknown
+  std::int64_t repetitions = 0;    // number of times that the medians are taken of
+  // Largest backward error of the timed results over the lanes; NaN: not measured. For a solution it is
+  // |A x - b| / (|A| |x| + |b|) in maximum norms, for packs and steps ErrorFigures::residual().
   double backward_error = 0;
+  // Largest forward error of the timed solutions over the lanes, |x - x_ref| / |x_ref| in maximum norms; NaN: not
+  // measured, as for packs and steps.
   double forward_error = 0;
 
   friend bool operator==(const Sample&, const Sample&) = default;
 };
 
-// Where a predicted time comes from, the best first.
+// Evidence for a predicted time, from the best to the weakest.
 enum class Origin : std::uint8_t {
-  measured,      // this very shape
-  interpolated,  // between shapes that were measured
-  extrapolated,  // further from them than a factor of two
-  prior,         // nothing was measured: operations and overheads of a typical processor
+  measured,      // this shape was measured
+  interpolated,  // a measured shape is at most a factor of two away
+  extrapolated,  // all measured shapes are further away, or were measured with another W or other threads
+  prior,         // no such measurement: operation counts and overheads of a typical processor
 };
 
+// Name of an origin as in the command's output, e.g. "interpolated".
 [[nodiscard]] std::string_view name(Origin origin) noexcept;
 
+// A predicted time.
 struct Prediction {
-  double seconds = 0;
-  double factor = 1;  // two times in three the truth is within seconds / factor and seconds * factor
-  Origin origin = Origin::prior;
+  double seconds = 0;             // expected time
+  double factor = 1;              // with probability 2/3 the time is between seconds / factor and seconds * factor
+  Origin origin = Origin::prior;  // evidence
 };
 
-// An immutable snapshot of what is known about a machine; any number of threads may ask it. The same samples in
-// whatever order make the same model, bit for bit.
+// Predicts times on one machine. A model is immutable; any number of threads may use it, and copies share its data. The
+// order of the samples does not matter: the same samples make the same model, bit for bit.
 class PerformanceModel {
  public:
-  PerformanceModel();  // nothing is known
-  // `source` says whose samples these are, in words for people.
+  PerformanceModel();  // without samples: all predictions are of origin `prior`
+  // A model that is fitted to samples. `source` describes their origin for people. Samples whose time is not positive
+  // and finite are ignored.
   explicit PerformanceModel(std::vector<Sample> samples, std::string source = {});
-  PerformanceModel(const PerformanceModel&) = default;
-  PerformanceModel& operator=(const PerformanceModel&) = default;
+  PerformanceModel(const PerformanceModel&) = default;             // shares the data
+  PerformanceModel& operator=(const PerformanceModel&) = default;  // shares the data
   ~PerformanceModel();
 
   // Time of one call of a kernel.
   [[nodiscard]] Prediction kernel(Kernel kernel, const Shape& shape, const Strategy& strategy) const;
-  // Time of one step of a pack of W instances, composed from its kernels and the strategy's policies.
+  // Time of one step of a pack of W groups. If the pack was not measured, the time is composed of kernels.
   [[nodiscard]] Prediction pack(const Shape& shape, const Strategy& strategy) const;
-  // The same of several strategies, in less time than one by one.
+  // pack() for several strategies, faster than one call for each. The result has their order.
   [[nodiscard]] std::vector<Prediction> packs(const Shape& shape, std::span<const Strategy> strategies) const;
-  // Time that p threads lose by starting together, handing over so many doubles and back, and waiting for each other.
+  // Time that p threads lose by starting together, handing over this number of doubles and back, and waiting for each
+  // other. 0 if p < 2.
   [[nodiscard]] Prediction meeting(std::int32_t p, double doubles = 0) const;
-  // How much longer packs of groups with n unknowns take where p threads work at once; 1 where nothing is known. The
-  // median of what was measured at some n, and between them by log n.
+  // Factor by which packs of groups with n unknowns take longer if p threads work at once; 1 if nothing was measured.
+  // Between measured n, it is interpolated in log n.
   [[nodiscard]] double contention(std::int32_t p, std::int32_t n) const;
-  // Time of one step of a mechanism with so many unknowns beyond its packs: laws, prediction, outputs. pieces: terms of
-  // the outputs. From counts, at the speed that this machine has otherwise.
+  // Time that a step takes beyond its packs, for laws, prediction and outputs. unknowns: of all groups of the
+  // mechanism; pieces: terms of the outputs.
   [[nodiscard]] Prediction around(std::int64_t unknowns, std::int64_t pieces = 0) const;
-  // Largest backward error of a solution that was seen near this shape; 0 if none was looked at.
+  // Largest measured backward error of a solution with n/2 to 2 n unknowns; 0 if none was measured.
   [[nodiscard]] double backward_error(const Shape& shape, const Strategy& strategy) const;
 
+  // Number of samples.
   [[nodiscard]] std::size_t samples() const;
+  // Description of the samples for people.
   [[nodiscard]] const std::string& source() const;
 
  private:
@@ -104,14 +114,16 @@ class PerformanceModel {
   std::shared_ptr<const Impl> impl_;
 };
 
-// What the databases say about the machine at hand, read once for each process and then kept.
+// The model of this machine, with messages about its databases.
 struct MachineModel {
   std::shared_ptr<const PerformanceModel> model;  // never null
-  std::vector<std::string> messages;              // what was not believed or could not be read, and why
+  std::vector<std::string> messages;              // databases that cannot be read, and samples that are left out
 };
 
-// In the order ASSUR_DB, the user's database, that of the installation: see db/README.md. Never throws for what is in
-// the files; never writes. ASSUR_DB set to nothing: no database at all. In assur::assur.
+// The model of this machine from the tuning databases. The first call reads them, and the result is kept as long as the
+// process. The database is the file ASSUR_DB, or else that of the user and that of the installation (db/README.md); if
+// ASSUR_DB is set and empty, there is none. Unreadable or damaged files give messages, not errors. Never writes. Needs
+// the library assur::assur.
 [[nodiscard]] const MachineModel& machine_model();
 
 }  // namespace assur

@@ -1,4 +1,4 @@
-// Scene + strategy, or what is known about the machine -> everything that a simulator needs, prepared.
+// Preparation: from a scene and a strategy, or the performance model, to everything that a simulator needs.
 #pragma once
 
 #include <cstdint>
@@ -17,102 +17,106 @@
 
 namespace assur {
 
-// One solver for each class of a structure.
+// The solvers of a run: one choice for each class of a structure.
 struct Plan {
+  // The solver of one class.
   struct Choice {
-    std::int32_t group_class = 0;
-    Shape shape;
-    SolverSettings solver;
-    std::int32_t threads = 1;     // packs of this class at once
-    std::string reason;           // "forced", "interpolated: 2.1 times as fast as klu", ...
-    double expected_seconds = 0;  // one step of one pack; 0: nobody asked
-    Origin origin = Origin::prior;
+    std::int32_t group_class = 0;   // index into Structure::classes
+    Shape shape;                    // size of the class
+    SolverSettings solver;          // backend, lanes and policies
+    std::int32_t threads = 1;       // packs of this class that are solved at once
+    std::string reason;             // "forced", "interpolated: 2.1 times as fast as klu", ...
+    double expected_seconds = 0;    // time of one step of one pack; 0: not predicted
+    Origin origin = Origin::prior;  // evidence for the expected time
   };
-  RunSettings run;              // its predictor is never automatic
-  std::int32_t lanes = 1;       // W asked for: of a class, or, where mechanisms run side by side, mechanisms
-  std::vector<Choice> choices;  // one for each class
-  std::vector<std::int32_t> level_threads;  // of each level, of run.threads; empty: those for all
+  RunSettings run;                          // for all groups; the predictor is never automatic
+  std::int32_t lanes = 1;                   // W of ensembles and chunks: mechanisms that run side by side
+  std::vector<Choice> choices;              // one for each class, in the order of Structure::classes
+  std::vector<std::int32_t> level_threads;  // threads of each level, at most run.threads; empty: run.threads for all
   double accuracy = 0;                      // PrepareOptions::accuracy
-  std::string reason;                       // of the formulation and of p
-  double expected_seconds = 0;              // one step: groups, laws, prediction, outputs (no rows); 0: nobody asked
-  double meeting_seconds = 0;               // of the threads, once; 0: nobody asked
+  std::string reason;                       // reason for the formulation and for P
+  double expected_seconds = 0;  // one step: groups, laws, prediction, outputs, without storing; 0: not predicted
+  double meeting_seconds = 0;   // one start and meeting of the threads, a part of expected_seconds; 0: not predicted
 
-  // The strategy text of one class: what forces its solver, and this run, for all classes.
+  // The strategy of one class. Its text, given to prepare(), forces this solver for all classes.
   [[nodiscard]] Strategy strategy(const Choice& choice) const;
 };
 
-// An estimated error that a run tells of where no accuracy was asked for.
+// Steps with a larger estimated error are `inaccurate` if no accuracy was asked for.
 inline constexpr double kDoubtfulError = 1e-6;
 
-// What a plan is to be fast at.
+// Optimisation goal of a plan.
 enum class Mode : std::uint8_t {
-  latency,     // one mechanism, step after step
-  throughput,  // many steps a second: variants in an Ensemble, else chunks of the time grid side by side
+  latency,     // a short time for each step of one mechanism
+  throughput,  // many steps per second: members of an Ensemble, or chunks of the time grid, side by side
 };
 
+// Options of prepare().
 struct PrepareOptions {
-  std::string strategy = "auto";  // or a strategy text, which is then forced
-  // Drivers that the program sets itself with Simulator::set(); their laws serve until the first set().
+  std::string strategy = "auto";  // "auto", or a strategy text that is used for all classes
+  // Names of drivers that the program sets with Simulator::set(). They follow their laws until the first set().
   std::vector<std::string> controlled = {};
-  // Threads to use at most, which may be more than there are cores; empty: this_machine().budget().
+  // Largest number of threads; it may exceed the number of cores. Empty: this_machine().budget(). Asking the machine
+  // takes time: give a budget if you prepare many scenes.
   std::optional<ThreadBudget> budget = std::nullopt;
-  // In throughput, `auto` fills lanes and all threads of the budget, and a text that does not say how many chunks gets
-  // as many as fill its own lanes and threads. The machine is asked where no budget is given: give one to prepare many.
+  // Goal of `auto`. For throughput, `auto` fills the lanes and all threads of the budget. A strategy text without
+  // +chunks then gets as many chunks as fill its lanes and threads.
   Mode mode = Mode::latency;
-  // What `auto` decides by; null: machine_model(). A model without samples decides by counts of operations.
+  // The model that `auto` decides by; null: machine_model(). A model without samples decides by operation counts.
   std::shared_ptr<const PerformanceModel> model = nullptr;
-  std::vector<std::string> without = {};  // backends that `auto` leaves out, and a strategy text must not name
-  // Largest forward error (ErrorFigures) that any output may have; looser ones take less time. 0: as exact as doubles
-  // are. Steps whose estimated error is larger, or where nothing is asked larger than kDoubtfulError, carry
-  // Code::inaccurate.
+  std::vector<std::string> without = {};  // ids of backends that must not be used
+  // Largest forward error (ErrorFigures) that any output may have, e.g. 1e-8; a larger value may save time. 0: as exact
+  // as doubles allow. Steps with a larger estimated error carry Code::inaccurate; with 0, those above kDoubtfulError.
   double accuracy = 0;
 };
 
-// A scene made ready: immutable, shared by any number of simulators.
+// A scene that is ready to run. Any number of simulators may share its parts, which do not change.
 struct Prepared {
-  std::shared_ptr<const Scene> scene;  // null: loaded by load_plan()
-  std::string name;                    // of the scene
-  TimeGrid time;                       // of the scene: what a run goes over if it is not told its times
-  std::shared_ptr<const Structure> structure;
-  Plan plan;
-  std::span<const Backend> table;  // where the plan's backends are found
-  std::vector<std::string> controlled;
-  std::optional<double> start_time = std::nullopt;  // of structure->start; empty: the scene's
-  // Chooses anew among redundant equations at a posture (all coordinates, internal units) and time; empty if there are
-  // none.
+  std::shared_ptr<const Scene> scene;               // null if load_plan() made it
+  std::string name;                                 // name of the scene
+  TimeGrid time;                                    // time grid of the scene, the default of a run
+  std::shared_ptr<const Structure> structure;       // groups, their order, and the start posture; never null
+  Plan plan;                                        // solvers and threads
+  std::span<const Backend> table;                   // table in which the plan's backends are looked up
+  std::vector<std::string> controlled;              // PrepareOptions::controlled
+  std::optional<double> start_time = std::nullopt;  // time of structure->start, s; empty: time.start
+  // Prepares the scene again with redundant equations chosen at a posture (all coordinates, internal units) and time.
+  // Empty if the scene has no redundant equations, or if load_plan() made this. Throws like prepare().
   std::function<Prepared(std::vector<double> posture, double time)> reselect;
 };
 
-// Analyses the scene and assembles its start posture. Throws Error: input for a strategy text that does not parse or an
-// undetermined scene (the free unknowns are named), a budget of no threads, or laws and Jacobians of the program that
-// are wrong at the start (docs/accuracy.md), numerical if the start posture cannot be assembled (group and
-// most violated constraint are named), environment if a forced strategy cannot run here (and why).
+// Analyses the scene, assembles its start posture and makes a plan. Needs the library assur::assur. Throws Error: input
+// if the scene is undetermined (the free unknowns are named), if functions of the program return wrong derivatives at
+// the start (docs/accuracy.md), or for a wrong option: a strategy text that does not parse, an unknown backend or
+// driver, a budget without a thread, a negative accuracy; numerical if the start posture cannot be assembled (the group
+// and its most violated constraint are named); environment if the strategy text cannot run here, with the reason.
 [[nodiscard]] Prepared prepare(const Scene& scene, const PrepareOptions& options = {});
 
-// What a strategy would cost.
+// A strategy with its expected time.
 struct Candidate {
-  Strategy strategy;
-  double expected_seconds = 0;  // all groups, or matrices, once
-  double factor = 1;            // two times in three within expected_seconds / factor and expected_seconds * factor
-  Origin origin = Origin::prior;
-  std::string why_not;  // "": it can run here, and is as accurate as a solution in double
+  Strategy strategy;              // the strategy
+  double expected_seconds = 0;    // time to solve all groups, or matrices, once
+  double factor = 1;              // with probability 2/3 the time is within this factor of expected_seconds
+  Origin origin = Origin::prior;  // evidence for the expected time
+  std::string why_not;            // reason why it cannot run here or is too inaccurate; "": it can be used
 };
 
-// What candidates are chosen by.
+// Options of candidates() and choose_solver().
 struct CandidateOptions {
   std::shared_ptr<const PerformanceModel> model = nullptr;  // null: machine_model()
-  std::optional<ThreadBudget> budget = std::nullopt;        // empty: this machine's
-  std::vector<std::string> without = {};
+  std::optional<ThreadBudget> budget = std::nullopt;        // empty: that of this machine
+  std::vector<std::string> without = {};                    // ids of backends that must not be used
 };
 
-// Every candidate for the groups of one class that are solved side by side, the fastest first, those that cannot run
-// last. shape.groups: how many; shape.terms = 0: bare matrices, each factorised once and solved with shape.rhs
-// right-hand sides. The first is what `auto` takes: of those within 2 % of the fastest the one with fewer threads.
+// All candidates for shape.groups groups of one class, solved at the same time: the fastest first, and those that
+// cannot run last. If shape.terms is 0, the groups are bare matrices: each one is factorised once and solved with
+// shape.rhs right-hand sides. `auto` takes the first candidate; among candidates within 2 % of the fastest, the one
+// with the fewest threads comes first. Throws Error (input) if `without` names an unknown backend.
 [[nodiscard]] std::vector<Candidate> candidates(const Shape& shape, const CandidateOptions& options = {});
 
-// For equations of one's own: the strategy for `count` matrices with one pattern, each factorised once and solved with
-// `rhs` right-hand sides: backend, W, precision and threads are those of the first of candidates(). Throws Error:
-// input for less than one matrix, environment if no backend can run.
+// Chooses a solver for systems of your own: `count` matrices with one pattern, each factorised once and solved with
+// `rhs` right-hand sides. Returns the first of candidates(): use its backend, W, precision and threads. Throws Error:
+// input for fewer than one matrix or a negative number of right-hand sides, environment if no backend can run.
 [[nodiscard]] Candidate choose_solver(const Pattern& pattern, std::int32_t count, std::int32_t rhs = 1,
                                       const CandidateOptions& options = {});
 

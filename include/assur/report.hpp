@@ -1,4 +1,4 @@
-// What a run did and how good it is.
+// The report of a run: work done, errors, events and status.
 #pragma once
 
 #include <cstdint>
@@ -13,89 +13,95 @@
 
 namespace assur {
 
-// Work done, counted: group instances, not calls. Lanes that are idle do not count.
+// Work of a run. Groups are counted one by one, also if they are solved side by side; idle lanes do not count.
 struct Counters {
-  std::int64_t steps = 0;                // grid times reached
-  std::int64_t substeps = 0;             // accepted steps between grid times
-  std::int64_t rejected = 0;             // attempts at a step that failed: it was divided, or ended there
-  std::int64_t group_solutions = 0;      // groups solved for their position
-  std::int64_t newton_iterations = 0;    // corrections, summed over groups
-  std::int64_t most_iterations = 0;      // of one group in one step
-  std::int64_t evaluated_equations = 0;  // scalar residuals evaluated
-  std::int64_t factorizations = 0;
-  std::int64_t factorized_unknowns = 0;  // sum of their orders
-  std::int64_t solved_unknowns = 0;      // unknowns obtained by back-substitution, summed over right-hand sides
-  std::int64_t branch_checks = 0;        // uniqueness balls measured anew
+  std::int64_t steps = 0;                // steps that reached their time
+  std::int64_t substeps = 0;             // accepted steps to times between those asked for
+  std::int64_t rejected = 0;             // failed attempts at a step; the step was then divided, or ended there
+  std::int64_t group_solutions = 0;      // position problems of single groups
+  std::int64_t newton_iterations = 0;    // Newton corrections, summed over groups
+  std::int64_t most_iterations = 0;      // largest number of corrections of one group in one step
+  std::int64_t evaluated_equations = 0;  // scalar residuals
+  std::int64_t factorizations = 0;       // factorised matrices
+  std::int64_t factorized_unknowns = 0;  // sum of the orders of these matrices
+  std::int64_t solved_unknowns = 0;      // unknowns found by back-substitution, summed over right-hand sides
+  std::int64_t branch_checks = 0;        // uniqueness balls that were measured
   std::int64_t stored_values = 0;        // doubles in the trajectory
 
+  // Adds each counter; of most_iterations it takes the larger one.
   Counters& operator+=(const Counters& o);
 };
 
-// Relative errors, the worst of the run; docs/accuracy.md defines them. What was not measured is NaN
-// (the residuals) or empty, never 0.
+// Relative errors, each the largest of the run; docs/accuracy.md defines them. A figure that was not measured is NaN
+// (the residuals) or empty (the others), never 0.
 struct ErrorFigures {
-  static constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  static constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();  // a residual that was not measured
 
-  double position = kUnknown;  // max |Phi_i| / (sum |dPhi_i/dq_j| |q_j| + |constant|); NaN: nothing was solved
-  // Normwise residuals of the linear systems, |J x - b| / (|J| |x| + |b|) in the maximum norm. A system of which only
-  // some unknowns were solved for (the last back-substitution stops at those wanted) has none.
+  double position = kUnknown;  // residual: max over i of |Phi_i| / (sum_j |dPhi_i/dq_j| |q_j| + |constant|)
+  // Normwise residual of the linear systems for velocities, |J x - b| / (|J| |x| + |b|) in maximum norms. Systems that
+  // are solved for some of their unknowns only are not measured.
   double velocity = kUnknown;
-  double acceleration = kUnknown;
-  // Of every output and step, as forward_* are defined, estimated to first order; empty where nobody asked, or no
-  // output is of that kind.
+  double acceleration = kUnknown;  // the same for accelerations
+  // Estimated errors of the outputs, defined like forward_position, to first order; empty if no output is of this kind.
   std::optional<double> estimated_position = {};
-  std::optional<double> estimated_velocity = {};
-  std::optional<double> estimated_acceleration = {};
-  std::optional<double> certified_radius = {};  // largest of the proven ones, over the characteristic length
-  std::optional<double> forward_position = {};  // against a reference in quad precision
-  std::optional<double> forward_velocity = {};
-  std::optional<double> forward_acceleration = {};
+  std::optional<double> estimated_velocity = {};      // of velocities
+  std::optional<double> estimated_acceleration = {};  // of accelerations
+  // Largest radius of the certificates of the run, relative to the characteristic length.
+  std::optional<double> certified_radius = {};
+  // True errors of the outputs against a reference in quadruple precision: for each output x the maximum over the steps
+  // of |x - x_ref|, over the maximum of |x_ref| (for lengths at least the characteristic length).
+  std::optional<double> forward_position = {};
+  std::optional<double> forward_velocity = {};      // of velocities
+  std::optional<double> forward_acceleration = {};  // of accelerations
 
-  // The largest residual; NaN if none was measured.
+  // The largest of the three residuals; NaN if none was measured.
   [[nodiscard]] double residual() const;
-  // The worse of both figures, or the one that is known.
+  // Takes the larger one of each pair of figures, or the known one.
   void merge(const ErrorFigures& o);
 };
 
-// What is proven of one computed posture: that within `uniqueness` of it there is exactly one posture which fulfils the
-// equations of the scene at this double t with these double parameters, and how near it is. Distances are maximum norms
-// over the unknowns that the outputs need, in characteristic lengths (one internal unit; directions: 1). Equations that
-// are redundant, and only watched, have no part in it; neither have velocities and accelerations, nor which branch it
-// is. Laws that are C++ functions count as exact.
+// A proof about one computed posture (Newton-Kantorovich theorem, docs/accuracy.md). Within the distance `uniqueness`
+// there is exactly one posture that satisfies the equations of the scene, for this double time and these double
+// parameters; its distance is at most `radius`. Distances are maximum norms over the unknowns that the outputs need,
+// in characteristic lengths (components of unit vectors count as they are). The proof does not cover redundant
+// equations, velocities, accelerations, and the choice of the branch. Laws that are C++ functions count as exact.
 struct Certificate {
-  double time = 0;
-  double radius = 0;      // largest |computed - true| of an unknown, at most; infinite: nothing is proven
-  double uniqueness = 0;  // infinite if all equations are linear
-  std::string group;      // where the radius is largest; else the first one without a proof
-  std::string why_not;    // there is none; empty: proven
+  double time = 0;        // time of the posture, s
+  double radius = 0;      // bound of |computed - true| for each unknown; infinite: nothing is proven
+  double uniqueness = 0;  // radius of the ball with one solution only; infinite if all equations are linear
+  std::string group;      // group with the largest radius, or the first group without a proof
+  std::string why_not;    // reason why nothing is proven; "": proven
 };
 
-// Of a run: the largest radius, with its time and group, and the smallest uniqueness. Of none: nothing is proven.
+// The weakest proof of a run: the certificate with the largest radius, and the smallest uniqueness of all. If there are
+// no certificates, the radius is infinite.
 [[nodiscard]] Certificate worst_of(std::span<const Certificate> certificates);
 
-// Something that happened at a time: a limit reached, a change point passed, ...
+// An event at a time: a limit was reached, a change point was passed, ...
 struct Event {
-  double time = 0;   // where it was noticed
-  double until = 0;  // end of the bracket, = time if there is none
-  // Or the driver that was set to a value that is not finite, that drives nothing any more, or whose law is wrong; or
-  // the constraint of a wrong callback; or the redundant equation that ceased to hold; "": none.
+  double time = 0;   // s; if the time is known to lie within an interval: its begin
+  double until = 0;  // end of that interval, s; equal to `time` if there is no interval
+  // Name of the object that the event is about: the group; the driver, if its value is not finite, if it drives nothing
+  // any more, or if its law is wrong; the constraint of a wrong callback; or the redundant equation that no longer
+  // holds. "": none.
   std::string group;
-  Code kind = Code::ok;
-  // Residual, contraction, smallest pivot, relative difference of derivatives; of a redundant equation |Phi| / |grad
-  // Phi|.
+  Code kind = Code::ok;  // type of the event
+  // Size: a residual, contraction, smallest pivot, estimated error or relative difference of derivatives; for a
+  // redundant equation |Phi| / |grad Phi|.
   double figure = 0;
-  std::string detail = {};  // which number is wrong, what it is and what it should be; "": nothing more to tell
-  std::string unit = {};    // of the figure: "m" or ""
+  std::string detail = {};  // the wrong number and the expected one, or further explanation; "": none
+  std::string unit = {};    // unit of the figure: "m" or ""
 };
 
+// Report of a run.
 struct Report {
-  Counters counters;
-  Effort effort;  // of all solvers, beyond plain factorisations; lanes of a pack count one by one
-  ErrorFigures error;
-  Status status;       // ok; inaccurate: the first step in doubt; else why the run stopped
-  double reached = 0;  // last time with a valid posture
-  std::vector<Event> events;
-  std::vector<std::string> fallbacks;  // whatever was done otherwise than planned, with the reason
+  Counters counters;                   // work
+  Effort effort;                       // extra work of all solvers; lanes are counted one by one
+  ErrorFigures error;                  // largest errors
+  Status status;                       // ok; `inaccurate` of the first doubtful step; or the reason why the run stopped
+  double reached = 0;                  // last time with a valid posture, s
+  std::vector<Event> events;           // in the order in which they were noticed
+  std::vector<std::string> fallbacks;  // deviations from the plan, with their reasons
 };
 
 }  // namespace assur

@@ -1,4 +1,4 @@
-// A plan as a file: a program that loads one needs assur::core only.
+// Plans as files. A program that loads a plan needs the library assur::core only.
 #pragma once
 
 #include <iosfwd>
@@ -10,23 +10,26 @@
 
 namespace assur {
 
-// Writes all that a Simulator or an Ensemble needs: text, with every number exact and a checksum at its end. Throws
-// Error: input for laws and constraints that are C++ functions, which no file can hold; environment if `out` fails.
+// Writes everything that a Simulator or an Ensemble needs, as text: all numbers are exact, and a checksum ends it.
+// Throws Error: input if a law or constraint is a C++ function, because a file cannot hold it; environment if `out`
+// fails.
 void save_plan(std::ostream& out, const Prepared& prepared);
 
+// Options of load_plan().
 struct LoadOptions {
-  std::span<const Backend> table = core_backends();  // where the plan's backends are looked up
-  // Threads to use at most; empty: Machine::budget() of this machine. A plan with larger p runs with fewer threads,
-  // which changes no bit of the motion, and its `reason` says so.
+  std::span<const Backend> table = core_backends();  // backends that the plan may use; must outlive the plan
+  // Largest number of threads; empty: Machine::budget() of this machine. A plan for a larger P runs with fewer threads.
+  // Its motion is the same bit by bit, and Plan::reason mentions the change.
   std::optional<ThreadBudget> budget = std::nullopt;
 };
 
-// What save_plan() wrote, with nothing chosen anew: the same strategies, the same motion bit by bit where the library
-// is the same. Without Prepared::scene (so that forward_error() has nothing to compare with), without what of the
-// structure only people read, and without Prepared::reselect: where redundant equations would be chosen anew, a step
-// fails with the status of its singularity. Throws Error: input if this is no saved plan, of another format version,
-// truncated or altered; environment if `in` fails, or if a backend of the plan is not in the table or cannot run here,
-// or takes more threads than the budget has.
+// Reads a plan that save_plan() wrote. It uses the same strategies; with the same version of assur the motion is the
+// same bit by bit. Three parts of Prepared are missing: `scene`, so that forward_error() and certify() refuse the plan;
+// `reselect`, so that redundant equations are not chosen anew: near their singularities the run passes a change point
+// with an event, or ends with a status; and the parts of `structure` that only people read. Throws Error: input if the
+// text is no saved plan, has another format version, or is truncated or altered, or if the budget has no thread;
+// environment if `in` fails, or if a backend of the plan is not in the table, cannot run here, or needs more threads
+// than the budget has.
 [[nodiscard]] Prepared load_plan(std::istream& in, const LoadOptions& options = {});
 
 }  // namespace assur

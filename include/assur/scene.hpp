@@ -1,6 +1,6 @@
-// The input: mechanism, drivers, wanted outputs, time grid. SI units, angles in rad.
-// A Scene is immutable, and cheap to copy. It is read from a file, named as a sample, or built in C++ with
-// SceneBuilder.
+// Scenes, the input of the library: mechanism, drivers, wanted outputs and time grid. Units are SI, angles are in rad.
+// A Scene is read from a file, made by name (a sample), or built in C++ with SceneBuilder. docs/scenes.md shows the
+// format by examples. The functions in this header need the library assur::assur.
 #pragma once
 
 #include <array>
@@ -26,129 +26,151 @@ namespace assur {
 
 using Triple = std::array<double, 3>;  // x, y, z; z = 0 in the plane
 
+// A point, whose coordinates are unknowns unless it is fixed or driven. Names consist of letters, digits and
+// underscores.
 struct Point {
-  std::string name;
-  Triple at{};  // position of a fixed point, else the first guess and the source of lengths left out; m
-  bool fixed = false;
+  std::string name;    // unique among points, vectors, bodies, constraints, drivers and measures
+  Triple at{};         // m: position of a fixed point; else a first guess, which also gives lengths that are left out
+  bool fixed = false;  // true: the point never moves
 };
 
+// A unit vector, whose coordinates are unknowns unless it is fixed or driven.
 struct Vector {
-  std::string name;
-  Triple at{};  // normalised when the scene is built
-  bool fixed = false;
-  bool unit = true;  // |u| = 1 is an equation; false if the norm follows from other equations
+  std::string name;    // unique, see Point
+  Triple at{};         // direction of a fixed vector, else a first guess; build() normalises it
+  bool fixed = false;  // true: the vector never turns
+  bool unit = true;    // true: |u| = 1 is an equation; false: the length follows from other equations
 };
 
-// A point or vector with local coordinates in a body: affine in the body's base, no unknowns, no equations.
+// A point or vector that belongs to a body. Its coordinates are affine functions of the base of the body, so that it
+// adds no unknowns and no equations.
 struct Member {
-  std::string name;
-  Triple local{};  // m for points
-  // `local` are ground coordinates of the posture as written; the built scene has them in the body's base.
+  std::string name;  // unique, see Point
+  Triple local{};    // coordinates in the frame of the body: m for points; a vector is normalised by build()
+  // True: `local` holds ground coordinates of the posture as written; build() converts them.
   bool in_ground = false;
 };
 
-// A moving frame. Exactly one of these bases:
-//   3D: origin + frame of three unit vectors (u, v, w), or base of three points, not collinear (local axes: x from the
-//       first to the second, y in their plane towards the third, z = x cross y)
-//   2D: base of two points (local axes: x from the first to the second, y to its left), or origin + frame of one vector
-//   an origin alone: a body that translates
-// The name "ground" is the fixed frame: its members are fixed.
+// A frame that moves, with points and vectors that belong to it. It has exactly one of these bases:
+//   3D: `origin` and `frame` of three unit vectors u, v, w = u x v; or `base` of three points that are not on one line
+//       (local axes: x from the first to the second, y in their plane towards the third, z = x cross y)
+//   2D: `base` of two points (local axes: x from the first to the second, y to its left); or `origin` and `frame` of
+//       one vector
+//   `origin` alone: a body that only translates
+// The body "ground" has no base; its members are fixed.
 struct Body {
-  std::string name;
-  std::string origin;
-  std::vector<std::string> frame;
-  std::vector<std::string> base;
-  std::vector<Member> points;
-  std::vector<Member> vectors;
+  std::string name;                // unique, see Point
+  std::string origin;              // name of a point; "": none
+  std::vector<std::string> frame;  // names of vectors
+  std::vector<std::string> base;   // names of points
+  std::vector<Member> points;      // points that belong to the body
+  std::vector<Member> vectors;     // vectors that belong to the body
 };
 
-// The name of a vector ({"u", ""}), or a pair of points ({"A", "B"}: from A to B).
+// A direction: a vector, or the difference of two points.
 struct Direction {
-  std::string first;
-  std::string second;
+  std::string first;   // name of the vector, or of the first point
+  std::string second;  // name of the second point, which the direction leads to; "": the direction is a vector
 
   Direction() = default;
+  // The direction of a vector.
   Direction(std::string vector) : first(std::move(vector)) {}  // NOLINT: a vector's name is a direction
-  Direction(const char* vector) : first(vector) {}             // NOLINT
+  // The direction of a vector.
+  Direction(const char* vector) : first(vector) {}  // NOLINT
+  // The direction from one point to another; its length is their distance.
   Direction(std::string from, std::string to) : first(std::move(from)), second(std::move(to)) {}
+  // True if the direction is the difference of two points.
   [[nodiscard]] bool is_pair() const { return !second.empty(); }
 };
 
-// ---- constraints: the equations are those of the scene format, one struct for each type
+// ---- constraints: one struct for each kind; NAME is the name of the constraint
 
-struct Distance {  // |P - Q|^2 = value^2
-  std::string p, q;
-  std::optional<double> value = {};  // m, > 0; left out: from `at`
+// The distance of two points is constant: |P - Q|^2 = value^2.
+struct Distance {
+  std::string p, q;                  // names of points
+  std::optional<double> value = {};  // m, > 0; empty: the distance in the posture as written
 };
-struct EqualDistance {  // |P - Q|^2 = |R - S|^2
-  std::string p, q, r, s;
+// Two distances are equal: |P - Q|^2 = |R - S|^2.
+struct EqualDistance {
+  std::string p, q, r, s;  // names of points
 };
-struct Dot {  // d . e = value
-  Direction d, e;
-  std::optional<double> value = {};  // left out: from `at`
+// A dot product is constant: d . e = value.
+struct Dot {
+  Direction d, e;                    // the two directions
+  std::optional<double> value = {};  // 1, m or m^2, as the directions are vectors or pairs; empty: as written
 };
-struct Parallel {  // e - lambda d = 0, lambda = NAME.lambda
-  Direction d, e;
+// Two directions are parallel: e = lambda d, with the unknown NAME.lambda.
+struct Parallel {
+  Direction d, e;  // the two directions
 };
-struct Linear {  // sum factor * (point or vector) = value
-  std::vector<std::pair<std::string, double>> terms;
-  Triple value{};
+// A sum is constant: sum factor * (point or vector) = value, one equation for each coordinate.
+struct Linear {
+  std::vector<std::pair<std::string, double>> terms;  // name of the point or vector, factor other than 0
+  Triple value{};                                     // m if there is a point among the terms, else 1
 };
-struct FixedCoordinate {   // one coordinate is a constant
-  std::string coordinate;  // "P.x"
-  double value = 0;
+// One coordinate is constant.
+struct FixedCoordinate {
+  std::string coordinate;  // "P.x", "name.lambda"
+  double value = 0;        // in the unit of the coordinate
 };
-struct OnLine {  // P - A - lambda d = 0
-  std::string p, a;
-  Direction d;
+// A point is on a line: P = A + lambda d, with the unknown NAME.lambda.
+struct OnLine {
+  std::string p, a;  // names of points: on the line, and the origin of the line
+  Direction d;       // direction of the line
 };
-struct OnPlane {  // P - A - lambda d - mu e = 0, 3D
-  std::string p, a;
-  Direction d, e;
+// A point is on a plane, in space: P = A + lambda d + mu e, with the unknowns NAME.lambda and NAME.mu.
+struct OnPlane {
+  std::string p, a;  // names of points: on the plane, and the origin of the plane
+  Direction d, e;    // two directions that span the plane
 };
 
-// Equations given by the user's code, C++ only. `coordinates` names scalars ("P.x", "name.lambda", or a driver of
-// kind `distance` or `coordinate` for its known value); all arguments and results are in SI units and not scaled.
-// Not quadratic: no certificate. The residual is trusted: it says what the mechanism is. Jacobian and curvature are
-// held against differences (docs/accuracy.md): the functions are then called next to the posture, too; what
-// they throw there means that they are not defined there.
+// Equations of a C++ function, for scenes built in C++. All arguments and results are in SI units. The equations are
+// not quadratic, so that their groups have no certificates. assur trusts the residual, and compares Jacobian and
+// curvature with differences (docs/accuracy.md). For this it calls the functions near the posture as well; an exception
+// there means that the function is not defined there. Several threads may call the functions at once, see Simulator.
 struct Callback {
-  std::vector<std::string> coordinates;  // m of them
-  int equations = 0;                     // r
-  // residual(x[m], phi[r])
+  // Arguments x (m of them): names of scalars, "P.x" or "name.lambda", or of drivers of a distance or coordinate.
+  std::vector<std::string> coordinates;
+  int equations = 0;  // number of equations r, at least 1
+  // residual(x[m], phi[r]) sets phi, which is 0 in a posture of the mechanism.
   std::function<void(std::span<const double>, std::span<double>)> residual;
-  // jacobian(x[m], J[r * m], row-major)
+  // jacobian(x[m], J[r * m]) sets all entries dphi_i/dx_j, row-major.
   std::function<void(std::span<const double>, std::span<double>)> jacobian;
-  // curvature(x[m], x'[m], c[r]): the term d/dt(Phi_q) q' of the acceleration equation
+  // curvature(x[m], x'[m], c[r]) sets c = d/dt(J) x', a term of the acceleration equation.
   std::function<void(std::span<const double>, std::span<const double>, std::span<double>)> curvature;
-  // How far derivatives may be off, where they are meant to be approximations; infinite: nothing is checked.
+  // Tolerance of the derivatives, >= 0; raise it if they are approximations. Infinite: they are not checked.
   double tolerance = kDerivativeTolerance;
 };
 
-// A kind that is large, kept apart: most constraints are distances, and a scene may have millions.
+// A kind of constraint that is stored on the heap. Most constraints are distances, and a scene may have millions: this
+// keeps the variant in Constraint small. Copies share the kind. It converts from and to the kind itself.
 template <class Kind>
 class Apart {
  public:
+  // Stores a kind.
   Apart(Kind kind) : kind_(std::make_shared<const Kind>(std::move(kind))) {}  // NOLINT: stands for the kind itself
-  operator const Kind&() const { return *kind_; }                             // NOLINT
+  // The kind that is stored; valid as long as a copy of this object.
+  operator const Kind&() const { return *kind_; }  // NOLINT
 
  private:
   std::shared_ptr<const Kind> kind_;  // of all copies
 };
 
+// A constraint: equations between points, vectors and scalars.
 struct Constraint {
-  std::string name;
+  std::string name;  // unique, see Point
+  // One of the structs above. Use visit() or as() to read it.
   std::variant<Distance, Apart<EqualDistance>, Apart<Dot>, Apart<Parallel>, Linear, FixedCoordinate, Apart<OnLine>,
                Apart<OnPlane>, Apart<Callback>>
       kind;
 
-  // visitor(kind), whichever it is.
+  // Calls visitor(kind) with the struct of the constraint, and returns the result.
   template <class Visitor>
   decltype(auto) visit(Visitor&& visitor) const {
     return std::visit([&](const auto& own) -> decltype(auto) { return visitor(itself(own)); }, kind);
   }
 
-  // As that kind; null: it is of another one.
+  // The struct of the constraint if it is of this kind, else null; valid as long as the constraint.
   template <class Kind>
   [[nodiscard]] const Kind* as() const {
     return visit([](const auto& own) -> const Kind* {
@@ -173,105 +195,137 @@ struct Constraint {
 
 // ---- drivers
 
-struct PointAngle {  // 2D: direction of AB from +x; 3D: right-handed about `axis` (fixed), zero where `at` is
-  std::string a, b;
-  std::string axis;  // 3D only
-  Law law;
+// Drives the direction of AB. 2D: the angle from +x, counter-clockwise. 3D: the angle about a fixed axis, right-handed,
+// zero in the posture as written. A Distance between A and B then gives the radius and costs no equation.
+struct PointAngle {
+  std::string a, b;  // names of points
+  std::string axis;  // 3D: name of a fixed vector; 2D: ""
+  Law law;           // rad
 };
-struct RelativeAngle {  // from d to e, right-handed about `axis` (2D: none)
-  Direction d, e;
-  std::string axis;
-  Law law;
+// Drives the angle from one direction to another, right-handed about an axis (2D: the normal). Adds the unknown
+// NAME.rho, the product of the lengths of both directions; 3D with a moving axis: also the vector NAME.across.
+struct RelativeAngle {
+  Direction d, e;    // from d to e
+  std::string axis;  // 3D: name of a vector, which may move; 2D: ""
+  Law law;           // rad
 };
+// Drives the distance of two points, a linear actuator.
 struct DrivenDistance {
-  std::string a, b;
-  Law law;
+  std::string a, b;  // names of points
+  Law law;           // m; must stay > 0
 };
+// Drives one coordinate, e.g. of a point, or the displacement of a slider.
 struct DrivenCoordinate {
   std::string coordinate;  // "P.x", "name.lambda"
-  Law law;
+  Law law;                 // in the unit of the coordinate
 };
+// Drives a whole body.
 struct Pose {
-  std::string body;
-  std::vector<Law> translation;  // dimension of them
-  std::vector<Law> rotation;     // 3D: psi, theta, phi of Rz Ry Rx; 2D: one angle; empty for a body that translates
+  std::string body;              // name of the body
+  std::vector<Law> translation;  // coordinates of the origin of the body: 3 laws in space, 2 in the plane; m
+  // rad; 3D: psi, theta, phi of Rz(psi) Ry(theta) Rx(phi); 2D: one angle; none for a body that only translates.
+  std::vector<Law> rotation;
 };
 
+// A driver: it prescribes a motion by laws.
 struct Driver {
-  std::string name;
+  std::string name;  // unique, see Point
+  // One of the structs above.
   std::variant<PointAngle, RelativeAngle, DrivenDistance, DrivenCoordinate, Pose> kind;
-  // The laws say by how much the driver is off its value in the posture as written.
+  // True: the laws give the difference from the value of the driver in the posture as written.
   bool relative = false;
 };
 
 // ---- measures
 
-struct AbsoluteAngle {  // 2D: direction of AB from +x
-  std::string a, b;
+// Direction of AB from +x, in the plane; rad. Begins in (-pi, pi] and follows the motion through whole turns.
+struct AbsoluteAngle {
+  std::string a, b;  // names of points
 };
-// 2D: signed from d to e; 3D with axis: atan2(axis . (d x e), d . e); 3D without: in [0, pi], and at these ends it has
-// no derivatives (NaN; empty in a CSV), with the status inaccurate, unless it is at rest there.
+// Angle from d to e; rad. Signed in the plane, and in space with an axis: atan2(axis . (d x e), d . e), which follows
+// the motion through whole turns. In space without an axis it is in [0, pi]; at these ends it has no derivatives (NaN),
+// and the step is `inaccurate` unless the angle is at rest.
 struct AngleBetween {
-  Direction d, e;
-  std::string axis;
+  Direction d, e;    // from d to e
+  std::string axis;  // 3D: name of a vector, or ""; 2D: ""
 };
-struct MeasuredDistance {  // at 0 as an angle at its ends
-  std::string a, b;
+// Distance of two points; m. At 0 it has no derivatives (NaN), and the step is `inaccurate` unless it is at rest.
+struct MeasuredDistance {
+  std::string a, b;  // names of points
 };
+// One coordinate, in its unit.
 struct MeasuredCoordinate {
-  std::string coordinate;
+  std::string coordinate;  // "P.x", "name.lambda"
 };
-// A constant and multiples of other measures, all of one unit; none of them is a combination.
+// A constant plus multiples of other measures of one unit.
 struct Combination {
-  std::vector<std::pair<std::string, double>> terms;  // measure, factor
-  double constant = 0;                                // in that unit
+  std::vector<std::pair<std::string, double>> terms;  // name of a measure that is no combination, factor other than 0
+  double constant = 0;                                // in the unit of the measures
 };
 
+// A measure: a quantity that can be an output.
 struct Measure {
-  std::string name;
+  std::string name;  // unique, see Point
+  // One of the structs above.
   std::variant<AbsoluteAngle, AngleBetween, MeasuredDistance, MeasuredCoordinate, Combination> kind;
 };
 
+// A structural group that the scene declares: a union of irreducible groups.
 struct DeclaredGroup {
-  std::string name;
-  std::vector<std::string> unknowns;  // points, vectors, auxiliary scalars ("name.lambda")
-  bool keep = false;                  // do not shrink to what the outputs need
+  std::string name;                   // for messages and reports
+  std::vector<std::string> unknowns;  // names of points, vectors and auxiliary scalars ("name.lambda")
+  bool keep = false;                  // true: solve all of it; false: only the part that the outputs need
 };
 
-// Seconds; (end - start) / step is a whole number within 1e-9 and the rounding of times, at most 1e12.
+// The times t_k = start + k * step, k = 0..N. (end - start) / step must be a whole number, within 1e-9 and the rounding
+// of times, and at most 1e12.
 struct TimeGrid {
-  double start = 0;
-  double end = 0;
-  double step = 0;
+  double start = 0;  // first time, s
+  double end = 0;    // last time, s
+  double step = 0;   // s, > 0; a scene without a time grid has three zeros, and one row
 
-  // N of t_k = start + k * step, k = 0..N
+  // N, the number of steps.
   [[nodiscard]] std::int64_t steps() const { return step > 0 ? std::llround((end - start) / step) : 0; }
+  // t_k, s.
   [[nodiscard]] double time(std::int64_t k) const { return start + static_cast<double>(k) * step; }
 };
 
+// A mechanism with drivers, measures, outputs and a time grid, checked as a whole. A Scene does not change, and copies
+// share their parts: references that its functions return are valid as long as the scene.
 class Scene {
  public:
+  // Name of the scene.
   [[nodiscard]] const std::string& name() const { return parts_->name; }
+  // 2: in the plane, 3: in space.
   [[nodiscard]] int dimension() const { return parts_->dimension; }
+  // All points but those of bodies, in the order in which they were added.
   [[nodiscard]] const std::vector<Point>& points() const { return parts_->points; }
+  // All vectors but those of bodies; normalised.
   [[nodiscard]] const std::vector<Vector>& vectors() const { return parts_->vectors; }
-  // Each after those whose members its base is made of.
+  // All bodies. If the base of a body contains members of another body, the other body comes first.
   [[nodiscard]] const std::vector<Body>& bodies() const { return parts_->bodies; }
+  // All constraints, in the order in which they were added.
   [[nodiscard]] const std::vector<Constraint>& constraints() const { return parts_->constraints; }
+  // All drivers, in the order in which they were added; Place::driver counts in it.
   [[nodiscard]] const std::vector<Driver>& drivers() const { return parts_->drivers; }
+  // All measures, in the order in which they were added.
   [[nodiscard]] const std::vector<Measure>& measures() const { return parts_->measures; }
+  // The declared groups.
   [[nodiscard]] const std::vector<DeclaredGroup>& groups() const { return parts_->groups; }
-  [[nodiscard]] const std::vector<std::string>& outputs() const { return outputs_; }  // as written; empty: everything
+  // The wanted outputs as written; if there are none, everything that moves is computed.
+  [[nodiscard]] const std::vector<std::string>& outputs() const { return outputs_; }
+  // The time grid.
   [[nodiscard]] const TimeGrid& time() const { return time_; }
-  // The CSV files that its laws were read from, as reading found them.
+  // Paths of the CSV files that the laws were read from.
   [[nodiscard]] const std::vector<std::filesystem::path>& tables() const { return parts_->tables; }
-  // Notes that are no errors: a vector that had to be normalised, ...
+  // Findings that are no errors, e.g. a vector that had to be normalised.
   [[nodiscard]] const std::vector<Diagnostic>& warnings() const { return parts_->warnings; }
 
-  // The same mechanism with other wanted outputs: "C", "C.velocity", columns such as "C.vx", or "all" alone, which is
-  // everything. Throws Error (input) for a name that is not there, with the names that are.
+  // The same mechanism with other outputs: "C", "C.velocity", columns such as "C.vx", or "all" alone. Throws Error
+  // (input), with the known names, if a name is unknown.
   [[nodiscard]] Scene with_outputs(std::vector<std::string> outputs) const;
-  // Over another time grid; throws Error (input) if it has no whole number of steps.
+  // The same mechanism with another time grid. Throws Error (input) if the grid has no whole number of steps, or if a
+  // table does not cover it.
   [[nodiscard]] Scene with_time(TimeGrid time) const;
 
  private:
@@ -294,52 +348,66 @@ class Scene {
   TimeGrid time_;
 };
 
-// Collects a scene; build() checks it as a whole and reports everything that is wrong in one go. Order does not matter.
+// Builds a scene in C++. The parts may be added in any order; each function returns the builder itself. Nothing is
+// checked before build(), which reports all errors together.
 class SceneBuilder {
  public:
+  // Begins a scene without parts. dimension: 2 (plane) or 3 (space).
   SceneBuilder(std::string name, int dimension);
 
+  // Adds a point with a first guess, m.
   SceneBuilder& point(std::string name, Triple at) { return add(Point{std::move(name), at, false}); }
+  // Adds a point that never moves; m.
   SceneBuilder& fixed_point(std::string name, Triple at) { return add(Point{std::move(name), at, true}); }
+  // Adds a vector with a first guess. If `unit` is false, its length follows from other equations.
   SceneBuilder& vector(std::string name, Triple at, bool unit = true) {
     return add(Vector{std::move(name), at, false, unit});
   }
+  // Adds a unit vector that never turns.
   SceneBuilder& fixed_vector(std::string name, Triple at) { return add(Vector{std::move(name), at, true, true}); }
 
-  SceneBuilder& add(Point point);
-  SceneBuilder& add(Vector vector);
-  SceneBuilder& add(Body body);
-  SceneBuilder& add(Constraint constraint);
-  SceneBuilder& add(Driver driver);
-  SceneBuilder& add(Measure measure);
-  SceneBuilder& add(DeclaredGroup group);
+  SceneBuilder& add(Point point);            // adds a point
+  SceneBuilder& add(Vector vector);          // adds a vector
+  SceneBuilder& add(Body body);              // adds a body
+  SceneBuilder& add(Constraint constraint);  // adds a constraint
+  SceneBuilder& add(Driver driver);          // adds a driver
+  SceneBuilder& add(Measure measure);        // adds a measure
+  SceneBuilder& add(DeclaredGroup group);    // adds a declared group
 
+  // Adds a constraint, e.g. constrain("coupler", Distance{"B", "C", 1.8}).
   template <class Kind>
   SceneBuilder& constrain(std::string name, Kind kind) {
     return add(Constraint{std::move(name), std::move(kind)});
   }
+  // Adds a driver, e.g. drive("motor", PointAngle{"A", "B", "", law}). If `relative` is true, the laws give the
+  // difference from the value in the posture as written.
   template <class Kind>
   SceneBuilder& drive(std::string name, Kind kind, bool relative = false) {
     return add(Driver{std::move(name), std::move(kind), relative});
   }
+  // Adds a measure, e.g. measure("rocker_angle", AbsoluteAngle{"D", "C"}).
   template <class Kind>
   SceneBuilder& measure(std::string name, Kind kind) {
     return add(Measure{std::move(name), std::move(kind)});
   }
-  // Room for as many; a scene may have millions.
+  // Reserves memory for this many points and constraints, for large scenes.
   SceneBuilder& reserve(std::size_t points, std::size_t constraints);
 
+  // Adds an output: "C", "C.velocity", a column such as "C.vx", or "all" alone. Without outputs, everything that moves
+  // is computed.
   SceneBuilder& output(std::string name);
+  // Sets the time grid, s.
   SceneBuilder& time(double start, double end, double step);
-  SceneBuilder& table(std::filesystem::path file);  // that a law was read from
+  SceneBuilder& table(std::filesystem::path file);  // adds a path to Scene::tables()
 
-  // What is already known to be wrong (a reader's own findings), reported together with those of build(), which finds
-  // nothing again at, above or below that place. Without `what`: wrong for a reason given elsewhere.
+  // Adds an error that the caller found, e.g. while reading a file. build() reports it with its own findings, and
+  // reports nothing else at, above or below that place. An empty `what` marks a place whose error is reported
+  // elsewhere.
   SceneBuilder& diagnose(Diagnostic diagnostic);
 
-  // Throws Error (input) with every diagnostic.
-  // An rvalue is used up, not copied.
+  // Checks and returns the scene; the builder keeps its parts. Throws Error (input) with every finding.
   [[nodiscard]] Scene build() const& { return SceneBuilder(*this).finish(); }
+  // Checks and returns the scene without copying; the builder loses its parts. Throws Error (input) with every finding.
   [[nodiscard]] Scene build() && { return finish(); }
 
  private:
@@ -351,34 +419,38 @@ class SceneBuilder {
   std::vector<Diagnostic> found_;
 };
 
-// Values of parameters that replace those of the scene (`--set name=value`).
+// Values of parameters, by name, which replace those of a scene (`--set name=value`).
 using Parameters = std::map<std::string, double>;
 
-// Reads a scene file: a regular file of at most 1 GB. Its tables, CSV files of at most 256 MB, lie in its folder or in
-// one of `more_folders`, wherever links lead. Throws Error: kind environment if the file cannot be read, kind input
-// with every diagnostic ("FILE: /json/pointer: what") otherwise.
+// Reads a scene file: JSON, a regular file of at most 1 GB. Its tables, CSV files of at most 256 MB, must lie in or
+// below the folder of the scene or one of `more_folders`, after links are followed. Throws Error: environment if the
+// file cannot be read, input with every finding ("FILE: /json/pointer: what") if the scene or a table is wrong.
 [[nodiscard]] Scene read_scene(const std::filesystem::path& file, const Parameters& set = {},
                                const std::vector<std::filesystem::path>& more_folders = {});
 
-// The same from text; tables are looked up relative to `folder`, `name` stands in front of the diagnostics.
+// Reads a scene from text. Paths of tables are relative to `folder`; `name` stands before each finding, and names a
+// scene that has no name. Throws Error (input) like read_scene().
 [[nodiscard]] Scene parse_scene(std::string_view text, const std::string& name = "scene",
                                 const std::filesystem::path& folder = ".", const Parameters& set = {},
                                 const std::vector<std::filesystem::path>& more_folders = {});
 
-// A sample by its text: "stewart", "stewart:legs=22", "four_bar:64", ... Throws Error (input) that lists the samples.
+// Makes a sample from its text: "stewart", "stewart:legs=22", "four_bar:64", ... `set` sets options, too. Throws Error:
+// input, with a list of the samples or options, if a name or value is wrong; environment if the sample needs more
+// memory than is free.
 [[nodiscard]] Scene sample(std::string_view text, const Parameters& set = {});
 
-// True if the text before ':' is the name of a sample.
+// True if the text up to the first ':' is the name of a sample.
 [[nodiscard]] bool is_sample(std::string_view text);
 
-// A file if one of that name exists or only a file can be meant ('/', .json), else a sample: the command's SCENE.
+// Reads the SCENE of the command: a file if a file of this name exists, or if the text has a '/' or ends with .json and
+// is no sample; else a sample. Throws like read_scene() and sample().
 [[nodiscard]] Scene open_scene(const std::string& file_or_sample, const Parameters& set = {},
                                const std::vector<std::filesystem::path>& more_folders = {});
 
-// Many sets of parameters, for an ensemble: a CSV whose first line names them and whose further lines are one set each,
-// a regular file of at most 256 MB.
-// Throws Error: kind environment if the file cannot be read, kind input with what is wrong ("FILE: line 3, column 2
-// (crank): what"). Whether a scene has such parameters is not asked here.
+// Reads sets of parameters for an ensemble from a CSV, a regular file of at most 256 MB: the first line has the names,
+// each further line the values of one set. Whether a scene has these parameters is not checked here. Throws Error:
+// environment if the file cannot be read, or if its sets need more memory than is free; input with every finding
+// ("FILE: line 3, column 2 (crank): what") if the content is wrong.
 [[nodiscard]] std::vector<Parameters> read_variants(const std::filesystem::path& file);
 
 }  // namespace assur

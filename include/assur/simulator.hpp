@@ -1,5 +1,6 @@
-// Runs a plan, and owns every workspace that this takes. After construction step() allocates nothing,
-// locks nothing, throws nothing and reads no file, except on a reported numerical event, with backends marked steady.
+// The simulator: runs a plan, and owns all memory that this needs. After construction, step() allocates no memory,
+// takes no lock and reads no file, if the backends are marked `steady`; an exception is a numerical event that the
+// report names. step() throws only what laws and callbacks throw.
 #pragma once
 
 #include <cstdint>
@@ -17,25 +18,29 @@
 
 namespace assur {
 
-// Results of a run: rows of doubles in SI units, contiguous [time][output].
+// Results of a run in SI units, contiguous [time][output].
 class Trajectory {
  public:
-  [[nodiscard]] const std::vector<std::string>& columns() const {
-    return columns_;
-  }  // "C.x", "C.vx", "angle.rate", ...
+  // Names of the outputs: "C.x", "C.vx", "angle.rate", ...
+  [[nodiscard]] const std::vector<std::string>& columns() const { return columns_; }
+  // Times of the rows, s.
   [[nodiscard]] const std::vector<double>& times() const { return times_; }
+  // Number of rows: the times that the run reached.
   [[nodiscard]] std::size_t rows() const { return times_.size(); }
-  // Index of a column; throws Error (input) with a list of the columns if there is none of that name.
+  // Index of a column. Throws Error (input), with a list of the columns, if there is no such name.
   [[nodiscard]] std::size_t index(std::string_view column) const;
+  // All outputs at times()[k].
   [[nodiscard]] std::span<const double> row(std::size_t k) const {
     return {values_.data() + k * columns_.size(), columns_.size()};
   }
+  // One output at times()[row].
   [[nodiscard]] double operator()(std::size_t row, std::size_t column) const {
     return values_[row * columns_.size() + column];
   }
-  // In the last row; a trajectory without rows has none.
+  // One output in the last row, by its name. The trajectory must have a row. Throws like index().
   [[nodiscard]] double last(std::string_view column) const { return (*this)(rows() - 1, index(column)); }
-  [[nodiscard]] const std::vector<double>& values() const { return values_; }  // rows x columns
+  // All values: rows x columns.
+  [[nodiscard]] const std::vector<double>& values() const { return values_; }
 
  private:
   friend class Simulator;
@@ -44,43 +49,48 @@ class Trajectory {
   std::vector<double> values_;
 };
 
-// t, then every column: the shortest text that reads back as the same double, nothing for NaN.
+// Writes a CSV with the columns `t` and all outputs. Each number is the shortest text that reads back as the same
+// double; NaN is empty.
 void write_csv(std::ostream& out, const Trajectory& trajectory);
 
-// What a control loop asks of one step.
+// Limits of one step, e.g. for a control loop.
 struct StepLimits {
-  int iterations = 0;        // exactly this many Newton iterations for each group but those of the first level (the
-                             // paper's tEnd2); 0: as many as convergence takes
-  int most_iterations = 12;  // then the step is halved
-  double seconds = 0;        // deadline of one step by the monotonic clock; 0: none
-  // Processors, one for each thread of the strategy (Machine::cores): each thread stays on its own and waits without
-  // ever sleeping. Empty: wherever the system puts them.
+  // Exactly this many Newton iterations for each group behind the first level (the variant tEnd2 of the paper that
+  // docs/method.md names); 0: as many as convergence needs.
+  int iterations = 0;
+  int most_iterations = 12;  // iterations after which the step is halved, at least 1
+  double seconds = 0;        // deadline of one step by the monotonic clock, checked between groups; 0: none
+  // Processors to pin threads to, one for each thread of the strategy (Machine::cores). Pinned threads busy-wait; use
+  // dedicated cores. Empty: the system places the threads.
   std::vector<int> pin_to = {};
 };
 
-// How well one group is solved at a posture, and how well it can be.
+// Accuracy of one group at a posture.
 struct GroupFigures {
-  std::int32_t group = 0;      // index into Structure::groups
-  double residual = 0;         // the largest |Phi_i| / (sum_j |dPhi_i/dq_j| |q_j| + |constant|)
-  double condition = 0;        // how many times as large as the residuals the error of an unknown may be: the maximum
-                               // norm of |J^-1| times those sums, over the characteristic length
-  double estimated_error = 0;  // of its unknowns, over the characteristic length; those of its inputs included
+  std::int32_t group = 0;  // index into Structure::groups
+  double residual = 0;     // max over i of |Phi_i| / s_i with s_i = sum_j |dPhi_i/dq_j| |q_j| + |constant|
+  // Factor by which the error of an unknown may exceed the residual: the maximum norm of |J^-1| s, relative to the
+  // characteristic length.
+  double condition = 0;
+  double estimated_error = 0;  // of the unknowns, relative to the characteristic length; includes errors of the inputs
 };
 
-// All that the next steps of a simulator depend on: posture, rates and the older postures that predictions read, the
-// turns of angles, what drivers were set to, the equations chosen among redundant ones, and what is known of the
-// errors. It may be copied, and outlives its simulator.
+// Saved state of a simulator, which determines its next steps: posture, rates, older postures for the prediction, turns
+// of angles, values that drivers were set to, the chosen set of redundant equations, and error estimates. A state may
+// outlive its simulator.
 class SimulatorState {
  public:
-  SimulatorState();
-  SimulatorState(const SimulatorState& other);
-  SimulatorState(SimulatorState&& other) noexcept;
-  SimulatorState& operator=(const SimulatorState& other);
-  SimulatorState& operator=(SimulatorState&& other) noexcept;
+  SimulatorState();                                            // empty: Simulator::restore() refuses it
+  SimulatorState(const SimulatorState& other);                 // copies the state
+  SimulatorState(SimulatorState&& other) noexcept;             // `other` is then empty
+  SimulatorState& operator=(const SimulatorState& other);      // copies the state
+  SimulatorState& operator=(SimulatorState&& other) noexcept;  // `other` is then empty
   ~SimulatorState();
 
+  // True until a simulator saves to it.
   [[nodiscard]] bool empty() const { return impl_ == nullptr; }
-  [[nodiscard]] double time() const;  // NaN if it is empty
+  // Time of the posture, s; NaN if the state is empty.
+  [[nodiscard]] double time() const;
 
  private:
   friend class Simulator;
@@ -88,75 +98,89 @@ class SimulatorState {
   std::unique_ptr<Impl> impl_;
 };
 
-// Simulators share nothing that changes: each thread of the program's may use its own, within a parallel region of
-// OpenMP too, with the threads of its plan; one simulator serves one thread at a time, whichever that is. The child of
-// a fork() may go on with those that no other thread was using at that moment; they start their threads anew.
+// Moves one mechanism. Simulators share no data that changes: each thread of the program may use its own one, also
+// within a parallel region of OpenMP, with the threads of its plan. One simulator serves one thread at a time; the
+// thread may change. After a fork(), both processes may go on with those simulators that no thread was using at that
+// moment; in the child they start new threads.
 //
-// With p threads, packs of one level, or chunks, are solved at once: then several threads call callbacks, and those of
-// chunks also laws, at the same time. p changes no bit of the motion.
+// P threads solve P packs of a level, or P packs of chunks, at once. Then several threads call callbacks at the same
+// time, and with chunks also laws. The motion is bitwise identical for every P.
+//
+// References and spans that a simulator returns are valid until its next call that is not const.
 class Simulator {
  public:
-  // Throws Error: environment if the plan cannot run here, input for bad limits, numerical if the start has no rates.
+  // Begins at the assembled start posture. Throws Error: environment if the plan cannot run here, input for a negative
+  // limit or most_iterations = 0, numerical if the start posture has no velocities (it is singular).
   explicit Simulator(Prepared prepared, StepLimits limits = {});
-  Simulator(Simulator&&) noexcept;
-  Simulator& operator=(Simulator&&) noexcept;
+  Simulator(Simulator&&) noexcept;             // the other simulator may then only be destroyed or assigned to
+  Simulator& operator=(Simulator&&) noexcept;  // the other simulator may then only be destroyed or assigned to
   ~Simulator();
 
-  // The assembled start posture is the state after construction, at the scene's start time.
+  // Time of the current posture, s; after construction the start time of the scene.
   [[nodiscard]] double time() const;
 
-  // Moves to time t, which may be earlier than time(), by continuation: the step is halved where needed. On failure the
-  // last good posture on the way is kept (time() says which) and the status says why. Code::inaccurate is no failure:
-  // time t is reached, and an event says how wrong it may be. What a law or a callback throws comes from here, and then
-  // the last good posture is kept too.
+  // Moves to time t (s), which may be earlier than time(), by continuation: the step is divided where needed. If it
+  // fails, the status gives the reason, and the simulator keeps the last good posture on the way, at time().
+  // Code::inaccurate is no failure: time t is reached, and an event gives the estimated error. Exceptions from laws and
+  // callbacks propagate, and leave the last good posture as well.
   Status step(double t);
 
-  // Control: the driver's value, rate and acceleration at the next step (SI units). `driver` is the name of a driver
-  // of an angle, a distance or a coordinate, or one value of a pose: "pose.x", "pose.y", "pose.z", "pose.psi",
-  // "pose.theta", "pose.phi" in space, "pose.x", "pose.y", "pose.angle" in the plane, where "pose" is the driver's
-  // name; values of a pose that were not set follow their laws. Throws Error (input) for any other name. A value that
-  // is not finite fails that step as not_finite, with an event that names the driver; nothing of what was set for it is
-  // kept.
+  // Sets the target of a controlled driver for the next step: value, rate and acceleration in SI units, absolute even
+  // if the laws are relative. `driver` names a driver of an angle, distance or coordinate, or one value of a pose:
+  // "pose.x", "pose.y", "pose.z", "pose.psi", "pose.theta", "pose.phi" in space, "pose.x", "pose.y", "pose.angle" in
+  // the plane, where "pose" is the name of the driver. Values of a pose that are not set follow their laws. After the
+  // step, a driver rests at its value until it is set again. Throws Error (input) if this is not a controlled driver. A
+  // number that is not finite lets the next step fail as not_finite, with an event that names the driver; all targets
+  // of that step are then dropped.
   void set(std::string_view driver, double value, double rate = 0, double acceleration = 0);
 
-  // One grid step further with what has been set; the other drivers follow their laws. A step that fails leaves the
-  // simulator as it was before: time, posture, rates and all that save() holds, and nothing of what was set for it is
-  // kept; status and events say why, and how far the way was open. Controlled drivers that move are first tried to stop
-  // at once, where the way back from a limit would lead into it.
+  // Takes one step of the time grid towards the targets that were set; other drivers follow their laws. A step that
+  // fails restores the state before it (as save() holds it) and drops its targets; status and events give the reason
+  // and the part of the way that was open. Near a limit a driver may overshoot: if a step fails, it is tried again from
+  // rest, with all controlled drivers stopped at once.
   Status step();
 
-  // All that the next steps depend on, and back to it: the same steps follow bit by bit, in this simulator or in
-  // another one of the same Prepared, unless a solver had to find another pivot order in between, which changes last
-  // bits. What the report says of the run goes on. save() takes no memory if `into` has been saved to before. restore()
-  // throws Error (input) if the state is empty or of another Prepared.
+  // Saves the state. The same steps from it then follow bit by bit, in this simulator or in another one of the same
+  // Prepared, unless a solver has found another pivot order in between, which changes last bits. Allocates no memory if
+  // `into` was saved to before by a simulator of the same Prepared.
   void save(SimulatorState& into);
+  // Saves the state to a new object.
   [[nodiscard]] SimulatorState save();
+  // Returns to a saved state; the counters and events of the report continue. Throws Error (input) if the state is
+  // empty or belongs to another Prepared.
   void restore(const SimulatorState& state);
 
-  // Back to the last posture from which the way is open, with all that save() holds: one that was reached by a step
-  // which was not divided, so that at most 0.7 of the ball was used in which the posture is known to be the only one
-  // (lib/group/branch.hpp). Nothing changes if the posture at hand is one.
+  // Returns to the last posture from which the way is open: one that an undivided step reached. Such a step uses at
+  // most 0.7 of the ball in which the posture is the only solution (lib/group/branch.hpp). The whole state returns, as
+  // with restore(). Changes nothing if the current posture is such a posture.
   void retreat();
 
-  // From the start over the scene's time grid, or over `times`. Stops at the first failure: what was reached is
-  // kept. `observer` (k rows done of n) may return false to stop. Throws Error: input if `times` descend anywhere or
-  // are not finite, environment if there is no memory for the rows. Exceptions from laws and callbacks propagate.
+  // Called after each row of a run with the number of rows done and of all rows; returns false to stop the run.
   using Observer = std::function<bool(std::int64_t done, std::int64_t of)>;
+  // Runs from the start posture over the time grid of the scene. Stops at the first failure and returns the rows that
+  // were reached; report() has the status. Exceptions from laws and callbacks propagate. Throws Error (environment) if
+  // there is no memory for the rows.
   Trajectory run(const Observer& observer = {});
+  // The same over `times` (s). Throws also Error (input) if they descend or are not finite.
   Trajectory run(std::span<const double> times, const Observer& observer = {});
 
-  // Back to the assembled start posture; counters and events are cleared.
+  // Returns to the assembled start posture, and clears the report and all targets of drivers.
   void reset();
 
-  // The outputs at time(), in the order of columns().
+  // Names of the outputs, as in Trajectory::columns().
   [[nodiscard]] const std::vector<std::string>& columns() const;
+  // All outputs at time() in SI units, in the order of columns().
   [[nodiscard]] std::span<const double> outputs() const;
+  // One output at time() by its name. Throws Error (input), with a list of the columns, if there is no such name.
   [[nodiscard]] double output(std::string_view column) const;
 
-  // Of every group, at time(). Takes memory and the time of several steps.
+  // Accuracy of every group at time(), in the order of Structure::groups. The findings count for the report. Allocates
+  // memory and takes the time of several steps.
   [[nodiscard]] std::vector<GroupFigures> examine();
 
-  [[nodiscard]] const Report& report() const;  // each call updates effort, fallbacks and estimates: do not keep it
+  // Report since construction, reset() or the begin of run(). Each call updates effort, fallbacks and estimates.
+  [[nodiscard]] const Report& report() const;
+  // The plan and structure in use; another choice among redundant equations replaces them.
   [[nodiscard]] const Prepared& prepared() const;
 
  private:
@@ -167,23 +191,29 @@ class Simulator {
   std::unique_ptr<Impl> impl_;
 };
 
-struct ForwardError {  // NaN: no output is of that kind
-  double position = ErrorFigures::kUnknown, velocity = ErrorFigures::kUnknown, acceleration = ErrorFigures::kUnknown;
+// True errors of the outputs of a trajectory, each the largest over outputs and times.
+struct ForwardError {
+  double position = ErrorFigures::kUnknown,   // of values; NaN: no output is of this kind
+      velocity = ErrorFigures::kUnknown,      // of rates
+      acceleration = ErrorFigures::kUnknown;  // of accelerations
 };
 
-// True forward error of a trajectory by a reference in quad precision (113 bits): same parameters, same times, laws and
-// residuals in quad, refined with a factorisation in double. Functions of the program are asked as the run asks them:
-// the reference is wrong with them. The worst over the outputs of max over the times of |x - x_ref| / max over the run
-// |x_ref| (lengths: at least the characteristic length); infinite where x is not finite, but for NaN rates at a kink.
-// Throws Error: input (loaded plan, other columns), environment (no quad arithmetic), numerical (it does not converge).
+// Compares a trajectory with a reference in quadruple precision (113 bits). The reference has the same parameters and
+// times, evaluates laws and residuals in quadruple precision, and corrects with factorisations in double. It calls
+// functions of the program like the run, so that it repeats their errors. The error of an output x is the maximum over
+// the times of |x - x_ref|, over the maximum of |x_ref| (for lengths at least the characteristic length). It is
+// infinite if x is not finite, except for NaN derivatives at a kink. Throws Error: input for a loaded plan, a
+// trajectory with other columns or without rows; environment if this build has no quadruple precision; numerical if the
+// reference does not converge.
 [[nodiscard]] ForwardError forward_error(const Prepared& prepared, const Trajectory& trajectory);
 
-// Proves the posture at time(). Throws Error: input if the plan was loaded, environment if this build has no quad
-// arithmetic.
+// Proves the current posture of a simulator, see Certificate. Throws Error: input if load_plan() made the plan,
+// environment if this build has no quadruple precision.
 [[nodiscard]] Certificate certify(const Simulator& simulator);
 
-// One for each row. The steps are taken once more, one after the other: rows that do not come out bit by bit (they were
-// computed in chunks, with other limits or with drivers that were set) have no certificate. Throws what the above does.
+// Proves each row of a trajectory; returns one certificate for each row. It repeats the steps one after the other. A
+// row that does not come out bit by bit has no proof: it was computed in chunks, with other limits, or with drivers
+// that the program set. Throws Error as the function above and as Simulator.
 [[nodiscard]] std::vector<Certificate> certify(const Prepared& prepared, const Trajectory& trajectory,
                                                StepLimits limits = {});
 

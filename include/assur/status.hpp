@@ -1,5 +1,5 @@
-// Two channels of failure. Misuse and bad input throw assur::Error, which says where, what and what instead.
-// Numerical outcomes are a [[nodiscard]] Status with figures. The library never prints and never aborts.
+// The two channels of failure. Misuse and bad input throw assur::Error, which names location, problem and remedy.
+// Numerical operations return a [[nodiscard]] Status with a figure. The library never prints and never aborts.
 #pragma once
 
 #include <cstdint>
@@ -12,24 +12,29 @@ namespace assur {
 
 // One finding about the input.
 struct Diagnostic {
-  std::string where;  // JSON pointer into the scene, e.g. "/constraints/coupler/distance/1"; "" = the whole scene
-  std::string what;   // what is wrong and what would be right, one sentence
+  std::string where;  // JSON pointer into the scene, e.g. "/constraints/coupler/distance/1"; "": the whole scene
+  std::string what;   // one sentence: the problem and its remedy
 };
 
-// Thrown for bad input and misuse. what() lists every diagnostic, one a line: "where: what", or "source: where: what"
-// where `source` names the file they are about; diagnostics() stay without it.
+// The exception for bad input and misuse. what() has one line for each diagnostic: "where: what".
 class Error : public std::runtime_error {
  public:
+  // The cause of the error.
   enum class Kind : std::uint8_t {
-    input,        // bad usage or bad scene
-    numerical,    // the mechanism cannot be assembled, is undetermined, ...
-    environment,  // a backend that cannot run here, no memory, a file that cannot be read
+    input,        // wrong use of the library, or a wrong scene; an undetermined mechanism is a wrong scene
+    numerical,    // numbers that do not work out, e.g. a mechanism that cannot be assembled
+    environment,  // the machine: a backend that cannot run here, no memory, a file that cannot be read
   };
 
+  // An error with several findings. If `source` (a file name) is given, each line of what() begins with "source: ";
+  // diagnostics() do not contain it.
   Error(Kind kind, std::vector<Diagnostic> diagnostics, std::string_view source = {});
+  // An error with one finding that belongs to no place in a scene.
   Error(Kind kind, std::string what) : Error(kind, {Diagnostic{"", std::move(what)}}) {}
 
+  // The cause; the command derives its exit status from it.
   [[nodiscard]] Kind kind() const noexcept { return kind_; }
+  // All findings, at least one; valid as long as the error.
   [[nodiscard]] const std::vector<Diagnostic>& diagnostics() const noexcept { return diagnostics_; }
 
  private:
@@ -39,52 +44,61 @@ class Error : public std::runtime_error {
 
 // Outcome of a numerical operation. The names are part of the command's JSON and are never renamed.
 enum class Code : std::uint8_t {
-  ok,
+  ok,                   // success; no estimated error exceeds the accuracy asked for
   singular,             // a matrix without a usable pivot
-  not_finite,           // NaN or Inf among the values
+  not_finite,           // NaN or infinity among the values
   not_converged,        // Newton did not reach the tolerance
   limit_reached,        // a fold: the mechanism cannot move further; time is bracketed
   change_point_passed,  // two branches cross here; the smooth continuation was taken
   inaccurate,           // accepted, but the estimated error exceeds the accuracy asked for
-  branch_unknown,       // which branch continues the motion could not be decided
+  branch_unknown,       // the library could not decide which branch continues the motion
   inconsistent,         // a redundant equation is no longer satisfied
   out_of_range,         // a law was asked for a time outside its table
-  actuator_zero,        // a driven distance reached zero, or the directions of a driven angle: it drives nothing there
+  actuator_zero,        // a driver drives nothing: its distance, or a direction of its angle, has shrunk to zero
   deadline,             // the time allowed for the step ran out
   interrupted,          // the observer asked to stop
-  wrong_function,       // derivatives that a law or a callback of the program gives are not those of its values
+  wrong_function,       // a law or callback of the program returns derivatives that do not belong to its values
 };
 
+// Name of a code as in the command's JSON, e.g. "limit_reached".
 [[nodiscard]] std::string_view name(Code code) noexcept;
 
 // The object that a status is about.
 struct Place {
+  // Type of the object; it decides which list `index` counts in.
   enum class Kind : std::uint8_t {
-    none,
-    driver,  // index: of Scene::drivers
+    none,    // no particular object
+    driver,  // of Scene::drivers
     group,   // of Structure::groups
-    lane,    // of a linear solver, or of variants that are solved side by side
+    lane,    // of a linear solver, or of mechanisms that are solved side by side
     member,  // of an ensemble
   };
-  Kind kind = Kind::none;
-  std::int32_t index = -1;
+  Kind kind = Kind::none;   // type of the object
+  std::int32_t index = -1;  // counted from 0; -1 if the kind is none
 
+  // The i-th driver of the scene.
   [[nodiscard]] static constexpr Place driver(std::int32_t i) noexcept { return {Kind::driver, i}; }
+  // The i-th group of the structure.
   [[nodiscard]] static constexpr Place group(std::int32_t i) noexcept { return {Kind::group, i}; }
+  // The i-th lane.
   [[nodiscard]] static constexpr Place lane(std::int32_t i) noexcept { return {Kind::lane, i}; }
+  // The i-th member of the ensemble, counted from 0.
   [[nodiscard]] static constexpr Place member(std::int32_t i) noexcept { return {Kind::member, i}; }
 
+  // True if the object is of this type.
   [[nodiscard]] constexpr bool is(Kind k) const noexcept { return kind == k; }
   friend constexpr bool operator==(const Place&, const Place&) = default;
 };
 
+// Outcome of a numerical operation, with the object and the figure that it is about.
 struct [[nodiscard]] Status {
-  Code code = Code::ok;
-  Place where;
-  double figure = 0;        // pivot, residual, contraction, ...: what the code is about
+  Code code = Code::ok;  // ok, or the reason for the failure
+  Place where;           // the object that failed, or whose error is the largest
+  double figure = 0;     // depends on the code: a pivot, a residual, an estimated error, a time in s; 0 if none
 
+  // True if the operation succeeded with the accuracy asked for.
   [[nodiscard]] constexpr bool ok() const noexcept { return code == Code::ok; }
-  // What was asked for is there, if not as accurate.
+  // True if the step reached its time, even if the result is `inaccurate`.
   [[nodiscard]] constexpr bool arrived() const noexcept { return ok() || code == Code::inaccurate; }
 };
 

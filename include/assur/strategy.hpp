@@ -1,7 +1,7 @@
-// A strategy is a value with a text form that round-trips:
+// Strategies: ways to solve a scene. Each one has a text form, which parse_strategy() and to_string() convert:
 //   formulation/backend[:W][+float][+refine][+reuse=step|run][+once|+separate][+predict=PREDICTOR][+chunks=C] [PxQ]
 // with W = 1, 2, 4, 8 or 16 and PREDICTOR = taylor:0..2 | hermite:5 | past:0..5,
-// e.g. "irreducible/klu+once+predict=hermite:5".
+// e.g. "irreducible/klu+once+predict=hermite:5". docs/strategies.md explains each part.
 #pragma once
 
 #include <cstdint>
@@ -10,60 +10,75 @@
 
 namespace assur {
 
-enum class Formulation : std::uint8_t { global, groups, irreducible };
+// The systems that the equations of a scene are divided into.
+enum class Formulation : std::uint8_t {
+  global,       // one system
+  groups,       // the groups that the scene declares, and irreducible groups elsewhere
+  irreducible,  // irreducible groups, after unknowns were eliminated by linear equations
+};
 
-enum class Reuse : std::uint8_t { fresh, step, run };
+// The matrices that one factorisation serves.
+enum class Reuse : std::uint8_t {
+  fresh,  // one: each Newton iteration factorises its own Jacobian
+  step,   // all Newton iterations of a step use the first factorisation, as long as corrections contract
+  run,    // later steps use it, too, as long as corrections contract
+};
 
+// Extrapolation of the posture to the next time, where Newton's method starts.
 struct Predictor {
+  // Formula of the extrapolation.
   enum class Kind : std::uint8_t {
-    automatic,  // chosen from the derivatives that are computed anyway
+    automatic,  // prepare() chooses one of the others by the derivatives that the outputs need
     taylor,     // q + dt q' + dt^2/2 q'', up to `order`
-    hermite,    // two-step quintic Hermite on q, q', q'' (order is always 5)
+    hermite,    // quintic Hermite polynomial through q, q', q'' of the last two postures
     past,       // polynomial of degree `order` through the last order + 1 postures; needs no derivatives
   };
-  Kind kind = Kind::automatic;
-  std::int32_t order = 0;
+  Kind kind = Kind::automatic;  // formula
+  std::int32_t order = 0;       // taylor: 0 to 2, hermite: 5, past: 0 to 5
 
   friend bool operator==(const Predictor&, const Predictor&) = default;
 };
 
-// How the systems of a group, or of W groups of one class side by side, are solved.
+// Settings for the linear systems of a class.
 struct SolverSettings {
-  std::string backend = "eigen";
-  std::int32_t lanes = 1;  // W, instances of a class solved side by side (up to)
-  bool single = false;     // +float
-  bool refine = false;     // +refine
-  Reuse reuse = Reuse::fresh;
-  bool once = false;         // one factorisation per step, taken at the prediction
-  bool separate = false;     // one more for the acceleration, which nothing needs: to repeat published experiments
-  std::int32_t threads = 1;  // Q, inside the linear algebra of each pack; changes the last bits of the motion
+  std::string backend = "eigen";  // Backend::id
+  std::int32_t lanes = 1;         // W: largest number of groups of the class that are solved side by side
+  bool single = false;            // +float: factorise in float, refine in double, fall back to double if that fails
+  bool refine = false;            // +refine: refine each solution until its backward error is a few epsilons
+  Reuse reuse = Reuse::fresh;     // +reuse: the matrices that one factorisation serves
+  bool once = false;              // +once: one factorisation per step, at the predicted posture
+  bool separate = false;          // +separate: another factorisation for accelerations, to repeat published experiments
+  std::int32_t threads = 1;       // Q: threads within the linear algebra of a pack; changes the last bits of the motion
 
   friend bool operator==(const SolverSettings&, const SolverSettings&) = default;
 };
 
-// What all groups of a run have in common.
+// Settings for all groups of a run.
 struct RunSettings {
-  Formulation formulation = Formulation::groups;
-  Predictor predictor;
-  std::int32_t chunks = 1;   // of the time grid, run side by side; they change the last bits of the motion
-  std::int32_t threads = 1;  // P, packs at once; changes no bit of the motion
+  Formulation formulation = Formulation::groups;  // division of the equations into systems
+  Predictor predictor;                            // extrapolation to the next time
+  std::int32_t chunks = 1;   // C: pieces of the time grid that run side by side; changes the last bits of the motion
+  std::int32_t threads = 1;  // P: packs that are solved at once; the motion is bitwise identical for every P
 
   friend bool operator==(const RunSettings&, const RunSettings&) = default;
 };
 
+// A way to solve a scene.
 struct Strategy {
-  RunSettings run;
-  SolverSettings solver;
+  RunSettings run;        // for all groups
+  SolverSettings solver;  // for each class, unless the plan chooses class by class
 
   friend bool operator==(const Strategy&, const Strategy&) = default;
 };
 
-// Throws Error (input) that shows the grammar and the part that does not fit.
+// Reads the text form; the formulation and the backend are required. Throws Error (input) that shows the grammar and
+// the part that does not fit. Whether the backend exists is checked by prepare().
 [[nodiscard]] Strategy parse_strategy(std::string_view text);
 
 // The shortest text that parses to `strategy`.
 [[nodiscard]] std::string to_string(const Strategy& strategy);
 
+// Name of a formulation in strategy texts, e.g. "irreducible".
 [[nodiscard]] std::string_view name(Formulation formulation) noexcept;
 
 }  // namespace assur

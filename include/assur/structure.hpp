@@ -1,4 +1,5 @@
-// The kinematic structure: which unknowns are solved together, in which order, and what need not be solved at all.
+// The kinematic structure: the groups of unknowns that are solved together, their order, and the unknowns that need not
+// be solved.
 #pragma once
 
 #include <cstdint>
@@ -14,157 +15,172 @@ namespace assur {
 
 class System;
 
-// The equations of a group class in local numbering; constants and coordinates are slots that each instance fills.
-// Coordinates: 0..n-1 unknowns, n..n+inputs-1 inputs, -1 the constant 1. Constants: -1 = literal +1, -2 = literal -1,
-// else a slot.
+// The equations that all groups of a class share, in local numbers. Each group fills the slots for coordinates and
+// constants with its own. Local coordinates: 0 to n - 1 are unknowns, n to n + inputs - 1 inputs, -1 is the constant 1.
+// Local constants: -1 is the literal +1, -2 the literal -1, other numbers are slots. An affine form is a sum of terms;
+// an equation is a sum of products of forms plus one form:
+//   Phi_i = sum_products constant * form_a * form_b + linear form_i
 struct GroupClass {
+  // One addend of a form: constant * coordinate.
   struct Term {
-    std::int32_t coordinate, constant;
+    std::int32_t coordinate, constant;  // local numbers of coordinate and constant
     friend bool operator==(const Term&, const Term&) = default;
   };
+  // One addend of an equation: constant * form_a * form_b.
   struct Product {
-    std::int32_t a, b, constant;  // forms
+    std::int32_t a, b, constant;  // a, b: forms; constant: local number
     friend bool operator==(const Product&, const Product&) = default;
   };
+  // One equation.
   struct Equation {
-    std::int32_t products_begin, products_end;  // of a callback: its arguments, the forms `a`
-    std::int32_t linear;                        // form, -1: none
-    std::int32_t callback, row;                 // -1: none
+    std::int32_t products_begin, products_end;  // range in `products`; of a callback: its arguments, the forms `a`
+    std::int32_t linear;                        // the form that is added; -1: none
+    std::int32_t callback, row;                 // callback (-1: none), and its row that gives this equation
     friend bool operator==(const Equation&, const Equation&) = default;
   };
 
-  std::int32_t n = 0;  // unknowns = equations
-  std::int32_t inputs = 0;
-  std::int32_t constants = 0;             // slots
-  std::vector<std::uint8_t> input_moves;  // inputs: 0 if it never changes
-  std::vector<std::int32_t> form_start;   // forms + 1
-  std::vector<Term> terms;
-  std::vector<Product> products;
+  std::int32_t n = 0;                        // unknowns, and equations
+  std::int32_t inputs = 0;                   // coordinates that the equations read and do not solve
+  std::int32_t constants = 0;                // slots for constants
+  std::vector<std::uint8_t> input_moves;     // inputs: 0 if the input never changes
+  std::vector<std::int32_t> form_start;      // forms + 1: index into `terms` of the first term of each form
+  std::vector<Term> terms;                   // of all forms
+  std::vector<Product> products;             // of all equations
   std::vector<Equation> equations;           // n
   std::int32_t blocks = 1;                   // irreducible blocks, numbered in solving order
-  std::vector<std::int32_t> unknown_block;   // n
-  std::vector<std::int32_t> equation_block;  // n
-  std::int32_t derivatives = 2;              // highest time derivative computed
-  std::int32_t first_wanted = 0;             // unknowns before it are not needed in the highest derivative
-  bool quadratic = true;                     // false: contains callback equations
+  std::vector<std::int32_t> unknown_block;   // n: block of each unknown
+  std::vector<std::int32_t> equation_block;  // n: block of each equation
+  std::int32_t derivatives = 2;              // highest time derivative that is computed, 0 to 2
+  std::int32_t first_wanted = 0;             // unknowns before this one are not needed in the highest derivative
+  bool quadratic = true;                     // false if there are equations of callbacks
 
+  // Number of forms.
   [[nodiscard]] std::int32_t forms() const { return static_cast<std::int32_t>(form_start.size()) - 1; }
   friend bool operator==(const GroupClass&, const GroupClass&) = default;
 };
 
-// Nonzeros of a class's Jacobian, columns in the order of its unknowns, rows in the order of its equations.
+// Pattern of the Jacobian of a class: columns in the order of its unknowns, rows in the order of its equations.
 [[nodiscard]] Pattern jacobian_pattern(const GroupClass& group_class);
 
+// Unknowns that are solved together, and the equations that determine them.
 struct Group {
-  std::string name;
-  std::int32_t of = 0;     // unknowns before the cut; n of the class are solved
-  std::int32_t level = 0;  // groups of one level are independent of each other
-  std::int32_t group_class = -1;
-  std::int32_t derivatives = 2;         // highest derivative computed
-  std::int32_t wanted_derivatives = 2;  // highest derivative that an output needs; the rest is for the predictor
-  // What fills the class's slots: indices into the coordinates and constants of the system.
+  std::string name;                     // name in the scene, or made of the names of its unknowns
+  std::int32_t of = 0;                  // number of unknowns of the whole group; GroupClass::n of them are solved
+  std::int32_t level = 0;               // place in the solving order; groups of one level do not depend on each other
+  std::int32_t group_class = -1;        // index into Structure::classes
+  std::int32_t derivatives = 2;         // highest time derivative that is computed, 0 to 2
+  std::int32_t wanted_derivatives = 2;  // highest derivative that the outputs need; the predictor needs the rest
+  // The slots of the class, filled with indices into the coordinates, equations and constants of the system.
   std::vector<std::int32_t> unknowns;   // n
   std::vector<std::int32_t> equations;  // n
-  std::vector<std::int32_t> inputs;
-  std::vector<std::int32_t> constants;
+  std::vector<std::int32_t> inputs;     // inputs of the class
+  std::vector<std::int32_t> constants;  // constants of the class
 };
 
-// What is not built, evaluated or stored because no output depends on it.
+// Parts of the mechanism that are not computed in each step, because no output depends on them or because they rest.
 struct LeftOut {
-  std::vector<std::string> groups;  // named whole groups
-  std::int64_t unknowns = 0;
-  std::int64_t equations = 0;
+  std::vector<std::string> groups;  // names of groups that no output depends on
+  std::int64_t unknowns = 0;        // unknowns that no output depends on
+  std::int64_t equations = 0;       // equations of these unknowns
+  // A group whose outputs need less than accelerations.
   struct Level {
-    std::string group;
-    std::int32_t derivatives;  // highest derivative computed, of 2
-    bool for_predictor;        // some of them only to predict the next posture
+    std::string group;         // name
+    std::int32_t derivatives;  // highest derivative that is computed, 0 to 2
+    bool for_predictor;        // true if the highest one is needed for the prediction only
   };
-  std::vector<Level> levels;  // groups that compute less than accelerations, or compute them for the predictor only
-  std::int64_t static_groups = 0;  // no moving driver: solved once
+  std::vector<Level> levels;       // all such groups
+  std::int64_t static_groups = 0;  // groups without a moving driver, which are solved once
 };
 
-// An equation set of which one depends on the others at the start posture.
+// A set of equations that depend on each other at the start posture, with one equation that is checked instead of
+// solved.
 struct Redundancy {
+  // Range of validity of the dependence.
   enum class Kind : std::uint8_t {
-    structural,  // it follows from the others: at other values of the drivers, too
-    motion,      // it holds while the drivers run as their laws say, at other values of them it does not
-    start,       // it holds at the start posture and ceases to as the drivers move
-    unknown,     // no other posture was found to look at
+    structural,  // the equation follows from the others, for other values of the drivers as well
+    motion,      // the equation holds while the drivers follow their laws, but not for other values
+    start,       // the equation holds at the start posture, but not along the motion
+    unknown,     // no other posture was found to test the equation
   };
-  std::vector<std::string> constraints;  // the nonzeros of a left null vector
-  std::string dropped;                   // the one that is checked instead of solved
-  Kind kind = Kind::unknown;
-  // Where it does not hold, elsewhere on the path (start) or off it (motion): by how much, |Phi| / |grad Phi|; in m
-  // if is_length.
+  std::vector<std::string> constraints;  // names of the dependent equations
+  std::string dropped;                   // name of the equation that is checked in every step
+  Kind kind = Kind::unknown;             // range of validity
+  // Size of the violation where the equation does not hold, |Phi| / |grad Phi| (Kind::start: along the motion;
+  // Kind::motion: at other values of the drivers); in m if is_length.
   double violation = 0;
-  bool is_length = false;
-  double time = 0;  // start: when
+  bool is_length = false;  // true if the violation is a length
+  double time = 0;         // Kind::start: time of the violation, s
 };
 
-// What a watched equation is, for messages.
+// Description of a watched equation for messages.
 struct Watched {
-  std::string name;
-  bool is_length = false;  // |Phi| / |grad Phi| is a length
+  std::string name;        // name of the constraint, driver or body that it comes from
+  bool is_length = false;  // true if |Phi| / |grad Phi| is a length
 };
 
+// The result of analyze(): classes, groups and start posture, with counts and findings for people.
 struct Structure {
-  std::shared_ptr<const System> system;  // after presolve, if the formulation has it
-  Formulation formulation = Formulation::groups;
+  std::shared_ptr<const System> system;           // the equations, after presolve if `irreducible`
+  Formulation formulation = Formulation::groups;  // division of the equations
 
-  std::vector<GroupClass> classes;
-  std::vector<Group> groups;  // in solving order, levels ascend
-  std::int32_t levels = 0;
+  std::vector<GroupClass> classes;  // equations, one for each type of group
+  std::vector<Group> groups;        // in solving order: levels ascend
+  std::int32_t levels = 0;          // number of levels
 
-  // Counts of the scene, before anything is left out.
-  std::int64_t coordinates = 0;  // scalars of points, vectors and auxiliaries
-  std::int64_t unknowns = 0;
-  std::int64_t derived = 0;  // scalars of body members
-  std::int64_t equations = 0;
-  std::int64_t eliminated = 0;            // by presolve
-  // Degrees of freedom without the drivers: unknowns less the rank of all equations but the drivers', at the postures
-  // looked at where that is largest; and at the start posture, which may be singular.
+  // Counts of the whole scene; parts that are left out are included.
+  std::int64_t coordinates = 0;  // scalars of points, vectors and auxiliary unknowns
+  std::int64_t unknowns = 0;     // coordinates that the equations determine
+  std::int64_t derived = 0;      // scalars of body members, which are no unknowns
+  std::int64_t equations = 0;    // scalar equations, including redundant ones
+  std::int64_t eliminated = 0;   // unknowns that presolve eliminated
+  // Degrees of freedom without the drivers: unknowns less the rank of all equations but those of the drivers. The rank
+  // is the largest one at the postures that were examined.
   std::int64_t mobility = 0;
-  std::int64_t mobility_at_start = 0;
-  std::vector<std::string> undetermined;  // unknowns that nothing fixes
-  std::vector<Redundancy> redundant;
-  LeftOut left_out;
+  std::int64_t mobility_at_start = 0;     // the same with the rank at the start posture, which may be singular
+  std::vector<std::string> undetermined;  // names of unknowns that the equations leave free
+  std::vector<Redundancy> redundant;      // redundant equations, in the order of `checks`
+  LeftOut left_out;                       // parts that are not computed in each step
 
-  std::vector<std::int32_t> checks;  // equations that are watched, not solved
-  // The watched ones that move, as a group without unknowns.
-  Group watch;
-  GroupClass watch_class;                        // no equations: nothing to watch
-  std::vector<Watched> watched;                  // its equations
-  std::vector<std::int32_t> static_coordinates;  // solved once
-  std::vector<double> start;                     // assembled posture, all coordinates, internal units
-  std::vector<Diagnostic> notes;                 // assembly: other mode than the guess, a singular start, ...
-  // Why the start posture cannot be assembled: the group and its most violated constraint; empty: it can.
+  std::vector<std::int32_t> checks;  // redundant equations: indices into the equations of the system
+  Group watch;                   // those `checks` that move and are watched in each step, as a group without unknowns
+  GroupClass watch_class;        // class of `watch`; without equations if nothing is watched
+  std::vector<Watched> watched;  // descriptions of its equations
+  std::vector<std::int32_t> static_coordinates;  // unknowns that are solved once: indices into the coordinates
+  std::vector<double> start;                     // assembled start posture: all coordinates, internal units
+  std::vector<Diagnostic> notes;                 // findings of the assembly: another mode than the guess, ...
+  // Reason why the start posture cannot be assembled: the group and its most violated constraint; "": it is assembled.
   std::string cannot_assemble;
 
-  // The name of a group; "" for any other place.
+  // Name of a group; "" for a place of another kind.
   [[nodiscard]] std::string name_of(Place place) const {
     return place.is(Place::Kind::group) ? groups[static_cast<std::size_t>(place.index)].name : std::string();
   }
+  // Size of a group and number of groups of its class; operation counts are 0.
   [[nodiscard]] Shape shape(const Group& group) const;
-  // Nonzeros of L + U of a group's Jacobian at the start posture, columns ordered by COLAMD-like minimum degree.
+  // Nonzeros of L + U of a group's Jacobian at the start posture, with columns ordered by approximate minimum degree of
+  // J^T J and threshold pivoting (CSparse: Davis, Direct Methods for Sparse Linear Systems, 2006). -1 if singular.
+  // Needs the library assur::assur.
   [[nodiscard]] std::int32_t fill(const Group& group) const;
+  // Pattern of the Jacobian of a class.
   [[nodiscard]] Pattern pattern(std::int32_t group_class) const;
 };
 
+// Options of analyze().
 struct StructureOptions {
-  Formulation formulation = Formulation::groups;
-  // Highest derivative that the predictor reads: 0 for none.
+  Formulation formulation = Formulation::groups;  // division of the equations
+  // Highest derivative that the predictor reads; 0: none.
   std::int32_t predictor_derivatives = 0;
-  // Drivers that the program sets itself; they count as moving even if their law is constant.
+  // Names of drivers that the program sets. They count as moving even if their law is constant.
   std::vector<std::string> controlled;
-  // Where to look instead of the guess at the scene's start: a posture (all coordinates of Structure::system, internal
-  // units) and its time. The independent ones among redundant equations are chosen there.
+  // A posture (all coordinates of Structure::system, internal units) that replaces the guess, for example to choose
+  // other independent equations among redundant ones. Empty: the guess of the scene.
   std::vector<double> posture;
-  double time = 0;
+  double time = 0;  // time of `posture`, s
 };
 
-// Finds the groups of a scene and assembles its start posture. Throws Error (input), among others for a declared group
-// that is no union of irreducible groups. An undetermined or impossible scene is described, not refused: see
-// `undetermined` and `cannot_assemble`.
+// Finds the groups of a scene and assembles its start posture. Undetermined scenes and scenes that cannot be assembled
+// are described by `undetermined` and `cannot_assemble`. Throws Error (input) for a wrong scene, e.g. a declared group
+// that is no union of irreducible groups. Needs the library assur::assur.
 [[nodiscard]] Structure analyze(const Scene& scene, const StructureOptions& options = {});
 
 }  // namespace assur

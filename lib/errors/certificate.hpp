@@ -1,6 +1,6 @@
-// Proves computed postures, block after block in solving order: see newton_kantorovich.hpp. The radii of a block are
-// the box of inputs of those behind it. The equations are the scene's own, before presolve; drivers are evaluated in
-// quad with bounds of their error, residuals in quad.
+// Proves computed postures, block after block in solving order (newton_kantorovich.hpp). The radii of a block bound the
+// inputs of later blocks. The equations are those of the scene before presolve; drivers are evaluated in quadruple
+// precision with error bounds, residuals in quadruple precision.
 #pragma once
 
 #include <boost/multiprecision/cpp_bin_float.hpp>
@@ -17,6 +17,7 @@
 
 namespace assur {
 
+// Proofs for one plan.
 class Certifier {
  public:
   // Throws Error (input) if the plan was loaded: the scene is needed.
@@ -25,8 +26,8 @@ class Certifier {
   // posture: all coordinates of Prepared::structure->system, internal units, computed for time t.
   [[nodiscard]] Certificate certify(std::span<const double> posture, double t);
 
-  // Around the true value of each coordinate at the last posture; the radius is infinite where nothing is proven.
-  // Middles of unknowns are those of the posture, middles of driven coordinates the rounded true values.
+  // Balls that contain the true value of each coordinate at the last posture; the radius is infinite if nothing is
+  // proven. Middles of unknowns are their values in the posture, middles of driven coordinates the rounded true values.
   [[nodiscard]] const std::vector<Ball<double>>& coordinates() const { return at_; }
   [[nodiscard]] const System& system() const { return system_; }
 
@@ -36,7 +37,7 @@ class Certifier {
   void find_blocks(const Structure& structure);
   void drive(double t);
   void take_unknowns(std::span<const double> posture);
-  // Encloses the block's unknowns; the first block without a proof says why.
+  // Encloses the unknowns of a block. If there is no proof and first_reason is empty, it becomes the reason.
   SolutionProof enclose(Index block, std::string& first_reason);
   [[nodiscard]] std::string why_out_of_reach(Index block) const;
   void number_columns(Index block);
@@ -51,7 +52,7 @@ class Certifier {
   Driven driven_;
   std::vector<Ball<double>> at_;    // coordinates
   std::vector<Ball<Quad>> middle_;  // coordinates: the middles of at_, exact
-  std::vector<Index> read_;         // coordinates that the block at hand reads: its unknowns, then its inputs
+  std::vector<Index> read_;         // coordinates that the current block reads: its unknowns, then its inputs
   std::vector<Index> column_;       // coordinates: place in read_, -1: none
 };
 

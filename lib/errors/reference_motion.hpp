@@ -1,5 +1,5 @@
-// The motion of a scene in quad precision (113 bits), by continuation from the assembled start: the yardstick of
-// forward errors. It shares the scene's equations with the simulator, and nothing of its programs, groups, presolve or
+// The motion of a scene in quadruple precision (113 bits), by continuation from the assembled start: the reference for
+// forward errors. It shares the equations of the scene with the simulator, but no programs, groups, presolve or
 // solvers.
 #pragma once
 
@@ -32,6 +32,7 @@ class ReferenceLu {
   Eigen::SparseLU<Eigen::SparseMatrix<double>> sparse_;
 };
 
+// The reference of one scene.
 class ReferenceMotion {
  public:
   struct State {
@@ -40,7 +41,8 @@ class ReferenceMotion {
     std::vector<int> determinant_sign;   // blocks; 0: not known yet
   };
 
-  // At the scene's start. Solves only what the outputs need. Throws Error (numerical) if the start does not converge.
+  // Begins at the start of the scene. Solves only the unknowns that the outputs need. Throws Error (numerical) if the
+  // start does not converge.
   explicit ReferenceMotion(const Prepared& prepared);
 
   // Follows the motion to time t in steps of at most 1/pieces of the way, halved where Newton does not contract or a
@@ -51,8 +53,8 @@ class ReferenceMotion {
   [[nodiscard]] const State& state() const { return state_; }
   void restore(State state) { state_ = std::move(state); }
 
-  // What a d-th derivative is measured against at least: 1, the fastest rate w of the driven coordinates at time(),
-  // their largest acceleration or w^2; internal units.
+  // Least divisor of the error of a d-th derivative at the current time, in internal units: 1 for values; the fastest
+  // rate w of the driven coordinates; the larger one of their largest acceleration and w^2.
   [[nodiscard]] double scale(int d) const { return scale_[static_cast<std::size_t>(d)]; }
 
  private:
@@ -83,7 +85,7 @@ class ReferenceMotion {
   std::vector<Block> blocks_;  // those that the outputs need, in solving order
   std::vector<Quad> constants_;
   State state_;
-  std::array<std::vector<Quad>, 3> form_;  // derivatives of the forms of the block at hand
+  std::array<std::vector<Quad>, 3> form_;  // derivatives of the forms of the current block
   std::array<double, 3> scale_{1, 0, 0};
   std::vector<double> rounded_;  // state_.q[0] in double
   std::vector<Index> column_;    // scratch of DenseBlock

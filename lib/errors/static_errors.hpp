@@ -1,5 +1,5 @@
-// How wrong coordinates are that stand still: they were solved once, with the start posture. What was left in their
-// equations, and perturbations as large as their rounding, carried through all of them.
+// Errors of static coordinates, which were solved once with the start posture: the residuals of their equations, and
+// perturbations as large as rounding, carried through all of these equations.
 #pragma once
 
 #include <cstdint>
@@ -10,17 +10,18 @@
 
 namespace assur {
 
+// The static coordinates of a structure.
 class StaticErrors {
  public:
-  // A loaded plan has no equations of what stands still: then there is nothing here.
+  // A loaded plan has no equations of static coordinates; the list is then empty.
   StaticErrors(const System& system, const Structure& structure);
 
-  // Structure::static_coordinates, or none.
+  // Structure::static_coordinates, or an empty list.
   [[nodiscard]] std::span<const std::int32_t> coordinates() const { return coordinates_; }
 
-  // errors[k * coordinates + i]: of coordinate i, for k = 0 from what was left in the equations, for k = 1 ... probes
-  // from their rounding, with signs drawn by seed + k. q: all coordinates of a system of this structure; only what
-  // stands still is read. Infinite where the matrix is singular.
+  // Errors [k * coordinates + i] of coordinate i: for k = 0 from the residuals of the equations, for k = 1 ... probes
+  // from rounding, with signs drawn by seed + k. q: all coordinates of a system of this structure, of which the static
+  // ones are read. Infinite if the matrix is singular.
   [[nodiscard]] std::vector<double> draw(const System& system, const std::vector<double>& q, std::size_t probes,
                                          std::uint64_t seed) const;
 

@@ -1,4 +1,4 @@
-// How a step is to be solved, and what of it was measured.
+// Settings of one attempt at a step, and the errors that it measured.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace assur {
 
-// Errors of one attempt; merged into the report when the step is accepted. Less than 0: nothing was measured.
+// Errors of one attempt, which enter the report when the step is accepted. Negative: not measured.
 struct StepErrors {
   double position = -1, velocity = -1, acceleration = -1;
   void merge(const StepErrors& o) {
@@ -29,21 +29,23 @@ struct StepErrors {
   [[nodiscard]] double worst() const { return std::max({position, velocity, acceleration}); }
 };
 
+// Settings of one attempt.
 struct Attempt {
+  // Test that the solution is on the branch.
   enum class Branch : std::uint8_t {
     start,     // the posture is given: measure the ball around it
     inside,    // stay inside the ball
-    pass,      // through a change point: corrections have to contract
-    anywhere,  // is there a solution at all? nothing is kept
+    pass,      // through a change point: the corrections must contract
+    anywhere,  // no test: find out if there is a solution; the packs keep nothing
   };
   Branch branch = Branch::inside;
-  std::int64_t number = 0;  // its own, from 1 on: by it a rejected attempt is undone in the packs
-  int iterations = 0;       // exactly so many; 0: until convergence
+  std::int64_t number = 0;  // unique, from 1 on; identifies the attempt when packs undo it
+  int iterations = 0;       // exact number of Newton iterations; 0: until convergence
   int most_iterations = 12;
   double converged = kConverged;  // relative residual that counts as solved
-  double time = kNan;             // s, of the posture, or from any beginning; NaN: not known
-  double largest_correction = 0;  // pass: the first one, in the maximum norm; a larger one may lead to the other branch
-  bool all_rates = false;         // of all unknowns, also where none are wanted; accelerations of all if of some
+  double time = kNan;             // time of the posture relative to any fixed origin, s; NaN: unknown
+  double largest_correction = 0;  // pass: bound of the first one, maximum norm; beyond it may lead to the other branch
+  bool all_rates = false;         // compute rates of all unknowns, wanted or not; accelerations of all or none
 };
 
 }  // namespace assur

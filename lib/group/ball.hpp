@@ -1,6 +1,6 @@
 // Midpoint-radius arithmetic: a Ball stands for every real number within `radius` of `middle`, and the result of an
-// operation holds all results that its operands allow. Middles are rounded to nearest; what that loses goes into the
-// radius, which is a double rounded up (Rump, Fast and parallel interval arithmetic, BIT 39, 1999).
+// operation holds all results that its operands allow. Middles are rounded to nearest; the radius, a double rounded up,
+// includes the rounding error (Rump, Fast and parallel interval arithmetic, BIT 39, 1999).
 #pragma once
 
 #include <cmath>
@@ -11,14 +11,14 @@
 
 namespace assur {
 
-// At least the next double after x >= 0: an upper bound of what was rounded to x.
+// At least the next double after x >= 0: an upper bound of every number that rounds to x.
 [[nodiscard]] constexpr double up(double x) { return x * (1 + kEps) + std::numeric_limits<double>::denorm_min(); }
 // At most the double before x >= 0.
 [[nodiscard]] constexpr double down(double x) { return x * (1 - kEps) - std::numeric_limits<double>::denorm_min(); }
 
 // S: a binary floating-point type whose sums, products and quotients are exact up to a unit in the last place (double,
-// quad). What is not finite stays so: a NaN among the operands, or a division by what may be 0, is an infinite or NaN
-// radius. Comparisons are those of the middles.
+// quad). A NaN operand, or a division by a ball that holds 0, gives a radius that is infinite or NaN. Comparisons
+// compare the middles.
 template <class S>
 class Ball {
  public:
@@ -44,7 +44,7 @@ class Ball {
   friend Ball operator*(const Ball& a, const Ball& b) {
     return rounded(a.middle_ * b.middle_, up(up_abs(a.middle_) * b.radius_) + up(a.radius_ * b.magnitude()));
   }
-  // Radius infinite where b holds 0.
+  // The radius is infinite if b holds 0.
   friend Ball operator/(const Ball& a, const Ball& b) {
     const S quotient = a.middle_ / b.middle_;
     const double least = down(down(std::abs(static_cast<double>(b.middle_))) - b.radius_);
@@ -69,8 +69,8 @@ class Ball {
   double radius_ = 0;
 };
 
-// Elementary functions: those of S are taken to be within 2^13 units in the last place of the larger of 1 and the
-// argument, which no library proves, and all are a thousand times better than.
+// Elementary functions. Assumption: the functions of S have errors of at most 2^13 units in the last place of the
+// larger of 1 and the argument. No library proves a bound; known implementations are a thousand times more exact.
 template <class S>
 double elementary_error(const Ball<S>& a) {
   return up(0x1p13 * Ball<S>::unit() * up(1 + a.magnitude()));
@@ -85,14 +85,14 @@ Ball<S> cos(const Ball<S>& a) {
   using std::cos;
   return {cos(a.middle()), up(a.radius() + elementary_error(a))};
 }
-// Of numbers that are exact; else the radius is infinite.
+// For exact arguments; for other ones the radius is infinite.
 template <class S>
 Ball<S> atan2(const Ball<S>& y, const Ball<S>& x) {
   using std::atan2;
   const bool exact = y.radius() == 0 && x.radius() == 0;
   return {atan2(y.middle(), x.middle()), exact ? elementary_error(Ball<S>(1)) : HUGE_VAL};
 }
-// An integer close to a: the whole periods that are left out of a periodic function, for which any will do.
+// An integer close to `a`, which counts the whole periods of a periodic function; any such integer serves.
 template <class S>
 Ball<S> floor(const Ball<S>& a) {
   using std::floor;

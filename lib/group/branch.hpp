@@ -1,17 +1,18 @@
 // Staying on the branch. Around a posture q0 with Jacobian J0 of an irreducible block, the affine Lipschitz constant
 //   omega = | |J0^-1| k |_inf,   k_i = Lipschitz constant of row i of the Jacobian in the maximum norm,
 // makes J regular, and the solution unique, wherever omega |q - q0|_inf < 1 (Banach; Deuflhard 2004, section 2.1). The
-// measured posture is the anchor: steps inside its ball cost one maximum norm, and omega is measured anew only when the
-// ball is used up. J0^-1 itself is needed only up to blocks of 64; beyond, Hager's estimate (Higham 1988) takes its
-// place.
+// posture where omega was measured is the anchor. A step inside its ball costs one maximum norm, and omega is measured
+// again only when the ball is used up. Blocks of up to 64 unknowns invert J0; for larger blocks Hager's estimate
+// (Higham 1988) replaces the inverse.
 //
-// One norm is cheap, and too strict where coordinates are of different sizes or move together, as a small part on a
-// long arm does. What it refuses is looked at again coordinate by coordinate: around a posture q of a cubic through the
-// anchor and the new posture, the box |x - q| <= r holds exactly one solution if
+// One norm for all coordinates is cheap. It is too strict if coordinates differ in size or move together, like a small
+// part on a long arm. Steps that it refuses are tested again coordinate by coordinate: around a posture q of a cubic
+// through the anchor and the new posture, the box |x - q| <= r holds exactly one solution if
 //   e + M r <= r,   e = |C Phi(q)|,   M = |C| (|J1 - J(q)| + |Phi'' r|),   C = J1^-1
-// (Krawczyk 1969). Where that is so all along the cubic, its boxes are a tube with one solution at every time, which
-// leads from the one posture to the other. Looked at are four postures, with room for what lies between them, and the
-// inputs are taken to move along the cubic as well: sure as far as a step resolves their motion, no proof.
+// (Krawczyk 1969). If this holds all along the cubic, the boxes form a tube with one solution at every time, which
+// leads from the anchor to the new posture. The test examines four postures, with a margin for the postures between
+// them, and assumes that the inputs follow the cubic as well. It is therefore no proof: it is as good as the step
+// resolves the motion of the inputs.
 #pragma once
 
 #include <array>
@@ -25,14 +26,15 @@
 
 namespace assur {
 
+// Conditions and uniqueness tests of the irreducible blocks of a class.
 class BlockConditions {
  public:
   BlockConditions(const GroupClass& group_class, const Program& program, int lanes);
 
-  // Of one block in every lane from the Jacobian's values: omega = | |J^-1| k |_inf, and | |J^-1| s |_inf of the scales
-  // (Evaluator::scale) of its equations, times the relative residual an error of the posture; infinite where the block
-  // is singular. `solver` holds a factorisation of the same Jacobian if needs_solver(block); then the second is
-  // omega times the largest s / k.
+  // Computes for one block, in every lane, omega = | |J^-1| k |_inf and | |J^-1| s |_inf with the scales s
+  // (Evaluator::scale) of its equations. The second one times the relative residual is an error of the posture. Both
+  // are infinite if the block is singular. If needs_solver(block), `solver` must hold a factorisation of the same
+  // Jacobian; the second norm is then bounded by omega times the largest s / k.
   struct Weights {  // equations x lanes
     const double* lipschitz;
     const double* scale;
@@ -44,18 +46,20 @@ class BlockConditions {
   void measure(std::int32_t block, const double* jacobian, const Weights& weights, LinearSolver* solver,
                const Norms& norms);
 
+  // True if the block is too large for a dense inverse.
   [[nodiscard]] bool needs_solver(std::int32_t block) const;
 
-  // C of one block in one lane, for holds_one_solution(). False if the block is singular, or has more than 64 unknowns.
+  // Computes C of one block in one lane, for holds_one_solution(). False if the block is singular, or has more than 64
+  // unknowns.
   [[nodiscard]] bool invert(std::int32_t block, int lane, const double* jacobian);
 
-  // Whether some box around a posture holds exactly one solution of the block that invert() was called for.
-  // jacobian: where C is the inverse; there, phi, scale (Evaluator::scale): at the posture. coefficients: those of the
-  // pack.
+  // True if a box was found around a posture that holds exactly one solution of the block that invert() was called for.
+  // jacobian: the Jacobian that C inverts; there, phi, scale: Jacobian, equations and Evaluator::scale at the posture;
+  // coefficients: of the pack.
   [[nodiscard]] bool holds_one_solution(std::int32_t block, int lane, const double* jacobian, const double* there,
                                         const double* phi, const double* scale, const double* coefficients);
 
-  // The coordinates that a block reads and that move: local numbers, unknowns and inputs.
+  // The moving coordinates that a block reads: local numbers of unknowns and inputs.
   [[nodiscard]] std::span<const std::int32_t> reads(std::int32_t block) const {
     return {reads_.data() + reads_start(block), reads_.data() + reads_start(block + 1)};
   }

@@ -1,5 +1,5 @@
-// Keeps the packs of a class on their branch: how far a posture may move and still be on that of the last anchor. The
-// mathematics is in branch.hpp.
+// Keeps the packs of a class on their branch: decides if a new posture is on the branch of the last anchor. branch.hpp
+// explains the mathematics.
 #pragma once
 
 #include <cstdint>
@@ -11,6 +11,7 @@
 
 namespace assur {
 
+// The test of one class.
 class BranchGuard {
  public:
   BranchGuard(Workspace& work, JacobianSolver& solver);
@@ -18,15 +19,16 @@ class BranchGuard {
   [[nodiscard]] BlockConditions& blocks() { return blocks_; }
   [[nodiscard]] const BlockConditions& blocks() const { return blocks_; }
 
-  // After Newton's first correction, while phi and the Jacobian are those of the prediction: whether it leads to the
-  // one solution nearby.
+  // Tests Newton's first correction: ok if the iteration converges to the one solution nearby. To be called while phi
+  // and the Jacobian of the workspace belong to the prediction.
   [[nodiscard]] Status check_first_correction(const Pack& pack);
 
-  // Of a posture that is solved and in the workspace, with its rates: it is inside the ball, or a tube leads to it.
-  // Where the ball is used up, or is to be measured first, the posture becomes the anchor.
+  // Tests the solved posture in the workspace, with its rates: ok if it is inside the ball, or if a tube leads to it.
+  // If the ball is used up or was not measured yet, the posture becomes the anchor.
   [[nodiscard]] Status check(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters);
 
-  // Keeps how much of a ball is used as `before`, if the next step of this length stays inside as well.
+  // True if the next step of this length stays inside the ball, too; `before`, the used part of the ball, then becomes
+  // `used`.
   [[nodiscard]] static bool stays_inside(double used, double& before);
 
  private:
@@ -42,7 +44,7 @@ class BranchGuard {
   Workspace& work_;
   JacobianSolver& solver_;
   BlockConditions blocks_;
-  LaneArray there_, there_inputs_, there_phi_, there_jacobian_;  // of a posture on the way
+  LaneArray there_, there_inputs_, there_phi_, there_jacobian_;  // of a posture of a tube
   LaneArray omega_, posture_errors_;                             // W: of one block
 };
 

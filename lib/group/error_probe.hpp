@@ -1,5 +1,5 @@
-// What the errors of a solved pack are, and what they may be: residuals, conditions, and how errors of inputs, of the
-// equations and of rounding show in the unknowns.
+// Errors of a solved pack: residuals, conditions, and the errors of the unknowns that follow from errors of the inputs,
+// of the equations and of rounding.
 #pragma once
 
 #include <array>
@@ -14,11 +14,11 @@
 
 namespace assur {
 
-// Possible errors of posture, velocity and acceleration, each laid out like the state, with their cause.
+// Possible errors of posture, velocity and acceleration, each in the layout of the state, with their cause.
 struct Probe {
   enum class Cause : std::uint8_t {
-    left,       // in the equations, with the signs that it has
-    rounding,   // with random signs
+    left,       // residuals of the equations, with their own signs
+    rounding,   // rounding errors with random signs
     tolerance,  // a relative residual of kSumRounding in every equation, with random signs
   };
   Cause cause = Cause::left;
@@ -31,15 +31,16 @@ struct GroupHealth {
   std::array<double, kMostLanes> residual{}, condition{};
 };
 
+// Probes the packs of one class.
 class ErrorProbe {
  public:
   ErrorProbe(Workspace& work, JacobianSolver& solver, BlockConditions& blocks);
 
-  // The errors of the pack's unknowns that follow, to first order, from those of its inputs and from the cause of each
-  // probe, with signs drawn by `seed`. False if the Jacobian is singular.
+  // Computes the errors of the unknowns that follow, to first order, from the errors of the inputs and from the cause
+  // of each probe; `seed` draws the random signs. False if the Jacobian is singular.
   [[nodiscard]] bool perturb(Pack& pack, const double* const (&state)[3], Probes probes, std::uint64_t seed);
 
-  // At a posture.
+  // Residuals and conditions at a posture.
   [[nodiscard]] GroupHealth examine(Pack& pack, const double* state);
 
  private:

@@ -1,4 +1,4 @@
-// The inputs of a pack, from where they lie in the state arrays. Included once for each target, inside its
+// Reads the inputs of a pack from the state arrays. Included once for each target, inside its
 // HWY_NAMESPACE (see Highway, "foreach_target.h").
 #if defined(ASSUR_GATHER_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef ASSUR_GATHER_INL

@@ -1,5 +1,5 @@
-// Solves the packs of one group class: a step of Newton's method within the guard of its branch, or the same in
-// registers where the group is small.
+// Solves the packs of one group class: Newton's method under the guard of the branch. Small groups do the same in
+// registers.
 #pragma once
 
 #include <cstdint>
@@ -18,6 +18,7 @@
 
 namespace assur {
 
+// Solver of one class.
 class GroupSolver {
  public:
   // Throws Error (environment) if the backend cannot run here.
@@ -28,21 +29,20 @@ class GroupSolver {
   [[nodiscard]] const Program& program() const { return work_.program; }
   [[nodiscard]] bool quadratic() const { return work_.group_class.quadratic; }
 
-  // Drops what an earlier run left behind, so that runs repeat bit for bit; the packs drop their own solvers. The next
-  // solve() of each pack makes its solver: the first one chooses the pivots, the others start from them.
+  // Forgets earlier runs, so that runs repeat bit for bit; the packs must drop their own solvers. The next solve() of
+  // each pack makes a solver: that of the first pack chooses the pivots, the others start from them.
   void restart() { solver_.restart(); }
 
-  // What the solver that all packs share did, and what had to be refined after any; each pack's own one tells for
-  // itself.
+  // Extra work of the solver that all packs share, and refinements of all packs. Pack::solver counts its own work.
   [[nodiscard]] Effort effort() const { return solver_.effort(); }
 
-  // Makes room in the pack for what it holds of this class.
+  // Allocates the arrays of a pack of this class.
   void size(Pack& pack) const;
-  // One lane of the pack is `group`, with the constants of `system`.
+  // Assigns `group`, with the constants of `system`, to one lane of the pack.
   void bind_lane(const System& system, const Group& group, Pack& pack, int lane) const;
 
-  // state[d]: d-th derivative of all coordinates, with the prediction in the pack's unknowns.
-  // On failure `where` is the group and the pack's unknowns are unspecified.
+  // Solves the pack at one time. state[d]: d-th derivative of all coordinates; the unknowns of the pack hold the
+  // prediction and become the solution. If it fails, Status::where is the group, and the unknowns are unspecified.
   [[nodiscard]] Status solve(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
                              StepErrors& errors);
 
@@ -51,14 +51,14 @@ class GroupSolver {
     return nearest_singularity(work_, guard_.blocks(), pack, state);
   }
 
-  // Of a posture that is solved: see ErrorProbe.
+  // ErrorProbe at a solved posture.
   [[nodiscard]] bool perturb(Pack& pack, const double* const (&state)[3], Probes probes, std::uint64_t seed) {
     return probe_.perturb(pack, state, probes, seed);
   }
   [[nodiscard]] GroupHealth examine(Pack& pack, const double* state) { return probe_.examine(pack, state); }
 
  private:
-  // The ordinary step of a small group; false if it is none.
+  // Tries the step in registers; false if it does not apply.
   [[nodiscard]] bool small_step(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
                                 StepErrors& errors, Status& status);
 
@@ -67,7 +67,7 @@ class GroupSolver {
   BranchGuard guard_;
   NewtonStep step_;
   ErrorProbe probe_;
-  std::unique_ptr<SmallStep> small_step_;  // null: the class, or the strategy, has none
+  std::unique_ptr<SmallStep> small_step_;  // null if the class or the strategy allows none
 };
 
 }  // namespace assur

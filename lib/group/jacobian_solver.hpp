@@ -1,5 +1,5 @@
-// Systems with the Jacobian of a pack: factors of this posture or of an earlier one, solutions refined where those do
-// not serve as they are.
+// Solves linear systems with the Jacobian of a pack, by factors of the current posture or of an earlier one; refines
+// solutions that are not exact enough.
 #pragma once
 
 #include <cstdint>
@@ -14,54 +14,55 @@
 
 namespace assur {
 
+// Linear solver for the packs of one class.
 class JacobianSolver {
  public:
-  // Where the factors at hand are from.
+  // Posture of the current factors.
   enum class Factors : std::uint8_t {
-    earlier,   // an earlier step, if there are any: Pack::factored
-    step,      // a posture of this step
-    solution,  // the posture of the workspace, which solves the equations
+    earlier,   // of an earlier step; none unless Pack::factored
+    step,      // a posture within this step
+    solution,  // the solved posture in the workspace
   };
 
   // Throws Error (environment) if the backend cannot run here.
   JacobianSolver(const Workspace& work, const Plan::Choice& choice, std::span<const Backend> table);
 
-  // Drops the solvers: the next of each pack is made anew. The first one chooses the pivots, the others start from
-  // them.
+  // Drops the solvers, so that each pack gets a new one. That of the first pack chooses the pivots, the others start
+  // from them.
   void restart();
-  // The solver of a pack, or the one that all packs share, is at hand.
+  // Makes the solver of a pack, or the solver that all packs share, the current one.
   void choose(Pack& pack);
-  [[nodiscard]] LinearSolver* at_hand() { return solver_; }  // null: choose() was not called
+  [[nodiscard]] LinearSolver* at_hand() { return solver_; }  // the current solver; null before choose()
 
-  // What the solver that all packs share did, and what had to be refined after any.
+  // Extra work of the solver that all packs share, and refinements of all packs.
   [[nodiscard]] Effort effort() const;
 
-  // A new step begins.
+  // To be called when a new step begins.
   void begin_step() { factors_ = Factors::earlier; }
   [[nodiscard]] Factors factors() const { return factors_; }
 
   // Factorises the workspace's Jacobian. from: step or solution.
   [[nodiscard]] Status factorize(Pack& pack, Factors from, Counters& counters);
-  // The same, uncounted, for what is no step.
+  // The same without counting, outside of steps. False if it failed.
   [[nodiscard]] bool factorize(Pack& pack);
 
-  // x = J^-1 b by the factors at hand. checked: factors that grew are refined, which only those of J itself can be.
+  // x = J^-1 b by the current factors. checked: refine if pivots grew; only for factors of J itself.
   [[nodiscard]] Status correction(Pack& pack, const LaneArray& b, double* x, bool checked, Counters& counters);
 
-  // x = J^-1 b, from factors of whatever posture: refined to the relative residual `converged`, or, where that does not
-  // help, by new factors. Unknowns before first_wanted are not wanted. error: raised to the normwise residual.
+  // x = J^-1 b by factors of any posture. Refines to the relative residual `converged`, and factorises again if
+  // refinement fails. Unknowns before first_wanted are not needed. error becomes at least the normwise residual.
   [[nodiscard]] Status solve(Pack& pack, const LaneArray& b, double* x, int first_wanted, double converged,
                              Counters& counters, double& error);
 
-  // The workspace's Jacobian is another one.
+  // To be called when the Jacobian of the workspace has changed.
   void new_jacobian() { jacobian_measured_ = scales_measured_ = false; }
 
  private:
-  // How far refinement goes.
+  // End of a refinement.
   struct Goal {
-    double enough;     // a residual
-    double tolerated;  // a residual that ceases to fall
-    bool scaled;       // the larger one of normwise and scaled
+    double enough;     // residual that ends the refinement
+    double tolerated;  // residual that is accepted if it no longer falls
+    bool scaled;       // true: the larger one of the normwise and the scaled residual counts
   };
   [[nodiscard]] std::unique_ptr<LinearSolver> make() const;
   [[nodiscard]] Status refine(const Pack& pack, const LaneArray& b, double* x, const Goal& goal, Counters& counters,
@@ -77,10 +78,10 @@ class JacobianSolver {
   const Backend& backend_;
   const bool own_solvers_;  // one for each pack
   std::unique_ptr<LinearSolver> shared_;
-  const LinearSolver* first_ = nullptr;  // of the packs' own ones: what the others are cloned from
-  LinearSolver* solver_ = nullptr;       // the pack's at hand, or shared_
+  const LinearSolver* first_ = nullptr;  // own solver of the first pack; the others are its clones
+  LinearSolver* solver_ = nullptr;       // the current one
   Factors factors_ = Factors::earlier;
-  std::int64_t refined_ = 0;             // solutions, because their residual was too large
+  std::int64_t refined_ = 0;             // refinements of solutions whose residual was too large
   std::vector<std::int32_t> row_start_;  // n + 1
   std::vector<RowEntry> row_entries_;    // nnz: the Jacobian by rows
   LaneArray residual_;                   // n x W

@@ -1,4 +1,5 @@
-// The step of a pack: position by Newton, velocity and acceleration by one factorisation or, as `+separate` asks, two.
+// The step of a pack: the position by Newton's method; velocity and acceleration by one factorisation, or by two with
+// `+separate`.
 #pragma once
 
 #include <cstdint>
@@ -10,15 +11,16 @@
 
 namespace assur {
 
+// The step of the packs of one class.
 class NewtonStep {
  public:
   NewtonStep(Workspace& work, JacobianSolver& solver, BranchGuard& guard, const SolverSettings& settings);
 
-  // The inputs are set, x is the prediction and becomes the solution. On failure it is unspecified.
+  // Solves the position. The inputs must be set; x is the prediction and becomes the solution, unspecified on failure.
   [[nodiscard]] Status position(Pack& pack, double* x, const Attempt& attempt, Counters& counters, StepErrors& errors);
 
-  // At the posture of position(): rates and accelerations of the unknowns, as far as the class or the attempt wants
-  // them. state[d]: d-th derivative of all coordinates.
+  // Solves rates and accelerations of the unknowns at the posture of position(), as far as the class or the attempt
+  // needs them. state[d]: d-th derivative of all coordinates.
   [[nodiscard]] Status derivatives(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters,
                                    StepErrors& errors);
 

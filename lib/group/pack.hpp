@@ -1,4 +1,4 @@
-// What is solved side by side.
+// Packs: groups of one class that are solved side by side.
 #pragma once
 
 #include <algorithm>
@@ -14,9 +14,9 @@
 
 namespace assur {
 
-// What an attempt at a step overwrites in a pack, as it was before that attempt: a rejected one leaves nothing behind.
+// Copies of the arrays of a pack that an attempt at a step overwrites; a rejected attempt restores them.
 struct Kept {
-  std::int64_t use_of = 0, anchor_of = 0, factors_of = 0;  // the attempts that overwrote the pack's last; 0: none
+  std::int64_t use_of = 0, anchor_of = 0, factors_of = 0;  // the attempt that overwrote them; 0: none
   LaneArray ball_used;
   LaneArray anchor, anchor_rates, anchor_time, omega, swaps;
 };
@@ -29,25 +29,25 @@ struct Pack {
   std::vector<std::int32_t> groups;  // used: indices into Structure::groups
   std::size_t unknowns = 0;          // address of the first unknown in the state arrays
   std::vector<std::int32_t> inputs;  // inputs x W addresses in the state arrays
-  std::vector<InputRow> input_rows;  // inputs: the same, where one address tells all
+  std::vector<InputRow> input_rows;  // inputs: the same in short, if the addresses are regular
   LaneArray coefficients;            // (coefficients, 0, 1) x W
   LaneArray lipschitz;               // equations x W
-  LaneArray anchor;                  // by block, what it reads x W: where omega was measured
-  LaneArray anchor_rates;            // the same: the rates there
-  LaneArray anchor_time;             // blocks: s; NaN: unknown, or no rates were asked for
+  LaneArray anchor;                  // for each block the coordinates that it reads x W, where omega was measured
+  LaneArray anchor_rates;            // rates at the anchor, same layout
+  LaneArray anchor_time;             // blocks: s; NaN: unknown, or without rates
   LaneArray omega;                   // blocks x W
   LaneArray ball_used;               // blocks: part of the ball used at the last posture inside it
-  LaneArray swaps;                   // of a small step: see SmallLu
+  LaneArray swaps;                   // row order of a small step, see SmallLu
   Kept kept;
-  std::unique_ptr<LinearSolver> solver;  // with pivots or factors of its own; null: the class's serves
+  std::unique_ptr<LinearSolver> solver;  // own solver; null: the packs of the class share one
   bool factored = false;                 // +reuse=run: `solver` holds factors of an earlier posture
 
-  // A failure of the group in a lane.
+  // A status about the group in a lane.
   [[nodiscard]] Status failed(Code code, double figure, std::int32_t lane = 0) const {
     return {code, Place::group(groups[std::min(static_cast<std::size_t>(lane), groups.size() - 1)]), figure};
   }
 
-  // Call these before the attempt overwrites the arrays that they keep.
+  // Keep copies; to be called before an attempt overwrites the arrays.
   void keep_use(std::int64_t attempt) {
     if (std::exchange(kept.use_of, attempt) == attempt) return;
     if (ball_used.size() == 1) {  // of most groups
@@ -59,7 +59,7 @@ struct Pack {
   void keep_anchor(std::int64_t attempt) {
     if (std::exchange(kept.anchor_of, attempt) != attempt) copy_anchor(kept);
   }
-  // The pack is as it was before the attempt, but for the pivot orders of `solver`.
+  // Restores the pack to its state before the attempt, except for the pivot orders of `solver`.
   void undo(std::int64_t attempt) {
     if (kept.use_of == attempt) ball_used.swap(kept.ball_used);
     if (kept.anchor_of == attempt) {
@@ -73,7 +73,7 @@ struct Pack {
     kept.use_of = kept.anchor_of = kept.factors_of = 0;
   }
 
-  // All that the next step depends on, but for `solver`.
+  // Everything that the next step depends on, except for `solver`.
   void save(Kept& into) const {
     into.ball_used = ball_used;
     copy_anchor(into);
@@ -98,7 +98,7 @@ struct Pack {
   }
 };
 
-// Among the coefficients of a pack, after those of the program.
+// Indices of the coefficients 0 and 1 of a pack, which follow those of the program.
 [[nodiscard]] inline std::int32_t zero_coefficient(const Program& p) {
   return static_cast<std::int32_t>(p.coefficients.size());
 }

@@ -1,6 +1,6 @@
 // The loops of a group step over the W lanes of a pack, in the SIMD target of the machine. All arrays are [row][lane].
-// Idle lanes repeat lane 0, so what is largest over all lanes is largest over those that are used. A NaN anywhere makes
-// what is returned NaN.
+// Idle lanes repeat lane 0, so that a maximum over all lanes is the maximum over the used lanes. If a number is NaN,
+// the result is NaN.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,7 @@
 
 namespace assur {
 
-// Where the inputs of a pack come from: one row for each.
+// Addresses of one input of a pack in all lanes.
 struct InputRow {
   enum class Kind : std::uint8_t { same, consecutive, scattered };  // addresses of the lanes
   std::int32_t address = 0;                                         // of lane 0
@@ -20,6 +20,7 @@ struct RowEntry {
   std::int32_t nonzero, column;
 };
 
+// The kernels for one W.
 struct PackKernels {
   // out = sum of weights * sources, elementwise.
   void (*combine)(const double* const* sources, const double* weights, std::int32_t count, std::size_t size,
@@ -29,7 +30,7 @@ struct PackKernels {
   void (*gather)(const InputRow* rows, const std::int32_t* addresses, std::int32_t count, const double* state,
                  double* out);
 
-  // scale -> 1 / scale, and 1 where the scale is not positive (or NaN).
+  // Replaces each scale by 1 / scale, or by 1 if it is not positive or NaN.
   void (*invert_scale)(double* scale, std::int32_t count);
 
   // max |phi| * inverse_scale
@@ -44,8 +45,8 @@ struct PackKernels {
   double (*residual)(const std::int32_t* row_start, const RowEntry* entries, std::int32_t n, const double* jacobian,
                      const double* x, const double* b, double* residual, double* norm, bool measure);
 
-  // Largest over the lanes of omega * largest |coordinate - anchor|: how much of a ball is used. Coordinates: unknowns
-  // below n, inputs from there on.
+  // The used part of a ball: the maximum over the lanes of omega * max |coordinate - anchor|. Coordinates below n are
+  // unknowns, the others inputs.
   double (*ball_use)(const std::int32_t* coordinates, std::int32_t count, std::int32_t n, const double* unknowns,
                      const double* inputs, const double* anchor, const double* omega);
 };

@@ -1,4 +1,4 @@
-// Why a pack cannot go on: the block that is nearest to a singular posture, and what kind of posture that is.
+// Diagnosis of a pack that cannot go on: the block that is nearest to a singular posture, and the type of the posture.
 #pragma once
 
 #include <cstdint>
@@ -10,13 +10,14 @@
 
 namespace assur {
 
+// The diagnosis.
 struct Singularity {
-  Status status;            // limit_reached: its rates grow as they do towards a fold, which is no evidence of one
-                            // yet; change_point_passed: they do not, passing may be tried; else branch_unknown
-  std::int32_t block = -1;  // -1: none was looked at
+  Status status;            // limit_reached: the rates grow as they do towards a fold (no proof of a fold);
+                            // change_point_passed: they do not grow, passing may be tried; else branch_unknown
+  std::int32_t block = -1;  // -1: no block was examined
   int lane = 0;
   double smallest = 0;        // singular value of the block
-  std::vector<double> reads;  // what the block reads of others, internal units
+  std::vector<double> reads;  // inputs of the block, internal units
 };
 
 // By dense SVDs; allocates. state[d]: d-th derivative of all coordinates.

@@ -1,5 +1,5 @@
-// What the separable equations of a small group take from its inputs. Included once for each target, inside its
-// HWY_NAMESPACE (see Highway, "foreach_target.h").
+// Coefficients of the separable equations of a small group, which depend on its inputs. Included once for each target,
+// inside its HWY_NAMESPACE (see Highway, "foreach_target.h").
 #if defined(ASSUR_SMALL_COEFFICIENTS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef ASSUR_SMALL_COEFFICIENTS_INL
 #undef ASSUR_SMALL_COEFFICIENTS_INL
@@ -39,7 +39,7 @@ class Coefficients {
       if (group_class.input_moves[static_cast<std::size_t>(i)] != 0) moving_.push_back(i);
     }
     L::set(1).store(at(kValue, p_.one()));
-    // What is not there is a slot, too, so that nothing has to be asked for each use.
+    // Missing numbers have a slot, too, so that their uses need no test.
     const auto or_else = [](std::int32_t& slot, std::int32_t other) {
       if (slot == Separable::kNone) slot = other;
     };
@@ -141,7 +141,7 @@ class Coefficients {
   HWY_INLINE L input(const Pack& pack, std::int32_t i, const double* state) const {
     return gather_input<W>(pack.input_rows[static_cast<std::size_t>(i)], pack.inputs.data() + i * W, state);
   }
-  // Of a coordinate it is its size.
+  // Sum of the magnitudes of the terms of a register; of a coordinate, its magnitude.
   HWY_INLINE L magnitude(std::int32_t reg) const {
     return reg > p_.one() ? get(kMagnitude, reg) : abs(get(kValue, reg));
   }
@@ -166,14 +166,14 @@ class Coefficients {
       const int slot = t.equation * N + t.unknown;
       const L factor = k(t.coefficient) * k(t.slope), value = get(kValue, t.reg);
       add(factor * value, linear_ + slot * W);
-      // A factor that is no number is a coordinate, too.
+      // A factor that is not constant counts with its own magnitude as well.
       L size = abs(value);
       if (t.reg != p_.one()) size = size + magnitude(t.reg);
       add(abs(factor) * size, linear_magnitude_ + slot * W);
     }
   }
 
-  // Derivatives of what moves; those of everything else stay zero.
+  // Derivatives of the moving inputs; those of the others stay zero.
   template <Part kPart>
   HWY_INLINE void derive(const Pack& pack, const double* state) {
     for (const std::int32_t i : moving_) input(pack, i, state).store(at(kPart, N + i));
@@ -192,7 +192,7 @@ class Coefficients {
   Separable e_;
   std::vector<std::int32_t> moving_;  // inputs
   LaneArray registers_;               // registers x parts x W
-  const double* k_ = nullptr;         // coefficients of the pack at hand
+  const double* k_ = nullptr;         // coefficients of the current pack
   alignas(kLineBytes) double known_[N * W];
   alignas(kLineBytes) double known_magnitude_[N * W];
   alignas(kLineBytes) double linear_[N * N * W];

@@ -1,7 +1,7 @@
-// Dense LU of W matrices of order N side by side, in registers: for the smallest groups a list of operations would take
-// longer to read than to carry out. Each lane has its own order of rows, chosen now and then: to compare pivots each
-// time would take as long as the rest. Included once for each target, inside its HWY_NAMESPACE (see Highway,
-// "foreach_target.h").
+// Dense LU of W matrices of order N side by side, in registers. For the smallest groups, a list of operations would
+// take longer to read than to execute. Each lane has its own order of rows, which is chosen now and then; comparing
+// pivots in every factorisation would double its time. Included once for each target, inside its HWY_NAMESPACE (see
+// Highway, "foreach_target.h").
 #if defined(ASSUR_SMALL_LU_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef ASSUR_SMALL_LU_INL
 #undef ASSUR_SMALL_LU_INL
@@ -50,7 +50,7 @@ class SmallLu {
     }
   }
 
-  // Watched as the backend `lanes` watches it: false if a lane does not keep to its limits, or is not finite.
+  // Tests the pivots like the backend `lanes`: false if a lane exceeds the limits, or is not finite.
   [[nodiscard]] HWY_INLINE bool factorize(const L (&matrix)[N][N], const double* swaps) {
     for (int i = 0; i < N; ++i) {
       for (int j = 0; j < N; ++j) f_[i][j] = matrix[i][j];
@@ -71,7 +71,7 @@ class SmallLu {
     }
     bool good = true;
     for (int k = 0; k < N; ++k) {
-      // The second of two pivots is determinant / first: so both divisions run at a time.
+      // The second of two pivots is determinant / first, so that both divisions run at the same time.
       reciprocal_[k] = N == 2 && k == 1 ? f_[0][0] / determinant : L::set(1) / f_[k][k];
       const L of_pivot = f_[k][k] * f_[k][k];
       L of_l = of_pivot, of_u = L::set(0);

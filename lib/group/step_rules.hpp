@@ -1,5 +1,5 @@
-// The rules of a group's step, those of one in registers (SmallStep) among them: when an equation counts as solved,
-// when a step stays on its branch, when a linear solution is good.
+// Rules for the step of a group, also in registers (SmallStep): when an equation counts as solved, when a step stays on
+// its branch, and when a linear solution is good enough.
 #pragma once
 
 #include <array>
@@ -10,19 +10,19 @@ namespace assur {
 
 // ---- equations: |Phi_i| against sum_j |dPhi_i/dq_j| |q_j| + |constant|
 
-inline constexpr double kConverged = 8 * kEps;
-inline constexpr double kRoundingLevel = 1e-12;   // where a residual that no longer falls is taken for rounding
-inline constexpr double kSumRounding = 2 * kEps;  // of a sum, relative to its terms
+inline constexpr double kConverged = 8 * kEps;    // the equation counts as solved
+inline constexpr double kRoundingLevel = 1e-12;   // below this, a residual that no longer falls counts as rounding
+inline constexpr double kSumRounding = 2 * kEps;  // rounding of a sum, relative to its terms
 
-// The residual did not fall to a quarter in the last iteration.
+// True if the last iteration did not reduce the residual to a quarter.
 [[nodiscard]] inline bool falls_slowly(double relative, double before) { return relative > before / 4; }
 [[nodiscard]] inline bool only_rounding_is_left(double relative, double before) {
   return relative <= kRoundingLevel && falls_slowly(relative, before);
 }
 
-inline constexpr int kSlowIterations = 2;    // iterations that a step seldom takes
-inline constexpr int kMostSearching = 40;    // iterations at a fold, where they gain one bit each
-inline constexpr double kContraction = 0.1;  // of successive corrections, where nothing else tells of convergence
+inline constexpr int kSlowIterations = 2;    // steps seldom take this many iterations
+inline constexpr int kMostSearching = 40;    // iterations at a fold, where each one gains one bit
+inline constexpr double kContraction = 0.1;  // ratio of successive corrections, if it is the only test of convergence
 
 // ---- branch: see branch.hpp
 
@@ -30,10 +30,11 @@ inline constexpr double kBall = 0.7;          // part of the ball that a step ma
 inline constexpr double kRoundingRoom = 0.1;  // part of the ball that rounding of the posture may take
 inline constexpr std::array kAlongTheTube = {0.0, 0.25, 0.5, 0.75};  // parts of the way from the anchor
 
-// Newton converges to the one solution nearby from omega |first correction| <= 1/4, in what is left of the ball.
+// Newton's method converges to the one solution nearby if omega |first correction| is at most 1/4 of the rest of the
+// ball.
 [[nodiscard]] inline double largest_first_correction(double ball_used) { return 0.25 * (1 - ball_used); }
 
-// Whether the next step of this length stays inside the ball, too.
+// True if the next step of this length stays inside the ball, too.
 [[nodiscard]] inline bool ball_lasts(double used, double before) {
   return used + 2 * (used > before ? used - before : 0.0) <= kBall;
 }
@@ -41,7 +42,7 @@ inline constexpr std::array kAlongTheTube = {0.0, 0.25, 0.5, 0.75};  // parts of
 // ---- linear systems: normwise residuals
 
 inline constexpr double kLinear = 8 * kEps;   // of a refined solution
-inline constexpr double kPivotsGrew = 1e-13;  // that of a direct solution is smaller, unless pivots grew
+inline constexpr double kPivotsGrew = 1e-13;  // a direct solution has a smaller residual unless pivots grew
 inline constexpr int kMostRefinements = 6;
 
 }  // namespace assur

@@ -1,4 +1,4 @@
-// What the parts of a group's step share: the class, its equations, and the numbers of the pack at hand.
+// Data that the parts of a group's step share: the class, its equations, and the numbers of the current pack.
 #pragma once
 
 #include <memory>
@@ -13,7 +13,7 @@
 
 namespace assur {
 
-// One posture of one pack; whoever evaluates another one leaves that behind. All arrays are [row][lane].
+// One posture of one pack. A function that evaluates another posture overwrites it. All arrays are [row][lane].
 struct Workspace {
   Workspace(const System& system, const GroupClass& its_class, const Pattern& pattern, int its_lanes)
       : group_class(its_class),
@@ -30,7 +30,7 @@ struct Workspace {
   Workspace(const Workspace&) = delete;
   Workspace& operator=(const Workspace&) = delete;
 
-  // Values of the inputs of a pack.
+  // Reads the inputs of a pack, one row for each, from a state array.
   void gather(const Pack& pack, const double* state, LaneArray& out) const {
     kernels.gather(pack.input_rows.data(), pack.inputs.data(), program.inputs, state, out.data());
   }
@@ -50,9 +50,9 @@ struct Workspace {
   const std::unique_ptr<Evaluator> evaluator;
   const PackKernels& kernels;
   LaneArray inputs, input_rates, input_accelerations;  // inputs x W
-  LaneArray phi, scale, rhs;  // n x W: equations, Evaluator::scale, of velocity or acceleration
+  LaneArray phi, scale, rhs;  // n x W: equations, Evaluator::scale, right-hand side of velocity or acceleration
   LaneArray jacobian;         // nnz x W
-  LaneArray correction;       // blocks x W: the largest of Newton's last
+  LaneArray correction;       // blocks x W: largest entry of Newton's last correction
 };
 
 }  // namespace assur

@@ -1,5 +1,5 @@
-// From posture to posture along the branch at hand: a step that may leave it, or that Newton's method does not solve,
-// is halved; change points are passed; at a limit the last good posture is kept.
+// Continuation: moves from posture to posture along the current branch. Halves a step that may leave the branch, or
+// that Newton's method does not solve; passes change points; keeps the last good posture at a limit.
 #pragma once
 
 #include <chrono>
@@ -25,7 +25,7 @@
 
 namespace assur {
 
-// The length of the steps that are tried: halved where one fails, `growth` times as long after `patience` that arrived.
+// Length of the steps to try: halved if a step fails, and multiplied by `growth` after `patience` steps that arrived.
 struct Stride {
   double length = kInfinity;
   int patience = 1;
@@ -41,23 +41,25 @@ struct Stride {
   }
 };
 
+// The motion of one mechanism.
 class Continuation {
  public:
-  // All three must outlive it; counters, errors and events are added to the report.
+  // All arguments must outlive it. It adds counters, errors and events to the report.
   // Throws Error (environment) if a backend of the plan cannot run here.
   Continuation(const Prepared& prepared, const StepLimits& limits, Report& report);
 
-  // Signed angles that follow the postures from start() on; it must outlive this.
+  // Signed angles that follow the postures from start() on; must outlive the continuation.
   void follow(AngleTurns& turns) { turns_ = turns.empty() ? nullptr : &turns; }
 
-  // Drivers behind nothing that is computed, or marked (by address), are left out.
+  // Leaves out drivers that neither a computed unknown nor a marked coordinate (by address) depends on.
   void keep_what_is_read(std::vector<std::uint8_t> marked);
 
-  // From a posture (all coordinates) at a time. Throws Error (numerical) if it is none, or has no velocities.
-  // before: what was set to another one, with other equations of the same scene, which stops here.
+  // Begins at a posture (all coordinates) and time. Throws Error (numerical) if the equations do not hold there, or if
+  // it has no velocities. before: controls of the continuation that this one replaces, with other equations of the same
+  // scene.
   void start(double time, const std::vector<double>& posture, const Inputs::Controls* before = nullptr);
 
-  // All that the next steps depend on.
+  // State that determines the next steps.
   struct Snapshot {
     State state;
     Inputs::Controls controls;
@@ -72,50 +74,52 @@ class Continuation {
     std::vector<double> angles;  // of the drivers
     AngleTurns::Snapshot turns;
   };
-  // Takes no memory once `into` has been taken from the same plan. in_step: within a step, before it leaves the posture
-  // where it began: then as it was before that step.
+  // Allocates no memory if `into` holds a snapshot of the same plan. in_step: the call comes within a step that has not
+  // left its first posture; the snapshot is then the state before the step.
   void save(Snapshot& into, bool in_step) const;
-  // Of earlier postures, with +reuse=run: a snapshot does not hold them.
+  // Drops factors of earlier postures (+reuse=run), which a snapshot does not hold.
   void drop_factors();
+  // True if the snapshot has the sizes of this continuation.
   [[nodiscard]] bool fits(const Snapshot& from) const;
-  // With the same equations. Solvers keep their pivot orders.
+  // Returns to a snapshot of the same equations. Solvers keep their pivot orders.
   void restore(const Snapshot& from);
-  // Instead of start(), before restore().
+  // Makes solvers ready for restore() without start().
   void restart_solvers();
-  // Is called, once in a step, at the posture where it began, before the step is divided or fails.
+  // `call` is called once in a step, at the posture where the step began, before the step is divided or fails.
   void before_dividing(std::function<void()> call) { before_dividing_ = std::move(call); }
-  // After restore() of a snapshot in a step: that step once more, with controlled drivers that stand still to begin
-  // with. False if they did, or none is controlled.
+  // After restore() of a snapshot within a step: prepares to repeat the step with controlled drivers that begin at
+  // rest. False if they were at rest, or if no driver is controlled.
   [[nodiscard]] bool ask_again_from_rest();
 
-  // Attempts of a step that were rejected so far: after 10,000 the step fails, as branch_unknown. Its first
-  // part begins with 0, others go on where those before them ended.
+  // Rejected attempts at the current step. After 10,000 the step fails as branch_unknown. The first part of a step
+  // begins to count at 0; further parts continue.
   [[nodiscard]] std::int64_t rejected() const { return rejected_; }
   void count_rejected_from(std::int64_t count) { rejected_ = count; }
 
-  // What is not ok leaves the last good posture. May redundant equations be chosen anew, then wants_reselection() tells
-  // that they should be. What a law or a callback throws comes from here, with the last good posture too.
+  // Moves to time t. If the status is not ok, the last good posture on the way is kept. If reselection of redundant
+  // equations is allowed, a step may stop and ask for it by wants_reselection(). Exceptions from laws and callbacks
+  // propagate, and keep the last good posture as well.
   [[nodiscard]] Status step_to(double t, bool may_reselect, Stride& stride);
   [[nodiscard]] bool wants_reselection() const { return wants_reselection_; }
-  // At the posture at hand another set of the redundant equations would be better than the one that is solved.
+  // True if another set of the redundant equations would be better at the current posture than the set that is solved.
   [[nodiscard]] bool set_is_poor();
-  // There is none that is: asks again once the set is twice as poor.
+  // To be called if no better set was found: set_is_poor() is then false until the set is twice as poor.
   void keep_set();
 
-  // The posture at hand once more, and those of the next steps, until what is left counts as solved. False: it stays as
-  // it was, because it cannot be, or the number of iterations is given.
+  // Solves the current posture again, to this residual, and the next postures as well. False: the posture is unchanged,
+  // because it cannot be solved so exactly, or because the number of iterations is prescribed.
   [[nodiscard]] bool polish(double converged);
 
   // The residual at which an equation counts as solved.
-  [[nodiscard]] double converged() const { return converged_; }  // 0: as exact as doubles are
+  [[nodiscard]] double converged() const { return converged_; }  // 0: as exact as doubles allow
   void converge_to(double residual) { converged_ = residual; }
 
   [[nodiscard]] double time() const { return now_; }
-  // All coordinates; what presolve eliminated, and follows from the others, as guessed.
+  // All coordinates; those that presolve eliminated have the value of the guess.
   [[nodiscard]] std::vector<double> posture() const;
   // d-th derivative of the coordinates, by address.
   [[nodiscard]] const double* at(int d) const { return state_.at(d); }
-  // In the last step an angle passed so close to where it has none that its direction is a guess.
+  // True if an angle of the last step passed so close to a point without direction that its turn is a guess.
   [[nodiscard]] bool turn_guessed() const { return turn_guessed_; }
   [[nodiscard]] const StepErrors& errors() const { return last_errors_; }
 
@@ -125,15 +129,15 @@ class Continuation {
   [[nodiscard]] Inputs& inputs() { return inputs_; }
 
  private:
-  static constexpr int kStepHalvings = 20;  // a step is halved down to 2^-20, then it is asked why it fails
+  static constexpr int kStepHalvings = 20;  // a step is halved down to 2^-20, then its failure is examined
   static constexpr double kSmallestStep = 1.0 / (1 << kStepHalvings);
-  static constexpr int kMostRejected = 10000;  // attempts of one step, whatever they were for
+  static constexpr int kMostRejected = 10000;  // attempts at one step for any reason
 
   void repeat_in_idle_lanes();
   void tell_before_dividing();
   [[nodiscard]] Status solve_at(double t, Attempt::Branch branch, StepErrors& errors);
   [[nodiscard]] Status solve_all(double t, Attempt::Branch branch, StepErrors& errors);
-  // left: relative residual of what was solved.
+  // left: relative residual of the solved equations.
   [[nodiscard]] Status check_watched(double t, Attempt::Branch branch, double left, StepErrors& errors);
   [[nodiscard]] Status solve_packs(double t, Attempt::Branch branch, double converged, StepErrors& errors);
   [[nodiscard]] Status check_levers(std::size_t begin, std::size_t end, double seconds);
@@ -167,38 +171,38 @@ class Continuation {
   std::vector<Pack>& packs_;
   Levels levels_;
   State state_;
-  const State::Way* over_ = nullptr;  // while a change point is passed: predicts the step over it
-  bool lacks_rates_ = false;          // of some unknowns, because they are not wanted
-  bool expands_ = false;              // all rates are computed, and predict
+  const State::Way* over_ = nullptr;  // predicts the step over a change point; else null
+  bool lacks_rates_ = false;          // the rates of some unknowns are not computed, because they are not wanted
+  bool expands_ = false;              // all rates are computed, and used for the prediction
   std::optional<Watch> watch_;
-  double watched_level_ = 0;  // relative residual that the watched equations cannot be brought below
+  double watched_level_ = 0;  // smallest relative residual that the watched equations can reach
   std::optional<Independence> independence_;
-  double largest_coefficient_ = 0, poor_ = kPoorSet;  // of the watched equations, and where it counts as poor
+  double largest_coefficient_ = 0, poor_ = kPoorSet;  // of the watched equations; the limit for a poor set
   std::int64_t measured_at_ = -1;                     // branch check of that coefficient
   double converged_ = kConverged;
   StepErrors last_errors_;             // of the last accepted posture
-  std::vector<std::uint8_t> passing_;  // packs: on the way through a change point
+  std::vector<std::uint8_t> passing_;  // packs: 1 while the pack passes a change point
   double now_ = 0;
   std::int64_t attempts_ = 0, rejected_ = 0;
   double last_before_pass_ = 0;
   AngleTurns* turns_ = nullptr;
   int together_;          // angles_together()
-  bool any_turn_ = true;  // angles take the shorter way, however far they turn
+  bool any_turn_ = true;  // angles take the shorter way, even if they turn far
   bool turn_guessed_ = false;
-  double turned_ = 0;    // by the step that was tried, over what a step may turn
-  double shortest_ = 0;  // attempt of this step so far, before it is asked why it fails
-  // Postures of this step at which that was asked, those of one block each nearer to a singular one.
+  double turned_ = 0;    // turn of the step that was tried, relative to the largest allowed turn
+  double shortest_ = 0;  // attempt of this step so far, before its failure is examined
+  // Postures of this step at which failures were examined; those of one block approach a singular one.
   std::vector<Singularity> approach_;
-  double largest_correction_ = 0;  // of a step through a change point, over the move that was predicted
+  double largest_correction_ = 0;  // of a step through a change point, relative to the predicted move
   std::function<void()> before_dividing_;
-  bool divided_ = false;       // the step at hand, or it failed
-  bool stands_still_ = false;  // from the posture at hand on, until something moves again
+  bool divided_ = false;       // the current step was divided, or it failed
+  bool stands_still_ = false;  // the mechanism rests at the current posture, until a driver moves again
   bool wants_reselection_ = false;
   double selected_at_ = kNan;    // time of the last reselection that was tried
-  std::size_t failed_pack_ = 0;  // of the last posture that was tried; their number: none
-  std::vector<Lever> levers_;    // those that are known, then those that are solved for
+  std::size_t failed_pack_ = 0;  // of the last attempt; the number of packs: none
+  std::vector<Lever> levers_;    // known ones first, then those that are unknowns
   std::size_t known_levers_ = 0;
-  bool vanished_ = false;  // one of them, in the last posture that was tried
+  bool vanished_ = false;  // a lever vanished in the last attempt
   std::chrono::steady_clock::time_point deadline_;
 };
 

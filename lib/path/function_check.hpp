@@ -1,4 +1,4 @@
-// Laws and callbacks of the program, checked now and then on the way: at the first step, then at every so many of them.
+// Checks laws and callbacks of the program along a run: at the first step, then at regular intervals.
 #pragma once
 
 #include <cstdint>
@@ -12,19 +12,21 @@
 
 namespace assur {
 
+// The checks of one run.
 class FunctionCheck {
  public:
-  // Of a system that has the given structure; both, and the addresses, must outlive it.
+  // `system` has the given structure; all arguments must outlive the check.
   FunctionCheck(const Structure& structure, const System& system, std::span<const std::int32_t> address);
 
+  // Begins a new run.
   void restart();
 
-  // Nothing is of the program.
+  // True if the program gives no functions.
   [[nodiscard]] bool empty() const { return callbacks_.empty() && laws_.empty(); }
 
-  // Before a step between two times, from the posture with the derivatives state[d], by address: an event that names
-  // what contradicts itself; then the next step is checked, too. asked(input, k): is that law of the system asked?
-  // Allocates nothing but for the event, and throws nothing.
+  // Checks before a step between two times; state[d]: d-th derivatives of the current posture, by address. Returns an
+  // event that names a function that contradicts itself; the next step is then checked, too. asked(input, k): true if
+  // the run calls this law of the system. Allocates memory for the event only, and throws nothing.
   template <class Asked>
   [[nodiscard]] std::optional<Event> before_step(double from, double to, const double* const (&state)[3],
                                                  const Asked& asked) {
@@ -39,7 +41,8 @@ class FunctionCheck {
   }
 
  private:
-  // A closer look costs as much as many cheap ones: where it was needlessly taken, the next is later.
+  // Times of the checks. A thorough check costs as much as many quick ones: after one that found nothing, the next
+  // check comes later.
   struct Schedule {
     std::int64_t interval, next = 0;
 

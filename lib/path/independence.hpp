@@ -1,8 +1,8 @@
-// Of redundant equations an independent set is solved and the others are watched. As the mechanism moves, the set may
-// come close to being dependent although all equations together are regular. A watched equation's gradient is a
-// combination of those of the solved ones, sum c_i grad Phi_i; with all gradients of length 1, the smallest singular
-// value of the solved set is at least that of all equations over sqrt(1 + |C|^2): only where some |c_i| is large is
-// another set better (Gu and Eisenstat, SIAM J. Sci. Comput. 17, 1996).
+// Quality of the chosen set of redundant equations. An independent set is solved, and the others are watched. As the
+// mechanism moves, the set may come close to being dependent although all equations together are regular. The gradient
+// of a watched equation is a combination sum c_i grad Phi_i of gradients of solved equations. If all gradients have
+// length 1, the smallest singular value of the solved set is at least that of all equations over sqrt(1 + |C|^2).
+// Another set is therefore better only if some |c_i| is large (Gu and Eisenstat, SIAM J. Sci. Comput. 17, 1996).
 #pragma once
 
 #include <Eigen/LU>
@@ -15,15 +15,16 @@
 
 namespace assur {
 
-// A set with larger coefficients is worth replacing. Those of a set just chosen are at most 1.5 (rank.cpp).
+// A set with larger coefficients is worth replacing. A newly chosen set has coefficients of at most 1.5 (rank.cpp).
 inline constexpr double kPoorSet = 4;
 
+// Coefficients of the watched equations.
 class Independence {
  public:
   // `address`: coordinates -> index into the state arrays. All must outlive it.
   Independence(const System& system, const Structure& structure, std::span<const std::int32_t> address);
 
-  // Nothing is redundant, or a block is too large to look at (more than 200 unknowns).
+  // True if no equation is redundant, or if a block is too large to examine (more than 200 unknowns).
   [[nodiscard]] bool empty() const { return dropped_.empty(); }
 
   // Largest |c_i| of all watched equations at a posture; infinite if the solved equations are dependent there.

@@ -1,5 +1,5 @@
-// Packs are solved level after level; those of one level are independent of each other and are shared out among
-// threads, the longest first, wherever that gains more than a meeting of the threads costs.
+// Solves packs level after level. Packs of one level are independent of each other: threads share them, the longest
+// first, if this gains more than a meeting of the threads costs.
 #pragma once
 
 #include <atomic>
@@ -14,29 +14,32 @@
 
 namespace assur {
 
+// The packs of a layout with their threads.
 class Levels {
  public:
-  // As many threads as the plan has, or fewer if no level has work for them. pin_to: see Team.
+  // Starts the threads of the plan, or fewer if no level has work for them. pin_to: see Team.
   Levels(const Prepared& prepared, Layout& layout, std::span<const int> pin_to);
 
-  // Threads that take part.
+  // Number of threads, including the caller.
   [[nodiscard]] int threads() const { return static_cast<int>(helpers_.size()) + 1; }
   // The solver of a pack on the calling thread.
   [[nodiscard]] GroupSolver& solver(const Pack& pack, int rank = 0);
   void restart();
   [[nodiscard]] Effort effort() const;
 
-  // Solves every pack. attempt(p) says how; expired() is asked before each one and may end it all. A level in which
-  // packs fail is finished, so that the outcome does not depend on the threads; `failed` is then the first of them.
+  // Solves every pack, with the settings attempt(p). expired() is called before each pack; true ends the work with
+  // Code::deadline. If packs fail, their level is finished, so that the result does not depend on the threads; `failed`
+  // is the first of them.
   template <class AttemptOf, class Expired>
   [[nodiscard]] Status solve(double* const (&state)[3], bool alone, const AttemptOf& attempt, const Expired& expired,
                              Counters& counters, StepErrors& errors, std::size_t& failed);
 
-  // work(pack, solver) for every pack, level after level, by the threads that solve them.
+  // Calls work(pack, solver) for every pack, level after level, on the threads that solve them.
   template <class Work>
   void each(const Work& work);
 
-  // work(part, parts) of something with so many pieces, each of half a nanosecond or more, on all threads if that pays.
+  // Divides work among all threads if that pays, else calls work(0, 1): work(part, parts) does its part of `pieces`,
+  // each of which takes half a nanosecond or more.
   template <class Work>
   void share(std::size_t pieces, const Work& work) {
     if (!team_ || pieces < kWorthSharing) return work(0, 1);
@@ -45,7 +48,7 @@ class Levels {
   }
 
  private:
-  // Work between two meetings: whole levels of the caller's, or one level of all threads.
+  // Work between two meetings: several levels for the calling thread, or one level for all threads.
   struct Phase {
     std::vector<std::int32_t> packs;  // by thread, in the order of their work
     std::vector<std::int32_t> start;  // threads + 1
@@ -56,7 +59,7 @@ class Levels {
                                       static_cast<std::size_t>(start[r + 1] - start[r]));
     }
   };
-  // The first pack that fails, if one does.
+  // The first pack that failed.
   struct Failure {
     std::size_t pack;  // number of packs: none
     Status status;
@@ -74,7 +77,7 @@ class Levels {
   void work_together(double* const (&state)[3], const AttemptOf& attempt, const Expired& expired);
 
   std::vector<Pack>& packs_;
-  std::vector<std::unique_ptr<GroupSolver>>& solvers_;              // classes; of the caller
+  std::vector<std::unique_ptr<GroupSolver>>& solvers_;              // classes; of the calling thread
   std::vector<std::vector<std::unique_ptr<GroupSolver>>> helpers_;  // the same of each other thread
   std::vector<Phase> phases_;
   std::vector<std::int32_t> all_;              // packs
@@ -124,7 +127,7 @@ void Levels::work_together(double* const (&state)[3], const AttemptOf& attempt, 
       if (!share.failure.status.ok()) failed_phase_ = i;
       if (i + 1 == phases_.size()) return;
       team_->barrier();
-      if (failed_phase_ <= i) return;  // who is ahead may have failed in the next phase
+      if (failed_phase_ <= i) return;  // a faster thread may have failed in the next phase already
     }
   });
 }

@@ -1,5 +1,5 @@
-// Where a step starts from: a linear combination of earlier postures and their derivatives. The weights depend on the
-// times only, so one set serves every coordinate.
+// Prediction of the next posture: a linear combination of earlier postures and their derivatives. The weights depend on
+// the times only, so that all coordinates share them.
 #pragma once
 
 #include <array>
@@ -17,16 +17,16 @@ struct PredictionWeights {
   std::array<std::array<double, 3>, kMostPostures> weight{};  // [posture, newest first][derivative]
 };
 
-// Postures and highest derivative that a predictor reads.
+// Number of postures, and highest derivative, that a predictor reads.
 [[nodiscard]] int postures_read(const Predictor& predictor);
 [[nodiscard]] int derivatives_read(const Predictor& predictor);
 
-// Weights at time t. `times`: newest first, distinct. With too few postures, or an older one so near that extrapolation
-// would amplify its errors, a lower order is taken.
+// Weights for time t. `times`: of the postures, newest first, distinct. The order is lower if there are too few
+// postures, or if an older posture is so near that extrapolation would amplify its errors.
 [[nodiscard]] PredictionWeights prediction_weights(const Predictor& predictor, std::span<const double> times, double t);
 
-// The same, computed anew only where the steps differ from those of the last time. Steps of a grid are equal but for
-// the rounding of its times, which moves a prediction far less than its own error is.
+// Computes weights again only if the steps differ from those of the last call. Steps of a grid are equal except for the
+// rounding of times, which changes a prediction far less than its own error.
 class WeightsOfEqualSteps {
  public:
   [[nodiscard]] const PredictionWeights& at(const Predictor& predictor, std::span<const double> times, double t);
@@ -34,7 +34,7 @@ class WeightsOfEqualSteps {
 
  private:
   PredictionWeights weights_;
-  std::size_t count_ = 0;                     // postures they are for; 0: none
+  std::size_t count_ = 0;                     // postures that the weights are for; 0: none
   std::array<double, kMostPostures> step_{};  // newest first
 };
 

@@ -1,4 +1,4 @@
-// The posture at hand, the last accepted one, and the older ones that the predictor reads.
+// The current posture, the last accepted one, and the older ones that the predictor reads.
 #pragma once
 
 #include <array>
@@ -11,18 +11,19 @@
 
 namespace assur {
 
+// Postures of one continuation.
 class State {
  public:
-  // Coordinates [0, first_unknown) are known at any time; [first_unknown, size) are solved for.
+  // Allocates. Coordinates [0, first_unknown) are known, [first_unknown, size) are unknowns.
   void resize(std::size_t first_unknown, std::size_t size, const Predictor& predictor);
 
-  // Takes no memory once both were sized alike.
+  // Allocates no memory if both have the same sizes.
   void copy(const State& from);
-  // Whether copies of the other one can take its place.
+  // True if the other state has the same sizes, so that it can be copied.
   [[nodiscard]] bool is_like(const State& other) const;
 
-  // d-th derivative of every coordinate, valid until the next predict() or restore(). After predict() the unknowns have
-  // values, but no derivatives yet.
+  // d-th derivative of every coordinate of the current posture; valid until the next predict() or restore(). After
+  // predict(), the unknowns have values but no derivatives.
   [[nodiscard]] double* at(int d) { return ring(d).at_hand(); }
   [[nodiscard]] const double* at(int d) const { return ring(d).at_hand(); }
 
@@ -30,18 +31,19 @@ class State {
   [[nodiscard]] const double* accepted(int d) const { return ring(d).at(last()); }
 
   void clear();
-  // Unknowns of the next posture, from the accepted ones.
+  // Begins the next posture: predicts its unknowns from the accepted postures.
   void predict(double t);
-  // The same in parts, for several threads: those from `begin` to `end` of all unknowns().
+  // The same in parts for several threads: begin_prediction(), then predict() for ranges of all unknowns().
   struct Prediction {
     const double* sources[3 * kMostPostures];
     double weights[3 * kMostPostures];
     std::int32_t count = 0;
   };
   [[nodiscard]] Prediction begin_prediction(double t);
-  // The same, by all derivatives of the last accepted posture if the predictor does not read them.
+  // A prediction by the Taylor series of the last accepted posture; by the predictor if it reads all derivatives
+  // itself.
   [[nodiscard]] Prediction begin_expansion(double t);
-  // The same by accepted postures that were kept on a way, newest first: a polynomial through them.
+  // A prediction by a polynomial through accepted postures that keep() collected, newest first.
   struct Way {
     std::vector<LaneArray> postures;
     std::vector<double> times;
@@ -50,20 +52,20 @@ class State {
   [[nodiscard]] Prediction begin_prediction(const Way& way, double t);
   void predict(const Prediction& prediction, std::size_t begin, std::size_t end);
   [[nodiscard]] std::size_t unknowns() const { return size_ - first_unknown_; }
-  // Largest move, over `count` unknowns from an address on, from the last accepted posture to the prediction.
+  // Largest change from the last accepted posture to the prediction, over `count` unknowns from an address on.
   [[nodiscard]] double predicted_move(std::size_t address, std::size_t count) const;
   void accept(double t);
-  // The older postures: the next prediction is from the last accepted one alone.
+  // Forgets the older postures: the next prediction uses the last accepted one alone.
   void forget();
   // The next prediction is the last accepted posture itself.
   void stand_still();
-  // The last accepted posture, with what is known there.
+  // Returns to the last accepted posture, including its known coordinates.
   void restore();
-  // The posture at hand takes the place of the last accepted one.
+  // Replaces the last accepted posture by the current one.
   void replace();
 
  private:
-  // One derivative of the postures by age, 0: the newest. Nothing is moved when a posture becomes an older one.
+  // One derivative of the postures by age; 0: the newest. A posture stays in its place when it becomes older.
   struct Ring {
     std::array<LaneArray, kMostPostures + 1> postures;  // `count` of them
     std::size_t count = 1, newest = 0;

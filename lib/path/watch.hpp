@@ -1,4 +1,4 @@
-// Redundant equations: not solved, but evaluated at every posture.
+// Watched equations: redundant equations that are evaluated at every posture instead of solved.
 #pragma once
 
 #include <memory>
@@ -10,6 +10,7 @@
 
 namespace assur {
 
+// The watched equations of a structure.
 class Watch {
  public:
   // `address`: coordinates -> index into the state arrays.
@@ -19,7 +20,7 @@ class Watch {
 
   // Largest relative residual at the posture q.
   [[nodiscard]] double residual(const double* q);
-  // Of which equation it was, and how far that one is from holding at q: |Phi| / |grad Phi|, internal units.
+  // The equation with the largest residual, and its violation at q: |Phi| / |grad Phi|, internal units.
   [[nodiscard]] std::size_t worst() const { return worst_; }
   [[nodiscard]] double violation(const double* q);
 

@@ -6,16 +6,16 @@
 
 namespace assur {
 
-// Throws Error (environment) if there is no room for so many results.
+// Throws Error (environment) if the results need more memory than is free.
 void check_memory(std::size_t rows, std::size_t columns);
 
-// Takes the pages of reserved room before they are written, 16 MB at once: a page that comes with the first write to it
-// takes 1 us, which is much of a step.
+// Maps the pages of reserved memory before they are written, 16 MB at once. A page that is mapped by the first write to
+// it takes 1 us, which is much compared with a step.
 class PagesAhead {
  public:
   explicit PagesAhead(const std::vector<double>& room) : begin_(room.data()), capacity_(room.capacity()) {}
 
-  // So many doubles, at most the room's capacity, are about to be there. The content stays as it is.
+  // Maps the pages of the first `doubles` numbers, at most the capacity. The content is unchanged.
   void reach(std::size_t doubles) noexcept {
     while (taken_ < std::min(doubles, capacity_)) take();
   }

@@ -1,4 +1,4 @@
-// What a run is asked for, checked.
+// Checks of the arguments of a run.
 #pragma once
 
 #include <span>
@@ -10,10 +10,10 @@ namespace assur {
 // Throws Error (input) if the times descend anywhere or are not finite.
 void check_times(std::span<const double> times);
 
-// Throws Error (input) for numbers that make no sense.
+// Throws Error (input) if a limit is negative, or if most_iterations is 0.
 void check_limits(const StepLimits& limits);
 
-// True if all steps are > 0 and equally long, but for the rounding of the times; of fewer than two steps always.
+// True if all steps are > 0 and equally long, except for the rounding of times. Always true for fewer than two steps.
 [[nodiscard]] bool evenly_spaced(std::span<const double> times);
 
 }  // namespace assur

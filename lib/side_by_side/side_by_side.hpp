@@ -1,5 +1,5 @@
-// Runs of several mechanisms of one structure in the lanes of a tile. A lane that cannot follow in lockstep (its step
-// has to be halved, it reaches a limit) goes on alone, as any other simulation; the others are not held up.
+// Runs several mechanisms of one structure in the lanes of a tile. A mechanism that cannot keep step (its step must be
+// halved, or it reaches a limit) continues alone by a Simulator; the others go on.
 #pragma once
 
 #include <functional>
@@ -17,23 +17,23 @@ namespace assur {
 struct LaneRun {
   Variant variant;
   std::span<const double> times;  // the first one is that of the variant
-  double* rows = nullptr;         // of results, filled: `split` of them, the others behind `beyond`
+  double* rows = nullptr;         // receives the first `split` rows of results; `beyond` the others
   double* beyond = nullptr;
   std::size_t split = static_cast<std::size_t>(-1);
   std::size_t done = 0;  // rows filled
-  Status status;         // ok, why the run stopped, or where it was first in doubt
+  Status status;         // ok, the first doubt, or the reason why the run stopped
   double reached = 0;    // last time with a valid posture
-  bool alone = false;    // from the time `alone_from` on
+  bool alone = false;    // true: it ran alone from the time `alone_from` on
   double alone_from = 0;
-  ErrorFigures error;  // estimates; where it went alone, residuals, too
+  ErrorFigures error;  // estimates; residuals only if it ran alone
   std::vector<Event> events;
-  std::vector<std::string> fallbacks;  // where it went alone
-  std::string cannot;                  // why it could not be started; empty: it was
+  std::vector<std::string> fallbacks;  // of the part that it ran alone
+  std::string cannot;                  // reason why it could not start; "": it started
 
-  // The posture at one of the times, where somebody wants it, or at `reached` if the run does not get there.
+  // Posture at the time with index posture_wanted, or at `reached` if the run ends before.
   std::size_t posture_wanted = static_cast<std::size_t>(-1);
   std::vector<double> posture;
-  std::vector<double> outputs;     // at `reached`, where that is no row
+  std::vector<double> outputs;     // at `reached`, if this is no time of the run
   std::vector<double> uniqueness;  // at the start, see Tile
 
   [[nodiscard]] double* row(std::size_t k, std::size_t columns) const {
@@ -41,7 +41,7 @@ struct LaneRun {
   }
 };
 
-// What the runs of a tile add up to.
+// Sums and largest errors of the runs of a tile.
 struct Totals {
   Counters counters;
   ErrorFigures error;
@@ -49,6 +49,7 @@ struct Totals {
   void merge(const Totals& o);
 };
 
+// The mechanisms of one tile.
 class SideBySide {
  public:
   // Throws Error (environment) if a backend of the plan cannot run here.
@@ -59,11 +60,11 @@ class SideBySide {
   [[nodiscard]] const std::vector<std::string>& columns() const { return tile_.columns(); }
   [[nodiscard]] const OutputProgram& outputs() const { return tile_.outputs(); }
 
-  // All of them have the same number of times and, the n-th from the (n-1)-th, the same steps. `proceed` is asked
-  // after every step; false stops all. What laws and callbacks throw passes through.
+  // Runs all lanes. They must have the same number of times, and the same step from each time to the next. `proceed` is
+  // called after every step; false stops all. Exceptions from laws and callbacks propagate.
   void run(std::span<LaneRun* const> lanes, const std::function<bool()>& proceed);
 
-  // All of one run, apart from any other.
+  // Runs one mechanism alone, from begin to end.
   void run_alone(LaneRun& run, const std::function<bool()>& proceed);
 
   [[nodiscard]] Totals totals() const;
@@ -85,8 +86,8 @@ class SideBySide {
   bool stopped_ = false;
 };
 
-// Adds whole turns to the angles of a run, from a row on, so that they follow those of the row `before`, which is of
-// the same time as `here`.
+// Adds whole turns to the angles of a run, from a row on, so that they continue those of the row `before`. `before` and
+// `here` are rows of the same time.
 void shift_by_turns(const OutputProgram& outputs, const double* before, const double* here, LaneRun& run,
                     std::size_t from, std::size_t columns);
 

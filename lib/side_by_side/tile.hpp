@@ -1,5 +1,5 @@
-// Mechanisms of one structure in lockstep, one in each SIMD lane: members of an ensemble, or one mechanism at several
-// times. Every group is a pack of its own, whose lanes are the mechanisms.
+// Tiles: mechanisms of one structure in lockstep, one in each SIMD lane. They are members of an ensemble, or one
+// mechanism at several times. Every group is a pack whose lanes are the mechanisms.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +26,7 @@
 
 namespace assur {
 
-// What a lane holds: an instance of the tile's structure, and where it starts.
+// Content of a lane: an instance of the structure of the tile, and its start.
 struct Variant {
   std::shared_ptr<const System> system;
   std::vector<double> posture;  // all coordinates, internal units
@@ -34,10 +34,11 @@ struct Variant {
   std::function<Prepared(std::vector<double>, double)> reselect;  // as in Prepared
 };
 
-// True if one tile can hold both: the same groups, equations and known coordinates, whatever the constants. Callbacks
-// cannot be compared: only copies of one structure share them.
+// True if one tile can hold both: groups, equations and known coordinates are equal; constants may differ. Callbacks
+// cannot be compared, so that structures with callbacks must be copies of each other.
 [[nodiscard]] bool same_structure(const Structure& a, const Structure& b);
 
+// A tile of W lanes.
 class Tile {
  public:
   // Throws Error (environment) if a backend of the plan cannot run here.
@@ -49,41 +50,41 @@ class Tile {
   [[nodiscard]] const std::vector<std::string>& columns() const { return columns_; }
   [[nodiscard]] const OutputProgram& outputs() const { return outputs_[0]; }
 
-  // Puts 1 to lanes() variants into the lanes and finds their velocities; forgets whatever was there.
+  // Puts 1 to lanes() variants into the lanes and solves their velocities. Drops the variants before.
   [[nodiscard]] Status start(std::span<const Variant* const> variants);
 
-  // One step of every variant, to its own time; all steps are equally long. Nothing is halved: on failure the last
-  // posture is kept.
+  // Moves every variant to its next time; all steps must be equally long. Steps are not halved: if one fails, all
+  // variants keep the last posture.
   [[nodiscard]] Status step(std::span<const double> times);
 
   // The outputs of one variant, as Simulator::outputs().
   void fill_row(int lane, double* row);
-  // Those of the posture at hand are known already: angles go on from there.
+  // Sets the turns of angles so that the outputs of the current posture continue this row.
   void continue_from(int lane, std::span<const double> row) {
     turns_[static_cast<std::size_t>(lane)].continue_from(row);
   }
 
-  // All coordinates of one variant; those that are not computed as they were at the start.
+  // All coordinates of one variant; coordinates that are not computed have the value of the start.
   [[nodiscard]] std::vector<double> posture(int lane) const;
 
-  // For every coordinate how far another solution surely is from the posture at which a variant was started, or from
-  // one measured since: nearer ones are the same. 0 where that is not known.
+  // For every coordinate, a distance within which the solution is unique, from the start posture of the variant or from
+  // the last anchor. 0 if unknown.
   [[nodiscard]] std::vector<double> uniqueness(int lane) const;
 
-  // Tell it of every step: is what is known of the errors out of date? Then measure them, for outputs `rows` of each
-  // variant.
+  // True if the error estimates are out of date; to be called after every step. Then measure them, with the outputs
+  // `rows` of each variant.
   [[nodiscard]] bool errors_are_due();
   void measure_errors(std::span<const double> times, std::span<const double* const> rows);
-  // The postures at hand once more, and those of the next steps, as well as they are solved where errors are in doubt.
-  // False: they are that already, or cannot be.
+  // Solves the current postures again, and the next ones, as exactly as doubtful errors require. False: they are so
+  // exact already, or cannot be.
   [[nodiscard]] bool polish();
-  // What was measured counts: as errors of the variants.
+  // Makes the measurement count for the variants.
   void keep_errors();
-  // When they were measured last, errors were larger than was asked for, those of some variant.
+  // True if the last measured errors of a variant exceed the accuracy asked for.
   [[nodiscard]] bool in_doubt() const { return estimate_.in_doubt(); }
-  // Of a variant, as they were measured: ok, or inaccurate with the group where they are largest.
+  // Status of a variant by the last measurement: ok, or inaccurate with the group with the largest errors.
   [[nodiscard]] Status accuracy(int lane) const;
-  // Estimates of a variant since it was put into its lane.
+  // Estimates of a variant since start().
   [[nodiscard]] ErrorFigures estimated(int lane) { return estimate_.of_run(static_cast<std::size_t>(lane)); }
 
   [[nodiscard]] const Counters& counters() const { return counters_; }
@@ -115,22 +116,22 @@ class Tile {
   Layout layout_;
   Driven driven_;
   std::vector<Index> driven_coordinates_;
-  std::vector<Lever> levers_;  // those that are known, then those that are solved for
+  std::vector<Lever> levers_;  // known ones first, then those that are unknowns
   std::size_t known_levers_ = 0;
   std::vector<std::optional<DriveProgram>> drive_;  // lanes
   int together_;                                    // angles_together()
-  std::size_t driven_lanes_ = 0;                    // whose drivers were evaluated last; the others are as the first
+  std::size_t driven_lanes_ = 0;  // lanes whose drivers were evaluated last; the others are copies of the first
   std::vector<std::vector<double>> driven_angles_;  // lanes: of the drivers, at the last posture
-  std::size_t lanes_accepted_ = 1;                  // whose driven angles are there; the others' are the first one's
+  std::size_t lanes_accepted_ = 1;                  // lanes with driven angles; the others have those of the first
   std::vector<std::string> columns_;
   std::vector<OutputProgram> outputs_;                       // lanes
   std::vector<AngleTurns> turns_;                            // lanes
   std::vector<double> all_divisors_;                         // of the measures, lane after lane
-  std::vector<double*> divisors_;                            // lanes: there
+  std::vector<double*> divisors_;                            // lanes: places in all_divisors_
   std::vector<std::optional<Watch>> watch_;                  // lanes
-  std::vector<std::unique_ptr<Independence>> independence_;  // lanes; null where no other set can be chosen
-  std::int64_t measured_at_ = -1;                            // branch checks when the sets were looked at
-  std::vector<std::optional<FunctionCheck>> functions_;      // lanes; of equal ones the first; none: nothing to check
+  std::vector<std::unique_ptr<Independence>> independence_;  // lanes; null if no other set can be chosen
+  std::int64_t measured_at_ = -1;                            // branch checks when the sets were examined
+  std::vector<std::optional<FunctionCheck>> functions_;  // lanes; only the first of equal ones; empty: nothing to check
   ErrorEstimate estimate_;
   State state_;
   std::vector<const Variant*> variants_;  // lanes in use
@@ -138,11 +139,11 @@ class Tile {
   bool alike_ = false;                    // the drivers of all lanes are the same
   std::int64_t attempts_ = 0;
   Counters counters_;
-  Effort effort_;  // of solvers that are gone
+  Effort effort_;  // of solvers that were replaced
   ErrorFigures error_;
-  double converged_ = 0;      // residual with which a step counts as solved; 0: as exact as doubles are
+  double converged_ = 0;      // residual at which a step counts as solved; 0: as exact as doubles allow
   double left_ = 0;           // largest residual of the last step
-  double watched_level_ = 0;  // relative residual that the watched equations cannot be brought below
+  double watched_level_ = 0;  // smallest relative residual that the watched equations can reach
 };
 
 }  // namespace assur

@@ -1,4 +1,4 @@
-// Runs in lanes, as many as there are, over the threads of a plan.
+// Runs any number of mechanisms in tiles, on the threads of a plan.
 #pragma once
 
 #include <memory>
@@ -10,19 +10,20 @@
 
 namespace assur {
 
+// One tile for each thread.
 class Tiles {
  public:
-  // For up to `runs` runs at a time: no more lanes and threads than they fill. Throws Error (environment) if a backend
-  // of the plan cannot run here.
+  // runs: largest number of runs in one call of run(); limits lanes and threads. Throws Error (environment) if a
+  // backend of the plan cannot run here.
   Tiles(Prepared prepared, const StepLimits& limits, std::size_t runs);
 
   [[nodiscard]] SideBySide& first() { return *workers_[0]; }
 
-  // Tile after tile; whichever thread is free takes the next one. The result depends on neither their number nor their
-  // order. `observer` hears of `rows` rows in all.
+  // Runs all mechanisms, tile after tile; each free thread takes the next tile. The result depends neither on the
+  // number of threads nor on their order. `observer` is called with up to `rows` rows in all.
   void run(std::span<LaneRun> runs, const Simulator::Observer& observer, std::int64_t rows);
 
-  // Of everything since clear().
+  // Sums and errors since clear().
   [[nodiscard]] Totals totals() const;
   void clear();
 

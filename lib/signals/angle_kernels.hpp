@@ -7,9 +7,9 @@
 namespace assur {
 
 inline constexpr std::size_t kAngleBlock = 8;    // arrays of angles are padded to a multiple of it
-inline constexpr double kLargestAngle = 0x1p20;  // rad: reduced by three parts of pi/2; beyond it by the library of C
+inline constexpr double kLargestAngle = 0x1p20;  // rad; larger angles are left to the C library
 
-// Terms of eight laws whose slots follow each other: amplitude * sin(2 pi frequency t + phase).
+// Harmonic terms of eight laws in consecutive slots: amplitude * sin(2 pi frequency t + phase).
 struct HarmonicBlock {
   double frequency[kAngleBlock] = {};
   double phase[kAngleBlock] = {};      // |phase| <= kLargestAngle
@@ -18,9 +18,10 @@ struct HarmonicBlock {
   std::int32_t slot = 0;               // of the first
 };
 
+// The kernels.
 struct AngleKernels {
-  // Within 1 unit in the last place, 2 where the result is below 2^-30; NaN where the angle is not finite. Arrays:
-  // count, padded; the padding of the results is arbitrary.
+  // Sines and cosines, within 1 unit in the last place (2 if the result is below 2^-30); NaN if the angle is not
+  // finite. Arrays: count, padded; the padding of the results is arbitrary.
   void (*sin_cos)(const double* angles, std::size_t count, double* sines, double* cosines);
 
   // Adds the terms at time t, and their derivatives, to the slots.

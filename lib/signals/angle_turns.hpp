@@ -1,7 +1,7 @@
-// Signed angles along a run: an angle is known up to whole turns from the posture alone, so they are counted from one
-// accepted posture to the next one. That is safe as long as the vector behind the angle moves by less than its own
-// length: it cannot have gone round the origin. Rates have no part in it: they are without bound towards a fold, and
-// are not computed by every plan.
+// Whole turns of signed angles along a run. A posture gives an angle up to whole turns, so that turns are counted from
+// one accepted posture to the next. This is safe if the vector that defines the angle moves by less than its own
+// length, because it cannot have gone round the origin. Rates are not used: they are unbounded towards a fold, and not
+// every plan computes them.
 #pragma once
 
 #include <span>
@@ -12,34 +12,36 @@
 
 namespace assur {
 
+// The signed angles among the outputs.
 class AngleTurns {
  public:
-  // Of the angles whose values the program puts out; it must outlive this.
+  // Follows the angles whose values `outputs` computes; it must outlive this object.
   explicit AngleTurns(const OutputProgram& outputs);
 
-  // Nothing to follow.
+  // True if there is no angle to follow.
   [[nodiscard]] bool empty() const { return now_.empty(); }
 
-  // Angles in (-pi, pi]. q: coordinates by address.
+  // Begins with angles in (-pi, pi]. q: coordinates by address.
   void start(const double* q);
 
+  // Knowledge about the turns of one step.
   enum class Way {
     known,
-    unknown,  // some vector moved so far, or would have at the speed of the step before: a shorter step may tell
-    none,     // some vector is nothing but rounding: no step tells
+    unknown,  // a vector moved too far, or would have at the speed of the step before; a shorter step may help
+    none,     // a vector is as small as rounding, so that its direction is unknown for any step
   };
-  // Another posture, a time `seconds` later: is it known how the vectors turned?
+  // Examines another posture, a time `seconds` later.
   [[nodiscard]] Way follow(const double* q, double seconds);
-  // It is accepted. Angles of which too little is known take the shorter way.
+  // Accepts that posture. Angles with unknown turns take the shorter way.
   void accept(double seconds);
 
-  // Angles are those of the row, up to what is less than half a turn.
+  // Chooses the turns so that the angles are those of the row, within half a turn.
   void continue_from(std::span<const double> row);
 
   // Whole turns to add to each angle in (-pi, pi].
   [[nodiscard]] const double* turns() const { return turns_.data(); }
 
-  // Of the last accepted posture. Takes no memory once `into` has been taken of the same angles.
+  // The turns at the last accepted posture. save() allocates no memory if `into` holds a snapshot of the same angles.
   struct Snapshot;
   void save(Snapshot& into) const;
   void restore(const Snapshot& from);
@@ -47,7 +49,7 @@ class AngleTurns {
  private:
   struct Arm {
     double x = 0, y = 0;
-    // Squares: of its length, of how far its end moved in the last step, and how fast; negative: unknown.
+    // Squares of its length, and of the way and speed of its end in the last step; a negative speed is unknown.
     double square = 0, chord = 0, speed = -1;
   };
   [[nodiscard]] static bool is_short(const Arm& from, const Arm& to, double way);
@@ -67,8 +69,9 @@ struct AngleTurns::Snapshot {
 // Whole turns from one angle to another, rounded.
 [[nodiscard]] double whole_turns(double from, double to);
 
-// Part of what angles of drivers may turn in one step; more than 1: too much. `together`: see angles_together(). A
-// radian leaves room for what follows them, which may turn three times as fast without going half round unnoticed.
+// Turn of the angles of drivers in one step, relative to the largest allowed one (about a radian in all); more than 1:
+// too far. `together`: see angles_together(). With this limit, bodies that follow a driver may turn three times as fast
+// without passing half a turn unnoticed.
 [[nodiscard]] double turned(std::span<const double> from, std::span<const double> to, int together);
 
 // The most driven angles that one coordinate depends on: the last link of an arm turns by the sum of its joints.

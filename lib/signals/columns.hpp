@@ -9,10 +9,10 @@
 
 namespace assur {
 
-// Throws Error (input) for a name that is none, with what may be meant or all that there are.
+// Index of a column. Throws Error (input), with a suggestion or all names, if there is no such column.
 [[nodiscard]] std::size_t column_index(const std::vector<std::string>& columns, std::string_view column);
 
-// Which rates and accelerations of a row are NaN, and why that may be; "": none.
+// A sentence about the rates and accelerations of a row that are NaN; "": there are none.
 [[nodiscard]] std::string without_derivatives(const std::vector<std::string>& columns, std::span<const double> row);
 
 }  // namespace assur

@@ -1,5 +1,5 @@
-// The drivers as a flat program in double: all laws side by side, then the coordinates that they make. What it computes
-// is what drive() of scene/drive.hpp defines.
+// The drivers as a flat program in double: all laws side by side, then the driven coordinates. scene/drive.hpp defines
+// the result.
 #pragma once
 
 #include <cstdint>
@@ -12,29 +12,30 @@
 
 namespace assur {
 
-// Whether a law of an input is an angle.
+// True if a law of an input is an angle.
 [[nodiscard]] bool is_angle(const System& system, const DriverInput& input, int law);
 
+// The program for the drivers of a system.
 class DriveProgram {
  public:
   // Keeps references to the laws of `system`.
   DriveProgram(const System& system, const Driven& driven);
 
-  // Where a law of System::inputs[input] lies; -1: nobody reads it.
+  // Slot of a law of System::inputs[input]; -1: the law is not needed.
   [[nodiscard]] std::int32_t slot(std::size_t input, int law) const;
-  // Someone else replaces this law after each evaluation: its tables and functions are not asked.
+  // held: the caller replaces this law after each evaluation, so that its tables and functions are not evaluated.
   void hold(std::int32_t slot, bool held) { held_[static_cast<std::size_t>(slot)] = held; }
 
-  // All laws at time t.
+  // Evaluates all laws at time t.
   void evaluate(double t);
   void replace(std::int32_t slot, const Motion& motion);  // SI units
-  // Those laws that are angles: their values, unwrapped.
+  // Values of the laws that are angles, unwrapped.
   [[nodiscard]] std::span<const double> angles() const { return {jets_[0].data(), angles_}; }
-  // The driven coordinates, from the laws. state[d]: d-th derivative, indexed by coordinate * stride.
+  // Writes the driven coordinates. state[d]: d-th derivative, indexed by coordinate * stride.
   void place(double* const (&state)[3], std::size_t stride = 1);
-  // After place(): false if a table ended, or a law is no number otherwise.
+  // After place(): false if the time is outside a table, or if a law is not finite.
   [[nodiscard]] bool defined() const;
-  // Why not, at time t: out_of_range of a table, or not_finite.
+  // The reason at time t: out_of_range or not_finite.
   [[nodiscard]] static Code why_undefined(const System& system, double t);
 
  private:
@@ -73,11 +74,11 @@ class DriveProgram {
   const AngleKernels* kernels_ = &angle_kernels();
   std::vector<std::int32_t> first_slot_;  // inputs: first law in slot_
   std::vector<std::int32_t> slot_;        // laws
-  // Slots: angles, other laws, padding, then what turns make of the angles.
+  // Slots: angles, other laws, padding, then sines, cosines and frames of the angles.
   std::size_t angles_ = 0;
   std::size_t laws_ = 0;                 // and angles
   std::vector<double> scale_;            // laws: internal units in one SI unit, a power of two
-  std::vector<double> base_;             // laws, padded: what is constant
+  std::vector<double> base_;             // laws, padded: constant part
   std::vector<double> jets_[3];          // slots: value, rate, acceleration
   std::vector<double> sines_, cosines_;  // angles, padded
   std::vector<std::uint8_t> held_;       // laws

@@ -1,4 +1,4 @@
-// A number and how it changes along a direction: arithmetic on it is differentiation, exact up to rounding.
+// Dual numbers: a value with its derivative along a direction. Arithmetic on them differentiates, exact up to rounding.
 #pragma once
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// The drivers at a time: laws, and what a control program has set instead.
+// The drivers at a time: laws, and the targets that a program sets instead.
 #pragma once
 
 #include <algorithm>
@@ -15,52 +15,55 @@
 
 namespace assur {
 
-// What must stay positive, or its driver does nothing: a driven distance, or what a relative angle's driver acts on.
+// A coordinate that must stay positive, because its driver drives nothing otherwise: a driven distance, or the unknown
+// rho of a relative angle.
 struct Lever {
   std::int32_t address;  // in a state, of its first lane
   Index driver;          // into System::drivers
   double start = 0;      // value at the start of the run
 };
 
-// The first one that is not positive in the posture `to`, or is not on the way there from `from`, `seconds` before (0:
-// there is none), as far as both tell: on the quintic through them. Null: there is none. [d]: d-th derivatives.
+// The first lever that is not positive in the posture `to`, or on the way from the posture `from`, `seconds` earlier;
+// 0: the way is not examined. The way is the quintic through both postures. Null: all are positive. [d]: d-th
+// derivatives.
 [[nodiscard]] const Lever* vanished(std::span<const Lever> levers, const double* const (&from)[3],
                                     const double* const (&to)[3], double seconds);
 
+// The drivers of one mechanism.
 class Inputs {
  public:
   Inputs(const System& system, const std::vector<std::string>& controlled);
 
-  // Only drivers behind the coordinates that are marked are evaluated from now on.
+  // From now on, evaluates only drivers that marked coordinates depend on.
   void keep(std::vector<std::uint8_t> needed) { compile(driven_behind(system_, std::move(needed))); }
 
-  // Known coordinates at time t; state[d]: d-th derivative, indexed by coordinate.
+  // Writes the known coordinates at time t; state[d]: d-th derivative, indexed by coordinate.
   [[nodiscard]] Status drive(double t, double* const (&state)[3]);
 
-  // Driven distances, of those that are evaluated.
+  // Driven distances among the evaluated drivers.
   [[nodiscard]] const std::vector<Lever>& levers() const { return levers_; }
 
-  // True if somebody reads that law of the system, and nothing was set instead.
+  // True if this law of the system is needed, and no target was set instead.
   [[nodiscard]] bool follows_law(std::size_t input, std::size_t law) const;
 
-  // Part of what the drivers' angles may turn in one step, by which drive() turned them since accept().
+  // Turn of the angles of drivers since accept(), relative to the largest allowed turn of a step.
   [[nodiscard]] double turned(int together) const {
     return assur::turned(accepted_angles_, program_.angles(), together);
   }
-  // The last drive() was to a posture that is accepted.
+  // Accepts the posture of the last drive().
   void accept() { std::copy(program_.angles().begin(), program_.angles().end(), accepted_angles_.begin()); }
   [[nodiscard]] const std::vector<double>& accepted_angles() const { return accepted_angles_; }
   void accept(const std::vector<double>& angles) { accepted_angles_ = angles; }
 
-  // What a controlled driver reaches at the next step. Throws Error (input) for any other name.
+  // Sets the target of a controlled driver for the next step. Throws Error (input) for any other name.
   void set(std::string_view driver, const Motion& motion);
-  // The first driver set to what is not finite, with that value; null if there is none.
+  // The first driver whose target is not finite, with that number; null if there is none.
   [[nodiscard]] const std::string* not_finite(double& value) const;
-  // Forgets what has been set since the last step.
+  // Forgets the targets of the next step.
   void drop_pending();
-  // Between `now` and `next` the controlled drivers run from where they are to where they were set; end_step() says how
-  // far the step came, and whether it failed, so that they stand still, or goes on with the same aim. True if some that
-  // moved stand still.
+  // Begins a step in which the controlled drivers run from their current motion to their targets. end_step() ends it at
+  // time `now`: after a failure the drivers stand still; goes_on keeps their targets. It returns true if a moving
+  // driver now stands still.
   void begin_step(double now, double next);
   enum class End : std::uint8_t { arrived, failed, goes_on };
   bool end_step(double now, End end);
@@ -70,21 +73,21 @@ class Inputs {
     std::string name;
     std::size_t input = 0;
     int law = 0;
-    std::int32_t slot = -1;                     // in the program; -1: nobody reads it
-    bool set = false;                           // else the law serves
+    std::int32_t slot = -1;                     // in the program; -1: not needed
+    bool set = false;                           // true: a target was set; false: the law counts
     bool pending = false;                       // `next` waits for the next step
     bool was_set = false, was_pending = false;  // before the step at hand
     Motion next, from, to;
     double start = 0, end = 0;
   };
-  // What was set; copies take no memory once they were made.
+  // State of all controlled drivers. Copies to an earlier copy allocate no memory.
   using Controls = std::vector<Control>;
   [[nodiscard]] const Controls& controls() const { return controls_; }
-  // As it was before begin_step(), without what was set for that step.
+  // Returns to the state before begin_step(), without the targets of that step.
   static void undo_step(Controls& controls, double now);
-  // Takes over what was set in another one of the same scene.
+  // Takes over the controls of another object for the same scene.
   void take(const Controls& other);
-  // After undo_step(): the drivers are to move as they were asked to, but stand still first. False if they did.
+  // After undo_step(): repeats the targets of the step, beginning at rest. False if all drivers were at rest.
   bool ask_again_from_rest();
 
  private:

@@ -1,4 +1,4 @@
-// Outputs and measures from a state: forms over addresses, then jets.
+// Evaluates outputs and measures of a state: forms over addresses, then jets.
 #pragma once
 
 #include <array>
@@ -26,8 +26,8 @@ ArmOf<N> arm_of(MeasureForms::Kind kind, std::span<const N> f, int dimension) {
   return {f[0] * f[3] + f[1] * f[4] + f[2] * f[5], f[6] * across(1, 2) + f[7] * across(2, 0) + f[8] * across(0, 1)};
 }
 
-// The square of the length by which derivatives of a measure are divided; the length of a distance, else the arm's, or
-// the sine's of an unsigned angle.
+// The square of the number that derivatives of a measure are divided by: of a distance itself, of the arm of a signed
+// angle, of the sine of an unsigned angle; else 1.
 template <class T>
 T divisor_of(MeasureForms::Kind kind, std::span<const Jet<T>> f, int dimension) {
   const auto square = [](const T& x) { return x * x; };
@@ -92,31 +92,31 @@ class OutputProgram {
   // `address`: coordinates -> index into the state arrays; -1: not available (never read by a needed output).
   OutputProgram(const System& system, std::span<const std::int32_t> address) { bind(system, address); }
 
-  // The same for another system, in the memory at hand.
+  // Rebuilds the program for another system; reuses its memory.
   void bind(const System& system, std::span<const std::int32_t> address);
 
   // Columns of signed angles, which are unwrapped along a run.
   [[nodiscard]] std::vector<std::size_t> angles() const;
   // The i-th of them is atan2(y, x) at a posture.
   void arm(std::size_t i, const double* q, double& x, double& y) const;
-  // Of what x and y are made of: they are no more accurate than a part of it.
+  // Size of the terms of x and y: their rounding errors are relative to it.
   [[nodiscard]] double size_of_arm(std::size_t i, const double* q) const;
 
   // Marks the addresses that are read.
   void mark(std::vector<std::uint8_t>& addresses) const;
 
-  // state[d]: d-th derivative. out: one double for each column, SI units.
-  // turns: of the angles(), whole turns to add. divisors, of measures(): squares of the lengths by which they divide.
-  // part of parts: a share of the columns, for one of several threads.
+  // Writes the outputs of a state. state[d]: d-th derivative. out: one double for each column, SI units. turns: whole
+  // turns to add to angles(). divisors, one for each of measures(): receives divisor_of(). part of parts: a share of
+  // the columns, for one of several threads.
   void evaluate(const double* const (&state)[3], double* out, const double* turns, double* divisors,
                 std::size_t part = 0, std::size_t parts = 1) const;
-  // Sums of measures from the columns of the same row: after evaluate(), and after whole turns were added to angles.
+  // Adds up sums of measures from columns of the same row. To be called after evaluate(), with whole turns added.
   void add_up(double* out) const { add_up(out, 1); }
-  // Those that are more than sums.
+  // Number of measures without sums.
   [[nodiscard]] std::size_t measures() const { return parts_.size(); }
 
-  // How every column changes along a change of the state and, if signs are drawn for it, by rounding of what measures
-  // are made of, to first order; not finite where a measure has a kink.
+  // Change of every column, to first order, by a change of the state and, if `sign` is given, by rounding in the
+  // measures. Not finite if a measure has a kink.
   void differentiate(const double* const (&state)[3], const double* const (&change)[3], RandomSign* sign,
                      double* out) const;
 
@@ -130,15 +130,15 @@ class OutputProgram {
     std::int32_t forms_begin, forms_end;
     double unit;
     std::array<std::int32_t, 3> column;  // of value, rate, acceleration; -1: not wanted
-    std::int32_t angle;                  // which of angles(); -1: none
+    std::int32_t angle;                  // index into angles(); -1: none
   };
-  // What is linear in one coordinate, in SI units: offset + factor * coordinate.
+  // An output that is linear in one coordinate, in SI units: offset + factor * coordinate.
   struct Line {
     std::int32_t address;
     std::array<std::int32_t, 3> column;  // of value, rate, acceleration; -1: not wanted
     double factor, offset;
   };
-  // What is linear in more of them: terms in SI units, the same for value, rate and acceleration.
+  // An output that is linear in several coordinates: terms in SI units, the same for value, rate and acceleration.
   struct Sum {
     std::int32_t begin, end;
     std::array<std::int32_t, 3> column;  // -1: not wanted

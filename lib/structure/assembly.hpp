@@ -1,4 +1,4 @@
-// The start posture from a poor guess, block after block.
+// Assembles a block from a poor guess.
 #pragma once
 
 #include <string>
@@ -8,6 +8,7 @@
 
 namespace assur {
 
+// The result of assemble().
 struct BlockAssembly {
   enum class Mode : std::uint8_t {
     same,           // the assembly mode of the guess
@@ -22,20 +23,20 @@ struct BlockAssembly {
 };
 
 // Moves the unknowns of one block in q, all others held, until its equations hold: damped Newton with the natural
-// monotonicity test (Deuflhard, Newton Methods for Nonlinear Problems, 2004, section 3.3), Levenberg-Marquardt where
-// the Jacobian is singular. `column` is scratch, see DenseBlock.
+// monotonicity test (Deuflhard, Newton Methods for Nonlinear Problems, 2004, section 3.3), Levenberg-Marquardt if the
+// Jacobian is singular. `column` is scratch, see DenseBlock.
 [[nodiscard]] BlockAssembly assemble(const System& system, std::span<const Index> equations,
                                      std::span<const Index> unknowns, std::vector<double>& q,
                                      std::vector<Index>& column);
 
-// One small step along a branch: undamped Newton from a posture nearby. False, and q as it was, if it does not converge
-// within a quarter of a typical length, or if the Jacobian's determinant changes its sign on the way; `sign` is that of
-// the step before, 0 if there is none.
+// Takes one small step along a branch by undamped Newton from a posture nearby. False, with q unchanged, if it does not
+// converge within a quarter of a typical length, or if the determinant of the Jacobian changes its sign. `sign` is the
+// sign at the step before, 0 if unknown.
 [[nodiscard]] bool follow(const System& system, std::span<const Index> equations, std::span<const Index> unknowns,
                           std::vector<double>& q, int& sign, std::vector<Index>& column);
 
-// Least-squares posture of equations that may be more or fewer than the unknowns, or dependent: Levenberg-Marquardt.
-// Returns the relative residual reached.
+// Moves q to a least-squares solution (Levenberg-Marquardt) of any number of equations, which may depend on each other.
+// Returns the relative residual.
 double fit(const System& system, std::span<const Index> equations, std::span<const Index> unknowns,
            std::vector<double>& q, std::vector<Index>& column);
 

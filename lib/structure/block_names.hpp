@@ -1,4 +1,4 @@
-// Blocks by the points, vectors and scalars that they solve, for messages.
+// Names of blocks for messages, made of the points, vectors and scalars that they solve.
 #pragma once
 
 #include <string>
@@ -7,11 +7,11 @@
 
 namespace assur {
 
-// At most four items: "B1+e1+r1", "A+B+C+D+...".
+// A name of at most four items: "B1+e1+r1", "A+B+C+D+...".
 [[nodiscard]] std::string block_name(const System& system, const Blocks& blocks, Index block);
-// All of them: "B1, e1, r1".
+// All items: "B1, e1, r1".
 [[nodiscard]] std::string all_names(const System& system, const Blocks& blocks, Index block);
-// The declared group that the block belongs to, else its own name.
+// Name of the declared group of the block, else block_name().
 [[nodiscard]] std::string group_or_block_name(const System& system, const Blocks& blocks, Index block);
 
 }  // namespace assur

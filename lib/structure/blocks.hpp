@@ -1,4 +1,4 @@
-// Irreducible groups from the graph equations x unknowns: maximum matching, Dulmage-Mendelsohn decomposition,
+// Irreducible blocks of the graph of equations and unknowns: maximum matching, Dulmage-Mendelsohn decomposition,
 // strongly connected components (CXSparse).
 #pragma once
 
@@ -9,9 +9,10 @@
 
 namespace assur {
 
+// The decomposition.
 struct Blocks {
-  // Block b holds unknowns and as many equations [start[b], start[b + 1]); blocks come in solving order, sorted by
-  // level, then by their first unknown.
+  // Block b has the unknowns and equations [start[b], start[b + 1]). Blocks are in solving order: by level, then by
+  // their first unknown.
   std::vector<Index> start = {0};
   std::vector<Index> equations;
   std::vector<Index> unknowns;

@@ -1,4 +1,4 @@
-// Group classes: equations in local numbering, the same for all groups that differ in values only.
+// Group classes: equations in local numbers, which all groups share that differ in values only.
 #pragma once
 
 #include <unordered_map>
@@ -9,9 +9,9 @@
 
 namespace assur {
 
-// What the class of a group depends on beside its equations.
+// The content of a group from which its class follows.
 struct GroupContent {
-  std::vector<Index> unknowns;  // in the order wanted; those not needed in the highest derivative first
+  std::vector<Index> unknowns;  // in solving order; first those that are not needed in the highest derivative
   std::vector<Index> equations;
   Index blocks = 1;
   std::vector<Index> unknown_block, equation_block;
@@ -19,6 +19,7 @@ struct GroupContent {
   Index first_wanted = 0;
 };
 
+// Finds equal classes.
 class ClassTable {
  public:
   // `moves`: coordinates, 0 if the value never changes.

@@ -1,4 +1,4 @@
-// The posture that comes closest to the equations where none satisfies them.
+// The posture closest to the equations of a scene that cannot be assembled.
 #pragma once
 
 #include <string>
@@ -8,18 +8,20 @@
 
 namespace assur {
 
+// A constraint that does not hold there.
 struct ViolatedConstraint {
-  std::string name;  // of a constraint, or as System::equation_name() has it
-  double by = 0;     // |Phi| / |grad Phi|, the worst of its equations, SI units
+  std::string name;  // name of the constraint, else System::equation_name()
+  double by = 0;     // largest |Phi| / |grad Phi| of its equations, SI units
   bool is_length = false;
 };
 
+// The result of closest_posture().
 struct ClosestPosture {
   std::vector<double> q;                     // all coordinates, internal units; drivers have the values of their laws
   std::vector<ViolatedConstraint> violated;  // the largest first
 };
 
-// Least squares of all equations at once, from the guess. `structure`: of a scene that cannot be assembled.
+// Minimises the sum of squares of all equations, from the guess. `structure`: of a scene that cannot be assembled.
 [[nodiscard]] ClosestPosture closest_posture(const Structure& structure);
 
 }  // namespace assur

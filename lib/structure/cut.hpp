@@ -1,4 +1,4 @@
-// What has to be solved at each step: what moves and what the outputs need.
+// The part of a structure that is solved at each step: blocks that move and that the outputs need.
 #pragma once
 
 #include <cstdint>
@@ -9,24 +9,25 @@
 
 namespace assur {
 
+// Needs of coordinates, blocks and groups.
 struct Cut {
   // Highest derivative, 0 to 2; -1: not even positions.
   struct Derivatives {
-    int wanted = -1;    // by the outputs and by groups that serve them
-    int computed = -1;  // with those that the predictor reads
+    int wanted = -1;    // by the outputs, and by groups that other groups need for them
+    int computed = -1;  // including derivatives for the predictor
   };
   std::vector<std::uint8_t> moves;         // coordinates: 0 if the value never changes
   std::vector<std::uint8_t> block_moves;   // blocks
   std::vector<std::uint8_t> block_needed;  // blocks
-  std::vector<std::int8_t> need;           // coordinates: highest derivative that somebody reads, -1: none
-  std::vector<Derivatives> groups;         // as the drafts
+  std::vector<std::int8_t> need;           // coordinates: highest derivative that is needed; -1: none
+  std::vector<Derivatives> groups;         // in the order of the drafts
 
   [[nodiscard]] bool is_static(Index block) const { return block_moves[static_cast<std::size_t>(block)] == 0; }
   [[nodiscard]] bool is_needed(Index block) const { return block_needed[static_cast<std::size_t>(block)] != 0; }
   [[nodiscard]] bool solved_each_step(Index block) const { return is_needed(block) && !is_static(block); }
 };
 
-// `checks`: equations that are watched; what they mention has to be known.
+// `checks`: watched equations; their coordinates must be computed, too.
 [[nodiscard]] Cut cut_to_outputs(const System& system, const Blocks& blocks, const std::vector<Draft>& drafts,
                                  std::span<const Index> checks, int predictor_derivatives);
 

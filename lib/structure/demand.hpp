@@ -1,4 +1,4 @@
-// What the outputs need, traced back through the structure.
+// Coordinates that the outputs need, traced back through the structure.
 #pragma once
 
 #include <cstdint>
@@ -9,15 +9,15 @@
 
 namespace assur {
 
-// Highest derivative needed of each coordinate by the outputs themselves; -1: none.
+// For each coordinate, the highest derivative that the outputs themselves need; -1: none.
 [[nodiscard]] std::vector<std::int8_t> needed_by_outputs(const System& system, const std::vector<Output>& outputs);
 
-// A set of equations solved together reads all its coordinates up to the derivative that it computes.
-// Raises `need` of the coordinates that the equations mention to at least `derivatives`.
+// Raises `need` of the coordinates that the equations mention to at least `derivatives`: equations that are solved
+// together read all their coordinates up to the derivative that they compute.
 void require_inputs(const System& system, std::span<const Index> equations, int derivatives,
                     std::vector<std::int8_t>& need);
 
-// The blocks whose unknowns are needed, 1 each; `need` is raised at everything that they read.
+// For each block, 1 if its unknowns are needed. Raises `need` of all coordinates that these blocks read.
 [[nodiscard]] std::vector<std::uint8_t> needed_blocks(const System& system, const Blocks& blocks,
                                                       std::vector<std::int8_t>& need);
 

@@ -1,5 +1,5 @@
-// Residuals and Jacobian of some equations in some unknowns at a posture, dense or sparse: what structure needs of the
-// numbers. Small blocks are dense; the simulation has programs of its own.
+// Residuals and Jacobian of equations at a posture, dense or sparse, for the analysis of structures. The simulation
+// uses programs instead (equations/program.hpp).
 #pragma once
 
 #include <Eigen/Dense>
@@ -11,9 +11,10 @@
 
 namespace assur {
 
-// Of the terms of an equation, internal units: C.y = 0 alone would leave an error of 100 % at C.y = 1e-30.
+// Least scale of an equation, internal units. Without it, C.y = 0 would have a relative residual of 1 at C.y = 1e-30.
 inline constexpr double kLeastScale = 0x1p-10;
 
+// A set of equations and unknowns.
 class DenseBlock {
  public:
   // `column` is scratch shared by all blocks: one entry for each coordinate, all -1 between uses.

@@ -1,4 +1,4 @@
-// The freedoms of drivers: in which ways their inputs can move, whatever their laws say.
+// Freedoms of drivers: the motions that their inputs can make, independent of the laws.
 #pragma once
 
 #include <span>
@@ -8,19 +8,19 @@
 
 namespace assur {
 
+// The freedoms of several inputs.
 class Freedoms {
  public:
-  // Those of the listed inputs (indices into System::inputs): one for a scalar or an angle, the translations and
-  // rotations of a frame.
+  // inputs: indices into System::inputs. A scalar or an angle has one freedom, a frame its translations and rotations.
   Freedoms(const System& system, std::vector<Index> inputs);
 
   [[nodiscard]] std::size_t count() const { return ways_.size(); }
 
-  // Rates of all coordinates at the posture q if one of them moves at the rate 1: those of the inputs and of what is
-  // assigned from them.
+  // Rates of all coordinates at the posture q if one freedom moves at the rate 1: rates of inputs and of assigned
+  // coordinates.
   [[nodiscard]] std::vector<double> rates(std::size_t freedom, std::span<const double> q) const;
 
-  // Moves the inputs by these amounts, rad or internal units, and all that is assigned from them.
+  // Moves the inputs by these amounts, rad or internal units, and updates assigned coordinates.
   void move(std::span<const double> amounts, std::vector<double>& q) const;
 
  private:

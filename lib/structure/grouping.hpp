@@ -9,7 +9,7 @@
 
 namespace assur {
 
-// A group before it is known what the outputs need of it.
+// A group before the cut to the outputs.
 struct Draft {
   std::string name;
   std::vector<Index> blocks;
@@ -18,8 +18,8 @@ struct Draft {
   bool keep = false;  // solved as a whole, whatever the outputs need
 };
 
-// Every block in exactly one group; a declared group may be without any (all its coordinates are driven). Throws Error
-// (input) for a declared group that is no union of blocks, or that needs a block which needs it in turn.
+// Puts every block into exactly one group. A declared group has no block if all its coordinates are driven. Throws
+// Error (input) if a declared group is no union of blocks, or if it and another block need each other.
 [[nodiscard]] std::vector<Draft> form_groups(const System& system, const Blocks& blocks, Formulation formulation);
 
 }  // namespace assur

@@ -1,5 +1,5 @@
-// What the redundant and undetermined parts of a system are like at other postures than the start: whether an equation
-// that was dropped follows from those that were kept, and how many freedoms there are without the drivers.
+// Examines redundant and undetermined parts of a system at other postures than the start: does a dropped equation
+// follow from the kept ones, and how many degrees of freedom are there without the drivers?
 #pragma once
 
 #include <vector>
@@ -11,17 +11,17 @@ namespace assur {
 
 // Parts of a system that are not regular at the start posture, or not by their structure.
 struct DoubtfulParts {
-  std::vector<Index> equations;  // all of them, those among known coordinates as well
-  std::vector<Index> kept;       // an independent set of them
+  std::vector<Index> equations;  // all equations, including those among known coordinates
+  std::vector<Index> kept;       // an independent subset of the equations
   std::vector<Index> unknowns;
 };
 
-// Judges `checks`, which out.redundant lists in the same order, and says so in out.notes; sets out.mobility and
-// out.mobility_at_start. q is the start posture at `time`.
+// Sets the kind of each redundant equation (out.redundant, in the order of out.checks) and adds notes; sets
+// out.mobility and out.mobility_at_start. q is the start posture at `time`.
 void look_at_other_postures(const System& system, const DoubtfulParts& parts, const std::vector<double>& q, double time,
                             Structure& out);
 
-// Of an equation that does not hold: |Phi| / |grad Phi|, SI units, and whether that is a length.
+// Violation of an equation: |Phi| / |grad Phi|, SI units; is_length: in m.
 struct Violation {
   double by = 0;
   bool is_length = false;

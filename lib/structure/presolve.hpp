@@ -1,4 +1,4 @@
-// Equations that are linear with constant coefficients eliminate one unknown each.
+// Presolve: each equation that is linear with constant coefficients eliminates one unknown.
 #pragma once
 
 #include <vector>
@@ -7,8 +7,8 @@
 
 namespace assur {
 
-// Rewrites the forms of `system` so that the eliminated unknowns are affine in the others (items, measures and
-// equations see through them). `equations` and `unknowns` lose what is eliminated. Returns how many.
+// Rewrites the forms of `system`, which items, measures and equations use, so that eliminated unknowns are affine in
+// the others. Removes the eliminated ones from `equations` and `unknowns`. Returns their number.
 Index presolve(System& system, std::vector<Index>& equations, std::vector<Index>& unknowns);
 
 }  // namespace assur

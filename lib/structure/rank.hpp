@@ -1,4 +1,4 @@
-// Numerical rank of a part of the equations at several postures: redundant equations and undetermined unknowns by name.
+// Numerical rank of equations at several postures: finds redundant equations and undetermined unknowns.
 #pragma once
 
 #include <optional>
@@ -10,18 +10,20 @@
 
 namespace assur {
 
+// The result of study_rank().
 struct RankStudy {
-  std::vector<Index> kept;            // an independent set of the equations
+  std::vector<Index> kept;            // an independent subset of the equations
   std::vector<Index> dropped;         // the others
   std::vector<Redundancy> redundant;  // one for each dropped equation
-  std::vector<Index> undetermined;    // unknowns in the null space of every posture
+  std::vector<Index> undetermined;    // unknowns that take part in the null space at every posture
   Index rank = 0;                     // the largest over the postures
   bool singular_start = false;        // the rank at the start is smaller than elsewhere on the path
-  double residual = 0;                // relative, of all equations at the start; large: inconsistent
+  double residual = 0;                // relative residual of all equations at the start; large: contradictory
 };
 
-// Looks at the posture q, which is fitted to the equations first, and at two further ones where the laws lead from a
-// time on, if there is one: a program may lead elsewhere.
+// Examines the posture q, which is fitted to the equations first. If `laws_from` has a time, also examines two later
+// postures of the laws; empty if a program may move the drivers elsewhere.
+// Throws Error (input) if there are more than 3000 equations or unknowns.
 [[nodiscard]] RankStudy study_rank(const System& system, std::span<const Index> equations,
                                    std::span<const Index> unknowns, std::optional<double> laws_from,
                                    std::vector<double>& q, std::vector<Index>& column);

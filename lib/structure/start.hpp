@@ -1,5 +1,5 @@
-// The start posture of a whole system, and what it shows: equations that are redundant or contradict each other,
-// unknowns that nothing fixes, blocks that cannot be assembled.
+// The start posture of a whole system, with its findings: redundant or contradictory equations, undetermined unknowns,
+// blocks that cannot be assembled.
 #pragma once
 
 #include <vector>
@@ -9,20 +9,19 @@
 
 namespace assur {
 
-// What is solved, and where.
+// Equations, unknowns and posture.
 struct Problem {
   std::vector<Index> unknowns;
   std::vector<Index> equations;
-  Blocks blocks;          // of these two
+  Blocks blocks;          // of these equations and unknowns
   std::vector<double> q;  // all coordinates: the guess, then the start posture
   double time = 0;        // of q
-  bool is_guess = true;   // q, before it is assembled: else it is a posture
+  bool is_guess = true;   // true: q is a guess; false: q is a posture already
 };
 
-// Given the unknowns, q and time, finds the equations and blocks and moves q to the start posture, in which every
-// driver has the value of its law: the equations do not see the sign of all of them. Adds to `out`:
-// checks, redundant, undetermined, cannot_assemble and notes. Its mobility is the drivers' freedoms before, and what
-// the rank says after.
+// Given unknowns, q and time, finds equations and blocks, and moves q to the start posture. Checks that every driver
+// has the value of its law there, because equations may not determine the sign. Sets checks, redundant, undetermined,
+// cannot_assemble and notes of `out`. out.mobility must hold the freedoms of the drivers, and becomes the mobility.
 void assemble_start(const System& system, Problem& problem, Structure& out);
 
 }  // namespace assur
