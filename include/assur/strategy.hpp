@@ -56,7 +56,7 @@ struct SolverSettings {
 // Settings for all groups of a run.
 struct RunSettings {
   Formulation formulation = Formulation::groups;  // division of the equations into systems
-  Predictor predictor;                            // extrapolation to the next time
+  Predictor predictor = {};                       // extrapolation to the next time
   std::int32_t chunks = 1;   // C: pieces of the time grid that run side by side; changes the last bits of the motion
   std::int32_t threads = 1;  // P: packs that are solved at once; the motion is bitwise identical for every P
 

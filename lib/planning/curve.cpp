@@ -15,6 +15,7 @@ constexpr double kShrink = 0.15;      // weight of the fit among the neighbours
 constexpr double kHuber = 0.15;       // relative deviation from which a point counts as an outlier
 constexpr double kLeastNoise = 0.02;  // relative: no time is better known
 constexpr double kFarAway = 0.7;      // = log 2
+constexpr double kEnough = 8;         // points that are trusted twice as far as none
 constexpr float kNowhere = 1e9F;      // so far away that it is nobody's neighbour
 constexpr int kReweightings = 6;
 
@@ -121,7 +122,7 @@ double Curve::fitted(const FitPoint& point) const {
   return std::max(sum, 1e-12);
 }
 
-Prediction Curve::at(const FitPoint& point) const {
+Prediction Curve::at(const FitPoint& point, double otherwise) const {
   using Block = Eigen::Array<float, kBlock, 1>;
   using Blocks = Eigen::Map<const Block>;
   constexpr auto kNear = static_cast<float>(2 * kBandwidth * kBandwidth);
@@ -147,8 +148,12 @@ Prediction Curve::at(const FitPoint& point) const {
   shift /= sum;
   const double spread = std::max(0.0, square - 2 * shift * mean + shift * shift * weights);
   const double closest = std::sqrt(nearest.minCoeff()), away = std::max(0.0, closest - kBandwidth);
-  return {fitted(point) * std::exp(shift),
-          std::exp(std::sqrt(spread / weights + kLeastNoise * kLeastNoise) + 0.3 * away),
+  double seconds = fitted(point) * std::exp(shift);
+  if (otherwise > 0) {
+    const double doubt = std::pow(away, 4), trust = 1 + static_cast<double>(points_) / kEnough;
+    seconds *= std::pow(otherwise / seconds, doubt / (doubt + trust));
+  }
+  return {seconds, std::exp(std::sqrt(spread / weights + kLeastNoise * kLeastNoise) + 0.3 * away),
           closest <= kFarAway ? Origin::interpolated : Origin::extrapolated};
 }
 

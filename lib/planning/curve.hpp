@@ -32,7 +32,9 @@ class Curve {
   // (Huber 1964). At least one point; the order of the points does not matter beyond rounding.
   explicit Curve(std::vector<Measured> points);
 
-  [[nodiscard]] Prediction at(const FitPoint& point) const;
+  // otherwise: time that is expected without these points, s; it counts the more, the further the point is from all of
+  // them, and the fewer they are. 0: nothing is expected.
+  [[nodiscard]] Prediction at(const FitPoint& point, double otherwise = 0) const;
 
  private:
   // How the points deviate from the fit, kBlock of them side by side: a program asks for hundreds of times among

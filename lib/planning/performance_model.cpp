@@ -100,6 +100,8 @@ double beyond(double bytes, double cache) {
   const double ratio = bytes / cache;
   return ratio * ratio / (1 + ratio * ratio);
 }
+constexpr double kMostOff = 20;    // no machine is so many times as fast as that of the prior
+constexpr double kFewSamples = 5;  // tell as much of a machine's speed as the prior does
 constexpr double kSmallCache = 1 << 20, kLargeCache = 1 << 24;  // bytes; where they are exactly, neighbours tell
 
 FitPoint point_of(Kernel kernel, const Shape& shape, const Strategy& strategy) {
@@ -269,7 +271,10 @@ struct PerformanceModel::Impl {
     }
     auto& curves = curve[static_cast<std::size_t>(kernel)];
     for (auto& [variant, measured] : points) curves.emplace(variant, Curve(std::move(measured)));
-    speed[static_cast<std::size_t>(kernel)] = ratios.empty() ? 1 : median(ratios);
+    if (ratios.empty()) return;
+    // A few samples may be of what the prior knows least.
+    const double trust = static_cast<double>(ratios.size()) / (static_cast<double>(ratios.size()) + kFewSamples);
+    speed[static_cast<std::size_t>(kernel)] = std::pow(median(ratios), trust);
   }
 
   // What a pack costs beyond its kernels, by W: whatever the solver, so the quickest one tells best.
@@ -343,6 +348,11 @@ struct PerformanceModel::Impl {
 
   [[nodiscard]] Prediction rest_of_pack(const Shape& shape, const Strategy& s) const {
     const FitPoint point = point_of(Kernel::pack, shape, s);
+    const StepCounts counts = step_counts(s, shape.rhs - 1);
+    const double kernels = counts.evaluations * prior_seconds(Kernel::evaluate, shape, s) +
+                           counts.factorizations * prior_seconds(Kernel::factor, shape, s) +
+                           counts.solutions * prior_seconds(Kernel::solve, shape, s);
+    const double otherwise = (prior_seconds(Kernel::pack, shape, s) - kernels) * speed_of_all();
     if (const auto found = rest.find(s.solver.lanes); found != rest.end()) return found->second.at(point);
     if (!rest.empty()) {
       const auto nearest = std::min_element(rest.begin(), rest.end(), [&](const auto& a, const auto& b) {
@@ -352,11 +362,7 @@ struct PerformanceModel::Impl {
       there.origin = Origin::extrapolated;
       return there;
     }
-    const StepCounts counts = step_counts(s, shape.rhs - 1);
-    const double kernels = counts.evaluations * prior_seconds(Kernel::evaluate, shape, s) +
-                           counts.factorizations * prior_seconds(Kernel::factor, shape, s) +
-                           counts.solutions * prior_seconds(Kernel::solve, shape, s);
-    return {(prior_seconds(Kernel::pack, shape, s) - kernels) * speed_of_all(), 2, Origin::prior};
+    return {otherwise, 2, Origin::prior};
   }
 
   // How this machine compares to that of the prior.
@@ -381,19 +387,27 @@ struct PerformanceModel::Impl {
     if (const Known* k = exactly(kernel, shape, variant)) return k->prediction();
     const auto& curves = curve[static_cast<std::size_t>(kernel)];
     const FitPoint point = point_of(kernel, shape, strategy);
-    if (const auto found = curves.find(variant); found != curves.end()) return found->second.at(point);
     const double prior = prior_seconds(kernel, shape, strategy);
+    const double otherwise = prior * speed[static_cast<std::size_t>(kernel)];
+    const auto plausible = [&](Prediction p) {
+      p.seconds = std::max(p.seconds, prior / kMostOff);
+      return p;
+    };
+    if (const auto found = curves.find(variant); found != curves.end()) {
+      return plausible(found->second.at(point, otherwise));
+    }
     if (const auto next = stand_in(curves, wanted); next != numbers.end()) {
       Strategy other = strategy;
       other.solver.lanes = next->first.lanes;
       other.solver.threads = next->first.q;
-      Prediction there = curves.at(next->second).at(point);
-      there.seconds *= prior / prior_seconds(kernel, shape, other);
+      const double scale = prior / prior_seconds(kernel, shape, other);
+      Prediction there = curves.at(next->second).at(point, otherwise / scale);
+      there.seconds *= scale;
       there.factor *= 1.5;
       there.origin = Origin::extrapolated;
-      return there;
+      return plausible(there);
     }
-    return {prior * speed[static_cast<std::size_t>(kernel)], 2, Origin::prior};
+    return plausible({otherwise, 2, Origin::prior});
   }
 
   // The same solver with another W or other threads, the nearest that has a curve; end: none has.
@@ -434,7 +448,8 @@ struct PerformanceModel::Impl {
       found = packs.find(next == numbers.end() ? number_of(variant) : next->second);
     }
     if (found == packs.end()) return sum;
-    const Prediction whole = found->second.at(pack_point(shape, strategy, sum.seconds));
+    Prediction whole = found->second.at(pack_point(shape, strategy, sum.seconds), sum.seconds);
+    whole.seconds = std::max(whole.seconds, prior_seconds(Kernel::pack, shape, strategy) / kMostOff);
     if (in_registers(shape, strategy)) return whole;
     return {whole.seconds, std::max(whole.factor, std::min(sum.factor, 1.5)), std::max(sum.origin, whole.origin)};
   }

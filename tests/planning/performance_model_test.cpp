@@ -55,6 +55,28 @@ TEST(PerformanceModel, ComposesPacksThatNobodySampled) {
   }
 }
 
+// Whatever few samples there are: no fit to them may promise what no machine does, far from all of them.
+TEST(PerformanceModel, FewSamplesPromiseNothingAbsurd) {
+  std::mt19937_64 random(3);
+  const std::vector<Sample> all = samples(0.05, 7);
+  for (int trial = 0; trial < 200; ++trial) {
+    std::vector<Sample> few;
+    const double kept = std::exp(std::uniform_real_distribution<double>(std::log(0.005), std::log(0.2))(random));
+    for (const Sample& s : all) {
+      if (std::uniform_real_distribution<double>(0, 1)(random) < kept) few.push_back(s);
+    }
+    const PerformanceModel model(few);
+    for (const Shape& shape : {sparse_shape(3), sparse_shape(15), full_shape(30), sparse_shape(334)}) {
+      for (const Strategy& s : {solver("lanes", 8), solver("klu"), solver("eigen"), solver("lapack", 2)}) {
+        for (const Kernel kernel : {Kernel::factor, Kernel::solve, Kernel::pack}) {
+          EXPECT_GT(model.kernel(kernel, shape, s).seconds, truth(kernel, shape, s) / 30)
+              << name(kernel) << " " << to_string(s) << " n = " << shape.n << ", " << few.size() << " samples";
+        }
+      }
+    }
+  }
+}
+
 // What a policy costs beyond its kernels hangs on the policy more than on W.
 TEST(PerformanceModel, AWidthThatNobodySampledIsAsTheNextOfItsPolicy) {
   std::mt19937_64 random(5);
