@@ -38,7 +38,7 @@ class Table {
 class Page {
  public:
   explicit Page(std::ostream& out) : Page(out, terminal_columns(out)) {}
-  Page(std::ostream& out, std::size_t columns) : out_(out), columns_(columns) {}  // columns: 0: unlimited
+  Page(std::ostream& out, std::size_t columns) : out_(out), columns_(columns) {}  // columns: width, 0: unlimited
 
   void title(std::string_view text);
   void gap() { out_ << '\n'; }
