@@ -1,4 +1,4 @@
-// One number over many values, the same on every machine. It finds damage; it is no protection against intent.
+// A checksum over many values, the same on every machine. It finds damage, but does not protect against intent.
 #pragma once
 
 #include <cstdint>
@@ -11,10 +11,10 @@ namespace assur::db {
 
 class Checksum {
  public:
-  // The length counts too: "ab", "c" is not "a", "bc".
+  // The length is included: "ab", "c" differs from "a", "bc".
   Checksum& operator<<(std::string_view text);
   Checksum& operator<<(std::int64_t number);
-  Checksum& operator<<(double number);  // all NaN are one, -0 is 0: as a database gives them back
+  Checksum& operator<<(double number);  // all NaN are equal, and -0 is 0, as a database returns them
 
   [[nodiscard]] std::uint64_t value() const { return value_; }
 
@@ -26,7 +26,7 @@ class Checksum {
 
 [[nodiscard]] std::uint64_t checksum(const Shape& shape);
 
-// 16 hexadecimal digits, and back: false for a text that is something else.
+// To 16 hexadecimal digits, and back; false if the text has another form.
 [[nodiscard]] std::string hexadecimal(std::uint64_t number);
 [[nodiscard]] bool parse_hexadecimal(std::string_view text, std::uint64_t& number);
 

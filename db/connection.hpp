@@ -1,4 +1,4 @@
-// Opens a database file.
+// Opens database files.
 #pragma once
 
 #include <SQLiteCpp/SQLiteCpp.h>
@@ -13,7 +13,7 @@
 
 namespace assur::db {
 
-// As an Unusable with words for people.
+// Throws the error of SQLite as an Unusable with a message for people.
 [[noreturn]] void rethrow(const std::filesystem::path& file, const SQLite::Exception& error);
 
 template <class Work>
@@ -25,23 +25,23 @@ decltype(auto) guarded(const std::filesystem::path& file, Work&& work) {
   }
 }
 
-// Nothing is written; an older schema is read as it is. Throws Unusable.
+// Opens a file without writing; an older schema is read as it is. Throws Unusable.
 [[nodiscard]] SQLite::Database open_to_read(const std::filesystem::path& file);
 
-// The same of a damaged file, whose end may be missing.
+// The same for a damaged file, whose end may be missing.
 [[nodiscard]] SQLite::Database open_to_salvage(const std::filesystem::path& file);
 
-// Folder and file are made if they are not there; an older schema is brought up to date. Not checked for damage.
-// network: the file lies where processes of other computers may write it: then no write-ahead log, which needs shared
-// memory. Throws Unusable.
+// Opens a file for writing, without a check for damage. Makes missing folders and files, and migrates an older schema.
+// network: other computers may write the file; it then has no write-ahead log, which needs shared memory. Throws
+// Unusable.
 [[nodiscard]] SQLite::Database open_to_write(const std::filesystem::path& file, bool network);
 
-// After writing: without a log beside it the file can be read where nobody may write. Another process that is at work
-// on it keeps the log, and leaves the file so itself.
+// Ends writing: removes the write-ahead log, so that the file can be read from read-only places. If another process
+// uses the file, the log stays, and that process removes it.
 void leave(SQLite::Database& database) noexcept;
 
-// From the version that the database has, in one transaction; a new file gets `schema`. Throws SQLite::Exception, and
-// then nothing has changed.
+// Migrates a database to `version` in one transaction; a new file gets `schema`. If it throws SQLite::Exception,
+// nothing has changed.
 void bring_up_to_date(SQLite::Database& database, std::string_view schema, std::span<const Migration> steps,
                       std::int32_t version);
 

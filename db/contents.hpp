@@ -1,4 +1,4 @@
-// Rows of a database as values, each verified by its checksum.
+// Reads the rows of a database; checksums verify each row.
 #pragma once
 
 #include <SQLiteCpp/SQLiteCpp.h>
@@ -17,11 +17,11 @@
 namespace assur::db {
 
 enum class Care : std::uint8_t {
-  trusting,   // the first thing that cannot be read is thrown
-  salvaging,  // whatever can be read of a damaged file
+  trusting,   // throws if anything cannot be read
+  salvaging,  // reads as much of a damaged file as possible
 };
 
-// A row together with the checksum of what it says.
+// A row with the checksum of its content.
 template <class Value>
 struct Checked {
   Value value;
@@ -33,10 +33,11 @@ struct RunRow {
   Run run;
   std::int64_t machine = 0, process = 0;
   std::string microcode, finished;
-  std::int64_t samples = 0;  // as they were counted; 0 in files of an older schema
+  std::int64_t samples = 0;  // number that triggers counted; 0 in files of an older schema
 };
 
-// Of the sample times are as the clock had them, and the slowness is in s of the fixed work; NaN: it is not known.
+// A row of the table sample. Times of the sample are by the clock; its slowness is the time of the fixed work in s, NaN
+// if unknown.
 struct SampleRow {
   Sample sample;
   std::int64_t id = 0, run = 0, library = 0;
@@ -45,26 +46,28 @@ struct SampleRow {
 // The small tables, which samples refer to.
 struct Tables {
   std::map<std::int64_t, Host> machines;
-  std::map<std::int64_t, Checked<RunRow>> runs;  // without those whose machine is missing
+  std::map<std::int64_t, Checked<RunRow>> runs;  // without runs whose machine is missing
   std::unordered_map<std::int64_t, Checked<Library>> libraries;
   std::unordered_map<std::int64_t, Checked<Shape>> shapes;
-  std::unordered_map<std::int64_t, Checked<std::optional<Strategy>>> strategies;  // empty: of a grammar to come
+  std::unordered_map<std::int64_t, Checked<std::optional<Strategy>>>
+      strategies;  // empty: of a later version of the grammar
 };
 
+// Samples, with counts of rows that are left out.
 struct Samples {
   std::vector<SampleRow> rows;
-  std::int64_t damaged = 0;  // their checksum differs, or what they refer to is missing
-  std::int64_t unknown = 0;  // whole, but of a kernel or a strategy that this version does not know
-  std::int64_t lost = 0;     // that were counted when they were stored, and are not there
+  std::int64_t damaged = 0;  // the checksum differs, or a row that they refer to is missing
+  std::int64_t unknown = 0;  // good, but this version does not know their kernel or strategy
+  std::int64_t lost = 0;     // counted when they were stored, but missing
 };
 
-// All tables but that of samples; or first where samples come from (machines, runs, libraries), and what they are of
-// (shapes, strategies) only once they are read. Throw SQLite::Exception.
+// read_tables() reads all tables except samples. read_origins() reads machines, runs and libraries, read_subjects()
+// shapes and strategies. They throw SQLite::Exception.
 [[nodiscard]] Tables read_tables(SQLite::Database& database, Care care = Care::trusting);
 [[nodiscard]] Tables read_origins(SQLite::Database& database, Care care = Care::trusting);
 void read_subjects(SQLite::Database& database, Tables& tables, Care care = Care::trusting);
 
-// Of these runs, or of all if there are none. Throws SQLite::Exception.
+// Reads the samples of these runs; of all runs if the list is empty. Throws SQLite::Exception.
 [[nodiscard]] Samples read_samples(SQLite::Database& database, const Tables& tables, Care care = Care::trusting,
                                    std::span<const std::int64_t> runs = {});
 
@@ -73,21 +76,22 @@ struct Contents {
   Samples samples;
 };
 
-// All of it, as of one moment whatever others write. Throws SQLite::Exception.
+// Reads everything, as of one moment even if other processes write. Throws SQLite::Exception.
 [[nodiscard]] Contents read_all(SQLite::Database& database, Care care = Care::trusting);
 
-// As everybody else has samples: their times at the machine's usual pace, and their slowness relative to it, 1 where it
-// is not known. All samples of a machine, version and build together tell what is usual: a wrong one scales no other.
+// Converts samples to the form of assur::Sample: times at the usual pace of the machine, slowness relative to it, 1 if
+// unknown. The usual pace follows from all samples of a machine, version and build, so that one wrong sample hardly
+// affects the others.
 void at_usual_pace(Samples& samples, const Tables& tables);
-// s of the fixed work; nullopt: no sample of this machine (its id), version of assur and build tells it.
+// Usual time of the fixed work, s. Empty if no sample of this machine (its id), version of assur and build has it.
 [[nodiscard]] std::optional<double> usual_pace(const Contents& contents, std::int64_t machine, std::string_view assur,
                                                std::string_view build);
 
-// What the column sample.checksum holds.
+// Content of the column sample.checksum.
 [[nodiscard]] std::int64_t checksum(const Sample& sample, const Library& library, const std::string& run,
                                     const std::string& machine);
 
-// The column machine.caches.
+// Content of the column machine.caches.
 [[nodiscard]] std::string to_text(const std::vector<Cache>& caches);
 
 }  // namespace assur::db

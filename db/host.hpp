@@ -1,4 +1,4 @@
-// A machine as the database knows it: what times depend on, and by what it is recognised.
+// A machine in the database: the properties that times depend on, and its fingerprint.
 #pragma once
 
 #include <cstdint>
@@ -11,27 +11,28 @@
 namespace assur::db {
 
 struct Host {
-  Machine machine;  // as the system tells without hwloc, which takes too long
-  // Of the first processor, as /proc/cpuinfo has them; empty and -1 where it does not.
-  std::string vendor;  // "GenuineIntel"; ARM: of the implementer
+  Machine machine;  // read without hwloc, which takes too long
+  // Of the first processor, from /proc/cpuinfo; "" and -1 if unknown.
+  std::string vendor;  // "GenuineIntel"; ARM: the implementer
   std::int32_t family = -1, model = -1, stepping = -1;
   std::string microcode;    // may change with an update: not part of the fingerprint
   std::int64_t memory = 0;  // bytes; not part of the fingerprint
 
-  // 16 hexadecimal digits over all that times depend on: processor, instructions, cores, quota, caches, nodes.
+  // 16 hexadecimal digits over the properties that times depend on: processor, instructions, cores, quota, caches,
+  // nodes.
   [[nodiscard]] std::string fingerprint() const;
 };
 
-// Asks the system anew each time; some 0.5 ms.
+// Reads the properties of this machine; takes some 0.5 ms.
 [[nodiscard]] Host this_host();
 
-// root: of a file system with proc and sys; allowed: processors by the affinity mask.
+// root: root of a file system with proc and sys; allowed: processors of the affinity mask.
 [[nodiscard]] Host read_host(const std::filesystem::path& root, const std::vector<int>& allowed,
                              const std::string& omp_num_threads);
 
-// How much of what was measured on one machine holds for another, the best first.
+// Similarity of two machines, from the best to the worst: are measurements of one valid for the other?
 enum class Likeness : std::uint8_t {
-  same,               // fingerprint
+  same,               // same fingerprint
   processor,          // same processor; other cores, quota, caches, or memory nodes
   microarchitecture,  // same vendor, family and model
   none,

@@ -1,4 +1,4 @@
-// The libraries behind samples: a sample holds as long as the library that it was taken with is the one at hand.
+// The libraries that were measured: a sample is valid as long as its library has the same version and build.
 #pragma once
 
 #include <functional>
@@ -10,19 +10,19 @@
 namespace assur::db {
 
 struct Library {
-  std::string name;     // of a backend, or "assur"
-  std::string version;  // "" if it is absent; of code that is our own, with the version of assur
-  std::string build;    // compiler and kind of build
+  std::string name;     // id of a backend, or "assur"
+  std::string version;  // "" if it is absent; of code in assur, with the version of assur
+  std::string build;    // compiler and build type
 
   friend bool operator==(const Library&, const Library&) = default;
 };
 
-// As this build reports it. A name that it does not know has neither version nor build.
+// The library in this build. An unknown name has neither version nor build.
 [[nodiscard]] Library library_at_hand(std::string_view name);
 
 using LibraryAtHand = std::function<Library(std::string_view name)>;
 
-// Which one a sample's time depends on: its backend, or "assur" for the kernels that no solver takes part in.
+// The library that the time of a sample depends on: its backend, or "assur" for kernels without a solver.
 [[nodiscard]] std::string library_name(const Sample& sample);
 
 [[nodiscard]] std::string_view assur_version();

@@ -1,4 +1,4 @@
-// What the databases say about a machine: the way from files to a PerformanceModel.
+// From database files to a PerformanceModel.
 #pragma once
 
 #include <span>
@@ -10,10 +10,10 @@
 
 namespace assur::db {
 
-// What machine_model() does, with all that it depends on as arguments. The closest machine that one of the files knows
-// decides: this one, else the same processor, else the same microarchitecture. Of equally close ones the samples of the
-// earlier files come first: a later one adds what they do not have. Samples of another version of their library are
-// left out, and so are damaged ones. Never throws for what is in the files; never writes.
+// machine_model() with its inputs as arguments. Uses the samples of the most similar machine in the files: this one,
+// else the same processor, else the same microarchitecture. If several files know this machine, a later file adds
+// samples that the earlier ones do not have. Damaged samples, and samples of another version of their library, are left
+// out. The content of the files causes messages, not exceptions. Never writes.
 [[nodiscard]] MachineModel read_machine_model(std::span<const DatabaseFile> files, const Host& host,
                                               const LibraryAtHand& library_at_hand);
 

@@ -1,4 +1,4 @@
-// Where tuning databases lie.
+// Places of tuning databases.
 #pragma once
 
 #include <cstdint>
@@ -10,20 +10,21 @@
 namespace assur::db {
 
 struct DatabaseFile {
-  enum class Role : std::uint8_t { named, user, installation };  // named: by ASSUR_DB or --db
+  enum class Role : std::uint8_t { named, user, installation };  // named: given by ASSUR_DB or --db
   std::filesystem::path file;
   Role role = Role::named;
 };
 
-// In the order in which they are asked: ASSUR_DB, the user's, that of the installation. Whether they exist is not
-// looked at, but for the last. None at all where ASSUR_DB is set to nothing.
+// The databases in the order of reading: ASSUR_DB alone, or else that of the user and that of the installation. Only
+// the last one must exist. None if ASSUR_DB is set and empty.
 [[nodiscard]] std::vector<DatabaseFile> database_files();
 
-// Where this user's samples are stored: ASSUR_DB, else $XDG_DATA_HOME/assur/tuning.db, else
-// ~/.local/share/assur/tuning.db. Empty where ASSUR_DB is set to nothing, or nobody knows the user's home.
+// The database that stores new samples: ASSUR_DB, else $XDG_DATA_HOME/assur/tuning.db, else
+// ~/.local/share/assur/tuning.db. Empty if ASSUR_DB is set and empty, or if the home of the user is unknown.
 [[nodiscard]] std::optional<std::filesystem::path> own_database();
 
-// Whether computers share the file system that a file is on, or will be: then no memory is shared beside it.
+// True if the file system of a file (which need not exist) is shared by computers, so that processes may share no
+// memory.
 [[nodiscard]] bool is_on_network(const std::filesystem::path& file);
 [[nodiscard]] bool is_network(std::uint64_t file_system);  // by its number, statfs(2)
 

@@ -1,4 +1,4 @@
-// Damage: how it is found, and how good rows are brought into a new file.
+// Finds damage, and copies good rows to a new file.
 #pragma once
 
 #include <filesystem>
@@ -10,19 +10,19 @@
 
 namespace assur::db {
 
-// Of the file's structure, as SQLite tells it; empty if it is whole. Throws SQLite::Exception.
+// Damage to the structure of the file, as SQLite reports it; empty if there is none. Throws SQLite::Exception.
 [[nodiscard]] std::vector<std::string> structural_damage(SQLite::Database& database);
 
-// Opens to write. A damaged file is put aside as FILE.corrupt-TIME, where it stays, and its good rows go into a new
-// one, which is said in `messages`. Throws Unusable.
+// Opens a file for writing. A damaged file is renamed to FILE.corrupt-TIME, and its good rows are copied to a new one;
+// `messages` then has a note. Throws Unusable.
 [[nodiscard]] SQLite::Database open_whole(const std::filesystem::path& file, std::vector<std::string>& messages);
 
 struct Copied {
   std::int64_t samples = 0, known = 0;  // new in the target, and already there
 };
 
-// Runs, and samples with all that they refer to, in one transaction; what is there already, by uid, stays. Throws
-// SQLite::Exception, and then nothing has changed.
+// Copies runs and samples, with all rows that they refer to, in one transaction. Rows whose uid exists already are not
+// changed. If it throws SQLite::Exception, nothing has changed.
 Copied copy(const Contents& contents, SQLite::Database& target);
 
 }  // namespace assur::db

@@ -1,4 +1,4 @@
-// What makes a file a tuning database, and brings an older one to the present schema.
+// The schema of tuning databases, and migrations of older ones.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ inline constexpr std::int32_t kSchemaVersion = 3;           // PRAGMA user_versi
 // db/schema.sql.
 extern const std::string_view kSchema;
 
-// From version `from` to the next one; run in one transaction with all that follow.
+// SQL that migrates from version `from` to the next one; all needed migrations run in one transaction.
 struct Migration {
   std::int32_t from;
   std::string_view sql;

@@ -1,4 +1,4 @@
-// A tuning database: what was measured, where, and with which libraries. All SQL of the library is in this folder.
+// The tuning database: measurements with their machines and libraries. All SQL of the library is in this folder.
 #pragma once
 
 #include <cstdint>
@@ -18,28 +18,28 @@
 namespace assur::db {
 
 enum class Access : std::uint8_t {
-  read,   // nothing is written, no lock is kept longer than a call
-  write,  // made if it is not there, brought to the present schema if it is older, repaired if it is damaged
+  read,   // writes nothing, and keeps no lock longer than a call
+  write,  // makes a missing file, migrates an older schema, and repairs damage
 };
 
-enum class Grade : std::uint8_t { good, fair, noisy };  // of a tuning run: how much its times scatter
+enum class Grade : std::uint8_t { good, fair, noisy };  // of a tuning run, by the scatter of its times
 
 [[nodiscard]] std::string_view name(Grade grade) noexcept;
 
-// Row of the table tuning_run.
+// A row of the table tuning_run.
 struct Run {
   std::int64_t id = 0;
   std::string uid;           // 32 hexadecimal digits
-  std::string machine;       // its fingerprint
-  std::string profile;       // "quick", ...: as the tuner calls it
-  std::string assur;         // version that measured
+  std::string machine;       // fingerprint
+  std::string profile;       // name of the profile of the tuner: "quick", ...
+  std::string assur;         // version of assur that measured
   std::string started;       // UTC, "2026-11-21T18:04:05Z"
   std::int32_t threads = 1;  // budget
-  double load = 0;           // average of the last minute, at its start
-  bool finished = false;     // what follows is only then set
+  double load = 0;           // average load of the last minute, at the start
+  bool finished = false;     // true: the following members are set
   std::string grade;
-  double seconds = 0;   // that it took
-  double coverage = 0;  // of what was planned, 0 to 1
+  double seconds = 0;   // duration
+  double coverage = 0;  // measured part of the plan, 0 to 1
   std::string note;
   std::int64_t samples = 0;
 };
@@ -51,7 +51,7 @@ struct RunResult {
   std::string note = {};
 };
 
-// Empty: all.
+// Selection of samples; an empty member selects all.
 struct Filter {
   std::optional<std::int64_t> run = {};  // Run::id
   std::string machine = {};              // fingerprint, or its beginning
@@ -59,9 +59,9 @@ struct Filter {
   std::optional<Kernel> kernel = {};
 };
 
-using Value = std::variant<std::monostate, std::int64_t, double, std::string>;  // monostate: not known
+using Value = std::variant<std::monostate, std::int64_t, double, std::string>;  // monostate: unknown
 
-// What a question to the database gives.
+// The result of a query.
 struct Answer {
   std::vector<std::string> columns;
   std::vector<std::vector<Value>> rows;  // each as long as columns
@@ -70,10 +70,10 @@ struct Answer {
 struct Health {
   std::int64_t samples = 0;           // good ones
   std::int64_t damaged = 0;           // samples whose checksum differs
-  std::int64_t lost = 0;              // samples that were stored, and are not there
-  std::int64_t unknown = 0;           // of a kernel or strategy that this version does not know
-  std::int64_t stale = 0;             // good ones of another version of their library than the one at hand
-  std::vector<std::string> findings;  // of the file's structure
+  std::int64_t lost = 0;              // samples that were stored, but are missing
+  std::int64_t unknown = 0;           // samples of a kernel or strategy that this version does not know
+  std::int64_t stale = 0;             // good ones of another version of their library
+  std::vector<std::string> findings;  // damage to the structure of the file
 };
 
 struct Forgotten {
@@ -82,13 +82,13 @@ struct Forgotten {
 
 struct Imported {
   std::int64_t samples = 0;  // new
-  std::int64_t known = 0;    // already here
-  std::int64_t damaged = 0;  // left there
+  std::int64_t known = 0;    // already in this database
+  std::int64_t damaged = 0;  // damaged ones, which are not copied
 };
 
-// One connection to one file; one thread at a time. Everything throws Error (environment) that names the file if it
-// cannot be read or written: no space, no permission, not a tuning database, newer than this library, locked by
-// another process for a minute (to read: a second). A call that throws has changed nothing.
+// A connection to a file, for one thread at a time. All functions throw Error (environment), which names the file, if
+// it cannot be read or written: no space, no permission, no tuning database, of a newer library, or locked by another
+// process for a minute (reading: a second). A call that throws changes nothing.
 class Store {
  public:
   explicit Store(std::filesystem::path file, Access access);
@@ -97,51 +97,52 @@ class Store {
   ~Store();
 
   [[nodiscard]] const std::filesystem::path& file() const;
-  // What opening it has found and done, for people: damage, where the damaged file is now, what was saved of it.
+  // Notes for people about opening the file: damage, the new name of a damaged file, the rows that were saved.
   [[nodiscard]] const std::vector<std::string>& messages() const;
 
-  // A new tuning run on this host; its load and the versions of the libraries are noted.
+  // Begins a tuning run on this host; stores its load and the versions of the libraries. Returns its id.
   std::int64_t begin_run(const Host& host, std::string_view profile);
-  // The last run of this profile, by this version of assur and on this very host, that was never finished and that no
-  // other process is working on, which now is this one's: go on with it, and skip what it has().
+  // Takes over the last unfinished run of this profile, by this version of assur on this host, on which no other
+  // process works. Continue it, and skip the samples that it has().
   [[nodiscard]] std::optional<std::int64_t> unfinished_run(const Host& host, std::string_view profile);
-  // All of them or none, in one transaction that survives the process. A sample without uid gets one; one that is there
-  // already, by its uid, stays. pace: s that the fixed work takes where their slowness is 1; NaN: not known, as their
-  // slowness then is. Throws Error (input) for a time, spread, slowness or uid that is none, or an unknown run.
+  // Stores all samples, or none of them, in one transaction that survives the process. A sample without uid gets one; a
+  // sample whose uid exists already is not changed. pace: time of the fixed work at slowness 1, s; NaN: it and the
+  // slowness are unknown. Throws Error (input) for an invalid time, spread, slowness or uid, or an unknown run.
   void add(std::int64_t run, std::span<const Sample> samples, double pace = kNan);
-  // s that the fixed work usually takes on this host, with this build of assur; nullopt: no sample tells it.
+  // Usual time of the fixed work on this host with this build of assur, s; empty if no sample has it.
   [[nodiscard]] std::optional<double> usual_pace(const Host& host) const;
   void finish_run(std::int64_t run, const RunResult& result);
-  // With the library that is at hand.
+  // True if the run has such a sample, by the present version of its library.
   [[nodiscard]] bool has(std::int64_t run, Kernel kernel, const Shape& shape, const Strategy& strategy) const;
 
   // In the order in which they were added; damaged ones are left out.
   [[nodiscard]] std::vector<Sample> samples(const Filter& filter = {}) const;
   [[nodiscard]] std::vector<Run> runs() const;
 
-  // What was learned from the samples of a machine, as JSON: what was fitted, regret on samples held out, ... The
-  // runtime does not read it. One for each name; the new one takes the place of the old.
+  // Results that were derived from the samples of a machine, as JSON: fits, the regret on held-out samples, ... The
+  // library does not read them. A new model replaces an old one with the same name.
   void put_model(const Host& host, std::string_view name, std::string_view json);
   [[nodiscard]] std::optional<std::string> model(const Host& host, std::string_view name) const;
 
-  // For people; seconds in best and crossovers are those of one instance. Filter::run and library are for samples only.
+  // Tables for people. Seconds of best() and crossovers() are those of one instance. Filter::run and library count for
+  // samples only.
   [[nodiscard]] Answer sample_rows(const Filter& filter = {}) const;
   [[nodiscard]] Answer best(const Filter& filter = {}) const;
   [[nodiscard]] Answer crossovers(const Filter& filter = {}) const;
   [[nodiscard]] Answer models() const;
 
-  // Looks at every row; of damage that opening it to write would repair.
+  // Checks every row, and finds the damage that opening the file for writing would repair.
   [[nodiscard]] Health health() const;
 
-  // What fits all of the filter, then runs and the like that nothing refers to any more. An empty filter is refused:
-  // forget_all() is for that.
+  // Deletes the selected samples, then runs and other rows that no sample refers to. Throws Error (input) for an empty
+  // filter; use forget_all().
   Forgotten forget(const Filter& filter);
   Forgotten forget_all();
 
-  // Good rows that fit the filter, into a new file that is ready to be read where nobody may write. Throws Error
-  // (environment) if it exists.
+  // Copies selected good rows to a new file, which can be read from read-only places. Throws Error (environment) if the
+  // file exists.
   std::int64_t export_to(const std::filesystem::path& file, const Filter& filter = {}) const;
-  // Good rows of another database, but those that are here by their uid.
+  // Copies the good rows of another database whose uid does not exist here.
   Imported import_from(const std::filesystem::path& file);
 
  private:

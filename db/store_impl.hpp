@@ -1,4 +1,4 @@
-// What the files that make up Store share.
+// The part of Store that its source files share.
 #pragma once
 
 #include <map>
@@ -14,7 +14,7 @@ struct Store::Impl {
   Access access;
   std::vector<std::string> messages;
   SQLite::Database database;
-  std::map<std::string, Library, std::less<>> at_hand;  // those asked for so far
+  std::map<std::string, Library, std::less<>> at_hand;  // libraries of this build that were needed so far
 
   Impl(std::filesystem::path file, Access access);
   ~Impl();
@@ -23,7 +23,7 @@ struct Store::Impl {
   const Library& library(const std::string& name);
 };
 
-// Those that fit: of runs, machines and libraries by what `tables` says.
+// True if the filter selects the row; `tables` has its run, machine and library.
 [[nodiscard]] bool fits(const Filter& filter, const SampleRow& row, const Tables& tables);
 
 }  // namespace assur::db

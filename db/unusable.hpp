@@ -1,4 +1,4 @@
-// What can be wrong with a database file.
+// The error for a database file that cannot be used.
 #pragma once
 
 #include <cstdint>
@@ -11,9 +11,9 @@ namespace assur::db {
 
 enum class Trouble : std::uint8_t {
   absent,   // no such file, or an empty one
-  foreign,  // a file of something else: never touched
-  newer,    // of a version to come: never touched
-  damaged,  // was a tuning database
+  foreign,  // another type of file, which is never changed
+  newer,    // of a later version, which is never changed
+  damaged,  // a damaged tuning database
   blocked,  // locked, no space, no permission, ...: the file may be good
 };
 

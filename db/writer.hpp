@@ -1,4 +1,4 @@
-// Puts rows into a database, or finds them there. The caller has a transaction open.
+// Adds rows to a database, or finds them. The caller must have begun a transaction.
 #pragma once
 
 #include <SQLiteCpp/SQLiteCpp.h>
@@ -15,15 +15,15 @@ class Writer {
  public:
   explicit Writer(SQLite::Database& database) : database_(database) {}
 
-  // The id of the row.
+  // Each function returns the id of the row.
   std::int64_t machine(const Host& host);
   std::int64_t library(const Library& library);
-  std::int64_t run(const RunRow& row, std::int64_t machine);  // a run with this uid stays as it is
+  std::int64_t run(const RunRow& row, std::int64_t machine);  // a run with this uid is not changed
   std::int64_t shape(const Shape& shape);
   std::int64_t strategy(const Strategy& strategy);
 
-  // False if a sample of this uid is there already. sample: as SampleRow has it. run: its id; uid and machine are those
-  // of the run.
+  // Adds a sample in the form of SampleRow. False if its uid exists already. run: id of the run; uid, machine: uid and
+  // fingerprint of the run.
   bool sample(const Sample& sample, const Library& library, std::int64_t run, const std::string& uid,
               const std::string& machine);
 

@@ -1,7 +1,7 @@
-// Solvers for symmetric matrices serve square ones: J x = b is the second half of K [u; x] = [b; 0] with the symmetric
+// Square systems by a solver for symmetric matrices. J x = b is the second half of K [u; x] = [b; 0] with the symmetric
 //     K = [0 J; J' 0]   of order 2n,
-// and J' y = c the first half of K [y; v] = [0; c]. K is regular if J is, and has the nonzeros of J once, in its upper
-// triangle. Its determinant, +-det(J)^2, does not tell the sign of det J.
+// and J' y = c is the first half of K [y; v] = [0; c]. K is regular if J is, and has the nonzeros of J once, in its
+// upper triangle. Its determinant is +-det(J)^2, so that the sign of det J is unknown.
 #pragma once
 
 #include <memory>
@@ -23,7 +23,7 @@ class SymmetricSolver {
   virtual void solve(std::span<double> b_to_x, int rhs) = 0;   // order x rhs
 };
 
-// A solver of square systems, each lane by a symmetric one that make_symmetric makes. It tells no figures but `ok`.
+// A solver for square systems; each lane has a symmetric solver from make_symmetric. Figures have `ok` only.
 [[nodiscard]] std::unique_ptr<LinearSolver> make_augmented(std::unique_ptr<SymmetricSolver> (*make_symmetric)());
 
 }  // namespace assur

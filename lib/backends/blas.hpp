@@ -1,5 +1,5 @@
-// The routines of BLAS and LAPACK that we call, by one name for double and float. Integers of 32 bits; the lengths of
-// character arguments go last, as gfortran passes them.
+// Routines of BLAS and LAPACK, under one name for double and float. Integers have 32 bits; the lengths of character
+// arguments come last, as gfortran passes them.
 #pragma once
 
 #include <cstddef>
@@ -39,7 +39,7 @@ void sgemm_(const char* transa, const char* transb, const std::int32_t* m, const
 
 namespace assur::blas {
 
-// Which precision a name stands for.
+// The routines of one precision.
 template <class T>
 struct Routines;
 template <>
@@ -80,7 +80,7 @@ void getrs(const Block<T>& lu, const std::int32_t* pivot, const Block<T>& x, Tra
                      &info, 1);
 }
 
-// Swaps the rows of a as `count` pivots say.
+// Swaps the rows of a by `count` pivots.
 template <class T>
 void swap_rows(const Block<T>& a, const std::int32_t* pivot, DenseIndex count) {
   const std::int32_t columns = number(a.columns), stride = number(a.stride), one = 1, last = number(count);

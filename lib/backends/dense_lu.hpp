@@ -1,6 +1,6 @@
 // Dense LU with partial pivoting on column-major blocks, in double or float. The elimination is recursive (Toledo, SIAM
-// J. Matrix Anal. Appl. 18, 1997): everything but a few columns is a matrix product, which Eigen does in tiles so small
-// that its workspace stays on the stack. Eigen's own PartialPivLU takes memory from the heap in larger systems.
+// J. Matrix Anal. Appl. 18, 1997): except for a few columns, it consists of matrix products. Eigen computes them in
+// tiles so small that its workspace stays on the stack; its own PartialPivLU allocates memory for larger systems.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ namespace assur::eigen {
 template <class T>
 bool eliminate(const Block<T>& a, std::int32_t* pivot);
 
-// Triangular systems, in place of x; L has a unit diagonal, both stand in one matrix.
+// Solve triangular systems; x is overwritten. L has a unit diagonal; L and U are stored in one matrix.
 template <class T>
 void solve_lower(const Block<T>& l, const Block<T>& x);  // L x = x
 template <class T>

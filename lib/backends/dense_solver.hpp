@@ -1,5 +1,5 @@
-// What the dense backends share: the lanes of a pack spread into full matrices, right-hand sides, figures. Each brings
-// its own elimination.
+// The common part of the dense backends: full matrices for the lanes of a pack, right-hand sides, figures. Each backend
+// adds its elimination.
 #pragma once
 
 #include <cstdint>
@@ -17,11 +17,11 @@ class DenseLu {
  public:
   virtual ~DenseLu() = default;
 
-  // Before the first matrix of order n: takes the memory that the others need.
+  // Called before the first matrix of order n: allocates the memory for all calls.
   virtual void prepare(DenseIndex n) { (void)n; }
 
-  // P a = L U, L with a unit diagonal; pivot: the row that was swapped with each row, both counted from 1 as LAPACK
-  // does. False at a pivot that is zero; one that is not finite may be left to the caller.
+  // P a = L U, L with a unit diagonal; pivot: the row that was swapped with each row, counted from 1 as in LAPACK.
+  // False if a pivot is zero; the caller tests for pivots that are not finite.
   [[nodiscard]] virtual bool factorize(const Block<T>& a, std::int32_t* pivot) = 0;
 
   // a x = x, or a' x = x. Without transposition, unknowns before first_wanted may be left undone.
@@ -29,12 +29,12 @@ class DenseLu {
                      DenseIndex first_wanted) = 0;
 };
 
-// T: double or float. In float, values beyond its range are not finite; right-hand sides are scaled, so that their
-// range does not matter.
+// T: double or float. Values beyond the range of float count as not finite; right-hand sides are scaled, so that they
+// may exceed it.
 template <class T>
 [[nodiscard]] std::unique_ptr<LinearSolver> make_dense_solver(std::unique_ptr<DenseLu<T>> lu);
 
-// "" unless dense factors of this order are too large.
+// The reason if dense factors of this order are too large; else "".
 [[nodiscard]] std::string why_not_dense(const Shape& shape);
 
 }  // namespace assur

@@ -1,4 +1,4 @@
-// A solver whose library knows nothing of lanes: each is taken out of the pack, treated and put back.
+// Base of solvers that treat one lane after the other.
 #pragma once
 
 #include <span>
@@ -8,6 +8,7 @@
 
 namespace assur {
 
+// Copies each lane out of the pack, calls the library, and copies the result back.
 class LaneByLane : public LinearSolver {
  public:
   Status analyze(const Pattern& pattern, int lanes) final;
@@ -16,8 +17,8 @@ class LaneByLane : public LinearSolver {
   [[nodiscard]] Figures figures(int lane) const final;
 
  protected:
-  // What a library is asked for. None of them sees a pattern without nonzeros, values that are not finite, or a lane
-  // without factors. Spans are the caller's own where there is one lane, so that it pays for no copies.
+  // Calls of the library. They get no pattern without nonzeros, no values that are not finite, and no lane without
+  // factors. A single lane is not copied: the spans are those of the caller.
   virtual void analyze_lanes(const Pattern& pattern, int lanes) = 0;
   virtual Code factorize_lane(std::span<const double> values, int lane) = 0;                      // values: nnz
   virtual void solve_lane(std::span<double> b_to_x, int rhs, Transpose transpose, int lane) = 0;  // n x rhs
@@ -30,7 +31,7 @@ class LaneByLane : public LinearSolver {
   std::vector<double> values_;  // nnz, of one lane
   std::vector<double> right_;   // n x some right-hand sides, of one lane
   std::vector<Code> code_;      // lanes
-  Status status_;               // of the worst of them
+  Status status_;               // of the worst lane
 };
 
 }  // namespace assur

@@ -1,4 +1,4 @@
-// One lane that the pivots of its class do not serve, factorised in double with pivots of its own.
+// One lane for which the common pivots fail, factorised in double with its own pivots.
 #pragma once
 
 #include <memory>
@@ -13,8 +13,8 @@ class LaneAlone {
  public:
   explicit LaneAlone(std::shared_ptr<const Pattern> pattern);
 
-  // values: nnz, finite. Keeps to the pivots of the last time while they are good, else chooses new ones, which takes
-  // memory. ok or singular.
+  // Returns ok or singular. values: nnz, finite. Keeps the pivots of the last call while they are good; else chooses
+  // new ones, which allocates memory.
   [[nodiscard]] Code factorize(std::span<const double> values);
   void solve(double* b_to_x, int rhs, Transpose transpose, int first_wanted) {
     factors_.solve(b_to_x, rhs, transpose, first_wanted);
@@ -25,7 +25,7 @@ class LaneAlone {
   std::shared_ptr<const Pattern> pattern_;
   Limits limits_;
   Factors factors_;
-  bool good_ = false;  // the pivots, at the last factorisation
+  bool good_ = false;  // the pivots were good at the last factorisation
 };
 
 }  // namespace assur::lanes

@@ -1,14 +1,14 @@
-// Factorisation and solution of a sparse matrix on a fixed pivot order, written down as data: the operands of every
-// multiplication in the order of their use. With U's unit diagonal, P A Q = L U:
+// Factorisation and solution of a sparse matrix with a fixed pivot order, as a list of the operands of all
+// multiplications. U has a unit diagonal, P A Q = L U:
 //
 //   row i of L   l_ik = a_ik - sum_m l_im u_mk,   k <= i
 //   row i of U   u_ij = (a_ij - sum_m l_im u_mj) / l_ii
 //   forward      y_i = (b_i - sum_k l_ik y_k) / l_ii
 //   backward     x_i = y_i - sum_j u_ij x_j
 //
-// Factors stand in `slots`, each as wide as the lanes: the rows of L one after the other, each with the reciprocal of
-// its pivot at the end; then the rows of U in the order of the backward substitution; then, for each row, the sum
-// of its squares in A.
+// Factors are stored in `slots` of one number for each lane: the rows of L, each with the reciprocal of its pivot at
+// the end; then the rows of U in the order of the backward substitution; then, for each row, the sum of its squares in
+// A.
 #pragma once
 
 #include <cstdint>
@@ -36,7 +36,7 @@ struct Elimination {
   std::vector<Number> backward;
   std::vector<Number> wanted_rows;  // n + 1: rows of `backward` that unknowns from first_wanted on need
 
-  // Where to find a row out of this order, n each: its reciprocal, its U, its places in `forward` and `backward`.
+  // For access to single rows, n each: slot of its reciprocal, first slot of its U, places in `forward` and `backward`.
   std::vector<Number> pivot_slot, upper_slot, forward_row, backward_row;
   Number square_slot = 0;  // of the squares of row 0 of A
 
@@ -44,7 +44,7 @@ struct Elimination {
   [[nodiscard]] Number upper_count(std::size_t row) const { return backward[backward_row[row] + 2]; }
 };
 
-// The order must be complete.
+// Writes the list for a complete pivot order.
 [[nodiscard]] Elimination write_program(const Pattern& pattern, const Order& order);
 
 }  // namespace assur::lanes

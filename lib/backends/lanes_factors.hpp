@@ -1,4 +1,4 @@
-// An Elimination, its kernels and the numbers that they work on.
+// An Elimination with its kernels and its numbers.
 #pragma once
 
 #include <cstddef>
@@ -15,21 +15,20 @@
 
 namespace assur::lanes {
 
-// From the sparsest factors to the safest. Where the pivots of one do not keep growth within its limit the next is
-// tried.
+// Pivot rules from the sparsest to the safest factors. If growth exceeds its limit with one rule, the next is tried.
 inline constexpr PivotRule kRules[] = {
     {.threshold = 0.1, .shallow = true}, {.threshold = 0.1}, {.threshold = 0.5}, {.threshold = 1}, {.rook = true}};
 
-// For matrices of order n. One rounding in the product of the rows of L and U that growth measures makes a backward
-// error of growth * eps / 2: at most 8 n eps. Measured with entries that turn at phases of their own, n = 2 to 720,
-// 3.9 million lanes of which a quarter were redone: at most 2.0 n eps.
+// Limits for matrices of order n. One rounding in the product of the rows of L and U, whose size is `growth`, makes a
+// backward error of growth * eps / 2: at most 8 n eps. Measured: at most 2.0 n eps, with entries that oscillate with
+// different phases, n = 2 to 720, 3.9 million lanes of which a quarter were redone.
 [[nodiscard]] Limits limits(std::int32_t n, Precision precision);
 
 class Factors {
  public:
   Factors(int lanes, Precision precision);
 
-  // The factors of the last Elimination are lost. Takes memory; nothing else here does.
+  // Replaces the Elimination and drops its factors. Only this function allocates memory.
   void set_program(std::shared_ptr<const Elimination> program);
   [[nodiscard]] const std::shared_ptr<const Elimination>& program() const { return program_; }
 
@@ -37,7 +36,7 @@ class Factors {
     return kernels_.factorize(*program_, values.data(), slots_.data(), limits);
   }
   void solve(double* b_to_x, int rhs, Transpose transpose, int first_wanted);
-  [[nodiscard]] bool finite() const;  // the factors, in every lane
+  [[nodiscard]] bool finite() const;  // true if all factors of all lanes are finite
   [[nodiscard]] Figures figures(int lane) const;
 
  private:

@@ -1,4 +1,4 @@
-// The inner loops: an Elimination run over interleaved lanes, compiled for several instruction sets.
+// The inner loops, compiled for several instruction sets: they run an Elimination over interleaved lanes.
 #pragma once
 
 #include <cstdint>
@@ -9,15 +9,15 @@
 
 namespace assur::lanes {
 
-// What a lane is held to, row by row, in 2-norms. Their squares must be numbers: rows below 1e-150 or above 1e150 (in
-// float 1e-18, 1e18) are alarms.
+// Limits of a lane for each row, in 2-norms. A row whose square under- or overflows (below 1e-150 or above 1e150; in
+// float 1e-18, 1e18) exceeds them.
 struct Limits {
   double growth;    // of |row of L and, undivided, of U| * the largest |row of U| so far, over |row of A|
   double pivot;     // least pivot over |row of A|
   double smallest;  // least pivot
 };
 
-// Bit l: lane l did not keep to a limit.
+// Bit l is set if lane l exceeds a limit.
 struct Alarms {
   std::uint32_t growth = 0, pivot = 0;
 
@@ -32,7 +32,7 @@ struct Kernels {
   void (*solve_transposed)(const Elimination& program, const void* slots, double* b_to_x, int rhs, void* work);
 };
 
-// The best that this processor can run; lanes: 1, 2, 4, 8 or 16.
+// The fastest kernels for this processor; lanes: 1, 2, 4, 8 or 16.
 [[nodiscard]] Kernels kernels(int lanes, Precision precision);
 
 // The instruction set of kernels(), e.g. "AVX3".

@@ -10,29 +10,31 @@
 
 namespace assur::lanes {
 
-inline constexpr std::int64_t kMostProducts = 10'000'000;  // of one elimination; written down it takes 80 MB
+inline constexpr std::int64_t kMostProducts = 10'000'000;  // products of one elimination; their list takes 80 MB
 
-// Which entries may be pivots. `threshold`: not smaller than this times the largest of its row, among what is left of
-// the matrix; with `rook` not smaller than any other of its row and of its column. Of entries that cost the same the
-// one that waits for the fewest others is taken if `shallow` (less fill on rings, more to do side by side), else the
-// largest against its row (less growth).
+// Conditions for pivots. `threshold`: a pivot is at least this times the largest entry of its row in the remaining
+// matrix. `rook`: it is the largest entry of its row and of its column. Among entries of equal cost, `shallow` takes
+// the entry that waits for the fewest others (less fill on rings, more independent work); else the largest one relative
+// to its row is taken (less growth).
 struct PivotRule {
   double threshold = 0.1;
   bool shallow = false;
   bool rook = false;
 };
 
+// A pivot order.
 struct Order {
-  std::vector<std::int32_t> row, column;  // pivot k stands in row[k], column[k]; fewer than n: no pivot was left
+  std::vector<std::int32_t> row, column;  // pivot k is at row[k], column[k]; fewer than n if no pivot was left
   std::uint32_t served = 0;               // bit l: the rule holds for every pivot in lane l
 
   [[nodiscard]] bool complete(std::int32_t n) const { return row.size() == static_cast<std::size_t>(n); }
 };
 
-// values: nnz x lanes, interleaved; at most 32 lanes. wanted: bit l: lane l takes part; its values must be finite.
-// Where the lanes have no such pivot in common, the largest in its worst lane is taken, and where that is next to
-// nothing, the one that serves most lanes: the others are given up. Takes memory and, for sparse matrices, the time of
-// a few hundred factorisations. Throws Error (environment) if there are more than kMostProducts.
+// Chooses a pivot order. values: nnz x lanes, interleaved; at most 32 lanes. wanted: bit l is set if lane l takes part;
+// its values must be finite. If the lanes have no common pivot that satisfies the rule, the entry that is largest in
+// its worst lane is taken; if it is almost zero, the entry that serves most lanes, and the other lanes are given up.
+// Allocates memory, and takes the time of a few hundred factorisations of a sparse matrix. Throws Error (environment)
+// if there are more than kMostProducts.
 [[nodiscard]] Order markowitz_order(const Pattern& pattern, std::span<const double> values, int lanes,
                                     std::uint32_t wanted, PivotRule rule);
 

@@ -14,7 +14,7 @@ namespace assur::mumps {
 
 enum class Symmetry : int { none = 0, indefinite = 2 };  // values of MUMPS's own SYM
 
-// MUMPS 5.5 crashes when two threads are inside it, whatever matrices they work on: calls take turns.
+// A matrix. MUMPS 5.5 crashes if two threads are inside it, even with different matrices, so that calls take turns.
 class Matrix final : public SymmetricSolver {
  public:
   explicit Matrix(Symmetry symmetry);
@@ -33,7 +33,7 @@ class Matrix final : public SymmetricSolver {
   void call(int job);
 
   DMUMPS_STRUC_C data_{};
-  std::vector<double> values_;  // nnz: MUMPS keeps no copy and scales none
+  std::vector<double> values_;  // nnz: MUMPS keeps no copy of the values
   bool structurally_singular_ = false;
 };
 

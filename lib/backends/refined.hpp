@@ -1,5 +1,5 @@
-// Decorators over any solver: iterative refinement with residuals in double, float with double behind it, and the bare
-// residual check.
+// Decorators of solvers: iterative refinement with residuals in double, factors in float with a fallback to double, and
+// a test of residuals.
 #pragma once
 
 #include <memory>
@@ -8,24 +8,25 @@
 
 namespace assur {
 
-// The solver of a strategy: backend, +float (binary32), +refine. Call only if backend.why_not() is "".
+// Makes the solver of a strategy: backend, +float (binary32), +refine. Call it only if backend.why_not() is "".
 //
-// +refine: every solution is improved until its componentwise backward error max_i |b - A x|_i / (|A| |x| + |b|)_i
-//   (Oettli & Prager 1964) is 2 eps, or refinement has ceased to halve it (Skeel 1980: mostly after one step).
-// +float: factorised in float and improved in double until the normwise backward error |b - A x| / (|A| |x| + |b|) of
-//   the equilibrated system, maximum norms, is that of a solution in double. A lane that does not get there, or whose
-//   factorisation in float fails, is factorised in double by the same backend (Effort::in_double) until it changes.
-// Both: in float, improved componentwise.
+// +refine: improves every solution until its componentwise backward error max_i |b - A x|_i / (|A| |x| + |b|)_i (Oettli
+// &
+//   Prager 1964) is 2 eps, or until refinement no longer halves it (Skeel 1980: mostly after one step).
+// +float: factorises in float and improves in double until the normwise backward error |b - A x| / (|A| |x| + |b|) of
+//   the equilibrated system, maximum norms, is that of a solution in double. If a lane misses this, or if its
+//   factorisation in float fails, the same backend factorises it in double (Effort::in_double).
+// Both: factorises in float and improves the componentwise error.
 //
-// A solution that refinement cannot bring within its bound is a Status {not_converged, lane, its error}; the best
-// that was found is left in place. Refinement needs whole solutions: first_wanted saves nothing.
+// If a solution misses its bound, the status is {not_converged, lane, its error}, and the best solution that was found
+// is returned. Refinement needs whole solutions, so that first_wanted saves nothing.
 //
 // Throws Error (environment) if the backend has no float and binary32 is asked for.
 [[nodiscard]] std::unique_ptr<LinearSolver> make_solver(const Backend& backend, ThreadBudget budget,
                                                         Precision precision, bool refine);
 
-// Residual check without refinement: a solution whose normwise backward error (as above) exceeds 10 n eps, which every
-// backend keeps on matrices without large growth, is a Status {not_converged, lane, its error}.
+// Adds a test of residuals: if the normwise backward error of a solution (as above) exceeds 10 n eps, the status is
+// {not_converged, lane, its error}. Without large growth, every backend stays below this bound.
 [[nodiscard]] std::unique_ptr<LinearSolver> checked(std::unique_ptr<LinearSolver> solver);
 
 }  // namespace assur

@@ -1,4 +1,4 @@
-// Residuals of interleaved systems in double, and the backward errors that they amount to.
+// Residuals and backward errors of interleaved systems, in double.
 #pragma once
 
 #include <span>
@@ -25,11 +25,11 @@ void subtract_product(const PackSystem& system, std::span<const double> x, std::
 // norm[lane] = max |x_i|; NaN if one of them is not finite.
 void norms(std::span<const double> x, std::span<double> norm);
 
-// The same of numbers that are scaled first, each by its own.
+// norm[lane] = max |x_i scale_i|.
 void norms(std::span<const double> x, std::span<const double> scale, std::span<double> norm);
 
-// Scales such that the largest entries of every row and column of A' = R A C are 1, or nearly so; those of nothing are
-// 1. row, column: n x lanes each.
+// Computes scales R and C such that the largest entries of every row and column of R A C are about 1. Scales of empty
+// rows and columns are 1. row, column: n x lanes each.
 void equilibrate(const PackSystem& system, std::span<double> row, std::span<double> column);
 
 // norm[lane] = max_i sum_j |r_i a_ij c_j|, the maximum norm of R A C; NaN if a value is not finite. sum: n x lanes.
@@ -39,9 +39,9 @@ void matrix_norms(const PackSystem& system, std::span<const double> row, std::sp
 // error[lane] = max_i |r_i| / weight_i, 0/0 = 0 (Oettli & Prager 1964); NaN if a residual is not finite.
 void componentwise_errors(std::span<const double> residual, std::span<const double> weight, std::span<double> error);
 
-// Where unknowns should vanish but hold rounding errors, r_i stays as large as weight_i however small both are. Such a
-// weight is raised by max_j |a_ij| max |x| (Arioli, Demmel & Duff 1989, section 2), the columns of A scaled to 1 for
-// it. column, row: workspace, n x lanes each.
+// Raises weights of rows whose unknowns should be zero but have rounding errors: there r_i stays as large as weight_i,
+// although both are small. Such a weight grows by max_j |a_ij| max |x| (Arioli, Demmel & Duff 1989, section 2), with
+// the columns of A scaled to 1. column, row: workspace, n x lanes each.
 void raise_vanishing_weights(const PackSystem& system, std::span<const double> x, std::span<double> weight,
                              std::span<double> column, std::span<double> row);
 

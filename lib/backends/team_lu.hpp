@@ -1,15 +1,15 @@
-// Blocked right-looking LU with partial pivoting by the threads of a team, over BLAS kernels that run in one thread.
+// Blocked right-looking LU with partial pivoting by the threads of a team, with BLAS kernels on one thread each.
 //
-// The matrix is cut into panels of kPanel columns and into tiles of kTile; the cuts depend on its order alone, so that
-// the result is the same, bit by bit, for every number of threads. The work is one list:
+// The matrix is divided into panels of kPanel columns and tiles of kTile columns. The division depends on its order
+// alone, so that the result is bitwise identical for every number of threads. The work is one list:
 //
-//   for each panel k:  [ update panel k + 1 by panel k and factorise it ]   the look-ahead: first, since
-//                      all wait for it
+//   for each panel k:  [ update panel k + 1 by panel k and factorise it ]   the look-ahead: first, because all threads
+//                      wait for it
 //                      [ update each tile right of it by panel k ]
 //   then for each panel:  [ swap its rows by the pivots of the later panels ]
 //
-// from which each thread takes the next item when it is free. An item waits for the panel and for the columns that it
-// needs; both come from earlier items, which are taken, so that no order of the threads can hang.
+// Each free thread takes the next item. An item waits for its panel and its columns. Both come from earlier items,
+// which other threads have taken already, so that there is no deadlock.
 #pragma once
 
 #include <atomic>

@@ -1,4 +1,4 @@
-// Callback groups within a constraint program: lane after lane, in SI units, while everything else runs side by side.
+// Evaluates the callbacks of a constraint program: in SI units, lane after lane.
 #pragma once
 
 #include <vector>
@@ -16,7 +16,7 @@ class CallbackRows {
   [[nodiscard]] bool empty() const { return program_.callbacks.empty(); }
 
   void residuals(const double* coefficients, const double* value, double* phi);
-  // Adds to the entries of the Jacobian.
+  // Adds their derivatives to the entries of the Jacobian.
   void jacobian(const double* coefficients, const double* value, double* jacobian);
   // scale += |dPhi/dx| |x|
   void scale(const double* coefficients, const double* value, double* scale);

@@ -13,21 +13,21 @@ class Evaluator {
  public:
   virtual ~Evaluator() = default;
 
-  // Inputs of the step: the parts of the forms that do not depend on the unknowns. coefficients: see
+  // Sets the inputs of a step: computes the parts of the forms that do not depend on the unknowns. coefficients: see
   // bind_coefficients().
   virtual void set_inputs(const double* coefficients, const double* inputs) = 0;
 
-  // phi: equations; jacobian: nnz of the pattern, null: not wanted.
+  // Evaluates equations and Jacobian. phi: equations; jacobian: nnz of the pattern, or null.
   virtual void evaluate(const double* unknowns, double* phi, double* jacobian) = 0;
 
   // scale_i = sum_j |dPhi_i/dq_j| |q_j| + |constant|, at the posture of the last evaluate().
   virtual void scale(double* scale) = 0;
 
-  // Raises what scale() tells, or zeros, to what a residual is measured against at least: see residual_scale().
+  // Raises scales, from scale() or zero, to the least scale of a residual: see residual_scale().
   virtual void raise_scale(double* scale) = 0;
 
-  // How far the rounding of its sums and products may move each Phi_i, at most, over epsilon / 2, at the posture of the
-  // last evaluate(). The posture itself counts as exact: differences of neighbours far from the origin are.
+  // A bound, in units of epsilon / 2, for the rounding error of each Phi_i at the posture of the last evaluate(). The
+  // posture counts as exact, because differences of neighbours far from the origin are exact.
   virtual void rounding(double* bound) = 0;
 
   // -Phi_h h', at the posture of the last evaluate().

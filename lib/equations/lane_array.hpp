@@ -11,7 +11,7 @@ namespace assur {
 
 using LaneArray = std::vector<double, LineAllocator<double>>;
 
-// The first place from `at` on where W lanes, or as many of them as fill a cache line, do not cross a line.
+// The first index from `at` on at which a vector of W lanes, or of a full cache line, crosses no cache line.
 [[nodiscard]] constexpr std::size_t lane_place(std::size_t at, std::size_t lanes) {
   const std::size_t apart = std::min(lanes, kLineBytes / sizeof(double));
   return (at + apart - 1) / apart * apart;

@@ -69,7 +69,7 @@ struct Lanes {
     for (int i = 0; i < kVectors; ++i) a.v[i] = hn::Sqrt(a.v[i]);
     return a;
   }
-  // b where it is larger and a number, else a.
+  // b if it is larger than a, else a; a if b is NaN.
   friend HWY_INLINE Lanes max_if_finite(Lanes a, const Lanes& b) {
     for (int i = 0; i < kVectors; ++i) {
       const auto larger = hn::And(hn::Gt(b.v[i], a.v[i]), hn::IsFinite(b.v[i]));
@@ -77,7 +77,7 @@ struct Lanes {
     }
     return a;
   }
-  // Elementwise; what it does with NaN differs between targets.
+  // Elementwise; the result for NaN differs between targets.
   friend HWY_INLINE Lanes max(Lanes a, const Lanes& b) {
     for (int i = 0; i < kVectors; ++i) a.v[i] = hn::Max(a.v[i], b.v[i]);
     return a;

@@ -1,6 +1,6 @@
-// The constraint program of a group class: Phi, its Jacobian, the right-hand sides of velocity and acceleration, over
-// the lanes of a pack. It is data without numbers or pointers: coordinates and coefficients are slots, so every
-// instance of the class, and every member of an ensemble, runs the same program. Differences (forms) come first, then
+// The constraint program of a group class: it computes Phi, the Jacobian, and the right-hand sides of velocity and
+// acceleration over the lanes of a pack. It contains no numbers or pointers: coordinates and coefficients are slots, so
+// that all groups of the class, and all members of an ensemble, share it. Differences (forms) come first, then
 // products.
 #pragma once
 
@@ -13,7 +13,7 @@
 
 namespace assur {
 
-// literal * product of up to three constants of the instance (-1: none): what a coefficient slot holds.
+// Content of a coefficient slot: literal * product of up to three constants of the group (-1: none).
 struct Coefficient {
   double literal = 1;
   std::int32_t constant[3] = {-1, -1, -1};
@@ -21,8 +21,8 @@ struct Coefficient {
   friend bool operator==(const Coefficient&, const Coefficient&) = default;
 };
 
-// Registers: 0..n-1 unknowns, n..n+inputs-1 inputs, then the number one, then the forms that are no plain coordinate.
-// Every list is walked from its begin to its end; a range is [begin, end) of the list that its comment names.
+// The program. Registers: 0..n-1 are unknowns, n..n+inputs-1 inputs, then the number one, then forms that are no plain
+// coordinate. Every list is processed in order; a range is [begin, end) of the list that its comment names.
 struct Program {
   struct Operand {  // coefficient * register
     std::int32_t coefficient, reg;
@@ -33,13 +33,13 @@ struct Program {
   struct Range {
     std::int32_t begin, end;
   };
-  // A register as a sum of `operands`: constant part and inputs that stand still, inputs that move, unknowns.
+  // A register as a sum of `operands`: first constants and inputs at rest, then moving inputs, then unknowns.
   struct Form {
     std::int32_t reg, begin, moving, unknowns, end;
   };
-  // Phi_i = linear + products; -Phi_h h' = -(input_linear + input_products), where the rate of register a enters; what
-  // velocities add to accelerations = -curvature, where the rates of both enter. From `factors` on, the linear operands
-  // are products whose other factor is constant.
+  // Phi_i = linear + products. -Phi_h h' = -(input_linear + input_products), with the rate of register a.
+  // -d/dt(Phi_q) q' = -curvature, with the rates of both registers. From `factors` on, the linear operands are products
+  // with a constant factor.
   struct Equation {
     Range linear, products, input_linear, input_products, curvature;
     std::int32_t factors;
@@ -65,7 +65,7 @@ struct Program {
   };
   struct CallbackUse {
     std::int32_t callback;                // index into System::callbacks
-    std::vector<CallbackRow> rows;        // those that belong to the group: redundant ones may be missing
+    std::vector<CallbackRow> rows;        // rows in this group; redundant rows may be missing
     std::vector<std::int32_t> arguments;  // registers; ~coefficient for a constant one
   };
   std::vector<CallbackUse> callbacks;

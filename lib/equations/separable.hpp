@@ -1,8 +1,8 @@
-// Equations that are a sum over their unknowns, with everything else known:
+// Separable equations: sums over the unknowns, in which no product has two different unknowns:
 //
 //   Phi_i = g_i + sum_j s_ij (a_ij x_j + b_ij)^2 + l_ij x_j
 //
-// Distances to known points and products with known vectors: most irreducible groups are of this kind.
+// Most irreducible groups are of this kind: distances to known points, and dot products with known vectors.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace assur {
 
-// Coefficients and registers are those of a Program; a form's register stands for what is known of it.
+// Coefficients and registers are those of a Program; the register of a form holds its known part.
 struct Separable {
   static constexpr std::int32_t kNone = -1;
 
@@ -34,10 +34,10 @@ struct Separable {
 
   std::vector<Square> squares;  // n x n, by rows
   std::vector<Linear> linear, moving_linear;
-  std::vector<Known> known, moving_known;  // moving: of them, those whose register has a rate
+  std::vector<Known> known, moving_known;  // moving: the part whose register has a rate
 };
 
-// input_moves: inputs, 0 if it never changes. Empty if the program is not of this kind.
+// The separable form of a program; empty if there is none. input_moves: inputs, 0 if the input never changes.
 [[nodiscard]] std::optional<Separable> separate(const Program& program, std::span<const std::uint8_t> input_moves);
 
 }  // namespace assur

@@ -1,4 +1,4 @@
-// Where the threads of a team meet. p teams have p barriers, so that no team waits for another.
+// Barrier for the threads of a team. Each team has its own barrier, so that no team waits for another.
 #pragma once
 
 #include <atomic>
@@ -8,13 +8,14 @@
 
 namespace assur {
 
+// The barrier.
 class Barrier {
  public:
   explicit Barrier(int threads, Waiting waiting = Waiting::shared)
       : threads_(static_cast<std::uint32_t>(threads)), waiting_(waiting), missing_(threads_) {}
 
-  // Returns when `threads` have arrived; what each wrote before is then seen by all. Can be used again at once. False
-  // if it was broken: then not all have arrived, and nobody waits here any more.
+  // Returns when `threads` threads have arrived; all of them then see what each one wrote before. Can be used again at
+  // once. False if the barrier was broken: not all threads have arrived, and none waits any more.
   bool arrive_and_wait() {
     const std::uint32_t round = round_.load(std::memory_order_acquire);  // cannot end before this thread has arrived
     if (broken()) return false;
@@ -27,14 +28,14 @@ class Barrier {
     return !broken();
   }
 
-  // Sends home who waits here or will, because one will not come.
+  // Breaks the barrier, because one thread will not come: releases all threads that wait or will wait.
   void break_up() {
     broken_.store(true, std::memory_order_release);
     advance(round_);
   }
   [[nodiscard]] bool broken() const { return broken_.load(std::memory_order_acquire); }
 
-  // As new. Call while nobody is here.
+  // Makes a broken barrier usable again. No thread may be at the barrier.
   void mend() {
     missing_.store(threads_, std::memory_order_relaxed);
     broken_.store(false, std::memory_order_relaxed);
@@ -44,7 +45,7 @@ class Barrier {
   const std::uint32_t threads_;
   const Waiting waiting_;
   alignas(64) std::atomic<std::uint32_t> missing_;
-  alignas(64) std::atomic<std::uint32_t> round_{0};  // the sense, as a number: which meeting is next
+  alignas(64) std::atomic<std::uint32_t> round_{0};  // number of the next meeting
   std::atomic<bool> broken_ = false;
 };
 

@@ -1,4 +1,4 @@
-// Memory that begins where a cache line does.
+// Memory that begins at a cache line.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,7 @@ namespace assur {
 
 inline constexpr std::size_t kLineBytes = 64;
 
-// For vectors of up to 64 bytes: none of them crosses a line.
+// Allocator aligned to cache lines, so that no SIMD vector of up to 64 bytes crosses a line.
 template <class T>
 struct LineAllocator {
   using value_type = T;

@@ -1,17 +1,17 @@
-// What Linux control groups leave to this process: a share of the processors' time, and memory.
+// Limits of Linux control groups for this process: processor time and memory.
 #pragma once
 
 #include <filesystem>
 
 namespace assur {
 
-// Processors' time for each unit of time: the least quota on the way from this process's group to the top, of cgroup v2
-// (cpu.max) and v1 (cpu.cfs_quota_us). 0 if there is none, or none that can be read. root: of a file system with proc
-// and sys, which tests lay out themselves.
+// Number of processors that the quota allows, e.g. 1.5: the least quota of the group of this process and the groups
+// above it, in cgroup v2 (cpu.max) and v1 (cpu.cfs_quota_us). 0 if there is no readable quota. root: root of a file
+// system with proc and sys; tests provide their own.
 [[nodiscard]] double cpu_quota(const std::filesystem::path& root = "/");
 
-// Bytes that may still be taken: the least on that way, of memory.max and memory.limit_in_bytes less what is in use. 0 if
-// there is no limit, or none that can be read; at least 1 where there is one.
+// Bytes that may still be allocated: the least difference of limit (memory.max, memory.limit_in_bytes) and use among
+// these groups. 0 if there is no readable limit; at least 1 if there is one.
 [[nodiscard]] double cgroup_memory(const std::filesystem::path& root = "/");
 
 }  // namespace assur

@@ -1,9 +1,9 @@
-// The instructions that the inner loops are run with.
+// The instruction set of the inner loops.
 #pragma once
 
 namespace assur {
 
-// The widest set that this processor has and the library is compiled for, as Highway calls it: "SSE4", "AVX2", ...
+// The widest set of this processor that the library is compiled for, named as in Highway: "SSE4", "AVX2", ...
 [[nodiscard]] const char* instruction_set();
 
 }  // namespace assur

@@ -1,4 +1,4 @@
-// How a Machine is read, with what it is read from as arguments.
+// Reads a Machine from given sources.
 #pragma once
 
 #include <filesystem>
@@ -10,18 +10,18 @@
 
 namespace assur {
 
-// root: of a file system with proc and sys; allowed: processors by the affinity mask, ascending, empty if not known;
-// omp_num_threads: the text of the variable, "" if it is not set. Without hwloc.
+// The machine without hwloc. root: root of a file system with proc and sys; allowed: processors of the affinity mask,
+// ascending, empty if unknown; omp_num_threads: text of the variable, "" if it is not set.
 [[nodiscard]] Machine read_machine(const std::filesystem::path& root, const std::vector<int>& allowed,
                                    const std::string& omp_num_threads);
 
 // this_machine() without hwloc.
 [[nodiscard]] Machine machine_by_sysfs();
 
-// What `topology` knows.
+// Copies the topology to the machine.
 void take(Machine& machine, const Topology& topology);
 
-// this_machine().budget() without hwloc, which takes its time.
+// this_machine().budget() without hwloc, which takes milliseconds.
 [[nodiscard]] ThreadBudget available_budget();
 
 }  // namespace assur

@@ -1,6 +1,6 @@
-// A few threads that belong to one caller. p callers with a team of q threads each are p x q threads, and no team knows
-// of another: what OpenMP's nested regions and tasks do not keep apart. A team knows nothing of OpenMP: it can be used
-// within a parallel region of the caller's, and from several threads of the caller's with one team each.
+// Teams: threads that belong to one caller. p callers with a team of q threads each use p x q threads, independently of
+// each other; nested regions and tasks of OpenMP do not separate callers in this way. Teams do not use OpenMP, so that
+// they work within a parallel region of the caller, and in several threads of the caller with one team each.
 #pragma once
 
 #include <pthread.h>
@@ -22,12 +22,13 @@ namespace assur {
 
 inline constexpr std::size_t kWorthSharing = 8000;  // pieces of half a nanosecond: some meetings of two threads
 
+// The calling thread and its helpers.
 class Team {
  public:
-  // The calling thread and size - 1 of the team's own, which sleep when there is nothing to do.
+  // Starts size - 1 threads, which sleep without work.
   //
-  // pin_to: processors (one of each core: Machine::cores). If not empty, rank r runs on pin_to[r] alone, the caller
-  // only within run(); who waits in run() then spins and never sleeps. For cores that nobody else needs.
+  // pin_to: processors (Machine::cores). If it is not empty, rank r runs on pin_to[r] only (the caller within run()),
+  // and threads that wait in run() busy-wait; use dedicated cores.
   //
   // Throws Error: input if size < 1 or if there are fewer processors to pin to, environment if a thread cannot be
   // started or pinned.
@@ -39,11 +40,11 @@ class Team {
   [[nodiscard]] int size() const { return size_; }
 
   // Calls work(rank) once for each rank 0 to size() - 1, rank 0 on the calling thread, and returns when all are done.
-  // One caller at a time, and not from within the work; takes no lock and no memory.
+  // One caller at a time, and not from within the work. Takes no lock and allocates no memory.
   //
-  // If a member throws, the others are sent home at their next barrier(), and run() throws what the lowest rank threw.
-  // In the child of a fork() the first run() starts threads anew, since a fork takes none along but its caller: then it
-  // takes memory and may throw as the constructor does. A fork() from within the work leaves the child no team.
+  // If a member throws, the others end at their next barrier(), and run() throws the exception of the lowest rank. A
+  // fork() copies only the calling thread: in the child, the first run() starts new threads, allocates memory, and may
+  // throw like the constructor. After a fork() from within the work, the child must not use the team.
   template <class Work>
   void run(Work&& work) {
     if constexpr (std::is_nothrow_invocable_v<Work&, int>) {
@@ -52,7 +53,7 @@ class Team {
       dispatch([&](int rank) noexcept {
         try {
           work(rank);
-        } catch (const SentHome&) {  // what another member threw is known
+        } catch (const SentHome&) {  // the exception of another member is kept already
         } catch (...) {
           fail(rank);
         }
@@ -61,8 +62,8 @@ class Team {
     }
   }
 
-  // Within run(), to be called by all members: returns when all are here; what each wrote before is then seen by all.
-  // Throws (for run() to catch) if a member has thrown and will not come.
+  // To be called by all members within run(): returns when all have called it; all then see what each one wrote before.
+  // Throws an exception that run() catches if another member has thrown.
   void barrier() {
     if (!barrier_.arrive_and_wait()) throw SentHome{};
   }
@@ -92,7 +93,7 @@ class Team {
   const int size_;
   const std::vector<int> pin_to_;
   const Waiting waiting_;
-  Call call_ = nullptr;  // null: the workers go home
+  Call call_ = nullptr;  // null: the workers end
   const void* work_ = nullptr;
   Barrier barrier_;
   alignas(64) std::atomic<std::uint32_t> round_{0};    // advanced by the caller: there is work

@@ -1,5 +1,5 @@
-// What a call borrows of its thread and gives back: the threads of the BLAS library, and the processors that the thread
-// may run on. The only place that changes either.
+// Thread settings that a call changes and restores: the threads of the BLAS library, and the processors that the thread
+// may run on. No other file changes them.
 #pragma once
 
 #include <sched.h>
@@ -12,30 +12,31 @@
 
 namespace assur {
 
-// What is loaded, e.g. "OpenBLAS 0.3.21, OpenMP, SkylakeX"; "LAPACK" if it does not say. The builds for OpenMP, for
-// pthreads and for one thread look alike to the linker.
+// The BLAS library that is loaded, e.g. "OpenBLAS 0.3.21, OpenMP, SkylakeX"; "LAPACK" if unknown. The linker cannot
+// distinguish builds for OpenMP, for pthreads and for one thread.
 [[nodiscard]] std::string blas_version();
 
-// Why OpenBLAS does not use what the processor has, and what helps: it knows processors by name, and takes one that is
-// newer than itself for the oldest. "" if it does, or is not loaded.
+// The reason why OpenBLAS does not use all instructions of the processor, with a remedy: it knows processors by name,
+// and treats a newer one like the oldest. "" if it uses them, or if it is not loaded.
 [[nodiscard]] std::string blas_slowed();
 
-// The same for kernels of this name (openblas_get_corename()) on a processor with such instructions
+// The same for kernels of this name (openblas_get_corename()) on a processor with these instructions
 // (instruction_set()).
 [[nodiscard]] std::string slow_kernels(std::string_view core, std::string_view instructions);
 
-// "" if BLAS calls of this thread can be given so many threads without changing those of another thread.
+// The reason why BLAS calls of this thread cannot use this number of threads without changing other threads; "": they
+// can.
 [[nodiscard]] std::string why_not_blas_threads(int threads);
 
-// OpenBLAS takes so much address space for each thread that calls it (BUFFER_SIZE in its common_x86_64.h, and a page),
-// and where it gets none it asks for ever.
+// Address space that OpenBLAS needs for each thread that calls it (BUFFER_SIZE in its common_x86_64.h, and a page). If
+// it gets none, it tries for ever.
 inline constexpr std::size_t kBlasBuffer = (std::size_t{128} << 20) + 4096;
 
-// "" if every thread can call BLAS.
+// The reason why not every thread has memory to call BLAS; "": every thread can.
 [[nodiscard]] std::string why_not_blas_memory();
 
-// Gives the BLAS calls of this thread so many threads until the end of the scope. Only with a number for which
-// why_not_blas_threads() is "".
+// Sets the number of threads for BLAS calls of this thread until the end of the scope. why_not_blas_threads() must be
+// "" for this number.
 class BlasThreads {
  public:
   explicit BlasThreads(int threads);
@@ -48,12 +49,12 @@ class BlasThreads {
   bool shares_ = false;  // its calls may use more than one thread
 };
 
-// Processors (logical, numbered by the system, ascending) that the calling thread may run on; empty if it is not told.
+// Logical processors that the calling thread may run on, by the numbers of the system, ascending; empty if unknown.
 [[nodiscard]] std::vector<int> allowed_processors();
 
-// Keeps the calling thread, and the threads that it starts, on one processor until the end of the scope. Takes no
-// memory; within another one for the same processor hardly any time, for the system is only asked. Throws Error
-// (environment) if it may not run there.
+// Keeps the calling thread, and the threads that it starts, on one processor until the end of the scope. Allocates no
+// memory. If the thread is on this processor already, it takes hardly any time. Throws Error (environment) if the
+// thread may not run there.
 class Pinned {
  public:
   explicit Pinned(int processor);
@@ -62,7 +63,7 @@ class Pinned {
   Pinned& operator=(const Pinned&) = delete;
 
  private:
-  std::array<cpu_set_t, 8> before_;  // of 1024 processors each: as many as Linux can be built for
+  std::array<cpu_set_t, 8> before_;  // of 1024 processors each, the maximum of Linux
   bool changed_ = false;
 };
 

@@ -11,7 +11,7 @@
 
 namespace assur {
 
-// The members of Machine that have these names.
+// The topology; members as in Machine.
 struct Topology {
   std::vector<std::int32_t> cores;
   std::vector<Cache> caches;
@@ -19,20 +19,20 @@ struct Topology {
   std::string source;
 };
 
-// allowed: processors by the affinity mask, ascending. As Linux tells it in sys/devices/system below root. What is
-// missing there or makes no sense: each processor is a core, caches are not known, there is one node.
+// The topology from sys/devices/system below root. allowed: processors of the affinity mask, ascending. Defaults for
+// missing or invalid files: each processor is a core, caches are unknown, there is one node.
 [[nodiscard]] Topology topology_by_sysfs(const std::vector<int>& allowed, const std::filesystem::path& root = "/");
 
-// Its cores alone: a file for each processor.
+// The cores of topology_by_sysfs() only, which needs one file for each processor.
 [[nodiscard]] std::vector<std::int32_t> cores_by_sysfs(const std::vector<int>& allowed,
                                                        const std::filesystem::path& root = "/");
 
-// The topology from hwloc; empty if this build is without, or if hwloc finds nothing that is allowed. synthetic: a
-// machine in hwloc's words to take instead of this one, e.g. "numa:2 l3:1 core:4 pu:2".
+// The topology from hwloc; empty if the library is built without hwloc, or if hwloc finds none of the allowed
+// processors. synthetic: description of another machine for hwloc, e.g. "numa:2 l3:1 core:4 pu:2"; "": this machine.
 [[nodiscard]] std::optional<Topology> topology_by_hwloc(const std::vector<int>& allowed,
                                                         const std::string& synthetic = "");
 
-// "0-3,8" -> 0 1 2 3 8, ascending; what is no such list, or beyond the most processors of Linux, is left out.
+// Reads a list of processors: "0-3,8" -> 0 1 2 3 8, ascending. Skips invalid parts and impossible numbers.
 [[nodiscard]] std::vector<int> parse_processors(const std::string& list);
 
 }  // namespace assur

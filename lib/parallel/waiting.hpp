@@ -1,6 +1,6 @@
-// How a thread waits for another: it spins for a few microseconds, since the other mostly works on a core of its own
-// and is nearly done; then it yields, so that more threads than cores get on; then it sleeps, so that an idle thread
-// costs nothing.
+// Waiting for another thread. A thread first spins for a few microseconds, because the other one mostly runs on another
+// core and is nearly done; then it yields, for the case of more threads than cores; then it sleeps, so that an idle
+// thread costs nothing.
 #pragma once
 
 #include <atomic>
@@ -8,17 +8,17 @@
 
 namespace assur {
 
-// Where those that wait for each other run.
+// Placement of the threads that wait for each other.
 enum class Waiting : std::uint8_t {
-  shared,   // a core for each thread, as a rule: spins, yields, sleeps
+  shared,   // usually a core for each thread: spins, yields, sleeps
   crowded,  // more threads than cores: yields at once, then sleeps
-  pinned,   // a core of its own, that nobody else needs: spins only
+  pinned,   // a dedicated core for each thread: spins only
 };
 
-// Returns once `word` is no longer `old`; acquires what was written before it changed.
+// Returns when `word` is no longer `old`; acquires what was written before the change.
 void wait_while(const std::atomic<std::uint32_t>& word, std::uint32_t old, Waiting waiting = Waiting::shared);
 
-// Changes `word` and wakes who waits for it; releases what was written before.
+// Changes `word` and wakes the threads that wait for it; releases what was written before.
 inline void advance(std::atomic<std::uint32_t>& word) {
   word.fetch_add(1, std::memory_order_acq_rel);
   word.notify_all();

@@ -1,12 +1,13 @@
-// What a simulator takes for granted of a plan that the library made, and of one that was read must be looked at.
+// Check of a plan that was read from a file: the conditions that plans of prepare() satisfy by construction.
 #pragma once
 
 #include "assur/plan.hpp"
 
 namespace assur {
 
-// Throws Error (input) that says where, for an index out of range, sizes that differ, groups that are not in solving
-// order or outputs of coordinates that nothing computes. Numbers may be any: what they do to a motion is a Status.
+// Throws Error (input) that names the place, for an index out of range, sizes that differ, groups that are not in
+// solving order, or outputs of coordinates that are not computed. Other numbers may have any value: a run then ends
+// with a status.
 void check_plan(const Prepared& prepared);
 
 }  // namespace assur

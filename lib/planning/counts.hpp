@@ -1,4 +1,4 @@
-// The shape of what is to be solved, with everything counted that its time depends on.
+// Shapes with all operation counts that predictions of time need.
 #pragma once
 
 #include <cstdint>
@@ -8,12 +8,12 @@
 
 namespace assur {
 
-// Of `count` matrices with one pattern. Operations: products of the factorisation, and one for each of its entries.
-// Counting takes the time of a few hundred sparse factorisations;
-// matrices with more than 24 nonzeros a row count as full.
+// Shape of `count` matrices with one pattern. Operations: products of the factorisation, and one for each entry of L +
+// U. Counting takes the time of a few hundred sparse factorisations. Matrices with more than 24 nonzeros in a row, on
+// average, count as full.
 [[nodiscard]] Shape shape_of(const Pattern& pattern, std::int32_t count = 1);
 
-// Of the groups of a class, with the terms of their equations.
+// Shape of the groups of a class, with the terms of their equations.
 [[nodiscard]] Shape shape_of(const GroupClass& group_class, std::int32_t groups = 1);
 
 }  // namespace assur

@@ -1,5 +1,5 @@
-// Time of one kernel over shapes: a sum of physical terms fitted to what was measured, and what the neighbours say
-// beyond it.
+// Time of one kernel as a function of the shape: a sum of physical terms that is fitted to measurements, with a local
+// correction by the nearest measured points.
 #pragma once
 
 #include <array>
@@ -14,12 +14,13 @@ namespace assur {
 inline constexpr std::size_t kTerms = 5;
 inline constexpr std::size_t kAxes = 4;
 
-// Where a time was, or is to be, measured.
+// A shape for the fit.
 struct FitPoint {
   std::array<double, kTerms> terms{};  // counts that the time grows with; unused ones are 0
-  std::array<double, kAxes> place{};   // logarithms: points close to each other have like deviations
+  std::array<double, kAxes> place{};   // logarithms; points close to each other have similar deviations
 };
 
+// The fit for one kernel and solver.
 class Curve {
  public:
   struct Measured {
@@ -37,13 +38,13 @@ class Curve {
   [[nodiscard]] Prediction at(const FitPoint& point, double otherwise = 0) const;
 
  private:
-  // How the points deviate from the fit, kBlock of them side by side: a program asks for hundreds of times among
-  // thousands of points before its first step. No time is known to more digits than a float has.
+  // Deviations of the points from the fit, kBlock points side by side: before its first step, a program needs hundreds
+  // of predictions among thousands of points. Floats are exact enough for times.
   static constexpr std::size_t kBlock = 8;
   struct Deviations {
     std::array<std::array<float, kBlock>, kAxes> place;
     std::array<float, kBlock> log_ratio;  // measured over fitted
-    std::array<float, kBlock> weight;     // 0: there is no point
+    std::array<float, kBlock> weight;     // 0: no point
   };
   [[nodiscard]] double fitted(const FitPoint& point) const;
   void fit(const std::vector<Measured>& points);

@@ -1,4 +1,4 @@
-// What is known about the machine -> a strategy for each class and threads for each level.
+// The dispatcher: chooses a strategy for each class and threads for each level, by the performance model.
 #pragma once
 
 #include "assur/plan.hpp"
@@ -6,30 +6,30 @@
 
 namespace assur {
 
+// Goal of the plan.
 struct Task {
   Mode mode = Mode::latency;
-  std::int32_t threads = 1;  // to use at most
+  std::int32_t threads = 1;  // largest number of threads
 };
 
-// The plan of a structure with the strategies that are expected to be the fastest; predictor and chunks are the
-// caller's. The same structure, model and task give the same plan. Throws Error (environment) if no backend can solve
-// some class.
+// The plan with the shortest expected time. The caller sets predictor and chunks. The same structure, model and task
+// give the same plan. Throws Error (environment) if no backend can solve a class.
 [[nodiscard]] Plan dispatch(const Structure& structure, const Task& task, const Scales& scales);
 
-// Shape of every class, everything counted, in the order of the classes.
+// Shape of every class with all counts, in the order of the classes.
 [[nodiscard]] std::vector<Shape> class_shapes(const Structure& structure);
 
-// What a step of a plan is expected to take beside the solution of its groups, s.
+// Expected time of a step beyond the solution of its groups, s.
 struct BesideGroups {
   double around = 0;   // laws, predictions and outputs: part of Plan::expected_seconds
-  double storing = 0;  // a row of outputs, where a run keeps them: no part of it
+  double storing = 0;  // storing a row of outputs; no part of Plan::expected_seconds
   std::int64_t outputs = 0;
-  std::int64_t unknowns = 0, pieces = 0;  // that `around` is counted by, as PerformanceModel::around() takes them
+  std::int64_t unknowns = 0, pieces = 0;  // arguments of PerformanceModel::around()
 };
 [[nodiscard]] BesideGroups beside_groups(const Structure& structure, const PerformanceModel& model,
                                          std::int32_t threads);
 
-// Fills what a plan expects of its strategies, whoever chose them.
+// Sets the expected times of a plan, also of a plan with forced strategies.
 void expect(Plan& plan, const Structure& structure, const PerformanceModel& model);
 
 }  // namespace assur

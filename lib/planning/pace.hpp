@@ -1,4 +1,4 @@
-// A time at another pace of the machine.
+// Conversion of times to another pace of the machine.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 namespace assur {
 
-// What a kernel takes while everything is so many times as slow. What a meeting waits by the clock stays as it is.
+// Time of a kernel while the machine is `times` as slow. The part of a meeting that waits by the clock does not change.
 [[nodiscard]] inline double slowed(Kernel kernel, double seconds, double times) {
   const double fixed = kernel == Kernel::meeting ? std::min(kAloneBeforeMeeting, seconds) : 0;
   return times == 1 ? seconds : fixed + (seconds - fixed) * times;

@@ -1,5 +1,5 @@
-// What a saved plan consists of, in the order of the file, for writing and reading alike. What of the system and of the
-// structure is left out, no simulator reads.
+// The fields of a saved plan in the order of the file, for writing and reading. Parts of system and structure that no
+// simulator reads are left out.
 #pragma once
 
 #include <string>
@@ -98,7 +98,7 @@ inline void fields(auto& a, Either<Shape> auto& s) {
   a(s.n, s.nnz, s.groups, s.rhs, s.fill, s.operations, s.depth, s.terms, s.pattern);
 }
 inline void fields(auto& a, Either<Plan::Choice> auto& c) {
-  Strategy text{{.threads = c.threads}, c.solver};  // what all classes have in common is the plan's
+  Strategy text{{.threads = c.threads}, c.solver};  // settings for all classes are in Plan::run
   a(c.group_class, text, c.expected_seconds, c.origin, c.reason, c.shape);
   if constexpr (std::remove_reference_t<decltype(a)>::kReads) {
     c.solver = text.solver;
@@ -113,7 +113,7 @@ inline void fields(auto& a, Either<Plan> auto& p) {
   a.label("choices", p.choices);
 }
 
-// All of the file.
+// The whole file.
 inline void fields(auto& a, Either<Prepared> auto& prepared, Either<System> auto& system,
                    Either<Structure> auto& structure) {
   a.label("scene", prepared.name);

@@ -1,11 +1,12 @@
-// The tokens of a saved plan: numbers that read back exactly, "names", and labels that say what comes next.
+// The tokens of a saved plan: numbers that read back exactly, "names", and labels of the next value.
 //
 //   assur plan 3
 //   scene "four bar"
 //   ...
 //   checksum 0123456789abcdef
 //
-// What a type consists of is said once, for writing and for reading: fields(archive, value), see plan_fields.hpp.
+// One function for each type lists its fields, for writing and for reading: fields(archive, value), see
+// plan_fields.hpp.
 #pragma once
 
 #include <concepts>
@@ -24,8 +25,8 @@ namespace assur {
 template <class U, class T>
 concept Either = std::same_as<std::remove_const_t<U>, T>;
 
-// All that is left in the stream; of what does not begin as a plan, its beginning. Throws Error: environment if it
-// cannot be read, input if it has more than 2 GB.
+// Reads the rest of the stream, or only its beginning if it does not begin like a plan. Throws Error: environment if
+// the stream cannot be read, input if it has more than 2 GB.
 [[nodiscard]] std::string text_of_plan(std::istream& in);
 
 class PlanWriter {
@@ -45,7 +46,7 @@ class PlanWriter {
     (put(values), ...);
   }
 
-  // All of it, with its checksum.
+  // The whole text, with its checksum.
   [[nodiscard]] std::string finish();
 
  private:
@@ -76,13 +77,14 @@ class PlanWriter {
   std::string text_;
 };
 
-// Every number is within the range of its type, and every list has as many elements as it claims; what the numbers mean
-// is not looked at.
+// Reads tokens. Checks that every number is within the range of its type, and that every list has its stated length;
+// the meaning of the numbers is not checked.
 class PlanReader {
  public:
   static constexpr bool kReads = true;
 
-  // Throws Error (input), as everything here, that says where: this is no saved plan, of another version, or altered.
+  // Throws Error (input), like all functions here, that names the place: the text is no saved plan, has another
+  // version, or was altered.
   explicit PlanReader(std::string text);
 
   template <class... T>
@@ -95,9 +97,9 @@ class PlanReader {
     (get(values), ...);
   }
 
-  // Nothing is left.
+  // Throws Error (input) if there is text left.
   void finish();
-  // Throws the Error of the line at hand.
+  // Throws an Error (input) about the current line.
   [[noreturn]] void refuse(const std::string& what) const;
 
  private:
@@ -129,7 +131,8 @@ class PlanReader {
   void get(std::vector<T>& values) {
     const std::int64_t size = number(0, std::numeric_limits<std::int32_t>::max());
     values.clear();
-    for (std::int64_t i = 0; i < size; ++i) get(values.emplace_back());  // grows with the text, whatever size it claims
+    for (std::int64_t i = 0; i < size; ++i)
+      get(values.emplace_back());  // grows with the text, not with the stated size
   }
   template <class T>
   requires std::is_class_v<T>

@@ -1,30 +1,31 @@
-// What kernels cost where nothing has been measured, and how often a step needs each.
+// Cost of kernels without measurements, and the number of calls in a step.
 #pragma once
 
 #include "assur/performance.hpp"
 
 namespace assur {
 
-// Seconds of one call: operations and overheads as `assur tune` measured them on one processor of 2024 with AVX-512.
-// Good to a factor of two or so, which is enough for a sensible plan and to share packs out.
+// Seconds of one call, from operations and overheads that `assur tune` measured on one processor of 2024 with AVX-512.
+// The error is about a factor of two, which is enough for a sensible plan and for sharing packs among threads.
 [[nodiscard]] double prior_seconds(Kernel kernel, const Shape& shape, const Strategy& strategy);
 
-// What a step of a mechanism takes beyond its packs. pieces: of its outputs, the terms of those that are linear, and
-// for any other as many as take its time.
+// Seconds of a step of a mechanism beyond its packs. pieces: terms of linear outputs; every other output counts as the
+// number of terms that take the same time.
 [[nodiscard]] double prior_around_seconds(std::int64_t unknowns, std::int64_t pieces = 0);
 
 [[nodiscard]] double prior_meeting_seconds(std::int32_t p);
-inline constexpr double kPriorHandover = 0.5e-9;  // s for each double that another thread changes: meetings, n = 4000
-inline constexpr double kAloneBeforeMeeting = 5e-6;  // s, as in a step: threads that wait so long do not spin any more
+inline constexpr double kPriorHandover =
+    0.5e-9;  // s for each double that another thread changes; measured by meetings, n = 4000
+inline constexpr double kAloneBeforeMeeting = 5e-6;  // s, as in a step; threads that wait this long no longer spin
 
-// Calls for one step of a pack, with one Newton iteration as a good prediction needs.
+// Number of calls in one step of a pack, with one Newton iteration.
 struct StepCounts {
   double evaluations = 0, factorizations = 0, solutions = 0;
 };
 // `derivatives`: 0, 1 or 2.
 [[nodiscard]] StepCounts step_counts(const Strategy& strategy, int derivatives);
 
-// Small groups take their whole step in registers: no kernels to compose it from.
+// True if a small group takes its whole step in registers, so that its time is not composed of kernels.
 [[nodiscard]] bool in_registers(const Shape& shape, const Strategy& strategy);
 
 [[nodiscard]] bool is_dense(const Strategy& strategy);

@@ -1,4 +1,4 @@
-// Small groups, of two or three unknowns, take their whole step in registers: what `lanes` means without more.
+// Steps in registers, which the backend `lanes` without options uses for groups of two or three unknowns.
 #pragma once
 
 #include "assur/strategy.hpp"
@@ -6,7 +6,7 @@
 
 namespace assur {
 
-// Registers factorise afresh and in double.
+// True if a strategy allows such steps: each factorisation is fresh and in double.
 [[nodiscard]] inline bool has_small_steps(const SolverSettings& s) {
   return s.backend == kLanes.id && !s.single && !s.refine && !s.once && !s.separate && s.reuse == Reuse::fresh;
 }

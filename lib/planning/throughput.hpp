@@ -1,4 +1,4 @@
-// What Mode::throughput fills a machine with.
+// Lanes and chunks of Mode::throughput.
 #pragma once
 
 #include <cstdint>
@@ -7,11 +7,12 @@
 
 namespace assur {
 
-inline constexpr std::int32_t kThroughputLanes = 8;  // of `auto`: a register of AVX-512; scaling_bench --only lanes
-inline constexpr std::int64_t kLeastSteps = 50;  // of a chunk, whose start is found first; scaling_bench --only chunks
+inline constexpr std::int32_t kThroughputLanes = 8;  // W of `auto`: a register of AVX-512; scaling_bench --only lanes
+inline constexpr std::int64_t kLeastSteps =
+    50;  // of a chunk, which pay for finding its start; scaling_bench --only chunks
 
-// Chunks of a time grid of `steps` steps: they fill lanes and threads evenly, twice where the grid is
-// long enough, and have kLeastSteps or more each. 1 if the grid is too short for two.
+// Number of chunks for a time grid of `steps` steps. They fill lanes and threads evenly, twice if the grid is long
+// enough, and have kLeastSteps or more each. 1 if the grid is too short for two chunks.
 [[nodiscard]] std::int32_t chunks_for(std::int32_t lanes, std::int32_t threads, std::int64_t steps);
 
 }  // namespace assur

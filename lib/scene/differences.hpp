@@ -1,8 +1,7 @@
-// Functions of the program (constraints and laws) give derivatives that nothing else knows. Here they are held against
-// differences of what they are derivatives of, at many distances: the scatter from one distance to the next, and second
-// differences, tell how far each difference can be believed, so that a right derivative is not accused where its
-// function is stiff, noisy, has a kink or ends. Nothing here throws: what a function throws away from the posture at
-// hand counts as undefined there.
+// Checks the derivatives that functions of the program (callbacks and laws) return. They are compared with differences
+// of the functions at several distances. The scatter between the distances, and second differences, give the error of
+// each difference, so that right derivatives of stiff or noisy functions, or near a kink or an end, are not accused.
+// Nothing here throws: where a function throws near the posture, it counts as undefined.
 #pragma once
 
 #include <cstdint>
@@ -14,15 +13,15 @@
 
 namespace assur {
 
-// What differences say otherwise.
+// A derivative that differences contradict.
 struct Contradiction {
   enum class Of : std::uint8_t { value, rate, acceleration, jacobian, curvature };
   Of of = Of::value;
   Index row = 0, argument = 0;  // of a callback
   double time = 0;              // of a law
-  double given = 0, found = 0;  // SI units; of a value: the first and the second answer
+  double given = 0, found = 0;  // SI units; Of::value: the first and the second answer
   double uncertainty = 0;       // of `found`
-  double excess = 0;            // the difference of both over what is tolerated
+  double excess = 0;            // the difference of both, relative to the tolerated one
 };
 
 // Differences of `rows` functions of one variable, from far to near.
@@ -46,8 +45,8 @@ class Differences {
     bool contradicted = false;
     double found = 0, uncertainty = 0, excess = 0;
   };
-  // Of a derivative that was given. `floor`: an error too small to matter, beside `tolerance` of the derivative itself;
-  // `noise`: of the function's values, at least.
+  // Judges a given derivative. tolerance: relative to the derivative; floor: absolute error that is tolerated in
+  // addition; noise: least error of the values of the function.
   [[nodiscard]] Verdict judge(std::size_t row, double given, double tolerance, double floor, double noise) const;
 
  private:
@@ -60,23 +59,24 @@ class Differences {
   std::size_t levels_ = 0;
   double distance_[kLevels] = {};
   std::vector<double> slope_, second_;  // levels x rows: central difference; f+ - 2 f0 + f-
-  // rows: largest |f|; of what all changes are multiples, a power of two; the smallest change; 1: one is 0
+  // rows: largest |f|; a power of two that divides all changes; the smallest change; 1 if a change is 0
   std::vector<double> size_, quantum_, least_change_;
   std::vector<std::uint8_t> still_;
   std::vector<double> middle_, before_, after_;
 };
 
-// Checks one callback at a posture and its rates, which the owner fills in.
+// Checks one callback at a posture with rates, which the owner sets.
 class CallbackCheck {
  public:
   explicit CallbackCheck(const CallbackBlock& block);
 
   std::vector<double> x, rate;      // arguments, SI units
-  std::vector<std::uint8_t> moves;  // 0: a constant, whose derivatives are nobody's business
+  std::vector<std::uint8_t> moves;  // 0: a constant, whose derivatives are not checked
 
-  // Three calls, with `curvature` six: is a closer look needed? Along a direction with random signs, by `seed`.
+  // Quick test along one direction with random signs, which `seed` draws: true if find() is needed. Three calls, with
+  // `curvature` six.
   [[nodiscard]] bool doubtful(bool curvature, std::uint64_t seed);
-  // Some 25 calls for each argument: the entry that its differences contradict most.
+  // The entry with the largest contradiction, if there is one. Some 25 calls for each argument.
   [[nodiscard]] std::optional<Contradiction> find(bool curvature);
 
  private:
@@ -101,15 +101,15 @@ class CallbackCheck {
   std::vector<double> before_, after_, curvature_;  // r
 };
 
-// Checks a law's function within a step of time. unit: SI value of an internal unit of what it gives; derivatives: how
-// many of them matter.
+// Checks the function of a law within a step of time. unit: SI value of an internal unit of the law; derivatives:
+// number of derivatives to check.
 class LawCheck {
  public:
   LawCheck() : differences_(2) {}
 
-  // Four calls: is a closer look needed?
+  // Quick test: true if find() is needed. Four calls.
   [[nodiscard]] static bool doubtful(const Law::Function& law, double from, double to, double unit, int derivatives);
-  // Some 25 calls.
+  // The contradiction, if there is one. Some 25 calls.
   [[nodiscard]] std::optional<Contradiction> find(const Law::Function& law, double from, double to, double unit,
                                                   int derivatives);
 
@@ -117,7 +117,7 @@ class LawCheck {
   Differences differences_;
 };
 
-// A check of a callback of the system, told which of its arguments are constants.
+// A check of a callback of the system; it knows which arguments are constants.
 [[nodiscard]] CallbackCheck check_of(const System& s, const CallbackBlock& block);
 
 // SI value of an internal unit of a driver's k-th law.
@@ -141,8 +141,8 @@ void for_each_function(const System& s, const Use& use) {
 // "jacobian[row 0, P.x] is 2.002, but differences of the residual give 2 (within 1e-9)"; of a law without a callback.
 [[nodiscard]] std::string describe(const Contradiction& found, const Callback* callback);
 
-// Every function of the scene at a posture (all coordinates) and from a time to another: where and how one contradicts
-// its differences. Curvatures need rates and are left out.
+// Checks every function of the scene at a posture (all coordinates) and between two times; returns one finding for each
+// contradiction. Curvatures are not checked, because they need rates.
 [[nodiscard]] std::vector<Diagnostic> contradictions(const System& s, const std::vector<double>& q, double from,
                                                      double to);
 

@@ -1,4 +1,4 @@
-// Known coordinates at a time: the laws, the frames that they make, the coordinates that drivers fix.
+// Known coordinates at a time: laws, frames of poses, and coordinates that drivers fix.
 #pragma once
 
 #include "scene/jet.hpp"
@@ -24,8 +24,8 @@ void euler_zyx(const CosSin<T>& psi, const CosSin<T>& theta, const CosSin<T>& ph
   r[8] = cy * cx;
 }
 
-// Sets the driven coordinates listed in q, rate and acceleration (null: not wanted). law(input, k) gives the jet of the
-// k-th law of System::inputs[input] in SI units.
+// Sets the listed driven coordinates in q, rate and acceleration (null: not needed). law(input, k) returns the jet of
+// the k-th law of System::inputs[input] in SI units.
 template <class T, class LawJet>
 void drive(const System& s, const Driven& driven, LawJet&& law, T* q, T* rate, T* acceleration) {
   const auto put = [&](Index coordinate, const Jet<T>& j) {

@@ -1,4 +1,5 @@
-// Expressions of numbers: "2*crank + 0.1". muParser's functions in rad, the constants pi and e, parameters; no time.
+// Expressions of numbers: "2*crank + 0.1". They may use functions of muParser (angles in rad), the constants pi and e,
+// and parameters, but not time.
 #pragma once
 
 #include <memory>
@@ -20,8 +21,8 @@ class Expressions {
     std::string parameter;
     std::string what;
   };
-  // ok(): `value` is a finite number. Otherwise `what` says what is wrong; it is empty if the value `follows` from a
-  // parameter about which a finding was made already.
+  // If ok(), `value` is a finite number. Otherwise `what` is the problem; it is empty if the error `follows` from a
+  // parameter that was reported already.
   struct Result {
     double value = 0;
     std::string what;
@@ -32,8 +33,8 @@ class Expressions {
   Expressions();
   ~Expressions();
 
-  // Once, before evaluate(). In any order; what cannot be evaluated stays known as broken. `broken`: names of further
-  // parameters whose values were found wrong before.
+  // Evaluates all parameters; to be called once, before evaluate(). Parameters may depend on each other in any order. A
+  // parameter that cannot be evaluated counts as broken. `broken`: names of further broken parameters.
   [[nodiscard]] std::vector<Finding> define(const std::vector<Parameter>& parameters,
                                             const std::vector<std::string>& broken = {});
 

@@ -15,7 +15,7 @@ namespace assur {
 
 using Terms = std::vector<Term>;
 
-// The two components after each one.
+// The two components that follow each one, in cyclic order.
 inline constexpr int kNext[3] = {1, 2, 0};
 inline constexpr int kAfter[3] = {2, 0, 1};
 
@@ -34,7 +34,7 @@ class Forms {
   [[nodiscard]] System& system() { return s_; }
   [[nodiscard]] const System& system() const { return s_; }
 
-  // The finished system, without the room that nothing was written into: a scene may have millions of equations.
+  // The finished system, without unused memory: a scene may have millions of equations.
   [[nodiscard]] System finish();
 
   // Constants and forms. Values are in SI units, `power` is their power of length.
@@ -46,7 +46,7 @@ class Forms {
   // terms += constant `factor` * form f
   void append(Terms& terms, Index f, Index factor);
 
-  // Items and coordinates. References to items last until the next one is added.
+  // Items and coordinates. References to items are valid until the next item is added.
   Index add_item(Item item);
   Index add_coordinate(Index item, int component, int power, Role role, double guess, bool moving = true);
   Index coordinate_form(Index coordinate) { return form({{coordinate, kPlus}}); }
@@ -70,13 +70,13 @@ class Forms {
   [[nodiscard]] Triple at(const std::string& name) const { return at(item(name)); }
   [[nodiscard]] Triple at(const Direction& d) const;
 
-  // What is known.
-  [[nodiscard]] bool is_fixed(const Item& item) const;   // a constant
+  // Known and unknown coordinates.
+  [[nodiscard]] bool is_fixed(const Item& item) const;   // constant
   [[nodiscard]] bool all_known(const Item& item) const;  // fixed or driven
-  // The unknown coordinate that the form consists of; -1: it is something else.
+  // The unknown coordinate if the form is a single one; else -1.
   [[nodiscard]] Index own_coordinate(Index form) const;
 
-  // Equations = 0; those that follow a source() are its rows.
+  // Equations = 0. Equations after a call of source() are rows of that source.
   Index source(std::string name);
   void equation(Index source, const std::vector<Product>& products, const Terms& linear);
   void callback_row(Index source, Index callback, Index row);
@@ -90,15 +90,15 @@ class Forms {
 
  private:
   [[nodiscard]] double scaled(double value, int power) const;
-  struct Exact;  // a constant, to twice the digits
+  struct Exact;  // a constant in double-double
   [[nodiscard]] Exact exact(Index constant) const;
   Index internal_constant(const Exact& exact);
   Index times(Index a, Index b);
 
   System s_;
-  std::pmr::monotonic_buffer_resource names_;  // given back as a whole: millions of small pieces leave gaps
+  std::pmr::monotonic_buffer_resource names_;  // freed as a whole, because millions of small pieces would leave gaps
   std::pmr::unordered_map<std::string, Index> item_of_{&names_};
-  std::vector<double> rests_;  // what rounding left of each constant
+  std::vector<double> rests_;  // rounding error of each constant
   Index row_ = 0;
 };
 

@@ -1,5 +1,5 @@
-// Files that a user or a scene names may be anyone's, and anything: a pipe that nobody fills, a device without an end.
-// Every one of them is read through here: regular files only, up to a size.
+// Reads files that a user or a scene names. Such a file may be untrusted and of any type, e.g. a pipe that is never
+// filled, or a device without an end. All of them are read here: regular files only, up to a given size.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ struct InputFile {
 // The bytes of a regular file of at most `most` bytes. Never waits.
 [[nodiscard]] InputFile read_input(const std::filesystem::path& file, std::uintmax_t most);
 
-// "it is a pipe; only regular files are read", or what else it is; "" for a regular file, and where there is nothing.
+// "it is a pipe; only regular files are read", or the same for other types; "" for a regular file or a missing one.
 [[nodiscard]] std::string why_not_regular(const std::filesystem::path& file);
 
 }  // namespace assur

@@ -11,7 +11,7 @@
 namespace assur {
 
 template <class T>
-using Scalar = std::type_identity_t<T>;  // takes part in no deduction, so that 2 * Jet<quad> works
+using Scalar = std::type_identity_t<T>;  // is not deduced, so that 2 * Jet<quad> works
 
 template <class T>
 Jet<T> operator+(const Jet<T>& a, const Jet<T>& b) {
@@ -90,8 +90,9 @@ Jet<T> sqrt(const Jet<T>& a) {
   return {root, rate, acceleration};
 }
 
-// Length of a vector. At zero it has a kink, and no derivatives (NaN), unless it is at rest: then it can only grow.
-// Elsewhere not the root of a sum of squares, whose second derivative cancels where the rate lies along a short vector.
+// Length of a vector. At zero it has a kink, and no derivatives (NaN) unless the vector is at rest. Elsewhere it is not
+// computed as the root of a sum of squares, because its second derivative would cancel if the rate lies along a short
+// vector.
 template <class T>
 Jet<T> length(std::span<const Jet<T>> of) {
   using std::sqrt;
@@ -122,7 +123,7 @@ struct CosSin {
   Jet<T> cosine, sine;
 };
 template <class T>
-CosSin<T> cos_sin(const Jet<T>& a, const Scalar<T>& c, const Scalar<T>& s) {  // those of its value are c and s
+CosSin<T> cos_sin(const Jet<T>& a, const Scalar<T>& c, const Scalar<T>& s) {  // c and s: cosine and sine of the value
   return {{c, -s * a.rate, -s * a.acceleration - c * a.rate * a.rate},
           {s, c * a.rate, c * a.acceleration - s * a.rate * a.rate}};
 }

@@ -1,4 +1,4 @@
-// JSON text as a tree that keeps what a careful reader needs: the order of keys, and keys that appear twice.
+// JSON text as a tree that keeps the order of keys and reports keys that appear twice.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace assur {
 
-// 24 bytes: a scene may have millions. What it refers to belongs to its document.
+// A node. It has 24 bytes, because a scene may have millions; its content belongs to the document.
 class JsonNode {
  public:
   enum class Type : std::uint8_t { null, boolean, number, string, array, object };
@@ -61,7 +61,7 @@ struct JsonDocument {
 // values; (environment) if there is no memory for it.
 [[nodiscard]] JsonDocument parse_json(std::string_view text);
 
-// Stable order by the place in the document; what has no place of its own comes where its nearest parent is.
+// Sorts findings by their place in the document; a place that does not exist counts as its nearest parent. Stable.
 void sort_by_place(std::vector<Diagnostic>& findings, const JsonNode& root);
 
 }  // namespace assur

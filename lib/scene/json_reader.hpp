@@ -1,6 +1,6 @@
-// Scene files: from the JSON tree to a SceneBuilder. The reader judges the shape of the file; what the scene means is
-// judged by SceneBuilder::build(). Whatever is wrong is noted and read on: the item keeps its name, so that nothing
-// that refers to it is found wrong as well.
+// Scene files: from the JSON tree to a SceneBuilder. The reader checks the form of the file, SceneBuilder::build() its
+// meaning. After an error the reader notes it and goes on; the item keeps its name, so that references to it cause no
+// further errors.
 #pragma once
 
 #include <filesystem>
@@ -20,12 +20,12 @@
 
 namespace assur {
 
-// Where the tables of a scene may be: in its folder, and in those that the caller allows.
+// Folders in which the tables of a scene may be: its own, and further ones that the caller allows.
 struct TableFolders {
   std::filesystem::path folder;  // paths are relative to it
   std::vector<std::filesystem::path> more;
 
-  // True if the file is in one of them, whether it is there or not; links are followed.
+  // True if the path is in or below one of them, after links are followed. The file need not exist.
   [[nodiscard]] bool has(const std::string& name) const;
 };
 
@@ -33,14 +33,14 @@ class JsonReader {
  public:
   JsonReader(const JsonDocument& document, TableFolders tables, const Parameters& set);
 
-  // The scene, not yet built, with every finding. `name`: of a scene that has none. Throws Error (input) for what is no
-  // scene at all.
+  // Reads the scene into a builder, with every finding. `name`: used if the scene has none. Throws Error (input) if the
+  // document is no scene at all.
   [[nodiscard]] SceneBuilder read(const std::string& name);
 
  private:
   using Type = JsonNode::Type;
 
-  // A value of the document, and where it stands.
+  // A value of the document with its place.
   struct Place {
     const JsonNode& node;
     Where where;
@@ -49,13 +49,13 @@ class JsonReader {
     [[nodiscard]] std::size_t size() const { return node.items().size(); }
   };
 
-  // An object's keys: the allowed ones, the misspelt ones.
+  // The keys of an object, allowed and misspelt ones.
   class Object {
    public:
-    // Reports other keys, and what is no object.
+    // Reports unknown keys, and values that are no object.
     Object(JsonReader& reader, const Place& at, const rows::Keys& keys);
     [[nodiscard]] const JsonNode* find(std::string_view key) const { return node_ ? node_->find(key) : nullptr; }
-    // Reports a missing key, unless it is there but misspelt. {} in `what`: the names of the coordinates.
+    // Reports a missing key unless it is misspelt. {} in `what` is replaced by the names of the coordinates.
     [[nodiscard]] const JsonNode* need(std::string_view key, std::string_view what);
     [[nodiscard]] const Where& where() const { return where_; }
     [[nodiscard]] bool is_object() const { return node_ != nullptr; }
@@ -68,17 +68,17 @@ class JsonReader {
   };
 
   void note(const Where& where, std::string what);
-  void broken(const Where& where) { note(where, ""); }  // wrong for a reason noted elsewhere
+  void broken(const Where& where) { note(where, ""); }  // the error is reported elsewhere
   [[nodiscard]] bool expect(const Place& at, Type type, std::string_view example);
-  // True, after a finding, if an object with this key is refused.
+  // True if objects with this key are refused; reports it.
   bool is_refused(std::string_view key, const rows::Keys& keys, const Where& where);
 
-  // values (json_reader.cpp, laws: json_laws.cpp); NaN, "" and the like after a finding. example: as it stands in a
-  // file, but a text without quotes
+  // values (json_reader.cpp, laws: json_laws.cpp); after an error NaN, "" and the like. example: as in a file, texts
+  // without quotes
   double number(const Place& at);
   Triple triple(const Place& at);
   std::string text(const Place& at, std::string_view example);
-  // True if it is an array of that length; else a finding.
+  // True if it is an array of that length; else reports it.
   [[nodiscard]] bool is_list(const Place& at, std::size_t size, std::string_view example);
   void read(double& out, const rows::About& about, const Place& at);
   void read(std::optional<double>& out, const rows::About& about, const Place& at);
@@ -92,7 +92,7 @@ class JsonReader {
   void read(Law& out, const rows::About& about, const Place& at);
   void read(std::vector<Law>& out, const rows::About& about, const Place& at);
 
-  // Objects: the members that the row names. False: one that is needed is missing, and was reported.
+  // Reads the members that the row names. False if a required one is missing, which is reported.
   template <class Struct, class Row>
   bool fill(Struct& out, Object& object, const Row& row) {
     bool is_full = true;

@@ -1,7 +1,7 @@
-// The words of a scene file: a row for each kind of constraint, driver and measure, and for the other objects. A row
-// has the keys of an object, what stands there, and the members that it is for. Reading (json_*.cpp) and the checks
-// that all kinds have in common (validation_rows.hpp) walk along the rows. A new kind is a struct of assur/scene.hpp,
-// its row here, its lowering, and, if there is more to be wrong than its row says, a rule() of Validation.
+// The vocabulary of a scene file: a row for each kind of constraint, driver and measure, and for the other objects. A
+// row has the keys of an object, the meaning of their values, and the members that they set. Reading (json_*.cpp) and
+// the common checks (validation_rows.hpp) follow the rows. A new kind needs a struct in assur/scene.hpp, a row here,
+// its lowering, and a rule() of Validation for conditions beyond the row.
 #pragma once
 
 #include <algorithm>
@@ -19,15 +19,15 @@
 
 namespace assur::rows {
 
-// What a value is, as far as its type does not tell.
+// Meaning of a value beyond its type.
 enum class Means : std::uint8_t {
-  plain,     // SI units, or none
+  plain,     // a number in SI units, or without unit
   angle,     // rad; in the file the unit of its angles
   of_terms,  // in the unit of the measures summed up
-  each,      // as many numbers as coordinates, or one for all of them
+  each,      // one number for each coordinate, or one for all of them
   rotation,  // laws: {"angle": law} or {"euler_zyx": [law, law, law]}
   text,      // a name that a rule looks up
-  point,     // names of such things
+  point,     // names of such objects
   vector,
   point_or_vector,
   body,
@@ -38,8 +38,8 @@ enum class Means : std::uint8_t {
 struct About {
   Means means = Means::plain;
   std::string_view example = {};  // for messages; of a text without quotes
-  // Of an entry in a list: the refusal if it is the same as the entry before it. The first {} is that one, the second
-  // {} this one. Empty: it may be the same.
+  // The refusal if an entry of a list equals the entry before it. The first {} is that entry, the second {} this one.
+  // Empty: they may be equal.
   std::string_view same = {};
 };
 
@@ -55,7 +55,7 @@ struct List {
   std::tuple<Entries...> entries;
 };
 
-// Nothing: the object is refused if it has the key.
+// The content of a key that is refused.
 struct Refused {
   std::string_view why;
 };
@@ -64,7 +64,7 @@ template <class Content>
 struct Key {
   std::string_view name;
   Content content;
-  std::string_view missing = {};  // for the message if it is; {} are the coordinates. Empty: it may be left out
+  std::string_view missing = {};  // description for the message if the key is missing, {}: coordinates; empty: optional
 };
 
 template <class Kind, class... Keys>
@@ -72,7 +72,7 @@ struct Row {
   using Struct = Kind;
   std::tuple<Keys...> keys;                    // the first one tells the kind
   std::array<std::string_view, 2> unknowns{};  // of a constraint: "lambda" is NAME.lambda
-  std::string_view not_in_the_plane = {};      // why a plane scene has none
+  std::string_view not_in_the_plane = {};      // reason why a plane scene cannot have it
 
   [[nodiscard]] constexpr std::string_view name() const { return std::get<0>(keys).name; }
   [[nodiscard]] constexpr Row brings(std::string_view first, std::string_view second = {}) const {
@@ -81,7 +81,7 @@ struct Row {
   [[nodiscard]] constexpr Row only_in_space(std::string_view why) const { return {keys, unknowns, why}; }
 };
 
-// ---- to write rows with
+// ---- functions that make rows
 
 template <class Struct, class... Keys>
 constexpr Row<Struct, Keys...> row(Keys... keys) {
@@ -116,7 +116,7 @@ inline constexpr std::string_view kNoLength = "a distance from {} to itself; two
 inline constexpr std::string_view kNoDirection = "a direction from {} to itself; two different points are wanted";
 inline constexpr std::string_view kNoMotion = "the motion, e.g. {\"polynomial\": [0, 1]}";
 
-// ---- the kinds. Of two with the same key the first one is of points, the second one of directions.
+// ---- the kinds. If two kinds have the same key, the first is for points, the second for directions.
 
 inline constexpr std::tuple kConstraints{
     row<Distance>(key("distance", list(point(&Distance::p, "A"), point(&Distance::q, "B", kNoLength))),
@@ -196,7 +196,7 @@ inline constexpr std::pair<std::string_view, Refused> kLater[] = {
     {"planar", kJoint},
     {"gear", {"a gear is a Callback of the C++ interface and cannot stand in a file"}}};
 
-// ---- what is no kind
+// ---- other objects
 
 inline constexpr auto kDriver = row<Driver>(key("relative", slot(&Driver::relative)));  // beside its kind
 inline constexpr auto kConstraint = row<Constraint>();
@@ -223,7 +223,7 @@ inline constexpr auto kHarmonic = row<Harmonic>(
     key("amplitude", slot(&Harmonic::amplitude), "of the sine"),  // in the unit of its law
     key("frequency", slot(&Harmonic::frequency), "in Hz"), key("phase", slot(&Harmonic::phase, {Means::angle})));
 
-// ---- to read rows with
+// ---- functions that read rows
 
 template <class Kind, std::size_t I = 0, class... Rows>
 constexpr const auto& find(const std::tuple<Rows...>& rows) {
@@ -251,7 +251,7 @@ constexpr void for_each_key(const Row& row, Visitor&& visit) {
 template <class Content>
 inline constexpr bool is_refused = std::is_same_v<Content, Refused>;
 
-// The keys that an object may have, and those that it is refused for.
+// Allowed and refused keys of an object.
 struct Keys {
   std::vector<std::string_view> allowed;
   std::vector<std::pair<std::string_view, Refused>> refused = {};

@@ -1,4 +1,4 @@
-// A law in the arithmetic of T (double, or quad for the reference), always from the same double parameters.
+// Evaluates a law in the arithmetic of T (double, or quad for the reference), from the same double parameters.
 #pragma once
 
 #include <algorithm>
@@ -32,7 +32,7 @@ Jet<T> evaluate(const Law::Polynomial& polynomial, const T& t) {
   return horner(polynomial.coefficients, t);
 }
 
-// frequency * t less its whole part: what sin needs, without the rounding error of a large product.
+// The fractional part of frequency * t, without the rounding error of a large product.
 inline double cycles(double frequency, double t) {
   const double product = frequency * t;
   const double lost = std::fma(frequency, t, -product);
@@ -72,7 +72,7 @@ Jet<T> evaluate(const Law::Harmonics& harmonics, const T& t) {
   return sum;
 }
 
-// Times of a grid are rounded: a time this close outside a table belongs to its end.
+// Times of a grid are rounded, so that a time this close outside a table counts as its end.
 inline double slack(const Law::Spline& spline) {
   return 4 * kEps * std::max(std::abs(spline.time.front()), std::abs(spline.time.back()));
 }
@@ -83,8 +83,8 @@ bool covers(const Law::Spline& spline, const T& t) {
   return t >= spline.time.front() - slack(spline) && t <= spline.time.back() + slack(spline);
 }
 
-// t less whole periods, within the table. The period of a double table is a double and what was lost in forming it:
-// then a thousand periods add no error.
+// t minus whole periods, within the table. The period is a double plus its rounding error, so that a thousand periods
+// add no error.
 template <class T>
 T wrap(const Law::Spline& spline, const T& t) {
   using std::floor;
@@ -107,7 +107,7 @@ Jet<T> evaluate(const Law::Spline& spline, const T& time) {
     return {nan, nan, nan};
   }
   const T t = spline.periodic ? wrap(spline, time) : time;
-  // Interval k: time[k] <= t < time[k + 1]; the end intervals take what rounding left outside.
+  // Interval k: time[k] <= t < time[k + 1]; the first and last one include times that rounding put outside.
   const auto inner = std::upper_bound(spline.time.begin() + 1, spline.time.end() - 1, t);
   const auto k = static_cast<std::size_t>(inner - spline.time.begin()) - 1;
 
@@ -129,7 +129,7 @@ Jet<T> evaluate(const Law::Function& function, const T& t) {
 }  // namespace law_detail
 
 // Value and two derivatives at t; NaN outside the range of a table. A Function part is evaluated in double.
-// Allocates nothing (for a T that does not).
+// Allocates nothing if T does not.
 template <class T>
 Jet<T> evaluate(const Law& law, const T& t) {
   Jet<T> sum{T(0), T(0), T(0)};

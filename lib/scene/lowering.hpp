@@ -1,4 +1,4 @@
-// Scene -> System: every constraint, driver and body as equations.
+// Lowering: from a Scene to a System, with every constraint, driver and body as equations.
 #pragma once
 
 #include <memory>
@@ -10,7 +10,7 @@
 namespace assur {
 
 // `controlled`: drivers that the program sets itself; they count as moving even if their law is constant.
-// `declared_groups`: false forgets the scene's groups, so that every coordinate which a driver fixes vanishes.
+// `declared_groups`: false ignores the declared groups, so that drivers may fix all coordinates.
 [[nodiscard]] System lower(std::shared_ptr<const Scene> scene, std::span<const std::string> controlled = {},
                            bool declared_groups = true);
 

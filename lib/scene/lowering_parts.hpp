@@ -1,5 +1,5 @@
-// The parts of lower(), each a writer of some of a scene's declarations and equations. Constants, forms and equations
-// are numbered as they are written, so the order of calls is part of the result.
+// The parts of lower(): each one writes some declarations and equations of a scene. Constants, forms and equations are
+// numbered as they are written, so that the order of calls affects the result.
 #pragma once
 
 #include <algorithm>
@@ -25,14 +25,14 @@ inline Pair pair_key(const std::string& a, const std::string& b) { return std::m
 inline double length_of(const Triple& a) { return std::sqrt(triple::dot(a, a)); }
 inline Triple direction_of(const Triple& a) { return triple::scale(1 / length_of(a), a); }
 
-// What one part finds out and another one needs to know.
+// Data that the parts share.
 struct Shared {
   std::unordered_set<std::string> without_norm;    // vectors whose |v| = 1 is not an equation of its own
   std::unordered_set<Index> in_groups;             // coordinates that belong to declared groups
-  std::unordered_set<std::string> absorbed;        // distance constraints that an angle driver takes over
-  std::unordered_map<std::string, double> radius;  // angle drivers: the value of the distance absorbed
-  std::map<Pair, double> lengths;                  // between points of bases: of constraints that have a value
-  std::set<Pair> distances;                        // such pairs whose distance something keeps already
+  std::unordered_set<std::string> absorbed;        // distance constraints that become radii of angle drivers
+  std::unordered_map<std::string, double> radius;  // angle drivers: value of the absorbed distance
+  std::map<Pair, double> lengths;                  // pairs of points of bases: distance constraints with a value
+  std::set<Pair> distances;                        // pairs of points of bases whose distance is constrained already
   std::vector<bool> fixes;                         // drivers that fix coordinates, so that no equation is left
 };
 
@@ -43,7 +43,7 @@ struct BaseShape {
 };
 [[nodiscard]] BaseShape base_shape(const Forms& forms, const Shared& shared, const Body& body);
 
-// Members as forms of their base; equations that keep a base rigid.
+// Writes members as forms of their base, and the equations that keep a base rigid.
 class BodyWriter {
  public:
   BodyWriter(Forms& forms, Shared& shared) : forms_(forms), shared_(shared) {}
@@ -72,15 +72,15 @@ class ConstraintWriter {
  public:
   ConstraintWriter(Forms& forms, Shared& shared) : forms_(forms), shared_(shared) {}
 
-  // Distances between points of bases.
+  // Collects distances between points of bases.
   void note_lengths();
   void declare_auxiliaries();
-  // The distance between the points of an angle driver is its radius, and no equation.
+  // Takes distances between the points of an angle driver as its radius, without equations.
   void absorb_distances();
   void write_equations();
 
  private:
-  // Unknowns that come with a constraint; most have none.
+  // Unknowns that a constraint adds; most add none.
   template <class Kind>
   void declare(const std::string&, const Kind&) {}
   void declare(const std::string& name, const Parallel& c);
@@ -107,23 +107,23 @@ class DriverWriter {
       : forms_(forms), shared_(shared), controlled_(controlled.begin(), controlled.end()) {}
 
   void declare_auxiliaries();
-  // The known scalars of each driver, as hidden coordinates.
+  // Declares the known scalars of each driver as hidden coordinates.
   void declare_inputs();
-  // As long as something changes, coordinates that drivers fix become known.
+  // Makes coordinates that drivers fix known coordinates, until nothing changes.
   void fix_coordinates();
-  // Drivers that fix no coordinates add equations.
+  // Writes equations of drivers that fix no coordinates.
   void write_equations();
-  // What each driver drives, whatever its equations are.
+  // Notes the driven quantity of each driver, independent of its equations.
   void note_own_forms();
 
  private:
-  // A point or vector of a body's base, as forms of its driver's frame.
+  // A point or vector of the base of a body, as forms of the frame of its driver.
   struct PoseTarget {
     std::string item;
     Index form[3];
   };
 
-  // The known scalars of one driver: what they are, their laws, power of length and number.
+  // The known scalars of one driver: kind, laws, power of length and number.
   struct Input {
     DriverInput::Kind kind;
     std::vector<Law> laws;
@@ -141,7 +141,7 @@ class DriverWriter {
     return first_form_[static_cast<std::size_t>(driver)] + k;
   }
 
-  // True if the driver fixes coordinates; most cannot.
+  // True if the driver fixes coordinates; most kinds cannot.
   template <class Kind>
   bool fix(const Driver&, const Kind&, Index) {
     return false;

@@ -1,4 +1,4 @@
-// Names, places and words of messages: what every finding about a scene is made of.
+// Names, places and texts for findings about a scene.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,7 @@
 
 namespace assur {
 
-// A JSON pointer (RFC 6901), grown by '/': Where("/points") / "B" / "at" / 1.
+// A JSON pointer (RFC 6901), extended by '/': Where("/points") / "B" / "at" / 1.
 class Where {
  public:
   Where() = default;
@@ -25,21 +25,21 @@ class Where {
 // [A-Za-z_][A-Za-z0-9_]*
 [[nodiscard]] bool is_name(std::string_view text);
 
-// Why `text` is no name that a scene may have: not of that form, or longer than 255 characters; "" if it is one.
+// The reason why `text` is no valid name: another form, or more than 255 characters; "" if it is valid.
 [[nodiscard]] std::string why_no_name(std::string_view text);
 
-// The candidate that `word` is most likely a slip of the finger for; "" if none is near. Ties: the first.
+// The candidate that `word` is most likely a misspelling of; "" if none is near. Of equal ones the first.
 [[nodiscard]] std::string near_miss(std::string_view word, const std::vector<std::string_view>& candidates);
 
 // "; did you mean 'B'?", or "" if nothing is near.
 [[nodiscard]] std::string suggestion(std::string_view word, const std::vector<std::string_view>& candidates);
 
-// What a message shows of a text, which may be a stranger's: its first 100 bytes if it has more than 120, and how many
-// it has; control characters as \n or \x1b.
+// A text for use in a message; it may be untrusted. If it has more than 120 bytes: its first 100 and its length.
+// Control characters become \n or \x1b.
 [[nodiscard]] std::string excerpt(std::string_view text);
 
-// What to say of a name that is none of these: "; did you mean 'B'? There are: A, B" or "; there are: A, B", the list
-// cut where it is long.
+// The end of a message about an unknown name: "; did you mean 'B'? There are: A, B" or "; there are: A, B". A long list
+// is cut.
 [[nodiscard]] std::string known_instead(std::string_view word, const std::vector<std::string_view>& candidates);
 
 // 'text', as an excerpt of it

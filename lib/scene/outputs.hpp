@@ -1,4 +1,4 @@
-// The wanted outputs as forms and columns.
+// Wanted outputs as forms and columns.
 #pragma once
 
 #include <array>
@@ -19,30 +19,30 @@ struct OutputPart {
   std::span<const Index> forms;
 };
 
-// Views of the system, which must outlive it: every member of an ensemble makes them anew.
+// An output. It refers to the system, which must outlive it; every member of an ensemble makes its own.
 struct Output {
   std::string_view name;  // "C", "rocker_angle", "slider.lambda"
   int component = -1;     // of a point or vector: this one alone; -1: all
   std::array<OutputPart, 3> all_parts;
   std::size_t part_count = 1;
   bool wanted[3] = {true, true, true};  // value, first and second derivative
-  const MeasureForms* sum = nullptr;    // its terms stand before it, in the derivatives that it has itself
+  const MeasureForms* sum = nullptr;    // a sum; its terms come before it, with the same derivatives
 
   [[nodiscard]] std::span<const OutputPart> parts() const { return {all_parts.data(), part_count}; }
   // Highest derivative wanted.
   [[nodiscard]] int derivatives() const { return wanted[2] ? 2 : wanted[1] ? 1 : 0; }
 };
 
-// What a text such as "C.velocity" or "C.vx" asks of C, from what follows the dot.
+// The part of C that the text after the dot of "C.velocity" or "C.vx" asks for.
 struct AskedPart {
   int component = -1;   // -1: all
   int derivative = -1;  // 0, 1, 2; -1: all
 };
-// components: of what is asked, 1 for a scalar. Empty if there is no such part.
+// Reads such a text. components: of the object, 1 for a scalar. Empty if there is no such part.
 [[nodiscard]] std::optional<AskedPart> asked_part(std::string_view part, int components);
 
-// In the order asked for, nothing twice, the measures of a sum before it; everything that is not fixed if the scene
-// asks for nothing in particular.
+// All wanted outputs in the order of the scene, without repetitions; the measures of a sum come before it. If the scene
+// names no outputs: everything that is not fixed.
 [[nodiscard]] std::vector<Output> wanted_outputs(const System& system);
 
 // Columns of one output in the order value, rate, acceleration: "C.x C.y C.vx ..." or "m m.rate m.acceleration".

@@ -1,5 +1,5 @@
-// The values of drivers as a posture has them, measured from positions and directions alone, whatever the equations of
-// the drivers are. Laws are held against them.
+// Values of drivers in a posture, measured from positions and directions, independent of the equations of the drivers.
+// They are compared with the laws.
 #pragma once
 
 #include <optional>
@@ -11,10 +11,10 @@
 
 namespace assur {
 
-// One for each law of the driver, SI units, angles in (-pi, pi].
+// The values of a driver in a posture, one for each law; SI units, angles in (-pi, pi].
 [[nodiscard]] std::vector<double> own_values(const System& system, const DriverInput& input, std::span<const double> q);
 
-// What the inputs in q ask for, in the same form.
+// The values that the inputs in q prescribe, in the same form.
 [[nodiscard]] std::vector<double> wanted_values(const System& system, const DriverInput& input,
                                                 std::span<const double> q);
 
@@ -25,15 +25,16 @@ namespace assur {
 // Sets all driven coordinates of q by values[input][law].
 void drive_by_values(const System& system, const std::vector<std::vector<double>>& values, std::vector<double>& q);
 
-// Why the driver has no value in this posture, e.g. a direction without length or along the axis; empty: it has one.
+// The reason why a driver has no value in this posture, e.g. a direction without length or along the axis; "": it has
+// one.
 [[nodiscard]] std::string why_undefined(const System& system, const DriverInput& input, std::span<const double> q);
 
-// Equations hold to 1e-10 of their terms at worst, those that are redundant; the rest is for the lever between an
-// equation and the value. A value that the equations cannot tell from the right one is off by a half turn or a mirror.
+// Tolerance of the values. Equations hold to a relative 1e-10 (redundant ones); the rest allows for the leverage from
+// an equation to the value. Wrong values that satisfy the equations differ by half a turn or a reflection.
 inline constexpr double kSlack = 1e-8;
 
-// The value that differs most from the one that is asked for by more than rounding explains, or by more than `slack`,
-// relative to the terms that it is made of.
+// The value with the largest difference from the prescribed one, if the difference exceeds rounding or `slack`,
+// relative to the terms of the value.
 struct Mismatch {
   std::string what;  // "angle", "distance", "x", "psi", ...
   double has, wanted;

@@ -1,4 +1,4 @@
-// What the size of a residual is compared with, beside residual_scale() of system.hpp.
+// Scales of residuals; see also residual_scale() in system.hpp.
 #pragma once
 
 #include <span>
@@ -7,16 +7,16 @@
 
 namespace assur {
 
-// Relative residual up to which an equation that depends on others, and is not solved, still holds.
+// Largest relative residual at which a redundant equation counts as satisfied.
 inline constexpr double kConsistent = 1e-10;
 
-// A factor of a product counts as this much at least, and so does each argument of a callback; internal units.
+// Least magnitude of a factor of a product, and of an argument of a callback, in a scale; internal units.
 inline constexpr double kLeastFactor = 0x1p-10;
 
-// sum_j |dPhi/dq_j| |q_j| + |constant|: the rounding of a residual is relative to it. residual_scale() is the same, but
-// at least what the terms are where none of them vanishes by the directions at hand: |d| |e| and a little more for
-// d . e, and for a linear form one internal unit for each of its coordinates. Squares vanish with what they measure and
-// count as they are.
+// sum_j |dPhi/dq_j| |q_j| + |constant|: rounding of a residual is relative to it. residual_scale() is the same with a
+// lower bound, for terms that vanish because directions are perpendicular: about |d| |e| for d . e, and one internal
+// unit for each coordinate of a linear form. Squares have no lower bound, because they vanish with the quantity that
+// they measure.
 [[nodiscard]] double size_of_terms(const System& s, Index equation, std::span<const double> q);
 
 }  // namespace assur

@@ -1,4 +1,4 @@
-// Mechanisms that are named by a text: "stewart", "four_bar:64", "rings:legs=6,n=120,terminal=24".
+// Samples: mechanisms that a text names: "stewart", "four_bar:64", "rings:legs=6,n=120,terminal=24".
 // A sample is one row of the table in samples.cpp and one function in samples/.
 #pragma once
 
@@ -11,13 +11,13 @@
 
 namespace assur::samples {
 
-// What can be set, in the text ("stewart:legs=8") or as a parameter beside it; the parameter wins.
+// An option, which is set in the text ("stewart:legs=8") or as a parameter; the parameter takes precedence.
 struct Option {
   enum class Kind : std::uint8_t { count, real, word };
 
   std::string_view name;
   std::string_view meaning;
-  double value = 0;  // default; of a word: its position in `words`
+  double value = 0;  // default; for a word its position in `words`
   Kind kind = Kind::real;
   double least = 0, most = 0;  // allowed, both included
   std::int64_t multiple = 1;   // a count is a multiple of this
@@ -48,13 +48,13 @@ struct Sample {
   std::string_view counted;  // the option that a bare number sets: 64 of "four_bar:64"; "" if there is none
   std::vector<Option> options;
   Scene (*make)(const Values&);
-  double (*unknowns)(const Values&) = nullptr;  // about; of samples that may be large
+  double (*unknowns)(const Values&) = nullptr;  // approximate number; for samples that may be large
 };
 
 // Every sample, in alphabetic order.
 [[nodiscard]] std::span<const Sample> table();
 
-// One function for each row; the geometry stands beside each definition.
+// One function for each row; each definition explains its geometry.
 Scene almost_parallelogram(const Values&);
 Scene andrews(const Values&);
 Scene bricard(const Values&);

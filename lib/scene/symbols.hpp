@@ -1,4 +1,4 @@
-// Every name of a scene and what it stands for.
+// All names of a scene with their objects.
 #pragma once
 
 #include <cstdint>
@@ -21,25 +21,25 @@ enum class NameKind : std::uint8_t { point, vector, body, constraint, driver, me
 
 struct Symbol {
   NameKind kind;
-  std::size_t index;       // in the scene's list of that kind; of a member in its body's list
+  std::size_t index;       // index in the list of this kind in the scene, or in the body of a member
   std::int64_t body = -1;  // index of a member's body; -1: not a member
-  bool fixed = false;      // known without any driver
-  bool broken = false;     // something about it was found wrong: it raises no follow-up findings
-  Triple at{};             // of points and vectors, as written; NaN where a broken base hides it
+  bool fixed = false;      // true if it is known without drivers
+  bool broken = false;     // an error was found, so that it causes no further findings
+  Triple at{};             // points and vectors: coordinates as written; NaN if a base is broken
 
   [[nodiscard]] bool is_derived() const { return body >= 0; }
 };
 
-// What readers found before, looked up by place.
+// Findings of a reader, by place.
 class Known {
  public:
   explicit Known(const std::vector<Diagnostic>& findings);
 
-  // A finding at `pointer` or above it.
+  // True if there is a finding at `pointer` or above it.
   [[nodiscard]] bool at_or_above(std::string_view pointer) const;
-  // A finding at `pointer` or below it.
+  // True if there is a finding at `pointer` or below it.
   [[nodiscard]] bool at_or_below(const std::string& pointer) const { return below_.count(pointer) != 0; }
-  // Names may be missing because the part of the scene that defines them could not be read.
+  // True if names may be missing because a section of the scene could not be read.
   [[nodiscard]] bool hides_names() const { return hides_names_; }
 
  private:
@@ -54,7 +54,7 @@ class Symbols {
   [[nodiscard]] const Symbol* find(std::string_view name) const;
   [[nodiscard]] Symbol* find(std::string_view name);
 
-  // Bad names and names used twice.
+  // Findings about invalid names and names that are used twice.
   [[nodiscard]] const std::vector<Diagnostic>& findings() const { return findings_; }
 
   // Names of these kinds in the order of the scene, for suggestions.
@@ -63,7 +63,7 @@ class Symbols {
  private:
   void enter(std::string_view name, const Where& where, Symbol symbol, const Known& known);
 
-  std::pmr::monotonic_buffer_resource memory_;  // given back as a whole: millions of small pieces leave gaps
+  std::pmr::monotonic_buffer_resource memory_;  // freed as a whole, because millions of small pieces would leave gaps
   std::pmr::unordered_map<std::string_view, Symbol> symbols_{&memory_};
   std::vector<std::pair<std::string_view, NameKind>> order_;
   std::vector<Diagnostic> findings_;

@@ -58,7 +58,7 @@ struct Equation {
   Index row = 0;                               // row within the source
 };
 
-// What an equation comes from, for messages: "coupler", "|e1| = 1", "body terminal", "driver motor".
+// Origin of an equation, for messages: "coupler", "|e1| = 1", "body terminal", "driver motor".
 struct Source {
   std::string name;
 };
@@ -71,7 +71,7 @@ struct Item {
   std::int8_t dimension = 0;   // power of length
   bool derived = false;        // a body's member
   bool hidden = false;         // a driver's input: no output
-  bool fixed = false;          // as the scene has it; presolve may find more that never moves
+  bool fixed = false;          // fixed in the scene; presolve may find further coordinates that never move
 };
 
 // 8 bytes: a scene may have millions of names.
@@ -94,14 +94,13 @@ struct DriverInput {
   std::vector<Law> laws;         // scalar, direction: 1; frame: the translation's, then the rotation's
   std::int8_t dimension = 0;     // of a scalar or of the translation
   bool must_not_vanish = false;  // a driven distance
-  // What it drives, as forms, for own_values(): a coordinate, the components of a distance, two directions (and in
-  // space the axis), or a body's origin and axes.
+  // Forms of the driven quantity, for own_values(): a coordinate, the components of a distance, two directions (and in
+  // space the axis), or the origin and axes of a body.
   std::vector<Index> own;
   std::vector<double> written;  // its own values in the posture as written, one for each law, SI units
 };
 
-// An auxiliary unknown that its driver needs > 0: rho of a relative angle, without which the angle is off by half a
-// turn.
+// An auxiliary unknown that must be > 0: rho of a relative angle. With rho < 0 the angle is wrong by half a turn.
 struct Positive {
   Index coordinate;
   Index driver;           // index into System::drivers
@@ -133,7 +132,7 @@ struct SystemGroup {
   bool keep = false;
 };
 
-// Something that can be asked for, in forms: see signals/output_program.hpp for its evaluation.
+// A measure in forms; signals/output_program.hpp evaluates it.
 struct MeasureForms {
   // sum, sum_of_angles: of other measures
   enum class Kind : std::uint8_t { form, distance, absolute_angle, signed_angle, unsigned_angle, sum, sum_of_angles };
@@ -154,7 +153,7 @@ struct MeasureForms {
 
 class System {
  public:
-  std::shared_ptr<const Scene> scene;  // null where a plan was loaded: then nothing but the members below is at hand
+  std::shared_ptr<const Scene> scene;  // null if load_plan() made this; then only the members below exist
   std::vector<std::string> drivers;    // names, in the order of the scene
   std::vector<std::string> outputs;    // wanted, as the scene has them; empty: everything
   int dimension = 2;
@@ -186,7 +185,7 @@ class System {
   [[nodiscard]] std::span<const Product> products_of(const Equation& e) const {
     return {products.data() + e.products_begin, products.data() + e.products_end};
   }
-  // Once all items are there.
+  // Fills by_name; to be called after all items were added.
   void index_names();
   // The item of that name; -1: there is none.
   [[nodiscard]] Index find_item(std::string_view name) const;
@@ -232,7 +231,7 @@ T residual(const System& s, Index equation, std::span<const T> q) {
   return sum;
 }
 
-// row[coordinate] += dPhi/dcoordinate * scale, through `add(coordinate, value)`; the same coordinate may come again.
+// Calls add(coordinate, value) such that the values for each coordinate add up to dPhi/dcoordinate.
 template <class T, class Add>
 void gradient(const System& s, Index equation, std::span<const T> q, Add&& add) {
   const Equation& e = s.equations[static_cast<std::size_t>(equation)];
@@ -262,16 +261,16 @@ void gradient(const System& s, Index equation, std::span<const T> q, Add&& add) 
   }
 }
 
-// What a residual is measured against: size_of_terms(), and no less than residual_scale.hpp says.
+// Scale of the residual of an equation: size_of_terms() with the lower bound that residual_scale.hpp explains.
 double residual_scale(const System& s, Index equation, std::span<const double> q);
 
-// The inputs and assignments that somebody reads.
+// Inputs and assignments that are needed.
 struct Driven {
   std::vector<Index> inputs;       // indices into System::inputs
   std::vector<Index> assignments;  // indices into System::assignments, in order
 };
 [[nodiscard]] Driven all_driven(const System& s);
-// Only those behind the coordinates that are marked.
+// Only those that marked coordinates depend on.
 [[nodiscard]] Driven driven_behind(const System& s, std::vector<std::uint8_t> needed);
 
 // Sets the driven coordinates of q (and of its derivatives where not null) at time t.

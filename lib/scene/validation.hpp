@@ -1,4 +1,4 @@
-// What makes a scene wrong, apart from the shape of its file: names, kinds, values, geometry.
+// Checks the meaning of a scene: names, kinds, values, geometry.
 #pragma once
 
 #include <cstdint>
@@ -16,38 +16,38 @@
 
 namespace assur {
 
-// The names of the unknowns that the constraint brings along, such as "lambda"; whether that is one of them.
+// Names of the unknowns that a constraint adds, such as "lambda"; true if `part` is one of them.
 [[nodiscard]] std::span<const std::string_view> auxiliaries(const Constraint& constraint);
 [[nodiscard]] bool has_auxiliary(const Constraint& constraint, std::string_view part);
 
 // One check of one scene. Places are those of the scene format, also for scenes built in C++.
 class Validation {
  public:
-  // `known`: findings made before; nothing is found again at, above or below their places.
+  // `known`: earlier findings; nothing else is reported at, above or below their places.
   Validation(const Scene& scene, const std::vector<Diagnostic>& known);
 
   // Every finding, in the order of the scene format's sections.
   [[nodiscard]] std::vector<Diagnostic> scene();
-  // Only what Scene::with_outputs and Scene::with_time can make wrong.
+  // Checks only outputs, or only times and what depends on them, for Scene::with_outputs and Scene::with_time.
   [[nodiscard]] std::vector<Diagnostic> outputs();
   [[nodiscard]] std::vector<Diagnostic> time();
 
-  // Local coordinates of a member whose coordinates were given in the ground. Valid after scene(), without findings.
+  // Local coordinates of a member that was given in ground coordinates. To be called after scene() without findings.
   [[nodiscard]] const Triple& local(const std::string& member) const { return local_.at(member); }
 
-  // Indices of bodies such that each comes after the bodies that own its base. Valid after scene().
+  // Indices of bodies; each body comes after the bodies that own its base. To be called after scene().
   [[nodiscard]] const std::vector<std::size_t>& body_order() const { return body_order_; }
 
  private:
-  // Something named that a constraint, driver or measure involves.
+  // An object that a constraint, driver or measure refers to.
   struct Involved {
-    bool usable = false;  // found, and nothing about it is broken
+    bool usable = false;  // found, and not broken
     bool fixed = false;
     Triple at{};                        // of a direction: its components
     const std::string* name = nullptr;  // of a pair: the first one
     const std::string* to = nullptr;    // of a pair: the second one
 
-    [[nodiscard]] bool is(const Involved& other) const;  // the same; a pair either way round
+    [[nodiscard]] bool is(const Involved& other) const;  // equal; a pair in either order
     [[nodiscard]] std::string text() const;              // 'u', [A, B]
   };
 
@@ -66,13 +66,13 @@ class Validation {
                   const Where& where);
   Involved scalar(const std::string& text, const Where& where);  // "P.x", "name.lambda"
   Involved pair(const Involved& from, const Involved& to, const Direction& names, const Where& where);
-  // names_all: which names there are, if none is near.
+  // names_all: lists all names if none is near.
   void unknown_name(const std::string& name, std::initializer_list<NameKind> kinds, const Where& where,
                     bool names_all = false);
   bool finite(double number, const Where& where);
 
-  // rows of kinds.hpp: names, numbers and laws, and what they involve (validation_rows.hpp). False: an entry of a list
-  // is the same as the one before it, so that rules would find no more.
+  // rows of kinds.hpp: names, numbers and laws, and the objects that they refer to (validation_rows.hpp). False if an
+  // entry of a list equals the entry before it, so that rules would find nothing else.
   template <class Kind>
   bool check_row(const Kind& kind, const Where& where);
   template <class Kind, class... Entries>
@@ -117,7 +117,7 @@ class Validation {
   void check(const Callback& c, const Where& where);
   template <class Kind>
   void check(const Kind& kind, const Where& where);
-  // What is wrong beyond the row of a kind.
+  // Conditions beyond the row of a kind.
   template <class Kind>
   void rule(const Kind&, const Where&) {}
   void rule(const Distance& c, const Where& where);
@@ -154,9 +154,9 @@ class Validation {
   std::vector<Diagnostic> found_;
   std::vector<std::size_t> body_order_;
   std::unordered_map<std::string, Triple> local_;         // of members given in the ground
-  std::unordered_map<std::string, std::string> claimed_;  // what is driven -> name of its driver
-  std::vector<Involved> involved_;                        // of the item at hand, in the order of its row
-  int suggestions_left_ = 100;  // each looks at every name: a scene full of unknown names stays fast
+  std::unordered_map<std::string, std::string> claimed_;  // driven quantity -> name of its driver
+  std::vector<Involved> involved_;                        // of the current item, in the order of its row
+  int suggestions_left_ = 100;  // each compares all names; the limit keeps scenes full of unknown names fast
 };
 
 }  // namespace assur

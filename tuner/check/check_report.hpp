@@ -1,4 +1,4 @@
-// What `assur check` says: cases by family, and what was unexpected, with the command that repeats it.
+// Output of `assur check`: cases by family, and unexpected results with the command that repeats them.
 #pragma once
 
 #include <cstdint>
@@ -28,8 +28,8 @@ void print(Page& page, const CheckSummary& summary);
 // Each failed case with its strategies, its scene and how to repeat it.
 void print_failures(Page& page, const CheckSummary& summary);
 
-// "assur run 'four_bar:3' --set 'omega=2' --strategy 'groups/klu' --reference"; for a scene of the suite's own the file
-// that it is to be saved as; "" for what no file can say.
+// "assur run 'four_bar:3' --set 'omega=2' --strategy 'groups/klu' --reference". For a scene of the suite, with the name
+// of a file to save it as; "" if no file can hold the scene.
 [[nodiscard]] std::string how_to_repeat(const check::Case& c, const std::string& strategy);
 
 }  // namespace assur::output

@@ -1,4 +1,4 @@
-// How much a posture enlarges errors.
+// The condition of postures: the amplification of errors.
 #pragma once
 
 #include <functional>
@@ -8,10 +8,10 @@
 
 namespace assur::check {
 
-// The condition of a scene's worst posture: if every equation holds to a relative residual r (ErrorFigures::position),
-// no coordinate is off by more than r times this, relative to the largest: max |J^-1| s / max |q| with s_i = sum_j
-// |dPhi_i/dq_j| |q_j| + |constant|, as in docs/accuracy.md. Of a run as far as it gets, over some of its postures where
-// they are large; nothing beyond 400 unknowns, or where nothing is solved.
+// The condition of the worst posture of a run: max |J^-1| s / max |q| with s_i = sum_j |dPhi_i/dq_j| |q_j| + |constant|
+// (docs/accuracy.md). If every equation holds to a relative residual r (ErrorFigures::position), the error of every
+// coordinate, relative to the largest coordinate, is at most r times the condition. Of large systems some postures are
+// examined. Empty for more than 400 unknowns, or if nothing is solved.
 [[nodiscard]] std::optional<double> worst_condition(const Prepared& prepared, const std::function<bool()>& stop);
 
 }  // namespace assur::check

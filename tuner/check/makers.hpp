@@ -1,4 +1,4 @@
-// Scenes that no text can say: equations of a program's own, laws that are functions, thousands of different groups.
+// Scenes that no file can hold: callbacks, laws that are functions, thousands of different groups.
 #pragma once
 
 #include <string>
@@ -10,10 +10,10 @@ namespace assur::check {
 
 struct Made {
   Scene scene;
-  ClosedForm closed_form;  // null: the reference in quad will do
+  ClosedForm closed_form;  // null: the reference in quad serves
 };
 
-// Throws Error (input) for a name or a parameter that is not there.
+// Makes a scene. Throws Error (input) for an unknown maker or parameter.
 [[nodiscard]] Made make(const std::string& maker, const Parameters& set);
 
 }  // namespace assur::check

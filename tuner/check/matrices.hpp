@@ -1,4 +1,4 @@
-// Bare matrices that test linear solvers: bare, or as the equations of a callback group.
+// Matrices that test linear solvers, alone or as the equations of a callback.
 #pragma once
 
 #include <functional>
@@ -16,9 +16,9 @@ using Dense = std::vector<std::vector<double>>;  // rows
 // (n), "tiny" (n), "huge" (n), "random" (n). Throws Error (input) for another name.
 [[nodiscard]] Dense matrix(const std::string& name, const Parameters& set);
 
-// Solves with every backend that can, plain (""), "+float", "+refine" and both, or those of them that are the case's
-// strategies, for a known solution. The forward error is that of the solution; where it is more than asked,
-// figures() must tell: "inaccurate", else "wrong".
+// Solves for a known solution with every backend that can: plain, "+float", "+refine" and both, or with the strategies
+// of the case. If the forward error of the solution exceeds the accuracy asked for, the verdict is "inaccurate" if
+// figures() show it, else "wrong".
 [[nodiscard]] Result run_matrix(const Case& c, const std::function<bool()>& stop);
 
 }  // namespace assur::check

@@ -1,6 +1,6 @@
-// The equations of a scene, written once more from its description alone: nothing of the library's own equations takes
-// part, so that both can be held against each other. Each equation is what the scene format says in words, in vectors;
-// members of bodies come from their local coordinates along the axes of the body. No callbacks.
+// The plain equations of a scene: written a second time from its description, without the equations of the library, so
+// that both can be compared. Each equation follows the words of the scene format, in vectors. Members of bodies follow
+// from their local coordinates along the axes of the body. Callbacks are not supported.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@
 
 namespace assur::check {
 
-// 64 bits of mantissa: 2,048 times as fine as the doubles that are judged.
+// 64 bits of mantissa: 2,048 times as fine as the tested doubles.
 using Real = long double;
 
 // A value with two derivatives by time (or by any other parameter).
@@ -45,7 +45,7 @@ struct TimeJet {
   }
 };
 
-// A value with its derivatives by some of the unknowns: a strip of the Jacobian.
+// A value with its derivatives with respect to some unknowns: a strip of the Jacobian.
 struct Strip {
   static constexpr std::size_t kWidth = 8;
   double value = 0;
@@ -103,7 +103,7 @@ Spatial<T> unit(const Spatial<T>& a) {
 
 class PlainEquations {
  public:
-  // A law as the equations need it; for an angle its cosine and sine as well.
+  // The value of a law; for an angle also its cosine and sine.
   template <class T>
   struct Input {
     T value{}, cosine{}, sine{};
@@ -117,29 +117,29 @@ class PlainEquations {
   [[nodiscard]] const std::vector<std::string>& unknown_names() const { return unknown_names_; }  // "B.x", "s.lambda"
   [[nodiscard]] const std::vector<bool>& is_length() const { return is_length_; }                 // of each unknown
   [[nodiscard]] double length() const { return length_; }  // a typical one, of the scene
-  // All laws, driver after driver; and which of them are drivers of angles.
+  // All laws, driver after driver, and whether they are angles.
   [[nodiscard]] const std::vector<const Law*>& laws() const { return laws_; }
   [[nodiscard]] const std::vector<std::string>& law_names() const { return law_names_; }  // of the drivers
 
-  // What is left of each equation at x[unknowns()] with in[laws().size()]; out[equations()].
+  // Residuals out[equations()] at x[unknowns()] with the laws in[laws().size()].
   template <class T>
   void evaluate(const T* x, const Input<T>* in, T* out) const;
 
-  // How far each angle driver's own angle, measured from positions, is from its law: an angle in (-pi, pi].
+  // For each driver of an angle, the difference of its angle, measured from positions, from its law, in (-pi, pi].
   [[nodiscard]] std::vector<Real> angles_off(const Real* x, const Input<Real>* in) const;
 
-  // A column of a trajectory ("C.x", "C.vy", "m.rate", "s.lambda"): what it shows and which derivative of it.
+  // A column of a trajectory ("C.x", "C.vy", "m.rate", "s.lambda"): quantity and derivative.
   struct Column {
     int item = -1, component = 0;  // of a point, vector or scalar
     int measure = -1;
     int derivative = 0;
     bool known = false;
-    bool signed_angle = false;  // known but for whole turns
+    bool signed_angle = false;  // known up to whole turns
     bool length = false;        // has the unit of a length (times 1/s^derivative)
     std::string output;         // the name
   };
   [[nodiscard]] Column column(const std::string& name) const;
-  // Those of x with its derivatives; angles in (-pi, pi].
+  // The value of a column at x with its derivatives; angles in (-pi, pi].
   [[nodiscard]] TimeJet<Real> show(const Column& column, const TimeJet<Real>* x) const;
 
  private:
@@ -174,7 +174,7 @@ class PlainEquations {
     int a = -1, b = -1, c = -1;  // items
     int law = -1;                // the first one
     Real value = 0, radius = 0;
-    Triple zero{};  // where an angle begins
+    Triple zero{};  // direction of the angle 0
     std::vector<std::pair<int, double>> terms;
     Triple constant{};
   };

@@ -1,5 +1,5 @@
-// A scene that is being drawn: a posture in which everything fits, written down in the scene format turned, scaled and
-// shifted as a whole, with guesses beside the posture.
+// A random scene under construction: a posture that satisfies all equations. It is written in the scene format,
+// rotated, scaled and shifted as a whole, with guesses near the posture.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@ namespace assur::check {
 using Json = nlohmann::ordered_json;
 using Place = std::array<double, 3>;
 
-// mt19937_64 is the same everywhere; the distributions of the standard library are not.
+// Random numbers that are equal everywhere: mt19937_64 is, the distributions of the standard library are not.
 class Chance {
  public:
   explicit Chance(std::uint64_t seed) : engine_(seed) {}
@@ -53,20 +53,21 @@ class Draft {
 
   Chance& chance;
   const int dimension;
-  // The motion's kind: how fast the drivers turn (rad/s), and over what time.
+  // Speed of the drivers, rad/s.
   double speed = 1;
 
-  // Parts as they are in the posture, before everything is turned and scaled.
+  // Parts in the posture, before rotation and scaling.
   void fixed(const std::string& name, const Place& at) { put(name, at, true, true); }
   void point(const std::string& name, const Place& at) { put(name, at, true, false); }
   void fixed_vector(const std::string& name, const Place& at) { put(name, at, false, true); }
   void vector(const std::string& name, const Place& at) { put(name, at, false, false); }
-  // Guesses of these are turned together when they are rough.
+  // Rough guesses of these parts are rotated together.
   void together(const std::vector<std::string>& names);
-  // The guess of this one is its posture: a driver's angle begins there.
+  // The guess of this part is exact, because an angle of a driver begins there.
   void exact(const std::string& name) { exact_[name] = true; }
 
-  // A body with a frame (3: space, 1: plane), a base or an origin alone. Members at their places in the posture.
+  // A body with a frame (3 vectors in space, 1 in the plane), a base, or an origin alone. Members are given in the
+  // posture.
   void frame_body(const std::string& name, const std::string& origin, const std::vector<std::string>& frame,
                   const std::map<std::string, Place>& points, const std::map<std::string, Place>& vectors = {});
   void base_body(const std::string& name, const std::vector<std::string>& base,
@@ -79,14 +80,14 @@ class Draft {
   void parallel(const Way& d, const Way& e);
   std::string on_line(const std::string& p, const std::string& a, const Way& d);  // returns its name
   std::string on_plane(const std::string& p, const std::string& a, const Way& d, const Way& e);
-  void level(const std::string& point, int component);                // stays where it is, along one axis of the ground
-  void constraint_equal(const std::string& p, const std::string& q);  // the same place, by `linear`
+  void level(const std::string& point, int component);                            // fixes one coordinate in the ground
+  void constraint_equal(const std::string& p, const std::string& q);              // equal positions, by `linear`
   void middle(const std::string& m, const std::string& p, const std::string& q);  // m = (p + q) / 2, by `linear`
 
-  // Drivers begin in the posture and move on by a law drawn at random.
+  // Drivers begin in the posture and follow a random law.
   std::string turn(const std::string& a, const std::string& b, const std::string& axis = "");  // a point's angle
   std::string turn_between(const Way& d, const Way& e, const std::string& axis = "");
-  std::string reach(const std::string& a, const std::string& b, double by);  // a distance, by so much
+  std::string reach(const std::string& a, const std::string& b, double by);  // a distance, changed by this much
   std::string slide(const std::string& coordinate, double begin, double by, bool length = true);
   std::string move(const std::string& point, int component, double by);
   void pose(const std::string& body, const std::string& origin, double shift, double angle);
@@ -99,9 +100,9 @@ class Draft {
   [[nodiscard]] const Place& at(const std::string& name) const { return at_.at(name).place; }
   [[nodiscard]] Place along(const Way& d) const;
 
-  // The JSON of the whole, with guesses that are so many radians off, and lengths of them in proportion.
+  // The JSON of the scene. off: error of the guesses, rad; lengths are wrong in proportion.
   [[nodiscard]] std::string finish(const std::string& name, double off);
-  // Drivers that a program may set, with their values at the start and how far they may go.
+  // Drivers that a program may set, with their start values and ranges.
   struct Driven {
     std::string name;
     double begin, by;
@@ -109,7 +110,7 @@ class Draft {
   [[nodiscard]] const std::vector<Driven>& driven() const { return driven_; }
   [[nodiscard]] bool turned_as_a_whole() const { return turned_; }
   void keep_axes() { rotation_ = {Place{1, 0, 0}, Place{0, 1, 0}, Place{0, 0, 1}}, turned_ = false; }
-  double rough = 0;  // how far guesses shall be off: then all values are written down
+  double rough = 0;  // error of the guesses; if not 0, all values are written out
 
  private:
   struct Part {
@@ -117,7 +118,7 @@ class Draft {
     bool is_point, fixed;
   };
   void put(const std::string& name, const Place& at, bool is_point, bool fixed);
-  [[nodiscard]] Place written(const Part& part) const;  // turned, scaled and shifted
+  [[nodiscard]] Place written(const Part& part) const;  // rotated, scaled and shifted
   [[nodiscard]] Json numbers(const Place& p) const;
   [[nodiscard]] Json name_of(const Way& d) const;
   [[nodiscard]] bool is_length(const Way& d) const { return !d.second.empty(); }

@@ -1,4 +1,4 @@
-// How a case ended with each strategy.
+// Results of a case.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +10,11 @@
 
 namespace assur::check {
 
-// With one strategy.
+// Result of one strategy.
 struct Run {
   std::string strategy;
   Verdict verdict;
-  std::string message;  // of a refusal, or what is wrong
+  std::string message;  // message of a refusal, or description of the error
   std::optional<double> forward_error, backward_error;
 };
 
@@ -27,11 +27,11 @@ struct Result {
       notes;  // which strategies were left out and why, and what they were measured against instead
   std::optional<double> forward_error, backward_error;  // the worst of all runs
   std::optional<double> condition;                      // of the worst posture
-  std::optional<double> bound;                          // what theory allows the forward error to be
+  std::optional<double> bound;                          // forward error that theory allows
   bool interrupted = false;                             // not all strategies were run
 
   [[nodiscard]] bool passed() const { return unexpected.empty() && !verdict.empty(); }
-  // Counts a run, and judges it by what is expected.
+  // Adds a run, and compares it with the expected verdicts.
   void add(Run run);
 };
 

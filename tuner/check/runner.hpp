@@ -1,4 +1,4 @@
-// Runs a case with every strategy that can, and holds what comes out against what is expected.
+// Runs a case with all strategies that can, and compares the results with the expected verdicts.
 #pragma once
 
 #include <functional>
@@ -10,15 +10,15 @@ namespace assur::check {
 
 struct RunnerOptions {
   bool quick = false;
-  // Asked between runs and steps; true: stop, and keep what is done.
+  // Called between runs and steps; true stops, and keeps the results so far.
   std::function<bool()> stop = [] { return false; };
 };
 
-// Never throws for what a scene does, which is a verdict; throws Error (environment) where a forced strategy of the
-// case's own file cannot run here, and whatever a case's file has wrong.
+// Runs a case. Failures of a scene are verdicts, not exceptions. Throws Error (environment) if a strategy that the file
+// of the case names cannot run here, and Error for errors in that file.
 [[nodiscard]] Result run(const Case& c, const RunnerOptions& options = {});
 
-// The scene of a case, in its time grid and with its outputs. Throws as reading it does.
+// The scene of a case with its time grid and outputs. Throws like the functions that read or make it.
 [[nodiscard]] Scene scene_of(const Case& c);
 
 }  // namespace assur::check

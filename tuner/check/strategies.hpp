@@ -1,4 +1,4 @@
-// Which strategies a case goes through.
+// Selects the strategies for a case.
 #pragma once
 
 #include <string>
@@ -13,10 +13,11 @@ struct Selection {
   std::vector<std::string> left_out;  // "lapack, team in global: hopeless, some 900 s for 4,000 unknowns"
 };
 
-// What the case lists; else every backend that runs here, in double and in float, alone and in 8 lanes, plain and
-// with +once, +refine, +reuse=step and +reuse=run, in each formulation; every predictor with one backend of each. Left
-// out is what would take more than `seconds` by counts of operations, which know no machine. quick: each backend and
-// precision once in each formulation (of three not in `groups`), policies and predictors with one. Throws as analyze().
+// The strategies that the case lists. By default: every backend that runs here, in double and in float, in 1 and 8
+// lanes, plain and with +once, +refine, +reuse=step and +reuse=run, in each formulation; and every predictor with one
+// backend in each formulation. Strategies that would take more than `seconds`, by operation counts without
+// measurements, are left out. quick: each backend and precision once in each formulation (of three without `groups`),
+// policies and predictors with one of them. Throws like analyze().
 [[nodiscard]] Selection select_strategies(const Case& c, const Scene& scene, double seconds, bool quick);
 
 }  // namespace assur::check

@@ -1,4 +1,4 @@
-// A mechanism is run and held against its plain motion: the verdict.
+// Runs a random mechanism and compares it with its plain motion.
 #pragma once
 
 #include <optional>
@@ -10,21 +10,21 @@ namespace assur::check {
 
 struct Trial {
   enum class Verdict {
-    agrees,           // every row that came with a clean status is right
-    doubted,          // rows are right, or the status said that they may not be
-    stopped_rightly,  // where the motion ends or is singular, by the plain equations as well
-    undecided,        // the plain motion cannot tell: at a singularity, or lost before the run was
-    not_assembled,    // a rough guess, and no posture was found
-    refused,          // stopped, or not started, where the motion goes on
-    wrong_start,      // the first row does not meet the scene's equations or laws
-    wrong,            // a row with a clean status is off
+    agrees,           // every row with a clean status is right
+    doubted,          // every row is right, or its status warns of errors
+    stopped_rightly,  // stopped where the plain motion ends or is singular, too
+    undecided,        // the plain motion does not decide: at a singularity, or lost before the run ended
+    not_assembled,    // no posture was found from a rough guess
+    refused,          // stopped, or not started, although the motion goes on
+    wrong_start,      // the first row violates the equations or laws of the scene
+    wrong,            // a row with a clean status is wrong
   };
   Verdict verdict = Verdict::undecided;
   std::string what;                // in words
-  std::optional<double> error[3];  // true ones, as docs/accuracy.md has them
+  std::optional<double> error[3];  // true errors, as defined in docs/accuracy.md
   std::optional<double> estimated[3];
-  double condition = 0;  // of the plain equations, the worst of the rows
-  double time = 0;       // where it went wrong
+  double condition = 0;  // largest condition of the plain equations in a row
+  double time = 0;       // time of the fault, s
   int rows = 0;          // compared
 
   [[nodiscard]] bool is_fault() const { return verdict >= Verdict::refused; }
@@ -32,7 +32,8 @@ struct Trial {
 
 [[nodiscard]] const char* name(Trial::Verdict verdict);
 
-// care: how many times as short the steps of the plain motion are; what looks wrong is looked at again with more of it.
+// Runs the comparison. care: steps of the plain motion are this many times as short; apparent faults are tested again
+// with more care.
 [[nodiscard]] Trial try_out(const RandomMechanism& mechanism, int care = 1);
 
 }  // namespace assur::check

@@ -1,4 +1,4 @@
-// The same mechanism in another unit: the same bits.
+// Twins: the same mechanism in another unit must give the same bits.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace assur::check {
 
-// Which column of which row differs by more than a power of two that is the same for the whole column; "": none does.
+// The first row and column that differ by more than a power of two that is common to the column; "": none.
 [[nodiscard]] std::string other_bits(const Trajectory& a, const Trajectory& b);
 
 }  // namespace assur::check

@@ -1,5 +1,5 @@
-// The commands of `assur`, one file each. They print to standard output, or to standard error what is no result, and
-// return the exit status; assur::Error is caught by main().
+// The commands of `assur`, one file each. They print results to standard output and everything else to standard error,
+// and return the exit status. main() catches assur::Error.
 #pragma once
 
 #include <cstdint>
@@ -20,12 +20,12 @@ enum Exit : int { kDone = 0, kNumerical = 1, kBadInput = 2, kEnvironment = 3, kI
 
 // Options that every command takes.
 struct Common {
-  bool json = false;                          // standard output is one JSON object and nothing else
-  bool quiet = false;                         // nothing but results and errors
-  int threads = 0;                            // --threads N, at most; 0: as many as the machine's budget
-  std::string db;                             // --db FILE: this tuning database and no other
+  bool json = false;                          // standard output is a single JSON object
+  bool quiet = false;                         // prints results and errors only
+  int threads = 0;                            // --threads N: largest number; 0: budget of the machine
+  std::string db;                             // --db FILE: the only tuning database
   Parameters set;                             // --set name=value
-  std::vector<std::filesystem::path> tables;  // --tables FOLDER: tables of scenes may lie there, too
+  std::vector<std::filesystem::path> tables;  // --tables FOLDER: further folders for tables of scenes
 };
 
 struct InspectOptions {
@@ -36,30 +36,30 @@ struct InspectOptions {
 
 struct RunOptions {
   std::string scene;
-  std::optional<double> start, dt;    // s; those of the scene if left out
-  std::optional<std::int64_t> steps;  // left out: up to the scene's end
+  std::optional<double> start, dt;    // s; empty: those of the scene
+  std::optional<std::int64_t> steps;  // empty: up to the end of the scene
   std::vector<std::string> outputs;   // empty: those of the scene
   std::string strategy = "auto";
   std::vector<std::string> without;  // backends that `auto` leaves out
-  std::optional<Mode> mode;          // left out: throughput where the ensemble or the strategy asks for it
-  std::string ensemble;              // a CSV of parameters, one member a row; empty: the scene alone
+  std::optional<Mode> mode;          // empty: throughput for an ensemble or a strategy with chunks, else latency
+  std::string ensemble;              // CSV of parameters, a row for each member; empty: no ensemble
   double accuracy = 0;               // PrepareOptions::accuracy
-  int iterations = 0;                // 0: as many as convergence takes
+  int iterations = 0;                // StepLimits::iterations
   std::string csv;                   // "-": standard output; empty: none
-  std::string errors;                // a CSV of each group in each step; empty: none
+  std::string errors;                // CSV with the errors of each group in each step; empty: none
   std::string animate;               // a page on which the mechanism moves; empty: none
   std::string plot;                  // the outputs over time, as SVG; empty: none
   bool reference = false;
   bool certify = false;
-  bool pin = false;  // each thread on a core of its own
+  bool pin = false;  // keeps each thread on its own core
 };
 
 struct CompareOptions {
   std::string scene;
   std::vector<std::string> outputs;                                   // empty: those of the scene
-  std::optional<std::int64_t> steps;                                  // left out: those of the scene, within reason
-  std::vector<double> accuracies = {1e-4, 1e-6, 1e-8, 1e-10, 1e-12};  // that `auto` is asked for
-  std::vector<std::string> strategies;                                // empty: all that are worth it
+  std::optional<std::int64_t> steps;                                  // empty: those of the scene, up to a limit
+  std::vector<double> accuracies = {1e-4, 1e-6, 1e-8, 1e-10, 1e-12};  // accuracies to ask `auto` for
+  std::vector<std::string> strategies;                                // empty: all that make sense
   std::string html;                                                   // empty: no page
 };
 
@@ -72,47 +72,47 @@ struct PlanOptions {
   std::string save;                  // a file for load_plan(); empty: none
 };
 
-// What to ask the tuning database, and of which samples: those that fit all that is set.
+// A query to the tuning database; all set members together select the samples.
 struct DbOptions {
   std::string question;             // "info", "samples", ...
-  std::string file;                 // of export and import
-  std::optional<std::int64_t> run;  // its number, as info shows it
+  std::string file;                 // of export or import
+  std::optional<std::int64_t> run;  // number of a run, as `info` shows it
   std::string machine, library, kernel;
   bool all = false;
 };
 
 struct TuneOptions {
   std::string profile = "quick";
-  std::optional<double> budget;     // s, instead of the profile's
-  std::vector<std::string> scenes;  // sample only what these need; empty: everything
-  std::string csv;                  // write the samples here, too; empty: nowhere
-  std::string trial;                // hidden: try this strategy, and nothing else
+  std::optional<double> budget;     // s; empty: that of the profile
+  std::vector<std::string> scenes;  // measures only for these scenes; empty: for all
+  std::string csv;                  // CSV for the samples; empty: none
+  std::string trial;                // hidden option: only tries this strategy
 };
 
 struct CheckOptions {
   bool quick = false;               // the fastest cases of each family, with fewer strategies
-  std::string only;                 // cases whose names begin so; empty: all
-  std::vector<std::string> scenes;  // these instead of the suite's own cases
+  std::string only;                 // cases whose names start with this; empty: all
+  std::vector<std::string> scenes;  // checks these scenes instead of the suite
 };
 
 struct ReportOptions {
   std::string out = "assur-report";  // folder
   bool quick = false;
-  std::optional<double> budget;  // s; left out: 150 if quick, else 1,500
-  double watts = 0;              // of the processor, for energy that cannot be read; 0: not known
-  std::string peers;             // a CSV of bench/peers/peers.sh, to be shown; empty: none
+  std::optional<double> budget;  // s; empty: 150 if quick, else 1,500
+  double watts = 0;              // power of the processor, if its energy cannot be read; 0: unknown
+  std::string peers;             // CSV of bench/peers/peers.sh to show; empty: none
 };
 
-// Throws Error (input) for --threads beyond the processors that this process may use; warns beyond the machine's
-// budget.
+// Throws Error (input) if --threads exceeds the processors that this process may use; warns if it exceeds the budget of
+// the machine.
 void check_threads(const Common& common);
 
-// Throws Error (input) for an output (option, file) that is one of the inputs, one of the tuning databases that are
-// read, or another output. "" and "-" are none.
+// Throws Error (input) if an output (option, file) is also an input, a tuning database, or another output. "" and "-"
+// are no files.
 void refuse_overwriting(const Common& common, const std::vector<std::pair<std::string, std::string>>& outputs,
                         const std::vector<std::string>& inputs);
 
-// The same for the tables of a scene, which are known once it was read. Asked before anything is written.
+// The same for the tables of a scene, which are known after reading it. To be called before anything is written.
 void refuse_overwriting(const std::vector<std::pair<std::string, std::string>>& outputs, const Scene& scene);
 
 int inspect(const Common& common, const InspectOptions& options);
@@ -124,8 +124,7 @@ int db(const Common& common, const DbOptions& options);
 int check(const Common& common, const CheckOptions& options);
 int report(const Common& common, const ReportOptions& options);
 
-// What is known of this machine: from --db alone, which throws Error (environment) if it cannot be read, else from all
-// databases.
+// The model of this machine: from --db alone, or from all databases. Throws Error (environment) if --db cannot be read.
 [[nodiscard]] MachineModel machine_model_of(const Common& common);
 int tune(const Common& common, const TuneOptions& options);
 

@@ -1,4 +1,4 @@
-// What the questions to the tuning database have in common.
+// Common parts of queries to the tuning database.
 #pragma once
 
 #include <filesystem>
@@ -9,10 +9,10 @@
 
 namespace assur::command {
 
-// Those that are asked, in order: --db alone, else all.
+// The databases to query, in order: --db alone, else all.
 [[nodiscard]] std::vector<db::DatabaseFile> databases_of(const Common& common);
 
-// Where samples are stored: --db, else the user's. Throws Error (environment) if there is no such place.
+// The database that stores samples: --db, else that of the user. Throws Error (environment) if there is no such place.
 [[nodiscard]] std::filesystem::path own_database_of(const Common& common);
 
 int db_info(const Common& common);

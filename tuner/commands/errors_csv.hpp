@@ -1,4 +1,4 @@
-// Where --errors goes: a row for each step and group.
+// The output of --errors: a row for each step and group.
 #pragma once
 
 #include <cstdint>
@@ -11,20 +11,20 @@
 
 namespace assur::output {
 
-// One group after one step; what is not known is left empty.
+// One group after one step; unknown values are empty.
 struct ErrorsRow {
   GroupFigures figures;
-  std::optional<double> error = {};             // true, of its unknowns, over the characteristic length
-  std::optional<std::int64_t> iterations = {};  // empty: only known of all groups together
+  std::optional<double> error = {};  // largest true error of its unknowns, relative to the characteristic length
+  std::optional<std::int64_t> iterations = {};  // empty: known only for all groups together
 };
 
 // t, group, residual, estimated, error, condition, iterations, substeps.
 class ErrorsCsv {
  public:
-  // Throws Error (environment), as all of it does, that names the file.
+  // Throws Error (environment), like all functions here, that names the file.
   explicit ErrorsCsv(const std::string& file);
 
-  // substeps: accepted ones on the way to t.
+  // substeps: accepted substeps on the way to t.
   void write(double t, std::int64_t substeps, const Structure& structure, std::span<const ErrorsRow> rows);
   void close();
 

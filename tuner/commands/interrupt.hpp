@@ -1,4 +1,4 @@
-// Ctrl-C, or the end that a system asks for, while a run goes on.
+// Interrupts of a run: Ctrl-C, or a request of the system to end.
 #pragma once
 
 #include <array>
@@ -6,8 +6,7 @@
 
 namespace assur::command {
 
-// From construction to destruction the first SIGINT or SIGTERM only sets a flag; the second of its kind ends the
-// program.
+// During its lifetime, the first SIGINT or SIGTERM sets a flag only; the second one of the same kind ends the program.
 class Interrupt {
  public:
   Interrupt();

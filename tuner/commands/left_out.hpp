@@ -1,4 +1,4 @@
-// What is not computed because no output needs it, for `inspect` and `run`.
+// Report of `inspect` and `run` about parts that no output needs.
 #pragma once
 
 #include <string_view>
@@ -12,7 +12,7 @@ namespace assur::output {
 // {formulation, groups, unknowns, equations, levels[{group, derivatives, for_predictor}], static_groups}
 [[nodiscard]] Json to_json(const LeftOut& left_out, Formulation formulation);
 
-// It depends on the formulation: linear equations that are eliminated do not count in `irreducible`.
+// The numbers depend on the formulation: eliminated linear equations do not count in `irreducible`.
 void print(Page& page, const LeftOut& left_out, Formulation formulation, std::string_view label = "left out");
 
 }  // namespace assur::output

@@ -1,4 +1,4 @@
-// How the members of an ensemble ended.
+// Results of the members of an ensemble.
 #pragma once
 
 #include <cstdint>
@@ -17,24 +17,25 @@ struct Members {
   struct Failure {
     std::int64_t member = 0;  // counted from 1, as in the CSV
     Parameters parameters;
-    std::optional<Code> status;  // none: it could not be started
-    double reached = 0;          // s, if it was started
+    std::optional<Code> status;  // empty: it could not start
+    double reached = 0;          // s, if it started
     std::string why;
   };
   struct Event {
     std::int64_t member = 0;
     assur::Event event;
-    bool is_told = false;  // by the failure of that member
+    bool is_told = false;  // true: the failure of that member reports it already
   };
 
   std::int64_t all = 0, done = 0;
   std::int64_t interrupted = 0;
-  std::int64_t alone = 0;       // that left the lockstep with others
-  std::int64_t inaccurate = 0;  // of those that failed: they arrived, but less accurate than was asked for
+  std::int64_t alone = 0;       // members that left the lockstep with others
+  std::int64_t inaccurate = 0;  // members among the failed ones that arrived with larger errors than asked for
   std::vector<Failure> failed;
   std::vector<Event> events;
 
-  // Of all together: ok, interrupted, or how the first that failed ended; inaccurate if no other failed.
+  // Status of all members: ok, interrupted, or that of the first failed member; inaccurate if no member failed
+  // otherwise.
   [[nodiscard]] Code code() const;
   [[nodiscard]] std::int64_t stopped() const { return static_cast<std::int64_t>(failed.size()) - inaccurate; }
   // "3 of 8 members failed, 2 inaccurate"
@@ -48,7 +49,7 @@ struct Members {
 // "member 3 (crank = 0.4): t = 1.3 s, group C: the mechanism cannot move further (limit_reached)"
 [[nodiscard]] std::string to_string(const Members::Failure& failure);
 
-// [{"member", "parameters", "status", "reached", "why"}]; status and reached are null of who could not be started.
+// [{"member", "parameters", "status", "reached", "why"}]; status and reached are null if it could not start.
 [[nodiscard]] Json to_json(const std::vector<Members::Failure>& failed);
 
 void print_counts(Page& page, const Members& members);

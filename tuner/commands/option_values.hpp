@@ -1,4 +1,4 @@
-// What may stand behind an option, and how a text is refused.
+// Values of options, and checks of them.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -13,17 +13,17 @@ namespace assur::options {
 // "name=value" with a finite number.
 void take_parameter(Parameters& set, const std::string& text);
 
-// "1e-4,1e-6": numbers > 0, then the largest first and each once.
+// "1e-4,1e-6": numbers > 0. Returns them without repetitions, the largest first.
 void take_accuracies(std::vector<double>& accuracies, const std::string& text);
 
 // "A,B", without an empty name.
 void take_names(std::vector<std::string>& names, const std::string& text, const std::string& option);
 
-// Checks; without a name, so that the help stays plain.
-// Finite, more than `above`, at most `most`; `what` tells both: "", " > 0".
+// Checks. They have no names, so that the help remains simple.
+// A finite number, more than `above` and at most `most`; `what` describes the limits: "", " > 0".
 [[nodiscard]] CLI::Validator number(double above, const std::string& what, double most = HUGE_VAL);
 [[nodiscard]] CLI::Validator accuracy();
-[[nodiscard]] CLI::Validator whole_number(int least);  // to the largest int
+[[nodiscard]] CLI::Validator whole_number(int least);  // from `least` to the largest int
 [[nodiscard]] CLI::Validator one_of(const std::vector<std::string>& names);
 
 }  // namespace assur::options

@@ -1,4 +1,4 @@
-// The options of each command: what they are called, what they accept, and where they go.
+// The options of each command: names, values, and the members that they set.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -8,7 +8,7 @@
 
 namespace assur::options {
 
-// What main() needs to know after parsing: options by command, and the command chosen.
+// The result of parsing for main(): options by command, and the chosen command.
 struct Invocation {
   command::Common common;
   command::InspectOptions inspect;
@@ -22,7 +22,7 @@ struct Invocation {
   std::function<int()> chosen;
 };
 
-// All commands, with their options. Parsing fills `call`, which has to outlive `app`.
+// Adds all commands with their options. Parsing fills `call`, which must outlive `app`.
 void add_commands(CLI::App& app, Invocation& call);
 
 }  // namespace assur::options

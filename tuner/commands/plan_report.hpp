@@ -1,4 +1,4 @@
-// What `assur plan` says: the plan, why, and what else there would be.
+// Output of `assur plan`: the plan, the reasons, and the alternatives.
 #pragma once
 
 #include <memory>

@@ -1,4 +1,4 @@
-// What a run of one mechanism and one of an ensemble have in common.
+// Common parts of runs of one mechanism and of an ensemble.
 #pragma once
 
 #include <ostream>
@@ -16,40 +16,40 @@
 
 namespace assur::command {
 
-// The files that are written: (option, file), "" for those that were not asked for.
+// The output files: (option, file), "" if not asked for.
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> outputs_of(const RunOptions& options);
 
-// The scene with its options, and with these values of parameters. Throws Error (input) if an output is a table of it.
+// Reads the scene with its options and these parameters. Throws Error (input) if an output file is one of its tables.
 [[nodiscard]] Scene scene_of(const Common& common, const RunOptions& options, const Parameters& set);
 
 [[nodiscard]] PrepareOptions how_of(const Common& common, const RunOptions& options);
 [[nodiscard]] StepLimits limits_of(const RunOptions& options);
 
-// Shows how many of `steps` steps are done, and looks for Ctrl-C; for run(). While many run side by side the rows that
-// it hears of are not single steps, and `times` only tells when to look at the clock.
+// An observer for run() that shows the progress in `steps` steps and checks for Ctrl-C. If mechanisms run side by side,
+// its rows are no single steps, and `times` only decides when to read the clock.
 [[nodiscard]] Simulator::Observer observer(output::Progress& progress, measure::StepTimes& times, std::int64_t steps);
 
-// The page, or the JSON object.
+// Prints the page, or the JSON object.
 void print(const Common& common, const RunOptions& options, const output::RunSummary& summary);
 
 [[nodiscard]] Exit exit_of(Code code);
 
-// --errors: throws Error (input) where there are no single steps to look at.
+// Throws Error (input) if --errors is given and there are no single steps.
 void check_errors(const RunOptions& options, const PrepareOptions& how);
-// The motion once more, with a look at every group after each step, so that the times of the first run are not those of
-// looking. False if interrupted.
+// Repeats the motion for --errors and examines every group after each step, so that this does not affect the times of
+// the first run. False if interrupted.
 [[nodiscard]] bool write_errors(Simulator& simulator, const RunOptions& options, output::ErrorsCsv& csv,
                                 output::Progress& progress);
 
-// The motion of this run once more, step by step and with all points. False if interrupted: the page then shows what
-// was reached.
+// Repeats the motion for --animate, step by step and with all points. False if interrupted; the page then shows the
+// motion so far.
 [[nodiscard]] bool write_animation(const Prepared& prepared, const Report& report, PrepareOptions how,
                                    const RunOptions& options, std::ostream& page, output::Progress& progress);
 
-// Where the start posture cannot be assembled: the page with the guess and the closest posture.
+// The page for a scene that cannot be assembled: the guess and the closest posture.
 void write_refused(const Scene& scene, const PrepareOptions& how, const std::string& file);
 
-// --ensemble.
+// Runs an ensemble (--ensemble).
 int run_ensemble(const Common& common, const RunOptions& options);
 
 }  // namespace assur::command

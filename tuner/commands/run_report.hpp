@@ -1,4 +1,4 @@
-// What `assur run` says about a run.
+// Output of `assur run`.
 #pragma once
 
 #include <optional>
@@ -18,15 +18,15 @@ struct RunSummary {
   const Report& report;
   Mode mode = Mode::latency;
   std::string strategy = {};                                     // as asked for
-  std::int64_t steps = 0;                                        // done, of all members
+  std::int64_t steps = 0;                                        // finished steps, of all members together
   std::int64_t steps_wanted = 0;                                 // of each member
-  double seconds = 0;                                            // the run, start to end
+  double seconds = 0;                                            // duration of the run
   double prepare_seconds = 0;                                    // of an ensemble
-  std::optional<measure::StepTimes::Figures> step_seconds = {};  // in latency mode; none if there was no step
+  std::optional<measure::StepTimes::Figures> step_seconds = {};  // in latency mode; empty without steps
   const Members* members = nullptr;                              // of an ensemble
-  std::optional<Certificate> certificate = {};                   // of the run, if it was asked for
+  std::optional<Certificate> certificate = {};                   // of the run, if asked for
 
-  // s: in throughput mode steps begin and end together, and only their mean over the whole run is known.
+  // Mean time of a step, s: in throughput mode steps begin and end together, so that only their mean is known.
   [[nodiscard]] double mean_step() const { return seconds / static_cast<double>(steps); }
 };
 

@@ -1,4 +1,4 @@
-// What `assur inspect` says about a kinematic structure.
+// Output of `assur inspect`.
 #pragma once
 
 #include <cstdint>
@@ -10,14 +10,14 @@
 
 namespace assur::output {
 
-// What the structure cannot split further, after the equations that are linear have been taken out.
+// Irreducible groups after the elimination of linear equations.
 struct Irreducible {
   std::int64_t groups = 0, eliminated = 0;
   std::map<std::int32_t, std::int64_t> sizes;  // unknowns of a group -> groups
-  LeftOut left_out;                            // as a run in this formulation does
+  LeftOut left_out;                            // parts that a run in this formulation leaves out
 };
 
-// Of a structure in the formulation `irreducible`.
+// The irreducible groups of a structure in the formulation `irreducible`.
 [[nodiscard]] Irreducible irreducible(const Structure& s);
 
 [[nodiscard]] Json to_json(const Scene& scene, const Structure& s, const Irreducible& split);

@@ -1,4 +1,4 @@
-// How far one motion is from another.
+// Difference of two motions.
 #pragma once
 
 #include <span>
@@ -7,8 +7,8 @@
 
 namespace assur::measure {
 
-// The largest difference over the largest value of all columns of its kind (coordinates, velocities, ...); 0 only for
-// the same bits. Rows of `columns` each; infinite if the lengths differ or are 0.
+// The largest difference, relative to the largest value of all columns of the same kind (coordinates, velocities, ...);
+// 0 only if all bits are equal. a, b: rows x columns; infinite if the lengths differ or are 0.
 [[nodiscard]] double deviation(const std::vector<std::string>& columns, std::span<const double> a,
                                std::span<const double> b);
 

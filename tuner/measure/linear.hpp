@@ -1,4 +1,4 @@
-// The kernels `factor` and `solve`: a linear solver in its steady state, as a mechanism in motion asks it.
+// The kernels `factor` and `solve`: a linear solver in its steady state, used as by a mechanism in motion.
 #pragma once
 
 #include <cstdint>
@@ -15,18 +15,19 @@ namespace assur::measure {
 
 class Linear {
  public:
-  // The solver of a strategy (backend, W, precision, refinement, q) with its analysis and first factorisation done, and
-  // its solutions held against known ones. Each lane has the matrix of another group, as far as they go.
+  // Makes the solver of a strategy (backend, W, precision, refinement, Q), analyses and factorises once, and compares
+  // its solutions with known ones. Each lane has the matrix of another group, if there are enough.
   Linear(const Matrices& matrices, const Strategy& strategy, const Backend& backend);
   ~Linear();
 
-  // Why it is not to be timed: its status, or an error that no user would accept; "": it may be.
+  // The reason why it must not be timed: its status, or too large an error; "": it may be timed.
   [[nodiscard]] const std::string& refused() const { return refused_; }
-  // |A x - b| / (|A| |x| + |b|) and |x - x_ref| / |x_ref|, maximum norms, the worst lane of all sets of values.
+  // Largest |A x - b| / (|A| |x| + |b|) and |x - x_ref| / |x_ref| of all lanes and sets of values, maximum norms.
   [[nodiscard]] double backward_error() const { return backward_; }
   [[nodiscard]] double forward_error() const { return forward_; }
 
-  // One factorisation of all lanes, of the next set of values; one solution with one right-hand side of each lane.
+  // A call of factor() factorises all lanes with the next set of values; a call of solve() solves one right-hand side
+  // in each lane.
   [[nodiscard]] Workload& factor() { return *factor_; }
   [[nodiscard]] Workload& solve() { return *solve_; }
 

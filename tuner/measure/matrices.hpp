@@ -1,4 +1,4 @@
-// What linear solvers are timed on.
+// Matrices for timing linear solvers.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace assur::measure {
 
-// Of one pattern; the values differ as those of a class's groups do.
+// Matrices of one pattern with different values, like those of the groups of a class.
 struct Matrices {
   Pattern pattern;
   std::vector<std::vector<double>> values;  // matrices x nnz, at least one
@@ -18,8 +18,8 @@ struct Matrices {
 // Jacobians of the first groups of a class, `most` at most, at the start posture.
 [[nodiscard]] Matrices jacobians(const Structure& structure, std::int32_t group_class, int most);
 
-// Random entries in `per_row` places of each column, or everywhere if there are fewer, and a permuted diagonal twice as
-// large as the spectral radius of what is beside it is expected to be: well conditioned at every size.
+// Matrices with random entries in `per_row` places of each column (full if n is smaller), and a permuted diagonal of
+// twice the expected spectral radius of the other entries, so that they are well conditioned at every size.
 [[nodiscard]] Matrices random_matrices(std::int32_t n, int per_row, int count);
 
 }  // namespace assur::measure

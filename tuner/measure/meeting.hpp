@@ -1,4 +1,4 @@
-// The kernel `meeting`: what p threads lose by starting together, handing numbers over and waiting for each other.
+// The kernel `meeting`: p threads start together, hand numbers over, and wait for each other.
 #pragma once
 
 #include "measure/workload.hpp"
@@ -8,8 +8,7 @@ namespace assur::measure {
 
 class Meeting final : public Workload {
  public:
-  // Throws Error as Team does.
-  // doubles: that the first thread hands to the others and gets back, in all.
+  // doubles: numbers that the first thread hands to the others and gets back, in all. Throws Error like Team.
   Meeting(int threads, std::int32_t doubles) : numbers_(static_cast<std::size_t>(doubles), 1.0), team_(threads) {}
 
   void get_ready(int) override {

@@ -18,8 +18,8 @@ namespace assur::measure {
 [[nodiscard]] std::unique_ptr<Workload> evaluation(std::shared_ptr<const Structure> structure, std::int32_t group_class,
                                                    int lanes);
 
-// One call solves one pack of a class as an ordinary step does: the prediction is slightly off, one Newton iteration,
-// velocity and acceleration. The packs of the class take turns, so that all its groups are the working set.
+// One call solves one pack of a class like an ordinary step: a prediction with a small error, one Newton iteration,
+// velocity and acceleration. The packs of the class take turns, so that all its groups form the working set.
 class PackStep final : public Workload {
  public:
   // Throws Error: environment if the plan cannot run here, numerical if the start posture has no velocities or if no
@@ -33,17 +33,17 @@ class PackStep final : public Workload {
   [[nodiscard]] int lanes() const;
   [[nodiscard]] std::size_t packs() const;
   [[nodiscard]] const Counters& counters() const;  // of all calls since construction
-  [[nodiscard]] ErrorFigures error() const;        // the worst of these calls
+  [[nodiscard]] ErrorFigures error() const;        // largest errors of these calls
 
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
 
-// Several threads, each with packs of its own: one call solves one pack in each.
+// Several threads with packs of their own: one call solves one pack on each thread.
 class Crowd final : public Workload {
  public:
-  // cores: a processor of each; each thread has one for itself if there are enough.
+  // cores: one processor of each core; each thread gets a core if there are enough.
   Crowd(int threads, const std::vector<int>& cores, const std::function<std::unique_ptr<PackStep>()>& make);
 
   void get_ready(int calls) override;
@@ -52,15 +52,14 @@ class Crowd final : public Workload {
  private:
   std::vector<std::unique_ptr<PackStep>> steps_;  // threads
   std::vector<std::uint8_t> ok_;                  // threads
-  std::vector<int> pin_to_;                       // threads; empty: wherever the system puts them
+  std::vector<int> pin_to_;                       // threads; empty: the system places them
   Team team_;
 };
 
-// One call is one step of a whole mechanism over its time grid, again from the start when the grid ends.
+// One call is one step of a whole mechanism over its time grid; after the end it begins again.
 class WholeStep final : public Workload {
  public:
-  // pin_to, iterations: as StepLimits has them. Throws Error as Simulator does, and (numerical) if the first steps
-  // fail.
+  // pin_to, iterations: see StepLimits. Throws Error like Simulator, and (numerical) if the first steps fail.
   explicit WholeStep(const Prepared& prepared, std::vector<int> pin_to = {}, int iterations = 0);
 
   void get_ready(int calls) override;
@@ -71,7 +70,7 @@ class WholeStep final : public Workload {
  private:
   bool advance();
 
-  std::vector<int> pin_to_;  // empty: one thread, or wherever the system puts them
+  std::vector<int> pin_to_;  // empty: one thread, or the system places them
   Simulator simulator_;
   TimeGrid grid_;
   std::int64_t next_ = 1;

@@ -1,4 +1,4 @@
-// How quiet the machine was while something was measured.
+// Disturbances of the machine during measurements.
 #pragma once
 
 #include <filesystem>
@@ -6,20 +6,20 @@
 
 namespace assur::measure {
 
-// What disturbs a measurement; each 0 on a machine that does nothing else.
+// Disturbances; all 0 on an otherwise idle machine.
 struct Noise {
-  double load = 0;       // of other programs, for each processor: the average of the last minute before
+  double load = 0;       // of other programs, per processor: average of the minute before
   double stolen = 0;     // share of the processors' time that the hypervisor gave to others
   double disturbed = 0;  // share of the timed blocks during which the system took the processor away
   double uneven = 0;     // share of the blocks of several threads while one core was much slower than another
   double scatter = 0;    // median of spread / time over all samples
-  double drift = 0;      // by how much the machine was slower at some times than at others, relative
+  double drift = 0;      // relative change of the pace of the machine during the measurements
 };
 
-// Watches from its construction on. What the system does not tell counts as quiet.
+// Observes the machine from construction on. Figures that the system does not report count as quiet.
 class NoiseWatch {
  public:
-  // root: of a file system with proc; processors: that the load is for.
+  // root: root of a file system with proc; processors: divisor of the load.
   explicit NoiseWatch(int processors, std::filesystem::path root = "/");
 
   // Load and stolen time until now.

@@ -1,6 +1,6 @@
-// How fast the machine is at the moment. Where a host shares its cores among guests, everything takes up to twice as
-// long for milliseconds or minutes, and nothing that a guest can read tells when: only a fixed piece of work, timed
-// among what is measured. Work of all kinds slows down alike (bench/README.md), so its times tell those of others.
+// The current pace of the machine. If a host shares its cores among guests, everything may take up to twice as long for
+// milliseconds or minutes, and a guest cannot read when. The tuner therefore times a fixed piece of work between the
+// measurements. All kinds of work slow down alike (bench/README.md), so that its times give the pace for all of them.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@
 
 namespace assur::measure {
 
-// A fixed piece of work, and what it is.
+// The fixed piece of work, with its description.
 struct FixedWork {
   Kernel kernel;
   Shape shape;
@@ -30,12 +30,12 @@ struct FixedWork {
 
 class Pace {
  public:
-  // clock: s. Takes `look` seconds for what is usual: the fastest quarter, since others only slow the machine down; or
-  // goes by `usual`, s of one call. Throws Error (numerical) if the work fails.
+  // clock: s. Measures the usual time of a call for `look` seconds: the lower quartile, because other programs only
+  // slow the machine down. If `usual` (s) is given, takes it instead. Throws Error (numerical) if the work fails.
   Pace(Workload& work, std::function<double()> clock, double look, std::optional<double> usual = {});
 
   [[nodiscard]] double usual() const { return usual_; }
-  // How many times as long as usual everything takes now. Takes some 60 us.
+  // Current time of the work over its usual time. Takes some 60 us.
   [[nodiscard]] double slowness();
 
  private:
@@ -47,15 +47,16 @@ class Pace {
   double usual_ = 0;
 };
 
-// Whether the cores are at the same pace. Where each core of a host runs another guest beside this one, one may take
-// twice as long as another, and threads that share a step evenly as long as the slowest of them.
+// Compares the paces of cores. If cores of a host run other guests, one core may take twice as long as another, and
+// threads that share a step evenly take as long as the slowest.
 class CorePaces {
  public:
-  // work(): for a thread on each of these processors (Machine::cores); none: a single thread, wherever it is.
+  // work() makes the work of one thread. One thread runs on each of these processors (Machine::cores); none: a single
+  // thread anywhere.
   CorePaces(std::span<const std::int32_t> processors, const std::function<FixedWork()>& work,
             const std::function<double()>& clock);
 
-  // How many times as long as on the fastest core it takes on the slowest, now. Takes some 100 us.
+  // Current time of the slowest core over that of the fastest core. Takes some 100 us.
   [[nodiscard]] double unevenness();
 
  private:
@@ -65,14 +66,14 @@ class CorePaces {
   std::vector<double> slowness_;
 };
 
-// Both, of this machine by the system's clock, for races.
+// Pace and CorePaces of this machine, for races.
 class MachinePace {
  public:
-  // threads: a core is watched for each of them, as far as there are cores. look, usual: as for Pace.
+  // threads: number of cores to observe, at most all cores. look, usual: see Pace.
   MachinePace(int threads, double look, std::optional<double> usual = {});
 
   [[nodiscard]] double usual() const { return pace_.usual(); }
-  // Has races ask this one, which must outlive them.
+  // Connects the instruments of races with this object, which must outlive them.
   void attach(Instruments& instruments);
 
  private:

@@ -1,4 +1,4 @@
-// Which of several results nobody beats: error against run time.
+// The Pareto front of error and run time.
 #pragma once
 
 #include <optional>
@@ -8,14 +8,14 @@
 namespace assur::measure {
 
 struct Trade {
-  double seconds = 0, error = 0;  // NaN: not known
+  double seconds = 0, error = 0;  // NaN: unknown
 };
 
-// For each: true if no other one is as fast and as exact, and better in one of the two. Equal ones stand or fall
-// together; what is not known or not finite is never on the front.
+// For each result, true if it is on the front: no other result is at least as fast and as exact, and better in one of
+// the two. Equal results are both on the front or both not; results with unknown or infinite figures are not.
 [[nodiscard]] std::vector<bool> pareto_front(std::span<const Trade> all);
 
-// Time of the fastest with at most this error; empty if there is none.
+// Time of the fastest result with at most this error; empty if there is none.
 [[nodiscard]] std::optional<double> fastest_within(std::span<const Trade> all, double error);
 
 }  // namespace assur::measure

@@ -1,4 +1,4 @@
-// What one group reads and solves for, at the start posture of its structure.
+// Inputs and unknowns of one group at the start posture of its structure.
 #pragma once
 
 #include <vector>

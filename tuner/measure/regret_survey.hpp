@@ -1,4 +1,4 @@
-// Questions to the dispatcher about mechanisms that no tuner has seen, and what their answers say together.
+// The regret of the dispatcher over many mechanisms that were not tuned for.
 #pragma once
 
 #include <map>
@@ -10,12 +10,12 @@
 
 namespace assur::measure {
 
-// Sizes off the grid of the tuner, odd counts of groups, mixed classes; each with all backends, without lanes, and, but
-// for the largest, without lanes and klu, as users have them.
+// Questions with sizes between those of the tuner, odd numbers of groups, and mixed classes. Each one is asked with all
+// backends, without `lanes`, and (except the largest) without `lanes` and `klu`.
 [[nodiscard]] std::vector<Question> regret_questions(int threads);
 
-// The best strategy that is the same for all questions of one set of backends, which those ask who tune by hand: of
-// those that ran in all of them that of the least mean regret.
+// The best constant strategy for all questions of one set of backends, like a user would choose by hand: the strategy
+// with the smallest mean regret among those that ran in all questions.
 struct Constant {
   std::string strategy;
   std::vector<double> regrets;  // one for each question of the set, in their order

@@ -1,5 +1,5 @@
-// Times of single steps, measured inside a run. What a clock call costs is measured first and taken off; steps shorter
-// than a microsecond are measured in blocks, so that the clock does not disturb what it measures.
+// Times of single steps, measured within a run. The cost of a clock call is measured first and subtracted. Steps of
+// less than a microsecond are measured in blocks, so that the clock does not disturb them.
 #pragma once
 
 #include <chrono>
@@ -13,19 +13,19 @@ class StepTimes {
  public:
   struct Figures {
     double median, p99, max;  // s for one step
-    int block;                // steps measured together
+    int block;                // number of steps that were measured together
   };
   struct Blocks {
-    std::vector<double> seconds;  // for one step: of each block, in order
-    int steps = 1;                // of a block
+    std::vector<double> seconds;  // for one step, of each block in order
+    int steps = 1;                // steps of a block
   };
   using Clock = std::function<double()>;  // s, monotonic
 
-  // Takes its memory with the first tick: a run that is refused has none.
+  // Allocates its memory at the first tick, so that a refused run needs none.
   explicit StepTimes(std::int64_t steps, Clock clock = steady);
 
-  // Call at the start of the first step and at the end of each. Returns true if the clock was read: then, and only
-  // then, the caller may do something of its own, and calls resume() after it.
+  // To be called at the start of the first step and at the end of each step. True if the clock was read: only then the
+  // caller may do other work, and must call resume() after it.
   bool tick() {
     if (--until_read_ > 0) return false;
     read();
@@ -36,9 +36,9 @@ class StepTimes {
   // Time of the last reading since the first tick, s.
   [[nodiscard]] double elapsed() const { return last_ - first_; }
 
-  // Of the steps so far, all of them; without those that fill no block.
+  // Times of all full blocks so far.
   [[nodiscard]] Blocks blocks() const;
-  // Of the steps so far; times are 0 if there was none. p99 is the nearest rank.
+  // Figures of the steps so far; all times are 0 if there were none. p99 by nearest rank.
   [[nodiscard]] Figures figures() const;
 
   [[nodiscard]] static double steady();
@@ -48,7 +48,7 @@ class StepTimes {
   void consider_blocks();
 
   Clock clock_;
-  std::int64_t steps_;           // that are expected
+  std::int64_t steps_;           // expected number
   double cost_ = 0;              // s of one clock call
   double first_ = 0, last_ = 0;  // readings
   bool started_ = false;

@@ -1,4 +1,4 @@
-// The motion in quad precision, rounded to doubles: what postures are held against.
+// True errors of postures against the motion in quadruple precision.
 #pragma once
 
 #include <memory>
@@ -10,13 +10,13 @@ namespace assur::measure {
 
 class TruePosture {
  public:
-  // At the scene's start. Throws Error: environment if this build has no quad arithmetic, numerical if the reference
-  // does not converge.
+  // Begins at the start of the scene. Throws Error: environment if this build has no quadruple precision, numerical if
+  // the reference does not converge.
   explicit TruePosture(const Prepared& prepared);
   ~TruePosture();
 
-  // Largest difference of these coordinates of a posture (internal units) from the true ones at time t, which never
-  // falls. The difference is taken in quad precision.
+  // Largest difference of these coordinates of a posture (internal units) from the true ones at time t, in quadruple
+  // precision. t must not descend from call to call.
   [[nodiscard]] double error(double t, const std::vector<double>& posture, const std::vector<std::int32_t>& of);
 
  private:

@@ -1,4 +1,4 @@
-// The ways to run a scene that are worth comparing: solvers, and what can be turned in one of them.
+// Ways to run a scene that are worth comparing: solvers, and variations of a solver.
 #pragma once
 
 #include <string>
@@ -16,7 +16,7 @@ enum class Knob : std::uint8_t {
   predictor,
   iterations,  // fixed
   precision,   // float, refinement
-  policy,      // how often is factorised
+  policy,      // how often to factorise
 };
 
 [[nodiscard]] std::string_view name(Knob knob) noexcept;  // "solver", ...: part of the command's JSON
@@ -30,13 +30,13 @@ struct Way {
 // "groups/klu --iterations 2": as `assur run` takes it.
 [[nodiscard]] std::string to_string(const Way& way);
 
-// Those that differ: without declared groups, `groups` are the irreducible ones.
+// The formulations that differ for a scene: without declared groups, `groups` are irreducible groups.
 [[nodiscard]] std::vector<Formulation> formulations_of(const Scene& scene);
 
 // Every solver that can run here in every formulation that the scene has, on one thread and on as many as allowed.
 [[nodiscard]] std::vector<Way> solvers(const Scene& scene, ThreadBudget budget);
 
-// One solver with every other knob turned, alone and with fixed iterations.
+// One solver with each other knob changed, alone and with fixed iterations.
 [[nodiscard]] std::vector<Way> variations(const Strategy& solver);
 
 // The solver with fixed iterations only.
@@ -45,10 +45,10 @@ struct Way {
 // The strategies of the classes, " | " between them; one if all are the same.
 [[nodiscard]] std::string text_of(const Plan& plan);
 
-// What is run, threads of levels included: the same for two strategies that mean the same here.
+// A text that is equal for plans that run alike, including threads of levels.
 [[nodiscard]] std::string essence(const Plan& plan);
 
-// Dense factors of many hundred unknowns: up to a second a step, which nobody waits for.
+// True for dense factors of many hundred unknowns, which take up to a second for a step.
 [[nodiscard]] bool is_hopeless(const Plan& plan);
 
 }  // namespace assur::measure

@@ -1,4 +1,4 @@
-// Error against run time of one scene: many ways to run it, the true error of each, and their times beside each other.
+// Work-precision comparison of one scene: true error and time of many ways to run it.
 #pragma once
 
 #include <cstdint>
@@ -16,54 +16,53 @@
 
 namespace assur::measure {
 
-// One way and what came of it.
+// One way with its results.
 struct WorkPrecisionRow {
-  std::string strategy;               // a text, or class by class what `auto` took
-  int iterations = 0;                 // fixed; 0: as many as convergence takes
-  std::optional<Knob> knob;           // empty: none, it is what `auto` took
-  std::vector<double> accuracies;     // that were asked for: all for which it did just this; 0: as exact as doubles are
-  std::vector<double> picked;         // of these: those for which `auto` took it
-  std::string status = "ok";          // or the name of a Code, or why it cannot run
-  std::optional<ForwardError> error;  // empty: failed, or there is no yardstick
-  std::optional<double> estimated;    // the worst of the estimates; empty: nobody made one
+  std::string strategy;               // a text, or the choice of `auto` class by class
+  int iterations = 0;                 // fixed number; 0: until convergence
+  std::optional<Knob> knob;           // empty: the choice of `auto`
+  std::vector<double> accuracies;     // accuracies that gave this run; 0: as exact as doubles allow
+  std::vector<double> picked;         // accuracies among them for which `auto` chose it
+  std::string status = "ok";          // or the name of a Code, or the reason why it cannot run
+  std::optional<ForwardError> error;  // empty: failed, or without reference
+  std::optional<double> estimated;    // largest estimate; empty: none
   std::optional<double> seconds;      // of one step, median; empty: failed, or interrupted
-  double spread = 0;                  // of seconds: median absolute deviation
+  double spread = 0;                  // median absolute deviation, s
   std::size_t rounds = 0;
   bool on_front = false;
 
-  // The worst of the three; NaN if not known.
+  // The largest of the three errors; NaN if unknown.
   [[nodiscard]] double worst_error() const;
   [[nodiscard]] Trade trade() const;
 };
 
 struct WorkPrecision {
-  std::vector<WorkPrecisionRow> rows;  // the fastest first, those without a time last
-  std::int64_t steps = 0;              // that were compared
+  std::vector<WorkPrecisionRow> rows;  // the fastest first, rows without a time last
+  std::int64_t steps = 0;              // compared steps
   bool interrupted = false;
-  std::string no_yardstick;  // why nothing is known of true errors; empty: it is
+  std::string no_yardstick;  // reason why true errors are unknown; "": they are known
 
-  // What `auto` lost for this accuracy: its time over that of the fastest way which reaches it, less 1. Empty if not
-  // even its own does, or times or errors are missing.
+  // Regret of `auto` for this accuracy: its time over that of the fastest way that reaches the accuracy, less 1. Empty
+  // if `auto` misses the accuracy, or if times or errors are missing.
   [[nodiscard]] std::optional<double> behind(double accuracy) const;
-  // The row that `auto` took; null if it could not.
+  // The row of the choice of `auto`; null if it could not run.
   [[nodiscard]] const WorkPrecisionRow* pick(double accuracy) const;
 };
 
 struct WorkPrecisionOptions {
   std::vector<double> accuracies;  // to ask for, each > 0
-  // Each with every accuracy, beside `auto`; left out: all solvers, and every knob of the fastest.
+  // Strategies to compare with `auto`, each with every accuracy. Empty: all solvers, and variations of the fastest.
   std::optional<std::vector<Strategy>> strategies = {};
   ThreadBudget budget;
   std::shared_ptr<const PerformanceModel> model = nullptr;  // null: machine_model()
-  RaceRules rules;                                          // of the race of all
+  RaceRules rules;                                          // of the last race
   std::function<void(std::int64_t done, std::int64_t of)> progress = {};
   Instruments instruments = {};
 };
 
-// Every way is run over the whole grid first, and its motion compared with the one in quad precision; only then it is
-// timed, in turns with all others. Accuracies are asked of `auto` and of each strategy and predictor; fixed iterations
-// do not heed them. Throws Error: input for a grid
-// without steps, environment if a strategy that is asked for cannot run here.
+// Runs every way over the whole grid and compares its motion with the one in quadruple precision; then times all ways
+// in turns. `auto`, each strategy and each predictor are run with every accuracy; runs with fixed iterations ignore it.
+// Throws Error: input for a grid without steps, environment if a given strategy cannot run here.
 [[nodiscard]] WorkPrecision work_precision(const Scene& scene, const WorkPrecisionOptions& options);
 
 }  // namespace assur::measure

@@ -1,4 +1,4 @@
-// What can be timed: the same work again and again.
+// Workloads: work that can be repeated and timed.
 #pragma once
 
 #include <chrono>
@@ -9,16 +9,15 @@ class Workload {
  public:
   virtual ~Workload() = default;
 
-  // Before a timed block of so many calls, untimed: what a run in its steady state would find done, such as warm
-  // caches.
+  // Called before each timed block of this many calls, untimed. Restores the steady state of a run, e.g. warm caches.
   virtual void get_ready(int /*calls*/) {}
 
   // False if a call failed.
   [[nodiscard]] virtual bool run(int calls) = 0;
 };
 
-// What several threads do is repeated for so long before it is timed: until those that slept are awake, and, where the
-// system has put two of them on one core, until it has found another.
+// Work of several threads is repeated for this long before it is timed: until sleeping threads are awake, and until the
+// system has moved two threads on one core to different cores.
 inline constexpr double kUntilAwake = 0.0005, kUntilSpread = 0.01;  // s
 template <class Run>
 void repeat_for(double seconds, const Run& run) {

@@ -1,4 +1,4 @@
-// What the tuning database answers, for people and as JSON.
+// Results of queries to the tuning database, for people and as JSON.
 #pragma once
 
 #include <string>
@@ -11,11 +11,11 @@
 
 namespace assur::output {
 
-// [{column: value}]; what is not known is null, a column `content` is JSON itself.
+// [{column: value}]; unknown values are null, a column `content` is JSON itself.
 [[nodiscard]] Json to_json(const db::Answer& answer);
 
-// Those of its columns that are named, in this order, under these titles. Times and errors as text with units; a
-// machine by the beginning of its fingerprint, and only if there are several.
+// Prints the named columns, in this order, under these titles. Times and errors have units. A machine is shown by the
+// beginning of its fingerprint, and only if there are several machines.
 void print(Page& page, const db::Answer& answer, const std::vector<std::pair<std::string, std::string>>& columns);
 
 }  // namespace assur::output

@@ -1,4 +1,4 @@
-// What `assur compare` says: error against run time of a scene.
+// Output of `assur compare`: error and run time of all ways to run a scene.
 #pragma once
 
 #include <string>
@@ -13,21 +13,21 @@ namespace assur::output {
 struct ComparisonSummary {
   std::string scene;
   double step = 0;                 // s, of the time grid
-  std::vector<double> accuracies;  // that were asked for
+  std::vector<double> accuracies;  // accuracies asked for
   const measure::WorkPrecision& result;
 };
 
-// What `auto` makes of one accuracy, beside the fastest way that reaches it.
+// The choice of `auto` for one accuracy, compared with the fastest way that reaches it.
 struct Verdict {
-  std::string strategy, step, reached;  // "-" for what is not known
-  std::string words;                    // "on the front", "12 % slower than ...", "misses it", why it failed
+  std::string strategy, step, reached;  // "-" if unknown
+  std::string words;  // "on the front", "12 % slower than ...", "misses it", or the reason why it failed
 };
 [[nodiscard]] Verdict verdict(const measure::WorkPrecision& result, double accuracy);
 
 // "0.0001,1e-06"
 [[nodiscard]] std::string accuracies_text(const std::vector<double>& accuracies);
 
-// "irreducible/klu --iterations 2", "irreducible/klu --accuracy 0.0001,1e-06": any of these is what `assur run` takes.
+// "irreducible/klu --iterations 2", "irreducible/klu --accuracy 0.0001,1e-06": options of `assur run`.
 [[nodiscard]] std::string way_text(const measure::WorkPrecisionRow& row);
 
 [[nodiscard]] Json to_json(const ComparisonSummary& summary);

@@ -1,4 +1,4 @@
-// Where --csv goes.
+// The output file of --csv.
 #pragma once
 
 #include <iostream>
@@ -12,8 +12,8 @@ namespace assur::output {
 
 class CsvFile {
  public:
-  // "-": standard output; "": nowhere. Opened before the run: an hour's work is not lost to a misspelt folder. Throws
-  // Error (environment), as write() does.
+  // "-": standard output; "": no output. Opens the file before the run, so that a misspelt folder does not cost the
+  // work of an hour. Throws Error (environment), like write().
   explicit CsvFile(const std::string& name);
 
   // `result`: of a run, anything that write_csv() takes.

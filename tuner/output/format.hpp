@@ -26,19 +26,19 @@ inline constexpr std::size_t kPageWidth = 80;  // columns
 // Two decimals: "1.00".
 [[nodiscard]] std::string fixed(double value);
 
-// Two digits with an exponent: "2.2e-16"; "0" if it is zero, "-" if it is not known (NaN), "not finite" if infinite.
+// Two digits with an exponent: "2.2e-16"; "0" for zero, "-" for NaN (unknown), "not finite" if infinite.
 [[nodiscard]] std::string error_figure(double value);
 
 // "a, b, c", or "a, b, c and 12 more" beyond `most`.
 [[nodiscard]] std::string listed(const std::vector<std::string>& names, std::size_t most = 20);
 
-// Columns that a UTF-8 text takes on a terminal: its code points.
+// Width of a UTF-8 text on a terminal: its number of code points.
 [[nodiscard]] std::size_t display_width(std::string_view text);
 
-// The text, or its beginning with "..." if it takes more columns than `most`.
+// The text, or its beginning with "..." if it is wider than `most` columns.
 [[nodiscard]] std::string shortened(const std::string& text, std::size_t most);
 
-// Broken at spaces into lines of at most `width` columns; a longer word stands alone.
+// Breaks a text at spaces into lines of at most `width` columns; a longer word has its own line.
 [[nodiscard]] std::vector<std::string> wrapped(std::string_view text, std::size_t width);
 
 }  // namespace assur::output

@@ -1,4 +1,4 @@
-// What is no error but should be known.
+// Notes: findings that are no errors.
 #pragma once
 
 #include <span>
@@ -11,11 +11,11 @@
 
 namespace assur::output {
 
-// In order of importance: of the start posture (another one than meant), of its drivers, then of the scene (vectors
-// that had to be normalised).
+// Notes in order of importance: about the start posture (another one than intended), its drivers, and the scene
+// (normalised vectors).
 [[nodiscard]] std::vector<Diagnostic> notes(const Scene& scene, const Structure& structure);
 
-// Why libraries are slower than they could be here, and what helps; once, however many solvers share one.
+// Reasons why libraries are slower here than they could be, with remedies; one for each library.
 [[nodiscard]] std::vector<std::string> slowed(std::span<const Backend> table);
 
 void print_notes(Page& page, const Scene& scene, const Structure& structure);

@@ -1,4 +1,5 @@
-// A page of text for people: facts with a label, in 80 columns or those of a narrower terminal; tables as wide as it.
+// Pages of text for people. Facts with a label use 80 columns, or the width of a narrower terminal; tables use the
+// width of the terminal.
 #pragma once
 
 #include <ostream>
@@ -8,7 +9,7 @@
 
 namespace assur::output {
 
-// Of the terminal that a standard stream writes to; 0 if it writes to none.
+// Width of the terminal that a standard stream writes to; 0 if there is none.
 [[nodiscard]] std::size_t terminal_columns(const std::ostream& out);
 
 // Rows of aligned columns, two spaces between them.
@@ -25,8 +26,8 @@ class Table {
   }
   [[nodiscard]] bool empty() const { return rows_.empty(); }
 
-  // Each line with `indent` spaces in front and none behind. room: columns, 0: any number; cells that find no more of
-  // it go on in a line below, the last one in several if need be.
+  // Prints each line after `indent` spaces, without trailing spaces. room: width in columns, 0: unlimited. Cells that
+  // do not fit go on in the next line, the last one in several lines if needed.
   void print(std::ostream& out, std::size_t indent, std::size_t room = 0) const;
 
  private:
@@ -37,15 +38,15 @@ class Table {
 class Page {
  public:
   explicit Page(std::ostream& out) : Page(out, terminal_columns(out)) {}
-  Page(std::ostream& out, std::size_t columns) : out_(out), columns_(columns) {}  // 0: any number
+  Page(std::ostream& out, std::size_t columns) : out_(out), columns_(columns) {}  // columns: width, 0: unlimited
 
   void title(std::string_view text);
   void gap() { out_ << '\n'; }
 
-  // "  label           text", the text wrapped under itself. An empty label continues the fact above.
+  // Prints "  label           text", with the text wrapped. An empty label continues the fact above.
   void fact(std::string_view label, std::string_view text);
 
-  // Each text as a fact, the label once; what goes beyond kMostListed is counted.
+  // Prints each text as a fact, with one label; texts beyond kMostListed are only counted.
   void list(std::string_view label, const std::vector<std::string>& texts);
 
   void table(const Table& table);
@@ -53,7 +54,7 @@ class Page {
   static constexpr std::size_t kMostListed = 12;
 
  private:
-  // Those that text has from this one on.
+  // Columns for text from this column on.
   [[nodiscard]] std::size_t room(std::size_t column) const;
 
   std::ostream& out_;

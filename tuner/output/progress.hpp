@@ -1,4 +1,4 @@
-// How far a long run is, on standard error: a bar that redraws itself on a terminal, else a line now and then.
+// Progress of a long run on standard error: a bar on a terminal, else a line now and then.
 #pragma once
 
 #include <cstdint>
@@ -16,8 +16,7 @@ class Progress {
   // bar if standard error is a terminal that can redraw a line, else lines.
   [[nodiscard]] static Style style_of_standard_error();
 
-  // noun: what is counted, a literal.
-  // columns: that the bar and its text may take, 0: any number.
+  // noun: name of the counted things, a literal. columns: width of the bar with its text, 0: unlimited.
   Progress(std::ostream& out, Style style, std::string_view noun, std::size_t columns)
       : out_(out), style_(style), noun_(noun), columns_(columns) {}
   Progress(std::ostream& out, Style style, std::string_view noun = "step")
@@ -26,12 +25,12 @@ class Progress {
   Progress& operator=(const Progress&) = delete;
   ~Progress() { clear(); }
 
-  // `done` of `of` after `seconds`. Prints nothing within the first second, and rarely after it.
+  // Shows `done` of `of` after `seconds`. Prints nothing in the first second, and rarely afterwards.
   void show(double seconds, std::int64_t done, std::int64_t of) {
     if (seconds >= due_ && style_ != Style::none) print(seconds, done, of);
   }
 
-  // Takes the bar away.
+  // Removes the bar.
   void clear();
 
  private:

@@ -1,4 +1,4 @@
-// Files that are whole at any time.
+// Replaces files such that they are complete at any time.
 #pragma once
 
 #include <filesystem>
@@ -8,14 +8,15 @@
 
 namespace assur::output {
 
-// Another file beside `file`, which gets its name once everything is written: a reader finds the old content or the new
-// one. What is no plain file, and a file in a folder where none can be made, is written directly. Everything throws
-// Error (environment) that says why; then the old file stays as it is.
+// Writes to a new file beside `file`, and renames it when everything is written, so that readers find the old content
+// or the new one. Other types of files, and files in folders that allow no new file, are written directly. All
+// functions throw Error (environment) with the reason; the old file is then unchanged.
 class Replacement {
  public:
-  // option: that the messages name; "" for none. Opened at once: an hour's work is not lost to a misspelt folder.
+  // Opens the new file at once, so that a misspelt folder does not cost the work of an hour. option: named in messages;
+  // "": none.
   Replacement(std::string option, std::filesystem::path file);
-  ~Replacement();  // without put() nothing is left
+  ~Replacement();  // without put(), removes the new file
   Replacement(const Replacement&) = delete;
   Replacement& operator=(const Replacement&) = delete;
 
@@ -24,7 +25,7 @@ class Replacement {
   void put();
 
  private:
-  // Notes why the system did not take something: the stream itself forgets it.
+  // Keeps the error of the system, which a stream does not report.
   class Buffer : public std::filebuf {
    public:
     [[nodiscard]] int trouble() const { return trouble_; }
@@ -45,7 +46,7 @@ class Replacement {
 
   std::string option_;
   std::filesystem::path file_;
-  std::filesystem::path fresh_;  // empty: written directly, or given its name
+  std::filesystem::path fresh_;  // the new file; empty: written directly, or renamed already
   Buffer buffer_;
   std::ostream out_;
 };

@@ -1,4 +1,4 @@
-// Numerical outcomes in words.
+// Texts for numerical outcomes.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@ namespace assur::output {
 // "the mechanism cannot move further (limit_reached)"
 [[nodiscard]] std::string explained(Code code);
 
-// Why a run stopped and where: "t = 1.3 s, group C: the mechanism cannot move further (limit_reached)".
+// Reason and place where a run stopped: "t = 1.3 s, group C: the mechanism cannot move further (limit_reached)".
 [[nodiscard]] std::string why_stopped(const Status& status, const std::vector<Event>& events, double reached);
 
 // "t = 1.5 s", or "t = 1.5 ... 1.6 s" for a bracket

@@ -1,4 +1,4 @@
-// A page on which a mechanism moves: it needs nothing but itself.
+// A self-contained page on which a mechanism moves.
 #pragma once
 
 #include <cstddef>
@@ -16,23 +16,23 @@ namespace assur::pictures {
 // The same scene, with the positions of all points among its outputs.
 [[nodiscard]] Scene with_all_points(const Scene& scene);
 
-// Collects what a simulator of with_all_points(scene) shows, step after step.
+// Collects the postures of a simulator of with_all_points(scene), step after step.
 class Animation {
  public:
-  // `wanted`: with the outputs that can be plotted; `shown`: with all points, too. `steps`: of the motion, of which
-  // evenly thinned ones become frames. Throws what drawing_of() does.
+  // `wanted` has the outputs to plot; `shown` has all points as well. `steps`: number of steps, of which evenly spaced
+  // ones become frames. Throws like drawing_of().
   Animation(const Prepared& wanted, const Prepared& shown, std::int64_t steps);
 
-  // Where there is no motion because `refused` cannot be assembled: the guess and the closest posture to be had, the
-  // constraints that it violates in red. Throws what drawing_of() does.
+  // For a scene whose structure `refused` cannot be assembled: shows the guess and the closest posture, with violated
+  // constraints in red. Throws like drawing_of().
   Animation(const Scene& scene, const Structure& refused);
 
-  // After each step k = 0, 1, ..., `steps`.
+  // To be called after each step k = 0, 1, ..., `steps`.
   void take(std::int64_t k, const Simulator& simulator);
-  // Where the motion ended before its last step, maybe between two steps; `why`: "t = 1.3 s, group C: ...".
+  // To be called if the motion ended early, possibly between two steps. `why`: "t = 1.3 s, group C: ...".
   void end(const Simulator& simulator, std::string why);
 
-  // `about`: sentences on how it was computed.
+  // The page. `about`: sentences about the computation.
   [[nodiscard]] std::string page(const std::vector<std::string>& about) const;
 
   [[nodiscard]] std::size_t frames() const { return times_.size(); }
@@ -44,12 +44,12 @@ class Animation {
 
   std::string name_;
   Drawing drawing_;
-  std::vector<Quantity> shown_;             // that can be plotted
-  std::size_t quantities_ = 0;              // that there are
+  std::vector<Quantity> shown_;             // quantities to plot
+  std::size_t quantities_ = 0;              // number of all quantities
   std::vector<std::size_t> point_columns_;  // of the moving points: moving x dimension
-  std::vector<std::size_t> value_columns_;  // of what is shown
+  std::vector<std::size_t> value_columns_;  // of the shown quantities
   std::int64_t steps_ = 0, stride_ = 1, last_ = 0;
-  std::string ended_;                  // a sentence; empty: the motion is whole
+  std::string ended_;                  // a sentence; empty: the motion is complete
   std::vector<std::string> postures_;  // names instead of times; empty: times
   std::vector<std::string> violated_;  // constraints
   std::vector<double> times_;

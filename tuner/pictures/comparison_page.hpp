@@ -1,4 +1,4 @@
-// `assur compare` as a page: the work-precision diagram, what `auto` makes of each accuracy, and every number.
+// The page of `assur compare`: work-precision diagram, choices of `auto` for each accuracy, and all numbers.
 #pragma once
 
 #include <string>
@@ -9,11 +9,11 @@
 
 namespace assur::pictures {
 
-// Error against time, logarithmic; a series for each knob, the Pareto front, and what `auto` took. Without a yardstick:
-// that and why.
+// Diagram of error and time with logarithmic axes: a series for each knob, the Pareto front, and the choices of `auto`.
+// If true errors are unknown: a sentence with the reason.
 [[nodiscard]] std::string work_precision_figure(const output::ComparisonSummary& summary);
 
-// What `auto` makes of each accuracy.
+// The choices of `auto` for each accuracy.
 [[nodiscard]] HtmlTable table_of_verdicts(const output::ComparisonSummary& summary);
 
 // `origin`: machine, version and day, a sentence each.

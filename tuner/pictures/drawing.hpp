@@ -1,4 +1,4 @@
-// What there is to draw of a scene: its points, and what holds them together.
+// The drawing of a scene: its points, and the links between them.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ struct Drawing {
     int level = 0;
   };
   struct Point {
-    // In the order in which they are known. Resting: solved once, for no driver moves it.
+    // Points that belong to no group, in the order of solving. Resting: solved once, because no driver moves it.
     static constexpr int kFixed = -3, kResting = -2, kDriven = -1;
 
     std::string name;
@@ -23,8 +23,8 @@ struct Drawing {
     bool slides = false;
     Triple at = {};  // of a fixed one, m
   };
-  // rod: of a constant length; actuator: of a driven one; rail: the second point slides along it; relation: whatever
-  // else an element says about both
+  // rod: constant length; actuator: driven length; rail: the second point slides along it; relation: any other
+  // constraint between both points.
   enum class Kind : std::uint8_t { rod, actuator, rail, relation };
   struct Link {
     int from = 0, to = 0;  // points
@@ -38,13 +38,13 @@ struct Drawing {
 
   int dimension = 2;
   std::vector<Group> groups;  // in solving order
-  std::vector<Point> points;  // those that may move first
-  std::size_t moving = 0;     // how many these are
-  std::vector<Link> links;    // no pair of points twice
-  std::vector<Body> bodies;   // moving, two points or more
+  std::vector<Point> points;  // points that may move come first
+  std::size_t moving = 0;     // number of points that may move
+  std::vector<Link> links;    // without repeated pairs
+  std::vector<Body> bodies;   // moving bodies with two points or more
 };
 
-// Groups are those of the formulation `groups`, everything wanted. Throws what analyze() does.
+// Makes the drawing. Groups are those of the formulation `groups` with all outputs. Throws like analyze().
 [[nodiscard]] Drawing drawing_of(const Scene& scene);
 
 }  // namespace assur::pictures

@@ -7,9 +7,9 @@
 
 namespace assur::pictures {
 
-// The polygons of the convex hull, each by its corners in turn: one if all points lie in a plane, a single edge (two
-// corners) if they lie on a line, none for fewer than two places. With more points than kMostForFaces in space: edges
-// from the first point to each other.
+// The polygons of the convex hull, each one as a cycle of corners: one polygon if all points lie in a plane, a single
+// edge (two corners) if they lie on a line, none for fewer than two places. For more than kMostForFaces points in
+// space: edges from the first point to every other one.
 [[nodiscard]] std::vector<std::vector<int>> faces(const std::vector<Triple>& points);
 
 inline constexpr std::size_t kMostForFaces = 48;

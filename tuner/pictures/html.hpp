@@ -1,4 +1,4 @@
-// Pages that need nothing but themselves.
+// Self-contained HTML pages.
 #pragma once
 
 #include <cstdint>
@@ -9,11 +9,11 @@
 
 namespace assur::pictures {
 
-// With &, <, > and quotes as HTML and SVG want them.
+// The text with &, <, > and quotes escaped for HTML and SVG.
 [[nodiscard]] std::string escaped(std::string_view text);
 
 struct HtmlTable {
-  enum class Column : std::uint8_t { text, number, words };  // numbers stand to the right; only words are broken
+  enum class Column : std::uint8_t { text, number, words };  // numbers are aligned right; only words are wrapped
 
   std::vector<std::string> titles;
   std::vector<Column> columns;  // as many as titles
@@ -25,7 +25,7 @@ struct HtmlTable {
 };
 [[nodiscard]] std::string html(const HtmlTable& table, std::string_view css_class = {});
 
-// A column of a table that has a row for each of some things.
+// A column of a table with a row for each of several things.
 template <class Thing>
 struct ColumnOf {
   std::string title;
@@ -46,13 +46,13 @@ template <class Thing>
   return table;
 }
 
-// "<p>text</p>", escaped; of several texts a line each.
+// "<p>text</p>", escaped; each of several texts has its own line.
 [[nodiscard]] std::string paragraph(const std::vector<std::string>& lines, std::string_view css_class = {});
 [[nodiscard]] inline std::string paragraph(const std::string& text, std::string_view css_class = {}) {
   return paragraph(std::vector{text}, css_class);
 }
 
-// The whole page, light and dark; `style`: of what the body has beyond text and tables.
+// The whole page in light and dark colours; `style`: CSS for elements other than text and tables.
 [[nodiscard]] std::string html_page(std::string_view title, std::string_view style, std::string_view body);
 
 }  // namespace assur::pictures

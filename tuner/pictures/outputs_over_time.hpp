@@ -1,4 +1,4 @@
-// `assur run --plot`: a picture that stands alone.
+// The picture of `assur run --plot`, a file of its own.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace assur::pictures {
 
-// A diagram for each quantity, one below the other, as an SVG file of its own; with more than kMostDiagrams the first
-// ones, and what is left out in words. `why_ended`: of a motion that ended early, else empty.
+// A diagram for each quantity, one below the other, as an SVG file. Of more than kMostDiagrams quantities it has the
+// first ones, and names the others. `why_ended`: reason if the motion ended early, else "".
 [[nodiscard]] std::string outputs_over_time(const Prepared& prepared, const Trajectory& trajectory,
                                             const std::string& why_ended);
 

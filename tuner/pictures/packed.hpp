@@ -1,4 +1,4 @@
-// Many numbers as text that is short and that a page reads fast.
+// Packs many numbers into a short text that a page reads fast.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@ namespace assur::pictures {
 // Rows of `width` numbers each: 24 bits over the range of their column, seven digits in four letters of base64.
 struct Packed {
   std::vector<double> low, span;  // width
-  std::string text;               // 4 letters for each number; 24 ones: it is not finite
+  std::string text;               // 4 letters for each number; all bits set: not finite
 };
 
 [[nodiscard]] Packed packed(std::span<const double> rows, std::size_t width);

@@ -1,4 +1,4 @@
-// Pictures of numbers: points and lines over two axes, as SVG that stands in a page.
+// Plots: points and lines over two axes, as SVG within a page.
 #pragma once
 
 #include <cstdint>
@@ -17,49 +17,50 @@ struct Axis {
 
 struct Point {
   double x = 0, y = 0;
-  std::string about = {};  // shown where the pointer rests
-  std::string label = {};  // beside the point, where there is room
+  std::string about = {};  // tooltip
+  std::string label = {};  // shown beside the point if there is room
 };
 
 struct Series {
   enum class Mark : std::uint8_t { none, dot, square, triangle, cross, plus, diamond };
-  // steps: first along x, then along y. bars: from each x to the next one, as high as y; the last point only ends them.
+  // steps: first along x, then along y. bars: from each x to the next one with height y; the last point only ends a
+  // bar.
   enum class Line : std::uint8_t { none, straight, steps, bars };
 
-  std::string name;  // in the legend; empty: not there
+  std::string name;  // in the legend; empty: no entry
   std::vector<Point> points;
-  int colour = 0;  // of kColours; kInk: that of the text
+  int colour = 0;  // 0 to kColours - 1; kInk: that of the text
   Mark mark = Mark::dot;
   Line line = Line::none;
 
   static constexpr int kColours = 6, kInk = -1;
 };
 
-// A value of x that means something.
+// A vertical line at a special x, with a text.
 struct Guide {
   double x = 0;
   std::string text;
 };
 
 struct Plot {
-  std::string title;  // what is read to who cannot see it
+  std::string title;  // text for screen readers
   Axis x, y;
   std::vector<Series> series;
   std::vector<Guide> guides;
 };
 
 struct Size {
-  int width = 960, height = 560;  // of the picture's own units: pixels where it is not scaled
+  int width = 960, height = 560;  // units of the picture: pixels if it is not scaled
 };
 
-// Points that an axis cannot show (not finite, or not above 0 where it is logarithmic) are left out. The axes span all
-// others and the guides.
+// Draws the plot. Leaves out points that an axis cannot show: not finite, or not above 0 on a logarithmic axis. The
+// axes contain all other points and the guides.
 [[nodiscard]] std::string drawn(const Plot& plot, Size size = {});
 
-// A <figure> with its legend, and the picture twice, for wide and narrow windows.
+// A <figure> with legend, and with two pictures for wide and narrow windows.
 [[nodiscard]] std::string figure(const Plot& plot);
 
-// What the classes of these elements, and of those of heat maps, look like, light and dark.
+// CSS for the elements of plots and heat maps, in light and dark colours.
 [[nodiscard]] std::string_view plot_style();
 
 }  // namespace assur::pictures

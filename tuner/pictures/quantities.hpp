@@ -1,4 +1,4 @@
-// The columns of a trajectory, put together as they are plotted.
+// Groups the columns of a trajectory for plotting.
 #pragma once
 
 #include <cstddef>
@@ -11,14 +11,14 @@ namespace assur::pictures {
 
 // A scalar, or a point or vector with its components; or one of their derivatives.
 struct Quantity {
-  std::string output;                // "C", "rocker_angle": what it is the value or a derivative of
+  std::string output;                // "C", "rocker_angle": the output
   std::string title;                 // "C, velocity"
   std::string unit;                  // "m/s"; empty: none
   std::vector<std::size_t> columns;  // indices into Trajectory::columns()
 };
 
-// Everything that the scene's outputs name, in the order in which it is shown: as asked for; of a scene that wants
-// everything scalars come first, such as its measures.
+// All outputs of a scene in the order of the plots: as asked for; without named outputs, scalars such as measures come
+// first.
 [[nodiscard]] std::vector<Quantity> quantities(const Structure& structure);
 
 }  // namespace assur::pictures

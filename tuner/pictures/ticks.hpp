@@ -1,4 +1,4 @@
-// Where an axis begins and ends, and what it names in between.
+// Range and ticks of an axis.
 #pragma once
 
 #include <string>
@@ -11,16 +11,16 @@ struct Ticks {
   std::vector<double> at;  // ascending, from low to high
 };
 
-// Round numbers around [least, greatest], about `most` of them at most. A single value gets some room.
+// About `most` round numbers at most that include [least, greatest]. The range of a single value is widened.
 [[nodiscard]] Ticks linear_ticks(double least, double greatest, int most);
 
-// The same for a logarithmic axis, 0 < least: powers of ten, or 1, 2, 5, 10, ... where those would be too few.
+// The same for a logarithmic axis, 0 < least: powers of ten, or 1, 2, 5, 10, ... if those are too few.
 [[nodiscard]] Ticks logarithmic_ticks(double least, double greatest, int most);
 
-// "10⁻¹²", "2·10⁻³"; from 1 to below 1000 as it is: "1", "10", "250".
+// "10⁻¹²", "2·10⁻³"; from 1 to below 1000 without a power: "1", "10", "250".
 [[nodiscard]] std::string power_of_ten(double value);
 
-// "20 µs", "0.1 ms" is "100 µs": as short as it can be said.
+// "20 µs", "100 µs": the shortest text.
 [[nodiscard]] std::string time_text(double seconds);
 
 }  // namespace assur::pictures

@@ -1,4 +1,4 @@
-// What is known of this machine before anything is measured for the report.
+// Data about this machine that exist before the report measures anything.
 #pragma once
 
 #include <optional>
@@ -14,29 +14,29 @@
 
 namespace assur::report {
 
-// The last finished run that looked at everything, not at one scene alone.
+// The last finished tuning run that was not restricted to scenes.
 struct TuningRecord {
   std::string file;  // database
   db::Run run;
   std::vector<Sample> samples;  // in the order in which they were stored
-  db::Answer crossovers;        // of all that the database knows of this machine
+  db::Answer crossovers;        // of all samples of this machine in the database
 };
 
 struct Knowledge {
   Machine machine;
   db::Host host;
-  MachineModel known;                  // what `auto` goes by
-  std::optional<TuningRecord> tuning;  // empty: this very machine was not tuned
+  MachineModel known;                  // the model of `auto`
+  std::optional<TuningRecord> tuning;  // empty: this machine was not tuned
 };
 
-// Throws Error (environment) as a Store does for one that was named, is there, and cannot be read.
+// Collects the data. Throws Error (environment) if a named database exists but cannot be read.
 [[nodiscard]] Knowledge knowledge(MachineModel known, std::span<const db::DatabaseFile> databases);
 
-// The head of the page: what was measured on, with what, when; name and text.
+// Facts for the head of the page: machine, versions, date; name and text.
 using Facts = std::vector<std::pair<std::string, std::string>>;
 [[nodiscard]] Facts facts(const Knowledge& knowledge, int threads, const std::string& date);
 
-// Where nothing was measured: that, and what to do about it; else empty.
+// A notice with advice if the machine was not tuned; else "".
 [[nodiscard]] std::string how_to_tune(const Knowledge& knowledge);
 
 }  // namespace assur::report

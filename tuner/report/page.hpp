@@ -9,12 +9,12 @@
 
 namespace assur::report {
 
-// A part of the report: sections that were made, or what there would be.
+// A part of the report, with its sections or the reason why they are missing.
 struct Part {
   std::string chapter;  // "This machine"
-  std::string title;    // of what it is about
+  std::string title;    // subject
   std::vector<Section> sections;
-  std::string missing;  // why there are none, or not all of it; empty: nothing is missing
+  std::string missing;  // reason why sections are missing; "": none is missing
 };
 
 struct PageHead {
@@ -23,7 +23,7 @@ struct PageHead {
   std::string state;   // "Made in 2 min", "Interrupted: ..."
 };
 
-// One file that needs nothing else. Parts of one chapter follow each other.
+// The page as a single file without references to others. Parts of one chapter must follow each other.
 [[nodiscard]] std::string page(const PageHead& head, const std::vector<Part>& parts);
 
 }  // namespace assur::report

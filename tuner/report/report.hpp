@@ -1,4 +1,4 @@
-// The report as a whole: parts made one after the other, and its files, which are whole at any time.
+// The report: makes its parts one after the other; its files are complete at any time.
 #pragma once
 
 #include <filesystem>
@@ -10,21 +10,21 @@
 
 namespace assur::report {
 
-// A part to be made: sections that belong together.
+// A planned part: sections that belong together.
 struct Planned {
   std::string chapter;  // "This machine"
-  std::string title;    // of what it is about
-  double share = 1;     // of the time, beside those of the others
+  std::string title;    // subject
+  double share = 1;     // share of the time, relative to other parts
   std::function<std::vector<Section>(const Conditions&)> make;
 };
 
 struct Wishes {
-  std::string peers = {};  // a file that bench/peers/peers.sh has written; empty: none
+  std::string peers = {};  // file of bench/peers/peers.sh; empty: none
   double watts = 0;        // PaperOptions::watts
 };
 
-// What a report has, in order. The knowledge outlives what is returned. Throws Error (input) for a file of peers that
-// cannot be read or is none.
+// The parts of a report in order. `knowledge` must outlive them. Throws Error (input) if the file of peers cannot be
+// read, or has another format.
 [[nodiscard]] std::vector<Planned> contents(const Knowledge& knowledge, const Wishes& wishes = {});
 
 struct Outcome {
@@ -34,15 +34,15 @@ struct Outcome {
   };
 
   std::vector<std::filesystem::path> files;
-  std::vector<std::string> failures;  // of parts that could not be made, and why
-  std::vector<Took> parts;            // those that were begun
+  std::vector<std::string> failures;  // parts that could not be made, with reasons
+  std::vector<Took> parts;            // parts that were begun
   bool interrupted = false;
 };
 
-// Makes all parts in their order, within whole.seconds; what one part leaves goes to those after it. index.html,
-// report.csv and report.json in `folder` (made if it is not there) are written at the start and after each part; a
-// reader finds the old ones or the new ones, never half of one. A part that throws Error is a sentence of the page,
-// unless a file cannot be written: Error (environment).
+// Makes all parts in their order, within whole.seconds; later parts may use the time that earlier ones leave. Writes
+// index.html, report.csv and report.json to `folder` (made if missing) at the start and after each part; readers find
+// the old or the new files, never incomplete ones. If a part throws Error, the page has its message. Throws Error
+// (environment) if a file cannot be written.
 [[nodiscard]] Outcome make_report(const std::filesystem::path& folder, const std::vector<Planned>& parts,
                                   const Knowledge& knowledge, const Conditions& whole);
 

@@ -1,4 +1,4 @@
-// The sections about this machine, a file each, and what they are made under.
+// The sections about this machine, one file each, and their conditions.
 #pragma once
 
 #include <functional>
@@ -14,13 +14,13 @@
 namespace assur::report {
 
 struct Conditions {
-  // To take, about: the smallest piece of a section is always made, no further one that cannot fit.
+  // Approximate time limit. The smallest piece of a section is always made; further pieces only if they fit.
   double seconds = 60;
   bool quick = false;
   int threads = 1;  // budget
   std::function<bool()> interrupted = [] { return false; };
 
-  // For races: they end when the report is interrupted.
+  // Instruments for races, which end when the report is interrupted.
   [[nodiscard]] measure::Instruments instruments() const {
     measure::Instruments out;
     out.stop = interrupted;
@@ -28,32 +28,31 @@ struct Conditions {
   }
 };
 
-// Which strategy is expected to win for how many groups of how many unknowns, and where another one begins to.
+// The strategy that is expected to be the fastest, over number of groups and unknowns, and the crossovers.
 [[nodiscard]] Section winners(const Knowledge& knowledge, const Conditions& conditions);
 
-// The regret of `auto` and of the best constant strategy over mechanisms that no tuner has seen.
+// The regret of `auto` and of the best constant strategy over mechanisms that were not tuned for.
 [[nodiscard]] Section regret(const Knowledge& knowledge, const Conditions& conditions);
-// The same from answers that are there; planned: questions that there are.
+// The same section from given answers; planned: number of all questions.
 [[nodiscard]] Section regret_section(const std::vector<measure::Answer>& answers, std::size_t planned);
 
-// Error against run time of some mechanisms, with the front and what `auto` takes.
+// Error and run time of some mechanisms, with the Pareto front and the choice of `auto`.
 [[nodiscard]] Section work_precision(const Knowledge& knowledge, const Conditions& conditions);
 
 // Speed-up by threads, lanes and members of an ensemble.
 [[nodiscard]] Section scaling(const Knowledge& knowledge, const Conditions& conditions);
 
-// How long single steps take: their histogram.
+// Histogram of the times of single steps.
 [[nodiscard]] Section step_histogram(const Knowledge& knowledge, const Conditions& conditions);
 
-// Regret on what was held out, over the seconds that a tuning run has taken.
+// Regret on held-out cells over the duration of a tuning run.
 [[nodiscard]] Section tuning_cost(const Knowledge& knowledge, const Conditions& conditions);
 
-// Expected against measured times of what a tuning run has held out.
+// Expected and measured times of the held-out cells of a tuning run.
 [[nodiscard]] Section model_fit(const Knowledge& knowledge, const Conditions& conditions);
 
-// Other libraries on the same mechanisms: what each takes, how far off it is, and how many times as long as assur with
-// the same levels it takes. in: what bench/peers/peers.sh writes with --csv; file: its name, for messages. Throws Error
-// (input) for what is something else.
+// Other libraries on the same mechanisms: time, error, and time relative to assur with the same derivatives. in: output
+// of bench/peers/peers.sh --csv; file: its name for messages. Throws Error (input) for another format.
 [[nodiscard]] Section peers_section(std::istream& in, const std::string& file);
 
 }  // namespace assur::report

@@ -1,4 +1,4 @@
-// Where the samples of a tuning run go, and what an interrupted one has left there.
+// Stores the samples of a tuning run, and reads those of an interrupted run.
 #pragma once
 
 #include <cstdint>
@@ -14,21 +14,21 @@ namespace assur::tuning {
 
 class Archive {
  public:
-  // database: none, and samples are stored nowhere. Goes on with the last run of this profile if it was not finished,
-  // else begins one. Throws Error (environment) if the database cannot be written.
+  // database: empty: stores nothing. Continues the last run of this profile if it is unfinished; else begins a new one.
+  // Throws Error (environment) if the database cannot be written.
   Archive(const std::optional<std::filesystem::path>& database, const std::string& profile);
 
-  // In one transaction. pace: as Store::add() has it.
+  // Stores a cell in one transaction. pace: see Store::add().
   void add(const CellResult& cell, double pace);
-  // learned: JSON, what the run found beside its samples.
+  // Ends the run. learned: JSON with its results beyond the samples.
   void finish(const db::RunResult& result, const std::string& learned);
 
-  [[nodiscard]] const std::vector<Sample>& earlier() const { return earlier_; }  // of the run that is gone on with
+  [[nodiscard]] const std::vector<Sample>& earlier() const { return earlier_; }  // samples of the continued run
   [[nodiscard]] std::optional<std::int64_t> run() const { return store_ ? std::optional(run_) : std::nullopt; }
   [[nodiscard]] std::string file() const { return store_ ? store_->file().string() : ""; }
-  // Of this build on this host, as all samples so far tell it; nullopt: there are none.
+  // Usual pace of this build on this host by all samples so far; empty if there are none.
   [[nodiscard]] std::optional<double> usual_pace() const;
-  // What opening the database has found, for people.
+  // Notes of opening the database, for people.
   [[nodiscard]] const std::vector<std::string>& messages() const { return messages_; }
 
  private:

@@ -1,4 +1,4 @@
-// A tuning run: cells in turn, each within its share of the time, each stored when it is done.
+// A tuning run: measures cells in turn, each within its share of the time, and stores each one when it is done.
 #pragma once
 
 #include <cstdint>
@@ -15,17 +15,17 @@
 
 namespace assur::tuning {
 
-// What came of one candidate in one cell.
+// Result of one candidate in one cell.
 struct Result {
-  Sample sample;               // the middle one of all passes
-  int rounds = 0;              // that were timed at last; 0: by an interrupted run
-  bool hopeless = false;       // then only a few
+  Sample sample;               // the median of all passes
+  int rounds = 0;              // timed in the last pass; 0: measured by an interrupted run
+  bool hopeless = false;       // then there are few rounds
   std::vector<Sample> passes;  // one for each time that the cell was measured, the fastest first
 
   explicit Result(Sample first) : sample(first), passes{std::move(first)} {}
   void add(Sample pass);
 };
-// One more pass of a candidate that `known` has, or else a new one.
+// Adds a pass to the result of its candidate in `known`, or a new result.
 void add(std::vector<Result>& known, const Result& more);
 
 struct Refusal {
@@ -35,61 +35,62 @@ struct Refusal {
 struct CellResult {
   Cell cell;
   std::vector<Result> results;
-  std::vector<Refusal> refused;  // never timed: wrong, cannot run, or too slow to be tried
+  std::vector<Refusal> refused;  // not timed: wrong, cannot run, or too slow
   bool earlier = false;          // measured by an interrupted run
   bool cut_short = false;        // time ran out before every candidate had its turn
 };
 
-// What is left of a step without its packs, `shape` of it, where both were timed: Kernel::around.
+// Adds Kernel::around of this shape: the time of a step minus the times of its packs, if both were timed.
 void add_around(CellResult& cell, std::span<const Entrant> entrants, const Shape& shape);
 
 struct CampaignOptions {
   Field field;
   double seconds = 60;                           // for all cells
   double most_for_cell = 5;                      // s, for a cell of weight 1
-  measure::RaceRules race;                       // but for the time
-  std::function<void(const CellResult&)> store;  // once for each cell that has samples
-  std::vector<Sample> earlier = {};              // of an interrupted run: their cells are not measured again
+  measure::RaceRules race;                       // except for its time
+  std::function<void(const CellResult&)> store;  // called once for each cell with samples
+  std::vector<Sample> earlier = {};              // of an interrupted run, whose cells are not measured again
   std::function<void(double seconds, const Cell&)> progress = nullptr;  // before each cell
 };
 
 struct CampaignFigures {
-  // Cells; earlier, cut_short: of those measured, by an interrupted run, and before every candidate had its turn.
+  // Numbers of cells. earlier: measured by an interrupted run; cut_short: ended before every candidate was measured;
+  // both are included in `measured`.
   std::size_t planned = 0, measured = 0, earlier = 0, cut_short = 0;
-  int passes = 1;  // over all cells, as far as the time went
+  int passes = 1;  // over all cells
   std::int64_t samples = 0;
   measure::RaceFigures race;
-  std::vector<double> slowness;  // of the machine, in each cell measured
+  std::vector<double> slowness;  // of the machine, in each measured cell
   double seconds = 0;
   bool interrupted = false;
   std::vector<std::string> failures;  // cells that could not be opened
 
-  // Share of the cells planned that were measured whole.
+  // Part of the planned cells that were measured completely.
   [[nodiscard]] double coverage() const {
     return planned > 0 ? static_cast<double>(measured - cut_short) / static_cast<double>(planned) : 1;
   }
-  // How much slower the machine was in one cell of ten, at least, than in another one of ten; relative.
+  // Relative difference of the slowness of the machine between the 90th and the 10th percentile of the cells.
   [[nodiscard]] double drift() const;
 };
 
 class Campaign {
  public:
-  // As a race has them.
+  // instruments: as for a race.
   Campaign(CampaignOptions options, measure::Instruments instruments);
 
-  // Until all cells are done, the time is used up, or stop() says so. May be called again with more cells.
+  // Measures cells until all are done, the time is used up, or stop() is true. May be called again with more cells.
   void run(const std::vector<Cell>& cells);
 
-  // Measures every cell so far once more: what a machine does now and then differs from one minute to the next.
+  // Measures all cells so far again, because disturbances of a machine change from minute to minute.
   void again();
 
-  // Of all cells so far, those of an earlier run as well.
+  // Results of all cells so far, including those of an interrupted run.
   [[nodiscard]] const std::vector<CellResult>& results() const { return results_; }
   [[nodiscard]] const CampaignFigures& figures() const { return figures_; }
   [[nodiscard]] double seconds_left() const;
 
  private:
-  // work(cell, ground, seconds) for each cell, as long as there is time.
+  // Calls work(cell, ground, seconds) for each cell while there is time.
   template <class Work>
   void visit(const std::vector<Cell>& cells, const Work& work);
   [[nodiscard]] CellResult measure_cell(const Cell& cell, Ground& ground, double seconds);

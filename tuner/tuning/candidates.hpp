@@ -1,4 +1,4 @@
-// What is worth a try: the strategies that are measured against each other.
+// Candidates: the strategies that are measured in a cell.
 #pragma once
 
 #include <cstdint>
@@ -12,20 +12,20 @@
 
 namespace assur::tuning {
 
-// Whose solvers, on how many threads.
+// Solvers and threads of a tuning run.
 struct Field {
   std::span<const Backend> table;
   ThreadBudget budget;
-  // Why a strategy is not to be tried, beyond what its backend says of itself; "": it is.
+  // Further reason why a strategy must not be tried, beyond Backend::why_not; "": it may be tried.
   std::function<std::string(const Strategy&)> why_not = [](const Strategy&) { return std::string(); };
 };
 
-// Linear solvers for matrices of one shape, which fill up to `most_lanes` lanes: backend, W, precision, q;
-// the rest is default. Those that most is expected of and one of each backend come first: time may be short.
+// Linear solvers for matrices of one shape, with up to `most_lanes` lanes: backend, W, precision and Q; other settings
+// are defaults. The most promising ones and one of each backend come first, because time may run out.
 [[nodiscard]] std::vector<Strategy> linear_solvers(const Field& field, const Shape& shape, int most_lanes);
 
-// Strategies for whole steps of a pack, for a class of so many groups on one level: the linear solvers in double on one
-// thread, and if `policies` most of them with +once and +separate, too.
+// Strategies for whole steps of a pack, for a class with shape.groups groups on one level: linear solvers in double on
+// one thread; with `policies` most of them also with +once and +separate.
 [[nodiscard]] std::vector<Strategy> pack_strategies(const Field& field, Formulation formulation, const Shape& shape,
                                                     bool policies);
 

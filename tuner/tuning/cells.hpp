@@ -1,4 +1,4 @@
-// The cells of a tuning run: each is one thing that all candidates are held to, measured and stored as a whole.
+// The cells of a tuning run: each one is a problem that all candidates solve; it is measured and stored as a whole.
 #pragma once
 
 #include <cstdint>
@@ -16,24 +16,24 @@ namespace assur::tuning {
 
 struct Cell {
   enum class Kind : std::uint8_t {
-    matrix,   // factor, solve; of a class: evaluate
+    matrix,   // factor and solve; for a class also evaluate
     packs,    // pack
-    crowd,    // pack, while several threads are at the same work
+    crowd,    // pack, while several threads do the same work
     steps,    // step
-    around,   // step and its packs, by a few strategies: what is left is around
+    around,   // step and its packs by a few strategies; the difference is around
     meeting,  // meeting
   };
   Kind kind = Kind::matrix;
-  std::string family;       // cells of one family differ in size alone: "rings", "random", "stewart global", ...
-  std::int32_t n = 0;       // unknowns, as far as the family's size says
+  std::string family;       // cells of one family differ in size only: "rings", "random", "stewart global", ...
+  std::int32_t n = 0;       // unknowns, if they follow from the size
   std::int32_t groups = 1;  // of the class, on one level
-  bool held_out = false;    // measured to judge the model, which does not see it
-  bool policies = false;    // packs: with +once and +separate
+  bool held_out = false;    // measured to judge the model, which does not use it
+  bool policies = false;    // packs: also with +once and +separate
   double weight = 1;        // share of the time
   std::function<Scene()> scene = nullptr;  // null: random matrices
   Formulation formulation = Formulation::groups;
-  std::int32_t group_class = -1;                     // -1: the one with most groups, of those the largest
-  std::function<Cell(std::int32_t n)> at = nullptr;  // the family's cell of another size; null: it has no other
+  std::int32_t group_class = -1;                     // -1: the class with most groups; of several the largest
+  std::function<Cell(std::int32_t n)> at = nullptr;  // the cell of the family with another size; null: there is none
   int per_row = 0;                                   // random matrices: entries of a column
 };
 
@@ -43,21 +43,21 @@ struct Cell {
 struct Extent {
   int sizes = 14;                     // of n, from 3 to largest
   std::int32_t largest = 4000;        // unknowns, sparse
-  std::int32_t largest_full = 800;    // the same, dense
-  std::int32_t largest_random = 300;  // the same, random with few entries a column, which fills up
+  std::int32_t largest_full = 800;    // unknowns, dense
+  std::int32_t largest_random = 300;  // unknowns, random with few entries in a column, which fill up
   std::int32_t most_groups = 10'000;
   std::int32_t most_unknowns = 60'000;  // groups x n of a cell of packs
   bool held_out = true;
 };
 
-// What a machine is sampled with, where nothing else is asked for. Sizes ascend within each family.
+// The default cells for a machine. Sizes ascend within each family.
 [[nodiscard]] std::vector<Cell> general_cells(const Extent& extent);
 
-// What one scene needs: its classes in each formulation, and its steps. Throws Error as prepare() does,
-// and (input) if nothing moves.
+// The cells for one scene: its classes in each formulation, and its steps. Throws Error like prepare(), and (input) if
+// nothing moves.
 [[nodiscard]] std::vector<Cell> scene_cells(const std::string& text, const Scene& scene);
 
-// Whether general_cells() holds out the cell that such a sample comes from.
+// True if general_cells() holds out the cell of such a sample.
 [[nodiscard]] bool is_held_out(Kernel kernel, const Shape& shape);
 
 // Log-spaced whole numbers, both ends included.

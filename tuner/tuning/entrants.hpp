@@ -1,4 +1,4 @@
-// A cell made ready to be measured.
+// Cells that are ready for measuring.
 #pragma once
 
 #include <memory>
@@ -12,7 +12,7 @@
 
 namespace assur::tuning {
 
-// What a candidate is tried at: factor stands for factor and solve.
+// A candidate with its kernel; factor stands for factor and solve.
 struct Candidate {
   Kernel kernel = Kernel::factor;
   Strategy strategy;
@@ -24,10 +24,10 @@ struct Entrant {
   Shape shape;
   Strategy strategy;
   measure::Workload* work = nullptr;
-  std::shared_ptr<void> owner = nullptr;  // of what `work` lives in
+  std::shared_ptr<void> owner = nullptr;  // owner of `work`
   double backward_error = 0;              // NaN: not measured
   double forward_error = 0;
-  int packs_of_step = 0;  // of a pack: that a step of this cell has of its class; 0: it is no part of one
+  int packs_of_step = 0;  // of a pack: number of such packs in a step of this cell; 0: no part of a step
 };
 
 class Ground {
@@ -35,11 +35,12 @@ class Ground {
   virtual ~Ground() = default;
 
   [[nodiscard]] const Shape& shape() const { return shape_; }
-  // Of Kernel::around, in cells that are about it.
+  // Shape for Kernel::around, in cells that measure it.
   [[nodiscard]] const std::optional<Shape>& around() const { return around_; }
   [[nodiscard]] const std::vector<Candidate>& candidates() const { return candidates_; }
 
-  // Throws Error if the candidate cannot run, fails, or computes what is wrong: such a one is never timed.
+  // Makes the workloads of a candidate. Throws Error if it cannot run, fails, or computes wrong results; it is then
+  // never timed.
   [[nodiscard]] virtual std::vector<Entrant> enter(const Candidate& candidate) = 0;
 
  protected:
@@ -48,7 +49,7 @@ class Ground {
   std::vector<Candidate> candidates_;
 };
 
-// Throws Error as prepare() does.
+// Prepares a cell. Throws Error like prepare().
 [[nodiscard]] std::unique_ptr<Ground> open(const Cell& cell, const Field& field);
 
 }  // namespace assur::tuning

@@ -1,4 +1,4 @@
-// How good a model's choices are, on cells that it has not seen.
+// The regret of a model on held-out cells.
 #pragma once
 
 #include <span>
@@ -7,8 +7,8 @@
 
 namespace assur::tuning {
 
-// time(chosen) / time(best) - 1 over all questions; a question is a cell, how many groups there are side by side, and
-// which backends may be used.
+// time(chosen) / time(best) - 1 over all questions. A question is a cell with a number of groups side by side and a set
+// of backends.
 struct Regret {
   double median = 0, p95 = 0, max = 0, mean = 0;
   std::size_t questions = 0;  // 0: nothing was held out

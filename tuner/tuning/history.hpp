@@ -1,4 +1,4 @@
-// What candidates took at smaller sizes, and what that says about larger ones.
+// Times of candidates at smaller sizes, to skip hopeless ones at larger sizes.
 #pragma once
 
 #include <map>
@@ -11,7 +11,7 @@ namespace assur::tuning {
 
 class History {
  public:
-  // Of one candidate in one cell.
+  // Times of one candidate in one cell.
   struct Entry {
     double n = 0;        // unknowns
     double seconds = 0;  // of a call, for one lane
@@ -20,9 +20,9 @@ class History {
   };
   void note(const std::string& family, const Candidate& candidate, const Entry& entry);
 
-  // Why a candidate is not worth a try at n unknowns of the family; "": it is. It is not if at the two next smaller
-  // sizes it took more than twenty times the leader's time and grew faster than the leader, or if it is expected to
-  // take more than `seconds` to set up or for one call.
+  // The reason why a candidate is hopeless at n unknowns of the family; "": it is not. It is hopeless if at the two
+  // next smaller sizes it took more than twenty times the time of the leader and grew faster, or if its setup or one
+  // call is expected to take more than `seconds`.
   [[nodiscard]] std::string hopeless(const std::string& family, const Candidate& candidate, double n,
                                      double seconds) const;
 

@@ -1,11 +1,11 @@
-// Mechanisms that are made for measuring.
+// Mechanisms for measurements.
 #pragma once
 
 #include "assur/scene.hpp"
 
 namespace assur::tuning {
 
-// A level as wide as one likes of the smallest groups: dyads that hang on the end of one crank, n = 2 each.
+// `count` of the smallest groups on one level: dyads (n = 2) at the end of one crank.
 [[nodiscard]] Scene dyads(int count);
 
 }  // namespace assur::tuning

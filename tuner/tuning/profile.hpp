@@ -1,4 +1,4 @@
-// How much is measured: quick, standard, patient.
+// Profiles of tuning runs: quick, standard, patient.
 #pragma once
 
 #include <optional>
@@ -10,14 +10,14 @@ namespace assur::tuning {
 
 struct Profile {
   std::string name;
-  double seconds = 55;         // for everything; patient: at most
-  double most_for_cell = 1;    // s, of these
-  bool until_settled = false;  // ends when the regret on what was held out stops falling
+  double seconds = 55;         // for the whole run; patient: at most
+  double most_for_cell = 1;    // s
+  bool until_settled = false;  // ends when the regret on held-out cells stops falling
   Extent extent;
 };
 
-// name: quick, standard or patient; budget: seconds that take the place of the profile's. A small budget samples fewer
-// sizes. Throws Error (input) for another name.
+// The profile `name`: quick, standard or patient. budget: replaces its seconds; a small budget measures fewer sizes.
+// Throws Error (input) for another name.
 [[nodiscard]] Profile profile(const std::string& name, std::optional<double> budget);
 
 }  // namespace assur::tuning

@@ -1,4 +1,4 @@
-// Where one more cell tells most: between sizes where the best two are close and the model is unsure.
+// Chooses further cells: between sizes at which the best two strategies are close and the model is uncertain.
 #pragma once
 
 #include <span>
@@ -8,16 +8,17 @@
 
 namespace assur::tuning {
 
-// At most `most` new cells, each between two neighbouring sizes of a family that was measured, those first from which
-// the model's choice is expected to gain most. Empty if no two neighbours are far enough apart.
+// At most `most` new cells between neighbouring sizes of measured families; first the cells from which the choices of
+// the model are expected to gain most. Empty if no two neighbours are far enough apart.
 [[nodiscard]] std::vector<Cell> propose(const PerformanceModel& model, std::span<const CellResult> cells,
                                         std::size_t most);
 
-// Everything that is known but for what was held out.
+// The model of all samples except held-out ones.
 [[nodiscard]] PerformanceModel model_of(std::span<const CellResult> cells);
 
-// Spends the time that a campaign has left on new cells, a few between two models. until_settled: measures all cells
-// again between two models, and ends once three models in a row have not lowered the mean regret on what was held out.
+// Spends the remaining time of a campaign on new cells; after a few cells it fits a new model. until_settled: also
+// measures all cells again for each new model, and ends when three models in a row have not reduced the mean regret on
+// held-out cells.
 void refine(Campaign& campaign, bool until_settled);
 
 }  // namespace assur::tuning

@@ -1,4 +1,4 @@
-// A finished tuning run once more, from its samples: what was known of the machine at which time.
+// Replays a finished tuning run from its samples: the regret as a function of the time spent.
 #pragma once
 
 #include <span>
@@ -10,18 +10,18 @@
 
 namespace assur::tuning {
 
-// The cells of a run over general_cells(), in the order in which their first samples were stored. Of a cell only its
-// kind, n, groups and held_out are known.
+// The cells of a run over general_cells(), in the order of their first samples. Only kind, n, groups and held_out of a
+// cell are set.
 [[nodiscard]] std::vector<CellResult> cells_of(std::span<const Sample> samples);
 
-// What was known after some of the cells.
+// The model after a part of the run.
 struct Stage {
-  std::size_t cells = 0, samples = 0;  // that the model knows
-  double share = 0;                    // of the time of all timed calls but those that were held out
-  Regret regret;                       // on what was held out
+  std::size_t cells = 0, samples = 0;  // that the model uses
+  double share = 0;                    // part of the time of all timed calls, without held-out cells
+  Regret regret;                       // on held-out cells
 };
 
-// After 1, 2, ... of `most` parts that took the same time; fewer where there are fewer cells.
+// Stages after 1, 2, ... of `most` parts of equal time; fewer if there are fewer cells.
 [[nodiscard]] std::vector<Stage> replay(std::span<const CellResult> cells, int most);
 
 }  // namespace assur::tuning

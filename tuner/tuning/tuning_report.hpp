@@ -1,4 +1,4 @@
-// What a tuning run found, for people and as JSON.
+// Results of a tuning run, for people and as JSON.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@
 namespace assur::output {
 
 struct TuningSummary {
-  std::optional<std::int64_t> run;  // of the database; empty: stored nowhere
+  std::optional<std::int64_t> run;  // id in the database; empty: not stored
   std::string database;             // file; "": none
   std::string profile;
   std::string grade;  // good, fair, noisy
@@ -25,21 +25,22 @@ struct TuningSummary {
   double seconds = 0;
   tuning::CampaignFigures figures;
   tuning::Regret regret;
-  std::map<std::string, std::string> failed;  // backends that did not survive their trial, and how
+  std::map<std::string, std::string> failed;  // backends that failed their trial, with the reason
   std::span<const tuning::CellResult> cells;
 };
 
 // The fastest candidate of a cell.
 struct Winner {
-  std::string family;              // of what is comparable: told with what was timed
+  std::string family;              // name of the comparable winners, with the kernel
   Kernel kernel = Kernel::factor;  // factor: with three solutions
-  bool side_by_side = false;       // of sixteen matrices, else of one
+  bool side_by_side = false;       // for sixteen matrices, else for one
   std::int32_t n = 0, groups = 1;
   std::string strategy;
   double seconds = 0;  // for one matrix or group; step: of the mechanism
 };
 
-// Of every cell, sorted by family and size; of bare matrices for one alone and for sixteen side by side.
+// The winners of all cells, sorted by family and size; for bare matrices one for a single matrix and one for sixteen
+// side by side.
 [[nodiscard]] std::vector<Winner> winners(std::span<const tuning::CellResult> cells);
 
 void print(Page& page, const TuningSummary& summary);

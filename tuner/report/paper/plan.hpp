@@ -1,4 +1,4 @@
-// What is run for each cell of the paper's tables, and how much of it a budget of time allows.
+// Plans the runs for each cell of the paper's tables within a budget of time.
 #pragma once
 
 #include <map>
@@ -10,16 +10,16 @@
 
 namespace assur::report {
 
-// The solvers that stand for the paper's on this machine, by their properties; ids of backends.
+// Backends on this machine that replace the solvers of the paper, chosen by their properties; ids.
 struct StandIns {
   std::string dense;     // for MKL, one thread in each group
-  std::string threaded;  // for MKL with several threads in each of several groups; "": there is none
+  std::string threaded;  // for MKL with several threads in each of several groups; "": none
   std::string sparse;    // for MA27
-  bool ma27 = false;     // itself is there as well, for one thread
+  bool ma27 = false;     // true if MA27 itself is available, for one thread
 };
 [[nodiscard]] StandIns stand_ins();
 
-// What this library has of its own, beside the paper's versions: auto, and the solver that fills lanes.
+// Versions of this library beyond those of the paper: `auto`, and the solver that fills lanes.
 [[nodiscard]] const std::vector<std::string>& ours();
 
 // One thing to run in a cell.
@@ -30,40 +30,42 @@ struct Entrant {
   std::string strategy;
 };
 
-// p q <= threads, p <= groups: 1 to 4, then 6, 8, 12, 16, ...
+// All splits with p q <= threads and p <= groups; p and q are 1 to 4, then 6, 8, 12, 16, ...
 [[nodiscard]] std::vector<Split> splits(int threads, int groups);
 
-// Table 5's 6x2 and 2x6, as far as the threads go: 2x1 and 1x2 of two, 4x1 and 1x4 of four, 6x2 and 2x6 of twelve.
+// The splits 6x2 and 2x6 of table 5, or similar ones for fewer threads: 2x1 and 1x2 for two, 4x1 and 1x4 for four
+// threads.
 struct WideAndNarrow {
   Split wide, narrow;
 };
 [[nodiscard]] WideAndNarrow wide_and_narrow(int threads);
 
-// Whether both readings are run: not in the large cells of table 5, where they are 11 and 12 factorisations of a step.
+// True if both readings are run: not in the large cells of table 5, where a step has 11 or 12 factorisations.
 [[nodiscard]] bool reads_twice(const PaperCell& cell);
 
-// A mechanism and everything that is to be timed in turns on it.
+// A mechanism with all entrants that are timed in turns.
 struct PaperContest {
   PaperCell cell;
   std::vector<Entrant> entrants;
 };
-// Of all tables, each mechanism once; quick: small ones only.
+// The contests of all tables, one for each mechanism; quick: small mechanisms only.
 [[nodiscard]] std::vector<PaperContest> contests(int threads, bool quick, const StandIns& with);
 
-// Seconds of one step, expected: by counts until something like it has been timed.
+// Expected seconds of one step: by operation counts until a similar entrant was timed.
 class PaperCosts {
  public:
   [[nodiscard]] double step(const PaperCell& cell, const Entrant& entrant) const;
-  // Of everything that has to happen once for an entrant: preparation, verification, and three rounds.
+  // Expected seconds of the least work for an entrant: preparation, verification, and three rounds.
   [[nodiscard]] double least(const PaperCell& cell, const Entrant& entrant) const;
   void learn(const PaperCell& cell, const Entrant& entrant, double seconds);
 
  private:
-  std::map<std::string, double> correction_;  // of the counts, by kind of entrant: the last one that was timed
+  std::map<std::string, double>
+      correction_;  // measured over counted seconds, by type of entrant, of the last timed one
 };
 
-// Entrants that fit into so many seconds together, the cheapest first over all contests: rows x entrants, true if it
-// is to be run.
+// Selects entrants that fit into `seconds` together, the cheapest first over all contests. [contest][entrant]: true if
+// it runs.
 [[nodiscard]] std::vector<std::vector<bool>> affordable(std::span<const PaperContest> contests, const PaperCosts& costs,
                                                         double seconds);
 

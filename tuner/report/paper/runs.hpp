@@ -1,4 +1,5 @@
-// The paper's experiments, run on this machine: every strategy of a cell verified, then all of them timed in turns.
+// Runs the experiments of the paper on this machine: verifies every strategy of a cell, then times all of them in
+// turns.
 #pragma once
 
 #include <memory>
@@ -14,21 +15,21 @@ namespace assur::report {
 
 struct PaperOptions {
   Conditions conditions;
-  std::shared_ptr<const PerformanceModel> model = nullptr;  // that `auto` decides by; null: machine_model()
-  double watts = 0;                                         // of the processor (thermal design power); 0: not known
+  std::shared_ptr<const PerformanceModel> model = nullptr;  // model for `auto`; null: machine_model()
+  double watts = 0;                                         // thermal design power of the processor; 0: unknown
   EnergyMeter meter = EnergyMeter();
 };
 
 struct PaperResults {
-  std::vector<PaperTiming> times;  // of what was run, and of what was not, and why
+  std::vector<PaperTiming> times;  // of all entrants; those that were not run have a reason
   StandIns stand_ins;
   int threads = 1;
   bool quick = true, interrupted = false;
   measure::Judgement noise = {};
 };
 
-// Everything that fits into the time given, the short cells first. Never throws for what cannot run here: it is listed
-// with the reason.
+// Runs everything that fits into the given time, short cells first. Entrants that cannot run here are listed with the
+// reason, and cause no exception.
 [[nodiscard]] PaperResults run_the_paper(const PaperOptions& options);
 
 }  // namespace assur::report

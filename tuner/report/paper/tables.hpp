@@ -1,4 +1,4 @@
-// The paper's tables and figures again, theirs beside ours: one section of the report for each.
+// The tables and figures of the paper beside those of this machine: one section of the report for each.
 #pragma once
 
 #include <vector>
@@ -8,10 +8,11 @@
 
 namespace assur::report {
 
-// Runs what fits into the time given and tells it; interrupted, what is done, and what is missing.
+// Runs the experiments that fit into the given time, and reports them. If interrupted, reports the results so far and
+// the missing ones.
 [[nodiscard]] std::vector<Section> reproduce_paper(const PaperOptions& options);
 
-// The same from results that are there: tables 2 to 5, figures 2 and 3, and the conclusions.
+// The sections from given results: tables 2 to 5, figures 2 and 3, and the conclusions.
 [[nodiscard]] std::vector<Section> paper_sections(const PaperResults& results, const PaperOptions& options);
 
 }  // namespace assur::report
