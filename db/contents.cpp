@@ -17,8 +17,52 @@
 namespace assur::db {
 namespace {
 
-using Row = SQLite::Statement;
-using TakeRow = std::function<void(Row&)>;
+// A statement and the row that it is at. The library reads thousands of rows before its first step; SQLiteCpp shares
+// the ownership of the statement with an object for each value.
+class Row {
+ public:
+  Row(SQLite::Database& database, const std::string& select) {
+    check(
+        sqlite3_prepare_v2(database.getHandle(), select.data(), static_cast<int>(select.size()), &statement_, nullptr),
+        database.getHandle());
+  }
+  Row(const Row&) = delete;
+  Row& operator=(const Row&) = delete;
+  ~Row() { sqlite3_finalize(statement_); }
+
+  // False: there is no further row.
+  bool next() {
+    const int code = sqlite3_step(statement_);
+    if (code != SQLITE_ROW && code != SQLITE_DONE) check(code, sqlite3_db_handle(statement_));
+    return code == SQLITE_ROW;
+  }
+  // From the first row again.
+  void reset(std::int64_t parameter) {
+    sqlite3_reset(statement_);
+    check(sqlite3_bind_int64(statement_, 1, parameter), sqlite3_db_handle(statement_));
+  }
+
+  [[nodiscard]] std::int64_t integer(int column) const { return sqlite3_column_int64(statement_, column); }
+  [[nodiscard]] std::int32_t small(int column) const { return sqlite3_column_int(statement_, column); }
+  [[nodiscard]] double real(int column) const { return sqlite3_column_double(statement_, column); }
+  [[nodiscard]] double real_or_nan(int column) const { return is_null(column) ? kNan : real(column); }
+  [[nodiscard]] bool is_null(int column) const { return sqlite3_column_type(statement_, column) == SQLITE_NULL; }
+  // Until the next row.
+  [[nodiscard]] std::string_view text(int column) const {
+    const unsigned char* const bytes = sqlite3_column_text(statement_, column);
+    if (bytes == nullptr) return {};
+    return {reinterpret_cast<const char*>(bytes), static_cast<std::size_t>(sqlite3_column_bytes(statement_, column))};
+  }
+  [[nodiscard]] std::string string(int column) const { return std::string(text(column)); }
+
+ private:
+  static void check(int code, sqlite3* database) {
+    if (code != SQLITE_OK) throw SQLite::Exception(database, code);
+  }
+
+  sqlite3_stmt* statement_ = nullptr;
+};
+using TakeRow = std::function<void(const Row&)>;
 
 constexpr std::int64_t kMostReserved = 10'000;    // samples, whatever a damaged count says
 constexpr std::int64_t kFurthestLookup = 10'000;  // ids beyond the last one seen, where the end of a table is damaged
@@ -27,8 +71,8 @@ constexpr std::int64_t kFurthestLookup = 10'000;  // ids beyond the last one see
 std::int64_t scan(SQLite::Database& database, const std::string& select, const TakeRow& take, bool ascending = true) {
   Row row(database, select);
   for (std::int64_t last = 0;;) {
-    if (!row.executeStep()) return last;
-    const std::int64_t id = row.getColumn(0).getInt64();
+    if (!row.next()) return last;
+    const std::int64_t id = row.integer(0);
     if (ascending && id <= last) throw SQLite::Exception("rows are out of order", SQLITE_CORRUPT);
     last = id;
     take(row);
@@ -47,17 +91,17 @@ void salvage(SQLite::Database& database, const std::string& select, const TakeRo
   };
   bool whole = false;
   attempt([&] {
-    scan(database, select + " ORDER BY id", [&](Row& row) {
+    scan(database, select + " ORDER BY id", [&](const Row& row) {
       take(row);
-      front = row.getColumn(0).getInt64();
+      front = row.integer(0);
     });
     whole = true;
   });
   if (whole) return;
   attempt([&] {
     Row row(database, select + " ORDER BY id DESC");
-    while (row.executeStep()) {
-      const std::int64_t id = row.getColumn(0).getInt64();
+    while (row.next()) {
+      const std::int64_t id = row.integer(0);
       if (id <= front || (back && id >= *back)) break;
       take(row);
       back = id;
@@ -68,9 +112,8 @@ void salvage(SQLite::Database& database, const std::string& select, const TakeRo
     Row row(database, select + " WHERE id = ?1");
     for (std::int64_t id = front + 1; id < end; ++id) {
       attempt([&] {
-        row.tryReset();
-        row.bind(1, id);
-        if (row.executeStep() && row.getColumn(0).getInt64() == id) take(row);
+        row.reset(id);
+        if (row.next() && row.integer(0) == id) take(row);
       });
     }
   });
@@ -90,8 +133,6 @@ void each(SQLite::Database& database, Care care, const std::string& select, cons
   }
 }
 
-std::int32_t integer(Row& row, int column) { return row.getColumn(column).getInt(); }
-
 std::vector<Cache> caches_of(const std::string& text) {
   std::vector<Cache> caches;
   std::istringstream stream(text);
@@ -108,57 +149,57 @@ std::vector<std::int32_t> numbered(std::int64_t cores) {
   return numbers;
 }
 
-Host host_of(Row& row) {
+Host host_of(const Row& row) {
   Host host;
-  host.vendor = row.getColumn(1).getString();
-  host.family = integer(row, 2);
-  host.model = integer(row, 3);
-  host.stepping = integer(row, 4);
-  host.machine.model = row.getColumn(5).getString();
-  host.machine.instructions = row.getColumn(6).getString();
-  host.machine.cores = numbered(row.getColumn(7).getInt64());
-  host.machine.processors = integer(row, 8);
-  host.machine.quota = row.getColumn(9).getDouble();
-  host.machine.caches = caches_of(row.getColumn(10).getString());
-  host.machine.numa_nodes = integer(row, 11);
-  host.memory = row.getColumn(12).getInt64();
+  host.vendor = row.string(1);
+  host.family = row.small(2);
+  host.model = row.small(3);
+  host.stepping = row.small(4);
+  host.machine.model = row.string(5);
+  host.machine.instructions = row.string(6);
+  host.machine.cores = numbered(row.integer(7));
+  host.machine.processors = row.small(8);
+  host.machine.quota = row.real(9);
+  host.machine.caches = caches_of(row.string(10));
+  host.machine.numa_nodes = row.small(11);
+  host.memory = row.integer(12);
   return host;
 }
 
-RunRow run_of(Row& row) {
+RunRow run_of(const Row& row) {
   RunRow r;
-  r.run.id = row.getColumn(0).getInt64();
-  r.run.uid = row.getColumn(1).getString();
-  r.machine = row.getColumn(2).getInt64();
-  r.run.profile = row.getColumn(3).getString();
-  r.run.assur = row.getColumn(4).getString();
-  r.run.started = row.getColumn(5).getString();
-  r.run.threads = integer(row, 6);
-  r.run.load = row.getColumn(7).getDouble();
-  r.microcode = row.getColumn(8).getString();
-  r.process = row.getColumn(9).getInt64();
-  r.samples = row.getColumn(15).getInt64();
-  r.run.finished = !row.getColumn(10).isNull();
+  r.run.id = row.integer(0);
+  r.run.uid = row.string(1);
+  r.machine = row.integer(2);
+  r.run.profile = row.string(3);
+  r.run.assur = row.string(4);
+  r.run.started = row.string(5);
+  r.run.threads = row.small(6);
+  r.run.load = row.real(7);
+  r.microcode = row.string(8);
+  r.process = row.integer(9);
+  r.samples = row.integer(15);
+  r.run.finished = !row.is_null(10);
   if (!r.run.finished) return r;
-  r.finished = row.getColumn(10).getString();
-  r.run.grade = row.getColumn(11).getString();
-  r.run.seconds = row.getColumn(12).getDouble();
-  r.run.coverage = row.getColumn(13).getDouble();
-  r.run.note = row.getColumn(14).getString();
+  r.finished = row.string(10);
+  r.run.grade = row.string(11);
+  r.run.seconds = row.real(12);
+  r.run.coverage = row.real(13);
+  r.run.note = row.string(14);
   return r;
 }
 
-Shape shape_of(Row& row) {
+Shape shape_of(const Row& row) {
   Shape s;
-  s.n = integer(row, 1);
-  s.nnz = integer(row, 2);
-  s.groups = integer(row, 3);
-  s.rhs = integer(row, 4);
-  s.fill = row.getColumn(5).getInt64();
-  s.operations = row.getColumn(6).getInt64();
-  s.depth = row.getColumn(7).getInt64();
-  s.terms = row.getColumn(8).getInt64();
-  if (!parse_hexadecimal(row.getColumn(9).getText(), s.pattern)) s.pattern = ~s.pattern;  // damaged: so is its sum
+  s.n = row.small(1);
+  s.nnz = row.small(2);
+  s.groups = row.small(3);
+  s.rhs = row.small(4);
+  s.fill = row.integer(5);
+  s.operations = row.integer(6);
+  s.depth = row.integer(7);
+  s.terms = row.integer(8);
+  if (!parse_hexadecimal(row.text(9), s.pattern)) s.pattern = ~s.pattern;  // damaged: so is its sum
   return s;
 }
 
@@ -184,59 +225,87 @@ std::optional<Kernel> kernel_of(std::string_view text) {
   }
 }
 
-double or_nan(const SQLite::Column& column) { return column.isNull() ? kNan : column.getDouble(); }
-
 // Everything that is stored with a sample; what it refers to by the sum of that.
-std::int64_t sum_of(const Sample& s, std::string_view kernel, std::uint64_t shape, std::uint64_t strategy,
-                    std::uint64_t library, std::uint64_t run) {
+std::int64_t sum_of(const Sample& s, std::string_view uid, std::string_view kernel, std::uint64_t shape,
+                    std::uint64_t strategy, std::uint64_t library, std::uint64_t run) {
   Checksum sum;
-  sum << s.uid << kernel << s.seconds << s.spread << s.repetitions << s.backward_error << s.forward_error;
+  sum << uid << kernel << s.seconds << s.spread << s.repetitions << s.backward_error << s.forward_error;
   if (!std::isnan(s.slowness)) sum << s.slowness;  // older schemas had no such column
   for (const std::uint64_t part : {shape, strategy, library, run}) sum << static_cast<std::int64_t>(part);
   return static_cast<std::int64_t>(sum.value());
 }
 
-template <class Value>
-const Checked<Value>* find(const std::unordered_map<std::int64_t, Checked<Value>>& table, std::int64_t id) {
-  const auto found = table.find(id);
-  return found == table.end() ? nullptr : &found->second;
-}
+// Samples mostly refer to the same as the one before.
+template <class Table>
+class Lookup {
+ public:
+  explicit Lookup(const Table& table) : table_(table) {}
 
-void take_sample(Row& row, const Tables& tables, Samples& samples) {
-  SampleRow r;
-  Sample& s = r.sample;
-  r.id = row.getColumn(0).getInt64();
-  s.uid = row.getColumn(1).getText();
-  r.run = row.getColumn(2).getInt64();
-  r.library = row.getColumn(3).getInt64();
-  const SQLite::Column kernel = row.getColumn(4);
-  s.seconds = row.getColumn(7).getDouble();
-  s.spread = row.getColumn(8).getDouble();
-  s.repetitions = row.getColumn(9).getInt64();
-  s.backward_error = or_nan(row.getColumn(10));
-  s.forward_error = or_nan(row.getColumn(11));
-  s.slowness = or_nan(row.getColumn(13));
-  const auto* const shape = find(tables.shapes, row.getColumn(5).getInt64());
-  const auto* const strategy = find(tables.strategies, row.getColumn(6).getInt64());
-  const auto* const library = find(tables.libraries, r.library);
-  const auto run = tables.runs.find(r.run);
-  const bool whole = shape && strategy && library && run != tables.runs.end() &&
-                     sum_of(s, kernel.getText(), shape->sum, strategy->sum, library->sum, run->second.sum) ==
-                         row.getColumn(12).getInt64();
-  if (!whole) {
-    ++samples.damaged;
-    return;
+  // Null: there is none of this id.
+  const typename Table::mapped_type* operator()(std::int64_t id) {
+    if (id != last_ || found_ == nullptr) {
+      const auto at = table_.find(id);
+      found_ = at == table_.end() ? nullptr : &at->second;
+      last_ = id;
+    }
+    return found_;
   }
-  const auto kind = kernel_of(kernel.getText());
-  if (!kind || !strategy->value) {
-    ++samples.unknown;
-    return;
+
+ private:
+  const Table& table_;
+  std::int64_t last_ = 0;
+  const typename Table::mapped_type* found_ = nullptr;
+};
+
+class TakeSample {
+ public:
+  TakeSample(const Tables& tables, Uids uids, Samples& samples)
+      : shape_of_(tables.shapes),
+        strategy_of_(tables.strategies),
+        library_of_(tables.libraries),
+        run_of_(tables.runs),
+        uids_(uids),
+        samples_(samples) {}
+
+  void operator()(const Row& row) {
+    const std::string_view uid = row.text(1), kernel = row.text(4);
+    SampleRow& r = samples_.rows.emplace_back();  // in its place at once, but for a few
+    Sample& s = r.sample;
+    r.id = row.integer(0);
+    r.run = row.integer(2);
+    r.library = row.integer(3);
+    s.seconds = row.real(7);
+    s.spread = row.real(8);
+    s.repetitions = row.integer(9);
+    s.backward_error = row.real_or_nan(10);
+    s.forward_error = row.real_or_nan(11);
+    s.slowness = row.real_or_nan(13);
+    const auto* const shape = shape_of_(row.integer(5));
+    const auto* const strategy = strategy_of_(row.integer(6));
+    const auto* const library = library_of_(r.library);
+    const auto* const run = run_of_(r.run);
+    const bool whole = shape && strategy && library && run &&
+                       sum_of(s, uid, kernel, shape->sum, strategy->sum, library->sum, run->sum) == row.integer(12);
+    const auto kind = whole ? kernel_of(kernel) : std::nullopt;
+    if (!kind || !strategy->value) {
+      ++(whole ? samples_.unknown : samples_.damaged);
+      samples_.rows.pop_back();
+      return;
+    }
+    if (uids_ == Uids::read) s.uid = uid;
+    s.kernel = *kind;
+    s.shape = shape->value;
+    s.strategy = *strategy->value;
   }
-  s.kernel = *kind;
-  s.shape = shape->value;
-  s.strategy = *strategy->value;
-  samples.rows.push_back(std::move(r));
-}
+
+ private:
+  Lookup<decltype(Tables::shapes)> shape_of_;
+  Lookup<decltype(Tables::strategies)> strategy_of_;
+  Lookup<decltype(Tables::libraries)> library_of_;
+  Lookup<decltype(Tables::runs)> run_of_;
+  Uids uids_;
+  Samples& samples_;
+};
 
 // The fixed work is of one version and build of assur.
 using PaceOrigin = std::tuple<std::int64_t, std::string_view, std::string_view>;  // machine, assur, build
@@ -281,12 +350,12 @@ Tables read_origins(SQLite::Database& database, Care care) {
   each(database, care,
        "SELECT id, vendor, family, model, stepping, name, instructions, cores, processors, quota, caches, numa_nodes, "
        "memory FROM machine",
-       [&](Row& row) { tables.machines[row.getColumn(0).getInt64()] = host_of(row); });
+       [&](const Row& row) { tables.machines[row.integer(0)] = host_of(row); });
   each(database, care,
        "SELECT id, uid, machine, profile, assur, started, threads, load, microcode, process, finished, grade, seconds, "
        "coverage, note, " +
            column_or(database, "tuning_run", "samples", "0") + " FROM tuning_run",
-       [&](Row& row) {
+       [&](const Row& row) {
          RunRow r = run_of(row);
          const auto machine = tables.machines.find(r.machine);
          if (machine == tables.machines.end()) return;
@@ -296,10 +365,10 @@ Tables read_origins(SQLite::Database& database, Care care) {
        });
   each(
       database, care, "SELECT id, name, version, build FROM library",
-      [&](Row& row) {
-        Library library{row.getColumn(1).getString(), row.getColumn(2).getString(), row.getColumn(3).getString()};
+      [&](const Row& row) {
+        Library library{row.string(1), row.string(2), row.string(3)};
         const std::uint64_t sum = sum_of(library);
-        tables.libraries.insert_or_assign(row.getColumn(0).getInt64(), Checked<Library>{std::move(library), sum});
+        tables.libraries.insert_or_assign(row.integer(0), Checked<Library>{std::move(library), sum});
       },
       "sqlite_autoindex_library_1");
   return tables;
@@ -308,16 +377,16 @@ Tables read_origins(SQLite::Database& database, Care care) {
 void read_subjects(SQLite::Database& database, Tables& tables, Care care) {
   each(
       database, care, "SELECT id, n, nnz, groups, rhs, fill, operations, depth, terms, pattern FROM shape",
-      [&](Row& row) {
+      [&](const Row& row) {
         const Shape shape = shape_of(row);
-        tables.shapes.insert_or_assign(row.getColumn(0).getInt64(), Checked<Shape>{shape, checksum(shape)});
+        tables.shapes.insert_or_assign(row.integer(0), Checked<Shape>{shape, checksum(shape)});
       },
       "sqlite_autoindex_shape_1");
   each(
       database, care, "SELECT id, text FROM strategy",
-      [&](Row& row) {
-        const std::string text = row.getColumn(1).getString();
-        tables.strategies.insert_or_assign(row.getColumn(0).getInt64(),
+      [&](const Row& row) {
+        const std::string text = row.string(1);
+        tables.strategies.insert_or_assign(row.integer(0),
                                            Checked<std::optional<Strategy>>{strategy_of(text), sum_of(text)});
       },
       "sqlite_autoindex_strategy_1");
@@ -329,9 +398,10 @@ Tables read_tables(SQLite::Database& database, Care care) {
   return tables;
 }
 
-Samples read_samples(SQLite::Database& database, const Tables& tables, Care care, std::span<const std::int64_t> runs) {
+Samples read_samples(SQLite::Database& database, const Tables& tables, Care care, Uids uids,
+                     std::span<const std::int64_t> runs) {
   Samples samples;
-  const TakeRow take = [&](Row& row) { take_sample(row, tables, samples); };
+  const TakeRow take = TakeSample(tables, uids, samples);
   const std::string select =
       "SELECT id, uid, run, library, kernel, shape, strategy, seconds, spread, repetitions, backward_error, "
       "forward_error, checksum, " +
@@ -352,7 +422,7 @@ Contents read_all(SQLite::Database& database, Care care) {
   const SQLite::Transaction moment(database);
   Contents contents;
   contents.tables = read_tables(database, care);
-  contents.samples = read_samples(database, contents.tables, care);
+  contents.samples = read_samples(database, contents.tables, care, Uids::read);
   return contents;
 }
 
@@ -368,7 +438,8 @@ void at_usual_pace(Samples& samples, const Tables& tables) {
     const auto [at, is_new] = of.try_emplace({row.run, row.library});
     if (is_new) at->second = usual.at(origin_of(row, tables));
     const double slowness = s.slowness / at->second;
-    s = slowed(std::move(s), 1 / slowness);
+    s.seconds = slowed(s.kernel, s.seconds, 1 / slowness);
+    s.spread *= 1 / slowness;
     s.slowness = slowness;
   }
 }
@@ -382,7 +453,7 @@ std::optional<double> usual_pace(const Contents& contents, std::int64_t machine,
 
 std::int64_t checksum(const Sample& sample, const Library& library, const std::string& run,
                       const std::string& machine) {
-  return sum_of(sample, name(sample.kernel), checksum(sample.shape), sum_of(to_string(sample.strategy)),
+  return sum_of(sample, sample.uid, name(sample.kernel), checksum(sample.shape), sum_of(to_string(sample.strategy)),
                 sum_of(library), sum_of(run, machine));
 }
 

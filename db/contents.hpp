@@ -21,6 +21,9 @@ enum class Care : std::uint8_t {
   salvaging,  // whatever can be read of a damaged file
 };
 
+// Whether samples have their uids: only those need them who hand samples on.
+enum class Uids : std::uint8_t { read, left_out };
+
 // A row together with the checksum of what it says.
 template <class Value>
 struct Checked {
@@ -65,7 +68,7 @@ struct Samples {
 void read_subjects(SQLite::Database& database, Tables& tables, Care care = Care::trusting);
 
 // Of these runs, or of all if there are none. Throws SQLite::Exception.
-[[nodiscard]] Samples read_samples(SQLite::Database& database, const Tables& tables, Care care = Care::trusting,
+[[nodiscard]] Samples read_samples(SQLite::Database& database, const Tables& tables, Care care, Uids uids,
                                    std::span<const std::int64_t> runs = {});
 
 struct Contents {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <deque>
 #include <map>
 #include <tuple>
 #include <unordered_set>
@@ -42,8 +43,8 @@ class Reading {
 
  private:
   bool take_level(Likeness level);
-  std::vector<Sample> samples_of(Source& source, std::int64_t machine);
-  void add(std::vector<Sample> found);
+  std::vector<const Sample*> samples_of(Source& source, std::int64_t machine);
+  void add(std::vector<const Sample*> found);
   void say_source(const Source& source, std::int64_t machine, Likeness level);
   const Library& library_of(const std::string& name);  // at hand
   bool believed(const Library& library);
@@ -55,7 +56,8 @@ class Reading {
   const LibraryAtHand& at_hand_;
   std::vector<Source> sources_;
   std::map<std::string, Library> libraries_;  // at hand, those asked for so far
-  std::vector<Sample> samples_;
+  std::deque<Samples> read_;
+  std::vector<const Sample*> samples_;       // of those read, the good ones
   std::unordered_set<std::uint64_t> cells_;  // of the files before
   std::string source_;
   Counts counts_;
@@ -77,7 +79,8 @@ void Reading::open(const DatabaseFile& file) {
   try {
     guarded(file.file, [&] {
       SQLite::Database database = open_to_read(file.file);
-      database.exec("BEGIN");  // all of it as of one moment
+      // All of it as of one moment. Each page is read once: a small cache keeps to the same memory.
+      database.exec("PRAGMA cache_size = 16; BEGIN");
       Source source{file.file, std::move(database), {}, {}};
       source.tables = read_origins(source.database);
       for (const auto& [id, host] : source.tables.machines) source.machines.emplace_back(likeness(host_, host), id);
@@ -113,7 +116,7 @@ bool Reading::believed(const Library& library) {
 }
 
 // Good ones, with the libraries that are at hand.
-std::vector<Sample> Reading::samples_of(Source& source, std::int64_t machine) {
+std::vector<const Sample*> Reading::samples_of(Source& source, std::int64_t machine) {
   std::vector<std::int64_t> runs;
   for (const auto& [id, run] : source.tables.runs) {
     if (run.value.machine == machine) runs.push_back(id);
@@ -122,21 +125,22 @@ std::vector<Sample> Reading::samples_of(Source& source, std::int64_t machine) {
   if (source.tables.shapes.empty()) read_subjects(source.database, source.tables);
   if (runs.size() == source.tables.runs.size())
     runs.clear();  // all of them: in the order of the table, which is faster
-  Samples samples = read_samples(source.database, source.tables, Care::trusting, runs);
+  Samples& samples =
+      read_.emplace_back(read_samples(source.database, source.tables, Care::trusting, Uids::left_out, runs));
   counts_.damaged += samples.damaged;
   counts_.lost += samples.lost;
   counts_.seen += static_cast<std::int64_t>(samples.rows.size());
   at_usual_pace(samples, source.tables);
   std::map<std::int64_t, bool> holds;
-  std::vector<Sample> good;
+  std::vector<const Sample*> good;
   good.reserve(samples.rows.size());
-  for (SampleRow& row : samples.rows) {
+  for (const SampleRow& row : samples.rows) {
     auto found = holds.find(row.library);
     if (found == holds.end()) {
       found = holds.emplace(row.library, believed(source.tables.libraries.at(row.library).value)).first;
     }
     if (found->second) {
-      good.push_back(std::move(row.sample));
+      good.push_back(&row.sample);
     } else {
       ++counts_.stale;
     }
@@ -150,7 +154,7 @@ bool Reading::take_level(Likeness level) {
     for (const auto& [likeness, machine] : source.machines) {
       if (likeness != level || (level != Likeness::same && !samples_.empty())) continue;
       try {
-        std::vector<Sample> found = guarded(source.file, [&] { return samples_of(source, machine); });
+        std::vector<const Sample*> found = guarded(source.file, [&] { return samples_of(source, machine); });
         if (found.empty()) continue;
         add(std::move(found));
         say_source(source, machine, level);
@@ -163,17 +167,17 @@ bool Reading::take_level(Likeness level) {
 }
 
 // But for cells that a file before this one has.
-void Reading::add(std::vector<Sample> found) {
+void Reading::add(std::vector<const Sample*> found) {
   if (sources_.size() == 1) {
     samples_ = std::move(found);
     return;
   }
   std::vector<std::uint64_t> added;
-  for (Sample& sample : found) {
-    const std::uint64_t key = cell(sample);
+  for (const Sample* sample : found) {
+    const std::uint64_t key = cell(*sample);
     if (cells_.contains(key)) continue;
     added.push_back(key);
-    samples_.push_back(std::move(sample));
+    samples_.push_back(sample);
   }
   cells_.insert(added.begin(), added.end());
 }
@@ -225,7 +229,7 @@ MachineModel Reading::finish() {
       take_level(Likeness::same) || take_level(Likeness::processor) || take_level(Likeness::microarchitecture);
   if (!found) say_nothing_fits();
   say_counts();
-  return {std::make_shared<const PerformanceModel>(std::move(samples_), std::move(source_)), std::move(messages_)};
+  return {std::make_shared<const PerformanceModel>(samples_, std::move(source_)), std::move(messages_)};
 }
 
 }  // namespace

@@ -74,7 +74,9 @@ class PerformanceModel {
  public:
   PerformanceModel();  // nothing is known
   // `source` says whose samples these are, in words for people.
-  explicit PerformanceModel(std::vector<Sample> samples, std::string source = {});
+  explicit PerformanceModel(const std::vector<Sample>& samples, std::string source = {});
+  // The same of samples that lie anywhere; they may go afterwards.
+  explicit PerformanceModel(std::span<const Sample* const> samples, std::string source = {});
   PerformanceModel(const PerformanceModel&) = default;
   PerformanceModel& operator=(const PerformanceModel&) = default;
   ~PerformanceModel();

@@ -30,7 +30,7 @@ class Curve {
 
   // The fit is robust: coefficients >= 0 of the terms, least squares of relative deviations, outliers weigh less
   // (Huber 1964). At least one point; the order of the points does not matter beyond rounding.
-  explicit Curve(std::vector<Measured> points);
+  explicit Curve(const std::vector<Measured>& points);
 
   [[nodiscard]] Prediction at(const FitPoint& point) const;
 
