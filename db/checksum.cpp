@@ -19,13 +19,15 @@ void Checksum::take(std::uint64_t bits) {
 Checksum& Checksum::operator<<(std::string_view text) {
   take(text.size());
   // Eight bytes at a time, the first one the highest; what is left over is the low end of a word.
-  const auto word_of = [](std::string_view bytes) {
-    std::uint64_t word = 0;
-    for (const char byte : bytes) word = word << 8 | static_cast<unsigned char>(byte);
-    return word;
-  };
-  for (; text.size() >= 8; text.remove_prefix(8)) take(word_of(text.substr(0, 8)));
-  if (!text.empty()) take(word_of(text));
+  for (; text.size() >= 8; text.remove_prefix(8)) {
+    const auto byte = [&](std::size_t i) { return std::uint64_t{static_cast<unsigned char>(text[i])}; };
+    take(byte(0) << 56 | byte(1) << 48 | byte(2) << 40 | byte(3) << 32 | byte(4) << 24 | byte(5) << 16 | byte(6) << 8 |
+         byte(7));  // one load
+  }
+  if (text.empty()) return *this;
+  std::uint64_t word = 0;
+  for (const char byte : text) word = word << 8 | static_cast<unsigned char>(byte);
+  take(word);
   return *this;
 }
 

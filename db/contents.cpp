@@ -368,7 +368,8 @@ void at_usual_pace(Samples& samples, const Tables& tables) {
     const auto [at, is_new] = of.try_emplace({row.run, row.library});
     if (is_new) at->second = usual.at(origin_of(row, tables));
     const double slowness = s.slowness / at->second;
-    s = slowed(std::move(s), 1 / slowness);
+    s.seconds = slowed(s.kernel, s.seconds, 1 / slowness);
+    s.spread *= 1 / slowness;
     s.slowness = slowness;
   }
 }

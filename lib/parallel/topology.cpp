@@ -4,8 +4,10 @@
 #include <fstream>
 #include <iterator>
 #include <locale>
+#include <map>
 #include <set>
 #include <sstream>
+#include <utility>
 
 namespace assur {
 namespace {
@@ -28,14 +30,39 @@ bool any_of_them(const std::vector<int>& some, const std::vector<int>& others) {
   return !both.empty();
 }
 
-// The first processor of its core stands for the core. core_cpus_list has been called thread_siblings_list.
-int core_of(const path& cpus, int processor) {
-  for (const char* name : {"core_cpus_list", "thread_siblings_list"}) {
-    const path folder = cpus / ("cpu" + std::to_string(processor)) / "topology";
-    const std::vector<int> siblings = parse_processors(first_line(folder / name));
-    if (!siblings.empty()) return siblings.front();
+// The first processor of its core stands for the core; each file is read once.
+class Cores {
+ public:
+  explicit Cores(path cpus) : cpus_(std::move(cpus)) {}
+
+  int of(int processor) {
+    const auto [at, is_new] = known_.try_emplace(processor, 0);
+    if (is_new) at->second = read(processor);
+    return at->second;
   }
-  return processor;
+
+ private:
+  // core_cpus_list has been called thread_siblings_list.
+  [[nodiscard]] int read(int processor) const {
+    for (const char* name : {"core_cpus_list", "thread_siblings_list"}) {
+      const path folder = cpus_ / ("cpu" + std::to_string(processor)) / "topology";
+      const std::vector<int> siblings = parse_processors(first_line(folder / name));
+      if (!siblings.empty()) return siblings.front();
+    }
+    return processor;
+  }
+
+  path cpus_;
+  std::map<int, int> known_;
+};
+
+std::vector<std::int32_t> cores_of(const std::vector<int>& allowed, Cores& known) {
+  std::vector<std::int32_t> cores;
+  std::set<int> seen;
+  for (int processor : allowed) {
+    if (seen.insert(known.of(processor)).second) cores.push_back(processor);
+  }
+  return cores;
 }
 
 // "48K", "1M"; 0 if it is neither.
@@ -49,14 +76,14 @@ std::int64_t parse_bytes(const std::string& text) {
   return number * (unit == 'K' ? 1024 : unit == 'M' ? 1024 * 1024 : 1);
 }
 
-std::vector<Cache> caches_of(const path& cpus, int processor) {
+std::vector<Cache> caches_of(const path& cpus, int processor, Cores& known) {
   std::vector<Cache> caches;
   for (int index = 0;; ++index) {
     const path folder = cpus / ("cpu" + std::to_string(processor)) / "cache" / ("index" + std::to_string(index));
     const std::string type = first_line(folder / "type");
     if (type.empty()) break;
     std::set<int> cores;
-    for (int sharer : parse_processors(first_line(folder / "shared_cpu_list"))) cores.insert(core_of(cpus, sharer));
+    for (int sharer : parse_processors(first_line(folder / "shared_cpu_list"))) cores.insert(known.of(sharer));
     Cache cache;
     cache.level = static_cast<std::int32_t>(parse_bytes(first_line(folder / "level")));
     cache.bytes = parse_bytes(first_line(folder / "size"));
@@ -89,19 +116,16 @@ std::vector<int> parse_processors(const std::string& list) {
 }
 
 std::vector<std::int32_t> cores_by_sysfs(const std::vector<int>& allowed, const path& root) {
-  std::vector<std::int32_t> cores;
-  std::set<int> seen;
-  for (int processor : allowed) {
-    if (seen.insert(core_of(root / kProcessors, processor)).second) cores.push_back(processor);
-  }
-  return cores;
+  Cores known(root / kProcessors);
+  return cores_of(allowed, known);
 }
 
 Topology topology_by_sysfs(const std::vector<int>& allowed, const path& root) {
   Topology topology;
   topology.source = "sysfs";
-  topology.cores = cores_by_sysfs(allowed, root);
-  if (!allowed.empty()) topology.caches = caches_of(root / kProcessors, allowed.front());
+  Cores known(root / kProcessors);
+  topology.cores = cores_of(allowed, known);
+  if (!allowed.empty()) topology.caches = caches_of(root / kProcessors, allowed.front(), known);
   const path nodes = root / "sys/devices/system/node";
   const std::vector<int> online = parse_processors(first_line(nodes / "online"));
   topology.numa_nodes = static_cast<std::int32_t>(std::count_if(online.begin(), online.end(), [&](int node) {

@@ -10,13 +10,15 @@
 namespace assur {
 namespace {
 
-constexpr double kBandwidth = 0.35;   // in logarithms: sizes a factor of 1.4 apart still speak for each other
-constexpr double kShrink = 0.15;      // weight of the fit among the neighbours
-constexpr double kHuber = 0.15;       // relative deviation from which a point counts as an outlier
-constexpr double kLeastNoise = 0.02;  // relative: no time is better known
-constexpr double kFarAway = 0.7;      // = log 2
-constexpr double kEnough = 8;         // points that are trusted twice as far as none
-constexpr float kNowhere = 1e9F;      // so far away that it is nobody's neighbour
+constexpr double kBandwidth = 0.35;      // in logarithms: sizes a factor of 1.4 apart still speak for each other
+constexpr double kShrink = 0.15;         // weight of the fit among the neighbours
+constexpr double kHuber = 0.15;          // relative deviation from which a point counts as an outlier
+constexpr double kSurelyNear = 0.861;    // > exp(-kHuber)
+constexpr double kLeastNoise = 0.02;     // relative: no time is better known
+constexpr double kLeastSeconds = 1e-12;  // that a fit may give
+constexpr double kFarAway = 0.7;         // = log 2
+constexpr double kEnough = 8;            // points that are trusted twice as far as none
+constexpr float kNowhere = 1e9F;         // so far away that it is nobody's neighbour
 constexpr int kReweightings = 6;
 
 using Terms = std::array<double, kTerms>;
@@ -70,7 +72,7 @@ Terms medians_of_ratios(const std::vector<Curve::Measured>& points) {
 
 }  // namespace
 
-Curve::Curve(std::vector<Measured> points) : points_(points.size()) {
+Curve::Curve(const std::vector<Measured>& points) : points_(points.size()) {
   fit(points);
   Deviations none{};
   for (auto& axis : none.place) axis.fill(kNowhere);
@@ -92,34 +94,60 @@ void Curve::fit(const std::vector<Measured>& points) {
   // At first each term explains its share of every point in the middle.
   const Terms scale = medians_of_ratios(points);
   const auto used = std::count_if(scale.begin(), scale.end(), [](double x) { return x > 0; });
-  for (std::size_t j = 0; j < kTerms; ++j)
-    coefficients_[j] = scale[j] / static_cast<double>(std::max<std::ptrdiff_t>(used, 1));
-  std::vector<double> weight(points.size(), 1.0);
+  // Each term in a column, scaled.
+  const auto count = static_cast<Eigen::Index>(points.size());
+  Eigen::ArrayXXd terms(count, used), row(count, used);
+  Eigen::ArrayXd seconds(count), fits(count), share(count), weighed(count), weight = Eigen::ArrayXd::Ones(count);
+  std::array<std::size_t, kTerms> term{};  // of a column
+  for (std::size_t j = 0, column = 0; j < kTerms; ++j) {
+    if (scale[j] > 0) term[column++] = j;
+  }
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Measured& p = points[static_cast<std::size_t>(i)];
+    seconds[i] = p.seconds;
+    for (Eigen::Index c = 0; c < used; ++c) {
+      const std::size_t j = term[static_cast<std::size_t>(c)];
+      terms(i, c) = p.at.terms[j] * scale[j];
+    }
+  }
+  Moments x = Moments::Zero();
+  x.head(used).setConstant(1 / static_cast<double>(std::max<Eigen::Index>(used, 1)));
+  const auto fit_all = [&] {
+    fits.setZero();
+    for (Eigen::Index c = 0; c < used; ++c) fits += x[c] * terms.col(c);
+    fits = fits.max(kLeastSeconds);
+  };
+  fit_all();
   for (int round = 0; round < kReweightings; ++round) {
+    share = seconds.max(fits).inverse();
+    for (Eigen::Index c = 0; c < used; ++c) row.col(c) = terms.col(c) * share;
+    share *= seconds;
     Gram gram = Gram::Zero();
     Moments moments = Moments::Zero();
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const double size = std::max(points[i].seconds, fitted(points[i].at));
-      Moments row;
-      for (std::size_t j = 0; j < kTerms; ++j) {
-        row[static_cast<Eigen::Index>(j)] = points[i].at.terms[j] * scale[j] / size;
-      }
-      gram += weight[i] * row * row.transpose();
-      moments += weight[i] * points[i].seconds / size * row;
+    for (Eigen::Index c = 0; c < used; ++c) {
+      weighed = row.col(c) * weight;
+      moments[c] = (weighed * share).sum();
+      for (Eigen::Index d = 0; d <= c; ++d) gram(c, d) = gram(d, c) = (weighed * row.col(d)).sum();
     }
-    const Moments x = non_negative(gram, moments);
-    for (std::size_t j = 0; j < kTerms; ++j) coefficients_[j] = x[static_cast<Eigen::Index>(j)] * scale[j];
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const double deviation = std::abs(std::log(points[i].seconds / fitted(points[i].at)));
+    x = non_negative(gram, moments);
+    fit_all();
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const double ratio = seconds[i] / fits[i];
+      const bool near = ratio > kSurelyNear && ratio * kSurelyNear < 1;  // most of them, without a logarithm
+      const double deviation = near ? 0 : std::abs(std::log(ratio));
       weight[i] = deviation <= kHuber ? 1 : kHuber / deviation;
     }
+  }
+  for (Eigen::Index c = 0; c < used; ++c) {
+    const std::size_t j = term[static_cast<std::size_t>(c)];
+    coefficients_[j] = x[c] * scale[j];
   }
 }
 
 double Curve::fitted(const FitPoint& point) const {
   double sum = 0;
   for (std::size_t j = 0; j < kTerms; ++j) sum += coefficients_[j] * point.terms[j];
-  return std::max(sum, 1e-12);
+  return std::max(sum, kLeastSeconds);
 }
 
 Prediction Curve::at(const FitPoint& point, double otherwise) const {

@@ -31,7 +31,7 @@ class Curve {
 
   // The fit is robust: coefficients >= 0 of the terms, least squares of relative deviations, outliers weigh less
   // (Huber 1964). At least one point; the order of the points does not matter beyond rounding.
-  explicit Curve(std::vector<Measured> points);
+  explicit Curve(const std::vector<Measured>& points);
 
   // otherwise: time that is expected without these points, s; it counts the more, the further the point is from all of
   // them, and the fewer they are. 0: nothing is expected.

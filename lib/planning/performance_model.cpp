@@ -27,7 +27,7 @@ constexpr std::array kKernels = {NamedKernel{Kernel::evaluate, "evaluate"}, Name
 // What of a strategy a kernel depends on. Solvers differ by backend, precision and threads; W is kept apart, so that
 // another W can stand in.
 struct Variant {
-  std::string backend;
+  std::int32_t backend = 0;  // its number in BackendNumbers
   bool single = false, refine = false, once = false, separate = false;
   Reuse reuse = Reuse::fresh;
   std::int32_t q = 1, lanes = 1;
@@ -35,10 +35,30 @@ struct Variant {
   friend auto operator<=>(const Variant&, const Variant&) = default;
 };
 
-Variant variant_of(Kernel kernel, const Strategy& s) {
+// Names of backends, numbered in alphabetical order from 1: of those of the registry and of all samples.
+class BackendNumbers {
+ public:
+  BackendNumbers() {
+    for (const Backend& backend : backends()) add(backend.id);
+  }
+  void add(std::string_view name) {
+    if (number_of(name) >= 0) return;
+    names_.emplace(std::lower_bound(names_.begin(), names_.end(), name), name);
+  }
+  // -1: neither has it.
+  [[nodiscard]] std::int32_t number_of(std::string_view name) const {
+    const auto found = std::find(names_.begin(), names_.end(), name);
+    return found == names_.end() ? -1 : static_cast<std::int32_t>(found - names_.begin()) + 1;
+  }
+
+ private:
+  std::vector<std::string> names_;
+};
+
+Variant variant_of(Kernel kernel, const Strategy& s, const BackendNumbers& names) {
   if (kernel == Kernel::around) return {};  // whatever solves the groups
-  if (kernel == Kernel::evaluate) return {.backend = "", .lanes = s.solver.lanes};
-  Variant v{.backend = s.solver.backend,
+  if (kernel == Kernel::evaluate) return {.lanes = s.solver.lanes};
+  Variant v{.backend = names.number_of(s.solver.backend),
             .single = s.solver.single,
             .refine = s.solver.refine,
             .q = s.solver.threads,
@@ -51,23 +71,36 @@ Variant variant_of(Kernel kernel, const Strategy& s) {
   return v;
 }
 
-struct Cell {  // samples of one cell are of the same thing
-  Kernel kernel;
-  std::int32_t variant;  // its number
+// What of a shape a kernel depends on.
+struct KernelShape {
   std::uint64_t pattern;
   std::int64_t terms;
   std::int32_t n, nnz, groups, rhs;
 
-  friend auto operator<=>(const Cell&, const Cell&) = default;
+  friend auto operator<=>(const KernelShape&, const KernelShape&) = default;
 };
 
 // A bare matrix and a group with the same pattern cost a solver the same.
-Cell cell_of(Kernel kernel, const Shape& shape, std::int32_t variant) {
+KernelShape kernel_shape(Kernel kernel, const Shape& shape) {
   const bool solver = kernel == Kernel::factor || kernel == Kernel::solve;
   const bool pack = kernel == Kernel::pack;
-  return {kernel,  variant,   shape.pattern,           solver ? 0 : shape.terms,
-          shape.n, shape.nnz, pack ? shape.groups : 1, pack ? shape.rhs : 1};
+  return {shape.pattern, solver ? 0 : shape.terms, shape.n, shape.nnz, pack ? shape.groups : 1, pack ? shape.rhs : 1};
 }
+
+struct Cell {  // samples of one cell are of the same thing
+  Kernel kernel;
+  std::int32_t variant, shape;  // their numbers
+
+  friend bool operator==(const Cell&, const Cell&) = default;
+  friend auto operator<=>(const Cell& a, const Cell& b) { return a.rank() <=> b.rank(); }
+
+ private:
+  // Samples are fewer than 2^28.
+  [[nodiscard]] std::uint64_t rank() const {
+    return static_cast<std::uint64_t>(kernel) << 56 | static_cast<std::uint64_t>(variant) << 28 |
+           static_cast<std::uint64_t>(shape);
+  }
+};
 
 // What is known of a cell.
 struct Known {
@@ -86,6 +119,8 @@ struct Gathered {
   Cell cell;
   const Sample* example;
   double seconds = 0, noise = 0, backward_error = 0;
+
+  friend bool operator<(const Gathered& a, const Cell& b) { return a.cell < b; }
 };
 using Cells = std::vector<Gathered>;  // ascending
 using Curves = std::map<std::int32_t, Curve>;
@@ -170,8 +205,14 @@ struct PerformanceModel::Impl {
 
     [[nodiscard]] const Shape& shape() const { return shape_; }
     const Prediction& of(Kernel kernel, const Strategy& strategy) {
-      const auto [at, is_new] = known_.try_emplace({kernel, variant_of(kernel, strategy)});
+      const auto [at, is_new] = known_.try_emplace({kernel, variant_of(kernel, strategy, model_.names)});
       if (is_new) at->second = model_.predict(kernel, shape_, strategy);
+      return at->second;
+    }
+    // Of packs that are not solved in registers, it depends on W alone.
+    const Prediction& rest_of_pack(const Strategy& strategy) {
+      const auto [at, is_new] = rests_.try_emplace(strategy.solver.lanes);
+      if (is_new) at->second = model_.measured_rest(shape_, strategy);
       return at->second;
     }
 
@@ -179,27 +220,24 @@ struct PerformanceModel::Impl {
     const Impl& model_;
     const Shape& shape_;
     std::map<std::pair<Kernel, Variant>, Prediction> known_;
+    std::map<std::int32_t, Prediction> rests_;
   };
 
-  // The same for the shape of each cell.
+  // The same for the shape of each cell of packs.
   class KernelsOfShapes {
    public:
     explicit KernelsOfShapes(const Impl& model) : model_(model) {}
 
-    Kernels& of(const Gathered& g) {
-      const Cell& c = g.cell;
-      const auto at = std::tuple(c.pattern, c.terms, c.n, c.nnz, c.groups, c.rhs);
-      return shapes_.try_emplace(at, model_, g.example->shape).first->second;
-    }
+    Kernels& of(const Gathered& g) { return shapes_.try_emplace(g.cell.shape, model_, g.example->shape).first->second; }
 
    private:
     const Impl& model_;
-    std::map<std::tuple<std::uint64_t, std::int64_t, std::int32_t, std::int32_t, std::int32_t, std::int32_t>, Kernels>
-        shapes_;
+    std::map<std::int32_t, Kernels> shapes_;
   };
 
   Impl(const std::vector<Sample>& samples, std::string from) : source(std::move(from)), count(samples.size()) {
     const Cells cells = gather(samples);
+    known.reserve(cells.size());
     for (const Gathered& g : cells) {
       known.push_back({g.cell, g.seconds, static_cast<float>(g.noise), static_cast<float>(g.backward_error)});
     }
@@ -210,18 +248,44 @@ struct PerformanceModel::Impl {
     fit_around(cells);
   }
 
+  // Variants and shapes are numbered in their own order, not in that of the samples.
+  std::vector<Cell> cells_of(const std::vector<Sample>& samples) {
+    for (const Sample& s : samples) names.add(s.strategy.solver.backend);
+    std::vector<std::pair<std::map<Variant, std::int32_t>::iterator, std::map<KernelShape, std::int32_t>::iterator>> at;
+    at.reserve(samples.size());
+    std::map<KernelShape, std::int32_t> numbered;
+    for (const Sample& s : samples) {
+      const Variant variant = variant_of(s.kernel, s.strategy, names);
+      const KernelShape shape = kernel_shape(s.kernel, s.shape);
+      // Mostly a sample has both or one of them in common with the one before.
+      const bool same_variant = !at.empty() && at.back().first->first == variant;
+      const bool same_shape = !at.empty() && at.back().second->first == shape;
+      at.emplace_back(same_variant ? at.back().first : numbers.try_emplace(variant, 0).first,
+                      same_shape ? at.back().second : numbered.try_emplace(shape, 0).first);
+    }
+    for (std::int32_t next = 0; auto& [variant, number] : numbers) number = next++;
+    for (auto& [shape, number] : numbered) {
+      number = static_cast<std::int32_t>(shapes.size());
+      shapes.push_back(shape);
+    }
+    std::vector<Cell> cells;
+    cells.reserve(samples.size());
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      cells.push_back({samples[i].kernel, at[i].first->second, at[i].second->second});
+    }
+    return cells;
+  }
+
   // Of what was measured more than once, the median.
   Cells gather(const std::vector<Sample>& samples) {
     std::vector<std::pair<Cell, const Sample*>> all;
+    all.reserve(samples.size());
     std::map<std::int32_t, std::map<Cell, std::vector<double>>> crowds;  // p: packs while so many threads work
-    // Numbered in their own order, not in that of the samples.
-    std::vector<std::map<Variant, std::int32_t>::iterator> variants;
-    for (const Sample& s : samples) variants.push_back(numbers.try_emplace(variant_of(s.kernel, s.strategy), 0).first);
-    for (std::int32_t next = 0; auto& [variant, number] : numbers) number = next++;
+    const std::vector<Cell> cells = cells_of(samples);
     for (std::size_t i = 0; i < samples.size(); ++i) {
       const Sample& s = samples[i];
       if (!(s.seconds > 0) || !std::isfinite(s.seconds)) continue;
-      const Cell cell = cell_of(s.kernel, s.shape, variants[i]->second);
+      const Cell& cell = cells[i];
       if (s.kernel == Kernel::meeting) {
         const double together = std::max(s.seconds - kAloneBeforeMeeting, 0.0);
         (s.shape.n == 0 ? meetings : handovers)[s.strategy.run.threads].push_back(together / std::max(s.shape.n, 1));
@@ -233,6 +297,7 @@ struct PerformanceModel::Impl {
     }
     std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     Cells gathered;
+    gathered.reserve(all.size());
     std::vector<double> seconds, noise;
     for (auto begin = all.begin(), end = begin; begin != all.end(); begin = end) {
       seconds.clear();
@@ -244,15 +309,17 @@ struct PerformanceModel::Impl {
         noise.push_back(s.spread / s.seconds);
         if (s.backward_error > error) error = s.backward_error;
       }
-      gathered.push_back({begin->first, begin->second, median(seconds), median(noise), error});
+      const bool once = seconds.size() == 1;
+      gathered.push_back(
+          {begin->first, begin->second, once ? seconds[0] : median(seconds), once ? noise[0] : median(noise), error});
     }
     for (const auto& [p, crowd] : crowds) {
       std::map<std::int32_t, std::vector<double>> ratios;  // n
       for (const auto& [cell, seconds_of] : crowd) {
-        const auto alone = std::lower_bound(gathered.begin(), gathered.end(), cell,
-                                            [](const Gathered& g, const Cell& c) { return g.cell < c; });
+        const auto alone = std::lower_bound(gathered.begin(), gathered.end(), cell);
         if (alone == gathered.end() || alone->cell != cell) continue;
-        ratios[cell.n].push_back(std::clamp(median(seconds_of) / alone->seconds, 1.0, static_cast<double>(p)));
+        ratios[shape_at(cell).n].push_back(
+            std::clamp(median(seconds_of) / alone->seconds, 1.0, static_cast<double>(p)));
       }
       // What other programs take from the cores comes and goes within seconds: the median does not see it.
       for (const auto& [n, of] : ratios) contentions[p][n] = median(of);
@@ -260,21 +327,37 @@ struct PerformanceModel::Impl {
     return gathered;
   }
 
-  void fit(Kernel kernel, const Cells& cells) {
-    std::map<std::int32_t, std::vector<Curve::Measured>> points;
-    std::vector<double> ratios;
-    for (const Gathered& g : cells) {
-      if (g.cell.kernel != kernel) continue;
-      const Sample& s = *g.example;
-      points[g.cell.variant].push_back({point_of(kernel, s.shape, s.strategy), g.seconds, g.noise});
-      ratios.push_back(g.seconds / prior_seconds(kernel, s.shape, s.strategy));
+  // One curve for each variant of a kernel; point(g): where its time was measured.
+  template <class Point>
+  static Curves curves_of(Kernel kernel, const Cells& cells, const Point& point) {
+    Curves curves;
+    std::vector<Curve::Measured> measured;
+    const Cell first{kernel, 0, 0};
+    auto g = std::lower_bound(cells.begin(), cells.end(), first);
+    while (g != cells.end() && g->cell.kernel == kernel) {
+      const std::int32_t variant = g->cell.variant;
+      measured.clear();
+      for (; g != cells.end() && g->cell.kernel == kernel && g->cell.variant == variant; ++g) {
+        measured.push_back({point(*g), g->seconds, g->noise});
+      }
+      curves.emplace_hint(curves.end(), variant, Curve(measured));
     }
-    auto& curves = curve[static_cast<std::size_t>(kernel)];
-    for (auto& [variant, measured] : points) curves.emplace(variant, Curve(std::move(measured)));
+    return curves;
+  }
+
+  void fit(Kernel kernel, const Cells& cells) {
+    std::vector<double> ratios;
+    ratios.reserve(cells.size());
+    const auto k = static_cast<std::size_t>(kernel);
+    curve[k] = curves_of(kernel, cells, [&](const Gathered& g) {
+      const Sample& s = *g.example;
+      ratios.push_back(g.seconds / prior_seconds(kernel, s.shape, s.strategy));
+      return point_of(kernel, s.shape, s.strategy);
+    });
     if (ratios.empty()) return;
     // A few samples may be of what the prior knows least.
     const double trust = static_cast<double>(ratios.size()) / (static_cast<double>(ratios.size()) + kFewSamples);
-    speed[static_cast<std::size_t>(kernel)] = std::pow(median(ratios), trust);
+    speed[k] = std::pow(median(std::move(ratios)), trust);
   }
 
   // What a pack costs beyond its kernels, by W: whatever the solver, so the quickest one tells best.
@@ -285,7 +368,8 @@ struct PerformanceModel::Impl {
       if (g.cell.kernel != Kernel::pack) continue;
       const Strategy& s = g.example->strategy;
       if (in_registers(g.example->shape, s) || s.solver.once || s.solver.reuse != Reuse::fresh) continue;
-      const Gathered*& best = quickest[{s.solver.lanes, g.cell.pattern, g.cell.terms, g.cell.groups}];
+      const auto& [pattern, terms, n, nnz, groups, rhs] = shape_at(g.cell);
+      const Gathered*& best = quickest[{s.solver.lanes, pattern, terms, groups}];
       if (best == nullptr || g.seconds < best->seconds) best = &g;
     }
     std::map<std::int32_t, std::vector<Curve::Measured>> points;
@@ -296,19 +380,15 @@ struct PerformanceModel::Impl {
       if (parts.origin == Origin::prior || rest_of_it < 0.05 * g->seconds) continue;  // else it is all noise
       points[strategy.solver.lanes].push_back({point_of(Kernel::pack, shape, strategy), rest_of_it, g->noise});
     }
-    for (auto& [lanes, measured] : points) rest.emplace(lanes, Curve(std::move(measured)));
+    for (auto& [lanes, measured] : points) rest.emplace(lanes, Curve(measured));
   }
 
   // What whole packs say beyond the sum of their parts.
   void fit_packs(const Cells& cells, KernelsOfShapes& kernels) {
-    std::map<std::int32_t, std::vector<Curve::Measured>> points;
-    for (const Gathered& g : cells) {
-      if (g.cell.kernel != Kernel::pack) continue;
+    packs = curves_of(Kernel::pack, cells, [&](const Gathered& g) {
       const auto& [shape, strategy] = std::tie(g.example->shape, g.example->strategy);
-      const double parts = composed(kernels.of(g), strategy).seconds;
-      points[g.cell.variant].push_back({pack_point(shape, strategy, parts), g.seconds, g.noise});
-    }
-    for (auto& [variant, measured] : points) packs.emplace(variant, Curve(std::move(measured)));
+      return pack_point(shape, strategy, composed(kernels.of(g), strategy).seconds);
+    });
   }
 
   // How many times its prior it takes: mechanisms are too few to tell its terms from each other. A difference of times
@@ -316,9 +396,11 @@ struct PerformanceModel::Impl {
   void fit_around(const Cells& cells) {
     std::vector<Curve::Measured> points;
     for (const Gathered& g : cells) {
-      if (g.cell.kernel == Kernel::around) points.push_back({around_point(g.cell.n, g.cell.terms), g.seconds, 0});
+      if (g.cell.kernel != Kernel::around) continue;
+      const KernelShape& shape = shape_at(g.cell);
+      points.push_back({around_point(shape.n, shape.terms), g.seconds, 0});
     }
-    if (!points.empty()) around.emplace(std::move(points));
+    if (!points.empty()) around.emplace(points);
   }
 
   [[nodiscard]] static FitPoint around_point(std::int64_t unknowns, std::int64_t pieces) {
@@ -343,30 +425,37 @@ struct PerformanceModel::Impl {
   [[nodiscard]] Prediction composed(Kernels& kernels, const Strategy& s) const {
     const Shape& shape = kernels.shape();
     if (in_registers(shape, s)) return {prior_seconds(Kernel::pack, shape, s) * speed_of_all(), 2, Origin::prior};
-    return combined({{1, kernels_of_pack(kernels, s)}, {1, rest_of_pack(shape, s)}});
+    return combined({{1, kernels_of_pack(kernels, s)}, {1, rest_of_pack(kernels, s)}});
   }
 
-  [[nodiscard]] Prediction rest_of_pack(const Shape& shape, const Strategy& s) const {
-    const FitPoint point = point_of(Kernel::pack, shape, s);
+  [[nodiscard]] Prediction rest_of_pack(Kernels& kernels, const Strategy& s) const {
+    if (!rest.empty()) return kernels.rest_of_pack(s);
+    const Shape& shape = kernels.shape();
     const StepCounts counts = step_counts(s, shape.rhs - 1);
-    const double kernels = counts.evaluations * prior_seconds(Kernel::evaluate, shape, s) +
-                           counts.factorizations * prior_seconds(Kernel::factor, shape, s) +
-                           counts.solutions * prior_seconds(Kernel::solve, shape, s);
-    const double otherwise = (prior_seconds(Kernel::pack, shape, s) - kernels) * speed_of_all();
+    const double of_kernels = counts.evaluations * prior_seconds(Kernel::evaluate, shape, s) +
+                              counts.factorizations * prior_seconds(Kernel::factor, shape, s) +
+                              counts.solutions * prior_seconds(Kernel::solve, shape, s);
+    return {(prior_seconds(Kernel::pack, shape, s) - of_kernels) * speed_of_all(), 2, Origin::prior};
+  }
+
+  // By the curve of this W, or else of the next one; there is one.
+  [[nodiscard]] Prediction measured_rest(const Shape& shape, const Strategy& s) const {
+    const FitPoint point = point_of(Kernel::pack, shape, s);
     if (const auto found = rest.find(s.solver.lanes); found != rest.end()) return found->second.at(point);
-    if (!rest.empty()) {
-      const auto nearest = std::min_element(rest.begin(), rest.end(), [&](const auto& a, const auto& b) {
-        return std::abs(a.first - s.solver.lanes) < std::abs(b.first - s.solver.lanes);
-      });
-      Prediction there = nearest->second.at(point);
-      there.origin = Origin::extrapolated;
-      return there;
-    }
-    return {otherwise, 2, Origin::prior};
+    const auto nearest = std::min_element(rest.begin(), rest.end(), [&](const auto& a, const auto& b) {
+      return std::abs(a.first - s.solver.lanes) < std::abs(b.first - s.solver.lanes);
+    });
+    Prediction there = nearest->second.at(point);
+    there.origin = Origin::extrapolated;
+    return there;
   }
 
   // How this machine compares to that of the prior.
   [[nodiscard]] double speed_of_all() const { return speed[static_cast<std::size_t>(Kernel::evaluate)]; }
+
+  [[nodiscard]] const KernelShape& shape_at(const Cell& cell) const {
+    return shapes[static_cast<std::size_t>(cell.shape)];
+  }
 
   // -1: no sample has it.
   [[nodiscard]] std::int32_t number_of(const Variant& variant) const {
@@ -376,13 +465,16 @@ struct PerformanceModel::Impl {
 
   [[nodiscard]] const Known* exactly(Kernel kernel, const Shape& shape, std::int32_t variant) const {
     if (shape.pattern == 0 || variant < 0) return nullptr;
-    const Cell cell = cell_of(kernel, shape, variant);
+    const KernelShape wanted = kernel_shape(kernel, shape);
+    const auto at = std::lower_bound(shapes.begin(), shapes.end(), wanted);
+    if (at == shapes.end() || *at != wanted) return nullptr;
+    const Cell cell{kernel, variant, static_cast<std::int32_t>(at - shapes.begin())};
     const auto found = std::lower_bound(known.begin(), known.end(), cell);
     return found == known.end() || found->cell != cell ? nullptr : &*found;
   }
 
   [[nodiscard]] Prediction predict(Kernel kernel, const Shape& shape, const Strategy& strategy) const {
-    const Variant wanted = variant_of(kernel, strategy);
+    const Variant wanted = variant_of(kernel, strategy, names);
     const std::int32_t variant = number_of(wanted);
     if (const Known* k = exactly(kernel, shape, variant)) return k->prediction();
     const auto& curves = curve[static_cast<std::size_t>(kernel)];
@@ -436,7 +528,7 @@ struct PerformanceModel::Impl {
 
   [[nodiscard]] Prediction pack(Kernels& kernels, const Strategy& strategy) const {
     const Shape& shape = kernels.shape();
-    Variant variant = variant_of(Kernel::pack, strategy);
+    Variant variant = variant_of(Kernel::pack, strategy, names);
     const std::int32_t number = number_of(variant);
     if (const Known* k = exactly(Kernel::pack, shape, number)) return k->prediction();
     const Prediction sum = composed(kernels, strategy);
@@ -456,7 +548,9 @@ struct PerformanceModel::Impl {
 
   std::string source;
   std::size_t count = 0;
+  BackendNumbers names;
   std::map<Variant, std::int32_t> numbers;
+  std::vector<KernelShape> shapes;       // ascending
   std::vector<Known> known;              // ascending
   std::array<Curves, 3> curve;           // evaluate, factor, solve; by variant
   std::array<double, 3> speed{1, 1, 1};  // measured over prior, of each
@@ -546,13 +640,15 @@ Prediction PerformanceModel::around(std::int64_t unknowns, std::int64_t pieces) 
 }
 
 double PerformanceModel::backward_error(const Shape& shape, const Strategy& strategy) const {
-  const std::int32_t wanted = impl_->number_of(variant_of(Kernel::solve, strategy));
+  const std::int32_t wanted = impl_->number_of(variant_of(Kernel::solve, strategy, impl_->names));
+  if (wanted < 0) return 0;
   double worst = 0;
   const auto& known = impl_->known;
-  const Cell first{Kernel::solve, wanted, 0, 0, 0, 0, 0, 0};
+  const Cell first{Kernel::solve, wanted, 0};
   for (auto k = std::lower_bound(known.begin(), known.end(), first); k != known.end(); ++k) {
     if (k->cell.kernel != first.kernel || k->cell.variant != wanted) break;
-    if (k->cell.n <= 2 * shape.n && 2 * k->cell.n >= shape.n) worst = std::max<double>(worst, k->backward_error);
+    const std::int32_t n = impl_->shape_at(k->cell).n;
+    if (n <= 2 * shape.n && 2 * n >= shape.n) worst = std::max<double>(worst, k->backward_error);
   }
   return worst;
 }
