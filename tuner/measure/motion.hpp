@@ -59,9 +59,9 @@ class Crowd final : public Workload {
 // One call is one step of a whole mechanism over its time grid, again from the start when the grid ends.
 class WholeStep final : public Workload {
  public:
-  // pin_to, iterations: as StepLimits has them. Throws Error as Simulator does, and (numerical) if the first steps
-  // fail.
-  explicit WholeStep(const Prepared& prepared, std::vector<int> pin_to = {}, int iterations = 0);
+  // cores: a processor of each; several threads have one each if there are enough. iterations: as StepLimits has them.
+  // Throws Error as Simulator does, and (numerical) if the first steps fail.
+  explicit WholeStep(const Prepared& prepared, const std::vector<int>& cores = {}, int iterations = 0);
 
   void get_ready(int calls) override;
   bool run(int calls) override;

@@ -1,7 +1,6 @@
 // Which of several results nobody beats: error against run time.
 #pragma once
 
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -14,8 +13,5 @@ struct Trade {
 // For each: true if no other one is as fast and as exact, and better in one of the two. Equal ones stand or fall
 // together; what is not known or not finite is never on the front.
 [[nodiscard]] std::vector<bool> pareto_front(std::span<const Trade> all);
-
-// Time of the fastest with at most this error; empty if there is none.
-[[nodiscard]] std::optional<double> fastest_within(std::span<const Trade> all, double error);
 
 }  // namespace assur::measure

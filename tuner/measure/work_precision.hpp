@@ -45,6 +45,8 @@ struct WorkPrecision {
   // What `auto` lost for this accuracy: its time over that of the fastest way which reaches it, less 1. Empty if not
   // even its own does, or times or errors are missing.
   [[nodiscard]] std::optional<double> behind(double accuracy) const;
+  // The fastest row with at most this error; null if there is none.
+  [[nodiscard]] const WorkPrecisionRow* fastest_within(double error) const;
   // The row that `auto` took; null if it could not.
   [[nodiscard]] const WorkPrecisionRow* pick(double accuracy) const;
 };
@@ -60,10 +62,13 @@ struct WorkPrecisionOptions {
   Instruments instruments = {};
 };
 
+// The scene with at most so many steps of its grid.
+[[nodiscard]] Scene first_steps(const Scene& scene, std::int64_t most);
+
 // Every way is run over the whole grid first, and its motion compared with the one in quad precision; only then it is
 // timed, in turns with all others. Accuracies are asked of `auto` and of each strategy and predictor; fixed iterations
-// do not heed them. Throws Error: input for a grid
-// without steps, environment if a strategy that is asked for cannot run here.
+// do not heed them. Throws Error: input for a grid without steps, environment if a strategy that is asked for cannot
+// run here.
 [[nodiscard]] WorkPrecision work_precision(const Scene& scene, const WorkPrecisionOptions& options);
 
 }  // namespace assur::measure
