@@ -50,10 +50,6 @@ struct Section {
 // "1.2 %", "12 %"
 [[nodiscard]] std::string percent(double share);
 
-// Nearest rank: the smallest value that at least this share of them do not exceed; NaN of none.
-[[nodiscard]] double quantile(std::vector<double> values, double share);
-[[nodiscard]] double mean(const std::vector<double>& values);  // NaN of none
-
 // report.csv: a row for each number, all 17 digits; what is not known is an empty cell.
 [[nodiscard]] std::string csv_of(std::span<const Section> sections);
 
