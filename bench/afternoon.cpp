@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 namespace assur::bench {
@@ -17,23 +16,14 @@ constexpr double kRounding = 1e-12;  // a residual below it that no longer falls
 
 template <class Mechanism>
 Afternoon<Mechanism>::Afternoon(Mechanism mechanism, KluOptions options, double tolerance)
-    : mechanism_(std::move(mechanism)), tolerance_(tolerance), columns_(mechanism_.columns()) {
-  n_ = static_cast<int>(columns_.start.size()) - 1;
-  for (std::vector<double>* x : {&q_, &v_, &a_, &correction_}) x->resize(static_cast<std::size_t>(n_));
-  jacobian_.resize(columns_.row.size());
+    : mechanism_(std::move(mechanism)),
+      solver_(mechanism_.pattern(), options == KluOptions::defaults ? 0.001 : 1,
+              options == KluOptions::defaults ? 2 : -1),
+      tolerance_(tolerance) {
+  const Pattern pattern = mechanism_.pattern();
+  for (std::vector<double>* x : {&q_, &v_, &a_, &correction_}) x->resize(static_cast<std::size_t>(pattern.n));
+  jacobian_.resize(pattern.row.size());
   mechanism_.guess(q_.data());
-  klu_defaults(&common_);
-  if (options == KluOptions::unscaled) {
-    common_.scale = -1;
-    common_.tol = 1;
-  }
-  symbolic_ = klu_analyze(n_, columns_.start.data(), columns_.row.data(), &common_);
-}
-
-template <class Mechanism>
-Afternoon<Mechanism>::~Afternoon() {
-  klu_free_numeric(&numeric_, &common_);
-  klu_free_symbolic(&symbolic_, &common_);
 }
 
 template <class Mechanism>
@@ -45,7 +35,8 @@ bool Afternoon<Mechanism>::step(double t) {
 
   residual_ = mechanism_.evaluate(q_.data(), correction_.data(), jacobian_.data());
   for (iterations_ = 0; !(residual_ <= tolerance_); ++iterations_) {
-    if (iterations_ == kMostIterations || !factorize() || !solve(correction_)) return false;
+    if (iterations_ == kMostIterations || !solver_.factorize(jacobian_.data())) return false;
+    if (!solver_.solve(correction_.data())) return false;
     for (std::size_t i = 0; i < q_.size(); ++i) q_[i] -= correction_[i];
     const double before = residual_;
     residual_ = mechanism_.evaluate(q_.data(), correction_.data(), jacobian_.data());
@@ -55,25 +46,11 @@ bool Afternoon<Mechanism>::step(double t) {
     }
   }
 
-  if (!factorize()) return false;
+  if (!solver_.factorize(jacobian_.data())) return false;
   mechanism_.velocity(v_.data());
-  if (!solve(v_)) return false;
+  if (!solver_.solve(v_.data())) return false;
   mechanism_.acceleration(v_.data(), a_.data());
-  return solve(a_);
-}
-
-template <class Mechanism>
-bool Afternoon<Mechanism>::factorize() {
-  int* const start = columns_.start.data();
-  int* const row = columns_.row.data();
-  if (numeric_ != nullptr) return klu_refactor(start, row, jacobian_.data(), symbolic_, numeric_, &common_) != 0;
-  numeric_ = klu_factor(start, row, jacobian_.data(), symbolic_, &common_);
-  return numeric_ != nullptr;
-}
-
-template <class Mechanism>
-bool Afternoon<Mechanism>::solve(std::vector<double>& b_to_x) {
-  return klu_solve(symbolic_, numeric_, n_, 1, b_to_x.data(), &common_) != 0;
+  return solver_.solve(a_.data());
 }
 
 template class Afternoon<FourBarChain>;
@@ -83,21 +60,23 @@ template class Afternoon<StewartHandles>;
 
 namespace {
 
-constexpr double kCrank = 0.8, kFirstCoupler = 1.8, kCoupler = 2, kRocker = 1.3, kSpacing = 2;  // m
-constexpr double kCrankSpeed = 2 * std::numbers::pi;                                            // rad/s
+using peers::FourBars;
+
+constexpr double kCrank = FourBars::kCrank, kRocker = FourBars::kRocker, kSpacing = 2;  // m
+constexpr double kCrankSpeed = FourBars::kSpeed;                                        // rad/s
 
 }  // namespace
 
 FourBarChain::FourBarChain(int loops) : loops_(static_cast<std::size_t>(loops)) {}
 
 // Both columns of B_k hold coupler k, rocker k and coupler k + 1.
-Columns FourBarChain::columns() const {
-  Columns c{{0}, {}};
+Pattern FourBarChain::pattern() const {
+  Pattern c{2 * static_cast<int>(loops_), {0}, {}};
   for (int k = 0; k < static_cast<int>(loops_); ++k) {
     for (int axis = 0; axis < 2; ++axis) {
       c.row.insert(c.row.end(), {2 * k, 2 * k + 1});
       if (k + 1 < static_cast<int>(loops_)) c.row.push_back(2 * k + 2);
-      c.start.push_back(static_cast<int>(c.row.size()));
+      c.column_start.push_back(c.nnz());
     }
   }
   return c;
@@ -119,7 +98,7 @@ void FourBarChain::drive(double t) {
 }
 
 double FourBarChain::evaluate(const double* q, double* phi, double* jacobian) {
-  double px = x_, py = y_, worst = 0, length = kFirstCoupler;
+  double px = x_, py = y_, worst = 0, length = FourBars::coupler(1);
   double* before = nullptr;  // where the coupler stands in the columns of the point before
   std::size_t before_stride = 0;
   for (std::size_t k = 0; k < loops_; ++k) {
@@ -148,7 +127,7 @@ double FourBarChain::evaluate(const double* q, double* phi, double* jacobian) {
     before = jacobian + 2;
     before_stride = rows;
     jacobian += 2 * rows;
-    px = bx, py = by, length = kCoupler;
+    px = bx, py = by, length = FourBars::coupler(2);
   }
   return worst;
 }
@@ -173,14 +152,14 @@ void FourBarChain::acceleration(const double* v, double* b) const {
 
 namespace {
 
-using Vec = StewartHandles::Vec;
+using peers::cross;
+using peers::dot;
+using peers::Vec;
+using peers::operator+;
+using peers::operator-;
+using peers::operator*;
 
-constexpr double kHandle = 0.2, kRod = 0.55;                  // m
-constexpr double kBase = 0.5, kTerminal = 0.3;                // m, radii
-constexpr double kBaseSpread = 0.35, kTerminalSpread = 0.7;   // rad, half the angle between the joints of a pair
-constexpr double kToe = 0.2, kElevation = 0.1;                // rad, of the handles' axes
-constexpr double kMove = 0.05, kTurn = 0.15, kHeight = 0.55;  // m, rad, m: amplitudes and mean height of the motion
-constexpr double kSpeed = 1;                                  // rad/s
+constexpr double kHandle = peers::Stewart::kHandle, kRod = peers::Stewart::kRod;  // m
 
 constexpr std::array<Vec, 6> kGuess = {{{0.60590, -0.20646, 0.14220},
                                         {0.57498, 0.21672, 0.16390},
@@ -189,44 +168,30 @@ constexpr std::array<Vec, 6> kGuess = {{{0.60590, -0.20646, 0.14220},
                                         {-0.44004, -0.36196, 0.18737},
                                         {-0.10077, -0.59568, 0.17072}}};
 
-double dot(const Vec& a, const Vec& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-Vec cross(const Vec& a, const Vec& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-Vec operator+(const Vec& a, const Vec& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
-Vec operator-(const Vec& a, const Vec& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-Vec operator*(double s, const Vec& a) { return {s * a[0], s * a[1], s * a[2]}; }
-
-struct Wave {
+// One coordinate of the terminal, and its derivatives by the time.
+struct Motion {
   double value, rate, acceleration;
-  Wave(double amplitude, double angle, double offset = 0) {
-    const double sine = amplitude * std::sin(angle);
-    value = offset + sine;
-    rate = kSpeed * amplitude * std::cos(angle);
-    acceleration = -kSpeed * kSpeed * sine;
+  Motion(const peers::Wave& wave, double t) {
+    const double sine = wave.amplitude * std::sin(t + wave.phase);
+    value = wave.offset + sine;
+    rate = wave.amplitude * std::cos(t + wave.phase);
+    acceleration = -sine;
   }
 };
 
 }  // namespace
 
 StewartHandles::StewartHandles() {
-  for (std::size_t k = 0; k < legs_.size(); ++k) {
-    const double pair = 2 * std::numbers::pi / 3 * static_cast<double>(k / 2), side = k % 2 == 0 ? -1 : 1;
-    const double base = pair + kBaseSpread * side, terminal = pair + kTerminalSpread * side;
-    const double axis = base + std::numbers::pi / 2 + kToe;
-    Leg& leg = legs_[k];
-    leg.A = {kBase * std::cos(base), kBase * std::sin(base), 0};
-    leg.a = {std::cos(kElevation) * std::cos(axis), std::cos(kElevation) * std::sin(axis), std::sin(kElevation)};
-    leg.local = {kTerminal * std::cos(terminal), kTerminal * std::sin(terminal), 0};
-  }
+  const auto legs = peers::Stewart::legs();
+  for (std::size_t k = 0; k < legs_.size(); ++k) legs_[k] = {legs[k]};
 }
 
-Columns StewartHandles::columns() const {
-  Columns c{{0}, {}};
+Pattern StewartHandles::pattern() const {
+  Pattern c{18, {0}, {}};
   for (int column = 0; column < 18; ++column) {
     const int first = column / 3 * 3;
     c.row.insert(c.row.end(), {first, first + 1, first + 2});
-    c.start.push_back(static_cast<int>(c.row.size()));
+    c.column_start.push_back(c.nnz());
   }
   return c;
 }
@@ -237,9 +202,8 @@ void StewartHandles::guess(double* q) const {
 
 // O and R = Rz(psi) Ry(theta) Rx(phi); the joints of the terminal by its angular velocity and acceleration.
 void StewartHandles::drive(double t) {
-  const double angle = kSpeed * t;
-  const Wave x(kMove, angle), y(kMove, angle + 1), z(kMove, angle + 2, kHeight);
-  const Wave psi(kTurn, angle + 0.5), theta(kTurn, angle + 1.5), phi(kTurn, angle + 2.5);
+  const auto at = [t](std::size_t i) { return Motion(peers::Stewart::kPose[i], t); };
+  const Motion x = at(0), y = at(1), z = at(2), psi = at(3), theta = at(4), phi = at(5);
   const double cp = std::cos(psi.value), sp = std::sin(psi.value), ct = std::cos(theta.value),
                st = std::sin(theta.value);
   const double cf = std::cos(phi.value), sf = std::sin(phi.value);
@@ -249,9 +213,9 @@ void StewartHandles::drive(double t) {
   const Vec alpha = psi.acceleration * up + theta.acceleration * node + phi.acceleration * u +
                     cross(first, theta.rate * node) + cross(second, phi.rate * u);
   for (Leg& leg : legs_) {
-    const Vec arm = leg.local[0] * u + leg.local[1] * v;  // the joints lie in the plane of u and v
+    const Vec arm = leg.P[0] * u + leg.P[1] * v;  // the joints lie in the plane of u and v
     const Vec turning = cross(omega, arm);
-    leg.P = Vec{x.value, y.value, z.value} + arm;
+    leg.joint = Vec{x.value, y.value, z.value} + arm;
     leg.rate = Vec{x.rate, y.rate, z.rate} + turning;
     leg.acceleration = Vec{x.acceleration, y.acceleration, z.acceleration} + cross(alpha, arm) + cross(omega, turning);
   }
@@ -261,19 +225,19 @@ double StewartHandles::evaluate(const double* q, double* phi, double* jacobian) 
   double worst = 0;
   for (Leg& leg : legs_) {
     const Vec B = {q[0], q[1], q[2]}, h = B - leg.A;
-    leg.d = B - leg.P;
+    leg.d = B - leg.joint;
     double scale[3] = {kRod * kRod / 2, kHandle * kHandle / 2, 0};
     for (std::size_t i = 0; i < 3; ++i) {
-      scale[0] += std::abs(leg.d[i]) * (std::abs(B[i]) + std::abs(leg.P[i]));
+      scale[0] += std::abs(leg.d[i]) * (std::abs(B[i]) + std::abs(leg.joint[i]));
       scale[1] += std::abs(h[i]) * (std::abs(B[i]) + std::abs(leg.A[i]));
-      scale[2] += std::abs(leg.a[i]) * (std::abs(B[i]) + std::abs(leg.A[i]));
+      scale[2] += std::abs(leg.axis[i]) * (std::abs(B[i]) + std::abs(leg.A[i]));
       *jacobian++ = leg.d[i];
       *jacobian++ = h[i];
-      *jacobian++ = leg.a[i];
+      *jacobian++ = leg.axis[i];
     }
     phi[0] = (dot(leg.d, leg.d) - kRod * kRod) / 2;
     phi[1] = (dot(h, h) - kHandle * kHandle) / 2;
-    phi[2] = dot(h, leg.a);
+    phi[2] = dot(h, leg.axis);
     for (std::size_t i = 0; i < 3; ++i) worst = std::max(worst, std::abs(phi[i]) / scale[i]);
     q += 3;
     phi += 3;

@@ -1,16 +1,18 @@
 // The rival: what a good engineer writes in an afternoon for one mechanism. One global Newton iteration in natural
 // coordinates from a Taylor prediction; residuals and Jacobian by hand, straight into compressed columns; KLU with
 // block triangular form and its defaults, analysed once and refactorised for each iteration and once for velocity and
-// acceleration. It uses nothing of the library, so that its motion can also be held against it.
+// acceleration. Of the library it has only the type of a pattern, so that its motion can also be held against it.
 #pragma once
-
-#include <klu.h>
 
 #include <array>
 #include <cstddef>
 #include <limits>
 #include <span>
 #include <vector>
+
+#include "assur/backend.hpp"
+#include "bare_calls.hpp"
+#include "peers/mechanisms.hpp"
 
 namespace assur::bench {
 
@@ -22,14 +24,8 @@ enum class KluOptions {
   unscaled,  // rows of one mechanism are alike: no scaling, no checks; partial pivoting, as small blocks have no fill
 };
 
-// Compressed columns, as KLU takes them.
-struct Columns {
-  std::vector<int> start;  // n + 1
-  std::vector<int> row;    // nnz, ascending in each column
-};
-
 // Position, velocity and acceleration of `Mechanism`, which brings:
-//   Columns columns() const; void guess(double* q) const;
+//   Pattern pattern() const; void guess(double* q) const;
 //   void drive(double t)                                      the known coordinates and their derivatives
 //   double evaluate(const double* q, double* phi, double* J)  returns the largest relative residual
 //   void velocity(double* b) const                            b = -Phi_h h', at the posture of the last evaluate()
@@ -38,9 +34,6 @@ template <class Mechanism>
 class Afternoon {
  public:
   explicit Afternoon(Mechanism mechanism, KluOptions options = {}, double tolerance = kRivalTolerance);
-  Afternoon(const Afternoon&) = delete;
-  Afternoon& operator=(const Afternoon&) = delete;
-  ~Afternoon();
 
   // Moves to time t. False if Newton's method does not converge or a pivot vanishes: the posture is then useless.
   [[nodiscard]] bool step(double t);
@@ -52,17 +45,10 @@ class Afternoon {
   [[nodiscard]] std::size_t iterations() const { return iterations_; }  // of the last step
 
  private:
-  bool solve(std::vector<double>& b_to_x);
-  bool factorize();
-
   Mechanism mechanism_;
+  BareKlu solver_;
   double tolerance_, time_ = 0, residual_ = 0;
   std::size_t iterations_ = 0;
-  int n_ = 0;
-  Columns columns_;
-  klu_common common_{};
-  klu_symbolic* symbolic_ = nullptr;
-  klu_numeric* numeric_ = nullptr;
   std::vector<double> q_, v_, a_, correction_;  // n
   std::vector<double> jacobian_;                // nnz
 };
@@ -72,7 +58,7 @@ class FourBarChain {
  public:
   explicit FourBarChain(int loops);
 
-  [[nodiscard]] Columns columns() const;
+  [[nodiscard]] Pattern pattern() const;
   void guess(double* q) const;
   void drive(double t);
   [[nodiscard]] double evaluate(const double* q, double* phi, double* jacobian);
@@ -89,11 +75,9 @@ class FourBarChain {
 // |B - P| = rod, |B - A| = handle, (B - A) . a = 0.
 class StewartHandles {
  public:
-  using Vec = std::array<double, 3>;
-
   StewartHandles();
 
-  [[nodiscard]] Columns columns() const;
+  [[nodiscard]] Pattern pattern() const;
   void guess(double* q) const;
   void drive(double t);
   [[nodiscard]] double evaluate(const double* q, double* phi, double* jacobian);
@@ -101,11 +85,10 @@ class StewartHandles {
   void acceleration(const double* v, double* b) const;
 
  private:
-  struct Leg {
-    Vec A, a;                   // the handle turns about a through A
-    Vec local;                  // P in the terminal
-    Vec P, rate, acceleration;  // in the ground
-    Vec d;                      // B - P at the last evaluate()
+  using Vec = peers::Vec;
+  struct Leg : peers::Stewart::Leg {
+    Vec joint{}, rate{}, acceleration{};  // of P, in the ground
+    Vec d{};                              // B - joint at the last evaluate()
   };
   std::array<Leg, 6> legs_;
 };

@@ -12,17 +12,18 @@
 
 namespace assur::bench {
 
-// klu_analyze once, klu_factor once, then klu_refactor; the tolerance of pivots is that of the backend, so that both
-// have the same fill.
+// klu_analyze once, klu_factor once, then klu_refactor.
 class BareKlu {
  public:
   static constexpr std::string_view kBackend = "klu";
 
-  // scale: as KLU has it, 2 divides rows by their largest each time; negative: neither scales nor checks the pattern.
-  explicit BareKlu(const Pattern& pattern, int scale = 2)
+  // As KLU has them. tolerance: a pivot on the diagonal is kept down to this share of its column; that of the backend
+  // unless told otherwise, so that both have the same fill. scale: 2 divides rows by their largest each time; negative:
+  // neither scales nor checks the pattern.
+  explicit BareKlu(const Pattern& pattern, double tolerance = kTolerance, int scale = 2)
       : start_(pattern.column_start), row_(pattern.row), n_(pattern.n) {
     klu_defaults(&common_);
-    common_.tol = 0.5;
+    common_.tol = tolerance;
     common_.scale = scale;
     symbolic_ = klu_analyze(n_, start_.data(), row_.data(), &common_);
   }
@@ -41,6 +42,9 @@ class BareKlu {
   }
   bool solve(double* b_to_x) { return klu_solve(symbolic_, numeric_, n_, 1, b_to_x, &common_) != 0; }
 
+ protected:
+  static constexpr double kTolerance = 0.5;
+
  private:
   std::vector<int> start_, row_;
   int n_;
@@ -52,7 +56,7 @@ class BareKlu {
 // The fastest that KLU can be: right for rows that are alike, as those of the benchmarks are.
 class BareKluUnscaled : public BareKlu {
  public:
-  explicit BareKluUnscaled(const Pattern& pattern) : BareKlu(pattern, -1) {}
+  explicit BareKluUnscaled(const Pattern& pattern) : BareKlu(pattern, kTolerance, -1) {}
 };
 
 #ifdef ASSUR_BENCH_LAPACK

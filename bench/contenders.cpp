@@ -1,7 +1,5 @@
 #include "contenders.hpp"
 
-#include <time.h>
-
 #include <algorithm>
 #include <optional>
 #include <string>
@@ -9,6 +7,7 @@
 
 #include "assur/ensemble.hpp"
 #include "crowd.hpp"
+#include "machine.hpp"
 
 namespace assur::bench {
 namespace {
@@ -20,17 +19,11 @@ constexpr std::size_t kSample = 4;  // members that are run one by one
 class Stopwatch {
  public:
   [[nodiscard]] Cost per(double steps) const {
-    return {(measure::StepTimes::steady() - start_) / steps, (processor() - processor_start_) / steps};
+    return {(measure::StepTimes::steady() - start_) / steps, (processor_seconds() - processor_start_) / steps};
   }
 
  private:
-  static double processor() {
-    timespec now{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-  }
-
-  double processor_start_ = processor(), start_ = measure::StepTimes::steady();
+  double processor_start_ = processor_seconds(), start_ = measure::StepTimes::steady();
 };
 
 Prepared prepared(const Scene& scene, const Prepare& how) {
@@ -48,22 +41,17 @@ class Steps : public Contender {
  public:
   Steps(const Scene& scene, const Prepare& prepare, int steps, const StepLimits& limits, bool times_steps)
       : simulator_(prepared(scene, prepare), limits), steps_(steps) {
-    if (times_steps) times_.emplace(0);
+    if (times_steps) times_.emplace(0).tick();
   }
 
   // Beyond the end of the grid the motion of the samples goes on.
   Cost work() override {
     for (int i = 0; i < std::min(kMostWarm, steps_); ++i) advance();
     const Stopwatch watch;
-    if (times_) {
-      started_ ? times_->resume() : static_cast<void>(times_->tick());
-      started_ = true;
-      for (int i = 0; i < steps_; ++i) {
-        advance();
-        times_->tick();
-      }
-    } else {
-      for (int i = 0; i < steps_; ++i) advance();
+    if (times_) times_->resume();
+    for (int i = 0; i < steps_; ++i) {
+      advance();
+      if (times_) times_->tick();
     }
     return watch.per(steps_);
   }
@@ -79,7 +67,6 @@ class Steps : public Contender {
   int steps_;
   std::int64_t k_ = 0;
   std::optional<measure::StepTimes> times_;
-  bool started_ = false;
 };
 
 class Run : public Contender {

@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "assur/status.hpp"
 #include "assur/strategy.hpp"
+#include "decimal.hpp"
+#include "median.hpp"
 
 namespace assur::bench {
 namespace {
@@ -25,12 +26,6 @@ bool one_thread(const Entry& entry) {
   return strategy.run.threads * strategy.solver.threads == 1;
 }
 
-std::string text(double value) {
-  char digits[32];
-  std::snprintf(digits, sizeof digits, "%.2g", value);
-  return digits;
-}
-
 // Holds the result of an entry against that of another one.
 void check(Entry& entry, const Entry& reference, bool all) {
   if (!reference.contender) return fail(entry, "not verified: what it is held against has no result", false);
@@ -38,8 +33,10 @@ void check(Entry& entry, const Entry& reference, bool all) {
   const double off = deviation(entry.contender->columns(), of(entry), of(reference));
   if (!(off <= entry.deviation)) entry.deviation = off;
   if (!(off <= entry.bound)) {
-    fail(entry, "WRONG: off by " + text(off) + " from " + reference.strategy + ", allowed are " + text(entry.bound),
-         true);
+    fail(
+        entry,
+        "WRONG: off by " + general(off, 2) + " from " + reference.strategy + ", allowed are " + general(entry.bound, 2),
+        true);
   }
 }
 
@@ -49,7 +46,7 @@ void check(std::vector<Entry>& contest) {
     if (!entry.contender) continue;
     entry.residual = entry.contender->residual();
     if (!(entry.residual <= kMostResidual)) {
-      fail(entry, "WRONG: its equations are off by " + text(entry.residual), true);
+      fail(entry, "WRONG: its equations are off by " + general(entry.residual, 2), true);
     } else if (entry.alone != Entry::kItself) {
       check(entry, contest[entry.alone], true);
     } else if (entry.base != Entry::kItself) {
@@ -80,14 +77,8 @@ void hold(std::vector<Entry>& contest, int rounds) {
   }
 }
 
-Spread spread(std::vector<double> values) {
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  if (values.empty()) return {kNone, kNone, kNone};
-  std::sort(values.begin(), values.end());
-  const auto at = [&](double share) {
-    return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
-  };
-  return {at(0.25), at(0.5), at(0.75)};
+Spread spread(const std::vector<double>& values) {
+  return {quantile(values, 0.25), median(values), quantile(values, 0.75)};
 }
 
 const std::vector<double>& telling(const Entry& entry) { return one_thread(entry) ? entry.processor : entry.seconds; }
@@ -98,7 +89,7 @@ Spread speed_up(const Entry& entry, const Entry& of) {
   const std::vector<double>& there = by_processor ? of.processor : of.seconds;
   std::vector<double> ratios;
   for (std::size_t r = 0; r < std::min(here.size(), there.size()); ++r) ratios.push_back(there[r] / here[r]);
-  return spread(std::move(ratios));
+  return spread(ratios);
 }
 
 }  // namespace assur::bench

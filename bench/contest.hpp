@@ -67,7 +67,7 @@ using measure::deviation;
 struct Spread {
   double lower = 0, median = 0, upper = 0;  // quartiles
 };
-[[nodiscard]] Spread spread(std::vector<double> values);
+[[nodiscard]] Spread spread(const std::vector<double>& values);
 
 // Rounds of an entry that tell most: processor time of one thread, which a busy machine disturbs little; by the clock
 // of several.

@@ -22,6 +22,21 @@ constexpr double kRing = bound_of(16);            // of 6 to 360 points
 constexpr double kChain = 10 * 10 * bound_of(6);  // of ten rockers: errors are handed on, of accelerations twice
 
 std::string split(int p, int q) { return " " + std::to_string(p) + "x" + std::to_string(q); }
+std::string packs(int p) { return p > 1 ? split(p, 1) : ""; }
+
+std::string rings(const Options& o) { return o.quick ? "rings:legs=16,n=24" : "rings:legs=64,n=120"; }
+
+StepLimits limits(bool pinned) { return {.pin_to = pinned ? this_machine().cores : std::vector<int>{}}; }
+
+// A row of a table. bound: for other lanes, chunks or threads in a solver; packs on other threads have the same bits.
+Entry row(const std::string& scene, const std::string& strategy, std::size_t base = Entry::kItself,
+          std::size_t alone = Entry::kItself, double bound = 0) {
+  Entry made{scene, strategy};
+  made.base = base;
+  made.alone = alone;
+  made.bound = alone == Entry::kItself || parse_strategy(strategy).solver.threads > 1 ? bound : 0;
+  return made;
+}
 
 // Adds what can run, and what cannot with the reason; returns its index.
 std::size_t add(std::vector<Entry>& contest, Entry entry, const std::function<std::unique_ptr<Contender>()>& make) {
@@ -40,11 +55,9 @@ void add_splits(std::vector<Entry>& contest, const Options& o, const std::string
   const Scene scene = sample(text);
   int steps = 1;
   const auto add_split = [&](int p, int q, std::size_t alone) {
-    Entry entry{text, strategy + split(p, q)};
-    entry.base = entry.alone = alone;
-    entry.bound = q > 1 ? bound : 0;
-    return add(contest, std::move(entry), [&] {
-      return make_steps(scene, {strategy + split(p, q), o.threads}, steps);
+    const std::string how = strategy + split(p, q);
+    return add(contest, row(text, how, alone, alone, bound), [&] {
+      return make_steps(scene, {how, o.threads}, steps);
     });
   };
   try {
@@ -64,9 +77,8 @@ void add_splits(std::vector<Entry>& contest, const Options& o, const std::string
 
 std::vector<Entry> latency(const Options& o) {
   std::vector<Entry> contest;
-  const std::string rings = o.quick ? "rings:legs=16,n=24" : "rings:legs=64,n=120";
   for (const char* solver : {"lanes:8", "klu", "eigen", "lapack", "team"}) {
-    add_splits(contest, o, rings, std::string("groups/") + solver, kRing);
+    add_splits(contest, o, rings(o), std::string("groups/") + solver, kRing);
   }
   for (const int platforms : o.quick ? std::vector{1, 8} : std::vector{1, 8, 64, 512}) {
     const std::string text = "stewart:platforms=" + std::to_string(platforms);
@@ -83,17 +95,14 @@ std::vector<Entry> lanes(const Options& o) {
     const int steps = steps_in(o.block, scene, solver);
     std::size_t one = Entry::kItself;
     for (const int w : {1, 2, 4, 8, 16}) {
-      Entry entry{text, solver + (w > 1 ? ":" + std::to_string(w) : "")};
-      entry.base = one;
-      entry.bound = bound;
-      const std::string strategy = entry.strategy;
-      const std::size_t added = add(contest, std::move(entry), [&] {
+      const std::string strategy = solver + (w > 1 ? ":" + std::to_string(w) : "");
+      const std::size_t added = add(contest, row(text, strategy, one, Entry::kItself, bound), [&] {
         return make_steps(scene, {strategy, o.threads}, steps);
       });
       if (w == 1) one = added;
     }
   };
-  sweep(o.quick ? "rings:legs=16,n=24" : "rings:legs=64,n=120", "groups/lanes", kRing);
+  sweep(rings(o), "groups/lanes", kRing);
   sweep("stewart:legs=64", "groups/lanes", kLeg);
   sweep("stewart:legs=64", "irreducible/lanes", kLeg);
   return contest;
@@ -105,14 +114,11 @@ const std::vector<std::string> kHandleEnds = {"B1", "B2", "B3", "B4", "B5", "B6"
 void add_chunks(std::vector<Entry>& contest, const Options& o, const std::string& text, const Scene& scene,
                 double bound) {
   const auto add_run = [&](int count, int p, std::size_t base, std::size_t alone) {
-    std::string strategy = "irreducible/lanes:8";
-    if (count > 1) strategy += "+chunks=" + std::to_string(count);
-    if (p > 1) strategy += split(p, 1);
-    Entry entry{text, strategy};
-    entry.base = base;
-    entry.alone = alone;
-    entry.bound = alone == Entry::kItself ? bound : 0;
-    return add(contest, std::move(entry), [&] { return make_run(scene, {strategy, o.threads}); });
+    const std::string strategy =
+        "irreducible/lanes:8" + (count > 1 ? "+chunks=" + std::to_string(count) : "") + packs(p);
+    return add(contest, row(text, strategy, base, alone, bound), [&] {
+      return make_run(scene, {strategy, o.threads});
+    });
   };
   const std::size_t whole = add_run(1, 1, Entry::kItself, Entry::kItself);
   for (const int count : {8, 64, 512}) {
@@ -143,20 +149,16 @@ void add_members(std::vector<Entry>& contest, const Options& o, const std::vecto
     scenes.push_back(wanted.empty() ? std::move(scene) : scene.with_outputs(wanted));
   }
   const std::string text = "stewart, " + std::string(wanted.empty() ? "everything" : "handle ends");
-  Entry single{text, "irreducible/lanes:8"};
-  const std::size_t base = add(contest, std::move(single), [&] {
+  const std::size_t base = add(contest, row(text, "irreducible/lanes:8"), [&] {
     return make_members_one_by_one(scenes, {"irreducible/lanes:8", 1});
   });
   for (const char* solver : {"irreducible/lanes:8", "irreducible/lanes:16"}) {
     std::size_t alone = Entry::kItself;
     for (const int p : o.counts()) {
-      Entry entry{text, solver + (p > 1 ? split(p, 1) : "")};
-      entry.members = members;
-      entry.base = base;
-      entry.alone = alone;
-      entry.bound = p > 1 ? 0 : kLeg;
-      const std::string strategy = entry.strategy;
-      const std::size_t added = add(contest, std::move(entry), [&] {
+      const std::string strategy = solver + packs(p);
+      Entry all = row(text, strategy, base, alone, kLeg);
+      all.members = members;
+      const std::size_t added = add(contest, std::move(all), [&] {
         return make_ensemble(scenes, {strategy, o.threads});
       });
       if (p == 1) alone = added;
@@ -179,12 +181,9 @@ std::vector<Entry> legs(const Options& o) {
     const Scene scene = sample(text);
     const int steps = steps_in(o.block, scene, "irreducible/lanes:8");
     const auto add_legs = [&](const std::string& strategy, std::size_t base, std::size_t alone) {
-      Entry entry{text, strategy};
-      entry.legs = count;
-      entry.base = base;
-      entry.alone = alone;
-      entry.bound = alone == Entry::kItself ? kLeg : 0;
-      return add(contest, std::move(entry), [&] { return make_steps(scene, {strategy, o.threads}, steps); });
+      Entry leg = row(text, strategy, base, alone, kLeg);
+      leg.legs = count;
+      return add(contest, std::move(leg), [&] { return make_steps(scene, {strategy, o.threads}, steps); });
     };
     const std::size_t one = add_legs("irreducible/lanes", Entry::kItself, Entry::kItself);
     const std::size_t alone = add_legs("irreducible/lanes:8", one, Entry::kItself);
@@ -196,48 +195,43 @@ std::vector<Entry> legs(const Options& o) {
 // Steps timed one by one, threads free and pinned.
 std::vector<Entry> pinned(const Options& o) {
   std::vector<Entry> contest;
-  const std::vector<std::int32_t> cores = this_machine().cores;
   const auto sweep = [&](const std::string& text, const std::string& solver) {
     const Scene scene = sample(text);
     const int steps = std::max(100, steps_in(o.block, scene, solver));
     std::size_t one = Entry::kItself;
     for (const int p : o.counts()) {
       for (const bool pin : {false, true}) {
-        Entry entry{text, solver + (p > 1 ? split(p, 1) : ""), pin ? "pinned" : ""};
-        entry.base = entry.alone = one;
-        const std::string strategy = entry.strategy;
-        StepLimits limits;
-        if (pin) limits.pin_to.assign(cores.begin(), cores.end());
-        const std::size_t added = add(contest, std::move(entry), [&] {
-          return make_steps(scene, {strategy, o.threads}, steps, limits, true);
+        const std::string strategy = solver + packs(p);
+        Entry timed = row(text, strategy, one, one);
+        if (pin) timed.condition = "pinned";
+        const std::size_t added = add(contest, std::move(timed), [&] {
+          return make_steps(scene, {strategy, o.threads}, steps, limits(pin), true);
         });
         if (one == Entry::kItself) one = added;
       }
     }
   };
   sweep("stewart", "irreducible/lanes:8");
-  sweep(o.quick ? "rings:legs=16,n=24" : "rings:legs=64,n=120", "groups/lanes:8");
+  sweep(rings(o), "groups/lanes:8");
   return contest;
 }
 
 // More processes that are busy than there are cores: nothing hangs, and what it costs.
 std::vector<Entry> crowd(const Options& o) {
   std::vector<Entry> contest;
-  const std::string text = o.quick ? "rings:legs=16,n=24" : "rings:legs=64,n=120", solver = "groups/lanes:8";
+  const std::string text = rings(o);
   const Scene scene = sample(text);
   const int steps = o.quick ? 10 : 50;  // each may take as long as the system lets one of the others run
-  const std::vector<std::int32_t> cores = this_machine().cores;
   for (const int p : o.counts()) {
     for (const bool pin : {false, true}) {
       if (pin && p == 1) continue;
-      const std::string strategy = solver + (p > 1 ? split(p, 1) : "");
-      StepLimits limits;
-      if (pin) limits.pin_to.assign(cores.begin(), cores.end());
-      const auto make = [&] { return make_steps(scene, {strategy, o.threads}, steps, limits, true); };
-      const std::size_t quiet = add(contest, Entry{text, strategy, pin ? "pinned" : ""}, make);
-      Entry entry{text, strategy, (pin ? "pinned, " : "") + std::to_string(o.busy) + " busy processes"};
-      entry.base = entry.alone = quiet;
-      add(contest, std::move(entry), [&] { return in_a_crowd(make(), o.busy); });
+      const std::string strategy = "groups/lanes:8" + packs(p);
+      const auto make = [&] { return make_steps(scene, {strategy, o.threads}, steps, limits(pin), true); };
+      Entry quiet = row(text, strategy), busy = row(text, strategy, contest.size(), contest.size());
+      if (pin) quiet.condition = "pinned";
+      busy.condition = (pin ? "pinned, " : "") + std::to_string(o.busy) + " busy processes";
+      add(contest, std::move(quiet), make);
+      add(contest, std::move(busy), [&] { return in_a_crowd(make(), o.busy); });
     }
   }
   return contest;

@@ -8,21 +8,21 @@
 namespace assur::bench {
 namespace {
 
-constexpr double kHandle = 0.2, kRod = 0.55;  // m
+using peers::dot;
+using peers::operator+;
+using peers::operator*;
+
+constexpr double kHandle = peers::Stewart::kHandle, kRod = peers::Stewart::kRod;  // m
 
 // First unknown of each vector, first equation of each kind.
 enum Unknown { kB = 0, kE = 3, kR = 6, kC = 9, kD = 12 };
 enum Equation { kHandleLength = 0, kHinge = 3, kRodLength = 4, kCR = 7, kCT, kDR, kDC, kEE, kRR, kCC, kDD };
 
-double dot(const Vec& a, const Vec& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 Vec at(const LegByHand::Unknowns& q, std::size_t i) { return {q[i], q[i + 1], q[i + 2]}; }
 Vec magnitude(const LegByHand::Unknowns& q, std::size_t i) {
   return {std::abs(q[i]), std::abs(q[i + 1]), std::abs(q[i + 2])};
 }
-Vec in_plane(const Vec& local, const Terminal& x) {
-  return {local[0] * x.u[0] + local[1] * x.v[0], local[0] * x.u[1] + local[1] * x.v[1],
-          local[0] * x.u[2] + local[1] * x.v[2]};
-}
+Vec in_plane(const Vec& local, const Terminal& x) { return local[0] * x.u + local[1] * x.v; }
 
 }  // namespace
 

@@ -6,10 +6,11 @@
 #include <vector>
 
 #include "assur/backend.hpp"
+#include "peers/mechanisms.hpp"
 
 namespace assur::bench {
 
-using Vec = std::array<double, 3>;
+using peers::Vec;
 
 // O, u, v of the terminal, and their first or second derivative.
 struct Terminal {

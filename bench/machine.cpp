@@ -1,5 +1,9 @@
 #include "machine.hpp"
 
+#include <time.h>
+
+#include <ostream>
+
 #include "assur/backend.hpp"
 #include "assur/machine.hpp"
 
@@ -13,6 +17,16 @@ std::vector<std::pair<std::string, std::string>> machine_facts() {
     facts.emplace_back("backend " + std::string(backend.id), version.empty() ? "absent" : version);
   }
   return facts;
+}
+
+void describe_machine(std::ostream& out, const std::string& prefix) {
+  for (const auto& [name, text] : machine_facts()) out << prefix << name << ": " << text << std::endl;
+}
+
+double processor_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
 }  // namespace assur::bench

@@ -1,6 +1,7 @@
-// What a time was measured on: written before any number.
+// What a time was measured on, written before any number, and the clock of one thread.
 #pragma once
 
+#include <iosfwd>
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,7 +11,10 @@ namespace assur::bench {
 // Name and text: processor, compiler, build type, library versions.
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> machine_facts();
 
-// Adds them to the context that Google Benchmark prints and stores.
-void describe_machine();
+// A line for each, with `prefix` in front.
+void describe_machine(std::ostream& out, const std::string& prefix = "");
+
+// Processor time of the calling thread, s.
+[[nodiscard]] double processor_seconds();
 
 }  // namespace assur::bench

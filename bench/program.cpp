@@ -36,7 +36,7 @@ int run_program(int argc, char** argv, void (*register_all)(), int repetitions) 
   int count = static_cast<int>(arguments.size());
   benchmark::Initialize(&count, arguments.data());
   if (benchmark::ReportUnrecognizedArguments(count, arguments.data())) return 2;
-  describe_machine();
+  for (const auto& [name, text] : machine_facts()) benchmark::AddCustomContext(name, text);
   register_all();
   benchmark::RunSpecifiedBenchmarks();
   benchmark::Shutdown();

@@ -3,19 +3,18 @@
 // candidate whose motion is not right does not count. What is printed first is of one pass of the last races.
 //
 //   regret_bench [--quick] [--threads N] [--only TEXT] [--csv FILE]
-#include <algorithm>
+#include <cmath>
 #include <cstdio>
-#include <fstream>
-#include <iostream>
-#include <map>
+#include <ostream>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "assur/assur.hpp"
-#include "machine.hpp"
 #include "measure/pace.hpp"
 #include "measure/regret_survey.hpp"
+#include "median.hpp"
+#include "output/csv_text.hpp"
 #include "survey.hpp"
 
 namespace assur::bench {
@@ -27,25 +26,13 @@ using measure::Question;
 
 constexpr double kLook = 1;  // s: at the usual pace
 
-std::vector<Question> questions(const SurveyOptions& o, int budget) {
-  std::vector<Question> all = measure::regret_questions(budget);
-  std::erase_if(all, [&](const Question& q) { return q.scene.find(o.only) == std::string::npos; });
-  if (!o.quick || all.size() <= 9) return all;
+std::vector<Question> questions(const Survey& survey) {
+  std::vector<Question> all = measure::regret_questions(survey.threads);
+  std::erase_if(all, [&](const Question& q) { return !survey.wants(q.scene); });
+  if (!survey.quick || all.size() <= 9) return all;
   std::vector<Question> some;
   for (std::size_t i = 0; i < all.size(); i += all.size() / 9) some.push_back(all[i]);
   return some;
-}
-
-double mean(const std::vector<double>& values) {
-  double sum = 0;
-  for (const double v : values) sum += v;
-  return values.empty() ? 0 : sum / static_cast<double>(values.size());
-}
-
-double quantile(std::vector<double> values, double q) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1) + 0.5)];
 }
 
 void print(const Answer& a) {
@@ -56,11 +43,12 @@ void print(const Answer& a) {
 }
 
 void write_csv(std::ostream& out, const std::vector<Answer>& answers) {
+  using output::csv_text;
   out << "scene,without,threads,chosen,chosen_seconds,again_seconds,expected_seconds,best,best_seconds,regret\n";
   for (const Answer& a : answers) {
-    out << '"' << a.question.scene << "\",\"" << a.question.without_text() << "\"," << a.question.threads << ",\""
-        << a.chosen.strategy << "\"," << a.chosen.seconds << ',' << a.again.seconds << ',' << a.expected_seconds
-        << ",\"" << a.best.strategy << "\"," << a.best.seconds << ',' << a.regret() << '\n';
+    out << csv_text(a.question.scene) << ',' << csv_text(a.question.without_text()) << ',' << a.question.threads << ','
+        << csv_text(a.chosen.strategy) << ',' << a.chosen.seconds << ',' << a.again.seconds << ',' << a.expected_seconds
+        << ',' << csv_text(a.best.strategy) << ',' << a.best.seconds << ',' << a.regret() << '\n';
   }
 }
 
@@ -92,18 +80,14 @@ void summarise(const std::vector<Answer>& answers) {
               100 * (std::exp(quantile(ratio, 0.5)) - 1));
 }
 
-int run(const SurveyOptions& o) {
-  const int budget = o.threads > 0 ? o.threads : this_machine().budget().threads;
-  for (const auto& [name, text] : machine_facts()) std::printf("%s: %s\n", name.c_str(), text.c_str());
-  const MachineModel& known = machine_model();
-  for (const std::string& message : known.messages) std::printf("%s\n", message.c_str());
-  std::printf("model: %zu samples, %s\n\n%-22s %-10s %12s %9s %9s   %-34s %s\n", known.model->samples(),
-              known.model->source().c_str(), "scene", "without", "chosen", "regret", "to itself", "chosen", "best");
-  measure::QuestionOptions how{.model = known.model, .quick = o.quick};
-  measure::MachinePace pace(budget, kLook);
+void run(const Survey& survey, std::ostream& csv) {
+  std::printf("\n%-22s %-10s %12s %9s %9s   %-34s %s\n", "scene", "without", "chosen", "regret", "to itself", "chosen",
+              "best");
+  measure::QuestionOptions how{.model = survey.model, .quick = survey.quick};
+  measure::MachinePace pace(survey.threads, kLook);
   pace.attach(how.instruments);
   std::vector<Contest> contests;
-  for (const Question& q : questions(o, budget)) {
+  for (const Question& q : questions(survey)) {
     auto contest = Contest::open(q, how);
     if (!contest || !contest->race()) continue;
     contests.push_back(std::move(*contest));
@@ -119,12 +103,7 @@ int run(const SurveyOptions& o) {
     print(answers.back());
   }
   summarise(answers);
-  if (o.csv.empty()) return 0;
-  std::ofstream csv(o.csv);
   write_csv(csv, answers);
-  csv.close();
-  if (!csv) throw Error(Error::Kind::environment, "--csv: cannot write " + o.csv);
-  return 0;
 }
 
 }  // namespace

@@ -34,7 +34,7 @@ std::string load() {
 }
 
 void describe(std::ostream& out, const Options& o, const std::string& prefix) {
-  for (const auto& [name, text] : machine_facts()) out << prefix << name << ": " << text << '\n';
+  describe_machine(out, prefix);
   out << prefix << "load average: " << load() << '\n'
       << prefix << "threads: up to " << o.threads << "; rounds: " << o.rounds << '\n';
   out.flush();

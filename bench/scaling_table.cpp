@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <ostream>
+#include <iostream>
 #include <utility>
 
 #include "assur/strategy.hpp"
+#include "decimal.hpp"
+#include "output/csv_text.hpp"
+#include "output/page.hpp"
 
 namespace assur::bench {
 namespace {
@@ -58,101 +60,88 @@ Figures figures_of(const std::vector<Entry>& contest, const Entry& entry) {
 
 struct Column {
   const char* head;
-  int width, decimals;
+  int decimals;
   double value;  // of one entry
 };
 
 std::vector<Column> columns_of(Show show, const Figures& f) {
   const double microseconds = 1e6;
   std::vector<Column> columns = {
-      {"us/step", 12, 3, microseconds * f.telling.median},
-      {"+-%", 5, 0, 50 * (f.telling.upper - f.telling.lower) / f.telling.median},
-      {"by clock", 12, 3, microseconds * f.seconds.median},
+      {"us/step", 3, microseconds * f.telling.median},
+      {"+-%", 0, 50 * (f.telling.upper - f.telling.lower) / f.telling.median},
+      {"by clock", 3, microseconds * f.seconds.median},
   };
   const auto add = [&](std::initializer_list<Column> more) { columns.insert(columns.end(), more); };
   switch (show) {
     case Show::threads:
-      add({{"speed-up", 9, 2, f.over_one_thread.median},
-           {"efficiency", 11, 2, f.over_one_thread.median / f.threads},
-           {"at best", 8, 2, f.at_best}});
+      add({{"speed-up", 2, f.over_one_thread.median},
+           {"efficiency", 2, f.over_one_thread.median / f.threads},
+           {"at best", 2, f.at_best}});
       break;
     case Show::lanes:
-      add({{"speed-up", 9, 2, f.over_base.median},
-           {"efficiency", 11, 2, f.over_base.median / f.strategy.solver.lanes}});
+      add({{"speed-up", 2, f.over_base.median}, {"efficiency", 2, f.over_base.median / f.strategy.solver.lanes}});
       break;
     case Show::chunks:
-      add({{"speed-up", 9, 2, f.over_base.median},
-           {"over 1 thread", 14, 2, f.over_one_thread.median},
-           {"efficiency", 11, 2, f.over_one_thread.median / f.threads},
-           {"at best", 8, 2, f.at_best}});
+      add({{"speed-up", 2, f.over_base.median},
+           {"over 1 thread", 2, f.over_one_thread.median},
+           {"efficiency", 2, f.over_one_thread.median / f.threads},
+           {"at best", 2, f.at_best}});
       break;
     case Show::members:
-      add({{"steps/s", 11, 0, 1 / f.telling.median},
-           {"x single", 9, 2, f.over_base.median},
-           {"per thread", 11, 2, f.over_base.median / f.threads},
-           {"over 1 thread", 14, 2, f.over_one_thread.median},
-           {"efficiency", 11, 2, f.over_one_thread.median / f.threads},
-           {"at best", 8, 2, f.at_best}});
+      add({{"steps/s", 0, 1 / f.telling.median},
+           {"x single", 2, f.over_base.median},
+           {"per thread", 2, f.over_base.median / f.threads},
+           {"over 1 thread", 2, f.over_one_thread.median},
+           {"efficiency", 2, f.over_one_thread.median / f.threads},
+           {"at best", 2, f.at_best}});
       break;
     case Show::legs:
-      add({{"ns/leg", 9, 1, 1e9 * f.per_leg},
-           {"growth", 7, 2, f.growth},
-           {"over 1 thread", 14, 2, f.over_one_thread.median},
-           {"at best", 8, 2, f.at_best}});
+      add({{"ns/leg", 1, 1e9 * f.per_leg},
+           {"growth", 2, f.growth},
+           {"over 1 thread", 2, f.over_one_thread.median},
+           {"at best", 2, f.at_best}});
       break;
     case Show::single:
-      add({{"p50, us", 12, 3, microseconds * f.p50},
-           {"p99, us", 12, 3, microseconds * f.p99},
-           {"longest, us", 12, 1, microseconds * f.longest},
-           {"p99/p50", 8, 2, f.p99 / f.p50},
-           {"slowdown", 9, 2, 1 / f.over_base.median}});
+      add({{"p50, us", 3, microseconds * f.p50},
+           {"p99, us", 3, microseconds * f.p99},
+           {"longest, us", 1, microseconds * f.longest},
+           {"p99/p50", 2, f.p99 / f.p50},
+           {"slowdown", 2, 1 / f.over_base.median}});
       break;
   }
   return columns;
 }
 
-std::string exact(double value) {
-  if (!std::isfinite(value)) return "";
-  char digits[32];
-  std::snprintf(digits, sizeof digits, "%.9g", value);
-  return digits;
-}
-
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
-  return out + '"';
-}
+std::string exact(double value) { return std::isfinite(value) ? general(value, 9) : ""; }
 
 }  // namespace
 
 void print_table(const std::string& title, const std::vector<Entry>& contest, Show show) {
-  int scene = 5, strategy = 8, condition = 0;
-  for (const Entry& e : contest) {
-    scene = std::max(scene, static_cast<int>(e.scene.size()));
-    strategy = std::max(strategy, static_cast<int>(e.strategy.size()));
-    condition = std::max(condition, static_cast<int>(e.condition.size()));
+  using output::Table;
+  std::vector<std::string> heads = {"scene", "strategy", ""};
+  for (const Column& c : columns_of(show, Figures{})) heads.emplace_back(c.head);
+  heads.insert(heads.end(), {"deviation", "residual", ""});
+  std::vector<Table::Align> align(heads.size(), Table::Align::right);
+  for (const std::size_t text : {std::size_t{0}, std::size_t{1}, std::size_t{2}, heads.size() - 1}) {
+    align[text] = Table::Align::left;
   }
-  std::printf("\n%s\n  %-*s  %-*s  %-*s", title.c_str(), scene, "scene", strategy, "strategy", condition, "");
-  for (const Column& c : columns_of(show, Figures{})) std::printf(" %*s", c.width, c.head);
-  std::printf(" %9s %9s\n", "deviation", "residual");
+  Table table(align);
+  table.row(heads);
   for (const Entry& e : contest) {
-    std::printf("  %-*s  %-*s  %-*s", scene, e.scene.c_str(), strategy, e.strategy.c_str(), condition,
-                e.condition.c_str());
-    if (!e.failure.empty()) {
-      std::printf("  %s\n", e.failure.c_str());
-      continue;
-    }
-    for (const Column& c : columns_of(show, figures_of(contest, e))) {
-      if (std::isfinite(c.value)) {
-        std::printf(" %*.*f", c.width, c.decimals, c.value);
-      } else {
-        std::printf(" %*s", c.width, "");
+    std::vector<std::string> row = {e.scene, e.strategy, e.condition};
+    if (e.failure.empty()) {
+      for (const Column& c : columns_of(show, figures_of(contest, e))) {
+        row.push_back(std::isfinite(c.value) ? fixed(c.value, c.decimals) : "");
       }
+      row.insert(row.end(), {general(e.deviation, 1), general(e.residual, 1)});
     }
-    std::printf(" %9.1g %9.1g\n", e.deviation, e.residual);
+    row.resize(heads.size());
+    row.back() = e.failure;
+    table.row(std::move(row));
   }
-  std::fflush(stdout);
+  std::cout << '\n' << title << '\n';
+  table.print(std::cout, 2);
+  std::cout.flush();
 }
 
 void write_csv_header(std::ostream& out) {
@@ -167,7 +156,8 @@ void write_csv_header(std::ostream& out) {
 void write_csv_rows(std::ostream& out, const std::string& experiment, const std::vector<Entry>& contest) {
   for (const Entry& e : contest) {
     const Figures f = figures_of(contest, e);
-    out << experiment << ',' << quoted(e.scene) << ',' << quoted(e.strategy) << ',' << quoted(e.condition);
+    out << experiment << ',' << output::csv_text(e.scene) << ',' << output::csv_text(e.strategy) << ','
+        << output::csv_text(e.condition);
     for (const int count : {f.strategy.run.threads, f.strategy.solver.threads, f.strategy.solver.lanes,
                             f.strategy.run.chunks, e.members, e.legs}) {
       out << ',' << count;
@@ -196,7 +186,7 @@ void write_csv_rows(std::ostream& out, const std::string& experiment, const std:
                                e.residual}) {
       out << ',' << exact(value);
     }
-    out << ',' << quoted(e.failure.empty() ? "ok" : e.failure) << '\n';
+    out << ',' << output::csv_text(e.failure.empty() ? "ok" : e.failure) << '\n';
   }
   out.flush();
 }

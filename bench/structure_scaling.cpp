@@ -4,7 +4,6 @@
 //
 //   structure_scaling_bench [ROUNDS [LARGEST]]    5 rounds up to 100000 groups unless told otherwise
 #include <benchmark/benchmark.h>
-#include <time.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -55,12 +54,6 @@ struct Figures {
   std::vector<double> seconds;
   double peak = 0, retained = 0;  // bytes
 };
-
-double processor_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 // Time and memory of what `make` returns; it is destroyed outside the time.
 template <class Make>
@@ -157,10 +150,7 @@ void measure_all(std::vector<Size>& sizes, int rounds) {
 }
 
 int run(int rounds, int largest) {
-  describe_machine();
-  benchmark::BenchmarkReporter::PrintBasicContext(&std::cout, benchmark::BenchmarkReporter::Context());
-  std::cout << std::flush;
-
+  describe_machine(std::cout);
   std::vector<Size> chains, platforms;
   for (const int loops : {100, 1000, 10000, 100000}) {
     if (loops <= largest) chains.emplace_back("four_bar:" + std::to_string(loops), four_bar_file(loops));

@@ -2,21 +2,40 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <fstream>
+#include <iostream>
 
-#include "assur/status.hpp"
+#include "assur/assur.hpp"
+#include "machine.hpp"
 
 namespace assur::bench {
 
-int run_survey(int argc, char** argv, const std::string& about, int (*survey)(const SurveyOptions&)) {
-  SurveyOptions o;
+int run_survey(int argc, char** argv, const std::string& about, void (*survey)(const Survey&, std::ostream& csv)) {
+  Survey o;
+  std::string file;
   CLI::App app(about);
   app.add_flag("--quick", o.quick, "Little of everything");
   app.add_option("--threads", o.threads, "Budget; the machine's if left out");
   app.add_option("--only", o.only, "Scenes whose text contains this");
-  app.add_option("--csv", o.csv, "Write every row");
+  app.add_option("--csv", file, "Write every row");
   CLI11_PARSE(app, argc, argv);
   try {
-    return survey(o);
+    std::ofstream csv;
+    const auto check = [&] {
+      if (!file.empty() && !csv) throw Error(Error::Kind::environment, "--csv: cannot write " + file);
+    };
+    if (!file.empty()) csv.open(file);
+    check();
+    if (o.threads <= 0) o.threads = this_machine().budget().threads;
+    describe_machine(std::cout);
+    const MachineModel& known = machine_model();
+    for (const std::string& message : known.messages) std::cout << message << '\n';
+    o.model = known.model;
+    std::cout << "model: " << o.model->samples() << " samples, " << o.model->source() << std::endl;
+    survey(o, csv);
+    csv.close();
+    check();
+    return 0;
   } catch (const Error& error) {
     std::fprintf(stderr, "error: %s\n", error.what());
     return 1;

@@ -2,16 +2,14 @@
 // error, the Pareto front, and what the dispatcher takes for each accuracy.
 //
 //   work_precision_bench [--quick] [--threads N] [--only TEXT] [--csv FILE]
-#include <algorithm>
-#include <fstream>
 #include <iostream>
 #include <string>
 #include <vector>
 
 #include "assur/assur.hpp"
-#include "machine.hpp"
 #include "measure/work_precision.hpp"
 #include "output/comparison_report.hpp"
+#include "output/csv_text.hpp"
 #include "survey.hpp"
 
 namespace assur::bench {
@@ -22,17 +20,9 @@ const std::vector<double> kAccuracies = {1e-4, 1e-6, 1e-8, 1e-10, 1e-12};
 const std::vector<std::string> kScenes = {"four_bar", "four_bar:16",     "slider_crank",      "andrews",
                                           "stewart",  "stewart:legs=22", "rings:legs=6,n=120"};
 
-Scene scene_of(const std::string& text, std::int64_t most) {
-  const Scene scene = open_scene(text);
-  TimeGrid grid = scene.time();
-  if (grid.steps() <= most) return scene;
-  grid.end = grid.time(most);
-  return scene.with_time(grid);
-}
-
 void write_csv(std::ostream& out, const std::string& scene, const measure::WorkPrecision& result) {
   for (const measure::WorkPrecisionRow& row : result.rows) {
-    out << '"' << scene << "\",\"" << row.strategy << "\"," << row.iterations << ",\"";
+    out << output::csv_text(scene) << ',' << output::csv_text(row.strategy) << ',' << row.iterations << ",\"";
     for (std::size_t i = 0; i < row.accuracies.size(); ++i) out << (i == 0 ? "" : " ") << row.accuracies[i];
     out << "\",";
     if (row.seconds) out << *row.seconds << ',' << row.spread;
@@ -42,42 +32,31 @@ void write_csv(std::ostream& out, const std::string& scene, const measure::WorkP
     if (!row.error) out << ",,";
     out << ',';
     if (row.estimated) out << *row.estimated;
-    out << ',' << row.on_front << ",\"" << row.status << "\"\n";
+    out << ',' << row.on_front << ',' << output::csv_text(row.status) << '\n';
   }
 }
 
-int run(const SurveyOptions& o) {
-  for (const auto& [name, text] : machine_facts()) std::cout << name << ": " << text << '\n';
-  const MachineModel& known = machine_model();
-  for (const std::string& message : known.messages) std::cout << message << '\n';
-  std::cout << "model: " << known.model->samples() << " samples, " << known.model->source() << '\n';
-  std::ofstream csv;
-  if (!o.csv.empty()) {
-    csv.open(o.csv);
-    csv << "scene,strategy,iterations,auto_for,seconds_per_step,spread,rounds,forward_position,forward_velocity,"
-           "forward_acceleration,estimated,on_front,status\n";
-  }
+void run(const Survey& survey, std::ostream& csv) {
+  csv << "scene,strategy,iterations,auto_for,seconds_per_step,spread,rounds,forward_position,forward_velocity,"
+         "forward_acceleration,estimated,on_front,status\n";
   measure::WorkPrecisionOptions how;
   how.accuracies = kAccuracies;
-  how.budget = o.threads > 0 ? ThreadBudget{o.threads} : this_machine().budget();
-  how.model = known.model;
-  how.rules = {.seconds = o.quick ? 1.0 : 20.0,
-               .least_rounds = o.quick ? 3 : 15,
-               .most_rounds = o.quick ? 3 : 41,
+  how.budget = ThreadBudget{survey.threads};
+  how.model = survey.model;
+  how.rules = {.seconds = survey.quick ? 1.0 : 20.0,
+               .least_rounds = survey.quick ? 3 : 15,
+               .most_rounds = survey.quick ? 3 : 41,
                .hopeless = 100};
   for (const std::string& text : kScenes) {
-    if (text.find(o.only) == std::string::npos) continue;
-    const Scene scene = scene_of(text, o.quick ? kQuickSteps : kMostSteps);
+    if (!survey.wants(text)) continue;
+    const Scene scene = measure::first_steps(open_scene(text), survey.quick ? kQuickSteps : kMostSteps);
     const measure::WorkPrecision result = measure::work_precision(scene, how);
     output::Page page(std::cout);
     page.gap();
     print(page, {text, scene.time().step, kAccuracies, result});
     std::cout.flush();
-    if (csv.is_open()) write_csv(csv, text, result);
+    write_csv(csv, text, result);
   }
-  csv.close();
-  if (!o.csv.empty() && !csv) throw Error(Error::Kind::environment, "--csv: cannot write " + o.csv);
-  return 0;
 }
 
 }  // namespace

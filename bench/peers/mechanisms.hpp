@@ -1,5 +1,6 @@
 // The mechanisms of the comparison as bare numbers: those of sample("four_bar:N") and sample("stewart"), for programs
-// that know nothing of the library. C++17, as far as Simbody's headers go.
+// that know nothing of the library, with the few products of vectors that they need. C++17, as far as Simbody's headers
+// go.
 #pragma once
 
 #include <array>
@@ -13,7 +14,12 @@ inline constexpr double kPi = 3.14159265358979323846;
 using Vec = std::array<double, 3>;
 
 inline Vec operator+(const Vec& a, const Vec& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+inline Vec operator-(const Vec& a, const Vec& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 inline Vec operator*(double s, const Vec& a) { return {s * a[0], s * a[1], s * a[2]}; }
+inline double dot(const Vec& a, const Vec& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+inline Vec cross(const Vec& a, const Vec& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
 inline Vec heading(double azimuth) { return {std::cos(azimuth), std::sin(azimuth), 0}; }
 
 // Loop i: a coupler from B(i-1) to B(i), which a rocker holds about (2 i, 0). B(0) is the end of the crank about (0,

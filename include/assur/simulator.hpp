@@ -37,8 +37,8 @@ class Trajectory {
   [[nodiscard]] double operator()(std::size_t row, std::size_t column) const {
     return values_[row * columns_.size() + column];
   }
-  // One output in the last row, by its name. The trajectory must have a row. Throws like index().
-  [[nodiscard]] double last(std::string_view column) const { return (*this)(rows() - 1, index(column)); }
+  // One output in the last row, by its name. Throws like index(), and Error (input) if the trajectory has no row.
+  [[nodiscard]] double last(std::string_view column) const;
   // All values: rows x columns.
   [[nodiscard]] const std::vector<double>& values() const { return values_; }
 

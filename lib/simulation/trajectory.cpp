@@ -34,6 +34,12 @@ std::string without_derivatives(const std::vector<std::string>& columns, std::sp
 
 std::size_t Trajectory::index(std::string_view column) const { return column_index(columns_, column); }
 
+double Trajectory::last(std::string_view column) const {
+  const std::size_t c = index(column);
+  if (rows() == 0) throw Error(Error::Kind::input, "the trajectory has no rows: the run did not reach its first time");
+  return (*this)(rows() - 1, c);
+}
+
 namespace {
 
 // Lines of a CSV; numbers as the shortest text that reads back the same, nothing for none.

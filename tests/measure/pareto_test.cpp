@@ -43,13 +43,5 @@ TEST(Pareto, AgreesWithTheDefinition) {
   }
 }
 
-TEST(Pareto, TheFastestWithinAnErrorCountsItsBound) {
-  const std::vector<Trade> all = {{3, 1e-12}, {1, 1e-3}, {2, 1e-6}, {0.1, kNaN}};
-  EXPECT_EQ(fastest_within(all, 1e-6), 2);
-  EXPECT_EQ(fastest_within(all, 1e-7), 3);
-  EXPECT_EQ(fastest_within(all, 1), 1);
-  EXPECT_FALSE(fastest_within(all, 1e-13).has_value());
-}
-
 }  // namespace
 }  // namespace assur::measure

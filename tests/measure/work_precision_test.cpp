@@ -7,6 +7,8 @@
 #include <cmath>
 #include <set>
 
+#include "numbers.hpp"
+
 namespace assur::measure {
 namespace {
 
@@ -139,6 +141,22 @@ TEST(WorkPrecision, BehindIsMeasuredAtTheAccuracyAskedFor) {
   EXPECT_DOUBLE_EQ(result.behind(1e-6).value(), 0);
   EXPECT_FALSE(result.behind(1e-10).has_value());  // missed
   EXPECT_FALSE(result.behind(1e-12).has_value());  // not asked for
+}
+
+TEST(WorkPrecision, TheFastestWithinAnErrorCountsItsBound) {
+  WorkPrecision all;  // the fastest first
+  const std::vector<Trade> trades = {{0.1, kNan}, {1, 1e-3}, {2, 1e-6}, {3, 1e-12}};
+  for (const Trade& t : trades) {
+    WorkPrecisionRow& row = all.rows.emplace_back();
+    row.seconds = t.seconds;
+    if (!std::isnan(t.error)) row.error = {t.error, t.error, t.error};
+  }
+  WorkPrecisionRow& not_timed = all.rows.emplace_back();
+  not_timed.error = {0, 0, 0};
+  EXPECT_EQ(all.fastest_within(1), &all.rows[1]);
+  EXPECT_EQ(all.fastest_within(1e-6), &all.rows[2]);
+  EXPECT_EQ(all.fastest_within(1e-7), &all.rows[3]);
+  EXPECT_EQ(all.fastest_within(1e-13), nullptr);
 }
 
 }  // namespace

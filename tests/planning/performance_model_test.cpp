@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 
 #include "assur/performance.hpp"
 #include "assur/plan.hpp"
@@ -53,6 +54,21 @@ TEST(PerformanceModel, ComposesPacksThatNobodySampled) {
       }
     }
   }
+}
+
+// Samples of one backend alone: the others have priors of their own, asked together or one by one.
+TEST(PerformanceModel, PredictsUnsampledBackendsApart) {
+  std::vector<Sample> of_one = samples();
+  std::erase_if(of_one, [](const Sample& s) { return s.strategy.solver.backend != "lanes"; });
+  const PerformanceModel model(of_one);
+  const Shape shape = sparse_shape(45);
+  const std::array others = {solver("lapack"), solver("klu"), solver("mumps")};
+  const std::vector<Prediction> together = model.packs(shape, others);
+  for (std::size_t i = 0; i < others.size(); ++i) {
+    EXPECT_EQ(together[i].seconds, model.pack(shape, others[i]).seconds) << others[i].solver.backend;
+  }
+  EXPECT_NE(together[0].seconds, together[1].seconds);
+  EXPECT_NE(together[1].seconds, together[2].seconds);
 }
 
 // Whatever few samples there are: no fit to them may promise what no machine does, far from all of them.

@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "median.hpp"
+
 namespace assur::report {
 namespace {
 

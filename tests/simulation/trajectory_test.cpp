@@ -92,6 +92,14 @@ TEST(Trajectory, WithoutOutputsHasEverythingThatMoves) {
   EXPECT_THROW((void)t.index("O.x"), Error);  // fixed
 }
 
+TEST(Trajectory, LastThrowsWithoutRows) {
+  const Scene scene = sample("slider_crank:step=0.1,steps=10");
+  Simulator simulator = test::simulator(scene);
+  const Trajectory t = simulator.run(std::span<const double>{});
+  ASSERT_EQ(t.rows(), 0u);
+  EXPECT_THROW((void)t.last("B.x"), Error);
+}
+
 TEST(Trajectory, RowsAreGridTimes) {
   const Scene scene = sample("four_bar:loops=2,step=0.01,steps=40");
   const Result r = test::run(scene);

@@ -291,7 +291,7 @@ void PlainEquations::add_constraint(const Scene&, const Constraint& c) {
     std::tie(q.b, q.c) = std::pair(ray(w->e).first, ray(w->e).second);
     add(std::move(q), dimension_);
   } else {
-    throw Error(Error::Kind::input, c.name + ": a callback cannot be written anew");
+    throw Error(Error::Kind::input, c.name + ": a constraint of this kind has no plain equations");
   }
 }
 

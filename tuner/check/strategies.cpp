@@ -16,11 +16,17 @@ namespace assur::check {
 namespace {
 
 constexpr int kLanes = 8;
+
 // In double, then in float.
 std::vector<SolverSettings> policies() {
-  std::vector<SolverSettings> all = {
-      {}, {.once = true}, {.refine = true}, {.reuse = Reuse::step}, {.reuse = Reuse::run}};
-  for (int i = 0; i < 5; ++i) all.push_back(all[static_cast<std::size_t>(i)]), all.back().single = true;
+  std::vector<SolverSettings> all;
+  for (const bool single : {false, true}) {
+    for (SolverSettings s : {SolverSettings{}, SolverSettings{.once = true}, SolverSettings{.refine = true},
+                             SolverSettings{.reuse = Reuse::step}, SolverSettings{.reuse = Reuse::run}}) {
+      s.single = single;
+      all.push_back(s);
+    }
+  }
   return all;
 }
 

@@ -208,8 +208,9 @@ bool Crowd::run(int calls) {
 
 // ---- step
 
-WholeStep::WholeStep(const Prepared& prepared, std::vector<int> pin_to, int iterations)
-    : pin_to_(prepared.plan.run.threads > 1 ? std::move(pin_to) : std::vector<int>{}),
+WholeStep::WholeStep(const Prepared& prepared, const std::vector<int>& cores, int iterations)
+    : pin_to_(prepared.plan.run.threads > 1 && idx(prepared.plan.run.threads) <= cores.size() ? cores
+                                                                                              : std::vector<int>{}),
       simulator_(prepared, {.iterations = iterations, .pin_to = pin_to_}),
       grid_(prepared.scene->time()) {
   for (std::int64_t k = 0; k < std::min(kStepsBeforeSteady, grid_.steps()); ++k) {

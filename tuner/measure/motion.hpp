@@ -59,8 +59,9 @@ class Crowd final : public Workload {
 // One call is one step of a whole mechanism over its time grid; after the end it begins again.
 class WholeStep final : public Workload {
  public:
-  // pin_to, iterations: see StepLimits. Throws Error like Simulator, and (numerical) if the first steps fail.
-  explicit WholeStep(const Prepared& prepared, std::vector<int> pin_to = {}, int iterations = 0);
+  // cores: a processor of each core; several threads get one each if there are enough. iterations: see StepLimits.
+  // Throws Error like Simulator, and (numerical) if the first steps fail.
+  explicit WholeStep(const Prepared& prepared, const std::vector<int>& cores = {}, int iterations = 0);
 
   void get_ready(int calls) override;
   bool run(int calls) override;

@@ -32,12 +32,4 @@ std::vector<bool> pareto_front(std::span<const Trade> all) {
   return front;
 }
 
-std::optional<double> fastest_within(std::span<const Trade> all, double error) {
-  std::optional<double> fastest;
-  for (const Trade& t : all) {
-    if (is_known(t) && t.error <= error && (!fastest || t.seconds < *fastest)) fastest = t.seconds;
-  }
-  return fastest;
-}
-
 }  // namespace assur::measure

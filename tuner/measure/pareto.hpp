@@ -1,7 +1,6 @@
 // The Pareto front of error and run time.
 #pragma once
 
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -14,8 +13,5 @@ struct Trade {
 // For each result, true if it is on the front: no other result is at least as fast and as exact, and better in one of
 // the two. Equal results are both on the front or both not; results with unknown or infinite figures are not.
 [[nodiscard]] std::vector<bool> pareto_front(std::span<const Trade> all);
-
-// Time of the fastest result with at most this error; empty if there is none.
-[[nodiscard]] std::optional<double> fastest_within(std::span<const Trade> all, double error);
 
 }  // namespace assur::measure

@@ -8,7 +8,6 @@
 
 #include "assur/assur.hpp"
 #include "backends/backends.hpp"
-#include "index.hpp"
 #include "measure/motion.hpp"
 #include "measure/step_times.hpp"
 #include "measure/ways.hpp"
@@ -41,8 +40,7 @@ bool enter(Racer& racer) {
   try {
     // Where the system puts two threads is luck in a race of many teams: each has its core.
     static const std::vector<int> kCores = this_machine().cores;
-    const bool enough = idx(racer.prepared.plan.run.threads) <= kCores.size();
-    racer.step = std::make_unique<WholeStep>(racer.prepared, enough ? kCores : std::vector<int>{});
+    racer.step = std::make_unique<WholeStep>(racer.prepared, kCores);
     const double begin = StepTimes::steady();
     const bool runs = racer.step->run(3);
     racer.first_seconds = StepTimes::steady() - begin;

@@ -1,8 +1,9 @@
 #include "measure/step_times.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
+
+#include "median.hpp"
 
 namespace assur::measure {
 namespace {
@@ -11,13 +12,6 @@ constexpr double kShort = 1e-6;        // s: shorter steps are measured in block
 constexpr double kBlockLength = 4e-6;  // s: the clock's own 30 ns or so are below one per cent of it
 constexpr int kTrial = 64;             // steps that decide on blocks; the longest block
 constexpr int kClockCalls = 101;       // whose median is the cost of one
-
-double ranked(std::vector<double>& values, double share) {
-  const auto rank = static_cast<std::ptrdiff_t>(std::ceil(share * static_cast<double>(values.size()))) - 1;
-  const auto at = values.begin() + std::max<std::ptrdiff_t>(rank, 0);
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
 
 // The power of two that makes blocks of `step` seconds long enough, at most kTrial.
 int block_for(double step) {
@@ -49,7 +43,7 @@ StepTimes::StepTimes(std::int64_t steps, Clock clock) : clock_(std::move(clock))
     const double before = clock_();
     costs.push_back(clock_() - before);
   }
-  cost_ = ranked(costs, 0.5);
+  cost_ = quantile(costs, 0.5);
 }
 
 void StepTimes::read() {
@@ -67,8 +61,7 @@ void StepTimes::read() {
 }
 
 void StepTimes::consider_blocks() {
-  std::vector<double> trial = samples_;
-  const double median = ranked(trial, 0.5);
+  const double median = quantile(samples_, 0.5);
   if (median >= kShort) return;
   block_ = block_for(median);
   samples_ = joined(samples_, block_);
@@ -77,8 +70,7 @@ void StepTimes::consider_blocks() {
 StepTimes::Blocks StepTimes::blocks() const {
   if (samples_.empty()) return {};
   Blocks out{samples_, block_};
-  std::vector<double> trial = samples_;
-  if (const double median = ranked(trial, 0.5); block_ == 1 && median < kShort) {
+  if (const double median = quantile(samples_, 0.5); block_ == 1 && median < kShort) {
     out.steps = std::min(block_for(median), static_cast<int>(samples_.size()));
     out.seconds = joined(samples_, out.steps);
   }
@@ -87,10 +79,10 @@ StepTimes::Blocks StepTimes::blocks() const {
 }
 
 StepTimes::Figures StepTimes::figures() const {
-  Blocks all = blocks();
+  const Blocks all = blocks();
   if (all.seconds.empty()) return {0, 0, 0, 1};
   const double most = *std::max_element(all.seconds.begin(), all.seconds.end());
-  return {ranked(all.seconds, 0.5), ranked(all.seconds, 0.99), most, all.steps};
+  return {quantile(all.seconds, 0.5), quantile(all.seconds, 0.99), most, all.steps};
 }
 
 }  // namespace assur::measure

@@ -51,7 +51,6 @@ class Comparison {
     if (scene.time().steps() < 1) {
       throw Error(Error::Kind::input, {{"/time", "there is no step to compare; give the scene a time grid"}});
     }
-    cores_ = this_machine().cores;
     out_.steps = scene.time().steps();
   }
 
@@ -198,8 +197,7 @@ class Comparison {
       e.row.status = "another motion";
       return;
     }
-    const bool enough = static_cast<std::size_t>(e.prepared.plan.run.threads) <= cores_.size();
-    e.step = std::make_unique<WholeStep>(e.prepared, enough ? cores_ : std::vector<int>{}, e.row.iterations);
+    e.step = std::make_unique<WholeStep>(e.prepared, cores_, e.row.iterations);
   }
 
   std::optional<ForwardError> error_of(const Entrant& e, const Trajectory& motion) {
@@ -262,7 +260,7 @@ class Comparison {
 
   const Scene& scene_;
   const WorkPrecisionOptions& options_;
-  std::vector<int> cores_;
+  const std::vector<int> cores_ = this_machine().cores;
   std::vector<Entrant> entrants_;
   std::map<std::uint64_t, ForwardError> errors_;  // by motion
   std::int64_t done_ = 0, expected_ = 0;
@@ -288,11 +286,22 @@ const WorkPrecisionRow* WorkPrecision::pick(double accuracy) const {
 std::optional<double> WorkPrecision::behind(double accuracy) const {
   const WorkPrecisionRow* const chosen = pick(accuracy);
   if (chosen == nullptr || !chosen->seconds) return std::nullopt;
-  std::vector<Trade> trades;
-  for (const WorkPrecisionRow& row : rows) trades.push_back(row.trade());
-  const std::optional<double> fastest = fastest_within(trades, accuracy);
-  if (!fastest || !(chosen->worst_error() <= accuracy)) return std::nullopt;
-  return *chosen->seconds / *fastest - 1;
+  if (!(chosen->worst_error() <= accuracy)) return std::nullopt;
+  return *chosen->seconds / *fastest_within(accuracy)->seconds - 1;
+}
+
+const WorkPrecisionRow* WorkPrecision::fastest_within(double error) const {
+  const auto at = std::find_if(rows.begin(), rows.end(), [&](const WorkPrecisionRow& row) {
+    return row.seconds && row.worst_error() <= error;  // the fastest come first
+  });
+  return at == rows.end() ? nullptr : &*at;
+}
+
+Scene first_steps(const Scene& scene, std::int64_t most) {
+  TimeGrid grid = scene.time();
+  if (grid.steps() <= most) return scene;
+  grid.end = grid.time(most);
+  return scene.with_time(grid);
 }
 
 WorkPrecision work_precision(const Scene& scene, const WorkPrecisionOptions& options) {

@@ -45,6 +45,8 @@ struct WorkPrecision {
   // Regret of `auto` for this accuracy: its time over that of the fastest way that reaches the accuracy, less 1. Empty
   // if `auto` misses the accuracy, or if times or errors are missing.
   [[nodiscard]] std::optional<double> behind(double accuracy) const;
+  // The fastest row with at most this error; null if there is none.
+  [[nodiscard]] const WorkPrecisionRow* fastest_within(double error) const;
   // The row of the choice of `auto`; null if it could not run.
   [[nodiscard]] const WorkPrecisionRow* pick(double accuracy) const;
 };
@@ -59,6 +61,9 @@ struct WorkPrecisionOptions {
   std::function<void(std::int64_t done, std::int64_t of)> progress = {};
   Instruments instruments = {};
 };
+
+// The scene with at most this many steps of its grid.
+[[nodiscard]] Scene first_steps(const Scene& scene, std::int64_t most);
 
 // Runs every way over the whole grid and compares its motion with the one in quadruple precision; then times all ways
 // in turns. `auto`, each strategy and each predictor are run with every accuracy; runs with fixed iterations ignore it.

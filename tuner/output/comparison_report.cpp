@@ -20,13 +20,6 @@ Json or_null(const std::optional<T>& value) {
 
 std::string figure(const std::optional<double>& value) { return value ? error_figure(*value) : "-"; }
 
-const WorkPrecisionRow* fastest_within(const WorkPrecision& result, double accuracy) {
-  for (const WorkPrecisionRow& row : result.rows) {  // the fastest first
-    if (row.seconds && row.worst_error() <= accuracy) return &row;
-  }
-  return nullptr;
-}
-
 Json to_json(const WorkPrecision& result, const WorkPrecisionRow& row, double accuracy) {
   const bool picked = std::find(row.picked.begin(), row.picked.end(), accuracy) != row.picked.end();
   const auto error = [&](double ForwardError::*which) { return row.error ? Json((*row.error).*which) : Json(nullptr); };
@@ -115,7 +108,7 @@ Verdict verdict(const WorkPrecision& result, double accuracy) {
   } else if (*behind < kSmallShare) {
     v.words = "the fastest that reaches it";
   } else {
-    v.words = number(std::round(100 * *behind)) + " % slower than " + way_text(*fastest_within(result, accuracy));
+    v.words = number(std::round(100 * *behind)) + " % slower than " + way_text(*result.fastest_within(accuracy));
   }
   return v;
 }

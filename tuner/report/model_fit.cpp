@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "median.hpp"
 #include "numbers.hpp"
 #include "output/format.hpp"
 #include "pictures/plot.hpp"

@@ -7,6 +7,7 @@
 #include "measure/pace.hpp"
 #include "measure/regret_survey.hpp"
 #include "measure/step_times.hpp"
+#include "median.hpp"
 #include "output/format.hpp"
 #include "pictures/plot.hpp"
 #include "report/sections.hpp"

@@ -44,9 +44,7 @@ class Contest {
   // A mechanism, step after step. item: what the CSV calls it.
   void enter(const std::string& item, const std::string& scene, const std::string& strategy) {
     try {
-      const bool enough = static_cast<std::size_t>(conditions_.threads) <= cores_.size();
-      enter<measure::WholeStep>(item, strategy, 1, prepare(sample(scene), how(strategy)),
-                                enough && conditions_.threads > 1 ? cores_ : std::vector<int>{});
+      enter<measure::WholeStep>(item, strategy, 1, prepare(sample(scene), how(strategy)), cores_);
     } catch (const Error&) {
       // it cannot run here: `assur backends` says why
     }

@@ -6,23 +6,17 @@
 #include <array>
 #include <cmath>
 #include <locale>
-#include <numeric>
 #include <sstream>
 
 #include "db/libraries.hpp"
 #include "decimal.hpp"
+#include "output/csv_text.hpp"
 #include "output/format.hpp"
 
 namespace assur::report {
 namespace {
 
 using output::Json;
-
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) out.append(c == '"' ? 2 : 1, c);
-  return out + '"';
-}
 
 std::string host_name() {
   std::array<char, 256> name{};
@@ -98,18 +92,6 @@ HtmlTable table_of(std::span<const Measurement> measurements, std::size_t most) 
        {"origin", words, [](const M& m) { return m.origin; }}});
 }
 
-double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return kNan;
-  std::sort(values.begin(), values.end());
-  const double rank = std::ceil(share * static_cast<double>(values.size()));
-  return values[static_cast<std::size_t>(std::max(rank, 1.0)) - 1];
-}
-
-double mean(const std::vector<double>& values) {
-  if (values.empty()) return kNan;
-  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
-}
-
 std::string csv_of(std::span<const Section> sections) {
   std::ostringstream out;
   out.imbue(std::locale::classic());
@@ -117,13 +99,14 @@ std::string csv_of(std::span<const Section> sections) {
   out << "section,item,strategy,quantity,unit,value,repetitions,spread,error,origin\n";
   for (const Section& section : sections) {
     for (const Measurement& m : section.measurements) {
-      for (const std::string& text : {section.id, m.item, m.strategy, m.quantity, m.unit}) out << quoted(text) << ',';
+      for (const std::string& text : {section.id, m.item, m.strategy, m.quantity, m.unit})
+        out << output::csv_text(text) << ',';
       if (!std::isnan(m.value)) out << m.value;
       out << ',' << m.repetitions << ',';
       if (m.repetitions > 1) out << m.spread;
       out << ',';
       if (!std::isnan(m.error)) out << m.error;
-      out << ',' << quoted(m.origin) << '\n';
+      out << ',' << output::csv_text(m.origin) << '\n';
     }
   }
   return out.str();

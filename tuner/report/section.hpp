@@ -51,11 +51,6 @@ struct Section {
 // "1.2 %", "12 %"
 [[nodiscard]] std::string percent(double share);
 
-// Quantile by nearest rank: the smallest value that at least this share of the values do not exceed; NaN if there are
-// none.
-[[nodiscard]] double quantile(std::vector<double> values, double share);
-[[nodiscard]] double mean(const std::vector<double>& values);  // NaN of none
-
 // report.csv: a row for each number with 17 digits; unknown cells are empty.
 [[nodiscard]] std::string csv_of(std::span<const Section> sections);
 

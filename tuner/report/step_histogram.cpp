@@ -6,6 +6,7 @@
 #include "assur/simulator.hpp"
 #include "measure/step_times.hpp"
 #include "measure/ways.hpp"
+#include "median.hpp"
 #include "output/format.hpp"
 #include "pictures/plot.hpp"
 #include "pictures/ticks.hpp"

@@ -21,13 +21,6 @@ std::vector<std::string> scenes(const Conditions& conditions) {
   return {"stewart", "four_bar:10", "andrews", "slider_crank", "rings:legs=6,n=24"};
 }
 
-Scene shortened(const Scene& scene, std::int64_t steps) {
-  TimeGrid grid = scene.time();
-  if (grid.steps() <= steps) return scene;
-  grid.end = grid.time(steps);
-  return scene.with_time(grid);
-}
-
 void add(Section& out, const std::string& scene, const measure::WorkPrecision& result) {
   for (const measure::WorkPrecisionRow& row : result.rows) {
     if (!row.seconds) continue;
@@ -53,7 +46,8 @@ Section work_precision(const Knowledge& knowledge, const Conditions& conditions)
   for (const std::string& name : names) {
     const double now = measure::StepTimes::steady() - begin;
     if (conditions.interrupted() || (longest > 0 && now + longest > conditions.seconds)) break;
-    const Scene scene = shortened(sample(name), conditions.quick || conditions.seconds < kShort ? kQuickSteps : kSteps);
+    const Scene scene =
+        measure::first_steps(sample(name), conditions.quick || conditions.seconds < kShort ? kQuickSteps : kSteps);
     measure::WorkPrecisionOptions how;
     how.accuracies = {1e-4, 1e-6, 1e-8, 1e-10, 1e-12};
     how.budget = ThreadBudget{conditions.threads};

@@ -1,13 +1,14 @@
 #include "tuning/candidates.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include "planning/strategies.hpp"
 
 namespace assur::tuning {
 namespace {
 
-const std::vector<std::int32_t> kWidths = {1, 8, 16, 4, 2};  // in the order of their turns
+constexpr std::array<std::int32_t, 5> kWidths = {1, 8, 16, 4, 2};  // in the order of their turns
 constexpr std::int32_t kWorthThreads = 100;  // unknowns from which on more threads in one factorisation may gain
 
 // What must not wait, since time may be short: what most is expected of, then each backend once.
@@ -33,7 +34,7 @@ std::vector<Strategy> in_turns(const Field& field, const StrategySpace& space, c
 
 std::vector<Strategy> linear_solvers(const Field& field, const Shape& shape, int most_lanes) {
   StrategySpace space;
-  space.lanes = kWidths;
+  space.lanes.assign(kWidths.begin(), kWidths.end());
   space.threads = powers_of_two(field.budget.threads);
   space.policies = {{}, {.single = true}};
   return in_turns(field, space, shape, [&](const Backend& backend, const SolverSettings& s) {
@@ -47,7 +48,7 @@ std::vector<Strategy> linear_solvers(const Field& field, const Shape& shape, int
 std::vector<Strategy> pack_strategies(const Field& field, Formulation formulation, const Shape& shape, bool policies) {
   StrategySpace space;
   space.formulations = {formulation};
-  space.lanes = kWidths;
+  space.lanes.assign(kWidths.begin(), kWidths.end());
   // What +reuse= takes depends on the motion: it cannot be told from one posture.
   if (policies) space.policies = {{}, {.once = true}, {.separate = true}};
   return in_turns(field, space, shape, [&](const Backend& backend, const SolverSettings& s) {
