@@ -99,7 +99,7 @@ struct Kernels {
       moved = max(moved, abs(by));
       poison.add_product(by, L::set(0));
     }
-    // Where nothing moved, nothing is used, however small the ball.
+    // If nothing moved, nothing of the ball is used, however small the ball is.
     const L used = moved * L::load(omega);
     return (if_positive(moved, used, moved) + poison).largest();
   }
