@@ -31,14 +31,14 @@ std::string text(double value) {
   return digits;
 }
 
-// Holds the result of an entry against that of another one.
+// Compares the result of an entry with that of a reference.
 void check(Entry& entry, const Entry& reference, bool all) {
-  if (!reference.contender) return fail(entry, "not verified: what it is held against has no result", false);
+  if (!reference.contender) return fail(entry, "not verified: its reference has no result", false);
   const auto of = [all](const Entry& e) { return all ? e.contender->result() : e.contender->sample(); };
   const double off = deviation(entry.contender->columns(), of(entry), of(reference));
   if (!(off <= entry.deviation)) entry.deviation = off;
   if (!(off <= entry.bound)) {
-    fail(entry, "WRONG: off by " + text(off) + " from " + reference.strategy + ", allowed are " + text(entry.bound),
+    fail(entry, "WRONG: differs by " + text(off) + " from " + reference.strategy + ", allowed: " + text(entry.bound),
          true);
   }
 }
@@ -49,7 +49,7 @@ void check(std::vector<Entry>& contest) {
     if (!entry.contender) continue;
     entry.residual = entry.contender->residual();
     if (!(entry.residual <= kMostResidual)) {
-      fail(entry, "WRONG: its equations are off by " + text(entry.residual), true);
+      fail(entry, "WRONG: its equations have the residual " + text(entry.residual), true);
     } else if (entry.alone != Entry::kItself) {
       check(entry, contest[entry.alone], true);
     } else if (entry.base != Entry::kItself) {

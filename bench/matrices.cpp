@@ -9,7 +9,7 @@
 namespace assur::bench {
 namespace {
 
-constexpr int kDifferent = 8;  // matrices that are drawn; more of them repeat these
+constexpr int kDifferent = 8;  // different matrices; further ones repeat them
 constexpr int kLegUnknowns = 15;
 
 std::vector<test::Matrix> leg_jacobians(int count) {

@@ -10,10 +10,10 @@ namespace assur::bench {
 int run_survey(int argc, char** argv, const std::string& about, int (*survey)(const SurveyOptions&)) {
   SurveyOptions o;
   CLI::App app(about);
-  app.add_flag("--quick", o.quick, "Little of everything");
-  app.add_option("--threads", o.threads, "Budget; the machine's if left out");
-  app.add_option("--only", o.only, "Scenes whose text contains this");
-  app.add_option("--csv", o.csv, "Write every row");
+  app.add_flag("--quick", o.quick, "Fewer and smaller measurements");
+  app.add_option("--threads", o.threads, "Number of threads; default: the machine's budget");
+  app.add_option("--only", o.only, "Only scenes whose text contains this");
+  app.add_option("--csv", o.csv, "Write all rows to a CSV file");
   CLI11_PARSE(app, argc, argv);
   try {
     return survey(o);
