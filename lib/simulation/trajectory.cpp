@@ -36,7 +36,7 @@ std::size_t Trajectory::index(std::string_view column) const { return column_ind
 
 namespace {
 
-// Lines of a CSV; numbers as the shortest text that reads back the same, nothing for none.
+// Lines of a CSV. A number is the shortest text that reads back as the same number; NaN is an empty field.
 class Lines {
  public:
   explicit Lines(std::ostream& out) : out_(out) {}
