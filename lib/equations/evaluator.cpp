@@ -199,7 +199,8 @@ class EvaluatorOf final : public Evaluator {
   static HWY_INLINE L reg(const double* registers, std::int32_t i) { return L::load(registers + i * W); }
   HWY_INLINE L k(std::int32_t i) const { return L::load(k_ + i * W); }
 
-  // A sum and the bound of its rounding, over epsilon / 2. Adding the first term, and factors of 1, cause no rounding.
+  // A sum and the bound of its rounding, over epsilon / 2. Adding the first term, and factors of size 1, cause no
+  // rounding.
   struct RoundedSum {
     L value, error;
 

@@ -136,7 +136,7 @@ Status NewtonStep::derivatives(Pack& pack, double* const (&state)[3], const Atte
   const int most = std::max(work_.group_class.derivatives, attempt.all_rates ? 1 : 0);
   const int first = attempt.all_rates ? 0 : work_.group_class.first_wanted;
   if (most == 0) return {};
-  // +once: the factors of Newton's iteration (or, with +reuse=run, of an earlier step) are used, with refinement.
+  // +once: the factors from the prediction (or, with +reuse=run, from an earlier step) are used, with refinement.
   const bool at_hand = settings_.reuse == Reuse::run ? pack.factored : solver_.factors() != Factors::earlier;
   if (!(settings_.once && at_hand)) {
     if (const Status s = solver_.factorize(pack, Factors::solution, counters); !s.ok()) return s;

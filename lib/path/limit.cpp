@@ -24,7 +24,7 @@ constexpr double kNearer = 1.15;    // ratio of singular values between postures
 constexpr int kReach = 12;  // the step over a change point reaches 2^12 first shortest steps before and behind it,
 constexpr int kLonger = 8;  // or up to 2^8 times as far
 constexpr int kMoreHalvings = 6;        // of the shortest step, on the way back from a change point
-constexpr double kApart = 1.0 / 16;     // of that reach: the motion must end at least so far from the change point
+constexpr double kApart = 1.0 / 16;     // of that reach: the step must end at least so far from the change point
 constexpr double kSureOfBranch = 1e-3;  // largest correction over the distance of the branches
 constexpr double kLittleLever = 1e-3;   // of its value at the start: a smaller lever is about to vanish
 

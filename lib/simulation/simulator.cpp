@@ -381,7 +381,7 @@ struct Simulator::Impl {
 
   std::shared_ptr<const Prepared> owned;
   const Prepared& prepared;
-  std::shared_ptr<const Prepared> first;  // simulator that reset() returns to: `owned` until other equations are chosen
+  std::shared_ptr<const Prepared> first;  // reset() returns to it: `owned` until other equations are chosen
   StepLimits limits;
   Report report;
   const Structure& structure;
@@ -395,13 +395,14 @@ struct Simulator::Impl {
   Status verdict;  // of the last measurement: ok, or inaccurate
   Status doubt;    // the first one of the run
   std::vector<double> row;
-  std::vector<double> divisors;               // of the measures
-  bool in_one_piece = true;                   // the posture was reached by a step that was not divided
-  std::shared_ptr<Snapshot> inside, divided;  // postures before steps that were divided, or failed: reached by
-  const Snapshot* began = nullptr;            // the snapshot before the current step, if that was divided
-  Effort earlier_effort;                      // of solvers that ran the chunks, or that solved another set
-  ErrorFigures earlier_error;                 // of the chunks: estimates
-  std::size_t own_lines = 0;                  // lines that report_effort() added at the end of report.fallbacks
+  std::vector<double> divisors;  // of the measures
+  bool in_one_piece = true;      // the posture was reached by a step that was not divided
+  // Starts of the last steps that were divided or failed: at a posture with in_one_piece, and at one without.
+  std::shared_ptr<Snapshot> inside, divided;
+  const Snapshot* began = nullptr;  // the snapshot before the current step, if that was divided
+  Effort earlier_effort;            // of solvers that ran the chunks, or that solved another set
+  ErrorFigures earlier_error;       // of the chunks: estimates
+  std::size_t own_lines = 0;        // lines that report_effort() added at the end of report.fallbacks
   std::int64_t reselections = 0;
   double first_reselection = 0;  // time
 };
