@@ -8,7 +8,7 @@
 
 namespace assur::db {
 
-// Every input bit reaches every output bit: multiplication carries upwards, the shift brings the high half back down.
+// Every input bit reaches every output bit: the multiplication carries upwards, and the shift moves the high half down.
 void Checksum::take(std::uint64_t bits) {
   value_ = (value_ ^ bits) * 0x9e3779b97f4a7c15;  // 2^64 / golden ratio
   value_ ^= value_ >> 32;
@@ -18,7 +18,7 @@ void Checksum::take(std::uint64_t bits) {
 
 Checksum& Checksum::operator<<(std::string_view text) {
   take(text.size());
-  // Eight bytes at a time, the first one the highest; what is left over is the low end of a word.
+  // Eight bytes at a time, the first one highest; the remaining bytes are the low end of a word.
   const auto word_of = [](std::string_view bytes) {
     std::uint64_t word = 0;
     for (const char byte : bytes) word = word << 8 | static_cast<unsigned char>(byte);

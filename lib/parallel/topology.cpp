@@ -13,7 +13,7 @@ namespace {
 using std::filesystem::path;
 
 constexpr const char* kProcessors = "sys/devices/system/cpu";
-constexpr int kMostProcessors = 8192;  // that Linux can be built for
+constexpr int kMostProcessors = 8192;  // largest number that Linux supports
 
 std::string first_line(const path& name) {
   std::string line;
@@ -28,7 +28,7 @@ bool any_of_them(const std::vector<int>& some, const std::vector<int>& others) {
   return !both.empty();
 }
 
-// The first processor of its core stands for the core. core_cpus_list has been called thread_siblings_list.
+// The first processor of a core stands for the core. core_cpus_list was called thread_siblings_list before.
 int core_of(const path& cpus, int processor) {
   for (const char* name : {"core_cpus_list", "thread_siblings_list"}) {
     const path folder = cpus / ("cpu" + std::to_string(processor)) / "topology";
@@ -38,7 +38,7 @@ int core_of(const path& cpus, int processor) {
   return processor;
 }
 
-// "48K", "1M"; 0 if it is neither.
+// Parses "48K" or "1M"; 0 if it is neither.
 std::int64_t parse_bytes(const std::string& text) {
   std::istringstream stream(text);
   stream.imbue(std::locale::classic());

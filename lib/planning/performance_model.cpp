@@ -24,8 +24,8 @@ constexpr std::array kKernels = {NamedKernel{Kernel::evaluate, "evaluate"}, Name
                                  NamedKernel{Kernel::meeting, "meeting"},   NamedKernel{Kernel::step, "step"},
                                  NamedKernel{Kernel::around, "around"}};
 
-// What of a strategy a kernel depends on. Solvers differ by backend, precision and threads; W is kept apart, so that
-// another W can stand in.
+// The parts of a strategy on which the time of a kernel depends. Solvers differ by backend, precision and threads; W is
+// separate, so that another W can stand in.
 struct Variant {
   std::string backend;
   bool single = false, refine = false, once = false, separate = false;
@@ -36,7 +36,7 @@ struct Variant {
 };
 
 Variant variant_of(Kernel kernel, const Strategy& s) {
-  if (kernel == Kernel::around) return {};  // whatever solves the groups
+  if (kernel == Kernel::around) return {};  // independent of the solvers of the groups
   if (kernel == Kernel::evaluate) return {.backend = "", .lanes = s.solver.lanes};
   Variant v{.backend = s.solver.backend,
             .single = s.solver.single,
@@ -51,7 +51,7 @@ Variant variant_of(Kernel kernel, const Strategy& s) {
   return v;
 }
 
-struct Cell {  // samples of one cell are of the same thing
+struct Cell {  // samples of one cell measure the same work
   Kernel kernel;
   std::int32_t variant;  // its number
   std::uint64_t pattern;
@@ -61,7 +61,7 @@ struct Cell {  // samples of one cell are of the same thing
   friend auto operator<=>(const Cell&, const Cell&) = default;
 };
 
-// A bare matrix and a group with the same pattern cost a solver the same.
+// A solver takes the same time for a bare matrix and for a group with the same pattern.
 Cell cell_of(Kernel kernel, const Shape& shape, std::int32_t variant) {
   const bool solver = kernel == Kernel::factor || kernel == Kernel::solve;
   const bool pack = kernel == Kernel::pack;
@@ -69,7 +69,7 @@ Cell cell_of(Kernel kernel, const Shape& shape, std::int32_t variant) {
           shape.n, shape.nnz, pack ? shape.groups : 1, pack ? shape.rhs : 1};
 }
 
-// What is known of a cell.
+// Figures of a cell.
 struct Known {
   Cell cell{};
   double seconds = 0;
@@ -81,7 +81,7 @@ struct Known {
   friend bool operator<(const Known& a, const Cell& b) { return a.cell < b; }
 };
 
-// The same with one of its samples, to fit curves to.
+// The same with one of its samples, for fitting curves.
 struct Gathered {
   Cell cell;
   const Sample* example;
@@ -92,17 +92,17 @@ using Curves = std::map<std::int32_t, Curve>;
 
 double positive_log(double x) { return std::log(std::max(x, 1.0)); }
 
-// Bytes that a group takes: coefficients, state and factors.
+// Bytes of a group: coefficients, state and factors.
 double bytes_of_group(const Shape& s) { return 8 * (4.0 * s.n + 2.0 * s.nnz + static_cast<double>(s.fill + s.terms)); }
 
-// From 0 to 1 where `bytes` outgrow a cache of this size.
+// Rises from 0 to 1 as `bytes` outgrow a cache of this size.
 double beyond(double bytes, double cache) {
   const double ratio = bytes / cache;
   return ratio * ratio / (1 + ratio * ratio);
 }
-constexpr double kMostOff = 20;    // no machine is so many times as fast as that of the prior
-constexpr double kFewSamples = 5;  // tell as much of a machine's speed as the prior does
-constexpr double kSmallCache = 1 << 20, kLargeCache = 1 << 24;  // bytes; where they are exactly, neighbours tell
+constexpr double kMostOff = 20;    // a machine is at most this many times as fast as the prior assumes
+constexpr double kFewSamples = 5;  // this many samples tell as much about a machine's speed as the prior
+constexpr double kSmallCache = 1 << 20, kLargeCache = 1 << 24;  // bytes; neighbours tell where the machine's caches end
 
 FitPoint point_of(Kernel kernel, const Shape& shape, const Strategy& strategy) {
   const double n = shape.n, nnz = shape.nnz, fill = static_cast<double>(shape.fill);
@@ -163,7 +163,7 @@ std::string_view name(Origin origin) noexcept {
 }
 
 struct PerformanceModel::Impl {
-  // Those of one shape: strategies share most of them.
+  // Times of kernels for one shape, which most strategies share.
   class Kernels {
    public:
     Kernels(const Impl& model, const Shape& shape) : model_(model), shape_(shape) {}
@@ -181,7 +181,7 @@ struct PerformanceModel::Impl {
     std::map<std::pair<Kernel, Variant>, Prediction> known_;
   };
 
-  // The same for the shape of each cell.
+  // The same for the shapes of all cells.
   class KernelsOfShapes {
    public:
     explicit KernelsOfShapes(const Impl& model) : model_(model) {}
@@ -210,11 +210,11 @@ struct PerformanceModel::Impl {
     fit_around(cells);
   }
 
-  // Of what was measured more than once, the median.
+  // Takes the median of repeated measurements.
   Cells gather(const std::vector<Sample>& samples) {
     std::vector<std::pair<Cell, const Sample*>> all;
-    std::map<std::int32_t, std::map<Cell, std::vector<double>>> crowds;  // p: packs while so many threads work
-    // Numbered in their own order, not in that of the samples.
+    std::map<std::int32_t, std::map<Cell, std::vector<double>>> crowds;  // p: packs solved while p threads work
+    // Numbers variants in their own order, so that the order of samples does not matter.
     std::vector<std::map<Variant, std::int32_t>::iterator> variants;
     for (const Sample& s : samples) variants.push_back(numbers.try_emplace(variant_of(s.kernel, s.strategy), 0).first);
     for (std::int32_t next = 0; auto& [variant, number] : numbers) number = next++;
@@ -254,7 +254,7 @@ struct PerformanceModel::Impl {
         if (alone == gathered.end() || alone->cell != cell) continue;
         ratios[cell.n].push_back(std::clamp(median(seconds_of) / alone->seconds, 1.0, static_cast<double>(p)));
       }
-      // What other programs take from the cores comes and goes within seconds: the median does not see it.
+      // Other programs take cores for seconds at a time, which the median ignores.
       for (const auto& [n, of] : ratios) contentions[p][n] = median(of);
     }
     return gathered;
@@ -272,12 +272,13 @@ struct PerformanceModel::Impl {
     auto& curves = curve[static_cast<std::size_t>(kernel)];
     for (auto& [variant, measured] : points) curves.emplace(variant, Curve(std::move(measured)));
     if (ratios.empty()) return;
-    // A few samples may be of what the prior knows least.
+    // A few samples may be of kernels that the prior predicts worst.
     const double trust = static_cast<double>(ratios.size()) / (static_cast<double>(ratios.size()) + kFewSamples);
     speed[static_cast<std::size_t>(kernel)] = std::pow(median(ratios), trust);
   }
 
-  // What a pack costs beyond its kernels, by W: whatever the solver, so the quickest one tells best.
+  // Fits the time of a pack besides its kernels, by W. It does not depend on the solver, so the fastest solver shows it
+  // best.
   void fit_rest(const Cells& cells, KernelsOfShapes& kernels) {
     using CellKey = std::tuple<std::int32_t, std::uint64_t, std::int64_t, std::int32_t>;
     std::map<CellKey, const Gathered*> quickest;
@@ -293,13 +294,13 @@ struct PerformanceModel::Impl {
       const auto& [shape, strategy] = std::tie(g->example->shape, g->example->strategy);
       const Prediction parts = kernels_of_pack(kernels.of(*g), strategy);
       const double rest_of_it = g->seconds - parts.seconds;
-      if (parts.origin == Origin::prior || rest_of_it < 0.05 * g->seconds) continue;  // else it is all noise
+      if (parts.origin == Origin::prior || rest_of_it < 0.05 * g->seconds) continue;  // else it is only noise
       points[strategy.solver.lanes].push_back({point_of(Kernel::pack, shape, strategy), rest_of_it, g->noise});
     }
     for (auto& [lanes, measured] : points) rest.emplace(lanes, Curve(std::move(measured)));
   }
 
-  // What whole packs say beyond the sum of their parts.
+  // Fits the time of whole packs beyond the sum of their parts.
   void fit_packs(const Cells& cells, KernelsOfShapes& kernels) {
     std::map<std::int32_t, std::vector<Curve::Measured>> points;
     for (const Gathered& g : cells) {
@@ -311,8 +312,8 @@ struct PerformanceModel::Impl {
     for (auto& [variant, measured] : points) packs.emplace(variant, Curve(std::move(measured)));
   }
 
-  // How many times its prior it takes: mechanisms are too few to tell its terms from each other. A difference of times
-  // scatters more than they do, and all the same says more about its neighbours than the fit.
+  // Fits the ratio to the prior, because mechanisms are too few to separate its terms. Differences of times scatter
+  // more than times do; neighbours still tell more than the fit.
   void fit_around(const Cells& cells) {
     std::vector<Curve::Measured> points;
     for (const Gathered& g : cells) {
@@ -365,10 +366,10 @@ struct PerformanceModel::Impl {
     return {otherwise, 2, Origin::prior};
   }
 
-  // How this machine compares to that of the prior.
+  // Speed of this machine relative to that of the prior.
   [[nodiscard]] double speed_of_all() const { return speed[static_cast<std::size_t>(Kernel::evaluate)]; }
 
-  // -1: no sample has it.
+  // -1: no sample has this variant.
   [[nodiscard]] std::int32_t number_of(const Variant& variant) const {
     const auto found = numbers.find(variant);
     return found == numbers.end() ? -1 : found->second;
@@ -410,12 +411,12 @@ struct PerformanceModel::Impl {
     return plausible({otherwise, 2, Origin::prior});
   }
 
-  // The same solver with another W or other threads, the nearest that has a curve; end: none has.
+  // The nearest variant of the same solver, with another W or other threads, that has a curve; end: there is none.
   [[nodiscard]] std::map<Variant, std::int32_t>::const_iterator stand_in(const Curves& curves,
                                                                          const Variant& wanted) const {
     auto best = numbers.end();
     double least = 0;
-    Variant first = wanted;  // of this solver: its variants follow each other
+    Variant first = wanted;  // first variant of this solver; its variants are consecutive
     first.q = first.lanes = 0;
     const auto same_solver = [&](const Variant& v) {
       const auto solver = [](const Variant& of) {
@@ -441,7 +442,7 @@ struct PerformanceModel::Impl {
     if (const Known* k = exactly(Kernel::pack, shape, number)) return k->prediction();
     const Prediction sum = composed(kernels, strategy);
     auto found = packs.find(number);
-    if (found == packs.end()) {  // of the same solver with another W, or else with the plain policy
+    if (found == packs.end()) {  // same solver with another W, or else with the plain policy
       const auto next = stand_in(packs, variant);
       variant.once = variant.separate = false;
       variant.reuse = Reuse::fresh;
@@ -459,7 +460,7 @@ struct PerformanceModel::Impl {
   std::map<Variant, std::int32_t> numbers;
   std::vector<Known> known;              // ascending
   std::array<Curves, 3> curve;           // evaluate, factor, solve; by variant
-  std::array<double, 3> speed{1, 1, 1};  // measured over prior, of each
+  std::array<double, 3> speed{1, 1, 1};  // measured over prior, for each
   Curves rest;                           // W
   Curves packs;                          // by variant
   std::optional<Curve> around;
@@ -506,7 +507,7 @@ std::vector<Prediction> PerformanceModel::packs(const Shape& shape, std::span<co
   return all;
 }
 
-// Threads add to a meeting evenly, as far as was seen; to a handover they do not.
+// The cost of a meeting grows evenly with threads, as far as measured; that of a handover does not.
 Prediction PerformanceModel::meeting(std::int32_t p, double doubles) const {
   if (p < 2) return {0, 1, Origin::measured};
   const auto nearest = [p](const std::map<std::int32_t, std::vector<double>>& known) {
@@ -519,13 +520,13 @@ Prediction PerformanceModel::meeting(std::int32_t p, double doubles) const {
     sum = {median(seconds) * p / threads, threads == p ? 1.2 : 1.5,
            threads == p ? Origin::measured : Origin::extrapolated};
   }
-  // The meeting itself is part of what was measured with many doubles, but a small one.
+  // A measurement with many doubles includes the meeting, but it is a small part.
   const double each = impl_->handovers.empty() ? kPriorHandover : median(nearest(impl_->handovers)->second);
   sum.seconds += each * doubles;
   return sum;
 }
 
-// As far as was seen; beyond it as of most threads, and as of the smallest or largest groups.
+// Uses the largest measured number of threads beyond it, and the smallest or largest measured groups.
 double PerformanceModel::contention(std::int32_t p, std::int32_t n) const {
   const auto& known = impl_->contentions;
   if (p < 2 || known.empty()) return 1;
