@@ -3,8 +3,8 @@
 // block in turns; reported is the median, which should be at most 1.15.
 //   solver: one factorisation and three solutions of each of six groups, our backend against bare calls
 //   legs:   position, velocity and acceleration of the six legs of `stewart`, groups/BACKEND+predict=hermite:5 against
-//           the leg written by hand, the terminal given to all: `hand` checks what the library checks, `unchecked`
-//           nothing, `calls` are those of KLU or LAPACK alone
+//           the leg written by hand, all with the same terminal: `hand` makes the library's checks, `unchecked` makes
+//           none, `calls` are only the calls of KLU or LAPACK
 #include <benchmark/benchmark.h>
 
 #include <algorithm>

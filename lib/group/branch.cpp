@@ -14,7 +14,7 @@ constexpr std::int32_t kDenseInverse = 64;
 constexpr int kHagerRounds = 3;
 constexpr int kGrowths = 20;  // attempts to enlarge a box until it contains its image
 constexpr double kRadiusGrowth = 1.2;
-// margins for the postures between those that are examined
+// Margins for the postures between the examined ones.
 constexpr double kDefectBetween = 1.5, kChangeBetween = 1.25;
 // Residuals below this are only rounding, with a margin: at a change point they decide between the branches.
 constexpr double kRoundingOfBranch = 64 * kConverged;

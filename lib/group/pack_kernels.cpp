@@ -1,7 +1,7 @@
 // Compiled once for each SIMD target.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "group/pack_kernels.cpp"
-#include <hwy/foreach_target.h>  // before what is compiled once for each target
+#include <hwy/foreach_target.h>  // must precede the code compiled for each target
 
 #include "group/pack_kernels.hpp"
 

@@ -1,7 +1,7 @@
 // Compiled once for each SIMD target; make_small_step() chooses the target.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "group/small_step.cpp"
-#include <hwy/foreach_target.h>  // before what is compiled once for each target
+#include <hwy/foreach_target.h>  // must precede the code compiled for each target
 
 #include "group/small_step.hpp"
 

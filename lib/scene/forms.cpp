@@ -210,7 +210,7 @@ Triple Forms::at(const Direction& d) const {
   return d.is_pair() ? triple::subtract(at(d.second), at(d.first)) : at(d.first);
 }
 
-// ---- what is known
+// ---- known coordinates
 
 bool Forms::is_fixed(const Item& item) const {
   for (int k = 0; k < item.components; ++k) {

@@ -48,7 +48,7 @@ class Start {
   Start(const System& system, Problem& problem, Structure& out)
       : s_(system), p_(problem), out_(out), column_(system.coordinates.size(), -1) {}
 
-  // Returns what is not regular.
+  // Returns the parts that are not regular.
   DoubtfulParts run() {
     split_equations();
     p_.blocks = decompose(s_, p_.equations, p_.unknowns);
