@@ -59,7 +59,7 @@ struct FreeNumeric {
 constexpr auto kMagnitude = ~std::uint64_t{0} >> 1;
 constexpr std::uint64_t magnitude(double number) { return std::bit_cast<std::uint64_t>(number) & kMagnitude; }
 
-// max |number|, also of NaN and infinity; four at a time, for speed.
+// max |number|; NaN and infinity count as larger than any number. Four at a time, for speed.
 class Largest {
  public:
   explicit Largest(double at_least) { size_[0] = magnitude(at_least); }

@@ -13,7 +13,7 @@ Code LaneAlone::factorize(std::span<const double> values) {
   if (good_ && factors_.factorize(values, limits_).any() == 0) return Code::ok;
   good_ = false;
   for (const PivotRule& rule : kRules) {
-    // The elimination divides exactly, so it decides about singularity; a small pivot that it leaves must be accepted.
+    // markowitz_order() divides, so that it decides about singularity; a small pivot that it leaves must be accepted.
     const Order order = markowitz_order(*pattern_, values, 1, 1, rule);
     if (!order.complete(pattern_->n)) return Code::singular;
     factors_.set_program(std::make_shared<const Elimination>(write_program(*pattern_, order)));
