@@ -69,7 +69,7 @@ constexpr double kCrankSpeed = FourBars::kSpeed;                                
 
 FourBarChain::FourBarChain(int loops) : loops_(static_cast<std::size_t>(loops)) {}
 
-// Both columns of B_k hold coupler k, rocker k and coupler k + 1.
+// Both columns of B_k have entries of coupler k, rocker k and coupler k + 1.
 Pattern FourBarChain::pattern() const {
   Pattern c{2 * static_cast<int>(loops_), {0}, {}};
   for (int k = 0; k < static_cast<int>(loops_); ++k) {
@@ -82,7 +82,7 @@ Pattern FourBarChain::pattern() const {
   return c;
 }
 
-// The loops are nearly parallelograms after the first, whose rocker stands upright at the start.
+// The first loop's rocker stands upright at the start, and the further loops are nearly parallelograms.
 void FourBarChain::guess(double* q) const {
   for (std::size_t k = 0; k < loops_; ++k) {
     q[2 * k] = kSpacing * static_cast<double>(k + 1) + 0.05;
@@ -99,7 +99,7 @@ void FourBarChain::drive(double t) {
 
 double FourBarChain::evaluate(const double* q, double* phi, double* jacobian) {
   double px = x_, py = y_, worst = 0, length = FourBars::coupler(1);
-  double* before = nullptr;  // where the coupler stands in the columns of the point before
+  double* before = nullptr;  // entry of the coupler in the columns of the point before
   std::size_t before_stride = 0;
   for (std::size_t k = 0; k < loops_; ++k) {
     const double bx = q[2 * k], by = q[2 * k + 1], anchor = kSpacing * static_cast<double>(k + 1);
@@ -200,7 +200,7 @@ void StewartHandles::guess(double* q) const {
   for (const Vec& B : kGuess) q = std::copy(B.begin(), B.end(), q);
 }
 
-// O and R = Rz(psi) Ry(theta) Rx(phi); the joints of the terminal by its angular velocity and acceleration.
+// O and R = Rz(psi) Ry(theta) Rx(phi); the joints of the terminal follow from its angular velocity and acceleration.
 void StewartHandles::drive(double t) {
   const auto at = [t](std::size_t i) { return Motion(peers::Stewart::kPose[i], t); };
   const Motion x = at(0), y = at(1), z = at(2), psi = at(3), theta = at(4), phi = at(5);
@@ -208,7 +208,7 @@ void StewartHandles::drive(double t) {
                st = std::sin(theta.value);
   const double cf = std::cos(phi.value), sf = std::sin(phi.value);
   const Vec u = {cp * ct, sp * ct, -st}, v = {cp * st * sf - sp * cf, sp * st * sf + cp * cf, ct * sf};
-  const Vec up = {0, 0, 1}, node = {-sp, cp, 0};  // axes of psi and theta; that of phi is u
+  const Vec up = {0, 0, 1}, node = {-sp, cp, 0};  // axes of psi and theta; the axis of phi is u
   const Vec first = psi.rate * up, second = first + theta.rate * node, omega = second + phi.rate * u;
   const Vec alpha = psi.acceleration * up + theta.acceleration * node + phi.acceleration * u +
                     cross(first, theta.rate * node) + cross(second, phi.rate * u);

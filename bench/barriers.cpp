@@ -1,5 +1,5 @@
-// What it costs to send a team to work, and to meet at its barrier: what a level of a mechanism must outweigh to be
-// worth a second thread. With more threads than cores ("crowded") and pinned to cores of their own.
+// Costs of starting a team's work and of meeting at its barrier: a level must save more to be worth a second thread.
+// Also with more threads than cores ("crowded"), and pinned to separate cores.
 #include <benchmark/benchmark.h>
 
 #include <string>
@@ -17,7 +17,7 @@ void run_team(benchmark::State& state, int size, const std::vector<int>& pin_to)
   for ([[maybe_unused]] auto _ : state) team.run([](int) noexcept {});
 }
 
-// Time for one meeting of many within one run.
+// Time of one meeting among many in one run.
 void meet(benchmark::State& state, int size, const std::vector<int>& pin_to) {
   constexpr int kMeetings = 1000;
   Team team(size, pin_to);

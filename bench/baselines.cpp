@@ -1,10 +1,10 @@
-// Honest baselines: what the library costs over a hand-written loop over the very same calls of KLU and LAPACK, with
-// the same number of factorisations and solutions. Ratios are the library's time over that of the hand, block by block
-// in turns, the median of them; at most 1.15 is asked for.
+// Baselines: costs of the library over a hand-written loop with the same calls of KLU and LAPACK, and the same number
+// of factorisations and solutions. A ratio is the library's time over that of the hand-written loop, measured block by
+// block in turns; reported is the median, which should be at most 1.15.
 //   solver: one factorisation and three solutions of each of six groups, our backend against bare calls
 //   legs:   position, velocity and acceleration of the six legs of `stewart`, groups/BACKEND+predict=hermite:5 against
-//           the leg written by hand, the terminal given to all: `hand` checks what the library checks, `unchecked`
-//           nothing, `calls` are those of KLU or LAPACK alone
+//           the leg written by hand, all with the same terminal: `hand` makes the library's checks, `unchecked` makes
+//           none, `calls` are only the calls of KLU or LAPACK
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -39,7 +39,7 @@ double median_ratio(const std::vector<double>& a, const std::vector<double>& b) 
   return median(ratio);
 }
 
-// Times of both sides of one comparison, block after block.
+// Times of both sides of a comparison, block by block.
 struct Times {
   std::vector<double> library, hand;
 
@@ -54,7 +54,7 @@ struct Times {
 
 constexpr int kGroups = 6;
 constexpr int kSolves = 3;
-constexpr double kBlock = 2e-4;  // s: long against the clock, short against the disturbances of a busy machine
+constexpr double kBlock = 2e-4;  // s: long for the clock, short for the disturbances of a busy machine
 
 template <class Bare>
 void compare_solvers(benchmark::State& state, const std::string& kind, int n) {
@@ -115,10 +115,10 @@ void compare_solvers(benchmark::State& state, const std::string& kind, int n) {
 
 constexpr int kLegs = 6;
 constexpr int kWarm = 10;        // steps
-constexpr double kSame = 1e-10;  // m: the motions agree
+constexpr double kSame = 1e-10;  // m: largest difference of equal motions
 constexpr double kConverged = 8 * std::numeric_limits<double>::epsilon();
 
-// The library's own parts, so that the legs can be timed without the terminal before them.
+// Parts of the library, so that the legs are timed without the terminal.
 class LegsByLibrary {
  public:
   LegsByLibrary(const Scene& scene, const std::string& backend, double t)
@@ -141,23 +141,23 @@ class LegsByLibrary {
     ok_ = ok_ && drive(t) && (solve(0, Attempt::Branch::inside) || solve(0, Attempt::Branch::start));
     return ok_;
   }
-  // The legs at time t, and the prediction for the step after it.
+  // Solves the legs at time t, and predicts the next step.
   bool step(double t, double next) {
     counters_ = {};
     held_ = solve(1, Attempt::Branch::inside);
-    // Outside the ball of its branch check the simulator halves the step; here a new ball is measured.
+    // Outside the ball of the branch check the simulator would halve the step; here a new ball is measured.
     ok_ = ok_ && (held_ || solve(1, Attempt::Branch::start));
     state_.accept(t);
     state_.predict(next);
     return ok_;
   }
   void predict(double t) { state_.predict(t); }
-  // The last posture in place of the prediction.
+  // Replaces the prediction by the last posture.
   void restore() { state_.restore(); }
 
   [[nodiscard]] bool ok() const { return ok_; }
-  [[nodiscard]] bool held() const { return held_; }  // the last step of the legs, at the first attempt
-  [[nodiscard]] const Counters& counters() const { return counters_; }  // of that step
+  [[nodiscard]] bool held() const { return held_; }  // the last step of the legs succeeded at the first attempt
+  [[nodiscard]] const Counters& counters() const { return counters_; }  // for that step
 
   // d-th derivative of a point or vector, SI units
   [[nodiscard]] Vec value(const std::string& name, int d) const {

@@ -12,10 +12,10 @@
 namespace assur::bench {
 namespace {
 
-constexpr int kMostWarm = 10;       // steps before those that are timed: threads are awake, memory is in the cache
-constexpr std::size_t kSample = 4;  // members that are run one by one
+constexpr int kMostWarm = 10;       // untimed first steps: they wake threads and fill caches
+constexpr std::size_t kSample = 4;  // members that run one by one
 
-// Time since it was made.
+// Time since construction.
 class Stopwatch {
  public:
   [[nodiscard]] Cost per(double steps) const {
@@ -44,7 +44,7 @@ class Steps : public Contender {
     if (times_steps) times_.emplace(0).tick();
   }
 
-  // Beyond the end of the grid the motion of the samples goes on.
+  // The motion of the samples continues beyond the end of the grid.
   Cost work() override {
     for (int i = 0; i < std::min(kMostWarm, steps_); ++i) advance();
     const Stopwatch watch;

@@ -26,16 +26,16 @@ bool one_thread(const Entry& entry) {
   return strategy.run.threads * strategy.solver.threads == 1;
 }
 
-// Holds the result of an entry against that of another one.
+// Compares the result of an entry with that of a reference.
 void check(Entry& entry, const Entry& reference, bool all) {
-  if (!reference.contender) return fail(entry, "not verified: what it is held against has no result", false);
+  if (!reference.contender) return fail(entry, "not verified: its reference has no result", false);
   const auto of = [all](const Entry& e) { return all ? e.contender->result() : e.contender->sample(); };
   const double off = deviation(entry.contender->columns(), of(entry), of(reference));
   if (!(off <= entry.deviation)) entry.deviation = off;
   if (!(off <= entry.bound)) {
     fail(
         entry,
-        "WRONG: off by " + general(off, 2) + " from " + reference.strategy + ", allowed are " + general(entry.bound, 2),
+        "WRONG: differs by " + general(off, 2) + " from " + reference.strategy + ", allowed: " + general(entry.bound, 2),
         true);
   }
 }
@@ -46,7 +46,7 @@ void check(std::vector<Entry>& contest) {
     if (!entry.contender) continue;
     entry.residual = entry.contender->residual();
     if (!(entry.residual <= kMostResidual)) {
-      fail(entry, "WRONG: its equations are off by " + general(entry.residual, 2), true);
+      fail(entry, "WRONG: its equations have the residual " + general(entry.residual, 2), true);
     } else if (entry.alone != Entry::kItself) {
       check(entry, contest[entry.alone], true);
     } else if (entry.base != Entry::kItself) {

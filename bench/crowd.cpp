@@ -14,9 +14,9 @@
 namespace assur::bench {
 namespace {
 
-constexpr unsigned kLongest = 120;  // s: after that a process ends whatever happened to its parent
+constexpr unsigned kLongest = 120;  // s: a process ends after this time, whatever happened to its parent
 
-// Between fork() and its end a child of a process with threads may do little more than this.
+// After fork() in a process with threads, a child may do little more than this.
 [[noreturn]] void keep_busy(pid_t parent) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(0);

@@ -13,13 +13,15 @@
 namespace assur::bench {
 namespace {
 
-// Two motions, each with residuals of 8 eps, at the condition of a group, of accelerations at its square.
+// Largest difference of two motions with residuals of 8 eps each: proportional to the condition of a group, and for
+// accelerations to its square.
 constexpr double bound_of(double condition) {
   return 2 * 8 * condition * condition * std::numeric_limits<double>::epsilon();
 }
-constexpr double kLeg = bound_of(23);             // of a Stewart platform, largest singular value over smallest
-constexpr double kRing = bound_of(16);            // of 6 to 360 points
-constexpr double kChain = 10 * 10 * bound_of(6);  // of ten rockers: errors are handed on, of accelerations twice
+constexpr double kLeg = bound_of(23);   // leg of a Stewart platform: largest over smallest singular value
+constexpr double kRing = bound_of(16);  // ring of 6 to 360 points
+// chain of ten rockers: errors are passed on, those of accelerations twice
+constexpr double kChain = 10 * 10 * bound_of(6);
 
 std::string split(int p, int q) { return " " + std::to_string(p) + "x" + std::to_string(q); }
 std::string packs(int p) { return p > 1 ? split(p, 1) : ""; }
@@ -38,7 +40,7 @@ Entry row(const std::string& scene, const std::string& strategy, std::size_t bas
   return made;
 }
 
-// Adds what can run, and what cannot with the reason; returns its index.
+// Adds an entry, with the reason if it cannot run; returns its index.
 std::size_t add(std::vector<Entry>& contest, Entry entry, const std::function<std::unique_ptr<Contender>()>& make) {
   try {
     entry.contender = make();
@@ -49,7 +51,7 @@ std::size_t add(std::vector<Entry>& contest, Entry entry, const std::function<st
   return contest.size() - 1;
 }
 
-// One mechanism, step after step: p packs at once, q threads in the solver of each.
+// One mechanism, step after step: p packs at the same time, q threads in the solver of each.
 void add_splits(std::vector<Entry>& contest, const Options& o, const std::string& text, const std::string& strategy,
                 double bound) {
   const Scene scene = sample(text);
@@ -62,7 +64,7 @@ void add_splits(std::vector<Entry>& contest, const Options& o, const std::string
   };
   try {
     steps = steps_in(o.block, scene, strategy);
-  } catch (const Error&) {  // the entry says why
+  } catch (const Error&) {  // the entry has the reason
   }
   const bool parallel = properties_of(parse_strategy(strategy).solver.backend).threads;
   const bool both = strategy.ends_with("team");  // OpenBLAS cannot nest
@@ -110,7 +112,7 @@ std::vector<Entry> lanes(const Options& o) {
 
 const std::vector<std::string> kHandleEnds = {"B1", "B2", "B3", "B4", "B5", "B6"};
 
-// One mechanism over a long time, cut into chunks that fill lanes and threads.
+// One mechanism over a long time, in chunks that fill lanes and threads.
 void add_chunks(std::vector<Entry>& contest, const Options& o, const std::string& text, const Scene& scene,
                 double bound) {
   const auto add_run = [&](int count, int p, std::size_t base, std::size_t alone) {
@@ -133,14 +135,14 @@ void add_chunks(std::vector<Entry>& contest, const Options& o, const std::string
 std::vector<Entry> chunks(const Options& o) {
   std::vector<Entry> contest;
   const std::string steps = o.quick ? "steps=400" : "steps=20000";
-  // One group on each level: without chunks its lanes are idle.
+  // With one group on each level, lanes are idle without chunks.
   add_chunks(contest, o, "four_bar:loops=10," + steps, sample("four_bar:loops=10,step=0.01," + steps), kChain);
   add_chunks(contest, o, "stewart:" + steps + ", handle ends", sample("stewart:" + steps).with_outputs(kHandleEnds),
              kLeg);
   return contest;
 }
 
-// Many Stewart platforms of different speeds: in lanes and threads, and each on its own. `wanted`: outputs.
+// Many Stewart platforms of different speeds: in lanes and threads, and one by one. wanted: outputs.
 void add_members(std::vector<Entry>& contest, const Options& o, const std::vector<std::string>& wanted) {
   const int members = o.quick ? 64 : 1024, steps = o.quick ? 20 : wanted.empty() ? 50 : 200;
   std::vector<Scene> scenes;
@@ -173,7 +175,7 @@ std::vector<Entry> members(const Options& o) {
   return contest;
 }
 
-// One platform with more and more legs.
+// One platform with increasing numbers of legs.
 std::vector<Entry> legs(const Options& o) {
   std::vector<Entry> contest;
   for (int count = 8; count <= (o.quick ? 64 : 4096); count *= 2) {
@@ -192,7 +194,7 @@ std::vector<Entry> legs(const Options& o) {
   return contest;
 }
 
-// Steps timed one by one, threads free and pinned.
+// Steps timed one by one, with free and with pinned threads.
 std::vector<Entry> pinned(const Options& o) {
   std::vector<Entry> contest;
   const auto sweep = [&](const std::string& text, const std::string& solver) {
@@ -216,12 +218,12 @@ std::vector<Entry> pinned(const Options& o) {
   return contest;
 }
 
-// More processes that are busy than there are cores: nothing hangs, and what it costs.
+// More busy processes than cores: shows that nothing hangs, and what it costs.
 std::vector<Entry> crowd(const Options& o) {
   std::vector<Entry> contest;
   const std::string text = rings(o);
   const Scene scene = sample(text);
-  const int steps = o.quick ? 10 : 50;  // each may take as long as the system lets one of the others run
+  const int steps = o.quick ? 10 : 50;  // each may take as long as the system lets another process run
   for (const int p : o.counts()) {
     for (const bool pin : {false, true}) {
       if (pin && p == 1) continue;
@@ -238,13 +240,14 @@ std::vector<Entry> crowd(const Options& o) {
 }
 
 constexpr Experiment kExperiments[] = {
-    {"latency", "latency: one mechanism, step after step; p packs at once, q threads in each", latency, Show::threads},
+    {"latency", "latency: one mechanism, step after step; p packs at the same time, q threads in each", latency,
+     Show::threads},
     {"lanes", "lanes: one thread, W groups side by side", lanes, Show::lanes},
     {"chunks", "chunks: one mechanism over a long time", chunks, Show::chunks},
-    {"members", "members: many mechanisms; the first line of each scene is one on its own", members, Show::members},
+    {"members", "members: many mechanisms; the first line of each scene is a single mechanism", members, Show::members},
     {"legs", "legs: cost of one leg", legs, Show::legs},
-    {"pinned", "pinned: single steps; slowdown over one thread that is not pinned", pinned, Show::single},
-    {"crowd", "crowd: among busy processes; slowdown over the same without", crowd, Show::single},
+    {"pinned", "pinned: single steps; slowdown relative to one unpinned thread", pinned, Show::single},
+    {"crowd", "crowd: among busy processes; slowdown relative to the same run without them", crowd, Show::single},
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Some hot loops, for counting instructions: SCENE, STRATEGY and a number of steps on the command line. Only
-// run_hot_loop() is counted (instructions.sh names it to callgrind); preparing and warming up come before it.
+// Hot loops for counting instructions; arguments: SCENE, STRATEGY and a number of steps. Only run_hot_loop() is counted
+// (instructions.sh names it to callgrind), not the preparation and the first steps.
 #include <cstdint>
 #include <cstdio>
 #include <exception>
@@ -13,7 +13,7 @@ constexpr std::int64_t kWarm = 20;  // steps
 
 }  // namespace
 
-// Not inlined, and not mangled: callgrind toggles its collection here.
+// Neither inlined nor mangled, because callgrind toggles its collection here.
 extern "C" [[gnu::noinline]] bool run_hot_loop(assur::Simulator& simulator, const assur::TimeGrid& grid,
                                                std::int64_t first, std::int64_t steps) {
   for (std::int64_t k = first; k < first + steps; ++k) {

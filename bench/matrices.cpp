@@ -10,7 +10,7 @@
 namespace assur::bench {
 namespace {
 
-constexpr int kDifferent = 8;  // matrices that are drawn; more of them repeat these
+constexpr int kDifferent = 8;  // different matrices; further ones repeat them
 
 std::vector<test::Matrix> leg_jacobians(int count) {
   const Structure s = analyze(sample("stewart:platforms=" + std::to_string((count + 5) / 6)));

@@ -14,9 +14,9 @@
 namespace assur::bench {
 namespace {
 
-constexpr int kWarm = 10;  // steps: the predictors have their history, the solvers their memory
+constexpr int kWarm = 10;  // steps, for the history of the predictors and the memory of the solvers
 
-// --simd=AVX2 or SSE4: as on a processor without better ones. Highway numbers its targets from the best on.
+// --simd=AVX2 or SSE4: runs as on a processor without better ones. Highway numbers its targets from the best one on.
 bool take_simd(std::string_view argument) {
   const bool avx2 = argument == "--simd=AVX2", sse4 = argument == "--simd=SSE4";
   if (avx2) hwy::SetSupportedTargetsForTest(hwy::SupportedTargets() & -std::int64_t{HWY_AVX2});
@@ -50,13 +50,13 @@ bool worth_timing(const Scene& scene, const std::string& strategy) {
     return std::any_of(prepared.plan.choices.begin(), prepared.plan.choices.end(),
                        [lanes](const Plan::Choice& choice) { return choice.solver.lanes == lanes; });
   } catch (const Error&) {
-    return false;  // it cannot run here: the command `assur backends` says why
+    return false;  // it cannot run here; `assur backends` gives the reason
   }
 }
 
 void time_steps(benchmark::State& state, const Scene& scene, const std::string& strategy) {
   Simulator simulator(prepare(scene, {strategy, {}}));
-  // Beyond the end of the grid the motion of the samples goes on.
+  // The motion of the samples continues beyond the end of the grid.
   std::int64_t k = 0;
   const auto advance = [&] { return simulator.step(scene.time().time(++k)); };
   for (int i = 0; i < kWarm; ++i) {

@@ -1,6 +1,6 @@
-// What the dispatcher loses: its choice against the best of all candidates, on mechanisms that no tuner has seen, and
-// beside it the best strategy that is the same for all of them. Every time is of whole steps, measured in turns; a
-// candidate whose motion is not right does not count. What is printed first is of one pass of the last races.
+// Regret of the dispatcher: its choice against the best of all candidates, on mechanisms that no tuner has seen, and
+// against the best strategy that is the same for all of them. All times are of whole steps, measured in turns;
+// candidates with a wrong motion do not count. The first table is from one pass of the last races.
 //
 //   regret_bench [--quick] [--threads N] [--only TEXT] [--csv FILE]
 #include <cmath>
@@ -24,7 +24,7 @@ using measure::Answer;
 using measure::Contest;
 using measure::Question;
 
-constexpr double kLook = 1;  // s: at the usual pace
+constexpr double kLook = 1;  // s, at the usual pace
 
 std::vector<Question> questions(const Survey& survey) {
   std::vector<Question> all = measure::regret_questions(survey.threads);
@@ -76,7 +76,7 @@ void summarise(const std::vector<Answer>& answers) {
   line("dispatcher", ours);
   line("constant", theirs);
   line("choice to itself", itself);
-  std::printf("expected against actual time of what was chosen: off by %.0f %% (median)\n",
+  std::printf("expected against actual time of the choice: error %.0f %% (median)\n",
               100 * (std::exp(quantile(ratio, 0.5)) - 1));
 }
 
@@ -110,6 +110,6 @@ void run(const Survey& survey, std::ostream& csv) {
 }  // namespace assur::bench
 
 int main(int argc, char** argv) {
-  return assur::bench::run_survey(argc, argv, "What the dispatcher loses against the best of all candidates.",
+  return assur::bench::run_survey(argc, argv, "Regret of the dispatcher against the best of all candidates.",
                                   assur::bench::run);
 }

@@ -1,6 +1,6 @@
-// The library against what a good engineer writes in an afternoon for one mechanism (afternoon.hpp), in one run: one
-// thread, the same outputs with velocity and acceleration, and the largest relative residual of the steps that were
-// timed beside each. A scene of a file is read from it; a file has one loop, so longer chains are samples.
+// The library against a program that a good engineer writes in an afternoon for one mechanism (afternoon.hpp), in one
+// run: one thread, the same outputs with velocity and acceleration, and the largest relative residual of the timed
+// steps. A file has one loop; longer chains are samples.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ struct Rival {
 constexpr Rival kRivals[] = {
     {"afternoon", KluOptions::defaults, kRivalTolerance},
     {"afternoon, unscaled", KluOptions::unscaled, kRivalTolerance},
-    {"afternoon, unscaled, to 1e-12", KluOptions::unscaled, 1e-12},  // some steps save an iteration
+    {"afternoon, unscaled, to 1e-12", KluOptions::unscaled, 1e-12},  // saves an iteration in some steps
 };
 
 template <class Mechanism>
@@ -47,8 +47,8 @@ void time_rival(benchmark::State& state, const Mechanism& mechanism, const Rival
   state.counters["position"] = worst;
 }
 
-// A whole grid in chunks that fill the lanes: start postures found, every border verified, all results stored. `per_step`
-// is the processor time of one step.
+// Runs a whole grid in chunks that fill the lanes: finds start postures, verifies every border and stores all results.
+// `per_step` is the processor time of one step.
 void time_chunks(benchmark::State& state, const Scene& scene, const std::string& strategy) {
   const TimeGrid& grid = scene.time();
   const Scene longer = scene.with_time({grid.start, grid.time(kChunkedSteps), grid.step});
@@ -63,7 +63,7 @@ void time_chunks(benchmark::State& state, const Scene& scene, const std::string&
   state.counters["position"] = simulator.report().error.position;
 }
 
-// Rows of one mechanism; `scene` gives what the rival has as unknowns.
+// Registers the rows of one mechanism; `scene` outputs the unknowns of the rival.
 template <class Mechanism>
 void register_mechanism(const std::string& text, const Scene& scene, const Mechanism& mechanism) {
   const double dt = scene.time().step;

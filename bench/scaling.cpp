@@ -1,6 +1,6 @@
-// How the library scales on the machine at hand: threads, lanes, chunks, members, legs; single steps with pinned
-// threads; and among busy processes. Every result is held against that of one thread before its time counts. Exits with
-// 1 if one is wrong.
+// Scaling of the library on this machine: threads, lanes, chunks, members, legs; single steps with pinned threads; and
+// runs among busy processes. Every result is compared with that of one thread before its time counts. Exits with 1 if
+// one is wrong.
 //
 //   scaling_bench [--quick] [--only NAMES] [--threads N] [--rounds N] [--block S] [--busy N] [--csv FILE]
 #include <malloc.h>
@@ -24,7 +24,7 @@
 namespace assur::bench {
 namespace {
 
-// Processes that wait for a processor change every time: what the machine did otherwise is told with the results.
+// The load is reported with the results, because other processes change them.
 std::string load() {
   double average[1] = {0};
   if (getloadavg(average, 1) != 1) return "unknown";
@@ -40,8 +40,8 @@ void describe(std::ostream& out, const Options& o, const std::string& prefix) {
   out.flush();
 }
 
-// Memory of results is kept from round to round, also that of large ones: a page that is new to the process costs as
-// much as some of the steps that are written to it.
+// Keeps the memory of results from round to round, also of large ones: a page that is new to the process costs as much
+// as some of the steps stored in it.
 void keep_memory() {
   mallopt(M_MMAP_MAX, 0);
   mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
@@ -89,19 +89,19 @@ int main(int argc, char** argv) {
   Options options;
   std::vector<std::string> names;
   for (const Experiment& experiment : experiments()) names.emplace_back(experiment.name);
-  CLI::App app("How the library scales on this machine. Every result is verified before its time counts.",
+  CLI::App app("Scaling of the library on this machine. Every result is verified before its time counts.",
                "scaling_bench");
-  app.add_flag("--quick", options.quick, "Small sizes, in seconds: shows that all of it runs");
-  app.add_option("--only", options.only, "Some of " + CLI::detail::join(names, ", "))
+  app.add_flag("--quick", options.quick, "Small sizes, which take seconds: shows that everything runs");
+  app.add_option("--only", options.only, "Run only some of " + CLI::detail::join(names, ", "))
       ->delimiter(',')
       ->check(CLI::IsMember(names))
       ->type_name("A,B");
   const auto count = [&](const char* name, int& value, const char* meaning) {
     app.add_option(name, value, meaning)->check(CLI::Range(1, 4096))->type_name("N");
   };
-  count("--threads", options.threads, "Up to so many; more than the machine's budget if asked for");
+  count("--threads", options.threads, "Largest number of threads; may exceed the machine's budget");
   count("--rounds", options.rounds, "Measurements of each candidate: 15, with --quick 3");
-  count("--busy", options.busy, "Processes of the crowd: two for each thread");
+  count("--busy", options.busy, "Number of busy processes: two for each thread");
   app.add_option("--block", options.block, "Seconds of one measurement: 0.05, with --quick 0.002")
       ->check(CLI::Range(1e-6, 100.0))
       ->type_name("S");

@@ -15,14 +15,14 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-// What follows from the measurements of an entry; NaN: does not apply.
+// Figures derived from the measurements of an entry; NaN: does not apply.
 struct Figures {
   Strategy strategy;
   int threads = 1;
   Spread seconds;  // by the clock
   Spread telling;
   Spread over_base{kNone, kNone, kNone}, over_one_thread{kNone, kNone, kNone};
-  double fastest = kNone, at_best = kNone;  // s of a round; over that of one thread
+  double fastest = kNone, at_best = kNone;  // s of a round; relative to that of one thread
   double per_leg = kNone, growth = kNone;
   double p50 = kNone, p99 = kNone, longest = kNone;
 };
@@ -61,7 +61,7 @@ Figures figures_of(const std::vector<Entry>& contest, const Entry& entry) {
 struct Column {
   const char* head;
   int decimals;
-  double value;  // of one entry
+  double value;  // for one entry
 };
 
 std::vector<Column> columns_of(Show show, const Figures& f) {

@@ -1,6 +1,6 @@
 // Every linear solver that can run here, over patterns, sizes and numbers of groups: one factorisation and three
-// solutions, as a group's step has them, and each alone. Beside the time of one group: the backward error of the very
-// results that were timed, and what was allocated meanwhile.
+// solutions, as in a step of a group, and each of them alone. Beside the time of one group: the backward error of the
+// timed results, and the memory allocated in the meantime.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -16,12 +16,12 @@
 namespace assur::bench {
 namespace {
 
-// What is timed.
+// The work that is timed.
 enum class Work { group, factor, solve };
 constexpr std::string_view kWork[] = {"factor+3solves", "factor", "solve"};
 constexpr int kSolves = 3;
 
-// A solver of the table, and how many groups it takes side by side.
+// A solver of the table, and the number of groups that it solves side by side.
 struct Candidate {
   const Backend* backend;
   int lanes;
@@ -33,7 +33,7 @@ struct Candidate {
   }
 };
 
-// The matrices of one benchmark; made when first used, and kept: large ones take longer to make than to solve.
+// The matrices of one benchmark, made at first use and kept: large ones take longer to make than to solve.
 class Matrices {
  public:
   Matrices(std::string kind, int n, int count) : kind_(std::move(kind)), n_(n), count_(count) {}
@@ -48,14 +48,14 @@ class Matrices {
   std::vector<test::Matrix> all_;
 };
 
-// Some groups side by side; lanes beyond the last group repeat the first.
+// Groups side by side; lanes beyond the last group repeat the first.
 struct Pack {
   std::vector<int> groups;               // lanes
   std::vector<double> values, right, x;  // nnz x lanes; n x lanes
   std::shared_ptr<LinearSolver> solver;
 };
 
-// `shared`: one solver for all packs, which then has the factors of the last.
+// shared: one solver for all packs, which then has the factors of the last one.
 std::vector<Pack> make_packs(const std::vector<test::Matrix>& matrices, const Candidate& candidate, bool shared) {
   std::vector<Pack> packs;
   const int count = static_cast<int>(matrices.size()), n = matrices[0].pattern.n;
@@ -113,7 +113,7 @@ double worst_error(const std::vector<Pack>& packs, const std::vector<test::Matri
 void time_solver(benchmark::State& state, const std::shared_ptr<Matrices>& source, const Candidate& candidate,
                  Work work) {
   const std::vector<test::Matrix>& matrices = source->get();
-  // As the simulator does it: a solver for each pack where pivots are kept, else one for all.
+  // As in the simulator: one solver for each pack if it keeps pivots, else one for all.
   const bool shared = work == Work::group && !candidate.backend->keeps_pivots;
   std::vector<Pack> packs = make_packs(matrices, candidate, shared);
   if (packs.empty() || !run(packs, Work::group)) return state.SkipWithError("a factorisation or solution failed");
@@ -131,10 +131,10 @@ void time_solver(benchmark::State& state, const std::shared_ptr<Matrices>& sourc
   state.counters["allocations"] = allocated / static_cast<double>(state.iterations());
 }
 
-// ---- which solver is run on what
+// ---- which solvers run on which matrices
 
-// The largest that is run. A dense solver is held by its memory, groups x n^2; a sparse one on a dense matrix by its
-// time, which grows with n^3 at the speed of scalar code.
+// Largest sizes. Memory limits dense solvers: groups x n^2. Time limits sparse solvers on dense matrices: it grows with
+// n^3 at the speed of scalar code.
 constexpr double kDenseMemory = 16e6;  // doubles: 4000 unknowns of one group, 500 of 64
 constexpr int kSparseOnDense = 240;    // unknowns
 
@@ -143,7 +143,7 @@ bool worth_running(const Candidate& c, std::string_view kind, int n, int groups)
   return kind != "dense" || n <= kSparseOnDense;
 }
 
-// Lanes of `lanes`: one group has no use for more than one, more than eight groups fill sixteen.
+// Lanes of the backend `lanes`: one group needs only one, more than eight groups fill sixteen.
 std::vector<int> widths(const Backend& backend, int groups) {
   if (!backend.fills_lanes) return {1};
   if (groups == 1) return {1};

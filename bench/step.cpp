@@ -1,5 +1,5 @@
-// Time of one step with velocity and acceleration: scene x formulation x solver x predictor, with and without +once;
-// the errors of the very steps that were timed beside it. What cannot run here is left out.
+// Time of one step with velocity and acceleration: scene x formulation x solver x predictor, with and without +once,
+// and the errors of the timed steps. Combinations that cannot run here are left out.
 #include <benchmark/benchmark.h>
 
 #include <string>
@@ -13,7 +13,7 @@ namespace {
 
 using Texts = std::vector<std::string>;
 
-// Everything of a family is combined with everything else of it.
+// All combinations of these are run.
 struct Family {
   Texts scenes, formulations, solvers, policies, predictors;
 };
@@ -22,7 +22,7 @@ const Texts kScenes = {"stewart", "four_bar:1", "four_bar:10", "four_bar:100", "
 const Texts kRings = {"rings:legs=8,n=30", "rings:legs=64,n=30", "rings:legs=16,n=120", "rings:legs=8,n=360",
                       "rings:legs=8,n=720"};
 
-// Few steps of large groups take long: about seven minutes in all.
+// Fewer steps of large groups, because they take long: about seven minutes in all.
 const Family kFamilies[] = {
     {kScenes,
      {"global", "groups", "irreducible"},

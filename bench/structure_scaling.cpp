@@ -1,6 +1,6 @@
-// How time and memory of one group grow from 100 groups to 100,000, stage by stage: reading, building, analysing and
-// stepping a scene. Required of analysing: at most 3 times. Exits with 1 if it is more.
-// Times are processor time of the one thread, so that a busy machine disturbs them little.
+// Growth of time and memory of one group from 100 groups to 100,000, stage by stage: reading, building, analysing and
+// stepping a scene. Analysing may grow by a factor of 3 at most; exits with 1 if it grows by more.
+// Times are processor time of one thread, so that a busy machine disturbs them little.
 //
 //   structure_scaling_bench [ROUNDS [LARGEST]]    5 rounds up to 100000 groups unless told otherwise
 #include <benchmark/benchmark.h>
@@ -21,10 +21,10 @@ namespace assur::bench {
 namespace {
 
 constexpr double kMostGrowth = 3;
-constexpr int kSteps = 5;            // timed after as many that warm up
-constexpr int kSamplesOfSmall = 20;  // small sizes are repeated up to this often in a round
+constexpr int kSteps = 5;            // timed, after the same number of untimed steps
+constexpr int kSamplesOfSmall = 20;  // repetitions of small sizes in a round
 
-// The chain of crank-rockers as a scene file: what the sample of that name builds.
+// The chain of crank-rockers as a scene file; the sample `four_bar` builds the same scene.
 std::string four_bar_file(int loops) {
   const Scene scene = sample("four_bar:" + std::to_string(loops));
   std::ostringstream out;
@@ -55,7 +55,7 @@ struct Figures {
   double peak = 0, retained = 0;  // bytes
 };
 
-// Time and memory of what `make` returns; it is destroyed outside the time.
+// Measures time and memory of the result of `make`; its destruction is not timed.
 template <class Make>
 void measure(Figures& figures, const Make& make) {
   forget_peak();
@@ -76,10 +76,10 @@ StructureOptions options_for(Formulation formulation) {
   return options;
 }
 
-// One size of a family of scenes, and what was measured of it.
+// One size of a family of scenes, with its measurements.
 struct Size {
   std::string text;   // the sample
-  std::string file;   // the same as a file, "" if it is not read
+  std::string file;   // the same as a file; "": no file is read
   double groups = 0;  // as declared
   Figures read, build, as_groups, irreducible, step;
 
@@ -115,7 +115,7 @@ struct Size {
   }
 };
 
-// One line for each size; returns the largest growth of time or memory per group.
+// Prints a line for each size; returns the largest growth of time or memory per group.
 double print(const char* stage, const std::vector<Size>& sizes, Figures Size::*figures) {
   double worst = 1;
   std::printf("%s\n  %-24s %8s %13s %6s %13s %6s %13s %6s\n", stage, "scene", "groups", "us/group", "x", "peak B/group",

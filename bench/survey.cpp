@@ -14,10 +14,10 @@ int run_survey(int argc, char** argv, const std::string& about, void (*survey)(c
   Survey o;
   std::string file;
   CLI::App app(about);
-  app.add_flag("--quick", o.quick, "Little of everything");
-  app.add_option("--threads", o.threads, "Budget; the machine's if left out");
-  app.add_option("--only", o.only, "Scenes whose text contains this");
-  app.add_option("--csv", file, "Write every row");
+  app.add_flag("--quick", o.quick, "Fewer and smaller measurements");
+  app.add_option("--threads", o.threads, "Number of threads; default: the machine's budget");
+  app.add_option("--only", o.only, "Only scenes whose text contains this");
+  app.add_option("--csv", file, "Write all rows to a CSV file");
   CLI11_PARSE(app, argc, argv);
   try {
     std::ofstream csv;

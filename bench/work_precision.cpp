@@ -1,5 +1,5 @@
-// Error against run time of the shipped mechanisms, as `assur compare` measures it: each way to run them with its true
-// error, the Pareto front, and what the dispatcher takes for each accuracy.
+// Error against run time of the shipped mechanisms, as `assur compare` measures it: each strategy with its true error,
+// the Pareto front, and the dispatcher's choice for each accuracy.
 //
 //   work_precision_bench [--quick] [--threads N] [--only TEXT] [--csv FILE]
 #include <iostream>

@@ -8,7 +8,7 @@
 
 namespace assur::db {
 
-// Every input bit reaches every output bit: multiplication carries upwards, the shift brings the high half back down.
+// Every input bit reaches every output bit: the multiplication carries upwards, and the shift moves the high half down.
 void Checksum::take(std::uint64_t bits) {
   value_ = (value_ ^ bits) * 0x9e3779b97f4a7c15;  // 2^64 / golden ratio
   value_ ^= value_ >> 32;
@@ -18,7 +18,7 @@ void Checksum::take(std::uint64_t bits) {
 
 Checksum& Checksum::operator<<(std::string_view text) {
   take(text.size());
-  // Eight bytes at a time, the first one the highest; what is left over is the low end of a word.
+  // Eight bytes at a time, the first one highest; the remaining bytes are the low end of a word.
   for (; text.size() >= 8; text.remove_prefix(8)) {
     const auto byte = [&](std::size_t i) { return std::uint64_t{static_cast<unsigned char>(text[i])}; };
     take(byte(0) << 56 | byte(1) << 48 | byte(2) << 40 | byte(3) << 32 | byte(4) << 24 | byte(5) << 16 | byte(6) << 8 |

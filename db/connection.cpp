@@ -16,10 +16,10 @@ namespace {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
-constexpr auto kPatience = 60s;        // with another process that writes
-constexpr auto kReadersPatience = 1s;  // only where there is no write-ahead log
+constexpr auto kPatience = 60s;        // while another process writes
+constexpr auto kReadersPatience = 1s;  // used only without a write-ahead log
 
-// What a file is, by its first 100 bytes (https://www.sqlite.org/fileformat.html, 1.3).
+// Judges a file by its first 100 bytes (https://www.sqlite.org/fileformat.html, 1.3).
 Trouble trouble_of(const fs::path& file, bool& is_good) {
   is_good = false;
   std::array<char, 100> header{};
@@ -37,17 +37,17 @@ Trouble trouble_of(const fs::path& file, bool& is_good) {
   return Trouble::damaged;
 }
 
-void refuse_what_is_none(const fs::path& file) {
+void refuse_unusable(const fs::path& file) {
   if (const std::string kind = why_not_regular(file); !kind.empty()) throw Unusable(Trouble::foreign, file, kind);
   bool is_good = false;
   const Trouble trouble = trouble_of(file, is_good);
   if (is_good) return;
   if (trouble == Trouble::absent) throw Unusable(trouble, file, "there is no tuning database yet; run `assur tune`");
   if (trouble == Trouble::damaged) throw Unusable(trouble, file, "its first bytes are damaged");
-  throw Unusable(trouble, file, "is no tuning database of assur, and left alone; name another file");
+  throw Unusable(trouble, file, "is not a tuning database of assur, and is left unchanged; name another file");
 }
 
-// Every path is given as a URI: only so can a file be opened as one that nobody changes.
+// Every path is given as a URI, because only a URI can declare a file immutable.
 std::string uri(const fs::path& file, std::string_view query) {
   std::string text = "file:";
   for (const char c : fs::absolute(file).string()) {
@@ -74,15 +74,15 @@ std::int32_t version_of(SQLite::Database& database) { return database.execAndGet
 
 [[noreturn]] void refuse_newer(const fs::path& file, std::int32_t version) {
   throw Unusable(Trouble::newer, file,
-                 "its schema is version " + std::to_string(version) + ", this assur knows " +
-                     std::to_string(kSchemaVersion) + ": it is left alone; use a newer assur");
+                 "its schema has version " + std::to_string(version) + ", but this assur knows version " +
+                     std::to_string(kSchemaVersion) + "; it is left unchanged; use a newer assur");
 }
 
-// Damaged files are read too: sizes in them are checked, and views and triggers call nothing but what is built in.
+// Also reads damaged files: checks sizes in them, and lets views and triggers call built-in functions only.
 void distrust(SQLite::Database& database) { database.exec("PRAGMA cell_size_check = ON; PRAGMA trusted_schema = OFF"); }
 
-// Tries again every few milliseconds: SQLite's own waiting grows too long between two attempts to meet the moment when
-// a tuner that comes or goes does not have the file for itself.
+// Tries again every few milliseconds. SQLite's own waits become too long to meet the moment when a tuner that starts or
+// ends releases the file.
 template <class Work>
 auto while_busy(std::chrono::milliseconds patience, Work&& work) {
   for (const auto start = std::chrono::steady_clock::now();; std::this_thread::sleep_for(2ms)) {
@@ -94,18 +94,18 @@ auto while_busy(std::chrono::milliseconds patience, Work&& work) {
   }
 }
 
-SQLite::Database open_so(const fs::path& file, std::string_view query, const char* first) {
-  // One thread has it for a few milliseconds: without the locks of each call that is a quarter less.
+SQLite::Database open_read_only(const fs::path& file, std::string_view query, const char* first) {
+  // Only one thread uses it, for a few milliseconds; no locks for each call save a quarter of the time.
   SQLite::Database database(uri(file, query), SQLite::OPEN_READONLY | SQLite::OPEN_URI | SQLite::OPEN_NOMUTEX);
   distrust(database);
   database.exec(first);
-  const std::int32_t version = version_of(database);  // the first look into the file
+  const std::int32_t version = version_of(database);  // the first access to the file
   database.setBusyTimeout(static_cast<int>(std::chrono::milliseconds(kReadersPatience).count()));
   if (version > kSchemaVersion) refuse_newer(file, version);
   return database;
 }
 
-// Changing the journal's mode takes the file for itself, and the busy timeout does not cover all of it.
+// Changing the journal mode needs exclusive access, which the busy timeout does not fully cover.
 void set_journal(SQLite::Database& database, const char* statement, std::chrono::milliseconds patience) {
   while_busy(patience, [&] { return database.exec(statement); });
 }
@@ -113,31 +113,31 @@ void set_journal(SQLite::Database& database, const char* statement, std::chrono:
 void make_folder(const fs::path& file) {
   std::error_code error;
   fs::create_directories(fs::absolute(file).parent_path(), error);
-  if (error) throw Unusable(Trouble::blocked, file, "its folder cannot be made: " + error.message());
+  if (error) throw Unusable(Trouble::blocked, file, "its folder cannot be created: " + error.message());
 }
 
-// In a folder where nobody may write the log cannot be had.
-bool is_for_want_of_permission(const SQLite::Exception& error) {
+// True if a folder without write permission prevents the log.
+bool lacks_permission(const SQLite::Exception& error) {
   const int code = error.getErrorCode();
   return code == SQLITE_CANTOPEN || code == SQLITE_READONLY || code == SQLITE_PERM;
 }
 
-// first: statements before anything is read.
+// first: statements that run before anything is read.
 SQLite::Database try_without_writing(const fs::path& file, const char* first) {
   const bool journal = has_content(file, "-journal");
   try {
-    return open_so(file, "?mode=ro", first);
+    return open_read_only(file, "?mode=ro", first);
   } catch (const SQLite::Exception& error) {
-    if (!is_for_want_of_permission(error)) throw;
-    if (!journal) return open_so(file, "?immutable=1", first);  // without what may be in the log
+    if (!lacks_permission(error)) throw;
+    if (!journal) return open_read_only(file, "?immutable=1", first);  // ignores the content of the log
     throw Unusable(Trouble::blocked, file,
                    std::string("a tuning run was cut off while it wrote (") + error.what() +
-                       "); `assur db check` restores what was there");
+                       "); `assur db check` restores its content");
   }
 }
 
 SQLite::Database open_without_writing(const fs::path& file, const char* first) {
-  refuse_what_is_none(file);
+  refuse_unusable(file);
   return guarded(file, [&] { return while_busy(kReadersPatience, [&] { return try_without_writing(file, first); }); });
 }
 
@@ -162,14 +162,14 @@ void rethrow(const fs::path& file, const SQLite::Exception& error) {
     case SQLITE_NOTADB:
     case SQLITE_CORRUPT:
       throw Unusable(Trouble::damaged, file, "is damaged: " + what);
-    default:  // tables or columns are missing, a constraint does not hold, ...
-      throw Unusable(Trouble::damaged, file, "is not as it should be: " + what);
+    default:  // missing tables or columns, a violated constraint, ...
+      throw Unusable(Trouble::damaged, file, "has unexpected content: " + what);
   }
 }
 
 SQLite::Database open_to_read(const fs::path& file) { return open_without_writing(file, ""); }
 
-// A file shorter than its first page says is refused as a whole, but to those who want to mend its schema.
+// A file that is shorter than its first page says is refused as a whole, except for a writable schema.
 SQLite::Database open_to_salvage(const fs::path& file) {
   return open_without_writing(file, "PRAGMA writable_schema = ON");
 }
@@ -177,7 +177,7 @@ SQLite::Database open_to_salvage(const fs::path& file) {
 SQLite::Database open_to_write(const fs::path& file, bool network) {
   make_folder(file);
   try {
-    refuse_what_is_none(file);
+    refuse_unusable(file);
   } catch (const Unusable& unusable) {
     if (unusable.trouble() != Trouble::absent) throw;
   }
@@ -192,7 +192,7 @@ SQLite::Database open_to_write(const fs::path& file, bool network) {
       throw Unusable(Trouble::blocked, file, "cannot be written: the file or its folder is read-only");
     }
     if (version < kSchemaVersion) bring_up_to_date(database, kSchema, migrations(), kSchemaVersion);
-    // Either way a process that is killed loses nothing that was committed.
+    // In both modes a killed process loses nothing that was committed.
     set_journal(database, network ? "PRAGMA journal_mode = DELETE" : "PRAGMA journal_mode = WAL", kPatience);
     database.exec(network ? "PRAGMA synchronous = FULL" : "PRAGMA synchronous = NORMAL");
     return database;
@@ -202,7 +202,7 @@ SQLite::Database open_to_write(const fs::path& file, bool network) {
 void bring_up_to_date(SQLite::Database& database, std::string_view schema, std::span<const Migration> steps,
                       std::int32_t version) {
   SQLite::Transaction transaction(database, SQLite::TransactionBehavior::IMMEDIATE);
-  // Another process may have done it meanwhile.
+  // Another process may have upgraded it in the meantime.
   std::int32_t found = version_of(database);
   const bool is_new = database.execAndGet("SELECT count(*) FROM sqlite_schema").getInt() == 0;
   if (is_new) {
@@ -215,7 +215,7 @@ void bring_up_to_date(SQLite::Database& database, std::string_view schema, std::
     database.exec(std::string(step.sql));
     ++found;
   }
-  if (found < version) throw SQLite::Exception("there is no way from its version to the present one", SQLITE_ERROR);
+  if (found < version) throw SQLite::Exception("its version cannot be upgraded to the present one", SQLITE_ERROR);
   database.exec("PRAGMA user_version = " + std::to_string(found));
   transaction.commit();
 }
@@ -224,7 +224,7 @@ void leave(SQLite::Database& database) noexcept {
   try {
     database.setBusyTimeout(0);
     set_journal(database, "PRAGMA journal_mode = DELETE", kReadersPatience);
-  } catch (const std::exception&) {  // then with its log: the next one that writes leaves it better
+  } catch (const std::exception&) {  // then the log remains; the next process that writes removes it
   }
 }
 

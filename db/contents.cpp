@@ -20,10 +20,11 @@ namespace {
 using Row = SQLite::Statement;
 using TakeRow = std::function<void(Row&)>;
 
-constexpr std::int64_t kMostReserved = 10'000;    // samples, whatever a damaged count says
-constexpr std::int64_t kFurthestLookup = 10'000;  // ids beyond the last one seen, where the end of a table is damaged
+constexpr std::int64_t kMostReserved = 10'000;    // samples; limits a damaged count
+constexpr std::int64_t kFurthestLookup = 10'000;  // ids beyond the last one seen, if the end of a table is damaged
 
-// Rows in the order of their ids; where they are in none the tree of the table is damaged. Returns the last id.
+// Reads rows in the order of their ids. If they are out of order, the tree of the table is damaged. Returns the last
+// id.
 std::int64_t scan(SQLite::Database& database, const std::string& select, const TakeRow& take, bool ascending = true) {
   Row row(database, select);
   for (std::int64_t last = 0;;) {
@@ -35,7 +36,7 @@ std::int64_t scan(SQLite::Database& database, const std::string& select, const T
   }
 }
 
-// From the front up to the first damage, from the back down to the last, and between them one by one.
+// Reads from the front to the first damage, from the back to the last damage, and the rows between them one by one.
 void salvage(SQLite::Database& database, const std::string& select, const TakeRow& take) {
   std::int64_t front = 0;
   std::optional<std::int64_t> back;
@@ -76,7 +77,7 @@ void salvage(SQLite::Database& database, const std::string& select, const TakeRo
   });
 }
 
-// index: one that holds all that is selected, so that a table is known where its own pages are lost.
+// index: an index that holds all selected columns; it replaces lost pages of the table.
 void each(SQLite::Database& database, Care care, const std::string& select, const TakeRow& take,
           const char* index = nullptr) {
   if (care == Care::salvaging) {
@@ -101,7 +102,7 @@ std::vector<Cache> caches_of(const std::string& text) {
   return caches;
 }
 
-// Which cores they were is not kept, only how many.
+// Only the number of cores is stored, not which cores they are.
 std::vector<std::int32_t> numbered(std::int64_t cores) {
   std::vector<std::int32_t> numbers(static_cast<std::size_t>(std::clamp<std::int64_t>(cores, 0, 8192)));
   for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = static_cast<std::int32_t>(i);
@@ -158,7 +159,8 @@ Shape shape_of(Row& row) {
   s.operations = row.getColumn(6).getInt64();
   s.depth = row.getColumn(7).getInt64();
   s.terms = row.getColumn(8).getInt64();
-  if (!parse_hexadecimal(row.getColumn(9).getText(), s.pattern)) s.pattern = ~s.pattern;  // damaged: so is its sum
+  // damaged, so its checksum must differ
+  if (!parse_hexadecimal(row.getColumn(9).getText(), s.pattern)) s.pattern = ~s.pattern;
   return s;
 }
 
@@ -186,7 +188,7 @@ std::optional<Kernel> kernel_of(std::string_view text) {
 
 double or_nan(const SQLite::Column& column) { return column.isNull() ? kNan : column.getDouble(); }
 
-// Everything that is stored with a sample; what it refers to by the sum of that.
+// Checksum of everything that is stored with a sample; references count by the checksums of their rows.
 std::int64_t sum_of(const Sample& s, std::string_view kernel, std::uint64_t shape, std::uint64_t strategy,
                     std::uint64_t library, std::uint64_t run) {
   Checksum sum;
@@ -238,7 +240,7 @@ void take_sample(Row& row, const Tables& tables, Samples& samples) {
   samples.rows.push_back(std::move(r));
 }
 
-// The fixed work is of one version and build of assur.
+// The work that measures the pace is fixed for one version and build of assur.
 using PaceOrigin = std::tuple<std::int64_t, std::string_view, std::string_view>;  // machine, assur, build
 
 PaceOrigin origin_of(const SampleRow& row, const Tables& tables) {
@@ -246,7 +248,7 @@ PaceOrigin origin_of(const SampleRow& row, const Tables& tables) {
   return {run.machine, run.run.assur, tables.libraries.at(row.library).value.build};
 }
 
-// Others only slow a machine down, so its lower quartile is what is usual.
+// Other programs only slow a machine down, so the lower quartile is the usual pace.
 std::map<PaceOrigin, double> usual_paces(const Samples& samples, const Tables& tables) {
   std::map<PaceOrigin, std::vector<double>> seen;
   std::map<std::pair<std::int64_t, std::int64_t>, std::vector<double>*> of;  // run, library
@@ -265,7 +267,7 @@ std::map<PaceOrigin, double> usual_paces(const Samples& samples, const Tables& t
   return usual;
 }
 
-// Files of an older schema are read, too: `otherwise` stands for a column that they do not have.
+// Files of an older schema are read as well: `otherwise` replaces a column that they lack.
 std::string column_or(SQLite::Database& database, const std::string& table, const std::string& column,
                       const std::string& otherwise) {
   SQLite::Statement find(database, "SELECT 1 FROM pragma_table_info(?1) WHERE name = ?2");

@@ -16,7 +16,7 @@
 namespace assur::db {
 namespace {
 
-// "25", "0x41"; -1 of anything else.
+// Parses "25" or "0x41"; -1 for anything else.
 std::int32_t parse_number(std::string_view text) {
   const bool hex = text.starts_with("0x");
   if (hex) text.remove_prefix(2);
@@ -25,7 +25,7 @@ std::int32_t parse_number(std::string_view text) {
   return error == std::errc() && end == text.data() + text.size() ? number : -1;
 }
 
-// Lines "key : value" of the first processor, as Linux writes them on x86 and on ARM.
+// Reads lines "key : value" of the first processor, in Linux's formats for x86 and ARM.
 void read_processor(std::istream& cpuinfo, Host& host) {
   std::int32_t variant = -1, revision = -1;
   for (std::string line; std::getline(cpuinfo, line) && !line.empty();) {
@@ -53,7 +53,7 @@ std::int64_t memory(const std::filesystem::path& root) {
   return file >> key >> kibibytes && key == "MemTotal:" ? kibibytes * 1024 : 0;
 }
 
-// Of a processor that does not say what it is, another one may be anything: only the same computer is the same.
+// An unidentified processor may be any other one, so only the same computer counts as the same.
 std::string name_of_computer() {
   std::array<char, 256> name{};
   return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";

@@ -19,7 +19,7 @@ const Backend* row(std::string_view id) {
 std::string_view assur_version() { return ASSUR_VERSION; }
 
 Library library_at_hand(std::string_view name) {
-  // The equations run in the same lanes.
+  // The equations use the same lanes as this backend.
   const Backend* const backend = row(name == "assur" ? kLanes.id : name);
   if (!backend) return {std::string(name), "", ""};
   std::string version = backend->version();

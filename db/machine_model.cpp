@@ -18,7 +18,7 @@ using Role = DatabaseFile::Role;
 
 constexpr const char* kTune = "; run `assur tune`";
 
-// A database that can be read, and how close its machines are to the one at hand.
+// A readable database, and how close its machines are to this one.
 struct Source {
   std::filesystem::path file;
   SQLite::Database database;
@@ -45,7 +45,7 @@ class Reading {
   std::vector<Sample> samples_of(Source& source, std::int64_t machine);
   void add(std::vector<Sample> found);
   void say_source(const Source& source, std::int64_t machine, Likeness level);
-  const Library& library_of(const std::string& name);  // at hand
+  const Library& library_of(const std::string& name);  // as it is installed here
   bool believed(const Library& library);
   void say_counts();
   void say_nothing_fits();
@@ -54,9 +54,9 @@ class Reading {
   const Host& host_;
   const LibraryAtHand& at_hand_;
   std::vector<Source> sources_;
-  std::map<std::string, Library> libraries_;  // at hand, those asked for so far
+  std::map<std::string, Library> libraries_;  // as they are installed here, if asked for so far
   std::vector<Sample> samples_;
-  std::unordered_set<std::uint64_t> cells_;  // of the files before
+  std::unordered_set<std::uint64_t> cells_;  // of earlier files
   std::string source_;
   Counts counts_;
   std::vector<std::string> messages_;
@@ -77,7 +77,7 @@ void Reading::open(const DatabaseFile& file) {
   try {
     guarded(file.file, [&] {
       SQLite::Database database = open_to_read(file.file);
-      // All of it as of one moment. Each page is read once: a small cache keeps to the same memory.
+      // One consistent state of the file. Each page is read once, so a small cache reuses the same memory.
       database.exec("PRAGMA cache_size = 16; BEGIN");
       Source source{file.file, std::move(database), {}, {}};
       source.tables = read_origins(source.database);
@@ -113,7 +113,7 @@ bool Reading::believed(const Library& library) {
   return false;
 }
 
-// Good ones, with the libraries that are at hand.
+// Good samples of libraries that are installed here.
 std::vector<Sample> Reading::samples_of(Source& source, std::int64_t machine) {
   std::vector<std::int64_t> runs;
   for (const auto& [id, run] : source.tables.runs) {
@@ -121,8 +121,7 @@ std::vector<Sample> Reading::samples_of(Source& source, std::int64_t machine) {
   }
   if (runs.empty()) return {};
   if (source.tables.shapes.empty()) read_subjects(source.database, source.tables);
-  if (runs.size() == source.tables.runs.size())
-    runs.clear();  // all of them: in the order of the table, which is faster
+  if (runs.size() == source.tables.runs.size()) runs.clear();  // all runs: reading in the order of the table is faster
   Samples samples = read_samples(source.database, source.tables, Care::trusting, runs);
   counts_.damaged += samples.damaged;
   counts_.lost += samples.lost;
@@ -145,7 +144,8 @@ std::vector<Sample> Reading::samples_of(Source& source, std::int64_t machine) {
   return good;
 }
 
-// Of this machine all files tell; of a similar one only the first that knows one, so that all samples are of one.
+// Takes this machine from all files, but a similar one only from the first file that has one, so that all samples are
+// of one machine.
 bool Reading::take_level(Likeness level) {
   for (Source& source : sources_) {
     for (const auto& [likeness, machine] : source.machines) {
@@ -163,7 +163,7 @@ bool Reading::take_level(Likeness level) {
   return !samples_.empty();
 }
 
-// But for cells that a file before this one has.
+// Omits cells that an earlier file has.
 void Reading::add(std::vector<Sample> found) {
   if (sources_.size() == 1) {
     samples_ = std::move(found);

@@ -16,13 +16,14 @@ constexpr const char* kFile = "assur/tuning.db";
 
 std::optional<fs::path> users_database() {
   const char* const data = std::getenv("XDG_DATA_HOME");
-  if (data && fs::path(data).is_absolute()) return fs::path(data) / kFile;  // others are to be ignored
+  // the XDG specification ignores relative paths
+  if (data && fs::path(data).is_absolute()) return fs::path(data) / kFile;
   const char* const home = std::getenv("HOME");
   if (home && fs::path(home).is_absolute()) return fs::path(home) / ".local/share" / kFile;
   return std::nullopt;
 }
 
-// The library or program that this code is in.
+// The library or program that contains this code.
 fs::path own_binary() {
   Dl_info info{};
   std::error_code error;
@@ -30,10 +31,10 @@ fs::path own_binary() {
     const fs::path file = fs::canonical(info.dli_fname, error);
     if (!error) return file;
   }
-  return fs::canonical("/proc/self/exe", error);  // the program, if it was found by its name alone
+  return fs::canonical("/proc/self/exe", error);  // the program, for which dladdr may give only a name
 }
 
-// "/opt/assur" of "/opt/assur/lib/x86" and "lib/x86"; empty if the folder does not end so.
+// "/opt/assur" for "/opt/assur/lib/x86" and "lib/x86"; empty if the folder does not end with `end`.
 fs::path prefix(fs::path folder, const fs::path& end) {
   for (auto part = end.end(); part != end.begin();) {
     if (folder.filename() != *--part) return {};
@@ -42,7 +43,7 @@ fs::path prefix(fs::path folder, const fs::path& end) {
   return folder;
 }
 
-// An installed tree may have been moved: first where this binary says that it is, then where it was installed.
+// An installed tree may have been moved: searches first relative to this binary, then at the place of installation.
 std::optional<fs::path> installed_database() {
   std::error_code error;
   const fs::path folder = own_binary().parent_path();
@@ -91,7 +92,7 @@ bool is_network(std::uint64_t file_system) {
       0x7461636f,  // OCFS2
       0x01161970,  // GFS2
       0x01021997,  // 9P
-      0x65735546,  // FUSE: sshfs, GlusterFS, or one that is local, which costs little
+      0x65735546,  // FUSE: sshfs, GlusterFS, or a local file system, for which it costs little
   };
   return std::find(kNetworks.begin(), kNetworks.end(), file_system) != kNetworks.end();
 }

@@ -1,4 +1,4 @@
-// Store: what people ask it.
+// Store: tables for people.
 #include <cmath>
 
 #include "db/store_impl.hpp"
@@ -14,7 +14,7 @@ Value value_of(const SQLite::Column& column) {
   return column.getString();
 }
 
-// ?1: the beginning of a machine's fingerprint, ?2: a kernel, or ''.
+// ?1: the beginning of a machine's fingerprint; ?2: a kernel, or ''.
 Answer ask(SQLite::Database& database, const std::string& sql, const Filter& filter) {
   SQLite::Statement statement(database, sql);
   statement.bind(1, filter.machine);

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Held while a file is put aside, so that two processes that find it damaged do not put aside the repaired one.
+// Held while a damaged file is renamed, so that a second process does not rename the repaired file.
 class RepairLock {
  public:
   explicit RepairLock(const fs::path& file) : name_(file.string() + ".lock") {
@@ -24,7 +24,7 @@ class RepairLock {
       throw Unusable(Trouble::blocked, file, "is damaged, and its folder cannot be written to repair it");
     }
   }
-  ~RepairLock() { ::close(descriptor_); }  // the file stays: whoever waits holds it open
+  ~RepairLock() { ::close(descriptor_); }  // the lock file stays, because waiting processes hold it open
   RepairLock(const RepairLock&) = delete;
   RepairLock& operator=(const RepairLock&) = delete;
 
@@ -33,7 +33,7 @@ class RepairLock {
   int descriptor_ = -1;
 };
 
-// Empty: `why` says what is damaged.
+// Opens the file if it is undamaged. If empty, `why` says what is damaged.
 std::optional<SQLite::Database> open_if_whole(const fs::path& file, std::string& why) {
   try {
     return guarded(file, [&]() -> std::optional<SQLite::Database> {
@@ -58,7 +58,7 @@ std::optional<SQLite::Database> open_if_whole(const fs::path& file, std::string&
   }
 }
 
-// The log holds what is not yet in the file: it goes with it.
+// The log holds content that is not yet in the file, so it is renamed as well.
 fs::path put_aside(const fs::path& file) {
   fs::path aside = file.string() + ".corrupt-" + utc_now("%Y%m%dT%H%M%SZ");
   for (int number = 2; fs::exists(aside); ++number) {
@@ -74,7 +74,7 @@ fs::path put_aside(const fs::path& file) {
   return aside;
 }
 
-// Nothing of a file that cannot be opened at all.
+// Empty if the file cannot be opened at all.
 Copied salvage(const fs::path& aside, SQLite::Database& target) {
   Contents contents;
   try {
@@ -83,7 +83,7 @@ Copied salvage(const fs::path& aside, SQLite::Database& target) {
   } catch (const SQLite::Exception&) {
   } catch (const Unusable&) {
   }
-  for (const char* suffix : {"-wal", "-shm"}) {  // that reading it has made; a log with content is part of it
+  for (const char* suffix : {"-wal", "-shm"}) {  // made by reading; a log with content belongs to the file
     std::error_code none;
     const fs::path part = aside.string() + suffix;
     if (std::string_view(suffix) == "-shm" || fs::file_size(part, none) == 0) fs::remove(part, none);
@@ -102,7 +102,7 @@ std::vector<std::string> structural_damage(SQLite::Database& database) {
   }
   SQLite::Statement references(database, "PRAGMA foreign_key_check");
   if (references.executeStep()) {
-    findings.push_back("rows of " + references.getColumn(0).getString() + " refer to rows that are not there");
+    findings.push_back("rows of " + references.getColumn(0).getString() + " refer to missing rows");
   }
   return findings;
 }
@@ -111,13 +111,13 @@ SQLite::Database open_whole(const fs::path& file, std::vector<std::string>& mess
   std::string why;
   if (auto database = open_if_whole(file, why)) return std::move(*database);
   const RepairLock lock(file);
-  if (auto database = open_if_whole(file, why)) return std::move(*database);  // another process was quicker
+  if (auto database = open_if_whole(file, why)) return std::move(*database);  // another process was faster
   const fs::path aside = put_aside(file);
   return guarded(file, [&] {
     SQLite::Database database = open_to_write(file, is_on_network(file));
     const Copied saved = salvage(aside, database);
-    messages.push_back(why + ". It was put aside as " + aside.string() + "; " + std::to_string(saved.samples) +
-                       " good samples of it go on in a new file");
+    messages.push_back(why + ". It was renamed to " + aside.string() + "; " + std::to_string(saved.samples) +
+                       " good samples were copied to a new file");
     return database;
   });
 }
@@ -127,7 +127,7 @@ Copied copy(const Contents& contents, SQLite::Database& target) {
   Copied copied;
   SQLite::Transaction transaction(target, SQLite::TransactionBehavior::IMMEDIATE);
   Writer writer(target);
-  std::map<std::int64_t, std::int64_t> runs;  // id there -> id here
+  std::map<std::int64_t, std::int64_t> runs;  // id in `contents` -> id in `target`
   for (const auto& [id, run] : tables.runs) {
     runs[id] = writer.run(run.value, writer.machine(tables.machines.at(run.value.machine)));
   }

@@ -16,14 +16,15 @@
 namespace assur::db {
 namespace {
 
-// Of the last minute; -1: not known.
+// Load of the last minute; -1: unknown.
 double load_average() {
   double load = -1;
   return getloadavg(&load, 1) == 1 ? load : -1;
 }
 
-// Another process of this number may be a different one by now: then a new run is begun, which costs no more than time.
-bool another_works_on_it(std::int64_t process) {
+// True if another process works on the run. Its number may belong to a different process by now; a new run is then
+// begun, which costs only time.
+bool is_used_by_another(std::int64_t process) {
   return process != getpid() && (kill(static_cast<pid_t>(process), 0) == 0 || errno == EPERM);
 }
 
@@ -75,7 +76,7 @@ std::optional<std::int64_t> Store::unfinished_run(const Host& host, std::string_
     candidates.bind(2, std::string(profile));
     candidates.bind(3, std::string(assur_version()));
     while (candidates.executeStep()) {
-      if (another_works_on_it(candidates.getColumn(1).getInt64())) continue;
+      if (is_used_by_another(candidates.getColumn(1).getInt64())) continue;
       const std::int64_t run = candidates.getColumn(0).getInt64();
       candidates.reset();
       SQLite::Statement take(impl_->database, "UPDATE tuning_run SET process = ?2 WHERE id = ?1");

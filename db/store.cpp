@@ -28,7 +28,7 @@ std::string_view name(Grade grade) noexcept {
 }
 
 std::string new_uid() {
-  // Seeded by the system each time: two processes, or two forks of one, never draw the same.
+  // The system provides a new seed each time, so two processes, or two forks of one, never draw the same.
   std::random_device device;
   const auto draw = [&] { return std::uint64_t{device()} << 32 | device(); };
   return hexadecimal(draw()) + hexadecimal(draw());

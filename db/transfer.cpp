@@ -1,4 +1,4 @@
-// Store: samples from and to other files, and none at all.
+// Store: export, import and removal of samples.
 #include <set>
 
 #include "db/repair.hpp"
@@ -11,7 +11,7 @@ namespace fs = std::filesystem;
 
 int execute(SQLite::Database& database, const std::string& sql) { return database.exec(sql); }
 
-// A run goes with its last sample, unless it is still going on; what nothing refers to any more goes too.
+// Removes finished runs without samples, and then everything that nothing refers to.
 std::int64_t prune(SQLite::Database& database) {
   const int runs =
       execute(database, "DELETE FROM tuning_run WHERE finished IS NOT NULL AND id NOT IN (SELECT run FROM sample)");
@@ -22,7 +22,7 @@ std::int64_t prune(SQLite::Database& database) {
   return runs;
 }
 
-// Keeps of the samples, and of the runs, what fits.
+// Keeps only the samples and runs that fit.
 void restrict_to(const Filter& filter, Contents& contents) {
   auto& [tables, samples] = contents;
   std::set<std::int64_t> runs;
@@ -38,7 +38,7 @@ void restrict_to(const Filter& filter, Contents& contents) {
 
 Forgotten Store::forget(const Filter& filter) {
   if (!filter.run && filter.machine.empty() && filter.library.empty() && !filter.kernel) {
-    throw Error(Error::Kind::input, "nothing says what to forget");
+    throw Error(Error::Kind::input, "say which samples to forget: name a run, a machine, a library or a kernel");
   }
   return guarded(impl_->file, [&] {
     Forgotten forgotten;
@@ -78,11 +78,11 @@ std::int64_t Store::export_to(const fs::path& file, const Filter& filter) const 
   }
   Contents contents = guarded(impl_->file, [&] { return read_all(impl_->database); });
   restrict_to(filter, contents);
-  const fs::path part = file.string() + ".part";  // nobody finds half a file
+  const fs::path part = file.string() + ".part";  // so that no other process finds a partial file
   std::error_code error;
-  fs::remove(part, error);  // of one that was cut off
+  fs::remove(part, error);  // left by an interrupted export
   const std::int64_t copied = guarded(part, [&] {
-    SQLite::Database target = open_to_write(part, true);  // without a log, which needs a folder that can be written
+    SQLite::Database target = open_to_write(part, true);  // without a log, which needs a writable folder
     const std::int64_t all = copy(contents, target).samples;
     target.exec("VACUUM");
     return all;

@@ -7,7 +7,7 @@
 namespace assur::db {
 namespace {
 
-// Parameters ?1, ?2, ... in the order of the arguments; NaN is NULL.
+// Binds parameters ?1, ?2, ... in the order of the arguments; NaN becomes NULL.
 void bind_one(SQLite::Statement& statement, int place, double value) {
   if (std::isnan(value)) {
     statement.bind(place);
@@ -29,7 +29,7 @@ SQLite::Statement& bound(SQLite::Statement& statement, const Values&... values) 
 }
 
 std::int64_t the_id(SQLite::Statement& statement) {
-  if (!statement.executeStep()) throw SQLite::Exception("a row is missing that was just written");
+  if (!statement.executeStep()) throw SQLite::Exception("a row that was just written is missing");
   const std::int64_t id = statement.getColumn(0).getInt64();
   statement.reset();
   return id;

@@ -33,7 +33,7 @@ void ErrorFigures::merge(const ErrorFigures& o) {
        {&ErrorFigures::estimated_position, &ErrorFigures::estimated_velocity, &ErrorFigures::estimated_acceleration,
         &ErrorFigures::certified_radius, &ErrorFigures::forward_position, &ErrorFigures::forward_velocity,
         &ErrorFigures::forward_acceleration}) {
-    // An empty one is less than any figure.
+    // An empty figure is less than any other.
     this->*figure = std::max(this->*figure, o.*figure);
   }
 }
@@ -42,7 +42,7 @@ Certificate worst_of(std::span<const Certificate> certificates) {
   Certificate worst;
   if (certificates.empty()) {
     worst.radius = kInfinity;
-    worst.why_not = "there is no posture";
+    worst.why_not = "there is no posture to certify";
     return worst;
   }
   const auto is_worse = [](const Certificate& a, const Certificate& b) { return a.radius < b.radius; };

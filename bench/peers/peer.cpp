@@ -29,7 +29,7 @@ std::vector<Row> read(const std::string& file) {
     row.acceleration.assign(all.begin() + 2 * third, all.end());
     rows.push_back(std::move(row));
   }
-  if (rows.size() < 2) throw std::runtime_error(file + " is no reference");
+  if (rows.size() < 2) throw std::runtime_error(file + " is not a reference");
   return rows;
 }
 
@@ -44,7 +44,7 @@ double error(const std::vector<Row>& found, const std::vector<Row>& reference, s
   for (std::size_t k = 0; k < reference.size(); ++k) {
     const std::vector<double>&x = found[k].*level, &y = reference[k].*level;
     for (std::size_t i = 0; i < y.size(); ++i) {
-      // What is not a number is as far off as can be.
+      // NaN counts as the largest error.
       const double d = std::abs(x[i] - y[i]);
       off = d <= off ? off : d;
       size = std::max(size, std::abs(y[i]));
@@ -58,7 +58,7 @@ void follow(const std::string& mechanism, const std::string& file, const Peers& 
   const std::size_t colon = mechanism.find(':');
   const int loops = colon == std::string::npos ? 1 : std::stoi(mechanism.substr(colon + 1));
   const auto peer = peers.make(mechanism.substr(0, colon), loops, reference.front());
-  std::vector<Row> found = reference;  // of the right sizes, and with the start
+  std::vector<Row> found = reference;  // with the right sizes, and with the start
   for (std::size_t k = 1; k < found.size(); ++k) {
     for (auto level : {&Row::position, &Row::velocity, &Row::acceleration}) {
       std::fill((found[k].*level).begin(), (found[k].*level).end(), std::nan(""));

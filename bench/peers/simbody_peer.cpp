@@ -1,5 +1,5 @@
 // Simbody: rockers or handles on pins, closed by rods; the driver is a prescribed motion. Position and velocity by
-// projection, acceleration from the constrained equations of motion, the only way there is to it.
+// projection; acceleration from the constrained equations of motion, because Simbody offers no other way.
 #include <Simbody.h>
 
 #include <stdexcept>
@@ -13,14 +13,14 @@ namespace {
 
 using namespace SimTK;
 
-constexpr double kAccuracy = 1e-12;  // of the projections; Simbody's own unit is one of the equations
+constexpr double kAccuracy = 1e-12;  // of the projections, in Simbody's own unit for each equation
 
 Vec3 vec3(const Vec& v) { return {v[0], v[1], v[2]}; }
 
-// A body whose mass says nothing.
+// The mass is arbitrary: it does not influence the motion.
 Body::Rigid body() { return Body::Rigid(MassProperties(1, Vec3(0), Inertia(1))); }
 
-// An angle that grows evenly; Motion::Steady would give its speed alone.
+// An angle with constant speed; Motion::Steady would prescribe only the speed.
 class Turning : public Motion::Custom::Implementation {
  public:
   explicit Turning(double speed) : speed_(speed) {}
@@ -66,7 +66,7 @@ class SimbodyPeer : public Peer {
     system_.realizeModel(state_);
   }
 
-  // A Taylor series, once there are derivatives: all coordinates here are angles and lengths, whose rates are speeds.
+  // Predicts by a Taylor series once derivatives exist: all coordinates are angles and lengths, whose rates are speeds.
   void predict(double dt) {
     if (state_.getSystemStage() < Stage::Acceleration) return;
     const Vector ahead = state_.getQ() + dt * state_.getU() + (0.5 * dt * dt) * state_.getUDot();
@@ -76,14 +76,14 @@ class SimbodyPeer : public Peer {
   MultibodySystem system_;
   SimbodyMatterSubsystem matter_{system_};
   State state_;
-  std::vector<std::pair<MobilizedBody, Vec3>> ends_;  // B1, B2, ... and where they are on their bodies
+  std::vector<std::pair<MobilizedBody, Vec3>> ends_;  // B1, B2, ... with their places on their bodies
 };
 
 class FourBarPeer : public SimbodyPeer {
  public:
   FourBarPeer(int loops, const Row& start) {
     MobilizedBody::Pin crank(matter_.Ground(), Transform(Vec3(0)), body(), Transform(Vec3(0)));
-    Motion::Custom(crank, new Turning(FourBars::kSpeed));  // which owns it
+    Motion::Custom(crank, new Turning(FourBars::kSpeed));  // the crank owns it
     std::pair<MobilizedBody, Vec3> before(crank, Vec3(FourBars::kCrank, 0, 0));
     std::vector<MobilizedBody::Pin> rockers;
     for (int i = 1; i <= loops; ++i) {
@@ -104,7 +104,7 @@ class FourBarPeer : public SimbodyPeer {
 class StewartPeer : public SimbodyPeer {
  public:
   explicit StewartPeer(const Row& start) {
-    // The pose as six joints in a row: along x, y, z, then about z, y, x.
+    // The pose as six joints in series: along x, y, z, then about z, y, x.
     const Rotation slides[] = {Rotation(), Rotation(Pi / 2, ZAxis), Rotation(-Pi / 2, YAxis)};
     const Rotation pins[] = {Rotation(), Rotation(-Pi / 2, XAxis), Rotation(Pi / 2, YAxis)};
     MobilizedBody terminal = matter_.Ground();

@@ -1,5 +1,5 @@
-// SolveSpace's libslvs, a solver of geometric constraints: points and distances, all unknowns in one group, from the
-// posture before. Positions only. GPL-3: this program stands alone and knows nothing of the library.
+// SolveSpace's libslvs, a solver of geometric constraints: points and distances, all unknowns in one group, starting
+// from the last posture. Positions only. GPL-3: this program does not use the library.
 #include <cstring>
 
 #include <slvs.h>
@@ -14,7 +14,7 @@
 namespace peers {
 namespace {
 
-// libslvs ends at an absolute residual of 1e-8: in this unit that is 1e-12 of a metre.
+// libslvs ends at an absolute residual of 1e-8, which is 1e-12 m in this unit.
 constexpr double kScale = 1e4;
 
 class Sketch {
@@ -107,7 +107,7 @@ class FourBarPeer : public Peer {
   std::vector<Slvs_hEntity> points_;
 };
 
-// A handle's end is as far from A and from another point of the axis as on its circle.
+// The end of a handle is on its circle if its distances from A and from another point of the axis are right.
 class StewartPeer : public Peer {
  public:
   explicit StewartPeer(const Row& start) {

@@ -27,7 +27,7 @@ class AugmentedSolver final : public LaneByLane {
 };
 
 void AugmentedSolver::analyze_lanes(const Pattern& pattern, int lanes) {
-  lanes_.clear();  // they look into row_ and column_
+  lanes_.clear();  // they refer to row_ and column_
   n_ = static_cast<std::size_t>(pattern.n);
   row_.clear();
   column_.clear();

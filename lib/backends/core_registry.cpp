@@ -66,7 +66,7 @@ int parity(std::span<const std::int32_t> permutation) {
   for (std::size_t start = 0; start < seen.size(); ++start) {
     for (std::size_t i = start; !seen[i]; i = static_cast<std::size_t>(permutation[i])) {
       seen[i] = true;
-      if (static_cast<std::size_t>(permutation[i]) != start) sign = -sign;  // a cycle of k is k - 1 swaps
+      if (static_cast<std::size_t>(permutation[i]) != start) sign = -sign;  // a cycle of k elements is k - 1 swaps
     }
   }
   return sign;
@@ -80,11 +80,11 @@ Status worst(std::span<const Code> lanes) {
   return {};
 }
 
-// In integers, which become vectors: as bits, infinity and NaN are larger than any finite size.
+// Compares bits as integers, which vectorises: infinity and NaN are larger than any finite number.
 bool all_within(std::span<const double> values, double limit) {
   constexpr auto kMagnitude = ~std::uint64_t{0} >> 1;
   const auto largest = std::bit_cast<std::uint64_t>(limit);
-  std::uint64_t negative = 0;  // in its highest bit: the difference was, once
+  std::uint64_t negative = 0;  // its highest bit: some difference was negative
   for (const double value : values) negative |= largest - (std::bit_cast<std::uint64_t>(value) & kMagnitude);
   return negative <= kMagnitude;
 }

@@ -12,7 +12,7 @@ namespace assur::eigen {
 namespace {
 
 constexpr DenseIndex kPanel = 24;  // columns eliminated by plain loops; measured on n = 3 to 720
-constexpr DenseIndex kLeaf = 8;    // unknowns of a triangular system solved by plain loops; measured as well
+constexpr DenseIndex kLeaf = 8;    // unknowns of a triangular system solved by plain loops; measured in the same way
 constexpr DenseIndex kTile = 192;  // of a matrix product: two tiles of doubles need 0.6 MB of stack
 
 template <class T>
@@ -56,7 +56,7 @@ bool eliminate_panel(const Block<T>& a, std::int32_t* pivot) {
     T* column = a.column(k);
     DenseIndex p = k;
     T largest = std::abs(column[k]);
-    for (DenseIndex i = k + 1; i < a.rows; ++i) {  // without a branch, which would often be foretold wrongly
+    for (DenseIndex i = k + 1; i < a.rows; ++i) {  // no branch: it would often be predicted wrongly
       const T size = std::abs(column[i]);
       const bool larger = size > largest;
       largest = larger ? size : largest;
@@ -72,7 +72,7 @@ bool eliminate_panel(const Block<T>& a, std::int32_t* pivot) {
     for (DenseIndex j = k + 1; j < a.columns; ++j) {
       T* other = a.column(j);
       const T factor = other[k];
-      if (factor == 0) continue;  // often, in the few columns of a mechanism's equations
+      if (factor == 0) continue;  // frequent: equations of mechanisms have few nonzeros
       for (DenseIndex i = k + 1; i < a.rows; ++i) other[i] -= column[i] * factor;
     }
   }
@@ -81,7 +81,7 @@ bool eliminate_panel(const Block<T>& a, std::int32_t* pivot) {
 
 }  // namespace
 
-// Each triangular solution halves its matrix: the other half is a product.
+// Each triangular solution splits its matrix in half; the off-diagonal half is a product.
 template <class T>
 void solve_lower(const Block<T>& l, const Block<T>& x) {
   const DenseIndex n = l.columns;

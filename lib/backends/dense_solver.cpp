@@ -32,7 +32,7 @@ class DenseSolver final : public LinearSolver {
   std::unique_ptr<DenseLu<T>> lu_;
   DenseIndex n_ = 0;
   int lanes_ = 0;
-  std::vector<DenseIndex> place_;    // nnz: where a nonzero stands in a dense matrix
+  std::vector<DenseIndex> place_;    // nnz: place of each nonzero in a dense matrix
   std::vector<T> factors_;           // lanes x n x n, column-major: L below the diagonal, U on and above it
   std::vector<std::int32_t> pivot_;  // lanes x n
   std::vector<T> right_;             // n x kRightSides
@@ -57,7 +57,7 @@ Status DenseSolver<T>::analyze(const Pattern& pattern, int lanes) {
     pivot_.resize(w * n);
     right_.resize(n * kRightSides);
     largest_.assign(w, 0.0);
-    code_.assign(w, Code::singular);  // until factorised
+    code_.assign(w, Code::singular);  // until factorize()
     lu_->prepare(n_);
   } catch (const std::bad_alloc&) {
     throw Error(Error::Kind::environment, "no memory for " + std::to_string(lanes) + " dense factors of " +
@@ -98,7 +98,7 @@ Code DenseSolver<T>::factorize_lane(const double* values, int lane) {
   if (!std::isfinite(largest)) return Code::not_finite;
   if (n_ == 0) return Code::ok;
   if (!lu_->factorize(a, pivot(lane))) return Code::singular;
-  // What overflows on the way ends on the diagonal.
+  // An overflow during the elimination reaches the diagonal.
   T poison = 0;
   for (DenseIndex j = 0; j < n_; ++j) poison += a(j, j) * 0;
   return poison == 0 ? Code::ok : Code::singular;
@@ -123,8 +123,8 @@ Status DenseSolver<T>::solve(std::span<double> b_to_x, int rhs, Transpose transp
   return worst(code_);
 }
 
-// Exponent of the largest of n numbers, such that two to its power and its inverse are ordinary numbers; 0 if there is
-// none.
+// Exponent of the largest of n numbers, limited so that two to its power and the inverse are normal numbers; 0 if all
+// are zero or one is not finite.
 int exponent_of(const double* b, DenseIndex n, DenseIndex step) {
   double largest = 0;
   for (DenseIndex i = 0; i < n; ++i) largest = std::max(largest, std::abs(b[i * step]));

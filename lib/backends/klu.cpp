@@ -1,25 +1,25 @@
-// Sparse LU by KLU: block triangular form, AMD ordering. One analysis for all lanes; each lane is factorised with
-// pivoting once and then refactorised on the same pivots, which is several times faster and allocates nothing, for as
-// long as those pivots stay good.
+// Sparse LU by KLU: block triangular form, AMD ordering. One analysis for all lanes. Each lane is factorised with
+// pivoting once, and then refactorised with the same pivots as long as these are good: that is several times faster and
+// allocates nothing.
 //
-// Rows are scaled here, by powers of two that stay for as long as every row's largest entry is in [1/4, 2]: KLU would
-// look for it and divide by it in every factorisation and solution, a fifth of their time at n = 15.
+// Rows are scaled here, by powers of two that are kept as long as every row's largest entry is in [1/4, 2]. KLU would
+// search for it and divide by it in every factorisation and solution, a fifth of their time at n = 15.
 //
-// What "good" means. The computed factors are exact for a matrix A + E with |E| <= n eps |L| |U| (Higham, Accuracy and
-// Stability of Numerical Algorithms, theorem 9.3), so that, column by column, the error relative to max |A_j| is at
-// most a factor of n^2 eps times
+// Definition of good pivots: the computed factors are exact for a matrix A + E with |E| <= n eps |L| |U| (Higham,
+// Accuracy and Stability of Numerical Algorithms, theorem 9.3), so that, column by column, the error relative to max
+// |A_j| is at most a factor of n^2 eps times
 //     growth = max |L| * max_j (max |U_j| / max |A_j|).
-// Growth of U alone would miss a small pivot whose column of L is large. It is watched after every factorisation:
-//   - refactorised, and growth above the lane's limit: factorise with pivoting again;
-//   - pivoted with the relaxed tolerance, and growth above kTrustedGrowth: factorise with partial pivoting, and take
-//     twice the growth of that as the lane's limit,
-//     since nothing better can be had.
-// Measured in full it would cost a third of a refactorisation. Mostly a bound suffices that is cheap: max |L| max |U|
-// over the smallest column of A, where a column is at least as large as that entry of it which was the largest when
+// Growth of U alone would miss a small pivot whose column of L is large. Growth is checked after every factorisation:
+//   - growth above the lane's limit after a refactorisation: factorise with pivoting again;
+//   - growth above kTrustedGrowth with the relaxed tolerance: factorise with partial pivoting, and take twice its
+//   growth
+//     as the lane's limit, because no better factors are available.
+// Measuring growth in full would cost a third of a refactorisation. Usually a cheap bound is enough: max |L| max |U|
+// over the smallest column of A, where a column is at least as large as the entry that was its largest when growth was
 // last measured.
 //
-// The tolerance decides more than speed: a chain of n / 2 pivots that are each a bit smaller than the entry below them
-// multiplies their ratios. With KLU's own 0.001, and with 0.1 still, growth is 1e107 on the ring of 360 points.
+// The tolerance also decides about accuracy: a chain of n / 2 pivots, each a bit smaller than the entry below it,
+// multiplies their ratios. With KLU's own 0.001, and even with 0.1, growth is 1e107 on the ring of 360 points.
 #include <klu.h>
 
 #include <algorithm>
@@ -42,7 +42,7 @@ constexpr double kRelaxed = 0.5;       // keep a pivot on the diagonal if no ent
                                        // half the fill of partial pivoting on rings, the same on random matrices
 constexpr double kPartial = 1;         // partial pivoting
 constexpr double kTrustedGrowth = 64;  // backward errors measured up to a growth of 300: at most 5 n eps
-// Of a row's largest entry times its scale; in [1/2, 1) at first.
+// Largest entry of a row times its scale; at first it is in [1/2, 1).
 constexpr double kSmallestRow = 0.25;
 constexpr double kLargestRow = 2;
 
@@ -55,11 +55,11 @@ struct FreeNumeric {
   void operator()(klu_numeric* numeric) const { klu_free_numeric(&numeric, common); }
 };
 
-// Sizes as integers, where comparing is cheap: infinity and NaN are larger than any finite one.
+// Magnitudes as integers, which compare fast: infinity and NaN are larger than any finite number.
 constexpr auto kMagnitude = ~std::uint64_t{0} >> 1;
 constexpr std::uint64_t magnitude(double number) { return std::bit_cast<std::uint64_t>(number) & kMagnitude; }
 
-// max |number| that neither NaN nor infinity escapes. Four at a time, for the sake of speed.
+// max |number|; NaN and infinity count as larger than any number. Four at a time, for speed.
 class Largest {
  public:
   explicit Largest(double at_least) { size_[0] = magnitude(at_least); }
@@ -86,12 +86,13 @@ class KluSolver final : public LaneByLane {
  private:
   struct Lane {
     std::unique_ptr<klu_numeric, FreeNumeric> numeric;
-    std::vector<double> scale, entry_scale;  // n rows; nnz: that of the row in which each stands
-    std::vector<const double*> l, u;         // values of L and U without their diagonals; with new pivots they move
-    std::vector<std::uint32_t> of_row, of_column;  // n nonzeros: the largest when scales were chosen, growth measured
-    double limit = kTrustedGrowth;                 // of growth, for a refactorisation
-    double largest_u = 0;                          // rows scaled: the largest of A is in [1/4, 2]
-    int permutation_sign = 0;                      // of rows and columns together
+    std::vector<double> scale, entry_scale;  // n rows; nnz: scale of the row of each entry
+    std::vector<const double*> l, u;         // values of L and U without their diagonals; new pivots move them
+    // n: the largest nonzero of each row when scales were chosen, and of each column when growth was measured
+    std::vector<std::uint32_t> of_row, of_column;
+    double limit = kTrustedGrowth;  // of growth, for a refactorisation
+    double largest_u = 0;           // of U; rows are scaled, so that the largest entry of A is in [1/4, 2]
+    int permutation_sign = 0;       // of rows and columns together
   };
 
   void analyze_lanes(const Pattern& pattern, int lanes) override;
@@ -114,17 +115,17 @@ class KluSolver final : public LaneByLane {
   std::unique_ptr<klu_symbolic, FreeSymbolic> symbolic_;
   std::size_t n_ = 0;
   std::vector<int> column_start_, row_;  // n + 1, nnz
-  std::vector<double> scaled_;           // nnz: values of the lane at hand, rows scaled
+  std::vector<double> scaled_;           // nnz: values of the current lane, rows scaled
   std::vector<Lane> lanes_;
 };
 
 KluSolver::KluSolver() {
   klu_defaults(&common_);
-  common_.scale = -1;  // nor does KLU check the pattern each time
+  common_.scale = -1;  // KLU then also skips its check of the pattern
 }
 
 void KluSolver::analyze_lanes(const Pattern& pattern, int lanes) {
-  lanes_.clear();  // before the analysis that they share
+  lanes_.clear();  // these refer to the analysis, so they go first
   renewed_ = 0;
   symbolic_.reset();
   n_ = static_cast<std::size_t>(pattern.n);
@@ -158,7 +159,7 @@ bool KluSolver::scale(std::span<const double> values, const Lane& lane) {
   const double* __restrict const from = values.data();
   const double* __restrict const by = lane.entry_scale.data();
   double* __restrict const to = scaled_.data();
-  std::uint64_t above = 0;  // in its highest bit: a difference was negative
+  std::uint64_t above = 0;  // its highest bit: some difference was negative
   for (std::size_t k = 0; k < values.size(); ++k) {
     to[k] = from[k] * by[k];
     above |= magnitude(kLargestRow) - magnitude(to[k]);
@@ -184,7 +185,7 @@ void KluSolver::choose_scales(std::span<const double> values, Lane& lane) const 
   for (std::size_t k = 0; k < row_.size(); ++k) lane.entry_scale[k] = lane.scale[static_cast<std::size_t>(row_[k])];
 }
 
-// False if there are no pivots yet, or they have become bad for these values.
+// False if there are no pivots yet, or if they are bad for these values.
 bool KluSolver::refactorize(Lane& lane) {
   if (!lane.numeric) return false;
   if (!klu_refactor(column_start_.data(), row_.data(), scaled_.data(), symbolic_.get(), lane.numeric.get(), &common_) ||
@@ -222,8 +223,8 @@ double KluSolver::pivot(Lane& lane, double tolerance) {
   return growth(lane);
 }
 
-// A column in LUbx is its row indices, rounded up to whole doubles, and then its values; U without the diagonal, and
-// nothing for blocks of one unknown.
+// A column in LUbx has its row indices, rounded up to whole doubles, and then its values. U lacks the diagonal; blocks
+// of one unknown have no entry.
 void KluSolver::find_factors(Lane& lane) const {
   const klu_numeric& numeric = *lane.numeric;
   lane.l.clear();
@@ -243,7 +244,7 @@ void KluSolver::find_factors(Lane& lane) const {
   }
 }
 
-// Columns are those of the diagonal blocks.
+// Columns are those of the diagonal blocks, without the entries above them.
 void KluSolver::find_largest_of_columns(Lane& lane) const {
   for (int block = 0; block < symbolic_->nblocks; ++block) {
     for (int j = symbolic_->R[block]; j < symbolic_->R[block + 1]; ++j) {
@@ -266,13 +267,13 @@ bool KluSolver::surely_good(Lane& lane) const {
   u.of(n_, [&](std::size_t i) { return diagonal[i]; });
   lane.largest_u = u.of(lane.u.size(), [&](std::size_t i) { return *lane.u[i]; });
   const double largest_l = Largest(1).of(lane.l.size(), [&](std::size_t i) { return *lane.l[i]; });
-  const double least = largest_l * lane.largest_u / lane.limit;  // of a column
+  const double least = largest_l * lane.largest_u / lane.limit;  // lower bound for the columns
   bool good = least >= 0;
   for (const std::uint32_t k : lane.of_column) good &= std::abs(scaled_[k]) >= least;
   return good;
 }
 
-// NaN or infinite where factors are.
+// Growth; NaN or infinite if the factors are.
 double KluSolver::growth(Lane& lane) {
   find_largest_of_columns(lane);
   (void)surely_good(lane);

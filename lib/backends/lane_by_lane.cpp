@@ -14,7 +14,7 @@ Status LaneByLane::analyze(const Pattern& pattern, int lanes) {
   n_ = static_cast<std::size_t>(pattern.n);
   values_.resize(pattern.row.size());
   right_.resize(n_ * kRightSides);
-  code_.assign(static_cast<std::size_t>(lanes), Code::singular);  // until factorised
+  code_.assign(static_cast<std::size_t>(lanes), Code::singular);  // until factorize()
   status_ = worst(code_);
   if (!values_.empty()) analyze_lanes(pattern, lanes);
   return {};

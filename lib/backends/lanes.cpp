@@ -1,11 +1,11 @@
-// Sparse LU of many instances of one matrix side by side: pivots and fill are fixed once, from the values of all lanes;
-// from then on each factorisation runs the same straight-line program in SIMD lanes.
+// Sparse LU of many instances of one matrix side by side. Pivots and fill are fixed once, from the values of all lanes;
+// each factorisation then runs the same straight-line program in SIMD lanes.
 //
-// No pivot is chosen there, so every factorisation is watched (Limits). A lane that does not keep to the limits is
-// redone alone, with pivots of its own, in the same call, and the class's pivots are chosen anew where that keeps
-// happening. The computed factors are exact for A + E with |E| <= n eps |L| |U| (Higham, Accuracy and Stability of
-// Numerical Algorithms, theorem 9.3); `growth` bounds |L| |U| row by row against |A|, so that a limit on it is one on
-// the backward error of each equation, whatever its scale.
+// The program chooses no pivots, so every factorisation is checked (Limits). A lane that exceeds the limits is redone
+// alone, with its own pivots, in the same call; if that happens repeatedly, the class gets new pivots. The computed
+// factors are exact for A + E with |E| <= n eps |L| |U| (Higham, Accuracy and Stability of Numerical Algorithms,
+// theorem 9.3). `growth` bounds |L| |U| row by row against |A|, so a limit on it limits the backward error of each
+// equation, whatever its scale.
 #include "assur/backend.hpp"
 
 #include <hwy/highway.h>
@@ -30,8 +30,8 @@
 namespace assur::lanes {
 namespace {
 
-constexpr std::int64_t kRecent = 8;           // factorisations: two redone within so many ask for new pivots
-constexpr std::int64_t kMostPatience = 4096;  // factorisations between two renewals, at most
+constexpr std::int64_t kRecent = 8;  // factorisations: if two within this number are redone, new pivots are due
+constexpr std::int64_t kMostPatience = 4096;  // largest number of factorisations between two renewals
 constexpr std::int32_t kMostNonzeros = 90'000;
 
 class LanesSolver final : public LinearSolver {
@@ -63,10 +63,10 @@ class LanesSolver final : public LinearSolver {
   std::unique_ptr<Factors> factors_;
   Effort effort_;
 
-  // What follows is read only while some lane is not served by the pivots of the class.
+  // The next members are read only while the pivots of the class do not serve some lane.
   bool all_served_ = false;
-  std::vector<Code> code_;                         // lanes
-  std::vector<int> server_;                        // lanes: whose `alone_` serves it; -1: the class's factors
+  std::vector<Code> code_;   // lanes
+  std::vector<int> server_;  // lanes: index of the `alone_` that serves the lane; -1: the class's factors
   std::vector<std::unique_ptr<LaneAlone>> alone_;  // lanes; null until needed
   std::vector<double> lane_values_;                // nnz
   std::vector<double> lane_right_;                 // lanes x kRightSides x n
@@ -121,7 +121,7 @@ Status LanesSolver::factorize(std::span<const double> values) {
   return rescue(values, alarmed);
 }
 
-// Lanes that the pivots of the class do not serve.
+// Returns the lanes that the pivots of the class do not serve.
 std::uint32_t LanesSolver::run(std::span<const double> values) {
   return factors_->program() ? factors_->factorize(values, limits_).any() : every_lane();
 }
@@ -134,13 +134,13 @@ std::uint32_t LanesSolver::finite_lanes(std::span<const double> values) {
   return finite;
 }
 
-// The first rule whose pivots keep growth within bounds in all wanted lanes, or that which does in most of them. What
-// is there stays if no matrix of these lanes has a full set of pivots.
+// Takes the first rule whose pivots keep growth within bounds in all wanted lanes, or else in most of them. Keeps the
+// present pivots if the lanes have no complete set of common pivots.
 void LanesSolver::choose_pivots(std::span<const double> values, std::uint32_t wanted) {
   std::shared_ptr<const Elimination> best;
   int most = -1;
   for (const PivotRule& rule : kRules) {
-    if (rule.rook) continue;  // pivots in common are hardly to be found
+    if (rule.rook) continue;  // common pivots that satisfy it hardly exist
     const Order order = markowitz_order(*pattern_, values, lanes_, wanted, rule);
     if (!order.complete(pattern_->n)) break;
     factors_->set_program(std::make_shared<const Elimination>(write_program(*pattern_, order)));
@@ -170,7 +170,8 @@ Status LanesSolver::rescue(std::span<const double> values, std::uint32_t alarmed
   return worst(code_);
 }
 
-// Those lanes of `alarmed` that have pivots of their own now; sets code_ and server_ of all lanes.
+// Factorises the lanes of `alarmed` alone, and returns those that now have their own pivots; sets code_ and server_ of
+// all lanes.
 std::uint32_t LanesSolver::redo(std::span<const double> values, std::uint32_t alarmed) {
   std::uint32_t redone = 0;
   for (int lane = 0; lane < lanes_; ++lane) {
@@ -200,8 +201,8 @@ std::uint32_t LanesSolver::redo(std::span<const double> values, std::uint32_t al
   return redone;
 }
 
-// A lane before this one, among those, with the same bits in all values; -1 if there is none. Idle lanes are twins of
-// lane 0.
+// A lane among the given ones and before this one whose values have the same bits; -1 if there is none. Idle lanes are
+// twins of lane 0.
 int LanesSolver::twin(std::span<const double> values, int lane, std::uint32_t among) const {
   const auto w = static_cast<std::size_t>(lanes_), l = static_cast<std::size_t>(lane);
   for (std::size_t other = 0; other < l; ++other) {
@@ -213,8 +214,8 @@ int LanesSolver::twin(std::span<const double> values, int lane, std::uint32_t am
   return -1;
 }
 
-// Two factorisations with lanes redone within a few, and not too soon after the last renewal: each one doubles the time
-// to the next, and a long time without makes up for it.
+// True if lanes were redone twice within kRecent factorisations, and the last renewal is patience_ factorisations ago.
+// Each renewal doubles the patience; a long time without one resets it.
 bool LanesSolver::renewal_is_due() {
   const bool again = count_ - last_redone_ < kRecent;
   last_redone_ = count_;
@@ -229,8 +230,8 @@ Status LanesSolver::solve(std::span<double> b_to_x, int rhs, Transpose transpose
   const auto n = static_cast<std::size_t>(pattern_->n), w = static_cast<std::size_t>(lanes_);
   check_size("numbers on the right-hand side", b_to_x.size(), n * static_cast<std::size_t>(rhs) * w);
   if (first_wanted < 0 || first_wanted > pattern_->n) {
-    throw Error(Error::Kind::input, "the first wanted of " + std::to_string(n) + " unknowns cannot be number " +
-                                        std::to_string(first_wanted));
+    throw Error(Error::Kind::input, "the first wanted unknown must be a number from 0 to " + std::to_string(n) +
+                                        ", not " + std::to_string(first_wanted));
   }
   if (all_served_) {
     factors_->solve(b_to_x.data(), rhs, transpose, first_wanted);
@@ -268,8 +269,8 @@ Figures LanesSolver::figures(int lane) const {
 std::string why_not(const Shape& shape, ThreadBudget budget) {
   if (budget.threads > 1) return "it runs on one thread";
   if (shape.nnz <= kMostNonzeros) return "";
-  return "an elimination of " + std::to_string(shape.nnz) +
-         " nonzeros, written down step by step, is too long; the limit is " + std::to_string(kMostNonzeros);
+  return "the program for an elimination of " + std::to_string(shape.nnz) + " nonzeros is too long; the limit is " +
+         std::to_string(kMostNonzeros);
 }
 
 std::unique_ptr<LinearSolver> make(ThreadBudget, Precision precision) {

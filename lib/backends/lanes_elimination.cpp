@@ -12,7 +12,7 @@ namespace {
 
 using Number = Elimination::Number;
 
-// The permuted matrix and its factors by rows; all positions are those of pivots.
+// The permuted matrix and its factors by rows; positions count pivots.
 struct Factors {
   struct Entry {
     Number column, source;
@@ -32,7 +32,7 @@ Factors factor_symbolically(const Pattern& pattern, const std::vector<std::int32
   for (const std::int32_t i : pattern.row) ++entries[position[static_cast<std::size_t>(i)]];
   for (Number i = 0; i < n; ++i) {
     f.a[i].reserve(entries[i]);
-    f.l[i].reserve(2 * entries[i]);  // as a rule there is less
+    f.l[i].reserve(2 * entries[i]);  // usually rows have fewer
     f.u[i].reserve(2 * entries[i]);
   }
   for (Number j = 0; j < n; ++j) {
@@ -42,8 +42,8 @@ Factors factor_symbolically(const Pattern& pattern, const std::vector<std::int32
       f.a[i].push_back({j, static_cast<Number>(k)});
     }
   }
-  std::vector<Number> seen(n, 0);  // row + 1 that met a column last
-  std::vector<Number> open;        // columns left of the diagonal, a heap with the least on top
+  std::vector<Number> seen(n, 0);  // last row + 1 in which the column was met
+  std::vector<Number> open;        // columns left of the diagonal, a heap with the smallest on top
   for (Number i = 0; i < n; ++i) {
     const auto meet = [&](Number j) {
       if (seen[j] == i + 1) return;
@@ -68,7 +68,7 @@ Factors factor_symbolically(const Pattern& pattern, const std::vector<std::int32
   return f;
 }
 
-// Pivots that need nothing of each other side by side, so that a processor has several in flight.
+// Orders pivots by level: neighbours are independent, so that a processor can overlap them.
 std::vector<Number> by_level(const Factors& f) {
   const auto n = f.l.size();
   std::vector<Number> level(n, 0), order(n);
@@ -81,7 +81,8 @@ std::vector<Number> by_level(const Factors& f) {
   return order;
 }
 
-// For each row the last unknown of the matrix that needs it: the row is computed for first_wanted up to this.
+// For each row the last unknown of the matrix that needs it: the row is computed if first_wanted is at most this
+// unknown.
 std::vector<Number> last_need(const Factors& f, const std::vector<std::int32_t>& column) {
   std::vector<Number> need(column.begin(), column.end());
   for (Number i = 0; i < need.size(); ++i) {
@@ -107,7 +108,7 @@ Elimination write_program(const Pattern& pattern, const Order& order) {
   p.n = n;
   p.permutation_sign = parity(row) * parity(column);
 
-  // Rows that more unknowns need come first in the backward substitution; a row that another one needs is before it.
+  // In the backward substitution rows that more unknowns need come first; every row comes after the rows that it needs.
   const std::vector<Number> need = last_need(f, column);
   std::vector<Number> back(n);
   std::iota(back.rbegin(), back.rend(), Number{0});

@@ -16,7 +16,7 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 using Number = Elimination::Number;
 
-// kVectors side by side: all lanes of a slot, or, where the vectors are short, a part of them.
+// kVectors vectors: all lanes of a slot, or some of them if vectors are short.
 template <class T, int kLanes>
 struct SlotVectors {
   using D = hn::CappedTag<T, kLanes>;
@@ -77,7 +77,7 @@ HWY_INLINE void give_vector(D d, V v, double* to) {
   }
 }
 
-// Numbers of the caller, which may lie anywhere in memory.
+// Loads and stores numbers of the caller, which may have any alignment.
 template <class L>
 HWY_INLINE L take(const double* from) {
   L r;
@@ -168,7 +168,7 @@ HWY_INLINE Alarms factorize_part(const Elimination& p, const double* values, T* 
     of_a.store(row_square);
     for (int i = 0; i < L::kVectors; ++i) {
       const auto of_d = hn::Mul(diagonal.v[i], diagonal.v[i]), of_row = hn::Add(hn::Add(of_l.v[i], of_d), of_u.v[i]);
-      // Strict, and false for NaN: infinities and zero rows are alarms.
+      // Strict comparisons, false for NaN: infinities and zero rows raise alarms.
       grown[i] = hn::Or(grown[i], hn::Not(hn::Lt(hn::Mul(hn::Mul(of_row, shrink), largest_u.v[i]), of_a.v[i])));
       small[i] = hn::Or(small[i], hn::Not(hn::Ge(of_d, hn::MulAdd(of_a.v[i], pivot, smallest))));
       largest_u.v[i] = hn::Max(largest_u.v[i], hn::Mul(hn::Mul(of_u.v[i], r.v[i]), r.v[i]));
@@ -270,7 +270,7 @@ HWY_ATTR void solve(const Elimination& p, const void* slots, double* b_to_x, int
   }
 }
 
-// A' = Q U' L' P: both by columns, that is by rows of U and of L.
+// A' = Q U' L' P. Both factors are used by columns, which are rows of U and of L.
 template <class L, class T>
 HWY_INLINE void solve_transposed_part(const Elimination& p, const T* slots, double* b_to_x, T* work) {
   const auto subtract = [&](const Number*& op, Number count, const L& x, const T*& factor) HWY_ATTR {

@@ -11,10 +11,10 @@
 namespace assur::lanes {
 namespace {
 
-constexpr double kLeastRatio = 1e-3;  // of a pivot to its row, where no other serves all lanes
-constexpr int kLists = 16;            // rows and columns of least count looked at for one pivot (Zlatev 1980), each
+constexpr double kLeastRatio = 1e-3;  // pivot over the largest of its row, if no pivot serves all lanes
+constexpr int kLists = 16;  // rows, and as many columns, of least count that are examined for a pivot (Zlatev 1980)
 
-// Rows or columns by their number of entries: doubly linked lists.
+// Rows or columns by their number of entries, in doubly linked lists.
 class Buckets {
  public:
   explicit Buckets(Index n) : first_(idx(n) + 1, -1), next_(idx(n), -1), before_(idx(n), -1), count_(idx(n), -1) {}
@@ -43,7 +43,7 @@ class Buckets {
   std::vector<Index> first_, next_, before_, count_;
 };
 
-// What is left of the matrix, and the search for its next pivot.
+// The remaining matrix, and the search for its next pivot.
 class Elimination {
  public:
   Elimination(const Pattern& pattern, std::span<const double> values, int lanes, std::uint32_t wanted, PivotRule rule);
@@ -58,8 +58,8 @@ class Elimination {
   struct Candidate {
     Index row = -1, entry = -1;
     std::int64_t cost = std::numeric_limits<std::int64_t>::max();
-    Index level = 0;           // pivots on the longest chain that it waits for
-    double ratio = 0;          // to the largest of its row, in the worst lane
+    Index level = 0;           // length of the longest chain of pivots before it
+    double ratio = 0;          // to the largest entry of its row, in the worst lane
     std::uint32_t serves = 0;  // lanes
   };
 
@@ -81,7 +81,7 @@ class Elimination {
   std::vector<Row> rows_;
   std::vector<std::vector<Index>> columns_;  // rows of each column
   Buckets by_row_, by_column_;
-  std::vector<Index> place_;                     // n: entry of a column in the row at hand, or -1
+  std::vector<Index> place_;                     // n: index of a column's entry in the current row, or -1
   std::vector<double> ratio_;                    // lanes
   std::vector<Index> row_level_, column_level_;  // n
 };
@@ -103,7 +103,7 @@ Elimination::Elimination(const Pattern& pattern, std::span<const double> values,
   std::vector<std::size_t> entries(idx(n_), 0);  // of each row
   for (const Index i : pattern.row) ++entries[idx(i)];
   for (Index i = 0; i < n_; ++i) {
-    const std::size_t most = std::min(2 * entries[idx(i)], idx(n_));  // with its fill, as a rule
+    const std::size_t most = std::min(2 * entries[idx(i)], idx(n_));  // usually enough for the fill
     rows_[idx(i)].column.reserve(most);
     rows_[idx(i)].value.reserve(most * lanes_);
     columns_[idx(i)].reserve(2 * idx(pattern.column_start[idx(i) + 1] - pattern.column_start[idx(i)]));
@@ -185,7 +185,7 @@ bool Elimination::better(const Candidate& a, const Candidate& b) const {
   return a.ratio > b.ratio;
 }
 
-// The cheapest entry that serves every lane, among the rows and columns of least count; row -1 if there is none.
+// The cheapest entry that serves every lane, among rows and columns with few entries; row -1 if there is none.
 Elimination::Candidate Elimination::search() const {
   Candidate best;
   int looked_at = 0;
@@ -207,8 +207,8 @@ Elimination::Candidate Elimination::search() const {
   return best;
 }
 
-// The largest entry in the worst lane; if that one is too small, the entry that serves most lanes, of these the
-// cheapest. Row -1 if there is none.
+// The entry that is largest in its worst lane. If it is too small there: the entry that serves most lanes, and the
+// cheapest of these. Row -1 if there is none.
 Elimination::Candidate Elimination::compromise() const {
   Candidate largest, most;
   for (Index i = 0; i < n_; ++i) {
@@ -229,9 +229,9 @@ void Elimination::eliminate(const Candidate& pivot) {
   const Index column = row.column[idx(pivot.entry)];
   products_ += pivot.cost;
   if (products_ > kMostProducts) {
-    throw Error(Error::Kind::environment, "the backend lanes writes an elimination down step by step; that of " +
-                                              std::to_string(n_) + " unknowns takes more than " +
-                                              std::to_string(kMostProducts) + " products: use another backend");
+    throw Error(Error::Kind::environment, "the elimination of " + std::to_string(n_) + " unknowns takes more than " +
+                                              std::to_string(kMostProducts) +
+                                              " products, too many for the backend lanes: use another backend");
   }
   for (Index j : row.column) column_level_[idx(j)] = std::max(column_level_[idx(j)], pivot.level + 1);
   for (Index i : columns_[idx(column)]) row_level_[idx(i)] = std::max(row_level_[idx(i)], pivot.level + 1);
@@ -250,7 +250,7 @@ void Elimination::eliminate(const Candidate& pivot) {
   rows_[idx(pivot.row)] = {};
 }
 
-// Divides, where the factorisation multiplies by a reciprocal: equal rows end as an exact zero.
+// Divides, while the factorisation multiplies by a reciprocal, so that equal rows cancel to an exact zero.
 void Elimination::subtract(Index i, Index pivot_row, Index pivot_entry) {
   Row& row = rows_[idx(i)];
   const Row& pivot = rows_[idx(pivot_row)];

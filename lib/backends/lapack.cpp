@@ -1,4 +1,4 @@
-// Dense LU by LAPACK's dgetrf and dgetrs (sgetrf, sgetrs), one lane after the other, its threads as the budget says.
+// Dense LU by LAPACK's dgetrf and dgetrs (sgetrf, sgetrs), one lane after the other, with the threads of the budget.
 #include "backends/backends.hpp"
 #include "backends/blas.hpp"
 #include "backends/dense_solver.hpp"

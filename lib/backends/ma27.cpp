@@ -1,5 +1,5 @@
-// HSL MA27 (Duff & Reid 1983), symmetric indefinite LDL', on the augmented matrix. Its licence forbids to pass it on,
-// so it is loaded at run time from the library that a user has built, by the names that HSL and Ipopt give to it.
+// HSL MA27 (Duff & Reid 1983), symmetric indefinite LDL', on the augmented matrix. Its licence forbids redistribution,
+// so it is loaded at run time from a library that the user has built, under the names that HSL and Ipopt use.
 #include <dlfcn.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::array kNames = {"libhsl.so", "libcoinhsl.so"};
 
-// The four entries of MA27, double precision; Fortran passes everything by address.
+// The four routines of MA27, double precision; Fortran passes everything by address.
 // Specification: HSL Archive, MA27, version 1.0.0, section 2.1.
 struct Library {
   // ICNTL(30), CNTL(5)
@@ -44,7 +44,7 @@ bool find(void* library, const char* name, Function*& function) {
 Library load() {
   Library found;
   for (const char* name : kNames) {
-    void* const library = dlopen(name, RTLD_NOW | RTLD_LOCAL);  // stays for as long as the program runs
+    void* const library = dlopen(name, RTLD_NOW | RTLD_LOCAL);  // stays loaded until the program ends
     if (!library) continue;
     if (find(library, "ma27id_", found.start) && find(library, "ma27ad_", found.analyze) &&
         find(library, "ma27bd_", found.factorize) && find(library, "ma27cd_", found.solve)) {
@@ -61,14 +61,14 @@ Library load() {
   return found;
 }
 
-// Loaded by the first question for it, once.
+// Loaded once, at the first call.
 const Library& library() {
   static const Library loaded = load();
   return loaded;
 }
 
-constexpr double kThreshold = 0.5;  // the largest for 2 x 2 pivots: the least growth
-constexpr int kHeadroom = 2;        // workspace beyond what definite matrices need
+constexpr double kThreshold = 0.5;  // largest value for 2 x 2 pivots: least growth
+constexpr int kHeadroom = 2;        // factor of the workspace that definite matrices need
 
 class Ma27 final : public SymmetricSolver {
  public:
@@ -114,7 +114,7 @@ void Ma27::analyze(int order, std::span<int> row, std::span<int> column) {
   library_.analyze(&order_, &nonzeros_, row_.data(), column_.data(), integers_.data(), &size, keep_.data(),
                    work_.data(), &steps_, &choose_order, icntl_.data(), cntl_.data(), info_.data(), &operations);
   if (info_[0] < 0) fail();
-  // INFO(5), INFO(6): what is enough where pivots need not be exchanged
+  // INFO(5), INFO(6): workspace that is enough without exchanges of pivots
   factors_.resize(std::max(row.size() + n, kHeadroom * static_cast<std::size_t>(std::max(info_[4], 0))));
   integers_.resize(std::max(row.size() + n, kHeadroom * static_cast<std::size_t>(std::max(info_[5], 0))));
 }
@@ -155,7 +155,7 @@ void Ma27::solve(std::span<double> b_to_x, int rhs) {
 
 void Ma27::fail() const {
   throw Error(Error::Kind::environment,
-              "MA27 fails with INFO(1) = " + std::to_string(info_[0]) + ", INFO(2) = " + std::to_string(info_[1]));
+              "MA27 failed with INFO(1) = " + std::to_string(info_[0]) + ", INFO(2) = " + std::to_string(info_[1]));
 }
 
 }  // namespace
@@ -169,7 +169,7 @@ std::unique_ptr<LinearSolver> make(ThreadBudget, Precision) {
   return make_augmented([]() -> std::unique_ptr<SymmetricSolver> { return std::make_unique<Ma27>(); });
 }
 
-// HSL tells no version; that of the specification.
+// HSL does not report a version; this one is that of the specification.
 std::string version() { return library().why_not.empty() ? "1.0.0" : ""; }
 
 }  // namespace assur::ma27

@@ -1,5 +1,5 @@
-// Multifrontal LU by MUMPS, sequential version, on one thread at a time. Each lane is a matrix of its own, analysis
-// included: MUMPS keeps analysis and factors in one place.
+// Multifrontal LU by MUMPS, sequential version, on one thread at a time. Each lane is a matrix of its own with its own
+// analysis, because MUMPS keeps analysis and factors together.
 #include <algorithm>
 #include <memory>
 #include <string>
@@ -15,7 +15,7 @@ namespace {
 
 class MumpsSolver final : public LaneByLane {
   void analyze_lanes(const Pattern& pattern, int lanes) override {
-    lanes_.clear();  // they look into row_ and column_
+    lanes_.clear();  // they refer to row_ and column_
     row_.clear();
     column_.clear();
     for (int j = 0; j < pattern.n; ++j) {
@@ -34,7 +34,7 @@ class MumpsSolver final : public LaneByLane {
   void solve_lane(std::span<double> b_to_x, int rhs, Transpose transpose, int lane) override {
     matrix(lane).solve(b_to_x, rhs, transpose);
   }
-  // MUMPS begins with the small pivots where it likes: then their ratio says little.
+  // MUMPS may take small pivots first, so the ratio of pivots says little about the condition.
   [[nodiscard]] Figures lane_figures(int lane) const override {
     Figures figures = matrix(lane).figures();
     figures.reciprocal_condition = std::min(figures.reciprocal_condition, matrix(lane).reciprocal_condition());
@@ -43,7 +43,7 @@ class MumpsSolver final : public LaneByLane {
 
   [[nodiscard]] Matrix& matrix(int lane) const { return *lanes_[static_cast<std::size_t>(lane)]; }
 
-  std::vector<int> row_, column_;  // nnz: from 1 on, as Fortran counts
+  std::vector<int> row_, column_;  // nnz: counted from 1, as in Fortran
   std::vector<std::unique_ptr<Matrix>> lanes_;
 };
 

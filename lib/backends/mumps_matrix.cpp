@@ -17,15 +17,14 @@ enum Job : int { kStart = -1, kEnd = -2, kAnalyze = 1, kFactorize = 2, kSolve = 
 constexpr int kUseWorld = -987654;     // communicator of the sequential version
 constexpr int kMostWorkspace = 10000;  // per cent beyond MUMPS's estimate
 
-// Whose turn it is to be inside MUMPS. A fork() waits for its end, so that the child's first call does not wait
-// forever.
+// Held while a thread is inside MUMPS. fork() waits for it, so that the first call in the child does not wait forever.
 std::mutex turn;
 const int kForks = pthread_atfork([] { turn.lock(); }, [] { turn.unlock(); }, [] { turn.unlock(); });
 
 [[noreturn]] void fail(int code, int detail) {
   if (code == -5 || code == -7 || code == -13) throw std::bad_alloc();
   throw Error(Error::Kind::environment,
-              "MUMPS fails with INFO(1) = " + std::to_string(code) + ", INFO(2) = " + std::to_string(detail));
+              "MUMPS failed with INFO(1) = " + std::to_string(code) + ", INFO(2) = " + std::to_string(detail));
 }
 
 }  // namespace
@@ -38,11 +37,11 @@ Matrix::Matrix(Symmetry symmetry) {
   if (data_.infog[0] < 0) fail(data_.infog[0], data_.infog[1]);
   const auto control = [&](int number) -> MUMPS_INT& { return data_.icntl[number - 1]; };
   for (int stream : {1, 2, 3, 4}) control(stream) = 0;  // print nothing
-  control(6) = symmetry == Symmetry::none ? 1 : 0;      // a transversal by pattern: values are not known yet
-  control(12) = 1;                                      // no compressed ordering, which needs values too
+  control(6) = symmetry == Symmetry::none ? 1 : 0;      // a transversal by pattern, because values are not known yet
+  control(12) = 1;                                      // no compressed ordering, which also needs values
   control(16) = 1;                                      // one thread
   control(33) = 1;                                      // compute the determinant
-  data_.cntl[0] = 0.5;  // as for KLU: with less, the chain of pivots of a ring multiplies their ratios
+  data_.cntl[0] = 0.5;  // as for KLU: smaller values let the chain of pivots of a ring multiply their ratios
 }
 
 Matrix::~Matrix() { call(kEnd); }
@@ -69,7 +68,7 @@ Code Matrix::factorize(std::span<const double> values) {
   if (structurally_singular_) return Code::singular;
   std::copy(values.begin(), values.end(), values_.begin());
   call(kFactorize);
-  while (data_.infog[0] == -8 || data_.infog[0] == -9) {  // workspace was too small for the pivots of these values
+  while (data_.infog[0] == -8 || data_.infog[0] == -9) {  // the workspace was too small for the pivots of these values
     if (data_.icntl[13] >= kMostWorkspace) throw std::bad_alloc();
     data_.icntl[13] *= 2;
     call(kFactorize);
@@ -94,7 +93,7 @@ Figures Matrix::figures() const {
   return {true, 0, smallest / largest, data_.rinfog[11] < 0 ? -1 : 1};
 }
 
-// 1 / (|A|_1 |A^-1|_1), the second by one round of Hager's power method (Higham 1988).
+// 1 / (|A|_1 |A^-1|_1), the second norm by one round of Hager's power method (Higham 1988).
 double Matrix::reciprocal_condition() {
   const auto n = static_cast<std::size_t>(data_.n);
   std::vector<double> x(n, 0.0);

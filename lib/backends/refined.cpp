@@ -15,7 +15,8 @@ namespace assur {
 namespace {
 constexpr int kMostRounds = 10;
 
-// What a solution is held to: refined until its error is at most `target`, refused if it ends above `bound`.
+// Goal of a solution: it is refined until its error is at most `target`, and refused if the error remains above
+// `bound`.
 struct Goal {
   enum class Measure : std::uint8_t { componentwise, normwise } measure;
   double target, bound;
@@ -23,18 +24,18 @@ struct Goal {
 };
 
 // Refinement in one precision ends at 2 gamma_{n+1} = (n + 1) eps (Higham, Accuracy and Stability of Numerical
-// Algorithms, theorem 12.4); 2 eps is what rounding x and the residual leaves in any case.
+// Algorithms, theorem 12.4). Rounding of x and of the residual always leaves 2 eps.
 Goal componentwise(double n) { return {Goal::Measure::componentwise, 2 * kEps, (n + 1) * kEps, kMostRounds}; }
 
-// A solution in double has an error of n eps at worst, without growth, and of sqrt(n) eps as rounding errors go (Higham
-// & Mary, SIAM J. Sci. Comput. 41, 2019).
+// A solution in double without growth has an error of at most n eps, and of about sqrt(n) eps if rounding errors are
+// random (Higham & Mary, SIAM J. Sci. Comput. 41, 2019).
 Goal as_in_double(double n) { return {Goal::Measure::normwise, std::sqrt(n) * kEps, n * kEps, kMostRounds}; }
 
 Goal check_only(double n) { return {Goal::Measure::normwise, 10 * n * kEps, 10 * n * kEps, 0}; }
 
 class Refined final : public LinearSolver {
  public:
-  // in_double: the same backend in double behind one in float; null if `inner` is in double itself.
+  // in_double: the same backend in double if `inner` is in float; else null.
   Refined(std::unique_ptr<LinearSolver> inner, std::unique_ptr<LinearSolver> in_double, Goal (*goal)(double))
       : inner_(std::move(inner)), in_double_(std::move(in_double)), goal_of_(goal) {}
 
@@ -46,7 +47,7 @@ class Refined final : public LinearSolver {
   std::unique_ptr<LinearSolver> clone() const override;
 
  private:
-  // Who solves a lane; nobody if there are no factors.
+  // The solver of a lane; nobody if it has no factors.
   enum class By : std::uint8_t { nobody, inner, in_double };
 
   void allocate();
@@ -74,7 +75,7 @@ class Refined final : public LinearSolver {
     }
   }
 
-  // One right-hand side of a chunk, n x lanes.
+  // One right-hand side of a chunk: n x lanes.
   template <typename Span>
   auto side(Span&& chunk, std::size_t r) const {
     return std::span(chunk).subspan(r * n_ * lanes_, n_ * lanes_);
@@ -85,7 +86,7 @@ class Refined final : public LinearSolver {
   Goal goal_{};
   Pattern pattern_;
   std::size_t n_ = 0, lanes_ = 0;
-  bool has_double_factors_ = false;  // of the last values
+  bool has_double_factors_ = false;  // for the last values
   Effort effort_;
 
   std::vector<double> values_;                            // nnz x lanes, of the last factorisation
@@ -96,16 +97,16 @@ class Refined final : public LinearSolver {
   std::vector<double> residual_;                          // n x kRightSides x lanes: b - A x, then the correction
   std::vector<double> before_;                            // n x kRightSides x lanes: x before its last correction
   std::vector<double> weight_, column_, row_;             // n x lanes: for componentwise errors
-  // n x lanes: R and C of normwise errors, which are those of R A C, so that no row hides behind a larger one, and
-  // their inverses, which scale b' and x.
+  // n x lanes: R and C, which scale A to R A C for normwise errors, so that larger rows do not hide others, and their
+  // inverses, which scale b' and x.
   std::vector<double> row_scale_, column_scale_, row_size_, column_size_;
   // A column is one right-hand side in one lane: kRightSides x lanes.
   std::vector<double> norm_of_b_, norm_of_x_, norm_of_residual_;
-  std::vector<double> scale_;  // of a residual that is solved in float: a power of two
+  std::vector<double> scale_;  // power of two that scales a residual solved in float
   std::vector<double> error_, new_error_;
-  std::vector<char> open_;          // still being improved
-  bool lenient_ = false;            // measure by raised weights
-  std::vector<double> lane_error_;  // lanes: the worst of this solve
+  std::vector<char> open_;          // columns that are still being refined
+  bool lenient_ = false;            // errors are relative to raised weights
+  std::vector<double> lane_error_;  // lanes: largest error of this solve
 };
 
 Status Refined::analyze(const Pattern& pattern, int lanes) {
@@ -123,7 +124,7 @@ void Refined::allocate() {
   effort_ = {};
   values_.assign(pattern_.row.size() * lanes_, 0.0);
   by_.assign(lanes_, By::nobody);
-  code_.assign(lanes_, Code::singular);  // until factorised
+  code_.assign(lanes_, Code::singular);  // until factorize()
   norm_of_a_.assign(lanes_, 0.0);
   norm_of_a_transposed_.assign(lanes_, 0.0);
   for (auto* chunk : {&given_, &residual_, &before_}) chunk->assign(n_ * kRightSides * lanes_, 0.0);
@@ -162,7 +163,7 @@ Status Refined::factorize(std::span<const double> values) {
   return worst(code_);
 }
 
-// All lanes at once, for the sake of the first that needs it: this is rare, and packs cost little more than one lane.
+// Factorises all lanes when the first one needs it: this is rare, and a pack costs little more than one lane.
 void Refined::factorize_in_double(std::size_t lane) {
   if (!has_double_factors_) (void)in_double_->factorize(values_);
   has_double_factors_ = true;
@@ -201,7 +202,7 @@ void Refined::solve_chunk(std::span<double> x, std::size_t count, Transpose tran
   improve(By::in_double, x, count, transpose);
   for (std::size_t column = 0; column < count * lanes_; ++column) {
     const std::size_t lane = column % lanes_;
-    // Beyond float, a normwise error is that of any solution in double, and not refined.
+    // After a failure of float, a normwise error is that of a normal solution in double, and is not refined.
     if (by_[lane] != By::in_double || goal_.measure == Goal::Measure::normwise) continue;
     lane_error_[lane] = std::max(lane_error_[lane], error_[column]);
   }
@@ -210,7 +211,7 @@ void Refined::solve_chunk(std::span<double> x, std::size_t count, Transpose tran
   }
 }
 
-// Solves and refines the lanes that `by` solves; each column ends with an error in error_.
+// Solves and refines the lanes of `by`; error_ receives the error of each column.
 void Refined::improve(By by, std::span<double> x, std::size_t count, Transpose transpose) {
   const std::size_t columns = count * lanes_;
   for (std::size_t column = 0; column < columns; ++column) open_[column] = by_[column % lanes_] == by;
@@ -239,7 +240,7 @@ void Refined::improve(By by, std::span<double> x, std::size_t count, Transpose t
   if (any) refine(by, x, count, transpose);
 }
 
-// Refines the open columns, until none is open.
+// Refines the open columns until none is open.
 void Refined::refine(By by, std::span<double> x, std::size_t count, Transpose transpose) {
   for (std::size_t column = 0; column < count * lanes_; ++column) {
     if (open_[column]) error_[column] = kInfinity;
@@ -269,7 +270,7 @@ void Refined::refine(By by, std::span<double> x, std::size_t count, Transpose tr
   }
 }
 
-// residual_ = A^-1 residual_. Float has a narrow range, so it gets right-hand sides of size 1.
+// residual_ = A^-1 residual_. Float has a narrow range, so right-hand sides are scaled to size 1.
 void Refined::correct(By by, std::size_t count, Transpose transpose) {
   const bool narrow = by == By::inner && in_double_ != nullptr;
   if (narrow) {
@@ -307,7 +308,7 @@ void Refined::measure(std::span<const double> x, std::size_t count, Transpose tr
   }
 }
 
-// residual: its norm.
+// residual: norm of the residual.
 double Refined::normwise_error(double residual, std::size_t column, Transpose transpose) const {
   const double norm_of_a = (transpose == Transpose::no ? norm_of_a_ : norm_of_a_transposed_)[column % lanes_];
   return residual <= 0 ? 0 : residual / (norm_of_a * norm_of_x_[column] + norm_of_b_[column]);
@@ -315,7 +316,7 @@ double Refined::normwise_error(double residual, std::size_t column, Transpose tr
 
 Figures Refined::figures(int lane) const {
   switch (by_[static_cast<std::size_t>(lane)]) {
-    case By::nobody:  // perhaps only since float had factors that did not serve
+    case By::nobody:  // also if refinement from float failed
       return {};
     case By::inner:
       return inner_->figures(lane);

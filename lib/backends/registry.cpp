@@ -1,4 +1,4 @@
-// THE table of solvers. How to add one: docs/extending.md.
+// The table of all solvers. docs/extending.md tells how to add one.
 #include <algorithm>
 #include <array>
 

@@ -10,7 +10,7 @@
 namespace assur {
 namespace {
 
-// Calls visit(lanes) with the number of lanes as a constant where it is a usual one: inner loops become vectors.
+// Calls visit(lanes) with the number of lanes as a constant for the usual numbers, so that inner loops vectorise.
 template <std::size_t W>
 using Constant = std::integral_constant<std::size_t, W>;
 template <typename Visit>
@@ -31,7 +31,7 @@ void with_lanes(std::size_t lanes, const Visit& visit) {
   }
 }
 
-// entry(k, to, from) for each nonzero: it stands in row `to`, times unknown `from`.
+// Calls entry(k, to, from) for each nonzero k: row `to`, factor of unknown `from`.
 template <typename Entry>
 void for_each_entry(const PackSystem& system, const Entry& entry) {
   const Pattern& p = system.pattern;
@@ -45,7 +45,7 @@ void for_each_entry(const PackSystem& system, const Entry& entry) {
   }
 }
 
-// element(i, lane) of n x lanes numbers, lanes innermost.
+// Calls element(i, lane) for n x lanes numbers, lanes innermost.
 template <typename Element>
 void for_each_element(std::size_t size, std::size_t lanes, const Element& element) {
   with_lanes(lanes, [&](auto w) {
@@ -55,7 +55,7 @@ void for_each_element(std::size_t size, std::size_t lanes, const Element& elemen
   });
 }
 
-// norm = max(norm, size), but NaN if a size is or was not finite: NaN loses every comparison, but no sum.
+// norm = max(norm, size); NaN if any size was not finite: comparisons ignore NaN, sums do not.
 void raise(double& norm, double size) { norm = (size > norm ? size : norm) + size * 0; }
 
 }  // namespace

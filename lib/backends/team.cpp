@@ -1,5 +1,5 @@
-// Dense LU by a team of threads of the solver's own: the only dense backend whose threads do not mind those of other
-// solvers.
+// Dense LU by the solver's own team of threads: the only dense backend whose threads do not interfere with those of
+// other solvers.
 #include <algorithm>
 #include <memory>
 #include <optional>
@@ -23,7 +23,7 @@ class Solver final : public DenseLu<T> {
 
   bool factorize(const Block<T>& a, std::int32_t* pivot) override { return lu_->factorize(a, pivot, team_); }
 
-  // Reads each factor once, which more threads do no faster.
+  // One thread: the solution reads each factor once, which more threads would not do faster.
   void solve(const Block<T>& lu, const std::int32_t* pivot, const Block<T>& x, Transpose transpose,
              DenseIndex) override {
     const BlasThreads one(1);

@@ -11,11 +11,12 @@
 namespace assur {
 namespace {
 
-constexpr DenseIndex kPanel = 48;         // columns; measured on n = 100 to 2000 with one and two threads
-constexpr DenseIndex kTile = 4 * kPanel;  // wide enough for the kernels, narrow enough for the threads to end together
+constexpr DenseIndex kPanel = 48;  // columns; measured on n = 100 to 2000 with one and two threads
+// wide enough for the kernels, narrow enough for the threads to end at the same time
+constexpr DenseIndex kTile = 4 * kPanel;
 
-// c -= a b. OpenBLAS 0.3's AVX-512 kernels allocate in products of up to kSmall multiplications, unless b is given
-// transposed; they are as fast then.
+// c -= a b. For products of up to kSmall multiplications, OpenBLAS 0.3's AVX-512 kernels allocate memory unless b is
+// given transposed, which is as fast.
 template <class T>
 void subtract_product(const Block<T>& c, const Block<T>& a, const Block<T>& b) {
   constexpr DenseIndex kSmall = 1000000;
@@ -50,11 +51,12 @@ bool TeamLu<T>::factorize(const Block<T>& a, std::int32_t* pivot, Team& team) {
   } else {
     work(0);
   }
-  for (DenseIndex k = kPanel; k < n_; ++k) pivot_[k] += static_cast<std::int32_t>(k - k % kPanel);  // from the top of a
+  // Row numbers now count from the top of the matrix
+  for (DenseIndex k = kPanel; k < n_; ++k) pivot_[k] += static_cast<std::int32_t>(k - k % kPanel);
   return !failed_;
 }
 
-// Items are numbered through; those of a panel are found by walking the list along with the others.
+// Items have consecutive numbers. Each thread finds the panel of its item by walking along the list.
 template <class T>
 void TeamLu<T>::work(int rank) noexcept {
   const BlasThreads one(1);
@@ -77,7 +79,7 @@ void TeamLu<T>::work(int rank) noexcept {
   }
 }
 
-// One for the next panel, and one for each tile that has columns right of it.
+// One item for the next panel, and one for each tile that has columns right of it.
 template <class T>
 DenseIndex TeamLu<T>::items(DenseIndex panel) const {
   return 1 + (end(panel + 1) < n_ ? tiles_ - end(panel + 1) / kTile : 0);
@@ -123,8 +125,8 @@ void TeamLu<T>::factorize_panel(DenseIndex panel) {
   }
 }
 
-// Pivots are counted from the top of their panel until all is done. Columns `first` to `last`, right of the panel: rows
-// swapped, U by substitution, the product taken off the rest.
+// Updates columns `first` to `last`, right of the panel: swaps rows, computes U by substitution, and subtracts the
+// product from the rest. Pivots count from the top of their panel until the end.
 template <class T>
 void TeamLu<T>::update(DenseIndex panel, DenseIndex first, DenseIndex last) {
   const DenseIndex top = panel * kPanel, width = end(panel) - top, below = n_ - top - width, columns = last - first;
@@ -134,7 +136,7 @@ void TeamLu<T>::update(DenseIndex panel, DenseIndex first, DenseIndex last) {
   subtract_product(a_.block(top + width, first, below, columns), a_.block(top + width, top, below, width), upper);
 }
 
-// Column by column, since a column fits into the cache.
+// Column by column, because a column fits into the cache.
 template <class T>
 void TeamLu<T>::swap_left(DenseIndex panel) {
   for (DenseIndex j = panel * kPanel; j < end(panel); ++j) {

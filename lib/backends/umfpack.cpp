@@ -1,5 +1,5 @@
-// Sparse LU by UMFPACK, which is under the GPL: part of a build only where ASSUR_WITH_GPL asks for it. One analysis for
-// all lanes; each factorisation chooses its pivots anew and takes its memory from the heap.
+// Sparse LU by UMFPACK, which is under the GPL and is built only with ASSUR_WITH_GPL. One analysis for all lanes; each
+// factorisation chooses new pivots and takes its memory from the heap.
 #include <umfpack.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@
 namespace assur::umfpack {
 namespace {
 
-// As for KLU: with less, the chain of pivots of a ring multiplies their ratios.
+// As for KLU: smaller values let the chain of pivots of a ring multiply their ratios.
 constexpr double kPivotTolerance = 0.5;
 
 struct FreeSymbolic {
@@ -27,11 +27,11 @@ struct FreeNumeric {
   void operator()(void* numeric) const { umfpack_di_free_numeric(&numeric); }
 };
 
-// What is not singular and not ok is a lack of memory, or a defect of ours.
+// Other failures than singular matrices are a lack of memory, or an error in this file.
 void check(int status, const char* call) {
   if (status >= UMFPACK_OK) return;
   if (status == UMFPACK_ERROR_out_of_memory) throw std::bad_alloc();
-  throw Error(Error::Kind::environment, std::string(call) + " of UMFPACK fails with status " + std::to_string(status));
+  throw Error(Error::Kind::environment, std::string(call) + " of UMFPACK failed with status " + std::to_string(status));
 }
 
 class UmfpackSolver final : public LaneByLane {
@@ -42,7 +42,7 @@ class UmfpackSolver final : public LaneByLane {
   struct Lane {
     std::unique_ptr<void, FreeNumeric> numeric;
     double reciprocal_condition = 0;
-    std::vector<double> values;  // nnz: umfpack_di_wsolve wants the matrix as well
+    std::vector<double> values;  // nnz: umfpack_di_wsolve needs the matrix
   };
 
   void analyze_lanes(const Pattern& pattern, int lanes) override;
@@ -64,7 +64,7 @@ UmfpackSolver::UmfpackSolver() {
   umfpack_di_defaults(control_.data());
   control_[UMFPACK_PIVOT_TOLERANCE] = kPivotTolerance;
   control_[UMFPACK_SYM_PIVOT_TOLERANCE] = kPivotTolerance;
-  control_[UMFPACK_IRSTEP] = 0;  // refinement is asked for by +refine
+  control_[UMFPACK_IRSTEP] = 0;  // only +refine asks for refinement
 }
 
 void UmfpackSolver::analyze_lanes(const Pattern& pattern, int lanes) {
@@ -118,7 +118,7 @@ Figures UmfpackSolver::lane_figures(int index) const {
   check(umfpack_di_get_lunz(&in_l, &in_u, &rows, &columns, &in_diagonal, lane.numeric.get()), "the size of U");
   std::vector<int> u_start(n_ + 1), u_row(static_cast<std::size_t>(in_u));
   std::vector<double> u(u_row.size()), scale(n_);
-  int multiplied = 0;  // rows were multiplied by their scales, else divided
+  int multiplied = 0;  // 1: rows were multiplied by their scales; 0: divided
   check(umfpack_di_get_numeric(nullptr, nullptr, nullptr, u_start.data(), u_row.data(), u.data(), nullptr, nullptr,
                                nullptr, &multiplied, scale.data(), lane.numeric.get()),
         "reading U");

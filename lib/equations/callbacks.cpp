@@ -22,7 +22,7 @@ const CallbackBlock& CallbackRows::block(const Program::CallbackUse& use) const 
   return system_.callbacks[idx(use.callback)];
 }
 
-// constants: what a constant argument takes; null: it has no rate.
+// constants: values of constant arguments; null: they are 0, as for rates.
 void CallbackRows::load(const Program::CallbackUse& use, const double* constants, const double* from, int lane,
                         std::vector<double>& x) const {
   for (std::size_t i = 0; i < use.arguments.size(); ++i) {

@@ -1,7 +1,7 @@
-// Compiled once for each SIMD target; the one that serves is chosen when an evaluator is made.
+// Compiled once for each SIMD target; make_evaluator() chooses the target.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "equations/evaluator.cpp"
-#include <hwy/foreach_target.h>  // before what is compiled once for each target
+#include <hwy/foreach_target.h>  // must precede the code compiled for each target
 
 #include "equations/evaluator.hpp"
 #include "equations/lane_vector-inl.hpp"
@@ -199,7 +199,8 @@ class EvaluatorOf final : public Evaluator {
   static HWY_INLINE L reg(const double* registers, std::int32_t i) { return L::load(registers + i * W); }
   HWY_INLINE L k(std::int32_t i) const { return L::load(k_ + i * W); }
 
-  // A sum and the bound of its rounding, over epsilon / 2: a first term is not rounded, nor is what is taken as it is.
+  // A sum and the bound of its rounding, over epsilon / 2. Adding the first term, and factors of size 1, cause no
+  // rounding.
   struct RoundedSum {
     L value, error;
 
@@ -225,7 +226,7 @@ class EvaluatorOf final : public Evaluator {
     return total;
   }
 
-  // Of a linear form: the sum of |coefficient| over its coordinates.
+  // For a linear form: the sum of |coefficient| over its coordinates.
   L coordinates_of(std::int32_t r) const {
     if (r <= p_.one()) return L::set(r < p_.one() ? 1 : 0);
     const Program::Form& f = p_.forms[static_cast<std::size_t>(r - p_.one() - 1)];  // the last registers, in order
@@ -236,7 +237,7 @@ class EvaluatorOf final : public Evaluator {
     return total;
   }
 
-  // Derivatives of inputs and of what the forms take from them; those of the unknowns and of fixed forms stay zero.
+  // Derivatives of inputs, and their contributions to forms. Those of unknowns and of fixed forms stay zero.
   void set_input_derivatives(const double* inputs, double* out) const {
     copy(inputs, p_.inputs, out + p_.n * W);
     for (const Program::Form& f : p_.forms) {
@@ -244,7 +245,7 @@ class EvaluatorOf final : public Evaluator {
     }
   }
 
-  // total - sum over what moves of dPhi/dh * derivative
+  // total - sum of dPhi/dh * derivative over all inputs h that move
   HWY_INLINE L input_terms(const Program::Equation& e, const double* derivative, L total) const {
     for (const Program::Operand* o = at(p_.input_linear, e.input_linear.begin);
          o != at(p_.input_linear, e.input_linear.end); ++o) {
@@ -260,9 +261,9 @@ class EvaluatorOf final : public Evaluator {
   const Program& p_;
   CallbackRows callbacks_;
   LaneArray memory_;
-  // registers x W; base: what constants and inputs add to a form
+  // registers x W; base: contribution of constants and inputs to a form
   double *value_, *base_, *base_magnitude_, *input_rate_, *rate_, *acceleration_, *magnitude_;
-  const double* k_ = nullptr;  // coefficients of the pack at hand
+  const double* k_ = nullptr;  // coefficients of the current pack
 };
 
 Evaluator* make(const System& system, const Program& program, int lanes) {

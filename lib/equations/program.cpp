@@ -33,7 +33,7 @@ class Compiler {
   }
 
  private:
-  // A class's form as the program sees it.
+  // A form of the class in terms of the program.
   struct Value {
     std::int32_t reg = -1;       // -1: constant
     std::int32_t constant = -1;  // coefficient, if constant
@@ -51,7 +51,7 @@ class Compiler {
     if (added) p_.coefficients.push_back(k);
     return found->second;
   }
-  // Class constants: -1 = +1, -2 = -1, else a slot.
+  // Class constants: -1 stands for +1, -2 for -1, any other value is a slot.
   static Coefficient of(std::int32_t constant) {
     Coefficient k;
     if (constant == -2) k.literal = -1;
@@ -79,7 +79,7 @@ class Compiler {
       v.unknown |= t.coordinate >= 0 && t.coordinate < c_.n;
     }
     if (unknowns.empty() && inputs.empty()) {
-      // A form has at most one constant term: equal coordinates are merged when it is made.
+      // A form has at most one constant term, because equal coordinates were merged.
       v.constant = coefficient(constants.empty() ? Coefficient{0.0, {-1, -1, -1}} : of(constants[0].constant));
       values_.push_back(v);
       return;
@@ -140,7 +140,7 @@ class Compiler {
     if (v.moves) p_.input_linear.push_back(p_.linear.back());
   }
 
-  // A constant factor is drawn into the coefficient.
+  // A constant factor becomes part of the coefficient.
   void product(const GroupClass::Product& q) {
     const Value &a = values_[idx(q.a)], &b = values_[idx(q.b)];
     const Coefficient k = of(q.constant);
@@ -194,7 +194,7 @@ class Compiler {
         if (t.coordinate < 0 || t.coordinate >= c_.n) continue;
         Coefficient total = times(k, of(t.constant));
         std::vector<Program::Operand>& sum = entry[idx(nonzero[idx(row)].at(t.coordinate))];
-        // f * f gives the same operand twice: once with the double coefficient.
+        // f * f yields the same operand twice; it is stored once, with twice the coefficient.
         const std::int32_t id = coefficient(total);
         const auto same = std::find_if(sum.begin(), sum.end(),
                                        [&](const Program::Operand& o) { return o.coefficient == id && o.reg == reg; });
@@ -277,7 +277,7 @@ void lipschitz(const GroupClass& c, std::span<const double> constants, double* o
     const GroupClass::Equation& e = c.equations[i];
     double sum = e.callback >= 0 ? kInfinity : 0;
     const std::int32_t block = c.equation_block[i];
-    // Coefficient sums of a form over the block's unknowns and over everything that moves.
+    // Sums of |coefficient| of a form: over the block's unknowns, and over everything that moves.
     const auto sums = [&](std::int32_t f) {
       double in_block = 0, moving = 0;
       for (std::int32_t t = c.form_start[idx(f)]; t < c.form_start[idx(f) + 1]; ++t) {

@@ -24,7 +24,7 @@ constexpr std::size_t kDenseProof = 400;  // unknowns: inverses and products are
 
 std::string figure(double x) { return scientific(x, 1); }
 
-// The condition that fails, in words.
+// The reason why the proof failed.
 std::string why_not(const SolutionProof& p) {
   if (!std::isfinite(p.defect)) return "its Jacobian is singular";
   if (!(p.defect < 1)) {
@@ -34,18 +34,18 @@ std::string why_not(const SolutionProof& p) {
          figure(4 * p.curvature * p.correction / ((1 - p.defect) * (1 - p.defect))) + ", where less than 1 is needed";
 }
 
-// Of a row that this plan does not give.
+// For a row that differs from the output of this plan.
 Certificate not_this_motion(double t, bool in_chunks) {
   return {t, kInfinity, 0, "",
-          in_chunks ? "the steps ran in chunks side by side, whose postures are not kept"
-                    : "this plan with these limits gives other outputs"};
+          in_chunks ? "the trajectory was computed in chunks, whose postures are not kept; compute it without +chunks"
+                    : "the plan with these limits computes other outputs than the trajectory"};
 }
 
 bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
 
 const Scene& scene_of(const Prepared& prepared) {
   if (prepared.scene) return *prepared.scene;
-  throw Error(Error::Kind::input, "a loaded plan has no scene to prove anything of: prepare the scene instead");
+  throw Error(Error::Kind::input, "a loaded plan has no scene, which a certificate needs: prepare the scene instead");
 }
 
 }  // namespace
@@ -61,7 +61,7 @@ Certifier::Certifier(const Prepared& prepared)
   find_blocks(*structure_);
 }
 
-// Those that the outputs need, of the equations that the structure solves.
+// Finds the blocks of the solved equations that the outputs need.
 void Certifier::find_blocks(const Structure& structure) {
   std::vector<Index> equations, unknowns;
   for (std::size_t c = 0; c < system_.coordinates.size(); ++c) {
@@ -130,7 +130,7 @@ void Certifier::drive(double t) {
   for (const Index a : driven_.assignments) round(system_.assignments[idx(a)].coordinate);
 }
 
-// What presolve eliminated follows from the others as it does in the outputs.
+// Coordinates that presolve eliminated follow from the others.
 void Certifier::take_unknowns(std::span<const double> posture) {
   const System& solved = *structure_->system;
   for (const Index b : needed_) {
@@ -161,7 +161,7 @@ SolutionProof Certifier::enclose(Index b, std::string& first_reason) {
   return proof;
 }
 
-// Reasons before any number is looked at.
+// Reasons that do not depend on the posture's numbers.
 std::string Certifier::why_out_of_reach(Index b) const {
   const auto equations = blocks_.equations_of(b), unknowns = blocks_.unknowns_of(b);
   for (const Index e : equations) {
@@ -180,11 +180,11 @@ std::string Certifier::why_out_of_reach(Index b) const {
     }
   }
   if (unknowns.size() <= kDenseProof) return "";
-  return "it has " + std::to_string(unknowns.size()) + " unknowns: the proof is dense, for " +
-         std::to_string(kDenseProof) + " at most";
+  return "it has " + std::to_string(unknowns.size()) + " unknowns: the proof is dense, and limited to " +
+         std::to_string(kDenseProof);
 }
 
-// Columns of the block's matrices: its unknowns, then what else its equations read.
+// Columns of the block's matrices: its unknowns, then the other coordinates that its equations read.
 void Certifier::number_columns(Index b) {
   std::vector<Index> mentioned;
   read_.clear();
@@ -231,7 +231,7 @@ QuadraticEquations Certifier::equations_of(Index b) const {
           [this, b](const Eigen::VectorXd& d) { return curvature(b, d); }};
 }
 
-// A product c a(q) b(q) of forms curves by c (a(d) b(e) + a(e) b(d)) / 2 at most.
+// A bound: a product c a(q) b(q) of forms has curvature c (a(d) b(e) + a(e) b(d)) / 2.
 Eigen::VectorXd Certifier::curvature(Index b, const Eigen::VectorXd& d) const {
   const auto n = static_cast<Index>(d.size());
   const auto magnitude = [&](Index constant) { return std::abs(system_.constants[idx(constant)]); };
@@ -269,7 +269,7 @@ std::vector<Certificate> certify(const Prepared& prepared, const Trajectory& tra
       out.push_back(not_this_motion(simulator.time(), in_chunks));
       return true;
     }
-    if (structure != simulator.prepared().structure) {  // other ones of redundant equations, too
+    if (structure != simulator.prepared().structure) {  // reselection of redundant equations changes the structure
       structure = simulator.prepared().structure;
       certifier.emplace(simulator.prepared());
     }

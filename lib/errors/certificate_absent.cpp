@@ -1,4 +1,4 @@
-// Stands in for certificate.cpp where Boost is not installed.
+// Used instead of certificate.cpp if Boost is not installed.
 #include "assur/simulator.hpp"
 
 namespace assur {
@@ -6,7 +6,7 @@ namespace {
 
 [[noreturn]] void refuse() {
   throw Error(Error::Kind::environment,
-              "a certificate needs quad precision, and this build has none: install Boost.Multiprecision (Debian: apt "
+              "a certificate needs quad precision, which this build lacks: install Boost.Multiprecision (Debian: apt "
               "install libboost-dev) and build assur again");
 }
 

@@ -12,18 +12,18 @@
 
 namespace assur {
 namespace {
-// Five probes all below 1/5 of the true size happen once in ten thousand times; rounding is half as large as its bound.
+// Five probes are all below 1/5 of the true size once in ten thousand times; rounding reaches half of its bound.
 constexpr double kSafety = 2.5;
-constexpr double kUsual = 2 * kEps;  // residuals up to here are those of any step
-constexpr double kSolvedToRounding =
-    16 * kEps;                                // with residuals up to here equations are solved as well as they can be
-constexpr std::int64_t kStepsBetween = 512;   // steps from one measurement to the next
-constexpr std::int64_t kIntervalUnseen = 16;  // where callbacks hide how the condition changes, or errors are in doubt
-constexpr double kCloser = 1.6;               // of the square of a divisor; 2 for the inverse of its cube
-constexpr double kGrownTwice = 2;             // of a condition, or a residual: then it is measured again
-constexpr double kFaster = 4;                 // of a rate of what drives, or an acceleration
-constexpr double kAtRest = 1e-4;              // of the rate that a driver reaches within a radian
-constexpr double kSlowerThan = 1.0 / 16;      // of the fastest one: how fast slower ones are does not matter
+constexpr double kUsual = 2 * kEps;              // residuals up to this one are normal in any step
+constexpr double kSolvedToRounding = 16 * kEps;  // equations with smaller residuals are solved as exactly as possible
+constexpr std::int64_t kStepsBetween = 512;      // steps between measurements
+// the same if callbacks hide changes of the condition, or while errors are in doubt
+constexpr std::int64_t kIntervalUnseen = 16;
+constexpr double kCloser = 1.6;    // ratio of squares of a divisor, which doubles the inverse of its cube
+constexpr double kGrownTwice = 2;  // growth of a condition or a residual that asks for a new measurement
+constexpr double kFaster = 4;      // growth of a rate or an acceleration of a driver that asks for a new measurement
+constexpr double kAtRest = 1e-4;   // of the rate that a driver reaches within a radian: a slower driver rests
+constexpr double kSlowerThan = 1.0 / 16;  // of the fastest rate: differences among slower ones do not matter
 
 }  // namespace
 
@@ -104,9 +104,9 @@ bool ErrorEstimate::due(std::int64_t branch_checks, const double* const (&state)
   ++steps_;
   const bool grown = residual > kGrownTwice * residual_;
   if (grown) residual_ = residual;
-  // The start is solved with care; the first step is the first of its kind.
+  // The start is solved more exactly than steps, so the first step is measured as well.
   const bool first = measurements_ < 2;
-  // What is left now may be in any equation.
+  // The residual of this step may be in any equation.
   const double error = residual > kSolvedToRounding ? gain_ * residual : 0;
   bool serve = true;
   for (std::size_t i = 0; i < used_; ++i) serve = serve && serves(mechanisms_[i], divisors[i]);
@@ -129,13 +129,14 @@ void ErrorEstimate::continue_from(ErrorEstimate& before) {
   worst_ = before.worst_;
 }
 
-// Errors of accelerations grow like the cube of a condition, and those of levels multiply.
+// Errors of accelerations grow like the cube of a condition, and the factors of the levels multiply.
 bool ErrorEstimate::conditions_have_grown(std::int64_t branch_checks, double error) {
-  // Where errors are let grow, conditions are watched between their measurements, too.
+  // If equations are solved loosely, conditions are also checked between branch checks.
   if (branch_checks == branch_checks_ && !loose_) return false;
   branch_checks_ = branch_checks;
   const double* before = omega_.data();
-  // What a ball leaves open counts for one level: that all of them move towards a singularity at once is not expected.
+  // A ball leaves changes of a condition open. They count for one level only: all levels rarely approach a singularity
+  // at the same time.
   double grown = 1, open = 1, shrunk = 1;
   const std::vector<Pack>& packs = layout_.packs;
   for (std::size_t p = 0; p < packs.size();) {
@@ -173,14 +174,14 @@ void ErrorEstimate::begin(std::span<const double> times, const double* const (&s
     }
   }
   if (!static_known_) perturb_static(state[0]);
-  // Where equations are solved as well as they can be and errors are too large, nothing will be loosened.
+  // If equations are solved as exactly as possible and errors are still too large, they will not be loosened.
   knows_gain_ = probes_.size() > 1 + kRandom && (loose_ || !in_doubt());
   for (const Probe& probe : probes()) {
     if (probe.cause == Probe::Cause::rounding) perturb_known(times, state, probe);
   }
 }
 
-// What stands still has what was left in it at the start, whatever later steps leave.
+// Static coordinates keep the residual of the start, whatever the residual of later steps is.
 void ErrorEstimate::perturb_static(const double* state) {
   const std::span<const std::int32_t> stands = static_.coordinates();
   std::vector<double> q(systems_.empty() ? 0 : systems_[0]->coordinates.size());
@@ -199,7 +200,7 @@ void ErrorEstimate::perturb_static(const double* state) {
   static_known_ = true;
 }
 
-// Laws are exact but for the rounding of their arguments, which grow with the time.
+// Laws are exact except for the rounding of their arguments, which grows with the time.
 void ErrorEstimate::perturb_known(std::span<const double> times, const double* const (&state)[3], const Probe& probe) {
   RandomSign sign(++seed_);
   const auto& [q, rate, acceleration] = probe.errors;
@@ -265,7 +266,7 @@ void ErrorEstimate::finish(const double* const (&state)[3], std::span<const doub
   }
 }
 
-// How a probe shows in the outputs. Rounding of what the measures are made of is that of the probes of rounding.
+// Errors of the outputs by one probe. Probes of rounding include the rounding of the terms of measures.
 void ErrorEstimate::carry(const Probe& probe, const double* const (&state)[3]) {
   const bool rounds = probe.cause == Probe::Cause::rounding;
   RandomSign sign(seed_ + static_cast<std::uint64_t>(&probe - probes_.data()));
@@ -294,8 +295,8 @@ void ErrorEstimate::keep() {
   }
 }
 
-// The error of an acceleration grows like the cube of one over the length by which it is divided. Lengths that were not
-// met yet are measured for the figures of the run, others where they matter to the verdict.
+// The error of an acceleration grows like the inverse cube of the length by which it is divided. A new smallest length
+// is measured for the figures of the run, and another length if it matters to the verdict.
 void ErrorEstimate::watch_divisors(Mechanism& m, const double* divisors) const {
   const double room = std::cbrt(std::pow(asked_ / m.now.worst(), 2));
   for (std::size_t i = 0; i < m.smallest.size(); ++i) {
@@ -311,7 +312,7 @@ bool ErrorEstimate::serves(const Mechanism& m, const double* divisors) {
   return serves;
 }
 
-// What was measured at rest, or slower, says little of the errors of velocities and accelerations.
+// A measurement at rest, or at low speed, underestimates the errors of velocities and accelerations.
 bool ErrorEstimate::is_faster(const double* const (&state)[3]) const {
   if (!wanted_[1] && !wanted_[2]) return false;
   bool faster = false;
@@ -326,7 +327,7 @@ bool ErrorEstimate::is_faster(const double* const (&state)[3]) const {
   return faster;
 }
 
-// Steps that nobody measured have errors as well: at most as large as they may be with what was left in them.
+// Steps without a measurement count with the largest error that their residual allows.
 void ErrorEstimate::keep_steps_between() {
   const double left = std::exchange(left_, 0);
   for (std::size_t k = 0; k < used_ && left > 0; ++k) {
@@ -339,7 +340,7 @@ void ErrorEstimate::keep_steps_between() {
 
 ErrorEstimate::Figures ErrorEstimate::relative(const Mechanism& m, const std::vector<Size>& sizes,
                                                double Size::*what) const {
-  // Drivers that stand still for a moment have rates that are but rounding.
+  // A driver that stops for a moment has a rate that is only rounding.
   const double fastest = std::max(m.scale[1], kAtRest * std::sqrt(m.scale[2]));
   const std::array<double, 3> least = {1, fastest / kTurn, m.scale[2] / (kTurn * kTurn)};
   std::array<double, 3> worst{};

@@ -23,10 +23,10 @@
 namespace assur {
 namespace {
 
-constexpr double kSameMotion = 1e-3;  // beyond, one of the two is taken to be on another branch
-constexpr int kPieces = 16;           // in which the reference then repeats its step
+constexpr double kSameMotion = 1e-3;  // a larger difference means that the two motions are on different branches
+constexpr int kPieces = 16;           // parts of a step that the reference repeats
 
-// NaN once, NaN for ever.
+// The larger of both; NaN once it was NaN.
 void raise(double& worst, double value) {
   if (!std::isnan(worst) && !(value <= worst)) worst = value;
 }
@@ -54,7 +54,7 @@ class Comparison {
  public:
   Comparison(const Prepared& prepared, const Trajectory& trajectory) : trajectory_(trajectory), motion_(prepared) {
     std::vector<std::string> columns;
-    std::map<std::pair<std::string_view, std::size_t>, std::size_t> column_of;  // of measures
+    std::map<std::pair<std::string_view, std::size_t>, std::size_t> column_of;  // of measures, for sums
     for (const Output& o : wanted_outputs(motion_.system())) {
       std::size_t next = columns.size();
       append_columns(o, columns);
@@ -72,9 +72,11 @@ class Comparison {
     }
     row_.resize(columns.size());
     if (columns != trajectory.columns()) {
-      throw Error(Error::Kind::input, "the trajectory has other columns than the scene: compare it with its own");
+      throw Error(Error::Kind::input,
+                  "the columns of the trajectory are not those of the scene: compare it with the scene that it was "
+                  "computed from");
     }
-    if (trajectory.rows() == 0) throw Error(Error::Kind::input, "the trajectory has no row: nothing to compare");
+    if (trajectory.rows() == 0) throw Error(Error::Kind::input, "the trajectory has no rows to compare");
   }
 
   ForwardError run() {
@@ -106,7 +108,7 @@ class Comparison {
 
  private:
   struct Figure {
-    double difference = 0, size = 0;  // |x - x_ref|, |x_ref|; 0 for what is not asked for
+    double difference = 0, size = 0;  // |x - x_ref|, |x_ref|; 0 if not wanted
   };
   struct Compared {
     Output output;
@@ -115,8 +117,8 @@ class Comparison {
     Figure now[3];
   };
 
-  // Moves the reference to row k. Where the two part, it repeats the step in smaller ones, to be sure that it is not
-  // the reference which left the branch; as long as they stay apart it is not asked again.
+  // Moves the reference to row k. If the two motions part, it repeats the step in smaller ones, because the reference
+  // may have left the branch. It does so once for each parting.
   void follow(std::size_t k) {
     const ReferenceMotion::State before = motion_.state();
     motion_.advance(trajectory_.times()[k]);
@@ -147,7 +149,7 @@ class Comparison {
           if (o.output.sum != nullptr) reference = d == 0 ? o.output.sum->constant : 0;
           for (const auto& [term, factor] : o.terms[d]) reference += Quad(factor) * row_[term];
           row_[column] = reference;
-          if (d > 0 && std::isnan(trajectory_(k, column))) continue;  // at a kink there is none
+          if (d > 0 && std::isnan(trajectory_(k, column))) continue;  // at a kink there is no derivative
           raise(o.now[d].difference, static_cast<double>(abs(x - reference)));
           raise(o.now[d].size, static_cast<double>(abs(reference)));
         }
@@ -158,7 +160,7 @@ class Comparison {
     return same;
   }
 
-  // The multiple of 2 pi next to an angle: which turn the trajectory counts is its own affair.
+  // The multiple of 2 pi nearest to an angle: trajectories may count turns differently.
   static Quad turns(const Quad& angle) {
     static const Quad kTurn = 2 * acos(Quad(-1));
     return kTurn * std::round(static_cast<double>(angle) / (2 * std::numbers::pi));
@@ -176,7 +178,7 @@ class Comparison {
 
 ForwardError forward_error(const Prepared& prepared, const Trajectory& trajectory) {
   if (!prepared.scene) {
-    throw Error(Error::Kind::input, "a loaded plan has no scene to make a reference of: prepare the scene instead");
+    throw Error(Error::Kind::input, "a loaded plan has no scene, which a reference needs: prepare the scene instead");
   }
   return Comparison(prepared, trajectory).run();
 }

@@ -17,11 +17,11 @@ namespace assur {
 namespace {
 
 constexpr Eigen::Index kDenseReference = 96;
-// A correction this small, and contracting, leaves an error below a millionth of the rounding of doubles.
+// After a contracting correction this small, the error is below a millionth of the rounding of doubles.
 constexpr double kQuadConverged = 1e-22;
-constexpr double kConvergedCallback = 1e-10;  // a callback's residual is a double: below it only rounding is left
-constexpr double kQuadHandover = 1e-9;        // where Newton in double hands over to quad,
-constexpr double kStagnated = 1e-6;           // or where rounding ends it, in a badly conditioned block
+constexpr double kConvergedCallback = 1e-10;  // callbacks compute doubles, so smaller residuals are rounding
+constexpr double kQuadHandover = 1e-9;        // correction at which Newton in double hands over to quad,
+constexpr double kStagnated = 1e-6;           // or at which rounding may end it in a badly conditioned block
 constexpr double kQuadContraction = 1.0 / 8;  // of simplified Newton corrections: Kantorovich number <= 1/4
 constexpr int kMostCorrections = 24;
 constexpr int kQuadHalvings = 20;
@@ -75,7 +75,7 @@ ReferenceMotion::ReferenceMotion(const Prepared& prepared)
   }
 }
 
-// The equations that the structure solves; those which it only watches are left out, as they are there.
+// The equations that the structure solves, without those that it only watches.
 void ReferenceMotion::find_blocks(const Structure& structure) {
   std::vector<std::uint8_t> moves(system_.coordinates.size(), 0);
   std::vector<Index> equations, unknowns, mentioned;
@@ -93,7 +93,7 @@ void ReferenceMotion::find_blocks(const Structure& structure) {
   std::vector<std::int8_t> need = needed_by_outputs(system_, wanted_outputs(system_));
   const std::vector<std::uint8_t> needed = needed_blocks(system_, decomposition_, need);
 
-  // Those marked now include the inputs of every block that is needed.
+  // `need` now includes the inputs of all needed blocks.
   std::vector<std::uint8_t> read(need.size());
   std::transform(need.begin(), need.end(), read.begin(), [](std::int8_t n) { return n >= 0 ? 1 : 0; });
   driven_ = driven_behind(system_, std::move(read));
@@ -139,7 +139,7 @@ void ReferenceMotion::advance(double t, int pieces) {
     const bool last = std::abs(t - state_.time) <= std::abs(h) * (1 + 1e-12);
     const double target = last ? t : state_.time + h;
     if (target == state_.time) refuse(t);  // halved below the spacing of doubles
-    // The sign of a determinant changes at a change point only: passed, if at all, with the smallest step.
+    // The sign of a determinant changes at change points only, which only the smallest step may pass.
     const bool smallest = std::abs(h) <= std::ldexp(std::abs(span), -kQuadHalvings);
     if (step(target, smallest)) {
       h = std::copysign(std::min(2 * std::abs(h), std::abs(span / pieces)), span);
@@ -199,7 +199,7 @@ bool ReferenceMotion::solve(const Block& block, bool any_sign) {
   for (const Index u : block.unknowns) state_.q[0][idx(u)] = rounded_[idx(u)];
   for (int d = 0; d < 3; ++d) {
     if (!refine(block, d)) return false;
-    evaluate_forms(block, d);  // with the last correction
+    evaluate_forms(block, d);  // once more, after the last correction
   }
   for (const Index u : block.unknowns) rounded_[idx(u)] = static_cast<double>(state_.q[0][idx(u)]);
   return true;
@@ -260,7 +260,7 @@ bool ReferenceMotion::refine(const Block& block, int d) {
   return false;
 }
 
-// The d-th time derivative of an equation, from those of its forms.
+// The d-th time derivative of an equation, computed from the derivatives of its forms.
 Quad ReferenceMotion::equation(Index e, int d) const {
   const Equation& equation = system_.equations[idx(e)];
   if (equation.callback >= 0) return callback(e, d);
@@ -276,7 +276,7 @@ Quad ReferenceMotion::equation(Index e, int d) const {
   return sum;
 }
 
-// The user's code computes in double, so the reference is no better than its residual, Jacobian and curvature.
+// Callbacks compute in double, so the reference is only as good as their residual, Jacobian and curvature.
 Quad ReferenceMotion::callback(Index e, int d) const {
   if (d == 0) return residual<Quad>(system_, e, state_.q[0]);
   const Equation& equation = system_.equations[idx(e)];

@@ -13,7 +13,8 @@
 namespace assur {
 namespace {
 
-// A sum and the bound of its rounding, over epsilon / 2: a first term is not rounded, nor is what is taken as it is.
+// A sum and the bound of its rounding, over epsilon / 2. Adding the first term, and factors of size 1, cause no
+// rounding.
 struct RoundedSum {
   double value = 0, error = 0;
 
@@ -27,7 +28,7 @@ struct RoundedSum {
   }
 };
 
-// As Evaluator::rounding().
+// Like Evaluator::rounding().
 double rounding(const System& s, Index equation, const std::vector<double>& q) {
   const Equation& e = s.equations[idx(equation)];
   if (e.callback >= 0) return 2 * size_of_terms(s, equation, q);

@@ -12,10 +12,11 @@ namespace {
 
 constexpr std::int32_t kDenseInverse = 64;
 constexpr int kHagerRounds = 3;
-constexpr int kGrowths = 20;  // of a box until it holds its image
+constexpr int kGrowths = 20;  // attempts to enlarge a box until it contains its image
 constexpr double kRadiusGrowth = 1.2;
-constexpr double kDefectBetween = 1.5, kChangeBetween = 1.25;  // between the postures of a tube, over those at them
-// Residuals that are nothing but rounding, with room: at a change point they decide between the branches.
+// Margins for the postures between the examined ones.
+constexpr double kDefectBetween = 1.5, kChangeBetween = 1.25;
+// Residuals below this are only rounding, with a margin: at a change point they decide between the branches.
 constexpr double kRoundingOfBranch = 64 * kConverged;
 
 // out = a^-1 by Gauss-Jordan with row pivoting (column-major, n x n; a is overwritten). False: singular.
@@ -190,7 +191,7 @@ bool BlockConditions::invert(std::int32_t b, int lane, const double* jacobian) {
   return invert_dense(matrix_.data(), inverse_.data(), size(b));
 }
 
-// matrix_ += |Phi'' r|: what changes of the block's unknowns up to r do to each entry of its Jacobian at most.
+// matrix_ += |Phi'' r|: upper bounds of the changes of the Jacobian's entries if the unknowns change by up to r.
 void BlockConditions::add_change(std::int32_t b, int lane, const double* coefficients, std::span<const double> r) {
   std::fill(register_change_.begin(), register_change_.end(), 0.0);
   const auto columns = unknowns(b);
@@ -252,14 +253,14 @@ bool BlockConditions::holds_one_solution(std::int32_t b, int lane, const double*
   return false;
 }
 
-// Hager's power method for | J^-1 D |_inf = | (J^-1 D)^T |_1, all lanes at once; right-hand sides live on the block
-// only, so the answers on the block are those of the block alone.
+// Hager's power method for | J^-1 D |_inf = | (J^-1 D)^T |_1, all lanes at once. Right-hand sides are zero outside the
+// block, so the solutions on the block are those of the block alone.
 void BlockConditions::sparse_norms(std::int32_t b, const double* weights, LinearSolver& solver, double* norms) {
   const auto columns = unknowns(b), rows = equations(b);
   const std::int32_t n = size(b);
   const auto at = [&](std::int32_t i, int w) -> double& { return vector_[idx(i * lanes_ + w)]; };
   std::fill_n(norms, lanes_, 0.0);
-  // Start: the row of J^-1 D that meets a vector of ones worst.
+  // Starts with the row of J^-1 D whose product with a vector of ones is largest.
   std::fill(vector_.begin(), vector_.end(), 0.0);
   for (int w = 0; w < lanes_; ++w) {
     for (const std::int32_t r : rows) at(r, w) = weights[r * lanes_ + w];

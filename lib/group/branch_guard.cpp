@@ -25,7 +25,7 @@ double BranchGuard::ball_use(const Pack& pack, const double* x, std::int32_t b) 
                                 pack.omega.data() + b * work_.lanes);
 }
 
-// The same of one lane.
+// ball_use() of one lane.
 double BranchGuard::ball_use_of(const Pack& pack, const double* x, std::int32_t b, std::int32_t lane) const {
   const double* anchor = pack.anchor.data() + blocks_.reads_start(b) * idx(work_.lanes) + lane;
   double moved = 0;
@@ -39,7 +39,7 @@ double BranchGuard::ball_use_of(const Pack& pack, const double* x, std::int32_t 
   return pack.omega[idx(b * work_.lanes + lane)] * moved;
 }
 
-// Of what left the ball of one norm for all coordinates. The lane that is furthest off is told.
+// Tests the lanes that left the ball coordinate by coordinate. Returns the failure of the lane that is farthest out.
 Status BranchGuard::check_tubes(const Pack& pack, double* const (&state)[3], std::int32_t b, const Attempt& attempt) {
   const double seconds = attempt.time - pack.anchor_time[idx(b)];
   const double* x = state[0] + pack.unknowns;
@@ -52,7 +52,7 @@ Status BranchGuard::check_tubes(const Pack& pack, double* const (&state)[3], std
   return worst;
 }
 
-// From the anchor, which was `seconds` ago, along the cubic with the rates of both postures.
+// Examines the tube along the cubic from the anchor, `seconds` ago, to the new posture, with the rates of both.
 bool BranchGuard::tube_leads_here(const Pack& pack, double* const (&state)[3], std::int32_t b, int lane,
                                   double seconds) {
   const double *x = state[0] + pack.unknowns, *rate = state[1] + pack.unknowns;
@@ -84,7 +84,8 @@ bool BranchGuard::tube_leads_here(const Pack& pack, double* const (&state)[3], s
   return leads;
 }
 
-// The posture is where the next steps start from, unless so near a singular one that rounding decides on its branch.
+// Makes the posture the anchor of the next steps. Fails if it is so close to a singular posture that rounding decides
+// about the branch.
 Status BranchGuard::set_anchor(Pack& pack, double* const (&state)[3], std::int32_t b, const Attempt& attempt,
                                Counters& counters) {
   counters.branch_checks += pack.used;
@@ -115,15 +116,15 @@ Status BranchGuard::set_anchor(Pack& pack, double* const (&state)[3], std::int32
     anchor += w;
     rates += w;
   }
-  // Without rates nothing is known of the way.
+  // Without rates the cubic, and so the tube, is unknown.
   const bool has_rates = work_.group_class.derivatives > 0 || attempt.all_rates;
   pack.anchor_time[idx(b)] = has_rates ? attempt.time : kNan;
   pack.ball_used[idx(b)] = 0;
   return {};
 }
 
-// From omega |first correction| <= 1/4 the iteration converges to the one solution nearby; so it does where a box
-// around the prediction, where the workspace is, holds only one.
+// If omega |first correction| <= 1/4 of the rest of the ball, the iteration converges to the one solution nearby. If
+// not, a box around the prediction, whose equations the workspace holds, must contain exactly one solution.
 Status BranchGuard::check_first_correction(const Pack& pack) {
   for (std::int32_t b = 0; b < work_.program.blocks; ++b) {
     const double used = pack.ball_used[idx(b)];
@@ -159,7 +160,7 @@ Status BranchGuard::check(Pack& pack, double* const (&state)[3], const Attempt& 
       }
       if (stays_inside(used, before)) continue;
     }
-    // At the start, after a change point, and before the next steps of this length leave the ball.
+    // At the start, after a change point, and before the next step of this length would leave the ball.
     if (const Status s = set_anchor(pack, state, b, attempt, counters); !s.ok()) return s;
   }
   return {};

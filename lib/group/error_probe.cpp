@@ -1,9 +1,9 @@
-// How the errors of a group's inputs, of its residuals and of its rounding show in its unknowns, to first order. With
+// Effect of errors in a group's inputs, of its residuals and of its rounding on its unknowns, to first order. With
 // q = (unknowns, inputs), Phi quadratic and e the perturbation of each right-hand side, differentiating
 //   Phi(q) = 0,  Phi' q' = 0,  Phi' q'' + Phi''[q', q'] = 0
 // along an error (d, d', d'') of posture, velocity and acceleration gives
 //   Phi' d = e0,  Phi' d' = e1 - Phi''[d, q'],  Phi' d'' = e2 - Phi''[d, q''] - 2 Phi''[d', q'].
-// Callbacks lack the terms of the third derivative.
+// For callbacks the terms with third derivatives are missing.
 #include "group/error_probe.hpp"
 
 #include <algorithm>
@@ -84,7 +84,7 @@ GroupHealth ErrorProbe::examine(Pack& pack, const double* state) {
   return health;
 }
 
-// What the step solved for; where it stopped at those wanted, all of it, from rhs.
+// The solution of the step. If the step solved only for the wanted unknowns, all of it, computed from rhs.
 const double* ErrorProbe::solution(const Pack& pack, const double* state, int derivative) {
   if (work_.group_class.first_wanted == 0 || derivative != work_.group_class.derivatives) return state + pack.unknowns;
   whole_ = work_.rhs;
@@ -92,23 +92,23 @@ const double* ErrorProbe::solution(const Pack& pack, const double* state, int de
   return whole_.data();
 }
 
-// noise_, a bound of the rounding of Phi over epsilon / 2, becomes what random signs are given to: twice that bound,
-// and what the rounding of the unknowns themselves leaves in the equations. That differs from step to step; inputs are
-// as they are.
+// noise_ bounds the rounding of Phi over epsilon / 2. It becomes the size of the perturbations with random signs: twice
+// that bound, plus the residual that the rounding of the unknowns causes. That rounding differs from step to step; the
+// inputs count as exact.
 void ErrorProbe::round_unknowns(const double* x) {
   for (std::size_t i = 0; i < noise_.size(); ++i) residual_[i] = 2 * noise_[i];
   subtract_product(system(), {x, noise_.size()}, residual_, noise_);
   for (double& e : noise_) e *= kHalfEps / kSumRounding;
 }
 
-// residual_ = rhs - J y, and the size of its terms as noise_ and tolerance_.
+// residual_ = rhs - J y; noise_ and tolerance_ become the size of its terms.
 void ErrorProbe::left_of(const double* y) {
   residual_ = work_.rhs;
   subtract_product(system(), {y, residual_.size()}, residual_, noise_);
   tolerance_ = noise_;
 }
 
-// The d-th derivative of every probe. left: what the equations are off by.
+// Computes the d-th derivative of every probe. left: residual of the equations.
 bool ErrorProbe::error_of(Pack& pack, const LaneArray& left, Probes probes, int derivative, std::uint64_t seed,
                           std::initializer_list<Bend> bends) {
   bool finite = true;
@@ -131,8 +131,8 @@ bool ErrorProbe::error_of(Pack& pack, const LaneArray& left, Probes probes, int 
   return finite;
 }
 
-// error_ -= times * Phi''[probe, direction], from the curvatures along the sum and the difference of both, each scaled
-// to size 1 in every lane: their squares may be beyond all numbers.
+// error_ -= times * Phi''[probe, direction], from the curvatures along the sum and the difference of both. Both are
+// scaled to size 1 in every lane, because their squares may overflow.
 void ErrorProbe::add_bend(const Pack& pack, const double* probe, const Bend& bend) {
   const std::size_t w = idx(work_.lanes), n = idx(work_.program.n);
   work_.gather(pack, probe, input_errors_);

@@ -77,7 +77,7 @@ Status JacobianSolver::factorize(Pack& pack, Factors from, Counters& counters) {
   const Status s = solver_->factorize(work_.jacobian);
   pack.factored = s.ok();
   factors_ = s.ok() ? from : Factors::earlier;
-  // An idle lane repeats lane 0 and fails with it.
+  // An idle lane repeats lane 0, so its failure is that of lane 0.
   return s.ok() ? s : pack.failed(s.code, s.figure, s.where.index < pack.used ? std::max(s.where.index, 0) : 0);
 }
 
@@ -86,8 +86,8 @@ bool JacobianSolver::factorize(Pack& pack) {
   return pack.factored;
 }
 
-// Adds corrections to x until it is good enough, or ceases to get better by half. residual: that of x, normwise, whose
-// vector is residual_. rounds: more than kMostRefinements if all of them did not bring it there.
+// Adds corrections to x until its residual is small enough, or no longer halves. residual: normwise residual of x,
+// whose vector is residual_. rounds: more than kMostRefinements if that many corrections were not enough.
 [[gnu::always_inline]] inline Status JacobianSolver::refine(const Pack& pack, const LaneArray& b, double* x,
                                                             const Goal& goal, Counters& counters, double& residual,
                                                             int& rounds) {
@@ -105,7 +105,7 @@ bool JacobianSolver::factorize(Pack& pack) {
   return {};
 }
 
-// By factors of J itself, which do not serve as they are where they grew.
+// Refines if pivot growth spoiled the factors of J itself.
 [[gnu::always_inline]] inline Status JacobianSolver::refine_grown(const Pack& pack, const LaneArray& b, double* x,
                                                                   Counters& counters, double& residual) {
   if (!(residual > kPivotsGrew)) return {};
@@ -128,12 +128,12 @@ Status JacobianSolver::solve(Pack& pack, const LaneArray& b, double* x, int firs
                              Counters& counters, double& error) {
   const bool own_factors = factors_ == Factors::solution;
   std::copy(b.begin(), b.end(), x);
-  // With a factorisation from elsewhere the whole solution is needed to refine it.
+  // Refinement with factors of another posture needs the whole solution.
   const int first = own_factors ? first_wanted : 0;
   if (const Status s = solver_->solve({x, b.size()}, 1, Transpose::no, first); !s.ok())
     return pack.failed(s.code, s.figure);
   counters.solved_unknowns += std::int64_t{pack.used} * (work_.program.n - first);
-  if (first > 0) {  // what was not solved for is nobody's business
+  if (first > 0) {  // the other unknowns are unspecified; set to zero
     std::fill_n(x, idx(first * work_.lanes), 0.0);
     return {};
   }
@@ -145,7 +145,7 @@ Status JacobianSolver::solve(Pack& pack, const LaneArray& b, double* x, int firs
     int rounds = 0;
     if (const Status s = refine(pack, b, x, {enough, 4 * enough, true}, counters, residual, rounds); !s.ok()) return s;
     if (rounds > kMostRefinements) {
-      // The posture is too far from where the factorisation was taken: take it here.
+      // The posture is too far from the posture of the factorisation: factorise here.
       if (const Status s = factorize(pack, Factors::solution, counters); !s.ok()) return s;
       return solve(pack, b, x, first_wanted, converged, counters, error);
     }
@@ -162,8 +162,8 @@ double JacobianSolver::residual_of(const double* x, const LaneArray& b) {
                                 b.data(), residual_.data(), jacobian_norm_.data(), measure);
 }
 
-// The same of the worst lane once rows and columns have been scaled to size 1: what a few large ones hide in the norms
-// of all. residual_ is that of x.
+// The residual of the worst lane after scaling of rows and columns to size 1: large rows and columns hide errors of the
+// others in the maximum norms. residual_ must be that of x.
 double JacobianSolver::scaled_residual(const double* x, const LaneArray& b) {
   if (!std::exchange(scales_measured_, true)) {
     equilibrate({work_.program.pattern, work_.jacobian, work_.lanes, Transpose::no}, row_scale_, column_size_);

@@ -13,22 +13,22 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 constexpr double kTiny = std::numeric_limits<double>::min();
-constexpr double kSpare = 0x1p-40;  // of the radius that is tried, for the rounding of its verification
-constexpr int kRefinements = 2;     // each is worth the square of Z1: more change no digit that is shown
+constexpr double kSpare = 0x1p-40;  // relative margin of the radius that is tried, for the rounding of its verification
+constexpr int kRefinements = 2;     // each gains a factor Z1^2; more would change no digit that is shown
 
 double count(Eigen::Index i) { return static_cast<double>(i); }
 
-// An upper bound of numbers >= 0 that were computed from such numbers without subtraction, at most k roundings deep:
-// (1 - u)^-k <= 1 + 2 k u, and kTiny is more than what an underflow can lose.
+// Upper bound of a number >= 0 that was computed, with at most k roundings, from numbers >= 0 without subtraction.
+// (1 - u)^-k <= 1 + 2 k u, and kTiny exceeds the loss by an underflow.
 double raised(double x, Eigen::Index k) { return x * (1 + 2 * count(k) * kEps) + count(k) * kTiny; }
 MatrixXd raised(const MatrixXd& x, Eigen::Index k) {
   return (x.array() * (1 + 2 * count(k) * kEps) + count(k) * kTiny).matrix();
 }
 
-// |x| for every x in it.
+// Upper bounds of |x| for all matrices x in the ball.
 MatrixXd magnitude(const BallMatrix& x) { return raised(x.middle.cwiseAbs() + x.radius, 1); }
 
-// NaN is the largest of all.
+// NaN counts as the largest.
 double largest(const VectorXd& x) {
   double most = 0;
   for (const double v : x) {
@@ -59,7 +59,7 @@ SolutionProof prove_solution(const QuadraticEquations& e) {
   if (m > 0) y = raised(y + magnitude(product(c, e.by_inputs)) * e.input_radius, m + 1);
   BallMatrix defect = product(c, e.jacobian);
   defect.middle = MatrixXd::Identity(n, n) - defect.middle;
-  const MatrixXd z = raised(magnitude(defect), 1);  // the subtraction is one rounding more
+  const MatrixXd z = raised(magnitude(defect), 1);  // one more rounding, by the subtraction
   const MatrixXd c_magnitude = c.cwiseAbs();
   const auto curvature = [&](const VectorXd& d) -> VectorXd { return raised(c_magnitude * e.curvature(d), n + 1); };
 
@@ -67,7 +67,7 @@ SolutionProof prove_solution(const QuadraticEquations& e) {
   proof.defect = largest(raised(z.rowwise().sum(), n));
   proof.curvature = largest(curvature(VectorXd::Ones(n)));
 
-  // The smaller root of Y - (1 - Z1) r + B r^2, as far as rounding lets it be found: what counts is the verification.
+  // The smaller root of Y - (1 - Z1) r + B r^2. Its rounding does not matter, because the next lines verify it.
   const double slope = 1 - proof.defect;
   const double root = std::sqrt(slope * slope - 4 * proof.curvature * proof.correction);
   const double r = 2 * proof.correction / (slope + root) * (1 + kSpare) + kTiny / kSpare;

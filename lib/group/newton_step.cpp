@@ -29,21 +29,21 @@ Status NewtonStep::position(Pack& pack, double* x, const Attempt& attempt, Count
   counters.evaluated_equations += evaluated;
   counters.group_solutions += pack.used;
   solver_.begin_step();
-  // Beyond a change point a singular value has the other sign: factors of before lead astray.
+  // Beyond a change point the determinant has the other sign: factors from before it would mislead the iteration.
   bool usable = settings_.reuse == Reuse::run && pack.factored && attempt.branch != Attempt::Branch::pass;
   bool stale = false;
   double relative = work_.kernels.largest_ratio(work_.phi.data(), inverse_scale_.data(), work_.program.n), before = 0,
          last_norm = 0;
   int iteration = 0;
   for (;; ++iteration) {
-    if (!std::isfinite(relative)) relative = raised_ratio();  // terms below all normal numbers have no inverse
+    if (!std::isfinite(relative)) relative = raised_ratio();  // the scale may be too small to have an inverse
     if (!std::isfinite(relative)) return pack.failed(Code::not_finite, relative, lane_with_most_left(pack));
     if (attempt.iterations > 0) {
       if (iteration == attempt.iterations) break;
     } else {
       if (relative <= attempt.converged) break;
       if (iteration > 0 && only_rounding_is_left(relative, before)) {
-        // Rounding, or factors that no longer fit.
+        // This is rounding, or the factors no longer fit.
         if (!stale) break;
         usable = false;
       }
@@ -51,7 +51,7 @@ Status NewtonStep::position(Pack& pack, double* x, const Attempt& attempt, Count
         return pack.failed(Code::not_converged, relative, lane_with_most_left(pack));
     }
     if (iteration == kSlowIterations && attempt.iterations == 0) {
-      // All terms of an equation may nearly vanish: then it is measured against what does not.
+      // If nearly all terms of an equation vanish at this posture, its residual is measured against the raised scale.
       relative = raised_ratio();
       if (relative <= attempt.converged) break;
     }
@@ -59,7 +59,7 @@ Status NewtonStep::position(Pack& pack, double* x, const Attempt& attempt, Count
     if (!usable) {
       if (const Status s = solver_.factorize(pack, Factors::step, counters); !s.ok()) return s;
     }
-    // The first correction is seldom looked at so closely: the second one, if need be, tells.
+    // In quadratic groups the second correction makes up for errors of the first one, which is not checked.
     const bool checked = !stale && (iteration > 0 || !work_.group_class.quadratic);
     if (const Status s = solver_.correction(pack, work_.phi, correction_.data(), checked, counters); !s.ok()) return s;
     counters.newton_iterations += pack.used;
@@ -71,14 +71,14 @@ Status NewtonStep::position(Pack& pack, double* x, const Attempt& attempt, Count
     if (attempt.branch == Attempt::Branch::inside && work_.group_class.quadratic && iteration == 0) {
       if (const Status s = guard_.check_first_correction(pack); !s.ok()) return s;
     }
-    // Without a constant second derivative two corrections have to contract tenfold.
+    // Where no ball guards the branch, each correction must be at most a tenth of the one before.
     const bool must_contract = attempt.branch == Attempt::Branch::pass ||
                                (!work_.group_class.quadratic && attempt.branch != Attempt::Branch::anywhere);
     const bool contracts = iteration == 0 || norm <= kContraction * last_norm || relative <= kRoundingLevel;
     if (must_contract && attempt.iterations == 0 && !contracts) {
       return pack.failed(Code::not_converged, norm / last_norm);
     }
-    // Factors of another posture serve as long as the corrections contract.
+    // Factors of another posture are kept as long as the corrections contract.
     usable = (settings_.once || settings_.reuse != Reuse::fresh) && contracts;
     last_norm = norm;
     before = relative;
@@ -92,7 +92,7 @@ Status NewtonStep::position(Pack& pack, double* x, const Attempt& attempt, Count
   return {};
 }
 
-// Whose equations are furthest from being solved.
+// The lane with the largest relative residual.
 std::int32_t NewtonStep::lane_with_most_left(const Pack& pack) const {
   const std::size_t w = idx(work_.lanes);
   std::int32_t found = 0;
@@ -100,7 +100,7 @@ std::int32_t NewtonStep::lane_with_most_left(const Pack& pack) const {
   for (std::int32_t l = 0; l < pack.used; ++l) {
     for (std::size_t i = idx(l); i < work_.phi.size(); i += w) {
       const double left = std::abs(work_.phi[i]) * inverse_scale_[i];
-      if (left <= most) continue;  // a NaN is not
+      if (left <= most) continue;  // false for NaN
       if (std::isnan(left)) return l;
       most = left;
       found = l;
@@ -109,7 +109,7 @@ std::int32_t NewtonStep::lane_with_most_left(const Pack& pack) const {
   return found;
 }
 
-// The relative residual, with the scales of the equations raised to the least that they are at this posture.
+// Relative residual after the scales of the equations were raised to their lower bounds at this posture.
 double NewtonStep::raised_ratio() {
   std::fill(work_.scale.begin(), work_.scale.end(), 0.0);
   work_.evaluator->raise_scale(work_.scale.data());
@@ -136,7 +136,7 @@ Status NewtonStep::derivatives(Pack& pack, double* const (&state)[3], const Atte
   const int most = std::max(work_.group_class.derivatives, attempt.all_rates ? 1 : 0);
   const int first = attempt.all_rates ? 0 : work_.group_class.first_wanted;
   if (most == 0) return {};
-  // +once: the factors of the prediction (or, with +reuse=run, of an earlier step) serve, with refinement.
+  // +once: the factors from the prediction (or, with +reuse=run, from an earlier step) are used, with refinement.
   const bool at_hand = settings_.reuse == Reuse::run ? pack.factored : solver_.factors() != Factors::earlier;
   if (!(settings_.once && at_hand)) {
     if (const Status s = solver_.factorize(pack, Factors::solution, counters); !s.ok()) return s;

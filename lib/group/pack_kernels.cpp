@@ -1,7 +1,7 @@
 // Compiled once for each SIMD target.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "group/pack_kernels.cpp"
-#include <hwy/foreach_target.h>  // before what is compiled once for each target
+#include <hwy/foreach_target.h>  // must precede the code compiled for each target
 
 #include "group/pack_kernels.hpp"
 
@@ -99,7 +99,7 @@ struct Kernels {
       moved = max(moved, abs(by));
       poison.add_product(by, L::set(0));
     }
-    // Where nothing moved, nothing is used, however small the ball.
+    // If nothing moved, nothing of the ball is used, however small the ball is.
     const L used = moved * L::load(omega);
     return (if_positive(moved, used, moved) + poison).largest();
   }

@@ -7,7 +7,7 @@
 namespace assur {
 namespace {
 
-constexpr double kFold = 30;  // velocity over input velocity near a singularity that makes it a fold
+constexpr double kFold = 30;  // a larger ratio of velocity to input velocity near a singularity indicates a fold
 
 }  // namespace
 
@@ -18,7 +18,7 @@ Singularity nearest_singularity(Workspace& work, const BlockConditions& blocks, 
   work.evaluate(state[0] + pack.unknowns);
   work.gather(pack, state[1], work.input_rates);
   work.evaluator->velocity_rhs(work.input_rates.data(), work.rhs.data());
-  // What the inputs and the group's other blocks ask of a block: rhs - J v over the unknowns of others.
+  // Demands of the inputs and of the group's other blocks on each block: rhs - J v over the unknowns of other blocks.
   const Pattern& pattern = work.program.pattern;
   const double* rate = state[1] + pack.unknowns;
   for (std::int32_t c = 0; c < work.program.n; ++c) {

@@ -1,7 +1,7 @@
-// Compiled once for each SIMD target; the one that serves is chosen when a step is made.
+// Compiled once for each SIMD target; make_small_step() chooses the target.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "group/small_step.cpp"
-#include <hwy/foreach_target.h>  // before what is compiled once for each target
+#include <hwy/foreach_target.h>  // must precede the code compiled for each target
 
 #include "group/small_step.hpp"
 
@@ -72,7 +72,7 @@ class SmallStepOf final : public SmallStep {
         const double relative = largest_ratio(phi, scale);
         if (!std::isfinite(relative)) return false;
         const double before = largest_ratio(phi_before, scale);
-        // All terms of an equation may vanish, unless it is a sum of squares and a constant.
+        // All terms of an equation may vanish at a posture, unless it is a sum of squares and a constant.
         if (c_.may_vanish() && iteration > 1 && falls_slowly(relative, before)) return false;
         if (only_rounding_is_left(relative, before)) break;
       }
@@ -157,7 +157,7 @@ class SmallStepOf final : public SmallStep {
       }
     }
   }
-  // sum_j |dPhi_i/dq_j| |q_j| + |constant|, over inputs, too
+  // sum_j |dPhi_i/dq_j| |q_j| + |constant|, over unknowns and inputs.
   HWY_INLINE L scale_of(int i, const Column& x, const Matrix& u) const {
     L total = c_.g_magnitude(i);
     for (int j = 0; j < N; ++j) {
@@ -169,13 +169,13 @@ class SmallStepOf final : public SmallStep {
     return total;
   }
 
-  // omega |first correction| within what is allowed; 0 is within any ball.
+  // True if omega |first correction| is within its limit. A correction of 0 is within any ball.
   static HWY_INLINE bool is_near(const Pack& pack, const L& largest) {
     const L used = if_positive(largest, largest * L::load(pack.omega.data()), largest);
     return used.largest() <= largest_first_correction(pack.ball_used[0]);
   }
 
-  // |phi| <= bound * scale everywhere: no division, and false for NaN.
+  // True if |phi| <= bound * scale everywhere. Needs no division; false for NaN.
   static HWY_INLINE bool at_most(const Column& phi, const Column& scale, double bound) {
     bool all = true;
     for (int i = 0; i < N; ++i) all = all_at_most(abs(phi[i]), L::set(bound) * scale[i]) && all;
@@ -202,7 +202,7 @@ class SmallStepOf final : public SmallStep {
     return largest;
   }
 
-  // The larger of `worst` and |b - J x| / (|J| |x| + |b|), maximum norms, in every lane.
+  // The larger of `worst` and |b - J x| / (|J| |x| + |b|) of all lanes, in maximum norms.
   static HWY_INLINE double residual(const Matrix& jacobian, const L& norm, const Column& x, const Column& b,
                                     double worst) {
     L norm_r = L::set(0), norm_x = L::set(0), norm_b = L::set(0), poison = L::set(0);
@@ -229,7 +229,7 @@ class SmallStepOf final : public SmallStep {
   }
 
   int derivatives_;
-  std::span<const std::int32_t> reads_;  // coordinates that the branch check looks at
+  std::span<const std::int32_t> reads_;  // coordinates that the branch check examines
   Coefficients<W, N> c_;
   SmallLu<W, N> lu_;
 };
@@ -274,7 +274,7 @@ HWY_EXPORT(make);
 
 std::unique_ptr<SmallStep> make_small_step(const GroupClass& group_class, const Program& program,
                                            const BlockConditions& blocks, int lanes) {
-  // With first_wanted it would compute more than is wanted.
+  // A small step computes all derivatives, also those that first_wanted skips.
   if (!group_class.quadratic || program.blocks != 1 || group_class.first_wanted != 0) return nullptr;
   auto separable = separate(program, group_class.input_moves);
   if (!separable) return nullptr;

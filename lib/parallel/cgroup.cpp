@@ -12,7 +12,7 @@ namespace {
 
 using std::filesystem::path;
 
-// A mounted hierarchy of groups: the one of version 2, or one of version 1 with the controller asked for.
+// A mounted hierarchy of groups: version 2, or version 1 with the given controller.
 struct Hierarchy {
   int version;
   std::string top;  // the group that the mount shows as its root
@@ -23,7 +23,7 @@ bool has_item(const std::string& list, const std::string& item) {
   return ("," + list + ",").find("," + item + ",") != std::string::npos;
 }
 
-// Spaces and the like are written \040 in mountinfo.
+// Replaces the octal escapes of mountinfo, such as \040 for a space.
 std::string unescaped(const std::string& text) {
   std::string plain;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -55,7 +55,7 @@ std::vector<Hierarchy> hierarchies(const path& root, const std::string& controll
   return found;
 }
 
-// The group of this process in a hierarchy. Lines: id, controllers, group, apart by colons; "0::/..." for version 2.
+// The group of this process in a hierarchy. Lines are id:controllers:group, and "0::/..." for version 2.
 std::string group_of_this_process(const path& root, int version, const std::string& controller) {
   std::ifstream file(root / "proc/self/cgroup");
   for (std::string line; std::getline(file, line);) {
@@ -67,7 +67,7 @@ std::string group_of_this_process(const path& root, int version, const std::stri
   return "/";
 }
 
-// Below the mount point. Groups that it does not show, as from within a container, cannot be asked: then its root.
+// Path below the mount point. A container may not show the group; the mount's root is then used.
 path below_mount_point(const std::string& group, const std::string& top) {
   const std::string prefix = top == "/" ? "" : top;
   const bool shown = group == prefix || group.rfind(prefix + "/", 0) == 0;
@@ -85,7 +85,7 @@ double read_number(const path& name) {
   return number;
 }
 
-// Of one group; 0 if it has none ("max", -1), or no such file.
+// CPU quota of one group in cores; 0 if there is none ("max", -1), or no such file.
 double quota_of(const path& group, int version) {
   if (version == 1) return quotient(read_number(group / "cpu.cfs_quota_us"), read_number(group / "cpu.cfs_period_us"));
   std::ifstream file(group / "cpu.max");
@@ -94,7 +94,7 @@ double quota_of(const path& group, int version) {
   return file >> quota >> period ? quotient(quota, period) : 0;
 }
 
-// The least of what the groups from this process's own to the top say; groups that say 0 or less do not count. 0: none.
+// The smallest positive value of the groups from that of this process to the top; 0: none.
 template <class Say>
 double least_on_the_way(const path& root, const std::string& controller, const Say& say) {
   double least = 0;
@@ -120,7 +120,8 @@ double read_named(const path& file_name, const std::string& name) {
   return 0;
 }
 
-// Bytes that one group may still take, at least 1; 0 if it has no limit. Pages of files give way.
+// Bytes that one group may still take, at least 1; 0 if it has no limit. Inactive pages of files can be reclaimed, so
+// they do not count.
 double memory_of(const path& group, int version) {
   const double most = read_number(group / (version == 2 ? "memory.max" : "memory.limit_in_bytes"));
   if (!(most > 0)) return 0;

@@ -14,7 +14,7 @@
 namespace assur {
 namespace {
 
-constexpr double kSmall = 16e6;  // bytes: to ask takes 0.1 ms, and the least of machines has them
+constexpr double kSmall = 16e6;  // bytes; the query takes 0.1 ms, and every machine has this much
 
 // "MemAvailable:   23948120 kB"
 double available(const std::filesystem::path& root) {
@@ -30,7 +30,7 @@ double available(const std::filesystem::path& root) {
 
 enum StatmField : int { kSize = 0, kResident = 1, kData = 5 };
 
-// Bytes; 0 if the system does not tell.
+// Bytes; 0 if the system does not report it.
 double statm(const std::filesystem::path& root, StatmField field) {
   std::ifstream file(root / "proc/self/statm");
   file.imbue(std::locale::classic());

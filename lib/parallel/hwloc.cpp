@@ -11,10 +11,10 @@ namespace {
 
 using Handle = std::unique_ptr<hwloc_topology, void (*)(hwloc_topology_t)>;
 
-// Cores, caches and nodes of a whole machine, those included that this process may not use; null if hwloc fails.
+// Cores, caches and nodes of the whole machine, including those that this process may not use; null if hwloc fails.
 Handle load(const std::string& synthetic) {
   hwloc_topology_t topology = nullptr;
-  // Without sysfs hwloc finds nothing, and says so on standard error.
+  // Without sysfs hwloc finds nothing, and prints an error.
   if (synthetic.empty() && access("/sys/devices/system/cpu", R_OK) != 0) return {nullptr, nullptr};
   if (hwloc_topology_init(&topology) != 0) return {nullptr, nullptr};
   Handle handle(topology, hwloc_topology_destroy);

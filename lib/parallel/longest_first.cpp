@@ -14,7 +14,7 @@ namespace {
 
 void check(std::span<const double> cost, int threads) {
   if (threads < 1) {
-    throw Error(Error::Kind::input, "packs are shared among at least one thread, not " + std::to_string(threads));
+    throw Error(Error::Kind::input, "packs need at least one thread, not " + std::to_string(threads));
   }
   const auto bad = std::find_if(cost.begin(), cost.end(), [](double c) { return !(c >= 0 && std::isfinite(c)); });
   if (bad != cost.end()) {

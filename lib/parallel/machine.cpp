@@ -25,11 +25,11 @@ std::string model_name(const std::filesystem::path& root) {
   return "";
 }
 
-// Of "4" and of "4,2", which is for nested regions, 4; 0 of what is no number from 1 on.
+// 4 for "4" and for "4,2" (nested regions); 0 if it is not a number >= 1.
 std::int32_t openmp_limit(const std::string& omp_num_threads) {
   std::int32_t threads = 0;
   std::istringstream text(omp_num_threads);
-  text.imbue(std::locale::classic());  // of another one "4,2" may be 42
+  text.imbue(std::locale::classic());  // other locales may read "4,2" as 42
   text >> threads;
   return std::max(threads, 0);
 }
@@ -39,7 +39,7 @@ std::string omp_num_threads() {
   return text != nullptr ? text : "";
 }
 
-// What the budget depends on, but for the cores.
+// All limits of the budget except the cores.
 Machine limits(const std::filesystem::path& root, const std::string& omp_num_threads) {
   Machine machine;
   machine.quota = cpu_quota(root);

@@ -54,7 +54,7 @@ void Team::start() {
   int failure = 0;
   try {
     for (int rank = 1; rank < size_ && failure == 0; ++rank) {
-      std::optional<Pinned> there;  // a thread begins where the one is that starts it
+      std::optional<Pinned> there;  // a new thread starts on the processor of its creator
       if (!pin_to_.empty()) there.emplace(pin_to_[static_cast<std::size_t>(rank)]);
       Worker& worker = workers_.emplace_back(Worker{this, rank, {}});
       const auto enter = [](void* self) -> void* {
@@ -80,7 +80,7 @@ void Team::dismiss() {
   advance(round_);
   for (const Worker& worker : workers_) pthread_join(worker.thread, nullptr);
   workers_.clear();
-  process_ = 0;  // whoever runs this team again starts it again
+  process_ = 0;  // the next process that runs this team starts it again
 }
 
 void Team::dispatch(Call call, const void* work) {
@@ -98,7 +98,7 @@ void Team::dispatch(Call call, const void* work) {
   wait_while(done_, before, waiting_);
 }
 
-// Idle, even a pinned thread sleeps.
+// While idle, even pinned threads sleep.
 void Team::serve(int rank) {
   const Waiting idle = waiting_ == Waiting::pinned ? Waiting::shared : waiting_;
   for (std::uint32_t seen = 0;; ++seen) {

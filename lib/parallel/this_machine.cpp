@@ -6,7 +6,7 @@ namespace assur {
 
 Machine this_machine() {
   Machine machine = machine_by_sysfs();
-  // Where the system's files tell the caches they tell all; hwloc takes milliseconds to load its plugins.
+  // If sysfs lists caches, it lists everything; hwloc takes milliseconds to load its plugins.
   if (!machine.caches.empty()) return machine;
   if (const auto topology = topology_by_hwloc(allowed_processors())) take(machine, *topology);
   return machine;

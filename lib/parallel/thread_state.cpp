@@ -21,9 +21,11 @@ Function* find(const char* symbol) {
   return reinterpret_cast<Function*>(dlsym(RTLD_DEFAULT, symbol));
 }
 
-// What the loaded library offers; null if it does not. Looked up rather than linked, so that one program runs with any.
+// Functions of the loaded library; null if it lacks them. Looked up instead of linked, so that one program runs with
+// any library.
 struct Library {
-  int (*mkl_set_threads)(int) = find<int(int)>("MKL_Set_Num_Threads_Local");  // of this thread; returns those before
+  // of this thread; returns the number before
+  int (*mkl_set_threads)(int) = find<int(int)>("MKL_Set_Num_Threads_Local");
   void (*mkl_version)(char*, int) = find<void(char*, int)>("MKL_Get_Version_String");
 
   int (*openblas_parallel)() = find<int()>("openblas_get_parallel");
@@ -32,8 +34,8 @@ struct Library {
   char* (*openblas_config)() = find<char*()>("openblas_get_config");
   char* (*openblas_core)() = find<char*()>("openblas_get_corename");
 
-  // The build for OpenMP asks it how many threads the calling thread may use, a number that each thread has of its own,
-  // and notes it, if it is not 1, as the number of the whole process, which openblas_set_num_threads() sets.
+  // The OpenMP build asks OpenMP how many threads the calling thread may use, a number of each thread. If it is not 1,
+  // the build stores it as the number of the whole process, which openblas_set_num_threads() sets.
   int (*omp_threads)() = find<int()>("omp_get_max_threads");
   void (*omp_set_threads)(int) = find<void(int)>("omp_set_num_threads");
   int (*omp_in_parallel)() = find<int()>("omp_in_parallel");
@@ -66,8 +68,8 @@ const Library& library() {
   return found;
 }
 
-// OpenBLAS's number of the whole process, which calls side by side would write over: kept from the first that begins
-// until the last has ended.
+// OpenBLAS's number of threads of the whole process, which concurrent calls would overwrite: kept from the start of the
+// first call to the end of the last.
 class ProcessNumber {
  public:
   void borrow(const Library& blas) {
@@ -79,13 +81,13 @@ class ProcessNumber {
   void give_back(const Library& blas) {
     State state = state_.load();
     do {
-      const bool last = state.borrowers == 1;  // while it is still a borrower: who comes now keeps the same number
+      const bool last = state.borrowers == 1;  // still a borrower, so that a new one keeps the same number
       if (last && blas.openblas_threads() != state.before) blas.openblas_set_threads(state.before);
     } while (!state_.compare_exchange_weak(state, {state.borrowers - 1, state.before}));
   }
 
  private:
-  struct alignas(8) State {  // else clang takes a library for atomics
+  struct alignas(8) State {  // without it clang calls a library for atomics
     int borrowers = 0, before = 0;
   };
   std::atomic<State> state_;
@@ -118,14 +120,14 @@ std::string blas_slowed() {
 }
 
 std::string slow_kernels(std::string_view core, std::string_view instructions) {
-  // A name that is not here may be a newer processor's.
+  // Unlisted names may belong to newer processors.
   constexpr std::array<std::string_view, 21> kWithoutAvx2 = {
       "Unknown", "Katmai",    "Coppermine", "Northwood",    "Prescott",  "Banias",      "Atom",
       "Core2",   "Penryn",    "Dunnington", "Nehalem",      "Athlon",    "Nano",        "Opteron",
       "Bobcat",  "Bulldozer", "Piledriver", "Opteron_SSE3", "Barcelona", "Sandybridge", "Steamroller"};
   const bool serves = std::find(kWithoutAvx2.begin(), kWithoutAvx2.end(), core) == kWithoutAvx2.end();
   if (serves || !instructions.starts_with("AVX")) return "";
-  return "OpenBLAS does not know this processor, takes it for " + std::string(core) +
+  return "OpenBLAS does not know this processor, treats it as " + std::string(core) +
          " and leaves its wider instructions unused: set OPENBLAS_CORETYPE=" +
          (instructions.starts_with("AVX3") ? "SkylakeX" : "Haswell");
 }
@@ -140,7 +142,7 @@ std::string why_not_blas_memory() {
     munmap(room, bytes);
     return "";
   }
-  return "OpenBLAS cannot have the address space that it needs, " + std::to_string(bytes >> 20) + " MiB for " +
+  return "OpenBLAS cannot reserve the address space that it needs, " + std::to_string(bytes >> 20) + " MiB for " +
          std::to_string(threads) + (threads == 1 ? " thread" : " threads") +
          "; raise `ulimit -v`, or set OMP_NUM_THREADS=1";
 }
@@ -158,15 +160,16 @@ std::string why_not_blas_threads(int threads) {
     case Library::Kind::pthreads: {
       const int all = blas.openblas_threads();
       if (threads == all) return "";
-      return blas_version() + " is loaded, whose threads are those of the whole process: " + std::to_string(all) +
-             ", not " + std::to_string(threads) + "; set OPENBLAS_NUM_THREADS=" + std::to_string(threads) +
+      return blas_version() +
+             " is loaded, whose number of threads holds for the whole process: " + std::to_string(all) + ", not " +
+             std::to_string(threads) + "; set OPENBLAS_NUM_THREADS=" + std::to_string(threads) +
              ", or let the loader find the OpenMP build (Debian: libopenblas0-openmp)";
     }
     case Library::Kind::sequential:
       if (threads == 1) return "";
       return blas_version() + " is loaded, which cannot use " + wanted;
     case Library::Kind::unknown:
-      // Taken for one thread, which is what the reference implementation uses.
+      // An unknown library counts as one thread, like the reference implementation.
       if (threads == 1) return "";
       return "the threads of the LAPACK library that is loaded cannot be set to " + std::to_string(threads) +
              "; OpenBLAS (its OpenMP build) and MKL can";
@@ -215,11 +218,11 @@ Pinned::Pinned(int processor) : before_{} {
   changed_ = failure == 0;
   if (failure != 0) {
     throw Error(Error::Kind::environment, "cannot pin a thread to processor " + std::to_string(processor) + ": " +
-                                              std::strerror(failure) + "; pin to processors that it may run on");
+                                              std::strerror(failure) + "; pin to processors that this process may use");
   }
 }
 
-// Fails where the processors of before have been taken from this process since; it then runs where it may.
+// Fails if this process has since lost the processors of before; the thread then runs on any that is left.
 Pinned::~Pinned() {
   if (changed_) pthread_setaffinity_np(pthread_self(), sizeof(before_), before_.data());
 }

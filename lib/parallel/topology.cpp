@@ -15,7 +15,7 @@ namespace {
 using std::filesystem::path;
 
 constexpr const char* kProcessors = "sys/devices/system/cpu";
-constexpr int kMostProcessors = 8192;  // that Linux can be built for
+constexpr int kMostProcessors = 8192;  // largest number that Linux supports
 
 std::string first_line(const path& name) {
   std::string line;
@@ -30,7 +30,7 @@ bool any_of_them(const std::vector<int>& some, const std::vector<int>& others) {
   return !both.empty();
 }
 
-// The first processor of its core stands for the core; each file is read once.
+// The first processor of a core stands for the core. Each file is read once.
 class Cores {
  public:
   explicit Cores(path cpus) : cpus_(std::move(cpus)) {}
@@ -42,7 +42,7 @@ class Cores {
   }
 
  private:
-  // core_cpus_list has been called thread_siblings_list.
+  // core_cpus_list was called thread_siblings_list before.
   [[nodiscard]] int read(int processor) const {
     for (const char* name : {"core_cpus_list", "thread_siblings_list"}) {
       const path folder = cpus_ / ("cpu" + std::to_string(processor)) / "topology";
@@ -65,7 +65,7 @@ std::vector<std::int32_t> cores_of(const std::vector<int>& allowed, Cores& known
   return cores;
 }
 
-// "48K", "1M"; 0 if it is neither.
+// Parses "48K" or "1M"; 0 if it is neither.
 std::int64_t parse_bytes(const std::string& text) {
   std::istringstream stream(text);
   stream.imbue(std::locale::classic());

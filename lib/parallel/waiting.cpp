@@ -5,10 +5,11 @@
 namespace assur {
 namespace {
 
-// Some 2.5 us. Where the system puts two threads on one core, each wait wastes all of it: Team::run() by two threads
-// then takes 7 us, with 400 spins 22 (a core each: 0.23 us).
+// About 2.5 us. If two threads share one core, each wait wastes all of it: Team::run() by two threads then takes 7 us,
+// and 22 us with 400 spins (0.23 us on separate cores).
 constexpr int kSpins = 100;
-constexpr int kYields = 500;  // some 200 us on a free core: what one takes for a panel that the others wait for
+constexpr int kYields =
+    500;  // about 200 us on a free core: one thread factorises a panel in this time while others wait
 
 void relax() {
 #if defined(__x86_64__) || defined(__i386__)

@@ -12,9 +12,9 @@
 namespace assur {
 namespace {
 
-constexpr double kUnseen = 2;    // parts of a step in which a measured angle turned unseen
-constexpr double kPassed = 64;   // steps so much longer than the first shortest one are far from where it failed
-constexpr int kExpandAfter = 4;  // rejected attempts rates are computed of all unknowns, and predict
+constexpr double kUnseen = 2;    // parts of a step in which a measured angle may have turned unseen
+constexpr double kPassed = 64;   // steps this many times as long as the first shortest one are far from the failure
+constexpr int kExpandAfter = 4;  // rejected attempts in a row; then the prediction uses computed rates of all unknowns
 
 bool worth_halving(Code code) {
   return code == Code::branch_unknown || code == Code::not_converged || code == Code::singular ||
@@ -63,7 +63,7 @@ void Continuation::keep_what_is_read(std::vector<std::uint8_t> marked) {
 void Continuation::start(double time, const std::vector<double>& posture, const Inputs::Controls* before) {
   now_ = time;
   selected_at_ = before != nullptr ? time : kNan;
-  deadline_ = std::chrono::steady_clock::time_point::max();  // it is for steps
+  deadline_ = std::chrono::steady_clock::time_point::max();  // deadlines hold for steps only
   inputs_.reset();
   if (before != nullptr) inputs_.take(*before);
   watched_level_ = 0;
@@ -173,7 +173,7 @@ void Continuation::repeat_in_idle_lanes() {
 
 // ---- one posture
 
-// An attempt: one that is rejected, or only looks ahead, leaves nothing in the packs.
+// One attempt. If it is rejected, or only explores, it leaves nothing in the packs.
 Status Continuation::solve_at(double t, Attempt::Branch branch, StepErrors& errors) {
   ++attempts_;
   const auto undo = [&] {
@@ -206,7 +206,7 @@ Status Continuation::solve_all(double t, Attempt::Branch branch, StepErrors& err
   if (watch_) {
     if (const Status s = check_watched(t, branch, converged, errors); !s.ok()) return s;
   }
-  // Drivers turned no more than a step may; does what follows them?
+  // The drivers turned no farther than a step may; measured angles may have turned farther.
   if (turns_ == nullptr || branch != Attempt::Branch::inside) return {};
   const AngleTurns::Way way = turns_->follow(state_.at(0), t - now_);
   return way == AngleTurns::Way::known ? Status{} : turned_unseen(way);
@@ -243,7 +243,7 @@ Status Continuation::solve_packs(double t, Attempt::Branch branch, double conver
     }
     return a;
   };
-  // At the start every pack makes its solver from those of the packs before it.
+  // At the start one thread solves the packs in order: the first pack of a class makes the solver that others clone.
   Status s = levels_.solve(
       q, branch == Attempt::Branch::start, attempt, [&] { return deadline_passed(); }, report_.counters, errors,
       failed_pack_);
@@ -251,8 +251,8 @@ Status Continuation::solve_packs(double t, Attempt::Branch branch, double conver
   return s;
 }
 
-// Equations that hold cannot be told from others up to what is left in those that were solved; what is left there is
-// larger in those that are watched. One more correction brings both to the rounding level.
+// The residual of the watched equations may exceed that of the solved ones. Whether they hold cannot be decided below
+// the residual of the solved equations, so one more correction brings both to the rounding level.
 Status Continuation::check_watched(double t, Attempt::Branch branch, double left, StepErrors& errors) {
   const auto residual = [&] {
     report_.counters.evaluated_equations += static_cast<std::int64_t>(watch_->equations());
@@ -270,18 +270,18 @@ Status Continuation::check_watched(double t, Attempt::Branch branch, double left
   return {};
 }
 
-// Beyond zero a driver's equations hold half a turn away from its law.
+// Beyond zero, a driver's equations would hold half a turn away from its law.
 Status Continuation::check_levers(std::size_t begin, std::size_t end, double seconds) {
   const double* const from[3] = {state_.accepted(0), state_.accepted(1), state_.accepted(2)};
   const double* const to[3] = {state_.at(0), state_.at(1), state_.at(2)};
   const Lever* const l = vanished(std::span(levers_).subspan(begin, end - begin), from, to, seconds);
   if (l == nullptr) return {};
-  // A driver that is to get there does so however short the step is.
+  // If the target itself is zero, shorter steps do not help.
   vanished_ = idx(l->address) >= layout_.first_unknown || to[0][l->address] > 0;
   return {Code::actuator_zero, Place::driver(l->driver), std::min(to[0][l->address], 0.0)};
 }
 
-// Which driver or redundant equation stopped the motion.
+// Records the driver or redundant equation that stopped the motion.
 void Continuation::tell(const Status& stopped, double target) {
   Event event{now_, target, "", stopped.code, stopped.figure};
   if (stopped.code == Code::inconsistent) {
@@ -339,13 +339,13 @@ Status Continuation::step_to(double t, bool may_reselect, Stride& stride) {
   return status;
 }
 
-// From posture to posture until t.
+// Steps from posture to posture until t.
 Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
   const double span = t - now_, first = std::abs(span) * kSmallestStep;
   any_turn_ = turn_guessed_ = expands_ = false;
   shortest_ = first;
   approach_.clear();
-  int in_a_row = 0;  // attempts that were rejected; once they are many, they stay so
+  int in_a_row = 0;  // attempts that were rejected; from kExpandAfter on the count is kept
   while (now_ != t) {
     const double h = std::copysign(std::min(stride.length, std::abs(span)), span);
     const double target = std::abs(t - now_) <= std::abs(h) * 1.0000001 ? t : now_ + h;
@@ -353,9 +353,9 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
     const Status s = try_step(target, Attempt::Branch::inside);
     if (s.ok()) {
       if (in_a_row < kExpandAfter) in_a_row = 0;
-      if (now_ == t) break;  // what was left says nothing of a whole stride
+      if (now_ == t) break;  // the rest of a step is no evidence for whole strides
       stride.arrive();
-      if (stride.length > kPassed * first) {  // whatever was close
+      if (stride.length > kPassed * first) {  // the place of the failure is left behind
         shortest_ = first;
         approach_.clear();
       }
@@ -378,7 +378,7 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
       record({now_, target, structure_.name_of(s.where), Code::branch_unknown, s.figure}, std::abs(t - target));
       return {Code::branch_unknown, s.where, s.figure};
     }
-    // Close to a singularity of the equations that are solved, what is watched is the first to tell.
+    // Close to a singularity of the solved equations, the watched equations fail first.
     if (s.code == Code::inconsistent && may_choose_anew(may_reselect, first)) {
       wants_reselection_ = true;
       return s;
@@ -407,7 +407,7 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
   return {};
 }
 
-// A step that did not arrive leaves the last good posture, which may lie on the way.
+// If a step did not arrive, the last good posture is kept, which may lie on its way.
 void Continuation::end_step(Inputs::End end) {
   if (end != Inputs::End::arrived) state_.restore();
   stands_still_ = inputs_.end_step(now_, end);
@@ -429,7 +429,7 @@ bool Continuation::polish(double converged) {
   return true;
 }
 
-// Is it somewhere? A driver that was set to nowhere is named by an event, and nothing moves.
+// Checks the target. A driver whose target is not finite is named in an event, and nothing moves.
 Status Continuation::check_aim(double t) {
   if (!std::isfinite(t)) return {Code::not_finite, {}, t};
   double value = 0;
@@ -440,12 +440,12 @@ Status Continuation::check_aim(double t) {
   return {Code::not_finite, {}, value};
 }
 
-// Equations that were chosen close by would serve if any did; near a fold none do, and others would be chosen in turns.
+// No set is chosen again close to the last choice: near a fold no set helps, and sets would alternate.
 bool Continuation::may_choose_anew(bool asked, double first) const {
   return asked && prepared_.reselect && !(std::abs(now_ - selected_at_) <= kPassed * first);
 }
 
-// Within the ball of an anchor, conditions change by a bounded factor.
+// Checks once for each anchor: within its ball, conditions change by a bounded factor.
 bool Continuation::set_is_poor() {
   if (independence_ && measured_at_ != report_.counters.branch_checks) {
     measured_at_ = report_.counters.branch_checks;
@@ -468,9 +468,8 @@ void Continuation::predict(double target) {
   });
 }
 
-// Until the end of the step rates of all unknowns are computed, wanted or not, and predictions are from the last
-// posture and its derivatives, whatever the predictor reads: how a motion goes on where it is in doubt depends on no
-// strategy.
+// Until the end of the step, rates of all unknowns are computed, wanted or not, and predictions use the last posture
+// and its derivatives, whatever the predictor is. A motion in doubt then continues in the same way for every strategy.
 void Continuation::expand() {
   if (std::exchange(expands_, true) || !lacks_rates_) return;
   state_.restore();
@@ -483,7 +482,7 @@ Status Continuation::try_step(double target, Attempt::Branch branch) {
   predict(target);
   StepErrors errors;
   Status s = solve_at(target, branch, errors);
-  if (s.code == Code::inconsistent && converged_ > kConverged) {  // or not solved far enough to tell
+  if (s.code == Code::inconsistent && converged_ > kConverged) {  // or it was not solved exactly enough to decide
     converged_ = kConverged;
     predict(target);
     errors = {};

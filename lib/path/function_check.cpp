@@ -8,11 +8,11 @@
 namespace assur {
 namespace {
 
-// Steps from one check to the next: a step asks a callback six times or more and a law once or more, a check six and
+// Steps between checks. A step calls a callback at least six times and a law at least once; a check calls them six and
 // four times.
 constexpr std::int64_t kCallbackInterval = 16;
 constexpr std::int64_t kLawInterval = 64;
-constexpr std::int64_t kLater = 4;  // times the interval, after a closer look that found nothing
+constexpr std::int64_t kLater = 4;  // factor of the interval after a closer look that found no contradiction
 
 double relative(const Contradiction& c) {
   return std::abs(c.given - c.found) / std::max(std::abs(c.given), std::abs(c.found));
@@ -29,7 +29,7 @@ FunctionCheck::FunctionCheck(const Structure& structure, const System& system, s
   if (!laws_.empty()) derivatives_ = wanted_derivatives(system);
 }
 
-// Where its arguments are computed; the curvature where accelerations of all of them are wanted.
+// Checks a callback only if its arguments are computed, and its curvature only if their accelerations are wanted.
 void FunctionCheck::add_callback(const Structure& structure, const CallbackBlock& block) {
   std::vector<std::uint8_t> accelerated(system_.coordinates.size(), 0);
   for (const Group& g : structure.groups) {

@@ -12,7 +12,7 @@
 namespace assur {
 namespace {
 
-constexpr std::size_t kLargestUnit = 200;  // unknowns of a unit: its factors are dense
+constexpr std::size_t kLargestUnit = 200;  // unknowns of a unit, whose factors are dense
 
 }  // namespace
 
@@ -36,7 +36,7 @@ Independence::Independence(const System& system, const Structure& structure, std
   slopes_.resize(slopes);
 }
 
-// The blocks of the groups, level after level, that the watched equations depend on.
+// Collects the blocks of the groups, level after level, that the watched equations depend on.
 void Independence::collect(const Structure& structure) {
   std::vector<std::size_t> order(structure.groups.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -169,7 +169,7 @@ bool Independence::factorize(Unit& unit) {
   return true;
 }
 
-// sum c_i grad Phi_i = grad of the row, from the last unit to the first.
+// Solves sum c_i grad Phi_i = grad of the row, from the last unit to the first.
 double Independence::largest_of(Row& row) {
   differentiate(row);
   if (!(row.length > 0)) return 0;

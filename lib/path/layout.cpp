@@ -10,7 +10,7 @@ namespace {
 
 std::vector<Pack> fill_packs(const Structure& structure, const std::vector<std::unique_ptr<GroupSolver>>& solvers) {
   std::vector<Pack> packs;
-  std::vector<std::int32_t> open(structure.classes.size(), -1);  // the pack of each class that has a lane left
+  std::vector<std::int32_t> open(structure.classes.size(), -1);  // the pack of each class with a free lane
   std::int32_t level = -1;
   for (std::size_t g = 0; g < structure.groups.size(); ++g) {
     const Group& group = structure.groups[g];
@@ -32,7 +32,7 @@ std::vector<Pack> fill_packs(const Structure& structure, const std::vector<std::
   return packs;
 }
 
-// How the addresses of the lanes follow each other, for each input.
+// For each input: how the addresses of the lanes follow each other.
 std::vector<InputRow> input_rows(const std::vector<std::int32_t>& addresses, std::size_t count, std::size_t lanes) {
   std::vector<InputRow> rows(count);
   for (std::size_t i = 0; i < count; ++i) {

@@ -10,7 +10,7 @@
 namespace assur {
 namespace {
 
-// Packs on the level that has most of them.
+// Packs on the level with the most packs.
 int widest_level(const std::vector<Pack>& packs) {
   std::ptrdiff_t most = 0;
   for (auto begin = packs.begin(), end = begin; begin != packs.end(); begin = end) {
@@ -33,9 +33,10 @@ Levels::Levels(const Prepared& prepared, Layout& layout, std::span<const int> pi
   team_ = std::make_unique<Team>(threads, pin_to);
 }
 
-// Levels are shared as planned; what lies between two of them is the caller's. No phases if nothing is shared.
+// Plans the phases: levels are shared as planned, and the calling thread does the levels between them. No phases if no
+// level is shared.
 void Levels::schedule(const Prepared& prepared, int threads) {
-  threads = std::min(threads, widest_level(packs_));  // more would only wait
+  threads = std::min(threads, widest_level(packs_));  // more threads would not help
   if (threads < 2) return;
   const Plan& plan = prepared.plan;
   std::vector<double> cost;

@@ -1,5 +1,5 @@
-// Where a step cannot be divided further: is it a limit of the motion, a change point that can be passed, or are the
-// branches only close to each other?
+// Examines a step that cannot be divided further: it is at a limit of the motion, at a change point that can be passed,
+// or at branches that are only close to each other.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,25 +12,26 @@
 namespace assur {
 namespace {
 
-constexpr double kShorter = 1.0 / 4;     // each time it is asked again
-constexpr double kLeast = 0x1p-44;       // of the step, and
-constexpr double kResolved = 16 * kEps;  // of the time: no step is shorter
-constexpr int kMostWalked = 1000;        // attempts on a part of the way to or from a change point; it takes some tens
-constexpr double kClear = 1e-5;     // singular value, over the largest one: a posture is known to eps / kClear^2 of it
-constexpr double kLookedAt = 4e-6;  // singular values from which the least one of a crossing is foretold
-constexpr double kSeen = 1e-7;      // least one that rounding of dimensions to 14 digits does not explain
-constexpr double kNearer = 1.15;    // of singular values, from one posture to the next that is compared
-constexpr int kReach = 12;        // a change point is passed from 2^12 of the first shortest steps before it to beyond
-constexpr int kLonger = 8;        // or from up to 2^8 times as far
-constexpr int kMoreHalvings = 6;  // of the shortest step, on the way back from a change point
-constexpr double kApart = 1.0 / 16;     // of that reach: a step that ends nearer to the change point is in doubt
+constexpr double kShorter = 1.0 / 4;     // factor for the next attempt
+constexpr double kLeast = 0x1p-44;       // of the step: the shortest attempt,
+constexpr double kResolved = 16 * kEps;  // but not shorter than this part of the time
+constexpr int kMostWalked = 1000;        // attempts on a part of the way to or from a change point; usually some tens
+// singular value over the largest one; below it the error of a posture exceeds eps / kClear^2
+constexpr double kClear = 1e-5;
+constexpr double kLookedAt = 4e-6;  // singular values below it are too close to predict the least one of a crossing
+constexpr double kSeen = 1e-7;      // larger least singular values are not explained by dimensions rounded to 14 digits
+constexpr double kNearer = 1.15;    // ratio of singular values between postures that are compared
+constexpr int kReach = 12;  // the step over a change point reaches 2^12 first shortest steps before and behind it,
+constexpr int kLonger = 8;  // or up to 2^8 times as far
+constexpr int kMoreHalvings = 6;        // of the shortest step, on the way back from a change point
+constexpr double kApart = 1.0 / 16;     // of that reach: the step must end at least so far from the change point
 constexpr double kSureOfBranch = 1e-3;  // largest correction over the distance of the branches
-constexpr double kLittleLever = 1e-3;   // of what it was at the start: a driver's lever that is about to vanish
+constexpr double kLittleLever = 1e-3;   // of its value at the start: a smaller lever is about to vanish
 
 }  // namespace
 
-// The shortest step fails: is this a limit, a change point that can be passed, or are shorter steps needed? ok: go on.
-// What a posture is near to does not depend on the grid: where rounding ends the search, it is left undecided.
+// Decides why the shortest step fails: at a limit, at a change point that can be passed, or because shorter steps are
+// needed. ok: continue. The decision does not depend on the time grid: if rounding ends the search, it is left open.
 Status Continuation::at_the_limit(const Status& failed, double target, double t, double first) {
   const std::size_t at_fault = failed_pack_;
   expand();
@@ -51,7 +52,7 @@ Status Continuation::at_the_limit(const Status& failed, double target, double t,
   if (found.code == Code::limit_reached && !turns_back(std::move(nearest))) found.code = Code::branch_unknown;
   const double least = std::max(first * (kLeast / kSmallestStep), kResolved * std::max(std::abs(now_), std::abs(t)));
   const bool shorter = kShorter * shortest_ >= least;
-  // Close to a change point rounding would take one of the branches.
+  // Close to a change point, rounding would choose one of the branches.
   const bool clear = found.code != Code::change_point_passed || (found.figure > kClear && shorter);
   if (!clear && is_avoided(target - now_, first)) found.code = Code::branch_unknown;
   if (found.code != Code::limit_reached && (clear || found.code == Code::branch_unknown) && shorter) {
@@ -74,12 +75,12 @@ Status Continuation::at_the_limit(const Status& failed, double target, double t,
   return {};
 }
 
-// Rates that grow are no evidence of a fold: they do so before a posture that is nearly singular, too, behind which the
-// motion goes on. Towards a fold, where the unknowns turn back like s* - s = y^2, the square of the smallest singular
-// value falls in proportion to the way of the inputs s: the slopes between three postures are the same. Towards the
-// others, like s = y^3 + e y, it falls slower and slower, at least as it does for e = 0.
+// Growing rates are no evidence of a fold: they also grow before a nearly singular posture that the motion passes. At a
+// fold the unknowns turn back like s* - s = y^2, and the square of the smallest singular value falls in proportion to
+// the way of the inputs s: the slopes between three postures are equal. Otherwise, as for s = y^3 + e y, it falls ever
+// more slowly, at least as slowly as for e = 0.
 bool Continuation::turns_back(Singularity here) {
-  const auto same = [&](const Singularity& o) {  // others may fail in turns with it
+  const auto same = [&](const Singularity& o) {  // other blocks may fail in between
     return o.status.where == here.status.where && o.block == here.block;
   };
   std::erase_if(approach_, [&](const auto& o) { return same(o) && o.smallest <= here.smallest; });
@@ -111,10 +112,10 @@ bool Continuation::turns_back(Singularity here) {
   return slopes >= least && slopes <= 1 / least;
 }
 
-// At a change point the smallest singular value is zero. Where two branches come close and stay apart it is not, and
-// each goes its own way, which shorter steps follow. Close to the least value its square is a parabola of the way: two
-// of them, through postures twice as far from here each, tell the least value and how well it is known. No farther than
-// a change point is passed from: what is singular there, too, is none of the two.
+// At a change point the smallest singular value is zero. Where two branches come close but do not meet, it is not zero,
+// and shorter steps follow each branch. Close to its minimum the square of the value is a parabola of the way. Two
+// parabolas through postures at doubled distances give the minimum and its uncertainty. The search goes no farther than
+// the start of a pass, because another singularity there would spoil the parabolas.
 bool Continuation::is_avoided(double h, double first) {
   const std::size_t at_fault = failed_pack_;
   const double change = now_;
@@ -139,7 +140,7 @@ bool Continuation::is_avoided(double h, double first) {
   state_.restore();
   failed_pack_ = at_fault;
   if (!same) return false;
-  const auto least = [&](std::size_t i) {  // of the parabola through three of them
+  const auto least = [&](std::size_t i) {  // of the parabola through three postures
     const double near = (square[i + 1] - square[i]) / (way[i + 1] - way[i]);
     const double far = (square[i + 2] - square[i + 1]) / (way[i + 2] - way[i + 1]);
     const double bend = (far - near) / (way[i + 2] - way[i]);
@@ -150,7 +151,7 @@ bool Continuation::is_avoided(double h, double first) {
   return nearer > std::abs(farther - nearer) + kSeen * kSeen;
 }
 
-// The shortest steps through one change point are one event.
+// Joins an event with the last one if both belong to the same change point.
 void Continuation::record(Event event, double step) {
   if (!report_.events.empty()) {
     Event& before = report_.events.back();
@@ -163,8 +164,8 @@ void Continuation::record(Event event, double step) {
   report_.events.push_back(std::move(event));
 }
 
-// Steps end a little before a fold, where the ball around the posture shrinks to nothing; the fold itself lies before
-// the first time at which Newton's method finds no solution at all.
+// Steps end a little before a fold, where the ball around the posture shrinks to nothing. The fold lies before the
+// first time at which Newton's method finds no solution.
 double Continuation::first_without_solution(double target, double t) {
   const double smallest = target - now_;
   for (int k = 0; k <= kStepHalvings; ++k) {
@@ -179,10 +180,10 @@ double Continuation::first_without_solution(double target, double t) {
   return target;
 }
 
-// Over a change point by the smooth continuation. Close to it a posture is uncertain by eps / distance and its rates
-// by eps / distance^2, so the step starts well before it and lands as far beyond, where the branches are apart by
-// more than any error. What predicts that step does not depend on the strategy: a cubic through postures on the way
-// back. Other packs may be at one of theirs at the same time.
+// Passes a change point by the smooth continuation. At a distance d from it a posture is uncertain by eps / d and its
+// rates by eps / d^2, so the step starts well before it and ends as far behind it, where the branches differ by more
+// than any error. The prediction does not depend on the strategy: it is a cubic through postures on the way back. Other
+// packs may be at change points of their own at the same time.
 bool Continuation::pass(double target, double t, double first) {
   const std::size_t failed = failed_pack_;
   for (int longer = 0; longer <= kLonger; longer += kLonger / 2) {
@@ -209,7 +210,7 @@ bool Continuation::pass_by(double reach, double target, double t) {
     largest_correction_ = kSureOfBranch * (to - change) / (to - now_);
     for (std::size_t more = 0; more < packs_.size() && !passed; ++more) {
       passed = try_step(to, Attempt::Branch::inside).ok();
-      // Beyond all packs if none of them failed.
+      // failed_pack_ is packs_.size() if no pack failed.
       if (failed_pack_ == packs_.size() || passing_[failed_pack_] != 0) break;
       passing_[failed_pack_] = 1;
     }
@@ -223,8 +224,8 @@ bool Continuation::pass_by(double reach, double target, double t) {
   return passed;
 }
 
-// By continuation to `until`, in steps of about h. Predictions away from a change point do not read older postures,
-// which are closer to it.
+// Moves to `until` in steps of about h. Away from the change point, predictions do not use older postures, which are
+// closer to it.
 bool Continuation::walk(double until, double h, double change) {
   h = std::abs(h);
   const double shortest = std::ldexp(h, -kMoreHalvings);

@@ -6,9 +6,9 @@
 namespace assur {
 namespace {
 
-// Rounding errors of the postures grow by the sum of the weights: at most to some 1e-12.
+// The sum of the weights amplifies rounding errors of the postures: at most to about 1e-12.
 constexpr double kMostAmplification = 5e3;
-// Relative difference of steps that count as equal: up to 2^6 weights of one sum to that part of a step.
+// Relative difference of steps that count as equal; it changes a sum by at most 2^6 times this part of a step.
 constexpr double kEqual = 1e-10;
 
 PredictionWeights taylor(int order, double h) {

@@ -106,7 +106,7 @@ double State::predicted_move(std::size_t address, std::size_t count) const {
 }
 
 void State::accept(double t) {
-  if (times_.empty()) {  // what is known and never moves is the same in all postures
+  if (times_.empty()) {  // known coordinates that never move are equal in all postures
     Ring& r = ring(0);
     for (std::size_t age = 0; age < r.count; ++age) std::copy_n(at(0), first_unknown_, r.at(age));
   }

@@ -45,7 +45,7 @@ double Watch::worst_ratio() {
   return worst;
 }
 
-// The slopes by central differences, which are exact for quadratic equations.
+// Slopes are central differences, which are exact for quadratic equations.
 double Watch::violation(const double* q) {
   constexpr double kStep = 0x1p-16;
   const auto phi = [&] {

@@ -12,22 +12,22 @@
 namespace assur {
 namespace {
 
-constexpr double kLeastMeetings = 4;  // of threads within a solver: a factorisation and three solutions
-constexpr double kAccurate = 1e-12;   // backward error of a solution in double, with room for growth
+constexpr double kLeastMeetings = 4;  // meetings of threads within a solver: a factorisation and three solutions
+constexpr double kAccurate = 1e-12;   // backward error of a solution in double, with a margin for growth
 
 std::string too_inaccurate(const Shape& shape, const Strategy& s, const Scales& scales) {
   const double error = scales.model.backward_error(shape, s);
   return error > kAccurate ? "its solutions had a backward error of " + scientific(error, 1) : "";
 }
 
-// Why a backend has nothing to offer; "": it has.
+// Reason why a backend cannot be used; "" if it can.
 std::string refused(const Backend& backend, const Shape& shape, const Scales& scales) {
   if (std::find(scales.without.begin(), scales.without.end(), backend.id) != scales.without.end()) return "left out";
   if (std::string why_not = backend.why_not(shape, ThreadBudget{1}); !why_not.empty()) return why_not;
   return too_inaccurate(shape, {.run = {}, .solver = {.backend = std::string(backend.id)}}, scales);
 }
 
-// One call for W of them: a step of a pack, or a matrix factorised and solved.
+// Time of one call for W groups: a step of a pack, or a matrix factorised and solved.
 std::vector<Prediction> predict(const Shape& shape, std::span<const Strategy> ways, const PerformanceModel& model) {
   if (shape.terms > 0) return model.packs(shape, ways);
   std::vector<Prediction> all;
@@ -39,8 +39,8 @@ std::vector<Prediction> predict(const Shape& shape, std::span<const Strategy> wa
   return all;
 }
 
-// Threads within a solver meet in the factorisation and in every solution of a step. Their times are measured in large
-// groups, and say nothing of those that one thread solves before they have met.
+// Threads within a solver meet in the factorisation and in every solution of a step. Their times were measured in large
+// groups, so they do not hold for groups that one thread solves before the threads could meet.
 bool cannot_gain(const Strategy& s, const std::vector<Candidate>& weighed, const Scales& scales) {
   Strategy alone = s;
   alone.solver.threads = 1;
@@ -49,7 +49,7 @@ bool cannot_gain(const Strategy& s, const std::vector<Candidate>& weighed, const
          at->expected_seconds <= kLeastMeetings * scales.model.meeting(s.solver.threads).seconds;
 }
 
-// What of a backend is worth weighing.
+// The strategies of a backend that are worth weighing.
 StrategySpace space_of(const Shape& shape, std::int32_t most_lanes, std::int32_t most_q) {
   StrategySpace space;
   space.lanes = powers_of_two(std::min(most_lanes, kMostLanes));
@@ -146,7 +146,7 @@ std::vector<Candidate> candidates(const Shape& shape, const CandidateOptions& op
   for (std::int32_t p = 1; p <= std::min(budget, shape.groups); p *= 2) {
     const Load load{shape.groups, p, shape.n};
     for (Candidate& c : weigh(offered, {&load, 1}, budget / p, scales)) {
-      if (p > 1 && !c.why_not.empty()) continue;  // said once
+      if (p > 1 && !c.why_not.empty()) continue;  // reported once
       if (p > 1 && properties_of(c.strategy.solver.backend).takes_turns) continue;
       c.strategy.run.threads = p;
       c.strategy.run.formulation = Formulation::irreducible;
@@ -160,7 +160,7 @@ std::vector<Candidate> candidates(const Shape& shape, const CandidateOptions& op
 
 Candidate choose_solver(const Pattern& pattern, std::int32_t count, std::int32_t rhs, const CandidateOptions& options) {
   if (count < 1 || rhs < 0) {
-    throw Error(Error::Kind::input, "choose_solver: expects one matrix or more and right-hand sides from 0 on, not " +
+    throw Error(Error::Kind::input, "choose_solver needs at least one matrix and 0 or more right-hand sides, not " +
                                         std::to_string(count) + " and " + std::to_string(rhs));
   }
   Shape shape = shape_of(pattern, count);

@@ -11,16 +11,16 @@
 namespace assur {
 namespace {
 
-constexpr int kLargestExponent = 1074;  // of the smallest double: beyond, lengths are no numbers
+constexpr int kLargestExponent = 1074;  // of the smallest double
 constexpr int kLargestPower = 2;        // of length
-constexpr Index kNever = -1;            // level on which nothing is computed
+constexpr Index kNever = -1;            // level of coordinates that no group computes
 
 bool within(Index i, std::size_t size) { return i >= 0 && idx(i) < size; }
 bool all_within(const std::vector<Index>& indices, std::size_t size) {
   return std::all_of(indices.begin(), indices.end(), [&](Index i) { return within(i, size); });
 }
 
-// Starts of consecutive ranges in a list: 0, ascending, the list's size.
+// True for starts of consecutive ranges in a list: they begin with 0, ascend, and end with the list's size.
 bool are_starts(const std::vector<Index>& starts, std::size_t size) {
   return !starts.empty() && starts.front() == 0 && idx(starts.back()) == size &&
          std::is_sorted(starts.begin(), starts.end());
@@ -52,7 +52,7 @@ class Check {
   }
 
  private:
-  // What the following requirements are about.
+  // Sets the place that the next requirements name.
   void part(const char* list, std::size_t i) {
     list_ = list;
     index_ = i;
@@ -61,8 +61,7 @@ class Check {
   void require(bool fits, std::string_view what) const {
     if (fits) return;
     const std::string where = std::string(list_) + (index_ == kWhole ? "" : "/" + std::to_string(index_));
-    throw Error(Error::Kind::input, {{where, std::string(what) + " cannot be right; save the plan again"}},
-                "saved plan");
+    throw Error(Error::Kind::input, {{where, std::string(what) + " is invalid; save the plan again"}}, "saved plan");
   }
   void require_power(int power) const { require(std::abs(power) <= kLargestPower, "the dimension"); }
 
@@ -83,7 +82,7 @@ class Check {
 
   void forms() {
     part("forms");
-    require(are_starts(system_.form_start, system_.terms.size()), "where forms begin");
+    require(are_starts(system_.form_start, system_.terms.size()), "the starts of forms");
     forms_ = idx(system_.forms());
     for (std::size_t t = 0; t < system_.terms.size(); ++t) {
       part("terms", t);
@@ -171,7 +170,7 @@ class Check {
   void equations(const GroupClass& c, Index unknowns) {
     require(unknowns >= 0 && c.inputs >= 0 && c.constants >= 0 && c.input_moves.size() == idx(c.inputs),
             "the number of inputs");
-    require(are_starts(c.form_start, c.terms.size()), "where forms begin");
+    require(are_starts(c.form_start, c.terms.size()), "the starts of forms");
     const std::size_t coordinates = idx(unknowns) + idx(c.inputs), forms = c.form_start.size() - 1;
     const auto is_constant = [&](Index k) { return k == -1 || k == -2 || within(k, idx(c.constants)); };
     for (const GroupClass::Term& t : c.terms) {
@@ -187,7 +186,7 @@ class Check {
     }
   }
 
-  // As many equations as unknowns in all and in each irreducible block.
+  // Checks that equations and unknowns are equally many, in the group and in each irreducible block.
   void blocks(const GroupClass& c) {
     const std::size_t n = idx(c.n);
     require(n > 0 && c.equations.size() == n && c.unknown_block.size() == n && c.equation_block.size() == n,
@@ -199,10 +198,11 @@ class Check {
     for (const Index b : c.unknown_block) ++unknowns[idx(b)];
     for (const Index b : c.equation_block) ++equations[idx(b)];
     require(unknowns == equations && std::count(unknowns.begin(), unknowns.end(), 0) == 0, "the blocks");
-    require(0 <= c.derivatives && c.derivatives <= 2 && 0 <= c.first_wanted && c.first_wanted <= c.n, "what is wanted");
+    require(0 <= c.derivatives && c.derivatives <= 2 && 0 <= c.first_wanted && c.first_wanted <= c.n,
+            "the wanted derivatives");
   }
 
-  // level_: coordinates, that on which each is computed; what is known comes before all of them.
+  // level_: the level on which each coordinate is computed; known coordinates come before all levels.
   void groups() {
     level_.assign(known_.size(), kNever);
     std::vector<std::uint8_t> used(structure_.classes.size(), 0);
@@ -277,7 +277,7 @@ class Check {
     require(plan.run.formulation <= Formulation::irreducible && structure_.formulation == plan.run.formulation,
             "the formulation");
     require(plan.run.threads > 0 && plan.run.chunks > 0, "the number of threads or chunks");
-    // A strategy is right if its text is; `past` and `hermite` bound their orders there.
+    // The text of a strategy bounds the orders of `past` and `hermite`, so a valid text is enough.
     Strategy all;
     all.solver.lanes = plan.lanes;
     all.run.predictor = plan.run.predictor;
@@ -314,8 +314,8 @@ class Check {
   const char* list_ = "";
   std::size_t index_ = kWhole;
   std::size_t forms_ = 0;
-  std::vector<std::uint8_t> known_;  // coordinates: before the first group
-  std::vector<Index> level_;         // coordinates: of the group that solves it
+  std::vector<std::uint8_t> known_;  // coordinates: 1 if known before the first group
+  std::vector<Index> level_;         // coordinates: level of the group that solves it
 };
 
 }  // namespace

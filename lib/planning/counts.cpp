@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::int32_t kMostPerRow = 24;
 
-// FNV-1a over the numbers that make a pattern.
+// FNV-1a over the numbers of a pattern.
 std::uint64_t hash_of(const Pattern& pattern) {
   std::uint64_t hash = 0xcbf29ce484222325;
   const auto take = [&](std::int32_t number) {
@@ -25,7 +25,7 @@ std::uint64_t hash_of(const Pattern& pattern) {
   return hash == 0 ? 1 : hash;
 }
 
-// No two sums cancel: what is not zero by structure is not zero.
+// Values whose sums do not cancel, so that structural nonzeros stay nonzero.
 std::vector<double> generic_values(std::size_t count) {
   std::mt19937_64 random(1);
   std::vector<double> values(count);
@@ -40,8 +40,8 @@ void count_as_full(Shape& shape) {
   shape.depth = 2 * n;
 }
 
-// Longest chain of rows in which each needs the one before. Rows are "head, count, positions", of which `head` numbers
-// come before the count; own(row, numbers) is the position that a row computes.
+// Length of the longest chain of rows in which each row needs the one before. Rows are "head, count, positions": `head`
+// numbers come before the count. own(row, numbers) is the position that a row computes.
 template <class Own>
 std::int64_t depth_of(const std::vector<lanes::Elimination::Number>& rows, std::size_t n, std::size_t head,
                       const Own& own) {
@@ -64,16 +64,16 @@ void count_elimination(Shape& shape, const Pattern& pattern) {
   try {
     const lanes::Order order = lanes::markowitz_order(pattern, generic_values(pattern.row.size()), 1, 1,
                                                       {.threshold = 0, .shallow = false, .rook = false});
-    if (!order.complete(pattern.n)) return count_as_full(shape);  // singular by structure: whatever it costs
+    if (!order.complete(pattern.n)) return count_as_full(shape);  // structurally singular: the count does not matter
     const lanes::Elimination program = lanes::write_program(pattern, order);
     shape.fill = std::int64_t{program.slots} - program.n;
-    // Three numbers for each row, two for each entry, two for each product.
+    // The program has three numbers for each row, two for each entry, and two for each product.
     const std::int64_t products = (std::ssize(program.factor) - 3 * std::int64_t{shape.n} - 2 * shape.fill) / 2;
     shape.operations = products + shape.fill;
     const auto n = static_cast<std::size_t>(shape.n);
     shape.depth = depth_of(program.forward, n, 1, [](std::size_t row, const auto*) { return row; }) +
                   depth_of(program.backward, n, 2, [](std::size_t, const auto* numbers) { return numbers[0]; });
-  } catch (const Error&) {  // too many products to write them down
+  } catch (const Error&) {  // too many products for a program
     count_as_full(shape);
   }
 }

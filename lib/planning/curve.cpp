@@ -10,23 +10,23 @@
 namespace assur {
 namespace {
 
-constexpr double kBandwidth = 0.35;      // in logarithms: sizes a factor of 1.4 apart still speak for each other
+constexpr double kBandwidth = 0.35;      // in logarithms: sizes a factor of 1.4 apart still influence each other
 constexpr double kShrink = 0.15;         // weight of the fit among the neighbours
-constexpr double kHuber = 0.15;          // relative deviation from which a point counts as an outlier
+constexpr double kHuber = 0.15;          // relative deviation; a point with a larger one counts as an outlier
 constexpr double kSurelyNear = 0.861;    // > exp(-kHuber)
-constexpr double kLeastNoise = 0.02;     // relative: no time is better known
-constexpr double kLeastSeconds = 1e-12;  // that a fit may give
+constexpr double kLeastNoise = 0.02;     // relative; smaller noise counts as this
+constexpr double kLeastSeconds = 1e-12;  // smallest result of a fit
 constexpr double kFarAway = 0.7;         // = log 2
-constexpr double kEnough = 8;            // points that are trusted twice as far as none
-constexpr float kNowhere = 1e9F;         // so far away that it is nobody's neighbour
+constexpr double kEnough = 8;            // this many points are trusted twice as much as none
+constexpr float kNowhere = 1e9F;         // beyond the reach of any neighbour
 constexpr int kReweightings = 6;
 
 using Terms = std::array<double, kTerms>;
 using Gram = Eigen::Matrix<double, kTerms, kTerms>;
 using Moments = Eigen::Matrix<double, kTerms, 1>;
 
-// min x'Gx - 2 m'x over x >= 0: without bounds first, then again and again without the most negative one. Mostly that
-// is the minimum, always it is near it.
+// min x'Gx - 2 m'x over x >= 0: first without bounds, then repeatedly without the most negative term. The result is
+// usually the minimum, and always close to it.
 Moments non_negative(const Gram& gram, const Moments& moments) {
   std::array<Eigen::Index, kTerms> index{};
   Eigen::Index count = 0;
@@ -42,7 +42,7 @@ Moments non_negative(const Gram& gram, const Moments& moments) {
       for (Eigen::Index j = 0; j < count; ++j) {
         g(i, j) = gram(index[static_cast<std::size_t>(i)], index[static_cast<std::size_t>(j)]);
       }
-      g(i, i) *= 1 + 1e-9;  // terms that are the same everywhere share what they explain
+      g(i, i) *= 1 + 1e-9;  // terms that are proportional at all points share their effect
     }
     g.llt().solveInPlace(m);
     Eigen::Index worst = 0;
@@ -57,7 +57,7 @@ Moments non_negative(const Gram& gram, const Moments& moments) {
   return out;
 }
 
-// What one of each term would cost if it were the only one, in the middle of the points.
+// Cost of a unit of each term if it were the only term: median over the points.
 Terms medians_of_ratios(const std::vector<Curve::Measured>& points) {
   Terms scale{};
   for (std::size_t j = 0; j < kTerms; ++j) {
@@ -88,17 +88,17 @@ Curve::Curve(const std::vector<Measured>& points) : points_(points.size()) {
   }
 }
 
-// Deviations count relative to what is larger, the time measured or fitted before: so no point can pull by more than
-// its own size, whichever side it is on.
+// Deviations are relative to the larger of measured and fitted time, so no point pulls by more than its own size, on
+// either side.
 void Curve::fit(const std::vector<Measured>& points) {
-  // At first each term explains its share of every point in the middle.
+  // At first all terms have equal shares of the median point.
   const Terms scale = medians_of_ratios(points);
   const auto used = std::count_if(scale.begin(), scale.end(), [](double x) { return x > 0; });
-  // Each term in a column, scaled.
+  // A column for each term, scaled.
   const auto count = static_cast<Eigen::Index>(points.size());
   Eigen::ArrayXXd terms(count, used), row(count, used);
   Eigen::ArrayXd seconds(count), fits(count), share(count), weighed(count), weight = Eigen::ArrayXd::Ones(count);
-  std::array<std::size_t, kTerms> term{};  // of a column
+  std::array<std::size_t, kTerms> term{};  // the term of each column
   for (std::size_t j = 0, column = 0; j < kTerms; ++j) {
     if (scale[j] > 0) term[column++] = j;
   }
@@ -154,7 +154,7 @@ Prediction Curve::at(const FitPoint& point, double otherwise) const {
   using Block = Eigen::Array<float, kBlock, 1>;
   using Blocks = Eigen::Map<const Block>;
   constexpr auto kNear = static_cast<float>(2 * kBandwidth * kBandwidth);
-  // How much the neighbours, of a wider range, differ among themselves; where there are none, how much the fit is off.
+  // Spread of the neighbours, over a wider range; without neighbours, the error of the fit.
   constexpr double kAnyPoint = 1e-3;
   double sum = kShrink, shift = 0, weights = kAnyPoint * static_cast<double>(points_), mean = 0, square = 0;
   Block nearest = Block::Constant(std::numeric_limits<float>::infinity());

@@ -19,13 +19,14 @@
 namespace assur {
 namespace {
 
-constexpr double kWait = 0.3;         // of a meeting: what a level adds; a barrier alone (barriers_bench) is a tenth
-constexpr double kMeetings = 1.5;     // of those measured: they take once or twice as long from minute to minute, with
-                                      // the cores that the system gives (regret_bench)
-constexpr double kHandedOver = 4;     // doubles for each unknown: the prediction, and what comes back; counted
-constexpr double kStoring = 0.3e-9;   // s a value, into pages that are there: 0.23 to 0.39 for 393 to 8,640 values, by
-                                      // `assur run` less `assur compare`
-constexpr std::int64_t kCurved = 60;  // pieces, of an output that is a distance or an angle
+constexpr double kWait = 0.3;  // cost of a level relative to a meeting; a barrier alone takes a tenth (barriers_bench)
+// margin for measured meetings: the same meeting takes once or twice as long from minute to minute, depending on the
+// cores that the system assigns (regret_bench)
+constexpr double kMeetings = 1.5;
+constexpr double kHandedOver = 4;  // doubles for each unknown, counted: prediction and result
+// s a value, into pages that exist: 0.23 to 0.39 for 393 to 8,640 values, by `assur run` minus `assur compare`
+constexpr double kStoring = 0.3e-9;
+constexpr std::int64_t kCurved = 60;  // pieces of work for a distance or an angle among the outputs
 
 // Groups of one class on one level.
 struct Batch {
@@ -48,9 +49,9 @@ std::vector<Batch> batches_of(const Structure& s) {
 
 struct ClassLoad {
   std::vector<Batch> batches;
-  std::int32_t most = 0;                                            // groups of a batch
-  bool alone = true;                                                // on its levels
-  [[nodiscard]] bool single() const { return most == 1 && alone; }  // never two packs at once
+  std::int32_t most = 0;                                            // largest number of groups in a batch
+  bool alone = true;                                                // no other class on its levels
+  [[nodiscard]] bool single() const { return most == 1 && alone; }  // never two packs at the same time
 };
 
 std::vector<ClassLoad> loads_of(const Structure& s, const std::vector<Batch>& batches) {
@@ -70,7 +71,7 @@ std::int32_t packs_of(const Batch& batch, const Plan::Choice& choice) {
   return (batch.groups + choice.solver.lanes - 1) / choice.solver.lanes;
 }
 
-// The solver of a class and how much it wins by.
+// The solver of a class, and its advantage over the second.
 std::string reason_of(const std::vector<Candidate>& ranked) {
   const Candidate& best = ranked[0];
   std::string text(best.origin == Origin::prior ? "not measured" : name(best.origin));
@@ -98,7 +99,7 @@ Plan::Choice choice_of(std::int32_t group_class, const Shape& shape, std::vector
       .group_class = group_class, .shape = shape, .solver = weighed[0].strategy.solver, .reason = reason_of(weighed)};
 }
 
-// What a step takes beyond its packs. Threads that are there for the levels share the outputs if they are many.
+// Time of a step besides its packs. If threads run for the levels and outputs are many, the threads share the outputs.
 class Around {
  public:
   Around(const Structure& s, const PerformanceModel& model) : model_(model) {
@@ -128,7 +129,7 @@ class Around {
   std::int64_t unknowns_ = 0, columns_ = 0, pieces_ = 0;
 };
 
-// Known numbers, and unknowns of earlier levels, that each level reads.
+// Number of known coordinates, and of unknowns of earlier levels, that each level reads.
 std::vector<std::int64_t> read_by_levels(const Structure& s) {
   std::vector<std::int64_t> read(idx(s.levels), 0);
   std::vector<std::int32_t> last(s.system->coordinates.size(), -1);  // level that reads a coordinate
@@ -140,9 +141,9 @@ std::vector<std::int64_t> read_by_levels(const Structure& s) {
   return read;
 }
 
-// Threads of each level, and the time of all levels: a level is shared only where that gains, one of them also where
-// it brings the threads that share the outputs. The threads start together once a step; between levels they wait for
-// each other, which is the smaller part of a meeting.
+// Chooses the threads of each level and computes the time of all levels. A level is shared only if that saves time; one
+// level is also shared if the outputs then save time. The threads start together once a step; their waits between
+// levels are the smaller part of a meeting.
 void share_levels(Plan& plan, const Structure& s, const std::vector<Batch>& batches, std::int32_t budget,
                   const Around& around, const PerformanceModel& model) {
   const std::int32_t p = plan.run.threads;
@@ -209,7 +210,7 @@ void expect_packs(Plan& plan, const PerformanceModel& model) {
 
 using Offers = std::vector<std::vector<Candidate>>;  // by class
 
-// Classes of the same shape are offered the same.
+// Classes of the same shape get the same offers.
 template <class MostLanes>
 Offers offers_of(const std::vector<Shape>& shapes, const MostLanes& most_lanes, std::int32_t most_q,
                  const Scales& scales) {
@@ -222,12 +223,12 @@ Offers offers_of(const std::vector<Shape>& shapes, const MostLanes& most_lanes, 
   return all;
 }
 
-// Groups of one mechanism side by side, p packs at once.
+// Groups of one mechanism side by side, p packs at the same time.
 Plan latency_plan(const std::vector<Shape>& shapes, const std::vector<ClassLoad>& classes, const Offers& offers,
                   std::int32_t p, std::int32_t budget, const Scales& scales) {
   Plan plan;
   plan.run.threads = p;
-  plan.lanes = kThroughputLanes;  // should mechanisms run side by side after all
+  plan.lanes = kThroughputLanes;  // used if mechanisms run side by side later
   for (std::size_t c = 0; c < classes.size(); ++c) {
     std::vector<Load> loads;
     for (const Batch& b : classes[c].batches) loads.push_back({b.groups, classes[c].alone ? p : 1, shapes[c].n});
@@ -240,7 +241,7 @@ Plan latency_plan(const std::vector<Shape>& shapes, const std::vector<ClassLoad>
   return plan;
 }
 
-// Mechanisms side by side: every group is a pack of W of them.
+// Mechanisms side by side: every group is a pack of W mechanisms.
 Plan throughput_plan(const std::vector<Shape>& shapes, const Offers& offers, std::int32_t lanes, std::int32_t p,
                      const Scales& scales) {
   Plan plan;
@@ -258,22 +259,22 @@ Plan throughput_plan(const std::vector<Shape>& shapes, const Offers& offers, std
 
 bool threads_were_measured(const PerformanceModel& model) { return model.meeting(2).origin != Origin::prior; }
 
-// A machine of which something is known, but nothing with threads: what they gain here would be guessed.
+// True if the machine was measured, but not with several threads: their gain would be a guess.
 bool tuned_for_one_thread(const PerformanceModel& model) {
   return model.samples() > 0 && !threads_were_measured(model);
 }
 
 std::string threads_reason(const Plan& best, std::int32_t budget, double alone, const PerformanceModel& model) {
-  if (budget == 1) return "one thread: the budget has no more";
+  if (budget == 1) return "one thread: the budget has only one";
   if (tuned_for_one_thread(model)) {
-    return "one thread: nothing was measured with several; `assur tune` without `--threads 1` does it";
+    return "one thread: several threads were not measured; run `assur tune` without `--threads 1`";
   }
-  if (best.run.threads == 1) return "one thread: more would only wait";
+  if (best.run.threads == 1) return "one thread: more threads would not help";
   return std::to_string(best.run.threads) + " threads: expected " + fixed(alone / best.expected_seconds, 1) +
          " times as fast as one" + (threads_were_measured(model) ? "" : ", not measured");
 }
 
-// With the W that takes least time for each mechanism.
+// Chooses the W with the least time for each mechanism.
 Plan best_throughput(const Structure& s, const std::vector<Shape>& shapes, std::int32_t threads, const Scales& scales) {
   std::optional<Plan> best;
   const double around = Around(s, scales.model).seconds(1);
@@ -285,18 +286,18 @@ Plan best_throughput(const Structure& s, const std::vector<Shape>& shapes, std::
     plan.expected_seconds = around;
     for (const Plan::Choice& c : plan.choices) plan.expected_seconds += c.expected_seconds / lanes * c.shape.groups;
     plan.reason = std::to_string(lanes) + " mechanisms side by side in each thread";
-    if (threads > 1 && tuned_for_one_thread(scales.model)) plan.reason += "; nothing was measured with several threads";
+    if (threads > 1 && tuned_for_one_thread(scales.model)) plan.reason += "; several threads were not measured";
     if (!best || plan.expected_seconds < best->expected_seconds * (1 - scales.tie)) best = std::move(plan);
   }
   return std::move(*best);
 }
 
-// With the p that takes least time for a step.
+// Chooses the p with the least time for a step.
 Plan best_latency(const Structure& s, const std::vector<Shape>& shapes, std::int32_t allowed, const Scales& scales) {
   const std::int32_t budget = tuned_for_one_thread(scales.model) ? 1 : allowed;
   const std::vector<Batch> batches = batches_of(s);
   const std::vector<ClassLoad> classes = loads_of(s, batches);
-  // W is "up to": lanes that no group could fill would be computed for nothing.
+  // W is an upper limit: lanes that no group can fill would be computed in vain.
   const Offers offered = offers_of(
       shapes, [&](std::size_t c) { return 2 * classes[c].most - 1; }, budget, scales);
   const Around around(s, scales.model);

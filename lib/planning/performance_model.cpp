@@ -24,8 +24,8 @@ constexpr std::array kKernels = {NamedKernel{Kernel::evaluate, "evaluate"}, Name
                                  NamedKernel{Kernel::meeting, "meeting"},   NamedKernel{Kernel::step, "step"},
                                  NamedKernel{Kernel::around, "around"}};
 
-// What of a strategy a kernel depends on. Solvers differ by backend, precision and threads; W is kept apart, so that
-// another W can stand in.
+// The parts of a strategy on which the time of a kernel depends. Solvers differ by backend, precision and threads; W is
+// separate, so that another W can stand in.
 struct Variant {
   std::int32_t backend = 0;  // its number in BackendNumbers
   bool single = false, refine = false, once = false, separate = false;
@@ -35,7 +35,7 @@ struct Variant {
   friend auto operator<=>(const Variant&, const Variant&) = default;
 };
 
-// Names of backends, numbered in alphabetical order from 1: of those of the registry and of all samples.
+// Numbers the backends of the registry and of all samples, from 1 in alphabetical order.
 class BackendNumbers {
  public:
   BackendNumbers() {
@@ -45,7 +45,7 @@ class BackendNumbers {
     if (number_of(name) >= 0) return;
     names_.emplace(std::lower_bound(names_.begin(), names_.end(), name), name);
   }
-  // -1: neither has it.
+  // -1: neither has this backend.
   [[nodiscard]] std::int32_t number_of(std::string_view name) const {
     const auto found = std::find(names_.begin(), names_.end(), name);
     return found == names_.end() ? -1 : static_cast<std::int32_t>(found - names_.begin()) + 1;
@@ -56,7 +56,7 @@ class BackendNumbers {
 };
 
 Variant variant_of(Kernel kernel, const Strategy& s, const BackendNumbers& names) {
-  if (kernel == Kernel::around) return {};  // whatever solves the groups
+  if (kernel == Kernel::around) return {};  // independent of the solvers of the groups
   if (kernel == Kernel::evaluate) return {.lanes = s.solver.lanes};
   Variant v{.backend = names.number_of(s.solver.backend),
             .single = s.solver.single,
@@ -71,7 +71,7 @@ Variant variant_of(Kernel kernel, const Strategy& s, const BackendNumbers& names
   return v;
 }
 
-// What of a shape a kernel depends on.
+// The parts of a shape on which the time of a kernel depends.
 struct KernelShape {
   std::uint64_t pattern;
   std::int64_t terms;
@@ -80,14 +80,14 @@ struct KernelShape {
   friend auto operator<=>(const KernelShape&, const KernelShape&) = default;
 };
 
-// A bare matrix and a group with the same pattern cost a solver the same.
+// A solver takes the same time for a bare matrix and for a group with the same pattern.
 KernelShape kernel_shape(Kernel kernel, const Shape& shape) {
   const bool solver = kernel == Kernel::factor || kernel == Kernel::solve;
   const bool pack = kernel == Kernel::pack;
   return {shape.pattern, solver ? 0 : shape.terms, shape.n, shape.nnz, pack ? shape.groups : 1, pack ? shape.rhs : 1};
 }
 
-struct Cell {  // samples of one cell are of the same thing
+struct Cell {  // samples of one cell measure the same work
   Kernel kernel;
   std::int32_t variant, shape;  // their numbers
 
@@ -102,7 +102,7 @@ struct Cell {  // samples of one cell are of the same thing
   }
 };
 
-// What is known of a cell.
+// Figures of a cell.
 struct Known {
   Cell cell{};
   double seconds = 0;
@@ -114,7 +114,7 @@ struct Known {
   friend bool operator<(const Known& a, const Cell& b) { return a.cell < b; }
 };
 
-// The same with one of its samples, to fit curves to.
+// The same with one of its samples, for fitting curves.
 struct Gathered {
   Cell cell;
   const Sample* example;
@@ -127,17 +127,17 @@ using Curves = std::map<std::int32_t, Curve>;
 
 double positive_log(double x) { return std::log(std::max(x, 1.0)); }
 
-// Bytes that a group takes: coefficients, state and factors.
+// Bytes of a group: coefficients, state and factors.
 double bytes_of_group(const Shape& s) { return 8 * (4.0 * s.n + 2.0 * s.nnz + static_cast<double>(s.fill + s.terms)); }
 
-// From 0 to 1 where `bytes` outgrow a cache of this size.
+// Rises from 0 to 1 as `bytes` outgrow a cache of this size.
 double beyond(double bytes, double cache) {
   const double ratio = bytes / cache;
   return ratio * ratio / (1 + ratio * ratio);
 }
-constexpr double kMostOff = 20;    // no machine is so many times as fast as that of the prior
-constexpr double kFewSamples = 5;  // tell as much of a machine's speed as the prior does
-constexpr double kSmallCache = 1 << 20, kLargeCache = 1 << 24;  // bytes; where they are exactly, neighbours tell
+constexpr double kMostOff = 20;    // a machine is at most this many times as fast as the prior assumes
+constexpr double kFewSamples = 5;  // this many samples tell as much about a machine's speed as the prior
+constexpr double kSmallCache = 1 << 20, kLargeCache = 1 << 24;  // bytes; neighbours tell where the machine's caches end
 
 FitPoint point_of(Kernel kernel, const Shape& shape, const Strategy& strategy) {
   const double n = shape.n, nnz = shape.nnz, fill = static_cast<double>(shape.fill);
@@ -198,7 +198,7 @@ std::string_view name(Origin origin) noexcept {
 }
 
 struct PerformanceModel::Impl {
-  // Those of one shape: strategies share most of them.
+  // Times of kernels for one shape, which most strategies share.
   class Kernels {
    public:
     Kernels(const Impl& model, const Shape& shape) : model_(model), shape_(shape) {}
@@ -209,7 +209,7 @@ struct PerformanceModel::Impl {
       if (is_new) at->second = model_.predict(kernel, shape_, strategy);
       return at->second;
     }
-    // Of packs that are not solved in registers, it depends on W alone.
+    // Depends only on W for packs that are not solved in registers.
     const Prediction& rest_of_pack(const Strategy& strategy) {
       const auto [at, is_new] = rests_.try_emplace(strategy.solver.lanes);
       if (is_new) at->second = model_.measured_rest(shape_, strategy);
@@ -223,7 +223,7 @@ struct PerformanceModel::Impl {
     std::map<std::int32_t, Prediction> rests_;
   };
 
-  // The same for the shape of each cell of packs.
+  // The same for the shapes of all packs.
   class KernelsOfShapes {
    public:
     explicit KernelsOfShapes(const Impl& model) : model_(model) {}
@@ -248,7 +248,7 @@ struct PerformanceModel::Impl {
     fit_around(cells);
   }
 
-  // Variants and shapes are numbered in their own order, not in that of the samples.
+  // Numbers variants and shapes in their own order, so that the order of samples does not matter.
   std::vector<Cell> cells_of(const std::vector<Sample>& samples) {
     for (const Sample& s : samples) names.add(s.strategy.solver.backend);
     std::vector<std::pair<std::map<Variant, std::int32_t>::iterator, std::map<KernelShape, std::int32_t>::iterator>> at;
@@ -257,7 +257,7 @@ struct PerformanceModel::Impl {
     for (const Sample& s : samples) {
       const Variant variant = variant_of(s.kernel, s.strategy, names);
       const KernelShape shape = kernel_shape(s.kernel, s.shape);
-      // Mostly a sample has both or one of them in common with the one before.
+      // Most samples share one or both of them with the sample before.
       const bool same_variant = !at.empty() && at.back().first->first == variant;
       const bool same_shape = !at.empty() && at.back().second->first == shape;
       at.emplace_back(same_variant ? at.back().first : numbers.try_emplace(variant, 0).first,
@@ -276,11 +276,11 @@ struct PerformanceModel::Impl {
     return cells;
   }
 
-  // Of what was measured more than once, the median.
+  // Takes the median of repeated measurements.
   Cells gather(const std::vector<Sample>& samples) {
     std::vector<std::pair<Cell, const Sample*>> all;
     all.reserve(samples.size());
-    std::map<std::int32_t, std::map<Cell, std::vector<double>>> crowds;  // p: packs while so many threads work
+    std::map<std::int32_t, std::map<Cell, std::vector<double>>> crowds;  // p: packs solved while p threads work
     const std::vector<Cell> cells = cells_of(samples);
     for (std::size_t i = 0; i < samples.size(); ++i) {
       const Sample& s = samples[i];
@@ -321,13 +321,13 @@ struct PerformanceModel::Impl {
         ratios[shape_at(cell).n].push_back(
             std::clamp(median(seconds_of) / alone->seconds, 1.0, static_cast<double>(p)));
       }
-      // What other programs take from the cores comes and goes within seconds: the median does not see it.
+      // Other programs take cores for seconds at a time, which the median ignores.
       for (const auto& [n, of] : ratios) contentions[p][n] = median(of);
     }
     return gathered;
   }
 
-  // One curve for each variant of a kernel; point(g): where its time was measured.
+  // Fits one curve for each variant of a kernel; point(g): the place of a measurement.
   template <class Point>
   static Curves curves_of(Kernel kernel, const Cells& cells, const Point& point) {
     Curves curves;
@@ -355,12 +355,13 @@ struct PerformanceModel::Impl {
       return point_of(kernel, s.shape, s.strategy);
     });
     if (ratios.empty()) return;
-    // A few samples may be of what the prior knows least.
+    // A few samples may be of kernels that the prior predicts worst.
     const double trust = static_cast<double>(ratios.size()) / (static_cast<double>(ratios.size()) + kFewSamples);
     speed[k] = std::pow(median(std::move(ratios)), trust);
   }
 
-  // What a pack costs beyond its kernels, by W: whatever the solver, so the quickest one tells best.
+  // Fits the time of a pack besides its kernels, by W. It does not depend on the solver, so the fastest solver shows it
+  // best.
   void fit_rest(const Cells& cells, KernelsOfShapes& kernels) {
     using CellKey = std::tuple<std::int32_t, std::uint64_t, std::int64_t, std::int32_t>;
     std::map<CellKey, const Gathered*> quickest;
@@ -377,13 +378,13 @@ struct PerformanceModel::Impl {
       const auto& [shape, strategy] = std::tie(g->example->shape, g->example->strategy);
       const Prediction parts = kernels_of_pack(kernels.of(*g), strategy);
       const double rest_of_it = g->seconds - parts.seconds;
-      if (parts.origin == Origin::prior || rest_of_it < 0.05 * g->seconds) continue;  // else it is all noise
+      if (parts.origin == Origin::prior || rest_of_it < 0.05 * g->seconds) continue;  // else it is only noise
       points[strategy.solver.lanes].push_back({point_of(Kernel::pack, shape, strategy), rest_of_it, g->noise});
     }
     for (auto& [lanes, measured] : points) rest.emplace(lanes, Curve(measured));
   }
 
-  // What whole packs say beyond the sum of their parts.
+  // Fits the time of whole packs beyond the sum of their parts.
   void fit_packs(const Cells& cells, KernelsOfShapes& kernels) {
     packs = curves_of(Kernel::pack, cells, [&](const Gathered& g) {
       const auto& [shape, strategy] = std::tie(g.example->shape, g.example->strategy);
@@ -391,8 +392,8 @@ struct PerformanceModel::Impl {
     });
   }
 
-  // How many times its prior it takes: mechanisms are too few to tell its terms from each other. A difference of times
-  // scatters more than they do, and all the same says more about its neighbours than the fit.
+  // Fits the ratio to the prior, because mechanisms are too few to separate its terms. Differences of times scatter
+  // more than times do; neighbours still tell more than the fit.
   void fit_around(const Cells& cells) {
     std::vector<Curve::Measured> points;
     for (const Gathered& g : cells) {
@@ -438,7 +439,7 @@ struct PerformanceModel::Impl {
     return {(prior_seconds(Kernel::pack, shape, s) - of_kernels) * speed_of_all(), 2, Origin::prior};
   }
 
-  // By the curve of this W, or else of the next one; there is one.
+  // Uses the curve of this W, or else of the nearest W. At least one exists.
   [[nodiscard]] Prediction measured_rest(const Shape& shape, const Strategy& s) const {
     const FitPoint point = point_of(Kernel::pack, shape, s);
     if (const auto found = rest.find(s.solver.lanes); found != rest.end()) return found->second.at(point);
@@ -450,14 +451,14 @@ struct PerformanceModel::Impl {
     return there;
   }
 
-  // How this machine compares to that of the prior.
+  // Speed of this machine relative to that of the prior.
   [[nodiscard]] double speed_of_all() const { return speed[static_cast<std::size_t>(Kernel::evaluate)]; }
 
   [[nodiscard]] const KernelShape& shape_at(const Cell& cell) const {
     return shapes[static_cast<std::size_t>(cell.shape)];
   }
 
-  // -1: no sample has it.
+  // -1: no sample has this variant.
   [[nodiscard]] std::int32_t number_of(const Variant& variant) const {
     const auto found = numbers.find(variant);
     return found == numbers.end() ? -1 : found->second;
@@ -502,12 +503,12 @@ struct PerformanceModel::Impl {
     return plausible({otherwise, 2, Origin::prior});
   }
 
-  // The same solver with another W or other threads, the nearest that has a curve; end: none has.
+  // The nearest variant of the same solver, with another W or other threads, that has a curve; end: there is none.
   [[nodiscard]] std::map<Variant, std::int32_t>::const_iterator stand_in(const Curves& curves,
                                                                          const Variant& wanted) const {
     auto best = numbers.end();
     double least = 0;
-    Variant first = wanted;  // of this solver: its variants follow each other
+    Variant first = wanted;  // first variant of this solver; its variants are consecutive
     first.q = first.lanes = 0;
     const auto same_solver = [&](const Variant& v) {
       const auto solver = [](const Variant& of) {
@@ -533,7 +534,7 @@ struct PerformanceModel::Impl {
     if (const Known* k = exactly(Kernel::pack, shape, number)) return k->prediction();
     const Prediction sum = composed(kernels, strategy);
     auto found = packs.find(number);
-    if (found == packs.end()) {  // of the same solver with another W, or else with the plain policy
+    if (found == packs.end()) {  // same solver with another W, or else with the plain policy
       const auto next = stand_in(packs, variant);
       variant.once = variant.separate = false;
       variant.reuse = Reuse::fresh;
@@ -553,7 +554,7 @@ struct PerformanceModel::Impl {
   std::vector<KernelShape> shapes;       // ascending
   std::vector<Known> known;              // ascending
   std::array<Curves, 3> curve;           // evaluate, factor, solve; by variant
-  std::array<double, 3> speed{1, 1, 1};  // measured over prior, of each
+  std::array<double, 3> speed{1, 1, 1};  // measured over prior, for each
   Curves rest;                           // W
   Curves packs;                          // by variant
   std::optional<Curve> around;
@@ -600,7 +601,7 @@ std::vector<Prediction> PerformanceModel::packs(const Shape& shape, std::span<co
   return all;
 }
 
-// Threads add to a meeting evenly, as far as was seen; to a handover they do not.
+// The cost of a meeting grows evenly with threads, as far as measured; that of a handover does not.
 Prediction PerformanceModel::meeting(std::int32_t p, double doubles) const {
   if (p < 2) return {0, 1, Origin::measured};
   const auto nearest = [p](const std::map<std::int32_t, std::vector<double>>& known) {
@@ -613,13 +614,13 @@ Prediction PerformanceModel::meeting(std::int32_t p, double doubles) const {
     sum = {median(seconds) * p / threads, threads == p ? 1.2 : 1.5,
            threads == p ? Origin::measured : Origin::extrapolated};
   }
-  // The meeting itself is part of what was measured with many doubles, but a small one.
+  // A measurement with many doubles includes the meeting, but it is a small part.
   const double each = impl_->handovers.empty() ? kPriorHandover : median(nearest(impl_->handovers)->second);
   sum.seconds += each * doubles;
   return sum;
 }
 
-// As far as was seen; beyond it as of most threads, and as of the smallest or largest groups.
+// Uses the largest measured number of threads beyond it, and the smallest or largest measured groups.
 double PerformanceModel::contention(std::int32_t p, std::int32_t n) const {
   const auto& known = impl_->contentions;
   if (p < 2 || known.empty()) return 1;

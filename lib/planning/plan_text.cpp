@@ -14,10 +14,10 @@ constexpr std::int64_t kVersion = 3;
 constexpr std::string_view kChecksum = "checksum ";
 constexpr std::size_t kChecksumDigits = 16;          // of the checksum
 constexpr std::size_t kPlanPiece = 1'000'000;        // bytes read at once
-constexpr std::size_t kLargestPlan = 2'000'000'000;  // bytes; a million dyads take a fifth of it
+constexpr std::size_t kLargestPlan = 2'000'000'000;  // bytes; a million dyads take a fifth
 constexpr std::string_view kSpace = " \n";
 
-// FNV-1a, 64 bits: every step is one-to-one in the state, so that no change of a single byte goes unnoticed.
+// FNV-1a, 64 bits. Every step is one-to-one in the state, so a change of a single byte is always noticed.
 std::string checksum(std::string_view text) {
   std::uint64_t hash = 0xcbf29ce484222325;
   for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
@@ -56,7 +56,8 @@ void PlanWriter::put(double number) {
   if (!std::isfinite(number)) refuse_at("", "one of its numbers is not finite; such a plan cannot be saved");
   char digits[32];
   text_ += ' ';
-  text_.append(digits, std::to_chars(digits, digits + sizeof digits, number).ptr);  // the shortest that reads back
+  // the shortest text that reads back as the same number
+  text_.append(digits, std::to_chars(digits, digits + sizeof digits, number).ptr);
 }
 
 void PlanWriter::put(const std::string& name) {
@@ -76,7 +77,7 @@ std::string text_of_plan(std::istream& in) {
     for (std::size_t size = in.rdbuf() != nullptr ? kPlanPiece : 0;
          size == kPlanPiece && (text.empty() || text.starts_with(kMagic));) {
       if (text.size() > kLargestPlan) {
-        refuse_at("", "it has more than " + std::to_string(kLargestPlan / 1'000'000) + " MB, the most that is read");
+        refuse_at("", "it is larger than " + std::to_string(kLargestPlan / 1'000'000) + " MB, the limit");
       }
       text.resize(text.size() + kPlanPiece);
       char* const end = text.data() + text.size() - kPlanPiece;
@@ -94,7 +95,7 @@ std::string text_of_plan(std::istream& in) {
 
 PlanReader::PlanReader(std::string text) : text_(std::move(text)) {
   if (!text_.starts_with(kMagic)) {
-    refuse_at("", "this is no saved plan: it does not begin with \"" + std::string(kMagic) + "\"");
+    refuse_at("", "this is not a saved plan: it does not begin with \"" + std::string(kMagic) + "\"");
   }
   at_ = kMagic.size();
   std::int64_t version = 0;

@@ -16,8 +16,8 @@ Predictor automatic_predictor(const Structure& s, double accuracy) {
   const bool all = std::all_of(s.groups.begin(), s.groups.end(), [&](const Group& g) {
     return g.wanted_derivatives == 2 && s.classes[static_cast<std::size_t>(g.group_class)].first_wanted == 0;
   });
-  // Where accelerations are not wanted, past positions predict as well and cost no factorisation.
-  // Between postures that are not exact it is better not to interpolate.
+  // If accelerations are not wanted, a prediction from past positions is as good and costs no factorisation.
+  // Inexact postures predict better without interpolation.
   constexpr double kLoose = 1e-5;
   if (all && accuracy >= kLoose) return {Predictor::Kind::taylor, 2};
   return all ? Predictor{Predictor::Kind::hermite, 5} : Predictor{Predictor::Kind::past, 5};
@@ -41,20 +41,21 @@ void check_controlled(const Scene& scene, const std::vector<std::string>& contro
   for (const Driver& d : scene.drivers()) known += (known.empty() ? "" : ", ") + d.name;
   for (const std::string& name : controlled) {
     if (std::none_of(scene.drivers().begin(), scene.drivers().end(), [&](const Driver& d) { return d.name == name; })) {
-      throw Error(Error::Kind::input, "'" + name + "' cannot be controlled, it is no driver; there are: " + known);
+      throw Error(Error::Kind::input,
+                  "'" + name + "' cannot be controlled, because it is not a driver; the drivers are: " + known);
     }
   }
 }
 
 struct ClassSize {
   std::int32_t groups = 0;
-  std::int32_t side_by_side = 0;  // most groups on one level
+  std::int32_t side_by_side = 0;  // largest number of groups on one level
 };
 
 std::vector<ClassSize> class_sizes(const Structure& s) {
   std::vector<ClassSize> sizes(s.classes.size());
   std::vector<std::int32_t> on_level(s.classes.size(), 0), level(s.classes.size(), -1);
-  for (const Group& g : s.groups) {  // level after level
+  for (const Group& g : s.groups) {  // in the order of levels
     const auto c = static_cast<std::size_t>(g.group_class);
     on_level[c] = level[c] == g.level ? on_level[c] + 1 : 1;
     level[c] = g.level;
@@ -78,7 +79,7 @@ void check_backend(const Backend& backend, const Plan::Choice& choice, std::span
   if (choice.solver.single && !backend.single) refuse("it has no float version; leave out +float");
 }
 
-// The machine is asked only where the answer matters.
+// Asks the machine only if no budget is given.
 std::int32_t threads_at_most(const PrepareOptions& options) {
   return (options.budget ? *options.budget : available_budget()).threads;
 }
@@ -94,12 +95,12 @@ void check_budget(const Strategy& wanted, const PrepareOptions& options) {
   }
 }
 
-// Within the first step.
+// Checks the functions within the first step.
 std::vector<Diagnostic> wrong_functions(const System& s, const std::vector<double>& q, const TimeGrid& time) {
   return contradictions(s, q, time.start, time.start + time.step);
 }
 
-// Where a posture is given, redundant equations are chosen anew there.
+// If a posture is given, redundant equations are chosen at this posture.
 struct Start {
   std::vector<double> posture;
   double time = 0;
@@ -118,7 +119,7 @@ std::shared_ptr<const Structure> structure_for(const Scene& scene, const Prepare
   auto structure = std::make_shared<const Structure>(analyze(scene, wanted));
   refuse_undetermined(*structure);
   if (!structure->cannot_assemble.empty()) {
-    // A wrong Jacobian may be the reason; it shows at the guess.
+    // A wrong Jacobian may be the reason, and a check at the guess finds it.
     std::vector<Diagnostic> why{{"", structure->cannot_assemble}};
     const System& s = *structure->system;
     const std::vector<Diagnostic> wrong = wrong_functions(s, s.guess, scene.time());
@@ -128,7 +129,7 @@ std::shared_ptr<const Structure> structure_for(const Scene& scene, const Prepare
   return structure;
 }
 
-// A strategy given as a text, for every class.
+// The plan for a strategy text, which holds for every class.
 Plan forced_plan(const Structure& s, const Strategy& wanted, const PrepareOptions& options) {
   Plan plan;
   plan.run = wanted.run;
@@ -139,7 +140,7 @@ Plan forced_plan(const Structure& s, const Strategy& wanted, const PrepareOption
   for (std::size_t c = 0; c < s.classes.size(); ++c) {
     Plan::Choice choice;
     choice.group_class = static_cast<std::int32_t>(c);
-    // Shares of unequal packs depend on what they cost; nothing else asks for the counts.
+    // Only shares of unequal packs need the counts of operations.
     choice.shape = wanted.run.threads > 1 ? shape_of(s.classes[c], sizes[c].groups)
                                           : Shape{.n = s.classes[c].n,
                                                   .nnz = s.pattern(choice.group_class).nnz(),
@@ -148,7 +149,7 @@ Plan forced_plan(const Structure& s, const Strategy& wanted, const PrepareOption
     choice.solver = wanted.solver;
     choice.threads = wanted.run.threads;
     choice.reason = "forced";
-    // W is "up to": lanes that no group could fill would be computed for nothing.
+    // W is an upper limit: lanes that no group can fill would be computed in vain.
     while (choice.solver.lanes / 2 >= sizes[c].side_by_side) choice.solver.lanes /= 2;
     check_backend(find_backend(backends(), choice.solver.backend), choice, options.without);
     plan.choices.push_back(std::move(choice));
@@ -158,7 +159,7 @@ Plan forced_plan(const Structure& s, const Strategy& wanted, const PrepareOption
   return plan;
 }
 
-// Other formulations are tried where that is cheap and may gain.
+// Tries other formulations if they are cheap to try and may save time.
 std::vector<Formulation> formulations(const Scene& scene, const Structure& irreducible) {
   constexpr std::int64_t kMostWeighed = 2000;
   std::vector<Formulation> others;
@@ -192,7 +193,7 @@ Choice automatic_choice(const Scene& scene, const PrepareOptions& options, const
       Choice other = choose(formulation);
       if (other.plan.expected_seconds < best.plan.expected_seconds * (1 - scales.tie)) best = std::move(other);
     } catch (const Error&) {
-      // It cannot be had here, or the scene's declared groups are none: the first stands.
+      // The scene cannot be prepared in this formulation, or its declared groups are invalid: keep the first one.
     }
   }
   return best;
@@ -200,7 +201,8 @@ Choice automatic_choice(const Scene& scene, const PrepareOptions& options, const
 
 Prepared prepare_at(const Scene& scene, const PrepareOptions& options, Start start) {
   if (options.budget && options.budget->threads < 1) {
-    throw Error(Error::Kind::input, "a budget has at least one thread, not " + std::to_string(options.budget->threads));
+    throw Error(Error::Kind::input,
+                "a budget needs at least one thread, not " + std::to_string(options.budget->threads));
   }
   if (!(options.accuracy >= 0) || !std::isfinite(options.accuracy)) {
     throw Error(Error::Kind::input,

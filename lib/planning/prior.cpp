@@ -9,13 +9,13 @@
 namespace assur {
 namespace {
 
-// Each constant is a number of ns, and each function names the command that measured it: of the samples of
-// `assur tune --budget 30` those that `assur db samples --kernel K` shows, on one core of an AMD EPYC (Zen 5, AVX-512).
+// Constants are in ns. Each function names the command that measured its constants: `--kernel K` stands for `assur db
+// samples --kernel K` after `assur tune --budget 30`, on one core of an AMD EPYC (Zen 5, AVX-512).
 
-// Wider lanes cost more, but less than in proportion; `more`: each beyond the first, relative.
+// Wider lanes cost more, but less than in proportion. more: relative cost of each lane beyond the first.
 double width(const Strategy& s, double more) { return 1 + more * (s.solver.lanes - 1); }
 
-// Threads inside one factorisation gain little on few unknowns: `team_bench`.
+// Threads inside one factorisation gain little if unknowns are few: `team_bench`.
 double threads_at_work(const Shape& shape, const Strategy& s) {
   return s.solver.threads == 1 ? 1 : 1 + (s.solver.threads - 1) * std::min(1.0, shape.n / 600.0);
 }
@@ -31,11 +31,11 @@ struct Counts {
 
 bool refines(const Strategy& s) { return s.solver.single || s.solver.refine; }
 
-// The matrix is kept for residuals; how float and double differ: `--kernel factor` of +float.
+// The matrix is kept for residuals. Difference of float and double: `--kernel factor` of +float.
 double keeping_seconds(const Shape& shape, const Strategy& s) {
   return refines(s) ? 1e-9 * (60 + 7.0 * shape.n + 2.0 * shape.nnz) * width(s, 0.75) : 0;
 }
-// Residuals, norms and the judgement of two corrections: `--kernel solve` of +float.
+// Residuals, norms and tests of two corrections: `--kernel solve` of +float.
 double correcting_seconds(const Shape& shape, const Strategy& s) {
   return refines(s) ? 1e-9 * (60 + 25.0 * shape.n + 1.5 * shape.nnz) * width(s, 0.37) : 0;
 }
@@ -52,7 +52,7 @@ double plain_factor_seconds(const Shape& shape, const Strategy& s) {
     return 1e-9 * s.solver.lanes * (elimination * (s.solver.single ? 0.8 : 1) / threads_at_work(shape, s) + meetings);
   }
   if (backend.keeps_pivots) return 1e-9 * s.solver.lanes * (20 + 3 * n + fill + 0.7 * operations);
-  return 1e-9 * s.solver.lanes * (20'000 + 600 * n + 0.7 * operations);  // they order anew
+  return 1e-9 * s.solver.lanes * (20'000 + 600 * n + 0.7 * operations);  // these compute a new order each time
 }
 
 double factor_seconds(const Shape& shape, const Strategy& s) {
@@ -75,8 +75,8 @@ double solve_seconds(const Shape& shape, const Strategy& s) {
   return (refines(s) ? 3 : 1) * plain_solve_seconds(shape, s) + correcting_seconds(shape, s);
 }
 
-// Inputs gathered, norms, the branch check; factors of another posture also ask for residuals. `--kernel pack` without
-// what `--kernel evaluate`, `factor` and `solve` say of the same shape.
+// Gathering of inputs, norms and the branch check; factors of another posture also need residuals. `--kernel pack`
+// minus `--kernel evaluate`, `factor` and `solve` of the same shape.
 double rest_seconds(const Shape& shape, const Strategy& s) {
   return 1e-9 * (120 + (6.0 * shape.n + (s.solver.once ? 7 : 3.3) * shape.nnz) * width(s, 0.2));
 }
@@ -127,11 +127,11 @@ double prior_around_seconds(std::int64_t unknowns, std::int64_t pieces) {
   return 1e-9 * (300 + 2 * static_cast<double>(unknowns) + 0.6 * static_cast<double>(pieces));
 }
 
-// `--kernel meeting`, without the 5 us by the clock.
+// `--kernel meeting`, minus 5 us of the clock.
 double prior_meeting_seconds(std::int32_t p) { return p < 2 ? 0 : 1e-9 * (700 + 50.0 * p); }
 
 StepCounts step_counts(const Strategy& s, int derivatives) {
-  // Factors taken at the prediction serve the derivatives with one refinement each.
+  // Factors from the prediction also serve the derivatives, with one refinement each.
   const bool borrowed = s.solver.once && derivatives > 0;
   StepCounts counts{2, 1, 1.0 + derivatives};
   if (borrowed) counts.solutions += derivatives;

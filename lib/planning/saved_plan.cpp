@@ -14,7 +14,7 @@ namespace {
 
 enum class LawPart : std::uint8_t { polynomial, harmonics, table };
 
-// What no file can hold.
+// Refuses functions, which no file can hold.
 void refuse_functions(const System& system) {
   const auto refuse = [](const std::string& what, const std::string& instead) {
     throw Error(Error::Kind::input, what + ", which cannot be saved; " + instead);
@@ -48,16 +48,16 @@ void check_backends(const Plan& plan, std::span<const Backend> table) {
     };
     const auto found = std::find_if(table.begin(), table.end(), [&](const Backend& b) { return b.id == s.backend; });
     if (found == table.end()) {
-      refuse("which is not among the solvers at hand (" + known + ")",
+      refuse("which is not among the given solvers (" + known + ")",
              "link assur::assur and give load_plan() its backends(), or");
     }
     const std::string why_not = found->why_not(choice.shape, ThreadBudget{s.threads});
-    if (!why_not.empty()) refuse("which cannot run here: " + why_not, "mend that, or");
+    if (!why_not.empty()) refuse("which cannot run here: " + why_not, "correct this, or");
     if (s.single && !found->single) refuse("which has no float version", "leave out +float, or");
   }
 }
 
-// p changes no bit of the motion, q does.
+// p does not change the motion, q does.
 void fit_threads(Plan& plan, const std::optional<ThreadBudget>& budget) {
   std::int32_t q = 1;
   for (const Plan::Choice& choice : plan.choices) q = std::max(q, choice.solver.threads);
@@ -71,7 +71,7 @@ void fit_threads(Plan& plan, const std::optional<ThreadBudget>& budget) {
   const std::int32_t p = most / q;
   if (plan.run.threads <= p) return;
   plan.reason += (plan.reason.empty() ? "" : "; ") + std::to_string(p) + " instead of " +
-                 std::to_string(plan.run.threads) + " threads at once, which is the budget at hand";
+                 std::to_string(plan.run.threads) + " threads, because of the budget";
   plan.run.threads = p;
   for (std::int32_t& threads : plan.level_threads) threads = std::min(threads, p);
   for (Plan::Choice& choice : plan.choices) choice.threads = std::min(choice.threads, p);
@@ -92,7 +92,7 @@ void fields(PlanWriter& write, const Law& law) {
   }
 }
 
-// The spline of a table is found anew from its points.
+// The spline of a table is computed again from its points.
 void fields(PlanReader& read, Law& law) {
   std::int32_t parts = 0;
   read(parts);
@@ -129,7 +129,8 @@ void save_plan(std::ostream& out, const Prepared& prepared) {
 
 Prepared load_plan(std::istream& in, const LoadOptions& options) {
   if (options.budget && options.budget->threads < 1) {
-    throw Error(Error::Kind::input, "a budget has at least one thread, not " + std::to_string(options.budget->threads));
+    throw Error(Error::Kind::input,
+                "a budget needs at least one thread, not " + std::to_string(options.budget->threads));
   }
   PlanReader read(text_of_plan(in));
   Prepared prepared;

@@ -51,7 +51,7 @@ bool is_id(std::string_view text) {
   return text.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") == text.npos;
 }
 
-// Reads a strategy from left to right; the first part that does not fit ends it.
+// Reads a strategy from left to right; throws at the first invalid part.
 class Reader {
  public:
   explicit Reader(std::string_view text) : text_(text) {}
@@ -89,11 +89,11 @@ class Reader {
       strategy_.run.formulation = f;
       known = true;
     }
-    if (!known) refuse(quoted(formulation) + " is no formulation: global, groups or irreducible");
+    if (!known) refuse(quoted(formulation) + " is not a formulation: use global, groups or irreducible");
     if (!has_solver) refuse("\"/BACKEND\" is missing after " + quoted(formulation));
 
     const auto [backend, lanes, has_lanes] = cut(solver, ':');
-    if (!is_id(backend)) refuse(quoted(backend) + " is no name of a backend");
+    if (!is_id(backend)) refuse(quoted(backend) + " is not the name of a backend");
     strategy_.solver.backend = backend;
     if (has_lanes) read_lanes(lanes);
   }
@@ -101,7 +101,7 @@ class Reader {
   void read_lanes(std::string_view text) {
     const auto lanes = positive(text);
     if (!lanes || *lanes > kMostLanes || (*lanes & (*lanes - 1)) != 0) {
-      refuse(quoted(text) + " is no number of lanes: 1, 2, 4, 8 or 16");
+      refuse(quoted(text) + " is not a number of lanes: use 1, 2, 4, 8 or 16");
     }
     strategy_.solver.lanes = *lanes;
   }
@@ -124,7 +124,7 @@ class Reader {
     std::size_t index = 0;
     while (index < kKeys.size() && kKeys[index] != key) ++index;
     if (index == kKeys.size())
-      refuse(quoted(option) + " is no option: float, refine, reuse, once, separate, predict or chunks");
+      refuse(quoted(option) + " is not an option: use float, refine, reuse, once, separate, predict or chunks");
     if (std::exchange(seen[index], true)) refuse("option " + quoted(key) + " is given twice");
 
     const bool wants_value = key == "reuse" || key == "predict" || key == "chunks";
@@ -141,7 +141,7 @@ class Reader {
   }
 
   void read_reuse(std::string_view value) {
-    if (value != "step" && value != "run") refuse(quoted(value) + " is no reuse: step or run");
+    if (value != "step" && value != "run") refuse(quoted(value) + " is not a kind of reuse: use step or run");
     strategy_.solver.reuse = value == "step" ? Reuse::step : Reuse::run;
   }
 
@@ -155,20 +155,20 @@ class Reader {
         return;
       }
     }
-    refuse(quoted(value) + " is no predictor: taylor:0, taylor:1, taylor:2, hermite:5 or past:0 to past:5");
+    refuse(quoted(value) + " is not a predictor: use taylor:0, taylor:1, taylor:2, hermite:5 or past:0 to past:5");
   }
 
   void read_chunks(std::string_view value) {
     const auto chunks = positive(value);
     if (!chunks)
-      refuse(quoted(value) + " is no number of chunks: 1 to " + std::to_string(std::numeric_limits<int>::max()));
+      refuse(quoted(value) + " is not a number of chunks: use 1 to " + std::to_string(std::numeric_limits<int>::max()));
     strategy_.run.chunks = *chunks;
   }
 
   void read_split(std::string_view text) {
     const Cut split = cut(text, 'x');
     const auto p = positive(split.before), q = positive(split.after);
-    if (!p || !q) refuse(quoted(text) + " is no split PxQ of threads, such as 1x1 or 3x2");
+    if (!p || !q) refuse(quoted(text) + " is not a split PxQ of threads such as 1x1 or 3x2");
     strategy_.run.threads = *p;
     strategy_.solver.threads = *q;
   }

@@ -12,25 +12,26 @@
 namespace assur {
 namespace {
 
-// Distances, in internal units or in the length of a step of time.
+// Distances of differences: in internal units for callbacks, relative to the time step for laws.
 constexpr double kLongestOffset = 0x1p-8;
 constexpr double kShortestOffset = 0x1p-30;
-constexpr double kGlance = 0x1p-16;    // the one distance of a cheap look
-constexpr double kLawGlance = 0x1p-9;  // the same, of a step of time
+constexpr double kGlance = 0x1p-16;    // the one distance of a cheap check
+constexpr double kLawGlance = 0x1p-9;  // the same, relative to the time step
 constexpr double kLawLongest = 0x1p-2;
-constexpr double kSpan = 100;            // steps of time in which a motion is expected to change
-constexpr double kRoundingSteps = 1024;  // no distance is below so many roundings of the argument
+constexpr double kSpan = 100;            // time steps in which a motion is expected to change
+constexpr double kRoundingSteps = 1024;  // every distance is at least so many roundings of the argument
 
-constexpr double kSureUncertainties = 4;  // uncertainties that a derivative must be off by
-constexpr double kBlind = 0.1;            // of the difference: a level this uncertain can neither confirm nor deny it
-constexpr double kCalm = 0.01;       // of the change at the longest distance: roughness of a function that has a slope
-constexpr double kRounded = 16;      // roundings: no roughness
-constexpr double kConfirms = 0.25;   // of the difference: a level this near to what was given confirms it
-constexpr double kFloor = 0.1;       // of the tolerance, over the largest derivative beside this one
-constexpr double kDoubt = 0.05;      // of what is tolerated: a cheap look asks for a closer one
-constexpr double kAskedAgain = 0.1;  // of the tolerance: two answers to one question may differ by
+constexpr double kSureUncertainties = 4;  // a derivative is wrong if its error exceeds so many uncertainties
+constexpr double kBlind = 0.1;            // of the difference: a level with more uncertainty cannot decide
+// of the change at the longest distance: larger roughness means that the function has no slope
+constexpr double kCalm = 0.01;
+constexpr double kRounded = 16;      // roundings: smaller differences are not roughness
+constexpr double kConfirms = 0.25;   // of the difference: a level closer to the given derivative confirms it
+constexpr double kFloor = 0.1;       // of the tolerance, relative to the largest other derivative
+constexpr double kDoubt = 0.05;      // of the tolerance: a larger difference in a cheap check asks for a closer one
+constexpr double kAskedAgain = 0.1;  // of the tolerance: largest difference of two results for the same arguments
 
-// A function of the program away from where it has to be defined.
+// Calls a function of the program at arguments where it may be undefined; exceptions count as NaN.
 template <class F>
 void call(F&& f, double* values, std::size_t count) {
   try {
@@ -40,7 +41,7 @@ void call(F&& f, double* values, std::size_t count) {
   }
 }
 
-// The value of the last bit that is set; infinite where none is.
+// The value of the last bit that is set; infinite if none is.
 double last_bit(double f) {
   if (f == 0 || !std::isfinite(f)) return kInfinity;
   int exponent = 0;
@@ -88,14 +89,14 @@ void Differences::add_level(double h) {
   ++levels_;
 }
 
-// The error of a central difference is that of the expansion, which falls with the square of the distance and shows in
-// the step from the level before, or that of noise, which grows as the distance falls: it shows in the step to the next
-// level, in steps of the values (a function may compute in float), and in the second differences of this and of
-// all nearer levels, as far as they are not those of a curve, a sixteenth from level to level. A kink shows there, too.
+// The error of a central difference has two parts. The error of the expansion falls with the square of the distance;
+// the step from the level before shows it. Noise grows as the distance falls. It shows in the step to the next level,
+// in the steps of the values (a function may compute in float), and in the second differences of this and all nearer
+// levels, except for the part of a curve, which falls to a sixteenth from level to level. Kinks show there as well.
 //
-// A function that is rough at some distances may seem sure at others. So nothing is accused where roughness is not
-// small beside the changes at the longest distance, or if another level is surer than a tenth of the difference and
-// agrees with what was given within a quarter of it.
+// A function that is rough at some distances may seem exact at others. So no contradiction is reported if the roughness
+// is not small beside the changes at the longest distance, or if another level is more certain than a tenth of the
+// difference and agrees with the given derivative within a quarter of it.
 Differences::Verdict Differences::judge(std::size_t row, double given, double tolerance, double floor,
                                         double noise) const {
   Verdict out;
@@ -169,21 +170,21 @@ double CallbackCheck::largest_entry(std::size_t row) const {
   return largest;
 }
 
-// Of a residual, as its arguments are rounded.
+// Rounding of a residual by the rounding of its arguments.
 double CallbackCheck::rounding(std::size_t row) const {
   double largest = 0;
   for (std::size_t j = 0; j < m_; ++j) largest = std::max(largest, std::abs(given_[row * m_ + j] * x[j]));
   return kEps * largest;
 }
 
-// In internal units.
+// The shortest useful distance, in internal units.
 double CallbackCheck::shortest() const {
   double farthest = 0;
   for (std::size_t j = 0; j < m_; ++j) farthest = std::max(farthest, std::abs(x[j]) / block_.unit[j]);
   return std::max(kShortestOffset, kRoundingSteps * kEps * farthest);
 }
 
-// Until the fastest argument has moved by one internal unit; infinite at rest.
+// Time in which the fastest argument moves by one internal unit; infinite at rest.
 double CallbackCheck::time_to_move() const {
   double fastest = 0;
   for (std::size_t j = 0; j < m_; ++j) fastest = std::max(fastest, std::abs(rate[j]) / block_.unit[j]);
@@ -294,7 +295,7 @@ void CallbackCheck::find_in_jacobian(std::optional<Contradiction>& worst) {
   }
 }
 
-// At rest there is none.
+// At rest the curvature is zero.
 void CallbackCheck::find_in_curvature(std::optional<Contradiction>& worst) {
   const double time = time_to_move();
   if (!std::isfinite(time)) return;
@@ -331,13 +332,13 @@ Motion ask(const Law::Function& law, double t) {
   return undefined == 0 ? m : Motion{kNan, kNan, kNan};
 }
 
-// Errors too small to matter, of the value, its rate and its acceleration.
+// Errors of the value, its rate and its acceleration that are too small to matter.
 Motion floor_of(const Law::Function& law, const Motion& m, double unit, double span) {
   const double of = kFloor * law.tolerance, size = std::abs(m.value) + unit;
   return {of * size, of * size / span, of * (std::abs(m.rate) + size / span) / span};
 }
 
-// Where no grid has a point.
+// A time that no grid contains.
 double between(double from, double to) {
   constexpr double kGolden = 0.3819660112501051;
   return from + kGolden * (to - from);
@@ -437,11 +438,11 @@ std::string describe(const Contradiction& c, const Callback* callback) {
       break;
   }
   return (callback != nullptr ? "residual[" + row + "]" : "the value" + time) + " is " + text(c.given) +
-         (std::isfinite(c.given) ? ", and " + text(c.found) + " when it is asked again" : "");
+         (std::isfinite(c.given) ? ", but " + text(c.found) + " when it is called again" : "");
 }
 
 std::vector<Diagnostic> contradictions(const System& s, const std::vector<double>& q, double from, double to) {
-  constexpr const char* kInstead = "; correct it, or state a larger `tolerance` if it is meant so";
+  constexpr const char* kInstead = "; correct it, or state a larger `tolerance` if this is intended";
   std::vector<Diagnostic> out;
   for (const CallbackBlock& block : s.callbacks) {
     CallbackCheck check = check_of(s, block);

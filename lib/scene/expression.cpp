@@ -15,14 +15,15 @@ namespace assur {
 namespace {
 
 void prepare(mu::Parser& parser) {
-  parser.ClearConst();  // muParser writes _pi and _e
+  parser.ClearConst();  // muParser defines _pi and _e
   parser.DefineConst("pi", std::numbers::pi);
   parser.DefineConst("e", std::numbers::e);
 }
 
 std::string unreadable(const std::string& text, const mu::Parser::exception_type& error) {
   std::string reason = error.GetMsg();
-  for (const std::string_view tail : {" found at position", " at position", "."}) {  // it counts in its own buffer
+  // positions are those of muParser's own buffer
+  for (const std::string_view tail : {" found at position", " at position", "."}) {
     if (const std::size_t at = reason.rfind(tail); at != std::string::npos) reason.resize(at);
   }
   if (!reason.empty() && reason.front() >= 'A' && reason.front() <= 'Z') reason.front() += 'a' - 'A';
@@ -33,7 +34,7 @@ std::string unreadable(const std::string& text, const mu::Parser::exception_type
 
 class Expressions::Parsers {
  public:
-  std::unordered_map<std::string, Result> evaluated;  // large scenes repeat the same few expressions
+  std::unordered_map<std::string, Result> evaluated;  // large scenes repeat few expressions
 
   Parsers() {
     prepare(names_);
@@ -44,7 +45,7 @@ class Expressions::Parsers {
     return name == "pi" || name == "e" || values_.GetFunDef().count(name) != 0;
   }
 
-  // Names that `text` uses beyond functions and constants; throws mu's error if it cannot be read.
+  // Names in `text` that are not functions or constants. Throws muParser's error if the text cannot be read.
   [[nodiscard]] std::vector<std::string> names(const std::string& text) {
     names_.SetExpr(text);
     std::vector<std::string> used;
@@ -84,7 +85,7 @@ class Expressions::Parsers {
   }
 
  private:
-  // The first word before a parenthesis that is no function; "" if there is none.
+  // The first word before a parenthesis that is not a function; "" if there is none.
   std::string unknown_function(const std::string& text) const {
     for (std::size_t open = text.find('('); open != std::string::npos; open = text.find('(', open + 1)) {
       const std::size_t end = text.find_last_not_of(" \t", open - 1);
@@ -98,7 +99,7 @@ class Expressions::Parsers {
   }
 
   Result explain(const std::string& text, const mu::Parser::exception_type& error) {
-    if (text.find_first_not_of(" \t\r\n") == std::string::npos) return {0, "'=' wants an expression after it", false};
+    if (text.find_first_not_of(" \t\r\n") == std::string::npos) return {0, "an expression is missing after '='", false};
     if (const std::string function = unknown_function(text); !function.empty()) {
       std::vector<std::string_view> functions;
       for (const auto& [name, unused] : values_.GetFunDef()) functions.push_back(name);
@@ -121,7 +122,7 @@ class Expressions::Parsers {
     return {0, unreadable(text, error), false};
   }
 
-  mu::Parser names_;   // knows no parameters: whatever it meets is a name
+  mu::Parser names_;   // knows no parameters, so every name is unknown
   mu::Parser values_;  // has the parameters as constants
   std::unordered_set<std::string> known_, broken_;
   std::vector<std::string> announced_;
@@ -136,7 +137,7 @@ Expressions::Result Expressions::evaluate(const std::string& text) {
   return found->second;
 }
 
-// A parameter is evaluated when all that it uses are. What then remains is on a cycle or depends on one.
+// A parameter is evaluated after all parameters that it uses. The rest are on a cycle, or depend on one.
 std::vector<Expressions::Finding> Expressions::define(const std::vector<Parameter>& parameters,
                                                       const std::vector<std::string>& broken) {
   std::vector<Finding> findings;
@@ -164,13 +165,13 @@ std::vector<Expressions::Finding> Expressions::define(const std::vector<Paramete
       try {
         for (const std::string& name : parsers_->names(*text)) {
           const auto used = index.find(name);
-          if (used == index.end()) continue;  // evaluate() says so
+          if (used == index.end()) continue;  // evaluate() reports it
           uses[i].push_back(used->second);
           users[used->second].push_back(i);
           ++open[i];
         }
       } catch (const mu::Parser::exception_type& error) {
-        // evaluate() says so
+        // evaluate() reports it
       }
     }
     if (open[i] == 0) ready.push_back(i);
@@ -200,13 +201,13 @@ std::vector<Expressions::Finding> Expressions::define(const std::vector<Paramete
   const auto next = [&](std::size_t i) {  // the first parameter used that could not be evaluated
     return *std::find_if(uses[i].begin(), uses[i].end(), [&](std::size_t used) { return !done[used]; });
   };
-  std::vector<std::size_t> visit(n, n);  // the walk that came by, n: none
+  std::vector<std::size_t> visit(n, n);  // start of the walk that visited the parameter, n: none
   for (std::size_t start = 0; start < n; ++start) {
     if (done[start]) continue;
     parsers_->set_broken(parameters[start].name);
     std::size_t i = start;
     for (; visit[i] == n; i = next(i)) visit[i] = start;
-    if (visit[i] != start) continue;  // runs into a circle that is reported already
+    if (visit[i] != start) continue;  // leads to a cycle that is reported already
     constexpr std::size_t kShown = 10;
     std::string circle = excerpt(parameters[i].name);
     std::size_t first = i, length = 1;

@@ -8,8 +8,8 @@
 
 namespace assur {
 
-// Far from the origin the sum of a fixed point and of an offset on its body loses the offset's last digits, which the
-// difference with another point there would show.
+// A number with its rounding error. Far from the origin, the sum of a fixed point and an offset on its body loses the
+// last digits of the offset, which a difference with another point nearby needs.
 struct Forms::Exact {
   double value, rest;
 
@@ -38,14 +38,14 @@ Forms::Forms(std::shared_ptr<const Scene> scene, int length_exponent) {
   s_.coordinates.push_back({-1, -1, 0, Role::one, false});
   s_.guess.push_back(1.0);
 
-  // Drivers add a few of their own.
+  // Drivers add some items of their own.
   const std::size_t named = s_.scene->points().size() + s_.scene->vectors().size() + 8 * s_.drivers.size();
   const std::size_t scalars = 1 + named * static_cast<std::size_t>(s_.dimension);
   s_.items.reserve(named);
   item_of_.reserve(named);
   s_.coordinates.reserve(scalars);
   s_.guess.reserve(scalars);
-  // Enough for distances, which most constraints are: what is not written into takes no memory.
+  // Enough for distances, the most frequent constraint; unused memory is not touched.
   const std::size_t constraints = s_.scene->constraints().size(), size = static_cast<std::size_t>(s_.dimension);
   s_.sources.reserve(constraints);
   s_.equations.reserve(constraints);
@@ -89,7 +89,7 @@ Index Forms::form(const Terms& terms) {
   return s_.forms() - 1;
 }
 
-// A literal times a value is the value's constant, or a new one.
+// The product of a literal and a value is the constant of the value, or a new constant.
 Index Forms::times(Index a, Index b) {
   if (a == kPlus) return b;
   if (b == kPlus) return a;
@@ -104,7 +104,7 @@ void Forms::append(Terms& terms, Index f, Index factor) {
     const Index c = times(factor, t.constant);
     const auto same =
         std::find_if(terms.begin(), terms.end(), [&](const Term& o) { return o.coordinate == t.coordinate; });
-    // Both ends on one body: the coefficients add up; a literal sum of zero drops out by type.
+    // If both ends are on one body, the coefficients add up; literals whose sum is zero cancel exactly.
     const auto cancels = [&] { return same->constant < kLiterals && c < kLiterals && same->constant != c; };
     if (same == terms.end()) {
       terms.push_back({t.coordinate, c});
@@ -210,7 +210,7 @@ Triple Forms::at(const Direction& d) const {
   return d.is_pair() ? triple::subtract(at(d.second), at(d.first)) : at(d.first);
 }
 
-// ---- what is known
+// ---- known coordinates
 
 bool Forms::is_fixed(const Item& item) const {
   for (int k = 0; k < item.components; ++k) {

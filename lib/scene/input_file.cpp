@@ -13,7 +13,7 @@
 namespace assur {
 namespace {
 
-constexpr std::uintmax_t kSmall = 16'000'000;  // bytes that are there
+constexpr std::uintmax_t kSmall = 16'000'000;  // bytes that every machine has free
 
 std::string reason_of(int error) {
   std::string text = std::generic_category().message(error);
@@ -27,7 +27,7 @@ std::string kind_of(mode_t mode) {
   return std::string("it is a ") + kind + "; only regular files are read";
 }
 
-// Closes what it holds.
+// Closes the file descriptor that it holds.
 struct Descriptor {
   int number = -1;
   explicit Descriptor(int opened) : number(opened) {}
@@ -38,12 +38,12 @@ struct Descriptor {
   }
 };
 
-// Files of /proc are regular, tell no size, and may have no end.
+// Files of /proc are regular, report no size, and may have no end.
 InputFile read_all(int file, std::uintmax_t told, std::uintmax_t most) {
-  const InputFile too_large{"", "it has more than " + std::to_string(most / 1'000'000) + " MB, the most that is read"};
+  const InputFile too_large{"", "it is larger than " + std::to_string(most / 1'000'000) + " MB, the limit"};
   if (told > most) return too_large;
   if (told > kSmall && static_cast<double>(told) > free_memory()) {
-    return {"", "it has " + std::to_string(told / 1'000'000) + " MB, more than the memory that is free"};
+    return {"", "it is " + std::to_string(told / 1'000'000) + " MB large, more than the free memory"};
   }
   InputFile input;
   std::size_t size = 0;
@@ -64,11 +64,11 @@ InputFile read_all(int file, std::uintmax_t told, std::uintmax_t most) {
 
 InputFile read_input(const std::filesystem::path& file, std::uintmax_t most) {
   if (const std::string kind = why_not_regular(file); !kind.empty())
-    return {"", kind};  // to open a device may do things
+    return {"", kind};  // opening a device may have effects
   const Descriptor opened(::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
   struct stat found {};
   if (opened.number < 0 || ::fstat(opened.number, &found) != 0) return {"", reason_of(errno)};
-  if (!S_ISREG(found.st_mode)) return {"", kind_of(found.st_mode)};  // it was exchanged meanwhile
+  if (!S_ISREG(found.st_mode)) return {"", kind_of(found.st_mode)};  // it was replaced in the meantime
   return read_all(opened.number, static_cast<std::uintmax_t>(found.st_size), most);
 }
 

@@ -7,7 +7,7 @@
 namespace assur {
 namespace {
 
-// The document is gone before the scene is checked, and read again to sort what is wrong.
+// The document is released before the scene is checked, so findings need a second reading to be sorted.
 Scene build(SceneBuilder builder, std::string_view text) {
   try {
     return std::move(builder).build();
@@ -21,11 +21,11 @@ Scene build(SceneBuilder builder, std::string_view text) {
 
 constexpr std::size_t kMostSceneFindings = 1000;
 
-// What can be read of the findings: their places quote keys of the file, and there may be millions of them.
+// Shortens findings: they quote keys of the file, and there may be millions of them.
 std::vector<Diagnostic> readable(std::vector<Diagnostic> findings) {
   const std::size_t more = findings.size() - std::min(findings.size(), kMostSceneFindings);
   findings.resize(findings.size() - more);
-  if (more > 0) findings.push_back({"", "and " + std::to_string(more) + " findings more"});
+  if (more > 0) findings.push_back({"", "and " + std::to_string(more) + " more findings"});
   for (Diagnostic& finding : findings) {
     std::string where;
     for (std::size_t at = 0; at < finding.where.size();) {

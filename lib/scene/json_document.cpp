@@ -12,14 +12,14 @@
 namespace assur {
 namespace {
 
-constexpr std::size_t kDeepest = 32;              // levels; a scene has nine, and lists of laws within lists
-constexpr std::size_t kMostValues = 100'000'000;  // a million dyads have 17
-constexpr double kBytesOfValue = 64;  // at least, until the scene is built: that of a million dyads takes 80
+constexpr std::size_t kDeepest = 32;              // levels; a scene has nine, plus lists of laws within lists
+constexpr std::size_t kMostValues = 100'000'000;  // a million dyads have 17 million
+constexpr double kBytesOfValue = 64;              // lower bound while the scene is built; a million dyads take 80
 
-// Of a document, if it is one: each begins the text or an array or object that is not empty, or follows a comma.
+// Number of values of a document: each one begins the text, a nonempty array or a nonempty object, or follows a comma.
 std::size_t count_values(std::string_view text) {
   std::size_t values = 1, at = 0;
-  char last = ' ';  // but for space
+  char last = ' ';  // the last character that is not a space
   const auto behind = [&](std::string_view end) {
     at = std::min(text.find(end, at + 1), text.size() - 1) + end.size() - 1;
   };
@@ -40,18 +40,18 @@ std::size_t count_values(std::string_view text) {
   return values;
 }
 
-// Before anything is taken: a value of two characters takes many times as much.
+// Checked before memory is taken, because a value of two characters needs many times as much.
 void check_size(std::string_view text) {
   const std::size_t values = count_values(text);
   if (values > kMostValues) {
-    throw Error(Error::Kind::input, "it has " + std::to_string(values) + " values; the most that are read are " +
-                                        std::to_string(kMostValues));
+    throw Error(Error::Kind::input,
+                "it has " + std::to_string(values) + " values; the limit is " + std::to_string(kMostValues));
   }
   require_memory(static_cast<double>(values) * kBytesOfValue, "the scene of " + std::to_string(values) + " values",
-                 "write a smaller one");
+                 "write a smaller scene");
 }
 
-// Builds the tree from the parser's events: items wait until the array or object around them is closed.
+// Builds the tree from the parser's events. Items wait until their array or object is closed.
 class Builder : public nlohmann::json_sax<nlohmann::json> {
  public:
   explicit Builder(std::string_view text) : text_(text) {
@@ -66,7 +66,7 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
   bool number_unsigned(number_unsigned_t value) override { return put(JsonNode(static_cast<double>(value))); }
   bool number_float(number_float_t value, const string_t&) override { return put(JsonNode(value)); }
   bool string(string_t& value) override { return put(JsonNode(kept(value))); }
-  bool binary(binary_t&) override { return false; }  // text has none
+  bool binary(binary_t&) override { return false; }  // JSON text has none
   bool start_object(std::size_t) override { return open(JsonNode::Type::object); }
   bool start_array(std::size_t) override { return open(JsonNode::Type::array); }
   bool key(string_t& name) override {
@@ -99,10 +99,10 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
   struct Open {
     JsonNode::Type type;
     std::uint32_t order;
-    std::size_t items, keys;  // before it
+    std::size_t items, keys;  // before this one
   };
 
-  // position: of the character after the one concerned
+  // position: one after the character concerned
   [[noreturn]] void fail(std::size_t position, const std::string& reason) const {
     const std::string_view before = text_.substr(0, std::min(position > 0 ? position - 1 : 0, text_.size()));
     const auto line = 1 + std::count(before.begin(), before.end(), '\n');
@@ -130,7 +130,8 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
 
   bool open(JsonNode::Type type) {
     if (open_.size() == kDeepest) {
-      throw Error(Error::Kind::input, "nested more than " + std::to_string(kDeepest) + " levels deep; no scene is");
+      throw Error(Error::Kind::input,
+                  "nested more than " + std::to_string(kDeepest) + " levels deep, which no scene needs");
     }
     open_.push_back({type, count_++, items_.size(), keys_.size()});
     return true;
@@ -163,7 +164,7 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
 
   void drop_repeated_keys() {
     const Open& of = open_.back();
-    std::unordered_set<std::string_view> seen;  // of large objects; small ones are many, and searched
+    std::unordered_set<std::string_view> seen;  // for large objects; small ones are many, and are searched
     const bool large = keys_.size() - of.keys > 16;
     if (large) seen.reserve(keys_.size() - of.keys);
     std::size_t item = of.items, kept = of.keys;
@@ -188,8 +189,8 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
   std::string_view text_;
   JsonDocument document_;
   std::vector<Open> open_;
-  std::vector<JsonNode> items_;         // of what is open, outermost first
-  std::vector<std::string_view> keys_;  // the same
+  std::vector<JsonNode> items_;         // items of open arrays and objects, outermost first
+  std::vector<std::string_view> keys_;  // their keys
   std::uint32_t count_ = 1;
 };
 

@@ -12,8 +12,8 @@ struct JsonReader::Kind {
   void (*read)(JsonReader& reader, Object& object, Item& item);
 };
 
-// An item has exactly one key that tells its kind. own: keys that items of all kinds may have; told: none yet, but
-// those that are refused.
+// Exactly one key of an item tells its kind. own: keys that items of all kinds may have. told: keys that are refused
+// with a message; the keys of the kinds are added.
 template <class Item, class Row, class... Rows>
 void JsonReader::read_kinds(const JsonNode* section, const Where& where, const Row& own,
                             const std::tuple<Rows...>& rows, rows::Keys told) {
@@ -47,7 +47,7 @@ void JsonReader::read_kinds(const JsonNode* section, const Where& where, const R
   });
 }
 
-// Null after a finding.
+// Null if a finding was reported.
 template <class Item>
 const JsonReader::Kind<Item>* JsonReader::told_kind(const std::vector<Kind<Item>>& kinds, const rows::Keys& keys,
                                                     const Place& at) {
@@ -66,7 +66,7 @@ const JsonReader::Kind<Item>* JsonReader::told_kind(const std::vector<Kind<Item>
     if (content == nullptr) continue;
     if (told != nullptr && told->key != kind.key) {
       note(where / kind.key,
-           "both " + in_quotes(told->key) + " and " + in_quotes(kind.key) + " are given; one item has one kind");
+           "both " + in_quotes(told->key) + " and " + in_quotes(kind.key) + " are given; an item has exactly one kind");
       return nullptr;
     }
     if (told == nullptr || !is_pair_of_points(*content)) told = &kind;
@@ -95,7 +95,7 @@ void JsonReader::read_measures(const JsonNode* section) {
   read_kinds<Measure>(section, Where("/measures"), rows::kMeasure, rows::kMeasures, {});
 }
 
-// Two names, one at least of a point: the angle of one pair, not that between two directions.
+// True for two names, at least one of them a point: then the angle is that of one pair, not between two directions.
 bool JsonReader::is_pair_of_points(const JsonNode& node) const {
   const auto items = node.items();
   const auto is_pair = [](const JsonNode& item) { return item.items().size() == 2; };

@@ -12,8 +12,8 @@ struct Table {
   std::vector<double> time, value;
 };
 
-// Rows "t, value"; empty lines, lines that begin with '#', and a first line of words are passed over. Throws Error
-// "FILE:LINE: ..." at a row that cannot be used.
+// Reads rows "t, value". Skips empty lines, lines that begin with '#', and a first line of words. Throws Error
+// "FILE:LINE: ..." for an unusable row.
 Table read_table(std::string_view file, const std::string& name) {
   Table table;
   bool may_be_heading = true;
@@ -42,7 +42,7 @@ Table read_table(std::string_view file, const std::string& name) {
 
 }  // namespace
 
-// A link within the folder may lead out of it: what counts is where the file is.
+// A link inside the folder may lead out of it, so the target of the link decides.
 bool TableFolders::has(const std::string& name) const {
   namespace fs = std::filesystem;
   std::error_code error;
@@ -65,7 +65,7 @@ void JsonReader::read(Law& out, const rows::About& about, const Place& at) {
   out = law(at, about.means == rows::Means::angle ? angle_unit_ : 1);
 }
 
-// Those of a rotation are named.
+// Laws of a rotation are named.
 void JsonReader::read(std::vector<Law>& out, const rows::About& about, const Place& at) {
   if (about.means != rows::Means::rotation) {
     if (!expect(at, Type::array, "[law, law]")) return;
@@ -103,8 +103,8 @@ Law JsonReader::law(const Place& at, double unit) {
     if (node.find(kind) != nullptr) told.push_back(kind);
   }
   if (told.size() > 1) {
-    note(where, "a law of one kind is wanted, not " + in_quotes(told[0]) + " and " + in_quotes(told[1]) +
-                    " together; laws in a list add up");
+    note(where, "a law has one kind, not both " + in_quotes(told[0]) + " and " + in_quotes(told[1]) +
+                    "; to add laws, write them as a list");
     return {};
   }
   if (told.empty()) {
@@ -130,7 +130,7 @@ Law JsonReader::law(const Place& at, double unit) {
     }
     return Law::polynomial(std::move(coefficients));
   } catch (const Error& error) {
-    // Numbers that are not finite were noted where they stand.
+    // Numbers that are not finite were reported at their places.
     if (kind == "table") {
       for (const Diagnostic& finding : error.diagnostics()) note(value.where, finding.what);
     }
@@ -170,7 +170,7 @@ Law JsonReader::table(const Place& at, const Object& object, double unit) {
   if (const auto found = laws_of_tables_.find(key); found != laws_of_tables_.end()) return found->second;
   if (!tables_.has(name)) {
     throw Error(Error::Kind::input, "the file " + in_quotes(name) +
-                                        " is outside the folder of the scene; tables are read from there only, or from "
+                                        " is outside the folder of the scene; tables are read only from there, or from "
                                         "folders that you allow (--tables FOLDER)");
   }
   const InputFile file = read_input(tables_.folder / name, kLargestTable);

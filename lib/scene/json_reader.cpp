@@ -152,7 +152,7 @@ void JsonReader::read(Direction& out, const rows::About&, const Place& at) {
   }
 }
 
-// The example is a list of terms.
+// about.example is a list of terms.
 void JsonReader::read(std::vector<std::pair<std::string, double>>& out, const rows::About& about, const Place& at) {
   if (!expect(at, Type::array, about.example)) return;
   const std::string_view one = about.example.substr(1, about.example.find(']'));
@@ -163,7 +163,7 @@ void JsonReader::read(std::vector<std::pair<std::string, double>>& out, const ro
   }
 }
 
-// Members of bodies: local coordinates, or an object with those in the ground.
+// Members of bodies: local coordinates, or an object with ground coordinates.
 void JsonReader::read(std::vector<Member>& out, const rows::About&, const Place& at) {
   const rows::Keys keys = rows::keys_of(rows::kMember);
   each(&at.node, at.where, [&](const std::string& name, const Place& one) {

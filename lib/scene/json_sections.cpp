@@ -62,11 +62,11 @@ SceneBuilder JsonReader::read(const std::string& name) {
   return std::move(builder_);
 }
 
-// Another version may mean anything: then nothing else is read.
+// In another version everything may differ, so nothing else is read.
 void JsonReader::check_version() const {
   const JsonNode* version = document_.root.find("assur");
   if (version == nullptr || (version->is(Type::number) && version->number() == 1)) return;
-  throw Error(Error::Kind::input, {{"/assur", "this version of the format is not known; \"assur\": 1 is"}});
+  throw Error(Error::Kind::input, {{"/assur", "this version of the format is unknown; write \"assur\": 1"}});
 }
 
 void JsonReader::read_dimension(Object& scene) {
@@ -110,20 +110,21 @@ void JsonReader::read_parameters(const JsonNode* section) {
     } else if (text.starts_with('=')) {
       parameters.push_back({name, std::string(text.substr(1))});
     } else {
-      (void)number(at);  // says what is wrong
+      (void)number(at);  // reports the error
       unusable.push_back(name);
     }
   });
   for (const std::string_view name : names) parameter_names_.emplace(name);
   for (const auto& [name, value] : set_) {
     if (parameter_names_.count(name) != 0) continue;
-    note(where, "there is no parameter " + in_quotes(name) + " to be set" + suggestion(name, names));
+    note(where, "there is no parameter " + in_quotes(name) + " to set" + suggestion(name, names));
   }
   for (auto& finding : expressions_.define(parameters, unusable))
     note(where / finding.parameter, std::move(finding.what));
 }
 
-// Names of points, members included: they tell an angle of points from one of vectors. Names of measured angles.
+// Remembers names of points and members, which distinguish an angle of points from one of vectors, and of measured
+// angles.
 void JsonReader::remember_names(const JsonNode& scene) {
   const auto remember = [&](const JsonNode* points) {
     if (points != nullptr) point_names_.insert(points->keys().begin(), points->keys().end());

@@ -218,10 +218,11 @@ inline constexpr auto kGroup = row<DeclaredGroup>(
     key("keep", slot(&DeclaredGroup::keep)));
 inline constexpr auto kTime = row<TimeGrid>(key("start", slot(&TimeGrid::start), "the first time, s"),
                                             key("end", slot(&TimeGrid::end), "the last time, s"),
-                                            key("step", slot(&TimeGrid::step), "from one time to the next, s"));
-inline constexpr auto kHarmonic = row<Harmonic>(
-    key("amplitude", slot(&Harmonic::amplitude), "of the sine"),  // in the unit of its law
-    key("frequency", slot(&Harmonic::frequency), "in Hz"), key("phase", slot(&Harmonic::phase, {Means::angle})));
+                                            key("step", slot(&TimeGrid::step), "the time step, s"));
+inline constexpr auto kHarmonic =
+    row<Harmonic>(key("amplitude", slot(&Harmonic::amplitude), "the amplitude of the sine"),  // in the unit of its law
+                  key("frequency", slot(&Harmonic::frequency), "the frequency in Hz"),
+                  key("phase", slot(&Harmonic::phase, {Means::angle})));
 
 // ---- functions that read rows
 

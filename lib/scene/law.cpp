@@ -15,7 +15,7 @@ namespace {
 
 [[noreturn]] void refuse(std::string what) { throw Error(Error::Kind::input, std::move(what)); }
 
-std::string text(double number) {  // the shortest that reads back the same
+std::string text(double number) {  // the shortest text that reads back as the same number
   char digits[32];
   return {digits, std::to_chars(digits, digits + sizeof digits, number).ptr};
 }
@@ -43,7 +43,7 @@ void check_table(std::span<const double> time, std::span<const double> value) {
   }
 }
 
-// Its slopes and bends are numbers: times are not too close, values not too large.
+// Checks that slopes and bends are finite: times are not too close, and values not too large.
 void check_spline(std::span<const double> time, std::span<const double> value, std::span<const double> second) {
   for (std::size_t i = 1; i < time.size(); ++i) {
     const double length = time[i] - time[i - 1], slope = (value[i] - value[i - 1]) / length;
@@ -61,7 +61,7 @@ struct Tridiagonal {
   explicit Tridiagonal(std::size_t n) : lower(n), diagonal(n), upper(n), right(n) {}
 };
 
-// x of the system; each column of `more` is overwritten by the solution for it. Thomas' algorithm.
+// Solves the system by Thomas' algorithm. Each column of `more` is overwritten by its solution.
 std::vector<double> solve(Tridiagonal system, std::vector<double>* more = nullptr) {
   const std::size_t n = system.diagonal.size();
   auto& [lower, diagonal, upper, x] = system;
@@ -124,7 +124,7 @@ std::vector<double> not_a_knot(std::span<const double> time, std::span<const dou
   return second;
 }
 
-// Second derivatives of the spline that closes: knots 1 .. n-1 as a + b * (that of knot 0), then the row of knot 0.
+// Second derivatives of the closed spline: knots 1 .. n-1 as a + b * (that of knot 0), then the row of knot 0.
 std::vector<double> closed(std::span<const double> time, std::span<const double> value) {
   const Intervals in(time, value);
   const std::size_t intervals = in.length.size();
@@ -191,7 +191,7 @@ Law Law::table(std::vector<double> time, std::vector<double> value, bool periodi
       refuse("a periodic table must end with its first value, " + text(value.front()) + ", not with " +
              text(value.back()));
     }
-    value.back() = value.front();  // what the rounding of a computed table leaves open is closed
+    value.back() = value.front();  // removes the rounding of a computed table
   }
   std::vector<double> second = periodic ? closed(time, value) : not_a_knot(time, value);
   check_spline(time, value, second);

@@ -8,7 +8,7 @@ namespace assur {
 
 namespace {
 
-// Local axes of a base of three points, in ground coordinates as written.
+// Local axes of a base of three points, in ground coordinates in the posture as written.
 std::array<Triple, 3> base_axes(const Forms& forms, const Body& body) {
   const Triple a = forms.at(body.base[0]);
   const Triple x = direction_of(triple::subtract(forms.at(body.base[1]), a));
@@ -38,9 +38,10 @@ BaseShape base_shape(const Forms& forms, const Shared& shared, const Body& b) {
   }
   const double p = shape.length, q = length(0, 2), r = length(1, 2);
   if (!(p < q + r && q < p + r && r < p + q)) {
-    throw Error(Error::Kind::input, {{"/bodies/" + b.name + "/base",
-                                      "the distances between its three points make no triangle; each must be smaller "
-                                      "than the sum of the others"}});
+    throw Error(Error::Kind::input,
+                {{"/bodies/" + b.name + "/base",
+                  "the distances between its three points do not form a triangle; each must be smaller "
+                  "than the sum of the others"}});
   }
   shape.x = ((p - r) * (p + r) + q * q) / (2 * p);
   shape.y = std::sqrt((q - shape.x) * (q + shape.x));
@@ -110,7 +111,7 @@ void BodyWriter::declare_in_frame(const Body& b) {
   for (const Member& m : b.vectors) declare(m, 0);
 }
 
-// A + alpha (B - A) + beta (B - A) turned left; vectors without A.
+// Points are A + alpha (B - A) + beta (B - A) turned left; vectors lack A.
 void BodyWriter::declare_in_plane(const Body& b) {
   const Item first = forms_.item(b.base[0]), second = forms_.item(b.base[1]);
   const double length = base_shape(forms_, shared_, b).length;
@@ -132,7 +133,8 @@ void BodyWriter::declare_in_plane(const Body& b) {
   for (const Member& m : b.vectors) declare(m, 0);
 }
 
-// A + alpha (B - A) + beta (C - A) + z normal; vectors without A. The normal is there if a member leaves the plane.
+// Points are A + alpha (B - A) + beta (C - A) + z normal; vectors lack A. The normal exists if a member is off the
+// plane.
 void BodyWriter::declare_in_space(const Body& b) {
   const Item first = forms_.item(b.base[0]), second = forms_.item(b.base[1]), third = forms_.item(b.base[2]);
   const BaseShape shape = base_shape(forms_, shared_, b);
@@ -183,7 +185,7 @@ void BodyWriter::write_equations() {
   }
 }
 
-// Then the driver writes the equations of the body's base.
+// True if a driver of the pose writes the equations of the body's base.
 bool BodyWriter::posed_by_equations(const Body& b) const {
   const auto& drivers = forms_.scene().drivers();
   for (std::size_t i = 0; i < drivers.size(); ++i) {
@@ -199,7 +201,7 @@ void BodyWriter::write_frame(const Body& b, Index index) {
       {{forms_.item_index(b.frame[0]), forms_.item_index(b.frame[1]), forms_.item_index(b.frame[2])}, index});
   int known = -1, unknown = 0;
   for (int j = 0; j < 3; ++j) unknown += forms_.all_known(axis[j]) ? 0 : 1;
-  // Of two known axes the one whose next is known as well: the third is their product.
+  // Of two known axes, takes the one whose next axis is known as well: the third is their product.
   for (int j = 0; j < 3; ++j) {
     if (forms_.all_known(axis[j]) && (unknown == 2 || forms_.all_known(axis[kNext[j]]))) known = j;
   }
@@ -212,7 +214,7 @@ void BodyWriter::write_frame(const Body& b, Index index) {
   forms_.cross_equation(from, axis[2].form, axis[0].form, axis[1].form);
 }
 
-// With one axis known: a unit vector across it and the third by the cross product.
+// If one axis is known: a unit vector perpendicular to it, and the third axis by the cross product.
 void BodyWriter::write_frame_about(Index from, const Item& known, const Item& next, const Item& after) {
   if (!forms_.all_known(next)) {
     forms_.unit_equation(from, next);
@@ -222,7 +224,7 @@ void BodyWriter::write_frame_about(Index from, const Item& known, const Item& ne
 }
 
 void BodyWriter::write_base(const Body& b) {
-  // A distance that another body or a constraint has written already is not written again.
+  // Omits a distance that another body or a constraint has written already.
   const auto keep_distance = [&](const std::string& p, const std::string& q) {
     const Item a = forms_.item(p), c = forms_.item(q);
     if ((forms_.all_known(a) && forms_.all_known(c)) || !shared_.distances.insert(pair_key(p, q)).second) return;

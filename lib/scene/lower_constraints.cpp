@@ -11,7 +11,7 @@ namespace {
 using triple::dot;
 using triple::subtract;
 
-// lambda of e = lambda d
+// lambda of e = lambda d.
 double ratio(const Triple& d, const Triple& e) {
   const double dd = dot(d, d);
   return dd > 0 ? dot(d, e) / dd : 0;
@@ -157,7 +157,7 @@ void ConstraintWriter::write(const std::string& name, const Linear& c) {
     for (std::size_t i = 0; i < c.terms.size(); ++i) {
       forms_.append(linear, forms_.item(c.terms[i].first).form[k], factor[i]);
     }
-    // A zero stays in the pattern.
+    // A zero is kept, so that the pattern does not depend on values.
     forms_.append(linear, forms_.constant_form(-c.value[static_cast<std::size_t>(k)], points), kPlus);
     forms_.equation(from, {}, linear);
   }

@@ -35,7 +35,8 @@ void DriverWriter::write(Index from, const Driver&, const DrivenDistance& d, Ind
   forms_.equation(from, products, {});
 }
 
-// d . e = rho cos, axis . (d x e) = rho sin with the auxiliary rho > 0, which is |d||e| if the axis is across both.
+// d . e = rho cos, axis . (d x e) = rho sin with the auxiliary rho > 0, which is |d||e| if the axis is perpendicular to
+// both.
 void DriverWriter::write(Index from, const Driver& driver, const RelativeAngle& r, Index n) {
   const Forms::Components d = forms_.direction(r.d), e = forms_.direction(r.e);
   const Index rho = forms_.item(driver.name + ".rho").form[0];
@@ -105,7 +106,7 @@ void DriverWriter::note_own(std::vector<Index>& own, const Pose& p) {
   for (std::size_t i = 1; i < b.base.size(); ++i) append_own(own, {b.base[0], b.base[i]});
 }
 
-// In a declared group the base stays unknown.
+// In a declared group the base remains unknown.
 void DriverWriter::write(Index from, const Driver&, const Pose& p, Index n) {
   const Body& b = body(p.body);
   if (b.frame.size() == 3) return write_posed_frame(from, b, n);

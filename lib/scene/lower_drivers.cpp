@@ -127,7 +127,7 @@ bool DriverWriter::fix(const Driver&, const Pose& p, Index n) {
   return true;
 }
 
-// Coordinates of its own may vanish: not derived ones, not those of declared groups.
+// True if drivers can replace all coordinates of the item: they are its own, and not in a declared group.
 bool DriverWriter::can_be_fixed(const Item& item) const {
   for (int k = 0; k < item.components; ++k) {
     const Index c = forms_.own_coordinate(item.form[k]);
@@ -145,7 +145,7 @@ void DriverWriter::assign(Index coordinate, Index form) {
   s.assignments.push_back({coordinate, form});
 }
 
-// The direction of AB at the angle 0.
+// The direction from A to B at the angle 0.
 Triple DriverWriter::zero_of(const PointAngle& a) const {
   if (forms_.dimension() == 2) return {1, 0, 0};
   const Triple ab = triple::subtract(forms_.at(a.b), forms_.at(a.a)), axis = forms_.at(a.axis);

@@ -14,10 +14,10 @@
 namespace assur {
 namespace {
 
-constexpr double kDisagree = 1e-3;  // relative: guesses are written with three digits or more
+constexpr double kDisagree = 1e-3;  // relative; guesses are written with three digits or more
 
-// Median binary exponent of the lengths that the scene shows: typical lengths become about 1, and scaling all of
-// them by 2^k moves the median by exactly k.
+// Median binary exponent of the lengths in the scene. Typical lengths become about 1, and scaling all lengths by 2^k
+// moves the median by exactly k.
 int length_exponent(const Scene& scene) {
   std::vector<int> exponents;
   const auto see = [&](double length) {
@@ -132,7 +132,7 @@ std::string unit_of(const MeasureForms& m) {
   return m.dimension == 0 ? "1" : m.dimension == 1 ? "m" : "m^" + std::to_string(m.dimension);
 }
 
-// After all other measures.
+// Called after all other measures are declared.
 void declare_sums(System& s) {
   std::unordered_map<std::string_view, Index> measure;
   for (std::size_t i = 0; i < s.measures.size(); ++i) measure.emplace(s.measures[i].name, static_cast<Index>(i));
@@ -146,9 +146,9 @@ void declare_sums(System& s) {
       out.terms.push_back({measure.at(name), factor});
       const std::string other = unit_of(s.measures[idx(out.terms.back().measure)]);
       if (other == unit) continue;
-      throw Error(Error::Kind::input, {{"/measures/" + out.name + "/sum", in_quotes(first.name) + " is in " + unit +
-                                                                              ", " + in_quotes(name) + " in " + other +
-                                                                              "; a sum is of measures of one unit"}});
+      throw Error(Error::Kind::input, {{"/measures/" + out.name + "/sum",
+                                        in_quotes(first.name) + " is in " + unit + ", " + in_quotes(name) + " in " +
+                                            other + "; all measures of a sum must have the same unit"}});
     }
     out.kind = unit == "rad" ? MeasureForms::Kind::sum_of_angles : MeasureForms::Kind::sum;
     out.dimension = first.dimension;
@@ -156,11 +156,12 @@ void declare_sums(System& s) {
   }
 }
 
-// Laws that say how far the driver is off its value in the posture as written.
+// Adds the value in the posture as written to laws that are relative to it.
 void count_from_guess(const System& s, DriverInput& in) {
   const std::string where = "/drivers/" + s.drivers[idx(in.driver)];
   if (const std::string why = why_undefined(s, in, s.guess); !why.empty()) {
-    throw Error(Error::Kind::input, {{where, "relative to no angle: in the posture as written " + why}});
+    throw Error(Error::Kind::input,
+                {{where, "the law is relative to an undefined angle: in the posture as written " + why}});
   }
   const std::vector<double> from = own_values(s, in, s.guess);
   for (std::size_t k = 0; k < in.laws.size(); ++k) in.laws[k] = Law::constant(from[k]) + in.laws[k];
@@ -171,14 +172,14 @@ void count_from_guess(const System& s, DriverInput& in) {
   }
 }
 
-// Driven coordinates start where their laws say; a guess that disagrees is overruled, with a note.
+// Driven coordinates start at the values of their laws. A guess that disagrees is replaced, with a note.
 void set_driven_guess(System& s) {
   const std::vector<double> written = s.guess;
   for (DriverInput& in : s.inputs) {
     if (s.scene->drivers()[idx(in.driver)].relative) count_from_guess(s, in);
   }
   (void)drive(s, s.scene->time().start, s.guess.data(), nullptr, nullptr);
-  std::vector<double> posture = written;  // as written, with what the laws ask for
+  std::vector<double> posture = written;  // the posture as written, with the values of the laws
   for (DriverInput& in : s.inputs) {
     std::copy_n(s.guess.begin() + in.first, in.count, posture.begin() + in.first);
     in.written = own_values(s, in, written);

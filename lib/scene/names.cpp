@@ -23,8 +23,8 @@ std::string escaped(char c) {
   return {'\\', 'x', kDigits[byte >> 4], kDigits[byte & 15]};
 }
 
-// Insertions, deletions, replacements and swaps of neighbours that turn a into b, without regard to case; `limit` + 1
-// if there are more than `limit`.
+// Number of insertions, deletions, replacements and swaps of neighbours that turn a into b, ignoring case; `limit` + 1
+// if it exceeds `limit`.
 std::size_t edit_distance(std::string_view a, std::string_view b, std::size_t limit) {
   if (std::max(a.size(), b.size()) - std::min(a.size(), b.size()) > limit) return limit + 1;
   std::vector<std::size_t> before, previous, row(b.size() + 1);
@@ -77,12 +77,12 @@ bool is_name(std::string_view text) {
 
 std::string why_no_name(std::string_view text) {
   constexpr std::size_t kLongest = 255;
-  if (!is_name(text)) return in_quotes(text) + " is no name; use letters, digits and _, and no digit first";
+  if (!is_name(text)) return in_quotes(text) + " is not a name; use letters, digits and _, and no digit first";
   return text.size() <= kLongest ? "" : in_quotes(text) + " is too long for a name: 255 characters at most";
 }
 
 std::string near_miss(std::string_view word, const std::vector<std::string_view>& candidates) {
-  std::size_t best = word.size() <= 1 ? 0 : word.size() <= 5 ? 1 : 2;  // slips that leave the word recognisable
+  std::size_t best = word.size() <= 1 ? 0 : word.size() <= 5 ? 1 : 2;  // typing errors that leave the word recognisable
   std::string_view found;
   for (const std::string_view candidate : candidates) {
     const std::size_t distance = edit_distance(word, candidate, best);
@@ -101,7 +101,7 @@ std::string suggestion(std::string_view word, const std::vector<std::string_view
 std::string excerpt(std::string_view text) {
   constexpr std::size_t kLongest = 120, kShown = 100;
   std::size_t end = text.size() > kLongest ? kShown : text.size();
-  while (end < text.size() && is_continued(text[end])) --end;  // no character is cut in two
+  while (end < text.size() && is_continued(text[end])) --end;  // no character is cut
   std::string shown;
   for (std::size_t i = 0; i < end; ++i) {
     const bool of_two = text[i] == '\xc2' && i + 1 < end;  // U+0080 to U+009F are control characters as well
@@ -115,7 +115,7 @@ std::string excerpt(std::string_view text) {
 }
 
 std::string known_instead(std::string_view word, const std::vector<std::string_view>& candidates) {
-  constexpr std::size_t kLongest = 400;  // letters
+  constexpr std::size_t kLongest = 400;  // characters
   const std::string near = suggestion(word, candidates);
   const std::string front = near.empty() ? "; there are: " : near + " There are: ";
   std::string list;

@@ -12,7 +12,7 @@ Scene open_scene(const std::string& file_or_sample, const Parameters& set,
   if (std::filesystem::exists(file_or_sample, unused) || (looks_like_file && !is_sample(file_or_sample))) {
     return read_scene(file_or_sample, set, more_folders);
   }
-  return sample(file_or_sample, set);  // says which samples there are
+  return sample(file_or_sample, set);  // its error lists the samples
 }
 
 }  // namespace assur

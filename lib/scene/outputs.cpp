@@ -27,7 +27,7 @@ Output of_measure(const MeasureForms& measure) {
   return out;
 }
 
-// What sums are made of, before them.
+// Puts the terms of sums before the sums.
 std::vector<Output> with_terms(const System& s, std::vector<Output> outputs) {
   if (std::none_of(outputs.begin(), outputs.end(), [](const Output& o) { return o.sum != nullptr; })) return outputs;
   std::vector<Output> out;
@@ -41,7 +41,7 @@ std::vector<Output> with_terms(const System& s, std::vector<Output> outputs) {
   return out;
 }
 
-// One component in one derivative: a column.
+// One component of one derivative: a single column.
 Output column_of(const Output& output, std::size_t component, std::size_t derivative) {
   Output out = output;
   out.component = static_cast<int>(component);
@@ -51,7 +51,8 @@ Output column_of(const Output& output, std::size_t component, std::size_t deriva
   return out;
 }
 
-// A column stands once, where it is first asked for: of what was asked for in part, columns are left.
+// Each column appears once, where it is first asked for. Of an output that was partly asked for before, the other
+// columns remain.
 std::vector<Output> without_repetition(const std::vector<Output>& outputs) {
   std::unordered_map<std::string_view, std::array<std::array<bool, 3>, 3>> taken;  // [derivative][component]
   std::vector<Output> out;
@@ -122,7 +123,8 @@ std::vector<Output> wanted_outputs(const System& s) {
     };
     if (find(text)) continue;
     const auto refuse = [&] {
-      throw Error(Error::Kind::input, {{"/outputs", "'" + text + "' is no point, vector, scalar, measure or column"}});
+      throw Error(Error::Kind::input,
+                  {{"/outputs", "'" + text + "' is not a point, vector, scalar, measure or column"}});
     };
     const std::size_t dot = text.rfind('.');
     if (dot == std::string::npos || !find(text.substr(0, dot))) refuse();

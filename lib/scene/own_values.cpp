@@ -13,13 +13,13 @@ namespace {
 
 using Kind = DriverInput::Kind;
 
-// A direction within this angle of the axis, in rad, has an angle about it that postures do not determine.
+// If a direction is within this angle of the axis, in rad, postures do not determine its angle about the axis.
 constexpr double kNoLever = 1e-6;
-constexpr double kNoLength = 1e-12;  // of the coordinates that a direction is the difference of
+constexpr double kNoLength = 1e-12;  // length relative to the coordinates whose difference is the direction
 
 struct Direction {
   Triple at{};
-  double size = 0;  // of the terms that it is made of
+  double size = 0;  // of its terms
 };
 
 Direction direction(const System& s, const DriverInput& in, std::size_t first, std::span<const double> q) {
@@ -62,7 +62,7 @@ double scalar(const System& s, const DriverInput& in, std::span<const double> q,
   return form_value<double>(s, in.own[0], q);
 }
 
-// Columns of the frame that a body has, and how uncertain they are.
+// Columns of the body's frame, with their uncertainty.
 struct Axes {
   Triple column[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   double slack = 1;  // times the relative slack
@@ -169,10 +169,12 @@ std::string why_undefined(const System& s, const DriverInput& in, std::span<cons
   const double d = triple::norm(a.d.at), e = triple::norm(a.e.at), axis = triple::norm(a.axis);
   if (!(d > kNoLength * a.d.size)) return "its first direction has no length";
   if (!(e > kNoLength * a.e.size)) return "its second direction has no length";
-  if (!(std::abs(axis - 1) <= kNoLever)) return "its axis is no unit vector";
+  if (!(std::abs(axis - 1) <= kNoLever)) return "its axis is not a unit vector";
   if (a.lever() > kNoLever * d * e) return "";
-  if (!(triple::norm(triple::cross(a.axis, a.d.at)) > kNoLever * d)) return "its axis is along its first direction";
-  if (!(triple::norm(triple::cross(a.axis, a.e.at)) > kNoLever * e)) return "its axis is along its second direction";
+  if (!(triple::norm(triple::cross(a.axis, a.d.at)) > kNoLever * d))
+    return "its axis is parallel to its first direction";
+  if (!(triple::norm(triple::cross(a.axis, a.e.at)) > kNoLever * e))
+    return "its axis is parallel to its second direction";
   return "its directions are at right angles to each other, and its axis lies in their plane";
 }
 
@@ -200,7 +202,7 @@ std::optional<Mismatch> mismatch(const System& s, const DriverInput& in, std::sp
     if (!(std::abs(off[k]) <= slack * (s.unit(1) + std::abs(has[k]) + std::abs(wanted[k])))) return part(k);
   }
   if (!turns(s, in)) return {};
-  // Not by the angles: close to theta = pi / 2 they say little of the frame.
+  // Compares axes, because close to theta = pi / 2 the angles are badly determined.
   const Axes own = own_axes(s, in, q), asked = wanted_axes(s, in, q);
   double worst = 0;
   for (int j = 0; j < 3; ++j) {

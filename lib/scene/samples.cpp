@@ -14,8 +14,8 @@
 namespace assur::samples {
 namespace {
 
-constexpr double kMany = 1e7, kMostUnknowns = 1e8;  // more would not fit the index type
-constexpr double kBytesOfUnknown = 500;             // at least, until it is prepared: four_bar takes 735
+constexpr double kMany = 1e7, kMostUnknowns = 1e8;  // limits of the index type
+constexpr double kBytesOfUnknown = 500;             // lower bound before preparation; four_bar takes 735
 
 Option count(std::string_view name, double value, double least, double most, std::string_view meaning,
              std::int64_t multiple = 1) {
@@ -34,9 +34,9 @@ Option steps(double value) { return count("steps", value, 1, 1e12, "number of ti
 std::vector<Sample> make_table() {
   return {
       {"almost_parallelogram",
-       "four-bar that is a parallelogram but for delta",
+       "four-bar that differs from a parallelogram by delta",
        "",
-       {real("delta", 1e-6, -0.75, 0.75, "rocker less crank, m"), step(0.01), steps(100)},
+       {real("delta", 1e-6, -0.75, 0.75, "length of the rocker minus that of the crank, m"), step(0.01), steps(100)},
        almost_parallelogram},
       {"andrews",
        "Andrews' squeezer, one turn of the crank in 72 steps",
@@ -46,8 +46,8 @@ std::vector<Sample> make_table() {
       {"bricard",
        "Bricard's mechanism on the edges of a cube: mobility 1, one redundant equation",
        "",
-       {real("middle", std::numbers::pi / 2, -7, 7, "of the hinge's motion, from the cube, rad"),
-        real("swing", 115 * std::numbers::pi / 180, 1e-3, 7, "to either side of the middle, rad"),
+       {real("middle", std::numbers::pi / 2, -7, 7, "middle of the hinge's motion, from the cube, rad"),
+        real("swing", 115 * std::numbers::pi / 180, 1e-3, 7, "amplitude about the middle, rad"),
         omega(1, "speed of the motion, rad/s"), step(0.01), steps(1000)},
        bricard},
       {"four_bar",
@@ -65,21 +65,21 @@ std::vector<Sample> make_table() {
       {"hexapod",
        "platform on six legs between similar hexagons",
        "",
-       {word("drive", {"pose", "legs"}, "what is driven; by its legs it is undetermined"),
+       {word("drive", {"pose", "legs"}, "driven part; if the legs are driven, the pose is undetermined"),
         omega(1, "speed of the motion, rad/s"), step(0.01), steps(1000)},
        hexapod},
       {"n_four_bar",
        "rhombi in series, IFToMM A02 as kinematics",
        "loops",
        {count("loops", 40, 1, kMany, "number of four-bars"),
-        real("swing", 1.2, -7, 7, "of the crank to either side of the vertical, rad"), step(0.01), steps(1000)},
+        real("swing", 1.2, -7, 7, "amplitude of the crank about the vertical, rad"), step(0.01), steps(1000)},
        n_four_bar,
        [](const Values& v) { return 2 * v["loops"]; }},
       {"parallelograms",
        "parallelograms in series, each with a redundant third rod",
        "loops",
        {count("loops", 3, 1, kMany, "number of parallelograms"),
-        real("excess", 0, -0.5, 0.5, "what the third rods are too long, m"), omega(1, "speed of the motion, rad/s"),
+        real("excess", 0, -0.5, 0.5, "excess length of the third rods, m"), omega(1, "speed of the motion, rad/s"),
         step(0.01), steps(1000)},
        parallelograms,
        [](const Values& v) { return 2 * v["loops"]; }},
@@ -102,16 +102,16 @@ std::vector<Sample> make_table() {
       {"stewart",
        "the paper's Stewart platform, driven by its pose",
        "",
-       {count("legs", 6, 3, kMany, "legs; another number than 6 is spread evenly"),
-        count("platforms", 1, 1, kMany, "copies, out of step with each other"), omega(1, "speed of the motion, rad/s"),
-        step(0.01), steps(1000)},
+       {count("legs", 6, 3, kMany, "number of legs; any number other than 6 is spread evenly"),
+        count("platforms", 1, 1, kMany, "number of copies, which move out of phase"),
+        omega(1, "speed of the motion, rad/s"), step(0.01), steps(1000)},
        stewart,
        [](const Values& v) { return v["platforms"] * (15 * v["legs"] + 12); }},
       {"whitworth",
        "Whitworth's quick return, tilted in space",
        "",
        {real("pivot", 0.05, -10, 10, "distance of the link's pivot from the crank's axis, m"),
-        word("hinge", {"implied", "stated"}, "of the link; stated it is redundant"),
+        word("hinge", {"implied", "stated"}, "equation of the link's hinge; stated, it is redundant"),
         omega(2 * std::numbers::pi, "speed of the crank, rad/s"), step(0.01), steps(1000)},
        whitworth},
   };
@@ -156,12 +156,12 @@ bool accepts(const Option& option, double value) {
   return option.kind == Option::Kind::real || std::fmod(value, static_cast<double>(option.multiple)) == 0;
 }
 
-// One call of a sample: its options as they are set.
+// One call of a sample, with its options.
 class Request {
  public:
   explicit Request(const Sample& row) : row_(row), values_(row.options) {}
 
-  // "64", "legs=8,omega=2": what stands behind the colon.
+  // Reads the text after the colon: "64", or "legs=8,omega=2".
   void read(std::string_view text) {
     if (!row_.counted.empty() && text.find('=') == std::string_view::npos) return assign(row_.counted, text);
     std::vector<std::string_view> seen;
@@ -221,7 +221,7 @@ class Request {
                       allowed(option) + ", not " + in_quotes(text));
   }
 
-  // Closes every message with the sample's options and their defaults.
+  // Adds the sample's options and their defaults to every message.
   [[noreturn]] void refuse_with_usage(const std::string& what) const {
     std::string usage;
     for (const Option& option : row_.options) {

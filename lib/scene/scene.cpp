@@ -12,7 +12,7 @@
 namespace assur {
 namespace {
 
-// Lengths this far from 1 are typing errors rather than rounding: they are told.
+// Lengths farther than this from 1 are likely typing errors, and are reported.
 constexpr double kNearlyUnit = 1e-6;
 
 constexpr std::size_t kMostVectorsNamed = 6;
@@ -29,7 +29,7 @@ void normalise(const std::string& name, Triple& at, const Where& where, std::vec
   at = triple::scale(1 / length, at);
 }
 
-// One note, however many they are.
+// Writes one note for all vectors.
 void tell(const std::vector<Normalised>& all, std::vector<Diagnostic>& warnings) {
   if (all.empty()) return;
   if (all.size() == 1) {
@@ -44,7 +44,7 @@ void tell(const std::vector<Normalised>& all, std::vector<Diagnostic>& warnings)
   warnings.push_back({"/vectors", std::move(what)});
 }
 
-// "all" asks for everything, unless something has that name; no outputs mean the same.
+// "all" asks for everything, unless an item has that name; no outputs mean the same.
 void expand_all(const Scene& scene, std::vector<std::string>& outputs) {
   if (outputs.size() != 1 || outputs.front() != "all") return;
   const auto is_all = [](const auto& item) { return item.name == "all"; };
@@ -125,7 +125,7 @@ SceneBuilder& SceneBuilder::output(std::string name) {
 }
 SceneBuilder& SceneBuilder::time(double start, double end, double step) {
   time_ = {start, end, step};
-  // build() takes three zeros for a grid that was never given.
+  // build() takes three zeros for an unset grid.
   if (step == 0) diagnose({"/time/step", "the step is 0 s; it must be > 0"});
   return *this;
 }

@@ -5,10 +5,10 @@
 namespace assur {
 namespace {
 
-// The pointer of a point, vector, ... whose list entry or body member it is.
+// The pointer of a point, vector, ... that is a list entry or a member of a body.
 Where place(NameKind kind, std::string_view name) { return Where("/" + std::string(section(kind))) / name; }
 
-// True if what stands at `pointer` as a whole brings names with it.
+// True if a broken value at `pointer` may hide names.
 bool defines_names(std::string_view pointer) {
   static constexpr std::string_view kSections[] = {"",        "/points",      "/vectors", "/bodies",
                                                    "/groups", "/constraints", "/drivers", "/measures"};
@@ -102,7 +102,7 @@ void Symbols::enter(std::string_view name, const Where& where, Symbol symbol, co
   if (is_new) {
     order_.emplace_back(name, symbol.kind);
   } else {
-    found->second.broken = true;  // which of the two is meant cannot be told
+    found->second.broken = true;  // it is unknown which of the two is meant
     findings_.push_back({where.text(), in_quotes(name) + " is " + std::string(with_article(found->second.kind)) +
                                            " already; all kinds share one set of names"});
   }

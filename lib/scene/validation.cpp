@@ -8,9 +8,9 @@
 namespace assur {
 namespace {
 
-constexpr double kAlong = 1e-6;       // rad between an axis and a direction that is along it
-constexpr double kWholeSteps = 1e-9;  // that their number may be off, besides the rounding of times
-constexpr double kMostSteps = 1e12;   // hours of computing, and counted exactly
+constexpr double kAlong = 1e-6;       // rad; an axis this close to a direction counts as parallel
+constexpr double kWholeSteps = 1e-9;  // largest error of the number of steps, besides the rounding of times
+constexpr double kMostSteps = 1e12;   // hours of computing; doubles count up to it exactly
 
 std::string text(const Direction& d) {
   return d.is_pair() ? "the direction from " + in_quotes(d.first) + " to " + in_quotes(d.second) : in_quotes(d.first);
@@ -67,7 +67,7 @@ std::vector<Diagnostic> Validation::outputs() {
 
 std::vector<Diagnostic> Validation::time() {
   check_time();
-  check_bodies();  // they place what drivers move
+  check_bodies();  // drivers need the places of the bodies
   check_drivers();
   return sorted();
 }
@@ -158,7 +158,7 @@ Validation::Involved Validation::pair(const Involved& from, const Involved& to, 
   return {};
 }
 
-// An angle about an axis needs directions that are not along it.
+// An angle about an axis needs directions that are not parallel to the axis.
 void Validation::check_axis(const std::string& name, std::initializer_list<std::pair<const Direction&, Involved>> of,
                             const Where& where) {
   const Involved axis = vector(name, where);
@@ -169,8 +169,9 @@ void Validation::check_axis(const std::string& name, std::initializer_list<std::
                        !(triple::norm(triple::cross(axis.at, involved.at)) >
                          kAlong * triple::norm(axis.at) * triple::norm(involved.at));
     if (!itself && !along) continue;
-    report(where, in_quotes(name) + (itself ? " is the axis and a direction" : " is along " + text(direction)) +
-                      ", so there is no angle about it; choose another axis, e.g. one across both directions");
+    report(where,
+           in_quotes(name) + (itself ? " is the axis and a direction" : " is parallel to " + text(direction)) +
+               ", so there is no angle about it; choose another axis, e.g. one perpendicular to both directions");
     return;
   }
 }
@@ -191,18 +192,18 @@ Validation::Involved Validation::scalar(const std::string& text, const Where& wh
     if (has_auxiliary(constraint, part)) return {true, false};
     std::string has;
     for (const std::string_view one : auxiliaries(constraint)) has += (has.empty() ? "" : " and ") + in_quotes(one);
-    report(where, in_quotes(text) + " is no coordinate; constraint " + in_quotes(name) + " has " +
+    report(where, in_quotes(text) + " is not a coordinate; constraint " + in_quotes(name) + " has " +
                       (has.empty() ? "none" : has));
     return {};
   }
   if (symbol->kind != NameKind::point && symbol->kind != NameKind::vector) {
     report(where, in_quotes(name) + " is " + std::string(with_article(symbol->kind)) +
-                      "; a coordinate is that of a point or vector, or a constraint's lambda or mu");
+                      "; a coordinate belongs to a point or vector, or is a constraint's lambda or mu");
     return {};
   }
   const bool in_space = part == "z" && dimension() == 3;
   if (part == "x" || part == "y" || in_space) return {true, symbol->fixed};
-  report(where, in_quotes(text) + " is no coordinate; write " + in_quotes(name) + " with " + components);
+  report(where, in_quotes(text) + " is not a coordinate; write " + in_quotes(name) + " with " + components);
   return {};
 }
 
@@ -234,7 +235,7 @@ void Validation::check_time() {
   const TimeGrid& time = scene_.time();
   const Where where("/time");
   const bool start = finite(time.start, where / "start"), end = finite(time.end, where / "end"),
-             step = finite(time.step, where / "step");  // each reports for itself
+             step = finite(time.step, where / "step");  // each call reports its own error
   if (!start || !end || !step || (time.start == 0 && time.end == 0 && time.step == 0)) return;  // zeros: no grid given
   if (!(time.step > 0)) {
     report(where / "step", "the step is " + shortest(time.step) + " s; it must be > 0");

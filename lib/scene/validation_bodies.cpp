@@ -8,11 +8,10 @@
 namespace assur {
 namespace {
 
-// Below this sine two directions count as one: no frame can be built on them in double precision.
+// Directions with a smaller sine count as parallel: no frame can be built on them in double precision.
 constexpr double kParallel = 1e-8;
 
-constexpr double kSquare =
-    1e-6;  // the largest dot product of a frame's vectors, which may be written with seven digits
+constexpr double kSquare = 1e-6;  // largest dot product of a frame's vectors; a scene may give them with seven digits
 
 // Columns: the local axes in ground coordinates.
 struct Frame {
@@ -21,7 +20,7 @@ struct Frame {
   [[nodiscard]] Triple turn(const Triple& local) const {
     return triple::add(triple::scale(local[0], x), triple::add(triple::scale(local[1], y), triple::scale(local[2], z)));
   }
-  // Axes as written need not be at right angles.
+  // Axes as written may not be at right angles.
   [[nodiscard]] Triple turn_back(const Triple& a) const {
     const double volume = triple::dot(triple::cross(x, y), z);
     return triple::scale(1 / volume, {triple::dot(a, triple::cross(y, z)), triple::dot(a, triple::cross(z, x)),
@@ -54,7 +53,7 @@ void Validation::check_bodies() {
   }
 }
 
-// Depth first without recursion: a chain of bodies may be long.
+// Depth first without recursion, because a chain of bodies may be long.
 void Validation::order_bodies() {
   enum class State : std::uint8_t { fresh, open, done };
   const auto& bodies = scene_.bodies();
@@ -118,7 +117,7 @@ void Validation::check_base(const Body& body, const Where& where) {
     for (std::size_t i = 0; i < body.base.size(); ++i) {
       points.push_back(point(body.base[i], where / "base" / i));
       if (!appears_before(body.base, i)) continue;
-      report(where / "base" / i, in_quotes(body.base[i]) + " is in this base already; its points are different ones");
+      report(where / "base" / i, in_quotes(body.base[i]) + " is in this base already; all its points must differ");
       points.back().usable = false;
     }
     if (body.base.size() != wanted) return;
@@ -157,15 +156,14 @@ void Validation::check_frame(const Body& body, const Where& where) {
   for (std::size_t i = 0; i < body.frame.size(); ++i) {
     axes.push_back(vector(body.frame[i], where / "frame" / i));
     if (appears_before(body.frame, i)) {
-      report(where / "frame" / i,
-             in_quotes(body.frame[i]) + " is in this frame already; its vectors are different ones");
+      report(where / "frame" / i, in_quotes(body.frame[i]) + " is in this frame already; all its vectors must differ");
       axes.back().usable = false;
     }
   }
   if (body.frame.size() == wanted && wanted == 3) check_fixed_axes(body, axes, where / "frame");
 }
 
-// No equation holds fixed vectors at right angles to each other, or right-handed.
+// No equation checks that fixed vectors are at right angles and right-handed.
 void Validation::check_fixed_axes(const Body& body, const std::vector<Involved>& axes, const Where& where) {
   const auto known = [&](std::size_t i) { return axes[i].usable && axes[i].fixed && triple::norm(axes[i].at) > 0; };
   for (std::size_t i = 0; i < 3; ++i) {
@@ -174,7 +172,7 @@ void Validation::check_fixed_axes(const Body& body, const std::vector<Involved>&
     const double cosine = triple::dot(unit(axes[i].at), unit(axes[j].at));
     if (std::abs(cosine) <= kSquare) continue;
     report(where, in_quotes(body.frame[i]) + " and " + in_quotes(body.frame[j]) + " have the dot product " +
-                      shortest(cosine) + "; the vectors of a frame are at right angles to each other");
+                      shortest(cosine) + "; the vectors of a frame must be at right angles to each other");
     return;
   }
   if (!known(0) || !known(1) || !known(2)) return;
@@ -182,7 +180,8 @@ void Validation::check_fixed_axes(const Body& body, const std::vector<Involved>&
   report(where, "the frame is left-handed, so its body would be mirrored; write w = u x v");
 }
 
-// Where the members are as written and whether they are fixed; NaN and broken where the base is.
+// Finds where the members are in the posture as written, and whether they are fixed. If the base is broken they are NaN
+// and broken.
 void Validation::place_members(const Body& body, const Where& where) {
   const Symbol* self = symbols_.find(body.name);
   bool usable = self != nullptr && !self->broken && !known_.at_or_below(where.text());
@@ -218,7 +217,7 @@ void Validation::place_members(const Body& body, const Where& where) {
       }
     }
   }
-  // A body that translates turns no vector.
+  // A body with only an origin does not turn vectors.
   const bool turns = !body.frame.empty() || !body.base.empty();
   const auto place = [&](const Member& member, bool is_point) {
     Symbol* symbol = symbols_.find(member.name);

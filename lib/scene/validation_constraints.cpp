@@ -41,7 +41,7 @@ void Validation::rule(const Distance& c, const Where& where) {
   } else if (p.usable && q.usable && !known_.at_or_below((where / "value").text()) &&
              triple::norm(triple::subtract(p.at, q.at)) == 0) {
     report(where / "distance", p.text() + " and " + q.text() +
-                                   " are at the same place, so the value left out is 0; give a value, or share the "
+                                   " are at the same place, so the omitted value is 0; give a value, or share the "
                                    "point");
   }
 }

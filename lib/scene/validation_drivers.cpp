@@ -10,7 +10,7 @@ namespace {
 std::string pair_key(const std::string& a, const std::string& b) { return a < b ? a + " " + b : b + " " + a; }
 std::string key(const Direction& d) { return d.is_pair() ? pair_key(d.first, d.second) : d.first; }
 
-// Numbers of a law that could be broken; functions are not called: they may belong to a running program.
+// Checks the numbers of a law. Functions are not called, because they may belong to a running program.
 struct IsFinite {
   bool operator()(const Law::Polynomial& p) const {
     return std::all_of(p.coefficients.begin(), p.coefficients.end(), [](double c) { return std::isfinite(c); });
@@ -20,7 +20,7 @@ struct IsFinite {
              return std::isfinite(term.amplitude) && std::isfinite(term.frequency) && std::isfinite(term.phase);
            });
   }
-  bool operator()(const Law::Spline&) const { return true; }  // made by Law::table, which checks
+  bool operator()(const Law::Spline&) const { return true; }  // Law::table has checked it
   bool operator()(const Law::Function&) const { return true; }
 };
 
@@ -72,7 +72,7 @@ void Validation::claim(const std::string& what, const Driver& driver, const Wher
   const auto [found, is_new] = claimed_.emplace(what, driver.name);
   const bool told = !found_.empty() && found_.back().where == where.text();
   if (is_new || found->second == driver.name || told) return;
-  report(where, in_quotes(found->second) + " drives the same already; one driver for each motion");
+  report(where, in_quotes(found->second) + " drives the same already; use one driver for each motion");
 }
 
 void Validation::claim_point(const std::string& name, const Driver& driver, const Where& where) {
@@ -93,7 +93,7 @@ void Validation::rule(const PointAngle& d, const Driver& driver, const Where& wh
   }
 }
 
-// The axis, and that there is an arm to turn.
+// Checks the axis, and that the arm is not parallel to it.
 void Validation::check_arm(const PointAngle& d, const Involved& a, const Involved& b, const Where& where) {
   const Triple arm = triple::subtract(b.at, a.at);
   const bool placed = a.usable && b.usable && triple::is_finite(arm);
@@ -123,16 +123,16 @@ void Validation::check_arm(const PointAngle& d, const Involved& a, const Involve
   } else if (placed &&
              !(triple::norm(triple::cross(axis.at, arm)) > 1e-9 * triple::norm(arm) * triple::norm(axis.at))) {
     report(where / "angle", "there is no arm across the axis from " + in_quotes(d.a) + " to " + in_quotes(d.b) +
-                                ", so no angle about it; choose another axis or other positions");
+                                ", so there is no angle about it; choose another axis or other positions");
   } else if (placed) {
-    // The distance is the arm's length; what of it is along the axis is as written.
+    // The distance is the arm's length; its part along the axis is the one as written.
     const double along = std::abs(triple::dot(axis.at, arm)) / triple::norm(axis.at);
     for (const Constraint& c : scene_.constraints()) {
       const auto* distance = c.as<Distance>();
       if (distance == nullptr || !distance->value || pair_key(distance->p, distance->q) != pair_key(d.a, d.b)) continue;
       if (*distance->value > along) continue;
       report(where / "angle", "the distance " + in_quotes(c.name) + " of " + shortest(*distance->value) + " m" +
-                                  " leaves no arm across the axis: along it " + in_quotes(d.b) + " is " +
+                                  " leaves no arm across the axis, because along the axis " + in_quotes(d.b) + " is " +
                                   shortest(along) + " m from " + in_quotes(d.a) +
                                   "; move it or choose another distance");
     }

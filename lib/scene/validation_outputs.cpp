@@ -32,7 +32,7 @@ void Validation::rule(const AbsoluteAngle& m, const Where& where) {
          "an absolute angle is for the plane; in 3D write two directions, [[\"A\", \"B\"], [\"C\", \"D\"]]");
 }
 
-// There and back is half a turn.
+// Reversed pairs differ: from AB to BA the angle is half a turn.
 void Validation::rule(const AngleBetween& m, const Where& where) {
   if (m.d.first == m.e.first && m.d.second == m.e.second) {
     report(where / "angle", "an angle from a direction to itself; two different directions are wanted");
@@ -46,7 +46,7 @@ void Validation::rule(const AngleBetween& m, const Where& where) {
   }
 }
 
-// Units are compared where they are known, when the scene is lowered.
+// Units are compared when the scene is lowered, because they are known then.
 void Validation::rule(const Combination& m, const Where& where) {
   const Where sum = where / "sum";
   if (m.terms.empty()) report(sum, "a sum needs at least one measure");
@@ -97,7 +97,7 @@ void Validation::check_unknown(const std::string& name, const Where& where) {
   if (symbol->is_derived()) {
     report(where, in_quotes(name) + " is a member of body " +
                       in_quotes(scene_.bodies()[static_cast<std::size_t>(symbol->body)].name) +
-                      " and no unknown; list the points and vectors of the body's base");
+                      " and not an unknown; list the points and vectors of the body's base");
   } else if (symbol->fixed) {
     report(where, in_quotes(name) + " is fixed; a group lists unknowns");
   }
@@ -116,7 +116,7 @@ void Validation::check_output(const std::string& text, const Where& where) {
   std::string part = first == std::string::npos ? "" : text.substr(first + 1);
   const Symbol* symbol = symbols_.find(name);
   if (symbol == nullptr && text == kEverything) {
-    if (scene_.outputs().size() > 1) report(where, "'all' is everything; it stands alone");
+    if (scene_.outputs().size() > 1) report(where, "'all' means everything; write it alone");
     return;
   }
   if (symbol == nullptr) {
@@ -149,7 +149,7 @@ void Validation::check_output(const std::string& text, const Where& where) {
                                        : "position, velocity, acceleration, x, y, z, vx, vy, vz, ax, ay or az"));
 }
 
-// Components of an unknown that a constraint, driver or body brings with it; 0: it has none of that name.
+// Number of components of an auxiliary unknown of a constraint, driver or body; 0: it has none of that name.
 int Validation::auxiliary(const Symbol& symbol, const std::string& name) const {
   if (symbol.kind == NameKind::constraint) return has_auxiliary(scene_.constraints()[symbol.index], name) ? 1 : 0;
   if (symbol.kind == NameKind::driver) {

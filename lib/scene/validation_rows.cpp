@@ -77,7 +77,7 @@ void Validation::check_value(const std::vector<Law>& laws, const rows::About& ab
   }
 }
 
-// The last two that were found.
+// Checks that the last two items found differ.
 bool Validation::check_differ(const rows::About& about, const Where& where) {
   if (about.same.empty()) return true;
   const Involved &a = involved_.end()[-2], &b = involved_.end()[-1];

@@ -13,8 +13,8 @@
 namespace assur {
 namespace {
 
-constexpr std::size_t kMostVariantFindings = 20;  // then the file is another one than was meant
-constexpr double kBytesOfValue = 80;              // of a parameter, with its name
+constexpr std::size_t kMostVariantFindings = 20;  // more suggest that this is the wrong file
+constexpr double kBytesOfValue = 80;              // of a parameter and its name
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
 class VariantReader {
@@ -38,9 +38,9 @@ class VariantReader {
   }
 
  private:
-  // Blank lines are nothing at the end of a file, but between rows a value may be missing there.
+  // Blank lines may end the file. Between rows they are an error, because a value may be missing there.
   void take(std::string_view text) {
-    if (blank_ > 0) note(at_line(blank_), "the line is blank; only the end of the file may be");
+    if (blank_ > 0) note(at_line(blank_), "the line is blank; blank lines are allowed only at the end of the file");
     blank_ = 0;
     if (names_.empty()) {
       take_names(text);
@@ -56,7 +56,7 @@ class VariantReader {
         note(where, "a name is missing");
       } else if (!is_name(field)) {
         note(where, in_quotes(field) +
-                        " is no name of a parameter; the first line names one for each column, "
+                        " is not the name of a parameter; the first line names one for each column, "
                         "separated by commas");
       } else if (std::find(names_.begin(), names_.end(), field) != names_.end()) {
         note(where, in_quotes(field) + " names a column already");
@@ -76,7 +76,7 @@ class VariantReader {
       const double value = parse_number(fields[i]);
       if (std::isnan(value)) {
         note(at_line(line_) + ", column " + std::to_string(i + 1) + " (" + excerpt(names_[i]) + ")",
-             fields[i].empty() ? "a number is missing" : in_quotes(fields[i]) + " is no finite number");
+             fields[i].empty() ? "a number is missing" : in_quotes(fields[i]) + " is not a finite number");
       }
       variant.emplace(names_[i], value);
     }
@@ -99,7 +99,7 @@ class VariantReader {
   }
 
   std::string source_;
-  int line_ = 0, blank_ = 0;  // the first of the blank lines just passed; 0: none
+  int line_ = 0, blank_ = 0;  // the first of the last blank lines; 0: none
   std::vector<std::string> names_;
   std::vector<Parameters> variants_;
   std::vector<Diagnostic> findings_;

@@ -14,9 +14,9 @@
 namespace assur {
 namespace {
 
-constexpr std::size_t kOverlap = 2;  // rows of a chunk from the first of the next one on, at most
+constexpr std::size_t kOverlap = 2;  // a chunk computes at most so many rows beyond its border
 
-// Both postures solve the same equations; within the ball in which a solution is unique they are the same.
+// Both postures solve the same equations. They are the same if each is within the ball in which a solution is unique.
 bool same_posture(const std::vector<double>& a, const std::vector<double>& b, const std::vector<double>& uniqueness) {
   if (a.size() != b.size() || uniqueness.size() != b.size()) return false;
   for (std::size_t c = 0; c < a.size(); ++c) {
@@ -30,7 +30,7 @@ void say_alone(const LaneRun& run, std::vector<std::string>& fallbacks) {
                       general(run.alone_from, 6) + " s on, where it could not keep step with others");
 }
 
-// One run for each chunk; the rows behind the border to the next one are kept apart.
+// One run for each chunk. Rows behind the border to the next chunk are stored apart.
 std::vector<LaneRun> cut(std::span<const double> times, const ChunkGrid& grid, std::vector<Variant> starts,
                          double* values, double* overlaps, std::size_t columns) {
   const std::size_t chunks = grid.first.size();
@@ -46,7 +46,7 @@ std::vector<LaneRun> cut(std::span<const double> times, const ChunkGrid& grid, s
   return runs;
 }
 
-// A chunk that did not begin where the one before ended begins anew from there; if the run was stopped, it has done
+// A chunk that did not begin where the one before ended begins again there. If the run was stopped, the chunk has done
 // nothing.
 void settle(SideBySide& worker, const LaneRun& before, LaneRun& run, const std::function<bool()>& proceed,
             std::vector<std::string>& fallbacks) {
@@ -67,12 +67,13 @@ void settle(SideBySide& worker, const LaneRun& before, LaneRun& run, const std::
     return;
   }
   worker.run_alone(run, proceed);
-  run.alone = false;  // that is told by:
-  fallbacks.push_back("the chunk from t = " + general(run.times[0], 6) +
-                      " s on began on another branch than the one before ended; it was run again");
+  run.alone = false;  // the next line reports it
+  fallbacks.push_back(
+      "the chunk from t = " + general(run.times[0], 6) +
+      " s on began on another branch than the one on which the chunk before it ended; it was run again");
 }
 
-// Its angles follow those of the chunk before; one that did nothing has at least the row where that one ended.
+// Continues the angles of the chunk before. A chunk that did nothing gets the last row of the chunk before.
 void follow(const LaneRun& before, LaneRun& run, const OutputProgram& outputs, std::size_t columns) {
   const double* const border = before.row(before.split, columns);
   if (run.done == 0) {
@@ -89,10 +90,10 @@ void follow(const LaneRun& before, LaneRun& run, const OutputProgram& outputs, s
 }  // namespace
 
 std::string no_chunks(const Structure& structure, const StepLimits& limits, std::span<const double> times) {
-  if (limits.seconds > 0) return "a deadline is for single steps";
+  if (limits.seconds > 0) return "StepLimits::seconds limits single steps";
   if (!evenly_spaced(times)) return "the steps are not equally long";
   for (const GroupClass& c : structure.classes) {
-    if (!c.quadratic) return "equations of the program's own have no certificate to verify their start postures by";
+    if (!c.quadratic) return "start postures of equations that the program computes cannot be verified";
   }
   return {};
 }
@@ -118,7 +119,7 @@ ChunkedRun run_in_chunks(const Prepared& prepared, const StepLimits& limits, std
   out.values.resize(times.size() * columns);
   std::vector<double> overlaps(chunks * kOverlap * columns);
   std::vector<LaneRun> runs = cut(times, grid, std::move(starts), out.values.data(), overlaps.data(), columns);
-  // Rows that two chunks compute count once.
+  // Rows that two chunks compute are counted once.
   const auto rows = static_cast<std::int64_t>(times.size());
   Simulator::Observer of_the_grid;
   if (observer) of_the_grid = [&](std::int64_t done, std::int64_t) { return observer(std::min(done, rows), rows); };
@@ -137,7 +138,7 @@ ChunkedRun run_in_chunks(const Prepared& prepared, const StepLimits& limits, std
     if (run.alone) say_alone(run, out.fallbacks);
     out.fallbacks.insert(out.fallbacks.end(), run.fallbacks.begin(), run.fallbacks.end());
 
-    // What comes after the first row of the next chunk is that one's affair.
+    // The next chunk reports the events after its first row.
     const bool goes_on = c + 1 < chunks && run.done > run.split;
     const double end = goes_on ? run.times[run.split] : kInfinity;
     std::copy_if(run.events.begin(), run.events.end(), std::back_inserter(out.events),

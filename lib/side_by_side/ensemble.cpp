@@ -19,7 +19,8 @@ struct Ensemble::Impl {
       : limits(step_limits), cannot(count) {
     check_limits(limits);
     if (limits.seconds > 0) {
-      throw Error(Error::Kind::input, "StepLimits::seconds is a deadline of single steps; an ensemble has none");
+      throw Error(Error::Kind::input,
+                  "StepLimits::seconds limits single steps, which an ensemble does not support; set it to 0");
     }
     std::exception_ptr first_error;
     for (std::size_t i = 0; i < count; ++i) {
@@ -42,7 +43,7 @@ struct Ensemble::Impl {
       prepared = p;
       columns = column_names(*p.structure->system);
     } else if (column_names(*p.structure->system) != columns) {
-      cannot[i] = "its outputs are others than those of the first member";
+      cannot[i] = "its outputs differ from those of the first member";
       return;
     }
     if (!same_structure(*prepared->structure, *p.structure) || p.time.start != prepared->time.start) {
@@ -72,7 +73,7 @@ struct Ensemble::Impl {
     return out;
   }
 
-  // Members that share the structure, tile after tile; whoever is free takes the next one.
+  // Runs the members that share the structure, in tiles; a free thread takes the next tile.
   void run_in_lanes(EnsembleTrajectory& out, const Simulator::Observer& observer) {
     const std::size_t rows = out.times_.size();
     std::vector<LaneRun> runs(in_lanes.size());
@@ -124,8 +125,8 @@ struct Ensemble::Impl {
       report.fallbacks.push_back("member " + std::to_string(member + 1) + ": " + f);
   }
 
-  // What no member filled.
-  static void leave_no_row_unset(EnsembleTrajectory& out) {
+  // Fills the rows that a member did not reach.
+  static void fill_missing_rows(EnsembleTrajectory& out) {
     const std::size_t rows = out.times_.size(), columns = out.columns_.size();
     for (std::size_t i = 0; i < out.members(); ++i) {
       std::fill_n(out.values_.get() + (i * rows + out.rows_[i]) * columns, (rows - out.rows_[i]) * columns, kNan);
@@ -144,7 +145,7 @@ struct Ensemble::Impl {
       report.counters.stored_values += static_cast<std::int64_t>(out.rows_[i] * columns.size());
       report.reached = std::min(report.reached, o.reached);
       alone += o.alone ? 1 : 0;
-      // A member that failed outranks one that is only in doubt.
+      // A failed member outranks an inaccurate one.
       if ((report.status.ok() && !o.status.ok()) || (report.status.arrived() && !o.status.arrived())) {
         report.status = o.status;
         report.status.where = Place::member(static_cast<std::int32_t>(i));
@@ -152,16 +153,16 @@ struct Ensemble::Impl {
     }
     if (alone > 0) {
       report.fallbacks.push_back(std::to_string(alone) + " of " + std::to_string(outcomes.size()) +
-                                 " members went on alone, where they could not keep step with others");
+                                 " members went on alone, because they could not be solved in lockstep with others");
     }
   }
 
   StepLimits limits;
-  std::vector<std::string> cannot;   // members: why one cannot be started; empty: it can
-  std::optional<Prepared> prepared;  // of the first that can
-  std::vector<std::string> columns;  // of all
+  std::vector<std::string> cannot;   // reason why the member cannot be started; empty: it can
+  std::optional<Prepared> prepared;  // of the first member that can be started
+  std::vector<std::string> columns;  // of all members
   std::vector<std::size_t> in_lanes;
-  std::vector<Variant> variants;  // of those in lanes
+  std::vector<Variant> variants;  // of the members in lanes
   std::map<std::size_t, Prepared> others;
   std::optional<Tiles> tiles;
   Totals totals;
@@ -177,7 +178,7 @@ Ensemble::~Ensemble() = default;
 
 EnsembleTrajectory Ensemble::run(const Simulator::Observer& observer) {
   const TimeGrid& grid = impl_->prepared->time;
-  check_memory(static_cast<std::size_t>(grid.steps()) + 1, 2);  // times; what else is needed is asked for with them
+  check_memory(static_cast<std::size_t>(grid.steps()) + 1, 2);  // the times; run() checks the memory for the values
   std::vector<double> times;
   for (std::int64_t k = 0; k <= grid.steps(); ++k) times.push_back(grid.time(k));
   return run(times, observer);
@@ -185,7 +186,7 @@ EnsembleTrajectory Ensemble::run(const Simulator::Observer& observer) {
 
 EnsembleTrajectory Ensemble::run(std::span<const double> times, const Simulator::Observer& observer) {
   if (times.empty() || times[0] != impl_->prepared->time.start) {
-    throw Error(Error::Kind::input, "the times of an ensemble begin with the start of its scene");
+    throw Error(Error::Kind::input, "the times of an ensemble must begin with time.start of its scene");
   }
   check_times(times);
   EnsembleTrajectory out = impl_->start(times);
@@ -210,7 +211,7 @@ EnsembleTrajectory Ensemble::run(std::span<const double> times, const Simulator:
     impl_->run_other(i, out, of_all);
     before += rows(1);
   }
-  Impl::leave_no_row_unset(out);
+  Impl::fill_missing_rows(out);
   impl_->summarize(out);
   return out;
 }

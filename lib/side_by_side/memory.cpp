@@ -12,7 +12,7 @@
 namespace assur {
 namespace {
 
-constexpr std::uintptr_t kLarge = 4'000'000;  // bytes that hold a huge page wherever they begin
+constexpr std::uintptr_t kLarge = 4'000'000;  // bytes: enough for one whole huge page at any alignment
 
 }  // namespace
 
@@ -31,7 +31,7 @@ void PagesAhead::take() noexcept {
   taken_ += piece;
   if (end <= first) return;
   [[maybe_unused]] void* const address = reinterpret_cast<void*>(first);
-  // Where the system knows no such advice the pages come one by one, as ever.
+  // If the system lacks this advice, pages are placed one by one at the first write.
 #ifdef MADV_HUGEPAGE
   if (end - first >= kLarge) (void)madvise(address, end - first, MADV_HUGEPAGE);
 #endif

@@ -23,7 +23,7 @@ void check_times(std::span<const double> times) {
 
 void check_limits(const StepLimits& limits) {
   if (limits.iterations < 0 || limits.most_iterations < 1 || !(limits.seconds >= 0)) {
-    throw Error(Error::Kind::input, "StepLimits need iterations >= 0, most_iterations >= 1 and seconds >= 0");
+    throw Error(Error::Kind::input, "StepLimits must have iterations >= 0, most_iterations >= 1 and seconds >= 0");
   }
 }
 

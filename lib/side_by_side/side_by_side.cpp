@@ -32,7 +32,7 @@ void shift_by_turns(const OutputProgram& outputs, const double* before, const do
 
 namespace {
 
-// A run that was stopped, at the posture of its last row.
+// Stops a run at the posture of its last row.
 void stop(LaneRun& run, const std::vector<double>& posture) {
   if (run.done <= run.posture_wanted) run.posture = posture;
   run.status = {Code::interrupted, {}, run.reached};
@@ -58,7 +58,8 @@ void SideBySide::write_row(int lane, LaneRun& run, std::size_t row) {
   if (row == run.posture_wanted) run.posture = tile_.posture(lane);
 }
 
-// From row `from`, which their variants are at, to the last row that all of them reach in lockstep.
+// Solves from row `from`, at which the variants are, to the last row that all lanes reach in lockstep. Returns that
+// row.
 std::size_t SideBySide::follow(std::span<LaneRun* const> lanes, std::size_t from,
                                const std::function<bool()>& proceed) {
   const std::size_t rows = lanes[0]->times.size();
@@ -77,7 +78,7 @@ std::size_t SideBySide::follow(std::span<LaneRun* const> lanes, std::size_t from
   return rows - 1;
 }
 
-// Of the rows `row`, which all lanes are at.
+// Measures at `row`, which all lanes have reached.
 void SideBySide::measure_errors(std::span<LaneRun* const> lanes, std::size_t row) {
   std::array<double, kMostLanes> times{};
   std::array<const double*, kMostLanes> rows{};
@@ -137,7 +138,7 @@ void SideBySide::run(std::span<LaneRun* const> lanes, const std::function<bool()
     }
     if (row == last) return;
 
-    // Who cannot follow? The next step is tried alone by each.
+    // Each lane tries the next step alone, to find the lanes that cannot follow.
     std::vector<LaneRun*> able;
     std::vector<Variant> able_at;
     for (std::size_t i = 0; i < together.size(); ++i) {
@@ -153,7 +154,7 @@ void SideBySide::run(std::span<LaneRun* const> lanes, const std::function<bool()
       for (std::size_t i = 0; i < able.size(); ++i) stop(*able[i], able_at[i].posture);
       return;
     }
-    if (able.size() == together.size()) {  // each of them can alone what they cannot together
+    if (able.size() == together.size()) {  // each lane can solve the step alone, but not together
       for (std::size_t i = 0; i < able.size(); ++i) alone(*able[i], able_at[i], row, true, proceed);
       return;
     }
@@ -167,7 +168,7 @@ void SideBySide::run_alone(LaneRun& run, const std::function<bool()>& proceed) {
   alone(run, run.variant, 0, true, proceed);
 }
 
-// One step from `row` on; if it is no plain one (or to_the_end is set) the whole rest of the way.
+// Solves one step from `row` on; if it is not a plain step, or to_the_end is set, all further steps as well.
 void SideBySide::alone(LaneRun& lane, Variant at, std::size_t row, bool to_the_end,
                        const std::function<bool()>& proceed) {
   const double from = at.time;
@@ -177,7 +178,7 @@ void SideBySide::alone(LaneRun& lane, Variant at, std::size_t row, bool to_the_e
   const Structure* const structure = simulator->prepared().structure.get();
   const std::size_t columns = simulator->columns().size(), rows = lane.times.size();
   double* const first = lane.row(row, columns);
-  const bool restarted = lane.done > row;  // the row is there already: its angles are unwrapped
+  const bool restarted = lane.done > row;  // the row is stored already, with unwrapped angles
   const std::vector<double> start(simulator->outputs().begin(), simulator->outputs().end());
   if (!restarted) std::copy(start.begin(), start.end(), first);
   lane.done = std::max(lane.done, row + 1);
@@ -217,7 +218,7 @@ void SideBySide::alone(LaneRun& lane, Variant at, std::size_t row, bool to_the_e
   of_those_alone_.merge({report.counters, {}, report.effort});
 }
 
-// None if the posture has no velocities.
+// Empty if the posture has no velocities.
 std::optional<Simulator> SideBySide::simulator_of(LaneRun& lane, Variant at) const {
   Prepared prepared = prepared_;
   auto structure = std::make_shared<Structure>(*prepared_.structure);

@@ -32,7 +32,7 @@ bool same_assignments(const System& a, const System& b) {
                     });
 }
 
-// All that lanes share: what has to be the same in both.
+// True if everything that lanes share is the same in both.
 bool same_known(const System& a, const System& b) {
   const auto same_coordinate = [](const Coordinate& x, const Coordinate& y) { return x.role == y.role; };
   return a.dimension == b.dimension && a.constants.size() == b.constants.size() &&
@@ -154,7 +154,7 @@ void Tile::bind() {
   alike_ = driven_alike();
 }
 
-// Drivers of the same laws need not be evaluated again for each lane at the same time.
+// True if the drivers of all lanes have the same laws: then one evaluation serves all lanes at the same time.
 bool Tile::driven_alike() const {
   const System& first = *variants_[0]->system;
   const auto alike = [&](const Variant* v) {
@@ -201,7 +201,7 @@ Status Tile::drive_lane(std::size_t lane, double time) {
   return {};
 }
 
-// Of the program, before a step to `times`.
+// Checks the functions of the program before a step to `times`.
 Status Tile::check_functions(std::span<const double> times) {
   for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
     if (!functions_[lane]) continue;
@@ -226,7 +226,7 @@ Status Tile::step(std::span<const double> times) {
   return s;
 }
 
-// An attempt: one that is rejected leaves nothing in the packs.
+// One attempt. If it is rejected, it leaves nothing in the packs.
 Status Tile::solve(std::span<const double> times, Attempt::Branch branch) {
   ++attempts_;
   StepErrors errors;
@@ -281,7 +281,7 @@ Status Tile::solve_packs(std::span<const double> times, Attempt::Branch branch, 
     attempt.branch = branch;
     attempt.converged = converged;
     attempt.number = attempts_;
-    attempt.time = times[0];  // steps are as long in every lane
+    attempt.time = times[0];  // steps have the same length in every lane
     attempt.iterations = pack.level > 0 && branch == Attempt::Branch::inside ? limits_.iterations : 0;
     attempt.most_iterations = limits_.most_iterations;
     GroupSolver& solver = *layout_.solvers[idx(pack.group_class)];
@@ -335,7 +335,7 @@ double Tile::watched(std::int32_t& worst) {
   return largest;
 }
 
-// As in Continuation.
+// Like Continuation::check_watched().
 Status Tile::check_watched(std::span<const double> times, Attempt::Branch branch, StepErrors& errors) {
   if (structure_->watch_class.equations.empty()) return {};
   std::int32_t worst = 0;
@@ -350,7 +350,7 @@ Status Tile::check_watched(std::span<const double> times, Attempt::Branch branch
   return {};
 }
 
-// A lane in which another set of the redundant equations would be better goes alone.
+// A lane must go on alone if another set of the redundant equations would be better.
 Status Tile::check_sets() {
   if (structure_->watch_class.equations.empty() || measured_at_ == counters_.branch_checks) return {};
   measured_at_ = counters_.branch_checks;
@@ -368,7 +368,7 @@ Status Tile::begin_angles(std::span<const double> times) {
   return {};
 }
 
-// Not ok if some lane turned too far to tell how.
+// Not ok if an angle of some lane turned too far to know which way.
 Status Tile::follow_angles(double seconds) {
   Status s;
   if (turns_[0].empty()) return s;

@@ -54,7 +54,7 @@ void Tiles::run(std::span<LaneRun> runs, const Simulator::Observer& observer, st
         workers_[idx(rank)]->run(together, proceed);
       }
     } catch (...) {
-      stopped = true;  // the others need not go on
+      stopped = true;  // the other threads need not continue
       throw;
     }
   });

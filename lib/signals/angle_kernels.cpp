@@ -1,7 +1,7 @@
 // Compiled once for each SIMD target.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "signals/angle_kernels.cpp"
-#include <hwy/foreach_target.h>  // before what is compiled once for each target
+#include <hwy/foreach_target.h>  // must precede the code compiled for each target
 #include <hwy/highway.h>
 
 #include <cmath>
@@ -37,14 +37,14 @@ constexpr double kSine[] = {-0x1.5555555555549p-3, 0x1.111111110f8a4p-7,   -0x1.
                             0x1.71de357aac557p-19, -0x1.ae5e6839c9e81p-26, 0x1.5d9383d67cc85p-33};
 constexpr double kCosine[] = {0x1.555555555554cp-5,   -0x1.6c16c16c1521dp-10, 0x1.a01a019cbf0d4p-16,
                               -0x1.27e4f81265302p-22, 0x1.1ee9f110868ffp-29,  -0x1.8fb10a0e6504dp-37};
-// pi/2 as a sum. An odd multiple of the first part less a double next to it is exact when it is rounded once.
+// pi/2 as a sum of three doubles. The reduction subtracts an odd multiple of the first one exactly.
 constexpr double kHalfPi[] = {0x1.921fb54442d18p+0, 0x1.1a62633145c07p-54, -0x1.f1976b7ed8fbcp-110};
 
 // |angle| <= kLargestAngle
 HWY_INLINE SinCos sin_cos_of(V angle) {
   const D d;
   const hn::RebindToUnsigned<D> du;
-  // Added to 1.5 * 2^52 a number is rounded to an integer, whose last bits are the quadrant.
+  // Adding 1.5 * 2^52 rounds a number to an integer; the last bits of the sum are the quadrant.
   const V shift = hn::Set(d, 0x1.8p52);
   const V shifted = hn::MulAdd(angle, hn::Set(d, 0x1.45f306dc9c883p-1), shift), n = hn::Sub(shifted, shift);
   const V first = hn::NegMulAdd(n, hn::Set(d, kHalfPi[0]), angle);
@@ -80,7 +80,7 @@ void sin_cos(const double* angles, std::size_t count, double* sines, double* cos
   }
 }
 
-// As law_detail::cycles.
+// Fractional part of the cycles, like law_detail::cycles.
 HWY_INLINE V cycles(V frequency, V t) {
   const V product = hn::Mul(frequency, t), lost = hn::MulSub(frequency, t, product);
   return hn::Add(hn::Sub(product, hn::Round(product)), hn::Sub(lost, hn::Round(lost)));
@@ -104,7 +104,7 @@ void add_harmonics(const HarmonicBlock* blocks, std::size_t count, double time, 
   }
 }
 
-#else  // the reduction rests on products that are not rounded
+#else  // without FMA: the reduction needs products that are not rounded
 
 void sin_cos(const double* angles, std::size_t count, double* sines, double* cosines) {
   for (std::size_t i = 0; i < count; ++i) {

@@ -12,8 +12,8 @@
 namespace assur {
 namespace {
 constexpr double kStepOfDrivers = 1;  // rad
-constexpr double kFirstSteps = 16;    // a way of which nothing is known may be four times as long as the chord
-constexpr double kNoise = 1e-12;      // of the terms of a vector: shorter ones have no direction
+constexpr double kFirstSteps = 16;    // bound for a path of unknown shape: four times the chord, squared
+constexpr double kNoise = 1e-12;      // relative to the terms of a vector: a shorter vector has no direction
 
 }  // namespace
 
@@ -35,7 +35,7 @@ void AngleTurns::start(const double* q) {
   }
 }
 
-// Is the way shorter than half of what it takes from one end round the origin to the other?
+// True if the way is shorter than half of any way from `from` to `to` round the origin.
 bool AngleTurns::is_short(const Arm& from, const Arm& to, double way) {
   if (way <= std::min(from.square, to.square)) return true;
   return 2 * std::sqrt(way) <= std::sqrt(from.square) + std::sqrt(to.square);
@@ -65,7 +65,7 @@ void AngleTurns::accept(double seconds) {
   for (std::size_t i = 0; i < now_.size(); ++i) {
     const Arm& from = now_[i];
     Arm& to = next_[i];
-    // The shorter way leads through the half-line where atan2 jumps, or it does not.
+    // The shorter way may cross the half-line where atan2 jumps.
     if (std::signbit(from.y) != std::signbit(to.y)) {
       const double left = from.x * to.y - from.y * to.x;
       if (left > 0 && std::signbit(to.y)) turns_[i] += 1;

@@ -87,7 +87,7 @@ void DriveProgram::add_law(std::int32_t slot, const Law& law) {
   }
 }
 
-// Into the first block of its eight slots where its own place is free.
+// Uses the first block of these eight slots whose lane for this slot is free.
 void DriveProgram::add_term(std::int32_t slot, const Harmonic& term) {
   if (term.amplitude == 0) return;
   constexpr auto kSize = static_cast<std::int32_t>(kAngleBlock);
@@ -205,11 +205,11 @@ bool DriveProgram::defined() const {
   const double *const value = jets_[0].data(), *const rate = jets_[1].data(), *const acceleration = jets_[2].data();
   for (std::size_t i = 0; i < laws_; ++i) {
     if (std::isnan(value[i])) return false;
-    // Rates show in outputs as they are.
+    // Rates and accelerations may be outputs, so they must be finite.
     if (!std::isfinite(rate[i]) || !std::isfinite(acceleration[i])) return false;
   }
   for (std::size_t i = 0; i < angles_; ++i) {
-    if (std::isnan(cosines_[i])) return false;  // of an infinite angle
+    if (std::isnan(cosines_[i])) return false;  // the angle is infinite
   }
   return true;
 }

@@ -23,8 +23,8 @@ Motion blend(const Motion& a, const Motion& b, double start, double end, double 
          (d * d / 2 * a.acceleration) * (r3 * s * s) + (d * d / 2 * b.acceleration) * (s3 * r * r);
 }
 
-constexpr int kLooks = 16;       // at a length on its way
-constexpr int kBisections = 40;  // to its minimum
+constexpr int kLooks = 16;       // samples of a lever along its way
+constexpr int kBisections = 40;  // in the search for its minimum
 
 bool reaches_zero(const Motion& from, const Motion& to, double seconds) {
   const double h = std::abs(seconds);
@@ -131,8 +131,8 @@ void Inputs::set(std::string_view driver, const Motion& motion) {
   std::vector<std::string_view> known;
   for (const Control& c : controls_) known.push_back(c.name);
   throw Error(Error::Kind::input,
-              in_quotes(driver) + " is no controlled driver" +
-                  (known.empty() ? "; name them in PrepareOptions::controlled" : known_instead(driver, known)));
+              in_quotes(driver) + " is not a controlled driver" +
+                  (known.empty() ? "; name it in PrepareOptions::controlled" : known_instead(driver, known)));
 }
 
 const std::string* Inputs::not_finite(double& value) const {
@@ -157,7 +157,7 @@ void Inputs::begin_step(double now, double next) {
     c.was_pending = c.pending;
     if (!c.set && !c.pending) continue;
     if (!c.set) c.from = system_.inputs[c.input].laws[static_cast<std::size_t>(c.law)](now);
-    c.to = c.pending ? c.next : Motion{c.from.value, 0, 0};  // not renewed: it comes to rest where it is
+    c.to = c.pending ? c.next : Motion{c.from.value, 0, 0};  // without a new target it comes to rest at its value
     c.set = true;
     c.pending = false;
     c.start = now;
@@ -174,7 +174,7 @@ bool Inputs::end_step(double now, End end) {
       c.pending = true;
     }
     c.from = blend(c.from, c.to, c.start, c.end, now);
-    if (end == End::failed) {  // whatever stopped it, it does not overshoot into it again
+    if (end == End::failed) {  // the next step must not run into the same failure with this speed
       stopped = stopped || c.from.rate != 0 || c.from.acceleration != 0;
       c.from = {c.from.value, 0, 0};
     }
@@ -199,7 +199,7 @@ void Inputs::undo_step(Controls& controls, double now) {
 
 void Inputs::take(const Controls& other) {
   for (std::size_t i = 0; i < controls_.size(); ++i) {
-    const std::int32_t slot = controls_[i].slot;  // what is read may differ
+    const std::int32_t slot = controls_[i].slot;  // simulators may differ in the drivers that they evaluate
     controls_[i] = other[i];
     controls_[i].slot = slot;
   }
@@ -210,7 +210,7 @@ bool Inputs::ask_again_from_rest() {
   for (Control& c : controls_) {
     c.pending = c.was_pending;
     if (!c.set && !c.pending) continue;
-    c.set = true;  // also where the law had moved it so far
+    c.set = true;  // also if its law has moved it so far
     moved = moved || c.from.rate != 0 || c.from.acceleration != 0;
     c.from = c.to = {c.from.value, 0, 0};
   }

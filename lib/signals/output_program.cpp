@@ -34,7 +34,7 @@ void OutputProgram::bind(const System& s, std::span<const std::int32_t> address)
   totals_.clear();
   total_terms_.clear();
   std::int32_t next = 0;                                               // column
-  std::map<std::pair<std::string_view, int>, std::int32_t> column_of;  // of measures, where there are sums
+  std::map<std::pair<std::string_view, int>, std::int32_t> column_of;  // of measures, if there are sums
   const bool has_sums =
       std::any_of(s.measures.begin(), s.measures.end(), [](const MeasureForms& m) { return m.is_sum(); });
   for (const Output& o : wanted_outputs(s)) {
@@ -138,7 +138,7 @@ void OutputProgram::arm(std::size_t i, const double* q, double& x, double& y) co
     y = value_of(part.forms_begin + 1);
     return;
   }
-  double forms[9];  // those of two directions, and in space the axis
+  double forms[9];  // of two directions and, in space, the axis
   for (std::int32_t f = part.forms_begin; f < part.forms_end; ++f) forms[f - part.forms_begin] = value_of(f);
   const ArmOf<double> arm = arm_of<double>(part.kind, forms, dimension_);
   x = arm.x;
@@ -219,7 +219,7 @@ void OutputProgram::differentiate(const double* const (&state)[3], const double*
   add_up(out, 0);
 }
 
-// constant: times the constants.
+// constant: factor of the constants.
 void OutputProgram::add_up(double* out, double constant) const {
   for (const Total& total : totals_) {
     double sum = constant * total.constant;
@@ -231,7 +231,7 @@ void OutputProgram::add_up(double* out, double constant) const {
   }
 }
 
-// constant: times the offsets.
+// constant: factor of the offsets.
 void OutputProgram::evaluate_linear(const double* const (&state)[3], double* out, double constant, std::size_t part,
                                     std::size_t parts) const {
   for (const Line& l : share(motions_, part, parts)) {
@@ -264,7 +264,7 @@ void OutputProgram::evaluate_forms(const Part& measure, const double* const (&st
 }
 
 Jet<double> OutputProgram::jet_of(std::int32_t form, const double* const (&state)[3]) const {
-  // Derivatives that nobody wants are added as well: three sums stay in registers.
+  // Unwanted derivatives are summed as well: branches would cost more than three sums in registers.
   double value = 0, rate = 0, acceleration = 0;
   for (const TermAt& term : terms_of(form)) {
     value += term.factor * state[0][term.address];

@@ -24,18 +24,19 @@ namespace {
 
 constexpr std::size_t kEventsReserved = 64;
 
-// On the long way to the chunks the length that works hardly changes. Measured on stewart and four_bar, with patience
-// from 2 to 16 and growth from 1.25 to 2: few attempts in all, and one in seven rejected.
+// On the long way to the starts of chunks, the step length that works hardly changes. Measured on stewart and four_bar
+// with patience from 2 to 16 and growth from 1.25 to 2: these need few attempts, and one in seven is rejected.
 constexpr Stride kLongWay{.patience = 4, .growth = 1.5};
-// Of the accuracy asked for, what is used: conditions grow before they are measured again, each level's for itself.
+// Only this part of the accuracy is used: conditions may grow before they are measured again, independently at each
+// level.
 constexpr double kMargin = 16;
-constexpr int kMostLevels = 8;     // that count
-constexpr double kLoosest = 1e-6;  // where a residual counts as solved at most
+constexpr int kMostLevels = 8;     // levels that count
+constexpr double kLoosest = 1e-6;  // largest residual at which an equation counts as solved
 
 }  // namespace
 
 struct SimulatorState::Impl {
-  std::shared_ptr<const Prepared> first, prepared;  // as the run began, and with the equations chosen since
+  std::shared_ptr<const Prepared> first, prepared;  // at the start of the run, and with the equations chosen since
   Continuation::Snapshot motion;
   ErrorEstimate::Snapshot estimate;
   std::int64_t branch_checks = 0;
@@ -43,13 +44,13 @@ struct SimulatorState::Impl {
   std::vector<double> row;
   std::vector<double> divisors;
   bool in_one_piece = true;            // the posture was reached by a step that was not divided
-  std::shared_ptr<const Impl> inside;  // what Simulator::retreat() goes back to otherwise
+  std::shared_ptr<const Impl> inside;  // state for Simulator::retreat() if the step was divided
 };
 
 struct Simulator::Impl {
   using Snapshot = SimulatorState::Impl;
 
-  // The posture is still to come: from start() or restore().
+  // start() or restore() sets the posture.
   Impl(std::shared_ptr<const Prepared> p, StepLimits l)
       : owned(std::move(p)),
         prepared(*owned),
@@ -69,7 +70,7 @@ struct Simulator::Impl {
     motion.follow(turns);
     row.resize(columns.size());
     divisors.resize(outputs.measures());
-    motion.before_dividing([this] { keep_where_it_began(); });
+    motion.before_dividing([this] { keep_start_of_step(); });
     for (auto* kept : {&inside, &divided}) *kept = std::make_shared<Snapshot>();
     clear();
   }
@@ -92,8 +93,8 @@ struct Simulator::Impl {
     began = nullptr;
   }
 
-  // From a posture (all coordinates) at a time: where the run began, or another one of the same motion. before: the
-  // same motion up to here, with another set of the redundant equations.
+  // Starts from a posture (all coordinates) at a time: the start of the run, or another posture of the same motion.
+  // before: the motion up to this posture, with another set of the redundant equations.
   void start(double time, const std::vector<double>& posture, Impl* before = nullptr) {
     clear();
     motion.start(time, posture, before != nullptr ? &before->motion.inputs().controls() : nullptr);
@@ -101,7 +102,7 @@ struct Simulator::Impl {
       fill_row();
       judge();
       (void)tell_verdict(time);
-      for (auto* kept : {&inside, &divided}) save(writable(*kept), false);  // so that steps need not take memory
+      for (auto* kept : {&inside, &divided}) save(writable(*kept), false);  // so that steps allocate nothing
       return;
     }
     turns.continue_from(before->row);
@@ -134,7 +135,7 @@ struct Simulator::Impl {
 
   // ---- functions of the program
 
-  // Before a step to t. Nothing moves where one of them is wrong.
+  // Checks the functions before a step to t. If one of them is wrong, nothing moves.
   Status check_functions(double t) {
     const double from = motion.time();
     if (functions.empty() || t == from || !std::isfinite(t)) return {};
@@ -150,7 +151,7 @@ struct Simulator::Impl {
 
   // ---- accuracy
 
-  // Of the posture that was reached at last, on the way from `from`: is it as accurate as was asked for?
+  // Checks whether the posture that was reached from time `from` is as accurate as asked for.
   Status check_accuracy(double from) {
     const double* const q[3] = {motion.at(0), motion.at(1), motion.at(2)};
     const double* const divided_by = divisors.data();
@@ -160,7 +161,7 @@ struct Simulator::Impl {
 
   Status tell_verdict(double from) {
     Status s = verdict;
-    if (motion.turn_guessed()) {  // the other way round it is a whole turn more or less
+    if (motion.turn_guessed()) {  // the other way round differs by a whole turn
       s = {Code::inaccurate, s.where, std::max(s.figure, kTurn)};
       ErrorFigures turn;
       turn.estimated_position = kTurn;
@@ -187,14 +188,14 @@ struct Simulator::Impl {
       const double margin = kMargin * std::clamp(structure.levels, 1, kMostLevels);
       converged = std::clamp(estimate.residual_for(prepared.plan.accuracy / margin), kConverged, kLoosest);
     }
-    // What only the most exact solutions keep out of doubt.
+    // Solves as exactly as possible if errors are in doubt otherwise.
     if (motion.converged() == 0 && estimate.close_to_doubt()) converged = 0;
     motion.converge_to(converged);
     estimate.loosen(converged > kConverged);
     settle();
   }
 
-  // What was measured counts: as an error of the run, and as the status of the step.
+  // Adds the measurement to the errors of the run, and makes it the status of the step.
   void settle() {
     estimate.keep();
     verdict = {};
@@ -264,14 +265,14 @@ struct Simulator::Impl {
   }
 
   // Called before a step is divided or fails.
-  void keep_where_it_began() {
+  void keep_start_of_step() {
     if (began != nullptr) return;
     Snapshot& kept = writable(in_one_piece ? inside : divided);
     save(kept, true);
     began = &kept;
   }
 
-  // Takes the place of another one, with other equations of the same scene.
+  // Takes the results of another simulator, which has other equations of the same scene.
   void take_over(Impl& other) {
     first = other.first;
     other.drop_own_lines();
@@ -288,7 +289,7 @@ struct Simulator::Impl {
     motion.count_rejected_from(other.motion.rejected());
   }
 
-  // The simulator as it was, with the equations of then.
+  // Restores the simulator with the equations of that time.
   static void restore(std::unique_ptr<Impl>& impl, const Snapshot& from) {
     if (impl->structure.checks != from.prepared->structure->checks) {
       auto next = std::make_unique<Impl>(from.prepared, impl->limits);
@@ -301,8 +302,8 @@ struct Simulator::Impl {
 
   // ---- redundant equations
 
-  // The same motion with another independent set of the redundant equations, chosen at the last accepted posture; null
-  // if that is the set at hand or cannot be started there.
+  // The same motion with another independent set of the redundant equations, chosen at the last accepted posture. Null
+  // if that set is the current one, or if it cannot be started there.
   std::unique_ptr<Impl> reselected() {
     try {
       Prepared chosen = prepared.reselect(motion.posture(), motion.time());
@@ -322,7 +323,7 @@ struct Simulator::Impl {
     return nullptr;
   }
 
-  // Another set in time, before the one at hand is close to being dependent.
+  // Chooses another set before the current one is close to being dependent.
   std::unique_ptr<Impl> reselected_if_poor() {
     return prepared.reselect && motion.set_is_poor() ? reselected() : nullptr;
   }
@@ -331,7 +332,7 @@ struct Simulator::Impl {
 
   void drop_own_lines() { report.fallbacks.resize(report.fallbacks.size() - std::exchange(own_lines, 0)); }
 
-  // What the solvers had to do beyond what was planned, as a sum and in words.
+  // Reports the unplanned work of the solvers, as a sum and in words.
   void report_effort() {
     Effort sum = earlier_effort;
     sum += motion.levels().effort();
@@ -349,10 +350,10 @@ struct Simulator::Impl {
       report.fallbacks.push_back(std::to_string(count) + what);
       ++own_lines;
     };
-    say(sum.redone, " factorisations of one lane with pivots of its own, where those of the class did not serve");
+    say(sum.redone, " factorisations of one lane with its own pivots, because the pivots of the class failed");
     say(sum.renewed, " pivot orders chosen anew");
-    say(sum.unplanned, " solutions of one lane refined, because the factors had grown");
-    say(sum.in_double, " factorisations of one lane in double, where float did not serve");
+    say(sum.unplanned, " solutions of one lane refined, because the pivots had grown");
+    say(sum.in_double, " factorisations of one lane in double, because refinement from float did not converge");
   }
 
   void report_estimate() {
@@ -372,7 +373,7 @@ struct Simulator::Impl {
     outputs.add_up(row.data());
   }
 
-  // The outputs of the posture at hand are known already.
+  // Sets the outputs of the current posture, which are known.
   void stands_at(std::span<const double> outputs_there) {
     std::copy(outputs_there.begin(), outputs_there.end(), row.begin());
     turns.continue_from(row);
@@ -380,7 +381,7 @@ struct Simulator::Impl {
 
   std::shared_ptr<const Prepared> owned;
   const Prepared& prepared;
-  std::shared_ptr<const Prepared> first;  // what reset() goes back to: `owned` until equations are chosen anew
+  std::shared_ptr<const Prepared> first;  // reset() returns to it: `owned` until other equations are chosen
   StepLimits limits;
   Report report;
   const Structure& structure;
@@ -394,14 +395,14 @@ struct Simulator::Impl {
   Status verdict;  // of the last measurement: ok, or inaccurate
   Status doubt;    // the first one of the run
   std::vector<double> row;
-  std::vector<double> divisors;               // of the measures
-  bool in_one_piece = true;                   // the posture was reached by a step that was not divided
-  std::shared_ptr<Snapshot> inside, divided;  // where steps began that were divided, or failed: at such a posture,
-                                              // or at another one
-  const Snapshot* began = nullptr;            // the one of them where the step at hand did, if it was divided
-  Effort earlier_effort;                      // of solvers that ran the chunks, or solved another set
-  ErrorFigures earlier_error;                 // of the chunks: estimates
-  std::size_t own_lines = 0;                  // at the end of report.fallbacks: report_effort()
+  std::vector<double> divisors;  // of the measures
+  bool in_one_piece = true;      // the posture was reached by a step that was not divided
+  // Starts of the last steps that were divided or failed: at a posture with in_one_piece, and at one without.
+  std::shared_ptr<Snapshot> inside, divided;
+  const Snapshot* began = nullptr;  // the snapshot before the current step, if that was divided
+  Effort earlier_effort;            // of solvers that ran the chunks, or that solved another set
+  ErrorFigures earlier_error;       // of the chunks: estimates
+  std::size_t own_lines = 0;        // lines that report_effort() added at the end of report.fallbacks
   std::int64_t reselections = 0;
   double first_reselection = 0;  // time
 };
@@ -456,7 +457,7 @@ Status Simulator::step() {
     const Status status = step(t);
     if (status.arrived()) return status;
     go_back();
-    // Drivers that move towards a limit may overshoot into it on their way back.
+    // Drivers that move towards a limit may overshoot into it before they turn back.
     if (impl_->began == nullptr || status.code == Code::deadline || !impl_->motion.ask_again_from_rest()) return status;
     impl_->motion.count_rejected_from(0);
     const Status again = go_to(t);
@@ -487,11 +488,11 @@ void Simulator::save(SimulatorState& into) {
 }
 
 void Simulator::restore(const SimulatorState& from) {
-  if (from.empty()) throw Error(Error::Kind::input, "nothing was saved in this state");
+  if (from.empty()) throw Error(Error::Kind::input, "this state is empty; fill it with Simulator::save()");
   const SimulatorState::Impl& state = *from.impl_;
   const bool other_equations = state.prepared->structure->checks != impl_->structure.checks;
   if (state.first->structure != impl_->first->structure || !(other_equations || impl_->motion.fits(state.motion))) {
-    throw Error(Error::Kind::input, "the state is that of another plan; save it from a simulator of the same Prepared");
+    throw Error(Error::Kind::input, "the state belongs to another plan; save it from a simulator of the same Prepared");
   }
   Impl::restore(impl_, state);
   impl_->inside = std::const_pointer_cast<SimulatorState::Impl>(state.inside);
@@ -523,7 +524,7 @@ void Simulator::reset() {
 
 Trajectory Simulator::run(const Observer& observer) {
   const TimeGrid& grid = impl_->prepared.time;
-  // The grid itself, the trajectory's times and its values.
+  // The grid, and the times and values of the trajectory.
   check_memory(static_cast<std::size_t>(grid.steps()) + 1, columns().size() + 2);
   std::vector<double> times;
   times.reserve(static_cast<std::size_t>(grid.steps()) + 1);
@@ -543,7 +544,7 @@ Trajectory Simulator::run(std::span<const double> times, const Observer& observe
   PagesAhead pages(out.values_);
   pages.reach(out.columns_.size());
   const auto of = static_cast<std::int64_t>(times.size());
-  std::optional<Pinned> here;  // once, not in every step
+  std::optional<Pinned> here;  // once, not at every step
   if (!impl_->limits.pin_to.empty() && impl_->motion.levels().threads() > 1) here.emplace(impl_->limits.pin_to[0]);
   for (const double t : times) {
     if (!step(t).arrived()) break;
@@ -559,7 +560,7 @@ Trajectory Simulator::run(std::span<const double> times, const Observer& observe
   return out;
 }
 
-// False if there is a reason against it, which is reported: then nothing is done.
+// False if chunks are not possible. The reason is reported, and nothing else changes.
 bool Simulator::run_in_chunks(std::span<const double> times, const Observer& observer, Trajectory& out) {
   if (times.empty()) return false;
   const auto refuse = [&](const std::string& why) {
@@ -573,8 +574,8 @@ bool Simulator::run_in_chunks(std::span<const double> times, const Observer& obs
   const ChunkGrid grid = chunk_grid(times.size(), idx(impl_->prepared.plan.run.chunks));
   const double first_time = impl_->motion.time();
   Stride stride = kLongWay;
-  // The chunks begin with the equations that the run began with, or not at all. A simulator with other equations has
-  // taken over what reset() needs: it replaces this one.
+  // Chunks need the equations with which the run began. If others were chosen, chunks are refused, and the simulator
+  // with these equations replaces this one, because reset() needs it.
   const auto begins_anew = [&](std::unique_ptr<Impl> with_others) {
     if (!with_others) return false;
     impl_ = std::move(with_others);
@@ -589,20 +590,21 @@ bool Simulator::run_in_chunks(std::span<const double> times, const Observer& obs
   std::vector<Variant> starts;
   for (const std::size_t row : grid.first) {
     if (!reach(times[row])) {
-      return refuse("their start postures were found up to t = " + std::to_string(impl_->motion.time()) + " s only");
+      return refuse("start postures were found only up to t = " + std::to_string(impl_->motion.time()) + " s");
     }
     starts.push_back(
         {impl_->structure.system, impl_->motion.posture(), impl_->motion.time(), impl_->prepared.reselect});
   }
   Counters counters = impl_->report.counters;
-  counters.steps = 0;  // those between the starts are not of the grid
+  counters.steps = 0;  // steps between the starts do not belong to the grid
   ChunkedRun run = assur::run_in_chunks(impl_->prepared, impl_->limits, times, grid, std::move(starts), observer);
-  if (run.rows == 0) return refuse("the first one could not be started");
+  if (run.rows == 0) return refuse("the first chunk could not be started");
   try {
     impl_->start(run.reached, run.posture);
   } catch (const Error& e) {
     if (e.kind() != Error::Kind::numerical) throw;
-    return refuse("they ended in a posture that no run can start from, at t = " + std::to_string(run.reached) + " s");
+    return refuse("the chunks ended in a posture from which no run can start, at t = " + std::to_string(run.reached) +
+                  " s");
   }
   out.values_ = std::move(run.values);
   out.times_.assign(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(run.rows));

@@ -42,7 +42,7 @@ double Trajectory::last(std::string_view column) const {
 
 namespace {
 
-// Lines of a CSV; numbers as the shortest text that reads back the same, nothing for none.
+// Lines of a CSV. A number is the shortest text that reads back as the same number; NaN is an empty field.
 class Lines {
  public:
   explicit Lines(std::ostream& out) : out_(out) {}

@@ -11,9 +11,9 @@
 namespace assur {
 namespace {
 
-constexpr double kFirst = 0.1;            // rad, or internal units: the first step
-constexpr double kLongestStride = 0.3;    // the longest
-constexpr double kShortestStride = 1e-4;  // shorter ones lead nowhere
+constexpr double kFirst = 0.1;            // rad or internal units: length of the first step
+constexpr double kLongestStride = 0.3;    // largest length
+constexpr double kShortestStride = 1e-4;  // a step that fails at this length ends the search
 constexpr double kStrideGrowth = 1.5;     // after a step that arrives
 
 class Approach {
@@ -65,7 +65,7 @@ class Approach {
     }
   }
 
-  // The posture at a share of the way, from one nearby.
+  // Finds the posture at a share of the way from a nearby posture.
   bool step(double share, std::vector<double>& q) {
     DriverValues values = from_;
     for (std::size_t i = 0; i < values.size(); ++i) {

@@ -17,16 +17,16 @@ constexpr int kAssemblySteps = 60;
 constexpr int kFitSteps = 400;
 constexpr int kPolishSteps = 10;
 constexpr double kNearGuess = 0.25;  // internal units
-constexpr double kStuck = 1e-8;      // relative residual: least squares that end above it are at no posture
+constexpr double kStuck = 1e-8;      // relative residual; least squares that end above it found no posture
 constexpr double kNudge = 0.1;       // internal units: typical lengths are 1
 
-// A direct solution with what assembly asks of it: singular or not, and the sign of the determinant.
+// A direct solution with its condition and the sign of the determinant.
 class Linearization {
  public:
   explicit Linearization(const DenseBlock& block, const std::vector<double>& q) {
     if (block.rows() <= kDenseAssembly) {
       const Eigen::MatrixXd j = block.jacobian(q);
-      // Rows to unit length: rank and condition do not depend on the units of an equation.
+      // Rows are scaled to unit length, so that rank and condition do not depend on the units of an equation.
       scale_ = j.rowwise().norm().cwiseMax(std::numeric_limits<double>::min()).cwiseInverse();
       dense_.compute(scale_.asDiagonal() * j);
       const auto u = dense_.matrixLU().diagonal().cwiseAbs();
@@ -92,7 +92,7 @@ void descend(const DenseBlock& block, std::span<const Index> unknowns, std::vect
     const Eigen::VectorXd g = j.transpose() * phi;
     bool improved = false;
     for (int attempt = 0; attempt < 40 && !improved; ++attempt) {
-      // min |J p + phi|^2 + mu^2 |p|^2 as a least-squares system: J^T J alone would square the condition.
+      // min |J p + phi|^2 + mu^2 |p|^2 as a least-squares system, because J^T J would square the condition.
       Eigen::VectorXd p;
       if (block.columns() <= kDenseAssembly) {
         Eigen::MatrixXd a(block.rows() + block.columns(), block.columns());
@@ -122,15 +122,15 @@ void descend(const DenseBlock& block, std::span<const Index> unknowns, std::vect
   }
 }
 
-// Moves along the direction in which the equations change least: a guess on a line of symmetry leads to a stationary
+// Moves along the direction in which the equations change least. A guess on a line of symmetry leads to a stationary
 // point on that line, which is no solution.
 void leave_saddle(const DenseBlock& block, std::span<const Index> unknowns, std::vector<double>& q) {
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(block.jacobian(q), Eigen::ComputeFullV);
   scatter(unknowns, gather(unknowns, q) + kNudge * svd.matrixV().rightCols(1), q);
 }
 
-// Undamped Newton stays on the posture of a good guess even where that is badly conditioned, which damping may leave
-// for one nearby. False, and q as it was, if it does not converge within kNearGuess of the guess.
+// Undamped Newton converges to the posture of a good guess even if that posture is badly conditioned; damping may lead
+// to another one nearby. False, with q unchanged, if it does not converge within kNearGuess of the guess.
 bool polish(const DenseBlock& block, std::span<const Index> unknowns, std::vector<double>& q) {
   const Eigen::VectorXd guess = gather(unknowns, q);
   for (int step = 0; step < kPolishSteps; ++step) {
@@ -183,7 +183,7 @@ BlockAssembly assemble(const System& s, std::span<const Index> equations, std::s
       for (double alpha = 1; alpha > 1e-4 && p.allFinite(); alpha /= 2) {
         scatter(unknowns, x + alpha * p, q);
         const Eigen::VectorXd next = j.solve(block.residuals(q));
-        // The second test: at the rounding level of a badly conditioned block no correction contracts.
+        // Second test: at the rounding level of a badly conditioned block, no correction contracts.
         if (next.allFinite() &&
             (next.norm() <= (1 - alpha / 4) * p.norm() || block.relative_residual(q) <= kSatisfied)) {
           accepted = true;

@@ -10,7 +10,7 @@ namespace {
 std::string names(const System& s, std::span<const Index> unknowns, std::size_t most, const char* separator) {
   std::vector<std::string> found;
   for (std::size_t k = 0; k < unknowns.size() && found.size() <= most;) {
-    // A whole point or vector by its name, else coordinate by coordinate.
+    // Names a whole point or vector if possible, else single coordinates.
     const Index id = s.coordinates[idx(unknowns[k])].item;
     std::size_t end = k;
     while (end < unknowns.size() && s.coordinates[idx(unknowns[end])].item == id) ++end;

@@ -43,7 +43,7 @@ std::vector<Index> pick(std::span<const Index> from, const int* permutation, int
   return out;
 }
 
-// Levels by longest path; blocks arrive in an order in which every block follows what it needs.
+// Levels by longest path. Every block comes after the blocks that it needs.
 void set_levels(const System& s, Blocks& b) {
   std::vector<Index> block_of(s.coordinates.size(), -1);
   for (Index k = 0; k < b.size(); ++k) {
@@ -110,7 +110,7 @@ Blocks decompose(const System& s, std::span<const Index> equations, std::span<co
   b.under_equations = pick(equations, d->p, d->rr[0], d->rr[1]);
   b.over_unknowns = pick(unknowns, d->q, d->cc[3], d->cc[4]);
   b.surplus_equations = pick(equations, d->p, d->rr[2], d->rr[4]);
-  // Fine blocks of the well-determined part are upper triangular: the last one needs nobody.
+  // Fine blocks of the well-determined part are upper triangular: the last one needs no other.
   for (int k = d->nb - 1; k >= 0; --k) {
     if (d->r[k] < d->rr[1] || d->r[k + 1] > d->rr[2] || d->s[k] < d->cc[2] || d->s[k + 1] > d->cc[3]) continue;
     const auto e = pick(equations, d->p, d->r[k], d->r[k + 1]);

@@ -75,7 +75,7 @@ void ClassTable::classify(const GroupContent& content, Group& group) {
     }
     return local;
   };
-  // Equal forms are one form: the same difference serves all equations of a group.
+  // Equal forms are stored once: one difference of coordinates serves all equations of a group.
   std::unordered_multimap<std::size_t, Index> form_by_hash;
   const auto form = [&](Index global) -> Index {
     const std::size_t first = c.terms.size();

@@ -10,7 +10,7 @@ namespace assur {
 namespace {
 
 // A block moves if one of its inputs does.
-void find_what_moves(const System& s, const Blocks& blocks, Cut& cut) {
+void find_moving(const System& s, const Blocks& blocks, Cut& cut) {
   cut.moves.assign(s.coordinates.size(), 0);
   for (std::size_t c = 0; c < s.coordinates.size(); ++c) {
     cut.moves[c] = s.coordinates[c].role == Role::driven && s.coordinates[c].moving ? 1 : 0;
@@ -26,7 +26,7 @@ void find_what_moves(const System& s, const Blocks& blocks, Cut& cut) {
   }
 }
 
-// From the last block back: which are needed at all.
+// Goes from the last block to the first, because blocks need earlier ones.
 void find_needed_blocks(const System& s, const Blocks& blocks, std::span<const Index> checks,
                         std::vector<std::int8_t> need, Cut& cut) {
   require_inputs(s, checks, 0, need);
@@ -39,7 +39,7 @@ void find_needed_blocks(const System& s, const Blocks& blocks, std::span<const I
   }
 }
 
-// What must stay positive is watched between two postures, too.
+// Coordinates that must stay positive are also checked between two postures, which needs their derivatives.
 void need_motions_of_levers(const System& s, const Blocks& blocks, const Cut& cut, std::vector<std::int8_t>& need) {
   if (s.positive.empty()) return;
   std::vector<std::uint8_t> solved(s.coordinates.size(), 0);
@@ -52,8 +52,9 @@ void need_motions_of_levers(const System& s, const Blocks& blocks, const Cut& cu
   }
 }
 
-// From the last group back: the derivatives that it computes, `at_least` so many, are those needed of its unknowns; its
-// inputs follow. Inside the group only what others want counts as needed: the last back-substitution may stop there.
+// Goes from the last group to the first. A group computes `at_least` derivatives, and as many as others need of its
+// unknowns; its inputs then need as many. Unknowns that only the group itself needs do not count: the last
+// back-substitution may skip them.
 void find_derivatives(const System& s, const Blocks& blocks, const std::vector<Draft>& drafts, int at_least,
                       int Cut::Derivatives::*result, std::vector<std::int8_t>& need, Cut& cut) {
   std::vector<Index> group_at(s.coordinates.size(), -1);
@@ -98,7 +99,7 @@ Cut cut_to_outputs(const System& s, const Blocks& blocks, const std::vector<Draf
       for (const Index u : blocks.unknowns_of(b)) need[idx(u)] = 2;
     }
   }
-  find_what_moves(s, blocks, cut);
+  find_moving(s, blocks, cut);
   find_needed_blocks(s, blocks, checks, need, cut);
   need_motions_of_levers(s, blocks, cut, need);
   find_derivatives(s, blocks, drafts, 0, &Cut::Derivatives::wanted, need, cut);

@@ -37,7 +37,7 @@ std::vector<double> Freedoms::rates(std::size_t freedom, std::span<const double>
   if (!way.turns) {
     rate[first + static_cast<std::size_t>(way.axis)] = 1;
   } else {
-    // Columns of a frame turn about the axis; a cosine and a sine are one column in the plane.
+    // Columns of a frame turn about the axis; in the plane, a cosine and a sine form one column.
     const std::size_t dim = idx(s_.dimension), begin = in.kind == Kind::frame ? first + dim : first;
     const bool plane = in.count <= 4;
     const std::size_t size = plane ? 2 : 3, j = plane ? 0 : idx(static_cast<Index>(way.axis + 1) % 3),

@@ -53,7 +53,7 @@ class Grouping {
         throw Error(Error::Kind::input,
                     {{"/groups/" + s_.groups[idx(other)].name,
                       "must be a union of irreducible groups, but cuts through " + block_name(s_, blocks_, b) +
-                          ": either all of it (" + all_names(s_, blocks_, b) + ") or nothing belongs to the group"}});
+                          "; add all of it (" + all_names(s_, blocks_, b) + ") to the group, or nothing"}});
       }
       group_of_[idx(b)] = g;
     }
@@ -64,7 +64,7 @@ class Grouping {
     friend auto operator<=>(const Need&, const Need&) = default;
   };
 
-  // Levels by longest path among groups; a cycle means that an outside block lies between two of a group.
+  // Levels by longest path among groups. In a cycle, an outside block lies between two blocks of a group.
   void order_groups() {
     const std::size_t n = drafts_.size();
     std::vector<Need> needs;
@@ -90,7 +90,7 @@ class Grouping {
       }
     }
     if (ordered != n) refuse_cycle(waiting, needs);
-    // In solving order.
+    // Sorts the groups in solving order.
     std::vector<Index> sorted(n);
     std::iota(sorted.begin(), sorted.end(), 0);
     std::sort(sorted.begin(), sorted.end(), [&](Index x, Index y) {
@@ -116,7 +116,7 @@ class Grouping {
                                               "group and must belong to it"}});
       }
     }
-    throw Error(Error::Kind::input, {{"/groups", "the declared groups need each other in a circle"}});
+    throw Error(Error::Kind::input, {{"/groups", "the declared groups need each other in a cycle; merge them"}});
   }
 
   const System& s_;

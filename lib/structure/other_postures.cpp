@@ -17,18 +17,18 @@
 namespace assur {
 namespace {
 constexpr double kSolved = 1e-10;    // relative residual of equations that hold
-constexpr double kHolds = 1e-9;      // of an equation that follows from others that hold
-constexpr double kAround = 0.05;     // rad or internal units: how far drivers are moved
-constexpr int kTries = 3;            // in random directions, and each shorter
-constexpr double kPathStride = 0.1;  // of a driven coordinate between postures on the path
-constexpr int kOnPath = 7;           // steps of the grid
+constexpr double kHolds = 1e-9;      // relative residual of an equation that follows from others
+constexpr double kAround = 0.05;     // rad or internal units: displacement of drivers
+constexpr int kTries = 3;            // random directions, and shorter displacements in each
+constexpr double kPathStride = 0.1;  // largest change of a driven coordinate between postures on the path
+constexpr int kOnPath = 7;           // steps of the grid that are examined
 constexpr int kStepsElsewhere = 20;
 constexpr double kNoLongerFalls = 1e-12;     // a residual that no longer falls is rounding
-constexpr double kDependent = 1e-7;          // pivots of rows of length 1: postures are good to far less
-constexpr std::size_t kLargestDense = 600;   // rows or columns: beyond, dense decompositions take seconds
+constexpr double kDependent = 1e-7;          // pivots of rows of length 1; errors of postures are far smaller
+constexpr std::size_t kLargestDense = 600;   // rows or columns; dense decompositions of larger matrices take seconds
 constexpr std::size_t kMostRates = 1 << 24;  // numbers
 
-// A connected part: equations that share unknowns or drivers.
+// A connected part of the system: equations that share unknowns or drivers.
 struct Part {
   std::vector<Index> equations, kept, unknowns, inputs;
   std::vector<std::size_t> checks;  // indices into Structure::checks
@@ -97,7 +97,7 @@ class Look {
         freedoms_(system, part.inputs),
         column_(system.coordinates.size(), -1) {}
 
-  // Degrees of freedom without the drivers beyond those that the drivers have: never more than 0 in a determined part.
+  // Degrees of freedom without the drivers, minus those of the drivers; at most 0 in a determined part.
   struct Mobility {
     std::int64_t at_start = 0, generic = 0;
   };
@@ -112,7 +112,7 @@ class Look {
   }
 
  private:
-  // ---- do the equations that were dropped follow from the others?
+  // ---- do the dropped equations follow from the others?
 
   struct Seen {
     bool holds = true;
@@ -124,8 +124,8 @@ class Look {
     return p_.unknowns.empty() || equations.empty() || fit(s_, equations, p_.unknowns, q, column_) <= kSolved;
   }
 
-  // Solves the equations that were kept, and looks at the others. Where those that were kept are singular they may hold
-  // where rounding puts them, or on another branch: a posture close by where all equations hold is the one that counts.
+  // Solves the kept equations and examines the dropped ones. Where the kept equations are singular, rounding or another
+  // branch may violate the dropped ones; then a nearby posture where all equations hold counts.
   bool look_at(std::vector<double>& q, double time, std::map<std::size_t, Seen>& all) {
     std::vector<double> together = q;
     if (!solve(p_.kept, q)) return false;
@@ -144,7 +144,8 @@ class Look {
     return true;
   }
 
-  // The first steps of the grid, in strides that leave no doubt of the branch. False if there is no path to look at.
+  // Examines the first steps of the grid, in strides short enough to stay on the branch. False if no step could be
+  // examined.
   bool walk_the_path() {
     const double step = s_.scene->time().step;
     std::vector<double> q = start_, next;
@@ -175,7 +176,7 @@ class Look {
     return any;
   }
 
-  // Other values of the drivers, near those at the start.
+  // Examines other values of the drivers, near those at the start.
   bool look_nearby() {
     std::mt19937 random(1);
     std::vector<double> amounts(freedoms_.count());
@@ -216,7 +217,7 @@ class Look {
 
   // ---- freedoms
 
-  // In the unknowns and the freedoms of the drivers.
+  // The Jacobian with respect to the unknowns and the freedoms of the drivers.
   Eigen::MatrixXd jacobian(const std::vector<Index>& equations, const std::vector<double>& q) {
     const DenseBlock block(s_, equations, p_.unknowns, column_);
     Eigen::MatrixXd j(block.rows(), block.columns() + static_cast<Eigen::Index>(freedoms_.count()));
@@ -245,7 +246,7 @@ class Look {
     return d;
   }
 
-  // The equations that were kept, and those of the others that say something of the drivers.
+  // The kept equations, and those dropped equations that restrict the drivers.
   std::vector<Index> independent() {
     std::vector<Index> all = p_.kept;
     for (const Index e : p_.equations) {
@@ -268,7 +269,7 @@ class Look {
     freedoms_.move(amounts, q);
   }
 
-  // Onto the mechanism, the drivers wherever that leads them: Newton's method with the smallest steps.
+  // Finds a posture that satisfies the equations, with free drivers, by Newton's method with the smallest steps.
   bool settle(const std::vector<Index>& equations, std::vector<double>& q) {
     const DenseBlock block(s_, equations, p_.unknowns, column_), all(s_, p_.equations, p_.unknowns, column_);
     double last = HUGE_VAL;
@@ -285,7 +286,7 @@ class Look {
     return all.relative_residual(q) <= kSolved;
   }
 
-  // The length that a row of the Jacobian had.
+  // Length of the equation's row in the Jacobian before scaling.
   double slope(Index e, const std::vector<double>& q) {
     const DenseBlock block(s_, {&e, 1}, p_.unknowns, column_);
     double sum = block.jacobian(q).squaredNorm();
@@ -303,7 +304,7 @@ class Look {
     Mobility out;
     if (p_.equations.empty() || columns == 0 || std::max(p_.equations.size(), columns) > kLargestDense ||
         freedoms_.count() * s_.coordinates.size() > kMostRates) {
-      // The equations that were kept are independent; what the others say of the drivers is not looked at.
+      // The kept equations are independent; restrictions of the drivers by dropped ones are not examined.
       out.at_start = out.generic =
           static_cast<std::int64_t>(p_.unknowns.size()) - static_cast<std::int64_t>(p_.kept.size());
       return out;
@@ -328,7 +329,7 @@ class Look {
       const Eigen::VectorXd by = basis * along;
       std::vector<double> q = start_;
       displace(by * (4 * kAround / by.lpNorm<Eigen::Infinity>()), q);
-      // Where the start is singular, equations may depend there that do not elsewhere.
+      // At a singular start, equations may be dependent that are independent elsewhere.
       std::vector<double> again = q;
       if (!settle(equations, q) && !settle(p_.equations, q = std::move(again))) continue;
       out.generic = std::min(out.generic, beyond(decompose(jacobian(p_.equations, q)).rank()));
@@ -352,12 +353,13 @@ std::string amount(const Redundancy& r) { return general(r.violation, 3) + (r.is
 void note(const Redundancy& r, Structure& out) {
   const std::string time = general(r.time, 6);
   if (r.kind == Redundancy::Kind::start) {
-    out.notes.push_back({"/", "'" + r.dropped + "' holds at the start posture and not beyond: at t = " + time +
-                                  " s it is off by " + amount(r)});
+    out.notes.push_back({"/", "'" + r.dropped + "' holds at the start posture, but not later: at t = " + time +
+                                  " s it is violated by " + amount(r)});
   } else if (r.kind == Redundancy::Kind::motion) {
-    out.notes.push_back(
-        {"/", "'" + r.dropped + "' holds as the laws run, but does not follow from the other equations: it is off by " +
-                  amount(r) + " at other values of the drivers nearby"});
+    out.notes.push_back({"/", "'" + r.dropped +
+                                  "' holds while the drivers follow their laws, but does not follow from the other "
+                                  "equations: it is violated by " +
+                                  amount(r) + " at nearby values of the drivers"});
   }
 }
 

@@ -8,14 +8,15 @@
 namespace assur {
 namespace {
 
-constexpr double kPivotShare = 0.5;  // of the largest coefficient: x = sum c_j / c_p q_j amplifies no rounding by more
-constexpr std::size_t kLongestForm = 12;  // longer ones would cost more than the unknown that they save
+// of the largest coefficient; then x = sum c_j / c_p q_j amplifies rounding at most by the inverse
+constexpr double kPivotShare = 0.5;
+constexpr std::size_t kLongestForm = 12;  // longer forms would cost more than the unknown that they save
 
 struct Affine {
   struct Part {
     Index coordinate;
     double factor;
-    Index constant;  // the constant behind the factor, kPlus or kMinus if it is a literal, -1 if it is new
+    Index constant;  // constant of the factor: kPlus or kMinus for a literal, -1 for a new constant
   };
   std::vector<Part> parts;
 };
@@ -51,14 +52,14 @@ class Presolve {
     if (same == sum.parts.end()) {
       sum.parts.push_back(p);
     } else if (is_literal(*same) && is_literal(p) && same->constant != p.constant) {
-      sum.parts.erase(same);  // +1 and -1 cancel by type
+      sum.parts.erase(same);  // +1 and -1 cancel exactly
     } else {
       same->factor += p.factor;
       same->constant = -1;
     }
   }
 
-  // The form with every eliminated coordinate replaced, those in the replacements as well.
+  // The form after replacing every eliminated coordinate, also in the replacements.
   Affine resolve(Index form) const {
     Affine out;
     for (const Term& t : s_.form(form)) {
@@ -98,7 +99,7 @@ class Presolve {
     Affine replacement;
     for (const auto& p : row.parts) {
       if (&p == pivot) continue;
-      // A literal over a literal stays one.
+      // The quotient of two literals is a literal.
       Index constant = -1;
       if (is_literal(p) && is_literal(*pivot)) {
         constant = p.constant == pivot->constant ? kMinus : kPlus;
@@ -137,7 +138,7 @@ class Presolve {
   }
 
   System& s_;
-  std::vector<Index> eliminated_;  // coordinates: index into replacement_, -1: still there
+  std::vector<Index> eliminated_;  // index into replacement_; -1: not eliminated
   std::vector<Affine> replacement_;
   std::vector<Index> used_;  // equations that mention the coordinate
 };

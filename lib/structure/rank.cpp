@@ -11,7 +11,7 @@
 namespace assur {
 namespace {
 constexpr double kNonzero = 1e-8;          // entries of a null vector that count, relative to the largest
-constexpr Eigen::Index kLargestQr = 3000;  // dense QR: minutes beyond
+constexpr Eigen::Index kLargestQr = 3000;  // larger ones take minutes
 
 constexpr double kMostShare = 1.5;
 constexpr int kMostExchanges = 64;
@@ -19,7 +19,7 @@ constexpr Eigen::Index kLargestSpread = 400;  // each exchange is a dense QR
 
 using Qr = Eigen::ColPivHouseholderQR<Eigen::MatrixXd>;
 
-// Rows, then columns, to unit length.
+// Scales rows, then columns, to unit length.
 Eigen::MatrixXd scaled(Eigen::MatrixXd j) {
   for (Eigen::Index i = 0; i < j.rows(); ++i) {
     if (const double n = j.row(i).norm(); n > 0) j.row(i) /= n;
@@ -32,19 +32,19 @@ Eigen::MatrixXd scaled(Eigen::MatrixXd j) {
 
 Qr factor(const Eigen::MatrixXd& a) {
   Qr qr(a.rows(), a.cols());
-  // n eps sigma_1, with room for postures that are themselves good to a few eps only.
+  // n eps sigma_1, with a margin for postures that are exact to a few eps only.
   qr.setThreshold(64 * kEps * static_cast<double>(std::max(a.rows(), a.cols())));
   qr.compute(a);
   return qr;
 }
 
-// Entries of a null vector beside the one that is 1: are they part of it?
+// True if this entry belongs to the null vector whose own entry is 1.
 bool counts(const Eigen::VectorXd& c, Eigen::Index i) {
   return std::abs(c[i]) > kNonzero * std::max(1.0, c.cwiseAbs().maxCoeff());
 }
 
-// `order` of the rows, the first `rank` of them independent: exchanges rows until no other one is more than kMostShare
-// times one of these, as far as they are combinations of them (Gu and Eisenstat's strong rank-revealing factorisation).
+// Of the rows in `order` the first `rank` are independent. Exchanges rows until the other rows, as combinations of
+// these, have no coefficient above kMostShare (Gu and Eisenstat's strong rank-revealing factorisation).
 void spread(const Eigen::MatrixXd& a, Eigen::Index rank, std::vector<Eigen::Index>& order) {
   if (rank == 0 || rank == a.rows() || rank > kLargestSpread) return;
   for (int exchange = 0; exchange < kMostExchanges; ++exchange) {
@@ -58,7 +58,7 @@ void spread(const Eigen::MatrixXd& a, Eigen::Index rank, std::vector<Eigen::Inde
   }
 }
 
-// Column k >= rank of a pivoted QR as a combination of the first `rank` ones: the null vector's other entries.
+// Column k >= rank of a pivoted QR as a combination of the first `rank` columns: the other entries of a null vector.
 Eigen::VectorXd combination(const Qr& qr, Eigen::Index k) {
   const Eigen::Index r = qr.rank();
   return qr.matrixR().topLeftCorner(r, r).template triangularView<Eigen::Upper>().solve(qr.matrixR().col(k).head(r));
@@ -73,7 +73,7 @@ RankStudy study_rank(const System& s, std::span<const Index> equations, std::spa
   if (std::max(block.rows(), block.columns()) > kLargestQr) {
     throw Error(Error::Kind::input, "a part with " + std::to_string(block.columns()) + " unknowns and " +
                                         std::to_string(block.rows()) +
-                                        " equations is not regular by its structure, and too large (3000) to find out "
+                                        " equations is structurally singular, and too large (limit: 3000) to find out "
                                         "numerically which equations are redundant; split the scene to locate them");
   }
   if (equations.empty()) {  // unknowns that nothing mentions
@@ -107,7 +107,7 @@ RankStudy study_rank(const System& s, std::span<const Index> equations, std::spa
     return equations[static_cast<std::size_t>(order[static_cast<std::size_t>(k)])];
   };
   for (Eigen::Index k = 0; k < block.rows(); ++k) (k < rank[best] ? out.kept : out.dropped).push_back(equation_at(k));
-  // The null vectors of every posture: an entry may vanish in one of them by chance.
+  // Uses the null vectors at all postures, because an entry may vanish at one of them by chance.
   std::vector<std::set<std::string>> names(static_cast<std::size_t>(block.rows() - rank[best]));
   for (const Eigen::MatrixXd& posture : postures) {
     if (rank[best] == 0) break;

@@ -26,15 +26,17 @@
 namespace assur {
 namespace {
 
-constexpr double kSkew = 1e-6;               // of a frame's axes, which may be written with seven digits
-constexpr double kFarFromWritten = 0.1;      // rad or internal units from a driver's value as written to its law's
-constexpr double kNearby = 0.05;             // rad or internal units: how far drivers are moved off a singular posture
-constexpr double kDependentNearby = 1e-7;    // pivots of rows of length 1
-constexpr std::size_t kLargestNearby = 600;  // equations or unknowns: beyond, dense decompositions take seconds
+constexpr double kSkew = 1e-6;  // error of a frame's axes; a scene may give them with seven digits
+// rad or internal units, from the value of a driver in the scene to that of its law
+constexpr double kFarFromWritten = 0.1;
+constexpr double kNearby = 0.05;           // rad or internal units: displacement of drivers from a singular posture
+constexpr double kDependentNearby = 1e-7;  // pivots of rows of length 1
+// equations or unknowns; dense decompositions of larger matrices take seconds
+constexpr std::size_t kLargestNearby = 600;
 constexpr std::size_t kMostRedundantNamed = 12;
-constexpr std::size_t kMostFlips = 8;  // drivers that are led the longer way round, one at a time
+constexpr std::size_t kMostFlips = 8;  // drivers that take the longer way round, one at a time
 
-// A point that moved by more from its guess to the start posture is told of, in internal units: typical lengths are 1
+// A point that moves farther from its guess to the start posture is reported, in internal units. Typical lengths are 1
 // to 2, and guesses by eye are within half of one.
 constexpr double kMovedFar = 0.75;
 
@@ -46,7 +48,7 @@ class Start {
   Start(const System& system, Problem& problem, Structure& out)
       : s_(system), p_(problem), out_(out), column_(system.coordinates.size(), -1) {}
 
-  // Returns what is not regular.
+  // Returns the parts that are not regular.
   DoubtfulParts run() {
     split_equations();
     p_.blocks = decompose(s_, p_.equations, p_.unknowns);
@@ -58,7 +60,7 @@ class Start {
   }
 
  private:
-  // Equations among known coordinates only are checked, never solved.
+  // Equations among known coordinates are only checked, never solved.
   void split_equations() {
     std::vector<Index> mentioned;
     for (Index e = 0; e < static_cast<Index>(s_.equations.size()); ++e) {
@@ -84,7 +86,7 @@ class Start {
 
   void contradiction(const std::vector<std::string>& names, double by) {
     if (!out_.cannot_assemble.empty()) return;
-    out_.cannot_assemble = "these contradict each other: ";
+    out_.cannot_assemble = "these equations contradict each other: ";
     for (std::size_t i = 0; i < names.size(); ++i) out_.cannot_assemble += (i == 0 ? "'" : ", '") + names[i] + "'";
     out_.cannot_assemble += " (relative residual " + shortened(by) + ")";
   }
@@ -106,8 +108,8 @@ class Start {
       } else if (a.mode == BlockAssembly::Mode::not_decidable) {
         out_.notes.push_back(
             {"/", "group " + block_name(s_, p_.blocks, b) +
-                      ": whether it was assembled in the mode of its guess is not decidable, the guess is "
-                      "near singular"});
+                      ": whether it was assembled in the mode of its guess is not decidable, because the guess is "
+                      "nearly singular"});
       }
     }
     return singular;
@@ -124,7 +126,7 @@ class Start {
                            (is_length ? shortened(a.violation * s_.unit(1)) + " m" : shortened(a.violation));
   }
 
-  // Connected components that hold a structural surplus or a singular block.
+  // Connected components with a structural surplus or a singular block.
   void study_doubtful_parts(const std::vector<Index>& singular) {
     std::vector<Index> parent(s_.coordinates.size());
     std::iota(parent.begin(), parent.end(), 0);
@@ -194,12 +196,13 @@ class Start {
       contradiction(names, study.residual);
     }
     if (study.singular_start && study.undetermined.empty()) {
-      out_.notes.push_back({"/", "the start posture is singular: rank is lost there and nowhere else on the path"});
+      out_.notes.push_back(
+          {"/", "the start posture is singular: the Jacobian loses rank there, but not elsewhere on the path"});
     }
   }
 
-  // The equations of a frame driven inside a declared group hold for its mirror image as well, and none hold for axes
-  // that are all known.
+  // The equations of a frame driven inside a declared group also hold for its mirror image. If all axes are known, no
+  // equation checks them.
   void check_frames() {
     for (const Frame& f : s_.frames) {
       if (!out_.cannot_assemble.empty() || !out_.undetermined.empty()) return;
@@ -210,15 +213,15 @@ class Start {
       const std::string body = "the frame of body " + s_.scene->bodies()[idx(f.body)].name;
       if (!(triple::dot(triple::cross(a[0], a[1]), a[2]) > 0)) {
         out_.cannot_assemble =
-            body + " was assembled as its mirror image; start its vectors nearer to a right-handed frame";
+            body + " was assembled as its mirror image; choose guesses of its vectors nearer to a right-handed frame";
         return;
       }
       const Triple off = triple::subtract(triple::cross(a[0], a[1]), a[2]);
       const double skew = std::max({triple::norm(off), std::abs(triple::dot(a[0], a[1])),
                                     std::abs(triple::norm(a[0]) - 1), std::abs(triple::norm(a[1]) - 1)});
       if (skew <= kSkew) continue;
-      out_.cannot_assemble = body + " has no axes of length 1 at right angles in the start posture (off by " +
-                             shortened(skew) + "); its vectors are fixed or driven otherwise";
+      out_.cannot_assemble = body + " does not have perpendicular axes of length 1 in the start posture (error " +
+                             shortened(skew) + "); correct its fixed or driven vectors";
     }
   }
 
@@ -229,8 +232,8 @@ class Start {
   std::vector<Index> column_;  // scratch of DenseBlock
 };
 
-// The start posture in which every driver has the value of its law. Newton's method from a guess that is far from it
-// may end in a posture with another value that satisfies the same equations: then the drivers are led there step by
+// Finds the start posture in which every driver has the value of its law. Newton's method from a distant guess may end
+// in a posture with another value that satisfies the same equations. Then the drivers are moved to their values step by
 // step.
 class DrivenStart {
  public:
@@ -259,8 +262,9 @@ class DrivenStart {
       if (!on_branch && has_values &&
           (lead_from_guess(blocks, asked.q, Branch::any, take) ||
            lead_from_posture(blocks, found, Branch::any, take))) {
-        direct.out.notes.push_back(
-            {"/", "no posture on the branch of the guess has the values that the laws give; another branch was taken"});
+        direct.out.notes.push_back({"/",
+                                    "no posture on the branch of the guess has the driver values that the laws give; "
+                                    "the start posture is on another branch"});
       }
     }
     p_ = std::move(direct.problem);
@@ -270,8 +274,8 @@ class DrivenStart {
       check_directions();
     }
     if (asked.is_guess && is_assembled(out_)) {
-      tell_what_moved_far();
-      tell_what_turned_over();
+      note_farthest_point();
+      note_turned_vector();
     }
     if (asked.is_guess && !out_.undetermined.empty() && is_determined_nearby(direct.doubtful)) refuse_dead_centre();
     out_.mobility_at_start = out_.mobility;
@@ -296,20 +300,20 @@ class DrivenStart {
 
   // ---- checks
 
-  // The first driver whose own value is not the one that its law gives; empty: none.
+  // The first driver whose value differs from that of its law; empty: none.
   [[nodiscard]] std::string wrong_driver(const std::vector<double>& q) const {
     for (const DriverInput& in : s_.inputs) {
-      if (!why_undefined(s_, in, q).empty()) continue;  // told as such
+      if (!why_undefined(s_, in, q).empty()) continue;  // reported elsewhere
       const std::optional<Mismatch> off = mismatch(s_, in, q);
       if (!off) continue;
       const std::string unit = off->unit.empty() ? "" : " " + off->unit;
-      return "driver " + name(in) + ": in the start posture found its " + off->what + " is " + precise(off->has) +
-             unit + ", its law says " + precise(off->wanted) + unit + "; start nearer to the law's value";
+      return "driver " + name(in) + ": in the start posture its " + off->what + " is " + precise(off->has) + unit +
+             ", but its law gives " + precise(off->wanted) + unit + "; choose a guess nearer to that value";
     }
     return "";
   }
 
-  // Angles need directions with a length and off the axis. Without them nothing fixes what they should drive.
+  // Angles need directions that have a length and are not parallel to the axis; else they drive nothing.
   void check_directions() {
     for (const DriverInput& in : s_.inputs) {
       const std::string why = why_undefined(s_, in, p_.q);
@@ -324,12 +328,12 @@ class DrivenStart {
       for (std::size_t k = 0; k < 3; ++k) axis[k] = form_value<double>(s_, m.forms[6 + k], p_.q);
       if (std::abs(triple::norm(axis) - 1) <= kSkew) continue;
       out_.cannot_assemble = "the axis of measure " + m.name + " has length " + precise(triple::norm(axis)) +
-                             " in the start posture; an axis is a unit vector";
+                             " in the start posture; it must be a unit vector";
       return;
     }
   }
 
-  // False for what drivers place alone, which is their own matter.
+  // False if drivers alone determine the item.
   [[nodiscard]] bool is_unknown(const Item& item) const {
     return std::any_of(item.form, item.form + item.components, [&](Index form) {
       const auto terms = s_.form(form);
@@ -346,8 +350,8 @@ class DrivenStart {
     return at;
   }
 
-  // The point that is farthest from its guess.
-  void tell_what_moved_far() {
+  // Reports the point that is farthest from its guess.
+  void note_farthest_point() {
     const Point* most = nullptr;
     Triple where{};
     double farthest = kMovedFar * s_.unit(1);
@@ -371,8 +375,8 @@ class DrivenStart {
                                                        written(most->at) + " to " + written(where)});
   }
 
-  // The vector that points farthest away from its guess, if that is by more than a right angle.
-  void tell_what_turned_over() {
+  // Reports the vector with the largest angle to its guess, if that exceeds a right angle.
+  void note_turned_vector() {
     const Vector* most = nullptr;
     double least = 0;  // cosine
     for (const Vector& vector : s_.scene->vectors()) {
@@ -392,7 +396,7 @@ class DrivenStart {
 
   [[nodiscard]] const std::string& name(const DriverInput& in) const { return s_.drivers[idx(in.driver)]; }
 
-  // Where the drivers stand a little off, nothing is undetermined: it is the posture, not the scene.
+  // True if nothing is undetermined after a small displacement of the drivers: the posture is singular, not the scene.
   bool is_determined_nearby(const DoubtfulParts& parts) {
     std::vector<Index> equations, mentioned, inputs(s_.inputs.size());
     std::copy_if(parts.equations.begin(), parts.equations.end(), std::back_inserter(equations), [&](Index e) {
@@ -426,7 +430,7 @@ class DrivenStart {
     if (out_.undetermined.size() > kMostRedundantNamed) names += ", ...";
     out_.undetermined.clear();
     out_.cannot_assemble = "the start posture is singular (a dead centre): the Jacobian does not determine " + names +
-                           " there, though it does in postures nearby; let the drivers start off it";
+                           ", though it does at nearby postures; start with other values of the drivers";
   }
 
   // ---- another way to the start
@@ -453,7 +457,7 @@ class DrivenStart {
     return false;
   }
 
-  // On the branch of the guess: assembled with the drivers as they are written first.
+  // Stays on the branch of the guess: first assembles with the values of the drivers in the scene.
   template <class Take>
   bool lead_from_guess(const Blocks& blocks, std::vector<double> q, Branch branch, Take&& take) {
     const DriverValues from = written(), to = values(q, false);
@@ -464,7 +468,7 @@ class DrivenStart {
     return lead(blocks, from, to, q, branch, take);
   }
 
-  // From the posture with wrong values, which is a posture for these.
+  // Starts from the posture with wrong values, which solves the equations for these values.
   template <class Take>
   bool lead_from_posture(const Blocks& blocks, std::vector<double> q, Branch branch, Take&& take) {
     const DriverValues from = values(q, true), to = values(q, false);
@@ -472,7 +476,8 @@ class DrivenStart {
     return lead(blocks, from, to, q, branch, take);
   }
 
-  // The shorter way round first, then another one for each driver that turns by more than a right angle, then for all.
+  // Tries the shorter way round first, then the longer way for each driver that turns by more than a right angle, then
+  // for all of them.
   template <class Take>
   bool lead(const Blocks& blocks, const DriverValues& from, const DriverValues& to, const std::vector<double>& q,
             Branch branch, Take&& take) {

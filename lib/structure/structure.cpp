@@ -24,7 +24,7 @@ std::vector<Index> all_unknowns(const System& s) {
   return unknowns;
 }
 
-// Of the scene, before anything is left out.
+// Counts for the whole scene, before parts of it are left out.
 void count(const System& s, const std::vector<Index>& unknowns, Structure& out) {
   for (const Item& item : s.items) {
     if (item.hidden) continue;
@@ -35,7 +35,7 @@ void count(const System& s, const std::vector<Index>& unknowns, Structure& out) 
   for (const DriverInput& in : s.inputs) out.mobility += freedoms_of(s, in);
 }
 
-void list_what_is_left_out(const Blocks& blocks, const Cut& cut, Structure& out) {
+void list_left_out(const Blocks& blocks, const Cut& cut, Structure& out) {
   for (Index b = 0; b < blocks.size(); ++b) {
     const auto u = blocks.unknowns_of(b);
     if (cut.is_static(b)) out.static_coordinates.insert(out.static_coordinates.end(), u.begin(), u.end());
@@ -45,8 +45,8 @@ void list_what_is_left_out(const Blocks& blocks, const Cut& cut, Structure& out)
   }
 }
 
-// What a group solves at each step: these blocks. Unknowns not wanted in the highest derivative come first, unless the
-// predictor reads that derivative of all of them.
+// Content of a group: these blocks. Unknowns that are not wanted in the highest derivative come first, unless the
+// predictor reads that derivative of all unknowns.
 GroupContent content(const Blocks& blocks, const std::vector<Index>& solved, const Cut& cut, int derivatives,
                      int predictor_derivatives) {
   GroupContent c;
@@ -104,7 +104,7 @@ void classify(const System& s, const Blocks& blocks, std::vector<Draft> drafts, 
   out.classes = table.take();
 }
 
-// Levels without a gap, now that static and unneeded groups are gone.
+// Closes gaps in the levels after static and unneeded groups were removed.
 void close_gaps(Structure& out) {
   std::set<Index> used;
   for (const Group& g : out.groups) used.insert(g.level);
@@ -115,8 +115,8 @@ void close_gaps(Structure& out) {
   out.levels = static_cast<Index>(levels.size());
 }
 
-// Equations that are not solved are checked at each step, those of them that move and whose coordinates are known.
-void watch_what_is_not_solved(const System& s, const Blocks& blocks, const Cut& cut, Structure& out) {
+// Watches the unsolved equations that move and whose coordinates are known.
+void watch_unsolved_equations(const System& s, const Blocks& blocks, const Cut& cut, Structure& out) {
   std::vector<std::uint8_t> available(s.coordinates.size(), 0);
   for (std::size_t c = 0; c < available.size(); ++c) available[c] = s.coordinates[c].role != Role::unknown;
   for (Index b = 0; b < blocks.size(); ++b) {
@@ -143,7 +143,7 @@ void watch_what_is_not_solved(const System& s, const Blocks& blocks, const Cut& 
   out.watch.name = "redundant equations";
 }
 
-// The first of each stays.
+// Keeps the first of equal notes.
 void drop_repeated(std::vector<Diagnostic>& notes) {
   std::set<std::pair<std::string, std::string>> known;
   std::erase_if(notes, [&](const Diagnostic& note) { return !known.emplace(note.where, note.what).second; });
@@ -174,10 +174,10 @@ Structure analyze(const Scene& scene, const StructureOptions& options) {
 
   std::vector<Draft> drafts = form_groups(s, p.blocks, options.formulation);
   const Cut cut = cut_to_outputs(s, p.blocks, drafts, out.checks, options.predictor_derivatives);
-  list_what_is_left_out(p.blocks, cut, out);
+  list_left_out(p.blocks, cut, out);
   classify(s, p.blocks, std::move(drafts), cut, options.predictor_derivatives, out);
   close_gaps(out);
-  watch_what_is_not_solved(s, p.blocks, cut, out);
+  watch_unsolved_equations(s, p.blocks, cut, out);
 
   out.start = std::move(p.q);
   out.system = std::make_shared<const System>(std::move(s));

@@ -422,7 +422,7 @@ TEST(Lanes, RefusesWhatItCannotWriteDown) {
   const Backend& backend = find_backend(backends(), "lanes");
   EXPECT_EQ(backend.why_not({.n = 300, .nnz = 90'000}, {}), "");
   EXPECT_EQ(backend.why_not({.n = 4000, .nnz = 16'000'000}, {}),
-            "an elimination of 16000000 nonzeros, written down step by step, is too long; the limit is 90000");
+            "the program for an elimination of 16000000 nonzeros is too long; the limit is 90000");
   Random random(1);
   const auto solver = make();
   const Matrix wide = sparse(900, 9, random);

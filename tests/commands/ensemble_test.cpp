@@ -200,7 +200,7 @@ TEST_F(Ensembles, AFileThatCannotBeUsedIsRefused) {
   const Outcome wrong = run("stewart", "omega\n1\nfast\n");
   EXPECT_EQ(wrong.status, 2);
   EXPECT_EQ(wrong.err,
-            "error: " + scratch_.file("variants.csv") + ": line 3, column 1 (omega): 'fast' is no finite number\n");
+            "error: " + scratch_.file("variants.csv") + ": line 3, column 1 (omega): 'fast' is not a finite number\n");
   const Outcome none = run_command({"run", "stewart", "--ensemble", scratch_.file("none.csv")});
   EXPECT_EQ(none.status, 3);
   EXPECT_EQ(none.err, "error: " + scratch_.file("none.csv") +

@@ -111,7 +111,7 @@ TEST(Limits, OfScenes) {
   EXPECT_EQ(outcome.status, 3);
   EXPECT_EQ(without_free(outcome.err), "error: " + scene +
                                            ": no memory for the scene of 6000002 values (366 MiB, F free); write a "
-                                           "smaller one\n");
+                                           "smaller scene\n");
 }
 
 TEST(Limits, OfMembersAreFoundBeforeAllArePrepared) {

@@ -66,7 +66,7 @@ TEST_F(StrangersFilesInCommands, TablesFromElsewhereAreAllowedByName) {
   EXPECT_EQ(refused.err,
             "error: " + scratch_.file("mine/scene.json") +
                 ": /drivers/push/law/table: the file '../data/good.csv' is outside the folder of the scene; "
-                "tables are read from there only, or from folders that you allow (--tables FOLDER)\n");
+                "tables are read only from there, or from folders that you allow (--tables FOLDER)\n");
   for (const std::string command : {"run", "inspect", "plan"}) {
     EXPECT_EQ(run_command({command, scratch_.file("mine/scene.json"), "--tables", scratch_.file("data")}).status, 0);
   }

@@ -335,7 +335,7 @@ TEST(Faults, LostSamplesAreToldAndTheFileIsRepaired) {
 
   const Store store(file, Access::write);
   ASSERT_EQ(store.messages().size(), 1u);
-  EXPECT_EQ(store.messages()[0].rfind(file.string() + ": 2 samples are lost. It was put aside as ", 0), 0u)
+  EXPECT_EQ(store.messages()[0].rfind(file.string() + ": 2 samples are lost. It was renamed to ", 0), 0u)
       << store.messages()[0];
   EXPECT_EQ(store.samples().size(), 48u);
   EXPECT_EQ(store.health().lost, 0);
@@ -400,7 +400,7 @@ TEST(Faults, WhatIsCutOffCostsNoSampleThatIsThere) {
   EXPECT_GT(there, 300u);
   EXPECT_EQ(store.samples().size(), there);
   EXPECT_TRUE(store.messages()[0].ends_with("; " + std::to_string(store.samples().size()) +
-                                            " good samples of it go on in a new file"))
+                                            " good samples were copied to a new file"))
       << store.messages()[0];
 }
 

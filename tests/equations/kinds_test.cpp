@@ -362,10 +362,10 @@ TEST(BodyOnThreePoints, LengthsThatMakeNoTriangle) {
   b.add(Body{"plate", "", {}, {"A", "B", "C"}, {{"M", {0.5, 0.5, 0.25}}}, {}});
   b.constrain("AB", Distance{"A", "B", 1.0}).constrain("BC", Distance{"C", "B", 3.0}).time(0, 1, 0.1);
   const Scene scene = b.build();
-  EXPECT_EQ(
-      look::error(Error::Kind::input, [&] { (void)lower(std::make_shared<const Scene>(scene)); }),
-      "/bodies/plate/base: the distances between its three points make no triangle; each must be smaller than the "
-      "sum of the others");
+  EXPECT_EQ(look::error(Error::Kind::input, [&] { (void)lower(std::make_shared<const Scene>(scene)); }),
+            "/bodies/plate/base: the distances between its three points do not form a triangle; each must be smaller "
+            "than the "
+            "sum of the others");
 }
 
 std::string test_name(const testing::TestParamInfo<Kind>& kind) {

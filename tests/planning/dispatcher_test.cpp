@@ -131,11 +131,11 @@ TEST(Dispatcher, TakesNoThreadsThatWereNeverMeasured) {
   const Plan plan = plan_by(alone, 2);
   EXPECT_EQ(plan.run.threads, 1);
   for (const Plan::Choice& c : plan.choices) EXPECT_EQ(c.threads * c.solver.threads, 1);
-  EXPECT_EQ(plan.reason, "one thread: nothing was measured with several; `assur tune` without `--threads 1` does it");
-  EXPECT_EQ(plan_by(alone, 1).reason, "one thread: the budget has no more");
+  EXPECT_EQ(plan.reason, "one thread: several threads were not measured; run `assur tune` without `--threads 1`");
+  EXPECT_EQ(plan_by(alone, 1).reason, "one thread: the budget has only one");
   EXPECT_TRUE(plan_by(samples(), 2).reason.ends_with(" times as fast as one")) << plan_by(samples(), 2).reason;
   EXPECT_TRUE(plan_by({}, 2).reason.ends_with(" times as fast as one, not measured")) << plan_by({}, 2).reason;
-  EXPECT_TRUE(plan_by(alone, 2, Mode::throughput).reason.ends_with("; nothing was measured with several threads"));
+  EXPECT_TRUE(plan_by(alone, 2, Mode::throughput).reason.ends_with("; several threads were not measured"));
 }
 
 TEST(Dispatcher, SharesALevelForTheSakeOfTheOutputs) {

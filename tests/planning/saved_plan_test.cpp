@@ -271,7 +271,7 @@ TEST(SavedPlan, OtherFilesAreRefused) {
   std::string what;
   for (const std::string& other : {std::string("{\"assur\": 1}"), std::string("\0\0\0", 3), text.substr(1)}) {
     EXPECT_EQ(kind_of([&] { (void)loaded(other); }, &what), Error::Kind::input);
-    EXPECT_NE(what.find("no saved plan"), std::string::npos) << what;
+    EXPECT_NE(what.find("not a saved plan"), std::string::npos) << what;
   }
   std::string later = text;
   later.replace(0, 12, "assur plan 4");

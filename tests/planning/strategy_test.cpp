@@ -91,7 +91,8 @@ TEST_P(BadStrategy, SaysWhatDoesNotFitAndShowsTheGrammar) {
   }
 }
 
-constexpr const char* kNoPredictor = " is no predictor: taylor:0, taylor:1, taylor:2, hermite:5 or past:0 to past:5";
+constexpr const char* kNoPredictor =
+    " is not a predictor: use taylor:0, taylor:1, taylor:2, hermite:5 or past:0 to past:5";
 constexpr const char* kContradiction =
     "options \"once\" and \"separate\" contradict each other: one factorisation for a step, or one more";
 const std::string kTaylor3 = std::string("\"taylor:3\"") + kNoPredictor;
@@ -104,21 +105,24 @@ const std::string kSigned = std::string("\"taylor:-1\"") + kNoPredictor;
 INSTANTIATE_TEST_SUITE_P(
     Texts, BadStrategy,
     testing::Values(
-        BadText{"", "\"\" is no formulation: global, groups or irreducible"},
-        BadText{"klu", "\"klu\" is no formulation: global, groups or irreducible"},
-        BadText{"Groups/klu", "\"Groups\" is no formulation: global, groups or irreducible"},
-        BadText{" groups/klu", "\"\" is no formulation: global, groups or irreducible"},
+        BadText{"", "\"\" is not a formulation: use global, groups or irreducible"},
+        BadText{"klu", "\"klu\" is not a formulation: use global, groups or irreducible"},
+        BadText{"Groups/klu", "\"Groups\" is not a formulation: use global, groups or irreducible"},
+        BadText{" groups/klu", "\"\" is not a formulation: use global, groups or irreducible"},
         BadText{"groups", "\"/BACKEND\" is missing after \"groups\""},
-        BadText{"groups/", "\"\" is no name of a backend"}, BadText{"groups/KLU", "\"KLU\" is no name of a backend"},
-        BadText{"groups/klu/x", "\"klu/x\" is no name of a backend"},
-        BadText{"groups/klu:", "\"\" is no number of lanes: 1, 2, 4, 8 or 16"},
-        BadText{"groups/klu:0", "\"0\" is no number of lanes: 1, 2, 4, 8 or 16"},
-        BadText{"groups/klu:3", "\"3\" is no number of lanes: 1, 2, 4, 8 or 16"},
-        BadText{"groups/klu:32", "\"32\" is no number of lanes: 1, 2, 4, 8 or 16"},
-        BadText{"groups/klu:08", "\"08\" is no number of lanes: 1, 2, 4, 8 or 16"},
-        BadText{"groups/klu+fast", "\"fast\" is no option: float, refine, reuse, once, separate, predict or chunks"},
-        BadText{"groups/klu+", "\"\" is no option: float, refine, reuse, once, separate, predict or chunks"},
-        BadText{"groups/klu++once", "\"\" is no option: float, refine, reuse, once, separate, predict or chunks"},
+        BadText{"groups/", "\"\" is not the name of a backend"},
+        BadText{"groups/KLU", "\"KLU\" is not the name of a backend"},
+        BadText{"groups/klu/x", "\"klu/x\" is not the name of a backend"},
+        BadText{"groups/klu:", "\"\" is not a number of lanes: use 1, 2, 4, 8 or 16"},
+        BadText{"groups/klu:0", "\"0\" is not a number of lanes: use 1, 2, 4, 8 or 16"},
+        BadText{"groups/klu:3", "\"3\" is not a number of lanes: use 1, 2, 4, 8 or 16"},
+        BadText{"groups/klu:32", "\"32\" is not a number of lanes: use 1, 2, 4, 8 or 16"},
+        BadText{"groups/klu:08", "\"08\" is not a number of lanes: use 1, 2, 4, 8 or 16"},
+        BadText{"groups/klu+fast",
+                "\"fast\" is not an option: use float, refine, reuse, once, separate, predict or chunks"},
+        BadText{"groups/klu+", "\"\" is not an option: use float, refine, reuse, once, separate, predict or chunks"},
+        BadText{"groups/klu++once",
+                "\"\" is not an option: use float, refine, reuse, once, separate, predict or chunks"},
         BadText{"groups/klu+once+once", "option \"once\" is given twice"},
         BadText{"groups/klu+reuse=run+reuse=step", "option \"reuse\" is given twice"},
         BadText{"groups/klu+separate=yes", "option \"separate\" takes no value"},
@@ -126,22 +130,22 @@ INSTANTIATE_TEST_SUITE_P(
         BadText{"groups/klu+once+refine+separate 2x1", kContradiction},
         BadText{"groups/klu+once=yes", "option \"once\" takes no value"},
         BadText{"groups/klu+reuse", "option \"reuse\" needs a value"},
-        BadText{"groups/klu+reuse=always", "\"always\" is no reuse: step or run"},
+        BadText{"groups/klu+reuse=always", "\"always\" is not a kind of reuse: use step or run"},
         BadText{"groups/klu+predict", "option \"predict\" needs a value"},
         BadText{"groups/klu+predict=taylor:3", kTaylor3.c_str()},
         BadText{"groups/klu+predict=taylor:-1", kSigned.c_str()},
         BadText{"groups/klu+predict=hermite", kHermite.c_str()},
         BadText{"groups/klu+predict=hermite:3", kHermite3.c_str()},
         BadText{"groups/klu+predict=past:6", kPast6.c_str()}, BadText{"groups/klu+predict=guess:1", kGuess.c_str()},
-        BadText{"groups/klu+chunks=0", "\"0\" is no number of chunks: 1 to 2147483647"},
-        BadText{"groups/klu+chunks=9999999999", "\"9999999999\" is no number of chunks: 1 to 2147483647"},
-        BadText{"groups/klu ", "\"\" is no split PxQ of threads, such as 1x1 or 3x2"},
-        BadText{"groups/klu 2", "\"2\" is no split PxQ of threads, such as 1x1 or 3x2"},
-        BadText{"groups/klu 0x1", "\"0x1\" is no split PxQ of threads, such as 1x1 or 3x2"},
-        BadText{"groups/klu 1x-2", "\"1x-2\" is no split PxQ of threads, such as 1x1 or 3x2"},
-        BadText{"groups/klu 2x1x1", "\"2x1x1\" is no split PxQ of threads, such as 1x1 or 3x2"},
-        BadText{"groups/klu  2x1", "\" 2x1\" is no split PxQ of threads, such as 1x1 or 3x2"},
-        BadText{"groups/klu 2x1+once", "\"2x1+once\" is no split PxQ of threads, such as 1x1 or 3x2"}));
+        BadText{"groups/klu+chunks=0", "\"0\" is not a number of chunks: use 1 to 2147483647"},
+        BadText{"groups/klu+chunks=9999999999", "\"9999999999\" is not a number of chunks: use 1 to 2147483647"},
+        BadText{"groups/klu ", "\"\" is not a split PxQ of threads such as 1x1 or 3x2"},
+        BadText{"groups/klu 2", "\"2\" is not a split PxQ of threads such as 1x1 or 3x2"},
+        BadText{"groups/klu 0x1", "\"0x1\" is not a split PxQ of threads such as 1x1 or 3x2"},
+        BadText{"groups/klu 1x-2", "\"1x-2\" is not a split PxQ of threads such as 1x1 or 3x2"},
+        BadText{"groups/klu 2x1x1", "\"2x1x1\" is not a split PxQ of threads such as 1x1 or 3x2"},
+        BadText{"groups/klu  2x1", "\" 2x1\" is not a split PxQ of threads such as 1x1 or 3x2"},
+        BadText{"groups/klu 2x1+once", "\"2x1+once\" is not a split PxQ of threads such as 1x1 or 3x2"}));
 
 }  // namespace
 }  // namespace assur

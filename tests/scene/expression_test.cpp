@@ -81,7 +81,7 @@ TEST(Expression, Errors) {
   EXPECT_EQ(expressions.evaluate("t").what, "there is no parameter 't'; expressions do not depend on time, laws do");
   EXPECT_EQ(expressions.evaluate("_pi").what, "there is no parameter '_pi'");
   EXPECT_EQ(expressions.evaluate("2*(coss(1))").what, "there is no function 'coss'; did you mean 'cos'?");
-  EXPECT_EQ(expressions.evaluate("").what, "'=' wants an expression after it");
+  EXPECT_EQ(expressions.evaluate("").what, "an expression is missing after '='");
   EXPECT_EQ(expressions.evaluate("1, 2").what, "'=1, 2' gives 2 numbers; one is wanted");
   EXPECT_EQ(expressions.evaluate("sqrt(-1)").what, "'=sqrt(-1)' is nan; a finite number is wanted");
   EXPECT_EQ(expressions.evaluate("2*").what, "'=2*' cannot be read: unexpected end of expression");

@@ -282,7 +282,7 @@ TEST(Json, ExpressionsWhereverANumberStands) {
   EXPECT_EQ(longer.points()[1].at[0], 1.6);
   EXPECT_EQ(longer.time().steps(), 16);
   EXPECT_EQ(refusal(text, {{"crnak", 1}}),
-            "scene: /parameters: there is no parameter 'crnak' to be set; did you mean 'crank'?");
+            "scene: /parameters: there is no parameter 'crnak' to set; did you mean 'crank'?");
   EXPECT_EQ(refusal(text, {{"crank", std::nan("")}}),
             "scene: /parameters/crank: the parameter is set to nan; a finite number is wanted");
 }
@@ -313,7 +313,7 @@ TEST(Json, DiagnosticsHoldPointersWithoutTheFile) {
   } catch (const Error& error) {
     ASSERT_EQ(error.diagnostics().size(), 1u);
     EXPECT_EQ(error.diagnostics()[0].where, "/points/a~1b~0c");
-    EXPECT_EQ(std::string(error.what()).rfind("my.json: /points/a~1b~0c: 'a/b~c' is no name", 0), 0u);
+    EXPECT_EQ(std::string(error.what()).rfind("my.json: /points/a~1b~0c: 'a/b~c' is not a name", 0), 0u);
   }
 }
 
@@ -357,7 +357,7 @@ TEST(Json, MoreValuesThanAreReadAreCountedFirst) {
     (void)parse_scene(text, "zeros.json");
     FAIL() << "it is too large";
   } catch (const Error& error) {
-    EXPECT_STREQ(error.what(), "zeros.json: it has 100000008 values; the most that are read are 100000000");
+    EXPECT_STREQ(error.what(), "zeros.json: it has 100000008 values; the limit is 100000000");
   }
 }
 

@@ -97,14 +97,16 @@ TEST(SampleText, BadOptions) {
 }
 
 TEST(SampleText, OptionsThatDoNotFitTogether) {
-  EXPECT_EQ(message("bricard:middle=-2,swing=1"),
-            "sample 'bricard': option 'middle' should not be larger than 'swing', for the motion starts in the cube");
+  EXPECT_EQ(
+      message("bricard:middle=-2,swing=1"),
+      "sample 'bricard': option 'middle' should not be larger than 'swing', because the motion starts at the cube");
 }
 
 TEST(SampleText, BadWordsAndMultiples) {
   const std::string hexapod = " Write hexapod:drive=pose,omega=1,step=0.01,steps=1000 or some of these options";
   const std::string drive =
-      "sample 'hexapod': option 'drive' (what is driven; by its legs it is undetermined) should be pose or legs, not '";
+      "sample 'hexapod': option 'drive' (driven part; if the legs are driven, the pose is undetermined) should be pose "
+      "or legs, not '";
   EXPECT_EQ(message("hexapod:drive=arms"), drive + "arms'." + hexapod);
   EXPECT_EQ(message("hexapod", {{"drive", 1}}), drive + "1'." + hexapod);
   EXPECT_EQ(message("hexapod:legs"), "sample 'hexapod': 'legs' should be option=value." + hexapod);

@@ -132,7 +132,7 @@ TEST(SceneBuilder, MembersArePlacedByTheirBody) {
   builder.constrain("m", Distance{"above", "M", {}}).constrain("n", Distance{"O", "N", {}});
   EXPECT_EQ(
       findings(builder),
-      "/constraints/m/distance: 'above' and 'M' are at the same place, so the value left out is 0; give a value, or "
+      "/constraints/m/distance: 'above' and 'M' are at the same place, so the omitted value is 0; give a value, or "
       "share the point");
 }
 
@@ -163,7 +163,7 @@ TEST(SceneBuilder, Callbacks) {
   EXPECT_EQ(findings(builder),
             "/constraints/bad/callback: a callback gives at least one equation, not 0\n"
             "/constraints/bad/callback: a callback needs all three functions: residual, jacobian and curvature\n"
-            "/constraints/bad/callback/coordinates/0: 'C.z' is no coordinate; write 'C' with .x or .y\n"
+            "/constraints/bad/callback/coordinates/0: 'C.z' is not a coordinate; write 'C' with .x or .y\n"
             "/constraints/bad/callback/coordinates/1: 'motor' gives no single number; only distance and coordinate "
             "drivers do\n"
             "/constraints/bad/callback/coordinates/2: there is no point, vector or constraint 'Q'\n"

@@ -75,7 +75,7 @@ TEST_F(StrangersFiles, OnlyRegularFilesAreReadAsScenes) {
   EXPECT_EQ(why_not(folder_ / "scene/pipe"), "it is a pipe; only regular files are read");
   EXPECT_EQ(why_not("/dev/zero"), "it is a device; only regular files are read");
   EXPECT_EQ(why_not(folder_), "it is a folder; only regular files are read");
-  EXPECT_EQ(why_not(huge("scene.json", kLargestScene + 1)), "it has more than 1000 MB, the most that is read");
+  EXPECT_EQ(why_not(huge("scene.json", kLargestScene + 1)), "it is larger than 1000 MB, the limit");
 }
 
 TEST_F(StrangersFiles, OnlyRegularFilesAreReadAsVariants) {
@@ -83,7 +83,7 @@ TEST_F(StrangersFiles, OnlyRegularFilesAreReadAsVariants) {
   EXPECT_EQ(refusal([&] { (void)read_variants(pipe); }),
             pipe.string() + ": the file of variants cannot be read: it is a pipe; only regular files are read");
   EXPECT_EQ(refusal([&] { (void)read_variants(large); }),
-            large.string() + ": the file of variants cannot be read: it has more than 256 MB, the most that is read");
+            large.string() + ": the file of variants cannot be read: it is larger than 256 MB, the limit");
 }
 
 TEST_F(StrangersFiles, OnlyRegularFilesAreReadAsTables) {
@@ -92,8 +92,8 @@ TEST_F(StrangersFiles, OnlyRegularFilesAreReadAsTables) {
             "its path is relative to the scene file");
   (void)huge("large.csv", kLargestTable + 1);
   EXPECT_EQ(of_table("large.csv"),
-            "/drivers/push/law/table: the file 'large.csv' cannot be read: it has more than 256 MB, the most that is "
-            "read; its path is relative to the scene file");
+            "/drivers/push/law/table: the file 'large.csv' cannot be read: it is larger than 256 MB, the "
+            "limit; its path is relative to the scene file");
 }
 
 TEST_F(StrangersFiles, AFileIsReadUpToItsLimit) {
@@ -118,7 +118,7 @@ TEST_F(StrangersFiles, TablesLieInTheFolderOfTheScene) {
         (folder_ / "data/secret.csv").string(), std::string("/dev/zero"), std::string("/etc/passwd"),
         std::string("link.csv"), std::string("out/secret.csv"), std::string("../scene2/x.csv")}) {
     EXPECT_EQ(of_table(table), "/drivers/push/law/table: the file " + in_quotes(table) +
-                                   " is outside the folder of the scene; tables are read from there only, or from "
+                                   " is outside the folder of the scene; tables are read only from there, or from "
                                    "folders that you allow (--tables FOLDER)");
   }
 }
@@ -198,7 +198,7 @@ TEST_F(StrangersFiles, AMillionFindingsAreNotAllTold) {
   const std::string said =
       refusal([&] { (void)parse_scene(R"({"assur": 1, "dimension": 2, "points": {)" + points + "}}"); });
   EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1000);
-  EXPECT_TRUE(said.ends_with("\nscene: and 2000 findings more")) << said.substr(said.size() - 100);
+  EXPECT_TRUE(said.ends_with("\nscene: and 2000 more findings")) << said.substr(said.size() - 100);
 }
 
 TEST_F(StrangersFiles, ACircleOfManyParametersIsCut) {
@@ -215,7 +215,7 @@ TEST_F(StrangersFiles, APlanIsNotReadFromWhatIsNone) {
   std::ifstream endless("/dev/zero");
   if (!endless) GTEST_SKIP() << "no /dev/zero here";
   EXPECT_EQ(refusal([&] { (void)load_plan(endless); }),
-            "saved plan: this is no saved plan: it does not begin with \"assur plan \"");
+            "saved plan: this is not a saved plan: it does not begin with \"assur plan \"");
   std::ifstream folder(folder_);
   EXPECT_EQ(refusal([&] { (void)load_plan(folder); }).substr(0, 27), "the plan could not be read:");
 }

@@ -60,20 +60,21 @@ TEST_F(Variants, NumbersAreReadToTheLastBit) {
 }
 
 TEST_F(Variants, WhatIsWrongIsToldWithItsLineAndColumn) {
-  EXPECT_EQ(refusal("a,b\n1,2\n3,fast\n"), "line 3, column 2 (b): 'fast' is no finite number");
+  EXPECT_EQ(refusal("a,b\n1,2\n3,fast\n"), "line 3, column 2 (b): 'fast' is not a finite number");
   EXPECT_EQ(refusal("a,b\n,2\n"), "line 2, column 1 (a): a number is missing");
   EXPECT_EQ(refusal("a,b\n1,2,3\n4\n"), "line 2: 3 values, but 2 columns\nline 3: 1 value, but 2 columns");
   EXPECT_EQ(refusal("a,b\n1,2\n1,2,\n"), "line 3: 3 values, but 2 columns");
   for (const std::string number : {"inf", "nan", "1e999", "1x", "0x10", "1 2", "--1", "#1"}) {
-    EXPECT_EQ(refusal("a\n" + number + "\n"), "line 2, column 1 (a): '" + number + "' is no finite number");
+    EXPECT_EQ(refusal("a\n" + number + "\n"), "line 2, column 1 (a): '" + number + "' is not a finite number");
   }
 }
 
 TEST_F(Variants, TheFirstLineHasNames) {
-  const std::string hint = " is no name of a parameter; the first line names one for each column, separated by commas";
+  const std::string hint =
+      " is not the name of a parameter; the first line names one for each column, separated by commas";
   EXPECT_EQ(refusal("1,2\n3,4\n"), "line 1, column 1: '1'" + hint + "\nline 1, column 2: '2'" + hint);
   EXPECT_EQ(refusal("a;b\n1;2\n"),
-            "line 1, column 1: 'a;b'" + hint + "\nline 2, column 1 (a;b): '1;2' is no finite number");
+            "line 1, column 1: 'a;b'" + hint + "\nline 2, column 1 (a;b): '1;2' is not a finite number");
   EXPECT_EQ(refusal("# speeds\na\n1\n").substr(0, 30), "line 1, column 1: '# speeds' i");
   EXPECT_EQ(refusal("a,,b\n1,2,3\n"), "line 1, column 2: a name is missing");
   EXPECT_EQ(refusal("a,b,a\n1,2,3\n"), "line 1, column 3: 'a' names a column already");
@@ -87,8 +88,8 @@ TEST_F(Variants, AFileWithoutRowsIsRefused) {
 }
 
 TEST_F(Variants, ABlankLineBetweenRowsIsRefused) {
-  EXPECT_EQ(refusal("a\n1\n\n2\n"), "line 3: the line is blank; only the end of the file may be");
-  EXPECT_EQ(refusal("\na\n1\n"), "line 1: the line is blank; only the end of the file may be");
+  EXPECT_EQ(refusal("a\n1\n\n2\n"), "line 3: the line is blank; blank lines are allowed only at the end of the file");
+  EXPECT_EQ(refusal("\na\n1\n"), "line 1: the line is blank; blank lines are allowed only at the end of the file");
 }
 
 TEST_F(Variants, AnotherFileThanWasMeantIsNotReadToItsEnd) {

@@ -92,7 +92,7 @@ TEST(AskedOutputs, AllIsEverythingAndStandsAlone) {
     (void)pendulum().with_outputs({"all", "B"});
     FAIL();
   } catch (const Error& e) {
-    EXPECT_STREQ(e.what(), "/outputs/0: 'all' is everything; it stands alone");
+    EXPECT_STREQ(e.what(), "/outputs/0: 'all' means everything; write it alone");
   }
   const Scene named = SceneBuilder("named", 2).fixed_point("all", {0, 0}).point("B", {1, 0}).time(0, 1, 1).build();
   EXPECT_EQ(named.with_outputs({"all"}).outputs(), std::vector<std::string>{"all"});  // a point of that name
@@ -194,7 +194,7 @@ TEST(Sums, ThatMakeNoSenseAreRefused) {
   };
   EXPECT_EQ(refused({}), "/measures/s/sum: a sum needs at least one measure");
   EXPECT_EQ(refused({{{"turn", 1.0}, {"x", 1.0}}, 0}),
-            "/measures/s/sum: 'turn' is in rad, 'x' in m; a sum is of measures of one unit");
+            "/measures/s/sum: 'turn' is in rad, 'x' in m; all measures of a sum must have the same unit");
   EXPECT_EQ(refused({{{"half", 1.0}}, 0}),
             "/measures/s/sum/0/0: 'half' is a sum itself; name the measures that it is made of");
   EXPECT_EQ(refused({{{"turn", 0.0}}, 0}),

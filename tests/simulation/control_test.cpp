@@ -73,7 +73,7 @@ TEST(Control, UnknownDriverIsRefused) {
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.kind(), Error::Kind::input);
-    EXPECT_STREQ(e.what(), "'moter' is no controlled driver; did you mean 'motor'? There are: motor");
+    EXPECT_STREQ(e.what(), "'moter' is not a controlled driver; did you mean 'motor'? There are: motor");
   }
   Simulator platform = test::simulator(sample("stewart"), "groups/eigen", {}, {"pose"});
   try {
@@ -81,7 +81,7 @@ TEST(Control, UnknownDriverIsRefused) {
     FAIL();
   } catch (const Error& e) {
     EXPECT_STREQ(e.what(),
-                 "'pose' is no controlled driver; there are: pose.x, pose.y, pose.z, pose.psi, pose.theta, pose.phi");
+                 "'pose' is not a controlled driver; there are: pose.x, pose.y, pose.z, pose.psi, pose.theta, pose.phi");
   }
   Simulator uncontrolled = test::simulator(sample("four_bar"));
   EXPECT_THROW(uncontrolled.set("motor", 1), Error);

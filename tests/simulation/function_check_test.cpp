@@ -218,7 +218,7 @@ TEST(FunctionCheck, ALawThatIsWrongAtTheStartIsBadInput) {
   EXPECT_EQ(refusal(with_law(law_off(0, 0, 0))), "");
   EXPECT_NE(refusal(with_law(Law::function([n = 0](double t) mutable {
               return Motion{t + 1e-3 * (n++ % 2), 1, 0};
-            }))).find("when it is asked again"),
+            }))).find("when it is called again"),
             std::string::npos);
 }
 

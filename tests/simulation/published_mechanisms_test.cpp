@@ -121,7 +121,7 @@ TEST(Parallelograms, EachHasARedundantRod) {
 
 TEST(Parallelograms, ARodThatIsTooLongContradicts) {
   const Structure s = analyze(sample("parallelograms:loops=2,excess=1e-4"));
-  EXPECT_EQ(s.cannot_assemble.rfind("these contradict each other: ", 0), 0u) << s.cannot_assemble;
+  EXPECT_EQ(s.cannot_assemble.rfind("these equations contradict each other: ", 0), 0u) << s.cannot_assemble;
 }
 
 // With equal lengths C passes through O where the rod is across the rail: the smooth continuation is x = 2 r cos.

@@ -191,7 +191,7 @@ TEST(Redundant, ChunksThatWouldNeedOtherEquationsRunInSequence) {
   EXPECT_EQ(cut.trajectory.values(), alone.trajectory.values());
   const std::vector<std::string>& told = cut.report().fallbacks;
   EXPECT_TRUE(std::any_of(told.begin(), told.end(), [](const std::string& line) {
-    return line.find("no chunks: their start postures were found up to") != std::string::npos;
+    return line.find("no chunks: start postures were found only up to") != std::string::npos;
   }));
 }
 

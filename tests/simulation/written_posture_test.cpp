@@ -68,7 +68,8 @@ TEST(RelativeLaws, WithoutAValueToCountFromAreRefused) {
   EXPECT_EQ(refusal(front + R"([0, 0]}}, "constraints": {"l": {"distance": ["A", "B"], "value": 1}},
       "drivers": {"m": {"angle": [["A", "X"], ["A", "B"]], "law": {"constant": 0}, "relative": true}})" +
                     behind),
-            "/drivers/m: relative to no angle: in the posture as written its second direction has no length");
+            "/drivers/m: the law is relative to an undefined angle: in the posture as written its second direction has "
+            "no length");
   EXPECT_EQ(refusal(front + R"([1, 0]}}, "constraints": {"y": {"coordinate": "B.y", "value": 0}},
       "drivers": {"m": {"distance": ["A", "B"], "law": {"constant": -2}, "relative": true}})" +
                     behind),

@@ -271,8 +271,8 @@ TEST(DeclaredGroups, CutThroughABlock) {
                           .add(DeclaredGroup{"half", {"P"}})
                           .build();
   EXPECT_EQ(look::error(Error::Kind::input, [&] { (void)structure(scene, groups); }),
-            "/groups/half: must be a union of irreducible groups, but cuts through P+Q: either all of it (P, Q) or "
-            "nothing belongs to the group");
+            "/groups/half: must be a union of irreducible groups, but cuts through P+Q; add all of it (P, Q) to the "
+            "group, or nothing");
 }
 
 }  // namespace

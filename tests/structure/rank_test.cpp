@@ -94,7 +94,7 @@ TEST(Rank, ADroppedRowThatCeasesToHoldStopsTheRun) {
 TEST(Rank, ARodTooLongContradictsByName) {
   const Scene scene = parallelogram(1 + 1e-3).build();
   const Structure s = structure(scene, groups);
-  EXPECT_EQ(s.cannot_assemble.rfind("these contradict each other: ", 0), 0u) << s.cannot_assemble;
+  EXPECT_EQ(s.cannot_assemble.rfind("these equations contradict each other: ", 0), 0u) << s.cannot_assemble;
   for (const char* name : {"'rocker'", "'third'"}) EXPECT_NE(s.cannot_assemble.find(name), std::string::npos);
   for (const char* name : {"'PB'", "'PD'"}) EXPECT_EQ(s.cannot_assemble.find(name), std::string::npos);
   EXPECT_EQ(look::error(Error::Kind::numerical, [&] { (void)prepare(scene); }), s.cannot_assemble);
@@ -280,7 +280,7 @@ TEST(Redundancies, AreToldApart) {
   EXPECT_TRUE(once.redundant[0].is_length);
   EXPECT_EQ(once.mobility, 0);
   const std::string& dropped = once.redundant[0].dropped;
-  EXPECT_NE(look::notes(once).find("'" + dropped + "' holds at the start posture and not beyond"), std::string::npos);
+  EXPECT_NE(look::notes(once).find("'" + dropped + "' holds at the start posture, but not later"), std::string::npos);
 
   Simulator simulator(prepare(scene, {.strategy = "groups/eigen"}));
   (void)simulator.run();
@@ -340,8 +340,8 @@ TEST(Rank, ADeadCentreIsToldFromASceneThatLacksAConstraint) {
   };
   EXPECT_EQ(
       look::error(Error::Kind::numerical, [&] { (void)prepare(crank(3, true)); }),
-      "the start posture is singular (a dead centre): the Jacobian does not determine B.y there, though it does in "
-      "postures nearby; let the drivers start off it");
+      "the start posture is singular (a dead centre): the Jacobian does not determine B.y, though it does at nearby "
+      "postures; start with other values of the drivers");
   EXPECT_EQ(look::error(Error::Kind::input, [&] { (void)prepare(crank(3, false)); }).substr(0, 31),
             "undetermined: nothing fixes B.y");
 }

@@ -9,7 +9,7 @@ Scene andrews(const Values& values) {
   const double xa = -0.06934, ya = -0.00227, xb = -0.03635, yb = 0.03273;
   const double rr = 0.007, d = 0.028, ss = 0.035, e = 0.02, zt = 0.04, zf = 0.02, u = 0.04;
 
-  // The guess is that of the true xb: the misprinted +0.03635 cannot be assembled, and has none.
+  // The guess belongs to the true xb. With the misprinted +0.03635 the mechanism cannot be assembled.
   const Triple A = {xa, ya, 0}, F = {rr, 0, 0};
   const Triple E = meet(F, d, {xb, yb, 0}, ss);
   const Triple G = meet(A, zt, E, e);
@@ -32,7 +32,7 @@ Scene andrews(const Values& values) {
       .constrain("HE", Distance{"H", "E", zf})
       .constrain("HA", Distance{"H", "A", u})
       .drive("motor", PointAngle{"O", "F", "", Law::polynomial({0, values["omega"]})})
-      // The angles of the test set, but for Phi and Omega, which it measures from directions a quarter turn off.
+      // The angles of the test set. It measures Phi and Omega from directions a quarter turn off.
       .measure("beta", AbsoluteAngle{"O", "F"})
       .measure("theta", AngleBetween{Direction{"O", "F"}, Direction{"E", "F"}, ""})
       .measure("gamma", AngleBetween{"down", Direction{"B", "E"}, ""})

@@ -9,15 +9,15 @@ namespace assur::samples {
 
 // Bricard's mechanism on the edges of a cube (IFToMM benchmark A04): six unit rods, each at right angles to the hinge
 // axes at its ends, which are at right angles to each other. Mobility 1 with one redundant equation in every posture.
-// Rod 5 and its axes stand still; the hinge at P0 is driven from the cube, and can go from -30 to +210 degrees: both
-// ends are folds. theta, the angle from rod 5 to rod 0, is a quarter turn less than that, and phi, that from rod 0 to
-// rod 1, follows from cos theta + cos phi + cos theta cos phi = 0 (J. E. Baker, Mechanism and Machine Theory 15, 1980).
+// Rod 5 and its axes are fixed. The hinge at P0 is driven from the cube; it can turn from -30 to +210 degrees, and both
+// ends are folds. theta, the angle from rod 5 to rod 0, is a quarter turn less, and phi, the angle from rod 0 to rod 1,
+// follows from cos theta + cos phi + cos theta cos phi = 0 (J. E. Baker, Mechanism and Machine Theory 15, 1980).
 Scene bricard(const Values& values) {
   const double middle = values["middle"], swing = values["swing"];
   if (std::abs(middle) > swing) {
     throw Error(
         Error::Kind::input,
-        "sample 'bricard': option 'middle' should not be larger than 'swing', for the motion starts in the cube");
+        "sample 'bricard': option 'middle' should not be larger than 'swing', because the motion starts at the cube");
   }
   const std::array<Triple, 6> at = {{{0, 0, 0}, {1, 0, 0}, {1, -1, 0}, {1, -1, 1}, {0, -1, 1}, {0, 0, 1}}};
   const std::array<Triple, 6> axis = {{{0, 1, 0}, {0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 0}}};
@@ -31,7 +31,7 @@ Scene bricard(const Values& values) {
   for (std::size_t i = 0; i < 5; ++i) {
     const Direction rod(named("P", i), named("P", i + 1));
     builder.constrain(named("rod", i), Distance{rod.first, rod.second, 1.0});
-    if (i > 0) builder.constrain(named("near", i), Dot{rod, named("u", i), 0.0});  // of rod 0 the driver sees to it
+    if (i > 0) builder.constrain(named("near", i), Dot{rod, named("u", i), 0.0});  // the driver fixes it for rod 0
     builder.constrain(named("far", i), Dot{rod, named("u", i + 1), 0.0});
     builder.constrain(named("twist", i), Dot{named("u", i), named("u", i + 1), 0.0});
   }

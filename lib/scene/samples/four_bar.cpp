@@ -1,4 +1,5 @@
-// Four-bar linkages: the crank-rocker chain, the chain of rhombi, and the one that is almost a parallelogram.
+// Four-bar linkages: a chain of crank-rockers, a chain of rhombi, a chain of parallelograms, and a four-bar that is
+// almost a parallelogram.
 #include <numbers>
 #include <string>
 
@@ -10,7 +11,7 @@ namespace {
 
 std::string number(std::string_view name, int i) { return std::string(name) + std::to_string(i); }
 
-// A_i fixed, B_i at the end of the crank (i = 0) or rocker about A_i; couplers B_i - B_{i+1}.
+// Points A_i are fixed; B_i is the end of the crank (i = 0) or rocker about A_i; couplers join B_i and B_{i+1}.
 struct Chain {
   SceneBuilder builder;
   Triple end{};  // B of the last loop
@@ -23,7 +24,7 @@ struct Chain {
         .drive("motor", PointAngle{"A0", "B0", "", std::move(law)});
   }
 
-  // Loop i, with its rocker about a; b: start of B_{i+1}.
+  // Adds loop i, with its rocker about a; b: guess of B_{i+1}.
   void add_loop(int i, const Triple& a, const Triple& b, double coupler, double rocker) {
     const std::string A = number("A", i + 1), B = number("B", i + 1);
     builder.fixed_point(A, a)
@@ -56,8 +57,8 @@ Scene four_bar(const Values& values) {
   return chain.finish(loops, values);
 }
 
-// Benchmark A02 of the IFToMM library as kinematics: A_i = (i, 0), all links 1, all parallel to the crank at
-// f(t) = pi/2 + swing sin t. All loops are singular together at sin f = 0, which a swing of 1.2 stays away from.
+// Benchmark A02 of the IFToMM library as kinematics: A_i = (i, 0), all links 1, all parallel to the crank at f(t) =
+// pi/2 + swing sin t. All loops are singular together at sin f = 0, which a swing of 1.2 does not reach.
 Scene n_four_bar(const Values& values) {
   const int loops = values.count("loops");
   Chain chain("n_four_bar", {0, 0, 0}, {0, 1, 0}, 1, wave(values["swing"], 1, 0, std::numbers::pi / 2));
@@ -69,7 +70,7 @@ Scene n_four_bar(const Values& values) {
 }
 
 // Parallelograms in series: A_i = (2i, 0), rods 1, couplers 2, all rods parallel to the crank at f(t) = pi/2 + 1.2 sin
-// t. A third rod about G_i holds the middle M_i of each coupler: redundant, or a contradiction if it is too long.
+// t. A third rod about G_i holds the middle M_i of each coupler: it is redundant, or a contradiction if it is too long.
 Scene parallelograms(const Values& values) {
   const int loops = values.count("loops");
   Chain chain("parallelograms", {0, 0, 0}, {0, 1, 0}, 1, wave(1.2, values["omega"], 0, std::numbers::pi / 2));
@@ -84,9 +85,9 @@ Scene parallelograms(const Values& values) {
   return chain.finish(loops, values);
 }
 
-// Ground 2, crank 1, coupler 2, rocker 1 + delta, one turn per second from crank angle pi/2 on the parallelogram's
-// side. For delta > 0 the rocker swings on that side for ever; it passes the change point of the parallelogram
-// (crank angle pi) at a distance that vanishes with delta.
+// Ground 2, crank 1, coupler 2, rocker 1 + delta; one turn per second, from crank angle pi/2 on the parallelogram's
+// side. For delta > 0 the rocker stays on that side. It passes the change point of the parallelogram (crank angle pi)
+// at a distance that vanishes with delta.
 Scene almost_parallelogram(const Values& values) {
   const double rocker = 1 + values["delta"];
   const Triple a = {2, 0, 0}, b = {0, 1, 0};

@@ -9,7 +9,7 @@ namespace assur::samples {
 namespace {
 
 struct Leg {
-  Triple A, B;    // on the base; on the platform, local
+  Triple A, B;    // on the base, and on the platform (local)
   double length;  // m
 };
 constexpr std::array<Leg, 6> kLegs = {{{{0, 0, 0}, {0, 0, 0}, 1},
@@ -21,7 +21,7 @@ constexpr std::array<Leg, 6> kLegs = {{{{0, 0, 0}, {0, 0, 0}, 1},
 
 }  // namespace
 
-// Forward kinematics of Dietmaier's platform (see gough_postures.hpp): six actuators stand still, the pose is unknown.
+// Forward kinematics of Dietmaier's platform (see gough_postures.hpp): six actuators are fixed, the pose is unknown.
 Scene gough(const Values& values) {
   const auto& guess = kGoughPostures[static_cast<std::size_t>(values.count("posture") - 1)];
   const Triple n = {guess[0], guess[1], guess[2]};

@@ -10,7 +10,7 @@ namespace {
 
 double azimuth(int k) { return kTurn / 3 * (k / 2) + (k % 2 == 0 ? -0.3 : 0.3); }
 
-// Pose of the terminal: it rises and sinks, and turns about its own axes.
+// Pose of the terminal: it moves up and down, and turns about its own axes.
 struct Poses {
   std::array<Law, 3> translation, rotation;
 
@@ -31,9 +31,9 @@ Motion leg_length(const Poses& poses, const Triple& A, const Triple& P, double t
 
 }  // namespace
 
-// Base of radius 1 and platform of radius 0.5, both with joints at 120 k -+ 0.3 rad: similar hexagons, so the lengths
-// of the six legs determine the pose in no posture (rank 5 at most). Driven by its pose it moves; driven by its legs,
-// with the very lengths of that motion, it is undetermined.
+// Base of radius 1 and platform of radius 0.5, both with joints at 120 k -+ 0.3 rad. The hexagons are similar, so the
+// lengths of the six legs determine the pose in no posture (rank 5 at most). Driven by its pose the platform moves;
+// driven by its legs, with the lengths of that motion, it is undetermined.
 Scene hexapod(const Values& values) {
   const bool by_legs = values.word("drive") == "legs";
   const Poses poses(values["omega"]);

@@ -25,7 +25,7 @@ struct Ring {
   }
 };
 
-// Points NAME0.. and the fixed anchors of a ring; the others (even ones) are there already. Lengths are those of the
+// Adds points NAME0.. and the odd anchors, which are fixed; the even anchors exist already. Lengths are those of the
 // drawing.
 void add_ring(SceneBuilder& builder, const Ring& ring, const std::string& name, const std::string& group) {
   const int m = static_cast<int>(ring.point.size());

@@ -6,8 +6,8 @@
 namespace assur::samples {
 
 // Crank about O, rod from B to C, C on the rail through Q = (0, offset) along x; one turn per second. slide.lambda is
-// the displacement of C along the rail. A rod that is shorter than the crank ends the motion at a fold; with equal
-// lengths and no offset two branches cross where C comes to O.
+// the displacement of C along the rail. If the rod is shorter than the crank, the motion ends at a fold. With equal
+// lengths and no offset, two branches cross where C reaches O.
 Scene slider_crank(const Values& values) {
   const double crank = values["crank_length"], rod = values["rod_length"], offset = values["offset"];
   return SceneBuilder("slider_crank", 2)

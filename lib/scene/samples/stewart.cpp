@@ -11,9 +11,9 @@ namespace {
 
 constexpr double kHandle = 0.2, kRod = 0.55;  // m
 
-// What does not move: handle axis a through A on the ground; P and the cardan axis t on the terminal.
+// Constant vectors: axis a of the handle through A on the ground; P and the cardan axis t on the terminal.
 struct LegShape {
-  Triple A, a, inward;  // inward: horizontal, across a; the handle's angle counts from it
+  Triple A, a, inward;  // inward: horizontal, perpendicular to a; zero of the handle's angle
   Triple P, t;          // local
 };
 
@@ -23,8 +23,8 @@ LegShape leg_shape(double azimuth, double terminal_azimuth) {
           heading(axis_azimuth + quarter), 0.3 * heading(terminal_azimuth), heading(terminal_azimuth + quarter)};
 }
 
-// Six legs stand in pairs, as the paper's do. Any other number is spread evenly, with the terminal's joints straight
-// above those of the base.
+// Six legs form pairs, as in the paper. Any other number is spread evenly, with the terminal's joints straight above
+// those of the base.
 std::vector<LegShape> leg_shapes(int legs) {
   std::vector<LegShape> shapes;
   for (int k = 0; k < legs; ++k) {
@@ -38,7 +38,7 @@ struct LegPosture {
   Triple B, e, r, c, d;
 };
 
-// B on the handle's circle about a through A, at the rod's length from P, on the side of a x AP.
+// B is on the handle's circle about a through A, at the rod's length from P, on the side of a x AP.
 LegPosture leg_posture(const LegShape& shape, const Triple& P, const Triple& t) {
   const Triple AP = P - shape.A;
   const double height = dot(AP, shape.a);
@@ -76,7 +76,7 @@ void add_leg(SceneBuilder& builder, const LegShape& shape, const LegPosture& at,
       .add(DeclaredGroup{named("SG_HS"), {B, e, r, c, d}});
 }
 
-// One platform, its names ending in `suffix`, its motion ahead by `phase`.
+// Adds one platform, whose names end in `suffix` and whose motion leads by `phase`.
 void add_platform(SceneBuilder& builder, const std::vector<LegShape>& legs, double omega, double phase,
                   const std::string& suffix) {
   const auto named = [&suffix](const char* name) { return name + suffix; };
@@ -103,8 +103,8 @@ void add_platform(SceneBuilder& builder, const std::vector<LegShape>& legs, doub
 
 }  // namespace
 
-// The paper's Stewart platform: the terminal's pose is given, the handles follow. One platform has plain names; of
-// several, the names end in _1, _2, ... and the motions are out of step by equal parts of a turn.
+// The paper's Stewart platform: the terminal's pose is given, and the handles follow. A single platform has plain
+// names; the names of several platforms end in _1, _2, ..., and their motions differ by equal parts of a turn.
 Scene stewart(const Values& values) {
   const int platforms = values.count("platforms");
   const std::vector<LegShape> legs = leg_shapes(values.count("legs"));

@@ -6,14 +6,14 @@
 namespace assur::samples {
 
 // Whitworth's quick return, tilted in space: the plane of the motion is turned by Rz(0.3) Ry(0.4) Rx(0.5). In that
-// plane the crank of length 0.1 turns about the origin O, and its end B slides along the slotted link through
-// Q = (pivot, 0): the link points in the direction atan2(0.1 sin, 0.1 cos - pivot), and B is |B - Q| away from Q. The
-// nearer the pivot is to 0.1, the nearer B comes to Q, where the link's direction is free. With its hinge stated
-// (link . axis = 0) the link has one equation too many.
+// plane the crank of length 0.1 turns about the origin O, and its end B slides along the slotted link through Q =
+// (pivot, 0). The link points in the direction atan2(0.1 sin, 0.1 cos - pivot), and B is |B - Q| away from Q. The
+// closer the pivot is to 0.1, the closer B comes to Q, where the link's direction is undetermined. If the hinge is
+// stated (link . axis = 0), the link has one redundant equation.
 Scene whitworth(const Values& values) {
   const double crank = 0.1, pivot = values["pivot"];
   const Axes tilted = euler_zyx(0.3, 0.4, 0.5);
-  const double side = pivot > crank ? -1 : 1;  // of Q that B starts on
+  const double side = pivot > crank ? -1 : 1;  // side of Q on which B starts
 
   SceneBuilder builder("whitworth", 3);
   builder.fixed_point("O", {0, 0, 0})
