@@ -53,7 +53,7 @@ TEST(Check, ABadSceneIsBadInput) {
   EXPECT_EQ(outcome.status, 2);
   EXPECT_NE(outcome.err.find("no_such_sample"), std::string::npos) << outcome.err;
   EXPECT_EQ(run_command({"check", "--case", "bogus"}).err,
-            "error: --case: there is no case whose name begins with \"bogus\"\n");
+            "error: --case: no case has a name that starts with \"bogus\"\n");
 }
 
 // Almost at a change point some predictors lead to substeps that are in doubt, others not.

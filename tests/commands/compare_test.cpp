@@ -90,7 +90,7 @@ TEST(Compare, AWrongCallSaysWhatIsWrong) {
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
       {{"--accuracy", "fine"}, "--accuracy: expects numbers > 0 such as 1e-4,1e-8, not \"fine\""},
       {{"--accuracy", "1e-4,0"}, "--accuracy: expects numbers > 0 such as 1e-4,1e-8, not \"1e-4,0\""},
-      {{"--strategies", "groups/eigen+chunks=4"}, "leave out +chunks="},
+      {{"--strategies", "groups/eigen+chunks=4"}, "remove +chunks="},
       {{"--html", ""}, "--html: expects a file name"},
       {{"--steps", "0"}, "--steps: expects a whole number from 1 to 2147483647, not \"0\""},
   };

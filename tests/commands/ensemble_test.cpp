@@ -163,7 +163,7 @@ TEST_F(Ensembles, FailuresAreNamedAndTheOthersGoOn) {
   EXPECT_EQ(page.status, 1);
   EXPECT_EQ(page.err.rfind("error: 3 of 5 members failed; the first: member 2 (coupler = 1): t = 1.31", 0), 0u)
       << page.err;
-  EXPECT_NE(page.out.find("\n  members         2 done, 3 failed; 1 went on alone\n"), std::string::npos) << page.out;
+  EXPECT_NE(page.out.find("\n  members         2 done, 3 failed; 1 continued alone\n"), std::string::npos) << page.out;
   EXPECT_NE(page.out.find("member 3 (coupler = 3): "), std::string::npos) << page.out;
   EXPECT_EQ(page.lines().back(), "  status          3 of 5 members failed");
 }
@@ -220,7 +220,7 @@ TEST_F(Ensembles, SetHoldsForEveryMember) {
 TEST_F(Ensembles, AMemberWithTimesOfItsOwnIsNotRunOverThoseOfAnother) {
   const auto json = run("four_bar", "steps\n100\n200\n", {"--json"}).json();
   EXPECT_EQ(json["failed"][0]["member"], 2);
-  EXPECT_EQ(json["failed"][0]["why"], "its time grid is another one than that of the first member");
+  EXPECT_EQ(json["failed"][0]["why"], "its time grid differs from that of the first member");
   EXPECT_EQ(run("four_bar", "steps\n100\n200\n", {"--steps", "50"}).status, 0);
 }
 
@@ -257,11 +257,12 @@ TEST_F(Ensembles, ContradictionsAreRefused) {
   };
   const Case cases[] = {
       {{"--mode", "latency"},
-       "--mode: latency is one mechanism step after step, but --ensemble runs its members side by side; leave one out"},
+       "--mode: latency runs one mechanism step by step, but --ensemble runs its members side by side; remove one of "
+       "them"},
       {{"--strategy", "groups/klu+chunks=4"},
-       "--ensemble: its members fill the lanes and threads; leave out +chunks= of the strategy"},
-      {{"--reference"}, "--reference: it compares one mechanism; run the member in question with --set"},
-      {{"--certify"}, "--certify: it proves one motion; run the member in question with --set"},
+       "--ensemble: its members use the lanes and threads; remove +chunks= from the strategy"},
+      {{"--reference"}, "--reference: it compares a single mechanism; run one member with --set"},
+      {{"--certify"}, "--certify: it certifies a single mechanism; run one member with --set"},
   };
   for (const Case& c : cases) {
     const Outcome outcome = run("stewart", "omega\n1\n", c.options);
@@ -343,8 +344,8 @@ TEST(Mode, ChunksInAStrategyMeanThroughput) {
   const Outcome outcome = run_command({"run", "stewart", "--strategy", "groups/eigen+chunks=3", "--mode", "latency"});
   EXPECT_EQ(outcome.status, 2);
   EXPECT_EQ(outcome.err,
-            "error: --mode: latency is one mechanism step after step, but +chunks= runs parts of the time grid side by "
-            "side; leave one out\n");
+            "error: --mode: latency runs one mechanism step by step, but +chunks= runs parts of the time grid side by "
+            "side; remove one of them\n");
 }
 
 TEST(Mode, LatencyIsTheDefault) {

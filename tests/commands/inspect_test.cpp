@@ -154,9 +154,9 @@ TEST(Inspect, ThePage) {
   unknowns          102
   equations         102
   mobility            6  without the drivers
-  groups              3  as declared, else irreducible
+  groups              3  declared ones, else irreducible
   classes             3  of groups with the same equations
-  levels              2  of groups that do not need each other
+  levels              2  of groups independent of each other
 
   level  group   unknowns  nonzeros  fill  class  up to
       0  SG_T          12        39    39      0  acceleration
@@ -164,7 +164,7 @@ TEST(Inspect, ThePage) {
       1  SG_HS2   9 of 15        21    28      2  position
 
   irreducible     class 0: 12 = 1 + 1 + 1 + 3 + 3 + 3
-                  linear equations eliminate 36 unknowns, which leaves 2 groups
+                  linear equations eliminate 36 unknowns; this leaves 2 groups
                   of 3
   left out        72 unknowns, 72 equations
                   4 groups: SG_HS3, SG_HS4, SG_HS5, SG_HS6

@@ -131,7 +131,7 @@ TEST(Limits, OfMembersAreFoundBeforeAllArePrepared) {
                                       with_address_space(rlim_t{700} << 20));
   EXPECT_EQ(members.status, 3);
   EXPECT_TRUE(std::regex_match(members.err, std::regex("error: no memory for 20,000 members \\([0-9]+ MiB, [0-9]+ "
-                                                       "free\\); give fewer at a time\n")))
+                                                       "free\\); run fewer at a time\n")))
       << members.err;
   rows = "omega\n";
   for (int i = 0; i < 10'000'000; ++i) rows += "1\n";

@@ -55,7 +55,7 @@ TEST(Plan, TellsWhatAStepConsistsOf) {
   EXPECT_TRUE(std::regex_search(text, std::regex("\n  expected        [0-9.]+ .+s for a step\n"
                                                  "                  [0-9.]+ .+s groups; [0-9.]+ .+s laws, predictions, "
                                                  "432 outputs\n"
-                                                 "                  a run that keeps its rows takes 130 ns more for "
+                                                 "                  a run that stores its rows takes 130 ns more for "
                                                  "each\n")))
       << text;
 }

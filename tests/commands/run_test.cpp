@@ -110,13 +110,13 @@ TEST(Run, AGridOfNoWholeNumberOfStepsIsRefused) {
     std::vector<std::string> options;
     std::string message;
   };
-  const std::string wanted = " s, where a whole number from 1 is wanted; say how many with --steps\n";
+  const std::string wanted = " s, which is no whole number from 1; give the number with --steps\n";
   const Case cases[] = {
-      {{"--dt", "0.3"}, "--dt: from 0 s to the scene's end at 10 s it takes 33.3333 steps of 0.3" + wanted},
-      {{"--dt", "20"}, "--dt: from 0 s to the scene's end at 10 s it takes 0.5 steps of 20" + wanted},
+      {{"--dt", "0.3"}, "--dt: from 0 s to the scene's end at 10 s there are 33.3333 steps of 0.3" + wanted},
+      {{"--dt", "20"}, "--dt: from 0 s to the scene's end at 10 s there are 0.5 steps of 20" + wanted},
       // Nearer to none than any rounding of the grid.
-      {{"--dt", "1e11"}, "--dt: from 0 s to the scene's end at 10 s it takes 1e-10 steps of 1e+11" + wanted},
-      {{"--start", "10"}, "--start: from 10 s to the scene's end at 10 s it takes 0 steps of 0.01" + wanted},
+      {{"--dt", "1e11"}, "--dt: from 0 s to the scene's end at 10 s there are 1e-10 steps of 1e+11" + wanted},
+      {{"--start", "10"}, "--start: from 10 s to the scene's end at 10 s there are 0 steps of 0.01" + wanted},
   };
   for (const Case& c : cases) {
     std::vector<std::string> arguments = {"run", "stewart"};
@@ -141,10 +141,10 @@ TEST(Run, ASceneWithoutTimesTakesThemFromTheOptions) {
 
   const Outcome no_step = run_command({"run", scene, "--steps", "3"});
   EXPECT_EQ(no_step.status, 2);
-  EXPECT_EQ(no_step.err, "error: --dt: the scene has no time step; say how long one is\n");
+  EXPECT_EQ(no_step.err, "error: --dt: the scene has no time step; give one\n");
   const Outcome no_end = run_command({"run", scene, "--dt", "0.5"});
   EXPECT_EQ(no_end.status, 2);
-  EXPECT_EQ(no_end.err.rfind("error: --dt: from 0 s to the scene's end at 0 s it takes 0 steps", 0), 0u) << no_end.err;
+  EXPECT_EQ(no_end.err.rfind("error: --dt: from 0 s to the scene's end at 0 s there are 0 steps", 0), 0u) << no_end.err;
 }
 
 TEST(Run, AnOutputAskedForTwiceIsOneColumn) {
@@ -358,7 +358,7 @@ TEST(Run, NoOutputOverwritesATableThatTheSceneReads) {
     "time": {"start": 0, "end": 2, "step": 0.5}})");
   ASSERT_EQ(run_command({"run", scene, "--quiet"}).status, 0) << run_command({"run", scene}).err;
   const auto refused = [](const std::string& option, const std::string& file) {
-    return "error: " + option + ": " + file + " is being read, and would be overwritten; name another file\n";
+    return "error: " + option + ": " + file + " is an input and would be overwritten; name another file\n";
   };
   for (const std::string& file : {csv, link}) {
     for (const std::string option : {"--csv", "--errors", "--animate", "--plot"}) {
@@ -380,8 +380,7 @@ TEST(Run, NoOutputOverwritesWhatIsRead) {
   for (const std::string option : {"--csv", "--errors", "--animate", "--plot"}) {
     const Outcome o = run_command({"run", scene, option, scene});
     EXPECT_EQ(o.status, 2);
-    EXPECT_EQ(o.err,
-              "error: " + option + ": " + scene + " is being read, and would be overwritten; name another file\n");
+    EXPECT_EQ(o.err, "error: " + option + ": " + scene + " is an input and would be overwritten; name another file\n");
     EXPECT_EQ(content(scene), kFold);
   }
   const Outcome variants = run_command({"run", scene, "--ensemble", speeds, "--csv", speeds});
@@ -394,16 +393,16 @@ TEST(Run, NoOutputOverwritesWhatIsRead) {
   EXPECT_EQ(content(scene), kFold);
   const std::string database = scratch.file("tuning.db", "of samples");
   EXPECT_EQ(run_command({"run", scene, "--db", database, "--csv", database}).err,
-            "error: --csv: " + database + " is being read, and would be overwritten; name another file\n");
+            "error: --csv: " + database + " is an input and would be overwritten; name another file\n");
   EXPECT_EQ(content(database), "of samples");
   const std::string peers = scratch.file("report.csv", "of others");
   const std::string folder = std::filesystem::path(peers).parent_path();
   EXPECT_EQ(run_command({"report", "--quick", "--peers", peers, "--out", folder}).err,
-            "error: --out: " + peers + " is being read, and would be overwritten; name another file\n");
+            "error: --out: " + peers + " is an input and would be overwritten; name another file\n");
   EXPECT_EQ(content(peers), "of others");
   const std::string both = scratch.file("both");
   EXPECT_EQ(run_command({"run", scene, "--csv", both, "--plot", both}).err,
-            "error: --plot: --csv writes " + both + ", too; name another file\n");
+            "error: --plot: --csvalso writes " + both + "; name another file\n");
 }
 
 // A row lies where the branches of a parallelogram cross.

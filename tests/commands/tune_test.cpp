@@ -126,8 +126,7 @@ TEST_F(Tune, ASolverThatHangsIsLeftOut) {
 TEST_F(Tune, SaysThatNothingWasMeasured) {
   const Outcome outcome = run_command({"tune", "--budget", "1e-3", "--scene", "four_bar", "--quiet"});
   EXPECT_EQ(outcome.status, 3);
-  EXPECT_EQ(outcome.err,
-            "error: nothing was measured in 1.00 ms: the machine is busy or slow; give more seconds with --budget\n");
+  EXPECT_EQ(outcome.err, "error: nothing was measured in 1.00 ms: the machine is busy or slow; increase --budget\n");
   EXPECT_NE(outcome.out.find("samples         0 of 0 cells in "), std::string::npos) << outcome.out;
   ASSERT_EQ(store().runs().size(), 1u);
   EXPECT_FALSE(store().runs()[0].finished);
