@@ -416,8 +416,8 @@ TEST(Run, ARowOnAChangePointIsToldHowToAvoidIt) {
       "time": {"start": 0, "end": 1, "step": 0.05}})");
   const Outcome o = run_command({"run", scene, "--quiet"});
   if (o.status == 0) GTEST_SKIP() << "the row is passed here";
-  EXPECT_NE(o.err.find("which branch continues the motion could not be decided; where a row lies at, or very near, a "
-                       "posture in which branches cross, another step or start time avoids it (branch_unknown)"),
+  EXPECT_NE(o.err.find("it could not be decided which branch continues the motion; if a row lies at or very near a "
+                       "posture in which branches cross, choose another step or start time (branch_unknown)"),
             std::string::npos)
       << o.err;
 }

@@ -41,8 +41,8 @@ TEST(Noise, TheWorstDecidesAndAllIsSaid) {
   EXPECT_EQ(judge(noise).quiet, Quiet::noisy);
   noise.drift = 0.4;
   EXPECT_EQ(judge(noise).reason,
-            "the hypervisor took 20 % of the time; times scatter by 3 %; everything took up to 40 % longer at times, "
-            "which is allowed for");
+            "the hypervisor took 20 % of the time; times scatter by 3 %; the whole machine was at times up to 40 % "
+            "slower, for which times are corrected");
 }
 
 }  // namespace
