@@ -50,7 +50,7 @@ TEST(OutputsOverTime, ThereIsADiagramForEachQuantityAndACurveForEachComponent) {
 TEST(OutputsOverTime, WhatDoesNotFitIsNamed) {
   const std::string svg = picture(sample("stewart"), "t = 1 s, group <X>");
   EXPECT_EQ(count(svg, "aria-label"), kMostDiagrams);
-  EXPECT_NE(svg.find("Left out, as --outputs can choose: handle5, handle6, O, "), std::string::npos);
+  EXPECT_NE(svg.find("Left out (select outputs with --outputs): handle5, handle6, O, "), std::string::npos);
   EXPECT_NE(svg.find("The motion ends early: t = 1 s, group &lt;X&gt;."), std::string::npos);
 }
 
