@@ -74,17 +74,18 @@ TEST(Cases, AreOneForEachValueOfASweep) {
 
 TEST(Cases, SayWhatIsWrongWithThem) {
   const std::string head = R"({"name": "a", "about": "x", )";
-  EXPECT_EQ(message(R"({"about": "x"})"), "f.json: a case has a \"name\"");
+  EXPECT_EQ(message(R"({"about": "x"})"), "f.json: a case needs the key \"name\"");
   EXPECT_EQ(message(R"({"name": "a", "about": "x", "expected": "pass"})"),
-            "f.json: a: a case has one of \"sample\", \"scene\", \"maker\" and \"matrix\"");
+            "f.json: a: a case needs exactly one of \"sample\", \"scene\", \"maker\" and \"matrix\"");
   EXPECT_EQ(message(head + R"("sample": "s", "expected": "fine"})"), "f.json: a: a case cannot expect \"fine\"");
   EXPECT_EQ(message(head + R"("sample": "s", "expected": ["pass", "singular"]})"),
-            "f.json: a: a case that expects one of several says why: \"because\"");
+            "f.json: a: a case with several expected verdicts needs a reason: \"because\"");
   EXPECT_EQ(message(head + R"("sample": "s", "expected": "pass", "acuracy": 1})"),
-            "f.json: a: a case has no key \"acuracy\"");
-  EXPECT_EQ(message(head + R"("sample": 3, "expected": "pass"})"), "f.json: a: a case has another type of \"sample\"");
+            "f.json: a: a case cannot have the key \"acuracy\"");
+  EXPECT_EQ(message(head + R"("sample": 3, "expected": "pass"})"),
+            "f.json: a: a case has a value of the wrong type for \"sample\"");
   EXPECT_EQ(message(head + R"("sample": "s", "sweep": {"x": [1, 2]}, "expected_each": ["pass"]})"),
-            "f.json: a: a case expects something of each value of its sweep");
+            "f.json: a: a case needs as many \"expected_each\" as values in its sweep");
 }
 
 }  // namespace
