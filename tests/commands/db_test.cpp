@@ -64,7 +64,7 @@ TEST(Db, InfoOfWhatCannotBeReadSaysWhy) {
   EXPECT_EQ(refused.status, 3);
   const auto row = refused.json()["rows"].at(0);
   EXPECT_NE(row["why_not"].get<std::string>().find("no tuning database"), std::string::npos);
-  EXPECT_EQ(rows(scratch.file("absent.db"), {"info"}).at(0)["why_not"], "not there");
+  EXPECT_EQ(rows(scratch.file("absent.db"), {"info"}).at(0)["why_not"], "does not exist");
 }
 
 // Many bytes in the middle: nothing is believed in silence.
@@ -182,7 +182,7 @@ TEST(Db, ForgetsOnlyWhatItIsToldTo) {
        std::vector<std::vector<std::string>>{{"forget"}, {"forget", "--all", "--library", "klu"}}) {
     const Outcome outcome = ask(file, words);
     EXPECT_EQ(outcome.status, 2);
-    EXPECT_NE(outcome.err.find("say what to forget"), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find("select the samples to forget"), std::string::npos) << outcome.err;
   }
   const auto forgotten = rows(file, {"forget", "--library", "klu"}).at(0);
   EXPECT_EQ(forgotten["samples"], 8);

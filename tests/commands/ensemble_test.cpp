@@ -213,8 +213,8 @@ TEST_F(Ensembles, SetHoldsForEveryMember) {
   EXPECT_EQ(set.json()["plan"].back()["groups"], 4);
   const Outcome twice = run("stewart", "omega\n1\n2\n", {"--set", "omega=1"});
   EXPECT_EQ(twice.status, 2);
-  EXPECT_EQ(twice.err, "error: --set: \"omega\" is a column of " + scratch_.file("variants.csv") +
-                           " too; it cannot have two values\n");
+  EXPECT_EQ(twice.err,
+            "error: --set: \"omega\" is also a column of " + scratch_.file("variants.csv") + "; give it only once\n");
 }
 
 TEST_F(Ensembles, AMemberWithTimesOfItsOwnIsNotRunOverThoseOfAnother) {

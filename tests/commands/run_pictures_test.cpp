@@ -85,7 +85,7 @@ TEST(RunPictures, OfAnEnsembleAreRefused) {
   for (const std::string option : {"--animate", "--plot"}) {
     const Outcome o = run_command({"run", "stewart", "--ensemble", speeds, option, scratch.file("file")});
     EXPECT_EQ(o.status, 2);
-    EXPECT_NE(o.err.find(option + ": it shows one motion"), std::string::npos) << o.err;
+    EXPECT_NE(o.err.find(option + ": it shows a single mechanism"), std::string::npos) << o.err;
   }
 }
 

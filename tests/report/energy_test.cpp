@@ -46,7 +46,7 @@ TEST(EnergyMeter, GoesOnWhereACounterBeginsAnew) {
 TEST(EnergyMeter, SaysWhyThereIsNothingToRead) {
   const test::FileTree nothing;
   const EnergyMeter none(nothing.root());
-  EXPECT_NE(none.why_not().find("shows no energy counters"), std::string::npos) << none.why_not();
+  EXPECT_NE(none.why_not().find("has no energy counters"), std::string::npos) << none.why_not();
   EXPECT_TRUE(none.read().empty());
   EXPECT_TRUE(std::isnan(none.joules({}, {})));
 

@@ -66,7 +66,7 @@ TEST(RegretSection, TheFiguresOfThePageAreThoseOfTheMeasurements) {
                             return m.quantity.starts_with("regret to itself, ") && std::abs(m.value - 0.07) < 1e-12;
                           }),
             4);  // median, p95, max and mean
-  EXPECT_NE(s.body.find("auto to itself"), std::string::npos);
+  EXPECT_NE(s.body.find("auto against itself"), std::string::npos);
   EXPECT_NE(s.body.find("3 questions of 62"), std::string::npos);
 }
 

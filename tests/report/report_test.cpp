@@ -101,8 +101,8 @@ TEST_F(MakeReport, InterruptedHoldsWhatIsDoneAndSaysWhatIsMissing) {
   EXPECT_TRUE(has(page, "Interrupted after"));
   EXPECT_TRUE(has(page, "body of one"));
   EXPECT_TRUE(has(page, "body of two"));
-  EXPECT_TRUE(has(page, "Part two: interrupted: what is here is not all of it"));
-  EXPECT_TRUE(has(page, "Part three: not made, for the report was interrupted"));
+  EXPECT_TRUE(has(page, "Part two: interrupted: incomplete"));
+  EXPECT_TRUE(has(page, "Part three: not made, because the report was interrupted"));
   EXPECT_TRUE(has(page, "<li class=\"faint\">Part three: missing</li>"));
   EXPECT_TRUE(has(content(folder_ / "report.csv"), "\"two\""));
 }
@@ -133,7 +133,7 @@ TEST_F(MakeReport, AFolderThatCannotBeMadeIsAnErrorOfTheEnvironment) {
 
 TEST_F(MakeReport, WithoutMeasurementsThePageSaysHowToTune) {
   (void)make_report(folder_, {part("one")}, knowledge_, whole_);
-  EXPECT_TRUE(has(index(), "This machine was not measured yet"));
+  EXPECT_TRUE(has(index(), "There are no samples of this machine yet"));
   EXPECT_TRUE(has(index(), "assur tune"));
 }
 

@@ -71,7 +71,7 @@ TEST(PaperSections, RatiosAreThoseOfTheTimes) {
                   "<td>GMA27</td>"))
       << s.body;
   EXPECT_TRUE(has(s.body, "0.480 (2x1)")) << "24 us times 20,000 steps";
-  EXPECT_TRUE(has(s.body, "not run in quick"));
+  EXPECT_TRUE(has(s.body, "not part of --quick"));
 }
 
 TEST(PaperSections, MeasurementsCarryTheirOrigin) {
