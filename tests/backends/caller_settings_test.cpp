@@ -64,7 +64,7 @@ class CallerSettings : public testing::TestWithParam<const Backend*> {
   const Settings before_ = {};
 };
 
-TEST_P(CallerSettings, AreAsBeforeAfterEveryCall) {
+TEST_P(CallerSettings, KeepsSettingsAfterEveryCall) {
   const Backend& backend = *GetParam();
   Random random(11);
   for (const int n : {15, 300}) {  // 300: more than where OpenBLAS and the team begin to share out
@@ -106,7 +106,7 @@ TEST_P(CallerSettings, AreAsBeforeAfterEveryCall) {
 }
 
 // OpenBLAS has one number for the whole process: who ends first must not take it for that of the other.
-TEST_P(CallerSettings, AreAsBeforeOnceCallsSideBySideHaveEnded) {
+TEST_P(CallerSettings, KeepsSettingsAfterConcurrentCalls) {
   const Backend& backend = *GetParam();
   if (backend.id != "lapack" && backend.id != "team") GTEST_SKIP() << "does not touch the threads of BLAS";
   const int n = 300;

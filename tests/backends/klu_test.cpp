@@ -35,7 +35,7 @@ class Klu : public testing::Test {
   bool pivoted_ = false;
 };
 
-TEST_F(Klu, DeterminantSignIsThatOfDenseElimination) {
+TEST_F(Klu, DeterminantSignEqualsDenseElimination) {
   const auto dense_solver = find_backend(backends(), "eigen").make(ThreadBudget{}, Precision::binary64);
   Random random(11);
   int negative = 0;
@@ -57,7 +57,7 @@ TEST_F(Klu, DeterminantSignIsThatOfDenseElimination) {
   EXPECT_LT(negative, 600);
 }
 
-TEST_F(Klu, RingsAreSolvedToTheLastDigits) {
+TEST_F(Klu, SolvesRingsToRoundingError) {
   Random random(2);
   for (int n : {12, 24, 120, 360, 720}) {
     for (int posture = 0; posture < 5; ++posture) {
@@ -72,7 +72,7 @@ TEST_F(Klu, RingsAreSolvedToTheLastDigits) {
 }
 
 // Entries turn at their own phase, so that in time every pivot passes through zero.
-TEST_F(Klu, PivotsAreChosenAnewWhenTheyBecomeBadAndOnlyThen) {
+TEST_F(Klu, RepivotsOnlyWhenPivotsBecomeBad) {
   const int n = 15, steps = 2000;
   Random random(4);
   Matrix a = sparse(n, 3, random);
@@ -90,7 +90,7 @@ TEST_F(Klu, PivotsAreChosenAnewWhenTheyBecomeBadAndOnlyThen) {
 }
 
 // A small pivot whose damage shows in L alone: on the diagonal's pivots U is {e 1 0; 1 0; 1}, and L holds 1/e twice.
-TEST_F(Klu, GrowthThatOnlyLShowsIsNoticed) {
+TEST_F(Klu, DetectsGrowthInL) {
   const auto matrix = [](double e) {
     const double rows[3][3] = {{e, 1, 0}, {0, 1, 0}, {1, 0, 1}};
     return compress(
@@ -108,7 +108,7 @@ TEST_F(Klu, GrowthThatOnlyLShowsIsNoticed) {
 }
 
 // Powers of two alone: whenever scales are chosen anew, the pivots stay and so does every bit of the solution.
-TEST_F(Klu, RowsMayChangeTheirSize) {
+TEST_F(Klu, AcceptsRowsThatChangeTheirScale) {
   const int n = 15;
   Random random(8);
   Matrix a = sparse(n, 3, random);

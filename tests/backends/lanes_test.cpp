@@ -98,7 +98,7 @@ void expect_near_reference(const Matrix& a, std::span<const double> x, std::span
   EXPECT_LE(error, allowed * static_cast<double>(exact.cwiseAbs().maxCoeff()));
 }
 
-TEST_P(LanesOn, SolutionsAreThoseOfExtendedPrecision) {
+TEST_P(LanesOn, SolutionsAgreeWithExtendedPrecision) {
   Random random(1);
   for (int lanes : {1, 2, 4, 8, 16}) {
     for (int trial = 0; trial < 12; ++trial) {
@@ -128,7 +128,7 @@ TEST_P(LanesOn, SolutionsAreThoseOfExtendedPrecision) {
 }
 
 // The same matrix in every lane and with every neighbour: the same bits.
-TEST_P(LanesOn, LanesDoNotTouchEachOther) {
+TEST_P(LanesOn, LanesAreIndependent) {
   Random random(2);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (int lanes : {2, 4, 8, 16}) {
@@ -157,7 +157,7 @@ TEST_P(LanesOn, LanesDoNotTouchEachOther) {
   }
 }
 
-TEST_P(LanesOn, RingsAreSolvedToTheLastDigitsAndRepeatBitForBit) {
+TEST_P(LanesOn, SolvesRingsToRoundingErrorAndRepeatsBitwise) {
   Random random(2);
   for (int n : {12, 24, 120, 360, 720}) {
     const auto solver = make(), again = make();
@@ -180,7 +180,7 @@ TEST_P(LanesOn, RingsAreSolvedToTheLastDigitsAndRepeatBitForBit) {
 }
 
 // Entries turn at their own phase in one lane, so that in time every pivot passes through zero there.
-TEST_P(LanesOn, APivotMayPassThroughZero) {
+TEST_P(LanesOn, SurvivesAPivotThatPassesThroughZero) {
   const int n = 15, steps = 2000, lanes = 8;
   Random random(4);
   Pack pack(lanes, [&] { return sparse(n, 3, random); });
@@ -226,7 +226,7 @@ void step(LinearSolver& solver, const Pack& pack) {
   for (int lane = 0; lane < pack.lanes(); ++lane) EXPECT_TRUE(solver.figures(lane).ok);
 }
 
-TEST(Lanes, ALaneThatFailsIsRedoneInTheSameCallAndCounted) {
+TEST(Lanes, RepeatsAFailedLaneInTheSameCallAndCountsIt) {
   const auto solver = make();
   ASSERT_TRUE(solver->analyze(two(4).pattern, 4).ok());
   step(*solver, twos({4, 5, 6, 7}));
@@ -242,7 +242,7 @@ TEST(Lanes, ALaneThatFailsIsRedoneInTheSameCallAndCounted) {
   EXPECT_EQ(solver->effort().renewed, 0);
 }
 
-TEST(Lanes, TransposedSystemsOfARedoneLaneAreSolved) {
+TEST(Lanes, SolvesTransposedSystemsOfARepeatedLane) {
   Random random(8);
   Pack pack(4, [&] { return dense(6, random); });
   const auto solver = make();
@@ -269,7 +269,7 @@ TEST(Lanes, TransposedSystemsOfARedoneLaneAreSolved) {
   EXPECT_GT(solver->effort().redone, 0);
 }
 
-TEST(Lanes, IdleLanesFollowLaneZeroWithoutAlarmsOfTheirOwn) {
+TEST(Lanes, IdleLanesCopyLaneZeroWithoutAlarms) {
   const auto solver = make();
   ASSERT_TRUE(solver->analyze(two(4).pattern, 8).ok());
   step(*solver, twos({4, 5, 6, 7, 8, 9, 4, 4}));
@@ -287,7 +287,7 @@ TEST(Lanes, IdleLanesFollowLaneZeroWithoutAlarmsOfTheirOwn) {
   EXPECT_EQ(failed.where, Place::lane(0));
 }
 
-TEST(Lanes, PivotsAreRenewedWhenLanesKeepFailing) {
+TEST(Lanes, RepivotsWhenLanesKeepFailing) {
   const auto solver = make();
   ASSERT_TRUE(solver->analyze(two(4).pattern, 2).ok());
   step(*solver, twos({4, 5}));
@@ -300,7 +300,7 @@ TEST(Lanes, PivotsAreRenewedWhenLanesKeepFailing) {
 }
 
 // No pivots serve both lanes: new ones are tried ever more seldom.
-TEST(Lanes, LanesThatCannotAgreeDoNotMakeItThrash) {
+TEST(Lanes, DisagreeingLanesDoNotRepivotForever) {
   const auto solver = make();
   ASSERT_TRUE(solver->analyze(two(4).pattern, 2).ok());
   const int steps = 1000;
@@ -310,7 +310,7 @@ TEST(Lanes, LanesThatCannotAgreeDoNotMakeItThrash) {
   EXPECT_LE(solver->effort().renewed, 7);  // after 8, 16, ..., 512 steps
 }
 
-TEST(Lanes, NumbersWhoseSquaresAreNoneAreFactorisedAlone) {
+TEST(Lanes, FactorisesLanesWithOverflowingSquaresAlone) {
   const auto solver = make();
   ASSERT_TRUE(solver->analyze(two(4).pattern, 4).ok());
   step(*solver, twos({4, 5, 6, 7}));
@@ -321,7 +321,7 @@ TEST(Lanes, NumbersWhoseSquaresAreNoneAreFactorisedAlone) {
   EXPECT_EQ(solver->effort().redone, 2);
 }
 
-TEST(Lanes, NumbersBeyondTheRangeOfFloatAreFactorisedInDouble) {
+TEST(Lanes, FactorisesNumbersBeyondFloatInDouble) {
   const auto solver = make(Precision::binary32);
   ASSERT_TRUE(solver->analyze(two(4).pattern, 2).ok());
   Pack pack = twos({4, 5});
@@ -338,7 +338,7 @@ TEST(Lanes, NumbersBeyondTheRangeOfFloatAreFactorisedInDouble) {
 
 // ---- what a class shares
 
-TEST(Lanes, ACloneSharesThePivotsAndNothingElse) {
+TEST(Lanes, ACloneSharesOnlyThePivots) {
   Random random(3);
   const Pack pack(8, [&] { return sparse(20, 3, random); }), other(8, [&] { return sparse(20, 3, random); });
   const auto solver = make();
@@ -381,7 +381,7 @@ TEST(Lanes, AllocatesNothingInAnyWidthOrPrecision) {
   }
 }
 
-TEST(Lanes, ALaneKeptOnPivotsOfItsOwnAllocatesNothing) {
+TEST(Lanes, ALaneWithItsOwnPivotsAllocatesNothing) {
   const auto solver = make();
   ASSERT_TRUE(solver->analyze(two(4).pattern, 2).ok());
   const std::vector<double> values = twos({1e-3, 1e3}).values();
@@ -397,7 +397,7 @@ TEST(Lanes, ALaneKeptOnPivotsOfItsOwnAllocatesNothing) {
 
 // ---- the program
 
-TEST(Lanes, ATriangleIsSolvedWithoutFillOrProducts) {
+TEST(Lanes, SolvesATriangleWithoutFillAndProducts) {
   Random random(6);
   const Matrix a = permuted_triangle(40, 1, random);
   const lanes::Order order = lanes::markowitz_order(a.pattern, a.values, 1, 1, {});
@@ -407,7 +407,7 @@ TEST(Lanes, ATriangleIsSolvedWithoutFillOrProducts) {
   EXPECT_EQ(program.factor.size(), 40u * 3 + 2 * a.values.size());
 }
 
-TEST(Lanes, BackwardSubstitutionStopsAtWhatIsWanted) {
+TEST(Lanes, BackwardSubstitutionStopsAtTheWantedUnknowns) {
   const int n = 12;  // upper triangle with two diagonals: unknown i needs i + 1 and all after it
   Random random(6);
   const Matrix a = compress(
@@ -418,7 +418,7 @@ TEST(Lanes, BackwardSubstitutionStopsAtWhatIsWanted) {
   for (std::size_t first = 0; first <= n; ++first) EXPECT_EQ(program.wanted_rows[first], n - first);
 }
 
-TEST(Lanes, RefusesWhatItCannotWriteDown) {
+TEST(Lanes, RefusesTooLargePatterns) {
   const Backend& backend = find_backend(backends(), "lanes");
   EXPECT_EQ(backend.why_not({.n = 300, .nnz = 90'000}, {}), "");
   EXPECT_EQ(backend.why_not({.n = 4000, .nnz = 16'000'000}, {}),

@@ -16,7 +16,7 @@ void* hsl() {
   return first ? first : dlopen("libcoinhsl.so", RTLD_NOW | RTLD_LOCAL);
 }
 
-TEST(Ma27, IsThereIfItsLibraryIsElseSaysHowToProvideIt) {
+TEST(Ma27, RunsWithItsLibraryOrExplainsHowToProvideIt) {
   const Backend& ma27 = find_backend(backends(), "ma27");
   const std::string why_not = ma27.why_not({}, {});
   void* const library = hsl();

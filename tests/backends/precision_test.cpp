@@ -30,7 +30,7 @@ class Single : public testing::TestWithParam<std::string> {
 std::vector<double> ones(int n) { return std::vector(static_cast<std::size_t>(n), 1.0); }
 
 // The error is that of float, no more and no less. Rounding the values costs eps / 2 as well.
-TEST_P(Single, SolvesWithTheErrorOfFloat) {
+TEST_P(Single, SolvesWithFloatAccuracy) {
   Random random(3);
   for (int n : {1, 2, 3, 8, 9, 15, 40, 102, 250}) {
     for (const Transpose transpose : {Transpose::no, Transpose::yes}) {
@@ -53,7 +53,7 @@ TEST_P(Single, SolvesWithTheErrorOfFloat) {
   }
 }
 
-TEST_P(Single, ValuesBeyondItsRangeAreNotFinite) {
+TEST_P(Single, ReportsValuesBeyondFloatAsNotFinite) {
   Random random(3);
   Matrix a = dense(4, random);
   a.values[5] = 1e39;

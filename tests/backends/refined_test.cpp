@@ -52,7 +52,7 @@ std::unique_ptr<LinearSolver> in_float(bool refine = false) {
   return make_solver(kPlainLu, {}, Precision::binary32, refine);
 }
 
-TEST(Refined, WhatGrowthHasSpoiltIsRepaired) {
+TEST(Refined, RepairsSolutionsAfterPivotGrowth) {
   const Matrix a = wilkinson(60);
   EXPECT_GT(solve(*plain(), {a}).normwise, 1e-6);  // growth of 2^59
   for (Transpose transpose : {Transpose::no, Transpose::yes}) {
@@ -64,7 +64,7 @@ TEST(Refined, WhatGrowthHasSpoiltIsRepaired) {
   }
 }
 
-TEST(Refined, FloatReachesDoubleWithoutItWhereItsConditionAllows) {
+TEST(Refined, FloatReachesDoubleAccuracyAtModerateCondition) {
   Random random(8);
   for (int lanes : {1, 2, 3, 8}) {
     for (Transpose transpose : {Transpose::no, Transpose::yes}) {
@@ -81,7 +81,7 @@ TEST(Refined, FloatReachesDoubleWithoutItWhereItsConditionAllows) {
   }
 }
 
-TEST(Refined, LanesThatFloatCannotSolveAreFactorisedInDoubleAndOnlyThose) {
+TEST(Refined, FactorisesOnlyFailedFloatLanesInDouble) {
   Random random(8);
   const Matrix good = dense(12, random);
   Matrix overflows = good, vanishes = good;
@@ -119,7 +119,7 @@ TEST(Refined, ALaneDoesNotDependOnItsNeighbours) {
   }
 }
 
-TEST(Refined, SingularAndNotFiniteStayWhatTheyAre) {
+TEST(Refined, KeepsStatusSingularAndNotFinite) {
   Random random(5);
   const Matrix good = dense(5, random), singular = repeated_row(5, random);
   Matrix nan = good;
@@ -142,7 +142,7 @@ TEST(Refined, SingularAndNotFiniteStayWhatTheyAre) {
 
 // The last two equations ask two unknowns to vanish, but pivots come from the others, so that rounding errors remain:
 // in those rows a componentwise error of 1 is no failure.
-TEST(Refined, UnknownsThatVanishRaiseNoAlarm) {
+TEST(Refined, VanishingUnknownsRaiseNoAlarm) {
   Random random(5);
   int errors_of_one = 0;
   for (int trial = 0; trial < 50; ++trial) {
@@ -199,7 +199,7 @@ TEST(Refined, TheResidualCheckSeesAWrongSolution) {
 }
 
 // Whatever the units of rows and columns, no row of a solution in float is worse than in double.
-TEST(Refined, NoRowHidesBehindALargerOne) {
+TEST(Refined, ChecksSmallRowsBesideLargeRows) {
   Random random(8);
   Matrix a = dense(12, random);
   for (std::size_t j = 0; j < 12; ++j) {
@@ -211,7 +211,7 @@ TEST(Refined, NoRowHidesBehindALargerOne) {
   EXPECT_LE(solution.componentwise, 12 * kEps);
 }
 
-TEST(Refined, WhatCannotBeRefinedIsNotConverged) {
+TEST(Refined, ReportsNotConvergedIfRefinementFails) {
   static constexpr Backend kWrong = {.id = "wrong",
                                      .why_not = kPlainLu.why_not,
                                      .make = [](ThreadBudget, Precision) -> std::unique_ptr<LinearSolver> {
@@ -237,7 +237,7 @@ class Optimist final : public LinearSolver {
 };
 
 // That float does not serve may show in a solution only; then double finds the matrix singular.
-TEST(Refined, FiguresOfALaneThatNobodyCanSolveSaySo) {
+TEST(Refined, FiguresOfAnUnsolvableLaneReportIt) {
   Backend row = kPlainLu;
   row.make = [](ThreadBudget budget, Precision precision) -> std::unique_ptr<LinearSolver> {
     if (precision == Precision::binary32) return std::make_unique<Optimist>();
@@ -258,7 +258,7 @@ TEST(Refined, FiguresOfALaneThatNobodyCanSolveSaySo) {
   EXPECT_TRUE(solver->figures(0).ok);
 }
 
-TEST(Refined, FloatOfABackendWithoutItIsRefused) {
+TEST(Refined, RefusesFloatForBackendsWithoutFloat) {
   Backend row = kPlainLu;
   row.single = false;
   try {

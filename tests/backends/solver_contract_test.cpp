@@ -53,7 +53,7 @@ class SolverContract : public testing::TestWithParam<Parameters> {
   std::vector<Matrix> matrices_;  // lanes
 };
 
-TEST_P(SolverContract, EveryLaneOfEveryCaseEndsAsItMust) {
+TEST_P(SolverContract, EveryLaneOfEveryCaseHasTheExpectedStatus) {
   for (const Case& c : cases()) {
     SCOPED_TRACE(c.name);
     check_case(c);

@@ -89,7 +89,7 @@ TEST_F(TeamBackend, SolvesEveryOrderWithEveryNumberOfThreads) {
   }
 }
 
-TEST_F(TeamBackend, ResultsAreTheSameBitsForEveryNumberOfThreads) {
+TEST_F(TeamBackend, ResultsAreBitwiseEqualForEveryNumberOfThreads) {
   Random random(2);
   for (const Precision precision : {Precision::binary64, Precision::binary32}) {
     for (int n : {193, 400, 700}) {
@@ -132,7 +132,7 @@ TEST_F(TeamBackend, SingularMatricesEndEarlyEverywhere) {
   }
 }
 
-TEST_F(TeamBackend, WhatOverflowsIsNoSolution) {
+TEST_F(TeamBackend, ReportsOverflowAsSingular) {
   const int n = 300;
   Random random(4);
   Matrix a = dense(n, random);
@@ -143,7 +143,7 @@ TEST_F(TeamBackend, WhatOverflowsIsNoSolution) {
   }
 }
 
-TEST_F(TeamBackend, DeterminantSignIsThatOfEigen) {
+TEST_F(TeamBackend, DeterminantSignEqualsEigen) {
   Random random(5);
   int negative = 0;
   for (int trial = 0; trial < 20; ++trial) {
@@ -180,7 +180,7 @@ TEST_F(TeamBackend, TwoThreadsAllocateNothingAfterTheFirstFactorisation) {
 
 // A budget of four threads as 2 x 2: the matrix products of two packs run at once, on four threads, however few cores
 // there are.
-TEST_F(TeamBackend, TwoCallersWithTwoThreadsEachAreFourThreads) {
+TEST_F(TeamBackend, TwoCallersWithTwoThreadsEachUseFourThreads) {
   const int n = 400;
   Random random(7);
   const Matrix a = dense(n, random);

@@ -72,16 +72,16 @@ constexpr double kLoopCondition = 6;
 
 class AfternoonMotion : public testing::TestWithParam<KluOptions> {};
 
-TEST_P(AfternoonMotion, StewartAsTheLibrary) {
+TEST_P(AfternoonMotion, StewartAgreesWithTheLibrary) {
   expect_within(compare(sample("stewart"), bench::StewartHandles(), 6, GetParam()), kLegCondition, GetParam());
 }
 
-TEST_P(AfternoonMotion, StewartAsTheFile) {
+TEST_P(AfternoonMotion, StewartAgreesWithTheFile) {
   const Scene file = read_scene(ASSUR_SOURCE_DIR "/scenes/stewart.json");
   expect_within(compare(file, bench::StewartHandles(), 6, GetParam()), kLegCondition, GetParam());
 }
 
-TEST_P(AfternoonMotion, ChainsAsTheLibrary) {
+TEST_P(AfternoonMotion, ChainsAgreeWithTheLibrary) {
   for (const int loops : {1, 10, 100}) {
     SCOPED_TRACE(loops);
     const Scene scene = sample("four_bar:" + std::to_string(loops));

@@ -81,7 +81,7 @@ TEST(Contest, HasNoTimesForAWrongResult) {
   EXPECT_TRUE(against(entry({1, 1, 1}, {1, 10}, 1, "groups/eigen", 1e-6))[1].wrong);  // its equations do not hold
 }
 
-TEST(Contest, SaysWhatFailed) {
+TEST(Contest, NamesTheFailure) {
   const std::vector<Entry> contest = against(entry({1, 1}, {1, 10}, 0));  // in the third round
   EXPECT_EQ(contest[1].failure, "no more");
   EXPECT_TRUE(contest[1].seconds.empty());

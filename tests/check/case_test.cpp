@@ -21,7 +21,7 @@ std::string message(const std::string& text) {
   return "no error";
 }
 
-TEST(Cases, AreThoseOfTheIssue) {
+TEST(Cases, IncludeAllRequiredCases) {
   const std::vector<Case> cases = all_cases();
   std::set<std::string> named, names;
   std::map<std::string, int> families, quick;
@@ -42,7 +42,7 @@ TEST(Cases, AreThoseOfTheIssue) {
 }
 
 // A scene that no longer reads would pass for a refusal.
-TEST(Cases, HaveScenesThatAreReadUnlessTheyAreToBeRefusedForWhatTheySay) {
+TEST(Cases, HaveReadableScenesUnlessRefusalIsExpected) {
   for (const Case& c : all_cases()) {
     if (!c.matrix.empty() || c.maker == "wide") continue;
     if (c.expected.verdicts.front() == "refused" && c.family == "values") continue;
@@ -51,7 +51,7 @@ TEST(Cases, HaveScenesThatAreReadUnlessTheyAreToBeRefusedForWhatTheySay) {
   }
 }
 
-TEST(Cases, AreOneForEachValueOfASweep) {
+TEST(Cases, ExpandASweepIntoOneCaseForEachValue) {
   const std::vector<Case> cases = parse_cases(R"({"family": "f", "cases": [
     {"name": "a", "about": "x", "sample": "four_bar", "set": {"steps": 3}, "sweep": {"step": [0.1, 1e-9]},
      "expected_each": ["pass", ["inaccurate", {"refused": "why"}]], "because": "y", "accuracy": 1e-3},
@@ -72,7 +72,7 @@ TEST(Cases, AreOneForEachValueOfASweep) {
   EXPECT_EQ(cases[2].formulations, std::vector{Formulation::groups});
 }
 
-TEST(Cases, SayWhatIsWrongWithThem) {
+TEST(Cases, ReportErrorsOfTheirFile) {
   const std::string head = R"({"name": "a", "about": "x", )";
   EXPECT_EQ(message(R"({"about": "x"})"), "f.json: a case needs the key \"name\"");
   EXPECT_EQ(message(R"({"name": "a", "about": "x", "expected": "pass"})"),

@@ -57,7 +57,7 @@ TEST(RandomMechanisms, NoneIsWrongWithACleanStatus) {
 }
 
 // Seeds that searches of tens of thousands ended with, one or two of each kind of fault.
-TEST(RandomMechanisms, ThoseThatWereWrongOnceAreNot) {
+TEST(RandomMechanisms, FormerlyWrongOnesStayRight) {
   for (const std::uint64_t seed : {492, 1163, 1792, 5583, 6622, 101955, 103855, 697, 2303, 103555}) {
     const RandomMechanism m = random_mechanism(seed, ASSUR_SOURCE_DIR "/tests/data/tables");
     const Trial t = try_out(m);

@@ -21,7 +21,7 @@ Case case_of(const std::string& text, Expected expected) {
   return c;
 }
 
-TEST(Runner, PassesWhatEndsAsExpected) {
+TEST(Runner, PassesRunsThatEndAsExpected) {
   const Result r = run(case_of("slider_crank:steps=100,step=0.01", {{"pass"}, ""}));
   EXPECT_TRUE(r.passed());
   EXPECT_EQ(r.verdict, "pass");
@@ -43,7 +43,7 @@ TEST(Runner, FindsAWrongExpectation) {
   EXPECT_EQ(r.unexpected[0].strategy, "groups/eigen");
 }
 
-TEST(Runner, FindsAFoldThatWasNotExpected) {
+TEST(Runner, FindsAnUnexpectedFold) {
   const Result r = run(case_of("slider_crank:crank_length=0.3,rod_length=0.2", {{"pass"}, ""}));
   EXPECT_FALSE(r.passed());
   EXPECT_EQ(r.verdict, "limit_reached");
@@ -62,7 +62,7 @@ TEST(Runner, FindsACleanRunThatIsWrong) {
   EXPECT_NE(r.unexpected.at(0).message.find("pass, but"), std::string::npos) << r.unexpected[0].message;
 }
 
-TEST(Runner, FindsWhatIsLessExactThanAsked) {
+TEST(Runner, FindsErrorsAboveTheRequiredAccuracy) {
   Case c = case_of("slider_crank:steps=10", {{"pass"}, ""});
   c.accuracy = 1e-19;
   const Result r = run(c);
@@ -78,14 +78,14 @@ TEST(Runner, TellsRefusalsApartByTheirMessage) {
   EXPECT_EQ(r.verdict, "refused");
 }
 
-TEST(Runner, HoldsScenesOfTheUserToEachOther) {
+TEST(Runner, ComparesStrategiesForScenesOfTheUser) {
   EXPECT_EQ(run(case_of("slider_crank:steps=10", {})).verdict, "pass");
   const Result fold = run(case_of("slider_crank:crank_length=0.3,rod_length=0.2", {}));
   EXPECT_TRUE(fold.passed());
   EXPECT_EQ(fold.verdict, "limit_reached");
 }
 
-TEST(Runner, LeavesOutWhatCannotRunHereAndSaysSo) {
+TEST(Runner, LeavesOutStrategiesThatCannotRunAndNotesIt) {
   Case c = case_of("slider_crank:steps=10", {{"pass"}, ""});
   c.strategies.emplace_back("groups/klu+float");
   const Result r = run(c);
@@ -95,7 +95,7 @@ TEST(Runner, LeavesOutWhatCannotRunHereAndSaysSo) {
   EXPECT_EQ(r.notes[0].rfind("klu: ", 0), 0u) << r.notes[0];
 }
 
-TEST(Runner, GoesThroughEveryBackendAndPolicy) {
+TEST(Runner, RunsEveryBackendAndPolicy) {
   Case c = case_of("slider_crank:steps=5", {{"pass"}, ""});
   c.strategies.clear();
   const Result all = run(c), quick = run(c, {.quick = true, .stop = [] { return false; }});
@@ -116,7 +116,7 @@ TEST(Runner, StopsWhenAsked) {
   EXPECT_TRUE(r.interrupted);
 }
 
-TEST(Runner, FindsATwinWithOtherBits) {
+TEST(Runner, FindsATwinThatDiffersInBits) {
   Case c = case_of("", {{"pass"}, ""});
   c.scene = R"({"assur": 1, "dimension": 2, "parameters": {"unit": 2},
     "points": {"A": {"at": [0, 0], "fixed": true}, "D": {"at": ["=2*unit", 0], "fixed": true},
@@ -169,7 +169,7 @@ TEST(Yardstick, LeavesOutRowsThatDoNotCount) {
   EXPECT_LE(yardstick.forward_error(trajectory, 11), 1e-14);
 }
 
-TEST(Yardstick, IsNotAskedAgainOnceItIsLost) {
+TEST(Yardstick, IsNotCalledAgainAfterAFailure) {
   class Lost final : public TrueMotion {
    public:
     explicit Lost(int& asked) : asked_(asked) {}
@@ -189,7 +189,7 @@ TEST(Yardstick, IsNotAskedAgainOnceItIsLost) {
   EXPECT_EQ(asked, 1);
 }
 
-TEST(Yardstick, ComparesNothingWithNothing) {
+TEST(Yardstick, UnknownTruthHasInfiniteError) {
   const Prepared prepared = prepare(sample("slider_crank:steps=5"));
   Simulator simulator(prepared);
   const Trajectory trajectory = simulator.run();

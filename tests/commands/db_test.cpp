@@ -29,7 +29,7 @@ nlohmann::json rows(const std::string& file, std::vector<std::string> words) {
   return outcome.json()["rows"];
 }
 
-TEST(Db, InfoTellsWhatIsThereAndWhatIsBelieved) {
+TEST(Db, InfoShowsDatabasesAndSamplesInUse) {
   const Scratch scratch;
   const std::string file = scratch.file("tuning.db");
   make_database(file, db::this_host(), 12);
@@ -57,7 +57,7 @@ TEST(Db, InfoTellsWhatIsThereAndWhatIsBelieved) {
   EXPECT_NE(page.out.find(" (this)"), std::string::npos) << page.out;
 }
 
-TEST(Db, InfoOfWhatCannotBeReadSaysWhy) {
+TEST(Db, InfoExplainsUnreadableDatabases) {
   const Scratch scratch;
   const std::string file = scratch.file("notes.txt", "buy milk\n");
   const Outcome refused = ask(file, {"info", "--json"});
@@ -68,7 +68,7 @@ TEST(Db, InfoOfWhatCannotBeReadSaysWhy) {
 }
 
 // Many bytes in the middle: nothing is believed in silence.
-TEST(Db, DamageIsToldByEveryCommand) {
+TEST(Db, EveryCommandReportsDamage) {
   const Scratch scratch;
   const std::string file = scratch.file("tuning.db");
   make_database(file, db::this_host(), 500);
@@ -102,7 +102,7 @@ TEST(Db, DamageIsToldByEveryCommand) {
   EXPECT_EQ(files, 3u);  // the new one, the damaged one, the lock
 }
 
-TEST(Db, SamplesBestCrossoversAndModelsAreRows) {
+TEST(Db, PrintsSamplesBestCrossoversAndModelsAsRows) {
   const Scratch scratch;
   const std::string file = scratch.file("tuning.db");
   {
@@ -173,7 +173,7 @@ TEST(Db, ExportsAndImports) {
   EXPECT_FALSE(std::filesystem::exists(made));
 }
 
-TEST(Db, ForgetsOnlyWhatItIsToldTo) {
+TEST(Db, ForgetsOnlySelectedSamples) {
   const Scratch scratch;
   const std::string file = scratch.file("tuning.db");
   make_database(file, host_with(4), 8, "klu");
@@ -193,7 +193,7 @@ TEST(Db, ForgetsOnlyWhatItIsToldTo) {
   EXPECT_FALSE(std::filesystem::exists(scratch.file("absent.db")));
 }
 
-TEST(Db, CheckRepairsAndSaysSo) {
+TEST(Db, CheckReportsItsRepairs) {
   const Scratch scratch;
   const std::string file = scratch.file("tuning.db");
   make_database(file, host_with(4), 100);
@@ -212,7 +212,7 @@ TEST(Db, CheckRepairsAndSaysSo) {
   EXPECT_EQ(rows(file, {"samples"}).size(), row["samples"]);
 }
 
-TEST(Db, WhatIsNoDatabaseIsAnErrorOfTheEnvironment) {
+TEST(Db, AFileThatIsNoDatabaseIsAnEnvironmentError) {
   const Scratch scratch;
   const std::string text = scratch.file("notes.txt", "buy milk\n");
   for (const char* question : {"samples", "best", "crossovers", "models", "check"}) {

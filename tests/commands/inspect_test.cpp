@@ -35,7 +35,7 @@ TEST(Inspect, StewartHasTheGroupsOfThePaper) {
   EXPECT_EQ(json["left_out"]["unknowns"], 0);
 }
 
-TEST(Inspect, OutputsCutTheGroups) {
+TEST(Inspect, OutputsReduceTheGroups) {
   const Outcome outcome = run_command({"inspect", "stewart", "--json", "--outputs", "handle1.value,handle2.value"});
   ASSERT_EQ(outcome.status, 0);
   const auto json = outcome.json();
@@ -58,7 +58,7 @@ TEST(Inspect, OutputsCutTheGroups) {
 }
 
 // Declared groups, and the irreducible ones that `auto` takes: each as a run in that formulation leaves out.
-TEST(Inspect, AgreesWithRunOnWhatIsLeftOut) {
+TEST(Inspect, LeavesOutTheSameAsRun) {
   for (const std::string scene : {"stewart", "slider_crank", "four_bar:3"}) {
     const std::string output = scene == "stewart"        ? "handle1.value"
                                : scene == "slider_crank" ? "C.position"
@@ -79,7 +79,7 @@ TEST(Inspect, AgreesWithRunOnWhatIsLeftOut) {
 }
 
 // The posture first, then the drivers, then what was written carelessly.
-TEST(Inspect, NotesComeOnceInOrderOfImportance) {
+TEST(Inspect, PrintsNotesOnceInOrderOfImportance) {
   const Scratch scratch;
   const std::string scene = scratch.file("notes.json", R"({"assur": 1, "dimension": 2,
       "points": {"A": {"at": [0, 0], "fixed": true}, "B": {"at": [1, 0]}, "D": {"at": [3, 0], "fixed": true},
@@ -96,7 +96,7 @@ TEST(Inspect, NotesComeOnceInOrderOfImportance) {
 }
 
 // Everything in the JSON that stands in the structure is the structure's.
-TEST(Inspect, JsonIsTheStructure) {
+TEST(Inspect, JsonHasTheStructure) {
   for (const std::string scene : {"andrews", "slider_crank", "four_bar:5", "rings:legs=2,n=12"}) {
     for (const Formulation formulation : {Formulation::global, Formulation::groups, Formulation::irreducible}) {
       const std::string text(name(formulation));
@@ -134,7 +134,7 @@ TEST(Inspect, IrreducibleGroupsAreShownBeforeAndAfterPresolve) {
   EXPECT_EQ(json["blocks_of_classes"][1], (nlohmann::json{9, 3, 3}));
 }
 
-TEST(Inspect, UndeterminedUnknownsAreNamedAndNoFailure) {
+TEST(Inspect, NamesUndeterminedUnknownsWithoutFailure) {
   const Outcome outcome = run_command({"inspect", "hexapod:drive=legs", "--json"});
   ASSERT_EQ(outcome.status, 0);
   const auto undetermined = outcome.json()["undetermined"];
@@ -143,7 +143,7 @@ TEST(Inspect, UndeterminedUnknownsAreNamedAndNoFailure) {
   EXPECT_NE(page.out.find("\n  undetermined    " + std::string(undetermined[0]) + ", "), std::string::npos) << page.out;
 }
 
-TEST(Inspect, ThePage) {
+TEST(Inspect, PrintsTheDocumentedPage) {
   const Outcome outcome = run_command({"inspect", "stewart", "--outputs", "handle1,handle2.value"});
   ASSERT_EQ(outcome.status, 0);
   EXPECT_EQ(outcome.err, "");
@@ -185,14 +185,14 @@ TEST(Inspect, PagesFitIntoEightyColumns) {
   }
 }
 
-TEST(Inspect, ALargeSceneIsShownByClass) {
+TEST(Inspect, ShowsLargeScenesByClass) {
   const Outcome outcome = run_command({"inspect", "four_bar:20000"});
   ASSERT_EQ(outcome.status, 0);
   EXPECT_LT(outcome.lines().size(), 25u);
   EXPECT_NE(outcome.out.find("\n      0  20,000  B1 "), std::string::npos) << outcome.out;
 }
 
-TEST(Inspect, AnUnknownOutputIsABadScene) {
+TEST(Inspect, RefusesUnknownOutputs) {
   const Outcome outcome = run_command({"inspect", "stewart", "--outputs", "handle1,handel2"});
   EXPECT_EQ(outcome.status, 2);
   EXPECT_EQ(outcome.out, "");

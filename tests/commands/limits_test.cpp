@@ -24,7 +24,7 @@ Setting with_address_space(rlim_t bytes) {
   }};
 }
 
-TEST(Limits, WholeNumbersAreNamedWithTheirLargest) {
+TEST(Limits, MessagesNameTheLargestWholeNumber) {
   for (const std::string bad : {"-1", "1.5", "1e9", "2147483648", "1000000000000000000", "1e400", "nan", "x"}) {
     const Outcome outcome = run_command({"run", "four_bar", "--steps", bad});
     EXPECT_EQ(outcome.status, 2);
@@ -33,7 +33,7 @@ TEST(Limits, WholeNumbersAreNamedWithTheirLargest) {
   }
 }
 
-TEST(Limits, OfABudgetIsElevenDays) {
+TEST(Limits, BudgetIsAtMostElevenDays) {
   for (const std::string command : {"tune", "report"}) {
     const Outcome outcome = run_command({command, "--budget", "1e300"});
     EXPECT_EQ(outcome.status, 2);
@@ -44,7 +44,7 @@ TEST(Limits, OfABudgetIsElevenDays) {
   }
 }
 
-TEST(Limits, ResultsWithoutMemoryAreRefusedBeforeTheyAreComputed) {
+TEST(Limits, RefusesResultsThatDoNotFitIntoMemory) {
 #if defined(ASSUR_ADDRESS_SANITIZER) || defined(ASSUR_THREAD_SANITIZER)
   GTEST_SKIP() << "sanitizers reserve more address space than there is memory";
 #endif
@@ -62,7 +62,7 @@ TEST(Limits, ResultsWithoutMemoryAreRefusedBeforeTheyAreComputed) {
             "error: no memory for 1000000000001 times x 17 values (129699707 MiB, F free)" + remedy);
 }
 
-TEST(Limits, OfAddressSpaceCountAsMemory) {
+TEST(Limits, CountsAddressSpaceLimitsAsMemory) {
 #if defined(ASSUR_ADDRESS_SANITIZER) || defined(ASSUR_THREAD_SANITIZER)
   GTEST_SKIP() << "sanitizers reserve more address space than there is memory";
 #endif
@@ -73,7 +73,7 @@ TEST(Limits, OfAddressSpaceCountAsMemory) {
             "run\n");
 }
 
-TEST(Limits, OfTheNumberOfStepsAndOfTimes) {
+TEST(Limits, LimitsTheNumbersOfStepsAndTimes) {
   const Outcome many = run_command({"run", "four_bar", "--dt", "1e-300"});
   EXPECT_EQ(many.status, 2);
   EXPECT_EQ(many.err,
@@ -86,7 +86,7 @@ TEST(Limits, OfTheNumberOfStepsAndOfTimes) {
             "times nearer to 0, or longer steps\n");
 }
 
-TEST(Limits, OfGeneratedMechanisms) {
+TEST(Limits, LimitsGeneratedMechanisms) {
 #if defined(ASSUR_ADDRESS_SANITIZER) || defined(ASSUR_THREAD_SANITIZER)
   GTEST_SKIP() << "sanitizers reserve more address space than there is memory";
 #endif
@@ -99,7 +99,7 @@ TEST(Limits, OfGeneratedMechanisms) {
             "error: no memory for 2e+07 unknowns (9537 MiB, F free); ask for a smaller mechanism\n");
 }
 
-TEST(Limits, OfScenes) {
+TEST(Limits, LimitsScenes) {
 #if defined(ASSUR_ADDRESS_SANITIZER) || defined(ASSUR_THREAD_SANITIZER)
   GTEST_SKIP() << "sanitizers reserve more address space than there is memory";
 #endif
@@ -114,7 +114,7 @@ TEST(Limits, OfScenes) {
                                            "smaller one\n");
 }
 
-TEST(Limits, OfMembersAreFoundBeforeAllArePrepared) {
+TEST(Limits, RefusesTooManyMembersBeforePreparingAll) {
 #if defined(ASSUR_ADDRESS_SANITIZER) || defined(ASSUR_THREAD_SANITIZER)
   GTEST_SKIP() << "sanitizers reserve more address space than there is memory";
 #endif

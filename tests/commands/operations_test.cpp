@@ -36,7 +36,7 @@ std::size_t files_in(const fs::path& folder) {
 }
 
 // With too little address space it says so, and never hangs in a library.
-TEST(Operations, EndsWhereItCannotHaveItsMemory) {
+TEST(Operations, EndsWithAnErrorWithoutMemory) {
 #if defined(ASSUR_ADDRESS_SANITIZER) || defined(ASSUR_THREAD_SANITIZER)
   GTEST_SKIP() << "sanitizers reserve more address space than there is memory";
 #endif
@@ -61,7 +61,7 @@ TEST(Operations, EndsWhereItCannotHaveItsMemory) {
 }
 
 // What OpenBLAS's build for OpenMP pays no heed to does not mislead the command: it takes its memory all the same.
-TEST(Operations, EndsWhereOpenBlasIsNotToldOfOneThread) {
+TEST(Operations, EndsWithAnErrorIfOpenBlasIgnoresSettings) {
 #if defined(ASSUR_ADDRESS_SANITIZER) || defined(ASSUR_THREAD_SANITIZER)
   GTEST_SKIP() << "sanitizers reserve more address space than there is memory";
 #endif
@@ -89,7 +89,7 @@ TEST(Operations, EndsWhereOpenBlasIsNotToldOfOneThread) {
   }
 }
 
-TEST(Operations, ATunerWithLittleMemoryEnds) {
+TEST(Operations, TunerEndsWithLittleMemory) {
 #if defined(ASSUR_ADDRESS_SANITIZER) || defined(ASSUR_THREAD_SANITIZER)
   GTEST_SKIP() << "sanitizers reserve more address space than there is memory";
 #endif
@@ -102,7 +102,7 @@ TEST(Operations, ATunerWithLittleMemoryEnds) {
 
 class Written : public testing::TestWithParam<std::pair<const char*, std::vector<std::string>>> {};
 
-TEST_P(Written, ToAFullDeviceItSaysWhy) {
+TEST_P(Written, ReportsAFullDevice) {
   const auto& [option, before] = GetParam();
   std::vector<std::string> words = before;
   words.insert(words.end(), {option, "/dev/full"});
@@ -114,7 +114,7 @@ TEST_P(Written, ToAFullDeviceItSaysWhy) {
   EXPECT_TRUE(fs::is_character_file("/dev/full"));
 }
 
-TEST_P(Written, ToADiskThatFillsUpItLeavesWhatWasThere) {
+TEST_P(Written, KeepsTheOldFileIfTheDiskFillsUp) {
   const auto& [option, before] = GetParam();
   const Scratch scratch;
   const std::string file = scratch.file("out", "old");
@@ -144,7 +144,7 @@ INSTANTIATE_TEST_SUITE_P(Operations, Written,
                                          std::pair("--save", std::vector<std::string>{"plan", "four_bar"})),
                          [](const auto& of) { return std::string(of.param.first).substr(2); });
 
-TEST(Operations, ALinkIsFollowedAndAPipeIsWrittenTo) {
+TEST(Operations, FollowsLinksAndWritesToPipes) {
   const Scratch scratch;
   const std::string target = scratch.file("target", "old"), link = scratch.file("link");
   fs::create_symlink(target, link);
@@ -156,7 +156,7 @@ TEST(Operations, ALinkIsFollowedAndAPipeIsWrittenTo) {
 }
 
 // Whatever asks it to end: what was measured is kept, and it says how to go on.
-TEST(Operations, ATunerThatIsToldToEndSaysHowItGoesOn) {
+TEST(Operations, AnInterruptedTunerSaysHowToContinue) {
   for (const int signal : {SIGINT, SIGTERM}) {
     const Scratch scratch;
     Setting setting;
@@ -169,7 +169,7 @@ TEST(Operations, ATunerThatIsToldToEndSaysHowItGoesOn) {
   }
 }
 
-TEST(Operations, AReportThatIsToldToEndIsThere) {
+TEST(Operations, AnInterruptedReportIsWritten) {
   const Scratch scratch;
   Setting setting;
   setting.interrupt_when_err = " seconds";
@@ -181,7 +181,7 @@ TEST(Operations, AReportThatIsToldToEndIsThere) {
   EXPECT_NE(content(scratch.file("report") + "/index.html").find("Interrupted after"), std::string::npos);
 }
 
-TEST(Operations, TheBarFitsTheTerminal) {
+TEST(Operations, ProgressBarFitsTheTerminal) {
   const Scratch scratch;
   const std::vector<std::string> words = {"tune", "--budget", "3", "--db", scratch.file("t.db")};
   Setting setting;

@@ -11,7 +11,7 @@
 namespace assur {
 namespace {
 
-TEST(Plan, WhatIsSavedRuns) {
+TEST(Plan, SavedPlansRun) {
   const Scratch scratch;
   const std::string file = scratch.file("stewart.plan");
   const Outcome o = run_command({"plan", "stewart", "--without", "klu", "--save", file, "--json"});
@@ -28,7 +28,7 @@ TEST(Plan, WhatIsSavedRuns) {
   EXPECT_TRUE(simulator.report().status.ok());
 }
 
-TEST(Plan, OnlyTheDatabaseThatIsNamedCounts) {
+TEST(Plan, UsesOnlyTheNamedDatabase) {
   const Scratch scratch;
   const std::string missing = scratch.file("none.db");
   for (const char* command : {"plan", "run"}) {
@@ -39,7 +39,7 @@ TEST(Plan, OnlyTheDatabaseThatIsNamedCounts) {
 }
 
 // Without measurements: counts of operations, the same everywhere.
-TEST(Plan, TellsWhatAStepConsistsOf) {
+TEST(Plan, ShowsThePartsOfAStep) {
   const nlohmann::json all = run_command({"plan", "stewart", "--json", "--threads", "1"}).json();
   const nlohmann::json one =
       run_command({"plan", "stewart", "--outputs", "handle1.value", "--json", "--threads", "1"}).json();
@@ -60,7 +60,7 @@ TEST(Plan, TellsWhatAStepConsistsOf) {
       << text;
 }
 
-TEST(Plan, AFileThatCannotBeWrittenIsNamed) {
+TEST(Plan, NamesAnUnwritableFile) {
   const Scratch scratch;
   const std::string file = scratch.file("no_such_folder/stewart.plan");
   const Outcome o = run_command({"plan", "stewart", "--save", file});

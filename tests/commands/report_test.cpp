@@ -49,7 +49,7 @@ std::vector<std::map<std::string, std::string>> rows_of(const std::string& file)
 
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
-TEST(ReportCommand, MakesAPageACsvAndAJsonThatSayTheSame) {
+TEST(ReportCommand, WritesPageCsvAndJsonWithTheSameNumbers) {
   const Scratch scratch;
   const std::string folder = scratch.file("deep/folder");
   const Outcome o = run_command({"report", "--quick", "--budget", "4", "--out", folder, "--json", "--quiet"});
@@ -111,7 +111,7 @@ TEST(ReportCommand, MakesAPageACsvAndAJsonThatSayTheSame) {
   EXPECT_EQ(all.mapped().at("regret, max"), regrets.back());
 }
 
-TEST(ReportCommand, InterruptedKeepsWhatIsDone) {
+TEST(ReportCommand, KeepsFinishedPartsIfInterrupted) {
   const Scratch scratch;
   Setting setting;
   setting.interrupt_when_err = "of 60 seconds";  // the first line of progress, after a second
@@ -127,7 +127,7 @@ TEST(ReportCommand, InterruptedKeepsWhatIsDone) {
   EXPECT_GT(rows_of(scratch.file("report") + "/report.csv").size(), 50u);
 }
 
-TEST(ReportCommand, ShowsWhatATuningRunHasMeasured) {
+TEST(ReportCommand, ShowsTheSamplesOfATuningRun) {
   const Scratch scratch;
   const std::string db = scratch.file("tuning.db");
   ASSERT_EQ(run_tuning(2, {"--db", db, "--quiet"}).status, 0);
@@ -139,7 +139,7 @@ TEST(ReportCommand, ShowsWhatATuningRunHasMeasured) {
   EXPECT_FALSE(has(page, "no samples of this machine"));
 }
 
-TEST(ReportCommand, BadUseIsToldAtOnce) {
+TEST(ReportCommand, ReportsBadUsageAtOnce) {
   EXPECT_EQ(run_command({"report", "--budget", "0"}).status, 2);
   EXPECT_EQ(run_command({"report", "--out", ""}).status, 2);
   EXPECT_EQ(run_command({"report", "stewart"}).status, 2);

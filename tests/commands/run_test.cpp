@@ -28,7 +28,7 @@ std::vector<double> times_of(const std::string& csv) {
   return times;
 }
 
-TEST(Run, JsonTellsWhatWasDone) {
+TEST(Run, JsonHasTheFiguresOfTheRun) {
   const Outcome outcome = run_command({"run", "stewart", "--json", "--quiet", "--strategy", "groups/eigen"});
   ASSERT_EQ(outcome.status, 0);
   EXPECT_EQ(outcome.err, "");
@@ -71,7 +71,7 @@ TEST(Run, StepTimesAddUpToTheRun) {
   EXPECT_EQ(step["block"] == 1, median >= 1e-6);
 }
 
-TEST(Run, CsvIsTheTrajectoryOfTheLibrary) {
+TEST(Run, CsvEqualsTheTrajectoryOfTheLibrary) {
   const Scratch scratch;
   const std::string expected = csv_of(sample("andrews"));
   const Outcome to_file = run_command({"run", "andrews", "--csv", scratch.file("motion.csv")});
@@ -88,7 +88,7 @@ TEST(Run, CsvIsTheTrajectoryOfTheLibrary) {
   EXPECT_EQ(quiet.err, "");
 }
 
-TEST(Run, TheTimeGridComesFromTheOptions) {
+TEST(Run, OptionsSetTheTimeGrid) {
   const auto times = [](std::vector<std::string> options) {
     options.insert(options.begin(), {"run", "four_bar", "--quiet", "--csv", "-"});
     const Outcome outcome = run_command(options);
@@ -105,7 +105,7 @@ TEST(Run, TheTimeGridComesFromTheOptions) {
   EXPECT_EQ(halved[3], scene.start + 3 * 0.0005);
 }
 
-TEST(Run, AGridOfNoWholeNumberOfStepsIsRefused) {
+TEST(Run, RefusesAGridWithoutWholeNumberOfSteps) {
   struct Case {
     std::vector<std::string> options;
     std::string message;
@@ -128,7 +128,7 @@ TEST(Run, AGridOfNoWholeNumberOfStepsIsRefused) {
   }
 }
 
-TEST(Run, ASceneWithoutTimesTakesThemFromTheOptions) {
+TEST(Run, OptionsGiveTheTimesOfASceneWithoutTimes) {
   const Scratch scratch;
   std::string text = kFold;
   const std::size_t time = text.find("\"time\"");
@@ -147,7 +147,7 @@ TEST(Run, ASceneWithoutTimesTakesThemFromTheOptions) {
   EXPECT_EQ(no_end.err.rfind("error: --dt: from 0 s to the scene's end at 0 s there are 0 steps", 0), 0u) << no_end.err;
 }
 
-TEST(Run, AnOutputAskedForTwiceIsOneColumn) {
+TEST(Run, ARepeatedOutputIsOneColumn) {
   const auto header = [](const std::string& outputs) {
     return run_command({"run", "slider_crank", "--quiet", "--csv", "-", "--steps", "1", "--outputs", outputs})
         .lines()
@@ -156,7 +156,7 @@ TEST(Run, AnOutputAskedForTwiceIsOneColumn) {
   EXPECT_EQ(header("C.velocity,B.position,C.velocity"), "t,C.vx,C.vy,B.x,B.y");
 }
 
-TEST(Run, OutputsAndParametersReachTheScene) {
+TEST(Run, AppliesOutputsAndParameters) {
   const Outcome outcome = run_command({"run", "stewart", "--quiet", "--csv", "-", "--steps", "5", "--outputs",
                                        "handle1.value,O.position", "--set", "omega=2"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
@@ -175,7 +175,7 @@ TEST(Run, DerivativesThatAreNotComputedHaveNoError) {
 }
 
 // Of a run, of chunks, of an ensemble: null, not 0.
-TEST(Run, WhatIsNotMeasuredIsNull) {
+TEST(Run, JsonHasNullForUnmeasuredFigures) {
   const std::string file = testing::TempDir() + "unknown_figures.csv";
   std::ofstream(file) << "omega\n1\n2\n";
   const std::vector<std::string> call = {"run", "stewart", "--json", "--steps", "20", "--outputs", "handle1.value"};
@@ -195,7 +195,7 @@ TEST(Run, WhatIsNotMeasuredIsNull) {
   }
 }
 
-TEST(Run, IterationsAreFixedBeyondTheFirstLevel) {
+TEST(Run, FixesIterationsBeyondTheFirstLevel) {
   const auto json = run_command({"run", "stewart", "--json", "--strategy", "groups/eigen", "--iterations", "3"}).json();
   EXPECT_EQ(json["status"], "ok");
   EXPECT_EQ(json["newton_iterations"]["max"], 3);
@@ -238,7 +238,7 @@ TEST(Run, CertifyProvesThePostures) {
             std::string::npos);
 }
 
-TEST(Run, AFailureKeepsWhatIsDoneAndSaysWhere) {
+TEST(Run, AFailureKeepsRowsAndNamesTheTime) {
   const Scratch scratch;
   const std::string scene = scratch.file("fold.json", kFold);
   const Outcome page = run_command({"run", scene, "--csv", scratch.file("motion.csv")});
@@ -275,7 +275,7 @@ TEST(Run, AMechanismThatCannotBeAssembledIsANumericalFailure) {
   EXPECT_EQ(json.json()["error"]["kind"], "numerical");
 }
 
-TEST(Run, NotesOfTheSceneAreShownByInspectAndRun) {
+TEST(Run, InspectAndRunShowNotesOfTheScene) {
   const Scratch scratch;
   std::string text = kFold;
   text.replace(text.find("\"drivers\""), 0, "\"vectors\": {\"e\": {\"at\": [3, 4], \"fixed\": true}},\n  ");
@@ -292,7 +292,7 @@ TEST(Run, NotesOfTheSceneAreShownByInspectAndRun) {
   }
 }
 
-TEST(Run, WhatCannotRunHereIsSaid) {
+TEST(Run, ExplainsWhyABackendCannotRun) {
   EXPECT_EQ(run_command({"run", "hexapod:drive=legs"}).status, 2);
   EXPECT_EQ(run_command({"run", "stewart", "--strategy", "groups/nonesuch"}).status, 2);
   EXPECT_EQ(run_command({"run", "stewart", "--strategy", "quickly"}).status, 2);
@@ -301,7 +301,7 @@ TEST(Run, WhatCannotRunHereIsSaid) {
   EXPECT_EQ(threads.err.rfind("error: ", 0), 0u);
 }
 
-TEST(Run, ACsvThatCannotBeWrittenIsAnErrorOfTheEnvironment) {
+TEST(Run, AnUnwritableCsvIsAnEnvironmentError) {
   const Scratch scratch;
   const std::string nowhere = scratch.file("no/such/folder.csv");
   const Outcome outcome = run_command({"run", "andrews", "--csv", nowhere});
@@ -317,7 +317,7 @@ TEST(Run, ACsvThatCannotBeWrittenIsAnErrorOfTheEnvironment) {
   EXPECT_EQ(piped.err, "error: --csv: cannot write to standard output: No space left on device\n");
 }
 
-TEST(Run, AnInterruptKeepsWhatIsDone) {
+TEST(Run, AnInterruptKeepsFinishedRows) {
   const Scratch scratch;
   const std::string csv = scratch.file("motion.csv");
   const std::vector<std::string> arguments = {"run",       "four_bar:400",  "--steps", "1000000",
@@ -331,7 +331,7 @@ TEST(Run, AnInterruptKeepsWhatIsDone) {
   EXPECT_EQ(content(csv).back(), '\n');
 }
 
-TEST(Run, ThePageFitsAndNamesEverything) {
+TEST(Run, PageFitsEightyColumnsAndNamesEverything) {
   for (const std::string scene : {"stewart", "four_bar:30", "gough", "andrews", "rings:legs=6,n=120,terminal=24"}) {
     const Outcome outcome = run_command({"run", scene, "--steps", "10"});
     EXPECT_EQ(outcome.status, 0) << outcome.err;
@@ -345,7 +345,7 @@ TEST(Run, ThePageFitsAndNamesEverything) {
 }
 
 // By any of its names, and where a member of an ensemble reads it.
-TEST(Run, NoOutputOverwritesATableThatTheSceneReads) {
+TEST(Run, OutputsDoNotOverwriteTablesOfTheScene) {
   const Scratch scratch;
   const std::string table = "0,0\n1,1\n2,4\n", variants = "AP\n1\n";
   const std::string csv = scratch.file("swing.csv", table), speeds = scratch.file("speeds.csv", variants);
@@ -374,7 +374,7 @@ TEST(Run, NoOutputOverwritesATableThatTheSceneReads) {
   EXPECT_EQ(content(speeds), variants);
 }
 
-TEST(Run, NoOutputOverwritesWhatIsRead) {
+TEST(Run, OutputsDoNotOverwriteInputs) {
   const Scratch scratch;
   const std::string scene = scratch.file("fold.json", kFold), speeds = scratch.file("speeds.csv", "a\n1\n");
   for (const std::string option : {"--csv", "--errors", "--animate", "--plot"}) {
@@ -406,7 +406,7 @@ TEST(Run, NoOutputOverwritesWhatIsRead) {
 }
 
 // A row lies where the branches of a parallelogram cross.
-TEST(Run, ARowOnAChangePointIsToldHowToAvoidIt) {
+TEST(Run, ExplainsHowToAvoidARowOnAChangePoint) {
   const Scratch scratch;
   const std::string scene = scratch.file("parallelogram.json", R"({"assur": 1, "dimension": 2,
       "points": {"A": {"at": [0, 0], "fixed": true}, "D": {"at": [2, 0], "fixed": true}, "B": {"at": [0, 1]},

@@ -26,7 +26,7 @@ class StrangersFilesInCommands : public testing::Test {
   std::string pipe_ = scratch_.file("pipe");
 };
 
-TEST_F(StrangersFilesInCommands, PipesAndDevicesAreRefusedAtOnce) {
+TEST_F(StrangersFilesInCommands, RefusesPipesAndDevicesAtOnce) {
   for (const std::string command : {"run", "inspect", "plan", "compare", "check"}) {
     const Outcome of_pipe = run_command({command, pipe_});
     EXPECT_EQ(of_pipe.status, 3) << command;
@@ -56,7 +56,7 @@ TEST_F(StrangersFilesInCommands, ADatabaseIsARegularFile) {
   EXPECT_EQ(run_command({"db", "import", pipe_, "--db", scratch_.file("new.db")}).err, "error: " + pipe_ + why);
 }
 
-TEST_F(StrangersFilesInCommands, TablesFromElsewhereAreAllowedByName) {
+TEST_F(StrangersFilesInCommands, AllowsTablesInNamedFolders) {
   std::filesystem::create_directory(scratch_.file("data"));
   (void)scratch_.file("data/good.csv", "0,0\n1,1\n");
   std::filesystem::create_directory(scratch_.file("mine"));

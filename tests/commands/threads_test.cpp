@@ -13,7 +13,7 @@ std::string count(int number, const std::string& what) {
   return std::to_string(number) + " " + what + (number == 1 ? "" : "s");
 }
 
-TEST(Threads, MoreThanTheProcessorsAreRefusedByEveryCommand) {
+TEST(Threads, EveryCommandRefusesMoreThreadsThanProcessors) {
   const int processors = this_machine().processors;
   const std::string more = std::to_string(processors + 1);
   for (const auto& command :
@@ -29,7 +29,7 @@ TEST(Threads, MoreThanTheProcessorsAreRefusedByEveryCommand) {
 }
 
 // OMP_NUM_THREADS=1 makes any second thread one too many, for which it takes two processors.
-TEST(Threads, MoreThanTheBudgetAreWarnedOf) {
+TEST(Threads, WarnsOfMoreThreadsThanTheBudget) {
   if (this_machine().processors < 2) GTEST_SKIP() << "one processor";
   const char* const before = std::getenv("OMP_NUM_THREADS");
   const std::string kept = before ? before : "";
@@ -48,7 +48,7 @@ TEST(Threads, MoreThanTheBudgetAreWarnedOf) {
   EXPECT_EQ(within.err, "");
 }
 
-TEST(Threads, AreWhatAStrategyMayTake) {
+TEST(Threads, LimitTheStrategy) {
   const auto listed = run_command({"backends", "--json"}).json();
   for (const auto& backend : listed["backends"]) {
     if (backend["id"] == "team" && !backend["available"]) GTEST_SKIP() << backend["why_not"];

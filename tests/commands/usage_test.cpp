@@ -12,7 +12,7 @@ struct Misuse {
   std::string message, help;
 };
 
-TEST(Usage, AWrongCallSaysWhatIsWrongAndWhereHelpIs) {
+TEST(Usage, ReportsWrongArgumentsAndNamesTheHelp) {
   const std::vector<Misuse> cases = {
       {{}, "a command is missing", "assur"},
       {{"rum"}, "there is no command rum", "assur"},
@@ -76,7 +76,7 @@ TEST(Usage, AWrongCallSaysWhatIsWrongAndWhereHelpIs) {
   }
 }
 
-TEST(Usage, WithJsonAWrongCallIsAnObject) {
+TEST(Usage, ReportsWrongArgumentsAsJson) {
   const Outcome outcome = run_command({"run", "stewart", "--json", "--csv", "-"});
   EXPECT_EQ(outcome.status, 2);
   EXPECT_EQ(outcome.err, "");
@@ -85,7 +85,7 @@ TEST(Usage, WithJsonAWrongCallIsAnObject) {
   EXPECT_EQ(error["diagnostics"][0]["what"], "--csv: cannot share standard output with --json; give a file");
 }
 
-TEST(Usage, HelpFitsThePageAndNamesEveryOption) {
+TEST(Usage, HelpFitsEightyColumnsAndNamesEveryOption) {
   const std::vector<std::string> common = {"--json", "--quiet", "--threads", "--db", "--help", "--version"};
   const std::vector<std::pair<std::vector<std::string>, std::vector<std::string>>> cases = {
       {{"--help"}, {"run", "inspect", "plan", "compare", "backends", "db", "check", "report"}},
@@ -112,7 +112,7 @@ TEST(Usage, HelpFitsThePageAndNamesEveryOption) {
   }
 }
 
-TEST(Usage, VersionIsThatOfTheProject) {
+TEST(Usage, PrintsTheVersionOfTheProject) {
   for (const auto& arguments : {std::vector<std::string>{"--version"}, {"run", "--version"}}) {
     const Outcome outcome = run_command(arguments);
     EXPECT_EQ(outcome.status, 0);
@@ -120,11 +120,11 @@ TEST(Usage, VersionIsThatOfTheProject) {
   }
 }
 
-TEST(Usage, CommonOptionsMayStandBeforeTheCommand) {
+TEST(Usage, AcceptsCommonOptionsBeforeTheCommand) {
   EXPECT_EQ(run_command({"--json", "backends"}).json(), run_command({"backends", "--json"}).json());
 }
 
-TEST(Usage, AFullStandardOutputIsAnErrorOfTheEnvironment) {
+TEST(Usage, AFullStandardOutputIsAnEnvironmentError) {
   if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
   const Outcome outcome = run_command({"backends"}, {{}, "/dev/full", {}});
   EXPECT_EQ(outcome.status, 3);

@@ -87,7 +87,7 @@ TEST(Faults, ANewerSchemaIsLeftAlone) {
 }
 
 // A made-up version 1 and the way from it to a made-up version 3.
-TEST(Faults, AnOlderSchemaIsBroughtUpToDateInOneTransaction) {
+TEST(Faults, UpdatesAnOlderSchemaInOneTransaction) {
   SQLite::Database database(":memory:", SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
   database.exec(
       "CREATE TABLE thing (id INTEGER PRIMARY KEY, name TEXT); INSERT INTO thing VALUES (1, 'old');"
@@ -135,7 +135,7 @@ std::string schema_of(SQLite::Database& database) {
 
 class OlderSchema : public testing::TestWithParam<std::int32_t> {};
 
-TEST_P(OlderSchema, IsReadAsItIsAndKeepsItsSamples) {
+TEST_P(OlderSchema, IsReadUnchangedAndKeepsItsSamples) {
   FileTree tree;
   const auto file = tree.root() / "tuning.db";
   const std::int64_t samples = make_old_database(file, GetParam());
@@ -169,13 +169,13 @@ TEST_P(OlderSchema, IsReadAsItIsAndKeepsItsSamples) {
 
 INSTANTIATE_TEST_SUITE_P(Faults, OlderSchema, testing::Values(1, 2), testing::PrintToStringParamName());
 
-TEST(Faults, TheMigrationsOfThisVersionLeadToIt) {
+TEST(Faults, MigrationsLeadToThisVersion) {
   std::int32_t version = 1;
   for (const db::Migration& step : db::migrations()) EXPECT_EQ(step.from, version++);
   EXPECT_EQ(version, db::kSchemaVersion);
 }
 
-TEST(Faults, AFullDiskLosesTheCellInHandAndNothingElse) {
+TEST(Faults, AFullDiskLosesOnlyTheCurrentCell) {
   FileTree tree;
   const auto file = tree.root() / "tuning.db";
   const int status = in_a_child([&] {
@@ -207,7 +207,7 @@ TEST(Faults, AFullDiskLosesTheCellInHandAndNothingElse) {
 // In the middle of a transaction so large that part of it is on the disk; with and without a log.
 class Killed : public testing::TestWithParam<bool> {};
 
-TEST_P(Killed, LosesTheCellInHandAndNothingElse) {
+TEST_P(Killed, LosesOnlyTheCurrentCell) {
   const bool network = GetParam();
   FileTree tree;
   const auto file = tree.root() / "tuning.db";
@@ -275,7 +275,7 @@ TEST_P(ReadOnly, FolderIsReadButNotWritten) {
 INSTANTIATE_TEST_SUITE_P(Faults, ReadOnly, testing::Bool(),
                          [](const auto& how) { return how.param ? "InALogsMode" : "AtRest"; });
 
-TEST(Faults, WhatIsNotThereIsSaidOnlyIfItWasNamed) {
+TEST(Faults, ReportsAMissingDatabaseOnlyIfItWasNamed) {
   FileTree tree;
   const auto file = tree.root() / "tuning.db";
   EXPECT_EQ(trouble(file, Access::read), Trouble::absent);
@@ -288,7 +288,7 @@ TEST(Faults, WhatIsNotThereIsSaidOnlyIfItWasNamed) {
   EXPECT_EQ(trouble(file, Access::write), std::nullopt);
 }
 
-TEST(Faults, ADamagedSampleIsSavedFrom) {
+TEST(Faults, SkipsADamagedSample) {
   FileTree tree;
   const auto file = tree.root() / "tuning.db";
   const auto stored = make_database(file, host_with(4), 50);
@@ -315,7 +315,7 @@ TEST(Faults, ADamagedSampleIsSavedFrom) {
 }
 
 // Nothing is wrong with what is there.
-TEST(Faults, LostSamplesAreToldAndTheFileIsRepaired) {
+TEST(Faults, ReportsLostSamplesAndRepairsTheFile) {
   FileTree tree;
   const auto file = tree.root() / "tuning.db";
   make_database(file, host_with(4), 50);
@@ -343,7 +343,7 @@ TEST(Faults, LostSamplesAreToldAndTheFileIsRepaired) {
 }
 
 // By hand, as people do it.
-TEST(Faults, RemovedSamplesAreNotLost) {
+TEST(Faults, DoesNotCountRemovedSamplesAsLost) {
   FileTree tree;
   const auto file = tree.root() / "tuning.db";
   make_database(file, host_with(4), 50);
@@ -355,7 +355,7 @@ TEST(Faults, RemovedSamplesAreNotLost) {
 }
 
 // Many bytes in the middle, as a disk loses them: all of the file is left out.
-TEST(Faults, AHoleInTheFileIsTold) {
+TEST(Faults, ReportsAHoleInTheFile) {
   FileTree tree;
   const auto file = tree.root() / "tuning.db";
   make_database(file, host_with(4), 500);
@@ -371,7 +371,7 @@ TEST(Faults, AHoleInTheFileIsTold) {
 }
 
 // A table whose first page was split late lies at the end of the file: cut off, it is known from its index.
-TEST(Faults, WhatIsCutOffCostsNoSampleThatIsThere) {
+TEST(Faults, ATruncatedFileKeepsItsRemainingSamples) {
   FileTree tree;
   const auto file = tree.root() / "tuning.db";
   {
@@ -405,7 +405,7 @@ TEST(Faults, WhatIsCutOffCostsNoSampleThatIsThere) {
 }
 
 // What a sample refers to is under its checksum too.
-TEST(Faults, ASampleIsOnlyAsGoodAsWhatItRefersTo) {
+TEST(Faults, SkipsSamplesWithDamagedReferences) {
   FileTree tree;
   const auto file = tree.root() / "tuning.db", copy = tree.root() / "copy.db";
   make_database(file, host_with(4), 10);
@@ -433,7 +433,7 @@ TEST(Faults, ASampleIsOnlyAsGoodAsWhatItRefersTo) {
 }
 
 // Never a crash, never a wrong row, never a good row lost that could be read before.
-TEST(Faults, AHundredRandomFaults) {
+TEST(Faults, SurvivesAHundredRandomFaults) {
   FileTree tree;
   const auto good = tree.root() / "good.db";
   const auto originals = by_uid(make_database(good, host_with(4), 300));

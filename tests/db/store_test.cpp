@@ -20,7 +20,7 @@ namespace {
 using db::Access;
 using db::Store;
 
-TEST(Store, GivesBackWhatItWasGivenBitByBit) {
+TEST(Store, ReturnsSamplesBitwise) {
   FileTree tree;
   const auto file = tree.root() / "folder/made/for it.db";
   std::vector<Sample> given = cell_of(0, 5);
@@ -49,7 +49,7 @@ TEST(Store, GivesBackWhatItWasGivenBitByBit) {
   EXPECT_TRUE(health.findings.empty());
 }
 
-TEST(Store, NotesTheRunAndItsEnd) {
+TEST(Store, RecordsTheRunAndItsEnd) {
   FileTree tree;
   Store store(tree.root() / "tuning.db", Access::write);
   const std::int64_t run = store.begin_run(host_with(4, 2.5), "patient");
@@ -152,7 +152,7 @@ TEST(Store, EveryVersionHasItsOwnPace) {
   EXPECT_EQ(Store(file, Access::read).usual_pace(host_with(2)), std::nullopt);
 }
 
-TEST(Store, AddsAllOfACellOrNothing) {
+TEST(Store, AddsACellAsAWhole) {
   FileTree tree;
   Store store(tree.root() / "tuning.db", Access::write);
   const std::int64_t run = store.begin_run(host_with(4), "quick");
@@ -185,7 +185,7 @@ TEST(Store, TheSameUidIsTheSameSample) {
   EXPECT_EQ(uids.size(), 4u);
 }
 
-TEST(Store, AnUnfinishedRunIsTakenUpAgain) {
+TEST(Store, ContinuesAnUnfinishedRun) {
   FileTree tree;
   const auto file = tree.root() / "tuning.db";
   const auto cell = cell_of(0, 2);
@@ -208,7 +208,7 @@ TEST(Store, AnUnfinishedRunIsTakenUpAgain) {
   EXPECT_EQ(store.unfinished_run(host_with(4), "quick"), std::nullopt);
 }
 
-TEST(Store, ARunThatAnotherProcessWorksOnIsLeftToIt) {
+TEST(Store, DoesNotContinueARunOfAnotherProcess) {
   FileTree tree;
   const auto file = tree.root() / "tuning.db";
   std::array<int, 2> started{}, go{};
@@ -260,7 +260,7 @@ TEST(Store, FiltersByRunMachineLibraryAndKernel) {
   EXPECT_EQ(store.sample_rows({.library = "klu"}).rows.size(), 2u);
 }
 
-TEST(Store, ForgetsWhatFitsAndWhatNothingRefersToAnyMore) {
+TEST(Store, ForgetsMatchingSamplesAndUnusedRows) {
   FileTree tree;
   const auto file = tree.root() / "tuning.db";
   {
@@ -316,7 +316,7 @@ TEST(Store, ExportsAndMergesByUid) {
 }
 
 // One instance of each, so lanes count: at n = 4 klu is best, at 8 lanes:8, though one call of it takes longer.
-TEST(Store, ViewsTellTheBestOfEachShapeAndWhereItChanges) {
+TEST(Store, ViewsShowTheBestOfEachShapeAndCrossovers) {
   FileTree tree;
   Store store(tree.root() / "tuning.db", Access::write);
   const std::int64_t run = store.begin_run(host_with(4), "quick");
@@ -376,7 +376,7 @@ TEST(Store, ViewsTellTheBestOfEachShapeAndWhereItChanges) {
   EXPECT_EQ(next(), "groups/klu on front");      // more exact
 }
 
-TEST(Store, TunersSideBySideAndReadersAmongThem) {
+TEST(Store, SupportsConcurrentTunersAndReaders) {
   FileTree tree;
   const auto file = tree.root() / "tuning.db";
   constexpr int kTuners = 3, kCells = 40, kCell = 5;
@@ -424,7 +424,7 @@ TEST(Store, TunersSideBySideAndReadersAmongThem) {
 }
 
 // A tuner that comes and goes: the file is at rest, in a log's mode, and at rest again, and never looks damaged.
-TEST(Store, ReadersWhileATunerComesAndGoes) {
+TEST(Store, ReadersWorkWhileATunerStartsAndEnds) {
   FileTree tree;
   const auto file = tree.root() / "tuning.db";
   make_database(file, host_with(4), 5);

@@ -68,7 +68,7 @@ double magnitude(const Quad& x) { return std::abs(static_cast<double>(x)); }
 // ---- as equations
 
 // Laws and lengths are rounded to double, everything else is in quad: a few units in the last place of the terms.
-TEST_P(EveryKind, HoldsOnItsPath) {
+TEST_P(EveryKind, EquationsHoldOnAKnownMotion) {
   for (const bool declared : {true, false}) {
     const System s = system(declared);
     for (const double t : {0.0, 0.25, 0.625, 1.0}) {
@@ -82,7 +82,7 @@ TEST_P(EveryKind, HoldsOnItsPath) {
 }
 
 // As many equations as unknowns and regular: with the above, the path is the only one there is.
-TEST_P(EveryKind, DeterminesItsPath) {
+TEST_P(EveryKind, EquationsDetermineTheMotion) {
   for (const bool declared : {true, false}) {
     const System s = system(declared);
     std::vector<Index> rows, unknowns, mentioned;
@@ -115,7 +115,7 @@ TEST_P(EveryKind, DeterminesItsPath) {
   }
 }
 
-TEST_P(EveryKind, DrivenCoordinatesFollow) {
+TEST_P(EveryKind, DrivenCoordinatesFollowTheLaw) {
   const System s = system();
   for (const double t : {0.0, 0.375, 1.0}) {
     const std::vector<QuadJet> expected = on_path(s, kind(), t);
@@ -135,7 +135,7 @@ TEST_P(EveryKind, DrivenCoordinatesFollow) {
   }
 }
 
-TEST_P(EveryKind, MembersAreWhereTheirBodyIs) {
+TEST_P(EveryKind, MembersMoveWithTheirBody) {
   const System s = system();
   for (const double t : {0.0, 0.375, 1.0}) {
     const std::vector<Quad> q = values(on_path(s, kind(), t));
@@ -329,7 +329,7 @@ TEST_P(EveryKind, ProgramAgreesInEveryLane) {
 // ---- the whole way
 
 // Condition 1e4 x 1e-14 at most, and derivatives up to 10 times as large as positions.
-TEST_P(EveryKind, RunsAlongItsPath) {
+TEST_P(EveryKind, RunFollowsTheKnownMotion) {
   for (const char* strategy : {"global/eigen", "groups/eigen", "irreducible/eigen"}) {
     Simulator simulator(prepare(kind().scene, {strategy, {}}));
     const Trajectory run = simulator.run();
@@ -356,7 +356,7 @@ TEST_P(EveryKind, RunsAlongItsPath) {
 }
 
 // Given lengths decide over the guess, and are refused where they make no body.
-TEST(BodyOnThreePoints, LengthsThatMakeNoTriangle) {
+TEST(BodyOnThreePoints, RefusesLengthsWithoutTriangle) {
   SceneBuilder b("impossible", 3);
   b.point("A", {0, 0, 0}).point("B", {1, 0, 0}).point("C", {0, 1, 0});
   b.add(Body{"plate", "", {}, {"A", "B", "C"}, {{"M", {0.5, 0.5, 0.25}}}, {}});

@@ -81,7 +81,7 @@ TEST(ProgramCallback, IsEvaluatedInSiUnitsInEveryLane) {
 }
 
 // Two rows of one callback, of which one is redundant: a part of a callback is solved, the other one watched.
-TEST(ProgramCallback, PartOfItsRows) {
+TEST(ProgramCallback, EvaluatesPartOfItsRows) {
   Callback twice;
   twice.coordinates = {"P.x", "P.y"};
   twice.equations = 2;
@@ -131,7 +131,7 @@ TEST(ProgramCallback, PartOfItsRows) {
 
 // ---- Lipschitz constants
 
-TEST(Lipschitz, OfACircle) {
+TEST(Lipschitz, BoundsACircle) {
   SceneBuilder b("circle", 2);
   b.fixed_point("A", {0, 0, 0}).point("C", {2, 0, 0}).point("P", {1.2, 0.9, 0});
   b.constrain("PA", Distance{"P", "A", {}}).constrain("PC", Distance{"P", "C", {}});

@@ -21,7 +21,7 @@ std::vector<double> coefficients(const Structure& s, const Group& g) {
 
 class Units : public testing::TestWithParam<const char*> {};
 
-TEST_P(Units, PowersOfTwoChangeNoBit) {
+TEST_P(Units, PowersOfTwoKeepResultsBitwise) {
   const Scene drawn = sample(GetParam());
   const Scene scene = references::scaled(drawn, 0);  // built once more, as the others: vectors are normalised again
   const System plain = lower(std::make_shared<const Scene>(scene));

@@ -61,7 +61,7 @@ class LinearTest : public testing::Test {
   Strategy strategy_ = parse_strategy("groups/lanes:4");
 };
 
-TEST_F(LinearTest, ABlockIsSoManyFactorisationsOrSolutions) {
+TEST_F(LinearTest, ABlockCountsFactorisationsOrSolutions) {
   Linear linear(matrices_, strategy_, counting_);
   EXPECT_EQ(linear.refused(), "");
   EXPECT_EQ(calls.analyses, 1);
@@ -76,7 +76,7 @@ TEST_F(LinearTest, ABlockIsSoManyFactorisationsOrSolutions) {
   EXPECT_EQ(calls.analyses, 1);
 }
 
-TEST_F(LinearTest, ErrorsAreThoseOfTheSolutions) {
+TEST_F(LinearTest, ReportsTheErrorsOfItsSolutions) {
   const Linear linear(matrices_, strategy_, counting_);
   // Higham, Accuracy and Stability, theorem 9.4: 3 n eps |L| |U|, and growth is small where diagonals are large.
   EXPECT_GT(linear.backward_error(), 0);
@@ -91,7 +91,7 @@ TEST_F(LinearTest, ErrorsAreThoseOfTheSolutions) {
   EXPECT_GE(off.backward_error(), 1e-11);
 }
 
-TEST_F(LinearTest, WhatIsWrongIsRefused) {
+TEST_F(LinearTest, RefusesWrongSolutions) {
   factor_of_results = 1.001;
   EXPECT_NE(Linear(matrices_, strategy_, counting_).refused().find("its backward error is"), std::string::npos);
   factor_of_results = std::numeric_limits<double>::quiet_NaN();
@@ -101,7 +101,7 @@ TEST_F(LinearTest, WhatIsWrongIsRefused) {
   EXPECT_EQ(Linear(matrices_, strategy_, counting_).refused(), "its status is singular");
 }
 
-TEST(Matrices, AreRegularWhateverTheirPattern) {
+TEST(Matrices, AreRegularForEveryPattern) {
   for (const auto& [n, per_row] : {std::pair(1, 1), {2, 2}, {40, 6}, {40, 40}}) {
     const Matrices m = random_matrices(n, per_row, 2);
     ASSERT_EQ(m.values.size(), 2u);
@@ -115,7 +115,7 @@ TEST(Matrices, AreRegularWhateverTheirPattern) {
   }
 }
 
-TEST(Matrices, JacobiansAreThoseOfTheGroups) {
+TEST(Matrices, JacobiansEqualThoseOfTheGroups) {
   const Structure s = analyze(sample("stewart"));
   const std::int32_t legs = s.groups.back().group_class;
   const Matrices m = jacobians(s, legs, 4);

@@ -9,7 +9,7 @@
 namespace assur::measure {
 namespace {
 
-TEST(PairedMedians, ASlowPassChangesNoRatio) {
+TEST(PairedMedians, ASlowPassDoesNotChangeRatios) {
   const std::vector<std::vector<double>> seconds = {{3, 2, 1}, {3.3, 1.8, 1}, {6, 4, 2}};
   const std::vector<double> all = paired_medians(seconds);
   ASSERT_EQ(all.size(), 3u);
@@ -20,7 +20,7 @@ TEST(PairedMedians, ASlowPassChangesNoRatio) {
 }
 
 // One that had no turn in a pass is not the fastest for it.
-TEST(PairedMedians, WithoutATurnIsSlow) {
+TEST(PairedMedians, MissingTurnsCountAsSlow) {
   const std::vector<double> all = paired_medians({{0.5, 1}, {HUGE_VAL, 1}, {HUGE_VAL, 1}});
   EXPECT_EQ(all[0], HUGE_VAL);
   EXPECT_EQ(all[1], 1);
@@ -43,7 +43,7 @@ TEST(Contest, EveryPassCounts) {
   EXPECT_FALSE(answer.uniform.empty());
 }
 
-TEST(Contest, WhatWasStoppedDoesNotCount) {
+TEST(Contest, IgnoresStoppedPasses) {
   QuestionOptions how{.quick = true, .seconds = 0.5};
   bool stopped = false;
   how.instruments.stop = [&] { return stopped; };

@@ -42,7 +42,7 @@ TEST(Examined, ConditionGrowsAsTheDyadStretches) {
 
 class Figures : public testing::TestWithParam<int> {};  // iterations; 0: as many as it takes
 
-TEST_P(Figures, AreThoseOfThePosture) {
+TEST_P(Figures, DescribeThePosture) {
   const Prepared prepared = prepare(sample("four_bar:loops=2,steps=20"), {"groups/eigen+predict=taylor:0"});
   ASSERT_EQ(prepared.structure->levels, 2);  // the second one has fixed iterations
   Simulator simulator(prepared, {.iterations = GetParam()});

@@ -26,7 +26,7 @@ const WorkPrecisionRow* row_of(const WorkPrecision& result, const std::string& s
   return at == result.rows.end() ? nullptr : &*at;
 }
 
-TEST(WorkPrecision, EveryStrategyAskedForHasATimeAndThePicksAreMarked) {
+TEST(WorkPrecision, TimesEveryStrategyAndMarksThePicks) {
   const std::vector<std::string> asked = {"groups/eigen", "irreducible/lanes:8+once"};
   const WorkPrecision result = work_precision(sample("stewart:steps=40"), quick(asked, {1e-4, 1e-9}));
   EXPECT_EQ(result.steps, 40);
@@ -44,7 +44,7 @@ TEST(WorkPrecision, EveryStrategyAskedForHasATimeAndThePicksAreMarked) {
   EXPECT_TRUE(std::is_sorted(result.rows.begin(), result.rows.end(), slower));
 }
 
-TEST(WorkPrecision, FixedIterationsShowInTheError) {
+TEST(WorkPrecision, FixedIterationsIncreaseTheError) {
   if (!work_precision(sample("four_bar:loops=2,steps=5"), quick({"groups/eigen"}, {})).no_yardstick.empty()) {
     GTEST_SKIP() << "no quad precision here";
   }
@@ -86,7 +86,7 @@ TEST(WorkPrecision, FixedIterationsShowInTheError) {
   }
 }
 
-TEST(WorkPrecision, WhatFailsIsListedWithItsStatusAndHasNoTime) {
+TEST(WorkPrecision, ListsFailedStrategiesWithoutTime) {
   // The crank turns until coupler and rocker are in line, at cos t = 1/4.
   const Scene fold = SceneBuilder("fold", 2)
                          .fixed_point("A", {0, 0})
@@ -107,7 +107,7 @@ TEST(WorkPrecision, WhatFailsIsListedWithItsStatusAndHasNoTime) {
   }
 }
 
-TEST(WorkPrecision, InterruptedItKeepsWhatItHas) {
+TEST(WorkPrecision, KeepsResultsIfInterrupted) {
   WorkPrecisionOptions options = quick({"groups/eigen", "global/eigen", "irreducible/lanes"}, {1e-6});
   int looks = 0;
   options.progress = [&](std::int64_t, std::int64_t) { ++looks; };
@@ -118,12 +118,12 @@ TEST(WorkPrecision, InterruptedItKeepsWhatItHas) {
   for (const WorkPrecisionRow& row : result.rows) EXPECT_FALSE(row.seconds.has_value());
 }
 
-TEST(WorkPrecision, AStrategyAskedForThatCannotRunIsAnError) {
+TEST(WorkPrecision, RefusesARequestedStrategyThatCannotRun) {
   EXPECT_THROW((void)work_precision(sample("four_bar"), quick({"groups/klu+float"}, {})), Error);
   EXPECT_THROW((void)work_precision(sample("gough"), quick({"groups/eigen"}, {})), Error);  // no step
 }
 
-TEST(WorkPrecision, BehindIsMeasuredAtTheAccuracyAskedFor) {
+TEST(WorkPrecision, MeasuresTheLossAtTheRequiredAccuracy) {
   WorkPrecision result;
   const auto add = [&](double seconds, double error, std::vector<double> accuracies) {
     WorkPrecisionRow row;

@@ -43,7 +43,7 @@ TEST_F(ReplaceFile, GivesTheNewContentTheName) {
   EXPECT_EQ(files(), 1);
 }
 
-TEST_F(ReplaceFile, LeavesNothingWhereItCannot) {
+TEST_F(ReplaceFile, LeavesNoFileAfterAFailure) {
   fs::create_directories(folder_ / "file/full");  // a folder that is not empty has the name
   EXPECT_THROW(replace_file(folder_ / "file", "new"), Error);
   EXPECT_EQ(files(), 1);

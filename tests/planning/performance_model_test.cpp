@@ -23,7 +23,7 @@ std::vector<Shape> unseen() {
 
 double off_by(const Prediction& predicted, double truth) { return std::abs(predicted.seconds / truth - 1); }
 
-TEST(PerformanceModel, PredictsKernelsBetweenTheSizesThatWereSampled) {
+TEST(PerformanceModel, PredictsKernelsBetweenSampledSizes) {
   const PerformanceModel model(samples());
   for (const Shape& shape : unseen()) {
     for (const Strategy& s : {solver("lanes"), solver("lanes", 8), solver("klu"), solver("eigen")}) {
@@ -41,7 +41,7 @@ TEST(PerformanceModel, PredictsKernelsBetweenTheSizesThatWereSampled) {
   }
 }
 
-TEST(PerformanceModel, ComposesPacksThatNobodySampled) {
+TEST(PerformanceModel, PredictsUnsampledPacksFromKernels) {
   const PerformanceModel model(samples());
   for (const Shape& shape : unseen()) {
     for (Strategy s : {solver("klu"), solver("eigen"), solver("lanes", 4)}) {
@@ -56,7 +56,7 @@ TEST(PerformanceModel, ComposesPacksThatNobodySampled) {
 }
 
 // Whatever few samples there are: no fit to them may promise what no machine does, far from all of them.
-TEST(PerformanceModel, FewSamplesPromiseNothingAbsurd) {
+TEST(PerformanceModel, PredictsReasonableTimesFromFewSamples) {
   std::mt19937_64 random(3);
   const std::vector<Sample> all = samples(0.05, 7);
   for (int trial = 0; trial < 200; ++trial) {
@@ -78,7 +78,7 @@ TEST(PerformanceModel, FewSamplesPromiseNothingAbsurd) {
 }
 
 // What a policy costs beyond its kernels hangs on the policy more than on W.
-TEST(PerformanceModel, AWidthThatNobodySampledIsAsTheNextOfItsPolicy) {
+TEST(PerformanceModel, PredictsUnsampledLaneWidths) {
   std::mt19937_64 random(5);
   std::vector<Sample> known = samples();
   for (const std::int32_t n : {6, 12, 25, 50, 100}) {
@@ -99,7 +99,7 @@ TEST(PerformanceModel, AWidthThatNobodySampledIsAsTheNextOfItsPolicy) {
   EXPECT_LT(off_by(model.pack(sparse_shape(22), s), 1.8 * truth(Kernel::pack, sparse_shape(22), s)), 0.1);
 }
 
-TEST(PerformanceModel, TakesWhatWasMeasuredAsItIs) {
+TEST(PerformanceModel, ReturnsMeasuredTimesUnchanged) {
   std::vector<Sample> known = samples();
   const auto pack = std::find_if(known.begin(), known.end(), [](const Sample& s) { return s.kernel == Kernel::pack; });
   pack->seconds *= 3;  // whatever the others say
@@ -109,7 +109,7 @@ TEST(PerformanceModel, TakesWhatWasMeasuredAsItIs) {
   EXPECT_EQ(predicted.origin, Origin::measured);
 }
 
-TEST(PerformanceModel, OfRepeatedSamplesTheMedianCounts) {
+TEST(PerformanceModel, UsesTheMedianOfRepeatedSamples) {
   std::mt19937_64 random(3);
   std::vector<Sample> known;
   for (const double factor : {1.0, 1.1, 9.0}) {
@@ -120,7 +120,7 @@ TEST(PerformanceModel, OfRepeatedSamplesTheMedianCounts) {
                    1.1 * truth(Kernel::factor, sparse_shape(20), solver("klu")));
 }
 
-TEST(PerformanceModel, OneWildSampleDoesNotSpoilItsNeighbours) {
+TEST(PerformanceModel, AnOutlierDoesNotSpoilItsNeighbours) {
   std::vector<Sample> known = samples();
   std::mt19937_64 random(2);
   known.push_back(sample_of(Kernel::factor, sparse_shape(60), solver("klu"), 0, random));
@@ -151,7 +151,7 @@ TEST(PerformanceModel, TheOrderOfTheSamplesDoesNotMatter) {
   }
 }
 
-TEST(PerformanceModel, SaysHowFarItCanBeTrusted) {
+TEST(PerformanceModel, ReportsItsUncertainty) {
   const PerformanceModel model(samples());
   const Prediction near = model.kernel(Kernel::factor, sparse_shape(22), solver("klu"));
   const Prediction far = model.kernel(Kernel::factor, sparse_shape(20'000), solver("klu"));
@@ -163,7 +163,7 @@ TEST(PerformanceModel, SaysHowFarItCanBeTrusted) {
   EXPECT_EQ(model.kernel(Kernel::factor, sparse_shape(22), solver("mumps")).origin, Origin::prior);
 }
 
-TEST(PerformanceModel, WithoutSamplesThereIsAPriorForEverything) {
+TEST(PerformanceModel, HasAPriorForEverythingWithoutSamples) {
   const PerformanceModel nothing;
   EXPECT_EQ(nothing.samples(), 0U);
   for (const Shape& shape : unseen()) {
@@ -178,7 +178,7 @@ TEST(PerformanceModel, WithoutSamplesThereIsAPriorForEverything) {
   EXPECT_EQ(nothing.contention(2, 15), 1);
 }
 
-TEST(PerformanceModel, SamplesThatMakeNoSenseAreNotUsed) {
+TEST(PerformanceModel, IgnoresInvalidSamples) {
   std::vector<Sample> known = samples();
   const std::size_t good = known.size();
   for (const double seconds : {0.0, -1.0, std::nan(""), HUGE_VAL}) {
@@ -216,7 +216,7 @@ TEST(PerformanceModel, MeetingsAndContentionComeFromThreads) {
 }
 
 // What steps were measured to take beyond their packs counts, not what other kernels say about the machine.
-TEST(PerformanceModel, WhatIsAroundThePacksComesFromSteps) {
+TEST(PerformanceModel, LearnsTheTimeAroundPacksFromSteps) {
   std::vector<Sample> known = samples();
   const double before = PerformanceModel(known).around(500, 3000).seconds;
   EXPECT_EQ(PerformanceModel(known).around(500, 3000).origin, Origin::prior);
@@ -239,7 +239,7 @@ TEST(PerformanceModel, WhatIsAroundThePacksComesFromSteps) {
   EXPECT_EQ(model.kernel(Kernel::around, {.n = 102, .terms = 1500}, {}).seconds, model.around(102, 1500).seconds);
 }
 
-TEST(Kernels, HaveNamesThatCanBeRead) {
+TEST(Kernels, NamesRoundTrip) {
   for (const Kernel kernel :
        {Kernel::evaluate, Kernel::factor, Kernel::solve, Kernel::pack, Kernel::meeting, Kernel::step, Kernel::around}) {
     EXPECT_EQ(parse_kernel(name(kernel)), kernel);

@@ -86,7 +86,7 @@ void expect_to_run_alike(const Prepared& made, const std::string& text) {
   expect_same_run(run(made), run(again));
 }
 
-TEST(SavedPlan, EveryShippedSceneRunsAsItsOriginal) {
+TEST(SavedPlan, EveryShippedSceneRunsLikeItsOriginal) {
   for (const std::string& text : shipped()) {
     const Scene scene = shortened(open_scene(text), 40);
     std::vector<PrepareOptions> ways = {{}, {.strategy = "irreducible/lanes:8"}, {.strategy = "groups/eigen:4 3x1"}};
@@ -106,7 +106,7 @@ TEST(SavedPlan, EveryShippedSceneRunsAsItsOriginal) {
   }
 }
 
-TEST(SavedPlan, LawsAndNamesReadBackAsTheyWere) {
+TEST(SavedPlan, LawsAndNamesReadBackUnchanged) {
   SceneBuilder b("a \"four\\bar\"\nof two lines", 2);
   b.fixed_point("A", {0, 0}).fixed_point("D", {2, 0}).point("B", {0.8, 0}).point("C", {1.6, 1.2});
   b.constrain("coupler", Distance{"B", "C", 1.8}).constrain("rocker", Distance{"D", "C", 1.3});
@@ -122,7 +122,7 @@ TEST(SavedPlan, LawsAndNamesReadBackAsTheyWere) {
   }
 }
 
-TEST(SavedPlan, WantedOutputsAndWhatIsSolvedOnce) {
+TEST(SavedPlan, KeepsOutputsAndGroupsSolvedOnce) {
   const std::vector<std::vector<std::string>> wanted = {
       {"B1.position"}, {"rocker_angle.rate", "B1.velocity"}, {"B0", "B1", "rocker_angle.value"}};
   for (const auto& outputs : wanted) {
@@ -131,7 +131,7 @@ TEST(SavedPlan, WantedOutputsAndWhatIsSolvedOnce) {
   }
 }
 
-TEST(SavedPlan, ControlledDriversAreSetAsInTheOriginal) {
+TEST(SavedPlan, ControlledDriversCanBeSet) {
   for (const std::string strategy : {"auto", "groups/eigen", "irreducible/lanes:8"}) {
     const Prepared made = prepare(sample("stewart"), {.strategy = strategy, .controlled = {"pose"}});
     Simulator original(made), again(loaded(saved(made)));
@@ -148,7 +148,7 @@ TEST(SavedPlan, ControlledDriversAreSetAsInTheOriginal) {
   }
 }
 
-TEST(SavedPlan, MembersOfAnEnsembleShareALoadedPlan) {
+TEST(SavedPlan, EnsembleMembersShareALoadedPlan) {
   const Prepared made = prepare(shortened(sample("stewart"), 20), {"irreducible/lanes:4"});
   const Prepared again = loaded(saved(made));
   Ensemble original(5, [&](std::size_t) { return made; }), copy(5, [&](std::size_t) { return again; });
@@ -157,14 +157,14 @@ TEST(SavedPlan, MembersOfAnEnsembleShareALoadedPlan) {
   EXPECT_TRUE(std::equal(a.values().begin(), a.values().end(), b.values().begin(), test::same_bits));
 }
 
-TEST(SavedPlan, TheCoreHasWhatItNeeds) {
+TEST(SavedPlan, TheCoreAloneRunsALoadedPlan) {
   const Prepared made = prepare(shortened(sample("stewart"), 40), {"irreducible/lanes:8"});
   const Result original = run(made), alone = run(loaded(saved(made), {}));
   expect_same_run(original, alone);
 }
 
 // A rod too many on each triangle: see levels_test.cpp. Which one is left out changes on the way.
-TEST(SavedPlan, WithoutTheSceneRedundantEquationsAreNotChosenAnew) {
+TEST(SavedPlan, DoesNotReselectEquationsWithoutTheScene) {
   SceneBuilder b("triangle", 2);
   const double x = std::cos(1.5), y = std::sin(1.5);
   b.fixed_point("A", {0, 0}).point("B", {x, y}).constrain("crank", Distance{"A", "B", 1.0});
@@ -230,7 +230,7 @@ TEST(SavedPlan, FunctionsCannotBeSaved) {
   EXPECT_NE(what.find("'rocker'"), std::string::npos) << what;
 }
 
-TEST(SavedPlan, ABackendThatIsNotAtHandIsNamed) {
+TEST(SavedPlan, NamesAMissingBackend) {
   if (test::sparse() != "klu") GTEST_SKIP() << "without klu";
   const std::string text = saved(prepare(sample("stewart"), {"groups/klu"}));
   std::string what;
@@ -240,7 +240,7 @@ TEST(SavedPlan, ABackendThatIsNotAtHandIsNamed) {
   EXPECT_NO_THROW((void)loaded(text, {.table = backends()}));
 }
 
-TEST(SavedPlan, FewerThreadsAreTakenAndSaid) {
+TEST(SavedPlan, UsesFewerThreadsAndReportsIt) {
   const Prepared made = prepare(shortened(sample("stewart"), 20), {"groups/eigen 3x1", {}, ThreadBudget{3}});
   const std::string text = saved(made);
   EXPECT_EQ(loaded(text, {.budget = ThreadBudget{3}}).plan.reason, "forced");
@@ -252,7 +252,7 @@ TEST(SavedPlan, FewerThreadsAreTakenAndSaid) {
   EXPECT_EQ(kind_of([&] { (void)loaded(text, {.budget = ThreadBudget{0}}); }), Error::Kind::input);
 }
 
-TEST(SavedPlan, ThreadsWithinTheLinearAlgebraAreNotTakenAway) {
+TEST(SavedPlan, KeepsThreadsOfTheLinearAlgebra) {
   if (!find_backend(backends(), "team").why_not({}, {2}).empty()) GTEST_SKIP() << "without team";
   const std::string text = saved(prepare(sample("stewart"), {"groups/team 2x2", {}, ThreadBudget{4}}));
   EXPECT_EQ(loaded(text, {.table = backends(), .budget = ThreadBudget{3}}).plan.run.threads, 1);
@@ -266,7 +266,7 @@ TEST(SavedPlan, TheReferenceNeedsTheScene) {
   EXPECT_THROW((void)forward_error(again, motion), Error);
 }
 
-TEST(SavedPlan, OtherFilesAreRefused) {
+TEST(SavedPlan, RefusesOtherFiles) {
   const std::string text = saved(prepare(sample("four_bar"), {"groups/eigen"}));
   std::string what;
   for (const std::string& other : {std::string("{\"assur\": 1}"), std::string("\0\0\0", 3), text.substr(1)}) {
@@ -301,7 +301,7 @@ std::string signed_again(std::string text) {
   return text + "checksum " + digits + "\n";
 }
 
-TEST(SavedPlan, DamageIsNoticed) {
+TEST(SavedPlan, DetectsDamage) {
   const std::string text = saved(prepare(sample("stewart"), {"irreducible/lanes:8"}));
   ASSERT_EQ(signed_again(text), text);
   std::mt19937 random(5);
@@ -336,7 +336,7 @@ std::vector<std::pair<std::size_t, std::size_t>> numbers_of(const std::string& t
 
 // What a checksum does not notice: numbers that were changed by somebody who wrote a new one. The plan is refused, or
 // the motion is another one or ends with a status; the memory of nobody is touched, which address sanitizers see.
-TEST(SavedPlan, NumbersThatDoNotFitAreRefused) {
+TEST(SavedPlan, SurvivesTamperedNumbers) {
   // Others with --gtest_shuffle.
   std::mt19937 random(17 + static_cast<unsigned>(testing::UnitTest::GetInstance()->random_seed()));
   const auto below = [&](std::size_t n) { return std::uniform_int_distribution<std::size_t>(0, n - 1)(random); };

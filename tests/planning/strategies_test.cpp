@@ -71,7 +71,7 @@ TEST(StrategySpace, FollowsFromThePropertiesOfARow) {
   EXPECT_EQ(texts(space, {.table = std::span(table).last(1)}), in_turns);
 }
 
-TEST(StrategySpace, IsFilteredByShapeNameAndWish) {
+TEST(StrategySpace, IsFilteredByShapeNameAndPredicate) {
   const std::array table = {kPlain, kRich, kInTurns};
   const std::vector<std::string> without = {"rich"};
   const auto listed = [&](const StrategyFilter& filter) { return texts({}, filter); };
@@ -82,7 +82,7 @@ TEST(StrategySpace, IsFilteredByShapeNameAndWish) {
             std::vector<std::string>{"groups/in_turns"});
 }
 
-TEST(StrategySpace, HoldsEveryStrategyOnceAndInItsShortestText) {
+TEST(StrategySpace, HoldsEveryStrategyOnceWithItsShortestText) {
   const std::vector<Strategy> all = strategies(large(), {.table = backends(), .shape = {.n = 20, .nnz = 60}});
   ASSERT_GT(all.size(), 1000u);
   std::set<std::string> seen;

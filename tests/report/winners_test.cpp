@@ -18,7 +18,7 @@ std::size_t count(const std::string& text, const std::string& part) {
   return n;
 }
 
-TEST(Winners, WithoutMeasurementsSayThatTheyAreThePrior) {
+TEST(Winners, NameThePriorWithoutSamples) {
   Conditions conditions;
   conditions.quick = true;
   const Section s = winners(nothing_known(), conditions);
@@ -34,7 +34,7 @@ TEST(Winners, WithoutMeasurementsSayThatTheyAreThePrior) {
   EXPECT_EQ(count(s.body, "class=\"measured\""), 2u) << "dots where nothing was measured, beyond those of the legends";
 }
 
-TEST(Winners, ListTheCrossoversThatWereMeasured) {
+TEST(Winners, ListMeasuredCrossovers) {
   Conditions conditions;
   conditions.quick = true;
   Knowledge k = nothing_known();
