@@ -1,4 +1,4 @@
-// What is KLU's own: pivots that are kept from one factorisation to the next, and watched.
+// Special to KLU: it keeps its pivots from one factorisation to the next, and checks them.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -19,7 +19,7 @@ class Klu : public testing::Test {
     solver_ = klu.make(ThreadBudget{}, Precision::binary64);
   }
 
-  // Factorises, and returns the backward error of one solution. New pivots are what allocates.
+  // Factorises, and returns the backward error of one solution. Only new pivots allocate.
   double step(const Matrix& a) {
     const auto before = allocations();
     EXPECT_TRUE(solver_->factorize(a.values).ok());
@@ -71,7 +71,7 @@ TEST_F(Klu, SolvesRingsToRoundingError) {
   }
 }
 
-// Entries turn at their own phase, so that in time every pivot passes through zero.
+// Entries oscillate with different phases, so that every pivot passes through zero at some time.
 TEST_F(Klu, RepivotsOnlyWhenPivotsBecomeBad) {
   const int n = 15, steps = 2000;
   Random random(4);
@@ -89,7 +89,7 @@ TEST_F(Klu, RepivotsOnlyWhenPivotsBecomeBad) {
   EXPECT_LT(pivoted, steps / 20);  // the rest is refactorised
 }
 
-// A small pivot whose damage shows in L alone: on the diagonal's pivots U is {e 1 0; 1 0; 1}, and L holds 1/e twice.
+// A small pivot that only causes large entries in L: with diagonal pivots U is {e 1 0; 1 0; 1}, and L has 1/e twice.
 TEST_F(Klu, DetectsGrowthInL) {
   const auto matrix = [](double e) {
     const double rows[3][3] = {{e, 1, 0}, {0, 1, 0}, {1, 0, 1}};
@@ -107,7 +107,7 @@ TEST_F(Klu, DetectsGrowthInL) {
   EXPECT_FALSE(pivoted_);
 }
 
-// Powers of two alone: whenever scales are chosen anew, the pivots stay and so does every bit of the solution.
+// Scales are powers of two, so that new scales change neither the pivots nor any bit of the solution.
 TEST_F(Klu, AcceptsRowsThatChangeTheirScale) {
   const int n = 15;
   Random random(8);

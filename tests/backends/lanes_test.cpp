@@ -1,5 +1,4 @@
-// What is the own of `lanes`: pivots fixed for a class, watched in every lane, on every instruction set of this
-// machine.
+// Special to `lanes`: fixed pivots for a class, checked in every lane, on every instruction set of this machine.
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
@@ -62,7 +61,7 @@ class LanesOn : public testing::TestWithParam<std::int64_t> {
   void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
 };
 
-// Those of this machine that the library was compiled for.
+// The instruction sets of this machine that the library was compiled for.
 std::vector<std::int64_t> instruction_sets() {
   std::vector<std::int64_t> sets;
   for (std::int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1) {
@@ -127,7 +126,7 @@ TEST_P(LanesOn, SolutionsAgreeWithExtendedPrecision) {
   }
 }
 
-// The same matrix in every lane and with every neighbour: the same bits.
+// The same matrix gives the same bits in every lane and with any neighbours.
 TEST_P(LanesOn, LanesAreIndependent) {
   Random random(2);
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -179,7 +178,7 @@ TEST_P(LanesOn, SolvesRingsToRoundingErrorAndRepeatsBitwise) {
   }
 }
 
-// Entries turn at their own phase in one lane, so that in time every pivot passes through zero there.
+// Entries of one lane oscillate with different phases, so that every pivot passes through zero at some time.
 TEST_P(LanesOn, SurvivesAPivotThatPassesThroughZero) {
   const int n = 15, steps = 2000, lanes = 8;
   Random random(4);
@@ -205,9 +204,9 @@ TEST_P(LanesOn, SurvivesAPivotThatPassesThroughZero) {
 INSTANTIATE_TEST_SUITE_P(Targets, LanesOn, testing::ValuesIn(instruction_sets()),
                          [](const auto& row) { return std::string(hwy::TargetName(row.param)); });
 
-// ---- lanes that the pivots of the class do not serve
+// ---- lanes that need other pivots than the class
 
-// [d 1; 1 d]: pivots on the diagonal for large d, beside it for small.
+// [d 1; 1 d]: needs pivots on the diagonal for large d, and beside it for small d.
 Matrix two(double d) {
   return compress(
       2, [](int, int) { return true; }, [=](int i, int j) { return i == j ? d : 1.0; });
@@ -248,8 +247,8 @@ TEST(Lanes, SolvesTransposedSystemsOfARepeatedLane) {
   const auto solver = make();
   ASSERT_TRUE(solver->analyze(pack.pattern(), 4).ok());
   ASSERT_TRUE(solver->factorize(pack.values()).ok());
-  // In one lane all but a permuted diagonal nearly vanishes, so that six entries alone can be pivots: for one of the
-  // permutations the six of the class are not among them.
+  // In one lane all entries except a permuted diagonal nearly vanish, so that only six entries can be pivots; for one
+  // permutation these are not the pivots of the class.
   for (int shift = 0; shift < 6; ++shift) {
     Pack other = pack;
     scale(other.matrices[1], [&](int i, int j) { return (i + shift) % 6 == j ? 1 : 1e-12; });
@@ -299,7 +298,7 @@ TEST(Lanes, RepivotsWhenLanesKeepFailing) {
   EXPECT_EQ(solver->effort().redone, redone);
 }
 
-// No pivots serve both lanes: new ones are tried ever more seldom.
+// No pivots suit both lanes, so new ones are tried less and less often.
 TEST(Lanes, DisagreeingLanesDoNotRepivotForever) {
   const auto solver = make();
   ASSERT_TRUE(solver->analyze(two(4).pattern, 2).ok());
@@ -336,7 +335,7 @@ TEST(Lanes, FactorisesNumbersBeyondFloatInDouble) {
   EXPECT_EQ(solver->effort().redone, 2);
 }
 
-// ---- what a class shares
+// ---- data shared by a class
 
 TEST(Lanes, ACloneSharesOnlyThePivots) {
   Random random(3);
@@ -414,7 +413,7 @@ TEST(Lanes, BackwardSubstitutionStopsAtTheWantedUnknowns) {
       n, [](int i, int j) { return j == i || j == i + 1; }, [&](int, int) { return nonzero(random); });
   const lanes::Elimination program =
       lanes::write_program(a.pattern, lanes::markowitz_order(a.pattern, a.values, 1, 1, {}));
-  // As rows or as columns of a triangle, one of the two substitutions does everything.
+  // For rows or columns of a triangle, one of the two substitutions does all the work.
   for (std::size_t first = 0; first <= n; ++first) EXPECT_EQ(program.wanted_rows[first], n - first);
 }
 

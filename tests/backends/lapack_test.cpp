@@ -1,4 +1,4 @@
-// What is LAPACK's own: the threads of its library.
+// Special to LAPACK: the threads of its library.
 #include <gtest/gtest.h>
 
 #include <thread>

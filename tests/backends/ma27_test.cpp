@@ -1,5 +1,5 @@
-// MA27 is loaded at run time. These tests run without HSL, with a library that stands in for it, and with one that has
-// no MA27 (tests/CMakeLists.txt).
+// MA27 is loaded at run time. These tests run without HSL, with a substitute of it, and with a library without MA27
+// (tests/CMakeLists.txt).
 #include <dlfcn.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// What backend.hpp promises beside the table of matrices: lanes apart, wanted unknowns, a steady state, misuse.
+// Contracts of backend.hpp besides the table of matrices: independent lanes, wanted unknowns, steady state, misuse.
 #include <gtest/gtest.h>
 
 #include <map>

@@ -1,4 +1,4 @@
-// Float, in the dense backends: factorised and solved in it, ranges included.
+// Factorisation and solution in float by the dense backends, including its range.
 #include <gtest/gtest.h>
 
 #include "assur/backend.hpp"
@@ -66,7 +66,7 @@ TEST_P(Single, ReportsValuesBeyondFloatAsNotFinite) {
   EXPECT_EQ(factorize(a), Code::singular);
 }
 
-// A residual to be refined can be as small as it likes.
+// Residuals in refinement can be arbitrarily small.
 TEST_P(Single, RightHandSidesMayHaveAnySize) {
   Random random(3);
   const int n = 15;

@@ -1,4 +1,4 @@
-// The decorators: refinement, float with double behind it, residual check.
+// The decorators: refinement, float with double as fallback, residual check.
 #include "backends/refined.hpp"
 
 #include <gtest/gtest.h>
@@ -140,8 +140,8 @@ TEST(Refined, KeepsStatusSingularAndNotFinite) {
   }
 }
 
-// The last two equations ask two unknowns to vanish, but pivots come from the others, so that rounding errors remain:
-// in those rows a componentwise error of 1 is no failure.
+// The last two equations make two unknowns vanish, but the pivots come from other equations, so that rounding errors
+// remain: in these rows a componentwise error of 1 is no failure.
 TEST(Refined, VanishingUnknownsRaiseNoAlarm) {
   Random random(5);
   int errors_of_one = 0;
@@ -161,7 +161,7 @@ TEST(Refined, VanishingUnknownsRaiseNoAlarm) {
   EXPECT_GT(errors_of_one, 0);
 }
 
-// A solver whose answers are wrong in the first digit: refinement cannot save those, and the check sees them.
+// A solver with errors in the first digit, which refinement cannot repair and the check has to find.
 class Wrong final : public LinearSolver {
  public:
   explicit Wrong(double factor) : factor_(factor) {}
@@ -182,7 +182,7 @@ class Wrong final : public LinearSolver {
 TEST(Refined, TheResidualCheckSeesAWrongSolution) {
   Random random(5);
   Matrix a = dense(9, random);
-  // Largest entries of 1 in every row and column: so the residual is measured as it is.
+  // Scaled to largest entries of 1 in all rows and columns, so that the residual needs no scaling.
   const double largest = std::abs(*std::max_element(a.values.begin(), a.values.end(),
                                                     [](double x, double y) { return std::abs(x) < std::abs(y); }));
   for (double& value : a.values) value /= 2 * largest;
@@ -198,7 +198,7 @@ TEST(Refined, TheResidualCheckSeesAWrongSolution) {
   EXPECT_EQ(infinite.status.code, Code::not_converged);
 }
 
-// Whatever the units of rows and columns, no row of a solution in float is worse than in double.
+// For all units of rows and columns, no row of a solution in float is worse than in double.
 TEST(Refined, ChecksSmallRowsBesideLargeRows) {
   Random random(8);
   Matrix a = dense(12, random);
@@ -227,7 +227,7 @@ TEST(Refined, ReportsNotConvergedIfRefinementFails) {
   EXPECT_GT(solution.status.figure, 0.1);
 }
 
-// Factors whatever it is given, and solves nothing.
+// Accepts every matrix, but solves none.
 class Optimist final : public LinearSolver {
  public:
   Status analyze(const Pattern&, int) override { return {}; }
@@ -236,7 +236,7 @@ class Optimist final : public LinearSolver {
   [[nodiscard]] Figures figures(int) const override { return {true, 1, 1, 1}; }
 };
 
-// That float does not serve may show in a solution only; then double finds the matrix singular.
+// Only the solution shows that float fails; then double finds that the matrix is singular.
 TEST(Refined, FiguresOfAnUnsolvableLaneReportIt) {
   Backend row = kPlainLu;
   row.make = [](ThreadBudget budget, Precision precision) -> std::unique_ptr<LinearSolver> {

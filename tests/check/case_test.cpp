@@ -1,4 +1,4 @@
-// The files of the stability suite, and what they may say.
+// The files of the stability suite and their syntax.
 #include "check/case.hpp"
 
 #include <gtest/gtest.h>
@@ -41,7 +41,7 @@ TEST(Cases, IncludeAllRequiredCases) {
   }
 }
 
-// A scene that no longer reads would pass for a refusal.
+// A scene with a reading error would otherwise count as a refusal.
 TEST(Cases, HaveReadableScenesUnlessRefusalIsExpected) {
   for (const Case& c : all_cases()) {
     if (!c.matrix.empty() || c.maker == "wide") continue;

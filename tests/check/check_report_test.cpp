@@ -1,4 +1,4 @@
-// What `assur check` says of results that are made up.
+// The output of `assur check` for artificial results.
 #include "check/check_report.hpp"
 
 #include <gtest/gtest.h>

@@ -25,7 +25,7 @@ TEST(Matrices, AllSolversSolveWellConditionedMatrices) {
   EXPECT_LE(*r.condition, 10);
 }
 
-// Growth of 2^59 spoils a plain solution with partial pivoting. It is told, and refinement mends it.
+// Growth of 2^59 spoils a solution with partial pivoting. It is reported, and refinement repairs it.
 TEST(Matrices, ReportsPivotGrowth) {
   const Result r = result_of("wilkinson", {{"n", 60}}, {"pass"}, 1e-6);
   const auto eigen = std::find_if(r.unexpected.begin(), r.unexpected.end(),

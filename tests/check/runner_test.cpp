@@ -1,4 +1,4 @@
-// The suite finds what is wrong: with a mechanism, and with an expectation.
+// The suite finds wrong mechanisms and wrong expectations.
 #include "check/runner.hpp"
 
 #include <gtest/gtest.h>
@@ -49,7 +49,7 @@ TEST(Runner, FindsAnUnexpectedFold) {
   EXPECT_EQ(r.verdict, "limit_reached");
 }
 
-// A clean run that is held against another motion: a rhombus is no parallelogram twice as wide.
+// A clean run that is compared with another motion: a rhombus is no parallelogram of twice the width.
 TEST(Runner, FindsACleanRunThatIsWrong) {
   Case c = case_of("n_four_bar:loops=2,steps=20", {{"pass"}, ""});
   EXPECT_TRUE(run(c).passed());
@@ -131,7 +131,7 @@ TEST(Runner, FindsATwinThatDiffersInBits) {
   EXPECT_EQ(run(c).verdict, "other_bits");
 }
 
-// The suite's own yardstick is the library's forward_error.
+// The errors of the suite agree with forward_error() of the library.
 TEST(Yardstick, AgreesWithForwardError) {
   for (const char* text : {"slider_crank:offset=0.02,steps=50,step=0.02", "stewart:steps=20", "bricard:steps=50",
                            "whitworth:steps=50", "almost_parallelogram:delta=1e-6"}) {
@@ -144,12 +144,12 @@ TEST(Yardstick, AgreesWithForwardError) {
     const Trajectory trajectory = simulator.run();
     const ForwardError expected = forward_error(prepared, trajectory);
     const double worst = std::max({expected.position, expected.velocity, expected.acceleration});
-    // Rows of the reference are kept in 64 bits.
+    // Rows of the reference are stored in doubles.
     EXPECT_NEAR(yardstick.forward_error(trajectory, trajectory.rows()), worst, 1e-3 * worst + 1e-18);
   }
 }
 
-// What a run itself calls inaccurate is left out row by row, and is no measure for the others' size.
+// Rows that a run reports as inaccurate do not count, neither for errors nor for the size of the outputs.
 TEST(Yardstick, LeavesOutRowsThatDoNotCount) {
   const Prepared prepared = prepare(sample("n_four_bar:loops=1,steps=20").with_outputs({"B1"}));
   Simulator simulator(prepared);
@@ -162,7 +162,7 @@ TEST(Yardstick, LeavesOutRowsThatDoNotCount) {
     };
   };
   Yardstick yardstick(prepared, known_motion(prepared, shifted_from(0.105)));
-  // B1 starts at (1, 1), and is never further out.
+  // B1 starts at (1, 1), its largest distance.
   const double size = std::max(1.0, prepared.structure->system->unit(1));
   EXPECT_NEAR(yardstick.forward_error(trajectory, trajectory.rows()), 1e-3 / size, 1e-12);
   EXPECT_LE(yardstick.forward_error(trajectory, trajectory.rows(), [](std::size_t row) { return row < 11; }), 1e-14);

@@ -1,4 +1,4 @@
-// `assur check`, as a user runs it.
+// The command `assur check`.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -56,7 +56,7 @@ TEST(Check, RejectsAnInvalidSceneAsBadInput) {
             "error: --case: no case has a name that starts with \"bogus\"\n");
 }
 
-// Almost at a change point some predictors lead to substeps that are in doubt, others not.
+// Near a change point some predictors lead to doubtful substeps, others do not.
 TEST(Check, ReportsDisagreeingStrategiesWithTheirCommands) {
   const Outcome outcome =
       run_command({"check", "almost_parallelogram:delta=5e-10,step=0.01,steps=50",
@@ -69,7 +69,7 @@ TEST(Check, ReportsDisagreeingStrategiesWithTheirCommands) {
 }
 
 TEST(Check, CtrlCKeepsFinishedCases) {
-  // How long it will take is told from the first case that is done.
+  // The remaining time is shown after the first case.
   const Outcome outcome = run_command({"check", "--json"}, {{}, {}, " left"});
   EXPECT_EQ(outcome.status, 130);
   EXPECT_GT(outcome.json()["cases"].size(), 0u);

@@ -67,7 +67,7 @@ TEST(Db, InfoExplainsUnreadableDatabases) {
   EXPECT_EQ(rows(scratch.file("absent.db"), {"info"}).at(0)["why_not"], "does not exist");
 }
 
-// Many bytes in the middle: nothing is believed in silence.
+// Damages many bytes in the middle; every command has to report it.
 TEST(Db, EveryCommandReportsDamage) {
   const Scratch scratch;
   const std::string file = scratch.file("tuning.db");

@@ -15,8 +15,8 @@
 namespace assur {
 namespace {
 
-// The crank turns until coupler and rocker are in line: |B - D| = coupler + 1, at 1.31... for a coupler of 1, beyond
-// t = 2 for one of 1.8 or more. From 2 on it cannot be assembled.
+// The crank turns until coupler and rocker are in line, |B - D| = coupler + 1: at 1.31... for a coupler of 1, after t =
+// 2 for couplers of 1.8 or more. Couplers of 2 or more cannot be assembled.
 const char* const kFold = R"({
   "assur": 1, "name": "fold", "dimension": 2, "parameters": {"coupler": 1},
   "points": {"A": {"at": [0, 0], "fixed": true}, "D": {"at": [2, 0], "fixed": true},
@@ -47,7 +47,7 @@ std::vector<Row> rows_of(const std::string& csv) {
 
 class Ensembles : public testing::Test {
  protected:
-  // assur run SCENE --ensemble FILE ..., the file with this text.
+  // assur run SCENE --ensemble FILE ..., where FILE contains `variants`.
   Outcome run(const std::string& scene, const std::string& variants, std::vector<std::string> more = {},
               const Setting& setting = {}) const {
     more.insert(more.begin(), {"run", scene, "--ensemble", scratch_.file("variants.csv", variants)});
@@ -79,8 +79,8 @@ TEST_F(Ensembles, CsvEqualsTheTrajectoryOfTheLibrary) {
   }
 }
 
-// Position, velocity and acceleration carry up to the third power of the condition, which is below 8 here (coupler and
-// rocker stay 18 degrees away from one line), and a few operations each.
+// Errors of position, velocity and acceleration have up to the third power of the condition, which is below 8 (coupler
+// and rocker stay 18 degrees away from one line), and a few roundings.
 TEST_F(Ensembles, MembersMoveAsInSingleRuns) {
   constexpr double kTolerance = 8 * 8 * 8 * 4 * std::numeric_limits<double>::epsilon();
   const std::string scene = fold();
@@ -296,7 +296,7 @@ TEST_F(Ensembles, PageFitsEightyColumns) {
   }
 }
 
-// The two motions are no farther apart than their true errors allow, over the largest of the outputs.
+// The two motions differ by at most their true errors, relative to the largest output.
 TEST(Mode, ThroughputGivesTheSameMotion) {
   std::vector<std::vector<Row>> motions;
   double allowed = 0;

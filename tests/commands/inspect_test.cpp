@@ -57,7 +57,7 @@ TEST(Inspect, OutputsReduceTheGroups) {
   }
 }
 
-// Declared groups, and the irreducible ones that `auto` takes: each as a run in that formulation leaves out.
+// For declared groups and for the irreducible ones of `auto`: inspect and run leave out the same.
 TEST(Inspect, LeavesOutTheSameAsRun) {
   for (const std::string scene : {"stewart", "slider_crank", "four_bar:3"}) {
     const std::string output = scene == "stewart"        ? "handle1.value"
@@ -78,7 +78,7 @@ TEST(Inspect, LeavesOutTheSameAsRun) {
       << page.out;
 }
 
-// The posture first, then the drivers, then what was written carelessly.
+// First notes on the posture, then on drivers, then on careless input.
 TEST(Inspect, PrintsNotesOnceInOrderOfImportance) {
   const Scratch scratch;
   const std::string scene = scratch.file("notes.json", R"({"assur": 1, "dimension": 2,
@@ -95,7 +95,7 @@ TEST(Inspect, PrintsNotesOnceInOrderOfImportance) {
   EXPECT_EQ(notes[2]["what"], "2 vectors are normalised: u has length 2, v 3");
 }
 
-// Everything in the JSON that stands in the structure is the structure's.
+// All figures of the JSON equal those of the structure.
 TEST(Inspect, JsonHasTheStructure) {
   for (const std::string scene : {"andrews", "slider_crank", "four_bar:5", "rings:legs=2,n=12"}) {
     for (const Formulation formulation : {Formulation::global, Formulation::groups, Formulation::irreducible}) {

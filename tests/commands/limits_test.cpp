@@ -1,4 +1,4 @@
-// Numbers beyond a limit: the message comes first, and names the limit.
+// Numbers beyond a limit: the message comes before any work and names the limit.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
@@ -11,7 +11,7 @@
 namespace assur {
 namespace {
 
-// What is free differs from machine to machine.
+// Removes the amount of free memory, which depends on the machine.
 std::string without_free(const std::string& text) {
   return std::regex_replace(text, std::regex(", [0-9]+ free"), ", F free");
 }

@@ -1,4 +1,4 @@
-// The command where the system gives it little: memory, disk, terminal, time.
+// The command with scarce resources: memory, disk, terminal, time.
 #include <gtest/gtest.h>
 #include <sched.h>
 #include <stdlib.h>
@@ -35,7 +35,7 @@ std::size_t files_in(const fs::path& folder) {
   return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
 }
 
-// With too little address space it says so, and never hangs in a library.
+// With too little address space it reports this and does not hang in a library.
 TEST(Operations, EndsWithAnErrorWithoutMemory) {
 #if defined(ASSUR_ADDRESS_SANITIZER) || defined(ASSUR_THREAD_SANITIZER)
   GTEST_SKIP() << "sanitizers reserve more address space than there is memory";
@@ -60,7 +60,7 @@ TEST(Operations, EndsWithAnErrorWithoutMemory) {
   }
 }
 
-// What OpenBLAS's build for OpenMP pays no heed to does not mislead the command: it takes its memory all the same.
+// OpenBLAS for OpenMP ignores these settings and takes all its memory; the check of the command must know this.
 TEST(Operations, EndsWithAnErrorIfOpenBlasIgnoresSettings) {
 #if defined(ASSUR_ADDRESS_SANITIZER) || defined(ASSUR_THREAD_SANITIZER)
   GTEST_SKIP() << "sanitizers reserve more address space than there is memory";
@@ -155,7 +155,7 @@ TEST(Operations, FollowsLinksAndWritesToPipes) {
   EXPECT_TRUE(fs::is_character_file("/dev/null"));
 }
 
-// Whatever asks it to end: what was measured is kept, and it says how to go on.
+// After every kind of interrupt the samples are kept, and a message explains how to continue.
 TEST(Operations, AnInterruptedTunerSaysHowToContinue) {
   for (const int signal : {SIGINT, SIGTERM}) {
     const Scratch scratch;
@@ -203,7 +203,7 @@ TEST(Operations, ProgressBarFitsTheTerminal) {
   EXPECT_EQ(run_command(words, setting).err.find('\x1b'), std::string::npos);
 }
 
-// A page on a terminal keeps to its columns and says the same words; a wide one shows what a file gets.
+// A page on a terminal fits its columns and has the same words; a wide terminal gets the same page as a file.
 TEST(Operations, PagesFitTheTerminal) {
   const std::vector<std::vector<std::string>> calls = {
       {"plan", "stewart"},
@@ -245,7 +245,7 @@ TEST(Operations, PagesFitTheTerminal) {
   }
 }
 
-// The command itself knows one locale only.
+// The command ignores the locale of the environment.
 TEST(Operations, NoLocaleChangesAPlan) {
   const Scratch scratch;
   const std::string here = scratch.file("here"), there = scratch.file("there");

@@ -1,4 +1,4 @@
-// assur plan: what it saves, a program can run.
+// assur plan: programs can run the plans that it saves.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -38,7 +38,7 @@ TEST(Plan, UsesOnlyTheNamedDatabase) {
   }
 }
 
-// Without measurements: counts of operations, the same everywhere.
+// Without samples, times follow from operation counts and are the same on all machines.
 TEST(Plan, ShowsThePartsOfAStep) {
   const nlohmann::json all = run_command({"plan", "stewart", "--json", "--threads", "1"}).json();
   const nlohmann::json one =

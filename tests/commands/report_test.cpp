@@ -1,4 +1,4 @@
-// assur report, as a user runs it, for seconds: the files, what they say of each other, and Ctrl-C.
+// assur report with a budget of seconds: its files, whether they agree, and Ctrl-C.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace {
 const std::vector<std::string> kSections = {"winners", "regret",      "work-precision", "scaling",
                                             "steps",   "tuning-cost", "model-fit"};
 
-// Lines of a CSV whose texts are in quotes.
+// Rows of a CSV with quoted texts.
 std::vector<std::map<std::string, std::string>> rows_of(const std::string& file) {
   std::istringstream in(content(file));
   const auto cells = [](const std::string& line) {
@@ -65,7 +65,7 @@ TEST(ReportCommand, WritesPageCsvAndJsonWithTheSameNumbers) {
   EXPECT_FALSE(has(page, "not made"));
   EXPECT_TRUE(has(page, "There are no samples of this machine yet")) << "tests run without a tuning database";
   for (const char* word : {"http://", "https://", "<script"}) {
-    // The name of SVG looks like an address, but is none that is asked.
+    // The namespace of SVG looks like an address, but is not loaded.
     std::string rest = page;
     for (std::size_t at; (at = rest.find("http://www.w3.org/2000/svg")) != std::string::npos;) rest.erase(at, 26);
     EXPECT_FALSE(has(rest, word)) << word;
@@ -91,7 +91,7 @@ TEST(ReportCommand, WritesPageCsvAndJsonWithTheSameNumbers) {
       EXPECT_TRUE(seconds[row.at("item")].emplace(row.at("strategy"), value).second) << row.at("item");
     } else if (row.at("quantity") == "speed-up") {
       ++speed_ups;
-      // Over one thread or one lane of the same.
+      // Relative to one thread or one lane.
       const auto& of = seconds.at(row.at("item"));
       const double own = of.at(row.at("strategy"));
       EXPECT_TRUE(std::any_of(of.begin(), of.end(), [&](const auto& other) { return other.second / own == value; }))

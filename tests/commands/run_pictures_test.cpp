@@ -25,7 +25,7 @@ TEST(RunPictures, WritesBothPicturesWithoutChangingTheRun) {
   EXPECT_NE(content(picture).find("handle2, rate, rad/s"), std::string::npos);
 }
 
-// The driver alone would turn on; it is the points that no output needs which cannot follow.
+// The outputs depend only on the driver, which can turn further; points that no output needs end the motion.
 TEST(RunPictures, ShowsWhyAMotionEndsEarly) {
   const Scratch scratch;
   const std::string scene = scratch.file("fold.json", kFold), page = scratch.file("motion.html");

@@ -1,4 +1,4 @@
-// --threads, whose limits are those of the machine that tests.
+// --threads, with the limits of this machine.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -28,7 +28,7 @@ TEST(Threads, EveryCommandRefusesMoreThreadsThanProcessors) {
   }
 }
 
-// OMP_NUM_THREADS=1 makes any second thread one too many, for which it takes two processors.
+// With OMP_NUM_THREADS=1 a second thread exceeds the budget; the test needs two processors.
 TEST(Threads, WarnsOfMoreThreadsThanTheBudget) {
   if (this_machine().processors < 2) GTEST_SKIP() << "one processor";
   const char* const before = std::getenv("OMP_NUM_THREADS");

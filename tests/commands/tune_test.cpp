@@ -1,4 +1,4 @@
-// `assur tune`, as a user runs it, for two seconds.
+// The command `assur tune` with a budget of two seconds.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -62,7 +62,7 @@ TEST_F(Tune, MeasuresOnlyForTheScene) {
 }
 
 TEST_F(Tune, ContinuesAnInterruptedRun) {
-  // The first line of progress comes after a second, and cells have been stored by then.
+  // The first line of progress comes after a second, when some cells are stored.
   Setting setting;
   setting.interrupt_when_err = "of 60 seconds";
   const Outcome first = run_command({"tune", "--budget", "60", "--json"}, setting);
@@ -109,7 +109,7 @@ TEST_F(Tune, StatusOfATrialShowsWhetherASolverRuns) {
   EXPECT_EQ(run_command({"tune", "--trial", "groups/no_such_solver"}).status, 2);
 }
 
-// A library of a user's whose first call never returns: the trial is ended, the solver named, all others are measured.
+// A library whose first call never returns: its trial is stopped, the solver is named, and all others are measured.
 TEST_F(Tune, LeavesOutASolverThatHangs) {
   Setting setting;
   setting.before = [] { setenv("LD_LIBRARY_PATH", ASSUR_HSL_THAT_HANGS, 1); };
@@ -122,7 +122,7 @@ TEST_F(Tune, LeavesOutASolverThatHangs) {
   EXPECT_EQ(measured.count("ma27"), 0u);
 }
 
-// Where the seconds are over before the first cell, which no machine can prevent.
+// The budget is over before the first cell on every machine.
 TEST_F(Tune, ReportsThatNothingWasMeasured) {
   const Outcome outcome = run_command({"tune", "--budget", "1e-3", "--scene", "four_bar", "--quiet"});
   EXPECT_EQ(outcome.status, 3);

@@ -1,4 +1,4 @@
-// Options, help, and what a wrong call gets.
+// Options, help, and wrong arguments.
 #include <gtest/gtest.h>
 
 #include "commands/command.hpp"

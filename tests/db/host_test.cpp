@@ -59,7 +59,7 @@ TEST(Host, IgnoresFieldsWithoutInfluenceOnTimes) {
   other.machine.cores = {7, 6, 5, 4};
   EXPECT_EQ(likeness(host, other), Likeness::same);
   EXPECT_EQ(host.fingerprint().size(), 16u);
-  // Stored in databases: it must never come out otherwise.
+  // Databases store this fingerprint, so it must never change.
   EXPECT_EQ(host.fingerprint(), "2bacf650164fcad3");
 }
 
@@ -82,7 +82,7 @@ TEST(Host, LikenessFallsStepByStep) {
   EXPECT_EQ(with([](db::Host& h) { h.vendor = "Other"; }), Likeness::none);
 }
 
-// A program that writes 1234.5 as "1.234,5" reads and tells the same machine.
+// A locale that writes 1234.5 as "1.234,5" does not change the host.
 TEST(Host, IsTheSameInEveryLocale) {
   FileTree tree;
   tree.file("proc/meminfo", "MemTotal:       16384000 kB\n");

@@ -60,7 +60,7 @@ TEST_F(Databases, UsesSamplesOfTheSameMicroarchitectureLast) {
   EXPECT_TRUE(contains(model.model->source(), "same microarchitecture")) << model.model->source();
   EXPECT_TRUE(contains(model.model->source(), "Slow One"));
   EXPECT_EQ(model.messages.size(), 1u);
-  // A closer one in a later file comes before a less close one in an earlier file.
+  // A more similar host in a later file comes before a less similar one in an earlier file.
   make_database(file("b.db"), host_with(8), 6);
   EXPECT_EQ(read(files({"a.db", "b.db"}), host_with(4)).model->samples(), 6u);
   make_database(file("c.db"), host_with(4), 7);
@@ -90,7 +90,7 @@ TEST_F(Databases, CombinesSamplesOfOneMachine) {
   EXPECT_TRUE(contains(model.model->source(), file("system.db").string()));
 }
 
-// Only the rows of the library that changed, and one word for all of them.
+// Leaves out only samples of the changed library, with one message.
 TEST_F(Databases, LeavesOutSamplesOfOtherLibraryVersions) {
   {
     db::Store store(file("a.db"), db::Access::write);
@@ -143,7 +143,7 @@ TEST_F(Databases, WithoutDatabasesTheModelHasNoSamples) {
   EXPECT_TRUE(model.messages.empty());
 }
 
-// ctest sets ASSUR_DB to nothing.
+// ctest sets an empty ASSUR_DB.
 TEST(MachineModel, IsReadOnce) { EXPECT_EQ(&machine_model(), &machine_model()); }
 
 TEST(Libraries, OwnCodeHasTheVersionOfAssur) {

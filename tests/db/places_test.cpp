@@ -10,7 +10,7 @@
 namespace assur::test {
 namespace {
 
-// A variable of the environment, until the end of the scope.
+// Sets an environment variable until the end of the scope.
 class Variable {
  public:
   Variable(const char* name, const char* value) : name_(name) {

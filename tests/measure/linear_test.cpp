@@ -1,4 +1,4 @@
-// What a block of `factor` and `solve` does, and who is never timed.
+// The work of a block of `factor` and `solve`, and the solvers that are never timed.
 #include "measure/linear.hpp"
 #include "numbers.hpp"
 
@@ -16,7 +16,7 @@ Calls calls;
 double factor_of_results = 1;  // of a solver that computes what is wrong
 Code code_of_factorizations = Code::ok;
 
-// Passes everything on to another solver, and counts.
+// Forwards all calls to another solver and counts them.
 class Counting final : public LinearSolver {
  public:
   explicit Counting(std::unique_ptr<LinearSolver> solver) : solver_(std::move(solver)) {}
@@ -78,7 +78,7 @@ TEST_F(LinearTest, ABlockCountsFactorisationsOrSolutions) {
 
 TEST_F(LinearTest, ReportsTheErrorsOfItsSolutions) {
   const Linear linear(matrices_, strategy_, counting_);
-  // Higham, Accuracy and Stability, theorem 9.4: 3 n eps |L| |U|, and growth is small where diagonals are large.
+  // Higham, Accuracy and Stability, theorem 9.4: 3 n eps |L| |U|; growth is small for large diagonals.
   EXPECT_GT(linear.backward_error(), 0);
   EXPECT_LE(linear.backward_error(), 3 * 30 * kEps);
   EXPECT_GT(linear.forward_error(), 0);
@@ -110,7 +110,7 @@ TEST(Matrices, AreRegularForEveryPattern) {
     EXPECT_NE(m.values[0], m.values[1]);
     const Linear linear(m, parse_strategy("groups/eigen"), find_backend(backends(), "eigen"));
     EXPECT_EQ(linear.refused(), "");
-    // The diagonal is twice the radius of what is beside it: conditions near (2 + 1) / (2 - 1), sizes apart.
+    // The diagonal is twice the spectral radius of the rest: conditions near (2 + 1) / (2 - 1), except for sizes.
     EXPECT_LE(linear.forward_error(), 100 * n * kEps);
   }
 }

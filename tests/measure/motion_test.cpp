@@ -1,4 +1,4 @@
-// What a call of `pack`, `step` and `evaluate` does, counted.
+// Counts the work of a call of `pack`, `step` and `evaluate`.
 #include "measure/motion.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// On a machine whose pace the test sets.
+// The pace of a machine that the test controls.
 #include "measure/pace.hpp"
 
 #include <gtest/gtest.h>
@@ -69,7 +69,7 @@ TEST(Pace, ReportsFailingWork) {
   EXPECT_THROW(Pace(work, laboratory.instruments().clock, 0.5), Error);
 }
 
-// Its time is stored as what it is: that of a pack.
+// Its time is stored as a sample of a pack.
 TEST(Pace, FixedWorkIsAnOrdinarySample) {
   const FixedWork fixed = leg_steps();
   EXPECT_EQ(fixed.shape.n, 15);
@@ -79,7 +79,7 @@ TEST(Pace, FixedWorkIsAnOrdinarySample) {
   EXPECT_TRUE(fixed.work->run(12));
 }
 
-// A clock of each thread, and work that moves it.
+// A clock for each thread, and work that advances it.
 thread_local double own_clock = 0;
 
 class OnItsCore final : public Workload {

@@ -1,4 +1,4 @@
-// Who runs when, how often, and who leaves: all on a clock that only the test moves.
+// Order and number of runs in a race, on a clock that only the test advances.
 #include "measure/race.hpp"
 
 #include <gtest/gtest.h>
@@ -74,7 +74,7 @@ TEST_F(RaceTest, HopelessRunnersLeaveAndKeepTheirTimes) {
   EXPECT_GE(runners_[1].seconds.size(), 7u);
 }
 
-// Whatever the machine does meanwhile, for some moments or all the time.
+// For a machine that is slow for some moments, or all the time.
 TEST_F(RaceTest, CorrectsTimesToTheUsualPace) {
   enter(30e-6);
   enter(33e-6);
@@ -166,7 +166,7 @@ TEST_F(RaceTest, RepeatsDisturbedBlocks) {
   for (const double s : runners_[0].seconds) EXPECT_NEAR(s, 30e-6, 1e-9);
 }
 
-// Of what one thread does nothing is uneven, and what is disturbed is of all that was tried, whenever the time is over.
+// Blocks of one thread are never uneven, and all counted blocks include the repeated ones, even if time runs out.
 TEST_F(RaceTest, CountsNoMoreDisturbancesThanBlocks) {
   class Disturbed final : public Timed {
    public:
@@ -238,7 +238,7 @@ TEST_F(RaceTest, UsesOnlyTimesOnEvenCoresForSeveralThreads) {
   EXPECT_EQ(looks, 0);
 }
 
-// Where they never are, the race goes on: a time of uneven cores is better than none.
+// If cores never have the same pace, the race continues: a time on uneven cores is better than none.
 TEST_F(RaceTest, StopsWaitingForCoresThatStayUneven) {
   laboratory_.unevenness = 2;
   enter(30e-6);

@@ -1,5 +1,4 @@
-// The contest for one question; what a race finds depends on the machine, so small mechanisms, and what must hold of
-// any answer.
+// The contest for one question: properties that hold for every answer, because times depend on the machine.
 #include "measure/regret_question.hpp"
 
 #include <gtest/gtest.h>
@@ -19,7 +18,7 @@ TEST(PairedMedians, ASlowPassDoesNotChangeRatios) {
   EXPECT_TRUE(paired_medians({}).empty());
 }
 
-// One that had no turn in a pass is not the fastest for it.
+// A runner without a turn in a pass is not the fastest of that pass.
 TEST(PairedMedians, MissingTurnsCountAsSlow) {
   const std::vector<double> all = paired_medians({{0.5, 1}, {HUGE_VAL, 1}, {HUGE_VAL, 1}});
   EXPECT_EQ(all[0], HUGE_VAL);

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kClockCost = 30e-9;
 
-// A clock that only this test moves: each call costs kClockCost, half before and half after the reading.
+// A clock that only this test advances; a call costs kClockCost, half before and half after the reading.
 struct Laboratory {
   double now = 1000;
   int calls = 0;

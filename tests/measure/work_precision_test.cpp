@@ -1,4 +1,4 @@
-// Every way is judged by its true error before its time counts.
+// The true error of every strategy is known before its time counts.
 #include "measure/work_precision.hpp"
 
 #include <gtest/gtest.h>
@@ -48,7 +48,7 @@ TEST(WorkPrecision, FixedIterationsIncreaseTheError) {
   if (!work_precision(sample("four_bar:loops=2,steps=5"), quick({"groups/eigen"}, {})).no_yardstick.empty()) {
     GTEST_SKIP() << "no quad precision here";
   }
-  // Predictions of order 0 are off by some hundredths: two iterations square that once more than one does.
+  // Predictions of order 0 have errors of some hundredths, which two iterations square once more than one does.
   WorkPrecisionOptions options = quick({}, {1e-6});
   const Scene scene = sample("four_bar:loops=8,steps=30");
   const WorkPrecision result = work_precision(scene, options);
@@ -60,7 +60,7 @@ TEST(WorkPrecision, FixedIterationsIncreaseTheError) {
     }
     return least;
   };
-  // Predictors are turned in what was the fastest: in the global formulation, which has one level, iterations are free.
+  // Predictors vary in the fastest strategy; in the global formulation with its single level, iterations are not fixed.
   const bool turned_global = std::any_of(result.rows.begin(), result.rows.end(), [](const WorkPrecisionRow& row) {
     return row.strategy.starts_with("global/") && row.strategy.find("+predict=taylor:1") != std::string::npos;
   });

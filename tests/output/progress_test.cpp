@@ -41,7 +41,7 @@ TEST(Progress, UsesTheNounInSingularAndPlural) {
   EXPECT_EQ(out.str(), "100 %, 64 of 64 members\n");
 }
 
-// A line that wraps could not be erased.
+// A wrapped line could not be erased.
 TEST(Progress, IsNoWiderThanTheTerminal) {
   const auto drawn = [](std::size_t columns) {
     std::ostringstream out;

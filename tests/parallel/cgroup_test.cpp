@@ -7,7 +7,7 @@
 namespace assur::test {
 namespace {
 
-// As mountinfo shows a hierarchy: top is the group that the mount shows as its root.
+// A line of mountinfo; `top` is the group at the root of the mount.
 std::string mount(const std::string& top, const std::string& point, const std::string& type,
                   const std::string& options) {
   return "31 23 0:28 " + top + " " + point + " rw,nosuid shared:9 - " + type + " cgroup rw," + options + "\n";
@@ -47,7 +47,7 @@ TEST(CpuQuota, IsTheMinimumOfAllParentGroups) {
   EXPECT_EQ(cpu_quota(tree.root()), 0.5);
 }
 
-// What a container with a name space of its own sees: its group is the root of the mount.
+// In a container with its own name space, its group is the root of the mount.
 TEST(CpuQuota, ReadsAContainerAtTheMountPoint) {
   FileTree tree;
   tree.file("proc/self/cgroup", "0::/\n").file("proc/self/mountinfo", kMountV2);
@@ -55,7 +55,8 @@ TEST(CpuQuota, ReadsAContainerAtTheMountPoint) {
   EXPECT_EQ(cpu_quota(tree.root()), 2);
 }
 
-// Without one: the mount shows the container's group, the process names it from the top of the machine.
+// Without a name space, the mount shows the group of the container, but the process has its path from the machine's
+// root.
 TEST(CpuQuota, ReadsAGroupAtTheRootOfTheMount) {
   FileTree tree;
   tree.file("proc/self/cgroup", "4:cpu,cpuacct:/docker/4f/job\n");

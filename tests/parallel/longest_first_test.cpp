@@ -21,7 +21,7 @@ Packs of(const Shares& shares, int thread) {
   return {span.begin(), span.end()};
 }
 
-// The shortest of all shares, each tried.
+// The optimum by trying all assignments.
 double optimum(const std::vector<double>& cost, std::vector<double>& load, std::size_t pack = 0) {
   if (pack == cost.size()) return *std::max_element(load.begin(), load.end());
   double best = std::numeric_limits<double>::infinity();

@@ -200,7 +200,7 @@ TEST_F(Hwloc, AgreesWithLinux) {
   }
 }
 
-// ---- the machine at hand
+// ---- this machine
 
 TEST(ThisMachine, HasTheProcessorsOfTheCallingThread) {
   const Machine machine = this_machine();

@@ -95,7 +95,7 @@ TEST(Team, ARunAllocatesNothing) {
   EXPECT_EQ(sum, 300);
 }
 
-// The state of a thread as Linux tells it: R runs, S sleeps.
+// State of a thread in Linux: R runs, S sleeps.
 char state_of(long thread) {
   std::ifstream file("/proc/self/task/" + std::to_string(thread) + "/stat");
   std::string line;
@@ -287,7 +287,7 @@ TEST_F(ForkedTeam, RestartsInTheChild) {
   }
 }
 
-// Another thread of the parent is inside run() at the fork: the child gets no half of it.
+// At the fork, another thread of the parent is inside run(); the child starts without it.
 TEST_F(ForkedTeam, RestartsInTheChildWhileAtWork) {
   Team team(2);
   std::atomic<bool> at_work = false, end = false;
@@ -321,7 +321,7 @@ TEST_F(ForkedTeam, CanBeDestroyedInTheChild) {
             0);
 }
 
-// 16 threads are more than the cores of most machines that test: those who wait must let the others on.
+// 16 threads are more than the cores of most machines, so waiting threads must yield.
 TEST(Barrier, NobodyPassesBeforeAllHaveArrived) {
   for (int size : {1, 2, 4, 16}) {
     Team team(size);

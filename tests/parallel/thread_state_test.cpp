@@ -17,7 +17,7 @@
 namespace assur::test {
 namespace {
 
-// By way of the table: a program that calls no BLAS does not load one.
+// Uses the table of backends, because a program that calls no BLAS does not load one.
 std::string loaded() { return find_backend(backends(), "lapack").version(); }
 
 class BlasThreadsTest : public testing::Test {
@@ -64,7 +64,7 @@ TEST(Blas, TheLinkedBuildIsLoaded) {
 #endif
 }
 
-// A core that OpenBLAS can be told to use stands for a processor that it does not know.
+// A core type set for OpenBLAS imitates a processor that it does not know.
 TEST(Blas, ReportsKernelsWithUnusedInstructions) {
   EXPECT_NE(slow_kernels("Prescott", "AVX3_DL").find("OPENBLAS_CORETYPE=SkylakeX"), std::string::npos);
   EXPECT_NE(slow_kernels("Sandybridge", "AVX2").find("OPENBLAS_CORETYPE=Haswell"), std::string::npos);
@@ -96,7 +96,7 @@ TEST(Pinned, RefusesAMissingProcessor) {
   EXPECT_EQ(allowed_processors(), before);
 }
 
-// ---- nobody else
+// ---- source files
 
 TEST(ThreadState, OnlyOneFileChangesIt) {
   const std::regex change(

@@ -39,7 +39,7 @@ Shown show(const Scene& scene, std::int64_t until = -1) {
   return out;
 }
 
-// All postures of a four-bar are within what 24 bits over the range of its points can tell.
+// All postures of a four-bar are right within 24 bits over the range of its points.
 TEST(Animation, HasThePosturesOfTheRun) {
   const Scene scene = sample("four_bar").with_outputs({"rocker_angle"});
   const Shown shown = show(scene);

@@ -76,7 +76,7 @@ TEST(Drawing, AConstantActuatorHoldsAPlatformAtRest) {
   EXPECT_EQ(d.links.size(), 6u);
 }
 
-// One of each remaining element that says something about two points or more.
+// One of each remaining element that relates two or more points.
 TEST(Drawing, DrawsEveryElementThatRelatesPoints) {
   const Scene scene = SceneBuilder("all", 2)
                           .fixed_point("A", {0, 0})

@@ -54,7 +54,7 @@ TEST(OutputsOverTime, NamesOutputsThatDoNotFit) {
   EXPECT_NE(svg.find("The motion ends early: t = 1 s, group &lt;X&gt;."), std::string::npos);
 }
 
-// A turn of the crank in 50,000 steps, of which each stretch keeps its least and greatest value.
+// A turn of the crank in 50,000 steps; each stretch keeps its smallest and largest value.
 TEST(OutputsOverTime, ThinsManyStepsWithoutLosingPeaks) {
   const Scene scene = sample("slider_crank").with_outputs({"C.position"}).with_time({0, 1, 2e-5});
   const std::vector<double> y = heights(picture(scene), 0);

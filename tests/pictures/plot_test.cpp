@@ -1,4 +1,4 @@
-// Where in a picture the numbers stand.
+// Positions of numbers in a picture.
 #include "pictures/plot.hpp"
 
 #include <gtest/gtest.h>
@@ -88,7 +88,7 @@ TEST(Plot, MovesOverlappingLabels) {
   EXPECT_EQ(count(drawn(plot), "class=\"label\""), 8u + 1u);  // all around, and the one that is apart
 }
 
-// A front as narrow as that of many strategies that are equally fast, with its first point on an axis.
+// A narrow front, as of many equally fast strategies, with its first point on an axis.
 TEST(Plot, LabelsLieApartAndBesideTheMarks) {
   Plot plot = logarithmic({{1e-3, 1e-2}});
   for (int i = 0; i < 14; ++i) {

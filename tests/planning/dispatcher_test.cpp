@@ -1,4 +1,4 @@
-// What `auto` chooses on a made-up machine, and that it says why.
+// Choices of `auto` on an artificial machine, and their reasons.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -36,7 +36,7 @@ TEST(Together, ThreadsSlowEachOtherDown) {
 
 TEST(Dispatcher, ChoosesTheFastestStrategyOfTheMachine) {
   if (!available("klu")) GTEST_SKIP() << "without KLU";
-  // Where lanes are a thousand times as slow, nobody wants them.
+  // Lanes that are a thousand times slower are not chosen.
   std::vector<Sample> other = samples();
   for (Sample& s : other) {
     if (s.strategy.solver.backend == "lanes" && (s.kernel == Kernel::factor || s.kernel == Kernel::solve))
@@ -68,8 +68,8 @@ TEST(Dispatcher, LeavesOutExcludedBackends) {
   }
 }
 
-// The groups that this scene declares are none, for what lies between them belongs to neither: asked for by name they
-// are refused, and `auto` does without.
+// The declared groups of this scene are invalid, because a block between them belongs to neither: `groups` is refused,
+// and `auto` uses another formulation.
 TEST(Dispatcher, SkipsAnImpossibleFormulation) {
   SceneBuilder b("between", 2);
   b.fixed_point("A", {0, 0, 0}).fixed_point("B", {2, 0, 0}).point("C", {1, 0, 0});
@@ -117,7 +117,7 @@ TEST(Dispatcher, SharesALevelOnlyIfItGains) {
   EXPECT_EQ(few.plan.run.threads, 1);
 }
 
-// Where numbers are handed over slowly no level gains by itself, but the threads are there for the outputs then.
+// With slow communication no level gains by itself, but the threads that compute the outputs are available.
 TEST(Dispatcher, UsesOnlyMeasuredNumbersOfThreads) {
   std::vector<Sample> alone = samples();
   std::erase_if(alone, [](const Sample& s) { return s.kernel == Kernel::meeting; });
@@ -168,7 +168,7 @@ TEST(Dispatcher, DecidesTheSameFromTheSameSamples) {
   }
 }
 
-// Tuning anew finds times that differ by their noise.
+// Times of a second tuning run differ by noise.
 TEST(Dispatcher, TuningAgainChangesNoBackend) {
   for (const char* scene : {"stewart", "rings:legs=5,n=78", "andrews", "four_bar:23"}) {
     std::vector<std::string> first;
@@ -190,7 +190,7 @@ TEST(Dispatcher, LosesNoMoreThanTheModelsUncertainty) {
     for (const bool full : {false, true}) {
       for (const std::int32_t groups : {1, 5, 11, 23, 384}) {
         const Shape shape = full ? full_shape(n, groups) : sparse_shape(n, groups);
-        // Without those that the made-up machine knows nothing of.
+        // Without candidates that the artificial machine has no samples of.
         std::vector<Candidate> ranked = candidates(
             shape,
             {.model = known, .budget = ThreadBudget{1}, .without = {"lapack", "team", "umfpack", "mumps", "ma27"}});

@@ -1,4 +1,4 @@
-// Numbers are read and written alike whatever locale the program around the library has set.
+// The locale of the program does not change how numbers are read and written.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -55,7 +55,7 @@ std::string refusal(Work&& work) {
   return "no refusal";
 }
 
-// What the library makes of numbers: texts, plans and motions, the last as bits.
+// All results that depend on number formats: texts, plans and motions, the last as bits.
 std::vector<std::string> all_of_it(const FileTree& tree) {
   std::vector<std::string> found;
   PrepareOptions options;

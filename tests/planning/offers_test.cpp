@@ -1,4 +1,4 @@
-// What is offered for a scene runs, and what is said not to run is refused with that reason.
+// Offered candidates run; other candidates are refused with the given reason.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -88,7 +88,7 @@ TEST(Offers, ThroughputOffersRun) {
   for (const Scene& scene : shipped()) expect_as_offered(scene, {.budget = kBudget, .mode = Mode::throughput});
 }
 
-// Each backend alone, whatever it is good at.
+// Each backend alone.
 TEST(Offers, OffersOfOneBackendRun) {
   const Scene scene = sample("stewart:steps=5"), long_enough_for_chunks = sample("stewart:steps=250");
   for (const Backend& backend : backends()) {
@@ -106,7 +106,7 @@ TEST(Offers, OffersOfOneBackendRun) {
   }
 }
 
-// Threads that wait for their turn are no offer, and no way to compare.
+// Backends that solve one group at a time are not offered with several threads.
 TEST(Offers, LeaveOutIdleThreads) {
   for (const Backend& backend : backends()) {
     if (!backend.takes_turns || !backend.why_not({}, {}).empty()) continue;

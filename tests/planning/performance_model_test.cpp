@@ -1,4 +1,4 @@
-// The model on a made-up machine, whose times are known.
+// The model on an artificial machine with known times.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace {
 
 using namespace made_up;
 
-// Sizes between those that were sampled, three nonzeros a row and full.
+// Sizes between the sampled ones, with three nonzeros a row and full.
 std::vector<Shape> unseen() {
   std::vector<Shape> shapes;
   for (const std::int32_t n : {5, 9, 15, 22, 45, 78, 130, 334, 700, 1200}) shapes.push_back(sparse_shape(n));
@@ -55,7 +55,7 @@ TEST(PerformanceModel, PredictsUnsampledPacksFromKernels) {
   }
 }
 
-// Whatever few samples there are: no fit to them may promise what no machine does, far from all of them.
+// A fit to few samples must not predict impossible times far from them.
 TEST(PerformanceModel, PredictsReasonableTimesFromFewSamples) {
   std::mt19937_64 random(3);
   const std::vector<Sample> all = samples(0.05, 7);
@@ -77,7 +77,7 @@ TEST(PerformanceModel, PredictsReasonableTimesFromFewSamples) {
   }
 }
 
-// What a policy costs beyond its kernels hangs on the policy more than on W.
+// The cost of a policy beyond its kernels depends on the policy more than on W.
 TEST(PerformanceModel, PredictsUnsampledLaneWidths) {
   std::mt19937_64 random(5);
   std::vector<Sample> known = samples();
@@ -159,7 +159,7 @@ TEST(PerformanceModel, ReportsItsUncertainty) {
   EXPECT_EQ(far.origin, Origin::extrapolated);
   EXPECT_LT(near.factor, 1.1);
   EXPECT_GT(far.factor, near.factor);
-  // Nobody sampled mumps: its prior, as fast as this machine is otherwise.
+  // There are no samples of mumps: its prior is scaled to the speed of this machine.
   EXPECT_EQ(model.kernel(Kernel::factor, sparse_shape(22), solver("mumps")).origin, Origin::prior);
 }
 
@@ -215,7 +215,7 @@ TEST(PerformanceModel, MeetingsAndContentionComeFromThreads) {
   EXPECT_NEAR(model.contention(4, 100), 1.2, 1e-12);
 }
 
-// What steps were measured to take beyond their packs counts, not what other kernels say about the machine.
+// Measured times of steps beyond their packs count more than the speed of other kernels.
 TEST(PerformanceModel, LearnsTheTimeAroundPacksFromSteps) {
   std::vector<Sample> known = samples();
   const double before = PerformanceModel(known).around(500, 3000).seconds;

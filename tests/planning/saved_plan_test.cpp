@@ -1,4 +1,4 @@
-// A plan that is saved and loaded runs as the one that was made, bit for bit; what is no such file is refused.
+// A saved and loaded plan runs bitwise like the original; other files are refused.
 #include "assur/saved_plan.hpp"
 
 #include <gtest/gtest.h>
@@ -60,7 +60,7 @@ void expect_same_plan(const Plan& a, const Plan& b) {
   }
 }
 
-// The steps of a scene, no more than these.
+// The scene with at most this number of steps.
 Scene shortened(const Scene& scene, std::int64_t steps) {
   const TimeGrid& t = scene.time();
   return t.steps() <= steps ? scene : scene.with_time({t.start, t.start + static_cast<double>(steps) * t.step, t.step});
@@ -163,7 +163,7 @@ TEST(SavedPlan, TheCoreAloneRunsALoadedPlan) {
   expect_same_run(original, alone);
 }
 
-// A rod too many on each triangle: see levels_test.cpp. Which one is left out changes on the way.
+// Each triangle has a redundant rod, see levels_test.cpp. The redundant equation changes during the run.
 TEST(SavedPlan, DoesNotReselectEquationsWithoutTheScene) {
   SceneBuilder b("triangle", 2);
   const double x = std::cos(1.5), y = std::sin(1.5);
@@ -179,8 +179,8 @@ TEST(SavedPlan, DoesNotReselectEquationsWithoutTheScene) {
   EXPECT_TRUE(original.report().status.ok());
   ASSERT_FALSE(original.report().fallbacks.empty());
   EXPECT_TRUE(again.report().fallbacks.empty());
-  // Its equations have singularities where the mechanism has none: they are passed as change points and told, while the
-  // equation that is left out is watched. The estimates know of them.
+  // Its equations become singular where the mechanism does not: these postures are passed as change points and
+  // reported, while the redundant equation is checked. The estimated errors include them.
   ASSERT_TRUE(again.report().status.ok());
   ASSERT_EQ(again.report().events.size(), 2u);
   for (const Event& e : again.report().events) EXPECT_EQ(e.kind, Code::change_point_passed);
@@ -192,7 +192,7 @@ TEST(SavedPlan, DoesNotReselectEquationsWithoutTheScene) {
   }
 }
 
-// ---- what is refused
+// ---- refusals
 
 Error::Kind kind_of(const std::function<void()>& call, std::string* what = nullptr) {
   try {
@@ -288,7 +288,7 @@ TEST(SavedPlan, RefusesOtherFiles) {
 
 // ---- damaged files
 
-// FNV-1a, written once more.
+// A second implementation of FNV-1a.
 std::string signed_again(std::string text) {
   text.resize(text.rfind("checksum "));
   std::uint64_t hash = 14695981039346656037u;
@@ -318,7 +318,7 @@ TEST(SavedPlan, DetectsDamage) {
   }
 }
 
-// Where a number begins and ends, of those that are no part of a name.
+// Begin and end of each number that is no part of a name.
 std::vector<std::pair<std::size_t, std::size_t>> numbers_of(const std::string& text) {
   std::vector<std::pair<std::size_t, std::size_t>> found;
   bool in_name = false;
@@ -334,10 +334,10 @@ std::vector<std::pair<std::size_t, std::size_t>> numbers_of(const std::string& t
   return found;
 }
 
-// What a checksum does not notice: numbers that were changed by somebody who wrote a new one. The plan is refused, or
-// the motion is another one or ends with a status; the memory of nobody is touched, which address sanitizers see.
+// Changed numbers with a valid checksum. The plan is refused, or the motion differs or ends with a status, but no other
+// memory is accessed, which address sanitizers check.
 TEST(SavedPlan, SurvivesTamperedNumbers) {
-  // Others with --gtest_shuffle.
+  // Other numbers with --gtest_shuffle.
   std::mt19937 random(17 + static_cast<unsigned>(testing::UnitTest::GetInstance()->random_seed()));
   const auto below = [&](std::size_t n) { return std::uniform_int_distribution<std::size_t>(0, n - 1)(random); };
   const std::vector<std::string> others = {"0",  "1",   "-1",      "-2",         "2",           "3",   "7",    "8",

@@ -1,4 +1,4 @@
-// The space of strategies: what is listed means something, runs, and is listed once.
+// The space of strategies: every listed strategy is meaningful, runs, and is listed once.
 #include "planning/strategies.hpp"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ std::string on_two_threads_at_most(const Shape&, ThreadBudget budget) {
 }
 std::string too_large(const Shape& shape, ThreadBudget) { return shape.n > 100 ? "too large" : ""; }
 
-// Rows that no build has: what is listed follows from their properties alone.
+// Artificial backends: the list depends only on their properties.
 const Backend kPlain = {.id = "plain", .why_not = too_large, .make = nullptr, .version = nullptr, .licence = ""};
 const Backend kRich = {.id = "rich",
                        .why_not = on_two_threads_at_most,
