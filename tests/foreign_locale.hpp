@@ -1,4 +1,4 @@
-// A program around the library that writes numbers as its user does.
+// Locales of the program that uses the library.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 
 namespace assur::test {
 
-// From construction to destruction C++ streams write 1234.5 as "1.234,5", or as "1,234.5".
+// From construction to destruction C++ streams write 1234.5 as "1.234,5" or "1,234.5".
 class ForeignLocale {
  public:
   explicit ForeignLocale(char point)
@@ -37,7 +37,7 @@ class ForeignLocale {
   std::locale before_;
 };
 
-// The same of the functions of C: printf and strtod, with a decimal comma. The system's locale, or one made for it.
+// The same for the functions of C, printf and strtod, with a decimal comma. Uses a locale of the system, or makes one.
 class ForeignLocaleOfC {
  public:
   ForeignLocaleOfC() {

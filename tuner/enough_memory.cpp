@@ -1,4 +1,4 @@
-// Before the libraries initialise themselves: OpenBLAS does so without end where it cannot have its memory.
+// Checks the memory limit before the libraries initialise themselves: OpenBLAS hangs if it cannot get its memory.
 #include <sched.h>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -14,16 +14,16 @@
 
 extern "C" {
 char* openblas_get_config() __attribute__((weak));
-int openblas_get_parallel() __attribute__((weak));  // a constant of the build
+int openblas_get_parallel() __attribute__((weak));  // fixed when OpenBLAS was built
 }
 
 namespace assur::command {
 namespace {
 
-constexpr std::size_t kOthers = std::size_t{32} << 20;  // bytes that the other libraries and main() have use for
+constexpr std::size_t kOthers = std::size_t{32} << 20;  // bytes for main() and the other libraries
 
-// Those that OpenBLAS begins with. Its build for OpenMP: one for each processor of the machine, or as many as
-// OMP_NUM_THREADS says if that is less; affinity and its own variables count with its other builds alone.
+// The threads that OpenBLAS starts with. A build for OpenMP takes one for each processor of the machine, or
+// OMP_NUM_THREADS if that is less; affinity and the variables of OpenBLAS only count for its other builds.
 std::size_t openblas_threads(char** environment) {
   const bool openmp = openblas_get_parallel == nullptr || openblas_get_parallel() == 2;
   int threads = static_cast<int>(std::max(sysconf(_SC_NPROCESSORS_CONF), 1L));
@@ -47,7 +47,7 @@ void say(int descriptor, std::string_view text) {
   if (write(descriptor, text.data(), text.size()) < 0) _exit(kEnvironment);
 }
 
-// Nothing may be used here that a library has to initialise.
+// Uses nothing that a library has to initialise first.
 void look(int argc, char** argv, char** environment) {
   if (openblas_get_config == nullptr) return;
   const std::size_t bytes = openblas_threads(environment) * kBlasBuffer + kOthers;
@@ -70,7 +70,8 @@ void look(int argc, char** argv, char** environment) {
 
 }  // namespace
 
-// The only functions that run before those of shared libraries. A sanitizer has to be there first, and needs more room.
+// These functions run before the constructors of shared libraries. Not with sanitizers: they must start first and need
+// more memory.
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && !defined(__clang__)
 __attribute__((section(".preinit_array"), used)) void (*const before_all)(int, char**, char**) = look;
 #else

@@ -1,4 +1,4 @@
-// The command `assur`: from arguments to a command, and from exceptions to exit statuses.
+// The command `assur`: parses the arguments, runs the command, turns exceptions into exit statuses.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cerrno>
@@ -20,7 +20,7 @@ namespace {
 using namespace assur;
 using namespace assur::command;
 
-// CLI11's help without its types in capitals.
+// CLI11's help without the types that it prints in capitals.
 class HelpFormatter : public CLI::Formatter {
  public:
   HelpFormatter() { column_width(25); }
@@ -41,7 +41,7 @@ Exit exit_of(Error::Kind kind) {
   return kEnvironment;
 }
 
-// "error: " in front of each line; or the JSON object.
+// Prints "error: " in front of each line, or the JSON object.
 Exit report(const Error& error, bool json) {
   if (json) {
     output::print(std::cout, output::to_json(error));
@@ -52,7 +52,7 @@ Exit report(const Error& error, bool json) {
   return exit_of(error.kind());
 }
 
-// The command chosen, with the command within it if there is one.
+// The chosen command, followed by its subcommand if it has one.
 std::vector<const CLI::App*> chosen_commands(const CLI::App& app) {
   std::vector<const CLI::App*> commands;
   for (const CLI::App* command = &app; !command->get_subcommands().empty();) {
@@ -62,7 +62,7 @@ std::vector<const CLI::App*> chosen_commands(const CLI::App& app) {
   return commands;
 }
 
-// What is wrong with the arguments; CLI11 words it well but for what it does not know.
+// The message for wrong arguments: that of CLI11, except for unknown options and commands.
 std::string explained(const CLI::App& app, const CLI::ParseError& error) {
   const bool unknown = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr;
   const std::vector<const CLI::App*> commands = chosen_commands(app);
@@ -73,10 +73,10 @@ std::string explained(const CLI::App& app, const CLI::ParseError& error) {
   if (option != words.end()) return "there is no option " + *option;
   const std::string within = commands.empty() ? "" : commands.back()->get_name() + " ";
   if (words.empty()) return dynamic_cast<const CLI::RequiredError*>(&error) ? "a command is missing" : error.what();
-  return has_commands ? "there is no command " + within + words.front() : "one argument too many: " + words.front();
+  return has_commands ? "there is no command " + within + words.front() : "unexpected argument: " + words.front();
 }
 
-// Bad usage: what is wrong, and where help is.
+// Reports bad usage and points to the help.
 Exit refuse(const CLI::App& app, const CLI::ParseError& error, bool json) {
   std::string command = "assur";
   for (const CLI::App* chosen : chosen_commands(app)) command += " " + chosen->get_name();

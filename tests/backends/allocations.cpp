@@ -13,12 +13,12 @@ std::atomic<std::int64_t> count{0};
 std::int64_t assur::test::allocations() { return count.load(); }
 
 #if defined(ASSUR_ADDRESS_SANITIZER) || defined(ASSUR_THREAD_SANITIZER)
-// Declared here: gcc brings the function, but not its header.
+// Declared here, because gcc has the function but not its header.
 extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*)(const volatile void*, std::size_t),
                                                          void (*)(const volatile void*));
 
 namespace {
-// A sanitizer has its own malloc; it reports the calls.
+// A sanitizer has its own malloc, which reports the calls.
 [[maybe_unused]] const int kInstalled = __sanitizer_install_malloc_and_free_hooks(
     [](const volatile void*, std::size_t) { ++count; }, [](const volatile void*) {});
 }  // namespace

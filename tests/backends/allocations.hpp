@@ -1,4 +1,4 @@
-// Counts every call that takes memory, from this program and the libraries that it loads.
+// Counts all allocations of this program and of the libraries that it loads.
 #pragma once
 
 #include <cstdint>

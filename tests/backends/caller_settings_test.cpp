@@ -1,4 +1,4 @@
-// What a caller has set for its own threads is as before after every call of every backend.
+// No backend changes the thread settings of its caller.
 #include <dlfcn.h>
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@
 namespace assur::test {
 namespace {
 
-// -1 where no library that is loaded has such a setting.
+// -1 if no loaded library has such a setting.
 int ask(const char* symbol) {
   const auto function = reinterpret_cast<int (*)()>(dlsym(RTLD_DEFAULT, symbol));
   return function ? function() : -1;
@@ -46,7 +46,7 @@ struct Settings {
 
 class CallerSettings : public testing::TestWithParam<const Backend*> {
  protected:
-  // Numbers that no budget of the test asks for, so that one that is left behind shows.
+  // These numbers differ from all budgets of the test, so that a setting left behind is found.
   void SetUp() override {
     set("omp_set_num_threads", 3);
     set("openblas_set_num_threads", 3);
@@ -64,7 +64,7 @@ class CallerSettings : public testing::TestWithParam<const Backend*> {
   const Settings before_ = {};
 };
 
-TEST_P(CallerSettings, AreAsBeforeAfterEveryCall) {
+TEST_P(CallerSettings, KeepsSettingsAfterEveryCall) {
   const Backend& backend = *GetParam();
   Random random(11);
   for (const int n : {15, 300}) {  // 300: more than where OpenBLAS and the team begin to share out
@@ -105,8 +105,9 @@ TEST_P(CallerSettings, AreAsBeforeAfterEveryCall) {
   }
 }
 
-// OpenBLAS has one number for the whole process: who ends first must not take it for that of the other.
-TEST_P(CallerSettings, AreAsBeforeOnceCallsSideBySideHaveEnded) {
+// OpenBLAS has one number of threads for the whole process: the caller that ends first must not restore that of the
+// other.
+TEST_P(CallerSettings, KeepsSettingsAfterConcurrentCalls) {
   const Backend& backend = *GetParam();
   if (backend.id != "lapack" && backend.id != "team") GTEST_SKIP() << "does not touch the threads of BLAS";
   const int n = 300;

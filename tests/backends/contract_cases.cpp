@@ -54,8 +54,8 @@ std::vector<Case> badly_scaled() {
   };
 }
 
-// Backward errors do not depend on the condition, so that all are solved; nobody is asked to tell a condition beyond
-// 1 / eps from infinity.
+// Backward errors do not depend on the condition, so that all are solved; conditions above 1 / eps may also be reported
+// as singular.
 std::vector<Case> ill_conditioned() {
   std::vector<Case> table;
   for (int n = 4; n <= 12; ++n) {
@@ -76,7 +76,7 @@ std::vector<Case> ill_conditioned() {
   return table;
 }
 
-// Growth of 2^(n - 1) under partial pivoting. Other orders of rows and columns may be spared.
+// Growth of 2^(n - 1) under partial pivoting. Other orders of rows and columns may avoid it.
 std::vector<Case> growing() {
   Case wilkinson_case{"wilkinson60", [](Random&) { return wilkinson(60); }, Outcome::grows};
   wilkinson_case.growth = std::pow(2, 59);
@@ -85,7 +85,8 @@ std::vector<Case> growing() {
   return {wilkinson_case, gfpp_case};
 }
 
-// Elimination of small whole numbers ends at an exact zero, unless scaled by what is no power of 2, or symmetric.
+// Elimination of small whole numbers ends at an exact zero, except in symmetric solvers and after scaling by numbers
+// that are no powers of 2.
 constexpr double kNoSign = std::numeric_limits<double>::infinity();  // condition
 const std::map<std::string_view, Outcome> kInexact = {{"umfpack", Outcome::either},
                                                       {"mumps", Outcome::either},

@@ -1,4 +1,4 @@
-// The table of the contract test: which matrices are solved, and how each backend must end on them.
+// The table of the contract test: matrices, and the status that each backend must return.
 #pragma once
 
 #include <functional>
@@ -35,7 +35,7 @@ struct Case {
 };
 const std::vector<Case>& cases();
 
-// What figures() of a backend tell beside `ok`.
+// Figures that a backend must report with `ok`.
 struct Told {
   bool growth = true, condition = true, sign = true;
   bool partial_pivoting = false;  // in the natural order of the columns

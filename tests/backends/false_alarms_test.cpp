@@ -1,5 +1,5 @@
-// Watching costs nothing where there is nothing to see: of 100,000 regular matrices, hardly a lane is refused,
-// factorised again or sent from float to double.
+// Checks cause few false alarms: of 100,000 regular matrices, hardly a lane is refused, factorised again or repeated in
+// double.
 #include <gtest/gtest.h>
 
 #include <iostream>
@@ -14,8 +14,8 @@ namespace {
 
 constexpr int kMatrices = 100000;
 
-// The Jacobians of a motion: pattern and large pivots stay, the rest is drawn anew. Condition below 100, so that
-// neither small pivots nor float are an excuse.
+// Matrices like the Jacobians of a motion: pattern and large pivots are constant, all else is random. Conditions are
+// below 100, so that neither small pivots nor float justify an alarm.
 struct Alarms {
   int matrices = 0, refused = 0;
   std::int64_t again = 0;
@@ -61,7 +61,7 @@ TEST_P(FalseAlarms, AreRare) {
   }
 }
 
-// Those that take part in a simulation's steady state.
+// The backends that allocate nothing in the steady state.
 std::vector<const Backend*> steady() {
   std::vector<const Backend*> rows;
   for (const Backend* backend : available()) {

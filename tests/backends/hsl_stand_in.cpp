@@ -1,6 +1,6 @@
-// Stands in for HSL's shared library in tests: the four entries of MA27 (argument lists of its specification, version
-// 1.0.0, section 2.1) over dense elimination with partial pivoting. It honours what a caller may rely on: lengths of
-// workspace that are too small are refused with the length that would do, singularity is a warning, nothing is printed.
+// Replaces the shared library of HSL in tests: the four entries of MA27 (argument lists of its specification, version
+// 1.0.0, section 2.1) by dense elimination with partial pivoting. It behaves as specified: too short workspaces are
+// refused with the length that is needed, singularity is a warning, nothing is printed.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>

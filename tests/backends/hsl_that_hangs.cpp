@@ -1,4 +1,4 @@
-// A library by the name of HSL's, with all entries of MA27, whose first call never returns.
+// A library with the name of HSL's and all entries of MA27, whose first call never returns.
 #include <unistd.h>
 
 extern "C" {

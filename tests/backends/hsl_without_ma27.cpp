@@ -1,4 +1,4 @@
-// A library by the name of HSL's, but without MA27, as one gets it with other packages chosen.
+// A library with the name of HSL's, but without MA27, like a build of other HSL packages.
 extern "C" {
 int hsl_without_ma27() { return 0; }
 }

@@ -1,5 +1,5 @@
-// OPENBLAS_CORETYPE lets OpenBLAS take this processor for another one. The tests are skipped if the processor cannot
-// run the kernels of that one, or if the library has none.
+// OPENBLAS_CORETYPE makes OpenBLAS use the kernels of another processor. The tests are skipped if this processor cannot
+// run them, or if the library lacks them.
 #include <gtest/gtest.h>
 
 #include <algorithm>

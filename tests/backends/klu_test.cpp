@@ -1,4 +1,4 @@
-// What is KLU's own: pivots that are kept from one factorisation to the next, and watched.
+// Special to KLU: it keeps its pivots from one factorisation to the next, and checks them.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -19,7 +19,7 @@ class Klu : public testing::Test {
     solver_ = klu.make(ThreadBudget{}, Precision::binary64);
   }
 
-  // Factorises, and returns the backward error of one solution. New pivots are what allocates.
+  // Factorises, and returns the backward error of one solution. Only new pivots allocate.
   double step(const Matrix& a) {
     const auto before = allocations();
     EXPECT_TRUE(solver_->factorize(a.values).ok());
@@ -35,7 +35,7 @@ class Klu : public testing::Test {
   bool pivoted_ = false;
 };
 
-TEST_F(Klu, DeterminantSignIsThatOfDenseElimination) {
+TEST_F(Klu, DeterminantSignEqualsDenseElimination) {
   const auto dense_solver = find_backend(backends(), "eigen").make(ThreadBudget{}, Precision::binary64);
   Random random(11);
   int negative = 0;
@@ -57,7 +57,7 @@ TEST_F(Klu, DeterminantSignIsThatOfDenseElimination) {
   EXPECT_LT(negative, 600);
 }
 
-TEST_F(Klu, RingsAreSolvedToTheLastDigits) {
+TEST_F(Klu, SolvesRingsToRoundingError) {
   Random random(2);
   for (int n : {12, 24, 120, 360, 720}) {
     for (int posture = 0; posture < 5; ++posture) {
@@ -71,8 +71,8 @@ TEST_F(Klu, RingsAreSolvedToTheLastDigits) {
   }
 }
 
-// Entries turn at their own phase, so that in time every pivot passes through zero.
-TEST_F(Klu, PivotsAreChosenAnewWhenTheyBecomeBadAndOnlyThen) {
+// Entries oscillate with different phases, so that every pivot passes through zero at some time.
+TEST_F(Klu, RepivotsOnlyWhenPivotsBecomeBad) {
   const int n = 15, steps = 2000;
   Random random(4);
   Matrix a = sparse(n, 3, random);
@@ -89,8 +89,8 @@ TEST_F(Klu, PivotsAreChosenAnewWhenTheyBecomeBadAndOnlyThen) {
   EXPECT_LT(pivoted, steps / 20);  // the rest is refactorised
 }
 
-// A small pivot whose damage shows in L alone: on the diagonal's pivots U is {e 1 0; 1 0; 1}, and L holds 1/e twice.
-TEST_F(Klu, GrowthThatOnlyLShowsIsNoticed) {
+// A small pivot that only causes large entries in L: with diagonal pivots U is {e 1 0; 1 0; 1}, and L has 1/e twice.
+TEST_F(Klu, DetectsGrowthInL) {
   const auto matrix = [](double e) {
     const double rows[3][3] = {{e, 1, 0}, {0, 1, 0}, {1, 0, 1}};
     return compress(
@@ -107,8 +107,8 @@ TEST_F(Klu, GrowthThatOnlyLShowsIsNoticed) {
   EXPECT_FALSE(pivoted_);
 }
 
-// Powers of two alone: whenever scales are chosen anew, the pivots stay and so does every bit of the solution.
-TEST_F(Klu, RowsMayChangeTheirSize) {
+// Scales are powers of two, so that new scales change neither the pivots nor any bit of the solution.
+TEST_F(Klu, AcceptsRowsThatChangeTheirScale) {
   const int n = 15;
   Random random(8);
   Matrix a = sparse(n, 3, random);

@@ -1,5 +1,4 @@
-// What is the own of `lanes`: pivots fixed for a class, watched in every lane, on every instruction set of this
-// machine.
+// Special to `lanes`: fixed pivots for a class, checked in every lane, on every instruction set of this machine.
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
@@ -62,7 +61,7 @@ class LanesOn : public testing::TestWithParam<std::int64_t> {
   void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
 };
 
-// Those of this machine that the library was compiled for.
+// The instruction sets of this machine that the library was compiled for.
 std::vector<std::int64_t> instruction_sets() {
   std::vector<std::int64_t> sets;
   for (std::int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1) {
@@ -98,7 +97,7 @@ void expect_near_reference(const Matrix& a, std::span<const double> x, std::span
   EXPECT_LE(error, allowed * static_cast<double>(exact.cwiseAbs().maxCoeff()));
 }
 
-TEST_P(LanesOn, SolutionsAreThoseOfExtendedPrecision) {
+TEST_P(LanesOn, SolutionsAgreeWithExtendedPrecision) {
   Random random(1);
   for (int lanes : {1, 2, 4, 8, 16}) {
     for (int trial = 0; trial < 12; ++trial) {
@@ -127,8 +126,8 @@ TEST_P(LanesOn, SolutionsAreThoseOfExtendedPrecision) {
   }
 }
 
-// The same matrix in every lane and with every neighbour: the same bits.
-TEST_P(LanesOn, LanesDoNotTouchEachOther) {
+// The same matrix gives the same bits in every lane and with any neighbours.
+TEST_P(LanesOn, LanesAreIndependent) {
   Random random(2);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (int lanes : {2, 4, 8, 16}) {
@@ -157,7 +156,7 @@ TEST_P(LanesOn, LanesDoNotTouchEachOther) {
   }
 }
 
-TEST_P(LanesOn, RingsAreSolvedToTheLastDigitsAndRepeatBitForBit) {
+TEST_P(LanesOn, SolvesRingsToRoundingErrorAndRepeatsBitwise) {
   Random random(2);
   for (int n : {12, 24, 120, 360, 720}) {
     const auto solver = make(), again = make();
@@ -179,8 +178,8 @@ TEST_P(LanesOn, RingsAreSolvedToTheLastDigitsAndRepeatBitForBit) {
   }
 }
 
-// Entries turn at their own phase in one lane, so that in time every pivot passes through zero there.
-TEST_P(LanesOn, APivotMayPassThroughZero) {
+// Entries of one lane oscillate with different phases, so that every pivot passes through zero at some time.
+TEST_P(LanesOn, SurvivesAPivotThatPassesThroughZero) {
   const int n = 15, steps = 2000, lanes = 8;
   Random random(4);
   Pack pack(lanes, [&] { return sparse(n, 3, random); });
@@ -205,9 +204,9 @@ TEST_P(LanesOn, APivotMayPassThroughZero) {
 INSTANTIATE_TEST_SUITE_P(Targets, LanesOn, testing::ValuesIn(instruction_sets()),
                          [](const auto& row) { return std::string(hwy::TargetName(row.param)); });
 
-// ---- lanes that the pivots of the class do not serve
+// ---- lanes that need other pivots than the class
 
-// [d 1; 1 d]: pivots on the diagonal for large d, beside it for small.
+// [d 1; 1 d]: needs pivots on the diagonal for large d, and beside it for small d.
 Matrix two(double d) {
   return compress(
       2, [](int, int) { return true; }, [=](int i, int j) { return i == j ? d : 1.0; });
@@ -226,7 +225,7 @@ void step(LinearSolver& solver, const Pack& pack) {
   for (int lane = 0; lane < pack.lanes(); ++lane) EXPECT_TRUE(solver.figures(lane).ok);
 }
 
-TEST(Lanes, ALaneThatFailsIsRedoneInTheSameCallAndCounted) {
+TEST(Lanes, RepeatsAFailedLaneInTheSameCallAndCountsIt) {
   const auto solver = make();
   ASSERT_TRUE(solver->analyze(two(4).pattern, 4).ok());
   step(*solver, twos({4, 5, 6, 7}));
@@ -242,14 +241,14 @@ TEST(Lanes, ALaneThatFailsIsRedoneInTheSameCallAndCounted) {
   EXPECT_EQ(solver->effort().renewed, 0);
 }
 
-TEST(Lanes, TransposedSystemsOfARedoneLaneAreSolved) {
+TEST(Lanes, SolvesTransposedSystemsOfARepeatedLane) {
   Random random(8);
   Pack pack(4, [&] { return dense(6, random); });
   const auto solver = make();
   ASSERT_TRUE(solver->analyze(pack.pattern(), 4).ok());
   ASSERT_TRUE(solver->factorize(pack.values()).ok());
-  // In one lane all but a permuted diagonal nearly vanishes, so that six entries alone can be pivots: for one of the
-  // permutations the six of the class are not among them.
+  // In one lane all entries except a permuted diagonal nearly vanish, so that only six entries can be pivots; for one
+  // permutation these are not the pivots of the class.
   for (int shift = 0; shift < 6; ++shift) {
     Pack other = pack;
     scale(other.matrices[1], [&](int i, int j) { return (i + shift) % 6 == j ? 1 : 1e-12; });
@@ -269,7 +268,7 @@ TEST(Lanes, TransposedSystemsOfARedoneLaneAreSolved) {
   EXPECT_GT(solver->effort().redone, 0);
 }
 
-TEST(Lanes, IdleLanesFollowLaneZeroWithoutAlarmsOfTheirOwn) {
+TEST(Lanes, IdleLanesCopyLaneZeroWithoutAlarms) {
   const auto solver = make();
   ASSERT_TRUE(solver->analyze(two(4).pattern, 8).ok());
   step(*solver, twos({4, 5, 6, 7, 8, 9, 4, 4}));
@@ -287,7 +286,7 @@ TEST(Lanes, IdleLanesFollowLaneZeroWithoutAlarmsOfTheirOwn) {
   EXPECT_EQ(failed.where, Place::lane(0));
 }
 
-TEST(Lanes, PivotsAreRenewedWhenLanesKeepFailing) {
+TEST(Lanes, RepivotsWhenLanesKeepFailing) {
   const auto solver = make();
   ASSERT_TRUE(solver->analyze(two(4).pattern, 2).ok());
   step(*solver, twos({4, 5}));
@@ -299,8 +298,8 @@ TEST(Lanes, PivotsAreRenewedWhenLanesKeepFailing) {
   EXPECT_EQ(solver->effort().redone, redone);
 }
 
-// No pivots serve both lanes: new ones are tried ever more seldom.
-TEST(Lanes, LanesThatCannotAgreeDoNotMakeItThrash) {
+// No pivots suit both lanes, so new ones are tried less and less often.
+TEST(Lanes, DisagreeingLanesDoNotRepivotForever) {
   const auto solver = make();
   ASSERT_TRUE(solver->analyze(two(4).pattern, 2).ok());
   const int steps = 1000;
@@ -310,7 +309,7 @@ TEST(Lanes, LanesThatCannotAgreeDoNotMakeItThrash) {
   EXPECT_LE(solver->effort().renewed, 7);  // after 8, 16, ..., 512 steps
 }
 
-TEST(Lanes, NumbersWhoseSquaresAreNoneAreFactorisedAlone) {
+TEST(Lanes, FactorisesLanesWithOverflowingSquaresAlone) {
   const auto solver = make();
   ASSERT_TRUE(solver->analyze(two(4).pattern, 4).ok());
   step(*solver, twos({4, 5, 6, 7}));
@@ -321,7 +320,7 @@ TEST(Lanes, NumbersWhoseSquaresAreNoneAreFactorisedAlone) {
   EXPECT_EQ(solver->effort().redone, 2);
 }
 
-TEST(Lanes, NumbersBeyondTheRangeOfFloatAreFactorisedInDouble) {
+TEST(Lanes, FactorisesNumbersBeyondFloatInDouble) {
   const auto solver = make(Precision::binary32);
   ASSERT_TRUE(solver->analyze(two(4).pattern, 2).ok());
   Pack pack = twos({4, 5});
@@ -336,9 +335,9 @@ TEST(Lanes, NumbersBeyondTheRangeOfFloatAreFactorisedInDouble) {
   EXPECT_EQ(solver->effort().redone, 2);
 }
 
-// ---- what a class shares
+// ---- data shared by a class
 
-TEST(Lanes, ACloneSharesThePivotsAndNothingElse) {
+TEST(Lanes, ACloneSharesOnlyThePivots) {
   Random random(3);
   const Pack pack(8, [&] { return sparse(20, 3, random); }), other(8, [&] { return sparse(20, 3, random); });
   const auto solver = make();
@@ -381,7 +380,7 @@ TEST(Lanes, AllocatesNothingInAnyWidthOrPrecision) {
   }
 }
 
-TEST(Lanes, ALaneKeptOnPivotsOfItsOwnAllocatesNothing) {
+TEST(Lanes, ALaneWithItsOwnPivotsAllocatesNothing) {
   const auto solver = make();
   ASSERT_TRUE(solver->analyze(two(4).pattern, 2).ok());
   const std::vector<double> values = twos({1e-3, 1e3}).values();
@@ -397,7 +396,7 @@ TEST(Lanes, ALaneKeptOnPivotsOfItsOwnAllocatesNothing) {
 
 // ---- the program
 
-TEST(Lanes, ATriangleIsSolvedWithoutFillOrProducts) {
+TEST(Lanes, SolvesATriangleWithoutFillAndProducts) {
   Random random(6);
   const Matrix a = permuted_triangle(40, 1, random);
   const lanes::Order order = lanes::markowitz_order(a.pattern, a.values, 1, 1, {});
@@ -407,18 +406,18 @@ TEST(Lanes, ATriangleIsSolvedWithoutFillOrProducts) {
   EXPECT_EQ(program.factor.size(), 40u * 3 + 2 * a.values.size());
 }
 
-TEST(Lanes, BackwardSubstitutionStopsAtWhatIsWanted) {
+TEST(Lanes, BackwardSubstitutionStopsAtTheWantedUnknowns) {
   const int n = 12;  // upper triangle with two diagonals: unknown i needs i + 1 and all after it
   Random random(6);
   const Matrix a = compress(
       n, [](int i, int j) { return j == i || j == i + 1; }, [&](int, int) { return nonzero(random); });
   const lanes::Elimination program =
       lanes::write_program(a.pattern, lanes::markowitz_order(a.pattern, a.values, 1, 1, {}));
-  // As rows or as columns of a triangle, one of the two substitutions does everything.
+  // For rows or columns of a triangle, one of the two substitutions does all the work.
   for (std::size_t first = 0; first <= n; ++first) EXPECT_EQ(program.wanted_rows[first], n - first);
 }
 
-TEST(Lanes, RefusesWhatItCannotWriteDown) {
+TEST(Lanes, RefusesTooLargePatterns) {
   const Backend& backend = find_backend(backends(), "lanes");
   EXPECT_EQ(backend.why_not({.n = 300, .nnz = 90'000}, {}), "");
   EXPECT_EQ(backend.why_not({.n = 4000, .nnz = 16'000'000}, {}),

@@ -1,4 +1,4 @@
-// What is LAPACK's own: the threads of its library.
+// Special to LAPACK: the threads of its library.
 #include <gtest/gtest.h>
 
 #include <thread>
@@ -39,7 +39,7 @@ TEST_F(Lapack, SolvesWithTheThreadsOfItsBudget) {
   }
 }
 
-TEST_F(Lapack, CallersSideBySideDoNotDisturbEachOther) {
+TEST_F(Lapack, ConcurrentCallersDoNotDisturbEachOther) {
   constexpr int kCallers = 3;
   std::vector<double> error(kCallers, 1.0);
   std::vector<std::thread> callers;
@@ -66,7 +66,7 @@ TEST_F(Lapack, CallersSideBySideDoNotDisturbEachOther) {
   for (double worst : error) EXPECT_LE(worst, 10 * kEps);
 }
 
-TEST_F(Lapack, SaysWhichLibraryRuns) {
+TEST_F(Lapack, NamesTheLoadedLibrary) {
   EXPECT_NE(row_.version(), "LAPACK") << "its threads can be set, so it is known";
 }
 

@@ -1,5 +1,5 @@
-// MA27 is loaded at run time. These tests run without HSL, with a library that stands in for it, and with one that has
-// no MA27 (tests/CMakeLists.txt).
+// MA27 is loaded at run time. These tests run without HSL, with a substitute of it, and with a library without MA27
+// (tests/CMakeLists.txt).
 #include <dlfcn.h>
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ void* hsl() {
   return first ? first : dlopen("libcoinhsl.so", RTLD_NOW | RTLD_LOCAL);
 }
 
-TEST(Ma27, IsThereIfItsLibraryIsElseSaysHowToProvideIt) {
+TEST(Ma27, RunsWithItsLibraryOrExplainsHowToProvideIt) {
   const Backend& ma27 = find_backend(backends(), "ma27");
   const std::string why_not = ma27.why_not({}, {});
   void* const library = hsl();

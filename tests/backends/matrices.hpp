@@ -1,4 +1,4 @@
-// Matrices that every linear solver is held to: one pattern, the values of each lane drawn anew.
+// Matrices for the tests of all linear solvers: one pattern, random values for each lane.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +22,7 @@ using Random = std::mt19937_64;
 inline double uniform(Random& random, double low, double high) {
   return std::uniform_real_distribution<double>(low, high)(random);
 }
-// Magnitude in [0.5, 1], either sign: nothing accidentally tiny.
+// Magnitude in [0.5, 1], random sign, so that no value is tiny by accident.
 inline double nonzero(Random& random) { return uniform(random, 0.5, 1) * (random() % 2 ? 1 : -1); }
 
 struct Matrix {
@@ -30,7 +30,7 @@ struct Matrix {
   std::vector<double> values;
 };
 
-// From a dense n x n array of columns; `in` tells what belongs to the pattern.
+// From a dense n x n array of columns; `in` selects the entries of the pattern.
 inline Matrix compress(int n, const std::function<bool(int, int)>& in, const std::function<double(int, int)>& value) {
   Matrix a;
   a.pattern.n = n;
@@ -230,7 +230,7 @@ inline Matrix gfpp(int n, Random& random) {
       [&](int i, int j) { return a[static_cast<std::size_t>(j)][static_cast<std::size_t>(i)]; });
 }
 
-// Kahan's triangle (SIAM Review 8, 1966): its pivots hide how nearly singular it is.
+// Kahan's triangle (SIAM Review 8, 1966): its pivots do not show that it is nearly singular.
 inline Matrix kahan(int n, double angle) {
   return compress(
       n, [](int i, int j) { return i <= j; },

@@ -1,4 +1,4 @@
-// What backend.hpp promises beside the table of matrices: lanes apart, wanted unknowns, a steady state, misuse.
+// Contracts of backend.hpp besides the table of matrices: independent lanes, wanted unknowns, steady state, misuse.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -21,7 +21,7 @@ class OneSolver : public testing::TestWithParam<const Backend*> {
 };
 
 // Solutions of each lane in a pack must not depend on its neighbours, bit by bit.
-TEST_P(OneSolver, ABadLaneIsNamedAndTouchesNoOther) {
+TEST_P(OneSolver, NamesABadLaneAndKeepsTheOthers) {
   const int lanes = 4, n = 15;
   const std::map<double, Code> bad = {{0.0, Code::singular},
                                       {std::numeric_limits<double>::quiet_NaN(), Code::not_finite}};
@@ -70,7 +70,7 @@ TEST_P(OneSolver, ABadLaneIsNamedAndTouchesNoOther) {
   }
 }
 
-TEST_P(OneSolver, NotFiniteIsWorseThanSingular) {
+TEST_P(OneSolver, ReportsNotFiniteBeforeSingular) {
   Random random(1);
   const Matrix a = sparse(3, 0, random);
   auto zero = a.values, nan = a.values;
@@ -84,7 +84,7 @@ TEST_P(OneSolver, NotFiniteIsWorseThanSingular) {
 
 // ---- the wanted unknowns only
 
-TEST_P(OneSolver, UnknownsFromFirstWantedOnAreThoseOfTheFullSolution) {
+TEST_P(OneSolver, WantedUnknownsEqualTheFullSolution) {
   for (int n : {1, 7, 15, 40}) {
     Random random(5);
     const Matrix a = sparse(n, 3, random);  // condition below 100
@@ -132,7 +132,7 @@ void expect_allocations(const Backend& row, ThreadBudget budget, int n, int lane
       << "n = " << n << ", lanes = " << lanes << ", " << budget.threads << " threads";
 }
 
-TEST_P(OneSolver, AllocatesAfterTheFirstFactorisationIfAndOnlyIfItsRowSaysSo) {
+TEST_P(OneSolver, AllocatesInSteadyStateOnlyIfNotDeclaredSteady) {
   ASSERT_GT((std::make_unique<double>(), allocations()), 0);
   const Backend& row = *GetParam();
   for (int n : {1, 15, 102, 360, 433, 720}) {
@@ -143,7 +143,7 @@ TEST_P(OneSolver, AllocatesAfterTheFirstFactorisationIfAndOnlyIfItsRowSaysSo) {
 
 // ---- several callers
 
-TEST_P(OneSolver, CallersSideBySideGetWhatEachGetsAlone) {
+TEST_P(OneSolver, ConcurrentCallersGetTheSameResultsAsAlone) {
   constexpr std::size_t kCallers = 3;
   const auto work = [](std::size_t caller, bool& ok) {
     Random random(caller);

@@ -1,4 +1,4 @@
-// A backend for tests: dense LU with partial pivoting that really computes in float or double, in its plainest form.
+// A simple backend for tests: dense LU with partial pivoting that computes in float or double.
 #pragma once
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// Float, in the dense backends: factorised and solved in it, ranges included.
+// Factorisation and solution in float by the dense backends, including its range.
 #include <gtest/gtest.h>
 
 #include "assur/backend.hpp"
@@ -30,7 +30,7 @@ class Single : public testing::TestWithParam<std::string> {
 std::vector<double> ones(int n) { return std::vector(static_cast<std::size_t>(n), 1.0); }
 
 // The error is that of float, no more and no less. Rounding the values costs eps / 2 as well.
-TEST_P(Single, SolvesWithTheErrorOfFloat) {
+TEST_P(Single, SolvesWithFloatAccuracy) {
   Random random(3);
   for (int n : {1, 2, 3, 8, 9, 15, 40, 102, 250}) {
     for (const Transpose transpose : {Transpose::no, Transpose::yes}) {
@@ -53,7 +53,7 @@ TEST_P(Single, SolvesWithTheErrorOfFloat) {
   }
 }
 
-TEST_P(Single, ValuesBeyondItsRangeAreNotFinite) {
+TEST_P(Single, ReportsValuesBeyondFloatAsNotFinite) {
   Random random(3);
   Matrix a = dense(4, random);
   a.values[5] = 1e39;
@@ -66,7 +66,7 @@ TEST_P(Single, ValuesBeyondItsRangeAreNotFinite) {
   EXPECT_EQ(factorize(a), Code::singular);
 }
 
-// A residual to be refined can be as small as it likes.
+// Residuals in refinement can be arbitrarily small.
 TEST_P(Single, RightHandSidesMayHaveAnySize) {
   Random random(3);
   const int n = 15;

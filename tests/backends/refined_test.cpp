@@ -1,4 +1,4 @@
-// The decorators: refinement, float with double behind it, residual check.
+// The decorators: refinement, float with double as fallback, residual check.
 #include "backends/refined.hpp"
 
 #include <gtest/gtest.h>
@@ -52,7 +52,7 @@ std::unique_ptr<LinearSolver> in_float(bool refine = false) {
   return make_solver(kPlainLu, {}, Precision::binary32, refine);
 }
 
-TEST(Refined, WhatGrowthHasSpoiltIsRepaired) {
+TEST(Refined, RepairsSolutionsAfterPivotGrowth) {
   const Matrix a = wilkinson(60);
   EXPECT_GT(solve(*plain(), {a}).normwise, 1e-6);  // growth of 2^59
   for (Transpose transpose : {Transpose::no, Transpose::yes}) {
@@ -64,7 +64,7 @@ TEST(Refined, WhatGrowthHasSpoiltIsRepaired) {
   }
 }
 
-TEST(Refined, FloatReachesDoubleWithoutItWhereItsConditionAllows) {
+TEST(Refined, FloatReachesDoubleAccuracyAtModerateCondition) {
   Random random(8);
   for (int lanes : {1, 2, 3, 8}) {
     for (Transpose transpose : {Transpose::no, Transpose::yes}) {
@@ -81,7 +81,7 @@ TEST(Refined, FloatReachesDoubleWithoutItWhereItsConditionAllows) {
   }
 }
 
-TEST(Refined, LanesThatFloatCannotSolveAreFactorisedInDoubleAndOnlyThose) {
+TEST(Refined, FactorisesOnlyFailedFloatLanesInDouble) {
   Random random(8);
   const Matrix good = dense(12, random);
   Matrix overflows = good, vanishes = good;
@@ -119,7 +119,7 @@ TEST(Refined, ALaneDoesNotDependOnItsNeighbours) {
   }
 }
 
-TEST(Refined, SingularAndNotFiniteStayWhatTheyAre) {
+TEST(Refined, KeepsStatusSingularAndNotFinite) {
   Random random(5);
   const Matrix good = dense(5, random), singular = repeated_row(5, random);
   Matrix nan = good;
@@ -140,9 +140,9 @@ TEST(Refined, SingularAndNotFiniteStayWhatTheyAre) {
   }
 }
 
-// The last two equations ask two unknowns to vanish, but pivots come from the others, so that rounding errors remain:
-// in those rows a componentwise error of 1 is no failure.
-TEST(Refined, UnknownsThatVanishRaiseNoAlarm) {
+// The last two equations make two unknowns vanish, but the pivots come from other equations, so that rounding errors
+// remain: in these rows a componentwise error of 1 is no failure.
+TEST(Refined, VanishingUnknownsRaiseNoAlarm) {
   Random random(5);
   int errors_of_one = 0;
   for (int trial = 0; trial < 50; ++trial) {
@@ -161,7 +161,7 @@ TEST(Refined, UnknownsThatVanishRaiseNoAlarm) {
   EXPECT_GT(errors_of_one, 0);
 }
 
-// A solver whose answers are wrong in the first digit: refinement cannot save those, and the check sees them.
+// A solver with errors in the first digit, which refinement cannot repair and the check has to find.
 class Wrong final : public LinearSolver {
  public:
   explicit Wrong(double factor) : factor_(factor) {}
@@ -182,7 +182,7 @@ class Wrong final : public LinearSolver {
 TEST(Refined, TheResidualCheckSeesAWrongSolution) {
   Random random(5);
   Matrix a = dense(9, random);
-  // Largest entries of 1 in every row and column: so the residual is measured as it is.
+  // Scaled to largest entries of 1 in all rows and columns, so that the residual needs no scaling.
   const double largest = std::abs(*std::max_element(a.values.begin(), a.values.end(),
                                                     [](double x, double y) { return std::abs(x) < std::abs(y); }));
   for (double& value : a.values) value /= 2 * largest;
@@ -198,8 +198,8 @@ TEST(Refined, TheResidualCheckSeesAWrongSolution) {
   EXPECT_EQ(infinite.status.code, Code::not_converged);
 }
 
-// Whatever the units of rows and columns, no row of a solution in float is worse than in double.
-TEST(Refined, NoRowHidesBehindALargerOne) {
+// For all units of rows and columns, no row of a solution in float is worse than in double.
+TEST(Refined, ChecksSmallRowsBesideLargeRows) {
   Random random(8);
   Matrix a = dense(12, random);
   for (std::size_t j = 0; j < 12; ++j) {
@@ -211,7 +211,7 @@ TEST(Refined, NoRowHidesBehindALargerOne) {
   EXPECT_LE(solution.componentwise, 12 * kEps);
 }
 
-TEST(Refined, WhatCannotBeRefinedIsNotConverged) {
+TEST(Refined, ReportsNotConvergedIfRefinementFails) {
   static constexpr Backend kWrong = {.id = "wrong",
                                      .why_not = kPlainLu.why_not,
                                      .make = [](ThreadBudget, Precision) -> std::unique_ptr<LinearSolver> {
@@ -227,7 +227,7 @@ TEST(Refined, WhatCannotBeRefinedIsNotConverged) {
   EXPECT_GT(solution.status.figure, 0.1);
 }
 
-// Factors whatever it is given, and solves nothing.
+// Accepts every matrix, but solves none.
 class Optimist final : public LinearSolver {
  public:
   Status analyze(const Pattern&, int) override { return {}; }
@@ -236,8 +236,8 @@ class Optimist final : public LinearSolver {
   [[nodiscard]] Figures figures(int) const override { return {true, 1, 1, 1}; }
 };
 
-// That float does not serve may show in a solution only; then double finds the matrix singular.
-TEST(Refined, FiguresOfALaneThatNobodyCanSolveSaySo) {
+// Only the solution shows that float fails; then double finds that the matrix is singular.
+TEST(Refined, FiguresOfAnUnsolvableLaneReportIt) {
   Backend row = kPlainLu;
   row.make = [](ThreadBudget budget, Precision precision) -> std::unique_ptr<LinearSolver> {
     if (precision == Precision::binary32) return std::make_unique<Optimist>();
@@ -258,7 +258,7 @@ TEST(Refined, FiguresOfALaneThatNobodyCanSolveSaySo) {
   EXPECT_TRUE(solver->figures(0).ok);
 }
 
-TEST(Refined, FloatOfABackendWithoutItIsRefused) {
+TEST(Refined, RefusesFloatForBackendsWithoutFloat) {
   Backend row = kPlainLu;
   row.single = false;
   try {

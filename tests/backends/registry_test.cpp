@@ -7,7 +7,7 @@
 namespace assur {
 namespace {
 
-TEST(Registry, ListsEveryBackendOnceAndPresentOnesAreComplete) {
+TEST(Registry, ListsEveryBackendOnceWithAllFunctions) {
   std::set<std::string_view> ids;
   for (const Backend& backend : backends()) {
     EXPECT_TRUE(ids.insert(backend.id).second) << backend.id;
@@ -48,7 +48,7 @@ std::string refusal(std::span<const Backend> table, std::string_view id) {
   return "no error";
 }
 
-TEST(Registry, AnUnknownIdIsAnsweredWithTheKnownOnes) {
+TEST(Registry, RefusesAnUnknownIdAndListsKnownIds) {
   const Backend table[] = {
       core_backends()[0],
       {.id = "gone",

@@ -1,4 +1,4 @@
-// What backend.hpp promises, for every backend that can run here: the table of contract_cases.cpp, plain and decorated.
+// The contract of backend.hpp for every backend that runs here: the table of contract_cases.cpp, plain and decorated.
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
@@ -53,7 +53,7 @@ class SolverContract : public testing::TestWithParam<Parameters> {
   std::vector<Matrix> matrices_;  // lanes
 };
 
-TEST_P(SolverContract, EveryLaneOfEveryCaseEndsAsItMust) {
+TEST_P(SolverContract, EveryLaneOfEveryCaseHasTheExpectedStatus) {
   for (const Case& c : cases()) {
     SCOPED_TRACE(c.name);
     check_case(c);

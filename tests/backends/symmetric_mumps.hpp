@@ -1,4 +1,4 @@
-// A row that only tests know: MUMPS for symmetric matrices on the augmented matrix, which stands in for MA27.
+// A backend for tests only: MUMPS for symmetric matrices on the augmented matrix, as a substitute for MA27.
 #pragma once
 
 #include "assur/backend.hpp"

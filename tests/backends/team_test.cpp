@@ -1,4 +1,4 @@
-// What is the team's own: more threads than one, the same bits whatever their number, packs side by side.
+// Special to `team`: several threads, bitwise equal results for every number of threads, concurrent packs.
 #include <dlfcn.h>
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kPanel = 48;  // columns; LAPACK's own products within a panel have fewer
 
-// While it is on, a product with a whole panel begins when as many threads as are expected have begun one.
+// While this is active, a product with a whole panel waits until the expected number of threads has begun one.
 struct Meeting {
   std::atomic<std::size_t> expected{0};         // 0: off
   std::chrono::steady_clock::time_point limit;  // whoever does not come until then will not come
@@ -71,7 +71,7 @@ std::vector<double> right_side(int n) {
   return b;
 }
 
-// Around the borders of panels (48 columns) and tiles (192), which are where a mistake would show.
+// Orders around the borders of panels (48 columns) and tiles (192), where errors are most likely.
 TEST_F(TeamBackend, SolvesEveryOrderWithEveryNumberOfThreads) {
   Random random(1);
   for (int n : {1, 47, 48, 49, 96, 97, 144, 191, 192, 193, 240, 241, 383, 385, 433, 577}) {
@@ -89,7 +89,7 @@ TEST_F(TeamBackend, SolvesEveryOrderWithEveryNumberOfThreads) {
   }
 }
 
-TEST_F(TeamBackend, ResultsAreTheSameBitsForEveryNumberOfThreads) {
+TEST_F(TeamBackend, ResultsAreBitwiseEqualForEveryNumberOfThreads) {
   Random random(2);
   for (const Precision precision : {Precision::binary64, Precision::binary32}) {
     for (int n : {193, 400, 700}) {
@@ -112,7 +112,7 @@ TEST_F(TeamBackend, ResultsAreTheSameBitsForEveryNumberOfThreads) {
   }
 }
 
-// In whichever panel a column vanishes, nobody is left waiting, and the next matrix is none the worse.
+// If a column vanishes in any panel, no thread waits forever, and the next matrix is solved correctly.
 TEST_F(TeamBackend, SingularMatricesEndEarlyEverywhere) {
   const int n = 433;
   Random random(3);
@@ -132,7 +132,7 @@ TEST_F(TeamBackend, SingularMatricesEndEarlyEverywhere) {
   }
 }
 
-TEST_F(TeamBackend, WhatOverflowsIsNoSolution) {
+TEST_F(TeamBackend, ReportsOverflowAsSingular) {
   const int n = 300;
   Random random(4);
   Matrix a = dense(n, random);
@@ -143,7 +143,7 @@ TEST_F(TeamBackend, WhatOverflowsIsNoSolution) {
   }
 }
 
-TEST_F(TeamBackend, DeterminantSignIsThatOfEigen) {
+TEST_F(TeamBackend, DeterminantSignEqualsEigen) {
   Random random(5);
   int negative = 0;
   for (int trial = 0; trial < 20; ++trial) {
@@ -178,9 +178,9 @@ TEST_F(TeamBackend, TwoThreadsAllocateNothingAfterTheFirstFactorisation) {
   }
 }
 
-// A budget of four threads as 2 x 2: the matrix products of two packs run at once, on four threads, however few cores
-// there are.
-TEST_F(TeamBackend, TwoCallersWithTwoThreadsEachAreFourThreads) {
+// A budget of four threads as 2 x 2: the matrix products of two packs run concurrently on four threads, even if there
+// are fewer cores.
+TEST_F(TeamBackend, TwoCallersWithTwoThreadsEachUseFourThreads) {
   const int n = 400;
   Random random(7);
   const Matrix a = dense(n, random);

@@ -1,4 +1,4 @@
-// The rival of the benchmarks is a fair one only if it computes the same motion.
+// The comparison program of the benchmarks computes the same motion.
 #include "afternoon.hpp"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ struct Off {
   double value = 0, rate = 0, acceleration = 0;
 };
 
-// The largest difference between rival and library over the largest value of the run.
+// The largest difference between both programs over the largest value of the run.
 template <class Mechanism>
 Off compare(const Scene& whole, const Mechanism& mechanism, int points, KluOptions options) {
   std::vector<std::string> names;
@@ -53,9 +53,10 @@ Off compare(const Scene& whole, const Mechanism& mechanism, int points, KluOptio
 
 constexpr double kRequired = 1e-10;  // of a rival, whatever the condition would allow
 
-// Both hold every equation to 8 eps of its terms: 2 x 8 eps x condition apart; each derivative takes the condition once
-// more. The linear systems of the derivatives add what pivots cost: those of klu_defaults are kept down to 0.001 of
-// their column, so that elements grow up to 1000 times; partial pivoting in blocks of three at most 4 times.
+// Both satisfy every equation to 8 eps of its terms, so that they differ by at most 2 x 8 eps x condition; each
+// derivative has one more factor of the condition. The linear systems of the derivatives add the growth by their
+// pivots: up to 1000 for klu_defaults, whose pivots may be 0.001 of their column; 4 for partial pivoting in blocks of
+// three.
 void expect_within(const Off& off, double condition, KluOptions options) {
   const double residual = 2 * 8 * kEps;
   const double pivots = options == KluOptions::defaults ? 1000 * kEps * condition : 0;  // else within the 8 eps
@@ -65,23 +66,24 @@ void expect_within(const Off& off, double condition, KluOptions options) {
   EXPECT_GT(off.value, 0);  // two programs, not one
 }
 
-// |J^-1| times what residuals are measured against, over the largest coordinate: at most 4.7 on this motion.
+// |J^-1| times the scale of residuals over the largest coordinate: at most 4.7 on this motion.
 constexpr double kLegCondition = 5;
-// Across the rocker of a loop: three lengths over the sine between the last two, at least 1/2. Errors are handed on.
+// Across the rocker of a loop: three lengths over the sine between the last two, at least 1/2. Errors propagate to the
+// next loop.
 constexpr double kLoopCondition = 6;
 
 class AfternoonMotion : public testing::TestWithParam<KluOptions> {};
 
-TEST_P(AfternoonMotion, StewartAsTheLibrary) {
+TEST_P(AfternoonMotion, StewartAgreesWithTheLibrary) {
   expect_within(compare(sample("stewart"), bench::StewartHandles(), 6, GetParam()), kLegCondition, GetParam());
 }
 
-TEST_P(AfternoonMotion, StewartAsTheFile) {
+TEST_P(AfternoonMotion, StewartAgreesWithTheFile) {
   const Scene file = read_scene(ASSUR_SOURCE_DIR "/scenes/stewart.json");
   expect_within(compare(file, bench::StewartHandles(), 6, GetParam()), kLegCondition, GetParam());
 }
 
-TEST_P(AfternoonMotion, ChainsAsTheLibrary) {
+TEST_P(AfternoonMotion, ChainsAgreeWithTheLibrary) {
   for (const int loops : {1, 10, 100}) {
     SCOPED_TRACE(loops);
     const Scene scene = sample("four_bar:" + std::to_string(loops));

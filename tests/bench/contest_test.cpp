@@ -1,4 +1,4 @@
-// A time counts only if its result is right, and speed-ups compare rounds with their neighbours.
+// A time counts only if its result is right; speed-ups compare neighbouring rounds.
 #include "contest.hpp"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 namespace assur::bench {
 namespace {
 
-// Takes what it is told and arrives at what it is told.
+// A contender with given times and results.
 class Scripted : public Contender {
  public:
   Scripted(std::vector<double> seconds, std::vector<double> result, double residual = 0)
@@ -81,7 +81,7 @@ TEST(Contest, HasNoTimesForAWrongResult) {
   EXPECT_TRUE(against(entry({1, 1, 1}, {1, 10}, 1, "groups/eigen", 1e-6))[1].wrong);  // its equations do not hold
 }
 
-TEST(Contest, SaysWhatFailed) {
+TEST(Contest, NamesTheFailure) {
   const std::vector<Entry> contest = against(entry({1, 1}, {1, 10}, 0));  // in the third round
   EXPECT_EQ(contest[1].failure, "no more");
   EXPECT_TRUE(contest[1].seconds.empty());

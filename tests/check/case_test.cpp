@@ -1,4 +1,4 @@
-// The files of the stability suite, and what they may say.
+// The files of the stability suite and their syntax.
 #include "check/case.hpp"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ std::string message(const std::string& text) {
   return "no error";
 }
 
-TEST(Cases, AreThoseOfTheIssue) {
+TEST(Cases, IncludeAllRequiredCases) {
   const std::vector<Case> cases = all_cases();
   std::set<std::string> named, names;
   std::map<std::string, int> families, quick;
@@ -41,8 +41,8 @@ TEST(Cases, AreThoseOfTheIssue) {
   }
 }
 
-// A scene that no longer reads would pass for a refusal.
-TEST(Cases, HaveScenesThatAreReadUnlessTheyAreToBeRefusedForWhatTheySay) {
+// A scene with a reading error would otherwise count as a refusal.
+TEST(Cases, HaveReadableScenesUnlessRefusalIsExpected) {
   for (const Case& c : all_cases()) {
     if (!c.matrix.empty() || c.maker == "wide") continue;
     if (c.expected.verdicts.front() == "refused" && c.family == "values") continue;
@@ -51,7 +51,7 @@ TEST(Cases, HaveScenesThatAreReadUnlessTheyAreToBeRefusedForWhatTheySay) {
   }
 }
 
-TEST(Cases, AreOneForEachValueOfASweep) {
+TEST(Cases, ExpandASweepIntoOneCaseForEachValue) {
   const std::vector<Case> cases = parse_cases(R"({"family": "f", "cases": [
     {"name": "a", "about": "x", "sample": "four_bar", "set": {"steps": 3}, "sweep": {"step": [0.1, 1e-9]},
      "expected_each": ["pass", ["inaccurate", {"refused": "why"}]], "because": "y", "accuracy": 1e-3},
@@ -72,19 +72,20 @@ TEST(Cases, AreOneForEachValueOfASweep) {
   EXPECT_EQ(cases[2].formulations, std::vector{Formulation::groups});
 }
 
-TEST(Cases, SayWhatIsWrongWithThem) {
+TEST(Cases, ReportErrorsOfTheirFile) {
   const std::string head = R"({"name": "a", "about": "x", )";
-  EXPECT_EQ(message(R"({"about": "x"})"), "f.json: a case has a \"name\"");
+  EXPECT_EQ(message(R"({"about": "x"})"), "f.json: a case needs the key \"name\"");
   EXPECT_EQ(message(R"({"name": "a", "about": "x", "expected": "pass"})"),
-            "f.json: a: a case has one of \"sample\", \"scene\", \"maker\" and \"matrix\"");
+            "f.json: a: a case needs exactly one of \"sample\", \"scene\", \"maker\" and \"matrix\"");
   EXPECT_EQ(message(head + R"("sample": "s", "expected": "fine"})"), "f.json: a: a case cannot expect \"fine\"");
   EXPECT_EQ(message(head + R"("sample": "s", "expected": ["pass", "singular"]})"),
-            "f.json: a: a case that expects one of several says why: \"because\"");
+            "f.json: a: a case with several expected verdicts needs a reason: \"because\"");
   EXPECT_EQ(message(head + R"("sample": "s", "expected": "pass", "acuracy": 1})"),
-            "f.json: a: a case has no key \"acuracy\"");
-  EXPECT_EQ(message(head + R"("sample": 3, "expected": "pass"})"), "f.json: a: a case has another type of \"sample\"");
+            "f.json: a: a case cannot have the key \"acuracy\"");
+  EXPECT_EQ(message(head + R"("sample": 3, "expected": "pass"})"),
+            "f.json: a: a case has a value of the wrong type for \"sample\"");
   EXPECT_EQ(message(head + R"("sample": "s", "sweep": {"x": [1, 2]}, "expected_each": ["pass"]})"),
-            "f.json: a: a case expects something of each value of its sweep");
+            "f.json: a: a case needs as many \"expected_each\" as values in its sweep");
 }
 
 }  // namespace

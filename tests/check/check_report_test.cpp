@@ -1,4 +1,4 @@
-// What `assur check` says of results that are made up.
+// The output of `assur check` for artificial results.
 #include "check/check_report.hpp"
 
 #include <gtest/gtest.h>
@@ -41,7 +41,7 @@ TEST(CheckReport, CountsCasesByFamily) {
   EXPECT_NE(out.str().find("unexpected      1 case\n"), std::string::npos) << out.str();
 }
 
-TEST(CheckReport, TellsHowToRepeatWhatWasUnexpected) {
+TEST(CheckReport, PrintsTheCommandThatRepeatsAFailure) {
   std::ostringstream out;
   Page page(out);
   print_failures(page, two_cases());

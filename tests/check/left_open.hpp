@@ -1,4 +1,4 @@
-// How far the outputs of a run may be off, column by column, where its equations hold to a relative residual.
+// Bounds for the errors of the outputs of a run, by columns, if its equations hold to a relative residual.
 #pragma once
 
 #include <Eigen/LU>
@@ -15,13 +15,14 @@
 
 namespace assur::test {
 
-// To first order and over the residual r. Every position equation i is off by r s_i at most, with s_i the scale of its
-// residual; every equation of the velocities by r (|J| |v| + |b|), maximum norms, and so those of the accelerations:
+// To first order and divided by the residual r. Every position equation i has an error of at most r s_i, where s_i is
+// the scale of its residual; every velocity equation r (|J| |v| + |b|) in maximum norms; acceleration equations
+// likewise:
 //   J dq = s e,   J dv = -B(v) dq + s' e',   J da = -B(a) dq - 2 B(v) dv + s'' e'',   |e|, |e'|, |e''| <= 1,
 // with B(x) the derivative of J(q) x. Each column takes the worst e, e' and e''.
 class LeftOpen {
  public:
-  // The equations of a structure whose groups are solved as they are; none of them are callbacks'.
+  // The equations of a structure without presolve and callbacks.
   explicit LeftOpen(const Structure& structure)
       : system_(*structure.system),
         outputs_(system_, every_coordinate(system_)),
@@ -109,7 +110,7 @@ class LeftOpen {
     return of_unknowns.asDiagonal();
   }
 
-  // J(q); or B(x), the same without what is linear.
+  // J(q); or B(x), which is J without its linear part.
   [[nodiscard]] Slopes slopes(std::span<const double> x, int linear) const {
     const auto n = static_cast<Eigen::Index>(unknowns_.size());
     Slopes out{Matrix::Zero(n, n)};
@@ -134,7 +135,7 @@ class LeftOpen {
     return out;
   }
 
-  // J(q) x, and what its terms add up to.
+  // J(q) x, and the sum of the absolute values of its terms.
   void apply(std::span<const double> q, std::span<const double> x, Vector& value, Vector& size) const {
     for (Eigen::Index i = 0; i < value.size(); ++i) {
       value[i] = size[i] = 0;
@@ -158,7 +159,7 @@ class LeftOpen {
     }
   }
 
-  // What one error of each equation does to the columns.
+  // Adds the effect of an error of each equation on the columns.
   void add(const std::vector<double>& q, const std::vector<double>& v, const std::vector<double>& a, const Matrix& dq,
            const Matrix& dv, const Matrix& da, std::vector<double>& out) const {
     std::vector<double> change[3], columns(columns_);
@@ -176,7 +177,8 @@ class LeftOpen {
     }
   }
 
-  // Of what measures are made of: as much as each of some draws of signs, over epsilon.
+  // Adds rounding errors of the inputs of measures: the largest for several random choices of signs, divided by
+  // epsilon.
   void add_rounding(const std::vector<double>& q, const std::vector<double>& v, const std::vector<double>& a,
                     std::vector<double>& out) const {
     const std::vector<double> none(q.size(), 0.0);

@@ -17,7 +17,7 @@ Result result_of(const std::string& name, const Parameters& set, std::vector<Ver
   return run_matrix(c, [] { return false; });
 }
 
-TEST(Matrices, WellConditionedOnesAreSolvedByAll) {
+TEST(Matrices, AllSolversSolveWellConditionedMatrices) {
   const Result r = result_of("random", {{"n", 30}}, {"pass"}, 1e-13);
   EXPECT_TRUE(r.passed()) << (r.unexpected.empty() ? "" : r.unexpected[0].strategy);
   EXPECT_GE(r.runs, 4 * 2);  // eigen and lanes at least
@@ -25,8 +25,8 @@ TEST(Matrices, WellConditionedOnesAreSolvedByAll) {
   EXPECT_LE(*r.condition, 10);
 }
 
-// Growth of 2^59 spoils a plain solution with partial pivoting. It is told, and refinement mends it.
-TEST(Matrices, GrowthIsFoundAndTold) {
+// Growth of 2^59 spoils a solution with partial pivoting. It is reported, and refinement repairs it.
+TEST(Matrices, ReportsPivotGrowth) {
   const Result r = result_of("wilkinson", {{"n", 60}}, {"pass"}, 1e-6);
   const auto eigen = std::find_if(r.unexpected.begin(), r.unexpected.end(),
                                   [](const check::Run& run) { return run.strategy == "eigen"; });
@@ -36,13 +36,13 @@ TEST(Matrices, GrowthIsFoundAndTold) {
   for (const check::Run& run : r.unexpected) EXPECT_EQ(run.strategy.find("+refine"), std::string::npos) << run.strategy;
 }
 
-TEST(Matrices, SingularOnesAreToldAsSuch) {
+TEST(Matrices, ReportsSingularMatrices) {
   EXPECT_TRUE(result_of("zero_row", {}, {"singular"}, 1e-6).passed());
   EXPECT_FALSE(result_of("zero_row", {}, {"pass"}, 1e-6).passed());
   EXPECT_TRUE(result_of("nan", {}, {"not_finite"}, 1e-6).passed());
 }
 
-TEST(Matrices, HaveTheEntriesOfTheirName) {
+TEST(Matrices, HaveTheirDefinedEntries) {
   const Dense wilkinson = matrix("wilkinson", {{"n", 4}});
   EXPECT_EQ(wilkinson[3], (std::vector<double>{-1, -1, -1, 1}));
   EXPECT_EQ(wilkinson[1], (std::vector<double>{-1, 1, 0, 1}));

@@ -1,8 +1,8 @@
-// A mechanism drawn at random moves alike however it is run: alone, in chunks, among other members of an ensemble, with
-// some of its outputs, with any strategy: one of each is drawn for each mechanism. Statuses, rows and the time that is
-// reached are the same, values within twice what the residuals of both runs leave open.
+// A random mechanism moves equally in all kinds of runs: alone, in chunks, as a member of an ensemble, with some of its
+// outputs, with another strategy; one of each is drawn for each mechanism. Statuses, rows and the reached time are
+// equal, values differ by at most twice the bounds from the residuals of both runs.
 //   ASSUR_RANDOM_SCENES=10000 build/tests/check_test --gtest_filter='Pairings.*'
-// tries as many mechanisms with each (2 to 5 minutes of a core), ASSUR_RANDOM_SEED=N begins with that of seed N.
+// tries this number of mechanisms with each (2 to 5 minutes of a core), ASSUR_RANDOM_SEED=N starts with seed N.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -28,7 +28,7 @@ using test::Draw;
 
 constexpr ThreadBudget kBudget{2};
 constexpr std::size_t kMembers = 4;
-// Beyond this condition a posture is as good as singular: rounding decides what becomes of it.
+// Above this condition a posture counts as singular, and rounding decides the outcome.
 constexpr double kSingular = 1e6;
 
 std::uint64_t first_seed() {
@@ -36,7 +36,7 @@ std::uint64_t first_seed() {
   return wanted != nullptr ? std::strtoull(wanted, nullptr, 10) : 1;
 }
 
-// ---- what is run
+// ---- runs
 
 nlohmann::ordered_json faster(nlohmann::ordered_json scene, double factor) {
   for (auto& [name, driver] : scene["drivers"].items()) {
@@ -51,7 +51,7 @@ nlohmann::ordered_json faster(nlohmann::ordered_json scene, double factor) {
   return scene;
 }
 
-// Member 0 is the mechanism itself; the others have the same structure and move otherwise.
+// Member 0 is the mechanism itself; the others have the same structure and another motion.
 Scene member(std::uint64_t seed, std::size_t i) {
   if (seed % 2 == 0) {
     Draw draw(seed, i == 0 ? 0 : 0.02, i);
@@ -76,7 +76,7 @@ struct Run {
     return std::span(values).subspan(k * columns.size(), columns.size());
   }
   [[nodiscard]] Code code() const { return status.arrived() ? Code::ok : status.code; }
-  // Two branches come so close that it refuses to follow one, which steps that lie otherwise might.
+  // Two branches come so close that the run stops; a run with other steps may continue.
   [[nodiscard]] bool may_go_on() const { return status.code == Code::branch_unknown && status.figure < 1 / kSingular; }
 };
 
@@ -139,7 +139,7 @@ Run run_among_others(std::uint64_t seed, const std::string& strategy, std::size_
   return r;
 }
 
-// ---- how they compare
+// ---- comparison
 
 struct Plain {
   Scene scene;
@@ -148,7 +148,7 @@ struct Plain {
   bool singular = false;
 };
 
-// What the equations leave open in each row.
+// Computes the error bounds of each row.
 void look_at_postures(Plain& plain) {
   Simulator s = test::simulator(plain.scene, "groups/eigen");
   const Structure& structure = *s.prepared().structure;
@@ -173,7 +173,8 @@ std::string ending(const Run& r) {
          figure(r.reached);
 }
 
-// "" or how they differ. What a part of the outputs does not need may end a motion that goes on without it.
+// Describes the difference; "" if there is none. With `part`, the run with fewer outputs may continue longer, because
+// it leaves out groups.
 std::string difference(const Plain& plain, const Run& other, bool part = false) {
   const Run& a = plain.run;
   if (a.cannot.empty() != other.cannot.empty()) return "START " + a.cannot + " | " + other.cannot;
@@ -198,7 +199,7 @@ std::string difference(const Plain& plain, const Run& other, bool part = false) 
       if (a.times[k] >= since) off = std::abs(std::remainder(off, kTurn));
       const double bound = 2 * residual * (plain.left_open[k][column[c]] + std::abs(value));
       if (off <= bound && (std::isfinite(bound) || !a.status.ok())) continue;
-      // At a kink, which rounding meets or misses.
+      // At a kink; rounding decides whether the run meets it.
       if (std::isnan(off) && a.status.code == Code::inaccurate && other.status.code == Code::inaccurate) continue;
       return "VALUE of " + other.columns[c] + " in row " + std::to_string(k) + ": " + figure(off) + " apart, bound " +
              figure(bound) + ", residual " + figure(residual) + ", value " + figure(value);
@@ -223,7 +224,7 @@ std::string side_by_side(Draw& draw) {
   return to_string(s);
 }
 
-// The point, vector, scalar or measure that a column is of: "C.vx", "angle.rate", "slide.lambda", "T.y".
+// The point, vector, scalar or measure of a column: "C.vx", "angle.rate", "slide.lambda", "T.y".
 std::string owner(const std::string& column) {
   const std::size_t dot = column.rfind('.');
   if (dot == std::string::npos) return column;
@@ -232,7 +233,7 @@ std::string owner(const std::string& column) {
   return part ? column.substr(0, dot) : column;
 }
 
-// One or two of the outputs, perhaps without all derivatives. Unknowns of drivers and bodies cannot be asked for.
+// One or two of the outputs, possibly without all derivatives. Unknowns of drivers and bodies cannot be outputs.
 std::vector<std::string> part_of(const Run& plain, Draw& draw) {
   std::vector<std::string> out;
   for (std::size_t i = 0, n = 1 + draw.below(2); i < n; ++i) {
@@ -249,7 +250,7 @@ std::vector<std::string> part_of(const Run& plain, Draw& draw) {
   return out;
 }
 
-// As many as are asked for; otherwise a few, and some that did not move alike once.
+// The requested number of seeds; by default a few, and some that failed before.
 std::vector<std::uint64_t> seeds() {
   std::vector<std::uint64_t> out(static_cast<std::size_t>(test::random_count(30)));
   std::iota(out.begin(), out.end(), first_seed());

@@ -1,5 +1,5 @@
-// Mechanisms as users write them, drawn at random, against plain equations of their own. ASSUR_RANDOM_SCENES asks for
-// more of them, ASSUR_RANDOM_SEED begins elsewhere. A failure prints the seed, what went wrong and the scene.
+// Random mechanisms, modelled as by users, compared with independent plain equations. ASSUR_RANDOM_SCENES sets their
+// number, ASSUR_RANDOM_SEED the first seed. A failure prints the seed, the fault and the scene.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -56,8 +56,8 @@ TEST(RandomMechanisms, NoneIsWrongWithACleanStatus) {
   EXPECT_LE(exceeded, std::max(1, estimates / 100));
 }
 
-// Seeds that searches of tens of thousands ended with, one or two of each kind of fault.
-TEST(RandomMechanisms, ThoseThatWereWrongOnceAreNot) {
+// Seeds from searches among tens of thousands, one or two for each kind of fault.
+TEST(RandomMechanisms, FormerlyWrongOnesStayRight) {
   for (const std::uint64_t seed : {492, 1163, 1792, 5583, 6622, 101955, 103855, 697, 2303, 103555}) {
     const RandomMechanism m = random_mechanism(seed, ASSUR_SOURCE_DIR "/tests/data/tables");
     const Trial t = try_out(m);
@@ -65,7 +65,7 @@ TEST(RandomMechanisms, ThoseThatWereWrongOnceAreNot) {
   }
 }
 
-// What the search finds: a motion that the plain equations contradict.
+// The plain equations confirm the right motion and reject a wrong one.
 TEST(RandomMechanisms, PlainEquationsFollowAFourBar) {
   RandomMechanism m;
   m.family = "four_bar";
@@ -80,7 +80,7 @@ TEST(RandomMechanisms, PlainEquationsFollowAFourBar) {
   const Trial t = try_out(m);
   EXPECT_EQ(t.verdict, Verdict::agrees) << t.what;
   EXPECT_EQ(t.rows, 100);
-  // Both are right to the rounding of doubles, over the condition of the loop: 1 / sin of its transmission angle.
+  // Both are right up to rounding errors times the condition of the loop, 1 / sin of its transmission angle.
   ASSERT_TRUE(t.error[0] && t.error[2]);
   EXPECT_GT(*t.error[2], 0);
   EXPECT_LT(*t.error[0], 1e-14);

@@ -1,4 +1,4 @@
-// The suite finds what is wrong: with a mechanism, and with an expectation.
+// The suite finds wrong mechanisms and wrong expectations.
 #include "check/runner.hpp"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ Case case_of(const std::string& text, Expected expected) {
   return c;
 }
 
-TEST(Runner, PassesWhatEndsAsExpected) {
+TEST(Runner, PassesRunsThatEndAsExpected) {
   const Result r = run(case_of("slider_crank:steps=100,step=0.01", {{"pass"}, ""}));
   EXPECT_TRUE(r.passed());
   EXPECT_EQ(r.verdict, "pass");
@@ -43,13 +43,13 @@ TEST(Runner, FindsAWrongExpectation) {
   EXPECT_EQ(r.unexpected[0].strategy, "groups/eigen");
 }
 
-TEST(Runner, FindsAFoldThatWasNotExpected) {
+TEST(Runner, FindsAnUnexpectedFold) {
   const Result r = run(case_of("slider_crank:crank_length=0.3,rod_length=0.2", {{"pass"}, ""}));
   EXPECT_FALSE(r.passed());
   EXPECT_EQ(r.verdict, "limit_reached");
 }
 
-// A clean run that is held against another motion: a rhombus is no parallelogram twice as wide.
+// A clean run that is compared with another motion: a rhombus is no parallelogram of twice the width.
 TEST(Runner, FindsACleanRunThatIsWrong) {
   Case c = case_of("n_four_bar:loops=2,steps=20", {{"pass"}, ""});
   EXPECT_TRUE(run(c).passed());
@@ -62,7 +62,7 @@ TEST(Runner, FindsACleanRunThatIsWrong) {
   EXPECT_NE(r.unexpected.at(0).message.find("pass, but"), std::string::npos) << r.unexpected[0].message;
 }
 
-TEST(Runner, FindsWhatIsLessExactThanAsked) {
+TEST(Runner, FindsErrorsAboveTheRequiredAccuracy) {
   Case c = case_of("slider_crank:steps=10", {{"pass"}, ""});
   c.accuracy = 1e-19;
   const Result r = run(c);
@@ -78,14 +78,14 @@ TEST(Runner, TellsRefusalsApartByTheirMessage) {
   EXPECT_EQ(r.verdict, "refused");
 }
 
-TEST(Runner, HoldsScenesOfTheUserToEachOther) {
+TEST(Runner, ComparesStrategiesForScenesOfTheUser) {
   EXPECT_EQ(run(case_of("slider_crank:steps=10", {})).verdict, "pass");
   const Result fold = run(case_of("slider_crank:crank_length=0.3,rod_length=0.2", {}));
   EXPECT_TRUE(fold.passed());
   EXPECT_EQ(fold.verdict, "limit_reached");
 }
 
-TEST(Runner, LeavesOutWhatCannotRunHereAndSaysSo) {
+TEST(Runner, LeavesOutStrategiesThatCannotRunAndNotesIt) {
   Case c = case_of("slider_crank:steps=10", {{"pass"}, ""});
   c.strategies.emplace_back("groups/klu+float");
   const Result r = run(c);
@@ -95,7 +95,7 @@ TEST(Runner, LeavesOutWhatCannotRunHereAndSaysSo) {
   EXPECT_EQ(r.notes[0].rfind("klu: ", 0), 0u) << r.notes[0];
 }
 
-TEST(Runner, GoesThroughEveryBackendAndPolicy) {
+TEST(Runner, RunsEveryBackendAndPolicy) {
   Case c = case_of("slider_crank:steps=5", {{"pass"}, ""});
   c.strategies.clear();
   const Result all = run(c), quick = run(c, {.quick = true, .stop = [] { return false; }});
@@ -116,7 +116,7 @@ TEST(Runner, StopsWhenAsked) {
   EXPECT_TRUE(r.interrupted);
 }
 
-TEST(Runner, FindsATwinWithOtherBits) {
+TEST(Runner, FindsATwinThatDiffersInBits) {
   Case c = case_of("", {{"pass"}, ""});
   c.scene = R"({"assur": 1, "dimension": 2, "parameters": {"unit": 2},
     "points": {"A": {"at": [0, 0], "fixed": true}, "D": {"at": ["=2*unit", 0], "fixed": true},
@@ -131,7 +131,7 @@ TEST(Runner, FindsATwinWithOtherBits) {
   EXPECT_EQ(run(c).verdict, "other_bits");
 }
 
-// The suite's own yardstick is the library's forward_error.
+// The errors of the suite agree with forward_error() of the library.
 TEST(Yardstick, AgreesWithForwardError) {
   for (const char* text : {"slider_crank:offset=0.02,steps=50,step=0.02", "stewart:steps=20", "bricard:steps=50",
                            "whitworth:steps=50", "almost_parallelogram:delta=1e-6"}) {
@@ -144,12 +144,12 @@ TEST(Yardstick, AgreesWithForwardError) {
     const Trajectory trajectory = simulator.run();
     const ForwardError expected = forward_error(prepared, trajectory);
     const double worst = std::max({expected.position, expected.velocity, expected.acceleration});
-    // Rows of the reference are kept in 64 bits.
+    // Rows of the reference are stored in doubles.
     EXPECT_NEAR(yardstick.forward_error(trajectory, trajectory.rows()), worst, 1e-3 * worst + 1e-18);
   }
 }
 
-// What a run itself calls inaccurate is left out row by row, and is no measure for the others' size.
+// Rows that a run reports as inaccurate do not count, neither for errors nor for the size of the outputs.
 TEST(Yardstick, LeavesOutRowsThatDoNotCount) {
   const Prepared prepared = prepare(sample("n_four_bar:loops=1,steps=20").with_outputs({"B1"}));
   Simulator simulator(prepared);
@@ -162,14 +162,14 @@ TEST(Yardstick, LeavesOutRowsThatDoNotCount) {
     };
   };
   Yardstick yardstick(prepared, known_motion(prepared, shifted_from(0.105)));
-  // B1 starts at (1, 1), and is never further out.
+  // B1 starts at (1, 1), its largest distance.
   const double size = std::max(1.0, prepared.structure->system->unit(1));
   EXPECT_NEAR(yardstick.forward_error(trajectory, trajectory.rows()), 1e-3 / size, 1e-12);
   EXPECT_LE(yardstick.forward_error(trajectory, trajectory.rows(), [](std::size_t row) { return row < 11; }), 1e-14);
   EXPECT_LE(yardstick.forward_error(trajectory, 11), 1e-14);
 }
 
-TEST(Yardstick, IsNotAskedAgainOnceItIsLost) {
+TEST(Yardstick, IsNotCalledAgainAfterAFailure) {
   class Lost final : public TrueMotion {
    public:
     explicit Lost(int& asked) : asked_(asked) {}
@@ -189,7 +189,7 @@ TEST(Yardstick, IsNotAskedAgainOnceItIsLost) {
   EXPECT_EQ(asked, 1);
 }
 
-TEST(Yardstick, ComparesNothingWithNothing) {
+TEST(Yardstick, UnknownTruthHasInfiniteError) {
   const Prepared prepared = prepare(sample("slider_crank:steps=5"));
   Simulator simulator(prepared);
   const Trajectory trajectory = simulator.run();

@@ -6,7 +6,7 @@
 namespace assur {
 namespace {
 
-TEST(Backends, JsonHasARowForEachBackendOfTheTable) {
+TEST(Backends, JsonHasOneRowForEachBackend) {
   const Outcome outcome = run_command({"backends", "--json"});
   ASSERT_EQ(outcome.status, 0);
   EXPECT_EQ(outcome.err, "");
@@ -26,7 +26,7 @@ TEST(Backends, JsonHasARowForEachBackendOfTheTable) {
   }
 }
 
-TEST(Backends, ThePageSaysForEachWhetherItRunsHere) {
+TEST(Backends, PageShowsWhetherEachBackendRuns) {
   const Outcome outcome = run_command({"backends"});
   ASSERT_EQ(outcome.status, 0);
   const auto lines = outcome.lines();

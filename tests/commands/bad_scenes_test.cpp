@@ -32,7 +32,7 @@ TEST_P(BadScene, IsRefusedWithTheExpectedLines) {
 INSTANTIATE_TEST_SUITE_P(Folder, BadScene, testing::ValuesIn(bad_scenes::names()),
                          [](const auto& test) { return test.param; });
 
-TEST(BadScenes, WithJsonEveryLineIsADiagnostic) {
+TEST(BadScenes, JsonHasADiagnosticForEveryLine) {
   const Outcome outcome = run_command({"inspect", "several_findings.json", "--json"}, {kFolder, {}, {}});
   EXPECT_EQ(outcome.status, 2);
   EXPECT_EQ(outcome.err, "");
@@ -47,7 +47,7 @@ TEST(BadScenes, WithJsonEveryLineIsADiagnostic) {
   EXPECT_GE(lines.size(), 2u);
 }
 
-TEST(BadScenes, AFileThatCannotBeReadIsAnErrorOfTheEnvironment) {
+TEST(BadScenes, AnUnreadableFileIsAnEnvironmentError) {
   const Outcome outcome = run_command({"run", "no_such_scene.json"});
   EXPECT_EQ(outcome.status, 3);
   EXPECT_EQ(outcome.err.rfind("error: no_such_scene.json: ", 0), 0u) << outcome.err;

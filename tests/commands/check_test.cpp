@@ -1,4 +1,4 @@
-// `assur check`, as a user runs it.
+// The command `assur check`.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -31,7 +31,7 @@ TEST(Check, JsonHasTheKeysOfTheContract) {
   EXPECT_EQ(json["failed"], 0);
 }
 
-TEST(Check, ThePageSumsUpByFamily) {
+TEST(Check, PageHasOneRowForEachFamily) {
   const Outcome outcome = run_command({"check", "--case", "table_", "--quick"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   ASSERT_GE(outcome.lines().size(), 2u);
@@ -40,7 +40,7 @@ TEST(Check, ThePageSumsUpByFamily) {
   EXPECT_NE(outcome.out.find("unexpected      nothing"), std::string::npos) << outcome.out;
 }
 
-TEST(Check, ScenesOfTheUserGoThroughAllStrategies) {
+TEST(Check, RunsScenesOfTheUserWithAllStrategies) {
   const Outcome outcome = run_command({"check", "slider_crank", "--set", "steps=5", "--json"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   ASSERT_EQ(outcome.json()["cases"].size(), 1u);
@@ -48,16 +48,16 @@ TEST(Check, ScenesOfTheUserGoThroughAllStrategies) {
   EXPECT_EQ(outcome.json()["cases"][0]["verdict"], "pass");
 }
 
-TEST(Check, ABadSceneIsBadInput) {
+TEST(Check, RejectsAnInvalidSceneAsBadInput) {
   const Outcome outcome = run_command({"check", "slider_crank", "no_such_sample"});
   EXPECT_EQ(outcome.status, 2);
   EXPECT_NE(outcome.err.find("no_such_sample"), std::string::npos) << outcome.err;
   EXPECT_EQ(run_command({"check", "--case", "bogus"}).err,
-            "error: --case: there is no case whose name begins with \"bogus\"\n");
+            "error: --case: no case has a name that starts with \"bogus\"\n");
 }
 
-// Almost at a change point some predictors lead to substeps that are in doubt, others not.
-TEST(Check, StrategiesThatDisagreeAreToldWithTheWayToRepeatIt) {
+// Near a change point some predictors lead to doubtful substeps, others do not.
+TEST(Check, ReportsDisagreeingStrategiesWithTheirCommands) {
   const Outcome outcome =
       run_command({"check", "almost_parallelogram:delta=5e-10,step=0.01,steps=50",
                    "almost_parallelogram:delta=1.2e-9,step=0.01,steps=50", "--set", "step=0.03806", "--quick"});
@@ -68,8 +68,8 @@ TEST(Check, StrategiesThatDisagreeAreToldWithTheWayToRepeatIt) {
   EXPECT_NE(outcome.out.find("step=0.03806 --strategy"), std::string::npos) << outcome.out;
 }
 
-TEST(Check, CtrlCKeepsWhatIsDone) {
-  // How long it will take is told from the first case that is done.
+TEST(Check, CtrlCKeepsFinishedCases) {
+  // The remaining time is shown after the first case.
   const Outcome outcome = run_command({"check", "--json"}, {{}, {}, " left"});
   EXPECT_EQ(outcome.status, 130);
   EXPECT_GT(outcome.json()["cases"].size(), 0u);

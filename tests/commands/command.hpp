@@ -1,4 +1,4 @@
-// Runs the command as a user does.
+// Runs the command in a child process.
 #pragma once
 
 #include <unistd.h>
@@ -33,12 +33,12 @@ struct Setting {
 };
 
 [[nodiscard]] Outcome run_command(const std::vector<std::string>& arguments, const Setting& setting = {});
-// `assur tune --budget SECONDS` and more; again with four times the budget where the machine was too busy to measure.
+// `assur tune --budget SECONDS` with more arguments; repeated with four times the budget if the machine was too busy.
 [[nodiscard]] Outcome run_tuning(int seconds, const std::vector<std::string>& more, const Setting& setting = {});
 
 [[nodiscard]] std::string content(const std::filesystem::path& file);
 
-// A folder of its own for each test, removed with it.
+// A temporary folder for a test.
 class Scratch {
  public:
   Scratch();

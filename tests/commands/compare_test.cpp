@@ -39,7 +39,7 @@ TEST(Compare, JsonHasARowForEachStrategyAndEachAccuracy) {
     if (!json["no_yardstick"].is_null()) continue;
     for (const char* kind : {"forward_position", "forward_velocity", "forward_acceleration"}) {
       EXPECT_GE(row[kind], 0);
-      // What was asked for; where nothing was, rounding: the condition is about 10, so some hundred eps.
+      // The required accuracy; without one, rounding: about a hundred eps at a condition of 10.
       EXPECT_LE(row[kind], row["accuracy"].is_null() ? 1e-12 : row["accuracy"].get<double>()) << row["strategy"];
     }
     if (row["picked"]) {
@@ -53,7 +53,7 @@ TEST(Compare, JsonHasARowForEachStrategyAndEachAccuracy) {
   EXPECT_EQ(any_front, json["no_yardstick"].is_null());
 }
 
-TEST(Compare, AutoAloneHasNoOthersBesideIt) {
+TEST(Compare, ComparesAutoAlone) {
   const Outcome o = run_command(
       {"compare", "four_bar", "--steps", "20", "--quiet", "--strategies", "auto", "--accuracy", "1e-6", "--json"});
   ASSERT_EQ(o.status, 0) << o.err;
@@ -61,7 +61,7 @@ TEST(Compare, AutoAloneHasNoOthersBesideIt) {
   EXPECT_EQ(o.json()["rows"][0]["picked"], true);
 }
 
-TEST(Compare, ThePageHasThePictureAndEveryRow) {
+TEST(Compare, PageHasTheDiagramAndEveryRow) {
   const Scratch scratch;
   const std::string file = scratch.file("compare.html");
   const Outcome o = run_command(with(kCall, {"--html", file, "--json"}));
@@ -78,7 +78,7 @@ TEST(Compare, ThePageHasThePictureAndEveryRow) {
   EXPECT_EQ(page.find("http://"), page.find("http://www.w3.org/2000/svg"));
 }
 
-TEST(Compare, TheTableNamesWhatAutoTook) {
+TEST(Compare, TableNamesTheChoicesOfAuto) {
   const Outcome o = run_command(kCall);
   ASSERT_EQ(o.status, 0) << o.err;
   EXPECT_NE(o.out.find("stewart: true error against time, 30 steps of 0.01 s"), std::string::npos);
@@ -86,11 +86,11 @@ TEST(Compare, TheTableNamesWhatAutoTook) {
   EXPECT_NE(o.out.find("auto, asked for"), std::string::npos);
 }
 
-TEST(Compare, AWrongCallSaysWhatIsWrong) {
+TEST(Compare, ReportsWrongArguments) {
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
       {{"--accuracy", "fine"}, "--accuracy: expects numbers > 0 such as 1e-4,1e-8, not \"fine\""},
       {{"--accuracy", "1e-4,0"}, "--accuracy: expects numbers > 0 such as 1e-4,1e-8, not \"1e-4,0\""},
-      {{"--strategies", "groups/eigen+chunks=4"}, "leave out +chunks="},
+      {{"--strategies", "groups/eigen+chunks=4"}, "remove +chunks="},
       {{"--html", ""}, "--html: expects a file name"},
       {{"--steps", "0"}, "--steps: expects a whole number from 1 to 2147483647, not \"0\""},
   };
@@ -102,7 +102,7 @@ TEST(Compare, AWrongCallSaysWhatIsWrong) {
   }
 }
 
-TEST(Compare, WhatCannotRunOrBeWrittenIsAnErrorOfTheEnvironment) {
+TEST(Compare, MissingBackendsAndUnwritableFilesAreEnvironmentErrors) {
   const Scratch scratch;
   const Outcome page = run_command(with(kCall, {"--html", scratch.file("no_such_folder/page.html")}));
   EXPECT_EQ(page.status, 3);

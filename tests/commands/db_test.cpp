@@ -29,7 +29,7 @@ nlohmann::json rows(const std::string& file, std::vector<std::string> words) {
   return outcome.json()["rows"];
 }
 
-TEST(Db, InfoTellsWhatIsThereAndWhatIsBelieved) {
+TEST(Db, InfoShowsDatabasesAndSamplesInUse) {
   const Scratch scratch;
   const std::string file = scratch.file("tuning.db");
   make_database(file, db::this_host(), 12);
@@ -57,18 +57,18 @@ TEST(Db, InfoTellsWhatIsThereAndWhatIsBelieved) {
   EXPECT_NE(page.out.find(" (this)"), std::string::npos) << page.out;
 }
 
-TEST(Db, InfoOfWhatCannotBeReadSaysWhy) {
+TEST(Db, InfoExplainsUnreadableDatabases) {
   const Scratch scratch;
   const std::string file = scratch.file("notes.txt", "buy milk\n");
   const Outcome refused = ask(file, {"info", "--json"});
   EXPECT_EQ(refused.status, 3);
   const auto row = refused.json()["rows"].at(0);
   EXPECT_NE(row["why_not"].get<std::string>().find("no tuning database"), std::string::npos);
-  EXPECT_EQ(rows(scratch.file("absent.db"), {"info"}).at(0)["why_not"], "not there");
+  EXPECT_EQ(rows(scratch.file("absent.db"), {"info"}).at(0)["why_not"], "does not exist");
 }
 
-// Many bytes in the middle: nothing is believed in silence.
-TEST(Db, DamageIsToldByEveryCommand) {
+// Damages many bytes in the middle; every command has to report it.
+TEST(Db, EveryCommandReportsDamage) {
   const Scratch scratch;
   const std::string file = scratch.file("tuning.db");
   make_database(file, db::this_host(), 500);
@@ -102,7 +102,7 @@ TEST(Db, DamageIsToldByEveryCommand) {
   EXPECT_EQ(files, 3u);  // the new one, the damaged one, the lock
 }
 
-TEST(Db, SamplesBestCrossoversAndModelsAreRows) {
+TEST(Db, PrintsSamplesBestCrossoversAndModelsAsRows) {
   const Scratch scratch;
   const std::string file = scratch.file("tuning.db");
   {
@@ -173,7 +173,7 @@ TEST(Db, ExportsAndImports) {
   EXPECT_FALSE(std::filesystem::exists(made));
 }
 
-TEST(Db, ForgetsOnlyWhatItIsToldTo) {
+TEST(Db, ForgetsOnlySelectedSamples) {
   const Scratch scratch;
   const std::string file = scratch.file("tuning.db");
   make_database(file, host_with(4), 8, "klu");
@@ -182,7 +182,7 @@ TEST(Db, ForgetsOnlyWhatItIsToldTo) {
        std::vector<std::vector<std::string>>{{"forget"}, {"forget", "--all", "--library", "klu"}}) {
     const Outcome outcome = ask(file, words);
     EXPECT_EQ(outcome.status, 2);
-    EXPECT_NE(outcome.err.find("say what to forget"), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find("select the samples to forget"), std::string::npos) << outcome.err;
   }
   const auto forgotten = rows(file, {"forget", "--library", "klu"}).at(0);
   EXPECT_EQ(forgotten["samples"], 8);
@@ -193,7 +193,7 @@ TEST(Db, ForgetsOnlyWhatItIsToldTo) {
   EXPECT_FALSE(std::filesystem::exists(scratch.file("absent.db")));
 }
 
-TEST(Db, CheckRepairsAndSaysSo) {
+TEST(Db, CheckReportsItsRepairs) {
   const Scratch scratch;
   const std::string file = scratch.file("tuning.db");
   make_database(file, host_with(4), 100);
@@ -212,7 +212,7 @@ TEST(Db, CheckRepairsAndSaysSo) {
   EXPECT_EQ(rows(file, {"samples"}).size(), row["samples"]);
 }
 
-TEST(Db, WhatIsNoDatabaseIsAnErrorOfTheEnvironment) {
+TEST(Db, AFileThatIsNoDatabaseIsAnEnvironmentError) {
   const Scratch scratch;
   const std::string text = scratch.file("notes.txt", "buy milk\n");
   for (const char* question : {"samples", "best", "crossovers", "models", "check"}) {

@@ -15,8 +15,8 @@
 namespace assur {
 namespace {
 
-// The crank turns until coupler and rocker are in line: |B - D| = coupler + 1, at 1.31... for a coupler of 1, beyond
-// t = 2 for one of 1.8 or more. From 2 on it cannot be assembled.
+// The crank turns until coupler and rocker are in line, |B - D| = coupler + 1: at 1.31... for a coupler of 1, after t =
+// 2 for couplers of 1.8 or more. Couplers of 2 or more cannot be assembled.
 const char* const kFold = R"({
   "assur": 1, "name": "fold", "dimension": 2, "parameters": {"coupler": 1},
   "points": {"A": {"at": [0, 0], "fixed": true}, "D": {"at": [2, 0], "fixed": true},
@@ -47,7 +47,7 @@ std::vector<Row> rows_of(const std::string& csv) {
 
 class Ensembles : public testing::Test {
  protected:
-  // assur run SCENE --ensemble FILE ..., the file with this text.
+  // assur run SCENE --ensemble FILE ..., where FILE contains `variants`.
   Outcome run(const std::string& scene, const std::string& variants, std::vector<std::string> more = {},
               const Setting& setting = {}) const {
     more.insert(more.begin(), {"run", scene, "--ensemble", scratch_.file("variants.csv", variants)});
@@ -58,7 +58,7 @@ class Ensembles : public testing::Test {
   Scratch scratch_;
 };
 
-TEST_F(Ensembles, CsvIsTheTrajectoryOfTheLibrary) {
+TEST_F(Ensembles, CsvEqualsTheTrajectoryOfTheLibrary) {
   std::string variants = "omega\n";
   for (int i = 0; i < 10; ++i) variants += std::to_string(1 + 0.125 * i) + "\n";
   TimeGrid grid = sample("stewart").time();
@@ -79,9 +79,9 @@ TEST_F(Ensembles, CsvIsTheTrajectoryOfTheLibrary) {
   }
 }
 
-// Position, velocity and acceleration carry up to the third power of the condition, which is below 8 here (coupler and
-// rocker stay 18 degrees away from one line), and a few operations each.
-TEST_F(Ensembles, MembersMoveAsTheyDoByThemselves) {
+// Errors of position, velocity and acceleration have up to the third power of the condition, which is below 8 (coupler
+// and rocker stay 18 degrees away from one line), and a few roundings.
+TEST_F(Ensembles, MembersMoveAsInSingleRuns) {
   constexpr double kTolerance = 8 * 8 * 8 * 4 * std::numeric_limits<double>::epsilon();
   const std::string scene = fold();
   const std::vector<Row> all = rows_of(run(scene, "coupler\n1.8\n1.9\n1.85\n", {"--quiet", "--csv", "-"}).out);
@@ -103,7 +103,7 @@ TEST_F(Ensembles, MembersMoveAsTheyDoByThemselves) {
   }
 }
 
-TEST_F(Ensembles, JsonTellsWhatWasDone) {
+TEST_F(Ensembles, JsonHasTheFiguresOfTheRun) {
   const Outcome outcome = run("stewart", "omega\n1\n2\n3\n", {"--json", "--steps", "50"});
   ASSERT_EQ(outcome.status, 0) << outcome.out;
   EXPECT_EQ(outcome.err, "");
@@ -129,7 +129,7 @@ TEST_F(Ensembles, JsonTellsWhatWasDone) {
   }
 }
 
-TEST_F(Ensembles, FailuresAreNamedAndTheOthersGoOn) {
+TEST_F(Ensembles, NamesFailedMembersAndContinuesTheOthers) {
   const std::string scene = fold(), variants = "coupler\n1.9\n1\n3\n-1\n1.8\n";
   const std::string csv = scratch_.file("motion.csv");
   const Outcome outcome = run(scene, variants, {"--json", "--csv", csv});
@@ -163,12 +163,12 @@ TEST_F(Ensembles, FailuresAreNamedAndTheOthersGoOn) {
   EXPECT_EQ(page.status, 1);
   EXPECT_EQ(page.err.rfind("error: 3 of 5 members failed; the first: member 2 (coupler = 1): t = 1.31", 0), 0u)
       << page.err;
-  EXPECT_NE(page.out.find("\n  members         2 done, 3 failed; 1 went on alone\n"), std::string::npos) << page.out;
+  EXPECT_NE(page.out.find("\n  members         2 done, 3 failed; 1 continued alone\n"), std::string::npos) << page.out;
   EXPECT_NE(page.out.find("member 3 (coupler = 3): "), std::string::npos) << page.out;
   EXPECT_EQ(page.lines().back(), "  status          3 of 5 members failed");
 }
 
-TEST_F(Ensembles, AMemberLessAccurateThanAskedForIsTold) {
+TEST_F(Ensembles, ReportsMembersBelowTheRequiredAccuracy) {
   const std::string variants = "delta\n1e-3\n1e-12\n1e-2\n";
   const auto json =
       run("almost_parallelogram", variants, {"--json", "--strategy", "global/eigen:4+predict=taylor:2"}).json();
@@ -182,7 +182,7 @@ TEST_F(Ensembles, AMemberLessAccurateThanAskedForIsTold) {
   EXPECT_EQ(page.lines().back(), "  status          1 of 3 members inaccurate");
 }
 
-TEST_F(Ensembles, WhatNoMemberCanStartWithIsAnErrorAsWithoutAnEnsemble) {
+TEST_F(Ensembles, AnErrorOfAllMembersIsReportedAsWithoutAnEnsemble) {
   const std::string scene = fold();
   const Outcome set = run_command({"run", scene, "--set", "couple=1"});
   const Outcome column = run(scene, "couple\n1\n2\n");
@@ -196,7 +196,7 @@ TEST_F(Ensembles, WhatNoMemberCanStartWithIsAnErrorAsWithoutAnEnsemble) {
   EXPECT_EQ(apart.err, run_command({"run", scene, "--set", "coupler=3"}).err);
 }
 
-TEST_F(Ensembles, AFileThatCannotBeUsedIsRefused) {
+TEST_F(Ensembles, RefusesInvalidFiles) {
   const Outcome wrong = run("stewart", "omega\n1\nfast\n");
   EXPECT_EQ(wrong.status, 2);
   EXPECT_EQ(wrong.err,
@@ -207,24 +207,24 @@ TEST_F(Ensembles, AFileThatCannotBeUsedIsRefused) {
                           ": the file of variants cannot be read: no such file or directory\n");
 }
 
-TEST_F(Ensembles, SetHoldsForEveryMember) {
+TEST_F(Ensembles, SetAppliesToEveryMember) {
   const Outcome set = run("stewart", "omega\n1\n2\n", {"--set", "legs=4", "--json", "--steps", "2"});
   ASSERT_EQ(set.status, 0) << set.out;
   EXPECT_EQ(set.json()["plan"].back()["groups"], 4);
   const Outcome twice = run("stewart", "omega\n1\n2\n", {"--set", "omega=1"});
   EXPECT_EQ(twice.status, 2);
-  EXPECT_EQ(twice.err, "error: --set: \"omega\" is a column of " + scratch_.file("variants.csv") +
-                           " too; it cannot have two values\n");
+  EXPECT_EQ(twice.err,
+            "error: --set: \"omega\" is also a column of " + scratch_.file("variants.csv") + "; give it only once\n");
 }
 
-TEST_F(Ensembles, AMemberWithTimesOfItsOwnIsNotRunOverThoseOfAnother) {
+TEST_F(Ensembles, RefusesMembersWithDifferentTimeGrids) {
   const auto json = run("four_bar", "steps\n100\n200\n", {"--json"}).json();
   EXPECT_EQ(json["failed"][0]["member"], 2);
-  EXPECT_EQ(json["failed"][0]["why"], "its time grid is another one than that of the first member");
+  EXPECT_EQ(json["failed"][0]["why"], "its time grid differs from that of the first member");
   EXPECT_EQ(run("four_bar", "steps\n100\n200\n", {"--steps", "50"}).status, 0);
 }
 
-TEST_F(Ensembles, ThreadsChangeNoBit) {
+TEST_F(Ensembles, ResultsAreBitwiseEqualForAllThreads) {
   std::string variants = "omega\n";
   for (int i = 0; i < 20; ++i) variants += std::to_string(1 + 0.125 * i) + "\n";
   const auto csv = [&](const std::string& strategy) {
@@ -239,7 +239,7 @@ TEST_F(Ensembles, ThreadsChangeNoBit) {
   EXPECT_TRUE(two == csv("irreducible/lanes:4"));
 }
 
-TEST_F(Ensembles, PinnedThreadsDoTheSame) {
+TEST_F(Ensembles, PinnedThreadsGiveTheSameResults) {
   const std::vector<std::string> options = {"--quiet", "--csv", "-", "--strategy", "groups/klu:2 2x1"};
   std::vector<std::string> pinned = options;
   pinned.push_back("--pin");
@@ -250,18 +250,19 @@ TEST_F(Ensembles, PinnedThreadsDoTheSame) {
   EXPECT_TRUE(outcome.out == run("stewart", variants, options).out);
 }
 
-TEST_F(Ensembles, ContradictionsAreRefused) {
+TEST_F(Ensembles, RefusesContradictoryOptions) {
   struct Case {
     std::vector<std::string> options;
     std::string message;
   };
   const Case cases[] = {
       {{"--mode", "latency"},
-       "--mode: latency is one mechanism step after step, but --ensemble runs its members side by side; leave one out"},
+       "--mode: latency runs one mechanism step by step, but --ensemble runs its members side by side; remove one of "
+       "them"},
       {{"--strategy", "groups/klu+chunks=4"},
-       "--ensemble: its members fill the lanes and threads; leave out +chunks= of the strategy"},
-      {{"--reference"}, "--reference: it compares one mechanism; run the member in question with --set"},
-      {{"--certify"}, "--certify: it proves one motion; run the member in question with --set"},
+       "--ensemble: its members use the lanes and threads; remove +chunks= from the strategy"},
+      {{"--reference"}, "--reference: it compares a single mechanism; run one member with --set"},
+      {{"--certify"}, "--certify: it certifies a single mechanism; run one member with --set"},
   };
   for (const Case& c : cases) {
     const Outcome outcome = run("stewart", "omega\n1\n", c.options);
@@ -271,7 +272,7 @@ TEST_F(Ensembles, ContradictionsAreRefused) {
   }
 }
 
-TEST_F(Ensembles, AnInterruptKeepsWhatIsDone) {
+TEST_F(Ensembles, AnInterruptKeepsFinishedRows) {
   const std::string csv = scratch_.file("motion.csv");
   const Outcome outcome =
       run("four_bar:400", "omega\n6\n6.1\n", {"--steps", "1000000", "--outputs", "B400.position", "--csv", csv},
@@ -284,7 +285,7 @@ TEST_F(Ensembles, AnInterruptKeepsWhatIsDone) {
   EXPECT_LT(rows, 2000002u);
 }
 
-TEST_F(Ensembles, ThePageFits) {
+TEST_F(Ensembles, PageFitsEightyColumns) {
   std::string variants = "coupler\n";
   for (int i = 0; i < 30; ++i) variants += std::to_string(0.9 + 0.03 * i) + "\n";
   for (const Outcome& outcome : {run(fold(), variants), run("stewart", "omega\n1\n2\n", {"--steps", "10"})}) {
@@ -295,8 +296,8 @@ TEST_F(Ensembles, ThePageFits) {
   }
 }
 
-// The two motions are no farther apart than their true errors allow, over the largest of the outputs.
-TEST(Mode, ThroughputIsTheSameMotion) {
+// The two motions differ by at most their true errors, relative to the largest output.
+TEST(Mode, ThroughputGivesTheSameMotion) {
   std::vector<std::vector<Row>> motions;
   double allowed = 0;
   for (const std::string mode : {"latency", "throughput"}) {
@@ -322,7 +323,7 @@ TEST(Mode, ThroughputIsTheSameMotion) {
   }
 }
 
-TEST(Mode, ThroughputRunsChunksAndTellsTheMean) {
+TEST(Mode, ThroughputRunsChunksAndReportsTheMean) {
   const auto json = run_command({"run", "stewart", "--json", "--mode", "throughput"}).json();
   EXPECT_EQ(json["mode"], "throughput");
   EXPECT_EQ(json["steps"], 1000);
@@ -343,8 +344,8 @@ TEST(Mode, ChunksInAStrategyMeanThroughput) {
   const Outcome outcome = run_command({"run", "stewart", "--strategy", "groups/eigen+chunks=3", "--mode", "latency"});
   EXPECT_EQ(outcome.status, 2);
   EXPECT_EQ(outcome.err,
-            "error: --mode: latency is one mechanism step after step, but +chunks= runs parts of the time grid side by "
-            "side; leave one out\n");
+            "error: --mode: latency runs one mechanism step by step, but +chunks= runs parts of the time grid side by "
+            "side; remove one of them\n");
 }
 
 TEST(Mode, LatencyIsTheDefault) {

@@ -25,7 +25,7 @@ std::vector<std::string> cells(const std::string& line) {
   return all;
 }
 
-TEST(Errors, ARowForEachStepAndGroup) {
+TEST(Errors, HasOneRowForEachStepAndGroup) {
   const Scratch scratch;
   const std::string file = scratch.file("errors.csv");
   const Outcome o = run_command(
@@ -53,7 +53,7 @@ TEST(Errors, ARowForEachStepAndGroup) {
   EXPECT_LE(worst, 1e-14);
 }
 
-TEST(Errors, WithAReferenceTheTrueErrorIsThere) {
+TEST(Errors, HasTrueErrorsWithReference) {
   const Scratch scratch;
   const std::string file = scratch.file("errors.csv");
   const Outcome o = run_command(
@@ -73,7 +73,7 @@ TEST(Errors, WithAReferenceTheTrueErrorIsThere) {
   EXPECT_GT(worst, 0);
 }
 
-TEST(Errors, WhereStepsAreNotSingleItIsRefused) {
+TEST(Errors, IsRefusedWithoutSingleSteps) {
   for (const auto& more : {std::vector<std::string>{"--mode", "throughput"}, {"--strategy", "groups/eigen+chunks=4"}}) {
     std::vector<std::string> call = {"run", "stewart", "--errors", "/dev/null"};
     call.insert(call.end(), more.begin(), more.end());
@@ -86,7 +86,7 @@ TEST(Errors, WhereStepsAreNotSingleItIsRefused) {
   EXPECT_NE(o.err.find("/no_such_folder/errors.csv"), std::string::npos) << o.err;
 }
 
-TEST(Accuracy, EveryRunStatesItsEstimates) {
+TEST(Accuracy, EveryRunReportsEstimatedErrors) {
   const auto json = run_command({"run", "stewart", "--steps", "5", "--json", "--accuracy", "1e-9"}).json();
   for (const char* kind : {"position", "velocity", "acceleration"}) {
     const auto estimate = json["error"].at(std::string("estimated_") + kind);
@@ -96,7 +96,7 @@ TEST(Accuracy, EveryRunStatesItsEstimates) {
   EXPECT_EQ(json["status"], "ok");
 }
 
-TEST(Accuracy, WhatCannotBeReachedIsToldAndTheRunGoesOn) {
+TEST(Accuracy, ReportsUnreachableAccuracyAndContinues) {
   const Outcome o = run_command({"run", "stewart", "--steps", "5", "--accuracy", "1e-17"});
   EXPECT_EQ(o.status, 1);
   EXPECT_NE(o.out.find("done, but inaccurate"), std::string::npos) << o.out;

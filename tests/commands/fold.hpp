@@ -1,4 +1,4 @@
-// A mechanism that reaches a limit on its way.
+// A mechanism that reaches a limit during its run.
 #pragma once
 
 #include <cmath>

@@ -35,7 +35,7 @@ TEST(Inspect, StewartHasTheGroupsOfThePaper) {
   EXPECT_EQ(json["left_out"]["unknowns"], 0);
 }
 
-TEST(Inspect, OutputsCutTheGroups) {
+TEST(Inspect, OutputsReduceTheGroups) {
   const Outcome outcome = run_command({"inspect", "stewart", "--json", "--outputs", "handle1.value,handle2.value"});
   ASSERT_EQ(outcome.status, 0);
   const auto json = outcome.json();
@@ -57,8 +57,8 @@ TEST(Inspect, OutputsCutTheGroups) {
   }
 }
 
-// Declared groups, and the irreducible ones that `auto` takes: each as a run in that formulation leaves out.
-TEST(Inspect, AgreesWithRunOnWhatIsLeftOut) {
+// For declared groups and for the irreducible ones of `auto`: inspect and run leave out the same.
+TEST(Inspect, LeavesOutTheSameAsRun) {
   for (const std::string scene : {"stewart", "slider_crank", "four_bar:3"}) {
     const std::string output = scene == "stewart"        ? "handle1.value"
                                : scene == "slider_crank" ? "C.position"
@@ -78,8 +78,8 @@ TEST(Inspect, AgreesWithRunOnWhatIsLeftOut) {
       << page.out;
 }
 
-// The posture first, then the drivers, then what was written carelessly.
-TEST(Inspect, NotesComeOnceInOrderOfImportance) {
+// First notes on the posture, then on drivers, then on careless input.
+TEST(Inspect, PrintsNotesOnceInOrderOfImportance) {
   const Scratch scratch;
   const std::string scene = scratch.file("notes.json", R"({"assur": 1, "dimension": 2,
       "points": {"A": {"at": [0, 0], "fixed": true}, "B": {"at": [1, 0]}, "D": {"at": [3, 0], "fixed": true},
@@ -95,8 +95,8 @@ TEST(Inspect, NotesComeOnceInOrderOfImportance) {
   EXPECT_EQ(notes[2]["what"], "2 vectors are normalised: u has length 2, v 3");
 }
 
-// Everything in the JSON that stands in the structure is the structure's.
-TEST(Inspect, JsonIsTheStructure) {
+// All figures of the JSON equal those of the structure.
+TEST(Inspect, JsonHasTheStructure) {
   for (const std::string scene : {"andrews", "slider_crank", "four_bar:5", "rings:legs=2,n=12"}) {
     for (const Formulation formulation : {Formulation::global, Formulation::groups, Formulation::irreducible}) {
       const std::string text(name(formulation));
@@ -134,7 +134,7 @@ TEST(Inspect, IrreducibleGroupsAreShownBeforeAndAfterPresolve) {
   EXPECT_EQ(json["blocks_of_classes"][1], (nlohmann::json{9, 3, 3}));
 }
 
-TEST(Inspect, UndeterminedUnknownsAreNamedAndNoFailure) {
+TEST(Inspect, NamesUndeterminedUnknownsWithoutFailure) {
   const Outcome outcome = run_command({"inspect", "hexapod:drive=legs", "--json"});
   ASSERT_EQ(outcome.status, 0);
   const auto undetermined = outcome.json()["undetermined"];
@@ -143,7 +143,7 @@ TEST(Inspect, UndeterminedUnknownsAreNamedAndNoFailure) {
   EXPECT_NE(page.out.find("\n  undetermined    " + std::string(undetermined[0]) + ", "), std::string::npos) << page.out;
 }
 
-TEST(Inspect, ThePage) {
+TEST(Inspect, PrintsTheDocumentedPage) {
   const Outcome outcome = run_command({"inspect", "stewart", "--outputs", "handle1,handle2.value"});
   ASSERT_EQ(outcome.status, 0);
   EXPECT_EQ(outcome.err, "");
@@ -154,9 +154,9 @@ TEST(Inspect, ThePage) {
   unknowns          102
   equations         102
   mobility            6  without the drivers
-  groups              3  as declared, else irreducible
+  groups              3  declared ones, else irreducible
   classes             3  of groups with the same equations
-  levels              2  of groups that do not need each other
+  levels              2  of groups independent of each other
 
   level  group   unknowns  nonzeros  fill  class  up to
       0  SG_T          12        39    39      0  acceleration
@@ -164,7 +164,7 @@ TEST(Inspect, ThePage) {
       1  SG_HS2   9 of 15        21    28      2  position
 
   irreducible     class 0: 12 = 1 + 1 + 1 + 3 + 3 + 3
-                  linear equations eliminate 36 unknowns, which leaves 2 groups
+                  linear equations eliminate 36 unknowns; this leaves 2 groups
                   of 3
   left out        72 unknowns, 72 equations
                   4 groups: SG_HS3, SG_HS4, SG_HS5, SG_HS6
@@ -185,14 +185,14 @@ TEST(Inspect, PagesFitIntoEightyColumns) {
   }
 }
 
-TEST(Inspect, ALargeSceneIsShownByClass) {
+TEST(Inspect, ShowsLargeScenesByClass) {
   const Outcome outcome = run_command({"inspect", "four_bar:20000"});
   ASSERT_EQ(outcome.status, 0);
   EXPECT_LT(outcome.lines().size(), 25u);
   EXPECT_NE(outcome.out.find("\n      0  20,000  B1 "), std::string::npos) << outcome.out;
 }
 
-TEST(Inspect, AnUnknownOutputIsABadScene) {
+TEST(Inspect, RefusesUnknownOutputs) {
   const Outcome outcome = run_command({"inspect", "stewart", "--outputs", "handle1,handel2"});
   EXPECT_EQ(outcome.status, 2);
   EXPECT_EQ(outcome.out, "");

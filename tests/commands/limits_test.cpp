@@ -1,4 +1,4 @@
-// Numbers beyond a limit: the message comes first, and names the limit.
+// Numbers beyond a limit: the message comes before any work and names the limit.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
@@ -11,7 +11,7 @@
 namespace assur {
 namespace {
 
-// What is free differs from machine to machine.
+// Removes the amount of free memory, which depends on the machine.
 std::string without_free(const std::string& text) {
   return std::regex_replace(text, std::regex(", [0-9]+ free"), ", F free");
 }
@@ -24,7 +24,7 @@ Setting with_address_space(rlim_t bytes) {
   }};
 }
 
-TEST(Limits, WholeNumbersAreNamedWithTheirLargest) {
+TEST(Limits, MessagesNameTheLargestWholeNumber) {
   for (const std::string bad : {"-1", "1.5", "1e9", "2147483648", "1000000000000000000", "1e400", "nan", "x"}) {
     const Outcome outcome = run_command({"run", "four_bar", "--steps", bad});
     EXPECT_EQ(outcome.status, 2);
@@ -33,7 +33,7 @@ TEST(Limits, WholeNumbersAreNamedWithTheirLargest) {
   }
 }
 
-TEST(Limits, OfABudgetIsElevenDays) {
+TEST(Limits, BudgetIsAtMostElevenDays) {
   for (const std::string command : {"tune", "report"}) {
     const Outcome outcome = run_command({command, "--budget", "1e300"});
     EXPECT_EQ(outcome.status, 2);
@@ -44,7 +44,7 @@ TEST(Limits, OfABudgetIsElevenDays) {
   }
 }
 
-TEST(Limits, ResultsWithoutMemoryAreRefusedBeforeTheyAreComputed) {
+TEST(Limits, RefusesResultsThatDoNotFitIntoMemory) {
 #if defined(ASSUR_ADDRESS_SANITIZER) || defined(ASSUR_THREAD_SANITIZER)
   GTEST_SKIP() << "sanitizers reserve more address space than there is memory";
 #endif
@@ -62,7 +62,7 @@ TEST(Limits, ResultsWithoutMemoryAreRefusedBeforeTheyAreComputed) {
             "error: no memory for 1000000000001 times x 17 values (129699707 MiB, F free)" + remedy);
 }
 
-TEST(Limits, OfAddressSpaceCountAsMemory) {
+TEST(Limits, CountsAddressSpaceLimitsAsMemory) {
 #if defined(ASSUR_ADDRESS_SANITIZER) || defined(ASSUR_THREAD_SANITIZER)
   GTEST_SKIP() << "sanitizers reserve more address space than there is memory";
 #endif
@@ -73,7 +73,7 @@ TEST(Limits, OfAddressSpaceCountAsMemory) {
             "run\n");
 }
 
-TEST(Limits, OfTheNumberOfStepsAndOfTimes) {
+TEST(Limits, LimitsTheNumbersOfStepsAndTimes) {
   const Outcome many = run_command({"run", "four_bar", "--dt", "1e-300"});
   EXPECT_EQ(many.status, 2);
   EXPECT_EQ(many.err,
@@ -86,7 +86,7 @@ TEST(Limits, OfTheNumberOfStepsAndOfTimes) {
             "times nearer to 0, or longer steps\n");
 }
 
-TEST(Limits, OfGeneratedMechanisms) {
+TEST(Limits, LimitsGeneratedMechanisms) {
 #if defined(ASSUR_ADDRESS_SANITIZER) || defined(ASSUR_THREAD_SANITIZER)
   GTEST_SKIP() << "sanitizers reserve more address space than there is memory";
 #endif
@@ -99,7 +99,7 @@ TEST(Limits, OfGeneratedMechanisms) {
             "error: no memory for 2e+07 unknowns (9537 MiB, F free); ask for a smaller mechanism\n");
 }
 
-TEST(Limits, OfScenes) {
+TEST(Limits, LimitsScenes) {
 #if defined(ASSUR_ADDRESS_SANITIZER) || defined(ASSUR_THREAD_SANITIZER)
   GTEST_SKIP() << "sanitizers reserve more address space than there is memory";
 #endif
@@ -114,7 +114,7 @@ TEST(Limits, OfScenes) {
                                            "smaller scene\n");
 }
 
-TEST(Limits, OfMembersAreFoundBeforeAllArePrepared) {
+TEST(Limits, RefusesTooManyMembersBeforePreparingAll) {
 #if defined(ASSUR_ADDRESS_SANITIZER) || defined(ASSUR_THREAD_SANITIZER)
   GTEST_SKIP() << "sanitizers reserve more address space than there is memory";
 #endif
@@ -131,7 +131,7 @@ TEST(Limits, OfMembersAreFoundBeforeAllArePrepared) {
                                       with_address_space(rlim_t{700} << 20));
   EXPECT_EQ(members.status, 3);
   EXPECT_TRUE(std::regex_match(members.err, std::regex("error: no memory for 20,000 members \\([0-9]+ MiB, [0-9]+ "
-                                                       "free\\); give fewer at a time\n")))
+                                                       "free\\); run fewer at a time\n")))
       << members.err;
   rows = "omega\n";
   for (int i = 0; i < 10'000'000; ++i) rows += "1\n";

@@ -1,4 +1,4 @@
-// The command where the system gives it little: memory, disk, terminal, time.
+// The command with scarce resources: memory, disk, terminal, time.
 #include <gtest/gtest.h>
 #include <sched.h>
 #include <stdlib.h>
@@ -35,8 +35,8 @@ std::size_t files_in(const fs::path& folder) {
   return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
 }
 
-// With too little address space it says so, and never hangs in a library.
-TEST(Operations, EndsWhereItCannotHaveItsMemory) {
+// With too little address space it reports this and does not hang in a library.
+TEST(Operations, EndsWithAnErrorWithoutMemory) {
 #if defined(ASSUR_ADDRESS_SANITIZER) || defined(ASSUR_THREAD_SANITIZER)
   GTEST_SKIP() << "sanitizers reserve more address space than there is memory";
 #endif
@@ -60,8 +60,8 @@ TEST(Operations, EndsWhereItCannotHaveItsMemory) {
   }
 }
 
-// What OpenBLAS's build for OpenMP pays no heed to does not mislead the command: it takes its memory all the same.
-TEST(Operations, EndsWhereOpenBlasIsNotToldOfOneThread) {
+// OpenBLAS for OpenMP ignores these settings and takes all its memory; the check of the command must know this.
+TEST(Operations, EndsWithAnErrorIfOpenBlasIgnoresSettings) {
 #if defined(ASSUR_ADDRESS_SANITIZER) || defined(ASSUR_THREAD_SANITIZER)
   GTEST_SKIP() << "sanitizers reserve more address space than there is memory";
 #endif
@@ -89,7 +89,7 @@ TEST(Operations, EndsWhereOpenBlasIsNotToldOfOneThread) {
   }
 }
 
-TEST(Operations, ATunerWithLittleMemoryEnds) {
+TEST(Operations, TunerEndsWithLittleMemory) {
 #if defined(ASSUR_ADDRESS_SANITIZER) || defined(ASSUR_THREAD_SANITIZER)
   GTEST_SKIP() << "sanitizers reserve more address space than there is memory";
 #endif
@@ -102,7 +102,7 @@ TEST(Operations, ATunerWithLittleMemoryEnds) {
 
 class Written : public testing::TestWithParam<std::pair<const char*, std::vector<std::string>>> {};
 
-TEST_P(Written, ToAFullDeviceItSaysWhy) {
+TEST_P(Written, ReportsAFullDevice) {
   const auto& [option, before] = GetParam();
   std::vector<std::string> words = before;
   words.insert(words.end(), {option, "/dev/full"});
@@ -114,7 +114,7 @@ TEST_P(Written, ToAFullDeviceItSaysWhy) {
   EXPECT_TRUE(fs::is_character_file("/dev/full"));
 }
 
-TEST_P(Written, ToADiskThatFillsUpItLeavesWhatWasThere) {
+TEST_P(Written, KeepsTheOldFileIfTheDiskFillsUp) {
   const auto& [option, before] = GetParam();
   const Scratch scratch;
   const std::string file = scratch.file("out", "old");
@@ -144,7 +144,7 @@ INSTANTIATE_TEST_SUITE_P(Operations, Written,
                                          std::pair("--save", std::vector<std::string>{"plan", "four_bar"})),
                          [](const auto& of) { return std::string(of.param.first).substr(2); });
 
-TEST(Operations, ALinkIsFollowedAndAPipeIsWrittenTo) {
+TEST(Operations, FollowsLinksAndWritesToPipes) {
   const Scratch scratch;
   const std::string target = scratch.file("target", "old"), link = scratch.file("link");
   fs::create_symlink(target, link);
@@ -155,8 +155,8 @@ TEST(Operations, ALinkIsFollowedAndAPipeIsWrittenTo) {
   EXPECT_TRUE(fs::is_character_file("/dev/null"));
 }
 
-// Whatever asks it to end: what was measured is kept, and it says how to go on.
-TEST(Operations, ATunerThatIsToldToEndSaysHowItGoesOn) {
+// After every kind of interrupt the samples are kept, and a message explains how to continue.
+TEST(Operations, AnInterruptedTunerSaysHowToContinue) {
   for (const int signal : {SIGINT, SIGTERM}) {
     const Scratch scratch;
     Setting setting;
@@ -164,12 +164,12 @@ TEST(Operations, ATunerThatIsToldToEndSaysHowItGoesOn) {
     setting.signal = signal;
     const Outcome outcome = run_command({"tune", "--budget", "60", "--db", scratch.file("tuning.db")}, setting);
     EXPECT_EQ(outcome.status, 130);
-    EXPECT_NE(outcome.out.find("what was measured is kept; the same command goes on with it"), std::string::npos)
+    EXPECT_NE(outcome.out.find("the samples are kept; the same command continues the run"), std::string::npos)
         << outcome.out;
   }
 }
 
-TEST(Operations, AReportThatIsToldToEndIsThere) {
+TEST(Operations, AnInterruptedReportIsWritten) {
   const Scratch scratch;
   Setting setting;
   setting.interrupt_when_err = " seconds";
@@ -181,7 +181,7 @@ TEST(Operations, AReportThatIsToldToEndIsThere) {
   EXPECT_NE(content(scratch.file("report") + "/index.html").find("Interrupted after"), std::string::npos);
 }
 
-TEST(Operations, TheBarFitsTheTerminal) {
+TEST(Operations, ProgressBarFitsTheTerminal) {
   const Scratch scratch;
   const std::vector<std::string> words = {"tune", "--budget", "3", "--db", scratch.file("t.db")};
   Setting setting;
@@ -203,7 +203,7 @@ TEST(Operations, TheBarFitsTheTerminal) {
   EXPECT_EQ(run_command(words, setting).err.find('\x1b'), std::string::npos);
 }
 
-// A page on a terminal keeps to its columns and says the same words; a wide one shows what a file gets.
+// A page on a terminal fits its columns and has the same words; a wide terminal gets the same page as a file.
 TEST(Operations, PagesFitTheTerminal) {
   const std::vector<std::vector<std::string>> calls = {
       {"plan", "stewart"},
@@ -245,7 +245,7 @@ TEST(Operations, PagesFitTheTerminal) {
   }
 }
 
-// The command itself knows one locale only.
+// The command ignores the locale of the environment.
 TEST(Operations, NoLocaleChangesAPlan) {
   const Scratch scratch;
   const std::string here = scratch.file("here"), there = scratch.file("there");

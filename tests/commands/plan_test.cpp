@@ -1,4 +1,4 @@
-// assur plan: what it saves, a program can run.
+// assur plan: programs can run the plans that it saves.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -11,7 +11,7 @@
 namespace assur {
 namespace {
 
-TEST(Plan, WhatIsSavedRuns) {
+TEST(Plan, SavedPlansRun) {
   const Scratch scratch;
   const std::string file = scratch.file("stewart.plan");
   const Outcome o = run_command({"plan", "stewart", "--without", "klu", "--save", file, "--json"});
@@ -28,7 +28,7 @@ TEST(Plan, WhatIsSavedRuns) {
   EXPECT_TRUE(simulator.report().status.ok());
 }
 
-TEST(Plan, OnlyTheDatabaseThatIsNamedCounts) {
+TEST(Plan, UsesOnlyTheNamedDatabase) {
   const Scratch scratch;
   const std::string missing = scratch.file("none.db");
   for (const char* command : {"plan", "run"}) {
@@ -38,8 +38,8 @@ TEST(Plan, OnlyTheDatabaseThatIsNamedCounts) {
   }
 }
 
-// Without measurements: counts of operations, the same everywhere.
-TEST(Plan, TellsWhatAStepConsistsOf) {
+// Without samples, times follow from operation counts and are the same on all machines.
+TEST(Plan, ShowsThePartsOfAStep) {
   const nlohmann::json all = run_command({"plan", "stewart", "--json", "--threads", "1"}).json();
   const nlohmann::json one =
       run_command({"plan", "stewart", "--outputs", "handle1.value", "--json", "--threads", "1"}).json();
@@ -55,12 +55,12 @@ TEST(Plan, TellsWhatAStepConsistsOf) {
   EXPECT_TRUE(std::regex_search(text, std::regex("\n  expected        [0-9.]+ .+s for a step\n"
                                                  "                  [0-9.]+ .+s groups; [0-9.]+ .+s laws, predictions, "
                                                  "432 outputs\n"
-                                                 "                  a run that keeps its rows takes 130 ns more for "
+                                                 "                  a run that stores its rows takes 130 ns more for "
                                                  "each\n")))
       << text;
 }
 
-TEST(Plan, AFileThatCannotBeWrittenIsNamed) {
+TEST(Plan, NamesAnUnwritableFile) {
   const Scratch scratch;
   const std::string file = scratch.file("no_such_folder/stewart.plan");
   const Outcome o = run_command({"plan", "stewart", "--save", file});

@@ -1,4 +1,4 @@
-// assur report, as a user runs it, for seconds: the files, what they say of each other, and Ctrl-C.
+// assur report with a budget of seconds: its files, whether they agree, and Ctrl-C.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace {
 const std::vector<std::string> kSections = {"winners", "regret",      "work-precision", "scaling",
                                             "steps",   "tuning-cost", "model-fit"};
 
-// Lines of a CSV whose texts are in quotes.
+// Rows of a CSV with quoted texts.
 std::vector<std::map<std::string, std::string>> rows_of(const std::string& file) {
   std::istringstream in(content(file));
   const auto cells = [](const std::string& line) {
@@ -49,7 +49,7 @@ std::vector<std::map<std::string, std::string>> rows_of(const std::string& file)
 
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
-TEST(ReportCommand, MakesAPageACsvAndAJsonThatSayTheSame) {
+TEST(ReportCommand, WritesPageCsvAndJsonWithTheSameNumbers) {
   const Scratch scratch;
   const std::string folder = scratch.file("deep/folder");
   const Outcome o = run_command({"report", "--quick", "--budget", "4", "--out", folder, "--json", "--quiet"});
@@ -63,9 +63,9 @@ TEST(ReportCommand, MakesAPageACsvAndAJsonThatSayTheSame) {
   const std::string page = content(folder + "/index.html");
   for (const std::string& id : kSections) EXPECT_TRUE(has(page, "<section id=\"" + id + "\">")) << id;
   EXPECT_FALSE(has(page, "not made"));
-  EXPECT_TRUE(has(page, "This machine was not measured yet")) << "tests run without a tuning database";
+  EXPECT_TRUE(has(page, "There are no samples of this machine yet")) << "tests run without a tuning database";
   for (const char* word : {"http://", "https://", "<script"}) {
-    // The name of SVG looks like an address, but is none that is asked.
+    // The namespace of SVG looks like an address, but is not loaded.
     std::string rest = page;
     for (std::size_t at; (at = rest.find("http://www.w3.org/2000/svg")) != std::string::npos;) rest.erase(at, 26);
     EXPECT_FALSE(has(rest, word)) << word;
@@ -91,7 +91,7 @@ TEST(ReportCommand, MakesAPageACsvAndAJsonThatSayTheSame) {
       EXPECT_TRUE(seconds[row.at("item")].emplace(row.at("strategy"), value).second) << row.at("item");
     } else if (row.at("quantity") == "speed-up") {
       ++speed_ups;
-      // Over one thread or one lane of the same.
+      // Relative to one thread or one lane.
       const auto& of = seconds.at(row.at("item"));
       const double own = of.at(row.at("strategy"));
       EXPECT_TRUE(std::any_of(of.begin(), of.end(), [&](const auto& other) { return other.second / own == value; }))
@@ -111,7 +111,7 @@ TEST(ReportCommand, MakesAPageACsvAndAJsonThatSayTheSame) {
   EXPECT_EQ(all.mapped().at("regret, max"), regrets.back());
 }
 
-TEST(ReportCommand, InterruptedKeepsWhatIsDone) {
+TEST(ReportCommand, KeepsFinishedPartsIfInterrupted) {
   const Scratch scratch;
   Setting setting;
   setting.interrupt_when_err = "of 60 seconds";  // the first line of progress, after a second
@@ -122,12 +122,12 @@ TEST(ReportCommand, InterruptedKeepsWhatIsDone) {
   const std::string page = content(scratch.file("report") + "/index.html");
   EXPECT_TRUE(has(page, "Interrupted after"));
   EXPECT_TRUE(has(page, "<section id=\"winners\">"));
-  EXPECT_TRUE(has(page, "How well times are predicted: not made, for the report was interrupted"));
+  EXPECT_TRUE(has(page, "Accuracy of predicted times: not made, because the report was interrupted"));
   EXPECT_TRUE(has(page, "</html>"));
   EXPECT_GT(rows_of(scratch.file("report") + "/report.csv").size(), 50u);
 }
 
-TEST(ReportCommand, ShowsWhatATuningRunHasMeasured) {
+TEST(ReportCommand, ShowsTheSamplesOfATuningRun) {
   const Scratch scratch;
   const std::string db = scratch.file("tuning.db");
   ASSERT_EQ(run_tuning(2, {"--db", db, "--quiet"}).status, 0);
@@ -136,10 +136,10 @@ TEST(ReportCommand, ShowsWhatATuningRunHasMeasured) {
   ASSERT_EQ(o.status, 0) << o.err;
   const std::string page = content(scratch.file("r") + "/index.html");
   EXPECT_TRUE(has(page, db + ": run 1 (quick)"));
-  EXPECT_FALSE(has(page, "was not measured"));
+  EXPECT_FALSE(has(page, "no samples of this machine"));
 }
 
-TEST(ReportCommand, BadUseIsToldAtOnce) {
+TEST(ReportCommand, ReportsBadUsageAtOnce) {
   EXPECT_EQ(run_command({"report", "--budget", "0"}).status, 2);
   EXPECT_EQ(run_command({"report", "--out", ""}).status, 2);
   EXPECT_EQ(run_command({"report", "stewart"}).status, 2);

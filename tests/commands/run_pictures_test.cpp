@@ -7,7 +7,7 @@
 namespace assur {
 namespace {
 
-TEST(RunPictures, BothAreWrittenAndTheRunIsTheSame) {
+TEST(RunPictures, WritesBothPicturesWithoutChangingTheRun) {
   const Scratch scratch;
   const std::string page = scratch.file("motion.html"), picture = scratch.file("motion.svg");
   const std::vector<std::string> call = {"run",     "stewart", "--steps", "20",     "--outputs",
@@ -25,8 +25,8 @@ TEST(RunPictures, BothAreWrittenAndTheRunIsTheSame) {
   EXPECT_NE(content(picture).find("handle2, rate, rad/s"), std::string::npos);
 }
 
-// The driver alone would turn on; it is the points that no output needs which cannot follow.
-TEST(RunPictures, AMotionThatEndsEarlySaysWhy) {
+// The outputs depend only on the driver, which can turn further; points that no output needs end the motion.
+TEST(RunPictures, ShowsWhyAMotionEndsEarly) {
   const Scratch scratch;
   const std::string scene = scratch.file("fold.json", kFold), page = scratch.file("motion.html");
   ASSERT_EQ(run_command({"run", scene, "--quiet", "--outputs", "B"}).status, 0);
@@ -41,7 +41,7 @@ TEST(RunPictures, AMotionThatEndsEarlySaysWhy) {
   EXPECT_NE(content(picture).find("The motion ends early: t = 1.3181"), std::string::npos);
 }
 
-TEST(RunPictures, AStartPostureThatCannotBeAssembledIsShown) {
+TEST(RunPictures, ShowsAStartPostureThatCannotBeAssembled) {
   const Scratch scratch;
   const std::string page = scratch.file("motion.html");
   const std::string scene = scratch.file("short.json", R"({"assur": 1, "dimension": 2,
@@ -58,7 +58,7 @@ TEST(RunPictures, AStartPostureThatCannotBeAssembledIsShown) {
   EXPECT_NE(text.find("\"postures\":[\"the guess\",\"the closest posture\"],\"violated\":[\"P"), std::string::npos);
 }
 
-TEST(RunPictures, EveryStrategyCanBeAnimated) {
+TEST(RunPictures, AnimatesEveryStrategy) {
   const Scratch scratch;
   for (const std::string strategy : {"global/eigen", "irreducible/lanes:8+once", "groups/eigen+chunks=4"}) {
     const std::string page = scratch.file("motion.html");
@@ -68,7 +68,7 @@ TEST(RunPictures, EveryStrategyCanBeAnimated) {
   }
 }
 
-TEST(RunPictures, WhatCannotBeWrittenIsSaidBeforeTheRun) {
+TEST(RunPictures, ReportsUnwritableFilesBeforeTheRun) {
   const Scratch scratch;
   for (const std::string option : {"--animate", "--plot"}) {
     const Outcome o = run_command({"run", "stewart", option, scratch.file("no_such_folder/file")});
@@ -79,13 +79,13 @@ TEST(RunPictures, WhatCannotBeWrittenIsSaidBeforeTheRun) {
   }
 }
 
-TEST(RunPictures, OfAnEnsembleAreRefused) {
+TEST(RunPictures, AreRefusedForEnsembles) {
   const Scratch scratch;
   const std::string speeds = scratch.file("speeds.csv", "omega\n0.5\n1\n");
   for (const std::string option : {"--animate", "--plot"}) {
     const Outcome o = run_command({"run", "stewart", "--ensemble", speeds, option, scratch.file("file")});
     EXPECT_EQ(o.status, 2);
-    EXPECT_NE(o.err.find(option + ": it shows one motion"), std::string::npos) << o.err;
+    EXPECT_NE(o.err.find(option + ": it shows a single mechanism"), std::string::npos) << o.err;
   }
 }
 

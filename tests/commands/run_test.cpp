@@ -28,7 +28,7 @@ std::vector<double> times_of(const std::string& csv) {
   return times;
 }
 
-TEST(Run, JsonTellsWhatWasDone) {
+TEST(Run, JsonHasTheFiguresOfTheRun) {
   const Outcome outcome = run_command({"run", "stewart", "--json", "--quiet", "--strategy", "groups/eigen"});
   ASSERT_EQ(outcome.status, 0);
   EXPECT_EQ(outcome.err, "");
@@ -71,7 +71,7 @@ TEST(Run, StepTimesAddUpToTheRun) {
   EXPECT_EQ(step["block"] == 1, median >= 1e-6);
 }
 
-TEST(Run, CsvIsTheTrajectoryOfTheLibrary) {
+TEST(Run, CsvEqualsTheTrajectoryOfTheLibrary) {
   const Scratch scratch;
   const std::string expected = csv_of(sample("andrews"));
   const Outcome to_file = run_command({"run", "andrews", "--csv", scratch.file("motion.csv")});
@@ -88,7 +88,7 @@ TEST(Run, CsvIsTheTrajectoryOfTheLibrary) {
   EXPECT_EQ(quiet.err, "");
 }
 
-TEST(Run, TheTimeGridComesFromTheOptions) {
+TEST(Run, OptionsSetTheTimeGrid) {
   const auto times = [](std::vector<std::string> options) {
     options.insert(options.begin(), {"run", "four_bar", "--quiet", "--csv", "-"});
     const Outcome outcome = run_command(options);
@@ -105,18 +105,18 @@ TEST(Run, TheTimeGridComesFromTheOptions) {
   EXPECT_EQ(halved[3], scene.start + 3 * 0.0005);
 }
 
-TEST(Run, AGridOfNoWholeNumberOfStepsIsRefused) {
+TEST(Run, RefusesAGridWithoutWholeNumberOfSteps) {
   struct Case {
     std::vector<std::string> options;
     std::string message;
   };
-  const std::string wanted = " s, where a whole number from 1 is wanted; say how many with --steps\n";
+  const std::string wanted = " s, which is no whole number from 1; give the number with --steps\n";
   const Case cases[] = {
-      {{"--dt", "0.3"}, "--dt: from 0 s to the scene's end at 10 s it takes 33.3333 steps of 0.3" + wanted},
-      {{"--dt", "20"}, "--dt: from 0 s to the scene's end at 10 s it takes 0.5 steps of 20" + wanted},
-      // Nearer to none than any rounding of the grid.
-      {{"--dt", "1e11"}, "--dt: from 0 s to the scene's end at 10 s it takes 1e-10 steps of 1e+11" + wanted},
-      {{"--start", "10"}, "--start: from 10 s to the scene's end at 10 s it takes 0 steps of 0.01" + wanted},
+      {{"--dt", "0.3"}, "--dt: from 0 s to the scene's end at 10 s there are 33.3333 steps of 0.3" + wanted},
+      {{"--dt", "20"}, "--dt: from 0 s to the scene's end at 10 s there are 0.5 steps of 20" + wanted},
+      // So few steps that it cannot be a rounding of one.
+      {{"--dt", "1e11"}, "--dt: from 0 s to the scene's end at 10 s there are 1e-10 steps of 1e+11" + wanted},
+      {{"--start", "10"}, "--start: from 10 s to the scene's end at 10 s there are 0 steps of 0.01" + wanted},
   };
   for (const Case& c : cases) {
     std::vector<std::string> arguments = {"run", "stewart"};
@@ -128,7 +128,7 @@ TEST(Run, AGridOfNoWholeNumberOfStepsIsRefused) {
   }
 }
 
-TEST(Run, ASceneWithoutTimesTakesThemFromTheOptions) {
+TEST(Run, OptionsGiveTheTimesOfASceneWithoutTimes) {
   const Scratch scratch;
   std::string text = kFold;
   const std::size_t time = text.find("\"time\"");
@@ -141,13 +141,13 @@ TEST(Run, ASceneWithoutTimesTakesThemFromTheOptions) {
 
   const Outcome no_step = run_command({"run", scene, "--steps", "3"});
   EXPECT_EQ(no_step.status, 2);
-  EXPECT_EQ(no_step.err, "error: --dt: the scene has no time step; say how long one is\n");
+  EXPECT_EQ(no_step.err, "error: --dt: the scene has no time step; give one\n");
   const Outcome no_end = run_command({"run", scene, "--dt", "0.5"});
   EXPECT_EQ(no_end.status, 2);
-  EXPECT_EQ(no_end.err.rfind("error: --dt: from 0 s to the scene's end at 0 s it takes 0 steps", 0), 0u) << no_end.err;
+  EXPECT_EQ(no_end.err.rfind("error: --dt: from 0 s to the scene's end at 0 s there are 0 steps", 0), 0u) << no_end.err;
 }
 
-TEST(Run, AnOutputAskedForTwiceIsOneColumn) {
+TEST(Run, ARepeatedOutputIsOneColumn) {
   const auto header = [](const std::string& outputs) {
     return run_command({"run", "slider_crank", "--quiet", "--csv", "-", "--steps", "1", "--outputs", outputs})
         .lines()
@@ -156,7 +156,7 @@ TEST(Run, AnOutputAskedForTwiceIsOneColumn) {
   EXPECT_EQ(header("C.velocity,B.position,C.velocity"), "t,C.vx,C.vy,B.x,B.y");
 }
 
-TEST(Run, OutputsAndParametersReachTheScene) {
+TEST(Run, AppliesOutputsAndParameters) {
   const Outcome outcome = run_command({"run", "stewart", "--quiet", "--csv", "-", "--steps", "5", "--outputs",
                                        "handle1.value,O.position", "--set", "omega=2"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
@@ -174,8 +174,8 @@ TEST(Run, DerivativesThatAreNotComputedHaveNoError) {
   EXPECT_EQ(json["left_out"]["groups"].empty(), false);
 }
 
-// Of a run, of chunks, of an ensemble: null, not 0.
-TEST(Run, WhatIsNotMeasuredIsNull) {
+// For a run, chunks, and an ensemble: null, not 0.
+TEST(Run, JsonHasNullForUnmeasuredFigures) {
   const std::string file = testing::TempDir() + "unknown_figures.csv";
   std::ofstream(file) << "omega\n1\n2\n";
   const std::vector<std::string> call = {"run", "stewart", "--json", "--steps", "20", "--outputs", "handle1.value"};
@@ -195,7 +195,7 @@ TEST(Run, WhatIsNotMeasuredIsNull) {
   }
 }
 
-TEST(Run, IterationsAreFixedBeyondTheFirstLevel) {
+TEST(Run, FixesIterationsBeyondTheFirstLevel) {
   const auto json = run_command({"run", "stewart", "--json", "--strategy", "groups/eigen", "--iterations", "3"}).json();
   EXPECT_EQ(json["status"], "ok");
   EXPECT_EQ(json["newton_iterations"]["max"], 3);
@@ -238,7 +238,7 @@ TEST(Run, CertifyProvesThePostures) {
             std::string::npos);
 }
 
-TEST(Run, AFailureKeepsWhatIsDoneAndSaysWhere) {
+TEST(Run, AFailureKeepsRowsAndNamesTheTime) {
   const Scratch scratch;
   const std::string scene = scratch.file("fold.json", kFold);
   const Outcome page = run_command({"run", scene, "--csv", scratch.file("motion.csv")});
@@ -275,7 +275,7 @@ TEST(Run, AMechanismThatCannotBeAssembledIsANumericalFailure) {
   EXPECT_EQ(json.json()["error"]["kind"], "numerical");
 }
 
-TEST(Run, NotesOfTheSceneAreShownByInspectAndRun) {
+TEST(Run, InspectAndRunShowNotesOfTheScene) {
   const Scratch scratch;
   std::string text = kFold;
   text.replace(text.find("\"drivers\""), 0, "\"vectors\": {\"e\": {\"at\": [3, 4], \"fixed\": true}},\n  ");
@@ -292,7 +292,7 @@ TEST(Run, NotesOfTheSceneAreShownByInspectAndRun) {
   }
 }
 
-TEST(Run, WhatCannotRunHereIsSaid) {
+TEST(Run, ExplainsWhyABackendCannotRun) {
   EXPECT_EQ(run_command({"run", "hexapod:drive=legs"}).status, 2);
   EXPECT_EQ(run_command({"run", "stewart", "--strategy", "groups/nonesuch"}).status, 2);
   EXPECT_EQ(run_command({"run", "stewart", "--strategy", "quickly"}).status, 2);
@@ -301,7 +301,7 @@ TEST(Run, WhatCannotRunHereIsSaid) {
   EXPECT_EQ(threads.err.rfind("error: ", 0), 0u);
 }
 
-TEST(Run, ACsvThatCannotBeWrittenIsAnErrorOfTheEnvironment) {
+TEST(Run, AnUnwritableCsvIsAnEnvironmentError) {
   const Scratch scratch;
   const std::string nowhere = scratch.file("no/such/folder.csv");
   const Outcome outcome = run_command({"run", "andrews", "--csv", nowhere});
@@ -317,7 +317,7 @@ TEST(Run, ACsvThatCannotBeWrittenIsAnErrorOfTheEnvironment) {
   EXPECT_EQ(piped.err, "error: --csv: cannot write to standard output: No space left on device\n");
 }
 
-TEST(Run, AnInterruptKeepsWhatIsDone) {
+TEST(Run, AnInterruptKeepsFinishedRows) {
   const Scratch scratch;
   const std::string csv = scratch.file("motion.csv");
   const std::vector<std::string> arguments = {"run",       "four_bar:400",  "--steps", "1000000",
@@ -331,7 +331,7 @@ TEST(Run, AnInterruptKeepsWhatIsDone) {
   EXPECT_EQ(content(csv).back(), '\n');
 }
 
-TEST(Run, ThePageFitsAndNamesEverything) {
+TEST(Run, PageFitsEightyColumnsAndNamesEverything) {
   for (const std::string scene : {"stewart", "four_bar:30", "gough", "andrews", "rings:legs=6,n=120,terminal=24"}) {
     const Outcome outcome = run_command({"run", scene, "--steps", "10"});
     EXPECT_EQ(outcome.status, 0) << outcome.err;
@@ -344,8 +344,8 @@ TEST(Run, ThePageFitsAndNamesEverything) {
   }
 }
 
-// By any of its names, and where a member of an ensemble reads it.
-TEST(Run, NoOutputOverwritesATableThatTheSceneReads) {
+// By every name of the file, and also for tables of ensemble members.
+TEST(Run, OutputsDoNotOverwriteTablesOfTheScene) {
   const Scratch scratch;
   const std::string table = "0,0\n1,1\n2,4\n", variants = "AP\n1\n";
   const std::string csv = scratch.file("swing.csv", table), speeds = scratch.file("speeds.csv", variants);
@@ -358,7 +358,7 @@ TEST(Run, NoOutputOverwritesATableThatTheSceneReads) {
     "time": {"start": 0, "end": 2, "step": 0.5}})");
   ASSERT_EQ(run_command({"run", scene, "--quiet"}).status, 0) << run_command({"run", scene}).err;
   const auto refused = [](const std::string& option, const std::string& file) {
-    return "error: " + option + ": " + file + " is being read, and would be overwritten; name another file\n";
+    return "error: " + option + ": " + file + " is an input and would be overwritten; name another file\n";
   };
   for (const std::string& file : {csv, link}) {
     for (const std::string option : {"--csv", "--errors", "--animate", "--plot"}) {
@@ -374,14 +374,13 @@ TEST(Run, NoOutputOverwritesATableThatTheSceneReads) {
   EXPECT_EQ(content(speeds), variants);
 }
 
-TEST(Run, NoOutputOverwritesWhatIsRead) {
+TEST(Run, OutputsDoNotOverwriteInputs) {
   const Scratch scratch;
   const std::string scene = scratch.file("fold.json", kFold), speeds = scratch.file("speeds.csv", "a\n1\n");
   for (const std::string option : {"--csv", "--errors", "--animate", "--plot"}) {
     const Outcome o = run_command({"run", scene, option, scene});
     EXPECT_EQ(o.status, 2);
-    EXPECT_EQ(o.err,
-              "error: " + option + ": " + scene + " is being read, and would be overwritten; name another file\n");
+    EXPECT_EQ(o.err, "error: " + option + ": " + scene + " is an input and would be overwritten; name another file\n");
     EXPECT_EQ(content(scene), kFold);
   }
   const Outcome variants = run_command({"run", scene, "--ensemble", speeds, "--csv", speeds});
@@ -394,20 +393,20 @@ TEST(Run, NoOutputOverwritesWhatIsRead) {
   EXPECT_EQ(content(scene), kFold);
   const std::string database = scratch.file("tuning.db", "of samples");
   EXPECT_EQ(run_command({"run", scene, "--db", database, "--csv", database}).err,
-            "error: --csv: " + database + " is being read, and would be overwritten; name another file\n");
+            "error: --csv: " + database + " is an input and would be overwritten; name another file\n");
   EXPECT_EQ(content(database), "of samples");
   const std::string peers = scratch.file("report.csv", "of others");
   const std::string folder = std::filesystem::path(peers).parent_path();
   EXPECT_EQ(run_command({"report", "--quick", "--peers", peers, "--out", folder}).err,
-            "error: --out: " + peers + " is being read, and would be overwritten; name another file\n");
+            "error: --out: " + peers + " is an input and would be overwritten; name another file\n");
   EXPECT_EQ(content(peers), "of others");
   const std::string both = scratch.file("both");
   EXPECT_EQ(run_command({"run", scene, "--csv", both, "--plot", both}).err,
-            "error: --plot: --csv writes " + both + ", too; name another file\n");
+            "error: --plot: --csvalso writes " + both + "; name another file\n");
 }
 
 // A row lies where the branches of a parallelogram cross.
-TEST(Run, ARowOnAChangePointIsToldHowToAvoidIt) {
+TEST(Run, ExplainsHowToAvoidARowOnAChangePoint) {
   const Scratch scratch;
   const std::string scene = scratch.file("parallelogram.json", R"({"assur": 1, "dimension": 2,
       "points": {"A": {"at": [0, 0], "fixed": true}, "D": {"at": [2, 0], "fixed": true}, "B": {"at": [0, 1]},
@@ -417,8 +416,8 @@ TEST(Run, ARowOnAChangePointIsToldHowToAvoidIt) {
       "time": {"start": 0, "end": 1, "step": 0.05}})");
   const Outcome o = run_command({"run", scene, "--quiet"});
   if (o.status == 0) GTEST_SKIP() << "the row is passed here";
-  EXPECT_NE(o.err.find("which branch continues the motion could not be decided; where a row lies at, or very near, a "
-                       "posture in which branches cross, another step or start time avoids it (branch_unknown)"),
+  EXPECT_NE(o.err.find("it could not be decided which branch continues the motion; if a row lies at or very near a "
+                       "posture in which branches cross, choose another step or start time (branch_unknown)"),
             std::string::npos)
       << o.err;
 }

@@ -1,4 +1,4 @@
-// No file that a command line names makes the command wait, or read without end.
+// No file on the command line makes the command wait or read forever.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -26,7 +26,7 @@ class StrangersFilesInCommands : public testing::Test {
   std::string pipe_ = scratch_.file("pipe");
 };
 
-TEST_F(StrangersFilesInCommands, PipesAndDevicesAreRefusedAtOnce) {
+TEST_F(StrangersFilesInCommands, RefusesPipesAndDevicesAtOnce) {
   for (const std::string command : {"run", "inspect", "plan", "compare", "check"}) {
     const Outcome of_pipe = run_command({command, pipe_});
     EXPECT_EQ(of_pipe.status, 3) << command;
@@ -56,7 +56,7 @@ TEST_F(StrangersFilesInCommands, ADatabaseIsARegularFile) {
   EXPECT_EQ(run_command({"db", "import", pipe_, "--db", scratch_.file("new.db")}).err, "error: " + pipe_ + why);
 }
 
-TEST_F(StrangersFilesInCommands, TablesFromElsewhereAreAllowedByName) {
+TEST_F(StrangersFilesInCommands, AllowsTablesInNamedFolders) {
   std::filesystem::create_directory(scratch_.file("data"));
   (void)scratch_.file("data/good.csv", "0,0\n1,1\n");
   std::filesystem::create_directory(scratch_.file("mine"));
@@ -78,7 +78,7 @@ TEST_F(StrangersFilesInCommands, TablesFromElsewhereAreAllowedByName) {
 
 #if !defined(ASSUR_ADDRESS_SANITIZER) && !defined(ASSUR_THREAD_SANITIZER)
 
-// A crank, and dyads that hang on its end.
+// A crank with dyads at its end.
 std::string dyads(int count) {
   std::string points, constraints;
   for (int i = 0; i < count; ++i) {
@@ -98,7 +98,7 @@ TEST(BigScenes, AMillionDyadsNeedLessThan1500Megabytes) {
   constexpr int kMore = 80000;
   const Scratch scratch;
   const auto memory = [](const std::string& scene) {
-    // What is freed goes back, as it does where arrays are larger.
+    // Returns freed memory to the system at once, as for larger arrays.
     const Outcome outcome = run_command({"plan", scene, "--threads", "1"},
                                         {.before = [] { setenv("MALLOC_MMAP_THRESHOLD_", "1000000", 1); }});
     EXPECT_EQ(outcome.status, 0) << outcome.err;

@@ -1,4 +1,4 @@
-// --threads, whose limits are those of the machine that tests.
+// --threads, with the limits of this machine.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -13,7 +13,7 @@ std::string count(int number, const std::string& what) {
   return std::to_string(number) + " " + what + (number == 1 ? "" : "s");
 }
 
-TEST(Threads, MoreThanTheProcessorsAreRefusedByEveryCommand) {
+TEST(Threads, EveryCommandRefusesMoreThreadsThanProcessors) {
   const int processors = this_machine().processors;
   const std::string more = std::to_string(processors + 1);
   for (const auto& command :
@@ -28,8 +28,8 @@ TEST(Threads, MoreThanTheProcessorsAreRefusedByEveryCommand) {
   }
 }
 
-// OMP_NUM_THREADS=1 makes any second thread one too many, for which it takes two processors.
-TEST(Threads, MoreThanTheBudgetAreWarnedOf) {
+// With OMP_NUM_THREADS=1 a second thread exceeds the budget; the test needs two processors.
+TEST(Threads, WarnsOfMoreThreadsThanTheBudget) {
   if (this_machine().processors < 2) GTEST_SKIP() << "one processor";
   const char* const before = std::getenv("OMP_NUM_THREADS");
   const std::string kept = before ? before : "";
@@ -43,12 +43,12 @@ TEST(Threads, MoreThanTheBudgetAreWarnedOf) {
     unsetenv("OMP_NUM_THREADS");
   }
   EXPECT_EQ(loud.status, 0);
-  EXPECT_EQ(loud.err.rfind("warning: --threads: 2 threads will get in each other's way; ", 0), 0u) << loud.err;
+  EXPECT_EQ(loud.err.rfind("warning: --threads: 2 threads exceed the free processors; ", 0), 0u) << loud.err;
   EXPECT_EQ(quiet.err, "");
   EXPECT_EQ(within.err, "");
 }
 
-TEST(Threads, AreWhatAStrategyMayTake) {
+TEST(Threads, LimitTheStrategy) {
   const auto listed = run_command({"backends", "--json"}).json();
   for (const auto& backend : listed["backends"]) {
     if (backend["id"] == "team" && !backend["available"]) GTEST_SKIP() << backend["why_not"];

@@ -1,4 +1,4 @@
-// `assur tune`, as a user runs it, for two seconds.
+// The command `assur tune` with a budget of two seconds.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -47,7 +47,7 @@ TEST_F(Tune, MeasuresTheMachineWithinItsBudget) {
   EXPECT_EQ(nlohmann::json::parse(*learned)["winners"], result["winners"]);
 }
 
-TEST_F(Tune, SamplesWhatASceneNeeds) {
+TEST_F(Tune, MeasuresOnlyForTheScene) {
   setenv("ASSUR_DB", "", 1);
   const Outcome outcome = run_tuning(3, {"--scene", "four_bar", "--db", file()});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
@@ -61,8 +61,8 @@ TEST_F(Tune, SamplesWhatASceneNeeds) {
   EXPECT_EQ(kernels, (std::set<std::string>{"evaluate", "factor", "pack", "solve", "step"}));
 }
 
-TEST_F(Tune, GoesOnWhereItWasInterrupted) {
-  // The first line of progress comes after a second, and cells have been stored by then.
+TEST_F(Tune, ContinuesAnInterruptedRun) {
+  // The first line of progress comes after a second, when some cells are stored.
   Setting setting;
   setting.interrupt_when_err = "of 60 seconds";
   const Outcome first = run_command({"tune", "--budget", "60", "--json"}, setting);
@@ -83,7 +83,7 @@ TEST_F(Tune, GoesOnWhereItWasInterrupted) {
   EXPECT_GE(store().runs()[0].samples, stored);
 }
 
-TEST_F(Tune, WritesItsSamplesAsCsvToo) {
+TEST_F(Tune, WritesSamplesAsCsv) {
   setenv("ASSUR_DB", "", 1);
   EXPECT_EQ(run_command({"tune", "--budget", "1"}).status, 3);  // neither a database nor a file
   const std::string csv = scratch_.file("samples.csv");
@@ -94,7 +94,7 @@ TEST_F(Tune, WritesItsSamplesAsCsvToo) {
   EXPECT_NE(content(csv).find("\npack,2,4,"), std::string::npos);
 }
 
-TEST_F(Tune, RefusesWhatItCannotDo) {
+TEST_F(Tune, RefusesInvalidOptions) {
   EXPECT_EQ(run_command({"tune", "--profile", "hasty"}).err,
             "error: --profile: expects quick, standard or patient, not \"hasty\"\nSee assur tune --help.\n");
   EXPECT_EQ(run_command({"tune", "--budget", "0"}).status, 2);
@@ -104,13 +104,13 @@ TEST_F(Tune, RefusesWhatItCannotDo) {
   EXPECT_EQ(run_command({"tune", "--csv", "/no/such/folder/samples.csv"}).status, 3);
 }
 
-TEST_F(Tune, ATrialSaysByItsStatusWhetherASolverRuns) {
+TEST_F(Tune, StatusOfATrialShowsWhetherASolverRuns) {
   EXPECT_EQ(run_command({"tune", "--trial", "groups/eigen"}).status, 0);
   EXPECT_EQ(run_command({"tune", "--trial", "groups/no_such_solver"}).status, 2);
 }
 
-// A library of a user's whose first call never returns: the trial is ended, the solver named, all others are measured.
-TEST_F(Tune, ASolverThatHangsIsLeftOut) {
+// A library whose first call never returns: its trial is stopped, the solver is named, and all others are measured.
+TEST_F(Tune, LeavesOutASolverThatHangs) {
   Setting setting;
   setting.before = [] { setenv("LD_LIBRARY_PATH", ASSUR_HSL_THAT_HANGS, 1); };
   const Outcome outcome = run_tuning(10, {"--scene", "four_bar", "--quiet", "--json"}, setting);
@@ -122,12 +122,11 @@ TEST_F(Tune, ASolverThatHangsIsLeftOut) {
   EXPECT_EQ(measured.count("ma27"), 0u);
 }
 
-// Where the seconds are over before the first cell, which no machine can prevent.
-TEST_F(Tune, SaysThatNothingWasMeasured) {
+// The budget is over before the first cell on every machine.
+TEST_F(Tune, ReportsThatNothingWasMeasured) {
   const Outcome outcome = run_command({"tune", "--budget", "1e-3", "--scene", "four_bar", "--quiet"});
   EXPECT_EQ(outcome.status, 3);
-  EXPECT_EQ(outcome.err,
-            "error: nothing was measured in 1.00 ms: the machine is busy or slow; give more seconds with --budget\n");
+  EXPECT_EQ(outcome.err, "error: nothing was measured in 1.00 ms: the machine is busy or slow; increase --budget\n");
   EXPECT_NE(outcome.out.find("samples         0 of 0 cells in "), std::string::npos) << outcome.out;
   ASSERT_EQ(store().runs().size(), 1u);
   EXPECT_FALSE(store().runs()[0].finished);

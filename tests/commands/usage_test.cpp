@@ -1,4 +1,4 @@
-// Options, help, and what a wrong call gets.
+// Options, help, and wrong arguments.
 #include <gtest/gtest.h>
 
 #include "commands/command.hpp"
@@ -12,13 +12,13 @@ struct Misuse {
   std::string message, help;
 };
 
-TEST(Usage, AWrongCallSaysWhatIsWrongAndWhereHelpIs) {
+TEST(Usage, ReportsWrongArgumentsAndNamesTheHelp) {
   const std::vector<Misuse> cases = {
       {{}, "a command is missing", "assur"},
       {{"rum"}, "there is no command rum", "assur"},
       {{"--bogus"}, "there is no option --bogus", "assur"},
       {{"run"}, "SCENE is required", "assur run"},
-      {{"run", "stewart", "gough"}, "one argument too many: gough", "assur run"},
+      {{"run", "stewart", "gough"}, "unexpected argument: gough", "assur run"},
       {{"run", "stewart", "--cores", "2"}, "there is no option --cores", "assur run"},
       {{"run", "stewart", "--threads", "0"},
        "--threads: expects a whole number from 1 to 2147483647, not \"0\"",
@@ -57,12 +57,12 @@ TEST(Usage, AWrongCallSaysWhatIsWrongAndWhereHelpIs) {
       {{"inspect", "stewart", "--formulation", "dense"},
        "--formulation: expects global, groups or irreducible, not \"dense\"",
        "assur inspect"},
-      {{"backends", "eigen"}, "one argument too many: eigen", "assur backends"},
+      {{"backends", "eigen"}, "unexpected argument: eigen", "assur backends"},
       {{"backends", "--db", ""}, "--db: expects a file name", "assur backends"},
       {{"db"}, "a command is missing", "assur db"},
       {{"db", "bogus"}, "there is no command db bogus", "assur db"},
       {{"db", "--all"}, "there is no option --all", "assur db"},
-      {{"db", "info", "now"}, "one argument too many: now", "assur db info"},
+      {{"db", "info", "now"}, "unexpected argument: now", "assur db info"},
       {{"db", "export"}, "FILE is required", "assur db export"},
       {{"db", "forget", "--run", "one"},
        "--run: expects a whole number from 1 to 2147483647, not \"one\"",
@@ -76,7 +76,7 @@ TEST(Usage, AWrongCallSaysWhatIsWrongAndWhereHelpIs) {
   }
 }
 
-TEST(Usage, WithJsonAWrongCallIsAnObject) {
+TEST(Usage, ReportsWrongArgumentsAsJson) {
   const Outcome outcome = run_command({"run", "stewart", "--json", "--csv", "-"});
   EXPECT_EQ(outcome.status, 2);
   EXPECT_EQ(outcome.err, "");
@@ -85,7 +85,7 @@ TEST(Usage, WithJsonAWrongCallIsAnObject) {
   EXPECT_EQ(error["diagnostics"][0]["what"], "--csv: cannot share standard output with --json; give a file");
 }
 
-TEST(Usage, HelpFitsThePageAndNamesEveryOption) {
+TEST(Usage, HelpFitsEightyColumnsAndNamesEveryOption) {
   const std::vector<std::string> common = {"--json", "--quiet", "--threads", "--db", "--help", "--version"};
   const std::vector<std::pair<std::vector<std::string>, std::vector<std::string>>> cases = {
       {{"--help"}, {"run", "inspect", "plan", "compare", "backends", "db", "check", "report"}},
@@ -112,7 +112,7 @@ TEST(Usage, HelpFitsThePageAndNamesEveryOption) {
   }
 }
 
-TEST(Usage, VersionIsThatOfTheProject) {
+TEST(Usage, PrintsTheVersionOfTheProject) {
   for (const auto& arguments : {std::vector<std::string>{"--version"}, {"run", "--version"}}) {
     const Outcome outcome = run_command(arguments);
     EXPECT_EQ(outcome.status, 0);
@@ -120,11 +120,11 @@ TEST(Usage, VersionIsThatOfTheProject) {
   }
 }
 
-TEST(Usage, CommonOptionsMayStandBeforeTheCommand) {
+TEST(Usage, AcceptsCommonOptionsBeforeTheCommand) {
   EXPECT_EQ(run_command({"--json", "backends"}).json(), run_command({"backends", "--json"}).json());
 }
 
-TEST(Usage, AFullStandardOutputIsAnErrorOfTheEnvironment) {
+TEST(Usage, AFullStandardOutputIsAnEnvironmentError) {
   if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
   const Outcome outcome = run_command({"backends"}, {{}, "/dev/full", {}});
   EXPECT_EQ(outcome.status, 3);

@@ -1,4 +1,4 @@
-// What can happen to a database file, and what must not come of it.
+// Faults of database files: no crash, no wrong samples.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -50,7 +50,7 @@ std::vector<fs::path> files_put_aside(const fs::path& file) {
   return found;
 }
 
-// Of a refused file nothing may change, and the runtime goes on with a word of it.
+// A refused file is not changed; the runtime continues with a message.
 void expect_left_alone(const fs::path& file, Trouble expected) {
   const std::string before = bytes(file);
   EXPECT_EQ(trouble(file, Access::write), expected);
@@ -86,8 +86,8 @@ TEST(Faults, ANewerSchemaIsLeftAlone) {
   expect_left_alone(file, Trouble::newer);
 }
 
-// A made-up version 1 and the way from it to a made-up version 3.
-TEST(Faults, AnOlderSchemaIsBroughtUpToDateInOneTransaction) {
+// An artificial version 1 and its migration to an artificial version 3.
+TEST(Faults, UpdatesAnOlderSchemaInOneTransaction) {
   SQLite::Database database(":memory:", SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
   database.exec(
       "CREATE TABLE thing (id INTEGER PRIMARY KEY, name TEXT); INSERT INTO thing VALUES (1, 'old');"
@@ -109,7 +109,7 @@ TEST(Faults, AnOlderSchemaIsBroughtUpToDateInOneTransaction) {
   EXPECT_EQ(database.execAndGet("SELECT size FROM thing").getInt(), 8);
 }
 
-// As version 2 left it, once more for version 1, whose file is the same but for the table of fits and its triggers.
+// A database of version 2, or of version 1, which only lacks the table of fits and its triggers.
 std::int64_t make_old_database(const fs::path& file, std::int32_t version) {
   SQLite::Database old(file.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
   old.exec(bytes(fs::path(ASSUR_SOURCE_DIR) / "tests/data/databases/version_2.sql"));
@@ -120,7 +120,7 @@ std::int64_t make_old_database(const fs::path& file, std::int32_t version) {
   return old.execAndGet("SELECT count(*) FROM sample").getInt64();
 }
 
-// What is in a database, without the layout of its text.
+// The schema of a database, without white space.
 std::string schema_of(SQLite::Database& database) {
   std::string text;
   SQLite::Statement columns(database,
@@ -135,7 +135,7 @@ std::string schema_of(SQLite::Database& database) {
 
 class OlderSchema : public testing::TestWithParam<std::int32_t> {};
 
-TEST_P(OlderSchema, IsReadAsItIsAndKeepsItsSamples) {
+TEST_P(OlderSchema, IsReadUnchangedAndKeepsItsSamples) {
   FileTree tree;
   const auto file = tree.root() / "tuning.db";
   const std::int64_t samples = make_old_database(file, GetParam());
@@ -169,13 +169,13 @@ TEST_P(OlderSchema, IsReadAsItIsAndKeepsItsSamples) {
 
 INSTANTIATE_TEST_SUITE_P(Faults, OlderSchema, testing::Values(1, 2), testing::PrintToStringParamName());
 
-TEST(Faults, TheMigrationsOfThisVersionLeadToIt) {
+TEST(Faults, MigrationsLeadToThisVersion) {
   std::int32_t version = 1;
   for (const db::Migration& step : db::migrations()) EXPECT_EQ(step.from, version++);
   EXPECT_EQ(version, db::kSchemaVersion);
 }
 
-TEST(Faults, AFullDiskLosesTheCellInHandAndNothingElse) {
+TEST(Faults, AFullDiskLosesOnlyTheCurrentCell) {
   FileTree tree;
   const auto file = tree.root() / "tuning.db";
   const int status = in_a_child([&] {
@@ -204,10 +204,10 @@ TEST(Faults, AFullDiskLosesTheCellInHandAndNothingElse) {
   store.add(*run, cell_of(1000, 10));
 }
 
-// In the middle of a transaction so large that part of it is on the disk; with and without a log.
+// Killed during a transaction that is large enough to be partly on the disk; with and without a write-ahead log.
 class Killed : public testing::TestWithParam<bool> {};
 
-TEST_P(Killed, LosesTheCellInHandAndNothingElse) {
+TEST_P(Killed, LosesOnlyTheCurrentCell) {
   const bool network = GetParam();
   FileTree tree;
   const auto file = tree.root() / "tuning.db";
@@ -222,7 +222,7 @@ TEST_P(Killed, LosesTheCellInHandAndNothingElse) {
   });
   ASSERT_EQ(status, 127);  // by a signal
   ASSERT_GT(fs::file_size(file.string() + (network ? "-journal" : "-wal")), 0u);
-  // The runtime reads the log; a journal is for who may write.
+  // The runtime can read a write-ahead log, but a journal needs write access.
   const MachineModel model = model_of(file);
   EXPECT_EQ(model.model->samples(), network ? 0u : 200u);
   ASSERT_EQ(model.messages.size(), network ? 1u : 0u);
@@ -248,7 +248,7 @@ TEST(Faults, ABusyDatabaseCanBeRead) {
   EXPECT_EQ(model_of(file).model->samples(), 0u);
 }
 
-// As a tuner leaves it, and as it is left if a reader is in the way of that.
+// The state that a tuner leaves, without and with a reader at that time.
 class ReadOnly : public testing::TestWithParam<bool> {};
 
 TEST_P(ReadOnly, FolderIsReadButNotWritten) {
@@ -275,7 +275,7 @@ TEST_P(ReadOnly, FolderIsReadButNotWritten) {
 INSTANTIATE_TEST_SUITE_P(Faults, ReadOnly, testing::Bool(),
                          [](const auto& how) { return how.param ? "InALogsMode" : "AtRest"; });
 
-TEST(Faults, WhatIsNotThereIsSaidOnlyIfItWasNamed) {
+TEST(Faults, ReportsAMissingDatabaseOnlyIfItWasNamed) {
   FileTree tree;
   const auto file = tree.root() / "tuning.db";
   EXPECT_EQ(trouble(file, Access::read), Trouble::absent);
@@ -288,7 +288,7 @@ TEST(Faults, WhatIsNotThereIsSaidOnlyIfItWasNamed) {
   EXPECT_EQ(trouble(file, Access::write), std::nullopt);
 }
 
-TEST(Faults, ADamagedSampleIsSavedFrom) {
+TEST(Faults, SkipsADamagedSample) {
   FileTree tree;
   const auto file = tree.root() / "tuning.db";
   const auto stored = make_database(file, host_with(4), 50);
@@ -314,8 +314,8 @@ TEST(Faults, ADamagedSampleIsSavedFrom) {
   EXPECT_FALSE(by_uid(store.samples()).contains(stored[6].uid));
 }
 
-// Nothing is wrong with what is there.
-TEST(Faults, LostSamplesAreToldAndTheFileIsRepaired) {
+// The remaining samples are valid.
+TEST(Faults, ReportsLostSamplesAndRepairsTheFile) {
   FileTree tree;
   const auto file = tree.root() / "tuning.db";
   make_database(file, host_with(4), 50);
@@ -342,8 +342,8 @@ TEST(Faults, LostSamplesAreToldAndTheFileIsRepaired) {
   EXPECT_TRUE(model_of(file).messages.empty());
 }
 
-// By hand, as people do it.
-TEST(Faults, RemovedSamplesAreNotLost) {
+// Rows removed by SQL.
+TEST(Faults, DoesNotCountRemovedSamplesAsLost) {
   FileTree tree;
   const auto file = tree.root() / "tuning.db";
   make_database(file, host_with(4), 50);
@@ -354,8 +354,8 @@ TEST(Faults, RemovedSamplesAreNotLost) {
   EXPECT_TRUE(Store(file, Access::write).messages().empty());
 }
 
-// Many bytes in the middle, as a disk loses them: all of the file is left out.
-TEST(Faults, AHoleInTheFileIsTold) {
+// Damages many bytes in the middle, like a failing disk: the whole file is left out.
+TEST(Faults, ReportsAHoleInTheFile) {
   FileTree tree;
   const auto file = tree.root() / "tuning.db";
   make_database(file, host_with(4), 500);
@@ -370,8 +370,8 @@ TEST(Faults, AHoleInTheFileIsTold) {
   EXPECT_EQ(model.messages[0], file.string() + ": is damaged: database disk image is malformed");
 }
 
-// A table whose first page was split late lies at the end of the file: cut off, it is known from its index.
-TEST(Faults, WhatIsCutOffCostsNoSampleThatIsThere) {
+// A table whose first page was split late lies at the end of the file; if it is cut off, its index still has the rows.
+TEST(Faults, ATruncatedFileKeepsItsRemainingSamples) {
   FileTree tree;
   const auto file = tree.root() / "tuning.db";
   {
@@ -404,8 +404,8 @@ TEST(Faults, WhatIsCutOffCostsNoSampleThatIsThere) {
       << store.messages()[0];
 }
 
-// What a sample refers to is under its checksum too.
-TEST(Faults, ASampleIsOnlyAsGoodAsWhatItRefersTo) {
+// The checksum of a sample includes the rows that it refers to.
+TEST(Faults, SkipsSamplesWithDamagedReferences) {
   FileTree tree;
   const auto file = tree.root() / "tuning.db", copy = tree.root() / "copy.db";
   make_database(file, host_with(4), 10);
@@ -432,8 +432,8 @@ TEST(Faults, ASampleIsOnlyAsGoodAsWhatItRefersTo) {
   }
 }
 
-// Never a crash, never a wrong row, never a good row lost that could be read before.
-TEST(Faults, AHundredRandomFaults) {
+// No crash, no wrong row, no loss of good rows that could be read before.
+TEST(Faults, SurvivesAHundredRandomFaults) {
   FileTree tree;
   const auto good = tree.root() / "good.db";
   const auto originals = by_uid(make_database(good, host_with(4), 300));
@@ -466,7 +466,7 @@ TEST(Faults, AHundredRandomFaults) {
     const auto file = folder / "tuning.db";
     write_bytes(file, damaged);
 
-    // The runtime: reads, says what is wrong, writes nothing.
+    // The runtime reads, reports errors, and writes nothing.
     MachineModel model;
     ASSERT_NO_THROW(model = model_of(file));
     EXPECT_LE(model.model->samples(), originals.size());
@@ -481,7 +481,7 @@ TEST(Faults, AHundredRandomFaults) {
     EXPECT_EQ(bytes(file), damaged);
     EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 1);
 
-    // The tuner: goes on with what is good, and keeps what is not.
+    // The tuner continues with the good samples, and keeps the damaged ones.
     std::vector<std::string> messages;
     std::vector<Sample> kept;
     try {
@@ -510,7 +510,7 @@ TEST(Faults, AHundredRandomFaults) {
       ++repaired;
     }
   }
-  // Most faults hurt, and of a file that was hurt most rows are saved.
+  // Most faults cause damage, and most rows of a damaged file are saved.
   RecordProperty("repaired", repaired);
   RecordProperty("refused", refused);
   RecordProperty("unharmed", unharmed);

@@ -29,7 +29,7 @@ TEST(Host, IsReadFromTheFilesOfLinux) {
   EXPECT_EQ(to_string(host), "AMD EPYC (AuthenticAMD 26/2/1), " + host.machine.instructions + ", 2 cores");
 }
 
-TEST(Host, OfArmHasItsParts) {
+TEST(Host, ReadsThePartsOfAnArmProcessor) {
   FileTree tree;
   tree.file("proc/cpuinfo",
             "processor\t: 0\nBogoMIPS\t: 243.75\nCPU implementer\t: 0x41\nCPU architecture: 8\nCPU variant\t: 0x3\n"
@@ -41,7 +41,7 @@ TEST(Host, OfArmHasItsParts) {
   EXPECT_EQ(host.stepping, 0x31);
 }
 
-TEST(Host, ThatTellsNothingIsOnlyLikeItself) {
+TEST(Host, AnUnknownHostIsOnlyLikeItself) {
   FileTree tree;
   const db::Host host = db::read_host(tree.root(), {0}, ""), more = db::read_host(tree.root(), {0, 1}, "");
   EXPECT_EQ(host.machine.model.rfind("processor of ", 0), 0u);
@@ -49,7 +49,7 @@ TEST(Host, ThatTellsNothingIsOnlyLikeItself) {
   EXPECT_EQ(likeness(host, more), Likeness::none);
 }
 
-TEST(Host, IsTheSameAsLongAsTimesAre) {
+TEST(Host, IgnoresFieldsWithoutInfluenceOnTimes) {
   const db::Host host = host_with(4);
   db::Host other = host;
   other.microcode = "0x18";
@@ -59,7 +59,7 @@ TEST(Host, IsTheSameAsLongAsTimesAre) {
   other.machine.cores = {7, 6, 5, 4};
   EXPECT_EQ(likeness(host, other), Likeness::same);
   EXPECT_EQ(host.fingerprint().size(), 16u);
-  // Stored in databases: it must never come out otherwise.
+  // Databases store this fingerprint, so it must never change.
   EXPECT_EQ(host.fingerprint(), "2bacf650164fcad3");
 }
 
@@ -82,7 +82,7 @@ TEST(Host, LikenessFallsStepByStep) {
   EXPECT_EQ(with([](db::Host& h) { h.vendor = "Other"; }), Likeness::none);
 }
 
-// A program that writes 1234.5 as "1.234,5" reads and tells the same machine.
+// A locale that writes 1234.5 as "1.234,5" does not change the host.
 TEST(Host, IsTheSameInEveryLocale) {
   FileTree tree;
   tree.file("proc/meminfo", "MemTotal:       16384000 kB\n");

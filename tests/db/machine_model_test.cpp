@@ -29,7 +29,7 @@ class Databases : public testing::Test {
   FileTree tree_;
 };
 
-TEST_F(Databases, OfThisVeryMachineAreBelievedWithoutAWord) {
+TEST_F(Databases, UsesSamplesOfThisMachineSilently) {
   make_database(file("a.db"), host_with(4), 12);
   const MachineModel model = read(files({"a.db"}), host_with(4));
   EXPECT_EQ(model.model->samples(), 12u);
@@ -38,7 +38,7 @@ TEST_F(Databases, OfThisVeryMachineAreBelievedWithoutAWord) {
   EXPECT_TRUE(contains(model.model->source(), file("a.db").string()));
 }
 
-TEST_F(Databases, OfTheSameProcessorAreBelievedAndItIsSaid) {
+TEST_F(Databases, UsesSamplesOfTheSameProcessorWithANote) {
   make_database(file("a.db"), host_with(8), 5);
   make_database(file("a.db"), host_with(3), 7);
   make_database(file("b.db"), host_with(2), 9);
@@ -51,7 +51,7 @@ TEST_F(Databases, OfTheSameProcessorAreBelievedAndItIsSaid) {
   EXPECT_TRUE(contains(model.model->source(), "same processor"));
 }
 
-TEST_F(Databases, OfTheSameMicroarchitectureComeLast) {
+TEST_F(Databases, UsesSamplesOfTheSameMicroarchitectureLast) {
   db::Host sister = host_with(4);
   sister.machine.model = "Slow One";
   make_database(file("a.db"), sister, 5);
@@ -60,7 +60,7 @@ TEST_F(Databases, OfTheSameMicroarchitectureComeLast) {
   EXPECT_TRUE(contains(model.model->source(), "same microarchitecture")) << model.model->source();
   EXPECT_TRUE(contains(model.model->source(), "Slow One"));
   EXPECT_EQ(model.messages.size(), 1u);
-  // A closer one in a later file comes before a less close one in an earlier file.
+  // A more similar host in a later file comes before a less similar one in an earlier file.
   make_database(file("b.db"), host_with(8), 6);
   EXPECT_EQ(read(files({"a.db", "b.db"}), host_with(4)).model->samples(), 6u);
   make_database(file("c.db"), host_with(4), 7);
@@ -69,7 +69,7 @@ TEST_F(Databases, OfTheSameMicroarchitectureComeLast) {
   EXPECT_TRUE(model.messages.empty());
 }
 
-TEST_F(Databases, OfAnotherMachineAreNotBelieved) {
+TEST_F(Databases, IgnoresSamplesOfAnotherMachine) {
   db::Host other = host_with(4);
   other.model = 99;
   make_database(file("a.db"), other, 5);
@@ -81,7 +81,7 @@ TEST_F(Databases, OfAnotherMachineAreNotBelieved) {
   EXPECT_TRUE(contains(model.messages[0], "assur tune"));
 }
 
-TEST_F(Databases, OfOneMachineAddToEachOther) {
+TEST_F(Databases, CombinesSamplesOfOneMachine) {
   const auto users = make_database(file("user.db"), host_with(4), 4);
   const auto system = make_database(file("system.db"), host_with(4), 10);  // the same four cells, and six more
   const MachineModel model = read(files({"user.db", "system.db"}), host_with(4));
@@ -90,8 +90,8 @@ TEST_F(Databases, OfOneMachineAddToEachOther) {
   EXPECT_TRUE(contains(model.model->source(), file("system.db").string()));
 }
 
-// Only the rows of the library that changed, and one word for all of them.
-TEST_F(Databases, OfOtherLibrariesAreLeftOutRowByRow) {
+// Leaves out only samples of the changed library, with one message.
+TEST_F(Databases, LeavesOutSamplesOfOtherLibraryVersions) {
   {
     db::Store store(file("a.db"), db::Access::write);
     const std::int64_t run = store.begin_run(host_with(4), "quick");
@@ -127,7 +127,7 @@ TEST_F(Databases, OfOtherLibrariesAreLeftOutRowByRow) {
   EXPECT_TRUE(contains(model.messages[0], "eigen is not here")) << model.messages[0];
 }
 
-TEST_F(Databases, OneThatCannotBeReadDoesNotKeepTheOthersFromIt) {
+TEST_F(Databases, AnUnreadableDatabaseDoesNotBlockTheOthers) {
   tree_.file("text.db", "not a database");
   make_database(file("good.db"), host_with(4), 6);
   const MachineModel model = read(files({"absent.db", "text.db", "good.db"}), host_with(4));
@@ -136,17 +136,17 @@ TEST_F(Databases, OneThatCannotBeReadDoesNotKeepTheOthersFromIt) {
   EXPECT_TRUE(contains(model.messages[0], file("text.db").string()));
 }
 
-TEST_F(Databases, NoneMakeAModelThatKnowsNothing) {
+TEST_F(Databases, WithoutDatabasesTheModelHasNoSamples) {
   const MachineModel model = read({}, host_with(4));
   ASSERT_NE(model.model, nullptr);
   EXPECT_EQ(model.model->samples(), 0u);
   EXPECT_TRUE(model.messages.empty());
 }
 
-// ctest sets ASSUR_DB to nothing.
+// ctest sets an empty ASSUR_DB.
 TEST(MachineModel, IsReadOnce) { EXPECT_EQ(&machine_model(), &machine_model()); }
 
-TEST(Libraries, OwnCodeIsOfTheVersionOfAssur) {
+TEST(Libraries, OwnCodeHasTheVersionOfAssur) {
   EXPECT_TRUE(contains(db::library_at_hand("eigen").version, "assur " + std::string(db::assur_version())));
   EXPECT_TRUE(contains(db::library_at_hand("assur").version, "assur " + std::string(db::assur_version())));
   EXPECT_FALSE(db::library_at_hand("eigen").build.empty());

@@ -10,7 +10,7 @@
 namespace assur::test {
 namespace {
 
-// A variable of the environment, until the end of the scope.
+// Sets an environment variable until the end of the scope.
 class Variable {
  public:
   Variable(const char* name, const char* value) : name_(name) {
@@ -36,7 +36,7 @@ class Variable {
 
 using Role = db::DatabaseFile::Role;
 
-TEST(Places, TheNamedOneComesBeforeTheUsers) {
+TEST(Places, NamedDatabaseComesBeforeTheUsers) {
   const Variable named("ASSUR_DB", "some.db"), data("XDG_DATA_HOME", "/data"), home("HOME", "/home/me");
   const auto files = db::database_files();
   ASSERT_GE(files.size(), 2u);
@@ -47,7 +47,7 @@ TEST(Places, TheNamedOneComesBeforeTheUsers) {
   EXPECT_EQ(db::own_database(), "some.db");
 }
 
-TEST(Places, TheUsersIsInTheFolderForData) {
+TEST(Places, UserDatabaseIsInTheDataFolder) {
   const Variable named("ASSUR_DB", nullptr), home("HOME", "/home/me");
   {
     const Variable data("XDG_DATA_HOME", nullptr);
@@ -59,13 +59,13 @@ TEST(Places, TheUsersIsInTheFolderForData) {
   EXPECT_EQ(db::own_database(), std::nullopt);
 }
 
-TEST(Places, SetToNothingThereIsNone) {
+TEST(Places, AnEmptyVariableMeansNoDatabase) {
   const Variable named("ASSUR_DB", "");
   EXPECT_TRUE(db::database_files().empty());
   EXPECT_EQ(db::own_database(), std::nullopt);
 }
 
-TEST(Places, NetworkFileSystemsAreKnown) {
+TEST(Places, RecognisesNetworkFileSystems) {
   EXPECT_TRUE(db::is_network(0x6969));       // NFS
   EXPECT_TRUE(db::is_network(0xfe534d42));   // SMB 2
   EXPECT_FALSE(db::is_network(0xef53));      // ext4

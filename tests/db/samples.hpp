@@ -1,4 +1,4 @@
-// Samples and machines to store.
+// Samples and machines for tests of the database.
 #pragma once
 
 #include <cmath>
@@ -34,7 +34,7 @@ inline db::Host host_with(std::int32_t cores, double quota = 0) {
   return host;
 }
 
-// One of a kind for each number.
+// A different sample for each number.
 inline Sample sample_of(std::int32_t number, const std::string& backend = "eigen", Kernel kernel = Kernel::factor) {
   Sample s;
   s.uid = db::new_uid();
@@ -60,7 +60,7 @@ inline std::vector<Sample> cell_of(std::int32_t number, int size) {
   return cell;
 }
 
-// As ==, but NaN is NaN.
+// Like ==, but NaN equals NaN.
 inline bool same(const Sample& a, const Sample& b) {
   const auto number = [](double x) { return std::isnan(x) ? -1 : x; };
   Sample c = a, d = b;
@@ -77,7 +77,7 @@ inline std::map<std::string, Sample> by_uid(const std::vector<Sample>& samples) 
   return map;
 }
 
-// A database with one finished run; what is in it.
+// Creates a database with one finished run; returns its samples.
 inline std::vector<Sample> make_database(const std::filesystem::path& file, const db::Host& host, int samples,
                                          const std::string& backend = "eigen") {
   db::Store store(file, db::Access::write);

@@ -20,7 +20,7 @@ namespace {
 using db::Access;
 using db::Store;
 
-TEST(Store, GivesBackWhatItWasGivenBitByBit) {
+TEST(Store, ReturnsSamplesBitwise) {
   FileTree tree;
   const auto file = tree.root() / "folder/made/for it.db";
   std::vector<Sample> given = cell_of(0, 5);
@@ -49,7 +49,7 @@ TEST(Store, GivesBackWhatItWasGivenBitByBit) {
   EXPECT_TRUE(health.findings.empty());
 }
 
-TEST(Store, NotesTheRunAndItsEnd) {
+TEST(Store, RecordsTheRunAndItsEnd) {
   FileTree tree;
   Store store(tree.root() / "tuning.db", Access::write);
   const std::int64_t run = store.begin_run(host_with(4, 2.5), "patient");
@@ -72,7 +72,7 @@ TEST(Store, NotesTheRunAndItsEnd) {
   EXPECT_THROW(store.finish_run(run + 1, {}), Error);
 }
 
-// Raw times and the machine's slowness are kept; what is usual is found out when they are read.
+// Raw times and slowness are stored; reading computes the usual pace.
 TEST(Store, GivesTimesAtTheUsualPaceOfAllSamples) {
   FileTree tree;
   const auto file = tree.root() / "tuning.db";
@@ -113,7 +113,7 @@ TEST(Store, GivesTimesAtTheUsualPaceOfAllSamples) {
     EXPECT_NEAR(view.getColumn(0).getDouble() / found.at(view.getColumn(1).getString()).seconds, 1, 1e-14);
   }
   EXPECT_EQ(rows, 8);
-  // People see both; of old ones nobody knows.
+  // Rows for people have both; samples of old databases have no slowness.
   const db::Answer answer = Store(file, Access::read).sample_rows();
   const auto column = [&](const char* name) {
     return std::find(answer.columns.begin(), answer.columns.end(), name) - answer.columns.begin();
@@ -124,7 +124,7 @@ TEST(Store, GivesTimesAtTheUsualPaceOfAllSamples) {
   EXPECT_DOUBLE_EQ(std::get<double>(answer.rows[6][slow]), 1 / 3.2);
   EXPECT_TRUE(std::holds_alternative<std::monostate>(answer.rows[7][raw]));
   EXPECT_TRUE(std::holds_alternative<std::monostate>(answer.rows[7][slow]));
-  // An export keeps what was measured, bit by bit.
+  // An export keeps the raw times bitwise.
   (void)Store(file, Access::read).export_to(tree.root() / "export.db");
   const std::string of_file = "SELECT uid, seconds, spread, slowness FROM ";
   database.exec("ATTACH '" + (tree.root() / "export.db").string() + "' AS export");
@@ -134,7 +134,7 @@ TEST(Store, GivesTimesAtTheUsualPaceOfAllSamples) {
       0);
 }
 
-// The fixed work of another version may be another one.
+// The fixed work of another version may differ.
 TEST(Store, EveryVersionHasItsOwnPace) {
   FileTree tree;
   const auto file = tree.root() / "tuning.db";
@@ -152,7 +152,7 @@ TEST(Store, EveryVersionHasItsOwnPace) {
   EXPECT_EQ(Store(file, Access::read).usual_pace(host_with(2)), std::nullopt);
 }
 
-TEST(Store, AddsAllOfACellOrNothing) {
+TEST(Store, AddsACellAsAWhole) {
   FileTree tree;
   Store store(tree.root() / "tuning.db", Access::write);
   const std::int64_t run = store.begin_run(host_with(4), "quick");
@@ -185,7 +185,7 @@ TEST(Store, TheSameUidIsTheSameSample) {
   EXPECT_EQ(uids.size(), 4u);
 }
 
-TEST(Store, AnUnfinishedRunIsTakenUpAgain) {
+TEST(Store, ContinuesAnUnfinishedRun) {
   FileTree tree;
   const auto file = tree.root() / "tuning.db";
   const auto cell = cell_of(0, 2);
@@ -208,7 +208,7 @@ TEST(Store, AnUnfinishedRunIsTakenUpAgain) {
   EXPECT_EQ(store.unfinished_run(host_with(4), "quick"), std::nullopt);
 }
 
-TEST(Store, ARunThatAnotherProcessWorksOnIsLeftToIt) {
+TEST(Store, DoesNotContinueARunOfAnotherProcess) {
   FileTree tree;
   const auto file = tree.root() / "tuning.db";
   std::array<int, 2> started{}, go{};
@@ -260,7 +260,7 @@ TEST(Store, FiltersByRunMachineLibraryAndKernel) {
   EXPECT_EQ(store.sample_rows({.library = "klu"}).rows.size(), 2u);
 }
 
-TEST(Store, ForgetsWhatFitsAndWhatNothingRefersToAnyMore) {
+TEST(Store, ForgetsMatchingSamplesAndUnusedRows) {
   FileTree tree;
   const auto file = tree.root() / "tuning.db";
   {
@@ -315,8 +315,8 @@ TEST(Store, ExportsAndMergesByUid) {
   EXPECT_THROW((void)merged.import_from(tree.root() / "nothing.db"), Error);
 }
 
-// One instance of each, so lanes count: at n = 4 klu is best, at 8 lanes:8, though one call of it takes longer.
-TEST(Store, ViewsTellTheBestOfEachShapeAndWhereItChanges) {
+// Times of one instance, so lanes count: at n = 4 klu is best, at n = 8 lanes:8, although its call takes longer.
+TEST(Store, ViewsShowTheBestOfEachShapeAndCrossovers) {
   FileTree tree;
   Store store(tree.root() / "tuning.db", Access::write);
   const std::int64_t run = store.begin_run(host_with(4), "quick");
@@ -376,7 +376,7 @@ TEST(Store, ViewsTellTheBestOfEachShapeAndWhereItChanges) {
   EXPECT_EQ(next(), "groups/klu on front");      // more exact
 }
 
-TEST(Store, TunersSideBySideAndReadersAmongThem) {
+TEST(Store, SupportsConcurrentTunersAndReaders) {
   FileTree tree;
   const auto file = tree.root() / "tuning.db";
   constexpr int kTuners = 3, kCells = 40, kCell = 5;
@@ -398,7 +398,7 @@ TEST(Store, TunersSideBySideAndReadersAmongThem) {
     }
     tuners.push_back(child);
   }
-  // Whatever a reader sees is whole cells, and never fewer than before.
+  // A reader always sees whole cells, and never fewer than before.
   std::size_t seen = 0, looks = 0;
   int running = kTuners, status = 0;
   while (running > 0) {
@@ -423,8 +423,8 @@ TEST(Store, TunersSideBySideAndReadersAmongThem) {
   EXPECT_EQ(store.runs().size(), static_cast<std::size_t>(kTuners));
 }
 
-// A tuner that comes and goes: the file is at rest, in a log's mode, and at rest again, and never looks damaged.
-TEST(Store, ReadersWhileATunerComesAndGoes) {
+// A tuner starts and ends repeatedly, so that the journal mode changes; the file never appears damaged.
+TEST(Store, ReadersWorkWhileATunerStartsAndEnds) {
   FileTree tree;
   const auto file = tree.root() / "tuning.db";
   make_database(file, host_with(4), 5);

@@ -16,14 +16,14 @@ using references::QuadJet;
 using references::Vec;
 using Where = Vec<QuadJet>;
 
-// Moving points, vectors and auxiliary scalars (in [0]) at time t; members of bodies are not in it.
+// Moving points, vectors and auxiliary scalars (in [0]) at time t, without members of bodies.
 using Path = std::function<Posture<QuadJet>(double t)>;
 
 struct Kind {
   std::string name;
   Scene scene;  // as many equations as unknowns, regular at every time of its grid
   Path path;
-  // Members of bodies as they must come out.
+  // Expected members of bodies.
   Path members = [](double) { return Posture<QuadJet>{}; };
 };
 inline void PrintTo(const Kind& kind, std::ostream* out) { *out << kind.name; }  // what a failed test says
@@ -31,7 +31,7 @@ inline void PrintTo(const Kind& kind, std::ostream* out) { *out << kind.name; } 
 [[nodiscard]] std::vector<Kind> in_the_plane();
 [[nodiscard]] std::vector<Kind> in_space();
 
-// ---- to write them with
+// ---- helpers
 
 inline const Law kTurn = Law::polynomial({0.3, 1.1, 0.2});
 inline const Law kSwing = Law::harmonics({{0.4, 0.3, 0.2}}, 0.9);
@@ -46,7 +46,7 @@ inline Triple start(const Path& path, const std::string& name) {
 }
 inline double start_scalar(const Path& path, const std::string& name) { return start(path, name)[0]; }
 
-// A law that follows what `of` makes of the path.
+// A law that follows the value `of` the path.
 template <class Of>
 Law follow(const Path& path, Of of) {
   return Law::function([path, of](double t) {
@@ -58,7 +58,7 @@ inline Law follow_coordinate(const Path& path, const std::string& name, std::siz
   return follow(path, [name, k](const Posture<QuadJet>& at) { return at.at(name)[k]; });
 }
 
-// Adds the points and vectors of a path, at their start.
+// Adds the points and vectors of a path at its start.
 inline SceneBuilder& place(SceneBuilder& b, const Path& path, const std::vector<std::string>& points,
                            const std::vector<std::string>& vectors = {}) {
   for (const std::string& p : points) b.point(p, start(path, p));

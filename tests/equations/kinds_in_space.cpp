@@ -42,7 +42,7 @@ struct Motion3 {
 };
 const Motion3 kMotion;
 
-// O, u, v, w driven by their pose; what hangs on them is added.
+// O, u, v, w are driven by the pose; `rest` adds the other parts.
 Path path_of(std::function<void(double, Posture<QuadJet>&)> rest) {
   return [rest](double t) {
     Posture<QuadJet> p;
@@ -117,7 +117,7 @@ Kind pose(const std::string& base, bool declared) {
   return k;
 }
 
-// Six actuators of a free body; its joints are no similar hexagons.
+// Six actuators of a free body; its joints do not form similar hexagons.
 Kind actuated(bool on_points, bool poor = false) {
   const Triple ground[6] = {{1, 0, -1},     {0.5, 1, -1.5}, {-0.5, 1.25, -1},
                             {-1, 0, -1.25}, {-0.5, -1, -1}, {0.75, -1, -1.5}};
@@ -142,7 +142,7 @@ Kind actuated(bool on_points, bool poor = false) {
   if (on_points) {
     const Triple third = start(path, "E3");
     place(b, path, {"E1", "E2"}).point("E3", poor ? Triple{third[0] + 0.0625, third[1], third[2] - 0.0625} : third);
-    // Edges of the body as well: written once; with values, a poor guess is no other shape.
+    // One edge of the body is a constraint, too. With values, a poor guess does not change the shape.
     b.constrain("edge", Distance{"E3", "E1", std::sqrt(1.625)});
     if (poor) b.constrain("other", Distance{"E2", "E3", std::sqrt(3.125)});
   } else {
@@ -306,7 +306,7 @@ Kind arms() {
   SceneBuilder b("arms", 3);
   grid(b).fixed_point("A", kA).fixed_vector("n", axis).fixed_vector("z", {0, 0, 1});
   place(b, path, {"P", "Q", "R"});
-  // Zero of the angle is where `at` is: laws from zero.
+  // The angle is measured from `at`, so laws begin at zero.
   const double swing = static_cast<double>(at(kSwing, 0).value);
   b.drive("one", PointAngle{"A", "P", "n", kTurn + Law::constant(-0.3)});
   b.drive("two", PointAngle{"P", "Q", "z", kSwing + Law::constant(-swing)});
@@ -318,7 +318,7 @@ Kind arms() {
 Kind arm_with_length() {
   const Path path = [](double t) {
     Posture<QuadJet> p;
-    // A guess with another radius: height 0.5 along the axis stays, the radius is sqrt(1.5^2 - 0.5^2).
+    // A guess with another radius: the height 0.5 along the axis stays, the radius becomes sqrt(1.5^2 - 0.5^2).
     const QuadJet r = sqrt(number(2.25 - 0.25));
     const Where e = unit(fixed(0.75, 0.25, 0));
     p["P"] = exact(kA) + fixed(0, 0, 0.5) + r * turned(e, fixed(0, 0, 1), at(kSlide, t));

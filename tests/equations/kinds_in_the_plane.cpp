@@ -168,7 +168,7 @@ Kind actuators() {
   return kind("distance and coordinate drivers", b, path);
 }
 
-// A coupler with members: the base's length is a constraint of its own, or the body's.
+// A coupler with members: the length of the base is a constraint, or belongs to the body.
 Kind base(bool written, bool poor = false) {
   const Path path = path_of([](double t, auto& p) {
     p["C"] = intersect_circles(crank(t), 1.75, fixed(2, 0.25), 1.25);
@@ -194,7 +194,7 @@ Kind base(bool written, bool poor = false) {
   return k;
 }
 
-// The whole body by its pose; X hangs on a member.
+// The pose drives the whole body; X is connected to a member.
 Kind pose(const std::string& base, bool declared) {
   const auto member = [base](double t) {
     const Where u = base == "translating" ? fixed(1, 0) : heading(at(kSwing, t));

@@ -1,4 +1,4 @@
-// Every kind of constraint, driver and body: as equations of the system, and as a program over lanes.
+// Every kind of constraint, driver and body, as equations of the system and as a program over lanes.
 #include "equations/kinds.hpp"
 
 #include <gtest/gtest.h>
@@ -67,8 +67,8 @@ double magnitude(const Quad& x) { return std::abs(static_cast<double>(x)); }
 
 // ---- as equations
 
-// Laws and lengths are rounded to double, everything else is in quad: a few units in the last place of the terms.
-TEST_P(EveryKind, HoldsOnItsPath) {
+// Laws and lengths are rounded to double, all else is in quad: errors are a few units in the last place of the terms.
+TEST_P(EveryKind, EquationsHoldOnAKnownMotion) {
   for (const bool declared : {true, false}) {
     const System s = system(declared);
     for (const double t : {0.0, 0.25, 0.625, 1.0}) {
@@ -81,8 +81,8 @@ TEST_P(EveryKind, HoldsOnItsPath) {
   }
 }
 
-// As many equations as unknowns and regular: with the above, the path is the only one there is.
-TEST_P(EveryKind, DeterminesItsPath) {
+// The equations are regular and as many as the unknowns, so the path is their only solution.
+TEST_P(EveryKind, EquationsDetermineTheMotion) {
   for (const bool declared : {true, false}) {
     const System s = system(declared);
     std::vector<Index> rows, unknowns, mentioned;
@@ -115,7 +115,7 @@ TEST_P(EveryKind, DeterminesItsPath) {
   }
 }
 
-TEST_P(EveryKind, DrivenCoordinatesFollow) {
+TEST_P(EveryKind, DrivenCoordinatesFollowTheLaw) {
   const System s = system();
   for (const double t : {0.0, 0.375, 1.0}) {
     const std::vector<QuadJet> expected = on_path(s, kind(), t);
@@ -135,7 +135,7 @@ TEST_P(EveryKind, DrivenCoordinatesFollow) {
   }
 }
 
-TEST_P(EveryKind, MembersAreWhereTheirBodyIs) {
+TEST_P(EveryKind, MembersMoveWithTheirBody) {
   const System s = system();
   for (const double t : {0.0, 0.375, 1.0}) {
     const std::vector<Quad> q = values(on_path(s, kind(), t));
@@ -150,7 +150,7 @@ TEST_P(EveryKind, MembersAreWhereTheirBodyIs) {
   }
 }
 
-// Central differences of a quadratic polynomial are exact with any step; a long one keeps rounding away.
+// Central differences of a quadratic polynomial are exact for every step; a long step keeps rounding small.
 TEST_P(EveryKind, GradientIsTheDerivative) {
   const System s = system();
   std::vector<Quad> q = values(on_path(s, kind(), 0.5));
@@ -175,7 +175,7 @@ TEST_P(EveryKind, GradientIsTheDerivative) {
 
 // ---- as a program
 
-// One instance in one lane: a system with constants of its own, a posture and a motion.
+// One instance in one lane: a system with its own constants, a posture and a motion.
 struct Lane {
   System system, absolute;  // absolute: every constant positive, to bound sums by
   std::vector<double> q, rate, acceleration;
@@ -326,10 +326,10 @@ TEST_P(EveryKind, ProgramAgreesInEveryLane) {
   }
 }
 
-// ---- the whole way
+// ---- the whole run
 
 // Condition 1e4 x 1e-14 at most, and derivatives up to 10 times as large as positions.
-TEST_P(EveryKind, RunsAlongItsPath) {
+TEST_P(EveryKind, RunFollowsTheKnownMotion) {
   for (const char* strategy : {"global/eigen", "groups/eigen", "irreducible/eigen"}) {
     Simulator simulator(prepare(kind().scene, {strategy, {}}));
     const Trajectory run = simulator.run();
@@ -355,8 +355,8 @@ TEST_P(EveryKind, RunsAlongItsPath) {
   }
 }
 
-// Given lengths decide over the guess, and are refused where they make no body.
-TEST(BodyOnThreePoints, LengthsThatMakeNoTriangle) {
+// Given lengths overrule the guess, and are refused if no body has them.
+TEST(BodyOnThreePoints, RefusesLengthsWithoutTriangle) {
   SceneBuilder b("impossible", 3);
   b.point("A", {0, 0, 0}).point("B", {1, 0, 0}).point("C", {0, 1, 0});
   b.add(Body{"plate", "", {}, {"A", "B", "C"}, {{"M", {0.5, 0.5, 0.25}}}, {}});

@@ -1,4 +1,4 @@
-// Programs: callbacks, Lipschitz constants, sharing. That they agree with the system is in kinds_test.cpp.
+// Programs: callbacks, Lipschitz constants, sharing. kinds_test.cpp compares them with the system.
 #include "equations/program.hpp"
 
 #include <gtest/gtest.h>
@@ -80,8 +80,8 @@ TEST(ProgramCallback, IsEvaluatedInSiUnitsInEveryLane) {
   }
 }
 
-// Two rows of one callback, of which one is redundant: a part of a callback is solved, the other one watched.
-TEST(ProgramCallback, PartOfItsRows) {
+// A callback with two rows, one of which is redundant: one row is solved, the other one checked.
+TEST(ProgramCallback, EvaluatesPartOfItsRows) {
   Callback twice;
   twice.coordinates = {"P.x", "P.y"};
   twice.equations = 2;
@@ -107,7 +107,7 @@ TEST(ProgramCallback, PartOfItsRows) {
   bind_coefficients(program, constants, k.data(), 1);
   for (const Index i : g.inputs) inputs.push_back(s.start[idx(i)]);
   for (const Index i : g.unknowns) unknowns.push_back(s.start[idx(i)] + 0.125);
-  // One value behind the end, which nobody may write.
+  // One value after the end, which must not be written.
   std::vector<double> phi(3, 77), j(idx(program.pattern.nnz()) + 1, 77), scale(3, 77), rhs(3, 77),
       none(inputs.size(), 0);
   evaluator->set_inputs(k.data(), inputs.data());
@@ -131,7 +131,7 @@ TEST(ProgramCallback, PartOfItsRows) {
 
 // ---- Lipschitz constants
 
-TEST(Lipschitz, OfACircle) {
+TEST(Lipschitz, BoundsACircle) {
   SceneBuilder b("circle", 2);
   b.fixed_point("A", {0, 0, 0}).point("C", {2, 0, 0}).point("P", {1.2, 0.9, 0});
   b.constrain("PA", Distance{"P", "A", {}}).constrain("PC", Distance{"P", "C", {}});
@@ -145,7 +145,7 @@ TEST(Lipschitz, OfACircle) {
   EXPECT_EQ(l[1], 8);  // J = 2 (x - cx, y - cy), C moves as well
 }
 
-// |J_i(x) - J_i(y)|_1 <= l |x - y|_inf over the block's columns, whatever moves.
+// |J_i(x) - J_i(y)|_1 <= l |x - y|_inf over the columns of the block, for all motions.
 TEST(Lipschitz, BoundsTheJacobian) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> unit(-1, 1);
@@ -185,7 +185,7 @@ TEST(Lipschitz, BoundsTheJacobian) {
 
 // ---- sharing
 
-// A class serves its groups: constants are slots, so nothing of a program depends on the instance.
+// All groups of a class share a program: constants are slots, so the program does not depend on the instance.
 TEST(ProgramSharing, GroupsOfAClassFillTheSameSlots) {
   for (const char* name : {"stewart", "four_bar:9", "rings:legs=3,n=18", "andrews"}) {
     const Structure s = structure(sample(name), groups);

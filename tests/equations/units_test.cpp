@@ -1,4 +1,4 @@
-// Scaling all lengths of a scene by a power of two changes no bit of its equations.
+// Scaling all lengths of a scene by a power of two keeps its equations bitwise.
 #include <gtest/gtest.h>
 
 #include "equations/program.hpp"
@@ -21,7 +21,7 @@ std::vector<double> coefficients(const Structure& s, const Group& g) {
 
 class Units : public testing::TestWithParam<const char*> {};
 
-TEST_P(Units, PowersOfTwoChangeNoBit) {
+TEST_P(Units, PowersOfTwoKeepResultsBitwise) {
   const Scene drawn = sample(GetParam());
   const Scene scene = references::scaled(drawn, 0);  // built once more, as the others: vectors are normalised again
   const System plain = lower(std::make_shared<const Scene>(scene));
@@ -51,7 +51,7 @@ INSTANTIATE_TEST_SUITE_P(Samples, Units,
                            return std::string(row.param).substr(0, std::string(row.param).find(':'));
                          });
 
-// Typical lengths are about 1 inside, whatever they are outside.
+// Typical lengths are about 1 in internal units, for every unit of the scene.
 TEST(Units, TypicalLengthsAreOne) {
   for (const char* name : {"stewart", "andrews", "four_bar", "slider_crank", "gough"}) {
     const System s = lower(std::make_shared<const Scene>(sample(name)));

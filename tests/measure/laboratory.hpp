@@ -1,4 +1,4 @@
-// A clock that only the test moves, and work that takes as long as the test says.
+// A clock that only the test advances, and work with given times.
 #pragma once
 
 #include <vector>
@@ -25,7 +25,7 @@ struct Laboratory {
   }
 };
 
-// One call takes `seconds` at the usual pace, of the laboratory's clock; every block is noted.
+// One call takes `seconds` of the laboratory's clock at the usual pace; records every block.
 class Timed : public Workload {
  public:
   Timed(Laboratory& laboratory, double seconds) : laboratory_(laboratory), seconds_(seconds) {}

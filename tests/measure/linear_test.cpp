@@ -1,4 +1,4 @@
-// What a block of `factor` and `solve` does, and who is never timed.
+// The work of a block of `factor` and `solve`, and the solvers that are never timed.
 #include "measure/linear.hpp"
 #include "numbers.hpp"
 
@@ -16,7 +16,7 @@ Calls calls;
 double factor_of_results = 1;  // of a solver that computes what is wrong
 Code code_of_factorizations = Code::ok;
 
-// Passes everything on to another solver, and counts.
+// Forwards all calls to another solver and counts them.
 class Counting final : public LinearSolver {
  public:
   explicit Counting(std::unique_ptr<LinearSolver> solver) : solver_(std::move(solver)) {}
@@ -61,7 +61,7 @@ class LinearTest : public testing::Test {
   Strategy strategy_ = parse_strategy("groups/lanes:4");
 };
 
-TEST_F(LinearTest, ABlockIsSoManyFactorisationsOrSolutions) {
+TEST_F(LinearTest, ABlockCountsFactorisationsOrSolutions) {
   Linear linear(matrices_, strategy_, counting_);
   EXPECT_EQ(linear.refused(), "");
   EXPECT_EQ(calls.analyses, 1);
@@ -76,9 +76,9 @@ TEST_F(LinearTest, ABlockIsSoManyFactorisationsOrSolutions) {
   EXPECT_EQ(calls.analyses, 1);
 }
 
-TEST_F(LinearTest, ErrorsAreThoseOfTheSolutions) {
+TEST_F(LinearTest, ReportsTheErrorsOfItsSolutions) {
   const Linear linear(matrices_, strategy_, counting_);
-  // Higham, Accuracy and Stability, theorem 9.4: 3 n eps |L| |U|, and growth is small where diagonals are large.
+  // Higham, Accuracy and Stability, theorem 9.4: 3 n eps |L| |U|; growth is small for large diagonals.
   EXPECT_GT(linear.backward_error(), 0);
   EXPECT_LE(linear.backward_error(), 3 * 30 * kEps);
   EXPECT_GT(linear.forward_error(), 0);
@@ -91,7 +91,7 @@ TEST_F(LinearTest, ErrorsAreThoseOfTheSolutions) {
   EXPECT_GE(off.backward_error(), 1e-11);
 }
 
-TEST_F(LinearTest, WhatIsWrongIsRefused) {
+TEST_F(LinearTest, RefusesWrongSolutions) {
   factor_of_results = 1.001;
   EXPECT_NE(Linear(matrices_, strategy_, counting_).refused().find("its backward error is"), std::string::npos);
   factor_of_results = std::numeric_limits<double>::quiet_NaN();
@@ -101,7 +101,7 @@ TEST_F(LinearTest, WhatIsWrongIsRefused) {
   EXPECT_EQ(Linear(matrices_, strategy_, counting_).refused(), "its status is singular");
 }
 
-TEST(Matrices, AreRegularWhateverTheirPattern) {
+TEST(Matrices, AreRegularForEveryPattern) {
   for (const auto& [n, per_row] : {std::pair(1, 1), {2, 2}, {40, 6}, {40, 40}}) {
     const Matrices m = random_matrices(n, per_row, 2);
     ASSERT_EQ(m.values.size(), 2u);
@@ -110,12 +110,12 @@ TEST(Matrices, AreRegularWhateverTheirPattern) {
     EXPECT_NE(m.values[0], m.values[1]);
     const Linear linear(m, parse_strategy("groups/eigen"), find_backend(backends(), "eigen"));
     EXPECT_EQ(linear.refused(), "");
-    // The diagonal is twice the radius of what is beside it: conditions near (2 + 1) / (2 - 1), sizes apart.
+    // The diagonal is twice the spectral radius of the rest: conditions near (2 + 1) / (2 - 1), except for sizes.
     EXPECT_LE(linear.forward_error(), 100 * n * kEps);
   }
 }
 
-TEST(Matrices, JacobiansAreThoseOfTheGroups) {
+TEST(Matrices, JacobiansEqualThoseOfTheGroups) {
   const Structure s = analyze(sample("stewart"));
   const std::int32_t legs = s.groups.back().group_class;
   const Matrices m = jacobians(s, legs, 4);

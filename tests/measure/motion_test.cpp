@@ -1,4 +1,4 @@
-// What a call of `pack`, `step` and `evaluate` does, counted.
+// Counts the work of a call of `pack`, `step` and `evaluate`.
 #include "measure/motion.hpp"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@ Prepared prepared(const std::string& scene, const std::string& strategy) { retur
 
 class Packs : public testing::TestWithParam<const char*> {};
 
-TEST_P(Packs, ACallIsOneOrdinaryStepOfOnePack) {
+TEST_P(Packs, ACallIsOneStepOfOnePack) {
   const Prepared p = prepared("rings:legs=10,n=20,terminal=12", GetParam());
   const std::int32_t legs = p.structure->groups.back().group_class;
   PackStep packs(p, legs);
@@ -33,7 +33,7 @@ INSTANTIATE_TEST_SUITE_P(, Packs,
                            return text;
                          });
 
-TEST(PackStep, FactorisationsAreThoseOfThePolicy) {
+TEST(PackStep, CountsFactorisationsOfThePolicy) {
   for (const auto& [strategy, factorizations] :
        {std::pair("groups/eigen", 2), {"groups/eigen+once", 1}, {"groups/eigen+separate", 3}}) {
     const Prepared p = prepared("stewart", strategy);
@@ -44,7 +44,7 @@ TEST(PackStep, FactorisationsAreThoseOfThePolicy) {
   }
 }
 
-TEST(WholeStep, GoesRoundTheGrid) {
+TEST(WholeStep, RepeatsTheGrid) {
   WholeStep steps(prepared("andrews", "groups/eigen"));  // 72 steps
   for (const int calls : {5, 100, 1, 72}) {
     steps.get_ready(calls);

@@ -7,7 +7,7 @@
 namespace assur::measure {
 namespace {
 
-TEST(Noise, TellsLoadAndStolenTime) {
+TEST(Noise, MeasuresLoadAndStolenTime) {
   test::FileTree system;
   system.file("proc/loadavg", "1.50 1.00 0.50 2/100 1\n");
   system.file("proc/stat", "cpu  100 0 100 800 0 0 0 10 0 0\ncpu0 1 1 1 1\n");
@@ -18,7 +18,7 @@ TEST(Noise, TellsLoadAndStolenTime) {
   EXPECT_DOUBLE_EQ(noise.stolen, 0.1);  // 10 of 100 ticks
 }
 
-TEST(Noise, ASystemThatTellsNothingIsQuiet) {
+TEST(Noise, ASystemWithoutFiguresIsQuiet) {
   const test::FileTree system;
   const Noise noise = NoiseWatch(2, system.root()).noise();
   EXPECT_EQ(noise.load, 0);
@@ -27,7 +27,7 @@ TEST(Noise, ASystemThatTellsNothingIsQuiet) {
   EXPECT_EQ(judge(noise).reason, "");
 }
 
-TEST(Noise, TheWorstDecidesAndAllIsSaid) {
+TEST(Noise, TheWorstFigureDecidesAndAllAreReported) {
   Noise noise;
   noise.scatter = 0.03;
   EXPECT_EQ(judge(noise).quiet, Quiet::some_noise);
@@ -41,8 +41,8 @@ TEST(Noise, TheWorstDecidesAndAllIsSaid) {
   EXPECT_EQ(judge(noise).quiet, Quiet::noisy);
   noise.drift = 0.4;
   EXPECT_EQ(judge(noise).reason,
-            "the hypervisor took 20 % of the time; times scatter by 3 %; everything took up to 40 % longer at times, "
-            "which is allowed for");
+            "the hypervisor took 20 % of the time; times scatter by 3 %; the whole machine was at times up to 40 % "
+            "slower, for which times are corrected");
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// On a machine whose pace the test sets.
+// The pace of a machine that the test controls.
 #include "measure/pace.hpp"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@
 namespace assur::measure {
 namespace {
 
-TEST(Pace, WhatIsUsualIsTheFastestQuarter) {
+TEST(Pace, UsualPaceIsTheLowerQuartile) {
   Laboratory laboratory;
   Timed work(laboratory, 3e-6);
   const auto clock = [&] {
@@ -27,7 +27,7 @@ TEST(Pace, WhatIsUsualIsTheFastestQuarter) {
   EXPECT_NEAR(pace.slowness(), 1, 1e-6);
 }
 
-TEST(Pace, TellsHowSlowTheMachineIsNow) {
+TEST(Pace, MeasuresTheCurrentSlowness) {
   Laboratory laboratory;
   Timed work(laboratory, 3e-6);
   Pace pace(work, laboratory.instruments().clock, 0.5);
@@ -37,7 +37,7 @@ TEST(Pace, TellsHowSlowTheMachineIsNow) {
   }
 }
 
-TEST(Pace, AnInterruptionIsNoPace) {
+TEST(Pace, IgnoresAnInterruption) {
   class Interrupted final : public Timed {
    public:
     using Timed::Timed;
@@ -52,7 +52,7 @@ TEST(Pace, AnInterruptionIsNoPace) {
   for (int i = 0; i < 5; ++i) EXPECT_NEAR(pace.slowness(), 1, 1e-6);
 }
 
-TEST(Pace, OfAnEarlierRunItIsTakenAsItIs) {
+TEST(Pace, TakesThePaceOfAnEarlierRun) {
   Laboratory laboratory;
   Timed work(laboratory, 3e-6);
   Pace pace(work, laboratory.instruments().clock, 0.5, 2e-6);
@@ -61,7 +61,7 @@ TEST(Pace, OfAnEarlierRunItIsTakenAsItIs) {
   EXPECT_NEAR(pace.slowness(), 1.5, 1e-6);
 }
 
-TEST(Pace, WorkThatFailsIsTold) {
+TEST(Pace, ReportsFailingWork) {
   class Fails final : public Workload {
     bool run(int) override { return false; }
   } work;
@@ -69,8 +69,8 @@ TEST(Pace, WorkThatFailsIsTold) {
   EXPECT_THROW(Pace(work, laboratory.instruments().clock, 0.5), Error);
 }
 
-// Its time is stored as what it is: that of a pack.
-TEST(Pace, TheFixedWorkIsASampleLikeAnyOther) {
+// Its time is stored as a sample of a pack.
+TEST(Pace, FixedWorkIsAnOrdinarySample) {
   const FixedWork fixed = leg_steps();
   EXPECT_EQ(fixed.shape.n, 15);
   EXPECT_EQ(fixed.shape.groups, 6);
@@ -79,7 +79,7 @@ TEST(Pace, TheFixedWorkIsASampleLikeAnyOther) {
   EXPECT_TRUE(fixed.work->run(12));
 }
 
-// A clock of each thread, and work that moves it.
+// A clock for each thread, and work that advances it.
 thread_local double own_clock = 0;
 
 class OnItsCore final : public Workload {
@@ -91,7 +91,7 @@ class OnItsCore final : public Workload {
   double seconds = 1e-6;
 };
 
-TEST(CorePaces, TellHowUnlikeTheCoresAre) {
+TEST(CorePaces, MeasureTheUnevennessOfCores) {
   std::vector<std::int32_t> cores = this_machine().cores;
   std::vector<OnItsCore*> made;
   const auto work = [&] {
@@ -108,7 +108,7 @@ TEST(CorePaces, TellHowUnlikeTheCoresAre) {
   EXPECT_NEAR(paces.unevenness(), 1, 1e-9);
 }
 
-TEST(MachinePace, AnswersWhatRacesAsk) {
+TEST(MachinePace, AttachesToInstruments) {
   for (const int threads : {1, 64}) {
     Instruments instruments;
     MachinePace pace(threads, 0.01);

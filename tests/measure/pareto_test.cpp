@@ -11,17 +11,17 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-TEST(Pareto, OnlyWhatNobodyBeatsIsOnTheFront) {
+TEST(Pareto, FrontHasOnlyUnbeatenRows) {
   const std::vector<Trade> all = {{3, 1e-12}, {1, 1e-3}, {2, 1e-3}, {2, 1e-6}, {4, 1e-12}, {5, 1e-9}};
   EXPECT_EQ(pareto_front(all), (std::vector<bool>{true, true, false, true, false, false}));
 }
 
-TEST(Pareto, EqualOnesStandOrFallTogether) {
+TEST(Pareto, TreatsEqualRowsAlike) {
   const std::vector<Trade> all = {{1, 1e-3}, {2, 1e-6}, {2, 1e-6}, {3, 1e-4}, {3, 1e-4}};
   EXPECT_EQ(pareto_front(all), (std::vector<bool>{true, true, true, false, false}));
 }
 
-TEST(Pareto, WhatIsNotKnownIsNeverOnTheFront) {
+TEST(Pareto, RowsWithUnknownErrorsAreNotOnTheFront) {
   const std::vector<Trade> all = {{kNaN, 0}, {1, kNaN}, {0, kInfinity}, {2, 0}};
   EXPECT_EQ(pareto_front(all), (std::vector<bool>{false, false, false, true}));
   EXPECT_TRUE(pareto_front({}).empty());

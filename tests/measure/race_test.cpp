@@ -1,4 +1,4 @@
-// Who runs when, how often, and who leaves: all on a clock that only the test moves.
+// Order and number of runs in a race, on a clock that only the test advances.
 #include "measure/race.hpp"
 
 #include <gtest/gtest.h>
@@ -34,7 +34,7 @@ class RaceTest : public testing::Test {
   std::vector<Runner> runners_;
 };
 
-TEST_F(RaceTest, CallsAreDoubledUntilABlockIsLongEnough) {
+TEST_F(RaceTest, DoublesCallsUntilABlockIsLongEnough) {
   const Timed& work = enter(1.5e-6);
   hold();
   EXPECT_EQ(runners_[0].calls, 16);  // 24 us
@@ -42,7 +42,7 @@ TEST_F(RaceTest, CallsAreDoubledUntilABlockIsLongEnough) {
   EXPECT_NEAR(runners_[0].median(), 1.5e-6, 1e-13);  // the clock has 1.1e-13 s at 1000 s, over 16 calls
 }
 
-TEST_F(RaceTest, EveryRoundHasEachOnceInAnotherOrder) {
+TEST_F(RaceTest, EveryRoundRunsEachOnceInAnotherOrder) {
   for (int i = 0; i < 5; ++i) enter(30e-6);  // one call a block, and no block before the rounds is kept
   RaceRules rules;
   rules.least_rounds = rules.most_rounds = 12;
@@ -63,7 +63,7 @@ TEST_F(RaceTest, EveryRoundHasEachOnceInAnotherOrder) {
   EXPECT_GE(orders.size(), 10u);  // of 120
 }
 
-TEST_F(RaceTest, TheHopelessLeaveAfterTheirTrialAndKeepTheirTimes) {
+TEST_F(RaceTest, HopelessRunnersLeaveAndKeepTheirTimes) {
   enter(30e-6);
   enter(80e-6);
   enter(100e-6);
@@ -74,8 +74,8 @@ TEST_F(RaceTest, TheHopelessLeaveAfterTheirTrialAndKeepTheirTimes) {
   EXPECT_GE(runners_[1].seconds.size(), 7u);
 }
 
-// Whatever the machine does meanwhile, for some moments or all the time.
-TEST_F(RaceTest, TimesCountAsAtTheUsualPace) {
+// For a machine that is slow for some moments, or all the time.
+TEST_F(RaceTest, CorrectsTimesToTheUsualPace) {
   enter(30e-6);
   enter(33e-6);
   Instruments with = laboratory_.instruments();
@@ -94,7 +94,7 @@ TEST_F(RaceTest, TimesCountAsAtTheUsualPace) {
   EXPECT_TRUE(figures.slowness == 1 || figures.slowness == 1.8) << figures.slowness;
 }
 
-TEST_F(RaceTest, WiderOnesMakeNobodyHopelessWhoNeedsFewerGroups) {
+TEST_F(RaceTest, FasterWiderRunnersDoNotEliminateNarrowOnes) {
   enter(100e-6, 1);
   enter(100e-6, 8);   // eight times as fast for one result
   enter(4000e-6, 8);  // slower than the narrow one
@@ -104,7 +104,7 @@ TEST_F(RaceTest, WiderOnesMakeNobodyHopelessWhoNeedsFewerGroups) {
   EXPECT_TRUE(runners_[2].hopeless);
 }
 
-TEST_F(RaceTest, HeatsAreNoRivals) {
+TEST_F(RaceTest, ComparesRunnersWithinTheirHeatOnly) {
   enter(30e-6, 1, 0);
   enter(3000e-6, 1, 1);
   hold();
@@ -121,7 +121,7 @@ TEST_F(RaceTest, KeepsToItsTime) {
   for (const Runner& r : runners_) EXPECT_GE(r.seconds.size(), 4u);
 }
 
-TEST_F(RaceTest, ACallThatTakesMuchOfTheTimeIsMadeOnce) {
+TEST_F(RaceTest, RunsALongCallOnlyOnce) {
   const Timed& slow = enter(0.1);
   enter(30e-6);
   RaceRules rules;
@@ -132,7 +132,7 @@ TEST_F(RaceTest, ACallThatTakesMuchOfTheTimeIsMadeOnce) {
   EXPECT_EQ(runners_[0].spread(), runners_[0].seconds[0]);  // nobody knows it
 }
 
-TEST_F(RaceTest, WithoutTimeForARoundTheFastHaveATimeAsTheSlowHave) {
+TEST_F(RaceTest, FastRunnersHaveATimeEvenWithoutARound) {
   enter(1e-6);
   enter(0.3);
   RaceRules rules;
@@ -143,7 +143,7 @@ TEST_F(RaceTest, WithoutTimeForARoundTheFastHaveATimeAsTheSlowHave) {
   EXPECT_LT(runners_[0].median(), runners_[1].median());
 }
 
-TEST_F(RaceTest, DisturbedBlocksAreRepeated) {
+TEST_F(RaceTest, RepeatsDisturbedBlocks) {
   // Loses the processor in every third block.
   class Disturbed final : public Timed {
    public:
@@ -166,7 +166,7 @@ TEST_F(RaceTest, DisturbedBlocksAreRepeated) {
   for (const double s : runners_[0].seconds) EXPECT_NEAR(s, 30e-6, 1e-9);
 }
 
-// Of what one thread does nothing is uneven, and what is disturbed is of all that was tried, whenever the time is over.
+// Blocks of one thread are never uneven, and all counted blocks include the repeated ones, even if time runs out.
 TEST_F(RaceTest, CountsNoMoreDisturbancesThanBlocks) {
   class Disturbed final : public Timed {
    public:
@@ -197,7 +197,7 @@ TEST_F(RaceTest, CountsNoMoreDisturbancesThanBlocks) {
 }
 
 // One core is at half the pace for three of six milliseconds, and threads wait for it.
-TEST_F(RaceTest, OfSeveralThreadsOnlyTimesOnEvenCoresCount) {
+TEST_F(RaceTest, UsesOnlyTimesOnEvenCoresForSeveralThreads) {
   const auto uneven = [this] { return std::fmod(laboratory_.now, 6e-3) < 3e-3; };
   class Shared final : public Timed {
    public:
@@ -238,8 +238,8 @@ TEST_F(RaceTest, OfSeveralThreadsOnlyTimesOnEvenCoresCount) {
   EXPECT_EQ(looks, 0);
 }
 
-// Where they never are, the race goes on: a time of uneven cores is better than none.
-TEST_F(RaceTest, CoresThatStayUnevenAreNotWaitedForForEver) {
+// If cores never have the same pace, the race continues: a time on uneven cores is better than none.
+TEST_F(RaceTest, StopsWaitingForCoresThatStayUneven) {
   laboratory_.unevenness = 2;
   enter(30e-6);
   runners_[0].threads = 2;
@@ -249,7 +249,7 @@ TEST_F(RaceTest, CoresThatStayUnevenAreNotWaitedForForEver) {
   EXPECT_EQ(figures.uneven, figures.shared);
 }
 
-TEST_F(RaceTest, WhoFailsHasNoTimes) {
+TEST_F(RaceTest, FailedRunnersHaveNoTimes) {
   class Failing final : public Timed {
    public:
     using Timed::Timed;
@@ -272,7 +272,7 @@ TEST_F(RaceTest, StopsWhenAsked) {
   EXPECT_TRUE(runners_[0].seconds.empty());
 }
 
-TEST(Runner, HowSlowTheMachineWas) {
+TEST(Runner, ReportsTheSlownessOfTheMachine) {
   Runner r;
   EXPECT_EQ(r.slowness(), 1);
   r.seconds = {10e-6, 11e-6, 12e-6};
@@ -284,7 +284,7 @@ TEST(Runner, HowSlowTheMachineWas) {
   EXPECT_EQ(r.slowness(), 1);
 }
 
-TEST(Runner, MedianAndDeviation) {
+TEST(Runner, ComputesMedianAndDeviation) {
   Runner r;
   r.seconds = {5, 1, 2, 100, 3};
   EXPECT_EQ(r.median(), 3);

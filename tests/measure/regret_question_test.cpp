@@ -1,5 +1,4 @@
-// The contest for one question; what a race finds depends on the machine, so small mechanisms, and what must hold of
-// any answer.
+// The contest for one question: properties that hold for every answer, because times depend on the machine.
 #include "measure/regret_question.hpp"
 
 #include <gtest/gtest.h>
@@ -9,7 +8,7 @@
 namespace assur::measure {
 namespace {
 
-TEST(PairedMedians, ASlowPassChangesNoRatio) {
+TEST(PairedMedians, ASlowPassDoesNotChangeRatios) {
   const std::vector<std::vector<double>> seconds = {{3, 2, 1}, {3.3, 1.8, 1}, {6, 4, 2}};
   const std::vector<double> all = paired_medians(seconds);
   ASSERT_EQ(all.size(), 3u);
@@ -19,8 +18,8 @@ TEST(PairedMedians, ASlowPassChangesNoRatio) {
   EXPECT_TRUE(paired_medians({}).empty());
 }
 
-// One that had no turn in a pass is not the fastest for it.
-TEST(PairedMedians, WithoutATurnIsSlow) {
+// A runner without a turn in a pass is not the fastest of that pass.
+TEST(PairedMedians, MissingTurnsCountAsSlow) {
   const std::vector<double> all = paired_medians({{0.5, 1}, {HUGE_VAL, 1}, {HUGE_VAL, 1}});
   EXPECT_EQ(all[0], HUGE_VAL);
   EXPECT_EQ(all[1], 1);
@@ -43,7 +42,7 @@ TEST(Contest, EveryPassCounts) {
   EXPECT_FALSE(answer.uniform.empty());
 }
 
-TEST(Contest, WhatWasStoppedDoesNotCount) {
+TEST(Contest, IgnoresStoppedPasses) {
   QuestionOptions how{.quick = true, .seconds = 0.5};
   bool stopped = false;
   how.instruments.stop = [&] { return stopped; };

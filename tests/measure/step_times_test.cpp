@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kClockCost = 30e-9;
 
-// A clock that only this test moves: each call costs kClockCost, half before and half after the reading.
+// A clock that only this test advances; a call costs kClockCost, half before and half after the reading.
 struct Laboratory {
   double now = 1000;
   int calls = 0;
@@ -26,7 +26,7 @@ struct Laboratory {
 // Times near 1000 s are rounded to 1.1e-13 s; a block adds up to 64 of them, read twice.
 constexpr double kRounding = 2 * 64 * 1.2e-13;
 
-TEST(StepTimes, NoStepIsAllZero) {
+TEST(StepTimes, ReportsZeroWithoutSteps) {
   Laboratory laboratory;
   StepTimes times(0, laboratory.clock());
   times.tick();
@@ -36,7 +36,7 @@ TEST(StepTimes, NoStepIsAllZero) {
   EXPECT_EQ(figures.block, 1);
 }
 
-TEST(StepTimes, LongStepsAreMeasuredOneByOneWithoutTheClock) {
+TEST(StepTimes, TimesLongStepsSinglyWithoutClockOverhead) {
   Laboratory laboratory;
   StepTimes times(1000, laboratory.clock());
   times.tick();
@@ -54,7 +54,7 @@ TEST(StepTimes, LongStepsAreMeasuredOneByOneWithoutTheClock) {
   EXPECT_GT(times.elapsed(), 3000);
 }
 
-TEST(StepTimes, ShortStepsAreMeasuredInBlocks) {
+TEST(StepTimes, TimesShortStepsInBlocks) {
   Laboratory laboratory;
   StepTimes times(6400, laboratory.clock());
   const int before = laboratory.calls;
@@ -74,7 +74,7 @@ TEST(StepTimes, ShortStepsAreMeasuredInBlocks) {
   EXPECT_LE(laboratory.calls - before, 2 * (1 + 64 + (6400 - 64) / 16));
 }
 
-TEST(StepTimes, AShortRunOfShortStepsIsJoinedAfterwards) {
+TEST(StepTimes, JoinsStepsOfAShortRunAfterwards) {
   Laboratory laboratory;
   StepTimes times(40, laboratory.clock());
   times.tick();

@@ -1,4 +1,4 @@
-// What a simulator says of its groups, against closed forms and the true motion.
+// Figures of groups by a simulator, compared with closed forms and the true motion.
 #include "measure/true_posture.hpp"
 
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ Scene dyad(double from, double rate) {
 }
 
 TEST(Examined, ConditionGrowsAsTheDyadStretches) {
-  // |J^-1| is 1 / 2h in its larger row while everything else goes to a limit, from which x is off by 1e-3 at most.
+  // |J^-1| is 1 / 2h in its larger row; all else goes to a limit, from which x differs by at most 1e-3.
   const auto condition = [](double x) {
     Simulator simulator(prepare(dyad(x, -1e-3), {"groups/eigen"}));
     const std::vector<GroupFigures> all = simulator.examine();
@@ -42,7 +42,7 @@ TEST(Examined, ConditionGrowsAsTheDyadStretches) {
 
 class Figures : public testing::TestWithParam<int> {};  // iterations; 0: as many as it takes
 
-TEST_P(Figures, AreThoseOfThePosture) {
+TEST_P(Figures, DescribeThePosture) {
   const Prepared prepared = prepare(sample("four_bar:loops=2,steps=20"), {"groups/eigen+predict=taylor:0"});
   ASSERT_EQ(prepared.structure->levels, 2);  // the second one has fixed iterations
   Simulator simulator(prepared, {.iterations = GetParam()});
@@ -60,7 +60,7 @@ TEST_P(Figures, AreThoseOfThePosture) {
     EXPECT_LE(all.front().residual, kSolved);
     residual = std::max(residual, all.back().residual);
     error = std::max(error, wrong);
-    // Its own residual, and the error of the loop before, which a condition carries on: a rounding each, at least.
+    // Its own residual, and the error of the previous loop times a condition: at least a rounding each.
     const double bound = 2 * (all.back().residual + kSolved) * all.front().condition;
     EXPECT_LE(wrong, 2 * bound * all.back().condition);
     return true;

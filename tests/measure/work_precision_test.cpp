@@ -1,4 +1,4 @@
-// Every way is judged by its true error before its time counts.
+// The true error of every strategy is known before its time counts.
 #include "measure/work_precision.hpp"
 
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ const WorkPrecisionRow* row_of(const WorkPrecision& result, const std::string& s
   return at == result.rows.end() ? nullptr : &*at;
 }
 
-TEST(WorkPrecision, EveryStrategyAskedForHasATimeAndThePicksAreMarked) {
+TEST(WorkPrecision, TimesEveryStrategyAndMarksThePicks) {
   const std::vector<std::string> asked = {"groups/eigen", "irreducible/lanes:8+once"};
   const WorkPrecision result = work_precision(sample("stewart:steps=40"), quick(asked, {1e-4, 1e-9}));
   EXPECT_EQ(result.steps, 40);
@@ -46,11 +46,11 @@ TEST(WorkPrecision, EveryStrategyAskedForHasATimeAndThePicksAreMarked) {
   EXPECT_TRUE(std::is_sorted(result.rows.begin(), result.rows.end(), slower));
 }
 
-TEST(WorkPrecision, FixedIterationsShowInTheError) {
+TEST(WorkPrecision, FixedIterationsIncreaseTheError) {
   if (!work_precision(sample("four_bar:loops=2,steps=5"), quick({"groups/eigen"}, {})).no_yardstick.empty()) {
     GTEST_SKIP() << "no quad precision here";
   }
-  // Predictions of order 0 are off by some hundredths: two iterations square that once more than one does.
+  // Predictions of order 0 have errors of some hundredths, which two iterations square once more than one does.
   WorkPrecisionOptions options = quick({}, {1e-6});
   const Scene scene = sample("four_bar:loops=8,steps=30");
   const WorkPrecision result = work_precision(scene, options);
@@ -62,7 +62,7 @@ TEST(WorkPrecision, FixedIterationsShowInTheError) {
     }
     return least;
   };
-  // Predictors are turned in what was the fastest: in the global formulation, which has one level, iterations are free.
+  // Predictors vary in the fastest strategy; in the global formulation with its single level, iterations are not fixed.
   const bool turned_global = std::any_of(result.rows.begin(), result.rows.end(), [](const WorkPrecisionRow& row) {
     return row.strategy.starts_with("global/") && row.strategy.find("+predict=taylor:1") != std::string::npos;
   });
@@ -88,7 +88,7 @@ TEST(WorkPrecision, FixedIterationsShowInTheError) {
   }
 }
 
-TEST(WorkPrecision, WhatFailsIsListedWithItsStatusAndHasNoTime) {
+TEST(WorkPrecision, ListsFailedStrategiesWithoutTime) {
   // The crank turns until coupler and rocker are in line, at cos t = 1/4.
   const Scene fold = SceneBuilder("fold", 2)
                          .fixed_point("A", {0, 0})
@@ -109,7 +109,7 @@ TEST(WorkPrecision, WhatFailsIsListedWithItsStatusAndHasNoTime) {
   }
 }
 
-TEST(WorkPrecision, InterruptedItKeepsWhatItHas) {
+TEST(WorkPrecision, KeepsResultsIfInterrupted) {
   WorkPrecisionOptions options = quick({"groups/eigen", "global/eigen", "irreducible/lanes"}, {1e-6});
   int looks = 0;
   options.progress = [&](std::int64_t, std::int64_t) { ++looks; };
@@ -120,12 +120,12 @@ TEST(WorkPrecision, InterruptedItKeepsWhatItHas) {
   for (const WorkPrecisionRow& row : result.rows) EXPECT_FALSE(row.seconds.has_value());
 }
 
-TEST(WorkPrecision, AStrategyAskedForThatCannotRunIsAnError) {
+TEST(WorkPrecision, RefusesARequestedStrategyThatCannotRun) {
   EXPECT_THROW((void)work_precision(sample("four_bar"), quick({"groups/klu+float"}, {})), Error);
   EXPECT_THROW((void)work_precision(sample("gough"), quick({"groups/eigen"}, {})), Error);  // no step
 }
 
-TEST(WorkPrecision, BehindIsMeasuredAtTheAccuracyAskedFor) {
+TEST(WorkPrecision, MeasuresTheLossAtTheRequiredAccuracy) {
   WorkPrecision result;
   const auto add = [&](double seconds, double error, std::vector<double> accuracies) {
     WorkPrecisionRow row;

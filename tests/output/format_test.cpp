@@ -16,7 +16,7 @@ TEST(Format, GroupsDigitsByThree) {
   EXPECT_EQ(grouped(-1234), "-1,234");
 }
 
-TEST(Format, CountsInSingularAndPlural) {
+TEST(Format, UsesSingularAndPlural) {
   EXPECT_EQ(counted(0, "step"), "0 steps");
   EXPECT_EQ(counted(1, "step"), "1 step");
   EXPECT_EQ(counted(1, "class"), "1 class");

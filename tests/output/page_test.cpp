@@ -7,7 +7,7 @@
 namespace assur::output {
 namespace {
 
-TEST(Page, FactsAreAlignedAndWrappedUnderThemselves) {
+TEST(Page, AlignsAndWrapsFacts) {
   std::ostringstream out;
   Page page(out);
   page.fact("status", "done");
@@ -30,7 +30,7 @@ TEST(Page, ListsNameTheFirstAndCountTheRest) {
   EXPECT_EQ(out.str(), expected + "                  and 2 more\n");
 }
 
-TEST(Page, TableColumnsAreAsWideAsTheirWidestCell) {
+TEST(Page, TableColumnsFitTheirWidestCell) {
   using enum Table::Align;
   std::ostringstream out;
   Table table({left, right, left});
@@ -75,7 +75,7 @@ TEST(Page, KeepsToTheColumnsOfItsTerminal) {
       << printed(20);
 }
 
-TEST(Page, ALastCellThatIsASentenceIsWrapped) {
+TEST(Page, WrapsASentenceInTheLastCell) {
   using enum Table::Align;
   std::ostringstream out;
   Page(out, 24).table(Table({left, left}).row({"coordinates", "of points, vectors and auxiliaries"}));

@@ -7,7 +7,7 @@
 namespace assur::output {
 namespace {
 
-TEST(Progress, SaysNothingWithinTheFirstSecond) {
+TEST(Progress, IsSilentWithinTheFirstSecond) {
   for (const auto style : {Progress::Style::bar, Progress::Style::lines}) {
     std::ostringstream out;
     {
@@ -18,7 +18,7 @@ TEST(Progress, SaysNothingWithinTheFirstSecond) {
   }
 }
 
-TEST(Progress, NoneIsSilent) {
+TEST(Progress, StyleNoneIsSilent) {
   std::ostringstream out;
   Progress(out, Progress::Style::none).show(100, 1, 2);
   EXPECT_EQ(out.str(), "");
@@ -35,13 +35,13 @@ TEST(Progress, PlainLinesComeEveryFiveSeconds) {
             "5 %, 110 of 2,000 steps, about 3 min left\n");
 }
 
-TEST(Progress, CountsWhatItIsTold) {
+TEST(Progress, UsesTheNounInSingularAndPlural) {
   std::ostringstream out;
   Progress(out, Progress::Style::lines, "member").show(2, 64, 64);
   EXPECT_EQ(out.str(), "100 %, 64 of 64 members\n");
 }
 
-// A line that wraps could not be erased.
+// A wrapped line could not be erased.
 TEST(Progress, IsNoWiderThanTheTerminal) {
   const auto drawn = [](std::size_t columns) {
     std::ostringstream out;
@@ -55,7 +55,7 @@ TEST(Progress, IsNoWiderThanTheTerminal) {
   EXPECT_EQ(drawn(20), "\r\x1b[K50 %  500 of 1,000 ");
 }
 
-TEST(Progress, TheBarRedrawsItselfAndGoesAway) {
+TEST(Progress, BarRedrawsAndDisappears) {
   std::ostringstream out;
   {
     Progress progress(out, Progress::Style::bar, "step", 0);

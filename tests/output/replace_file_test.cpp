@@ -27,7 +27,7 @@ class ReplaceFile : public testing::Test {
   }
   [[nodiscard]] auto files() const { return std::distance(fs::directory_iterator(folder_), fs::directory_iterator()); }
 
-  // Of its own: tests run side by side.
+  // Each test has its own folder, because tests run concurrently.
   fs::path folder_ = fs::path(testing::TempDir()) /
                      (std::string("assur_replace_") + testing::UnitTest::GetInstance()->current_test_info()->name());
 };
@@ -38,12 +38,12 @@ TEST_F(ReplaceFile, GivesTheNewContentTheName) {
   std::ifstream reader(folder_ / "file");
   replace_file(folder_ / "file", "new, and longer");
   EXPECT_EQ(content(), "new, and longer");
-  // Who has opened it before reads the old content to its end.
+  // A reader that opened the file before gets the whole old content.
   EXPECT_EQ(std::string(std::istreambuf_iterator<char>(reader), {}), "old");
   EXPECT_EQ(files(), 1);
 }
 
-TEST_F(ReplaceFile, LeavesNothingWhereItCannot) {
+TEST_F(ReplaceFile, LeavesNoFileAfterAFailure) {
   fs::create_directories(folder_ / "file/full");  // a folder that is not empty has the name
   EXPECT_THROW(replace_file(folder_ / "file", "new"), Error);
   EXPECT_EQ(files(), 1);

@@ -7,7 +7,7 @@
 namespace assur::test {
 namespace {
 
-// As mountinfo shows a hierarchy: top is the group that the mount shows as its root.
+// A line of mountinfo; `top` is the group at the root of the mount.
 std::string mount(const std::string& top, const std::string& point, const std::string& type,
                   const std::string& options) {
   return "31 23 0:28 " + top + " " + point + " rw,nosuid shared:9 - " + type + " cgroup rw," + options + "\n";
@@ -16,7 +16,7 @@ const std::string kMountV2 = mount("/", "/sys/fs/cgroup", "cgroup2", "nsdelegate
 const std::string kMountV1 = mount("/", "/sys/fs/cgroup/memory", "cgroup", "memory") +
                              mount("/", "/sys/fs/cgroup/cpu,cpuacct", "cgroup", "cpu,cpuacct");
 
-TEST(CpuQuota, IsNoneWhereNothingIsTold) {
+TEST(CpuQuota, IsUnlimitedWithoutFiles) {
   FileTree empty;
   EXPECT_EQ(cpu_quota(empty.root()), 0);
   FileTree tree;
@@ -24,7 +24,7 @@ TEST(CpuQuota, IsNoneWhereNothingIsTold) {
   EXPECT_EQ(cpu_quota(tree.root()), 0);
 }
 
-TEST(CpuQuota, OfVersion2IsTimeOverPeriod) {
+TEST(CpuQuota, Version2IsTimeOverPeriod) {
   FileTree tree;
   tree.file("proc/self/cgroup", "0::/job\n").file("proc/self/mountinfo", kMountV2);
   tree.file("sys/fs/cgroup/job/cpu.max", "200000 100000\n");
@@ -35,7 +35,7 @@ TEST(CpuQuota, OfVersion2IsTimeOverPeriod) {
   EXPECT_EQ(cpu_quota(tree.root()), 0);
 }
 
-TEST(CpuQuota, IsTheLeastOnTheWayUp) {
+TEST(CpuQuota, IsTheMinimumOfAllParentGroups) {
   FileTree tree;
   tree.file("proc/self/cgroup", "0::/a/b/c\n").file("proc/self/mountinfo", kMountV2);
   tree.file("sys/fs/cgroup/a/cpu.max", "150000 100000").file("sys/fs/cgroup/a/b/cpu.max", "max 100000");
@@ -47,16 +47,17 @@ TEST(CpuQuota, IsTheLeastOnTheWayUp) {
   EXPECT_EQ(cpu_quota(tree.root()), 0.5);
 }
 
-// What a container with a name space of its own sees: its group is the root of the mount.
-TEST(CpuQuota, OfAContainerIsAtTheMountPoint) {
+// In a container with its own name space, its group is the root of the mount.
+TEST(CpuQuota, ReadsAContainerAtTheMountPoint) {
   FileTree tree;
   tree.file("proc/self/cgroup", "0::/\n").file("proc/self/mountinfo", kMountV2);
   tree.file("sys/fs/cgroup/cpu.max", "200000 100000");
   EXPECT_EQ(cpu_quota(tree.root()), 2);
 }
 
-// Without one: the mount shows the container's group, the process names it from the top of the machine.
-TEST(CpuQuota, OfAGroupThatIsTheRootOfTheMount) {
+// Without a name space, the mount shows the group of the container, but the process has its path from the machine's
+// root.
+TEST(CpuQuota, ReadsAGroupAtTheRootOfTheMount) {
   FileTree tree;
   tree.file("proc/self/cgroup", "4:cpu,cpuacct:/docker/4f/job\n");
   tree.file("proc/self/mountinfo", mount("/docker/4f", "/sys/fs/cgroup/cpu,cpuacct", "cgroup", "cpu,cpuacct"));
@@ -68,7 +69,7 @@ TEST(CpuQuota, OfAGroupThatIsTheRootOfTheMount) {
   EXPECT_EQ(cpu_quota(tree.root()), 2.5);
 }
 
-TEST(CpuQuota, OfGroupsThatTheMountDoesNotShowIsThatOfItsRoot) {
+TEST(CpuQuota, UsesTheRootForGroupsOutsideTheMount) {
   for (const std::string group : {"/../beside", "/docker/4f/../other", "/docker/4fa"}) {
     FileTree tree;
     tree.file("proc/self/cgroup", "0::" + group + "\n");
@@ -78,7 +79,7 @@ TEST(CpuQuota, OfGroupsThatTheMountDoesNotShowIsThatOfItsRoot) {
   }
 }
 
-TEST(CpuQuota, OfVersion1IsOfTheControllerCpu) {
+TEST(CpuQuota, Version1UsesTheCpuController) {
   FileTree tree;
   tree.file("proc/self/cgroup", "9:name=systemd:/\n4:memory:/m\n3:cpuset:/s\n1:cpu,cpuacct:/job/part\n0::/\n");
   tree.file("proc/self/mountinfo", kMountV1);
@@ -90,7 +91,7 @@ TEST(CpuQuota, OfVersion1IsOfTheControllerCpu) {
   EXPECT_EQ(cpu_quota(tree.root()), 2);
 }
 
-TEST(CpuQuota, OfBothVersionsTheLesserCounts) {
+TEST(CpuQuota, UsesTheSmallerOfBothVersions) {
   FileTree tree;
   tree.file("proc/self/cgroup", "1:cpu,cpuacct:/\n0::/job\n");
   tree.file("proc/self/mountinfo", kMountV1 + mount("/", "/sys/fs/cgroup/unified", "cgroup2", "x"));
@@ -100,7 +101,7 @@ TEST(CpuQuota, OfBothVersionsTheLesserCounts) {
   EXPECT_EQ(cpu_quota(tree.root()), 2);
 }
 
-TEST(CpuQuota, IsNoneWhereItMakesNoSense) {
+TEST(CpuQuota, IsUnlimitedForInvalidFiles) {
   for (const std::string text : {"", "much", "200000", "200000 0", "-5 100000", "0 100000", "200000 often"}) {
     FileTree tree;
     tree.file("proc/self/cgroup", "0::/job\n").file("proc/self/mountinfo", kMountV2);
@@ -113,14 +114,14 @@ TEST(CpuQuota, IsNoneWhereItMakesNoSense) {
   EXPECT_EQ(cpu_quota(tree.root()), 0);
 }
 
-TEST(CpuQuota, AMountPointMayHaveASpace) {
+TEST(CpuQuota, AcceptsAMountPointWithASpace) {
   FileTree tree;
   tree.file("proc/self/cgroup", "0::/\n").file("proc/self/mountinfo", mount("/", "/my\\040groups", "cgroup2", "x"));
   tree.file("my groups/cpu.max", "200000 100000");
   EXPECT_EQ(cpu_quota(tree.root()), 2);
 }
 
-TEST(CgroupMemory, IsTheLeastOnTheWayUpLessWhatIsUsedButForFiles) {
+TEST(CgroupMemory, IsTheLeastFreeMemoryOfAllParentGroups) {
   FileTree tree;
   tree.file("proc/self/cgroup", "0::/a/b\n").file("proc/self/mountinfo", kMountV2);
   EXPECT_EQ(cgroup_memory(tree.root()), 0);
@@ -134,7 +135,7 @@ TEST(CgroupMemory, IsTheLeastOnTheWayUpLessWhatIsUsedButForFiles) {
   EXPECT_EQ(cgroup_memory(tree.root()), 1);
 }
 
-TEST(CgroupMemory, OfVersion1IsOfTheControllerMemory) {
+TEST(CgroupMemory, Version1UsesTheMemoryController) {
   FileTree tree;
   tree.file("proc/self/cgroup", "4:memory:/m\n1:cpu,cpuacct:/job\n").file("proc/self/mountinfo", kMountV1);
   tree.file("sys/fs/cgroup/memory/m/memory.limit_in_bytes", "9000");

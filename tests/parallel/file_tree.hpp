@@ -1,4 +1,4 @@
-// A file system of its own for a test, removed with it.
+// A temporary file tree for a test.
 #pragma once
 
 #include <cstdlib>
@@ -22,7 +22,7 @@ class FileTree {
 
   [[nodiscard]] const std::filesystem::path& root() const { return root_; }
 
-  // Written, with its folders.
+  // Writes a file, and makes its folders.
   FileTree& file(const std::string& name, const std::string& text) {
     std::filesystem::create_directories((root_ / name).parent_path());
     std::ofstream(root_ / name) << text;

@@ -15,13 +15,13 @@ namespace {
 
 const std::string kMeminfo = "MemTotal:       16000000 kB\nMemFree:         1000000 kB\nMemAvailable:    8000000 kB\n";
 
-TEST(FreeMemory, IsWhatTheMachineHasAvailableAndNotOnlyWhatIsUnused) {
+TEST(FreeMemory, IsTheAvailableMemoryOfTheMachine) {
   FileTree tree;
   tree.file("proc/meminfo", kMeminfo);
   EXPECT_EQ(free_memory(tree.root()), 8'000'000 * 1024.0);
 }
 
-TEST(FreeMemory, IsNoMoreThanTheControlGroupLeaves) {
+TEST(FreeMemory, IsLimitedByTheControlGroup) {
   FileTree tree;
   tree.file("proc/meminfo", kMeminfo).file("proc/self/cgroup", "0::/job\n");
   tree.file("proc/self/mountinfo", "31 23 0:28 / /sys/fs/cgroup rw shared:9 - cgroup2 cgroup rw\n");
@@ -29,13 +29,13 @@ TEST(FreeMemory, IsNoMoreThanTheControlGroupLeaves) {
   EXPECT_EQ(free_memory(tree.root()), 3.5e9);
 }
 
-TEST(FreeMemory, IsWithoutEndWhereNothingTells) {
+TEST(FreeMemory, IsUnlimitedWithoutFiles) {
   FileTree tree;
   EXPECT_EQ(free_memory(tree.root()), HUGE_VAL);
 }
 
 #if !defined(ASSUR_ADDRESS_SANITIZER) && !defined(ASSUR_THREAD_SANITIZER)
-TEST(FreeMemory, IsNoMoreThanTheLimitsOfTheProcess) {
+TEST(FreeMemory, IsLimitedByTheLimitsOfTheProcess) {
   for (const int resource : {RLIMIT_AS, RLIMIT_DATA}) {
     EXPECT_EQ(in_a_child([resource] {
                 const rlimit limit{rlim_t{4} << 30, rlim_t{4} << 30};
@@ -48,7 +48,7 @@ TEST(FreeMemory, IsNoMoreThanTheLimitsOfTheProcess) {
 }
 #endif
 
-TEST(FreeMemory, IsRefusedWithWhatIsWantedAndWhatIsThere) {
+TEST(FreeMemory, ErrorsNameNeededAndFreeMemory) {
   EXPECT_NO_THROW(require_memory(1e6, "little", "nothing"));
   try {
     require_memory(1e18, "that", "ask for less");
@@ -61,7 +61,7 @@ TEST(FreeMemory, IsRefusedWithWhatIsWantedAndWhatIsThere) {
   }
 }
 
-TEST(FreeMemory, TakenIsWhatTheProcessHas) { EXPECT_GT(taken_memory(), 1e5); }
+TEST(FreeMemory, TakenMemoryIsThatOfTheProcess) { EXPECT_GT(taken_memory(), 1e5); }
 
 }  // namespace
 }  // namespace assur::test

@@ -1,4 +1,4 @@
-// What the child of a fork() can do.
+// Runs work in the child of a fork().
 #pragma once
 
 #include <sys/wait.h>

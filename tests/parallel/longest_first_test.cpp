@@ -21,7 +21,7 @@ Packs of(const Shares& shares, int thread) {
   return {span.begin(), span.end()};
 }
 
-// The shortest of all shares, each tried.
+// The optimum by trying all assignments.
 double optimum(const std::vector<double>& cost, std::vector<double>& load, std::size_t pack = 0) {
   if (pack == cost.size()) return *std::max_element(load.begin(), load.end());
   double best = std::numeric_limits<double>::infinity();
@@ -54,7 +54,7 @@ TEST(LongestFirst, ReachesTheBoundWhereItIsTight) {  // Graham's own example for
   EXPECT_EQ(longest_first(std::vector<double>{5, 5, 4, 4, 3, 3, 3}, 3).makespan, 11);  // best: 9
 }
 
-TEST(LongestFirst, EveryPackIsTakenOnceAndTheMakespanIsTheLongestShare) {
+TEST(LongestFirst, AssignsEveryPackOnceAndReturnsTheLongestShare) {
   std::mt19937_64 random(8);
   std::vector<double> cost(1000);
   for (double& c : cost) c = static_cast<double>(random() % 1000);
@@ -77,7 +77,7 @@ TEST(LongestFirst, EveryPackIsTakenOnceAndTheMakespanIsTheLongestShare) {
   }
 }
 
-TEST(LongestFirst, EqualPacksGoRoundInOrder) {
+TEST(LongestFirst, AssignsEqualPacksInTurn) {
   for (double cost : {1.0, 0.0}) {  // 0: nothing is known of them
     const Shares shares = longest_first(std::vector<double>(5, cost), 2);
     EXPECT_EQ(of(shares, 0), (Packs{0, 2, 4}));
@@ -93,7 +93,7 @@ TEST(LongestFirst, FewerPacksThanThreadsLeaveSomeWithoutWork) {
   EXPECT_EQ(longest_first({}, 2).makespan, 0);
 }
 
-TEST(LongestFirst, RefusesWhatIsNoCost) {
+TEST(LongestFirst, RefusesInvalidCosts) {
   EXPECT_THROW((void)longest_first(std::vector<double>{1}, 0), Error);
   for (double bad : {-1.0, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
     try {

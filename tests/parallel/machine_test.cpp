@@ -70,7 +70,7 @@ TEST(Machine, IsReadFromTheFilesOfLinux) {
   EXPECT_FALSE(machine.instructions.empty());
 }
 
-TEST(Machine, OfAnAffinityMaskHasTheCoresThatTheMaskReaches) {
+TEST(Machine, HasTheCoresOfTheAffinityMask) {
   FileTree tree;
   lay_out_cores(tree);
   const auto cores = [&](const Processors& allowed) { return read_machine(tree.root(), allowed, "").cores; };
@@ -83,7 +83,7 @@ TEST(Machine, OfAnAffinityMaskHasTheCoresThatTheMaskReaches) {
   EXPECT_EQ(machine.caches, kCaches) << "of all who share, not only of those that are allowed";
 }
 
-TEST(Machine, IsOneCoreWhereNothingIsTold) {
+TEST(Machine, IsOneCoreWithoutFiles) {
   FileTree empty;
   const Machine machine = read_machine(empty.root(), {}, "");
   EXPECT_EQ(machine.cores, Processors{0});
@@ -95,7 +95,7 @@ TEST(Machine, IsOneCoreWhereNothingIsTold) {
   EXPECT_EQ(read_machine(empty.root(), {0, 1, 5}, "").cores, (Processors{0, 1, 5})) << "each processor a core";
 }
 
-TEST(Machine, OfNonsenseKeepsWhatMakesSense) {
+TEST(Machine, IgnoresInvalidFiles) {
   FileTree tree;
   lay_out_cores(tree);
   tree.file("sys/devices/system/cpu/cpu1/topology/core_cpus_list", "what?\n");
@@ -110,7 +110,7 @@ TEST(Machine, OfNonsenseKeepsWhatMakesSense) {
   EXPECT_EQ(machine.openmp_limit, 0);
 }
 
-TEST(Machine, AnOlderLinuxCallsTheListOtherwise) {
+TEST(Machine, ReadsTheListOfAnOlderLinux) {
   FileTree tree;
   for (int p : {0, 1}) {
     tree.file("sys/devices/system/cpu/cpu" + std::to_string(p) + "/topology/thread_siblings_list", "0-1");
@@ -139,7 +139,7 @@ TEST(Budget, IsTheLeastOfCoresQuotaAndOmpNumThreads) {
   }
 }
 
-TEST(Machine, HasATextThatTellsItsLimits) {
+TEST(Machine, TextNamesItsLimits) {
   FileTree tree;
   lay_out_cores(tree);
   Machine machine = read_machine(tree.root(), first(8), "");
@@ -164,7 +164,7 @@ class Hwloc : public testing::Test {
   }
 };
 
-TEST_F(Hwloc, TellsCoresCachesAndNodes) {
+TEST_F(Hwloc, ReadsCoresCachesAndNodes) {
   const auto topology = topology_by_hwloc(first(16),
                                           "numa:2 l3:1(size=16777216) l2:4(size=1048576) l1d:1(size=49152) "
                                           "core:1 pu:2");
@@ -175,7 +175,7 @@ TEST_F(Hwloc, TellsCoresCachesAndNodes) {
   EXPECT_EQ(topology->source.rfind("hwloc ", 0), 0u);
 }
 
-TEST_F(Hwloc, CountsWhatTheMaskAllows) {
+TEST_F(Hwloc, CountsCoresOfTheAffinityMask) {
   const std::string machine = "numa:2 l3:1 core:4 pu:2";
   const auto cores = [&](const Processors& allowed) { return topology_by_hwloc(allowed, machine)->cores; };
   EXPECT_EQ(cores({2, 3}), Processors{2});
@@ -200,9 +200,9 @@ TEST_F(Hwloc, AgreesWithLinux) {
   }
 }
 
-// ---- the machine at hand
+// ---- this machine
 
-TEST(ThisMachine, IsWhatTheCallingThreadMayUse) {
+TEST(ThisMachine, HasTheProcessorsOfTheCallingThread) {
   const Machine machine = this_machine();
   const Processors allowed = allowed_processors();
   ASSERT_FALSE(machine.cores.empty());

@@ -32,7 +32,7 @@ std::vector<std::thread::id> threads_of(Team& team) {
   return ids;
 }
 
-TEST(Team, EveryRankWorksOnceOnAThreadOfItsOwn) {
+TEST(Team, EveryRankWorksOnceOnItsOwnThread) {
   for (int size : {1, 2, 3, 8}) {
     Team team(size);
     ASSERT_EQ(team.size(), size);
@@ -47,7 +47,7 @@ TEST(Team, EveryRankWorksOnceOnAThreadOfItsOwn) {
   }
 }
 
-TEST(Team, WhatIsWrittenBeforeAndWithinIsSeenAfter) {
+TEST(Team, WritesAreVisibleAfterTheRun) {
   Team team(4);
   int given = 0, taken[4] = {};
   for (int i = 1; i <= 1000; ++i) {
@@ -57,7 +57,7 @@ TEST(Team, WhatIsWrittenBeforeAndWithinIsSeenAfter) {
   }
 }
 
-TEST(Team, TeamsOfTeamsAreThreadsOfTheirOwn) {
+TEST(Team, TeamsOfTeamsHaveTheirOwnThreads) {
   Team callers(2);
   Team inner_of[2] = {Team(2), Team(2)};
   std::vector<std::thread::id> ids[2];
@@ -70,11 +70,11 @@ TEST(Team, TeamsOfTeamsAreThreadsOfTheirOwn) {
   EXPECT_EQ(all.size(), 4u);
 }
 
-TEST(Team, CanBeLeftWithoutWork) {
+TEST(Team, CanBeDestroyedWithoutWork) {
   for (int i = 0; i < 100; ++i) Team team(3);
 }
 
-TEST(Team, RefusesToHaveNoThread) {
+TEST(Team, RefusesZeroThreads) {
   for (int size : {0, -1}) {
     try {
       Team team(size);
@@ -86,7 +86,7 @@ TEST(Team, RefusesToHaveNoThread) {
   }
 }
 
-TEST(Team, ARunTakesNoMemory) {
+TEST(Team, ARunAllocatesNothing) {
   Team team(3);
   std::atomic<int> sum = 0;
   const auto before = allocations();
@@ -95,7 +95,7 @@ TEST(Team, ARunTakesNoMemory) {
   EXPECT_EQ(sum, 300);
 }
 
-// The state of a thread as Linux tells it: R runs, S sleeps.
+// State of a thread in Linux: R runs, S sleeps.
 char state_of(long thread) {
   std::ifstream file("/proc/self/task/" + std::to_string(thread) + "/stat");
   std::string line;
@@ -136,7 +136,7 @@ TEST(Team, MembersMeet) {
   }
 }
 
-TEST(Team, WhatAMemberThrowsReachesTheCallerAndTheOthersAreSentHome) {
+TEST(Team, AnExceptionOfAMemberReachesTheCaller) {
   Team team(4);
   for (int thrower : {0, 1, 3}) {
     std::atomic<int> past = 0;
@@ -163,7 +163,7 @@ TEST(Team, WhatAMemberThrowsReachesTheCallerAndTheOthersAreSentHome) {
   }
 }
 
-TEST(Team, IfAllThrowTheLowestRankIsHeard) {
+TEST(Team, IfAllThrowTheLowestRankCounts) {
   Team team(3);
   for (int i = 0; i < 100; ++i) {
     try {
@@ -175,7 +175,7 @@ TEST(Team, IfAllThrowTheLowestRankIsHeard) {
   }
 }
 
-TEST(Team, ThreadsOfTheUsersHaveATeamEach) {
+TEST(Team, EachThreadOfTheUserHasItsOwnTeam) {
   std::atomic<int> sum = 0;
   const auto use = [&] {
     Team team(3);
@@ -193,7 +193,7 @@ TEST(Team, ThreadsOfTheUsersHaveATeamEach) {
 }
 
 #ifdef _OPENMP
-TEST(Team, WorksWithinAParallelRegionOfTheUsers) {
+TEST(Team, WorksWithinAParallelRegionOfTheUser) {
   std::atomic<int> sum = 0, inside = 0;
 #pragma omp parallel num_threads(2)
   {
@@ -212,7 +212,7 @@ TEST(Team, WorksWithinAParallelRegionOfTheUsers) {
 }
 #endif
 
-TEST(Team, PinnedMembersRunOnCoresOfTheirOwnAndTheCallerIsLetGo) {
+TEST(Team, PinsMembersAndReleasesTheCaller) {
   const std::vector<int> before = allowed_processors();
   if (before.empty()) GTEST_SKIP() << "the system does not tell where threads may run";
   for (std::size_t size = 1; size <= std::min<std::size_t>(before.size(), 4); ++size) {
@@ -240,7 +240,7 @@ TEST(Team, CannotBePinnedToFewerCoresThanMembers) {
   }
 }
 
-TEST(Team, CannotBePinnedWhereItMayNotRun) {
+TEST(Team, CannotBePinnedToForbiddenProcessors) {
   const std::vector<int> before = allowed_processors();
   const std::vector<int> absent = {before.empty() ? 0 : before[0], 8000};
   try {
@@ -262,7 +262,7 @@ class ForkedTeam : public testing::Test {
   }
 };
 
-TEST_F(ForkedTeam, IsStartedAnewInTheChild) {
+TEST_F(ForkedTeam, RestartsInTheChild) {
   const std::vector<int> processors = allowed_processors();
   for (const bool pinned : {false, true}) {
     const int size = pinned ? static_cast<int>(std::min<std::size_t>(processors.size(), 3)) : 3;
@@ -287,8 +287,8 @@ TEST_F(ForkedTeam, IsStartedAnewInTheChild) {
   }
 }
 
-// Another thread of the parent is inside run() at the fork: the child gets no half of it.
-TEST_F(ForkedTeam, IsStartedAnewThoughItWasAtWork) {
+// At the fork, another thread of the parent is inside run(); the child starts without it.
+TEST_F(ForkedTeam, RestartsInTheChildWhileAtWork) {
   Team team(2);
   std::atomic<bool> at_work = false, end = false;
   std::thread user([&] {
@@ -321,7 +321,7 @@ TEST_F(ForkedTeam, CanBeDestroyedInTheChild) {
             0);
 }
 
-// 16 threads are more than the cores of most machines that test: those who wait must let the others on.
+// 16 threads are more than the cores of most machines, so waiting threads must yield.
 TEST(Barrier, NobodyPassesBeforeAllHaveArrived) {
   for (int size : {1, 2, 4, 16}) {
     Team team(size);
@@ -340,7 +340,7 @@ TEST(Barrier, NobodyPassesBeforeAllHaveArrived) {
   }
 }
 
-TEST(Barrier, SubteamsWithBarriersOfTheirOwnDoNotWaitForEachOther) {
+TEST(Barrier, SubteamsWithTheirOwnBarriersAreIndependent) {
   Team team(4);  // two subteams of two
   Barrier barriers[2] = {Barrier(2), Barrier(2)};
   std::atomic<int> rounds[2] = {};

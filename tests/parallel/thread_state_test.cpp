@@ -17,7 +17,7 @@
 namespace assur::test {
 namespace {
 
-// By way of the table: a program that calls no BLAS does not load one.
+// Uses the table of backends, because a program that calls no BLAS does not load one.
 std::string loaded() { return find_backend(backends(), "lapack").version(); }
 
 class BlasThreadsTest : public testing::Test {
@@ -35,7 +35,7 @@ class BlasThreadsTest : public testing::Test {
   int (*threads_)() = nullptr;
 };
 
-TEST_F(BlasThreadsTest, AreThoseOfTheCallingThreadUntilTheEndOfTheScope) {
+TEST_F(BlasThreadsTest, SetsThreadsOfTheCallingThreadForAScope) {
   const int before = threads_(), other = elsewhere();
   {
     const BlasThreads three(3);
@@ -50,12 +50,12 @@ TEST_F(BlasThreadsTest, AreThoseOfTheCallingThreadUntilTheEndOfTheScope) {
   EXPECT_EQ(threads_(), before);
 }
 
-TEST_F(BlasThreadsTest, AnyNumberCanBeHad) {
+TEST_F(BlasThreadsTest, SetsAnyNumberOfThreads) {
   for (int threads : {1, 2, 64}) EXPECT_EQ(why_not_blas_threads(threads), "");
 }
 
 // Debian's alternatives point to the build for pthreads where both are installed.
-TEST(Blas, TheBuildThatWasLinkedIsTheOneThatIsLoaded) {
+TEST(Blas, TheLinkedBuildIsLoaded) {
 #ifdef ASSUR_LINKED_BLAS
   EXPECT_EQ(loaded().rfind(ASSUR_LINKED_BLAS, 0), 0u) << loaded();
   EXPECT_EQ(loaded(), blas_version());
@@ -64,8 +64,8 @@ TEST(Blas, TheBuildThatWasLinkedIsTheOneThatIsLoaded) {
 #endif
 }
 
-// A core that OpenBLAS can be told to use stands for a processor that it does not know.
-TEST(Blas, KernelsThatLeaveInstructionsUnusedAreTold) {
+// A core type set for OpenBLAS imitates a processor that it does not know.
+TEST(Blas, ReportsKernelsWithUnusedInstructions) {
   EXPECT_NE(slow_kernels("Prescott", "AVX3_DL").find("OPENBLAS_CORETYPE=SkylakeX"), std::string::npos);
   EXPECT_NE(slow_kernels("Sandybridge", "AVX2").find("OPENBLAS_CORETYPE=Haswell"), std::string::npos);
   for (const char* core : {"Haswell", "Zen", "SkylakeX", "SapphireRapids", "some core of tomorrow"}) {
@@ -77,7 +77,7 @@ TEST(Blas, KernelsThatLeaveInstructionsUnusedAreTold) {
 
 // ---- processors
 
-TEST(Pinned, KeepsTheThreadOnOneProcessorUntilTheEndOfTheScope) {
+TEST(Pinned, KeepsTheThreadOnOneProcessorForAScope) {
   const std::vector<int> before = allowed_processors();
   if (before.empty()) GTEST_SKIP() << "the system does not tell where threads may run";
   for (const int processor : before) {
@@ -90,15 +90,15 @@ TEST(Pinned, KeepsTheThreadOnOneProcessorUntilTheEndOfTheScope) {
   EXPECT_EQ(allowed_processors(), before);
 }
 
-TEST(Pinned, RefusesAProcessorThatIsNotThere) {
+TEST(Pinned, RefusesAMissingProcessor) {
   const std::vector<int> before = allowed_processors();
   EXPECT_THROW(const Pinned pinned(8191), Error);
   EXPECT_EQ(allowed_processors(), before);
 }
 
-// ---- nobody else
+// ---- source files
 
-TEST(ThreadState, IsChangedInOneFileOfTheLibrary) {
+TEST(ThreadState, OnlyOneFileChangesIt) {
   const std::regex change(
       "omp_set_|openblas_set_num_threads|goto_set_num_threads|MKL_Set_|mkl_set_|bli_thread_set|"
       "sched_setaffinity|pthread_setaffinity|pthread_attr_setaffinity|setpriority|sched_setscheduler|"

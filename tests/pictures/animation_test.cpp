@@ -39,7 +39,7 @@ Shown show(const Scene& scene, std::int64_t until = -1) {
   return out;
 }
 
-// All postures of a four-bar are within what 24 bits over the range of its points can tell.
+// All postures of a four-bar are right within 24 bits over the range of its points.
 TEST(Animation, HasThePosturesOfTheRun) {
   const Scene scene = sample("four_bar").with_outputs({"rocker_angle"});
   const Shown shown = show(scene);
@@ -61,7 +61,7 @@ TEST(Animation, HasThePosturesOfTheRun) {
   EXPECT_EQ(shown.data["outputs"][0]["of"], "rocker_angle");
 }
 
-TEST(Animation, ManyStepsAreThinnedEvenlyWithTheFirstAndTheLast) {
+TEST(Animation, ThinsManyStepsEvenlyAndKeepsBothEnds) {
   const Shown shown = show(sample("slider_crank").with_time({0, 1, 1.0 / 4321}));
   const std::vector<double> times = shown.data["times"];
   EXPECT_LE(times.size(), 1001u);
@@ -72,14 +72,14 @@ TEST(Animation, ManyStepsAreThinnedEvenlyWithTheFirstAndTheLast) {
   EXPECT_NE(shown.page.find(" of 4,322 postures are shown, every 5th."), std::string::npos);
 }
 
-TEST(Animation, OfAMotionThatEndsEarlyThereIsWhatThereIsAndWhy) {
+TEST(Animation, ShowsAMotionThatEndsEarlyAndTheReason) {
   const Shown shown = show(sample("four_bar"), 40);
   EXPECT_EQ(shown.data["times"].size(), 41u);
   EXPECT_NE(shown.page.find("The motion ends early: the &lt;/script&gt; of it."), std::string::npos);
   EXPECT_NE(shown.page.find("a &lt;b&gt; sentence"), std::string::npos);
 }
 
-TEST(Animation, ALargeSceneStaysAFileThatOpens) {
+TEST(Animation, LimitsTheFileSizeOfALargeScene) {
   const Shown shown = show(sample("rings:legs=64,n=120,steps=40"));
   EXPECT_GT(shown.data["points"].size(), 5000u);
   EXPECT_EQ(shown.data["times"].size(), 41u);
@@ -87,7 +87,7 @@ TEST(Animation, ALargeSceneStaysAFileThatOpens) {
   EXPECT_NE(shown.page.find("200 of 17,334 diagrams can be chosen"), std::string::npos);
 }
 
-TEST(Animation, ThePageNeedsNothingButItself) {
+TEST(Animation, PageNeedsNoOtherFiles) {
   const std::string page = show(sample("gough")).page;
   EXPECT_EQ(page.find("src="), std::string::npos);
   EXPECT_EQ(page.find("<link"), std::string::npos);
@@ -95,7 +95,7 @@ TEST(Animation, ThePageNeedsNothingButItself) {
   EXPECT_EQ(page.find("http"), std::string::npos);
 }
 
-TEST(WithAllPoints, AddsWhatIsNotAskedForAndFollowsWhatIs) {
+TEST(WithAllPoints, AddsMissingPointsAfterTheRequestedOutputs) {
   const Scene scene = with_all_points(sample("stewart").with_outputs({"handle1", "B1"}));
   EXPECT_EQ(scene.outputs().size(), 2 + 13u);
   EXPECT_EQ(scene.outputs()[0], "handle1");

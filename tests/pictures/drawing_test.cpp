@@ -53,7 +53,7 @@ TEST(Drawing, AStewartPlatformHasItsTerminalAndTwoRodsInEachLeg) {
   EXPECT_EQ(d.bodies[0].points.size(), 7u);
 }
 
-TEST(Drawing, WhatTheOutputsDoNotNeedIsDrawnAllTheSame) {
+TEST(Drawing, DrawsPointsThatTheOutputsDoNotNeed) {
   const Drawing d = drawing_of(sample("four_bar:3").with_outputs({"B1"}));
   EXPECT_EQ(d.moving, 4u);
   EXPECT_EQ(point(d, "B0").group, Drawing::Point::kDriven);
@@ -68,7 +68,7 @@ TEST(Drawing, ASliderSlidesOnItsRail) {
   EXPECT_EQ(links(d), (std::map<std::string, Kind>{{"B-O", Kind::rod}, {"B-C", Kind::rod}, {"C-Q", Kind::rail}}));
 }
 
-TEST(Drawing, ActuatorsThatStandStillHoldAPlatformAtRest) {
+TEST(Drawing, AConstantActuatorHoldsAPlatformAtRest) {
   const Drawing d = drawing_of(sample("gough"));
   EXPECT_EQ(d.moving, 6u);
   for (std::size_t i = 0; i < d.moving; ++i) EXPECT_EQ(d.points[i].group, Drawing::Point::kResting);
@@ -76,8 +76,8 @@ TEST(Drawing, ActuatorsThatStandStillHoldAPlatformAtRest) {
   EXPECT_EQ(d.links.size(), 6u);
 }
 
-// One of each remaining element that says something about two points or more.
-TEST(Drawing, EveryElementThatRelatesPointsIsSeen) {
+// One of each remaining element that relates two or more points.
+TEST(Drawing, DrawsEveryElementThatRelatesPoints) {
   const Scene scene = SceneBuilder("all", 2)
                           .fixed_point("A", {0, 0})
                           .fixed_point("G", {0, 1})

@@ -27,7 +27,7 @@ std::vector<Triple> cube(double size) {
   return corners;
 }
 
-TEST(Faces, OfACubeAreSixSquaresWhateverItsSize) {
+TEST(Faces, ACubeOfAnySizeHasSixSquares) {
   for (const double size : {1e-6, 1.0, 1e6}) {
     std::vector<Triple> points = cube(size);
     points.push_back({0.5 * size, 0.5 * size, 0.5 * size});  // within
@@ -46,13 +46,13 @@ TEST(Faces, OfACubeAreSixSquaresWhateverItsSize) {
   }
 }
 
-TEST(Faces, OfATetrahedronAreFourTriangles) {
+TEST(Faces, ATetrahedronHasFourTriangles) {
   const auto found = faces({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.2, 0.2, 1}});
   ASSERT_EQ(found.size(), 4u);
   for (const auto& face : found) EXPECT_EQ(face.size(), 3u);
 }
 
-TEST(Faces, InAPlaneThereIsOnePolygonThatGoesAround) {
+TEST(Faces, PointsInAPlaneFormOnePolygon) {
   std::vector<Triple> points = {{0, 0, 1}};
   for (const int k : {3, 0, 5, 1, 4, 2}) points.push_back({std::cos(k * M_PI / 3), std::sin(k * M_PI / 3), 1});
   const auto found = faces(points);
@@ -65,19 +65,19 @@ TEST(Faces, InAPlaneThereIsOnePolygonThatGoesAround) {
   }
 }
 
-TEST(Faces, OnALineThereIsTheEdgeBetweenItsEnds) {
+TEST(Faces, PointsOnALineFormOneEdge) {
   const auto found = faces({{1, 1, 1}, {3, 3, 3}, {0, 0, 0}, {2, 2, 2}});
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(edges(found).count({1, 2}), 2u);  // there and back
 }
 
-TEST(Faces, WhatIsInOnePlaceHasNone) {
+TEST(Faces, CoincidentPointsHaveNone) {
   EXPECT_TRUE(faces({}).empty());
   EXPECT_TRUE(faces({{1, 2, 3}}).empty());
   EXPECT_TRUE(faces({{1, 2, 3}, {1, 2, 3}}).empty());
 }
 
-TEST(Faces, ManyPointsInSpaceAreTiedToTheFirst) {
+TEST(Faces, LinksManyPointsInSpaceToTheFirst) {
   std::vector<Triple> points;
   for (std::size_t i = 0; i <= kMostForFaces; ++i) {
     const double a = 0.7 * static_cast<double>(i);

@@ -1,4 +1,4 @@
-// Where the cells of a heat map stand, and what they say.
+// Positions and texts of the cells of a heat map.
 #include "pictures/heat_map.hpp"
 
 #include <gtest/gtest.h>
@@ -31,8 +31,8 @@ std::string wide(const std::string& figure) {
   return figure.substr(from, figure.find("</svg>", from) - from);
 }
 
-// "720" and "2000" stood as "7202000" in the narrow picture.
-TEST(HeatMap, NamesOfColumnsThatWouldTouchStandInTwoLines) {
+// "720" and "2000" used to touch in the narrow picture: "7202000".
+TEST(HeatMap, PutsTouchingColumnNamesInTwoLines) {
   static const std::regex kTick("<text class=\"tick\" x=\"[0-9.]+\" y=\"([0-9.]+)\" text-anchor=\"middle\">");
   const auto lines = [](const std::string& picture) {
     std::set<std::string> at;
@@ -45,7 +45,7 @@ TEST(HeatMap, NamesOfColumnsThatWouldTouchStandInTwoLines) {
   EXPECT_EQ(lines(figure(map)), 3u);
 }
 
-TEST(HeatMap, HasACellForEachAnswerAndNoneForNone) {
+TEST(HeatMap, HasACellForEachValue) {
   const std::string picture = wide(figure(two_by_two()));
   EXPECT_EQ(count(picture, "<rect"), 3u);
   EXPECT_EQ(count(picture, "class=\"measured\""), 1u);
@@ -74,7 +74,7 @@ TEST(HeatMap, TheLegendNamesEveryKindAndTheMark) {
   EXPECT_EQ(count(legend, "<li>"), 3u);
 }
 
-TEST(HeatMap, WhatDoesNotFitIsTheNameOfTheKindOrNothing) {
+TEST(HeatMap, ShortensTextsThatDoNotFit) {
   HeatMap map = two_by_two();
   map.cells[0].text = std::string(100, 'm');
   const std::string all = figure(map);

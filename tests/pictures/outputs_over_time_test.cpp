@@ -37,7 +37,7 @@ std::vector<double> heights(const std::string& svg, std::size_t n) {
   return all;
 }
 
-TEST(OutputsOverTime, ThereIsADiagramForEachQuantityAndACurveForEachComponent) {
+TEST(OutputsOverTime, HasADiagramForEachQuantityAndACurveForEachComponent) {
   const std::string svg = picture(sample("slider_crank").with_outputs({"rod_angle", "C"}));
   EXPECT_EQ(count(svg, "<svg "), 1 + 2 * 6u);  // the file; each diagram in its place
   EXPECT_EQ(count(svg, "<svg "), count(svg, "</svg>"));
@@ -47,15 +47,15 @@ TEST(OutputsOverTime, ThereIsADiagramForEachQuantityAndACurveForEachComponent) {
   EXPECT_EQ(svg.find("var("), std::string::npos);  // few programs but browsers know variables
 }
 
-TEST(OutputsOverTime, WhatDoesNotFitIsNamed) {
+TEST(OutputsOverTime, NamesOutputsThatDoNotFit) {
   const std::string svg = picture(sample("stewart"), "t = 1 s, group <X>");
   EXPECT_EQ(count(svg, "aria-label"), kMostDiagrams);
-  EXPECT_NE(svg.find("Left out, as --outputs can choose: handle5, handle6, O, "), std::string::npos);
+  EXPECT_NE(svg.find("Left out (select outputs with --outputs): handle5, handle6, O, "), std::string::npos);
   EXPECT_NE(svg.find("The motion ends early: t = 1 s, group &lt;X&gt;."), std::string::npos);
 }
 
-// A turn of the crank in 50,000 steps, of which each stretch keeps its least and greatest value.
-TEST(OutputsOverTime, ManyStepsAreThinnedButNoPeakIsLost) {
+// A turn of the crank in 50,000 steps; each stretch keeps its smallest and largest value.
+TEST(OutputsOverTime, ThinsManyStepsWithoutLosingPeaks) {
   const Scene scene = sample("slider_crank").with_outputs({"C.position"}).with_time({0, 1, 2e-5});
   const std::vector<double> y = heights(picture(scene), 0);
   EXPECT_LT(y.size(), 2100u);
@@ -69,7 +69,7 @@ TEST(OutputsOverTime, ManyStepsAreThinnedButNoPeakIsLost) {
   EXPECT_NEAR(y.back(), *top, 0.11);
 }
 
-TEST(OutputsOverTime, ASinglePostureIsADot) {
+TEST(OutputsOverTime, DrawsASinglePostureAsADot) {
   EXPECT_EQ(count(picture(sample("gough").with_outputs({"B1.position"})), "<circle"), 3u);
 }
 

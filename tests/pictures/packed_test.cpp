@@ -7,7 +7,7 @@
 namespace assur::pictures {
 namespace {
 
-TEST(Packed, EveryNumberComesBackWithinHalfAStepOfItsColumn) {
+TEST(Packed, UnpacksNumbersWithinHalfAStep) {
   std::vector<double> rows;
   for (int i = 0; i < 1000; ++i) {
     rows.push_back(std::sin(i));
@@ -23,7 +23,7 @@ TEST(Packed, EveryNumberComesBackWithinHalfAStepOfItsColumn) {
   }
 }
 
-TEST(Packed, WhatNeverChangesAndWhatIsNotFiniteStaysThat) {
+TEST(Packed, KeepsConstantAndNonFiniteNumbers) {
   const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
   const Packed p = packed(std::vector<double>{0.1, 1, nan, 0.1, infinity, nan, 0.1, 3, nan}, 3);
   const std::vector<double> back = unpacked(p.text, p.low, p.span);

@@ -1,4 +1,4 @@
-// Where in a picture the numbers stand.
+// Positions of numbers in a picture.
 #include "pictures/plot.hpp"
 
 #include <gtest/gtest.h>
@@ -42,7 +42,7 @@ Plot logarithmic(std::vector<Point> points) {
   return plot;
 }
 
-TEST(Plot, LogarithmsOfTheNumbersAreEvenlySpaced) {
+TEST(Plot, SpacesLogarithmsEvenly) {
   const auto at = circles(drawn(logarithmic({{1e-12, 1e-6}, {1e-8, 1e-5}, {1e-4, 1e-4}}), {600, 400}));
   ASSERT_EQ(at.size(), 3u);
   // Written with one decimal.
@@ -58,7 +58,7 @@ TEST(Plot, LogarithmsOfTheNumbersAreEvenlySpaced) {
   }
 }
 
-TEST(Plot, WhatAnAxisCannotShowIsLeftOut) {
+TEST(Plot, LeavesOutPointsOutsideTheAxis) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   const std::string picture =
       drawn(logarithmic({{1e-9, 1e-6}, {0, 1e-6}, {1e-9, kNaN}, {-1, 1}, {HUGE_VAL, 1e-6}, {1e-3, 1e-5}}), {600, 400});
@@ -67,7 +67,7 @@ TEST(Plot, WhatAnAxisCannotShowIsLeftOut) {
   EXPECT_EQ(picture.find("inf"), std::string::npos);
 }
 
-TEST(Plot, WithoutAPointThereAreAxes) {
+TEST(Plot, DrawsAxesWithoutPoints) {
   const std::string picture = drawn(logarithmic({}));
   EXPECT_EQ(circles(picture).size(), 0u);
   EXPECT_GE(count(picture, "class=\"grid\""), 4u);
@@ -80,7 +80,7 @@ TEST(Plot, AStaircaseGoesAlongXFirst) {
   EXPECT_TRUE(std::regex_search(picture, std::regex("d=\"M[0-9.]+ [0-9.]+H[0-9.]+V[0-9.]+\"")));
 }
 
-TEST(Plot, LabelsThatWouldCoverEachOtherGiveWay) {
+TEST(Plot, MovesOverlappingLabels) {
   Plot plot = logarithmic({});
   plot.series[0].points = {{1e-9, 1e-8}, {1e-2, 1e-4}};  // the ends of the axes
   for (int i = 0; i < 12; ++i) plot.series[0].points.push_back({1e-6, 1e-6, "", std::to_string(i)});
@@ -88,7 +88,7 @@ TEST(Plot, LabelsThatWouldCoverEachOtherGiveWay) {
   EXPECT_EQ(count(drawn(plot), "class=\"label\""), 8u + 1u);  // all around, and the one that is apart
 }
 
-// A front as narrow as that of many strategies that are equally fast, with its first point on an axis.
+// A narrow front, as of many equally fast strategies, with its first point on an axis.
 TEST(Plot, LabelsLieApartAndBesideTheMarks) {
   Plot plot = logarithmic({{1e-3, 1e-2}});
   for (int i = 0; i < 14; ++i) {
@@ -144,7 +144,7 @@ TEST(Html, EveryCellOfATableIsThere) {
   EXPECT_NE(text.find("<tr class=\"strong\"><td>z</td>"), std::string::npos);
 }
 
-TEST(Html, APageNeedsNothingButItself) {
+TEST(Html, APageNeedsNoOtherFiles) {
   const std::string page = html_page("a & b", plot_style(), figure(logarithmic({{1e-9, 1e-6}})));
   EXPECT_EQ(page.find("src="), std::string::npos);
   EXPECT_EQ(page.find("<link"), std::string::npos);

@@ -7,7 +7,7 @@
 namespace assur::pictures {
 namespace {
 
-TEST(Quantities, AreThoseOfTheColumnsWithTheirUnits) {
+TEST(Quantities, HaveTheColumnsAndUnitsOfOutputs) {
   const Prepared prepared =
       prepare(sample("slider_crank").with_outputs({"rod_angle", "C.velocity", "slide.lambda", "rail", "B"}));
   const std::vector<std::string> columns = Simulator(prepared).columns();
@@ -29,7 +29,7 @@ TEST(Quantities, AreThoseOfTheColumnsWithTheirUnits) {
                                             "B, velocity [m/s]", "B, acceleration [m/s²]"}));
 }
 
-TEST(Quantities, OfASceneThatWantsEverythingScalarsComeFirst) {
+TEST(Quantities, ScalarsComeFirstIfEverythingIsAnOutput) {
   const auto all = quantities(*prepare(sample("stewart")).structure);
   EXPECT_EQ(all[0].title, "handle1");
   EXPECT_EQ(all[17].output, "handle6");

@@ -21,14 +21,14 @@ TEST(Ticks, AValueOnATickNeedsNoFurtherDecade) {
   EXPECT_DOUBLE_EQ(t.high, 1e-4);
 }
 
-TEST(Ticks, WhereThereIsLittleRoomSomeDecadesAreNamed) {
+TEST(Ticks, LabelsSomeDecadesIfRoomIsScarce) {
   const Ticks t = logarithmic_ticks(1e-16, 1, 5);
   EXPECT_LE(t.at.size(), 5u);
   EXPECT_GE(t.at.size(), 3u);
   for (const double v : t.at) EXPECT_NEAR(std::log10(v), std::round(std::log10(v)), 1e-9);
 }
 
-TEST(Ticks, AFewDecadesHaveTicksWithin) {
+TEST(Ticks, FewDecadesHaveTicksWithin) {
   const Ticks t = logarithmic_ticks(1.3e-6, 8e-6, 10);
   ASSERT_EQ(t.at.size(), 4u);
   for (std::size_t i = 0; i < 4; ++i) EXPECT_DOUBLE_EQ(t.at[i], std::vector<double>({1e-6, 2e-6, 5e-6, 1e-5})[i]);

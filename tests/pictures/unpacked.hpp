@@ -1,4 +1,4 @@
-// What a page reads from packed numbers.
+// Unpacks numbers like the page of an animation.
 #pragma once
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// What the cost of a matrix is judged by.
+// Operation counts of matrices.
 #include "planning/counts.hpp"
 
 #include <gtest/gtest.h>
@@ -35,7 +35,7 @@ TEST(Counts, ATridiagonalMatrixHasOneProductForEachPivotButOne) {
   EXPECT_EQ(shape.operations, shape.fill + 29);
 }
 
-// Whether it is eliminated on paper or is taken as full for its size.
+// Both for counted elimination, and for large matrices that are taken as full.
 TEST(Counts, AFullMatrixHasAThirdOfItsCube) {
   for (const std::int64_t n : {3, 12, 24, 25, 400}) {
     const Shape shape = shape_of(band(static_cast<std::int32_t>(n), static_cast<std::int32_t>(n), 400));

@@ -1,4 +1,4 @@
-// What `auto` chooses on a made-up machine, and that it says why.
+// Choices of `auto` on an artificial machine, and their reasons.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -26,7 +26,7 @@ std::string text_of(const Plan& plan) {
 
 bool available(std::string_view id) { return find_backend(backends(), id).why_not({}, {}).empty(); }
 
-TEST(Together, ThreadsSlowEachOtherDownWhereAllOfThemWork) {
+TEST(Together, ThreadsSlowEachOtherDown) {
   EXPECT_DOUBLE_EQ(together(4, 4, 1, 1.5), 4);
   EXPECT_DOUBLE_EQ(together(3, 6, 2, 1.5), 4.5);  // both all the time
   EXPECT_DOUBLE_EQ(together(3, 5, 2, 1.5), 4);    // both for two thirds of it
@@ -34,9 +34,9 @@ TEST(Together, ThreadsSlowEachOtherDownWhereAllOfThemWork) {
   EXPECT_DOUBLE_EQ(together(2, 8, 4, 1.25), 2.5);
 }
 
-TEST(Dispatcher, TakesWhatIsFastestOnTheMachineAtHand) {
+TEST(Dispatcher, ChoosesTheFastestStrategyOfTheMachine) {
   if (!available("klu")) GTEST_SKIP() << "without KLU";
-  // Where lanes are a thousand times as slow, nobody wants them.
+  // Lanes that are a thousand times slower are not chosen.
   std::vector<Sample> other = samples();
   for (Sample& s : other) {
     if (s.strategy.solver.backend == "lanes" && (s.kernel == Kernel::factor || s.kernel == Kernel::solve))
@@ -52,7 +52,7 @@ TEST(Dispatcher, TakesWhatIsFastestOnTheMachineAtHand) {
   for (const Plan::Choice& c : strange.choices) EXPECT_NE(c.solver.backend, "lanes");
 }
 
-TEST(Dispatcher, LeavesOutWhatItIsToldTo) {
+TEST(Dispatcher, LeavesOutExcludedBackends) {
   const Scene scene = sample("stewart");
   const Plan plan = prepare(scene, {.budget = ThreadBudget{2}, .model = model(), .without = {"lanes"}}).plan;
   for (const Plan::Choice& c : plan.choices) EXPECT_NE(c.solver.backend, "lanes");
@@ -68,9 +68,9 @@ TEST(Dispatcher, LeavesOutWhatItIsToldTo) {
   }
 }
 
-// The groups that this scene declares are none, for what lies between them belongs to neither: asked for by name they
-// are refused, and `auto` does without.
-TEST(Dispatcher, PassesOverAFormulationThatCannotBeHad) {
+// The declared groups of this scene are invalid, because a block between them belongs to neither: `groups` is refused,
+// and `auto` uses another formulation.
+TEST(Dispatcher, SkipsAnImpossibleFormulation) {
   SceneBuilder b("between", 2);
   b.fixed_point("A", {0, 0, 0}).fixed_point("B", {2, 0, 0}).point("C", {1, 0, 0});
   b.drive("crank", PointAngle{"A", "C", "", Law::polynomial({0, 1})});
@@ -104,7 +104,7 @@ TEST(Dispatcher, NeverTakesMoreThreadsThanTheBudget) {
   }
 }
 
-TEST(Dispatcher, SharesALevelOnlyWhereThatGains) {
+TEST(Dispatcher, SharesALevelOnlyIfItGains) {
   // 384 legs are worth two threads; the terminals of one mechanism are not.
   const Prepared many = prepare(sample("rings:legs=64,n=120"), {.budget = ThreadBudget{2}, .model = model()});
   ASSERT_EQ(many.plan.run.threads, 2);
@@ -117,8 +117,8 @@ TEST(Dispatcher, SharesALevelOnlyWhereThatGains) {
   EXPECT_EQ(few.plan.run.threads, 1);
 }
 
-// Where numbers are handed over slowly no level gains by itself, but the threads are there for the outputs then.
-TEST(Dispatcher, TakesNoThreadsThatWereNeverMeasured) {
+// With slow communication no level gains by itself, but the threads that compute the outputs are available.
+TEST(Dispatcher, UsesOnlyMeasuredNumbersOfThreads) {
   std::vector<Sample> alone = samples();
   std::erase_if(alone, [](const Sample& s) { return s.kernel == Kernel::meeting; });
   const Scene scene = sample("rings:legs=64,n=120");
@@ -138,7 +138,7 @@ TEST(Dispatcher, TakesNoThreadsThatWereNeverMeasured) {
   EXPECT_TRUE(plan_by(alone, 2, Mode::throughput).reason.ends_with("; several threads were not measured"));
 }
 
-TEST(Dispatcher, SharesALevelForTheSakeOfTheOutputs) {
+TEST(Dispatcher, SharesALevelForItsOutputs) {
   std::vector<Sample> slow = samples();
   Sample handover;
   handover.kernel = Kernel::meeting;
@@ -168,8 +168,8 @@ TEST(Dispatcher, DecidesTheSameFromTheSameSamples) {
   }
 }
 
-// Tuning anew finds times that differ by their noise.
-TEST(Dispatcher, TuningAnewChangesNoBackend) {
+// Times of a second tuning run differ by noise.
+TEST(Dispatcher, TuningAgainChangesNoBackend) {
   for (const char* scene : {"stewart", "rings:legs=5,n=78", "andrews", "four_bar:23"}) {
     std::vector<std::string> first;
     for (std::uint64_t seed = 1; seed <= 10; ++seed) {
@@ -182,7 +182,7 @@ TEST(Dispatcher, TuningAnewChangesNoBackend) {
   }
 }
 
-TEST(Dispatcher, LosesNoMoreThanTheModelIsUnsure) {
+TEST(Dispatcher, LosesNoMoreThanTheModelsUncertainty) {
   const std::shared_ptr<const PerformanceModel> known = model(0.02);
   double sum = 0;
   int count = 0;
@@ -190,7 +190,7 @@ TEST(Dispatcher, LosesNoMoreThanTheModelIsUnsure) {
     for (const bool full : {false, true}) {
       for (const std::int32_t groups : {1, 5, 11, 23, 384}) {
         const Shape shape = full ? full_shape(n, groups) : sparse_shape(n, groups);
-        // Without those that the made-up machine knows nothing of.
+        // Without candidates that the artificial machine has no samples of.
         std::vector<Candidate> ranked = candidates(
             shape,
             {.model = known, .budget = ThreadBudget{1}, .without = {"lapack", "team", "umfpack", "mumps", "ma27"}});
@@ -221,7 +221,7 @@ TEST(Dispatcher, FillsLanesWithMechanismsInThroughput) {
   for (const Plan::Choice& c : plan.choices) EXPECT_EQ(c.solver.lanes, plan.lanes);
 }
 
-TEST(ChooseSolver, PicksForABagOfLinearSystems) {
+TEST(ChooseSolver, ChoosesForManyLinearSystems) {
   Pattern dense;
   dense.n = 40;
   dense.column_start = {0};
@@ -240,7 +240,7 @@ TEST(ChooseSolver, PicksForABagOfLinearSystems) {
   EXPECT_THROW((void)choose_solver(dense, 1, -1), Error);
 }
 
-TEST(Candidates, ShareNoSolverThatIsDoneBeforeItsThreadsHaveMet) {
+TEST(Candidates, UseOneThreadForShortSolutions) {
   const auto shares = [](std::int32_t n) {
     const std::vector<Candidate> all = candidates(full_shape(n, 1), {.model = model(), .budget = ThreadBudget{2}});
     return std::any_of(all.begin(), all.end(), [](const Candidate& c) { return c.strategy.solver.threads > 1; });

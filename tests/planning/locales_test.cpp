@@ -1,4 +1,4 @@
-// Numbers are read and written alike whatever locale the program around the library has set.
+// The locale of the program does not change how numbers are read and written.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -55,7 +55,7 @@ std::string refusal(Work&& work) {
   return "no refusal";
 }
 
-// What the library makes of numbers: texts, plans and motions, the last as bits.
+// All results that depend on number formats: texts, plans and motions, the last as bits.
 std::vector<std::string> all_of_it(const FileTree& tree) {
   std::vector<std::string> found;
   PrepareOptions options;
@@ -102,12 +102,12 @@ class Locales : public testing::Test {
   std::vector<std::string> expected_;
 };
 
-TEST_F(Locales, OfThisTestHoldWhatTheyAreFor) {
+TEST_F(Locales, ExpectedTextsContainNumbers) {
   EXPECT_EQ(expected_.back(), "the rate at t = 0.5 s is 1.25, but differences of the value give 1234.5 (within 0.1)");
   EXPECT_NE(expected_[0].find("times as fast"), std::string::npos) << expected_[0];
 }
 
-TEST_F(Locales, OfCppChangeNoNumber) {
+TEST_F(Locales, CppLocalesDoNotChangeNumbers) {
   for (const char point : {',', '.'}) {
     const ForeignLocale locale(point);
     std::ostringstream text;
@@ -117,7 +117,7 @@ TEST_F(Locales, OfCppChangeNoNumber) {
   }
 }
 
-TEST_F(Locales, OfCChangeNoNumber) {
+TEST_F(Locales, CLocalesDoNotChangeNumbers) {
   const ForeignLocaleOfC locale;
   if (!locale.is_set()) GTEST_SKIP() << "no locale with a decimal comma, and none can be made";
   EXPECT_EQ(all_of_it(tree_), expected_);

@@ -1,4 +1,4 @@
-// A machine whose times are known: laws of costs that the model does not know, and samples of them with noise.
+// An artificial machine with known times: cost functions that the model does not know, and noisy samples of them.
 #pragma once
 
 #include <cmath>
@@ -12,7 +12,7 @@
 
 namespace assur::made_up {
 
-// As of a mechanism: three nonzeros a row, little fill.
+// Like a mechanism: three nonzeros a row, little fill.
 inline Shape sparse_shape(std::int32_t n, std::int32_t groups = 1) {
   Shape s{.n = n, .nnz = 3 * n, .groups = groups, .rhs = 3};
   s.fill = 4 * std::int64_t{n};
@@ -31,7 +31,7 @@ inline Shape full_shape(std::int32_t n, std::int32_t groups = 1) {
   return s;
 }
 
-// Seconds of one call, with a bend where caches end, so that no sum of terms is the truth.
+// Seconds of one call, with a bend at the size of the cache, so that no sum of terms is exact.
 inline double truth(Kernel kernel, const Shape& shape, const Strategy& s) {
   const double n = shape.n, fill = static_cast<double>(shape.fill), operations = static_cast<double>(shape.operations);
   const double lanes = s.solver.lanes, held = is_dense(s) ? n * n : fill;
@@ -73,7 +73,7 @@ inline Strategy solver(const std::string& backend, std::int32_t lanes = 1, std::
   return s;
 }
 
-// `noise`: relative, uniform; each sample is off by so much.
+// `noise`: relative, uniformly distributed.
 inline Sample sample_of(Kernel kernel, const Shape& shape, const Strategy& strategy, double noise,
                         std::mt19937_64& random) {
   Sample sample;
@@ -91,7 +91,7 @@ inline Sample sample_of(Kernel kernel, const Shape& shape, const Strategy& strat
   return sample;
 }
 
-// What a tuner would bring home: sizes a factor of 1.7 apart.
+// Samples like those of a tuning run, with sizes in ratios of 1.7.
 inline std::vector<Sample> samples(double noise = 0.01, std::uint64_t seed = 1) {
   std::mt19937_64 random(seed);
   std::vector<Sample> all;

@@ -1,4 +1,4 @@
-// What is offered for a scene runs, and what is said not to run is refused with that reason.
+// Offered candidates run; other candidates are refused with the given reason.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -84,12 +84,12 @@ TEST(Offers, RunOrAreRefusedWithTheReasonGiven) {
   }
 }
 
-TEST(Offers, OfThroughputRun) {
+TEST(Offers, ThroughputOffersRun) {
   for (const Scene& scene : shipped()) expect_as_offered(scene, {.budget = kBudget, .mode = Mode::throughput});
 }
 
-// Each backend alone, whatever it is good at.
-TEST(Offers, OfOneBackendRun) {
+// Each backend alone.
+TEST(Offers, OffersOfOneBackendRun) {
   const Scene scene = sample("stewart:steps=5"), long_enough_for_chunks = sample("stewart:steps=250");
   for (const Backend& backend : backends()) {
     if (!backend.why_not({}, {}).empty()) continue;
@@ -106,8 +106,8 @@ TEST(Offers, OfOneBackendRun) {
   }
 }
 
-// Threads that wait for their turn are no offer, and no way to compare.
-TEST(Offers, LeaveOutThreadsThatWouldOnlyWait) {
+// Backends that solve one group at a time are not offered with several threads.
+TEST(Offers, LeaveOutIdleThreads) {
   for (const Backend& backend : backends()) {
     if (!backend.takes_turns || !backend.why_not({}, {}).empty()) continue;
     const Prepared prepared = prepare(sample("stewart"), {.budget = kBudget, .without = all_but(backend.id)});
@@ -118,7 +118,7 @@ TEST(Offers, LeaveOutThreadsThatWouldOnlyWait) {
   }
 }
 
-TEST(Offers, AStrategyThatNamesASolverLeftOutIsRefused) {
+TEST(Offers, RefuseAStrategyWithAnExcludedSolver) {
   EXPECT_EQ(outcome(sample("stewart:steps=2"), {.strategy = "irreducible/lanes", .without = {"lanes"}}),
             "backend lanes cannot run here: left out");
 }

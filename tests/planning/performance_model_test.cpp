@@ -1,4 +1,4 @@
-// The model on a made-up machine, whose times are known.
+// The model on an artificial machine with known times.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace {
 
 using namespace made_up;
 
-// Sizes between those that were sampled, three nonzeros a row and full.
+// Sizes between the sampled ones, with three nonzeros a row and full.
 std::vector<Shape> unseen() {
   std::vector<Shape> shapes;
   for (const std::int32_t n : {5, 9, 15, 22, 45, 78, 130, 334, 700, 1200}) shapes.push_back(sparse_shape(n));
@@ -24,7 +24,7 @@ std::vector<Shape> unseen() {
 
 double off_by(const Prediction& predicted, double truth) { return std::abs(predicted.seconds / truth - 1); }
 
-TEST(PerformanceModel, PredictsKernelsBetweenTheSizesThatWereSampled) {
+TEST(PerformanceModel, PredictsKernelsBetweenSampledSizes) {
   const PerformanceModel model(samples());
   for (const Shape& shape : unseen()) {
     for (const Strategy& s : {solver("lanes"), solver("lanes", 8), solver("klu"), solver("eigen")}) {
@@ -42,7 +42,7 @@ TEST(PerformanceModel, PredictsKernelsBetweenTheSizesThatWereSampled) {
   }
 }
 
-TEST(PerformanceModel, ComposesPacksThatNobodySampled) {
+TEST(PerformanceModel, PredictsUnsampledPacksFromKernels) {
   const PerformanceModel model(samples());
   for (const Shape& shape : unseen()) {
     for (Strategy s : {solver("klu"), solver("eigen"), solver("lanes", 4)}) {
@@ -56,7 +56,7 @@ TEST(PerformanceModel, ComposesPacksThatNobodySampled) {
   }
 }
 
-// Samples of one backend alone: the others have priors of their own, asked together or one by one.
+// With samples of one backend alone, the others have priors of their own, asked together or one by one.
 TEST(PerformanceModel, PredictsUnsampledBackendsApart) {
   std::vector<Sample> of_one = samples();
   std::erase_if(of_one, [](const Sample& s) { return s.strategy.solver.backend != "lanes"; });
@@ -71,8 +71,8 @@ TEST(PerformanceModel, PredictsUnsampledBackendsApart) {
   EXPECT_NE(together[1].seconds, together[2].seconds);
 }
 
-// Whatever few samples there are: no fit to them may promise what no machine does, far from all of them.
-TEST(PerformanceModel, FewSamplesPromiseNothingAbsurd) {
+// A fit to few samples must not predict impossible times far from them.
+TEST(PerformanceModel, PredictsReasonableTimesFromFewSamples) {
   std::mt19937_64 random(3);
   const std::vector<Sample> all = samples(0.05, 7);
   for (int trial = 0; trial < 200; ++trial) {
@@ -93,8 +93,8 @@ TEST(PerformanceModel, FewSamplesPromiseNothingAbsurd) {
   }
 }
 
-// What a policy costs beyond its kernels hangs on the policy more than on W.
-TEST(PerformanceModel, AWidthThatNobodySampledIsAsTheNextOfItsPolicy) {
+// The cost of a policy beyond its kernels depends on the policy more than on W.
+TEST(PerformanceModel, PredictsUnsampledLaneWidths) {
   std::mt19937_64 random(5);
   std::vector<Sample> known = samples();
   for (const std::int32_t n : {6, 12, 25, 50, 100}) {
@@ -115,7 +115,7 @@ TEST(PerformanceModel, AWidthThatNobodySampledIsAsTheNextOfItsPolicy) {
   EXPECT_LT(off_by(model.pack(sparse_shape(22), s), 1.8 * truth(Kernel::pack, sparse_shape(22), s)), 0.1);
 }
 
-TEST(PerformanceModel, TakesWhatWasMeasuredAsItIs) {
+TEST(PerformanceModel, ReturnsMeasuredTimesUnchanged) {
   std::vector<Sample> known = samples();
   const auto pack = std::find_if(known.begin(), known.end(), [](const Sample& s) { return s.kernel == Kernel::pack; });
   pack->seconds *= 3;  // whatever the others say
@@ -125,7 +125,7 @@ TEST(PerformanceModel, TakesWhatWasMeasuredAsItIs) {
   EXPECT_EQ(predicted.origin, Origin::measured);
 }
 
-TEST(PerformanceModel, OfRepeatedSamplesTheMedianCounts) {
+TEST(PerformanceModel, UsesTheMedianOfRepeatedSamples) {
   std::mt19937_64 random(3);
   std::vector<Sample> known;
   for (const double factor : {1.0, 1.1, 9.0}) {
@@ -136,7 +136,7 @@ TEST(PerformanceModel, OfRepeatedSamplesTheMedianCounts) {
                    1.1 * truth(Kernel::factor, sparse_shape(20), solver("klu")));
 }
 
-TEST(PerformanceModel, OneWildSampleDoesNotSpoilItsNeighbours) {
+TEST(PerformanceModel, AnOutlierDoesNotSpoilItsNeighbours) {
   std::vector<Sample> known = samples();
   std::mt19937_64 random(2);
   known.push_back(sample_of(Kernel::factor, sparse_shape(60), solver("klu"), 0, random));
@@ -167,7 +167,7 @@ TEST(PerformanceModel, TheOrderOfTheSamplesDoesNotMatter) {
   }
 }
 
-TEST(PerformanceModel, SaysHowFarItCanBeTrusted) {
+TEST(PerformanceModel, ReportsItsUncertainty) {
   const PerformanceModel model(samples());
   const Prediction near = model.kernel(Kernel::factor, sparse_shape(22), solver("klu"));
   const Prediction far = model.kernel(Kernel::factor, sparse_shape(20'000), solver("klu"));
@@ -175,11 +175,11 @@ TEST(PerformanceModel, SaysHowFarItCanBeTrusted) {
   EXPECT_EQ(far.origin, Origin::extrapolated);
   EXPECT_LT(near.factor, 1.1);
   EXPECT_GT(far.factor, near.factor);
-  // Nobody sampled mumps: its prior, as fast as this machine is otherwise.
+  // There are no samples of mumps: its prior is scaled to the speed of this machine.
   EXPECT_EQ(model.kernel(Kernel::factor, sparse_shape(22), solver("mumps")).origin, Origin::prior);
 }
 
-TEST(PerformanceModel, WithoutSamplesThereIsAPriorForEverything) {
+TEST(PerformanceModel, HasAPriorForEverythingWithoutSamples) {
   const PerformanceModel nothing;
   EXPECT_EQ(nothing.samples(), 0U);
   for (const Shape& shape : unseen()) {
@@ -194,7 +194,7 @@ TEST(PerformanceModel, WithoutSamplesThereIsAPriorForEverything) {
   EXPECT_EQ(nothing.contention(2, 15), 1);
 }
 
-TEST(PerformanceModel, SamplesThatMakeNoSenseAreNotUsed) {
+TEST(PerformanceModel, IgnoresInvalidSamples) {
   std::vector<Sample> known = samples();
   const std::size_t good = known.size();
   for (const double seconds : {0.0, -1.0, std::nan(""), HUGE_VAL}) {
@@ -231,8 +231,8 @@ TEST(PerformanceModel, MeetingsAndContentionComeFromThreads) {
   EXPECT_NEAR(model.contention(4, 100), 1.2, 1e-12);
 }
 
-// What steps were measured to take beyond their packs counts, not what other kernels say about the machine.
-TEST(PerformanceModel, WhatIsAroundThePacksComesFromSteps) {
+// Measured times of steps beyond their packs count more than the speed of other kernels.
+TEST(PerformanceModel, LearnsTheTimeAroundPacksFromSteps) {
   std::vector<Sample> known = samples();
   const double before = PerformanceModel(known).around(500, 3000).seconds;
   EXPECT_EQ(PerformanceModel(known).around(500, 3000).origin, Origin::prior);
@@ -255,7 +255,7 @@ TEST(PerformanceModel, WhatIsAroundThePacksComesFromSteps) {
   EXPECT_EQ(model.kernel(Kernel::around, {.n = 102, .terms = 1500}, {}).seconds, model.around(102, 1500).seconds);
 }
 
-TEST(Kernels, HaveNamesThatCanBeRead) {
+TEST(Kernels, NamesRoundTrip) {
   for (const Kernel kernel :
        {Kernel::evaluate, Kernel::factor, Kernel::solve, Kernel::pack, Kernel::meeting, Kernel::step, Kernel::around}) {
     EXPECT_EQ(parse_kernel(name(kernel)), kernel);

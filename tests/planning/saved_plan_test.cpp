@@ -1,4 +1,4 @@
-// A plan that is saved and loaded runs as the one that was made, bit for bit; what is no such file is refused.
+// A saved and loaded plan runs bitwise like the original; other files are refused.
 #include "assur/saved_plan.hpp"
 
 #include <gtest/gtest.h>
@@ -60,7 +60,7 @@ void expect_same_plan(const Plan& a, const Plan& b) {
   }
 }
 
-// The steps of a scene, no more than these.
+// The scene with at most this number of steps.
 Scene shortened(const Scene& scene, std::int64_t steps) {
   const TimeGrid& t = scene.time();
   return t.steps() <= steps ? scene : scene.with_time({t.start, t.start + static_cast<double>(steps) * t.step, t.step});
@@ -86,7 +86,7 @@ void expect_to_run_alike(const Prepared& made, const std::string& text) {
   expect_same_run(run(made), run(again));
 }
 
-TEST(SavedPlan, EveryShippedSceneRunsAsItsOriginal) {
+TEST(SavedPlan, EveryShippedSceneRunsLikeItsOriginal) {
   for (const std::string& text : shipped()) {
     const Scene scene = shortened(open_scene(text), 40);
     std::vector<PrepareOptions> ways = {{}, {.strategy = "irreducible/lanes:8"}, {.strategy = "groups/eigen:4 3x1"}};
@@ -106,7 +106,7 @@ TEST(SavedPlan, EveryShippedSceneRunsAsItsOriginal) {
   }
 }
 
-TEST(SavedPlan, LawsAndNamesReadBackAsTheyWere) {
+TEST(SavedPlan, LawsAndNamesReadBackUnchanged) {
   SceneBuilder b("a \"four\\bar\"\nof two lines", 2);
   b.fixed_point("A", {0, 0}).fixed_point("D", {2, 0}).point("B", {0.8, 0}).point("C", {1.6, 1.2});
   b.constrain("coupler", Distance{"B", "C", 1.8}).constrain("rocker", Distance{"D", "C", 1.3});
@@ -122,7 +122,7 @@ TEST(SavedPlan, LawsAndNamesReadBackAsTheyWere) {
   }
 }
 
-TEST(SavedPlan, WantedOutputsAndWhatIsSolvedOnce) {
+TEST(SavedPlan, KeepsOutputsAndGroupsSolvedOnce) {
   const std::vector<std::vector<std::string>> wanted = {
       {"B1.position"}, {"rocker_angle.rate", "B1.velocity"}, {"B0", "B1", "rocker_angle.value"}};
   for (const auto& outputs : wanted) {
@@ -131,7 +131,7 @@ TEST(SavedPlan, WantedOutputsAndWhatIsSolvedOnce) {
   }
 }
 
-TEST(SavedPlan, ControlledDriversAreSetAsInTheOriginal) {
+TEST(SavedPlan, ControlledDriversCanBeSet) {
   for (const std::string strategy : {"auto", "groups/eigen", "irreducible/lanes:8"}) {
     const Prepared made = prepare(sample("stewart"), {.strategy = strategy, .controlled = {"pose"}});
     Simulator original(made), again(loaded(saved(made)));
@@ -148,7 +148,7 @@ TEST(SavedPlan, ControlledDriversAreSetAsInTheOriginal) {
   }
 }
 
-TEST(SavedPlan, MembersOfAnEnsembleShareALoadedPlan) {
+TEST(SavedPlan, EnsembleMembersShareALoadedPlan) {
   const Prepared made = prepare(shortened(sample("stewart"), 20), {"irreducible/lanes:4"});
   const Prepared again = loaded(saved(made));
   Ensemble original(5, [&](std::size_t) { return made; }), copy(5, [&](std::size_t) { return again; });
@@ -157,14 +157,14 @@ TEST(SavedPlan, MembersOfAnEnsembleShareALoadedPlan) {
   EXPECT_TRUE(std::equal(a.values().begin(), a.values().end(), b.values().begin(), test::same_bits));
 }
 
-TEST(SavedPlan, TheCoreHasWhatItNeeds) {
+TEST(SavedPlan, TheCoreAloneRunsALoadedPlan) {
   const Prepared made = prepare(shortened(sample("stewart"), 40), {"irreducible/lanes:8"});
   const Result original = run(made), alone = run(loaded(saved(made), {}));
   expect_same_run(original, alone);
 }
 
-// A rod too many on each triangle: see levels_test.cpp. Which one is left out changes on the way.
-TEST(SavedPlan, WithoutTheSceneRedundantEquationsAreNotChosenAnew) {
+// Each triangle has a redundant rod, see levels_test.cpp. The redundant equation changes during the run.
+TEST(SavedPlan, DoesNotReselectEquationsWithoutTheScene) {
   SceneBuilder b("triangle", 2);
   const double x = std::cos(1.5), y = std::sin(1.5);
   b.fixed_point("A", {0, 0}).point("B", {x, y}).constrain("crank", Distance{"A", "B", 1.0});
@@ -179,8 +179,8 @@ TEST(SavedPlan, WithoutTheSceneRedundantEquationsAreNotChosenAnew) {
   EXPECT_TRUE(original.report().status.ok());
   ASSERT_FALSE(original.report().fallbacks.empty());
   EXPECT_TRUE(again.report().fallbacks.empty());
-  // Its equations have singularities where the mechanism has none: they are passed as change points and told, while the
-  // equation that is left out is watched. The estimates know of them.
+  // Its equations become singular where the mechanism does not: these postures are passed as change points and
+  // reported, while the redundant equation is checked. The estimated errors include them.
   ASSERT_TRUE(again.report().status.ok());
   ASSERT_EQ(again.report().events.size(), 2u);
   for (const Event& e : again.report().events) EXPECT_EQ(e.kind, Code::change_point_passed);
@@ -192,7 +192,7 @@ TEST(SavedPlan, WithoutTheSceneRedundantEquationsAreNotChosenAnew) {
   }
 }
 
-// ---- what is refused
+// ---- refusals
 
 Error::Kind kind_of(const std::function<void()>& call, std::string* what = nullptr) {
   try {
@@ -230,7 +230,7 @@ TEST(SavedPlan, FunctionsCannotBeSaved) {
   EXPECT_NE(what.find("'rocker'"), std::string::npos) << what;
 }
 
-TEST(SavedPlan, ABackendThatIsNotAtHandIsNamed) {
+TEST(SavedPlan, NamesAMissingBackend) {
   if (test::sparse() != "klu") GTEST_SKIP() << "without klu";
   const std::string text = saved(prepare(sample("stewart"), {"groups/klu"}));
   std::string what;
@@ -240,7 +240,7 @@ TEST(SavedPlan, ABackendThatIsNotAtHandIsNamed) {
   EXPECT_NO_THROW((void)loaded(text, {.table = backends()}));
 }
 
-TEST(SavedPlan, FewerThreadsAreTakenAndSaid) {
+TEST(SavedPlan, UsesFewerThreadsAndReportsIt) {
   const Prepared made = prepare(shortened(sample("stewart"), 20), {"groups/eigen 3x1", {}, ThreadBudget{3}});
   const std::string text = saved(made);
   EXPECT_EQ(loaded(text, {.budget = ThreadBudget{3}}).plan.reason, "forced");
@@ -252,7 +252,7 @@ TEST(SavedPlan, FewerThreadsAreTakenAndSaid) {
   EXPECT_EQ(kind_of([&] { (void)loaded(text, {.budget = ThreadBudget{0}}); }), Error::Kind::input);
 }
 
-TEST(SavedPlan, ThreadsWithinTheLinearAlgebraAreNotTakenAway) {
+TEST(SavedPlan, KeepsThreadsOfTheLinearAlgebra) {
   if (!find_backend(backends(), "team").why_not({}, {2}).empty()) GTEST_SKIP() << "without team";
   const std::string text = saved(prepare(sample("stewart"), {"groups/team 2x2", {}, ThreadBudget{4}}));
   EXPECT_EQ(loaded(text, {.table = backends(), .budget = ThreadBudget{3}}).plan.run.threads, 1);
@@ -266,7 +266,7 @@ TEST(SavedPlan, TheReferenceNeedsTheScene) {
   EXPECT_THROW((void)forward_error(again, motion), Error);
 }
 
-TEST(SavedPlan, OtherFilesAreRefused) {
+TEST(SavedPlan, RefusesOtherFiles) {
   const std::string text = saved(prepare(sample("four_bar"), {"groups/eigen"}));
   std::string what;
   for (const std::string& other : {std::string("{\"assur\": 1}"), std::string("\0\0\0", 3), text.substr(1)}) {
@@ -288,7 +288,7 @@ TEST(SavedPlan, OtherFilesAreRefused) {
 
 // ---- damaged files
 
-// FNV-1a, written once more.
+// A second implementation of FNV-1a.
 std::string signed_again(std::string text) {
   text.resize(text.rfind("checksum "));
   std::uint64_t hash = 14695981039346656037u;
@@ -301,7 +301,7 @@ std::string signed_again(std::string text) {
   return text + "checksum " + digits + "\n";
 }
 
-TEST(SavedPlan, DamageIsNoticed) {
+TEST(SavedPlan, DetectsDamage) {
   const std::string text = saved(prepare(sample("stewart"), {"irreducible/lanes:8"}));
   ASSERT_EQ(signed_again(text), text);
   std::mt19937 random(5);
@@ -318,7 +318,7 @@ TEST(SavedPlan, DamageIsNoticed) {
   }
 }
 
-// Where a number begins and ends, of those that are no part of a name.
+// Begin and end of each number that is no part of a name.
 std::vector<std::pair<std::size_t, std::size_t>> numbers_of(const std::string& text) {
   std::vector<std::pair<std::size_t, std::size_t>> found;
   bool in_name = false;
@@ -334,10 +334,10 @@ std::vector<std::pair<std::size_t, std::size_t>> numbers_of(const std::string& t
   return found;
 }
 
-// What a checksum does not notice: numbers that were changed by somebody who wrote a new one. The plan is refused, or
-// the motion is another one or ends with a status; the memory of nobody is touched, which address sanitizers see.
-TEST(SavedPlan, NumbersThatDoNotFitAreRefused) {
-  // Others with --gtest_shuffle.
+// Changed numbers with a valid checksum. The plan is refused, or the motion differs or ends with a status, but no other
+// memory is accessed, which address sanitizers check.
+TEST(SavedPlan, SurvivesTamperedNumbers) {
+  // Other numbers with --gtest_shuffle.
   std::mt19937 random(17 + static_cast<unsigned>(testing::UnitTest::GetInstance()->random_seed()));
   const auto below = [&](std::size_t n) { return std::uniform_int_distribution<std::size_t>(0, n - 1)(random); };
   const std::vector<std::string> others = {"0",  "1",   "-1",      "-2",         "2",           "3",   "7",    "8",

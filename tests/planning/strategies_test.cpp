@@ -1,4 +1,4 @@
-// The space of strategies: what is listed means something, runs, and is listed once.
+// The space of strategies: every listed strategy is meaningful, runs, and is listed once.
 #include "planning/strategies.hpp"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ std::string on_two_threads_at_most(const Shape&, ThreadBudget budget) {
 }
 std::string too_large(const Shape& shape, ThreadBudget) { return shape.n > 100 ? "too large" : ""; }
 
-// Rows that no build has: what is listed follows from their properties alone.
+// Artificial backends: the list depends only on their properties.
 const Backend kPlain = {.id = "plain", .why_not = too_large, .make = nullptr, .version = nullptr, .licence = ""};
 const Backend kRich = {.id = "rich",
                        .why_not = on_two_threads_at_most,
@@ -71,7 +71,7 @@ TEST(StrategySpace, FollowsFromThePropertiesOfARow) {
   EXPECT_EQ(texts(space, {.table = std::span(table).last(1)}), in_turns);
 }
 
-TEST(StrategySpace, IsFilteredByShapeNameAndWish) {
+TEST(StrategySpace, IsFilteredByShapeNameAndPredicate) {
   const std::array table = {kPlain, kRich, kInTurns};
   const std::vector<std::string> without = {"rich"};
   const auto listed = [&](const StrategyFilter& filter) { return texts({}, filter); };
@@ -82,7 +82,7 @@ TEST(StrategySpace, IsFilteredByShapeNameAndWish) {
             std::vector<std::string>{"groups/in_turns"});
 }
 
-TEST(StrategySpace, HoldsEveryStrategyOnceAndInItsShortestText) {
+TEST(StrategySpace, HoldsEveryStrategyOnceWithItsShortestText) {
   const std::vector<Strategy> all = strategies(large(), {.table = backends(), .shape = {.n = 20, .nnz = 60}});
   ASSERT_GT(all.size(), 1000u);
   std::set<std::string> seen;

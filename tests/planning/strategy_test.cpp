@@ -43,7 +43,7 @@ TEST(Strategy, RoundTripsInEveryCombination) {
   EXPECT_EQ(texts.size(), all.size());
 }
 
-TEST(Strategy, PrintsDefaultsAsNothing) {
+TEST(Strategy, OmitsDefaults) {
   EXPECT_EQ(to_string(Strategy{}), "groups/eigen");
   EXPECT_EQ(to_string(parse_strategy("groups/lapack:1+chunks=1 1x1")), "groups/lapack");
 }
@@ -76,7 +76,7 @@ struct BadText {
 };
 class BadStrategy : public testing::TestWithParam<BadText> {};
 
-TEST_P(BadStrategy, SaysWhatDoesNotFitAndShowsTheGrammar) {
+TEST_P(BadStrategy, IsRefusedWithItsErrorAndTheGrammar) {
   const auto& [text, what] = GetParam();
   const std::string expected =
       std::string("strategy \"") + text + "\": " + what +

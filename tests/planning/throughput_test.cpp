@@ -8,7 +8,7 @@
 namespace assur {
 namespace {
 
-TEST(Throughput, ChunksFillLanesAndThreadsTwice) {
+TEST(Throughput, ChunksFillAllLanesAndThreadsTwice) {
   EXPECT_EQ(chunks_for(8, 2, 100'000), 32);
   EXPECT_EQ(chunks_for(1, 1, 100'000), 2);
   EXPECT_EQ(chunks_for(4, 3, 1'200), 24);
@@ -42,7 +42,7 @@ TEST(Throughput, AutoFillsLanesAndTheWholeBudget) {
   EXPECT_EQ(of_the_machine.plan.run.threads, this_machine().budget().threads);
 }
 
-TEST(Throughput, AForcedStrategyKeepsWhatItSays) {
+TEST(Throughput, KeepsAForcedStrategy) {
   const auto plan = [](const char* strategy) {
     return prepare(sample("stewart"), {.strategy = strategy, .mode = Mode::throughput}).plan;
   };

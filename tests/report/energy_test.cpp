@@ -19,7 +19,7 @@ void add_zone(test::FileTree& tree, const std::string& zone, const std::string& 
   tree.file(folder + "/max_energy_range_uj", range + "\n");
 }
 
-TEST(EnergyMeter, AddsPackagesAndLeavesOutTheirPartsAndTheWholeMachine) {
+TEST(EnergyMeter, AddsPackagesOnly) {
   test::FileTree tree;
   add_zone(tree, "intel-rapl:0", "package-0", "1000000", "262143328850");
   add_zone(tree, "intel-rapl:0:0", "core", "700000", "262143328850");
@@ -34,7 +34,7 @@ TEST(EnergyMeter, AddsPackagesAndLeavesOutTheirPartsAndTheWholeMachine) {
   EXPECT_DOUBLE_EQ(meter.joules(before, meter.read()), 0.75);
 }
 
-TEST(EnergyMeter, GoesOnWhereACounterBeginsAnew) {
+TEST(EnergyMeter, HandlesCounterOverflow) {
   test::FileTree tree;
   add_zone(tree, "intel-rapl:0", "package-0", "262143000000", "262143328850");
   const EnergyMeter meter(tree.root());
@@ -43,10 +43,10 @@ TEST(EnergyMeter, GoesOnWhereACounterBeginsAnew) {
   EXPECT_NEAR(meter.joules(before, meter.read()), 1.0, 1e-12);  // 328,850 up to the range, 671,150 beyond it
 }
 
-TEST(EnergyMeter, SaysWhyThereIsNothingToRead) {
+TEST(EnergyMeter, ExplainsMissingCounters) {
   const test::FileTree nothing;
   const EnergyMeter none(nothing.root());
-  EXPECT_NE(none.why_not().find("shows no energy counters"), std::string::npos) << none.why_not();
+  EXPECT_NE(none.why_not().find("has no energy counters"), std::string::npos) << none.why_not();
   EXPECT_TRUE(none.read().empty());
   EXPECT_TRUE(std::isnan(none.joules({}, {})));
 
@@ -55,7 +55,7 @@ TEST(EnergyMeter, SaysWhyThereIsNothingToRead) {
   EXPECT_NE(EnergyMeter(tree.root()).why_not().find("administrator"), std::string::npos);
 }
 
-TEST(EnergyMeter, WithoutOneReadingThereIsNoEnergy) {
+TEST(EnergyMeter, HasNoEnergyIfAReadingIsMissing) {
   test::FileTree tree;
   add_zone(tree, "intel-rapl:0", "package-0", "100", "1000");
   const EnergyMeter meter(tree.root());

@@ -18,7 +18,7 @@ Section section_of(const std::string& rows) {
   return peers_section(in, "peers.csv");
 }
 
-TEST(Peers, AreComparedWithTheFastestOfOursThatComputesTheSame) {
+TEST(Peers, AreComparedWithTheFastestRowOfAssur) {
   const Section s = section_of(
       "assur 0.1,stewart,3,1000,2e-06,0.01,7,1e-15,2e-15,3e-15,auto\n"
       "assur 0.1,stewart,3,1000,4e-06,0.01,7,1e-15,2e-15,3e-15,groups/klu\n"
@@ -43,7 +43,7 @@ TEST(Peers, AreComparedWithTheFastestOfOursThatComputesTheSame) {
   EXPECT_NE(s.body.find("as its manual says"), std::string::npos);
 }
 
-TEST(Peers, AFileOfSomethingElseIsRefusedByItsLine) {
+TEST(Peers, RefusesOtherFilesAndNamesTheLine) {
   const auto what = [](const std::string& text) -> std::string {
     std::istringstream in(text);
     try {

@@ -42,7 +42,7 @@ TEST(RegretSection, EveryRegretIsTheRatioOfItsTimes) {
   }
 }
 
-TEST(RegretSection, TheFiguresOfThePageAreThoseOfTheMeasurements) {
+TEST(RegretSection, FiguresOfThePageEqualTheMeasurements) {
   const Section s = regret_section(answers(), 62);
   std::vector<double> regrets;
   for (const Measurement& m : s.measurements) {
@@ -66,7 +66,7 @@ TEST(RegretSection, TheFiguresOfThePageAreThoseOfTheMeasurements) {
                             return m.quantity.starts_with("regret to itself, ") && std::abs(m.value - 0.07) < 1e-12;
                           }),
             4);  // median, p95, max and mean
-  EXPECT_NE(s.body.find("auto to itself"), std::string::npos);
+  EXPECT_NE(s.body.find("auto against itself"), std::string::npos);
   EXPECT_NE(s.body.find("3 questions of 62"), std::string::npos);
 }
 
@@ -80,7 +80,7 @@ TEST(RegretSection, NamesTheWorstCasesFirst) {
   EXPECT_EQ(body.find("four_bar:5", table), std::string::npos);
 }
 
-TEST(RegretSection, WithoutAnswersSaysSo) {
+TEST(RegretSection, ReportsThatThereAreNoAnswers) {
   const Section s = regret_section({}, 62);
   EXPECT_TRUE(s.measurements.empty());
   EXPECT_NE(s.body.find("No question was answered"), std::string::npos);

@@ -67,7 +67,7 @@ TEST_F(MakeReport, WritesThreeFilesAndLeavesNothingElse) {
   EXPECT_TRUE(has(page, "Made in "));
 }
 
-TEST_F(MakeReport, IsWholeAfterEachPart) {
+TEST_F(MakeReport, IsCompleteAfterEachPart) {
   (void)make_report(folder_, {part("one"), part("two")}, knowledge_, whole_);
   ASSERT_EQ(pages_.size(), 2u);
   EXPECT_TRUE(has(pages_[0], "Part one: not made yet"));
@@ -86,7 +86,7 @@ TEST_F(MakeReport, SharesTheTime) {
   EXPECT_NEAR(given_[2], 100, 1);
 }
 
-TEST_F(MakeReport, InterruptedHoldsWhatIsDoneAndSaysWhatIsMissing) {
+TEST_F(MakeReport, KeepsFinishedPartsAndNamesMissingOnesIfInterrupted) {
   bool stop = false;
   whole_.interrupted = [&] { return stop; };
   Planned second = part("two");
@@ -101,13 +101,13 @@ TEST_F(MakeReport, InterruptedHoldsWhatIsDoneAndSaysWhatIsMissing) {
   EXPECT_TRUE(has(page, "Interrupted after"));
   EXPECT_TRUE(has(page, "body of one"));
   EXPECT_TRUE(has(page, "body of two"));
-  EXPECT_TRUE(has(page, "Part two: interrupted: what is here is not all of it"));
-  EXPECT_TRUE(has(page, "Part three: not made, for the report was interrupted"));
+  EXPECT_TRUE(has(page, "Part two: interrupted: incomplete"));
+  EXPECT_TRUE(has(page, "Part three: not made, because the report was interrupted"));
   EXPECT_TRUE(has(page, "<li class=\"faint\">Part three: missing</li>"));
   EXPECT_TRUE(has(content(folder_ / "report.csv"), "\"two\""));
 }
 
-TEST_F(MakeReport, APartThatFailsIsASentence) {
+TEST_F(MakeReport, AFailedPartIsReportedOnThePage) {
   Planned broken = part("broken");
   broken.make = [](const Conditions&) -> std::vector<Section> {
     throw Error(Error::Kind::numerical, "it broke <here>");
@@ -119,7 +119,7 @@ TEST_F(MakeReport, APartThatFailsIsASentence) {
   EXPECT_TRUE(has(index(), "body of two"));
 }
 
-TEST_F(MakeReport, AFolderThatCannotBeMadeIsAnErrorOfTheEnvironment) {
+TEST_F(MakeReport, AnUnwritableFolderIsAnEnvironmentError) {
   fs::create_directories(folder_);
   std::ofstream(folder_ / "file") << "a file";
   try {
@@ -131,9 +131,9 @@ TEST_F(MakeReport, AFolderThatCannotBeMadeIsAnErrorOfTheEnvironment) {
   EXPECT_TRUE(given_.empty()) << "the work was done before it was known to be in vain";
 }
 
-TEST_F(MakeReport, WithoutMeasurementsThePageSaysHowToTune) {
+TEST_F(MakeReport, PageExplainsHowToTuneWithoutSamples) {
   (void)make_report(folder_, {part("one")}, knowledge_, whole_);
-  EXPECT_TRUE(has(index(), "This machine was not measured yet"));
+  EXPECT_TRUE(has(index(), "There are no samples of this machine yet"));
   EXPECT_TRUE(has(index(), "assur tune"));
 }
 

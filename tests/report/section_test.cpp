@@ -14,13 +14,13 @@ Measurement time_of(double seconds) {
   return {"stewart", "groups/klu 2x1", "seconds per step", "s", seconds, "measured", 21, 0.004, 1.8e-15};
 }
 
-TEST(Measurement, SaysWhereItComesFrom) {
+TEST(Measurement, HasAnOrigin) {
   EXPECT_EQ(about(time_of(2.36e-6)), "groups/klu 2x1: 2.36 µs; 21 repetitions, spread 0.4 %, error 1.8e-15, measured");
   Measurement theirs{"total 102", "GEOMP 3x1", "energy", "J", 12.5, "paper, table 4"};
   EXPECT_EQ(about(theirs), "GEOMP 3x1: 12.5 J; paper, table 4");
 }
 
-TEST(Measurement, HasTheUnitThatItIsIn) {
+TEST(Measurement, HasAUnit) {
   EXPECT_EQ(value_text(time_of(0.00104)), "1.04 ms");
   Measurement ratio = time_of(1);
   ratio.unit = "1";
@@ -30,7 +30,7 @@ TEST(Measurement, HasTheUnitThatItIsIn) {
   EXPECT_EQ(value_text(ratio), "-");
 }
 
-TEST(Measurement, PercentHasADecimalWhereItIsSmall) {
+TEST(Measurement, SmallPercentagesHaveADecimal) {
   EXPECT_EQ(percent(0), "0.0 %");
   EXPECT_EQ(percent(0.0417), "4.2 %");
   EXPECT_EQ(percent(3.715), "372 %");
@@ -48,7 +48,7 @@ TEST(Measurement, QuantilesAreNearestRanks) {
   EXPECT_EQ(mean(values), 3);
 }
 
-TEST(Measurement, TheTableHasEveryColumnAndNoMoreRowsThanAskedFor) {
+TEST(Measurement, TableHasEveryColumnAndLimitedRows) {
   const std::vector<Measurement> all(5, time_of(1e-6));
   const HtmlTable table = table_of(all, 3);
   ASSERT_EQ(table.rows.size(), 3u);
@@ -75,7 +75,7 @@ TEST(ReportCsv, QuotesTextsAndKeepsEveryDigit) {
             "\"computed from 5 questions\"\n");
 }
 
-TEST(ReportJson, IsWhatGoogleBenchmarkWrites) {
+TEST(ReportJson, HasTheFormatOfGoogleBenchmark) {
   const output::Json json = benchmark_json(two_sections(), this_machine(), "2026-11-22T01:02:03+00:00");
   for (const char* key : {"date", "host_name", "executable", "num_cpus", "caches", "library_build_type"}) {
     EXPECT_TRUE(json["context"].contains(key)) << key;

@@ -1,4 +1,4 @@
-// Which strategy wins, by counts of operations and by a machine that is made up.
+// The heat maps of the fastest strategies, by operation counts and for an artificial machine.
 #include <gtest/gtest.h>
 
 #include "report/sections.hpp"
@@ -18,11 +18,11 @@ std::size_t count(const std::string& text, const std::string& part) {
   return n;
 }
 
-TEST(Winners, WithoutMeasurementsSayThatTheyAreThePrior) {
+TEST(Winners, NameThePriorWithoutSamples) {
   Conditions conditions;
   conditions.quick = true;
   const Section s = winners(nothing_known(), conditions);
-  EXPECT_NE(s.body.find("the answers of the prior"), std::string::npos);
+  EXPECT_NE(s.body.find("come from the prior"), std::string::npos);
   EXPECT_GT(s.measurements.size(), 50u);
   for (const Measurement& m : s.measurements) {
     EXPECT_GT(m.value, 0);
@@ -34,7 +34,7 @@ TEST(Winners, WithoutMeasurementsSayThatTheyAreThePrior) {
   EXPECT_EQ(count(s.body, "class=\"measured\""), 2u) << "dots where nothing was measured, beyond those of the legends";
 }
 
-TEST(Winners, ListTheCrossoversThatWereMeasured) {
+TEST(Winners, ListMeasuredCrossovers) {
   Conditions conditions;
   conditions.quick = true;
   Knowledge k = nothing_known();

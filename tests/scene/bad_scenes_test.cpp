@@ -29,7 +29,7 @@ TEST_P(BadScene, IsRefusedWithTheExpectedLines) {
 INSTANTIATE_TEST_SUITE_P(Folder, BadScene, testing::ValuesIn(bad_scenes::names()),
                          [](const auto& test) { return test.param; });
 
-TEST(BadScenes, AreEnough) { EXPECT_GE(bad_scenes::names().size(), 60u); }
+TEST(BadScenes, CoverEnoughErrors) { EXPECT_GE(bad_scenes::names().size(), 60u); }
 
 TEST(BadScenes, EveryExpectationHasItsScene) {
   for (const auto& entry : std::filesystem::directory_iterator(kFolder)) {

@@ -153,7 +153,7 @@ TEST(ClosedForm, AndrewsReferenceSatisfiesTheSample) {
   }
 }
 
-TEST(Perturbed, MovesGuessesAlone) {
+TEST(Perturbed, MovesOnlyGuesses) {
   const Scene scene = sample("gough:5"), moved = perturbed(scene, 1e-3, 7);
   const Posture<double> before = at_guess<double>(scene), after = at_guess<double>(moved);
   ASSERT_EQ(before.size(), after.size());

@@ -108,7 +108,7 @@ std::optional<Contradiction> found(const Case& c, const Callback& callback, cons
   return check.find(false);
 }
 
-TEST(Differences, AccuseNoRightGradientAndFindAWrongEntry) {
+TEST(Differences, AcceptRightGradientsAndFindAWrongEntry) {
   constexpr int kTries = 500;
   std::mt19937_64 random(7);
   for (const Case& c : cases()) {
@@ -132,7 +132,7 @@ TEST(Differences, AccuseNoRightGradientAndFindAWrongEntry) {
 }
 
 // c of (x0 x1 x2 + x0^2)' ': exact, and off by a relative 1e-4, along a motion.
-TEST(Differences, JudgeTheCurvature) {
+TEST(Differences, CheckTheCurvature) {
   Callback c;
   c.coordinates = {"P.x", "P.y", "P.z"};
   c.equations = 1;
@@ -227,7 +227,7 @@ std::vector<TimedLaw> laws() {
   return all;
 }
 
-TEST(Differences, JudgeTheRateAndAccelerationOfALaw) {
+TEST(Differences, CheckRateAndAccelerationOfALaw) {
   LawCheck check;
   for (const TimedLaw& l : laws()) {
     int missed = 0, steps = 0;
@@ -258,7 +258,7 @@ TEST(Differences, JudgeTheRateAndAccelerationOfALaw) {
   }
 }
 
-TEST(Differences, FindALawThatAnswersOtherwiseTheSecondTime) {
+TEST(Differences, FindALawThatIsNotRepeatable) {
   int calls = 0;
   const Law::Function law{[&](double t) { return Motion{t + 1e-4 * (++calls % 7), 1, 0}; }};
   LawCheck check;
@@ -269,7 +269,7 @@ TEST(Differences, FindALawThatAnswersOtherwiseTheSecondTime) {
   EXPECT_NEAR(std::abs(found->given - found->found), 1e-4, 1e-12);
 }
 
-TEST(Differences, LeaveOutWhatHasAnInfiniteTolerance) {
+TEST(Differences, InfiniteToleranceDisablesTheCheck) {
   const Case wrong{"", 1, 0, 1, 1, [](Arguments x) { return x[0]; }, [](Arguments, Results g) { g[0] = 2; }};
   Callback c = callback(wrong, -1);
   EXPECT_TRUE(found(wrong, c, {0.3}));

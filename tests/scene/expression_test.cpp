@@ -45,7 +45,7 @@ TEST(Expression, LongChainOfParameters) {
   EXPECT_EQ(expressions.evaluate("p0").value, kLength + 0.5);
 }
 
-TEST(Expression, CirclesAreNamedOnceAndBreakWhatDependsOnThem) {
+TEST(Expression, NamesCyclesOnceAndMarksDependentParameters) {
   Expressions expressions;
   const auto findings =
       expressions.define({{"x", "y"}, {"a", "b"}, {"b", "2*c"}, {"c", "a"}, {"y", "a"}, {"s", "s+1"}});
@@ -58,7 +58,7 @@ TEST(Expression, CirclesAreNamedOnceAndBreakWhatDependsOnThem) {
   EXPECT_EQ(result.what, "");
 }
 
-TEST(Expression, WhatDependsOnABrokenParameterIsNotReportedAgain) {
+TEST(Expression, DoesNotReportDependentsOfABrokenParameter) {
   Expressions expressions;
   EXPECT_EQ(text(expressions.define({{"a", "1/0"}, {"b", "a + q"}, {"c", "broken"}}, {"broken"})),
             "a: '=1/0' is inf; a finite number is wanted\nb: there is no parameter 'q'\n");
@@ -66,7 +66,7 @@ TEST(Expression, WhatDependsOnABrokenParameterIsNotReportedAgain) {
   EXPECT_TRUE(expressions.evaluate("c").follows);
 }
 
-TEST(Expression, NamesThatAreTaken) {
+TEST(Expression, RefusesReservedNames) {
   Expressions expressions;
   EXPECT_EQ(text(expressions.define({{"pi", 3.0}, {"sqrt", 1.0}})),
             "pi: 'pi' is a constant or function of expressions; choose another name\n"
@@ -91,7 +91,7 @@ TEST(Expression, Errors) {
   EXPECT_EQ(expressions.evaluate("crank").value, 0.8);  // and the parser is usable afterwards
 }
 
-TEST(Expression, SameValueEveryTime) {
+TEST(Expression, GivesTheSameValueEveryTime) {
   Expressions expressions;
   EXPECT_EQ(text(expressions.define({{"a", 0.3}})), "");
   const double first = expressions.evaluate("exp(a)*sinh(a)^3").value;

@@ -140,7 +140,7 @@ TEST(Json, VectorsAreNormalised) {
   EXPECT_EQ(scene.warnings()[0].what, "2 vectors are normalised: v has length 5, g 2");
 }
 
-TEST(Json, OneNormalisedVectorIsToldWithItsPlaceAndManyAreCut) {
+TEST(Json, ReportsNormalisedVectorsAndLimitsTheList) {
   const auto warning = [](int vectors) {
     std::string text;
     for (int i = 0; i < vectors; ++i) {
@@ -262,7 +262,7 @@ TEST(Json, Laws) {
   EXPECT_NEAR(law(4)(1).value, 1 + 2 + 3, 4 * 6 * 1.2e-16);
 }
 
-TEST(Json, ExpressionsWhereverANumberStands) {
+TEST(Json, AcceptsExpressionsForEveryNumber) {
   const std::string text = plane(R"x(
     "parameters": {"rod": "=2*crank", "crank": 0.8, "omega": "=2*pi"},
     "points": {"A": {"at": [0, 0], "fixed": true}, "B": {"at": ["=crank", "=sin(0)"]},
@@ -287,7 +287,7 @@ TEST(Json, ExpressionsWhereverANumberStands) {
             "scene: /parameters/crank: the parameter is set to nan; a finite number is wanted");
 }
 
-TEST(Json, ASetParameterMayBreakACircle) {
+TEST(Json, SettingAParameterBreaksACycle) {
   const std::string text = plane(R"("parameters": {"a": "=b", "b": "=a"}, "points": {"A": {"at": ["=a", "=b"]}})");
   EXPECT_EQ(refusal(text), "scene: /parameters/a: parameters define each other in a circle: a -> b -> a");
   EXPECT_EQ(parse_scene(text, "scene", ".", {{"b", 2}}).points()[0].at, (Triple{2, 2, 0}));
@@ -323,7 +323,7 @@ TEST(Json, SmallestScene) {
   EXPECT_EQ(scene.time().steps(), 0);
 }
 
-TEST(Json, AFileThatIsNotThere) {
+TEST(Json, ReportsAMissingFile) {
   for (void (*open)() :
        {+[] { (void)read_scene("no/such/scene.json"); }, +[] { (void)open_scene("no/such/scene.json"); }}) {
     try {
@@ -336,7 +336,7 @@ TEST(Json, AFileThatIsNotThere) {
   }
 }
 
-TEST(Json, AFileIsNamedByItsStemAndFindsItsTables) {
+TEST(Json, SceneHasTheNameOfItsFileAndFindsItsTables) {
   const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "scene_with_table";
   std::filesystem::create_directories(folder);
   std::ofstream(folder / "x.csv") << "0,0\n1,1\n";
@@ -347,7 +347,7 @@ TEST(Json, AFileIsNamedByItsStemAndFindsItsTables) {
   EXPECT_EQ(as<DrivenCoordinate>(scene.drivers()[0]).law(0.5).value, 0.5);
 }
 
-TEST(Json, MoreValuesThanAreReadAreCountedFirst) {
+TEST(Json, RefusesTooManyValuesBeforeReading) {
   std::string text = R"({"a": /* ,, */ "[,\"{", "b": [[], {}, [ ]], // ,,
     "c": [0)";
   text.reserve(200'000'100);

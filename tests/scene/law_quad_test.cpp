@@ -43,7 +43,7 @@ TEST(Jet, DerivativesOfEveryOperationAgreeWithDifferences) {
 }
 
 // The root of a sum of squares is off by eps rate^2 / length there, which has no bound.
-TEST(Jet, LengthOfAShortVectorThatGrowsAlongItself) {
+TEST(Jet, ComputesTheLengthOfAShortGrowingVector) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> any(-1, 1), exponent(-8, 0);
   for (int i = 0; i < 1000; ++i) {

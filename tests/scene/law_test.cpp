@@ -55,7 +55,7 @@ TEST(Law, SumsShareTheirParts) {
   expect_near(z, {2 * x.value + y.value, 2 * x.rate + y.rate, y.acceleration}, {4 * kEps, 16 * kEps, 100 * kEps});
 }
 
-TEST(Law, FunctionIsAskedAtThatTime) {
+TEST(Law, CallsTheFunctionAtItsTime) {
   const Law law = Law::function([](double t) { return Motion{t, 2 * t, 3 * t}; });
   expect_near(law(2.0), {2, 4, 6}, {});
   EXPECT_FALSE(law.is_constant());
@@ -157,7 +157,7 @@ TEST(Table, PeriodicClosesWithTwoDerivatives) {
   }
 }
 
-TEST(Table, IsNaNOutsideButForRoundingOfTheGrid) {
+TEST(Table, IsNaNOutsideExceptForRounding) {
   const Law law = Law::table({0, 0.1, 0.3}, {1, 2, 4});
   EXPECT_TRUE(law.covers(3 * 0.1));  // 0.30000000000000004
   EXPECT_NEAR(law(3 * 0.1).value, 4, 64 * kEps);
@@ -184,7 +184,7 @@ TEST(Table, HundredThousandKnotsTakeLinearTime) {
   EXPECT_LT(seconds(100000), 1.0);  // some milliseconds; a dense or quadratic method needs minutes
 }
 
-TEST(Law, SaysWhatIsConstant) {
+TEST(Law, KnowsWhetherItIsConstant) {
   EXPECT_TRUE(Law::constant(3).is_constant());
   EXPECT_TRUE(Law::polynomial({3, 0, 0}).is_constant());
   EXPECT_FALSE(Law::polynomial({3, 0, 1}).is_constant());

@@ -96,7 +96,7 @@ TEST(SampleText, BadOptions) {
   EXPECT_EQ(message("four_bar", {{"loops", 2.5}}), loops + "2.5'." + write);
 }
 
-TEST(SampleText, OptionsThatDoNotFitTogether) {
+TEST(SampleText, RefusesContradictoryOptions) {
   EXPECT_EQ(
       message("bricard:middle=-2,swing=1"),
       "sample 'bricard': option 'middle' should not be larger than 'swing', because the motion starts at the cube");
@@ -150,7 +150,7 @@ TEST(SampleGuess, SatisfiesItsOwnEquations) {
   }
 }
 
-TEST(SampleGuess, GoughIsWithinTheRoundingOfItsTable) {
+TEST(SampleGuess, GoughAgreesWithItsTableWithinRounding) {
   // Six decimals: 5e-7 in each of nine numbers; the platform's points are at most 1.6 away from its origin.
   const std::vector<GoughRow> rows = read_gough();
   ASSERT_EQ(rows.size(), 40u);
@@ -175,7 +175,7 @@ double radius(const Vec<double>& a) { return std::hypot(a[0], a[1]); }
 // Difference of two angles, in (-pi, pi].
 double turn(double a, double b) { return std::remainder(a - b, 2 * std::numbers::pi); }
 
-TEST(Stewart, HasThePapersGeometry) {
+TEST(Stewart, HasTheGeometryOfThePaper) {
   const Scene scene = sample("stewart");
   const Equations<double> at = guess_of(scene);
   const double third = 2 * std::numbers::pi / 3, quarter = std::numbers::pi / 2;
@@ -208,7 +208,7 @@ TEST(Stewart, HasThePapersGeometry) {
   }
 }
 
-TEST(Stewart, MovesAsThePaperSays) {
+TEST(Stewart, MovesAsInThePaper) {
   const Scene scene = sample("stewart", {{"omega", 2}});
   const auto& pose = std::get<Pose>(scene.drivers().at(0).kind);
   for (const double t : {0.0, 0.3, 7.1}) {
@@ -364,7 +364,7 @@ TEST(Andrews, MeetsTheTimesOfTheReference) {
   }
 }
 
-TEST(Andrews, TheMisprintChangesThePointAlone) {
+TEST(Andrews, TheMisprintChangesOnlyThePoint) {
   const Triple misprinted = {0.03635, 0.03273, 0};
   const Scene right = sample("andrews"), wrong = sample("andrews", {{"xb", 0.03635}});
   for (std::size_t i = 0; i < right.points().size(); ++i) {
@@ -375,7 +375,7 @@ TEST(Andrews, TheMisprintChangesThePointAlone) {
 
 // ---- size
 
-TEST(SampleSize, LargeOnesAreBuilt) {
+TEST(SampleSize, BuildsLargeSamples) {
   const Scene chain = sample("four_bar:100000");
   EXPECT_EQ(chain.points().size(), 200002u);
   EXPECT_EQ(chain.constraints().size(), 200001u);

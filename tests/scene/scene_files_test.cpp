@@ -182,7 +182,7 @@ void expect_same(const Scene& file, const Scene& sample) {
 
 const std::filesystem::path kScenes = std::filesystem::path(ASSUR_SOURCE_DIR) / "scenes";
 
-TEST(SceneFiles, AreTheSamplesOfTheirName) {
+TEST(SceneFiles, EqualTheSamplesOfTheirName) {
   int files = 0;
   for (const auto& entry : std::filesystem::directory_iterator(kScenes)) {
     const std::string name = entry.path().stem().string();

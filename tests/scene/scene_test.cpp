@@ -55,7 +55,7 @@ TEST(SceneBuilder, BuildsWhatWasAdded) {
   EXPECT_EQ(scene.outputs(), std::vector<std::string>{"C"});
 }
 
-TEST(SceneBuilder, FindsTheSameAsTheReader) {
+TEST(SceneBuilder, ReportsTheSameErrorsAsTheReader) {
   SceneBuilder builder = four_bar();
   builder.constrain("bad", Distance{"B", "Cc", -1}).drive("push", DrivenCoordinate{"A.x", {}});
   builder.drive("turn", RelativeAngle{{"A", "X"}, {"D", "C"}, "", {}});
@@ -101,7 +101,7 @@ TEST(SceneBuilder, Dimension) {
   EXPECT_EQ(findings(SceneBuilder("line", 1).point("P", {})), "/dimension: the dimension is 2 or 3, not 1");
 }
 
-TEST(SceneBuilder, FindingsOfAReaderComeFirstAndAreNotRepeated) {
+TEST(SceneBuilder, ErrorsOfTheReaderComeFirstAndOnce) {
   SceneBuilder builder = four_bar();
   builder.add(Point{"E", {kNan, 0, 0}, false}).diagnose({"/points/E/at", "unreadable"});
   builder.constrain("odd", Dot{}).diagnose({"/constraints/odd", ""});
@@ -110,7 +110,7 @@ TEST(SceneBuilder, FindingsOfAReaderComeFirstAndAreNotRepeated) {
             "/points/E/at: unreadable\n/constraints/arm/distance/1: there is no point 'E2'; did you mean 'E'?");
 }
 
-TEST(SceneBuilder, BodiesAreOrderedByWhatTheyAreBuiltOn) {
+TEST(SceneBuilder, OrdersBodiesByTheirDependencies) {
   SceneBuilder builder("chain", 2);
   builder.point("O", {0, 0, 0}).fixed_vector("x", {1, 0, 0});
   constexpr int kLength = 50000;  // deeper than a recursion could go
@@ -172,7 +172,7 @@ TEST(SceneBuilder, Callbacks) {
             "something move");
 }
 
-TEST(SceneBuilder, LawsOfTheProgramAreNotCalled) {
+TEST(SceneBuilder, DoesNotCallLawFunctions) {
   int calls = 0;
   SceneBuilder builder = four_bar();
   builder.drive("pull", DrivenDistance{"A", "C", Law::function([&](double) {

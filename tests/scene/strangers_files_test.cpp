@@ -66,7 +66,7 @@ class StrangersFiles : public testing::Test {
   fs::path folder_;
 };
 
-TEST_F(StrangersFiles, OnlyRegularFilesAreReadAsScenes) {
+TEST_F(StrangersFiles, ReadsOnlyRegularFilesAsScenes) {
   const auto why_not = [](const fs::path& file) {
     const std::string said = refusal([&] { (void)open_scene(file.string()); });
     const std::string begin = file.string() + ": the scene file cannot be read: ";
@@ -78,7 +78,7 @@ TEST_F(StrangersFiles, OnlyRegularFilesAreReadAsScenes) {
   EXPECT_EQ(why_not(huge("scene.json", kLargestScene + 1)), "it is larger than 1000 MB, the limit");
 }
 
-TEST_F(StrangersFiles, OnlyRegularFilesAreReadAsVariants) {
+TEST_F(StrangersFiles, ReadsOnlyRegularFilesAsVariants) {
   const fs::path pipe = folder_ / "scene/pipe", large = huge("v.csv", kLargestTable + 1);
   EXPECT_EQ(refusal([&] { (void)read_variants(pipe); }),
             pipe.string() + ": the file of variants cannot be read: it is a pipe; only regular files are read");
@@ -86,7 +86,7 @@ TEST_F(StrangersFiles, OnlyRegularFilesAreReadAsVariants) {
             large.string() + ": the file of variants cannot be read: it is larger than 256 MB, the limit");
 }
 
-TEST_F(StrangersFiles, OnlyRegularFilesAreReadAsTables) {
+TEST_F(StrangersFiles, ReadsOnlyRegularFilesAsTables) {
   EXPECT_EQ(of_table("pipe"),
             "/drivers/push/law/table: the file 'pipe' cannot be read: it is a pipe; only regular files are read; "
             "its path is relative to the scene file");
@@ -96,7 +96,7 @@ TEST_F(StrangersFiles, OnlyRegularFilesAreReadAsTables) {
             "limit; its path is relative to the scene file");
 }
 
-TEST_F(StrangersFiles, AFileIsReadUpToItsLimit) {
+TEST_F(StrangersFiles, LimitsTheSizeOfAFile) {
   const fs::path file = folder_ / "data/good.csv";  // 8 bytes
   EXPECT_EQ(read_input(file, 8).text, "0,0\n1,1\n");
   EXPECT_EQ(read_input(file, 7).text, "");
@@ -107,7 +107,7 @@ TEST_F(StrangersFiles, AFileIsReadUpToItsLimit) {
   EXPECT_NE(read_input("/proc/self/status", 100).why_not, "");
 }
 
-TEST_F(StrangersFiles, TablesLieInTheFolderOfTheScene) {
+TEST_F(StrangersFiles, ReadsTablesOnlyInTheFolderOfTheScene) {
   fs::copy_file(folder_ / "data/good.csv", folder_ / "scene/below/good.csv");
   EXPECT_EQ(of_table("below/good.csv"), "accepted");
   EXPECT_EQ(of_table("./below/../below/good.csv"), "accepted");
@@ -133,7 +133,7 @@ TEST_F(StrangersFiles, TheCallerMayAllowMoreFolders) {
   EXPECT_NE(read("../data/good.csv", {folder_ / "scene"}).find("is outside the folder"), std::string::npos);
 }
 
-TEST_F(StrangersFiles, QuotationsAreCutAndHoldNoControlCharacters) {
+TEST_F(StrangersFiles, ShortensQuotationsWithoutControlCharacters) {
   EXPECT_EQ(excerpt(std::string(120, 'x')), std::string(120, 'x'));
   EXPECT_EQ(excerpt(std::string(121, 'x')), std::string(100, 'x') + "... (121 characters)");
   EXPECT_EQ(excerpt("a\nb\tc\x1b[2J\x7f"
@@ -152,7 +152,7 @@ TEST_F(StrangersFiles, QuotationsAreCutAndHoldNoControlCharacters) {
   EXPECT_EQ(excerpt(accents), accents.substr(0, 99) + "... (201 characters)");  // byte 100 is within a character
 }
 
-TEST_F(StrangersFiles, NoMessageGrowsWithAText) {
+TEST_F(StrangersFiles, MessagesDoNotGrowWithTheInput) {
   std::string sum = "=1";
   while (sum.size() < 10'000) sum += "+1";
   sum += "+";
@@ -192,7 +192,7 @@ TEST_F(StrangersFiles, NoMessageGrowsWithAText) {
             "a\\x1b[2Jb\\nc");
 }
 
-TEST_F(StrangersFiles, AMillionFindingsAreNotAllTold) {
+TEST_F(StrangersFiles, LimitsTheNumberOfFindings) {
   std::string points;
   for (int i = 0; i < 3000; ++i) points += (i == 0 ? "\"P" : ", \"P") + std::to_string(i) + "\": {}";
   const std::string said =
@@ -201,7 +201,7 @@ TEST_F(StrangersFiles, AMillionFindingsAreNotAllTold) {
   EXPECT_TRUE(said.ends_with("\nscene: and 2000 more findings")) << said.substr(said.size() - 100);
 }
 
-TEST_F(StrangersFiles, ACircleOfManyParametersIsCut) {
+TEST_F(StrangersFiles, ShortensACycleOfManyParameters) {
   std::string parameters;
   for (int i = 0; i < 100; ++i) {
     parameters += (i == 0 ? "\"p" : ", \"p") + std::to_string(i) + "\": \"=p" + std::to_string((i + 1) % 100) + "\"";
@@ -211,7 +211,7 @@ TEST_F(StrangersFiles, ACircleOfManyParametersIsCut) {
             "-> p7 -> p8 -> p9 -> (90 more) -> p0");
 }
 
-TEST_F(StrangersFiles, APlanIsNotReadFromWhatIsNone) {
+TEST_F(StrangersFiles, ReadsOnlyPlanFilesAsPlans) {
   std::ifstream endless("/dev/zero");
   if (!endless) GTEST_SKIP() << "no /dev/zero here";
   EXPECT_EQ(refusal([&] { (void)load_plan(endless); }),

@@ -39,13 +39,13 @@ class Variants : public testing::Test {
   std::filesystem::path folder_;
 };
 
-TEST_F(Variants, AreOneSetOfParametersForEachRow) {
+TEST_F(Variants, HaveOneSetOfParametersForEachRow) {
   EXPECT_EQ(read("crank,offset\n1,0\n+0.5,-2e-3\n"),
             (std::vector<Parameters>{{{"crank", 1}, {"offset", 0}}, {{"crank", 0.5}, {"offset", -0.002}}}));
   EXPECT_EQ(read("a\n7"), (std::vector<Parameters>{{{"a", 7}}}));
 }
 
-TEST_F(Variants, SpacesLineEndsOfWindowsAndBlankLinesAtTheEndAreNothing) {
+TEST_F(Variants, IgnoreSpacesWindowsLineEndsAndTrailingBlankLines) {
   const std::vector<Parameters> expected{{{"a", 1}, {"b", 2}}, {{"a", 3}, {"b", 4}}};
   EXPECT_EQ(read(" a , b \n 1 ,\t2\n3,4\n"), expected);
   EXPECT_EQ(read("a,b\r\n1,2\r\n3,4\r\n\r\n"), expected);
@@ -54,12 +54,12 @@ TEST_F(Variants, SpacesLineEndsOfWindowsAndBlankLinesAtTheEndAreNothing) {
             expected);
 }
 
-TEST_F(Variants, NumbersAreReadToTheLastBit) {
+TEST_F(Variants, ReadNumbersExactly) {
   EXPECT_EQ(read("a\n0.1\n0.30000000000000004\n5e-324\n"),
             (std::vector<Parameters>{{{"a", 0.1}}, {{"a", 0.1 + 0.2}}, {{"a", 5e-324}}}));
 }
 
-TEST_F(Variants, WhatIsWrongIsToldWithItsLineAndColumn) {
+TEST_F(Variants, ReportErrorsWithLineAndColumn) {
   EXPECT_EQ(refusal("a,b\n1,2\n3,fast\n"), "line 3, column 2 (b): 'fast' is not a finite number");
   EXPECT_EQ(refusal("a,b\n,2\n"), "line 2, column 1 (a): a number is missing");
   EXPECT_EQ(refusal("a,b\n1,2,3\n4\n"), "line 2: 3 values, but 2 columns\nline 3: 1 value, but 2 columns");
@@ -92,14 +92,14 @@ TEST_F(Variants, ABlankLineBetweenRowsIsRefused) {
   EXPECT_EQ(refusal("\na\n1\n"), "line 1: the line is blank; blank lines are allowed only at the end of the file");
 }
 
-TEST_F(Variants, AnotherFileThanWasMeantIsNotReadToItsEnd) {
+TEST_F(Variants, StopReadingAFileThatIsNoTable) {
   std::string text = "a,b\n";
   for (int i = 0; i < 100'000; ++i) text += "x\n";
   const std::string what = refusal(text);
   EXPECT_EQ(std::count(what.begin(), what.end(), '\n'), 19) << what;
 }
 
-TEST_F(Variants, AFileThatCannotBeReadIsOfTheEnvironment) {
+TEST_F(Variants, AnUnreadableFileIsAnEnvironmentError) {
   for (const auto& [path, why] : {std::pair(folder_ / "none.csv", "no such file or directory"),
                                   std::pair(folder_, "it is a folder; only regular files are read")}) {
     try {

@@ -91,7 +91,7 @@ Scene any_of_these(test::Draw& draw) {
 }
 
 // What is left in an equation that no output feels is no measure of what may be left in the others.
-TEST(AccuracySearch, OneHarmlessEquationLoosensNoOther) {
+TEST(AccuracySearch, AHarmlessEquationDoesNotLoosenOthers) {
   const Rssr r{.coupler = 1.5510188655860111, .x = 1.0100381555064502, .y = 0.74052491879495656};
   const Scene scene = rssr(r, 0.016997838245498994, 107);
   for (const double asked : {2.48e-8, 1e-6, 1e-8, 1e-10}) {
@@ -106,7 +106,7 @@ TEST(AccuracySearch, OneHarmlessEquationLoosensNoOther) {
 }
 
 // What ends well is as accurate as was asked for, and says so itself.
-TEST(AccuracySearch, NobodyIsToldOkAndGetsLess) {
+TEST(AccuracySearch, CleanRunsReachTheRequiredAccuracy) {
   test::Draw draw(3);
   const std::vector<std::string> strategies = {"global/eigen", "irreducible/lanes", "groups/" + test::sparse(),
                                                "irreducible/eigen+once", "global/eigen+predict=past:3"};

@@ -84,7 +84,7 @@ TEST(AngleKernels, SinesAndCosinesAreWithinOneUnit) {
   });
 }
 
-TEST(AngleKernels, LargeAnglesAreThoseOfTheLibraryOfC) {
+TEST(AngleKernels, LargeAnglesAgreeWithTheCLibrary) {
   const std::vector<double> angles = {1e7, -3e9, 1e22, -1e300, 0.5};
   in_every_instruction_set([&](const AngleKernels& kernels) {
     const SinesAndCosines at(kernels, angles);

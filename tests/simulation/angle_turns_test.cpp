@@ -149,20 +149,20 @@ void expect_the_closed_form(const FourBar& m, const Law& law, double step, int s
   compare(all.columns(), all.rows(0), [&](std::size_t k, std::size_t c) { return all(0, k, c); });
 }
 
-TEST(AngleTurns, OfARockerWhoseCrankTurnsSeveralRadiansAStep) {
+TEST(AngleTurns, AreRightForARockerWithLargeSteps) {
   const Law swings = Law::polynomial({0.97}) + Law::harmonics({{1.5, 2, 0}});
   expect_the_closed_form({1, 1.9, 1.1, 2, 1, {1, 0.4, 0}, {0.3, 2.5, 0}}, swings, 0.2, 20);
   expect_the_closed_form(kCrankRocker, Law::polynomial({0.97, 18}), 0.2, 20);
   expect_the_closed_form(kCrankRocker, Law::polynomial({0.97, -18, 7}), 0.2, 20);
 }
 
-TEST(AngleTurns, OfAFollowerThatTurnsWithItsCrank) {
+TEST(AngleTurns, AreRightForAFollowerThatTurnsWithItsCrank) {
   const FourBar double_crank{1.5, 1.4, 1.6, 0.6, 1, {0.7, 0.9, 0}, {0.2, 0.3, 0}};
   expect_the_closed_form(double_crank, Law::polynomial({0.3, 1}), 0.9, 30);
   expect_the_closed_form(double_crank, Law::polynomial({0.3, -7}), 0.9, 30);
 }
 
-TEST(AngleTurns, OfAPointThatIsSeenFromNearby) {
+TEST(AngleTurns, AreRightForAPointSeenFromNearby) {
   const Law law = Law::polynomial({0.3, 1});
   for (const double t : {2.03, 3.7, 5.01}) {
     for (const double apart : {1e-2, -1e-2, 1e-5, -1e-5}) {
@@ -184,7 +184,7 @@ TEST(AngleTurns, OfAPointThatIsSeenFromNearby) {
   }
 }
 
-TEST(AngleTurns, OfRandomFourBarsAtCoarseSteps) {
+TEST(AngleTurns, AreRightForRandomFourBarsAtCoarseSteps) {
   for (std::uint64_t seed = 1; seed <= 25; ++seed) {
     SCOPED_TRACE(seed);
     std::mt19937_64 random(seed);
@@ -220,7 +220,7 @@ TEST(AngleTurns, OfRandomFourBarsAtCoarseSteps) {
 }
 
 // Joints of an arm in series: its last link turns by the sum of them.
-TEST(AngleTurns, OfTheLastLinkOfAnArm) {
+TEST(AngleTurns, AreRightForTheLastLinkOfAnArm) {
   constexpr int kJoints = 6;
   for (const double rate : {0.9, 1.04, 2.1}) {  // rad a step: together about one turn, and two
     SceneBuilder builder("arm", 2);
@@ -247,7 +247,7 @@ Simulator controlled(const FourBar& m, double phi, const std::vector<std::string
   return test::simulator(scene(m, Law::constant(phi), 0.01, 1, outputs), "groups/eigen", {}, {"motor"});
 }
 
-TEST(AngleTurns, AcrossALimitAndBackAgain) {
+TEST(AngleTurns, AreRightAcrossALimitAndBack) {
   const FourBar m = kLimited;
   for (const auto& outputs : kSubsets) {
     Simulator s = controlled(m, 0.3, outputs);
@@ -272,7 +272,7 @@ TEST(AngleTurns, AcrossALimitAndBackAgain) {
   }
 }
 
-TEST(AngleTurns, AfterAWrongRate) {
+TEST(AngleTurns, AreRightAfterAWrongRate) {
   const FourBar m = kCrankRocker;
   for (const auto& outputs : kSubsets) {
     Simulator s = controlled(m, 0.3, outputs);
@@ -291,7 +291,7 @@ TEST(AngleTurns, AfterAWrongRate) {
   }
 }
 
-TEST(AngleTurns, BackwardsAndByLongWays) {
+TEST(AngleTurns, AreRightBackwardsAndOverLongWays) {
   const FourBar m{1.5, 1.4, 1.6, 0.6, 1, {0.7, 0.9, 0}, {0.2, 0.3, 0}};
   const Law law = Law::polynomial({0.3, 1});
   Simulator s = test::simulator(scene(m, law, 0.1, 10, {"rocker.value", "tracer", "crank"}), "groups/eigen");

@@ -54,7 +54,7 @@ TEST(AskedOutputs, EveryColumnHasItsOwnName) {
   }
 }
 
-TEST(AskedOutputs, AColumnStandsOnceWhereItIsFirstAskedFor) {
+TEST(AskedOutputs, ARepeatedColumnStandsOnceAtItsFirstPlace) {
   const auto columns = [](const std::vector<std::string>& outputs) {
     return test::simulator(sample("four_bar").with_outputs(outputs)).columns();
   };
@@ -65,14 +65,14 @@ TEST(AskedOutputs, AColumnStandsOnceWhereItIsFirstAskedFor) {
   EXPECT_EQ(columns({"B1.position", "B1.x", "B1.y"}), (Names{"B1.x", "B1.y"}));
 }
 
-TEST(AskedOutputs, WhatABodyAndADriverBringAlongCanBeAskedFor) {
+TEST(AskedOutputs, PartsOfBodiesAndDriversCanBeOutputs) {
   const Scene scene = sample("stewart");
   EXPECT_EQ(test::simulator(scene.with_outputs({"P3.z"})).columns(), std::vector<std::string>{"P3.z"});
   const test::Result r = test::run(pendulum().with_outputs({"motor.rho.value"}));
   EXPECT_NEAR(r.trajectory.last("motor.rho"), 1, 8 * kEps);  // |AX| |AB|
 }
 
-TEST(AskedOutputs, AreRefusedWithWhatThereIs) {
+TEST(AskedOutputs, AreRefusedWithAListOfChoices) {
   EXPECT_EQ(refusal(pendulum(), "Q"), "/outputs/0: there is no point, vector or measure 'Q'; there are: A, X, B");
   EXPECT_EQ(refusal(pendulum(), "B.z"),
             "/outputs/0: 'B' has no part 'z'; expected position, velocity, acceleration, x, y, vx, vy, ax or ay");
@@ -86,7 +86,7 @@ TEST(AskedOutputs, AreRefusedWithWhatThereIs) {
       "/outputs/0: 'motor' is a driver; an output is a point, a vector, a measure or a constraint's lambda or mu");
 }
 
-TEST(AskedOutputs, AllIsEverythingAndStandsAlone) {
+TEST(AskedOutputs, AllMeansEverythingAndStandsAlone) {
   EXPECT_TRUE(sample("stewart").with_outputs({"all"}).outputs().empty());
   try {
     (void)pendulum().with_outputs({"all", "B"});
@@ -98,7 +98,7 @@ TEST(AskedOutputs, AllIsEverythingAndStandsAlone) {
   EXPECT_EQ(named.with_outputs({"all"}).outputs(), std::vector<std::string>{"all"});  // a point of that name
 }
 
-TEST(AskedOutputs, UnknownColumnsAreAnsweredWithTheList) {
+TEST(AskedOutputs, RefusesUnknownColumnsWithTheList) {
   const Simulator s = test::simulator(pendulum().with_outputs({"B"}));
   try {
     (void)s.output("B.q");
@@ -157,7 +157,7 @@ TEST(Sums, AreExactInAllDerivatives) {
   }
 }
 
-TEST(Sums, TakeOnlyWhatTheyNeed) {
+TEST(Sums, ComputeOnlyTheirTerms) {
   const Scene scene = wheel(1).measure("camber", Combination{{{"turn", -2.0}}, 1}).build();
   EXPECT_EQ(test::simulator(scene.with_outputs({"camber.rate", "turn.value"})).columns(),
             (std::vector<std::string>{"turn.rate", "camber.rate", "turn"}));
@@ -165,7 +165,7 @@ TEST(Sums, TakeOnlyWhatTheyNeed) {
   EXPECT_EQ(all.back(), "camber.acceleration");
 }
 
-TEST(Sums, AreTheSameInASavedPlanAndSideBySide) {
+TEST(Sums, AreEqualInSavedPlansAndEnsembles) {
   const Scene scene = wheel(3 * kPi).measure("camber", Combination{{{"turn", -2.0}}, kPi / 2}).output("camber").build();
   const Prepared prepared = prepare(scene, {"groups/eigen"});
   const Trajectory run = Simulator(prepared).run();
@@ -181,7 +181,7 @@ TEST(Sums, AreTheSameInASavedPlanAndSideBySide) {
   }
 }
 
-TEST(Sums, ThatMakeNoSenseAreRefused) {
+TEST(Sums, RefuseInvalidTerms) {
   const auto refused = [](Combination sum) {
     try {
       const Scene scene =
@@ -206,7 +206,7 @@ TEST(Sums, ThatMakeNoSenseAreRefused) {
 // ---- where there are no derivatives
 
 // B passes through A: its distance has a kink there.
-TEST(Kinks, TheEventNamesWhatHasNoDerivative) {
+TEST(Kinks, EventNamesTheOutputWithoutDerivative) {
   const Scene scene = SceneBuilder("through", 2)
                           .fixed_point("A", {0, 0})
                           .point("B", {1, 0})

@@ -64,7 +64,7 @@ void expect_operations_to_hold_their_results(std::uint64_t seed) {
   }
 }
 
-TEST(Ball, OperationsHoldEveryResult) {
+TEST(Ball, OperationsEncloseEveryResult) {
   expect_operations_to_hold_their_results<double>(1);
   expect_operations_to_hold_their_results<Quad>(2);
 }
@@ -78,7 +78,7 @@ TEST(Ball, IsNarrow) {
   }
 }
 
-TEST(Ball, BoundsLieBeyondTheNextDouble) {
+TEST(Ball, BoundsLieOutsideTheNextDouble) {
   Draw draw(4);
   for (int k = 0; k < 1000; ++k) {
     const double x = std::ldexp(draw.real(0.5, 1), -static_cast<int>(draw.below(1074)));
@@ -98,7 +98,7 @@ void expect_value_held(const Law& law, double t) {
   EXPECT_LE(value.radius(), 1e-26 * (1 + value.magnitude())) << "t = " << t;
 }
 
-TEST(Ball, HoldsTheValuesOfLaws) {
+TEST(Ball, EnclosesValuesOfLaws) {
   const std::vector<Law> laws = {
       Law::polynomial({1, -5, 10, -10, 5, -1}),  // (1 - t)^5: cancels near 1
       Law::harmonics({{0.7, 1.3, 0.4}, {1e-3, 1e4, 2}}, 0.1),
@@ -112,7 +112,7 @@ TEST(Ball, HoldsTheValuesOfLaws) {
   for (const double t : {12.5, 1e5 + 0.1}) expect_value_held(laws[1], t);
 }
 
-TEST(Ball, HoldsSinesAndCosines) {
+TEST(Ball, EnclosesSinesAndCosines) {
   Draw draw(5);
   for (int k = 0; k < 200; ++k) {
     const double x = any_double(draw), radius = draw.maybe() ? 0 : draw.real(0, 1e-3);
@@ -127,7 +127,7 @@ TEST(Ball, HoldsSinesAndCosines) {
 
 // ---- matrices
 
-TEST(BallMatrix, ProductHoldsEveryProduct) {
+TEST(BallMatrix, ProductEnclosesEveryProduct) {
   Draw draw(6);
   for (const Eigen::Index n : {1, 3, 17}) {
     Eigen::MatrixXd c(n, n);
@@ -192,7 +192,7 @@ TEST(SolutionProof, HoldsUpToTheOtherSolution) {
   }
 }
 
-TEST(SolutionProof, TakesInWhatTheInputsMayBe) {
+TEST(SolutionProof, CoversTheRangesOfItsInputs) {
   const double s = 0.5;
   for (const double e : {1e-14, 1e-9, -1e-4}) {
     const SolutionProof proof = prove_root(s, 0, e);
@@ -204,7 +204,7 @@ TEST(SolutionProof, TakesInWhatTheInputsMayBe) {
 }
 
 // x^2 = h has no real solution for h < 0, and one too far away is not found.
-TEST(SolutionProof, FailsWhereItMust) {
+TEST(SolutionProof, FailsWithoutANearbySolution) {
   const auto none = [](double x, double h) {
     QuadraticEquations equations{rounded({Exact(x) * Exact(x) - Exact(h)}, 1),
                                  rounded({2 * Exact(x)}, 1),
@@ -222,7 +222,7 @@ TEST(SolutionProof, FailsWhereItMust) {
 }
 
 // Three equations that couple all unknowns, with a known solution in thirds of a power of two.
-TEST(SolutionProof, HoldsForSystemsThatAreBadlyConditioned) {
+TEST(SolutionProof, HoldsForIllConditionedSystems) {
   Draw draw(7);
   for (int k = 0; k < 200; ++k) {
     constexpr int n = 3;

@@ -57,7 +57,7 @@ Scene almost_parallelogram(double delta, double step, int turns = 1) {
 
 // Plain Newton ends up to 2 m off with a perfect residual from delta = 1e-6 on. Here every row of the table follows the
 // branch over the whole turn; a run that says otherwise - a status, or an event with its time - is right up to there.
-TEST(AlmostParallelogram, FollowsTheBranchOrSaysSo) {
+TEST(AlmostParallelogram, FollowsTheBranchOrReportsDoubt) {
   for (const double delta : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 3e-13, 1e-13}) {
     for (const double step : {0.01, 0.0033, 0.0625}) {
       for (const std::string& strategy : strategies()) {
@@ -126,7 +126,7 @@ TEST(Parallelogram, PassesItsChangePoints) {
 
 // A rhombus whose crank swings a little or far beyond the line where its branches cross, by steps from an eighth to a
 // thousandth of the swing: whatever ends early or passes says so, and no row before is on the other branch.
-TEST(Rhombus, KeepsItsBranchWhateverTheStepAndThePredictor) {
+TEST(Rhombus, KeepsItsBranchForEveryStepAndPredictor) {
   int arrived = 0;
   for (const double swing : {1.5709, 1.575, 1.58, 1.6, 1.65, 1.7, 1.8, 2.0, 2.5}) {
     for (const double steps : {37, 50, 77, 100, 133, 200, 317, 500, 1000}) {
@@ -151,7 +151,7 @@ TEST(Rhombus, KeepsItsBranchWhateverTheStepAndThePredictor) {
 }
 
 // The outputs that are wanted decide nothing: where rates are needed they are computed.
-TEST(Parallelogram, PassesItsChangePointsForPositionsAlone) {
+TEST(Parallelogram, PassesItsChangePointsWithPositionsOnly) {
   const double step = 0.0033;
   const Result whole = test::run(almost_parallelogram(0, step, 2), "groups/eigen");
   ASSERT_TRUE(whole.report().status.arrived());
@@ -171,7 +171,7 @@ TEST(Parallelogram, PassesItsChangePointsForPositionsAlone) {
 
 // A row on the change point itself has no velocity that the equations know: then the run ends with a status, never on
 // the other branch.
-TEST(Parallelogram, StopsWhereItCannotKnow) {
+TEST(Parallelogram, StopsIfTheBranchIsUndecidable) {
   for (const auto& [step, strategy] :
        {std::pair{0.01, std::string("groups/eigen")}, {0.005, std::string("global/eigen")}}) {
     SCOPED_TRACE(strategy + " dt " + std::to_string(step));

@@ -70,7 +70,7 @@ std::string in_scenes(const std::string& file) { return std::string(ASSUR_SOURCE
 
 const char* const kFormulations[] = {"global/eigen", "groups/eigen", "irreducible/eigen"};
 
-TEST(Certificate, HoldsTheTruthOfEveryScene) {
+TEST(Certificate, EnclosesTheTruthOfEveryScene) {
   for (const char* text : {"four_bar", "slider_crank:offset=0.02", "andrews", "stewart", "n_four_bar:5",
                            "rings:legs=3,n=12", "rings:legs=1,n=60,terminal=24"}) {
     for (const char* strategy : kFormulations) {
@@ -81,7 +81,7 @@ TEST(Certificate, HoldsTheTruthOfEveryScene) {
   }
 }
 
-TEST(Certificate, HoldsTheTruthOfEveryFile) {
+TEST(Certificate, EnclosesTheTruthOfEveryFile) {
   for (const char* file : {"almost_parallelogram.json", "andrews.json", "four_bar.json", "gough.json",
                            "slider_crank.json", "stewart.json"}) {
     const Largest found = expect_truth_inside(open_scene(in_scenes(file)), "auto", 100);
@@ -91,7 +91,7 @@ TEST(Certificate, HoldsTheTruthOfEveryFile) {
 
 // All inputs are constants and there is one group, so that nothing is lost but what is of second order: the condition,
 // at most 6e5 here, times the rounding of the 18 unknowns' matrices.
-TEST(Certificate, OfAGoughPostureIsTheErrorItself) {
+TEST(Certificate, RadiusOfAGoughPostureIsItsError) {
   for (int k = 1; k <= 40; ++k) {
     const Largest found = expect_truth_inside(sample("gough:posture=" + std::to_string(k)), "auto");
     EXPECT_EQ(found.proven, found.rows) << k;
@@ -99,14 +99,14 @@ TEST(Certificate, OfAGoughPostureIsTheErrorItself) {
   }
 }
 
-TEST(Certificate, HoldsTheTruthThroughManyLevels) {
+TEST(Certificate, EnclosesTheTruthThroughManyLevels) {
   for (const char* text : {"four_bar:20", "n_four_bar:20"}) {
     const Largest found = expect_truth_inside(sample(text), "irreducible/eigen", 50);
     EXPECT_EQ(found.proven, found.rows) << text;
   }
 }
 
-TEST(Certificate, HoldsTheTruthOfRandomMechanisms) {
+TEST(Certificate, EnclosesTheTruthOfRandomMechanisms) {
   Draw draw(11);
   for (int k = 0; k < 12; ++k) {
     const Scene scene = k % 2 == 0 ? test::planar_mechanism(draw) : test::spatial_mechanism(draw);
@@ -129,7 +129,7 @@ Scene three_cranks() {
   return b.time(0, 1, 0.05).build();
 }
 
-TEST(Certificate, LeavesOutWhatIsRedundant) {
+TEST(Certificate, LeavesOutRedundantEquations) {
   ASSERT_EQ(prepare(three_cranks()).structure->checks.size(), 1U);
   for (const char* strategy : kFormulations) {
     const Largest found = expect_truth_inside(three_cranks(), strategy);
@@ -160,7 +160,7 @@ TEST(Certificate, IsAsNarrowAsTheConditionAllows) {
 
 // ---- postures that are wrong
 
-TEST(Certificate, OfAPostureThatIsOffHoldsTheTruthOrFails) {
+TEST(Certificate, EnclosesTheTruthOrFailsForAWrongPosture) {
   for (const char* text : {"stewart", "four_bar:3", "rings:legs=2,n=24"}) {
     const Prepared prepared = prepare(sample(text), {"groups/eigen", {}});
     Simulator simulator(prepared);
@@ -253,7 +253,7 @@ Callback circle() {
 }
 
 // P on a circle that is a callback, Q on P and on a fixed point, R on a fixed point of its own.
-TEST(Certificate, OfACallbackThereIsNoneNorBehindIt) {
+TEST(Certificate, FailsForCallbacksAndGroupsAfterThem) {
   const Scene scene = SceneBuilder("circle", 2)
                           .point("P", {1, 0, 0})
                           .constrain("circle", circle())
@@ -284,13 +284,13 @@ TEST(Certificate, OfACallbackThereIsNoneNorBehindIt) {
   EXPECT_LE(radius("R", 0), 1e-14);
 }
 
-TEST(Certificate, OfControlledDriversThereIsNone) {
+TEST(Certificate, FailsForControlledDrivers) {
   Simulator simulator = test::simulator(sample("four_bar"), "groups/eigen", {}, {"motor"});
   const Certificate certificate = certify(simulator);
   EXPECT_NE(certificate.why_not.find("driver"), std::string::npos) << certificate.why_not;
 }
 
-TEST(Certificate, OfGroupsThatAreTooLargeThereIsNone) {
+TEST(Certificate, FailsForTooLargeGroups) {
   const Simulator simulator = test::simulator(sample("rings:legs=1,n=420"), "irreducible/" + test::sparse());
   const Certificate certificate = certify(simulator);
   EXPECT_NE(certificate.why_not.find("420 unknowns"), std::string::npos) << certificate.why_not;
@@ -298,7 +298,7 @@ TEST(Certificate, OfGroupsThatAreTooLargeThereIsNone) {
 
 // ---- of a run
 
-TEST(Certificate, OfARunIsOneOfEachRow) {
+TEST(Certificate, CertifiesEachRowOfARun) {
   const Scene scene = sample("four_bar:2").with_time({0, 0.02, 0.001});
   const Prepared prepared = prepare(scene, {"groups/eigen", {}});
   Simulator simulator(prepared);
@@ -320,7 +320,7 @@ TEST(Certificate, OfARunIsOneOfEachRow) {
   EXPECT_TRUE(std::isinf(worst_of({}).radius));
 }
 
-TEST(Certificate, IsOnlyForTheStepsOfThePlan) {
+TEST(Certificate, FailsForOtherStepLimits) {
   const Prepared prepared = prepare(sample("stewart").with_time({0, 0.1, 0.01}), {"groups/eigen+predict=taylor:0", {}});
   StepLimits limits;
   limits.iterations = 1;  // too few

@@ -96,7 +96,7 @@ TEST(Chains, CrankRockersFollowTheClosedForm) {
   expect_closed_form(kMiddle, "global/" + test::sparse());
 }
 
-TEST(Chains, AThousandLoops) { expect_closed_form(kLong, "groups/eigen"); }
+TEST(Chains, SolvesAThousandLoops) { expect_closed_form(kLong, "groups/eigen"); }
 
 TEST(Chains, RhombiFollowTheClosedForm) {
   expect_closed_form(kRhombi, "groups/eigen");
@@ -129,7 +129,7 @@ TEST(Rings, TakeTwoIterationsAtMost) {
   }
 }
 
-TEST(Rings, DenseAndGlobalAreTheSameMotion) {
+TEST(Rings, DenseAndGlobalGiveTheSameMotion) {
   const Scene scene = sample("rings:legs=3,n=24", {{"steps", 200}});
   const Result groups = test::run(scene, "groups/" + test::sparse());
   for (const std::string strategy : {"groups/eigen", "global/eigen", "irreducible/eigen"}) {

@@ -27,7 +27,7 @@ void expect_covered(const Scene& scene, const std::string& strategy) {
 }
 
 // A slider passes a point of its own line at a distance of 1e-6: all derivatives of the direction are rounding.
-TEST(ClosePoints, OnALine) {
+TEST(ClosePoints, HandleASliderThatPassesAPoint) {
   SceneBuilder builder("slider", 2);
   builder.fixed_point("A", {0, 0, 0}).fixed_point("F", {1.0789035682494987, 1.438538090999332, 0});
   builder.fixed_vector("along", {0.6, 0.8, 0});
@@ -42,7 +42,7 @@ TEST(ClosePoints, OnALine) {
 }
 
 // It passes through the point at t = 0.856: which way round the direction turns there is a guess, by a whole turn.
-TEST(ClosePoints, ThatMeetLeaveAWholeTurnInDoubt) {
+TEST(ClosePoints, ReportDoubtfulTurnsIfTheyMeet) {
   const Scene scene = parse_scene(R"({"assur": 1, "name": "close", "dimension": 2,
     "points": {"A": {"at": [0, 0], "fixed": true}, "B": {"at": [0.5, 0]}, "C": {"at": [1.07, 1.43]},
                "F": {"at": [1.0789035682494987, 1.438538090999332], "fixed": true}},
@@ -68,7 +68,7 @@ TEST(ClosePoints, ThatMeetLeaveAWholeTurnInDoubt) {
 }
 
 // The rocker of a four-bar passes a fixed point, or a direction, at 1e-3 to 1e-9.
-TEST(ClosePoints, OfRandomFourBars) {
+TEST(ClosePoints, HandleRandomFourBars) {
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     SCOPED_TRACE(seed);
     std::mt19937_64 random(seed);

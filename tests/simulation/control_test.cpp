@@ -11,7 +11,7 @@ using test::Result;
 
 constexpr double kOmega = 6.283185307179586;
 
-TEST(Control, TracksALawThatIsSetStepByStep) {
+TEST(Control, TracksALawSetStepByStep) {
   const Scene scene = sample("four_bar:loops=3,step=0.005,steps=400");
   const Law law = Law::polynomial({0, 1, 0.5}) + Law::harmonics({{0.2, 1.5, 0.3}}, -0.2 * std::sin(0.3));
   for (const std::string strategy : {"groups/eigen", "irreducible/eigen+once", "global/eigen+predict=taylor:1"}) {
@@ -80,8 +80,9 @@ TEST(Control, UnknownDriverIsRefused) {
     platform.set("pose", 1);
     FAIL();
   } catch (const Error& e) {
-    EXPECT_STREQ(e.what(),
-                 "'pose' is not a controlled driver; there are: pose.x, pose.y, pose.z, pose.psi, pose.theta, pose.phi");
+    EXPECT_STREQ(
+        e.what(),
+        "'pose' is not a controlled driver; there are: pose.x, pose.y, pose.z, pose.psi, pose.theta, pose.phi");
   }
   Simulator uncontrolled = test::simulator(sample("four_bar"));
   EXPECT_THROW(uncontrolled.set("motor", 1), Error);
@@ -96,7 +97,7 @@ double coupler_error(const Simulator& s) {
   return std::abs(std::hypot(s.output("C.x") - s.output("B.x"), s.output("C.y") - s.output("B.y")) - 1);
 }
 
-TEST(Control, ImpossibleAimKeepsTheLastGoodPosture) {
+TEST(Control, AnImpossibleCommandKeepsTheLastPosture) {
   for (const std::string strategy : {"groups/eigen", "global/eigen+predict=past:3", "irreducible/eigen+once"}) {
     SCOPED_TRACE(strategy);
     Simulator s = test::simulator(limited(), strategy, {}, {"motor"});
@@ -132,7 +133,7 @@ TEST(Control, ImpossibleAimKeepsTheLastGoodPosture) {
   }
 }
 
-TEST(Control, ADriverThatIsNotSetAgainRests) {
+TEST(Control, ADriverRestsUntilItIsSetAgain) {
   Simulator s = test::simulator(sample("four_bar:step=0.01"), "auto", {}, {"motor"});
   s.set("motor", 0.1, 3, 2);
   ASSERT_TRUE(s.step().ok());
@@ -144,7 +145,7 @@ TEST(Control, ADriverThatIsNotSetAgainRests) {
   EXPECT_EQ(s.output("B1.ax"), 0);
 }
 
-TEST(Control, WhatIsNotFiniteFailsTheStepAndNamesTheDriver) {
+TEST(Control, NonFiniteCommandsFailAndNameTheDriver) {
   const std::string strategy = "groups/eigen";
   for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
     for (int part = 0; part < 3; ++part) {
@@ -175,7 +176,7 @@ TEST(Control, WhatIsNotFiniteFailsTheStepAndNamesTheDriver) {
   }
 }
 
-TEST(Control, APartOfAPoseThatIsNotFiniteIsNamed) {
+TEST(Control, NamesTheNonFinitePartOfAPose) {
   Simulator s = test::simulator(sample("stewart"), "groups/eigen", {}, {"pose"});
   s.set("pose.z", 0.5);
   s.set("pose.theta", std::nan(""));
@@ -186,7 +187,7 @@ TEST(Control, APartOfAPoseThatIsNotFiniteIsNamed) {
   ASSERT_TRUE(s.step().ok());
 }
 
-TEST(Control, UntilTheFirstSetTheLawServes) {
+TEST(Control, TheLawAppliesUntilTheFirstSet) {
   Simulator s = test::simulator(sample("four_bar:step=0.01"), "auto", {}, {"motor"});
   for (int k = 1; k <= 7; ++k) ASSERT_TRUE(s.step().ok());
   EXPECT_NEAR(s.output("B0.x"), 0.8 * std::cos(kOmega * s.time()), 8 * kEps);

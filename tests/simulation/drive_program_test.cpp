@@ -65,7 +65,7 @@ void expect_as_defined(const System& s, double t) {
 
 System system_of(const Scene& scene) { return lower(std::make_shared<const Scene>(scene), {}, false); }
 
-TEST(DriveProgram, ComputesWhatDriversOfTheSamplesAre) {
+TEST(DriveProgram, ComputesTheDriversOfTheSamples) {
   for (const char* text : {"stewart", "stewart:platforms=3", "four_bar:3", "andrews", "slider_crank", "rings:legs=3",
                            "gough:7", "hexapod", "hexapod:drive=legs"}) {
     SCOPED_TRACE(text);
@@ -111,7 +111,7 @@ TEST(DriveProgram, ComputesEveryKindOfDriverAndLaw) {
   }
 }
 
-TEST(DriveProgram, LeavesOutWhatNobodyReads) {
+TEST(DriveProgram, LeavesOutUnusedLaws) {
   const System s = system_of(in_space());
   const auto input = static_cast<std::size_t>(
       std::find_if(s.inputs.begin(), s.inputs.end(), [](const DriverInput& in) { return in.must_not_vanish; }) -
@@ -129,7 +129,7 @@ TEST(DriveProgram, LeavesOutWhatNobodyReads) {
   }
 }
 
-TEST(DriveProgram, AskedForNoLawThatIsReplaced) {
+TEST(DriveProgram, DoesNotCallReplacedLaws) {
   int asked = 0;
   SceneBuilder b("asked", 2);
   b.point("X", {4, 0, 0}).drive("y", DrivenCoordinate{"X.y", Law::table({0, 1}, {0, 1})});

@@ -33,7 +33,7 @@ Scene pointer(int dimension, double guess, double start) {
 }
 
 // Newton's method ends half a turn away from guesses that are off by more than a right angle.
-TEST(DriverValues, OfARelativeAngleFromAnyGuess) {
+TEST(DriverValues, RelativeAnglesMatchTheLawFromAnyGuess) {
   for (const int dimension : {2, 3}) {
     for (int degrees = -180; degrees <= 180; degrees += 10) {
       const double off = degrees * kPi / 180;
@@ -52,7 +52,7 @@ TEST(DriverValues, OfARelativeAngleFromAnyGuess) {
 }
 
 // The arms of a delta robot: the elbow's angle, by atan2 of the elbow's position, is the law's.
-TEST(DriverValues, OfADeltaRobotFromArmsThatPointElsewhere) {
+TEST(DriverValues, DeltaRobotsMatchTheLawFromPoorGuesses) {
   const references::Delta delta;
   for (const double off : {0.4, 1.7, 2.2, -1.7, kPi}) {
     SceneBuilder b = delta.scene({0.2 + off, 0.2 + off, 0.2 + off}, 0.2);
@@ -227,7 +227,7 @@ class Maker {
 };
 
 // Measures are evaluated from positions, not from what drives them.
-TEST(DriverValues, AreTheLawsOrRefusedByName) {
+TEST(DriverValues, MatchTheLawsOrAreRefusedByName) {
   int run = 0, refused = 0, far = 0;
   for (unsigned seed = 1; seed <= 2000; ++seed) {
     const Case c = Maker(seed).any();
@@ -265,7 +265,7 @@ SceneBuilder vanishing(const std::string& name) {
   return b;
 }
 
-TEST(DriverValues, AnAngleWhoseLeverVanishesStopsTheRunByName) {
+TEST(DriverValues, AVanishingLeverStopsTheRunAndIsNamed) {
   for (const double step : {0.0625, 0.3, 1.5}) {
     const Scene scene = vanishing("vanishing").time(0, 1.5, step).build();
     Simulator s = test::simulator(scene, "irreducible/eigen");
@@ -282,7 +282,7 @@ TEST(DriverValues, AnAngleWhoseLeverVanishesStopsTheRunByName) {
 }
 
 // So it does in chunks, in lanes side by side, and from a saved plan.
-TEST(DriverValues, AnAngleWhoseLeverVanishesStopsEveryKindOfRun) {
+TEST(DriverValues, AVanishingLeverStopsEveryKindOfRun) {
   const Scene scene = vanishing("vanishing").time(0, 1.5, 0.0625).build();
   const double reached = 15 * 0.0625;
   Simulator chunks = test::simulator(scene, "irreducible/lanes:4+chunks=8");
@@ -312,7 +312,7 @@ TEST(DriverValues, AnAngleWhoseLeverVanishesStopsEveryKindOfRun) {
 }
 
 // The axis of the angle leans until it is along the first direction: the motor turns nothing there.
-TEST(DriverValues, AnAxisThatTurnsAlongADirectionStopsTheRunByName) {
+TEST(DriverValues, AnAxisAlongADirectionStopsTheRunAndIsNamed) {
   SceneBuilder b("leaning", 3);
   b.fixed_vector("x", {1, 0, 0}).fixed_vector("y", {0, 1, 0}).fixed_vector("z", {0, 0, 1});
   b.vector("a", {0, 0, 1}).constrain("a_y", Dot{"a", "y", 0.0});
@@ -358,7 +358,7 @@ TEST(DriverValues, AnAxisAlongADirectionOfItsBodyIsRefused) {
 
 // The equations of a declared group hold for a mirror image of a posed frame, and for frames with two axes turned
 // about: from these the frame is led to its law, the mirror image is refused.
-TEST(DriverValues, OfAPoseFromAFrameThatIsTurnedAbout) {
+TEST(DriverValues, PosesMatchTheLawFromATurnedFrame) {
   for (const Triple& sign : {Triple{-1, -1, 1}, Triple{1, -1, -1}, Triple{-1, 1, -1}, Triple{-1, -1, -1}}) {
     SceneBuilder b("posed", 3);
     b.point("O", {0, 0, 0});
@@ -386,7 +386,7 @@ TEST(DriverValues, OfAPoseFromAFrameThatIsTurnedAbout) {
 }
 
 // An axis whose length follows from other equations, and is not 1, scales the sine of the angle.
-TEST(DriverValues, AnAxisThatIsNoUnitVectorIsRefused) {
+TEST(DriverValues, RefusesAnAxisThatIsNoUnitVector) {
   SceneBuilder b("long_axis", 3);
   b.fixed_vector("x", {1, 0, 0}).fixed_vector("z", {0, 0, 1});
   b.add(Vector{"a", {0, 0, 1}, false, false}).constrain("twice", Linear{{{"a", 1.0}, {"z", -2.0}}, {}});

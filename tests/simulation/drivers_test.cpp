@@ -173,7 +173,7 @@ TEST(Bodies, BaseOfThreePointsInAGroup) {
   });
 }
 
-TEST(Bodies, ThatTranslate) {
+TEST(Bodies, Translate) {
   const Law x = swing(0.4, 1, 0), z = Law::polynomial({0.1, 0.2, 0.3});
   SceneBuilder builder("shuttle", 3);
   builder.point("O", {0, 0.5, 0.1});
@@ -188,7 +188,7 @@ TEST(Bodies, ThatTranslate) {
 }
 
 // Both coordinates in a plane that itself turns are driven.
-TEST(Drivers, OfLambdaAndMuInAMovingPlane) {
+TEST(Drivers, DriveLambdaAndMuInAMovingPlane) {
   const Law lambda = swing(0.3, 1, 0, 1), mu = swing(0.4, 2, 0.5), psi = swing(0.7, 1, 0);
   SceneBuilder builder("table", 3);
   builder.point("O", {0, 0, 0}).vector("u", {1, 0, 0}).vector("v", {0, 1, 0}).vector("w", {0, 0, 1});
@@ -210,7 +210,7 @@ TEST(Drivers, OfLambdaAndMuInAMovingPlane) {
 }
 
 // A telescope: P - A = lambda d along a turning unit vector, lambda through zero. The pattern does not change there.
-TEST(Drivers, OfTheLambdaOfAParallel) {
+TEST(Drivers, DriveTheLambdaOfAParallel) {
   const Law angle = Law::polynomial({0.1, 0.8}), lambda = swing(1, 1, 0.5);
   SceneBuilder builder("telescope", 2);
   const double start = std::sin(0.5);
@@ -248,7 +248,7 @@ Callback distance(const std::string& p, const std::string& q, double length) {
   return c;
 }
 
-TEST(Callbacks, ADistanceIsADistance) {
+TEST(Callbacks, ADistanceCallbackEqualsTheConstraint) {
   const Scene built_in = sample("four_bar:loops=2,step=0.005,steps=400");
   SceneBuilder builder("four_bar", 2);
   for (const Point& p : built_in.points()) builder.add(p);
@@ -274,7 +274,7 @@ TEST(Callbacks, ADistanceIsADistance) {
 }
 
 // Two to one: e = (d.x^2 - d.y^2, 2 d.x d.y) turns twice as fast as d.
-TEST(Callbacks, AGear) {
+TEST(Callbacks, ModelAGear) {
   const Law angle = Law::polynomial({0.1, 2, 0.3});
   Callback gear;
   gear.coordinates = {"D.x", "D.y", "E.x", "E.y"};
@@ -322,7 +322,7 @@ Scene three_rods(double third) {
   return builder.build();
 }
 
-TEST(Redundancy, AThirdParallelRodIsWatched) {
+TEST(Redundancy, ChecksAThirdParallelRod) {
   every_row(three_rods(1), [&](const Trajectory& r, std::size_t k, double t) {
     const double angle = 1 + 0.9 * std::sin(t);
     EXPECT_NEAR(r(k, r.index("R.x")), 2 + std::cos(angle), 4 * kValue);  // sine of coupler and rocker: down to 0.1

@@ -39,7 +39,7 @@ Scene leaving(std::size_t i) {
   return b.time(0, 1, 0.1).build();
 }
 
-TEST(Ensemble, RedundantEquationsAreWatched) {
+TEST(Ensemble, ChecksRedundantEquations) {
   for (const std::string strategy : {"groups/eigen:4", "global/eigen:2"}) {
     Ensemble e = ensemble(5, three_rods, strategy);
     const EnsembleTrajectory all = e.run();
@@ -59,7 +59,7 @@ TEST(Ensemble, RedundantEquationsAreWatched) {
 }
 
 // The lengths are in the functions, where nobody can compare them: each member has to ask its own.
-TEST(Ensemble, CallbacksAreThoseOfTheMember) {
+TEST(Ensemble, UsesTheCallbacksOfEachMember) {
   const SceneOf scene = [](std::size_t i) {
     const double rocker = 1.2 + 0.05 * static_cast<double>(i);
     return with_callback(rocker, test::distance_by_callback("D", "C", rocker));
@@ -84,7 +84,7 @@ struct Broken : std::runtime_error {
 };
 
 // The law of member 5; over even steps, and where a long one sends everybody on alone.
-TEST(Ensemble, WhatALawThrowsReachesTheCaller) {
+TEST(Ensemble, PropagatesExceptionsOfLaws) {
   const std::vector<double> even = {0, 0.1, 0.2, 0.3, 0.4, 0.5}, uneven = {0, 0.01, 0.25, 0.26, 0.4, 0.5};
   for (const std::string strategy : {"groups/eigen:1", "groups/eigen:4", "groups/eigen:2 3x1"}) {
     for (const bool an_error : {false, true}) {
@@ -111,7 +111,7 @@ TEST(Ensemble, WhatALawThrowsReachesTheCaller) {
 }
 
 // A member of its own, too, and a lane that goes on alone.
-TEST(Ensemble, WhatACallbackThrowsReachesTheCaller) {
+TEST(Ensemble, PropagatesExceptionsOfCallbacks) {
   auto armed = std::make_shared<std::atomic<bool>>(false);
   const SceneOf scene = [=](std::size_t) {
     Callback c = test::distance_by_callback("D", "C", 1.3);
@@ -143,7 +143,7 @@ std::string refusal(const std::function<void()>& what) {
   return "";
 }
 
-TEST(Ensemble, WhatMakesNoSenseIsRefused) {
+TEST(Ensemble, RefusesInvalidArguments) {
   EXPECT_EQ(refusal([] { (void)ensemble(0, four_bar); }), "an ensemble needs at least one member");
   EXPECT_NE(refusal([] { (void)Ensemble(1, prepared(four_bar, "groups/eigen"), {0, 0, 0}); }), "");
   EXPECT_NE(refusal([] {
@@ -161,7 +161,7 @@ TEST(Ensemble, WhatMakesNoSenseIsRefused) {
   EXPECT_THROW((void)ensemble(3, four_bar, "groups/nobody"), Error);
 }
 
-TEST(Ensemble, OwnTimesOfAnyLengthAndTwiceTheSame) {
+TEST(Ensemble, RunsOverOwnTimesRepeatedly) {
   Ensemble e = ensemble(5, four_bar);
   const std::vector<double> times = {0, 0.01, 0.01, 0.03, 0.04, 0.04, 0.06};
   const EnsembleTrajectory all = e.run(times);
@@ -174,7 +174,7 @@ TEST(Ensemble, OwnTimesOfAnyLengthAndTwiceTheSame) {
   EXPECT_EQ(e.report().status.code, Code::ok);
 }
 
-TEST(Ensemble, OneMemberAndFewerThanLanes) {
+TEST(Ensemble, RunsFewerMembersThanLanes) {
   for (const std::size_t members : {1u, 2u, 3u, 5u, 9u}) {
     Ensemble e = ensemble(members, four_bar, "groups/lanes:8 2x1");
     const EnsembleTrajectory all = e.run();
@@ -185,7 +185,7 @@ TEST(Ensemble, OneMemberAndFewerThanLanes) {
 }
 
 // The paper's tEnd2: one correction each, converged or not.
-TEST(Ensemble, AFixedNumberOfIterationsIsThatOfASimulator) {
+TEST(Ensemble, FixedIterationsEqualThoseOfASimulator) {
   const SceneOf scene = [](std::size_t i) {
     return sample("four_bar:2", {{"omega", 1.0 + share(i, 5)}, {"steps", 40}});
   };
@@ -205,7 +205,7 @@ TEST(Ensemble, AFixedNumberOfIterationsIsThatOfASimulator) {
   }
 }
 
-TEST(Ensemble, ThreadsArePinnedAsAsked) {
+TEST(Ensemble, PinsItsThreads) {
   const std::vector<std::int32_t> cores = this_machine().cores;
   if (cores.size() < 2) GTEST_SKIP() << "one core";
   StepLimits pinned;
@@ -218,7 +218,7 @@ TEST(Ensemble, ThreadsArePinnedAsAsked) {
 }
 
 // Twice as many steps take not one allocation more. With several threads it depends on who takes which tile.
-TEST(Ensemble, StepsTakeNoMemory) {
+TEST(Ensemble, StepsAllocateNothing) {
   for (const std::string strategy : {"groups/eigen:4", "irreducible/lanes:8+once", "groups/lanes:2"}) {
     Ensemble e = ensemble(16, chain, strategy);
     const std::vector<double> grid = test::grid_of(chain(0));
@@ -232,7 +232,7 @@ TEST(Ensemble, StepsTakeNoMemory) {
   }
 }
 
-TEST(Ensemble, AnObserverHearsOfEveryRowAndStops) {
+TEST(Ensemble, AnObserverIsCalledForEveryRowAndStops) {
   for (const std::string strategy : {"groups/eigen:2", "groups/eigen:4 2x1"}) {
     SCOPED_TRACE(strategy);
     Ensemble e = ensemble(7, four_bar, strategy);
@@ -279,7 +279,7 @@ TEST(Ensemble, AnObserverStopsMembersOfAnotherStructure) {
   EXPECT_EQ(e.outcomes()[2].status.code, Code::interrupted);
 }
 
-TEST(Ensemble, CsvHasTheRowsThatAreThere) {
+TEST(Ensemble, CsvHasAllFinishedRows) {
   Ensemble e = ensemble(3, [](std::size_t i) { return i == 1 ? partly_limited(3) : partly_limited(10); });
   const EnsembleTrajectory all = e.run();
   std::ostringstream out;

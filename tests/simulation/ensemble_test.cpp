@@ -8,7 +8,7 @@
 namespace assur::test {
 namespace {
 
-TEST(Ensemble, MembersAreWhatASimulatorOfEachGives) {
+TEST(Ensemble, MembersEqualSingleSimulators) {
   for (const int lanes : {1, 2, 4, 8, 16}) {
     for (const std::string backend : {"eigen", "lanes"}) {
       const std::string strategy = "groups/" + backend + ":" + std::to_string(lanes);
@@ -24,7 +24,7 @@ TEST(Ensemble, MembersAreWhatASimulatorOfEachGives) {
   }
 }
 
-TEST(Ensemble, OfStewartPlatforms) {
+TEST(Ensemble, RunsStewartPlatforms) {
   const std::string sparse = "groups/" + test::sparse() + ":4+once+predict=hermite:5";
   for (const std::string& strategy : {std::string("irreducible/lanes:8"), sparse,
                                       std::string("global/eigen:2+reuse=run"), std::string("groups/eigen:16+float")}) {
@@ -36,7 +36,7 @@ TEST(Ensemble, OfStewartPlatforms) {
 }
 
 // Idle lanes in the last tile repeat its first lane.
-TEST(Ensemble, IdenticalMembersAreIdenticalBitForBit) {
+TEST(Ensemble, IdenticalMembersAreBitwiseEqual) {
   for (const std::string strategy : {"groups/eigen:1", "groups/eigen:4", "irreducible/lanes:8", "global/lanes:16"}) {
     const EnsembleTrajectory all = ensemble(
                                        11, [](std::size_t) { return four_bar(3); }, strategy)
@@ -49,7 +49,7 @@ TEST(Ensemble, IdenticalMembersAreIdenticalBitForBit) {
   }
 }
 
-TEST(Ensemble, ThreadsChangeNoBit) {
+TEST(Ensemble, ResultsAreBitwiseEqualForAllThreads) {
   for (const SceneOf& scene : {SceneOf(four_bar), SceneOf(partly_limited)}) {
     for (const std::string solver : {"groups/eigen:4", "groups/lanes:2", "irreducible/lanes:8+once"}) {
       Ensemble one = ensemble(11, scene, solver);
@@ -71,7 +71,7 @@ TEST(Ensemble, ThreadsChangeNoBit) {
   }
 }
 
-TEST(Ensemble, AMemberAtItsLimitDoesNotHoldUpTheOthers) {
+TEST(Ensemble, AMemberAtItsLimitDoesNotStopTheOthers) {
   for (const std::string strategy :
        {"groups/eigen:4", "irreducible/lanes:8", "global/eigen:16", "groups/eigen:2 2x1"}) {
     Ensemble e = ensemble(11, partly_limited, strategy);
@@ -94,7 +94,7 @@ TEST(Ensemble, AMemberAtItsLimitDoesNotHoldUpTheOthers) {
   }
 }
 
-TEST(Ensemble, TheFirstMemberMayBeTheOneThatCannot) {
+TEST(Ensemble, TheFirstMemberMayFail) {
   Ensemble e = ensemble(
       5, [](std::size_t i) { return partly_limited(i + 3); }, "groups/eigen:2");
   const EnsembleTrajectory all = e.run();
@@ -119,7 +119,7 @@ TEST(Ensemble, AMemberPassesAChangePoint) {
 // ---- members that are different
 
 // Polynomials, waves, tables (one of which ends), functions, and the same law twice.
-TEST(Ensemble, MembersWithOtherLaws) {
+TEST(Ensemble, MembersMayHaveOtherLaws) {
   const std::vector<double> times = test::grid_of(with_law({}));
   const SceneOf scene = [](std::size_t i) {
     const std::vector<double> knots = {0, 0.2, 0.4, 0.7, 1}, angles = {0, 0.3, 1, 2, 2.5};
@@ -220,7 +220,7 @@ TEST(Ensemble, AMemberWithOtherOutputsCannotTakePart) {
 }
 
 // A driven distance in one, a driven coordinate in the other: the same unknowns, another kind of input.
-TEST(Ensemble, AnActuatorThatVanishesIsItsMembersOutcome) {
+TEST(Ensemble, AVanishingActuatorStopsOnlyItsMember) {
   const SceneOf scene = [](std::size_t i) {
     SceneBuilder b("jack", 2);
     b.fixed_point("A", {0, 0, 0}).fixed_point("D", {1, 0, 0}).point("P", {0.5, 0.6, 0});

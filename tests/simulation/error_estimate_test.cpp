@@ -59,7 +59,7 @@ TEST(ErrorEstimate, IsNearTheTruth) {
 }
 
 // Fixed numbers of iterations leave what they leave; the estimate sees it.
-TEST(ErrorEstimate, SeesWhatNewtonLeft) {
+TEST(ErrorEstimate, SeesTheResidualOfNewtonsMethod) {
   for (const std::string strategy : {"groups/eigen+predict=taylor:0", "irreducible/lanes:4+predict=taylor:1"}) {
     const Result r = test::run(sample("stewart:steps=50"), strategy, {.iterations = 1});
     const ForwardError truth = forward_error(r.simulator.prepared(), r.trajectory), guess = estimated(r.report());
@@ -87,7 +87,7 @@ Scene standing_bars(double missed, bool crank) {
 
 constexpr double kBetween = 1e-9;  // the errors at 1e-11 and 1e-12
 
-TEST(ErrorEstimate, OfWhatStandsStill) {
+TEST(ErrorEstimate, CoversMechanismsAtRest) {
   for (const bool crank : {false, true}) {
     for (double missed = 0.1; missed > 1e-13; missed /= 10) {
       SCOPED_TRACE(std::to_string(std::log10(missed)) + (crank ? ", with a crank" : ""));
@@ -106,13 +106,13 @@ TEST(ErrorEstimate, OfWhatStandsStill) {
   EXPECT_LE(estimated(gough.report()).position, 1000 * truth);
 }
 
-TEST(ErrorEstimate, IsTheSameForAnyThreads) {
+TEST(ErrorEstimate, IsEqualForAllThreads) {
   const Scene scene = sample("rings:legs=6,n=24,steps=20");
   const Result one = test::run(scene, "groups/eigen"), two = test::run(scene, "groups/eigen 2x1");
   EXPECT_EQ(worst(estimated(one.report())), worst(estimated(two.report())));
 }
 
-TEST(ErrorEstimate, DoesNotTouchTheMotion) {
+TEST(ErrorEstimate, DoesNotChangeTheMotion) {
   // Every step is measured, or hardly any.
   const Scene scene = sample("stewart:steps=40");
   const Result seldom = test::run(scene, "groups/eigen");
@@ -127,7 +127,7 @@ TEST(ErrorEstimate, DoesNotTouchTheMotion) {
 
 // Of mechanisms at random, near the origin and up to 1e7 lengths from it, 99 of 100 errors are at most three times the
 // estimate, and no estimate is in doubt without reason.
-TEST(ErrorEstimate, OfRandomMechanismsIsHonest) {
+TEST(ErrorEstimate, IsHonestForRandomMechanisms) {
   test::Draw draw(11);
   const std::vector<std::string> strategies = {"irreducible/eigen", "global/eigen", "irreducible/lanes",
                                                "groups/" + test::sparse()};
@@ -209,7 +209,7 @@ TEST(Accuracy, IsReachedWithRedundantEquations) {
   }
 }
 
-TEST(Accuracy, BuysWorkWhereThereIsWorkToSave) {
+TEST(Accuracy, LowerAccuracySavesWork) {
   const auto iterations = [](double asked) {
     Simulator s(prepare(sample("stewart:steps=100"), {.strategy = "irreducible/eigen", .accuracy = asked}));
     s.run();
@@ -218,7 +218,7 @@ TEST(Accuracy, BuysWorkWhereThereIsWorkToSave) {
   EXPECT_LT(2 * iterations(1e-6), iterations(1e-12));
 }
 
-TEST(Accuracy, BeyondReachIsTold) {
+TEST(Accuracy, ReportsUnreachableAccuracy) {
   const Prepared p = prepare(sample("four_bar:20"), {.strategy = "irreducible/eigen", .accuracy = 1e-15});
   Simulator s(p);
   const Trajectory rows = s.run();
@@ -235,7 +235,7 @@ TEST(Accuracy, BeyondReachIsTold) {
 }
 
 // A doubt stays with the run, however well it goes on.
-TEST(Accuracy, ADoubtIsNotForgotten) {
+TEST(Accuracy, KeepsADoubtUntilItIsMeasuredAgain) {
   const Scene scene = sample("almost_parallelogram:delta=1e-12,step=0.01,steps=100");
   Simulator s = test::simulator(scene, "global/eigen+predict=taylor:2");
   Status worst, last;
@@ -253,7 +253,7 @@ TEST(Accuracy, ADoubtIsNotForgotten) {
 }
 
 // What somebody measures by hand counts as well: a figure beyond what was asked for has a status that says so.
-TEST(Accuracy, WhatIsExaminedCounts) {
+TEST(Accuracy, ExaminedErrorsCount) {
   const Scene scene = sample("almost_parallelogram:delta=1e-9,step=0.01,steps=100");
   Simulator s(prepare(scene, {.strategy = "global/eigen+predict=taylor:2", .accuracy = 1e-8}));
   bool doubted = false;
@@ -271,7 +271,7 @@ TEST(Accuracy, WhatIsExaminedCounts) {
 // ---- side by side
 
 // A healthy member is not doubted because of its neighbour, and the other way round.
-TEST(Accuracy, OfEachMemberOfAnEnsemble) {
+TEST(Accuracy, AppliesToEachMemberOfAnEnsemble) {
   const std::vector<std::string> deltas = {"1e-3", "1e-12", "1e-2", "1e-4", "1e-12"};
   const auto member = [&](std::size_t i) {
     const Scene scene = sample("almost_parallelogram:delta=" + deltas[i] + ",step=0.01,steps=100");
@@ -305,7 +305,7 @@ TEST(Accuracy, OfEachMemberOfAnEnsemble) {
 }
 
 // A measurement costs as much as some steps: where a doubt lasts, not every step pays for one.
-TEST(Accuracy, ADoubtThatLastsIsNotMeasuredInEachStep) {
+TEST(Accuracy, DoesNotMeasureALastingDoubtInEachStep) {
   const auto calls = [](double accuracy) {
     const auto count = std::make_shared<int>(0);
     Callback rocker = test::distance_by_callback("D", "C", 1.3);
@@ -324,7 +324,7 @@ TEST(Accuracy, ADoubtThatLastsIsNotMeasuredInEachStep) {
   EXPECT_LE(calls(1e-18), 1.2 * calls(0));
 }
 
-TEST(Accuracy, OfMembersThatStandStill) {
+TEST(Accuracy, HandlesMembersAtRest) {
   const std::vector<double> missed = {0.1, 1e-13, 1e-3};
   Ensemble e(missed.size(), [&](std::size_t i) {
     return prepare(standing_bars(missed[i], false), {.strategy = "irreducible/eigen:4", .accuracy = kBetween});
@@ -337,7 +337,7 @@ TEST(Accuracy, OfMembersThatStandStill) {
   }
 }
 
-TEST(Accuracy, OfChunks) {
+TEST(Accuracy, AppliesToChunks) {
   for (const std::string delta : {"1e-3", "1e-12"}) {
     const Scene scene = sample("almost_parallelogram:delta=" + delta + ",step=0.01,steps=100");
     const Result one = test::run(scene, "global/eigen"), chunks = test::run(scene, "global/eigen:4+chunks=4");
@@ -352,7 +352,7 @@ TEST(Accuracy, OfChunks) {
   }
 }
 
-TEST(Accuracy, OfChunksStaysWithTheRun) {
+TEST(Accuracy, KeepsTheErrorsOfChunks) {
   const Scene scene = sample("almost_parallelogram:delta=1e-12,step=0.01,steps=100");
   Result r = test::run(scene, "global/eigen:4+chunks=4");
   const ForwardError before = estimated(r.report());
@@ -367,7 +367,7 @@ TEST(Accuracy, OfChunksStaysWithTheRun) {
 
 // At rest no error of a velocity shows, however bad the posture: a slider's C is at a distance s from where the rod is
 // across its rail, and accelerations are known to about eps / s^2.
-TEST(ErrorEstimate, OfWhatBeginsAtRest) {
+TEST(ErrorEstimate, HandlesAStartAtRest) {
   for (const double missed : {0.5, 1e-11}) {
     SCOPED_TRACE(missed);
     const double rod = 1 + missed, across = std::numbers::pi / 2;
@@ -396,7 +396,7 @@ TEST(ErrorEstimate, OfWhatBeginsAtRest) {
   }
 }
 
-TEST(ErrorFigures, AreUnknownWhereNothingIsMeasured) {
+TEST(ErrorFigures, AreUnknownWithoutMeasurements) {
   const Scene scene = sample("stewart:steps=10").with_outputs({"handle1.value"});
   for (const std::string strategy : {"groups/eigen+predict=past:3", "irreducible/lanes:8+predict=past:3"}) {
     const Result r = test::run(scene, strategy);
@@ -424,7 +424,7 @@ TEST(ErrorFigures, AreUnknownWhereNothingIsMeasured) {
   EXPECT_TRUE(std::isnan(ErrorFigures{}.residual()));
 }
 
-TEST(ErrorFigures, MergeWhatIsKnown) {
+TEST(ErrorFigures, MergeKnownFigures) {
   ErrorFigures a, b;
   a.velocity = 2;
   b.velocity = 1;
@@ -440,7 +440,7 @@ TEST(ErrorFigures, MergeWhatIsKnown) {
 
 // ---- regular scenes are left in peace, singular ones are not believed
 
-TEST(Doubt, IsSeldomWithoutReason) {
+TEST(Doubt, IsRarelyUnfounded) {
   test::Draw draw(1);
   int doubted = 0;
   const int all = test::random_count(200);
@@ -497,7 +497,7 @@ TEST(Doubt, ComesBeforeAnyWrongResult) {
 }
 
 // The rates of drivers that stand still for a moment are rounding: nothing is large against them.
-TEST(ErrorEstimate, OfAStartWhereDriversTurnBack) {
+TEST(ErrorEstimate, HandlesDriversThatReverseAtTheStart) {
   SceneBuilder builder("swing", 2);
   builder.fixed_point("A", {0, 0, 0}).fixed_point("D", {2, 0, 0}).point("B", {0.5, 0.8, 0}).point("C", {1.6, 1.2, 0});
   builder.constrain("crank", Distance{"A", "B", 1.0}).constrain("coupler", Distance{"B", "C", 1.8});

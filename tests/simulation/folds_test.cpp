@@ -25,7 +25,7 @@ Scene over(const Scene& scene, double end, int steps) {
 }
 
 // Its six legs nearly meet a singular posture at t = 0.0033 s: rates grow to 200 m/s within a millisecond, and fall.
-TEST(Folds, AreNotMixedUpWithAPostureThatIsNearlySingular) {
+TEST(Folds, DifferFromNearlySingularPostures) {
   const Scene scene = read_scene(std::string(ASSUR_SOURCE_DIR) + "/tests/data/references/near_fold_stewart.json");
   double from = 0, until = 1;
   for (const int steps : {5, 10, 20, 30, 50, 1000}) {
@@ -42,7 +42,7 @@ TEST(Folds, AreNotMixedUpWithAPostureThatIsNearlySingular) {
 }
 
 // Motions of random platforms and chains end at the same time with every grid, or with none.
-TEST(Folds, OfRandomMechanismsDoNotDependOnTheGrid) {
+TEST(Folds, DoNotDependOnTheTimeGrid) {
   int ends = 0, goes_on = 0;
   const int all = test::random_count(60);
   for (int i = 0; i < all; ++i) {

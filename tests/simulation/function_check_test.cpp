@@ -78,7 +78,7 @@ std::string refusal(const Scene& scene, PrepareOptions options = {}) {
   return "";
 }
 
-TEST(FunctionCheck, AJacobianThatIsWrongAtTheStartIsBadInput) {
+TEST(FunctionCheck, AWrongJacobianAtTheStartIsBadInput) {
   for (const std::string strategy : {"global/eigen", "groups/eigen", "irreducible/eigen"}) {
     const std::string what = refusal(scene_of(two_lengths({.jacobian = kOff})), {.strategy = strategy});
     EXPECT_EQ(what.rfind("/constraints/lengths: jacobian[row 1, C.y] is ", 0), 0u) << what;
@@ -87,7 +87,7 @@ TEST(FunctionCheck, AJacobianThatIsWrongAtTheStartIsBadInput) {
 }
 
 // Those of fixed points are read by nobody.
-TEST(FunctionCheck, DerivativesByConstantsMayBeLeftOut) {
+TEST(FunctionCheck, DerivativesByConstantsAreOptional) {
   Callback c = test::distance_by_callback("C", "D", 1.3);
   c.jacobian = [](std::span<const double> x, std::span<double> j) {
     j[0] = 2 * (x[0] - x[2]), j[1] = 2 * (x[1] - x[3]), j[2] = j[3] = 0;
@@ -104,7 +104,7 @@ TEST(FunctionCheck, DerivativesByConstantsMayBeLeftOut) {
 }
 
 // The guess is too rough for a posture; the wrong Jacobian is told beside that.
-TEST(FunctionCheck, AJacobianThatPreventsTheAssemblyIsNamed) {
+TEST(FunctionCheck, NamesAJacobianThatPreventsTheAssembly) {
   Callback c = two_lengths({});
   c.jacobian = [](std::span<const double>, std::span<double> j) { std::fill(j.begin(), j.end(), 1.0); };
   try {
@@ -125,7 +125,7 @@ void expect_named(const Report& report, const std::string& name, const std::stri
   EXPECT_NEAR(e.figure, kOff, 0.01 * kOff);
 }
 
-TEST(FunctionCheck, ACurvatureThatIsWrongEndsTheFirstStep) {
+TEST(FunctionCheck, AWrongCurvatureEndsTheFirstStep) {
   Simulator s = test::simulator(scene_of(two_lengths({.curvature = kOff})), "irreducible/eigen");
   const Trajectory t = s.run();
   EXPECT_EQ(s.report().status.code, Code::wrong_function);
@@ -135,7 +135,7 @@ TEST(FunctionCheck, ACurvatureThatIsWrongEndsTheFirstStep) {
   EXPECT_EQ(s.time(), 0);
 }
 
-TEST(FunctionCheck, WhatIsWrongFromAPostureOnEndsTheRunThere) {
+TEST(FunctionCheck, DerivativesThatBecomeWrongEndTheRun) {
   for (const bool jacobian : {true, false}) {
     Fault fault{.from = 0.4};  // reached at pi / 12 s
     (jacobian ? fault.jacobian : fault.curvature) = kOff;
@@ -149,7 +149,7 @@ TEST(FunctionCheck, WhatIsWrongFromAPostureOnEndsTheRunThere) {
   }
 }
 
-TEST(FunctionCheck, WithAToleranceItGoesOn) {
+TEST(FunctionCheck, AToleranceLetsTheRunContinue) {
   Callback c = two_lengths({.jacobian = kOff});
   c.tolerance = 2e-3;
   EXPECT_EQ(refusal(scene_of(c)), "");
@@ -158,7 +158,7 @@ TEST(FunctionCheck, WithAToleranceItGoesOn) {
   EXPECT_NE(s.report().status.code, Code::wrong_function);
 }
 
-TEST(FunctionCheck, TakesASmallShareOfTheCalls) {
+TEST(FunctionCheck, NeedsFewCalls) {
   const auto calls_of = [](double tolerance) {
     auto calls = std::make_shared<Calls>();
     Callback c = two_lengths({}, calls);
@@ -189,7 +189,7 @@ TEST(FunctionCheck, TakesASmallShareOfTheCalls) {
   EXPECT_LE(static_cast<double>(law_with - law_without), 0.1 * static_cast<double>(law_without));
 }
 
-TEST(FunctionCheck, StepsWithItAllocateNothing) {
+TEST(FunctionCheck, AllocatesNothing) {
   const Scene scene = scene_of(two_lengths({}), Law::function([](double t) { return Motion{2 * t, 2, 0}; }));
   Simulator s = test::simulator(scene, "global/eigen");
   for (int k = 1; k <= 2; ++k) ASSERT_TRUE(s.step(scene.time().time(k)).ok());
@@ -212,7 +212,7 @@ Law law_off(double rate, double acceleration, double from) {
 
 Scene with_law(Law law) { return test::Fan("law", 0, std::move(law)).dyad(2, 1.8, 1.3).build(3, 0.01); }
 
-TEST(FunctionCheck, ALawThatIsWrongAtTheStartIsBadInput) {
+TEST(FunctionCheck, AWrongLawAtTheStartIsBadInput) {
   EXPECT_EQ(refusal(with_law(law_off(kOff, 0, 0))).rfind("/drivers/motor/law: the rate at t = 0.0038", 0), 0u);
   EXPECT_EQ(refusal(with_law(law_off(0, kOff, 0))).rfind("/drivers/motor/law: the acceleration at t = 0.0038", 0), 0u);
   EXPECT_EQ(refusal(with_law(law_off(0, 0, 0))), "");
@@ -222,7 +222,7 @@ TEST(FunctionCheck, ALawThatIsWrongAtTheStartIsBadInput) {
             std::string::npos);
 }
 
-TEST(FunctionCheck, ALawOfPositionsAloneNeedsNoRates) {
+TEST(FunctionCheck, PositionsNeedNoRatesOfLaws) {
   const Scene scene = with_law(Law::function([](double t) { return Motion{t, 0, 0}; }));
   EXPECT_NE(refusal(scene), "");
   const Scene positions = scene.with_outputs({"C0.position"});
@@ -231,7 +231,7 @@ TEST(FunctionCheck, ALawOfPositionsAloneNeedsNoRates) {
   EXPECT_TRUE(s.report().status.ok());
 }
 
-TEST(FunctionCheck, ALawThatIsWrongFromATimeOnEndsTheRunThere) {
+TEST(FunctionCheck, ALawThatBecomesWrongEndsTheRun) {
   for (const std::string strategy : {"global/eigen", "irreducible/lanes", "irreducible/lanes:4+chunks=4"}) {
     for (const bool rate : {true, false}) {
       Simulator s = test::simulator(with_law(law_off(rate ? kOff : 0, rate ? 0 : kOff, 1.0)), strategy);
@@ -244,7 +244,7 @@ TEST(FunctionCheck, ALawThatIsWrongFromATimeOnEndsTheRunThere) {
   }
 }
 
-TEST(FunctionCheck, AMemberOfAnEnsembleEndsWithItsOwnLaw) {
+TEST(FunctionCheck, AWrongLawEndsOnlyItsMember) {
   Ensemble e(5, [](std::size_t i) {
     return prepare(with_law(law_off(i == 2 ? kOff : 0, 0, 1.0)), {.strategy = "irreducible/lanes:4"});
   });
@@ -261,7 +261,7 @@ TEST(FunctionCheck, AMemberOfAnEnsembleEndsWithItsOwnLaw) {
   EXPECT_EQ(e.outcomes()[2].events.back().group, "motor");
 }
 
-TEST(FunctionCheck, CopiesWithACallbackEndAlike) {
+TEST(FunctionCheck, EqualMembersWithACallbackEndAlike) {
   const Prepared prepared =
       prepare(scene_of(two_lengths({.curvature = kOff, .from = 0.4})), {.strategy = "global/eigen"});
   Ensemble e(3, [&](std::size_t) { return prepared; });
@@ -275,7 +275,7 @@ TEST(FunctionCheck, CopiesWithACallbackEndAlike) {
 }
 
 // Outputs that are the driven coordinates themselves need no equations that would notice.
-TEST(FunctionCheck, ARateThatIsNoNumberEndsTheRun) {
+TEST(FunctionCheck, ANaNRateEndsTheRun) {
   for (const double bad : {std::nan(""), HUGE_VAL}) {
     for (const bool rate : {true, false}) {
       const Law law = Law::function([=](double t) {
@@ -293,7 +293,7 @@ TEST(FunctionCheck, ARateThatIsNoNumberEndsTheRun) {
   }
 }
 
-TEST(FunctionCheck, ADeadlineInAThousandYearsIsNone) {
+TEST(FunctionCheck, AcceptsAFarDeadline) {
   for (const double seconds : {3e10, 1e300, HUGE_VAL}) {
     Simulator s = test::simulator(sample("four_bar:steps=5"), "global/eigen", {.seconds = seconds});
     (void)s.run();
@@ -301,7 +301,7 @@ TEST(FunctionCheck, ADeadlineInAThousandYearsIsNone) {
   }
 }
 
-TEST(FunctionCheck, AResidualThatIsNoNumberAtTheStartIsNamed) {
+TEST(FunctionCheck, NamesANaNResidualAtTheStart) {
   Callback c = two_lengths({});
   c.residual = [](std::span<const double>, std::span<double> phi) { phi[0] = phi[1] = std::nan(""); };
   try {
@@ -313,7 +313,7 @@ TEST(FunctionCheck, AResidualThatIsNoNumberAtTheStartIsNamed) {
 }
 
 // Commands are no law: their rates need not fit.
-TEST(FunctionCheck, WhatIsSetIsNotChecked) {
+TEST(FunctionCheck, DoesNotCheckCommands) {
   Simulator s(prepare(with_law(law_off(kOff, 0, 0.5)), {.strategy = "global/eigen", .controlled = {"motor"}}));
   for (int k = 1; k <= 100; ++k) {
     s.set("motor", 0.02 * k, 7, 0);

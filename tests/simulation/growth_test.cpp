@@ -71,7 +71,7 @@ void expect_growth(double before, double now, double factor) {
 
 // Towards a fold velocities grow like 1 / sigma, accelerations like 1 / sigma^3, the error of the posture like
 // eps / sigma, the relative ones of velocity and acceleration like eps / sigma^2.
-TEST(Growth, FollowsTheoryTowardsAFold) {
+TEST(Growth, ErrorsFollowTheoryTowardsAFold) {
   const Growth far = growth_at(0.1, dyad_off_line_by);
   // At 1e-8 the error of the posture, eps / sigma, is the whole way to the fold.
   for (const double sigma : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7}) {
@@ -87,7 +87,7 @@ TEST(Growth, FollowsTheoryTowardsAFold) {
 }
 
 // Thales' circle over AB, close to A: the same growth where numbers near 0 keep all their digits. sigma = P.y.
-TEST(Growth, OfRatesFollowsTheoryFurtherWhereNumbersAreExact) {
+TEST(Growth, ErrorsOfRatesFollowTheoryWithExactNumbers) {
   for (const double sigma : {1e-1, 1e-3, 1e-5, 1e-7, 1e-8, 1e-9}) {
     SCOPED_TRACE(sigma);
     const double x = sigma * sigma, y = std::sqrt(x * (1 - x)), rate = (1 - 2 * x) / (2 * y);
@@ -106,7 +106,7 @@ TEST(Growth, OfRatesFollowsTheoryFurtherWhereNumbersAreExact) {
 
 // Towards a change point rates stay what they are, and so the error of the acceleration grows like eps / sigma^3, until
 // nothing is left of it. At 1e-8 the posture, which is known up to eps / sigma, may lie beyond the change point.
-TEST(Growth, FollowsTheoryTowardsAChangePoint) {
+TEST(Growth, ErrorsFollowTheoryTowardsAChangePoint) {
   const Growth far = growth_at(0.1, parallelogram_off_line_by);
   for (const double sigma : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7}) {
     SCOPED_TRACE(sigma);
@@ -121,7 +121,7 @@ TEST(Growth, FollowsTheoryTowardsAChangePoint) {
 }
 
 // A motion that is told without any event is that of the reference, which goes its own way in small steps of its own.
-TEST(Branches, OfRandomChainsAreKeptOrReported) {
+TEST(Branches, AreKeptOrReportedInRandomChains) {
   test::Draw draw(3);
   int whole = 0, stopped = 0, refused = 0, unknown = 0;
   const int all = test::random_count(150);

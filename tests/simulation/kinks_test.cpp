@@ -27,7 +27,7 @@ Scene turning_bar(const std::string& law, const std::string& to, double start) {
                      std::to_string(start) + R"(, "end": 1, "step": 0.125}})");
 }
 
-TEST(Kinks, AnAngleWithoutASignHasNoRateWhereItTurns) {
+TEST(Kinks, AnUnsignedAngleHasNoRateWhereItReverses) {
   for (const std::string to : {"x", "back"}) {
     const test::Result r = test::run(turning_bar("[0, 2]", to, -0.5));
     EXPECT_TRUE(r.report().status.arrived());
@@ -53,7 +53,7 @@ TEST(Kinks, AnAngleWithoutASignHasNoRateWhereItTurns) {
   }
 }
 
-TEST(Kinks, AnAngleWithoutASignGrowsFromRest) {
+TEST(Kinks, AnUnsignedAngleGrowsFromRest) {
   for (const std::string to : {"x", "back"}) {
     Simulator s = test::simulator(turning_bar("[0, 0, 3]", to, 0));
     EXPECT_TRUE(s.report().status.ok());
@@ -86,7 +86,7 @@ TEST(Kinks, ALengthGrowsFromRest) {
 
 // What is read before the first step is judged as well: here the bar passes a direction at an angle that is mostly
 // rounding, and so is its acceleration.
-TEST(Kinks, TheStartIsJudged) {
+TEST(Kinks, ChecksTheStart) {
   Simulator s = test::simulator(turning_bar("[0.9272952180016122, 0.1]", "aside", 0), "auto", {}, {"motor"});
   EXPECT_NEAR(s.output("sight"), 3e-13, 1e-13);
   EXPECT_EQ(s.report().status.code, Code::inaccurate);

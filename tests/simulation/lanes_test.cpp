@@ -70,19 +70,19 @@ TEST(Lanes, DoNotCrossACacheLine) {
 }
 
 // Six legs: two, one or none of the packs have idle lanes.
-TEST(Lanes, LegsOfThePlatform) {
+TEST(Lanes, SolveLegsOfThePlatform) {
   expect_the_same_motion(sample("stewart:steps=200"), "groups", with_lanes());
   expect_the_same_motion(sample("stewart:steps=200"), "irreducible", with_lanes());
   expect_the_same_motion(sample("stewart:steps=100"), "global", {"eigen:4", test::sparse() + ":4"});
 }
 
-TEST(Lanes, ManyGroupsOfAClass) {
+TEST(Lanes, SolveManyGroupsOfAClass) {
   expect_the_same_motion(sample("stewart:legs=11,steps=100"), "groups", with_lanes());
   expect_the_same_motion(sample("rings:legs=5,n=24,steps=100"), "groups", with_lanes(), kRing);
   expect_the_same_motion(sample("andrews"), "groups", with_lanes());
 }
 
-TEST(Lanes, OnceAndPositionsAlone) {
+TEST(Lanes, SolveWithOnceAndWithPositionsOnly) {
   const Scene handles = sample("stewart:steps=200").with_outputs({"handle1.value", "handle2.value", "handle6.value"});
   const Result one = test::run(handles, "groups/eigen");
   for (const std::string& solver : with_lanes()) {

@@ -71,37 +71,37 @@ const std::vector<std::string> kSolvers = {
     "groups/eigen",    "groups/klu",           "groups/lanes:4",           "groups/lapack",
     "groups/klu+once", "groups/klu+reuse=run", "groups/lanes:2+reuse=run", "irreducible/lanes:8"};
 
-TEST(Levels, ThreadsChangeNoBitOfRings) {
+TEST(Levels, ThreadsKeepRingsBitwiseEqual) {
   for (const std::string& solver : kSolvers) {
     expect_no_bit_to_change(sample("rings:legs=64,n=24,steps=12"), solver);
   }
 }
 
-TEST(Levels, ThreadsChangeNoBitOfStewartPlatforms) {
+TEST(Levels, ThreadsKeepStewartPlatformsBitwiseEqual) {
   for (const std::string& solver : kSolvers) {
     expect_no_bit_to_change(sample("stewart:platforms=8,steps=12"), solver);
   }
 }
 
-TEST(Levels, ThreadsWithinThreadsChangeNoBit) {
+TEST(Levels, NestedThreadsKeepResultsBitwiseEqual) {
   expect_no_bit_to_change(sample("rings:legs=6,n=60,steps=4"), "groups/team", 4, 2);
   expect_no_bit_to_change(sample("rings:legs=6,n=60,steps=4"), "groups/team+once", 4, 2);
 }
 
-TEST(Levels, OfOneGroupEachStayOnOneThread) {
+TEST(Levels, WithOneGroupUseOneThread) {
   for (const std::string solver : {"groups/eigen", "irreducible/lanes:8", "global/eigen"}) {
     expect_no_bit_to_change(sample("four_bar:loops=30,steps=20"), solver, 1);
   }
 }
 
 // Four dyads cost less than a meeting of the threads.
-TEST(Levels, OfLittleWorkStayOnOneThread) {
+TEST(Levels, WithLittleWorkUseOneThread) {
   test::Fan fan("few", 0.5, Law::polynomial({0.5, 1}));
   for (int i = 0; i < 4; ++i) fan.dyad(2, 1.8, 1.3);
   EXPECT_EQ(threads_of(as_planned(fan.build(1, 0.01), "groups/eigen", 4)), 1);
 }
 
-TEST(Levels, NoMoreThreadsThanGroups) {
+TEST(Levels, UseNoMoreThreadsThanGroups) {
   EXPECT_EQ(threads_of(prepared(sample("rings:legs=3,n=120"), "groups/eigen", 4)), 3);
   EXPECT_EQ(threads_of(prepared(sample("rings:legs=2,n=120"), "groups/eigen", 4)), 2);
 }
@@ -109,7 +109,7 @@ TEST(Levels, NoMoreThreadsThanGroups) {
 // ---- what fails in the middle of a level
 
 // Three dyads reach their limits at once, on other threads each; the first one by number is named.
-TEST(Levels, OfGroupsThatFailTogetherTheFirstIsNamed) {
+TEST(Levels, NameTheFirstOfSeveralFailedGroups) {
   for (const std::set<int>& ending : {std::set{5, 8, 10}, std::set{1}, std::set{46, 47}}) {
     const Scene scene = test::limited_fan(ending);
     for (const std::string solver : {"groups/eigen", "groups/klu+once", "groups/lanes:2", "irreducible/lanes:4"}) {
@@ -126,7 +126,7 @@ TEST(Levels, OfGroupsThatFailTogetherTheFirstIsNamed) {
   }
 }
 
-TEST(Levels, ChangePointsArePassedTogether) {
+TEST(Levels, PassSimultaneousChangePoints) {
   const Scene scene = test::fan_of_parallelograms();
   for (const std::string solver : {"groups/eigen", "groups/lanes:2", "irreducible/lanes:4"}) {
     expect_no_bit_to_change(scene, solver);
@@ -162,7 +162,7 @@ Scene redundant() {
   return b.time(0, 6, 0.05).build();
 }
 
-TEST(Levels, ThreadsChangeNoBitWhereEquationsAreChosenAnew) {
+TEST(Levels, ThreadsKeepReselectedEquationsBitwiseEqual) {
   for (const std::string solver : {"groups/eigen", "irreducible/lanes:2"}) {
     expect_no_bit_to_change(redundant(), solver);
     const Result r = run(prepared(redundant(), solver, 2));
@@ -195,7 +195,7 @@ struct Log {
   }
 };
 
-TEST(Levels, AsManyThreadsWorkAsWereAskedFor) {
+TEST(Levels, UseTheRequestedThreads) {
   for (int p = 1; p <= 4; ++p) {
     Log log;
     test::Fan fan("called", 0.5, Law::polynomial({0.5, 1}));
@@ -212,7 +212,7 @@ TEST(Levels, AsManyThreadsWorkAsWereAskedFor) {
 }
 
 // The last of the dyads are one group that costs more than all the others: the caller has it and nothing else.
-TEST(Levels, TheLongestIsFirst) {
+TEST(Levels, StartTheLongestPackFirst) {
   constexpr int kSmall = 9, kInTheLarge = 32;
   Log log;
   test::Fan fan("unequal", 0.5, Law::polynomial({0.5, 1}));
@@ -243,7 +243,7 @@ struct Broken : std::runtime_error {
 };
 
 // Each dyad in its turn throws, on whatever thread it is, and two at once; then all goes on as if nothing had been.
-TEST(Levels, WhatACallbackThrowsReachesTheCallerAndTheSimulatorGoesOn) {
+TEST(Levels, PropagateExceptionsOfCallbacksAndContinue) {
   std::set<int> broken;
   test::Fan fan("breaking", 0.5, Law::polynomial({0.5, 1}));
   for (int i = 0; i < test::kWide; ++i) {
@@ -276,7 +276,7 @@ TEST(Levels, WhatACallbackThrowsReachesTheCallerAndTheSimulatorGoesOn) {
 
 // A step that is too long for one goes on in smaller ones: what is thrown then leaves it on the way, and the outputs
 // are those of where it is.
-TEST(Levels, WhatIsThrownOnTheWayLeavesThePostureOnTheWay) {
+TEST(Levels, AnExceptionInASubstepKeepsThePostureBeforeIt) {
   std::atomic<int> calls = 0, most = std::numeric_limits<int>::max();
   test::Fan fan("breaking", 0.5, Law::polynomial({0.5, 1}));
   for (int i = 0; i < test::kWide; ++i) {
@@ -313,7 +313,7 @@ TEST(Levels, WhatIsThrownOnTheWayLeavesThePostureOnTheWay) {
 }
 
 // A law is asked by the caller, before any thread has begun; a control loop goes on from where it was.
-TEST(Levels, WhatALawThrowsLeavesTheLastGoodPosture) {
+TEST(Levels, AnExceptionOfALawKeepsTheLastPosture) {
   bool broken = false;
   test::Fan fan("no_sensor", 0.5, Law::function([&](double t) -> Motion {
                   if (broken) throw Broken();
@@ -386,7 +386,7 @@ TEST(Levels, StepsOnSeveralThreadsAllocateNothing) {
   }
 }
 
-TEST(Levels, PinnedThreadsStayWhereTheyAreTold) {
+TEST(Levels, PinnedThreadsStayOnTheirCores) {
   const std::vector<int> processors = allowed_processors();
   if (processors.size() < 2) GTEST_SKIP() << "two processors are needed";
   std::mutex mutex;

@@ -56,7 +56,7 @@ void expect_limit(const Limit& limit, const std::string& strategy) {
   EXPECT_LE(r.report().error.position, 1e-14);
 }
 
-TEST(Limit, OfAFourBarIsBracketed) {
+TEST(Limit, BracketsTheLimitOfAFourBar) {
   const Limit limit = four_bar();
   for (const std::string formulation : {"global", "groups", "irreducible"}) {
     for (const std::string& solver : test::solvers()) expect_limit(limit, formulation + "/" + solver);
@@ -67,7 +67,7 @@ TEST(Limit, OfAFourBarIsBracketed) {
   }
 }
 
-TEST(Limit, OfASliderCrankIsBracketed) {
+TEST(Limit, BracketsTheLimitOfASliderCrank) {
   const Limit limit = slider_crank();
   for (const std::string formulation : {"global", "groups", "irreducible"}) {
     for (const std::string& solver : test::solvers()) expect_limit(limit, formulation + "/" + solver);
@@ -88,7 +88,7 @@ TEST(Limit, IsReachedByAnglesWithoutAJump) {
   EXPECT_NEAR(s.output("swing"), rows(rows.rows() - 1, rocker), 0.3);
 }
 
-TEST(Limit, IsFoundWithPositionsAlone) {
+TEST(Limit, IsFoundWithPositionsOnly) {
   Limit limit = four_bar();
   limit.scene = limit.scene.with_outputs({"C.position"});
   for (const std::string formulation : {"global", "groups", "irreducible"}) expect_limit(limit, formulation + "/eigen");
@@ -109,7 +109,7 @@ TEST(Limit, RowsBeforeItAreRight) {
   }
 }
 
-TEST(Limit, IsALimitBackwardsAsWell) {
+TEST(Limit, IsFoundBackwards) {
   const Limit limit = four_bar();
   Simulator s = test::simulator(limit.scene, "groups/eigen");
   // The crank turns back through 0 to the limit on the other side.
@@ -122,7 +122,7 @@ TEST(Limit, IsALimitBackwardsAsWell) {
   EXPECT_TRUE(s.step(0).ok());
 }
 
-TEST(Limit, OfALawsTableIsOutOfRange) {
+TEST(Limit, EndOfATableIsOutOfRange) {
   SceneBuilder builder("tabled", 2);
   builder.fixed_point("A0", {0, 0, 0}).point("B", {1, 0, 0});
   builder.drive("motor", PointAngle{"A0", "B", "", Law::table({0, 0.3, 0.7, 1}, {0, 0.2, 0.3, 0.9})}).time(0, 1, 0.1);
@@ -136,7 +136,7 @@ TEST(Limit, OfALawsTableIsOutOfRange) {
   EXPECT_TRUE(s.step(0.9).ok());
 }
 
-TEST(Limit, OfADrivenDistanceIsZero) {
+TEST(Limit, DrivenDistanceStopsAtZero) {
   SceneBuilder builder("shrinking", 2);
   builder.fixed_point("A", {0, 0, 0}).fixed_vector("rail", {0.8, 0.6, 0}).point("P", {0.8, 0.6, 0});
   builder.constrain("slide", OnLine{"P", "A", "rail"});
@@ -153,7 +153,7 @@ TEST(Limit, OfADrivenDistanceIsZero) {
 }
 
 // A length that is positive at both ends of a step and not in between: behind that there is no motion.
-TEST(Limit, OfADrivenDistanceIsSeenBetweenTheRows) {
+TEST(Limit, FindsAZeroDistanceBetweenRows) {
   const auto cylinder = [](Law law) {
     SceneBuilder builder("cylinder", 2);
     builder.fixed_point("O", {0, 0, 0}).fixed_vector("x", {1, 0, 0}).point("P", {law(0).value, 0, 0});
@@ -181,7 +181,7 @@ TEST(Limit, OfADrivenDistanceIsSeenBetweenTheRows) {
 }
 
 // The same of the length that a driven angle acts on; its equations are linear there, and bound no step.
-TEST(Limit, OfALeverIsSeenBetweenTheRows) {
+TEST(Limit, FindsAVanishingLeverBetweenRows) {
   const auto arm = [](double least) {
     SceneBuilder builder("arm", 2);
     builder.fixed_point("O", {0, 0, 0}).fixed_vector("x", {1, 0, 0}).point("B", {1, 0.5, 0});

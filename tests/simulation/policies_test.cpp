@@ -32,7 +32,7 @@ struct Policy {
 };
 
 // From the last posture it takes several iterations.
-TEST(Policies, SayHowManyFactorisationsAStepTakes) {
+TEST(Policies, DetermineTheFactorisationsOfAStep) {
   const Scene scene = sample("stewart:steps=40");
   for (const std::string& solver : test::solvers()) {
     const Result reference = test::run(scene, "groups/" + solver + "+predict=taylor:0");
@@ -81,7 +81,7 @@ TEST(Policies, SeparateTakesOneFactorisationMoreForTheAcceleration) {
   }
 }
 
-TEST(Policies, SeparateIsNothingWhereNoAccelerationIsWanted) {
+TEST(Policies, SeparateHasNoEffectWithoutAccelerations) {
   const Scene scene = sample("stewart:steps=40").with_outputs({"handle1.value", "handle2.value"});
   for (const std::string predictor : {"+predict=past:3", "+predict=taylor:1"}) {
     const Result shared = test::run(scene, "groups/eigen" + predictor);
@@ -93,14 +93,14 @@ TEST(Policies, SeparateIsNothingWhereNoAccelerationIsWanted) {
   }
 }
 
-TEST(Policies, FactorsAreKeptOnlyAsLongAsCorrectionsContract) {
+TEST(Policies, KeepFactorsOnlyWhileCorrectionsContract) {
   const Result small = test::run(sample("rings:legs=6,n=24,steps=200,step=0.01"), "groups/eigen+reuse=run+once");
   const Result large = test::run(sample("rings:legs=6,n=24,steps=200,step=0.1"), "groups/eigen+reuse=run+once");
   ASSERT_TRUE(small.report().status.ok() && large.report().status.ok());
   EXPECT_LT(2 * work(small).factorizations, work(large).factorizations);
 }
 
-TEST(Policies, RunsRepeatBitForBit) {
+TEST(Policies, RunsRepeatBitwise) {
   for (const std::string& solver : test::solvers()) {
     for (const std::string options : {"+reuse=run", "+reuse=run+once", "+once", "+refine"}) {
       Simulator s = test::simulator(sample("stewart:steps=50"), "groups/" + solver + options);
@@ -120,7 +120,7 @@ TEST(Policies, RefinementIsCounted) {
             test::run(sample("stewart:steps=50"), "groups/eigen").report().error.acceleration);
 }
 
-TEST(Policies, FloatServesWhereDoubleDoes) {
+TEST(Policies, FloatReachesTheAccuracyOfDouble) {
   for (const Backend& backend : backends()) {
     if (!backend.single || !backend.why_not({}, {}).empty()) continue;
     for (const std::string text : {"stewart:steps=100", "four_bar:5"}) {
@@ -148,7 +148,7 @@ std::string refusal(const std::string& strategy) {
   return "no error";
 }
 
-TEST(Policies, WhatABackendHasNotIsRefused) {
+TEST(Policies, RefuseMissingFeaturesOfABackend) {
   if (test::sparse() != "klu") GTEST_SKIP() << "no KLU";
   EXPECT_EQ(refusal("groups/klu+float"), "backend klu cannot run here: it has no float version; leave out +float");
 }

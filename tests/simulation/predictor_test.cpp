@@ -46,7 +46,7 @@ double error_of_prediction(const Predictor& predictor, double h) {
 }
 
 // The error is c h^k (1 + O(h)): with steps of 2.9 and 1.4 degrees of the crank k shows to a few per cent.
-TEST(Predictor, HasItsOrder) {
+TEST(Predictor, HasItsTheoreticalOrder) {
   for (const std::string& text : kPredictors) {
     const Predictor predictor = parse_strategy("groups/eigen+predict=" + text).run.predictor;
     const double order = predictor.kind == Predictor::Kind::hermite ? 6 : predictor.order + 1;
@@ -71,7 +71,7 @@ TEST(Predictor, WeightsReproduceTheLastPosture) {
 }
 
 // A posture so near to the last one that extrapolation would blow up its errors does not take part.
-TEST(Predictor, LeavesOutPosturesThatAreTooNear) {
+TEST(Predictor, LeavesOutTooNearPostures) {
   const std::vector<double> near = {0.3, 0.3 - 1e-9};
   const PredictionWeights hermite = prediction_weights({Predictor::Kind::hermite, 5}, near, 0.31);
   EXPECT_EQ(hermite.postures, 1);
@@ -131,7 +131,7 @@ TEST(Predictor, DoesNotChangeTheResult) {
             test::run(scene, "groups/eigen+predict=taylor:0").counters().newton_iterations / 2);
 }
 
-TEST(Predictor, AutomaticReadsWhatIsComputedAnyway) {
+TEST(Predictor, AutomaticUsesAvailableDerivatives) {
   const auto chosen = [](const Scene& scene) { return prepare(scene, {"groups/eigen", {}}).plan.run.predictor; };
   const Scene stewart = sample("stewart");
   EXPECT_EQ(chosen(stewart), (Predictor{Predictor::Kind::hermite, 5}));
@@ -142,7 +142,7 @@ TEST(Predictor, AutomaticReadsWhatIsComputedAnyway) {
 }
 
 // One correction per step is what a good prediction leaves to do, whatever the outputs are.
-TEST(Predictor, PredictsAsWellForFewOutputs) {
+TEST(Predictor, PredictsEquallyWellForFewOutputs) {
   for (const char* output : {"B1", "handle1", "e1", "d1"}) {
     const Result r = test::run(sample("stewart").with_outputs({output}), "groups/eigen");
     ASSERT_TRUE(r.report().status.ok()) << output;
@@ -192,7 +192,7 @@ TEST(Steps, GoBackwards) {
   }
 }
 
-TEST(Steps, ToWhereItIsDoNothing) {
+TEST(Steps, ToThePresentTimeDoNothing) {
   Simulator s = test::simulator(sample("four_bar"));
   ASSERT_TRUE(s.step(0.01).ok());
   const std::vector<double> before(s.outputs().begin(), s.outputs().end());
@@ -202,7 +202,7 @@ TEST(Steps, ToWhereItIsDoNothing) {
   EXPECT_EQ(s.report().counters.evaluated_equations, counters.evaluated_equations);
 }
 
-TEST(Runs, RepeatBitForBit) {
+TEST(Runs, RepeatBitwise) {
   for (const std::string text : {"stewart:steps=100", "almost_parallelogram:delta=1e-8", "andrews"}) {
     for (const std::string& solver : test::solvers()) {
       Simulator s = test::simulator(sample(text), "groups/" + solver);
@@ -217,7 +217,7 @@ TEST(Runs, RepeatBitForBit) {
   }
 }
 
-TEST(Runs, ResetGoesBackToTheStart) {
+TEST(Runs, ResetReturnsToTheStart) {
   Simulator s = test::simulator(sample("almost_parallelogram:delta=0,step=0.0033,steps=303"), "groups/eigen");
   const std::vector<double> start(s.outputs().begin(), s.outputs().end());
   const Counters counters = s.report().counters;

@@ -56,7 +56,7 @@ TEST(Whitworth, FollowsItsClosedFormOverTenTurns) {
   }
 }
 
-TEST(Whitworth, StatedHingeIsRedundant) {
+TEST(Whitworth, ExplicitHingeIsRedundant) {
   EXPECT_TRUE(analyze(sample("whitworth")).redundant.empty());
   const Structure s = analyze(sample("whitworth:hinge=stated"));
   EXPECT_EQ(s.redundant.size(), 1u);
@@ -65,7 +65,7 @@ TEST(Whitworth, StatedHingeIsRedundant) {
 
 // cos theta + cos phi + cos theta cos phi = 0, between folds at theta = -120 and +120 degrees. Where phi is small its
 // cosine hides it: the figure is that of the relation, to which angles contribute as they are off.
-TEST(Bricard, KeepsToTheRelationOfItsAngles) {
+TEST(Bricard, SatisfiesTheRelationOfItsAngles) {
   const Result r = test::run(sample("bricard"), "groups/eigen");
   ASSERT_TRUE(r.report().status.ok()) << name(r.report().status.code);
   const Trajectory& t = r.trajectory;
@@ -119,7 +119,7 @@ TEST(Parallelograms, EachHasARedundantRod) {
   EXPECT_LE(deviation.worst().acceleration, 8 * kEps * kappa * kappa * kappa * 10);
 }
 
-TEST(Parallelograms, ARodThatIsTooLongContradicts) {
+TEST(Parallelograms, ATooLongRodContradicts) {
   const Structure s = analyze(sample("parallelograms:loops=2,excess=1e-4"));
   EXPECT_EQ(s.cannot_assemble.rfind("these equations contradict each other: ", 0), 0u) << s.cannot_assemble;
 }
@@ -144,7 +144,7 @@ TEST(SliderCrank, WithEqualLengthsPassesItsChangePoints) {
   }
 }
 
-TEST(NFourBar, SwingsAsFarAsAsked) {
+TEST(NFourBar, SwingsWithTheGivenAmplitude) {
   const Result r = test::run(sample("n_four_bar:loops=2,swing=0.5,steps=200"), "groups/eigen");
   const std::size_t x = r.trajectory.index("B2.x");
   for (std::size_t k = 0; k < r.trajectory.rows(); ++k) {

@@ -21,7 +21,7 @@ namespace {
 
 // The platform is lowered until two arms, or all three, are outstretched, and lifted again. There the rods that were
 // chosen among the redundant ones become singular as well, and others are chosen.
-TEST(Recovery, ADeltaRobotComesBackFromItsLimit) {
+TEST(Recovery, ADeltaRobotReturnsFromItsLimit) {
   const test::DeltaRobot robot;
   for (const std::string strategy : {"irreducible/eigen", "global/eigen", "irreducible/lanes"}) {
     for (const double x : {0.0, 0.05, 0.1}) {
@@ -164,7 +164,7 @@ TEST(Recovery, FailedCommandsLeaveNoTrace) {
 }
 
 // Bit by bit, with equations chosen anew, an accuracy asked for, and turns of angles.
-TEST(Recovery, SavedStatesGoOnAsTheyDid) {
+TEST(Recovery, SavedStatesContinueIdentically) {
   struct Case {
     Scene scene;
     std::string strategy;
@@ -202,7 +202,7 @@ TEST(Recovery, SavedStatesGoOnAsTheyDid) {
   }
 }
 
-TEST(Recovery, EquationsChosenAnewAreSavedAsWell) {
+TEST(Recovery, SavesReselectedEquations) {
   const test::DeltaRobot robot;
   const Prepared prepared = prepare(robot.scene(), {.strategy = "irreducible/eigen", .controlled = {"pose"}});
   Simulator s(prepared);
@@ -237,7 +237,7 @@ TEST(Recovery, EquationsChosenAnewAreSavedAsWell) {
 }
 
 // Steps to a given time keep the last good posture on the way, here one that is next to the limit.
-TEST(Recovery, RetreatsToWhereTheWayIsOpen) {
+TEST(Recovery, RetreatsToAReachablePosture) {
   const Scene scene = test::limited_four_bar(Law::polynomial({0.5, 1})).time(0, 2, 0.01).build();
   for (const std::string strategy : {"irreducible/lanes", "global/eigen", "groups/eigen+predict=past:3"}) {
     SCOPED_TRACE(strategy);
@@ -265,7 +265,7 @@ TEST(Recovery, RetreatsToWhereTheWayIsOpen) {
 }
 
 // At rest next to the limit, and moving towards it so fast that it cannot stop in time.
-TEST(Recovery, DriversThatWouldOvershootStopAtOnce) {
+TEST(Recovery, OvershootingDriversStopAtOnce) {
   Simulator s = test::simulator(test::limited_four_bar(Law::constant(0.5)).time(0, 1, 0.01).build(), "groups/eigen", {},
                                 {"motor"});
   const double limit = std::acos(0.04);
@@ -285,7 +285,7 @@ TEST(Recovery, DriversThatWouldOvershootStopAtOnce) {
 }
 
 // Until a driver is set its law moves it: here towards the limit, from which the first command leads away.
-TEST(Recovery, TheFirstCommandMayTurnBackFromWhereTheLawLeads) {
+TEST(Recovery, TheFirstCommandMayReverseTheLaw) {
   const double limit = std::acos(0.04), start = limit - 0.01;
   Simulator s = test::simulator(test::limited_four_bar(Law::polynomial({start, 3})).time(0, 1, 0.1).build(),
                                 "groups/eigen", {}, {"motor"});
@@ -295,14 +295,14 @@ TEST(Recovery, TheFirstCommandMayTurnBackFromWhereTheLawLeads) {
   EXPECT_TRUE(s.report().events.empty());
 }
 
-TEST(Recovery, StatesOfOtherScenesAreRefused) {
+TEST(Recovery, RefusesStatesOfOtherScenes) {
   Simulator s = test::simulator(sample("four_bar")), other = test::simulator(sample("four_bar"));
   EXPECT_THROW(s.restore(SimulatorState()), Error);
   const SimulatorState state = other.save();
   EXPECT_THROW(s.restore(state), Error);
 }
 
-TEST(Recovery, TakesNoMemory) {
+TEST(Recovery, AllocatesNothing) {
   Simulator s = test::simulator(test::limited_four_bar(Law::constant(0.5)).time(0, 1, 0.01).build(),
                                 "irreducible/lanes", {}, {"motor"});
   SimulatorState state = s.save();

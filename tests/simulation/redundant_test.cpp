@@ -185,7 +185,7 @@ TEST(Redundant, BennettsLinkageTurnsAHundredTimes) {
 
 // The starts of the chunks are found with the equations of the start; where those have to be chosen anew, nothing is
 // cut.
-TEST(Redundant, ChunksThatWouldNeedOtherEquationsRunInSequence) {
+TEST(Redundant, ChunksWithReselectedEquationsRunInSequence) {
   const Scene scene = Bennett{}.scene(48, 96);
   const test::Result alone = test::run(scene, "groups/eigen"), cut = test::run(scene, "groups/eigen+chunks=4");
   EXPECT_EQ(cut.trajectory.values(), alone.trajectory.values());
@@ -214,7 +214,7 @@ TEST(Redundant, BennettsLinkageOfAnyShapeTurns) {
 }
 
 // Sets of equations that were followed close to their own singularity lost eight digits of the accelerations.
-TEST(Redundant, BennettsLinkageKeepsItsAccuracyFromSetToSet) {
+TEST(Redundant, BennettsLinkageKeepsItsAccuracyAfterReselection) {
   for (const auto& [start, steps] : {std::pair{kPi / 2, 5000}, std::pair{75 * kPi / 180, 400}}) {
     SCOPED_TRACE(steps);
     Bennett linkage;

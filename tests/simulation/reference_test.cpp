@@ -138,7 +138,7 @@ TEST(ReferenceMotion, KeepsTheLengthsOfRings) {
 }
 
 // One equation is dropped: implied by the others, it holds as exactly as they do.
-TEST(ReferenceMotion, LeavesOutWhatIsRedundant) {
+TEST(ReferenceMotion, LeavesOutRedundantEquations) {
   const Scene scene = sample("bricard:middle=0,swing=0.5");
   const Prepared prepared = prepare(scene);
   ASSERT_EQ(prepared.structure->checks.size(), 1U);
@@ -152,7 +152,7 @@ TEST(ReferenceMotion, LeavesOutWhatIsRedundant) {
   }
 }
 
-TEST(ReferenceMotion, SaysWhereItIsLost) {
+TEST(ReferenceMotion, NamesTheTimeOfAFailure) {
   // The coupler and the rocker reach the crank's end up to x = 2.1 only.
   const Scene scene = SceneBuilder("stretched", 2)
                           .fixed_point("A", {0, 0, 0})
@@ -197,7 +197,7 @@ Motion deviation(const Prepared& prepared, const Trajectory& trajectory,
   return out.worst();
 }
 
-TEST(ForwardError, IsThatOfTheClosedFormOfAFourBarChain) {
+TEST(ForwardError, AgreesWithTheClosedFormOfAFourBarChain) {
   for (const std::string& solver : test::solvers()) {
     const Prepared prepared = prepare(sample("four_bar:3"), {"groups/" + solver, {}});
     const Trajectory trajectory = Simulator(prepared).run();
@@ -207,7 +207,7 @@ TEST(ForwardError, IsThatOfTheClosedFormOfAFourBarChain) {
 }
 
 // The paper's tEnd2 = 1 with a predictor that is too poor for it.
-TEST(ForwardError, FindsWhatTooFewIterationsLeave) {
+TEST(ForwardError, FindsTheErrorOfTooFewIterations) {
   const Scene scene = sample("stewart").with_time({0, 0.5, 0.01});
   const Prepared prepared = prepare(scene, {"groups/eigen+predict=taylor:0", {}});
   StepLimits limits;
@@ -220,7 +220,7 @@ TEST(ForwardError, FindsWhatTooFewIterationsLeave) {
 
 // A trajectory of another mechanism with the same columns: 0.02 m off for the slider, beyond every suspicion of a
 // reference that lost its branch.
-TEST(ForwardError, ReportsAnotherMotionAsItIs) {
+TEST(ForwardError, ReportsTheErrorOfAnotherMotion) {
   const Prepared prepared = prepare(sample("slider_crank:offset=0.03").with_outputs({"C"}));
   const Trajectory other = test::run(sample("slider_crank:offset=0.01").with_outputs({"C"})).trajectory;
   expect_about(forward_error(prepared, other),
@@ -228,7 +228,7 @@ TEST(ForwardError, ReportsAnotherMotionAsItIs) {
 }
 
 // A mirrored guess starts the same four-bar in its other assembly mode.
-TEST(ForwardError, ReportsAnotherBranchAsItIs) {
+TEST(ForwardError, ReportsTheErrorOfAnotherBranch) {
   const auto four_bar = [](double side) {
     return SceneBuilder("four_bar", 2)
         .fixed_point("A", {0, 0, 0})
@@ -252,7 +252,7 @@ TEST(ForwardError, ReportsAnotherBranchAsItIs) {
   EXPECT_TRUE(std::isnan(found.acceleration));
 }
 
-TEST(ForwardError, OfTimesFarApart) {
+TEST(ForwardError, HandlesTimesFarApart) {
   const Prepared prepared = prepare(sample("stewart"));
   Simulator simulator(prepared);
   const std::vector<double> times = {1.5, 4.0, 4.001, 9.0};
@@ -263,7 +263,7 @@ TEST(ForwardError, OfTimesFarApart) {
 }
 
 // The bounds that this library promises for a thousand steps of the paper's platform.
-TEST(ForwardError, OfTheStewartPlatformInEveryFormulationAndSolver) {
+TEST(ForwardError, IsSmallForTheStewartPlatformWithEverySolver) {
   for (const std::string& solver : test::solvers()) {
     for (const char* formulation : {"global/", "groups/", "irreducible/"}) {
       const Prepared prepared = prepare(sample("stewart"), {formulation + solver, {}});
@@ -280,13 +280,13 @@ TEST(ForwardError, OfTheStewartPlatformInEveryFormulationAndSolver) {
 
 // Backward error of eight roundings times the condition (5 to 16 for every ring), once more for what the terminal hands
 // down to the legs.
-TEST(ForwardError, OfRingsIsThatOfTheirCondition) {
+TEST(ForwardError, OfRingsFollowsTheirCondition) {
   const Prepared prepared = prepare(sample("rings:legs=3,n=12").with_time({0, 1, 0.01}));
   const ForwardError found = forward_error(prepared, Simulator(prepared).run());
   EXPECT_LE(found.position, 8 * kEps * 16 * 17);
 }
 
-TEST(ForwardError, OfGoughPosturesIsThatOfTheirCondition) {
+TEST(ForwardError, OfGoughPosturesFollowsTheirCondition) {
   for (const GoughRow& row : read_gough()) {
     const Prepared prepared = prepare(sample("gough:posture=" + std::to_string(row.posture)));
     const ForwardError found = forward_error(prepared, Simulator(prepared).run());
@@ -296,7 +296,7 @@ TEST(ForwardError, OfGoughPosturesIsThatOfTheirCondition) {
 }
 
 // A callback computes in double: the circle as the user's code, and the same as a constraint of the library.
-TEST(ForwardError, WithACallback) {
+TEST(ForwardError, HandlesCallbacks) {
   Callback circle;
   circle.coordinates = {"P.x", "P.y"};
   circle.equations = 1;
@@ -328,7 +328,7 @@ TEST(ForwardError, WithACallback) {
 }
 
 // An angle may be counted from another turn on; that is no error.
-TEST(ForwardError, OfAnAngleOverManyTurns) {
+TEST(ForwardError, HandlesAnglesOverManyTurns) {
   const Scene scene = sample("andrews").with_outputs({"beta"});
   const TimeGrid grid = scene.time();
   const Prepared prepared = prepare(scene.with_time({0, 200 * grid.step, grid.step}));
@@ -337,7 +337,7 @@ TEST(ForwardError, OfAnAngleOverManyTurns) {
   EXPECT_LE(forward_error(prepared, trajectory).position, kEps);
 }
 
-TEST(ForwardError, RefusesWhatCannotBeCompared) {
+TEST(ForwardError, RefusesIncomparableTrajectories) {
   const Prepared prepared = prepare(sample("four_bar:1"));
   const auto message = [&](const Trajectory& trajectory) -> std::string {
     try {

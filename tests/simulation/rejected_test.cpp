@@ -31,7 +31,7 @@ Scene four_bar_and_dyad(double step, std::int64_t steps) {
   return b.time(0, step * static_cast<double>(steps), step).build();
 }
 
-TEST(Rejected, AttemptsLeaveNoMark) {
+TEST(Rejected, AttemptsLeaveNoTrace) {
   test::Draw draw(12);
   std::int64_t rejected = 0;
   const int all = test::random_count(150);

@@ -58,7 +58,7 @@ Scene growing() {
   return b.time(0, 1, 0.1).build();
 }
 
-TEST(Safer, FactorsThatGrewAreRefined) {
+TEST(Safer, RefinesFactorsWithGrowth) {
   for (const std::string& solver : test::solvers()) {
     const test::Result r = test::run(growing(), "groups/" + solver);
     ASSERT_TRUE(r.report().status.ok()) << solver << " " << name(r.report().status.code);

@@ -43,7 +43,7 @@ void expect_the_same_bits(const Scene& scene, const std::string& strategy, int e
   EXPECT_TRUE(test::same_bits(other.report().error.acceleration, plain.report().error.acceleration));
 }
 
-TEST(Scaling, ByAPowerOfTwoChangesNoBit) {
+TEST(Scaling, ByAPowerOfTwoKeepsResultsBitwise) {
   for (const std::string text :
        {"stewart:steps=100", "four_bar:loops=10,step=0.01,steps=100", "andrews", "slider_crank:step=0.01,steps=100",
         "rings:legs=2,n=24,steps=50", "gough:7", "hexapod:steps=50", "almost_parallelogram:delta=1e-4"}) {

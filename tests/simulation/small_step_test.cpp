@@ -113,7 +113,7 @@ void expect_the_same_step(const Scene& scene, const std::string& strategy) {
   EXPECT_EQ(small, static_cast<int>(layout.packs.size()));
 }
 
-TEST(SmallStep, IsTheStepOfGroupSolver) {
+TEST(SmallStep, EqualsTheStepOfGroupSolver) {
   for (const char* lanes : {"lanes", "lanes:2", "lanes:4", "lanes:8"}) {
     expect_the_same_step(sample("stewart"), std::string("irreducible/") + lanes);
     expect_the_same_step(sample("andrews"), std::string("irreducible/") + lanes);

@@ -79,7 +79,7 @@ TEST(State, FailedAttemptsLeaveTheAcceptedPosturesAlone) {
   }
 }
 
-TEST(State, StandsStillAtTheLastPosture) {
+TEST(State, PredictsRestAtTheLastPosture) {
   for (const Predictor& predictor : {kTaylor, kHermite, kPast}) {
     State s = after_steps(predictor, 4);
     s.stand_still();
@@ -95,7 +95,7 @@ TEST(State, ForgetsOlderPostures) {
   expect_at(s, 4 * kStep, 0);  // of one posture
 }
 
-TEST(State, ExpandsByAllDerivativesOfTheLastPosture) {
+TEST(State, ExpandsWithAllDerivativesOfTheLastPosture) {
   for (const Predictor& predictor : {Predictor{Predictor::Kind::taylor, 1}, kPast}) {
     State s = after_steps(predictor, 4);
     s.predict(s.begin_expansion(5 * kStep), 0, s.unknowns());
@@ -103,7 +103,7 @@ TEST(State, ExpandsByAllDerivativesOfTheLastPosture) {
   }
 }
 
-TEST(State, PredictsThroughPosturesThatWereKept) {
+TEST(State, PredictsThroughKeptPostures) {
   State s = after_steps(kTaylor, 1);
   State::Way way;
   for (int k = 2; k < 5; ++k) {
@@ -116,7 +116,7 @@ TEST(State, PredictsThroughPosturesThatWereKept) {
   expect_at(s, 5 * kStep, 0);
 }
 
-TEST(State, StartsAnewWhenCleared) {
+TEST(State, RestartsAfterClear) {
   State s = after_steps(kHermite, 4);
   s.clear();
   for (int d = 0; d < 3; ++d) EXPECT_EQ(s.at(d)[0] + s.at(d)[1] + s.at(d)[2], 0);

@@ -50,7 +50,7 @@ TEST(Steady, StepsOfEveryFormulationAllocateNothing) {
   }
 }
 
-TEST(Steady, PositionsAloneAllocateNothing) {
+TEST(Steady, PositionsOnlyAllocateNothing) {
   const Scene handles = sample("stewart").with_outputs({"handle1.value", "handle4.value"});
   for (const std::string& solver : test::solvers()) {
     for (const std::string formulation : {"global", "groups", "irreducible"}) {

@@ -42,7 +42,7 @@ struct ClosedForm {
   }
 };
 
-TEST(Stewart, MeetsTheClosedFormInEveryFormulation) {
+TEST(Stewart, AgreesWithTheClosedFormInEveryFormulation) {
   const Scene scene = sample("stewart");
   const ClosedForm closed_form(scene);
   for (const std::string formulation : {"global", "groups", "irreducible"}) {
@@ -103,7 +103,7 @@ void expect_work(const Counters& c, const Work& w, bool derivatives) {
   EXPECT_LE(w.iterations_of_first(c), 2 * w.of_first(c));
 }
 
-TEST(Stewart, WorkOfTheFullRunIsCounted) {
+TEST(Stewart, CountsTheWorkOfTheFullRun) {
   // In `irreducible` the terminal is driven, and 15 = 3 + 3 + 3 + 6 that presolve eliminates.
   const std::size_t columns = 9 * (4 + 6 * 5 + 6 * 2) + 6 * 3;  // O, u, v, w; B, e, r, c, d; P, t; angles
   for (const Work& w : {Work{"groups/" + test::sparse(), 12, 6, 15}, Work{"irreducible/" + test::sparse(), 0, 18, 3},
@@ -117,7 +117,7 @@ TEST(Stewart, WorkOfTheFullRunIsCounted) {
   }
 }
 
-TEST(Stewart, HandlesAloneNeedNoDerivativesAndNoDeeperBlocks) {
+TEST(Stewart, HandlesNeedNoDerivativesAndNoDeeperBlocks) {
   const Scene scene = sample("stewart"), handles = scene.with_outputs(kHandles);
   for (const Work& w :
        {Work{"groups/eigen", 12, 6, 9}, Work{"groups/" + test::sparse(), 12, 6, 9}, Work{"irreducible/eigen", 0, 6, 3},
@@ -151,7 +151,7 @@ TEST(Stewart, HandlesAloneNeedNoDerivativesAndNoDeeperBlocks) {
   }
 }
 
-TEST(Stewart, DerivativesForThePredictorAloneAreListed) {
+TEST(Stewart, ListsDerivativesThatOnlyThePredictorNeeds) {
   const Scene handles = sample("stewart").with_outputs(kHandles);
   for (const Work& w : {Work{"groups/" + test::sparse() + "+predict=taylor:2", 12, 6, 9},
                         Work{"irreducible/" + test::sparse() + "+predict=taylor:2", 0, 6, 3}}) {
@@ -175,7 +175,7 @@ TEST(Stewart, DerivativesForThePredictorAloneAreListed) {
   EXPECT_GT(r.report().error.velocity, 0);
 }
 
-TEST(Stewart, FixedIterationsAreTakenBeyondTheFirstLevel) {
+TEST(Stewart, TakesFixedIterationsBeyondTheFirstLevel) {
   const Work work{"groups/" + test::sparse() + "+predict=taylor:2", 12, 6, 15};
   const Result free = test::run(sample("stewart"), work.strategy);
   for (const int n : {1, 2, 3}) {

@@ -67,7 +67,7 @@ std::string any_strategy(Draw& draw) {
   return to_string(s);
 }
 
-TEST(Strategies, AnyGivesTheMotionOfAnyMechanism) {
+TEST(Strategies, AllGiveTheSameMotionOfRandomMechanisms) {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     Draw draw(seed);
     const Scene scene = seed % 2 == 0 ? test::planar_mechanism(draw) : test::spatial_mechanism(draw);
@@ -94,7 +94,7 @@ std::vector<std::string> every_kind_of_strategy() {
   return out;
 }
 
-TEST(Strategies, GiveTheMotionOfEveryShippedScene) {
+TEST(Strategies, AllGiveTheSameMotionOfShippedScenes) {
   int moving = 0;
   for (const auto& entry : std::filesystem::directory_iterator(std::string(ASSUR_SOURCE_DIR) + "/scenes")) {
     if (entry.path().filename() == "scene.schema.json") continue;
@@ -153,7 +153,7 @@ TEST(Strategies, OfThePaperRun) {
 }
 
 // Packs that are shared out among threads are solved as by one.
-TEST(Strategies, TheNumberOfThreadsChangesNoBit) {
+TEST(Strategies, AreBitwiseEqualForAllThreads) {
   const Scene platform = sample("stewart:legs=22,steps=40"), rings = sample("rings:legs=7,n=60,steps=20");
   const Scene limited = test::limited_four_bar(Law::polynomial({0.5, 1})).time(0, 2, 0.01).build();
   for (const Scene& scene : {platform, rings, limited}) {
@@ -180,7 +180,7 @@ TEST(Strategies, TheNumberOfThreadsChangesNoBit) {
   }
 }
 
-TEST(Strategies, ThatCannotRunSayWhy) {
+TEST(Strategies, ExplainWhyTheyCannotRun) {
   const Scene scene = sample("four_bar:step=0.1,steps=2");
   const auto refusal = [&](const std::string& strategy, ThreadBudget budget) -> std::string {
     try {

@@ -101,7 +101,7 @@ struct Ivp {
 
 // gamma, delta, epsilon, and theta up to whole turns: it is unwrapped from where our run starts, not theirs. Phi and
 // Omega are delta and theirs from directions a quarter turn off, and say nothing more.
-TEST(Andrews, MeetsTheReferenceOfTheIvpTestSet) {
+TEST(Andrews, AgreesWithTheIvpTestSet) {
   const Ivp ivp;
   for (const std::string& strategy : every_strategy()) {
     SCOPED_TRACE(strategy);
@@ -126,7 +126,7 @@ TEST(Andrews, MeetsTheReferenceOfTheIvpTestSet) {
 // From a guess that is off by up to 0.001 in every coordinate Newton returns to the posture of the table. Allowed: the
 // residual of a posture that is taken for assembled (64 eps of the sum of an equation's terms, in practice a few eps)
 // and the rounding of the platform's dimensions from decimals, times the condition of the equations. 4e-15 is 18 eps.
-TEST(Gough, AllFortyPosturesAreFoundFromAPerturbedGuess) {
+TEST(Gough, FindsAllFortyPosturesFromPerturbedGuesses) {
   const auto table = references::read_gough();
   ASSERT_EQ(table.size(), 40u);
   for (const references::GoughRow& row : table) {

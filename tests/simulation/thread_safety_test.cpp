@@ -73,7 +73,7 @@ void in_two_threads(const std::function<void(int)>& work) {
   other.join();
 }
 
-TEST(ThreadSafety, TwoSimulatorsInTwoThreads) {
+TEST(ThreadSafety, TwoSimulatorsRunInTwoThreads) {
   for (const std::string& strategy : strategies()) {
     SCOPED_TRACE(strategy);
     const Prepared shared = prepared(platforms(), strategy);  // immutable: both may have it
@@ -104,7 +104,7 @@ TEST(ThreadSafety, ASimulatorThatFailsDoesNotDisturbItsNeighbour) {
   for (int rank = 0; rank < 2; ++rank) test::expect_same_run(alone[rank], *side_by_side[rank]);
 }
 
-TEST(ThreadSafety, TwoEnsemblesInTwoThreads) {
+TEST(ThreadSafety, TwoEnsemblesRunInTwoThreads) {
   for (const std::string strategy : {"groups/eigen:2 2x1", "irreducible/lanes:4 2x1"}) {
     Ensemble one = ensemble(strategy);
     const EnsembleTrajectory alone = one.run();
@@ -145,7 +145,7 @@ TEST(ThreadSafety, OneSimulatorServesThreadsInTurn) {
 }
 
 #ifdef _OPENMP
-TEST(ThreadSafety, ManySimulatorsWithinAParallelRegionOfTheUsers) {
+TEST(ThreadSafety, ManySimulatorsRunInAParallelRegionOfTheUser) {
   constexpr int kMany = 8;
   for (const std::string& strategy : strategies()) {
     SCOPED_TRACE(strategy);
@@ -165,7 +165,7 @@ TEST(ThreadSafety, ManySimulatorsWithinAParallelRegionOfTheUsers) {
   }
 }
 
-TEST(ThreadSafety, EnsemblesWithinAParallelRegionOfTheUsers) {
+TEST(ThreadSafety, EnsemblesRunInAParallelRegionOfTheUser) {
   const EnsembleTrajectory alone = ensemble("groups/eigen:2 2x1").run();
   std::optional<EnsembleTrajectory> results[4];
 #pragma omp parallel for num_threads(2)
@@ -190,7 +190,7 @@ bool same(const Trajectory& a, const Trajectory& b) {
          std::equal(a.values().begin(), a.values().end(), b.values().begin(), test::same_bits);
 }
 
-TEST_F(Forked, ASimulatorGoesOnInTheChildAndInTheParent) {
+TEST_F(Forked, ASimulatorContinuesInChildAndParent) {
   for (const std::string& strategy : strategies()) {
     SCOPED_TRACE(strategy);
     const Prepared shared = prepared(platforms(), strategy);
@@ -211,7 +211,7 @@ TEST_F(Forked, ASimulatorGoesOnInTheChildAndInTheParent) {
   }
 }
 
-TEST_F(Forked, AnEnsembleRunsInTheChildAndInTheParent) {
+TEST_F(Forked, AnEnsembleRunsInChildAndParent) {
   Ensemble e = ensemble("groups/eigen:2 2x1");
   const EnsembleTrajectory alone = e.run();
   const auto runs = [&] {

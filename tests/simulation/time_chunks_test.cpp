@@ -93,7 +93,7 @@ std::vector<Scene> shipped() {
   return out;
 }
 
-TEST(TimeChunks, EveryShippedSceneIsAsInSequence) {
+TEST(TimeChunks, EveryShippedSceneMovesAsInSequence) {
   for (const Scene& scene : shipped()) {
     const Sequence in_sequence(scene, "groups/eigen", 10);
     ASSERT_TRUE(in_sequence.result.report().status.ok());
@@ -114,7 +114,7 @@ TEST(TimeChunks, EveryShippedSceneIsAsInSequence) {
   }
 }
 
-TEST(TimeChunks, OfOtherStrategies) {
+TEST(TimeChunks, RunWithOtherStrategies) {
   const Sequence stewart(sample("stewart:steps=50"), "groups/eigen", 10);
   for (const std::string strategy : {"irreducible/lanes:8+chunks=8+predict=hermite:5", "global/eigen:4+once+chunks=5",
                                      "groups/lanes:16+float+chunks=16", "groups/eigen:2+reuse=run+chunks=3 2x1",
@@ -143,7 +143,7 @@ TEST(TimeChunks, CoverTheGridAndOverlapByTwoRowsAtMost) {
   }
 }
 
-TEST(TimeChunks, AnyNumberOfStepsAndChunks) {
+TEST(TimeChunks, AcceptAnyNumberOfStepsAndChunks) {
   for (const int steps : {1, 2, 3, 5, 7, 12, 31}) {
     const Scene scene = sample("four_bar", {{"step", 0.01}, {"steps", static_cast<double>(steps)}});
     const Sequence in_sequence(scene);
@@ -156,7 +156,7 @@ TEST(TimeChunks, AnyNumberOfStepsAndChunks) {
   }
 }
 
-TEST(TimeChunks, OwnTimesThatAreEvenlySpacedOrNot) {
+TEST(TimeChunks, AcceptOwnTimesWithAnySpacing) {
   const Scene scene = sample("four_bar:step=0.01,steps=40");
   std::vector<double> even, uneven, twice = {0, 0.1, 0.1, 0.2};
   for (int k = 0; k <= 40; ++k) even.push_back(0.05 + 0.02 * k), uneven.push_back(0.001 * k * k);
@@ -180,7 +180,7 @@ TEST(TimeChunks, OwnTimesThatAreEvenlySpacedOrNot) {
 
 // ---- change points, limits
 
-TEST(TimeChunks, RunOverChangePoints) {
+TEST(TimeChunks, PassChangePoints) {
   for (const double step : {0.0071, 0.0033}) {
     const Scene scene = sample("almost_parallelogram", {{"delta", 0}, {"step", step}, {"steps", std::round(2 / step)}});
     const Sequence in_sequence(scene);
@@ -223,7 +223,7 @@ Scene swinging(int beyond) {
   return test::limited_four_bar(law).time(0, 1, 0.01).build();
 }
 
-TEST(TimeChunks, ALimitWithinAChunkEndsTheRunThere) {
+TEST(TimeChunks, ALimitWithinAChunkEndsTheRun) {
   for (const int beyond : {0, 1, 2, 3}) {
     const Sequence in_sequence(swinging(beyond));
     ASSERT_EQ(in_sequence.result.report().status.code, Code::limit_reached);
@@ -261,7 +261,7 @@ Scene four_bar(double side) {
   return b.time(0, 1, 0.01).build();
 }
 
-TEST(TimeChunks, AStartOnTheWrongBranchIsDetectedAndRunAgain) {
+TEST(TimeChunks, RepeatAChunkThatStartsOnTheWrongBranch) {
   const Sequence right(four_bar(1)), mirrored(four_bar(-1));
   for (const int lanes : {1, 4}) {
     for (const std::set<std::size_t>& wrong : {std::set<std::size_t>{2}, {1, 2}, {3}, {1, 3}, {}}) {
@@ -296,7 +296,7 @@ TEST(TimeChunks, AStartOnTheWrongBranchIsDetectedAndRunAgain) {
 
 // ---- angles, what remains afterwards
 
-TEST(TimeChunks, AnglesAreUnwrappedAcrossTheBorders) {
+TEST(TimeChunks, UnwrapAnglesAcrossBorders) {
   const Scene scene = four_bar(1).with_time({0, 7.3, 0.01});
   const Sequence in_sequence(scene);
   for (const int chunks : {2, 7, 16, 100}) {
@@ -310,7 +310,7 @@ TEST(TimeChunks, AnglesAreUnwrappedAcrossTheBorders) {
   }
 }
 
-TEST(TimeChunks, AfterTheRunTheSimulatorGoesOnFromItsEnd) {
+TEST(TimeChunks, TheSimulatorContinuesAfterTheRun) {
   const Scene scene = four_bar(1).with_time({0, 2.5, 0.01});
   Simulator sequence = simulator(scene, "groups/eigen"), chunked = simulator(scene, "groups/eigen:4+chunks=5 2x1");
   const std::vector<double> at_start(chunked.outputs().begin(), chunked.outputs().end());
@@ -336,7 +336,7 @@ TEST(TimeChunks, AfterTheRunTheSimulatorGoesOnFromItsEnd) {
   EXPECT_EQ(chunked.run().values(), rows.values());
 }
 
-TEST(TimeChunks, TheWorkIsCounted) {
+TEST(TimeChunks, CountTheirWork) {
   const Scene scene = sample("stewart:steps=100");
   const Result sequence = run(scene, "groups/eigen");
   const Result r = run(scene, "groups/eigen:4+chunks=4");
@@ -350,7 +350,7 @@ TEST(TimeChunks, TheWorkIsCounted) {
 
 // Four steps of a length arrive before a longer one is tried: at most one in five fails, but for those that find the
 // first length and those on ways where the posture allows less and less, which are as many as halvings.
-TEST(TimeChunks, FewOfTheStepsToTheirStartsAreRejected) {
+TEST(TimeChunks, RejectFewStepsToTheirStarts) {
   for (const std::string text : {"stewart:steps=10000", "four_bar:step=0.01,steps=20000"}) {
     for (const int chunks : {2, 8, 16}) {
       SCOPED_TRACE(text + " in " + std::to_string(chunks));
@@ -363,7 +363,7 @@ TEST(TimeChunks, FewOfTheStepsToTheirStartsAreRejected) {
   }
 }
 
-TEST(TimeChunks, AnObserverHearsOfTheRowsOfTheGridAndStops) {
+TEST(TimeChunks, AnObserverIsCalledForEveryRowAndStops) {
   const Scene scene = four_bar(1);
   const Sequence in_sequence(scene);
   for (const int lanes : {1, 2, 4}) {
@@ -397,7 +397,7 @@ TEST(TimeChunks, AnObserverHearsOfTheRowsOfTheGridAndStops) {
 
 // ---- what cannot be cut
 
-TEST(TimeChunks, WhatCannotBeCutRunsInSequenceAndSaysWhy) {
+TEST(TimeChunks, RunInSequenceAndExplainWhyIfImpossible) {
   const Scene scene = four_bar(1);
   Simulator timed = simulator(scene, "groups/eigen:4+chunks=4", {0, 12, 10});
   EXPECT_EQ(timed.run().values(), run(scene, "groups/eigen").trajectory.values());
@@ -406,7 +406,7 @@ TEST(TimeChunks, WhatCannotBeCutRunsInSequenceAndSaysWhy) {
 
 struct Broken {};
 
-TEST(TimeChunks, WhatALawThrowsReachesTheCaller) {
+TEST(TimeChunks, PropagateExceptionsOfLaws) {
   auto armed = std::make_shared<bool>(false);
   SceneBuilder b("thrown", 2);
   b.fixed_point("A", {0, 0, 0}).point("B", {1, 0, 0});

@@ -13,7 +13,7 @@ namespace {
 
 using test::Result;
 
-TEST(Trajectory, HasTheColumnsOfTheOutputsInTheirOrder) {
+TEST(Trajectory, HasTheColumnsOfTheOutputsInOrder) {
   const Scene scene = sample("slider_crank:step=0.1,steps=10");
   EXPECT_EQ(test::run(scene.with_outputs({"rod_angle", "C.velocity", "slide.lambda"})).trajectory.columns(),
             (std::vector<std::string>{"rod_angle", "rod_angle.rate", "rod_angle.acceleration", "C.vx", "C.vy",
@@ -37,7 +37,7 @@ TEST(Trajectory, HasNoColumnTwice) {
 }
 
 // Memory that is there before it is written: the system hands out no page from one row to the next.
-TEST(Trajectory, HasItsPagesBeforeItsRows) {
+TEST(Trajectory, TouchesItsMemoryBeforeTheRun) {
 #ifndef MADV_POPULATE_WRITE
   GTEST_SKIP() << "no such advice here";
 #else
@@ -64,7 +64,7 @@ TEST(Trajectory, HasItsPagesBeforeItsRows) {
 }
 
 // B1 is solved for, or an offset and a multiple of another unknown; u a coordinate of the driver.
-TEST(Trajectory, PartsOfAnOutputAreThoseOfTheWhole) {
+TEST(Trajectory, PartsOfAnOutputEqualTheWhole) {
   const Scene scene = sample("stewart:steps=20");
   std::vector<std::string> parts;
   for (const std::string item : {"B1", "u", "A1"}) {
@@ -84,7 +84,7 @@ TEST(Trajectory, PartsOfAnOutputAreThoseOfTheWhole) {
   }
 }
 
-TEST(Trajectory, WithoutOutputsHasEverythingThatMoves) {
+TEST(Trajectory, HasEverythingThatMovesWithoutOutputs) {
   const Trajectory t = test::run(sample("slider_crank:step=0.1,steps=10")).trajectory;
   for (const std::string name : {"B.x", "C.ay", "slide.lambda", "displacement.rate", "rod_angle.acceleration"}) {
     EXPECT_NO_THROW((void)t.index(name)) << name;
@@ -100,7 +100,7 @@ TEST(Trajectory, LastThrowsWithoutRows) {
   EXPECT_THROW((void)t.last("B.x"), Error);
 }
 
-TEST(Trajectory, RowsAreGridTimes) {
+TEST(Trajectory, HasARowForEachGridTime) {
   const Scene scene = sample("four_bar:loops=2,step=0.01,steps=40");
   const Result r = test::run(scene);
   ASSERT_EQ(r.trajectory.rows(), 41u);
@@ -116,7 +116,7 @@ TEST(Trajectory, RowsAreGridTimes) {
   EXPECT_EQ(r.simulator.columns(), r.trajectory.columns());
 }
 
-TEST(Trajectory, UnknownColumnIsRefusedWithTheKnownOnes) {
+TEST(Trajectory, RefusesAnUnknownColumnAndListsKnownOnes) {
   const Result r = test::run(sample("four_bar:step=0.1,steps=2").with_outputs({"B1"}));
   try {
     (void)r.trajectory.index("B1.q");
@@ -128,7 +128,7 @@ TEST(Trajectory, UnknownColumnIsRefusedWithTheKnownOnes) {
   EXPECT_THROW((void)r.simulator.output("B1.q"), Error);
 }
 
-TEST(Trajectory, OwnTimesAndAnObserverThatStops) {
+TEST(Trajectory, AcceptsOwnTimesAndAnObserverThatStops) {
   const Scene scene = sample("four_bar:step=0.1,steps=10");
   Simulator s = test::simulator(scene);
   const std::vector<double> times = {0.05, 0.051, 0.4, 0.73};
@@ -151,7 +151,7 @@ TEST(Trajectory, OwnTimesAndAnObserverThatStops) {
   for (std::size_t i = 0; i < stopped.values().size(); ++i) EXPECT_EQ(stopped.values()[i], grid.values()[i]);
 }
 
-TEST(Trajectory, OwnTimesThatDescendOrAreNotFiniteAreRefused) {
+TEST(Trajectory, RefusesDescendingOrNonFiniteTimes) {
   Simulator s = test::simulator(sample("four_bar:step=0.1,steps=10"));
   ASSERT_TRUE(s.step(0.1).ok());
   const auto refusal = [&](const std::vector<double>& times) -> std::string {
@@ -170,7 +170,7 @@ TEST(Trajectory, OwnTimesThatDescendOrAreNotFiniteAreRefused) {
   EXPECT_EQ(refusal({0, 0.2, 0.2}), "none");
 }
 
-TEST(Trajectory, AStepToNowhereIsNotFinite) {
+TEST(Trajectory, AStepToANonFiniteTimeIsNotFinite) {
   for (const std::string controlled : {"", "motor"}) {
     Simulator s = test::simulator(sample("four_bar"), "auto", {},
                                   controlled.empty() ? std::vector<std::string>{} : std::vector{controlled});

@@ -86,11 +86,11 @@ TEST(Vanishing, RedundantPlanesDoNotContradict) {
 }
 
 // What contradicts, does: a plane that is off by more than rounding.
-TEST(Vanishing, WhatIsOffByMoreIsRefused) { EXPECT_THROW((void)test::run(four_bar(1e-7, 1)), Error); }
+TEST(Vanishing, RefusesLargerViolations) { EXPECT_THROW((void)test::run(four_bar(1e-7, 1)), Error); }
 
 // A loop in the plane, written in space with frames a little askew in the guess: steps take the terms of u2 . z down to
 // numbers so small that they have no inverse.
-TEST(Vanishing, TermsMayBecomeDenormal) {
+TEST(Vanishing, AcceptsSubnormalTerms) {
   const Scene scene = parse_scene(R"(
       {"assur": 1, "name": "upright", "dimension": 3, "points": {"A": {"at": [0.0, 0.0, 0.0], "fixed":
       true}, "D": {"at": [2.0029743597612804, -0.13036061027576884, 0.0], "fixed": true}}, "vectors":
@@ -116,7 +116,7 @@ TEST(Vanishing, TermsMayBecomeDenormal) {
 }
 
 // The scale does not vanish for any posture of the directions, and is hardly changed where they lie at random.
-TEST(Vanishing, ScalesAreThoseOfWhatIsMultiplied) {
+TEST(Vanishing, ScalesDoNotVanish) {
   SceneBuilder b("scales", 3);
   b.fixed_point("A", {0, 0, 0}).point("B", {1, 0, 0}).vector("e", {0, 1, 0}).vector("f", {0, 0, 1});
   b.constrain("both", Dot{"e", "f", 0.0}).constrain("one", Dot{"e", Direction("A", "B"), 0.0});

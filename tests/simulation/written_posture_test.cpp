@@ -22,7 +22,7 @@ std::string refusal(const std::string& text) {
 }
 
 // A cylinder of length 5 at the angle atan2(4, 3), 0.2 m a second longer and turning by 0.1 rad a second.
-TEST(RelativeLaws, CountFromThePostureAsWritten) {
+TEST(RelativeLaws, CountFromTheWrittenPosture) {
   const Scene scene = SceneBuilder("crane", 2)
                           .fixed_point("A", {0, 0})
                           .fixed_point("X", {1, 0})
@@ -42,7 +42,7 @@ TEST(RelativeLaws, CountFromThePostureAsWritten) {
   }
 }
 
-TEST(RelativeLaws, OfEveryOtherDriver) {
+TEST(RelativeLaws, WorkForEveryOtherDriver) {
   const Scene scene = parse_scene(R"({"assur": 1, "dimension": 2,
       "points": {"A": {"at": [0, 0], "fixed": true}, "B": {"at": [0, 2]}, "C": {"at": [1, 5]}, "D": {"at": [3, 5]},
                  "S": {"at": [7, 1]}},
@@ -61,7 +61,7 @@ TEST(RelativeLaws, OfEveryOtherDriver) {
   EXPECT_NEAR(motion.last("D.y"), 5 + 2 * std::sin(0.5), 1e-14);
 }
 
-TEST(RelativeLaws, WithoutAValueToCountFromAreRefused) {
+TEST(RelativeLaws, AreRefusedWithoutAStartValue) {
   const std::string front = R"({"assur": 1, "dimension": 2,
       "points": {"A": {"at": [0, 0], "fixed": true}, "X": {"at": [1, 0], "fixed": true}, "B": {"at": )";
   const std::string behind = R"(, "time": {"start": 0, "end": 1, "step": 0.5}})";
@@ -78,7 +78,7 @@ TEST(RelativeLaws, WithoutAValueToCountFromAreRefused) {
 
 // ---- members in ground coordinates
 
-TEST(GroundMembers, AreWhereTheyAreWritten) {
+TEST(GroundMembers, KeepTheirWrittenPositions) {
   const Scene scene = parse_scene(R"({"assur": 1, "dimension": 2,
       "points": {"B": {"at": [1, 1]}, "C": {"at": [2, 2]}},
       "bodies": {"plate": {"base": ["B", "C"], "points": {"P": {"at": [1, 2]}, "Q": [1, 0]},
@@ -102,7 +102,7 @@ TEST(GroundMembers, AreWhereTheyAreWritten) {
 }
 
 // A frame in space that is written off the axes, and a base of three points.
-TEST(GroundMembers, InSpace) {
+TEST(GroundMembers, KeepTheirPositionsInSpace) {
   SceneBuilder b("space", 3);
   b.point("O", {1, 2, 3}).vector("u", {0, 1, 0}).vector("v", {0, 0, 1}).vector("w", {1, 0, 0});
   b.point("K", {0, 0, 0}).point("L", {2, 0, 0}).point("M", {1, 1, 0});
@@ -116,7 +116,7 @@ TEST(GroundMembers, InSpace) {
   }
 }
 
-TEST(GroundMembers, InABodyWithoutAxesAreRefused) {
+TEST(GroundMembers, AreRefusedInABodyWithoutAxes) {
   const std::string front = R"({"assur": 1, "dimension": 3, "points": {"O": {"at": [0, 0, 0]}},
       "vectors": {"u": {"at": [1, 0, 0]}, "v": {"at": [0, 1, 0]}, "w": {"at": )";
   const std::string behind = R"(}}, "bodies": {"b": {"origin": "O", "frame": ["u", "v", "w"],
@@ -129,7 +129,7 @@ TEST(GroundMembers, InABodyWithoutAxesAreRefused) {
 
 // ---- degrees
 
-TEST(Degrees, AreAllAnglesOfTheFileAndNoLengths) {
+TEST(Degrees, ApplyToAllAnglesAndNoLengths) {
   const std::string laws = R"("points": {"A": {"at": [0, 0], "fixed": true}, "B": {"at": [0, 1]}, "C": {"at": [0, 3]},
                                          "D": {"at": [5, 0]}, "E": {"at": [6, 0]}},
       "bodies": {"plate": {"base": ["D", "E"]}},

@@ -26,7 +26,7 @@ struct Poor {
 class PoorGuess : public testing::TestWithParam<Poor> {};
 
 // 20 to 50 % of the mechanism's typical length, every coordinate; lengths are explicit in these samples.
-TEST_P(PoorGuess, ComesToAPosture) {
+TEST_P(PoorGuess, LeadsToAPosture) {
   const auto [name, size] = GetParam();
   for (unsigned seed = 1; seed <= 40; ++seed) {
     const Scene scene = references::perturbed(sample(name), size, seed);
@@ -87,7 +87,7 @@ int sign(const System& s, const std::vector<double>& q) {
 }
 
 // From a guess that is far off, a Stewart-Gough platform comes to rest in another mode more often than not.
-TEST(AssemblyMode, IsToldExactlyWhenTheDeterminantChangesSign) {
+TEST(AssemblyMode, IsReportedExactlyWhenTheDeterminantChangesSign) {
   int crossed = 0, assembled = 0;
   for (unsigned seed = 1; seed <= 100; ++seed) {
     const Structure s = structure(references::perturbed(sample("gough:posture=10"), 0.4, seed), groups);
@@ -102,7 +102,7 @@ TEST(AssemblyMode, IsToldExactlyWhenTheDeterminantChangesSign) {
   EXPECT_LT(crossed, assembled);
 }
 
-TEST(AssemblyMode, OnTheLineIsNotDecidable) {
+TEST(AssemblyMode, IsUndecidableOnTheLine) {
   for (const double x : {0.5, 1.0, 1.4, 3.0}) {
     const Structure s = structure(dyad({x, 0, 0}), groups);
     ASSERT_EQ(s.cannot_assemble, "");
@@ -111,7 +111,7 @@ TEST(AssemblyMode, OnTheLineIsNotDecidable) {
   }
 }
 
-TEST(AssemblyMode, AGoodGuessIsNotCommentedOn) {
+TEST(AssemblyMode, AGoodGuessGivesNoNote) {
   for (const char* name : {"four_bar:10", "andrews", "slider_crank", "stewart", "gough", "hexapod",
                            "rings:legs=2,n=60,terminal=24", "n_four_bar:20"}) {
     for (const Formulation f : {global, groups, irreducible}) EXPECT_EQ(look::notes(structure(sample(name), f)), "");
@@ -139,7 +139,7 @@ TEST(AssemblyMode, TheGuessDecidesTheSignOfD) {
 }
 
 // The dyad's other point of intersection: x = (1.5^2 - 1.2^2 + 2^2) / 4.
-TEST(StartNotes, APostureFarFromTheGuessIsTold) {
+TEST(StartNotes, ReportAPostureFarFromTheGuess) {
   const Structure s = structure(dyad({-1, 0.1, 0}), groups);
   ASSERT_EQ(s.notes.size(), 1u);
   EXPECT_EQ(s.notes[0].where, "/points/P");
@@ -149,7 +149,7 @@ TEST(StartNotes, APostureFarFromTheGuessIsTold) {
 }
 
 // e . a = 0.8 leaves e = (0.8, 0.6) on the side of either guess, whose angle to it is acos(-0.28) and 0.33.
-TEST(StartNotes, AVectorThatIsTurnedOverIsTold) {
+TEST(StartNotes, ReportATurnedVector) {
   const auto notes = [](Triple guess) {
     return structure(SceneBuilder("turned", 2)
                          .fixed_vector("a", {1, 0, 0})
@@ -168,7 +168,7 @@ TEST(StartNotes, AVectorThatIsTurnedOverIsTold) {
 }
 
 // A and B are fixed 1 m apart; every driver is told that the law says something else than `at`, once.
-TEST(StartNotes, LawsThatDisagreeWithThePostureAreToldOfEveryKindOfDriver) {
+TEST(StartNotes, ReportLawsThatDisagreeWithThePosture) {
   struct Case {
     const char* text;
     decltype(Driver::kind) kind;
@@ -268,7 +268,7 @@ double violation(const std::string& message) {
   return number.substr(length) == " m" ? metres : -1;
 }
 
-TEST(AssemblyRefused, AndrewsWithTheMisprint) {
+TEST(AssemblyRefused, RefusesAndrewsWithTheMisprint) {
   const Scene scene = sample("andrews:xb=0.03635");
   const std::string what = look::error(Error::Kind::numerical, [&] { (void)prepare(scene); });
   const bool g = what.rfind("group G cannot be assembled: 'G", 0) == 0,
@@ -292,7 +292,7 @@ TEST(AssemblyRefused, AndrewsWithTheMisprint) {
   EXPECT_LE(violation(what), most) << what;
 }
 
-TEST(AssemblyRefused, ByATenthOfAPercent) {
+TEST(AssemblyRefused, RefusesATenthOfAPercent) {
   SceneBuilder b("short", 2);
   b.fixed_point("A", {0, 0, 0}).fixed_point("B", {2, 0, 0}).point("P", {1, 0.3, 0});
   b.constrain("left", Distance{"P", "A", 0.999}).constrain("right", Distance{"P", "B", 0.999}).time(0, 1, 0.1);
@@ -326,7 +326,7 @@ TEST(AssemblyRefused, ADirectionHasNoMetres) {
 }
 
 // Guesses on a line of symmetry, where least squares alone stands still.
-TEST(Assembly, FromALineOfSymmetry) {
+TEST(Assembly, StartsFromALineOfSymmetry) {
   for (const double x : {-1.0, 0.5, 1.0, 1.4, 3.0}) {
     const Structure s = structure(dyad({x, 0, 0}), groups);
     EXPECT_EQ(s.cannot_assemble, "") << x;
@@ -335,7 +335,7 @@ TEST(Assembly, FromALineOfSymmetry) {
 }
 
 // Nothing to start from: the gradient of a distance is null where the points coincide.
-TEST(Assembly, FromCoincidentPoints) {
+TEST(Assembly, StartsFromCoincidentPoints) {
   SceneBuilder b("dyad", 2);
   b.fixed_point("A", {0, 0, 0}).fixed_point("B", {2, 0, 0}).point("P", {0, 0, 0});
   b.constrain("PA", Distance{"P", "A", 1.5}).constrain("PB", Distance{"P", "B", 1.2}).time(0, 1, 0.1);

@@ -48,7 +48,7 @@ SceneBuilder three_parts() {
   return b.time(0, 1, 0.1);
 }
 
-TEST(Blocks, OverAndUnderdeterminedPartsByName) {
+TEST(Blocks, NamesOverAndUnderdeterminedParts) {
   const Decomposed d(three_parts().build());
   EXPECT_FALSE(d.blocks.square());
   EXPECT_EQ(d.equations(d.blocks.surplus_equations), (Names{"QA", "QB", "QC"}));
@@ -61,7 +61,7 @@ TEST(Blocks, OverAndUnderdeterminedPartsByName) {
 }
 
 // What hangs on an undetermined part is undetermined with it; what hangs on an overdetermined one is not.
-TEST(Blocks, WhatFollows) {
+TEST(Blocks, FollowersOfUndeterminedPartsAreUndetermined) {
   const Decomposed d(three_parts()
                          .point("S", {2, 1, 0})
                          .constrain("SR", Distance{"S", "R", {}})
@@ -110,7 +110,7 @@ TEST(Blocks, EveryBlockFollowsWhatItNeeds) {
   }
 }
 
-TEST(Blocks, NothingToDecompose) {
+TEST(Blocks, HandlesAnEmptySystem) {
   const Decomposed d(SceneBuilder("crank", 2)
                          .fixed_point("A", {0, 0, 0})
                          .point("C", {1, 0, 0})

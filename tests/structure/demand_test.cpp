@@ -69,7 +69,7 @@ TEST(Demand, DerivativesForThePredictorAreListed) {
   }
 }
 
-TEST(Demand, RatesAlone) {
+TEST(Demand, NeedsOneDerivativeForRates) {
   const Structure s = structure(sample("stewart").with_outputs(handles(".rate")), groups);
   for (const Group& g : s.groups) {
     EXPECT_EQ(g.derivatives, 1) << g.name;
@@ -78,7 +78,7 @@ TEST(Demand, RatesAlone) {
   EXPECT_EQ(s.left_out.levels.size(), 7u);
 }
 
-TEST(Demand, KeepKeepsAll) {
+TEST(Demand, KeepComputesAllUnknowns) {
   SceneBuilder b("kept", 2);
   b.fixed_point("A", {0, 0, 0}).fixed_point("B", {2, 0, 0}).point("C", {1, 0, 0});
   b.drive("crank", PointAngle{"A", "C", "", Law::polynomial({0, 1})});
@@ -95,7 +95,7 @@ TEST(Demand, KeepKeepsAll) {
   EXPECT_EQ(s.left_out.unknowns, 2);
 }
 
-TEST(Demand, ALegKeptIsWhole) {
+TEST(Demand, KeepsAWholeLeg) {
   const Scene scene = sample("stewart").with_outputs(handles(".value"));
   SceneBuilder b("stewart", 3);
   for (const Point& x : scene.points()) b.add(x);
@@ -117,7 +117,7 @@ TEST(Demand, ALegKeptIsWhole) {
 }
 
 // Whole groups vanish; what others need stays, up to the derivative that they need.
-TEST(Demand, OnlyOneDyadOfAndrews) {
+TEST(Demand, NeedsOneDyadOfAndrews) {
   const Structure s = structure(sample("andrews").with_outputs({"G.velocity"}), groups);
   ASSERT_EQ(s.groups.size(), 2u);
   EXPECT_EQ(s.left_out.groups, std::vector<std::string>{"H"});
@@ -143,7 +143,7 @@ TEST(Demand, DerivativesDifferByGroup) {
 
 // Accelerations of B alone: every other unknown of the block is solved for position and velocity only, and stands
 // before first_wanted.
-TEST(Demand, LastBackSubstitutionStopsAtTheWanted) {
+TEST(Demand, LastBackSubstitutionStopsAtWantedUnknowns) {
   const Structure s = structure(sample("stewart").with_outputs({"e1.acceleration"}), groups);
   const Group& leg = look::group(s, "SG_HS1");
   const GroupClass& c = look::class_of(s, leg);

@@ -99,7 +99,7 @@ TEST(Groups, LoopsInSeries) {
   }
 }
 
-TEST(Groups, RingsHaveThreeNonzerosInARow) {
+TEST(Groups, RingsHaveThreeNonzerosInEachRow) {
   for (const int n : {12, 18, 60}) {
     const Structure s = structure(sample("rings:legs=3,terminal=24,n=" + std::to_string(n)), groups);
     ASSERT_EQ(s.groups.size(), 4u);
@@ -112,7 +112,7 @@ TEST(Groups, RingsHaveThreeNonzerosInARow) {
   }
 }
 
-TEST(Groups, GoughStandsStill) {
+TEST(Groups, GoughIsAtRest) {
   const Structure s = structure(sample("gough"), groups);
   EXPECT_TRUE(s.groups.empty());
   EXPECT_EQ(s.levels, 0);
@@ -157,7 +157,7 @@ SceneBuilder dyads() {
   return b.time(0, 1, 0.01);
 }
 
-TEST(Classes, ValuesDoNotMatter) {
+TEST(Classes, IgnoreValues) {
   const Scene scene = dyads()
                           .point("P", {1.5, 1, 0})
                           .point("Q", {1.5, -1, 0})
@@ -170,7 +170,7 @@ TEST(Classes, ValuesDoNotMatter) {
 }
 
 // A zero in a fixed direction, in a fixed point or on the right-hand side stays in the pattern.
-TEST(Classes, ZeroComponentsStay) {
+TEST(Classes, KeepZeroComponents) {
   SceneBuilder b = dyads();
   b.fixed_vector("d", {1, 0, 0}).fixed_vector("e", {0.6, 0.8, 0});
   for (const std::string k : {"d", "e"}) {
@@ -187,7 +187,7 @@ TEST(Classes, ZeroComponentsStay) {
 }
 
 // Fixed or moving, input or constant: roles decide.
-TEST(Classes, RolesMatter) {
+TEST(Classes, DependOnRoles) {
   const Scene scene = dyads()
                           .point("S", {1, 1, 0})
                           .drive("sx", DrivenCoordinate{"S.x", Law::constant(1)})
@@ -244,7 +244,7 @@ TEST(DeclaredGroups, AnOutsideBlockBetweenTwoBlocksIsNamed) {
 }
 
 // The chain of outside blocks may be long, and others that merely follow are not to blame.
-TEST(DeclaredGroups, OnlyWhatLiesBetweenIsNamed) {
+TEST(DeclaredGroups, NamesOnlyBlocksInBetween) {
   const Scene scene = chain()
                           .point("S", {4.5, 1, 0})
                           .constrain("SR", Distance{"S", "R", {}})
@@ -260,7 +260,7 @@ TEST(DeclaredGroups, OnlyWhatLiesBetweenIsNamed) {
       "it");
 }
 
-TEST(DeclaredGroups, CutThroughABlock) {
+TEST(DeclaredGroups, RefusesACutThroughABlock) {
   const Scene scene = dyads()
                           .point("P", {1.5, 1, 0})
                           .point("Q", {2.5, 1.4, 0})

@@ -98,7 +98,7 @@ TEST(Presolve, AChainOfLinearEquations) {
 }
 
 // x = sum c_j / c_p q_j: |c_p| is at least half of the largest, so no rounding is amplified by more than two.
-TEST(Presolve, NoSmallPivot) {
+TEST(Presolve, AvoidsSmallPivots) {
   const Presolved p(plane()
                         .point("P", {1, 1, 0})
                         .point("Q", {1, 1, 0})
@@ -127,7 +127,7 @@ TEST(Presolve, PrefersTheUnknownThatFewerEquationsMention) {
 }
 
 // A sum of many would make every equation that it enters dense.
-TEST(Presolve, LongFormsStay) {
+TEST(Presolve, KeepsLongForms) {
   for (const int n : {10, 11}) {
     SceneBuilder b = plane();
     Linear sum{{{"P", -1}}, {}};
@@ -146,7 +146,7 @@ TEST(Presolve, LongFormsStay) {
 }
 
 // Rows that products make linear by value keep their unknowns: which pivot is safe would depend on numbers.
-TEST(Presolve, ProductsStay) {
+TEST(Presolve, KeepsProducts) {
   const Presolved p(SceneBuilder("dot", 2)
                         .fixed_vector("d", {0.6, 0.8, 0})
                         .vector("u", {1, 0, 0})

@@ -71,7 +71,7 @@ TEST(Rank, TheRedundantMechanismRuns) {
 }
 
 // The dropped row is no free pass: the length of the third rod must go on to fit.
-TEST(Rank, ADroppedRowThatCeasesToHoldStopsTheRun) {
+TEST(Rank, AViolatedRedundantEquationStopsTheRun) {
   // Redundant at the start and to first order, but the third rod hangs on a point that leaves the circle: by the end
   // the equations contradict each other by 5e-7 and 5e-3.
   for (const auto& [accuracy, leaves] : {std::pair(0.0, 1e-3), std::pair(1e-4, 0.1)}) {
@@ -91,7 +91,7 @@ TEST(Rank, ADroppedRowThatCeasesToHoldStopsTheRun) {
   }
 }
 
-TEST(Rank, ARodTooLongContradictsByName) {
+TEST(Rank, NamesATooLongRod) {
   const Scene scene = parallelogram(1 + 1e-3).build();
   const Structure s = structure(scene, groups);
   EXPECT_EQ(s.cannot_assemble.rfind("these equations contradict each other: ", 0), 0u) << s.cannot_assemble;
@@ -107,7 +107,7 @@ TEST(Rank, RoundingIsNoContradiction) {
   EXPECT_EQ(s.redundant.size(), 1u);
 }
 
-TEST(Rank, AFixedPointWithThreeRods) {
+TEST(Rank, HandlesAFixedPointWithThreeRods) {
   SceneBuilder b("tripod", 2);
   b.fixed_point("A", {0, 0, 0}).fixed_point("B", {2, 0, 0}).fixed_point("C", {1, 3, 0}).point("P", {0.9, 1.1, 0});
   b.constrain("PA", Distance{"P", "A", std::sqrt(2.0)}).constrain("PB", Distance{"P", "B", std::sqrt(2.0)});
@@ -150,7 +150,7 @@ TEST(Rank, AMissingDriverLeavesUnknownsFree) {
 }
 
 // One free point, and one that is both free and part of an impossible set: both are told apart.
-TEST(Rank, AFreePointIsUndeterminedAlone) {
+TEST(Rank, OnlyAFreePointIsUndetermined) {
   const Structure s = structure(parallelogram(1).point("free", {1, 1, 0}).build(), groups);
   EXPECT_EQ(s.undetermined, (Names{"free.x", "free.y"}));
   EXPECT_EQ(s.redundant.size(), 1u);
@@ -187,7 +187,7 @@ TEST(Rank, StartAtADeadPoint) {
 
 // ---- mobility is the mechanism's, whatever drives it
 
-TEST(Mobility, OfADeltaRobotIsThreeHoweverItIsDriven) {
+TEST(Mobility, OfADeltaRobotIsThreeForAllDrivers) {
   const references::Delta delta;
   SceneBuilder motors = delta.scene({0.2, 0.2, 0.2}, 0.2), pose = delta.scene({0.2, 0.2, 0.2}, 0.2),
                free = delta.scene({0.2, 0.2, 0.2}, 0.2);
@@ -209,7 +209,7 @@ TEST(Mobility, OfADeltaRobotIsThreeHoweverItIsDriven) {
 }
 
 // A triangle of links that cannot move, and a driver that says nothing about it.
-TEST(Mobility, OfAPointThatADistanceAndACoordinateFixIsNone) {
+TEST(Mobility, OfAPointWithDistanceAndCoordinateIsZero) {
   SceneBuilder b("fixed", 2);
   b.fixed_point("A", {0, 0, 0}).point("B", {0.6, 0.8, 0});
   b.constrain("link", Distance{"A", "B", 1.0}).constrain("wall", FixedCoordinate{"B.x", std::cos(0.9)});
@@ -241,7 +241,7 @@ TEST(Mobility, OfAWishboneWithARodIsOne) {
 }
 
 // Flat, its coupler may leave in two ways; nowhere else.
-TEST(Mobility, OfAFlatParallelogramIsTwoThereAndOneElsewhere) {
+TEST(Mobility, OfAFlatParallelogramIsTwoAndElsewhereOne) {
   for (const bool driven : {true, false}) {
     SceneBuilder b("parallelogram", 2);
     b.fixed_point("A0", {0, 0, 0}).fixed_point("A1", {2, 0, 0}).point("B0", {1, 0, 0}).point("B1", {3, 0, 0});
@@ -259,7 +259,7 @@ TEST(Mobility, OfAFlatParallelogramIsTwoThereAndOneElsewhere) {
 
 // ---- kinds of redundancy
 
-TEST(Redundancies, AreToldApart) {
+TEST(Redundancies, AreDistinguished) {
   // The third rod of a parallelogram follows from the others; a rod that only fits at the start does not.
   const Structure always = structure(parallelogram(1).build(), groups);
   ASSERT_EQ(always.redundant.size(), 1u);
@@ -296,7 +296,7 @@ TEST(Redundancies, AreToldApart) {
 
 // Three parallel cranks whose path meets the line on which they are singular: two of the rods that are kept leave the
 // posture open there by the square root of rounding, which the third one shows (2e-8 m).
-TEST(Redundancies, AreNotToldByPosturesThatAreSingular) {
+TEST(Redundancies, AreNotJudgedBySingularPostures) {
   SceneBuilder b("three cranks", 2);
   b.fixed_point("A", {0, 0, 0}).fixed_point("D", {2, 0, 0}).fixed_point("E", {1, 0.5, 0});
   b.point("B", {0, 1, 0}).point("C", {2, 1, 0}).point("F", {1, 1.5, 0});
@@ -330,7 +330,7 @@ TEST(Rank, BricardHasOneRedundantEquation) {
 }
 
 // At its dead centre the crank may go either way; the scene lacks nothing.
-TEST(Rank, ADeadCentreIsToldFromASceneThatLacksAConstraint) {
+TEST(Rank, DistinguishesADeadCentreFromAMissingConstraint) {
   const auto crank = [](double x, bool with_rod) {
     SceneBuilder b("slider_crank", 2);
     b.fixed_point("A", {0, 0}).point("B", {1, 0}).point("C", {3, 0});

@@ -20,7 +20,7 @@ CellResult cell_of(double seconds, double slowness) {
 }
 
 // A first run in a bad moment takes twice the usual pace for the usual one.
-TEST(Archive, AWrongFirstPaceScalesNothingThatFollows) {
+TEST(Archive, AWrongFirstPaceDoesNotScaleLaterSamples) {
   test::FileTree tree;
   const auto file = tree.root() / "tuning.db";
   {

@@ -78,7 +78,7 @@ TEST_F(CampaignTest, KeepsToItsBudget) {
   EXPECT_EQ(campaign.figures().planned, 4u);
 }
 
-TEST_F(CampaignTest, GoesOnWhereAnInterruptedRunStopped) {
+TEST_F(CampaignTest, ContinuesAnInterruptedRun) {
   stop_after_ = 2;
   Campaign first(options_, instruments());
   first.run(cells());
@@ -101,7 +101,7 @@ TEST_F(CampaignTest, GoesOnWhereAnInterruptedRunStopped) {
   EXPECT_EQ(second.results()[0].results.size(), first.results()[0].results.size());
 }
 
-TEST_F(CampaignTest, TimesCountAsAtTheUsualPace) {
+TEST_F(CampaignTest, CorrectsTimesToTheUsualPace) {
   options_.progress = [this](double, const Cell& cell) { slow_ = cell.n > 5 ? 2 : 1; };
   Campaign campaign(options_, instruments());
   campaign.run(cells());
@@ -116,7 +116,7 @@ TEST_F(CampaignTest, TimesCountAsAtTheUsualPace) {
   EXPECT_EQ(campaign.figures().drift(), 1.0);
 }
 
-TEST_F(CampaignTest, OfAMeetingOnlyWhatIsNotByTheClockIsAtAnyPace) {
+TEST_F(CampaignTest, CorrectsMeetingsWithoutTheirClockTime) {
   options_.field.budget = ThreadBudget{2};
   slow_ = 2;
   Cell meeting;
@@ -132,7 +132,7 @@ TEST_F(CampaignTest, OfAMeetingOnlyWhatIsNotByTheClockIsAtAnyPace) {
   EXPECT_NEAR(slowed(r.sample, r.sample.slowness).seconds, raw, 1e-9);
 }
 
-TEST(Around, IsWhatIsLeftOfAStepWithoutItsPacks) {
+TEST(Around, IsTheTimeOfAStepWithoutItsPacks) {
   const Shape shape{.n = 102, .terms = 700};
   std::vector<Entrant> entrants;
   CellResult cell;
@@ -171,7 +171,7 @@ TEST(Around, IsWhatIsLeftOfAStepWithoutItsPacks) {
   EXPECT_EQ(around.slowness, 1.25);
 }
 
-TEST(Around, OfAStepEveryClassIsTimedToo) {
+TEST(Around, TimesEveryClassOfAStep) {
   Cell cell;
   cell.kind = Cell::Kind::around;
   cell.scene = [] { return sample("stewart"); };
@@ -192,7 +192,7 @@ TEST(Around, OfAStepEveryClassIsTimedToo) {
   EXPECT_EQ(open(cell, field)->enter({Kernel::step, parse_strategy("groups/lanes:8")}).size(), 1u);
 }
 
-TEST_F(CampaignTest, EqualMatricesAreMeasuredOnce) {
+TEST_F(CampaignTest, MeasuresEqualMatricesOnce) {
   std::vector<Cell> twice = cells();
   twice.push_back(twice.front());
   Campaign campaign(options_, instruments());
@@ -201,7 +201,7 @@ TEST_F(CampaignTest, EqualMatricesAreMeasuredOnce) {
   EXPECT_EQ(campaign.figures().planned, 4u);
 }
 
-TEST_F(CampaignTest, ACellThatCannotBeOpenedIsToldAndTheOthersGoOn) {
+TEST_F(CampaignTest, ReportsAFailedCellAndContinues) {
   std::vector<Cell> some = cells();
   some[1].scene = [] { return sample("no such thing"); };
   Campaign campaign(options_, instruments());
@@ -211,7 +211,7 @@ TEST_F(CampaignTest, ACellThatCannotBeOpenedIsToldAndTheOthersGoOn) {
   EXPECT_NE(campaign.figures().failures[0].find("full, n = 5: "), std::string::npos);
 }
 
-TEST_F(CampaignTest, ADatabaseThatCannotBeWrittenEndsTheRun) {
+TEST_F(CampaignTest, AnUnwritableDatabaseEndsTheRun) {
   options_.store = [](const CellResult&) { throw Error(Error::Kind::environment, "the disk is full"); };
   Campaign campaign(options_, instruments());
   EXPECT_THROW(campaign.run(cells()), Error);
@@ -258,7 +258,7 @@ TEST_F(RefinementTest, EndsWithTheBudget) {
   EXPECT_LE(now_, 2 + 0.1);
 }
 
-TEST_F(RefinementTest, ThePatientEndWhenTheRegretIsSettled) {
+TEST_F(RefinementTest, PatientRunsEndWhenTheRegretSettles) {
   options_.most_for_cell = 0.5;
   Campaign all(options_, instruments());
   all.run(three_sizes());
@@ -274,7 +274,7 @@ TEST_F(RefinementTest, ThePatientEndWhenTheRegretIsSettled) {
   EXPECT_GT(stored_.size(), patient.results().size());
 }
 
-TEST_F(CampaignTest, MeasuredAgainTheMiddleOneCounts) {
+TEST_F(CampaignTest, UsesTheMedianOfSeveralPasses) {
   Campaign campaign(options_, instruments());
   campaign.run(cells());
   const std::size_t cells = campaign.results().size();
@@ -294,7 +294,7 @@ TEST_F(CampaignTest, MeasuredAgainTheMiddleOneCounts) {
   }
 }
 
-TEST(History, TellsWhoIsHopelessFromTwoSmallerSizes) {
+TEST(History, FindsHopelessCandidatesFromTwoSmallerSizes) {
   const Candidate candidate{Kernel::factor, parse_strategy("groups/eigen")};
   History history;
   EXPECT_EQ(history.hopeless("rings", candidate, 100, 1), "");
@@ -309,7 +309,7 @@ TEST(History, TellsWhoIsHopelessFromTwoSmallerSizes) {
   EXPECT_EQ(history.hopeless("full", candidate, 40, 1), "");  // catches up
 }
 
-TEST(History, TellsWhatTakesTooLong) {
+TEST(History, FindsCandidatesThatTakeTooLong) {
   const Candidate candidate{Kernel::factor, parse_strategy("groups/lanes")};
   History history;
   history.note("full", candidate, {50, 1e-3, 1e-3, 0.001});

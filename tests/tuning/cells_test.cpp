@@ -19,7 +19,7 @@ TEST(Cells, SizesAreSpacedEvenlyInTheirLogarithm) {
   EXPECT_EQ(spaced(3, 4, 5), (std::vector<std::int32_t>{3, 4}));
 }
 
-TEST(Cells, WhatIsHeldOutIsMeasuredNowhereElse) {
+TEST(Cells, HeldOutSizesAreMeasuredNowhereElse) {
   const std::vector<Cell> cells = general_cells({});
   std::set<std::pair<std::string, std::pair<int, int>>> seen, held_out;
   for (const Cell& c : cells) (c.held_out ? held_out : seen).insert({c.family, {c.n, c.groups}});
@@ -28,7 +28,7 @@ TEST(Cells, WhatIsHeldOutIsMeasuredNowhereElse) {
 }
 
 // A disturbance of a few seconds does not decide how much threads slow each other down.
-TEST(Cells, CrowdsAreAskedFarApartWithGroupsInNumbersOfTheirOwn) {
+TEST(Cells, CrowdsAreSpreadAndHaveTheirOwnNumbersOfGroups) {
   const std::vector<Cell> cells = general_cells({});
   double before = 0;                                 // weight of the cells so far
   std::map<std::string, std::vector<double>> asked;  // by family
@@ -69,7 +69,7 @@ TEST(Cells, EachCanBeOpenedAndEnteredByItsFirstCandidate) {
   }
 }
 
-TEST(Cells, ASceneHasItsOwn) {
+TEST(Cells, ASceneHasItsOwnCells) {
   const std::vector<Cell> cells = scene_cells("stewart", sample("stewart"));
   std::set<std::string> texts;
   for (const Cell& c : cells) texts.insert(to_string(c));
@@ -109,7 +109,7 @@ TEST(Candidates, OneOfEachBackendComesFirst) {
 }
 
 // Also where matrices are solved lane by lane: what is around them is not.
-TEST(Candidates, PacksAreMeasuredWithEveryWidthThatTheirGroupsCanFill) {
+TEST(Candidates, PacksHaveEveryWidthThatTheirGroupsFill) {
   std::map<std::string, std::set<int>> widths;
   for (const Strategy& s : pack_strategies(kField, Formulation::groups, {.n = 20, .nnz = 60, .groups = 8}, false)) {
     widths[s.solver.backend].insert(s.solver.lanes);
@@ -119,7 +119,7 @@ TEST(Candidates, PacksAreMeasuredWithEveryWidthThatTheirGroupsCanFill) {
 }
 
 // +once is weighed at every width; what it costs beyond its kernels is not what the plain policy costs.
-TEST(Candidates, SolversLaneByLaneAreMeasuredOnceWithEveryWidth) {
+TEST(Candidates, LaneByLaneSolversHaveEveryWidthWithOnce) {
   std::map<std::string, std::set<int>> widths;
   for (const Strategy& s : pack_strategies(kField, Formulation::groups, {.n = 20, .nnz = 60, .groups = 8}, true)) {
     if (s.solver.once) widths[s.solver.backend].insert(s.solver.lanes);
@@ -128,13 +128,13 @@ TEST(Candidates, SolversLaneByLaneAreMeasuredOnceWithEveryWidth) {
   EXPECT_EQ(widths["eigen"], (std::set<int>{1, 2, 4, 8}));
 }
 
-TEST(Candidates, WhatDidNotSurviveItsTrialIsLeftOut) {
+TEST(Candidates, LeaveOutFailedTrials) {
   Field field = kField;
   field.why_not = [](const Strategy& s) { return s.solver.backend == "eigen" ? "crashes" : ""; };
   for (const Strategy& s : linear_solvers(field, {.n = 20, .nnz = 60}, 16)) EXPECT_NE(s.solver.backend, "eigen");
 }
 
-TEST(Profile, ASmallerBudgetSamplesLess) {
+TEST(Profile, ASmallerBudgetHasFewerCells) {
   std::size_t before = 0;
   for (const double seconds : {2.0, 10.0, 55.0, 300.0}) {
     const std::size_t count = general_cells(profile("quick", seconds).extent).size();

@@ -50,9 +50,9 @@ std::vector<CellResult> grid() {
   return cells;
 }
 
-TEST(Regret, IsNoneWhereNothingIsHeldOut) { EXPECT_EQ(regret(model_of(grid()), grid()).questions, 0u); }
+TEST(Regret, IsEmptyWithoutHeldOutCells) { EXPECT_EQ(regret(model_of(grid()), grid()).questions, 0u); }
 
-TEST(Regret, IsWhatAWrongChoiceCosts) {
+TEST(Regret, IsTheCostOfAWrongChoice) {
   std::vector<CellResult> cells = grid();
   cells.push_back(cell(10, true));
   cells.push_back(cell(50, true));
@@ -66,7 +66,7 @@ TEST(Regret, IsWhatAWrongChoiceCosts) {
   EXPECT_EQ(wrong.median, 0);
 }
 
-TEST(Regret, DoesNotJudgeByTimesThatNobodyKnows) {
+TEST(Regret, IgnoresUncertainTimes) {
   std::vector<CellResult> cells = grid();
   cells.push_back(cell(11, true, 8));
   for (Result& r : cells.back().results) {
@@ -75,7 +75,7 @@ TEST(Regret, DoesNotJudgeByTimesThatNobodyKnows) {
   EXPECT_EQ(regret(model_of(cells), cells).questions, 0u);  // one candidate is no choice
 }
 
-TEST(Refinement, GoesToTheCrossover) {
+TEST(Refinement, ProposesCellsAtTheCrossover) {
   const std::vector<CellResult> cells = grid();
   const std::vector<Cell> next = propose(model_of(cells), cells, 2);
   ASSERT_FALSE(next.empty());
@@ -83,7 +83,7 @@ TEST(Refinement, GoesToTheCrossover) {
   EXPECT_LE(next.size(), 2u);
 }
 
-TEST(Refinement, EndsWhereNeighboursAreClose) {
+TEST(Refinement, EndsAtCloseNeighbours) {
   const std::vector<CellResult> cells = {cell(20, false), cell(21, false), cell(22, false)};
   EXPECT_TRUE(propose(model_of(cells), cells, 5).empty());
 }

@@ -11,7 +11,7 @@ namespace {
 
 std::vector<std::string> shell(const std::string& script) { return {"/bin/sh", "-c", script}; }
 
-TEST(Probe, SaysWhatAChildDid) {
+TEST(Probe, DescribesTheEndOfAChild) {
   EXPECT_EQ(try_in_child(shell("exit 0"), 10), "");
   EXPECT_EQ(try_in_child(shell("kill -SEGV $$"), 10), "crashes (signal 11)");
   EXPECT_EQ(try_in_child(shell("kill -ABRT $$"), 10), "crashes (signal 6)");
@@ -19,7 +19,7 @@ TEST(Probe, SaysWhatAChildDid) {
   EXPECT_EQ(try_in_child({"/there/is/no/such/program"}, 10), "its trial cannot be started");
 }
 
-TEST(Probe, EndsAChildThatHangs) {
+TEST(Probe, StopsAHangingChild) {
   const double begin = measure::StepTimes::steady();
   EXPECT_EQ(try_in_child({"/bin/sleep", "600"}, 0.05), "does not end");
   EXPECT_LT(measure::StepTimes::steady() - begin, 60);
@@ -34,7 +34,7 @@ TEST(Probe, EveryBackendThatRunsHerePassesItsTrial) {
   }
 }
 
-TEST(Probes, TryWhatIsNotOfTheCoreAndWhatHasThreads) {
+TEST(Probes, TryNonCoreAndThreadedBackends) {
   std::set<std::string> tried;
   const Probes probes(
       backends(), ThreadBudget{2},
@@ -61,7 +61,7 @@ TEST(Probes, TryWhatIsNotOfTheCoreAndWhatHasThreads) {
 }
 
 // The first child never returns, whatever it is told: it is ended, recorded by name, and all others are tried.
-TEST(Probes, GoOnAfterAChildThatHangs) {
+TEST(Probes, ContinueAfterAHangingChild) {
   std::vector<std::string> tried;
   const auto command = [&](const Strategy& s) {
     tried.push_back(to_string(s));

@@ -31,7 +31,7 @@ std::vector<Sample> run_of(const std::vector<std::int32_t>& sizes) {
   return samples;
 }
 
-TEST(Replay, CellsAreTheSamplesOfOneShapeInTheirOrder) {
+TEST(Replay, GroupsSamplesOfOneShapeIntoCells) {
   const std::vector<CellResult> cells = cells_of(run_of({128, 4, 22}));
   ASSERT_EQ(cells.size(), 3u);
   for (const CellResult& c : cells) EXPECT_EQ(c.results.size(), 4u);
@@ -49,7 +49,7 @@ TEST(Replay, PacksAndMatricesOfOneShapeAreDifferentCells) {
   EXPECT_EQ(cells[1].cell.kind, Cell::Kind::packs);
 }
 
-TEST(Replay, RegretFallsAsMoreIsKnown) {
+TEST(Replay, RegretFallsWithMoreSamples) {
   // 22 is held out. From 128 alone lapack is the better one everywhere, which at 22 is right by a tenth; 4 tells more.
   const std::vector<CellResult> cells = cells_of(run_of({4, 8, 12, 22, 32, 64, 128}));
   const std::vector<Stage> stages = replay(cells, 3);
@@ -64,7 +64,7 @@ TEST(Replay, RegretFallsAsMoreIsKnown) {
   EXPECT_EQ(stages[2].regret.max, 0);
 }
 
-TEST(Replay, WhatIsHeldOutIsSoInTheCellsOfTheTunerToo) {
+TEST(Replay, HoldsOutTheSameCellsAsTheTuner) {
   std::size_t held_out = 0;
   for (const Cell& c : general_cells({})) {
     if (c.kind != Cell::Kind::matrix && c.kind != Cell::Kind::packs) continue;

@@ -56,7 +56,7 @@ TEST(TuningReport, CountsAFactorisationAndThreeSolutionsForOneMatrix) {
   EXPECT_DOUBLE_EQ(all[1].seconds, 1.3e-6);
 }
 
-TEST(TuningReport, TellsWhereAnotherOneWins) {
+TEST(TuningReport, ShowsCrossovers) {
   const std::vector<CellResult> cells = {
       matrix(10, 3e-6),      matrix(20, 3e-6), matrix(40, 1.1e-6), matrix(80, 1.1e-6), packs(10, "groups/lanes:4"),
       packs(1, "groups/klu")};

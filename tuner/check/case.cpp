@@ -20,7 +20,7 @@ constexpr std::array kVerdicts = {
 // Reads one case; every key must be known and of the right type.
 class Reader {
  public:
-  // scenes: those that several cases of the file share, by name.
+  // scenes: scenes of the file that several cases share, by name.
   Reader(const Json& json, const Json& scenes, std::string where)
       : json_(json), scenes_(scenes), where_(std::move(where)) {}
 
@@ -35,7 +35,7 @@ class Reader {
     take("maker", c.maker);
     take("matrix", c.matrix);
     const int sources = !c.text.empty() + !c.scene.empty() + !c.maker.empty() + !c.matrix.empty();
-    if (sources != 1) refuse("has one of \"sample\", \"scene\", \"maker\" and \"matrix\"");
+    if (sources != 1) refuse("needs exactly one of \"sample\", \"scene\", \"maker\" and \"matrix\"");
     c.set = parameters("set");
     c.twin = parameters("twin");
     if (json_.contains("time")) {
@@ -56,7 +56,7 @@ class Reader {
     take("quick", c.quick);
     std::vector<Case> all = swept(std::move(c));
     for (const auto& [key, unused] : json_.items()) {
-      if (!known_.contains(key)) refuse("has no key \"" + key + "\"");
+      if (!known_.contains(key)) refuse("cannot have the key \" + key + "\"");
     }
     return all;
   }
@@ -68,7 +68,7 @@ class Reader {
 
   template <class T>
   T need(const char* key) {
-    if (!json_.contains(key)) refuse("has a \"" + std::string(key) + "\"");
+    if (!json_.contains(key)) refuse("needs the key \"" + std::string(key) + "\"");
     return value<T>(key);
   }
   template <class T>
@@ -78,7 +78,7 @@ class Reader {
     try {
       return json_.at(key).get<T>();
     } catch (const Json::exception&) {
-      refuse("has another type of \"" + std::string(key) + "\"");
+      refuse("has a value of the wrong type for \"" + std::string(key) + "\"");
     }
   }
   template <class T>
@@ -90,13 +90,13 @@ class Reader {
     const Json scene = need<Json>("scene");
     if (!scene.is_string()) return scene.dump();
     const auto shared = scenes_.find(scene.get<std::string>());
-    if (shared == scenes_.end()) refuse("has a \"scene\" that the file does not know: " + scene.dump());
+    if (shared == scenes_.end()) refuse("names a \"scene\" that the file does not have: " + scene.dump());
     return shared->dump();
   }
 
   Parameters parameters(const char* key) { return value<Parameters>(key); }
 
-  // The case, or one for each value of its sweep.
+  // The case, or one case for each value of its sweep.
   std::vector<Case> swept(Case c) {
     known_.insert({"sweep", "expected", "expected_each"});
     if (!json_.contains("sweep")) {
@@ -104,12 +104,13 @@ class Reader {
       return {c};
     }
     const Json sweep = need<Json>("sweep");
-    if (!sweep.is_object() || sweep.size() != 1) refuse("sweeps one parameter: {\"gap\": [0.1, 0.01]}");
+    if (!sweep.is_object() || sweep.size() != 1) refuse("can sweep one parameter only: {\"gap\": [0.1, 0.01]}");
     const std::string parameter = sweep.begin().key();
     const auto values = sweep.begin().value().get<std::vector<double>>();
     const Json each = value<Json>("expected_each");
-    if (json_.contains("expected") != each.is_null()) refuse("has \"expected\" or \"expected_each\"");
-    if (!each.is_null() && each.size() != values.size()) refuse("expects something of each value of its sweep");
+    if (json_.contains("expected") != each.is_null()) refuse("needs either \"expected\" or \"expected_each\"");
+    if (!each.is_null() && each.size() != values.size())
+      refuse("needs as many \"expected_each\" as values in its sweep");
     std::vector<Case> all;
     for (std::size_t i = 0; i < values.size(); ++i) {
       Case one = c;
@@ -136,11 +137,12 @@ class Reader {
     } else if (json.is_string()) {
       out.verdicts = {json.get<std::string>()};
     }
-    if (out.verdicts.empty()) refuse("expects \"pass\", a code, {\"refused\": text} or a list of these");
+    if (out.verdicts.empty()) refuse("can expect \"pass\", a code, {\"refused\": text} or a list of these");
     for (const Verdict& v : out.verdicts) {
       if (std::find(kVerdicts.begin(), kVerdicts.end(), v) == kVerdicts.end()) refuse("cannot expect \"" + v + "\"");
     }
-    if (out.verdicts.size() > 1 && c.because.empty()) refuse("that expects one of several says why: \"because\"");
+    if (out.verdicts.size() > 1 && c.because.empty())
+      refuse("with several expected verdicts needs a reason: \"because\"");
     return out;
   }
 
@@ -155,7 +157,7 @@ class Reader {
 std::string to_string(const Expected& expected) {
   std::string text;
   for (const Verdict& v : expected.verdicts) text += (text.empty() ? "" : " or ") + v;
-  return text.empty() ? "the same from all" : text;
+  return text.empty() ? "same verdict of all" : text;
 }
 
 std::vector<Case> parse_cases(std::string_view text, const std::string& file) {
@@ -166,14 +168,14 @@ std::vector<Case> parse_cases(std::string_view text, const std::string& file) {
     throw Error(Error::Kind::input, file + ": " + error.what());
   }
   if (!json.is_object() || !json.contains("family") || !json.contains("cases")) {
-    throw Error(Error::Kind::input, file + ": should be {\"family\": name, \"scenes\": {...}, \"cases\": [...]}");
+    throw Error(Error::Kind::input, file + ": must be {\"family\": name, \"scenes\": {...}, \"cases\": [...]}");
   }
   std::vector<Case> all;
   std::set<std::string> names;
   const Json scenes = json.value("scenes", Json::object());
   for (const Json& item : json["cases"]) {
     for (Case& c : Reader(item, scenes, file).cases(json["family"].get<std::string>())) {
-      if (!names.insert(c.name).second) throw Error(Error::Kind::input, file + ": there are two cases " + c.name);
+      if (!names.insert(c.name).second) throw Error(Error::Kind::input, file + ": two cases have the name " + c.name);
       all.push_back(std::move(c));
     }
   }

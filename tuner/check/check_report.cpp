@@ -16,7 +16,7 @@ using check::Case;
 using check::Result;
 using check::Run;
 
-constexpr std::size_t kMostStrategies = 5;  // of a failed case that are told one by one
+constexpr std::size_t kMostStrategies = 5;  // listed for a failed case
 
 Json or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
 
@@ -33,10 +33,10 @@ std::string file_of(const Case& c) {
   return name + ".json";
 }
 
-// What is not asked for has no strategy to blame, but a family to stand in.
+// A row of the table: the results of a family of cases.
 struct Family {
   std::int64_t cases = 0, failed = 0, runs = 0;
-  std::optional<double> forward_error;  // the worst of runs that end as "pass"
+  std::optional<double> forward_error;  // largest of the runs that end as "pass"
 };
 
 std::vector<std::pair<std::string, Family>> by_family(const CheckSummary& s) {
@@ -130,7 +130,7 @@ void print(Page& page, const CheckSummary& s) {
   }
   page.table(table);
   page.gap();
-  page.fact("worst error", "the largest true forward error of what ended with a clean status");
+  page.fact("worst error", "largest true forward error of runs with a clean status");
   page.fact("in all", counted(static_cast<std::int64_t>(s.results.size()), "case") + ", " + counted(s.runs(), "run") +
                           " in " + duration(s.seconds) + (s.interrupted ? "; interrupted" : ""));
   page.fact("unexpected", s.failed() == 0 ? "nothing" : counted(s.failed(), "case"));

@@ -7,12 +7,12 @@
 namespace assur::check {
 namespace {
 
-// Angle of the scene's only driver.
+// The angle of the only driver of the scene.
 LongJet motor(const Scene& scene, double t) {
   return evaluate<long double>(std::get<PointAngle>(scene.drivers().at(0).kind).law, static_cast<long double>(t));
 }
 
-// 12 of "B12"; nothing if it is another name.
+// 12 for "B12"; empty for other names.
 std::optional<int> number_behind(char letter, const std::string& name) {
   int number = 0;
   if (name.size() < 2 || name[0] != letter) return std::nullopt;
@@ -21,7 +21,7 @@ std::optional<int> number_behind(char letter, const std::string& name) {
   return number;
 }
 
-// B_i = (i distance + cos f, sin f): all rods of length 1 are parallel to the crank.
+// B_i = (i distance + cos f, sin f), because all rods of length 1 are parallel to the crank.
 ClosedForm rhombi(const Scene& scene, double distance) {
   return [scene, distance](const std::string& output, double t) -> std::optional<std::array<LongJet, 3>> {
     const std::optional<int> i = number_behind('B', output);
@@ -30,7 +30,7 @@ ClosedForm rhombi(const Scene& scene, double distance) {
   };
 }
 
-// The crank's end B, above the rail, for a piston at (x, 0): 0.1 from the origin and 0.3 from the piston.
+// The end B of the crank, above the rail, for a piston at (x, 0); B is 0.1 m from the origin and 0.3 m from the piston.
 ClosedForm piston(const Scene& scene) {
   const Law law = std::get<DrivenCoordinate>(scene.drivers().at(0).kind).law;
   const auto length = [&scene](std::size_t i) {
@@ -45,7 +45,7 @@ ClosedForm piston(const Scene& scene) {
   };
 }
 
-// C = 2 r cos(angle) along the rail: what the motion continues as where the rod is across the rail.
+// C = 2 r cos(angle) along the rail: the smooth continuation of the motion where the rod is perpendicular to the rail.
 ClosedForm equal_slider_crank(const Scene& scene) {
   const double length = *scene.constraints().at(0).as<Distance>()->value;
   return [scene, length](const std::string& output, double t) -> std::optional<std::array<LongJet, 3>> {

@@ -15,10 +15,10 @@ std::vector<double> posture_of(const Simulator& simulator);  // all coordinates,
 namespace assur::check {
 namespace {
 
-constexpr std::int64_t kMostUnknowns = 400;  // dense
+constexpr std::int64_t kMostUnknowns = 400;  // for dense matrices
 constexpr std::int64_t kWork = 4'000'000;    // unknowns cubed x postures
 
-// The Jacobian of all groups of a structure, and what its equations are measured against.
+// The Jacobian of all groups of a structure, with scales of its equations and unknowns.
 class Jacobian {
  public:
   explicit Jacobian(const Structure& structure) : system_(*structure.system) {
@@ -66,7 +66,7 @@ std::optional<double> worst_condition(const Prepared& prepared, const std::funct
     if (done % every == 0 || done == of) worst = std::max(worst, jacobian.condition(posture_of(simulator)));
     return !stop();
   });
-  // Where it ended is the nearest that it came to what ended it.
+  // The last posture may be the nearest to a singularity that ended the motion.
   worst = std::max(worst, jacobian.condition(posture_of(simulator)));
   return std::isfinite(worst) ? std::optional(worst) : std::nullopt;
 }

@@ -12,14 +12,14 @@
 namespace assur::check {
 namespace {
 
-// The value of a parameter, or what it is if nothing is set.
+// The value of a parameter, or its default.
 double get(const Parameters& set, const std::string& name, double otherwise) {
   const auto found = set.find(name);
   return found == set.end() ? otherwise : found->second;
 }
 
-// A (x - c s) = 0: n equations of a program's own, whose solution x_i = c_i s(t) is known. s swings, c_i is 1/2, 1
-// or 2. `rows` of the matrix are scaled by 10^(-grade i).
+// A callback with n equations A (x - c s) = 0 and the known solution x_i = c_i s(t). s oscillates; c_i is 1/2, 1 or 2.
+// Row i of A is scaled by 10^(-grade i / n).
 Made callback_matrix(const Dense& a, double grade) {
   const std::size_t n = a.size();
   const auto c = [](std::size_t i) { return std::ldexp(1.0, static_cast<int>(i % 3) - 1); };
@@ -74,7 +74,7 @@ Dense dense(const std::string& name, const Parameters& set) {
   return matrix(name, rest);
 }
 
-// A four-bar whose crank follows a law of the program's.
+// A four-bar whose crank follows a law that is a function of the program.
 SceneBuilder four_bar(Law law) {
   SceneBuilder builder("four_bar", 2);
   builder.fixed_point("A", {0, 0, 0}).fixed_point("D", {2, 0, 0}).point("B", {0.8, 0, 0}).point("C", {1.6, 1.2, 0});
@@ -84,13 +84,13 @@ SceneBuilder four_bar(Law law) {
   return builder;
 }
 
-// From t = 0.5 on its value is NaN, or infinite.
+// The value of the law is `bad` (NaN or infinite) from t = 0.5 s on.
 Made law_to(double bad) {
   const Law law = Law::function([bad](double t) { return t < 0.5 ? Motion{t, 1, 0} : Motion{bad, bad, bad}; });
   return {four_bar(law).time(0, 1, 0.05).build(), nullptr};
 }
 
-// An equation of the program's, |B - C| = 1.8, that overflows from t = 0.5 on.
+// A callback |B - C| = 1.8 that overflows from t = 0.5 s on.
 Made callback_to_infinity() {
   SceneBuilder builder("callback_to_infinity", 2);
   builder.fixed_point("A", {0, 0, 0}).point("C", {1.6, 1.2, 0}).point("S", {0, 0, 0});
@@ -106,7 +106,7 @@ Made callback_to_infinity() {
   return {builder.constrain("follow", std::move(callback)).time(0, 1, 0.05).build(), nullptr};
 }
 
-// A crank that follows a table: sin t at so many knots from 0 to `end`.
+// A crank that follows a table: sin t at `points` knots from 0 to `end`.
 Made table(const Parameters& set) {
   const int points = static_cast<int>(get(set, "points", 4));
   const double end = get(set, "end", 1);
@@ -118,8 +118,8 @@ Made table(const Parameters& set) {
   return {four_bar(Law::table(time, value)).time(0, 1, 0.05).build(), nullptr};
 }
 
-// One crank with `count` dyads on its end, alike but for their lengths: one level as wide as one likes. The ground of
-// the dyad in the middle is so far away that its bars end `gap` rad before they are in line, at angle 1.
+// One crank with `count` dyads on its end, all on one level, which differ in their lengths. The ground point of the
+// middle dyad is so far away that its bars come within `gap` rad of being in line, at the angle 1.
 Made wide(const Parameters& set) {
   const int count = static_cast<int>(get(set, "count", 10000));
   const double gap = get(set, "gap", 0);
@@ -173,7 +173,7 @@ Made make(const std::string& maker, const Parameters& set) {
   if (maker.starts_with(kMatrix)) {
     return callback_matrix(dense(maker.substr(std::string(kMatrix).size()), set), get(set, "grade", 0));
   }
-  throw Error(Error::Kind::input, "no scene is made by the name of '" + maker + "'");
+  throw Error(Error::Kind::input, "there is no maker '" + maker + "'");
 }
 
 }  // namespace assur::check

@@ -21,7 +21,7 @@ Dense filled(std::size_t n, const std::function<double(std::size_t, std::size_t)
   return a;
 }
 
-// Entries between 1/2 and 1 of either sign, and n on the diagonal: well conditioned.
+// Entries of random sign between 1/2 and 1, and n on the diagonal: well conditioned.
 Dense random_matrix(std::size_t n) {
   std::mt19937_64 random(5);
   return filled(n, [&](std::size_t i, std::size_t j) {
@@ -30,7 +30,7 @@ Dense random_matrix(std::size_t n) {
   });
 }
 
-// One row is another one: whole numbers, so that elimination ends at an exact zero.
+// Two equal rows of whole numbers, so that elimination ends at an exact zero.
 Dense repeated_row(std::size_t n) {
   Dense a = filled(n, [n](std::size_t i, std::size_t j) { return i == j ? 2.0 : j == (i + 1) % n ? 1.0 : 0.0; });
   a[n - 1] = a[0];
@@ -52,7 +52,7 @@ Pattern pattern_of(const Dense& a, std::vector<double>& values) {
   return pattern;
 }
 
-// Of the maximum norm, rows and columns scaled to unit length first: what bad scaling alone costs no solver.
+// Condition in the maximum norm, after scaling rows and columns to unit length: bad scaling alone harms no solver.
 double condition_of(const Dense& a) {
   const auto n = static_cast<Eigen::Index>(a.size());
   Eigen::MatrixXd m(n, n);
@@ -76,8 +76,8 @@ struct Task {
   std::vector<double> right, solution;
 };
 
-// x_j between 1/2 and 1 of either sign, over the largest entry of column j, so that no column is lost in the others'
-// rounding; b = A x rounded once.
+// x_j: random sign, between 1/2 and 1 divided by the largest entry of column j, so that rounding of other columns hides
+// no column; b = A x rounded once.
 Task task_of(const Dense& a) {
   Task task;
   task.pattern = pattern_of(a, task.values);
@@ -164,7 +164,7 @@ Dense matrix(const std::string& name, const Parameters& set) {
   if (name == "hilbert") {
     return filled(n, [](std::size_t i, std::size_t j) { return 1.0 / static_cast<double>(i + j + 1); });
   }
-  if (name == "kahan") {  // its pivots hide how nearly singular it is (SIAM Review 8, 1966)
+  if (name == "kahan") {  // its pivots do not show that it is nearly singular (SIAM Review 8, 1966)
     const double angle = get("angle", 1.2);
     return filled(n, [angle](std::size_t i, std::size_t j) {
       return i > j ? 0.0 : std::pow(std::sin(angle), static_cast<double>(i)) * (i == j ? 1 : -std::cos(angle));

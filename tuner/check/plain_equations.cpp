@@ -31,7 +31,7 @@ struct LawAt {
     }
     return sum;
   }
-  // A cubic from its values and second derivatives at both ends.
+  // The cubic with these values and second derivatives at both ends.
   TimeJet<Real> operator()(const Law::Spline& s) const {
     Real at = t;
     const Real first = s.time.front(), last = s.time.back();
@@ -61,8 +61,8 @@ TimeJet<Real> arc(const TimeJet<Real>& y, const TimeJet<Real>& x) {
           (turn_rate - turn / square.value * square_rate) / square.value};
 }
 
-// Zero, as far as these numbers tell, has no derivatives, unless it is at rest.
-// size: of what it is made of; fastest: what moves.
+// A length that is zero within rounding has no derivatives, unless it is at rest.
+// size: magnitude of the numbers that v is computed from; fastest: largest rate of the motion.
 TimeJet<Real> length_of(const Spatial<TimeJet<Real>>& v, Real size, Real fastest) {
   constexpr Real kNothing = 1e-12L;
   const TimeJet<Real> square = dot(v, v);
@@ -103,7 +103,7 @@ PlainEquations::PlainEquations(const Scene& scene) : dimension_(scene.dimension(
       zero[static_cast<std::size_t>(it.first + k)] = it.at[static_cast<std::size_t>(k)];
   }
   at_guess_ = places(zero.data());
-  // Which auxiliary scalars are lengths: those along unit vectors.
+  // Auxiliary scalars along unit vectors are lengths.
   for (const Constraint& c : scene.constraints()) {
     const auto mark = [&](const std::string& name, bool length) {
       const auto it = std::find(unknown_names_.begin(), unknown_names_.end(), name);
@@ -114,7 +114,7 @@ PlainEquations::PlainEquations(const Scene& scene) : dimension_(scene.dimension(
       mark(c.name + ".lambda", !p->d.is_pair()), mark(c.name + ".mu", !p->e.is_pair());
     if (const auto* p = c.as<Parallel>()) mark(c.name + ".lambda", p->e.is_pair() && !p->d.is_pair());
   }
-  // The median of what the scene shows as lengths.
+  // The typical length: median of the lengths that the scene shows.
   std::vector<double> lengths;
   const auto see = [&](Real l) {
     if (l > 0) lengths.push_back(static_cast<double>(l));
@@ -132,7 +132,7 @@ PlainEquations::PlainEquations(const Scene& scene) : dimension_(scene.dimension(
   }
   if (!lengths.empty()) length_ = median(std::move(lengths));
 
-  // Vectors of frames get their norms from their bodies.
+  // The norms of the vectors of frames are equations of their bodies.
   std::set<std::string> framed;
   for (const Body& b : scene.bodies()) {
     if (b.frame.size() == 3) framed.insert(b.frame.begin(), b.frame.end());
@@ -306,7 +306,7 @@ void PlainEquations::add_driver(const Scene& scene, const Driver& driver) {
   if (const auto* a = std::get_if<PointAngle>(&driver.kind)) {
     q.d = ray({a->a, a->b});
     q.law = add_law(driver, a->law);
-    // The radius is a fact of the driver where no distance of the pair is written.
+    // If no constraint gives the distance of the two points, the driver keeps it constant.
     Real length = between(a->a, a->b);
     bool written = false;
     for (const Constraint& c : scene.constraints()) {
@@ -364,7 +364,7 @@ void PlainEquations::add_driver(const Scene& scene, const Driver& driver) {
       }
       return;
     }
-    // The lengths of a base are given or those of the guess.
+    // The lengths of a base are given, or taken from the guess.
     const auto side = [&](std::size_t i, std::size_t j) {
       for (const Constraint& c2 : scene.constraints()) {
         const auto* d = c2.as<Distance>();

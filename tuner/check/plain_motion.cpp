@@ -9,12 +9,12 @@
 namespace assur::check {
 namespace {
 
-constexpr double kShortest = 0x1p-34;  // of the way; then the motion has an end here
-constexpr double kVolume = 0.7;       // log of how much the Jacobian's volume may change in a step: none is jumped over
-constexpr double kCorrection = 0.05;  // of a step
+constexpr double kShortest = 0x1p-34;  // share of the way; if steps become shorter, the motion ends here
+constexpr double kVolume = 0.7;       // largest change of log(volume of the Jacobian) in a step, to miss no singularity
+constexpr double kCorrection = 0.05;  // largest first correction, relative to the step
 constexpr double kContraction = 0.1;
 constexpr double kConverged = 1e-11;
-constexpr double kMeet = 1e-7;  // of the way: what turns far in it has met
+constexpr double kMeet = 1e-7;  // share of the way; points that turn far within it have met
 constexpr Real kTwoPi = 2 * std::numbers::pi_v<Real>;
 
 template <class T, class F>
@@ -96,7 +96,7 @@ PlainMotion::Vector PlainMotion::left(const Vector& x, const std::vector<TimeJet
   return out;
 }
 
-// By the factorisation at hand, which may be that of a posture beside it.
+// Uses the latest factorisation, which may be of a neighbouring posture.
 void PlainMotion::derivatives(const Vector& x, const std::vector<TimeJet<Real>>& laws, Vector& v, Vector& a) const {
   const std::size_t n = equations_.unknowns(), m = equations_.equations();
   const auto in = inputs<TimeJet<double>>(laws, jet<double>);
@@ -125,8 +125,9 @@ PlainMotion::Start PlainMotion::start(const std::vector<std::string>& columns, c
   column_scale_.resize(static_cast<Eigen::Index>(n));
   for (std::size_t i = 0; i < n; ++i) {
     const auto at = std::find(columns.begin(), columns.end(), equations_.unknown_names()[i]);
-    // What stands still is not among the outputs only if it is fixed.
-    if (at == columns.end()) throw Error(Error::Kind::input, equations_.unknown_names()[i] + " is not shown");
+    // All unknowns are outputs, because only fixed coordinates are left out.
+    if (at == columns.end())
+      throw Error(Error::Kind::input, equations_.unknown_names()[i] + " is not among the outputs");
     x_[i].value = row[static_cast<std::size_t>(at - columns.begin())];
     column_scale_[static_cast<Eigen::Index>(i)] = equations_.is_length()[i] ? equations_.length() : 1;
   }
@@ -134,12 +135,12 @@ PlainMotion::Start PlainMotion::start(const std::vector<std::string>& columns, c
   for (std::size_t i = 0; i < n; ++i) x[static_cast<Eigen::Index>(i)] = static_cast<double>(x_[i].value);
   most_volume_ = least_volume_ = factorise(x, laws);
   const double smallest = qr_.matrixQR().diagonal().cwiseAbs().minCoeff();
-  // How far the equations want the posture moved, and what is left of them then.
+  // The correction of the posture that the equations demand, and the residual that remains after it.
   const Vector residual = left(x, laws);
   const Vector correction = solve(residual);
   figure = std::max(size(correction), row_scale_.cwiseProduct(residual).cwiseAbs().maxCoeff());
   const double far = x.cwiseQuotient(column_scale_).cwiseAbs().maxCoeff();
-  // Nearer to a singularity than this, corrections are no measure.
+  // Too near to a singularity, the correction does not measure the violation.
   if (smallest < 1e-6) return figure < 1e-5 ? Start::singular : Start::off_equations;
   if (figure > 1e-9 * std::max(far, 1.0) / smallest) return Start::off_equations;
   if (!settle(laws)) return Start::singular;
@@ -197,7 +198,7 @@ Real PlainMotion::advance(const Laws& laws) {
     }
     if (good) {
       derivatives(next, then, next_v, next_a);
-      // The tangent turns by little, where there is any motion worth the name.
+      // The tangent may turn only a little, unless the posture hardly moves.
       const double turn = size(next_v - v - h * a) * h;
       good = turn * care_ <= 0.2 * size(next - x) + 1e-9;
     }
@@ -232,7 +233,7 @@ void PlainMotion::follow(std::vector<PlainEquations::Column> angles) {
   met_.assign(angles_.size(), false);
 }
 
-// Turns are counted along the way, in doubles; the angle is that of the posture at hand.
+// The number of turns comes from the unwrapped angle (double), the angle itself from the present posture.
 Real PlainMotion::turned(std::size_t i) const {
   const Real value = show(angles_[i]).value;
   return value + kTwoPi * std::round((turned_[i] - value) / kTwoPi);
@@ -253,7 +254,7 @@ bool PlainMotion::unwrap(const Vector& x, std::vector<Real>& turned, std::vector
   return sure;
 }
 
-// Residuals in long double, the factorisation in double: each round adds some ten digits.
+// Residuals in long double, factorisation in double: each round adds about ten digits.
 bool PlainMotion::settle(const std::vector<TimeJet<Real>>& laws) {
   const std::size_t n = equations_.unknowns(), m = equations_.equations();
   Vector x(static_cast<Eigen::Index>(n));
@@ -265,7 +266,7 @@ bool PlainMotion::settle(const std::vector<TimeJet<Real>>& laws) {
   for (std::size_t i = 0; i < n; ++i) x_[i].rate = x_[i].curve = 0;
   Vector residual[3];
   for (Vector& r : residual) r.resize(static_cast<Eigen::Index>(m));
-  // What a derivative is zero against.
+  // Derivatives far below this count as zero.
   Real least = 1e-9;
   for (const TimeJet<Real>& l : laws) least = std::max({least, std::abs(l.rate), std::sqrt(std::abs(l.curve))});
   least *= Real(1e-3);
@@ -296,7 +297,7 @@ bool PlainMotion::settle(const std::vector<TimeJet<Real>>& laws) {
       worst = std::max(worst, relative);
     }
     if (!std::isfinite(worst)) return false;
-    // The rounding of long double remains; that of the doubles to be judged is 2,048 times as large.
+    // Only rounding of long double remains, 1/2,048 of that of the judged doubles.
     const double remains = std::max(1e-13, 1e-17 * static_cast<double>(most[0]) * condition_ * condition_);
     if (worst < 1e-18 || (k > 3 && worst >= before / 2)) return std::min(worst, before) < remains;
     before = worst;

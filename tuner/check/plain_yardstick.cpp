@@ -1,4 +1,4 @@
-// The true motion by the plain equations, from the posture in which a run of everything starts.
+// The true motion by the plain equations, from the start posture of a run with all outputs.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -10,7 +10,7 @@
 namespace assur::check {
 namespace {
 
-constexpr int kMoreCare = 8;  // of a step that is followed again
+constexpr int kMoreCare = 8;  // care for a step that is repeated
 
 class PlainTrueMotion final : public TrueMotion {
  public:
@@ -24,11 +24,11 @@ class PlainTrueMotion final : public TrueMotion {
         break;
       case PlainMotion::Start::off_law:
         throw Error(Error::Kind::numerical,
-                    "at the start a driver's angle is " + std::to_string(figure) + " off its law");
+                    "at the start the angle of a driver differs from its law by " + std::to_string(figure));
       case PlainMotion::Start::off_equations:
-        throw Error(Error::Kind::numerical, "at the start an equation is " + std::to_string(figure) + " off");
+        throw Error(Error::Kind::numerical, "at the start an equation is violated by " + std::to_string(figure));
       case PlainMotion::Start::singular:
-        throw Error(Error::Kind::numerical, "the start is singular");
+        throw Error(Error::Kind::numerical, "the start posture is singular");
     }
     std::vector<PlainEquations::Column> angles;
     for (const std::string& name : column_names(*prepared.structure->system)) {
@@ -60,7 +60,7 @@ class PlainTrueMotion final : public TrueMotion {
   [[nodiscard]] double scale(int derivative) const override { return scale_[derivative]; }
 
  private:
-  // Of one unit of s, which is so many seconds.
+  // The laws with derivatives by s, of which one unit is `seconds`.
   [[nodiscard]] std::vector<TimeJet<Real>> laws(Real t, Real seconds) const {
     std::vector<TimeJet<Real>> out;
     for (const Law* law : motion_.equations().laws()) {
@@ -74,7 +74,8 @@ class PlainTrueMotion final : public TrueMotion {
     const Real begin = from_, seconds = static_cast<Real>(t) - begin;
     const bool arrived =
         seconds == 0 || motion_.advance([&](Real s) { return laws(begin + s * seconds, seconds); }) == 1;
-    if (!arrived || !motion_.settle(laws(t, 1))) throw Error(Error::Kind::numerical, "the motion ends before");
+    if (!arrived || !motion_.settle(laws(t, 1)))
+      throw Error(Error::Kind::numerical, "the motion ends before this time");
     now_ = t;
     const double rate = motion_.scale(1) / (2 * std::numbers::pi);
     scale_[1] = std::max(scale_[1], rate);

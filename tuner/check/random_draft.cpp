@@ -34,7 +34,7 @@ Draft::Draft(int d, Chance& c, std::string tables) : chance(c), dimension(d), ta
   for (const char* section : {"points", "vectors", "bodies", "constraints", "drivers", "measures"}) {
     json_[section] = Json::object();
   }
-  // Half of them stand as they are drawn, along the axes.
+  // Half of the mechanisms are not rotated.
   rotation_ = {Place{1, 0, 0}, Place{0, 1, 0}, Place{0, 0, 1}};
   turned_ = chance.one_in(2);
   if (turned_) {
@@ -120,7 +120,7 @@ void Draft::base_body(const std::string& name, const std::vector<std::string>& b
   together(base);
   members(body, at(base[0]), axes, points, vectors);
   json_["bodies"][name] = std::move(body);
-  // Where guesses are rough, lengths are written down.
+  // With rough guesses, all lengths are written out.
   for (std::size_t i = 0; i < base.size(); ++i) {
     for (std::size_t j = i + 1; j < base.size(); ++j) {
       if (rough > 0 || chance.one_in(3)) distance(base[i], base[j]);
@@ -153,7 +153,7 @@ void Draft::equal_distance(const std::string& p, const std::string& q, const std
 
 void Draft::dot_product(const Way& d, const Way& e) {
   double value = dot(along(d), along(e));
-  // Right angles are written as 0, or as what a cosine leaves of it.
+  // Right angles have the value 0, or cos(pi / 2) in doubles.
   if (std::abs(value) < 1e-12) value = chance.one_in(4) ? 6.123233995736766e-17 : 0;
   if (is_length(d)) value *= scale_;
   if (is_length(e)) value *= scale_;
@@ -189,7 +189,7 @@ void Draft::middle(const std::string& m, const std::string& p, const std::string
   constrain({{"linear", Json::array({Json{m, 2}, Json{p, -1}, Json{q, -1}})}});
 }
 
-// From `begin` on, by about `by` over the whole time.
+// A law that starts at `begin` and changes by about `by` over the whole time.
 Json Draft::law(double begin, double by) {
   const double span = end_ - begin_, rate = by / span;
   const auto line = [&](double b, double r) { return Json{{"polynomial", Json{b - r * begin_, r}}}; };
@@ -228,7 +228,7 @@ std::string Draft::turn(const std::string& a, const std::string& b, const std::s
     begin = std::atan2(d[1], d[0]);
   } else {
     driver["axis"] = axis;
-    exact(a), exact(b);  // the angle is 0 where the guess is
+    exact(a), exact(b);  // the driver measures its angle from this guess
   }
   driver["law"] = law(begin, by);
   json_["drivers"][name] = std::move(driver);
@@ -273,7 +273,7 @@ std::string Draft::move(const std::string& point, int component, double by) {
   return name;
 }
 
-// The body's frame stands along the axes of the ground, which keep_axes() keeps.
+// The frame of the body is parallel to the axes of the ground, see keep_axes().
 void Draft::pose(const std::string& body, const std::string& origin, double shift, double angle) {
   Json translation = Json::array(), rotation = Json::array();
   const Place o = written(at_.at(origin));

@@ -14,12 +14,12 @@ constexpr double kPi = std::numbers::pi;
 std::string text(const char* name, std::size_t i) { return name + std::to_string(i); }
 Place polar(double radius, double angle) { return {radius * std::cos(angle), radius * std::sin(angle), 0}; }
 
-// Any unit vector across one.
+// A random unit vector perpendicular to n.
 Place across(const Place& n, Chance& chance) { return unit(cross(n, chance.direction())); }
 
 // ---- in the plane
 
-// A bar that turns about a fixed pivot and is driven, written in one of several ways; returns the name of its end.
+// A driven bar that turns about a fixed pivot, modelled in one of several ways; returns the name of its end.
 std::string crank(Draft& d, const std::string& pivot, const std::string& end, const Place& at) {
   const Place dir = unit(at - d.at(pivot));
   switch (d.chance.below(4)) {
@@ -55,7 +55,7 @@ std::string crank(Draft& d, const std::string& pivot, const std::string& end, co
   return end;
 }
 
-// A point on two of the parts that are there already.
+// Adds a point that is connected to two existing parts.
 std::string dyad(Draft& d, std::size_t i, const std::string& from) {
   Chance& c = d.chance;
   const std::string k = std::to_string(i), end = "C" + k, base = "D" + k;
@@ -209,7 +209,7 @@ void six_bar(Draft& d) {
   d.measure_angle("A", "B"), d.measure_between({"A", "B"}, {"D", "C"});
 }
 
-// Rod ends on two lines: a trammel, driven by a coordinate, a scalar or an angle.
+// A trammel: a rod with its ends on two lines, driven by a coordinate, a scalar or an angle.
 void trammel(Draft& d) {
   Chance& c = d.chance;
   if (!c.one_in(4)) d.keep_axes();
@@ -240,7 +240,7 @@ void trammel(Draft& d) {
 
 // ---- in space
 
-// An arm from a pivot that turns about a fixed axis, driven or not; three ways to write a hinge.
+// An arm that turns about a fixed axis through a pivot, with or without driver; its hinge is modelled in three ways.
 void arm(Draft& d, const std::string& pivot, const std::string& end, const Place& at, const Place& axis, bool driven) {
   Chance& c = d.chance;
   const std::string n = "n_" + end, zero = "x_" + end;
@@ -289,7 +289,7 @@ void rssr(Draft& d) {
   }
   d.distance("B", "C");
   d.measure_between({"A", "B"}, {"B", "C"});
-  for (std::size_t i = 0; i < c.below(3); ++i) {  // points on three spheres behind it
+  for (std::size_t i = 0; i < c.below(3); ++i) {  // further points, each on three spheres
     const std::string t = text("T", i), g = text("G", i), h = text("H", i);
     const Place at = d.at("C") + Place{c.real(-0.2, 0.2), c.real(-0.2, 0.2), c.real(0.8, 1.2)};
     d.point(t, at), d.fixed(g, at + Place{1, c.real(-0.2, 0.2), 0}), d.fixed(h, at + Place{c.real(-0.2, 0.2), 1, 0});
@@ -311,10 +311,10 @@ void robot(Draft& d) {
     const Place to = o + c.real(0.3, 1) * c.direction();
     const Place turned_axis = c.one_in(3) ? axis : c.one_in(2) ? ui : c.direction();
     std::map<std::string, Place> vectors = {{n, turned_axis}};
-    // Where a direction of this body begins the next joint's angle: across the next axis.
+    // The direction of this body from which the angle of the next joint is measured, perpendicular to the next axis.
     const std::string begin = text("b", i);
     vectors[begin] = across(turned_axis, c);
-    if (c.one_in(4) && i < joints) {  // a prismatic joint behind the hinge
+    if (c.one_in(4) && i < joints) {  // a prismatic joint after the hinge
       const std::string rail = text("w", i), slider = text("S", i);
       vectors[rail] = c.direction();
       d.point(next, o + 0.6 * vectors[rail]);
@@ -402,7 +402,7 @@ void three_rps(Draft& d) {
 
 void delta(Draft& d) {
   Chance& c = d.chance;
-  const std::size_t way = c.below(3);  // 0: single rods to a body that translates; 1, 2: six rods, 2: and equal
+  const std::size_t way = c.below(3);  // 0: single rods to a translating body; 1: six rods; 2: six equal rods
   const bool by_pose = c.one_in(3);
   if (by_pose) d.keep_axes();
   const Place o = {c.real(-0.15, 0.15), c.real(-0.15, 0.15), -c.real(0.7, 1)};
@@ -454,7 +454,7 @@ void delta(Draft& d) {
   d.measure_distance("A0", "O");
 }
 
-// A planar loop in space: bodies whose frames share the axes of their hinges, with more equations than it needs.
+// A planar loop in space with redundant equations: bodies whose frames share the axes of their hinges.
 void loop_in_space(Draft& d) {
   Chance& c = d.chance;
   const Place a = {0, 0, 0}, dd = {c.real(1.5, 2.2), c.real(-0.2, 0.2), 0};
@@ -469,7 +469,7 @@ void loop_in_space(Draft& d) {
     d.measure_between("x", {"D", "C"}, "z");
     return;
   }
-  // bodies: crank and rocker about z, the coupler about z or about an axis of its own that both share
+  // bodies: crank and rocker about z, the coupler about z or about an axis that crank and coupler share
   const auto body = [&](const std::string& k, const std::string& origin, const std::map<std::string, Place>& points,
                         const std::map<std::string, Place>& vectors, const std::string& axis) {
     const Place u = polar(1, c.real(-3, 3));
@@ -481,7 +481,7 @@ void loop_in_space(Draft& d) {
     body("2", "B", {{"C", cc}, {"T", b + Place{0.3, 0.4, 0.2}}}, {}, "z");
     body("3", "D", {{"C3", cc}}, {}, "z");
     d.constraint_equal("C", "C3");
-  } else if (way == 2) {  // the rocker's end is on the coupler: one distance
+  } else if (way == 2) {  // the end of the rocker is a point of the coupler: one distance
     body("2", "B", {{"C", cc}}, {{"z2", {0, 0, 1}}}, "z1");
     d.distance("D", "C"), d.dot_product({"D", "C"}, "z");
     d.parallel("z", "z2");
@@ -496,7 +496,7 @@ void loop_in_space(Draft& d) {
   d.measure_between("u1", "u2", "z"), d.measure_between("x", "u2");
 }
 
-// Two folding legs across each other lift a platform: by counting it cannot move.
+// Two folding legs at a right angle lift a platform; by the count of equations it cannot move.
 void sarrus(Draft& d) {
   Chance& c = d.chance;
   const double height = c.real(0.5, 1.1), radius = c.real(0.6, 1);
@@ -523,7 +523,7 @@ void sarrus(Draft& d) {
   d.measure_between({"A1", "B1"}, {"B1", "C1"}, "x"), d.measure_between("u", "x");
 }
 
-// a1 / sin alpha1 = a2 / sin alpha2: movable although it has an equation too many for it. Else Sarrus' linkage.
+// Bennett's linkage, a1 / sin alpha1 = a2 / sin alpha2: moves although it has an excess equation. Else Sarrus' linkage.
 void bennett(Draft& d) {
   Chance& c = d.chance;
   const double alpha = c.real(0.3, 1.2), beta = c.real(0.3, 1.2), a = 1, b = std::sin(beta) / std::sin(alpha);
@@ -542,7 +542,7 @@ void bennett(Draft& d) {
   d.fixed("A", o[0]), d.fixed("B", o[1]), d.fixed_vector("z0", z[0]), d.fixed_vector("z1", z[1]);
   d.fixed_vector("x0", x[0]);
   d.point("C", o[2]), d.point("D", o[3]), d.vector("z2", z[2]), d.vector("z3", z[3]);
-  // Link i: both hinges' points and axes.
+  // Link i with the points and axes of both its hinges.
   const auto link = [&](const std::string& p, const std::string& q, const std::string& m, const std::string& n) {
     d.distance(p, q), d.dot_product({p, q}, m), d.dot_product({p, q}, n), d.dot_product(m, n);
   };
@@ -551,7 +551,7 @@ void bennett(Draft& d) {
   d.measure_between("x0", {"B", "C"}, "z1");
 }
 
-// Two shafts by a cross; the second one carries an arm.
+// Two shafts joined by a cross; the second one carries an arm.
 void cardan(Draft& d) {
   Chance& c = d.chance;
   const double bend = c.real(0.1, 1.1);
@@ -634,7 +634,7 @@ constexpr Family kFamilies[] = {{"planar_chain", 2, planar_chain},
                                 {"wishbone", 3, wishbone},
                                 {"on_rails", 3, on_rails}};
 
-// Up to limits and back, and somewhere else again.
+// Commands that run up to limits, back, and elsewhere.
 void draw_commands(RandomMechanism& m, const Draft& draft, Chance& chance) {
   std::vector<double> at, step;
   for (const Draft::Driven& driven : draft.driven()) {

@@ -1,4 +1,4 @@
-// The true motion in quad precision.
+// The true motion in quadruple precision.
 #include <cmath>
 #include <numbers>
 
@@ -9,7 +9,7 @@
 namespace assur::check {
 namespace {
 
-constexpr int kPieces = 16;  // of a step that is followed again
+constexpr int kPieces = 16;  // parts of a step that is repeated
 
 class QuadMotion final : public TrueMotion {
  public:

@@ -1,4 +1,4 @@
-// Stands in for reference.cpp where Boost is not installed.
+// Replaces reference.cpp if Boost is not installed.
 #include "check/yardstick.hpp"
 
 namespace assur::check {

@@ -26,7 +26,7 @@ void Result::add(Run run) {
   raise(backward_error, run.backward_error);
   if (verdict.empty()) {
     verdict = run.verdict;
-    // Nobody knows how a scene of the user's ends: the others shall end as the first does.
+    // A scene of the user has no expected verdict: all runs have to end like the first.
     if (what.expected.verdicts.empty() && run.verdict != "wrong") what.expected = {{run.verdict}, ""};
   }
   if (fits(what.expected, run)) return;

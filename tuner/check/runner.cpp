@@ -20,7 +20,7 @@
 namespace assur::check {
 namespace {
 
-constexpr double kHopeless = 1, kHopelessQuick = 0.1;  // s that one run may take by counts of operations
+constexpr double kHopeless = 1, kHopelessQuick = 0.1;  // s for one run, by operation counts
 
 Made made(const Case& c) {
   Made out = [&]() -> Made {
@@ -38,7 +38,7 @@ bool wants_derivatives(const Structure& s) {
   return std::any_of(s.groups.begin(), s.groups.end(), [](const Group& g) { return g.wanted_derivatives > 0; });
 }
 
-// One case on its way through the strategies.
+// Runs one case with all its strategies.
 class CaseRun {
  public:
   CaseRun(const Case& c, const RunnerOptions& options) : options_(options) { result_.what = c; }
@@ -93,7 +93,7 @@ class CaseRun {
     }
     try {
       if (!yardstick_) look_for_yardstick(*prepared, trajectory);
-    } catch (const Error& error) {  // the run begins where it must not
+    } catch (const Error& error) {  // the start posture is wrong
       result_.add({strategy, "wrong", error.what(), std::nullopt, std::nullopt});
       return;
     }
@@ -102,7 +102,7 @@ class CaseRun {
     result_.add(std::move(run));
   }
 
-  // Once for each reason.
+  // Notes each reason once.
   void leave_out(const std::string& strategy, const std::string& why) {
     const Strategy s = parse_strategy(strategy);
     const std::string what = s.solver.backend + ": " + why;
@@ -111,7 +111,7 @@ class CaseRun {
     }
   }
 
-  // With the first run that starts.
+  // Called for the first run that starts.
   void look_for_yardstick(const Prepared& prepared, const Trajectory& trajectory) {
     std::unique_ptr<TrueMotion> motion;
     if (made_->closed_form) {
@@ -125,7 +125,7 @@ class CaseRun {
         result_.notes.push_back(std::string("strategies are compared with the first one: ") + error.what());
       }
       if (!motion && result_.notes.empty()) {
-        result_.notes.push_back("strategies are compared with the first one: this build has no quad precision");
+        result_.notes.push_back("strategies are compared with the first one: this build has no quadruple precision");
       }
       if (!motion) motion = agreed_motion(trajectory);
     }
@@ -136,9 +136,9 @@ class CaseRun {
     result_.bound = kEps * kappa * (wants_derivatives(*prepared.structure) ? kappa : 1);
   }
 
-  // Up to which row a run answers for its branch: its first event says that it is in doubt from there on.
+  // Number of rows on the right branch: from its first event on, a run warns that its branch is in doubt.
   [[nodiscard]] std::size_t sure_rows(const Trajectory& trajectory, const Report& report) const {
-    if (made_->closed_form) return trajectory.rows();  // which knows the branch
+    if (made_->closed_form) return trajectory.rows();  // a closed form is on the right branch
     double until = HUGE_VAL;
     for (const Event& e : report.events) {
       if (e.kind != Code::inaccurate) until = std::min(until, e.time);
@@ -165,13 +165,13 @@ class CaseRun {
         });
       });
     } catch (const Error& error) {
-      run.message = run.verdict + ", but nobody knows how far off: " + error.what();
+      run.message = run.verdict + ", but its error is unknown: " + error.what();
       run.verdict = "no_yardstick";
       return run;
     }
     if (!(untold <= result_.what.limit())) {
-      run.message = run.verdict + ", but " + output::error_figure(untold) + " off where " +
-                    output::error_figure(result_.what.limit()) + " is asked, and no event says so";
+      run.message = run.verdict + ", but the error is " + output::error_figure(untold) + " where " +
+                    output::error_figure(result_.what.limit()) + " is required, and no event reports it";
       run.verdict = "wrong";
     }
     return run;

@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kLanes = 8;
 
-// In double, then in float.
+// All policies in double, then in float.
 std::vector<SolverSettings> policies() {
   std::vector<SolverSettings> all;
   for (const bool single : {false, true}) {
@@ -30,7 +30,7 @@ std::vector<SolverSettings> policies() {
   return all;
 }
 
-// What a formulation asks of a backend.
+// The demands of a formulation on a backend.
 struct Demand {
   std::vector<Shape> shapes;  // classes
   int side_by_side = 1;       // most groups of a class on one level
@@ -57,7 +57,7 @@ Demand demand_of(const Scene& scene, Formulation formulation) {
   return demand;
 }
 
-// Of one step, by counts; infinite if the backend is none of the candidates.
+// Seconds of one step, by operation counts; infinite if the backend is no candidate.
 double seconds_of(const Demand& demand, std::string_view backend) {
   static const auto kNothingKnown = std::make_shared<const PerformanceModel>();
   double sum = 0;
@@ -104,7 +104,7 @@ class Selector {
     able.wanted = [&](const Backend& backend, const Strategy&) { return first == backend.id; };
     enter(strategies(space, able));
     if (hopeless.empty()) return;
-    out_.left_out.push_back(output::listed(hopeless) + " in " + std::string(name(f)) + ": hopeless, up to some " +
+    out_.left_out.push_back(output::listed(hopeless) + " in " + std::string(name(f)) + ": too slow, up to about " +
                             output::duration(worst) + " for each run");
   }
 
@@ -129,7 +129,7 @@ Selection select_strategies(const Case& c, const Scene& scene, double seconds, b
   if (formulations.empty()) formulations = {Formulation::global, Formulation::groups, Formulation::irreducible};
   Selector selector(seconds, scene.time().steps(), quick);
   for (const Formulation f : formulations) {
-    // Without declared groups these are the irreducible ones, but for the equations that are eliminated.
+    // Without declared groups, `groups` has the irreducible ones before elimination, so the quick selection skips it.
     if (quick && f == Formulation::groups && formulations.size() == 3) continue;
     selector.formulation(f, demand_of(scene, f));
   }

@@ -10,7 +10,7 @@ namespace assur::check {
 
 struct Selection {
   std::vector<std::string> strategies;
-  std::vector<std::string> left_out;  // "lapack, team in global: hopeless, some 900 s for 4,000 unknowns"
+  std::vector<std::string> left_out;  // "lapack, team in global: too slow, up to about 15 min for each run"
 };
 
 // The strategies that the case lists. By default: every backend that runs here, in double and in float, in 1 and 8

@@ -15,8 +15,8 @@ namespace {
 
 using Verdict = Trial::Verdict;
 constexpr int kMoreCare = 8;
-constexpr double kSingular = 1e5;  // condition from which on a posture is as good as singular
-constexpr double kClean = 1e-6;    // what a clean status promises where nothing else was asked for
+constexpr double kSingular = 1e5;  // condition above which a posture counts as singular
+constexpr double kClean = 1e-6;    // accuracy that a clean status promises by default
 
 std::string number(double x) {
   std::ostringstream out;
@@ -25,7 +25,7 @@ std::string number(double x) {
   return out.str();
 }
 
-// Rows against the plain motion, as ForwardError has it.
+// Compares rows with the plain motion; errors are defined like ForwardError.
 class Comparison {
  public:
   Comparison(PlainMotion& motion, const std::vector<std::string>& columns) : motion_(motion) {
@@ -39,7 +39,7 @@ class Comparison {
     offset_.assign(columns.size(), 0);
   }
 
-  // Of one row; `first`: whole turns of angles are those of the row.
+  // Adds one row; `first`: the whole turns of angles are taken from this row.
   void add(std::span<const double> row, bool clean, double time, bool first) {
     const double rate = motion_.scale(1) / (2 * std::numbers::pi);
     scale_[1] = std::max(scale_[1], rate);
@@ -59,7 +59,7 @@ class Comparison {
       }
       Figure& f = figures_[std::string(c.output) + "'" + std::to_string(c.derivative)];
       f.derivative = c.derivative, f.length = c.length;
-      if (std::isnan(row[i]) || std::isnan(is)) continue;  // an angle without a sign has no rate at its ends
+      if (std::isnan(row[i]) || std::isnan(is)) continue;  // at 0 and pi, an unsigned angle has no rate
       f.size = std::max(f.size, std::abs(is));
       f.difference = std::max(f.difference, std::abs(row[i] - is));
       if (!clean) continue;
@@ -70,7 +70,7 @@ class Comparison {
   struct Worst {
     double error[3] = {0, 0, 0};
     std::string where[3];  // the outputs with these errors
-    double clean = 0;      // of rows with a clean status
+    double clean = 0;      // largest error of rows with a clean status
     std::string output;
     double when = 0;
   };
@@ -110,7 +110,7 @@ std::vector<TimeJet<Real>> laws_at(const PlainEquations& e, Real t) {
   return out;
 }
 
-// From t0 to t1 as s goes from 0 to 1.
+// The laws from t0 to t1 as functions of s from 0 to 1.
 PlainMotion::Laws laws_over(const PlainEquations& e, Real t0, Real t1) {
   return [&e, t0, t1](Real s) {
     const Real h = t1 - t0;
@@ -159,7 +159,7 @@ class Trying {
     try {
       simulator_.emplace(prepare(scene_, how()));
     } catch (const Error& error) {
-      // A guess may be too rough; the posture itself must do.
+      // A guess may be too rough; the exact posture must be accepted.
       end(m_.rough > 0 && starts_from(m_.exact) ? Verdict::not_assembled : Verdict::refused, error.what());
       return false;
     }
@@ -168,13 +168,13 @@ class Trying {
     const auto start =
         motion_.start(simulator_->columns(), row, laws_at(motion_.equations(), scene_.time().start), figure);
     if (start == PlainMotion::Start::singular) {
-      end(Verdict::undecided, "the start is singular");
+      end(Verdict::undecided, "the start posture is singular");
       return false;
     }
     if (start != PlainMotion::Start::right) {
-      end(Verdict::wrong_start,
-          std::string(start == PlainMotion::Start::off_law ? "a driver's angle is " : "an equation is ") +
-              number(figure) + " off");
+      end(Verdict::wrong_start, std::string(start == PlainMotion::Start::off_law ? "the angle of a driver is wrong by "
+                                                                                 : "an equation is violated by ") +
+                                    number(figure));
       return false;
     }
     comparison_.emplace(motion_, simulator_->columns());
@@ -217,29 +217,29 @@ class Trying {
           return void(end(Verdict::stopped_rightly, "an event at the singularity"));
       }
       end(Verdict::undecided,
-          "the plain motion ends at t = " + number(double(lost)) + ", the run went on to " + number(reached));
+          "the plain motion ends at t = " + number(double(lost)) + ", the run continued to " + number(reached));
       return;
     }
     if (report.status.arrived()) return;
-    // It stopped: does the motion go on?
+    // The run stopped: does the motion continue?
     const TimeGrid& grid = scene_.time();
     const Real t0 = times.back(), t1 = t0 + static_cast<Real>(grid.step);
     if (report.status.code == Code::out_of_range) return;
     if (report.status.code == Code::actuator_zero && reaches_zero(static_cast<double>(t1))) {
-      return void(end(Verdict::stopped_rightly, "an actuator's length is zero or less at the next time"));
+      return void(end(Verdict::stopped_rightly, "the length of an actuator is not positive at the next time"));
     }
     const Real came = motion_.advance(laws_over(motion_.equations(), t0, t1));
     const double ends = double(t0 + came * (t1 - t0));
     if (came < 1) {
       const bool there = std::abs(ends - reached) <= 0.02 * grid.step || ends <= reached;
       end(there ? Verdict::stopped_rightly : Verdict::refused,
-          "ends at t = " + number(ends) + ", stopped at " + number(reached) + " as " +
+          "the motion ends at t = " + number(ends) + ", the run stopped at " + number(reached) + " as " +
               std::string(name(report.status.code)),
           reached);
     } else {
       end(Verdict::refused,
           "stopped at t = " + number(reached) + " as " + std::string(name(report.status.code)) +
-              ", where the motion goes on; condition " + number(trial_.condition),
+              ", but the motion continues; condition " + number(trial_.condition),
           reached);
     }
     if (trial_.verdict != Verdict::refused) return;
@@ -249,9 +249,9 @@ class Trying {
                                     grid.step / 16}),
                   how()));
       (void)again.run();
-      trial_.what += "; with smaller steps it " + (again.report().reached > reached + 0.05 * grid.step
-                                                       ? "goes on to " + number(again.report().reached)
-                                                       : std::string("stops there, too"));
+      trial_.what += "; with smaller steps the run " + (again.report().reached > reached + 0.05 * grid.step
+                                                            ? "continues to " + number(again.report().reached)
+                                                            : std::string("stops there as well"));
     } catch (const Error& error) {
       trial_.what += std::string("; with smaller steps: ") + error.what();
     }
@@ -266,7 +266,7 @@ class Trying {
 
   static bool is_clean(const Report& report, double t) {
     return std::none_of(report.events.begin(), report.events.end(), [t](const Event& e) {
-      // What is in doubt stays so; other events say that the branch is in doubt from there on.
+      // After any other event the branch is in doubt until the end.
       return e.kind == Code::inaccurate ? e.time <= t && t <= e.until : e.time <= t;
     });
   }
@@ -280,8 +280,8 @@ class Trying {
     const double limit = std::max(m_.how.accuracy, 0.0) > 0 ? std::max(m_.how.accuracy, 1e-12) : kClean;
     if (!(w.clean <= limit)) {
       end(Verdict::wrong,
-          w.output + " is " + number(w.clean) + " off at t = " + number(w.when) +
-              " with a clean status (asked: " + number(limit) + "), condition " + number(trial_.condition),
+          w.output + " has the error " + number(w.clean) + " at t = " + number(w.when) +
+              " with a clean status (required: " + number(limit) + "), condition " + number(trial_.condition),
           w.when);
       return;
     }
@@ -290,11 +290,11 @@ class Trying {
     end(doubted ? Verdict::doubted : Verdict::agrees, "worst: " + w.where[0] + " " + w.where[1] + " " + w.where[2]);
   }
 
-  // What a program has set: between commands a driver runs on a quintic from where it was, or stood still, to the value
-  // and rate it is set to.
+  // The way of a driver that a program sets: a quintic from the previous value, rate and acceleration (after a failure,
+  // at rest) to the value and rate of the command.
   struct Way {
-    Real value, rate, curve;                        // where it begins
-    Real to, to_rate, begins, ends;                 // and ends
+    Real value, rate, curve;                        // at its begin
+    Real to, to_rate, begins, ends;                 // at its end; times
     [[nodiscard]] TimeJet<Real> at(Real s) const {  // by s = 0 ... 1
       const Real h = ends - begins, v = h * rate, a = h * h * curve, w = h * to_rate;
       const Real p = to - value - v - a / 2, q = w - v - a, r = -a;
@@ -306,7 +306,7 @@ class Trying {
     }
   };
 
-  // All laws over a step of h seconds, by s; those that are set follow their ways.
+  // All laws over a step as functions of s; the commanded drivers follow their ways.
   std::vector<TimeJet<Real>> commanded(const std::vector<Way>& ways, Real t0, Real t1, Real s) const {
     const Real h = t1 - t0;
     std::vector<TimeJet<Real>> laws = laws_at(motion_.equations(), t0 + s * h);
@@ -319,7 +319,7 @@ class Trying {
     return laws;
   }
 
-  // Rates with which no driver overshoots: none where it turns back, and at most the smaller of both slopes.
+  // A rate for which the driver does not overshoot: 0 if it turns back, else the smaller of both slopes.
   [[nodiscard]] double rate_at(std::size_t k, std::size_t i, double before) const {
     if (!m_.with_rates || k + 1 >= m_.commands.size()) return 0;
     const double a = m_.commands[k][i] - before, b = m_.commands[k + 1][i] - m_.commands[k][i];
@@ -329,7 +329,7 @@ class Trying {
   void control() {
     std::vector<Way> ways(m_.controlled.size());
     const auto at_start = laws_at(motion_.equations(), scene_.time().start);
-    for (std::size_t j = 0; j < ways.size(); ++j) {  // until the first set() the laws serve
+    for (std::size_t j = 0; j < ways.size(); ++j) {  // before the first set() the drivers follow their laws
       const auto& names = motion_.equations().law_names();
       const auto& law =
           at_start[static_cast<std::size_t>(std::find(names.begin(), names.end(), m_.controlled[j]) - names.begin())];
@@ -350,7 +350,7 @@ class Trying {
       for (Way& w : ways) w.begins = time, w.ends = next;
       const auto follow = [&] { return motion_.advance([&](Real s) { return commanded(ways, time, next, s); }); };
       Real came = follow();
-      if (status.arrived() && came < 1) {  // drivers that would overshoot into a limit begin at rest
+      if (status.arrived() && came < 1) {  // drivers start at rest if they would overshoot a limit
         for (Way& w : ways) w.rate = w.curve = 0;
         came = follow();
       }
@@ -358,13 +358,13 @@ class Trying {
       if (!status.arrived()) {
         ++failures;
         for (Way& w : ways) w.rate = w.curve = 0;
-        if (came < 1) continue;  // rightly; the posture of before is kept
+        if (came < 1) continue;  // the failure is right; the posture before is kept
         if (status.code == Code::actuator_zero && commands_zero(k)) continue;
         judge(simulator_->report());
         if (!trial_.is_fault()) {
           end(Verdict::refused,
               which + " fails as " + std::string(name(status.code)) + " at " + number(simulator_->time()) +
-                  ", where the motion goes on; " + std::to_string(failures - 1) + " failed before; condition " +
+                  ", but the motion continues; " + std::to_string(failures - 1) + " failed before; condition " +
                   number(trial_.condition),
               double(time));
         }
@@ -376,14 +376,14 @@ class Trying {
           end(Verdict::stopped_rightly, "an event at the singularity");
         } else if (!trial_.is_fault()) {
           end(failures > 0 || trial_.condition > kSingular ? Verdict::undecided : Verdict::wrong,
-              which + " arrives, where the plain motion ends", double(next));
+              which + " arrives, but the plain motion ends", double(next));
         }
         return;
       }
       std::vector<TimeJet<Real>> there = commanded(ways, time, next, 1);
       const Real h = next - time;
       for (TimeJet<Real>& l : there) l = {l.value, l.rate / h, l.curve / (h * h)};
-      for (std::size_t j = 0; j < ways.size(); ++j) {  // to the last bit, as they were set
+      for (std::size_t j = 0; j < ways.size(); ++j) {  // exactly the values that were set
         const auto& names = motion_.equations().law_names();
         const auto i =
             static_cast<std::size_t>(std::find(names.begin(), names.end(), m_.controlled[j]) - names.begin());
@@ -394,11 +394,11 @@ class Trying {
       time = next;
       comparison_->add(simulator_->outputs(), status.ok(), double(time), false);
       ++trial_.rows;
-      if (!is_clean_now()) break;  // another branch may have been taken, and said so
+      if (!is_clean_now()) break;  // an event reports that another branch may have been taken
     }
     judge(simulator_->report());
     if (!trial_.is_fault() && failures > 0)
-      end(Verdict::stopped_rightly, std::to_string(failures) + " commands failed rightly");
+      end(Verdict::stopped_rightly, std::to_string(failures) + " commands failed as expected");
   }
 
   [[nodiscard]] bool commands_zero(std::size_t k) const {
@@ -409,7 +409,7 @@ class Trying {
     });
   }
 
-  // No event but of failed steps and doubt.
+  // False if an event reports that another branch may have been taken.
   [[nodiscard]] bool is_clean_now() const {
     return std::none_of(simulator_->report().events.begin(), simulator_->report().events.end(),
                         [](const Event& e) { return e.kind == Code::change_point_passed; });

@@ -17,7 +17,8 @@ std::string other_bits(const Trajectory& a, const Trajectory& b) {
       const bool same_digits = std::frexp(a(k, c), &of_a) == std::frexp(b(k, c), &of_b);
       if (!power) power = of_a - of_b;
       if (!same_digits || *power != of_a - of_b) {
-        return a.columns()[c] + " has other bits in the twin's row " + output::grouped(static_cast<std::int64_t>(k));
+        return a.columns()[c] + " differs in some bits in the twin's row " +
+               output::grouped(static_cast<std::int64_t>(k));
       }
     }
   }

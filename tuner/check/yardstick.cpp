@@ -13,7 +13,7 @@
 namespace assur::check {
 namespace {
 
-constexpr long double kSameMotion = 1e-3L;  // beyond, one of the two is on another branch
+constexpr long double kSameMotion = 1e-3L;  // larger differences mean different branches
 constexpr long double kUnknown = std::numeric_limits<long double>::quiet_NaN();
 
 bool is_signed_angle(const OutputPart& part) {
@@ -61,7 +61,7 @@ class AgreedMotion final : public TrueMotion {
   explicit AgreedMotion(const Trajectory& trajectory) : trajectory_(trajectory) {}
   std::vector<long double> row(std::size_t k, double t) override {
     if (k >= trajectory_.rows() || trajectory_.times()[k] != t) {
-      throw Error(Error::Kind::numerical, "the first strategy did not get as far");
+      throw Error(Error::Kind::numerical, "the first strategy stopped earlier");
     }
     return {trajectory_.row(k).begin(), trajectory_.row(k).end()};
   }
@@ -140,7 +140,8 @@ void Yardstick::add_row(const Trajectory& trajectory) {
     for (Item& item : items_) {
       if (item.angle && !motion_->knows_turns(item.first)) item.turns_known = std::min(item.turns_known, k);
     }
-    // Where they part, it may be the yardstick that took the wrong branch; where they stay apart, it is not.
+    // If the two differ, the yardstick may have taken the wrong branch: repeat the row. If they still differ, it has
+    // not.
     if (apart_ || !is_far(trajectory, k)) return;
     rows_[k] = motion_->row_again(k, t);
     apart_ = is_far(trajectory, k);

@@ -11,17 +11,17 @@
 namespace assur::command {
 namespace {
 
-// Scenes of the user's: nobody knows how they end, but all strategies shall agree.
+// Scenes of the user have no expected verdict; all strategies have to agree.
 std::vector<check::Case> cases_of_scenes(const Common& common, const CheckOptions& options) {
   std::vector<check::Case> cases;
   for (const std::string& text : options.scenes) {
     check::Case c;
     c.family = "scenes";
     c.name = c.text = text;
-    c.about = "all strategies end alike and are as exact as asked";
+    c.about = "all strategies agree and reach the required accuracy";
     c.set = common.set;
     c.tables = common.tables;
-    (void)scene_of(c);  // a bad one is bad input here, no verdict
+    (void)scene_of(c);  // an invalid scene is bad input, not a failed case
     cases.push_back(std::move(c));
   }
   return cases;
@@ -33,7 +33,7 @@ std::vector<check::Case> cases_of(const Common& common, const CheckOptions& opti
   if (!options.only.empty()) {
     std::erase_if(cases, [&](const check::Case& c) { return !c.name.starts_with(options.only); });
     if (cases.empty()) {
-      throw Error(Error::Kind::input, {{"--case", "there is no case whose name begins with \"" + options.only + "\""}});
+      throw Error(Error::Kind::input, {{"--case", "no case has a name that starts with \"" + options.only + "\""}});
     }
   } else if (options.quick) {
     std::erase_if(cases, [](const check::Case& c) { return !c.quick; });

@@ -19,9 +19,9 @@
 namespace assur::command {
 namespace {
 
-constexpr std::int64_t kMostSteps = 1000;  // unless more are asked for: the reference takes its time
+constexpr std::int64_t kMostSteps = 1000;  // by default: the reference is slow
 
-// What was timed: all times of all ways together.
+// For the race of all strategies together.
 constexpr measure::RaceRules kRules{.seconds = 10, .least_rounds = 15, .most_rounds = 41, .hopeless = 100};
 
 Scene scene_of(const Common& common, const CompareOptions& options) {
@@ -34,7 +34,7 @@ Scene scene_of(const Common& common, const CompareOptions& options) {
   return scene.with_time(grid);
 }
 
-// `auto` is compared in any case; it may be asked for by name to leave out all others.
+// `auto` is always compared; naming it alone leaves out all others.
 std::optional<std::vector<Strategy>> strategies_of(const CompareOptions& options) {
   if (options.strategies.empty()) return std::nullopt;
   std::vector<Strategy> all;
@@ -43,7 +43,7 @@ std::optional<std::vector<Strategy>> strategies_of(const CompareOptions& options
     all.push_back(parse_strategy(text));
     if (all.back().run.chunks == 1) continue;
     throw Error(Error::Kind::input,
-                {{"--strategies", text + ": single steps are compared, and chunks have none; leave out +chunks="}});
+                {{"--strategies", text + ": compare times single steps, and chunks have none; remove +chunks="}});
   }
   return all;
 }
@@ -60,10 +60,9 @@ std::string today() {
 std::vector<std::string> origin(const PerformanceModel& model) {
   const db::Library build = db::library_at_hand("assur");
   return {to_string(this_machine()), "assur " + std::string(db::assur_version()) + ", " + build.build + "; " + today(),
-          model.samples() == 0
-              ? "Nothing was measured on this machine before: auto goes by counts of operations."
-              : "auto goes by " + output::counted(static_cast<std::int64_t>(model.samples()), "sample") + ": " +
-                    model.source()};
+          model.samples() == 0 ? "No samples of this machine: auto decides by counts of operations."
+                               : "auto uses " + output::counted(static_cast<std::int64_t>(model.samples()), "sample") +
+                                     ": " + model.source()};
 }
 
 bool has_time(const measure::WorkPrecision& result) {

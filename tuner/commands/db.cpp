@@ -1,4 +1,4 @@
-// assur db: what the tuning database knows, and care of it.
+// assur db
 #include <cstring>
 #include <iostream>
 
@@ -16,9 +16,9 @@ using db::Access;
 using db::Store;
 using output::Json;
 using output::Page;
-using Columns = std::vector<std::pair<std::string, std::string>>;  // of an answer, with their titles
+using Columns = std::vector<std::pair<std::string, std::string>>;  // column of an answer, its title
 
-// The first one that is there.
+// The first existing database.
 Store store_to_ask(const Common& common) {
   std::string looked_for;
   for (const db::DatabaseFile& place : databases_of(common)) {
@@ -30,18 +30,18 @@ Store store_to_ask(const Common& common) {
     looked_for += (looked_for.empty() ? "" : ", ") + place.file.string();
   }
   throw Error(Error::Kind::environment, looked_for.empty()
-                                            ? "ASSUR_DB is set to nothing: name a tuning database with --db"
+                                            ? "ASSUR_DB is empty: name a tuning database with --db"
                                             : "there is no tuning database yet (" + looked_for + "); run `assur tune`");
 }
 
-// Made only where there is something to put into it.
+// `may_be_new`: creates the database if it does not exist.
 Store store_to_change(const Common& common, bool may_be_new) {
   const fs::path file = own_database_of(common);
   if (!may_be_new) (void)Store(file, Access::read).file();
   return Store(file, Access::write);
 }
 
-// What opening it found and did.
+// Prints the messages from opening the database.
 void tell(const Common& common, const Store& store) {
   for (const std::string& message : store.messages()) {
     if (!common.quiet) std::cerr << "warning: " << message << '\n';
@@ -119,7 +119,7 @@ int show_models(const Common& common) {
               {{"machine", "machine"}, {"name", "model"}, {"made", "made"}, {"assur", "assur"}});
 }
 
-// One row, and a sentence of it.
+// Prints the result: a row for JSON, else a sentence.
 int done(const Common& common, Json row, const std::string& sentence) {
   if (common.json) {
     output::print(std::cout, {{"rows", Json::array({std::move(row)})}});
@@ -137,7 +137,7 @@ int export_samples(const Common& common, const DbOptions& options) {
 }
 
 int import_samples(const Common& common, const DbOptions& options) {
-  (void)Store(options.file, Access::read).file();  // before a database is made for nothing
+  (void)Store(options.file, Access::read).file();  // throws before a new database is created
   Store store = store_to_change(common, true);
   tell(common, store);
   const db::Imported imported = store.import_from(options.file);
@@ -148,17 +148,17 @@ int import_samples(const Common& common, const DbOptions& options) {
                {"known", imported.known},
                {"damaged", imported.damaged}},
               output::counted(imported.samples, "new sample") + " in " + store.file().string() + ", " +
-                  output::grouped(imported.known) + " were there already" +
+                  output::grouped(imported.known) + " already there" +
                   (imported.damaged > 0 ? ", " + output::grouped(imported.damaged) + " damaged ones left out" : ""));
 }
 
-// Repaired and brought up to date where it can be written, else only looked at.
+// Opening for writing repairs and updates the database; a read-only database is only examined.
 Store store_to_check(const Common& common) {
   const fs::path file = own_database_of(common);
   try {
     (void)Store(file, Access::read).file();
   } catch (const db::Unusable& unusable) {
-    if (unusable.trouble() == db::Trouble::absent) throw;  // nothing is made
+    if (unusable.trouble() == db::Trouble::absent) throw;  // do not create one
   }
   try {
     return Store(file, Access::write);
@@ -191,7 +191,7 @@ int check(const Common& common) {
   page.fact("samples", output::grouped(health.samples));
   if (health.damaged > 0) page.fact("damaged", output::grouped(health.damaged));
   if (health.lost > 0) page.fact("lost", output::grouped(health.lost));
-  if (health.stale > 0) page.fact("stale", output::grouped(health.stale) + " of other libraries than those at hand");
+  if (health.stale > 0) page.fact("stale", output::grouped(health.stale) + " of library versions not installed now");
   if (health.unknown > 0) page.fact("unknown", output::grouped(health.unknown) + " of a newer assur");
   return whole ? kDone : kEnvironment;
 }
@@ -199,7 +199,7 @@ int check(const Common& common) {
 int forget(const Common& common, const DbOptions& options) {
   const bool some = options.run || !options.machine.empty() || !options.library.empty();
   if (some == options.all) {
-    throw Error(Error::Kind::input, "say what to forget: --run N, --machine TEXT, --library NAME, or else --all");
+    throw Error(Error::Kind::input, "select the samples to forget: --run N, --machine TEXT, --library NAME, or --all");
   }
   Store store = store_to_change(common, false);
   tell(common, store);
@@ -219,9 +219,8 @@ std::vector<db::DatabaseFile> databases_of(const Common& common) {
 fs::path own_database_of(const Common& common) {
   if (!common.db.empty()) return common.db;
   if (auto file = db::own_database()) return *file;
-  throw Error(
-      Error::Kind::environment,
-      "there is no place for a tuning database: ASSUR_DB is set to nothing, or HOME is not known; use --db FILE");
+  throw Error(Error::Kind::environment,
+              "there is no place for a tuning database: ASSUR_DB is empty or HOME is not set; use --db FILE");
 }
 
 MachineModel machine_model_of(const Common& common) {

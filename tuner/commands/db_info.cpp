@@ -1,4 +1,4 @@
-// assur db info: which databases there are, and what they hold.
+// assur db info
 #include <algorithm>
 #include <iostream>
 
@@ -18,8 +18,8 @@ using output::Table;
 
 struct Row {
   db::DatabaseFile place;
-  std::string why_not;   // it cannot be read
-  bool refused = false;  // it is there
+  std::string why_not;   // why it cannot be read
+  bool refused = false;  // it exists, but cannot be read
   std::vector<db::Run> runs;
   db::Health health;
 };
@@ -44,7 +44,7 @@ Row look(const db::DatabaseFile& place) {
     row.health = store.health();
   } catch (const db::Unusable& unusable) {
     row.refused = unusable.trouble() != db::Trouble::absent;
-    row.why_not = row.refused ? unusable.what() : "not there";
+    row.why_not = row.refused ? unusable.what() : "does not exist";
   }
   return row;
 }
@@ -92,7 +92,7 @@ void print(Page& page, const Row& row, const std::string& here) {
   }
   page.fact("samples",
             output::grouped(row.health.samples) +
-                (row.health.stale > 0 ? ", " + output::grouped(row.health.stale) + " of other libraries" : "") +
+                (row.health.stale > 0 ? ", " + output::grouped(row.health.stale) + " of other library versions" : "") +
                 (row.health.damaged > 0 ? ", " + output::grouped(row.health.damaged) + " damaged" : "") +
                 (row.health.lost > 0 ? ", " + output::grouped(row.health.lost) + " lost" : ""));
   page.list("findings", row.health.findings);

@@ -3,7 +3,7 @@
 namespace assur::output {
 namespace {
 
-// Up to 17 digits: a time reads back as the same double as in the CSV of the trajectory, which has the shortest text.
+// With 17 digits a time reads back as the same double as in the CSV of the motion.
 constexpr int kDigits = 17;
 
 template <class T>

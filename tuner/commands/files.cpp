@@ -7,14 +7,14 @@
 namespace assur::command {
 namespace {
 
-// The same file, also where neither is there yet.
+// True if both names mean the same file, which need not exist.
 bool same_file(const std::string& a, const std::string& b) {
   std::error_code unused;
   if (std::filesystem::equivalent(a, b, unused)) return true;
   return std::filesystem::weakly_canonical(a, unused) == std::filesystem::weakly_canonical(b, unused) && !a.empty();
 }
 
-// Devices take any number of outputs.
+// False for devices: they may take several outputs.
 bool is_file(const std::string& name) {
   std::error_code unused;
   return !name.empty() && name != "-" &&
@@ -26,7 +26,7 @@ void refuse_inputs(const std::pair<std::string, std::string>& output, const std:
   if (!is_file(file)) return;
   for (const std::string& input : inputs) {
     if (is_file(input) && same_file(file, input)) {
-      throw Error(Error::Kind::input, {{option, file + " is being read, and would be overwritten; name another file"}});
+      throw Error(Error::Kind::input, {{option, file + " is an input and would be overwritten; name another file"}});
     }
   }
 }
@@ -46,7 +46,7 @@ void refuse_overwriting(const Common& common, const std::vector<std::pair<std::s
     const auto& [option, file] = outputs[i];
     for (std::size_t k = 0; k < i; ++k) {
       if (is_file(file) && is_file(outputs[k].second) && same_file(file, outputs[k].second)) {
-        throw Error(Error::Kind::input, {{option, outputs[k].first + " writes " + file + ", too; name another file"}});
+        throw Error(Error::Kind::input, {{option, outputs[k].first + " also writes " + file + "; name another file"}});
       }
     }
   }

@@ -7,7 +7,7 @@
 namespace assur::output {
 namespace {
 
-// What became of the derivatives of a group that nothing wants up to the acceleration.
+// The derivatives that are not computed for a group of this level.
 std::string_view fate(const LeftOut::Level& level) {
   if (level.for_predictor) {
     return level.derivatives == 2 ? "acceleration only for the predictor" : "velocity only for the predictor";
@@ -41,14 +41,14 @@ void print(Page& page, const LeftOut& left_out, Formulation formulation, std::st
   if (const auto& groups = left_out.groups; !groups.empty()) {
     say(counted(static_cast<std::int64_t>(groups.size()), "group") + ": " + listed(groups));
   }
-  if (left_out.static_groups > 0) say(counted(left_out.static_groups, "group") + " without motion: solved once");
+  if (left_out.static_groups > 0) say(counted(left_out.static_groups, "group") + " without motion, solved once");
   std::map<std::string_view, std::vector<std::string>> by_fate;
   for (const LeftOut::Level& l : left_out.levels) by_fate[fate(l)].push_back(l.group);
   for (const auto& [what, groups] : by_fate) {
     say(std::string(what) + ": " +
         (groups.size() > 20 ? counted(static_cast<std::int64_t>(groups.size()), "group") : listed(groups)));
   }
-  if (!said) say("nothing: the outputs need all of it");
+  if (!said) say("nothing: the outputs need everything");
 }
 
 }  // namespace assur::output

@@ -6,7 +6,7 @@
 namespace assur::output {
 namespace {
 
-constexpr std::size_t kMostParameters = 4;  // named of one member
+constexpr std::size_t kMostParameters = 4;  // shown for one member
 
 std::string one_line(std::string text) {
   for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos;) text.replace(at, 1, "; ");
@@ -89,7 +89,7 @@ void print_counts(Page& page, const Members& m) {
   if (m.stopped() > 0) text += ", " + grouped(m.stopped()) + " failed";
   if (m.inaccurate > 0) text += ", " + grouped(m.inaccurate) + " inaccurate";
   if (m.interrupted > 0) text += ", " + grouped(m.interrupted) + " interrupted";
-  if (m.alone > 0) text += "; " + grouped(m.alone) + " went on alone";
+  if (m.alone > 0) text += "; " + grouped(m.alone) + " continued alone";
   page.fact("members", text);
 }
 

@@ -14,38 +14,38 @@ namespace {
 using namespace command;
 
 void add_common(CLI::App& app, Common& common) {
-  app.add_flag("--json", common.json, "Standard output is one JSON object");
-  app.add_flag("--quiet", common.quiet, "Nothing but results and errors");
-  app.add_option("--threads", common.threads, "Use at most so many threads")->check(whole_number(1))->type_name("N");
+  app.add_flag("--json", common.json, "Print one JSON object on standard output");
+  app.add_flag("--quiet", common.quiet, "Print results and errors only");
+  app.add_option("--threads", common.threads, "Largest number of threads")->check(whole_number(1))->type_name("N");
   app.add_option_function<std::string>(
          "--db",
          [&common](const std::string& file) {
            if (file.empty()) throw CLI::ValidationError("--db", "expects a file name");
            common.db = file;
          },
-         "Use this tuning database and no other")
+         "Use only this tuning database")
       ->type_name("FILE");
   app.set_help_flag("-h,--help", "Show this help");
   app.set_version_flag("--version", "assur " ASSUR_VERSION, "Show the version");
 }
 
-// What goes with every SCENE.
+// Options of all commands that read a scene.
 void add_reading(CLI::App& app, Common& common) {
   app.add_option_function<std::vector<std::string>>(
          "--set",
          [&common](const std::vector<std::string>& texts) {
            for (const std::string& text : texts) take_parameter(common.set, text);
          },
-         "Another value for a parameter; may be repeated")
+         "Set a parameter of the scene; may be repeated")
       ->allow_extra_args(false)
       ->type_name("name=value");
-  app.add_option("--tables", common.tables, "Tables may lie in this folder, too; may be repeated")
+  app.add_option("--tables", common.tables, "Also look for tables here; may be repeated")
       ->allow_extra_args(false)
       ->check(CLI::Validator(CLI::ExistingDirectory).description(""))
       ->type_name("FOLDER");
 }
 
-// Seconds of measuring.
+// For options in seconds.
 CLI::Validator budget() { return number(0, " > 0 and at most 1000000, which are 11 days", 1e6); }
 
 void add_names(CLI::App& app, const std::string& option, std::vector<std::string>& names, const std::string& what) {
@@ -60,66 +60,66 @@ void add_names(CLI::App& app, const std::string& option, std::vector<std::string
 }
 
 void add_scene(CLI::App& app, Common& common, std::string& scene, std::vector<std::string>& outputs) {
-  app.add_option("SCENE", scene, "A file or a sample: stewart, four_bar:64, ...")->required()->type_name("");
-  add_names(app, "--outputs", outputs, "What is wanted: C, C.velocity, C.vx, angle, ...; or all");
+  app.add_option("SCENE", scene, "Scene file, or sample: stewart, four_bar:64, ...")->required()->type_name("");
+  add_names(app, "--outputs", outputs, "Outputs: C, C.velocity, C.vx, angle, ...; or all");
   add_reading(app, common);
 }
 
 void add_inspect(CLI::App& app, Invocation& call) {
-  CLI::App& inspect = *app.add_subcommand("inspect", "Kinematic structure of a scene, before any solving");
+  CLI::App& inspect = *app.add_subcommand("inspect", "Show the kinematic structure of a scene");
   add_scene(inspect, call.common, call.inspect.scene, call.inspect.outputs);
   static const std::map<std::string, Formulation> kFormulations = {
       {"global", Formulation::global}, {"groups", Formulation::groups}, {"irreducible", Formulation::irreducible}};
   inspect
       .add_option_function<std::string>(
           "--formulation", [&call](const std::string& text) { call.inspect.formulation = kFormulations.at(text); },
-          "global, groups (the default) or irreducible")
+          "Use global, groups (default) or irreducible")
       ->check(one_of({"global", "groups", "irreducible"}))
       ->type_name("NAME");
   add_common(inspect, call.common);
   inspect.callback([&call] { call.chosen = [&call] { return command::inspect(call.common, call.inspect); }; });
 }
 
-template <class ModeOption>  // Mode, or one that may be left out
+template <class ModeOption>  // Mode or std::optional<Mode>
 void add_mode(CLI::App& app, ModeOption& mode) {
   app.add_option_function<std::string>(
          "--mode", [&mode](const std::string& text) { mode = text == "latency" ? Mode::latency : Mode::throughput; },
-         "latency (the default) or throughput: many steps at once")
+         "latency (default), or throughput: many steps at once")
       ->check(one_of({"latency", "throughput"}))
       ->type_name("NAME");
 }
 
 void add_accuracy(CLI::App& app, double& value) {
-  app.add_option("--accuracy", value, "Largest error that an output may have; 0: least")
+  app.add_option("--accuracy", value, "Error allowed in the outputs; 0: smallest possible")
       ->check(accuracy())
       ->type_name("X");
 }
 
 void add_run(CLI::App& app, Invocation& call) {
-  CLI::App& run = *app.add_subcommand("run", "Motion of a scene: position, velocity, acceleration");
+  CLI::App& run = *app.add_subcommand("run", "Compute the motion of a scene");
   RunOptions& o = call.run;
   add_scene(run, call.common, o.scene, o.outputs);
   run.add_option("--start", o.start, "First time, s")->check(number(-HUGE_VAL, ""))->type_name("T");
   run.add_option("--dt", o.dt, "Time step, s")->check(number(0, " > 0"))->type_name("S");
   run.add_option("--steps", o.steps, "Number of steps")->check(whole_number(0))->type_name("N");
-  run.add_option("--strategy", o.strategy, "How to solve it: auto (the default), groups/klu, ...")->type_name("TEXT");
+  run.add_option("--strategy", o.strategy, "Solution strategy: auto (default), groups/klu, ...")->type_name("TEXT");
   add_names(run, "--without", o.without, "Backends that auto leaves out: lanes, klu, ...");
   add_mode(run, o.mode);
   add_accuracy(run, o.accuracy);
   CLI::Option* ensemble =
-      run.add_option("--ensemble", o.ensemble, "Many variants: a CSV of parameters, a member a row")->type_name("FILE");
-  run.add_option("--iterations", o.iterations, "Newton iterations, fixed, but in the first level")
+      run.add_option("--ensemble", o.ensemble, "Run many variants: CSV of parameters, one row each")->type_name("FILE");
+  run.add_option("--iterations", o.iterations, "Fix the Newton iterations (not of the first level)")
       ->check(whole_number(1))
       ->type_name("N");
-  CLI::Option* csv = run.add_option("--csv", o.csv, "Write the trajectory; - for standard output")->type_name("FILE");
+  CLI::Option* csv = run.add_option("--csv", o.csv, "Write the motion; - for standard output")->type_name("FILE");
   CLI::Option* errors =
-      run.add_option("--errors", o.errors, "Write the errors of each group in each step")->type_name("FILE");
+      run.add_option("--errors", o.errors, "Write the errors of each group at each step")->type_name("FILE");
   CLI::Option* animate =
-      run.add_option("--animate", o.animate, "Write a page on which the mechanism moves")->type_name("F.html");
-  CLI::Option* plot = run.add_option("--plot", o.plot, "Draw the outputs over time")->type_name("F.svg");
-  run.add_flag("--reference", o.reference, "Compare with a solution in quad precision");
-  run.add_flag("--certify", o.certify, "Prove how near the postures are to the true ones");
-  run.add_flag("--pin", o.pin, "Each thread on a core of its own, never asleep");
+      run.add_option("--animate", o.animate, "Write a page that animates the mechanism")->type_name("F.html");
+  CLI::Option* plot = run.add_option("--plot", o.plot, "Plot the outputs over time")->type_name("F.svg");
+  run.add_flag("--reference", o.reference, "Compare with a solution in quadruple precision");
+  run.add_flag("--certify", o.certify, "Prove bounds for the position errors");
+  run.add_flag("--pin", o.pin, "Bind each thread to a core, where it busy-waits");
   add_common(run, call.common);
   run.callback([&call, files = std::vector<CLI::Option*>{ensemble, csv, errors, animate, plot}] {
     for (const CLI::Option* file : files) {
@@ -135,21 +135,21 @@ void add_run(CLI::App& app, Invocation& call) {
 }
 
 void add_compare(CLI::App& app, Invocation& call) {
-  CLI::App& compare = *app.add_subcommand("compare", "True error against run time of a scene");
+  CLI::App& compare = *app.add_subcommand("compare", "Compare true errors and run times of strategies");
   CompareOptions& o = call.compare;
   add_scene(compare, call.common, o.scene, o.outputs);
-  compare.add_option("--steps", o.steps, "Number of steps; left out: 1,000 at most")
+  compare.add_option("--steps", o.steps, "Number of steps (default: at most 1,000)")
       ->check(whole_number(1))
       ->type_name("N");
   compare
       .add_option_function<std::string>(
           "--accuracy", [&o](const std::string& text) { take_accuracies(o.accuracies, text); },
-          "What auto is asked for: 1e-4,1e-6,1e-8,1e-10,1e-12")
+          "Accuracies for auto: 1e-4,1e-6,1e-8,1e-10,1e-12")
       ->type_name("LIST");
   compare
       .add_option_function<std::string>(
           "--strategies", [&o](const std::string& text) { take_names(o.strategies, text, "--strategies"); },
-          "Only auto and these: groups/klu,irreducible/lanes, ...")
+          "Only auto and these: groups/klu,irreducible/lanes")
       ->type_name("LIST");
   CLI::Option* html = compare.add_option("--html", o.html, "Write a page with the diagram")->type_name("FILE");
   add_common(compare, call.common);
@@ -162,13 +162,13 @@ void add_compare(CLI::App& app, Invocation& call) {
 }
 
 void add_plan(CLI::App& app, Invocation& call) {
-  CLI::App& plan = *app.add_subcommand("plan", "What auto would do with a scene, and why");
+  CLI::App& plan = *app.add_subcommand("plan", "Show which strategy auto chooses, and why");
   add_scene(plan, call.common, call.plan.scene, call.plan.outputs);
   add_names(plan, "--without", call.plan.without, "Backends to leave out: lanes, klu, ...");
   add_mode(plan, call.plan.mode);
   add_accuracy(plan, call.plan.accuracy);
   CLI::Option* save =
-      plan.add_option("--save", call.plan.save, "Write the plan, for a program to load and run")->type_name("FILE");
+      plan.add_option("--save", call.plan.save, "Write the plan for assur::load_plan()")->type_name("FILE");
   add_common(plan, call.common);
   plan.callback([&call, save] {
     if (save->count() > 0 && call.plan.save.empty()) throw CLI::ValidationError("--save", "expects a file name");
@@ -177,12 +177,12 @@ void add_plan(CLI::App& app, Invocation& call) {
 }
 
 void add_backends(CLI::App& app, Invocation& call) {
-  CLI::App& backends = *app.add_subcommand("backends", "Linear solvers of this build, and why one cannot run");
+  CLI::App& backends = *app.add_subcommand("backends", "List the linear solvers, and why one cannot run");
   add_common(backends, call.common);
   backends.callback([&call] { call.chosen = [&call] { return command::backends(call.common); }; });
 }
 
-// `options`: which of --run, --machine, --library, --kernel, --all and FILE the question takes.
+// `options`: the question's options, from --run, --machine, --library, --kernel, --all and FILE.
 void add_question(CLI::App& db, Invocation& call, const char* name, const char* help,
                   const std::set<std::string>& options) {
   CLI::App& question = *db.add_subcommand(name, help);
@@ -190,21 +190,20 @@ void add_question(CLI::App& db, Invocation& call, const char* name, const char* 
   const auto takes = [&](const char* option) { return options.count(option) > 0; };
   if (takes("FILE")) question.add_option("FILE", o.file, "A tuning database")->required()->type_name("");
   if (takes("--run")) {
-    question.add_option("--run", o.run, "Only this tuning run, as info numbers it")
+    question.add_option("--run", o.run, "Only the tuning run with this number (see info)")
         ->check(whole_number(1))
         ->type_name("N");
   }
   if (takes("--machine")) {
-    question.add_option("--machine", o.machine, "Only this machine: its fingerprint or how that begins")
-        ->type_name("TEXT");
+    question.add_option("--machine", o.machine, "Only this machine: its fingerprint or start of it")->type_name("TEXT");
   }
   if (takes("--library")) {
-    question.add_option("--library", o.library, "Only samples of this solver, or of assur")->type_name("NAME");
+    question.add_option("--library", o.library, "Only samples of this solver library, or of assur")->type_name("NAME");
   }
   if (takes("--kernel")) {
     question.add_option("--kernel", o.kernel, "Only this kernel: factor, solve, ...")->type_name("NAME");
   }
-  if (takes("--all")) question.add_flag("--all", o.all, "All that is in it");
+  if (takes("--all")) question.add_flag("--all", o.all, "All samples");
   add_common(question, call.common);
   question.callback([&call, name] {
     call.db.question = name;
@@ -213,57 +212,58 @@ void add_question(CLI::App& db, Invocation& call, const char* name, const char* 
 }
 
 void add_db(CLI::App& app, Invocation& call) {
-  CLI::App& db = *app.add_subcommand("db", "What the tuning database knows, and care of it");
+  CLI::App& db = *app.add_subcommand("db", "Query and maintain the tuning database");
   db.require_subcommand(1);
-  add_question(db, call, "info", "Databases, tuning runs, and which of them count here", {});
-  add_question(db, call, "samples", "What was measured", {"--run", "--machine", "--library", "--kernel"});
-  add_question(db, call, "best", "The fastest strategy of each shape", {"--machine", "--kernel"});
-  add_question(db, call, "crossovers", "Where another strategy becomes the fastest", {"--machine", "--kernel"});
-  add_question(db, call, "models", "What was learned from the samples", {});
-  add_question(db, call, "export", "Copy samples into a new file", {"FILE", "--run", "--machine", "--library"});
+  add_question(db, call, "info", "List databases, tuning runs, and samples in use", {});
+  add_question(db, call, "samples", "List the samples", {"--run", "--machine", "--library", "--kernel"});
+  add_question(db, call, "best", "Show the fastest strategy for each shape", {"--machine", "--kernel"});
+  add_question(db, call, "crossovers", "Show the sizes at which the fastest strategy changes",
+               {"--machine", "--kernel"});
+  add_question(db, call, "models", "List the models fitted to the samples", {});
+  add_question(db, call, "export", "Copy samples to a new file", {"FILE", "--run", "--machine", "--library"});
   add_question(db, call, "import", "Add the samples of another file", {"FILE"});
-  add_question(db, call, "check", "Look for damage, and repair it", {});
+  add_question(db, call, "check", "Find and repair damage", {});
   add_question(db, call, "forget", "Remove samples", {"--run", "--machine", "--library", "--all"});
   add_common(db, call.common);
 }
 
 void add_tune(CLI::App& app, Invocation& call) {
-  CLI::App& tune = *app.add_subcommand("tune", "Measure this machine: what every plan is made from");
+  CLI::App& tune = *app.add_subcommand("tune", "Measure this machine, as the basis of all plans");
   TuneOptions& o = call.tune;
-  tune.add_option("--profile", o.profile, "quick (the default, a minute), standard or patient")
+  tune.add_option("--profile", o.profile, "quick (default, a minute), standard or patient")
       ->check(one_of({"quick", "standard", "patient"}))
       ->type_name("NAME");
-  tune.add_option("--budget", o.budget, "Take so long, s")->check(budget())->type_name("SECONDS");
-  tune.add_option("--scene", o.scenes, "Only what this scene needs; may be repeated")
+  tune.add_option("--budget", o.budget, "Time budget, s")->check(budget())->type_name("SECONDS");
+  tune.add_option("--scene", o.scenes, "Measure only for this scene; may be repeated")
       ->allow_extra_args(false)
       ->type_name("SCENE");
-  tune.add_option("--csv", o.csv, "Write the samples, too")->type_name("FILE");
+  tune.add_option("--csv", o.csv, "Also write the samples as CSV")->type_name("FILE");
   add_reading(tune, call.common);
-  tune.add_option("--trial", o.trial)->group("");  // a child process that may crash: not for people
+  tune.add_option("--trial", o.trial)->group("");  // hidden: for the child process of a trial
   add_common(tune, call.common);
   tune.callback([&call] { call.chosen = [&call] { return command::tune(call.common, call.tune); }; });
 }
 
 void add_check(CLI::App& app, Invocation& call) {
-  CLI::App& check = *app.add_subcommand("check", "The stability suite: stiff and extreme cases");
-  check.add_option("SCENE", call.check.scenes, "These scenes instead, with every strategy")->type_name("");
-  check.add_flag("--quick", call.check.quick, "Less than a minute: some cases, fewer strategies");
-  check.add_option("--case", call.check.only, "Only cases whose names begin so")->type_name("NAME");
+  CLI::App& check = *app.add_subcommand("check", "Run the stability suite: stiff and extreme cases");
+  check.add_option("SCENE", call.check.scenes, "Check these scenes, with all strategies, instead")->type_name("");
+  check.add_flag("--quick", call.check.quick, "Some cases, fewer strategies: less than a minute");
+  check.add_option("--case", call.check.only, "Only cases whose names start with NAME")->type_name("NAME");
   add_reading(check, call.common);
   add_common(check, call.common);
   check.callback([&call] { call.chosen = [&call] { return command::check(call.common, call.check); }; });
 }
 
 void add_report(CLI::App& app, Invocation& call) {
-  CLI::App& report = *app.add_subcommand("report", "The benchmark report: a page, CSV and JSON");
+  CLI::App& report = *app.add_subcommand("report", "Write the benchmark report: a page, CSV and JSON");
   ReportOptions& o = call.report;
-  CLI::Option* out = report.add_option("--out", o.out, "Write into this folder: assur-report")->type_name("DIR");
-  report.add_flag("--quick", o.quick, "Three minutes at most, instead of thirty");
-  report.add_option("--budget", o.budget, "Take about so long, s")->check(budget())->type_name("SECONDS");
-  report.add_option("--watts", o.watts, "Of the processor (TDP), for energy that cannot be read")
+  CLI::Option* out = report.add_option("--out", o.out, "Output folder (default: assur-report)")->type_name("DIR");
+  report.add_flag("--quick", o.quick, "Take at most three minutes instead of thirty");
+  report.add_option("--budget", o.budget, "Approximate time budget, s")->check(budget())->type_name("SECONDS");
+  report.add_option("--watts", o.watts, "Processor power (TDP), if energy cannot be read")
       ->check(number(0, " > 0"))
       ->type_name("W");
-  report.add_option("--peers", o.peers, "Show other libraries: a CSV of bench/peers/peers.sh")
+  report.add_option("--peers", o.peers, "Show other libraries: CSV from bench/peers/peers.sh")
       ->check(CLI::ExistingFile)
       ->type_name("FILE");
   add_common(report, call.common);

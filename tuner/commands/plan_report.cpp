@@ -10,10 +10,10 @@
 namespace assur::output {
 namespace {
 
-constexpr std::size_t kMostClasses = 12;  // more are counted
+constexpr std::size_t kMostClasses = 12;  // further ones are only counted
 constexpr std::size_t kMostCandidates = 6;
 
-// Levels that the groups of each class are on.
+// The levels with groups of each class.
 std::vector<std::set<std::int32_t>> levels_of_classes(const Structure& s) {
   std::vector<std::set<std::int32_t>> levels(s.classes.size());
   for (const Group& g : s.groups) levels[idx(g.group_class)].insert(g.level);
@@ -52,7 +52,7 @@ void print_expected(Page& page, const PlanSummary& s) {
                             (s.mode == Mode::throughput ? " for a step of one mechanism" : " for a step"));
   page.fact("", duration(groups) + " groups; " + duration(beside.around) + " laws, predictions, " +
                     counted(beside.outputs, "output"));
-  page.fact("", "a run that keeps its rows takes " + duration(beside.storing) + " more for each");
+  page.fact("", "a run that stores its rows takes " + duration(beside.storing) + " more for each");
 }
 
 void print_classes(Page& page, const PlanSummary& s) {
@@ -63,21 +63,22 @@ void print_classes(Page& page, const PlanSummary& s) {
   table.row({"class", "level", "groups", "unknowns", "strategy", "pack", "origin"});
   for (const Plan::Choice& c : plan.choices) {
     if (idx(c.group_class) == kMostClasses) break;
-    const Strategy shown{{.formulation = plan.run.formulation, .chunks = plan.run.chunks}, c.solver};  // the rest once
+    const Strategy shown{{.formulation = plan.run.formulation, .chunks = plan.run.chunks},
+                         c.solver};  // the rest is the same for all
     table.row({std::to_string(c.group_class), range_text(levels[idx(c.group_class)]), grouped(c.shape.groups),
                grouped(c.shape.n), to_string(shown), duration(c.expected_seconds), std::string(name(c.origin))});
   }
   page.table(table);
   if (plan.choices.size() > kMostClasses) {
-    page.fact("", "and " + grouped(static_cast<std::int64_t>(plan.choices.size() - kMostClasses)) + " classes more");
+    page.fact("", "and " + grouped(static_cast<std::int64_t>(plan.choices.size() - kMostClasses)) + " more classes");
   }
 }
 
-// The best of each backend, and why others cannot run.
+// The best candidate of each backend, and why others cannot run.
 void print_candidates(Page& page, std::int32_t group_class, const std::vector<Candidate>& candidates) {
   using enum Table::Align;
   page.gap();
-  page.fact("class " + std::to_string(group_class), "what else there is, for all its groups");
+  page.fact("class " + std::to_string(group_class), "all candidates, time for all its groups");
   Table table({left, right, right, left});
   std::set<std::string> seen;
   for (const Candidate& c : candidates) {
@@ -159,7 +160,7 @@ void print(Page& page, const PlanSummary& s) {
   const Plan& plan = s.prepared.plan;
   page.title(s.prepared.scene->name());
   page.fact("known", s.model.samples() == 0
-                         ? "nothing was measured on this machine; run assur tune"
+                         ? "no samples of this machine; run assur tune"
                          : counted(static_cast<std::int64_t>(s.model.samples()), "sample") + ", " + s.model.source());
   for (const std::string& message : s.messages) page.fact("", message);
   page.gap();

@@ -16,7 +16,7 @@
 namespace assur::command {
 namespace {
 
-constexpr double kQuick = 150, kFull = 1500;  // s: within 3 and 30 minutes on two cores that others use, too
+constexpr double kQuick = 150, kFull = 1500;  // s; ends within 3 and 30 minutes on two shared cores
 
 }  // namespace
 
@@ -36,7 +36,7 @@ int report(const Common& common, const ReportOptions& options) {
   whole.seconds = options.budget.value_or(options.quick ? kQuick : kFull);
   whole.quick = options.quick;
   whole.threads = common.threads > 0 ? common.threads : this_machine().budget().threads;
-  // Whatever measures asks this often: so the bar moves.
+  // All measurements call this often, so it also moves the progress bar.
   whole.interrupted = [&] {
     const double seconds = measure::StepTimes::steady() - begin;
     progress.show(seconds, std::lround(std::min(seconds, whole.seconds)), std::lround(whole.seconds));

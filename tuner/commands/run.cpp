@@ -26,7 +26,7 @@ Trajectory follow(Simulator& simulator, Progress& progress, measure::StepTimes& 
   return trajectory;
 }
 
-// A start posture that cannot be assembled is drawn, if there is to be a page.
+// With --animate, a scene that cannot be assembled is drawn before the error is reported.
 Prepared prepare_or_show(const Scene& scene, const PrepareOptions& how, const RunOptions& options) {
   try {
     return prepare(scene, how);
@@ -38,7 +38,7 @@ Prepared prepare_or_show(const Scene& scene, const PrepareOptions& how, const Ru
   }
 }
 
-// Why the run stopped before its end; empty: it did not.
+// Why the run stopped early; empty if it did not.
 std::string ending(const Report& report) {
   return report.status.arrived() ? "" : output::why_stopped(report.status, report.events, report.reached);
 }

@@ -15,7 +15,7 @@
 namespace assur::command {
 namespace {
 
-// Single steps can be looked at, so nothing runs side by side.
+// The animation needs single steps, so chunks are not used.
 PrepareOptions step_by_step(PrepareOptions how) {
   how.mode = Mode::latency;
   if (how.strategy == "auto") return how;

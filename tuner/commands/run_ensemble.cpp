@@ -30,35 +30,35 @@ using output::Progress;
 
 void check(const RunOptions& options, const PrepareOptions& how) {
   if (how.strategy != "auto" && parse_strategy(how.strategy).run.chunks > 1) {
-    refuse("--ensemble", "its members fill the lanes and threads; leave out +chunks= of the strategy");
+    refuse("--ensemble", "its members use the lanes and threads; remove +chunks= from the strategy");
   }
-  if (options.reference) refuse("--reference", "it compares one mechanism; run the member in question with --set");
-  if (options.certify) refuse("--certify", "it proves one motion; run the member in question with --set");
-  if (!options.animate.empty()) refuse("--animate", "it shows one motion; run the member in question with --set");
-  if (!options.plot.empty()) refuse("--plot", "it shows one motion; run the member in question with --set");
+  if (options.reference) refuse("--reference", "it compares a single mechanism; run one member with --set");
+  if (options.certify) refuse("--certify", "it certifies a single mechanism; run one member with --set");
+  if (!options.animate.empty()) refuse("--animate", "it shows a single mechanism; run one member with --set");
+  if (!options.plot.empty()) refuse("--plot", "it shows a single mechanism; run one member with --set");
 }
 
-// The variants with what --set says; a parameter has one source.
+// The variants with the values of --set added.
 std::vector<Parameters> variants_of(const Common& common, const RunOptions& options) {
   std::vector<Parameters> variants = read_variants(options.ensemble);
   for (const auto& [name, value] : common.set) {
     if (variants.front().contains(name)) {
-      refuse("--set", "\"" + name + "\" is a column of " + options.ensemble + " too; it cannot have two values");
+      refuse("--set", "\"" + name + "\" is also a column of " + options.ensemble + "; give it only once");
     }
     for (Parameters& v : variants) v.emplace(name, value);
   }
   return variants;
 }
 
-// All members share one time grid, and one whose own is another would be run over the wrong one.
+// All members run over the time grid of the first.
 void check_grid(const TimeGrid& grid, const TimeGrid& first) {
   if (grid.start == first.start && grid.end == first.end && grid.step == first.step) return;
-  throw Error(Error::Kind::input, "its time grid is another one than that of the first member");
+  throw Error(Error::Kind::input, "its time grid differs from that of the first member");
 }
 
-constexpr std::int64_t kTried = 200;  // members that tell how much memory one takes
+constexpr std::int64_t kTried = 200;  // members prepared to estimate the memory of one
 
-// Before hours and the machine's memory are spent on preparing what cannot be run.
+// Throws if the results do not fit into memory, before all members are prepared.
 void check_room(const Prepared& first, std::int64_t members) {
   const double rows = static_cast<double>(members) * static_cast<double>(first.time.steps() + 1);
   const auto columns = column_names(*first.structure->system).size();
@@ -80,7 +80,7 @@ Ensemble prepare_all(const Common& common, const std::vector<Parameters>& varian
         progress.show(StepTimes::steady() - begin, static_cast<std::int64_t>(i), all);
         if (static_cast<std::int64_t>(i) == kTried) {
           require_memory((taken_memory() - taken) / kTried * static_cast<double>(all - kTried),
-                         output::counted(all, "member"), "give fewer at a time");
+                         output::counted(all, "member"), "run fewer at a time");
         }
         const Scene scene = scene_of(common, options, variants[i]);
         if (first) check_grid(scene.time(), *first);
@@ -114,7 +114,7 @@ int run_ensemble(const Common& common, const RunOptions& options) {
   PrepareOptions how = how_of(common, options);
   check(options, how);
   check_errors(options, how);
-  if (!how.budget) how.budget = this_machine().budget();  // asked once, not for each member
+  if (!how.budget) how.budget = this_machine().budget();  // determined once for all members
   const std::vector<Parameters> variants = variants_of(common, options);
   const Progress::Style style = common.quiet ? Progress::Style::none : Progress::style_of_standard_error();
   Progress preparing(std::cerr, style, "member");

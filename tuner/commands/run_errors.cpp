@@ -11,13 +11,13 @@ namespace assur::command {
 void check_errors(const RunOptions& options, const PrepareOptions& how) {
   if (options.errors.empty() || how.mode == Mode::latency) return;
   throw Error(Error::Kind::input, {{"--errors",
-                                    "it looks at one step after another; leave out what runs side by side: "
+                                    "it examines single steps; remove options that run steps side by side: "
                                     "--mode throughput, --ensemble, +chunks="}});
 }
 
 namespace {
 
-// Every group of the simulator at its posture.
+// The errors of every group at the present posture.
 std::vector<output::ErrorsRow> look(Simulator& simulator, measure::TruePosture* truth, std::int64_t iterations) {
   const Structure& structure = *simulator.prepared().structure;
   const std::vector<double> posture = posture_of(simulator);

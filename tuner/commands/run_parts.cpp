@@ -12,14 +12,14 @@
 namespace assur::command {
 namespace {
 
-constexpr double kWholeSteps = 1e-9;  // share of a step that the end may be off the grid, as in scene files
+constexpr double kWholeSteps = 1e-9;  // allowed distance of the end from the grid, in steps
 
-// The scene's grid with what the options replace.
+// The scene's grid, changed by the options.
 TimeGrid grid_of(const TimeGrid& scene, const RunOptions& options) {
   TimeGrid grid = scene;
   grid.start = options.start.value_or(scene.start);
   grid.step = options.dt.value_or(scene.step);
-  if (!(grid.step > 0)) throw Error(Error::Kind::input, {{"--dt", "the scene has no time step; say how long one is"}});
+  if (!(grid.step > 0)) throw Error(Error::Kind::input, {{"--dt", "the scene has no time step; give one"}});
   if (options.steps) {
     grid.end = grid.time(*options.steps);
     return grid;
@@ -29,18 +29,18 @@ TimeGrid grid_of(const TimeGrid& scene, const RunOptions& options) {
     throw Error(Error::Kind::input,
                 {{options.dt ? "--dt" : "--start",
                   "from " + output::number(grid.start) + " s to the scene's end at " + output::number(grid.end) +
-                      " s it takes " + output::number(steps) + " steps of " + output::number(grid.step) +
-                      " s, where a whole number from 1 is wanted; say how many with --steps"}});
+                      " s there are " + output::number(steps) + " steps of " + output::number(grid.step) +
+                      " s, which is no whole number from 1; give the number with --steps"}});
   }
   return grid;
 }
 
-// Whether --mode fits what is to be run.
+// Throws if latency is asked of a run that is not step by step.
 void check_mode(const RunOptions& options, bool chunks) {
   if (options.mode != Mode::latency || (!chunks && options.ensemble.empty())) return;
   const std::string what = chunks ? "+chunks= runs parts of the time grid" : "--ensemble runs its members";
-  throw Error(Error::Kind::input,
-              {{"--mode", "latency is one mechanism step after step, but " + what + " side by side; leave one out"}});
+  throw Error(Error::Kind::input, {{"--mode", "latency runs one mechanism step by step, but " + what +
+                                                  " side by side; remove one of them"}});
 }
 
 }  // namespace
@@ -87,7 +87,7 @@ StepLimits limits_of(const RunOptions& options) {
 Simulator::Observer observer(output::Progress& progress, measure::StepTimes& times, std::int64_t steps) {
   return [&progress, &times, steps](std::int64_t done, std::int64_t of) {
     if (times.tick()) {
-      // The first row is the start posture; chunks share rows.
+      // The first row is the start posture. The rows of chunks count for equal parts of the steps.
       progress.show(times.elapsed(), of > 1 ? (done - 1) * steps / (of - 1) : steps, steps);
       times.resume();
     }
@@ -99,7 +99,7 @@ void print(const Common& common, const RunOptions& options, const output::RunSum
   if (common.json) {
     output::print(std::cout, to_json(summary));
   } else if (options.csv != "-" || !common.quiet) {
-    // A CSV on standard output stands there alone.
+    // Standard output holds nothing but the CSV if --csv - is given.
     output::Page page(options.csv == "-" ? std::cerr : std::cout);
     output::print(page, summary);
   }

@@ -13,7 +13,7 @@
 namespace assur::output {
 namespace {
 
-constexpr std::size_t kMostRows = 12;  // more classes are summed up
+constexpr std::size_t kMostRows = 12;  // further classes are summarised
 
 template <class T>
 Json or_null(const std::optional<T>& value) {
@@ -26,14 +26,14 @@ std::optional<double> mean_iterations(const Counters& c) {
   return static_cast<double>(c.newton_iterations) / static_cast<double>(c.group_solutions);
 }
 
-// What a class is solved with. Side by side the lanes are mechanisms, however few groups a class has.
+// The strategy of a class. Lanes hold mechanisms if these run side by side, and else groups of the class.
 Strategy strategy_of(const Plan::Choice& choice, const RunSummary& s) {
   Strategy strategy = s.prepared.plan.strategy(choice);
   if (s.mode == Mode::throughput) strategy.solver.lanes = s.prepared.plan.lanes;
   return strategy;
 }
 
-// Classes that are solved in the same way for the same reason.
+// Classes with the same strategy for the same reason.
 struct PlanLine {
   std::vector<std::int32_t> classes;
   std::int64_t groups = 0;
@@ -139,9 +139,9 @@ void print_certificate(Page& page, const Certificate& c) {
   }
   const std::string where = "at t = " + number(c.time) + " s" + (c.group.empty() ? "" : ", group " + c.group);
   if (c.why_not.empty()) {
-    page.fact("certified", "within " + error_figure(c.radius) + " characteristic lengths of the true postures, " +
-                               where +
-                               (std::isfinite(c.uniqueness) ? "; no others within " + error_figure(c.uniqueness) : ""));
+    page.fact("certified",
+              "error at most " + error_figure(c.radius) + " characteristic lengths, " + where +
+                  (std::isfinite(c.uniqueness) ? "; no other posture within " + error_figure(c.uniqueness) : ""));
   } else {
     page.fact("certified", "no, " + where + ": " + c.why_not);
   }
@@ -157,7 +157,7 @@ std::string status_of(const RunSummary& s) {
   if (code == Code::inaccurate && s.members == nullptr) {
     const double asked = s.prepared.plan.accuracy;
     return "done, but inaccurate: estimated errors are " +
-           (asked > 0 ? "beyond the " + number(asked) + " asked for" : std::string("large"));
+           (asked > 0 ? "above the required " + number(asked) : std::string("large"));
   }
   return std::string(name(code)) + " after " + counted(s.steps, "step") +
          (s.members != nullptr ? " of members" : ", at t = " + number(s.report.reached) + " s");
@@ -170,13 +170,13 @@ Json to_json(const Event& e) {
   return out;
 }
 
-// A number that is not finite is null.
+// Infinite numbers and NaN become null.
 Json to_json(const Certificate& c) {
   return {
       {"radius", c.radius}, {"uniqueness", c.uniqueness}, {"time", c.time}, {"group", c.group}, {"why_not", c.why_not}};
 }
 
-// What an ensemble has beyond a run; its events say whose they are.
+// Adds the keys of an ensemble; its events name their members.
 void add_members(Json& out, const RunSummary& s) {
   out["members"] = s.members->all;
   out["alone"] = s.members->alone;

@@ -11,11 +11,11 @@
 namespace assur::output {
 namespace {
 
-constexpr std::size_t kMostRows = 20;     // more groups are shown by class
-constexpr std::size_t kMostClasses = 40;  // more classes are counted
+constexpr std::size_t kMostRows = 20;     // above this, groups are shown by class
+constexpr std::size_t kMostClasses = 40;  // further classes are only counted
 constexpr std::size_t kLongestName = 20;  // columns
 
-// What the groups of a class have in common.
+// Figures of all groups of a class.
 struct ClassFigures {
   std::int64_t groups = 0;
   const Group* first = nullptr;
@@ -145,9 +145,9 @@ void print_counts(Page& page, const Structure& s) {
       "without the drivers" +
           (s.mobility_at_start != s.mobility ? "; " + grouped(s.mobility_at_start) + " at the start posture" : ""));
   row("groups", static_cast<std::int64_t>(s.groups.size()),
-      s.formulation == Formulation::groups ? "as declared, else irreducible" : std::string(name(s.formulation)));
+      s.formulation == Formulation::groups ? "declared ones, else irreducible" : std::string(name(s.formulation)));
   row("classes", static_cast<std::int64_t>(s.classes.size()), "of groups with the same equations");
-  row("levels", s.levels, "of groups that do not need each other");
+  row("levels", s.levels, "of groups independent of each other");
   page.table(table);
 }
 
@@ -235,11 +235,11 @@ void print_irreducible(Page& page, const Structure& s, const Irreducible& split)
                                ? counted(split.groups, "group") + " of " + grouped(split.sizes.begin()->first)
                                : counted(split.groups, "group") + ": " + sizes_of(split);
   say(split.eliminated > 0
-          ? "linear equations eliminate " + counted(split.eliminated, "unknown") + ", which leaves " + left
+          ? "linear equations eliminate " + counted(split.eliminated, "unknown") + "; this leaves " + left
           : left + "; no linear equation eliminates an unknown");
 }
 
-// What depends on what, and how far.
+// "a, b, c: one follows from the others; c is checked, not solved"
 std::string said(const Redundancy& r) {
   const std::string by = number(r.violation) + (r.is_length ? " m" : "");
   const bool alone = r.constraints.size() == 1;
@@ -250,12 +250,12 @@ std::string said(const Redundancy& r) {
              "checked, not solved";
     case Redundancy::Kind::motion:
       return between + ": " + (alone ? "it" : r.dropped) +
-             " holds while the drivers run by these laws, and is checked; at other values of them it does not (off "
+             " holds for these driver laws and is checked, not solved; for other driver values it is violated ("
              "by " +
              by + ")";
     case Redundancy::Kind::start:
       return between + ": " + (alone ? "it" : r.dropped) +
-             " holds at the start posture and not beyond: at t = " + number(r.time) + " s it is off by " + by;
+             " holds only at the start posture: at t = " + number(r.time) + " s it is violated by " + by;
     case Redundancy::Kind::unknown:
       break;
   }
@@ -264,7 +264,7 @@ std::string said(const Redundancy& r) {
 }
 
 void print_findings(Page& page, const Scene& scene, const Structure& s) {
-  if (!s.undetermined.empty()) page.fact("undetermined", listed(s.undetermined) + ": nothing fixes them");
+  if (!s.undetermined.empty()) page.fact("undetermined", listed(s.undetermined) + ": no equation determines them");
   std::vector<std::string> redundant;
   for (const Redundancy& r : s.redundant) redundant.push_back(said(r));
   page.list("redundant", redundant);

@@ -31,18 +31,18 @@
 namespace assur::command {
 namespace {
 
-constexpr double kTrial = 5;        // s that a solver may take for its trial, which takes milliseconds
-constexpr double kLook = 0.01;      // of a run's time, for what the machine's pace usually is
-constexpr double kMostLook = 1;     // s of that
-constexpr int kRoundsOfSpread = 5;  // from which on a spread says something
+constexpr double kTrial = 5;        // s, time limit for the trial of a solver, which normally takes milliseconds
+constexpr double kLook = 0.01;      // share of the run time for observing the usual pace of the machine
+constexpr double kMostLook = 1;     // s, upper limit of that time
+constexpr int kRoundsOfSpread = 5;  // fewest rounds for a meaningful spread
 
-// Who has the samples as a file can do without a database.
+// With --csv the run may do without a database.
 std::optional<std::filesystem::path> database_of(const Common& common, const TuneOptions& options) {
   if (!options.csv.empty() && common.db.empty()) return db::own_database();
   return own_database_of(common);
 }
 
-// This very program, asked to try one strategy.
+// The command line that tries one strategy in a child process.
 std::vector<std::string> trial_of(const Strategy& strategy) {
   return {"/proc/self/exe", "tune", "--trial", to_string(strategy)};
 }
@@ -137,7 +137,7 @@ int tune(const Common& common, const TuneOptions& options) {
   how.most_for_cell = profile.most_for_cell;
   how.earlier = archive.earlier();
   how.store = [&](const tuning::CellResult& cell) { archive.add(cell, pace.usual()); };
-  // A scene is done when its cells are; otherwise all of the time is used.
+  // A run for scenes ends with its cells; other runs use the whole budget.
   using output::Progress;
   const bool by_cells = !options.scenes.empty();
   Progress progress(std::cerr, common.quiet ? Progress::Style::none : Progress::style_of_standard_error(),
@@ -172,7 +172,7 @@ int tune(const Common& common, const TuneOptions& options) {
   summary.failed = probes.failed();
   summary.cells = campaign.results();
   summary.seconds = measure::StepTimes::steady() - begin;
-  const bool nothing = summary.figures.measured == 0;  // then the next run is to go on with this one
+  const bool nothing = summary.figures.measured == 0;  // then the next run continues this one
   if (!summary.figures.interrupted && !nothing) {
     archive.finish({grade_of(judgement.quiet), summary.seconds, summary.figures.coverage(), judgement.reason},
                    to_json(summary).dump());
@@ -187,7 +187,7 @@ int tune(const Common& common, const TuneOptions& options) {
   if (summary.figures.interrupted) return kInterrupted;
   if (!nothing) return kDone;
   std::cerr << "error: nothing was measured in " << output::duration(profile.seconds)
-            << ": the machine is busy or slow; give more seconds with --budget\n";
+            << ": the machine is busy or slow; increase --budget\n";
   return kEnvironment;
 }
 

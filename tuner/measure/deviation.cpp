@@ -11,8 +11,8 @@
 namespace assur::measure {
 namespace {
 
-// Value, velocity or acceleration of points and vectors, or what measures have: a coordinate that is near zero is as
-// uncertain as its neighbours are.
+// Values, velocities or accelerations of points and vectors, or values of measures. Errors of a kind are relative to
+// its largest value: a coordinate near zero is as uncertain as its neighbours.
 std::string kind_of(const std::string& column) {
   const std::string last = column.substr(column.rfind('.') + 1);
   return last == "x" || last == "y" || last == "z" ? "x" : last.size() == 2 ? last.substr(0, 1) : last;
@@ -35,7 +35,7 @@ double deviation(const std::vector<std::string>& columns, std::span<const double
     if (!(off <= k.off)) k.off = off;
     k.largest = std::max(k.largest, std::abs(b[i]));
   }
-  double worst = std::numeric_limits<double>::denorm_min();  // a zero of another sign is another one
+  double worst = std::numeric_limits<double>::denorm_min();  // 0 and -0 count as different
   for (const auto& [name, k] : kinds) {
     const double relative = k.largest > 0 ? k.off / k.largest : k.off;
     if (!(relative <= worst)) worst = relative;

@@ -11,10 +11,10 @@
 namespace assur::measure {
 namespace {
 
-constexpr int kSets = 4;                // of values, in rotation
-constexpr std::size_t kMost = 4 << 20;  // doubles of all sets, but for two of them
-constexpr double kMotion = 1e-3;        // how far the values of two sets are apart, relative
-constexpr double kWrong = 1e-6;         // backward error that is no rounding any more, of float either
+constexpr int kSets = 4;                // sets of values, used in turn
+constexpr std::size_t kMost = 4 << 20;  // doubles of all sets; there are at least two sets
+constexpr double kMotion = 1e-3;        // relative difference of the values of two sets
+constexpr double kWrong = 1e-6;         // backward errors above this are not due to rounding, not even in float
 
 }  // namespace
 
@@ -60,7 +60,7 @@ Linear::Linear(const Matrices& matrices, const Strategy& strategy, const Backend
       factor_(std::make_unique<Factor>(*this)),
       solve_(std::make_unique<Solve>(*this)) {
   if (const Status s = solver_->analyze(matrices.pattern, lanes_); !s.ok()) {
-    refused_ = "the analysis says " + std::string(name(s.code));
+    refused_ = "its analysis fails: " + std::string(name(s.code));
     return;
   }
   draw_values(matrices);
@@ -91,7 +91,7 @@ void Linear::verify(const Matrices& matrices) {
   }
 }
 
-// One set of values. Products in long double: what rounding does here is far below what is looked for.
+// Checks one set of values. Products in long double: their rounding is far below the errors of the solver.
 bool Linear::check(const Matrices& matrices, const std::vector<double>& values) {
   const Pattern& p = matrices.pattern;
   const std::size_t w = static_cast<std::size_t>(lanes_), n = static_cast<std::size_t>(p.n);

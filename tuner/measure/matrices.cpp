@@ -11,7 +11,7 @@
 namespace assur::measure {
 namespace {
 
-// Magnitude from 0.5 to 1, either sign.
+// Magnitude from 0.5 to 1, random sign.
 double entry(std::mt19937_64& random) {
   const double magnitude = std::uniform_real_distribution<double>(0.5, 1)(random);
   return random() % 2 == 0 ? magnitude : -magnitude;
@@ -61,7 +61,7 @@ Matrices random_matrices(std::int32_t n, int per_row, int count) {
     out.pattern.row.insert(out.pattern.row.end(), rows.begin(), rows.end());
     out.pattern.column_start.push_back(out.pattern.nnz());
   }
-  // The circular law: sqrt(entries of a row x their mean square).
+  // The spectral radius by the circular law: sqrt(entries of a row x their mean square).
   const double radius = std::sqrt(7.0 / 12 * std::min<std::int32_t>(per_row, n));
   for (int i = 0; i < count; ++i) {
     auto& values = out.values.emplace_back();

@@ -7,8 +7,8 @@
 namespace assur::measure {
 namespace {
 
-// From where on a measurement is somewhat noisy, and noisy. A median over rounds bears one round in five that is
-// disturbed; a load of one half is every other processor busy with something else.
+// Figures above which a measurement has some noise, or is noisy. A median over rounds tolerates one disturbed round in
+// five; at a load of one half, every other processor is busy with other programs.
 struct Threshold {
   double Noise::*what;
   double some, much;
@@ -16,13 +16,14 @@ struct Threshold {
   const char* says;
 };
 constexpr Threshold kThresholds[] = {
-    {&Noise::load, 0.25, 0.75, 1, "the load was %.1f for each processor before it began"},
+    {&Noise::load, 0.25, 0.75, 1, "the load before the run was %.1f for each processor"},
     {&Noise::stolen, 0.01, 0.05, 100, "the hypervisor took %.0f %% of the time"},
-    {&Noise::disturbed, 0.02, 0.10, 100, "the processor was taken away during %.0f %% of the measurements"},
+    {&Noise::disturbed, 0.02, 0.10, 100, "the system interrupted %.0f %% of the measurements"},
     {&Noise::uneven, 0.1, 0.9, 100,
-     "one core was slower than another for %.0f %% of the measurements of threads, which were repeated"},
+     "one core was slower than another in %.0f %% of the measurements with several threads, which were repeated"},
     {&Noise::scatter, 0.02, 0.05, 100, "times scatter by %.0f %%"},
-    {&Noise::drift, 0.1, 0.5, 100, "everything took up to %.0f %% longer at times, which is allowed for"},
+    {&Noise::drift, 0.1, 0.5, 100,
+     "the whole machine was at times up to %.0f %% slower, for which times are corrected"},
 };
 
 void read_ticks(const std::filesystem::path& root, double& total, double& stolen) {

@@ -18,9 +18,9 @@
 namespace assur::measure {
 namespace {
 
-constexpr double kBlock = 20e-6;  // s: each of the three that tell the pace
+constexpr double kBlock = 20e-6;  // s, duration of each of the three timed blocks
 constexpr int kMostCalls = 1 << 20;
-constexpr std::int32_t kLegs = 1;  // their class; the platform is the other
+constexpr std::int32_t kLegs = 1;  // class of the legs; the other class is the platform
 
 std::vector<std::int32_t> first_cores(int threads) {
   std::vector<std::int32_t> cores = this_machine().cores;
@@ -58,13 +58,13 @@ Pace::Pace(Workload& work, std::function<double()> clock, double look, std::opti
 
 double Pace::slowness() { return now() / usual_; }
 
-// The middle of three: one may be interrupted.
+// The median of three, of which one may be interrupted.
 double Pace::now() {
   std::array<double, 3> seconds{};
   for (double& s : seconds) {
     work_.get_ready(calls_);
     const double begin = clock_();
-    if (!work_.run(calls_)) throw Error(Error::Kind::numerical, "the work that tells the machine's pace fails");
+    if (!work_.run(calls_)) throw Error(Error::Kind::numerical, "the work that measures the pace of the machine fails");
     s = (clock_() - begin) / calls_;
   }
   std::sort(seconds.begin(), seconds.end());

@@ -16,12 +16,12 @@
 namespace assur::measure {
 namespace {
 constexpr int kMostCalls = 1 << 20;
-constexpr double kShort = 1e-3;       // s: a longer block warms the caches by itself
-constexpr double kPrecise = 0.005;    // share of a median: nearer than this no two need to be told apart
-constexpr double kMoment = 1e-3;      // s that the machine's slowness counts for
-constexpr double kUneven = 1.3;       // times as long on one core as on another: they are not alike
-constexpr int kLooks = 50;            // at the cores until they are alike; they mostly stay so for milliseconds
-constexpr double kLargeShare = 0.25;  // of the time for all: a call that takes so much is made once
+constexpr double kShort = 1e-3;       // s; a longer block warms the caches by itself
+constexpr double kPrecise = 0.005;    // relative difference of two medians that is too small to matter
+constexpr double kMoment = 1e-3;      // s for which a measured slowness of the machine is valid
+constexpr double kUneven = 1.3;       // cores differ if one takes this many times as long as another
+constexpr int kLooks = 50;            // tries until all cores have the same pace, which mostly lasts milliseconds
+constexpr double kLargeShare = 0.25;  // share of the whole time; a longer call is made only once
 
 class Race {
  public:
@@ -44,7 +44,7 @@ class Race {
       if (round >= rules_.trial_rounds) dismiss();
       if (round >= rules_.least_rounds && settled()) break;
     }
-    // Time may have been too short for a single round: then the slow ones would be the only ones with a time.
+    // If time was too short for a single round, only the slow runners have a time: keep the others' last block, too.
     for (Runner& r : runners_) {
       if (r.seconds.empty() && !r.failed && per_call_.contains(&r)) keep(r);
     }
@@ -53,7 +53,7 @@ class Race {
   }
 
  private:
-  // How slow the machine is; asked anew after a moment.
+  // Slowness of the machine, measured again after kMoment.
   double slowness() {
     if (slowness_.empty() || with_.clock() - asked_ >= kMoment) {
       slowness_.push_back(with_.slowness());
@@ -64,8 +64,8 @@ class Race {
 
   [[nodiscard]] bool over() const { return with_.stop() || with_.clock() >= end_; }
 
-  // Seconds of one block, at the usual pace; a negative number if a call fails. Some of what cannot run says so only
-  // when it is asked to.
+  // Seconds of one block, at the usual pace; negative if a call fails. Some workloads find out only here that they
+  // cannot run.
   double block(Runner& r) {
     const double before = slowness();
     double begin = 0, end = 0;
@@ -92,13 +92,13 @@ class Race {
     return seconds;
   }
 
-  // The last block as a round.
+  // Records the last block as a round.
   void keep(Runner& r) {
     r.seconds.push_back(per_call_[&r].seconds);
     r.raw.push_back(per_call_[&r].raw);
   }
 
-  // Doubles the calls until a block is long enough for the clock. What takes long is a time already.
+  // Doubles the calls until a block is long enough for the clock. A long call already counts as a round.
   void find_block(Runner& r) {
     if (over()) return;
     for (r.calls = 1;; r.calls *= 2) {
@@ -112,7 +112,7 @@ class Race {
 
   [[nodiscard]] bool even(const Runner& r) const { return r.threads < 2 || with_.unevenness() < kUneven; }
 
-  // Until the cores are alike, for a while; whether they are.
+  // Waits a while until the cores have the same pace; false if they do not.
   [[nodiscard]] bool await_even(const Runner& r) const {
     if (r.threads < 2) return true;
     for (int look = 0; look < kLooks && !over(); ++look) {
@@ -121,8 +121,8 @@ class Race {
     return false;
   }
 
-  // One round of a runner. A block during which another program had the processor says little about this one; so does
-  // one of several threads where another guest of the host slows one core down.
+  // One round of a runner. Repeats blocks that other programs interrupted, and blocks of several threads while another
+  // guest of the host slowed one core down.
   void take(Runner& r) {
     for (int attempt = 0;; ++attempt) {
       const bool evenly = await_even(r);
@@ -141,7 +141,7 @@ class Race {
 
   [[nodiscard]] bool runs(const Runner& r) const { return !r.failed && !r.hopeless && !r.seconds.empty(); }
 
-  // Median of the fastest in the heat, for one result, among those with at most this share.
+  // Median of the fastest runner of the heat, for one result, among runners with at most this share.
   [[nodiscard]] double leader(int heat, int share) const {
     double best = kInfinity;
     for (const Runner& r : runners_) {
@@ -158,7 +158,8 @@ class Race {
     }
   }
 
-  // In every heat the two fastest are told apart, or known so well that it does not matter.
+  // True if in every heat the two fastest differ clearly, or are known so precisely that the difference does not
+  // matter.
   [[nodiscard]] bool settled() const {
     struct Time {
       double median, error;
@@ -166,7 +167,7 @@ class Race {
     std::map<int, std::vector<Time>> heats;
     for (const Runner& r : runners_) {
       if (!runs(r)) continue;
-      // The median of normal noise has an error of 1.25 sigma / sqrt(rounds), and sigma is 1.48 deviations.
+      // For normal noise the median has an error of 1.25 sigma / sqrt(rounds), and sigma is 1.48 median deviations.
       const double error = 1.25 * 1.48 * r.spread() / std::sqrt(static_cast<double>(r.seconds.size()));
       heats[r.heat].push_back({r.median() / r.share, error / r.share});
     }
@@ -189,9 +190,9 @@ class Race {
     double seconds = 0, raw = 0;  // at the usual pace, and by the clock
   };
   std::map<const Runner*, Call> per_call_;  // of the last block
-  std::vector<double> slowness_;            // of all moments
-  double asked_ = 0;                        // s: when last
-  bool switched_ = false;                   // the system took the processor away during the last block
+  std::vector<double> slowness_;            // measured so far
+  double asked_ = 0;                        // s, time of the last measurement
+  bool switched_ = false;                   // the system interrupted the last block
   RaceFigures figures_;
 };
 

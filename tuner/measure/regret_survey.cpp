@@ -30,7 +30,7 @@ std::vector<Question> regret_questions(int threads) {
   static const std::vector<std::vector<std::string>> kWithout = {{}, {"lanes"}, {"lanes", "klu"}};
   std::vector<Question> all;
   for (const std::string& scene : kScenes) {
-    // Dense solvers alone take their time.
+    // Without sparse solvers, large scenes take long.
     const bool large = scene.find("n=334") != std::string::npos || scene.find("64") != std::string::npos;
     for (const auto& without : kWithout) {
       if (without.size() < 2 || !large) all.push_back({scene, without, threads});

@@ -22,7 +22,7 @@ double TruePosture::error(double t, const std::vector<double>& posture, const st
   for (const std::int32_t c : of) {
     const auto i = static_cast<std::size_t>(c);
     const double difference = static_cast<double>(abs(Quad(posture[i]) - motion.state().q[0][i]));
-    if (!(difference <= worst)) worst = difference;  // NaN, too
+    if (!(difference <= worst)) worst = difference;  // also for NaN
   }
   return worst;
 }

@@ -1,4 +1,4 @@
-// Stands in for true_posture.cpp where Boost is not installed.
+// Replaces true_posture.cpp if Boost is not installed.
 #include "assur/status.hpp"
 #include "measure/true_posture.hpp"
 
@@ -8,7 +8,7 @@ struct TruePosture::Impl {};
 
 TruePosture::TruePosture(const Prepared&) {
   throw Error(Error::Kind::environment,
-              "true errors need quad precision, and this build has none: install Boost.Multiprecision (Debian: apt "
+              "true errors need quadruple precision, which this build lacks: install Boost.Multiprecision (Debian: apt "
               "install libboost-dev) and build assur again");
 }
 TruePosture::~TruePosture() = default;

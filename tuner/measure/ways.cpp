@@ -12,7 +12,7 @@ namespace assur::measure {
 namespace {
 
 constexpr std::array kFixed = {1, 2, 3};  // the paper's tEnd2
-constexpr std::int32_t kLanes = 8;        // one width stands for all: the dispatcher weighs the others
+constexpr std::int32_t kLanes = 8;        // one width represents all; the dispatcher considers the others
 constexpr std::int32_t kMostDense = 600;  // unknowns
 
 }  // namespace
@@ -91,7 +91,7 @@ std::string text_of(const Plan& plan) {
 }
 
 std::string essence(const Plan& plan) {
-  Plan alone = plan;  // threads apart: those are the plan's
+  Plan alone = plan;  // without the threads, which belong to the whole plan
   for (Plan::Choice& c : alone.choices) c.threads = 1;
   std::string all = text_of(alone);
   const bool by_level = !plan.level_threads.empty();

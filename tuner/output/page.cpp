@@ -12,8 +12,8 @@ namespace assur::output {
 namespace {
 
 constexpr std::size_t kIndent = 2;
-constexpr std::size_t kLabel = 16;      // columns of the label and the space behind it
-constexpr std::size_t kLeastText = 20;  // columns: on a terminal without them lines are left to it
+constexpr std::size_t kLabel = 16;      // columns of the label and the space after it
+constexpr std::size_t kLeastText = 20;  // columns; a narrower terminal wraps the lines itself
 
 std::string spaces(std::size_t count) { return std::string(count, ' '); }
 

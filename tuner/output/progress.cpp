@@ -12,7 +12,7 @@
 namespace assur::output {
 namespace {
 
-constexpr double kRedraw = 0.1;  // s between two pictures of the bar
+constexpr double kRedraw = 0.1;  // s between two updates of the bar
 constexpr double kLine = 5;      // s between two lines
 constexpr int kBarWidth = 30;    // columns
 constexpr std::string_view kEraseLine = "\r\x1b[K";
@@ -24,7 +24,7 @@ std::string bar(double share) {
   return text;
 }
 
-// "3 s", "12 min", "2.5 h": rough, as an estimate is.
+// "3 s", "12 min", "2.5 h"
 std::string roughly(double seconds) {
   if (seconds < 90) return number(std::ceil(seconds)) + " s";
   if (seconds < 5400) return number(std::round(seconds / 60)) + " min";
@@ -45,7 +45,7 @@ void Progress::print(double seconds, std::int64_t done, std::int64_t of) {
   if (done > 0 && done < of) text += ", about " + roughly(seconds / share - seconds) + " left";
   const std::string percent = number(std::floor(100 * share)) + " %";
   if (style_ == Style::bar) {
-    // A line that wraps cannot be erased: on a narrow terminal without the bar, and cut.
+    // A wrapped line cannot be erased; a narrow terminal gets a cut line without the bar.
     std::string line = percent + "  " + text;
     const std::size_t room = columns_ > 0 ? columns_ - 1 : std::string::npos;
     if (line.size() + kBarWidth + 4 <= room) {

@@ -8,7 +8,7 @@
 namespace assur::output {
 namespace {
 
-// Times need more digits than other numbers: an event is looked up by its time.
+// Times have more digits than other numbers, so that an event can be found by its time.
 std::string moment(double t) { return general(t, 10); }
 
 std::string_view meaning(Code code) {
@@ -26,22 +26,22 @@ std::string_view meaning(Code code) {
     case Code::change_point_passed:
       return "two branches cross; the smooth continuation was taken";
     case Code::inaccurate:
-      return "the estimated error exceeds the accuracy asked for";
+      return "the estimated error exceeds the required accuracy";
     case Code::branch_unknown:
-      return "which branch continues the motion could not be decided; where a row lies at, or very near, a posture in "
-             "which branches cross, another step or start time avoids it";
+      return "it could not be decided which branch continues the motion; if a row lies at or very near a posture in "
+             "which branches cross, choose another step or start time";
     case Code::inconsistent:
       return "a redundant equation is no longer satisfied";
     case Code::out_of_range:
-      return "a law was asked for a time outside its table";
+      return "a time lies outside the table of a law";
     case Code::actuator_zero:
       return "a driven distance, or the lever of a driven angle, has reached zero";
     case Code::deadline:
-      return "the time allowed for the step ran out";
+      return "the step did not finish within its time limit";
     case Code::interrupted:
       return "interrupted";
     case Code::wrong_function:
-      return "derivatives that a law or a callback of the program gives are not those of its values";
+      return "the derivatives of a law or callback of the program do not match its values";
   }
   return "unknown";
 }
@@ -56,7 +56,7 @@ std::string explained(Code code) {
 
 std::string why_stopped(const Status& status, const std::vector<Event>& events, double reached) {
   const auto at = std::find_if(events.rbegin(), events.rend(), [&](const Event& e) { return e.kind == status.code; });
-  // What stopped a motion is its last event; after an inaccurate step others may follow.
+  // The last event stopped the motion, unless the step is only inaccurate: then others may follow.
   const bool is_told = at != events.rend() && (at == events.rbegin() || status.code == Code::inaccurate);
   if (!is_told) return "after t = " + moment(reached) + " s: " + explained(status.code);
   const Event& e = *at;

@@ -22,10 +22,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::int64_t kMostFrames = 1000;      // more are not seen on any screen
-constexpr std::int64_t kMostNumbers = 2000000;  // of points, and of outputs: four bytes each in the page
+constexpr std::int64_t kMostFrames = 1000;      // more would not be visible
+constexpr std::int64_t kMostNumbers = 2000000;  // of points and outputs; four bytes of the page for each
 constexpr std::size_t kMostNamed = 8;           // violated constraints
-constexpr std::size_t kMostQuantities = 200;    // that one would look for in a list
+constexpr std::size_t kMostQuantities = 200;    // in the list to choose from
 
 double six_digits(double value) {
   if (value == 0 || !std::isfinite(value)) return value;
@@ -35,7 +35,7 @@ double six_digits(double value) {
 
 Json json(const Packed& packed) { return {{"low", packed.low}, {"span", packed.span}, {"text", packed.text}}; }
 
-// A point's group, or in words why it has none.
+// The group of a point, or the reason why it has none.
 Json solver(int group) {
   if (group >= 0) return group;
   return group == Drawing::Point::kDriven ? "driven" : group == Drawing::Point::kResting ? "at rest" : "fixed";
@@ -49,7 +49,7 @@ std::string kind_name(Drawing::Kind kind) {
 }  // namespace
 
 Scene with_all_points(const Scene& scene) {
-  if (scene.outputs().empty()) return scene;  // then everything is wanted
+  if (scene.outputs().empty()) return scene;  // computes all outputs
   std::vector<std::string> outputs = scene.outputs();
   const auto add = [&](const std::string& point) { outputs.push_back(point + ".position"); };
   for (const assur::Point& p : scene.points()) {
@@ -72,7 +72,7 @@ Animation::Animation(const Prepared& wanted, const Prepared& shown, std::int64_t
       point_columns_.push_back(column.at(drawing_.points[i].name + "." + "xyz"[k]));
     }
   }
-  // Positions that were added stand behind what was asked for: that has the same columns here.
+  // The requested outputs come before the added positions, so they have the same columns here.
   shown_ = quantities(*wanted.structure);
   quantities_ = shown_.size();
   if (shown_.size() > kMostQuantities) shown_.resize(kMostQuantities);
@@ -121,7 +121,7 @@ void Animation::end(const Simulator& simulator, std::string why) {
   ended_ = "The motion ends early: " + std::move(why);
   if (simulator.time() == times_.back()) return;
   keep(simulator);
-  // It is no step of the motion, and at a fold the outputs' derivatives have no bounds.
+  // The last posture is no step of the motion, and at a fold the derivatives of outputs are unbounded.
   std::fill(values_.end() - static_cast<std::ptrdiff_t>(value_columns_.size()), values_.end(), kNan);
 }
 
@@ -163,7 +163,7 @@ std::string Animation::data() const {
   for (const Quantity& q : shown_) {
     outputs.push_back({{"of", q.output}, {"title", q.title}, {"unit", q.unit}, {"columns", q.columns}});
   }
-  // The axes share no range, but all points do.
+  // Points share one range for each axis; outputs have their own.
   Json all = {{"dimension", drawing_.dimension},
               {"times", times_},
               {"groups", groups},
@@ -178,7 +178,7 @@ std::string Animation::data() const {
     all["violated"] = violated_;
   }
   std::string text = all.dump();
-  // Nothing in it may end the element that it stands in.
+  // Escapes '<', because "</script>" within the data would end their element.
   for (std::size_t at = 0; (at = text.find('<', at)) != std::string::npos;) text.replace(at, 1, "\\u003c");
   return text;
 }
@@ -196,7 +196,7 @@ std::vector<std::string> Animation::notes() const {
   if (shown_.size() < quantities_) {
     notes.push_back(output::grouped(static_cast<std::int64_t>(shown_.size())) + " of " +
                     output::counted(static_cast<std::int64_t>(quantities_), "diagram") +
-                    " can be chosen; --outputs says which are wanted.");
+                    " can be chosen; select others with --outputs.");
   }
   return notes;
 }

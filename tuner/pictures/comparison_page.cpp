@@ -18,7 +18,7 @@ using measure::WorkPrecisionRow;
 using output::ComparisonSummary;
 using output::error_figure;
 
-// An error of 0 is shown as half of what a double can tell.
+// Errors of 0 are drawn at half the precision of a double.
 constexpr double kLeastError = kEps / 2;
 
 struct Kind {
@@ -41,17 +41,17 @@ Point point(const WorkPrecisionRow& row) {
           output::way_text(row) + ": " + output::duration(*row.seconds) + ", " + error_figure(row.worst_error())};
 }
 
-// The most exact first, numbered.
+// The Pareto front, from the smallest error on.
 std::vector<const WorkPrecisionRow*> front_of(const ComparisonSummary& s) {
   std::vector<const WorkPrecisionRow*> front;
   for (const WorkPrecisionRow& row : s.result.rows) {
     if (row.on_front) front.push_back(&row);
   }
-  std::reverse(front.begin(), front.end());  // the rows begin with the fastest
+  std::reverse(front.begin(), front.end());  // the rows begin with the fastest strategy
   return front;
 }
 
-// What one strategy makes of several accuracies, or of more and more iterations.
+// Curves through the points of one strategy, over accuracies or numbers of iterations.
 std::vector<Series> curves(const ComparisonSummary& s, Knob knob, int colour) {
   std::map<std::string, Series> by_strategy;
   for (const WorkPrecisionRow& row : s.result.rows) {
@@ -94,7 +94,7 @@ HtmlTable table_of_rows(const ComparisonSummary& s) {
 Plot work_precision_plot(const ComparisonSummary& s) {
   Plot plot;
   plot.title = s.scene + ": time of a step against true error";
-  plot.x = {"true error, the worst of the three", true, power_of_ten};
+  plot.x = {"largest of the three true errors", true, power_of_ten};
   plot.y = {"time of one step", true, time_text};
   for (const double a : s.accuracies) plot.guides.push_back({a, power_of_ten(a)});
 
@@ -117,7 +117,7 @@ Plot work_precision_plot(const ComparisonSummary& s) {
     for (Series& curve : curves(s, kKinds[k].knob, series.colour)) plot.series.push_back(std::move(curve));
     plot.series.push_back(std::move(series));
   }
-  Series picks{.name = "what auto takes", .points = {}, .colour = Series::kInk, .mark = Series::Mark::diamond};
+  Series picks{.name = "choices of auto", .points = {}, .colour = Series::kInk, .mark = Series::Mark::diamond};
   for (const WorkPrecisionRow& row : s.result.rows) {
     if (is_shown(row) && !row.picked.empty()) picks.points.push_back(point(row));
   }
@@ -129,7 +129,7 @@ Plot work_precision_plot(const ComparisonSummary& s) {
 
 std::string work_precision_figure(const ComparisonSummary& s) {
   if (s.result.no_yardstick.empty()) return figure(work_precision_plot(s));
-  return paragraph("There is no picture, for there is no yardstick: " + s.result.no_yardstick, "notice");
+  return paragraph("There is no picture, because true errors are unknown: " + s.result.no_yardstick, "notice");
 }
 
 HtmlTable table_of_verdicts(const ComparisonSummary& s) {
@@ -148,15 +148,15 @@ std::string comparison_page(const ComparisonSummary& s, const std::vector<std::s
   lines.insert(lines.end(), origin.begin(), origin.end());
   std::string body = "<h1>" + escaped(title) + "</h1>\n" + paragraph(lines, "faint") + work_precision_figure(s);
   if (s.result.no_yardstick.empty()) {
-    body +=
-        paragraph("Dotted: the accuracies that auto was asked for. Numbers: the front, as in the last table.", "faint");
+    body += paragraph("Dotted lines: accuracies required of auto. Numbers: the Pareto front, as in the last table.",
+                      "faint");
   }
-  if (!s.accuracies.empty()) body += "<h2>What auto makes of an accuracy</h2>\n" + html(table_of_verdicts(s));
-  body += "<h2>Every way, the fastest first</h2>\n" + html(table_of_rows(s));
+  if (!s.accuracies.empty()) body += "<h2>Choices of auto for each accuracy</h2>\n" + html(table_of_verdicts(s));
+  body += "<h2>All strategies, the fastest first</h2>\n" + html(table_of_rows(s));
   body += paragraph(
-      "Errors: against a solution in quadruple precision, the worst of the run, as defined in docs/accuracy.md. "
-      "Estimate: the largest estimated error of the run. Times: medians of rounds in which all strategies took their "
-      "turns, and their median absolute deviation.",
+      "Errors: largest of the run against a solution in quadruple precision, as defined in docs/accuracy.md. "
+      "Estimate: largest estimated error of the run. Times: medians over rounds, in each of which all strategies are "
+      "timed in turn; spread: their median absolute deviation.",
       "faint");
   return html_page(title, plot_style(), body);
 }

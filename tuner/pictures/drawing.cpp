@@ -14,7 +14,7 @@ namespace {
 
 using Kind = Drawing::Kind;
 
-// What solves each coordinate: a group, or Point::kFixed, kDriven, kResting.
+// For each coordinate the group that solves it, or Point::kFixed, kDriven, kResting.
 std::vector<int> solvers(const Structure& structure) {
   const System& system = *structure.system;
   using Point = Drawing::Point;
@@ -29,7 +29,7 @@ std::vector<int> solvers(const Structure& structure) {
   return solver;
 }
 
-// A point is of the last group that any of its coordinates, or of the base of its body, waits for.
+// The last group that a point depends on, by its own coordinates or those of the base of its body.
 int solver_of(const System& system, const std::vector<int>& solver, const Item& item) {
   int last = Drawing::Point::kFixed;
   for (int k = 0; k < item.components; ++k) {
@@ -75,13 +75,13 @@ class Draughtsman {
     for (std::size_t i = 0; i < out_.points.size(); ++i) index_.emplace(out_.points[i].name, static_cast<int>(i));
   }
 
-  // The point of this name; -1: it is no point.
+  // Index of the point with this name; -1 if there is none.
   [[nodiscard]] int find(const std::string& name) const {
     const auto found = index_.find(name);
     return found == index_.end() ? -1 : found->second;
   }
 
-  // The first that is said of a pair stands, but a rod is more than a relation.
+  // Links a pair once: the more specific kind replaces the other, else the first one stays.
   void link(int from, int to, Kind kind, const std::string& name) {
     if (from < 0 || to < 0 || from == to) return;
     const std::pair pair(std::min(from, to), std::max(from, to));
@@ -112,7 +112,7 @@ class Draughtsman {
     link(c.d, name);
     link(c.e, name);
   }
-  // P - Q = a vector of constant length is a rod; of more points each is tied to the first.
+  // "P - Q = vector" is a rod. If more points are related, each is linked to the first.
   void relate(const std::string& name, const Linear& c) {
     std::vector<std::pair<int, double>> points;
     std::size_t vectors = 0;
@@ -146,7 +146,7 @@ class Draughtsman {
     }
   }
 
-  // An angle driver keeps the distance of its points.
+  // An angle driver keeps the distance of its points constant.
   void drive(const std::string& name, const PointAngle& d) { link(d.a, d.b, Kind::rod, name); }
   void drive(const std::string& name, const RelativeAngle& d) {
     link(d.d, name);

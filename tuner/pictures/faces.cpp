@@ -14,18 +14,18 @@ using triple::dot;
 using triple::norm;
 using triple::subtract;
 
-constexpr double kFlat = 1e-9;  // of the size of the set: what is nearer to a plane lies in it
+constexpr double kFlat = 1e-9;  // distance from a plane, relative to the size, below which a point lies in it
 
-// The corners, in turn, of those of the points that lie in a plane with this normal.
+// The corners of the convex hull, in order, of points in a plane with this normal.
 std::vector<int> polygon(const std::vector<Triple>& points, std::vector<int> in_plane, const Triple& normal,
                          double tolerance) {
   const Triple& o = points[static_cast<std::size_t>(in_plane.front())];
   Triple x = subtract(points[static_cast<std::size_t>(in_plane[1])], o);
-  for (const int i : in_plane) {  // the longest, for the sake of accuracy
+  for (const int i : in_plane) {  // takes the longest axis for accuracy
     const Triple to = subtract(points[static_cast<std::size_t>(i)], o);
     if (norm(to) > norm(x)) x = to;
   }
-  const Triple y = cross(normal, x);  // of another length
+  const Triple y = cross(normal, x);  // its length differs from that of x
   struct Flat {
     double x, y;
     int index;
@@ -36,7 +36,7 @@ std::vector<int> polygon(const std::vector<Triple>& points, std::vector<int> in_
     flat.push_back({dot(to, x) / norm(x), dot(to, y) / norm(y), i});
   }
   std::sort(flat.begin(), flat.end(), [](const Flat& a, const Flat& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
-  // Both chains of the hull, from left to right and back; points along an edge are no corners.
+  // The two chains of the hull, from left to right and back, without points along its edges.
   std::vector<Flat> hull;
   for (int pass = 0; pass < 2; ++pass) {
     const std::size_t begin = hull.size();
@@ -57,7 +57,7 @@ std::vector<int> polygon(const std::vector<Triple>& points, std::vector<int> in_
   return corners;
 }
 
-// The points at unlike places.
+// The first point at each place.
 std::vector<int> places(const std::vector<Triple>& points, double tolerance) {
   std::vector<int> distinct;
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -80,7 +80,7 @@ std::vector<std::vector<int>> faces(const std::vector<Triple>& points) {
   if (all.size() < 2) return {};
   const auto at = [&](int i) -> const Triple& { return points[static_cast<std::size_t>(i)]; };
 
-  // The widest triangle with the longest edge tells line, plane and space apart.
+  // The largest triangle with the longest edge shows whether the points lie on a line, in a plane, or in space.
   const int first = all.front();
   const int far = *std::max_element(all.begin(), all.end(), [&](int i, int j) {
     return norm(subtract(at(i), at(first))) < norm(subtract(at(j), at(first)));

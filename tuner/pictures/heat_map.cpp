@@ -12,9 +12,9 @@ using svg::at;
 using svg::width;
 
 constexpr double kTop = 30, kBottom = 46, kGap = 2;
-constexpr double kMostFill = 0.7, kLeastFill = 0.12;  // opacity of a cell: the text above it stays legible
+constexpr double kMostFill = 0.7, kLeastFill = 0.12;  // opacity of a cell, so that its text is legible
 constexpr double kDot = 3;
-constexpr double kLine = 13;  // from one line of a cell to the next
+constexpr double kLine = 13;  // distance of the lines in a cell
 
 std::string fill(const HeatMap::Kind& kind) {
   const double opacity = kLeastFill + (kMostFill - kLeastFill) * std::clamp(kind.strength, 0.0, 1.0);
@@ -26,7 +26,7 @@ std::string dot(double x, double y) {
   return "<circle class=\"measured\" cx=\"" + at(x) + "\" cy=\"" + at(y) + "\" r=\"" + at(kDot) + "\"/>";
 }
 
-// The text in one line or, broken at its first blank, two; else the kind's name; nothing where that has no room either.
+// The text in one line, or in two, broken at its first blank. If these do not fit, the name of the kind, or nothing.
 std::vector<std::string> lines_for(const std::string& text, const std::string& kind, double w, double h) {
   if (width(text) < w) return {text};
   const std::size_t blank = text.find(' ');
@@ -45,7 +45,7 @@ std::string draw(const HeatMap& map, double all_width, double cell_height, std::
   const auto rows = static_cast<double>(map.rows.size());
   const double w = (all_width - left) / static_cast<double>(map.columns.size()), h = cell_height;
   const double foot = kTop + rows * h;
-  // Names of columns that would touch stand in two lines in turn.
+  // If names of columns would touch, every second one moves to a second line.
   const bool tight = std::any_of(map.columns.begin(), map.columns.end(),
                                  [w](const std::string& column) { return width(column) > w - 2 * kGap; });
   const double second = tight ? kLine : 0;

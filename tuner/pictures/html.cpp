@@ -35,7 +35,7 @@ tr.strong td { background: var(--tint); font-weight: 600; }
 
 constexpr std::array<std::string_view, 3> kClasses = {"", " class=\"number\"", " class=\"words\""};  // of columns
 
-// A line may also end behind these, where lines may end at all.
+// Allows line breaks after these characters.
 std::string breakable(const std::string& text, std::string_view behind) {
   std::string out;
   for (const char c : text) {

@@ -13,10 +13,10 @@ namespace assur::pictures {
 namespace {
 
 constexpr Size kDiagram{960, 260};
-constexpr int kHead = 44, kLine = 20;      // px of the title and of each sentence below it
+constexpr int kHead = 44, kLine = 20;      // px, height of the title and of each line below it
 constexpr std::size_t kMostPoints = 2000;  // of a curve, about two for each pixel
 
-// Not thinned evenly: the least and the greatest of each stretch stay, so that no peak is lost.
+// Keeps the smallest and the largest value of each stretch, so that no peak is lost.
 std::vector<Point> curve(const Trajectory& trajectory, std::size_t column) {
   const std::size_t rows = trajectory.rows(), stretch = std::max<std::size_t>(2 * rows / kMostPoints, 2);
   std::vector<Point> points;
@@ -50,7 +50,7 @@ Plot diagram(const Trajectory& trajectory, const Quantity& q) {
   return plot;
 }
 
-// x, y, z in the colours of their curves, above the right end of the diagram.
+// Letters x, y, z in the colours of their curves, at the top right of the diagram.
 std::string key(const Quantity& q) {
   std::string out;
   for (std::size_t i = 0; q.columns.size() > 1 && i < q.columns.size(); ++i) {
@@ -60,7 +60,7 @@ std::string key(const Quantity& q) {
   return out;
 }
 
-// The style of a page's plots without its variables, which few programs but browsers know.
+// The style of plots without CSS variables, which few programs other than browsers support.
 std::string style() {
   static constexpr std::array kColours = {"#0068a5", "#b36b00", "#00805d"};
   std::string text =
@@ -83,7 +83,7 @@ std::vector<std::string> sentences(const std::vector<Quantity>& all, const std::
     for (std::size_t i = kMostDiagrams; i < all.size(); ++i) {
       if (left_out.empty() || left_out.back() != all[i].output) left_out.push_back(all[i].output);
     }
-    found.push_back("Left out, as --outputs can choose: " + output::listed(left_out, 12) + ".");
+    found.push_back("Left out (select outputs with --outputs): " + output::listed(left_out, 12) + ".");
   }
   return found;
 }

@@ -18,14 +18,14 @@ using svg::kLine;
 using svg::width;
 
 constexpr Size kWide{960, 560}, kNarrow{360, 400};
-constexpr double kTop = 34, kRight = 14, kBottom = 46;  // around the axes: the title of y, the end of a tick, that of x
+constexpr double kTop = 34, kRight = 14, kBottom = 46;  // margins: title of y, end of the last tick, title of x
 constexpr double kMark = 4.5;                           // half the size of a mark
-constexpr double kBold = 1.25, kGap = 2;                // bold letters over others; beside a label
+constexpr double kBold = 1.25, kGap = 2;                // width of bold letters relative to others; gap beside a label
 constexpr double kPixelsOfTick = 62, kLinesOfTick = 34;
 
 std::string colour_class(int colour) { return colour < 0 ? "ink" : "c" + std::to_string(colour % Series::kColours); }
 
-// An outline around (x, y), about 2 r wide.
+// The outline of a mark around (x, y), about 2 r wide.
 std::string mark(Series::Mark kind, double x, double y, double r) {
   const auto polygon = [&](std::initializer_list<std::pair<double, double>> corners) {
     std::string points;
@@ -61,7 +61,7 @@ std::string marked(const Series& s, double x, double y, double r, const std::str
   return shape + (about.empty() ? "" : "<title>" + escaped(about) + "</title>") + "</" + element + ">\n";
 }
 
-// An axis with the pixels that it covers.
+// An axis with its range of pixels.
 struct Scale {
   const Axis& axis;
   Ticks ticks;
@@ -125,7 +125,7 @@ class Picture {
   }
 
   void draw_axes() {
-    double free_from = -1e9;  // of the line of ticks below
+    double free_from = -1e9;  // x at which the next label of a tick may begin
     for (const double t : x_.ticks.at) {
       out_ += svg::line("grid", x_(t), y_.from, x_(t), y_.to);
       const std::string what = plot_.x.text(t);
@@ -150,7 +150,7 @@ class Picture {
     }
   };
 
-  // Whether the room was still free.
+  // Occupies a box; false if it overlaps another one.
   bool take(const Box& box) {
     if (std::any_of(taken_.begin(), taken_.end(), [&](const Box& b) { return b.overlaps(box); })) return false;
     taken_.push_back(box);
@@ -206,8 +206,8 @@ class Picture {
     out_ += "</g>\n";
   }
 
-  // Around the point, within the axes, where neither a mark nor another label is; else above or below it, where no
-  // other label is; else nowhere.
+  // Puts each label beside its point, within the axes, where it covers neither marks nor labels; else above or below,
+  // where it covers no label; else omits it.
   void draw_labels(const Series& s) {
     for (const Point& p : s.points) {
       if (p.label.empty() || !shows(p)) continue;
@@ -239,7 +239,7 @@ class Picture {
   std::string out_;
 };
 
-// A mark, or a stroke of the line, before each name.
+// The legend: the mark or a piece of the line, and the name.
 std::string keys(const Plot& plot) {
   std::string out;
   for (const Series& s : plot.series) {

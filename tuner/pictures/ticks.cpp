@@ -9,8 +9,8 @@
 namespace assur::pictures {
 namespace {
 
-constexpr double kRounding = 1e-9;              // of a tick that a value lies on
-constexpr double kFewDecades = 2.5;             // up to which there are ticks within a decade
+constexpr double kRounding = 1e-9;              // tolerance for values on a tick
+constexpr double kFewDecades = 2.5;             // up to this range, ticks lie within decades, too
 constexpr std::array kRound = {1.0, 2.0, 5.0};  // in each decade
 
 // Steps of 1, 2 or 5 times a power of ten.
@@ -25,7 +25,7 @@ double round_step(double least) {
 Ticks decades(int low, int high, int most) {
   Ticks ticks{std::pow(10, low), std::pow(10, high), {}};
   const int stride = std::max(1, (high - low + most - 1) / most);
-  // Counted from 1, so that the same powers are named whatever else is shown.
+  // Multiples of the stride, so that the same powers are labelled for every range.
   for (int k = low; k <= high; ++k) {
     if (k % stride == 0) ticks.at.push_back(std::pow(10, k));
   }

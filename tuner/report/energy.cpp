@@ -18,7 +18,7 @@ std::optional<Value> first_word(const fs::path& file) {
   return std::nullopt;
 }
 
-// "intel-rapl:0"; its parts ("intel-rapl:0:1") are counted within it. AMD's processors go by the same name.
+// "intel-rapl:0", which includes its parts ("intel-rapl:0:1"). Processors of AMD have the same name.
 bool is_zone(const std::string& name) {
   constexpr std::string_view kPrefix = "intel-rapl:";
   return name.starts_with(kPrefix) && name.find(':', kPrefix.size()) == std::string::npos;
@@ -40,8 +40,8 @@ EnergyMeter::EnergyMeter(const fs::path& root) {
     if (range && first_word<std::int64_t>(counter)) packages_.push_back({counter, *range});
   }
   if (packages_.empty()) {
-    why_not_ = seen ? "the counters in " + folder.string() + " may be read by the administrator only"
-                    : "this machine shows no energy counters in " + folder.string();
+    why_not_ = seen ? "the counters in " + folder.string() + " can only be read by the administrator"
+                    : "this machine has no energy counters in " + folder.string();
   }
 }
 

@@ -33,7 +33,7 @@ std::optional<TuningRecord> record_in(const db::DatabaseFile& place, const std::
     record.crossovers = store.crossovers(filter);
     return record;
   } catch (const db::Unusable& unusable) {
-    // What is wrong with the others is among the messages of the model.
+    // The model's messages report why other databases cannot be read.
     if (place.role == db::DatabaseFile::Role::named && unusable.trouble() != db::Trouble::absent) throw;
     return std::nullopt;
   }
@@ -57,7 +57,7 @@ std::string caches_text(const Machine& machine) {
 }
 
 std::string tuning_text(const Knowledge& k) {
-  if (!k.tuning) return k.known.model->samples() == 0 ? "none: this machine was not measured" : k.known.model->source();
+  if (!k.tuning) return k.known.model->samples() == 0 ? "none: no samples of this machine" : k.known.model->source();
   const db::Run& run = k.tuning->run;
   return k.tuning->file + ": run " + std::to_string(run.id) + " (" + run.profile + ") of " + run.started + ", grade " +
          run.grade + ", " + output::counted(run.samples, "sample") + " in " + output::duration(run.seconds) +
@@ -106,10 +106,10 @@ std::string how_to_tune(const Knowledge& k) {
   if (k.tuning) return "";
   const std::string first =
       k.known.model->samples() == 0
-          ? "This machine was not measured yet: what auto expects here are counts of operations "
-            "on a typical processor, the prior."
-          : "What auto expects here was measured elsewhere or for single scenes: " + k.known.model->source() + ".";
-  return first + " A minute of `assur tune` measures this machine; then make the report again.";
+          ? "There are no samples of this machine yet: auto uses times of a typical processor by counts of "
+            "operations (the prior)."
+          : "auto uses samples of other machines or of single scenes: " + k.known.model->source() + ".";
+  return first + " Run `assur tune`, which measures this machine in a minute, and repeat the report.";
 }
 
 }  // namespace assur::report

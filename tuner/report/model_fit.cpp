@@ -15,13 +15,13 @@
 namespace assur::report {
 namespace {
 
-constexpr std::size_t kMostShown = 400;  // points of the picture; the figures are of all
+constexpr std::size_t kMostShown = 400;  // points in the diagram; the figures use all samples
 
 struct Fit {
   const Sample* sample;
   Prediction expected;
 
-  // The factor by which it is off, at least 1.
+  // The factor between expected and measured time, at least 1.
   [[nodiscard]] double factor() const { return std::exp(std::abs(std::log(expected.seconds / sample->seconds))); }
 };
 
@@ -55,7 +55,7 @@ pictures::Plot scatter(const std::vector<Fit>& all) {
     high = std::max({high, f.sample->seconds, f.expected.seconds});
   }
   for (const double factor : {1.0, 2.0, 0.5}) {
-    plot.series.push_back({.name = factor == 1 ? "equal, and a factor of two either way" : "",
+    plot.series.push_back({.name = factor == 1 ? "equal, and a factor of two above and below" : "",
                            .points = {{low / std::min(factor, 1.0), low * std::max(factor, 1.0)},
                                       {high / std::max(factor, 1.0), high * std::min(factor, 1.0)}},
                            .colour = pictures::Series::kInk,
@@ -88,9 +88,9 @@ pictures::Plot scatter(const std::vector<Fit>& all) {
 }  // namespace
 
 Section model_fit(const Knowledge& knowledge, const Conditions&) {
-  Section out{"model-fit", "How well times are predicted"};
+  Section out{"model-fit", "Accuracy of predicted times"};
   if (!knowledge.tuning) {
-    out.body = paragraph("There is no finished tuning run of this machine to look at.", "notice");
+    out.body = paragraph("There is no finished tuning run of this machine.", "notice");
     return out;
   }
   const std::vector<tuning::CellResult> cells = tuning::cells_of(knowledge.tuning->samples);
@@ -100,8 +100,7 @@ Section model_fit(const Knowledge& knowledge, const Conditions&) {
   if (!unseen) all = fits(cells, model, false);
 
   std::vector<double> factors;
-  const std::string origin =
-      unseen ? "predicted by a model that has not seen its cell" : "predicted by a model that knows it";
+  const std::string origin = unseen ? "predicted by a model without its cell" : "predicted by a model that includes it";
   for (const Fit& f : all) {
     const Sample& s = *f.sample;
     factors.push_back(f.factor());
@@ -125,10 +124,10 @@ Section model_fit(const Knowledge& knowledge, const Conditions&) {
   const auto within =
       static_cast<double>(std::count_if(all.begin(), all.end(), [](auto& f) { return f.factor() <= 2; }));
   out.body = paragraph(
-      std::string(unseen ? "Samples that were held out, and what a model from all others expects of them: "
-                         : "Nothing was held out: the model has seen what it is compared with here. ") +
-      "it is off by a factor of " + output::fixed(median) + " (median), " + output::fixed(p95) + " (95 of 100), " +
-      output::fixed(most) + " (most); " +
+      std::string(unseen ? "Held-out samples, predicted by a model of all other samples. "
+                         : "No samples were held out: the model includes the samples compared here. ") +
+      "Predictions are wrong by a factor of " + output::fixed(median) + " (median), " + output::fixed(p95) +
+      " (95th percentile), " + output::fixed(most) + " (max); " +
       percent(within / static_cast<double>(std::max<std::size_t>(factors.size(), 1))) + " are within a factor of two.");
   out.body += pictures::figure(scatter(all));
   return out;

@@ -8,7 +8,7 @@ namespace {
 
 using pictures::escaped;
 
-constexpr std::size_t kMostRows = 200;  // of the table of all numbers: more are in the CSV
+constexpr std::size_t kMostRows = 200;  // of the table of all numbers; the CSV has the rest
 
 constexpr std::string_view kStyle = R"(
 html { scroll-behavior: smooth; }
@@ -60,10 +60,10 @@ std::string contents(const std::vector<Part>& parts) {
 std::string numbers(const Section& section) {
   const std::vector<Measurement>& all = section.measurements;
   if (all.empty()) return "";
-  std::string out = "<details><summary>Every number of this section with its origin (" +
+  std::string out = "<details><summary>All numbers of this section with their origin (" +
                     output::grouped(static_cast<std::int64_t>(all.size())) + ")</summary>\n" +
                     html(table_of(all, kMostRows));
-  if (all.size() > kMostRows) out += paragraph("The others are in report.csv.", "faint");
+  if (all.size() > kMostRows) out += paragraph("The rest is in report.csv.", "faint");
   return out + "</details>\n";
 }
 
@@ -88,8 +88,9 @@ std::string page(const PageHead& head, const std::vector<Part>& parts) {
     if (!part.missing.empty()) body += paragraph(part.title + ": " + part.missing, "missing");
   }
   body += paragraph(
-      "Every number is in report.csv, with strategy, repetitions, spread and error, and in report.json as Google "
-      "Benchmark writes it. Times are medians, spreads their median absolute deviation over the median.",
+      "All numbers are in report.csv, with strategy, repetitions, spread and error, and in report.json in the format "
+      "of "
+      "Google Benchmark. Times are medians; a spread is the median absolute deviation over the median.",
       "faint");
   return pictures::html_page(title, std::string(pictures::plot_style()) + std::string(kStyle), body);
 }

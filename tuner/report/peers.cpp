@@ -19,7 +19,7 @@ constexpr std::array<std::string_view, 3> kLevels = {"position", "and velocity",
 struct Row {
   std::string peer, mechanism, comment;
   int levels = 1, repetitions = 0;
-  double seconds = 0, spread = 0, error = 0;  // the worst of the levels computed
+  double seconds = 0, spread = 0, error = 0;  // largest of the computed levels
 };
 
 std::vector<std::string> cells(const std::string& line) {
@@ -112,10 +112,11 @@ Section peers_section(std::istream& in, const std::string& file) {
       out.measurements.push_back(derived(m, "time over that of assur", ratio, "ratio of the times"));
     }
   }
-  out.body = paragraph(
-                 "Processor time of a step; all follow the same times, and their answers are held against the closed "
-                 "form. Who computes fewer levels has less to do: compare rows of the same levels.") +
-             html(table);
+  out.body =
+      paragraph(
+          "Processor time of a step. All libraries use the same time grid, and their results are compared with the "
+          "closed form. A library that computes fewer levels has less work: compare rows with the same levels.") +
+      html(table);
   return out;
 }
 

@@ -20,14 +20,14 @@ using measure::Question;
 
 constexpr double kGolden = 0.6180339887498949;
 constexpr double kLeastRace = 0.2, kMostRace = 4;  // s for each race of a question
-constexpr double kQuestionsAtLeast = 12;           // that the time is meant for
-constexpr double kLook = 0.01, kMostLook = 10;     // of the time, and s: at the usual pace, without a way to end it
-constexpr double kFirstPasses = 0.85;              // of the time: for the questions with one pass each
-constexpr double kMostOfTime = 0.2;                // of the time: for one question
-constexpr double kFar = 1;                         // regret from which on the axis is logarithmic
-constexpr std::size_t kWorst = 6;                  // that are named
+constexpr double kQuestionsAtLeast = 12;           // number of questions that fit into the time
+constexpr double kLook = 0.01, kMostLook = 10;     // share of the time, and s, for observing the usual pace
+constexpr double kFirstPasses = 0.85;              // share of the time for the first pass of all questions
+constexpr double kMostOfTime = 0.2;                // share of the time for one question
+constexpr double kFar = 1;                         // regret above which the axis is logarithmic
+constexpr std::size_t kWorst = 6;                  // worst cases in the table
 
-// In an order of which every beginning is a fair choice; the first one stays the first.
+// Reorders the questions such that the first k are a fair choice for every k; the first one stays the first.
 std::vector<Question> spread_out(std::vector<Question> all) {
   std::vector<std::size_t> order(all.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -45,15 +45,15 @@ std::string item_of(const Question& q) {
 
 std::string questions_text(std::size_t count) { return output::counted(static_cast<std::int64_t>(count), "question"); }
 
-// A choice in one question: by how much it is slower than the fastest.
+// A choice in one question, with its time over the fastest, less 1.
 struct Choice {
   double regret;
   std::string item, strategy, note = {};
 };
 
-// All choices of somebody.
+// All choices of auto, or of a constant strategy.
 struct Choices {
-  std::string who;  // in the picture and the table
+  std::string who;  // name in the diagram and the table
   std::string strategy, quantity;
   std::vector<Choice> all = {};
 
@@ -69,8 +69,8 @@ struct Figure {
   double (*of)(const std::vector<double>&);
 };
 constexpr std::array kFigures = {Figure{"median", ", median", [](const auto& r) { return quantile(r, 0.5); }},
-                                 Figure{"95 of 100", ", p95", [](const auto& r) { return quantile(r, 0.95); }},
-                                 Figure{"most", ", max", [](const auto& r) { return quantile(r, 1); }},
+                                 Figure{"95th percentile", ", p95", [](const auto& r) { return quantile(r, 0.95); }},
+                                 Figure{"max", ", max", [](const auto& r) { return quantile(r, 1); }},
                                  Figure{"mean", ", mean", mean}};
 
 HtmlTable summary(const std::vector<Choices>& everybody) {
@@ -130,13 +130,13 @@ void add_answer(Section& out, const Answer& a) {
 }  // namespace
 
 Section regret_section(const std::vector<Answer>& answers, std::size_t planned) {
-  Section out{"regret", "What auto loses"};
+  Section out{"regret", "Regret of auto"};
   if (answers.empty()) {
     out.body = paragraph("No question was answered.", "notice");
     return out;
   }
   Choices ours{"auto", "auto", "regret"}, theirs{"the best constant strategy", "best constant", "regret"},
-      itself{"auto to itself", "auto", "regret to itself"};
+      itself{"auto against itself", "auto", "regret to itself"};
   std::set<std::string> winners;
   for (const Answer& a : answers) {
     add_answer(out, a);
@@ -171,22 +171,26 @@ Section regret_section(const std::vector<Answer>& answers, std::size_t planned) 
 
   out.body =
       paragraph(
-          "Whole steps of mechanisms and sizes that the tuner does not measure: what auto chose against the fastest of "
-          "every strategy that is the same for all classes, and of mixtures of them. Regret is how much longer the "
-          "choice takes than the fastest; that of the choice to itself, prepared and raced a second time, is the "
-          "measurement's alone. Times are those of the machine's usual pace, of several threads while the cores are "
-          "alike. " +
-          questions_text(answers.size()) + " of " + output::grouped(static_cast<std::int64_t>(planned)) + "; " +
-          (winners.size() == 1 ? "the same strategy is the fastest in all."
+          "Whole steps of mechanisms with sizes that the tuner does not measure. The choice of auto is compared with "
+          "the "
+          "fastest of all strategies that are the same for all classes, and of mixtures of them. Regret is the "
+          "relative "
+          "excess of the time of the choice over the fastest. The regret of the choice against itself, prepared and "
+          "timed "
+          "a second time, shows the error of the measurement. Times are corrected to the usual pace of the machine; "
+          "several threads are timed while all cores have the same pace. Questions answered: " +
+          output::grouped(static_cast<std::int64_t>(answers.size())) + " of " +
+          output::grouped(static_cast<std::int64_t>(planned)) + "; " +
+          (winners.size() == 1 ? "one strategy is the fastest in all."
                                : output::grouped(static_cast<std::int64_t>(winners.size())) +
-                                     " different strategies are the fastest somewhere.")) +
+                                     " different strategies are the fastest in at least one.")) +
       html(summary(everybody));
 
   everybody.pop_back();
   pictures::Plot plot;
-  plot.title = "Share of the questions over the time of the choice over that of the fastest";
+  plot.title = "Share of questions against time of the choice over time of the fastest";
   plot.y = {"questions, %", false, output::number};
-  plot.x = {"time of the choice over that of the fastest", to > kFar, output::number};
+  plot.x = {"time of the choice over time of the fastest", to > kFar, output::number};
   for (const Choices& c : everybody) {
     const bool first = plot.series.empty();
     plot.series.push_back(
@@ -204,13 +208,13 @@ Section regret(const Knowledge& knowledge, const Conditions& conditions) {
   const std::vector<Question> all = spread_out(measure::regret_questions(conditions.threads));
   std::vector<measure::Contest> contests;
   std::vector<std::string> too_long;
-  double end = 0;  // s: until when what is under way has to end
+  double end = 0;  // s, time at which the current race has to end
   measure::QuestionOptions how;
   how.model = knowledge.known.model;
   how.quick = conditions.quick;
   how.seconds = std::clamp(conditions.seconds / kQuestionsAtLeast / 3, kLeastRace, kMostRace);
   measure::MachinePace pace(conditions.threads, std::min(kLook * conditions.seconds, kMostLook));
-  // The first question, which is small, is always answered.
+  // The first question is small and always answered.
   how.instruments = conditions.instruments();
   pace.attach(how.instruments);
   how.instruments.stop = [&] { return conditions.interrupted() || (!contests.empty() && taken() > end); };
@@ -234,10 +238,9 @@ Section regret(const Knowledge& knowledge, const Conditions& conditions) {
   std::vector<Answer> answers;
   for (const measure::Contest& c : contests) answers.push_back(c.answer());
   Section out = regret_section(answers, all.size());
-  if (!too_long.empty())
-    out.body += paragraph("Given up, for want of time: " + output::listed(too_long) + ".", "faint");
+  if (!too_long.empty()) out.body += paragraph("Skipped for lack of time: " + output::listed(too_long) + ".", "faint");
   if (knowledge.known.model->samples() == 0) {
-    out.body = paragraph("Nothing was measured on this machine: auto went by the prior.", "notice") + out.body;
+    out.body = paragraph("There are no samples of this machine: auto used the prior.", "notice") + out.body;
   }
   return out;
 }

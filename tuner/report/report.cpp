@@ -58,8 +58,8 @@ class Folder {
 };
 
 std::string state_of(bool interrupted, bool done, double seconds) {
-  if (interrupted) return "Interrupted after " + output::duration(seconds) + ": not everything is here.";
-  if (!done) return "Not finished: it is being made, " + output::duration(seconds) + " so far.";
+  if (interrupted) return "Interrupted after " + output::duration(seconds) + ": the report is incomplete.";
+  if (!done) return "Not finished: in progress for " + output::duration(seconds) + ".";
   return "Made in " + output::duration(seconds) + ".";
 }
 
@@ -86,20 +86,20 @@ std::vector<Planned> contents(const Knowledge& knowledge, const Wishes& wishes) 
   };
   constexpr const char* kHere = "This machine";
   std::vector<Planned> all = {
-      {kHere, "Which strategy wins", 0.01, one(winners)},
-      {kHere, "What auto loses", 0.35, one(regret)},
+      {kHere, "Fastest strategies", 0.01, one(winners)},
+      {kHere, "Regret of auto", 0.35, one(regret)},
       {kHere, "Error against run time", 0.25, one(work_precision)},
-      {kHere, "How it scales: threads, lanes, variants", 0.25, one(scaling)},
-      {kHere, "How long single steps take", 0.06, one(step_histogram)},
-      {kHere, "What tuning costs, and what it saves", 0.04, one(tuning_cost)},
-      {kHere, "How well times are predicted", 0.04, one(model_fit)},
-      {"The paper again", "The paper's tables, figures and conclusions", 1,
+      {kHere, "Scaling: threads, lanes, variants", 0.25, one(scaling)},
+      {kHere, "Times of single steps", 0.06, one(step_histogram)},
+      {kHere, "Cost and benefit of tuning", 0.04, one(tuning_cost)},
+      {kHere, "Accuracy of predicted times", 0.04, one(model_fit)},
+      {"Repetition of the paper", "The paper's tables, figures and conclusions", 1,
        [&knowledge, watts = wishes.watts](const Conditions& conditions) {
          return reproduce_paper({conditions, knowledge.known.model, watts});
        }},
   };
   if (!wishes.peers.empty()) {
-    all.push_back({"Beside others", "Other libraries on the same mechanisms", 0.01,
+    all.push_back({"Comparison with other libraries", "Other libraries on the same mechanisms", 0.01,
                    [peers = peers_of(wishes.peers)](const Conditions&) { return std::vector{peers}; }});
   }
   return all;
@@ -132,9 +132,9 @@ Outcome make_report(const fs::path& folder, const std::vector<Planned>& planned,
     outcome.parts.push_back({planned[i].title, taken() - start});
     outcome.interrupted = whole.interrupted();
     if (outcome.interrupted) {
-      parts[i].missing = parts[i].sections.empty() ? "interrupted before there was anything to show"
-                                                   : "interrupted: what is here is not all of it";
-      for (std::size_t k = i + 1; k < parts.size(); ++k) parts[k].missing = "not made, for the report was interrupted";
+      parts[i].missing = parts[i].sections.empty() ? "interrupted before the first result" : "interrupted: incomplete";
+      for (std::size_t k = i + 1; k < parts.size(); ++k)
+        parts[k].missing = "not made, because the report was interrupted";
     }
     out.write(parts, state_of(outcome.interrupted, i + 1 == planned.size(), taken()) + quiet_text(watch));
   }

@@ -16,10 +16,10 @@ namespace assur::report {
 namespace {
 
 constexpr const char* kScene = "stewart";
-constexpr int kWarm = 1000;  // steps that are not timed: memory is in the cache, threads are awake
-constexpr double kLeastSeconds = 0.3, kMostSeconds = 10;  // less shows no tail, and more nothing new
+constexpr int kWarm = 1000;  // first steps, not timed, until memory is in the cache and threads are awake
+constexpr double kLeastSeconds = 0.3, kMostSeconds = 10;  // s; shorter runs show no tail, longer ones nothing new
 constexpr std::int64_t kMostSteps = 2'000'000;
-constexpr int kBetweenLooks = 500;  // readings of the clock between two looks at the time that is left
+constexpr int kBetweenLooks = 500;  // readings of the clock between checks of the remaining time
 constexpr int kBins = 80;
 
 struct Timed {
@@ -28,7 +28,7 @@ struct Timed {
   double error = 0;
 };
 
-// Beyond the end of its grid the motion of the sample goes on.
+// The motion of the sample continues beyond the end of its grid.
 Timed time_steps(const Prepared& prepared, const Conditions& conditions) {
   Simulator simulator(prepared);
   std::int64_t k = 0;
@@ -45,12 +45,12 @@ Timed time_steps(const Prepared& prepared, const Conditions& conditions) {
     advance();
     if (!times.tick() || ++readings % kBetweenLooks != 0) continue;
     if (times.elapsed() > seconds || conditions.interrupted()) break;
-    times.resume();  // what was looked at is no part of the next step
+    times.resume();  // excludes these checks from the next step
   }
   return {times.blocks(), times.figures(), simulator.report().error.position};
 }
 
-// From the shortest to the longest, logarithmic; the last point ends the last bar.
+// Logarithmic bins from the shortest to the longest time; the last point is the end of the last bar.
 pictures::Series bars(const Timed& timed) {
   const auto [least, most] = std::minmax_element(timed.blocks.seconds.begin(), timed.blocks.seconds.end());
   const double low = std::log(std::max(*least, 1e-9)), width = std::max(1e-6, (std::log(*most) - low) / kBins);
@@ -77,7 +77,7 @@ pictures::Series bars(const Timed& timed) {
 }  // namespace
 
 Section step_histogram(const Knowledge& knowledge, const Conditions& conditions) {
-  Section out{"steps", "How long single steps take"};
+  Section out{"steps", "Times of single steps"};
   const Prepared prepared =
       prepare(sample(kScene), {.budget = ThreadBudget{conditions.threads}, .model = knowledge.known.model});
   const std::string strategy = measure::essence(prepared.plan);
@@ -112,8 +112,8 @@ Section step_histogram(const Knowledge& knowledge, const Conditions& conditions)
                        output::error_figure(timed.error) + ".");
   out.body += pictures::figure(plot);
   out.body += paragraph(
-      "Both axes are logarithmic. What is far to the right is the system taking the processor away: a "
-      "machine for real time has less of it.",
+      "Both axes are logarithmic. Times far to the right are steps that the system interrupted; a real-time "
+      "system has fewer of them.",
       "faint");
   return out;
 }

@@ -13,21 +13,21 @@ constexpr int kStages = 20;
 }  // namespace
 
 Section tuning_cost(const Knowledge& knowledge, const Conditions&) {
-  Section out{"tuning-cost", "What tuning costs, and what it saves"};
+  Section out{"tuning-cost", "Cost and benefit of tuning"};
   if (!knowledge.tuning) {
-    out.body = paragraph("There is no finished tuning run of this machine to look at.", "notice");
+    out.body = paragraph("There is no finished tuning run of this machine.", "notice");
     return out;
   }
   const db::Run& run = knowledge.tuning->run;
   const std::vector<tuning::Stage> stages = tuning::replay(tuning::cells_of(knowledge.tuning->samples), kStages);
   if (stages.empty() || stages.back().regret.questions == 0) {
-    out.body = paragraph("The tuning run held nothing out by which its choices could be judged.", "notice");
+    out.body = paragraph("The tuning run has no held-out cells to judge its choices.", "notice");
     return out;
   }
   pictures::Plot plot;
   plot.title = "Held-out regret over seconds of tuning";
   plot.x = {"tuning so far", false, [](double s) { return output::number(s) + " s"; }};
-  plot.y = {"regret of auto on what was held out, %", true, [](double value) { return output::number(value) + " %"; }};
+  plot.y = {"regret of auto on held-out cells, %", true, [](double value) { return output::number(value) + " %"; }};
   using pictures::Series;
   struct Line {
     const char *name, *quantity;
@@ -37,8 +37,8 @@ Section tuning_cost(const Knowledge& knowledge, const Conditions&) {
   };
   constexpr std::array kLines = {
       Line{"mean", "held-out regret, mean", &tuning::Regret::mean, 0, Series::Mark::dot},
-      Line{"95 of 100", "held-out regret, p95", &tuning::Regret::p95, 1, Series::Mark::square},
-      Line{"most", "held-out regret, max", &tuning::Regret::max, 4, Series::Mark::triangle}};
+      Line{"95th percentile", "held-out regret, p95", &tuning::Regret::p95, 1, Series::Mark::square},
+      Line{"max", "held-out regret, max", &tuning::Regret::max, 4, Series::Mark::triangle}};
   for (const Line& l : kLines) plot.series.push_back({l.name, {}, l.colour, l.mark, Series::Line::straight});
   for (const tuning::Stage& s : stages) {
     const double seconds = s.share * run.seconds;
@@ -58,11 +58,11 @@ Section tuning_cost(const Knowledge& knowledge, const Conditions&) {
   }
   const tuning::Regret& last = stages.back().regret;
   out.body = paragraph("The tuning run (" + run.profile + ", " + output::duration(run.seconds) +
-                       ") again, in its order: a model from the samples so far chooses for " +
+                       ") is replayed in its order: a model of the samples so far chooses for " +
                        output::counted(static_cast<std::int64_t>(last.questions), "cell") +
-                       " that were measured but that it has not seen. With all samples it loses " + percent(last.mean) +
-                       " of the time of the best on average, " + percent(last.p95) + " in 95 of 100, " +
-                       percent(last.max) + " at most.");
+                       " that were measured but held out. With all samples, its choices are slower than the best by " +
+                       percent(last.mean) + " on average, " + percent(last.p95) + " (95th percentile) and " +
+                       percent(last.max) + " (max).");
   out.body += pictures::figure(plot);
   return out;
 }

@@ -17,9 +17,9 @@
 namespace assur::report {
 namespace {
 
-constexpr double kSameCount = 1.05;  // of groups: 102 are the 100 of the tuner
+constexpr double kSameCount = 1.05;  // ratio of numbers of groups that count as equal: 102 is the tuner's 100
 
-// A class of groups, or matrices, of one size.
+// A column: a class of groups, or matrices, of one size.
 struct Column {
   std::string name;
   Shape shape;
@@ -36,7 +36,7 @@ Shape shape_of_class(const Scene& scene, Formulation formulation, std::int32_t n
   return shape_of(*at);
 }
 
-// The tuner's own sizes: dyads, legs of a Stewart platform, rings.
+// Sizes that the tuner measures: dyads, legs of a Stewart platform, rings.
 std::vector<Column> mechanisms(bool quick) {
   std::vector<Column> out = {{"2", shape_of_class(tuning::dyads(1), Formulation::irreducible, 2)},
                              {"3", shape_of_class(sample("stewart"), Formulation::irreducible, 3)},
@@ -62,19 +62,19 @@ std::vector<Column> matrices() {
   std::vector<Column> out;
   for (const std::int32_t n : {2, 4, 8, 16, 32, 64, 125, 250, 500, 800}) {
     Shape shape = shape_of(full(n));
-    shape.rhs = 3;  // of a factorisation: position, velocity, acceleration
+    shape.rhs = 3;  // for one factorisation: position, velocity, acceleration
     out.push_back({std::to_string(n), shape});
   }
   return out;
 }
 
-// Without its formulation, which does not matter here.
+// The strategy without its formulation, which is irrelevant here.
 std::string short_text(const Strategy& strategy) {
   const std::string text = to_string(strategy);
   return text.substr(text.find('/') + 1);
 }
 
-// The sample that the winner's time comes from; null if it was predicted.
+// The sample that gives the time of the winner; null if the time is predicted.
 const Sample* measured(const Knowledge& knowledge, const Shape& shape, const Strategy& s) {
   if (!knowledge.tuning) return nullptr;
   const Kernel kernel = shape.terms > 0 ? Kernel::pack : Kernel::factor;
@@ -91,7 +91,7 @@ const Sample* measured(const Knowledge& knowledge, const Shape& shape, const Str
   return nullptr;
 }
 
-// What a heat map shows: the fastest for each column and row.
+// The data of a heat map: the fastest strategy for each column and row.
 struct Atlas {
   std::string title, x_title, y_title;
   std::string what;  // "mechanism"
@@ -99,7 +99,7 @@ struct Atlas {
   std::vector<int> rows;
   struct Cell {
     Candidate first;
-    std::string next = {};  // the second one with its time; empty: there is none
+    std::string next = {};  // the second fastest with its time; empty if there is none
     Measurement measurement = {};
     bool measured = false;
   };
@@ -142,7 +142,7 @@ void fill(Atlas& atlas, const Knowledge& knowledge, const Conditions& conditions
   }
 }
 
-// Backends that win somewhere, in the order of the table of backends: each has its colour in all maps.
+// Backends that win at least once, in the order of the table of backends; each has the same colour in all maps.
 std::vector<std::string_view> winning_backends(const std::vector<Atlas>& all) {
   std::vector<std::string_view> out;
   for (const Backend& b : backends()) {
@@ -155,16 +155,17 @@ std::vector<std::string_view> winning_backends(const std::vector<Atlas>& all) {
   return out;
 }
 
-// The more lanes, the stronger is the colour.
+// More lanes have a stronger colour.
 pictures::HeatMap map_of(const Atlas& atlas, const std::vector<std::string_view>& backends) {
-  pictures::HeatMap map{.title = atlas.title,
-                        .x_title = atlas.x_title,
-                        .y_title = atlas.y_title,
-                        .columns = {},
-                        .rows = {},
-                        .cells = {},
-                        .kinds = {},
-                        .mark = "measured with so many groups; the others are predicted from samples of other sizes"};
+  pictures::HeatMap map{
+      .title = atlas.title,
+      .x_title = atlas.x_title,
+      .y_title = atlas.y_title,
+      .columns = {},
+      .rows = {},
+      .cells = {},
+      .kinds = {},
+      .mark = "measured with this number of groups; other cells are predicted from samples of other sizes"};
   for (const Column& c : atlas.columns) map.columns.push_back(c.name);
   for (const int groups : atlas.rows) map.rows.push_back(output::grouped(groups));
   std::set<std::pair<std::string, int>> kinds;  // backend, lanes
@@ -184,7 +185,7 @@ pictures::HeatMap map_of(const Atlas& atlas, const std::vector<std::string_view>
   return map;
 }
 
-// Along each row: up to which n one strategy is the fastest, and from which on the next.
+// For each row, the fastest strategies and the n from which each is the fastest.
 HtmlTable crossovers(const Atlas& atlas) {
   HtmlTable table{{"groups", "fastest, with n"}, {HtmlTable::Column::number, HtmlTable::Column::words}, {}};
   for (std::size_t r = 0; r < atlas.rows.size(); ++r) {
@@ -200,7 +201,7 @@ HtmlTable crossovers(const Atlas& atlas) {
   return table;
 }
 
-// Of full matrices, as the tuner met them one size after the other.
+// The crossovers of full matrices that the tuner measured.
 std::string measured_crossovers(const Knowledge& knowledge) {
   if (!knowledge.tuning) return "";
   const db::Answer& all = knowledge.tuning->crossovers;
@@ -238,17 +239,18 @@ Section winners(const Knowledge& knowledge, const Conditions& conditions) {
   for (Atlas& atlas : all) fill(atlas, knowledge, conditions);
   const std::vector<std::string_view> backends = winning_backends(all);
 
-  Section out{"winners", "Which strategy wins"};
+  Section out{"winners", "Fastest strategies"};
   out.body = paragraph(
-      "The strategy that is expected to be the fastest for a level of groups of one class: for how many unknowns each "
-      "and how many of them. PxQ: P packs at once, Q threads within each. Dots: that very pack was measured; elsewhere "
-      "the performance model says so.");
+      "The strategy with the shortest expected time for a level of groups of one class, by the number of unknowns of a "
+      "group and the number of groups. PxQ: P packs at once, Q threads within each. Dots mark packs that were "
+      "measured; "
+      "all other cells come from the performance model.");
   if (knowledge.known.model->samples() == 0) {
-    out.body += paragraph("Nothing was measured on this machine: these are the answers of the prior.", "notice");
+    out.body += paragraph("There are no samples of this machine: all cells come from the prior.", "notice");
   }
   out.body += figure(map_of(all[0], backends)) +
               paragraph(
-                  "n = 2: dyads; 3 and 15: legs of a Stewart platform, irreducible and whole; others: rings of 3n "
+                  "n = 2: dyads; 3 and 15: legs of a Stewart platform, irreducible and as groups; others: rings of 3n "
                   "nonzeros.",
                   "faint") +
               html(crossovers(all[0])) +

@@ -13,12 +13,12 @@
 namespace assur::tuning {
 namespace {
 
-constexpr double kSetupShare = 0.5;   // of a cell's time, after which no more candidates enter
-constexpr double kCrowdBlock = 1e-3;  // s: the threads of a crowd meet twice in a block, which is no part of their work
-constexpr double kMostScatter = 0.5;  // of what a step takes beyond its packs: more tells nothing
-constexpr double kLargestShare = 0.2;  // of a cell's time that one candidate may be expected to take to set up
+constexpr double kSetupShare = 0.5;    // of a cell's time; later no more candidates are set up
+constexpr double kCrowdBlock = 1e-3;   // s; long compared with the two meetings of the threads in each block
+constexpr double kMostScatter = 0.5;   // relative spread above which a time of Kernel::around is discarded
+constexpr double kLargestShare = 0.2;  // of a cell's time, for the expected setup of one candidate
 
-// What store() threw: the end of the run, where other errors are the end of a cell.
+// An error of store(): ends the run, whereas other errors only end a cell.
 struct CannotStore {
   Error why;
 };
@@ -122,7 +122,7 @@ void Campaign::run(const std::vector<Cell>& cells) {
     CellResult result = earlier(cell, ground);
     if (result.results.empty()) {
       result = measure_cell(cell, ground, seconds);
-      if (instruments_.stop()) return;  // half a cell would look like a whole one
+      if (instruments_.stop()) return;  // do not store half a cell
     } else {
       ++figures_.earlier;
     }
@@ -144,7 +144,7 @@ void Campaign::again() {
   });
 }
 
-// Another cell had the same matrices.
+// True if an earlier cell had the same matrices.
 bool Campaign::is_known(const Cell& cell, const Ground& ground) const {
   return cell.kind == Cell::Kind::matrix && std::any_of(results_.begin(), results_.end(), [&](const CellResult& r) {
            return r.cell.kind == cell.kind && r.results.front().sample.shape == ground.shape();
@@ -212,7 +212,7 @@ CellResult Campaign::measure_cell(const Cell& cell, Ground& ground, double secon
   std::vector<measure::Runner> runners;
   for (const Entrant& e : entrants) {
     const bool whole = e.kernel == Kernel::step;
-    // Meetings are not rivals of each other, nor are the widths of an evaluation or the parts of a step.
+    // Not compared with each other: meetings, widths of an evaluation, and parts of a step.
     const int heat = e.kernel == Kernel::meeting    ? 100 + e.strategy.run.threads
                      : e.kernel == Kernel::evaluate ? 200 + e.strategy.solver.lanes
                      : e.packs_of_step > 0          ? 300 + static_cast<int>(runners.size())
@@ -239,7 +239,7 @@ CellResult Campaign::measure_cell(const Cell& cell, Ground& ground, double secon
   for (std::size_t i = 0; i < entrants.size(); ++i) {
     const Entrant& e = entrants[i];
     if (runners[i].seconds.empty()) {
-      if (runners[i].failed) out.refused.push_back({{e.kernel, e.strategy}, "refused: it failed while it was timed"});
+      if (runners[i].failed) out.refused.push_back({{e.kernel, e.strategy}, "refused: it failed while being timed"});
       continue;
     }
     Sample s;
@@ -268,7 +268,7 @@ void Campaign::note(const CellResult& result, double n, const std::vector<std::p
     const Sample* own = nullptr;
     for (const Result& r : result.results) {
       if (r.sample.kernel != candidate.kernel) continue;
-      // As in a race: only those that need no more groups side by side are rivals.
+      // As in a race, compared only with candidates that need no more groups side by side.
       if (r.sample.strategy.solver.lanes <= candidate.strategy.solver.lanes)
         leader = std::min(leader, per_lane(r.sample));
       if (r.sample.strategy == candidate.strategy) own = &r.sample;

@@ -8,10 +8,10 @@
 namespace assur::tuning {
 namespace {
 
-constexpr std::array<std::int32_t, 5> kWidths = {1, 8, 16, 4, 2};  // in the order of their turns
-constexpr std::int32_t kWorthThreads = 100;  // unknowns from which on more threads in one factorisation may gain
+constexpr std::array<std::int32_t, 5> kWidths = {1, 8, 16, 4, 2};  // most useful first
+constexpr std::int32_t kWorthThreads = 100;  // unknowns from which several threads may speed up one factorisation
 
-// What must not wait, since time may be short: what most is expected of, then each backend once.
+// The turn of a strategy: the most promising ones come first, then each backend once, because time may be short.
 int turn_of(const Backend& backend, const SolverSettings& s) {
   if (s.single) return 3;
   if (backend.fills_lanes && (s.lanes == 1 || s.lanes == 8)) return 0;
@@ -38,7 +38,7 @@ std::vector<Strategy> linear_solvers(const Field& field, const Shape& shape, int
   space.threads = powers_of_two(field.budget.threads);
   space.policies = {{}, {.single = true}};
   return in_turns(field, space, shape, [&](const Backend& backend, const SolverSettings& s) {
-    // What the others take in float follows from theirs.
+    // The model predicts the other float times from these.
     if (s.single && (s.threads > 1 || s.lanes == 2 || s.lanes == 4)) return false;
     if (s.threads > 1 && !(backend.threads && shape.n >= kWorthThreads)) return false;
     return s.lanes == 1 || (backend.fills_lanes && s.lanes <= most_lanes);
@@ -49,13 +49,13 @@ std::vector<Strategy> pack_strategies(const Field& field, Formulation formulatio
   StrategySpace space;
   space.formulations = {formulation};
   space.lanes.assign(kWidths.begin(), kWidths.end());
-  // What +reuse= takes depends on the motion: it cannot be told from one posture.
+  // The time of +reuse= depends on the motion, so one posture cannot show it.
   if (policies) space.policies = {{}, {.once = true}, {.separate = true}};
   return in_turns(field, space, shape, [&](const Backend& backend, const SolverSettings& s) {
     const bool plain = !s.once && !s.separate;
     if (s.lanes == 1) return true;
     if (backend.fills_lanes) return s.lanes <= shape.groups && (plain || s.lanes == 8);
-    // Lane by lane, but with equations side by side; no dispatcher weighs +separate.
+    // These evaluate equations in lanes and factorise lane by lane; the dispatcher never chooses +separate for them.
     return !backend.takes_turns && shape.groups > 4 && s.lanes < 2 * shape.groups && !s.separate;
   });
 }

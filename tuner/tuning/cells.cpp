@@ -15,8 +15,8 @@ constexpr std::int32_t kSmallest = 3;
 constexpr std::int32_t kOffTheGrid[] = {22, 78, 334};
 constexpr std::pair<std::int32_t, std::int32_t> kPacksOffTheGrid[] = {
     {2, 11}, {2, 23}, {22, 5}, {78, 11}, {334, 1}};  // n, groups
-constexpr double kJudges = 2;                        // times the time: few cells judge all choices
-constexpr int kEntries = 6;  // a column of a random matrix that is neither sparse as a mechanism nor full
+constexpr double kJudges = 2;                        // weight of held-out cells: few cells judge all choices
+constexpr int kEntries = 6;  // in a column of random matrices between those of mechanisms and full ones
 
 std::function<Scene()> named(std::string text) {
   return [text = std::move(text)] { return sample(text); };
@@ -37,7 +37,7 @@ Cell random_cell(std::int32_t n, int per_row) {
   return c;
 }
 
-// Planar rings: the larger groups of mechanisms.
+// Planar rings represent the larger groups of mechanisms.
 Cell ring_cell(std::int32_t n) {
   n = std::max(12, n / 2 * 2);
   Cell c = matrix("rings", n);
@@ -46,7 +46,7 @@ Cell ring_cell(std::int32_t n) {
   return c;
 }
 
-// Four-bars in series as one system, as people who never heard of groups solve them.
+// Four-bars in series as one system, as without group equations.
 Cell chain_cell(std::int32_t n) {
   n = std::max(2, n / 2 * 2);
   Cell c = matrix("chain, global", n);
@@ -77,7 +77,7 @@ void add_sizes(std::vector<Cell>& cells, const Extent& e) {
   }
 }
 
-// Every class of some mechanisms, in a formulation.
+// Adds every class of a sample in one formulation.
 void add_classes(std::vector<Cell>& cells, const std::string& text, Formulation formulation) {
   StructureOptions options;
   options.formulation = formulation;
@@ -108,7 +108,7 @@ Cell dyad_packs(std::int32_t groups) {
   return packs(
       "dyads", 2, groups, [groups] { return dyads(groups); }, Formulation::irreducible);
 }
-// Six a platform: the next multiple.
+// A platform has six legs, so the number of groups is rounded up to a multiple of six.
 Cell leg_packs(std::int32_t groups, Formulation formulation) {
   const std::int32_t platforms = (groups + 5) / 6, n = formulation == Formulation::groups ? 15 : 3;
   return packs("legs, " + std::string(name(formulation)), n, 6 * platforms,
@@ -120,7 +120,7 @@ Cell ring_packs(std::int32_t n, std::int32_t groups) {
                Formulation::groups);
 }
 
-// One group, as people who never heard of groups solve them.
+// Four-bars in series as one system, as without group equations.
 Cell chain_packs(std::int32_t n) {
   return packs("chain, global", n, 1, named("n_four_bar:" + std::to_string(n / 2)), Formulation::global);
 }
@@ -129,9 +129,8 @@ bool is_within(const Cell& c, const Extent& e) {
   return std::int64_t{c.n} * c.groups <= e.most_unknowns && c.n <= e.largest;
 }
 
-// How much threads slow each other down differs from second to second where other programs use the machine: it is asked
-// at several times of a run. groups: a number that no other cell has, for crowds are compared with what was measured in
-// the same race.
+// Several crowds are spread over a run, because other programs change from second to second how much threads slow each
+// other down. groups: a number that no other cell has, because a crowd is compared with samples of its own race.
 void add_crowds(std::vector<Cell>& cells, const Extent& e, std::int32_t groups) {
   for (Cell c : {dyad_packs(groups), leg_packs(groups, Formulation::groups), ring_packs(60, groups)}) {
     c.kind = Cell::Kind::crowd;
@@ -180,7 +179,7 @@ Cell around(Cell of_steps) {
   return of_steps;
 }
 
-// The largest number of groups of a class that one level has.
+// The largest number of groups of a class on one level.
 std::int32_t side_by_side(const Structure& structure, std::int32_t group_class) {
   std::int32_t most = 0, level = -1, count = 0;
   for (const Group& g : structure.groups) {
@@ -274,7 +273,8 @@ std::vector<Cell> scene_cells(const std::string& text, const Scene& scene) {
     options.budget = ThreadBudget{1};
     const Prepared prepared = prepare(scene, options);
     const Structure& structure = *prepared.structure;
-    if (structure.classes.empty()) throw Error(Error::Kind::input, {{text, "nothing in it moves that could be timed"}});
+    if (structure.classes.empty())
+      throw Error(Error::Kind::input, {{text, "nothing in it moves, so there is nothing to time"}});
     const std::string family = text + ", " + std::string(name(f));
     for (std::size_t k = 0; k < structure.classes.size(); ++k) {
       const auto group_class = static_cast<std::int32_t>(k);

@@ -17,7 +17,7 @@ namespace assur::tuning {
 namespace {
 
 constexpr double kNotMeasured = kNan;
-constexpr int kDifferent = 16;  // matrices of a pattern; more repeat these
+constexpr int kDifferent = 16;  // different matrices of one pattern; further lanes repeat them
 
 [[noreturn]] void refuse(const std::string& why) { throw Error(Error::Kind::numerical, why); }
 
@@ -27,7 +27,7 @@ std::vector<std::int32_t> groups_of_classes(const Structure& structure) {
   return count;
 }
 
-// The class that a cell is about.
+// The class that a cell measures.
 std::int32_t class_of(const Cell& cell, const Structure& structure) {
   if (cell.group_class >= 0) return cell.group_class;
   const std::vector<std::int32_t> groups = groups_of_classes(structure);
@@ -106,16 +106,16 @@ class PacksGround final : public Ground {
         candidates_.push_back({Kernel::pack, std::move(s)});
         continue;
       }
-      // How threads slow each other down depends on the memory that they read, less on the solver.
+      // The slowdown by other threads depends on the memory traffic more than on the solver.
       const bool fills = find_backend(field.table, s.solver.backend).fills_lanes;
       if (!(fills ? s.solver.lanes == 1 || s.solver.lanes == 8 : s.solver == SolverSettings{})) continue;
-      // One thread alone among them: a machine may be twice as fast a second later.
+      // One thread takes part in the same race: a second later the machine may be twice as fast.
       for (s.run.threads = 1; s.run.threads <= field.budget.threads; s.run.threads *= 2)
         candidates_.push_back({Kernel::pack, s});
     }
   }
 
-  // The other classes stay as they are: they are solved once, to give this one its inputs.
+  // The plan of the other classes is unchanged: they are solved once, for the inputs of this class.
   std::vector<Entrant> enter(const Candidate& c) override {
     if (c.strategy.run.threads > 1) {
       const auto crowd =
@@ -146,7 +146,7 @@ class StepsGround final : public Ground {
     StructureOptions options;
     options.formulation = cell.formulation;
     const Structure structure = analyze(scene_, options);
-    // The class that costs most: operations of all its groups.
+    // The class with most operations in all its groups.
     const std::vector<std::int32_t> groups = groups_of_classes(structure);
     for (std::size_t k = 0; k < structure.classes.size(); ++k) {
       const Shape s = shape_of(structure.classes[k], groups[k]);
@@ -191,8 +191,8 @@ class StepsGround final : public Ground {
   }
 
  private:
-  // What a step takes beyond its packs hangs on no solver, but a little on their number: the two widest of the quickest
-  // tell it, of which plans are made.
+  // The time of a step beyond its packs does not depend on the solver, but a little on the number of packs. The two
+  // widest strategies of the fastest backend show it; plans consist of them.
   [[nodiscard]] bool tells_around(const Strategy& s) const {
     return s.solver.backend == "lanes" && !s.solver.once && !s.solver.separate &&
            4 * s.solver.lanes > std::min(shape_.groups, kMostLanes);

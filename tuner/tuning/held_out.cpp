@@ -12,8 +12,8 @@
 namespace assur::tuning {
 namespace {
 
-constexpr double kTooScattered = 0.25;  // of a time: one that scatters so much tells nothing about a choice
-constexpr int kSolutions = 3;           // of one factorisation: a step of Newton's method, velocity, acceleration
+constexpr double kTooScattered = 0.25;  // relative spread above which a time is not used
+constexpr int kSolutions = 3;           // for one factorisation: a Newton step, velocity, acceleration
 
 const Sample* find(const CellResult& cell, Kernel kernel, const Strategy& strategy) {
   for (const Result& r : cell.results) {
@@ -22,7 +22,7 @@ const Sample* find(const CellResult& cell, Kernel kernel, const Strategy& strate
   return nullptr;
 }
 
-// A candidate's time in a cell, for all groups, as it was measured and as the model has it.
+// A candidate's time in a cell, for all groups: measured, and predicted by the model.
 struct Times {
   double measured = kNan, expected = 0;
 };
@@ -37,7 +37,7 @@ Times times(const PerformanceModel& model, const CellResult& cell, const Sample&
           packs * (expected(Kernel::factor) + kSolutions * expected(Kernel::solve))};
 }
 
-// Of the choice among candidates that may be used; NaN if there is no choice.
+// Regret of the choice among the allowed candidates; NaN if fewer than two can be compared.
 double regret(const PerformanceModel& model, const CellResult& cell, int groups,
               const std::function<bool(const Strategy&)>& allowed) {
   double best = kInfinity, chosen = best, least_expected = best;
@@ -71,7 +71,7 @@ Regret regret(const PerformanceModel& model, std::span<const CellResult> cells) 
                  !s.solver.once;
         });
         if (!std::isnan(r)) all.push_back(r);
-        if (groups > 1 && !packs) break;  // nothing else is made for groups side by side
+        if (groups > 1 && !packs) break;  // for matrices, only `lanes` solves groups side by side
       }
     }
   }

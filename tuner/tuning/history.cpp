@@ -6,13 +6,13 @@
 namespace assur::tuning {
 namespace {
 
-constexpr double kFarBehind = 20;  // times of the leader
+constexpr double kFarBehind = 20;  // times as slow as the leader
 
 std::string key(const std::string& family, const Candidate& candidate) {
   return family + '/' + std::string(name(candidate.kernel)) + '/' + to_string(candidate.strategy);
 }
 
-// At n, by the power law through two sizes; between a linear and a cubic one, since two times are noisy.
+// Extrapolates to n by the power law through two sizes. Its power is limited to 1 ... 3, because the times are noisy.
 double extended(double n, double n1, double t1, double n2, double t2) {
   const double power = std::clamp(std::log(t2 / t1) / std::log(n2 / n1), 1.0, 3.0);
   return t2 * std::pow(n / n2, power);

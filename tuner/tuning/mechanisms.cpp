@@ -6,7 +6,8 @@
 namespace assur::tuning {
 
 Scene dyads(int count) {
-  // A crank of 1 about the origin, at 0.5 rad; couplers of 2 and rockers of 1.5 and more close with grounds around 2.5.
+  // The crank of length 1 turns about the origin and starts at 0.5 rad. Couplers of length 2 and rockers of 1.5 or more
+  // can be assembled with ground points at a distance of about 2.5.
   constexpr double kStart = 0.5, kCoupler = 2;
   const Triple end = {std::cos(kStart), std::sin(kStart), 0};
   SceneBuilder builder("dyads", 2);

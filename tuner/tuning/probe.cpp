@@ -18,11 +18,11 @@ namespace assur::tuning {
 namespace {
 
 constexpr auto kBetweenLooks = std::chrono::milliseconds(2);
-constexpr std::int32_t kUnknowns = 120;  // large enough for the threads of every backend to take part
+constexpr std::int32_t kUnknowns = 120;  // enough for the threads of every backend to be used
 constexpr int kEntries = 6, kMatrices = 2, kCalls = 20;
 constexpr int kCannotStart = 127;
 
-// Silent, without a core file; never returns.
+// Replaces this process by the program, without output and core file.
 [[noreturn]] void become(std::vector<char*> words) {
   const int nowhere = open("/dev/null", O_RDWR);
   for (const int d : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) dup2(nowhere, d);
@@ -50,7 +50,7 @@ std::string try_in_child(const std::vector<std::string>& command, double seconds
   for (const std::string& word : command) words.push_back(const_cast<char*>(word.c_str()));
   words.push_back(nullptr);
   const pid_t child = fork();
-  if (child < 0) return std::string("no process for its trial: ") + std::strerror(errno);
+  if (child < 0) return std::string("cannot start a process for its trial: ") + std::strerror(errno);
   if (child == 0) become(std::move(words));
 
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
@@ -58,7 +58,7 @@ std::string try_in_child(const std::vector<std::string>& command, double seconds
   for (;;) {
     const pid_t ended = waitpid(child, &status, WNOHANG);
     if (ended == child) return told(status);
-    if (ended < 0 && errno != EINTR) return std::string("its trial is lost: ") + std::strerror(errno);
+    if (ended < 0 && errno != EINTR) return std::string("cannot wait for its trial: ") + std::strerror(errno);
     if (std::chrono::steady_clock::now() > end) break;
     std::this_thread::sleep_for(kBetweenLooks);
   }
@@ -73,7 +73,7 @@ void probe(const Strategy& strategy, std::span<const Backend> table) {
   measure::Linear linear(matrices, strategy, find_backend(table, strategy.solver.backend));
   if (!linear.refused().empty()) throw Error(Error::Kind::numerical, linear.refused());
   if (!linear.factor().run(kCalls) || !linear.solve().run(kCalls)) {
-    throw Error(Error::Kind::numerical, "it fails after its first matrix");
+    throw Error(Error::Kind::numerical, "it fails on a later matrix");
   }
 }
 

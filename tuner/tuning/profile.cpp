@@ -7,9 +7,10 @@
 namespace assur::tuning {
 namespace {
 
-constexpr double kQuick = 55, kStandard = 285, kPatient = 7200;  // s; what surrounds the cells takes a few more
+constexpr double kQuick = 55, kStandard = 285,
+                 kPatient = 7200;  // s, for the cells; the whole run takes a few seconds more
 
-// What a number of seconds is enough for on two cores of 2024: measured, some 95 cells of 0.5 s.
+// The cells that can be measured in this time on two cores of 2024: about 95 cells of 0.5 s (measured).
 Extent extent_for(double seconds) {
   Extent e;
   if (seconds < 5) return {.sizes = 3, .largest = 100, .largest_full = 50, .largest_random = 50, .most_groups = 10};

@@ -14,12 +14,12 @@ namespace assur::tuning {
 namespace {
 
 constexpr std::size_t kAtOnce = 6;     // cells between two models
-constexpr double kWorthGoingOn = 0.9;  // of the least mean regret so far: what is no fall
-constexpr double kOfNoAccount = 1e-3;  // a fall by less is none either
-constexpr int kModelsWithoutFall = 3;  // models without a fall
-constexpr double kNeighbours = 1.12;   // sizes nearer to each other than this need nothing between them
+constexpr double kWorthGoingOn = 0.9;  // the mean regret falls if it is below this share of the least one so far ...
+constexpr double kOfNoAccount = 1e-3;  // ... and lower by at least this
+constexpr int kModelsWithoutFall = 3;  // ends after this many models in a row without a fall
+constexpr double kNeighbours = 1.12;   // least ratio of neighbouring sizes
 
-// Between two shapes of a family: every count grows as a power of n.
+// The shape halfway between two of a family, whose counts grow as powers of n.
 Shape between(const Shape& a, const Shape& b) {
   const auto middle = [](auto x, auto y) {
     const double m = std::sqrt(std::max(1.0, static_cast<double>(x)) * std::max(1.0, static_cast<double>(y)));
@@ -36,8 +36,8 @@ Shape between(const Shape& a, const Shape& b) {
   return out;
 }
 
-// What is expected to be lost by the choice between the two best, relative: small if they are far apart compared with
-// how well they are known. With times log-normal around t1 < t2 it is the mean of max(0, log t1 - log t2).
+// Expected relative loss by choosing the best of two predictions, small if they differ by much more than their
+// uncertainty: for log-normal times around t1 < t2, the mean of max(0, log t1 - log t2).
 double expected_loss(const PerformanceModel& model, const Shape& shape, const std::set<std::string>& strategies,
                      int lanes) {
   struct Expected {
@@ -128,7 +128,7 @@ void refine(Campaign& campaign, bool until_settled) {
     if (until_settled) {
       campaign.again();
     } else if (campaign.results().size() == before) {
-      return;  // there is nothing left to measure
+      return;  // all proposals are known already
     }
   }
 }

@@ -40,7 +40,7 @@ std::vector<CellResult> cells_of(std::span<const Sample> samples) {
     const auto same = [&](const CellResult& c) {
       return c.cell.kind == kind && c.results.front().sample.shape == s.shape;
     };
-    // A cell is stored as a whole: its samples follow each other.
+    // The samples of a cell follow each other, because it is stored as a whole.
     auto at = std::find_if(cells.rbegin(), cells.rend(), same);
     if (at == cells.rend()) {
       CellResult fresh;

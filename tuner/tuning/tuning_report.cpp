@@ -14,17 +14,17 @@ namespace {
 using tuning::Cell;
 using tuning::CellResult;
 
-constexpr int kSolutions = 3;    // of one factorisation, as a step has them
+constexpr int kSolutions = 3;    // for one factorisation, as in a step
 constexpr int kSideBySide = 16;  // groups
 constexpr std::size_t kMostFailures = 5;
 
-// Without the formulation, which a bare matrix has not.
+// The strategy without its formulation, which matrices do not have.
 std::string short_text(const Strategy& strategy) {
   const std::string text = to_string(strategy);
   return text.substr(text.find('/') + 1);
 }
 
-// The fastest of those that `groups` fill.
+// The fastest candidate with no more lanes than `groups`.
 std::optional<Winner> fastest(const CellResult& cell, Kernel kernel, int groups) {
   Winner best;
   best.seconds = kInfinity;
@@ -51,7 +51,7 @@ std::optional<Winner> fastest(const CellResult& cell, Kernel kernel, int groups)
   return best;
 }
 
-// "lanes:16 up to 83, lapack from 144": over the unknowns, or the groups, of one family.
+// "lanes:16 up to 83, lapack from 144": numbers of unknowns, or of groups, within one family.
 std::string crossovers(std::span<const Winner> family) {
   const auto size = [](const Winner& w) { return number(w.kernel == Kernel::pack ? w.groups : w.n); };
   std::string text;
@@ -107,20 +107,21 @@ void print(Page& page, const TuningSummary& s) {
   page.title("Tuning run" + (s.run ? " " + std::to_string(*s.run) : std::string()) + ", " + s.profile);
   const auto count = [](std::size_t cells) { return grouped(static_cast<std::int64_t>(cells)); };
   std::string samples = grouped(s.figures.samples) + " of " + count(s.figures.measured) + " cells in " +
-                        duration(s.seconds) + "; " + count(s.figures.planned) + " were planned";
+                        duration(s.seconds) + "; " + count(s.figures.planned) + " planned";
   if (s.figures.passes > 1) samples += ", each measured up to " + count(s.figures.passes) + " times";
-  if (s.figures.cut_short > 0) samples += ", " + count(s.figures.cut_short) + " are cut short";
-  if (s.figures.earlier > 0) samples += ", " + count(s.figures.earlier) + " are of the run that was interrupted";
+  if (s.figures.cut_short > 0) samples += ", " + count(s.figures.cut_short) + " cut short";
+  if (s.figures.earlier > 0) samples += ", " + count(s.figures.earlier) + " from the interrupted run";
   page.fact("samples", samples);
   if (s.figures.interrupted) {
-    page.fact("interrupted", s.database.empty() ? "the cells until then are here"
-                                                : "what was measured is kept; the same command goes on with it");
+    page.fact("interrupted", s.database.empty() ? "the cells measured so far are shown"
+                                                : "the samples are kept; the same command continues the run");
   }
   page.fact("grade", s.grade + (s.reason.empty() ? "" : ": " + s.reason));
   if (s.regret.questions > 0) {
     const auto percent = [](double share) { return number(std::round(1000 * share) / 10) + " %"; };
-    page.fact("choices", "on what was held out they lose " + percent(s.regret.median) + " (median), " +
-                             percent(s.regret.p95) + " (95 of 100), " + percent(s.regret.max) + " (most)");
+    page.fact("choices", "on held-out cells they are " + percent(s.regret.median) + " (median), " +
+                             percent(s.regret.p95) + " (95th percentile), " + percent(s.regret.max) +
+                             " (max) slower than the best");
   }
   page.fact("stored in", s.database.empty() ? "nothing: no database" : s.database);
   for (const auto& [backend, why] : s.failed) page.fact(backend, "left out: " + why);

@@ -1,4 +1,4 @@
-// A sample from the installed library, from scene to motion; and a plan for the program that uses the core alone.
+// Runs a sample with the installed library, and saves a plan for the program that uses only the core.
 #include <cstdio>
 #include <fstream>
 

@@ -67,7 +67,7 @@ TEST(PaperConclusions, HoldForThePaperItself) {
   EXPECT_NE(about(all, "Raspberry").theirs.find("15.9 times the i5's time"), std::string::npos);
 }
 
-TEST(PaperConclusions, AreDecidedByTheTimesHere) {
+TEST(PaperConclusions, AreDecidedByMeasuredTimes) {
   const std::vector<Conclusion> all = conclusions(made_up(as_the_paper_thinks, 2), 2);
   EXPECT_EQ(about(all, "Multithreading MKL").verdict, Verdict::holds);
   EXPECT_EQ(about(all, "With larger matrices").verdict, Verdict::holds);
@@ -82,7 +82,7 @@ TEST(PaperConclusions, AreDecidedByTheTimesHere) {
   }
 }
 
-TEST(PaperConclusions, TurnAroundWithTheTimes) {
+TEST(PaperConclusions, ChangeWithTheTimes) {
   const auto sparse_is_always_faster = [](const PaperCell& cell, const std::string& version, int p, int q) {
     const bool dense = version.ends_with("MKL");
     if (!dense && q > 1) return std::nan("");

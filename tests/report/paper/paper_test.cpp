@@ -16,7 +16,7 @@ std::vector<int> totals(int table) {
   return out;
 }
 
-TEST(PaperCells, TotalSizesAreThoseOfThePaper) {
+TEST(PaperCells, TotalSizesEqualThePapers) {
   EXPECT_EQ(totals(2), (std::vector<int>{102, 204, 384, 744, 1464, 2184, 2904, 4344}));
   EXPECT_EQ(totals(3), (std::vector<int>{102, 204, 384, 744, 252, 504, 984, 1944, 342, 684, 1344, 2664}));
   const std::vector<PaperCell> fourth = cells_of_table(4), fifth = cells_of_table(5);
@@ -30,7 +30,7 @@ TEST(PaperCells, TotalSizesAreThoseOfThePaper) {
   EXPECT_THROW((void)cells_of_table(1), Error);
 }
 
-TEST(PaperCells, TheScenesHaveTheseGroups) {
+TEST(PaperCells, ScenesHaveTheGroupsOfTheirCell) {
   std::vector<PaperCell> cells = cells_of_table(2);
   for (const int table : {3, 4}) {
     for (const PaperCell& cell : cells_of_table(table)) cells.push_back(cell);

@@ -19,7 +19,7 @@ std::set<std::string> texts(const std::vector<Split>& splits) {
   return out;
 }
 
-TEST(PaperPlan, SplitsGoAsFarAsTheThreadsAndTheGroups) {
+TEST(PaperPlan, SplitsAreLimitedByThreadsAndGroups) {
   EXPECT_EQ(texts(splits(1, 6)), (std::set<std::string>{"1x1"}));
   EXPECT_EQ(texts(splits(2, 6)), (std::set<std::string>{"1x1", "1x2", "2x1"}));
   EXPECT_EQ(texts(splits(4, 6)), (std::set<std::string>{"1x1", "1x2", "1x3", "1x4", "2x1", "2x2", "3x1", "4x1"}));
@@ -28,7 +28,7 @@ TEST(PaperPlan, SplitsGoAsFarAsTheThreadsAndTheGroups) {
   EXPECT_TRUE(texts(splits(12, 6)).contains("2x6"));
 }
 
-TEST(PaperPlan, Table5sSplitsAreThePapersOnTwelveCores) {
+TEST(PaperPlan, Table5HasThePapersSplitsOnTwelveCores) {
   const auto both = [](int threads) {
     const auto [wide, narrow] = wide_and_narrow(threads);
     return texts({wide, narrow});
@@ -39,7 +39,7 @@ TEST(PaperPlan, Table5sSplitsAreThePapersOnTwelveCores) {
   EXPECT_EQ(both(1), (std::set<std::string>{"1x1"}));
 }
 
-TEST(PaperPlan, StandInsRunHereAndWorkAsThePapersDo) {
+TEST(PaperPlan, StandInsRunAndResembleThePapersSolvers) {
   const StandIns with = stand_ins();
   const auto row = [](const std::string& id) { return find_backend(backends(), id); };
   for (const std::string& id : {with.dense, with.threaded, with.sparse}) {
@@ -65,7 +65,7 @@ TEST(PaperPlan, StandInsRunHereAndWorkAsThePapersDo) {
   EXPECT_EQ(ours(), (std::vector<std::string>{"auto", "groups/lanes:8", "irreducible/lanes:8"}));
 }
 
-TEST(PaperPlan, EachMechanismIsHeldOnceWithBothReadings) {
+TEST(PaperPlan, EachMechanismHasOneContestWithBothReadings) {
   const StandIns with{"lapack", "team", "klu", false};
   const std::vector<PaperContest> all = contests(4, false, with);
   std::size_t cells = 0;
@@ -103,7 +103,7 @@ TEST(PaperPlan, EachMechanismIsHeldOnceWithBothReadings) {
   EXPECT_LT(contests(4, true, with).size(), all.size());
 }
 
-TEST(PaperPlan, TheCheapestFitFirstAndNeverMoreThanThereIsTimeFor) {
+TEST(PaperPlan, PlansTheCheapestFirstWithinTheTime) {
   const std::vector<PaperContest> all = contests(2, false, {"lapack", "", "klu", false});
   const PaperCosts costs;
   for (const double seconds : {0.0, 1.0, 30.0, 1e9}) {
@@ -127,7 +127,7 @@ TEST(PaperPlan, TheCheapestFitFirstAndNeverMoreThanThereIsTimeFor) {
   }
 }
 
-TEST(PaperPlan, WhatWasTimedCorrectsWhatIsExpected) {
+TEST(PaperPlan, TimesCorrectExpectedCosts) {
   const PaperCell small = cells_of_table(2)[0], large = cells_of_table(2)[7];
   const Entrant dense{"GMKL", {}, Reading::shared, "global/lapack"};
   PaperCosts costs;

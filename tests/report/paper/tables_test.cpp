@@ -60,7 +60,7 @@ TEST(PaperSections, AreOneForEachTableAndFigure) {
                                            "paper-table-4", "paper-table-5", "paper-conclusions"}));
 }
 
-TEST(PaperSections, RatiosAreThoseOfTheTimes) {
+TEST(PaperSections, RatiosFollowFromTheTimes) {
   const Section s = section(paper_sections(made_up(), PaperOptions()), "paper-table-2");
   // GMKL 4.19 / 2.52 theirs, 12 / 96 here; GEOMP+MKL 4.19 / 0.53, 12 / 24 and, separate, 14 / 35; ...
   EXPECT_TRUE(has(s.body,
@@ -71,7 +71,7 @@ TEST(PaperSections, RatiosAreThoseOfTheTimes) {
                   "<td>GMA27</td>"))
       << s.body;
   EXPECT_TRUE(has(s.body, "0.480 (2x1)")) << "24 us times 20,000 steps";
-  EXPECT_TRUE(has(s.body, "not run in quick"));
+  EXPECT_TRUE(has(s.body, "not part of --quick"));
 }
 
 TEST(PaperSections, MeasurementsCarryTheirOrigin) {
@@ -93,7 +93,7 @@ TEST(PaperSections, MeasurementsCarryTheirOrigin) {
   EXPECT_EQ(ours.origin, "measured, stands for GMA27 1x1, shared");
 }
 
-TEST(PaperSections, EnergyIsCountedOrMarkedAsAnEstimate) {
+TEST(PaperSections, EnergyIsMeasuredOrMarkedAsEstimate) {
   PaperResults r = made_up();
   PaperTiming t = made_up("GEOMP+MKL", 2, 1, Reading::shared, 1e-3);
   t.cell = cells_of_table(4)[0];
@@ -115,7 +115,7 @@ TEST(PaperSections, EnergyIsCountedOrMarkedAsAnEstimate) {
 }
 
 // Long enough for the smallest cells.
-TEST(PaperRun, TimesWhatWasVerifiedAndTellsTheRest) {
+TEST(PaperRun, TimesVerifiedStrategiesAndExplainsOthers) {
   PaperOptions options;
   options.conditions = {.seconds = 2, .quick = true, .threads = 2};
   options.model = std::make_shared<const PerformanceModel>();
@@ -149,7 +149,7 @@ TEST(PaperRun, TimesWhatWasVerifiedAndTellsTheRest) {
   }
 }
 
-TEST(PaperRun, InterruptedItTellsWhatIsMissing) {
+TEST(PaperRun, NamesMissingTimesIfInterrupted) {
   PaperOptions options;
   options.model = std::make_shared<const PerformanceModel>();
   int looks = 0;

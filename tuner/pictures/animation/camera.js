@@ -1,4 +1,4 @@
-// From metres to pixels: parallel in the plane, a mild perspective in space.
+// Projects metres to pixels: parallel in the plane, with a mild perspective in space.
 class Camera {
   constructor(box, dimension) {
     this.flat = dimension === 2;
@@ -27,7 +27,7 @@ class Camera {
     this.y += dy;
   }
 
-  // Closer by a factor; what is under (x, y) stays there.
+  // Zooms by a factor around the pixel (x, y).
   zoomAt(x, y, factor) {
     const zoom = Math.max(this.fitted / 50, Math.min(this.fitted * 5000, this.zoom * factor)), f = zoom / this.zoom;
     this.x = x - this.width / 2 - (x - this.width / 2 - this.x) * f;
@@ -42,7 +42,7 @@ class Camera {
     if (untouched) this.fit(); else this.zoom *= factor;
   }
 
-  // All of the box within the window.
+  // Shows the whole box.
   fit() {
     this.zoom = 1;
     this.x = this.y = 0;
@@ -60,7 +60,7 @@ class Camera {
     this.fitted = this.zoom;
   }
 
-  // Pixels of all points: x, y of each.
+  // x and y of all points, in pixels.
   projectAll(posture, out) {
     for (let i = 0; 3 * i < posture.length; ++i) {
       const [x, y] = this.project([posture[3 * i], posture[3 * i + 1], posture[3 * i + 2]]);
@@ -79,7 +79,7 @@ class Camera {
   }
 }
 
-// Drag turns (in the plane: moves), with Shift or two fingers it moves; wheel and pinch zoom.
+// Dragging turns the view, or moves it in the plane and with Shift or two fingers; wheel and pinch zoom.
 function followGestures(canvas, camera, changed) {
   const fingers = new Map();
   const spread = () => {

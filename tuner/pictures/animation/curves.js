@@ -1,4 +1,4 @@
-// One quantity over time, with a cursor at the frame that is shown.
+// Plots one quantity over time, with a cursor at the current frame.
 class Curves {
   constructor(quantity, panels, seek) {
     this.quantity = quantity;
@@ -37,7 +37,7 @@ class Curves {
       }
     }
     if (low > high) [low, high] = [0, 1];
-    // What stands still is a line in the middle, and rounding is no motion.
+    // A constant quantity is a line in the middle, even with rounding errors.
     const size = Math.max(Math.abs(low), Math.abs(high)), room = 0.1 * size || 1;
     return high - low > 1e-6 * size ? [low, high] : [low - room, high + room];
   }
@@ -96,7 +96,7 @@ class Curves {
   draw(frame) {
     const c = this.canvas.getContext('2d');
     c.save();
-    c.resetTransform();  // pixel by pixel
+    c.resetTransform();  // to pixels
     c.clearRect(0, 0, this.canvas.width, this.canvas.height);
     c.drawImage(this.background, 0, 0);
     c.restore();

@@ -1,8 +1,8 @@
 'use strict';
-// What the page was given, unpacked: who is drawn, and where everybody is in each frame.
+// The data of the page, unpacked: points, links, bodies, and their positions in each frame.
 const motion = JSON.parse(document.getElementById('motion').textContent);
 
-// Four letters are 24 bits over the range of their column; all of them set: not finite.
+// Four letters hold 24 bits: a share of the range of the column, or not finite if all bits are set.
 motion.unpack = ({low, span, text}) => {
   const code = new Uint8Array(128);
   [...'ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/'].forEach((letter, i) => {
@@ -36,7 +36,7 @@ motion.posture = (frame, out = new Float64Array(3 * motion.points.length)) => {
   return out;
 };
 
-// The box around everything, over the whole motion.
+// The box around all points over the whole motion.
 motion.box = () => {
   const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
   const add = (k, value) => {
@@ -49,23 +49,23 @@ motion.box = () => {
   return {low, high};
 };
 
-// Six digits, without zeros that say nothing.
+// Six digits without trailing zeros.
 const digits = (value, count = 6) => {
   if (!Number.isFinite(value)) return '–';
   const short = Number(value.toPrecision(count));
   return Math.abs(short) < 1e6 ? String(short) : short.toExponential();
 };
 
-// 1, 2 or 5 times a power of ten, at least as large.
+// Rounds up to 1, 2 or 5 times a power of ten.
 const roundUp = least => {
   const power = 10 ** Math.floor(Math.log10(least) + 1e-9);
   return [1, 2, 5, 10].map(f => f * power).find(step => step >= least * (1 - 1e-9));
 };
 
-// A colour or another variable of the page's style.
+// A variable of the page's style, such as a colour.
 const style = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
-// Makes canvases as fine as the screen, which empties them. Returns their size in the page.
+// Sets the resolution of a canvas to that of the screen, which clears it. Returns its size in the page.
 const fitToScreen = (shown, ...canvases) => {
   const ratio = window.devicePixelRatio || 1, {clientWidth, clientHeight} = shown;
   for (const canvas of [shown, ...canvases]) {

@@ -1,6 +1,6 @@
-// The mechanism on its canvas.
+// Draws the mechanism on its canvas.
 class Picture {
-  static many = 150;  // points, beyond which marks are small and names are not shown at once
+  static many = 150;  // with more points, marks are small and names are off at first
 
   constructor(canvas, camera) {
     this.canvas = canvas;
@@ -17,10 +17,10 @@ class Picture {
 
   // ---- colours
 
-  // Of group or level i of `count`.
+  // The colour of group or level i of `count`.
   hue(i, count) {
     if (count <= 6) return style(`--c${i}`);
-    return `hsl(${(i * 137.508 + 205) % 360} 60% ${this.isDark ? 66 : 40}%)`;  // the golden angle: neighbours differ
+    return `hsl(${(i * 137.508 + 205) % 360} 60% ${this.isDark ? 66 : 40}%)`;  // the golden angle, so that neighbours differ
   }
 
   recolour() {
@@ -34,7 +34,7 @@ class Picture {
       const group = motion.points[i].group;
       return Number.isInteger(group) ? group : ['fixed', 'at rest', 'driven'].indexOf(group) - 3;
     };
-    // Who hangs on two groups belongs to the later one.
+    // A link or body between two groups has the colour of the later one.
     const later = points => motion.points[points.reduce((a, b) => rank(b) > rank(a) ? b : a)].group;
     this.pointColour = motion.points.map(p => colour(p.group));
     const wrong = new Set(motion.violated);
@@ -87,7 +87,7 @@ class Picture {
     c.setLineDash([]);
   }
 
-  // A grid below everything.
+  // The grid in the background.
   drawFloor() {
     const {low, high} = this.camera.box;
     const step = roundUp(2 * this.camera.radius / 12);
@@ -133,7 +133,7 @@ class Picture {
     this.context.globalAlpha = 1;
   }
 
-  // Faces as one shape, all the same way round, so that those upon each other are filled once.
+  // All faces form one shape with the same orientation, so that overlapping ones are filled only once.
   outline(faces) {
     const path = new Path2D(), s = this.screen;
     for (const face of faces) {
@@ -192,7 +192,7 @@ class Picture {
         if (!small) c.stroke();
       }
     }
-    // The ground: a triangle that stands on hatching, or where there are many a hollow square.
+    // Ground points: a triangle with hatching, or a small square if there are many points.
     this.stroke(this.ink, small ? 1 : 1.5, [], () => {
       for (let i = motion.moving; i < motion.points.length; ++i) {
         const x = s[2 * i], y = s[2 * i + 1];
@@ -217,7 +217,7 @@ class Picture {
     c.lineWidth = 3;
     c.strokeStyle = this.paper;
     c.fillStyle = this.ink;
-    const taken = new Set();  // a raster of places, so that names do not cover each other
+    const taken = new Set();  // occupied places, so that names do not cover each other
     motion.points.forEach(({name}, i) => {
       const x = this.screen[2 * i] + 7, y = this.screen[2 * i + 1] - 7;
       const place = `${Math.round(x / 34)},${Math.round(y / 14)}`;

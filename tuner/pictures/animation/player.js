@@ -1,4 +1,4 @@
-// Time, controls, and who is redrawn when.
+// Time, controls and redrawing.
 (() => {
   const element = id => document.getElementById(id);
   const canvas = element('picture'), slider = element('frame'), about = element('about');
@@ -7,7 +7,7 @@
   const last = motion.frames - 1, duration = motion.times[last] - motion.times[0];
   let frame = 0, curves = [], playing = false, clock = 0, before = null, waiting = false, pointer = null;
 
-  // ---- drawing, at most once for each picture of the screen
+  // ---- drawing, at most once for each frame of the screen
 
   function draw() {
     picture.draw(frame);
@@ -36,7 +36,7 @@
     redraw();
   }
 
-  // The last frame that is not after t.
+  // The last frame at or before t.
   function frameAt(t) {
     let low = 0, high = last;
     while (low < high) {
@@ -64,7 +64,7 @@
     }
     const best = all.reduce((a, b) => Math.abs(Math.log(duration / b / 8)) < Math.abs(Math.log(duration / a / 8)) ? b : a);
     for (const speed of all) {
-      element('speed').add(new Option(speed === 1 ? 'as it is' : `× ${digits(speed)}`, speed, false, speed === best));
+      element('speed').add(new Option(speed === 1 ? 'real time' : `× ${digits(speed)}`, speed, false, speed === best));
     }
   }
 
@@ -92,14 +92,14 @@
     if (!playing) return;
     if (before !== null) clock += (now - before) / 1000 * Number(element('speed').value);
     before = now;
-    // It stays a moment at its end before it begins anew.
+    // Pauses briefly at the end before it starts again.
     const end = motion.times[last];
     if (clock > end + 0.06 * duration) clock = motion.times[0];
     show(frameAt(Math.min(clock, end)));
     requestAnimationFrame(tick);
   }
 
-  // ---- what is said
+  // ---- texts
 
   function tell() {
     const text = pointer && whoIsAt(picture, pointer.x, pointer.y);
@@ -124,7 +124,7 @@
     const drawn = new Set(motion.points.map(p => p.group));  // some groups have vectors only
     const noun = (n, what) => `${n.toLocaleString('en')} ${what}${n === 1 ? '' : 's'}`;
     if (count > most) {
-      add('', `${noun(motion.groups.length, 'group')} in ${noun(picture.levels, 'level')}: rest on a point to see its own.`);
+      add('', `${noun(motion.groups.length, 'group')} in ${noun(picture.levels, 'level')}: point at a joint to see its group.`);
     } else {
       for (let i = 0; i < count; ++i) {
         if (byLevel || drawn.has(i)) add(picture.hue(i, count), byLevel ? `level ${i + 1}` : motion.groups[i][0]);
@@ -145,7 +145,7 @@
     }
   }
 
-  // ---- wiring
+  // ---- events
 
   slider.max = last;
   for (const id of ['player', 'speeds']) element(id).hidden = last === 0;
@@ -197,16 +197,16 @@
     a: () => camera.turn(0.1, 0), d: () => camera.turn(-0.1, 0), w: () => camera.turn(0, 0.1), s: () => camera.turn(0, -0.1),
   };
   window.addEventListener('keydown', e => {
-    const own = e.target.closest?.('select, button, input');  // who has a use of its own for the key
+    const own = e.target.closest?.('select, button, input');  // elements that use the key themselves
     if (e.ctrlKey || e.metaKey || e.altKey || !keys[e.key] || (own && (own !== slider || e.key !== ' '))) return;
     e.preventDefault();
     keys[e.key](e);
     redraw();
   });
   element('keys').textContent = (motion.dimension === 3 ? 'Drag: turn (w a s d); with Shift or two fingers: move. ' : 'Drag: move. ') +
-    'Wheel, pinch, + and -: closer and farther; 0: all of it. Space: play; arrows, Home, End: step.';
+    'Wheel, pinch, + and -: zoom; 0: show all. Space: play; arrows, Home, End: step.';
 
-  // A canvas whose size is set is empty, and on the screen before the next frame: it is drawn at once.
+  // Setting the size of a canvas clears it, so it is redrawn at once, before it appears empty on the screen.
   const resize = () => {
     picture.resize();
     for (const c of curves) c.resize();

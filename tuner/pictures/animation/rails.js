@@ -1,4 +1,4 @@
-// Rails that stand still, each as long as the way of who slides along it, and the links that they stand for.
+// Rails at rest, each as long as the path of its slider, and the links that they replace.
 function standingRails() {
   const rails = [];
   const onRail = new Set();
@@ -21,7 +21,7 @@ function standingRails() {
       const area = [0, 1, 2].map(k => way[(k + 1) % 3] * q[(k + 2) % 3] - way[(k + 2) % 3] * q[(k + 1) % 3]);
       return length(area) > 1e-4 * length(way) ** 2;
     };
-    // Its direction may turn, and a plane is no line.
+    // No rail at rest if its direction turns, or if the point slides on a plane.
     if (length(way) === 0 || isBeside(motion.points[from].at)) return;
     for (let frame = 0; frame < motion.frames; ++frame) if (isBeside(at(frame))) return;
     rails.push([one.map((v, k) => v - 0.15 * way[k]), other.map((v, k) => v + 0.15 * way[k])]);

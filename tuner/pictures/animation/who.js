@@ -1,4 +1,4 @@
-// The point, link or body at (x, y) in words; null: nobody.
+// Describes the point, link or body at (x, y); null if there is none.
 function whoIsAt(picture, x, y) {
   const s = picture.screen;
   const groupOf = group => Number.isInteger(group)

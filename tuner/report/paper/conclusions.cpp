@@ -12,26 +12,26 @@
 namespace assur::report {
 namespace {
 
-constexpr double kAsFast = 1.05;  // times that are so near each other count as equal
+constexpr double kAsFast = 1.05;  // ratio of times that count as equal
 
-// Whose times are asked: those of the paper are kept table by table, for two of its tables have cells in common.
+// The times of the paper or of this machine. Those of the paper are kept by table, because two tables share cells.
 struct Source {
-  std::optional<Times> here;  // empty: the paper's
-  int threads;                // that the versions could use
+  std::optional<Times> here;  // empty: times of the paper
+  int threads;                // available to the versions
 
   [[nodiscard]] Times table(int number) const { return here ? *here : paper_times(number); }
 };
 
 struct Finding {
-  std::optional<bool> holds = {};   // empty: cannot be told
-  std::string numbers = "not run";  // or why it cannot
+  std::optional<bool> holds = {};   // empty: undecided
+  std::string numbers = "not run";  // the numbers, or why it is undecided
 };
 
-Finding needs_threads(int threads) { return {{}, "takes " + std::to_string(threads) + " threads at least"}; }
+Finding needs_threads(int threads) { return {{}, "needs at least " + std::to_string(threads) + " threads"}; }
 
 std::string total(const PaperCell& cell) { return "total size " + std::to_string(cell.total()); }
 
-// Ratios of several cells; those that are not known (NaN) are left out.
+// Ratios of several cells, without unknown ones (NaN).
 struct Ratios {
   struct Of {
     PaperCell cell;
@@ -64,7 +64,7 @@ Ratios ratios(const std::vector<PaperCell>& cells, const std::function<double(co
   return out;
 }
 
-// Of a table: the time of one version over that of another one.
+// Time of version `a` over time of version `b`, for all cells of a table.
 Ratios ratios(const Source& s, int table, std::string_view a, std::string_view b) {
   return ratios(cells_of_table(table),
                 [&](const PaperCell& c) { return best(s.table(table), c, a) / best(s.table(table), c, b); });
@@ -164,7 +164,7 @@ Finding auto_is_the_fastest(const Source& s) {
     });
     r.all.insert(r.all.end(), more.all.begin(), more.all.end());
   }
-  if (r.empty()) return {{}, "none: it is an outlook"};
+  if (r.empty()) return {{}, "none: an outlook"};
   return {r.least() * kAsFast >= 1,
           "auto is " + r.text() + " times as fast as the fastest of the paper's versions in the same cell"};
 }
@@ -183,13 +183,13 @@ Finding openmp_beats_mkl(const Source& s) {
     const double openmp = best(s.table(2), cell, kDense, several_groups);
     const double mkl = best(s.table(2), cell, kDense, several_threads);
     if (std::isnan(openmp) && std::isnan(mkl)) continue;
-    const bool by_openmp = std::isnan(mkl) || openmp < mkl;  // of the paper only the faster one is known
+    const bool by_openmp = std::isnan(mkl) || openmp < mkl;  // the paper only has the faster one
     (by_openmp ? ahead_by_openmp : ahead_by_mkl).push_back(std::to_string(cell.total()));
     holds = holds && by_openmp == (cell != cells.back());
   }
   if (ahead_by_openmp.empty() && ahead_by_mkl.empty()) return {};
   const auto list = [](const std::vector<std::string>& of) { return of.empty() ? "no size" : output::listed(of); };
-  return {holds, "OpenMP is ahead at " + list(ahead_by_openmp) + "; MKL at " + list(ahead_by_mkl)};
+  return {holds, "OpenMP is faster at " + list(ahead_by_openmp) + "; MKL at " + list(ahead_by_mkl)};
 }
 
 Finding three_threads(const Source& s) {
@@ -239,7 +239,7 @@ Finding hybrid_for_large(const Source& s) {
               " at " + total(large.cell)};
 }
 
-// 6x2 over 2x6 in the smallest and the largest cell that has both.
+// 6x2 over 2x6, in the smallest and the largest cell with both.
 Finding wide_for_small_narrow_for_large(const Source& s) {
   if (s.threads < 6) return needs_threads(6);
   const Ratios r = ratios(cells_of_table(5), [&](const PaperCell& c) {
@@ -288,7 +288,7 @@ constexpr std::array kRules = {
     Rule{"6", "Outlook: auto-tuning should select the best strategy by itself", auto_is_the_fastest},
 };
 
-// What table 4 says of the first and the last size.
+// The figures of table 4 for the first and the last size.
 std::string raspberry_pi_of_the_paper() {
   const auto of = [](std::string_view machine, const PaperCell& cell) {
     const auto& all = paper_times(4);
@@ -304,10 +304,10 @@ std::string raspberry_pi_of_the_paper() {
   return "RP3: " + line(cells.front()) + ", " + line(cells.back());
 }
 
-// The best splits that table 2 names are those of four cores; what figure 3 shows is nowhere in numbers.
+// The paper gives figure 3 without numbers; the best splits of its table 2 are for four cores.
 Finding finding_of_the_paper(const Rule& rule) {
   if (rule.find == no_raspberry_pi) return {{}, raspberry_pi_of_the_paper()};
-  if (rule.find == hybrid_for_large) return {{}, "in figure 3 only, without numbers"};
+  if (rule.find == hybrid_for_large) return {{}, "only in figure 3, without numbers"};
   return rule.find({{}, 12});
 }
 

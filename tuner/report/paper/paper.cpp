@@ -15,13 +15,13 @@ constexpr std::array kMachines = {
     PaperMachine{"RP2", "Raspberry Pi 2 B, 4 cores", 4}, PaperMachine{"RP3", "Raspberry Pi 3 B, 4 cores", 5},
     PaperMachine{"GTX", "GeForce GTX 950, MAGMA", 365}};
 
-// A column of a table: one number for each of its cells, of all steps.
+// A column of a table: for each cell one number for all steps.
 struct Column {
   struct {
     int table;
     std::string_view version, machine;
   } of;
-  std::vector<Split> splits;  // of the first cells; the last one is that of all others
+  std::vector<Split> splits;  // of the first cells; the last one applies to all further cells
   std::vector<double> seconds;
   std::vector<double> joules = {};
 };

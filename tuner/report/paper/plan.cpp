@@ -9,11 +9,11 @@ namespace assur::report {
 namespace {
 
 constexpr int kQuickTotal = 1500, kQuickUnknowns = 144;
-constexpr int kLargeUnknowns = 400;  // of table 5
+constexpr int kLargeUnknowns = 400;  // large groups of table 5
 
-constexpr std::string_view kMa27 = "ma27";  // the paper's own
+constexpr std::string_view kMa27 = "ma27";  // the solver of the paper
 
-// The first of this build that can run here and has these properties; "" if there is none.
+// The first backend of this build that runs here and has these properties; "" if there is none.
 std::string first(bool (*is)(const Backend&)) {
   for (const Backend& b : backends()) {
     if (is(b) && b.why_not({}, {}).empty()) return std::string(b.id);
@@ -46,7 +46,7 @@ class Contests {
     return !quick_ || (cell.iterations == 1 ? cell.total() <= kQuickTotal : cell.n <= kQuickUnknowns);
   }
 
-  // The solvers that can take a split: a BLAS with threads of its own serves one group at a time.
+  // The solvers for a split: a BLAS with its own threads solves one group at a time.
   [[nodiscard]] std::vector<std::string> dense(const Split& s) const {
     std::vector<std::string> out;
     if (s.p == 1 || s.q == 1) out.push_back(with_.dense);
@@ -98,10 +98,10 @@ class Contests {
 
 StandIns stand_ins() {
   StandIns out;
-  out.dense = first([](const Backend& b) { return b.dense && b.threads && !b.own_loops; });  // a BLAS, as MKL is
+  out.dense = first([](const Backend& b) { return b.dense && b.threads && !b.own_loops; });  // a BLAS like MKL
   if (out.dense.empty()) out.dense = first([](const Backend& b) { return b.dense; });
   out.threaded = first([](const Backend& b) { return b.dense && b.threads && b.own_loops; });
-  // As MA27, one matrix after the other, and steadily.
+  // Like MA27: one matrix after another, without allocations.
   out.sparse = first([](const Backend& b) { return !b.dense && b.keeps_pivots && !b.fills_lanes; });
   if (out.sparse.empty()) out.sparse = first([](const Backend& b) { return !b.dense && b.keeps_pivots; });
   out.ma27 = find_backend(backends(), kMa27).why_not({}, {}).empty();
@@ -146,7 +146,7 @@ namespace {
 
 constexpr double kPerFlop = 0.5e-9, kPerCopied = 2e-9, kPerUnknown = 0.3e-6;  // s, of a typical processor
 constexpr double kPerEntrant = 0.05, kPerPrepared = 20e-6;                    // s; s for each unknown
-constexpr double kStepsAtLeast = 7;  // as the start posture, its verification and three rounds take
+constexpr double kStepsAtLeast = 7;  // for the start posture, the verification and three rounds
 
 bool is_dense(const Entrant& e) { return e.version == kGlobalDense || e.version == kDense; }
 
@@ -160,7 +160,7 @@ double counted(const PaperCell& cell, const Entrant& entrant) {
   return of(cell.terminal, 2) + cell.groups * of(cell.n, factorisations);
 }
 
-// What one of them tells of another one: the same solver and formulation.
+// Entrants of one kind, with the same solver and formulation, share a correction of their costs.
 std::string kind(const Entrant& entrant) {
   return entrant.strategy.substr(0, entrant.strategy.find_first_of("+ ")) + (entrant.split.q > 1 ? " threaded" : "");
 }

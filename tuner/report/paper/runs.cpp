@@ -21,32 +21,32 @@ namespace {
 
 using measure::StepTimes;
 
-constexpr double kPaperStep = 0.01;      // s: the paper's dt
-constexpr std::int64_t kSteps = 20000;   // of the grid: the paper's tEnd / dt
-constexpr double kCondition = 23;        // at most, of all these mechanisms
-constexpr double kConverged = 8 * kEps;  // where Newton's method ends
-constexpr double kVerification = 0.02;   // s of steps that are compared, from 2 to 50 of them
-constexpr double kBlock = 2e-3;          // s of steps that are timed together, at least
-constexpr double kShort = 0.02;          // s: steps that can have some rounds more, and need to be got ready for
+constexpr double kPaperStep = 0.01;      // s, dt of the paper
+constexpr std::int64_t kSteps = 20000;   // of the grid, tEnd / dt of the paper
+constexpr double kCondition = 23;        // upper limit for all these mechanisms
+constexpr double kConverged = 8 * kEps;  // residual at which Newton's method ends
+constexpr double kVerification = 0.02;   // s for the compared steps; 2 to 50 steps
+constexpr double kBlock = 2e-3;          // s, least duration of steps timed together
+constexpr double kShort = 0.02;          // s; shorter steps get more rounds and are preceded by untimed steps
 constexpr int kRoundsOfTheShort = 7;
 constexpr double kSecondsOfTheShort = 2;
-constexpr double kMeterSeconds = 0.25;  // the counters tick each millisecond
-constexpr double kShareExpected = 0.7;  // of the time left: what is expected need not come true
-constexpr double kRoundsAtLeast = 3;    // of all that was verified, whatever that takes
+constexpr double kMeterSeconds = 0.25;  // s; the counters change every millisecond
+constexpr double kShareExpected = 0.7;  // share of the time left that is planned, because expected times are uncertain
+constexpr double kRoundsAtLeast = 3;    // of all verified contenders, even beyond the time
 
 double worst_residual(const ErrorFigures& e) { return std::fmax(e.residual(), kConverged); }
 
-// A motion that all others are held against, with as many iterations as convergence takes.
+// The motion for comparison with all others, iterated until it converges.
 struct Yardstick {
   std::vector<double> rows;  // steps x columns
   double residual = 0;
 };
 
-// A strategy to be timed: step after step over the time grid of its scene, again from the start when that ends.
+// A strategy to be timed: steps over the time grid of its scene, repeated from the start at its end.
 class GridRun final : public measure::Workload {
  public:
-  // iterations: as StepLimits has them; cores: to pin to, used only if there is one for each thread. Throws Error as
-  // Simulator does.
+  // iterations: StepLimits::iterations; cores: pins the threads to them if there is one for each thread. Throws Error
+  // like Simulator.
   GridRun(const Prepared& prepared, int iterations, const std::vector<int>& cores)
       : grid_(prepared.time), threads_(most_threads(prepared.plan)) {
     StepLimits limits{.iterations = iterations};
@@ -56,7 +56,7 @@ class GridRun final : public measure::Workload {
     at_start_ = simulator_->report().counters;
   }
 
-  // Outputs of the first steps: count rows of columns(). Throws Error (numerical) if one fails.
+  // Outputs of the first steps: `count` rows of columns(). Throws Error (numerical) if a step fails.
   std::vector<double> first_steps(int count) {
     std::vector<double> rows;
     const double begin = StepTimes::steady();
@@ -68,7 +68,7 @@ class GridRun final : public measure::Workload {
     return rows;
   }
 
-  // Long steps need no preparation, and would take too long for it.
+  // Long steps need no warm-up, which would take too long.
   void get_ready(int) override {
     if (seconds_ > kShort) return;
     if (threads_ == 1) {
@@ -87,8 +87,8 @@ class GridRun final : public measure::Workload {
 
   [[nodiscard]] const std::vector<std::string>& columns() const { return simulator_->columns(); }
   [[nodiscard]] const ErrorFigures& error() const { return simulator_->report().error; }
-  [[nodiscard]] double seconds() const { return seconds_; }  // of a step, when it was last run
-  [[nodiscard]] double iterations() const {                  // of Newton's method, of a group and step, mean
+  [[nodiscard]] double seconds() const { return seconds_; }  // of a step in the last run
+  [[nodiscard]] double iterations() const {                  // mean of all groups and steps
     const Counters& now = simulator_->report().counters;
     return static_cast<double>(now.newton_iterations - at_start_.newton_iterations) /
            static_cast<double>(std::max<std::int64_t>(now.group_solutions - at_start_.group_solutions, 1));
@@ -168,7 +168,7 @@ class PaperExperiments {
     return sum;
   }
 
-  // The first of those left.
+  // Runs the first of the remaining contests.
   void hold(const std::vector<PaperContest>& left) {
     const PaperContest& contest = left[0];
     const double time_left = options_.conditions.seconds - elapsed();
@@ -194,7 +194,7 @@ class PaperExperiments {
                   .strategy = entrant.strategy,
                   .reading = entrant.reading};
       if (!chosen[0][e]) {
-        c.timing.why_not = "did not fit into the time that was left: some " +
+        c.timing.why_not = "did not fit into the remaining time: about " +
                            output::duration(costs_.step(contest.cell, entrant)) + " a step";
       } else {
         verify(c, scene, entrant, yardstick);
@@ -217,7 +217,7 @@ class PaperExperiments {
     return options;
   }
 
-  // Leaves a run behind whose motion is right, or the reason why there is none.
+  // Sets c.run if the motion is right, else c.timing.why_not.
   void verify(Contender& c, const Scene& scene, const Entrant& entrant, std::optional<Yardstick>& yardstick) const {
     try {
       if (!yardstick) yardstick = make_yardstick(scene, c.timing.cell);
@@ -230,11 +230,11 @@ class PaperExperiments {
       const std::vector<double> rows = run->first_steps(steps);
       const double off = measure::deviation(run->columns(), rows, std::span(yardstick->rows).first(rows.size()));
       c.timing.deviation = off;
-      // What residuals r of two motions leave of their accelerations, the most sensitive of their outputs.
+      // Bound for the difference of accelerations, the most sensitive outputs, by the residuals of both motions.
       const double bound = 2 * std::max(worst_residual(run->error()), yardstick->residual) * std::pow(kCondition, 3);
       if (!(off <= bound)) {
         c.timing.why_not =
-            "wrong: off by " + output::error_figure(off) + ", allowed are " + output::error_figure(bound);
+            "wrong: the deviation is " + output::error_figure(off) + ", above the bound " + output::error_figure(bound);
         return;
       }
       c.run = std::move(run);
@@ -245,7 +245,7 @@ class PaperExperiments {
 
   static int steps_to_verify(double step) { return static_cast<int>(std::clamp(kVerification / step, 2.0, 50.0)); }
 
-  // By a solver that is quick at all sizes, in a way that no entrant takes.
+  // Uses a solver that is fast at all sizes, with a strategy that no entrant has.
   [[nodiscard]] Yardstick make_yardstick(const Scene& scene, const PaperCell& cell) const {
     const Entrant sparse{std::string(kSparse), {}, Reading::shared, "groups/" + out_.stand_ins.sparse};
     GridRun run(prepare(scene, how("global/" + out_.stand_ins.sparse + "+refine")), 0, {});
@@ -278,13 +278,13 @@ class PaperExperiments {
     rules.seconds = seconds;
     rules.least_rounds = std::min(rules.least_rounds, most_rounds);
     rules.most_rounds = most_rounds;
-    rules.hopeless = kInfinity;  // the slow ones are wanted too
+    rules.hopeless = kInfinity;  // slow contenders are timed, too
     const measure::RaceFigures figures = measure::race(runners, rules, options_.conditions.instruments());
     blocks_.blocks += figures.blocks;
     blocks_.disturbed += figures.disturbed;
   }
 
-  // Those that would have had more rounds, had they not waited for slow ones: moved to the end, to take turns again.
+  // Runners that could have had more rounds without the slow ones; moves them to the end, for another race.
   static std::span<measure::Runner> short_of_rounds(std::vector<measure::Runner>& runners) {
     const auto first = std::stable_partition(runners.begin(), runners.end(), [](const measure::Runner& r) {
       return r.failed || r.median() > kShort || r.seconds.size() >= kRoundsOfTheShort;
@@ -295,7 +295,7 @@ class PaperExperiments {
 
   void write_down(const measure::Runner& r, PaperTiming& t) const {
     if (r.seconds.empty()) {
-      t.why_not = r.failed ? "failed when it was timed" : stopped() ? "interrupted" : "there was no time left for it";
+      t.why_not = r.failed ? "failed while being timed" : stopped() ? "interrupted" : "no time left";
       return;
     }
     t.seconds = r.median();
@@ -304,7 +304,7 @@ class PaperExperiments {
     t.steps_timed = static_cast<std::int64_t>(r.seconds.size()) * r.calls;
   }
 
-  // Energy of a run, from as many steps as the counters can tell apart.
+  // Energy of a run of enough steps for the resolution of the counters.
   void weigh(Contender& c) const {
     if (!options_.meter.why_not().empty() || stopped()) return;
     const int calls = std::max(1, static_cast<int>(std::ceil(kMeterSeconds / c.timing.seconds)));

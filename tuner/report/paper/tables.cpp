@@ -19,14 +19,14 @@ using enum HtmlTable::Column;
 using pictures::Series;
 
 std::string faint(const std::string& text) { return paragraph(text, "faint"); }
-// A table whose long titles are broken; the second one in small type, for numbers that carry over to no other machine.
+// A table with wrapped titles; small() in small type, for numbers that are valid only on one machine.
 std::string tall(const HtmlTable& table) { return html(table, "tall"); }
 std::string small(const HtmlTable& table) { return html(table, "small tall"); }
 
 // ---- columns: a row for each cell of a table
 
 using Column = pictures::ColumnOf<PaperCell>;
-using TimeOf = std::function<double(const PaperCell&)>;  // of one step, s; NaN: not known
+using TimeOf = std::function<double(const PaperCell&)>;  // time of one step, s; NaN if unknown
 
 HtmlTable table_of_cells(int table, const std::vector<Column>& columns) {
   return pictures::table_of(cells_of_table(table), columns);
@@ -51,23 +51,23 @@ Column unknowns() {
 TimeOf time_of(Times times, std::string_view version, const Splits& splits = {}, Reading reading = Reading::shared) {
   return [=](const PaperCell& cell) { return best(times, cell, version, splits, reading); };
 }
-// In the first row of a table.
+// The time in the first row of a table.
 TimeOf at_first(int table, const TimeOf& of) {
   return [of, cell = cells_of_table(table)[0]](const PaperCell&) { return of(cell); };
 }
 
-// "3.83", or "-" for what is not there.
+// "3.83", or "-" if unknown.
 std::string ratio_or_dash(double ratio) { return std::isnan(ratio) ? "-" : ratio_text(ratio); }
 
 Column ratio(const std::string& title, const TimeOf& a, const TimeOf& b) {
   return {title, number, [=](const PaperCell& cell) { return ratio_or_dash(a(cell) / b(cell)); }};
 }
 
-// Seconds of all steps, as the paper prints them.
+// Seconds of all steps, as in the paper.
 Column seconds(const std::string& title, const TimeOf& of) {
   return {title, number, [=](const PaperCell& cell) { return ratio_or_dash(of(cell) * cell.steps); }};
 }
-// The same of the fastest split, and which it is: "0.53 (3x1)".
+// The same for the fastest split, with its name: "0.53 (3x1)".
 Column run(const std::string& title, Times times, std::string_view version, const Splits& splits = {}) {
   return {title, number, [=](const PaperCell& cell) -> std::string {
             const PaperTiming* const t = fastest(times, cell, version, splits);
@@ -76,7 +76,7 @@ Column run(const std::string& title, Times times, std::string_view version, cons
           }};
 }
 
-// The name of the least of these times, as far as there are any.
+// The name of the fastest version; "-" if no time is known.
 Column winner(const std::string& title, const std::vector<std::pair<std::string, TimeOf>>& times) {
   return {title, text, [=](const PaperCell& cell) {
             std::string name = "-";
@@ -152,7 +152,7 @@ HtmlTable details_table(const std::vector<const PaperTiming*>& rows) {
        {"", words, [](T t) { return t->why_not; }}});
 }
 
-// Sentence about rows of these cells that have no time here; "" if all have.
+// A sentence about cells without a time here; "" if there are none.
 std::string missing(const PaperResults& results, const std::vector<PaperCell>& cells) {
   std::vector<std::string> sizes, parts;
   for (const PaperCell& cell : cells) {
@@ -169,21 +169,23 @@ std::string missing(const PaperResults& results, const std::vector<PaperCell>& c
   }
   std::string text;
   if (!sizes.empty()) {
-    const std::string why = results.interrupted ? "interrupted" : results.quick ? "not run in quick" : "no time for it";
+    const std::string why = results.interrupted ? "interrupted"
+                            : results.quick     ? "not part of --quick"
+                                                : "no time left";
     text = "Without times here (" + why + "): " + output::listed(sizes) + ". ";
   }
   if (!parts.empty()) {
-    text += "Some strategies are left out (the list below says why) at " + output::listed(parts) + ".";
+    text += "Some strategies are left out (reasons in the list below) at " + output::listed(parts) + ".";
   }
   return text;
 }
 
-// What all tables end with: sizes without times, their numbers, and all that was timed for these cells.
+// Ends a table: sizes without times, the numbers, and all runs of these cells.
 void finish(Section& section, const PaperResults& results, int table) {
   std::vector<PaperCell> cells = cells_of_table(table);
   section.body += faint(missing(results, cells));
   add_theirs(section, table);
-  if (table == 3) std::erase_if(cells, [](const PaperCell& c) { return c.groups == 6; });  // they are in table 2
+  if (table == 3) std::erase_if(cells, [](const PaperCell& c) { return c.groups == 6; });  // table 2 has them
   std::vector<const PaperTiming*> rows;
   for (const PaperTiming& t : results.times) {
     if (std::none_of(cells.begin(), cells.end(), [&](const PaperCell& c) { return c.same_work(t.cell); })) continue;
@@ -194,7 +196,7 @@ void finish(Section& section, const PaperResults& results, int table) {
   std::stable_sort(rows.begin(), rows.end(),
                    [](const auto* a, const auto* b) { return a->cell.total() < b->cell.total(); });
   section.body +=
-      "<details><summary>All that was tried here: " + output::counted(static_cast<std::int64_t>(rows.size()), "run") +
+      "<details><summary>All runs on this machine: " + output::counted(static_cast<std::int64_t>(rows.size()), "run") +
       "</summary>\n" + small(details_table(rows)) + "</details>\n";
 }
 
@@ -203,19 +205,17 @@ void finish(Section& section, const PaperResults& results, int table) {
 std::string how_it_was_run(const PaperResults& r) {
   const StandIns& by = r.stand_ins;
   const std::string threaded = by.threaded.empty() ? "" : ", groups/" + by.threaded + " PxQ";
-  HtmlTable versions{{"their version", "run here by"}, {words, words}, {}};
+  HtmlTable versions{{"version of the paper", "strategies here"}, {words, words}, {}};
   versions.rows = {
       {{"GMKL", "global/" + by.dense + " 1xQ" + (by.threaded.empty() ? "" : ", global/" + by.threaded + " 1xQ")}},
-      {{"GMA27", "global/" + by.sparse + (by.ma27 ? " (and global/ma27, listed apart)" : "")}},
+      {{"GMA27", "global/" + by.sparse + (by.ma27 ? " (and global/ma27, listed separately)" : "")}},
       {{"GEOMP+MKL; GEMKL where P = 1", "groups/" + by.dense + " Px1 and 1xQ" + threaded}},
-      {{"GEOMP+MA27", "groups/" + by.sparse + " Px1" + (by.ma27 ? " (and groups/ma27, listed apart)" : "")}}};
-  return paragraph("The paper's versions are run by the solvers of this library: " + by.dense + " stands for MKL, " +
-                   by.sparse +
-                   " for MA27. P groups are solved at once, each with Q threads; of several strategies and splits the "
-                   "fastest counts. All strategies of a size are measured in turns, each after its motion was found to "
-                   "be right. There " +
-                   (r.threads == 1 ? "is " : "are ") + output::counted(r.threads, "thread") +
-                   " here, and splits go no further; the paper's machine has 4.") +
+      {{"GEOMP+MA27", "groups/" + by.sparse + " Px1" + (by.ma27 ? " (and groups/ma27, listed separately)" : "")}}};
+  return paragraph(
+             "Solvers of this library replace those of the paper: " + by.dense + " stands for MKL, " + by.sparse +
+             " for MA27. P groups are solved at once, each with Q threads; the fastest of all strategies and splits "
+             "counts. The motion of each strategy is verified, and then all strategies of a size are timed in turn. " +
+             "Splits use up to " + output::counted(r.threads, "thread") + " here; the machine of the paper has 4.") +
          html(versions);
 }
 
@@ -227,35 +227,37 @@ Section table_2(const PaperResults& r) {
       ratios.push_back(ratio(std::string(version) + whose, time_of(of, kGlobalSparse, {}, reading),
                              time_of(of, version, {}, reading)));
     };
-    over_base(", theirs", theirs, Reading::shared);
+    over_base(", paper", theirs, Reading::shared);
     over_base(", here", here, Reading::shared);
     over_base(", separate", here, Reading::separate);
   }
   ratios.push_back(ratio("auto, here", time_of(here, kGlobalSparse), time_of(here, kAuto)));
-  for (const auto& [title, of] : {std::pair("fastest, theirs", theirs), {"fastest, here", here}}) {
+  for (const auto& [title, of] : {std::pair("fastest, paper", theirs), {"fastest, here", here}}) {
     std::vector<std::pair<std::string, TimeOf>> all;
     for (const std::string_view v : {kGlobalSparse, kGlobalDense, kDense, kSparse}) all.emplace_back(v, time_of(of, v));
     ratios.push_back(winner(title, all));
   }
   for (const std::string_view version : {kGlobalDense, kGlobalSparse, kDense, kSparse}) {
-    times.push_back(run(std::string(version) + ", theirs", theirs, version));
+    times.push_back(run(std::string(version) + ", paper", theirs, version));
     times.push_back(run(std::string(version) + ", here", here, version));
   }
   for (const std::string& own : ours()) times.push_back(run(own, here, own));
 
   Section s{"paper-table-2", "Table 2: global formulation and group equations, six groups"};
-  s.body =
-      how_it_was_run(r) +
-      paragraph(
-          "Speed-up over GMA27 by the fastest split of each version. Theirs: Core i5-2400, 4 cores. In the columns "
-          "\"separate\" velocity and acceleration have a factorisation each, else one for both, besides that of "
-          "each Newton iteration: the paper does not say which. Position by one iteration (tEnd2 = 1); the global "
-          "system is iterated until it converges, which takes one as well.") +
-      tall(table_of_cells(2, ratios)) +
-      faint(
-          "Absolute times, s for the paper's 20,000 steps, and the threads that were fastest. Here some of the "
-          "steps are timed and scaled: cells that would take hours are run for two steps only.") +
-      small(table_of_cells(2, times));
+  s.body = how_it_was_run(r) +
+           paragraph(
+               "Speed-up over GMA27 by the fastest split of each version. Paper: Core i5-2400, 4 cores. In the columns "
+               "\"separate\", velocity and acceleration have one factorisation each, in the others they share one, in "
+               "addition "
+               "to those of the Newton iterations; the paper does not say which it has. Positions take one iteration "
+               "(tEnd2 = "
+               "1); the global system is iterated until it converges, which also takes one iteration.") +
+           tall(table_of_cells(2, ratios)) +
+           faint(
+               "Absolute times in s for the 20,000 steps of the paper, with the fastest split. Here some steps are "
+               "timed and "
+               "their time is scaled: cells that would take hours are run for two steps only.") +
+           small(table_of_cells(2, times));
   finish(s, r, 2);
   return s;
 }
@@ -285,7 +287,7 @@ std::string figure_of(const std::string& title, const std::string& y, std::vecto
 Section figure_2(const PaperResults& r) {
   Section s{"paper-figure-2", "Figure 2: speed-up over the global formulation with MA27"};
   const auto speed_up = [&s](bool theirs, Times times, std::string_view version, int colour) {
-    Series out = line(std::string(version) + (theirs ? ", theirs (i5)" : ", here"), colour,
+    Series out = line(std::string(version) + (theirs ? ", paper (i5)" : ", here"), colour,
                       theirs ? Series::Mark::cross : Series::Mark::dot);
     for (const PaperCell& cell : cells_of_table(2)) {
       const double ratio = best(times, cell, kGlobalSparse) / best(times, cell, version);
@@ -303,14 +305,14 @@ Section figure_2(const PaperResults& r) {
                      {speed_up(true, paper_times(2), kDense, 0), speed_up(false, r.times, kDense, 0),
                       speed_up(true, paper_times(2), kSparse, 1), speed_up(false, r.times, kSparse, 1),
                       speed_up(false, r.times, kAuto, Series::kInk)}) +
-           faint("From table 2: time of GMA27 over the time of the version, the fastest split of each.");
+           faint("From table 2: time of GMA27 over the time of each version with its fastest split.");
   return s;
 }
 
 Section figure_3(const PaperResults& r) {
   Section s{"paper-figure-3", "Figure 3: OpenMP x MKL threads"};
   if (r.threads < 2) {
-    s.body = paragraph("One thread here: there is no split to compare.");
+    s.body = paragraph("One thread only: there are no splits to compare.");
     return s;
   }
   std::vector<Series> all;
@@ -328,12 +330,13 @@ Section figure_3(const PaperResults& r) {
                                 ratio, "from table 2, here", t->rounds, t->spread / t->seconds, t->deviation});
     }
   }
-  s.body = figure_of("Speed-up of GEOMP+MKL over one thread against total size", "speed-up over 1x1", std::move(all)) +
-           faint(
-               "Sizes ours (those of table 2), base 1x1: neither is in the paper's text. Its figure shows two Xeon "
-               "E5-2620 with 12 cores; there OpenMP alone wins for small sizes, OpenMP and MKL together for large "
-               "ones. Here there are " +
-               output::counted(r.threads, "thread") + ".");
+  s.body =
+      figure_of("Speed-up of GEOMP+MKL over one thread against total size", "speed-up over 1x1", std::move(all)) +
+      faint(
+          "The paper's text gives neither sizes nor base of this figure; here they are the sizes of table 2 and 1x1. "
+          "The paper's figure shows two Xeon E5-2620 with 12 cores: OpenMP alone is the fastest for small sizes, "
+          "OpenMP and MKL together for large ones. This machine: " +
+          output::counted(r.threads, "thread") + ".");
   return s;
 }
 
@@ -358,20 +361,20 @@ Section table_3(const PaperResults& r) {
       times.push_back(run(way.name + whose, of, way.version, split));
       all.emplace_back(way.name, time);
     };
-    add(", theirs", theirs, 4, all_theirs);
+    add(", paper", theirs, 4, all_theirs);
     add(", here", here, p, all_here);
   }
   ratios.push_back(ratio("auto, here", all_here[0].second, time_of(here, kAuto)));
-  ratios.push_back(winner("fastest, theirs", all_theirs));
+  ratios.push_back(winner("fastest, paper", all_theirs));
   ratios.push_back(winner("fastest, here", all_here));
   times.push_back(run("auto", here, kAuto));
 
   Section s{"paper-table-3", "Table 3: number and size of groups"};
   s.body = paragraph(
-               "Speed-up over MKL by one thread, groups one after the other. Theirs: four OpenMP threads of a Core "
+               "Speed-up over MKL with one thread, one group after another. Paper: four OpenMP threads of a Core "
                "i5-2400; here: " +
                output::counted(p, "thread") + ".") +
-           tall(table_of_cells(3, ratios)) + faint("Absolute times, s for 20,000 steps.") +
+           tall(table_of_cells(3, ratios)) + faint("Absolute times in s for 20,000 steps.") +
            small(table_of_cells(3, times));
   finish(s, r, 3);
   return s;
@@ -379,10 +382,10 @@ Section table_3(const PaperResults& r) {
 
 // ---- table 4
 
-// How joules come about here.
+// The source of energies on this machine.
 struct Energy {
-  bool counted = false;  // by the processor
-  double watts = 0;      // else time x this
+  bool counted = false;  // read from the processor
+  double watts = 0;      // otherwise energy = time x this power
   std::string origin;    // of a measurement
   std::string sentence;
 
@@ -393,21 +396,21 @@ struct Energy {
     const std::string estimate = "estimated from time x " + output::number(watts) + " W";
     if (counted) {
       origin = "measured: RAPL, all packages, idle parts included";
-      sentence = "Energy here: counted by the processor (RAPL), all packages with their idle parts.";
+      sentence = "Energy here: counters of the processor (RAPL), all packages including idle parts.";
     } else if (options.watts > 0) {
       origin = estimate + " (thermal design power, as given)";
-      sentence =
-          "Energy here is an estimate, time x " + output::number(watts) + " W as was given, for " + why_not + ".";
+      sentence = "Energy here is an estimate, time x " + output::number(watts) + " W (given), because " + why_not + ".";
     } else {
       origin = estimate + ", an assumption (95 W for six cores)";
-      sentence = "Energy here is an estimate by the paper's rule, time x thermal design power, for " + why_not +
-                 ". That power is not known here either: assumed are 95 W for six cores, as of the paper's E5, which "
-                 "makes " +
+      sentence = "Energy here is an estimate by the rule of the paper, time x thermal design power, because " +
+                 why_not +
+                 ". The power of this processor is unknown; the assumption is 95 W for six cores, as for the E5 of the "
+                 "paper: " +
                  ratio_text(watts) + " W for " + output::counted(r.threads, "thread") + ".";
     }
   }
 
-  // Of all steps of a cell; NaN: not known.
+  // Energy of all steps of a cell, J; NaN if unknown.
   [[nodiscard]] double of(const PaperTiming* t) const {
     return t == nullptr ? kNan : counted ? t->joules : t->seconds * watts * t->cell.steps;
   }
@@ -426,7 +429,7 @@ Section table_4(const PaperResults& r, const PaperOptions& options) {
     };
     const TimeOf time = [theirs](const PaperCell& cell) { return theirs(cell).seconds; };
     const std::string name(machine);
-    ratios.push_back(ratio(name + ", theirs", time, at_first(4, time)));
+    ratios.push_back(ratio(name + ", paper", time, at_first(4, time)));
     times.push_back(
         {name + ", s", number, [time](const PaperCell& cell) { return output::fixed(time(cell) * cell.steps); }});
     joules.push_back(
@@ -448,14 +451,14 @@ Section table_4(const PaperResults& r, const PaperOptions& options) {
 
   Section s{"paper-table-4", "Table 4: small machines, and energy"};
   s.body = paragraph(
-               "300 steps of 20 iterations, six groups. Theirs: LAPACK or MKL with four OpenMP threads (E5: six) on "
+               "300 steps of 20 iterations, six groups. Paper: LAPACK or MKL with four OpenMP threads (E5: six) on "
                "Raspberry Pi 2 and 3, Core i5-2400 and Xeon E5-2620. Here: " +
                r.stand_ins.dense + " with " + output::counted(std::min(r.threads, 4), "thread") +
-               ". How the time grows from that of the first line:") +
+               ". Times over the time in the first row:") +
            tall(table_of_cells(4, ratios)) +
            faint(
-               "Absolute times (s) and energies (J) of 300 steps. Theirs: time x 4 W for RP2, 5 W for RP3 (their text "
-               "says 4), 15 W for the i5, 95 W for the E5 (one of two processors).") +
+               "Absolute times (s) and energies (J) of 300 steps. Paper: time x 4 W for RP2, 5 W for RP3 (4 W in its "
+               "text), 15 W for the i5, 95 W for the E5 (one of two processors).") +
            paragraph(energies.sentence) + small(table_of_cells(4, times));
   for (const PaperCell& cell : cells_of_table(4)) {
     for (const PaperTiming* t : {fastest(r.times, cell, kDense, split), fastest(r.times, cell, kAuto)}) {
@@ -485,24 +488,23 @@ Section table_5(const PaperResults& r) {
   Section s{"paper-table-5", "Table 5: large groups, CPU and GPU"};
   s.body =
       paragraph(
-          "10 steps of 10 iterations, six groups. Theirs: OpenMP x MKL threads of two Xeon E5-2620 (12 cores) and "
-          "MAGMA "
-          "on a GTX 950. Here: " +
-          w + " stands for 6x2, " + n + " for 2x6, by " + output::counted(r.threads, "thread") +
-          "; no GPU here. From n = 400 one reading is run only: they are 11 and 12 factorisations of a step. Ratios of "
+          "10 steps of 10 iterations, six groups. Paper: OpenMP x MKL threads of two Xeon E5-2620 (12 cores) and "
+          "MAGMA on a GTX 950. Here: " +
+          w + " stands for 6x2, " + n + " for 2x6, with " + output::counted(r.threads, "thread") +
+          "; no GPU. From n = 400 on, only the variant with 11 instead of 12 factorisations in a step is run. Ratios "
+          "of "
           "times:") +
       tall(table_of_cells(5, {terminal(),
                               unknowns(),
-                              ratio("6x2/2x6, theirs", six_two, two_six),
+                              ratio("6x2/2x6, paper", six_two, two_six),
                               ratio(w + "/" + n + ", here", here_wide, here_narrow),
-                              ratio("6x2/MAGMA, theirs", six_two, gpu),
+                              ratio("6x2/MAGMA, paper", six_two, gpu),
                               {"MAGMA, here", text, [](const PaperCell&) { return "no GPU here"; }},
                               ratio(w + "/auto, here", here_wide, own)})) +
-      faint("Absolute times, s for 10 steps.") +
-      small(
-          table_of_cells(5, {terminal(), unknowns(), seconds("6x2, theirs", six_two), seconds(w + ", here", here_wide),
-                             seconds("2x6, theirs", two_six), seconds(n + ", here", here_narrow),
-                             seconds("MAGMA, theirs", gpu), seconds("auto, here", own)}));
+      faint("Absolute times in s for 10 steps.") +
+      small(table_of_cells(5, {terminal(), unknowns(), seconds("6x2, paper", six_two), seconds(w + ", here", here_wide),
+                               seconds("2x6, paper", two_six), seconds(n + ", here", here_narrow),
+                               seconds("MAGMA, paper", gpu), seconds("auto, here", own)}));
   finish(s, r, 5);
   return s;
 }
@@ -511,24 +513,26 @@ Section table_5(const PaperResults& r) {
 
 Section paper_conclusions(const PaperResults& r) {
   Section s{"paper-conclusions", "The paper's conclusions, on this machine"};
-  HtmlTable table{{"section", "they conclude", "theirs", "here", "verdict"}, {text, words, words, words, words}, {}};
+  HtmlTable table{
+      {"section", "conclusion of the paper", "paper", "here", "verdict"}, {text, words, words, words, words}, {}};
   std::array<int, 3> count{};
   for (const Conclusion& c : conclusions(r.times, r.threads)) {
     ++count[static_cast<std::size_t>(c.verdict)];
     table.rows.push_back({{c.where, c.claim, c.theirs, c.here, std::string(verdict_text(c.verdict))},
                           c.verdict == Verdict::does_not_hold ? "strong" : ""});
   }
-  s.body =
-      paragraph(std::to_string(count[0]) + " hold here, " + std::to_string(count[1]) + " do not, " +
-                std::to_string(count[2]) + " cannot be tested here. Each is decided by one rule that is asked of " +
-                "the paper's own times and of those measured here.") +
-      html(table);
+  s.body = paragraph(std::to_string(count[0]) + " hold here, " + std::to_string(count[1]) + " do not, " +
+                     std::to_string(count[2]) +
+                     " cannot be tested here. One rule decides each conclusion, from the times of " +
+                     "the paper and from those measured here.") +
+           html(table);
   const Backend& sparse = properties_of(r.stand_ins.sparse);
   if (sparse.keeps_pivots && !sparse.fills_lanes) {
-    s.body += faint(r.stand_ins.sparse +
-                    ", which stands for MA27, finds its pivots once for a pattern and keeps them from step to step; "
-                    "KLU also finds the groups in the global matrix by itself (block triangular form). All times are "
-                    "those with one factorisation for velocity and acceleration.");
+    s.body +=
+        faint(r.stand_ins.sparse +
+              ", which stands for MA27, chooses its pivots once for a pattern and keeps them in all steps; KLU also "
+              "finds the groups in the global matrix (block triangular form). All times are with one factorisation "
+              "for velocity and acceleration.");
   }
   return s;
 }
@@ -541,7 +545,7 @@ std::vector<Section> paper_sections(const PaperResults& r, const PaperOptions& o
   if (r.noise.quiet != measure::Quiet::yes) {
     out[0].body = paragraph("The machine was not quiet: " + r.noise.reason + ".") + out[0].body;
   }
-  if (r.interrupted) out[0].body = paragraph("Interrupted: only what was done until then is here.") + out[0].body;
+  if (r.interrupted) out[0].body = paragraph("Interrupted: only the results so far are shown.") + out[0].body;
   return out;
 }
 
