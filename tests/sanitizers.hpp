@@ -1,4 +1,4 @@
-// Which sanitizer this is built with: gcc defines macros of its own, clang answers __has_feature.
+// The sanitizer of this build: gcc defines macros, clang has __has_feature.
 #pragma once
 
 #if defined(__has_feature)

@@ -1,4 +1,4 @@
-// The same scene from a worse guess.
+// The same scene with a worse guess.
 #pragma once
 
 #include <cmath>
@@ -9,8 +9,8 @@
 
 namespace assur::references {
 
-// Every coordinate of every guess moved by a uniform random number in [-size, size]; vectors are normalised again.
-// Lengths that the scene takes from its guess move with it.
+// Every coordinate of every guess changes by a uniform random number in [-size, size]; vectors are normalised again.
+// Lengths that the scene takes from its guess change with it.
 inline Scene perturbed(const Scene& scene, double size, unsigned seed) {
   std::mt19937 random(seed);
   const auto shift = [&](Triple at) {

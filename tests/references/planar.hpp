@@ -1,4 +1,4 @@
-// Closed forms of the planar samples: the motion at time t in quad, from the very doubles of the scene.
+// Closed forms of the planar samples: the motion at time t in quad, from the doubles of the scene.
 // They return the moving points (and scalars) by name; add the fixed ones by at_guess.
 #pragma once
 

@@ -1,5 +1,5 @@
-// Where everything of a scene is, in any arithmetic, and what its equations leave there. Read off the scene's
-// description alone, so that nothing of the library's equations takes part.
+// Positions of all parts of a scene, in any arithmetic, and residuals of its equations. Uses only the description of
+// the scene, independently of the equations of the library.
 #pragma once
 
 #include <string>
@@ -18,7 +18,7 @@ namespace assur::references {
 template <class T>
 using Posture = std::unordered_map<std::string, Vec<T>>;
 
-// Fixed things at their place, all others at their guess.
+// Fixed parts at their place, all others at their guess.
 template <class T>
 Posture<T> at_guess(const Scene& scene) {
   Posture<T> posture;
@@ -47,7 +47,7 @@ void add_members(const Scene& scene, Posture<T>& posture) {
   }
 }
 
-// What is left of one equation; lengths relative to the length that the equation is about.
+// The residual of one equation; lengths are relative to the length in the equation.
 template <class T>
 struct Left {
   std::string equation;
@@ -57,7 +57,7 @@ struct Left {
 template <class T>
 class Equations {
  public:
-  // The posture must hold everything but the members of bodies; these are added.
+  // The posture must contain everything except members of bodies; these are added.
   Equations(const Scene& scene, Posture<T> posture) : scene_(scene), at_(std::move(posture)) {
     add_members(scene, at_);
     for (const Vector& v : scene.vectors()) {
@@ -73,7 +73,7 @@ class Equations {
     }
   }
 
-  // Adds those of the drivers, with their laws at a time.
+  // Adds the residuals of the drivers, with their laws at a time.
   template <class LawAt>
   void drive(const LawAt& law_at) {
     for (const Driver& d : scene_.drivers()) {
@@ -99,7 +99,7 @@ class Equations {
     leave(name, dot(d, d) / (value * value) - T{1});
   }
 
-  // A value that is left out is taken from the guess: nothing can be wrong with it there.
+  // An omitted value is taken from the guess, where the equation holds by definition.
   void constrain(const std::string& name, const Distance& c) {
     if (c.value) length(name, c.p, c.q, T{*c.value});
   }
@@ -111,7 +111,7 @@ class Equations {
     for (const auto& [item, factor] : c.terms) sum = sum + T{factor} * at(item);
     leave(name, sum);
   }
-  // lambda: as the posture has it, else what fits best.
+  // lambda: from the posture, or else the best fit.
   void constrain(const std::string& name, const OnLine& c) {
     const Vec<T> offset = at(c.p) - at(c.a), d = direction(c.d);
     const auto known = at_.find(name + ".lambda");
@@ -156,7 +156,7 @@ class Equations {
             at(body.origin) - Vec<T>{law_at(d.translation[0]), law_at(d.translation[1]), law_at(d.translation[2])});
       const T psi = law_at(d.rotation[0]), theta = law_at(d.rotation[1]), phi = law_at(d.rotation[2]);
       const Vec<T> u = {cos(psi) * cos(theta), sin(psi) * cos(theta), -sin(theta)};
-      // v is what turns into y: (-sin psi, cos psi, 0) turned about u by phi.
+      // v equals y: (-sin psi, cos psi, 0) turned about u by phi.
       const Vec<T> y = {-sin(psi), cos(psi), T{0}};
       leave(name, at(body.frame[0]) - u);
       leave(name, at(body.frame[1]) - (cos(phi) * y + sin(phi) * cross(u, y)));

@@ -22,8 +22,7 @@ inline std::unordered_map<std::string, int> powers_of_length(const Scene& scene)
   const auto of = [&](const Direction& d) { return d.is_pair() ? 1 : power.at(d.first); };
   for (const Constraint& c : scene.constraints()) {
     if (const auto* line = c.as<OnLine>()) power[c.name + ".lambda"] = 1 - of(line->d);
-    if (const auto* parallel = c.as<Parallel>())
-      power[c.name + ".lambda"] = of(parallel->e) - of(parallel->d);
+    if (const auto* parallel = c.as<Parallel>()) power[c.name + ".lambda"] = of(parallel->e) - of(parallel->d);
   }
   for (const Measure& m : scene.measures()) {
     power[m.name] = 0;
@@ -63,7 +62,7 @@ inline Law scaled(const Law& law, double factor) {
   return out;
 }
 
-// Every length times 2^exponent, exactly. Callbacks keep their numbers: they are not for this.
+// Multiplies every length exactly by 2^exponent. Not for callbacks, whose numbers do not change.
 inline Scene scaled(const Scene& scene, int exponent) {
   const double factor = std::ldexp(1.0, exponent);
   const auto power = powers_of_length(scene);

@@ -7,8 +7,8 @@
 
 namespace assur::references {
 
-// The platform of sample("stewart...") whose names end in `suffix`, at time t: O, u, v, w and B, e, r, c, d of every
-// leg. Dimensions, axes and laws are the doubles of the scene.
+// The platform of sample("stewart...") with names that end in `suffix`, at time t: O, u, v, w and B, e, r, c, d of
+// every leg. Dimensions, axes and laws are the doubles of the scene.
 inline Posture<QuadJet> stewart(const Scene& scene, double t, const std::string& suffix = "") {
   Posture<QuadJet> posture;
   const auto law_at = [t](const Law& law) { return evaluate<Quad>(law, Quad(t)); };
@@ -60,7 +60,7 @@ inline Posture<QuadJet> stewart(const Scene& scene, double t, const std::string&
   return posture;
 }
 
-// Angle of handle k about its axis, as the scene's measure handleK has it.
+// Angle of handle k about its axis, like the measure handleK of the scene.
 inline QuadJet stewart_handle(const Scene& scene, const Posture<QuadJet>& posture, const std::string& k) {
   const Posture<QuadJet> fixed = at_guess<QuadJet>(scene);
   const Vec<QuadJet>&a = fixed.at("a" + k), &zero = fixed.at("inward" + k), &e = posture.at("e" + k);

@@ -1,4 +1,4 @@
-// Counters of made-up packages.
+// Counters of artificial packages.
 #include "report/energy.hpp"
 
 #include <gtest/gtest.h>

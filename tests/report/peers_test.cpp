@@ -1,4 +1,4 @@
-// Other libraries, as a file says that they were measured.
+// Other libraries, from a file with their times.
 #include <gtest/gtest.h>
 
 #include <sstream>

@@ -1,4 +1,4 @@
-// What the section says of answers that are made up: every figure again from its measurements.
+// The section for artificial answers: every figure follows from its measurements.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// The report as a whole, of parts that are made up: its files after each part, interrupted, and with parts that fail.
+// The whole report with artificial parts: its files after each part, interrupted, and with parts that fail.
 #include "report/report.hpp"
 
 #include <gtest/gtest.h>
@@ -79,7 +79,7 @@ TEST_F(MakeReport, IsCompleteAfterEachPart) {
 
 TEST_F(MakeReport, SharesTheTime) {
   (void)make_report(folder_, {part("one", 1), part("two", 2), part("three", 1)}, knowledge_, whole_);
-  // What the parts themselves and the files take is far below a second.
+  // The parts and files take far less than a second.
   ASSERT_EQ(given_.size(), 3u);
   EXPECT_NEAR(given_[0], 25, 1);
   EXPECT_NEAR(given_[1], 100.0 * 2 / 3, 1);

@@ -1,4 +1,4 @@
-// Numbers as text, the ranks of sorted values, and what other programs read: report.csv and report.json.
+// Numbers as text, quantiles, and the files for other programs: report.csv and report.json.
 #include "report/section.hpp"
 
 #include <gtest/gtest.h>
@@ -82,7 +82,7 @@ TEST(ReportJson, HasTheFormatOfGoogleBenchmark) {
   }
   ASSERT_EQ(json["benchmarks"].size(), 2u);
   for (const auto& b : json["benchmarks"]) {
-    // What its tools look for in an aggregate.
+    // Keys that the tools of Google Benchmark need in an aggregate.
     for (const char* key : {"name", "run_name", "run_type", "aggregate_name", "repetitions", "iterations", "real_time",
                             "cpu_time", "time_unit"}) {
       EXPECT_TRUE(b.contains(key)) << key;
@@ -92,7 +92,7 @@ TEST(ReportJson, HasTheFormatOfGoogleBenchmark) {
   }
   EXPECT_DOUBLE_EQ(json["benchmarks"][0]["real_time"].get<double>(), 1e3 / 3);
   EXPECT_EQ(json["benchmarks"][0]["name"], "steps/six \"legs\", fast/groups/klu/seconds per step_median");
-  // What is no time is a counter, and an error that nobody knows is null.
+  // Quantities other than times are counters, and unknown errors are null.
   EXPECT_EQ(json["benchmarks"][1]["real_time"], 0.0);
   EXPECT_EQ(json["benchmarks"][1]["regret, median"], 0.042);
   EXPECT_TRUE(json["benchmarks"][1]["relative_error"].is_null());

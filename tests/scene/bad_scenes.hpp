@@ -1,4 +1,4 @@
-// The scenes of tests/data/bad_scenes: each with the lines of its refusal in the .expected file beside it.
+// The scenes of tests/data/bad_scenes; the .expected file beside each has the lines of its refusal.
 #pragma once
 
 #include <algorithm>

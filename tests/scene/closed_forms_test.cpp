@@ -1,5 +1,5 @@
-// The closed forms and tables that other tests measure against satisfy the equations of the samples, derivatives
-// included. The equations are the test's own (posture.hpp).
+// The closed forms and tables that other tests use as references satisfy the equations of the samples, including
+// derivatives. The test has its own equations (posture.hpp).
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,8 +29,8 @@ void expect_satisfied(const Equations<T>& equations, double tolerance) {
   for (const Left<T>& left : equations.left()) EXPECT_LE(magnitude(left.value), tolerance) << left.equation;
 }
 
-// The closed form satisfies every equation of the scene, and so do its derivatives. Allowed: twenty roundings of the
-// terms of an equation, which are products of two coordinates or their derivatives over the square of its length.
+// The closed form and its derivatives satisfy every equation of the scene. Tolerance: twenty roundings of the terms of
+// an equation, which are products of two coordinates or their derivatives over the square of its length.
 void expect_exact(const Scene& scene, double t, const Posture<QuadJet>& closed_form) {
   SCOPED_TRACE(scene.name() + " at t = " + std::to_string(t));
   Posture<QuadJet> posture = at_guess<QuadJet>(scene);
@@ -76,7 +76,7 @@ TEST(ClosedForm, AlmostParallelogramStaysOnItsBranch) {
       const double t = k / 1000.0;
       const Posture<QuadJet> posture = almost_parallelogram(delta, t);
       expect_exact(scene, t, posture);
-      // Continuous: the rocker's end moves as its velocity says.
+      // Continuous: the end of the rocker moves with its velocity.
       const QuadJet y = posture.at("B1")[1];
       if (k > 0) {
         EXPECT_NEAR(static_cast<double>(y.value), static_cast<double>(before.value), 0.02);

@@ -1,4 +1,4 @@
-// Derivatives of functions against their differences: a right one is never accused, a wrong one is found.
+// Derivatives of functions compared with differences: right ones are accepted, wrong ones are found.
 #include "scene/differences.hpp"
 
 #include <gtest/gtest.h>
@@ -85,7 +85,7 @@ std::vector<Case> cases() {
   return all;
 }
 
-// A callback of one equation, whose entry `wrong` (none: -1) is off by a relative 1e-4.
+// A callback of one equation, whose entry `wrong` (-1: none) has a relative error of 1e-4.
 Callback callback(const Case& c, int wrong) {
   Callback out;
   for (int j = 0; j < c.arguments; ++j) out.coordinates.push_back("P" + std::to_string(j) + ".x");
@@ -131,7 +131,7 @@ TEST(Differences, AcceptRightGradientsAndFindAWrongEntry) {
   }
 }
 
-// c of (x0 x1 x2 + x0^2)' ': exact, and off by a relative 1e-4, along a motion.
+// c of (x0 x1 x2 + x0^2)' ': exact, and with a relative error of 1e-4, along a motion.
 TEST(Differences, CheckTheCurvature) {
   Callback c;
   c.coordinates = {"P.x", "P.y", "P.z"};

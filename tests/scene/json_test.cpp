@@ -10,7 +10,7 @@
 namespace assur {
 namespace {
 
-// what() of the refusal; "" if the text was read.
+// what() of the refusal; "" if the text is accepted.
 std::string refusal(const std::string& text, const Parameters& set = {}) {
   try {
     (void)parse_scene(text, "scene", ".", set);

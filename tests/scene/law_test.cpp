@@ -90,7 +90,7 @@ TEST(Table, PassesThroughItsPointsExactly) {
   for (std::size_t i = 0; i < knots.size(); ++i) EXPECT_EQ(law(knots[i]).value, v[i]) << i;
 }
 
-// Both sides of each knot: rounding, and the change of the law over one unit in the last place of t.
+// Both sides of each knot differ by rounding, and by the change of the law over one unit in the last place of t.
 void expect_smooth(const Law& law, const std::vector<double>& knots, double h, double size) {
   for (std::size_t i = 1; i + 1 < knots.size(); ++i) {
     const Motion left = law(std::nextafter(knots[i], -1e9)), right = law(knots[i]);

@@ -1,4 +1,4 @@
-// What the tests of laws share.
+// Helpers of the tests of laws.
 #pragma once
 
 #include <gtest/gtest.h>

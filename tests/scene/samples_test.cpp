@@ -151,7 +151,7 @@ TEST(SampleGuess, SatisfiesItsOwnEquations) {
 }
 
 TEST(SampleGuess, GoughAgreesWithItsTableWithinRounding) {
-  // Six decimals: 5e-7 in each of nine numbers; the platform's points are at most 1.6 away from its origin.
+  // Six decimals: errors of 5e-7 in each of nine numbers; points of the platform are at most 1.6 from its origin.
   const std::vector<GoughRow> rows = read_gough();
   ASSERT_EQ(rows.size(), 40u);
   for (const GoughRow& row : rows) {
@@ -244,7 +244,7 @@ TEST(Stewart, PlatformsDiffer) {
   }
 }
 
-// Jacobian of one leg in the unknowns B, e, r, c, d, from its 15 equations as they stand in the references.
+// Jacobian of one leg in the unknowns B, e, r, c, d, from its 15 equations in the references.
 Eigen::Matrix<double, 15, 15> leg_jacobian(const Equations<double>& at, const std::string& k) {
   const auto row = [&](const std::string& name) {
     const Vec<double>& v = at.at(name + k);

@@ -125,7 +125,7 @@ void expect_same(const AngleBetween& a, const AngleBetween& b) {
 }
 void expect_same(const MeasuredCoordinate& a, const MeasuredCoordinate& b) { EXPECT_EQ(a.coordinate, b.coordinate); }
 
-// A kind that no file uses needs its comparison here before it can be compared.
+// For kinds without a comparison, which no file uses so far.
 template <class Kind>
 void expect_same(const Kind&, const Kind&) {
   ADD_FAILURE() << "no comparison is written for this kind";
@@ -208,7 +208,7 @@ TEST(SceneFiles, FollowTheirParameters) {
   compare("almost_parallelogram", {{"delta", 1e-9}, {"step", 0.005}, {"steps", 200}});
 }
 
-// The keys of an object, and those that it must have.
+// The keys of an object, and its required keys.
 struct Keys {
   std::set<std::string_view> all, needed;
 

@@ -18,7 +18,7 @@ SceneBuilder four_bar() {
   return builder;
 }
 
-// The findings, one a line; "" if there are none.
+// The findings, one on each line; "" if there are none.
 template <std::invocable Call>
 std::string findings(Call&& call) {
   try {
@@ -33,7 +33,7 @@ std::string findings(const SceneBuilder& builder) {
   return findings([&] { return builder.build(); });
 }
 
-// A scene may have millions of parts, and many plans.
+// A scene may have millions of parts and belong to many plans.
 TEST(Scene, CopiesShareTheirParts) {
   SceneBuilder builder("bar", 2);
   builder.fixed_point("A", {0, 0, 0}).point("B", {1, 0, 0}).constrain("bar", Distance{"A", "B", 1.0});
@@ -223,7 +223,7 @@ TEST(TimeGrid, Checked) {
       "/time/step: (end - start) / step is 2.5; a whole number of steps is wanted, e.g. to the end 1.2000000000000002");
   EXPECT_EQ(checked(0, 1 + 2e-9, 1).rfind("/time/step: (end - start) / step is 1.000000002", 0), 0u);
   EXPECT_EQ(checked(0, 1 + 0.5e-9, 1), "");
-  // Their rounding is no fault of a grid, however many steps it has and wherever it lies.
+  // Rounding of times is no error, for any number of steps and any start.
   EXPECT_EQ(checked(0, 0.001 * 2147483647, 0.001), "");
   EXPECT_EQ(checked(1e9, 1e9 + 0.003, 0.001), "");
   EXPECT_EQ(SceneBuilder("t", 2).time(1e9, 1e9 + 0.003, 0.001).build().time().steps(), 3);
@@ -264,7 +264,7 @@ TEST(Scene, WithTime) {
       "periodic");
   EXPECT_EQ(findings([&] { return scene.with_time({0, 1, -1}); }), "/time/step: the step is -1 s; it must be > 0");
   EXPECT_EQ(scene.with_time({0.5, 0.5, 0.25}).time().steps(), 0);  // one posture
-  // A distance that is right at one start may not be at another one; what a body carries stays where it is.
+  // A distance that fits at one start may not fit at another; members of a body keep their place.
   SceneBuilder rod("rod", 2);
   rod.fixed_point("O", {0, 0, 0}).point("A", {1, 0, 0}).point("B", {2, 0, 0}).time(1, 2, 0.5);
   rod.add(Body{"bar", "", {}, {"A", "B"}, {{"M", {0, 1, 0}}}, {}});
@@ -275,7 +275,7 @@ TEST(Scene, WithTime) {
               return rod.build().with_time({0, 1, 0.5});
             }),
             "/drivers/pull/law: the distance at the start is 0 m; a driven distance must stay > 0");
-  // None at all is no rounding of one step.
+  // A grid without steps is not a rounded step.
   EXPECT_EQ(findings([&] {
               return scene.with_time({0, 1, 1e10});
             }),

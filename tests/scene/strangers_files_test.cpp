@@ -1,5 +1,4 @@
-// Files that somebody else wrote: pipes, devices, huge ones, tables that lead out of the folder, and texts that nobody
-// wants to see whole.
+// Files of unknown origin: pipes, devices, huge files, tables outside the folder, and very long texts.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -31,7 +30,7 @@ class StrangersFiles : public testing::Test {
   }
   void TearDown() override { fs::remove_all(folder_); }
 
-  // A file of so many bytes that takes no space.
+  // A sparse file of this size.
   [[nodiscard]] fs::path huge(const std::string& name, std::uintmax_t bytes) const {
     const fs::path file = folder_ / "scene" / name;
     std::ofstream(file).flush();
@@ -47,7 +46,7 @@ class StrangersFiles : public testing::Test {
     return file;
   }
 
-  // What is said of the scene with this table, from the place on.
+  // The message for a scene with this table, without its beginning.
   [[nodiscard]] std::string of_table(const std::string& table) const {
     const std::string said = refusal([&] { (void)read_scene(with_table(table)); });
     const std::size_t at = said.find("/drivers");

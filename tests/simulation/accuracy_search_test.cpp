@@ -1,4 +1,4 @@
-// The accuracy that was asked for, over random mechanisms: nobody who is told "ok" gets less.
+// The required accuracy for random mechanisms: runs with status `ok` reach it.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,8 +22,8 @@ double worst(const ErrorFigures& e) {
   return std::max({e.estimated_position, e.estimated_velocity, e.estimated_acceleration}).value_or(0);
 }
 
-// A crank, a coupler and a rocker in space, and behind them a slider. The crank turns in a plane through the origin:
-// the terms of one equation nearly vanish. The motor drives a relative angle: all is one system in `global`.
+// A crank, a coupler and a rocker in space, followed by a slider. The crank turns in a plane through the origin, so
+// that the terms of one equation nearly vanish. The motor drives a relative angle; in `global` all is one system.
 struct Rssr {
   double first = 0.1, coupler = 1.6, rocker = 1.2, x = 1, y = 0.7, level = -0.6, rod = 2.2;
 };
@@ -90,7 +90,7 @@ Scene any_of_these(test::Draw& draw) {
   }
 }
 
-// What is left in an equation that no output feels is no measure of what may be left in the others.
+// The residual of an equation without influence on outputs must not loosen the tolerance of others.
 TEST(AccuracySearch, AHarmlessEquationDoesNotLoosenOthers) {
   const Rssr r{.coupler = 1.5510188655860111, .x = 1.0100381555064502, .y = 0.74052491879495656};
   const Scene scene = rssr(r, 0.016997838245498994, 107);
@@ -105,7 +105,7 @@ TEST(AccuracySearch, AHarmlessEquationDoesNotLoosenOthers) {
   }
 }
 
-// What ends well is as accurate as was asked for, and says so itself.
+// Runs with status `ok` have the required accuracy, and so do their estimated errors.
 TEST(AccuracySearch, CleanRunsReachTheRequiredAccuracy) {
   test::Draw draw(3);
   const std::vector<std::string> strategies = {"global/eigen", "irreducible/lanes", "groups/" + test::sparse(),

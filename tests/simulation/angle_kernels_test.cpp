@@ -1,4 +1,4 @@
-// Sines, cosines and harmonics side by side, measured in quad, in every instruction set that this machine has.
+// Sines, cosines and harmonics in lanes, compared with quad, for every instruction set of this machine.
 #include "signals/angle_kernels.hpp"
 #include "numbers.hpp"
 
@@ -44,7 +44,7 @@ struct SinesAndCosines {
   }
 };
 
-// Small ones, all over the range, and the neighbours of multiples of pi/2, where one of the two nearly vanishes.
+// Small angles, angles over the whole range, and neighbours of multiples of pi/2, where sine or cosine nearly vanishes.
 std::vector<double> reducible_angles() {
   std::vector<double> angles = {0.0, -0.0, 1e-300, kLargestAngle, -kLargestAngle};
   std::mt19937_64 random(1);
@@ -101,7 +101,8 @@ TEST(AngleKernels, LargeAnglesAgreeWithTheCLibrary) {
   });
 }
 
-// Tolerances as for one law in scene/law_quad_test.cpp, and the phase's rounding: 2^20 rad is a multiple of 2^-32.
+// Tolerances as for one law in scene/law_quad_test.cpp, plus the rounding of the phase: 2^20 rad is a multiple of
+// 2^-32.
 TEST(AngleKernels, HarmonicsKeepTheirPhaseAfterManyTurns) {
   std::mt19937_64 random(2);
   std::uniform_real_distribution<double> exponent(-3, 12), phase(-7, 7);

@@ -1,4 +1,4 @@
-// Measured angles follow the posture through whole turns: at any step, in any mode, whatever else is asked for.
+// Measured angles follow the posture through whole turns, for every step, mode and set of outputs.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace assur {
 namespace {
-// An angle is wrong by whole turns or not at all; its own error is far smaller, at the border of a fold sqrt(eps).
+// A wrong angle is wrong by whole turns; all other errors are far smaller, sqrt(eps) at a fold.
 constexpr double kNoTurn = 1e-6;
 constexpr double kFine = 2e-3;  // rad, of the crank: steps of the closed form
 
@@ -20,7 +20,7 @@ struct FourBar {
   Triple tracer{0, 0, 0};  // P in the coupler's frame: along BC, to its left
   Triple post{0, 0, 0};    // F, from which P is seen
 
-  // B, C, P; false where there is no posture.
+  // Computes B, C, P; false if there is no posture.
   bool at(double phi, Triple& b, Triple& c, Triple& p) const {
     b = {crank * std::cos(phi), crank * std::sin(phi), 0};
     const double dx = ground - b[0], dy = -b[1], length = std::hypot(dx, dy);
@@ -40,12 +40,12 @@ const FourBar kCrankRocker = {1, 2.2, 1.4, 2, 1, {1, 0.4, 0}, {0.3, 2.5, 0}};
 const std::vector<std::string> kAngles = {"rocker", "transmission", "tracer", "crank"};
 using Angles = std::array<double, 4>;
 
-// Followed along the crank, in fine steps.
+// The true angle, followed along the crank in small steps.
 class Truth {
  public:
   Truth(const FourBar& m, double phi) : m_(m), phi_(phi) { valid_ = step(phi); }
 
-  // False beyond a limit.
+  // Moves to this crank angle; false beyond a limit.
   bool go(double phi) {
     const int pieces = static_cast<int>(std::abs(phi - phi_) / kFine) + 1;
     const double from = phi_;
@@ -109,7 +109,7 @@ const std::vector<std::vector<std::string>> kSubsets = {
     {"rocker.value", "transmission.value", "tracer.value", "crank.value", "P.velocity"},
     {"tracer.value", "tracer.acceleration"}};
 
-// Every mode and subset of outputs: as the closed form says, and how far it goes.
+// Every mode and subset of outputs agrees with the closed form, and ends at the same time.
 void expect_the_closed_form(const FourBar& m, const Law& law, double step, int steps) {
   std::vector<Truth> truth{Truth(m, law(0).value)};
   for (int k = 1; k <= steps; ++k) {
@@ -171,8 +171,7 @@ TEST(AngleTurns, AreRightForAPointSeenFromNearby) {
       ASSERT_TRUE(m.at(law(t).value, b, c, p) && m.at(law(t).value + 1e-4, b, c, q));
       const double dx = q[0] - p[0], dy = q[1] - p[1], along = std::hypot(dx, dy);
       m.post = {p[0] - apart * dy / along, p[1] + apart * dx / along, 0};
-      // The closed form does not resolve the pass: a straight line turns the angle by less than half a turn to the
-      // side.
+      // The closed form does not resolve the passage; on a straight line the angle turns by less than half a turn.
       const test::Result r = test::run(scene(m, law, 0.1, 60, {"tracer.value"}), "groups/eigen");
       ASSERT_EQ(r.trajectory.rows(), 61U);
       const auto row = static_cast<std::size_t>(t * 10);
@@ -219,7 +218,7 @@ TEST(AngleTurns, AreRightForRandomFourBarsAtCoarseSteps) {
   }
 }
 
-// Joints of an arm in series: its last link turns by the sum of them.
+// The last link of an arm turns by the sum of all joint angles.
 TEST(AngleTurns, AreRightForTheLastLinkOfAnArm) {
   constexpr int kJoints = 6;
   for (const double rate : {0.9, 1.04, 2.1}) {  // rad a step: together about one turn, and two

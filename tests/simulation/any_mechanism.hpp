@@ -1,5 +1,4 @@
-// A mechanism of any of the families drawn at random here, with any step, and others that differ from it in their
-// lengths alone.
+// A random mechanism of one of the random families, with a random step, and variants of it with other lengths.
 #pragma once
 
 #include <cmath>
@@ -12,7 +11,7 @@
 
 namespace assur::test {
 
-// A rod between a crank and a rocker whose axes are skew (RSSR), and a slider behind the rocker.
+// A rod between a crank and a rocker with skew axes (RSSR), and a slider connected to the rocker.
 inline Scene skew_loop(Draw& draw, int steps) {
   SceneBuilder b("rssr", 3);
   const double crank = draw.real(0.2, 0.7), first = draw.real(-3, 3), rocker = draw.real(0.8, 1.6);
@@ -41,7 +40,7 @@ inline Scene skew_loop(Draw& draw, int steps) {
   return b.time(0, 1, 1.0 / steps).build();
 }
 
-// A four-bar in the plane, written in space: its links stay in the plane by more equations than they need.
+// A planar four-bar modelled in space, with redundant equations that keep its links in the plane.
 inline Scene plane_in_space(Draw& draw, int steps) {
   SceneBuilder b("redundant", 3);
   const double crank = draw.real(0.3, 0.8), ground = draw.real(1.5, 2.2), first = draw.real(-3, 3);

@@ -1,4 +1,4 @@
-// What outputs can be asked for by name, and what comes of it.
+// Outputs by name, and their columns.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -42,7 +42,7 @@ TEST(AskedOutputs, EveryColumnHasItsOwnName) {
     const std::vector<std::string>& columns = all.trajectory.columns();
     for (std::size_t c = 0; c < columns.size(); c += 1 + columns.size() / 40) {  // of many, some
       const test::Result one = test::run(scene.with_outputs({columns[c]}), "irreducible/eigen");
-      // A scalar's own name asks for its derivatives, too.
+      // The name of a scalar includes its derivatives.
       ASSERT_EQ(one.trajectory.columns().front(), columns[c]);
       EXPECT_LE(one.trajectory.columns().size(), 3u) << columns[c];
       ASSERT_EQ(one.trajectory.rows(), all.trajectory.rows());
@@ -203,7 +203,7 @@ TEST(Sums, RefuseInvalidTerms) {
   EXPECT_EQ(refused({{{"turn", 1.0}}, NAN}), "/measures/s/constant: the value is nan; a finite number is wanted");
 }
 
-// ---- where there are no derivatives
+// ---- postures without derivatives
 
 // B passes through A: its distance has a kink there.
 TEST(Kinks, EventNamesTheOutputWithoutDerivative) {

@@ -1,4 +1,4 @@
-// Midpoint-radius arithmetic and the theorem on it, against exact rational arithmetic.
+// Midpoint-radius arithmetic and the proof of solutions, compared with exact rational arithmetic.
 #include "group/ball.hpp"
 
 #include <gtest/gtest.h>
@@ -33,7 +33,7 @@ S any_middle(Draw& draw) {
   return S(high) + S(high) * S(draw.real(-1, 1) * 0x1p-53);  // all bits of a quad
 }
 
-// Every corner of a and b: the operations have their extremes there.
+// Every corner of a and b, where the operations have their extremes.
 template <class S, class Operation>
 void expect_held(const Ball<S>& a, const Ball<S>& b, const Ball<S>& result, Operation&& operation) {
   for (const int i : {-1, 1}) {
@@ -69,7 +69,7 @@ TEST(Ball, OperationsEncloseEveryResult) {
   expect_operations_to_hold_their_results<Quad>(2);
 }
 
-// Of exact operands one unit in the last place is all that may be added, and twice that in bookkeeping.
+// For exact operands the radius is at most one unit in the last place, plus two for its own rounding.
 TEST(Ball, IsNarrow) {
   Draw draw(3);
   for (int k = 0; k < 100; ++k) {
@@ -168,7 +168,7 @@ BallMatrix rounded(const std::vector<Exact>& exact, Eigen::Index rows) {
   return out;
 }
 
-// x^2 = h, around x = s + d for h = s^2 + e known within e: the other solution is -s.
+// x^2 = h around x = s + d, where h = s^2 + e is known within e; the other solution is -s.
 SolutionProof prove_root(double s, double d, double e) {
   const Exact x = Exact(s) + Exact(d), h = Exact(s) * Exact(s) + Exact(e);
   QuadraticEquations equations{rounded({x * x - h}, 1), rounded({2 * x}, 1), rounded({Exact(-1)}, 1),
@@ -203,7 +203,7 @@ TEST(SolutionProof, CoversTheRangesOfItsInputs) {
   }
 }
 
-// x^2 = h has no real solution for h < 0, and one too far away is not found.
+// x^2 = h has no real solution for h < 0; solutions too far away are not found.
 TEST(SolutionProof, FailsWithoutANearbySolution) {
   const auto none = [](double x, double h) {
     QuadraticEquations equations{rounded({Exact(x) * Exact(x) - Exact(h)}, 1),

@@ -1,4 +1,4 @@
-// Staying on the branch where it is hard, and saying so where it cannot be known.
+// Runs stay on the branch in difficult cases, and report if the branch is undecidable.
 #include <gtest/gtest.h>
 
 #include "references/planar.hpp"
@@ -18,9 +18,9 @@ struct Verdict {
   bool left = false;     // a row is off the branch
 };
 
-// The rocker's end against the closed form. Where the rocker and the coupler meet at an angle of sine sigma, lengths
-// that hold to 8 eps of their ends' coordinates (up to 3 m, both lengths, x and y) leave B1 open by 8 sqrt(2) * 2 * 5
-// eps / sigma, and near sigma = 0 by the square root of that length error: never more.
+// The end of the rocker compared with the closed form. If rocker and coupler form an angle with the sine sigma, lengths
+// that hold to 8 eps of the coordinates of their ends (up to 3 m, both lengths, x and y) determine B1 to 8 sqrt(2) * 2
+// * 5 eps / sigma, and near sigma = 0 to the square root of that length error.
 Verdict judge(const Trajectory& trajectory, double delta) {
   Verdict v;
   const std::size_t x = trajectory.index("B1.x");
@@ -55,8 +55,8 @@ Scene almost_parallelogram(double delta, double step, int turns = 1) {
   return sample("almost_parallelogram", {{"delta", delta}, {"step", step}, {"steps", std::round(turns / step)}});
 }
 
-// Plain Newton ends up to 2 m off with a perfect residual from delta = 1e-6 on. Here every row of the table follows the
-// branch over the whole turn; a run that says otherwise - a status, or an event with its time - is right up to there.
+// From delta = 1e-6 on, plain Newton iteration ends up to 2 m off with a perfect residual. Here every row follows the
+// branch over the whole turn, or the run reports doubt by a status or an event, and is right up to its time.
 TEST(AlmostParallelogram, FollowsTheBranchOrReportsDoubt) {
   for (const double delta : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 3e-13, 1e-13}) {
     for (const double step : {0.01, 0.0033, 0.0625}) {
@@ -73,7 +73,7 @@ TEST(AlmostParallelogram, FollowsTheBranchOrReportsDoubt) {
         if (r.report().status.arrived()) {
           EXPECT_EQ(r.trajectory.rows(), static_cast<std::size_t>(std::round(1 / step)) + 1);
         }
-        // Branches that come as close as this are told from those that cross.
+        // Such close branches are distinguished from crossing ones.
         for (const Event& e : r.report().events) EXPECT_NE(e.kind, Code::change_point_passed);
         if (delta >= 1e-12) {
           EXPECT_TRUE(r.report().status.arrived());
@@ -89,7 +89,7 @@ TEST(AlmostParallelogram, FollowsTheBranchOrReportsDoubt) {
 }
 
 // delta = 0: the two branches cross at crank angles 0 and pi. B1 = B0 + (2, 0) is the smooth continuation through all
-// of them. 1 / dt is chosen so that no row lies on a change point.
+// crossings. No row lies on a change point by the choice of 1 / dt.
 TEST(Parallelogram, PassesItsChangePoints) {
   for (const double step : {0.0033, 0.0027, 0.0071}) {
     for (const std::string formulation : {"global", "groups", "irreducible"}) {
@@ -124,8 +124,9 @@ TEST(Parallelogram, PassesItsChangePoints) {
   }
 }
 
-// A rhombus whose crank swings a little or far beyond the line where its branches cross, by steps from an eighth to a
-// thousandth of the swing: whatever ends early or passes says so, and no row before is on the other branch.
+// A rhombus whose crank swings a little or far beyond the line where its branches cross, with steps from an eighth to a
+// thousandth of the swing: every run reports where it ends early or passes the line, and no row before is on the other
+// branch.
 TEST(Rhombus, KeepsItsBranchForEveryStepAndPredictor) {
   int arrived = 0;
   for (const double swing : {1.5709, 1.575, 1.58, 1.6, 1.65, 1.7, 1.8, 2.0, 2.5}) {
@@ -150,7 +151,7 @@ TEST(Rhombus, KeepsItsBranchForEveryStepAndPredictor) {
   EXPECT_GT(arrived, 500);
 }
 
-// The outputs that are wanted decide nothing: where rates are needed they are computed.
+// The choice of outputs has no influence: rates are computed if the branch needs them.
 TEST(Parallelogram, PassesItsChangePointsWithPositionsOnly) {
   const double step = 0.0033;
   const Result whole = test::run(almost_parallelogram(0, step, 2), "groups/eigen");
@@ -169,8 +170,8 @@ TEST(Parallelogram, PassesItsChangePointsWithPositionsOnly) {
   }
 }
 
-// A row on the change point itself has no velocity that the equations know: then the run ends with a status, never on
-// the other branch.
+// At the change point the equations do not determine the velocity: the run ends with a status, and never on the other
+// branch.
 TEST(Parallelogram, StopsIfTheBranchIsUndecidable) {
   for (const auto& [step, strategy] :
        {std::pair{0.01, std::string("groups/eigen")}, {0.005, std::string("global/eigen")}}) {
@@ -181,7 +182,7 @@ TEST(Parallelogram, StopsIfTheBranchIsUndecidable) {
     ASSERT_FALSE(events.empty());
     for (std::size_t i = 0; i + 1 < events.size(); ++i) EXPECT_EQ(events[i].kind, Code::change_point_passed);
     EXPECT_EQ(events.back().kind, Code::branch_unknown);
-    // All that can be reached is kept: up to some 2^-14 of a step before the change point.
+    // All rows up to about 2^-14 of a step before the change point are kept.
     const double change = 0.25 + 0.5 * static_cast<double>(events.size() - 1);
     EXPECT_LT(r.report().reached, change);
     EXPECT_GT(r.report().reached, change - step / 16384);

@@ -1,4 +1,4 @@
-// Certificates against the reference in quad, which shares the scene's equations and nothing else.
+// Certificates compared with the reference in quad, which only shares the equations of the scene.
 #include "errors/certificate.hpp"
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ double true_error(const Ball<double>& computed, const Quad& truth) {
   return static_cast<double>(abs(Quad(computed.middle()) - truth));
 }
 
-// Every coordinate of every row: within its radius of the true one if it has one.
+// Every coordinate of every certified row is within its radius of the true one.
 Largest expect_truth_inside(const Scene& scene, const std::string& strategy, std::int64_t rows = 20) {
   SCOPED_TRACE(scene.name() + " " + strategy);
   const Prepared prepared = prepare(scene, {strategy, {}});
@@ -89,8 +89,8 @@ TEST(Certificate, EnclosesTheTruthOfEveryFile) {
   }
 }
 
-// All inputs are constants and there is one group, so that nothing is lost but what is of second order: the condition,
-// at most 6e5 here, times the rounding of the 18 unknowns' matrices.
+// All inputs are constant and there is one group, so that only second-order terms are lost: the condition, at most 6e5
+// here, times the rounding of the matrices of 18 unknowns.
 TEST(Certificate, RadiusOfAGoughPostureIsItsError) {
   for (int k = 1; k <= 40; ++k) {
     const Largest found = expect_truth_inside(sample("gough:posture=" + std::to_string(k)), "auto");
@@ -115,7 +115,7 @@ TEST(Certificate, EnclosesTheTruthOfRandomMechanisms) {
   }
 }
 
-// Three equal cranks on one coupler with the middle one in its middle: one equation of them is implied by the others.
+// Three equal cranks on one coupler, the third in its middle: one equation follows from the others.
 Scene three_cranks() {
   SceneBuilder b("three_cranks", 2);
   for (int i = 0; i < 3; ++i) {
@@ -137,9 +137,8 @@ TEST(Certificate, LeavesOutRedundantEquations) {
   }
 }
 
-// The radius of a posture that a simulator computed comes from its residual: each equation holds to 8 eps of its scale
-// (the criterion of convergence), which the condition amplifies. Through L levels the signs with which errors meet are
-// lost, which costs a factor of two for each of the few here.
+// The radius of a computed posture comes from its residual: each equation holds to 8 eps of its scale (the criterion of
+// convergence), which the condition amplifies. Each level loses the signs of errors, which costs a factor of two.
 TEST(Certificate, IsAsNarrowAsTheConditionAllows) {
   for (const char* text : {"four_bar", "slider_crank:offset=0.02", "andrews", "stewart", "rings:legs=3,n=12"}) {
     const Scene scene = sample(text);
@@ -158,7 +157,7 @@ TEST(Certificate, IsAsNarrowAsTheConditionAllows) {
   }
 }
 
-// ---- postures that are wrong
+// ---- wrong postures
 
 TEST(Certificate, EnclosesTheTruthOrFailsForAWrongPosture) {
   for (const char* text : {"stewart", "four_bar:3", "rings:legs=2,n=24"}) {
@@ -224,7 +223,7 @@ TEST(Certificate, ShrinksTowardsAFoldAndEndsThere) {
     EXPECT_NEAR(certificate.uniqueness, h, 1e-6 * h + 4 * kEps / h);
     EXPECT_LE(certificate.radius, 4 * kEps / h);  // of the rounded posture: of x / 2 none, of h half a unit
     least = h;
-    // Half way to the other one there is nothing to be proven.
+    // Half way to the other posture no proof exists.
     EXPECT_NE(fold.certify(x, 0.01 * h).why_not, "");
   }
   EXPECT_LE(least, 1.1e-7);
@@ -235,7 +234,7 @@ TEST(Certificate, ShrinksTowardsAFoldAndEndsThere) {
   EXPECT_NE(fold.certify(2.5, 0.1).why_not, "");  // beyond, where there is no posture
 }
 
-// ---- what has none
+// ---- scenes without certificates
 
 Callback circle() {
   Callback c;
@@ -252,7 +251,7 @@ Callback circle() {
   return c;
 }
 
-// P on a circle that is a callback, Q on P and on a fixed point, R on a fixed point of its own.
+// P on a circle by a callback, Q connected to P and a fixed point, R to another fixed point.
 TEST(Certificate, FailsForCallbacksAndGroupsAfterThem) {
   const Scene scene = SceneBuilder("circle", 2)
                           .point("P", {1, 0, 0})
@@ -296,7 +295,7 @@ TEST(Certificate, FailsForTooLargeGroups) {
   EXPECT_NE(certificate.why_not.find("420 unknowns"), std::string::npos) << certificate.why_not;
 }
 
-// ---- of a run
+// ---- runs
 
 TEST(Certificate, CertifiesEachRowOfARun) {
   const Scene scene = sample("four_bar:2").with_time({0, 0.02, 0.001});
@@ -343,7 +342,7 @@ TEST(Certificate, NeedsTheScene) {
   }
 }
 
-// Scaling every length by a power of two changes no bit of the radius.
+// Scaling every length by a power of two keeps the radius bitwise.
 TEST(Certificate, DoesNotDependOnTheUnitOfLength) {
   const Scene scene = sample("andrews");
   const Certificate here = certify(test::simulator(scene, "groups/eigen"));

@@ -1,4 +1,4 @@
-// Long chains of groups, each fed by the one before, and large groups.
+// Long chains of groups, each driven by the previous one, and large groups.
 #include <gtest/gtest.h>
 
 #include "references/planar.hpp"
@@ -29,10 +29,11 @@ const Chain kMiddle = {"four_bar:64", 64, 2, crank_rockers, 8};
 const Chain kLong = {"four_bar:1000", 1000, 2, crank_rockers, 40};
 const Chain kRhombi = {"n_four_bar:40", 40, 1, references::n_four_bar, 5};
 
-// Worst case of |B_i - closed form|. Each length holds to 8 eps (the criterion of convergence) of what its ends'
-// coordinates add up to, sqrt(2) for x and y. The error across a rocker takes in three lengths of its loop - the rocker
-// before, coupler, rocker - over the sine between the last two; from the second loop on, all are parallelograms, which
-// hand on the error before without growth. So it grows with the number of loops, and the coordinates with it.
+// Worst case of |B_i - closed form|. Each length holds to 8 eps (the criterion of convergence) of the sum of the
+// coordinates of its ends, sqrt(2) for x and y. The error across a rocker includes three lengths of its loop (the
+// rocker before, coupler, rocker) over the sine between the last two. From the second loop on, all loops are
+// parallelograms, which pass on the previous error without growth. So the error grows with the number of loops, and
+// with the coordinates.
 class Bound {
  public:
   Bound(const Chain& chain, const Posture<QuadJet>& at) : chain_(chain), at_(at) {}
@@ -82,7 +83,7 @@ void expect_closed_form(const Chain& chain, const std::string& strategy) {
     }
     for (const auto& [name, b] : at) deviation.add(row, name, b);
   }
-  // Relative to the largest of the run, as for the other mechanisms with a reference.
+  // Relative to the largest value of the run, as for the other mechanisms with a reference.
   const Motion off = deviation.worst();
   EXPECT_LE(off.value, 1e-12);
   EXPECT_LE(off.rate, 1e-11);
@@ -137,8 +138,8 @@ TEST(Rings, DenseAndGlobalGiveTheSameMotion) {
     const Result r = test::run(scene, strategy);
     ASSERT_TRUE(r.report().status.ok());
     EXPECT_LE(r.counters().most_iterations, 2);
-    // Two solutions with residuals of 8 eps each, at condition 16 in the terminal and 16 again in the legs that it
-    // moves; rates take in the error of the position at condition 16.
+    // Two solutions with residuals of 8 eps each, at condition 16 in the terminal and again 16 in the legs that it
+    // moves; rates include the position error times condition 16.
     EXPECT_LE(test::difference(groups.trajectory, r.trajectory), 2 * 8 * 16 * 16 * 16 * kEps);
   }
 }

@@ -1,4 +1,4 @@
-// Measures of points that pass close to each other divide by that distance: the estimated errors tell what is lost.
+// Measures of points that pass close to each other divide by their distance; the estimated errors include this loss.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -26,7 +26,7 @@ void expect_covered(const Scene& scene, const std::string& strategy) {
   EXPECT_LE(error.acceleration, std::max(kMeasured, kBeyond * estimated.estimated_acceleration.value()));
 }
 
-// A slider passes a point of its own line at a distance of 1e-6: all derivatives of the direction are rounding.
+// A slider passes a point of its own line at a distance of 1e-6, where all derivatives of the direction are rounding.
 TEST(ClosePoints, HandleASliderThatPassesAPoint) {
   SceneBuilder builder("slider", 2);
   builder.fixed_point("A", {0, 0, 0}).fixed_point("F", {1.0789035682494987, 1.438538090999332, 0});
@@ -41,7 +41,7 @@ TEST(ClosePoints, HandleASliderThatPassesAPoint) {
   EXPECT_EQ(test::run(scene).report().status.code, Code::inaccurate);
 }
 
-// It passes through the point at t = 0.856: which way round the direction turns there is a guess, by a whole turn.
+// The slider passes through the point at t = 0.856, where the sense of rotation of the direction is undecidable.
 TEST(ClosePoints, ReportDoubtfulTurnsIfTheyMeet) {
   const Scene scene = parse_scene(R"({"assur": 1, "name": "close", "dimension": 2,
     "points": {"A": {"at": [0, 0], "fixed": true}, "B": {"at": [0.5, 0]}, "C": {"at": [1.07, 1.43]},

@@ -1,4 +1,4 @@
-// How far two runs of one mechanism may be apart, from the conditions of its postures.
+// Largest difference of two runs of one mechanism, from the conditions of its postures.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -19,8 +19,8 @@ std::vector<double> posture_of(const Simulator& simulator);  // all coordinates,
 
 namespace assur::test {
 
-// How far the coordinates of a posture may be off: if every equation holds to a relative residual r, that is to r times
-// its scale s_i = sum |dPhi_i/dq_j| |q_j| + |constant|, no coordinate is off by more than r |J^-1| s.
+// Largest error of the coordinates of a posture: if every equation holds to a relative residual r, that is r times its
+// scale s_i = sum |dPhi_i/dq_j| |q_j| + |constant|, no coordinate has an error above r |J^-1| s.
 struct Condition {
   double all = 1;  // max |J^-1| s over the largest coordinate
   double own = 1;  // over the characteristic length, which is less far from the origin
@@ -52,7 +52,7 @@ inline Condition both_of(const Structure& structure, std::span<const double> q) 
 }
 inline double condition(const Structure& structure, std::span<const double> q) { return both_of(structure, q).all; }
 
-// Of every row of a run, as far as it gets; between two rows that were looked at the larger one counts.
+// Conditions of all rows that a run reaches; between two examined rows the larger one counts.
 inline std::vector<double> conditions(const Scene& scene, std::span<const double> times, std::size_t every = 1) {
   Simulator s = simulator(scene, "groups/eigen");
   std::vector<double> out;
@@ -92,7 +92,7 @@ inline int derivative_of(const std::string& column) {
   return 0;
 }
 
-// What all columns of a run are measured against: the largest of each derivative; values: 1 rad or 1 m at least.
+// Scales of all columns of a run: the largest value of each derivative; for values at least 1 rad or 1 m.
 struct Sizes {
   double of[3] = {1, 0, 0};
 };
@@ -105,8 +105,8 @@ inline Sizes sizes(const Trajectory& t) {
   return s;
 }
 
-// Both runs hold their equations to a residual r. Positions take it in at the condition of the posture; rates take in
-// the error of the positions at the condition once more, and accelerations that of both at its third power.
+// Both runs satisfy their equations to a residual r. The condition of the posture amplifies it once for positions,
+// twice for rates and three times for accelerations.
 inline void expect_same_row(std::span<const double> a, const Trajectory& b, std::size_t k, const Sizes& size,
                             double condition, double residual) {
   double bound[3] = {2 * residual * condition * size.of[0]};
@@ -122,7 +122,7 @@ inline void expect_same_row(std::span<const double> a, const Trajectory& b, std:
   }
 }
 
-// The criterion of convergence is 8 eps; what the runs tell of themselves if that is more.
+// The criterion of convergence, 8 eps, or the reported residuals if they are larger.
 inline double residual_of(const Report& a, const Report& b) {
   return std::max({8 * kEps, a.error.position, b.error.position, a.error.velocity, b.error.velocity,
                    a.error.acceleration, b.error.acceleration});

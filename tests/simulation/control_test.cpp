@@ -1,4 +1,4 @@
-// A control loop: drivers set by the program, deadlines, steps that fail and leave everything as it was.
+// A control loop: commanded drivers, deadlines, failed steps that change nothing.
 #include <gtest/gtest.h>
 
 #include "simulation/limited.hpp"
@@ -88,7 +88,7 @@ TEST(Control, UnknownDriverIsRefused) {
   EXPECT_THROW(uncontrolled.set("motor", 1), Error);
 }
 
-// It cannot reach cos(angle) < 0.04.
+// This mechanism cannot reach cos(angle) < 0.04.
 Scene limited() {
   return test::limited_four_bar(Law::constant(0.5)).measure("angle", AbsoluteAngle{"A0", "B"}).time(0, 1, 0.01).build();
 }
@@ -110,7 +110,7 @@ TEST(Control, AnImpossibleCommandKeepsTheLastPosture) {
     const Status failed = s.step();
     EXPECT_EQ(failed.code, Code::limit_reached);
     EXPECT_EQ(s.report().status.code, failed.code);
-    // The posture is one on the way, and the outputs are those of that time.
+    // The posture is one on the way, with its outputs.
     EXPECT_GE(s.time(), before);
     EXPECT_LT(s.time(), before + 0.01);
     EXPECT_EQ(s.report().reached, s.time());
@@ -119,7 +119,7 @@ TEST(Control, AnImpossibleCommandKeepsTheLastPosture) {
     EXPECT_NEAR(s.output("B.x"), std::cos(s.output("angle")), 8 * kEps);
     EXPECT_LE(coupler_error(s), 32 * kEps);
     EXPECT_EQ(s.time() > before, s.output("angle") > 1.0 + 1e-12);
-    // And the loop goes on with an aim that can be reached.
+    // The loop continues with a reachable command.
     const double now = s.time();
     s.set("motor", 1.2);
     ASSERT_TRUE(s.step().ok());
@@ -168,7 +168,7 @@ TEST(Control, NonFiniteCommandsFailAndNameTheDriver) {
       EXPECT_FALSE(std::isfinite(e.figure));
       EXPECT_EQ(s.time(), now);
       EXPECT_EQ(before, std::vector<double>(s.outputs().begin(), s.outputs().end()));
-      // Forgotten with the step; the loop goes on.
+      // The command is forgotten with the step, and the loop continues.
       s.set("motor", 0.15, 3);
       ASSERT_TRUE(s.step().ok());
       EXPECT_NEAR(s.output("B0.x"), 0.8 * std::cos(0.15), 4 * kEps);
@@ -183,7 +183,7 @@ TEST(Control, NamesTheNonFinitePartOfAPose) {
   EXPECT_EQ(s.step().code, Code::not_finite);
   ASSERT_EQ(s.report().events.size(), 1u);
   EXPECT_EQ(s.report().events[0].group, "pose.theta");
-  // Nothing that was set for that step is kept, so that the laws still serve.
+  // Commands of the failed step are forgotten, so that the laws still apply.
   ASSERT_TRUE(s.step().ok());
 }
 
@@ -191,7 +191,7 @@ TEST(Control, TheLawAppliesUntilTheFirstSet) {
   Simulator s = test::simulator(sample("four_bar:step=0.01"), "auto", {}, {"motor"});
   for (int k = 1; k <= 7; ++k) ASSERT_TRUE(s.step().ok());
   EXPECT_NEAR(s.output("B0.x"), 0.8 * std::cos(kOmega * s.time()), 8 * kEps);
-  // Taken over on the way, without a jump.
+  // The command takes over during the motion, without a jump.
   s.set("motor", kOmega * (s.time() + 0.01), kOmega);
   ASSERT_TRUE(s.step().ok());
   EXPECT_NEAR(s.output("B0.x"), 0.8 * std::cos(kOmega * s.time()), 8 * kEps);
@@ -220,7 +220,7 @@ TEST(Control, IterationsAreExactBeyondTheFirstLevel) {
     Simulator s = test::simulator(scene, "groups/eigen", {.iterations = n});
     const std::int64_t of_start = s.report().counters.newton_iterations;
     for (int k = 1; k <= 20; ++k) ASSERT_TRUE(s.step(0.001 * k).ok());
-    // Loops 2, 3 and 4: n each; loop 1 what it takes.
+    // Loops 2, 3 and 4 take n iterations each; loop 1 as many as needed.
     const std::int64_t rest = s.report().counters.newton_iterations - of_start - 20 * 3 * n;
     EXPECT_GE(rest, 0) << n;
     EXPECT_LE(rest, 2 * 20) << n;

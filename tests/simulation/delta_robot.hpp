@@ -1,5 +1,5 @@
-// A delta robot: three arms on hinges, each with a parallelogram of two rods to the platform, whose pose is driven. As
-// the platform does not turn, one rod of each parallelogram is redundant.
+// A delta robot: three arms on hinges, each with a parallelogram of two rods to the platform, whose pose is driven.
+// Because the platform does not turn, one rod of each parallelogram is redundant.
 #pragma once
 
 #include <cmath>
@@ -28,7 +28,7 @@ struct DeltaRobot {
     return -std::sqrt(reach * reach - along * along);
   }
 
-  // Elbow k with the platform at x, z: where the circle of the arm meets that of the rods, on the outer side.
+  // Elbow k with the platform at x, z: the outer intersection of the circles of arm and rods.
   [[nodiscard]] Triple elbow(int k, double x, double z) const {
     const double across = x * hinge(k)[0], rods = std::sqrt(rod * rod - across * across);
     const double dx = x * out(k)[0] + platform - base, d = std::hypot(dx, z);

@@ -1,4 +1,4 @@
-// How far the outputs of a run are from a closed form in quad.
+// Deviation of the outputs of a run from a closed form in quad.
 #pragma once
 
 #include <algorithm>
@@ -12,8 +12,8 @@
 
 namespace assur::test {
 
-// How far a trajectory is from a reference: for every name the largest difference of the run over the largest reference
-// of the run (lengths: at least `length`), maximum norms; of value, rate and acceleration.
+// Deviation of a trajectory from a reference: for every name the largest difference of the run over the largest
+// reference value of the run (lengths: at least `length`), in maximum norms; for value, rate and acceleration.
 class Deviation {
  public:
   explicit Deviation(const Trajectory& trajectory, double length = 0) : trajectory_(trajectory), length_(length) {
@@ -37,7 +37,7 @@ class Deviation {
     compare(row, item, 2, scalar + ".acceleration", reference.acceleration);
   }
 
-  // The worst name; infinite if nothing was compared.
+  // The largest deviation of all names; infinite if nothing was compared.
   [[nodiscard]] Motion worst() const {
     double worst[3] = {};
     std::size_t compared = 0;

@@ -1,4 +1,4 @@
-// The flat program of the drivers against their definition in quad.
+// The flat program of the drivers compared with their definition in quad.
 #include "signals/drive_program.hpp"
 #include "numbers.hpp"
 
@@ -76,7 +76,7 @@ TEST(DriveProgram, ComputesTheDriversOfTheSamples) {
 }
 
 Law table() { return Law::table({0, 0.5, 1.25, 2}, {0.1, 0.3, -0.2, 0.1}, true); }
-// More terms than one, of everything that there is; one whose phase is too large to be reduced like the others.
+// Several terms of every kind; one has a phase too large for the usual reduction.
 Law rich() {
   return Law::harmonics({{0.3, 0.7, 0.2}, {0.1, 1.4, -1}, {1e-7, 0.7, 3e6}}, 0.5) + Law::polynomial({0.1, 0.2, -0.1}) +
          Law::harmonics({{0.2, 0.25, 5}, {0, 3, 0}, {0.1, 0.7, 1}}) + table() + Law::function([](double t) {

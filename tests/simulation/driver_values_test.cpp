@@ -1,5 +1,5 @@
-// A driver's law is a fact of the scene: in every row the driver has that value, measured from positions, or the scene
-// or the step is refused by the driver's name.
+// In every row a driver has the value of its law, measured from positions; otherwise the scene or the step is refused
+// and the driver named.
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -18,7 +18,7 @@ constexpr double kPi = std::numbers::pi;
 
 double turned(double a) { return std::remainder(a, 2 * kPi); }
 
-// A unit vector e about z, or in the plane, driven from x; the guess is at `guess`, the law begins at `start`.
+// A unit vector e about z, or in the plane, driven from x; its guess is at `guess`, the law starts at `start`.
 Scene pointer(int dimension, double guess, double start) {
   SceneBuilder b("pointer", dimension);
   b.fixed_vector("x", {1, 0, 0}).vector("e", {std::cos(guess), std::sin(guess), 0});
@@ -32,7 +32,7 @@ Scene pointer(int dimension, double guess, double start) {
   return b.build();
 }
 
-// Newton's method ends half a turn away from guesses that are off by more than a right angle.
+// Newton's method would end half a turn away if the guess is wrong by more than a right angle.
 TEST(DriverValues, RelativeAnglesMatchTheLawFromAnyGuess) {
   for (const int dimension : {2, 3}) {
     for (int degrees = -180; degrees <= 180; degrees += 10) {
@@ -51,7 +51,7 @@ TEST(DriverValues, RelativeAnglesMatchTheLawFromAnyGuess) {
   }
 }
 
-// The arms of a delta robot: the elbow's angle, by atan2 of the elbow's position, is the law's.
+// The arms of a delta robot: the angle of each elbow, by atan2 of its position, follows the law.
 TEST(DriverValues, DeltaRobotsMatchTheLawFromPoorGuesses) {
   const references::Delta delta;
   for (const double off : {0.4, 1.7, 2.2, -1.7, kPi}) {
@@ -114,7 +114,7 @@ class Maker {
     }
   }
 
-  // Links in the plane, each driven by its angle from the one before.
+  // Links in the plane, each driven by its angle from the previous one.
   Case chain_in_the_plane() {
     SceneBuilder b("chain", 2);
     Case c;
@@ -135,7 +135,7 @@ class Maker {
     return finish(b, c);
   }
 
-  // A direction on a cone about a fixed axis, and another one about an axis that moves with it.
+  // A direction on a cone about a fixed axis, and another direction about an axis that moves with it.
   Case chain_in_space() {
     SceneBuilder b("serial", 3);
     Case c;
@@ -146,7 +146,7 @@ class Maker {
     b.vector("e", e).constrain("cone", Dot{"e", "z", std::cos(cone)});
     angle(b, c, "1", "x", "e", "z", turned(guess - off()));
     if (whole(2) == 0) return finish(b, c);
-    // A frame on e: a across both, then f turns about a from e.
+    // A frame at e: a is perpendicular to both, and f turns about a from e.
     const Triple a = unit(cross(z, e));
     b.vector("a", a).constrain("a_z", Dot{"a", "z", 0.0}).constrain("a_e", Dot{"a", "e", 0.0});
     const double second = number(-kPi, kPi);
@@ -204,7 +204,7 @@ class Maker {
     return {a[0] / n, a[1] / n, a[2] / n};
   }
   Triple across(const Triple& a) { return unit(cross(a, direction())); }
-  // At an angle `cone` from a, turned about it by `turn` from x, which is across it.
+  // A direction at the angle `cone` from a, turned about a by `turn` from x, which is perpendicular to a.
   static Triple about(const Triple& a, const Triple& x, double cone, double turn) {
     const Triple y = cross(a, x);
     Triple out;
@@ -226,7 +226,7 @@ class Maker {
   std::mt19937 random_;
 };
 
-// Measures are evaluated from positions, not from what drives them.
+// Measures are evaluated from positions, not from driver values.
 TEST(DriverValues, MatchTheLawsOrAreRefusedByName) {
   int run = 0, refused = 0, far = 0;
   for (unsigned seed = 1; seed <= 2000; ++seed) {
@@ -238,7 +238,7 @@ TEST(DriverValues, MatchTheLawsOrAreRefusedByName) {
       for (std::size_t k = 0; k < r.trajectory.rows(); ++k) {
         for (const Case::Angle& a : c.angles) {
           const double q = r.trajectory(k, r.trajectory.index(a.measure));
-          // Estimated errors of what is not told as inaccurate are at most 1e-6.
+          // Rows without a report of inaccuracy have estimated errors of at most 1e-6.
           EXPECT_NEAR(turned(q - a.law(r.trajectory.times()[k]).value), 0, 1e-6) << "row " << k;
         }
       }
@@ -253,9 +253,9 @@ TEST(DriverValues, MatchTheLawsOrAreRefusedByName) {
   EXPECT_GE(run, far * 99 / 100);  // the laws' values at the start can all be reached
 }
 
-// ---- on the way
+// ---- during the run
 
-// P at (1 - t) times (1, tan 0.5): the lever of the angle vanishes at t = 1, beyond it the direction turns round.
+// P at (1 - t) times (1, tan 0.5): the lever of the angle vanishes at t = 1, after which the direction is reversed.
 SceneBuilder vanishing(const std::string& name) {
   SceneBuilder b(name, 2);
   b.fixed_vector("x", {1, 0, 0}).fixed_point("O", {0, 0, 0}).point("P", {1, 0.5, 0});
@@ -281,7 +281,7 @@ TEST(DriverValues, AVanishingLeverStopsTheRunAndIsNamed) {
   }
 }
 
-// So it does in chunks, in lanes side by side, and from a saved plan.
+// The same holds in chunks, in lanes, and with a saved plan.
 TEST(DriverValues, AVanishingLeverStopsEveryKindOfRun) {
   const Scene scene = vanishing("vanishing").time(0, 1.5, 0.0625).build();
   const double reached = 15 * 0.0625;
@@ -311,7 +311,7 @@ TEST(DriverValues, AVanishingLeverStopsEveryKindOfRun) {
   EXPECT_EQ(loaded.report().events.back().group, "m");
 }
 
-// The axis of the angle leans until it is along the first direction: the motor turns nothing there.
+// The axis of the angle tilts until it is parallel to the first direction, where the motor has no effect.
 TEST(DriverValues, AnAxisAlongADirectionStopsTheRunAndIsNamed) {
   SceneBuilder b("leaning", 3);
   b.fixed_vector("x", {1, 0, 0}).fixed_vector("y", {0, 1, 0}).fixed_vector("z", {0, 0, 1});
@@ -341,7 +341,7 @@ std::string refusal(const Scene& scene) {
   return "";
 }
 
-// Two vectors of one body: the axis is along the direction whatever the posture.
+// Two vectors of one body: the axis is parallel to the direction in every posture.
 TEST(DriverValues, AnAxisAlongADirectionOfItsBodyIsRefused) {
   SceneBuilder b("rigid", 3);
   b.fixed_point("O", {0, 0, 0}).fixed_vector("z", {0, 0, 1});
@@ -356,8 +356,8 @@ TEST(DriverValues, AnAxisAlongADirectionOfItsBodyIsRefused) {
       << what;
 }
 
-// The equations of a declared group hold for a mirror image of a posed frame, and for frames with two axes turned
-// about: from these the frame is led to its law, the mirror image is refused.
+// The equations of a declared group also hold for the mirror image of a posed frame, and for frames with two reversed
+// axes: these are led to the law of the pose, the mirror image is refused.
 TEST(DriverValues, PosesMatchTheLawFromATurnedFrame) {
   for (const Triple& sign : {Triple{-1, -1, 1}, Triple{1, -1, -1}, Triple{-1, 1, -1}, Triple{-1, -1, -1}}) {
     SceneBuilder b("posed", 3);

@@ -1,5 +1,5 @@
-// Every kind of driver and body moves as it should; closed forms by hand. Tolerances: a few roundings of numbers of
-// size 1 at conditions up to 10, rates and accelerations of size up to 10.
+// Every kind of driver and body compared with closed forms. Tolerances: a few roundings of numbers of size 1 at
+// conditions up to 10, rates and accelerations of size up to 10.
 #include <gtest/gtest.h>
 
 #include "simulation/run.hpp"
@@ -41,7 +41,7 @@ void every_row(const Scene& scene, const Check& check) {
   }
 }
 
-// A point or vector against its closed form at t - h, t, t + h: position, and central differences with their error
+// A point or vector compared with its closed form at t - h, t, t + h: position, and central differences with the error
 // h^2 / 6 times the third (fourth: / 12) derivative, which is at most 100 here, and eps / h (4 eps / h^2) of rounding.
 template <class ClosedForm>
 void expect_motion(const Trajectory& trajectory, std::size_t row, double t, const std::string& name, int dimension,
@@ -127,7 +127,7 @@ TEST(Drivers, RelativeAngleOfTwoLinks) {
   });
 }
 
-// A flap hinged about x: a base of three points, and members out of its plane, which need its normal.
+// A flap hinged about x: a base of three points, and members outside its plane, which need the normal.
 TEST(Bodies, BaseOfThreePointsWithANormal) {
   const Law angle = swing(2, 1, 0);
   SceneBuilder builder("flap", 3);
@@ -147,7 +147,7 @@ TEST(Bodies, BaseOfThreePointsWithANormal) {
   });
 }
 
-// The same as an unknown: C hangs on a rod from a crank about Q, so that the base is solved for.
+// The same with unknowns: a rod connects C to a crank about Q, so that the base is solved for.
 TEST(Bodies, BaseOfThreePointsInAGroup) {
   const Law angle = swing(-0.5, 1, 1.5707963267948966, 0.5);
   SceneBuilder builder("flap", 3);
@@ -187,7 +187,7 @@ TEST(Bodies, Translate) {
   });
 }
 
-// Both coordinates in a plane that itself turns are driven.
+// Drives both coordinates in a turning plane.
 TEST(Drivers, DriveLambdaAndMuInAMovingPlane) {
   const Law lambda = swing(0.3, 1, 0, 1), mu = swing(0.4, 2, 0.5), psi = swing(0.7, 1, 0);
   SceneBuilder builder("table", 3);
@@ -268,7 +268,7 @@ TEST(Callbacks, ADistanceCallbackEqualsTheConstraint) {
     const Result a = test::run(built_in, strategy), b = test::run(by_callback, strategy);
     ASSERT_EQ(b.report().status.code, Code::ok) << "at " << b.report().reached;
     EXPECT_LE(test::difference(a.trajectory, b.trajectory), 1e-13);
-    // The scale of a callback's residual is that of its derivatives: some roundings more.
+    // The scale of the residual of a callback comes from its derivatives: a few more roundings.
     EXPECT_LE(b.report().error.position, 1e-14);
   }
 }
@@ -309,7 +309,7 @@ TEST(Callbacks, ModelAGear) {
 
 // ---- redundant equations
 
-// Three equal cranks on one coupler: a rod too many, which is watched, not solved.
+// Three equal cranks on one coupler: one rod is redundant; it is checked, not solved.
 Scene three_rods(double third) {
   SceneBuilder builder("three_rods", 2);
   const double x = std::cos(1.0), y = std::sin(1.0);
@@ -332,7 +332,7 @@ TEST(Redundancy, ChecksAThirdParallelRod) {
   ASSERT_EQ(p.structure->redundant.size(), 1u);
   EXPECT_TRUE(p.structure->undetermined.empty());
   ASSERT_EQ(p.structure->checks.size(), 1u);
-  // One equation more is evaluated at every posture.
+  // Every posture evaluates one more equation.
   const Result r = test::run(three_rods(1), "groups/eigen");
   std::int64_t unknowns = 0;
   for (const Group& g : p.structure->groups) unknowns += static_cast<std::int64_t>(g.unknowns.size());

@@ -1,4 +1,4 @@
-// What members of an ensemble watch, call, throw and are refused for; and who stops them.
+// Members of an ensemble: redundant equations, callbacks, exceptions, refusals, and observers that stop them.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -14,7 +14,7 @@ namespace {
 
 // ---- redundant equations, callbacks
 
-// Three parallel rods on a coupler; one is redundant and watched.
+// Three parallel rods on a coupler; one is redundant and checked.
 Scene three_rods(std::size_t i) {
   const double start = 0.5 + 0.1 * static_cast<double>(i), spread = 0.4 + 0.02 * static_cast<double>(i);
   const Triple crank = {std::cos(start), std::sin(start), 0};
@@ -28,7 +28,7 @@ Scene three_rods(std::size_t i) {
   return b.time(0, 1, 0.01).build();
 }
 
-// Redundant at the start and to first order; the third rod hangs on a point that leaves the circle, sooner or later.
+// Redundant at the start and to first order; the third rod is connected to a point that leaves the circle later.
 Scene leaving(std::size_t i) {
   SceneBuilder b("leaving", 2);
   b.fixed_point("A", {0, 0, 0}).fixed_point("C", {1, 0, 0}).point("S", {0.5, 0, 0});
@@ -46,7 +46,7 @@ TEST(Ensemble, ChecksRedundantEquations) {
     EXPECT_EQ(e.report().status.code, Code::ok);
     for (std::size_t i = 0; i < 5; ++i) {
       expect_member(e, all, i, three_rods(i), strategy);
-      // Which of the rods is watched depends on the start posture: members with another one run alone.
+      // The checked rod depends on the start posture; members with another one run alone.
       const auto watched = [](std::size_t m) { return prepare(three_rods(m), {"groups/eigen", {}}).structure->checks; };
       EXPECT_EQ(e.outcomes()[i].alone, watched(i) != watched(0));
     }
@@ -58,7 +58,7 @@ TEST(Ensemble, ChecksRedundantEquations) {
   }
 }
 
-// The lengths are in the functions, where nobody can compare them: each member has to ask its own.
+// The lengths are inside the functions, so that every member has to call its own.
 TEST(Ensemble, UsesTheCallbacksOfEachMember) {
   const SceneOf scene = [](std::size_t i) {
     const double rocker = 1.2 + 0.05 * static_cast<double>(i);
@@ -77,13 +77,13 @@ TEST(Ensemble, UsesTheCallbacksOfEachMember) {
   }
 }
 
-// ---- what is thrown, refused, stopped
+// ---- exceptions, refusals, stops
 
 struct Broken : std::runtime_error {
   Broken() : std::runtime_error("broken") {}
 };
 
-// The law of member 5; over even steps, and where a long one sends everybody on alone.
+// The law of member 5 throws: over equal steps, and in a long step for which all members continue alone.
 TEST(Ensemble, PropagatesExceptionsOfLaws) {
   const std::vector<double> even = {0, 0.1, 0.2, 0.3, 0.4, 0.5}, uneven = {0, 0.01, 0.25, 0.26, 0.4, 0.5};
   for (const std::string strategy : {"groups/eigen:1", "groups/eigen:4", "groups/eigen:2 3x1"}) {
@@ -110,7 +110,7 @@ TEST(Ensemble, PropagatesExceptionsOfLaws) {
   EXPECT_TRUE(alone.run(uneven).rows(4) == 6 && alone.outcomes()[4].alone);
 }
 
-// A member of its own, too, and a lane that goes on alone.
+// Also for a member that runs alone, and for a lane that continues alone.
 TEST(Ensemble, PropagatesExceptionsOfCallbacks) {
   auto armed = std::make_shared<std::atomic<bool>>(false);
   const SceneOf scene = [=](std::size_t) {
@@ -155,7 +155,7 @@ TEST(Ensemble, RefusesInvalidArguments) {
   EXPECT_NE(refusal([&] { (void)e.run(std::vector<double>{0.1, 0.2}); }), "");
   EXPECT_NE(refusal([&] { (void)e.run(std::vector<double>{0, 0.2, 0.1}); }).find("ascend"), std::string::npos);
   EXPECT_NE(refusal([&] { (void)e.run(std::vector<double>{0, NAN}); }).find("finite"), std::string::npos);
-  // If no member can be prepared, the first one's reason is told.
+  // If no member can be prepared, the error is that of the first.
   EXPECT_THROW((void)ensemble(3, [](std::size_t) { return partly_limited(3); }), Error);
   EXPECT_THROW((void)ensemble(3, [](std::size_t) -> Scene { throw Broken(); }), Broken);
   EXPECT_THROW((void)ensemble(3, four_bar, "groups/nobody"), Error);
@@ -217,7 +217,7 @@ TEST(Ensemble, PinsItsThreads) {
             std::string::npos);
 }
 
-// Twice as many steps take not one allocation more. With several threads it depends on who takes which tile.
+// Twice as many steps need no more allocations. With several threads, this depends on the assignment of tiles.
 TEST(Ensemble, StepsAllocateNothing) {
   for (const std::string strategy : {"groups/eigen:4", "irreducible/lanes:8+once", "groups/lanes:2"}) {
     Ensemble e = ensemble(16, chain, strategy);
@@ -260,7 +260,7 @@ TEST(Ensemble, AnObserverIsCalledForEveryRowAndStops) {
     }
     EXPECT_GE(rows, 100u);
     EXPECT_LT(rows, 7u * 61);
-    // One thread stops at once, the other one after the step that it is at.
+    // One thread stops at once, the other one after its current step.
     EXPECT_LE(rows, strategy == "groups/eigen:2" ? 101u : 7u * 61 - 1);
   }
 }

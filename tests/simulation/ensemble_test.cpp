@@ -1,4 +1,4 @@
-// Members of an ensemble are what a simulator of each gives, whatever their neighbours in the lanes do.
+// Members of an ensemble equal single simulators, independently of their neighbours in the lanes.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -116,7 +116,7 @@ TEST(Ensemble, AMemberPassesAChangePoint) {
   EXPECT_EQ(e.outcomes()[2].events.size(), 1u);
 }
 
-// ---- members that are different
+// ---- different members
 
 // Polynomials, waves, tables (one of which ends), functions, and the same law twice.
 TEST(Ensemble, MembersMayHaveOtherLaws) {
@@ -147,7 +147,8 @@ TEST(Ensemble, MembersMayHaveOtherLaws) {
   }
 }
 
-// A crank that turns on, next to one whose table ends in the third turn: whoever starts anew counts the turns on.
+// A crank that keeps turning, beside one whose table ends in the third turn: a restarted member continues its count of
+// turns.
 TEST(Ensemble, AnglesAreUnwrappedOverManyTurns) {
   const auto ending = [] {
     std::vector<double> t, a;
@@ -177,7 +178,7 @@ TEST(Ensemble, AnglesAreUnwrappedOverManyTurns) {
   expect_member(e, all, 1, scene(1), "groups/eigen:4");
 }
 
-// The coupler's end runs on a rail instead of hanging on a rocker.
+// The end of the coupler runs on a rail instead of a rocker.
 TEST(Ensemble, AMemberOfAnotherStructureRunsAlone) {
   const SceneOf scene = [](std::size_t i) {
     return i == 1 || i == 3 ? on_a_rail() : with_law(Law::polynomial({0, 3})).with_outputs({"B", "C"});
@@ -219,7 +220,7 @@ TEST(Ensemble, AMemberWithOtherOutputsCannotTakePart) {
   for (const std::size_t i : {0u, 3u}) expect_member(e, all, i, scene(i), "groups/eigen:4");
 }
 
-// A driven distance in one, a driven coordinate in the other: the same unknowns, another kind of input.
+// A driven distance and a driven coordinate: the same unknowns, but different inputs.
 TEST(Ensemble, AVanishingActuatorStopsOnlyItsMember) {
   const SceneOf scene = [](std::size_t i) {
     SceneBuilder b("jack", 2);

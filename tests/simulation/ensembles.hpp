@@ -1,4 +1,4 @@
-// Members of ensembles, and what is expected of them.
+// Members of ensembles and their expected results.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ inline Ensemble ensemble(std::size_t members, const SceneOf& scene, const std::s
   return {members, prepared(scene, strategy)};
 }
 
-// Rows, status and events of one member against a simulator of its own.
+// Compares rows, status and events of one member with a single simulator.
 inline void expect_member(const Ensemble& e, const EnsembleTrajectory& all, std::size_t i, const Scene& scene,
                           const std::string& strategy, std::size_t every = 1) {
   SCOPED_TRACE("member " + std::to_string(i) + " of " + scene.name() + ", " + strategy);
@@ -83,7 +83,7 @@ inline void expect_same_bits(const EnsembleTrajectory& a, const EnsembleTrajecto
   }
 }
 
-// Of 11 members the last ones meet their limits on the way; member 3 has a coupler that does not reach the rocker.
+// The last of 11 members meet their limits during the run; the coupler of member 3 does not reach the rocker.
 inline Scene partly_limited(std::size_t i) {
   const Law law = Law::polynomial({0.5, 0.4 + 0.05 * static_cast<double>(i)});
   if (i != 3) return limited_four_bar(law).time(0, 1.5, 0.01).build();

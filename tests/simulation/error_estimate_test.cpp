@@ -1,4 +1,4 @@
-// The estimated error beside the true one, against quad precision.
+// The estimated error compared with the true error in quad precision.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -39,8 +39,8 @@ const std::vector<std::string>& moving_samples() {
   return kSamples;
 }
 
-// Roundings are half as large as their bounds and seldom of one sign: the estimate is above, though not by more than
-// numbers such as 1 and 2, which are no rounding at all, explain.
+// Roundings are half as large as their bounds and rarely of one sign, so the estimate is larger than the error; numbers
+// such as 1 and 2, which are exact, increase the ratio.
 TEST(ErrorEstimate, IsNearTheTruth) {
   for (const std::string& text : moving_samples()) {
     for (const std::string strategy : {"irreducible/eigen", "groups/eigen:4+once", "global/eigen+float",
@@ -58,7 +58,7 @@ TEST(ErrorEstimate, IsNearTheTruth) {
   }
 }
 
-// Fixed numbers of iterations leave what they leave; the estimate sees it.
+// Fixed numbers of iterations leave residuals, which the estimate includes.
 TEST(ErrorEstimate, SeesTheResidualOfNewtonsMethod) {
   for (const std::string strategy : {"groups/eigen+predict=taylor:0", "irreducible/lanes:4+predict=taylor:1"}) {
     const Result r = test::run(sample("stewart:steps=50"), strategy, {.iterations = 1});
@@ -70,7 +70,7 @@ TEST(ErrorEstimate, SeesTheResidualOfNewtonsMethod) {
   }
 }
 
-// Two bars that stand still, nearly in line, and, if asked for, a crank that turns about their joint.
+// Two bars at rest, nearly in line, and optionally a crank that turns about their joint.
 Scene standing_bars(double missed, bool crank) {
   const double coupler = 1.1, rocker = 0.7, ground = (coupler + rocker) * (1 - missed);
   const double along = (coupler * coupler - rocker * rocker + ground * ground) / (2 * ground);
@@ -113,7 +113,7 @@ TEST(ErrorEstimate, IsEqualForAllThreads) {
 }
 
 TEST(ErrorEstimate, DoesNotChangeTheMotion) {
-  // Every step is measured, or hardly any.
+  // Measures every step, or hardly any.
   const Scene scene = sample("stewart:steps=40");
   const Result seldom = test::run(scene, "groups/eigen");
   Simulator often = test::simulator(scene, "groups/eigen");
@@ -125,8 +125,8 @@ TEST(ErrorEstimate, DoesNotChangeTheMotion) {
   }
 }
 
-// Of mechanisms at random, near the origin and up to 1e7 lengths from it, 99 of 100 errors are at most three times the
-// estimate, and no estimate is in doubt without reason.
+// For random mechanisms, near the origin and up to 1e7 lengths from it, 99 of 100 errors are at most three times the
+// estimate, and no doubt is unfounded.
 TEST(ErrorEstimate, IsHonestForRandomMechanisms) {
   test::Draw draw(11);
   const std::vector<std::string> strategies = {"irreducible/eigen", "global/eigen", "irreducible/lanes",
@@ -170,7 +170,7 @@ TEST(ErrorEstimate, IsHonestForRandomMechanisms) {
   EXPECT_LE(needless, all / 1000);
 }
 
-// ---- the accuracy asked for
+// ---- the required accuracy
 
 TEST(Accuracy, IsReached) {
   for (const std::string& text : moving_samples()) {
@@ -192,7 +192,7 @@ TEST(Accuracy, IsReached) {
   }
 }
 
-// What is watched agrees no better than what is solved was solved.
+// Redundant equations only hold as well as the others are solved.
 TEST(Accuracy, IsReachedWithRedundantEquations) {
   for (const std::string text : {"bricard:steps=200", "parallelograms:3", "parallelograms:5"}) {
     for (const std::string strategy : {"irreducible/eigen", "irreducible/lanes:8", "global/eigen"}) {
@@ -234,7 +234,7 @@ TEST(Accuracy, ReportsUnreachableAccuracy) {
   EXPECT_THROW((void)prepare(sample("stewart"), {.accuracy = std::nan("")}), Error);
 }
 
-// A doubt stays with the run, however well it goes on.
+// A doubt stays with the run, even if later steps are accurate.
 TEST(Accuracy, KeepsADoubtUntilItIsMeasuredAgain) {
   const Scene scene = sample("almost_parallelogram:delta=1e-12,step=0.01,steps=100");
   Simulator s = test::simulator(scene, "global/eigen+predict=taylor:2");
@@ -252,7 +252,7 @@ TEST(Accuracy, KeepsADoubtUntilItIsMeasuredAgain) {
   EXPECT_TRUE(s.report().status.ok());
 }
 
-// What somebody measures by hand counts as well: a figure beyond what was asked for has a status that says so.
+// Errors measured by examine() count as well: if they exceed the required accuracy, the status says so.
 TEST(Accuracy, ExaminedErrorsCount) {
   const Scene scene = sample("almost_parallelogram:delta=1e-9,step=0.01,steps=100");
   Simulator s(prepare(scene, {.strategy = "global/eigen+predict=taylor:2", .accuracy = 1e-8}));
@@ -268,9 +268,9 @@ TEST(Accuracy, ExaminedErrorsCount) {
   EXPECT_TRUE(doubted);
 }
 
-// ---- side by side
+// ---- ensembles and chunks
 
-// A healthy member is not doubted because of its neighbour, and the other way round.
+// The doubt of a member does not depend on its neighbours.
 TEST(Accuracy, AppliesToEachMemberOfAnEnsemble) {
   const std::vector<std::string> deltas = {"1e-3", "1e-12", "1e-2", "1e-4", "1e-12"};
   const auto member = [&](std::size_t i) {
@@ -299,12 +299,12 @@ TEST(Accuracy, AppliesToEachMemberOfAnEnsemble) {
   }
   EXPECT_EQ(e.report().status.code, Code::inaccurate);
   EXPECT_EQ(e.report().status.where, Place::member(1));
-  // Signs are drawn anew for each lane.
+  // Each lane draws its own random signs.
   EXPECT_LE(e.report().error.estimated_position.value(), 10 * estimated_position);
   EXPECT_GE(e.report().error.estimated_position.value(), 0.1 * estimated_position);
 }
 
-// A measurement costs as much as some steps: where a doubt lasts, not every step pays for one.
+// A measurement costs as much as several steps, so a lasting doubt is not measured in every step.
 TEST(Accuracy, DoesNotMeasureALastingDoubtInEachStep) {
   const auto calls = [](double accuracy) {
     const auto count = std::make_shared<int>(0);
@@ -363,10 +363,10 @@ TEST(Accuracy, KeepsTheErrorsOfChunks) {
   EXPECT_EQ(r.report().status.code, Code::inaccurate);
 }
 
-// ---- figures that nobody measured
+// ---- unmeasured figures
 
-// At rest no error of a velocity shows, however bad the posture: a slider's C is at a distance s from where the rod is
-// across its rail, and accelerations are known to about eps / s^2.
+// At rest, velocities show no error, even in bad postures: C of the slider is at a distance s from the posture with the
+// rod perpendicular to the rail, where accelerations are known to about eps / s^2.
 TEST(ErrorEstimate, HandlesAStartAtRest) {
   for (const double missed : {0.5, 1e-11}) {
     SCOPED_TRACE(missed);
@@ -413,7 +413,7 @@ TEST(ErrorFigures, AreUnknownWithoutMeasurements) {
     EXPECT_TRUE(std::isnan(truth.velocity));
     EXPECT_TRUE(std::isnan(truth.acceleration));
   }
-  // Nothing is solved where all is driven.
+  // Nothing is solved if everything is driven.
   SceneBuilder b("driven", 2);
   b.fixed_point("A", {0, 0, 0}).point("B", {1, 0, 0});
   b.constrain("length", Distance{"A", "B", 1.0}).drive("motor", PointAngle{"A", "B", "", Law::polynomial({0, 1})});
@@ -438,7 +438,7 @@ TEST(ErrorFigures, MergeKnownFigures) {
   EXPECT_EQ(b.residual(), 3);
 }
 
-// ---- regular scenes are left in peace, singular ones are not believed
+// ---- no doubts for regular scenes, doubts for singular ones
 
 TEST(Doubt, IsRarelyUnfounded) {
   test::Draw draw(1);
@@ -452,7 +452,7 @@ TEST(Doubt, IsRarelyUnfounded) {
   EXPECT_LE(doubted, all / 100) << "of " << all;
 }
 
-// Up to the first time at which anything was in doubt, the motion is right to 1e-6.
+// Before its first doubt, a motion is right to 1e-6.
 TEST(Doubt, ComesBeforeAnyWrongResult) {
   test::Draw draw(2);
   int clean = 0, doubted = 0, stopped = 0, refused = 0, unknown = 0;
@@ -469,7 +469,7 @@ TEST(Doubt, ComesBeforeAnyWrongResult) {
       (r.status.ok() ? clean : r.status.arrived() ? doubted : stopped) += 1;
       std::size_t sure = rows.rows();
       for (const Event& e : r.events) {
-        // A doubt is about the end of its bracket and what lies within.
+        // A doubt concerns its whole bracket.
         while (sure > 0 && rows.times()[sure - 1] > e.time) --sure;
       }
       if (sure == 0) continue;
@@ -496,7 +496,7 @@ TEST(Doubt, ComesBeforeAnyWrongResult) {
   EXPECT_LT(unknown, all / 20);
 }
 
-// The rates of drivers that stand still for a moment are rounding: nothing is large against them.
+// The rates of drivers at rest for a moment are rounding errors and no scale for other rates.
 TEST(ErrorEstimate, HandlesDriversThatReverseAtTheStart) {
   SceneBuilder builder("swing", 2);
   builder.fixed_point("A", {0, 0, 0}).fixed_point("D", {2, 0, 0}).point("B", {0.5, 0.8, 0}).point("C", {1.6, 1.2, 0});

@@ -1,4 +1,4 @@
-// A level as wide as one likes: dyads that all hang on the end of one crank.
+// A level of any width: dyads on the end of one crank.
 #pragma once
 
 #include <cmath>
@@ -14,7 +14,7 @@
 
 namespace assur::test {
 
-// |P - Q| = length, told by the program.
+// |P - Q| = length as a callback.
 inline Callback distance_by_callback(const std::string& p, const std::string& q, double length) {
   Callback c;
   c.coordinates = {p + ".x", p + ".y", q + ".x", q + ".y"};
@@ -39,12 +39,13 @@ class Fan {
     builder_.drive("motor", PointAngle{"A", "B", "", std::move(law)});
   }
 
-  // Its rocker turns about (ground, 0); its joint starts to the left of the line from B to there.
+  // The rocker turns about (ground, 0); the joint starts to the left of the line from B to that point.
   Fan& dyad(double ground, double coupler, double rocker) {
     constrain_rocker(ground, coupler, Distance{"D" + number(), "C" + number(), rocker}, rocker);
     return *this;
   }
-  // The same; `seen` is called with the dyad's number wherever its residual is evaluated, only to solve it.
+  // The same by a callback; calls `seen` with the number of the dyad for every evaluation of its residual by the
+  // solver.
   Fan& dyad_by_callback(double ground, double coupler, double rocker, std::function<void(int)> seen) {
     Callback c = distance_by_callback("D" + number(), "C" + number(), rocker);
     c.residual = [i = dyads_, seen = std::move(seen), f = c.residual](std::span<const double> x,
@@ -82,7 +83,7 @@ class Fan {
 
 inline constexpr int kWide = 48;
 
-// Dyads that never end, but for `ending`, which reach their limit together: see limited_four_bar().
+// Dyads without limits, except `ending`, which reach their limit at the same time, see limited_four_bar().
 inline Scene limited_fan(const std::set<int>& ending) {
   Fan fan("limited_fan", 0.5, Law::polynomial({0.5, 1}));
   for (int i = 0; i < kWide; ++i) {
@@ -95,7 +96,7 @@ inline Scene limited_fan(const std::set<int>& ending) {
   return fan.build(2, 0.02);
 }
 
-// Every other dyad is a parallelogram: all of those pass their change points at t = 0.25.
+// Every second dyad is a parallelogram; all of these pass their change points at t = 0.25.
 inline Scene fan_of_parallelograms() {
   Fan fan("parallelograms", kTurn / 4, Law::polynomial({kTurn / 4, kTurn}));
   for (int i = 0; i < kWide; ++i) fan.dyad(2, i % 2 == 1 ? 2 : 2.3, i % 2 == 1 ? 1 : 1.6 + 0.005 * i);

@@ -1,4 +1,4 @@
-// A fold is told by evidence that the branch turns back, whatever the grid: not by rates that grow.
+// A fold is found by evidence that the branch turns back, for every time grid, and not by growing rates.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 namespace assur {
 namespace {
 
-// From t = 0 on in so many steps.
+// The scene over [0, end] in `steps` steps.
 Scene over(const Scene& scene, double end, int steps) {
   SceneBuilder b(scene.name(), scene.dimension());
   for (const Point& p : scene.points()) b.add(p);

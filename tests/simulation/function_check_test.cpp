@@ -1,4 +1,4 @@
-// Laws and callbacks of the program that contradict themselves: where a run says so.
+// Laws and callbacks of the program with wrong derivatives: how a run reports them.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kOff = 1e-3;
 
-// What is off, and from which angle of the crank, or time, on.
+// The wrong derivative, and the crank angle or time from which it is wrong.
 struct Fault {
   double jacobian = 0, curvature = 0;  // relative
   double from = -1e9;                  // of B.y
@@ -26,7 +26,7 @@ struct Calls {
   [[nodiscard]] std::int64_t all() const { return residual + jacobian + curvature; }
 };
 
-// |C - D| = 1.3 by a callback that knows |C - B| as well: two rows.
+// |C - D| = 1.3 by a callback that also has |C - B|: two rows.
 Callback two_lengths(const Fault& fault, std::shared_ptr<Calls> calls = std::make_shared<Calls>()) {
   Callback c;
   c.coordinates = {"C.x", "C.y", "B.x", "B.y"};
@@ -86,7 +86,7 @@ TEST(FunctionCheck, AWrongJacobianAtTheStartIsBadInput) {
   EXPECT_EQ(refusal(scene_of(two_lengths({}))), "");
 }
 
-// Those of fixed points are read by nobody.
+// Derivatives by fixed points are not used.
 TEST(FunctionCheck, DerivativesByConstantsAreOptional) {
   Callback c = test::distance_by_callback("C", "D", 1.3);
   c.jacobian = [](std::span<const double> x, std::span<double> j) {
@@ -103,7 +103,7 @@ TEST(FunctionCheck, DerivativesByConstantsAreOptional) {
   }
 }
 
-// The guess is too rough for a posture; the wrong Jacobian is told beside that.
+// The guess is too rough for a posture; the error also names the wrong Jacobian.
 TEST(FunctionCheck, NamesAJacobianThatPreventsTheAssembly) {
   Callback c = two_lengths({});
   c.jacobian = [](std::span<const double>, std::span<double> j) { std::fill(j.begin(), j.end(), 1.0); };
@@ -121,7 +121,7 @@ void expect_named(const Report& report, const std::string& name, const std::stri
   EXPECT_EQ(e.kind, Code::wrong_function);
   EXPECT_EQ(e.group, name);
   EXPECT_EQ(e.detail.rfind(detail, 0), 0u) << e.detail;
-  // kOff relative to the right one, within the certainty of a difference.
+  // kOff relative to the right derivative, within the uncertainty of a difference.
   EXPECT_NEAR(e.figure, kOff, 0.01 * kOff);
 }
 
@@ -202,7 +202,7 @@ TEST(FunctionCheck, AllocatesNothing) {
 
 // ---- laws
 
-// 2 t, with a rate and an acceleration that are off from a time on.
+// The law 2 t, with a wrong rate and acceleration from a time on.
 Law law_off(double rate, double acceleration, double from) {
   return Law::function([=](double t) {
     const bool wrong = t >= from;
@@ -274,7 +274,7 @@ TEST(FunctionCheck, EqualMembersWithACallbackEndAlike) {
   }
 }
 
-// Outputs that are the driven coordinates themselves need no equations that would notice.
+// If the outputs are the driven coordinates, no equations would show the error.
 TEST(FunctionCheck, ANaNRateEndsTheRun) {
   for (const double bad : {std::nan(""), HUGE_VAL}) {
     for (const bool rate : {true, false}) {
@@ -312,7 +312,7 @@ TEST(FunctionCheck, NamesANaNResidualAtTheStart) {
   }
 }
 
-// Commands are no law: their rates need not fit.
+// Rates of commands need not match their values.
 TEST(FunctionCheck, DoesNotCheckCommands) {
   Simulator s(prepare(with_law(law_off(kOff, 0, 0.5)), {.strategy = "global/eigen", .controlled = {"motor"}}));
   for (int k = 1; k <= 100; ++k) {

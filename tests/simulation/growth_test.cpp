@@ -1,4 +1,4 @@
-// Errors near singular postures beside what theory says about them, and branches of random chains.
+// Errors near singular postures compared with theory, and branches of random chains.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@
 namespace assur {
 namespace {
 
-// A dyad B-C-D on a crank, whose bars are off one line by the angle sigma at the time 0, where it is looked at.
+// A dyad B-C-D on a crank, whose bars enclose the angle sigma at time 0, where errors are measured.
 Scene dyad_off_line_by(double sigma, test::Draw& draw) {
   const double crank = draw.real(0.5, 1.5), coupler = draw.real(0.5, 2), rocker = draw.real(0.5, 2);
   const double first = draw.real(0.5, 2.5), tilt = draw.real(-3, 3);
@@ -30,8 +30,7 @@ Scene dyad_off_line_by(double sigma, test::Draw& draw) {
   return b.time(0, 1, 0.5).build();
 }
 
-// A parallelogram with its bars off one line by the angle sigma: there the branches of the change point are still
-// apart.
+// A parallelogram whose bars enclose the angle sigma, where the branches of the change point are still separate.
 Scene parallelogram_off_line_by(double sigma, test::Draw& draw) {
   const double crank = draw.real(0.3, 0.8), ground = draw.real(1, 2), x = crank * std::cos(sigma),
                y = crank * std::sin(sigma);
@@ -73,7 +72,7 @@ void expect_growth(double before, double now, double factor) {
 // eps / sigma, the relative ones of velocity and acceleration like eps / sigma^2.
 TEST(Growth, ErrorsFollowTheoryTowardsAFold) {
   const Growth far = growth_at(0.1, dyad_off_line_by);
-  // At 1e-8 the error of the posture, eps / sigma, is the whole way to the fold.
+  // At 1e-8 the error of the posture, eps / sigma, equals the distance to the fold.
   for (const double sigma : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7}) {
     SCOPED_TRACE(sigma);
     const Growth near = growth_at(sigma, dyad_off_line_by);
@@ -86,7 +85,7 @@ TEST(Growth, ErrorsFollowTheoryTowardsAFold) {
   }
 }
 
-// Thales' circle over AB, close to A: the same growth where numbers near 0 keep all their digits. sigma = P.y.
+// Thales' circle over AB, close to A: the same growth with numbers near 0, which keep all digits. sigma = P.y.
 TEST(Growth, ErrorsOfRatesFollowTheoryWithExactNumbers) {
   for (const double sigma : {1e-1, 1e-3, 1e-5, 1e-7, 1e-8, 1e-9}) {
     SCOPED_TRACE(sigma);
@@ -104,8 +103,8 @@ TEST(Growth, ErrorsOfRatesFollowTheoryWithExactNumbers) {
   }
 }
 
-// Towards a change point rates stay what they are, and so the error of the acceleration grows like eps / sigma^3, until
-// nothing is left of it. At 1e-8 the posture, which is known up to eps / sigma, may lie beyond the change point.
+// Towards a change point rates are bounded, so that the error of the acceleration grows like eps / sigma^3, until no
+// digit is left. At 1e-8 the posture, which is known to eps / sigma, may lie beyond the change point.
 TEST(Growth, ErrorsFollowTheoryTowardsAChangePoint) {
   const Growth far = growth_at(0.1, parallelogram_off_line_by);
   for (const double sigma : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7}) {
@@ -120,7 +119,7 @@ TEST(Growth, ErrorsFollowTheoryTowardsAChangePoint) {
   }
 }
 
-// A motion that is told without any event is that of the reference, which goes its own way in small steps of its own.
+// A motion without events equals that of the reference, which follows the motion independently in small steps.
 TEST(Branches, AreKeptOrReportedInRandomChains) {
   test::Draw draw(3);
   int whole = 0, stopped = 0, refused = 0, unknown = 0;

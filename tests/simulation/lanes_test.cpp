@@ -1,4 +1,4 @@
-// Groups side by side in lanes are the same groups.
+// Groups solved in lanes give the same results.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,8 +14,8 @@ namespace {
 
 using test::Result;
 
-// Elimination orders differ between one lane and several (pivots are chosen for all lanes together), so results agree
-// to the errors of both: residuals of 8 eps at the condition of a group, of accelerations at its square.
+// One lane and several lanes have different elimination orders (pivots are chosen for all lanes together), so results
+// differ by the errors of both: residuals of 8 eps times the condition of a group, for accelerations its square.
 constexpr double tolerance(double condition) { return 2 * 8 * condition * condition * kEps; }
 
 constexpr double kLeg = 23, kRing = 7;  // conditions, largest singular value over smallest; of a ring of n = 24
@@ -30,7 +30,7 @@ void expect_the_same_motion(const Scene& scene, const std::string& formulation, 
     ASSERT_EQ(r.report().status.code, Code::ok);
     EXPECT_LE(test::difference(one.trajectory, r.trajectory), tolerance(condition));
     EXPECT_LE(r.report().error.position, 1e-14);
-    // Group instances are counted, idle lanes are not. A step that one lane rejects is solved in all of its pack.
+    // Counters include group instances, but not idle lanes. If one lane rejects a step, the whole pack is solved again.
     EXPECT_EQ(r.counters().steps, one.counters().steps);
     const auto groups = static_cast<std::int64_t>(r.simulator.prepared().structure->groups.size());
     EXPECT_LE(r.counters().group_solutions,

@@ -1,4 +1,4 @@
-// Packs of a level on several threads: the number of threads changes nothing but the time.
+// Packs of a level on several threads: the number of threads only changes the time.
 #include "path/levels.hpp"
 
 #include <gtest/gtest.h>
@@ -22,13 +22,13 @@ namespace {
 
 using test::Result;
 
-// A budget of p x q, but of 4 at least: more threads than there are cores, maybe.
+// A budget of p x q threads, at least 4, possibly more than the cores.
 Prepared as_planned(const Scene& scene, const std::string& solver, int p, int q = 1) {
   const std::string split = " " + std::to_string(p) + "x" + std::to_string(q);
   return prepare(scene, {solver + split, {}, ThreadBudget{std::max(4, p * q)}});
 }
 
-// The same with every level shared, whether that gains or not.
+// The same with every level shared by the threads, even without gain.
 Prepared prepared(const Scene& scene, const std::string& solver, int p, int q = 1) {
   Prepared all = as_planned(scene, solver, p, q);
   all.plan.level_threads.clear();
@@ -51,7 +51,7 @@ bool can_run(const std::string& solver) {
   return find_backend(backends(), id.substr(0, id.find_first_of(":+"))).why_not({}, {}).empty();
 }
 
-// Whole runs with 1 to 4 threads; `threads`: at most so many can take part.
+// Whole runs with 1 to 4 threads; `threads`: the largest number that can take part.
 void expect_no_bit_to_change(const Scene& scene, const std::string& solver, int threads = 4, int q = 1) {
   if (!can_run(solver)) return;
   const Result one = run(prepared(scene, solver, 1, q));
@@ -106,9 +106,9 @@ TEST(Levels, UseNoMoreThreadsThanGroups) {
   EXPECT_EQ(threads_of(prepared(sample("rings:legs=2,n=120"), "groups/eigen", 4)), 2);
 }
 
-// ---- what fails in the middle of a level
+// ---- failures within a level
 
-// Three dyads reach their limits at once, on other threads each; the first one by number is named.
+// Three dyads reach their limits at the same time, on different threads; the one with the lowest number is named.
 TEST(Levels, NameTheFirstOfSeveralFailedGroups) {
   for (const std::set<int>& ending : {std::set{5, 8, 10}, std::set{1}, std::set{46, 47}}) {
     const Scene scene = test::limited_fan(ending);
@@ -141,8 +141,8 @@ TEST(Levels, PassSimultaneousChangePoints) {
   }
 }
 
-// A triangle on a crank and two parallel rods, one rod too many. Whichever equation is left out, the others become
-// singular on the way, and another one has to be left out.
+// A triangle on a crank and two parallel rods, with one redundant rod. For every choice of the redundant equation, the
+// others become singular during the run, and another one has to be left out.
 Scene redundant() {
   constexpr double kStart = 1.5;
   const double x = std::cos(kStart), y = std::sin(kStart);
@@ -177,9 +177,9 @@ TEST(Levels, ThreadsKeepReselectedEquationsBitwiseEqual) {
   }
 }
 
-// ---- who does what
+// ---- assignment to threads
 
-// Which dyad was worked on by which thread, in order.
+// The dyads and the threads that solved them, in order.
 struct Log {
   std::mutex mutex;
   std::vector<std::pair<int, std::thread::id>> entries;
@@ -205,13 +205,13 @@ TEST(Levels, UseTheRequestedThreads) {
     for (int k = 1; k <= 5; ++k) ASSERT_TRUE(s.step(0.01 * k).ok());
     EXPECT_EQ(log.threads().size(), static_cast<std::size_t>(p));
     EXPECT_EQ(log.threads().count(std::this_thread::get_id()), 1u);
-    // And each dyad always by the same one.
+    // Each dyad is always solved by the same thread.
     std::set<std::pair<int, std::thread::id>> pairs(log.entries.begin(), log.entries.end());
     EXPECT_EQ(pairs.size(), static_cast<std::size_t>(test::kWide));
   }
 }
 
-// The last of the dyads are one group that costs more than all the others: the caller has it and nothing else.
+// The last dyads form one group that costs more than all others: the calling thread solves only this group.
 TEST(Levels, StartTheLongestPackFirst) {
   constexpr int kSmall = 9, kInTheLarge = 32;
   Log log;
@@ -242,7 +242,7 @@ struct Broken : std::runtime_error {
   Broken() : std::runtime_error("broken") {}
 };
 
-// Each dyad in its turn throws, on whatever thread it is, and two at once; then all goes on as if nothing had been.
+// One dyad after another throws on its thread, and two at once; then the simulator continues as before.
 TEST(Levels, PropagateExceptionsOfCallbacksAndContinue) {
   std::set<int> broken;
   test::Fan fan("breaking", 0.5, Law::polynomial({0.5, 1}));
@@ -274,8 +274,8 @@ TEST(Levels, PropagateExceptionsOfCallbacksAndContinue) {
   }
 }
 
-// A step that is too long for one goes on in smaller ones: what is thrown then leaves it on the way, and the outputs
-// are those of where it is.
+// A long step is divided into substeps: an exception in a substep leaves the simulator at the posture reached so far,
+// with its outputs.
 TEST(Levels, AnExceptionInASubstepKeepsThePostureBeforeIt) {
   std::atomic<int> calls = 0, most = std::numeric_limits<int>::max();
   test::Fan fan("breaking", 0.5, Law::polynomial({0.5, 1}));
@@ -312,7 +312,7 @@ TEST(Levels, AnExceptionInASubstepKeepsThePostureBeforeIt) {
   }
 }
 
-// A law is asked by the caller, before any thread has begun; a control loop goes on from where it was.
+// The calling thread evaluates laws before the other threads start; a control loop continues from the last posture.
 TEST(Levels, AnExceptionOfALawKeepsTheLastPosture) {
   bool broken = false;
   test::Fan fan("no_sensor", 0.5, Law::function([&](double t) -> Motion {
@@ -347,7 +347,7 @@ TEST(Levels, ADeadlineEndsAStep) {
 
     Simulator s(prepared(scene, "groups/eigen", p), {.seconds = 10});
     ASSERT_TRUE(s.step(0.01).ok());
-    // One of each thread's: what comes after it is not begun.
+    // Each thread stops at its first exception; its remaining packs are not solved.
     for (const int d : {0, 1, 2, 3}) {
       Simulator tight(prepared(scene, "groups/eigen", p), {.seconds = 5e-3});
       slow = d;
@@ -376,7 +376,7 @@ std::int64_t allocations_of_steps(Simulator& s, double step) {
 TEST(Levels, StepsOnSeveralThreadsAllocateNothing) {
   for (const std::string scene : {"rings:legs=16,n=24", "stewart:platforms=4"}) {
     for (const std::string& solver : kSolvers) {
-      // In the platforms' groups these choose pivots anew on the way, which is reported, and takes memory.
+      // For groups of the platforms these choose new pivots during the run, which is reported and allocates.
       const bool renews = scene[0] == 's' && solver.rfind("groups/lanes", 0) == 0;
       if (!can_run(solver) || renews) continue;
       Simulator s(prepared(sample(scene), solver, 2));

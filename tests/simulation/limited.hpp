@@ -1,4 +1,4 @@
-// A four-bar whose crank cannot go round.
+// A four-bar whose crank cannot make a full turn.
 #pragma once
 
 #include <cmath>

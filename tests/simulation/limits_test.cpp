@@ -48,7 +48,7 @@ void expect_limit(const Limit& limit, const std::string& strategy) {
   if (!limit.group.empty() && strategy.rfind("global", 0) != 0) {
     EXPECT_EQ(e.group, limit.group);
   }
-  // Everything up to there is kept.
+  // All rows before the limit are kept.
   ASSERT_EQ(r.trajectory.rows(), static_cast<std::size_t>(std::floor(limit.time / 0.01)) + 1);
   EXPECT_EQ(r.trajectory.times().back(), limit.scene.time().time(static_cast<std::int64_t>(r.trajectory.rows()) - 1));
   EXPECT_EQ(r.report().reached, e.time);
@@ -74,7 +74,7 @@ TEST(Limit, BracketsTheLimitOfASliderCrank) {
   }
 }
 
-// Rates are without bound there, but an angle has turned as far as it has.
+// Rates are unbounded at the limit, but the angle is continuous.
 TEST(Limit, IsReachedByAnglesWithoutAJump) {
   const Scene scene = test::limited_four_bar(Law::polynomial({0.5, 1}))
                           .measure("swing", AbsoluteAngle{"A1", "C"})
@@ -84,7 +84,7 @@ TEST(Limit, IsReachedByAnglesWithoutAJump) {
   const Trajectory rows = s.run();
   ASSERT_EQ(s.report().status.code, Code::limit_reached);
   const std::size_t rocker = rows.index("swing");
-  // Within the last step the rocker turns by the root of that step's angle, up to a factor.
+  // Within the last step the rocker turns by about the square root of the crank angle.
   EXPECT_NEAR(s.output("swing"), rows(rows.rows() - 1, rocker), 0.3);
 }
 
@@ -94,7 +94,7 @@ TEST(Limit, IsFoundWithPositionsOnly) {
   for (const std::string formulation : {"global", "groups", "irreducible"}) expect_limit(limit, formulation + "/eigen");
 }
 
-// Up to the limit C is where the two circles meet, on the side of the guess.
+// Before the limit, C is the intersection of two circles on the side of the guess.
 TEST(Limit, RowsBeforeItAreRight) {
   const Limit limit = four_bar();
   const Result r = test::run(limit.scene, "groups/eigen");
@@ -102,7 +102,7 @@ TEST(Limit, RowsBeforeItAreRight) {
     const double angle = 0.5 + r.trajectory.times()[k], bx = std::cos(angle), by = std::sin(angle);
     const double dx = 2 - bx, dy = -by, square = dx * dx + dy * dy;
     const double along = (square + 1 - 1.44) / (2 * square), across = std::sqrt(1 / square - along * along);
-    // sigma: sine between coupler and rocker; both closed form and posture are off by some eps / sigma.
+    // sigma: sine between coupler and rocker; closed form and posture have errors of a few eps / sigma.
     const double sigma = across * square / 1.2;
     ASSERT_NEAR(r.trajectory(k, r.trajectory.index("C.x")), bx + along * dx - across * dy, 64 * kEps / sigma) << k;
     ASSERT_NEAR(r.trajectory(k, r.trajectory.index("C.y")), by + along * dy + across * dx, 64 * kEps / sigma) << k;
@@ -118,7 +118,7 @@ TEST(Limit, IsFoundBackwards) {
   const double mirrored = -std::acos(0.04) - 0.5;
   EXPECT_GE(s.report().events[0].time, mirrored);
   EXPECT_LE(s.report().events[0].until, mirrored);
-  // It can go back from there.
+  // The crank can turn back from there.
   EXPECT_TRUE(s.step(0).ok());
 }
 
@@ -152,7 +152,7 @@ TEST(Limit, DrivenDistanceStopsAtZero) {
   EXPECT_TRUE(s.step(0.95).ok());
 }
 
-// A length that is positive at both ends of a step and not in between: behind that there is no motion.
+// A length that is positive at both ends of a step but not in between: the motion ends at its zero.
 TEST(Limit, FindsAZeroDistanceBetweenRows) {
   const auto cylinder = [](Law law) {
     SceneBuilder builder("cylinder", 2);
@@ -180,7 +180,7 @@ TEST(Limit, FindsAZeroDistanceBetweenRows) {
   EXPECT_TRUE(test::run(cylinder(Law::polynomial({0.3601, -1.2, 1}))).report().status.ok());
 }
 
-// The same of the length that a driven angle acts on; its equations are linear there, and bound no step.
+// The same for the lever of a driven angle, whose equations are linear and do not limit the step.
 TEST(Limit, FindsAVanishingLeverBetweenRows) {
   const auto arm = [](double least) {
     SceneBuilder builder("arm", 2);
@@ -203,8 +203,8 @@ TEST(Limit, FindsAVanishingLeverBetweenRows) {
   }
 }
 
-// Gough's platform, almost singular all along its way to a limit: balls, and with them steps, are tens of thousands
-// times shorter than what is left.
+// Gough's platform, almost singular on its whole way to a limit: proven balls, and with them steps, are tens of
+// thousands times shorter than the remaining way.
 TEST(Limit, AStepGivesUpAfterSomeThousandsOfAttempts) {
   const Scene scene = read_scene(ASSUR_SOURCE_DIR "/scenes/gough.json");
   std::vector<std::string> legs;

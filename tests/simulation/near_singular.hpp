@@ -1,4 +1,4 @@
-// Random planar mechanisms on their way to a singular posture, which they miss by a distance drawn between 1 and 1e-16.
+// Random planar mechanisms that approach a singular posture up to a random distance between 1 and 1e-16.
 #pragma once
 
 #include <array>
@@ -12,7 +12,8 @@ namespace assur::test {
 
 inline double small_number(Draw& draw) { return std::pow(10.0, draw.real(-16, 0)); }
 
-// A crank about A that carries B, a dyad B-C-D: coupler and rocker are in line, outstretched or folded, at the end.
+// A crank about A with its end B, and a dyad B-C-D whose coupler and rocker are in line (stretched or folded) at the
+// end.
 inline Scene dyad_at_its_fold(Draw& draw, int steps) {
   const bool outstretched = draw.maybe();
   const double crank = draw.real(0.3, 1.5), ground = crank + draw.real(0.3, 2), last = draw.real(0.5, 2.5);
@@ -37,7 +38,7 @@ inline Scene dyad_at_its_fold(Draw& draw, int steps) {
   return b.time(0, 1, 1.0 / steps).build();
 }
 
-// A parallelogram but for the length of its rocker: two branches that nearly cross when all bars are in line.
+// A parallelogram except for the length of its rocker: two branches nearly cross when all bars are in line.
 inline Scene almost_parallelogram(Draw& draw, int steps) {
   const double scale = draw.real(0.3, 3), crank = scale * draw.real(0.3, 0.8), ground = scale * draw.real(1, 2);
   const double rocker = crank * (1 + small_number(draw));
@@ -52,7 +53,7 @@ inline Scene almost_parallelogram(Draw& draw, int steps) {
   return b.time(0, 1, 1.0 / steps).build();
 }
 
-// A platform on three legs of given length, whose lines meet in one point at the end, or nearly.
+// A platform on three legs of given length, whose lines nearly meet in one point at the end.
 inline Scene three_legs_that_meet(Draw& draw, int steps) {
   const double missed = small_number(draw), turn = draw.real(-0.2, 0.2);
   const Triple meet = {draw.real(-0.4, 0.4), draw.real(-0.4, 0.4), 0};
@@ -77,7 +78,7 @@ inline Scene three_legs_that_meet(Draw& draw, int steps) {
   return b.time(0, 1, 1.0 / steps).build();
 }
 
-// A platform on six legs, whose lengths pulsate: forward kinematics, with folds and near passes of singular postures.
+// A platform on six legs with oscillating lengths: forward kinematics with folds and nearly singular postures.
 inline Scene six_legs(Draw& draw, int steps) {
   SceneBuilder b("six_legs", 3);
   Body platform{"platform", "O", {"u", "v", "w"}, {}, {}, {}};

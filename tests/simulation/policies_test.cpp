@@ -1,4 +1,4 @@
-// Which factorisation serves what: fresh ones, one for a step, one for many steps, one in float.
+// Policies of factorisation: for each iteration, for a step, for many steps, in float.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -31,7 +31,7 @@ struct Policy {
   double least, most;  // factorisations for each group and step
 };
 
-// From the last posture it takes several iterations.
+// A prediction by the last posture needs several iterations.
 TEST(Policies, DetermineTheFactorisationsOfAStep) {
   const Scene scene = sample("stewart:steps=40");
   for (const std::string& solver : test::solvers()) {
@@ -56,7 +56,7 @@ TEST(Policies, DetermineTheFactorisationsOfAStep) {
   }
 }
 
-// Accelerations of four_bar and stewart are among their outputs for all of their groups.
+// The outputs of four_bar and stewart need the accelerations of all groups.
 TEST(Policies, SeparateTakesOneFactorisationMoreForTheAcceleration) {
   std::vector<std::string> solvers = test::solvers();
   solvers.emplace_back("lanes:8");
@@ -73,7 +73,7 @@ TEST(Policies, SeparateTakesOneFactorisationMoreForTheAcceleration) {
         const Counters &a = shared.counters(), &b = separate.counters();
         const auto groups = static_cast<std::int64_t>(shared.simulator.prepared().structure->groups.size());
         const std::int64_t more = groups * (a.steps + a.substeps + 1);  // the start, too
-        // Beyond those of Newton's method, which may end one iteration apart where small steps round otherwise.
+        // Without those of Newton's method, whose iterations may differ by one because small steps round differently.
         EXPECT_EQ(b.factorizations - b.newton_iterations, a.factorizations - a.newton_iterations + more);
         EXPECT_LE(test::difference(shared.trajectory, separate.trajectory), 2 * 32 * condition * condition * kEps);
       }

@@ -70,7 +70,7 @@ TEST(Predictor, WeightsReproduceTheLastPosture) {
   }
 }
 
-// A posture so near to the last one that extrapolation would blow up its errors does not take part.
+// Postures too near to the last one are left out, because extrapolation would amplify their errors.
 TEST(Predictor, LeavesOutTooNearPostures) {
   const std::vector<double> near = {0.3, 0.3 - 1e-9};
   const PredictionWeights hermite = prediction_weights({Predictor::Kind::hermite, 5}, near, 0.31);
@@ -97,7 +97,7 @@ TEST(Predictor, KeepsTheWeightsOfEqualSteps) {
     };
     const PredictionWeights first = kept.at(predictor, grid(10, 0.01), 11 * 0.01);
     EXPECT_TRUE(same(first, prediction_weights(predictor, grid(10, 0.01), 11 * 0.01)));
-    // Times of a grid are rounded: to the last bit the steps differ, the weights do not.
+    // Times of a grid are rounded, so that steps differ in their last bits; the weights must not.
     EXPECT_TRUE(same(kept.at(predictor, grid(3000, 0.01), 3001 * 0.01), first));
     EXPECT_TRUE(
         same(kept.at(predictor, grid(10, 0.02), 11 * 0.02), prediction_weights(predictor, grid(10, 0.02), 0.22)));
@@ -108,8 +108,8 @@ TEST(Predictor, KeepsTheWeightsOfEqualSteps) {
   }
 }
 
-// Whatever the prediction, Newton ends at the same posture: to residuals of 8 eps at the worst condition along the turn
-// (sines between coupler and rocker down to 0.44 in every loop, ten of them add up), rates at its square.
+// Newton's method ends at the same posture for every prediction: to residuals of 8 eps times the worst condition of the
+// turn (sines between coupler and rocker down to 0.44 in every loop, sum over ten), for rates its square.
 TEST(Predictor, DoesNotChangeTheResult) {
   const Scene scene = sample("four_bar:loops=10,step=0.002,steps=500");
   const Result reference = test::run(scene, "groups/eigen");
@@ -137,11 +137,11 @@ TEST(Predictor, AutomaticUsesAvailableDerivatives) {
   EXPECT_EQ(chosen(stewart), (Predictor{Predictor::Kind::hermite, 5}));
   EXPECT_EQ(chosen(stewart.with_outputs({"handle1.value"})), (Predictor{Predictor::Kind::past, 5}));
   EXPECT_EQ(chosen(stewart.with_outputs({"handle1.rate"})), (Predictor{Predictor::Kind::past, 5}));
-  // Accelerations are wanted of some unknowns of a group only: a predictor that reads them all would read zeros.
+  // Only some unknowns of a group need accelerations; a predictor that uses all would read zeros.
   EXPECT_EQ(chosen(stewart.with_outputs({"B1"})), (Predictor{Predictor::Kind::past, 5}));
 }
 
-// One correction per step is what a good prediction leaves to do, whatever the outputs are.
+// With a good prediction one correction per step suffices, for all outputs.
 TEST(Predictor, PredictsEquallyWellForFewOutputs) {
   for (const char* output : {"B1", "handle1", "e1", "d1"}) {
     const Result r = test::run(sample("stewart").with_outputs({output}), "groups/eigen");
@@ -166,8 +166,8 @@ TEST(Once, TakesOneFactorizationPerStepAndGroup) {
         EXPECT_LE(once.report().error.position, 1e-14);
         EXPECT_LE(once.report().error.velocity, 1e-14);
         EXPECT_LE(once.report().error.acceleration, 1e-14);
-        // Both solve to a backward error of some eps; conditions are 23 at most, five loops add up, and accelerations
-        // take in the error of the velocities.
+        // Both solve to a backward error of a few eps; conditions are at most 23, errors of five loops add up, and
+        // accelerations include the error of the velocities.
         EXPECT_LE(test::difference(fresh.trajectory, once.trajectory), 5 * 2 * 8 * 23 * 23 * kEps);
       }
     }

@@ -15,8 +15,9 @@ using test::Result;
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-// The angle of the link over ten turns, and the displacement, with both derivatives. Lengths hold to 8 eps and the
-// condition is B's largest distance from the origin over its smallest one from Q: the third power in accelerations.
+// The angle of the link over ten turns, and the displacement, with both derivatives. Lengths hold to 8 eps, and the
+// condition is the largest distance of B from the origin over its smallest distance from Q; accelerations have its
+// third power.
 void expect_quick_return(const std::string& text, const std::string& strategy, double pivot) {
   SCOPED_TRACE(text + " " + strategy);
   const Result r = test::run(sample(text), strategy);
@@ -35,7 +36,7 @@ void expect_quick_return(const std::string& text, const std::string& strategy, d
     const long double moment = 0.1L * (0.1L - pivot * c), rate = omega * moment / square;
     const long double change = 2 * omega * 0.1L * pivot * s;  // of the square with time
     const long double acceleration = (omega * omega * 0.1L * pivot * s - rate * change) / square;
-    // sin(omega t) takes in the rounding of its argument, up to 63 eps after ten turns.
+    // sin(omega t) includes the rounding of its argument, up to 63 eps after ten turns.
     const double of_angle = (64 + 16 * condition) * kEps * condition, largest = omega * condition;
     ASSERT_NEAR(t(k, angle), turned, of_angle + 100 * kEps * turned) << k;
     ASSERT_NEAR(t(k, slide), static_cast<double>(std::sqrt(square)), of_angle) << k;
@@ -63,8 +64,8 @@ TEST(Whitworth, ExplicitHingeIsRedundant) {
   EXPECT_EQ(s.mobility, 1);
 }
 
-// cos theta + cos phi + cos theta cos phi = 0, between folds at theta = -120 and +120 degrees. Where phi is small its
-// cosine hides it: the figure is that of the relation, to which angles contribute as they are off.
+// cos theta + cos phi + cos theta cos phi = 0, between folds at theta = -120 and +120 degrees. The cosine of a small
+// phi hides its error, so the test measures the error of the relation.
 TEST(Bricard, SatisfiesTheRelationOfItsAngles) {
   const Result r = test::run(sample("bricard"), "groups/eigen");
   ASSERT_TRUE(r.report().status.ok()) << name(r.report().status.code);
@@ -84,7 +85,7 @@ TEST(Bricard, SatisfiesTheRelationOfItsAngles) {
   EXPECT_NEAR(most, 115 * kDegree, 1e-3);
 }
 
-// To the resolution of a limit, 2^-10 of a step.
+// Tolerance: the resolution of a limit, 2^-10 of a step.
 TEST(Bricard, EndsAtItsFold) {
   const Scene scene = sample("bricard", {{"swing", 120.1 * kDegree}});
   for (const std::string strategy : {"groups/eigen", "irreducible/lanes"}) {
@@ -124,7 +125,8 @@ TEST(Parallelograms, ATooLongRodContradicts) {
   EXPECT_EQ(s.cannot_assemble.rfind("these equations contradict each other: ", 0), 0u) << s.cannot_assemble;
 }
 
-// With equal lengths C passes through O where the rod is across the rail: the smooth continuation is x = 2 r cos.
+// With equal lengths C passes through O where the rod is perpendicular to the rail: the smooth continuation is
+// x = 2 r cos.
 TEST(SliderCrank, WithEqualLengthsPassesItsChangePoints) {
   const Scene scene = sample("slider_crank:crank_length=0.2,rod_length=0.2,step=0.0033,steps=300");
   const Result r = test::run(scene, "groups/eigen");

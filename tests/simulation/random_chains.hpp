@@ -1,5 +1,4 @@
-// Closed chains drawn at random, whose driver makes one full turn: many of them reach a limit on the way, and many come
-// close to another branch.
+// Random closed chains whose driver makes one full turn: many reach a limit, and many come close to another branch.
 #pragma once
 
 #include <array>
@@ -11,7 +10,7 @@
 
 namespace assur::test {
 
-// A crank about the origin, from an angle drawn at random once around in the time 1.
+// A crank about the origin that makes one turn in time 1, from a random angle.
 inline Triple turning_crank(SceneBuilder& b, Draw& draw) {
   const double radius = draw.real(0.3, 1.2), first = draw.real(-3, 3), turn = 2 * std::numbers::pi;
   const Triple at = {radius * std::cos(first), radius * std::sin(first), 0};
@@ -53,7 +52,7 @@ inline Scene chain_with_triad(Draw& draw, int steps) {
   return b.time(0, 1, 1.0 / steps).build();
 }
 
-// A triangle on three legs that pulsate (3-RPR).
+// A triangle on three legs with oscillating lengths (3-RPR).
 inline Scene three_legs(Draw& draw, int steps) {
   SceneBuilder b("three_legs", 2);
   for (int i = 0; i < 3; ++i) {

@@ -1,4 +1,4 @@
-// How many random scenes a test draws.
+// Number of random scenes of a test.
 #pragma once
 
 #include <algorithm>
@@ -6,7 +6,7 @@
 
 namespace assur::test {
 
-// So many; the variable ASSUR_RANDOM_SCENES asks for more.
+// `usual`, or more by the variable ASSUR_RANDOM_SCENES.
 inline int random_count(int usual) {
   const char* const wanted = std::getenv("ASSUR_RANDOM_SCENES");
   return wanted != nullptr ? std::max(std::atoi(wanted), 1) : usual;

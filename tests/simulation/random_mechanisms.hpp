@@ -1,4 +1,4 @@
-// Mechanisms drawn at random around a start posture in which they can be assembled and move.
+// Random mechanisms around a start posture in which they can be assembled and can move.
 #pragma once
 
 #include <algorithm>
@@ -50,7 +50,7 @@ inline void add_sides(SceneBuilder& b) {
   }
 }
 
-// Moves little: a crank swings by a part of a radian, so that dyads which begin well open stay so.
+// Small motion: a crank swings by less than a radian, so that dyads with open angles keep them.
 inline Law swing(Draw& draw, double value, double amplitude) {
   const double frequency = draw.real(0.3, 1), phase = draw.real(0, 2 * std::numbers::pi);
   return Law::harmonics({{amplitude, frequency, phase}}, value - amplitude * std::sin(phase));
@@ -58,7 +58,7 @@ inline Law swing(Draw& draw, double value, double amplitude) {
 
 inline Triple shifted(const Triple& at, const Triple& by) { return {at[0] + by[0], at[1] + by[1], at[2] + by[2]}; }
 
-// Cranks, and behind them dyads, sliders and points of couplers, each on two of the points that are there already.
+// Cranks, followed by dyads, sliders and points of couplers, each connected to two existing points.
 inline Scene planar_mechanism(Draw& draw, const Triple& origin = {}) {
   SceneBuilder b("planar", 2);
   std::vector<Placed> fixed, moving;
@@ -104,7 +104,7 @@ inline Scene planar_mechanism(Draw& draw, const Triple& origin = {}) {
   return b.time(0, 0.3, 0.01).build();
 }
 
-// A terminal whose pose is given, legs of a handle on a hinge and a rod each, and tripods on what moves.
+// A terminal with a given pose, legs of a hinged handle and a rod, and tripods on moving points.
 inline Scene spatial_mechanism(Draw& draw, const Triple& origin = {}) {
   SceneBuilder b("spatial", 3);
   const double size = draw.real(0.3, 3);
@@ -123,7 +123,7 @@ inline Scene spatial_mechanism(Draw& draw, const Triple& origin = {}) {
     const double arm = size * draw.real(0.4, 0.8), handle = size * draw.real(0.3, 0.5),
                  rod = size * draw.real(0.8, 1.2);
     const Triple P = {arm * out[0], arm * out[1], 0};
-    // The rod hangs down from P, the handle stands across it in the plane of `out`.
+    // The rod is below P; the handle is perpendicular to it in the plane of `out`.
     const double tilt = draw.real(-0.3, 0.3);
     const Triple B = {P[0] + rod * std::sin(tilt) * out[0], P[1] + rod * std::sin(tilt) * out[1],
                       -rod * std::cos(tilt)};

@@ -1,4 +1,4 @@
-// Strategies drawn at random, of the solvers that can run here.
+// Random strategies of the solvers that run here.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// After a command that fails a simulator is as usable as before it.
+// A simulator remains usable after a failed command.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,8 +19,8 @@
 namespace assur {
 namespace {
 
-// The platform is lowered until two arms, or all three, are outstretched, and lifted again. There the rods that were
-// chosen among the redundant ones become singular as well, and others are chosen.
+// The platform is lowered until two or three arms are stretched, and lifted again. There the equations chosen among the
+// redundant ones become singular, and others are chosen.
 TEST(Recovery, ADeltaRobotReturnsFromItsLimit) {
   const test::DeltaRobot robot;
   for (const std::string strategy : {"irreducible/eigen", "global/eigen", "irreducible/lanes"}) {
@@ -60,7 +60,7 @@ TEST(Recovery, ADeltaRobotReturnsFromItsLimit) {
   }
 }
 
-// What can be set, with the values at the start.
+// A driver that can be set, with its start value.
 struct Lever {
   std::string name;
   double value;
@@ -109,9 +109,9 @@ std::vector<Scene> shipped() {
   return all;
 }
 
-// A walk of each mechanism across its limits: one simulator is given all commands, the other one those that succeeded.
-// They agree bit by bit, so a command that fails leaves no trace, and none is refused that would succeed without it.
-// Last bits may differ where a solver of one of them has found another pivot order, which it keeps.
+// Moves each mechanism across its limits: one simulator gets all commands, the other one only those that succeeded.
+// Both agree bitwise, so failed commands leave no trace, and later commands succeed as without them. Last bits may
+// differ if a solver of one of them has chosen another pivot order.
 TEST(Recovery, FailedCommandsLeaveNoTrace) {
   test::Draw draw(16);
   const std::vector<Scene> scenes = shipped();
@@ -163,7 +163,7 @@ TEST(Recovery, FailedCommandsLeaveNoTrace) {
   EXPECT_GT(failed, done / 100);
 }
 
-// Bit by bit, with equations chosen anew, an accuracy asked for, and turns of angles.
+// Bitwise, with reselected equations, a required accuracy, and turns of angles.
 TEST(Recovery, SavedStatesContinueIdentically) {
   struct Case {
     Scene scene;
@@ -236,7 +236,7 @@ TEST(Recovery, SavesReselectedEquations) {
   EXPECT_EQ(s.time(), 0);
 }
 
-// Steps to a given time keep the last good posture on the way, here one that is next to the limit.
+// A failed step to a given time keeps the last good posture on the way, here close to the limit.
 TEST(Recovery, RetreatsToAReachablePosture) {
   const Scene scene = test::limited_four_bar(Law::polynomial({0.5, 1})).time(0, 2, 0.01).build();
   for (const std::string strategy : {"irreducible/lanes", "global/eigen", "groups/eigen+predict=past:3"}) {
@@ -253,7 +253,7 @@ TEST(Recovery, RetreatsToAReachablePosture) {
     const double back = s.time();
     EXPECT_LT(back, there - 0.005);
     EXPECT_GT(back, there - 0.2);
-    // It is the posture of a simulator that did not go further.
+    // The posture equals that of a simulator that stopped there.
     for (int k = 1; as_far.time() < back; ++k) ASSERT_TRUE(as_far.step(0.01 * k).arrived());
     EXPECT_EQ(as_far.time(), back);
     EXPECT_EQ(row_of(s), row_of(as_far));
@@ -264,7 +264,7 @@ TEST(Recovery, RetreatsToAReachablePosture) {
   }
 }
 
-// At rest next to the limit, and moving towards it so fast that it cannot stop in time.
+// At rest close to the limit, and moving towards it too fast to stop in time.
 TEST(Recovery, OvershootingDriversStopAtOnce) {
   Simulator s = test::simulator(test::limited_four_bar(Law::constant(0.5)).time(0, 1, 0.01).build(), "groups/eigen", {},
                                 {"motor"});
@@ -284,7 +284,7 @@ TEST(Recovery, OvershootingDriversStopAtOnce) {
   EXPECT_EQ(s.report().events.size(), events);
 }
 
-// Until a driver is set its law moves it: here towards the limit, from which the first command leads away.
+// The law moves a driver until it is set: here towards the limit, and the first command leads away from it.
 TEST(Recovery, TheFirstCommandMayReverseTheLaw) {
   const double limit = std::acos(0.04), start = limit - 0.01;
   Simulator s = test::simulator(test::limited_four_bar(Law::polynomial({start, 3})).time(0, 1, 0.1).build(),

@@ -1,5 +1,4 @@
-// Mechanisms with redundant equations, which all hold to the rounding level in every row: those that are solved and
-// those that are watched.
+// Mechanisms with redundant equations: all equations, solved and checked ones, hold to rounding errors in every row.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -109,7 +108,7 @@ struct Bennett {
     return s.time(0, double(steps) / steps_per_turn, 1.0 / steps_per_turn).build();
   }
 
-  // The largest relative residual of all equations in a row, and how far the coupler is from where it belongs.
+  // The largest relative residual of all equations in a row, and the position error of the coupler.
   struct Off {
     long double equations = 0, posture = 0;
   };
@@ -130,7 +129,7 @@ struct Bennett {
       }
     }
     Off out;
-    // Against the terms: sum |dPhi/dq| |q| + |constant|, and |d| |e| at least.
+    // Relative to the terms: sum |dPhi/dq| |q| + |constant|, and at least |d| |e|.
     const auto see = [&](long double residual, long double scale) {
       residual = std::abs(residual) / scale;
       if (!(residual <= out.equations)) out.equations = residual;
@@ -168,7 +167,7 @@ void turn(const Bennett& linkage, int steps_per_turn, int steps, const std::stri
     posture = std::max(posture, off.posture);
   }
   EXPECT_LE(equations, kHolds);
-  // Its mobility is that of the dimensions it was given: their rounding shows, by the condition of all equations.
+  // The linkage only moves for exact dimensions, so their rounding has an effect, times the condition of all equations.
   EXPECT_LE(posture, 1e-12);
 }
 
@@ -183,8 +182,7 @@ TEST(Redundant, BennettsLinkageTurnsAHundredTimes) {
   }
 }
 
-// The starts of the chunks are found with the equations of the start; where those have to be chosen anew, nothing is
-// cut.
+// The start postures of chunks use the equations of the start; if these have to be reselected, the run is in sequence.
 TEST(Redundant, ChunksWithReselectedEquationsRunInSequence) {
   const Scene scene = Bennett{}.scene(48, 96);
   const test::Result alone = test::run(scene, "groups/eigen"), cut = test::run(scene, "groups/eigen+chunks=4");
@@ -213,7 +211,7 @@ TEST(Redundant, BennettsLinkageOfAnyShapeTurns) {
   }
 }
 
-// Sets of equations that were followed close to their own singularity lost eight digits of the accelerations.
+// Sets of equations used close to their own singularity once lost eight digits of the accelerations.
 TEST(Redundant, BennettsLinkageKeepsItsAccuracyAfterReselection) {
   for (const auto& [start, steps] : {std::pair{kPi / 2, 5000}, std::pair{75 * kPi / 180, 400}}) {
     SCOPED_TRACE(steps);
@@ -244,7 +242,7 @@ TEST(Redundant, BennettsLinkageKeepsItsAccuracyAfterReselection) {
         }
       }
     }
-    // The dimensions are those of the closed form to the rounding of doubles only.
+    // The dimensions equal those of the closed form up to rounding of doubles.
     EXPECT_LE(off[0], 1e-13);
     EXPECT_LE(off[1], 1e-12);
     EXPECT_LE(off[2], 1e-11);

@@ -1,4 +1,4 @@
-// Without quad precision the reference says what is missing.
+// Without quad precision, the error of the reference names the missing package.
 #include <gtest/gtest.h>
 
 #include <string>

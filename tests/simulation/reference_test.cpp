@@ -1,4 +1,4 @@
-// The reference in quad: its motion against closed forms and equations that are the tests' own, then its figures.
+// The reference in quad: its motion compared with closed forms and independent equations, then its figures.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,8 +21,8 @@ namespace {
 using namespace references;  // NOLINT: the whole file is about them
 using test::Deviation;
 
-// The reference stops after a correction of 1e-22 of its posture; what is left is amplified by the speeds of these
-// mechanisms (up to 40 1/s^2 of their lengths). A double could not come near it.
+// The reference stops after a correction of 1e-22 of its posture; speeds of these mechanisms (up to 40 1/s^2 of their
+// lengths) amplify the rest. Doubles cannot reach this accuracy.
 constexpr double kExact = 1e-20;
 
 Vec<QuadJet> place(const ReferenceMotion& motion, const std::string& name) {
@@ -94,7 +94,7 @@ TEST(ReferenceMotion, FollowsTheStewartPlatformInEveryFormulation) {
   }
 }
 
-// A step of 0.01 s leads across the place where the wrong branch is 1e-4 m away.
+// A step of 0.01 s passes the posture where the wrong branch is 1e-4 m away.
 TEST(ReferenceMotion, StaysOnTheBranchOfTheAlmostParallelogram) {
   ReferenceMotion motion(prepare(sample("almost_parallelogram:delta=1e-8")));
   for (int k = 0; k <= 100; ++k) motion.advance(0.01 * k);
@@ -118,7 +118,7 @@ TEST(ReferenceMotion, SatisfiesTheEquationsOfEveryGoughPosture) {
   }
 }
 
-// The lengths are those of the drawing, rounded once: they do not change.
+// The lengths of the rings, rounded once, do not change.
 TEST(ReferenceMotion, KeepsTheLengthsOfRings) {
   const Scene scene = sample("rings:legs=2,n=240");  // sparse blocks
   ReferenceMotion motion(prepare(scene));
@@ -137,7 +137,7 @@ TEST(ReferenceMotion, KeepsTheLengthsOfRings) {
   }
 }
 
-// One equation is dropped: implied by the others, it holds as exactly as they do.
+// One redundant equation is dropped; it holds as exactly as the others.
 TEST(ReferenceMotion, LeavesOutRedundantEquations) {
   const Scene scene = sample("bricard:middle=0,swing=0.5");
   const Prepared prepared = prepare(scene);
@@ -153,7 +153,7 @@ TEST(ReferenceMotion, LeavesOutRedundantEquations) {
 }
 
 TEST(ReferenceMotion, NamesTheTimeOfAFailure) {
-  // The coupler and the rocker reach the crank's end up to x = 2.1 only.
+  // Coupler and rocker only reach the end of the crank up to x = 2.1.
   const Scene scene = SceneBuilder("stretched", 2)
                           .fixed_point("A", {0, 0, 0})
                           .point("P", {1, 0, 0})
@@ -177,7 +177,7 @@ TEST(ReferenceMotion, NamesTheTimeOfAFailure) {
 
 // ---- the figures
 
-// The norms of Deviation but for the rates of what hardly moves: the same figures up to a factor of two.
+// The norms equal those of Deviation, except for rates of nearly resting outputs: equal figures up to a factor of two.
 void expect_about(const ForwardError& figures, const Motion& deviation) {
   const auto about = [](double a, double b) { return a <= 2 * b && b <= 2 * a; };
   EXPECT_TRUE(about(figures.position, deviation.value)) << figures.position << " for " << deviation.value;
@@ -206,7 +206,7 @@ TEST(ForwardError, AgreesWithTheClosedFormOfAFourBarChain) {
   }
 }
 
-// The paper's tEnd2 = 1 with a predictor that is too poor for it.
+// tEnd2 = 1 of the paper with a predictor that is too inaccurate for it.
 TEST(ForwardError, FindsTheErrorOfTooFewIterations) {
   const Scene scene = sample("stewart").with_time({0, 0.5, 0.01});
   const Prepared prepared = prepare(scene, {"groups/eigen+predict=taylor:0", {}});
@@ -218,8 +218,8 @@ TEST(ForwardError, FindsTheErrorOfTooFewIterations) {
   expect_about(found, deviation(prepared, trajectory, [&](double t) { return stewart(scene, t); }));
 }
 
-// A trajectory of another mechanism with the same columns: 0.02 m off for the slider, beyond every suspicion of a
-// reference that lost its branch.
+// A trajectory of another mechanism with the same columns: an error of 0.02 m for the slider, too large for a reference
+// on another branch.
 TEST(ForwardError, ReportsTheErrorOfAnotherMotion) {
   const Prepared prepared = prepare(sample("slider_crank:offset=0.03").with_outputs({"C"}));
   const Trajectory other = test::run(sample("slider_crank:offset=0.01").with_outputs({"C"})).trajectory;
@@ -278,8 +278,8 @@ TEST(ForwardError, IsSmallForTheStewartPlatformWithEverySolver) {
   }
 }
 
-// Backward error of eight roundings times the condition (5 to 16 for every ring), once more for what the terminal hands
-// down to the legs.
+// Backward error of eight roundings times the condition (5 to 16 for every ring), squared because the terminal passes
+// its error on to the legs.
 TEST(ForwardError, OfRingsFollowsTheirCondition) {
   const Prepared prepared = prepare(sample("rings:legs=3,n=12").with_time({0, 1, 0.01}));
   const ForwardError found = forward_error(prepared, Simulator(prepared).run());
@@ -295,7 +295,7 @@ TEST(ForwardError, OfGoughPosturesFollowsTheirCondition) {
   }
 }
 
-// A callback computes in double: the circle as the user's code, and the same as a constraint of the library.
+// A callback computes in double: the circle as code of the user, and as a constraint of the library.
 TEST(ForwardError, HandlesCallbacks) {
   Callback circle;
   circle.coordinates = {"P.x", "P.y"};
@@ -327,7 +327,7 @@ TEST(ForwardError, HandlesCallbacks) {
   EXPECT_LE(forward_error(prepared, Simulator(prepared).run()).position, 8 * kEps);
 }
 
-// An angle may be counted from another turn on; that is no error.
+// A different start turn of an angle is no error.
 TEST(ForwardError, HandlesAnglesOverManyTurns) {
   const Scene scene = sample("andrews").with_outputs({"beta"});
   const TimeGrid grid = scene.time();

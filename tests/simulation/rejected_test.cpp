@@ -1,4 +1,4 @@
-// A rejected attempt at a step leaves nothing behind: the next one starts from the last accepted posture alone.
+// A rejected attempt at a step leaves no trace: the next one starts from the last accepted posture.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -16,8 +16,8 @@ constexpr double kOffset = 0.885;  // rad: the crank swings by 1 rad about it
 constexpr double kLargest = 3.2;   // m, the largest coordinate
 constexpr double kCondition = 50;  // at most, all the way
 
-// A four-bar and a dyad behind it, regular all the way; steps are so long that the dyad, which is solved last, rejects
-// many that the four-bar has accepted.
+// A four-bar followed by a dyad, regular in all postures; steps are so long that the dyad, which is solved last,
+// rejects many that the four-bar has accepted.
 Scene four_bar_and_dyad(double step, std::int64_t steps) {
   SceneBuilder b("four_bar_and_dyad", 2);
   b.fixed_point("A", {0, 0, 0}).fixed_point("D", {2, 0, 0}).fixed_point("F", {3.2, 0.7, 0});
@@ -43,7 +43,7 @@ TEST(Rejected, AttemptsLeaveNoTrace) {
     const test::Result r = test::run(scene, strategy);
     ASSERT_TRUE(r.report().status.arrived()) << name(r.report().status.code) << " at " << r.report().reached;
     rejected += r.counters().rejected;
-    // What is left out must not decide on what is computed.
+    // Groups that are left out must not influence the others.
     const test::Result one = test::run(scene.with_outputs({"E.position"}), strategy);
     ASSERT_TRUE(one.report().status.arrived()) << name(one.report().status.code);
     EXPECT_NEAR(one.trajectory.last("E.x"), r.trajectory.last("E.x"), 2 * 8 * kEps * kCondition * kLargest);

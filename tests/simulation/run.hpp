@@ -1,4 +1,4 @@
-// What the tests of the simulation share: a run, and how far two of them are apart.
+// Helpers of the tests of the simulation: a run, and the difference of two runs.
 #pragma once
 
 #include <algorithm>
@@ -27,7 +27,7 @@ inline Simulator simulator(const Scene& scene, const std::string& strategy = "au
   return Simulator(prepare(scene, {strategy, std::move(controlled)}), limits);
 }
 
-// The solvers of this build: dense and, where it is there, sparse.
+// The solvers of this build: dense, and sparse if available.
 inline std::vector<std::string> solvers() {
   if (find_backend(backends(), "klu").why_not({}, {}).empty()) return {"eigen", "klu"};
   return {"eigen"};
@@ -42,7 +42,7 @@ struct Result {
   [[nodiscard]] const Counters& counters() const { return report().counters; }
 };
 
-// What happened to the motion: no doubts about its accuracy.
+// The events of the motion, without doubts about its accuracy.
 [[nodiscard]] inline std::vector<Event> events(const Report& report) {
   std::vector<Event> all = report.events;
   std::erase_if(all, [](const Event& e) { return e.kind == Code::inaccurate; });
@@ -55,14 +55,14 @@ inline Result run(const Scene& scene, const std::string& strategy = "auto", Step
   return {std::move(s), std::move(t)};
 }
 
-// Value, velocity or acceleration of a point or vector, or a column of its own kind.
+// Value, velocity or acceleration of points and vectors; other columns have their own kind.
 inline std::string kind_of(const std::string& column) {
   const std::string last = column.substr(column.rfind('.') + 1);
   return last == "x" || last == "y" || last == "z" ? "x" : last.size() == 2 ? last.substr(0, 1) : column;
 }
 
-// The largest difference of two runs over the largest value of all columns of its kind, over all columns of the first:
-// a coordinate that stays near zero is as uncertain as its neighbours are.
+// The largest difference of two runs over the largest value of all columns of its kind, for all columns of the first
+// run: a coordinate near zero is as uncertain as its neighbours.
 inline double difference(const Trajectory& a, const Trajectory& b) {
   if (a.rows() != b.rows() || a.rows() == 0) return std::numeric_limits<double>::infinity();
   struct Kind {

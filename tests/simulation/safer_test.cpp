@@ -1,4 +1,4 @@
-// What a solver cannot do by itself is refined, and told.
+// Solutions that a solver alone cannot provide are refined, and this is reported.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -65,7 +65,7 @@ TEST(Safer, RefinesFactorsWithGrowth) {
     EXPECT_EQ(r.trajectory.rows(), 11u);
     EXPECT_LE(r.report().error.velocity, 1e-14) << solver;
     EXPECT_LE(r.report().error.acceleration, 1e-14) << solver;
-    // Condition 60 in the maximum norm: the error is that many roundings at most, times a few.
+    // Condition 60 in the maximum norm: the error is at most a few times 60 roundings.
     for (const int j : {0, 2, 30, 58}) {
       const std::string name = "P" + std::to_string(j / 2);
       EXPECT_NEAR(r.trajectory.last(name + ".x"), wanted(j) * std::cos(1.0), 1e-13) << solver << j;

@@ -1,4 +1,4 @@
-// Two runs that may differ in their threads are the same, bit for bit.
+// Two runs with different numbers of threads are bitwise equal.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -33,7 +33,7 @@ inline void expect_same_report(const Report& a, const Report& b) {
   EXPECT_EQ(a.effort.renewed, b.effort.renewed);
   EXPECT_EQ(a.effort.refined, b.effort.refined);
   EXPECT_EQ(a.effort.in_double, b.effort.in_double);
-  // The worst residual is found by comparisons that round, so that its last bits depend on what it was compared with.
+  // The comparisons for the worst residual round, so that its last bits depend on the order of comparisons.
   for (const auto figure : {&ErrorFigures::position, &ErrorFigures::velocity, &ErrorFigures::acceleration}) {
     EXPECT_EQ(std::isnan(a.error.*figure), std::isnan(b.error.*figure));
     if (!std::isnan(a.error.*figure)) {

@@ -1,4 +1,4 @@
-// The unit of length is nobody's business: scaling all lengths by a power of two changes no bit. Nor is the place.
+// Scaling all lengths by a power of two keeps the results bitwise; shifting the mechanism keeps its accuracy.
 #include <gtest/gtest.h>
 
 #include "references/scaled.hpp"
@@ -20,7 +20,7 @@ std::string item_of(std::string column, const std::unordered_map<std::string, in
 
 void expect_the_same_bits(const Scene& scene, const std::string& strategy, int exponent) {
   SCOPED_TRACE(scene.name() + " " + strategy + " x 2^" + std::to_string(exponent));
-  // Both rebuilt: building normalises the vectors once more.
+  // Both scenes are rebuilt, because building normalises vectors again.
   const Result plain = test::run(scaled(scene, 0), strategy), other = test::run(scaled(scene, exponent), strategy);
   ASSERT_TRUE(plain.report().status.ok());
   ASSERT_EQ(other.trajectory.columns(), plain.trajectory.columns());
@@ -57,7 +57,7 @@ TEST(Scaling, ByAPowerOfTwoKeepsResultsBitwise) {
   }
 }
 
-// A point on a body that turns about a fixed axis, partly along that axis: its distances have the digits of the body.
+// A point of a body that turns about a fixed axis: its distances keep the digits of the body far from the origin.
 TEST(Scaling, DistancesFarAwayKeepTheirDigits) {
   const double height = 0.3, arm = 0.7;
   for (const double far : {0.0, 12345.678901, 7.3e8}) {

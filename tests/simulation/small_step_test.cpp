@@ -1,4 +1,4 @@
-// The step of a small group in one piece is the step that GroupSolver puts together.
+// The fused step of a small group equals the step of GroupSolver.
 #include "group/small_step.hpp"
 #include "group/step_rules.hpp"
 
@@ -13,8 +13,8 @@
 namespace assur {
 namespace {
 
-// Both are within 8 eps of the same posture, at most 23 times that where their groups are at their worst (the legs of
-// the platform), and rates square it.
+// Both are within 8 eps of the same posture, times the largest condition of a group, 23 (legs of the platform); rates
+// have its square.
 constexpr double kTolerance = 2 * 8 * 23 * 23 * kEps;
 
 struct State {
@@ -35,8 +35,8 @@ double largest(const std::vector<double>& v) {
   return size;
 }
 
-// At the start posture, with rates of their own for all inputs that move: once as GroupSolver does it, then from a
-// prediction that is off, as a small step.
+// At the start posture, with random rates of all moving inputs: once by GroupSolver, then as a small step from an
+// inexact prediction.
 void expect_the_same_step(const Scene& scene, const std::string& strategy) {
   SCOPED_TRACE(scene.name() + " " + strategy);
   const Prepared prepared = prepare(scene, {strategy, {}});
@@ -100,7 +100,7 @@ void expect_the_same_step(const Scene& scene, const std::string& strategy) {
       }
     }
 
-    // What is not ordinary is refused, and the prediction is left alone.
+    // Special cases are refused, and the prediction is unchanged.
     const State before = moved;
     EXPECT_FALSE(step->run(pack, moved.pointers().at, 0, kConverged, figures));
     moved.values[0][pack.unknowns] += 1e6;
@@ -132,7 +132,7 @@ TEST(SmallStep, GivesTheSameMotion) {
       EXPECT_LE(test::difference(one.trajectory, small.trajectory), kTolerance);
       EXPECT_EQ(small.counters().steps, one.counters().steps);
       EXPECT_EQ(small.counters().factorizations, small.counters().newton_iterations + small.counters().group_solutions);
-      // Again, bit for bit.
+      // A second run, bitwise equal.
       Simulator again = test::simulator(sample(scene), std::string("irreducible/") + lanes);
       (void)again.run();
       EXPECT_EQ(again.run().values(), small.trajectory.values());

@@ -1,4 +1,4 @@
-// What a state keeps of the accepted postures while others are begun, given up and accepted.
+// A state keeps accepted postures while further ones are attempted, rejected and accepted.
 #include "path/state.hpp"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@ constexpr Predictor kTaylor = {Predictor::Kind::taylor, 2}, kHermite = {Predicto
                     kPast = {Predictor::Kind::past, 2};
 constexpr double kConstant = 7, kStep = 0.25;  // steps and values are exact in binary
 
-// Coordinate 0 is known and never moves; 1 and 2 follow parabolas, which every one of these predictors continues.
+// Coordinate 0 is known and constant; 1 and 2 follow parabolas, which all these predictors continue exactly.
 State state(const Predictor& predictor) {
   State s;
   s.resize(1, 3, predictor);

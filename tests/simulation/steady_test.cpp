@@ -1,4 +1,4 @@
-// A step takes no memory.
+// Steps allocate nothing.
 #include <gtest/gtest.h>
 
 #include "backends/allocations.hpp"
@@ -60,7 +60,7 @@ TEST(Steady, PositionsOnlyAllocateNothing) {
 }
 
 TEST(Steady, RejectedStepsAllocateNothing) {
-  // 3.6 degrees a step close to the change point: steps are halved.
+  // Steps of 3.6 degrees close to the change point are halved.
   const Scene scene = sample("almost_parallelogram:delta=1e-4");
   for (const std::string& solver : test::solvers()) {
     Simulator s = test::simulator(scene, "groups/" + solver);

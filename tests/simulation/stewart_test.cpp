@@ -1,4 +1,4 @@
-// The paper's platform: accuracy in every formulation, and what is left out where only the handles' angles are wanted.
+// The platform of the paper: accuracy in every formulation, and groups left out if only angles of handles are outputs.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -72,7 +72,7 @@ struct Work {
   std::string strategy;
   std::int64_t first, groups, unknowns;
 
-  // Each attempt at a posture solves the first level, and the groups of the next until one rejects it.
+  // Each attempt at a posture solves the first level, and groups of the next level until one rejects the attempt.
   static std::int64_t attempts(const Counters& c) { return 1 + c.steps + c.substeps + c.rejected; }
   [[nodiscard]] std::int64_t of_first(const Counters& c) const { return first > 0 ? attempts(c) : 0; }
   [[nodiscard]] std::int64_t solutions_times_unknowns(const Counters& c) const {
@@ -87,8 +87,8 @@ struct Work {
   }
 };
 
-// A Newton iteration evaluates, factorizes and solves once, and at last the residual is evaluated; derivatives cost one
-// factorization and two solves more.
+// A Newton iteration evaluates, factorizes and solves once; a final evaluation checks the residual. Derivatives need
+// one more factorization and two solves.
 void expect_work(const Counters& c, const Work& w, bool derivatives) {
   EXPECT_EQ(c.steps, 1000);
   EXPECT_LE(c.rejected, 5);
@@ -104,7 +104,7 @@ void expect_work(const Counters& c, const Work& w, bool derivatives) {
 }
 
 TEST(Stewart, CountsTheWorkOfTheFullRun) {
-  // In `irreducible` the terminal is driven, and 15 = 3 + 3 + 3 + 6 that presolve eliminates.
+  // In `irreducible` the terminal is driven, and a leg has 15 = 3 + 3 + 3 unknowns + 6 that presolve eliminates.
   const std::size_t columns = 9 * (4 + 6 * 5 + 6 * 2) + 6 * 3;  // O, u, v, w; B, e, r, c, d; P, t; angles
   for (const Work& w : {Work{"groups/" + test::sparse(), 12, 6, 15}, Work{"irreducible/" + test::sparse(), 0, 18, 3},
                         Work{"global/" + test::sparse(), 0, 1, 102}}) {
@@ -188,7 +188,7 @@ TEST(Stewart, TakesFixedIterationsBeyondTheFirstLevel) {
     // The start posture is assembled already.
     EXPECT_EQ(c.newton_iterations - of_first, n * (c.group_solutions - work.of_first(c) - 6));
     EXPECT_EQ(c.most_iterations, std::max<std::int64_t>(n, free.counters().most_iterations));
-    // The paper's single iteration is enough at 1 rad/s and dt = 0.01.
+    // The single iteration of the paper suffices at 1 rad/s and dt = 0.01.
     EXPECT_LE(r.report().error.position, 1e-14) << n;
   }
 }

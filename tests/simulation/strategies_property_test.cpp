@@ -1,4 +1,4 @@
-// Any strategy gives the motion of any mechanism, within what its residuals and the conditions of its postures allow.
+// All strategies give the same motion of all mechanisms, within the bounds by residuals and conditions of postures.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -19,8 +19,8 @@ constexpr ThreadBudget kBudget{4};
 
 constexpr int kMostGroupsAtOnce = 2;  // p of the paper's strategies
 
-// Its own forward error, by the reference in quad precision, is within what its residual r allows at condition c:
-// r c for positions, r c^2 for rates, r c^3 for accelerations, relative to the largest of the scene's outputs.
+// The forward error, by the reference in quad precision, is bounded by the residual r and the condition c: r c for
+// positions, r c^2 for rates, r c^3 for accelerations, relative to the largest output of the scene.
 void expect_the_motion_of_the_reference(const Scene& scene, const std::string& strategy, double condition) {
   SCOPED_TRACE(scene.name() + " " + strategy);
   Simulator s(prepare(scene, {strategy, {}, kBudget}));
@@ -28,7 +28,7 @@ void expect_the_motion_of_the_reference(const Scene& scene, const std::string& s
   const Report& report = s.report();
   ASSERT_EQ(report.status.code, Code::ok) << "at " << report.reached;
   ASSERT_EQ(t.rows(), static_cast<std::size_t>(scene.time().steps()) + 1);
-  // The residuals that a run tells: the criterion of convergence is 8 eps, of a refined linear system 4 times that.
+  // The reported residuals: the criterion of convergence is 8 eps, for refined linear systems 4 times that.
   EXPECT_GT(report.error.position, 0);
   EXPECT_LE(report.error.position, 1e-13);
   EXPECT_LE(report.error.velocity, 1e-13);
@@ -142,8 +142,8 @@ TEST(Strategies, OfThePaperRun) {
       continue;
     SCOPED_TRACE(s.name);
     expect_the_motion_of_the_reference(scene, s.strategy, condition);
-    // Readings of the paper's code: velocity and acceleration share a factorisation, or have one each; beyond it, one
-    // for a whole step.
+    // Interpretations of the paper: velocity and acceleration share a factorisation, or have one each; additionally,
+    // one factorisation for a whole step.
     for (const std::string reading : {"+separate", "+once"}) {
       const std::size_t end = std::min(s.strategy.find(' '), s.strategy.size());
       expect_the_motion_of_the_reference(scene, s.strategy.substr(0, end) + reading + s.strategy.substr(end),
@@ -152,7 +152,7 @@ TEST(Strategies, OfThePaperRun) {
   }
 }
 
-// Packs that are shared out among threads are solved as by one.
+// The assignment of packs to threads does not change the results.
 TEST(Strategies, AreBitwiseEqualForAllThreads) {
   const Scene platform = sample("stewart:legs=22,steps=40"), rings = sample("rings:legs=7,n=60,steps=20");
   const Scene limited = test::limited_four_bar(Law::polynomial({0.5, 1})).time(0, 2, 0.01).build();
@@ -207,7 +207,7 @@ TEST(Strategies, ExplainWhyTheyCannotRun) {
       EXPECT_EQ(refusal("groups/" + id + " 1x2", kBudget), "backend " + id + " cannot run here: " + no_threads);
     }
     EXPECT_NE(refusal("groups/" + id + " 3x1", {2}).find("takes 3 threads and the budget is 2"), std::string::npos);
-    // Chunks and lanes are no way around it.
+    // Chunks and lanes do not change this.
     EXPECT_NE(refusal("groups/" + id + ":8+chunks=4 3x1", {2}).find("takes 3 threads"), std::string::npos);
   }
 }

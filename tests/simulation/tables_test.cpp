@@ -1,4 +1,4 @@
-// Motions and postures against tables of reference: Andrews' squeezer, Dietmaier's platform with 40 postures.
+// Motions and postures compared with reference tables: Andrews' squeezer, Dietmaier's platform with 40 postures.
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -65,13 +65,13 @@ TEST(Andrews, CannotBeAssembledWithTheMisprint) {
       ADD_FAILURE() << strategy << ": the misprinted mechanism was accepted";
     } catch (const Error& e) {
       EXPECT_EQ(e.kind(), Error::Kind::numerical) << e.what();
-      // E(F, B) comes together, but beyond the reach of A: |EG| + |GA| = 0.06.
+      // E(F, B) can be assembled, but beyond the reach of A: |EG| + |GA| = 0.06.
       EXPECT_NE(std::string(e.what()).find("group G cannot be assembled: 'G"), std::string::npos) << e.what();
     }
   }
 }
 
-// The same mechanism whose crank passes the reference of the IVP test set at t = 0.03 s, on a parabola from beta = 0.
+// The same mechanism with a crank that passes the state of the IVP test set at t = 0.03 s, on a parabola from beta = 0.
 struct Ivp {
   static constexpr double kBeta = 15.81077119629904, kRate = 1139.920302151208, kAcceleration = -24631.76316945196;
 
@@ -99,8 +99,8 @@ struct Ivp {
   }
 };
 
-// gamma, delta, epsilon, and theta up to whole turns: it is unwrapped from where our run starts, not theirs. Phi and
-// Omega are delta and theirs from directions a quarter turn off, and say nothing more.
+// gamma, delta, epsilon, and theta up to whole turns, because the runs start at different postures. Phi and Omega equal
+// these angles from directions turned by a quarter, and add no information.
 TEST(Andrews, AgreesWithTheIvpTestSet) {
   const Ivp ivp;
   for (const std::string& strategy : every_strategy()) {
@@ -123,9 +123,9 @@ TEST(Andrews, AgreesWithTheIvpTestSet) {
   }
 }
 
-// From a guess that is off by up to 0.001 in every coordinate Newton returns to the posture of the table. Allowed: the
-// residual of a posture that is taken for assembled (64 eps of the sum of an equation's terms, in practice a few eps)
-// and the rounding of the platform's dimensions from decimals, times the condition of the equations. 4e-15 is 18 eps.
+// From a guess with errors up to 0.001 in every coordinate, Newton's method returns to the posture of the table.
+// Tolerance: the residual of an assembled posture (64 eps of the sum of the terms of an equation, in practice a few
+// eps) and the rounding of the dimensions from decimals, times the condition of the equations. 4e-15 is 18 eps.
 TEST(Gough, FindsAllFortyPosturesFromPerturbedGuesses) {
   const auto table = references::read_gough();
   ASSERT_EQ(table.size(), 40u);

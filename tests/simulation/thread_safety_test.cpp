@@ -1,4 +1,4 @@
-// Simulators and ensembles among the threads of a program that uses them: each gives what it gives alone.
+// Simulators and ensembles in threads of the user give the same results as alone.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -37,7 +37,7 @@ const Scene& platforms() {
   return scene;
 }
 
-// Those of this build.
+// The strategies of this build.
 std::vector<std::string> strategies() {
   std::vector<std::string> out = {"groups/eigen 2x1", "irreducible/lanes:4 2x1", "irreducible/lanes:8",
                                   "groups/eigen:4+chunks=4 2x1"};
@@ -93,7 +93,7 @@ TEST(ThreadSafety, ScenesArePreparedInTwoThreads) {
   for (const auto& r : side_by_side) test::expect_same_run(alone, *r);
 }
 
-// What one of them throws, or cannot reach, is no other's affair.
+// Exceptions and limits of one simulator do not affect the others.
 TEST(ThreadSafety, ASimulatorThatFailsDoesNotDisturbItsNeighbour) {
   const Prepared good = prepared(platforms(), "groups/eigen 2x1");
   const Prepared bad = prepared(test::limited_fan({5, 8}), "groups/eigen 2x1");

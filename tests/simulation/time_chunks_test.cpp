@@ -1,4 +1,4 @@
-// A time grid cut into chunks that run side by side is the run in sequence.
+// A time grid divided into concurrent chunks gives the same results as a run in sequence.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -210,8 +210,8 @@ TEST(TimeChunks, EndAtALimitAsInSequence) {
   }
 }
 
-// The crank rests at 1 rad at every quarter of a second; between them it swings out and back, in the quarter `beyond`
-// further than it can go: the start postures of four chunks know nothing of that.
+// The crank rests at 1 rad at every quarter of a second; in between it swings out and back, in the quarter `beyond`
+// beyond its limit, which the start postures of four chunks do not show.
 Scene swinging(int beyond) {
   const Law law = Law::function([beyond](double t) -> Motion {
     const double quarter = std::floor(4 * t), s = 4 * t - quarter;
@@ -232,12 +232,13 @@ TEST(TimeChunks, ALimitWithinAChunkEndsTheRun) {
       Result r = run(in_sequence.scene, text("groups/eigen", lanes, 4));
       expect_the_same_run(in_sequence, r);
       EXPECT_TRUE(mentions(r.report().fallbacks, "was run alone")) << r.report().fallbacks.size();
-      // It stands where the run in sequence stands.
+      // The simulator ends at the same posture as the run in sequence.
       Simulator there = simulator(in_sequence.scene, "groups/eigen");
       (void)there.run();
       const test::Sizes size = test::sizes(in_sequence.result.trajectory);
       for (std::size_t c = 0; c < there.columns().size(); ++c) {
-        // The brackets of the limit are apart by 2^-20 of a step or two; at a fold positions move by its square root.
+        // The brackets of the limit differ by one or two 2^-20 of a step; at a fold positions change by the square root
+        // of that.
         if (test::derivative_of(there.columns()[c]) == 0) {
           EXPECT_NEAR(r.simulator.outputs()[c], there.outputs()[c], 4 * size.of[0] / 1024);
         }
@@ -279,7 +280,7 @@ TEST(TimeChunks, RepeatAChunkThatStartsOnTheWrongBranch) {
       const ChunkedRun r = run_in_chunks(prepared, {}, times, grid, starts, {});
       EXPECT_TRUE(r.status.ok());
       ASSERT_EQ(r.rows, times.size());
-      // A chunk that was right began where its wrong neighbour did not end: only that one is run again.
+      // A right chunk begins where its wrong neighbour does not end; only the wrong chunk is repeated.
       EXPECT_EQ(r.fallbacks.size(), wrong.size());
       for (const std::size_t c : wrong) {
         EXPECT_TRUE(mentions(
@@ -294,7 +295,7 @@ TEST(TimeChunks, RepeatAChunkThatStartsOnTheWrongBranch) {
   }
 }
 
-// ---- angles, what remains afterwards
+// ---- angles, state after the run
 
 TEST(TimeChunks, UnwrapAnglesAcrossBorders) {
   const Scene scene = four_bar(1).with_time({0, 7.3, 0.01});
@@ -348,8 +349,8 @@ TEST(TimeChunks, CountTheirWork) {
   EXPECT_GT(r.report().error.position, 0);
 }
 
-// Four steps of a length arrive before a longer one is tried: at most one in five fails, but for those that find the
-// first length and those on ways where the posture allows less and less, which are as many as halvings.
+// Four steps of one length succeed before a longer one is tried, so at most one in five fails. Exceptions are the
+// search for the first length and ways with shrinking steps, which add a failure for each halving.
 TEST(TimeChunks, RejectFewStepsToTheirStarts) {
   for (const std::string text : {"stewart:steps=10000", "four_bar:step=0.01,steps=20000"}) {
     for (const int chunks : {2, 8, 16}) {
@@ -395,7 +396,7 @@ TEST(TimeChunks, AnObserverIsCalledForEveryRowAndStops) {
   }
 }
 
-// ---- what cannot be cut
+// ---- runs that cannot be divided
 
 TEST(TimeChunks, RunInSequenceAndExplainWhyIfImpossible) {
   const Scene scene = four_bar(1);

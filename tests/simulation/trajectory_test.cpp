@@ -31,12 +31,12 @@ TEST(Trajectory, HasNoColumnTwice) {
   };
   EXPECT_EQ(columns({"C", "rod_angle.rate", "C", "rod_angle.rate", "C.velocity"}),
             (std::vector<std::string>{"C.x", "C.y", "C.vx", "C.vy", "C.ax", "C.ay", "rod_angle.rate"}));
-  // What is still missing follows where the rest is asked for.
+  // Missing parts follow at the position of the repeated output.
   EXPECT_EQ(columns({"C.velocity", "B.position", "C"}),
             (std::vector<std::string>{"C.vx", "C.vy", "B.x", "B.y", "C.x", "C.y", "C.ax", "C.ay"}));
 }
 
-// Memory that is there before it is written: the system hands out no page from one row to the next.
+// Memory is touched before rows are written, so that no page fault occurs between rows.
 TEST(Trajectory, TouchesItsMemoryBeforeTheRun) {
 #ifndef MADV_POPULATE_WRITE
   GTEST_SKIP() << "no such advice here";
@@ -209,7 +209,7 @@ TEST(Trajectory, CsvReadsBackTheSameDoubles) {
   EXPECT_FALSE(std::getline(in, line));
 }
 
-// B1 of the sample turns back and forth; the crank goes round: its angle is unwrapped over ten turns.
+// B1 of the sample oscillates; the angle of the crank is unwrapped over ten turns.
 TEST(Trajectory, AnglesAreUnwrapped) {
   const Scene four_bar = sample("four_bar:step=0.01,steps=1000");
   SceneBuilder builder("four_bar", 2);

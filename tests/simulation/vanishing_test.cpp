@@ -1,5 +1,5 @@
-// Equations all of whose terms vanish, because directions are perpendicular and lie along the axes: what is left of
-// them is rounding, and is measured against what is multiplied, not against itself.
+// Equations whose terms all vanish, because directions are perpendicular and parallel to the axes: their residuals are
+// rounding errors, relative to the factors and not to the vanishing terms.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,7 +17,7 @@ using test::Result;
 
 constexpr double kNearlyZero = 6.123233995736766e-17;  // cos(pi / 2) in double
 
-// A crank about the third axis, with an equation that keeps it in its plane although nothing else would let it leave.
+// A crank about the third axis, with a redundant equation that keeps it in its plane.
 Scene crank(const std::string& constraint) {
   return parse_scene(R"({"assur": 1, "name": "mini", "dimension": 3,
     "points": {"A": {"at": [0, 0, 0], "fixed": true}, "B": {"at": [1, 0, 0]}},
@@ -41,7 +41,7 @@ TEST(Vanishing, EquationsOfKnownCoordinatesAreConsistent) {
   }
 }
 
-// A four-bar in the plane z = 0 of space: each bar is told to stay in it, though one telling too many.
+// A four-bar in the plane z = 0 of space: an equation for each bar keeps it in the plane; one of them is redundant.
 Scene four_bar(double off, double size) {
   const auto at = [&](double x, double y) { return Triple{size * x, size * y, 0}; };
   SceneBuilder b("four_bar", 3);
@@ -85,11 +85,11 @@ TEST(Vanishing, RedundantPlanesDoNotContradict) {
   }
 }
 
-// What contradicts, does: a plane that is off by more than rounding.
+// A plane that contradicts by more than rounding.
 TEST(Vanishing, RefusesLargerViolations) { EXPECT_THROW((void)test::run(four_bar(1e-7, 1)), Error); }
 
-// A loop in the plane, written in space with frames a little askew in the guess: steps take the terms of u2 . z down to
-// numbers so small that they have no inverse.
+// A planar loop modelled in space, with slightly tilted frames in the guess: the terms of u2 . z become so small that
+// their inverses overflow.
 TEST(Vanishing, AcceptsSubnormalTerms) {
   const Scene scene = parse_scene(R"(
       {"assur": 1, "name": "upright", "dimension": 3, "points": {"A": {"at": [0.0, 0.0, 0.0], "fixed":
@@ -115,7 +115,7 @@ TEST(Vanishing, AcceptsSubnormalTerms) {
   }
 }
 
-// The scale does not vanish for any posture of the directions, and is hardly changed where they lie at random.
+// The scale does not vanish for any directions, and hardly changes for random ones.
 TEST(Vanishing, ScalesDoNotVanish) {
   SceneBuilder b("scales", 3);
   b.fixed_point("A", {0, 0, 0}).point("B", {1, 0, 0}).vector("e", {0, 1, 0}).vector("f", {0, 0, 1});

@@ -1,5 +1,4 @@
-// What a scene says by its posture as written: laws that count from there, points of bodies in ground coordinates; and
-// files in degrees.
+// The written posture of a scene: relative laws, points of bodies in ground coordinates; and files in degrees.
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -101,7 +100,7 @@ TEST(GroundMembers, KeepTheirWrittenPositions) {
   EXPECT_NEAR(at(2, "e.x"), -1, 1e-14);
 }
 
-// A frame in space that is written off the axes, and a base of three points.
+// A frame in space that is not parallel to the axes, and a base of three points.
 TEST(GroundMembers, KeepTheirPositionsInSpace) {
   SceneBuilder b("space", 3);
   b.point("O", {1, 2, 3}).vector("u", {0, 1, 0}).vector("v", {0, 0, 1}).vector("w", {1, 0, 0});

@@ -25,7 +25,7 @@ struct Poor {
 };
 class PoorGuess : public testing::TestWithParam<Poor> {};
 
-// 20 to 50 % of the mechanism's typical length, every coordinate; lengths are explicit in these samples.
+// Errors of 20 to 50 % of the typical length in every coordinate; these samples have explicit lengths.
 TEST_P(PoorGuess, LeadsToAPosture) {
   const auto [name, size] = GetParam();
   for (unsigned seed = 1; seed <= 40; ++seed) {
@@ -61,7 +61,7 @@ Scene dyad(const Triple& guess) {
 constexpr const char* kOther = "was assembled in another mode than its guess";
 constexpr const char* kUndecidable = "is not decidable";
 
-// The modes of a dyad are the sides of AB: damping keeps to that of the guess.
+// The modes of a dyad are the two sides of AB: damping keeps the side of the guess.
 TEST(AssemblyMode, ADyadStaysOnItsSide) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> x(-1, 3), y(-2, 2);
@@ -86,7 +86,7 @@ int sign(const System& s, const std::vector<double>& q) {
   return DenseBlock(s, equations, unknowns, column).jacobian(q).determinant() < 0 ? -1 : 1;
 }
 
-// From a guess that is far off, a Stewart-Gough platform comes to rest in another mode more often than not.
+// From a bad guess, a Stewart-Gough platform is often assembled in another mode.
 TEST(AssemblyMode, IsReportedExactlyWhenTheDeterminantChangesSign) {
   int crossed = 0, assembled = 0;
   for (unsigned seed = 1; seed <= 100; ++seed) {
@@ -118,7 +118,7 @@ TEST(AssemblyMode, AGoodGuessGivesNoNote) {
   }
 }
 
-// A leg of the Stewart platform has a mode for each sign of d; the guess decides, and the rest of the leg is the same.
+// A leg of the Stewart platform has a mode for each sign of d; the guess decides, and the rest of the leg is equal.
 TEST(AssemblyMode, TheGuessDecidesTheSignOfD) {
   const Scene scene = sample("stewart");
   const double before = look::start(structure(scene, groups), "B1.x");
@@ -167,7 +167,7 @@ TEST(StartNotes, ReportATurnedVector) {
   EXPECT_EQ(notes({0.6, 0.8, 0}).size(), 0u);
 }
 
-// A and B are fixed 1 m apart; every driver is told that the law says something else than `at`, once.
+// A and B are fixed 1 m apart; one note for each driver reports that its law disagrees with `at`.
 TEST(StartNotes, ReportLawsThatDisagreeWithThePosture) {
   struct Case {
     const char* text;
@@ -209,7 +209,7 @@ TEST(StartNotes, ReportLawsThatDisagreeWithThePosture) {
   }
 }
 
-// Two rods that do not reach: as far as they go, P is between A and B, and both are violated alike.
+// Two rods that are too short: the closest P is between A and B, and both are violated equally.
 TEST(ClosestPosture, SharesTheViolationAmongTheConstraints) {
   const Scene scene = SceneBuilder("short", 2)
                           .fixed_point("A", {0, 0})
@@ -229,7 +229,7 @@ TEST(ClosestPosture, SharesTheViolationAmongTheConstraints) {
   }
 }
 
-// Two axes of a frame are fixed: the third is their product, whichever it is.
+// Two axes of a frame are fixed: the third one, at any place, is their product.
 TEST(Assembly, AFrameWithTwoFixedAxesHasTheThird) {
   const Triple axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   for (int free = 0; free < 3; ++free) {
@@ -274,8 +274,8 @@ TEST(AssemblyRefused, RefusesAndrewsWithTheMisprint) {
   const bool g = what.rfind("group G cannot be assembled: 'G", 0) == 0,
              h = what.rfind("group H cannot be assembled: 'H", 0) == 0;
   EXPECT_TRUE(g || h) << what;
-  // E is fixed by its own dyad; GE + GA (or HE + HA) = 0.06 are too short for EA, the worst rod has to give half of the
-  // gap at least.
+  // E is determined by its own dyad; GE + GA (or HE + HA) = 0.06 are too short for EA, so that the worst rod has at
+  // least half of the gap.
   const Triple F = {0.007, 0, 0}, B = {0.03635, 0.03273, 0}, A = {-0.06934, -0.00227, 0};
   const double bf = std::hypot(B[0] - F[0], B[1] - F[1]), along = (bf * bf + 0.028 * 0.028 - 0.035 * 0.035) / (2 * bf);
   const double across = std::sqrt(0.028 * 0.028 - along * along);
@@ -301,7 +301,7 @@ TEST(AssemblyRefused, RefusesATenthOfAPercent) {
   EXPECT_NEAR(violation(s.cannot_assemble), 0.001, 1e-6);  // half of the gap of 0.002, by symmetry, to first order
 }
 
-// A length is named in metres whatever the units inside, and a declared group by its own name.
+// A violation of a length is in metres for all internal units, and a declared group has its own name.
 TEST(AssemblyRefused, NamesDeclaredGroupAndMetres) {
   for (const double scale : {1e-3, 1.0, 1e4}) {
     SceneBuilder b("short", 2);
@@ -310,12 +310,12 @@ TEST(AssemblyRefused, NamesDeclaredGroupAndMetres) {
     b.add(DeclaredGroup{"dyad", {"P"}}).time(0, 1, 0.1);
     const Structure s = structure(b.build(), groups);
     EXPECT_EQ(s.cannot_assemble.rfind("group dyad cannot be assembled: '", 0), 0u) << s.cannot_assemble;
-    // The least squares are at (1, 0); |Phi| / |grad Phi| = (1 - 0.9^2) / 2 there, printed with three digits.
+    // The least-squares solution is (1, 0) with |Phi| / |grad Phi| = (1 - 0.9^2) / 2, printed with three digits.
     EXPECT_NEAR(violation(s.cannot_assemble), 0.095 * scale, 1e-4 * scale) << s.cannot_assemble;
   }
 }
 
-// What has no length is given none: 0.9^2 + 0.9^2 > 1.
+// Violations of directions have no unit of length: 0.9^2 + 0.9^2 > 1.
 TEST(AssemblyRefused, ADirectionHasNoMetres) {
   SceneBuilder b("turned", 3);
   b.fixed_vector("x", {1, 0, 0}).fixed_vector("y", {0, 1, 0}).vector("u", {0.6, 0.6, 0.5});
@@ -325,7 +325,7 @@ TEST(AssemblyRefused, ADirectionHasNoMetres) {
   EXPECT_EQ(violation(s.cannot_assemble), -1) << s.cannot_assemble;
 }
 
-// Guesses on a line of symmetry, where least squares alone stands still.
+// Guesses on a line of symmetry, where the least-squares iteration stagnates.
 TEST(Assembly, StartsFromALineOfSymmetry) {
   for (const double x : {-1.0, 0.5, 1.0, 1.4, 3.0}) {
     const Structure s = structure(dyad({x, 0, 0}), groups);
@@ -334,7 +334,7 @@ TEST(Assembly, StartsFromALineOfSymmetry) {
   }
 }
 
-// Nothing to start from: the gradient of a distance is null where the points coincide.
+// The gradient of a distance vanishes if its points coincide.
 TEST(Assembly, StartsFromCoincidentPoints) {
   SceneBuilder b("dyad", 2);
   b.fixed_point("A", {0, 0, 0}).fixed_point("B", {2, 0, 0}).point("P", {0, 0, 0});

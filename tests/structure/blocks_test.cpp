@@ -37,7 +37,7 @@ struct Decomposed {
   }
 };
 
-// P on rods from A and B is well-determined, Q has one rod too many, R one too few.
+// P with rods from A and B is well determined, Q has one redundant rod, R lacks one.
 SceneBuilder three_parts() {
   SceneBuilder b("parts", 2);
   b.fixed_point("A", {0, 0, 0}).fixed_point("B", {2, 0, 0}).fixed_point("C", {1, 2, 0});
@@ -60,7 +60,7 @@ TEST(Blocks, NamesOverAndUnderdeterminedParts) {
   EXPECT_EQ(d.equations(d.blocks.equations_of(0)), (Names{"PA", "PB"}));
 }
 
-// What hangs on an undetermined part is undetermined with it; what hangs on an overdetermined one is not.
+// Parts connected to an undetermined part are undetermined, too; parts connected to an overdetermined one are not.
 TEST(Blocks, FollowersOfUndeterminedPartsAreUndetermined) {
   const Decomposed d(three_parts()
                          .point("S", {2, 1, 0})
@@ -92,7 +92,7 @@ TEST(Blocks, EveryBlockFollowsWhatItNeeds) {
       }
       EXPECT_EQ(b.level[static_cast<std::size_t>(k)], level);
       EXPECT_LE(b.level[static_cast<std::size_t>(std::max(k - 1, Index{0}))], level);
-      // Its equations mention its own unknowns, those of what it needs, and known coordinates: nothing else.
+      // Its equations contain only its own unknowns, those of the blocks that it needs, and known coordinates.
       std::set<Index> allowed(b.unknowns_of(k).begin(), b.unknowns_of(k).end());
       for (const Index o : b.needs_of(k)) allowed.insert(b.unknowns_of(o).begin(), b.unknowns_of(o).end());
       std::vector<Index> mentioned;

@@ -1,4 +1,4 @@
-// What the outputs do not need is left out, and listed.
+// Parts that the outputs do not need are left out and listed.
 #include <gtest/gtest.h>
 
 #include "scene/samples.hpp"
@@ -116,7 +116,7 @@ TEST(Demand, KeepsAWholeLeg) {
   EXPECT_EQ(s.left_out.unknowns, 5 * 6);
 }
 
-// Whole groups vanish; what others need stays, up to the derivative that they need.
+// Unneeded groups are left out; needed ones are computed up to the needed derivative.
 TEST(Demand, NeedsOneDyadOfAndrews) {
   const Structure s = structure(sample("andrews").with_outputs({"G.velocity"}), groups);
   ASSERT_EQ(s.groups.size(), 2u);
@@ -130,7 +130,7 @@ TEST(Demand, NeedsOneDyadOfAndrews) {
   EXPECT_EQ(e.levels, 1);
 }
 
-// Each group computes what it must and no more: G to accelerations, H to positions, E as G needs it.
+// Each group computes only the needed derivatives: G accelerations, H positions, E those that G needs.
 TEST(Demand, DerivativesDifferByGroup) {
   const Structure s = structure(sample("andrews").with_outputs({"G.acceleration", "H.position"}), groups);
   EXPECT_EQ(look::group(s, "E").derivatives, 2);
@@ -141,8 +141,8 @@ TEST(Demand, DerivativesDifferByGroup) {
   EXPECT_EQ(s.left_out.levels[0].group, "H");
 }
 
-// Accelerations of B alone: every other unknown of the block is solved for position and velocity only, and stands
-// before first_wanted.
+// Only accelerations of B: all other unknowns of the block need position and velocity only, and come before
+// first_wanted.
 TEST(Demand, LastBackSubstitutionStopsAtWantedUnknowns) {
   const Structure s = structure(sample("stewart").with_outputs({"e1.acceleration"}), groups);
   const Group& leg = look::group(s, "SG_HS1");

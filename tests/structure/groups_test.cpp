@@ -147,7 +147,7 @@ TEST(Groups, FillCountsLAndU) {
 
 // ---- classes
 
-// Three fixed points F_i on one body that a driver carries, each with a point Q_i at distances from two of them.
+// Three points F_i of a driven body, and points Q_i at given distances from two of them.
 SceneBuilder dyads() {
   SceneBuilder b("dyads", 2);
   b.fixed_point("A", {0, 0, 0})
@@ -186,7 +186,7 @@ TEST(Classes, KeepZeroComponents) {
   EXPECT_EQ(class_of("Rd.y"), class_of("Re.y"));
 }
 
-// Fixed or moving, input or constant: roles decide.
+// Classes depend on roles: fixed or moving, input or constant.
 TEST(Classes, DependOnRoles) {
   const Scene scene = dyads()
                           .point("S", {1, 1, 0})
@@ -207,7 +207,7 @@ TEST(Classes, DependOnRoles) {
   EXPECT_NE(class_of("P"), class_of("Q"));
   EXPECT_NE(class_of("Q"), class_of("R"));
   EXPECT_NE(class_of("P"), class_of("R"));
-  // Set by the program, S may move, and Q is as R.
+  // If the program may set S, it can move, and Q has the same class as R.
   StructureOptions options;
   options.controlled = {"sx", "sy"};
   const Structure controlled = analyze(scene, options);
@@ -243,7 +243,7 @@ TEST(DeclaredGroups, AnOutsideBlockBetweenTwoBlocksIsNamed) {
   EXPECT_EQ(structure(scene, global).groups.size(), 1u);
 }
 
-// The chain of outside blocks may be long, and others that merely follow are not to blame.
+// The chain of outside blocks may be long; blocks that only follow are not named.
 TEST(DeclaredGroups, NamesOnlyBlocksInBetween) {
   const Scene scene = chain()
                           .point("S", {4.5, 1, 0})

@@ -1,4 +1,4 @@
-// What tests ask of a structure, by name.
+// Access to a structure by names.
 #pragma once
 
 #include <algorithm>
@@ -49,7 +49,7 @@ inline std::int64_t solved(const Structure& s) {
   return n;
 }
 
-// Start value of "C.x" in SI units, also of what presolve has eliminated.
+// Start value of "C.x" in SI units, also if presolve has eliminated it.
 inline double start(const Structure& s, const std::string& coordinate) {
   const System& system = *s.system;
   const bool is_scalar = system.find_item(coordinate) >= 0;

@@ -59,7 +59,7 @@ TEST(Presolve, Counts) {
   EXPECT_EQ(structure(sample("stewart"), global).eliminated, 0);
 }
 
-// P = C + (0.5, 0.25): no unknown is left of P, its constant stands on the right-hand side.
+// P = C + (0.5, 0.25): P has no unknowns left, and its constant is on the right-hand side.
 TEST(Presolve, ConstantsOnTheRightHandSide) {
   const Presolved p(
       plane().point("P", {1, 1, 0}).constrain("offset", Linear{{{"P", 2}, {"C", -2}}, {1, 0.5, 0}}).build());
@@ -113,7 +113,7 @@ TEST(Presolve, AvoidsSmallPivots) {
   EXPECT_EQ(p.coefficient("Q", 0, "C.x"), 0.5);
 }
 
-// Among pivots that are large enough the one that stands in the fewest equations goes.
+// Among sufficiently large pivots, the one in the fewest equations is eliminated.
 TEST(Presolve, PrefersTheUnknownThatFewerEquationsMention) {
   const Presolved p(plane()
                         .point("P", {1, 1, 0})
@@ -126,7 +126,7 @@ TEST(Presolve, PrefersTheUnknownThatFewerEquationsMention) {
   EXPECT_EQ(p.coefficient("P", 1, "Q.y"), 1.5);
 }
 
-// A sum of many would make every equation that it enters dense.
+// A long sum would make every equation with it dense.
 TEST(Presolve, KeepsLongForms) {
   for (const int n : {10, 11}) {
     SceneBuilder b = plane();
@@ -145,7 +145,8 @@ TEST(Presolve, KeepsLongForms) {
   }
 }
 
-// Rows that products make linear by value keep their unknowns: which pivot is safe would depend on numbers.
+// Equations with products keep their unknowns even if values make them linear, because safe pivots would depend on
+// values.
 TEST(Presolve, KeepsProducts) {
   const Presolved p(SceneBuilder("dot", 2)
                         .fixed_vector("d", {0.6, 0.8, 0})

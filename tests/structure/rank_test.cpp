@@ -17,7 +17,7 @@ using enum Formulation;
 using look::structure;
 using Names = std::vector<std::string>;
 
-// Three parallel rods of length 1 on a coupler; the third is as long as asked. A dyad P hangs on the coupler.
+// Three parallel rods on a coupler, two of length 1 and one of length `third`. A dyad P is connected to the coupler.
 SceneBuilder parallelogram(double third, double start = 1.0) {
   const Triple crank = {std::cos(start), std::sin(start), 0};
   SceneBuilder b("parallelogram", 2);
@@ -42,7 +42,7 @@ TEST(Rank, AThirdParallelRodIsRedundant) {
     EXPECT_EQ(s.cannot_assemble, "");
     EXPECT_TRUE(s.undetermined.empty());
     ASSERT_EQ(s.redundant.size(), 1u);
-    // The coupler's length moves B1 along the coupler, both rods move it across themselves: only they depend.
+    // The coupler determines B1 along itself, both rods across themselves: only the rods depend on each other.
     EXPECT_EQ(s.redundant[0].constraints, (Names{"rocker", "third"}));
     EXPECT_TRUE(s.redundant[0].dropped == "rocker" || s.redundant[0].dropped == "third");
     ASSERT_EQ(s.checks.size(), 1u);
@@ -70,10 +70,10 @@ TEST(Rank, TheRedundantMechanismRuns) {
   }
 }
 
-// The dropped row is no free pass: the length of the third rod must go on to fit.
+// The redundant equation is checked during the run: the length of the third rod has to fit.
 TEST(Rank, AViolatedRedundantEquationStopsTheRun) {
-  // Redundant at the start and to first order, but the third rod hangs on a point that leaves the circle: by the end
-  // the equations contradict each other by 5e-7 and 5e-3.
+  // Redundant at the start and to first order, but the third rod is connected to a point that leaves the circle: at the
+  // end the equations contradict each other by 5e-7 and 5e-3.
   for (const auto& [accuracy, leaves] : {std::pair(0.0, 1e-3), std::pair(1e-4, 0.1)}) {
     SceneBuilder b("leaving", 2);
     b.fixed_point("A", {0, 0, 0}).fixed_point("C", {1, 0, 0}).point("S", {0.5, 0, 0});
@@ -100,7 +100,7 @@ TEST(Rank, NamesATooLongRod) {
   EXPECT_EQ(look::error(Error::Kind::numerical, [&] { (void)prepare(scene); }), s.cannot_assemble);
 }
 
-// Consistent to rounding only: lengths that were measured, not typed.
+// Measured lengths, which are consistent only up to rounding.
 TEST(Rank, RoundingIsNoContradiction) {
   const Structure s = structure(parallelogram(1 + 4e-16).build(), groups);
   EXPECT_EQ(s.cannot_assemble, "");
@@ -149,7 +149,7 @@ TEST(Rank, AMissingDriverLeavesUnknownsFree) {
             std::string::npos);
 }
 
-// One free point, and one that is both free and part of an impossible set: both are told apart.
+// A free point, and a point that is free and belongs to contradictory equations, are distinguished.
 TEST(Rank, OnlyAFreePointIsUndetermined) {
   const Structure s = structure(parallelogram(1).point("free", {1, 1, 0}).build(), groups);
   EXPECT_EQ(s.undetermined, (Names{"free.x", "free.y"}));
@@ -157,7 +157,7 @@ TEST(Rank, OnlyAFreePointIsUndetermined) {
   EXPECT_EQ(s.mobility, 3);
 }
 
-// ---- a singular start is no redundancy
+// ---- singular starts
 
 TEST(Rank, StartAtAChangePoint) {
   SceneBuilder b("parallelogram", 2);
@@ -185,7 +185,7 @@ TEST(Rank, StartAtADeadPoint) {
   EXPECT_NE(look::notes(s).find("the start posture is singular"), std::string::npos) << look::notes(s);
 }
 
-// ---- mobility is the mechanism's, whatever drives it
+// ---- mobility
 
 TEST(Mobility, OfADeltaRobotIsThreeForAllDrivers) {
   const references::Delta delta;
@@ -203,12 +203,12 @@ TEST(Mobility, OfADeltaRobotIsThreeForAllDrivers) {
   EXPECT_EQ(s.cannot_assemble, "");
   EXPECT_EQ(s.mobility, 3);
   EXPECT_EQ(s.mobility_at_start, 3);
-  // The platform does not turn because its laws say so: turned, it fits no rods.
+  // Only the laws keep the platform from turning; a turned platform does not fit its rods.
   ASSERT_EQ(s.redundant.size(), 3u);
   for (const Redundancy& r : s.redundant) EXPECT_EQ(r.kind, Redundancy::Kind::motion) << r.dropped;
 }
 
-// A triangle of links that cannot move, and a driver that says nothing about it.
+// A rigid triangle, and a driver without influence on it.
 TEST(Mobility, OfAPointWithDistanceAndCoordinateIsZero) {
   SceneBuilder b("fixed", 2);
   b.fixed_point("A", {0, 0, 0}).point("B", {0.6, 0.8, 0});
@@ -219,7 +219,7 @@ TEST(Mobility, OfAPointWithDistanceAndCoordinateIsZero) {
   EXPECT_EQ(s.mobility_at_start, 0);
 }
 
-// Two rods hold a point on a circle in space, a third one leads to a slider.
+// Two rods keep a point on a circle in space, a third one connects it to a slider.
 TEST(Mobility, OfAWishboneWithARodIsOne) {
   for (const bool driven_by_slider : {true, false}) {
     SceneBuilder b("wishbone", 3);
@@ -240,7 +240,7 @@ TEST(Mobility, OfAWishboneWithARodIsOne) {
   }
 }
 
-// Flat, its coupler may leave in two ways; nowhere else.
+// The flat posture has two directions of motion, all others one.
 TEST(Mobility, OfAFlatParallelogramIsTwoAndElsewhereOne) {
   for (const bool driven : {true, false}) {
     SceneBuilder b("parallelogram", 2);
@@ -260,7 +260,7 @@ TEST(Mobility, OfAFlatParallelogramIsTwoAndElsewhereOne) {
 // ---- kinds of redundancy
 
 TEST(Redundancies, AreDistinguished) {
-  // The third rod of a parallelogram follows from the others; a rod that only fits at the start does not.
+  // The third rod of a parallelogram is always redundant; a rod that only fits at the start is not.
   const Structure always = structure(parallelogram(1).build(), groups);
   ASSERT_EQ(always.redundant.size(), 1u);
   EXPECT_EQ(always.redundant[0].kind, Redundancy::Kind::structural);
@@ -294,8 +294,8 @@ TEST(Redundancies, AreDistinguished) {
   EXPECT_LE(event.time, 0.1);
 }
 
-// Three parallel cranks whose path meets the line on which they are singular: two of the rods that are kept leave the
-// posture open there by the square root of rounding, which the third one shows (2e-8 m).
+// Three parallel cranks that pass their singular line: there two of the solved rods determine the posture only to the
+// square root of rounding, which the third rod shows (2e-8 m).
 TEST(Redundancies, AreNotJudgedBySingularPostures) {
   SceneBuilder b("three cranks", 2);
   b.fixed_point("A", {0, 0, 0}).fixed_point("D", {2, 0, 0}).fixed_point("E", {1, 0.5, 0});
@@ -329,7 +329,7 @@ TEST(Rank, BricardHasOneRedundantEquation) {
   }
 }
 
-// At its dead centre the crank may go either way; the scene lacks nothing.
+// At its dead centre the crank may turn either way, but the scene lacks no constraint.
 TEST(Rank, DistinguishesADeadCentreFromAMissingConstraint) {
   const auto crank = [](double x, bool with_rod) {
     SceneBuilder b("slider_crank", 2);
@@ -352,7 +352,7 @@ TEST(Rank, BricardRuns) {
   EXPECT_TRUE(simulator.report().status.ok()) << name(simulator.report().status.code);
   ASSERT_EQ(run.rows(), 101u);
   EXPECT_LE(simulator.report().error.position, 1e-14);
-  // Opposite hinges of the cube turn alike: the line P1 P4 is a symmetry of lengths, |P0 P3| = |P1 P4| = |P2 P5|.
+  // Opposite hinges of the cube turn equally, so that lengths are symmetric: |P0 P3| = |P1 P4| = |P2 P5|.
   const auto distance = [&](std::size_t row, const std::string& a, const std::string& b) {
     const auto at = [&](const std::string& p, std::size_t k) {
       static const std::map<std::string, Triple> fixed = {{"P5", {0, 0, 1}}, {"P0", {0, 0, 0}}};

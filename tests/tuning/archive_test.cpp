@@ -19,7 +19,7 @@ CellResult cell_of(double seconds, double slowness) {
   return cell;
 }
 
-// A first run in a bad moment takes twice the usual pace for the usual one.
+// A first run on a disturbed machine measures twice the usual time as the usual pace.
 TEST(Archive, AWrongFirstPaceDoesNotScaleLaterSamples) {
   test::FileTree tree;
   const auto file = tree.root() / "tuning.db";

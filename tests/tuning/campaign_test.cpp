@@ -1,4 +1,4 @@
-// Budget, restart, interruption: on a clock that moves a little with each look at it.
+// Budget, restart, interruption: on a clock that advances with each reading.
 #include "tuning/campaign.hpp"
 
 #include <gtest/gtest.h>
@@ -73,7 +73,7 @@ TEST_F(CampaignTest, KeepsToItsBudget) {
   options_.seconds = 0.05;  // 500 looks at the clock: not enough for all
   Campaign campaign(options_, instruments());
   campaign.run(cells());
-  // Beyond it: the block in hand, and looks without work, a few for each of some sixty candidates.
+  // Excess: the current block, and a few readings of the clock for each of about sixty candidates.
   EXPECT_LE(now_, 0.05 + 200 * kTick);
   EXPECT_EQ(campaign.figures().planned, 4u);
 }
@@ -107,7 +107,7 @@ TEST_F(CampaignTest, CorrectsTimesToTheUsualPace) {
   campaign.run(cells());
   ASSERT_EQ(stored_.size(), 4u);
   for (const CellResult& cell : stored_) {
-    // Each block is one look long, whatever is in it.
+    // Each block takes one reading of the clock.
     for (const Result& r : cell.results) {
       EXPECT_LE(r.sample.seconds, kTick * (1 + 1e-9)) << to_string(r.sample.strategy);
       EXPECT_NEAR(r.sample.slowness, cell.cell.n > 5 ? 2 : 1, 1e-9) << to_string(r.sample.strategy);
@@ -125,7 +125,7 @@ TEST_F(CampaignTest, CorrectsMeetingsWithoutTheirClockTime) {
   campaign.run({meeting});
   ASSERT_EQ(stored_.size(), 1u);
   ASSERT_EQ(stored_[0].results.size(), 1u);
-  // A block of one call is one look, which is two ticks long here.
+  // A block of one call takes one reading, which is two ticks here.
   const Result& r = stored_[0].results[0];
   const double raw = 2 * kTick * r.rounds / static_cast<double>(r.sample.repetitions);
   EXPECT_NEAR(r.sample.seconds, kAloneBeforeMeeting + std::max(raw - kAloneBeforeMeeting, 0.0) / 2, 1e-9);
@@ -268,7 +268,7 @@ TEST_F(RefinementTest, PatientRunsEndWhenTheRegretSettles) {
   patient.run(three_sizes());
   refine(patient, true);
   EXPECT_LE(patient.results().size(), all.results().size());
-  // No fall in three passes after the first.
+  // The regret does not fall in three passes after the first.
   EXPECT_GE(patient.figures().passes, 4);
   EXPECT_EQ(patient.results()[0].results[0].passes.size(), static_cast<std::size_t>(patient.figures().passes));
   EXPECT_GT(stored_.size(), patient.results().size());

@@ -27,7 +27,7 @@ TEST(Cells, HeldOutSizesAreMeasuredNowhereElse) {
   for (const auto& cell : held_out) EXPECT_EQ(seen.count(cell), 0u) << cell.first << ' ' << cell.second.first;
 }
 
-// A disturbance of a few seconds does not decide how much threads slow each other down.
+// A disturbance of a few seconds must not determine how much threads slow each other down.
 TEST(Cells, CrowdsAreSpreadAndHaveTheirOwnNumbersOfGroups) {
   const std::vector<Cell> cells = general_cells({});
   double before = 0;                                 // weight of the cells so far
@@ -108,7 +108,7 @@ TEST(Candidates, OneOfEachBackendComesFirst) {
   for (const Strategy& s : linear_solvers(kField, shape, 16)) EXPECT_EQ(s.solver.threads, 1);
 }
 
-// Also where matrices are solved lane by lane: what is around them is not.
+// Also for backends that solve matrices lane by lane, because the rest of a step is in lanes.
 TEST(Candidates, PacksHaveEveryWidthThatTheirGroupsFill) {
   std::map<std::string, std::set<int>> widths;
   for (const Strategy& s : pack_strategies(kField, Formulation::groups, {.n = 20, .nnz = 60, .groups = 8}, false)) {
@@ -118,7 +118,7 @@ TEST(Candidates, PacksHaveEveryWidthThatTheirGroupsFill) {
   EXPECT_EQ(widths["eigen"], (std::set<int>{1, 2, 4, 8}));
 }
 
-// +once is weighed at every width; what it costs beyond its kernels is not what the plain policy costs.
+// The dispatcher considers +once at every width, and its cost beyond the kernels differs from that of the plain policy.
 TEST(Candidates, LaneByLaneSolversHaveEveryWidthWithOnce) {
   std::map<std::string, std::set<int>> widths;
   for (const Strategy& s : pack_strategies(kField, Formulation::groups, {.n = 20, .nnz = 60, .groups = 8}, true)) {

@@ -1,4 +1,4 @@
-// Regret of choices, and where the next cell goes, from samples that are made up.
+// Regret of choices, and proposals of further cells, for artificial samples.
 #include "tuning/held_out.hpp"
 
 #include <gtest/gtest.h>
@@ -59,7 +59,7 @@ TEST(Regret, IsTheCostOfAWrongChoice) {
   const Regret right = regret(model_of(cells), cells);
   EXPECT_GE(right.questions, 2u);
   EXPECT_EQ(right.max, 0);
-  // Where eigen takes eight times as long as everything else says, the model picks it all the same.
+  // A held-out time of eigen that is eight times longer than expected: the model still chooses eigen.
   cells.push_back(cell(11, true, 8));
   const Regret wrong = regret(model_of(cells), cells);
   EXPECT_NEAR(wrong.max, 8.0 * 11 / 20 - 1, 1e-12);

@@ -1,4 +1,4 @@
-// A tuning run again from its samples.
+// Replays a tuning run from its samples.
 #include "tuning/replay.hpp"
 
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 namespace assur::tuning {
 namespace {
 
-// eigen takes n^2 ns, lapack 20 n ns: they meet at n = 20. Each was called so often that it took a second.
+// eigen takes n^2 ns, lapack 20 n ns: they cross at n = 20. Each was called for a second.
 void add(std::vector<Sample>& samples, std::int32_t n) {
   for (const Kernel kernel : {Kernel::factor, Kernel::solve}) {
     for (const char* strategy : {"groups/eigen", "groups/lapack"}) {
@@ -50,7 +50,7 @@ TEST(Replay, PacksAndMatricesOfOneShapeAreDifferentCells) {
 }
 
 TEST(Replay, RegretFallsWithMoreSamples) {
-  // 22 is held out. From 128 alone lapack is the better one everywhere, which at 22 is right by a tenth; 4 tells more.
+  // 22 is held out. A model of 128 alone always chooses lapack, which is better by a tenth at 22; 4 adds information.
   const std::vector<CellResult> cells = cells_of(run_of({4, 8, 12, 22, 32, 64, 128}));
   const std::vector<Stage> stages = replay(cells, 3);
   ASSERT_EQ(stages.size(), 3u);

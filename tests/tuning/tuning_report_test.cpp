@@ -1,4 +1,4 @@
-// Who won where, from cells that are made up.
+// Winners of artificial cells.
 #include "tuning/tuning_report.hpp"
 
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ CellResult matrix(std::int32_t n, double lapack) {
     out.results.push_back(timed(Kernel::factor, n, strategy, factor));
     out.results.push_back(timed(Kernel::solve, n, strategy, factor / 10));
   }
-  // Slow in what comes three times as often.
+  // Slow solutions, of which a step has three.
   out.results.push_back(timed(Kernel::factor, n, "groups/eigen", 0.1e-6));
   out.results.push_back(timed(Kernel::solve, n, "groups/eigen", 1e-6));
   return out;

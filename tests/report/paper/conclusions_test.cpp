@@ -1,4 +1,4 @@
-// Rules that decide whether a conclusion holds, on the paper's own times and on made-up ones.
+// Rules that decide whether a conclusion holds, for the times of the paper and for artificial ones.
 #include "report/paper/conclusions.hpp"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ const Conclusion& about(const std::vector<Conclusion>& all, const std::string& w
   return *at;
 }
 
-// Every version in every cell of tables 2 and 3, with times that a law gives.
+// Every version in every cell of tables 2 and 3, with times from a formula.
 using Law = std::function<double(const PaperCell&, const std::string& version, int p, int q)>;
 std::vector<PaperTiming> made_up(const Law& law, int threads) {
   std::vector<PaperTiming> out;
@@ -60,7 +60,7 @@ TEST(PaperConclusions, HoldForThePaperItself) {
     held += c.verdict == Verdict::holds ? 1 : 0;
     EXPECT_FALSE(c.theirs.empty()) << c.claim;
   }
-  // Neither the Raspberry Pi, nor figure 3, nor the outlook can be decided by what is printed.
+  // The printed numbers decide neither the Raspberry Pi, nor figure 3, nor the outlook.
   EXPECT_EQ(held, static_cast<int>(all.size()) - 3);
   EXPECT_NE(about(all, "close to four").theirs.find("3.83"), std::string::npos);
   EXPECT_NE(about(all, "between four and eight").theirs.find("3.83 to 7.98"), std::string::npos);

@@ -1,4 +1,4 @@
-// The paper's tables as they are printed, and what it prints of them a second time.
+// The tables of the paper, and their numbers that the paper prints a second time.
 #include "report/paper/paper.hpp"
 
 #include <gtest/gtest.h>
@@ -53,7 +53,7 @@ double speed_up(const PaperCell& cell, std::string_view version) {
   return best(paper_times(2), cell, "GMA27") / best(paper_times(2), cell, version);
 }
 
-// The figure's points, read off to two digits: half of the last one.
+// The points of the figure were read to two digits, so the tolerance is half of the last one.
 TEST(PaperFigures, Figure2FollowsFromTable2) {
   const std::vector<double> dense = {7.9, 8.0, 5.6, 3.0, 1.14, 0.48, 0.29, 0.17};
   const std::vector<double> sparse = {5.7, 6.4, 4.7, 4.4, 3.9, 3.9, 3.9, 3.8};

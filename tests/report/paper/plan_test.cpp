@@ -1,4 +1,4 @@
-// Which strategies stand for the paper's, and which of them a budget of time allows.
+// The strategies that replace those of the paper, and the selection that fits into a time budget.
 #include "report/paper/plan.hpp"
 
 #include <gtest/gtest.h>
@@ -131,7 +131,7 @@ TEST(PaperPlan, TimesCorrectExpectedCosts) {
   const PaperCell small = cells_of_table(2)[0], large = cells_of_table(2)[7];
   const Entrant dense{"GMKL", {}, Reading::shared, "global/lapack"};
   PaperCosts costs;
-  // By counts alone dense work grows with n^3 or nearly so.
+  // By operation counts, dense work grows nearly with n^3.
   const double before = costs.step(large, dense) / costs.step(small, dense);
   EXPECT_GT(before, std::pow(4344.0 / 102, 2));
   EXPECT_LT(before, std::pow(4344.0 / 102, 3));

@@ -1,4 +1,4 @@
-// Sections about the paper: from made-up times, and from a run of a second or two.
+// Sections about the paper: from artificial times, and from a run of a second or two.
 #include "report/paper/tables.hpp"
 
 #include <gtest/gtest.h>
@@ -62,7 +62,7 @@ TEST(PaperSections, AreOneForEachTableAndFigure) {
 
 TEST(PaperSections, RatiosFollowFromTheTimes) {
   const Section s = section(paper_sections(made_up(), PaperOptions()), "paper-table-2");
-  // GMKL 4.19 / 2.52 theirs, 12 / 96 here; GEOMP+MKL 4.19 / 0.53, 12 / 24 and, separate, 14 / 35; ...
+  // GMKL 4.19 / 2.52 in the paper, 12 / 96 here; GEOMP+MKL 4.19 / 0.53, 12 / 24 and, separate, 14 / 35; ...
   EXPECT_TRUE(has(s.body,
                   ">102</td><td class=\"number\">15</td><td class=\"number\">1.66</td><td class=\"number\">"
                   "0.125</td><td class=\"number\">-</td><td class=\"number\">7.91</td><td class=\"number\">"
@@ -114,7 +114,7 @@ TEST(PaperSections, EnergyIsMeasuredOrMarkedAsEstimate) {
   EXPECT_TRUE(has(energy_of(options).origin, "an assumption"));
 }
 
-// Long enough for the smallest cells.
+// The time suffices for the smallest cells.
 TEST(PaperRun, TimesVerifiedStrategiesAndExplainsOthers) {
   PaperOptions options;
   options.conditions = {.seconds = 2, .quick = true, .threads = 2};
