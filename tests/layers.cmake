@@ -1,12 +1,12 @@
 # The order of lib/ and of tuner/: each folder includes only itself and those to its left, so none of lib/ includes db/;
-# the sources of the core (CORE, relative to lib/) reach, through whatever header, nothing of the libraries that the core
-# must do without; and no source is forgotten in lib/CMakeLists.txt.
+# the sources of the core (CORE, relative to lib/) include, directly or indirectly, none of the libraries that the core
+# must not use; and lib/CMakeLists.txt lists all sources.
 cmake_minimum_required(VERSION 3.25)
 set(foreign "^#include [<\"](nlohmann|muParser|cs\\.h|btf\\.h|klu\\.h|umfpack|dmumps|suitesparse|SQLite|CLI|boost)")
 set(findings "")
 
-# check_order(ROOT folders...): appends to `findings`, and sets `files`. What lies in ROOT itself includes no folder, unless
-# it is named among them.
+# check_order(ROOT folders...): appends to `findings`, and sets `files`. Files in ROOT itself include no folder, unless
+# they are named among the folders.
 macro(check_order root)
   set(layers ${ARGN})
   file(GLOB_RECURSE files RELATIVE ${root} ${root}/*.cpp ${root}/*.hpp ${root}/*.in)

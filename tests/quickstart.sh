@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# What ./quickstart does on a machine that lacks packages, played with stand-ins for the tools that would change it.
+# Tests ./quickstart on a machine without packages, with substitutes for the tools that would change the machine.
 set -euo pipefail
 quickstart=$1
 stage=$(mktemp -d)
@@ -8,7 +8,7 @@ mkdir -p "$stage/bin" "$stage/tree/build"
 cp "$quickstart" "$stage/tree/quickstart"
 export CALLS="$stage/calls" ASSUR_DB=
 
-# stand_in NAME 'script': a program of that name which notes its call.
+# stand_in NAME 'script': makes a program with that name that records its calls.
 stand_in() {
   printf '#!/bin/bash\necho "%s $*" >>"$CALLS"\n%s\n' "$1" "${2:-}" >"$stage/bin/$1"
   chmod +x "$stage/bin/$1"

@@ -1,9 +1,8 @@
-"""The pages that assur writes, in the hands of a reader: a headless Chromium with windows of any size, light and dark,
-mouse, fingers and keys.
+"""Tests of the pages of assur in a headless Chromium: windows of several sizes, light and dark, mouse, touch and keys.
 
     pages_test.py ASSUR [TestClass[.test]]...
 
-Exit status 77: skipped, for the lack of what is named.
+Exit status 77: skipped, because the named program or package is missing.
 """
 import json
 import math
@@ -31,7 +30,7 @@ CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", 
 DRIVER = shutil.which("chromedriver")
 ASSUR = ""  # the program
 
-# What pages of all kinds are asked.
+# Helpers for all pages.
 HELPERS = """
 window.settled = () => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)));
 window.seek = async k => {
@@ -71,7 +70,7 @@ class Pages(unittest.TestCase):
     def setUpClass(cls):
         options = webdriver.ChromeOptions()
         options.binary_location = CHROMIUM
-        # No sandbox: tests also run as root and in containers, and the pages are our own.
+        # No sandbox, because tests also run as root and in containers; all pages are trusted.
         for flag in ("headless=new", "no-sandbox", "disable-gpu", "disable-dev-shm-usage", "disable-extensions",
                      "disable-background-networking", "hide-scrollbars", "force-device-scale-factor=1"):
             options.add_argument("--" + flag)
@@ -99,7 +98,7 @@ class Pages(unittest.TestCase):
         scheme = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
         tell("Emulation.setEmulatedMedia", {"features": [scheme]})
         self.driver.get("about:blank")
-        self.faults()  # those of the page before
+        self.faults()  # discards faults of the previous page
         self.url = page.absolute().as_uri()
         self.driver.get(self.url)
         self.js(HELPERS)
@@ -107,11 +106,11 @@ class Pages(unittest.TestCase):
         self.assertEqual(seen, [width, dark])
 
     def js(self, body):
-        """What an async function with this body returns."""
+        """Result of an async function with this body."""
         return self.driver.execute_script(f"return (async () => {{{body}\n}})()")
 
     def faults(self):
-        """New errors of the console, exceptions, the browser's own complaints, requests beyond the page's own file."""
+        """New console errors, exceptions, warnings of the browser, and requests for other files."""
         said = [entry["message"] for entry in self.driver.get_log("browser") if entry["level"] == "SEVERE"]
         for entry in self.driver.get_log("performance"):
             event = json.loads(entry["message"])["message"]
@@ -221,7 +220,7 @@ class Animation(Pages):
         self.assertNotEqual(self.clock(), "t = 0.000 s")
 
     def test_mouse_and_keys_turn_move_and_zoom(self):
-        """Every gesture changes the picture, and Fit takes back what moved or zoomed."""
+        """Every gesture changes the picture, and Fit undoes moves and zooms."""
         for scene in ("stewart", "four_bar"):
             self.show(scene)
             x, y = self.js("const r = document.getElementById('picture').getBoundingClientRect();"
@@ -250,8 +249,8 @@ class Animation(Pages):
             self.assertEqual(self.picture(), fitted)
 
     def test_is_never_empty_while_the_window_changes_its_size(self):
-        """To set the size of a canvas empties it. What is looked at is what the screen shows: after the frame in which
-        the size changed, before the next one."""
+        """Setting the size of a canvas clears it. The test examines the screen after the frame in which the size
+        changed, before the next frame."""
         self.show("stewart", "--outputs", "handle1")
         empty = self.js("""
             const seen = [];
@@ -268,7 +267,7 @@ class Animation(Pages):
         self.assertEqual(empty, [[False] * 4] * 5)
 
     def test_is_there_before_the_first_frame(self):
-        """Tabs in the background, and browsers that only take a picture, call no frames."""
+        """Background tabs, and browsers that only take a screenshot, request no frames."""
         page = self.folder / "motion.html"
         self.assur("run", "stewart", "--outputs", "handle1", "--animate", str(page))
         self.open(self.write("still.html", page.read_text(encoding="utf-8").replace(
@@ -337,7 +336,7 @@ class Animation(Pages):
 
     def test_whoever_the_pointer_rests_on_is_named(self):
         self.show("stewart")
-        # The page's own projection says where B1 is.
+        # The projection of the page gives the place of B1.
         x, y = self.js("""
             const canvas = document.getElementById('picture'), box = canvas.getBoundingClientRect();
             const camera = new Camera(motion.box(), motion.dimension);
@@ -356,7 +355,7 @@ class Animation(Pages):
         self.assertTrue(self.js("await settled(); return document.getElementById('about').hidden"))
 
     def test_rods_keep_their_length_from_frame_to_frame(self):
-        """What is drawn are the lengths of the scene: a rod is as long in the last frame as in the first."""
+        """The picture has the lengths of the scene: a rod has the same length in the first and the last frame."""
         self.show("stewart")
         lengths = self.js("""
             const l = motion.links.find(l => l[3] === 'rod_length1');
@@ -373,7 +372,7 @@ class Animation(Pages):
         self.assertGreater(self.js("return document.getElementById('picture').clientHeight"), 200)
 
     def test_of_a_motion_that_ends_early_the_last_posture_is_shown(self):
-        """The crank turns until coupler and rocker are in line: the last posture is there, the outputs end a step
+        """The crank turns until coupler and rocker are in line: the page shows the last posture, the outputs end a step
         before."""
         self.show(self.write("fold.json", """{
             "assur": 1, "name": "fold", "dimension": 2,
@@ -392,7 +391,7 @@ class Animation(Pages):
                     reading: document.querySelector('figcaption span').textContent}""")
         self.assertRegex(seen["said"], "^The motion ends early: t = 1.3181")
         self.assertAlmostEqual(seen["t"], math.acos(0.25), delta=1e-6)
-        # C is halfway between B and D, as near as the square root of the time left.
+        # C is halfway between B and D, up to the square root of the remaining time.
         self.assertAlmostEqual(seen["x"], 0, delta=1e-3)
         self.assertEqual(seen["reading"], "x –")
 
@@ -413,7 +412,7 @@ class Report(Pages):
                 self.open(self.folder / "report" / "index.html", width=width, dark=dark)
                 with self.subTest(width=width, dark=dark):
                     self.check_page(width)
-        # What a reader opens is there, and every entry of the contents leads somewhere.
+        # All details can be opened, and every entry of the contents has a target.
         self.assertEqual(self.js("return [...document.querySelectorAll('nav a')]"
                                  ".filter(a => !document.querySelector(a.hash)).map(a => a.hash)"), [])
         self.js("for (const d of document.querySelectorAll('details')) d.open = true")
@@ -421,9 +420,9 @@ class Report(Pages):
 
     def check_page(self, width):
         self.assertEqual(self.js("return misfits()"), [])
-        if width >= 1280:  # on a narrow window tables scroll, here they are seen whole
+        if width >= 1280:  # tables scroll in narrow windows; in wide ones they are fully visible
             self.assertEqual(self.js("return cutTables()"), [])
-        # Of the two sizes of every picture one is shown, and it is as wide as its figure.
+        # One of the two sizes of every picture is shown, and it is as wide as its figure.
         figures = self.js("""
             const width = e => e.getBoundingClientRect().width;
             return [...document.querySelectorAll('figure')].map(f => {
@@ -437,7 +436,7 @@ class Report(Pages):
         for section in ("winners", "regret", "work-precision", "scaling", "steps"):
             self.assertTrue(self.js(f"return document.querySelector('#{section} svg.plot, #{section} table') !== null"),
                             section)
-        # Ink on paper: the contrast of WCAG's AA for small text is 4.5.
+        # Contrast of text and background: 4.5 by WCAG AA for small text.
         contrast = self.js("""
             const light = c => { const v = c.match(/[0-9.]+/g).slice(0, 3).map(x => { x /= 255;
               return x <= 0.04045 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4 });
@@ -454,7 +453,7 @@ class Comparison(Pages):
     """The page of `assur compare --html`."""
 
     def test_is_legible_in_every_window(self):
-        """A front of many ways that are about equally fast and exact has its labels side by side."""
+        """Labels of a front with many similar strategies do not overlap."""
         page = self.folder / "compare.html"
         self.assur("compare", "stewart", "--steps", "20", "--accuracy", "1e-4,1e-8,1e-12", "--html", str(page),
                    "--strategies",

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Runs the blocks of one page in a folder of its own, in their order, then the programs of the page.
+# Runs the blocks of one page in order in a new folder, then the programs of the page.
 #
 #   run.sh ASSUR SOURCES BLOCKS PROGRAMS...
 set -euo pipefail
@@ -15,7 +15,7 @@ export PATH="$stage/bin:$PATH" HOME="$stage/home" ASSUR_DB=
 unset XDG_DATA_HOME
 cd "$stage"
 
-# Each `assur COMMAND ... --option ...` of a block: the command and its options are in the help.
+# Checks for each `assur COMMAND ... --option ...` of a block that the help has the command and its options.
 options_exist() {
   local call words command help word
   sed -E 's/ +#.*//; s/(&&|\||;)/\n/g' "$1" | sed -nE 's,^(.*[ /])?assur +,,p' | while read -r call; do

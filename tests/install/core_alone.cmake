@@ -1,4 +1,4 @@
-# find_package(assur COMPONENTS core) looks for what the core needs and for nothing else.
+# find_package(assur COMPONENTS core) only searches the packages that the core needs.
 cmake_minimum_required(VERSION 3.25)
 file(REMOVE_RECURSE ${OUT})
 file(WRITE ${OUT}/CMakeLists.txt [=[

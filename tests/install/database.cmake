@@ -1,5 +1,5 @@
-# The database of an installation is found from the command, wherever the tree was moved. A text file will do: that it is
-# refused, with status 3, shows that it was found.
+# The command finds the database of its installation also after the tree was moved. The test uses a text file: its refusal
+# with status 3 shows that it was found.
 cmake_minimum_required(VERSION 3.25)
 file(WRITE ${PREFIX}/${DATADIR}/assur/tuning.db "no database")
 execute_process(COMMAND ${CMAKE_COMMAND} -E env --unset=ASSUR_DB HOME=${PREFIX} ${PREFIX}/${BINDIR}/assur db info

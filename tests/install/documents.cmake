@@ -1,5 +1,5 @@
-# All that the installed texts name is there: files that they link to, and scenes, examples and headers in `quotes`. The
-# scenes are read by the installed command.
+# Everything that the installed texts name exists: linked files, and scenes, examples and headers in `quotes`. The
+# installed command reads the scenes.
 cmake_minimum_required(VERSION 3.25)
 set(folder ${PREFIX}/${DOCDIR})
 set(missing "")

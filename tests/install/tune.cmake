@@ -1,4 +1,4 @@
-# What ASSUR_TUNE_ON_INSTALL does, in a few seconds: SCRIPT, run as cmake --install does with the prefix below DESTDIR.
+# ASSUR_TUNE_ON_INSTALL with a budget of a few seconds: runs SCRIPT like cmake --install with the prefix below DESTDIR.
 cmake_minimum_required(VERSION 3.25)
 file(REMOVE_RECURSE ${STAGE})
 execute_process(COMMAND ${CMAKE_COMMAND} -E env DESTDIR=${STAGE} ${CMAKE_COMMAND} -D CMAKE_INSTALL_PREFIX=/prefix
