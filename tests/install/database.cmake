@@ -1,4 +1,4 @@
-# The command finds the database of its installation also after the tree was moved. The test uses a text file: its refusal
+# The command also finds the database of its installation after a move of the tree. The test uses a text file: its refusal
 # with status 3 shows that it was found.
 cmake_minimum_required(VERSION 3.25)
 file(WRITE ${PREFIX}/${DATADIR}/assur/tuning.db "no database")

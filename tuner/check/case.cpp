@@ -56,7 +56,7 @@ class Reader {
     take("quick", c.quick);
     std::vector<Case> all = swept(std::move(c));
     for (const auto& [key, unused] : json_.items()) {
-      if (!known_.contains(key)) refuse("cannot have the key \" + key + "\"");
+      if (!known_.contains(key)) refuse("cannot have the key \"" + key + "\"");
     }
     return all;
   }

@@ -108,7 +108,7 @@ void add_run(CLI::App& app, Invocation& call) {
   add_accuracy(run, o.accuracy);
   CLI::Option* ensemble =
       run.add_option("--ensemble", o.ensemble, "Run many variants: CSV of parameters, one row each")->type_name("FILE");
-  run.add_option("--iterations", o.iterations, "Fix the Newton iterations (not of the first level)")
+  run.add_option("--iterations", o.iterations, "Fixed number of Newton iterations (except first level)")
       ->check(whole_number(1))
       ->type_name("N");
   CLI::Option* csv = run.add_option("--csv", o.csv, "Write the motion; - for standard output")->type_name("FILE");
@@ -177,7 +177,7 @@ void add_plan(CLI::App& app, Invocation& call) {
 }
 
 void add_backends(CLI::App& app, Invocation& call) {
-  CLI::App& backends = *app.add_subcommand("backends", "List the linear solvers, and why one cannot run");
+  CLI::App& backends = *app.add_subcommand("backends", "List the linear solvers, and why some cannot run");
   add_common(backends, call.common);
   backends.callback([&call] { call.chosen = [&call] { return command::backends(call.common); }; });
 }
@@ -246,7 +246,7 @@ void add_tune(CLI::App& app, Invocation& call) {
 
 void add_check(CLI::App& app, Invocation& call) {
   CLI::App& check = *app.add_subcommand("check", "Run the stability suite: stiff and extreme cases");
-  check.add_option("SCENE", call.check.scenes, "Check these scenes, with all strategies, instead")->type_name("");
+  check.add_option("SCENE", call.check.scenes, "Check these scenes instead, with all strategies")->type_name("");
   check.add_flag("--quick", call.check.quick, "Some cases, fewer strategies: less than a minute");
   check.add_option("--case", call.check.only, "Only cases whose names start with NAME")->type_name("NAME");
   add_reading(check, call.common);
@@ -264,7 +264,7 @@ void add_report(CLI::App& app, Invocation& call) {
       ->check(number(0, " > 0"))
       ->type_name("W");
   report.add_option("--peers", o.peers, "Show other libraries: CSV from bench/peers/peers.sh")
-      ->check(CLI::ExistingFile)
+      ->check(CLI::Validator(CLI::ExistingFile).description(""))
       ->type_name("FILE");
   add_common(report, call.common);
   report.callback([&call, out] {
