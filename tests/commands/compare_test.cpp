@@ -83,7 +83,7 @@ TEST(Compare, TableNamesTheChoicesOfAuto) {
   ASSERT_EQ(o.status, 0) << o.err;
   EXPECT_NE(o.out.find("stewart: true error against time, 30 steps of 0.01 s"), std::string::npos);
   EXPECT_NE(o.out.find("groups/eigen"), std::string::npos);
-  EXPECT_NE(o.out.find("auto, asked for"), std::string::npos);
+  EXPECT_NE(o.out.find("auto, required"), std::string::npos);
 }
 
 TEST(Compare, ReportsWrongArguments) {

@@ -18,10 +18,10 @@
 namespace assur::measure {
 namespace {
 
-constexpr std::size_t kWorthWarming = 20000;     // packs x unknowns x W up to which a whole round is made untimed
-constexpr double kFirstOff = 1e-8;               // of a prediction, relative; in one iteration its square is left
-constexpr double kLeastOff = 1e-12;              // still far above what counts as solved
-constexpr std::int64_t kStepsBeforeSteady = 10;  // until predictors have the postures that they read
+constexpr std::size_t kWorthWarming = 20000;     // packs x unknowns x W up to which an untimed round warms up
+constexpr double kFirstOff = 1e-8;               // relative error of a prediction; one iteration leaves its square
+constexpr double kLeastOff = 1e-12;              // still far above the criterion of convergence
+constexpr std::int64_t kStepsBeforeSteady = 10;  // steps until predictors have all their postures
 
 class Evaluation final : public Workload {
  public:
@@ -42,7 +42,7 @@ class Evaluation final : public Workload {
       return out;
     };
     coefficients_ = side_by_side(&Posture::coefficients);
-    // Behind the coefficients of the program a pack has the numbers 0 and 1.
+    // A pack has the numbers 0 and 1 after the coefficients of the program.
     coefficients_.resize(coefficients_.size() + static_cast<std::size_t>(lanes), 0.0);
     coefficients_.resize(coefficients_.size() + static_cast<std::size_t>(lanes), 1.0);
     inputs_ = side_by_side(&Posture::inputs);
@@ -93,7 +93,7 @@ struct PackStep::Impl {
 
   [[nodiscard]] double* at(int d) { return state[static_cast<std::size_t>(d)].data(); }
 
-  // The accepted posture that everything starts from: as a simulator's start.
+  // Solves the start posture like a simulator; all predictions start from it.
   void solve_start() {
     const Structure& structure = *prepared.structure;
     double* const q[3] = {at(0), at(1), at(2)};
@@ -124,7 +124,7 @@ struct PackStep::Impl {
     }
   }
 
-  // Predictions of every pack, off by this much of the solution.
+  // Predictions for every pack, with the relative error `off`.
   void predict(double off) {
     std::mt19937_64 random(3);
     std::uniform_real_distribution<double> either_way(-off, off);
@@ -214,7 +214,7 @@ WholeStep::WholeStep(const Prepared& prepared, const std::vector<int>& cores, in
       simulator_(prepared, {.iterations = iterations, .pin_to = pin_to_}),
       grid_(prepared.scene->time()) {
   for (std::int64_t k = 0; k < std::min(kStepsBeforeSteady, grid_.steps()); ++k) {
-    if (!advance()) throw Error(Error::Kind::numerical, "its first steps fail");
+    if (!advance()) throw Error(Error::Kind::numerical, "the first steps of the motion fail");
   }
 }
 
@@ -233,7 +233,7 @@ void WholeStep::get_ready(int calls) {
 }
 
 bool WholeStep::run(int calls) {
-  std::optional<Pinned> here;  // as a run does
+  std::optional<Pinned> here;  // pins the calling thread, like a run
   if (!pin_to_.empty()) here.emplace(pin_to_[0]);
   bool ok = true;
   for (int i = 0; i < calls; ++i) {

@@ -22,7 +22,7 @@ std::vector<bool> pareto_front(std::span<const Trade> all) {
     return std::pair(all[a].seconds, all[a].error) < std::pair(all[b].seconds, all[b].error);
   });
   std::vector<bool> front(all.size(), false);
-  Trade last{0, kInfinity};  // of the front so far: the slowest and most exact
+  Trade last{0, kInfinity};  // the slowest and most accurate row of the front so far
   for (const std::size_t i : order) {
     const bool equal = all[i].seconds == last.seconds && all[i].error == last.error;
     if (!equal && !(all[i].error < last.error)) continue;

@@ -17,17 +17,17 @@
 namespace assur::measure {
 namespace {
 
-constexpr int kMoreTime = 3;     // times that a race is run again with four times as long
-constexpr double kWrong = 1e-9;  // residual of a step from which on nobody wants it
+constexpr int kMoreTime = 3;     // repetitions of a race, each with four times the time
+constexpr double kWrong = 1e-9;  // residual of a step above which a strategy is not used
 constexpr std::size_t kFailed = static_cast<std::size_t>(-1);
 
-// A prepared scene that can be raced.
+// A prepared scene in a race.
 struct Racer {
   std::string text;
   Prepared prepared;
-  std::vector<std::string> others = {};  // texts that mean the same here
+  std::vector<std::string> others = {};  // other texts with the same plan
   std::unique_ptr<WholeStep> step = nullptr;
-  double first_seconds = 0;  // of its first steps
+  double first_seconds = 0;  // s, of its first steps
   double seconds = HUGE_VAL, spread = 0;
   std::size_t rounds = 0;
 };
@@ -38,7 +38,7 @@ bool is_right(const Report& report) { return report.status.ok() && report.error.
 bool enter(Racer& racer) {
   if (is_hopeless(racer.prepared.plan)) return false;
   try {
-    // Where the system puts two threads is luck in a race of many teams: each has its core.
+    // Each thread has its core, because in a race of many teams the system places threads at random.
     static const std::vector<int> kCores = this_machine().cores;
     racer.step = std::make_unique<WholeStep>(racer.prepared, kCores);
     const double begin = StepTimes::steady();
@@ -56,7 +56,7 @@ int threads_of(const Plan& plan) {
   return plan.run.threads * q;
 }
 
-// Should a few slow ones need all the time, they are the ones without a turn.
+// The slow runners come last: if time runs out, they are the ones without a turn.
 void compete(std::vector<Racer*> racers, const RaceRules& rules, const Instruments& instruments) {
   std::stable_sort(racers.begin(), racers.end(),
                    [](const Racer* a, const Racer* b) { return a->first_seconds < b->first_seconds; });
@@ -70,8 +70,8 @@ void compete(std::vector<Racer*> racers, const RaceRules& rules, const Instrumen
   }
 }
 
-// Every strategy that is the same for all classes, on one thread or on several. Policies and formulations multiply what
-// is already many: they are tried where they can matter.
+// Every strategy with the same settings for all classes, on one or several threads. Policies and formulations would
+// multiply their number, so they are only tried where they may matter.
 std::vector<Strategy> uniform_strategies(const Scene& scene, const Question& q) {
   StrategySpace space;
   space.formulations = formulations_of(scene);
@@ -90,7 +90,7 @@ std::vector<Strategy> uniform_strategies(const Scene& scene, const Question& q) 
 
 std::vector<Racer> uniform_racers(const Scene& scene, const Question& q, const QuestionOptions& options) {
   std::vector<Racer> racers;
-  std::map<std::string, std::size_t> place;  // by essence: of the racer, or kFailed
+  std::map<std::string, std::size_t> place;  // by essence: index of the racer, or kFailed
   for (const Strategy& uniform : uniform_strategies(scene, q)) {
     if (options.instruments.stop()) return racers;
     const std::string strategy = to_string(uniform);
@@ -106,13 +106,13 @@ std::vector<Racer> uniform_racers(const Scene& scene, const Question& q, const Q
         racers[at->second].others.push_back(strategy);
       }
     } catch (const Error&) {
-      // it cannot run here
+      // this strategy cannot run here
     }
   }
   return racers;
 }
 
-// The fastest with another solver or other lanes for one class.
+// Variants of the fastest strategy with another solver or other lanes for one class.
 std::vector<Racer> mixed_racers(const Racer& fastest, const Question& q, const QuestionOptions& options) {
   std::vector<Racer> racers;
   const Plan& plan = fastest.prepared.plan;
@@ -134,7 +134,7 @@ std::vector<Racer> mixed_racers(const Racer& fastest, const Question& q, const Q
   return racers;
 }
 
-// What is best for each class alone, all at once.
+// The combination of the best strategies of all classes.
 std::optional<Racer> combined(const Racer& fastest, const std::vector<Racer>& mixed) {
   Racer all{"", fastest.prepared};
   Plan& plan = all.prepared.plan;
@@ -184,10 +184,10 @@ std::vector<double> paired_medians(const std::vector<std::vector<double>>& secon
 struct Contest::Impl {
   Question question;
   QuestionOptions options;
-  Answer first;                              // what the first races tell
-  std::vector<Racer> racers;                 // of the last race; in the end the choice again, and the choice
+  Answer first;                              // answer of the first races
+  std::vector<Racer> racers;                 // of the last race; the last two are the choice again, and the choice
   std::vector<Finalist> finalists;           // of them
-  std::vector<std::vector<double>> seconds;  // by pass, of each racer
+  std::vector<std::vector<double>> seconds;  // passes x racers
 };
 
 std::optional<Contest> Contest::open(const Question& q, const QuestionOptions& options) {
@@ -228,7 +228,7 @@ std::optional<Contest> Contest::open(const Question& q, const QuestionOptions& o
     first.uniform[u.text] = u.seconds;
     for (const std::string& other : u.others) first.uniform[other] = u.seconds;
   }
-  // Of the others, what the dispatcher chose takes no part.
+  // Leaves out the choice of the dispatcher among the other racers.
   std::vector<Racer>& last = impl->racers;
   const std::string own = essence(chosen.prepared.plan);
   for (Racer* r : all) {
@@ -244,7 +244,8 @@ bool Contest::race() {
   Impl& of = *impl_;
   std::vector<Racer*> all = pointers(of.racers);
   for (Racer* r : all) {
-    if (!enter(*r)) throw Error(Error::Kind::numerical, of.question.scene + ": " + r->text + " fails when made again");
+    if (!enter(*r))
+      throw Error(Error::Kind::numerical, of.question.scene + ": " + r->text + " fails in its second preparation");
   }
   RaceRules rules{.block = 500e-6,
                   .seconds = of.options.seconds / kPasses,
@@ -252,16 +253,16 @@ bool Contest::race() {
                   .most_rounds = of.options.quick ? 5 : 11,
                   .hopeless = 1e9,
                   .seed = of.seconds.size() + 1};
-  // The choice, twice: the others may go without a time.
+  // The two runs of the choice need a time; others may have none.
   const auto timed = [&] { return std::isfinite(all.back()->seconds) && std::isfinite(all[all.size() - 2]->seconds); };
   compete(all, rules, of.options.instruments);
-  // On a busy machine the time may be over before everybody's first turn.
+  // On a busy machine the time may be over before the first turn of all racers.
   for (int more = 0; more < kMoreTime && !timed() && !of.options.instruments.stop(); ++more) {
     rules.seconds *= 4;
     compete(all, rules, of.options.instruments);
   }
   if (!is_right(all.back()->step->report())) {
-    throw Error(Error::Kind::numerical, of.question.scene + ": " + all.back()->text + " goes wrong");
+    throw Error(Error::Kind::numerical, of.question.scene + ": " + all.back()->text + " gives wrong results");
   }
   std::vector<double> seconds;
   for (const Racer* r : all) seconds.push_back(r->seconds);

@@ -8,12 +8,12 @@
 namespace assur::measure {
 namespace {
 
-constexpr double kShort = 1e-6;        // s: shorter steps are measured in blocks
-constexpr double kBlockLength = 4e-6;  // s: the clock's own 30 ns or so are below one per cent of it
-constexpr int kTrial = 64;             // steps that decide on blocks; the longest block
-constexpr int kClockCalls = 101;       // whose median is the cost of one
+constexpr double kShort = 1e-6;        // s; shorter steps are timed in blocks
+constexpr double kBlockLength = 4e-6;  // s; reading the clock, about 30 ns, takes less than 1 % of it
+constexpr int kTrial = 64;             // first steps, which determine the block; longest block
+constexpr int kClockCalls = 101;       // readings of the clock; their median is the cost of one
 
-// The power of two that makes blocks of `step` seconds long enough, at most kTrial.
+// Steps in a block: the least power of two for which blocks of such steps are long enough, at most kTrial.
 int block_for(double step) {
   int block = 1;
   while (block < kTrial && block * step < kBlockLength) block *= 2;

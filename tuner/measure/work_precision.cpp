@@ -13,20 +13,20 @@
 namespace assur::measure {
 namespace {
 
-constexpr double kWrong = 0.1;  // forward error from which on it is another motion, and nobody's time counts
+constexpr double kWrong = 0.1;  // forward error above which a run has another motion, and its time does not count
 
-// A way with what it takes to run it. Two that do the same are one.
+// A prepared way to run the scene. Ways with the same plan share an entrant.
 struct Entrant {
   WorkPrecisionRow row;
   Prepared prepared;
   std::string essence;
-  std::uint64_t motion = 0;  // a number that only equal trajectories have
+  std::uint64_t motion = 0;  // hash of the trajectory
   std::unique_ptr<WholeStep> step = nullptr;
 
   [[nodiscard]] bool runs() const { return step != nullptr; }
 };
 
-// FNV-1a over the bits.
+// FNV-1a hash of the bits.
 std::uint64_t number_of(const std::vector<double>& values) {
   std::uint64_t hash = 0xcbf29ce484222325;
   for (const double v : values) {
@@ -49,7 +49,7 @@ class Comparison {
  public:
   Comparison(const Scene& scene, const WorkPrecisionOptions& options) : scene_(scene), options_(options) {
     if (scene.time().steps() < 1) {
-      throw Error(Error::Kind::input, {{"/time", "there is no step to compare; give the scene a time grid"}});
+      throw Error(Error::Kind::input, {{"/time", "the scene has no steps to compare; give it a time grid"}});
     }
     out_.steps = scene.time().steps();
   }
@@ -68,7 +68,7 @@ class Comparison {
   }
 
  private:
-  // All solvers; then what can be turned in the fastest, and fixed iterations in the fastest of other formulations.
+  // All solvers; then variations of the fastest one, and fixed iterations in the fastest ones of other formulations.
   void compare_all() {
     const std::vector<Way> all = solvers(scene_, options_.budget);
     expected_ = std::ssize(all) + std::ssize(options_.accuracies);
@@ -89,7 +89,7 @@ class Comparison {
       const auto [at, is_new] = fastest.try_emplace(way.strategy.run.formulation, leader);
       if (!is_new && seconds(leader) < seconds(at->second)) at->second = leader;
     }
-    // Everything that follows hangs on which of these is the fastest: they are raced again, with all rounds.
+    // All later candidates depend on the fastest of these, so they are raced again with all rounds.
     std::vector<Entrant*> leaders;
     for (const auto& [formulation, leader] : fastest) leaders.push_back(leader.entrant);
     race(leaders, options_.rules);
@@ -108,7 +108,7 @@ class Comparison {
     for (const Way& way : more) enter_forced(way, heeds(way), false);
   }
 
-  // must: what cannot run is an error.
+  // must: throws if the strategy cannot run.
   void enter_forced(const Way& way, bool with_accuracies, bool must) {
     std::vector<double> accuracies = {0};
     if (with_accuracies) accuracies.insert(accuracies.end(), options_.accuracies.begin(), options_.accuracies.end());
@@ -157,7 +157,7 @@ class Comparison {
     entrants_.push_back(std::move(e));
   }
 
-  // The same plan, asked for the same: nothing new comes of it.
+  // True if the same plan with the same settings is known already.
   bool is_known(const Entrant& e) const {
     return e.row.picked.empty() && std::any_of(entrants_.begin(), entrants_.end(), [&](const Entrant& other) {
              const std::vector<double>& asked = other.row.accuracies;
@@ -166,7 +166,7 @@ class Comparison {
            });
   }
 
-  // Asked for something else, the same plan may do just the same, which the motion shows.
+  // Merges the entrant with another one that has the same plan and the same motion, although its settings differ.
   bool joins_another(const Entrant& e) {
     const auto at = std::find_if(entrants_.begin(), entrants_.end(), [&](const Entrant& other) {
       return other.runs() && other.essence == e.essence && other.motion == e.motion;
@@ -182,7 +182,7 @@ class Comparison {
     return true;
   }
 
-  // The whole motion, and how far it is from the true one.
+  // Computes the whole motion and its true error.
   void verify(Entrant& e) {
     Simulator simulator(e.prepared, {.iterations = e.row.iterations});
     const Trajectory motion = simulator.run([&](auto, auto) { return !options_.instruments.stop(); });
@@ -237,7 +237,7 @@ class Comparison {
     (void)measure::race(runners, rules, options_.instruments);
     for (std::size_t i = 0; i < runners.size(); ++i) {
       const Runner& r = runners[i];
-      if (r.failed) rows[i]->status = "failed when it was timed";
+      if (r.failed) rows[i]->status = "failed while being timed";
       if (r.seconds.empty()) continue;
       rows[i]->seconds = r.median();
       rows[i]->spread = r.spread();

@@ -11,7 +11,7 @@ namespace {
 using measure::WorkPrecision;
 using measure::WorkPrecisionRow;
 
-constexpr double kSmallShare = 0.005;  // of a time: what is nearer to the front is on it
+constexpr double kSmallShare = 0.005;  // relative difference of times that counts as equal
 
 template <class T>
 Json or_null(const std::optional<T>& value) {
@@ -68,7 +68,7 @@ void print_verdicts(Page& page, const ComparisonSummary& s) {
   using enum Table::Align;
   if (s.accuracies.empty()) return;
   Table table({left, right, right, left});
-  table.row({"auto, asked for", "reached", "step", ""});
+  table.row({"auto, required", "reached", "step", ""});
   for (const double a : s.accuracies) {
     const Verdict v = verdict(s.result, a);
     table.row({number(a), v.reached, v.step, v.words});
@@ -93,7 +93,7 @@ std::string way_text(const WorkPrecisionRow& row) {
 
 Verdict verdict(const WorkPrecision& result, double accuracy) {
   const WorkPrecisionRow* const row = result.pick(accuracy);
-  if (row == nullptr) return {"-", "-", "-", "not looked at"};
+  if (row == nullptr) return {"-", "-", "-", "not examined"};
   Verdict v{row->strategy, "-", "-", ""};
   if (row->error) v.reached = error_figure(row->worst_error());
   if (!row->seconds) {
@@ -102,11 +102,11 @@ Verdict verdict(const WorkPrecision& result, double accuracy) {
   }
   v.step = duration(*row->seconds);
   if (!row->error) {
-    v.words = "no yardstick";
+    v.words = "true error unknown";
   } else if (const std::optional<double> behind = result.behind(accuracy); !behind) {
-    v.words = "misses it";
+    v.words = "misses the accuracy";
   } else if (*behind < kSmallShare) {
-    v.words = "the fastest that reaches it";
+    v.words = "fastest that reaches it";
   } else {
     v.words = number(std::round(100 * *behind)) + " % slower than " + way_text(*result.fastest_within(accuracy));
   }
@@ -136,9 +136,9 @@ void print(Page& page, const ComparisonSummary& s) {
   print_verdicts(page, s);
   if (!s.result.no_yardstick.empty()) {
     page.gap();
-    page.fact("no yardstick", s.result.no_yardstick);
+    page.fact("true error", "unknown: " + s.result.no_yardstick);
   }
-  if (s.result.interrupted) page.fact("interrupted", "what is here is what had been measured");
+  if (s.result.interrupted) page.fact("interrupted", "the results so far are shown");
 }
 
 }  // namespace assur::output

@@ -134,7 +134,7 @@ std::string work_precision_figure(const ComparisonSummary& s) {
 
 HtmlTable table_of_verdicts(const ComparisonSummary& s) {
   using enum HtmlTable::Column;
-  HtmlTable table{{"asked for", "reached", "step", "auto", "strategy"}, {number, number, number, words, text}, {}};
+  HtmlTable table{{"required", "reached", "step", "auto", "strategy"}, {number, number, number, words, text}, {}};
   for (const double a : s.accuracies) {
     const output::Verdict v = output::verdict(s.result, a);
     table.rows.push_back({{power_of_ten(a), v.reached, v.step, v.words, v.strategy}});

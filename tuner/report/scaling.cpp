@@ -15,10 +15,10 @@
 namespace assur::report {
 namespace {
 
-constexpr double kShort = 5;      // s: in less there is time for small mechanisms only
-constexpr double kWrong = 1e-12;  // residual from which on a time does not count; exact runs end at some eps
+constexpr double kShort = 5;      // s; a shorter budget only suffices for small mechanisms
+constexpr double kWrong = 1e-12;  // residual above which a time does not count; good runs have a few eps
 
-// All members over all times at each call.
+// A call runs all members over all times.
 class EnsembleRun final : public measure::Workload {
  public:
   EnsembleRun(const std::vector<Scene>& members, const PrepareOptions& how)
@@ -41,12 +41,12 @@ class Contest {
   Contest(Section& out, const Conditions& conditions)
       : out_(out), conditions_(conditions), cores_(this_machine().cores) {}
 
-  // A mechanism, step after step. item: what the CSV calls it.
+  // Enters steps of a mechanism. item: name in the CSV.
   void enter(const std::string& item, const std::string& scene, const std::string& strategy) {
     try {
       enter<measure::WholeStep>(item, strategy, 1, prepare(sample(scene), how(strategy)), cores_);
     } catch (const Error&) {
-      // it cannot run here: `assur backends` says why
+      // this strategy cannot run here; `assur backends` explains why
     }
   }
 
@@ -58,7 +58,7 @@ class Contest {
                        members, options);
   }
 
-  // Those that have a time, in their order.
+  // Runs the race; returns the candidates with a time, in their order.
   std::vector<Measurement> hold(double seconds) {
     std::vector<measure::Runner> runners;
     for (Entry& e : entries_) runners.push_back({.work = e.work.get()});
@@ -78,7 +78,7 @@ class Contest {
   }
 
  private:
-  // One candidate of a race; steps: that one call makes.
+  // A candidate of a race; steps: in one call.
   struct Entry {
     std::string item, strategy;
     double steps;
@@ -102,7 +102,7 @@ class Contest {
   std::vector<Entry> entries_;
 };
 
-// Each over the first of the same scene and solver.
+// Speed-ups over the first time of the same scene and solver.
 HtmlTable table_of_speed_ups(Section& out, const std::vector<Measurement>& times,
                              const std::function<bool(const Measurement&)>& is_first) {
   using enum HtmlTable::Column;
@@ -130,7 +130,7 @@ bool alone(const Measurement& m) {
 void splits(Section& out, Contest& contest, const std::string& rings, const Conditions& conditions, double seconds) {
   const std::string threads = std::to_string(conditions.threads);
   for (const Backend& solver : backends()) {
-    if (!solver.threads && !solver.keeps_pivots) continue;  // the others gain nothing, or less
+    if (!solver.threads && !solver.keeps_pivots) continue;  // the other solvers gain less or nothing
     const std::string strategy = "groups/" + std::string(solver.id) + (solver.fills_lanes ? ":8" : "");
     contest.enter("threads, " + rings, rings, strategy);
     if (conditions.threads == 1) continue;
@@ -139,9 +139,9 @@ void splits(Section& out, Contest& contest, const std::string& rings, const Cond
   }
   out.body += "<h4>Threads</h4>\n" +
               paragraph(
-                  "One mechanism, step after step. Px1: P packs at once; 1xQ: Q threads in the solver of each; "
+                  "One mechanism, step by step. Px1: P packs at once; 1xQ: Q threads in the solver of each pack; "
                   "speed-up over the same solver on one thread.");
-  if (conditions.threads == 1) out.body += paragraph("There is only one thread to use here.", "notice");
+  if (conditions.threads == 1) out.body += paragraph("Only one thread may be used here.", "notice");
   out.body += html(table_of_speed_ups(out, contest.hold(seconds), alone));
 }
 
@@ -172,7 +172,7 @@ void lanes(Section& out, Contest& contest, const std::string& rings, double seco
     }
     plot.series.push_back(std::move(series));
   }
-  out.body += "<h4>Lanes</h4>\n" + paragraph("One thread, W groups side by side.") + pictures::figure(plot) +
+  out.body += "<h4>Lanes</h4>\n" + paragraph("One thread, W groups in lanes.") + pictures::figure(plot) +
               html(table_of_speed_ups(
                   out, times, [](const Measurement& m) { return parse_strategy(m.strategy).solver.lanes == 1; }));
 }
@@ -191,19 +191,20 @@ void ensemble(Section& out, Contest& contest, const Conditions& conditions, bool
     for (const char* solver : {"irreducible/lanes:8", "irreducible/lanes:16"})
       contest.enter_all(name, scenes, solver + threads);
   }
-  out.body += "<h4>Many variants at once</h4>\n" +
-              paragraph(
-                  "An ensemble of Stewart platforms of different speeds, all outputs, with their start; speed-up over "
-                  "one lane on one thread.") +
-              html(table_of_speed_ups(out, contest.hold(seconds), [](const Measurement& m) {
-                return alone(m) && parse_strategy(m.strategy).solver.lanes == 1;
-              }));
+  out.body +=
+      "<h4>Many variants at once</h4>\n" +
+      paragraph(
+          "An ensemble of Stewart platforms with different speeds, all outputs, including the start; speed-up over "
+          "one lane on one thread.") +
+      html(table_of_speed_ups(out, contest.hold(seconds), [](const Measurement& m) {
+        return alone(m) && parse_strategy(m.strategy).solver.lanes == 1;
+      }));
 }
 
 }  // namespace
 
 Section scaling(const Knowledge&, const Conditions& conditions) {
-  Section out{"scaling", "How it scales: threads, lanes, variants"};
+  Section out{"scaling", "Scaling: threads, lanes, variants"};
   const bool small = conditions.seconds < kShort;
   const std::string rings = small ? "rings:legs=16,n=24" : "rings:legs=64,n=120";
   const auto seconds = [&](double share) { return std::clamp(share * conditions.seconds, 0.3, 20.0); };

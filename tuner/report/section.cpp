@@ -23,7 +23,7 @@ std::string host_name() {
   return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";
 }
 
-// null for what is not finite: JSON has no NaN.
+// null for infinite numbers and NaN, which JSON lacks.
 Json or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 Json benchmark(const std::string& section, const Measurement& m) {

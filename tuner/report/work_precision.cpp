@@ -11,9 +11,9 @@
 namespace assur::report {
 namespace {
 
-constexpr double kShort = 8;                             // s: in less there is time for the smallest mechanism only
-constexpr double kRace = 10;                             // s, of all ways of one scene, at most
-constexpr std::int64_t kQuickSteps = 100, kSteps = 300;  // the reference takes its time
+constexpr double kShort = 8;                             // s; a shorter budget only suffices for the smallest mechanism
+constexpr double kRace = 10;                             // s, upper limit for all strategies of one scene
+constexpr std::int64_t kQuickSteps = 100, kSteps = 300;  // few, because the reference is slow
 
 std::vector<std::string> scenes(const Conditions& conditions) {
   if (conditions.seconds < kShort) return {"four_bar"};
@@ -26,7 +26,7 @@ void add(Section& out, const std::string& scene, const measure::WorkPrecision& r
     if (!row.seconds) continue;
     std::string origin = "measured";
     if (row.on_front) origin += ", on the front";
-    if (!row.picked.empty()) origin += ", taken by auto for " + output::accuracies_text(row.picked);
+    if (!row.picked.empty()) origin += ", chosen by auto for " + output::accuracies_text(row.picked);
     out.measurements.push_back({scene, output::way_text(row), "seconds per step", "s", *row.seconds, origin,
                                 static_cast<int>(row.rounds), row.spread / *row.seconds, row.worst_error()});
   }
@@ -38,9 +38,11 @@ Section work_precision(const Knowledge& knowledge, const Conditions& conditions)
   const double begin = measure::StepTimes::steady();
   Section out{"work-precision", "Error against run time"};
   out.body = paragraph(
-      "Every way to run a mechanism: the time of a step and the true error, the worst of position, velocity and "
-      "acceleration over the run, against a solution in quad precision. The front is what no other way beats in both; "
-      "diamonds are what auto takes for the accuracies that the dotted lines show.");
+      "Time of a step and true error of all strategies for a mechanism. The error is the largest of position, velocity "
+      "and "
+      "acceleration over the run, against a solution in quadruple precision. No strategy beats those of the Pareto "
+      "front "
+      "in both; diamonds are the choices of auto for the accuracies of the dotted lines.");
   const std::vector<std::string> names = scenes(conditions);
   double longest = 0;
   for (const std::string& name : names) {
