@@ -6,7 +6,7 @@
 
 namespace assur {
 
-// As printf writes "%.3g" (general), "%.1f" (fixed) and "%.1e" (scientific) in the locale "C"; digits: the 3 or 1.
+// As printf writes "%.3g" (general), "%.1f" (fixed) and "%.1e" (scientific) in the locale "C"; digits: 3 or 1 here.
 [[nodiscard]] inline std::string decimal(double number, int digits, std::chars_format format) {
   char text[400];  // 309 digits before the point, 17 and more behind it
   return {text, std::to_chars(text, text + sizeof text, number, format, digits).ptr};

@@ -1,4 +1,4 @@
-// The middle of numbers, their mean, and those of a rank.
+// Median, quantile and mean of numbers.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace assur {
 
-// The mean of the two in the middle if they are even in number; NaN of none.
+// Of an even count, the mean of the two middle numbers. NaN for an empty list.
 inline double median(std::vector<double> values) {
   if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -19,7 +19,7 @@ inline double median(std::vector<double> values) {
   return (*middle + *std::max_element(values.begin(), middle)) / 2;
 }
 
-// Nearest rank: the smallest value that at least this share of them do not exceed; NaN of none.
+// Nearest rank: the smallest value that is at least as large as this share of the values. NaN for an empty list.
 inline double quantile(std::vector<double> values, double share) {
   if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
   const double rank = std::ceil(share * static_cast<double>(values.size()));
@@ -28,7 +28,7 @@ inline double quantile(std::vector<double> values, double share) {
   return *at;
 }
 
-// NaN of none.
+// NaN for an empty list.
 inline double mean(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }

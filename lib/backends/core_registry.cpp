@@ -84,7 +84,7 @@ Status worst(std::span<const Code> lanes) {
 bool all_within(std::span<const double> values, double limit) {
   constexpr auto kMagnitude = ~std::uint64_t{0} >> 1;
   const auto largest = std::bit_cast<std::uint64_t>(limit);
-  std::uint64_t negative = 0;  // its highest bit: some difference was negative
+  std::uint64_t negative = 0;  // its highest bit is set if some difference was negative
   for (const double value : values) negative |= largest - (std::bit_cast<std::uint64_t>(value) & kMagnitude);
   return negative <= kMagnitude;
 }

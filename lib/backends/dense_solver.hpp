@@ -29,8 +29,8 @@ class DenseLu {
                      DenseIndex first_wanted) = 0;
 };
 
-// T: double or float. Values beyond the range of float count as not finite; right-hand sides are scaled, so that they
-// may exceed it.
+// T: double or float. Values beyond the range of float are treated as not finite; right-hand sides are scaled, so that
+// they may exceed it.
 template <class T>
 [[nodiscard]] std::unique_ptr<LinearSolver> make_dense_solver(std::unique_ptr<DenseLu<T>> lu);
 

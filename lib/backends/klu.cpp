@@ -59,7 +59,7 @@ struct FreeNumeric {
 constexpr auto kMagnitude = ~std::uint64_t{0} >> 1;
 constexpr std::uint64_t magnitude(double number) { return std::bit_cast<std::uint64_t>(number) & kMagnitude; }
 
-// max |number|; NaN and infinity count as larger than any number. Four at a time, for speed.
+// max |number|; NaN and infinity are treated as larger than any number. Four at a time, for speed.
 class Largest {
  public:
   explicit Largest(double at_least) { size_[0] = magnitude(at_least); }
@@ -159,7 +159,7 @@ bool KluSolver::scale(std::span<const double> values, const Lane& lane) {
   const double* __restrict const from = values.data();
   const double* __restrict const by = lane.entry_scale.data();
   double* __restrict const to = scaled_.data();
-  std::uint64_t above = 0;  // its highest bit: some difference was negative
+  std::uint64_t above = 0;  // its highest bit is set if some difference was negative
   for (std::size_t k = 0; k < values.size(); ++k) {
     to[k] = from[k] * by[k];
     above |= magnitude(kLargestRow) - magnitude(to[k]);

@@ -63,7 +63,7 @@ class LanesSolver final : public LinearSolver {
   std::unique_ptr<Factors> factors_;
   Effort effort_;
 
-  // The next members are read only while the pivots of the class do not serve some lane.
+  // True: the pivots of the class serve every lane, and the next members are not read.
   bool all_served_ = false;
   std::vector<Code> code_;   // lanes
   std::vector<int> server_;  // lanes: index of the `alone_` that serves the lane; -1: the class's factors

@@ -18,7 +18,7 @@ Limits limits_of(std::int32_t n) {
           std::sqrt(10 * static_cast<double>(std::numeric_limits<T>::min()))};
 }
 
-// Growth compares 2-norms of rows; rows of U count before their division.
+// Growth compares 2-norms of rows; rows of U are taken before their division.
 template <class T>
 Figures measure(const Elimination& p, const T* slots, std::size_t lanes, std::size_t lane) {
   double growth = 0, smallest = kInfinity, largest = 0;
@@ -29,7 +29,7 @@ Figures measure(const Elimination& p, const T* slots, std::size_t lanes, std::si
     double lower = std::abs(pivot), upper = 0;
     for (std::size_t k = 0; k < p.lower_count(i); ++k) lower = std::hypot(lower, at(p.pivot_slot[i] - 1 - k));
     for (std::size_t k = 0; k < p.upper_count(i); ++k) upper = std::hypot(upper, at(p.upper_slot[i] + k));
-    // Rows whose squares underflow or overflow in this precision do not count.
+    // Skips rows whose squares underflow or overflow in this precision.
     if (of_a > 0 && std::isfinite(of_a)) growth = std::max(growth, std::hypot(lower, upper * pivot) / std::sqrt(of_a));
     smallest = std::min(smallest, std::abs(pivot));
     largest = std::max(largest, std::abs(pivot));

@@ -202,7 +202,7 @@ void Refined::solve_chunk(std::span<double> x, std::size_t count, Transpose tran
   improve(By::in_double, x, count, transpose);
   for (std::size_t column = 0; column < count * lanes_; ++column) {
     const std::size_t lane = column % lanes_;
-    // After a failure of float, a normwise error is that of a normal solution in double, and is not refined.
+    // With a normwise goal, a lane that fell back to double has an ordinary solution in double, which meets no goal.
     if (by_[lane] != By::in_double || goal_.measure == Goal::Measure::normwise) continue;
     lane_error_[lane] = std::max(lane_error_[lane], error_[column]);
   }

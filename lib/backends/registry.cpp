@@ -1,4 +1,4 @@
-// The table of all solvers. docs/extending.md tells how to add one.
+// The table of all solvers. docs/extending.md describes how to add one.
 #include <algorithm>
 #include <array>
 

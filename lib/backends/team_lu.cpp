@@ -51,7 +51,7 @@ bool TeamLu<T>::factorize(const Block<T>& a, std::int32_t* pivot, Team& team) {
   } else {
     work(0);
   }
-  // Row numbers now count from the top of the matrix
+  // From here on, pivots are row numbers of the whole matrix.
   for (DenseIndex k = kPanel; k < n_; ++k) pivot_[k] += static_cast<std::int32_t>(k - k % kPanel);
   return !failed_;
 }
@@ -126,7 +126,7 @@ void TeamLu<T>::factorize_panel(DenseIndex panel) {
 }
 
 // Updates columns `first` to `last`, right of the panel: swaps rows, computes U by substitution, and subtracts the
-// product from the rest. Pivots count from the top of their panel until the end.
+// product from the rest. Until factorize() ends, pivots are row numbers relative to their panel.
 template <class T>
 void TeamLu<T>::update(DenseIndex panel, DenseIndex first, DenseIndex last) {
   const DenseIndex top = panel * kPanel, width = end(panel) - top, below = n_ - top - width, columns = last - first;

@@ -16,7 +16,7 @@ class CallbackRows {
   [[nodiscard]] bool empty() const { return program_.callbacks.empty(); }
 
   void residuals(const double* coefficients, const double* value, double* phi);
-  // Adds their derivatives to the entries of the Jacobian.
+  // Adds the derivatives of the callbacks to the entries of the Jacobian.
   void jacobian(const double* coefficients, const double* value, double* jacobian);
   // scale += |dPhi/dx| |x|
   void scale(const double* coefficients, const double* value, double* scale);

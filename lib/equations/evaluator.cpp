@@ -199,8 +199,8 @@ class EvaluatorOf final : public Evaluator {
   static HWY_INLINE L reg(const double* registers, std::int32_t i) { return L::load(registers + i * W); }
   HWY_INLINE L k(std::int32_t i) const { return L::load(k_ + i * W); }
 
-  // A sum and the bound of its rounding, over epsilon / 2. Adding the first term, and factors of size 1, cause no
-  // rounding.
+  // A sum and a bound of its rounding error, in units of epsilon / 2. Adding the first term, and multiplying by factors
+  // of size 1, cause no rounding.
   struct RoundedSum {
     L value, error;
 
@@ -237,7 +237,8 @@ class EvaluatorOf final : public Evaluator {
     return total;
   }
 
-  // Derivatives of inputs, and their contributions to forms. Those of unknowns and of fixed forms stay zero.
+  // Derivatives of inputs, and their contributions to forms. In `out`, the derivatives of unknowns and of fixed forms
+  // stay zero.
   void set_input_derivatives(const double* inputs, double* out) const {
     copy(inputs, p_.inputs, out + p_.n * W);
     for (const Program::Form& f : p_.forms) {

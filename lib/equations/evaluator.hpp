@@ -27,7 +27,7 @@ class Evaluator {
   virtual void raise_scale(double* scale) = 0;
 
   // A bound, in units of epsilon / 2, for the rounding error of each Phi_i at the posture of the last evaluate(). The
-  // posture counts as exact, because differences of neighbours far from the origin are exact.
+  // posture is taken as exact, because differences of neighbours far from the origin are exact.
   virtual void rounding(double* bound) = 0;
 
   // -Phi_h h', at the posture of the last evaluate().

@@ -12,14 +12,14 @@
 
 namespace assur {
 namespace {
-// Five probes are all below 1/5 of the true size once in ten thousand times; rounding reaches half of its bound.
+// All five probes are below 1/5 of the true error in one of ten thousand cases; rounding reaches half of its bound.
 constexpr double kSafety = 2.5;
 constexpr double kUsual = 2 * kEps;              // residuals up to this one are normal in any step
 constexpr double kSolvedToRounding = 16 * kEps;  // equations with smaller residuals are solved as exactly as possible
 constexpr std::int64_t kStepsBetween = 512;      // steps between measurements
 // the same if callbacks hide changes of the condition, or while errors are in doubt
 constexpr std::int64_t kIntervalUnseen = 16;
-constexpr double kCloser = 1.6;    // ratio of squares of a divisor, which doubles the inverse of its cube
+constexpr double kCloser = 1.6;    // if the square of a divisor falls by this factor, its inverse cube doubles
 constexpr double kGrownTwice = 2;  // growth of a condition or a residual that asks for a new measurement
 constexpr double kFaster = 4;      // growth of a rate or an acceleration of a driver that asks for a new measurement
 constexpr double kAtRest = 1e-4;   // of the rate that a driver reaches within a radian: a slower driver rests
@@ -135,8 +135,8 @@ bool ErrorEstimate::conditions_have_grown(std::int64_t branch_checks, double err
   if (branch_checks == branch_checks_ && !loose_) return false;
   branch_checks_ = branch_checks;
   const double* before = omega_.data();
-  // A ball leaves changes of a condition open. They count for one level only: all levels rarely approach a singularity
-  // at the same time.
+  // Inside its ball a condition may have changed unseen. This is assumed for one level only: all levels rarely approach
+  // a singularity at the same time.
   double grown = 1, open = 1, shrunk = 1;
   const std::vector<Pack>& packs = layout_.packs;
   for (std::size_t p = 0; p < packs.size();) {
@@ -295,8 +295,8 @@ void ErrorEstimate::keep() {
   }
 }
 
-// The error of an acceleration grows like the inverse cube of the length by which it is divided. A new smallest length
-// is measured for the figures of the run, and another length if it matters to the verdict.
+// The error of an acceleration grows like the inverse cube of the length by which it is divided. The error is measured
+// again if a divisor becomes clearly smaller than any before, or if its change may change the verdict.
 void ErrorEstimate::watch_divisors(Mechanism& m, const double* divisors) const {
   const double room = std::cbrt(std::pow(asked_ / m.now.worst(), 2));
   for (std::size_t i = 0; i < m.smallest.size(); ++i) {
@@ -327,7 +327,7 @@ bool ErrorEstimate::is_faster(const double* const (&state)[3]) const {
   return faster;
 }
 
-// Steps without a measurement count with the largest error that their residual allows.
+// For steps without a measurement, takes the largest error that their residual allows.
 void ErrorEstimate::keep_steps_between() {
   const double left = std::exchange(left_, 0);
   for (std::size_t k = 0; k < used_ && left > 0; ++k) {

@@ -52,7 +52,8 @@ class ErrorEstimate {
 
   // Measures the errors of the current posture. times, rows, divisors: times, outputs and divisors of each mechanism.
   // each(work) must call work(p, solver) for every pack, level after level. All figures are infinite if a matrix is
-  // singular. The measurement does not count for the run before keep(): the posture may be improved and measured again.
+  // singular. The errors of the run do not include the measurement before keep(): the posture may be improved and
+  // measured again.
   template <class Each>
   void measure(std::span<const double> times, const double* const (&state)[3], std::span<const double* const> rows,
                std::span<const double* const> divisors, const Each& each) {
@@ -64,7 +65,7 @@ class ErrorEstimate {
     for (std::size_t i = 0; i < used_; ++i) watch_divisors(mechanisms_[i], divisors[i]);
   }
 
-  // Makes the measurement count for the run. The status of the step must then follow in_doubt().
+  // Includes the measurement in the errors of the run. The status of the step must then follow in_doubt().
   void keep();
 
   // The largest relative residual for which, by the last measurement, errors are not larger than `error`. Infinite if

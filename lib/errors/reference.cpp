@@ -1,10 +1,10 @@
 // The forward error of a trajectory against the motion in quad precision.
 //
-// For each named output (a point with all its components) and each derivative: max over the times of |x - x_ref| over
-// max |x_ref|, both in the maximum norm. |x_ref| counts as one internal unit of its dimension at least (lengths: the
-// characteristic length; angles: 1 rad), and for an output that rests: rates as one unit for each turn at the fastest
-// rate w of the driven coordinates in the run (times w / 2 pi), accelerations likewise (times w^2 / 4 pi^2, with the
-// largest acceleration of a driven coordinate in place of w^2 if that is larger).
+// For each named output (a point with all its components) and each derivative: the largest |x - x_ref| of all times,
+// divided by the largest |x_ref|, both in the maximum norm. The divisor is at least one internal unit (lengths: the
+// characteristic length; angles: 1 rad), for rates times w / 2 pi, where w is the fastest rate of the driven
+// coordinates in the run, and for accelerations times w^2 / 4 pi^2; the largest acceleration of a driven coordinate
+// replaces w^2 if it is larger.
 #include <algorithm>
 #include <cmath>
 #include <map>

@@ -13,8 +13,8 @@
 namespace assur {
 namespace {
 
-// A sum and the bound of its rounding, over epsilon / 2. Adding the first term, and factors of size 1, cause no
-// rounding.
+// A sum and a bound of its rounding error, in units of epsilon / 2. Adding the first term, and multiplying by factors
+// of size 1, cause no rounding.
 struct RoundedSum {
   double value = 0, error = 0;
 

@@ -44,7 +44,7 @@ struct Attempt {
   int most_iterations = 12;
   double converged = kConverged;  // relative residual that counts as solved
   double time = kNan;             // time of the posture relative to any fixed origin, s; NaN: unknown
-  double largest_correction = 0;  // pass: bound of the first one, maximum norm; beyond it may lead to the other branch
+  double largest_correction = 0;  // pass: a larger first correction (maximum norm) may lead to the other branch
   bool all_rates = false;         // compute rates of all unknowns, wanted or not; accelerations of all or none
 };
 

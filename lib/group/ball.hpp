@@ -1,4 +1,4 @@
-// Midpoint-radius arithmetic: a Ball stands for every real number within `radius` of `middle`, and the result of an
+// Midpoint-radius arithmetic: a Ball contains every real number within `radius` of `middle`, and the result of an
 // operation holds all results that its operands allow. Middles are rounded to nearest; the radius, a double rounded up,
 // includes the rounding error (Rump, Fast and parallel interval arithmetic, BIT 39, 1999).
 #pragma once

@@ -62,7 +62,7 @@ class JacobianSolver {
   struct Goal {
     double enough;     // residual that ends the refinement
     double tolerated;  // residual that is accepted if it no longer falls
-    bool scaled;       // true: the larger one of the normwise and the scaled residual counts
+    bool scaled;       // true: tests the larger one of the normwise and the scaled residual
   };
   [[nodiscard]] std::unique_ptr<LinearSolver> make() const;
   [[nodiscard]] Status refine(const Pack& pack, const LaneArray& b, double* x, const Goal& goal, Counters& counters,

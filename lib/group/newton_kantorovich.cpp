@@ -28,7 +28,7 @@ MatrixXd raised(const MatrixXd& x, Eigen::Index k) {
 // Upper bounds of |x| for all matrices x in the ball.
 MatrixXd magnitude(const BallMatrix& x) { return raised(x.middle.cwiseAbs() + x.radius, 1); }
 
-// NaN counts as the largest.
+// NaN if an element is NaN.
 double largest(const VectorXd& x) {
   double most = 0;
   for (const double v : x) {

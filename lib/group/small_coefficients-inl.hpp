@@ -166,7 +166,7 @@ class Coefficients {
       const int slot = t.equation * N + t.unknown;
       const L factor = k(t.coefficient) * k(t.slope), value = get(kValue, t.reg);
       add(factor * value, linear_ + slot * W);
-      // A factor that is not constant counts with its own magnitude as well.
+      // For a factor that is not constant, its own magnitude is added.
       L size = abs(value);
       if (t.reg != p_.one()) size = size + magnitude(t.reg);
       add(abs(factor) * size, linear_magnitude_ + slot * W);

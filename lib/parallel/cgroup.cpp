@@ -121,7 +121,7 @@ double read_named(const path& file_name, const std::string& name) {
 }
 
 // Bytes that one group may still take, at least 1; 0 if it has no limit. Inactive pages of files can be reclaimed, so
-// they do not count.
+// they are not counted as used.
 double memory_of(const path& group, int version) {
   const double most = read_number(group / (version == 2 ? "memory.max" : "memory.limit_in_bytes"));
   if (!(most > 0)) return 0;

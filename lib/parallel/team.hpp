@@ -20,7 +20,7 @@
 
 namespace assur {
 
-inline constexpr std::size_t kWorthSharing = 8000;  // pieces of half a nanosecond: some meetings of two threads
+inline constexpr std::size_t kWorthSharing = 8000;  // pieces of 0.5 ns each: the time of some meetings of two threads
 
 // The calling thread and its helpers.
 class Team {
@@ -74,7 +74,7 @@ class Team {
   struct Worker {
     Team* team;
     int rank;
-    pthread_t thread;  // std::thread cannot be forgotten, which the child of a fork() must do
+    pthread_t thread;  // the child of a fork() must drop it without joining; std::thread cannot
   };
 
   template <class Work>

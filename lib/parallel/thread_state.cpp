@@ -24,7 +24,7 @@ Function* find(const char* symbol) {
 // Functions of the loaded library; null if it lacks them. Looked up instead of linked, so that one program runs with
 // any library.
 struct Library {
-  // of this thread; returns the number before
+  // sets the number of this thread; returns the previous one
   int (*mkl_set_threads)(int) = find<int(int)>("MKL_Set_Num_Threads_Local");
   void (*mkl_version)(char*, int) = find<void(char*, int)>("MKL_Get_Version_String");
 
@@ -34,8 +34,8 @@ struct Library {
   char* (*openblas_config)() = find<char*()>("openblas_get_config");
   char* (*openblas_core)() = find<char*()>("openblas_get_corename");
 
-  // The OpenMP build asks OpenMP how many threads the calling thread may use, a number of each thread. If it is not 1,
-  // the build stores it as the number of the whole process, which openblas_set_num_threads() sets.
+  // The OpenMP build of OpenBLAS asks OpenMP for the number of threads of the calling thread. If this is not 1, the
+  // build stores it for the whole process, as openblas_set_num_threads() does.
   int (*omp_threads)() = find<int()>("omp_get_max_threads");
   void (*omp_set_threads)(int) = find<void(int)>("omp_set_num_threads");
   int (*omp_in_parallel)() = find<int()>("omp_in_parallel");
@@ -68,8 +68,8 @@ const Library& library() {
   return found;
 }
 
-// OpenBLAS's number of threads of the whole process, which concurrent calls would overwrite: kept from the start of the
-// first call to the end of the last.
+// Keeps OpenBLAS's number of threads, of which the process has only one, from the start of the first of several
+// concurrent calls to the end of the last; otherwise they would overwrite it.
 class ProcessNumber {
  public:
   void borrow(const Library& blas) {
@@ -81,13 +81,13 @@ class ProcessNumber {
   void give_back(const Library& blas) {
     State state = state_.load();
     do {
-      const bool last = state.borrowers == 1;  // still a borrower, so that a new one keeps the same number
+      const bool last = state.borrowers == 1;  // set before the count falls to 0: a new borrower keeps `before`
       if (last && blas.openblas_threads() != state.before) blas.openblas_set_threads(state.before);
     } while (!state_.compare_exchange_weak(state, {state.borrowers - 1, state.before}));
   }
 
  private:
-  struct alignas(8) State {  // without it clang calls a library for atomics
+  struct alignas(8) State {  // without alignas clang calls a library for atomics
     int borrowers = 0, before = 0;
   };
   std::atomic<State> state_;
@@ -161,7 +161,7 @@ std::string why_not_blas_threads(int threads) {
       const int all = blas.openblas_threads();
       if (threads == all) return "";
       return blas_version() +
-             " is loaded, whose number of threads holds for the whole process: " + std::to_string(all) + ", not " +
+             " is loaded, which has one number of threads for the whole process: " + std::to_string(all) + ", not " +
              std::to_string(threads) + "; set OPENBLAS_NUM_THREADS=" + std::to_string(threads) +
              ", or let the loader find the OpenMP build (Debian: libopenblas0-openmp)";
     }
@@ -169,7 +169,7 @@ std::string why_not_blas_threads(int threads) {
       if (threads == 1) return "";
       return blas_version() + " is loaded, which cannot use " + wanted;
     case Library::Kind::unknown:
-      // An unknown library counts as one thread, like the reference implementation.
+      // An unknown library is taken to use one thread, like the reference implementation.
       if (threads == 1) return "";
       return "the threads of the LAPACK library that is loaded cannot be set to " + std::to_string(threads) +
              "; OpenBLAS (its OpenMP build) and MKL can";

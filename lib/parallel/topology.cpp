@@ -30,7 +30,7 @@ bool any_of_them(const std::vector<int>& some, const std::vector<int>& others) {
   return !both.empty();
 }
 
-// The first processor of a core stands for the core. Each file is read once.
+// A core is identified by its first processor. Each file is read once.
 class Cores {
  public:
   explicit Cores(path cpus) : cpus_(std::move(cpus)) {}

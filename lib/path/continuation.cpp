@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kUnseen = 2;    // parts of a step in which a measured angle may have turned unseen
 constexpr double kPassed = 64;   // steps this many times as long as the first shortest one are far from the failure
-constexpr int kExpandAfter = 4;  // rejected attempts in a row; then the prediction uses computed rates of all unknowns
+constexpr int kExpandAfter = 4;  // rejected attempts in a row; then all rates are computed and used for predictions
 
 bool worth_halving(Code code) {
   return code == Code::branch_unknown || code == Code::not_converged || code == Code::singular ||

@@ -1,8 +1,9 @@
-// Quality of the chosen set of redundant equations. An independent set is solved, and the others are watched. As the
-// mechanism moves, the set may come close to being dependent although all equations together are regular. The gradient
-// of a watched equation is a combination sum c_i grad Phi_i of gradients of solved equations. If all gradients have
-// length 1, the smallest singular value of the solved set is at least that of all equations over sqrt(1 + |C|^2).
-// Another set is therefore better only if some |c_i| is large (Gu and Eisenstat, SIAM J. Sci. Comput. 17, 1996).
+// Quality of the independent set chosen among redundant equations. This set is solved, and the other equations are
+// watched. As the mechanism moves, the set may come close to being dependent although all equations together are
+// regular. The gradient of a watched equation is a combination sum c_i grad Phi_i of gradients of solved equations. If
+// all gradients have length 1, the smallest singular value of the solved set is at least that of all equations over
+// sqrt(1 + |C|^2). Another set is therefore better only if some |c_i| is large (Gu and Eisenstat, SIAM J. Sci. Comput.
+// 17, 1996).
 #pragma once
 
 #include <Eigen/LU>

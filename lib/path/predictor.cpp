@@ -8,7 +8,7 @@ namespace {
 
 // The sum of the weights amplifies rounding errors of the postures: at most to about 1e-12.
 constexpr double kMostAmplification = 5e3;
-// Relative difference of steps that count as equal; it changes a sum by at most 2^6 times this part of a step.
+// Steps with a smaller relative difference are equal; a sum changes by at most 2^6 times this part of a step.
 constexpr double kEqual = 1e-10;
 
 PredictionWeights taylor(int order, double h) {

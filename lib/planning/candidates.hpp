@@ -15,7 +15,7 @@ struct Scales {
   const PerformanceModel& model;
   std::span<const Backend> table;
   std::span<const std::string> without;
-  double tie = 0.02;  // relative difference of costs that counts as equal; times are hardly known better
+  double tie = 0.02;  // costs with a smaller relative difference are equal; times are hardly known better
 };
 
 // Groups of a class that are solved at the same time.

@@ -10,7 +10,7 @@ namespace assur {
 
 // Shape of `count` matrices with one pattern. Operations: products of the factorisation, and one for each entry of L +
 // U. Counting takes the time of a few hundred sparse factorisations. Matrices with more than 24 nonzeros in a row, on
-// average, count as full.
+// average, are counted as full.
 [[nodiscard]] Shape shape_of(const Pattern& pattern, std::int32_t count = 1);
 
 // Shape of the groups of a class, with the terms of their equations.

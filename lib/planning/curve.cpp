@@ -14,10 +14,10 @@ constexpr double kBandwidth = 0.35;      // in logarithms: sizes a factor of 1.4
 constexpr double kShrink = 0.15;         // weight of the fit among the neighbours
 constexpr double kHuber = 0.15;          // relative deviation; a point with a larger one counts as an outlier
 constexpr double kSurelyNear = 0.861;    // > exp(-kHuber)
-constexpr double kLeastNoise = 0.02;     // relative; smaller noise counts as this
+constexpr double kLeastNoise = 0.02;     // relative; smaller noise is raised to this
 constexpr double kLeastSeconds = 1e-12;  // smallest result of a fit
 constexpr double kFarAway = 0.7;         // = log 2
-constexpr double kEnough = 8;            // this many points are trusted twice as much as none
+constexpr double kEnough = 8;            // points for which the trust in the fit is twice that for none
 constexpr float kNowhere = 1e9F;         // beyond the reach of any neighbour
 constexpr int kReweightings = 6;
 
@@ -88,8 +88,7 @@ Curve::Curve(const std::vector<Measured>& points) : points_(points.size()) {
   }
 }
 
-// Deviations are relative to the larger of measured and fitted time, so no point pulls by more than its own size, on
-// either side.
+// Deviations are relative to the larger of measured and fitted time, so that none exceeds 1 in either direction.
 void Curve::fit(const std::vector<Measured>& points) {
   // At first all terms have equal shares of the median point.
   const Terms scale = medians_of_ratios(points);

@@ -33,8 +33,8 @@ class Curve {
   // (Huber 1964). At least one point; the order of the points does not matter beyond rounding.
   explicit Curve(const std::vector<Measured>& points);
 
-  // otherwise: time that is expected without these points, s; it counts the more, the further the point is from all of
-  // them, and the fewer they are. 0: nothing is expected.
+  // otherwise: time that is expected without these points, s; its weight is larger if the point is far from all points,
+  // or if they are few. 0: nothing is expected.
   [[nodiscard]] Prediction at(const FitPoint& point, double otherwise = 0) const;
 
  private:

@@ -23,7 +23,7 @@ constexpr double kWait = 0.3;  // cost of a level relative to a meeting; a barri
 // margin for measured meetings: the same meeting takes once or twice as long from minute to minute, depending on the
 // cores that the system assigns (regret_bench)
 constexpr double kMeetings = 1.5;
-constexpr double kHandedOver = 4;  // doubles for each unknown, counted: prediction and result
+constexpr double kHandedOver = 4;  // doubles handed over for each unknown: its prediction and its result
 // s a value, into pages that exist: 0.23 to 0.39 for 393 to 8,640 values, by `assur run` minus `assur compare`
 constexpr double kStoring = 0.3e-9;
 constexpr std::int64_t kCurved = 60;  // pieces of work for a distance or an angle among the outputs
@@ -297,7 +297,7 @@ Plan best_latency(const Structure& s, const std::vector<Shape>& shapes, std::int
   const std::int32_t budget = tuned_for_one_thread(scales.model) ? 1 : allowed;
   const std::vector<Batch> batches = batches_of(s);
   const std::vector<ClassLoad> classes = loads_of(s, batches);
-  // W is an upper limit: lanes that no group can fill would be computed in vain.
+  // W goes up to the first power of two that holds all groups; further lanes would stay empty.
   const Offers offered = offers_of(
       shapes, [&](std::size_t c) { return 2 * classes[c].most - 1; }, budget, scales);
   const Around around(s, scales.model);

@@ -136,8 +136,8 @@ double beyond(double bytes, double cache) {
   return ratio * ratio / (1 + ratio * ratio);
 }
 constexpr double kMostOff = 20;    // a machine is at most this many times as fast as the prior assumes
-constexpr double kFewSamples = 5;  // this many samples tell as much about a machine's speed as the prior
-constexpr double kSmallCache = 1 << 20, kLargeCache = 1 << 24;  // bytes; neighbours tell where the machine's caches end
+constexpr double kFewSamples = 5;  // this many samples weigh as much as the prior in the speed of a machine
+constexpr double kSmallCache = 1 << 20, kLargeCache = 1 << 24;  // bytes; nearby samples correct for the own caches
 
 FitPoint point_of(Kernel kernel, const Shape& shape, const Strategy& strategy) {
   const double n = shape.n, nnz = shape.nnz, fill = static_cast<double>(shape.fill);
@@ -393,7 +393,7 @@ struct PerformanceModel::Impl {
   }
 
   // Fits the ratio to the prior, because mechanisms are too few to separate its terms. Differences of times scatter
-  // more than times do; neighbours still tell more than the fit.
+  // more than times do; nearby measurements are still better than the fit.
   void fit_around(const Cells& cells) {
     std::vector<Curve::Measured> points;
     for (const Gathered& g : cells) {

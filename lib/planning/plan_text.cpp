@@ -156,7 +156,7 @@ void PlanReader::get(std::string& name) {
 }
 
 void PlanReader::finish() {
-  if (!word().empty()) refuse("nothing more was expected here");
+  if (!word().empty()) refuse("the end of the plan was expected here");
 }
 
 }  // namespace assur

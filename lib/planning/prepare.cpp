@@ -33,7 +33,7 @@ void refuse_undetermined(const Structure& s) {
     }
     names += (i == 0 ? "" : ", ") + s.undetermined[i];
   }
-  throw Error(Error::Kind::input, "undetermined: nothing fixes " + names + "; add a constraint or a driver");
+  throw Error(Error::Kind::input, "undetermined: no equation determines " + names + "; add a constraint or a driver");
 }
 
 void check_controlled(const Scene& scene, const std::vector<std::string>& controlled) {
@@ -149,7 +149,7 @@ Plan forced_plan(const Structure& s, const Strategy& wanted, const PrepareOption
     choice.solver = wanted.solver;
     choice.threads = wanted.run.threads;
     choice.reason = "forced";
-    // W is an upper limit: lanes that no group can fill would be computed in vain.
+    // Halves W as long as one pack still holds all groups of a level: further lanes would stay empty.
     while (choice.solver.lanes / 2 >= sizes[c].side_by_side) choice.solver.lanes /= 2;
     check_backend(find_backend(backends(), choice.solver.backend), choice, options.without);
     plan.choices.push_back(std::move(choice));

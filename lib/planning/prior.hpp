@@ -9,8 +9,8 @@ namespace assur {
 // The error is about a factor of two, which is enough for a sensible plan and for sharing packs among threads.
 [[nodiscard]] double prior_seconds(Kernel kernel, const Shape& shape, const Strategy& strategy);
 
-// Seconds of a step of a mechanism beyond its packs. pieces: terms of linear outputs; every other output counts as the
-// number of terms that take the same time.
+// Seconds of a step of a mechanism beyond its packs. pieces: terms of linear outputs; every other output is counted as
+// the number of terms that take the same time.
 [[nodiscard]] double prior_around_seconds(std::int64_t unknowns, std::int64_t pieces = 0);
 
 [[nodiscard]] double prior_meeting_seconds(std::int32_t p);

@@ -57,7 +57,7 @@ void check_backends(const Plan& plan, std::span<const Backend> table) {
   }
 }
 
-// p does not change the motion, q does.
+// Another P does not change the motion; another Q changes its last bits.
 void fit_threads(Plan& plan, const std::optional<ThreadBudget>& budget) {
   std::int32_t q = 1;
   for (const Plan::Choice& choice : plan.choices) q = std::max(q, choice.solver.threads);

@@ -31,7 +31,7 @@ constexpr double kFloor = 0.1;       // of the tolerance, relative to the larges
 constexpr double kDoubt = 0.05;      // of the tolerance: a larger difference in a cheap check asks for a closer one
 constexpr double kAskedAgain = 0.1;  // of the tolerance: largest difference of two results for the same arguments
 
-// Calls a function of the program at arguments where it may be undefined; exceptions count as NaN.
+// Calls a function of the program at arguments where it may be undefined; an exception gives NaN.
 template <class F>
 void call(F&& f, double* values, std::size_t count) {
   try {

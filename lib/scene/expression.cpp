@@ -198,7 +198,7 @@ std::vector<Expressions::Finding> Expressions::define(const std::vector<Paramete
     }
   }
 
-  const auto next = [&](std::size_t i) {  // the first parameter used that could not be evaluated
+  const auto next = [&](std::size_t i) {  // the first parameter that i uses and that could not be evaluated
     return *std::find_if(uses[i].begin(), uses[i].end(), [&](std::size_t used) { return !done[used]; });
   };
   std::vector<std::size_t> visit(n, n);  // start of the walk that visited the parameter, n: none

@@ -12,7 +12,7 @@ struct JsonReader::Kind {
   void (*read)(JsonReader& reader, Object& object, Item& item);
 };
 
-// Exactly one key of an item tells its kind. own: keys that items of all kinds may have. told: keys that are refused
+// Exactly one key of an item gives its kind. own: keys that items of all kinds may have. told: keys that are refused
 // with a message; the keys of the kinds are added.
 template <class Item, class Row, class... Rows>
 void JsonReader::read_kinds(const JsonNode* section, const Where& where, const Row& own,

@@ -70,7 +70,7 @@ struct Key {
 template <class Kind, class... Keys>
 struct Row {
   using Struct = Kind;
-  std::tuple<Keys...> keys;                    // the first one tells the kind
+  std::tuple<Keys...> keys;                    // the first one gives the kind
   std::array<std::string_view, 2> unknowns{};  // of a constraint: "lambda" is NAME.lambda
   std::string_view not_in_the_plane = {};      // reason why a plane scene cannot have it
 
@@ -146,7 +146,8 @@ inline constexpr std::tuple kConstraints{
                                       direction(&OnPlane::e, "e", "{} and {} are one direction; a plane needs two"))))
         .brings("lambda", "mu")
         .only_in_space("on_plane is for 3D; in the plane every point is on it"),
-    row<Callback>(key("callback", Refused{"equations of your own code cannot stand in a file; add a Callback in C++"})),
+    row<Callback>(
+        key("callback", Refused{"equations of your own code cannot be written in a file; add a Callback in C++"})),
 };
 
 inline constexpr std::tuple kDrivers{
@@ -194,7 +195,7 @@ inline constexpr std::pair<std::string_view, Refused> kLater[] = {
     {"spherical", kJoint},
     {"universal", kJoint},
     {"planar", kJoint},
-    {"gear", {"a gear is a Callback of the C++ interface and cannot stand in a file"}}};
+    {"gear", {"a gear is a Callback of the C++ interface and cannot be written in a file"}}};
 
 // ---- other objects
 

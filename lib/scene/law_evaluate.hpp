@@ -72,7 +72,7 @@ Jet<T> evaluate(const Law::Harmonics& harmonics, const T& t) {
   return sum;
 }
 
-// Times of a grid are rounded, so that a time this close outside a table counts as its end.
+// Times of a grid are rounded, so a time this little outside a table is taken as its end.
 inline double slack(const Law::Spline& spline) {
   return 4 * kEps * std::max(std::abs(spline.time.front()), std::abs(spline.time.back()));
 }

@@ -9,7 +9,7 @@
 
 namespace assur {
 
-// `controlled`: drivers that the program sets itself; they count as moving even if their law is constant.
+// `controlled`: drivers that the program sets itself; they are treated as moving even if their law is constant.
 // `declared_groups`: false ignores the declared groups, so that drivers may fix all coordinates.
 [[nodiscard]] System lower(std::shared_ptr<const Scene> scene, std::span<const std::string> controlled = {},
                            bool declared_groups = true);

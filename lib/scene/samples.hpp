@@ -1,5 +1,5 @@
-// Samples: mechanisms that a text names: "stewart", "four_bar:64", "rings:legs=6,n=120,terminal=24".
-// A sample is one row of the table in samples.cpp and one function in samples/.
+// Samples: mechanisms named by a text: "stewart", "four_bar:64", "rings:legs=6,n=120,terminal=24". A sample is one row
+// of the table in samples.cpp and one function in samples/.
 #pragma once
 
 #include <cstdint>

@@ -24,7 +24,7 @@ struct Symbol {
   std::size_t index;       // index in the list of this kind in the scene, or in the body of a member
   std::int64_t body = -1;  // index of a member's body; -1: not a member
   bool fixed = false;      // true if it is known without drivers
-  bool broken = false;     // an error was found, so that it causes no further findings
+  bool broken = false;     // it has an error; later checks skip it
   Triple at{};             // points and vectors: coordinates as written; NaN if a base is broken
 
   [[nodiscard]] bool is_derived() const { return body >= 0; }

@@ -127,7 +127,7 @@ double size_of_terms(const System& s, Index equation, std::span<const double> q)
   for (const Product& p : s.products_of(e)) {
     const double c = std::abs(s.constants[static_cast<std::size_t>(p.constant)]);
     const double a = std::abs(form_value<double>(s, p.a, q)), b = std::abs(form_value<double>(s, p.b, q));
-    // A constant factor has no derivative; a product of constants counts as a constant.
+    // A constant factor has no derivative; a product of constants is a constant.
     const bool a_varies = !is_constant(s, p.a), b_varies = !is_constant(s, p.b);
     sum += c * (a_varies || b_varies ? a_varies * magnitude(p.a) * b + b_varies * a * magnitude(p.b) : a * b);
   }

@@ -72,7 +72,7 @@ class Validation {
   bool finite(double number, const Where& where);
 
   // rows of kinds.hpp: names, numbers and laws, and the objects that they refer to (validation_rows.hpp). False if an
-  // entry of a list equals the entry before it, so that rules would find nothing else.
+  // entry of a list equals the entry before it; the rule of the kind is then skipped.
   template <class Kind>
   bool check_row(const Kind& kind, const Where& where);
   template <class Kind, class... Entries>

@@ -72,7 +72,7 @@ void Validation::claim(const std::string& what, const Driver& driver, const Wher
   const auto [found, is_new] = claimed_.emplace(what, driver.name);
   const bool told = !found_.empty() && found_.back().where == where.text();
   if (is_new || found->second == driver.name || told) return;
-  report(where, in_quotes(found->second) + " drives the same already; use one driver for each motion");
+  report(where, in_quotes(found->second) + " drives the same quantity already; use one driver for each motion");
 }
 
 void Validation::claim_point(const std::string& name, const Driver& driver, const Where& where) {

@@ -93,7 +93,7 @@ std::string no_chunks(const Structure& structure, const StepLimits& limits, std:
   if (limits.seconds > 0) return "StepLimits::seconds limits single steps";
   if (!evenly_spaced(times)) return "the steps are not equally long";
   for (const GroupClass& c : structure.classes) {
-    if (!c.quadratic) return "start postures of equations that the program computes cannot be verified";
+    if (!c.quadratic) return "the scene has callbacks, for which start postures of chunks cannot be verified";
   }
   return {};
 }

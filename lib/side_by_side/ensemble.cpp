@@ -153,7 +153,7 @@ struct Ensemble::Impl {
     }
     if (alone > 0) {
       report.fallbacks.push_back(std::to_string(alone) + " of " + std::to_string(outcomes.size()) +
-                                 " members went on alone, because they could not be solved in lockstep with others");
+                                 " members continued alone, because they could not be solved in lockstep with others");
     }
   }
 

@@ -75,10 +75,10 @@ class Tile {
   // `rows` of each variant.
   [[nodiscard]] bool errors_are_due();
   void measure_errors(std::span<const double> times, std::span<const double* const> rows);
-  // Solves the current postures again, and the next ones, as exactly as doubtful errors require. False: they are so
-  // exact already, or cannot be.
+  // Solves the current postures again, and the next ones, as exactly as doubtful errors require. False if they are
+  // already as exact, or cannot be solved so exactly.
   [[nodiscard]] bool polish();
-  // Makes the measurement count for the variants.
+  // Includes the last measurement in the errors of the variants.
   void keep_errors();
   // True if the last measured errors of a variant exceed the accuracy asked for.
   [[nodiscard]] bool in_doubt() const { return estimate_.in_doubt(); }

@@ -210,7 +210,7 @@ bool Inputs::ask_again_from_rest() {
   for (Control& c : controls_) {
     c.pending = c.was_pending;
     if (!c.set && !c.pending) continue;
-    c.set = true;  // also if its law has moved it so far
+    c.set = true;  // also if the driver has followed its law so far
     moved = moved || c.from.rate != 0 || c.from.acceleration != 0;
     c.from = c.to = {c.from.value, 0, 0};
   }

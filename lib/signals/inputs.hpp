@@ -74,7 +74,7 @@ class Inputs {
     std::size_t input = 0;
     int law = 0;
     std::int32_t slot = -1;                     // in the program; -1: not needed
-    bool set = false;                           // true: a target was set; false: the law counts
+    bool set = false;                           // true: a target was set; false: the driver follows its law
     bool pending = false;                       // `next` waits for the next step
     bool was_set = false, was_pending = false;  // before the step at hand
     Motion next, from, to;

@@ -97,7 +97,7 @@ class OutputProgram {
 
   // Columns of signed angles, which are unwrapped along a run.
   [[nodiscard]] std::vector<std::size_t> angles() const;
-  // The i-th of them is atan2(y, x) at a posture.
+  // The i-th of angles() is atan2(y, x) at a posture.
   void arm(std::size_t i, const double* q, double& x, double& y) const;
   // Size of the terms of x and y: their rounding errors are relative to it.
   [[nodiscard]] double size_of_arm(std::size_t i, const double* q) const;

@@ -30,7 +30,7 @@ constexpr Stride kLongWay{.patience = 4, .growth = 1.5};
 // Only this part of the accuracy is used: conditions may grow before they are measured again, independently at each
 // level.
 constexpr double kMargin = 16;
-constexpr int kMostLevels = 8;     // levels that count
+constexpr int kMostLevels = 8;     // further levels are ignored
 constexpr double kLoosest = 1e-6;  // largest residual at which an equation counts as solved
 
 }  // namespace
@@ -351,7 +351,7 @@ struct Simulator::Impl {
       ++own_lines;
     };
     say(sum.redone, " factorisations of one lane with its own pivots, because the pivots of the class failed");
-    say(sum.renewed, " pivot orders chosen anew");
+    say(sum.renewed, " pivot orders chosen again, because the earlier ones failed repeatedly");
     say(sum.unplanned, " solutions of one lane refined, because the pivots had grown");
     say(sum.in_double, " factorisations of one lane in double, because refinement from float did not converge");
   }

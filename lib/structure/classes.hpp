@@ -1,4 +1,4 @@
-// Group classes: equations in local numbers, which all groups share that differ in values only.
+// Group classes: equations in local numbers, shared by all groups that differ in values only.
 #pragma once
 
 #include <unordered_map>

@@ -125,7 +125,7 @@ class Look {
   }
 
   // Solves the kept equations and examines the dropped ones. Where the kept equations are singular, rounding or another
-  // branch may violate the dropped ones; then a nearby posture where all equations hold counts.
+  // branch may violate the dropped ones; then a nearby posture is used where all equations hold.
   bool look_at(std::vector<double>& q, double time, std::map<std::size_t, Seen>& all) {
     std::vector<double> together = q;
     if (!solve(p_.kept, q)) return false;

@@ -10,7 +10,7 @@
 
 namespace assur {
 namespace {
-constexpr double kNonzero = 1e-8;          // entries of a null vector that count, relative to the largest
+constexpr double kNonzero = 1e-8;          // smaller entries of a null vector, relative to the largest, are zero
 constexpr Eigen::Index kLargestQr = 3000;  // larger ones take minutes
 
 constexpr double kMostShare = 1.5;

@@ -333,7 +333,7 @@ class DrivenStart {
     }
   }
 
-  // False if drivers alone determine the item.
+  // True if the item depends on an unknown.
   [[nodiscard]] bool is_unknown(const Item& item) const {
     return std::any_of(item.form, item.form + item.components, [&](Index form) {
       const auto terms = s_.form(form);

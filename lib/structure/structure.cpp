@@ -24,7 +24,7 @@ std::vector<Index> all_unknowns(const System& s) {
   return unknowns;
 }
 
-// Counts for the whole scene, before parts of it are left out.
+// Counts coordinates, unknowns and equations of the whole scene, before parts of it are left out.
 void count(const System& s, const std::vector<Index>& unknowns, Structure& out) {
   for (const Item& item : s.items) {
     if (item.hidden) continue;

@@ -198,7 +198,7 @@ TEST(Ensemble, AMemberOfAnotherStructureRunsAlone) {
       EXPECT_EQ(e.outcomes()[i].alone, i == 1 || i == 3);
     }
     ASSERT_EQ(e.report().fallbacks.size(), 1u);
-    EXPECT_EQ(e.report().fallbacks[0].rfind("2 of 5 members went on alone", 0), 0u);
+    EXPECT_EQ(e.report().fallbacks[0].rfind("2 of 5 members continued alone", 0), 0u);
     EXPECT_EQ(e.report().counters.steps, 500);
     EXPECT_EQ(e.report().counters.stored_values, static_cast<std::int64_t>(5 * 101 * all.columns().size()));
   }

@@ -130,7 +130,7 @@ TEST(Rank, SimilarHexagonsAreUndeterminedByTheirLegs) {
   for (const std::string& n : names) EXPECT_TRUE(std::string("Ouvw").find(n[0]) != std::string::npos) << n;
   EXPECT_EQ(s.mobility, 6);
   EXPECT_NE(look::error(Error::Kind::input, [] { (void)prepare(sample("hexapod:drive=legs")); })
-                .find("undetermined: nothing fixes "),
+                .find("undetermined: no equation determines "),
             std::string::npos);
 }
 
@@ -145,7 +145,8 @@ TEST(Rank, AMissingDriverLeavesUnknownsFree) {
   EXPECT_EQ(std::set<std::string>(s.undetermined.begin(), s.undetermined.end()),
             (std::set<std::string>{"B.x", "B.y", "C.x", "C.y"}));
   EXPECT_EQ(s.mobility, 1);
-  EXPECT_NE(look::error(Error::Kind::input, [&] { (void)prepare(b.build()); }).find("undetermined: nothing fixes B."),
+  EXPECT_NE(look::error(Error::Kind::input, [&] { (void)prepare(b.build()); })
+                .find("undetermined: no equation determines B."),
             std::string::npos);
 }
 
@@ -343,7 +344,7 @@ TEST(Rank, DistinguishesADeadCentreFromAMissingConstraint) {
       "the start posture is singular (a dead centre): the Jacobian does not determine B.y, though it does at nearby "
       "postures; start with other values of the drivers");
   EXPECT_EQ(look::error(Error::Kind::input, [&] { (void)prepare(crank(3, false)); }).substr(0, 31),
-            "undetermined: nothing fixes B.y");
+            "undetermined: no equation determines B.y");
 }
 
 TEST(Rank, BricardRuns) {
