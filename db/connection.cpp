@@ -78,7 +78,7 @@ std::int32_t version_of(SQLite::Database& database) { return database.execAndGet
                      std::to_string(kSchemaVersion) + "; it is left unchanged; use a newer assur");
 }
 
-// Also reads damaged files: checks sizes in them, and lets views and triggers call built-in functions only.
+// For files that may be damaged: checks sizes in them, and lets views and triggers call built-in functions only.
 void distrust(SQLite::Database& database) { database.exec("PRAGMA cell_size_check = ON; PRAGMA trusted_schema = OFF"); }
 
 // Tries again every few milliseconds. SQLite's own waits become too long to meet the moment when a tuner that starts or
@@ -152,7 +152,7 @@ void rethrow(const fs::path& file, const SQLite::Exception& error) {
     case SQLITE_LOCKED:
       throw Unusable(Trouble::blocked, file, "is locked by another process");
     case SQLITE_FULL:
-      throw Unusable(Trouble::blocked, file, "no space is left to write it; what was stored before is kept");
+      throw Unusable(Trouble::blocked, file, "no space is left to write it; the samples stored before are kept");
     case SQLITE_READONLY:
     case SQLITE_PERM:
     case SQLITE_AUTH:
@@ -169,7 +169,7 @@ void rethrow(const fs::path& file, const SQLite::Exception& error) {
 
 SQLite::Database open_to_read(const fs::path& file) { return open_without_writing(file, ""); }
 
-// A file that is shorter than its first page says is refused as a whole, except for a writable schema.
+// SQLite refuses a file that is shorter than its first page states, unless the schema is writable.
 SQLite::Database open_to_salvage(const fs::path& file) {
   return open_without_writing(file, "PRAGMA writable_schema = ON");
 }

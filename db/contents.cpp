@@ -188,7 +188,7 @@ std::optional<Kernel> kernel_of(std::string_view text) {
 
 double or_nan(const SQLite::Column& column) { return column.isNull() ? kNan : column.getDouble(); }
 
-// Checksum of everything that is stored with a sample; references count by the checksums of their rows.
+// Checksum of everything that is stored with a sample; rows that it refers to enter with their checksums.
 std::int64_t sum_of(const Sample& s, std::string_view kernel, std::uint64_t shape, std::uint64_t strategy,
                     std::uint64_t library, std::uint64_t run) {
   Checksum sum;

@@ -53,7 +53,7 @@ std::int64_t memory(const std::filesystem::path& root) {
   return file >> key >> kibibytes && key == "MemTotal:" ? kibibytes * 1024 : 0;
 }
 
-// An unidentified processor may be any other one, so only the same computer counts as the same.
+// Unidentified processors may differ, so only the same computer has the same fingerprint.
 std::string name_of_computer() {
   std::array<char, 256> name{};
   return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";

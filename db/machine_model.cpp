@@ -103,7 +103,7 @@ const Library& Reading::library_of(const std::string& name) {
 bool Reading::believed(const Library& library) {
   const Library& now = library_of(library.name);
   if (library == now) return true;
-  const std::string change = now.version.empty() ? library.name + " is not here"
+  const std::string change = now.version.empty() ? library.name + " is not available"
                              : library.version != now.version
                                  ? library.name + " was " + library.version + ", is " + now.version
                                  : library.name + " was built by " + library.build + ", is by " + now.build;
@@ -186,10 +186,10 @@ void Reading::say_source(const Source& source, std::int64_t machine, Likeness le
     source_ = "measured on this machine: " + source.file.string();
   } else {
     source_ = "measured on " + to_string(source.tables.machines.at(machine)) +
-              (level == Likeness::processor ? ", the same processor, used otherwise: "
+              (level == Likeness::processor ? ", the same processor with other cores, quota, caches or nodes: "
                                             : ", the same microarchitecture, another processor: ") +
               source.file.string();
-    say("nothing was measured on this machine as it is, " + to_string(host_) + "; what is used was " + source_ + kTune);
+    say("there are no samples of this machine, " + to_string(host_) + "; the samples used were " + source_ + kTune);
   }
 }
 
@@ -197,8 +197,8 @@ void Reading::say_counts() {
   if (counts_.stale > 0) {
     std::string changes;
     for (const std::string& change : counts_.changes) changes += (changes.empty() ? "" : "; ") + change;
-    say(number(counts_.stale) + " of " + number(counts_.seen) + " samples are of other libraries than those at hand (" +
-        changes + "): not believed" + kTune);
+    say(number(counts_.stale) + " of " + number(counts_.seen) +
+        " samples are left out, because their libraries changed (" + changes + ")" + kTune);
   }
   if (counts_.damaged > 0) {
     say(number(counts_.damaged) + (counts_.damaged == 1 ? " damaged sample is" : " damaged samples are") +
@@ -217,7 +217,7 @@ void Reading::say_nothing_fits() {
     if (source.machines.empty() || !strange) continue;
     say(source.file.string() + ": was tuned for " +
         to_string(source.tables.machines.at(source.machines.front().second)) + ", not for this machine, " +
-        to_string(host_) + ": not believed" + kTune);
+        to_string(host_) + "; its samples are not used" + kTune);
   }
 }
 

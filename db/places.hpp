@@ -15,8 +15,8 @@ struct DatabaseFile {
   Role role = Role::named;
 };
 
-// The databases in the order of reading: ASSUR_DB alone, or else that of the user and that of the installation. Only
-// the last one must exist. None if ASSUR_DB is set and empty.
+// The databases in the order of reading: the file named by ASSUR_DB, that of the user, that of the installation. The
+// last one is listed only if it exists. No databases if ASSUR_DB is set and empty.
 [[nodiscard]] std::vector<DatabaseFile> database_files();
 
 // The database that stores new samples: ASSUR_DB, else $XDG_DATA_HOME/assur/tuning.db, else

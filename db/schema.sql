@@ -114,7 +114,7 @@ FROM (SELECT r.machine, r.assur, l.build, s.slowness, row_number() OVER fastest 
       WINDOW fastest AS (PARTITION BY r.machine, r.assur, l.build ORDER BY s.slowness))
 WHERE place = (samples + 3) / 4;
 
--- The newest sample of each cell, at the usual pace. The 5 us of a meeting that the clock counts are the same at any.
+-- The newest sample of each cell, at the usual pace. 5 us of a meeting pass by the clock and do not depend on the pace.
 CREATE VIEW measured AS
 SELECT r.machine, s.kernel, s.shape, s.strategy,
        CASE WHEN s.kernel = 'meeting'

@@ -124,7 +124,7 @@ class Store {
   void put_model(const Host& host, std::string_view name, std::string_view json);
   [[nodiscard]] std::optional<std::string> model(const Host& host, std::string_view name) const;
 
-  // Tables for people. Seconds of best() and crossovers() are those of one instance. Filter::run and library count for
+  // Tables for people. Seconds of best() and crossovers() are those of one instance. Filter::run and library select
   // samples only.
   [[nodiscard]] Answer sample_rows(const Filter& filter = {}) const;
   [[nodiscard]] Answer best(const Filter& filter = {}) const;

@@ -124,7 +124,7 @@ TEST_F(Databases, LeavesOutSamplesOfOtherLibraryVersions) {
 
   const auto without = [](std::string_view name) { return db::Library{std::string(name), "", ""}; };
   model = read(files({"a.db"}), host_with(4), without);
-  EXPECT_TRUE(contains(model.messages[0], "eigen is not here")) << model.messages[0];
+  EXPECT_TRUE(contains(model.messages[0], "eigen is not available")) << model.messages[0];
 }
 
 TEST_F(Databases, AnUnreadableDatabaseDoesNotBlockTheOthers) {
