@@ -10,7 +10,7 @@ namespace assur::check {
 
 struct Made {
   Scene scene;
-  ClosedForm closed_form;  // null: the reference in quad serves
+  ClosedForm closed_form;  // null: the reference in quad is used
 };
 
 // Makes a scene. Throws Error (input) for an unknown maker or parameter.

@@ -14,7 +14,7 @@ constexpr double kVolume = 0.7;       // largest change of log(volume of the Jac
 constexpr double kCorrection = 0.05;  // largest first correction, relative to the step
 constexpr double kContraction = 0.1;
 constexpr double kConverged = 1e-11;
-constexpr double kMeet = 1e-7;  // share of the way; points that turn far within it have met
+constexpr double kMeet = 1e-7;  // share of the way; two points that turn far round each other within it have met
 constexpr Real kTwoPi = 2 * std::numbers::pi_v<Real>;
 
 template <class T, class F>
@@ -266,7 +266,7 @@ bool PlainMotion::settle(const std::vector<TimeJet<Real>>& laws) {
   for (std::size_t i = 0; i < n; ++i) x_[i].rate = x_[i].curve = 0;
   Vector residual[3];
   for (Vector& r : residual) r.resize(static_cast<Eigen::Index>(m));
-  // Derivatives far below this count as zero.
+  // Derivatives far below this are treated as zero.
   Real least = 1e-9;
   for (const TimeJet<Real>& l : laws) least = std::max({least, std::abs(l.rate), std::sqrt(std::abs(l.curve))});
   least *= Real(1e-3);

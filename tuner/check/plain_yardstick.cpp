@@ -6,6 +6,7 @@
 #include "assur/simulator.hpp"
 #include "check/plain_motion.hpp"
 #include "check/yardstick.hpp"
+#include "decimal.hpp"
 
 namespace assur::check {
 namespace {
@@ -74,8 +75,10 @@ class PlainTrueMotion final : public TrueMotion {
     const Real begin = from_, seconds = static_cast<Real>(t) - begin;
     const bool arrived =
         seconds == 0 || motion_.advance([&](Real s) { return laws(begin + s * seconds, seconds); }) == 1;
-    if (!arrived || !motion_.settle(laws(t, 1)))
-      throw Error(Error::Kind::numerical, "the motion ends before this time");
+    if (!arrived || !motion_.settle(laws(t, 1))) {
+      throw Error(Error::Kind::numerical,
+                  "the motion computed for comparison does not reach t = " + general(t, 6) + " s");
+    }
     now_ = t;
     const double rate = motion_.scale(1) / (2 * std::numbers::pi);
     scale_[1] = std::max(scale_[1], rate);

@@ -15,7 +15,7 @@ namespace {
 
 using Verdict = Trial::Verdict;
 constexpr int kMoreCare = 8;
-constexpr double kSingular = 1e5;  // condition above which a posture counts as singular
+constexpr double kSingular = 1e5;  // condition above which a posture is treated as singular
 constexpr double kClean = 1e-6;    // accuracy that a clean status promises by default
 
 std::string number(double x) {

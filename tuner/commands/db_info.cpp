@@ -128,7 +128,7 @@ int db_info(const Common& common) {
   Page page(std::cout);
   page.title("This machine: " + to_string(host));
   page.fact("fingerprint", host.fingerprint());
-  page.fact("believed", output::counted(static_cast<std::int64_t>(model.model->samples()), "sample"));
+  page.fact("used", output::counted(static_cast<std::int64_t>(model.model->samples()), "sample"));
   if (!model.model->source().empty()) page.fact("", model.model->source());
   page.list("note", model.messages);
   for (const Row& row : rows) {

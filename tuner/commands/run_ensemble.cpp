@@ -50,7 +50,7 @@ std::vector<Parameters> variants_of(const Common& common, const RunOptions& opti
   return variants;
 }
 
-// All members run over the time grid of the first.
+// Throws if the time grid of a member differs from that of the first.
 void check_grid(const TimeGrid& grid, const TimeGrid& first) {
   if (grid.start == first.start && grid.end == first.end && grid.step == first.step) return;
   throw Error(Error::Kind::input, "its time grid differs from that of the first member");

@@ -87,7 +87,7 @@ StepLimits limits_of(const RunOptions& options) {
 Simulator::Observer observer(output::Progress& progress, measure::StepTimes& times, std::int64_t steps) {
   return [&progress, &times, steps](std::int64_t done, std::int64_t of) {
     if (times.tick()) {
-      // The first row is the start posture. The rows of chunks count for equal parts of the steps.
+      // The first row is the start posture. Rows of chunks are shown as equal parts of the steps.
       progress.show(times.elapsed(), of > 1 ? (done - 1) * steps / (of - 1) : steps, steps);
       times.resume();
     }

@@ -35,7 +35,7 @@ double deviation(const std::vector<std::string>& columns, std::span<const double
     if (!(off <= k.off)) k.off = off;
     k.largest = std::max(k.largest, std::abs(b[i]));
   }
-  double worst = std::numeric_limits<double>::denorm_min();  // 0 and -0 count as different
+  double worst = std::numeric_limits<double>::denorm_min();  // 0 and -0 differ
   for (const auto& [name, k] : kinds) {
     const double relative = k.largest > 0 ? k.off / k.largest : k.off;
     if (!(relative <= worst)) worst = relative;

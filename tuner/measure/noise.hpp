@@ -16,7 +16,7 @@ struct Noise {
   double drift = 0;      // relative change of the pace of the machine during the measurements
 };
 
-// Observes the machine from construction on. Figures that the system does not report count as quiet.
+// Observes the machine from construction on. Figures that the system does not report are 0.
 class NoiseWatch {
  public:
   // root: root of a file system with proc; processors: divisor of the load.

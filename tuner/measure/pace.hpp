@@ -1,6 +1,7 @@
 // The current pace of the machine. If a host shares its cores among guests, everything may take up to twice as long for
-// milliseconds or minutes, and a guest cannot read when. The tuner therefore times a fixed piece of work between the
-// measurements. All kinds of work slow down alike (bench/README.md), so that its times give the pace for all of them.
+// milliseconds or minutes, and a guest has no counter that shows it. The tuner therefore times a fixed piece of work
+// between the measurements. All kinds of work slow down alike (bench/README.md), so that its times give the pace for
+// all of them.
 #pragma once
 
 #include <cstdint>

@@ -20,7 +20,7 @@ constexpr double kShort = 1e-3;       // s; a longer block warms the caches by i
 constexpr double kPrecise = 0.005;    // relative difference of two medians that is too small to matter
 constexpr double kMoment = 1e-3;      // s for which a measured slowness of the machine is valid
 constexpr double kUneven = 1.3;       // cores differ if one takes this many times as long as another
-constexpr int kLooks = 50;            // tries until all cores have the same pace, which mostly lasts milliseconds
+constexpr int kLooks = 50;            // tries until all cores have the same pace; they mostly take milliseconds
 constexpr double kLargeShare = 0.25;  // share of the whole time; a longer call is made only once
 
 class Race {
@@ -98,7 +98,7 @@ class Race {
     r.raw.push_back(per_call_[&r].raw);
   }
 
-  // Doubles the calls until a block is long enough for the clock. A long call already counts as a round.
+  // Doubles the calls until a block is long enough for the clock. A long call is already a round.
   void find_block(Runner& r) {
     if (over()) return;
     for (r.calls = 1;; r.calls *= 2) {
@@ -191,7 +191,7 @@ class Race {
   };
   std::map<const Runner*, Call> per_call_;  // of the last block
   std::vector<double> slowness_;            // measured so far
-  double asked_ = 0;                        // s, time of the last measurement
+  double asked_ = 0;                        // s, time of the last measurement of the slowness
   bool switched_ = false;                   // the system interrupted the last block
   RaceFigures figures_;
 };

@@ -244,8 +244,10 @@ bool Contest::race() {
   Impl& of = *impl_;
   std::vector<Racer*> all = pointers(of.racers);
   for (Racer* r : all) {
-    if (!enter(*r))
-      throw Error(Error::Kind::numerical, of.question.scene + ": " + r->text + " fails in its second preparation");
+    if (!enter(*r)) {
+      throw Error(Error::Kind::numerical,
+                  of.question.scene + ": " + r->text + " ran before, but fails with a new simulator");
+    }
   }
   RaceRules rules{.block = 500e-6,
                   .seconds = of.options.seconds / kPasses,

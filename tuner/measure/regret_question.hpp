@@ -56,13 +56,13 @@ inline constexpr int kPasses = 5;  // passes of the last race, if there is time
 // runs, it slows some strategies down more than others.
 class Contest {
  public:
-  // Races all uniform strategies; then, class after class, other backends and lanes within the fastest ones. Empty if
-  // it was stopped. Throws Error if no strategy can run.
+  // Races all uniform strategies; then, class after class, other backends and lanes within the fastest of them. Empty
+  // if it was stopped. Throws Error if no strategy can run.
   [[nodiscard]] static std::optional<Contest> open(const Question& question, const QuestionOptions& options);
 
-  // Runs one pass of the last race: the four fastest strategies, the best strategy of each class, and twice the choice
-  // of the dispatcher. Simulators are made anew, because the placement of memory does not belong to a strategy. False
-  // if it was stopped, or if the choice was not timed; the pass then does not count.
+  // Runs one pass of the last race: the four fastest strategies, the combination of the best strategies of all classes,
+  // and twice the choice of the dispatcher. Simulators are made anew, because the placement of memory does not belong
+  // to a strategy. False if it was stopped, or if the choice was not timed; the pass is then not used.
   [[nodiscard]] bool race();
 
   [[nodiscard]] Answer answer() const;  // from the passes; at least one is needed

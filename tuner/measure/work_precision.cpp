@@ -13,7 +13,7 @@
 namespace assur::measure {
 namespace {
 
-constexpr double kWrong = 0.1;  // forward error above which a run has another motion, and its time does not count
+constexpr double kWrong = 0.1;  // forward error above which a run has another motion and is not timed
 
 // A prepared way to run the scene. Ways with the same plan share an entrant.
 struct Entrant {

@@ -11,7 +11,7 @@ namespace {
 using measure::WorkPrecision;
 using measure::WorkPrecisionRow;
 
-constexpr double kSmallShare = 0.005;  // relative difference of times that counts as equal
+constexpr double kSmallShare = 0.005;  // times with a smaller relative difference are equal
 
 template <class T>
 Json or_null(const std::optional<T>& value) {

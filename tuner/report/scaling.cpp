@@ -16,7 +16,7 @@ namespace assur::report {
 namespace {
 
 constexpr double kShort = 5;      // s; a shorter budget only suffices for small mechanisms
-constexpr double kWrong = 1e-12;  // residual above which a time does not count; good runs have a few eps
+constexpr double kWrong = 1e-12;  // residual above which a time is not used; good runs have a few eps
 
 // A call runs all members over all times.
 class EnsembleRun final : public measure::Workload {

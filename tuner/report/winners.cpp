@@ -17,7 +17,7 @@
 namespace assur::report {
 namespace {
 
-constexpr double kSameCount = 1.05;  // ratio of numbers of groups that count as equal: 102 is the tuner's 100
+constexpr double kSameCount = 1.05;  // numbers of groups up to this ratio are equal: 102 and the tuner's 100
 
 // A column: a class of groups, or matrices, of one size.
 struct Column {

@@ -191,8 +191,8 @@ class StepsGround final : public Ground {
   }
 
  private:
-  // The time of a step beyond its packs does not depend on the solver, but a little on the number of packs. The two
-  // widest strategies of the fastest backend show it; plans consist of them.
+  // The time of a step beyond its packs does not depend on the solver, but a little on the number of packs. It is
+  // measured with the two widest strategies of the fastest backend, which plans mostly use.
   [[nodiscard]] bool tells_around(const Strategy& s) const {
     return s.solver.backend == "lanes" && !s.solver.once && !s.solver.separate &&
            4 * s.solver.lanes > std::min(shape_.groups, kMostLanes);

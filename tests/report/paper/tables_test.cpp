@@ -90,7 +90,7 @@ TEST(PaperSections, MeasurementsCarryTheirOrigin) {
   EXPECT_EQ(ours.repetitions, 9);
   EXPECT_DOUBLE_EQ(ours.spread, 0.01);
   EXPECT_EQ(ours.error, 1e-15);
-  EXPECT_EQ(ours.origin, "measured, stands for GMA27 1x1, shared");
+  EXPECT_EQ(ours.origin, "measured, as GMA27 1x1, shared");
 }
 
 TEST(PaperSections, EnergyIsMeasuredOrMarkedAsEstimate) {

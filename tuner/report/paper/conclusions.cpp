@@ -12,7 +12,7 @@
 namespace assur::report {
 namespace {
 
-constexpr double kAsFast = 1.05;  // ratio of times that count as equal
+constexpr double kAsFast = 1.05;  // times up to this ratio are equal
 
 // The times of the paper or of this machine. Those of the paper are kept by table, because two tables share cells.
 struct Source {

@@ -110,7 +110,7 @@ Measurement measured(const PaperTiming& t) {
   const std::string role = stands_for(t);
   return {item(t.cell),       t.strategy,
           "seconds per step", "s",
-          t.seconds,          role.empty() ? "measured" : "measured, stands for " + role,
+          t.seconds,          role.empty() ? "measured" : "measured, as " + role,
           t.rounds,           t.spread / t.seconds,
           t.deviation};
 }
@@ -141,7 +141,7 @@ HtmlTable details_table(const std::vector<const PaperTiming*>& rows) {
       rows,
       {{"total size", number, [](T t) { return std::to_string(t->cell.total()); }},
        {"groups x n", number, [](T t) { return std::to_string(t->cell.groups) + " x " + std::to_string(t->cell.n); }},
-       {"stands for", text, [](T t) { return stands_for(*t); }},
+       {"version of the paper", text, [](T t) { return stands_for(*t); }},
        {"strategy", text, [](T t) { return t->strategy; }},
        {"step", number, [](T t) { return t->timed() ? output::duration(t->seconds) : "-"; }},
        {"spread", number, [](T t) { return t->rounds > 1 ? output::duration(t->spread) : "-"; }},
@@ -212,9 +212,10 @@ std::string how_it_was_run(const PaperResults& r) {
       {{"GEOMP+MKL; GEMKL where P = 1", "groups/" + by.dense + " Px1 and 1xQ" + threaded}},
       {{"GEOMP+MA27", "groups/" + by.sparse + " Px1" + (by.ma27 ? " (and groups/ma27, listed separately)" : "")}}};
   return paragraph(
-             "Solvers of this library replace those of the paper: " + by.dense + " stands for MKL, " + by.sparse +
-             " for MA27. P groups are solved at once, each with Q threads; the fastest of all strategies and splits "
-             "counts. The motion of each strategy is verified, and then all strategies of a size are timed in turn. " +
+             "Solvers of this library replace those of the paper: " + by.dense + " replaces MKL, and " + by.sparse +
+             " MA27. P groups are solved at once, each with Q threads; the tables have the time of the fastest of all "
+             "strategies and splits. The motion of each strategy is verified, and then all strategies of a size are "
+             "timed in turn. " +
              "Splits use up to " + output::counted(r.threads, "thread") + " here; the machine of the paper has 4.") +
          html(versions);
 }
@@ -490,7 +491,7 @@ Section table_5(const PaperResults& r) {
       paragraph(
           "10 steps of 10 iterations, six groups. Paper: OpenMP x MKL threads of two Xeon E5-2620 (12 cores) and "
           "MAGMA on a GTX 950. Here: " +
-          w + " stands for 6x2, " + n + " for 2x6, with " + output::counted(r.threads, "thread") +
+          w + " replaces 6x2, and " + n + " replaces 2x6, with " + output::counted(r.threads, "thread") +
           "; no GPU. From n = 400 on, only the variant with 11 instead of 12 factorisations in a step is run. Ratios "
           "of "
           "times:") +
@@ -530,7 +531,7 @@ Section paper_conclusions(const PaperResults& r) {
   if (sparse.keeps_pivots && !sparse.fills_lanes) {
     s.body +=
         faint(r.stand_ins.sparse +
-              ", which stands for MA27, chooses its pivots once for a pattern and keeps them in all steps; KLU also "
+              ", which replaces MA27, chooses its pivots once for a pattern and keeps them in all steps; KLU also "
               "finds the groups in the global matrix (block triangular form). All times are with one factorisation "
               "for velocity and acceleration.");
   }
