@@ -43,7 +43,7 @@ TEST(Threads, WarnsOfMoreThreadsThanTheBudget) {
     unsetenv("OMP_NUM_THREADS");
   }
   EXPECT_EQ(loud.status, 0);
-  EXPECT_EQ(loud.err.rfind("warning: --threads: 2 threads exceed the free processors; ", 0), 0u) << loud.err;
+  EXPECT_EQ(loud.err.rfind("warning: --threads: 2 threads exceed the budget of this machine; ", 0), 0u) << loud.err;
   EXPECT_EQ(quiet.err, "");
   EXPECT_EQ(within.err, "");
 }
