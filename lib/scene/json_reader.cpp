@@ -41,13 +41,17 @@ JsonReader::Object::Object(JsonReader& reader, const Place& at, const rows::Keys
                              std::string(with_article(at.node.type())));
     return;
   }
+  const auto is_allowed = [&](std::string_view key) {
+    return std::find(allowed.begin(), allowed.end(), key) != allowed.end();
+  };
+  if (std::all_of(at.node.keys().begin(), at.node.keys().end(), is_allowed)) return;
+  std::vector<std::string_view> absent;
+  for (const std::string_view name : allowed) {
+    if (find(name) == nullptr) absent.push_back(name);
+  }
   for (const std::string_view key : at.node.keys()) {
-    if (std::find(allowed.begin(), allowed.end(), key) != allowed.end()) continue;
+    if (is_allowed(key)) continue;
     if (reader_.is_refused(key, keys, where_)) continue;
-    std::vector<std::string_view> absent;
-    for (const std::string_view name : allowed) {
-      if (find(name) == nullptr) absent.push_back(name);
-    }
     const bool only_one_fits = allowed.size() == 1 && absent.size() == 1;
     const std::string near = near_miss(key, absent);
     const std::string hint =

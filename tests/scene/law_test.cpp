@@ -218,6 +218,7 @@ TEST(Law, RefusesBadInput) {
   const std::string no_spline = "no spline in doubles goes through this table between time[0] and time[1]";
   EXPECT_EQ(message([&] { (void)Law::table({0, 1e-320, 1}, {0, 1, 0}); }).rfind(no_spline, 0), 0u);
   EXPECT_EQ(message([&] { (void)Law::table({0, 1, 2, 3}, {0, 1e308, -1e308, 1e308}); }).rfind(no_spline, 0), 0u);
+  EXPECT_EQ(message([&] { (void)Law::table({0, 1e200}, {0, 1}); }).rfind(no_spline, 0), 0u);
 }
 
 }  // namespace
