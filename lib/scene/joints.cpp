@@ -130,6 +130,7 @@ class Expansion {
     take(p_.points), take(p_.vectors), take(p_.bodies), take(p_.constraints), take(p_.drivers), take(p_.measures);
     for (const Body& b : p_.bodies) take(b.points), take(b.vectors);
     for (const Joint& j : p_.joints) {
+      joint_of_.emplace(j.name, &j);
       if (std::string wrong = why_no_name(j.name); !wrong.empty()) {
         report(where(j), std::move(wrong));
       } else if (!names.insert(j.name).second) {
@@ -230,8 +231,7 @@ class Expansion {
   }
 
   void put_on(int solid, std::size_t feature) {
-    auto& list = solids_[idx(solid)].features;
-    if (std::find(list.begin(), list.end(), feature) == list.end()) list.push_back(feature);
+    if (on_.emplace(solid, feature).second) solids_[idx(solid)].features.push_back(feature);
   }
 
   // What the scene has already: points, vectors, members.
@@ -506,8 +506,9 @@ class Expansion {
     const std::size_t dot = text.find('.');
     if (dot == std::string::npos) return {};
     const std::string name = text.substr(0, dot);
-    const auto j = std::find_if(p_.joints.begin(), p_.joints.end(), [&](const Joint& one) { return one.name == name; });
-    if (j == p_.joints.end()) return {};
+    const auto found = joint_of_.find(name);
+    if (found == joint_of_.end()) return {};
+    const Joint* const j = found->second;
     const std::string part = text.substr(dot + 1, text.find('.', dot + 1) - dot - 1);
     if (part != "angle" && part != "displacement") return {};
     const bool angle = part == "angle", cylinder = std::holds_alternative<Cylindrical>(j->kind);
@@ -517,7 +518,7 @@ class Expansion {
       report(at, "joint " + in_quotes(name) + " is " + std::string(kind_of(*j)) + " and has no " + part);
       return {};
     }
-    return {&*j, angle};
+    return {j, angle};
   }
 
   void read_coordinates() {
@@ -693,23 +694,54 @@ class Expansion {
     return base;
   }
 
-  // Other features become members; what somebody else determines is tied to a copy.
+  // The other features of a solid become its members. One that is a member elsewhere, or known, is tied to a copy.
   void settle(std::size_t s, const std::vector<std::size_t>& base) {
     const int self = static_cast<int>(s);
-    for (const std::size_t i : std::vector<std::size_t>(solids_[s].features)) {
-      if (std::find(base.begin(), base.end(), i) != base.end()) {
-        if (features_[i].solid == kNobody) owned_.insert(i);
-        continue;
+    based_on_[self] = base;
+    for (const std::size_t i : solids_[s].features) {
+      Feature& f = features_[i];
+      if (std::find(base.begin(), base.end(), i) != base.end() || f.solid == self) continue;
+      if (self == ground_ && f.fixed) continue;
+      if (rests(base, f)) {
+        if (f.fixed) continue;
+        if (f.solid == kNobody && !f.driven) {
+          f.fixed = true;
+          continue;
+        }
       }
-      if (self == ground_ && features_[i].fixed) continue;
-      const bool is_free = !features_[i].fixed && !features_[i].driven && features_[i].solid == kNobody;
-      if (is_free && self != ground_ && owned_.count(i) == 0) {
-        features_[i].solid = self;
-        continue;
+      if (self != ground_ && !f.fixed && !f.driven && f.solid == kNobody && may_determine(self, i)) {
+        f.solid = self;
+      } else {
+        ties_.push_back({i, self});
       }
-      if (features_[i].solid == self) continue;
-      ties_.push_back({i, self});
     }
+  }
+
+  // True if the body cannot move this feature: it lies on an axis of the ground.
+  [[nodiscard]] bool rests(const std::vector<std::size_t>& base, const Feature& f) const {
+    if (base.empty() || !features_[base[0]].fixed) return false;
+    const Feature& origin = features_[base[0]];
+    if (f.is_point && is_same(f.at, origin.at)) return true;
+    if (base.size() < 2 || !features_[base[1]].fixed) return false;
+    const Feature& second = features_[base[1]];
+    return is_on_line(f, origin.at, second.is_point ? unit(minus(second.at, origin.at)) : second.at);
+  }
+
+  // False if a solid that stands on this feature determines, perhaps through others, the base of this solid.
+  [[nodiscard]] bool may_determine(int solid, std::size_t feature) const {
+    std::vector<int> path = {solid};
+    std::set<int> seen = {solid};
+    while (!path.empty()) {
+      const auto at = based_on_.find(path.back());
+      path.pop_back();
+      if (at == based_on_.end()) continue;
+      for (const std::size_t i : at->second) {
+        if (i == feature) return false;
+        const int owner = features_[i].solid;
+        if (owner != kNobody && seen.insert(owner).second) path.push_back(owner);
+      }
+    }
+    return true;
   }
 
   // ---- the new lists
@@ -741,6 +773,13 @@ class Expansion {
         declare(f);
       }
     }
+    const auto fix = [&](auto& items) {
+      for (auto& item : items) {
+        const auto found = feature_of_.find(item.name);
+        if (found != feature_of_.end()) item.fixed = features_[found->second].fixed;
+      }
+    };
+    fix(p_.points), fix(p_.vectors);
     std::erase_if(p_.points, [&](const Point& p) { return left.count(p.name) != 0; });
     std::erase_if(p_.vectors, [&](const Vector& v) { return left.count(v.name) != 0; });
     for (std::size_t t = 0; t < ties_.size(); ++t) tie(t, points, vectors);
@@ -873,12 +912,14 @@ class Expansion {
   JointParts p_;
   std::vector<Diagnostic> findings_;
   std::map<std::string, std::size_t, std::less<>> body_of_;
+  std::unordered_map<std::string, const Joint*> joint_of_;
   std::vector<Solid> solids_;
   std::vector<int> solid_of_;  // bodies, then the ground
   int ground_ = kNobody;
   std::vector<Feature> features_;
   std::unordered_map<std::string, std::size_t> feature_of_;
-  std::map<std::pair<int, std::size_t>, const Joint*> put_there_by_;  // solid, feature
+  std::set<std::pair<int, std::size_t>> on_;                          // solid, feature
+  std::map<std::pair<int, std::size_t>, const Joint*> put_there_by_;  // the same
   std::map<const Joint*, std::size_t> axis_of_;
   std::vector<Slide> slides_;
   struct Crossing {
@@ -891,7 +932,7 @@ class Expansion {
   std::set<std::string> asked_;
   std::map<const Driver*, std::pair<std::size_t, std::size_t>> arms_;  // features: centre, end
   std::map<std::size_t, std::vector<std::size_t>> base_;               // of solids: features
-  std::set<std::size_t> owned_;                                        // features that are unknowns of a base
+  std::map<int, std::vector<std::size_t>> based_on_;                   // of all settled solids: features
   std::vector<Tie> ties_;
   std::set<std::string> gone_;  // bodies that have no motion of their own, or none that is computed
 };

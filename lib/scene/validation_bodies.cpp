@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "numbers.hpp"
 #include "scene/triple.hpp"
@@ -10,6 +11,8 @@ namespace {
 
 // Below this sine two directions count as one: no frame can be built on them in double precision.
 constexpr double kParallel = 1e-8;
+
+constexpr double kRounding = 8 * std::numeric_limits<double>::epsilon();
 
 constexpr double kOffLine = 1e-9;  // relative distance of a member from the line that its body is
 
@@ -254,6 +257,11 @@ void Validation::place_members(const Body& body, const Where& where) {
       local = {along, 0, 0};
     } else if (member.in_ground) {
       local = frame.turn_back(local);
+      // Rounding of ground coordinates must not tie a member to an axis of its body that it does not depend on.
+      const double size = is_point ? std::max(triple::norm(member.local), triple::norm(frame.origin)) : 1;
+      for (double& c : local) {
+        if (std::abs(c) <= kRounding * size) c = 0;
+      }
     }
     if (member.in_ground) local_[member.name] = local;
     if (member.in_ground && usable && !triple::is_finite(local) && triple::is_finite(member.local)) {
