@@ -52,19 +52,24 @@ struct Member {
 };
 
 // A frame that moves, with points and vectors that belong to it. It has exactly one of these bases:
-//   3D: `origin` and `frame` of three unit vectors u, v, w = u x v; or `base` of three points that are not on one line
-//       (local axes: x from the first to the second, y in their plane towards the third, z = x cross y)
-//   2D: `base` of two points (local axes: x from the first to the second, y to its left); or `origin` and `frame` of
-//       one vector
+//   3D: `origin` and `frame` of three unit vectors u, v, w = u x v; or `base` of a point and two entries, each a point
+//   or
+//       a vector, that are not on one line (local axes: x along the second entry, y towards the third, z = x cross y);
+//       or `base` of a point and one entry: a body whose members are on one line, and which may turn about it
+//   2D: `base` of a point and another point or a vector (local axes: x along it, y to its left); or `origin` and
+//   `frame`
+//       of one vector
 //   `origin` alone: a body that only translates
+//   none: joints, or `rigid`, connect the body, and build() chooses a base. Its members are given in ground coordinates
 // The body "ground" has no base; its members are fixed.
 struct Body {
-  std::string name;                // unique, see Point
-  std::string origin;              // name of a point; "": none
-  std::vector<std::string> frame;  // names of vectors
-  std::vector<std::string> base;   // names of points
-  std::vector<Member> points;      // points that belong to the body
-  std::vector<Member> vectors;     // vectors that belong to the body
+  std::string name;                     // unique, see Point
+  std::string origin;                   // name of a point; "": none
+  std::vector<std::string> frame;       // names of vectors
+  std::vector<std::string> base;        // names of points, and of vectors after the first
+  std::vector<Member> points;           // points that belong to the body
+  std::vector<Member> vectors;          // vectors that belong to the body
+  std::vector<std::string> rigid = {};  // names of points and vectors that keep their places to each other
 };
 
 // A direction: a vector, or the difference of two points.
@@ -81,6 +86,61 @@ struct Direction {
   Direction(std::string from, std::string to) : first(std::move(from)), second(std::move(to)) {}
   // True if the direction is the difference of two points.
   [[nodiscard]] bool is_pair() const { return !second.empty(); }
+};
+
+// ---- joints: each connects body `a` and body `b`, of which one may be "ground"; NAME is the name of the joint.
+// build() replaces joints by points and vectors that both bodies share, and by constraints (docs/joints.md). Joints
+// have coordinates: "NAME.angle" of b about the axis relative to a (rad, right-handed; 2D: counter-clockwise) and
+// "NAME.displacement" of b along the axis relative to a (m). Both are 0 in the posture as written. Drivers and measures
+// of a coordinate, and outputs, may name them.
+
+// A place or a direction that a joint has on both bodies: ground coordinates of the posture as written, or the name of
+// a point or vector. Directions may have any length but 0.
+using Anchor = std::variant<Triple, std::string>;
+
+// One rotation. The bodies share the point NAME, and in 3D the vector NAME.axis. Coordinate: angle.
+struct Revolute {
+  std::string a, b;
+  Anchor at;         // on the axis
+  Anchor axis = {};  // 3D only
+};
+// One translation without rotation. Coordinate: displacement.
+struct Prismatic {
+  std::string a, b;
+  Anchor axis;
+};
+// Rotation about an axis and translation along it; 3D. Coordinates: angle, displacement.
+struct Cylindrical {
+  std::string a, b;
+  Anchor at;  // on the axis
+  Anchor axis;
+};
+// All rotations about a point; 3D. The bodies share the point NAME.
+struct Spherical {
+  std::string a, b;
+  Anchor at;
+};
+// Two rotations about crossing axes, the first fixed to `a`, the second to `b`; 3D. The bodies share the point NAME.
+struct Universal {
+  std::string a, b;
+  Anchor at;
+  Anchor axis_a, axis_b;  // at right angles as written, within 1e-6
+};
+// Sliding and turning in a plane; 3D. The bodies share the vector NAME.normal.
+struct Planar {
+  std::string a, b;
+  Anchor normal;
+};
+// No motion: the bodies are one.
+struct Fixed {
+  std::string a, b;
+};
+
+// A joint between two bodies.
+struct Joint {
+  std::string name;  // unique, see Point
+  // One of the structs above.
+  std::variant<Revolute, Prismatic, Cylindrical, Spherical, Universal, Planar, Fixed> kind;
 };
 
 // ---- constraints: one struct for each kind; NAME is the name of the constraint
@@ -304,7 +364,9 @@ class Scene {
   [[nodiscard]] const std::vector<Vector>& vectors() const { return parts_->vectors; }
   // All bodies. If the base of a body contains members of another body, the other body comes first.
   [[nodiscard]] const std::vector<Body>& bodies() const { return parts_->bodies; }
-  // All constraints, in the order in which they were added.
+  // All joints as written, in the order in which they were added. The other lists hold what replaces them.
+  [[nodiscard]] const std::vector<Joint>& joints() const { return parts_->joints; }
+  // All constraints, in the order in which they were added; those of joints follow.
   [[nodiscard]] const std::vector<Constraint>& constraints() const { return parts_->constraints; }
   // All drivers, in the order in which they were added; Place::driver counts in it.
   [[nodiscard]] const std::vector<Driver>& drivers() const { return parts_->drivers; }
@@ -336,6 +398,7 @@ class Scene {
     std::vector<Point> points;
     std::vector<Vector> vectors;
     std::vector<Body> bodies;
+    std::vector<Joint> joints;
     std::vector<Constraint> constraints;
     std::vector<Driver> drivers;
     std::vector<Measure> measures;
@@ -369,11 +432,17 @@ class SceneBuilder {
   SceneBuilder& add(Point point);            // adds a point
   SceneBuilder& add(Vector vector);          // adds a vector
   SceneBuilder& add(Body body);              // adds a body
+  SceneBuilder& add(Joint joint);            // adds a joint
   SceneBuilder& add(Constraint constraint);  // adds a constraint
   SceneBuilder& add(Driver driver);          // adds a driver
   SceneBuilder& add(Measure measure);        // adds a measure
   SceneBuilder& add(DeclaredGroup group);    // adds a declared group
 
+  // Adds a joint, e.g. joint("A", Revolute{"ground", "crank", Triple{0, 0}}).
+  template <class Kind>
+  SceneBuilder& joint(std::string name, Kind kind) {
+    return add(Joint{std::move(name), std::move(kind)});
+  }
   // Adds a constraint, e.g. constrain("coupler", Distance{"B", "C", 1.8}).
   template <class Kind>
   SceneBuilder& constrain(std::string name, Kind kind) {

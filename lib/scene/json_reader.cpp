@@ -146,6 +146,14 @@ void JsonReader::read(std::vector<std::string>& out, const rows::About& about, c
   for (std::size_t i = 0; i < at.size(); ++i) out.push_back(text(at[i], about.example));
 }
 
+void JsonReader::read(Anchor& out, const rows::About&, const Place& at) {
+  if (at.node.is(Type::string)) {
+    out = std::string(at.node.text());
+  } else {
+    out = triple(at);
+  }
+}
+
 void JsonReader::read(Direction& out, const rows::About&, const Place& at) {
   if (at.node.is(Type::string)) {
     out.first = at.node.text();
