@@ -340,7 +340,7 @@ class Expansion {
         report(here, "the coordinates must be finite");
         at = {1, 0, 0};
       } else if (!is_point && triple::norm(at) == 0) {
-        report(here, std::string(key == "normal" ? "the normal" : "the axis") + " is zero; give its direction");
+        report(here, std::string(key == "normal" ? "the normal" : "the axis") + " is zero or missing; give a direction, e.g. [0, 0, 1]");
         at = {1, 0, 0};
       } else if (!in_space() && at[2] != 0) {
         report(here, "a plane scene has no z; write 0 or leave it out");
