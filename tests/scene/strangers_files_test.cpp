@@ -149,6 +149,8 @@ TEST_F(StrangersFiles, ShortensQuotationsWithoutControlCharacters) {
     return text;
   }();
   EXPECT_EQ(excerpt(accents), accents.substr(0, 99) + "... (201 characters)");  // byte 100 is within a character
+  const std::string no_utf8(200, '\xa5');
+  EXPECT_EQ(excerpt(no_utf8), no_utf8.substr(0, 97) + "... (200 characters)");
 }
 
 TEST_F(StrangersFiles, MessagesDoNotGrowWithTheInput) {
