@@ -52,15 +52,14 @@ struct Member {
 };
 
 // A frame that moves, with points and vectors that belong to it. It has exactly one of these bases:
-//   3D: `origin` and `frame` of three unit vectors u, v, w = u x v; or `base` of a point and two entries, each a point
-//   or
-//       a vector, that are not on one line (local axes: x along the second entry, y towards the third, z = x cross y);
-//       or `base` of a point and one entry: a body whose members are on one line, and which may turn about it
-//   2D: `base` of a point and another point or a vector (local axes: x along it, y to its left); or `origin` and
-//   `frame`
-//       of one vector
+//   3D: `origin` and `frame` of three unit vectors u, v, w = u x v;
+//       `base` of a point and two entries, each a point or a vector, that are not on one line (local origin: the point;
+//       axes: x along the second entry, y in the plane of both towards the third, z = x cross y);
+//       or `base` of a point and one entry: all members are on one line, and the body may turn about it
+//   2D: `base` of a point and another point or a vector (local origin: the first; axes: x along the second, y to its
+//       left), or `origin` and `frame` of one vector
 //   `origin` alone: a body that only translates
-//   none: joints, or `rigid`, connect the body, and build() chooses a base. Its members are given in ground coordinates
+//   none: joints or `rigid` define the body, and build() chooses a base. Its members are given in ground coordinates
 // The body "ground" has no base; its members are fixed.
 struct Body {
   std::string name;                     // unique, see Point
@@ -188,6 +187,7 @@ struct OnPlane {
 // not quadratic, so that their groups have no certificates. assur trusts the residual, and compares Jacobian and
 // curvature with differences (docs/accuracy.md). For this it calls the functions near the posture as well; an exception
 // there means that the function is not defined there. Several threads may call the functions at once, see Simulator.
+// All three functions are needed, whatever the outputs are; build() refuses an empty one.
 struct Callback {
   // Arguments x (m of them): names of scalars, "P.x" or "name.lambda", or of drivers of a distance or coordinate.
   std::vector<std::string> coordinates;
@@ -209,7 +209,7 @@ class Apart {
  public:
   // Stores a kind.
   Apart(Kind kind) : kind_(std::make_shared<const Kind>(std::move(kind))) {}  // NOLINT: stands for the kind itself
-  // The kind that is stored; valid as long as a copy of this object.
+  // The stored kind; valid as long as any copy of this object exists.
   operator const Kind&() const { return *kind_; }  // NOLINT
 
  private:
@@ -256,7 +256,8 @@ struct Constraint {
 // ---- drivers
 
 // Drives the direction of AB. 2D: the angle from +x, counter-clockwise. 3D: the angle about a fixed axis, right-handed,
-// zero in the posture as written. A Distance between A and B then gives the radius and costs no equation.
+// zero in the posture as written. The distance of A and B stays as in the posture as written; a Distance between them
+// gives another one, and costs no equation.
 struct PointAngle {
   std::string a, b;  // names of points
   std::string axis;  // 3D: name of a fixed vector; 2D: ""
@@ -281,8 +282,10 @@ struct DrivenCoordinate {
 };
 // Drives a whole body.
 struct Pose {
-  std::string body;              // name of the body
-  std::vector<Law> translation;  // coordinates of the origin of the body: 3 laws in space, 2 in the plane; m
+  std::string body;  // name of the body
+  // Ground coordinates of the local origin (the origin, or the first point of the base): 3 laws in space, 2 in the
+  // plane; m
+  std::vector<Law> translation;
   // rad; 3D: psi, theta, phi of Rz(psi) Ry(theta) Rx(phi); 2D: one angle; none for a body that only translates.
   std::vector<Law> rotation;
 };
@@ -503,9 +506,9 @@ using Parameters = std::map<std::string, double>;
                                 const std::filesystem::path& folder = ".", const Parameters& set = {},
                                 const std::vector<std::filesystem::path>& more_folders = {});
 
-// Makes a sample from its text: "stewart", "stewart:legs=22", "four_bar:64", ... `set` sets options, too. Throws Error:
-// input, with a list of the samples or options, if a name or value is wrong; environment if the sample needs more
-// memory than is free.
+// Makes a sample mechanism from its text: "stewart", "stewart:legs=22", "four_bar:64", ... `set` sets options, too.
+// Throws Error: input, with a list of the samples or options with their defaults, if a name or value is wrong;
+// environment if the sample needs more memory than is free.
 [[nodiscard]] Scene sample(std::string_view text, const Parameters& set = {});
 
 // True if the text up to the first ':' is the name of a sample.
