@@ -28,7 +28,7 @@ Scene dyad(double from, double rate) {
 }
 
 TEST(Examined, ConditionGrowsAsTheDyadStretches) {
-  // The larger row of |J^-1| has 1 / 2h. All else tends to a limit, from which x differs by at most 1e-3.
+  // The larger row of |J^-1| grows like 1 / 2h. All other factors have limits at x = 2, which is at most 1e-3 away.
   const auto condition = [](double x) {
     Simulator simulator(prepare(dyad(x, -1e-3), {"groups/eigen"}));
     const std::vector<GroupFigures> all = simulator.examine();

@@ -163,7 +163,7 @@ TEST(Plot, BarsStandOnTheAxisFromEachXToTheNext) {
   for (std::sregex_iterator at(picture.begin(), picture.end(), kBar), end; at != end; ++at) {
     bars.push_back({std::stod((*at)[1]), std::stod((*at)[2]), std::stod((*at)[3]), std::stod((*at)[4])});
   }
-  // A logarithm of 0 has no height, and the last point only ends the bar before it.
+  // On a logarithmic axis 0 has no bar, and the last point only ends the bar before it.
   ASSERT_EQ(bars.size(), 2u);
   EXPECT_NEAR(bars[0][2], bars[1][2], 0.2);                            // each is a decade wide
   EXPECT_NEAR(bars[1][0], bars[0][0] + 2 * bars[0][2], 0.3);           // an empty decade is between them

@@ -105,7 +105,7 @@ TEST(Dispatcher, NeverTakesMoreThreadsThanTheBudget) {
 }
 
 TEST(Dispatcher, SharesALevelOnlyIfItGains) {
-  // The legs of a large mechanism are worth two threads. Single groups on a level, and small mechanisms, are not.
+  // The legs of a large mechanism are worth two threads; a single group on a level, or a small mechanism, is not.
   const Prepared many = prepare(sample("rings:legs=64,n=120"), {.budget = ThreadBudget{2}, .model = model()});
   ASSERT_EQ(many.plan.run.threads, 2);
   for (const Group& g : many.structure->groups) {

@@ -72,7 +72,7 @@ TEST(Policies, SeparateTakesOneFactorisationMoreForTheAcceleration) {
         ASSERT_TRUE(shared.report().status.ok() && separate.report().status.ok());
         const Counters &a = shared.counters(), &b = separate.counters();
         const auto groups = static_cast<std::int64_t>(shared.simulator.prepared().structure->groups.size());
-        const std::int64_t more = groups * (a.steps + a.substeps + 1);  // 1 is the start
+        const std::int64_t more = groups * (a.steps + a.substeps + 1);  // and the start
         // Factorisations of Newton's method are left out, because small steps round differently and may take another
         // iteration.
         EXPECT_EQ(b.factorizations - b.newton_iterations, a.factorizations - a.newton_iterations + more);

@@ -129,8 +129,8 @@ struct Bennett {
       }
     }
     Off out;
-    // Residuals are relative to their terms, sum |dPhi/dq| |q| + |constant|, and at least to the lengths of both
-    // vectors.
+    // Residuals are relative to their terms, sum |dPhi/dq| |q| + |constant|; those of dot products at least to
+    // |d| |e|.
     const auto see = [&](long double residual, long double scale) {
       residual = std::abs(residual) / scale;
       if (!(residual <= out.equations)) out.equations = residual;

@@ -107,8 +107,8 @@ void expect_work(const Counters& c, const Work& w, bool derivatives) {
 }
 
 TEST(Stewart, CountsTheWorkOfTheFullRun) {
-  // In `irreducible` the terminal is driven, and a leg has 15 = 3 + 3 + 3 unknowns + 6 that presolve eliminates.
-  const std::size_t columns = 9 * (4 + 6 * 5 + 6 * 2) + 6 * 3;  // O, u, v, w; B, e, r, c, d; P, t; angles
+  // In `irreducible` the terminal is driven. A leg has 15 unknowns: three blocks of 3, and 6 that presolve eliminates.
+  const std::size_t columns = 9 * (4 + 6 * 5 + 6 * 2) + 6 * 3;  // O, u, v, w; B, e, r, c, d and P, t of legs; angles
   for (const Work& w : {Work{"groups/" + test::sparse(), 12, 6, 15}, Work{"irreducible/" + test::sparse(), 0, 18, 3},
                         Work{"global/" + test::sparse(), 0, 1, 102}}) {
     SCOPED_TRACE(w.strategy);

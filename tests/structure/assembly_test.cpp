@@ -275,8 +275,8 @@ TEST(AssemblyRefused, RefusesAndrewsWithTheMisprint) {
   const bool g = what.rfind("group G cannot be assembled: 'G", 0) == 0,
              h = what.rfind("group H cannot be assembled: 'H", 0) == 0;
   EXPECT_TRUE(g || h) << what;
-  // E is determined by its own dyad. GE + GA (or HE + HA) = 0.06 is too short for EA, so that the worst rod takes a
-  // good part of the gap.
+  // E is determined by its own dyad. GE + GA (or HE + HA) = 0.06 is too short for EA, so the worst rod takes at least a
+  // third of the gap.
   const Triple F = {0.007, 0, 0}, B = {0.03635, 0.03273, 0}, A = {-0.06934, -0.00227, 0};
   const double bf = std::hypot(B[0] - F[0], B[1] - F[1]), along = (bf * bf + 0.028 * 0.028 - 0.035 * 0.035) / (2 * bf);
   const double across = std::sqrt(0.028 * 0.028 - along * along);
