@@ -28,7 +28,7 @@ TEST(Threads, EveryCommandRefusesMoreThreadsThanProcessors) {
   }
 }
 
-// With OMP_NUM_THREADS=1 a second thread exceeds the budget; the test needs two processors.
+// With OMP_NUM_THREADS=1 a second thread exceeds the budget. The test needs two processors.
 TEST(Threads, WarnsOfMoreThreadsThanTheBudget) {
   if (this_machine().processors < 2) GTEST_SKIP() << "one processor";
   const char* const before = std::getenv("OMP_NUM_THREADS");

@@ -30,7 +30,7 @@ class StrangersFiles : public testing::Test {
   }
   void TearDown() override { fs::remove_all(folder_); }
 
-  // A sparse file of this size.
+  // Makes a sparse file of this size.
   [[nodiscard]] fs::path huge(const std::string& name, std::uintmax_t bytes) const {
     const fs::path file = folder_ / "scene" / name;
     std::ofstream(file).flush();
@@ -46,7 +46,7 @@ class StrangersFiles : public testing::Test {
     return file;
   }
 
-  // The message for a scene with this table, without its beginning.
+  // The message for a scene with this table, from the path of the driver on.
   [[nodiscard]] std::string of_table(const std::string& table) const {
     const std::string said = refusal([&] { (void)read_scene(with_table(table)); });
     const std::size_t at = said.find("/drivers");
@@ -100,7 +100,7 @@ TEST_F(StrangersFiles, LimitsTheSizeOfAFile) {
   EXPECT_EQ(read_input(file, 8).text, "0,0\n1,1\n");
   EXPECT_EQ(read_input(file, 7).text, "");
   EXPECT_NE(read_input(file, 7).why_not, "");
-  if (!fs::exists("/proc/self/status")) return;  // regular, and tells no size
+  if (!fs::exists("/proc/self/status")) return;  // a regular file without a size
   EXPECT_EQ(read_input("/proc/self/status", 1'000'000).why_not, "");
   EXPECT_NE(read_input("/proc/self/status", 1'000'000).text, "");
   EXPECT_NE(read_input("/proc/self/status", 100).why_not, "");

@@ -22,7 +22,7 @@ class Variants : public testing::Test {
     return read_variants(folder_ / "v.csv");
   }
 
-  // The message for the file, without its name.
+  // The message for the file, without the name of the file.
   [[nodiscard]] std::string refusal(const std::string& text) const {
     try {
       (void)read(text);
