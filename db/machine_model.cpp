@@ -150,7 +150,7 @@ bool Reading::take_level(Likeness level) {
     for (const auto& [likeness, machine] : source.machines) {
       if (likeness != level || (level != Likeness::same && !samples_.empty())) continue;
       try {
-        std::vector<Sample> found = guarded(source.file, [&] { return samples_of(source, machine); });
+        std::vector<Sample> found = guarded(source.file, [&, &of = machine] { return samples_of(source, of); });
         if (found.empty()) continue;
         add(std::move(found));
         say_source(source, machine, level);
