@@ -104,7 +104,7 @@ std::string excerpt(std::string_view text) {
   constexpr std::size_t kLongest = 120, kShown = 100;
   std::size_t end = text.size() > kLongest ? kShown : text.size();
   // No character, of at most four bytes, is cut in two.
-  while (end < text.size() \&\& end > kShown - 3 \&\& is_continued(text[end])) --end;
+  while (end < text.size() && end > kShown - 3 && is_continued(text[end])) --end;
   std::string shown;
   for (std::size_t i = 0; i < end; ++i) {
     const bool of_two = text[i] == '\xc2' && i + 1 < end;  // U+0080 to U+009F are control characters as well
