@@ -151,7 +151,7 @@ bool Reading::take_level(Likeness level) {
     for (const auto& [likeness, machine] : source.machines) {
       if (likeness != level || (level != Likeness::same && !samples_.empty())) continue;
       try {
-        std::vector<Sample> found = guarded(source.file, [&] { return samples_of(source, machine); });
+        std::vector<Sample> found = guarded(source.file, [&, id = machine] { return samples_of(source, id); });
         if (found.empty()) continue;
         add(std::move(found));
         say_source(source, machine, level);

@@ -1,4 +1,4 @@
-// Locales of the program that uses the library.
+// Foreign locales, as a program that uses the library may set them.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 
 namespace assur::test {
 
-// From construction to destruction C++ streams write 1234.5 as "1.234,5" or "1,234.5".
+// From construction to destruction, C++ streams write 1234.5 as "1.234,5" or "1,234.5".
 class ForeignLocale {
  public:
   explicit ForeignLocale(char point)
@@ -37,7 +37,8 @@ class ForeignLocale {
   std::locale before_;
 };
 
-// The same for the functions of C, printf and strtod, with a decimal comma. Uses a locale of the system, or makes one.
+// From construction to destruction, the functions of C (printf, strtod) use a decimal comma. Takes a locale of the
+// system, or makes one.
 class ForeignLocaleOfC {
  public:
   ForeignLocaleOfC() {

@@ -1,6 +1,6 @@
-# The order of lib/ and of tuner/: each folder includes only itself and those to its left, so none of lib/ includes db/;
-# the sources of the core (CORE, relative to lib/) include, directly or indirectly, none of the libraries that the core
-# must not use; and lib/CMakeLists.txt lists all sources.
+# Checks the order of lib/ and of tuner/: each folder includes only itself and folders to its left, so that none of lib/
+# includes db/. The sources of the core (CORE, relative to lib/) include, directly or indirectly, none of the libraries
+# that the core must not use. lib/CMakeLists.txt lists all sources.
 cmake_minimum_required(VERSION 3.25)
 set(foreign "^#include [<\"](nlohmann|muParser|cs\\.h|btf\\.h|klu\\.h|umfpack|dmumps|suitesparse|SQLite|CLI|boost)")
 set(findings "")
@@ -12,7 +12,7 @@ macro(check_order root)
   file(GLOB_RECURSE files RELATIVE ${root} ${root}/*.cpp ${root}/*.hpp ${root}/*.in)
   foreach(file IN LISTS files)
     string(REGEX REPLACE "/.*" "" folder ${file})
-    list(FIND layers "${folder}" own)  # -1 in ROOT itself
+    list(FIND layers "${folder}" own)  # -1 for files in ROOT itself
     file(STRINGS ${root}/${file} includes REGEX "^#include \"[a-z_]+/")
     foreach(include IN LISTS includes)
       string(REGEX REPLACE "^#include \"([a-z_]+)/.*" "\\1" used "${include}")

@@ -58,6 +58,9 @@ if grep -q '^ID=debian' /etc/os-release; then
   contains "$calls" "$expected" || fail "as root: installs what is missing and nothing else"
 fi
 
+play 0 "" tools
+[[ $status -eq 0 && -z $calls ]] || fail "tools: builds nothing"
+
 play 0 "" bogus
 [[ $status -eq 2 ]] && contains "$output" usage || fail "a wrong argument: usage, status 2"
 play 0 "" --help

@@ -1,5 +1,6 @@
 // The interface of all linear solvers: analyze once, factorize often, solve many. Systems are square, and each call
-// treats all lanes of a pack. docs/extending.md explains how to add a backend.
+// treats all lanes of a pack: up to W systems of one pattern, side by side in SIMD lanes. docs/extending.md explains
+// how to add a backend.
 #pragma once
 
 #include <cstdint>
@@ -134,7 +135,7 @@ struct Backend {
   bool own_loops = false;     // its inner loops are compiled with assur, so that times change with the version of assur
 };
 
-// All backends that this version knows, including those that were not built; order of registry.cpp. Needs the library
+// All backends that this version knows, including those that were not built, in a fixed order. Needs the library
 // assur::assur.
 [[nodiscard]] std::span<const Backend> backends();
 

@@ -21,8 +21,8 @@ enum class Kernel : std::uint8_t {
   evaluate,  // equations and Jacobian of a pack; depends on shape and W only
   factor,    // one factorisation of W matrices
   solve,     // one solution of W systems, each with one right-hand side
-  pack,      // one step of a pack: position in one iteration, velocity and acceleration; if p > 1, while p threads do
-             // the same work
+  pack,      // one step of a pack (up to W groups of a class in SIMD lanes): position in one iteration, velocity and
+             // acceleration; if p > 1, while p threads do the same work
   meeting,   // p threads start together and wait for each other, after the first has worked alone for 5 us (included).
              // The first hands shape.n doubles in all to the others, which change them and hand them back
   step,      // one step of a mechanism; only to compare with the sum of the other kernels
@@ -35,8 +35,8 @@ enum class Kernel : std::uint8_t {
 // The kernel with this name. Throws Error (input), with a list of the kernels, if there is no such name.
 [[nodiscard]] Kernel parse_kernel(std::string_view text);
 
-// One measured time. The strategy is set as far as the kernel depends on it: for a bare matrix, backend, W, precision,
-// refinement and Q.
+// One measured time (the mechanisms that assur::sample() makes are something else). The strategy is set as far as the
+// kernel depends on it: for a bare matrix, backend, W, precision, refinement and Q.
 struct Sample {
   std::string uid;                 // 32 random hexadecimal digits, which identify the sample in all databases
   Kernel kernel = Kernel::factor;  // the work

@@ -24,7 +24,7 @@ struct Plan {
     std::int32_t group_class = 0;   // index into Structure::classes
     Shape shape;                    // size of the class
     SolverSettings solver;          // backend, lanes and policies
-    std::int32_t threads = 1;       // packs of this class that are solved at once
+    std::int32_t threads = 1;       // packs (groups in SIMD lanes) of this class that are solved at once
     std::string reason;             // "forced", "interpolated: 2.1 times as fast as klu", ...
     double expected_seconds = 0;    // time of one step of one pack; 0: not predicted
     Origin origin = Origin::prior;  // evidence for the expected time
@@ -80,8 +80,9 @@ struct Prepared {
   std::span<const Backend> table;                   // table in which the plan's backends are looked up
   std::vector<std::string> controlled;              // PrepareOptions::controlled
   std::optional<double> start_time = std::nullopt;  // time of structure->start, s; empty: time.start
-  // Prepares the scene again with redundant equations chosen at a posture (all coordinates, internal units) and time.
-  // Empty if the scene has no redundant equations, or if load_plan() made this. Throws like prepare().
+  // For use inside the library. Prepares the scene again with redundant equations chosen at a posture (all coordinates,
+  // internal units) and time. Empty if the scene has no redundant equations, or if load_plan() made this. Throws like
+  // prepare().
   std::function<Prepared(std::vector<double> posture, double time)> reselect;
 };
 

@@ -39,17 +39,19 @@ struct ErrorFigures {
 
   double position = kUnknown;  // residual: max over i of |Phi_i| / (sum_j |dPhi_i/dq_j| |q_j| + |constant|)
   // Normwise residual of the linear systems for velocities, |J x - b| / (|J| |x| + |b|) in maximum norms. Systems that
-  // are solved for some of their unknowns only are not measured.
+  // are solved for some of their unknowns only are not measured; NaN if there are no others.
   double velocity = kUnknown;
   double acceleration = kUnknown;  // the same for accelerations
   // Estimated errors of the outputs, defined like forward_position, to first order; empty if no output is of this kind.
   std::optional<double> estimated_position = {};
   std::optional<double> estimated_velocity = {};      // of velocities
   std::optional<double> estimated_acceleration = {};  // of accelerations
-  // Largest radius of the certificates of the run, relative to the characteristic length.
+  // Largest radius of the certificates of the run, relative to the characteristic length. Simulators leave this figure
+  // and the next ones empty; the command fills them from certify() and forward_error().
   std::optional<double> certified_radius = {};
-  // True errors of the outputs against a reference in quadruple precision: for each output x the maximum over the steps
-  // of |x - x_ref|, over the maximum of |x_ref| (for lengths at least the characteristic length).
+  // True errors of the outputs against a reference in quadruple precision: for each output x (all components of a point
+  // or vector together) the maximum over the steps of |x - x_ref|, over the maximum of |x_ref|, or a lower limit of it
+  // (docs/accuracy.md; for lengths the characteristic length).
   std::optional<double> forward_position = {};
   std::optional<double> forward_velocity = {};      // of velocities
   std::optional<double> forward_acceleration = {};  // of accelerations
@@ -86,8 +88,7 @@ struct Event {
   // holds. "": none.
   std::string group;
   Code kind = Code::ok;  // type of the event
-  // Size: a residual, contraction, smallest pivot, estimated error or relative difference of derivatives; for a
-  // redundant equation |Phi| / |grad Phi|.
+  // Size: as Status::figure; for a redundant equation |Phi| / |grad Phi|.
   double figure = 0;
   std::string detail = {};  // the wrong number and the expected one, or further explanation; "": none
   std::string unit = {};    // unit of the figure: "m" or ""

@@ -52,19 +52,23 @@ struct Member {
 };
 
 // A frame that moves, with points and vectors that belong to it. It has exactly one of these bases:
-//   3D: `origin` and `frame` of three unit vectors u, v, w = u x v; or `base` of three points that are not on one line
-//       (local axes: x from the first to the second, y in their plane towards the third, z = x cross y)
-//   2D: `base` of two points (local axes: x from the first to the second, y to its left); or `origin` and `frame` of
-//       one vector
+//   3D: `origin` and `frame` of three unit vectors u, v, w = u x v;
+//       `base` of a point and two entries, each a point or a vector, that are not on one line (local origin: the point;
+//       axes: x along the second entry, y in the plane of both towards the third, z = x cross y);
+//       or `base` of a point and one entry: all members are on one line, and the body may turn about it
+//   2D: `base` of a point and another point or a vector (local origin: the first; axes: x along the second, y to its
+//       left), or `origin` and `frame` of one vector
 //   `origin` alone: a body that only translates
+//   none: joints or `rigid` define the body, and build() chooses a base. Its members are given in ground coordinates
 // The body "ground" has no base; its members are fixed.
 struct Body {
-  std::string name;                // unique, see Point
-  std::string origin;              // name of a point; "": none
-  std::vector<std::string> frame;  // names of vectors
-  std::vector<std::string> base;   // names of points
-  std::vector<Member> points;      // points that belong to the body
-  std::vector<Member> vectors;     // vectors that belong to the body
+  std::string name;                     // unique, see Point
+  std::string origin;                   // name of a point; "": none
+  std::vector<std::string> frame;       // names of vectors
+  std::vector<std::string> base;        // names of points, and of vectors after the first
+  std::vector<Member> points;           // points that belong to the body
+  std::vector<Member> vectors;          // vectors that belong to the body
+  std::vector<std::string> rigid = {};  // names of points and vectors that keep their places to each other
 };
 
 // A direction: a vector, or the difference of two points.
@@ -81,6 +85,61 @@ struct Direction {
   Direction(std::string from, std::string to) : first(std::move(from)), second(std::move(to)) {}
   // True if the direction is the difference of two points.
   [[nodiscard]] bool is_pair() const { return !second.empty(); }
+};
+
+// ---- joints: each connects body `a` and body `b`, of which one may be "ground"; NAME is the name of the joint.
+// build() replaces joints by points and vectors that both bodies share, and by constraints (docs/joints.md). Joints
+// have coordinates: "NAME.angle" of b about the axis relative to a (rad, right-handed; 2D: counter-clockwise) and
+// "NAME.displacement" of b along the axis relative to a (m). Both are 0 in the posture as written. Drivers and measures
+// of a coordinate, and outputs, may name them.
+
+// A place or a direction that a joint has on both bodies: ground coordinates of the posture as written, or the name of
+// a point or vector. Directions may have any length but 0.
+using Anchor = std::variant<Triple, std::string>;
+
+// One rotation. The bodies share the point NAME, and in 3D the vector NAME.axis. Coordinate: angle.
+struct Revolute {
+  std::string a, b;
+  Anchor at;         // on the axis
+  Anchor axis = {};  // 3D only
+};
+// One translation without rotation. Coordinate: displacement.
+struct Prismatic {
+  std::string a, b;
+  Anchor axis;
+};
+// Rotation about an axis and translation along it; 3D. Coordinates: angle, displacement.
+struct Cylindrical {
+  std::string a, b;
+  Anchor at;  // on the axis
+  Anchor axis;
+};
+// All rotations about a point; 3D. The bodies share the point NAME.
+struct Spherical {
+  std::string a, b;
+  Anchor at;
+};
+// Two rotations about crossing axes, the first fixed to `a`, the second to `b`; 3D. The bodies share the point NAME.
+struct Universal {
+  std::string a, b;
+  Anchor at;
+  Anchor axis_a, axis_b;  // at right angles as written, within 1e-6
+};
+// Sliding and turning in a plane; 3D. The bodies share the vector NAME.normal.
+struct Planar {
+  std::string a, b;
+  Anchor normal;
+};
+// No motion: the bodies are one.
+struct Fixed {
+  std::string a, b;
+};
+
+// A joint between two bodies.
+struct Joint {
+  std::string name;  // unique, see Point
+  // One of the structs above.
+  std::variant<Revolute, Prismatic, Cylindrical, Spherical, Universal, Planar, Fixed> kind;
 };
 
 // ---- constraints: one struct for each kind; NAME is the name of the constraint
@@ -128,6 +187,7 @@ struct OnPlane {
 // not quadratic, so that their groups have no certificates. assur trusts the residual, and compares Jacobian and
 // curvature with differences (docs/accuracy.md). For this it calls the functions near the posture as well; an exception
 // there means that the function is not defined there. Several threads may call the functions at once, see Simulator.
+// All three functions are needed, whatever the outputs are; build() refuses an empty one.
 struct Callback {
   // Arguments x (m of them): names of scalars, "P.x" or "name.lambda", or of drivers of a distance or coordinate.
   std::vector<std::string> coordinates;
@@ -149,7 +209,7 @@ class Apart {
  public:
   // Stores a kind.
   Apart(Kind kind) : kind_(std::make_shared<const Kind>(std::move(kind))) {}  // NOLINT: stands for the kind itself
-  // The kind that is stored; valid as long as a copy of this object.
+  // The stored kind; valid as long as any copy of this object exists.
   operator const Kind&() const { return *kind_; }  // NOLINT
 
  private:
@@ -196,7 +256,8 @@ struct Constraint {
 // ---- drivers
 
 // Drives the direction of AB. 2D: the angle from +x, counter-clockwise. 3D: the angle about a fixed axis, right-handed,
-// zero in the posture as written. A Distance between A and B then gives the radius and costs no equation.
+// zero in the posture as written. The distance of A and B stays as in the posture as written; a Distance between them
+// gives another one, and costs no equation.
 struct PointAngle {
   std::string a, b;  // names of points
   std::string axis;  // 3D: name of a fixed vector; 2D: ""
@@ -221,8 +282,10 @@ struct DrivenCoordinate {
 };
 // Drives a whole body.
 struct Pose {
-  std::string body;              // name of the body
-  std::vector<Law> translation;  // coordinates of the origin of the body: 3 laws in space, 2 in the plane; m
+  std::string body;  // name of the body
+  // Ground coordinates of the local origin (the origin, or the first point of the base): 3 laws in space, 2 in the
+  // plane; m
+  std::vector<Law> translation;
   // rad; 3D: psi, theta, phi of Rz(psi) Ry(theta) Rx(phi); 2D: one angle; none for a body that only translates.
   std::vector<Law> rotation;
 };
@@ -304,7 +367,9 @@ class Scene {
   [[nodiscard]] const std::vector<Vector>& vectors() const { return parts_->vectors; }
   // All bodies. If the base of a body contains members of another body, the other body comes first.
   [[nodiscard]] const std::vector<Body>& bodies() const { return parts_->bodies; }
-  // All constraints, in the order in which they were added.
+  // All joints as written, in the order in which they were added. The other lists hold what replaces them.
+  [[nodiscard]] const std::vector<Joint>& joints() const { return parts_->joints; }
+  // All constraints, in the order in which they were added; those of joints follow.
   [[nodiscard]] const std::vector<Constraint>& constraints() const { return parts_->constraints; }
   // All drivers, in the order in which they were added; Place::driver counts in it.
   [[nodiscard]] const std::vector<Driver>& drivers() const { return parts_->drivers; }
@@ -336,6 +401,7 @@ class Scene {
     std::vector<Point> points;
     std::vector<Vector> vectors;
     std::vector<Body> bodies;
+    std::vector<Joint> joints;
     std::vector<Constraint> constraints;
     std::vector<Driver> drivers;
     std::vector<Measure> measures;
@@ -369,11 +435,17 @@ class SceneBuilder {
   SceneBuilder& add(Point point);            // adds a point
   SceneBuilder& add(Vector vector);          // adds a vector
   SceneBuilder& add(Body body);              // adds a body
+  SceneBuilder& add(Joint joint);            // adds a joint
   SceneBuilder& add(Constraint constraint);  // adds a constraint
   SceneBuilder& add(Driver driver);          // adds a driver
   SceneBuilder& add(Measure measure);        // adds a measure
   SceneBuilder& add(DeclaredGroup group);    // adds a declared group
 
+  // Adds a joint, e.g. joint("A", Revolute{"ground", "crank", Triple{0, 0}}).
+  template <class Kind>
+  SceneBuilder& joint(std::string name, Kind kind) {
+    return add(Joint{std::move(name), std::move(kind)});
+  }
   // Adds a constraint, e.g. constrain("coupler", Distance{"B", "C", 1.8}).
   template <class Kind>
   SceneBuilder& constrain(std::string name, Kind kind) {
@@ -434,9 +506,9 @@ using Parameters = std::map<std::string, double>;
                                 const std::filesystem::path& folder = ".", const Parameters& set = {},
                                 const std::vector<std::filesystem::path>& more_folders = {});
 
-// Makes a sample from its text: "stewart", "stewart:legs=22", "four_bar:64", ... `set` sets options, too. Throws Error:
-// input, with a list of the samples or options, if a name or value is wrong; environment if the sample needs more
-// memory than is free.
+// Makes a sample mechanism from its text: "stewart", "stewart:legs=22", "four_bar:64", ... `set` sets options, too.
+// Throws Error: input, with a list of the samples or options with their defaults, if a name or value is wrong;
+// environment if the sample needs more memory than is free.
 [[nodiscard]] Scene sample(std::string_view text, const Parameters& set = {});
 
 // True if the text up to the first ':' is the name of a sample.

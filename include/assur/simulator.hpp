@@ -55,13 +55,16 @@ void write_csv(std::ostream& out, const Trajectory& trajectory);
 
 // Limits of one step, e.g. for a control loop.
 struct StepLimits {
-  // Exactly this many Newton iterations for each group behind the first level (the variant tEnd2 of the paper that
-  // docs/method.md names); 0: as many as convergence needs.
+  // Exactly this many Newton iterations for each group behind the first level and each part of a divided step, without
+  // a test of convergence (the variant tEnd2 of the paper that docs/method.md names): the estimated error shows whether
+  // they were enough. 0: as many as convergence needs.
   int iterations = 0;
-  int most_iterations = 12;  // iterations after which the step is halved, at least 1
-  double seconds = 0;        // deadline of one step by the monotonic clock, checked between groups; 0: none
-  // Processors to pin threads to, one for each thread of the strategy (Machine::cores). Pinned threads busy-wait; use
-  // dedicated cores. Empty: the system places the threads.
+  int most_iterations = 12;  // iterations after which the step is halved, at least 1; if their number is not fixed
+  double seconds = 0;        // deadline of one try of a step by the monotonic clock, checked before each pack; 0: none
+  // Processors to pin threads to, one for each of the P threads (Machine::cores); without effect if P = 1. The calling
+  // thread is pinned during a call only. Pinned threads busy-wait within a step, so use dedicated cores; between steps
+  // they sleep. Empty: the system places the threads. The constructor throws Error: input for fewer processors than
+  // threads, environment for a processor that cannot be used.
   std::vector<int> pin_to = {};
 };
 
@@ -119,25 +122,30 @@ class Simulator {
   // Time of the current posture, s; after construction the start time of the scene.
   [[nodiscard]] double time() const;
 
-  // Moves to time t (s), which may be earlier than time(), by continuation: the step is divided where needed. If it
-  // fails, the status gives the reason, and the simulator keeps the last good posture on the way, at time().
-  // Code::inaccurate is no failure: time t is reached, and an event gives the estimated error. Exceptions from laws and
-  // callbacks propagate, and leave the last good posture as well.
+  // Moves to time t (s), which may be earlier than time(), and to the targets that were set, by continuation: the step
+  // is divided where needed. If it fails, the status gives the reason, and the simulator keeps the last good posture on
+  // the way, at time(); targets are dropped, and controlled drivers rest there. Code::inaccurate is no failure: time t
+  // is reached, and an event gives the estimated error. If t is time(), nothing happens and targets wait. Exceptions
+  // from laws and callbacks propagate, and leave the last good posture as well.
   Status step(double t);
 
   // Sets the target of a controlled driver for the next step: value, rate and acceleration in SI units, absolute even
   // if the laws are relative. `driver` names a driver of an angle, distance or coordinate, or one value of a pose:
   // "pose.x", "pose.y", "pose.z", "pose.psi", "pose.theta", "pose.phi" in space, "pose.x", "pose.y", "pose.angle" in
-  // the plane, where "pose" is the name of the driver. Values of a pose that are not set follow their laws. After the
-  // step, a driver rests at its value until it is set again. Throws Error (input) if this is not a controlled driver. A
-  // number that is not finite lets the next step fail as not_finite, with an event that names the driver; all targets
-  // of that step are then dropped.
+  // the plane, where "pose" is the name of the driver. Values of a pose that are not set follow their laws. On the way
+  // the driver follows the polynomial of degree 5 through value, rate and acceleration at both ends. A later step
+  // without a target ends at rest, at the value of the last target. Throws Error (input) if this is not a controlled
+  // driver. A number that is not finite lets the next step fail as not_finite, with an event that names the driver; all
+  // targets of that step are then dropped.
   void set(std::string_view driver, double value, double rate = 0, double acceleration = 0);
 
-  // Takes one step of the time grid towards the targets that were set; other drivers follow their laws. A step that
-  // fails restores the state before it (as save() holds it) and drops its targets; status and events give the reason
-  // and the part of the way that was open. Near a limit a driver may overshoot: if a step fails, it is tried again from
-  // rest, with all controlled drivers stopped at once.
+  // Moves from time() by TimeGrid::step to the targets that were set, also beyond the end of the grid; other drivers
+  // follow their laws. Without a time grid it does nothing. A step that fails restores the state before it (as save()
+  // holds it, with time and rates) and drops its targets; status and events give the reason and the part of the way
+  // that was open. Near a limit a driver may overshoot: if a step fails while controlled drivers move, it is tried
+  // again, unless the deadline has passed: all controlled drivers are stopped at the begin of the step, with rates of 0
+  // at once, and move from rest to the same targets. The second try has a deadline of its own. If it succeeds, the
+  // status is its own, and only Counters::rejected shows the first try.
   Status step();
 
   // Saves the state. The same steps from it then follow bit by bit, in this simulator or in another one of the same
@@ -150,14 +158,16 @@ class Simulator {
   // empty or belongs to another Prepared.
   void restore(const SimulatorState& state);
 
-  // Returns to the last posture from which the way is open: one that an undivided step reached. Such a step uses at
-  // most 0.7 of the ball in which the posture is the only solution (lib/group/branch.hpp). The whole state returns, as
-  // with restore(). Changes nothing if the current posture is such a posture.
+  // Returns to the last posture that an undivided step reached, or to the start posture. From there a short step in any
+  // direction has room: an undivided step uses at most 0.7 of the ball in which the posture is the only solution
+  // (docs/method.md). Use it near a limit, after steps were divided or step(t) failed. The whole state returns with
+  // its time, as with restore(). Changes nothing if the current posture is such a posture.
   void retreat();
 
   // Called after each row of a run with the number of rows done and of all rows; returns false to stop the run.
   using Observer = std::function<bool(std::int64_t done, std::int64_t of)>;
-  // Runs from the start posture over the time grid of the scene. Stops at the first failure and returns the rows that
+  // Runs from the start posture over the time grid of the scene. Calls reset() first, so targets are dropped and all
+  // drivers follow their laws. Stops at the first failure and returns the rows that
   // were reached; report() has the status. Exceptions from laws and callbacks propagate. Throws Error (environment) if
   // there is no memory for the rows.
   Trajectory run(const Observer& observer = {});
@@ -175,7 +185,7 @@ class Simulator {
   [[nodiscard]] double output(std::string_view column) const;
 
   // Accuracy of every group at time(), in the order of Structure::groups. The findings count for the report. Allocates
-  // memory and takes the time of several steps.
+  // memory and takes the time of 20 to 80 steps of a small mechanism.
   [[nodiscard]] std::vector<GroupFigures> examine();
 
   // Report since construction, reset() or the begin of run(). Each call updates effort, fallbacks and estimates.
@@ -186,7 +196,7 @@ class Simulator {
  private:
   Status go_to(double t);
   [[nodiscard]] bool run_in_chunks(std::span<const double> times, const Observer& observer, Trajectory& out);
-  friend std::vector<double> posture_of(const Simulator& simulator);
+  friend std::vector<double> posture_of(const Simulator& simulator);  // for use inside the library
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
@@ -201,8 +211,9 @@ struct ForwardError {
 // Compares a trajectory with a reference in quadruple precision (113 bits). The reference has the same parameters and
 // times, evaluates laws and residuals in quadruple precision, and corrects with factorisations in double. It calls
 // functions of the program like the run, so that it repeats their errors. The error of an output x is the maximum over
-// the times of |x - x_ref|, over the maximum of |x_ref| (for lengths at least the characteristic length). It is
-// infinite if x is not finite, except for NaN derivatives at a kink. Throws Error: input for a loaded plan, a
+// the times of |x - x_ref|, over the maximum of |x_ref| (at least a limit that docs/accuracy.md gives, for lengths the
+// characteristic length). It is infinite if x is not finite, except for derivatives that do not exist: of a distance at
+// 0, and of an unsigned angle at 0 or pi. Throws Error: input for a loaded plan, a
 // trajectory with other columns or without rows; environment if this build has no quadruple precision; numerical if the
 // reference does not converge.
 [[nodiscard]] ForwardError forward_error(const Prepared& prepared, const Trajectory& trajectory);

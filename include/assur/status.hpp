@@ -94,7 +94,9 @@ struct Place {
 struct [[nodiscard]] Status {
   Code code = Code::ok;  // ok, or the reason for the failure
   Place where;           // the object that failed, or whose error is the largest
-  double figure = 0;     // depends on the code: a pivot, a residual, an estimated error, a time in s; 0 if none
+  // Depends on the code, see the table in docs/accuracy.md: an estimated error, a residual, a ratio of singular values,
+  // a time in s, ...; 0 if none.
+  double figure = 0;
 
   // True if the operation succeeded with the accuracy asked for.
   [[nodiscard]] constexpr bool ok() const noexcept { return code == Code::ok; }

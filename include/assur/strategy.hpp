@@ -48,7 +48,8 @@ struct SolverSettings {
   Reuse reuse = Reuse::fresh;     // +reuse: the matrices that one factorisation serves
   bool once = false;              // +once: one factorisation per step, at the predicted posture
   bool separate = false;          // +separate: another factorisation for accelerations, to repeat published experiments
-  std::int32_t threads = 1;       // Q: threads within the linear algebra of a pack; changes the last bits of the motion
+  // Q: threads within the linear algebra of a pack, up to W groups in SIMD lanes; changes the last bits of the motion
+  std::int32_t threads = 1;
 
   friend bool operator==(const SolverSettings&, const SolverSettings&) = default;
 };

@@ -13,7 +13,7 @@
 
 namespace assur {
 
-class System;
+class System;  // the equations with their coordinates; for use inside the library
 
 // The equations that all groups of a class share, in local numbers. Each group fills the slots for coordinates and
 // constants with its own. Local coordinates: 0 to n - 1 are unknowns, n to n + inputs - 1 inputs, -1 is the constant 1.
@@ -146,8 +146,8 @@ struct Structure {
   GroupClass watch_class;        // class of `watch`; without equations if nothing is watched
   std::vector<Watched> watched;  // descriptions of its equations
   std::vector<std::int32_t> static_coordinates;  // unknowns that are solved once: indices into the coordinates
-  std::vector<double> start;                     // assembled start posture: all coordinates, internal units
-  std::vector<Diagnostic> notes;                 // findings of the assembly: another mode than the guess, ...
+  std::vector<double> start;      // for use inside the library: start posture, all coordinates, internal units
+  std::vector<Diagnostic> notes;  // findings of the assembly, e.g. if a group was assembled on another branch
   // Reason why the start posture cannot be assembled: the group and its most violated constraint; "": it is assembled.
   std::string cannot_assemble;
 
@@ -172,8 +172,8 @@ struct StructureOptions {
   std::int32_t predictor_derivatives = 0;
   // Names of drivers that the program sets. They count as moving even if their law is constant.
   std::vector<std::string> controlled;
-  // A posture (all coordinates of Structure::system, internal units) that replaces the guess, for example to choose
-  // other independent equations among redundant ones. Empty: the guess of the scene.
+  // For use inside the library: a posture (all coordinates of Structure::system, internal units) that replaces the
+  // guess, for example to choose other independent equations among redundant ones. Empty: the guess of the scene.
   std::vector<double> posture;
   double time = 0;  // time of `posture`, s
 };

@@ -23,7 +23,7 @@ GroupSolver::GroupSolver(const System& system, const Structure& structure, std::
 void GroupSolver::size(Pack& pack) const {
   const std::size_t w = idx(work_.lanes);
   pack.coefficients.assign((idx(one_coefficient(work_.program)) + 1) * w, 0.0);
-  std::fill_n(pack.coefficients.begin() + one_coefficient(work_.program) * work_.lanes, w, 1.0);
+  std::fill_n(pack.coefficients.data() + idx(one_coefficient(work_.program)) * w, w, 1.0);
   pack.lipschitz.resize(idx(work_.program.n) * w);
   pack.anchor.resize(guard_.blocks().reads_start(work_.program.blocks) * w);
   pack.omega.assign(idx(work_.program.blocks) * w, 0.0);

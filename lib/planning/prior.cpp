@@ -83,7 +83,7 @@ double rest_seconds(const Shape& shape, const Strategy& s) {
 
 // `--kernel evaluate`.
 double evaluate_seconds(const Shape& shape, const Strategy& s) {
-  const auto terms = static_cast<double>(std::max<std::int64_t>(shape.terms, 2 * shape.nnz));
+  const auto terms = static_cast<double>(std::max<std::int64_t>(shape.terms, std::int64_t{2} * shape.nnz));
   return 1e-9 * (5 + 0.8 * terms * width(s, 0.13));
 }
 

@@ -8,6 +8,7 @@
 #include "parallel/machine.hpp"
 #include "planning/check_plan.hpp"
 #include "planning/plan_fields.hpp"
+#include "scene/law_sum.hpp"
 
 namespace assur {
 namespace {
@@ -96,27 +97,29 @@ void fields(PlanWriter& write, const Law& law) {
 void fields(PlanReader& read, Law& law) {
   std::int32_t parts = 0;
   read(parts);
-  for (law = Law(); parts > 0; --parts) {
+  std::vector<Law> laws;
+  for (; parts > 0; --parts) {
     LawPart kind{};
     read(kind);
     if (kind == LawPart::polynomial) {
       std::vector<double> coefficients;
       read(coefficients);
-      law = law + Law::polynomial(std::move(coefficients));
+      laws.push_back(Law::polynomial(std::move(coefficients)));
     } else if (kind == LawPart::harmonics) {
       double offset = 0;
       std::vector<Harmonic> terms;
       read(offset, terms);
-      law = law + Law::harmonics(std::move(terms), offset);
+      laws.push_back(Law::harmonics(std::move(terms), offset));
     } else if (kind == LawPart::table) {
       bool periodic = false;
       std::vector<double> time, value;
       read(periodic, time, value);
-      law = law + Law::table(std::move(time), std::move(value), periodic);
+      laws.push_back(Law::table(std::move(time), std::move(value), periodic));
     } else {
       read.refuse("a polynomial, harmonics or a table was expected here");
     }
   }
+  law = sum_of(laws);
 }
 
 void save_plan(std::ostream& out, const Prepared& prepared) {

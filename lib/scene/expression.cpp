@@ -98,6 +98,11 @@ class Expressions::Parsers {
     return "";
   }
 
+  std::string parameter_near(const std::string& name) {
+    if (suggestions_left_-- <= 0) return "";
+    return suggestion(name, {announced_.begin(), announced_.end()});
+  }
+
   Result explain(const std::string& text, const mu::Parser::exception_type& error) {
     if (text.find_first_not_of(" \t\r\n") == std::string::npos) return {0, "an expression is missing after '='", false};
     if (const std::string function = unknown_function(text); !function.empty()) {
@@ -111,9 +116,7 @@ class Expressions::Parsers {
         follows = follows || broken_.count(name) != 0;
         if (known_.count(name) != 0) continue;
         const std::string time = name == "t" ? "; expressions do not depend on time, laws do" : "";
-        const std::vector<std::string_view> candidates(announced_.begin(), announced_.end());
-        return {0, "there is no parameter " + in_quotes(name) + (time.empty() ? suggestion(name, candidates) : time),
-                false};
+        return {0, "there is no parameter " + in_quotes(name) + (time.empty() ? parameter_near(name) : time), false};
       }
       if (follows) return {0, "", true};
     } catch (const mu::Parser::exception_type& unreadable_error) {
@@ -126,6 +129,7 @@ class Expressions::Parsers {
   mu::Parser values_;  // has the parameters as constants
   std::unordered_set<std::string> known_, broken_;
   std::vector<std::string> announced_;
+  int suggestions_left_ = 100;  // each compares all parameters
 };
 
 Expressions::Expressions() : parsers_(std::make_unique<Parsers>()) {}

@@ -84,7 +84,11 @@ const JsonReader::Kind<Item>* JsonReader::told_kind(const std::vector<Kind<Item>
 
 void JsonReader::read_constraints(const JsonNode* section) {
   read_kinds<Constraint>(section, Where("/constraints"), rows::kConstraint, rows::kConstraints,
-                         {{}, {std::begin(rows::kLater), std::end(rows::kLater)}});
+                         {{}, {std::begin(rows::kNoConstraints), std::end(rows::kNoConstraints)}});
+}
+
+void JsonReader::read_joints(const JsonNode* section) {
+  read_kinds<Joint>(section, Where("/joints"), rows::kJoint, rows::kJoints, {});
 }
 
 void JsonReader::read_drivers(const JsonNode* section) {
@@ -102,6 +106,11 @@ bool JsonReader::is_pair_of_points(const JsonNode& node) const {
   const auto is_point = [&](const JsonNode& item) { return point_names_.count(item.text()) != 0; };
   return items.size() == 2 && std::none_of(items.begin(), items.end(), is_pair) &&
          std::any_of(items.begin(), items.end(), is_point);
+}
+
+// The angle of a joint is in the unit of angles.
+void JsonReader::put(DrivenCoordinate& out, const rows::Slot<DrivenCoordinate, Law>&, const Place& at) {
+  out.law = law(at, out.coordinate.ends_with(".angle") ? angle_unit_ : 1);
 }
 
 void JsonReader::put(Combination& out, const rows::Slot<Combination, double>&, const Place& at) {

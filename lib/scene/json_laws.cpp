@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "parallel/free_memory.hpp"
 #include "scene/csv.hpp"
 #include "scene/input_file.hpp"
 #include "scene/json_reader.hpp"
+#include "scene/law_sum.hpp"
 
 namespace assur {
 namespace {
@@ -38,6 +40,20 @@ Table read_table(std::string_view file, const std::string& name) {
     table.value.push_back(value);
   }
   return table;
+}
+
+// A sum has copies of its tables: a short list may name a large one many times.
+void check_tables(std::span<const Law> laws) {
+  if (laws.size() < 2) return;
+  std::size_t rows = 0;
+  for (const Law& law : laws) {
+    for (const Law::Part& part : law.parts()) {
+      if (const auto* spline = std::get_if<Law::Spline>(&part)) rows += spline->time.size();
+    }
+  }
+  if (rows == 0) return;
+  require_memory(2.0 * sizeof(double) * 3 * static_cast<double>(rows),
+                 "a sum of laws with tables of " + std::to_string(rows) + " rows in all", "add fewer tables");
 }
 
 }  // namespace
@@ -88,10 +104,11 @@ void JsonReader::read(std::vector<Law>& out, const rows::About& about, const Pla
 Law JsonReader::law(const Place& at, double unit) {
   const auto& [node, where] = at;
   if (node.is(Type::array)) {
-    Law sum;
     if (at.size() == 0) note(where, "an empty list of laws; write at least one, e.g. [{\"constant\": 0}]");
-    for (std::size_t i = 0; i < at.size(); ++i) sum = i == 0 ? law(at[i], unit) : sum + law(at[i], unit);
-    return sum;
+    std::vector<Law> laws;
+    for (std::size_t i = 0; i < at.size(); ++i) laws.push_back(law(at[i], unit));
+    check_tables(laws);
+    return sum_of(laws);
   }
   if (node.is(Type::number) || node.is(Type::string)) {
     note(where, "a law is wanted here; for a number write {\"constant\": ...}");

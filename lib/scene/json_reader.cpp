@@ -41,13 +41,17 @@ JsonReader::Object::Object(JsonReader& reader, const Place& at, const rows::Keys
                              std::string(with_article(at.node.type())));
     return;
   }
+  const auto is_allowed = [&](std::string_view key) {
+    return std::find(allowed.begin(), allowed.end(), key) != allowed.end();
+  };
+  if (std::all_of(at.node.keys().begin(), at.node.keys().end(), is_allowed)) return;
+  std::vector<std::string_view> absent;
+  for (const std::string_view name : allowed) {
+    if (find(name) == nullptr) absent.push_back(name);
+  }
   for (const std::string_view key : at.node.keys()) {
-    if (std::find(allowed.begin(), allowed.end(), key) != allowed.end()) continue;
+    if (is_allowed(key)) continue;
     if (reader_.is_refused(key, keys, where_)) continue;
-    std::vector<std::string_view> absent;
-    for (const std::string_view name : allowed) {
-      if (find(name) == nullptr) absent.push_back(name);
-    }
     const bool only_one_fits = allowed.size() == 1 && absent.size() == 1;
     const std::string near = near_miss(key, absent);
     const std::string hint =
@@ -140,6 +144,14 @@ void JsonReader::read(std::string& out, const rows::About& about, const Place& a
 void JsonReader::read(std::vector<std::string>& out, const rows::About& about, const Place& at) {
   if (!expect(at, Type::array, "[\"" + std::string(about.example) + "\"]")) return;
   for (std::size_t i = 0; i < at.size(); ++i) out.push_back(text(at[i], about.example));
+}
+
+void JsonReader::read(Anchor& out, const rows::About&, const Place& at) {
+  if (at.node.is(Type::string)) {
+    out = std::string(at.node.text());
+  } else {
+    out = triple(at);
+  }
 }
 
 void JsonReader::read(Direction& out, const rows::About&, const Place& at) {

@@ -86,6 +86,7 @@ class JsonReader {
   void read(Triple& out, const rows::About& about, const Place& at);
   void read(std::string& out, const rows::About& about, const Place& at);
   void read(std::vector<std::string>& out, const rows::About& about, const Place& at);
+  void read(Anchor& out, const rows::About& about, const Place& at);
   void read(Direction& out, const rows::About& about, const Place& at);
   void read(std::vector<std::pair<std::string, double>>& out, const rows::About& about, const Place& at);
   void read(std::vector<Member>& out, const rows::About& about, const Place& at);
@@ -110,6 +111,7 @@ class JsonReader {
     read(out.*slot.member, slot.about, at);
   }
   void put(Combination& out, const rows::Slot<Combination, double>& constant, const Place& at);
+  void put(DrivenCoordinate& out, const rows::Slot<DrivenCoordinate, Law>& law, const Place& at);
   template <class Struct, class... Entries>
   void put(Struct& out, const rows::List<Entries...>& list, const Place& at) {
     const bool fits = at.node.is(Type::array) && at.size() == sizeof...(Entries);
@@ -139,6 +141,7 @@ class JsonReader {
             const std::function<void(const std::string&, const Place&)>& read);
   template <class Item, class Row>
   void read_items(const JsonNode* section, const Where& where, const Row& row);
+  void read_joints(const JsonNode* section);
   void read_constraints(const JsonNode* section);
   void read_drivers(const JsonNode* section);
   void read_measures(const JsonNode* section);

@@ -33,8 +33,8 @@ void JsonReader::read_items(const JsonNode* section, const Where& where, const R
 SceneBuilder JsonReader::read(const std::string& name) {
   check_version();
   Object scene(*this, {document_.root, Where()},
-               {{"assur", "name", "dimension", "angles", "parameters", "points", "vectors", "bodies", "constraints",
-                 "drivers", "measures", "groups", "outputs", "time"}});
+               {{"assur", "name", "dimension", "angles", "parameters", "points", "vectors", "bodies", "joints",
+                 "constraints", "drivers", "measures", "groups", "outputs", "time"}});
   if (!scene.is_object()) throw Error(Error::Kind::input, std::move(findings_));
   (void)scene.need("assur", "the version of the format, \"assur\": 1");
   read_dimension(scene);
@@ -51,6 +51,7 @@ SceneBuilder JsonReader::read(const std::string& name) {
   read_items<Point>(scene.find("points"), Where("/points"), rows::kPoint);
   read_items<Vector>(scene.find("vectors"), Where("/vectors"), rows::kVector);
   read_items<Body>(scene.find("bodies"), Where("/bodies"), rows::kBody);
+  read_joints(scene.find("joints"));
   read_constraints(scene.find("constraints"));
   read_drivers(scene.find("drivers"));
   read_measures(scene.find("measures"));

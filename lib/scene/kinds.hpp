@@ -184,34 +184,56 @@ inline constexpr std::tuple kMeasures{
                      key("constant", slot(&Combination::constant, {Means::of_terms}))),
 };
 
-// Constraints of later versions of the format.
-inline constexpr Refused kJoint{
-    "joints come in a later format version; write bodies that share points and vectors, and the constraints of this "
-    "version"};
-inline constexpr std::pair<std::string_view, Refused> kLater[] = {
-    {"revolute", kJoint},
-    {"prismatic", kJoint},
-    {"cylindrical", kJoint},
-    {"spherical", kJoint},
-    {"universal", kJoint},
-    {"planar", kJoint},
+template <class Kind>
+constexpr auto two_bodies() {
+  return list(slot(&Kind::a, {Means::text, "frame"}), slot(&Kind::b, {Means::text, "crank"}));
+}
+inline constexpr std::string_view kAnyPlace = "a place on the axis, {} in the ground as written or the name of a point";
+inline constexpr std::string_view kAxis = "the axis, {} or the name of a vector";
+
+inline constexpr std::tuple kJoints{
+    row<Revolute>(key("revolute", two_bodies<Revolute>()), key("at", slot(&Revolute::at), kAnyPlace),
+                  key("axis", slot(&Revolute::axis))),
+    row<Prismatic>(key("prismatic", two_bodies<Prismatic>()), key("axis", slot(&Prismatic::axis), kAxis)),
+    row<Cylindrical>(key("cylindrical", two_bodies<Cylindrical>()), key("at", slot(&Cylindrical::at), kAnyPlace),
+                     key("axis", slot(&Cylindrical::axis), kAxis)),
+    row<Spherical>(key("spherical", two_bodies<Spherical>()),
+                   key("at", slot(&Spherical::at), "the centre, {} in the ground as written or the name of a point")),
+    row<Universal>(
+        key("universal", two_bodies<Universal>()),
+        key("at", slot(&Universal::at), "the centre, {} in the ground as written or the name of a point"),
+        key("axes", list(slot(&Universal::axis_a, {Means::plain, "u"}), slot(&Universal::axis_b, {Means::plain, "v"})),
+            "the axis of the first body and that of the second one")),
+    row<Planar>(key("planar", two_bodies<Planar>()),
+                key("normal", slot(&Planar::normal), "the normal of the plane, {} or the name of a vector")),
+    row<Fixed>(key("fixed", two_bodies<Fixed>())),
+};
+
+// Kinds that are no constraints.
+inline constexpr Refused kJointElsewhere{"this is a joint; joints have a section of their own, \"joints\""};
+inline constexpr std::pair<std::string_view, Refused> kNoConstraints[] = {
+    {"revolute", kJointElsewhere},
+    {"prismatic", kJointElsewhere},
+    {"cylindrical", kJointElsewhere},
+    {"spherical", kJointElsewhere},
+    {"universal", kJointElsewhere},
+    {"planar", kJointElsewhere},
     {"gear", {"a gear is a Callback of the C++ interface and cannot be written in a file"}}};
 
 // ---- other objects
 
 inline constexpr auto kDriver = row<Driver>(key("relative", slot(&Driver::relative)));  // beside its kind
+inline constexpr auto kJoint = row<Joint>();
 inline constexpr auto kConstraint = row<Constraint>();
 inline constexpr auto kMeasure = row<Measure>();
 inline constexpr auto kPoint =
     row<Point>(key("at", slot(&Point::at), "the position {}"), key("fixed", slot(&Point::fixed)));
 inline constexpr auto kVector = row<Vector>(key("at", slot(&Vector::at), "the direction {}"),
                                             key("fixed", slot(&Vector::fixed)), key("unit", slot(&Vector::unit)));
-inline constexpr auto kBody =
-    row<Body>(key("origin", slot(&Body::origin, {Means::text, "O"})),
-              key("frame", slot(&Body::frame, {Means::text, "u"})), key("base", slot(&Body::base, {Means::text, "A"})),
-              key("points", slot(&Body::points)), key("vectors", slot(&Body::vectors)),
-              key("rigid", Refused{"\"rigid\" comes in a later format version; write a \"base\" and members with local "
-                                   "coordinates"}));
+inline constexpr auto kBody = row<Body>(
+    key("origin", slot(&Body::origin, {Means::text, "O"})), key("frame", slot(&Body::frame, {Means::text, "u"})),
+    key("base", slot(&Body::base, {Means::text, "A"})), key("points", slot(&Body::points)),
+    key("vectors", slot(&Body::vectors)), key("rigid", slot(&Body::rigid, {Means::text, "A"})));
 inline constexpr auto kMember =
     row<Member>(key("at", slot(&Member::local), "the ground coordinates in the posture as written"));
 inline constexpr auto kGroup = row<DeclaredGroup>(
@@ -237,7 +259,7 @@ constexpr const auto& find(const std::tuple<Rows...>& rows) {
   }
 }
 
-inline constexpr auto kKinds = std::tuple_cat(kConstraints, kDrivers, kMeasures);
+inline constexpr auto kKinds = std::tuple_cat(kJoints, kConstraints, kDrivers, kMeasures);
 
 template <class Kind>
 constexpr const auto& row_of() {

@@ -43,14 +43,15 @@ void check_table(std::span<const double> time, std::span<const double> value) {
   }
 }
 
-// Checks that slopes and bends are finite: times are not too close, and values not too large.
+// Checks that slopes and bends are finite, in the order of their evaluation: times are neither too close nor too far
+// apart, and values are not too large.
 void check_spline(std::span<const double> time, std::span<const double> value, std::span<const double> second) {
   for (std::size_t i = 1; i < time.size(); ++i) {
     const double length = time[i] - time[i - 1], slope = (value[i] - value[i - 1]) / length;
-    const double bend = std::max(std::abs(second[i - 1]), std::abs(second[i])) * length * length;
+    const double bend = length * length * (4 * (std::abs(second[i - 1]) + std::abs(second[i])));
     if (std::isfinite(slope) && std::isfinite(bend)) continue;
     refuse("no spline in doubles goes through this table between " + at("time", i - 1) + " and " + at("time", i) +
-           ": the times are too close to each other, or the values too large");
+           ": the times are too close to each other or too far apart, or the values too large");
   }
 }
 

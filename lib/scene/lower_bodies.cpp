@@ -1,6 +1,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <initializer_list>
+#include <iterator>
+#include <string_view>
 
 #include "scene/lowering_parts.hpp"
 
@@ -8,32 +11,40 @@ namespace assur {
 
 namespace {
 
-// Local axes of a base of three points, in ground coordinates in the posture as written.
+// Local axes of a base with three entries, in ground coordinates in the posture as written.
 std::array<Triple, 3> base_axes(const Forms& forms, const Body& body) {
-  const Triple a = forms.at(body.base[0]);
-  const Triple x = direction_of(triple::subtract(forms.at(body.base[1]), a));
-  const Triple z = direction_of(triple::cross(x, triple::subtract(forms.at(body.base[2]), a)));
+  const Triple x = direction_of(forms.at(base_direction(forms, body, 1)));
+  const Triple z = direction_of(triple::cross(x, forms.at(base_direction(forms, body, 2))));
   return {x, triple::cross(z, x), z};
 }
 
 }  // namespace
 
+Direction base_direction(const Forms& forms, const Body& body, std::size_t i) {
+  if (forms.item(body.base[i]).dimension == 0) return {body.base[i]};
+  return {body.base[0], body.base[i]};
+}
+
 BaseShape base_shape(const Forms& forms, const Shared& shared, const Body& b) {
+  const auto is_point = [&](std::size_t i) { return forms.item(b.base[i]).dimension == 1; };
   const auto is_given = [&](std::size_t i, std::size_t j) {
     return shared.lengths.count(pair_key(b.base[i], b.base[j])) != 0;
   };
   const auto length = [&](std::size_t i, std::size_t j) {
+    if (!is_point(j)) return length_of(forms.at(b.base[j]));
     const auto given = shared.lengths.find(pair_key(b.base[i], b.base[j]));
     if (given != shared.lengths.end()) return given->second;
     return length_of(triple::subtract(forms.at(b.base[j]), forms.at(b.base[i])));
   };
   BaseShape shape{length(0, 1)};
-  if (forms.dimension() == 2) return shape;
-  if (!is_given(0, 1) && !is_given(0, 2) && !is_given(1, 2)) {
+  if (b.base.size() == 2) return shape;
+  const bool any_given = is_given(0, 1) || is_given(0, 2) || is_given(1, 2);
+  if (!any_given || !is_point(1) || !is_point(2)) {
     const auto [x, y, z] = base_axes(forms, b);
-    const Triple third = triple::subtract(forms.at(b.base[2]), forms.at(b.base[0]));
-    shape.x = triple::dot(third, x);
-    shape.y = triple::dot(third, y);
+    const Triple third = forms.at(base_direction(forms, b, 2));
+    const double stretched = is_given(0, 2) ? length(0, 2) / length_of(third) : 1;
+    shape.x = stretched * triple::dot(third, x);
+    shape.y = stretched * triple::dot(third, y);
     return shape;
   }
   const double p = shape.length, q = length(0, 2), r = length(1, 2);
@@ -113,18 +124,18 @@ void BodyWriter::declare_in_frame(const Body& b) {
 
 // Points are A + alpha (B - A) + beta (B - A) turned left; vectors lack A.
 void BodyWriter::declare_in_plane(const Body& b) {
-  const Item first = forms_.item(b.base[0]), second = forms_.item(b.base[1]);
+  const Item first = forms_.item(b.base[0]);
+  const Direction side = base_direction(forms_, b, 1);
   const double length = base_shape(forms_, shared_, b).length;
   const auto declare = [&](const Member& m, int power) {
     const double alpha = m.local[0] / length, beta = m.local[1] / length;
     Index f[3] = {-1, -1, -1};
     for (int k = 0; k < 2; ++k) {
-      const Index along = forms_.difference(second.form[k], first.form[k]);
-      const Index across = forms_.difference(second.form[1 - k], first.form[1 - k]);
+      const Forms::Components along = forms_.direction(side);
       Terms terms;
       if (power == 1) forms_.append(terms, first.form[k], kPlus);
-      forms_.append(terms, along, forms_.constant(alpha, power - 1));
-      forms_.append(terms, across, forms_.constant(k == 0 ? -beta : beta, power - 1));
+      forms_.append(terms, along.form[k], forms_.constant(alpha, power - along.power));
+      forms_.append(terms, along.form[1 - k], forms_.constant(k == 0 ? -beta : beta, power - along.power));
       f[k] = forms_.form(terms);
     }
     forms_.declare_derived(m.name, power, f);
@@ -133,10 +144,13 @@ void BodyWriter::declare_in_plane(const Body& b) {
   for (const Member& m : b.vectors) declare(m, 0);
 }
 
-// Points are A + alpha (B - A) + beta (C - A) + z normal; vectors lack A. The normal exists if a member is off the
-// plane.
+// Points are A + alpha d + beta e + z normal with the directions d and e of the base; vectors lack A. The normal exists
+// if a member is off the plane.
 void BodyWriter::declare_in_space(const Body& b) {
-  const Item first = forms_.item(b.base[0]), second = forms_.item(b.base[1]), third = forms_.item(b.base[2]);
+  const Item first = forms_.item(b.base[0]);
+  const bool is_line = b.base.size() == 2;
+  const Direction side = base_direction(forms_, b, 1);
+  const Direction other = is_line ? side : base_direction(forms_, b, 2);
   const BaseShape shape = base_shape(forms_, shared_, b);
   const auto out_of_plane = [](const Member& m) { return m.local[2] != 0; };
   const bool with_normal = std::any_of(b.points.begin(), b.points.end(), out_of_plane) ||
@@ -148,15 +162,14 @@ void BodyWriter::declare_in_space(const Body& b) {
     area_[b.name] = shape.length * shape.y;
   }
   const auto declare = [&](const Member& m, int power) {
-    const double beta = m.local[1] / shape.y, alpha = (m.local[0] - beta * shape.x) / shape.length;
+    const double beta = is_line ? 0 : m.local[1] / shape.y, alpha = (m.local[0] - beta * shape.x) / shape.length;
+    const Forms::Components d = forms_.direction(side), e = forms_.direction(other);
     Index f[3] = {-1, -1, -1};
     for (int k = 0; k < 3; ++k) {
       Terms terms;
       if (power == 1) forms_.append(terms, first.form[k], kPlus);
-      const Index a = forms_.constant(alpha, power - 1);
-      forms_.append(terms, forms_.difference(second.form[k], first.form[k]), a);
-      const Index c = forms_.constant(beta, power - 1);
-      forms_.append(terms, forms_.difference(third.form[k], first.form[k]), c);
+      forms_.append(terms, d.form[k], forms_.constant(alpha, power - d.power));
+      if (!is_line) forms_.append(terms, e.form[k], forms_.constant(beta, power - e.power));
       if (with_normal) forms_.append(terms, forms_.item(normal).form[k], forms_.constant(m.local[2], power));
       f[k] = forms_.form(terms);
     }
@@ -182,6 +195,16 @@ void BodyWriter::write_equations() {
     } else if (!b.base.empty()) {
       write_base(b);
     }
+    note_written(b, static_cast<Index>(i));
+  }
+}
+
+void BodyWriter::note_written(const Body& b, Index index) {
+  const auto note = [&](const std::string& name) { written_[name].push_back(index); };
+  if (!b.origin.empty()) note(b.origin);
+  for (const auto* names : {&b.frame, &b.base}) std::for_each(names->begin(), names->end(), note);
+  for (const auto* members : {&b.points, &b.vectors}) {
+    for (const Member& m : *members) note(m.name);
   }
 }
 
@@ -223,39 +246,73 @@ void BodyWriter::write_frame_about(Index from, const Item& known, const Item& ne
   if (!forms_.all_known(after)) forms_.cross_equation(from, after.form, known.form, next.form);
 }
 
+// True if one of the bodies written before has all of these items, so that it keeps their places to each other.
+bool BodyWriter::is_kept(std::initializer_list<std::string_view> names) const {
+  std::vector<Index> common;
+  for (bool first = true; const std::string_view name : names) {
+    const auto found = written_.find(name);
+    if (found == written_.end()) return false;
+    std::vector<Index> both;
+    if (!first)
+      std::set_intersection(common.begin(), common.end(), found->second.begin(), found->second.end(),
+                            std::back_inserter(both));
+    common = first ? found->second : std::move(both);
+    first = false;
+  }
+  return !common.empty();
+}
+
 void BodyWriter::write_base(const Body& b) {
+  const auto known = [&](std::size_t i) { return forms_.all_known(forms_.item(b.base[i])); };
   // Omits a distance that another body or a constraint has written already.
   const auto keep_distance = [&](const std::string& p, const std::string& q) {
     const Item a = forms_.item(p), c = forms_.item(q);
-    if ((forms_.all_known(a) && forms_.all_known(c)) || !shared_.distances.insert(pair_key(p, q)).second) return;
+    if ((forms_.all_known(a) && forms_.all_known(c)) || is_kept({p, q})) return;
+    if (!shared_.distances.insert(pair_key(p, q)).second) return;
     forms_.distance_equation(forms_.source("body " + b.name), a, c,
                              length_of(triple::subtract(forms_.at(p), forms_.at(q))));
   };
   if (!posed_by_equations(b)) {
-    keep_distance(b.base[0], b.base[1]);
-    if (forms_.dimension() == 3) {
-      keep_distance(b.base[0], b.base[2]);
+    const auto is_point = [&](std::size_t i) { return forms_.item(b.base[i]).dimension == 1; };
+    for (std::size_t i = 1; i < b.base.size(); ++i) {
+      if (is_point(i)) keep_distance(b.base[0], b.base[i]);
+    }
+    if (b.base.size() == 3 && is_point(1) && is_point(2)) {
       keep_distance(b.base[1], b.base[2]);
+    } else if (b.base.size() == 3) {
+      const bool all_known = known(1) && known(2) && (known(0) || (!is_point(1) && !is_point(2)));
+      const bool kept =
+          is_point(1) || is_point(2) ? is_kept({b.base[0], b.base[1], b.base[2]}) : is_kept({b.base[1], b.base[2]});
+      if (!all_known && !kept) keep_dot(b);
     }
   }
   if (const auto area = area_.find(b.name); area != area_.end()) write_normal(b, area->second);
 }
 
-// area * normal = (B - A) x (C - A)
+// The dot product of the two directions of a base is that of the posture as written.
+void BodyWriter::keep_dot(const Body& b) {
+  const Direction side = base_direction(forms_, b, 1), other = base_direction(forms_, b, 2);
+  const BaseShape shape = base_shape(forms_, shared_, b);
+  const Forms::Components d = forms_.direction(side), e = forms_.direction(other);
+  std::vector<Product> products;
+  forms_.add_dot(products, d.form, e.form);
+  const Index value = forms_.constant_form(-shape.length * shape.x, d.power + e.power);
+  Terms linear;
+  forms_.append(linear, value, kPlus);
+  forms_.equation(forms_.source("body " + b.name), products, linear);
+}
+
+// area * normal = d x e with the directions d and e of the base
 void BodyWriter::write_normal(const Body& b, double area) {
   const Item n = forms_.item(b.name + ".normal");
-  const Item first = forms_.item(b.base[0]), second = forms_.item(b.base[1]), third = forms_.item(b.base[2]);
   const Index from = forms_.source("body " + b.name);
-  Index x[3], y[3];
-  for (int k = 0; k < 3; ++k) {
-    x[k] = forms_.difference(second.form[k], first.form[k]);
-    y[k] = forms_.difference(third.form[k], first.form[k]);
-  }
+  const Direction side = base_direction(forms_, b, 1), other = base_direction(forms_, b, 2);
+  const Forms::Components d = forms_.direction(side), e = forms_.direction(other);
   for (int k = 0; k < 3; ++k) {
     Terms linear;
-    forms_.append(linear, n.form[k], forms_.constant(area, 2));
+    forms_.append(linear, n.form[k], forms_.constant(area, d.power + e.power));
     const int i = kNext[k], j = kAfter[k];
-    forms_.equation(from, {{x[i], y[j], kMinus}, {x[j], y[i], kPlus}}, linear);
+    forms_.equation(from, {{d.form[i], e.form[j], kMinus}, {d.form[j], e.form[i], kPlus}}, linear);
   }
 }
 

@@ -103,7 +103,7 @@ void DriverWriter::note_own(std::vector<Index>& own, const Pose& p) {
   const Item& origin = forms_.item(b.base.empty() ? b.origin : b.base[0]);
   own.insert(own.end(), origin.form, origin.form + forms_.dimension());
   for (const std::string& axis : b.frame) append_own(own, axis);
-  for (std::size_t i = 1; i < b.base.size(); ++i) append_own(own, {b.base[0], b.base[i]});
+  for (std::size_t i = 1; i < b.base.size(); ++i) append_own(own, base_direction(forms_, b, i));
 }
 
 // In a declared group the base remains unknown.

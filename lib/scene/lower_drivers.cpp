@@ -184,7 +184,8 @@ std::vector<DriverWriter::PoseTarget> DriverWriter::pose_targets(const Body& b, 
       Terms terms;
       if (point) forms_.append(terms, input_form(n, k), kPlus);
       for (const auto& [j, l] : local) {
-        forms_.append(terms, input_form(n, dim + j * dim + k), point ? forms_.constant(l, 1) : kPlus);
+        forms_.append(terms, input_form(n, dim + j * dim + k),
+                      point || l != 1 ? forms_.constant(l, point ? 1 : 0) : kPlus);
       }
       t.form[k] = forms_.form(terms);
     }
@@ -197,8 +198,9 @@ std::vector<DriverWriter::PoseTarget> DriverWriter::pose_targets(const Body& b, 
   }
   const BaseShape shape = base_shape(forms_, shared_, b);
   add(b.base[0], true, {});
-  add(b.base[1], true, {{0, shape.length}});
-  if (b.base.size() > 2) add(b.base[2], true, {{0, shape.x}, {1, shape.y}});
+  const auto is_point = [&](std::size_t i) { return forms_.item(b.base[i]).dimension == 1; };
+  add(b.base[1], is_point(1), {{0, shape.length}});
+  if (b.base.size() > 2) add(b.base[2], is_point(2), {{0, shape.x}, {1, shape.y}});
   return out;
 }
 

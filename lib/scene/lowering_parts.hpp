@@ -36,8 +36,11 @@ struct Shared {
   std::vector<bool> fixes;                         // drivers that fix coordinates, so that no equation is left
 };
 
-// Local coordinates of a base of points: (0, 0), (length, 0) and in space (x, y). Lengths are those of distance
-// constraints with a value, else of the points as written. Throws Error (input) if three lengths make no triangle.
+// The direction of entry i >= 1 of a base: a vector, or from the first point to this one.
+[[nodiscard]] Direction base_direction(const Forms& forms, const Body& body, std::size_t i);
+
+// Local coordinates of the directions of a base: (length, 0) and in space (x, y). Lengths are those of distance
+// constraints with a value, else of the posture as written. Throws Error (input) if three lengths make no triangle.
 struct BaseShape {
   double length, x = 0, y = 0;
 };
@@ -60,12 +63,16 @@ class BodyWriter {
   [[nodiscard]] bool posed_by_equations(const Body& body) const;
   void write_frame(const Body& body, Index index);
   void write_frame_about(Index source, const Item& fixed, const Item& next, const Item& after);
+  [[nodiscard]] bool is_kept(std::initializer_list<std::string_view> names) const;
+  void note_written(const Body& body, Index index);
   void write_base(const Body& body);
+  void keep_dot(const Body& body);
   void write_normal(const Body& body, double area);
 
   Forms& forms_;
   Shared& shared_;
-  std::unordered_map<std::string, double> area_;  // bodies with a normal
+  std::unordered_map<std::string, double> area_;                    // bodies with a normal
+  std::map<std::string, std::vector<Index>, std::less<>> written_;  // bodies whose base or members have this name
 };
 
 class ConstraintWriter {

@@ -7,6 +7,8 @@
 namespace assur {
 namespace {
 
+constexpr std::size_t kLongestName = 255;
+
 bool is_letter(char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '_'; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
@@ -76,12 +78,12 @@ bool is_name(std::string_view text) {
 }
 
 std::string why_no_name(std::string_view text) {
-  constexpr std::size_t kLongest = 255;
   if (!is_name(text)) return in_quotes(text) + " is not a name; use letters, digits and _, and no digit first";
-  return text.size() <= kLongest ? "" : in_quotes(text) + " is too long for a name: 255 characters at most";
+  return text.size() <= kLongestName ? "" : in_quotes(text) + " is too long for a name: 255 characters at most";
 }
 
 std::string near_miss(std::string_view word, const std::vector<std::string_view>& candidates) {
+  if (word.size() > kLongestName) return "";  // no name; a comparison takes the product of both lengths
   std::size_t best = word.size() <= 1 ? 0 : word.size() <= 5 ? 1 : 2;  // typing errors that leave the word recognisable
   std::string_view found;
   for (const std::string_view candidate : candidates) {
@@ -101,7 +103,8 @@ std::string suggestion(std::string_view word, const std::vector<std::string_view
 std::string excerpt(std::string_view text) {
   constexpr std::size_t kLongest = 120, kShown = 100;
   std::size_t end = text.size() > kLongest ? kShown : text.size();
-  while (end < text.size() && is_continued(text[end])) --end;  // no character is cut
+  // No character, of at most four bytes, is cut in two.
+  while (end < text.size() && end > kShown - 3 && is_continued(text[end])) --end;
   std::string shown;
   for (std::size_t i = 0; i < end; ++i) {
     const bool of_two = text[i] == '\xc2' && i + 1 < end;  // U+0080 to U+009F are control characters as well

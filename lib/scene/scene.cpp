@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "decimal.hpp"
+#include "scene/joints.hpp"
 #include "scene/names.hpp"
 #include "scene/triple.hpp"
 #include "scene/validation.hpp"
@@ -93,6 +94,10 @@ SceneBuilder& SceneBuilder::add(Body body) {
   parts_.bodies.push_back(std::move(body));
   return *this;
 }
+SceneBuilder& SceneBuilder::add(Joint joint) {
+  parts_.joints.push_back(std::move(joint));
+  return *this;
+}
 SceneBuilder& SceneBuilder::add(Constraint constraint) {
   parts_.constraints.push_back(std::move(constraint));
   return *this;
@@ -136,6 +141,9 @@ SceneBuilder& SceneBuilder::diagnose(Diagnostic diagnostic) {
 
 Scene SceneBuilder::finish() {
   const auto parts = std::make_shared<Scene::Parts>(std::move(parts_));
+  JointParts joint_parts{parts->dimension,   parts->joints,  parts->points,   parts->vectors, parts->bodies,
+                         parts->constraints, parts->drivers, parts->measures, outputs_,       parts->warnings};
+  for (Diagnostic& finding : expand_joints(joint_parts)) found_.push_back(std::move(finding));
   parts->points.shrink_to_fit();
   parts->constraints.shrink_to_fit();
   Scene scene;

@@ -10,7 +10,7 @@ Where place(NameKind kind, std::string_view name) { return Where("/" + std::stri
 
 // True if a broken value at `pointer` may hide names.
 bool defines_names(std::string_view pointer) {
-  static constexpr std::string_view kSections[] = {"",        "/points",      "/vectors", "/bodies",
+  static constexpr std::string_view kSections[] = {"",        "/points",      "/vectors", "/bodies",  "/joints",
                                                    "/groups", "/constraints", "/drivers", "/measures"};
   static constexpr std::string_view kBodies = "/bodies/";
   if (pointer.substr(0, kBodies.size()) != kBodies) {
@@ -68,6 +68,10 @@ Symbols::Symbols(const Scene& scene, const Known& known) {
   const auto never = [](const auto&) { return false; };
   const auto nowhere = [](const auto&) { return Triple{}; };
 
+  if (!scene.joints().empty()) {
+    for (const Joint& j : scene.joints()) owners_.insert(j.name);
+    for (const Body& b : scene.bodies()) owners_.insert(b.name);
+  }
   symbols_.reserve(2 * (scene.points().size() + scene.vectors().size() + scene.constraints().size()));
   enter_all(NameKind::point, scene.points(), is_fixed, written);
   enter_all(NameKind::vector, scene.vectors(), is_fixed, written);
@@ -92,7 +96,8 @@ Symbols::Symbols(const Scene& scene, const Known& known) {
 
 void Symbols::enter(std::string_view name, const Where& where, Symbol symbol, const Known& known) {
   symbol.broken = known.at_or_below(where.text()) || known.at_or_above(where.text());
-  if (std::string wrong = why_no_name(name); !wrong.empty()) {
+  const bool of_owner = owners_.contains(name.substr(0, name.find('.'))) && name.find('.') != name.npos;
+  if (std::string wrong = of_owner ? "" : why_no_name(name); !wrong.empty()) {
     symbol.broken = true;
     findings_.push_back({where.text(), std::move(wrong)});
   } else if (name == "ground" && symbol.kind != NameKind::body) {

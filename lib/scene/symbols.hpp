@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 #include "assur/scene.hpp"
@@ -65,6 +66,7 @@ class Symbols {
 
   std::pmr::monotonic_buffer_resource memory_;  // freed as a whole, because millions of small pieces would leave gaps
   std::pmr::unordered_map<std::string_view, Symbol> symbols_{&memory_};
+  std::unordered_set<std::string_view> owners_;  // joints and bodies, for names such as "J.axis" that build() gives
   std::vector<std::pair<std::string_view, NameKind>> order_;
   std::vector<Diagnostic> findings_;
 };

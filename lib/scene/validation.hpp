@@ -108,6 +108,8 @@ class Validation {
   void check_bodies();
   void order_bodies();
   void check_base(const Body& body, const Where& where);
+  // The direction of entry i >= 1 of a base as written: a vector, or from the first point to this one.
+  [[nodiscard]] Triple base_direction(const Body& body, std::size_t i) const;
   void check_frame(const Body& body, const Where& where);
   void check_fixed_axes(const Body& body, const std::vector<Involved>& axes, const Where& where);
   void place_members(const Body& body, const Where& where);

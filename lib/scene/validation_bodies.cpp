@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "numbers.hpp"
 #include "scene/triple.hpp"
@@ -11,7 +12,9 @@ namespace {
 // Directions with a smaller sine count as parallel: no frame can be built on them in double precision.
 constexpr double kParallel = 1e-8;
 
-constexpr double kSquare = 1e-6;  // largest dot product of a frame's vectors; a scene may give them with seven digits
+constexpr double kSquare = 1e-6;   // largest dot product of a frame's vectors; a scene may give them with seven digits
+constexpr double kOffLine = 1e-9;  // largest relative distance of a member from the line of its body
+constexpr double kRounding = 8 * std::numeric_limits<double>::epsilon();
 
 // Columns: the local axes in ground coordinates.
 struct Frame {
@@ -99,6 +102,11 @@ void Validation::order_bodies() {
   }
 }
 
+Triple Validation::base_direction(const Body& body, std::size_t i) const {
+  const Symbol* entry = symbols_.find(body.base[i]);
+  return entry->kind == NameKind::vector ? entry->at : triple::subtract(entry->at, symbols_.find(body.base[0])->at);
+}
+
 void Validation::check_base(const Body& body, const Where& where) {
   const std::string shapes = dimension() == 3
                                  ? "an origin with a frame of three vectors, a base of three points, or an origin alone"
@@ -108,31 +116,34 @@ void Validation::check_base(const Body& body, const Where& where) {
   } else if (!body.base.empty() && (!body.origin.empty() || !body.frame.empty())) {
     report(where, "a body has either a base or an origin, not both: " + shapes);
   } else if (!body.base.empty()) {
-    const std::size_t wanted = dimension() == 3 ? 3 : 2;
-    if (body.base.size() != wanted) {
-      report(where / "base", "a base has " + std::to_string(wanted) + " points in " + std::to_string(dimension()) +
-                                 "D, not " + std::to_string(body.base.size()));
+    const std::size_t most = dimension() == 3 ? 3 : 2;
+    if (body.base.size() < 2 || body.base.size() > most) {
+      report(where / "base",
+             std::string("a base has a point and ") +
+                 (most == 2 ? "another point or a vector in 2D" : "one or two points or vectors in 3D") + ", not " +
+                 std::to_string(body.base.size()) + " entries");
     }
-    std::vector<Involved> points;
+    std::vector<Involved> entries;
     for (std::size_t i = 0; i < body.base.size(); ++i) {
-      points.push_back(point(body.base[i], where / "base" / i));
+      const Where here = where / "base" / i;
+      entries.push_back(i == 0 ? point(body.base[i], here) : point_or_vector(body.base[i], here));
       if (!appears_before(body.base, i)) continue;
-      report(where / "base" / i, in_quotes(body.base[i]) + " is in this base already; all its points must differ");
-      points.back().usable = false;
+      report(here, in_quotes(body.base[i]) + " is in this base already; all its entries must differ");
+      entries.back().usable = false;
     }
-    if (body.base.size() != wanted) return;
-    if (!std::all_of(points.begin(), points.end(), [](const Involved& p) { return p.usable; })) return;
-    const Triple along = triple::subtract(points[1].at, points[0].at);
+    if (body.base.size() < 2 || body.base.size() > most) return;
+    if (!std::all_of(entries.begin(), entries.end(), [](const Involved& p) { return p.usable; })) return;
+    const Triple along = base_direction(body, 1);
     const double length = triple::norm(along);
     if (length == 0) {
       report(where / "base", in_quotes(body.base[0]) + " and " + in_quotes(body.base[1]) +
                                  " are at the same place; a base needs different points");
-    } else if (wanted == 3) {
-      const Triple third = triple::subtract(points[2].at, points[0].at);
+    } else if (body.base.size() == 3) {
+      const Triple third = base_direction(body, 2);
       const double area = triple::norm(triple::cross(along, third));
       if (!(area > kParallel * length * triple::norm(third)) && std::isfinite(area)) {
         report(where / "base", in_quotes(body.base[0]) + ", " + in_quotes(body.base[1]) + " and " +
-                                   in_quotes(body.base[2]) + " lie on one line; a base needs points that do not");
+                                   in_quotes(body.base[2]) + " lie on one line; a base needs entries that do not");
       }
     }
   } else {
@@ -200,11 +211,14 @@ void Validation::place_members(const Body& body, const Where& where) {
   if (body.name != "ground") {
     if (body.base.size() >= 2) {
       frame.origin = at(body.base[0], NameKind::point);
-      frame.x = unit(triple::subtract(at(body.base[1], NameKind::point), frame.origin));
+      for (std::size_t i = 1; i < body.base.size(); ++i) {
+        const Symbol* entry = symbols_.find(body.base[i]);
+        (void)at(body.base[i], entry == nullptr ? NameKind::point : entry->kind);
+      }
+      if (usable) frame.x = unit(base_direction(body, 1));
       frame.y = turned_left(frame.x);
-      if (dimension() == 3 && body.base.size() == 3) {
-        const Triple third = triple::subtract(at(body.base[2], NameKind::point), frame.origin);
-        frame.z = unit(triple::cross(frame.x, third));
+      if (usable && dimension() == 3 && body.base.size() == 3) {
+        frame.z = unit(triple::cross(frame.x, base_direction(body, 2)));
         frame.y = triple::cross(frame.z, frame.x);
       }
     } else {
@@ -217,14 +231,35 @@ void Validation::place_members(const Body& body, const Where& where) {
       }
     }
   }
+  // A base of two entries in space: the body may turn about the line through them.
+  const bool is_line = dimension() == 3 && body.base.size() == 2;
   // A body with only an origin does not turn vectors.
   const bool turns = !body.frame.empty() || !body.base.empty();
   const auto place = [&](const Member& member, bool is_point) {
     Symbol* symbol = symbols_.find(member.name);
     if (symbol == nullptr || !symbol->is_derived()) return;
-    const Triple local = member.in_ground
-                             ? frame.turn_back(is_point ? triple::subtract(member.local, frame.origin) : member.local)
-                             : member.local;
+    Triple local = member.local;
+    if (member.in_ground && is_point) local = triple::subtract(local, frame.origin);
+    if (is_line) {
+      const double along = member.in_ground ? triple::dot(local, frame.x) : local[0];
+      const Triple off =
+          member.in_ground ? triple::subtract(local, triple::scale(along, frame.x)) : Triple{0, local[1], local[2]};
+      if (usable && triple::norm(off) > kOffLine * triple::norm(local)) {
+        report(where / (is_point ? "points" : "vectors") / member.name,
+               "the member is off the line through " + in_quotes(body.base[0]) +
+                   (symbols_.find(body.base[1])->kind == NameKind::point ? " and " : " along ") +
+                   in_quotes(body.base[1]) + ", about which nothing holds the body; place it on the line, or add " +
+                   "a third entry to the base");
+      }
+      local = {along, 0, 0};
+    } else if (member.in_ground) {
+      local = frame.turn_back(local);
+      // Rounding of ground coordinates must not tie a member to an axis of its body that it does not depend on.
+      const double size = is_point ? std::max(triple::norm(member.local), triple::norm(frame.origin)) : 1;
+      for (double& c : local) {
+        if (std::abs(c) <= kRounding * size) c = 0;
+      }
+    }
     if (member.in_ground) local_[member.name] = local;
     if (member.in_ground && usable && !triple::is_finite(local) && triple::is_finite(member.local)) {
       report(where / (is_point ? "points" : "vectors") / member.name,

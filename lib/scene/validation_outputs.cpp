@@ -111,7 +111,12 @@ void Validation::check_outputs() {
 }
 
 void Validation::check_output(const std::string& text, const Where& where) {
-  const std::size_t first = text.find('.');
+  std::size_t first = text.find('.');  // or a later one: "J.axis" may be a name
+  for (std::size_t end = text.size(); end != std::string::npos && end > first; end = text.rfind('.', end - 1)) {
+    if (symbols_.find(text.substr(0, end)) == nullptr) continue;
+    first = end < text.size() ? end : std::string::npos;
+    break;
+  }
   const std::string name = text.substr(0, first);
   std::string part = first == std::string::npos ? "" : text.substr(first + 1);
   const Symbol* symbol = symbols_.find(name);

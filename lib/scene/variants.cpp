@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <unordered_set>
 #include <utility>
 
 #include "assur/scene.hpp"
@@ -22,7 +23,7 @@ class VariantReader {
   explicit VariantReader(std::string source) : source_(std::move(source)) {}
 
   std::vector<Parameters> read(std::string_view file) {
-    while (findings_.size() < kMostVariantFindings && !file.empty()) {
+    while (!is_another_file() && !file.empty()) {
       ++line_;
       std::string_view text = take_line(file);
       if (line_ == 1 && text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
@@ -50,7 +51,9 @@ class VariantReader {
   }
 
   void take_names(std::string_view text) {
+    std::unordered_set<std::string_view> seen;
     for (const std::string_view field : fields_of(text)) {
+      if (is_another_file()) return;
       const std::string where = at_line(line_) + ", column " + std::to_string(names_.size() + 1);
       if (field.empty()) {
         note(where, "a name is missing");
@@ -58,7 +61,7 @@ class VariantReader {
         note(where, in_quotes(field) +
                         " is not the name of a parameter; the first line names one for each column, "
                         "separated by commas");
-      } else if (std::find(names_.begin(), names_.end(), field) != names_.end()) {
+      } else if (!seen.insert(field).second) {
         note(where, in_quotes(field) + " names a column already");
       }
       names_.emplace_back(field);
@@ -72,7 +75,7 @@ class VariantReader {
       return;
     }
     Parameters variant;
-    for (std::size_t i = 0; i < fields.size(); ++i) {
+    for (std::size_t i = 0; i < fields.size() && !is_another_file(); ++i) {
       const double value = parse_number(fields[i]);
       if (std::isnan(value)) {
         note(at_line(line_) + ", column " + std::to_string(i + 1) + " (" + excerpt(names_[i]) + ")",
@@ -91,6 +94,7 @@ class VariantReader {
     }
   }
 
+  [[nodiscard]] bool is_another_file() const { return findings_.size() >= kMostVariantFindings; }
   void note(std::string where, std::string what) { findings_.push_back({std::move(where), std::move(what)}); }
 
   static std::string at_line(int line) { return "line " + std::to_string(line); }

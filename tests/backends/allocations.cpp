@@ -24,7 +24,7 @@ namespace {
 }  // namespace
 
 #else
-// The program's own malloc comes before that of the C library, which keeps its functions under these names as well.
+// This malloc replaces that of the C library, whose functions are also available under the following names.
 extern "C" {
 void* __libc_malloc(std::size_t);
 void* __libc_calloc(std::size_t, std::size_t);

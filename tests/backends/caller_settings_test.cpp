@@ -67,7 +67,7 @@ class CallerSettings : public testing::TestWithParam<const Backend*> {
 TEST_P(CallerSettings, KeepsSettingsAfterEveryCall) {
   const Backend& backend = *GetParam();
   Random random(11);
-  for (const int n : {15, 300}) {  // 300: more than where OpenBLAS and the team begin to share out
+  for (const int n : {15, 300}) {  // with 300, OpenBLAS and the team use several threads
     const Matrix a = sparse(n, 3, random);
     for (const int threads : {1, 2}) {
       if (!backend.why_not({.n = n, .nnz = a.pattern.nnz()}, {threads}).empty()) continue;
@@ -81,7 +81,7 @@ TEST_P(CallerSettings, KeepsSettingsAfterEveryCall) {
         check("make");
         ASSERT_TRUE(solver->analyze(a.pattern, 1).ok());
         check("analyze");
-        for (int i = 0; i < 2; ++i) {  // the second may take another path
+        for (int i = 0; i < 2; ++i) {  // the second factorisation may take another path
           ASSERT_TRUE(solver->factorize(a.values).ok());
           check("factorize");
         }
@@ -105,8 +105,8 @@ TEST_P(CallerSettings, KeepsSettingsAfterEveryCall) {
   }
 }
 
-// OpenBLAS has one number of threads for the whole process: the caller that ends first must not restore that of the
-// other.
+// OpenBLAS has one number of threads for the whole process. After two concurrent callers it must be as it was before
+// both.
 TEST_P(CallerSettings, KeepsSettingsAfterConcurrentCalls) {
   const Backend& backend = *GetParam();
   if (backend.id != "lapack" && backend.id != "team") GTEST_SKIP() << "does not touch the threads of BLAS";

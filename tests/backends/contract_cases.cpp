@@ -54,8 +54,8 @@ std::vector<Case> badly_scaled() {
   };
 }
 
-// Backward errors do not depend on the condition, so that all are solved; conditions above 1 / eps may also be reported
-// as singular.
+// Backward errors do not depend on the condition, so all these matrices are solved. Conditions above 1 / eps may also
+// be reported as singular.
 std::vector<Case> ill_conditioned() {
   std::vector<Case> table;
   for (int n = 4; n <= 12; ++n) {
@@ -76,7 +76,7 @@ std::vector<Case> ill_conditioned() {
   return table;
 }
 
-// Growth of 2^(n - 1) under partial pivoting. Other orders of rows and columns may avoid it.
+// Pivots grow by 2^(n - 1) under partial pivoting. Other orders of rows and columns may avoid this growth.
 std::vector<Case> growing() {
   Case wilkinson_case{"wilkinson60", [](Random&) { return wilkinson(60); }, Outcome::grows};
   wilkinson_case.growth = std::pow(2, 59);
@@ -85,9 +85,9 @@ std::vector<Case> growing() {
   return {wilkinson_case, gfpp_case};
 }
 
-// Elimination of small whole numbers ends at an exact zero, except in symmetric solvers and after scaling by numbers
-// that are no powers of 2.
-constexpr double kNoSign = std::numeric_limits<double>::infinity();  // condition
+// The elimination of small whole numbers ends at an exact zero. Exceptions are symmetric solvers, and scaling by
+// numbers that are no powers of 2.
+constexpr double kNoSign = std::numeric_limits<double>::infinity();  // a condition: signs are not tested
 const std::map<std::string_view, Outcome> kInexact = {{"umfpack", Outcome::either},
                                                       {"mumps", Outcome::either},
                                                       {"ma27", Outcome::either},
@@ -103,7 +103,7 @@ std::vector<Case> refused() {
       {"all_zero", [](Random& r) { return scaled(sparse(15, 3, r), [](int, int) { return 0; }); }, Outcome::singular},
       {"repeated_row3", [](Random& r) { return repeated_row(3, r); }, Outcome::singular, kInexact, kNoSign},
       {"repeated_row15", [](Random& r) { return repeated_row(15, r); }, Outcome::singular, kInexact, kNoSign},
-      {"empty_column",  // no pattern can be worse
+      {"empty_column",  // singular for all values of its entries
        [](Random& r) {
          return compress(
              6, [](int, int j) { return j != 3; }, [&](int, int) { return nonzero(r); });

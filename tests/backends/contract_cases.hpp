@@ -14,7 +14,7 @@ namespace assur::test {
 
 enum class Outcome {
   solved,      // ok, with a normwise backward error of at most 10 n eps
-  grows,       // ok, but growth may spoil it: what a solver in double misses, refinement brings within 10 n eps
+  grows,       // ok; growth may spoil the solution in double, but refinement brings it within 10 n eps
   singular,    // refused
   not_finite,  // refused
   either,      // singular, or solved
@@ -22,11 +22,11 @@ enum class Outcome {
 
 struct Case {
   std::string name;
-  std::function<Matrix(Random&)> lane;  // one lane; the pattern is the same at every call
+  std::function<Matrix(Random&)> lane;  // makes one lane; the pattern is the same at every call
   Outcome outcome = Outcome::solved;
-  std::map<std::string_view, Outcome> except = {};  // backends that end otherwise
-  double condition = 0;  // in the maximum norm, roughly; 0: below 1e10 after scaling of rows and columns
-  double growth = 0;     // where partial pivoting in the natural order shows at least this growth
+  std::map<std::string_view, Outcome> except = {};  // backends with another outcome
+  double condition = 0;  // rough condition in the maximum norm; 0: below 1e10 after scaling of rows and columns
+  double growth = 0;     // partial pivoting in the natural order has at least this growth
 
   [[nodiscard]] Outcome expected(std::string_view id) const {
     const auto found = except.find(id);

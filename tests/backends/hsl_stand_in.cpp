@@ -1,6 +1,6 @@
-// Replaces the shared library of HSL in tests: the four entries of MA27 (argument lists of its specification, version
-// 1.0.0, section 2.1) by dense elimination with partial pivoting. It behaves as specified: too short workspaces are
-// refused with the length that is needed, singularity is a warning, nothing is printed.
+// Replaces the shared library of HSL in tests: dense elimination with partial pivoting stands behind the four entries
+// of MA27 (argument lists of its specification, version 1.0.0, section 2.1). As specified, too short workspaces are
+// refused with the length that is needed, singularity is a warning, and nothing is printed.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -8,7 +8,7 @@
 
 namespace {
 
-// A holds the dense factors, column-major, IW the rows that were exchanged.
+// After factorisation, A holds the dense factors, column-major, and IW the exchanged rows.
 constexpr int kTooFewIntegers = -3, kTooFewReals = -4, kRankDeficient = 3;
 
 bool eliminate(double* a, int* exchanged, std::size_t n) {
@@ -37,7 +37,7 @@ extern "C" {
 void ma27id_(int* icntl, double* cntl) {
   std::fill_n(icntl, 30, 0);
   std::fill_n(cntl, 5, 0.0);
-  icntl[0] = icntl[1] = 6;  // streams for messages, which a library must turn off
+  icntl[0] = icntl[1] = 6;  // streams for messages, which the caller must turn off
   cntl[0] = 0.1;
 }
 
@@ -52,7 +52,7 @@ void ma27ad_(const int* n, const int* nz, const int*, const int*, int*, const in
   for (int i = 0; i < 3 * *n; ++i) ikeep[i] = i;
   *nsteps = *n;
   *ops = *iflag;
-  info[4] = *nz + *n;  // too little on purpose: pivoting needs more than this promises
+  info[4] = *nz + *n;  // too little on purpose, because pivoting may need more than the analysis predicts
   info[5] = *nz;
 }
 

@@ -27,7 +27,7 @@ bool can_run([[maybe_unused]] const std::string& core) {
   if (core == "skylakex") return avx512;
   if (core == "cooperlake") return avx512 && __builtin_cpu_supports("avx512bf16");
 #endif
-  return true;  // the oldest of x86-64, or the user's own choice
+  return true;  // kernels for every x86-64, or a core that only the user knows
 }
 
 class ImitatedCore : public testing::Environment {

@@ -1,4 +1,4 @@
-// Special to KLU: it keeps its pivots from one factorisation to the next, and checks them.
+// Tests of KLU alone, which keeps its pivots from one factorisation to the next and checks them.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -44,7 +44,7 @@ TEST_F(Klu, DeterminantSignEqualsDenseElimination) {
     Matrix a = trial % 3 == 0 ? permuted_triangle(n, 1 + trial % 4, random) : sparse(n, 1 + trial % 4, random);
     ASSERT_TRUE(solver_->analyze(a.pattern, 1).ok());
     ASSERT_TRUE(dense_solver->analyze(a.pattern, 1).ok());
-    for (int again = 0; again < 3; ++again) {  // refactorised after the first
+    for (int again = 0; again < 3; ++again) {  // refactorised after the first time
       ASSERT_TRUE(solver_->factorize(a.values).ok());
       ASSERT_TRUE(dense_solver->factorize(a.values).ok());
       EXPECT_EQ(solver_->figures(0).determinant_sign, dense_solver->figures(0).determinant_sign) << trial;
@@ -85,11 +85,12 @@ TEST_F(Klu, RepivotsOnlyWhenPivotsBecomeBad) {
     EXPECT_LE(step(a), 10 * n * kEps) << k;
     pivoted += pivoted_;
   }
-  EXPECT_GT(pivoted, 1);           // more than the first time
-  EXPECT_LT(pivoted, steps / 20);  // the rest is refactorised
+  EXPECT_GT(pivoted, 1);           // not only the first time
+  EXPECT_LT(pivoted, steps / 20);  // all other steps refactorise
 }
 
-// A small pivot that only causes large entries in L: with diagonal pivots U is {e 1 0; 1 0; 1}, and L has 1/e twice.
+// A small pivot that only causes large entries in L. With diagonal pivots U is {e 1 0; 1 0; 1}, and L has two entries
+// of size 1/e.
 TEST_F(Klu, DetectsGrowthInL) {
   const auto matrix = [](double e) {
     const double rows[3][3] = {{e, 1, 0}, {0, 1, 0}, {1, 0, 1}};

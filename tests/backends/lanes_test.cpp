@@ -1,4 +1,4 @@
-// Special to `lanes`: fixed pivots for a class, checked in every lane, on every instruction set of this machine.
+// Tests of `lanes` alone: fixed pivots for a class, checked in every lane, on every instruction set of this machine.
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
@@ -198,7 +198,7 @@ TEST_P(LanesOn, SurvivesAPivotThatPassesThroughZero) {
   }
   EXPECT_GT(solver->effort().redone, 0);
   EXPECT_GT(solver->effort().renewed, 0);
-  EXPECT_LT(solver->effort().renewed, 9);  // the time to the next one doubles from 8 steps on
+  EXPECT_LT(solver->effort().renewed, 9);  // the wait for the next renewal doubles, from 8 steps on
 }
 
 INSTANTIATE_TEST_SUITE_P(Targets, LanesOn, testing::ValuesIn(instruction_sets()),
@@ -206,7 +206,7 @@ INSTANTIATE_TEST_SUITE_P(Targets, LanesOn, testing::ValuesIn(instruction_sets())
 
 // ---- lanes that need other pivots than the class
 
-// [d 1; 1 d]: needs pivots on the diagonal for large d, and beside it for small d.
+// [d 1; 1 d] needs pivots on the diagonal for large d, and beside the diagonal for small d.
 Matrix two(double d) {
   return compress(
       2, [](int, int) { return true; }, [=](int i, int j) { return i == j ? d : 1.0; });
@@ -247,8 +247,8 @@ TEST(Lanes, SolvesTransposedSystemsOfARepeatedLane) {
   const auto solver = make();
   ASSERT_TRUE(solver->analyze(pack.pattern(), 4).ok());
   ASSERT_TRUE(solver->factorize(pack.values()).ok());
-  // In one lane all entries except a permuted diagonal nearly vanish, so that only six entries can be pivots; for one
-  // permutation these are not the pivots of the class.
+  // In one lane all entries except a permuted diagonal nearly vanish, so that only six entries can be pivots. For some
+  // permutations the class has other pivots.
   for (int shift = 0; shift < 6; ++shift) {
     Pack other = pack;
     scale(other.matrices[1], [&](int i, int j) { return (i + shift) % 6 == j ? 1 : 1e-12; });
@@ -292,7 +292,7 @@ TEST(Lanes, RepivotsWhenLanesKeepFailing) {
   step(*solver, twos({4, 5}));
   for (int k = 0; k < 20; ++k) step(*solver, twos({1e-3, 1e-4}));
   EXPECT_EQ(solver->effort().renewed, 1);
-  EXPECT_LE(solver->effort().redone, 2 * 8);  // nothing was redone after the eighth
+  EXPECT_LE(solver->effort().redone, 2 * 8);  // no lane is redone after the eighth step
   const auto redone = solver->effort().redone;
   for (int k = 0; k < 20; ++k) step(*solver, twos({1e-3, 1e-4}));
   EXPECT_EQ(solver->effort().redone, redone);
@@ -304,9 +304,9 @@ TEST(Lanes, DisagreeingLanesDoNotRepivotForever) {
   ASSERT_TRUE(solver->analyze(two(4).pattern, 2).ok());
   const int steps = 1000;
   for (int k = 0; k < steps; ++k) step(*solver, twos({1e-9, 1e9}));
-  EXPECT_EQ(solver->effort().redone, steps + solver->effort().renewed);  // one lane, and again after each renewal
+  EXPECT_EQ(solver->effort().redone, steps + solver->effort().renewed);  // one lane in each step and renewal
   EXPECT_GT(solver->effort().renewed, 0);
-  EXPECT_LE(solver->effort().renewed, 7);  // after 8, 16, ..., 512 steps
+  EXPECT_LE(solver->effort().renewed, 7);  // at most after 8, 16, ..., 512 steps
 }
 
 TEST(Lanes, FactorisesLanesWithOverflowingSquaresAlone) {
@@ -348,7 +348,7 @@ TEST(Lanes, ACloneSharesOnlyThePivots) {
   ASSERT_TRUE(solver->solve(first, 1).ok());
   const auto clone = solver->clone();
   ASSERT_NE(clone, nullptr);
-  EXPECT_EQ(clone->solve(cloned, 1).code, Code::singular);  // it has not factorised yet
+  EXPECT_EQ(clone->solve(cloned, 1).code, Code::singular);  // the clone has factorised nothing yet
   ASSERT_TRUE(clone->factorize(other.values()).ok());
   ASSERT_TRUE(solver->solve(kept, 1).ok());
   EXPECT_EQ(kept, first);
@@ -413,7 +413,7 @@ TEST(Lanes, BackwardSubstitutionStopsAtTheWantedUnknowns) {
       n, [](int i, int j) { return j == i || j == i + 1; }, [&](int, int) { return nonzero(random); });
   const lanes::Elimination program =
       lanes::write_program(a.pattern, lanes::markowitz_order(a.pattern, a.values, 1, 1, {}));
-  // For rows or columns of a triangle, one of the two substitutions does all the work.
+  // In a triangular matrix, one of the two substitutions does all the work.
   for (std::size_t first = 0; first <= n; ++first) EXPECT_EQ(program.wanted_rows[first], n - first);
 }
 

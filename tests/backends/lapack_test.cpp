@@ -1,4 +1,4 @@
-// Special to LAPACK: the threads of its library.
+// Tests of LAPACK alone: the threads of its library.
 #include <gtest/gtest.h>
 
 #include <thread>
@@ -20,7 +20,7 @@ class Lapack : public testing::Test {
 
 TEST_F(Lapack, SolvesWithTheThreadsOfItsBudget) {
   Random random(9);
-  const int n = 400;  // OpenBLAS begins to share out at 200
+  const int n = 400;  // OpenBLAS uses several threads from 200 on
   const Matrix a = dense(n, random);
   std::vector<double> b;
   for (int i = 0; i < 3 * n; ++i) b.push_back(nonzero(random));

@@ -30,7 +30,7 @@ struct Matrix {
   std::vector<double> values;
 };
 
-// From a dense n x n array of columns; `in` selects the entries of the pattern.
+// Compresses a dense n x n matrix given by its values; `in` selects the entries of the pattern.
 inline Matrix compress(int n, const std::function<bool(int, int)>& in, const std::function<double(int, int)>& value) {
   Matrix a;
   a.pattern.n = n;
@@ -58,7 +58,8 @@ inline Matrix dense(int n, Random& random) {
       n, [](int, int) { return true; }, [&](int, int) { return nonzero(random); });
 }
 
-// A permuted diagonal of 4s and `more` small entries a column. The pattern depends on n and `more` only.
+// A permuted diagonal with entries of size 2 to 4, and up to `more` others of size 0.5 to 1 in each column. The pattern
+// depends on n and `more` only.
 inline Matrix sparse(int n, int more, Random& random) {
   Random fixed(static_cast<std::uint64_t>(100 * n + more));
   const std::vector<int> diagonal = shuffled(n, fixed);
@@ -72,7 +73,7 @@ inline Matrix sparse(int n, int more, Random& random) {
       [&](int i, int j) { return i == diagonal[static_cast<std::size_t>(j)] ? 4 * nonzero(random) : nonzero(random); });
 }
 
-// Rows and columns of an upper triangle (or, with blocks > 1, an upper block triangle) in random order.
+// Rows and columns of an upper triangle (with block > 1 an upper block triangle) in random order.
 inline Matrix permuted_triangle(int n, int block, Random& random) {
   Random fixed(static_cast<std::uint64_t>(n));
   const std::vector<int> p = shuffled(n, fixed), q = shuffled(n, fixed);
@@ -86,7 +87,7 @@ inline Matrix permuted_triangle(int n, int block, Random& random) {
 // 3n nonzeros and a condition of 5 to 16: the larger groups of the paper.
 inline Matrix ring(int n, Random& random) {
   const int m = n / 2;
-  const double pi = std::acos(-1.0), turn = uniform(random, 0, 2 * pi);  // turned as a whole
+  const double pi = std::acos(-1.0), turn = uniform(random, 0, 2 * pi);  // the whole ring is turned
   const auto angle = [&](int i) { return 2 * pi * i / m + turn; };
   const auto point = [&](int i, int axis) {
     const double radius = m * std::cos(pi / 6) / (2 * pi) + 0.5 + (i % 2 ? 0.25 : -0.25);
@@ -114,8 +115,8 @@ inline void scale(Matrix& a, const std::function<double(int, int)>& factor) {
   }
 }
 
-// One row repeats another. The product of two triangles of small integers with ones on the diagonal: elimination is
-// exact, fused or not, in any order of its sums, and ends at an exact zero.
+// The last row repeats the first one. All entries come from products of two triangles of small integers with ones on
+// the diagonal, so that elimination is exact in any order of its sums, fused or not, and ends at an exact zero.
 inline Matrix repeated_row(int n, Random& random) {
   const auto below = [&](int i, int j) { return i < j ? 0.0 : i == j ? 1.0 : random() % 2 ? 1.0 : -1.0; };
   const Matrix l = compress(
@@ -135,7 +136,7 @@ inline Matrix repeated_row(int n, Random& random) {
       });
 }
 
-// values[k * lanes + lane] of several lanes
+// Returns values[k * lanes + lane] of several lanes.
 inline std::vector<double> interleave(const std::vector<std::vector<double>>& lanes) {
   std::vector<double> all;
   for (std::size_t k = 0; k < lanes[0].size(); ++k) {
@@ -209,8 +210,9 @@ inline Matrix wilkinson(int n) {
 }
 
 // Growth of 2^(n - 1) under partial pivoting, with a random part (Higham & Higham, SIAM J. Matrix Anal. Appl. 10, 1989,
-// theorem 2.2): M [T d], M unit lower triangular with -1 below the diagonal, T upper triangular with n - 1 columns,
-// d = (1, 2, 4, ...), the last column scaled to the largest entry. Whole numbers: elimination is exact, ties stay ties.
+// theorem 2.2): M [T d], M unit lower triangular with -1 below the diagonal, T upper triangular with n - 1 columns, d =
+// (1, 2, 4, ...), the last column scaled to the largest entry. All entries are whole numbers, so that elimination is
+// exact and equal pivots stay equal.
 inline Matrix gfpp(int n, Random& random) {
   const auto size = static_cast<std::size_t>(n);
   std::vector<std::vector<double>> a(size, std::vector<double>(size));  // columns

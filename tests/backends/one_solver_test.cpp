@@ -20,7 +20,7 @@ class OneSolver : public testing::TestWithParam<const Backend*> {
   std::unique_ptr<LinearSolver> solver_ = GetParam()->make(ThreadBudget{}, Precision::binary64);
 };
 
-// Solutions of each lane in a pack must not depend on its neighbours, bit by bit.
+// The solution in a lane must not depend on its neighbours, bit by bit.
 TEST_P(OneSolver, NamesABadLaneAndKeepsTheOthers) {
   const int lanes = 4, n = 15;
   const std::map<double, Code> bad = {{0.0, Code::singular},
@@ -58,7 +58,7 @@ TEST_P(OneSolver, NamesABadLaneAndKeepsTheOthers) {
         }
       }
 
-      x = b;  // and a good matrix heals it
+      x = b;  // after a good matrix the lane is solved again
       EXPECT_TRUE(solver_->factorize(interleave(values)).ok());
       EXPECT_TRUE(solver_->solve(x, 3).ok());
       const auto xs = lane_of(x, lanes, sick), bs = lane_of(b, lanes, sick);
@@ -203,7 +203,7 @@ TEST_P(OneSolver, RefusesMisuse) {
   EXPECT_EQ(message([&] { (void)solver_->factorize(three); }), "a solver expects 2 values, not 3");
   EXPECT_EQ(message([&] { (void)solver_->solve(three, 1); }),
             "a solver expects 2 numbers on the right-hand side, not 3");
-  EXPECT_EQ(solver_->solve(two, 1).code, Code::singular);  // nothing was factorised
+  EXPECT_EQ(solver_->solve(two, 1).code, Code::singular);  // no matrix was factorised
   EXPECT_TRUE(std::isnan(two[0]) && std::isnan(two[1]));
 }
 

@@ -1,4 +1,4 @@
-// Factorisation and solution in float by the dense backends, including its range.
+// Factorisation and solution in float by the dense backends, including numbers beyond the range of float.
 #include <gtest/gtest.h>
 
 #include "assur/backend.hpp"
@@ -29,7 +29,7 @@ class Single : public testing::TestWithParam<std::string> {
 
 std::vector<double> ones(int n) { return std::vector(static_cast<std::size_t>(n), 1.0); }
 
-// The error is that of float, no more and no less. Rounding the values costs eps / 2 as well.
+// The error is as large as that of float. Rounding the values costs eps / 2 as well.
 TEST_P(Single, SolvesWithFloatAccuracy) {
   Random random(3);
   for (int n : {1, 2, 3, 8, 9, 15, 40, 102, 250}) {
@@ -62,11 +62,11 @@ TEST_P(Single, ReportsValuesBeyondFloatAsNotFinite) {
   a.values[5] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(factorize(a), Code::not_finite);
   a = dense(4, random);
-  scale(a, [](int, int j) { return j == 2 ? 1e-50 : 1; });  // less than float has: zero
+  scale(a, [](int, int j) { return j == 2 ? 1e-50 : 1; });  // below the range of float, so the column is zero
   EXPECT_EQ(factorize(a), Code::singular);
 }
 
-// Residuals in refinement can be arbitrarily small.
+// Refinement solves for residuals, which can be arbitrarily small.
 TEST_P(Single, RightHandSidesMayHaveAnySize) {
   Random random(3);
   const int n = 15;

@@ -1,4 +1,4 @@
-// The decorators: refinement, float with double as fallback, residual check.
+// The decorators of solvers: refinement, float with double as fallback, and the check of residuals.
 #include "backends/refined.hpp"
 
 #include <gtest/gtest.h>
@@ -17,10 +17,10 @@ std::vector<double> right_sides(std::size_t size, Random& random) {
   return b;
 }
 
-// One right-hand side in one lane, or in each of several.
+// The result of solving for one right-hand side in one lane, or in each of several lanes.
 struct Solution {
   Status status;
-  double componentwise, normwise;  // errors, the worst of the lanes
+  double componentwise, normwise;  // largest errors of all lanes
 };
 Solution solve(LinearSolver& solver, const std::vector<Matrix>& lanes, Transpose transpose = Transpose::no,
                int rhs = 1) {
@@ -98,7 +98,7 @@ TEST(Refined, FactorisesOnlyFailedFloatLanesInDouble) {
     EXPECT_LE(solution.componentwise, componentwise ? 14 * kEps : 1);
     std::vector<double> x(12 * 5, 1.0);
     EXPECT_TRUE(solver->solve(x, 1, Transpose::no, 0).ok());
-    EXPECT_EQ(solver->effort().in_double, 3);  // once for each factorisation
+    EXPECT_EQ(solver->effort().in_double, 3);  // one for each lane that float cannot factorise
   }
 }
 
@@ -141,7 +141,7 @@ TEST(Refined, KeepsStatusSingularAndNotFinite) {
 }
 
 // The last two equations make two unknowns vanish, but the pivots come from other equations, so that rounding errors
-// remain: in these rows a componentwise error of 1 is no failure.
+// remain. In the last two rows a componentwise error of 1 is no failure.
 TEST(Refined, VanishingUnknownsRaiseNoAlarm) {
   Random random(5);
   int errors_of_one = 0;
@@ -182,7 +182,7 @@ class Wrong final : public LinearSolver {
 TEST(Refined, TheResidualCheckSeesAWrongSolution) {
   Random random(5);
   Matrix a = dense(9, random);
-  // Scaled to largest entries of 1 in all rows and columns, so that the residual needs no scaling.
+  // The largest entry of each row and column is 1, so that the residual needs no scaling.
   const double largest = std::abs(*std::max_element(a.values.begin(), a.values.end(),
                                                     [](double x, double y) { return std::abs(x) < std::abs(y); }));
   for (double& value : a.values) value /= 2 * largest;
@@ -192,13 +192,13 @@ TEST(Refined, TheResidualCheckSeesAWrongSolution) {
     const Solution solution = solve(*checked(std::make_unique<Wrong>(factor)), {a}, Transpose::no, 5);
     EXPECT_EQ(solution.status.code, Code::not_converged);
     EXPECT_EQ(solution.status.where, Place::lane(0));
-    EXPECT_NEAR(solution.status.figure, solution.normwise, 10 * 9 * kEps);  // residuals in double and long double
+    EXPECT_NEAR(solution.status.figure, solution.normwise, 10 * 9 * kEps);  // residuals in different precisions
   }
   const Solution infinite = solve(*checked(std::make_unique<Wrong>(HUGE_VAL)), {a, a, a});
   EXPECT_EQ(infinite.status.code, Code::not_converged);
 }
 
-// For all units of rows and columns, no row of a solution in float is worse than in double.
+// In all units of rows and columns, no row of a solution in float is worse than in double.
 TEST(Refined, ChecksSmallRowsBesideLargeRows) {
   Random random(8);
   Matrix a = dense(12, random);
@@ -236,7 +236,7 @@ class Optimist final : public LinearSolver {
   [[nodiscard]] Figures figures(int) const override { return {true, 1, 1, 1}; }
 };
 
-// Only the solution shows that float fails; then double finds that the matrix is singular.
+// Only the solution shows that float fails. Double then finds that the matrix is singular.
 TEST(Refined, FiguresOfAnUnsolvableLaneReportIt) {
   Backend row = kPlainLu;
   row.make = [](ThreadBudget budget, Precision precision) -> std::unique_ptr<LinearSolver> {

@@ -57,7 +57,7 @@ TEST(Registry, RefusesAnUnknownIdAndListsKnownIds) {
        .version = nullptr,
        .licence = "MIT"},
   };
-  EXPECT_EQ(&find_backend(table, "gone"), &table[1]);  // an absent one is still a row
+  EXPECT_EQ(&find_backend(table, "gone"), &table[1]);  // an absent backend is still found
   EXPECT_EQ(refusal(table, "clu"),
             "there is no backend \"clu\"; the backends are eigen, gone (cannot run: install it)");
 }

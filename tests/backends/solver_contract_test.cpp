@@ -13,7 +13,7 @@
 namespace assur::test {
 namespace {
 
-// Sign of the determinant by another algorithm: Eigen's LU with complete pivoting.
+// Computes the sign of the determinant with another algorithm, Eigen's LU with complete pivoting.
 int determinant_sign(const Matrix& a) {
   if (a.pattern.n == 0) return 1;
   Eigen::MatrixXd full = Eigen::MatrixXd::Zero(a.pattern.n, a.pattern.n);
@@ -133,7 +133,7 @@ void SolverContract::check_figures(const Case& c, int lane) {
     EXPECT_EQ(figures.reciprocal_condition, 0);
     return;
   }
-  if (precision(mode_) == Precision::binary32) return;  // those of float where float sufficed
+  if (precision(mode_) == Precision::binary32) return;  // these figures may be those of float
   const Told told = told_by(backend_.id);
   if (told.condition) {
     EXPECT_GT(figures.reciprocal_condition, 0);

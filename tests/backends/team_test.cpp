@@ -1,4 +1,4 @@
-// Special to `team`: several threads, bitwise equal results for every number of threads, concurrent packs.
+// Tests of `team` alone: several threads, bitwise equal results for every number of threads, concurrent packs.
 #include <dlfcn.h>
 #include <gtest/gtest.h>
 
@@ -15,12 +15,12 @@
 
 namespace {
 
-constexpr int kPanel = 48;  // columns; LAPACK's own products within a panel have fewer
+constexpr int kPanel = 48;  // columns; products of LAPACK within a panel have fewer
 
 // While this is active, a product with a whole panel waits until the expected number of threads has begun one.
 struct Meeting {
   std::atomic<std::size_t> expected{0};         // 0: off
-  std::chrono::steady_clock::time_point limit;  // whoever does not come until then will not come
+  std::chrono::steady_clock::time_point limit;  // after this time nobody is waited for
   std::mutex mutex;
   std::set<std::thread::id> threads;
 
@@ -37,7 +37,7 @@ Meeting meeting;
 
 }  // namespace
 
-// The program's own dgemm comes before that of the BLAS library, which does the work.
+// This dgemm is called instead of that of the BLAS library and forwards to it.
 extern "C" void dgemm_(const char* transa, const char* transb, const int* m, const int* n, const int* k,
                        const double* alpha, const double* a, const int* lda, const double* b, const int* ldb,
                        const double* beta, double* c, const int* ldc, std::size_t transa_length,
@@ -112,7 +112,7 @@ TEST_F(TeamBackend, ResultsAreBitwiseEqualForEveryNumberOfThreads) {
   }
 }
 
-// If a column vanishes in any panel, no thread waits forever, and the next matrix is solved correctly.
+// If a column vanishes in any panel, no thread waits forever. The next matrix is solved correctly.
 TEST_F(TeamBackend, SingularMatricesEndEarlyEverywhere) {
   const int n = 433;
   Random random(3);

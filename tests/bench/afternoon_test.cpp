@@ -51,25 +51,25 @@ Off compare(const Scene& whole, const Mechanism& mechanism, int points, KluOptio
   return {off[0] / largest[0], off[1] / largest[1], off[2] / largest[2]};
 }
 
-constexpr double kRequired = 1e-10;  // of a rival, whatever the condition would allow
+constexpr double kRequired = 1e-10;  // largest error of a rival, even if the condition allows more
 
-// Both satisfy every equation to 8 eps of its terms, so that they differ by at most 2 x 8 eps x condition; each
-// derivative has one more factor of the condition. The linear systems of the derivatives add the growth by their
-// pivots: up to 1000 for klu_defaults, whose pivots may be 0.001 of their column; 4 for partial pivoting in blocks of
-// three.
+// Both programs satisfy every equation to 8 eps of its terms, so that they differ by at most 2 x 8 eps x condition.
+// Each derivative has one more factor of the condition. In the linear systems of the derivatives, growth by the pivots
+// is added: up to 1000 for klu_defaults, whose pivots may be 0.001 of their column, and 4 for partial pivoting in
+// blocks of three.
 void expect_within(const Off& off, double condition, KluOptions options) {
   const double residual = 2 * 8 * kEps;
-  const double pivots = options == KluOptions::defaults ? 1000 * kEps * condition : 0;  // else within the 8 eps
+  const double pivots = options == KluOptions::defaults ? 1000 * kEps * condition : 0;  // others are within the 8 eps
   EXPECT_LE(off.value, std::min(kRequired, residual * condition));
   EXPECT_LE(off.rate, std::min(kRequired, residual * std::pow(condition, 2) + pivots));
   EXPECT_LE(off.acceleration, std::min(kRequired, residual * std::pow(condition, 3) + pivots * condition));
-  EXPECT_GT(off.value, 0);  // two programs, not one
+  EXPECT_GT(off.value, 0);  // two different programs do not agree bitwise
 }
 
 // |J^-1| times the scale of residuals over the largest coordinate: at most 4.7 on this motion.
 constexpr double kLegCondition = 5;
-// Across the rocker of a loop: three lengths over the sine between the last two, at least 1/2. Errors propagate to the
-// next loop.
+// Errors across the rocker of a loop: three lengths divided by the sine between coupler and rocker, which is at least
+// 1/2. They propagate to the next loop.
 constexpr double kLoopCondition = 6;
 
 class AfternoonMotion : public testing::TestWithParam<KluOptions> {};

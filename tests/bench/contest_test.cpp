@@ -57,14 +57,14 @@ TEST(Contest, ComparesRoundsWithTheirNeighbours) {
   EXPECT_EQ(contest[1].seconds, (std::vector<double>{2, 2, 2}));
   EXPECT_EQ(contest[1].failure, "");
   const Spread ratio = speed_up(contest[1], contest[0]);
-  EXPECT_EQ(ratio.lower, 1);  // of 1, 2 and 4
+  EXPECT_EQ(ratio.lower, 1);  // the ratios of the rounds are 2, 4 and 1
   EXPECT_EQ(ratio.median, 2);
   EXPECT_EQ(ratio.upper, 4);
 }
 
 TEST(Contest, ComparesProcessorTimesOfOneThread) {
   const std::vector<Entry> contest = against(entry({2, 2, 2}, {1, 10}, 0));
-  EXPECT_EQ(speed_up(contest[1], contest[0]).upper, 1);  // 3 of each, whatever the clock says
+  EXPECT_EQ(speed_up(contest[1], contest[0]).upper, 1);  // both take 3 s of the processor in each round
 }
 
 TEST(Contest, HasNoTimesForAWrongResult) {
@@ -78,11 +78,11 @@ TEST(Contest, HasNoTimesForAWrongResult) {
   }
   EXPECT_FALSE(against(entry({1, 1, 1}, {next, 10}, 1e-15))[1].wrong);                // within the bound
   EXPECT_TRUE(against(entry({1, 1, 1}, {1, 10, 1, 10}, 1))[1].wrong);                 // another number of rows
-  EXPECT_TRUE(against(entry({1, 1, 1}, {1, 10}, 1, "groups/eigen", 1e-6))[1].wrong);  // its equations do not hold
+  EXPECT_TRUE(against(entry({1, 1, 1}, {1, 10}, 1, "groups/eigen", 1e-6))[1].wrong);  // the residual is too large
 }
 
 TEST(Contest, NamesTheFailure) {
-  const std::vector<Entry> contest = against(entry({1, 1}, {1, 10}, 0));  // in the third round
+  const std::vector<Entry> contest = against(entry({1, 1}, {1, 10}, 0));  // fails in the third round
   EXPECT_EQ(contest[1].failure, "no more");
   EXPECT_TRUE(contest[1].seconds.empty());
 }

@@ -28,9 +28,9 @@ except ImportError:
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 DRIVER = shutil.which("chromedriver")
-ASSUR = ""  # the program
+ASSUR = ""  # path of the program `assur`
 
-# Helpers for all pages.
+# Helpers of the tests, for all pages.
 HELPERS = """
 window.settled = () => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)));
 window.seek = async k => {
@@ -64,7 +64,7 @@ window.cutTables = () => {
 
 
 class Pages(unittest.TestCase):
-    url = "about:blank"  # of the page that is open
+    url = "about:blank"  # of the open page
 
     @classmethod
     def setUpClass(cls):
@@ -120,7 +120,7 @@ class Pages(unittest.TestCase):
                     said.append("asks for " + url)
         return said
 
-    # Gestures, in client coordinates.
+    # Gestures with the mouse, in client coordinates.
     def move(self, x, y):
         mouse = ActionBuilder(self.driver, duration=0)
         mouse.pointer_action.move_to_location(x, y)
@@ -176,7 +176,7 @@ class Animation(Pages):
     def show(self, scene, *more, **window):
         """The page of a scene, paused at its first frame."""
         page = self.folder / "motion.html"
-        self.assur("run", str(scene), "--animate", str(page), *more, statuses=(0, 1))  # 1: it ends early
+        self.assur("run", str(scene), "--animate", str(page), *more, statuses=(0, 1))  # status 1: the motion ends early
         self.open(page, **window)
         self.js("const play = document.getElementById('play');"
                 "if (play.getAttribute('aria-label') === 'Pause') play.click();"
@@ -336,7 +336,7 @@ class Animation(Pages):
 
     def test_whoever_the_pointer_rests_on_is_named(self):
         self.show("stewart")
-        # The projection of the page gives the place of B1.
+        # The projection of the page gives the position of B1.
         x, y = self.js("""
             const canvas = document.getElementById('picture'), box = canvas.getBoundingClientRect();
             const camera = new Camera(motion.box(), motion.dimension);
@@ -364,7 +364,7 @@ class Animation(Pages):
               return Math.hypot(...[0, 1, 2].map(k => p[3 * l[0] + k] - p[3 * l[1] + k]));
             })""")
         for length in lengths:
-            self.assertAlmostEqual(length, 0.55, delta=1e-6)  # 24 bits over 1.5 m, in three coordinates
+            self.assertAlmostEqual(length, 0.55, delta=1e-6)  # 24 bits of a range of 1.5 m, in three coordinates
 
     def test_a_single_posture_has_no_player_and_no_fault(self):
         self.show("gough")
@@ -420,7 +420,7 @@ class Report(Pages):
 
     def check_page(self, width):
         self.assertEqual(self.js("return misfits()"), [])
-        if width >= 1280:  # tables scroll in narrow windows; in wide ones they are fully visible
+        if width >= 1280:  # only narrow windows scroll tables
             self.assertEqual(self.js("return cutTables()"), [])
         # One of the two sizes of every picture is shown, and it is as wide as its figure.
         figures = self.js("""
@@ -436,7 +436,7 @@ class Report(Pages):
         for section in ("winners", "regret", "work-precision", "scaling", "steps"):
             self.assertTrue(self.js(f"return document.querySelector('#{section} svg.plot, #{section} table') !== null"),
                             section)
-        # Contrast of text and background: 4.5 by WCAG AA for small text.
+        # WCAG AA requires a contrast of 4.5 between small text and its background.
         contrast = self.js("""
             const light = c => { const v = c.match(/[0-9.]+/g).slice(0, 3).map(x => { x /= 255;
               return x <= 0.04045 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4 });

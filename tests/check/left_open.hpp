@@ -15,14 +15,14 @@
 
 namespace assur::test {
 
-// To first order and divided by the residual r. Every position equation i has an error of at most r s_i, where s_i is
-// the scale of its residual; every velocity equation r (|J| |v| + |b|) in maximum norms; acceleration equations
-// likewise:
+// The bounds are to first order and divided by the residual r. Every position equation i has an error of at most r s_i,
+// where s_i is the scale of its residual; every velocity equation has at most r (|J| |v| + |b|) in maximum norms;
+// acceleration equations likewise:
 //   J dq = s e,   J dv = -B(v) dq + s' e',   J da = -B(a) dq - 2 B(v) dv + s'' e'',   |e|, |e'|, |e''| <= 1,
-// with B(x) the derivative of J(q) x. Each column takes the worst e, e' and e''.
+// where B(x) is the derivative of J(q) x. Each column takes the worst e, e' and e''.
 class LeftOpen {
  public:
-  // The equations of a structure without presolve and callbacks.
+  // `structure` must have no eliminated unknowns and no callbacks.
   explicit LeftOpen(const Structure& structure)
       : system_(*structure.system),
         outputs_(system_, every_coordinate(system_)),
@@ -37,7 +37,7 @@ class LeftOpen {
     }
   }
 
-  // One number for each column, SI units, at a posture (all coordinates, internal units) and its time.
+  // One number for each column, in SI units, at a posture (all coordinates, in internal units) and its time.
   [[nodiscard]] std::vector<double> at(double time, std::vector<double> q) const {
     std::vector<double> out(columns_, 0.0);
     const auto n = static_cast<Eigen::Index>(unknowns_.size());
@@ -57,7 +57,7 @@ class LeftOpen {
     };
     Vector of_positions(n), rhs(n), size(n);
     for (Eigen::Index i = 0; i < n; ++i) of_positions[i] = residual_scale(system_, equation(i), q);
-    apply(q, v, rhs, size);  // the known ones
+    apply(q, v, rhs, size);  // terms of the known coordinates
     solve(-rhs, v);
     const Vector of_velocities = scale(size, v);
     const Slopes at_v = slopes(v, 0);
@@ -76,7 +76,7 @@ class LeftOpen {
     add(q, v, a, q_e, v_e, a_e, out);
     add(q, v, a, none, v_f, a_f, out);
     add(q, v, a, none, none, a_g, out);
-    add(q, v, a, diagonal(q), none, none, out);  // the coordinates themselves are doubles
+    add(q, v, a, diagonal(q), none, none, out);  // rounding of the coordinates themselves
     add(q, v, a, none, diagonal(v), none, out);
     add(q, v, a, none, none, diagonal(a), out);
     add_rounding(q, v, a, out);
@@ -110,7 +110,7 @@ class LeftOpen {
     return of_unknowns.asDiagonal();
   }
 
-  // J(q); or B(x), which is J without its linear part.
+  // J(q), or B(x), which is J without its linear part.
   [[nodiscard]] Slopes slopes(std::span<const double> x, int linear) const {
     const auto n = static_cast<Eigen::Index>(unknowns_.size());
     Slopes out{Matrix::Zero(n, n)};
@@ -135,7 +135,7 @@ class LeftOpen {
     return out;
   }
 
-  // J(q) x, and the sum of the absolute values of its terms.
+  // Computes J(q) x, and the sum of the absolute values of its terms.
   void apply(std::span<const double> q, std::span<const double> x, Vector& value, Vector& size) const {
     for (Eigen::Index i = 0; i < value.size(); ++i) {
       value[i] = size[i] = 0;
@@ -146,7 +146,7 @@ class LeftOpen {
     }
   }
 
-  // B(x) x
+  // Computes B(x) x, and the sum of the absolute values of its terms.
   void apply_bilinear(std::span<const double> x, Vector& value, Vector& size) const {
     for (Eigen::Index i = 0; i < value.size(); ++i) {
       value[i] = size[i] = 0;
@@ -195,7 +195,7 @@ class LeftOpen {
   const System& system_;
   OutputProgram outputs_;
   std::size_t columns_;
-  std::vector<Eigen::Index> column_;  // coordinates
+  std::vector<Eigen::Index> column_;  // of each coordinate
   std::vector<Index> unknowns_, equations_;
 };
 

@@ -1,6 +1,6 @@
 // A random mechanism moves equally in all kinds of runs: alone, in chunks, as a member of an ensemble, with some of its
-// outputs, with another strategy; one of each is drawn for each mechanism. Statuses, rows and the reached time are
-// equal, values differ by at most twice the bounds from the residuals of both runs.
+// outputs, with another strategy. One run of each kind is drawn for each mechanism. Statuses, rows and the reached time
+// are equal; values differ by at most twice the bounds from the residuals of both runs.
 //   ASSUR_RANDOM_SCENES=10000 build/tests/check_test --gtest_filter='Pairings.*'
 // tries this number of mechanisms with each (2 to 5 minutes of a core), ASSUR_RANDOM_SEED=N starts with seed N.
 #include <gtest/gtest.h>
@@ -63,14 +63,14 @@ Scene member(std::uint64_t seed, std::size_t i) {
 }
 
 struct Run {
-  std::string cannot;  // be started
+  std::string cannot;  // why the run cannot be started
   std::vector<std::string> columns;
-  std::vector<double> times;  // that were reached
+  std::vector<double> times;  // all times that were reached
   std::vector<double> values;
   Status status;
   double reached = 0;
   double residual = 8 * kEps;
-  double turn_guessed = HUGE_VAL;  // time from which on an angle may be off by a whole turn, as an event says
+  double turn_guessed = HUGE_VAL;  // from this time on an angle may be off by a whole turn
 
   [[nodiscard]] std::span<const double> row(std::size_t k) const {
     return std::span(values).subspan(k * columns.size(), columns.size());
@@ -144,7 +144,7 @@ Run run_among_others(std::uint64_t seed, const std::string& strategy, std::size_
 struct Plain {
   Scene scene;
   Run run;
-  std::vector<std::vector<double>> left_open;  // for each row that a run by groups reaches, and column
+  std::vector<std::vector<double>> left_open;  // by row (of a run by groups) and column
   bool singular = false;
 };
 
@@ -199,7 +199,7 @@ std::string difference(const Plain& plain, const Run& other, bool part = false) 
       if (a.times[k] >= since) off = std::abs(std::remainder(off, kTurn));
       const double bound = 2 * residual * (plain.left_open[k][column[c]] + std::abs(value));
       if (off <= bound && (std::isfinite(bound) || !a.status.ok())) continue;
-      // At a kink; rounding decides whether the run meets it.
+      // Rounding decides whether a run meets a kink.
       if (std::isnan(off) && a.status.code == Code::inaccurate && other.status.code == Code::inaccurate) continue;
       return "VALUE of " + other.columns[c] + " in row " + std::to_string(k) + ": " + figure(off) + " apart, bound " +
              figure(bound) + ", residual " + figure(residual) + ", value " + figure(value);
@@ -233,7 +233,8 @@ std::string owner(const std::string& column) {
   return part ? column.substr(0, dot) : column;
 }
 
-// One or two of the outputs, possibly without all derivatives. Unknowns of drivers and bodies cannot be outputs.
+// One or two of the outputs, each complete or with a single derivative. Unknowns of drivers and bodies cannot be
+// outputs.
 std::vector<std::string> part_of(const Run& plain, Draw& draw) {
   std::vector<std::string> out;
   for (std::size_t i = 0, n = 1 + draw.below(2); i < n; ++i) {
@@ -250,7 +251,7 @@ std::vector<std::string> part_of(const Run& plain, Draw& draw) {
   return out;
 }
 
-// The requested number of seeds; by default a few, and some that failed before.
+// As many seeds as requested. By default these are a few, and some that failed before.
 std::vector<std::uint64_t> seeds() {
   std::vector<std::uint64_t> out(static_cast<std::size_t>(test::random_count(30)));
   std::iota(out.begin(), out.end(), first_seed());
@@ -275,7 +276,7 @@ void expect_alike(const Of& other) {
     if (plain.run.cannot.empty()) {
       try {
         look_at_postures(plain);
-      } catch (const Error&) {  // another run cannot be started
+      } catch (const Error&) {  // the run by groups cannot be started
       }
       if (plain.singular) {
         ++singular;

@@ -28,9 +28,10 @@ TEST(Runner, PassesRunsThatEndAsExpected) {
   EXPECT_EQ(r.runs, 2);
   ASSERT_TRUE(r.forward_error && r.backward_error && r.condition && r.bound);
   EXPECT_GT(*r.forward_error, 0);
-  EXPECT_LE(*r.forward_error, *r.bound);  // regular: eps kappa^2
+  EXPECT_LE(*r.forward_error, *r.bound);  // eps kappa^2 for a regular run
   EXPECT_LE(*r.backward_error, 1e-14);
-  // Rod 0.3 and crank 0.1: terms of up to 0.4 (0.3 + 0.1) 4 over pivots of at least 2 sqrt(0.08), one coordinate.
+  // Bound: with rod 0.3 and crank 0.1, one coordinate has terms of up to 0.4 (0.3 + 0.1) 4 over pivots of at least 2
+  // sqrt(0.08).
   EXPECT_GE(*r.condition, 1);
   EXPECT_LE(*r.condition, 10);
 }
@@ -49,7 +50,7 @@ TEST(Runner, FindsAnUnexpectedFold) {
   EXPECT_EQ(r.verdict, "limit_reached");
 }
 
-// A clean run that is compared with another motion: a rhombus is no parallelogram of twice the width.
+// The run is clean, but it is compared with the closed form of parallelograms twice as wide as its rhombi.
 TEST(Runner, FindsACleanRunThatIsWrong) {
   Case c = case_of("n_four_bar:loops=2,steps=20", {{"pass"}, ""});
   EXPECT_TRUE(run(c).passed());
@@ -105,7 +106,7 @@ TEST(Runner, RunsEveryBackendAndPolicy) {
   for (const Backend& backend : backends()) {
     if (backend.why_not(Shape{}, ThreadBudget{1}).empty()) least += backend.single ? 10 : 5;
   }
-  EXPECT_EQ(all.runs, 3 * (least + 7));  // formulations; policies, and predictors once
+  EXPECT_EQ(all.runs, 3 * (least + 7));  // 3 formulations; 7 predictors with one backend
   EXPECT_LT(quick.runs, all.runs / 2);
 }
 
@@ -149,7 +150,7 @@ TEST(Yardstick, AgreesWithForwardError) {
   }
 }
 
-// Rows that a run reports as inaccurate do not count, neither for errors nor for the size of the outputs.
+// Rows that a run reports as inaccurate count neither for errors nor for the size of the outputs.
 TEST(Yardstick, LeavesOutRowsThatDoNotCount) {
   const Prepared prepared = prepare(sample("n_four_bar:loops=1,steps=20").with_outputs({"B1"}));
   Simulator simulator(prepared);
@@ -162,7 +163,7 @@ TEST(Yardstick, LeavesOutRowsThatDoNotCount) {
     };
   };
   Yardstick yardstick(prepared, known_motion(prepared, shifted_from(0.105)));
-  // B1 starts at (1, 1), its largest distance.
+  // B1 is farthest from the origin at the start, at (1, 1).
   const double size = std::max(1.0, prepared.structure->system->unit(1));
   EXPECT_NEAR(yardstick.forward_error(trajectory, trajectory.rows()), 1e-3 / size, 1e-12);
   EXPECT_LE(yardstick.forward_error(trajectory, trajectory.rows(), [](std::size_t row) { return row < 11; }), 1e-14);

@@ -16,20 +16,20 @@ namespace assur {
 struct Outcome {
   int status = -1;  // exit status; -1: ended by a signal
   std::string out, err;
-  std::int64_t memory = 0;  // the most that it had, bytes
+  std::int64_t memory = 0;  // bytes, the most that the process had
 
   [[nodiscard]] nlohmann::json json() const { return nlohmann::json::parse(out); }
-  [[nodiscard]] std::vector<std::string> lines() const;  // of out
+  [[nodiscard]] std::vector<std::string> lines() const;  // lines of `out`
 };
 
 struct Setting {
-  std::filesystem::path folder = {};    // where it runs; empty: here
-  std::filesystem::path out = {};       // where standard output goes; empty: into Outcome::out
+  std::filesystem::path folder = {};    // working folder; empty: the current one
+  std::filesystem::path out = {};       // file for standard output; empty: Outcome::out
   std::string interrupt_when_err = {};  // a signal is sent once standard error contains this; empty: never
   int signal = SIGINT;
-  std::function<void()> before = {};  // done in the child: limits, environment
-  unsigned short columns = 0;         // of a terminal; 0: there is none
-  int terminal = STDERR_FILENO;       // what goes to it: this or STDOUT_FILENO
+  std::function<void()> before = {};  // runs in the child: limits, environment
+  unsigned short columns = 0;         // width of the terminal; 0: no terminal
+  int terminal = STDERR_FILENO;       // connected to the terminal: this or STDOUT_FILENO
 };
 
 [[nodiscard]] Outcome run_command(const std::vector<std::string>& arguments, const Setting& setting = {});
@@ -47,7 +47,7 @@ class Scratch {
   Scratch& operator=(const Scratch&) = delete;
 
   [[nodiscard]] std::string file(const std::string& name) const { return (folder_ / name).string(); }
-  [[nodiscard]] std::string file(const std::string& name, const std::string& text) const;  // written
+  [[nodiscard]] std::string file(const std::string& name, const std::string& text) const;  // writes it
 
  private:
   std::filesystem::path folder_;

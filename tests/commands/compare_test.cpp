@@ -39,7 +39,7 @@ TEST(Compare, JsonHasARowForEachStrategyAndEachAccuracy) {
     if (!json["no_yardstick"].is_null()) continue;
     for (const char* kind : {"forward_position", "forward_velocity", "forward_acceleration"}) {
       EXPECT_GE(row[kind], 0);
-      // The required accuracy; without one, rounding: about a hundred eps at a condition of 10.
+      // The error is below the required accuracy, or, if there is none, a multiple of rounding.
       EXPECT_LE(row[kind], row["accuracy"].is_null() ? 1e-12 : row["accuracy"].get<double>()) << row["strategy"];
     }
     if (row["picked"]) {

@@ -67,7 +67,7 @@ TEST(Db, InfoExplainsUnreadableDatabases) {
   EXPECT_EQ(rows(scratch.file("absent.db"), {"info"}).at(0)["why_not"], "does not exist");
 }
 
-// Damages many bytes in the middle; every command has to report it.
+// Many bytes in the middle are damaged, and every command has to report this.
 TEST(Db, EveryCommandReportsDamage) {
   const Scratch scratch;
   const std::string file = scratch.file("tuning.db");
@@ -99,7 +99,7 @@ TEST(Db, EveryCommandReportsDamage) {
   for ([[maybe_unused]] const auto& entry :
        std::filesystem::directory_iterator(std::filesystem::path(file).parent_path()))
     ++files;
-  EXPECT_EQ(files, 3u);  // the new one, the damaged one, the lock
+  EXPECT_EQ(files, 3u);  // the new file, the damaged one, and the lock
 }
 
 TEST(Db, PrintsSamplesBestCrossoversAndModelsAsRows) {
@@ -157,12 +157,12 @@ TEST(Db, ExportsAndImports) {
   const std::string ours = scratch.file("ours.db"), theirs = scratch.file("theirs.db"), file = scratch.file("file.db");
   make_database(ours, host_with(4), 8);
   EXPECT_EQ(rows(ours, {"export", file}).at(0)["samples"], 8);
-  EXPECT_EQ(ask(ours, {"export", file}).status, 3);  // it exists
+  EXPECT_EQ(ask(ours, {"export", file}).status, 3);  // the file exists already
   const std::filesystem::path folder = scratch.file("no/such");
   EXPECT_EQ(ask(ours, {"export", folder / "file.db"}).err,
             "error: " + (folder / "file.db").string() + ": there is no folder " + folder.string() + "\n");
   EXPECT_FALSE(std::filesystem::exists(folder));
-  auto imported = rows(theirs, {"import", file}).at(0);  // makes theirs
+  auto imported = rows(theirs, {"import", file}).at(0);  // creates `theirs`
   EXPECT_EQ(imported["samples"], 8);
   EXPECT_EQ(imported["known"], 0);
   imported = rows(theirs, {"import", file}).at(0);

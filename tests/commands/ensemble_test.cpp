@@ -1,4 +1,4 @@
-// run --ensemble, and --mode.
+// The options --ensemble and --mode of `assur run`.
 #include "assur/ensemble.hpp"
 
 #include <gtest/gtest.h>
@@ -15,8 +15,8 @@
 namespace assur {
 namespace {
 
-// The crank turns until coupler and rocker are in line, |B - D| = coupler + 1: at 1.31... for a coupler of 1, after t =
-// 2 for couplers of 1.8 or more. Couplers of 2 or more cannot be assembled.
+// The crank turns until coupler and rocker are in line, |B - D| = coupler + 1. This happens at t = 1.31... for a
+// coupler of 1, and after t = 2 for couplers of 1.8 or more. Couplers of 2 or more cannot be assembled.
 const char* const kFold = R"({
   "assur": 1, "name": "fold", "dimension": 2, "parameters": {"coupler": 1},
   "points": {"A": {"at": [0, 0], "fixed": true}, "D": {"at": [2, 0], "fixed": true},
@@ -47,7 +47,7 @@ std::vector<Row> rows_of(const std::string& csv) {
 
 class Ensembles : public testing::Test {
  protected:
-  // assur run SCENE --ensemble FILE ..., where FILE contains `variants`.
+  // Runs `assur run SCENE --ensemble FILE ...`, where FILE contains `variants`.
   Outcome run(const std::string& scene, const std::string& variants, std::vector<std::string> more = {},
               const Setting& setting = {}) const {
     more.insert(more.begin(), {"run", scene, "--ensemble", scratch_.file("variants.csv", variants)});
@@ -79,8 +79,8 @@ TEST_F(Ensembles, CsvEqualsTheTrajectoryOfTheLibrary) {
   }
 }
 
-// Errors of position, velocity and acceleration have up to the third power of the condition, which is below 8 (coupler
-// and rocker stay 18 degrees away from one line), and a few roundings.
+// Errors of position, velocity and acceleration grow with up to the third power of the condition. The condition is
+// below 8, because coupler and rocker stay 18 degrees away from one line. A few roundings are the factor of 4.
 TEST_F(Ensembles, MembersMoveAsInSingleRuns) {
   constexpr double kTolerance = 8 * 8 * 8 * 4 * std::numeric_limits<double>::epsilon();
   const std::string scene = fold();

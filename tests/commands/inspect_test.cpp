@@ -57,7 +57,7 @@ TEST(Inspect, OutputsReduceTheGroups) {
   }
 }
 
-// For declared groups and for the irreducible ones of `auto`: inspect and run leave out the same.
+// `inspect` and `run` leave out the same groups, for declared groups and for the irreducible ones of `auto`.
 TEST(Inspect, LeavesOutTheSameAsRun) {
   for (const std::string scene : {"stewart", "slider_crank", "four_bar:3"}) {
     const std::string output = scene == "stewart"        ? "handle1.value"
@@ -78,7 +78,7 @@ TEST(Inspect, LeavesOutTheSameAsRun) {
       << page.out;
 }
 
-// First notes on the posture, then on drivers, then on careless input.
+// Notes on the posture come first, then notes on drivers, then notes on careless input.
 TEST(Inspect, PrintsNotesOnceInOrderOfImportance) {
   const Scratch scratch;
   const std::string scene = scratch.file("notes.json", R"({"assur": 1, "dimension": 2,

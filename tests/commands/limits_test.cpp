@@ -1,4 +1,4 @@
-// Numbers beyond a limit: the message comes before any work and names the limit.
+// Numbers beyond a limit. The message comes before any work and names the limit.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
@@ -49,7 +49,7 @@ TEST(Limits, RefusesResultsThatDoNotFitIntoMemory) {
   GTEST_SKIP() << "sanitizers reserve more address space than there is memory";
 #endif
   const std::string remedy = "; ask for fewer outputs or a shorter run\n";
-  const Setting no_more = with_address_space(rlim_t{1} << 36);  // some machines have enough for the first two
+  const Setting no_more = with_address_space(rlim_t{1} << 36);  // needed on machines with much memory
   for (const std::string command : {"run", "compare"}) {
     const Outcome outcome = run_command({command, "four_bar", "--steps", "2147483647"}, no_more);
     EXPECT_EQ(outcome.status, 3);

@@ -27,7 +27,7 @@ std::function<void()> limited_to(int what, std::size_t bytes) {
   return [what, bytes] {
     const rlimit limit{bytes, bytes};
     if (setrlimit(what, &limit) != 0) _exit(96);
-    alarm(120);  // one that hangs is ended
+    alarm(120);  // ends a command that hangs
   };
 }
 
@@ -35,7 +35,7 @@ std::size_t files_in(const fs::path& folder) {
   return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
 }
 
-// With too little address space it reports this and does not hang in a library.
+// With too little address space the command reports this and does not hang in a library.
 TEST(Operations, EndsWithAnErrorWithoutMemory) {
 #if defined(ASSUR_ADDRESS_SANITIZER) || defined(ASSUR_THREAD_SANITIZER)
   GTEST_SKIP() << "sanitizers reserve more address space than there is memory";
@@ -60,7 +60,7 @@ TEST(Operations, EndsWithAnErrorWithoutMemory) {
   }
 }
 
-// OpenBLAS for OpenMP ignores these settings and takes all its memory; the check of the command must know this.
+// OpenBLAS for OpenMP ignores these settings and takes all its memory. The check of the command must know this.
 TEST(Operations, EndsWithAnErrorIfOpenBlasIgnoresSettings) {
 #if defined(ASSUR_ADDRESS_SANITIZER) || defined(ASSUR_THREAD_SANITIZER)
   GTEST_SKIP() << "sanitizers reserve more address space than there is memory";
@@ -203,7 +203,7 @@ TEST(Operations, ProgressBarFitsTheTerminal) {
   EXPECT_EQ(run_command(words, setting).err.find('\x1b'), std::string::npos);
 }
 
-// A page on a terminal fits its columns and has the same words; a wide terminal gets the same page as a file.
+// A page on a terminal fits its columns and keeps its words. A wide terminal gets the same page as a file.
 TEST(Operations, PagesFitTheTerminal) {
   const std::vector<std::vector<std::string>> calls = {
       {"plan", "stewart"},
@@ -221,7 +221,7 @@ TEST(Operations, PagesFitTheTerminal) {
   };
   for (const auto& words : calls) {
     SCOPED_TRACE(words[0]);
-    const bool repeats = words[0] != "compare";  // it measures anew
+    const bool repeats = words[0] != "compare";  // `compare` measures anew
     const std::string file = run_command(words).out;
     ASSERT_FALSE(file.empty());
     for (const unsigned short columns : std::initializer_list<unsigned short>{40, 80, 300}) {
@@ -238,7 +238,7 @@ TEST(Operations, PagesFitTheTerminal) {
       }
       for (const std::string& line : lines_of(drawn)) {
         const std::size_t text = std::min(line.find_first_not_of(' '), line.size());
-        const bool one_word = line.find(' ', text) == std::string::npos;  // which nothing shortens
+        const bool one_word = line.find(' ', text) == std::string::npos;  // a single word is not shortened
         EXPECT_TRUE(one_word || output::display_width(line) <= columns) << columns << ": " << line;
       }
     }

@@ -1,4 +1,4 @@
-// assur plan: programs can run the plans that it saves.
+// `assur plan`: programs can run the plans that it saves.
 #include <gtest/gtest.h>
 
 #include <fstream>

@@ -1,4 +1,4 @@
-// assur report with a budget of seconds: its files, whether they agree, and Ctrl-C.
+// `assur report` with a budget of seconds: its files, whether they agree, and Ctrl-C.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -73,8 +73,8 @@ TEST(ReportCommand, WritesPageCsvAndJsonWithTheSameNumbers) {
 
   const auto rows = rows_of(folder + "/report.csv");
   ASSERT_EQ(nlohmann::json::parse(content(folder + "/report.json"))["benchmarks"].size(), rows.size());
-  std::map<std::string, std::map<std::string, double>> regret;   // by question, quantity
-  std::map<std::string, std::map<std::string, double>> seconds;  // per step, by what was scaled and strategy
+  std::map<std::string, std::map<std::string, double>> regret;   // by question and quantity
+  std::map<std::string, std::map<std::string, double>> seconds;  // per step, by scaled item and strategy
   int speed_ups = 0;
   for (const auto& row : rows) {
     const double value = std::stod(row.at("value"));
@@ -91,7 +91,7 @@ TEST(ReportCommand, WritesPageCsvAndJsonWithTheSameNumbers) {
       EXPECT_TRUE(seconds[row.at("item")].emplace(row.at("strategy"), value).second) << row.at("item");
     } else if (row.at("quantity") == "speed-up") {
       ++speed_ups;
-      // Relative to one thread or one lane.
+      // A speed-up is relative to one thread or one lane.
       const auto& of = seconds.at(row.at("item"));
       const double own = of.at(row.at("strategy"));
       EXPECT_TRUE(std::any_of(of.begin(), of.end(), [&](const auto& other) { return other.second / own == value; }))

@@ -114,7 +114,7 @@ TEST(Run, RefusesAGridWithoutWholeNumberOfSteps) {
   const Case cases[] = {
       {{"--dt", "0.3"}, "--dt: from 0 s to the scene's end at 10 s there are 33.3333 steps of 0.3" + wanted},
       {{"--dt", "20"}, "--dt: from 0 s to the scene's end at 10 s there are 0.5 steps of 20" + wanted},
-      // So few steps that it cannot be a rounding of one.
+      // 1e-10 steps cannot be a rounded step.
       {{"--dt", "1e11"}, "--dt: from 0 s to the scene's end at 10 s there are 1e-10 steps of 1e+11" + wanted},
       {{"--start", "10"}, "--start: from 10 s to the scene's end at 10 s there are 0 steps of 0.01" + wanted},
   };
@@ -174,7 +174,7 @@ TEST(Run, DerivativesThatAreNotComputedHaveNoError) {
   EXPECT_EQ(json["left_out"]["groups"].empty(), false);
 }
 
-// For a run, chunks, and an ensemble: null, not 0.
+// Unmeasured figures of a run, of chunks, and of an ensemble are null, not 0.
 TEST(Run, JsonHasNullForUnmeasuredFigures) {
   const std::string file = testing::TempDir() + "unknown_figures.csv";
   std::ofstream(file) << "omega\n1\n2\n";
@@ -344,7 +344,7 @@ TEST(Run, PageFitsEightyColumnsAndNamesEverything) {
   }
 }
 
-// By every name of the file, and also for tables of ensemble members.
+// The tables of the scene are protected under every name of their files; so are the tables of ensemble members.
 TEST(Run, OutputsDoNotOverwriteTablesOfTheScene) {
   const Scratch scratch;
   const std::string table = "0,0\n1,1\n2,4\n", variants = "AP\n1\n";

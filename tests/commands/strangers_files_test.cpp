@@ -98,7 +98,7 @@ TEST(BigScenes, AMillionDyadsNeedLessThan1500Megabytes) {
   constexpr int kMore = 80000;
   const Scratch scratch;
   const auto memory = [](const std::string& scene) {
-    // Returns freed memory to the system at once, as for larger arrays.
+    // Freed memory goes back to the system at once, as for larger arrays.
     const Outcome outcome = run_command({"plan", scene, "--threads", "1"},
                                         {.before = [] { setenv("MALLOC_MMAP_THRESHOLD_", "1000000", 1); }});
     EXPECT_EQ(outcome.status, 0) << outcome.err;

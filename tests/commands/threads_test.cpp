@@ -28,7 +28,7 @@ TEST(Threads, EveryCommandRefusesMoreThreadsThanProcessors) {
   }
 }
 
-// With OMP_NUM_THREADS=1 a second thread exceeds the budget; the test needs two processors.
+// With OMP_NUM_THREADS=1 a second thread exceeds the budget. The test needs two processors.
 TEST(Threads, WarnsOfMoreThreadsThanTheBudget) {
   if (this_machine().processors < 2) GTEST_SKIP() << "one processor";
   const char* const before = std::getenv("OMP_NUM_THREADS");
@@ -43,7 +43,7 @@ TEST(Threads, WarnsOfMoreThreadsThanTheBudget) {
     unsetenv("OMP_NUM_THREADS");
   }
   EXPECT_EQ(loud.status, 0);
-  EXPECT_EQ(loud.err.rfind("warning: --threads: 2 threads exceed the free processors; ", 0), 0u) << loud.err;
+  EXPECT_EQ(loud.err.rfind("warning: --threads: 2 threads exceed the budget of this machine; ", 0), 0u) << loud.err;
   EXPECT_EQ(quiet.err, "");
   EXPECT_EQ(within.err, "");
 }

@@ -57,7 +57,7 @@ TEST_F(Tune, MeasuresOnlyForTheScene) {
     kernels.insert(std::string(name(s.kernel)));
     EXPECT_EQ(s.shape.n, 2) << to_string(s.strategy);
   }
-  kernels.erase("around");  // where the machine is quiet enough to tell it
+  kernels.erase("around");  // measured only if the machine is quiet enough
   EXPECT_EQ(kernels, (std::set<std::string>{"evaluate", "factor", "pack", "solve", "step"}));
 }
 
@@ -109,7 +109,7 @@ TEST_F(Tune, StatusOfATrialShowsWhetherASolverRuns) {
   EXPECT_EQ(run_command({"tune", "--trial", "groups/no_such_solver"}).status, 2);
 }
 
-// A library whose first call never returns: its trial is stopped, the solver is named, and all others are measured.
+// The first call of this library never returns. Its trial is stopped, the solver is named, and all others are measured.
 TEST_F(Tune, LeavesOutASolverThatHangs) {
   Setting setting;
   setting.before = [] { setenv("LD_LIBRARY_PATH", ASSUR_HSL_THAT_HANGS, 1); };
@@ -122,7 +122,7 @@ TEST_F(Tune, LeavesOutASolverThatHangs) {
   EXPECT_EQ(measured.count("ma27"), 0u);
 }
 
-// The budget is over before the first cell on every machine.
+// On every machine the budget is over before the first cell.
 TEST_F(Tune, ReportsThatNothingWasMeasured) {
   const Outcome outcome = run_command({"tune", "--budget", "1e-3", "--scene", "four_bar", "--quiet"});
   EXPECT_EQ(outcome.status, 3);

@@ -26,7 +26,7 @@ MachineModel model_of(const fs::path& file) {
   return db::read_machine_model(files, host_with(4), db::library_at_hand);
 }
 
-// Why a file cannot be opened; empty if it can.
+// Why a file cannot be opened; nothing if it can.
 std::optional<Trouble> trouble(const fs::path& file, Access access, std::string* what = nullptr) {
   try {
     const Store store(file, access);
@@ -86,7 +86,7 @@ TEST(Faults, ANewerSchemaIsLeftAlone) {
   expect_left_alone(file, Trouble::newer);
 }
 
-// An artificial version 1 and its migration to an artificial version 3.
+// An artificial version 1 and its migrations to an artificial version 3.
 TEST(Faults, UpdatesAnOlderSchemaInOneTransaction) {
   SQLite::Database database(":memory:", SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
   database.exec(
@@ -105,7 +105,7 @@ TEST(Faults, UpdatesAnOlderSchemaInOneTransaction) {
   db::bring_up_to_date(database, "CREATE TABLE thing (id INTEGER)", good, 3);
   EXPECT_EQ(version(), 3);
   EXPECT_EQ(database.execAndGet("SELECT name || size FROM thing").getString(), "old8");
-  db::bring_up_to_date(database, "", good, 3);  // nothing more to do
+  db::bring_up_to_date(database, "", good, 3);  // already up to date
   EXPECT_EQ(database.execAndGet("SELECT size FROM thing").getInt(), 8);
 }
 
@@ -204,7 +204,8 @@ TEST(Faults, AFullDiskLosesOnlyTheCurrentCell) {
   store.add(*run, cell_of(1000, 10));
 }
 
-// Killed during a transaction that is large enough to be partly on the disk; with and without a write-ahead log.
+// A writer is killed in a transaction that is large enough to be partly on the disk, with and without a write-ahead
+// log.
 class Killed : public testing::TestWithParam<bool> {};
 
 TEST_P(Killed, LosesOnlyTheCurrentCell) {
@@ -220,9 +221,9 @@ TEST_P(Killed, LosesOnlyTheCurrentCell) {
         std::string(2000, 'x') + "'");
     return raise(SIGKILL);
   });
-  ASSERT_EQ(status, 127);  // by a signal
+  ASSERT_EQ(status, 127);  // ended by a signal
   ASSERT_GT(fs::file_size(file.string() + (network ? "-journal" : "-wal")), 0u);
-  // The runtime can read a write-ahead log, but a journal needs write access.
+  // The runtime can read a write-ahead log, but it cannot apply a journal, which needs write access.
   const MachineModel model = model_of(file);
   EXPECT_EQ(model.model->samples(), network ? 0u : 200u);
   ASSERT_EQ(model.messages.size(), network ? 1u : 0u);
@@ -248,7 +249,7 @@ TEST(Faults, ABusyDatabaseCanBeRead) {
   EXPECT_EQ(model_of(file).model->samples(), 0u);
 }
 
-// The state that a tuner leaves, without and with a reader at that time.
+// A tuner leaves a file at rest, or in the mode of a write-ahead log if there was a reader.
 class ReadOnly : public testing::TestWithParam<bool> {};
 
 TEST_P(ReadOnly, FolderIsReadButNotWritten) {
@@ -259,7 +260,7 @@ TEST_P(ReadOnly, FolderIsReadButNotWritten) {
   fs::permissions(file, fs::perms(0444));
   fs::permissions(tree.root(), fs::perms(0555));
   const int status = in_a_child([&] {
-    if (getuid() == 0 && setuid(65534) != 0) return 1;  // to root nothing is read-only
+    if (getuid() == 0 && setuid(65534) != 0) return 1;  // root may write everywhere
     if (model_of(file).model->samples() != 50) return 2;
     if (trouble(file, Access::read) != std::nullopt) return 3;
     if (trouble(file, Access::write) != Trouble::blocked) return 4;
@@ -269,7 +270,7 @@ TEST_P(ReadOnly, FolderIsReadButNotWritten) {
   EXPECT_EQ(status, 0);
   std::size_t files = 0;
   for ([[maybe_unused]] const auto& entry : fs::directory_iterator(tree.root())) ++files;
-  EXPECT_EQ(files, 1u);  // nothing was left beside it
+  EXPECT_EQ(files, 1u);  // no other file was left
 }
 
 INSTANTIATE_TEST_SUITE_P(Faults, ReadOnly, testing::Bool(),
@@ -304,7 +305,7 @@ TEST(Faults, SkipsADamagedSample) {
   ASSERT_EQ(files_put_aside(file).size(), 1u);
   EXPECT_NE(store.messages()[0].find(files_put_aside(file)[0].string()), std::string::npos) << store.messages()[0];
   EXPECT_EQ(store.samples().size(), 49u);
-  std::size_t parts = 0;  // of what was put aside: nothing lies beside it
+  std::size_t parts = 0;  // files that were put aside; a journal or log would be another one
   for (const auto& entry : fs::directory_iterator(tree.root())) {
     parts += entry.path().filename().string().find(".corrupt-") != std::string::npos ? 1 : 0;
   }
@@ -314,7 +315,7 @@ TEST(Faults, SkipsADamagedSample) {
   EXPECT_FALSE(by_uid(store.samples()).contains(stored[6].uid));
 }
 
-// The remaining samples are valid.
+// The remaining samples are valid and kept.
 TEST(Faults, ReportsLostSamplesAndRepairsTheFile) {
   FileTree tree;
   const auto file = tree.root() / "tuning.db";
@@ -342,7 +343,7 @@ TEST(Faults, ReportsLostSamplesAndRepairsTheFile) {
   EXPECT_TRUE(model_of(file).messages.empty());
 }
 
-// Rows removed by SQL.
+// Rows that were removed with SQL.
 TEST(Faults, DoesNotCountRemovedSamplesAsLost) {
   FileTree tree;
   const auto file = tree.root() / "tuning.db";
@@ -354,7 +355,7 @@ TEST(Faults, DoesNotCountRemovedSamplesAsLost) {
   EXPECT_TRUE(Store(file, Access::write).messages().empty());
 }
 
-// Damages many bytes in the middle, like a failing disk: the whole file is left out.
+// Many bytes in the middle are damaged, as by a failing disk. The whole file is left out.
 TEST(Faults, ReportsAHoleInTheFile) {
   FileTree tree;
   const auto file = tree.root() / "tuning.db";
@@ -370,7 +371,8 @@ TEST(Faults, ReportsAHoleInTheFile) {
   EXPECT_EQ(model.messages[0], file.string() + ": is damaged: database disk image is malformed");
 }
 
-// A table whose first page was split late lies at the end of the file; if it is cut off, its index still has the rows.
+// The table `strategy` lies at the end of the file, because its first page was split late. If the end is cut off, the
+// index of this table still has the rows.
 TEST(Faults, ATruncatedFileKeepsItsRemainingSamples) {
   FileTree tree;
   const auto file = tree.root() / "tuning.db";
@@ -432,7 +434,7 @@ TEST(Faults, SkipsSamplesWithDamagedReferences) {
   }
 }
 
-// No crash, no wrong row, no loss of good rows that could be read before.
+// Random faults cause no crash and no wrong row, and no good row is lost that could be read before.
 TEST(Faults, SurvivesAHundredRandomFaults) {
   FileTree tree;
   const auto good = tree.root() / "good.db";
@@ -466,7 +468,7 @@ TEST(Faults, SurvivesAHundredRandomFaults) {
     const auto file = folder / "tuning.db";
     write_bytes(file, damaged);
 
-    // The runtime reads, reports errors, and writes nothing.
+    // The runtime reads and reports errors, but writes nothing.
     MachineModel model;
     ASSERT_NO_THROW(model = model_of(file));
     EXPECT_LE(model.model->samples(), originals.size());

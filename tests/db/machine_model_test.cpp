@@ -43,7 +43,7 @@ TEST_F(Databases, UsesSamplesOfTheSameProcessorWithANote) {
   make_database(file("a.db"), host_with(3), 7);
   make_database(file("b.db"), host_with(2), 9);
   const MachineModel model = read(files({"a.db", "b.db"}), host_with(2, 1));
-  EXPECT_EQ(model.model->samples(), 7u);  // the first file's, and there the one with about as many cores
+  EXPECT_EQ(model.model->samples(), 7u);  // from the first file, the machine with the closest number of cores
   ASSERT_EQ(model.messages.size(), 1u);
   EXPECT_TRUE(contains(model.messages[0], "3 cores")) << model.messages[0];
   EXPECT_TRUE(contains(model.messages[0], "same processor"));
@@ -60,7 +60,7 @@ TEST_F(Databases, UsesSamplesOfTheSameMicroarchitectureLast) {
   EXPECT_TRUE(contains(model.model->source(), "same microarchitecture")) << model.model->source();
   EXPECT_TRUE(contains(model.model->source(), "Slow One"));
   EXPECT_EQ(model.messages.size(), 1u);
-  // A more similar host in a later file comes before a less similar one in an earlier file.
+  // A host that is more similar comes first, even if its file comes later.
   make_database(file("b.db"), host_with(8), 6);
   EXPECT_EQ(read(files({"a.db", "b.db"}), host_with(4)).model->samples(), 6u);
   make_database(file("c.db"), host_with(4), 7);
@@ -83,14 +83,14 @@ TEST_F(Databases, IgnoresSamplesOfAnotherMachine) {
 
 TEST_F(Databases, CombinesSamplesOfOneMachine) {
   const auto users = make_database(file("user.db"), host_with(4), 4);
-  const auto system = make_database(file("system.db"), host_with(4), 10);  // the same four cells, and six more
+  const auto system = make_database(file("system.db"), host_with(4), 10);  // the same four cells and six more
   const MachineModel model = read(files({"user.db", "system.db"}), host_with(4));
   EXPECT_EQ(model.model->samples(), 10u);
   EXPECT_TRUE(contains(model.model->source(), file("user.db").string()));
   EXPECT_TRUE(contains(model.model->source(), file("system.db").string()));
 }
 
-// Leaves out only samples of the changed library, with one message.
+// Only samples of the library that has changed are left out, with one message.
 TEST_F(Databases, LeavesOutSamplesOfOtherLibraryVersions) {
   {
     db::Store store(file("a.db"), db::Access::write);

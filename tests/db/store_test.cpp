@@ -72,7 +72,7 @@ TEST(Store, RecordsTheRunAndItsEnd) {
   EXPECT_THROW(store.finish_run(run + 1, {}), Error);
 }
 
-// Raw times and slowness are stored; reading computes the usual pace.
+// Raw times and the slowness of the machine are stored; reading converts them to the usual pace.
 TEST(Store, GivesTimesAtTheUsualPaceOfAllSamples) {
   FileTree tree;
   const auto file = tree.root() / "tuning.db";
@@ -87,7 +87,8 @@ TEST(Store, GivesTimesAtTheUsualPaceOfAllSamples) {
   const std::vector<Sample> hurried = {sample_of(20)}, old = {sample_of(21)};
   usual[0].kernel = Kernel::meeting;
   usual[0].seconds = 7e-6;
-  put(usual, 1.6, 2e-6);  // the machine was slow, and taken for fast: 3.2 us of the fixed work are usual
+  // 1.6 times 2 us is the usual pace of the fixed work. This run took the machine for faster than it is.
+  put(usual, 1.6, 2e-6);
   put(hurried, 0.5, 2e-6);
   put(old, 1, kNan);
   const auto found = by_uid(Store(file, Access::read).samples());
@@ -113,7 +114,7 @@ TEST(Store, GivesTimesAtTheUsualPaceOfAllSamples) {
     EXPECT_NEAR(view.getColumn(0).getDouble() / found.at(view.getColumn(1).getString()).seconds, 1, 1e-14);
   }
   EXPECT_EQ(rows, 8);
-  // Rows for people have both; samples of old databases have no slowness.
+  // Rows for people have raw times and slowness; samples of old databases have no slowness.
   const db::Answer answer = Store(file, Access::read).sample_rows();
   const auto column = [&](const char* name) {
     return std::find(answer.columns.begin(), answer.columns.end(), name) - answer.columns.begin();
@@ -134,7 +135,7 @@ TEST(Store, GivesTimesAtTheUsualPaceOfAllSamples) {
       0);
 }
 
-// The fixed work of another version may differ.
+// The fixed work may differ between versions.
 TEST(Store, EveryVersionHasItsOwnPace) {
   FileTree tree;
   const auto file = tree.root() / "tuning.db";
@@ -178,7 +179,7 @@ TEST(Store, TheSameUidIsTheSameSample) {
   store.add(run, cell);
   ASSERT_EQ(store.samples().size(), 2u);
   EXPECT_EQ(store.samples()[0].seconds, cell[0].seconds / 2);
-  cell[0].uid = cell[1].uid = "";  // drawn for each
+  cell[0].uid = cell[1].uid = "";  // add() draws them
   store.add(run, cell);
   std::set<std::string> uids;
   for (const Sample& sample : store.samples()) uids.insert(sample.uid);
@@ -254,7 +255,7 @@ TEST(Store, FiltersByRunMachineLibraryAndKernel) {
   EXPECT_EQ(store.samples({.machine = host_with(2).fingerprint()}).size(), 1u);
   EXPECT_EQ(store.samples({.machine = host_with(2).fingerprint().substr(0, 8)}).size(), 1u);
   EXPECT_EQ(store.samples({.library = "klu"}).size(), 2u);
-  EXPECT_EQ(store.samples({.library = "assur"}).size(), 1u);  // equations take no solver
+  EXPECT_EQ(store.samples({.library = "assur"}).size(), 1u);  // samples of equations have no solver
   EXPECT_EQ(store.samples({.kernel = Kernel::solve}).size(), 1u);
   EXPECT_EQ(store.samples({.run = first, .library = "klu"}).size(), 1u);
   EXPECT_EQ(store.sample_rows({.library = "klu"}).rows.size(), 2u);
@@ -295,7 +296,7 @@ TEST(Store, ExportsAndMergesByUid) {
   EXPECT_EQ(Store(ours, Access::read).export_to(file), 10);
   EXPECT_THROW((void)Store(ours, Access::read).export_to(file), Error);
   EXPECT_FALSE(std::filesystem::exists(file.string() + ".part"));
-  EXPECT_EQ(bytes(file)[18], 1);  // without a log: can be read where nobody may write
+  EXPECT_EQ(bytes(file)[18], 1);  // no log, so that the file can be read in a read-only folder
   EXPECT_EQ(by_uid(Store(file, Access::read).samples()).size(), 10u);
 
   Store merged(theirs, Access::write);
@@ -315,7 +316,8 @@ TEST(Store, ExportsAndMergesByUid) {
   EXPECT_THROW((void)merged.import_from(tree.root() / "nothing.db"), Error);
 }
 
-// Times of one instance, so lanes count: at n = 4 klu is best, at n = 8 lanes:8, although its call takes longer.
+// Times count for one instance: a call with 8 lanes counts an eighth. At n = 4 klu is best, at n = 8 lanes:8 is best,
+// although its call takes longer.
 TEST(Store, ViewsShowTheBestOfEachShapeAndCrossovers) {
   FileTree tree;
   Store store(tree.root() / "tuning.db", Access::write);
@@ -330,7 +332,7 @@ TEST(Store, ViewsShowTheBestOfEachShapeAndCrossovers) {
     store.add(run, std::vector{s});
   };
   for (const Kernel kernel : {Kernel::factor, Kernel::solve}) {
-    put(4, kernel, "groups/klu", 9e-6, 1e-12);  // measured anew below: the newest counts
+    put(4, kernel, "groups/klu", 9e-6, 1e-12);  // replaced by the next measurement
     put(4, kernel, "groups/klu", 1e-6, 1e-16);
     put(4, kernel, "groups/lanes:8", 16e-6, 1e-15);
     put(8, kernel, "groups/klu", 4e-6, 1e-16);
@@ -349,7 +351,7 @@ TEST(Store, ViewsShowTheBestOfEachShapeAndCrossovers) {
   EXPECT_EQ(std::get<std::string>(best.rows[1][8]), "groups/lanes:8");
   EXPECT_EQ(std::get<double>(best.rows[1][9]), 1e-6);
 
-  // factor, solve, and a factorisation with three solutions.
+  // Two sizes of factor, solve, and a factorisation with three solutions.
   EXPECT_EQ(store.best().rows.size(), 6u);
   const db::Answer crossovers = store.crossovers();
   ASSERT_EQ(crossovers.rows.size(), 3u);
@@ -386,7 +388,7 @@ TEST(Store, SupportsConcurrentTunersAndReaders) {
     if (child == 0) {
       alarm(60);
       try {
-        Store store(file, Access::write);  // all of them at once: one makes it
+        Store store(file, Access::write);  // all tuners at once; one of them creates the file
         const std::int64_t run = store.begin_run(host_with(4), "quick");
         for (int cell = 0; cell < kCells; ++cell) store.add(run, cell_of(cell, kCell));
         store.finish_run(run, {});
@@ -423,12 +425,12 @@ TEST(Store, SupportsConcurrentTunersAndReaders) {
   EXPECT_EQ(store.runs().size(), static_cast<std::size_t>(kTuners));
 }
 
-// A tuner starts and ends repeatedly, so that the journal mode changes; the file never appears damaged.
+// A tuner starts and ends repeatedly, which changes the journal mode. The file never appears damaged.
 TEST(Store, ReadersWorkWhileATunerStartsAndEnds) {
   FileTree tree;
   const auto file = tree.root() / "tuning.db";
   make_database(file, host_with(4), 5);
-  EXPECT_EQ(bytes(file)[18], 1);  // at rest without a log, readable where nobody may write
+  EXPECT_EQ(bytes(file)[18], 1);  // at rest without a log
   const pid_t child = fork();
   if (child == 0) {
     alarm(60);
@@ -436,7 +438,7 @@ TEST(Store, ReadersWorkWhileATunerStartsAndEnds) {
       try {
         Store store(file, Access::write);
         if (!store.messages().empty()) _exit(1);
-        store.add(store.begin_run(host_with(4), "quick"), cell_of(cell, 5));  // shapes that are new each time
+        store.add(store.begin_run(host_with(4), "quick"), cell_of(cell, 5));  // new shapes each time
       } catch (const std::exception& error) {
         fprintf(stderr, "%s\n", error.what());
         _exit(1);
@@ -454,13 +456,13 @@ TEST(Store, ReadersWorkWhileATunerStartsAndEnds) {
       EXPECT_EQ(health.samples % 5, 0);
       EXPECT_GE(health.samples, seen);
       seen = health.samples;
-    } catch (const db::Unusable& unusable) {  // the tuner had it for itself for longer than a reader waits
+    } catch (const db::Unusable& unusable) {  // the tuner locked the file for longer than a reader waits
       EXPECT_EQ(unusable.trouble(), db::Trouble::blocked) << unusable.what();
     }
   }
   EXPECT_EQ(status, 0);
   EXPECT_EQ(Store(file, Access::read).samples().size(), 305u);
-  { const Store next(file, Access::write); }  // where a reader was in the way of the last one
+  { const Store next(file, Access::write); }  // removes the log that a reader may have kept in place
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(tree.root()), {}), 1);
 }
 

@@ -16,7 +16,7 @@ using references::QuadJet;
 using references::Vec;
 using Where = Vec<QuadJet>;
 
-// Moving points, vectors and auxiliary scalars (in [0]) at time t, without members of bodies.
+// Moving points, vectors and auxiliary scalars (their value in [0]) at time t, without members of bodies.
 using Path = std::function<Posture<QuadJet>(double t)>;
 
 struct Kind {
@@ -26,7 +26,7 @@ struct Kind {
   // Expected members of bodies.
   Path members = [](double) { return Posture<QuadJet>{}; };
 };
-inline void PrintTo(const Kind& kind, std::ostream* out) { *out << kind.name; }  // what a failed test says
+inline void PrintTo(const Kind& kind, std::ostream* out) { *out << kind.name; }  // for failed tests
 
 [[nodiscard]] std::vector<Kind> in_the_plane();
 [[nodiscard]] std::vector<Kind> in_space();
@@ -46,7 +46,7 @@ inline Triple start(const Path& path, const std::string& name) {
 }
 inline double start_scalar(const Path& path, const std::string& name) { return start(path, name)[0]; }
 
-// A law that follows the value `of` the path.
+// A law whose value is `of` the path.
 template <class Of>
 Law follow(const Path& path, Of of) {
   return Law::function([path, of](double t) {

@@ -16,7 +16,7 @@ Where turned(const Where& v, const Where& n, const QuadJet& angle) {
   return c * v + sin(angle) * cross(n, v) + ((QuadJet{1} - c) * dot(n, v)) * n;
 }
 
-// A body in free motion: origin O, axes u, v, w = Rz(psi) Ry(theta) Rx(phi), one turn after the other.
+// A body in free motion: origin O, axes u, v, w = Rz(psi) Ry(theta) Rx(phi).
 struct Motion3 {
   std::vector<Law> translation = {kSlide, kSwing, Law::polynomial({0.25, -0.5, 0.25})};
   std::vector<Law> rotation = {kTurn, Law::harmonics({{0.3, 0.2, 0.1}}), Law::polynomial({-0.2, 0.4})};
@@ -42,7 +42,7 @@ struct Motion3 {
 };
 const Motion3 kMotion;
 
-// O, u, v, w are driven by the pose; `rest` adds the other parts.
+// The pose drives O, u, v, w; `rest` adds the other parts.
 Path path_of(std::function<void(double, Posture<QuadJet>&)> rest) {
   return [rest](double t) {
     Posture<QuadJet> p;
@@ -117,7 +117,7 @@ Kind pose(const std::string& base, bool declared) {
   return k;
 }
 
-// Six actuators of a free body; its joints do not form similar hexagons.
+// Six actuators of a free body. The joints on ground and body do not form similar hexagons.
 Kind actuated(bool on_points, bool poor = false) {
   const Triple ground[6] = {{1, 0, -1},     {0.5, 1, -1.5}, {-0.5, 1.25, -1},
                             {-1, 0, -1.25}, {-0.5, -1, -1}, {0.75, -1, -1.5}};
@@ -142,7 +142,7 @@ Kind actuated(bool on_points, bool poor = false) {
   if (on_points) {
     const Triple third = start(path, "E3");
     place(b, path, {"E1", "E2"}).point("E3", poor ? Triple{third[0] + 0.0625, third[1], third[2] - 0.0625} : third);
-    // One edge of the body is a constraint, too. With values, a poor guess does not change the shape.
+    // One edge of the body is a constraint, too. Its value keeps the shape of the body even if the guess is poor.
     b.constrain("edge", Distance{"E3", "E1", std::sqrt(1.625)});
     if (poor) b.constrain("other", Distance{"E2", "E3", std::sqrt(3.125)});
   } else {
@@ -171,7 +171,7 @@ Kind actuated(bool on_points, bool poor = false) {
   return k;
 }
 
-// One axis of the frame is fixed, in each of the three places.
+// One of the three axes of the frame is fixed.
 Kind hinged(int fixed_axis) {
   const std::string name[3] = {"u", "v", "w"};
   const std::string &n = name[fixed_axis], &a = name[(fixed_axis + 1) % 3], &c = name[(fixed_axis + 2) % 3];
@@ -210,10 +210,10 @@ Kind distances() {
   return kind("distance", b, path);
 }
 
-Kind equal_distances() {  // |X - B| = |O - M| and = |X - O|; X.x driven
+Kind equal_distances() {  // |X - B| = |O - M| = |X - O|; X.x is driven
   const Path path = path_of([](double t, auto& p) {
     const QuadJet x = at(kSlide, t) * 0.25, square = number(0.25 + 0.0625 + 0.5625);
-    // X = B + r with r.x known, |r|^2 = square and |r - (O - B)|^2 = square: in the plane of y and z.
+    // X = B + r with r.x known, |r|^2 = square and |r - (O - B)|^2 = square, solved in the plane of y and z.
     const Where d = p["O"] - exact(kB);
     const QuadJet rx = x - kB[0], dd = d[1] * d[1] + d[2] * d[2], k = dot(d, d) / 2 - rx * d[0];
     const QuadJet along = k / dd, rest = sqrt((square - rx * rx) / dd - along * along);
@@ -306,7 +306,7 @@ Kind arms() {
   SceneBuilder b("arms", 3);
   grid(b).fixed_point("A", kA).fixed_vector("n", axis).fixed_vector("z", {0, 0, 1});
   place(b, path, {"P", "Q", "R"});
-  // The angle is measured from `at`, so laws begin at zero.
+  // The angle is measured from `at`, so the laws begin at zero.
   const double swing = static_cast<double>(at(kSwing, 0).value);
   b.drive("one", PointAngle{"A", "P", "n", kTurn + Law::constant(-0.3)});
   b.drive("two", PointAngle{"P", "Q", "z", kSwing + Law::constant(-swing)});
@@ -314,11 +314,11 @@ Kind arms() {
   return kind("angle about an axis", b, path);
 }
 
-// The radius of an arm is the value of a distance on the same pair: sqrt(0.25^2 + 0.75^2 + 0.5^2) by `at`.
+// An arm has the length of the distance between its points, not the sqrt(0.25^2 + 0.75^2 + 0.5^2) of `at`.
 Kind arm_with_length() {
   const Path path = [](double t) {
     Posture<QuadJet> p;
-    // A guess with another radius: the height 0.5 along the axis stays, the radius becomes sqrt(1.5^2 - 0.5^2).
+    // The guess has another radius. The height 0.5 along the axis stays, and the radius becomes sqrt(1.5^2 - 0.5^2).
     const QuadJet r = sqrt(number(2.25 - 0.25));
     const Where e = unit(fixed(0.75, 0.25, 0));
     p["P"] = exact(kA) + fixed(0, 0, 0.5) + r * turned(e, fixed(0, 0, 1), at(kSlide, t));
@@ -333,12 +333,12 @@ Kind arm_with_length() {
 
 Kind relative_angles() {
   const Path path = path_of([](double t, auto& p) {
-    p["e"] = turned(p["u"], p["w"], at(kSwing, t));  // about a moving axis
+    p["e"] = turned(p["u"], p["w"], at(kSwing, t));  // turns about a moving axis
     p["wrist.rho"] = scalar(number(1));
     p["wrist.across"] = p["v"];
     const Where z = fixed(0, 0, 1);
     p["P"] = exact(kA) + turned(fixed(0.75, 0, 0), z, at(kTurn, t));
-    p["Q"] = p["P"] + turned(fixed(0.5, 0, 0), z, at(kTurn, t) + at(kSlide, t));  // about a fixed one
+    p["Q"] = p["P"] + turned(fixed(0.5, 0, 0), z, at(kTurn, t) + at(kSlide, t));  // turns about a fixed axis
     p["elbow.rho"] = scalar(number(0.375));
   });
   SceneBuilder b = with_body("relative", path);

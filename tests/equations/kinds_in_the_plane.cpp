@@ -49,8 +49,8 @@ Kind equal_distances() {  // |P - D| = |Q - A|, Q on the line y = 1/2
 
 Kind dots() {
   const Path path = path_of([](double t, auto& p) {
-    p["u"] = heading(at(kTurn, t) + 0.5);                                         // across d by 0.5 rad
-    p["Q"] = crank(t) + QuadJet{0.5} * p["u"] + QuadJet{0.25} * left_of(p["u"]);  // by its coordinates in u
+    p["u"] = heading(at(kTurn, t) + 0.5);                                         // 0.5 rad ahead of the crank
+    p["Q"] = crank(t) + QuadJet{0.5} * p["u"] + QuadJet{0.25} * left_of(p["u"]);  // 0.5 along u, 0.25 left of u
   });
   SceneBuilder b = with_crank("dot", path);
   place(b, path, {"Q"}, {"u"});
@@ -60,7 +60,7 @@ Kind dots() {
   return kind("dot", b, path);
 }
 
-Kind fixed_direction() {  // dot with a fixed vector that has a zero, value from the drawing
+Kind fixed_direction() {  // dot with a fixed vector that has a zero; its value comes from the drawing
   const Path path = path_of([](double t, auto& p) {
     const Where P = crank(t);
     p["Q"] = {QuadJet{1.25}, P[1] + sqrt(QuadJet{4} - (P[0] - 1.25) * (P[0] - 1.25)), QuadJet{}};
@@ -101,9 +101,9 @@ Kind linears() {
 Kind lines() {
   const Path path = path_of([](double t, auto& p) {
     const QuadJet s = at(kSlide, t);
-    p["Q"] = fixed(2, 0.25) + s * fixed(0.6, 0.8);  // on a fixed line, displacement driven
+    p["Q"] = fixed(2, 0.25) + s * fixed(0.6, 0.8);  // Q is on a fixed line, and its displacement is driven
     p["rail.lambda"] = scalar(s);
-    p["R"] = p["Q"] + QuadJet{0.25} * (crank(t) - p["Q"]);  // a quarter of the way
+    p["R"] = p["Q"] + QuadJet{0.25} * (crank(t) - p["Q"]);  // a quarter of the way from Q to P
     p["pair.lambda"] = scalar(QuadJet{0.25});
   });
   SceneBuilder b = with_crank("on_line", path);
@@ -130,7 +130,7 @@ Kind relative_angle() {
   return kind("relative angle", b, path);
 }
 
-// The centre of an arm may be fixed, driven, or unknown; the arm may belong to a declared group.
+// The centre of an arm is fixed, driven, or unknown. The arm may belong to a declared group.
 Kind arms() {
   const Path path = path_of([](double t, auto& p) {
     p["Q"] = crank(t) + QuadJet{0.5} * heading(at(kSwing, t));
@@ -168,7 +168,7 @@ Kind actuators() {
   return kind("distance and coordinate drivers", b, path);
 }
 
-// A coupler with members: the length of the base is a constraint, or belongs to the body.
+// A coupler with members. The length of its base is a constraint, or belongs to the body.
 Kind base(bool written, bool poor = false) {
   const Path path = path_of([](double t, auto& p) {
     p["C"] = intersect_circles(crank(t), 1.75, fixed(2, 0.25), 1.25);
@@ -177,7 +177,7 @@ Kind base(bool written, bool poor = false) {
   });
   SceneBuilder b = with_crank("base", path);
   const Triple c = start(path, "C");
-  b.point("C", poor ? Triple{1.0625 * c[0], 1.0625 * c[1], 0} : c);  // a poor guess is no other shape
+  b.point("C", poor ? Triple{1.0625 * c[0], 1.0625 * c[1], 0} : c);  // a poor guess does not change the shape
   place(b, path, {"X"}).constrain("rocker", Distance{"D", "C", 1.25});
   if (written) b.constrain("coupler", Distance{"C", "P", 1.75});
   b.add(Body{"coupler_body", "", {}, {"P", "C"}, {{"M", {0.5, -0.25, 0}}}, {{"m", {0.6, 0.8, 0}}}});

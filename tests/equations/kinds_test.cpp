@@ -33,7 +33,7 @@ class EveryKind : public testing::TestWithParam<Kind> {
   }
 };
 
-// All coordinates on the path in internal units: hidden inputs from the laws, all others from the closed form.
+// All coordinates on the path in internal units: hidden inputs come from the laws, all others from the closed form.
 std::vector<QuadJet> on_path(const System& s, const Kind& kind, double t) {
   const std::size_t n = s.coordinates.size();
   std::vector<double> q(n, 0), rate(n, 0), acceleration(n, 0);
@@ -67,7 +67,8 @@ double magnitude(const Quad& x) { return std::abs(static_cast<double>(x)); }
 
 // ---- as equations
 
-// Laws and lengths are rounded to double, all else is in quad: errors are a few units in the last place of the terms.
+// Laws and lengths are rounded to double and all else is in quad, so errors are a few units in the last place of the
+// terms.
 TEST_P(EveryKind, EquationsHoldOnAKnownMotion) {
   for (const bool declared : {true, false}) {
     const System s = system(declared);
@@ -81,7 +82,7 @@ TEST_P(EveryKind, EquationsHoldOnAKnownMotion) {
   }
 }
 
-// The equations are regular and as many as the unknowns, so the path is their only solution.
+// There are as many equations as unknowns, and the equations are regular. The path is therefore their only solution.
 TEST_P(EveryKind, EquationsDetermineTheMotion) {
   for (const bool declared : {true, false}) {
     const System s = system(declared);
@@ -127,7 +128,7 @@ TEST_P(EveryKind, DrivenCoordinatesFollowTheLaw) {
       const std::size_t c = idx(a.coordinate);
       EXPECT_EQ(s.coordinates[c].role, Role::driven);
       const std::string name = s.coordinate_name(a.coordinate);
-      // Sums of a few terms of size 1 to 10.
+      // These are sums of a few terms of size 1 to 10.
       EXPECT_LE(magnitude(expected[c].value - q[c]), 32 * kEps) << name;
       EXPECT_LE(magnitude(expected[c].rate - rate[c]), 64 * kEps) << name;
       EXPECT_LE(magnitude(expected[c].acceleration - acceleration[c]), 128 * kEps) << name;
@@ -177,7 +178,7 @@ TEST_P(EveryKind, GradientIsTheDerivative) {
 
 // One instance in one lane: a system with its own constants, a posture and a motion.
 struct Lane {
-  System system, absolute;  // absolute: every constant positive, to bound sums by
+  System system, absolute;  // `absolute` has positive constants, to bound sums
   std::vector<double> q, rate, acceleration;
 };
 
@@ -328,7 +329,7 @@ TEST_P(EveryKind, ProgramAgreesInEveryLane) {
 
 // ---- the whole run
 
-// Condition 1e4 x 1e-14 at most, and derivatives up to 10 times as large as positions.
+// Tolerance: residuals of 1e-14 times a condition of 100. Each derivative is up to 10 times as large as the one before.
 TEST_P(EveryKind, RunFollowsTheKnownMotion) {
   for (const char* strategy : {"global/eigen", "groups/eigen", "irreducible/eigen"}) {
     Simulator simulator(prepare(kind().scene, {strategy, {}}));
@@ -355,7 +356,7 @@ TEST_P(EveryKind, RunFollowsTheKnownMotion) {
   }
 }
 
-// Given lengths overrule the guess, and are refused if no body has them.
+// Given lengths overrule the guess. They are refused if no triangle has them.
 TEST(BodyOnThreePoints, RefusesLengthsWithoutTriangle) {
   SceneBuilder b("impossible", 3);
   b.point("A", {0, 0, 0}).point("B", {1, 0, 0}).point("C", {0, 1, 0});

@@ -1,4 +1,4 @@
-// Programs: callbacks, Lipschitz constants, sharing. kinds_test.cpp compares them with the system.
+// Programs: callbacks, Lipschitz constants, sharing. kinds_test.cpp compares programs with the system.
 #include "equations/program.hpp"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ namespace {
 using enum Formulation;
 using look::structure;
 
-// P on a circle about A with the callback's radius, and on a rod of length 2 from a crank. Arguments in metres.
+// A callback keeps P on a circle about A, and a rod connects P to a slider. Arguments of callbacks are in metres.
 Scene with_callback(double length = 1) {
   const double radius = 1.5 * length;
   Callback circle;
@@ -71,7 +71,7 @@ TEST(ProgramCallback, IsEvaluatedInSiUnitsInEveryLane) {
           for (Index e = program.pattern.column_start[idx(column)]; e < program.pattern.column_start[idx(column) + 1];
                ++e) {
             if (program.pattern.row[idx(e)] != static_cast<Index>(row)) continue;
-            const double q = column == 0 ? x : y;  // d phi / d (q / unit)
+            const double q = column == 0 ? x : y;  // derivative of phi by q / unit
             EXPECT_NEAR(j[idx(e) * w + l], 2 * q * unit, 16 * kEps * std::abs(q) * unit);
           }
         }
@@ -107,7 +107,7 @@ TEST(ProgramCallback, EvaluatesPartOfItsRows) {
   bind_coefficients(program, constants, k.data(), 1);
   for (const Index i : g.inputs) inputs.push_back(s.start[idx(i)]);
   for (const Index i : g.unknowns) unknowns.push_back(s.start[idx(i)] + 0.125);
-  // One value after the end, which must not be written.
+  // One more value at the end, which must not be written.
   std::vector<double> phi(3, 77), j(idx(program.pattern.nnz()) + 1, 77), scale(3, 77), rhs(3, 77),
       none(inputs.size(), 0);
   evaluator->set_inputs(k.data(), inputs.data());
@@ -142,7 +142,7 @@ TEST(Lipschitz, BoundsACircle) {
   for (const Index k : g.constants) constants.push_back(s.system->constants[idx(k)]);
   lipschitz(look::class_of(s, g), constants, l.data(), 1);
   EXPECT_EQ(l[0], 4);  // J = 2 (x, y): |2 dx| + |2 dy|
-  EXPECT_EQ(l[1], 8);  // J = 2 (x - cx, y - cy), C moves as well
+  EXPECT_EQ(l[1], 8);  // J = 2 (x - cx, y - cy); C moves as well
 }
 
 // |J_i(x) - J_i(y)|_1 <= l |x - y|_inf over the columns of the block, for all motions.

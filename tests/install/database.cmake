@@ -1,5 +1,5 @@
-# The command also finds the database of its installation after a move of the tree. The test uses a text file: its refusal
-# with status 3 shows that it was found.
+# After a move of the tree, the command still finds the database of its installation. The test uses a text file: it is
+# refused with status 3, which shows that it was found.
 cmake_minimum_required(VERSION 3.25)
 file(WRITE ${PREFIX}/${DATADIR}/assur/tuning.db "no database")
 execute_process(COMMAND ${CMAKE_COMMAND} -E env --unset=ASSUR_DB HOME=${PREFIX} ${PREFIX}/${BINDIR}/assur db info

@@ -1,4 +1,4 @@
-# Everything that the installed texts name exists: linked files, and scenes, examples and headers in `quotes`. The
+# Everything that the installed texts name must exist: linked files, and scenes, examples and headers in `quotes`. The
 # installed command reads the scenes.
 cmake_minimum_required(VERSION 3.25)
 set(folder ${PREFIX}/${DOCDIR})
@@ -10,13 +10,13 @@ foreach(text IN LISTS texts)
   get_filename_component(here ${text} DIRECTORY)
   file(READ ${text} content)
   string(REPLACE "](" "link:" content "${content}")
-  string(REGEX REPLACE "[][;\\\\]" "" content "${content}")  # what is special in lists
+  string(REGEX REPLACE "[][;\\\\]" "" content "${content}")  # these characters are special in lists
   string(REGEX MATCHALL "link:[A-Za-z0-9_./-]+[)#]" links "${content}")
   string(REGEX MATCHALL "`(scenes|examples|include|share/doc)/[A-Za-z0-9_./-]*`" quotes "${content}")
   foreach(word IN LISTS links quotes)
     string(REGEX REPLACE "link:|[)#`]" "" name "${word}")
     math(EXPR named "${named} + 1")
-    set(roots ${here})  # of links; quotes are names in the tree
+    set(roots ${here})  # links start at their page, quotes at the root of the tree
     if(word MATCHES "`")
       set(roots ${folder} ${PREFIX})
     endif()

@@ -1,4 +1,4 @@
-# Builds and runs the two programs of the consumer only with a compiler and pkg-config.
+# Builds and runs the two programs of the consumer, with nothing but a compiler and pkg-config.
 cmake_minimum_required(VERSION 3.25)
 set(ENV{PKG_CONFIG_PATH} ${PREFIX}/${LIBDIR}/pkgconfig)
 set(static --static)

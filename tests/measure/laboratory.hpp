@@ -11,8 +11,8 @@ struct Laboratory {
   double now = 1000;
   std::int64_t switches = 0;
   bool stopped = false;
-  double slow = 1;        // times as long as usual that everything takes
-  double unevenness = 1;  // times as long on one core as on another
+  double slow = 1;        // all work takes this many times as long as usual
+  double unevenness = 1;  // ratio of times on two cores
 
   [[nodiscard]] Instruments instruments() {
     Instruments out;
@@ -25,7 +25,7 @@ struct Laboratory {
   }
 };
 
-// One call takes `seconds` of the laboratory's clock at the usual pace; records every block.
+// A call takes `seconds` of the laboratory's clock at the usual pace. Records every block.
 class Timed : public Workload {
  public:
   Timed(Laboratory& laboratory, double seconds) : laboratory_(laboratory), seconds_(seconds) {}
@@ -37,8 +37,8 @@ class Timed : public Workload {
     return true;
   }
 
-  std::vector<int> blocks;   // calls of each
-  std::vector<double> ends;  // s: when each was done
+  std::vector<int> blocks;   // calls of each block
+  std::vector<double> ends;  // s, the end of each block
 
  private:
   Laboratory& laboratory_;

@@ -13,7 +13,7 @@ struct Calls {
   int analyses = 0, factorizations = 0, solutions = 0;
 };
 Calls calls;
-double factor_of_results = 1;  // of a solver that computes what is wrong
+double factor_of_results = 1;  // 1, or the factor by which results are wrong
 Code code_of_factorizations = Code::ok;
 
 // Forwards all calls to another solver and counts them.
@@ -110,7 +110,8 @@ TEST(Matrices, AreRegularForEveryPattern) {
     EXPECT_NE(m.values[0], m.values[1]);
     const Linear linear(m, parse_strategy("groups/eigen"), find_backend(backends(), "eigen"));
     EXPECT_EQ(linear.refused(), "");
-    // The diagonal is twice the spectral radius of the rest: conditions near (2 + 1) / (2 - 1), except for sizes.
+    // The diagonal is twice the spectral radius of the rest, so conditions are near (2 + 1) / (2 - 1), apart from
+    // sizes.
     EXPECT_LE(linear.forward_error(), 100 * n * kEps);
   }
 }

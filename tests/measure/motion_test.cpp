@@ -18,10 +18,10 @@ TEST_P(Packs, ACallIsOneStepOfOnePack) {
   const Counters before = packs.counters();
   ASSERT_TRUE(packs.run(static_cast<int>(3 * packs.packs())));
   const Counters after = packs.counters();
-  EXPECT_EQ(after.group_solutions - before.group_solutions, 3 * 10);  // every group of the class in its turn
+  EXPECT_EQ(after.group_solutions - before.group_solutions, 3 * 10);  // every group of the class in turn
   EXPECT_EQ(after.newton_iterations - before.newton_iterations, 3 * 10);
   EXPECT_EQ(after.branch_checks, before.branch_checks);
-  EXPECT_LE(packs.error().position, 1e-12);  // what counts as rounding in the solver
+  EXPECT_LE(packs.error().position, 1e-12);  // the solver takes such residuals for rounding
 }
 
 INSTANTIATE_TEST_SUITE_P(, Packs,

@@ -19,7 +19,7 @@ TEST(Pace, UsualPaceIsTheLowerQuartile) {
   Laboratory laboratory;
   Timed work(laboratory, 3e-6);
   const auto clock = [&] {
-    laboratory.slow = laboratory.now < 1000.3 ? 2 : 1;  // more than half of the time that it looks
+    laboratory.slow = laboratory.now < 1000.3 ? 2 : 1;  // slow in more than half of 0.5 s
     return laboratory.now;
   };
   Pace pace(work, clock, 0.5);
@@ -56,7 +56,7 @@ TEST(Pace, TakesThePaceOfAnEarlierRun) {
   Laboratory laboratory;
   Timed work(laboratory, 3e-6);
   Pace pace(work, laboratory.instruments().clock, 0.5, 2e-6);
-  EXPECT_LT(laboratory.now, 1000.001);  // it did not look for long
+  EXPECT_LT(laboratory.now, 1000.001);  // the pace was hardly measured
   EXPECT_EQ(pace.usual(), 2e-6);
   EXPECT_NEAR(pace.slowness(), 1.5, 1e-6);
 }
@@ -69,7 +69,7 @@ TEST(Pace, ReportsFailingWork) {
   EXPECT_THROW(Pace(work, laboratory.instruments().clock, 0.5), Error);
 }
 
-// Its time is stored as a sample of a pack.
+// The time of the fixed work can be stored as a sample of a pack.
 TEST(Pace, FixedWorkIsAnOrdinarySample) {
   const FixedWork fixed = leg_steps();
   EXPECT_EQ(fixed.shape.n, 15);
@@ -79,7 +79,7 @@ TEST(Pace, FixedWorkIsAnOrdinarySample) {
   EXPECT_TRUE(fixed.work->run(12));
 }
 
-// A clock for each thread, and work that advances it.
+// Every thread has its own clock, which its work advances.
 thread_local double own_clock = 0;
 
 class OnItsCore final : public Workload {

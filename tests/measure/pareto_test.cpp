@@ -29,7 +29,7 @@ TEST(Pareto, RowsWithUnknownErrorsAreNotOnTheFront) {
 
 TEST(Pareto, AgreesWithTheDefinition) {
   std::mt19937 random(7);
-  std::uniform_int_distribution<int> few(1, 12);  // so that some are equal in one or both
+  std::uniform_int_distribution<int> few(1, 12);  // few values, so that some trades have equal numbers
   std::vector<Trade> all;
   for (int i = 0; i < 200; ++i) all.push_back({double(few(random)), double(few(random))});
   const std::vector<bool> front = pareto_front(all);

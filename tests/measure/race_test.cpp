@@ -39,11 +39,11 @@ TEST_F(RaceTest, DoublesCallsUntilABlockIsLongEnough) {
   hold();
   EXPECT_EQ(runners_[0].calls, 16);  // 24 us
   EXPECT_TRUE(std::equal(work.blocks.begin(), work.blocks.begin() + 5, std::vector<int>{1, 2, 4, 8, 16}.begin()));
-  EXPECT_NEAR(runners_[0].median(), 1.5e-6, 1e-13);  // the clock has 1.1e-13 s at 1000 s, over 16 calls
+  EXPECT_NEAR(runners_[0].median(), 1.5e-6, 1e-13);  // the clock resolves 1.1e-13 s at 1000 s; 16 calls
 }
 
 TEST_F(RaceTest, EveryRoundRunsEachOnceInAnotherOrder) {
-  for (int i = 0; i < 5; ++i) enter(30e-6);  // one call a block, and no block before the rounds is kept
+  for (int i = 0; i < 5; ++i) enter(30e-6);  // one call a block; blocks before the rounds are not kept
   RaceRules rules;
   rules.least_rounds = rules.most_rounds = 12;
   hold(rules);
@@ -52,15 +52,15 @@ TEST_F(RaceTest, EveryRoundRunsEachOnceInAnotherOrder) {
     std::vector<std::pair<double, std::size_t>> turns;
     for (std::size_t i = 0; i < work_.size(); ++i) {
       ASSERT_EQ(runners_[i].seconds.size(), 12u);
-      turns.emplace_back(work_[i]->ends[round + 1], i);  // after the search for the block
+      turns.emplace_back(work_[i]->ends[round + 1], i);  // 0 is the search for the block
     }
     std::sort(turns.begin(), turns.end());
-    EXPECT_NEAR(turns.back().first - turns.front().first, 4 * 30e-6, 1e-9);  // nobody else's turn in between
+    EXPECT_NEAR(turns.back().first - turns.front().first, 4 * 30e-6, 1e-9);  // no other turn in between
     std::vector<std::size_t> order;
     for (const auto& [end, i] : turns) order.push_back(i);
     orders.insert(order);
   }
-  EXPECT_GE(orders.size(), 10u);  // of 120
+  EXPECT_GE(orders.size(), 10u);  // of 120 possible orders
 }
 
 TEST_F(RaceTest, HopelessRunnersLeaveAndKeepTheirTimes) {
@@ -69,12 +69,12 @@ TEST_F(RaceTest, HopelessRunnersLeaveAndKeepTheirTimes) {
   enter(100e-6);
   hold();
   EXPECT_FALSE(runners_[1].hopeless);
-  EXPECT_TRUE(runners_[2].hopeless);  // more than three times the leader's
+  EXPECT_TRUE(runners_[2].hopeless);  // more than three times as slow as the leader
   EXPECT_EQ(runners_[2].seconds.size(), 3u);
   EXPECT_GE(runners_[1].seconds.size(), 7u);
 }
 
-// For a machine that is slow for some moments, or all the time.
+// The machine is slow for half of the time.
 TEST_F(RaceTest, CorrectsTimesToTheUsualPace) {
   enter(30e-6);
   enter(33e-6);
@@ -117,7 +117,7 @@ TEST_F(RaceTest, KeepsToItsTime) {
   rules.seconds = 0.2;
   const double begin = laboratory_.now;
   hold(rules);
-  EXPECT_LE(laboratory_.now - begin, 0.2 + 0.01 + 1e-9);  // what has begun is ended
+  EXPECT_LE(laboratory_.now - begin, 0.2 + 0.01 + 1e-9);  // a block that has begun is completed
   for (const Runner& r : runners_) EXPECT_GE(r.seconds.size(), 4u);
 }
 
@@ -129,7 +129,7 @@ TEST_F(RaceTest, RunsALongCallOnlyOnce) {
   hold(rules);
   EXPECT_EQ(slow.blocks.size(), 1u);
   ASSERT_EQ(runners_[0].seconds.size(), 1u);
-  EXPECT_EQ(runners_[0].spread(), runners_[0].seconds[0]);  // nobody knows it
+  EXPECT_EQ(runners_[0].spread(), runners_[0].seconds[0]);  // unknown, so as large as the time
 }
 
 TEST_F(RaceTest, FastRunnersHaveATimeEvenWithoutARound) {
@@ -144,7 +144,7 @@ TEST_F(RaceTest, FastRunnersHaveATimeEvenWithoutARound) {
 }
 
 TEST_F(RaceTest, RepeatsDisturbedBlocks) {
-  // Loses the processor in every third block.
+  // This work loses the processor in every third block.
   class Disturbed final : public Timed {
    public:
     explicit Disturbed(Laboratory& laboratory) : Timed(laboratory, 30e-6), laboratory_(laboratory) {}
@@ -196,7 +196,7 @@ TEST_F(RaceTest, CountsNoMoreDisturbancesThanBlocks) {
   }
 }
 
-// One core is at half the pace for three of six milliseconds, and threads wait for it.
+// One core runs at half its pace for three of six milliseconds, and the threads wait for this core.
 TEST_F(RaceTest, UsesOnlyTimesOnEvenCoresForSeveralThreads) {
   const auto uneven = [this] { return std::fmod(laboratory_.now, 6e-3) < 3e-3; };
   class Shared final : public Timed {
@@ -228,9 +228,9 @@ TEST_F(RaceTest, UsesOnlyTimesOnEvenCoresForSeveralThreads) {
   const RaceFigures figures = race(runners_, rules, instruments);
   EXPECT_EQ(runners_[0].seconds.size(), 30u);
   for (const double s : runners_[0].seconds) EXPECT_NEAR(s, 30e-6, 1e-9);
-  EXPECT_GE(looks, 60);  // before and after each
+  EXPECT_GE(looks, 60);  // before and after each block
   EXPECT_GE(figures.shared, 30);
-  EXPECT_EQ(figures.shared - figures.uneven, 30);  // those that count
+  EXPECT_EQ(figures.shared - figures.uneven, 30);  // all but the uneven ones
 
   runners_[0].threads = 1;
   looks = 0;
@@ -238,7 +238,7 @@ TEST_F(RaceTest, UsesOnlyTimesOnEvenCoresForSeveralThreads) {
   EXPECT_EQ(looks, 0);
 }
 
-// If cores never have the same pace, the race continues: a time on uneven cores is better than none.
+// If cores never have the same pace, the race goes on: times on uneven cores are better than none.
 TEST_F(RaceTest, StopsWaitingForCoresThatStayUneven) {
   laboratory_.unevenness = 2;
   enter(30e-6);
@@ -280,7 +280,7 @@ TEST(Runner, ReportsTheSlownessOfTheMachine) {
   EXPECT_DOUBLE_EQ(r.slowness(), 2);
   r.by_the_clock = 5e-6;
   EXPECT_DOUBLE_EQ(r.slowness(), 17.0 / 6);
-  r.by_the_clock = 11e-6;  // nothing else
+  r.by_the_clock = 11e-6;  // all of the time runs by the clock
   EXPECT_EQ(r.slowness(), 1);
 }
 
@@ -288,7 +288,7 @@ TEST(Runner, ComputesMedianAndDeviation) {
   Runner r;
   r.seconds = {5, 1, 2, 100, 3};
   EXPECT_EQ(r.median(), 3);
-  EXPECT_EQ(r.spread(), 2);  // of 2, 2, 1, 97, 0
+  EXPECT_EQ(r.spread(), 2);  // the median of 2, 2, 1, 97, 0
   r.seconds = {5, 1};
   EXPECT_EQ(r.spread(), 4);
 }

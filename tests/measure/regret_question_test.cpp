@@ -1,4 +1,4 @@
-// The contest for one question: properties that hold for every answer, because times depend on the machine.
+// The contest for one question. Times depend on the machine, so the tests check properties that hold for every answer.
 #include "measure/regret_question.hpp"
 
 #include <gtest/gtest.h>

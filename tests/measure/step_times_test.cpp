@@ -43,7 +43,7 @@ TEST(StepTimes, TimesLongStepsSinglyWithoutClockOverhead) {
   for (int k = 1; k <= 1000; ++k) {
     laboratory.now += k * 1e-5;
     EXPECT_TRUE(times.tick());
-    laboratory.now += 3;  // something of the caller's own: no part of a step
+    laboratory.now += 3;  // work of the caller between two steps
     times.resume();
   }
   const auto figures = times.figures();
@@ -68,7 +68,7 @@ TEST(StepTimes, TimesShortStepsInBlocks) {
   EXPECT_EQ(blocks.steps, 16);
   ASSERT_EQ(blocks.seconds.size(), 400u);
   for (const double s : blocks.seconds) EXPECT_NEAR(s, 300e-9, kRounding);
-  EXPECT_EQ(figures.block, 16);  // the power of two from 4 us on
+  EXPECT_EQ(figures.block, 16);  // the first power of two that takes 4 us
   EXPECT_NEAR(figures.median, 300e-9, kRounding);
   EXPECT_NEAR(figures.max, 300e-9, kRounding);
   EXPECT_LE(laboratory.calls - before, 2 * (1 + 64 + (6400 - 64) / 16));
@@ -99,7 +99,7 @@ TEST(StepTimes, AgreesWithTheSteadyClock) {
   const double end = StepTimes::steady();
   const auto figures = times.figures();
   EXPECT_EQ(figures.block, 1);
-  EXPECT_GE(figures.median, 19e-6);  // less what the clock is believed to cost
+  EXPECT_GE(figures.median, 19e-6);  // minus the assumed cost of the clock
   EXPECT_LE(figures.median, figures.p99);
   EXPECT_LE(figures.p99, figures.max);
   EXPECT_LE(100 * figures.median, end - begin);  // half of the steps take at least the median

@@ -28,7 +28,7 @@ Scene dyad(double from, double rate) {
 }
 
 TEST(Examined, ConditionGrowsAsTheDyadStretches) {
-  // |J^-1| is 1 / 2h in its larger row; all else goes to a limit, from which x differs by at most 1e-3.
+  // The larger row of |J^-1| grows like 1 / 2h. All other factors have limits at x = 2, which is at most 1e-3 away.
   const auto condition = [](double x) {
     Simulator simulator(prepare(dyad(x, -1e-3), {"groups/eigen"}));
     const std::vector<GroupFigures> all = simulator.examine();
@@ -40,11 +40,11 @@ TEST(Examined, ConditionGrowsAsTheDyadStretches) {
   EXPECT_NEAR(ratio / (h(1.999) / h(1.99999)), 1, 0.01);
 }
 
-class Figures : public testing::TestWithParam<int> {};  // iterations; 0: as many as it takes
+class Figures : public testing::TestWithParam<int> {};  // iterations; 0: as many as needed
 
 TEST_P(Figures, DescribeThePosture) {
   const Prepared prepared = prepare(sample("four_bar:loops=2,steps=20"), {"groups/eigen+predict=taylor:0"});
-  ASSERT_EQ(prepared.structure->levels, 2);  // the second one has fixed iterations
+  ASSERT_EQ(prepared.structure->levels, 2);  // the second level has fixed iterations
   Simulator simulator(prepared, {.iterations = GetParam()});
   std::optional<TruePosture> truth;
   try {
@@ -60,14 +60,14 @@ TEST_P(Figures, DescribeThePosture) {
     EXPECT_LE(all.front().residual, kSolved);
     residual = std::max(residual, all.back().residual);
     error = std::max(error, wrong);
-    // Its own residual, and the error of the previous loop times a condition: at least a rounding each.
+    // The residual of this loop, and the error of the previous loop times a condition. Both are at least a rounding.
     const double bound = 2 * (all.back().residual + kSolved) * all.front().condition;
     EXPECT_LE(wrong, 2 * bound * all.back().condition);
     return true;
   });
   ASSERT_EQ(motion.rows(), 21u);
   EXPECT_EQ(residual <= kSolved, GetParam() == 0);
-  EXPECT_EQ(error <= 1e-12, GetParam() == 0);  // a thousand roundings; one iteration leaves the square of some 1e-3
+  EXPECT_EQ(error <= 1e-12, GetParam() == 0);  // roundings; one iteration leaves about the square of 1e-3
 }
 
 INSTANTIATE_TEST_SUITE_P(, Figures, testing::Values(0, 1), testing::PrintToStringParamName());

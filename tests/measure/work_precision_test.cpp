@@ -50,7 +50,7 @@ TEST(WorkPrecision, FixedIterationsIncreaseTheError) {
   if (!work_precision(sample("four_bar:loops=2,steps=5"), quick({"groups/eigen"}, {})).no_yardstick.empty()) {
     GTEST_SKIP() << "no quad precision here";
   }
-  // Predictions of order 0 have errors of some hundredths, which two iterations square once more than one does.
+  // Predictions of order 0 have errors of some hundredths. One iteration squares this error once, two iterations twice.
   WorkPrecisionOptions options = quick({}, {1e-6});
   const Scene scene = sample("four_bar:loops=8,steps=30");
   const WorkPrecision result = work_precision(scene, options);
@@ -62,7 +62,8 @@ TEST(WorkPrecision, FixedIterationsIncreaseTheError) {
     }
     return least;
   };
-  // Predictors vary in the fastest strategy; in the global formulation with its single level, iterations are not fixed.
+  // Predictors are varied in the fastest strategy. The global formulation has one level, where iterations are not
+  // fixed.
   const bool turned_global = std::any_of(result.rows.begin(), result.rows.end(), [](const WorkPrecisionRow& row) {
     return row.strategy.starts_with("global/") && row.strategy.find("+predict=taylor:1") != std::string::npos;
   });
@@ -122,7 +123,7 @@ TEST(WorkPrecision, KeepsResultsIfInterrupted) {
 
 TEST(WorkPrecision, RefusesARequestedStrategyThatCannotRun) {
   EXPECT_THROW((void)work_precision(sample("four_bar"), quick({"groups/klu+float"}, {})), Error);
-  EXPECT_THROW((void)work_precision(sample("gough"), quick({"groups/eigen"}, {})), Error);  // no step
+  EXPECT_THROW((void)work_precision(sample("gough"), quick({"groups/eigen"}, {})), Error);  // the scene has no step
 }
 
 TEST(WorkPrecision, MeasuresTheLossAtTheRequiredAccuracy) {
@@ -139,8 +140,8 @@ TEST(WorkPrecision, MeasuresTheLossAtTheRequiredAccuracy) {
   add(3, 1e-9, {1e-10});
   EXPECT_DOUBLE_EQ(result.behind(1e-4).value(), 0.5);
   EXPECT_DOUBLE_EQ(result.behind(1e-6).value(), 0);
-  EXPECT_FALSE(result.behind(1e-10).has_value());  // missed
-  EXPECT_FALSE(result.behind(1e-12).has_value());  // not asked for
+  EXPECT_FALSE(result.behind(1e-10).has_value());  // the accuracy was missed
+  EXPECT_FALSE(result.behind(1e-12).has_value());  // the accuracy was not asked for
 }
 
 TEST(WorkPrecision, TheFastestWithinAnErrorCountsItsBound) {

@@ -41,7 +41,7 @@ TEST(Progress, UsesTheNounInSingularAndPlural) {
   EXPECT_EQ(out.str(), "100 %, 64 of 64 members\n");
 }
 
-// A wrapped line could not be erased.
+// A line that wraps could not be erased.
 TEST(Progress, IsNoWiderThanTheTerminal) {
   const auto drawn = [](std::size_t columns) {
     std::ostringstream out;
@@ -60,7 +60,7 @@ TEST(Progress, BarRedrawsAndDisappears) {
   {
     Progress progress(out, Progress::Style::bar, "step", 0);
     progress.show(2, 500, 1000);
-    progress.show(2.05, 510, 1000);  // too soon
+    progress.show(2.05, 510, 1000);  // not shown, because it is too soon
     progress.show(4, 1000, 1000);
   }
   std::string half, full;

@@ -43,11 +43,11 @@ TEST(CpuQuota, IsTheMinimumOfAllParentGroups) {
   EXPECT_EQ(cpu_quota(tree.root()), 1.5);
   tree.file("sys/fs/cgroup/a/b/cpu.max", "50000 100000");
   EXPECT_EQ(cpu_quota(tree.root()), 0.5);
-  tree.file("sys/fs/cgroup/a/b/d/cpu.max", "10000 100000");  // a group beside
+  tree.file("sys/fs/cgroup/a/b/d/cpu.max", "10000 100000");  // a sibling group
   EXPECT_EQ(cpu_quota(tree.root()), 0.5);
 }
 
-// In a container with its own name space, its group is the root of the mount.
+// In a container with its own name space, the group of the container is the root of the mount.
 TEST(CpuQuota, ReadsAContainerAtTheMountPoint) {
   FileTree tree;
   tree.file("proc/self/cgroup", "0::/\n").file("proc/self/mountinfo", kMountV2);

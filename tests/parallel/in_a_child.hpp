@@ -6,7 +6,7 @@
 
 namespace assur::test {
 
-// Runs `work` in the child of a fork; its exit status, 127 if it neither ended nor failed within a minute.
+// Runs `work` in the child of a fork. Returns its exit status, or 127 if a signal ended it, as happens after a minute.
 template <class Work>
 int in_a_child(Work&& work) {
   const pid_t child = fork();

@@ -21,7 +21,7 @@ Packs of(const Shares& shares, int thread) {
   return {span.begin(), span.end()};
 }
 
-// The optimum by trying all assignments.
+// Finds the optimum by trying all assignments.
 double optimum(const std::vector<double>& cost, std::vector<double>& load, std::size_t pack = 0) {
   if (pack == cost.size()) return *std::max_element(load.begin(), load.end());
   double best = std::numeric_limits<double>::infinity();
@@ -33,7 +33,7 @@ double optimum(const std::vector<double>& cost, std::vector<double>& load, std::
   return best;
 }
 
-// Whole numbers, so that sums are exact and the bound holds without a tolerance.
+// Costs are whole numbers, so that sums are exact and the bound holds without a tolerance.
 TEST(LongestFirst, IsWithinGrahamsBoundOfTheOptimum) {
   std::mt19937_64 random(7);
   for (int threads = 1; threads <= 4; ++threads) {
@@ -49,7 +49,8 @@ TEST(LongestFirst, IsWithinGrahamsBoundOfTheOptimum) {
   }
 }
 
-TEST(LongestFirst, ReachesTheBoundWhereItIsTight) {  // Graham's own example for two and for three threads
+// These are the examples by Graham for two and for three threads.
+TEST(LongestFirst, ReachesTheBoundWhereItIsTight) {
   EXPECT_EQ(longest_first(std::vector<double>{3, 3, 2, 2, 2}, 2).makespan, 7);         // best: 6
   EXPECT_EQ(longest_first(std::vector<double>{5, 5, 4, 4, 3, 3, 3}, 3).makespan, 11);  // best: 9
 }
@@ -78,7 +79,7 @@ TEST(LongestFirst, AssignsEveryPackOnceAndReturnsTheLongestShare) {
 }
 
 TEST(LongestFirst, AssignsEqualPacksInTurn) {
-  for (double cost : {1.0, 0.0}) {  // 0: nothing is known of them
+  for (double cost : {1.0, 0.0}) {  // 0: unknown costs
     const Shares shares = longest_first(std::vector<double>(5, cost), 2);
     EXPECT_EQ(of(shares, 0), (Packs{0, 2, 4}));
     EXPECT_EQ(of(shares, 1), (Packs{1, 3}));

@@ -30,7 +30,7 @@ TEST(ProcessorList, IsReadAsLinuxWritesIt) {
   EXPECT_EQ(parse_processors(""), Processors{});
 }
 
-// 4 cores of two threads each, as Linux numbers them: processor p and p + 4 are one core. Two nodes with an L3 each.
+// 4 cores of two threads each, as Linux numbers them: processors p and p + 4 are one core. Each of two nodes has an L3.
 void lay_out_cores(FileTree& tree) {
   const std::string cpus = "sys/devices/system/cpu/cpu", nodes = "sys/devices/system/node/";
   for (int p = 0; p < 8; ++p) {
@@ -75,7 +75,7 @@ TEST(Machine, HasTheCoresOfTheAffinityMask) {
   lay_out_cores(tree);
   const auto cores = [&](const Processors& allowed) { return read_machine(tree.root(), allowed, "").cores; };
   EXPECT_EQ(cores({1, 5}), Processors{1});       // both threads of one core
-  EXPECT_EQ(cores({2, 5}), (Processors{2, 5}));  // one thread of each of two
+  EXPECT_EQ(cores({2, 5}), (Processors{2, 5}));  // one thread of each of two cores
   EXPECT_EQ(cores({0, 4, 7}), (Processors{0, 7}));
   const Machine machine = read_machine(tree.root(), {2, 3, 6}, "");
   EXPECT_EQ(machine.processors, 3);

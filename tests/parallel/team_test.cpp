@@ -39,7 +39,7 @@ TEST(Team, EveryRankWorksOnceOnItsOwnThread) {
     const auto ids = threads_of(team);
     EXPECT_EQ(ids[0], std::this_thread::get_id());
     EXPECT_EQ(std::set(ids.begin(), ids.end()).size(), ids.size());
-    EXPECT_EQ(threads_of(team), ids);  // and always on the same one
+    EXPECT_EQ(threads_of(team), ids);  // always the same threads
 
     std::vector<int> calls(ids.size());
     for (int i = 0; i < 1000; ++i) team.run([&](int rank) noexcept { ++calls[static_cast<std::size_t>(rank)]; });
@@ -95,7 +95,7 @@ TEST(Team, ARunAllocatesNothing) {
   EXPECT_EQ(sum, 300);
 }
 
-// State of a thread in Linux: R runs, S sleeps.
+// State of a thread in Linux: R is running, S sleeping.
 char state_of(long thread) {
   std::ifstream file("/proc/self/task/" + std::to_string(thread) + "/stat");
   std::string line;
@@ -120,7 +120,7 @@ TEST(Team, AnIdleTeamFallsAsleepAndWakes) {
 }
 
 TEST(Team, MembersMeet) {
-  for (int size : {1, 2, 4, 16}) {  // 16: more than the cores of most machines that test
+  for (int size : {1, 2, 4, 16}) {  // 16 is more than most test machines have cores
     Team team(size);
     std::vector<int> arrived(static_cast<std::size_t>(size));
     std::atomic<int> early = 0;
@@ -155,7 +155,7 @@ TEST(Team, AnExceptionOfAMemberReachesTheCaller) {
     }
     EXPECT_EQ(past, 0);
 
-    team.run([&](int) {  // and all is well again
+    team.run([&](int) {  // the barrier works again
       team.barrier();
       ++past;
     });
@@ -281,8 +281,8 @@ TEST_F(ForkedTeam, RestartsInTheChild) {
       return std::all_of(calls, calls + size, [](int c) { return c == 100; });
     };
     EXPECT_EQ(in_a_child([&] { return works() ? 0 : 1; }), 0);
-    EXPECT_EQ(in_a_child([&] { return in_a_child([&] { return works() ? 0 : 1; }); }), 0);  // a child's child
-    EXPECT_TRUE(works());  // and the parent keeps its own
+    EXPECT_EQ(in_a_child([&] { return in_a_child([&] { return works() ? 0 : 1; }); }), 0);  // in a child of a child
+    EXPECT_TRUE(works());  // the parent keeps its threads
     EXPECT_EQ(threads_of(team), before);
   }
 }
@@ -321,7 +321,7 @@ TEST_F(ForkedTeam, CanBeDestroyedInTheChild) {
             0);
 }
 
-// 16 threads are more than the cores of most machines, so waiting threads must yield.
+// 16 threads are more than the cores of most test machines, so waiting threads must yield.
 TEST(Barrier, NobodyPassesBeforeAllHaveArrived) {
   for (int size : {1, 2, 4, 16}) {
     Team team(size);
@@ -347,7 +347,7 @@ TEST(Barrier, SubteamsWithTheirOwnBarriersAreIndependent) {
   team.run([&](int rank) noexcept {
     const int subteam = rank / 2;
     if (subteam == 1) {
-      while (rounds[0] < 200) std::this_thread::yield();  // the first is through before the second begins
+      while (rounds[0] < 200) std::this_thread::yield();  // the first subteam ends before the second begins
     }
     for (int round = 0; round < 100; ++round) {
       barriers[subteam].arrive_and_wait();

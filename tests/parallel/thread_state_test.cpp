@@ -17,7 +17,7 @@
 namespace assur::test {
 namespace {
 
-// Uses the table of backends, because a program that calls no BLAS does not load one.
+// Asks a backend, because a program that calls no BLAS does not load one.
 std::string loaded() { return find_backend(backends(), "lapack").version(); }
 
 class BlasThreadsTest : public testing::Test {
@@ -54,7 +54,7 @@ TEST_F(BlasThreadsTest, SetsAnyNumberOfThreads) {
   for (int threads : {1, 2, 64}) EXPECT_EQ(why_not_blas_threads(threads), "");
 }
 
-// Debian's alternatives point to the build for pthreads where both are installed.
+// The alternatives of Debian point to the build for pthreads if both builds are installed.
 TEST(Blas, TheLinkedBuildIsLoaded) {
 #ifdef ASSUR_LINKED_BLAS
   EXPECT_EQ(loaded().rfind(ASSUR_LINKED_BLAS, 0), 0u) << loaded();
@@ -64,7 +64,7 @@ TEST(Blas, TheLinkedBuildIsLoaded) {
 #endif
 }
 
-// A core type set for OpenBLAS imitates a processor that it does not know.
+// A core type that is set for OpenBLAS imitates a processor that OpenBLAS does not know.
 TEST(Blas, ReportsKernelsWithUnusedInstructions) {
   EXPECT_NE(slow_kernels("Prescott", "AVX3_DL").find("OPENBLAS_CORETYPE=SkylakeX"), std::string::npos);
   EXPECT_NE(slow_kernels("Sandybridge", "AVX2").find("OPENBLAS_CORETYPE=Haswell"), std::string::npos);

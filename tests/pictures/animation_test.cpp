@@ -39,7 +39,7 @@ Shown show(const Scene& scene, std::int64_t until = -1) {
   return out;
 }
 
-// All postures of a four-bar are right within 24 bits over the range of its points.
+// All postures of a four-bar are exact to 24 bits of the range of its points.
 TEST(Animation, HasThePosturesOfTheRun) {
   const Scene scene = sample("four_bar").with_outputs({"rocker_angle"});
   const Shown shown = show(scene);
@@ -99,7 +99,7 @@ TEST(WithAllPoints, AddsMissingPointsAfterTheRequestedOutputs) {
   const Scene scene = with_all_points(sample("stewart").with_outputs({"handle1", "B1"}));
   EXPECT_EQ(scene.outputs().size(), 2 + 13u);
   EXPECT_EQ(scene.outputs()[0], "handle1");
-  EXPECT_TRUE(with_all_points(sample("stewart")).outputs().empty());  // everything
+  EXPECT_TRUE(with_all_points(sample("stewart")).outputs().empty());  // everything is an output
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ std::string group(const Drawing& d, const std::string& name) {
   return d.groups.at(static_cast<std::size_t>(point(d, name).group)).name;
 }
 
-// "A-B" with the names in alphabetic order
+// The links by name, "A-B" with the names in alphabetic order.
 std::map<std::string, Kind> links(const Drawing& d) {
   std::map<std::string, Kind> all;
   for (const Drawing::Link& l : d.links) {
@@ -40,7 +40,7 @@ TEST(Drawing, AStewartPlatformHasItsTerminalAndTwoRodsInEachLeg) {
   for (std::size_t i = 0; i < d.points.size(); ++i)
     EXPECT_EQ(d.points[i].group == Drawing::Point::kFixed, i >= d.moving);
   EXPECT_EQ(group(d, "O"), "SG_T");
-  EXPECT_EQ(group(d, "P3"), "SG_T");  // a member is where its body is
+  EXPECT_EQ(group(d, "P3"), "SG_T");  // a member belongs to the group of its body
   EXPECT_EQ(group(d, "B3"), "SG_HS3");
   EXPECT_LT(d.groups[static_cast<std::size_t>(point(d, "O").group)].level,
             d.groups[static_cast<std::size_t>(point(d, "B1").group)].level);
@@ -76,7 +76,7 @@ TEST(Drawing, AConstantActuatorHoldsAPlatformAtRest) {
   EXPECT_EQ(d.links.size(), 6u);
 }
 
-// One of each remaining element that relates two or more points.
+// The scene has one of each remaining element that relates two or more points.
 TEST(Drawing, DrawsEveryElementThatRelatesPoints) {
   const Scene scene = SceneBuilder("all", 2)
                           .fixed_point("A", {0, 0})
@@ -96,7 +96,7 @@ TEST(Drawing, DrawsEveryElementThatRelatesPoints) {
                           .build();
   const auto found = links(drawing_of(scene));
   EXPECT_EQ(found, (std::map<std::string, Kind>{{"A-G", Kind::relation},
-                                                {"A-B", Kind::rod},  // equal_distance, too, but it turns rigidly
+                                                {"A-B", Kind::rod},  // an equal_distance, too
                                                 {"A-M", Kind::relation},
                                                 {"B-M", Kind::relation},
                                                 {"B-C", Kind::rod},

@@ -68,7 +68,7 @@ TEST(Faces, PointsInAPlaneFormOnePolygon) {
 TEST(Faces, PointsOnALineFormOneEdge) {
   const auto found = faces({{1, 1, 1}, {3, 3, 3}, {0, 0, 0}, {2, 2, 2}});
   ASSERT_EQ(found.size(), 1u);
-  EXPECT_EQ(edges(found).count({1, 2}), 2u);  // there and back
+  EXPECT_EQ(edges(found).count({1, 2}), 2u);  // one edge for each side
 }
 
 TEST(Faces, CoincidentPointsHaveNone) {

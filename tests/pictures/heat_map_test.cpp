@@ -31,7 +31,7 @@ std::string wide(const std::string& figure) {
   return figure.substr(from, figure.find("</svg>", from) - from);
 }
 
-// "720" and "2000" used to touch in the narrow picture: "7202000".
+// "720" and "2000" once touched in the narrow picture and read as "7202000".
 TEST(HeatMap, PutsTouchingColumnNamesInTwoLines) {
   static const std::regex kTick("<text class=\"tick\" x=\"[0-9.]+\" y=\"([0-9.]+)\" text-anchor=\"middle\">");
   const auto lines = [](const std::string& picture) {

@@ -39,12 +39,12 @@ std::vector<double> heights(const std::string& svg, std::size_t n) {
 
 TEST(OutputsOverTime, HasADiagramForEachQuantityAndACurveForEachComponent) {
   const std::string svg = picture(sample("slider_crank").with_outputs({"rod_angle", "C"}));
-  EXPECT_EQ(count(svg, "<svg "), 1 + 2 * 6u);  // the file; each diagram in its place
+  EXPECT_EQ(count(svg, "<svg "), 1 + 2 * 6u);  // of the file, and of each diagram
   EXPECT_EQ(count(svg, "<svg "), count(svg, "</svg>"));
   EXPECT_EQ(count(svg, "<path class=\"line"), 3 + 3 * 2u);
   EXPECT_NE(svg.find("rod_angle, acceleration, rad/s²"), std::string::npos);
   EXPECT_EQ(svg.find("Left out"), std::string::npos);
-  EXPECT_EQ(svg.find("var("), std::string::npos);  // few programs but browsers know variables
+  EXPECT_EQ(svg.find("var("), std::string::npos);  // only browsers know variables
 }
 
 TEST(OutputsOverTime, NamesOutputsThatDoNotFit) {
@@ -54,13 +54,14 @@ TEST(OutputsOverTime, NamesOutputsThatDoNotFit) {
   EXPECT_NE(svg.find("The motion ends early: t = 1 s, group &lt;X&gt;."), std::string::npos);
 }
 
-// A turn of the crank in 50,000 steps; each stretch keeps its smallest and largest value.
+// A turn of the crank has 50,000 steps. Each stretch of the curve keeps its smallest and largest value.
 TEST(OutputsOverTime, ThinsManyStepsWithoutLosingPeaks) {
   const Scene scene = sample("slider_crank").with_outputs({"C.position"}).with_time({0, 1, 2e-5});
   const std::vector<double> y = heights(picture(scene), 0);
   EXPECT_LT(y.size(), 2100u);
   EXPECT_GT(y.size(), 500u);
-  // C.x goes from crank + rod to rod - crank, 0.4 to 0.2, and C.y is 0: the axis is twice as long. Pixels have one
+  // C.x goes from crank + rod, 0.4, to rod - crank, 0.2, and C.y is 0, so the axis is twice as long. Pixels have one
+  // digit.
   // digit.
   const auto [top, bottom] = std::minmax_element(y.begin(), y.end());
   const double axis = 260 - 46 - 34;

@@ -45,7 +45,7 @@ Plot logarithmic(std::vector<Point> points) {
 TEST(Plot, SpacesLogarithmsEvenly) {
   const auto at = circles(drawn(logarithmic({{1e-12, 1e-6}, {1e-8, 1e-5}, {1e-4, 1e-4}}), {600, 400}));
   ASSERT_EQ(at.size(), 3u);
-  // Written with one decimal.
+  // Positions are written with one decimal.
   EXPECT_NEAR(at[1].x - at[0].x, at[2].x - at[1].x, 0.2);
   EXPECT_NEAR(at[1].y - at[0].y, at[2].y - at[1].y, 0.2);
   EXPECT_GT(at[1].x, at[0].x + 100);
@@ -82,13 +82,13 @@ TEST(Plot, AStaircaseGoesAlongXFirst) {
 
 TEST(Plot, MovesOverlappingLabels) {
   Plot plot = logarithmic({});
-  plot.series[0].points = {{1e-9, 1e-8}, {1e-2, 1e-4}};  // the ends of the axes
+  plot.series[0].points = {{1e-9, 1e-8}, {1e-2, 1e-4}};  // these points set the ends of the axes
   for (int i = 0; i < 12; ++i) plot.series[0].points.push_back({1e-6, 1e-6, "", std::to_string(i)});
   plot.series[0].points.push_back({1e-4, 1e-5, "", "apart"});
-  EXPECT_EQ(count(drawn(plot), "class=\"label\""), 8u + 1u);  // all around, and the one that is apart
+  EXPECT_EQ(count(drawn(plot), "class=\"label\""), 8u + 1u);  // 8 labels around the points, and the one apart
 }
 
-// A narrow front, as of many equally fast strategies, with its first point on an axis.
+// A narrow front of many almost equally fast strategies. Its first point is on an axis.
 TEST(Plot, LabelsLieApartAndBesideTheMarks) {
   Plot plot = logarithmic({{1e-3, 1e-2}});
   for (int i = 0; i < 14; ++i) {
@@ -102,7 +102,7 @@ TEST(Plot, LabelsLieApartAndBesideTheMarks) {
     std::vector<Label> labels;
     const std::regex form("<text class=\"label\" x=\"([0-9.]+)\" y=\"([0-9.]+)\"[^>]*>([0-9]+)</text>");
     for (std::sregex_iterator it(picture.begin(), picture.end(), form), end; it != end; ++it) {
-      // A bold figure of 13 px is 9.1 px wide and 9.5 px high.
+      // A bold figure is 9.1 px wide and 9.5 px high at 13 px.
       labels.push_back({std::stod((*it)[1]), std::stod((*it)[2]), 9.1 / 2 * static_cast<double>((*it)[3].length())});
     }
     EXPECT_GE(labels.size(), 6u);
@@ -163,11 +163,11 @@ TEST(Plot, BarsStandOnTheAxisFromEachXToTheNext) {
   for (std::sregex_iterator at(picture.begin(), picture.end(), kBar), end; at != end; ++at) {
     bars.push_back({std::stod((*at)[1]), std::stod((*at)[2]), std::stod((*at)[3]), std::stod((*at)[4])});
   }
-  // A logarithm of 0 has no height, and the last point only ends the bar before it.
+  // On a logarithmic axis 0 has no bar, and the last point only ends the bar before it.
   ASSERT_EQ(bars.size(), 2u);
-  EXPECT_NEAR(bars[0][2], bars[1][2], 0.2);                            // a decade each
-  EXPECT_NEAR(bars[1][0], bars[0][0] + 2 * bars[0][2], 0.3);           // with an empty one between them
-  EXPECT_NEAR(bars[0][1] + bars[0][3], bars[1][1] + bars[1][3], 0.2);  // on one foot
+  EXPECT_NEAR(bars[0][2], bars[1][2], 0.2);                            // each is a decade wide
+  EXPECT_NEAR(bars[1][0], bars[0][0] + 2 * bars[0][2], 0.3);           // an empty decade is between them
+  EXPECT_NEAR(bars[0][1] + bars[0][3], bars[1][1] + bars[1][3], 0.2);  // both stand on the axis
   EXPECT_LT(bars[1][1], bars[0][1]);
 }
 

@@ -8,7 +8,7 @@
 namespace assur {
 namespace {
 
-// Entries within `below` of the diagonal, under it, and `above`, over it.
+// Has the entries at most `below` under and `above` over the diagonal.
 Pattern band(std::int32_t n, std::int32_t below, std::int32_t above) {
   Pattern p;
   p.n = n;
@@ -24,7 +24,7 @@ TEST(Counts, ATriangularMatrixFillsNothingAndHasNoProducts) {
   const Shape shape = shape_of(band(30, 0, 3));
   EXPECT_EQ(shape.fill, shape.nnz);
   EXPECT_EQ(shape.operations, shape.fill);
-  EXPECT_EQ(shape.depth, 1 + 30);  // nothing forward, all of them backward
+  EXPECT_EQ(shape.depth, 1 + 30);  // one level forward, 30 levels backward
 }
 
 TEST(Counts, ATridiagonalMatrixHasOneProductForEachPivotButOne) {
@@ -35,14 +35,14 @@ TEST(Counts, ATridiagonalMatrixHasOneProductForEachPivotButOne) {
   EXPECT_EQ(shape.operations, shape.fill + 29);
 }
 
-// Both for counted elimination, and for large matrices that are taken as full.
+// Small matrices are eliminated to count, large ones are taken as full. Both have the same numbers.
 TEST(Counts, AFullMatrixHasAThirdOfItsCube) {
   for (const std::int64_t n : {3, 12, 24, 25, 400}) {
     const Shape shape = shape_of(band(static_cast<std::int32_t>(n), static_cast<std::int32_t>(n), 400));
     EXPECT_EQ(shape.fill, n * n) << n;
     EXPECT_EQ(shape.depth, 2 * n) << n;
     std::int64_t products = 0;
-    for (std::int64_t i = 0; i < n; ++i) products += i * i;  // sum over rows and columns of their lesser number
+    for (std::int64_t i = 0; i < n; ++i) products += i * i;  // sum over pivots of the products for each
     EXPECT_EQ(shape.operations, products + n * n) << n;
   }
 }

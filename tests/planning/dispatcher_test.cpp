@@ -28,9 +28,9 @@ bool available(std::string_view id) { return find_backend(backends(), id).why_no
 
 TEST(Together, ThreadsSlowEachOtherDown) {
   EXPECT_DOUBLE_EQ(together(4, 4, 1, 1.5), 4);
-  EXPECT_DOUBLE_EQ(together(3, 6, 2, 1.5), 4.5);  // both all the time
-  EXPECT_DOUBLE_EQ(together(3, 5, 2, 1.5), 4);    // both for two thirds of it
-  EXPECT_DOUBLE_EQ(together(3, 3, 2, 1.5), 3);    // one has nothing to do
+  EXPECT_DOUBLE_EQ(together(3, 6, 2, 1.5), 4.5);  // both threads work all the time
+  EXPECT_DOUBLE_EQ(together(3, 5, 2, 1.5), 4);    // both threads work for two thirds of the time
+  EXPECT_DOUBLE_EQ(together(3, 3, 2, 1.5), 3);    // the second thread has nothing to do
   EXPECT_DOUBLE_EQ(together(2, 8, 4, 1.25), 2.5);
 }
 
@@ -68,7 +68,7 @@ TEST(Dispatcher, LeavesOutExcludedBackends) {
   }
 }
 
-// The declared groups of this scene are invalid, because a block between them belongs to neither: `groups` is refused,
+// The declared groups of this scene are invalid, because a block between them belongs to neither. `groups` is refused,
 // and `auto` uses another formulation.
 TEST(Dispatcher, SkipsAnImpossibleFormulation) {
   SceneBuilder b("between", 2);
@@ -105,7 +105,7 @@ TEST(Dispatcher, NeverTakesMoreThreadsThanTheBudget) {
 }
 
 TEST(Dispatcher, SharesALevelOnlyIfItGains) {
-  // 384 legs are worth two threads; the terminals of one mechanism are not.
+  // The legs of a large mechanism are worth two threads; a single group on a level, or a small mechanism, is not.
   const Prepared many = prepare(sample("rings:legs=64,n=120"), {.budget = ThreadBudget{2}, .model = model()});
   ASSERT_EQ(many.plan.run.threads, 2);
   for (const Group& g : many.structure->groups) {
@@ -117,7 +117,6 @@ TEST(Dispatcher, SharesALevelOnlyIfItGains) {
   EXPECT_EQ(few.plan.run.threads, 1);
 }
 
-// With slow communication no level gains by itself, but the threads that compute the outputs are available.
 TEST(Dispatcher, UsesOnlyMeasuredNumbersOfThreads) {
   std::vector<Sample> alone = samples();
   std::erase_if(alone, [](const Sample& s) { return s.kernel == Kernel::meeting; });
@@ -138,6 +137,7 @@ TEST(Dispatcher, UsesOnlyMeasuredNumbersOfThreads) {
   EXPECT_TRUE(plan_by(alone, 2, Mode::throughput).reason.ends_with("; several threads were not measured"));
 }
 
+// With slow communication a level gains from a second thread only if this thread also computes outputs.
 TEST(Dispatcher, SharesALevelForItsOutputs) {
   std::vector<Sample> slow = samples();
   Sample handover;
@@ -168,7 +168,7 @@ TEST(Dispatcher, DecidesTheSameFromTheSameSamples) {
   }
 }
 
-// Times of a second tuning run differ by noise.
+// The times of two tuning runs differ by noise.
 TEST(Dispatcher, TuningAgainChangesNoBackend) {
   for (const char* scene : {"stewart", "rings:legs=5,n=78", "andrews", "four_bar:23"}) {
     std::vector<std::string> first;
@@ -190,7 +190,7 @@ TEST(Dispatcher, LosesNoMoreThanTheModelsUncertainty) {
     for (const bool full : {false, true}) {
       for (const std::int32_t groups : {1, 5, 11, 23, 384}) {
         const Shape shape = full ? full_shape(n, groups) : sparse_shape(n, groups);
-        // Without candidates that the artificial machine has no samples of.
+        // Leaves out candidates of which the artificial machine has no samples.
         std::vector<Candidate> ranked = candidates(
             shape,
             {.model = known, .budget = ThreadBudget{1}, .without = {"lapack", "team", "umfpack", "mumps", "ma27"}});

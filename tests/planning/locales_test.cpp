@@ -55,7 +55,7 @@ std::string refusal(Work&& work) {
   return "no refusal";
 }
 
-// All results that depend on number formats: texts, plans and motions, the last as bits.
+// All results that depend on number formats: texts, plans, and motions as bits.
 std::vector<std::string> all_of_it(const FileTree& tree) {
   std::vector<std::string> found;
   PrepareOptions options;

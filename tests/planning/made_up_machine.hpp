@@ -1,4 +1,5 @@
-// An artificial machine with known times: cost functions that the model does not know, and noisy samples of them.
+// An artificial machine with known times. Its cost functions differ from those of the model; samples of them have
+// noise.
 #pragma once
 
 #include <cmath>
@@ -12,7 +13,7 @@
 
 namespace assur::made_up {
 
-// Like a mechanism: three nonzeros a row, little fill.
+// A matrix like those of mechanisms: three nonzeros in each row, little fill.
 inline Shape sparse_shape(std::int32_t n, std::int32_t groups = 1) {
   Shape s{.n = n, .nnz = 3 * n, .groups = groups, .rhs = 3};
   s.fill = 4 * std::int64_t{n};
@@ -31,7 +32,7 @@ inline Shape full_shape(std::int32_t n, std::int32_t groups = 1) {
   return s;
 }
 
-// Seconds of one call, with a bend at the size of the cache, so that no sum of terms is exact.
+// Seconds of one call. The times bend at the size of the cache, so that no sum of terms is exact.
 inline double truth(Kernel kernel, const Shape& shape, const Strategy& s) {
   const double n = shape.n, fill = static_cast<double>(shape.fill), operations = static_cast<double>(shape.operations);
   const double lanes = s.solver.lanes, held = is_dense(s) ? n * n : fill;
@@ -73,7 +74,7 @@ inline Strategy solver(const std::string& backend, std::int32_t lanes = 1, std::
   return s;
 }
 
-// `noise`: relative, uniformly distributed.
+// `noise` is relative and uniformly distributed.
 inline Sample sample_of(Kernel kernel, const Shape& shape, const Strategy& strategy, double noise,
                         std::mt19937_64& random) {
   Sample sample;

@@ -36,7 +36,7 @@ std::vector<std::string> all_but(std::string_view id) {
   return others;
 }
 
-// "" if it ran to the end.
+// "" if the scene runs to the end.
 std::string outcome(const Scene& scene, const PrepareOptions& options) {
   try {
     Simulator simulator(prepare(scene, options));
@@ -88,7 +88,7 @@ TEST(Offers, ThroughputOffersRun) {
   for (const Scene& scene : shipped()) expect_as_offered(scene, {.budget = kBudget, .mode = Mode::throughput});
 }
 
-// Each backend alone.
+// Only one backend is available at a time.
 TEST(Offers, OffersOfOneBackendRun) {
   const Scene scene = sample("stewart:steps=5"), long_enough_for_chunks = sample("stewart:steps=250");
   for (const Backend& backend : backends()) {

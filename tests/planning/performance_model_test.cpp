@@ -14,7 +14,7 @@ namespace {
 
 using namespace made_up;
 
-// Sizes between the sampled ones, with three nonzeros a row and full.
+// Sizes between the sampled ones; sparse with three nonzeros in each row, and full.
 std::vector<Shape> unseen() {
   std::vector<Shape> shapes;
   for (const std::int32_t n : {5, 9, 15, 22, 45, 78, 130, 334, 700, 1200}) shapes.push_back(sparse_shape(n));
@@ -30,7 +30,7 @@ TEST(PerformanceModel, PredictsKernelsBetweenSampledSizes) {
     for (const Strategy& s : {solver("lanes"), solver("lanes", 8), solver("klu"), solver("eigen")}) {
       for (const Kernel kernel : {Kernel::factor, Kernel::solve}) {
         const Prediction predicted = model.kernel(kernel, shape, s);
-        // Noise of 1 % and a bend that no term follows.
+        // The samples have noise of 1 % and a bend that no term follows.
         EXPECT_LT(off_by(predicted, truth(kernel, shape, s)), 0.08)
             << name(kernel) << " " << s.solver.backend << ":" << s.solver.lanes << " n = " << shape.n
             << " nnz = " << shape.nnz;
@@ -56,7 +56,7 @@ TEST(PerformanceModel, PredictsUnsampledPacksFromKernels) {
   }
 }
 
-// With samples of one backend alone, the others have priors of their own, asked together or one by one.
+// If all samples are of one backend, the others have priors of their own, whether asked together or one by one.
 TEST(PerformanceModel, PredictsUnsampledBackendsApart) {
   std::vector<Sample> of_one = samples();
   std::erase_if(of_one, [](const Sample& s) { return s.strategy.solver.backend != "lanes"; });
@@ -93,7 +93,7 @@ TEST(PerformanceModel, PredictsReasonableTimesFromFewSamples) {
   }
 }
 
-// The cost of a policy beyond its kernels depends on the policy more than on W.
+// The cost of a policy beyond its kernels depends more on the policy than on the number of lanes.
 TEST(PerformanceModel, PredictsUnsampledLaneWidths) {
   std::mt19937_64 random(5);
   std::vector<Sample> known = samples();
@@ -118,7 +118,7 @@ TEST(PerformanceModel, PredictsUnsampledLaneWidths) {
 TEST(PerformanceModel, ReturnsMeasuredTimesUnchanged) {
   std::vector<Sample> known = samples();
   const auto pack = std::find_if(known.begin(), known.end(), [](const Sample& s) { return s.kernel == Kernel::pack; });
-  pack->seconds *= 3;  // whatever the others say
+  pack->seconds *= 3;  // although no other sample is like it
   const Sample odd = *pack;
   const Prediction predicted = PerformanceModel(known).pack(odd.shape, odd.strategy);
   EXPECT_EQ(predicted.seconds, odd.seconds);
@@ -141,7 +141,7 @@ TEST(PerformanceModel, AnOutlierDoesNotSpoilItsNeighbours) {
   std::mt19937_64 random(2);
   known.push_back(sample_of(Kernel::factor, sparse_shape(60), solver("klu"), 0, random));
   known.back().seconds *= 20;
-  known.back().spread = known.back().seconds;  // as one that was disturbed scatters
+  known.back().spread = known.back().seconds;  // disturbed samples scatter
   const PerformanceModel model(known);
   for (const std::int32_t n : {22, 78, 334}) {
     EXPECT_LT(off_by(model.kernel(Kernel::factor, sparse_shape(n), solver("klu")),
@@ -216,7 +216,8 @@ TEST(PerformanceModel, MeetingsAndContentionComeFromThreads) {
         Strategy s = solver("klu");
         s.run.threads = p;
         known.push_back(sample_of(Kernel::pack, sparse_shape(n, groups), s, 0, random));
-        if (p == 2) known.back().seconds *= groups == 200 ? 1.9 : slower;  // another program had a core; a shared cache
+        // With 200 groups another program occupied a core; `slower` is the effect of a shared cache.
+        if (p == 2) known.back().seconds *= groups == 200 ? 1.9 : slower;
       }
     }
   }
@@ -231,7 +232,7 @@ TEST(PerformanceModel, MeetingsAndContentionComeFromThreads) {
   EXPECT_NEAR(model.contention(4, 100), 1.2, 1e-12);
 }
 
-// Measured times of steps beyond their packs count more than the speed of other kernels.
+// The measured times of whole steps, beyond their packs, count more than the speed of other kernels.
 TEST(PerformanceModel, LearnsTheTimeAroundPacksFromSteps) {
   std::vector<Sample> known = samples();
   const double before = PerformanceModel(known).around(500, 3000).seconds;

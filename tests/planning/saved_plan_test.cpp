@@ -1,4 +1,4 @@
-// A saved and loaded plan runs bitwise like the original; other files are refused.
+// A saved and loaded plan runs bitwise like the original. Files that are no such plans are refused.
 #include "assur/saved_plan.hpp"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ namespace {
 
 using test::Result;
 
-constexpr int kAlterations = 150;  // of each plan
+constexpr int kAlterations = 150;  // for each plan
 
 std::string saved(const Prepared& prepared) {
   std::ostringstream out;
@@ -163,7 +163,7 @@ TEST(SavedPlan, TheCoreAloneRunsALoadedPlan) {
   expect_same_run(original, alone);
 }
 
-// Each triangle has a redundant rod, see levels_test.cpp. The redundant equation changes during the run.
+// The triangle has a redundant rod (see levels_test.cpp), and the redundant equation changes during the run.
 TEST(SavedPlan, DoesNotReselectEquationsWithoutTheScene) {
   SceneBuilder b("triangle", 2);
   const double x = std::cos(1.5), y = std::sin(1.5);
@@ -179,8 +179,8 @@ TEST(SavedPlan, DoesNotReselectEquationsWithoutTheScene) {
   EXPECT_TRUE(original.report().status.ok());
   ASSERT_FALSE(original.report().fallbacks.empty());
   EXPECT_TRUE(again.report().fallbacks.empty());
-  // Its equations become singular where the mechanism does not: these postures are passed as change points and
-  // reported, while the redundant equation is checked. The estimated errors include them.
+  // The equations of the plan become singular in regular postures of the mechanism. The run passes these postures as
+  // change points and reports them, and it checks the redundant equation. The estimated errors include these postures.
   ASSERT_TRUE(again.report().status.ok());
   ASSERT_EQ(again.report().events.size(), 2u);
   for (const Event& e : again.report().events) EXPECT_EQ(e.kind, Code::change_point_passed);
@@ -318,7 +318,7 @@ TEST(SavedPlan, DetectsDamage) {
   }
 }
 
-// Begin and end of each number that is no part of a name.
+// Begin and end of each number that is not part of a name.
 std::vector<std::pair<std::size_t, std::size_t>> numbers_of(const std::string& text) {
   std::vector<std::pair<std::size_t, std::size_t>> found;
   bool in_name = false;
@@ -334,10 +334,10 @@ std::vector<std::pair<std::size_t, std::size_t>> numbers_of(const std::string& t
   return found;
 }
 
-// Changed numbers with a valid checksum. The plan is refused, or the motion differs or ends with a status, but no other
-// memory is accessed, which address sanitizers check.
+// Numbers are changed and the checksum is made valid. The plan is refused, or the motion differs or ends with a status,
+// but no foreign memory is accessed (address sanitizers check this).
 TEST(SavedPlan, SurvivesTamperedNumbers) {
-  // Other numbers with --gtest_shuffle.
+  // With --gtest_shuffle, other numbers are drawn.
   std::mt19937 random(17 + static_cast<unsigned>(testing::UnitTest::GetInstance()->random_seed()));
   const auto below = [&](std::size_t n) { return std::uniform_int_distribution<std::size_t>(0, n - 1)(random); };
   const std::vector<std::string> others = {"0",  "1",   "-1",      "-2",         "2",           "3",   "7",    "8",

@@ -10,7 +10,7 @@
 namespace assur {
 namespace {
 
-// Every combination of the fields, each with a few values.
+// All combinations of a few values for every field.
 std::vector<Strategy> every_strategy() {
   using Kind = Predictor::Kind;
   std::vector<Predictor> predictors{{}, {Kind::hermite, 5}};

@@ -30,8 +30,8 @@ struct Delta {
     return -arm * std::sin(angle) - std::sqrt(rod * rod - out * out);
   }
 
-  // Without drivers and time. guess: angles of the arms in the scene; the platform starts at its height for the angle
-  // `at`.
+  // The robot without drivers and time. `guess` has the angles of the arms in the scene. The platform starts at its
+  // height for the angle `at`.
   [[nodiscard]] SceneBuilder scene(const std::array<double, 3>& guess, double at) const {
     SceneBuilder b("delta", 3);
     b.point("O", {0, 0, height(at)}).vector("u", {1, 0, 0}).vector("v", {0, 1, 0}).vector("w", {0, 0, 1});

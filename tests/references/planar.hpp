@@ -15,7 +15,7 @@ inline Vec<QuadJet> on_circle(const Vec<QuadJet>& centre, double radius, const Q
 
 inline Vec<QuadJet> at_rest(double x, double y) { return {QuadJet{x}, QuadJet{y}, QuadJet{}}; }
 
-// sample("four_bar:LOOPS"): B0, B1, ...; omega: of the crank, rad/s
+// sample("four_bar:LOOPS"): B0, B1, ...; omega is the speed of the crank, rad/s.
 inline Posture<QuadJet> four_bar_chain(int loops, double t, double omega = 2 * std::numbers::pi) {
   Posture<QuadJet> posture;
   Vec<QuadJet> b = on_circle(at_rest(0, 0), 0.8, {Quad(omega) * t, omega, 0});

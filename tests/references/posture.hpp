@@ -18,7 +18,7 @@ namespace assur::references {
 template <class T>
 using Posture = std::unordered_map<std::string, Vec<T>>;
 
-// Fixed parts at their place, all others at their guess.
+// Fixed parts are at their place, all others at their guess.
 template <class T>
 Posture<T> at_guess(const Scene& scene) {
   Posture<T> posture;
@@ -84,7 +84,7 @@ class Equations {
   [[nodiscard]] const std::vector<Left<T>>& left() const { return left_; }
   [[nodiscard]] const Vec<T>& at(const std::string& name) const { return at_.at(name); }
 
-  // "u", or from one point to the other.
+  // The vector of that name, or the vector from one point to the other.
   [[nodiscard]] Vec<T> direction(const Direction& d) const {
     return d.is_pair() ? at(d.second) - at(d.first) : at(d.first);
   }
@@ -111,7 +111,7 @@ class Equations {
     for (const auto& [item, factor] : c.terms) sum = sum + T{factor} * at(item);
     leave(name, sum);
   }
-  // lambda: from the posture, or else the best fit.
+  // lambda comes from the posture, or else from the best fit.
   void constrain(const std::string& name, const OnLine& c) {
     const Vec<T> offset = at(c.p) - at(c.a), d = direction(c.d);
     const auto known = at_.find(name + ".lambda");
@@ -129,7 +129,7 @@ class Equations {
     using std::sin;
     const T angle = law_at(d.law);
     Vec<T> direction = {cos(angle), sin(angle), T{0}};
-    if (!d.axis.empty()) {  // zero where the guess is
+    if (!d.axis.empty()) {  // the angle is zero at the guess
       const Posture<T> guess = at_guess<T>(scene_);
       const Vec<T> zero = unit(guess.at(d.b) - guess.at(d.a));
       direction = cos(angle) * zero + sin(angle) * cross(at(d.axis), zero);
@@ -156,7 +156,7 @@ class Equations {
             at(body.origin) - Vec<T>{law_at(d.translation[0]), law_at(d.translation[1]), law_at(d.translation[2])});
       const T psi = law_at(d.rotation[0]), theta = law_at(d.rotation[1]), phi = law_at(d.rotation[2]);
       const Vec<T> u = {cos(psi) * cos(theta), sin(psi) * cos(theta), -sin(theta)};
-      // v equals y: (-sin psi, cos psi, 0) turned about u by phi.
+      // v is y = (-sin psi, cos psi, 0), turned about u by phi.
       const Vec<T> y = {-sin(psi), cos(psi), T{0}};
       leave(name, at(body.frame[0]) - u);
       leave(name, at(body.frame[1]) - (cos(phi) * y + sin(phi) * cross(u, y)));
@@ -172,7 +172,7 @@ class Equations {
   std::vector<Left<T>> left_;
 };
 
-// Of a driver with a single law.
+// The law of a driver that has only one.
 inline QuadJet law_of(const Scene& scene, const std::string& driver, double t) {
   for (const Driver& d : scene.drivers()) {
     if (d.name != driver) continue;

@@ -40,7 +40,7 @@ Vec<T> unit(const Vec<T>& a) {
   return (T{1} / sqrt(dot(a, a))) * a;
 }
 
-// Doubles are taken exactly.
+// Doubles are converted exactly.
 template <class T>
 Vec<T> exactly(const std::array<double, 3>& a) {
   return {T{a[0]}, T{a[1]}, T{a[2]}};

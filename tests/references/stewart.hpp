@@ -18,7 +18,7 @@ inline Posture<QuadJet> stewart(const Scene& scene, double t, const std::string&
     const auto& pose = std::get<Pose>(driver.kind);
     for (std::size_t i = 0; i < 3; ++i) posture["O" + suffix][i] = law_at(pose.translation[i]);
     const QuadJet psi = law_at(pose.rotation[0]), theta = law_at(pose.rotation[1]), phi = law_at(pose.rotation[2]);
-    // R = Rz(psi) Ry(theta) Rx(phi), applied to x and y.
+    // Applies R = Rz(psi) Ry(theta) Rx(phi).
     const auto turn = [&](QuadJet x, QuadJet y, QuadJet z) -> Vec<QuadJet> {
       const QuadJet y1 = cos(phi) * y - sin(phi) * z, z1 = sin(phi) * y + cos(phi) * z;
       const QuadJet x2 = cos(theta) * x + sin(theta) * z1, z2 = cos(theta) * z1 - sin(theta) * x;
@@ -41,12 +41,13 @@ inline Posture<QuadJet> stewart(const Scene& scene, double t, const std::string&
       if (c.name == "handle_length" + k) handle = -c.as<Linear>()->terms.at(2).second;
       if (c.name == "rod_length" + k) rod = -c.as<Linear>()->terms.at(2).second;
     }
-    // In the plane across a through A: x towards P, y = a x x; the law of cosines in the triangle A, B, P seen along a.
+    // Works in the plane through A perpendicular to a: x points towards P, y = a x x. The law of cosines holds in the
+    // triangle A, B, P seen along a.
     const Vec<QuadJet> AP = all.at("P" + k) - all.at("A" + k), a = unit(all.at("a" + k));
     const QuadJet height = dot(AP, a);
     const Vec<QuadJet> x = unit(AP - height * a), y = cross(a, x);
     const QuadJet reach = dot(AP, x);
-    const QuadJet rod_seen = Quad(rod) * Quad(rod) - height * height;  // square of the rod's length seen along a
+    const QuadJet rod_seen = Quad(rod) * Quad(rod) - height * height;  // square of the length of the rod seen along a
     const QuadJet cosine = (reach * reach + Quad(handle) * Quad(handle) - rod_seen) / (2 * Quad(handle) * reach);
     const Vec<QuadJet> e = cosine * x + sqrt(1 - cosine * cosine) * y;
     const Vec<QuadJet> B = all.at("A" + k) + QuadJet{handle} * e;

@@ -35,7 +35,7 @@ struct AndrewsRow {
 inline std::vector<AndrewsRow> read_andrews(const std::string& source_dir = ASSUR_SOURCE_DIR) {
   std::vector<AndrewsRow> rows;
   for (const auto& v : read_table(source_dir + "/tests/data/references/andrews_kinematics.csv", 20)) {
-    const auto point = [&v](std::size_t i) -> Vec<QuadJet> {  // x, y at i, velocity 6 columns on, acceleration 12
+    const auto point = [&v](std::size_t i) -> Vec<QuadJet> {  // x, y at i, rates at i + 6, accelerations at i + 12
       return {QuadJet{v[i], v[i + 6], v[i + 12]}, QuadJet{v[i + 1], v[i + 7], v[i + 13]}, QuadJet{}};
     };
     rows.push_back({v[1], point(2), point(4), point(6)});

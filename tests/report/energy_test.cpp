@@ -40,7 +40,7 @@ TEST(EnergyMeter, HandlesCounterOverflow) {
   const EnergyMeter meter(tree.root());
   const std::vector<std::int64_t> before = meter.read();
   tree.file(kZones + "intel-rapl:0/energy_uj", "671150\n");
-  EXPECT_NEAR(meter.joules(before, meter.read()), 1.0, 1e-12);  // 328,850 up to the range, 671,150 beyond it
+  EXPECT_NEAR(meter.joules(before, meter.read()), 1.0, 1e-12);  // 328,850 uJ up to the range, 671,150 uJ beyond it
 }
 
 TEST(EnergyMeter, ExplainsMissingCounters) {

@@ -44,8 +44,8 @@ class MakeReport : public testing::Test {
   Knowledge knowledge_;
   fs::path folder_;
   Conditions whole_;
-  std::vector<double> given_;       // s, to each part
-  std::vector<std::string> pages_;  // as each part found them
+  std::vector<double> given_;       // s, the time given to each part
+  std::vector<std::string> pages_;  // the page as each part found it
 };
 
 TEST_F(MakeReport, WritesThreeFilesAndLeavesNothingElse) {
@@ -79,7 +79,7 @@ TEST_F(MakeReport, IsCompleteAfterEachPart) {
 
 TEST_F(MakeReport, SharesTheTime) {
   (void)make_report(folder_, {part("one", 1), part("two", 2), part("three", 1)}, knowledge_, whole_);
-  // The parts and files take far less than a second.
+  // The test itself takes far less than a second for parts and files.
   ASSERT_EQ(given_.size(), 3u);
   EXPECT_NEAR(given_[0], 25, 1);
   EXPECT_NEAR(given_[1], 100.0 * 2 / 3, 1);

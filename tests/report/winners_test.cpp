@@ -29,7 +29,7 @@ TEST(Winners, NameThePriorWithoutSamples) {
     EXPECT_EQ(m.repetitions, 0);
     EXPECT_EQ(m.origin.rfind("predicted, prior", 0), 0u) << m.origin;
   }
-  // Each measurement is a cell of the wide and of the narrow picture.
+  // Each measurement is a cell in the wide and in the narrow picture.
   EXPECT_GE(count(s.body, "<rect"), 2 * s.measurements.size());
   EXPECT_EQ(count(s.body, "class=\"measured\""), 2u) << "dots where nothing was measured, beyond those of the legends";
 }

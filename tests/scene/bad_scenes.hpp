@@ -12,7 +12,7 @@ namespace assur::bad_scenes {
 
 inline const std::filesystem::path kFolder = std::filesystem::path(ASSUR_SOURCE_DIR) / "tests/data/bad_scenes";
 
-// Without ".json", sorted.
+// Names of the scenes without ".json", sorted.
 inline std::vector<std::string> names() {
   std::vector<std::string> found;
   for (const auto& entry : std::filesystem::directory_iterator(kFolder)) {

@@ -15,7 +15,7 @@ using bad_scenes::kFolder;
 class BadScene : public testing::TestWithParam<std::string> {};
 
 TEST_P(BadScene, IsRefusedWithTheExpectedLines) {
-  std::filesystem::current_path(kFolder);  // messages name the file as it was asked for
+  std::filesystem::current_path(kFolder);  // messages name the file as the caller does
   ASSERT_TRUE(std::filesystem::exists(GetParam() + ".expected"));
   try {
     (void)read_scene(GetParam() + ".json");

@@ -17,7 +17,7 @@ namespace {
 
 using namespace references;  // NOLINT: the whole file is about them
 
-// Of a value, or of a value with its derivatives.
+// The largest absolute value among a value and its derivatives.
 double magnitude(const QuadJet& x) {
   return std::max({std::abs(static_cast<double>(x.value)), std::abs(static_cast<double>(x.rate)),
                    std::abs(static_cast<double>(x.acceleration))});
@@ -76,12 +76,12 @@ TEST(ClosedForm, AlmostParallelogramStaysOnItsBranch) {
       const double t = k / 1000.0;
       const Posture<QuadJet> posture = almost_parallelogram(delta, t);
       expect_exact(scene, t, posture);
-      // Continuous: the end of the rocker moves with its velocity.
+      // The end of the rocker moves continuously, with its velocity.
       const QuadJet y = posture.at("B1")[1];
       if (k > 0) {
         EXPECT_NEAR(static_cast<double>(y.value), static_cast<double>(before.value), 0.02);
       }
-      EXPECT_GE(static_cast<double>(y.value), 0);  // the rocker swings above the ground for ever
+      EXPECT_GE(static_cast<double>(y.value), 0);  // the rocker always swings above the ground
       before = y;
     }
   }
@@ -132,7 +132,7 @@ TEST(ClosedForm, GoughReferenceSatisfiesTheSample) {
     posture["w"] = cross(row.u, row.v);
     Equations<Quad> equations(scene, posture);
     equations.drive([](const Law& law) { return evaluate<Quad>(law, Quad(0)).value; });
-    // The table has 25 decimals, the sample's dimensions are doubles.
+    // The table has 25 decimals; the dimensions of the sample are doubles.
     for (const auto& left : equations.left())
       EXPECT_LE(std::abs(static_cast<double>(left.value)), 1e-14) << left.equation;
   }
@@ -149,7 +149,7 @@ TEST(ClosedForm, AndrewsReferenceSatisfiesTheSample) {
     posture["H"] = row.H;
     Equations<QuadJet> equations(scene, posture);
     equations.drive([&beta](const Law&) { return beta; });
-    expect_satisfied(equations, 1e-14);  // the sample's dimensions are doubles: 20 roundings of the relative length
+    expect_satisfied(equations, 1e-14);  // dimensions are doubles: 20 roundings of the relative length
   }
 }
 

@@ -1,4 +1,4 @@
-// Derivatives of functions compared with differences: right ones are accepted, wrong ones are found.
+// Derivatives of functions compared with differences. Right ones are accepted, wrong ones are found.
 #include "scene/differences.hpp"
 
 #include <gtest/gtest.h>
@@ -131,7 +131,7 @@ TEST(Differences, AcceptRightGradientsAndFindAWrongEntry) {
   }
 }
 
-// c of (x0 x1 x2 + x0^2)' ': exact, and with a relative error of 1e-4, along a motion.
+// The curvature of x0 x1 x2 + x0^2 along a motion, exact and with a relative error of 1e-4.
 TEST(Differences, CheckTheCurvature) {
   Callback c;
   c.coordinates = {"P.x", "P.y", "P.z"};
@@ -166,7 +166,7 @@ TEST(Differences, CheckTheCurvature) {
 struct TimedLaw {
   std::string name;
   std::function<Motion(double)> motion;
-  bool find = true;  // what is off by 1e-4
+  bool find = true;  // a wrong rate or acceleration must be found
 };
 
 std::vector<TimedLaw> laws() {
@@ -190,7 +190,7 @@ std::vector<TimedLaw> laws() {
        [](double t) {
          return Motion{std::pow(t, 12), 12 * std::pow(t, 11), 132 * std::pow(t, 10)};
        }},
-      // Starts at rest, with a jump of the acceleration at 0.5 and one of the rate at 1.
+      // Starts at rest. The acceleration jumps at 0.5, the rate at 1.
       {"pieces",
        [](double t) {
          const double s = t - 0.5;
@@ -240,7 +240,7 @@ TEST(Differences, CheckRateAndAccelerationOfALaw) {
         for (const bool rate : {true, false}) {
           Law::Function wrong{[&, rate](double t) {
             Motion m = l.motion(t);
-            // Along the whole scale of the motion: rate and acceleration may pass through zero.
+            // The error counts the scale of the motion, because rate and acceleration may pass through zero.
             (rate ? m.rate : m.acceleration) += 1e-3 * (1 + std::abs(rate ? m.rate : m.acceleration));
             return m;
           }};

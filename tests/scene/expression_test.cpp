@@ -88,7 +88,7 @@ TEST(Expression, Errors) {
   EXPECT_EQ(expressions.evaluate("2 crank").what, "'=2 crank' cannot be read: unexpected variable \"crank\"");
   EXPECT_FALSE(expressions.evaluate("crank = 2").ok());
   EXPECT_FALSE(expressions.evaluate("\"text\"").ok());
-  EXPECT_EQ(expressions.evaluate("crank").value, 0.8);  // and the parser is usable afterwards
+  EXPECT_EQ(expressions.evaluate("crank").value, 0.8);  // the parser can be used afterwards
 }
 
 TEST(Expression, GivesTheSameValueEveryTime) {

@@ -33,7 +33,7 @@ const Kind& as(const Item& item) {
   }
 }
 
-// The example of the format's description, word for word.
+// The example in the description of the format, word for word.
 constexpr const char* kFourBar = R"({
   "assur": 1,
   "name": "four_bar",
@@ -135,7 +135,7 @@ TEST(Json, VectorsAreNormalised) {
   EXPECT_EQ(scene.vectors()[1].at, (Triple{3 * 0.2, 0, 4 * 0.2}));
   EXPECT_NEAR(std::hypot(scene.vectors()[2].at[0], scene.vectors()[2].at[1]), 1, 4e-16);
   EXPECT_EQ(scene.bodies()[0].vectors[0].local, (Triple{0, 1, 0}));
-  ASSERT_EQ(scene.warnings().size(), 1u);  // w is off by 3.2e-7 only
+  ASSERT_EQ(scene.warnings().size(), 1u);  // w is not listed, because it is off by 3.2e-7 only
   EXPECT_EQ(scene.warnings()[0].where, "/vectors");
   EXPECT_EQ(scene.warnings()[0].what, "2 vectors are normalised: v has length 5, g 2");
 }
@@ -254,11 +254,11 @@ TEST(Json, Laws) {
                                   "scene", folder);
   const auto law = [&](std::size_t i) { return as<DrivenCoordinate>(scene.drivers()[i]).law; };
   EXPECT_EQ(law(0)(1).value, 4);
-  // One sine of two terms, each rounded: 4 roundings of numbers up to 6.
+  // A sine with two rounded terms: 4 roundings of numbers up to 6.
   EXPECT_NEAR(law(1)(1).value, 3 + 2 * std::sin(0.5 * std::numbers::pi + 0.5), 4 * 6 * 1.2e-16);
   EXPECT_NEAR(law(2)(1.5).value, 4, 4 * 4 * 1.2e-16);
   EXPECT_NEAR(law(2)(1.5).rate, 2, 4 * 4 * 1.2e-16);
-  EXPECT_NEAR(law(3)(9).value, 1, 4 * 1.2e-16);  // two periods later
+  EXPECT_NEAR(law(3)(9).value, 1, 4 * 1.2e-16);  // after two periods
   EXPECT_NEAR(law(4)(1).value, 1 + 2 + 3, 4 * 6 * 1.2e-16);
 }
 

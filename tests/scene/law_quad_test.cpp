@@ -42,7 +42,7 @@ TEST(Jet, DerivativesOfEveryOperationAgreeWithDifferences) {
   }
 }
 
-// The root of a sum of squares would have an error of eps rate^2 / length, which is unbounded.
+// The length is not computed as the root of a sum of squares, whose error eps rate^2 / length is unbounded.
 TEST(Jet, ComputesTheLengthOfAShortGrowingVector) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> any(-1, 1), exponent(-8, 0);
@@ -60,7 +60,8 @@ TEST(Jet, ComputesTheLengthOfAShortGrowingVector) {
     const Quad value = sqrt(exact[0] * exact[0] + exact[1] * exact[1] + exact[2] * exact[2]).value;
     const Motion expected = rounded(length(std::span<const Jet<Quad>>(exact)));
     EXPECT_EQ(expected.value, static_cast<double>(value));
-    // The component across has an error of eps |rate|, and enters as a square, at most a few times the size.
+    // The component across the vector has an error of eps |rate|. It enters as a square and is at most a few times
+    // `size`.
     const double across = 16 * kEps * (rates + size) * size / expected.value;
     expect_near(length(std::span<const Jet<double>>(x)), expected,
                 {4 * kEps * expected.value, 8 * kEps * rates, across});

@@ -65,8 +65,9 @@ TEST(Law, CallsTheFunctionAtItsTime) {
 
 class TableDegree : public testing::TestWithParam<int> {};
 
-// 2 points carry a line, 3 a parabola, 4 and more any cubic. Rounding of a value moves slopes by eps / h and second
-// derivatives by eps / h^2; h is at least (end - begin) / (4 n), the inverse of the spline matrix has norm <= 3.
+// 2 points determine a line, 3 a parabola, 4 and more any cubic. Rounding of a value moves slopes by eps / h and second
+// derivatives by eps / h^2. h is at least (end - begin) / (4 n), and the inverse of the spline matrix has a norm of at
+// most 3.
 TEST_P(TableDegree, ReproducesPolynomialsAndTheirDerivatives) {
   const int n = GetParam(), degree = std::min(n - 1, 3);
   std::vector<double> c{0.3, -1.2, 0.7, 0.4};
@@ -132,8 +133,8 @@ double sine_error(int n, bool periodic) {
 
 TEST(Table, SineIsOfFourthOrder) {
   for (bool periodic : {false, true}) {
-    // Hall & Meyer 1976: 5/384 h^4 max |f''''| in the interior, the longest interval at most 4 / n; not-a-knot ends
-    // cost more by a constant.
+    // The error in the interior is at most 5/384 h^4 max |f''''| (Hall & Meyer 1976), and the longest interval at most
+    // 4 / n. Not-a-knot ends increase the error by a constant factor.
     for (int n : {33, 129, 513})
       EXPECT_LT(sine_error(n, periodic), 0.1 * std::pow(4.0 / n, 4) * std::pow(kTau, 4)) << n;
     const double order = std::log(sine_error(65, periodic) / sine_error(1025, periodic)) / std::log(16);
@@ -181,7 +182,7 @@ TEST(Table, HundredThousandKnotsTakeLinearTime) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   };
   seconds(1000);
-  EXPECT_LT(seconds(100000), 1.0);  // some milliseconds; a dense or quadratic method needs minutes
+  EXPECT_LT(seconds(100000), 1.0);  // takes milliseconds; a dense or quadratic method needs minutes
 }
 
 TEST(Law, KnowsWhetherItIsConstant) {
@@ -218,6 +219,7 @@ TEST(Law, RefusesBadInput) {
   const std::string no_spline = "no spline in doubles goes through this table between time[0] and time[1]";
   EXPECT_EQ(message([&] { (void)Law::table({0, 1e-320, 1}, {0, 1, 0}); }).rfind(no_spline, 0), 0u);
   EXPECT_EQ(message([&] { (void)Law::table({0, 1, 2, 3}, {0, 1e308, -1e308, 1e308}); }).rfind(no_spline, 0), 0u);
+  EXPECT_EQ(message([&] { (void)Law::table({0, 1e200}, {0, 1}); }).rfind(no_spline, 0), 0u);
 }
 
 }  // namespace

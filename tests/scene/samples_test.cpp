@@ -117,7 +117,8 @@ TEST(SampleText, BadWordsAndMultiples) {
 // ---- start postures
 
 TEST(SampleGuess, SatisfiesItsOwnEquations) {
-  // Circle intersections here are far from tangency: a few roundings. Lengths are checked relative to themselves.
+  // These circles intersect far from tangency, so errors are a few roundings. Lengths are checked relative to
+  // themselves.
   for (const std::string text : {"almost_parallelogram",
                                  "almost_parallelogram:delta=1e-12",
                                  "almost_parallelogram:delta=0.75",
@@ -151,7 +152,8 @@ TEST(SampleGuess, SatisfiesItsOwnEquations) {
 }
 
 TEST(SampleGuess, GoughAgreesWithItsTableWithinRounding) {
-  // Six decimals: errors of 5e-7 in each of nine numbers; points of the platform are at most 1.6 from its origin.
+  // The table has six decimals, so each of nine numbers has an error of 5e-7. Points of the platform are at most 1.6
+  // from its origin.
   const std::vector<GoughRow> rows = read_gough();
   ASSERT_EQ(rows.size(), 40u);
   for (const GoughRow& row : rows) {
@@ -201,9 +203,9 @@ TEST(Stewart, HasTheGeometryOfThePaper) {
     const Vec<double> AB = at.at("B" + leg) - A, AP = at.at("P" + leg) - A, BP = at.at("P" + leg) - at.at("B" + leg);
     EXPECT_NEAR(std::sqrt(dot(AB, AB)), 0.2, 1e-15);
     EXPECT_NEAR(std::sqrt(dot(BP, BP)), 0.55, 1e-15);
-    EXPECT_GT(dot(AB, cross(a, AP)), 0);  // B on the side of a x AP
+    EXPECT_GT(dot(AB, cross(a, AP)), 0);  // B is on the side of a x AP
     const Vec<double>& inward = at.at("inward" + leg);
-    EXPECT_NEAR(dot(inward, a), 0, 5e-16);  // of unit vectors: two roundings of each
+    EXPECT_NEAR(dot(inward, a), 0, 5e-16);  // unit vectors: two roundings of each
     EXPECT_EQ(inward[2], 0);
   }
 }
@@ -298,7 +300,7 @@ TEST(Stewart, EvenLegsStayRegular) {
   for (const int legs : {3, 4, 5, 7, 16, 22}) EXPECT_LE(worst_leg_condition(legs), 23) << legs;
 }
 
-// Jacobian of the ring whose points are NAME0.. , lengths squared.
+// Jacobian of the ring with the points NAME0, NAME1, ... for squared lengths.
 Eigen::MatrixXd ring_jacobian(const Equations<double>& at, const std::string& name, int m) {
   const auto point = [&](const std::string& kind, int i) {
     const Vec<double>& v = at.at(name + kind + std::to_string(i));

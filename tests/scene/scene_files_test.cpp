@@ -1,4 +1,4 @@
-// The mechanisms of scenes/ are the samples of the same name; the schema there has the rows of scene/kinds.hpp.
+// The mechanisms of scenes/ are the samples of the same name. The schema in scenes/ has the rows of scene/kinds.hpp.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -24,7 +24,7 @@
 namespace assur {
 namespace {
 
-constexpr double kRounding = 4e-16;  // dimensions, O(1): an expression's rounding against the sample's
+constexpr double kRounding = 4e-16;  // dimensions of size 1, computed by expressions
 constexpr double kGuess = 1e-5;      // files give guesses to five decimals or more
 
 template <class T>
@@ -247,7 +247,7 @@ void add_keys(Keys& keys, const Row& row) {
   });
 }
 
-// Kinds with the same first key are one in the schema.
+// Kinds with the same first key are one kind in the schema.
 template <class Own, class... Rows>
 std::map<std::string_view, Keys> keys_of_kinds(const Own& own, const std::tuple<Rows...>& kinds) {
   std::map<std::string_view, Keys> keys;

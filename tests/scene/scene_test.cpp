@@ -113,7 +113,7 @@ TEST(SceneBuilder, ErrorsOfTheReaderComeFirstAndOnce) {
 TEST(SceneBuilder, OrdersBodiesByTheirDependencies) {
   SceneBuilder builder("chain", 2);
   builder.point("O", {0, 0, 0}).fixed_vector("x", {1, 0, 0});
-  constexpr int kLength = 50000;  // deeper than a recursion could go
+  constexpr int kLength = 50000;  // too deep for a recursion
   for (int i = kLength; i > 0; --i) {
     const std::string below = i == 1 ? "O" : "P" + std::to_string(i - 1);
     builder.add(Body{"b" + std::to_string(i), below, {}, {}, {{"P" + std::to_string(i), {1, 0, 0}}}, {}});
@@ -275,7 +275,7 @@ TEST(Scene, WithTime) {
               return rod.build().with_time({0, 1, 0.5});
             }),
             "/drivers/pull/law: the distance at the start is 0 m; a driven distance must stay > 0");
-  // A grid without steps is not a rounded step.
+  // 1e-10 steps are not one step up to rounding.
   EXPECT_EQ(findings([&] {
               return scene.with_time({0, 1, 1e10});
             }),

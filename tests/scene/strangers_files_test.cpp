@@ -30,7 +30,7 @@ class StrangersFiles : public testing::Test {
   }
   void TearDown() override { fs::remove_all(folder_); }
 
-  // A sparse file of this size.
+  // Makes a sparse file of this size.
   [[nodiscard]] fs::path huge(const std::string& name, std::uintmax_t bytes) const {
     const fs::path file = folder_ / "scene" / name;
     std::ofstream(file).flush();
@@ -46,7 +46,7 @@ class StrangersFiles : public testing::Test {
     return file;
   }
 
-  // The message for a scene with this table, without its beginning.
+  // The message for a scene with this table, from the path of the driver on.
   [[nodiscard]] std::string of_table(const std::string& table) const {
     const std::string said = refusal([&] { (void)read_scene(with_table(table)); });
     const std::size_t at = said.find("/drivers");
@@ -100,7 +100,7 @@ TEST_F(StrangersFiles, LimitsTheSizeOfAFile) {
   EXPECT_EQ(read_input(file, 8).text, "0,0\n1,1\n");
   EXPECT_EQ(read_input(file, 7).text, "");
   EXPECT_NE(read_input(file, 7).why_not, "");
-  if (!fs::exists("/proc/self/status")) return;  // regular, and tells no size
+  if (!fs::exists("/proc/self/status")) return;  // a regular file without a size
   EXPECT_EQ(read_input("/proc/self/status", 1'000'000).why_not, "");
   EXPECT_NE(read_input("/proc/self/status", 1'000'000).text, "");
   EXPECT_NE(read_input("/proc/self/status", 100).why_not, "");
@@ -149,6 +149,8 @@ TEST_F(StrangersFiles, ShortensQuotationsWithoutControlCharacters) {
     return text;
   }();
   EXPECT_EQ(excerpt(accents), accents.substr(0, 99) + "... (201 characters)");  // byte 100 is within a character
+  const std::string no_utf8(200, '\xa5');
+  EXPECT_EQ(excerpt(no_utf8), no_utf8.substr(0, 97) + "... (200 characters)");
 }
 
 TEST_F(StrangersFiles, MessagesDoNotGrowWithTheInput) {
@@ -208,6 +210,49 @@ TEST_F(StrangersFiles, ShortensACycleOfManyParameters) {
   EXPECT_EQ(refusal([&] { (void)parse_scene(R"({"assur": 1, "dimension": 2, "parameters": {)" + parameters + "}}"); }),
             "scene: /parameters/p0: parameters define each other in a circle: p0 -> p1 -> p2 -> p3 -> p4 -> p5 -> p6 "
             "-> p7 -> p8 -> p9 -> (90 more) -> p0");
+}
+
+// Items with commas between them: `item` with each @ replaced by a number.
+std::string many(int count, const std::string& item) {
+  std::string text;
+  for (int i = 0; i < count; ++i) {
+    text += i == 0 ? "" : ", ";
+    for (const char c : item) c == '@' ? text += std::to_string(i) : text += c;
+  }
+  return text;
+}
+
+// Each of these files of a few MB would take from ten minutes to many hours, if time grew with the square of its size.
+TEST_F(StrangersFiles, ReadsFilesInTimeThatGrowsWithTheirSize) {
+  const auto said = [](const std::string& rest) {
+    return refusal([&] { (void)parse_scene(R"({"assur": 1, "dimension": 2, )" + rest + "}"); });
+  };
+  EXPECT_EQ(said(R"("points": {"A": {"at": [0, 0]}}, "drivers": {"push": {"coordinate": "A.x", "law": [)" +
+                 many(200'000, R"({"constant": 1})") + R"(]}, "lift": {"coordinate": "A.y", "law": {"constant": 0}}})"),
+            "accepted");
+  const std::string a(2'000'000, 'a'), b(2'000'000, 'b');
+  EXPECT_NE(said(R"("points": {")" + a + R"(": {"at": [0, 0]}}, "outputs": [")" + b + R"("])").find("too long"),
+            std::string::npos);
+  const std::string unknown =
+      said(R"("parameters": {)" + many(30'000, R"("a_parameter_with_a_name_@": 1)") + R"(}, "points": {)" +
+           many(30'000, R"("P@": {"at": ["=b_parameter_with_a_name_@", 0]})") + "}");
+  EXPECT_EQ(unknown.substr(0, unknown.find('\n')),
+            "scene: /points/P0/at/0: there is no parameter 'b_parameter_with_a_name_0'; did you mean "
+            "'a_parameter_with_a_name_0'?");
+  EXPECT_TRUE(unknown.ends_with("scene: and 29000 findings more"));
+  EXPECT_TRUE(said(R"("points": {}, )" + many(300'000, R"("key_@": 1)")).ends_with("and 299000 findings more"));
+}
+
+TEST_F(StrangersFiles, RefusesSumsOfTablesThatNeedTooMuchMemory) {
+  std::ofstream table(folder_ / "scene/large.csv");
+  for (int i = 0; i < 300'000; ++i) table << i << ",0\n";
+  table.close();
+  const std::string text = R"({"assur": 1, "dimension": 2, "points": {"A": {"at": [0, 0]}}, "drivers": {"push":
+    {"coordinate": "A.x", "law": [)" +
+                           many(300'000, R"({"table": "large.csv"})") + "]}}}";
+  const std::string said = refusal([&] { (void)parse_scene(text, "scene", folder_ / "scene"); });
+  EXPECT_TRUE(said.starts_with("scene: no memory for a sum of laws with tables of 90000000000 rows in all (")) << said;
+  EXPECT_TRUE(said.ends_with("; add fewer tables")) << said;
 }
 
 TEST_F(StrangersFiles, ReadsOnlyPlanFilesAsPlans) {

@@ -22,7 +22,7 @@ class Variants : public testing::Test {
     return read_variants(folder_ / "v.csv");
   }
 
-  // The message for the file, without its name.
+  // The message for the file, without the name of the file.
   [[nodiscard]] std::string refusal(const std::string& text) const {
     try {
       (void)read(text);
@@ -97,6 +97,23 @@ TEST_F(Variants, StopReadingAFileThatIsNoTable) {
   for (int i = 0; i < 100'000; ++i) text += "x\n";
   const std::string what = refusal(text);
   EXPECT_EQ(std::count(what.begin(), what.end(), '\n'), 19) << what;
+}
+
+// Findings of one line are limited too, and comparing its names takes time in proportion to their number.
+TEST_F(Variants, ReadLongLines) {
+  std::string names = "a0", numbers = "0", none = "1";
+  for (int i = 1; i < 1'000'000; ++i) {
+    names += ",a" + std::to_string(i);
+    numbers += ",0";
+    none += ",1";
+  }
+  const std::vector<Parameters> variants = read(names + "\n" + numbers + "\n");
+  ASSERT_EQ(variants.size(), 1u);
+  EXPECT_EQ(variants.front().size(), 1'000'000u);
+  for (const std::string& text : {none + "\n", names + "\nx" + std::string(999'999, ',') + "\n"}) {
+    const std::string what = refusal(text);
+    EXPECT_EQ(std::count(what.begin(), what.end(), '\n'), 19) << what.substr(0, 1000);
+  }
 }
 
 TEST_F(Variants, AnUnreadableFileIsAnEnvironmentError) {

@@ -90,7 +90,7 @@ Scene any_of_these(test::Draw& draw) {
   }
 }
 
-// The residual of an equation without influence on outputs must not loosen the tolerance of others.
+// An equation that influences no output must not loosen the tolerance of the other equations.
 TEST(AccuracySearch, AHarmlessEquationDoesNotLoosenOthers) {
   const Rssr r{.coupler = 1.5510188655860111, .x = 1.0100381555064502, .y = 0.74052491879495656};
   const Scene scene = rssr(r, 0.016997838245498994, 107);
@@ -133,7 +133,7 @@ TEST(AccuracySearch, CleanRunsReachTheRequiredAccuracy) {
       try {
         error = worst(forward_error(p, rows));
       } catch (const Error&) {
-        ++unknown;  // the reference itself is lost there
+        ++unknown;  // the reference fails for this motion
         continue;
       }
       nearest = std::max(nearest, error / asked);

@@ -18,7 +18,7 @@ namespace assur {
 namespace {
 
 using references::Quad;
-using Exact = boost::multiprecision::cpp_bin_float_100;  // quad is too short next to a zero
+using Exact = boost::multiprecision::cpp_bin_float_100;  // quad has too few digits next to a zero
 constexpr double kTiny = 0x1p-30;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN(), kInfinity = std::numeric_limits<double>::infinity();
 
@@ -80,7 +80,7 @@ TEST(AngleKernels, SinesAndCosinesAreWithinOneUnit) {
       ASSERT_LE(c, abs(cosine[i]) < kTiny ? 2 : 1) << "cos " << angles[i];
       worst = std::max({worst, s, c});
     }
-    EXPECT_GT(worst, 0.4);  // it does measure: roundings alone take half a unit
+    EXPECT_GT(worst, 0.4);  // the errors are really measured: the final rounding alone is up to half a unit
   });
 }
 
@@ -101,8 +101,8 @@ TEST(AngleKernels, LargeAnglesAgreeWithTheCLibrary) {
   });
 }
 
-// Tolerances as for one law in scene/law_quad_test.cpp, plus the rounding of the phase: 2^20 rad is a multiple of
-// 2^-32.
+// Tolerances as for one law in scene/law_quad_test.cpp, plus the rounding of the phase: doubles from 2^20 on have a
+// spacing of 2^-32.
 TEST(AngleKernels, HarmonicsKeepTheirPhaseAfterManyTurns) {
   std::mt19937_64 random(2);
   std::uniform_real_distribution<double> exponent(-3, 12), phase(-7, 7);

@@ -12,13 +12,13 @@ namespace assur {
 namespace {
 // A wrong angle is wrong by whole turns; all other errors are far smaller, sqrt(eps) at a fold.
 constexpr double kNoTurn = 1e-6;
-constexpr double kFine = 2e-3;  // rad, of the crank: steps of the closed form
+constexpr double kFine = 2e-3;  // rad of the crank between two postures of the closed form
 
 struct FourBar {
   double crank, coupler, rocker, ground;
-  double side = 1;         // of C, seen from B towards D
-  Triple tracer{0, 0, 0};  // P in the coupler's frame: along BC, to its left
-  Triple post{0, 0, 0};    // F, from which P is seen
+  double side = 1;         // 1: C lies to the left of the line from B to D, -1: to the right
+  Triple tracer{0, 0, 0};  // P in the frame of the coupler: along BC, and to the left of BC
+  Triple post{0, 0, 0};    // F, the point from which P is seen
 
   // Computes B, C, P; false if there is no posture.
   bool at(double phi, Triple& b, Triple& c, Triple& p) const {
@@ -171,14 +171,14 @@ TEST(AngleTurns, AreRightForAPointSeenFromNearby) {
       ASSERT_TRUE(m.at(law(t).value, b, c, p) && m.at(law(t).value + 1e-4, b, c, q));
       const double dx = q[0] - p[0], dy = q[1] - p[1], along = std::hypot(dx, dy);
       m.post = {p[0] - apart * dy / along, p[1] + apart * dx / along, 0};
-      // The closed form does not resolve the passage; on a straight line the angle turns by less than half a turn.
+      // The closed form does not resolve the passage. Past a straight line the angle turns by less than half a turn.
       const test::Result r = test::run(scene(m, law, 0.1, 60, {"tracer.value"}), "groups/eigen");
       ASSERT_EQ(r.trajectory.rows(), 61U);
       const auto row = static_cast<std::size_t>(t * 10);
       const double turned = r.trajectory(row + 1, 0) - r.trajectory(row, 0);
       EXPECT_EQ(std::signbit(turned), apart < 0) << t << " " << apart;
       EXPECT_GT(std::abs(turned), 1);
-      EXPECT_LT(std::abs(turned), kTurn / 2 + 0.5);  // and what the path bends
+      EXPECT_LT(std::abs(turned), kTurn / 2 + 0.5);  // the path of P is bent
     }
   }
 }
@@ -221,7 +221,7 @@ TEST(AngleTurns, AreRightForRandomFourBarsAtCoarseSteps) {
 // The last link of an arm turns by the sum of all joint angles.
 TEST(AngleTurns, AreRightForTheLastLinkOfAnArm) {
   constexpr int kJoints = 6;
-  for (const double rate : {0.9, 1.04, 2.1}) {  // rad a step: together about one turn, and two
+  for (const double rate : {0.9, 1.04, 2.1}) {  // rad a step: six joints together make about one turn, or two
     SceneBuilder builder("arm", 2);
     builder.fixed_vector("u0", {1, 0, 0});
     for (int k = 1; k <= kJoints; ++k) {

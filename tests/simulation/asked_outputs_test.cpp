@@ -23,8 +23,7 @@ std::string refusal(const Scene& scene, const std::string& output) {
   return "";
 }
 
-// A pendulum of length 1 whose angle from +x is 0.5 + 2 t, with a plate of three points in space below: auxiliary
-// unknowns of a driver and a body.
+// A pendulum of length 1 whose angle from +x is 0.5 + 2 t. The driver adds auxiliary unknowns, which are columns, too.
 Scene pendulum() {
   return SceneBuilder("pendulum", 2)
       .fixed_point("A", {0, 0})
@@ -40,7 +39,7 @@ TEST(AskedOutputs, EveryColumnHasItsOwnName) {
   for (const Scene& scene : {sample("slider_crank:steps=4"), sample("stewart:steps=2"), pendulum()}) {
     const test::Result all = test::run(scene.with_outputs({"all"}), "irreducible/eigen");
     const std::vector<std::string>& columns = all.trajectory.columns();
-    for (std::size_t c = 0; c < columns.size(); c += 1 + columns.size() / 40) {  // of many, some
+    for (std::size_t c = 0; c < columns.size(); c += 1 + columns.size() / 40) {  // about 40 of the columns
       const test::Result one = test::run(scene.with_outputs({columns[c]}), "irreducible/eigen");
       // The name of a scalar includes its derivatives.
       ASSERT_EQ(one.trajectory.columns().front(), columns[c]);
@@ -69,7 +68,7 @@ TEST(AskedOutputs, PartsOfBodiesAndDriversCanBeOutputs) {
   const Scene scene = sample("stewart");
   EXPECT_EQ(test::simulator(scene.with_outputs({"P3.z"})).columns(), std::vector<std::string>{"P3.z"});
   const test::Result r = test::run(pendulum().with_outputs({"motor.rho.value"}));
-  EXPECT_NEAR(r.trajectory.last("motor.rho"), 1, 8 * kEps);  // |AX| |AB|
+  EXPECT_NEAR(r.trajectory.last("motor.rho"), 1, 8 * kEps);  // rho is |AX| |AB|
 }
 
 TEST(AskedOutputs, AreRefusedWithAListOfChoices) {
@@ -95,7 +94,7 @@ TEST(AskedOutputs, AllMeansEverythingAndStandsAlone) {
     EXPECT_STREQ(e.what(), "/outputs/0: 'all' means everything; write it alone");
   }
   const Scene named = SceneBuilder("named", 2).fixed_point("all", {0, 0}).point("B", {1, 0}).time(0, 1, 1).build();
-  EXPECT_EQ(named.with_outputs({"all"}).outputs(), std::vector<std::string>{"all"});  // a point of that name
+  EXPECT_EQ(named.with_outputs({"all"}).outputs(), std::vector<std::string>{"all"});  // "all" is a point of this scene
 }
 
 TEST(AskedOutputs, RefusesUnknownColumnsWithTheList) {
@@ -119,7 +118,7 @@ SceneBuilder wheel(double omega) {
   return b;
 }
 
-// pi/2 - 2 turn and 1 + x - 3 reach, over six turns; alone, in chunks and with a reference.
+// The sums pi/2 - 2 turn and 1 + x - 3 reach over six turns, compared with closed forms and with the reference.
 TEST(Sums, AreExactInAllDerivatives) {
   const double omega = 3 * kPi;
   const Scene scene = wheel(omega)
@@ -205,7 +204,7 @@ TEST(Sums, RefuseInvalidTerms) {
 
 // ---- postures without derivatives
 
-// B passes through A: its distance has a kink there.
+// B passes through A, where the distance between them has a kink.
 TEST(Kinks, EventNamesTheOutputWithoutDerivative) {
   const Scene scene = SceneBuilder("through", 2)
                           .fixed_point("A", {0, 0})

@@ -30,10 +30,10 @@ double any_radius(Draw& draw, double middle) {
 template <class S>
 S any_middle(Draw& draw) {
   const double high = any_double(draw);
-  return S(high) + S(high) * S(draw.real(-1, 1) * 0x1p-53);  // all bits of a quad
+  return S(high) + S(high) * S(draw.real(-1, 1) * 0x1p-53);  // all bits of a quad are used
 }
 
-// Every corner of a and b, where the operations have their extremes.
+// Checks every corner of a and b, where the operations have their extremes.
 template <class S, class Operation>
 void expect_held(const Ball<S>& a, const Ball<S>& b, const Ball<S>& result, Operation&& operation) {
   for (const int i : {-1, 1}) {
@@ -69,7 +69,7 @@ TEST(Ball, OperationsEncloseEveryResult) {
   expect_operations_to_hold_their_results<Quad>(2);
 }
 
-// For exact operands the radius is at most one unit in the last place, plus two for its own rounding.
+// The radius of a product of exact operands is a few units in the last place.
 TEST(Ball, IsNarrow) {
   Draw draw(3);
   for (int k = 0; k < 100; ++k) {
@@ -142,7 +142,7 @@ TEST(BallMatrix, ProductEnclosesEveryProduct) {
     const BallMatrix result = product(c, x);
     for (Eigen::Index i = 0; i < n; ++i) {
       for (Eigen::Index j = 0; j < 2; ++j) {
-        Exact middle = 0, radius = 0;  // the farthest corner is at their sum
+        Exact middle = 0, radius = 0;  // the farthest corner is at middle + radius
         for (Eigen::Index k = 0; k < n; ++k) {
           middle += Exact(c(i, k)) * Exact(x.middle(k, j));
           radius += abs(Exact(c(i, k))) * Exact(x.radius(k, j));
@@ -183,8 +183,8 @@ TEST(SolutionProof, HoldsUpToTheOtherSolution) {
       const SolutionProof proof = prove_root(s, d, 0);
       ASSERT_TRUE(proof.holds) << s << " " << d;
       EXPECT_GE(proof.radius[0], std::abs(d));
-      // The theorem is sharp: around x = s + d, Y = |d (2 s + d) / (2 x)| and B = 1 / (2 x), so that the roots of the
-      // condition are at |d| or beyond, and 2 s + d for d > 0.
+      // The bounds of the theorem are known here. With Y = |d (2 s + d) / (2 x)| and B = 1 / (2 x), its smaller root is
+      // at least |d|, and the larger one is 2 s + d for d > 0.
       EXPECT_LE(proof.radius[0], (d > 0 ? 1 + 1e-11 : 1.01) * std::abs(d) + 1e-15 * s);
       EXPECT_LE(proof.uniqueness, 2 * s + d);
       EXPECT_GE(proof.uniqueness, 1.9 * s);
@@ -197,13 +197,13 @@ TEST(SolutionProof, CoversTheRangesOfItsInputs) {
   for (const double e : {1e-14, 1e-9, -1e-4}) {
     const SolutionProof proof = prove_root(s, 0, e);
     ASSERT_TRUE(proof.holds);
-    // The box holds h = s^2, of which x is the solution, and s^2 + 2 e, of which |x - x*| = e / s to first order.
+    // The interval of h includes s^2, whose root is x, and s^2 + 2 e, whose root is about e / s away.
     EXPECT_GE(proof.radius[0], std::abs(std::sqrt(s * s + 2 * e) - s) - 1e-16);
     EXPECT_LE(proof.radius[0], 1.01 * std::abs(2 * e) / (2 * s) + 1e-15);
   }
 }
 
-// x^2 = h has no real solution for h < 0; solutions too far away are not found.
+// x^2 = h has no real solution for h < 0. A solution too far from x is not found.
 TEST(SolutionProof, FailsWithoutANearbySolution) {
   const auto none = [](double x, double h) {
     QuadraticEquations equations{rounded({Exact(x) * Exact(x) - Exact(h)}, 1),
@@ -221,12 +221,12 @@ TEST(SolutionProof, FailsWithoutANearbySolution) {
   EXPECT_EQ(none(0, 1).defect, HUGE_VAL);
 }
 
-// Three equations that couple all unknowns, with a known solution in thirds of a power of two.
+// Three equations that couple all unknowns and have a known solution.
 TEST(SolutionProof, HoldsForIllConditionedSystems) {
   Draw draw(7);
   for (int k = 0; k < 200; ++k) {
     constexpr int n = 3;
-    const double spread = std::pow(10, -draw.real(0, 9));  // of the last equation: almost the one before
+    const double spread = std::pow(10, -draw.real(0, 9));  // relative difference between the last two equations
     double linear[n][n], square[n][n], solution[n], off[n];
     for (int i = 0; i < n; ++i) {
       solution[i] = draw.real(-1, 1);

@@ -12,15 +12,16 @@ using references::QuadJet;
 using test::Result;
 
 struct Verdict {
-  std::size_t rows = 0;  // on the closed form's branch
-  double worst = 0;      // error / bound over these rows
-  double largest = 0;    // error over these rows, m
+  std::size_t rows = 0;  // rows on the branch of the closed form
+  double worst = 0;      // largest error / bound of these rows
+  double largest = 0;    // largest error of these rows, m
   bool left = false;     // a row is off the branch
 };
 
-// The end of the rocker compared with the closed form. If rocker and coupler form an angle with the sine sigma, lengths
-// that hold to 8 eps of the coordinates of their ends (up to 3 m, both lengths, x and y) determine B1 to 8 sqrt(2) * 2
-// * 5 eps / sigma, and near sigma = 0 to the square root of that length error.
+// Compares B1, the end of the rocker, with the closed form. Coupler and rocker hold their lengths to 8 eps of the
+// coordinates of their ends. The errors move B1 by at most 8 sqrt(2) * 2 * 5 eps / sigma, where sigma is the sine
+// between coupler and rocker: sqrt(2) for x and y, 2 for two lengths, 5 m for the coordinates of both ends. Near sigma
+// = 0 the bound is the square root of the error of the lengths.
 Verdict judge(const Trajectory& trajectory, double delta) {
   Verdict v;
   const std::size_t x = trajectory.index("B1.x");
@@ -55,8 +56,8 @@ Scene almost_parallelogram(double delta, double step, int turns = 1) {
   return sample("almost_parallelogram", {{"delta", delta}, {"step", step}, {"steps", std::round(turns / step)}});
 }
 
-// From delta = 1e-6 on, plain Newton iteration ends up to 2 m off with a perfect residual. Here every row follows the
-// branch over the whole turn, or the run reports doubt by a status or an event, and is right up to its time.
+// From delta = 1e-6 downwards, plain Newton iteration ends up to 2 m off with a perfect residual. Here either every row
+// follows the branch over the whole turn, or a status or an event reports doubt and all rows before it are right.
 TEST(AlmostParallelogram, FollowsTheBranchOrReportsDoubt) {
   for (const double delta : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 3e-13, 1e-13}) {
     for (const double step : {0.01, 0.0033, 0.0625}) {
@@ -73,7 +74,7 @@ TEST(AlmostParallelogram, FollowsTheBranchOrReportsDoubt) {
         if (r.report().status.arrived()) {
           EXPECT_EQ(r.trajectory.rows(), static_cast<std::size_t>(std::round(1 / step)) + 1);
         }
-        // Such close branches are distinguished from crossing ones.
+        // Branches that come close are not mistaken for branches that cross.
         for (const Event& e : r.report().events) EXPECT_NE(e.kind, Code::change_point_passed);
         if (delta >= 1e-12) {
           EXPECT_TRUE(r.report().status.arrived());
@@ -89,7 +90,7 @@ TEST(AlmostParallelogram, FollowsTheBranchOrReportsDoubt) {
 }
 
 // delta = 0: the two branches cross at crank angles 0 and pi. B1 = B0 + (2, 0) is the smooth continuation through all
-// crossings. No row lies on a change point by the choice of 1 / dt.
+// crossings. The steps are chosen so that no row lies on a change point.
 TEST(Parallelogram, PassesItsChangePoints) {
   for (const double step : {0.0033, 0.0027, 0.0071}) {
     for (const std::string formulation : {"global", "groups", "irreducible"}) {
@@ -112,7 +113,7 @@ TEST(Parallelogram, PassesItsChangePoints) {
           EXPECT_GT(e.until, change);
           EXPECT_LE(e.until - e.time, step / 128);
         }
-        // Rows are at least 0.0005 turns from a change point: sigma > 1e-3, bounds as in judge().
+        // Rows are at least 0.0005 turns from a change point, so that sigma > 1e-3 in the bound of judge().
         const double bound = 8 * std::sqrt(2.0) * 2 * 5 * kEps / 1e-3;
         const std::size_t x0 = r.trajectory.index("B0.x"), x1 = r.trajectory.index("B1.x");
         for (std::size_t k = 0; k < r.trajectory.rows(); ++k) {
@@ -124,9 +125,8 @@ TEST(Parallelogram, PassesItsChangePoints) {
   }
 }
 
-// A rhombus whose crank swings a little or far beyond the line where its branches cross, with steps from an eighth to a
-// thousandth of the swing: every run reports where it ends early or passes the line, and no row before is on the other
-// branch.
+// The crank of a rhombus swings a little or far beyond the line where the branches cross, with long and short steps.
+// Every run may end early or pass the line, but none of its rows is on the other branch.
 TEST(Rhombus, KeepsItsBranchForEveryStepAndPredictor) {
   int arrived = 0;
   for (const double swing : {1.5709, 1.575, 1.58, 1.6, 1.65, 1.7, 1.8, 2.0, 2.5}) {
@@ -141,7 +141,7 @@ TEST(Rhombus, KeepsItsBranchForEveryStepAndPredictor) {
         const Trajectory& t = r.trajectory;
         const std::size_t crank = t.index("B0.x"), rocker = t.index("B1.x");
         for (std::size_t k = 0; k < t.rows(); ++k) {
-          // The coupler stays parallel to the frame; on the other branch the rocker lies on it.
+          // The coupler stays parallel to the frame; on the other branch the rocker lies on the frame.
           const double off = std::hypot(t(k, rocker) - t(k, crank) - 1, t(k, rocker + 1) - t(k, crank + 1));
           ASSERT_LE(off, 1e-6) << "at " << t.times()[k];
         }
@@ -151,7 +151,7 @@ TEST(Rhombus, KeepsItsBranchForEveryStepAndPredictor) {
   EXPECT_GT(arrived, 500);
 }
 
-// The choice of outputs has no influence: rates are computed if the branch needs them.
+// If only positions are outputs, the run still computes the rates that are needed to keep the branch.
 TEST(Parallelogram, PassesItsChangePointsWithPositionsOnly) {
   const double step = 0.0033;
   const Result whole = test::run(almost_parallelogram(0, step, 2), "groups/eigen");
@@ -161,8 +161,8 @@ TEST(Parallelogram, PassesItsChangePointsWithPositionsOnly) {
   const std::vector<Event> expected = test::events(whole.report()), events = test::events(r.report());
   ASSERT_EQ(events.size(), expected.size());
   for (std::size_t i = 0; i < events.size(); ++i) EXPECT_EQ(events[i].kind, expected[i].kind);
-  EXPECT_TRUE(std::isnan(r.report().error.velocity));             // of what was not asked for
-  const double bound = 8 * std::sqrt(2.0) * 2 * 5 * kEps / 1e-3;  // as above
+  EXPECT_TRUE(std::isnan(r.report().error.velocity));             // velocities are no outputs
+  const double bound = 8 * std::sqrt(2.0) * 2 * 5 * kEps / 1e-3;  // as in PassesItsChangePoints
   const std::size_t x = whole.trajectory.index("B1.x");
   for (std::size_t k = 0; k < r.trajectory.rows(); ++k) {
     ASSERT_NEAR(r.trajectory(k, 0), whole.trajectory(k, x), bound) << k;
@@ -170,8 +170,8 @@ TEST(Parallelogram, PassesItsChangePointsWithPositionsOnly) {
   }
 }
 
-// At the change point the equations do not determine the velocity: the run ends with a status, and never on the other
-// branch.
+// At the change point the equations do not determine the velocity. The run ends there with a status and never follows
+// the other branch.
 TEST(Parallelogram, StopsIfTheBranchIsUndecidable) {
   for (const auto& [step, strategy] :
        {std::pair{0.01, std::string("groups/eigen")}, {0.005, std::string("global/eigen")}}) {

@@ -1,4 +1,4 @@
-// Certificates compared with the reference in quad, which only shares the equations of the scene.
+// Certificates compared with the reference in quad. The two share nothing but the equations of the scene.
 #include "errors/certificate.hpp"
 
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ namespace {
 using test::Draw;
 
 struct Largest {
-  double radius = 0, error = 0;  // of the run
+  double radius = 0, error = 0;  // the largest of the run
   int rows = 0, proven = 0, unknowns = 0;
 };
 
@@ -31,7 +31,7 @@ double true_error(const Ball<double>& computed, const Quad& truth) {
   return static_cast<double>(abs(Quad(computed.middle()) - truth));
 }
 
-// Every coordinate of every certified row is within its radius of the true one.
+// The true value of every coordinate of a certified row is within its radius.
 Largest expect_truth_inside(const Scene& scene, const std::string& strategy, std::int64_t rows = 20) {
   SCOPED_TRACE(scene.name() + " " + strategy);
   const Prepared prepared = prepare(scene, {strategy, {}});
@@ -89,8 +89,8 @@ TEST(Certificate, EnclosesTheTruthOfEveryFile) {
   }
 }
 
-// All inputs are constant and there is one group, so that only second-order terms are lost: the condition, at most 6e5
-// here, times the rounding of the matrices of 18 unknowns.
+// With constant inputs and one group, the radius exceeds the error only by second-order terms: the condition, at most
+// 6e5 here, times the rounding of the matrices of 18 unknowns.
 TEST(Certificate, RadiusOfAGoughPostureIsItsError) {
   for (int k = 1; k <= 40; ++k) {
     const Largest found = expect_truth_inside(sample("gough:posture=" + std::to_string(k)), "auto");
@@ -115,7 +115,7 @@ TEST(Certificate, EnclosesTheTruthOfRandomMechanisms) {
   }
 }
 
-// Three equal cranks on one coupler, the third in its middle: one equation follows from the others.
+// Three equal cranks on one coupler, the third at its middle: one equation follows from the others.
 Scene three_cranks() {
   SceneBuilder b("three_cranks", 2);
   for (int i = 0; i < 3; ++i) {
@@ -137,8 +137,9 @@ TEST(Certificate, LeavesOutRedundantEquations) {
   }
 }
 
-// The radius of a computed posture comes from its residual: each equation holds to 8 eps of its scale (the criterion of
-// convergence), which the condition amplifies. Each level loses the signs of errors, which costs a factor of two.
+// The radius of a computed posture comes from its residual. Each equation holds to 8 eps of its scale (the criterion of
+// convergence), and the condition amplifies this error. The radii passed to the next level have no signs, which costs a
+// factor of two.
 TEST(Certificate, IsAsNarrowAsTheConditionAllows) {
   for (const char* text : {"four_bar", "slider_crank:offset=0.02", "andrews", "stewart", "rings:legs=3,n=12"}) {
     const Scene scene = sample(text);
@@ -169,7 +170,7 @@ TEST(Certificate, EnclosesTheTruthOrFailsForAWrongPosture) {
     Draw draw(12);
     for (const double off : {1e-12, 1e-9, 1e-6, 1e-3, 0.3}) {
       for (int k = 0; k < 10; ++k) {
-        std::size_t wrong = 0;  // an unknown
+        std::size_t wrong = 0;  // index of a random unknown
         while (prepared.structure->system->coordinates[wrong].role != Role::unknown) wrong = draw.below(posture.size());
         std::vector<double> other = posture;
         other[wrong] += draw.maybe() ? off : -off;
@@ -186,7 +187,8 @@ TEST(Certificate, EnclosesTheTruthOrFailsForAWrongPosture) {
 }
 
 // P slides on y = 0, and Q is at a distance of 1 from the origin and from P: Q = (x / 2, +-h) with h^2 = 1 - x^2 / 4.
-// At x = 2 both are one, and the singular values of the Jacobian [2 Q; 2 (Q - P)] are sqrt(8) h and sqrt(8) x / 2.
+// At x = 2 the two solutions coincide. The singular values of the Jacobian [2 Q; 2 (Q - P)] are sqrt(8) h and sqrt(8) x
+// / 2.
 struct Fold {
   Prepared prepared = prepare(SceneBuilder("fold", 2)
                                   .fixed_point("O", {0, 0, 0})
@@ -218,12 +220,12 @@ TEST(Certificate, ShrinksTowardsAFoldAndEndsThere) {
     const double h = static_cast<double>(sqrt(1 - Quad(x) * Quad(x) / 4));
     const Certificate certificate = fold.certify(x, h);
     ASSERT_EQ(certificate.why_not, "") << h;
-    // J^-1 = [2 h, -2 h; x, x] / (4 h x) and each equation curves by 2 where both coordinates of Q are off by 1, so
-    // that B = 1 / h: half of the way to the other posture, in proportion to the smallest singular value.
+    // With J^-1 = [2 h, -2 h; x, x] / (4 h x) and second derivatives of 2 in both coordinates of Q, the theorem has B =
+    // 1 / h. The solution is unique within h, half of the way to the other posture.
     EXPECT_NEAR(certificate.uniqueness, h, 1e-6 * h + 4 * kEps / h);
-    EXPECT_LE(certificate.radius, 4 * kEps / h);  // of the rounded posture: of x / 2 none, of h half a unit
+    EXPECT_LE(certificate.radius, 4 * kEps / h);  // x / 2 is exact, h is rounded by half a unit
     least = h;
-    // Half way to the other posture no proof exists.
+    // Close to the middle between both postures no proof exists.
     EXPECT_NE(fold.certify(x, 0.01 * h).why_not, "");
   }
   EXPECT_LE(least, 1.1e-7);
@@ -231,7 +233,7 @@ TEST(Certificate, ShrinksTowardsAFoldAndEndsThere) {
   EXPECT_NE(at.why_not.find("singular"), std::string::npos) << at.why_not;
   EXPECT_EQ(at.radius, HUGE_VAL);
   EXPECT_EQ(at.uniqueness, 0);
-  EXPECT_NE(fold.certify(2.5, 0.1).why_not, "");  // beyond, where there is no posture
+  EXPECT_NE(fold.certify(2.5, 0.1).why_not, "");  // no posture exists for x > 2
 }
 
 // ---- scenes without certificates
@@ -251,7 +253,7 @@ Callback circle() {
   return c;
 }
 
-// P on a circle by a callback, Q connected to P and a fixed point, R to another fixed point.
+// A callback holds P on a circle. Q is connected to P and to a fixed point. R is connected to another fixed point only.
 TEST(Certificate, FailsForCallbacksAndGroupsAfterThem) {
   const Scene scene = SceneBuilder("circle", 2)
                           .point("P", {1, 0, 0})
@@ -322,7 +324,7 @@ TEST(Certificate, CertifiesEachRowOfARun) {
 TEST(Certificate, FailsForOtherStepLimits) {
   const Prepared prepared = prepare(sample("stewart").with_time({0, 0.1, 0.01}), {"groups/eigen+predict=taylor:0", {}});
   StepLimits limits;
-  limits.iterations = 1;  // too few
+  limits.iterations = 1;  // too few to converge
   const Trajectory trajectory = Simulator(prepared, limits).run();
   for (const Certificate& c : certify(prepared, trajectory, limits)) EXPECT_EQ(c.why_not, "") << c.time;
   const std::vector<Certificate> others = certify(prepared, trajectory);

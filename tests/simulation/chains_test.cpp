@@ -18,7 +18,7 @@ struct Chain {
   int loops;
   double spacing;  // A_i = (spacing i, 0)
   Posture<QuadJet> (*closed_form)(int loops, double t);
-  std::int64_t every;  // rows between two comparisons: the closed form of a long chain takes its time
+  std::int64_t every;  // rows between two comparisons; the closed form of a long chain is slow
 };
 
 Posture<QuadJet> crank_rockers(int loops, double t) { return references::four_bar_chain(loops, t); }
@@ -29,11 +29,11 @@ const Chain kMiddle = {"four_bar:64", 64, 2, crank_rockers, 8};
 const Chain kLong = {"four_bar:1000", 1000, 2, crank_rockers, 40};
 const Chain kRhombi = {"n_four_bar:40", 40, 1, references::n_four_bar, 5};
 
-// Worst case of |B_i - closed form|. Each length holds to 8 eps (the criterion of convergence) of the sum of the
-// coordinates of its ends, sqrt(2) for x and y. The error across a rocker includes three lengths of its loop (the
-// rocker before, coupler, rocker) over the sine between the last two. From the second loop on, all loops are
-// parallelograms, which pass on the previous error without growth. So the error grows with the number of loops, and
-// with the coordinates.
+// Largest possible |B_i - closed form|. Each length holds to 8 eps (the criterion of convergence) of the sum of the
+// coordinates of its ends, times sqrt(2) for x and y. A rocker adds the errors of three lengths (the previous rocker,
+// the coupler, the rocker), divided by the sine between coupler and rocker. From the second loop on, all loops are
+// parallelograms, which pass on the previous error without growth. The error therefore grows with the number of loops
+// and with the coordinates.
 class Bound {
  public:
   Bound(const Chain& chain, const Posture<QuadJet>& at) : chain_(chain), at_(at) {}
@@ -83,7 +83,7 @@ void expect_closed_form(const Chain& chain, const std::string& strategy) {
     }
     for (const auto& [name, b] : at) deviation.add(row, name, b);
   }
-  // Relative to the largest value of the run, as for the other mechanisms with a reference.
+  // Deviations are relative to the largest value of the run.
   const Motion off = deviation.worst();
   EXPECT_LE(off.value, 1e-12);
   EXPECT_LE(off.rate, 1e-11);
@@ -110,7 +110,7 @@ struct Rings {
   std::int64_t steps;
 };
 
-// Condition 5 to 16 from n = 12 to 720: nothing grows with n.
+// The condition is 5 to 16 for all n from 12 to 720, so iterations and errors do not grow with n.
 TEST(Rings, TakeTwoIterationsAtMost) {
   for (const Rings& rings : {Rings{"rings:legs=6,n=12,terminal=12", 1000}, Rings{"rings:legs=6,n=24", 1000},
                              Rings{"rings:legs=6,n=120", 300}, Rings{"rings:legs=3,n=360,terminal=72", 200},
@@ -124,7 +124,7 @@ TEST(Rings, TakeTwoIterationsAtMost) {
     EXPECT_EQ(r.counters().rejected, 0);
     EXPECT_LE(r.report().error.position, 1e-14);
     EXPECT_GT(r.report().error.position, 0);
-    // Normwise backward error of a sparse LU without row growth: some eps, whatever n is.
+    // The normwise backward error of a sparse LU without growth of the entries is a few eps for every n.
     EXPECT_LE(r.report().error.velocity, 1e-14);
     EXPECT_LE(r.report().error.acceleration, 1e-14);
   }
@@ -138,8 +138,8 @@ TEST(Rings, DenseAndGlobalGiveTheSameMotion) {
     const Result r = test::run(scene, strategy);
     ASSERT_TRUE(r.report().status.ok());
     EXPECT_LE(r.counters().most_iterations, 2);
-    // Two solutions with residuals of 8 eps each, at condition 16 in the terminal and again 16 in the legs that it
-    // moves; rates include the position error times condition 16.
+    // Two solutions with residuals of 8 eps each. The condition is 16 in the terminal and 16 in the legs that it moves;
+    // rates also include the error of the position times 16.
     EXPECT_LE(test::difference(groups.trajectory, r.trajectory), 2 * 8 * 16 * 16 * 16 * kEps);
   }
 }

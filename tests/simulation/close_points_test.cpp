@@ -9,8 +9,8 @@
 namespace assur {
 namespace {
 
-constexpr double kBeyond = 3;       // an estimate is exceeded by less, almost always
-constexpr double kMeasured = 1e-9;  // below, the figures of a run are its rounding
+constexpr double kBeyond = 3;       // largest ratio of an error to its estimate
+constexpr double kMeasured = 1e-9;  // smaller errors are not compared with their estimates
 
 void expect_covered(const Scene& scene, const std::string& strategy) {
   const test::Result r = test::run(scene, strategy);
@@ -26,7 +26,7 @@ void expect_covered(const Scene& scene, const std::string& strategy) {
   EXPECT_LE(error.acceleration, std::max(kMeasured, kBeyond * estimated.estimated_acceleration.value()));
 }
 
-// A slider passes a point of its own line at a distance of 1e-6, where all derivatives of the direction are rounding.
+// At t = 1 the slider is 1e-6 from a point of its own line, and all derivatives of the direction are rounding errors.
 TEST(ClosePoints, HandleASliderThatPassesAPoint) {
   SceneBuilder builder("slider", 2);
   builder.fixed_point("A", {0, 0, 0}).fixed_point("F", {1.0789035682494987, 1.438538090999332, 0});
@@ -67,7 +67,7 @@ TEST(ClosePoints, ReportDoubtfulTurnsIfTheyMeet) {
   }
 }
 
-// The rocker of a four-bar passes a fixed point, or a direction, at 1e-3 to 1e-9.
+// Joint C of a four-bar passes a fixed point, or its coupler passes a direction, at a distance of 1e-3 to 1e-9.
 TEST(ClosePoints, HandleRandomFourBars) {
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     SCOPED_TRACE(seed);

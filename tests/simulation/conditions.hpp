@@ -1,4 +1,4 @@
-// Largest difference of two runs of one mechanism, from the conditions of its postures.
+// Bounds on the difference of two runs of one mechanism, from the conditions of its postures.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -19,11 +19,11 @@ std::vector<double> posture_of(const Simulator& simulator);  // all coordinates,
 
 namespace assur::test {
 
-// Largest error of the coordinates of a posture: if every equation holds to a relative residual r, that is r times its
-// scale s_i = sum |dPhi_i/dq_j| |q_j| + |constant|, no coordinate has an error above r |J^-1| s.
+// Bounds the errors of the coordinates of a posture. If the residual of every equation is at most r s_i, with the scale
+// s_i = sum |dPhi_i/dq_j| |q_j| + |constant|, no coordinate has an error above r |J^-1| s.
 struct Condition {
-  double all = 1;  // max |J^-1| s over the largest coordinate
-  double own = 1;  // over the characteristic length, which is less far from the origin
+  double all = 1;  // max |J^-1| s / largest coordinate
+  double own = 1;  // max |J^-1| s / characteristic length, which is smaller than the coordinates far from the origin
 };
 inline Condition both_of(const Structure& structure, std::span<const double> q) {
   const System& system = *structure.system;
@@ -52,7 +52,8 @@ inline Condition both_of(const Structure& structure, std::span<const double> q) 
 }
 inline double condition(const Structure& structure, std::span<const double> q) { return both_of(structure, q).all; }
 
-// Conditions of all rows that a run reaches; between two examined rows the larger one counts.
+// Conditions of all rows that a run reaches. Only each `every`-th row is examined; the rows between two examined rows
+// get the larger of their conditions.
 inline std::vector<double> conditions(const Scene& scene, std::span<const double> times, std::size_t every = 1) {
   Simulator s = simulator(scene, "groups/eigen");
   std::vector<double> out;
@@ -92,7 +93,7 @@ inline int derivative_of(const std::string& column) {
   return 0;
 }
 
-// Scales of all columns of a run: the largest value of each derivative; for values at least 1 rad or 1 m.
+// The largest value, rate and acceleration of all columns of a run; the value is at least 1 rad or 1 m.
 struct Sizes {
   double of[3] = {1, 0, 0};
 };

@@ -110,7 +110,7 @@ TEST(Control, AnImpossibleCommandKeepsTheLastPosture) {
     const Status failed = s.step();
     EXPECT_EQ(failed.code, Code::limit_reached);
     EXPECT_EQ(s.report().status.code, failed.code);
-    // The posture is one on the way, with its outputs.
+    // The simulator stops at a posture on the way, and the outputs belong to this posture.
     EXPECT_GE(s.time(), before);
     EXPECT_LT(s.time(), before + 0.01);
     EXPECT_EQ(s.report().reached, s.time());
@@ -159,7 +159,7 @@ TEST(Control, NonFiniteCommandsFailAndNameTheDriver) {
         EXPECT_EQ(s.step().code, Code::not_finite);
       }
       EXPECT_EQ(s.report().status.code, Code::not_finite);
-      ASSERT_EQ(s.report().events.size(), 1u);  // however often
+      ASSERT_EQ(s.report().events.size(), 1u);  // one event for three failures
       const Event& e = s.report().events[0];
       EXPECT_EQ(e.group, "motor");
       EXPECT_EQ(e.kind, Code::not_finite);
@@ -168,7 +168,7 @@ TEST(Control, NonFiniteCommandsFailAndNameTheDriver) {
       EXPECT_FALSE(std::isfinite(e.figure));
       EXPECT_EQ(s.time(), now);
       EXPECT_EQ(before, std::vector<double>(s.outputs().begin(), s.outputs().end()));
-      // The command is forgotten with the step, and the loop continues.
+      // The failed step has discarded the command, and the loop continues.
       s.set("motor", 0.15, 3);
       ASSERT_TRUE(s.step().ok());
       EXPECT_NEAR(s.output("B0.x"), 0.8 * std::cos(0.15), 4 * kEps);
@@ -191,7 +191,7 @@ TEST(Control, TheLawAppliesUntilTheFirstSet) {
   Simulator s = test::simulator(sample("four_bar:step=0.01"), "auto", {}, {"motor"});
   for (int k = 1; k <= 7; ++k) ASSERT_TRUE(s.step().ok());
   EXPECT_NEAR(s.output("B0.x"), 0.8 * std::cos(kOmega * s.time()), 8 * kEps);
-  // The command takes over during the motion, without a jump.
+  // The command replaces the law during the motion, without a jump.
   s.set("motor", kOmega * (s.time() + 0.01), kOmega);
   ASSERT_TRUE(s.step().ok());
   EXPECT_NEAR(s.output("B0.x"), 0.8 * std::cos(kOmega * s.time()), 8 * kEps);
@@ -206,7 +206,7 @@ TEST(Control, DeadlineKeepsTheState) {
   EXPECT_EQ(s.time(), 0);
   EXPECT_EQ(s.report().counters.steps, 0);
   EXPECT_EQ(before, std::vector<double>(s.outputs().begin(), s.outputs().end()));
-  s.reset();  // is no step
+  s.reset();  // not a step, so the deadline does not apply
   EXPECT_TRUE(s.report().status.ok());
 
   Simulator in_time = test::simulator(sample("stewart"), "groups/eigen", {.seconds = 100});
@@ -220,7 +220,7 @@ TEST(Control, IterationsAreExactBeyondTheFirstLevel) {
     Simulator s = test::simulator(scene, "groups/eigen", {.iterations = n});
     const std::int64_t of_start = s.report().counters.newton_iterations;
     for (int k = 1; k <= 20; ++k) ASSERT_TRUE(s.step(0.001 * k).ok());
-    // Loops 2, 3 and 4 take n iterations each; loop 1 as many as needed.
+    // Loops 2, 3 and 4 take n iterations each; loop 1 takes as many as it needs.
     const std::int64_t rest = s.report().counters.newton_iterations - of_start - 20 * 3 * n;
     EXPECT_GE(rest, 0) << n;
     EXPECT_LE(rest, 2 * 20) << n;

@@ -12,8 +12,8 @@
 
 namespace assur::test {
 
-// Deviation of a trajectory from a reference: for every name the largest difference of the run over the largest
-// reference value of the run (lengths: at least `length`), in maximum norms; for value, rate and acceleration.
+// Deviation of a trajectory from a reference, for value, rate and acceleration: for every name the largest difference
+// of the run, divided by the largest reference value of the run (lengths: at least `length`), in maximum norms.
 class Deviation {
  public:
   explicit Deviation(const Trajectory& trajectory, double length = 0) : trajectory_(trajectory), length_(length) {

@@ -36,8 +36,8 @@ State run(DriveProgram& program, const System& s, double t) {
   return x;
 }
 
-// Each coordinate is a product of up to three cosines and sines or a sum of a few laws, its derivatives sums of up to
-// 12 such products: 32 roundings, of numbers up to those of the laws, their rates and accelerations.
+// Each coordinate is a product of up to three cosines and sines, or a sum of a few laws; its derivatives are sums of up
+// to 12 such products. Tolerance: 32 roundings of numbers as large as the laws, their rates and accelerations.
 void expect_as_defined(const System& s, double t) {
   const Driven driven = all_driven(s);
   const std::size_t n = s.coordinates.size();
@@ -151,7 +151,7 @@ TEST(DriveProgram, DoesNotCallReplacedLaws) {
 
   State state = at_rest(s);
   const auto place = [&] { program.place({state[0].data(), state[1].data(), state[2].data()}); };
-  program.evaluate(2);  // the table has ended
+  program.evaluate(2);  // after the end of the table
   program.replace(x, {3, 4, 5});
   place();
   EXPECT_FALSE(program.defined());

@@ -1,5 +1,5 @@
-// In every row a driver has the value of its law, measured from positions; otherwise the scene or the step is refused
-// and the driver named.
+// In every row a driven quantity, measured from positions, has the value of its law. Otherwise the scene or the step is
+// refused and the driver is named.
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -18,7 +18,8 @@ constexpr double kPi = std::numbers::pi;
 
 double turned(double a) { return std::remainder(a, 2 * kPi); }
 
-// A unit vector e about z, or in the plane, driven from x; its guess is at `guess`, the law starts at `start`.
+// A unit vector e whose angle from x, about z or in the plane, is driven. The guess has the angle `guess`; the law
+// starts at `start`.
 Scene pointer(int dimension, double guess, double start) {
   SceneBuilder b("pointer", dimension);
   b.fixed_vector("x", {1, 0, 0}).vector("e", {std::cos(guess), std::sin(guess), 0});
@@ -32,7 +33,7 @@ Scene pointer(int dimension, double guess, double start) {
   return b.build();
 }
 
-// Newton's method would end half a turn away if the guess is wrong by more than a right angle.
+// Newton's method alone ends half a turn away if the guess is wrong by more than a right angle.
 TEST(DriverValues, RelativeAnglesMatchTheLawFromAnyGuess) {
   for (const int dimension : {2, 3}) {
     for (int degrees = -180; degrees <= 180; degrees += 10) {
@@ -51,7 +52,7 @@ TEST(DriverValues, RelativeAnglesMatchTheLawFromAnyGuess) {
   }
 }
 
-// The arms of a delta robot: the angle of each elbow, by atan2 of its position, follows the law.
+// The angle of each elbow, computed with atan2 from its position, follows the law.
 TEST(DriverValues, DeltaRobotsMatchTheLawFromPoorGuesses) {
   const references::Delta delta;
   for (const double off : {0.4, 1.7, 2.2, -1.7, kPi}) {
@@ -73,12 +74,12 @@ TEST(DriverValues, DeltaRobotsMatchTheLawFromPoorGuesses) {
         const Triple elbow = delta.elbow(i, angle);
         for (int j = 0; j < 3; ++j) {
           const std::string column = "E" + std::to_string(i) + "." + "xyz"[j];
-          // Roundings of 1e-16 at a condition of the whole robot of about 1e3.
+          // Roundings of 1e-16, amplified by a condition of about 1e3 of the whole robot.
           EXPECT_NEAR(r.trajectory(k, r.trajectory.index(column)), elbow[static_cast<std::size_t>(j)], 1e-13) << off;
         }
       }
-      // Guesses at 2.4 and 3.3 rad lie beyond a posture with parallel rods, on another branch; the last one leads to
-      // the platform above the base.
+      // Guesses at 2.4 and 3.3 rad lie on another branch, beyond a posture with parallel rods. The guess at 3.3 rad
+      // leads to the platform above the base.
       if (off < 3) {
         EXPECT_NEAR(r.trajectory(k, r.trajectory.index("O.z")), delta.height(angle), 1e-12) << off;
       }
@@ -146,7 +147,7 @@ class Maker {
     b.vector("e", e).constrain("cone", Dot{"e", "z", std::cos(cone)});
     angle(b, c, "1", "x", "e", "z", turned(guess - off()));
     if (whole(2) == 0) return finish(b, c);
-    // A frame at e: a is perpendicular to both, and f turns about a from e.
+    // A frame at e: a is perpendicular to z and to e, and f turns about a from e.
     const Triple a = unit(cross(z, e));
     b.vector("a", a).constrain("a_z", Dot{"a", "z", 0.0}).constrain("a_e", Dot{"a", "e", 0.0});
     const double second = number(-kPi, kPi);
@@ -204,7 +205,7 @@ class Maker {
     return {a[0] / n, a[1] / n, a[2] / n};
   }
   Triple across(const Triple& a) { return unit(cross(a, direction())); }
-  // A direction at the angle `cone` from a, turned about a by `turn` from x, which is perpendicular to a.
+  // A direction at the angle `cone` from a, turned about a by `turn` from x. x is perpendicular to a.
   static Triple about(const Triple& a, const Triple& x, double cone, double turn) {
     const Triple y = cross(a, x);
     Triple out;
@@ -226,7 +227,7 @@ class Maker {
   std::mt19937 random_;
 };
 
-// Measures are evaluated from positions, not from driver values.
+// Measures are evaluated from positions, so they do not repeat the values of the drivers.
 TEST(DriverValues, MatchTheLawsOrAreRefusedByName) {
   int run = 0, refused = 0, far = 0;
   for (unsigned seed = 1; seed <= 2000; ++seed) {
@@ -250,12 +251,12 @@ TEST(DriverValues, MatchTheLawsOrAreRefusedByName) {
     far += 1;
   }
   RecordProperty("refused", refused);
-  EXPECT_GE(run, far * 99 / 100);  // the laws' values at the start can all be reached
+  EXPECT_GE(run, far * 99 / 100);  // the values of all laws at the start can be reached
 }
 
 // ---- during the run
 
-// P at (1 - t) times (1, tan 0.5): the lever of the angle vanishes at t = 1, after which the direction is reversed.
+// P is (1 - t) times (1, tan 0.5). The lever of the angle vanishes at t = 1, and the direction is reversed afterwards.
 SceneBuilder vanishing(const std::string& name) {
   SceneBuilder b(name, 2);
   b.fixed_vector("x", {1, 0, 0}).fixed_point("O", {0, 0, 0}).point("P", {1, 0.5, 0});
@@ -281,7 +282,7 @@ TEST(DriverValues, AVanishingLeverStopsTheRunAndIsNamed) {
   }
 }
 
-// The same holds in chunks, in lanes, and with a saved plan.
+// Runs in chunks, in lanes and with a saved plan.
 TEST(DriverValues, AVanishingLeverStopsEveryKindOfRun) {
   const Scene scene = vanishing("vanishing").time(0, 1.5, 0.0625).build();
   const double reached = 15 * 0.0625;
@@ -311,12 +312,12 @@ TEST(DriverValues, AVanishingLeverStopsEveryKindOfRun) {
   EXPECT_EQ(loaded.report().events.back().group, "m");
 }
 
-// The axis of the angle tilts until it is parallel to the first direction, where the motor has no effect.
+// The axis of the angle tilts until it is parallel to x, where the motor m has no effect.
 TEST(DriverValues, AnAxisAlongADirectionStopsTheRunAndIsNamed) {
   SceneBuilder b("leaning", 3);
   b.fixed_vector("x", {1, 0, 0}).fixed_vector("y", {0, 1, 0}).fixed_vector("z", {0, 0, 1});
   b.vector("a", {0, 0, 1}).constrain("a_y", Dot{"a", "y", 0.0});
-  b.drive("lean", RelativeAngle{"z", "a", "y", Law::polynomial({0, 1})});  // along x at pi / 2
+  b.drive("lean", RelativeAngle{"z", "a", "y", Law::polynomial({0, 1})});  // a is along x at t = pi / 2
   b.vector("e", {0.6, 0.8, 0}).constrain("e_a", Dot{"e", "a", 0.0});
   b.drive("m", RelativeAngle{"x", "e", "a", Law::constant(0.8)});
   b.measure("q", AngleBetween{"x", "e", "a"});
@@ -356,8 +357,8 @@ TEST(DriverValues, AnAxisAlongADirectionOfItsBodyIsRefused) {
       << what;
 }
 
-// The equations of a declared group also hold for the mirror image of a posed frame, and for frames with two reversed
-// axes: these are led to the law of the pose, the mirror image is refused.
+// The equations of the declared group also hold for frames with two reversed axes and for the mirror image. The frames
+// are led to the law of the pose; the mirror image is refused.
 TEST(DriverValues, PosesMatchTheLawFromATurnedFrame) {
   for (const Triple& sign : {Triple{-1, -1, 1}, Triple{1, -1, -1}, Triple{-1, 1, -1}, Triple{-1, -1, -1}}) {
     SceneBuilder b("posed", 3);

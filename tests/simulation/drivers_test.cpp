@@ -1,5 +1,5 @@
 // Every kind of driver and body compared with closed forms. Tolerances: a few roundings of numbers of size 1 at
-// conditions up to 10, rates and accelerations of size up to 10.
+// conditions up to 10. Rates and accelerations are up to 10.
 #include <gtest/gtest.h>
 
 #include "simulation/run.hpp"
@@ -41,8 +41,9 @@ void every_row(const Scene& scene, const Check& check) {
   }
 }
 
-// A point or vector compared with its closed form at t - h, t, t + h: position, and central differences with the error
-// h^2 / 6 times the third (fourth: / 12) derivative, which is at most 100 here, and eps / h (4 eps / h^2) of rounding.
+// Compares the position of a point or vector with its closed form, and its derivatives with central differences of the
+// closed form over t - h, t, t + h. The differences have errors of h^2 / 6 times the third derivative and h^2 / 12
+// times the fourth, both at most 100 here, and rounding errors of eps / h and 4 eps / h^2.
 template <class ClosedForm>
 void expect_motion(const Trajectory& trajectory, std::size_t row, double t, const std::string& name, int dimension,
                    const ClosedForm& closed_form) {
@@ -97,7 +98,7 @@ TEST(Drivers, RelativeAngleAboutAMovingAxis) {
     expect_motion(r, k, t, "e", 3, [&](double at) -> std::array<double, 3> {
       const double cp = std::cos(psi(at).value), sp = std::sin(psi(at).value);
       const double ct = std::cos(theta(at).value), st = std::sin(theta(at).value);
-      // local e = cos d + sin (a x d), a x d = (0, 0.8, -0.6)
+      // in the frame of T, e = cos d + sin (a x d) with a x d = (0, 0.8, -0.6)
       const double c = std::cos(relative(at).value), s = std::sin(relative(at).value);
       const double ex = c, ey = 0.8 * s, ez = -0.6 * s;
       return {cp * (ct * ex + st * ez) - sp * ey, sp * (ct * ex + st * ez) + cp * ey, -st * ex + ct * ez};
@@ -127,7 +128,7 @@ TEST(Drivers, RelativeAngleOfTwoLinks) {
   });
 }
 
-// A flap hinged about x: a base of three points, and members outside its plane, which need the normal.
+// A flap hinged about x. Its base has three points; members outside their plane need the normal.
 TEST(Bodies, BaseOfThreePointsWithANormal) {
   const Law angle = swing(2, 1, 0);
   SceneBuilder builder("flap", 3);
@@ -147,7 +148,7 @@ TEST(Bodies, BaseOfThreePointsWithANormal) {
   });
 }
 
-// The same with unknowns: a rod connects C to a crank about Q, so that the base is solved for.
+// The flap with unknowns: a rod connects C to a crank about Q, so that the base is solved for.
 TEST(Bodies, BaseOfThreePointsInAGroup) {
   const Law angle = swing(-0.5, 1, 1.5707963267948966, 0.5);
   SceneBuilder builder("flap", 3);
@@ -161,7 +162,7 @@ TEST(Bodies, BaseOfThreePointsInAGroup) {
   builder.drive("crank", PointAngle{"Q", "D", "x", angle}).time(0, 6, 0.02);
   every_row(builder.build(), [&](const Trajectory& r, std::size_t k, double) {
     const auto value = [&](const char* column) { return r(k, r.index(column)); };
-    // M is rigid in A, B, C: its local coordinates come back from the triad of C.
+    // M is rigid with A, B and C, so it keeps its coordinates in the frame of x and C.
     const double cy = value("C.y") / 0.8, cz = value("C.z") / 0.8;
     EXPECT_NEAR(value("C.y") * value("C.y") + value("C.z") * value("C.z"), 0.64, kValue);
     EXPECT_NEAR(value("C.x"), 0, kValue);
@@ -209,7 +210,7 @@ TEST(Drivers, DriveLambdaAndMuInAMovingPlane) {
   });
 }
 
-// A telescope: P - A = lambda d along a turning unit vector, lambda through zero. The pattern does not change there.
+// A telescope: P - A = lambda d along a turning unit vector d. Where lambda is zero, the pattern does not change.
 TEST(Drivers, DriveTheLambdaOfAParallel) {
   const Law angle = Law::polynomial({0.1, 0.8}), lambda = swing(1, 1, 0.5);
   SceneBuilder builder("telescope", 2);
@@ -268,7 +269,7 @@ TEST(Callbacks, ADistanceCallbackEqualsTheConstraint) {
     const Result a = test::run(built_in, strategy), b = test::run(by_callback, strategy);
     ASSERT_EQ(b.report().status.code, Code::ok) << "at " << b.report().reached;
     EXPECT_LE(test::difference(a.trajectory, b.trajectory), 1e-13);
-    // The scale of the residual of a callback comes from its derivatives: a few more roundings.
+    // The residual of a callback is scaled by its derivatives, which costs a few more roundings.
     EXPECT_LE(b.report().error.position, 1e-14);
   }
 }
@@ -325,14 +326,14 @@ Scene three_rods(double third) {
 TEST(Redundancy, ChecksAThirdParallelRod) {
   every_row(three_rods(1), [&](const Trajectory& r, std::size_t k, double t) {
     const double angle = 1 + 0.9 * std::sin(t);
-    EXPECT_NEAR(r(k, r.index("R.x")), 2 + std::cos(angle), 4 * kValue);  // sine of coupler and rocker: down to 0.1
+    EXPECT_NEAR(r(k, r.index("R.x")), 2 + std::cos(angle), 4 * kValue);  // the sine of the bars is down to 0.1
     EXPECT_NEAR(r(k, r.index("Q.y")), std::sin(angle), 4 * kValue);
   });
   const Prepared p = prepare(three_rods(1), {"groups/eigen", {}});
   ASSERT_EQ(p.structure->redundant.size(), 1u);
   EXPECT_TRUE(p.structure->undetermined.empty());
   ASSERT_EQ(p.structure->checks.size(), 1u);
-  // Every posture evaluates one more equation.
+  // Every posture also evaluates the checked equation.
   const Result r = test::run(three_rods(1), "groups/eigen");
   std::int64_t unknowns = 0;
   for (const Group& g : p.structure->groups) unknowns += static_cast<std::int64_t>(g.unknowns.size());

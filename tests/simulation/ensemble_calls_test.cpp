@@ -14,7 +14,7 @@ namespace {
 
 // ---- redundant equations, callbacks
 
-// Three parallel rods on a coupler; one is redundant and checked.
+// Three parallel rods on a coupler; one rod is redundant and checked.
 Scene three_rods(std::size_t i) {
   const double start = 0.5 + 0.1 * static_cast<double>(i), spread = 0.4 + 0.02 * static_cast<double>(i);
   const Triple crank = {std::cos(start), std::sin(start), 0};
@@ -28,7 +28,7 @@ Scene three_rods(std::size_t i) {
   return b.time(0, 1, 0.01).build();
 }
 
-// Redundant at the start and to first order; the third rod is connected to a point that leaves the circle later.
+// One equation is redundant at the start and to first order. In member 2, S leaves its place later and contradicts it.
 Scene leaving(std::size_t i) {
   SceneBuilder b("leaving", 2);
   b.fixed_point("A", {0, 0, 0}).fixed_point("C", {1, 0, 0}).point("S", {0.5, 0, 0});
@@ -83,7 +83,7 @@ struct Broken : std::runtime_error {
   Broken() : std::runtime_error("broken") {}
 };
 
-// The law of member 5 throws: over equal steps, and in a long step for which all members continue alone.
+// The law of member 5 throws, on a grid of equal steps and in a long step for which all members continue alone.
 TEST(Ensemble, PropagatesExceptionsOfLaws) {
   const std::vector<double> even = {0, 0.1, 0.2, 0.3, 0.4, 0.5}, uneven = {0, 0.01, 0.25, 0.26, 0.4, 0.5};
   for (const std::string strategy : {"groups/eigen:1", "groups/eigen:4", "groups/eigen:2 3x1"}) {
@@ -110,7 +110,7 @@ TEST(Ensemble, PropagatesExceptionsOfLaws) {
   EXPECT_TRUE(alone.run(uneven).rows(4) == 6 && alone.outcomes()[4].alone);
 }
 
-// Also for a member that runs alone, and for a lane that continues alone.
+// The members share one preparation, or have one each.
 TEST(Ensemble, PropagatesExceptionsOfCallbacks) {
   auto armed = std::make_shared<std::atomic<bool>>(false);
   const SceneOf scene = [=](std::size_t) {
@@ -129,7 +129,7 @@ TEST(Ensemble, PropagatesExceptionsOfCallbacks) {
     *armed = true;
     EXPECT_THROW((void)e.run(), Broken);
     *armed = false;
-    EXPECT_TRUE(e.run().rows(4) == 101);  // and it can be run again
+    EXPECT_TRUE(e.run().rows(4) == 101);  // the ensemble can run again
   }
 }
 
@@ -184,7 +184,7 @@ TEST(Ensemble, RunsFewerMembersThanLanes) {
   }
 }
 
-// The paper's tEnd2: one correction each, converged or not.
+// tEnd2 of the paper: one correction in each step, converged or not.
 TEST(Ensemble, FixedIterationsEqualThoseOfASimulator) {
   const SceneOf scene = [](std::size_t i) {
     return sample("four_bar:2", {{"omega", 1.0 + share(i, 5)}, {"steps", 40}});
@@ -196,7 +196,7 @@ TEST(Ensemble, FixedIterationsEqualThoseOfASimulator) {
       Simulator lone(prepare(scene(i), {strategy, {}}), {1});
       const Trajectory t = lone.run();
       ASSERT_EQ(all.rows(i), t.rows());
-      EXPECT_GT(lone.report().error.position, 8 * kEps);  // it matters that it is one
+      EXPECT_GT(lone.report().error.position, 8 * kEps);  // one iteration is too few to converge
       const std::vector<double> conditions = test::conditions(scene(i), t.times());
       for (std::size_t k = 0; k < t.rows(); ++k) {
         test::expect_same_row(all.row(i, k), t, k, test::sizes(t), conditions[k], 8 * kEps);
@@ -217,7 +217,8 @@ TEST(Ensemble, PinsItsThreads) {
             std::string::npos);
 }
 
-// Twice as many steps need no more allocations. With several threads, this depends on the assignment of tiles.
+// Twice as many steps need no more allocations. Strategies with several threads are left out, because their allocations
+// depend on the assignment of tiles.
 TEST(Ensemble, StepsAllocateNothing) {
   for (const std::string strategy : {"groups/eigen:4", "irreducible/lanes:8+once", "groups/lanes:2"}) {
     Ensemble e = ensemble(16, chain, strategy);

@@ -58,7 +58,7 @@ TEST(Ensemble, ResultsAreBitwiseEqualForAllThreads) {
         SCOPED_TRACE(solver + split);
         Ensemble more = ensemble(11, scene, solver + split);
         expect_same_bits(all, more.run());
-        expect_same_bits(all, more.run());  // once more, with workspaces that were used
+        expect_same_bits(all, more.run());  // a second run, with used workspaces
         for (std::size_t i = 0; i < 11; ++i) {
           EXPECT_EQ(one.outcomes()[i].status.code, more.outcomes()[i].status.code);
           EXPECT_EQ(one.outcomes()[i].reached, more.outcomes()[i].reached);
@@ -89,7 +89,7 @@ TEST(Ensemble, AMemberAtItsLimitDoesNotStopTheOthers) {
     EXPECT_FALSE(cannot.status.ok());
     EXPECT_EQ(all.rows(3), 0u);
     EXPECT_TRUE(std::isnan(all(3, 0, 0)));
-    EXPECT_EQ(e.report().status.code, Code::not_converged);  // of the first member that is not ok
+    EXPECT_EQ(e.report().status.code, Code::not_converged);  // the status of the first member that is not ok
     EXPECT_EQ(e.report().status.where, Place::member(3));
   }
 }
@@ -118,7 +118,7 @@ TEST(Ensemble, AMemberPassesAChangePoint) {
 
 // ---- different members
 
-// Polynomials, waves, tables (one of which ends), functions, and the same law twice.
+// The laws are polynomials, waves, tables (one of which ends), functions, and the same law twice.
 TEST(Ensemble, MembersMayHaveOtherLaws) {
   const std::vector<double> times = test::grid_of(with_law({}));
   const SceneOf scene = [](std::size_t i) {
@@ -147,7 +147,7 @@ TEST(Ensemble, MembersMayHaveOtherLaws) {
   }
 }
 
-// A crank that keeps turning, beside one whose table ends in the third turn: a restarted member continues its count of
+// One crank keeps turning; the table of its neighbour ends in the third turn. A restarted member continues its count of
 // turns.
 TEST(Ensemble, AnglesAreUnwrappedOverManyTurns) {
   const auto ending = [] {
@@ -171,14 +171,14 @@ TEST(Ensemble, AnglesAreUnwrappedOverManyTurns) {
     const double rate = 6.5 + 0.5 * static_cast<double>(i);
     ASSERT_EQ(all.rows(i), 801u);
     for (std::size_t k = 0; k < 801; ++k) {
-      // A few roundings of a number of up to 60.
+      // A few roundings of numbers up to 60.
       ASSERT_NEAR(all(i, k, column), rate * all.times()[k], 8 * 64 * kEps) << i << " " << k;
     }
   }
   expect_member(e, all, 1, scene(1), "groups/eigen:4");
 }
 
-// The end of the coupler runs on a rail instead of a rocker.
+// In two members the end of the coupler runs on a rail instead of a rocker.
 TEST(Ensemble, AMemberOfAnotherStructureRunsAlone) {
   const SceneOf scene = [](std::size_t i) {
     return i == 1 || i == 3 ? on_a_rail() : with_law(Law::polynomial({0, 3})).with_outputs({"B", "C"});
@@ -204,7 +204,7 @@ TEST(Ensemble, AMemberOfAnotherStructureRunsAlone) {
   }
 }
 
-// Same equations, but more columns: they would not fit into the rows.
+// Members with the same equations but other columns do not fit into the rows of the first.
 TEST(Ensemble, AMemberWithOtherOutputsCannotTakePart) {
   const SceneOf scene = [](std::size_t i) {
     const Scene all = with_law(Law::polynomial({0, 3}));
@@ -220,7 +220,7 @@ TEST(Ensemble, AMemberWithOtherOutputsCannotTakePart) {
   for (const std::size_t i : {0u, 3u}) expect_member(e, all, i, scene(i), "groups/eigen:4");
 }
 
-// A driven distance and a driven coordinate: the same unknowns, but different inputs.
+// Only the actuator of member 2 shrinks to zero.
 TEST(Ensemble, AVanishingActuatorStopsOnlyItsMember) {
   const SceneOf scene = [](std::size_t i) {
     SceneBuilder b("jack", 2);

@@ -47,7 +47,7 @@ inline void expect_member(const Ensemble& e, const EnsembleTrajectory& all, std:
     const Event &mine = outcome.events[n], &theirs = lone.report().events[n];
     EXPECT_EQ(mine.kind, theirs.kind);
     EXPECT_EQ(mine.group, theirs.group);
-    EXPECT_LE(mine.time, theirs.until);  // brackets of the same thing
+    EXPECT_LE(mine.time, theirs.until);  // the brackets of both events overlap
     EXPECT_GE(mine.until, theirs.time);
   }
   EXPECT_LE(outcome.reached, lone.report().reached + scene.time().step);

@@ -39,8 +39,8 @@ const std::vector<std::string>& moving_samples() {
   return kSamples;
 }
 
-// Roundings are half as large as their bounds and rarely of one sign, so the estimate is larger than the error; numbers
-// such as 1 and 2, which are exact, increase the ratio.
+// Roundings are half as large as their bounds and rarely all of one sign, so the estimate is larger than the error.
+// Numbers such as 1 and 2, which are exact, increase the ratio.
 TEST(ErrorEstimate, IsNearTheTruth) {
   for (const std::string& text : moving_samples()) {
     for (const std::string strategy : {"irreducible/eigen", "groups/eigen:4+once", "global/eigen+float",
@@ -85,7 +85,7 @@ Scene standing_bars(double missed, bool crank) {
   return b.time(0, 1, 0.25).build();
 }
 
-constexpr double kBetween = 1e-9;  // the errors at 1e-11 and 1e-12
+constexpr double kBetween = 1e-9;  // between the errors at `missed` = 1e-11 and 1e-12
 
 TEST(ErrorEstimate, CoversMechanismsAtRest) {
   for (const bool crank : {false, true}) {
@@ -113,7 +113,7 @@ TEST(ErrorEstimate, IsEqualForAllThreads) {
 }
 
 TEST(ErrorEstimate, DoesNotChangeTheMotion) {
-  // Measures every step, or hardly any.
+  // The error is measured in every step, or hardly ever.
   const Scene scene = sample("stewart:steps=40");
   const Result seldom = test::run(scene, "groups/eigen");
   Simulator often = test::simulator(scene, "groups/eigen");
@@ -192,7 +192,7 @@ TEST(Accuracy, IsReached) {
   }
 }
 
-// Redundant equations only hold as well as the others are solved.
+// Redundant equations hold only as accurately as the other equations are solved.
 TEST(Accuracy, IsReachedWithRedundantEquations) {
   for (const std::string text : {"bricard:steps=200", "parallelograms:3", "parallelograms:5"}) {
     for (const std::string strategy : {"irreducible/eigen", "irreducible/lanes:8", "global/eigen"}) {
@@ -247,7 +247,7 @@ TEST(Accuracy, KeepsADoubtUntilItIsMeasuredAgain) {
   EXPECT_TRUE(last.ok());
   EXPECT_EQ(worst.code, Code::inaccurate);
   EXPECT_EQ(s.report().status.code, Code::inaccurate);
-  ASSERT_EQ(s.report().events.size(), 2u);  // a row lies on the closest posture twice in a turn
+  ASSERT_EQ(s.report().events.size(), 2u);  // twice in a turn a row lies on the most singular posture
   s.reset();
   EXPECT_TRUE(s.report().status.ok());
 }
@@ -299,7 +299,7 @@ TEST(Accuracy, AppliesToEachMemberOfAnEnsemble) {
   }
   EXPECT_EQ(e.report().status.code, Code::inaccurate);
   EXPECT_EQ(e.report().status.where, Place::member(1));
-  // Each lane draws its own random signs.
+  // Each lane draws its own random signs, so the estimates differ.
   EXPECT_LE(e.report().error.estimated_position.value(), 10 * estimated_position);
   EXPECT_GE(e.report().error.estimated_position.value(), 0.1 * estimated_position);
 }
@@ -365,8 +365,8 @@ TEST(Accuracy, KeepsTheErrorsOfChunks) {
 
 // ---- unmeasured figures
 
-// At rest, velocities show no error, even in bad postures: C of the slider is at a distance s from the posture with the
-// rod perpendicular to the rail, where accelerations are known to about eps / s^2.
+// Velocities at rest have no error, even in bad postures. C of the slider is at a distance s from the posture where the
+// rod is perpendicular to the rail; its acceleration is known to about eps / s^2.
 TEST(ErrorEstimate, HandlesAStartAtRest) {
   for (const double missed : {0.5, 1e-11}) {
     SCOPED_TRACE(missed);
@@ -469,7 +469,7 @@ TEST(Doubt, ComesBeforeAnyWrongResult) {
       (r.status.ok() ? clean : r.status.arrived() ? doubted : stopped) += 1;
       std::size_t sure = rows.rows();
       for (const Event& e : r.events) {
-        // A doubt concerns its whole bracket.
+        // A doubt applies to the whole bracket of its event.
         while (sure > 0 && rows.times()[sure - 1] > e.time) --sure;
       }
       if (sure == 0) continue;
@@ -479,7 +479,7 @@ TEST(Doubt, ComesBeforeAnyWrongResult) {
       try {
         error = worst(forward_error(p, rows));
       } catch (const Error&) {
-        ++unknown;  // the reference itself is lost there
+        ++unknown;  // the reference fails for this motion
         continue;
       }
       largest = std::max(largest, error);
@@ -496,7 +496,7 @@ TEST(Doubt, ComesBeforeAnyWrongResult) {
   EXPECT_LT(unknown, all / 20);
 }
 
-// The rates of drivers at rest for a moment are rounding errors and no scale for other rates.
+// The rates of drivers that rest for a moment are rounding errors, which must not serve as a scale for other rates.
 TEST(ErrorEstimate, HandlesDriversThatReverseAtTheStart) {
   SceneBuilder builder("swing", 2);
   builder.fixed_point("A", {0, 0, 0}).fixed_point("D", {2, 0, 0}).point("B", {0.5, 0.8, 0}).point("C", {1.6, 1.2, 0});

@@ -31,7 +31,8 @@ inline Callback distance_by_callback(const std::string& p, const std::string& q,
   return c;
 }
 
-// Crank 1 about A from the angle `start`; B is its end. Dyad i has its joint at Ci and turns about Di.
+// A crank of length 1 turns about A from the angle `start`; B is its end. Dyad i has its joint at Ci and turns about
+// Di.
 class Fan {
  public:
   Fan(std::string name, double start, Law law) : b_{std::cos(start), std::sin(start), 0}, builder_(std::move(name), 2) {
@@ -44,8 +45,8 @@ class Fan {
     constrain_rocker(ground, coupler, Distance{"D" + number(), "C" + number(), rocker}, rocker);
     return *this;
   }
-  // The same by a callback; calls `seen` with the number of the dyad for every evaluation of its residual by the
-  // solver.
+  // A dyad with a callback for its rocker. Calls `seen` with the number of the dyad whenever the solver evaluates this
+  // callback.
   Fan& dyad_by_callback(double ground, double coupler, double rocker, std::function<void(int)> seen) {
     Callback c = distance_by_callback("D" + number(), "C" + number(), rocker);
     c.residual = [i = dyads_, seen = std::move(seen), f = c.residual](std::span<const double> x,
@@ -83,7 +84,7 @@ class Fan {
 
 inline constexpr int kWide = 48;
 
-// Dyads without limits, except `ending`, which reach their limit at the same time, see limited_four_bar().
+// Dyads without limits, except those in `ending`, which reach their limits at the same time (see limited_four_bar()).
 inline Scene limited_fan(const std::set<int>& ending) {
   Fan fan("limited_fan", 0.5, Law::polynomial({0.5, 1}));
   for (int i = 0; i < kWide; ++i) {

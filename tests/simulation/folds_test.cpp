@@ -1,4 +1,4 @@
-// A fold is found by evidence that the branch turns back, for every time grid, and not by growing rates.
+// A fold is found by evidence that the branch turns back, for every time grid. Growing rates are no such evidence.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -24,7 +24,8 @@ Scene over(const Scene& scene, double end, int steps) {
   return b.time(0, end, end / steps).build();
 }
 
-// Its six legs nearly meet a singular posture at t = 0.0033 s: rates grow to 200 m/s within a millisecond, and fall.
+// At t = 0.0033 s the six legs nearly reach a singular posture: rates grow to 200 m/s within a millisecond and fall
+// again.
 TEST(Folds, DifferFromNearlySingularPostures) {
   const Scene scene = read_scene(std::string(ASSUR_SOURCE_DIR) + "/tests/data/references/near_fold_stewart.json");
   double from = 0, until = 1;
@@ -38,10 +39,10 @@ TEST(Folds, DifferFromNearlySingularPostures) {
     from = std::max(from, e.time);
     until = std::min(until, e.until);
   }
-  EXPECT_LE(from, until);  // the brackets hold the same time
+  EXPECT_LE(from, until);  // all brackets contain one common time
 }
 
-// Motions of random platforms and chains end at the same time with every grid, or with none.
+// With every grid, the motion of a random platform or chain ends at the same time, or does not end early.
 TEST(Folds, DoNotDependOnTheTimeGrid) {
   int ends = 0, goes_on = 0;
   const int all = test::random_count(60);
@@ -65,7 +66,7 @@ TEST(Folds, DoNotDependOnTheTimeGrid) {
         first = std::min(first, r.report().reached);
         last = std::max(last, r.report().reached);
       } catch (const Error&) {
-        ++refused;  // drawn in a posture that is singular
+        ++refused;  // the random start posture is singular
       }
     }
     if (refused > 0) continue;

@@ -15,10 +15,10 @@ namespace {
 
 constexpr double kOff = 1e-3;
 
-// The wrong derivative, and the crank angle or time from which it is wrong.
+// Relative errors of the derivatives, wrong wherever B.y is above `from`.
 struct Fault {
-  double jacobian = 0, curvature = 0;  // relative
-  double from = -1e9;                  // of B.y
+  double jacobian = 0, curvature = 0;
+  double from = -1e9;
 };
 
 struct Calls {
@@ -26,7 +26,7 @@ struct Calls {
   [[nodiscard]] std::int64_t all() const { return residual + jacobian + curvature; }
 };
 
-// |C - D| = 1.3 by a callback that also has |C - B|: two rows.
+// A callback with two rows: |C - B| = 1.8 and |C - D| = 1.3.
 Callback two_lengths(const Fault& fault, std::shared_ptr<Calls> calls = std::make_shared<Calls>()) {
   Callback c;
   c.coordinates = {"C.x", "C.y", "B.x", "B.y"};
@@ -86,7 +86,7 @@ TEST(FunctionCheck, AWrongJacobianAtTheStartIsBadInput) {
   EXPECT_EQ(refusal(scene_of(two_lengths({}))), "");
 }
 
-// Derivatives by fixed points are not used.
+// Derivatives with respect to fixed points are not used.
 TEST(FunctionCheck, DerivativesByConstantsAreOptional) {
   Callback c = test::distance_by_callback("C", "D", 1.3);
   c.jacobian = [](std::span<const double> x, std::span<double> j) {
@@ -103,7 +103,7 @@ TEST(FunctionCheck, DerivativesByConstantsAreOptional) {
   }
 }
 
-// The guess is too rough for a posture; the error also names the wrong Jacobian.
+// The guess is too rough to be a posture, so the assembly needs the Jacobian. The error names the wrong Jacobian, too.
 TEST(FunctionCheck, NamesAJacobianThatPreventsTheAssembly) {
   Callback c = two_lengths({});
   c.jacobian = [](std::span<const double>, std::span<double> j) { std::fill(j.begin(), j.end(), 1.0); };
@@ -121,7 +121,7 @@ void expect_named(const Report& report, const std::string& name, const std::stri
   EXPECT_EQ(e.kind, Code::wrong_function);
   EXPECT_EQ(e.group, name);
   EXPECT_EQ(e.detail.rfind(detail, 0), 0u) << e.detail;
-  // kOff relative to the right derivative, within the uncertainty of a difference.
+  // The figure is the relative error kOff, as far as a difference quotient can resolve it.
   EXPECT_NEAR(e.figure, kOff, 0.01 * kOff);
 }
 
@@ -137,7 +137,7 @@ TEST(FunctionCheck, AWrongCurvatureEndsTheFirstStep) {
 
 TEST(FunctionCheck, DerivativesThatBecomeWrongEndTheRun) {
   for (const bool jacobian : {true, false}) {
-    Fault fault{.from = 0.4};  // reached at pi / 12 s
+    Fault fault{.from = 0.4};  // B.y reaches 0.4 at pi / 12 s
     (jacobian ? fault.jacobian : fault.curvature) = kOff;
     Simulator s = test::simulator(scene_of(two_lengths(fault)), "global/eigen");
     const Trajectory t = s.run();
@@ -202,7 +202,7 @@ TEST(FunctionCheck, AllocatesNothing) {
 
 // ---- laws
 
-// The law 2 t, with a wrong rate and acceleration from a time on.
+// The law t + t^2, with a wrong rate and acceleration from a time on.
 Law law_off(double rate, double acceleration, double from) {
   return Law::function([=](double t) {
     const bool wrong = t >= from;
@@ -274,7 +274,7 @@ TEST(FunctionCheck, EqualMembersWithACallbackEndAlike) {
   }
 }
 
-// If the outputs are the driven coordinates, no equations would show the error.
+// The outputs are driven coordinates, so that no equation would show the error.
 TEST(FunctionCheck, ANaNRateEndsTheRun) {
   for (const double bad : {std::nan(""), HUGE_VAL}) {
     for (const bool rate : {true, false}) {
@@ -312,7 +312,7 @@ TEST(FunctionCheck, NamesANaNResidualAtTheStart) {
   }
 }
 
-// Rates of commands need not match their values.
+// The rate of a command need not be the derivative of its values.
 TEST(FunctionCheck, DoesNotCheckCommands) {
   Simulator s(prepare(with_law(law_off(kOff, 0, 0.5)), {.strategy = "global/eigen", .controlled = {"motor"}}));
   for (int k = 1; k <= 100; ++k) {

@@ -15,7 +15,7 @@
 namespace assur {
 namespace {
 
-// A dyad B-C-D on a crank, whose bars enclose the angle sigma at time 0, where errors are measured.
+// A dyad B-C-D on a crank. At time 0, where errors are measured, its bars form the angle sigma.
 Scene dyad_off_line_by(double sigma, test::Draw& draw) {
   const double crank = draw.real(0.5, 1.5), coupler = draw.real(0.5, 2), rocker = draw.real(0.5, 2);
   const double first = draw.real(0.5, 2.5), tilt = draw.real(-3, 3);
@@ -30,7 +30,7 @@ Scene dyad_off_line_by(double sigma, test::Draw& draw) {
   return b.time(0, 1, 0.5).build();
 }
 
-// A parallelogram whose bars enclose the angle sigma, where the branches of the change point are still separate.
+// A parallelogram whose bars form the angle sigma, where the branches of the change point are still separate.
 Scene parallelogram_off_line_by(double sigma, test::Draw& draw) {
   const double crank = draw.real(0.3, 0.8), ground = draw.real(1, 2), x = crank * std::cos(sigma),
                y = crank * std::sin(sigma);
@@ -68,11 +68,11 @@ void expect_growth(double before, double now, double factor) {
   EXPECT_GE(now, before * factor / 10);
 }
 
-// Towards a fold velocities grow like 1 / sigma, accelerations like 1 / sigma^3, the error of the posture like
-// eps / sigma, the relative ones of velocity and acceleration like eps / sigma^2.
+// Towards a fold, velocities grow like 1 / sigma and accelerations like 1 / sigma^3. The error of the posture grows
+// like eps / sigma, the relative errors of velocity and acceleration like eps / sigma^2.
 TEST(Growth, ErrorsFollowTheoryTowardsAFold) {
   const Growth far = growth_at(0.1, dyad_off_line_by);
-  // At 1e-8 the error of the posture, eps / sigma, equals the distance to the fold.
+  // sigma = 1e-8 is left out: the error of the posture, eps / sigma, would equal the distance to the fold.
   for (const double sigma : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7}) {
     SCOPED_TRACE(sigma);
     const Growth near = growth_at(sigma, dyad_off_line_by);
@@ -85,7 +85,8 @@ TEST(Growth, ErrorsFollowTheoryTowardsAFold) {
   }
 }
 
-// Thales' circle over AB, close to A: the same growth with numbers near 0, which keep all digits. sigma = P.y.
+// P on Thales' circle over AB, close to A, with sigma = P.y. Errors grow in the same way, although numbers near 0 keep
+// all their digits.
 TEST(Growth, ErrorsOfRatesFollowTheoryWithExactNumbers) {
   for (const double sigma : {1e-1, 1e-3, 1e-5, 1e-7, 1e-8, 1e-9}) {
     SCOPED_TRACE(sigma);
@@ -103,8 +104,8 @@ TEST(Growth, ErrorsOfRatesFollowTheoryWithExactNumbers) {
   }
 }
 
-// Towards a change point rates are bounded, so that the error of the acceleration grows like eps / sigma^3, until no
-// digit is left. At 1e-8 the posture, which is known to eps / sigma, may lie beyond the change point.
+// Towards a change point rates are bounded. The error of the acceleration grows like eps / sigma^3, until no digit is
+// left. At 1e-8 the posture, which is known to eps / sigma, may lie beyond the change point.
 TEST(Growth, ErrorsFollowTheoryTowardsAChangePoint) {
   const Growth far = growth_at(0.1, parallelogram_off_line_by);
   for (const double sigma : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7}) {
@@ -119,7 +120,7 @@ TEST(Growth, ErrorsFollowTheoryTowardsAChangePoint) {
   }
 }
 
-// A motion without events equals that of the reference, which follows the motion independently in small steps.
+// A motion without events equals the motion of the reference, which takes small steps of its own.
 TEST(Branches, AreKeptOrReportedInRandomChains) {
   test::Draw draw(3);
   int whole = 0, stopped = 0, refused = 0, unknown = 0;
@@ -148,7 +149,7 @@ TEST(Branches, AreKeptOrReportedInRandomChains) {
       }
       EXPECT_LE(e.position, 1e-6);
     } catch (const Error&) {
-      ++refused;  // drawn in a posture that is singular
+      ++refused;  // the random start posture is singular
     }
   }
   std::printf("%d chains: whole turns %d, stopped %d, refused %d, without a yardstick %d\n", all, whole, stopped,

@@ -1,4 +1,4 @@
-// Lengths and unsigned angles have no derivatives at zero, unless they are at rest.
+// Lengths and unsigned angles have no derivatives where they are zero, unless they stay zero.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,7 +11,7 @@
 namespace assur {
 namespace {
 
-// A bar in space turns about z from x; measures its unsigned angle with another direction.
+// A bar in space turns about z from x. Its unsigned angle with another direction is measured.
 Scene turning_bar(const std::string& law, const std::string& to, double start) {
   return parse_scene(R"({"assur": 1, "name": "bar", "dimension": 3,
     "points": {"O": {"at": [0, 0, 0], "fixed": true}, "P": {"at": [2, 0, 0]}},
@@ -84,8 +84,8 @@ TEST(Kinks, ALengthGrowsFromRest) {
   EXPECT_NEAR(moves.output("gap.rate"), 2, 16 * kEps);
 }
 
-// Outputs before the first step are checked as well: the bar passes a direction at an angle that is mostly rounding,
-// and so is its acceleration.
+// Outputs are checked before the first step, too. The bar passes a direction so closely that the angle and its
+// acceleration are mostly rounding errors.
 TEST(Kinks, ChecksTheStart) {
   Simulator s = test::simulator(turning_bar("[0.9272952180016122, 0.1]", "aside", 0), "auto", {}, {"motor"});
   EXPECT_NEAR(s.output("sight"), 3e-13, 1e-13);

@@ -14,11 +14,12 @@ namespace {
 
 using test::Result;
 
-// One lane and several lanes have different elimination orders (pivots are chosen for all lanes together), so results
-// differ by the errors of both: residuals of 8 eps times the condition of a group, for accelerations its square.
+// One lane and several lanes have different elimination orders, because pivots are chosen for all lanes together.
+// Results differ by the errors of both: residuals of 8 eps times the condition of a group, for accelerations its
+// square.
 constexpr double tolerance(double condition) { return 2 * 8 * condition * condition * kEps; }
 
-constexpr double kLeg = 23, kRing = 7;  // conditions, largest singular value over smallest; of a ring of n = 24
+constexpr double kLeg = 23, kRing = 7;  // largest over smallest singular value; ring of n = 24
 
 void expect_the_same_motion(const Scene& scene, const std::string& formulation, const std::vector<std::string>& solvers,
                             double condition = kLeg) {
@@ -69,7 +70,7 @@ TEST(Lanes, DoNotCrossACacheLine) {
   }
 }
 
-// Six legs: two, one or none of the packs have idle lanes.
+// Six legs fill the lanes of their packs, or leave idle lanes.
 TEST(Lanes, SolveLegsOfThePlatform) {
   expect_the_same_motion(sample("stewart:steps=200"), "groups", with_lanes());
   expect_the_same_motion(sample("stewart:steps=200"), "irreducible", with_lanes());

@@ -22,13 +22,13 @@ namespace {
 
 using test::Result;
 
-// A budget of p x q threads, at least 4, possibly more than the cores.
+// Plans p x q threads within a budget of at least 4, which may exceed the number of cores.
 Prepared as_planned(const Scene& scene, const std::string& solver, int p, int q = 1) {
   const std::string split = " " + std::to_string(p) + "x" + std::to_string(q);
   return prepare(scene, {solver + split, {}, ThreadBudget{std::max(4, p * q)}});
 }
 
-// The same with every level shared by the threads, even without gain.
+// A plan that shares every level among the threads, even if this gains no time.
 Prepared prepared(const Scene& scene, const std::string& solver, int p, int q = 1) {
   Prepared all = as_planned(scene, solver, p, q);
   all.plan.level_threads.clear();
@@ -51,7 +51,7 @@ bool can_run(const std::string& solver) {
   return find_backend(backends(), id.substr(0, id.find_first_of(":+"))).why_not({}, {}).empty();
 }
 
-// Whole runs with 1 to 4 threads; `threads`: the largest number that can take part.
+// Compares whole runs with 1 to 4 threads. `threads` is the largest number that can take part.
 void expect_no_bit_to_change(const Scene& scene, const std::string& solver, int threads = 4, int q = 1) {
   if (!can_run(solver)) return;
   const Result one = run(prepared(scene, solver, 1, q));
@@ -61,7 +61,7 @@ void expect_no_bit_to_change(const Scene& scene, const std::string& solver, int 
     EXPECT_EQ(threads_of(more), std::min(p, threads));
     Result r = run(more);
     test::expect_same_run(one, r);
-    const Trajectory again = r.simulator.run();  // with workspaces that were used
+    const Trajectory again = r.simulator.run();  // a second run, with used workspaces
     test::expect_same_run(one, {std::move(r.simulator), again});
     if (testing::Test::HasFailure()) return;
   }
@@ -94,7 +94,7 @@ TEST(Levels, WithOneGroupUseOneThread) {
   }
 }
 
-// Four dyads cost less than a meeting of the threads.
+// Four dyads cost less than one synchronisation of the threads.
 TEST(Levels, WithLittleWorkUseOneThread) {
   test::Fan fan("few", 0.5, Law::polynomial({0.5, 1}));
   for (int i = 0; i < 4; ++i) fan.dyad(2, 1.8, 1.3);
@@ -141,8 +141,9 @@ TEST(Levels, PassSimultaneousChangePoints) {
   }
 }
 
-// A triangle on a crank and two parallel rods, with one redundant rod. For every choice of the redundant equation, the
-// others become singular during the run, and another one has to be left out.
+// 24 triangles, each carried by the common crank and two rods parallel to it: one constraint of each is redundant. For
+// every choice of the redundant equation, the others become singular during the run, and another equation has to be
+// left out.
 Scene redundant() {
   constexpr double kStart = 1.5;
   const double x = std::cos(kStart), y = std::sin(kStart);
@@ -171,7 +172,7 @@ TEST(Levels, ThreadsKeepReselectedEquationsBitwiseEqual) {
     EXPECT_TRUE(std::any_of(fallbacks.begin(), fallbacks.end(), [](const std::string& f) {
       return f.find("another independent set of the redundant equations") != std::string::npos;
     })) << solver;
-    // The triangles do not turn.
+    // The triangles do not rotate.
     const auto last = r.trajectory.rows() - 1;
     EXPECT_NEAR(r.trajectory(last, r.trajectory.index("C3.y")), std::sin(7.5), 1e-12) << solver;
   }
@@ -242,7 +243,7 @@ struct Broken : std::runtime_error {
   Broken() : std::runtime_error("broken") {}
 };
 
-// One dyad after another throws on its thread, and two at once; then the simulator continues as before.
+// One dyad throws, or three at once. After each exception the simulator keeps its posture and continues.
 TEST(Levels, PropagateExceptionsOfCallbacksAndContinue) {
   std::set<int> broken;
   test::Fan fan("breaking", 0.5, Law::polynomial({0.5, 1}));
@@ -274,8 +275,8 @@ TEST(Levels, PropagateExceptionsOfCallbacksAndContinue) {
   }
 }
 
-// A long step is divided into substeps: an exception in a substep leaves the simulator at the posture reached so far,
-// with its outputs.
+// A long step is divided into substeps. An exception in a substep leaves the simulator at the posture reached so far,
+// with the outputs of this posture.
 TEST(Levels, AnExceptionInASubstepKeepsThePostureBeforeIt) {
   std::atomic<int> calls = 0, most = std::numeric_limits<int>::max();
   test::Fan fan("breaking", 0.5, Law::polynomial({0.5, 1}));
@@ -312,7 +313,8 @@ TEST(Levels, AnExceptionInASubstepKeepsThePostureBeforeIt) {
   }
 }
 
-// The calling thread evaluates laws before the other threads start; a control loop continues from the last posture.
+// The calling thread evaluates laws before the other threads start. After an exception, a control loop continues from
+// the last posture.
 TEST(Levels, AnExceptionOfALawKeepsTheLastPosture) {
   bool broken = false;
   test::Fan fan("no_sensor", 0.5, Law::function([&](double t) -> Motion {
@@ -376,7 +378,7 @@ std::int64_t allocations_of_steps(Simulator& s, double step) {
 TEST(Levels, StepsOnSeveralThreadsAllocateNothing) {
   for (const std::string scene : {"rings:legs=16,n=24", "stewart:platforms=4"}) {
     for (const std::string& solver : kSolvers) {
-      // For groups of the platforms these choose new pivots during the run, which is reported and allocates.
+      // With groups of the platforms these solvers choose new pivots during the run, which allocates and is reported.
       const bool renews = scene[0] == 's' && solver.rfind("groups/lanes", 0) == 0;
       if (!can_run(solver) || renews) continue;
       Simulator s(prepared(sample(scene), solver, 2));
@@ -404,7 +406,7 @@ TEST(Levels, PinnedThreadsStayOnTheirCores) {
   seen.clear();
   ASSERT_TRUE(s.step(0.01).ok());
   EXPECT_EQ(seen, (std::set<std::vector<int>>{{cores[0]}, {cores[1]}}));
-  EXPECT_EQ(allowed_processors(), processors);  // the caller is let go
+  EXPECT_EQ(allowed_processors(), processors);  // the calling thread is no longer pinned
 
   const Result free = run(prepared(sample("stewart:platforms=4,steps=5"), "groups/eigen", 2));
   test::expect_same_run(free,

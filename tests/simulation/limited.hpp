@@ -7,8 +7,8 @@
 
 namespace assur::test {
 
-// Crank 1, coupler 1, rocker 1.2, ground 2; the crank starts at 0.5 rad. Coupler and rocker are in line where
-// |B A1| = 2.2, at cos(angle) = 0.04: there the crank cannot go further.
+// Crank 1, coupler 1, rocker 1.2, ground 2; the crank starts at 0.5 rad. At cos(angle) = 0.04, where |B A1| = 2.2,
+// coupler and rocker are in line and the crank cannot go further.
 inline SceneBuilder limited_four_bar(Law law) {
   SceneBuilder builder("limited", 2);
   builder.fixed_point("A0", {0, 0, 0}).fixed_point("A1", {2, 0, 0});

@@ -1,4 +1,4 @@
-// Mechanisms driven to where they cannot go further, and drivers that end.
+// Mechanisms that are driven to their limits, and drivers that end.
 #include <gtest/gtest.h>
 
 #include "simulation/limited.hpp"
@@ -12,8 +12,8 @@ using test::Result;
 struct Limit {
   std::string name;
   Scene scene;
-  double time;        // closed form
-  std::string group;  // that reaches it
+  double time;        // of the limit, by a closed form
+  std::string group;  // the group that reaches the limit
 };
 
 Limit four_bar() {
@@ -21,7 +21,7 @@ Limit four_bar() {
   return {"four_bar", scene, std::acos(0.04) - 0.5, "C"};
 }
 
-// Crank 0.3, rod 0.2: the rod is across the rail at sin theta = 2/3.
+// Crank 0.3, rod 0.2: the rod is perpendicular to the rail at sin theta = 2/3.
 Limit slider_crank() {
   SceneBuilder builder("limited_slider", 2);
   builder.fixed_point("O", {0, 0, 0}).fixed_vector("rail", {1, 0, 0});
@@ -84,7 +84,7 @@ TEST(Limit, IsReachedByAnglesWithoutAJump) {
   const Trajectory rows = s.run();
   ASSERT_EQ(s.report().status.code, Code::limit_reached);
   const std::size_t rocker = rows.index("swing");
-  // Within the last step the rocker turns by about the square root of the crank angle.
+  // In the last step the rocker turns by about the square root of what remains of the crank angle.
   EXPECT_NEAR(s.output("swing"), rows(rows.rows() - 1, rocker), 0.3);
 }
 
@@ -102,7 +102,7 @@ TEST(Limit, RowsBeforeItAreRight) {
     const double angle = 0.5 + r.trajectory.times()[k], bx = std::cos(angle), by = std::sin(angle);
     const double dx = 2 - bx, dy = -by, square = dx * dx + dy * dy;
     const double along = (square + 1 - 1.44) / (2 * square), across = std::sqrt(1 / square - along * along);
-    // sigma: sine between coupler and rocker; closed form and posture have errors of a few eps / sigma.
+    // sigma is the sine between coupler and rocker. Closed form and posture both have errors of a few eps / sigma.
     const double sigma = across * square / 1.2;
     ASSERT_NEAR(r.trajectory(k, r.trajectory.index("C.x")), bx + along * dx - across * dy, 64 * kEps / sigma) << k;
     ASSERT_NEAR(r.trajectory(k, r.trajectory.index("C.y")), by + along * dy + across * dx, 64 * kEps / sigma) << k;
@@ -164,7 +164,7 @@ TEST(Limit, FindsAZeroDistanceBetweenRows) {
   struct Dip {
     Law law;
     double zero;
-    bool touches = false;  // the rail is singular there, which may be told first
+    bool touches = false;  // the length touches zero without changing its sign
   };
   for (const auto& [law, zero, touches] :
        {Dip{Law::polynomial({0.1406 - 1e-6, -0.75, 1}), 0.374}, Dip{Law::polynomial({0.05, -0.21, 0.21}), 0.39},
@@ -180,7 +180,7 @@ TEST(Limit, FindsAZeroDistanceBetweenRows) {
   EXPECT_TRUE(test::run(cylinder(Law::polynomial({0.3601, -1.2, 1}))).report().status.ok());
 }
 
-// The same for the lever of a driven angle, whose equations are linear and do not limit the step.
+// The lever of a driven angle vanishes between two rows. Its equations are linear and do not limit the step.
 TEST(Limit, FindsAVanishingLeverBetweenRows) {
   const auto arm = [](double least) {
     SceneBuilder builder("arm", 2);
@@ -197,13 +197,13 @@ TEST(Limit, FindsAVanishingLeverBetweenRows) {
       EXPECT_EQ(r.report().status.code, Code::actuator_zero) << strategy;
       ASSERT_FALSE(r.report().events.empty()) << strategy;
       EXPECT_EQ(r.report().events.back().group, "turn") << strategy;
-      EXPECT_LT(r.report().reached, 0.3909) << strategy;  // 0.5 - sqrt(0.25 / 21)
+      EXPECT_LT(r.report().reached, 0.3909) << strategy;  // the lever vanishes at 0.5 - sqrt(0.25 / 21)
       EXPECT_TRUE(test::run(arm(0.05), strategy).report().status.ok()) << strategy;
     }
   }
 }
 
-// Gough's platform, almost singular on its whole way to a limit: proven balls, and with them steps, are tens of
+// Gough's platform is almost singular on its whole way to a limit. Proven balls, and therefore steps, are tens of
 // thousands times shorter than the remaining way.
 TEST(Limit, AStepGivesUpAfterSomeThousandsOfAttempts) {
   const Scene scene = read_scene(ASSUR_SOURCE_DIR "/scenes/gough.json");

@@ -12,8 +12,7 @@ namespace assur::test {
 
 inline double small_number(Draw& draw) { return std::pow(10.0, draw.real(-16, 0)); }
 
-// A crank about A with its end B, and a dyad B-C-D whose coupler and rocker are in line (stretched or folded) at the
-// end.
+// A crank about A with its end B, and a dyad B-C-D. At the end, coupler and rocker are in line, stretched or folded.
 inline Scene dyad_at_its_fold(Draw& draw, int steps) {
   const bool outstretched = draw.maybe();
   const double crank = draw.real(0.3, 1.5), ground = crank + draw.real(0.3, 2), last = draw.real(0.5, 2.5);
@@ -21,7 +20,8 @@ inline Scene dyad_at_its_fold(Draw& draw, int steps) {
   const double missed = small_number(draw), share = draw.real(0.2, 0.8);
   const double coupler = outstretched ? span * (1 + missed) * share : span * (1 - missed / 2) + share;
   const double rocker = outstretched ? span * (1 + missed) * (1 - share) : share;
-  // |B - D| grows with the angle of the crank: towards the outer fold forwards, towards the inner one backwards.
+  // |B - D| grows with the angle of the crank, so the crank turns forwards to the outer fold and backwards to the inner
+  // one.
   const double first = last + (outstretched ? -1 : 1) * draw.real(0.1, 0.45);
   const Triple B = {crank * std::cos(first), crank * std::sin(first), 0};
   const double from = std::hypot(ground - B[0], B[1]);

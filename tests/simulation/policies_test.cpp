@@ -11,11 +11,11 @@ namespace {
 
 using test::Result;
 
-// Positions to residuals of 8 eps, derivatives to normwise residuals of 32 eps, at the condition of a group (23 for a
-// leg, 16 for a ring), of accelerations at its square; the two runs differ by at most twice that.
+// Positions have residuals of 8 eps, derivatives normwise residuals of 32 eps. The condition of a group (23 for a leg,
+// 16 for a ring) amplifies them once, for accelerations twice. Two runs differ by at most twice this error.
 constexpr double kTolerance = 2 * 32 * 23 * 23 * kEps;
 
-// Work of a run beyond the start posture, for each group and step.
+// Work after the start posture, for each group and step.
 struct Work {
   double factorizations, iterations;
 };
@@ -31,7 +31,7 @@ struct Policy {
   double least, most;  // factorisations for each group and step
 };
 
-// A prediction by the last posture needs several iterations.
+// With the last posture as prediction, a step needs several iterations.
 TEST(Policies, DetermineTheFactorisationsOfAStep) {
   const Scene scene = sample("stewart:steps=40");
   for (const std::string& solver : test::solvers()) {
@@ -72,8 +72,9 @@ TEST(Policies, SeparateTakesOneFactorisationMoreForTheAcceleration) {
         ASSERT_TRUE(shared.report().status.ok() && separate.report().status.ok());
         const Counters &a = shared.counters(), &b = separate.counters();
         const auto groups = static_cast<std::int64_t>(shared.simulator.prepared().structure->groups.size());
-        const std::int64_t more = groups * (a.steps + a.substeps + 1);  // the start, too
-        // Without those of Newton's method, whose iterations may differ by one because small steps round differently.
+        const std::int64_t more = groups * (a.steps + a.substeps + 1);  // and the start
+        // Factorisations of Newton's method are left out, because small steps round differently and may take another
+        // iteration.
         EXPECT_EQ(b.factorizations - b.newton_iterations, a.factorizations - a.newton_iterations + more);
         EXPECT_LE(test::difference(shared.trajectory, separate.trajectory), 2 * 32 * condition * condition * kEps);
       }
@@ -87,7 +88,7 @@ TEST(Policies, SeparateHasNoEffectWithoutAccelerations) {
     const Result shared = test::run(scene, "groups/eigen" + predictor);
     const Result separate = test::run(scene, "groups/eigen+separate" + predictor);
     ASSERT_TRUE(shared.report().status.ok() && separate.report().status.ok());
-    EXPECT_TRUE(std::isnan(separate.report().error.acceleration));  // not measured
+    EXPECT_TRUE(std::isnan(separate.report().error.acceleration));  // never measured
     EXPECT_EQ(separate.counters().factorizations, shared.counters().factorizations);
     EXPECT_EQ(separate.trajectory.values(), shared.trajectory.values());
   }

@@ -1,4 +1,5 @@
-// Predictors: their orders, and that the result does not depend on them. Steps in any direction, repeated runs.
+// Predictors have their theoretical orders and do not change the result. Also steps in any direction, and repeated
+// runs.
 #include <gtest/gtest.h>
 
 #include "path/predictor.hpp"
@@ -45,14 +46,14 @@ double error_of_prediction(const Predictor& predictor, double h) {
   return worst;
 }
 
-// The error is c h^k (1 + O(h)): with steps of 2.9 and 1.4 degrees of the crank k shows to a few per cent.
+// The error is c h^k (1 + O(h)). Steps of 2.9 and 1.4 degrees of the crank show the order k to a few per cent.
 TEST(Predictor, HasItsTheoreticalOrder) {
   for (const std::string& text : kPredictors) {
     const Predictor predictor = parse_strategy("groups/eigen+predict=" + text).run.predictor;
     const double order = predictor.kind == Predictor::Kind::hermite ? 6 : predictor.order + 1;
     const double coarse = error_of_prediction(predictor, 0.008), fine = error_of_prediction(predictor, 0.004);
     EXPECT_NEAR(std::log2(coarse / fine), order, 0.35) << text << ": " << coarse << ", " << fine;
-    EXPECT_GT(fine, 64 * kEps) << text;  // no rounding
+    EXPECT_GT(fine, 64 * kEps) << text;  // not a rounding error
   }
 }
 
@@ -75,7 +76,7 @@ TEST(Predictor, LeavesOutTooNearPostures) {
   const std::vector<double> near = {0.3, 0.3 - 1e-9};
   const PredictionWeights hermite = prediction_weights({Predictor::Kind::hermite, 5}, near, 0.31);
   EXPECT_EQ(hermite.postures, 1);
-  EXPECT_NEAR(hermite.weight[0][2], 0.01 * 0.01 / 2, 0.01 * kEps);  // Taylor; 0.31 - 0.3 is rounded
+  EXPECT_NEAR(hermite.weight[0][2], 0.01 * 0.01 / 2, 0.01 * kEps);  // as in a Taylor series; 0.31 - 0.3 is rounded
   EXPECT_EQ(prediction_weights({Predictor::Kind::past, 1}, near, 0.31).postures, 1);
   const std::vector<double> far = {0.3, 0.29};
   EXPECT_EQ(prediction_weights({Predictor::Kind::past, 1}, far, 0.31).postures, 2);
@@ -97,7 +98,7 @@ TEST(Predictor, KeepsTheWeightsOfEqualSteps) {
     };
     const PredictionWeights first = kept.at(predictor, grid(10, 0.01), 11 * 0.01);
     EXPECT_TRUE(same(first, prediction_weights(predictor, grid(10, 0.01), 11 * 0.01)));
-    // Times of a grid are rounded, so that steps differ in their last bits; the weights must not.
+    // Times of a grid are rounded, so that steps differ in their last bits. The weights must not differ.
     EXPECT_TRUE(same(kept.at(predictor, grid(3000, 0.01), 3001 * 0.01), first));
     EXPECT_TRUE(
         same(kept.at(predictor, grid(10, 0.02), 11 * 0.02), prediction_weights(predictor, grid(10, 0.02), 0.22)));
@@ -108,8 +109,9 @@ TEST(Predictor, KeepsTheWeightsOfEqualSteps) {
   }
 }
 
-// Newton's method ends at the same posture for every prediction: to residuals of 8 eps times the worst condition of the
-// turn (sines between coupler and rocker down to 0.44 in every loop, sum over ten), for rates its square.
+// Newton's method ends at the same posture for every prediction, up to residuals of 8 eps times the worst condition of
+// the turn. The sine between coupler and rocker is at least 0.44, and the errors of ten loops add up. Rates have the
+// square of the condition.
 TEST(Predictor, DoesNotChangeTheResult) {
   const Scene scene = sample("four_bar:loops=10,step=0.002,steps=500");
   const Result reference = test::run(scene, "groups/eigen");
@@ -141,7 +143,7 @@ TEST(Predictor, AutomaticUsesAvailableDerivatives) {
   EXPECT_EQ(chosen(stewart.with_outputs({"B1"})), (Predictor{Predictor::Kind::past, 5}));
 }
 
-// With a good prediction one correction per step suffices, for all outputs.
+// Predictions are so good that one correction for each step suffices, whatever the outputs are.
 TEST(Predictor, PredictsEquallyWellForFewOutputs) {
   for (const char* output : {"B1", "handle1", "e1", "d1"}) {
     const Result r = test::run(sample("stewart").with_outputs({output}), "groups/eigen");
@@ -184,7 +186,7 @@ TEST(Steps, GoBackwards) {
       ASSERT_TRUE(s.step(t).ok()) << predictor << " to " << t;
       EXPECT_EQ(s.time(), t);
     }
-    // Residuals of 8 eps of coordinates up to 10 m, over sines of 0.44, three loops.
+    // Residuals of 8 eps of coordinates up to 10 m, divided by sines of at least 0.44, in each of three loops.
     const double tolerance = 3 * 2 * 8 * 10 * kEps / (0.44 * 0.44);
     EXPECT_NEAR(s.output("B3.x"), x, tolerance) << predictor;
     EXPECT_NEAR(s.output("B3.vx"), v, tolerance * std::abs(6.3)) << predictor;

@@ -15,9 +15,9 @@ using test::Result;
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-// The angle of the link over ten turns, and the displacement, with both derivatives. Lengths hold to 8 eps, and the
-// condition is the largest distance of B from the origin over its smallest distance from Q; accelerations have its
-// third power.
+// Compares the angle of the link over ten turns and the displacement, with both derivatives. Lengths hold to 8 eps, and
+// the condition is the largest distance of B from the origin over its smallest distance from Q. Accelerations have the
+// third power of the condition.
 void expect_quick_return(const std::string& text, const std::string& strategy, double pivot) {
   SCOPED_TRACE(text + " " + strategy);
   const Result r = test::run(sample(text), strategy);
@@ -32,9 +32,9 @@ void expect_quick_return(const std::string& text, const std::string& strategy, d
     const auto direction = static_cast<double>(std::atan2(y, x));
     turned += std::remainder(direction - before, omega);
     before = direction;
-    // Angular momentum of B about Q over the square of its distance, and its derivative.
+    // The rate is the angular momentum of B about Q divided by the square of the distance.
     const long double moment = 0.1L * (0.1L - pivot * c), rate = omega * moment / square;
-    const long double change = 2 * omega * 0.1L * pivot * s;  // of the square with time
+    const long double change = 2 * omega * 0.1L * pivot * s;  // derivative of `square` by time
     const long double acceleration = (omega * omega * 0.1L * pivot * s - rate * change) / square;
     // sin(omega t) includes the rounding of its argument, up to 63 eps after ten turns.
     const double of_angle = (64 + 16 * condition) * kEps * condition, largest = omega * condition;
@@ -64,8 +64,8 @@ TEST(Whitworth, ExplicitHingeIsRedundant) {
   EXPECT_EQ(s.mobility, 1);
 }
 
-// cos theta + cos phi + cos theta cos phi = 0, between folds at theta = -120 and +120 degrees. The cosine of a small
-// phi hides its error, so the test measures the error of the relation.
+// The angles satisfy cos theta + cos phi + cos theta cos phi = 0 between folds at theta = -120 and +120 degrees. The
+// cosine of a small phi hides its error, so the test measures the error of this relation.
 TEST(Bricard, SatisfiesTheRelationOfItsAngles) {
   const Result r = test::run(sample("bricard"), "groups/eigen");
   ASSERT_TRUE(r.report().status.ok()) << name(r.report().status.code);
@@ -113,7 +113,8 @@ TEST(Parallelograms, EachHasARedundantRod) {
   for (std::size_t k = 0; k < r.trajectory.rows(); ++k) {
     for (const auto& [point, at] : references::parallelograms(5, r.trajectory.times()[k])) deviation.add(k, point, at);
   }
-  // The sine between rod and coupler is at least cos 1.2 = 0.36, in each of five loops in series, relative to 10 m.
+  // The sine between rod and coupler is at least cos 1.2 = 0.36. The errors of five loops in series add up, relative to
+  // 10 m.
   const double kappa = 5 / std::cos(1.2);
   EXPECT_LE(deviation.worst().value, 8 * kEps * kappa);
   EXPECT_LE(deviation.worst().rate, 8 * kEps * kappa * kappa * 10);

@@ -21,7 +21,7 @@ inline Triple turning_crank(SceneBuilder& b, Draw& draw) {
 
 inline Triple somewhere(Draw& draw, double size) { return {draw.real(-size, size), draw.real(-size, size), 0}; }
 
-// B-C-D with two bars, or with a bar and a rail.
+// A dyad B-C-D with two bars, or with a bar and a rail.
 inline Scene chain_with_dyad(Draw& draw, int steps) {
   SceneBuilder b("dyad", 2);
   turning_crank(b, draw);
@@ -30,7 +30,7 @@ inline Scene chain_with_dyad(Draw& draw, int steps) {
   if (draw.below(3) == 0) {
     const double direction = draw.real(-3, 3);
     b.fixed_vector("rail", {std::cos(direction), std::sin(direction), 0});
-    // The rail goes through the start.
+    // The rail goes through the start position of C.
     b.constrain("guide", Dot{Direction("D", "C"), "rail", std::nullopt});
   } else {
     b.constrain("rocker", Distance{"C", "D", std::nullopt});
@@ -38,7 +38,7 @@ inline Scene chain_with_dyad(Draw& draw, int steps) {
   return b.time(0, 1, 1.0 / steps).build();
 }
 
-// A triangle on three bars: to the crank and to two fixed points.
+// A triangle on three bars, one to the crank and two to fixed points.
 inline Scene chain_with_triad(Draw& draw, int steps) {
   SceneBuilder b("triad", 2);
   turning_crank(b, draw);

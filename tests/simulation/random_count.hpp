@@ -6,7 +6,7 @@
 
 namespace assur::test {
 
-// `usual`, or more by the variable ASSUR_RANDOM_SCENES.
+// `usual`, or the value of the variable ASSUR_RANDOM_SCENES.
 inline int random_count(int usual) {
   const char* const wanted = std::getenv("ASSUR_RANDOM_SCENES");
   return wanted != nullptr ? std::max(std::atoi(wanted), 1) : usual;

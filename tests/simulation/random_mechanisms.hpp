@@ -50,7 +50,7 @@ inline void add_sides(SceneBuilder& b) {
   }
 }
 
-// Small motion: a crank swings by less than a radian, so that dyads with open angles keep them.
+// A small motion: the crank swings by less than a radian, so that dyads keep their open angles.
 inline Law swing(Draw& draw, double value, double amplitude) {
   const double frequency = draw.real(0.3, 1), phase = draw.real(0, 2 * std::numbers::pi);
   return Law::harmonics({{amplitude, frequency, phase}}, value - amplitude * std::sin(phase));
@@ -83,7 +83,7 @@ inline Scene planar_mechanism(Draw& draw, const Triple& origin = {}) {
     const Placed from = draw.of(moving);
     const double direction = draw.real(-3, 3), length = size * draw.real(0.8, 1.6);
     const Triple at = {from.at[0] + length * std::cos(direction), from.at[1] + length * std::sin(direction), 0};
-    // The other bar is at 60 to 120 degrees to the first one, the rail within 45 degrees of it.
+    // The second bar is at 60 to 120 degrees to the first one; a rail is within 45 degrees of it.
     const double across = direction + (draw.maybe() ? 1 : -1) * draw.real(1.05, 2.1),
                  reach = size * draw.real(0.8, 1.6);
     b.point(name, at);
@@ -104,7 +104,7 @@ inline Scene planar_mechanism(Draw& draw, const Triple& origin = {}) {
   return b.time(0, 0.3, 0.01).build();
 }
 
-// A terminal with a given pose, legs of a hinged handle and a rod, and tripods on moving points.
+// A terminal with a given pose; legs, each a hinged handle and a rod; tripods with one foot on a moving point.
 inline Scene spatial_mechanism(Draw& draw, const Triple& origin = {}) {
   SceneBuilder b("spatial", 3);
   const double size = draw.real(0.3, 3);
@@ -123,7 +123,7 @@ inline Scene spatial_mechanism(Draw& draw, const Triple& origin = {}) {
     const double arm = size * draw.real(0.4, 0.8), handle = size * draw.real(0.3, 0.5),
                  rod = size * draw.real(0.8, 1.2);
     const Triple P = {arm * out[0], arm * out[1], 0};
-    // The rod is below P; the handle is perpendicular to it in the plane of `out`.
+    // The rod hangs below P; the handle is about perpendicular to it, in the plane of `out`.
     const double tilt = draw.real(-0.3, 0.3);
     const Triple B = {P[0] + rod * std::sin(tilt) * out[0], P[1] + rod * std::sin(tilt) * out[1],
                       -rod * std::cos(tilt)};

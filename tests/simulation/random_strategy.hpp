@@ -17,7 +17,7 @@ inline std::vector<const Backend*> backends_here() {
   return out;
 }
 
-// One chunk, one thread.
+// A strategy with one chunk and one thread.
 inline Strategy random_strategy(Draw& draw) {
   static const std::vector<const Backend*> here = backends_here();
   Strategy s;

@@ -19,8 +19,8 @@
 namespace assur {
 namespace {
 
-// The platform is lowered until two or three arms are stretched, and lifted again. There the equations chosen among the
-// redundant ones become singular, and others are chosen.
+// The platform is lowered until two or three arms are stretched, and lifted again. The chosen set of redundant
+// equations becomes singular in stretched postures, and another set is chosen.
 TEST(Recovery, ADeltaRobotReturnsFromItsLimit) {
   const test::DeltaRobot robot;
   for (const std::string strategy : {"irreducible/eigen", "global/eigen", "irreducible/lanes"}) {
@@ -46,7 +46,7 @@ TEST(Recovery, ADeltaRobotReturnsFromItsLimit) {
           const Status back = s.step();
           ASSERT_TRUE(back.arrived()) << k << " " << name(back.code) << " " << back.figure;
           EXPECT_NEAR(s.output("O.z"), z + k * down, 2 * kEps);
-          const double away = z + k * down - lowest, sigma = std::sqrt(away);  // of the sine between arm and rods
+          const double away = z + k * down - lowest, sigma = std::sqrt(away);  // about the sine between arm and rods
           for (int arm = 0; arm < 3; ++arm) {
             const std::string elbow = "B" + std::to_string(arm);
             const Triple at = robot.elbow(arm, x, z + k * down);
@@ -109,9 +109,9 @@ std::vector<Scene> shipped() {
   return all;
 }
 
-// Moves each mechanism across its limits: one simulator gets all commands, the other one only those that succeeded.
-// Both agree bitwise, so failed commands leave no trace, and later commands succeed as without them. Last bits may
-// differ if a solver of one of them has chosen another pivot order.
+// Moves each mechanism across its limits. One simulator gets all commands, the other one only the commands that
+// succeeded. Both agree bitwise, so failed commands leave no trace. Last bits may differ if the solver of one of them
+// has chosen another pivot order.
 TEST(Recovery, FailedCommandsLeaveNoTrace) {
   test::Draw draw(16);
   const std::vector<Scene> scenes = shipped();
@@ -141,7 +141,7 @@ TEST(Recovery, FailedCommandsLeaveNoTrace) {
         ASSERT_EQ(status.code, without.code) << k;
         if (!status.arrived()) {
           ++failed;
-          successful = Simulator(prepared);  // has never seen it
+          successful = Simulator(prepared);  // a new simulator, which never got the failed command
           successful.restore(before);
           for (double& h : heading) h = -h;
         } else {
@@ -163,7 +163,7 @@ TEST(Recovery, FailedCommandsLeaveNoTrace) {
   EXPECT_GT(failed, done / 100);
 }
 
-// Bitwise, with reselected equations, a required accuracy, and turns of angles.
+// A restored simulator continues bitwise, with past postures, kept factors or a required accuracy.
 TEST(Recovery, SavedStatesContinueIdentically) {
   struct Case {
     Scene scene;
@@ -236,7 +236,7 @@ TEST(Recovery, SavesReselectedEquations) {
   EXPECT_EQ(s.time(), 0);
 }
 
-// A failed step to a given time keeps the last good posture on the way, here close to the limit.
+// A failed step to a given time keeps the last good posture on the way, which is close to the limit here.
 TEST(Recovery, RetreatsToAReachablePosture) {
   const Scene scene = test::limited_four_bar(Law::polynomial({0.5, 1})).time(0, 2, 0.01).build();
   for (const std::string strategy : {"irreducible/lanes", "global/eigen", "groups/eigen+predict=past:3"}) {
@@ -253,7 +253,7 @@ TEST(Recovery, RetreatsToAReachablePosture) {
     const double back = s.time();
     EXPECT_LT(back, there - 0.005);
     EXPECT_GT(back, there - 0.2);
-    // The posture equals that of a simulator that stopped there.
+    // The posture equals the posture of a simulator that stopped at the same time.
     for (int k = 1; as_far.time() < back; ++k) ASSERT_TRUE(as_far.step(0.01 * k).arrived());
     EXPECT_EQ(as_far.time(), back);
     EXPECT_EQ(row_of(s), row_of(as_far));
@@ -264,7 +264,7 @@ TEST(Recovery, RetreatsToAReachablePosture) {
   }
 }
 
-// At rest close to the limit, and moving towards it too fast to stop in time.
+// A driver that moves towards the limit too fast to stop in time.
 TEST(Recovery, OvershootingDriversStopAtOnce) {
   Simulator s = test::simulator(test::limited_four_bar(Law::constant(0.5)).time(0, 1, 0.01).build(), "groups/eigen", {},
                                 {"motor"});
@@ -284,7 +284,8 @@ TEST(Recovery, OvershootingDriversStopAtOnce) {
   EXPECT_EQ(s.report().events.size(), events);
 }
 
-// The law moves a driver until it is set: here towards the limit, and the first command leads away from it.
+// The law moves a driver until its first command. Here the law leads towards the limit and the first command away from
+// it.
 TEST(Recovery, TheFirstCommandMayReverseTheLaw) {
   const double limit = std::acos(0.04), start = limit - 0.01;
   Simulator s = test::simulator(test::limited_four_bar(Law::polynomial({start, 3})).time(0, 1, 0.1).build(),

@@ -1,4 +1,4 @@
-// Mechanisms with redundant equations: all equations, solved and checked ones, hold to rounding errors in every row.
+// Mechanisms with redundant equations: in every row all equations, solved or checked, hold to rounding errors.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -60,7 +60,7 @@ Frame3 turned(test::Draw& draw) {
 struct Bennett {
   double a = 1, alpha = kPi / 6, beta = kPi / 4;
   double b = a * std::sin(beta) / std::sin(alpha);
-  double start = kPi / 2;  // of the crank, from joint 1 to joint 4
+  double start = kPi / 2;  // crank angle at the start, between the links to joints 1 and 4
   Frame3 frame;
 
   [[nodiscard]] std::array<long double, 2> joints(long double crank) const {
@@ -68,7 +68,7 @@ struct Bennett {
     const long double k = std::sin((0.0L + beta + alpha) / 2) / std::sin((0.0L + beta - alpha) / 2);
     return {first, 2 * std::atan2(k * std::cos(first / 2), std::sin(first / 2))};
   }
-  // Points and axes of joints 1 to 4 in the frame where link 1-2 stands still.
+  // Points and axes of joints 1 to 4, if link 1-2 is fixed.
   struct Posture {
     std::array<Vec, 4> point, axis;
   };
@@ -116,7 +116,7 @@ struct Bennett {
     const Posture ideal =
         posture(start + 2 * std::numbers::pi_v<long double> * static_cast<long double>(t.times()[row]));
     Posture p = posture(start);
-    for (std::size_t i = 0; i < 2; ++i) {  // as the scene has them
+    for (std::size_t i = 0; i < 2; ++i) {  // rounded as in the scene
       for (auto& c : p.point[i]) c = double(c);
       for (auto& c : p.axis[i]) c = double(c);
       p.axis[i] = (1 / norm(p.axis[i])) * p.axis[i];
@@ -129,7 +129,8 @@ struct Bennett {
       }
     }
     Off out;
-    // Relative to the terms: sum |dPhi/dq| |q| + |constant|, and at least |d| |e|.
+    // Residuals are relative to their terms, sum |dPhi/dq| |q| + |constant|; those of dot products at least to
+    // |d| |e|.
     const auto see = [&](long double residual, long double scale) {
       residual = std::abs(residual) / scale;
       if (!(residual <= out.equations)) out.equations = residual;
@@ -167,7 +168,8 @@ void turn(const Bennett& linkage, int steps_per_turn, int steps, const std::stri
     posture = std::max(posture, off.posture);
   }
   EXPECT_LE(equations, kHolds);
-  // The linkage only moves for exact dimensions, so their rounding has an effect, times the condition of all equations.
+  // The linkage can only move if its dimensions are exact. Their rounding has an effect, amplified by the condition of
+  // all equations.
   EXPECT_LE(posture, 1e-12);
 }
 
@@ -211,7 +213,7 @@ TEST(Redundant, BennettsLinkageOfAnyShapeTurns) {
   }
 }
 
-// Sets of equations used close to their own singularity once lost eight digits of the accelerations.
+// Sets of equations that were used close to their own singularity once lost eight digits of the accelerations.
 TEST(Redundant, BennettsLinkageKeepsItsAccuracyAfterReselection) {
   for (const auto& [start, steps] : {std::pair{kPi / 2, 5000}, std::pair{75 * kPi / 180, 400}}) {
     SCOPED_TRACE(steps);
@@ -226,7 +228,7 @@ TEST(Redundant, BennettsLinkageKeepsItsAccuracyAfterReselection) {
       constexpr std::array<long double, 5> kFirst = {0, 4.0L / 5, -1.0L / 5, 4.0L / 105, -1.0L / 280};
       constexpr std::array<long double, 5> kSecond = {-205.0L / 72, 8.0L / 5, -1.0L / 5, 8.0L / 315, -1.0L / 560};
       const long double crank = start + kTurn * static_cast<long double>(r.trajectory.times()[row]);
-      std::array<Vec, 3> ideal{};  // of P3, with its derivatives by the crank
+      std::array<Vec, 3> ideal{};  // P3 and its derivatives by the crank angle
       for (int k = -4; k <= 4; ++k) {
         const Vec at = linkage.posture(crank + k * kStep).point[3];
         const auto i = static_cast<std::size_t>(std::abs(k));

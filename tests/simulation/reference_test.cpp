@@ -1,4 +1,4 @@
-// The reference in quad: its motion compared with closed forms and independent equations, then its figures.
+// The reference in quad: its motion compared with closed forms and independent equations, and the errors it reports.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,8 +21,8 @@ namespace {
 using namespace references;  // NOLINT: the whole file is about them
 using test::Deviation;
 
-// The reference stops after a correction of 1e-22 of its posture; speeds of these mechanisms (up to 40 1/s^2 of their
-// lengths) amplify the rest. Doubles cannot reach this accuracy.
+// The reference stops after a correction below 1e-22 of the posture. Accelerations (up to 40 1/s^2 times the lengths)
+// amplify the remaining error. Doubles cannot reach this accuracy.
 constexpr double kExact = 1e-20;
 
 Vec<QuadJet> place(const ReferenceMotion& motion, const std::string& name) {
@@ -49,7 +49,7 @@ void expect_on(const Posture<QuadJet>& closed_form, const ReferenceMotion& motio
   }
 }
 
-// Every equation of the scene with its two derivatives.
+// Every equation of the scene and its two derivatives hold.
 void expect_satisfied(const Scene& scene, const ReferenceMotion& motion) {
   Posture<QuadJet> posture = at_guess<QuadJet>(scene);
   for (const Point& p : scene.points()) posture[p.name] = place(motion, p.name);
@@ -67,7 +67,7 @@ void expect_satisfied(const Scene& scene, const ReferenceMotion& motion) {
 TEST(ReferenceMotion, FollowsTheFourBarChainThroughFullTurns) {
   for (const char* strategy : {"global/eigen", "irreducible/eigen"}) {
     ReferenceMotion motion(prepare(sample("four_bar:3"), {strategy, {}}));
-    for (const double t : {0.0, 0.01, 0.02, 0.5, 0.4, 1.25, 2.0}) {  // far apart, and back
+    for (const double t : {0.0, 0.01, 0.02, 0.5, 0.4, 1.25, 2.0}) {  // large steps, forwards and backwards
       motion.advance(t);
       expect_on(four_bar_chain(3, t), motion);
     }
@@ -94,7 +94,7 @@ TEST(ReferenceMotion, FollowsTheStewartPlatformInEveryFormulation) {
   }
 }
 
-// A step of 0.01 s passes the posture where the wrong branch is 1e-4 m away.
+// Within a step of 0.01 s the motion passes a posture where the wrong branch is 1e-4 m away.
 TEST(ReferenceMotion, StaysOnTheBranchOfTheAlmostParallelogram) {
   ReferenceMotion motion(prepare(sample("almost_parallelogram:delta=1e-8")));
   for (int k = 0; k <= 100; ++k) motion.advance(0.01 * k);
@@ -118,7 +118,7 @@ TEST(ReferenceMotion, SatisfiesTheEquationsOfEveryGoughPosture) {
   }
 }
 
-// The lengths of the rings, rounded once, do not change.
+// The lengths of the rings stay as they are at the start, where they are rounded once.
 TEST(ReferenceMotion, KeepsTheLengthsOfRings) {
   const Scene scene = sample("rings:legs=2,n=240");  // sparse blocks
   ReferenceMotion motion(prepare(scene));
@@ -137,7 +137,7 @@ TEST(ReferenceMotion, KeepsTheLengthsOfRings) {
   }
 }
 
-// One redundant equation is dropped; it holds as exactly as the others.
+// One redundant equation is not solved, but it holds as exactly as the others.
 TEST(ReferenceMotion, LeavesOutRedundantEquations) {
   const Scene scene = sample("bricard:middle=0,swing=0.5");
   const Prepared prepared = prepare(scene);
@@ -177,7 +177,7 @@ TEST(ReferenceMotion, NamesTheTimeOfAFailure) {
 
 // ---- the figures
 
-// The norms equal those of Deviation, except for rates of nearly resting outputs: equal figures up to a factor of two.
+// Both figures use the same norms, except for rates of nearly resting outputs, so they agree up to a factor of two.
 void expect_about(const ForwardError& figures, const Motion& deviation) {
   const auto about = [](double a, double b) { return a <= 2 * b && b <= 2 * a; };
   EXPECT_TRUE(about(figures.position, deviation.value)) << figures.position << " for " << deviation.value;
@@ -206,7 +206,7 @@ TEST(ForwardError, AgreesWithTheClosedFormOfAFourBarChain) {
   }
 }
 
-// tEnd2 = 1 of the paper with a predictor that is too inaccurate for it.
+// tEnd2 = 1 of the paper with a predictor that is too inaccurate for a single iteration.
 TEST(ForwardError, FindsTheErrorOfTooFewIterations) {
   const Scene scene = sample("stewart").with_time({0, 0.5, 0.01});
   const Prepared prepared = prepare(scene, {"groups/eigen+predict=taylor:0", {}});
@@ -218,8 +218,7 @@ TEST(ForwardError, FindsTheErrorOfTooFewIterations) {
   expect_about(found, deviation(prepared, trajectory, [&](double t) { return stewart(scene, t); }));
 }
 
-// A trajectory of another mechanism with the same columns: an error of 0.02 m for the slider, too large for a reference
-// on another branch.
+// A trajectory of another mechanism with the same columns: the slider is off by 0.02 m.
 TEST(ForwardError, ReportsTheErrorOfAnotherMotion) {
   const Prepared prepared = prepare(sample("slider_crank:offset=0.03").with_outputs({"C"}));
   const Trajectory other = test::run(sample("slider_crank:offset=0.01").with_outputs({"C"})).trajectory;
@@ -246,9 +245,9 @@ TEST(ForwardError, ReportsTheErrorOfAnotherBranch) {
   const Trajectory below = test::run(four_bar(-1)).trajectory;
   const ForwardError found = forward_error(above, below);
   EXPECT_GT(found.position,
-            1.0);  // C is up to 1.3 m above, and there as far below: twice its largest coordinate at most
+            1.0);  // C is up to 1.3 m above, and as far below: at most twice its largest coordinate
   EXPECT_LE(found.position, 2.0);
-  EXPECT_TRUE(std::isnan(found.velocity));  // not among the columns
+  EXPECT_TRUE(std::isnan(found.velocity));  // the columns have no velocities
   EXPECT_TRUE(std::isnan(found.acceleration));
 }
 
@@ -278,8 +277,8 @@ TEST(ForwardError, IsSmallForTheStewartPlatformWithEverySolver) {
   }
 }
 
-// Backward error of eight roundings times the condition (5 to 16 for every ring), squared because the terminal passes
-// its error on to the legs.
+// The backward error is eight roundings. The condition (5 to 16 for every ring) counts twice, because the terminal
+// passes its error on to the legs.
 TEST(ForwardError, OfRingsFollowsTheirCondition) {
   const Prepared prepared = prepare(sample("rings:legs=3,n=12").with_time({0, 1, 0.01}));
   const ForwardError found = forward_error(prepared, Simulator(prepared).run());
@@ -295,7 +294,7 @@ TEST(ForwardError, OfGoughPosturesFollowsTheirCondition) {
   }
 }
 
-// A callback computes in double: the circle as code of the user, and as a constraint of the library.
+// A callback computes in double. The circle is written as a callback, and as a constraint of the library.
 TEST(ForwardError, HandlesCallbacks) {
   Callback circle;
   circle.coordinates = {"P.x", "P.y"};
@@ -319,21 +318,21 @@ TEST(ForwardError, HandlesCallbacks) {
   motion.advance(0.3);
   const QuadJet y = evaluate<Quad>(swing, Quad(0.3));
   const QuadJet off = place(motion, "P")[0] - sqrt(QuadJet{1} - y * y);
-  // Two roundings of the residual over its derivative 2x >= 1.6; the acceleration amplifies them by the square of the
-  // driver's 2 pi 1/s.
+  // Two roundings of the residual are divided by its derivative 2x >= 1.6. The acceleration amplifies them by the
+  // square of the driver's 2 pi 1/s.
   EXPECT_LE(magnitude(off), 2 * kEps * std::pow(2 * std::numbers::pi, 2));
 
   const Prepared prepared = prepare(scene);
   EXPECT_LE(forward_error(prepared, Simulator(prepared).run()).position, 8 * kEps);
 }
 
-// A different start turn of an angle is no error.
+// An angle that starts with another number of turns is no error.
 TEST(ForwardError, HandlesAnglesOverManyTurns) {
   const Scene scene = sample("andrews").with_outputs({"beta"});
   const TimeGrid grid = scene.time();
   const Prepared prepared = prepare(scene.with_time({0, 200 * grid.step, grid.step}));
   const Trajectory trajectory = Simulator(prepared).run();
-  ASSERT_GT(trajectory.last("beta"), 17.0);  // 200 / 72 turns
+  ASSERT_GT(trajectory.last("beta"), 17.0);  // rad; 200 rows are 200 / 72 turns
   EXPECT_LE(forward_error(prepared, trajectory).position, kEps);
 }
 

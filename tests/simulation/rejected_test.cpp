@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kOffset = 0.885;  // rad: the crank swings by 1 rad about it
 constexpr double kLargest = 3.2;   // m, the largest coordinate
-constexpr double kCondition = 50;  // at most, all the way
+constexpr double kCondition = 50;  // largest condition on the whole way
 
 // A four-bar followed by a dyad, regular in all postures; steps are so long that the dyad, which is solved last,
 // rejects many that the four-bar has accepted.

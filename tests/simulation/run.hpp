@@ -55,14 +55,14 @@ inline Result run(const Scene& scene, const std::string& strategy = "auto", Step
   return {std::move(s), std::move(t)};
 }
 
-// Value, velocity or acceleration of points and vectors; other columns have their own kind.
+// "x", "v" or "a" for components of points and vectors; every other column is its own kind.
 inline std::string kind_of(const std::string& column) {
   const std::string last = column.substr(column.rfind('.') + 1);
   return last == "x" || last == "y" || last == "z" ? "x" : last.size() == 2 ? last.substr(0, 1) : column;
 }
 
-// The largest difference of two runs over the largest value of all columns of its kind, for all columns of the first
-// run: a coordinate near zero is as uncertain as its neighbours.
+// The largest difference of two runs in the columns of the first one. Each difference is divided by the largest value
+// of all columns of its kind, because a coordinate near zero is as uncertain as its neighbours.
 inline double difference(const Trajectory& a, const Trajectory& b) {
   if (a.rows() != b.rows() || a.rows() == 0) return std::numeric_limits<double>::infinity();
   struct Kind {

@@ -1,4 +1,4 @@
-// Solutions that a solver alone cannot provide are refined, and this is reported.
+// Systems that a solver alone does not solve accurately are refined, and this is reported.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@ constexpr int kSize = 60;
 
 double entry(int i, int j) { return j == kSize - 1 || i == j ? 1.0 : j < i ? -1.0 : 0.0; }
 
-// Few bits, so that sums of them are exact.
+// These numbers have few bits, so that their sums are exact.
 double wanted(int j) { return (j * 7 % 11 - 5) / 16.0; }
 
 // Wilkinson's matrix in a callback: partial pivoting doubles its last column in every step (growth 2^59). W x = w B.x,

@@ -33,7 +33,7 @@ inline void expect_same_report(const Report& a, const Report& b) {
   EXPECT_EQ(a.effort.renewed, b.effort.renewed);
   EXPECT_EQ(a.effort.refined, b.effort.refined);
   EXPECT_EQ(a.effort.in_double, b.effort.in_double);
-  // The comparisons for the worst residual round, so that its last bits depend on the order of comparisons.
+  // The search for the worst residual compares rounded numbers, so that its last bits depend on the order.
   for (const auto figure : {&ErrorFigures::position, &ErrorFigures::velocity, &ErrorFigures::acceleration}) {
     EXPECT_EQ(std::isnan(a.error.*figure), std::isnan(b.error.*figure));
     if (!std::isnan(a.error.*figure)) {

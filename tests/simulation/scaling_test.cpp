@@ -57,7 +57,7 @@ TEST(Scaling, ByAPowerOfTwoKeepsResultsBitwise) {
   }
 }
 
-// A point of a body that turns about a fixed axis: its distances keep the digits of the body far from the origin.
+// A point of a body turns about a fixed axis far from the origin. Its distances keep the digits that the body has.
 TEST(Scaling, DistancesFarAwayKeepTheirDigits) {
   const double height = 0.3, arm = 0.7;
   for (const double far : {0.0, 12345.678901, 7.3e8}) {

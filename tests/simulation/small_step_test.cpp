@@ -13,8 +13,8 @@
 namespace assur {
 namespace {
 
-// Both are within 8 eps of the same posture, times the largest condition of a group, 23 (legs of the platform); rates
-// have its square.
+// Both are within 8 eps of the same posture, times the largest condition of a group, 23 (legs of the platform). Rates
+// have the square of the condition.
 constexpr double kTolerance = 2 * 8 * 23 * 23 * kEps;
 
 struct State {
@@ -35,7 +35,7 @@ double largest(const std::vector<double>& v) {
   return size;
 }
 
-// At the start posture, with random rates of all moving inputs: once by GroupSolver, then as a small step from an
+// Computes the start posture with random rates of all moving inputs, first by GroupSolver, then as a small step from an
 // inexact prediction.
 void expect_the_same_step(const Scene& scene, const std::string& strategy) {
   SCOPED_TRACE(scene.name() + " " + strategy);
@@ -132,7 +132,7 @@ TEST(SmallStep, GivesTheSameMotion) {
       EXPECT_LE(test::difference(one.trajectory, small.trajectory), kTolerance);
       EXPECT_EQ(small.counters().steps, one.counters().steps);
       EXPECT_EQ(small.counters().factorizations, small.counters().newton_iterations + small.counters().group_solutions);
-      // A second run, bitwise equal.
+      // A second run is bitwise equal.
       Simulator again = test::simulator(sample(scene), std::string("irreducible/") + lanes);
       (void)again.run();
       EXPECT_EQ(again.run().values(), small.trajectory.values());

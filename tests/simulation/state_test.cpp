@@ -51,7 +51,7 @@ State after_steps(const Predictor& predictor, int steps) {
 TEST(State, PredictsFromTheAcceptedPostures) {
   for (const Predictor& predictor : {kTaylor, kHermite, kPast}) {
     State s = after_steps(predictor, 3);
-    for (int k = 4; k < 20; ++k) {  // more than there are postures
+    for (int k = 4; k < 20; ++k) {  // more steps than kept postures
       expect_at(s, (k - 1) * kStep, 2);
       s.predict(k * kStep);
       expect_at(s, k * kStep, 0);
@@ -73,7 +73,7 @@ TEST(State, FailedAttemptsLeaveTheAcceptedPosturesAlone) {
     }
     s.restore();
     expect_at(s, 5 * kStep, 2);
-    s.at(0)[1] = 1e300;  // not even what is written over the restored one
+    s.at(0)[1] = 1e300;  // the prediction does not read this value
     s.predict(6 * kStep);
     expect_at(s, 6 * kStep, 0);
   }
@@ -92,7 +92,7 @@ TEST(State, ForgetsOlderPostures) {
   State s = after_steps(kPast, 4);
   s.forget();
   s.predict(5 * kStep);
-  expect_at(s, 4 * kStep, 0);  // of one posture
+  expect_at(s, 4 * kStep, 0);  // a prediction from one posture is constant
 }
 
 TEST(State, ExpandsWithAllDerivativesOfTheLastPosture) {
@@ -112,7 +112,7 @@ TEST(State, PredictsThroughKeptPostures) {
     put(s, k * kStep);
     s.accept(k * kStep);
   }
-  s.predict(s.begin_prediction(way, 5 * kStep), 0, s.unknowns());  // through the first three
+  s.predict(s.begin_prediction(way, 5 * kStep), 0, s.unknowns());  // continues the three postures kept in `way`
   expect_at(s, 5 * kStep, 0);
 }
 

@@ -55,8 +55,9 @@ TEST(Stewart, AgreesWithTheClosedFormInEveryFormulation) {
       EXPECT_TRUE(r.report().fallbacks.empty());
       const ErrorFigures& error = r.report().error;
       EXPECT_LE(error.position, 1e-14);
-      EXPECT_GT(error.position, 0);  // it was measured
-      // Normwise backward errors of the linear systems: n^(1/2) roundings of a pivoted elimination are 12 eps at most.
+      EXPECT_GT(error.position, 0);  // zero would mean that nothing was measured
+      // Normwise backward errors of the linear systems: a pivoted elimination has about n^(1/2) roundings, at most 12
+      // eps here.
       EXPECT_LE(error.velocity, 1e-14);
       EXPECT_LE(error.acceleration, 1e-14);
       const Motion off = closed_form.deviation(r.trajectory);
@@ -67,7 +68,8 @@ TEST(Stewart, AgreesWithTheClosedFormInEveryFormulation) {
   }
 }
 
-// One group of `first` unknowns on the first level (0: none), `groups` of `unknowns` each on the next.
+// The first level has one group of `first` unknowns (0: no such group), the next level `groups` groups of `unknowns`
+// each.
 struct Work {
   std::string strategy;
   std::int64_t first, groups, unknowns;
@@ -78,7 +80,8 @@ struct Work {
   [[nodiscard]] std::int64_t solutions_times_unknowns(const Counters& c) const {
     return first * of_first(c) + unknowns * (c.group_solutions - of_first(c));
   }
-  // From sums over both levels: a x first + b x unknowns is known, a + b is the number of iterations.
+  // Solves a + b = all Newton iterations and a * first + b * unknowns = equations evaluated in them for a, the
+  // iterations on the first level.
   [[nodiscard]] std::int64_t iterations_of_first(const Counters& c) const {
     const std::int64_t in_newton = c.evaluated_equations - solutions_times_unknowns(c);
     const std::int64_t rest = c.newton_iterations * unknowns - in_newton;
@@ -104,8 +107,8 @@ void expect_work(const Counters& c, const Work& w, bool derivatives) {
 }
 
 TEST(Stewart, CountsTheWorkOfTheFullRun) {
-  // In `irreducible` the terminal is driven, and a leg has 15 = 3 + 3 + 3 unknowns + 6 that presolve eliminates.
-  const std::size_t columns = 9 * (4 + 6 * 5 + 6 * 2) + 6 * 3;  // O, u, v, w; B, e, r, c, d; P, t; angles
+  // In `irreducible` the terminal is driven. A leg has 15 unknowns: three blocks of 3, and 6 that presolve eliminates.
+  const std::size_t columns = 9 * (4 + 6 * 5 + 6 * 2) + 6 * 3;  // O, u, v, w; B, e, r, c, d and P, t of legs; angles
   for (const Work& w : {Work{"groups/" + test::sparse(), 12, 6, 15}, Work{"irreducible/" + test::sparse(), 0, 18, 3},
                         Work{"global/" + test::sparse(), 0, 1, 102}}) {
     SCOPED_TRACE(w.strategy);
@@ -132,7 +135,7 @@ TEST(Stewart, HandlesNeedNoDerivativesAndNoDeeperBlocks) {
     EXPECT_LT(r.counters().factorized_unknowns, full.counters().factorized_unknowns);
     EXPECT_LT(r.counters().solved_unknowns, full.counters().solved_unknowns);
     EXPECT_LT(r.counters().evaluated_equations, full.counters().evaluated_equations);
-    EXPECT_TRUE(std::isnan(r.report().error.velocity));  // not computed, so not measured
+    EXPECT_TRUE(std::isnan(r.report().error.velocity));  // neither computed nor measured
     EXPECT_TRUE(std::isnan(r.report().error.acceleration));
     EXPECT_LE(r.report().error.position, 1e-14);
 
@@ -143,7 +146,7 @@ TEST(Stewart, HandlesNeedNoDerivativesAndNoDeeperBlocks) {
       EXPECT_FALSE(level.for_predictor) << level.group;
     }
 
-    // The same angles.
+    // The angles equal those of the full run.
     for (std::size_t leg = 0; leg < 6; ++leg) {
       const std::size_t column = full.trajectory.index("handle" + std::to_string(leg + 1));
       for (std::size_t k = 0; k < 1001; ++k) EXPECT_NEAR(r.trajectory(k, leg), full.trajectory(k, column), 1e-13);
@@ -168,7 +171,7 @@ TEST(Stewart, ListsDerivativesThatOnlyThePredictorNeeds) {
       EXPECT_TRUE(level.for_predictor) << level.group;
     }
   }
-  // taylor:1 needs velocities, no accelerations.
+  // taylor:1 needs velocities but no accelerations.
   const Result r = test::run(handles, "groups/" + test::sparse() + "+predict=taylor:1");
   for (const LeftOut::Level& level : r.simulator.prepared().structure->left_out.levels) EXPECT_EQ(level.derivatives, 1);
   EXPECT_TRUE(std::isnan(r.report().error.acceleration));
@@ -184,8 +187,8 @@ TEST(Stewart, TakesFixedIterationsBeyondTheFirstLevel) {
     const Counters& c = r.counters();
     expect_work(c, work, true);
     const std::int64_t of_first = work.iterations_of_first(c);
-    EXPECT_EQ(of_first, work.iterations_of_first(free.counters()));  // as many as it takes
-    // The start posture is assembled already.
+    EXPECT_EQ(of_first, work.iterations_of_first(free.counters()));  // the first level takes as many as it needs
+    // The start posture is already assembled, so that its six legs need no iterations.
     EXPECT_EQ(c.newton_iterations - of_first, n * (c.group_solutions - work.of_first(c) - 6));
     EXPECT_EQ(c.most_iterations, std::max<std::int64_t>(n, free.counters().most_iterations));
     // The single iteration of the paper suffices at 1 rad/s and dt = 0.01.

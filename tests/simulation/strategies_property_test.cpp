@@ -1,4 +1,4 @@
-// All strategies give the same motion of all mechanisms, within the bounds by residuals and conditions of postures.
+// All strategies give the same motion of all mechanisms, within bounds from residuals and conditions of postures.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -19,8 +19,8 @@ constexpr ThreadBudget kBudget{4};
 
 constexpr int kMostGroupsAtOnce = 2;  // p of the paper's strategies
 
-// The forward error, by the reference in quad precision, is bounded by the residual r and the condition c: r c for
-// positions, r c^2 for rates, r c^3 for accelerations, relative to the largest output of the scene.
+// The forward error is measured with the reference in quad precision. It is bounded by the residual r and the condition
+// c: r c for positions, r c^2 for rates, r c^3 for accelerations, relative to the largest output of the scene.
 void expect_the_motion_of_the_reference(const Scene& scene, const std::string& strategy, double condition) {
   SCOPED_TRACE(scene.name() + " " + strategy);
   Simulator s(prepare(scene, {strategy, {}, kBudget}));
@@ -28,17 +28,17 @@ void expect_the_motion_of_the_reference(const Scene& scene, const std::string& s
   const Report& report = s.report();
   ASSERT_EQ(report.status.code, Code::ok) << "at " << report.reached;
   ASSERT_EQ(t.rows(), static_cast<std::size_t>(scene.time().steps()) + 1);
-  // The reported residuals: the criterion of convergence is 8 eps, for refined linear systems 4 times that.
+  // Newton's method ends at residuals of 8 eps, the refinement of linear systems at four times as much.
   EXPECT_GT(report.error.position, 0);
   EXPECT_LE(report.error.position, 1e-13);
   EXPECT_LE(report.error.velocity, 1e-13);
   EXPECT_LE(report.error.acceleration, 1e-13);
 
   const double residual = test::residual_of(report, report);
-  // Forward errors are relative to each output, the bound to the largest of all outputs of a kind.
+  // Forward errors are relative to each output, the bound to the largest output of its kind.
   double spread[3] = {1, 1, 1}, largest[3] = {0, 0, 0}, smallest[3];
   std::fill(smallest, smallest + 3, std::numeric_limits<double>::infinity());
-  std::map<std::pair<std::string, int>, double> outputs;  // a point with all its components
+  std::map<std::pair<std::string, int>, double> outputs;  // largest values; the components of a point share one
   for (std::size_t c = 0; c < t.columns().size(); ++c) {
     const std::string& column = t.columns()[c];
     const int d = test::derivative_of(column);
@@ -101,7 +101,7 @@ TEST(Strategies, AllGiveTheSameMotionOfShippedScenes) {
     const Scene whole = read_scene(entry.path());
     const TimeGrid grid = whole.time();
     const Scene scene = whole.with_time({grid.start, grid.start + 10 * grid.step, grid.step});
-    if (prepare(scene).structure->groups.empty()) continue;  // it stands still: no strategy solves anything
+    if (prepare(scene).structure->groups.empty()) continue;  // nothing moves, so that no strategy solves anything
     ++moving;
     const double condition = worst_condition(scene);
     for (const std::string& strategy : every_kind_of_strategy()) {
@@ -142,8 +142,8 @@ TEST(Strategies, OfThePaperRun) {
       continue;
     SCOPED_TRACE(s.name);
     expect_the_motion_of_the_reference(scene, s.strategy, condition);
-    // Interpretations of the paper: velocity and acceleration share a factorisation, or have one each; additionally,
-    // one factorisation for a whole step.
+    // The paper allows several readings: velocity and acceleration share a factorisation or have one each, and a whole
+    // step may use one factorisation.
     for (const std::string reading : {"+separate", "+once"}) {
       const std::size_t end = std::min(s.strategy.find(' '), s.strategy.size());
       expect_the_motion_of_the_reference(scene, s.strategy.substr(0, end) + reading + s.strategy.substr(end),
@@ -159,7 +159,7 @@ TEST(Strategies, AreBitwiseEqualForAllThreads) {
   for (const Scene& scene : {platform, rings, limited}) {
     for (const Backend* backend : test::backends_here()) {
       const std::string id(backend->id);
-      if (id == "mumps" || id == "ma27") continue;  // one thread
+      if (id == "mumps" || id == "ma27") continue;  // these use one thread
       for (const std::string& head :
            {"groups/" + id, "irreducible/" + id + ":4+once", "groups/" + id + ":2+reuse=run"}) {
         Simulator one(prepare(scene, {head, {}, kBudget}));
@@ -207,7 +207,7 @@ TEST(Strategies, ExplainWhyTheyCannotRun) {
       EXPECT_EQ(refusal("groups/" + id + " 1x2", kBudget), "backend " + id + " cannot run here: " + no_threads);
     }
     EXPECT_NE(refusal("groups/" + id + " 3x1", {2}).find("takes 3 threads and the budget is 2"), std::string::npos);
-    // Chunks and lanes do not change this.
+    // Chunks and lanes do not change the number of threads that a strategy takes.
     EXPECT_NE(refusal("groups/" + id + ":8+chunks=4 3x1", {2}).find("takes 3 threads"), std::string::npos);
   }
 }

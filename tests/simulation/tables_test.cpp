@@ -65,13 +65,13 @@ TEST(Andrews, CannotBeAssembledWithTheMisprint) {
       ADD_FAILURE() << strategy << ": the misprinted mechanism was accepted";
     } catch (const Error& e) {
       EXPECT_EQ(e.kind(), Error::Kind::numerical) << e.what();
-      // E(F, B) can be assembled, but beyond the reach of A: |EG| + |GA| = 0.06.
+      // E(F, B) can be assembled, but is out of reach for A: |EG| + |GA| = 0.06.
       EXPECT_NE(std::string(e.what()).find("group G cannot be assembled: 'G"), std::string::npos) << e.what();
     }
   }
 }
 
-// The same mechanism with a crank that passes the state of the IVP test set at t = 0.03 s, on a parabola from beta = 0.
+// Andrews' squeezer with a crank that passes the state of the IVP test set at t = 0.03 s, on a parabola from beta = 0.
 struct Ivp {
   static constexpr double kBeta = 15.81077119629904, kRate = 1139.920302151208, kAcceleration = -24631.76316945196;
 
@@ -81,7 +81,7 @@ struct Ivp {
   Ivp() : start(0.03 + before()), scene(make()) {}
 
  private:
-  // kBeta + kRate s + kAcceleration s^2 / 2 = 0, the root nearer to s = 0
+  // The root of kBeta + kRate s + kAcceleration s^2 / 2 = 0 that is nearer to s = 0.
   static double before() { return -2 * kBeta / (kRate + std::sqrt(kRate * kRate - 2 * kBeta * kAcceleration)); }
   [[nodiscard]] Scene make() const {
     const Scene andrews = sample("andrews");
@@ -99,8 +99,8 @@ struct Ivp {
   }
 };
 
-// gamma, delta, epsilon, and theta up to whole turns, because the runs start at different postures. Phi and Omega equal
-// these angles from directions turned by a quarter, and add no information.
+// Compares gamma, delta, epsilon, and theta up to whole turns, because the runs start at different postures. Phi and
+// Omega are measured from directions turned by a quarter and add no information.
 TEST(Andrews, AgreesWithTheIvpTestSet) {
   const Ivp ivp;
   for (const std::string& strategy : every_strategy()) {

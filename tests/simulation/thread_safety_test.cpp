@@ -37,7 +37,7 @@ const Scene& platforms() {
   return scene;
 }
 
-// The strategies of this build.
+// Strategies that this build can run.
 std::vector<std::string> strategies() {
   std::vector<std::string> out = {"groups/eigen 2x1", "irreducible/lanes:4 2x1", "irreducible/lanes:8",
                                   "groups/eigen:4+chunks=4 2x1"};
@@ -60,7 +60,7 @@ void expect_same_values(const EnsembleTrajectory& a, const EnsembleTrajectory& b
   for (std::size_t i = 0; i < a.values().size(); ++i) ASSERT_TRUE(test::same_bits(a.values()[i], b.values()[i])) << i;
 }
 
-// `work` in two threads at once.
+// Runs `work` in two threads at once.
 void in_two_threads(const std::function<void(int)>& work) {
   std::atomic<int> here = 0;
   const auto together = [&](int rank) {
@@ -76,7 +76,7 @@ void in_two_threads(const std::function<void(int)>& work) {
 TEST(ThreadSafety, TwoSimulatorsRunInTwoThreads) {
   for (const std::string& strategy : strategies()) {
     SCOPED_TRACE(strategy);
-    const Prepared shared = prepared(platforms(), strategy);  // immutable: both may have it
+    const Prepared shared = prepared(platforms(), strategy);  // immutable, so that both threads may use it
     const Result alone = run(shared);
     std::optional<Result> side_by_side[2];
     in_two_threads([&](int rank) {
@@ -122,7 +122,7 @@ TEST(ThreadSafety, OneSimulatorServesThreadsInTurn) {
     SCOPED_TRACE(strategy);
     const Result alone = run(prepared(platforms(), strategy));
     std::optional<Simulator> s;
-    std::thread([&] { s.emplace(prepared(platforms(), strategy)); }).join();  // and that thread is gone
+    std::thread([&] { s.emplace(prepared(platforms(), strategy)); }).join();  // the thread that made it has ended
     std::optional<Result> r;
     std::thread([&] {
       Trajectory t = s->run();
@@ -160,7 +160,7 @@ TEST(ThreadSafety, ManySimulatorsRunInAParallelRegionOfTheUser) {
       results[i].emplace(run(shared));
     }
     EXPECT_EQ(inside, kMany);
-    EXPECT_EQ(omp_get_max_threads(), before);  // the user's setting
+    EXPECT_EQ(omp_get_max_threads(), before);  // the setting of the user
     for (const auto& r : results) test::expect_same_run(alone, *r);
   }
 }
@@ -206,7 +206,8 @@ TEST_F(Forked, ASimulatorContinuesInChildAndParent) {
     };
     EXPECT_EQ(in_a_child(goes_on), 0);
     EXPECT_EQ(in_a_child([&] { return in_a_child(goes_on); }), 0);
-    EXPECT_EQ(in_a_child([&] { return same(run(shared).trajectory, alone.trajectory) ? 0 : 1; }), 0);  // a new one
+    // A new simulator runs in a child, too.
+    EXPECT_EQ(in_a_child([&] { return same(run(shared).trajectory, alone.trajectory) ? 0 : 1; }), 0);
     EXPECT_EQ(goes_on(), 0);
   }
 }

@@ -63,7 +63,7 @@ void expect_the_same_run(const Sequence& in_sequence, const Result& chunked) {
   for (std::size_t i = 0; i < found.size(); ++i) {
     EXPECT_EQ(found[i].kind, wanted[i].kind);
     EXPECT_EQ(found[i].group, wanted[i].group);
-    EXPECT_LE(found[i].time, wanted[i].until);  // brackets of the same thing
+    EXPECT_LE(found[i].time, wanted[i].until);  // the brackets of both events overlap
     EXPECT_GE(found[i].until, wanted[i].time);
   }
   EXPECT_EQ(a.counters.steps, b.counters.steps);
@@ -87,7 +87,7 @@ std::vector<Scene> shipped() {
   for (const auto& f : files) {
     const Scene scene = read_scene(f);
     const TimeGrid t = scene.time();
-    const std::int64_t steps = std::min<std::int64_t>(t.steps(), 101);  // a prime
+    const std::int64_t steps = std::min<std::int64_t>(t.steps(), 101);  // a prime, so that chunks differ in length
     out.push_back(scene.with_time({t.start, t.start + static_cast<double>(steps) * t.step, t.step}));
   }
   return out;
@@ -204,19 +204,19 @@ TEST(TimeChunks, EndAtALimitAsInSequence) {
     SCOPED_TRACE(chunks);
     const Result r = run(scene, text("groups/eigen", 4, chunks));
     expect_the_same_run(in_sequence, r);
-    const bool border_beyond = chunks > 2;  // of two chunks the second one begins at 1 s
+    const bool border_beyond = chunks > 2;  // of two chunks the second begins at 1 s, before the limit
     EXPECT_EQ(mentions(r.report().fallbacks, "no chunks: start postures were found only up to t = 1.0"), border_beyond);
     EXPECT_EQ(mentions(r.report().fallbacks, "was run alone"), !border_beyond);
   }
 }
 
-// The crank rests at 1 rad at every quarter of a second; in between it swings out and back, in the quarter `beyond`
-// beyond its limit, which the start postures of four chunks do not show.
+// The crank rests at 1 rad at every quarter of a second, and swings out and back in between. In the quarter `beyond` it
+// swings beyond its limit; the start postures of four chunks do not show this.
 Scene swinging(int beyond) {
   const Law law = Law::function([beyond](double t) -> Motion {
     const double quarter = std::floor(4 * t), s = 4 * t - quarter;
     const double height = quarter == beyond ? 0.6 : 0.3;
-    const double b = s * (1 - s), b1 = 4 * (1 - 2 * s), b2 = -32;  // and derivatives by t
+    const double b = s * (1 - s), b1 = 4 * (1 - 2 * s), b2 = -32;  // b and its derivatives by t
     return {1 + 64 * height * b * b * b, 64 * height * 3 * b * b * b1,
             64 * height * (6 * b * b1 * b1 + 3 * b * b * b2)};
   });
@@ -237,8 +237,8 @@ TEST(TimeChunks, ALimitWithinAChunkEndsTheRun) {
       (void)there.run();
       const test::Sizes size = test::sizes(in_sequence.result.trajectory);
       for (std::size_t c = 0; c < there.columns().size(); ++c) {
-        // The brackets of the limit differ by one or two 2^-20 of a step; at a fold positions change by the square root
-        // of that.
+        // The brackets of the limit differ by at most two 2^-20 of a step. At a fold positions change by the square
+        // root of this difference.
         if (test::derivative_of(there.columns()[c]) == 0) {
           EXPECT_NEAR(r.simulator.outputs()[c], there.outputs()[c], 4 * size.of[0] / 1024);
         }
@@ -280,7 +280,7 @@ TEST(TimeChunks, RepeatAChunkThatStartsOnTheWrongBranch) {
       const ChunkedRun r = run_in_chunks(prepared, {}, times, grid, starts, {});
       EXPECT_TRUE(r.status.ok());
       ASSERT_EQ(r.rows, times.size());
-      // A right chunk begins where its wrong neighbour does not end; only the wrong chunk is repeated.
+      // A wrong chunk does not meet its right neighbours. Only the wrong chunk is repeated.
       EXPECT_EQ(r.fallbacks.size(), wrong.size());
       for (const std::size_t c : wrong) {
         EXPECT_TRUE(mentions(
@@ -341,7 +341,7 @@ TEST(TimeChunks, CountTheirWork) {
   const Scene scene = sample("stewart:steps=100");
   const Result sequence = run(scene, "groups/eigen");
   const Result r = run(scene, "groups/eigen:4+chunks=4");
-  // 25 steps for each of four chunks, their starts, and the postures between them.
+  // Four chunks take 25 steps each, find their start postures, and pass postures on the way to them.
   EXPECT_EQ(r.counters().steps, 100);
   EXPECT_GE(r.counters().group_solutions, sequence.counters().group_solutions);
   EXPECT_LE(r.counters().group_solutions, 7 * (100 + 4 + 4 + 2 * (r.counters().substeps + r.counters().rejected)));
@@ -349,8 +349,8 @@ TEST(TimeChunks, CountTheirWork) {
   EXPECT_GT(r.report().error.position, 0);
 }
 
-// Four steps of one length succeed before a longer one is tried, so at most one in five fails. Exceptions are the
-// search for the first length and ways with shrinking steps, which add a failure for each halving.
+// Four steps of one length succeed before a longer step is tried, so at most one in five fails. More fail during the
+// search for the first length and where steps shrink, which costs a failure for each halving.
 TEST(TimeChunks, RejectFewStepsToTheirStarts) {
   for (const std::string text : {"stewart:steps=10000", "four_bar:step=0.01,steps=20000"}) {
     for (const int chunks : {2, 8, 16}) {

@@ -59,11 +59,12 @@ TEST(Trajectory, TouchesItsMemoryBeforeTheRun) {
   });
   ASSERT_EQ(motion.rows(), 1001u);
   ASSERT_GT(motion.columns().size() * motion.rows() * sizeof(double), 800u * 4096u);
-  EXPECT_LT(at[1001] - at[1], 100);  // what else the first steps touch; 845 with a fresh page in most steps
+  EXPECT_LT(at[1001] - at[1], 100);  // other memory that the first steps touch; 845 if most steps touch a fresh page
 #endif
 }
 
-// B1 is solved for, or an offset and a multiple of another unknown; u a coordinate of the driver.
+// Depending on the formulation, B1 is an unknown or an offset plus a multiple of another unknown. u belongs to the
+// driver; A1 is fixed.
 TEST(Trajectory, PartsOfAnOutputEqualTheWhole) {
   const Scene scene = sample("stewart:steps=20");
   std::vector<std::string> parts;
@@ -89,7 +90,7 @@ TEST(Trajectory, HasEverythingThatMovesWithoutOutputs) {
   for (const std::string name : {"B.x", "C.ay", "slide.lambda", "displacement.rate", "rod_angle.acceleration"}) {
     EXPECT_NO_THROW((void)t.index(name)) << name;
   }
-  EXPECT_THROW((void)t.index("O.x"), Error);  // fixed
+  EXPECT_THROW((void)t.index("O.x"), Error);  // a fixed point has no columns
 }
 
 TEST(Trajectory, LastThrowsWithoutRows) {
@@ -166,7 +167,7 @@ TEST(Trajectory, RefusesDescendingOrNonFiniteTimes) {
   EXPECT_EQ(refusal({0, 0.2, 0.125}), "time 2 of the run is 0.125000 s, after 0.200000 s; times must ascend");
   EXPECT_EQ(refusal({std::nan(""), 0.2}), "time 0 of the run is nan; it must be finite");
   EXPECT_EQ(refusal({0, HUGE_VAL}), "time 1 of the run is inf; it must be finite");
-  EXPECT_EQ(s.time(), 0.1);  // nothing was begun
+  EXPECT_EQ(s.time(), 0.1);  // no step was begun
   EXPECT_EQ(refusal({0, 0.2, 0.2}), "none");
 }
 

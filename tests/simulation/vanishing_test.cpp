@@ -1,5 +1,5 @@
-// Equations whose terms all vanish, because directions are perpendicular and parallel to the axes: their residuals are
-// rounding errors, relative to the factors and not to the vanishing terms.
+// Equations whose terms all vanish, because directions are perpendicular and parallel to the axes. Their residuals are
+// rounding errors relative to the factors, not to the vanishing terms.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -41,7 +41,8 @@ TEST(Vanishing, EquationsOfKnownCoordinatesAreConsistent) {
   }
 }
 
-// A four-bar in the plane z = 0 of space: an equation for each bar keeps it in the plane; one of them is redundant.
+// A four-bar in the plane z = 0 of space. One equation for each bar keeps it in the plane; one of these equations is
+// redundant.
 Scene four_bar(double off, double size) {
   const auto at = [&](double x, double y) { return Triple{size * x, size * y, 0}; };
   SceneBuilder b("four_bar", 3);
@@ -69,7 +70,7 @@ TEST(Vanishing, RedundantPlanesDoNotContradict) {
   const Result plane = test::run(plane_four_bar());
   const std::vector<std::string> strategies = {"auto", "global/eigen", "irreducible/lanes", "groups/eigen+reuse=run"};
   for (const double off : {0.0, kNearlyZero, -3e-16}) {
-    for (const double size : {1.0, 0.001953125, 1024.0}) {  // of two: the bits are those of size 1
+    for (const double size : {1.0, 0.001953125, 1024.0}) {  // powers of two give the bits of size 1
       for (const std::string& strategy : strategies) {
         const Result r = test::run(four_bar(off, size), strategy);
         ASSERT_EQ(r.report().status.code, Code::ok) << strategy << " " << off << " at " << r.report().reached;
@@ -85,7 +86,7 @@ TEST(Vanishing, RedundantPlanesDoNotContradict) {
   }
 }
 
-// A plane that contradicts by more than rounding.
+// The plane of the bars is off by more than rounding errors.
 TEST(Vanishing, RefusesLargerViolations) { EXPECT_THROW((void)test::run(four_bar(1e-7, 1)), Error); }
 
 // A planar loop modelled in space, with slightly tilted frames in the guess: the terms of u2 . z become so small that
@@ -115,7 +116,7 @@ TEST(Vanishing, AcceptsSubnormalTerms) {
   }
 }
 
-// The scale does not vanish for any directions, and hardly changes for random ones.
+// The scale vanishes for no directions, and hardly changes for random ones.
 TEST(Vanishing, ScalesDoNotVanish) {
   SceneBuilder b("scales", 3);
   b.fixed_point("A", {0, 0, 0}).point("B", {1, 0, 0}).vector("e", {0, 1, 0}).vector("f", {0, 0, 1});

@@ -1,4 +1,4 @@
-// The written posture of a scene: relative laws, points of bodies in ground coordinates; and files in degrees.
+// The written posture of a scene: laws relative to it, points of bodies in ground coordinates, and files in degrees.
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -20,7 +20,7 @@ std::string refusal(const std::string& text) {
   return "";
 }
 
-// A cylinder of length 5 at the angle atan2(4, 3), 0.2 m a second longer and turning by 0.1 rad a second.
+// A cylinder of length 5 at the angle atan2(4, 3). Its length grows by 0.2 m/s, and it turns by 0.1 rad/s.
 TEST(RelativeLaws, CountFromTheWrittenPosture) {
   const Scene scene = SceneBuilder("crane", 2)
                           .fixed_point("A", {0, 0})

@@ -61,7 +61,7 @@ Scene dyad(const Triple& guess) {
 constexpr const char* kOther = "was assembled in another mode than its guess";
 constexpr const char* kUndecidable = "is not decidable";
 
-// The modes of a dyad are the two sides of AB: damping keeps the side of the guess.
+// A dyad has one mode on each side of AB. Damping keeps the side of the guess.
 TEST(AssemblyMode, ADyadStaysOnItsSide) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> x(-1, 3), y(-2, 2);
@@ -91,7 +91,7 @@ TEST(AssemblyMode, IsReportedExactlyWhenTheDeterminantChangesSign) {
   int crossed = 0, assembled = 0;
   for (unsigned seed = 1; seed <= 100; ++seed) {
     const Structure s = structure(references::perturbed(sample("gough:posture=10"), 0.4, seed), groups);
-    if (!s.cannot_assemble.empty()) continue;  // not every guess that is off by 40 % leads to a posture
+    if (!s.cannot_assemble.empty()) continue;  // some guesses that are off by 40 % lead to no posture
     ++assembled;
     const bool other = sign(*s.system, s.system->guess) != sign(*s.system, s.start);
     crossed += other;
@@ -118,7 +118,8 @@ TEST(AssemblyMode, AGoodGuessGivesNoNote) {
   }
 }
 
-// A leg of the Stewart platform has a mode for each sign of d; the guess decides, and the rest of the leg is equal.
+// A leg of the Stewart platform has a mode for each sign of d. The guess decides the sign; the rest of the leg is equal
+// in both modes.
 TEST(AssemblyMode, TheGuessDecidesTheSignOfD) {
   const Scene scene = sample("stewart");
   const double before = look::start(structure(scene, groups), "B1.x");
@@ -138,7 +139,7 @@ TEST(AssemblyMode, TheGuessDecidesTheSignOfD) {
   EXPECT_EQ(look::start(s, "B1.x"), before);
 }
 
-// The dyad's other point of intersection: x = (1.5^2 - 1.2^2 + 2^2) / 4.
+// The other point of intersection of the dyad has x = (1.5^2 - 1.2^2 + 2^2) / 4.
 TEST(StartNotes, ReportAPostureFarFromTheGuess) {
   const Structure s = structure(dyad({-1, 0.1, 0}), groups);
   ASSERT_EQ(s.notes.size(), 1u);
@@ -148,7 +149,7 @@ TEST(StartNotes, ReportAPostureFarFromTheGuess) {
             "0.896657) m");
 }
 
-// e . a = 0.8 leaves e = (0.8, 0.6) on the side of either guess, whose angle to it is acos(-0.28) and 0.33.
+// With e . a = 0.8, both guesses lead to e = (0.8, 0.6); the angles between guess and e are acos(-0.28) and 0.33.
 TEST(StartNotes, ReportATurnedVector) {
   const auto notes = [](Triple guess) {
     return structure(SceneBuilder("turned", 2)
@@ -167,7 +168,7 @@ TEST(StartNotes, ReportATurnedVector) {
   EXPECT_EQ(notes({0.6, 0.8, 0}).size(), 0u);
 }
 
-// A and B are fixed 1 m apart; one note for each driver reports that its law disagrees with `at`.
+// B is 1 m from A. One note for each driver reports that its law disagrees with `at`.
 TEST(StartNotes, ReportLawsThatDisagreeWithThePosture) {
   struct Case {
     const char* text;
@@ -188,7 +189,7 @@ TEST(StartNotes, ReportLawsThatDisagreeWithThePosture) {
   for (const Case& c : cases) {
     const bool posed = std::holds_alternative<Pose>(c.kind);
     for (const bool declared : {false, true}) {
-      if (declared && c.keeps_length) continue;  // the group would cut through what the driver adds
+      if (declared && c.keeps_length) continue;  // the group would separate items that the driver adds
       SceneBuilder b("drivers", 2);
       b.fixed_point("A", {0, 0}).fixed_point("X", {2, 0}).point("B", {1, 0});
       if (c.keeps_y) b.constrain("y", FixedCoordinate{"B.y", 0});
@@ -209,7 +210,7 @@ TEST(StartNotes, ReportLawsThatDisagreeWithThePosture) {
   }
 }
 
-// Two rods that are too short: the closest P is between A and B, and both are violated equally.
+// Two rods are too short. The closest P is between A and B, and both rods are violated equally.
 TEST(ClosestPosture, SharesTheViolationAmongTheConstraints) {
   const Scene scene = SceneBuilder("short", 2)
                           .fixed_point("A", {0, 0})
@@ -225,11 +226,11 @@ TEST(ClosestPosture, SharesTheViolationAmongTheConstraints) {
   ASSERT_EQ(closest.violated.size(), 2u);
   for (const ViolatedConstraint& v : closest.violated) {
     EXPECT_TRUE(v.is_length);
-    EXPECT_NEAR(v.by, (4 - 2.25) / 4, 1e-6);  // |P-A|^2 - 1.5^2 over 2 |P-A|, with |P-A| = 2
+    EXPECT_NEAR(v.by, (4 - 2.25) / 4, 1e-6);  // (|P-A|^2 - 1.5^2) / (2 |P-A|) with |P-A| = 2
   }
 }
 
-// Two axes of a frame are fixed: the third one, at any place, is their product.
+// If two axes of a frame are fixed, the third one is their product, whichever it is.
 TEST(Assembly, AFrameWithTwoFixedAxesHasTheThird) {
   const Triple axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   for (int free = 0; free < 3; ++free) {
@@ -257,7 +258,7 @@ TEST(Assembly, AFrameWithTwoFixedAxesHasTheThird) {
 
 // ---- impossible
 
-// The number in "... violated most, by NUMBER m" at the end; -1 if there is none in metres.
+// Reads m from the end of a message, "... violated most, by NUMBER m"; -1 if the message has no number in metres.
 double violation(const std::string& message) {
   const std::string before = "violated most, by ";
   const std::size_t at = message.find(before);
@@ -274,8 +275,8 @@ TEST(AssemblyRefused, RefusesAndrewsWithTheMisprint) {
   const bool g = what.rfind("group G cannot be assembled: 'G", 0) == 0,
              h = what.rfind("group H cannot be assembled: 'H", 0) == 0;
   EXPECT_TRUE(g || h) << what;
-  // E is determined by its own dyad; GE + GA (or HE + HA) = 0.06 are too short for EA, so that the worst rod has at
-  // least half of the gap.
+  // E is determined by its own dyad. GE + GA (or HE + HA) = 0.06 is too short for EA, so the worst rod takes at least a
+  // third of the gap.
   const Triple F = {0.007, 0, 0}, B = {0.03635, 0.03273, 0}, A = {-0.06934, -0.00227, 0};
   const double bf = std::hypot(B[0] - F[0], B[1] - F[1]), along = (bf * bf + 0.028 * 0.028 - 0.035 * 0.035) / (2 * bf);
   const double across = std::sqrt(0.028 * 0.028 - along * along);
@@ -301,7 +302,7 @@ TEST(AssemblyRefused, RefusesATenthOfAPercent) {
   EXPECT_NEAR(violation(s.cannot_assemble), 0.001, 1e-6);  // half of the gap of 0.002, by symmetry, to first order
 }
 
-// A violation of a length is in metres for all internal units, and a declared group has its own name.
+// Whatever the internal unit is, the violation of a length is in metres. A declared group is named as declared.
 TEST(AssemblyRefused, NamesDeclaredGroupAndMetres) {
   for (const double scale : {1e-3, 1.0, 1e4}) {
     SceneBuilder b("short", 2);
@@ -315,7 +316,7 @@ TEST(AssemblyRefused, NamesDeclaredGroupAndMetres) {
   }
 }
 
-// Violations of directions have no unit of length: 0.9^2 + 0.9^2 > 1.
+// u cannot be a unit vector with two components of 0.9. The violation has no unit, because it is not a length.
 TEST(AssemblyRefused, ADirectionHasNoMetres) {
   SceneBuilder b("turned", 3);
   b.fixed_vector("x", {1, 0, 0}).fixed_vector("y", {0, 1, 0}).vector("u", {0.6, 0.6, 0.5});
@@ -325,7 +326,7 @@ TEST(AssemblyRefused, ADirectionHasNoMetres) {
   EXPECT_EQ(violation(s.cannot_assemble), -1) << s.cannot_assemble;
 }
 
-// Guesses on a line of symmetry, where the least-squares iteration stagnates.
+// These guesses lie on a line of symmetry, where the least-squares iteration stagnates.
 TEST(Assembly, StartsFromALineOfSymmetry) {
   for (const double x : {-1.0, 0.5, 1.0, 1.4, 3.0}) {
     const Structure s = structure(dyad({x, 0, 0}), groups);

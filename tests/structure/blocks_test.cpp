@@ -60,7 +60,7 @@ TEST(Blocks, NamesOverAndUnderdeterminedParts) {
   EXPECT_EQ(d.equations(d.blocks.equations_of(0)), (Names{"PA", "PB"}));
 }
 
-// Parts connected to an undetermined part are undetermined, too; parts connected to an overdetermined one are not.
+// Parts connected to an undetermined part are undetermined, too. Parts connected to an overdetermined part are not.
 TEST(Blocks, FollowersOfUndeterminedPartsAreUndetermined) {
   const Decomposed d(three_parts()
                          .point("S", {2, 1, 0})
@@ -92,7 +92,8 @@ TEST(Blocks, EveryBlockFollowsWhatItNeeds) {
       }
       EXPECT_EQ(b.level[static_cast<std::size_t>(k)], level);
       EXPECT_LE(b.level[static_cast<std::size_t>(std::max(k - 1, Index{0}))], level);
-      // Its equations contain only its own unknowns, those of the blocks that it needs, and known coordinates.
+      // The equations of a block contain only its own unknowns, those of the blocks that it needs, and known
+      // coordinates.
       std::set<Index> allowed(b.unknowns_of(k).begin(), b.unknowns_of(k).end());
       for (const Index o : b.needs_of(k)) allowed.insert(b.unknowns_of(o).begin(), b.unknowns_of(o).end());
       std::vector<Index> mentioned;

@@ -60,7 +60,7 @@ TEST(Demand, DerivativesForThePredictorAreListed) {
   for (const Group& g : s.groups) {
     EXPECT_EQ(g.derivatives, 2) << g.name;
     EXPECT_EQ(g.wanted_derivatives, 0) << g.name;
-    EXPECT_EQ(look::class_of(s, g).first_wanted, 0) << g.name;  // the predictor reads all of them
+    EXPECT_EQ(look::class_of(s, g).first_wanted, 0) << g.name;  // the predictor reads all unknowns
   }
   ASSERT_EQ(s.left_out.levels.size(), 7u);
   for (const LeftOut::Level& level : s.left_out.levels) {
@@ -130,7 +130,7 @@ TEST(Demand, NeedsOneDyadOfAndrews) {
   EXPECT_EQ(e.levels, 1);
 }
 
-// Each group computes only the needed derivatives: G accelerations, H positions, E those that G needs.
+// Each group computes only the derivatives that are needed: G accelerations, H positions, and E those that G needs.
 TEST(Demand, DerivativesDifferByGroup) {
   const Structure s = structure(sample("andrews").with_outputs({"G.acceleration", "H.position"}), groups);
   EXPECT_EQ(look::group(s, "E").derivatives, 2);
@@ -141,8 +141,8 @@ TEST(Demand, DerivativesDifferByGroup) {
   EXPECT_EQ(s.left_out.levels[0].group, "H");
 }
 
-// Only accelerations of B: all other unknowns of the block need position and velocity only, and come before
-// first_wanted.
+// Only the acceleration of e1 is an output. All other unknowns of the block need position and velocity only, and come
+// before first_wanted.
 TEST(Demand, LastBackSubstitutionStopsAtWantedUnknowns) {
   const Structure s = structure(sample("stewart").with_outputs({"e1.acceleration"}), groups);
   const Group& leg = look::group(s, "SG_HS1");
@@ -154,7 +154,7 @@ TEST(Demand, LastBackSubstitutionStopsAtWantedUnknowns) {
     const std::string name = s.system->coordinate_name(leg.unknowns[static_cast<std::size_t>(i)]);
     EXPECT_EQ(name[0] == 'e', i >= 6) << name;
   }
-  EXPECT_EQ(look::class_of(s, look::group(s, "SG_T")).first_wanted, 0);  // the leg reads all of the terminal
+  EXPECT_EQ(look::class_of(s, look::group(s, "SG_T")).first_wanted, 0);  // the leg reads all unknowns of the terminal
   EXPECT_EQ(s.left_out.groups.size(), 5u);
 }
 
@@ -170,7 +170,7 @@ TEST(Demand, NothingIsLeftOutWithoutOutputs) {
   }
 }
 
-// A dyad on fixed points beside one that moves.
+// One of two dyads stands on fixed points and never moves.
 TEST(Demand, StaticGroupsAreSolvedOnce) {
   SceneBuilder b("half", 2);
   b.fixed_point("A", {0, 0, 0}).fixed_point("B", {2, 0, 0}).point("C", {1, 0, 0});
@@ -186,7 +186,7 @@ TEST(Demand, StaticGroupsAreSolvedOnce) {
   EXPECT_EQ(s.left_out.static_groups, 1);
   ASSERT_EQ(s.static_coordinates.size(), 2u);
   EXPECT_NEAR(look::start(s, "F.x"), 1, 1e-15);
-  EXPECT_NEAR(look::start(s, "F.y"), 0.75, 1e-15);  // 3-4-5
+  EXPECT_NEAR(look::start(s, "F.y"), 0.75, 1e-15);  // by a right triangle with sides 3 : 4 : 5
 }
 
 }  // namespace

@@ -58,7 +58,7 @@ TEST(Groups, StewartGlobal) {
   EXPECT_EQ(look::class_of(s, s.groups[0]).blocks, 3 + 3 + 6 * 3);
 }
 
-// Declared groups are ignored here, so the driven pose vanishes; B and r follow from linear rows.
+// The irreducible formulation ignores declared groups, so the driven pose vanishes. B and r follow from linear rows.
 TEST(Groups, StewartIrreducible) {
   const Structure s = structure(sample("stewart"), irreducible);
   EXPECT_EQ(s.unknowns, 6 * 15);
@@ -138,7 +138,7 @@ TEST(Groups, MobilityOfTheSamples) {
 
 TEST(Groups, FillCountsLAndU) {
   const Structure s = structure(sample("four_bar"), groups);
-  EXPECT_EQ(s.fill(s.groups[0]), 4);  // a full 2 x 2
+  EXPECT_EQ(s.fill(s.groups[0]), 4);  // a full 2 x 2 matrix
   const Structure stewart = structure(sample("stewart"), groups);
   const Group& leg = look::group(stewart, "SG_HS1");
   EXPECT_GE(stewart.fill(leg), stewart.shape(leg).nnz);
@@ -216,7 +216,7 @@ TEST(Classes, DependOnRoles) {
 
 // ---- declared groups
 
-SceneBuilder chain() {  // P needs C, Q needs P, R needs Q
+SceneBuilder chain() {  // Q needs P, and R needs Q
   SceneBuilder b = dyads();
   b.point("P", {1.5, 1, 0}).constrain("PC", Distance{"P", "C", {}}).constrain("PB", Distance{"P", "B", {}});
   b.point("Q", {2.5, 1, 0}).constrain("QP", Distance{"Q", "P", {}}).constrain("QB", Distance{"Q", "B", {}});
@@ -239,11 +239,11 @@ TEST(DeclaredGroups, AnOutsideBlockBetweenTwoBlocksIsNamed) {
       look::error(Error::Kind::input, [&] { (void)structure(scene, groups); }),
       "/groups/PR: needs Q, which in turn needs this group: it lies between blocks of the group and must belong to "
       "it");
-  EXPECT_EQ(structure(scene, irreducible).groups.size(), 3u);  // declared groups are ignored there
+  EXPECT_EQ(structure(scene, irreducible).groups.size(), 3u);  // `irreducible` and `global` ignore declared groups
   EXPECT_EQ(structure(scene, global).groups.size(), 1u);
 }
 
-// The chain of outside blocks may be long; blocks that only follow are not named.
+// R lies between Q and S and is named. T only follows S and is not named.
 TEST(DeclaredGroups, NamesOnlyBlocksInBetween) {
   const Scene scene = chain()
                           .point("S", {4.5, 1, 0})

@@ -33,7 +33,7 @@ struct Presolved {
     for (const Index u : unknowns) out.insert(system.coordinate_name(u));
     return out;
   }
-  // Coefficient of `of` in the form of `item`, 0 if it is not there.
+  // Coefficient of `of` in the form of `item`; 0 if the form does not contain it.
   [[nodiscard]] double coefficient(const std::string& item, int k, const std::string& of) const {
     const Item& it = system.item(item);
     for (const Term& t : system.form(it.form[k])) {
@@ -43,7 +43,7 @@ struct Presolved {
   }
 };
 
-// One internal unit is 1 m with a rod of 1 m.
+// The rod has 1 m, so that one internal unit is 1 m.
 SceneBuilder plane() {
   SceneBuilder b("linear", 2);
   b.fixed_point("A", {0, 0, 0}).fixed_point("B", {2, 0, 0}).point("C", {1, 0, 0});
@@ -59,7 +59,7 @@ TEST(Presolve, Counts) {
   EXPECT_EQ(structure(sample("stewart"), global).eliminated, 0);
 }
 
-// P = C + (0.5, 0.25): P has no unknowns left, and its constant is on the right-hand side.
+// P = C + (0.5, 0.25) leaves no unknowns of P, and its constant moves to the right-hand side.
 TEST(Presolve, ConstantsOnTheRightHandSide) {
   const Presolved p(
       plane().point("P", {1, 1, 0}).constrain("offset", Linear{{{"P", 2}, {"C", -2}}, {1, 0.5, 0}}).build());
@@ -71,7 +71,7 @@ TEST(Presolve, ConstantsOnTheRightHandSide) {
   EXPECT_EQ(p.coefficient("P", 1, "1"), 0.25);
 }
 
-// P1 needs P2, P2 needs P3, ... in the worst order for substitution, and in the best.
+// P1 needs P2, P2 needs P3, and so on, in the worst order for substitution and in the best one.
 TEST(Presolve, AChainOfLinearEquations) {
   for (const bool forward : {true, false}) {
     SceneBuilder b = plane();
@@ -97,7 +97,8 @@ TEST(Presolve, AChainOfLinearEquations) {
   }
 }
 
-// x = sum c_j / c_p q_j: |c_p| is at least half of the largest, so no rounding is amplified by more than two.
+// In x = sum (c_j / c_p) q_j the pivot |c_p| is at least half of the largest |c_j|, so no rounding is amplified by more
+// than two.
 TEST(Presolve, AvoidsSmallPivots) {
   const Presolved p(plane()
                         .point("P", {1, 1, 0})
@@ -126,7 +127,7 @@ TEST(Presolve, PrefersTheUnknownThatFewerEquationsMention) {
   EXPECT_EQ(p.coefficient("P", 1, "Q.y"), 1.5);
 }
 
-// A long sum would make every equation with it dense.
+// A long sum would make every equation dense that contains its unknown.
 TEST(Presolve, KeepsLongForms) {
   for (const int n : {10, 11}) {
     SceneBuilder b = plane();

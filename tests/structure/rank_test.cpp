@@ -42,7 +42,7 @@ TEST(Rank, AThirdParallelRodIsRedundant) {
     EXPECT_EQ(s.cannot_assemble, "");
     EXPECT_TRUE(s.undetermined.empty());
     ASSERT_EQ(s.redundant.size(), 1u);
-    // The coupler determines B1 along itself, both rods across themselves: only the rods depend on each other.
+    // The coupler determines B1 along the coupler, both rods along the rods. Only the two rods depend on each other.
     EXPECT_EQ(s.redundant[0].constraints, (Names{"rocker", "third"}));
     EXPECT_TRUE(s.redundant[0].dropped == "rocker" || s.redundant[0].dropped == "third");
     ASSERT_EQ(s.checks.size(), 1u);
@@ -66,14 +66,14 @@ TEST(Rank, TheRedundantMechanismRuns) {
       EXPECT_NEAR(run(k, x), 2 + std::cos(1 + run.times()[k]), 1e-13);
       EXPECT_NEAR(run(k, y), std::sin(1 + run.times()[k]), 1e-13);
     }
-    EXPECT_LE(simulator.report().error.position, 1e-14);  // of the watched row as well
+    EXPECT_LE(simulator.report().error.position, 1e-14);  // includes the checked equation
   }
 }
 
 // The redundant equation is checked during the run: the length of the third rod has to fit.
 TEST(Rank, AViolatedRedundantEquationStopsTheRun) {
-  // Redundant at the start and to first order, but the third rod is connected to a point that leaves the circle: at the
-  // end the equations contradict each other by 5e-7 and 5e-3.
+  // The equations are redundant at the start and to first order, but the third rod is connected to a point that leaves
+  // the circle. At the end they contradict each other by 5e-7 and 5e-3.
   for (const auto& [accuracy, leaves] : {std::pair(0.0, 1e-3), std::pair(1e-4, 0.1)}) {
     SceneBuilder b("leaving", 2);
     b.fixed_point("A", {0, 0, 0}).fixed_point("C", {1, 0, 0}).point("S", {0.5, 0, 0});
@@ -100,7 +100,7 @@ TEST(Rank, NamesATooLongRod) {
   EXPECT_EQ(look::error(Error::Kind::numerical, [&] { (void)prepare(scene); }), s.cannot_assemble);
 }
 
-// Measured lengths, which are consistent only up to rounding.
+// Measured lengths agree only up to rounding, which is no contradiction.
 TEST(Rank, RoundingIsNoContradiction) {
   const Structure s = structure(parallelogram(1 + 4e-16).build(), groups);
   EXPECT_EQ(s.cannot_assemble, "");
@@ -150,7 +150,7 @@ TEST(Rank, AMissingDriverLeavesUnknownsFree) {
             std::string::npos);
 }
 
-// A free point, and a point that is free and belongs to contradictory equations, are distinguished.
+// The point `free` is undetermined. The points with a redundant equation are not.
 TEST(Rank, OnlyAFreePointIsUndetermined) {
   const Structure s = structure(parallelogram(1).point("free", {1, 1, 0}).build(), groups);
   EXPECT_EQ(s.undetermined, (Names{"free.x", "free.y"}));
@@ -209,7 +209,7 @@ TEST(Mobility, OfADeltaRobotIsThreeForAllDrivers) {
   for (const Redundancy& r : s.redundant) EXPECT_EQ(r.kind, Redundancy::Kind::motion) << r.dropped;
 }
 
-// A rigid triangle, and a driver without influence on it.
+// A rigid triangle, and a driver that cannot move it.
 TEST(Mobility, OfAPointWithDistanceAndCoordinateIsZero) {
   SceneBuilder b("fixed", 2);
   b.fixed_point("A", {0, 0, 0}).point("B", {0.6, 0.8, 0});
@@ -220,7 +220,7 @@ TEST(Mobility, OfAPointWithDistanceAndCoordinateIsZero) {
   EXPECT_EQ(s.mobility_at_start, 0);
 }
 
-// Two rods keep a point on a circle in space, a third one connects it to a slider.
+// Two rods keep a point on a circle in space; a third rod connects the point to a slider.
 TEST(Mobility, OfAWishboneWithARodIsOne) {
   for (const bool driven_by_slider : {true, false}) {
     SceneBuilder b("wishbone", 3);
@@ -230,7 +230,7 @@ TEST(Mobility, OfAWishboneWithARodIsOne) {
     b.constrain("rod", Distance{"B", "C"}).constrain("rail", OnLine{"C", "T", "up"});
     if (driven_by_slider) {
       b.drive("m", DrivenCoordinate{"rail.lambda", Law::polynomial({-1, 0.1})});
-    } else {  // on the rail and by its height at once: one of both is too many
+    } else {  // drives the height of B; the equal distances are one equation too many
       b.drive("m", DrivenCoordinate{"B.z", Law::polynomial({0.1, 0.1})});
       b.constrain("twice", EqualDistance{"A1", "B", "A2", "B"});
     }
@@ -271,7 +271,7 @@ TEST(Redundancies, AreDistinguished) {
   b.fixed_point("A", {0, 0, 0}).fixed_point("D", {2, 0, 0}).fixed_point("F", {0, 3, 0});
   b.point("B", {0.8 * std::cos(1), 0.8 * std::sin(1), 0}).point("C", {1.6, 1.2, 0});
   b.constrain("coupler", Distance{"B", "C"}).constrain("rocker", Distance{"D", "C"});
-  b.constrain("stay", Distance{"F", "C"});  // as long as it happens to be at the start
+  b.constrain("stay", Distance{"F", "C"});  // keeps the length that it has at the start
   b.drive("motor", PointAngle{"A", "B", "", Law::polynomial({1, 1})});
   const Scene scene = b.time(0, 1, 0.1).build();
   const Structure once = structure(scene, groups);
@@ -291,12 +291,12 @@ TEST(Redundancies, AreDistinguished) {
   EXPECT_EQ(event.kind, Code::inconsistent);
   EXPECT_EQ(event.group, dropped);
   EXPECT_EQ(event.unit, "m");
-  EXPECT_GT(event.figure, 1e-11);  // metres: the step at which it is noticed is short
+  EXPECT_GT(event.figure, 1e-11);  // in metres; the run notices it after a short step
   EXPECT_LE(event.time, 0.1);
 }
 
-// Three parallel cranks that pass their singular line: there two of the solved rods determine the posture only to the
-// square root of rounding, which the third rod shows (2e-8 m).
+// Three parallel cranks pass their singular line. There two of the solved rods determine the posture only to the square
+// root of rounding, and the third rod shows this error (2e-8 m).
 TEST(Redundancies, AreNotJudgedBySingularPostures) {
   SceneBuilder b("three cranks", 2);
   b.fixed_point("A", {0, 0, 0}).fixed_point("D", {2, 0, 0}).fixed_point("E", {1, 0.5, 0});

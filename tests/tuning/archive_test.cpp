@@ -19,7 +19,7 @@ CellResult cell_of(double seconds, double slowness) {
   return cell;
 }
 
-// A first run on a disturbed machine measures twice the usual time as the usual pace.
+// A first run on a disturbed machine takes twice the usual time for the usual pace.
 TEST(Archive, AWrongFirstPaceDoesNotScaleLaterSamples) {
   test::FileTree tree;
   const auto file = tree.root() / "tuning.db";

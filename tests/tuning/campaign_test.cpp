@@ -1,4 +1,4 @@
-// Budget, restart, interruption: on a clock that advances with each reading.
+// Budget, restart and interruption, on a clock that advances with each reading.
 #include "tuning/campaign.hpp"
 
 #include <gtest/gtest.h>
@@ -70,10 +70,10 @@ TEST_F(CampaignTest, StoresEachCellOnceWithFactorAndSolveOfEveryCandidate) {
 }
 
 TEST_F(CampaignTest, KeepsToItsBudget) {
-  options_.seconds = 0.05;  // 500 looks at the clock: not enough for all
+  options_.seconds = 0.05;  // 500 readings of the clock, too few for all cells
   Campaign campaign(options_, instruments());
   campaign.run(cells());
-  // Excess: the current block, and a few readings of the clock for each of about sixty candidates.
+  // The excess is the current block, and a few readings of the clock for each of about sixty candidates.
   EXPECT_LE(now_, 0.05 + 200 * kTick);
   EXPECT_EQ(campaign.figures().planned, 4u);
 }
@@ -125,7 +125,7 @@ TEST_F(CampaignTest, CorrectsMeetingsWithoutTheirClockTime) {
   campaign.run({meeting});
   ASSERT_EQ(stored_.size(), 1u);
   ASSERT_EQ(stored_[0].results.size(), 1u);
-  // A block of one call takes one reading, which is two ticks here.
+  // A block of one call takes one reading of the clock, which is two ticks because the machine is slow.
   const Result& r = stored_[0].results[0];
   const double raw = 2 * kTick * r.rounds / static_cast<double>(r.sample.repetitions);
   EXPECT_NEAR(r.sample.seconds, kAloneBeforeMeeting + std::max(raw - kAloneBeforeMeeting, 0.0) / 2, 1e-9);
@@ -140,7 +140,7 @@ TEST(Around, IsTheTimeOfAStepWithoutItsPacks) {
     Entrant e{kernel, {.n = n}, parse_strategy(strategy)};
     e.packs_of_step = packs;
     entrants.push_back(e);
-    if (seconds == 0) return;  // it was not timed
+    if (seconds == 0) return;  // this entrant was not timed
     Sample s;
     s.kernel = kernel;
     s.shape = e.shape;
@@ -156,9 +156,9 @@ TEST(Around, IsTheTimeOfAStepWithoutItsPacks) {
     enter(Kernel::pack, 12, strategy, large_pack, 1);
   };
   step_of("groups/lanes", 5e-6, 2e-6);
-  step_of("groups/lanes:8", 5e-6, 0);              // a part is missing
-  step_of("groups/eigen", 3.02e-6, 2e-6);          // all that is left is noise
-  enter(Kernel::step, 15, "groups/klu", 5e-6, 0);  // without its packs
+  step_of("groups/lanes:8", 5e-6, 0);              // one pack was not timed
+  step_of("groups/eigen", 3.02e-6, 2e-6);          // only noise remains for the time around packs
+  enter(Kernel::step, 15, "groups/klu", 5e-6, 0);  // its packs were not timed
   const std::size_t timed = cell.results.size();
   add_around(cell, entrants, shape);
   ASSERT_EQ(cell.results.size(), timed + 1);
@@ -242,7 +242,7 @@ TEST_F(RefinementTest, MeasuresBetweenTheSizesUntilTheyAreClose) {
   for (const CellResult& c : campaign.results()) sizes.insert(c.cell.n);
   EXPECT_EQ(sizes.size(), campaign.results().size());
   EXPECT_GT(sizes.size(), 8u);
-  EXPECT_GT(campaign.seconds_left(), 0);  // it ended because nothing was left to do
+  EXPECT_GT(campaign.seconds_left(), 0);  // stopped because nothing was left to do
   for (auto n = sizes.begin(); std::next(n) != sizes.end(); ++n) {
     const double a = *n, b = *std::next(n), middle = std::round(std::sqrt(a * b));
     EXPECT_TRUE(middle < 1.12 * a || b < 1.12 * middle) << a << ' ' << b;
@@ -302,11 +302,11 @@ TEST(History, FindsHopelessCandidatesFromTwoSmallerSizes) {
   EXPECT_EQ(history.hopeless("rings", candidate, 100, 1), "");
   history.note("rings", candidate, {20, 70e-6, 2e-6, 0});
   EXPECT_EQ(history.hopeless("rings", candidate, 40, 1), "far behind at smaller sizes");
-  EXPECT_EQ(history.hopeless("rings", candidate, 15, 1), "");  // one smaller size is known
+  EXPECT_EQ(history.hopeless("rings", candidate, 15, 1), "");  // only one smaller size is known
   EXPECT_EQ(history.hopeless("full", candidate, 40, 1), "");   // another family
   history.note("full", candidate, {10, 25e-6, 1e-6, 0});
   history.note("full", candidate, {20, 48e-6, 2e-6, 0});
-  EXPECT_EQ(history.hopeless("full", candidate, 40, 1), "");  // catches up
+  EXPECT_EQ(history.hopeless("full", candidate, 40, 1), "");  // the candidate catches up
 }
 
 TEST(History, FindsCandidatesThatTakeTooLong) {
@@ -314,7 +314,7 @@ TEST(History, FindsCandidatesThatTakeTooLong) {
   History history;
   history.note("full", candidate, {50, 1e-3, 1e-3, 0.001});
   history.note("full", candidate, {100, 8e-3, 8e-3, 0.01});
-  EXPECT_EQ(history.hopeless("full", candidate, 200, 0.2), "");  // 64 ms, and 80 ms to set up
+  EXPECT_EQ(history.hopeless("full", candidate, 200, 0.2), "");  // a call takes 64 ms, its analysis 80 ms
   EXPECT_EQ(history.hopeless("full", candidate, 200, 0.07), "its analysis takes too long");
   EXPECT_EQ(history.hopeless("full", candidate, 200, 0.05), "one call takes too long");
 }

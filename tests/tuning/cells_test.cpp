@@ -94,7 +94,7 @@ TEST(Candidates, OneOfEachBackendComesFirst) {
   Shape shape{.n = 200, .nnz = 600};
   const std::vector<Strategy> all = linear_solvers(kField, shape, 16);
   std::set<std::string> backends_seen, texts;
-  std::size_t last_new = 0;  // candidates until each backend had its turn
+  std::size_t last_new = 0;  // candidates until each backend has come once
   for (const Strategy& s : all) {
     texts.insert(to_string(s));
     if (backends_seen.insert(s.solver.backend).second) last_new = texts.size();
@@ -108,7 +108,7 @@ TEST(Candidates, OneOfEachBackendComesFirst) {
   for (const Strategy& s : linear_solvers(kField, shape, 16)) EXPECT_EQ(s.solver.threads, 1);
 }
 
-// Also for backends that solve matrices lane by lane, because the rest of a step is in lanes.
+// Backends that solve matrices lane by lane have every width, too, because the rest of a step is in lanes.
 TEST(Candidates, PacksHaveEveryWidthThatTheirGroupsFill) {
   std::map<std::string, std::set<int>> widths;
   for (const Strategy& s : pack_strategies(kField, Formulation::groups, {.n = 20, .nnz = 60, .groups = 8}, false)) {

@@ -32,7 +32,7 @@ Cell full(std::int32_t n) {
   return c;
 }
 
-// eigen takes n^2 ns, lapack 20 n ns: they meet at n = 20.
+// eigen takes n^2 ns and lapack 20 n ns, so they are equal at n = 20.
 CellResult cell(std::int32_t n, bool held_out, double eigen = 1) {
   CellResult out;
   out.cell = full(n);
@@ -59,7 +59,7 @@ TEST(Regret, IsTheCostOfAWrongChoice) {
   const Regret right = regret(model_of(cells), cells);
   EXPECT_GE(right.questions, 2u);
   EXPECT_EQ(right.max, 0);
-  // A held-out time of eigen that is eight times longer than expected: the model still chooses eigen.
+  // eigen takes eight times longer than expected in a held-out cell, but the model still chooses eigen.
   cells.push_back(cell(11, true, 8));
   const Regret wrong = regret(model_of(cells), cells);
   EXPECT_NEAR(wrong.max, 8.0 * 11 / 20 - 1, 1e-12);
@@ -72,7 +72,7 @@ TEST(Regret, IgnoresUncertainTimes) {
   for (Result& r : cells.back().results) {
     if (r.sample.strategy.solver.backend == "eigen") r.sample.spread = r.sample.seconds;
   }
-  EXPECT_EQ(regret(model_of(cells), cells).questions, 0u);  // one candidate is no choice
+  EXPECT_EQ(regret(model_of(cells), cells).questions, 0u);  // a single candidate is no choice
 }
 
 TEST(Refinement, ProposesCellsAtTheCrossover) {

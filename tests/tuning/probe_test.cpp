@@ -60,7 +60,7 @@ TEST(Probes, TryNonCoreAndThreadedBackends) {
   }
 }
 
-// The first child hangs and ignores signals: it is killed and recorded by name, and all others are tried.
+// The first child hangs and ignores signals. It is killed and recorded by name, and all others are tried.
 TEST(Probes, ContinueAfterAHangingChild) {
   std::vector<std::string> tried;
   const auto command = [&](const Strategy& s) {

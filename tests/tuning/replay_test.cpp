@@ -8,7 +8,7 @@
 namespace assur::tuning {
 namespace {
 
-// eigen takes n^2 ns, lapack 20 n ns: they cross at n = 20. Each was called for a second.
+// eigen takes n^2 ns and lapack 20 n ns, so they cross at n = 20. Each was called for a second.
 void add(std::vector<Sample>& samples, std::int32_t n) {
   for (const Kernel kernel : {Kernel::factor, Kernel::solve}) {
     for (const char* strategy : {"groups/eigen", "groups/lapack"}) {
@@ -50,12 +50,12 @@ TEST(Replay, PacksAndMatricesOfOneShapeAreDifferentCells) {
 }
 
 TEST(Replay, RegretFallsWithMoreSamples) {
-  // 22 is held out. A model of 128 alone always chooses lapack, which is better by a tenth at 22; 4 adds information.
+  // 22 is held out. A model with only size 128 always chooses lapack, which is better by a tenth at 22.
   const std::vector<CellResult> cells = cells_of(run_of({4, 8, 12, 22, 32, 64, 128}));
   const std::vector<Stage> stages = replay(cells, 3);
   ASSERT_EQ(stages.size(), 3u);
   for (std::size_t i = 0; i < stages.size(); ++i) {
-    EXPECT_NEAR(stages[i].share, static_cast<double>(i + 1) / 3, 1e-3);  // each cell took as long
+    EXPECT_NEAR(stages[i].share, static_cast<double>(i + 1) / 3, 1e-3);  // each cell took the same time
     EXPECT_EQ(stages[i].cells, 2 * (i + 1));
     EXPECT_EQ(stages[i].samples, 8 * (i + 1));
     EXPECT_GT(stages[i].regret.questions, 0u);

@@ -29,7 +29,7 @@ CellResult matrix(std::int32_t n, double lapack) {
     out.results.push_back(timed(Kernel::factor, n, strategy, factor));
     out.results.push_back(timed(Kernel::solve, n, strategy, factor / 10));
   }
-  // Slow solutions, of which a step has three.
+  // Solutions are slow, and a step has three of them.
   out.results.push_back(timed(Kernel::factor, n, "groups/eigen", 0.1e-6));
   out.results.push_back(timed(Kernel::solve, n, "groups/eigen", 1e-6));
   return out;

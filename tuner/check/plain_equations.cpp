@@ -245,8 +245,20 @@ void PlainEquations::add_bodies(const Scene& scene) {
 }
 
 void PlainEquations::add_base_lengths(const Scene& scene, const Body& body) {
+  const auto is_point = [&](std::size_t i) { return items_[static_cast<std::size_t>(item(body.base[i]))].is_point; };
+  const auto way = [&](std::size_t i) {
+    return ray(is_point(i) ? Direction(body.base[0], body.base[i]) : Direction(body.base[i]));
+  };
   for (std::size_t i = 0; i < body.base.size(); ++i) {
     for (std::size_t j = i + 1; j < body.base.size(); ++j) {
+      if (!is_point(j) || !is_point(i)) {
+        if (i == 0) continue;  // the length of a vector is an equation of its own
+        Equation q(Kind::dot, way(i));
+        q.e = way(j);
+        q.value = dot(guess(q.d), guess(q.e));
+        add(std::move(q), 1);
+        continue;
+      }
       const auto is_given = [&](const Constraint& c) {
         const auto* d = c.as<Distance>();
         return d != nullptr && key(d->p, d->q) == key(body.base[i], body.base[j]);

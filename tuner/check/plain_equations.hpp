@@ -261,12 +261,13 @@ std::vector<Spatial<T>> PlainEquations::places(const T* x) const {
       const auto of = [&](int i) { return at[static_cast<std::size_t>(i)]; };
       axes[0] = {T(1), T(0), T(0)}, axes[1] = {T(0), T(1), T(0)}, axes[2] = {T(0), T(0), T(1)};
       origin = of(s.base.empty() ? s.origin : s.base[0]);
-      if (!s.base.empty()) axes[0] = unit(of(s.base[1]) - origin);
+      const auto way = [&](int i) { return items_[static_cast<std::size_t>(i)].is_point ? of(i) - origin : of(i); };
+      if (!s.base.empty()) axes[0] = unit(way(s.base[1]));
       if (!s.frame.empty()) axes[0] = of(s.frame[0]);
       if (dimension_ == 2 && !(s.base.empty() && s.frame.empty())) axes[1] = {T(0) - axes[0].y, axes[0].x, T(0)};
       if (s.frame.size() == 3) axes[1] = of(s.frame[1]), axes[2] = of(s.frame[2]);
       if (s.base.size() == 3) {
-        axes[2] = unit(cross(axes[0], of(s.base[2]) - origin));
+        axes[2] = unit(cross(axes[0], way(s.base[2])));
         axes[1] = cross(axes[2], axes[0]);
       }
     }

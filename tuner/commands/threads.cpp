@@ -16,7 +16,7 @@ void check_threads(const Common& common) {
                                                        (machine.processors == 1 ? " processor" : " processors")}});
   }
   if (common.threads > machine.budget().threads && !common.quiet) {
-    std::cerr << "warning: --threads: " << threads << " threads exceed the free processors; " << to_string(machine)
+    std::cerr << "warning: --threads: " << threads << " threads exceed the budget of this machine; " << to_string(machine)
               << '\n';
   }
 }

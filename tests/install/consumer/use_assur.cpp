@@ -9,7 +9,7 @@ int main(int argc, char** argv) {
   const assur::Trajectory motion = simulator.run();
   const double error = simulator.report().error.position;
   std::printf("%zu times, position error %.1e\n", motion.times().size(), error);
-  const bool asked = assur::machine_model().model != nullptr;  // the databases
+  const bool asked = assur::machine_model().model != nullptr;  // reads the databases
   if (argc > 1) {
     std::ofstream file(argv[1]);
     assur::save_plan(file, assur::prepare(assur::sample("stewart"), {.strategy = "irreducible/lanes:8"}));

@@ -14,6 +14,6 @@ int main(int argc, char** argv) {
   const double angle = motion.last("handle1"), error = simulator.report().error.position;
   std::printf("%s: handle1 = %.15f rad at t = %g s, position error %.1e\n", simulator.prepared().name.c_str(), angle,
               motion.times().back(), error);
-  // By the closed form of the leg: the cosine rule in the handle's plane.
+  // The angle follows from the closed form of the leg, by the cosine rule in the plane of the handle.
   return simulator.report().status.ok() && std::abs(angle - 2.0782333566916) < 1e-12 && error < 1e-13 ? 0 : 1;
 }

@@ -1,4 +1,4 @@
-// Rules that decide whether a conclusion holds, for the times of the paper and for artificial ones.
+// Rules that decide whether a conclusion holds, applied to the times of the paper and to artificial ones.
 #include "report/paper/conclusions.hpp"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ const Conclusion& about(const std::vector<Conclusion>& all, const std::string& w
   return *at;
 }
 
-// Every version in every cell of tables 2 and 3, with times from a formula.
+// Times by a formula for every version in every cell of tables 2 and 3.
 using Law = std::function<double(const PaperCell&, const std::string& version, int p, int q)>;
 std::vector<PaperTiming> made_up(const Law& law, int threads) {
   std::vector<PaperTiming> out;
@@ -40,12 +40,12 @@ std::vector<PaperTiming> made_up(const Law& law, int threads) {
   return out;
 }
 
-// Cost by operations: dense n^3, sparse n with a large constant; groups p at once.
+// Cost by operations: dense n^3, sparse n with a large constant. p groups are solved at once.
 double as_the_paper_thinks(const PaperCell& cell, const std::string& version, int p, int q) {
   const auto dense = [](double n) { return n * n * n; };
   const auto sparse = [](double n) { return 90 * 90 * n; };
   const double threads = 1 + 0.8 * (p - 1) + 0.4 * (q - 1);
-  if (version == "GMKL") return dense(cell.total()) / 20 / threads;  // at 102 still faster than sparse
+  if (version == "GMKL") return dense(cell.total()) / 20 / threads;  // at 102 faster than sparse
   if (version == "GMA27") return q > 1 ? NAN : sparse(cell.total());
   if (version == "GEOMP+MKL") return cell.groups * dense(cell.n) / threads + cell.groups * 1000;
   if (version == "GEOMP+MA27") return q > 1 ? NAN : cell.groups * sparse(cell.n) / threads + cell.groups * 1000;
@@ -72,9 +72,9 @@ TEST(PaperConclusions, AreDecidedByMeasuredTimes) {
   EXPECT_EQ(about(all, "Multithreading MKL").verdict, Verdict::holds);
   EXPECT_EQ(about(all, "With larger matrices").verdict, Verdict::holds);
   EXPECT_EQ(about(all, "clearly outperform").verdict, Verdict::holds);
-  EXPECT_EQ(about(all, "close to four").verdict, Verdict::does_not_hold);         // two threads: 1.8
-  EXPECT_EQ(about(all, "between 60 and 120").verdict, Verdict::holds);            // they meet at 90
-  EXPECT_EQ(about(all, "OpenMP achieves more").verdict, Verdict::does_not_hold);  // nor is MKL ahead at the largest
+  EXPECT_EQ(about(all, "close to four").verdict, Verdict::does_not_hold);         // two threads give 1.8
+  EXPECT_EQ(about(all, "between 60 and 120").verdict, Verdict::holds);            // equal at n = 90
+  EXPECT_EQ(about(all, "OpenMP achieves more").verdict, Verdict::does_not_hold);  // MKL is not ahead at the largest
   EXPECT_EQ(about(all, "preferred method depends").verdict, Verdict::holds);
   EXPECT_EQ(about(all, "Outlook").verdict, Verdict::holds);
   for (const char* words : {"Three OpenMP", "figure 3", "Raspberry", "hybrid parallelism for medium", "GPU"}) {
@@ -86,7 +86,7 @@ TEST(PaperConclusions, ChangeWithTheTimes) {
   const auto sparse_is_always_faster = [](const PaperCell& cell, const std::string& version, int p, int q) {
     const bool dense = version.ends_with("MKL");
     if (!dense && q > 1) return std::nan("");
-    return (dense ? 10.0 : version == "auto" ? 5.0 : 1.0) * cell.total() * p * q;  // threads only cost
+    return (dense ? 10.0 : version == "auto" ? 5.0 : 1.0) * cell.total() * p * q;  // threads only cost time
   };
   const std::vector<Conclusion> all = conclusions(made_up(sparse_is_always_faster, 2), 2);
   for (const char* words :

@@ -77,7 +77,7 @@ TEST(PaperFigures, TheLastColumnsOfTable5AreRatiosOfItsTimes) {
   }
 }
 
-// Both are printed rounded: seconds to 0.01, joules to 0.1.
+// The paper rounds seconds to 0.01 and joules to 0.1.
 TEST(PaperFigures, EnergyIsPowerTimesTime) {
   ASSERT_EQ(paper_times(4).size(), 32u);
   for (const PaperTiming& t : paper_times(4)) {

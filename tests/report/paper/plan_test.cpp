@@ -70,7 +70,7 @@ TEST(PaperPlan, EachMechanismHasOneContestWithBothReadings) {
   const std::vector<PaperContest> all = contests(4, false, with);
   std::size_t cells = 0;
   for (const int table : {2, 3, 4, 5}) cells += cells_of_table(table).size();
-  EXPECT_EQ(all.size(), cells - 4);  // six groups are in tables 2 and 3
+  EXPECT_EQ(all.size(), cells - 4);  // four cells with six groups are in both tables 2 and 3
   for (const PaperContest& contest : all) {
     std::set<std::string> seen;
     for (const Entrant& e : contest.entrants) {
@@ -139,7 +139,7 @@ TEST(PaperPlan, TimesCorrectExpectedCosts) {
   EXPECT_DOUBLE_EQ(costs.step(large, dense) / costs.step(small, dense), before);
   EXPECT_DOUBLE_EQ(costs.step(large, dense), 2 * PaperCosts().step(large, dense));
   const Entrant sparse{"GMA27", {}, Reading::shared, "global/klu"};
-  EXPECT_DOUBLE_EQ(costs.step(large, sparse), PaperCosts().step(large, sparse));  // another kind
+  EXPECT_DOUBLE_EQ(costs.step(large, sparse), PaperCosts().step(large, sparse));  // sparse work is learned separately
 }
 
 }  // namespace

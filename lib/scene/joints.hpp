@@ -1,0 +1,30 @@
+// Joints: build() replaces them, and bodies without a base, by what the rest of the library knows: points and vectors
+// that bodies share, bases, members, and constraints. docs/joints.md gives the equations of each joint.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "assur/scene.hpp"
+
+namespace assur {
+
+// The lists of a scene under construction.
+struct JointParts {
+  int dimension;
+  const std::vector<Joint>& joints;
+  std::vector<Point>& points;
+  std::vector<Vector>& vectors;
+  std::vector<Body>& bodies;
+  std::vector<Constraint>& constraints;
+  std::vector<Driver>& drivers;
+  std::vector<Measure>& measures;
+  std::vector<std::string>& outputs;
+  std::vector<Diagnostic>& warnings;
+};
+
+// Expands all joints and all bodies that only joints or `rigid` define. Returns findings; then the lists are as they
+// were, and the findings mark the bodies that have no base.
+[[nodiscard]] std::vector<Diagnostic> expand_joints(JointParts parts);
+
+}  // namespace assur

@@ -1,0 +1,18 @@
+// The sum of many laws.
+#pragma once
+
+#include <span>
+
+#include "assur/law.hpp"
+
+namespace assur {
+
+// Adds by halves: an addition copies all parts, so that one after another would take the square of their number.
+[[nodiscard]] inline Law sum_of(std::span<const Law> laws) {
+  if (laws.empty()) return {};
+  if (laws.size() == 1) return laws.front();
+  const std::size_t half = laws.size() / 2;
+  return sum_of(laws.first(half)) + sum_of(laws.subspan(half));
+}
+
+}  // namespace assur
