@@ -83,7 +83,8 @@ class Expansion {
   explicit Expansion(JointParts parts) : p_(parts) {}
 
   std::vector<Diagnostic> run() {
-    if (std::all_of(p_.bodies.begin(), p_.bodies.end(), has_base) && p_.joints.empty()) return {};
+    const auto has_rigid = [](const Body& b) { return !b.rigid.empty(); };
+    if (p_.joints.empty() && std::none_of(p_.bodies.begin(), p_.bodies.end(), has_rigid)) return {};
     if (p_.dimension != 2 && p_.dimension != 3) return {};
     index_names();
     make_solids();
@@ -366,10 +367,10 @@ class Expansion {
       const auto [a, b] = bodies_of(j);
       if (body_of_.count(a) + body_of_.count(b) + (a == kGround) + (b == kGround) < 2) continue;
       const int sa = solid(a), sb = solid(b);
-      if (sa == sb && !std::holds_alternative<Fixed>(j.kind)) {
+      if (sa == sb && a != b && !std::holds_alternative<Fixed>(j.kind)) {
         report(where(j), in_quotes(a) + " and " + in_quotes(b) + " are fixed to each other; remove this joint");
-        continue;
       }
+      if (sa == sb) continue;
       const bool for_space = j.kind.index() != 0 && j.kind.index() != 1 && !std::holds_alternative<Fixed>(j.kind);
       if (!in_space() && for_space) {
         report(where(j) / kind_of(j),

@@ -63,7 +63,7 @@ TEST(Db, InfoExplainsUnreadableDatabases) {
   const Outcome refused = ask(file, {"info", "--json"});
   EXPECT_EQ(refused.status, 3);
   const auto row = refused.json()["rows"].at(0);
-  EXPECT_NE(row["why_not"].get<std::string>().find("no tuning database"), std::string::npos);
+  EXPECT_NE(row["why_not"].get<std::string>().find("not a tuning database"), std::string::npos);
   EXPECT_EQ(rows(scratch.file("absent.db"), {"info"}).at(0)["why_not"], "does not exist");
 }
 

@@ -402,7 +402,7 @@ TEST(Run, OutputsDoNotOverwriteInputs) {
   EXPECT_EQ(content(peers), "of others");
   const std::string both = scratch.file("both");
   EXPECT_EQ(run_command({"run", scene, "--csv", both, "--plot", both}).err,
-            "error: --plot: --csvalso writes " + both + "; name another file\n");
+            "error: --plot: --csv also writes " + both + "; name another file\n");
 }
 
 // A row lies where the branches of a parallelogram cross.

@@ -67,7 +67,7 @@ TEST(RegretSection, FiguresOfThePageEqualTheMeasurements) {
                           }),
             4);  // median, p95, max and mean
   EXPECT_NE(s.body.find("auto against itself"), std::string::npos);
-  EXPECT_NE(s.body.find("3 questions of 62"), std::string::npos);
+  EXPECT_NE(s.body.find("3 of 62"), std::string::npos);
 }
 
 TEST(RegretSection, NamesTheWorstCasesFirst) {

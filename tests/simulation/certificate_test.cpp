@@ -317,7 +317,7 @@ TEST(Certificate, CertifiesEachRowOfARun) {
   EXPECT_EQ(worst.radius, largest);
   EXPECT_EQ(worst.uniqueness, uniqueness);
   EXPECT_EQ(certify(simulator).radius, all.back().radius);
-  EXPECT_EQ(worst_of({}).why_not, "there is no posture");
+  EXPECT_EQ(worst_of({}).why_not, "there is no posture to certify");
   EXPECT_TRUE(std::isinf(worst_of({}).radius));
 }
 

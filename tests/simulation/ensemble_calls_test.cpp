@@ -148,7 +148,7 @@ TEST(Ensemble, RefusesInvalidArguments) {
   EXPECT_NE(refusal([] { (void)Ensemble(1, prepared(four_bar, "groups/eigen"), {0, 0, 0}); }), "");
   EXPECT_NE(refusal([] {
               (void)Ensemble(1, prepared(four_bar, "groups/eigen"), {0, 12, 1});
-            }).find("deadline"),
+            }).find("StepLimits::seconds"),
             std::string::npos);
   Ensemble e = ensemble(2, four_bar);
   EXPECT_NE(refusal([&] { (void)e.run(std::vector<double>{}); }), "");
