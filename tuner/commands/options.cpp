@@ -149,7 +149,7 @@ void add_compare(CLI::App& app, Invocation& call) {
   compare
       .add_option_function<std::string>(
           "--strategies", [&o](const std::string& text) { take_names(o.strategies, text, "--strategies"); },
-          "Compare only auto and these, e.g. groups/klu,irreducible/lanes")
+          "Only auto and LIST, as groups/klu,irreducible/lanes")
       ->type_name("LIST");
   CLI::Option* html = compare.add_option("--html", o.html, "Write a page with the diagram")->type_name("FILE");
   add_common(compare, call.common);
