@@ -63,11 +63,11 @@ struct Member {
 // The body "ground" has no base; its members are fixed.
 struct Body {
   std::string name;                     // unique, see Point
-  std::string origin;                   // name of a point; "": none
-  std::vector<std::string> frame;       // names of vectors
-  std::vector<std::string> base;        // names of points, and of vectors after the first
-  std::vector<Member> points;           // points that belong to the body
-  std::vector<Member> vectors;          // vectors that belong to the body
+  std::string origin = {};              // name of a point; "": none
+  std::vector<std::string> frame = {};  // names of vectors
+  std::vector<std::string> base = {};   // names of points, and of vectors after the first
+  std::vector<Member> points = {};      // points that belong to the body
+  std::vector<Member> vectors = {};     // vectors that belong to the body
   std::vector<std::string> rigid = {};  // names of points and vectors that keep their places to each other
 };
 

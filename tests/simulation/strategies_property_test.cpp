@@ -33,7 +33,9 @@ void expect_the_motion_of_the_reference(const Scene& scene, const std::string& s
   EXPECT_LE(report.error.position, 1e-13);
   EXPECT_LE(report.error.velocity, 1e-13);
   // Systems that are solved for some of their unknowns only are not measured (report.hpp).
-  if (!std::isnan(report.error.acceleration)) EXPECT_LE(report.error.acceleration, 1e-13);
+  if (!std::isnan(report.error.acceleration)) {
+    EXPECT_LE(report.error.acceleration, 1e-13);
+  }
 
   const double residual = test::residual_of(report, report);
   // Forward errors are relative to each output, the bound to the largest output of its kind.
