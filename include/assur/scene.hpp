@@ -183,6 +183,14 @@ struct OnPlane {
   Direction d, e;    // two directions that span the plane
 };
 
+// Two coordinates of joints move in proportion, as those of gears or of a rack and its pinion: b = ratio * a, both
+// counted from the posture as written. build() makes a Callback of it; docs/joints.md gives its equation. The ratio of
+// two angles is that of whole numbers up to 1000, within 1e-9.
+struct Gear {
+  std::string a, b;  // "JOINT.angle" or "JOINT.displacement"
+  double ratio = 1;  // not 0; 1, m/rad or rad/m
+};
+
 // Equations of a C++ function, for scenes built in C++. All arguments and results are in SI units. The equations are
 // not quadratic, so that their groups have no certificates. assur trusts the residual, and compares Jacobian and
 // curvature with differences (docs/accuracy.md). For this it calls the functions near the posture as well; an exception
@@ -221,7 +229,7 @@ struct Constraint {
   std::string name;  // unique, see Point
   // One of the structs above. Use visit() or as() to read it.
   std::variant<Distance, Apart<EqualDistance>, Apart<Dot>, Apart<Parallel>, Linear, FixedCoordinate, Apart<OnLine>,
-               Apart<OnPlane>, Apart<Callback>>
+               Apart<OnPlane>, Apart<Gear>, Apart<Callback>>
       kind;
 
   // Calls visitor(kind) with the struct of the constraint, and returns the result.
@@ -297,6 +305,8 @@ struct Driver {
   std::variant<PointAngle, RelativeAngle, DrivenDistance, DrivenCoordinate, Pose> kind;
   // True: the laws give the difference from the value of the driver in the posture as written.
   bool relative = false;
+  // True: the values that a program sets give this difference, too. build() sets it for coordinates of joints.
+  bool sets_difference = false;
 };
 
 // ---- measures
@@ -326,11 +336,21 @@ struct Combination {
   double constant = 0;                                // in the unit of the measures
 };
 
+// One number of the orientation of a body. build() makes these for outputs that name the body.
+struct Orientation {
+  // angle: of the plane, rad, as AbsoluteAngle. w to z: the unit quaternion with w >= 0. turn_x to turn_z: has no
+  // value; its rate is a component of the angular velocity in ground coordinates, its acceleration one of the angular
+  // acceleration; rad.
+  enum class Part : std::uint8_t { angle, w, x, y, z, turn_x, turn_y, turn_z };
+  std::string body;  // the name of a body with members BODY.ex, BODY.ey and BODY.ez, which build() adds
+  Part part = Part::angle;
+};
+
 // A measure: a quantity that can be an output.
 struct Measure {
   std::string name;  // unique, see Point
   // One of the structs above.
-  std::variant<AbsoluteAngle, AngleBetween, MeasuredDistance, MeasuredCoordinate, Combination> kind;
+  std::variant<AbsoluteAngle, AngleBetween, MeasuredDistance, MeasuredCoordinate, Combination, Orientation> kind;
 };
 
 // A structural group that the scene declares: a union of irreducible groups.
@@ -386,7 +406,7 @@ class Scene {
   // Findings that are no errors, e.g. a vector that had to be normalised.
   [[nodiscard]] const std::vector<Diagnostic>& warnings() const { return parts_->warnings; }
 
-  // The same mechanism with other outputs: "C", "C.velocity", columns such as "C.vx", or "all" alone. Throws Error
+  // The same mechanism with other outputs, as SceneBuilder::output() takes them. Throws Error
   // (input), with the known names, if a name is unknown.
   [[nodiscard]] Scene with_outputs(std::vector<std::string> outputs) const;
   // The same mechanism with another time grid. Throws Error (input) if the grid has no whole number of steps, or if a
@@ -408,6 +428,7 @@ class Scene {
     std::vector<DeclaredGroup> groups;
     std::vector<std::filesystem::path> tables;
     std::vector<Diagnostic> warnings;
+    std::vector<std::string> without_frame;  // names of bodies whose base build() chose
   };
   std::shared_ptr<const Parts> parts_ = std::make_shared<const Parts>();  // of all copies
   std::vector<std::string> outputs_;
@@ -465,8 +486,9 @@ class SceneBuilder {
   // Reserves memory for this many points and constraints, for large scenes.
   SceneBuilder& reserve(std::size_t points, std::size_t constraints);
 
-  // Adds an output: "C", "C.velocity", a column such as "C.vx", or "all" alone. Without outputs, everything that moves
-  // is computed.
+  // Adds an output: "C", "C.velocity", a column such as "C.vx", or "all" alone; of a body B: "B", its pose, or
+  // "B.origin", "B.quaternion", "B.angular_velocity", "B.angular_acceleration", in the plane "B.angle"
+  // (docs/joints.md). Without outputs, everything that moves is computed.
   SceneBuilder& output(std::string name);
   // Sets the time grid, s.
   SceneBuilder& time(double start, double end, double step);
@@ -483,7 +505,9 @@ class SceneBuilder {
   [[nodiscard]] Scene build() && { return finish(); }
 
  private:
-  [[nodiscard]] Scene finish();
+  friend class Scene;
+  // expanded: joints have been replaced.
+  [[nodiscard]] Scene finish(bool expanded = false);
 
   Scene::Parts parts_;
   std::vector<std::string> outputs_;

@@ -74,9 +74,11 @@ Status NewtonStep::position(Pack& pack, double* x, const Attempt& attempt, Count
     // Where no ball guards the branch, each correction must be at most a tenth of the one before.
     const bool must_contract = attempt.branch == Attempt::Branch::pass ||
                                (!work_.group_class.quadratic && attempt.branch != Attempt::Branch::anywhere);
-    const bool contracts = iteration == 0 || norm <= kContraction * last_norm || relative <= kRoundingLevel;
+    bool contracts = iteration == 0 || norm <= kContraction * last_norm || relative <= kRoundingLevel;
     if (must_contract && attempt.iterations == 0 && !contracts) {
-      return pack.failed(Code::not_converged, norm / last_norm);
+      // Corrections by rounding do not contract, and they look large if the terms of an equation vanish here.
+      contracts = raised_ratio() <= kRoundingLevel;
+      if (!contracts) return pack.failed(Code::not_converged, norm / last_norm);
     }
     // Factors of another posture are kept as long as the corrections contract.
     usable = (settings_.once || settings_.reuse != Reuse::fresh) && contracts;

@@ -112,10 +112,12 @@ class Check {
         return m.kind == kind && std::ssize(m.forms) == forms;
       };
       using Kind = MeasureForms::Kind;
-      require(takes(Kind::form, 1) || takes(Kind::distance, d) || takes(Kind::absolute_angle, 2) ||
-                  takes(Kind::signed_angle, d == 2 ? 4 : 9) || (d == 3 && takes(Kind::unsigned_angle, 6)) ||
-                  takes(Kind::sum, 0) || takes(Kind::sum_of_angles, 0),
-              "the kind of measure");
+      require(
+          takes(Kind::form, 1) || takes(Kind::distance, d) || takes(Kind::absolute_angle, 2) ||
+              takes(Kind::signed_angle, d == 2 ? 4 : 9) || (d == 3 && takes(Kind::unsigned_angle, 6)) ||
+              (d == 3 && (is_quaternion(m.kind) || (is_turn(m.kind) && m.kind <= Kind::turn_z)) && takes(m.kind, 9)) ||
+              takes(Kind::sum, 0) || takes(Kind::sum_of_angles, 0),
+          "the kind of measure");
       require(m.is_sum() || m.terms.empty(), "the terms");
       for (const MeasureForms::SumTerm& t : m.terms) {
         require(within(t.measure, system_.measures.size()) && !system_.measures[idx(t.measure)].is_sum(), "the terms");

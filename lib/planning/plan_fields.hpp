@@ -41,7 +41,7 @@ inline void fields(auto& a, Either<MeasureForms> auto& m) {
   a(m.name, m.kind, m.forms, m.dimension, m.terms, m.constant);
 }
 inline void fields(auto& a, Either<DriverInput> auto& i) {
-  a(i.driver, i.kind, i.first, i.count, i.dimension, i.must_not_vanish, i.laws);
+  a(i.driver, i.kind, i.first, i.count, i.dimension, i.must_not_vanish, i.laws, i.zero);
 }
 inline void fields(auto& a, Either<Positive> auto& p) { a(p.coordinate, p.driver, p.dimension); }
 inline void fields(auto& a, Either<System> auto& s) {

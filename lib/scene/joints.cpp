@@ -1,6 +1,7 @@
 #include "scene/joints.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -12,6 +13,7 @@
 
 #include "decimal.hpp"
 #include "index.hpp"
+#include "scene/gear.hpp"
 #include "scene/names.hpp"
 #include "scene/triple.hpp"
 
@@ -84,7 +86,11 @@ class Expansion {
 
   std::vector<Diagnostic> run() {
     const auto has_rigid = [](const Body& b) { return !b.rigid.empty(); };
-    if (p_.joints.empty() && std::none_of(p_.bodies.begin(), p_.bodies.end(), has_rigid)) return {};
+    const auto is_gear = [](const Constraint& c) { return c.as<Gear>() != nullptr; };
+    if (p_.joints.empty() && std::none_of(p_.bodies.begin(), p_.bodies.end(), has_rigid) &&
+        std::none_of(p_.constraints.begin(), p_.constraints.end(), is_gear)) {
+      return {};
+    }
     if (p_.dimension != 2 && p_.dimension != 3) return {};
     index_names();
     make_solids();
@@ -341,7 +347,8 @@ class Expansion {
         report(here, "the coordinates must be finite");
         at = {1, 0, 0};
       } else if (!is_point && triple::norm(at) == 0) {
-        report(here, std::string(key == "normal" ? "the normal" : "the axis") + " is zero or missing; give a direction, e.g. [0, 0, 1]");
+        report(here, std::string(key == "normal" ? "the normal" : "the axis") +
+                         " is zero or missing; give a direction, e.g. [0, 0, 1]");
         at = {1, 0, 0};
       } else if (!in_space() && at[2] != 0) {
         report(here, "a plane scene has no z; write 0 or leave it out");
@@ -522,6 +529,12 @@ class Expansion {
     return {j, angle};
   }
 
+  struct Geared {
+    std::size_t constraint;
+    std::array<Coordinate, 2> sides;
+    double ratio;
+  };
+
   void read_coordinates() {
     for (Driver& d : p_.drivers) {
       if (const auto* c = std::get_if<DrivenCoordinate>(&d.kind)) {
@@ -536,10 +549,41 @@ class Expansion {
         if (of.joint != nullptr) measured_.emplace_back(&m, of);
       }
     }
+    for (std::size_t c = 0; c < p_.constraints.size(); ++c) {
+      if (const auto* gear = p_.constraints[c].as<Gear>()) read_gear(c, *gear);
+    }
     for (std::size_t i = 0; i < p_.outputs.size(); ++i) {
       const Coordinate of = coordinate(p_.outputs[i], Where("/outputs") / i);
       if (of.joint != nullptr) asked_.insert(of.joint->name + (of.is_angle ? ".angle" : ".displacement"));
     }
+  }
+
+  void read_gear(std::size_t constraint, const Gear& gear) {
+    const Where here = Where("/constraints") / p_.constraints[constraint].name;
+    Geared g{constraint, {}, gear.ratio};
+    for (std::size_t side = 0; side < 2; ++side) {
+      const std::string& name = side == 0 ? gear.a : gear.b;
+      const std::size_t before = findings_.size();
+      g.sides[side] = coordinate(name, here / "gear" / side);
+      const bool is_part = name.find('.') != name.rfind('.');
+      if (g.sides[side].joint != nullptr && !is_part) continue;
+      if (findings_.size() == before) {
+        report(here / "gear" / side,
+               in_quotes(name) + " is no coordinate of a joint; write JOINT.angle or JOINT.displacement");
+      }
+      return;
+    }
+    if (gear.a == gear.b) return report(here / "gear", "both coordinates are " + in_quotes(gear.a));
+    if (!std::isfinite(gear.ratio) || gear.ratio == 0) {
+      return report(here / "ratio", "the ratio is " + general(gear.ratio, 6) + "; it must be finite and not 0");
+    }
+    if (g.sides[0].is_angle && g.sides[1].is_angle && !whole_ratio(gear.ratio)) {
+      return report(here / "ratio",
+                    "the ratio of two angles is that of whole numbers up to 1000, as of teeth, within "
+                    "1e-9; " +
+                        general(gear.ratio, 10) + " is not");
+    }
+    geared_.push_back(g);
   }
 
   // A joint of the ground turns an arm: then the driver knows all of the body. Any other angle is one between two
@@ -550,6 +594,11 @@ class Expansion {
     }
     for (const auto& [measure, of] : measured_) {
       if (of.is_angle) between(*of.joint);
+    }
+    for (const Geared& g : geared_) {
+      for (const Coordinate& side : g.sides) {
+        if (side.is_angle) between(*side.joint);
+      }
     }
     for (const Joint& j : p_.joints) {
       if (asked_.count(j.name + ".angle") != 0) between(j);
@@ -846,6 +895,7 @@ class Expansion {
     for (const std::size_t b : solid.bodies) {
       Body& body = p_.bodies[b];
       if (has_base(body)) continue;
+      if (based == nullptr) p_.without_frame.push_back(body.name);
       body.rigid.clear();
       const auto is_elsewhere = [&](const Member& m) { return still.count(m.name) == 0; };
       std::erase_if(body.points, is_elsewhere);
@@ -888,10 +938,18 @@ class Expansion {
       } else if (const auto arm = arms_.find(driver); arm != arms_.end()) {
         driver->kind =
             PointAngle{features_[arm->second.first].name, features_[arm->second.second].name, axis, std::move(law)};
-        driver->relative = true;
+        driver->relative = driver->sets_difference = true;
       } else {
         driver->kind = RelativeAngle{name + ".from", name + ".to", axis, std::move(law)};
       }
+    }
+    const auto side = [&](const Coordinate& of) {
+      const std::string& name = of.joint->name;
+      if (!of.is_angle) return GearSide{false, {}, {}, {}, name + ".slide.lambda"};
+      return GearSide{true, name + ".from", name + ".to", in_space() ? features_[axis_of_.at(of.joint)].name : "", {}};
+    };
+    for (const Geared& g : geared_) {
+      p_.constraints[g.constraint].kind = gear_equation(side(g.sides[0]), side(g.sides[1]), g.ratio);
     }
     const auto measure = [&](const Joint& j, bool is_angle, Measure& out) {
       const std::string axis = in_space() ? features_[axis_of_.at(&j)].name : "";
@@ -930,6 +988,7 @@ class Expansion {
   std::vector<Crossing> crossings_;
   std::vector<std::pair<Driver*, Coordinate>> driven_;
   std::vector<std::pair<Measure*, Coordinate>> measured_;
+  std::vector<Geared> geared_;
   std::set<std::string> asked_;
   std::map<const Driver*, std::pair<std::size_t, std::size_t>> arms_;  // features: centre, end
   std::map<std::size_t, std::vector<std::size_t>> base_;               // of solids: features

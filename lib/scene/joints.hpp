@@ -21,10 +21,11 @@ struct JointParts {
   std::vector<Measure>& measures;
   std::vector<std::string>& outputs;
   std::vector<Diagnostic>& warnings;
+  std::vector<std::string>& without_frame;  // receives the names of bodies that had no base
 };
 
-// Expands all joints and all bodies that only joints or `rigid` define. Returns findings; then the lists are as they
-// were, and the findings mark the bodies that have no base.
+// Expands all joints, all gears, and all bodies that only joints or `rigid` define. Returns findings; then the lists
+// are as they were, and the findings mark the bodies that have no base.
 [[nodiscard]] std::vector<Diagnostic> expand_joints(JointParts parts);
 
 }  // namespace assur

@@ -146,6 +146,8 @@ inline constexpr std::tuple kConstraints{
                                       direction(&OnPlane::e, "e", "{} and {} are one direction; a plane needs two"))))
         .brings("lambda", "mu")
         .only_in_space("on_plane is for 3D; in the plane every point is on it"),
+    row<Gear>(key("gear", list(slot(&Gear::a, {Means::text, "A.angle"}), slot(&Gear::b, {Means::text, "B.angle"}))),
+              key("ratio", slot(&Gear::ratio), "the motion of the second coordinate by that of the first")),
     row<Callback>(
         key("callback", Refused{"equations of your own code cannot be written in a file; add a Callback in C++"})),
 };
@@ -182,6 +184,7 @@ inline constexpr std::tuple kMeasures{
     row<MeasuredCoordinate>(key("coordinate", scalar(&MeasuredCoordinate::coordinate))),
     row<Combination>(key("sum", slot(&Combination::terms, {Means::measure, R"([["toe", 1], ["steer", -1]])"})),
                      key("constant", slot(&Combination::constant, {Means::of_terms}))),
+    row<Orientation>(key("orientation", Refused{"the orientation of a body is an output: write the name of the body"})),
 };
 
 template <class Kind>
@@ -212,13 +215,8 @@ inline constexpr std::tuple kJoints{
 // Kinds that are no constraints.
 inline constexpr Refused kJointElsewhere{"this is a joint; joints have a section of their own, \"joints\""};
 inline constexpr std::pair<std::string_view, Refused> kNoConstraints[] = {
-    {"revolute", kJointElsewhere},
-    {"prismatic", kJointElsewhere},
-    {"cylindrical", kJointElsewhere},
-    {"spherical", kJointElsewhere},
-    {"universal", kJointElsewhere},
-    {"planar", kJointElsewhere},
-    {"gear", {"a gear is a Callback of the C++ interface and cannot be written in a file"}}};
+    {"revolute", kJointElsewhere},  {"prismatic", kJointElsewhere}, {"cylindrical", kJointElsewhere},
+    {"spherical", kJointElsewhere}, {"universal", kJointElsewhere}, {"planar", kJointElsewhere}};
 
 // ---- other objects
 

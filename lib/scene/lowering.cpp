@@ -115,6 +115,17 @@ void declare(Forms& forms, MeasureForms& out, const MeasuredCoordinate& c) {
   out.forms.push_back(forms.scalar_form(c.coordinate));
 }
 
+void declare(Forms& forms, MeasureForms& out, const Orientation& o) {
+  using Kind = MeasureForms::Kind;
+  static constexpr Kind kKinds[] = {Kind::absolute_angle, Kind::quaternion_w, Kind::quaternion_x, Kind::quaternion_y,
+                                    Kind::quaternion_z,   Kind::turn_x,       Kind::turn_y,       Kind::turn_z};
+  out.kind = kKinds[static_cast<std::size_t>(o.part)];
+  append(forms, out, o.body + ".ex");
+  if (o.part == Orientation::Part::angle) return;
+  append(forms, out, o.body + ".ey");
+  append(forms, out, o.body + ".ez");
+}
+
 void declare(Forms&, MeasureForms&, const Combination&) {}  // declare_sums()
 
 void declare_measures(Forms& forms) {
@@ -128,7 +139,7 @@ void declare_measures(Forms& forms) {
 
 std::string unit_of(const MeasureForms& m) {
   using K = MeasureForms::Kind;
-  if (m.kind != K::form && m.kind != K::distance) return "rad";
+  if (m.kind != K::form && m.kind != K::distance && !is_quaternion(m.kind)) return "rad";
   return m.dimension == 0 ? "1" : m.dimension == 1 ? "m" : "m^" + std::to_string(m.dimension);
 }
 
@@ -165,6 +176,7 @@ void count_from_guess(const System& s, DriverInput& in) {
   }
   const std::vector<double> from = own_values(s, in, s.guess);
   for (std::size_t k = 0; k < in.laws.size(); ++k) in.laws[k] = Law::constant(from[k]) + in.laws[k];
+  if (s.scene->drivers()[idx(in.driver)].sets_difference) in.zero = from[0];
   const double start = in.laws[0](s.scene->time().start).value;
   if (in.must_not_vanish && start <= 0) {
     throw Error(Error::Kind::input, {{where + "/law", "the distance at the start is " + general(start, 6) +

@@ -103,6 +103,7 @@ class ConstraintWriter {
   void write(const std::string& name, const Linear& c);
   void write(const std::string& name, const FixedCoordinate& c);
   void write(const std::string& name, const Callback& c);
+  void write(const std::string&, const Gear&) {}  // build() makes a Callback of it
 
   Forms& forms_;
   Shared& shared_;

@@ -24,6 +24,7 @@ Output of_measure(const MeasureForms& measure) {
   out.name = measure.name;
   out.all_parts[0] = {measure.kind, measure.dimension, measure.forms};
   if (measure.is_sum()) out.sum = &measure;
+  out.wanted[0] = !is_turn(measure.kind);
   return out;
 }
 
@@ -134,7 +135,7 @@ std::vector<Output> wanted_outputs(const System& s) {
       out.back() = column_of(out.back(), static_cast<std::size_t>(asked->component),
                              static_cast<std::size_t>(asked->derivative));
     }
-    for (int d = 0; d < 3; ++d) out.back().wanted[d] = d == asked->derivative;
+    for (int d = 0; d < 3; ++d) out.back().wanted[d] = out.back().wanted[d] && d == asked->derivative;
   }
   return without_repetition(with_terms(s, std::move(out)));
 }
@@ -144,7 +145,10 @@ void append_columns(const Output& o, std::vector<std::string>& columns) {
   static constexpr const char* kVector[3] = {".", ".v", ".a"};
   for (int d = 0; d < 3; ++d) {
     if (!o.wanted[d]) continue;
-    if (o.component >= 0) {
+    if (is_turn(o.all_parts[0].kind)) {  // "B.turn_x" -> "B.wx", "B.alphax"
+      const std::string_view body = o.name.substr(0, o.name.rfind('.'));
+      columns.push_back(std::string(body) + (d == 1 ? ".w" : ".alpha") + o.name.back());
+    } else if (o.component >= 0) {
       columns.push_back(std::string(o.name) + kVector[d] + "xyz"[o.component]);
     } else if (o.part_count == 1) {
       columns.push_back(std::string(o.name) + kScalar[d]);

@@ -7,6 +7,7 @@
 #include "decimal.hpp"
 #include "scene/joints.hpp"
 #include "scene/names.hpp"
+#include "scene/poses.hpp"
 #include "scene/triple.hpp"
 #include "scene/validation.hpp"
 
@@ -63,6 +64,13 @@ void refuse_if_any(std::vector<Diagnostic> findings) {
 }  // namespace
 
 Scene Scene::with_outputs(std::vector<std::string> outputs) const {
+  if (asks_for_pose(parts_->bodies, outputs)) {
+    SceneBuilder builder(parts_->name, parts_->dimension);
+    builder.parts_ = *parts_;
+    builder.outputs_ = std::move(outputs);
+    builder.time_ = time_;
+    return builder.finish(true);
+  }
   Scene scene = *this;
   scene.outputs_ = std::move(outputs);
   refuse_if_any(Validation(scene, {}).outputs());
@@ -139,11 +147,15 @@ SceneBuilder& SceneBuilder::diagnose(Diagnostic diagnostic) {
   return *this;
 }
 
-Scene SceneBuilder::finish() {
+Scene SceneBuilder::finish(bool expanded) {
   const auto parts = std::make_shared<Scene::Parts>(std::move(parts_));
-  JointParts joint_parts{parts->dimension,   parts->joints,  parts->points,   parts->vectors, parts->bodies,
-                         parts->constraints, parts->drivers, parts->measures, outputs_,       parts->warnings};
-  for (Diagnostic& finding : expand_joints(joint_parts)) found_.push_back(std::move(finding));
+  expand_poses({parts->dimension, parts->bodies, parts->measures, outputs_, parts->without_frame});
+  JointParts joint_parts{parts->dimension, parts->joints,      parts->points,       parts->vectors,
+                         parts->bodies,    parts->constraints, parts->drivers,      parts->measures,
+                         outputs_,         parts->warnings,    parts->without_frame};
+  if (!expanded) {
+    for (Diagnostic& finding : expand_joints(joint_parts)) found_.push_back(std::move(finding));
+  }
   parts->points.shrink_to_fit();
   parts->constraints.shrink_to_fit();
   Scene scene;

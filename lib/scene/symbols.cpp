@@ -68,9 +68,12 @@ Symbols::Symbols(const Scene& scene, const Known& known) {
   const auto never = [](const auto&) { return false; };
   const auto nowhere = [](const auto&) { return Triple{}; };
 
-  if (!scene.joints().empty()) {
-    for (const Joint& j : scene.joints()) owners_.insert(j.name);
-    for (const Body& b : scene.bodies()) owners_.insert(b.name);
+  for (const Joint& j : scene.joints()) owners_.insert(j.name);
+  for (const Body& b : scene.bodies()) {
+    const auto is_of_pose = [&](const Member& m) { return m.name == b.name + ".origin" || m.name == b.name + ".ex"; };
+    const bool has_pose = std::any_of(b.points.begin(), b.points.end(), is_of_pose) ||
+                          std::any_of(b.vectors.begin(), b.vectors.end(), is_of_pose);
+    if (!scene.joints().empty() || has_pose) owners_.insert(b.name);
   }
   symbols_.reserve(2 * (scene.points().size() + scene.vectors().size() + scene.constraints().size()));
   enter_all(NameKind::point, scene.points(), is_fixed, written);

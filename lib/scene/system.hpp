@@ -97,6 +97,7 @@ struct DriverInput {
   // Forms of the driven quantity, for own_values(): a coordinate, the components of a distance, two directions (and in
   // space the axis), or the origin and axes of a body.
   std::vector<Index> own;
+  double zero = 0;              // SI unit: is added to values that a program sets; of a driver with one law
   std::vector<double> written;  // its own values in the posture as written, one for each law, SI units
 };
 
@@ -135,14 +136,30 @@ struct SystemGroup {
 // A measure in forms; signals/output_program.hpp evaluates it.
 struct MeasureForms {
   // sum, sum_of_angles: of other measures
-  enum class Kind : std::uint8_t { form, distance, absolute_angle, signed_angle, unsigned_angle, sum, sum_of_angles };
+  enum class Kind : std::uint8_t {
+    form,
+    distance,
+    absolute_angle,
+    signed_angle,
+    unsigned_angle,
+    sum,
+    sum_of_angles,
+    quaternion_w,
+    quaternion_x,
+    quaternion_y,
+    quaternion_z,
+    turn_x,  // has no value: angular velocity and acceleration
+    turn_y,
+    turn_z
+  };
   struct SumTerm {
     Index measure;
     double factor;
   };
   std::string name;
   Kind kind = Kind::form;
-  // form: {f}; distance: {dx, dy(, dz)}; absolute_angle: {dx, dy}; angles: d, e (, axis) components in a row
+  // form: {f}; distance: {dx, dy(, dz)}; absolute_angle: {dx, dy}; angles: d, e (, axis) components in a row;
+  // quaternion and turn: the components of three axes in a row
   std::vector<Index> forms;
   std::int8_t dimension = 0;   // of the value, power of length
   std::vector<SumTerm> terms;  // of a sum
@@ -150,6 +167,11 @@ struct MeasureForms {
 
   [[nodiscard]] bool is_sum() const { return kind == Kind::sum || kind == Kind::sum_of_angles; }
 };
+
+[[nodiscard]] inline bool is_quaternion(MeasureForms::Kind kind) {
+  return kind >= MeasureForms::Kind::quaternion_w && kind <= MeasureForms::Kind::quaternion_z;
+}
+[[nodiscard]] inline bool is_turn(MeasureForms::Kind kind) { return kind >= MeasureForms::Kind::turn_x; }
 
 class System {
  public:

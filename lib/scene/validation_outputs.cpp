@@ -54,7 +54,12 @@ void Validation::rule(const Combination& m, const Where& where) {
     const auto& [name, factor] = m.terms[i];
     if (factor == 0) report(sum / i / std::size_t{1}, "the factor is 0; a finite number other than 0 is wanted");
     if (!involved_[i].usable) continue;
-    if (std::holds_alternative<Combination>(scene_.measures()[symbols_.find(name)->index].kind)) {
+    const auto& term = scene_.measures()[symbols_.find(name)->index].kind;
+    if (std::holds_alternative<Orientation>(term)) {
+      report(sum / i / std::size_t{0},
+             in_quotes(name) + " is a part of the pose of a body; a sum takes other measures");
+    }
+    if (std::holds_alternative<Combination>(term)) {
       report(sum / i / std::size_t{0}, in_quotes(name) + " is a sum itself; name the measures that it is made of");
     }
   }
@@ -144,10 +149,23 @@ void Validation::check_output(const std::string& text, const Where& where) {
     return;
   } else if (symbol->kind != NameKind::measure) {
     report(where, in_quotes(name) + " is " + std::string(with_article(symbol->kind)) +
-                      "; an output is a point, a vector, a measure or a constraint's lambda or mu");
+                      (symbol->kind == NameKind::body && name != "ground"
+                           ? "; its outputs are " + in_quotes(name) + " alone, the whole pose, or its parts: " +
+                                 (dimension() == 2 ? "origin, angle"
+                                                   : "origin, quaternion, angular_velocity, angular_acceleration")
+                           : "; an output is a point, a vector, a body, a measure or a constraint's lambda or mu"));
     return;
   }
-  if (text == owner || asked_part(part, components)) return;
+  const auto asked = asked_part(part, components);
+  const auto is_turn = [&] {
+    const auto* orientation = std::get_if<Orientation>(&scene_.measures()[symbol->index].kind);
+    return orientation != nullptr && orientation->part >= Orientation::Part::turn_x;
+  };
+  if (asked && asked->derivative == 0 && symbol->kind == NameKind::measure && is_turn()) {
+    report(where, in_quotes(owner) + " has no value; expected rate or acceleration");
+    return;
+  }
+  if (text == owner || asked) return;
   report(where, in_quotes(owner) + " has no part " + in_quotes(part) + "; expected " +
                     (components == 1   ? "value, rate or acceleration"
                      : components == 2 ? "position, velocity, acceleration, x, y, vx, vy, ax or ay"

@@ -125,6 +125,7 @@ void Inputs::set(std::string_view driver, const Motion& motion) {
   for (Control& c : controls_) {
     if (c.name != driver) continue;
     c.next = motion;
+    c.next.value += system_.inputs[c.input].zero;
     c.pending = true;
     return;
   }

@@ -9,6 +9,7 @@
 #include "scene/jet.hpp"
 #include "scene/outputs.hpp"
 #include "scene/system.hpp"
+#include "signals/orientation.hpp"
 #include "signals/random_sign.hpp"
 
 namespace assur {
@@ -38,6 +39,13 @@ T divisor_of(MeasureForms::Kind kind, std::span<const Jet<T>> f, int dimension) 
     case MeasureForms::Kind::form:
     case MeasureForms::Kind::sum:
     case MeasureForms::Kind::sum_of_angles:
+    case MeasureForms::Kind::quaternion_w:
+    case MeasureForms::Kind::quaternion_x:
+    case MeasureForms::Kind::quaternion_y:
+    case MeasureForms::Kind::quaternion_z:
+    case MeasureForms::Kind::turn_x:
+    case MeasureForms::Kind::turn_y:
+    case MeasureForms::Kind::turn_z:
       return T(1);
     case MeasureForms::Kind::distance:
       return square(f[0].value) + square(f[1].value) + (dimension == 3 ? square(f[2].value) : T(0));
@@ -79,6 +87,20 @@ Jet<T> evaluate_measure(MeasureForms::Kind kind, std::span<const Jet<T>> f, int 
       const Jet<T> across[3] = {cross(0, 3, 0), cross(0, 3, 1), cross(0, 3, 2)};
       return atan2(length(std::span<const Jet<T>>(across)), dot(0, 3));
     }
+    case MeasureForms::Kind::quaternion_w:
+      return quaternion(f, 0);
+    case MeasureForms::Kind::quaternion_x:
+      return quaternion(f, 1);
+    case MeasureForms::Kind::quaternion_y:
+      return quaternion(f, 2);
+    case MeasureForms::Kind::quaternion_z:
+      return quaternion(f, 3);
+    case MeasureForms::Kind::turn_x:
+      return turn(f, 0);
+    case MeasureForms::Kind::turn_y:
+      return turn(f, 1);
+    case MeasureForms::Kind::turn_z:
+      return turn(f, 2);
     case MeasureForms::Kind::sum:
     case MeasureForms::Kind::sum_of_angles:
       break;

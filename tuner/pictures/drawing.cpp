@@ -136,6 +136,7 @@ class Draughtsman {
     link(a, p, Kind::rail, name);
     if (const int point = find(p); point >= 0) out_.points[static_cast<std::size_t>(point)].slides = true;
   }
+  void relate(const std::string&, const Gear&) {}  // a Callback in every scene that was built
   void relate(const std::string& name, const Callback& c) {
     int before = -1;
     for (const std::string& coordinate : c.coordinates) {
