@@ -80,8 +80,9 @@ struct Effort {
 
 inline constexpr std::int32_t kMostLanes = 16;  // largest number of lanes; a power of two
 
-// Direct solver for square systems with one sparsity pattern, for several lanes at once. One thread at a time may use a
-// solver. Values and right-hand sides are interleaved: number k of a lane is at [k * lanes + lane].
+// Direct solver for square systems with one sparsity pattern, for several lanes at once. Call analyze(), factorize()
+// and solve() in this order; another order is not detected. One thread at a time may use a solver. Values and
+// right-hand sides are interleaved: number k of a lane is at [k * lanes + lane].
 class LinearSolver {
  public:
   virtual ~LinearSolver() = default;

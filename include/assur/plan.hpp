@@ -77,7 +77,7 @@ struct Prepared {
   TimeGrid time;                                    // time grid of the scene, the default of a run
   std::shared_ptr<const Structure> structure;       // groups, their order, and the start posture; never null
   Plan plan;                                        // solvers and threads
-  std::span<const Backend> table;                   // table in which the plan's backends are looked up
+  std::span<const Backend> table;                   // where the plan's backends are looked up; must outlive simulators
   std::vector<std::string> controlled;              // PrepareOptions::controlled
   std::optional<double> start_time = std::nullopt;  // time of structure->start, s; empty: time.start
   // For use inside the library. Prepares the scene again with redundant equations chosen at a posture (all coordinates,
@@ -86,11 +86,12 @@ struct Prepared {
   std::function<Prepared(std::vector<double> posture, double time)> reselect;
 };
 
-// Analyses the scene, assembles its start posture and makes a plan. Needs the library assur::assur. Throws Error: input
-// if the scene is undetermined (the free unknowns are named), if functions of the program return wrong derivatives at
-// the start (docs/accuracy.md), or for a wrong option: a strategy text that does not parse, an unknown backend or
-// driver, a budget without a thread, a negative accuracy; numerical if the start posture cannot be assembled (the group
-// and its most violated constraint are named); environment if the strategy text cannot run here, with the reason.
+// Analyses the scene, assembles its start posture and makes a plan. Several threads may prepare scenes at once. Needs
+// the library assur::assur. Throws Error: input if the scene is undetermined (the free unknowns are named), if
+// functions of the program return wrong derivatives at the start (docs/accuracy.md), or for a wrong option: a strategy
+// text that does not parse, an unknown backend or driver, a budget without a thread, a negative accuracy; numerical if
+// the start posture cannot be assembled (the group and its most violated constraint are named); environment if the
+// strategy text cannot run here, with the reason.
 [[nodiscard]] Prepared prepare(const Scene& scene, const PrepareOptions& options = {});
 
 // A strategy with its expected time.

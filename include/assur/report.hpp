@@ -79,7 +79,8 @@ struct Certificate {
 // no certificates, the radius is infinite.
 [[nodiscard]] Certificate worst_of(std::span<const Certificate> certificates);
 
-// An event at a time: a limit was reached, a change point was passed, ...
+// An event at a time: a limit was reached, a change point was passed, ... Successive steps in doubt make one event,
+// from the time before the first one to the time of the last one.
 struct Event {
   double time = 0;   // s; if the time is known to lie within an interval: its begin
   double until = 0;  // end of that interval, s; equal to `time` if there is no interval
@@ -94,7 +95,8 @@ struct Event {
   std::string unit = {};    // unit of the figure: "m" or ""
 };
 
-// Report of a run.
+// Report of a run, or of single steps: then `status` is that of the last step if it failed, else that of the first
+// doubtful one.
 struct Report {
   Counters counters;                   // work
   Effort effort;                       // extra work of all solvers; lanes are counted one by one

@@ -24,12 +24,12 @@
 
 namespace assur {
 
-using Triple = std::array<double, 3>;  // x, y, z; z = 0 in the plane
+using Triple = std::array<double, 3>;  // x, y, z; in the plane z = 0, build() refuses another value
 
 // A point, whose coordinates are unknowns unless it is fixed or driven. Names consist of letters, digits and
 // underscores.
 struct Point {
-  std::string name;    // unique among points, vectors, bodies, constraints, drivers and measures
+  std::string name;    // unique among points, vectors, bodies, joints, constraints, drivers, measures and groups
   Triple at{};         // m: position of a fixed point; else a first guess, which also gives lengths that are left out
   bool fixed = false;  // true: the point never moves
 };
@@ -91,7 +91,7 @@ struct Direction {
 // build() replaces joints by points and vectors that both bodies share, and by constraints (docs/joints.md). Joints
 // have coordinates: "NAME.angle" of b about the axis relative to a (rad, right-handed; 2D: counter-clockwise) and
 // "NAME.displacement" of b along the axis relative to a (m). Both are 0 in the posture as written. Drivers and measures
-// of a coordinate, and outputs, may name them.
+// of a coordinate, and outputs, may name them; constraints and callbacks may not.
 
 // A place or a direction that a joint has on both bodies: ground coordinates of the posture as written, or the name of
 // a point or vector. Directions may have any length but 0.
@@ -197,7 +197,8 @@ struct Gear {
 // there means that the function is not defined there. Several threads may call the functions at once, see Simulator.
 // All three functions are needed, whatever the outputs are; build() refuses an empty one.
 struct Callback {
-  // Arguments x (m of them): names of scalars, "P.x" or "name.lambda", or of drivers of a distance or coordinate.
+  // Arguments x (m of them): names of scalars, "P.x" or "name.lambda" ("NAME.slide.lambda": the displacement of joint
+  // NAME), or of drivers of a distance or coordinate, whose values they then are.
   std::vector<std::string> coordinates;
   int equations = 0;  // number of equations r, at least 1
   // residual(x[m], phi[r]) sets phi, which is 0 in a posture of the mechanism.
@@ -264,15 +265,17 @@ struct Constraint {
 // ---- drivers
 
 // Drives the direction of AB. 2D: the angle from +x, counter-clockwise. 3D: the angle about a fixed axis, right-handed,
-// zero in the posture as written. The distance of A and B stays as in the posture as written; a Distance between them
-// gives another one, and costs no equation.
+// zero in the posture as written. The distance of A and B, and in 3D its part along the axis, stay as in the posture as
+// written; a Distance between them gives another distance, and costs no equation.
 struct PointAngle {
   std::string a, b;  // names of points
   std::string axis;  // 3D: name of a fixed vector; 2D: ""
   Law law;           // rad
 };
-// Drives the angle from one direction to another, right-handed about an axis (2D: the normal). Adds the unknown
-// NAME.rho, the product of the lengths of both directions; 3D with a moving axis: also the vector NAME.across.
+// Drives the angle from one direction to another, right-handed about an axis (2D: the normal):
+// atan2(axis . (d x e), d . e). This is the angle of turn if the axis is at right angles to d and e. Adds the unknown
+// NAME.rho, which is then the product of the lengths of both directions; 3D with a moving axis: also the vector
+// NAME.across.
 struct RelativeAngle {
   Direction d, e;    // from d to e
   std::string axis;  // 3D: name of a vector, which may move; 2D: ""
@@ -283,14 +286,14 @@ struct DrivenDistance {
   std::string a, b;  // names of points
   Law law;           // m; must stay > 0
 };
-// Drives one coordinate, e.g. of a point, or the displacement of a slider.
+// Drives one coordinate, e.g. of a point, the displacement of a slider, or a coordinate of a joint ("NAME.angle").
 struct DrivenCoordinate {
   std::string coordinate;  // "P.x", "name.lambda"
   Law law;                 // in the unit of the coordinate
 };
 // Drives a whole body.
 struct Pose {
-  std::string body;  // name of the body
+  std::string body;  // name of the body; if it has no origin or base, build() chooses its local origin and axes
   // Ground coordinates of the local origin (the origin, or the first point of the base): 3 laws in space, 2 in the
   // plane; m
   std::vector<Law> translation;
@@ -303,7 +306,8 @@ struct Driver {
   std::string name;  // unique, see Point
   // One of the structs above.
   std::variant<PointAngle, RelativeAngle, DrivenDistance, DrivenCoordinate, Pose> kind;
-  // True: the laws give the difference from the value of the driver in the posture as written.
+  // True: the laws give the difference from the value of the driver in the posture as written. Drivers of the angle or
+  // displacement of a joint always count from there.
   bool relative = false;
   // True: the values that a program sets give this difference, too. build() sets it for coordinates of joints.
   bool sets_difference = false;
@@ -365,7 +369,7 @@ struct DeclaredGroup {
 struct TimeGrid {
   double start = 0;  // first time, s
   double end = 0;    // last time, s
-  double step = 0;   // s, > 0; a scene without a time grid has three zeros, and one row
+  double step = 0;   // s, > 0; a scene without a time grid has three zeros, and one row at t = 0
 
   // N, the number of steps.
   [[nodiscard]] std::int64_t steps() const { return step > 0 ? std::llround((end - start) / step) : 0; }
@@ -492,7 +496,7 @@ class SceneBuilder {
   SceneBuilder& output(std::string name);
   // Sets the time grid, s.
   SceneBuilder& time(double start, double end, double step);
-  SceneBuilder& table(std::filesystem::path file);  // adds a path to Scene::tables()
+  SceneBuilder& table(std::filesystem::path file);  // adds a path to Scene::tables(); the file is not read
 
   // Adds an error that the caller found, e.g. while reading a file. build() reports it with its own findings, and
   // reports nothing else at, above or below that place. An empty `what` marks a place whose error is reported
@@ -515,7 +519,8 @@ class SceneBuilder {
   std::vector<Diagnostic> found_;
 };
 
-// Values of parameters, by name, which replace those of a scene (`--set name=value`).
+// Values of parameters, by name, which replace those of a scene (`--set name=value`). A name that the scene does not
+// have is an error.
 using Parameters = std::map<std::string, double>;
 
 // Reads a scene file: JSON, a regular file of at most 1 GB. Its tables, CSV files of at most 256 MB, must lie in or

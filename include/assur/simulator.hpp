@@ -18,7 +18,7 @@
 
 namespace assur {
 
-// Results of a run in SI units, contiguous [time][output].
+// Results of a run in SI units, contiguous [time][output]. Indices of rows and columns are not checked.
 class Trajectory {
  public:
   // Names of the outputs: "C.x", "C.vx", "angle.rate", ...
@@ -50,7 +50,7 @@ class Trajectory {
 };
 
 // Writes a CSV with the columns `t` and all outputs. Each number is the shortest text that reads back as the same
-// double; NaN is empty.
+// double; NaN is empty. If writing fails, the state of `out` says so.
 void write_csv(std::ostream& out, const Trajectory& trajectory);
 
 // Limits of one step, e.g. for a control loop.
@@ -125,8 +125,9 @@ class Simulator {
   // Moves to time t (s), which may be earlier than time(), and to the targets that were set, by continuation: the step
   // is divided where needed. If it fails, the status gives the reason, and the simulator keeps the last good posture on
   // the way, at time(); targets are dropped, and controlled drivers rest there. Code::inaccurate is no failure: time t
-  // is reached, and an event gives the estimated error. If t is time(), nothing happens and targets wait. Exceptions
-  // from laws and callbacks propagate, and leave the last good posture as well.
+  // is reached, and an event gives the estimated error. If t is time(), nothing happens and targets wait; if t is not
+  // finite, the step fails as not_finite. Exceptions from laws and callbacks propagate, and leave the last good posture
+  // as well.
   Status step(double t);
 
   // Sets the target of a controlled driver for the next step: value, rate and acceleration in SI units, absolute even
@@ -134,9 +135,9 @@ class Simulator {
   // "pose.x", "pose.y", "pose.z", "pose.psi", "pose.theta", "pose.phi" in space, "pose.x", "pose.y", "pose.angle" in
   // the plane, where "pose" is the name of the driver. Values of a pose that are not set follow their laws. On the way
   // the driver follows the polynomial of degree 5 through value, rate and acceleration at both ends. A later step
-  // without a target ends at rest, at the value of the last target. Throws Error (input) if this is not a controlled
-  // driver. A number that is not finite lets the next step fail as not_finite, with an event that names the driver; all
-  // targets of that step are then dropped.
+  // without a target ends at rest, at the value that the driver has at its begin. Throws Error (input) if this is not a
+  // controlled driver. A number that is not finite lets the next step fail as not_finite, with an event that names the
+  // driver; all targets of that step are then dropped.
   void set(std::string_view driver, double value, double rate = 0, double acceleration = 0);
 
   // Moves from time() by TimeGrid::step to the targets that were set, also beyond the end of the grid; other drivers
@@ -155,7 +156,8 @@ class Simulator {
   // Saves the state to a new object.
   [[nodiscard]] SimulatorState save();
   // Returns to a saved state; the counters and events of the report continue. Throws Error (input) if the state is
-  // empty or belongs to another Prepared.
+  // empty or belongs to another Prepared. A copy of a Prepared counts as the same; the result of another prepare() does
+  // not.
   void restore(const SimulatorState& state);
 
   // Returns to the last posture that an undivided step reached, or to the start posture. From there a short step in any
@@ -164,14 +166,17 @@ class Simulator {
   // its time, as with restore(). Changes nothing if the current posture is such a posture.
   void retreat();
 
-  // Called after each row of a run with the number of rows done and of all rows; returns false to stop the run.
+  // Called on the calling thread after each row of a run (with chunks less often) with the number of rows done and of
+  // all rows; returns false to stop the run, which then ends as `interrupted` if rows are left.
   using Observer = std::function<bool(std::int64_t done, std::int64_t of)>;
   // Runs from the start posture over the time grid of the scene. Calls reset() first, so targets are dropped and all
-  // drivers follow their laws. Stops at the first failure and returns the rows that
-  // were reached; report() has the status. Exceptions from laws and callbacks propagate. Throws Error (environment) if
-  // there is no memory for the rows.
+  // drivers follow their laws. Stops at the first failure and returns the rows that were reached; report() has the
+  // status. The simulator then stands at the last row, or after a failure at the last good posture, which may be later;
+  // step() may go on from there. Exceptions from laws and callbacks propagate. Throws Error (environment) if there is
+  // no memory for the rows.
   Trajectory run(const Observer& observer = {});
-  // The same over `times` (s). Throws also Error (input) if they descend or are not finite.
+  // The same over `times` (s). It first moves from the start posture to times[0], which may be any time. Equal times
+  // give equal rows, and no times give no rows. Throws also Error (input) if they descend or are not finite.
   Trajectory run(std::span<const double> times, const Observer& observer = {});
 
   // Returns to the assembled start posture, and clears the report and all targets of drivers.

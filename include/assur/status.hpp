@@ -49,7 +49,7 @@ enum class Code : std::uint8_t {
   not_finite,           // NaN or infinity among the values
   not_converged,        // Newton did not reach the tolerance
   limit_reached,        // a fold: the mechanism cannot move further; time is bracketed
-  change_point_passed,  // two branches cross here; the smooth continuation was taken
+  change_point_passed,  // two branches cross here; the smooth continuation was taken. An Event::kind, never a status
   inaccurate,           // accepted, but the estimated error exceeds the accuracy asked for
   branch_unknown,       // the library could not decide which branch continues the motion
   inconsistent,         // a redundant equation is no longer satisfied
@@ -90,7 +90,8 @@ struct Place {
   friend constexpr bool operator==(const Place&, const Place&) = default;
 };
 
-// Outcome of a numerical operation, with the object and the figure that it is about.
+// Outcome of a numerical operation, with the object and the figure that it is about. To print it: name(code), the
+// object by Structure::name_of() if it is a group, and the events of the report, which have the details.
 struct [[nodiscard]] Status {
   Code code = Code::ok;  // ok, or the reason for the failure
   Place where;           // the object that failed, or whose error is the largest
