@@ -84,8 +84,11 @@ class Poses {
 
   void add(std::vector<Member>& members, const Body& body, std::string_view name, const Triple& at) const {
     std::string full = body.name + std::string(name);
-    const auto is_same = [&](const Member& m) { return m.name == full; };
-    if (std::any_of(members.begin(), members.end(), is_same)) return;
+    const auto is_among = [&](const auto& items) {
+      return std::any_of(items.begin(), items.end(), [&](const auto& item) { return item.name == full; });
+    };
+    // Joints make scene points and vectors of members that rest.
+    if (is_among(members) || is_among(p_.points) || is_among(p_.vectors)) return;
     const bool has_frame =
         (!body.origin.empty() || !body.base.empty() || !body.frame.empty()) &&
         std::find(p_.without_frame.begin(), p_.without_frame.end(), body.name) == p_.without_frame.end();

@@ -12,6 +12,8 @@ namespace assur {
 // The lists of a scene under construction.
 struct PoseParts {
   int dimension;
+  const std::vector<Point>& points;
+  const std::vector<Vector>& vectors;
   std::vector<Body>& bodies;
   std::vector<Measure>& measures;
   std::vector<std::string>& outputs;

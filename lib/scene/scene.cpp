@@ -149,7 +149,8 @@ SceneBuilder& SceneBuilder::diagnose(Diagnostic diagnostic) {
 
 Scene SceneBuilder::finish(bool expanded) {
   const auto parts = std::make_shared<Scene::Parts>(std::move(parts_));
-  expand_poses({parts->dimension, parts->bodies, parts->measures, outputs_, parts->without_frame});
+  expand_poses({parts->dimension, parts->points, parts->vectors, parts->bodies, parts->measures, outputs_,
+                parts->without_frame});
   JointParts joint_parts{parts->dimension, parts->joints,      parts->points,       parts->vectors,
                          parts->bodies,    parts->constraints, parts->drivers,      parts->measures,
                          outputs_,         parts->warnings,    parts->without_frame};

@@ -197,7 +197,7 @@ TEST(Redundant, ChunksWithReselectedEquationsRunInSequence) {
 
 TEST(Redundant, BennettsLinkageOfAnyShapeTurns) {
   test::Draw draw(7);
-  const std::vector<std::string> strategies = {"auto", "global/eigen", "irreducible/lanes", "groups/klu"};
+  const std::vector<std::string> strategies = {"auto", "global/eigen", "irreducible/lanes", "groups/" + test::sparse()};
   for (int i = 0, all = test::random_count(40); i < all; ++i) {
     Bennett linkage;
     if (i % 4 != 0) {

@@ -1,0 +1,192 @@
+// Gears and racks between coordinates of joints.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <utility>
+
+#include "run.hpp"
+#include "scene/gear.hpp"
+#include "scene/triple.hpp"
+
+namespace assur {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+Law turning(double speed) { return Law::polynomial({0, speed}); }
+
+// Crank and last link of a five-bar turn in this ratio.
+Scene five_bar(double ratio, double last = 0.2) {
+  return SceneBuilder("geared five-bar", 2)
+      .add(Body{.name = "crank"})
+      .add(Body{.name = "left"})
+      .add(Body{.name = "right"})
+      .add(Body{.name = "follower"})
+      .joint("A", Revolute{"ground", "crank", Triple{0, 0}})
+      .joint("B", Revolute{"crank", "left", Triple{0.3, 0}})
+      .joint("C", Revolute{"left", "right", Triple{0.8, 1}})
+      .joint("D", Revolute{"right", "follower", Triple{1.2, last}})
+      .joint("E", Revolute{"ground", "follower", Triple{1.2, 0}})
+      .constrain("gear", Gear{"A.angle", "E.angle", ratio})
+      .drive("motor", DrivenCoordinate{"A.angle", turning(2 * kPi)})
+      .output("B")
+      .output("C")
+      .output("D")
+      .output("E.angle")
+      .time(0, 3, 0.01)
+      .build();
+}
+
+TEST(Gears, GearedFiveBarTurnsInItsRatio) {
+  for (const double ratio : {1.0, -1.0, -2.0, 0.5, -2.0 / 3, 3.0}) {
+    SCOPED_TRACE(ratio);
+    const test::Result r = test::run(five_bar(ratio));
+    EXPECT_EQ(r.report().status.code, Code::ok);
+    const Trajectory& t = r.trajectory;
+    ASSERT_EQ(t.rows(), 301u);
+    const auto at = [&](std::size_t row, const char* name) {
+      return Triple{t(row, t.index(std::string(name) + ".x")), t(row, t.index(std::string(name) + ".y")), 0};
+    };
+    const auto length = [&](std::size_t row, const char* p, const char* q) {
+      return triple::norm(triple::subtract(at(row, p), at(row, q)));
+    };
+    for (std::size_t k = 0; k < t.rows(); ++k) {
+      const double phi = 2 * kPi * t.times()[k], psi = ratio * phi;
+      EXPECT_NEAR(t(k, t.index("E.angle")), psi, 1e-13);
+      EXPECT_NEAR(t(k, t.index("E.angle.rate")), 2 * kPi * ratio, 1e-11);
+      EXPECT_NEAR(t(k, t.index("E.angle.acceleration")), 0, 1e-9);
+      EXPECT_NEAR(at(k, "D")[0], 1.2 - 0.2 * std::sin(psi), 1e-14);
+      EXPECT_NEAR(at(k, "D")[1], 0.2 * std::cos(psi), 1e-14);
+      EXPECT_NEAR(length(k, "B", "C"), length(0, "B", "C"), 1e-14);
+      EXPECT_NEAR(length(k, "D", "C"), length(0, "D", "C"), 1e-14);
+    }
+  }
+}
+
+// The rod of a slider-crank, which no driver turns, moves a wheel.
+TEST(Gears, WheelFollowsAnAngleThatIsSolved) {
+  const Scene scene = SceneBuilder("slider-crank with a wheel", 2)
+                          .add(Body{.name = "crank"})
+                          .add(Body{.name = "rod"})
+                          .add(Body{.name = "piston"})
+                          .add(Body{.name = "wheel", .points = {{"P", {1, 1.1, 0}, true}}})
+                          .joint("O", Revolute{"ground", "crank", Triple{0, 0}})
+                          .joint("B", Revolute{"crank", "rod", Triple{0.1, 0}})
+                          .joint("C", Revolute{"rod", "piston", Triple{0.4, 0}})
+                          .joint("S", Prismatic{"ground", "piston", Triple{1, 0}})
+                          .joint("W", Revolute{"ground", "wheel", Triple{1, 1}})
+                          .constrain("gear", Gear{"C.angle", "W.angle", 17.0 / 31})
+                          .drive("motor", DrivenCoordinate{"O.angle", turning(1)})
+                          .output("W.angle")
+                          .time(0, 13, 0.05)
+                          .build();
+  const Trajectory t = test::run(scene).trajectory;
+  for (std::size_t k = 0; k < t.rows(); ++k) {
+    const double c = std::asin(0.1 / 0.3 * std::sin(t.times()[k]));
+    EXPECT_NEAR(t(k, t.index("W.angle")), 17.0 / 31 * c, 1e-14);
+  }
+}
+
+TEST(Gears, PinionMovesItsRack) {
+  const double radius = 0.05;
+  for (const bool pinion_drives : {true, false}) {
+    SceneBuilder builder("rack", 2);
+    builder.add(Body{.name = "pinion", .points = {{"P", {0.03, 0.04, 0}, true}}})
+        .add(Body{.name = "rack", .points = {{"Q", {1, 0, 0}, true}}})
+        .joint("A", Revolute{"ground", "pinion", Triple{0, 0}})
+        .joint("S", Prismatic{"ground", "rack", Triple{1, 0}})
+        .output("A.angle")
+        .output("S.displacement")
+        .time(0, 1, 0.005);
+    if (pinion_drives) {
+      builder.constrain("gear", Gear{"A.angle", "S.displacement", radius});
+      builder.drive("motor", DrivenCoordinate{"A.angle", turning(20)});
+    } else {
+      builder.constrain("gear", Gear{"S.displacement", "A.angle", 1 / radius});
+      builder.drive("cylinder", DrivenCoordinate{"S.displacement", turning(20 * radius)});
+    }
+    const Trajectory t = test::run(builder.build()).trajectory;
+    ASSERT_EQ(t.rows(), 201u);
+    for (std::size_t k = 0; k < t.rows(); ++k) {
+      EXPECT_NEAR(t(k, t.index("A.angle")), 20 * t.times()[k], 1e-13) << pinion_drives;
+      EXPECT_NEAR(t(k, t.index("S.displacement")), 20 * radius * t.times()[k], 1e-14) << pinion_drives;
+    }
+  }
+}
+
+// The axes of bevel gears meet at any angle.
+TEST(Gears, BevelGearsTurnAboutAxesInSpace) {
+  const Scene scene = SceneBuilder("bevel gears", 3)
+                          .add(Body{.name = "first"})
+                          .add(Body{.name = "second", .points = {{"P", {0.4, 0.7, 0.1}, true}}})
+                          .joint("A", Revolute{"ground", "first", Triple{0, 0, 0}, Triple{0, 0, 1}})
+                          .joint("B", Revolute{"ground", "second", Triple{0, 0, 0}, Triple{1, 0.2, 0.5}})
+                          .constrain("gear", Gear{"A.angle", "B.angle", -20.0 / 30})
+                          .drive("motor", DrivenCoordinate{"A.angle", turning(3)})
+                          .output("B.angle")
+                          .output("P")
+                          .time(0, 5, 0.02)
+                          .build();
+  const Trajectory t = test::run(scene).trajectory;
+  ASSERT_EQ(t.rows(), 251u);
+  const Triple axis = triple::scale(1 / std::sqrt(1.29), {1, 0.2, 0.5}), p = {0.4, 0.7, 0.1};
+  for (std::size_t k = 0; k < t.rows(); ++k) {
+    const double angle = -2 * t.times()[k], c = std::cos(angle), s = std::sin(angle);
+    EXPECT_NEAR(t(k, t.index("B.angle")), angle, 1e-13);
+    const Triple turned = triple::add(
+        triple::scale(c, p),
+        triple::add(triple::scale(s, triple::cross(axis, p)), triple::scale((1 - c) * triple::dot(axis, p), axis)));
+    EXPECT_NEAR(t(k, t.index("P.x")), turned[0], 1e-14);
+    EXPECT_NEAR(t(k, t.index("P.y")), turned[1], 1e-14);
+    EXPECT_NEAR(t(k, t.index("P.z")), turned[2], 1e-14);
+  }
+}
+
+TEST(Gears, RatiosAreThoseOfWholeNumbers) {
+  const auto ratio = [](double x) { return whole_ratio(x).value_or(std::pair(0, 0)); };
+  EXPECT_EQ(ratio(2), std::pair(2, 1));
+  EXPECT_EQ(ratio(-0.5), std::pair(-1, 2));
+  EXPECT_EQ(ratio(0.6666666667), std::pair(2, 3));
+  EXPECT_EQ(ratio(997.0 / 1000), std::pair(997, 1000));
+  EXPECT_EQ(ratio(1000), std::pair(1000, 1));
+  EXPECT_EQ(ratio(std::numbers::pi), std::pair(0, 0));
+  EXPECT_EQ(ratio(1001), std::pair(0, 0));
+  EXPECT_EQ(ratio(1e-5), std::pair(0, 0));
+}
+
+std::string refusal(const std::string& gear) {
+  try {
+    (void)parse_scene(R"({"assur": 1, "dimension": 2, "bodies": {"a": {}, "b": {}}, "joints": {
+      "A": {"revolute": ["ground", "a"], "at": [0, 0]}, "B": {"revolute": ["ground", "b"], "at": [1, 0]}},
+      "constraints": {"g": )" +
+                      gear + R"(}, "drivers": {"m": {"coordinate": "A.angle", "law": {"constant": 0}}}})");
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(Gears, NameWhatIsWrong) {
+  EXPECT_EQ(refusal(R"({"gear": ["A.angle", "B.angle"], "ratio": -2})"), "accepted");
+  EXPECT_EQ(refusal(R"({"gear": ["A.angle", "B.angle"], "ratio": 0})"),
+            "scene: /constraints/g/ratio: the ratio is 0; it must be finite and not 0");
+  EXPECT_EQ(
+      refusal(R"({"gear": ["A.angle", "B.angle"], "ratio": 3.14159})"),
+      "scene: /constraints/g/ratio: the ratio of two angles is that of whole numbers up to 1000, as of teeth, within "
+      "1e-9; 3.14159 is not");
+  EXPECT_EQ(refusal(R"({"gear": ["A.angle", "A.angle"], "ratio": 1})"),
+            "scene: /constraints/g/gear: both coordinates are 'A.angle'");
+  EXPECT_EQ(refusal(R"({"gear": ["A.angle", "C.angle"], "ratio": 1})"),
+            "scene: /constraints/g/gear/1: 'C.angle' is no coordinate of a joint; write JOINT.angle or "
+            "JOINT.displacement");
+  EXPECT_EQ(refusal(R"({"gear": ["A.angle", "B.displacement"], "ratio": 1})"),
+            "scene: /constraints/g/gear/1: joint 'B' is revolute and has no displacement");
+  EXPECT_EQ(
+      refusal(R"({"gear": ["A.angle", "B.angle"]})"),
+      "scene: /constraints/g/ratio: this is missing: the motion of the second coordinate by that of the first");
+}
+
+}  // namespace
+}  // namespace assur
