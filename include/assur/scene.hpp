@@ -209,6 +209,9 @@ struct Callback {
   std::function<void(std::span<const double>, std::span<const double>, std::span<double>)> curvature;
   // Tolerance of the derivatives, >= 0; raise it if they are approximations. Infinite: they are not checked.
   double tolerance = kDerivativeTolerance;
+  // At least 1. If the equations hold again 1/teeth of a turn away, as those of gears: a step turns the drivers by about
+  // 1/teeth rad at most, so that it cannot skip a tooth. Longer steps are divided.
+  int teeth = 1;
 };
 
 // A kind of constraint that is stored on the heap. Most constraints are distances, and a scene may have millions: this

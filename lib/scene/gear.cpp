@@ -1,10 +1,13 @@
 #include "scene/gear.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <span>
 
+#include "numbers.hpp"
 #include "scene/jet.hpp"
 
 namespace assur {
@@ -12,6 +15,7 @@ namespace {
 
 constexpr int kMostTeeth = 1000;
 constexpr double kSameRatio = 1e-9;
+constexpr double kLeastCosine = 0.54;           // about 1 rad: farther off, Newton's method may find another tooth
 using Arguments = std::array<Jet<double>, 18>;  // two angles in space: two directions and an axis each
 
 // phi = sin(total), or total; total = sum of factor * coordinate.
@@ -42,7 +46,10 @@ struct Equation {
     for (const Side& side : sides) {
       total = total + T(side.factor) * (side.is_angle ? angle<T>(side, x) : x[side.first]);
     }
-    return is_periodic ? sin(total) : total;
+    if (!is_periodic) return total;
+    const CosSin<T> phase = cos_sin(total);
+    if (phase.cosine.value < kLeastCosine) return Jet<T>{T(kNan), T(kNan), T(kNan)};
+    return phase.sine;
   }
 };
 
@@ -90,6 +97,7 @@ Callback gear_equation(const GearSide& a, const GearSide& b, double ratio) {
   if (a.is_angle && b.is_angle) {
     const auto [n, m] = whole_ratio(ratio).value_or(std::pair(1, 1));
     add(a, -n), add(b, m);
+    c.teeth = std::max(std::abs(n), m);
   } else if (a.is_angle) {
     add(a, -1), add(b, 1 / ratio);
   } else {

@@ -25,8 +25,9 @@ struct GearSide {
 //   two angles:              sin(m b - n a) = 0 with the ratio n / m
 //   an angle and a distance: sin(angle - distance / radius) = 0
 //   two distances:           b - ratio a = 0
-// A posture gives angles but for whole turns, and all these equations hold after whole turns of both wheels. They also
-// hold half a tooth away: the continuation of a motion keeps the right one.
+// A posture gives angles up to whole turns, and all these equations hold after whole turns of both wheels. They also hold
+// at other teeth: Callback::teeth makes steps short enough, and the residual is NaN if the wheels are farther than about
+// 1 rad of their phase, m b - n a, out of mesh.
 [[nodiscard]] Callback gear_equation(const GearSide& a, const GearSide& b, double ratio);
 
 }  // namespace assur

@@ -184,6 +184,7 @@ void ConstraintWriter::write(const std::string& name, const Callback& c) {
     forms_.callback_row(from, static_cast<Index>(s.callbacks.size()), row);
   }
   s.callbacks.push_back(std::move(block));
+  s.teeth = std::max(s.teeth, c.teeth);
 }
 
 }  // namespace assur

@@ -195,6 +195,7 @@ class System {
   std::vector<Assignment> assignments;
   std::vector<Positive> positive;
   std::vector<CallbackBlock> callbacks;
+  int teeth = 1;  // most of Callback::teeth
   std::vector<Frame> frames;
   std::vector<SystemGroup> groups;
   std::vector<MeasureForms> measures;  // of the scene, in its order

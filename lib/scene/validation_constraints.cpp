@@ -89,6 +89,7 @@ void Validation::check(const Callback& c, const Where& where) {
   if (!c.residual || !c.jacobian || !c.curvature) {
     report(place, "a callback needs all three functions: residual, jacobian and curvature");
   }
+  if (c.teeth < 1) report(place, "a callback has at least one tooth, not " + std::to_string(c.teeth));
   if (!(c.tolerance >= 0)) {
     report(place, "the tolerance of a callback is a relative error such as 1e-5, not " + std::to_string(c.tolerance));
   }

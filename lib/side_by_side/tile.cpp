@@ -245,7 +245,7 @@ Status Tile::solve_all(std::span<const double> times, Attempt::Branch branch, St
   const bool inside = branch == Attempt::Branch::inside;
   for (std::size_t lane = 0; lane < driven_lanes_ && inside; ++lane) {
     const std::size_t before = lane < lanes_accepted_ ? lane : 0;
-    const double part = turned(driven_angles_[before], drive_[lane]->angles(), together_);
+    const double part = turned(driven_angles_[before], drive_[lane]->angles(), together_, structure_->system->teeth);
     if (part > 1) return {Code::branch_unknown, Place::lane(static_cast<std::int32_t>(lane)), part};
   }
   const auto seconds = [&](std::size_t lane) { return inside ? times[lane] - now_[lane] : 0; };

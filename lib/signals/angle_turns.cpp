@@ -92,14 +92,14 @@ void AngleTurns::restore(const Snapshot& from) {
   turns_ = from.turns;
 }
 
-double turned(std::span<const double> from, std::span<const double> to, int together) {
+double turned(std::span<const double> from, std::span<const double> to, int together, int teeth) {
   double sum = 0, largest = 0;
   for (std::size_t i = 0; i < from.size(); ++i) {
     const double by = std::abs(to[i] - from[i]);
     sum += by;
     largest = std::max(largest, by);
   }
-  return std::min(sum, together * largest) / kStepOfDrivers;
+  return std::min(sum, together * largest) * teeth / kStepOfDrivers;
 }
 
 int angles_together(const System& s, const Structure& structure) {

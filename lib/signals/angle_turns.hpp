@@ -71,8 +71,8 @@ struct AngleTurns::Snapshot {
 
 // Turn of the angles of drivers in one step, relative to the largest allowed one (about a radian in all); more than 1:
 // too far. `together`: see angles_together(). With this limit, bodies that follow a driver may turn three times as fast
-// without passing half a turn unnoticed.
-[[nodiscard]] double turned(std::span<const double> from, std::span<const double> to, int together);
+// without passing half a turn unnoticed. teeth: System::teeth, divides the largest turn.
+[[nodiscard]] double turned(std::span<const double> from, std::span<const double> to, int together, int teeth);
 
 // The most driven angles that one coordinate depends on: the last link of an arm turns by the sum of its joints.
 [[nodiscard]] int angles_together(const System& system, const Structure& structure);

@@ -48,7 +48,7 @@ class Inputs {
 
   // Turn of the angles of drivers since accept(), relative to the largest allowed turn of a step.
   [[nodiscard]] double turned(int together) const {
-    return assur::turned(accepted_angles_, program_.angles(), together);
+    return assur::turned(accepted_angles_, program_.angles(), together, system_.teeth);
   }
   // Accepts the posture of the last drive().
   void accept() { std::copy(program_.angles().begin(), program_.angles().end(), accepted_angles_.begin()); }

@@ -144,6 +144,34 @@ TEST(Gears, BevelGearsTurnAboutAxesInSpace) {
   }
 }
 
+// Steps of the driver in which the wheels pass many teeth.
+TEST(Gears, LongStepsSkipNoTooth) {
+  for (const double ratio : {31.0 / 17, -97.0 / 100, 500.0, 3.0 / 250}) {
+    SCOPED_TRACE(ratio);
+    const Scene scene = SceneBuilder("wheels", 2)
+                            .add(Body{.name = "first"})
+                            .add(Body{.name = "second", .points = {{"P", {1, 0.3, 0}, true}}})
+                            .joint("A", Revolute{"ground", "first", Triple{0, 0}})
+                            .joint("B", Revolute{"ground", "second", Triple{1, 0}})
+                            .constrain("gear", Gear{"A.angle", "B.angle", ratio})
+                            .drive("motor", DrivenCoordinate{"A.angle", turning(2)})
+                            .output("P")
+                            .time(0, 5, 1)
+                            .build();
+    for (const char* strategy : {"auto", "irreducible/eigen", "irreducible/lanes:4+chunks=2"}) {
+      const test::Result r = test::run(scene, strategy);
+      EXPECT_EQ(r.report().status.code, Code::ok) << strategy;
+      const Trajectory& t = r.trajectory;
+      ASSERT_EQ(t.rows(), 6u);
+      for (std::size_t k = 0; k < t.rows(); ++k) {
+        const double angle = ratio * 2 * t.times()[k];
+        EXPECT_NEAR(t(k, t.index("P.x")), 1 - 0.3 * std::sin(angle), 1e-12) << strategy << ' ' << k;
+        EXPECT_NEAR(t(k, t.index("P.y")), 0.3 * std::cos(angle), 1e-12) << strategy << ' ' << k;
+      }
+    }
+  }
+}
+
 TEST(Gears, RatiosAreThoseOfWholeNumbers) {
   const auto ratio = [](double x) { return whole_ratio(x).value_or(std::pair(0, 0)); };
   EXPECT_EQ(ratio(2), std::pair(2, 1));
@@ -183,9 +211,8 @@ TEST(Gears, NameWhatIsWrong) {
             "JOINT.displacement");
   EXPECT_EQ(refusal(R"({"gear": ["A.angle", "B.displacement"], "ratio": 1})"),
             "scene: /constraints/g/gear/1: joint 'B' is revolute and has no displacement");
-  EXPECT_EQ(
-      refusal(R"({"gear": ["A.angle", "B.angle"]})"),
-      "scene: /constraints/g/ratio: this is missing: the motion of the second coordinate by that of the first");
+  EXPECT_EQ(refusal(R"({"gear": ["A.angle", "B.angle"]})"),
+            "scene: /constraints/g/ratio: this is missing: the motion of the second coordinate by that of the first");
 }
 
 }  // namespace
