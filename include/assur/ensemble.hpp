@@ -74,8 +74,8 @@ class Ensemble {
   // the constructor throws the first of these errors. The first member that can be prepared gives the plan: W members
   // run in the lanes of a pack, and P threads take packs in turn. Members with another structure or start time run
   // alone. So do members with callbacks, unless they are copies of one Prepared. A member whose outputs differ from
-  // those of the first cannot take part. Throws Error: input for no members, for limits as in Simulator, and for a
-  // deadline among them; environment if a backend of the plan cannot run here.
+  // those of the first cannot take part. Throws Error: input if there are no members, if a limit is one that Simulator
+  // refuses, or if the limits have a deadline; environment if a backend of the plan cannot run here.
   Ensemble(std::size_t members, const std::function<Prepared(std::size_t)>& member, StepLimits limits = {});
   Ensemble(Ensemble&&) noexcept;             // the other ensemble may then only be destroyed or assigned to
   Ensemble& operator=(Ensemble&&) noexcept;  // the other ensemble may then only be destroyed or assigned to

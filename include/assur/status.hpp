@@ -65,7 +65,7 @@ enum class Code : std::uint8_t {
 
 // The object that a status is about.
 struct Place {
-  // Type of the object; it decides which list `index` counts in.
+  // Type of the object. `index` refers to the list of this type.
   enum class Kind : std::uint8_t {
     none,    // no particular object
     driver,  // of Scene::drivers

@@ -28,8 +28,8 @@ class SmallLu {
 
   static constexpr int kSwaps = N * (N - 1) / 2;
 
-  // Rows k and i > k change places before column k where swaps[...] > 0, kSwaps x W: so that the pivot is the largest
-  // of its column against its row.
+  // Rows k and i > k are swapped before column k where swaps[...] > 0 (kSwaps x W). Each pivot is then the largest
+  // entry of its column, relative to its row.
   static void choose_swaps(const L (&matrix)[N][N], double* swaps) {
     L f[N][N], of_a[N];
     for (int i = 0; i < N; ++i) {

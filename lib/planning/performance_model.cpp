@@ -620,7 +620,7 @@ Prediction PerformanceModel::meeting(std::int32_t p, double doubles) const {
   return sum;
 }
 
-// Uses the largest measured number of threads beyond it, and the smallest or largest measured groups.
+// Numbers of threads and sizes of groups outside the measured range are replaced by the nearest measured ones.
 double PerformanceModel::contention(std::int32_t p, std::int32_t n) const {
   const auto& known = impl_->contentions;
   if (p < 2 || known.empty()) return 1;

@@ -1,5 +1,5 @@
-// Joints: build() replaces them, and bodies without a base, by what the rest of the library knows: points and vectors
-// that bodies share, bases, members, and constraints. docs/joints.md gives the equations of each joint.
+// Joints. build() replaces joints, and bodies without a base, by objects that the rest of the library knows: points and
+// vectors that bodies share, bases, members, and constraints. docs/joints.md gives the equations of each joint.
 #pragma once
 
 #include <string>
@@ -23,8 +23,8 @@ struct JointParts {
   std::vector<Diagnostic>& warnings;
 };
 
-// Expands all joints and all bodies that only joints or `rigid` define. Returns findings; then the lists are as they
-// were, and the findings mark the bodies that have no base.
+// Expands all joints and all bodies that only joints or `rigid` define. Returns findings. If there are any, the lists
+// are unchanged, and the findings mark the bodies that have no base.
 [[nodiscard]] std::vector<Diagnostic> expand_joints(JointParts parts);
 
 }  // namespace assur

@@ -36,7 +36,8 @@ constexpr double kLoosest = 1e-6;  // largest residual at which an equation coun
 }  // namespace
 
 struct SimulatorState::Impl {
-  std::shared_ptr<const Prepared> first, prepared;  // at the start of the run, and with the equations chosen since
+  std::shared_ptr<const Prepared> first, prepared;  // as at the start of the run; with the equations that were chosen
+                                                    // later
   Continuation::Snapshot motion;
   ErrorEstimate::Snapshot estimate;
   std::int64_t branch_checks = 0;

@@ -538,7 +538,7 @@ void bennett(Draft& d) {
     z.push_back(turned(z[i], x[i], twist[i]));
     x.push_back(turned(x[i], z[i + 1], angle[(i + 1) % 4]));
   }
-  if (norm(o[4]) > 1e-9 || norm(z[4] - z[0]) > 1e-9) return sarrus(d);  // not this branch of the closure
+  if (norm(o[4]) > 1e-9 || norm(z[4] - z[0]) > 1e-9) return sarrus(d);  // the linkage does not close on this branch
   d.fixed("A", o[0]), d.fixed("B", o[1]), d.fixed_vector("z0", z[0]), d.fixed_vector("z1", z[1]);
   d.fixed_vector("x0", x[0]);
   d.point("C", o[2]), d.point("D", o[3]), d.vector("z2", z[2]), d.vector("z3", z[3]);
