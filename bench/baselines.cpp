@@ -54,8 +54,7 @@ struct Times {
 
 constexpr int kGroups = 6;
 constexpr int kSolves = 3;
-constexpr double kBlock = 2e-4;  // s: long compared with a reading of the clock, short compared with disturbances by
-                                 // other programs
+constexpr double kBlock = 2e-4;  // s: much longer than a reading of the clock, shorter than most disturbances
 
 template <class Bare>
 void compare_solvers(benchmark::State& state, const std::string& kind, int n) {

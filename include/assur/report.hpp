@@ -79,7 +79,7 @@ struct Certificate {
 // no certificates, the radius is infinite.
 [[nodiscard]] Certificate worst_of(std::span<const Certificate> certificates);
 
-// An event at a time: a limit was reached, a change point was passed, ...
+// An event of a run: a limit was reached, a change point was passed, ...
 struct Event {
   double time = 0;   // s; if the time is known to lie within an interval: its begin
   double until = 0;  // end of that interval, s; equal to `time` if there is no interval

@@ -30,7 +30,7 @@ using Triple = std::array<double, 3>;  // x, y, z; z = 0 in the plane
 // underscores.
 struct Point {
   std::string name;    // unique among points, vectors, bodies, constraints, drivers and measures
-  Triple at{};         // m: position of a fixed point; else a first guess, which also gives lengths that are left out
+  Triple at{};         // m: position of a fixed point; else a first guess, which also gives omitted lengths
   bool fixed = false;  // true: the point never moves
 };
 

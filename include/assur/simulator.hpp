@@ -135,8 +135,8 @@ class Simulator {
   // the plane, where "pose" is the name of the driver. Values of a pose that are not set follow their laws. On the way
   // the driver follows the polynomial of degree 5 through value, rate and acceleration at both ends. A later step
   // without a target ends at rest, at the value of the last target. Throws Error (input) if this is not a controlled
-  // driver. A number that is not finite lets the next step fail as not_finite, with an event that names the driver; all
-  // targets of that step are then dropped.
+  // driver. A number that is not finite makes the next step fail as not_finite, with an event that names the driver;
+  // all targets of that step are then dropped.
   void set(std::string_view driver, double value, double rate = 0, double acceleration = 0);
 
   // Moves from time() by TimeGrid::step to the targets that were set, also beyond the end of the grid; other drivers
@@ -144,8 +144,8 @@ class Simulator {
   // holds it, with time and rates) and drops its targets; status and events give the reason, and how far the mechanism
   // could move. Near a limit a driver may overshoot: if a step fails while controlled drivers move, it is tried again,
   // unless the deadline has passed: all controlled drivers stop at once at the begin of the step, and move from rest to
-  // the same targets. The second try has a deadline of its own. If it succeeds, the status is its own, and only
-  // Counters::rejected shows the first try.
+  // the same targets. The second try has a deadline of its own. If it succeeds, the status is that of the second try,
+  // and only Counters::rejected shows the first one.
   Status step();
 
   // Saves the state. The same steps from it then follow bit by bit, in this simulator or in another one of the same
@@ -184,7 +184,7 @@ class Simulator {
   // One output at time() by its name. Throws Error (input), with a list of the columns, if there is no such name.
   [[nodiscard]] double output(std::string_view column) const;
 
-  // Accuracy of every group at time(), in the order of Structure::groups. The findings count for the report. Allocates
+  // Accuracy of every group at time(), in the order of Structure::groups. The report includes the findings. Allocates
   // memory and takes the time of 20 to 80 steps of a small mechanism.
   [[nodiscard]] std::vector<GroupFigures> examine();
 

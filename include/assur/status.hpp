@@ -22,7 +22,7 @@ class Error : public std::runtime_error {
   // The cause of the error.
   enum class Kind : std::uint8_t {
     input,        // wrong use of the library, or a wrong scene; an undetermined mechanism is a wrong scene
-    numerical,    // numbers that do not work out, e.g. a mechanism that cannot be assembled
+    numerical,    // a computation that fails, e.g. the assembly of a mechanism
     environment,  // the machine: a backend that cannot run here, no memory, a file that cannot be read
   };
 

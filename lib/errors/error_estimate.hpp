@@ -109,8 +109,7 @@ class ErrorEstimate {
 
  private:
   static constexpr std::size_t kRandom = 5;  // probes of one cause with random signs
-  static constexpr double kClose = 16;       // a product: kConverged over the residual of rounding, times the growth of
-                                             // conditions
+  static constexpr double kClose = 16;       // (kConverged / residual of rounding) * growth of conditions
   struct Size {                              // figures of an output, or of one of its derivatives
     double value = 0, error = 0;
     double gain = 0;  // error for a unit relative residual of any equation

@@ -206,7 +206,7 @@ Status Continuation::solve_all(double t, Attempt::Branch branch, StepErrors& err
   if (watch_) {
     if (const Status s = check_watched(t, branch, converged, errors); !s.ok()) return s;
   }
-  // The drivers turned no farther than a step may; measured angles may have turned farther.
+  // The angles of drivers are within the limit of a step here; measured angles may have turned farther.
   if (turns_ == nullptr || branch != Attempt::Branch::inside) return {};
   const AngleTurns::Way way = turns_->follow(state_.at(0), t - now_);
   return way == AngleTurns::Way::known ? Status{} : turned_unseen(way);

@@ -190,7 +190,7 @@ class Continuation {
   bool any_turn_ = true;  // angles take the shorter way, even if they turn far
   bool turn_guessed_ = false;
   double turned_ = 0;    // turn of the step that was tried, relative to the largest allowed turn
-  double shortest_ = 0;  // attempt of this step so far, before its failure is examined
+  double shortest_ = 0;  // length of the shortest attempt at this step, until its failure is examined
   // Postures of this step at which failures were examined; the postures of one block approach a singular posture.
   std::vector<Singularity> approach_;
   double largest_correction_ = 0;  // of a step through a change point, relative to the predicted move

@@ -72,7 +72,7 @@ std::int32_t packs_of(const Batch& batch, const Plan::Choice& choice) {
   return (batch.groups + choice.solver.lanes - 1) / choice.solver.lanes;
 }
 
-// The solver of a class, and its advantage over the second.
+// The solver of a class, and its advantage over the second best.
 std::string reason_of(const std::vector<Candidate>& ranked) {
   const Candidate& best = ranked[0];
   std::string text(best.origin == Origin::prior ? "not measured" : name(best.origin));

@@ -614,7 +614,7 @@ Prediction PerformanceModel::meeting(std::int32_t p, double doubles) const {
     sum = {median(seconds) * p / threads, threads == p ? 1.2 : 1.5,
            threads == p ? Origin::measured : Origin::extrapolated};
   }
-  // A measurement with many doubles includes the meeting, but it is a small part.
+  // A measurement with many doubles includes the meeting, which is a small part of its time.
   const double each = impl_->handovers.empty() ? kPriorHandover : median(nearest(impl_->handovers)->second);
   sum.seconds += each * doubles;
   return sum;

@@ -12,7 +12,7 @@
 namespace assur {
 namespace {
 
-// Distances of differences: in internal units for callbacks, relative to the time step for laws.
+// Distances over which differences are taken: in internal units for callbacks, relative to the time step for laws.
 constexpr double kLongestOffset = 0x1p-8;
 constexpr double kShortestOffset = 0x1p-30;
 constexpr double kGlance = 0x1p-16;    // the one distance of a cheap check

@@ -131,8 +131,7 @@ void fit_checksums(SQLite::Database& database) {
                                tables.machines.at(run.machine).fingerprint()));
       fit.bind(2, rows.getColumn(0).getInt64());
       fit.exec();
-    } catch (const std::exception&) {  // refers to a missing row, or to a row of a later version: the reader reports
-                                       // this
+    } catch (const std::exception&) {  // the row is missing or of a later version: the reader reports this
     }
   }
 }

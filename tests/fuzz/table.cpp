@@ -9,7 +9,7 @@
 namespace assur::fuzz {
 namespace {
 
-constexpr std::size_t kMostTried = 1000;  // tested points of a table
+constexpr std::size_t kMostTried = 1000;  // largest number of tested points of a table
 
 bool is_finite(const Motion& motion) {
   return std::isfinite(motion.value) && std::isfinite(motion.rate) && std::isfinite(motion.acceleration);

@@ -320,7 +320,7 @@ TEST(Joints, SarrusLinkageMovesStraight) {
     EXPECT_NEAR(t(k, t.index("T.x")), 0.5, off);
     EXPECT_NEAR(t(k, t.index("T.y")), 0.5, off);
     EXPECT_NEAR(t(k, t.index("T.z")), 2 * l * std::sin(start - 0.4 * t.times()[k]), off);
-    EXPECT_NEAR(t(k, t.index("b0.angle")), -0.4 * t.times()[k], off);  // about x it turns the other way
+    EXPECT_NEAR(t(k, t.index("b0.angle")), -0.4 * t.times()[k], off);  // relative to the axis x the sign is opposite
   }
   EXPECT_LT(run.simulator.report().error.residual(), 1e-14);
 }

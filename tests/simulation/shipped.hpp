@@ -98,7 +98,8 @@ inline Levels sizes_of_groups(const Structure& structure) {
   return sizes;
 }
 
-// The groups of a scene as drawn by hand. The scene is regular, and begins at the laws of its drivers.
+// Expects that a scene has these groups, which were found by hand, that it is regular, and that it begins at the values
+// of its laws.
 inline void expect_groups(const Scene& scene, const Levels& sizes, std::size_t classes, std::int64_t mobility) {
   EXPECT_TRUE(scene.warnings().empty());
   const Structure s = analyze(scene.with_outputs({"all"}));

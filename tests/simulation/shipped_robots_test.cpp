@@ -146,7 +146,7 @@ TEST(Shipped, ThreeRpsLiftsAndTilts) {
     const QuadJet radius = side / sqrt(QuadJet{3});
     const Point3 u = unit(P[0] - centre), v = cross(plate.z, u);
     for (const QuadJet& zero : {u[1] - v[0], centre[0] - radius / 2 * (u[0] - v[1]), centre[1] + radius * u[1]}) {
-      EXPECT_NEAR(static_cast<double>(zero.value), 0, 1e-15);  // of the doubles in the scene
+      EXPECT_NEAR(static_cast<double>(zero.value), 0, 1e-15);  // rounding of the doubles in the scene
     }
     const QuadJet tilt = atan2(sqrt(plate.z[0] * plate.z[0] + plate.z[1] * plate.z[1]), plate.z[2]);
     return Expected{{{"P1", P[0]}, {"P2", P[1]}, {"P3", P[2]}, {"centre", centre}, {"normal", plate.z}},

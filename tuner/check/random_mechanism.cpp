@@ -634,7 +634,7 @@ constexpr Family kFamilies[] = {{"planar_chain", 2, planar_chain},
                                 {"wishbone", 3, wishbone},
                                 {"on_rails", 3, on_rails}};
 
-// Commands that run up to limits, back, and elsewhere.
+// Commands that lead to limits, back from them, and to other postures.
 void draw_commands(RandomMechanism& m, const Draft& draft, Chance& chance) {
   std::vector<double> at, step;
   for (const Draft::Driven& driven : draft.driven()) {
