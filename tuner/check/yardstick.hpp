@@ -63,7 +63,7 @@ class Yardstick {
     std::size_t first, count;
     int derivative;
     double unit;
-    bool angle;                                                         // the value of one that has a sign
+    bool angle;                                                         // true: the value of a signed angle
     std::size_t turns_known = std::numeric_limits<std::size_t>::max();  // an angle: rows
     std::vector<std::pair<std::size_t, double>> angles = {};            // of a sum: items and factors
   };

@@ -185,7 +185,7 @@ struct Contest::Impl {
   Question question;
   QuestionOptions options;
   Answer first;                              // answer of the first races
-  std::vector<Racer> racers;                 // of the last race; the last two are the choice again, and the choice
+  std::vector<Racer> racers;                 // of the last race; the last two are the choice of the dispatcher, twice
   std::vector<Finalist> finalists;           // of them
   std::vector<std::vector<double>> seconds;  // passes x racers
 };
