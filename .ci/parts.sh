@@ -1,8 +1,7 @@
-# For the scripts of this folder: parts, one after the other, with their times.
-# shellcheck shell=bash
+# For the scripts in this folder: runs parts one after the other, and reports their times. shellcheck shell=bash
 rows=() current=
 
-# part NAME COMMAND...: runs it, and notes its seconds. A failure ends the script, with the name of the part.
+# part NAME COMMAND...: runs the command and records its time. If it fails, the script ends and names the part.
 part() {
   current=$1
   local from=$SECONDS

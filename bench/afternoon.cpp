@@ -8,7 +8,7 @@ namespace assur::bench {
 namespace {
 
 constexpr std::size_t kMostIterations = 10;
-constexpr double kRounding = 1e-12;  // a residual below it that no longer falls is rounding
+constexpr double kRounding = 1e-12;  // a smaller residual that no longer falls is rounding
 
 }  // namespace
 
@@ -99,7 +99,7 @@ void FourBarChain::drive(double t) {
 
 double FourBarChain::evaluate(const double* q, double* phi, double* jacobian) {
   double px = x_, py = y_, worst = 0, length = FourBars::coupler(1);
-  double* before = nullptr;  // entry of the coupler in the columns of the point before
+  double* before = nullptr;  // entries of the coupler in the columns of the previous point
   std::size_t before_stride = 0;
   for (std::size_t k = 0; k < loops_; ++k) {
     const double bx = q[2 * k], by = q[2 * k + 1], anchor = kSpacing * static_cast<double>(k + 1);
@@ -168,7 +168,7 @@ constexpr std::array<Vec, 6> kGuess = {{{0.60590, -0.20646, 0.14220},
                                         {-0.44004, -0.36196, 0.18737},
                                         {-0.10077, -0.59568, 0.17072}}};
 
-// One coordinate of the terminal, and its derivatives by the time.
+// One coordinate of the terminal with its time derivatives.
 struct Motion {
   double value, rate, acceleration;
   Motion(const peers::Wave& wave, double t) {

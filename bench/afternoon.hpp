@@ -1,7 +1,8 @@
-// The rival: what a good engineer writes in an afternoon for one mechanism. One global Newton iteration in natural
-// coordinates from a Taylor prediction; residuals and Jacobian by hand, straight into compressed columns; KLU with
-// block triangular form and its defaults, analysed once and refactorised for each iteration and once for velocity and
-// acceleration. Of the library it has only the type of a pattern, so that its motion can also be held against it.
+// The rival: the program that a good engineer writes in an afternoon for one mechanism. It uses one global Newton
+// iteration in natural coordinates from a Taylor prediction; residuals and Jacobian by hand, straight into compressed
+// columns; KLU with block triangular form and its defaults. The matrix is analysed once, and refactorised for each
+// iteration and once more for velocity and acceleration. The only part of the library in it is the type Pattern, so
+// that its motion is also an independent check of the library.
 #pragma once
 
 #include <array>
@@ -16,15 +17,15 @@
 
 namespace assur::bench {
 
-// The same bound as the library's own for a solved equation: |Phi_i| / (sum_j |dPhi_i/dq_j| |q_j| + |constant|).
+// The library's bound for a solved equation: |Phi_i| / (sum_j |dPhi_i/dq_j| |q_j| + |constant|).
 inline constexpr double kRivalTolerance = 8 * std::numeric_limits<double>::epsilon();
 
 enum class KluOptions {
-  defaults,  // klu_defaults: rows scaled by their largest, pivots kept on the diagonal down to 0.001 of their column
+  defaults,  // klu_defaults: scales rows by their largest entry, accepts diagonal pivots down to 0.001 of the column
   unscaled,  // rows of one mechanism are alike: no scaling, no checks; partial pivoting, as small blocks have no fill
 };
 
-// Position, velocity and acceleration of `Mechanism`, which brings:
+// Position, velocity and acceleration of `Mechanism`, which has these members:
 //   Pattern pattern() const; void guess(double* q) const;
 //   void drive(double t)                                      the known coordinates and their derivatives
 //   double evaluate(const double* q, double* phi, double* J)  returns the largest relative residual

@@ -1,4 +1,4 @@
-// The calls of a linear algebra library and nothing around them, for one matrix of a pattern that stays.
+// Bare calls of a linear algebra library, for one matrix whose pattern stays the same.
 #pragma once
 
 #include <klu.h>
@@ -17,9 +17,9 @@ class BareKlu {
  public:
   static constexpr std::string_view kBackend = "klu";
 
-  // As KLU has them. tolerance: a pivot on the diagonal is kept down to this share of its column; that of the backend
-  // unless told otherwise, so that both have the same fill. scale: 2 divides rows by their largest each time; negative:
-  // neither scales nor checks the pattern.
+  // Settings of KLU. tolerance: a pivot on the diagonal is accepted down to this share of the largest entry of its
+  // column; the default is that of the backend, so that both have the same fill. scale: 2 divides each row by its
+  // largest entry in every factorisation; a negative value neither scales nor checks the pattern.
   explicit BareKlu(const Pattern& pattern, double tolerance = kTolerance, int scale = 2)
       : start_(pattern.column_start), row_(pattern.row), n_(pattern.n) {
     klu_defaults(&common_);
@@ -53,7 +53,7 @@ class BareKlu {
   klu_numeric* numeric_ = nullptr;
 };
 
-// The fastest that KLU can be: right for rows that are alike, as those of the benchmarks are.
+// The fastest settings of KLU. They are safe only if all rows are of similar size, as in the benchmarks.
 class BareKluUnscaled : public BareKlu {
  public:
   explicit BareKluUnscaled(const Pattern& pattern) : BareKlu(pattern, kTolerance, -1) {}

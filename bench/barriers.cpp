@@ -1,5 +1,5 @@
-// Costs of starting a team's work and of meeting at its barrier: a level must save more to be worth a second thread.
-// Also with more threads than cores ("crowded"), and pinned to separate cores.
+// Costs of starting the work of a team and of meeting at its barrier. A level is worth a second thread only if it saves
+// more than these costs. Also with more threads than cores ("crowded"), and pinned to separate cores.
 #include <benchmark/benchmark.h>
 
 #include <string>
@@ -17,7 +17,7 @@ void run_team(benchmark::State& state, int size, const std::vector<int>& pin_to)
   for ([[maybe_unused]] auto _ : state) team.run([](int) noexcept {});
 }
 
-// Time of one meeting among many in one run.
+// Time of one meeting, from many meetings in one run.
 void meet(benchmark::State& state, int size, const std::vector<int>& pin_to) {
   constexpr int kMeetings = 1000;
   Team team(size, pin_to);

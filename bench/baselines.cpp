@@ -1,6 +1,6 @@
-// Baselines: costs of the library over a hand-written loop with the same calls of KLU and LAPACK, and the same number
-// of factorisations and solutions. A ratio is the library's time over that of the hand-written loop, measured block by
-// block in turns; reported is the median, which should be at most 1.15.
+// Baselines: the library against a hand-written loop with the same calls of KLU and LAPACK, and the same number of
+// factorisations and solutions. A ratio is the time of the library over the time of the loop; blocks of both are
+// measured in turns. The median of the ratios is reported, and should be at most 1.15.
 //   solver: one factorisation and three solutions of each of six groups, our backend against bare calls
 //   legs:   position, velocity and acceleration of the six legs of `stewart`, groups/BACKEND+predict=hermite:5 against
 //           the leg written by hand, all with the same terminal: `hand` makes the library's checks, `unchecked` makes
@@ -54,7 +54,7 @@ struct Times {
 
 constexpr int kGroups = 6;
 constexpr int kSolves = 3;
-constexpr double kBlock = 2e-4;  // s: long for the clock, short for the disturbances of a busy machine
+constexpr double kBlock = 2e-4;  // s: much longer than a reading of the clock, shorter than most disturbances
 
 template <class Bare>
 void compare_solvers(benchmark::State& state, const std::string& kind, int n) {
@@ -118,7 +118,7 @@ constexpr int kWarm = 10;        // steps
 constexpr double kSame = 1e-10;  // m: largest difference of equal motions
 constexpr double kConverged = 8 * std::numeric_limits<double>::epsilon();
 
-// Parts of the library, so that the legs are timed without the terminal.
+// Uses internal parts of the library, so that the legs are timed without the terminal.
 class LegsByLibrary {
  public:
   LegsByLibrary(const Scene& scene, const std::string& backend, double t)
@@ -145,7 +145,8 @@ class LegsByLibrary {
   bool step(double t, double next) {
     counters_ = {};
     held_ = solve(1, Attempt::Branch::inside);
-    // Outside the ball of the branch check the simulator would halve the step; here a new ball is measured.
+    // Outside the ball of the branch check, the simulator would halve the step; this benchmark measures a new ball
+    // instead.
     ok_ = ok_ && (held_ || solve(1, Attempt::Branch::start));
     state_.accept(t);
     state_.predict(next);
@@ -159,7 +160,7 @@ class LegsByLibrary {
   [[nodiscard]] bool held() const { return held_; }  // the last step of the legs succeeded at the first attempt
   [[nodiscard]] const Counters& counters() const { return counters_; }  // for that step
 
-  // d-th derivative of a point or vector, SI units
+  // d-th derivative of a point or vector, SI units.
   [[nodiscard]] Vec value(const std::string& name, int d) const {
     const System& s = *structure_.system;
     const Item& item = s.item(name);

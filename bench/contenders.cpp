@@ -15,7 +15,7 @@ namespace {
 constexpr int kMostWarm = 10;       // untimed first steps: they wake threads and fill caches
 constexpr std::size_t kSample = 4;  // members that run one by one
 
-// Time since construction.
+// Time since the construction of the object.
 class Stopwatch {
  public:
   [[nodiscard]] Cost per(double steps) const {

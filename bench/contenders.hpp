@@ -1,4 +1,5 @@
-// What is measured for scaling: a mechanism step after step, one over a whole run, and an ensemble.
+// The contenders in measurements of scaling: a mechanism step after step, a mechanism over a whole run, and an
+// ensemble.
 #pragma once
 
 #include <memory>
@@ -13,26 +14,27 @@ namespace assur::bench {
 
 struct Prepare {
   std::string strategy;
-  int budget = 1;  // threads that it may take
+  int budget = 1;  // largest number of threads
 };
 
-// Latency: blocks of step(). Contenders of the same `steps` go through the same times. times_steps: one by one too.
+// Latency: blocks of step(). Contenders with the same `steps` go through the same times. times_steps: also times single
+// steps.
 [[nodiscard]] std::unique_ptr<Contender> make_steps(const Scene& scene, const Prepare& prepare, int steps,
                                                     const StepLimits& limits = {}, bool times_steps = false);
 
-// Steps of `scene` by `strategy` that take about so long, on one thread; at least 1.
+// Number of steps of `scene` by `strategy` that take about this time on one thread; at least 1.
 [[nodiscard]] int steps_in(double seconds, const Scene& scene, const std::string& strategy);
 
-// Throughput: all of the scene's times in one run.
+// Throughput of one run over all times of the scene.
 [[nodiscard]] std::unique_ptr<Contender> make_run(const Scene& scene, const Prepare& prepare);
 
-// Throughput: all members over their times, in lanes and threads; or, by make_members_one_by_one, a few of them each on
-// its own, which are the sample of both.
+// Throughput of an ensemble. make_members runs all members over their times, in lanes and threads;
+// make_members_one_by_one runs a few of them one after the other. Both give the results of these few as their sample.
 [[nodiscard]] std::unique_ptr<Contender> make_ensemble(const std::vector<Scene>& members, const Prepare& prepare);
 [[nodiscard]] std::unique_ptr<Contender> make_members_one_by_one(const std::vector<Scene>& members,
                                                                  const Prepare& prepare);
 
-// The same contender among `processes` busy ones.
+// The same contender, while `processes` other processes keep the processors busy.
 [[nodiscard]] std::unique_ptr<Contender> in_a_crowd(std::unique_ptr<Contender> contender, int processes);
 
 }  // namespace assur::bench

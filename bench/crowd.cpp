@@ -14,9 +14,9 @@
 namespace assur::bench {
 namespace {
 
-constexpr unsigned kLongest = 120;  // s: a process ends after this time, whatever happened to its parent
+constexpr unsigned kLongest = 120;  // s: a process ends after this time, even if its parent was killed
 
-// After fork() in a process with threads, a child may do little more than this.
+// A child of fork() in a process with threads may call few functions, so this is all that it does.
 [[noreturn]] void keep_busy(pid_t parent) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(0);

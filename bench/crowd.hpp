@@ -1,4 +1,4 @@
-// Processes that keep the processors busy, as long as the object lives.
+// Processes that keep the processors busy during the lifetime of the object.
 #pragma once
 
 #include <sys/types.h>

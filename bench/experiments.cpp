@@ -20,7 +20,7 @@ constexpr double bound_of(double condition) {
 }
 constexpr double kLeg = bound_of(23);   // leg of a Stewart platform: largest over smallest singular value
 constexpr double kRing = bound_of(16);  // ring of 6 to 360 points
-// chain of ten rockers: errors are passed on, those of accelerations twice
+// chain of ten rockers: each rocker passes on the error of the one before, for accelerations twice
 constexpr double kChain = 10 * 10 * bound_of(6);
 
 std::string split(int p, int q) { return " " + std::to_string(p) + "x" + std::to_string(q); }
@@ -30,7 +30,8 @@ std::string rings(const Options& o) { return o.quick ? "rings:legs=16,n=24" : "r
 
 StepLimits limits(bool pinned) { return {.pin_to = pinned ? this_machine().cores : std::vector<int>{}}; }
 
-// A row of a table. bound: for other lanes, chunks or threads in a solver; packs on other threads have the same bits.
+// A row of a table. bound: largest difference from a run with other lanes, chunks or threads in a solver; a run with
+// other numbers of threads for packs has the same bits.
 Entry row(const std::string& scene, const std::string& strategy, std::size_t base = Entry::kItself,
           std::size_t alone = Entry::kItself, double bound = 0) {
   Entry made{scene, strategy};
@@ -135,14 +136,14 @@ void add_chunks(std::vector<Entry>& contest, const Options& o, const std::string
 std::vector<Entry> chunks(const Options& o) {
   std::vector<Entry> contest;
   const std::string steps = o.quick ? "steps=400" : "steps=20000";
-  // With one group on each level, lanes are idle without chunks.
+  // Each level has one group, so that lanes are idle without chunks.
   add_chunks(contest, o, "four_bar:loops=10," + steps, sample("four_bar:loops=10,step=0.01," + steps), kChain);
   add_chunks(contest, o, "stewart:" + steps + ", handle ends", sample("stewart:" + steps).with_outputs(kHandleEnds),
              kLeg);
   return contest;
 }
 
-// Many Stewart platforms of different speeds: in lanes and threads, and one by one. wanted: outputs.
+// Many Stewart platforms with different speeds: in lanes and threads, and one by one. wanted: the outputs.
 void add_members(std::vector<Entry>& contest, const Options& o, const std::vector<std::string>& wanted) {
   const int members = o.quick ? 64 : 1024, steps = o.quick ? 20 : wanted.empty() ? 50 : 200;
   std::vector<Scene> scenes;
@@ -218,12 +219,12 @@ std::vector<Entry> pinned(const Options& o) {
   return contest;
 }
 
-// More busy processes than cores: shows that nothing hangs, and what it costs.
+// More busy processes than cores: shows that no run hangs, and the cost in time.
 std::vector<Entry> crowd(const Options& o) {
   std::vector<Entry> contest;
   const std::string text = rings(o);
   const Scene scene = sample(text);
-  const int steps = o.quick ? 10 : 50;  // each may take as long as the system lets another process run
+  const int steps = o.quick ? 10 : 50;  // each step may take a whole time slice of another process
   for (const int p : o.counts()) {
     for (const bool pin : {false, true}) {
       if (pin && p == 1) continue;

@@ -1,4 +1,4 @@
-// What scaling_bench measures, one table for each.
+// The experiments of scaling_bench, each with its own table.
 #pragma once
 
 #include <span>
@@ -16,10 +16,10 @@ struct Options {
   int threads = 0;   // 0: the budget of the machine
   int rounds = 0;    // 0: 3 if quick, else 15
   int busy = 0;      // processes; 0: two for each thread
-  double block = 0;  // s of one measurement of one candidate that steps; 0: 0.05, if quick 0.002
+  double block = 0;  // s, time of one measurement of a candidate of latency; 0: 0.05, if quick 0.002
   std::string csv;
 
-  // 1, 2, 4, ... and what is asked for at most.
+  // 1, 2, 4, ... and the largest number asked for.
   [[nodiscard]] std::vector<int> counts() const {
     std::vector<int> of;
     for (int n = 1; n < threads; n *= 2) of.push_back(n);

@@ -22,7 +22,7 @@ void* taken(void* block) {
 assur::bench::Heap assur::bench::heap() { return counted; }
 void assur::bench::forget_peak() { counted.peak = counted.live; }
 
-// The program's malloc replaces that of the C library, whose functions remain available under these names.
+// The malloc of this program replaces that of the C library, whose functions remain available under these names.
 extern "C" {
 void* __libc_malloc(std::size_t);
 void* __libc_calloc(std::size_t, std::size_t);

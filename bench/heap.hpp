@@ -1,5 +1,5 @@
-// The heap of this program, counted at malloc and free: exact, unlike the resident set, and it includes what the C
-// libraries behind us take.
+// The heap of this program, counted at malloc and free. The count is exact, unlike the resident set, and includes the
+// allocations of C libraries.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@ namespace assur::bench {
 
 struct Heap {
   std::int64_t live = 0;  // bytes handed out and not yet given back
-  std::int64_t peak = 0;  // the most of it since forget_peak()
+  std::int64_t peak = 0;  // largest value of `live` since forget_peak()
 };
 
 [[nodiscard]] Heap heap();

@@ -1,6 +1,7 @@
 #!/bin/sh
-# Instructions per step of some hot loops, counted by callgrind: the same on every machine that runs the same code, so a
-# later change can be held against them. valgrind shows programs an AVX2 processor: what is counted is the AVX2 path.
+# Instructions per step of some hot loops, counted by callgrind. The counts are the same on every machine that runs the
+# same code, so that counts before and after a change can be compared. valgrind emulates an AVX2 processor, so that the
+# AVX2 code is counted.
 #
 #   bench/instructions.sh [BUILD [STEPS]]     build/ and 200 steps unless told otherwise
 set -eu

@@ -38,10 +38,11 @@ class LegByHand {
   void velocity(const Terminal& rate, Unknowns& b);
   void acceleration(const Unknowns& v, const Terminal& acceleration, Unknowns& b) const;
 
-  // All that the equations read and that moves: the unknowns, P and t.
+  // All moving quantities that the equations read: the unknowns, P and t.
   using Reads = std::array<double, kUnknowns + 6>;
   [[nodiscard]] Reads reads(const Unknowns& q) const;
-  // Of the rows of the Jacobian, in the maximum norm of what they read: the number of products in them, squares once.
+  // Lipschitz constants of the rows of the Jacobian in the maximum norm: the number of products in each row; squares
+  // count once.
   static constexpr Unknowns kLipschitz = {0, 0, 0, 0, 0, 0, 0, 6, 3, 6, 6, 3, 3, 3, 3};
 
  private:

@@ -1,7 +1,7 @@
-// The six legs of `stewart` by hand: what groups/klu or groups/lapack would be without a library around the library.
-// Either it only computes, or it does all that the simulator does to trust its result: residuals relative to their
-// terms, residuals of the linear systems, and the ball in which the branch cannot change (lib/group/branch.hpp;
-// here one ball for a whole leg).
+// The six legs of `stewart` written by hand: groups/klu or groups/lapack without the code of assur around KLU or
+// LAPACK. It runs without checks or with the checks of the simulator: residuals relative to their terms, residuals of
+// the linear systems, and the ball in which the branch cannot change (lib/group/branch.hpp; here one ball for a whole
+// leg).
 #pragma once
 
 #include <algorithm>
@@ -29,7 +29,7 @@ class LegsByHand {
   using Unknowns = LegByHand::Unknowns;
   static constexpr int kLegs = 6;
 
-  // Starts where `start` stands: start.value(name, d) is the d-th derivative of a point or vector.
+  // Starts at the posture of `start`: start.value(name, d) is the d-th derivative of a point or vector.
   template <class Start>
   LegsByHand(const Scene& scene, const Start& start) {
     const auto at = [](const auto& all, const std::string& name) {
@@ -70,7 +70,7 @@ class LegsByHand {
     return true;
   }
 
-  // The calls of such a step and nothing else: two factorisations, three solutions for each leg.
+  // Only the calls of KLU or LAPACK in such a step: two factorisations and three solutions for each leg.
   bool calls() {
     bool ok = true;
     for (Leg& leg : legs_) {
@@ -88,7 +88,7 @@ class LegsByHand {
   [[nodiscard]] std::int64_t iterations() const { return iterations_; }  // of all legs in the last step
   [[nodiscard]] std::int64_t balls() const { return balls_; }            // measured so far
   [[nodiscard]] double worst_error() const { return std::max({position_error_, velocity_error_, acceleration_error_}); }
-  // B of a leg at the last step
+  // Position of B of a leg after the last step.
   [[nodiscard]] Vec B(int leg) const {
     const Unknowns& q = legs_[static_cast<std::size_t>(leg)].last_q;
     return {q[0], q[1], q[2]};
@@ -104,13 +104,13 @@ class LegsByHand {
     std::unique_ptr<Bare> solver;
     std::vector<double> jacobian;           // of the last evaluation
     double norm = 0;                        // of the Jacobian, maximum norm
-    Unknowns q{}, v{}, a{};                 // at hand: q is the prediction before a step
+    Unknowns q{}, v{}, a{};                 // of the current step: q is the prediction before the step
     Unknowns last_q{}, last_v{}, last_a{};  // of the last step
     LegByHand::Reads anchor{};              // centre of the ball
     double omega = 0, ball_used = 1;        // no ball yet
   };
 
-  // As in the library, so that both converge alike.
+  // The same criterion as in the library, so that both take the same iterations.
   static constexpr double kConverged = 8 * std::numeric_limits<double>::epsilon();
   static constexpr double kRoundingLevel = 1e-12;
   static constexpr int kMostIterations = 12;
@@ -124,7 +124,8 @@ class LegsByHand {
       if (!leg.solver->solve(correction_.data())) return false;
       for (std::size_t i = 0; i < leg.q.size(); ++i) leg.q[i] -= correction_[i];
       if constexpr (kChecks != Checks::none) {
-        // Outside of it a new ball is measured after the step, as the benchmark lets the library do it.
+        // If the posture is outside the ball, a new ball is measured after the step, as in the library's side of the
+        // benchmark.
         if (k == 0 && leg.omega * largest(correction_) > kKantorovich * (1 - leg.ball_used)) leg.ball_used = 1;
       }
       ++iterations_;
@@ -175,7 +176,7 @@ class LegsByHand {
     return largest(sum);
   }
 
-  // Measures a new ball before the next steps of this length leave the one at hand.
+  // Measures a new ball if the next step of this length would leave the current one.
   bool stays_in_ball(Leg& leg) {
     const LegByHand::Reads now = leg.equations.reads(leg.q);
     double moved = 0;
@@ -197,8 +198,8 @@ class LegsByHand {
     return std::isfinite(leg.omega);
   }
 
-  // Accepts the posture at hand and extrapolates: the quintic through the last two, with their rates and accelerations,
-  // at equal steps; Taylor from the first.
+  // Accepts the current posture and predicts the next one: by the quintic through the last two postures with their
+  // rates and accelerations, for equal steps; after the first step by a Taylor series.
   void predict(Leg& leg, double h, bool first) {
     const Unknowns q = leg.q;
     for (std::size_t i = 0; i < q.size(); ++i) {

@@ -1,4 +1,4 @@
-// What a time was measured on, written before any number, and the clock of one thread.
+// The description of the machine, which is written before any number, and the clock of one thread.
 #pragma once
 
 #include <iosfwd>
@@ -11,7 +11,7 @@ namespace assur::bench {
 // Name and text: processor, compiler, build type, library versions.
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> machine_facts();
 
-// A line for each, with `prefix` in front.
+// Prints one line for each pair, with `prefix` in front.
 void describe_machine(std::ostream& out, const std::string& prefix = "");
 
 // Processor time of the calling thread, s.

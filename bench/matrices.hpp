@@ -8,8 +8,9 @@
 
 namespace assur::bench {
 
-// `count` matrices of one pattern, values of each its own (of large ones, those of a few repeat): "ring" and "dense" of
-// order n as the tests have them; "legs", n = 15: Jacobians of the groups SG_HS of platforms at their start postures.
+// `count` matrices of one pattern with different values (large matrices repeat the values of a few). "ring" and
+// "dense": the matrices of order n of the tests. "legs", n = 15: Jacobians of the groups SG_HS of platforms at their
+// start postures.
 [[nodiscard]] std::vector<test::Matrix> make_matrices(std::string_view kind, int n, int count);
 
 }  // namespace assur::bench

@@ -1,17 +1,17 @@
 #!/bin/sh
-# A folder with scaling_bench and everything that it needs, down to the C library: it runs on any Linux of the same
-# processor family, with nothing installed there.
+# Makes a folder with scaling_bench and all libraries that it needs, including the C library. The program then runs on
+# any Linux of the same processor family, without further packages.
 #
 #   bench/pack_scaling.sh [BUILD [FOLDER]]     build/ and scaling/ unless told otherwise
 #
-# There: FOLDER/run --csv scaling.csv
+# On the other machine: FOLDER/run --csv scaling.csv
 set -eu
 program=${1:-build}/bench/scaling_bench
 folder=${2:-scaling}
 [ -x "$program" ] || { echo "$program is not there; build it first" >&2; exit 3; }
 [ ! -e "$folder" ] || { echo "$folder is there already; name another folder" >&2; exit 2; }
 
-# Of each line of ldd the file: "name => file (address)", or "file (address)" for the loader.
+# Takes the file from each line of ldd: "name => file (address)", or "file (address)" for the loader.
 libraries=$(ldd "$program" | sed -n 's/.*=> \(\/[^ ]*\) .*/\1/p; s/^[[:space:]]*\(\/[^ ]*\) .*/\1/p')
 loader=$(echo "$libraries" | grep '/ld[-.]') || { echo "$program has no loader; is it linked statically?" >&2; exit 3; }
 

@@ -16,7 +16,8 @@ namespace {
 
 constexpr int kWarm = 10;  // steps, for the history of the predictors and the memory of the solvers
 
-// --simd=AVX2 or SSE4: runs as on a processor without better ones. Highway numbers its targets from the best one on.
+// --simd=AVX2 or SSE4: runs as on a processor without wider instructions. Highway gives the best target the lowest
+// number.
 bool take_simd(std::string_view argument) {
   const bool avx2 = argument == "--simd=AVX2", sse4 = argument == "--simd=SSE4";
   if (avx2) hwy::SetSupportedTargetsForTest(hwy::SupportedTargets() & -std::int64_t{HWY_AVX2});

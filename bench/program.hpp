@@ -1,4 +1,4 @@
-// What the benchmark programs share: honest defaults, and the one way to time a step of the library.
+// The common part of the benchmark programs: their default settings, and the function that times a step of the library.
 #pragma once
 
 #include <benchmark/benchmark.h>
@@ -9,15 +9,15 @@
 
 namespace assur::bench {
 
-// Describes the machine and runs what `register_all` registers. Unless the command line says otherwise: interleaved at
-// random, repetitions of 0.05 s, aggregates only. --simd=AVX2 or SSE4 leaves better instructions unused. Returns the
-// exit status.
+// Describes the machine and runs the benchmarks that `register_all` registers. Defaults: repetitions of 0.05 s,
+// interleaved at random, and aggregates only. --simd=AVX2 or SSE4 disables wider instructions. Returns the exit status.
 int run_program(int argc, char** argv, void (*register_all)(), int repetitions = 5);
 
-// False if the strategy cannot run here, or if no class has groups for its lanes: fewer lanes are then the same.
+// False if the strategy cannot run here, or if no class has enough groups for its lanes: a strategy with fewer lanes is
+// then the same.
 [[nodiscard]] bool worth_timing(const Scene& scene, const std::string& strategy);
 
-// Times one step of `scene` after another; work and errors of those very steps are its counters.
+// Times the steps of `scene` one after the other; its counters are the work and the errors of the timed steps.
 void time_steps(benchmark::State& state, const Scene& scene, const std::string& strategy);
 
 }  // namespace assur::bench

@@ -1,5 +1,5 @@
-// Regret of the dispatcher: its choice against the best of all candidates, on mechanisms that no tuner has seen, and
-// against the best strategy that is the same for all of them. All times are of whole steps, measured in turns;
+// Regret of the dispatcher on mechanisms that the tuner did not measure: its choice is compared with the best of all
+// candidates, and with the best strategy that is the same for all mechanisms. Whole steps are timed, in turns;
 // candidates with a wrong motion do not count. The first table is from one pass of the last races.
 //
 //   regret_bench [--quick] [--threads N] [--only TEXT] [--csv FILE]

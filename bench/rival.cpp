@@ -1,6 +1,6 @@
-// The library against a program that a good engineer writes in an afternoon for one mechanism (afternoon.hpp), in one
-// run: one thread, the same outputs with velocity and acceleration, and the largest relative residual of the timed
-// steps. A file has one loop; longer chains are samples.
+// The library against a program that a good engineer writes in an afternoon for one mechanism (afternoon.hpp). Both are
+// timed in one run, on one thread, with the same outputs including velocity and acceleration; the largest relative
+// residual of the timed steps is shown.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -63,7 +63,7 @@ void time_chunks(benchmark::State& state, const Scene& scene, const std::string&
   state.counters["position"] = simulator.report().error.position;
 }
 
-// Registers the rows of one mechanism; `scene` outputs the unknowns of the rival.
+// Registers the rows of one mechanism; the outputs of `scene` are the unknowns of the rival.
 template <class Mechanism>
 void register_mechanism(const std::string& text, const Scene& scene, const Mechanism& mechanism) {
   const double dt = scene.time().step;

@@ -1,6 +1,6 @@
 // Scaling of the library on this machine: threads, lanes, chunks, members, legs; single steps with pinned threads; and
-// runs among busy processes. Every result is compared with that of one thread before its time counts. Exits with 1 if
-// one is wrong.
+// runs beside busy processes. Every result is compared with the result of one thread before its time counts. The exit
+// status is 1 if a result is wrong.
 //
 //   scaling_bench [--quick] [--only NAMES] [--threads N] [--rounds N] [--block S] [--busy N] [--csv FILE]
 #include <malloc.h>
@@ -24,7 +24,7 @@
 namespace assur::bench {
 namespace {
 
-// The load is reported with the results, because other processes change them.
+// The load is reported with the results, because other processes slow them down.
 std::string load() {
   double average[1] = {0};
   if (getloadavg(average, 1) != 1) return "unknown";
@@ -40,8 +40,8 @@ void describe(std::ostream& out, const Options& o, const std::string& prefix) {
   out.flush();
 }
 
-// Keeps the memory of results from round to round, also of large ones: a page that is new to the process costs as much
-// as some of the steps stored in it.
+// Keeps the memory of results, even of large ones, from round to round: a page that is new to the process costs as much
+// as some of the steps whose results it holds.
 void keep_memory() {
   mallopt(M_MMAP_MAX, 0);
   mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());

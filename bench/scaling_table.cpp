@@ -22,7 +22,7 @@ struct Figures {
   Spread seconds;  // by the clock
   Spread telling;
   Spread over_base{kNone, kNone, kNone}, over_one_thread{kNone, kNone, kNone};
-  double fastest = kNone, at_best = kNone;  // s of a round; relative to that of one thread
+  double fastest = kNone, at_best = kNone;  // fastest round, s; its speed-up over that of one thread
   double per_leg = kNone, growth = kNone;
   double p50 = kNone, p99 = kNone, longest = kNone;
 };

@@ -1,6 +1,6 @@
-// Every linear solver that can run here, over patterns, sizes and numbers of groups: one factorisation and three
-// solutions, as in a step of a group, and each of them alone. Beside the time of one group: the backward error of the
-// timed results, and the memory allocated in the meantime.
+// Every linear solver that can run here, over patterns, sizes and numbers of groups. Timed are one factorisation with
+// three solutions, as in a step of a group, one factorisation, and one solution. The counters are the time for one
+// group, the backward error of the timed results, and the memory that was allocated.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -33,7 +33,7 @@ struct Candidate {
   }
 };
 
-// The matrices of one benchmark, made at first use and kept: large ones take longer to make than to solve.
+// The matrices of one benchmark, made at first use and kept, because making a large matrix takes longer than solving.
 class Matrices {
  public:
   Matrices(std::string kind, int n, int count) : kind_(std::move(kind)), n_(n), count_(count) {}
@@ -55,7 +55,7 @@ struct Pack {
   std::shared_ptr<LinearSolver> solver;
 };
 
-// shared: one solver for all packs, which then has the factors of the last one.
+// shared: all packs use one solver, which keeps the factors of the last pack only.
 std::vector<Pack> make_packs(const std::vector<test::Matrix>& matrices, const Candidate& candidate, bool shared) {
   std::vector<Pack> packs;
   const int count = static_cast<int>(matrices.size()), n = matrices[0].pattern.n;
@@ -131,7 +131,7 @@ void time_solver(benchmark::State& state, const std::shared_ptr<Matrices>& sourc
   state.counters["allocations"] = allocated / static_cast<double>(state.iterations());
 }
 
-// ---- which solvers run on which matrices
+// ---- the solvers for each matrix
 
 // Largest sizes. Memory limits dense solvers: groups x n^2. Time limits sparse solvers on dense matrices: it grows with
 // n^3 at the speed of scalar code.
@@ -143,7 +143,7 @@ bool worth_running(const Candidate& c, std::string_view kind, int n, int groups)
   return kind != "dense" || n <= kSparseOnDense;
 }
 
-// Lanes of the backend `lanes`: one group needs only one, more than eight groups fill sixteen.
+// Lanes of the backend `lanes`: one for a single group, sixteen for more than eight groups.
 std::vector<int> widths(const Backend& backend, int groups) {
   if (!backend.fills_lanes) return {1};
   if (groups == 1) return {1};

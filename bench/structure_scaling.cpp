@@ -1,6 +1,6 @@
 // Growth of time and memory of one group from 100 groups to 100,000, stage by stage: reading, building, analysing and
-// stepping a scene. Analysing may grow by a factor of 3 at most; exits with 1 if it grows by more.
-// Times are processor time of one thread, so that a busy machine disturbs them little.
+// stepping a scene. The time of analysing one group may grow by a factor of 3; the exit status is 1 if it grows by
+// more. Times are processor time of one thread, so that a busy machine disturbs them little.
 //
 //   structure_scaling_bench [ROUNDS [LARGEST]]    5 rounds up to 100000 groups unless told otherwise
 #include <benchmark/benchmark.h>
@@ -55,7 +55,7 @@ struct Figures {
   double peak = 0, retained = 0;  // bytes
 };
 
-// Measures time and memory of the result of `make`; its destruction is not timed.
+// Measures the time of `make` and the memory of its result, whose destruction is not timed.
 template <class Make>
 void measure(Figures& figures, const Make& make) {
   forget_peak();

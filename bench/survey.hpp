@@ -20,8 +20,8 @@ struct Survey {
   [[nodiscard]] bool wants(const std::string& scene) const { return scene.find(only) != std::string::npos; }
 };
 
-// Reads the command line, describes the machine and its model, and runs `survey`; `csv` is opened before, and goes
-// nowhere if nobody asked for it. Errors go to standard error. Returns the exit status.
+// Reads the command line, describes the machine and its model, and runs `survey`; `csv` is opened before the survey;
+// without --csv its output is discarded. Errors go to standard error. Returns the exit status.
 int run_survey(int argc, char** argv, const std::string& about, void (*survey)(const Survey&, std::ostream& csv));
 
 }  // namespace assur::bench

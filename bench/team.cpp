@@ -1,5 +1,5 @@
-// A team of threads against LAPACK's own threads on one dense matrix: both solvers factorise the same matrices, in one
-// run and interleaved at random. The backward error of each is measured before it is timed.
+// A team of threads against LAPACK's own threads on one dense matrix. Both solvers factorise the same matrices, in one
+// run and interleaved at random; the backward error of each is measured first.
 #include <benchmark/benchmark.h>
 
 #include <limits>

@@ -1,5 +1,5 @@
-// Error against run time of the shipped mechanisms, as `assur compare` measures it: each strategy with its true error,
-// the Pareto front, and the dispatcher's choice for each accuracy.
+// Error against run time for the shipped mechanisms, measured as by `assur compare`: the true error of each strategy,
+// the Pareto front, and the choice of the dispatcher for each accuracy.
 //
 //   work_precision_bench [--quick] [--threads N] [--only TEXT] [--csv FILE]
 #include <iostream>

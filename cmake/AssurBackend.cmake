@@ -1,10 +1,10 @@
 # assur_backend(ID PACKAGE package TARGET target SOURCE files LICENCE spdx DEBIAN name LIBRARIES -l... [OPTION option])
 #
-# A linear solver of the library `assur`. Where the package was found, SOURCE is built and linked; where not, the same
-# functions come from lib/backends/absent.cpp.in and say what to install. Either way the table of registry.cpp has the
-# same rows. OPTION names the option that must be on for the package to be looked for at all. absent.cpp.in may use
-# @ASSUR_BACKEND_ID@, @ASSUR_BACKEND_PACKAGE@ and @ASSUR_BACKEND_ADVICE@. LIBRARIES is what a static link needs, for
-# pkg-config.
+# A linear solver of the library `assur`. If the package was found, SOURCE is built and linked. If not, the same
+# functions come from lib/backends/absent.cpp.in and name the package to install, so that the table of registry.cpp
+# always has the same rows. OPTION names a CMake option; the package is searched only if this option is on.
+# absent.cpp.in may use @ASSUR_BACKEND_ID@, @ASSUR_BACKEND_PACKAGE@ and @ASSUR_BACKEND_ADVICE@. LIBRARIES are the
+# libraries that pkg-config lists for a static link.
 function(assur_backend id)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "PACKAGE;TARGET;LICENCE;DEBIAN;OPTION" "SOURCE;LIBRARIES")
   set(wanted ON)

@@ -19,12 +19,12 @@ write_basic_package_version_file(assurConfigVersion.cmake COMPATIBILITY SameMino
 install(FILES ${PROJECT_BINARY_DIR}/assurConfig.cmake ${PROJECT_BINARY_DIR}/assurConfigVersion.cmake
   DESTINATION ${package_folder})
 if(NOT BUILD_SHARED_LIBS)
-  # A static assur asks its user for the libraries behind it.
+  # Users of a static assur must also link the libraries that it uses.
   list(TRANSFORM ASSUR_PACKAGES REPLACE "(.+)" "cmake/Find\\1.cmake" OUTPUT_VARIABLE find_modules)
   install(FILES ${find_modules} cmake/SuiteSparseLibrary.cmake DESTINATION ${package_folder})
 endif()
 
-# pkg-config files that stay right when the installed tree is moved.
+# pkg-config files that remain valid if the installed tree is moved.
 file(RELATIVE_PATH ASSUR_PREFIX_FROM_PC /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
 string(REGEX REPLACE "/$" "" ASSUR_PREFIX_FROM_PC ${ASSUR_PREFIX_FROM_PC})
 foreach(name IN ITEMS assur_core assur)
@@ -32,7 +32,7 @@ foreach(name IN ITEMS assur_core assur)
   install(FILES ${PROJECT_BINARY_DIR}/${name}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 endforeach()
 
-# What README.md names lies beside it, as in the sources.
+# Files to which README.md refers are installed beside it, as in the sources.
 install(FILES LICENSE README.md CHANGELOG.md CONTRIBUTING.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES db/README.md db/schema.sql DESTINATION ${CMAKE_INSTALL_DOCDIR}/db)
 install(FILES db/migrations/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/db/migrations)

@@ -2,7 +2,7 @@
 #
 #   assur_package(NAME required|optional DEBIAN package FOR "what it is for" [arguments of find_package])
 #
-# collects what is missing, so that one configure run names all of it.
+# collects missing packages, so that one run of CMake names all of them.
 
 function(assur_note line)
   set_property(GLOBAL APPEND PROPERTY ASSUR_SUMMARY "${line}")

@@ -1,4 +1,4 @@
-# What all of our own targets share. Nothing here is global: a project that embeds assur keeps its own flags.
+# The common properties of all targets of assur. No flag is global: a project that embeds assur keeps its own flags.
 
 # assur_target(TARGET): language level, warnings, floating point, sanitizers.
 function(assur_target target)
@@ -8,18 +8,18 @@ function(assur_target target)
     -Wall -Wextra -Wpedantic -Wshadow -Wconversion
     $<$<BOOL:${ASSUR_WERROR}>:-Werror>)
   if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
-    # GCC 12 takes `"text" + string` for overlapping memory (its bug 105651), and more so in precompiled headers: there it
-    # forgets what is the system's.
+    # GCC 12 wrongly warns of overlapping memory in `"text" + string` (GCC bug 105651), and does so more often with
+    # precompiled headers, in which it treats system headers like others.
     target_compile_options(${target} PRIVATE -Wno-restrict)
     if(NOT CMAKE_DISABLE_PRECOMPILE_HEADERS)
       target_compile_options(${target} PRIVATE -Wno-array-bounds -Wno-stringop-overflow)
     endif()
   endif()
-  # A contracted multiplication and addition rounds once instead of twice; where it happens depends on the optimiser.
-  # Off, results are the same bits at every optimisation level.
+  # Contraction of a multiplication and an addition rounds once instead of twice, wherever the optimiser chooses.
+  # Without contraction, results have the same bits at every optimisation level.
   target_compile_options(${target} PRIVATE -ffp-contract=off)
-  # Threads are handed down as a budget, never taken by Eigen; its temporaries stay off the heap, so that the steady
-  # state allocates nothing. Of its code only what is under the MPL is taken.
+  # Eigen must not start threads, because callers pass a budget of threads. Its temporaries stay off the heap, so that
+  # the steady state allocates nothing. Only its code under the MPL is used.
   target_compile_definitions(${target} PRIVATE
     EIGEN_DONT_PARALLELIZE EIGEN_STACK_ALLOCATION_LIMIT=1048576 EIGEN_MPL2_ONLY)
   if(ASSUR_SANITIZE)
@@ -29,9 +29,10 @@ function(assur_target target)
   endif()
 endfunction()
 
-# Precompiled headers save a third of the time of a build. They hold what never changes here: headers of the standard
-# library and of other libraries. A build with ccache does without: ccache keeps nothing that was compiled with them.
-# CMAKE_DISABLE_PRECOMPILE_HEADERS=ON, as the preset ci has it, shows whether each file includes what it uses.
+# Precompiled headers save a third of the time of a build. They contain headers of the standard library and of other
+# libraries, which never change here. A build with ccache does not use them, because ccache does not cache files that
+# were compiled with precompiled headers. CMAKE_DISABLE_PRECOMPILE_HEADERS=ON (as in the preset `ci`) tests that each
+# file includes the headers that it uses.
 if(NOT DEFINED CMAKE_DISABLE_PRECOMPILE_HEADERS AND "${CMAKE_CXX_COMPILER_LAUNCHER} ${CMAKE_CXX_COMPILER}" MATCHES ccache)
   set(CMAKE_DISABLE_PRECOMPILE_HEADERS ON)
 endif()
@@ -40,9 +41,9 @@ set(ASSUR_STANDARD_HEADERS
   <numbers> <numeric> <optional> <random> <set> <span> <sstream> <string> <string_view> <tuple> <unordered_map>
   <utility> <variant> <vector>)
 
-# assur_together(TARGET NAME files...): sources of TARGET that are compiled as one file, which saves what they would each
-# instantiate again. For code that no step runs through: it may be optimised otherwise. Two of them cannot have helpers
-# of one name. CMAKE_UNITY_BUILD=OFF compiles each alone.
+# assur_together(TARGET NAME files...): compiles these sources of TARGET as one file, so that templates are instantiated
+# once for all of them. Only for code that no step runs, because the compiler may optimise it differently. Two files of
+# a group cannot have helpers with the same name. CMAKE_UNITY_BUILD=OFF compiles each file alone.
 function(assur_together target name)
   target_sources(${target} PRIVATE ${ARGN})
   set_source_files_properties(${ARGN} TARGET_DIRECTORY ${target} PROPERTIES UNITY_GROUP ${name})

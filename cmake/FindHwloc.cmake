@@ -3,7 +3,7 @@ include(FindPackageHandleStandardArgs)
 
 find_path(HWLOC_INCLUDE_DIR hwloc.h)
 find_library(HWLOC_LIBRARY hwloc)
-find_path(HWLOC_CONFIG_DIR hwloc/autogen/config.h)  # a folder of its own on Debian
+find_path(HWLOC_CONFIG_DIR hwloc/autogen/config.h)  # on Debian in a separate folder
 set(Hwloc_VERSION "")
 if(HWLOC_CONFIG_DIR)
   file(STRINGS ${HWLOC_CONFIG_DIR}/hwloc/autogen/config.h line REGEX "define HWLOC_VERSION +\"")

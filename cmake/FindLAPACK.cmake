@@ -1,10 +1,11 @@
-# LAPACK with BLAS: the target LAPACK::LAPACK. The OpenMP build of OpenBLAS where Debian puts it; else, or where
-# BLA_VENDOR, BLAS_LIBRARIES or LAPACK_LIBRARIES ask for another, what CMake's own module finds. LAPACK_LINK_FLAGS is what
-# a linker needs that is called by hand.
+# LAPACK with BLAS: the target LAPACK::LAPACK. Takes the OpenMP build of OpenBLAS from its place on Debian. If it is
+# absent, or if BLA_VENDOR, BLAS_LIBRARIES or LAPACK_LIBRARIES ask for another library, takes the result of CMake's own
+# module. LAPACK_LINK_FLAGS are the flags for a linker that is called by hand.
 #
-# Debian's builds of OpenBLAS share one soname, and of several the loader takes the one that update-alternatives names:
-# the one for pthreads, whose threads cannot be set for each caller. What links this target has the folder of the OpenMP
-# build in its RUNPATH, which comes before that.
+# Debian's builds of OpenBLAS have the same soname. If several are installed, the loader takes the build that
+# update-alternatives selects: by default the build for pthreads, whose number of threads cannot be set for each caller.
+# Programs and libraries that link this target therefore have the folder of the OpenMP build in their RUNPATH, which the
+# loader searches first.
 include(FindPackageHandleStandardArgs)
 
 if(NOT BLA_VENDOR AND NOT BLAS_LIBRARIES AND NOT LAPACK_LIBRARIES AND NOT TARGET LAPACK::LAPACK)

@@ -1,9 +1,9 @@
-# SuiteSparse before version 7 brings no CMake package, so each library is looked up by header and file name:
+# SuiteSparse before version 7 has no CMake package, so each library is searched by its header and file name:
 #
 #   suitesparse_library(CXSparse HEADER cs.h LIBRARY cxsparse VERSION CS_VER CS_SUBVER NEEDS suitesparseconfig)
 #
-# makes the imported target SuiteSparse::CXSparse and the variables CXSparse_FOUND and CXSparse_VERSION. VERSION are
-# the macros of the header that hold its parts, NEEDS the libraries which the library calls itself.
+# makes the imported target SuiteSparse::CXSparse and the variables CXSparse_FOUND and CXSparse_VERSION. VERSION: macros
+# of the header with the parts of the version. NEEDS: other libraries that this library calls.
 include(FindPackageHandleStandardArgs)
 
 macro(suitesparse_library name)

@@ -1,6 +1,6 @@
--- The tuning database of assur, version 3. The only description of its tables: this file is built into the library.
--- Units: seconds, bytes. Kernels, strategies and libraries by name, never by a number that another version could read
--- as something else. How to ask it by hand: db/README.md.
+-- The tuning database of assur, version 3. This file is the only description of its tables, and is built into the
+-- library. Units: seconds, bytes. Kernels, strategies and libraries are stored by name, because another version could
+-- number them differently. db/README.md explains queries by hand.
 
 CREATE TABLE machine (
   id INTEGER PRIMARY KEY,
@@ -102,7 +102,7 @@ BEGIN UPDATE tuning_run SET samples = samples + 1 WHERE id = new.run; END;
 CREATE TRIGGER sample_removed AFTER DELETE ON sample
 BEGIN UPDATE tuning_run SET samples = samples - 1 WHERE id = old.run; END;
 
--- For people. Every time is that of one instance: of a call, divided by the lanes that it serves.
+-- Views for people. Each time is that of one instance: the time of a call, divided by the lanes that the call serves.
 
 -- The usual pace of a machine, by version and build of assur: the lower quartile of the slowness, s.
 CREATE VIEW usual_pace AS
@@ -128,7 +128,7 @@ JOIN library l ON l.id = s.library
 LEFT JOIN usual_pace u ON u.machine = r.machine AND u.assur = r.assur AND u.build = l.build
 GROUP BY r.machine, s.kernel, s.shape, s.strategy;
 
--- The same, and the linear algebra of a step put together: the kernel 'factor+3solve'.
+-- The same, with a further kernel 'factor+3solve': the linear algebra of a step.
 CREATE VIEW cost AS
 SELECT machine, kernel, shape, strategy, seconds, backward_error, forward_error FROM measured
 UNION ALL
@@ -152,7 +152,7 @@ JOIN strategy t ON t.id = b.strategy LEFT JOIN strategy u ON u.id = b.next
 WHERE b.place = 1
 ORDER BY m.fingerprint, b.kernel, h.n, h.nnz, h.groups;
 
--- Where, with growing n, another strategy becomes the best; dense matrices apart from sparse ones.
+-- The sizes n at which another strategy becomes the best; dense and sparse matrices separately.
 CREATE VIEW crossovers AS
 WITH line AS (
   SELECT machine, kernel, nnz = n * n AS dense, groups, rhs, n, nnz, strategy,
@@ -163,7 +163,7 @@ WITH line AS (
 SELECT machine, kernel, dense, groups, rhs, n_before, strategy_before, n, strategy
 FROM line WHERE strategy != strategy_before;
 
--- Accuracy against time of every strategy; on_front: none is both faster and at least as exact.
+-- Accuracy and time of every strategy; on_front: no other strategy is both faster and at least as exact.
 CREATE VIEW error_against_time AS
 SELECT m.fingerprint AS machine, c.kernel, h.n, h.nnz, h.groups, h.rhs, h.pattern, t.text AS strategy,
        c.seconds AS seconds, c.backward_error, c.forward_error,

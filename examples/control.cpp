@@ -1,6 +1,6 @@
 // A control loop on Linux: the pose of a platform from the lengths of its six legs, 1,000 times a second, each time
-// within 0.5 ms. It does what a program has to do that keeps deadlines, and prints how long the steps took, how many
-// were late, and which of those the scheduler made late.
+// within 0.5 ms. It shows how a program keeps deadlines. It prints how long the steps took, how many were late, and how
+// many of these were late because of the scheduler.
 //
 //   control [SECONDS [PROCESSOR]]
 #include <pthread.h>
@@ -36,7 +36,7 @@ double now(clockid_t clock) {
   return seconds_of(t);
 }
 
-// How often the scheduler took the processor from this thread, and pages that it had to wait for.
+// Number of times that the scheduler took the processor from this thread, and number of its page faults.
 struct Interruptions {
   long switches = 0, faults = 0;
 
@@ -47,21 +47,22 @@ struct Interruptions {
   }
 };
 
-// One turn of the loop; s.
+// One turn of the loop; times in s.
 struct Turn {
-  double waking = 0;        // from when the thread should have run to when it did: the scheduler's
-  double end = 0;           // of the step, since the time of the turn
-  double step = 0;          // the step by the clock on the wall
-  double own = 0;           // the step by the processor time of this thread
-  std::int64_t passed = 0;  // turns before this one that nobody woke the thread for
-  bool slow = false;        // the step itself took too long, or the one before it did and left no time
+  double waking = 0;        // delay by the scheduler until the thread ran
+  double end = 0;           // end of the step, from the time of the turn
+  double step = 0;          // time of the step by the wall clock
+  double own = 0;           // processor time of the step
+  std::int64_t passed = 0;  // earlier turns that passed before the thread woke
+  bool slow = false;        // this step took too long, or the step before took so long that no time was left
 
   [[nodiscard]] bool late() const { return end > kDeadline; }
 };
 
 void say(const char* what, int error) { std::printf("  %-28s %s\n", what, error == 0 ? "yes" : std::strerror(error)); }
 
-// What keeps the system from stopping this thread. Each of them may be refused; the loop runs all the same.
+// Settings that keep the system from stopping this thread. The system may refuse each of them; the loop runs
+// nevertheless.
 void take_care(int processor) {
   cpu_set_t one;
   CPU_ZERO(&one);
@@ -70,11 +71,11 @@ void take_care(int processor) {
   sched_param priority{};
   priority.sched_priority = 80;
   say("real-time priority", pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority));
-  prctl(PR_SET_TIMERSLACK, 1UL);  // ns: a thread without real-time priority is else woken 50 us late
+  prctl(PR_SET_TIMERSLACK, 1UL);  // ns; otherwise a thread without real-time priority is woken 50 us late
   say("memory locked", mlockall(MCL_CURRENT | MCL_FUTURE) == 0 ? 0 : errno);
 }
 
-// Joints on a circle, two and two close together; m.
+// Joints on a circle, in pairs; m.
 assur::Triple joint(double radius, double turned, int leg) {
   const double angle = turned + 2 * std::numbers::pi / 3 * (leg / 2) + (leg % 2 == 0 ? -0.2 : 0.2);
   return {radius * std::cos(angle), radius * std::sin(angle), 0};
@@ -100,7 +101,7 @@ assur::Scene hexapod() {
   return scene.add(std::move(platform)).output("O").output("u").time(0, 1, kPeriod).build();
 }
 
-// The legs as a robot would report them at time t, s: lengths and rates.
+// Lengths and rates of the legs at time t (s), as a robot would report them.
 void measure_legs(double t, const std::vector<std::string>& legs, assur::Simulator& platform) {
   for (int leg = 0; leg < kLegs; ++leg) {
     const double omega = 2 * std::numbers::pi * (0.3 + 0.1 * leg), amplitude = 0.03;  // rad/s, m
@@ -137,7 +138,7 @@ int main(int argc, char** argv) {
     return 2;
   }
 
-  // All that takes long or takes memory comes first.
+  // Work that takes long or allocates memory comes first.
   const std::vector<std::string> legs = {"leg1", "leg2", "leg3", "leg4", "leg5", "leg6"};
   assur::Simulator platform(assur::prepare(hexapod(), {.controlled = legs, .budget = assur::ThreadBudget{1}}),
                             {.seconds = kDeadline});
@@ -148,15 +149,15 @@ int main(int argc, char** argv) {
   std::printf("%g s at %g Hz on processor %d, deadline %g us\n", seconds, 1 / kPeriod, processor, 1e6 * kDeadline);
   take_care(processor);
 
-  // The first steps touch the pages, fill the caches, and let the simulator find its way to the first command.
+  // The first steps access all pages, fill the caches, and move the simulator to the first command.
   const assur::SimulatorState start = platform.save();
   for (int k = 0; k < kFirstSteps; ++k) {
     measure_legs(kPeriod * k, legs, platform);
-    (void)platform.step().arrived();  // while all is cold it may miss its deadline
+    (void)platform.step().arrived();  // with cold caches it may miss its deadline
   }
   platform.restore(start);
 
-  // A turn begins at its own time, whatever the last one took; turns that have passed are not made up for.
+  // A turn begins at its own time, however long the last turn took. Turns that have passed are skipped.
   const Interruptions before = Interruptions::so_far();
   std::size_t failed = 0;
   double sum = 0, end = 0;
@@ -173,7 +174,7 @@ int main(int argc, char** argv) {
     turn_time += kPeriod * static_cast<double>(turn.passed);
     measure_legs(turn_time - start_time, legs, platform);
     const assur::Status status = platform.step();
-    if (status.arrived()) sum += platform.outputs()[z];  // else the last outputs serve until the next turn
+    if (status.arrived()) sum += platform.outputs()[z];  // else the last outputs remain in use until the next turn
     end = now(CLOCK_MONOTONIC);
     turn.step = end - begin;
     turn.end = end - turn_time;
@@ -185,7 +186,7 @@ int main(int argc, char** argv) {
   const Interruptions after = Interruptions::so_far();
 
   std::vector<double> waking, step, own;
-  std::int64_t slow = 0, not_woken = 0, stopped = 0;  // turns that were late
+  std::int64_t slow = 0, not_woken = 0, stopped = 0;  // numbers of late turns
   for (const Turn& turn : done) {
     waking.push_back(turn.waking);
     step.push_back(turn.step);

@@ -20,7 +20,7 @@ int points_of(const std::string& mechanism) {
   return is_planar(mechanism) ? (colon == std::string::npos ? 1 : std::stoi(mechanism.substr(colon + 1))) : 6;
 }
 
-// B1, B2, ..., each followed by `what`.
+// The names B1, B2, ..., each followed by `what`.
 std::vector<std::string> ends(int points, const std::string& what) {
   std::vector<std::string> names;
   for (int i = 1; i <= points; ++i) names.push_back("B" + std::to_string(i) + what);
@@ -86,8 +86,8 @@ std::unique_ptr<Peer> make(const std::string& mechanism, int loops, const Row&) 
 }  // namespace
 }  // namespace peers
 
-// assur_peer reference MECHANISM STEPS prints the reference. Otherwise as the other peers; `positions` as first
-// argument computes positions only.
+// `assur_peer reference MECHANISM STEPS` prints the reference. With other arguments it is a peer like the others; the
+// first argument `positions` computes positions only.
 int main(int argc, char** argv) {
   if (argc == 4 && std::strcmp(argv[1], "reference") == 0) {
     peers::print_reference(argv[2], std::stoi(argv[3]));

@@ -1,6 +1,6 @@
-// The mechanisms of the comparison as bare numbers: those of sample("four_bar:N") and sample("stewart"), for programs
-// that know nothing of the library, with the few products of vectors that they need. C++17, as far as Simbody's headers
-// go.
+// The mechanisms of the comparison, sample("four_bar:N") and sample("stewart"), as bare numbers for programs that do
+// not use the library, and the few vector products that these programs need. C++17, because Simbody's headers do not
+// compile as C++20.
 #pragma once
 
 #include <array>
@@ -22,8 +22,7 @@ inline Vec cross(const Vec& a, const Vec& b) {
 }
 inline Vec heading(double azimuth) { return {std::cos(azimuth), std::sin(azimuth), 0}; }
 
-// Loop i: a coupler from B(i-1) to B(i), which a rocker holds about (2 i, 0). B(0) is the end of the crank about (0,
-// 0).
+// Loop i: a coupler from B(i-1) to B(i), and a rocker from B(i) to (2 i, 0). B(0) is the end of the crank about (0, 0).
 struct FourBars {
   static constexpr double kCrank = 0.8, kRocker = 1.3, kSpeed = 2 * kPi;  // m, m, rad/s
   static constexpr double coupler(int loop) { return loop == 1 ? 1.8 : 2.0; }
@@ -34,14 +33,14 @@ struct Wave {
   [[nodiscard]] double at(double t) const { return offset + amplitude * std::sin(t + phase); }
 };
 
-// Six handles turn about axes through A and carry rods to P on the terminal, whose pose is given.
+// Six handles turn about axes through A. A rod joins each handle to P on the terminal, whose pose is given.
 struct Stewart {
   static constexpr double kHandle = 0.2, kRod = 0.55;  // m
   struct Leg {
     Vec A, axis;  // of the handle's hinge, on the ground
     Vec P;        // on the terminal
   };
-  // Of the terminal: x, y, z, and psi, theta, phi of Rz(psi) Ry(theta) Rx(phi).
+  // Pose of the terminal: x, y, z, and psi, theta, phi of Rz(psi) Ry(theta) Rx(phi).
   static constexpr std::array<Wave, 6> kPose = {
       {{0.05, 0}, {0.05, 1}, {0.05, 2, 0.55}, {0.15, 0.5}, {0.15, 1.5}, {0.15, 2.5}}};
 
@@ -58,7 +57,7 @@ struct Stewart {
     return all;
   }
 
-  // Where P of a leg is at time t.
+  // Position of P of a leg at time t.
   static Vec joint(const Leg& leg, double t) {
     const double psi = kPose[3].at(t), theta = kPose[4].at(t), phi = kPose[5].at(t);
     const auto [x, y, z] = leg.P;

@@ -1,5 +1,5 @@
-// What the programs of the comparison have in common: they follow the times of a reference, and say how long a step
-// took and how far the results are off.
+// The common part of the programs of the comparison: they follow the times of a reference, and report the time of a
+// step and the errors of the results.
 #pragma once
 
 #include <memory>
@@ -8,7 +8,7 @@
 
 namespace peers {
 
-// Of the points B1, B2, ... of a mechanism at one time: x, y(, z) of each.
+// Results at one time: x, y(, z) of each of the points B1, B2, ... of a mechanism.
 struct Row {
   double t = 0;
   std::vector<double> position, velocity, acceleration;
@@ -17,22 +17,22 @@ struct Row {
 class Peer {
  public:
   virtual ~Peer() = default;
-  // Goes on to time t and puts what it computes into `row`, whose vectors have their sizes. Timed.
+  // Moves to time t and writes the results into `row`, whose vectors have the right sizes. This call is timed.
   virtual void step(double t, Row& row) = 0;
 };
 
 struct Peers {
   const char* name;     // "simbody 3.7"
   int levels;           // 1: position; 2: and velocity; 3: and acceleration
-  const char* comment;  // how it was asked
+  const char* comment;  // settings of the peer
   // `start`: the first row, from which the motion begins.
   std::unique_ptr<Peer> (*make)(const std::string& mechanism, int loops, const Row& start);
 };
 
 // PROGRAM MECHANISM REFERENCE [header]: one run over the reference, one line of CSV:
 //   peer,mechanism,levels,steps,seconds_per_step,position_error,velocity_error,acceleration_error,comment
-// Times are those of the processor, all threads together. Errors are max over the steps |x - x_ref| / max over the run
-// |x_ref|; empty for what is not computed.
+// Times are processor times of all threads together. Errors are the maximum of |x - x_ref| over the steps, divided by
+// the maximum of |x_ref|; empty for quantities that are not computed.
 int run(int argc, char** argv, const Peers& peers);
 
 }  // namespace peers

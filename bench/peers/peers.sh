@@ -41,8 +41,7 @@ for ((round = 1; round <= rounds; ++round)); do
     read -r mechanism steps <<<"$row"
     for program in "assur_peer" "assur_peer positions" simbody_peer slvs_peer; do
       [[ -x $folder/${program%% *} ]] || continue
-      # A peer that fails says so and has no line.
-      # shellcheck disable=SC2086 # a program and its argument
+      # A peer that fails prints a message and has no line. shellcheck disable=SC2086 # a program and its argument
       $folder/$program "$mechanism" "$work/$mechanism" >>"$work/lines" || status=1
     done
   done

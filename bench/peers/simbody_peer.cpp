@@ -17,7 +17,7 @@ constexpr double kAccuracy = 1e-12;  // of the projections, in Simbody's own uni
 
 Vec3 vec3(const Vec& v) { return {v[0], v[1], v[2]}; }
 
-// The mass is arbitrary: it does not influence the motion.
+// The mass is arbitrary, because it does not influence the motion.
 Body::Rigid body() { return Body::Rigid(MassProperties(1, Vec3(0), Inertia(1))); }
 
 // An angle with constant speed; Motion::Steady would prescribe only the speed.
@@ -66,7 +66,8 @@ class SimbodyPeer : public Peer {
     system_.realizeModel(state_);
   }
 
-  // Predicts by a Taylor series once derivatives exist: all coordinates are angles and lengths, whose rates are speeds.
+  // Predicts by a Taylor series as soon as derivatives exist: all coordinates are angles and lengths, so that their
+  // rates are the speeds of Simbody.
   void predict(double dt) {
     if (state_.getSystemStage() < Stage::Acceleration) return;
     const Vector ahead = state_.getQ() + dt * state_.getU() + (0.5 * dt * dt) * state_.getUDot();

@@ -1,5 +1,5 @@
 // SolveSpace's libslvs, a solver of geometric constraints: points and distances, all unknowns in one group, starting
-// from the last posture. Positions only. GPL-3: this program does not use the library.
+// from the last posture. Positions only. libslvs is under the GPL-3, so this program contains no part of assur.
 #include <cstring>
 
 #include <slvs.h>
@@ -107,7 +107,8 @@ class FourBarPeer : public Peer {
   std::vector<Slvs_hEntity> points_;
 };
 
-// The end of a handle is on its circle if its distances from A and from another point of the axis are right.
+// The end of a handle stays on its circle, because its distances from A and from another point of the axis are
+// constraints.
 class StewartPeer : public Peer {
  public:
   explicit StewartPeer(const Row& start) {

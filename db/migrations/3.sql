@@ -1,4 +1,4 @@
--- The fitted model is made anew by whoever reads the samples. Lost samples are told by a count of them.
+-- Readers of the samples fit the model themselves. A count of the samples of each run shows lost ones.
 DROP TRIGGER sample_added;
 DROP TRIGGER sample_changed;
 DROP TRIGGER sample_removed;
@@ -9,7 +9,7 @@ CREATE TRIGGER sample_added AFTER INSERT ON sample
 BEGIN UPDATE tuning_run SET samples = samples + 1 WHERE id = new.run; END;
 CREATE TRIGGER sample_removed AFTER DELETE ON sample
 BEGIN UPDATE tuning_run SET samples = samples - 1 WHERE id = old.run; END;
--- Times as the clock had them, and how slow the machine was.
+-- Times by the clock, with the slowness of the machine.
 ALTER TABLE sample ADD COLUMN slowness REAL;
 DROP VIEW measured;
 DROP VIEW best_strategy;

@@ -33,7 +33,7 @@ struct Shape {
   std::int32_t rhs = 1;         // right-hand sides that are solved with each factorisation
   std::int64_t fill = 0;        // nonzeros of L + U
   std::int64_t operations = 0;  // multiplications and divisions of one factorisation
-  std::int64_t depth = 0;       // longest chains of dependent rows in forward and backward substitution, added
+  std::int64_t depth = 0;       // longest chain of dependent rows in forward plus that in backward substitution
   std::int64_t terms = 0;       // terms of the compiled equations of a group; 0: a bare matrix
   std::uint64_t pattern = 0;    // hash (64-bit FNV-1a) of the sparsity pattern; 0: not computed
 
@@ -64,7 +64,7 @@ struct Effort {
   std::int64_t redone = 0;     // lanes factorised with their own pivots, because the common pivots failed
   std::int64_t renewed = 0;    // new pivot orders
   std::int64_t refined = 0;    // steps of iterative refinement, counted for each lane
-  std::int64_t unplanned = 0;  // steps among `refined` that no setting asked for: the pivots had grown
+  std::int64_t unplanned = 0;  // steps among `refined` that no setting requested, because pivots had grown
   std::int64_t in_double = 0;  // lanes factorised in double, because refinement from float did not converge
 
   // Adds each figure.

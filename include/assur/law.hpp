@@ -28,8 +28,8 @@ struct Harmonic {
 };
 
 // Default tolerance for the derivatives that functions of the program return. assur compares them with differences, in
-// prepare() and along runs (docs/accuracy.md). An error is tolerated up to this part of the derivative itself, plus a
-// tenth of this part of the largest derivative beside it.
+// prepare() and along runs (docs/accuracy.md). The tolerated error is this fraction of the derivative, plus a tenth of
+// this fraction of the largest related derivative (of a Jacobian: the largest entry of the same row).
 inline constexpr double kDerivativeTolerance = 1e-5;
 
 // A function of time, made of parts that are added: Law::constant(1) + Law::harmonics({...}). A law has value

@@ -22,7 +22,7 @@ struct Cache {
 struct Machine {
   std::string model;                // name of the processor from /proc/cpuinfo; "" if unknown
   std::string instructions;         // widest set that this library can use, named as in Highway: "AVX2"
-  std::vector<std::int32_t> cores;  // usable physical cores: the number of one logical processor of each, to pin to
+  std::vector<std::int32_t> cores;  // usable physical cores; for each, the number of one logical processor, for pinning
   std::int32_t processors = 1;      // logical processors in the affinity mask; more than cores with hyper-threading
   double quota = 0;                 // processors that the control groups allow, e.g. 1.5; 0: no limit
   std::int32_t openmp_limit = 0;    // OMP_NUM_THREADS; 0: not set

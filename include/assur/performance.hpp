@@ -24,7 +24,7 @@ enum class Kernel : std::uint8_t {
   pack,      // one step of a pack (up to W groups of a class in SIMD lanes): position in one iteration, velocity and
              // acceleration; if p > 1, while p threads do the same work
   meeting,   // p threads start together and wait for each other, after the first has worked alone for 5 us (included).
-             // The first hands shape.n doubles in all to the others, which change them and hand them back
+             // Thread 0 passes shape.n doubles (in all) to the others, which change them and pass them back
   step,      // one step of a mechanism; only to compare with the sum of the other kernels
   around,    // the part of a step beyond its packs: laws, prediction, outputs. shape.n: unknowns of all groups;
              // shape.terms: terms of the outputs
@@ -35,8 +35,8 @@ enum class Kernel : std::uint8_t {
 // The kernel with this name. Throws Error (input), with a list of the kernels, if there is no such name.
 [[nodiscard]] Kernel parse_kernel(std::string_view text);
 
-// One measured time (the mechanisms that assur::sample() makes are something else). The strategy is set as far as the
-// kernel depends on it: for a bare matrix, backend, W, precision, refinement and Q.
+// One measured time. (assur::sample() is unrelated: it makes mechanisms.) The strategy is set as far as the kernel
+// depends on it: for a bare matrix, backend, W, precision, refinement and Q.
 struct Sample {
   std::string uid;                 // 32 random hexadecimal digits, which identify the sample in all databases
   Kernel kernel = Kernel::factor;  // the work
@@ -45,7 +45,7 @@ struct Sample {
   double seconds = 0;              // median time of one call at the usual pace of the machine (db/README.md)
   double spread = 0;               // median absolute deviation of the times, s
   double slowness = 1;             // time at the pace of the measurement over time at the usual pace; 1 if unknown
-  std::int64_t repetitions = 0;    // number of times that the medians are taken of
+  std::int64_t repetitions = 0;    // number of measured times, of which the medians are taken
   // Largest backward error of the timed results over the lanes; NaN: not measured. For a solution it is
   // |A x - b| / (|A| |x| + |b|) in maximum norms, for packs and steps ErrorFigures::residual().
   double backward_error = 0;
@@ -92,7 +92,7 @@ class PerformanceModel {
   [[nodiscard]] Prediction pack(const Shape& shape, const Strategy& strategy) const;
   // pack() for several strategies, faster than one call for each. The result has their order.
   [[nodiscard]] std::vector<Prediction> packs(const Shape& shape, std::span<const Strategy> strategies) const;
-  // Time that p threads lose by starting together, handing over this number of doubles and back, and waiting for each
+  // Time that p threads lose by starting together, passing this number of doubles there and back, and waiting for each
   // other. 0 if p < 2.
   [[nodiscard]] Prediction meeting(std::int32_t p, double doubles = 0) const;
   // Factor by which packs of groups with n unknowns take longer if p threads work at once; 1 if nothing was measured.

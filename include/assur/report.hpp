@@ -13,7 +13,7 @@
 
 namespace assur {
 
-// Work of a run. Groups are counted one by one, also if they are solved side by side; idle lanes do not count.
+// Work of a run. Groups are counted one by one, even if they are solved side by side; idle lanes do not count.
 struct Counters {
   std::int64_t steps = 0;                // steps that reached their time
   std::int64_t substeps = 0;             // accepted steps to times between those asked for
@@ -39,7 +39,7 @@ struct ErrorFigures {
 
   double position = kUnknown;  // residual: max over i of |Phi_i| / (sum_j |dPhi_i/dq_j| |q_j| + |constant|)
   // Normwise residual of the linear systems for velocities, |J x - b| / (|J| |x| + |b|) in maximum norms. Systems that
-  // are solved for some of their unknowns only are not measured; NaN if there are no others.
+  // are solved for only some of their unknowns are not measured; NaN if all systems are of this kind.
   double velocity = kUnknown;
   double acceleration = kUnknown;  // the same for accelerations
   // Estimated errors of the outputs, defined like forward_position, to first order; empty if no output is of this kind.
@@ -50,15 +50,15 @@ struct ErrorFigures {
   // and the next ones empty; the command fills them from certify() and forward_error().
   std::optional<double> certified_radius = {};
   // True errors of the outputs against a reference in quadruple precision: for each output x (all components of a point
-  // or vector together) the maximum over the steps of |x - x_ref|, over the maximum of |x_ref|, or a lower limit of it
-  // (docs/accuracy.md; for lengths the characteristic length).
+  // or vector together) the maximum over the steps of |x - x_ref|, divided by the maximum of |x_ref|. The divisor has a
+  // lower limit (docs/accuracy.md; for lengths the characteristic length).
   std::optional<double> forward_position = {};
   std::optional<double> forward_velocity = {};      // of velocities
   std::optional<double> forward_acceleration = {};  // of accelerations
 
   // The largest of the three residuals; NaN if none was measured.
   [[nodiscard]] double residual() const;
-  // Takes the larger one of each pair of figures, or the known one.
+  // Takes the larger one of each pair of figures; if only one of them is known, that one.
   void merge(const ErrorFigures& o);
 };
 

@@ -68,7 +68,7 @@ struct Body {
   std::vector<std::string> base = {};   // names of points, and of vectors after the first
   std::vector<Member> points = {};      // points that belong to the body
   std::vector<Member> vectors = {};     // vectors that belong to the body
-  std::vector<std::string> rigid = {};  // names of points and vectors that keep their places to each other
+  std::vector<std::string> rigid = {};  // names of points and vectors that move as one rigid body
 };
 
 // A direction: a vector, or the difference of two points.
@@ -156,7 +156,7 @@ struct EqualDistance {
 // A dot product is constant: d . e = value.
 struct Dot {
   Direction d, e;                    // the two directions
-  std::optional<double> value = {};  // 1, m or m^2, as the directions are vectors or pairs; empty: as written
+  std::optional<double> value = {};  // unit: 1 (two vectors), m (vector and pair) or m^2 (two pairs); empty: as written
 };
 // Two directions are parallel: e = lambda d, with the unknown NAME.lambda.
 struct Parallel {
@@ -337,7 +337,7 @@ struct MeasuredDistance {
 struct MeasuredCoordinate {
   std::string coordinate;  // "P.x", "name.lambda"
 };
-// A constant plus multiples of other measures of one unit.
+// A constant plus multiples of other measures, all in one unit.
 struct Combination {
   std::vector<std::pair<std::string, double>> terms;  // name of a measure that is no combination, factor other than 0
   double constant = 0;                                // in the unit of the measures
@@ -388,9 +388,9 @@ class Scene {
   [[nodiscard]] const std::string& name() const { return parts_->name; }
   // 2: in the plane, 3: in space.
   [[nodiscard]] int dimension() const { return parts_->dimension; }
-  // All points but those of bodies, in the order in which they were added.
+  // All points except members of bodies, in the order in which they were added.
   [[nodiscard]] const std::vector<Point>& points() const { return parts_->points; }
-  // All vectors but those of bodies; normalised.
+  // All vectors except members of bodies; normalised.
   [[nodiscard]] const std::vector<Vector>& vectors() const { return parts_->vectors; }
   // All bodies. If the base of a body contains members of another body, the other body comes first.
   [[nodiscard]] const std::vector<Body>& bodies() const { return parts_->bodies; }
@@ -398,7 +398,7 @@ class Scene {
   [[nodiscard]] const std::vector<Joint>& joints() const { return parts_->joints; }
   // All constraints, in the order in which they were added; those of joints follow.
   [[nodiscard]] const std::vector<Constraint>& constraints() const { return parts_->constraints; }
-  // All drivers, in the order in which they were added; Place::driver counts in it.
+  // All drivers, in the order in which they were added; Place::driver() takes an index into this list.
   [[nodiscard]] const std::vector<Driver>& drivers() const { return parts_->drivers; }
   // All measures, in the order in which they were added.
   [[nodiscard]] const std::vector<Measure>& measures() const { return parts_->measures; }

@@ -1,6 +1,6 @@
 // The simulator: runs a plan, and owns all memory that this needs. After construction, step() allocates no memory,
-// takes no lock and reads no file, if the backends are marked `steady`; an exception is a numerical event that the
-// report names. step() throws only what laws and callbacks throw.
+// takes no lock and reads no file, if the backends are marked `steady` and the step has no numerical event in the
+// report. step() throws only what laws and callbacks throw.
 #pragma once
 
 #include <cstdint>
@@ -142,11 +142,11 @@ class Simulator {
 
   // Moves from time() by TimeGrid::step to the targets that were set, also beyond the end of the grid; other drivers
   // follow their laws. Without a time grid it does nothing. A step that fails restores the state before it (as save()
-  // holds it, with time and rates) and drops its targets; status and events give the reason and the part of the way
-  // that was open. Near a limit a driver may overshoot: if a step fails while controlled drivers move, it is tried
-  // again, unless the deadline has passed: all controlled drivers are stopped at the begin of the step, with rates of 0
-  // at once, and move from rest to the same targets. The second try has a deadline of its own. If it succeeds, the
-  // status is its own, and only Counters::rejected shows the first try.
+  // holds it, with time and rates) and drops its targets; status and events give the reason, and how far the mechanism
+  // could move. Near a limit a driver may overshoot: if a step fails while controlled drivers move, it is tried again,
+  // unless the deadline has passed: all controlled drivers stop at once at the begin of the step, and move from rest to
+  // the same targets. The second try has a deadline of its own. If it succeeds, the status is that of the second try,
+  // and only Counters::rejected shows the first one.
   Status step();
 
   // Saves the state. The same steps from it then follow bit by bit, in this simulator or in another one of the same
@@ -189,7 +189,7 @@ class Simulator {
   // One output at time() by its name. Throws Error (input), with a list of the columns, if there is no such name.
   [[nodiscard]] double output(std::string_view column) const;
 
-  // Accuracy of every group at time(), in the order of Structure::groups. The findings count for the report. Allocates
+  // Accuracy of every group at time(), in the order of Structure::groups. The report includes the findings. Allocates
   // memory and takes the time of 20 to 80 steps of a small mechanism.
   [[nodiscard]] std::vector<GroupFigures> examine();
 
@@ -215,21 +215,21 @@ struct ForwardError {
 
 // Compares a trajectory with a reference in quadruple precision (113 bits). The reference has the same parameters and
 // times, evaluates laws and residuals in quadruple precision, and corrects with factorisations in double. It calls
-// functions of the program like the run, so that it repeats their errors. The error of an output x is the maximum over
-// the times of |x - x_ref|, over the maximum of |x_ref| (at least a limit that docs/accuracy.md gives, for lengths the
-// characteristic length). It is infinite if x is not finite, except for derivatives that do not exist: of a distance at
-// 0, and of an unsigned angle at 0 or pi. Throws Error: input for a loaded plan, a
-// trajectory with other columns or without rows; environment if this build has no quadruple precision; numerical if the
-// reference does not converge.
+// functions of the program as the run does, so that errors of these functions remain undetected. The error of an output
+// x is the maximum over the times of |x - x_ref|, over the maximum of |x_ref| (at least a limit that docs/accuracy.md
+// gives, for lengths the characteristic length). It is infinite if x is not finite, except for derivatives that do not
+// exist: of a distance at 0, and of an unsigned angle at 0 or pi. Throws Error: input for a loaded plan, a trajectory
+// with other columns or without rows; environment if this build has no quadruple precision; numerical if the reference
+// does not converge.
 [[nodiscard]] ForwardError forward_error(const Prepared& prepared, const Trajectory& trajectory);
 
 // Proves the current posture of a simulator, see Certificate. Throws Error: input if load_plan() made the plan,
 // environment if this build has no quadruple precision.
 [[nodiscard]] Certificate certify(const Simulator& simulator);
 
-// Proves each row of a trajectory; returns one certificate for each row. It repeats the steps one after the other. A
-// row that does not come out bit by bit has no proof: it was computed in chunks, with other limits, or with drivers
-// that the program set. Throws Error as the function above and as Simulator.
+// Proves each row of a trajectory; returns one certificate for each row. Repeats the steps one after the other. A row
+// that is not reproduced bit by bit gets no proof: it was computed in chunks, with other limits, or with drivers that
+// the program set. Throws Error as the function above and as Simulator.
 [[nodiscard]] std::vector<Certificate> certify(const Prepared& prepared, const Trajectory& trajectory,
                                                StepLimits limits = {});
 

@@ -22,7 +22,7 @@ class Error : public std::runtime_error {
   // The cause of the error.
   enum class Kind : std::uint8_t {
     input,        // wrong use of the library, or a wrong scene; an undetermined mechanism is a wrong scene
-    numerical,    // numbers that do not work out, e.g. a mechanism that cannot be assembled
+    numerical,    // a computation that fails, e.g. the assembly of a mechanism
     environment,  // the machine: a backend that cannot run here, no memory, a file that cannot be read
   };
 
@@ -65,7 +65,7 @@ enum class Code : std::uint8_t {
 
 // The object that a status is about.
 struct Place {
-  // Type of the object; it decides which list `index` counts in.
+  // Type of the object. `index` refers to the list of this type.
   enum class Kind : std::uint8_t {
     none,    // no particular object
     driver,  // of Scene::drivers

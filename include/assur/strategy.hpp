@@ -67,7 +67,7 @@ struct RunSettings {
 // A way to solve a scene.
 struct Strategy {
   RunSettings run;        // for all groups
-  SolverSettings solver;  // for each class, unless the plan chooses class by class
+  SolverSettings solver;  // for all classes, unless the plan has a solver of its own for each class
 
   friend bool operator==(const Strategy&, const Strategy&) = default;
 };

@@ -82,11 +82,11 @@ struct LeftOut {
   std::vector<std::string> groups;  // names of groups that no output depends on
   std::int64_t unknowns = 0;        // unknowns that no output depends on
   std::int64_t equations = 0;       // equations of these unknowns
-  // A group whose outputs need less than accelerations.
+  // A group of which the outputs need no accelerations.
   struct Level {
     std::string group;         // name
     std::int32_t derivatives;  // highest derivative that is computed, 0 to 2
-    bool for_predictor;        // true if the highest one is needed for the prediction only
+    bool for_predictor;        // true if only the prediction needs the highest one
   };
   std::vector<Level> levels;       // all such groups
   std::int64_t static_groups = 0;  // groups without a moving driver, which are solved once

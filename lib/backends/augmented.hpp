@@ -1,7 +1,7 @@
 // Square systems by a solver for symmetric matrices. J x = b is the second half of K [u; x] = [b; 0] with the symmetric
 //     K = [0 J; J' 0]   of order 2n,
-// and J' y = c is the first half of K [y; v] = [0; c]. K is regular if J is, and has the nonzeros of J once, in its
-// upper triangle. Its determinant is +-det(J)^2, so that the sign of det J is unknown.
+// and J' y = c is the first half of K [y; v] = [0; c]. K is regular if J is, and its upper triangle has the nonzeros of
+// J. Its determinant is +-det(J)^2, so that the sign of det J is unknown.
 #pragma once
 
 #include <memory>

@@ -12,8 +12,7 @@
 // Growth of U alone would miss a small pivot whose column of L is large. Growth is checked after every factorisation:
 //   - growth above the lane's limit after a refactorisation: factorise with pivoting again;
 //   - growth above kTrustedGrowth with the relaxed tolerance: factorise with partial pivoting, and take twice its
-//   growth
-//     as the lane's limit, because no better factors are available.
+//     growth as the lane's limit, because no better factors are available.
 // Measuring growth in full would cost a third of a refactorisation. Usually a cheap bound is enough: max |L| max |U|
 // over the smallest column of A, where a column is at least as large as the entry that was its largest when growth was
 // last measured.

@@ -17,8 +17,8 @@ class LaneByLane : public LinearSolver {
   [[nodiscard]] Figures figures(int lane) const final;
 
  protected:
-  // Calls of the library. They get no pattern without nonzeros, no values that are not finite, and no lane without
-  // factors. A single lane is not copied: the spans are those of the caller.
+  // Calls of the library. The pattern then has nonzeros, all values are finite, and the lane has factors. A single lane
+  // is not copied: the spans are those of the caller.
   virtual void analyze_lanes(const Pattern& pattern, int lanes) = 0;
   virtual Code factorize_lane(std::span<const double> values, int lane) = 0;                      // values: nnz
   virtual void solve_lane(std::span<double> b_to_x, int rhs, Transpose transpose, int lane) = 0;  // n x rhs

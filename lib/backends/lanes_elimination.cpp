@@ -108,7 +108,8 @@ Elimination write_program(const Pattern& pattern, const Order& order) {
   p.n = n;
   p.permutation_sign = parity(row) * parity(column);
 
-  // In the backward substitution rows that more unknowns need come first; every row comes after the rows that it needs.
+  // The backward substitution starts with the rows that the most unknowns need; every row comes after the rows that it
+  // needs.
   const std::vector<Number> need = last_need(f, column);
   std::vector<Number> back(n);
   std::iota(back.rbegin(), back.rend(), Number{0});

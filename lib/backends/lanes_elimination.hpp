@@ -26,13 +26,14 @@ struct Elimination {
   Number n = 0, slots = 0;
   int permutation_sign = 0;  // of rows and columns together
 
-  // For each row: entries of L left of the diagonal, entries of U, slot of the first of these. Then for each entry (L,
-  // the diagonal, U): its source among the nonzeros or kZero, the number of its products, and for each the slots of l
-  // and u.
+  // For each row: number of entries of L left of the diagonal, number of entries of U, slot of the first entry of U.
+  // Then for each entry (L, the diagonal, U): its source among the nonzeros or kZero, the number of its products, and
+  // for each product the slots of l and u.
   std::vector<Number> factor;
-  // For each row: row of the matrix, entries of L; for each entry its position in y.
+  // For each row: row of the matrix, number of entries of L; for each entry its position in y.
   std::vector<Number> forward;
-  // For each row, from the last on: its position in y, unknown of the matrix, entries of U; for each its position in y.
+  // For each row, from the last on: its position in y, unknown of the matrix, number of entries of U; for each entry
+  // its position in y.
   std::vector<Number> backward;
   std::vector<Number> wanted_rows;  // n + 1: rows of `backward` that unknowns from first_wanted on need
 

@@ -10,9 +10,8 @@ namespace assur {
 
 // Makes the solver of a strategy: backend, +float (binary32), +refine. Call it only if backend.why_not() is "".
 //
-// +refine: improves every solution until its componentwise backward error max_i |b - A x|_i / (|A| |x| + |b|)_i (Oettli
-// &
-//   Prager 1964) is 2 eps, or until refinement no longer halves it (Skeel 1980: mostly after one step).
+// +refine: improves every solution until its componentwise backward error max_i |b - A x|_i / (|A| |x| + |b|)_i is
+//   2 eps (Oettli & Prager 1964), or until refinement no longer halves it (Skeel 1980: mostly after one step).
 // +float: factorises in float and improves in double until the normwise backward error |b - A x| / (|A| |x| + |b|) of
 //   the equilibrated system, maximum norms, is that of a solution in double. If a lane misses this, or if its
 //   factorisation in float fails, the same backend factorises it in double (Effort::in_double).

@@ -44,7 +44,7 @@ class CallbackRows {
   const System& system_;
   const Program& program_;
   int lanes_;
-  std::vector<Scratch> scratch_;  // uses
+  std::vector<Scratch> scratch_;  // one for each use
   std::vector<double> least_;     // equations x lanes: of raise_scale()
 };
 

@@ -23,7 +23,7 @@ class Evaluator {
   // scale_i = sum_j |dPhi_i/dq_j| |q_j| + |constant|, at the posture of the last evaluate().
   virtual void scale(double* scale) = 0;
 
-  // Raises scales, from scale() or zero, to the least scale of a residual: see residual_scale().
+  // Raises scales, which are those of scale() or zeros, to the lower bound that residual_scale() explains.
   virtual void raise_scale(double* scale) = 0;
 
   // A bound, in units of epsilon / 2, for the rounding error of each Phi_i at the posture of the last evaluate(). The

@@ -22,7 +22,7 @@ constexpr std::int64_t kIntervalUnseen = 16;
 constexpr double kCloser = 1.6;    // if the square of a divisor falls by this factor, its inverse cube doubles
 constexpr double kGrownTwice = 2;  // growth of a condition or a residual that asks for a new measurement
 constexpr double kFaster = 4;      // growth of a rate or an acceleration of a driver that asks for a new measurement
-constexpr double kAtRest = 1e-4;   // of the rate that a driver reaches within a radian: a slower driver rests
+constexpr double kAtRest = 1e-4;   // a driver rests below this share of the rate that it reaches within a radian
 constexpr double kSlowerThan = 1.0 / 16;  // of the fastest rate: differences among slower ones do not matter
 
 }  // namespace

@@ -1,10 +1,11 @@
 // Estimates the errors of a posture to first order. Probes carry the residual of every equation, and perturbations as
-// large as rounding with random signs, through the groups in solving order to the outputs. A few probes give the size
-// of the error like a norm of the whole map, and each costs one more right-hand side (small-sample condition
-// estimation: Kenney and Laub, SIAM J. Sci. Comput. 15, 1994).
+// large as rounding with random signs, through the groups in solving order to the outputs. A few probes estimate the
+// size of the error as well as a norm of the whole map would; each probe costs one more right-hand side (small-sample
+// condition estimation: Kenney and Laub, SIAM J. Sci. Comput. 15, 1994).
 //
 // If an accuracy is asked for, the same number of further probes gives the error for a unit relative residual in any
-// equation. The residual of one posture cannot give it: it may be in an equation that no output depends on.
+// equation. The residual of a single posture cannot give this error, because the residual may be in an equation that no
+// output depends on.
 #pragma once
 
 #include <array>
@@ -69,7 +70,7 @@ class ErrorEstimate {
   void keep();
 
   // The largest relative residual for which, by the last measurement, errors are not larger than `error`. Infinite if
-  // no residual matters; 0 if unknown: no accuracy was asked for, or it is missed.
+  // no residual matters; 0 if unknown, because no accuracy was asked for or because the accuracy is missed.
   [[nodiscard]] double residual_for(double error) const { return knows_gain_ ? error / gain_ : 0; }
   // Tells the estimate that equations are solved to a larger residual until the next measurement.
   void loosen(bool loose) { loose_ = loose; }
@@ -78,8 +79,8 @@ class ErrorEstimate {
   [[nodiscard]] bool measured() const {
     return measurements_ > 0 && !(driven_.empty() && static_.coordinates().empty());
   }
-  // The residual to which equations are solved while errors are in doubt; 0: as exactly as doubles allow. With an
-  // accuracy, a run never takes more work than without.
+  // The residual to which equations are solved while errors are in doubt; 0: as exactly as doubles allow. A run with an
+  // accuracy never takes more work than a run without.
   [[nodiscard]] double best() const { return best_; }
   // True if the last measured errors exceed the accuracy asked for. After a doubtful measurement the limit is half of
   // the accuracy, because errors may double between two measurements.
@@ -95,7 +96,7 @@ class ErrorEstimate {
   // True if errors are in doubt, or would be if steps were solved less exactly.
   [[nodiscard]] bool close_to_doubt() const { return kClose * worst_ > asked_; }
   [[nodiscard]] const Figures& now(std::size_t mechanism = 0) const { return mechanisms_[mechanism].now; }
-  // The largest errors of the run over its largest values. Not in doubt unless a step was.
+  // The largest errors of the run over its largest values. They are in doubt only if a step was.
   [[nodiscard]] ErrorFigures of_run(std::size_t mechanism = 0);
   // The pack and lane with the most uncertain unknowns.
   struct Place {
@@ -108,7 +109,7 @@ class ErrorEstimate {
 
  private:
   static constexpr std::size_t kRandom = 5;  // probes of one cause with random signs
-  static constexpr double kClose = 16;       // kConverged over the residual of rounding, times the growth of conditions
+  static constexpr double kClose = 16;       // (kConverged / residual of rounding) * growth of conditions
   struct Size {                              // figures of an output, or of one of its derivatives
     double value = 0, error = 0;
     double gain = 0;  // error for a unit relative residual of any equation

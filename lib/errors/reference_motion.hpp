@@ -53,8 +53,8 @@ class ReferenceMotion {
   [[nodiscard]] const State& state() const { return state_; }
   void restore(State state) { state_ = std::move(state); }
 
-  // Least divisor of the error of a d-th derivative at the current time, in internal units: 1 for values; the fastest
-  // rate w of the driven coordinates; the larger one of their largest acceleration and w^2.
+  // Least divisor of the error of a d-th derivative at the current time, in internal units: 1 for values; for rates the
+  // fastest rate w of the driven coordinates; for accelerations the larger one of w^2 and their largest acceleration.
   [[nodiscard]] double scale(int d) const { return scale_[static_cast<std::size_t>(d)]; }
 
  private:
@@ -80,7 +80,7 @@ class ReferenceMotion {
   [[noreturn]] void refuse(double t) const;
 
   System system_;
-  Driven driven_;  // what the needed blocks and the outputs read
+  Driven driven_;  // inputs that the needed blocks and the outputs read
   Blocks decomposition_;
   std::vector<Block> blocks_;  // those that the outputs need, in solving order
   std::vector<Quad> constants_;

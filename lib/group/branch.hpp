@@ -1,9 +1,9 @@
 // Staying on the branch. Around a posture q0 with Jacobian J0 of an irreducible block, the affine Lipschitz constant
 //   omega = | |J0^-1| k |_inf,   k_i = Lipschitz constant of row i of the Jacobian in the maximum norm,
 // makes J regular, and the solution unique, wherever omega |q - q0|_inf < 1 (Banach; Deuflhard 2004, section 2.1). The
-// posture where omega was measured is the anchor. A step inside its ball costs one maximum norm, and omega is measured
-// again only when the ball is used up. Blocks of up to 64 unknowns invert J0; for larger blocks Hager's estimate
-// (Higham 1988) replaces the inverse.
+// posture where omega was measured is the anchor. The check of a step inside the ball costs one maximum norm; omega is
+// measured again only when the ball is used up. Blocks of up to 64 unknowns invert J0; for larger blocks Hager's
+// estimate (Higham 1988) replaces the inverse.
 //
 // One norm for all coordinates is cheap. It is too strict if coordinates differ in size or move together, like a small
 // part on a long arm. Steps that it refuses are tested again coordinate by coordinate: around a posture q of a cubic
@@ -11,8 +11,8 @@
 //   e + M r <= r,   e = |C Phi(q)|,   M = |C| (|J1 - J(q)| + |Phi'' r|),   C = J1^-1
 // (Krawczyk 1969). If this holds all along the cubic, the boxes form a tube with one solution at every time, which
 // leads from the anchor to the new posture. The test examines four postures, with a margin for the postures between
-// them, and assumes that the inputs follow the cubic as well. It is therefore no proof: it is as good as the step
-// resolves the motion of the inputs.
+// them, and assumes that the inputs follow the cubic as well. It is therefore no proof: its quality depends on how well
+// the step resolves the motion of the inputs.
 #pragma once
 
 #include <array>

@@ -84,7 +84,7 @@ GroupHealth ErrorProbe::examine(Pack& pack, const double* state) {
   return health;
 }
 
-// The solution of the step. If the step solved only for the wanted unknowns, all of it, computed from rhs.
+// The solution of the step. If the step solved only for the wanted unknowns, the whole solution is computed from rhs.
 const double* ErrorProbe::solution(const Pack& pack, const double* state, int derivative) {
   if (work_.group_class.first_wanted == 0 || derivative != work_.group_class.derivatives) return state + pack.unknowns;
   whole_ = work_.rhs;

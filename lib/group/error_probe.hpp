@@ -36,8 +36,8 @@ class ErrorProbe {
  public:
   ErrorProbe(Workspace& work, JacobianSolver& solver, BlockConditions& blocks);
 
-  // Computes the errors of the unknowns that follow, to first order, from the errors of the inputs and from the cause
-  // of each probe; `seed` draws the random signs. False if the Jacobian is singular.
+  // For each probe, computes the errors of the unknowns, to first order, from the errors of the inputs and from the
+  // cause of the probe; `seed` draws the random signs. False if the Jacobian is singular.
   [[nodiscard]] bool perturb(Pack& pack, const double* const (&state)[3], Probes probes, std::uint64_t seed);
 
   // Residuals and conditions at a posture.

@@ -18,7 +18,8 @@ Singularity nearest_singularity(Workspace& work, const BlockConditions& blocks, 
   work.evaluate(state[0] + pack.unknowns);
   work.gather(pack, state[1], work.input_rates);
   work.evaluator->velocity_rhs(work.input_rates.data(), work.rhs.data());
-  // Demands of the inputs and of the group's other blocks on each block: rhs - J v over the unknowns of other blocks.
+  // The right-hand side of each block, by the inputs and by the group's other blocks: rhs - J v over the unknowns of
+  // other blocks.
   const Pattern& pattern = work.program.pattern;
   const double* rate = state[1] + pack.unknowns;
   for (std::int32_t c = 0; c < work.program.n; ++c) {

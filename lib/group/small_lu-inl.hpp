@@ -1,7 +1,7 @@
 // Dense LU of W matrices of order N side by side, in registers. For the smallest groups, a list of operations would
-// take longer to read than to execute. Each lane has its own order of rows, which is chosen now and then; comparing
-// pivots in every factorisation would double its time. Included once for each target, inside its HWY_NAMESPACE (see
-// Highway, "foreach_target.h").
+// take longer to read than to execute. Each lane has its own order of rows, which is chosen only occasionally, because
+// comparing pivots in every factorisation would double the time. Included once for each target, inside its
+// HWY_NAMESPACE (see Highway, "foreach_target.h").
 #if defined(ASSUR_SMALL_LU_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef ASSUR_SMALL_LU_INL
 #undef ASSUR_SMALL_LU_INL
@@ -28,8 +28,8 @@ class SmallLu {
 
   static constexpr int kSwaps = N * (N - 1) / 2;
 
-  // Rows k and i > k change places before column k where swaps[...] > 0, kSwaps x W: so that the pivot is the largest
-  // of its column against its row.
+  // Rows k and i > k are swapped before column k where swaps[...] > 0 (kSwaps x W). Each pivot is then the largest
+  // entry of its column, relative to its row.
   static void choose_swaps(const L (&matrix)[N][N], double* swaps) {
     L f[N][N], of_a[N];
     for (int i = 0; i < N; ++i) {

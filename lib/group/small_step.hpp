@@ -1,5 +1,5 @@
 // The ordinary step of a small group, all of it in registers: Newton's method, velocity, acceleration and the branch
-// test without a call in between. If anything is unusual, GroupSolver solves the step again.
+// test, without function calls. If anything is unusual, GroupSolver solves the step again.
 #pragma once
 
 #include <memory>

@@ -21,9 +21,9 @@ struct Shares {
   }
 };
 
-// cost: of each pack, in any unit. The same costs always give the same shares: among equal packs the first is first;
-// among threads with equal work the one with fewer packs takes the next pack, else the first one. Throws Error (input)
-// if threads < 1, or if a cost is negative or not finite.
+// cost: of each pack, in any unit. The same costs always give the same shares: packs of equal cost keep their order;
+// among threads with equal work, the thread with the fewest packs takes the next pack, else the first thread. Throws
+// Error (input) if threads < 1, or if a cost is negative or not finite.
 [[nodiscard]] Shares longest_first(std::span<const double> cost, int threads);
 
 }  // namespace assur

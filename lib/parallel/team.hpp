@@ -53,7 +53,7 @@ class Team {
       dispatch([&](int rank) noexcept {
         try {
           work(rank);
-        } catch (const SentHome&) {  // the exception of another member is kept already
+        } catch (const SentHome&) {  // another member has thrown, and its exception is kept
         } catch (...) {
           fail(rank);
         }

@@ -29,7 +29,7 @@ namespace assur {
 [[nodiscard]] std::string why_not_blas_threads(int threads);
 
 // Address space that OpenBLAS needs for each thread that calls it (BUFFER_SIZE in its common_x86_64.h, and a page). If
-// it gets none, it asks again without end.
+// it gets no memory, it asks again and again without end.
 inline constexpr std::size_t kBlasBuffer = (std::size_t{128} << 20) + 4096;
 
 // The reason why not every thread has memory to call BLAS; "": every thread can.

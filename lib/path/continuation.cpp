@@ -13,7 +13,7 @@ namespace assur {
 namespace {
 
 constexpr double kUnseen = 2;    // parts of a step in which a measured angle may have turned unseen
-constexpr double kPassed = 64;   // steps this many times as long as the first shortest one are far from the failure
+constexpr double kPassed = 64;   // a step this many times as long as the first shortest one has left the failure behind
 constexpr int kExpandAfter = 4;  // rejected attempts in a row; then all rates are computed and used for predictions
 
 bool worth_halving(Code code) {
@@ -173,7 +173,7 @@ void Continuation::repeat_in_idle_lanes() {
 
 // ---- one posture
 
-// One attempt. If it is rejected, or only explores, it leaves nothing in the packs.
+// One attempt. A rejected attempt, or one that only explores, does not change the packs.
 Status Continuation::solve_at(double t, Attempt::Branch branch, StepErrors& errors) {
   ++attempts_;
   const auto undo = [&] {
@@ -206,7 +206,7 @@ Status Continuation::solve_all(double t, Attempt::Branch branch, StepErrors& err
   if (watch_) {
     if (const Status s = check_watched(t, branch, converged, errors); !s.ok()) return s;
   }
-  // The drivers turned no farther than a step may; measured angles may have turned farther.
+  // The angles of drivers are within the limit of a step here; measured angles may have turned farther.
   if (turns_ == nullptr || branch != Attempt::Branch::inside) return {};
   const AngleTurns::Way way = turns_->follow(state_.at(0), t - now_);
   return way == AngleTurns::Way::known ? Status{} : turned_unseen(way);
@@ -353,7 +353,7 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
     const Status s = try_step(target, Attempt::Branch::inside);
     if (s.ok()) {
       if (in_a_row < kExpandAfter) in_a_row = 0;
-      if (now_ == t) break;  // the rest of a step is no evidence for whole strides
+      if (now_ == t) break;  // a last stride that was shortened is no evidence for full strides
       stride.arrive();
       if (stride.length > kPassed * first) {  // the place of the failure is left behind
         shortest_ = first;

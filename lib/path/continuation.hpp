@@ -55,8 +55,8 @@ class Continuation {
   void keep_what_is_read(std::vector<std::uint8_t> marked);
 
   // Begins at a posture (all coordinates) and time. Throws Error (numerical) if the equations do not hold there, or if
-  // it has no velocities. before: controls of the continuation that this one replaces, with other equations of the same
-  // scene.
+  // it has no velocities. before: controls of the continuation that this one replaces; it had other equations of the
+  // same scene.
   void start(double time, const std::vector<double>& posture, const Inputs::Controls* before = nullptr);
 
   // State that determines the next steps.
@@ -190,8 +190,8 @@ class Continuation {
   bool any_turn_ = true;  // angles take the shorter way, even if they turn far
   bool turn_guessed_ = false;
   double turned_ = 0;    // turn of the step that was tried, relative to the largest allowed turn
-  double shortest_ = 0;  // attempt of this step so far, before its failure is examined
-  // Postures of this step at which failures were examined; those of one block approach a singular one.
+  double shortest_ = 0;  // length of the shortest attempt at this step, until its failure is examined
+  // Postures of this step at which failures were examined; the postures of one block approach a singular posture.
   std::vector<Singularity> approach_;
   double largest_correction_ = 0;  // of a step through a change point, relative to the predicted move
   std::function<void()> before_dividing_;

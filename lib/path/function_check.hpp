@@ -41,8 +41,8 @@ class FunctionCheck {
   }
 
  private:
-  // Times of the checks. A thorough check costs as much as many quick ones: after one that found nothing, the next
-  // check comes later.
+  // Times of the checks. A thorough check costs as much as many quick ones, so that after a thorough check without
+  // findings the next check comes later.
   struct Schedule {
     std::int64_t interval, next = 0;
 

@@ -91,7 +91,7 @@ class State {
   std::size_t first_unknown_ = 0;
   std::size_t size_ = 0;
   std::size_t depth_ = 1;  // postures that the predictor reads
-  int levels_ = 1;         // derivatives that it reads, and the value
+  int levels_ = 1;         // number of derivatives that it reads, including the value
   std::array<Ring, 3> rings_;
   bool begun_ = true;          // the newest posture is not accepted
   std::vector<double> times_;  // of the accepted postures, newest first

@@ -614,13 +614,13 @@ Prediction PerformanceModel::meeting(std::int32_t p, double doubles) const {
     sum = {median(seconds) * p / threads, threads == p ? 1.2 : 1.5,
            threads == p ? Origin::measured : Origin::extrapolated};
   }
-  // A measurement with many doubles includes the meeting, but it is a small part.
+  // A measurement with many doubles includes the meeting, which is a small part of its time.
   const double each = impl_->handovers.empty() ? kPriorHandover : median(nearest(impl_->handovers)->second);
   sum.seconds += each * doubles;
   return sum;
 }
 
-// Uses the largest measured number of threads beyond it, and the smallest or largest measured groups.
+// Numbers of threads and sizes of groups outside the measured range are replaced by the nearest measured ones.
 double PerformanceModel::contention(std::int32_t p, std::int32_t n) const {
   const auto& known = impl_->contentions;
   if (p < 2 || known.empty()) return 1;

@@ -12,9 +12,9 @@
 
 namespace assur {
 
-// ---- laws and strategies, which check themselves
+// ---- laws and strategies, whose own functions check them
 
-// Function parts have no text: they are refused before.
+// Function parts have no text, and are refused before this call.
 void fields(PlanWriter& write, const Law& law);
 void fields(PlanReader& read, Law& law);
 

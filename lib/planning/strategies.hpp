@@ -13,7 +13,7 @@
 
 namespace assur {
 
-// Predictors of each kind; of many orders, a low, a middle and the highest one.
+// Predictors of each kind; if a kind has many orders, a low, a middle and the highest one.
 inline constexpr std::array kTypicalPredictors = {
     Predictor{Predictor::Kind::taylor, 0}, Predictor{Predictor::Kind::taylor, 1},
     Predictor{Predictor::Kind::taylor, 2}, Predictor{Predictor::Kind::hermite, 5},

@@ -12,16 +12,16 @@
 namespace assur {
 namespace {
 
-// Distances of differences: in internal units for callbacks, relative to the time step for laws.
+// Distances over which differences are taken: in internal units for callbacks, relative to the time step for laws.
 constexpr double kLongestOffset = 0x1p-8;
 constexpr double kShortestOffset = 0x1p-30;
 constexpr double kGlance = 0x1p-16;    // the one distance of a cheap check
 constexpr double kLawGlance = 0x1p-9;  // the same, relative to the time step
 constexpr double kLawLongest = 0x1p-2;
 constexpr double kSpan = 100;            // time steps in which a motion is expected to change
-constexpr double kRoundingSteps = 1024;  // every distance is at least so many roundings of the argument
+constexpr double kRoundingSteps = 1024;  // every distance is at least this many roundings of the argument
 
-constexpr double kSureUncertainties = 4;  // a derivative is wrong if its error exceeds so many uncertainties
+constexpr double kSureUncertainties = 4;  // a derivative is wrong if its error exceeds this many uncertainties
 constexpr double kBlind = 0.1;            // of the difference: a level with more uncertainty cannot decide
 // of the change at the longest distance: larger roughness means that the function has no slope
 constexpr double kCalm = 0.01;

@@ -1,7 +1,7 @@
 // Checks the derivatives that functions of the program (callbacks and laws) return. They are compared with differences
 // of the functions at several distances. The scatter between the distances, and second differences, give the error of
-// each difference, so that right derivatives of stiff or noisy functions, or near a kink or an end, are not reported.
-// Nothing here throws: where a function throws near the posture, it is treated as undefined.
+// each difference. Correct derivatives of stiff or noisy functions, or near a kink or an end, are therefore not
+// reported. Nothing here throws: where a function throws near the posture, it is treated as undefined.
 #pragma once
 
 #include <cstdint>

@@ -34,7 +34,7 @@ double sine(const Triple& a, const Triple& b) {
   return triple::norm(triple::cross(a, b)) / (triple::norm(a) * triple::norm(b));
 }
 
-// A direction at right angles to an axis: across the coordinate axis that is farthest from it.
+// A unit vector perpendicular to an axis and to the coordinate axis that is farthest from it.
 Triple across(const Triple& axis, int dimension) {
   if (dimension == 2) return {1, 0, 0};
   std::size_t least = 0;
@@ -46,23 +46,23 @@ Triple across(const Triple& axis, int dimension) {
   return unit(triple::cross(axis, e));
 }
 
-// A point or vector that may be shared by bodies. Until the base of a body is chosen nobody determines it.
+// A point or vector that may be shared by bodies. Until the bases are chosen, no body determines it.
 struct Feature {
-  enum class Home : std::uint8_t { nowhere, scene, ground, member };  // where it is declared now
+  enum class Home : std::uint8_t { nowhere, scene, ground, member };  // list in which it is declared now
   std::string name;
   bool is_point = true;
   Triple at{};
   bool fixed = false;
   bool driven = false;  // a driver determines it
-  bool wanted = true;   // false: only if nothing else makes a base
+  bool wanted = true;   // false: used in a base only if no other feature suffices
   Home home = Home::nowhere;
-  int solid = kNobody;  // the solid whose member it is; nobody: unknowns of its own
+  int solid = kNobody;  // the solid whose member it is; kNobody: it has its own unknowns
   int from = kNobody;   // the solid whose member it was as written
 };
 
-// Bodies without motion between them.
+// Bodies that fixed joints connect: one rigid solid.
 struct Solid {
-  std::vector<std::size_t> bodies;  // indices; the ground may be without one
+  std::vector<std::size_t> bodies;  // indices; the ground may have none
   bool is_ground = false;
   int based = kNobody;                // the body that has a base of its own
   std::vector<std::size_t> features;  // without repetition
@@ -205,7 +205,7 @@ class Expansion {
         [](const auto& kind) { return std::pair<const std::string&, const std::string&>(kind.a, kind.b); }, j.kind);
   }
 
-  // The index of a body; that of the ground; beyond: there is none, which is reported.
+  // Index of a body, or of the ground. If the name is unknown, reports this and returns a larger number.
   std::size_t body(const Joint& j, const std::string& name, std::size_t side) {
     if (const auto found = body_of_.find(name); found != body_of_.end()) return found->second;
     if (name == kGround) return p_.bodies.size();
@@ -276,7 +276,7 @@ class Expansion {
     for (std::size_t i = 0; i < p_.bodies.size(); ++i) take_base(p_.bodies[i], solid_of_[i]);
   }
 
-  // The base of a body, or the points that are to be rigid, are on it.
+  // Puts the base of a body, or its `rigid` items, on its solid.
   void take_base(const Body& b, int s) {
     if (!b.rigid.empty() && has_base(b)) {
       report(Where("/bodies") / b.name / "rigid", "a body with a base has no \"rigid\"; list members instead");
@@ -297,7 +297,7 @@ class Expansion {
     }
   }
 
-  // Ground coordinates of a member of a body whose base is declared in the scene; false: not known here.
+  // Ground coordinates of a member of a body whose base is declared in the scene; false if they are not known yet.
   bool to_ground(const Body& b, const Member& m, bool is_point, Triple& out) const {
     const auto at = [&](const std::string& name) -> const Feature* {
       const auto found = feature_of_.find(name);
@@ -321,9 +321,9 @@ class Expansion {
     return triple::is_finite(out);
   }
 
-  // ---- what joints share
+  // ---- features that joints share
 
-  // The feature of an anchor, on one or two solids. name: of a new one.
+  // The feature of an anchor, on one or two solids. name: name of a new feature.
   std::size_t anchor(const Joint& j, std::string_view key, const Anchor& a, bool is_point, std::string name,
                      std::initializer_list<int> solids) {
     std::size_t feature = 0;
@@ -435,7 +435,7 @@ class Expansion {
            triple::norm(triple::cross(off, axis)) <= kSame * std::max(triple::norm(off), triple::norm(f.at));
   }
 
-  // The second body slides with a point of its own, if it can with one that it has.
+  // The sliding point belongs to the second body; takes an existing point if possible.
   void place_slides() {
     for (Slide& s : slides_) {
       const Joint& j = *s.joint;
@@ -470,7 +470,7 @@ class Expansion {
     }
   }
 
-  // A prismatic joint keeps a second direction, unless one of its bodies is nothing but its line.
+  // A prismatic joint keeps a second direction, unless one of its bodies has only points on one line.
   void share_sides() {
     for (const Slide& s : slides_) {
       if (s.turns || !in_space()) continue;
@@ -509,7 +509,7 @@ class Expansion {
     bool is_angle = false;
   };
 
-  // "J.angle", "J.displacement", also with ".rate" and the like; no joint: something else.
+  // "J.angle", "J.displacement", also with ".rate" and the like; null joint: the text names no coordinate of a joint.
   Coordinate coordinate(const std::string& text, const Where& at) {
     const std::size_t dot = text.find('.');
     if (dot == std::string::npos) return {};
@@ -586,7 +586,7 @@ class Expansion {
     geared_.push_back(g);
   }
 
-  // A joint of the ground turns an arm: then the driver knows all of the body. Any other angle is one between two
+  // A joint of the ground turns an arm: then the driver determines the whole body. Any other angle is one between two
   // directions.
   void place_angles() {
     for (const auto& [driver, of] : driven_) {
@@ -643,7 +643,7 @@ class Expansion {
     return lengths[lengths.size() / 2];
   }
 
-  // Across the axis, where it can along two points of the body.
+  // A direction across the axis, if possible along two points of the body.
   [[nodiscard]] Triple arm_direction(int solid, const Triple& axis) const {
     const Feature* first = nullptr;
     for (const std::size_t i : solids_[idx(solid)].features) {
@@ -659,7 +659,7 @@ class Expansion {
     return across(axis, p_.dimension);
   }
 
-  // Directions of both bodies that are one as written.
+  // A direction on each body; the two coincide in the posture as written.
   void between(const Joint& j) {
     const auto [a, b] = bodies_of(j);
     if (feature_of_.count(j.name + ".from") != 0) return;
@@ -674,7 +674,7 @@ class Expansion {
 
   // ---- bases
 
-  // Those with many features first: neighbours build on their members.
+  // Solids with many features come first, because their neighbours use these members.
   [[nodiscard]] std::vector<std::size_t> order() const {
     std::vector<std::size_t> all;
     for (std::size_t s = 0; s < solids_.size(); ++s) {
@@ -730,7 +730,7 @@ class Expansion {
     settle(s, base);
   }
 
-  // The base of a body that has one as written.
+  // The base of a body whose base the scene declares.
   [[nodiscard]] std::vector<std::size_t> own_base(std::size_t s) const {
     std::vector<std::size_t> base;
     if (solids_[s].based < 0) return base;
@@ -744,7 +744,8 @@ class Expansion {
     return base;
   }
 
-  // The other features of a solid become its members. One that is a member elsewhere, or known, is tied to a copy.
+  // The other features of a solid become its members. A feature that is known, or a
+  // member of another solid, gets a copy that a constraint ties to it.
   void settle(std::size_t s, const std::vector<std::size_t>& base) {
     const int self = static_cast<int>(s);
     based_on_[self] = base;

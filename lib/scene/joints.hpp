@@ -1,5 +1,5 @@
-// Joints: build() replaces them, and bodies without a base, by what the rest of the library knows: points and vectors
-// that bodies share, bases, members, and constraints. docs/joints.md gives the equations of each joint.
+// Joints. build() replaces joints, and bodies without a base, by objects that the rest of the library knows: points and
+// vectors that bodies share, bases, members, and constraints. docs/joints.md gives the equations of each joint.
 #pragma once
 
 #include <string>

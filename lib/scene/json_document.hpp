@@ -21,7 +21,7 @@ class JsonNode {
   explicit JsonNode(bool value) : type_(Type::boolean), boolean_(value) {}
   explicit JsonNode(double value) : type_(Type::number), number_(value) {}
   explicit JsonNode(std::string_view text);
-  // keys: of an object, one for each item, right behind them.
+  // keys: those of an object, one for each item, stored directly behind the items.
   JsonNode(Type array_or_object, const JsonNode* items, std::size_t count);
 
   [[nodiscard]] Type type() const { return type_; }

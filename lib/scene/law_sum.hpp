@@ -7,7 +7,8 @@
 
 namespace assur {
 
-// Adds by halves: an addition copies all parts, so that one after another would take the square of their number.
+// Adds the two halves, recursively: each addition copies all parts, so that adding one law after another would take
+// quadratic time.
 [[nodiscard]] inline Law sum_of(std::span<const Law> laws) {
   if (laws.empty()) return {};
   if (laws.size() == 1) return laws.front();

@@ -246,7 +246,7 @@ void BodyWriter::write_frame_about(Index from, const Item& known, const Item& ne
   if (!forms_.all_known(after)) forms_.cross_equation(from, after.form, known.form, next.form);
 }
 
-// True if one of the bodies written before has all of these items, so that it keeps their places to each other.
+// True if one of the bodies written before has all of these items, and therefore keeps them rigid.
 bool BodyWriter::is_kept(std::initializer_list<std::string_view> names) const {
   std::vector<Index> common;
   for (bool first = true; const std::string_view name : names) {

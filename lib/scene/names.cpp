@@ -83,7 +83,7 @@ std::string why_no_name(std::string_view text) {
 }
 
 std::string near_miss(std::string_view word, const std::vector<std::string_view>& candidates) {
-  if (word.size() > kLongestName) return "";  // no name; a comparison takes the product of both lengths
+  if (word.size() > kLongestName) return "";  // no name; comparing takes time in proportion to both lengths
   std::size_t best = word.size() <= 1 ? 0 : word.size() <= 5 ? 1 : 2;  // typing errors that leave the word recognisable
   std::string_view found;
   for (const std::string_view candidate : candidates) {

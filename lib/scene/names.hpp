@@ -28,7 +28,8 @@ class Where {
 // The reason why `text` is no valid name: another form, or more than 255 characters; "" if it is valid.
 [[nodiscard]] std::string why_no_name(std::string_view text);
 
-// The candidate that `word` is most likely a misspelling of; "" if none is near. Of equal ones the first.
+// The candidate that `word` is most likely a misspelling of, the first one if several are equally near; "" if none is
+// near.
 [[nodiscard]] std::string near_miss(std::string_view word, const std::vector<std::string_view>& candidates);
 
 // "; did you mean 'B'?", or "" if nothing is near.

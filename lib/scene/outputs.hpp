@@ -48,7 +48,7 @@ struct AskedPart {
 // Columns of one output in the order value, rate, acceleration: "C.x C.y C.vx ..." or "m m.rate m.acceleration".
 void append_columns(const Output& output, std::vector<std::string>& columns);
 
-// Of all wanted outputs.
+// The columns of all wanted outputs.
 [[nodiscard]] std::vector<std::string> column_names(const System& system);
 
 }  // namespace assur

@@ -29,8 +29,8 @@ void drive_by_values(const System& system, const std::vector<std::vector<double>
 // one.
 [[nodiscard]] std::string why_undefined(const System& system, const DriverInput& input, std::span<const double> q);
 
-// Tolerance of the values. Equations hold to a relative 1e-10 (redundant ones); the rest allows for the leverage from
-// an equation to the value. Wrong values that satisfy the equations differ by half a turn or a reflection.
+// Tolerance of the values. Redundant equations hold to a relative 1e-10; the rest of the tolerance allows for values
+// that amplify an error of an equation. Wrong values that satisfy the equations differ by half a turn or a reflection.
 inline constexpr double kSlack = 1e-8;
 
 // The value with the largest difference from the prescribed one, if the difference exceeds rounding or `slack`,

@@ -293,7 +293,7 @@ struct Driven {
   std::vector<Index> assignments;  // indices into System::assignments, in order
 };
 [[nodiscard]] Driven all_driven(const System& s);
-// Only those that marked coordinates depend on.
+// The inputs and assignments that marked coordinates depend on.
 [[nodiscard]] Driven driven_behind(const System& s, std::vector<std::uint8_t> needed);
 
 // Sets the driven coordinates of q (and of its derivatives where not null) at time t.

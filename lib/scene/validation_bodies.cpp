@@ -254,7 +254,8 @@ void Validation::place_members(const Body& body, const Where& where) {
       local = {along, 0, 0};
     } else if (member.in_ground) {
       local = frame.turn_back(local);
-      // Rounding of ground coordinates must not tie a member to an axis of its body that it does not depend on.
+      // Local coordinates that should be 0 are only nearly 0 after this rotation; they are set to 0, so that the member
+      // does not depend on further axes of its body.
       const double size = is_point ? std::max(triple::norm(member.local), triple::norm(frame.origin)) : 1;
       for (double& c : local) {
         if (std::abs(c) <= kRounding * size) c = 0;

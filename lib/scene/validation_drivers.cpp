@@ -125,7 +125,7 @@ void Validation::check_arm(const PointAngle& d, const Involved& a, const Involve
     report(where / "angle", "there is no arm across the axis from " + in_quotes(d.a) + " to " + in_quotes(d.b) +
                                 ", so there is no angle about it; choose another axis or other positions");
   } else if (placed) {
-    // The distance is the arm's length; its part along the axis is the one as written.
+    // The distance is the arm's length; its component along the axis is that of the posture as written.
     const double along = std::abs(triple::dot(axis.at, arm)) / triple::norm(axis.at);
     for (const Constraint& c : scene_.constraints()) {
       const auto* distance = c.as<Distance>();

@@ -14,9 +14,9 @@
 namespace assur {
 namespace {
 
-constexpr std::size_t kOverlap = 2;  // a chunk computes at most so many rows beyond its border
+constexpr std::size_t kOverlap = 2;  // a chunk computes at most this many rows beyond its border
 
-// Both postures solve the same equations. They are the same if each is within the ball in which a solution is unique.
+// Both postures solve the same equations. They are equal if each is within the ball in which a solution is unique.
 bool same_posture(const std::vector<double>& a, const std::vector<double>& b, const std::vector<double>& uniqueness) {
   if (a.size() != b.size() || uniqueness.size() != b.size()) return false;
   for (std::size_t c = 0; c < a.size(); ++c) {

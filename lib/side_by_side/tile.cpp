@@ -226,7 +226,7 @@ Status Tile::step(std::span<const double> times) {
   return s;
 }
 
-// One attempt. If it is rejected, it leaves nothing in the packs.
+// One attempt. A rejected attempt does not change the packs.
 Status Tile::solve(std::span<const double> times, Attempt::Branch branch) {
   ++attempts_;
   StepErrors errors;
@@ -368,7 +368,7 @@ Status Tile::begin_angles(std::span<const double> times) {
   return {};
 }
 
-// Not ok if an angle of some lane turned too far to know which way.
+// Not ok if an angle of some lane turned so far that its sense of rotation is unknown.
 Status Tile::follow_angles(double seconds) {
   Status s;
   if (turns_[0].empty()) return s;

@@ -15,8 +15,8 @@
 
 namespace assur {
 
-// A coordinate that must stay positive, because its driver drives nothing otherwise: a driven distance, or the unknown
-// rho of a relative angle.
+// A coordinate that must stay positive, because at 0 its driver drives nothing: a driven distance, or the unknown rho
+// of a relative angle.
 struct Lever {
   std::int32_t address;  // in a state, of its first lane
   Index driver;          // into System::drivers

@@ -27,8 +27,8 @@ ArmOf<N> arm_of(MeasureForms::Kind kind, std::span<const N> f, int dimension) {
   return {f[0] * f[3] + f[1] * f[4] + f[2] * f[5], f[6] * across(1, 2) + f[7] * across(2, 0) + f[8] * across(0, 1)};
 }
 
-// The square of the number that derivatives of a measure are divided by: of a distance itself, of the arm of a signed
-// angle, of the sine of an unsigned angle; else 1.
+// The square of the divisor in the derivatives of a measure: the distance itself, the arm of a signed angle, or the
+// sine of an unsigned angle; 1 for other measures.
 template <class T>
 T divisor_of(MeasureForms::Kind kind, std::span<const Jet<T>> f, int dimension) {
   const auto square = [](const T& x) { return x * x; };

@@ -36,7 +36,7 @@ constexpr double kLoosest = 1e-6;  // largest residual at which an equation coun
 }  // namespace
 
 struct SimulatorState::Impl {
-  std::shared_ptr<const Prepared> first, prepared;  // at the start of the run, and with the equations chosen since
+  std::shared_ptr<const Prepared> first, prepared;  // at the start of the run; with later equations
   Continuation::Snapshot motion;
   ErrorEstimate::Snapshot estimate;
   std::int64_t branch_checks = 0;
@@ -161,7 +161,7 @@ struct Simulator::Impl {
 
   Status tell_verdict(double from) {
     Status s = verdict;
-    if (motion.turn_guessed()) {  // the other way round differs by a whole turn
+    if (motion.turn_guessed()) {  // the opposite sense of rotation gives an angle that differs by a whole turn
       s = {Code::inaccurate, s.where, std::max(s.figure, kTurn)};
       ErrorFigures turn;
       turn.estimated_position = kTurn;

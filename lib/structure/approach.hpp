@@ -19,8 +19,8 @@ enum class Branch : std::uint8_t { same, any };
 
 // Moves the drivers from `from` to `to` in steps of at most some tenths of a radian, and assembles the blocks, which
 // must be square, at each step. q is a posture at `from` and becomes one at `to`. way: one for each input. False, with
-// q unspecified, if a step finds no posture nearby, if an auxiliary that must stay > 0 does not, or if the determinant
-// of a block changes its sign although the branch must not change.
+// q unspecified, if a step finds no posture nearby, if an auxiliary unknown that must be > 0 is not, or if the
+// determinant of a block changes its sign although the branch must not change.
 [[nodiscard]] bool approach(const System& system, const Blocks& blocks, const DriverValues& from,
                             const DriverValues& to, const std::vector<Way>& way, Branch branch, std::vector<double>& q,
                             std::vector<Index>& column);

@@ -9,7 +9,7 @@
 
 namespace assur {
 
-// The content of a group from which its class follows.
+// The data of a group that determine its class.
 struct GroupContent {
   std::vector<Index> unknowns;  // in solving order; first those that are not needed in the highest derivative
   std::vector<Index> equations;

@@ -24,7 +24,7 @@ class Freedoms {
   void move(std::span<const double> amounts, std::vector<double>& q) const;
 
  private:
-  // Of one input: along an axis (scalar and frame) or about one.
+  // A freedom of one input: a translation along an axis (scalar, frame) or a rotation about an axis.
   struct Way {
     Index input;
     int axis;

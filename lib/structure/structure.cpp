@@ -45,8 +45,8 @@ void list_left_out(const Blocks& blocks, const Cut& cut, Structure& out) {
   }
 }
 
-// Content of a group: these blocks. Unknowns that are not wanted in the highest derivative come first, unless the
-// predictor reads that derivative of all unknowns.
+// The content of a group that consists of these blocks. Unknowns that are not wanted in the highest derivative come
+// first, unless the predictor reads that derivative of all unknowns.
 GroupContent content(const Blocks& blocks, const std::vector<Index>& solved, const Cut& cut, int derivatives,
                      int predictor_derivatives) {
   GroupContent c;

@@ -248,7 +248,7 @@ TEST(Lanes, SolvesTransposedSystemsOfARepeatedLane) {
   ASSERT_TRUE(solver->analyze(pack.pattern(), 4).ok());
   ASSERT_TRUE(solver->factorize(pack.values()).ok());
   // In one lane all entries except a permuted diagonal nearly vanish, so that only six entries can be pivots. For some
-  // permutations the class has other pivots.
+  // permutations the pivots of the class are different ones.
   for (int shift = 0; shift < 6; ++shift) {
     Pack other = pack;
     scale(other.matrices[1], [&](int i, int j) { return (i + shift) % 6 == j ? 1 : 1e-12; });

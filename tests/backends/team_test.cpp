@@ -20,7 +20,7 @@ constexpr int kPanel = 48;  // columns; products of LAPACK within a panel have f
 // While this is active, a product with a whole panel waits until the expected number of threads has begun one.
 struct Meeting {
   std::atomic<std::size_t> expected{0};         // 0: off
-  std::chrono::steady_clock::time_point limit;  // after this time nobody is waited for
+  std::chrono::steady_clock::time_point limit;  // waiting ends at this time
   std::mutex mutex;
   std::set<std::thread::id> threads;
 

@@ -54,7 +54,7 @@ Off compare(const Scene& whole, const Mechanism& mechanism, int points, KluOptio
 constexpr double kRequired = 1e-10;  // largest error of a rival, even if the condition allows more
 
 // Both programs satisfy every equation to 8 eps of its terms, so that they differ by at most 2 x 8 eps x condition.
-// Each derivative has one more factor of the condition. In the linear systems of the derivatives, growth by the pivots
+// Each derivative has one more factor of the condition. Growth by the pivots in the linear systems of the derivatives
 // is added: up to 1000 for klu_defaults, whose pivots may be 0.001 of their column, and 4 for partial pivoting in
 // blocks of three.
 void expect_within(const Off& off, double condition, KluOptions options) {

@@ -16,7 +16,7 @@ namespace assur {
 struct Outcome {
   int status = -1;  // exit status; -1: ended by a signal
   std::string out, err;
-  std::int64_t memory = 0;  // bytes, the most that the process had
+  std::int64_t memory = 0;  // bytes, largest memory of the process
 
   [[nodiscard]] nlohmann::json json() const { return nlohmann::json::parse(out); }
   [[nodiscard]] std::vector<std::string> lines() const;  // lines of `out`

@@ -80,7 +80,7 @@ TEST_F(Ensembles, CsvEqualsTheTrajectoryOfTheLibrary) {
 }
 
 // Errors of position, velocity and acceleration grow with up to the third power of the condition. The condition is
-// below 8, because coupler and rocker stay 18 degrees away from one line. A few roundings are the factor of 4.
+// below 8, because coupler and rocker stay 18 degrees away from one line. The factor of 4 allows for a few roundings.
 TEST_F(Ensembles, MembersMoveAsInSingleRuns) {
   constexpr double kTolerance = 8 * 8 * 8 * 4 * std::numeric_limits<double>::epsilon();
   const std::string scene = fold();

@@ -114,7 +114,7 @@ TEST(Run, RefusesAGridWithoutWholeNumberOfSteps) {
   const Case cases[] = {
       {{"--dt", "0.3"}, "--dt: from 0 s to the scene's end at 10 s there are 33.3333 steps of 0.3" + wanted},
       {{"--dt", "20"}, "--dt: from 0 s to the scene's end at 10 s there are 0.5 steps of 20" + wanted},
-      // 1e-10 steps cannot be a rounded step.
+      // A time grid of 1e-10 steps is an error, not a rounded step.
       {{"--dt", "1e11"}, "--dt: from 0 s to the scene's end at 10 s there are 1e-10 steps of 1e+11" + wanted},
       {{"--start", "10"}, "--start: from 10 s to the scene's end at 10 s there are 0 steps of 0.01" + wanted},
   };

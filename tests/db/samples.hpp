@@ -34,7 +34,7 @@ inline db::Host host_with(std::int32_t cores, double quota = 0) {
   return host;
 }
 
-// The shape depends on the number, so that samples differ.
+// A sample whose shape depends on `number`, so that samples differ.
 inline Sample sample_of(std::int32_t number, const std::string& backend = "eigen", Kernel kernel = Kernel::factor) {
   Sample s;
   s.uid = db::new_uid();

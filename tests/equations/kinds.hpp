@@ -46,7 +46,7 @@ inline Triple start(const Path& path, const std::string& name) {
 }
 inline double start_scalar(const Path& path, const std::string& name) { return start(path, name)[0]; }
 
-// A law whose value is `of` the path.
+// A law with the value of(path).
 template <class Of>
 Law follow(const Path& path, Of of) {
   return Law::function([path, of](double t) {

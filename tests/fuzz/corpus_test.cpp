@@ -1,5 +1,5 @@
-// The readers that are fuzzed, over the inputs that are kept: none of them does more than refuse one. Some are
-// accepted, or the kept inputs no longer test what lies behind the first check.
+// The fuzzed readers accept or refuse every kept input, without any other fault. Some inputs must be accepted, so that
+// the code behind the first check is tested as well.
 #include <gtest/gtest.h>
 
 #include <filesystem>

@@ -1,9 +1,10 @@
 // Input: changes to a small tuning database, one after another.
 //   v TABLE ROW COLUMN TYPE ...  sets a value: one byte each, counted from 0; TYPE 0: null, 1: 8 bytes of an integer,
-//                                2: 8 bytes of a double, 3: a text, length first. Checksums are then made to fit.
+//                                2: 8 bytes of a double, 3: a text, length first. Checksums are then corrected.
 //   b AT AT AT LENGTH ...        overwrites bytes of the file; AT: little-endian
 //   t AT AT AT                   cuts the file off
-// Values come first, whatever their place. What is incomplete or does not fit is passed over.
+// Values are changed before bytes, in whatever order the input lists them. Incomplete or impossible changes are
+// skipped.
 #include <SQLiteCpp/SQLiteCpp.h>
 
 #include <array>
@@ -39,7 +40,7 @@ class Input {
     left_.remove_prefix(taken.size());
     return taken;
   }
-  // Of so many bytes, little-endian; the ones that are missing are 0.
+  // A number of `size` bytes, little-endian; missing bytes are 0.
   std::uint64_t number(std::size_t size) {
     std::uint64_t value = 0;
     const std::string_view bytes = take(size);
@@ -51,7 +52,7 @@ class Input {
   std::string_view left_;
 };
 
-// Each kernel once, by two backends, in small pages.
+// A database with one sample of each kernel, by two backends, in small pages.
 std::string make_seed(const fs::path& file) {
   {
     Store store(file, Access::write);
@@ -101,7 +102,7 @@ void set_value(SQLite::Database& database, Input& input) {
   }
 }
 
-// As if the values had been measured.
+// Gives the changed samples valid checksums, as if they had been measured.
 void fit_checksums(SQLite::Database& database) {
   const db::Tables tables = db::read_tables(database);
   SQLite::Statement rows(database,
@@ -130,7 +131,7 @@ void fit_checksums(SQLite::Database& database) {
                                tables.machines.at(run.machine).fingerprint()));
       fit.bind(2, rows.getColumn(0).getInt64());
       fit.exec();
-    } catch (const std::exception&) {  // refers to no row, or to one of a later version: the reader says so
+    } catch (const std::exception&) {  // the row is missing or of a later version: the reader reports this
     }
   }
 }
@@ -151,7 +152,7 @@ void change_values(const fs::path& file, std::string_view changes) {
   }
   try {
     if (changed) fit_checksums(database);
-  } catch (const SQLite::Exception&) {  // they are not to be read
+  } catch (const SQLite::Exception&) {  // the tables cannot be read
   }
   database.exec("COMMIT");
 }
@@ -187,7 +188,7 @@ void ask(const Store& store) {
   (void)store.health();
 }
 
-// Whatever was believed, times are times.
+// Predictions are finite times, whatever samples were accepted.
 void predict(const PerformanceModel& model) {
   const auto is_time = [](const Prediction& p) { return p.seconds >= 0 && std::isfinite(p.seconds) && p.factor >= 1; };
   for (const std::int32_t n : {1, 6, 200}) {

@@ -1,4 +1,4 @@
-// A program of libFuzzer; ASSUR_FUZZ: the function of targets.hpp that it calls.
+// A libFuzzer program. ASSUR_FUZZ is the function of targets.hpp that it calls.
 #include <cstddef>
 #include <cstdint>
 

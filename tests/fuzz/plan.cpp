@@ -9,7 +9,7 @@
 namespace assur::fuzz {
 namespace {
 
-// The text up to its checksum, with the one that fits: FNV-1a.
+// The text with a valid checksum (FNV-1a).
 std::string signed_again(std::string_view bytes) {
   std::string text(bytes.substr(0, bytes.rfind("checksum ")));
   if (!text.ends_with('\n')) text += '\n';
@@ -20,7 +20,7 @@ std::string signed_again(std::string_view bytes) {
   return text + '\n';
 }
 
-// A plan that is accepted is run: its motion may be another one or end with a status, but touches no foreign memory.
+// Runs an accepted plan. The motion may differ or end with a status, but must not access foreign memory.
 bool take(std::string text) {
   return accepts([&] {
     std::istringstream in(std::move(text));

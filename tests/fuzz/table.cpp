@@ -9,13 +9,13 @@
 namespace assur::fuzz {
 namespace {
 
-constexpr std::size_t kMostTried = 1000;  // points of a table
+constexpr std::size_t kMostTried = 1000;  // largest number of tested points of a table
 
 bool is_finite(const Motion& motion) {
   return std::isfinite(motion.value) && std::isfinite(motion.rate) && std::isfinite(motion.acceleration);
 }
 
-// A law whose table was accepted is a number wherever it is defined.
+// A law whose table was accepted is finite wherever it is defined.
 void try_law(const Law& law) {
   const auto& spline = std::get<Law::Spline>(law.parts().front());
   for (std::size_t i = 0; i < std::min(spline.time.size(), kMostTried); ++i) {

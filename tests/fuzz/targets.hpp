@@ -1,6 +1,6 @@
-// What is fuzzed: one function for each kind of file or text that the library reads. Each gives the bytes to the reader
-// and uses the result. True if the reader accepts them; it may refuse them by assur::Error. Anything else is a fault: a
-// crash, another exception, memory or time without bounds, or a result that does not pass require().
+// The fuzzed functions, one for each kind of file or text that the library reads. Each one passes the bytes to the
+// reader and uses the result. True if the reader accepts them; it may refuse them by assur::Error. Anything else is a
+// fault: a crash, another exception, memory or time without bounds, or a result that does not pass require().
 #pragma once
 
 #include <stdexcept>
@@ -18,12 +18,12 @@ namespace assur::fuzz {
 [[nodiscard]] bool variants(std::string_view bytes);  // a CSV of variants
 [[nodiscard]] bool database(std::string_view bytes);  // changes to a tuning database, see database.cpp
 
-// Throws what no reader throws.
+// Throws std::logic_error, which no reader throws, if the condition is false.
 inline void require(bool holds, const char* what) {
   if (!holds) throw std::logic_error(std::string("does not hold: ") + what);
 }
 
-// False if `use` throws an Error, which says something.
+// Calls `use`; false if it throws an Error. The Error must have a message.
 template <class Use>
 bool accepts(Use&& use) {
   try {

@@ -110,8 +110,8 @@ TEST(Matrices, AreRegularForEveryPattern) {
     EXPECT_NE(m.values[0], m.values[1]);
     const Linear linear(m, parse_strategy("groups/eigen"), find_backend(backends(), "eigen"));
     EXPECT_EQ(linear.refused(), "");
-    // The diagonal is twice the spectral radius of the rest, so conditions are near (2 + 1) / (2 - 1), apart from
-    // sizes.
+    // The diagonal is twice the spectral radius of the rest, so conditions are about (2 + 1) / (2 - 1) for entries of
+    // similar size.
     EXPECT_LE(linear.forward_error(), 100 * n * kEps);
   }
 }

@@ -120,7 +120,7 @@ TEST(Team, AnIdleTeamFallsAsleepAndWakes) {
 }
 
 TEST(Team, MembersMeet) {
-  for (int size : {1, 2, 4, 16}) {  // 16 is more than most test machines have cores
+  for (int size : {1, 2, 4, 16}) {  // more than the cores of most test machines
     Team team(size);
     std::vector<int> arrived(static_cast<std::size_t>(size));
     std::atomic<int> early = 0;

@@ -41,7 +41,7 @@ TEST(Faces, ACubeOfAnySizeHasSixSquares) {
     for (const auto& [a, b] : all) {
       EXPECT_EQ(all.count({a, b}), 2u);
       const int bits = a ^ b;
-      EXPECT_TRUE(bits == 1 || bits == 2 || bits == 4) << a << "-" << b;  // no diagonal, and corners only
+      EXPECT_TRUE(bits == 1 || bits == 2 || bits == 4) << a << "-" << b;  // an edge of the cube
     }
   }
 }

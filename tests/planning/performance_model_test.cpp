@@ -56,7 +56,8 @@ TEST(PerformanceModel, PredictsUnsampledPacksFromKernels) {
   }
 }
 
-// If all samples are of one backend, the others have priors of their own, whether asked together or one by one.
+// If all samples are of one backend, each other backend has its own prior, whether strategies are predicted together or
+// one by one.
 TEST(PerformanceModel, PredictsUnsampledBackendsApart) {
   std::vector<Sample> of_one = samples();
   std::erase_if(of_one, [](const Sample& s) { return s.strategy.solver.backend != "lanes"; });
@@ -216,7 +217,8 @@ TEST(PerformanceModel, MeetingsAndContentionComeFromThreads) {
         Strategy s = solver("klu");
         s.run.threads = p;
         known.push_back(sample_of(Kernel::pack, sparse_shape(n, groups), s, 0, random));
-        // With 200 groups another program occupied a core; `slower` is the effect of a shared cache.
+        // During the measurement of 200 groups another program occupied a core. `slower` is the effect of a shared
+        // cache.
         if (p == 2) known.back().seconds *= groups == 200 ? 1.9 : slower;
       }
     }

@@ -62,7 +62,8 @@ inline Law scaled(const Law& law, double factor) {
   return out;
 }
 
-// Multiplies every length exactly by 2^exponent. Not for callbacks, whose numbers do not change.
+// Multiplies every length exactly by 2^exponent. Not for scenes with callbacks, because the numbers in callbacks cannot
+// be scaled.
 inline Scene scaled(const Scene& scene, int exponent) {
   const double factor = std::ldexp(1.0, exponent);
   const auto power = powers_of_length(scene);

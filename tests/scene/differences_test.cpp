@@ -19,7 +19,7 @@ struct Case {
   double center = 0, spread = 1, unit = 1;
   std::function<double(Arguments)> value;
   std::function<void(Arguments, Results)> gradient;
-  double found = 0;  // share of gradients with an entry off by 1e-4 that must be found; entries may nearly vanish
+  double found = 0;  // least share of wrong gradients that must be found; entries may nearly vanish
 };
 
 double noise(double x) {

@@ -1,4 +1,4 @@
-// Misuse of joints is refused with the place, the problem and a remedy; nothing else is reported with it.
+// Misuse of joints is refused with place, problem and remedy, and without further findings.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -19,7 +19,7 @@ std::string refusal(int dimension, const std::string& rest) {
   return "accepted";
 }
 
-// Two bodies, and these joints.
+// The refusal of a scene with two bodies and these joints.
 std::string with(int dimension, const std::string& joints, const std::string& more = "") {
   return refusal(dimension, R"("bodies": {"a": {}, "b": {}}, "joints": {)" + joints + "}" + more);
 }
@@ -78,7 +78,7 @@ TEST(JointFiles, BodiesWithoutBaseHaveMembersInTheGround) {
             "written, {\"at\": [...]}");
 }
 
-// A rod may turn about the line through its joints; members on this line are determined all the same.
+// A rod may turn about the line through its joints; members on this line are determined nevertheless.
 TEST(JointFiles, RodsHaveMembersOnTheirLine) {
   const Scene scene = parse_scene(R"({"assur": 1, "dimension": 3,
       "bodies": {"rod": {"points": {"M": {"at": [0.5, 0, 0]}}}, "arm": {}},

@@ -275,7 +275,7 @@ TEST(Scene, WithTime) {
               return rod.build().with_time({0, 1, 0.5});
             }),
             "/drivers/pull/law: the distance at the start is 0 m; a driven distance must stay > 0");
-  // 1e-10 steps are not one step up to rounding.
+  // A time grid of 1e-10 steps is an error, not a rounded step.
   EXPECT_EQ(findings([&] {
               return scene.with_time({0, 1, 1e10});
             }),

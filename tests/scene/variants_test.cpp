@@ -99,7 +99,8 @@ TEST_F(Variants, StopReadingAFileThatIsNoTable) {
   EXPECT_EQ(std::count(what.begin(), what.end(), '\n'), 19) << what;
 }
 
-// Findings of one line are limited too, and comparing its names takes time in proportion to their number.
+// The number of findings in one line is limited, too. Comparing the names of a line takes time in proportion to their
+// number.
 TEST_F(Variants, ReadLongLines) {
   std::string names = "a0", numbers = "0", none = "1";
   for (int i = 1; i < 1'000'000; ++i) {

@@ -326,7 +326,7 @@ Scene three_rods(double third) {
 TEST(Redundancy, ChecksAThirdParallelRod) {
   every_row(three_rods(1), [&](const Trajectory& r, std::size_t k, double t) {
     const double angle = 1 + 0.9 * std::sin(t);
-    EXPECT_NEAR(r(k, r.index("R.x")), 2 + std::cos(angle), 4 * kValue);  // the sine of the bars is down to 0.1
+    EXPECT_NEAR(r(k, r.index("R.x")), 2 + std::cos(angle), 4 * kValue);  // sine between the bars: at least 0.1
     EXPECT_NEAR(r(k, r.index("Q.y")), std::sin(angle), 4 * kValue);
   });
   const Prepared p = prepare(three_rods(1), {"groups/eigen", {}});

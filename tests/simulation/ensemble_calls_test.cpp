@@ -58,7 +58,7 @@ TEST(Ensemble, ChecksRedundantEquations) {
   }
 }
 
-// The lengths are inside the functions, so that every member has to call its own.
+// The lengths are inside the functions, so that every member has to call its own functions.
 TEST(Ensemble, UsesTheCallbacksOfEachMember) {
   const SceneOf scene = [](std::size_t i) {
     const double rocker = 1.2 + 0.05 * static_cast<double>(i);

@@ -45,8 +45,7 @@ class Fan {
     constrain_rocker(ground, coupler, Distance{"D" + number(), "C" + number(), rocker}, rocker);
     return *this;
   }
-  // A dyad with a callback for its rocker. Calls `seen` with the number of the dyad whenever the solver evaluates this
-  // callback.
+  // A dyad with a callback for its rocker. The callback calls `seen` with the number of the dyad at each evaluation.
   Fan& dyad_by_callback(double ground, double coupler, double rocker, std::function<void(int)> seen) {
     Callback c = distance_by_callback("D" + number(), "C" + number(), rocker);
     c.residual = [i = dyads_, seen = std::move(seen), f = c.residual](std::span<const double> x,

@@ -1,5 +1,5 @@
-// Mechanisms written with bodies and joints: the motion is that of the same mechanism written by hand, or in closed
-// form; bodies stay rigid, and joints hold, measured in the finished posture.
+// Mechanisms written with bodies and joints: the motion equals that of the same mechanism written with points and
+// constraints, or a closed form. Bodies stay rigid and joints hold, as measured in the computed postures.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -21,7 +21,7 @@ constexpr double kPi = std::numbers::pi;
 
 Law turning(double speed) { return Law::polynomial({0, speed}); }
 
-// ---- rotations, to write one mechanism in many postures
+// ---- rotations, for the same mechanism in many orientations
 
 using Matrix = std::array<Triple, 3>;  // rows
 
@@ -29,7 +29,7 @@ Triple times(const Matrix& r, const Triple& a) {
   return {triple::dot(r[0], a), triple::dot(r[1], a), triple::dot(r[2], a)};
 }
 
-// About the coordinate axes, one after the other.
+// Rotations about the coordinate axes, one after the other.
 Matrix rotation(double x, double y, double z) {
   const auto about = [](const Triple& v, std::size_t axis, double angle) {
     const std::size_t i = (axis + 1) % 3, k = (axis + 2) % 3;
@@ -49,7 +49,7 @@ Matrix rotation(double x, double y, double z) {
   return r;
 }
 
-// 16 kappa eps, with the largest kappa of the groups at the end of a run.
+// 16 kappa eps, with the largest condition kappa of the groups at the end of a run.
 double tolerance(test::Result& run) {
   double condition = 1;
   for (const GroupFigures& g : run.simulator.examine()) condition = std::max(condition, g.condition);
@@ -62,7 +62,7 @@ std::size_t unknowns(const Scene& scene) {
   return count;
 }
 
-// ---- measured in the finished posture
+// ---- measured in the computed postures
 
 Triple place(const Trajectory& t, std::size_t row, const std::string& item, const Scene& scene) {
   for (const Point& p : scene.points()) {
@@ -75,8 +75,8 @@ Triple place(const Trajectory& t, std::size_t row, const std::string& item, cons
           scene.dimension() == 3 ? t(row, t.index(item + ".z")) : 0};
 }
 
-// The largest change of a distance between points of one body, of a dot product of its vectors, or of a vector and two
-// points, relative to the length of the mechanism.
+// The largest change of a distance between points of one body, or of a dot product of its directions (vectors and pairs
+// of points), relative to the length of the mechanism.
 double change_of_shapes(const Scene& scene, const Trajectory& t, double length) {
   double worst = 0;
   for (const Body& b : scene.bodies()) {
@@ -262,7 +262,7 @@ TEST(Joints, UniversalJointTurnsInClosedFormInEveryPosture) {
   }
 }
 
-// Bennett (1903): four links with the twists alpha and beta, sin(alpha) / a = sin(beta) / b. One equation too many.
+// Bennett (1903): four links with the twists alpha and beta, sin(alpha) / a = sin(beta) / b. One equation is redundant.
 TEST(Joints, BennettLinkageMakesFullTurns) {
   const double a = 1, b = 1.5, alpha = 0.5, beta = std::asin(b / a * std::sin(alpha)), theta = 0.7;
   const double k = std::sin((beta + alpha) / 2) / std::sin((beta - alpha) / 2);
@@ -298,7 +298,7 @@ TEST(Joints, BennettLinkageMakesFullTurns) {
   EXPECT_LT(run.simulator.report().error.residual(), 1e-14);
 }
 
-// Sarrus (1853): two pairs of links let the top move straight up. One equation too many.
+// Sarrus (1853): two pairs of links let the top move straight up. One equation is redundant.
 TEST(Joints, SarrusLinkageMovesStraight) {
   SceneBuilder builder("sarrus", 3);
   for (const char* name : {"a1", "a2", "b1", "b2"}) builder.add(Body{.name = name});
@@ -320,7 +320,7 @@ TEST(Joints, SarrusLinkageMovesStraight) {
     EXPECT_NEAR(t(k, t.index("T.x")), 0.5, off);
     EXPECT_NEAR(t(k, t.index("T.y")), 0.5, off);
     EXPECT_NEAR(t(k, t.index("T.z")), 2 * l * std::sin(start - 0.4 * t.times()[k]), off);
-    EXPECT_NEAR(t(k, t.index("b0.angle")), -0.4 * t.times()[k], off);  // about x it turns the other way
+    EXPECT_NEAR(t(k, t.index("b0.angle")), -0.4 * t.times()[k], off);  // relative to the axis x the sign is opposite
   }
   EXPECT_LT(run.simulator.report().error.residual(), 1e-14);
 }
@@ -410,10 +410,11 @@ TEST(Joints, FixedJointMakesOneBody) {
 
 struct RandomLoop {
   Scene scene;
-  std::string joints;  // their letters
+  std::string joints;  // a letter for each joint
 };
 
-// Joints with seven freedoms together, the first one revolute and driven; anywhere, in any direction.
+// A loop of random joints with seven freedoms in total, at random places and in random directions. The first joint is
+// revolute and driven.
 RandomLoop random_loop(std::mt19937_64& random) {
   std::uniform_real_distribution<double> coordinate(-1, 1);
   const auto triple_of = [&] { return Triple{coordinate(random), coordinate(random), coordinate(random)}; };
@@ -458,7 +459,7 @@ RandomLoop random_loop(std::mt19937_64& random) {
   return {builder.build(), joints};
 }
 
-// A loop may be stuck as written (three prismatic joints beside each other); it must not move wrongly.
+// Some loops cannot move, for example with three prismatic joints in a row. No loop moves wrongly.
 TEST(Joints, RandomLoopsKeepBodiesRigid) {
   std::mt19937_64 random(23);
   int moved = 0;

@@ -51,7 +51,7 @@ bool can_run(const std::string& solver) {
   return find_backend(backends(), id.substr(0, id.find_first_of(":+"))).why_not({}, {}).empty();
 }
 
-// Compares whole runs with 1 to 4 threads. `threads` is the largest number that can take part.
+// Compares whole runs with 1 to 4 threads. `threads` is the largest number of threads that have work.
 void expect_no_bit_to_change(const Scene& scene, const std::string& solver, int threads = 4, int q = 1) {
   if (!can_run(solver)) return;
   const Result one = run(prepared(scene, solver, 1, q));
@@ -141,9 +141,9 @@ TEST(Levels, PassSimultaneousChangePoints) {
   }
 }
 
-// 24 triangles, each carried by the common crank and two rods parallel to it: one constraint of each is redundant. For
-// every choice of the redundant equation, the others become singular during the run, and another equation has to be
-// left out.
+// 24 triangles, each carried by the common crank and two rods parallel to it. One constraint of each triangle is
+// redundant. For every choice of the redundant equation, the other equations become singular during the run, and
+// another equation has to be left out.
 Scene redundant() {
   constexpr double kStart = 1.5;
   const double x = std::cos(kStart), y = std::sin(kStart);

@@ -84,7 +84,7 @@ TEST(Limit, IsReachedByAnglesWithoutAJump) {
   const Trajectory rows = s.run();
   ASSERT_EQ(s.report().status.code, Code::limit_reached);
   const std::size_t rocker = rows.index("swing");
-  // In the last step the rocker turns by about the square root of what remains of the crank angle.
+  // In the last step the rocker turns by about the square root of the remaining crank angle.
   EXPECT_NEAR(s.output("swing"), rows(rows.rows() - 1, rocker), 0.3);
 }
 

@@ -73,8 +73,8 @@ TEST(Policies, SeparateTakesOneFactorisationMoreForTheAcceleration) {
         const Counters &a = shared.counters(), &b = separate.counters();
         const auto groups = static_cast<std::int64_t>(shared.simulator.prepared().structure->groups.size());
         const std::int64_t more = groups * (a.steps + a.substeps + 1);  // and the start
-        // Factorisations of Newton's method are left out, because small steps round differently and may take another
-        // iteration.
+        // Factorisations of Newton's method are not compared, because small steps round differently and may take
+        // another iteration.
         EXPECT_EQ(b.factorizations - b.newton_iterations, a.factorizations - a.newton_iterations + more);
         EXPECT_LE(test::difference(shared.trajectory, separate.trajectory), 2 * 32 * condition * condition * kEps);
       }

@@ -264,7 +264,7 @@ TEST(Recovery, RetreatsToAReachablePosture) {
   }
 }
 
-// A driver that moves towards the limit too fast to stop in time.
+// A driver moves towards the limit too fast to stop in time.
 TEST(Recovery, OvershootingDriversStopAtOnce) {
   Simulator s = test::simulator(test::limited_four_bar(Law::constant(0.5)).time(0, 1, 0.01).build(), "groups/eigen", {},
                                 {"motor"});

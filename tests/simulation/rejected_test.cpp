@@ -16,8 +16,8 @@ constexpr double kOffset = 0.885;  // rad: the crank swings by 1 rad about it
 constexpr double kLargest = 3.2;   // m, the largest coordinate
 constexpr double kCondition = 50;  // largest condition on the whole way
 
-// A four-bar followed by a dyad, regular in all postures; steps are so long that the dyad, which is solved last,
-// rejects many that the four-bar has accepted.
+// A four-bar followed by a dyad, regular in all postures. Steps are so long that the dyad, which is solved last,
+// rejects many attempts that the four-bar has accepted.
 Scene four_bar_and_dyad(double step, std::int64_t steps) {
   SceneBuilder b("four_bar_and_dyad", 2);
   b.fixed_point("A", {0, 0, 0}).fixed_point("D", {2, 0, 0}).fixed_point("F", {3.2, 0.7, 0});

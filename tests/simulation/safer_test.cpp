@@ -1,4 +1,4 @@
-// Systems that a solver alone does not solve accurately are refined, and this is reported.
+// If a solver alone is not accurate enough, its solutions are refined, and the run reports this.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -45,7 +45,7 @@ class Shipped {
     }
     throw std::out_of_range(constraint);
   }
-  // A point, a vector or a member of the ground, where it is written.
+  // Coordinates, as written, of a point, a vector or a member of the ground.
   [[nodiscard]] Point3 fixed(const std::string& name) const { return references::exactly<QuadJet>(written(name)); }
   // Local coordinates of a member.
   [[nodiscard]] Point3 local(const std::string& member) const {
@@ -98,7 +98,8 @@ inline Levels sizes_of_groups(const Structure& structure) {
   return sizes;
 }
 
-// The groups of a scene as drawn by hand. The scene is regular, and begins at the laws of its drivers.
+// Expects that a scene has these groups, which were found by hand, that it is regular, and that it begins at the values
+// of its laws.
 inline void expect_groups(const Scene& scene, const Levels& sizes, std::size_t classes, std::int64_t mobility) {
   EXPECT_TRUE(scene.warnings().empty());
   const Structure s = analyze(scene.with_outputs({"all"}));
@@ -111,7 +112,7 @@ inline void expect_groups(const Scene& scene, const Levels& sizes, std::size_t c
   EXPECT_TRUE(s.notes.empty());
 }
 
-// A measure, and by how much an error of 1 m (of 1 for vectors) in each coordinate changes it at most.
+// A measure, and its largest change by an error of 1 m (of 1 for vectors) in each coordinate.
 struct Measured {
   QuadJet value;
   double gain = 1;
@@ -121,10 +122,10 @@ struct Expected {
   std::map<std::string, Measured> measures = {};
 };
 
-// Compares runs with closed forms. If all equations hold to 8 eps, the criterion of convergence, coordinates are off by
-// at most 8 eps kappa (kappa: test::Condition::own), and rates and accelerations take in the errors of what they are
-// computed from at kappa once more each; twice that is allowed, as laws and outputs round as well. `gain`: by how much
-// members of bodies move with the points of their base.
+// Compares runs with closed forms. If all equations hold to 8 eps, the criterion of convergence, coordinates have
+// errors of at most 8 eps kappa (kappa: test::Condition::own), rates of kappa times that, and accelerations of kappa
+// times the error of the rates. The bound is twice as large, because laws and outputs round as well. `gain`: factor by
+// which members of bodies move more than the points of their base.
 class ClosedForm {
  public:
   template <class At>

@@ -19,7 +19,7 @@ using test::norm;
 using test::Point3;
 using test::Shipped;
 
-// Three dyads: A and B, and C that needs both.
+// Three dyads: A, B, and C, which depends on both.
 TEST(Shipped, PeaucellierDrawsAStraightLine) {
   const Shipped s("peaucellier");
   test::expect_groups(s.scene(), {{2, 2}, {2}}, 2, 1);
@@ -70,7 +70,7 @@ TEST(Shipped, JansenWalks) {
       e.points["pin" + pair] = pin;
       for (const std::string& leg : {"R" + pair, "L" + pair}) {
         const Point3 pivot = s.fixed("P" + leg.substr(0, 1));
-        // The left leg is the right one in a mirror, where left of a line is right of it.
+        // The left leg mirrors the right leg, so that left and right of a line are exchanged.
         const auto joint = [&](const Point3& P, const std::string& p, const Point3& Q, const std::string& q) {
           return leg[0] == 'R' ? meet(P, s.length(p + leg), Q, s.length(q + leg))
                                : meet(Q, s.length(q + leg), P, s.length(p + leg));
@@ -86,7 +86,7 @@ TEST(Shipped, JansenWalks) {
   });
 }
 
-// A group for each stage: of the first, which stands on the ground, and of the others.
+// One group for each stage: one class for the first stage, which stands on the ground, and one for the other stages.
 TEST(Shipped, ScissorLifts) {
   const Shipped s("scissor");
   test::expect_groups(s.scene(), {{4}, {4}, {4}, {4}}, 2, 1);
@@ -107,11 +107,11 @@ TEST(Shipped, ScissorLifts) {
   });
 }
 
-// A dyad for each of boom, stick, rocker and bucket, one after the other.
+// One dyad each for boom, stick, rocker and bucket, one after the other.
 TEST(Shipped, ExcavatorDigs) {
   const Shipped s("excavator");
   test::expect_groups(s.scene(), {{2}, {2}, {2}, {2}}, 4, 3);
-  // Of the body about P with a member at `eye`: the end of its base, which is `length` long.
+  // The end of the base of a body about P with a member at `eye`. The base has the length `length`.
   const auto end = [](const Point3& P, const Point3& eye, const Point3& local, const QuadJet& length) {
     const Point3 d = eye - P;
     const Point3 along = {d[0] * local[0] + d[1] * local[1], d[1] * local[0] - d[0] * local[1], QuadJet{}};

@@ -84,7 +84,7 @@ TEST(Shipped, HexaTurnsItsCranks) {
     const QuadJet psi = value(pose->rotation[0]), theta = value(pose->rotation[1]), phi = value(pose->rotation[2]);
     Expected e;
     const Point3 O = {value(pose->translation[0]), value(pose->translation[1]), value(pose->translation[2])};
-    // v and w are what turns into y and z by phi about u.
+    // v and w are y and z, rotated by phi about u.
     const Point3 u = {cos(psi) * cos(theta), sin(psi) * cos(theta), -sin(theta)};
     const Point3 y = {-sin(psi), cos(psi), QuadJet{}}, v = cos(phi) * y + sin(phi) * cross(u, y);
     e.points = {{"O", O}, {"u", u}, {"v", v}, {"w", cross(u, v)}};
@@ -105,9 +105,9 @@ TEST(Shipped, HexaTurnsItsCranks) {
   });
 }
 
-// The platform is one group; its normal, the only thing that needs more than its three joints, follows. Each leg leans
-// inwards by an angle in its plane: three equations |P_i - P_j| = side in three angles (Lee and Shah 1988), by Newton's
-// method in numbers that carry their derivatives.
+// The platform is one group, which determines its three joints; its normal follows from them. Each leg leans inwards by
+// an angle in its plane: three equations |P_i - P_j| = side in three angles (Lee and Shah 1988), by Newton's method in
+// numbers that carry their derivatives.
 TEST(Shipped, ThreeRpsLiftsAndTilts) {
   const Shipped s("three_rps");
   test::expect_groups(s.scene(), {{9}, {1, 1, 1}}, 2, 3);
@@ -146,7 +146,7 @@ TEST(Shipped, ThreeRpsLiftsAndTilts) {
     const QuadJet radius = side / sqrt(QuadJet{3});
     const Point3 u = unit(P[0] - centre), v = cross(plate.z, u);
     for (const QuadJet& zero : {u[1] - v[0], centre[0] - radius / 2 * (u[0] - v[1]), centre[1] + radius * u[1]}) {
-      EXPECT_NEAR(static_cast<double>(zero.value), 0, 1e-15);  // of the doubles in the scene
+      EXPECT_NEAR(static_cast<double>(zero.value), 0, 1e-15);  // rounding of the doubles in the scene
     }
     const QuadJet tilt = atan2(sqrt(plate.z[0] * plate.z[0] + plate.z[1] * plate.z[1]), plate.z[2]);
     return Expected{{{"P1", P[0]}, {"P2", P[1]}, {"P3", P[2]}, {"centre", centre}, {"normal", plate.z}},
@@ -154,9 +154,9 @@ TEST(Shipped, ThreeRpsLiftsAndTilts) {
   });
 }
 
-// Each corner is one group; the normals of the uprights follow, of which the height of the wheel has made one component
-// part of the corner. With the angle of the lower wishbone the joints are circles and spheres, one after the other; the
-// angle is that at which the wheel is at its height.
+// Each corner is one group. It includes one component of the upright's normal, because the driver prescribes the height
+// of the wheel; the other components follow. For a given angle of the lower wishbone, the joints are intersections of
+// circles and spheres, one after the other. Newton's method finds the angle at which the wheel has its height.
 TEST(Shipped, DoubleWishboneSteers) {
   const Shipped s("double_wishbone");
   test::expect_groups(s.scene(), {{10, 10}, {1, 1, 1, 1}}, 2, 3);
@@ -166,7 +166,7 @@ TEST(Shipped, DoubleWishboneSteers) {
   const auto corner = [&](const std::string& side, const QuadJet& angle, const Point3& rack) {
     const auto at = [&](const std::string& name) { return s.fixed(name + "_" + side); };
     const auto length = [&](const std::string& name) { return s.length(name + "_" + side); };
-    // The lower joint turns about the line of its two hinges, from where it is written.
+    // The lower joint turns about the line of its two hinges, from its place in the posture as written.
     const Point3 front = at("lower_front"), axis = unit(at("lower_rear") - front), d = at("lower_joint") - front;
     const Point3 foot = dot(d, axis) * axis, lever = d - foot;
     Corner c;

@@ -280,7 +280,7 @@ TEST(TimeChunks, RepeatAChunkThatStartsOnTheWrongBranch) {
       const ChunkedRun r = run_in_chunks(prepared, {}, times, grid, starts, {});
       EXPECT_TRUE(r.status.ok());
       ASSERT_EQ(r.rows, times.size());
-      // A wrong chunk does not meet its right neighbours. Only the wrong chunk is repeated.
+      // A wrong chunk does not meet its correct neighbours. Only the wrong chunk is repeated.
       EXPECT_EQ(r.fallbacks.size(), wrong.size());
       for (const std::size_t c : wrong) {
         EXPECT_TRUE(mentions(

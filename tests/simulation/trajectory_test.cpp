@@ -59,7 +59,7 @@ TEST(Trajectory, TouchesItsMemoryBeforeTheRun) {
   });
   ASSERT_EQ(motion.rows(), 1001u);
   ASSERT_GT(motion.columns().size() * motion.rows() * sizeof(double), 800u * 4096u);
-  EXPECT_LT(at[1001] - at[1], 100);  // other memory that the first steps touch; 845 if most steps touch a fresh page
+  EXPECT_LT(at[1001] - at[1], 100);  // first accesses to other memory; there are 845 if most steps access a fresh page
 #endif
 }
 

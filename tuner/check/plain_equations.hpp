@@ -125,7 +125,7 @@ class PlainEquations {
   template <class T>
   void evaluate(const T* x, const Input<T>* in, T* out) const;
 
-  // For each driver of an angle, the difference of its angle, measured from positions, from its law, in (-pi, pi].
+  // For each driver of an angle: the angle measured from positions, minus the value of its law, in (-pi, pi].
   [[nodiscard]] std::vector<Real> angles_off(const Real* x, const Input<Real>* in) const;
 
   // A column of a trajectory ("C.x", "C.vy", "m.rate", "s.lambda"): quantity and derivative.

@@ -27,8 +27,8 @@ class PlainMotion {
   Start start(const std::vector<std::string>& columns, const std::vector<double>& row,
               const std::vector<TimeJet<Real>>& laws, double& figure);
 
-  // Follows the laws from s = 0 to s = 1; their derivatives are with respect to s. Returns the last s: < 1 if the
-  // motion ends there (or cannot be distinguished from another one); the posture before is then kept.
+  // Follows the laws from s = 0 to s = 1; their derivatives are with respect to s. Returns the last s. It is < 1 if the
+  // motion ends there, or if two branches cannot be distinguished there; the last good posture is then kept.
   using Laws = std::function<std::vector<TimeJet<Real>>(Real s)>;
   Real advance(const Laws& laws);
 

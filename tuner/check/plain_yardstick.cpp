@@ -61,7 +61,7 @@ class PlainTrueMotion final : public TrueMotion {
   [[nodiscard]] double scale(int derivative) const override { return scale_[derivative]; }
 
  private:
-  // The laws with derivatives by s, of which one unit is `seconds`.
+  // The laws with derivatives with respect to s; one unit of s is `seconds` long.
   [[nodiscard]] std::vector<TimeJet<Real>> laws(Real t, Real seconds) const {
     std::vector<TimeJet<Real>> out;
     for (const Law* law : motion_.equations().laws()) {

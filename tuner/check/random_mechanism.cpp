@@ -538,7 +538,7 @@ void bennett(Draft& d) {
     z.push_back(turned(z[i], x[i], twist[i]));
     x.push_back(turned(x[i], z[i + 1], angle[(i + 1) % 4]));
   }
-  if (norm(o[4]) > 1e-9 || norm(z[4] - z[0]) > 1e-9) return sarrus(d);  // not this branch of the closure
+  if (norm(o[4]) > 1e-9 || norm(z[4] - z[0]) > 1e-9) return sarrus(d);  // the linkage does not close on this branch
   d.fixed("A", o[0]), d.fixed("B", o[1]), d.fixed_vector("z0", z[0]), d.fixed_vector("z1", z[1]);
   d.fixed_vector("x0", x[0]);
   d.point("C", o[2]), d.point("D", o[3]), d.vector("z2", z[2]), d.vector("z3", z[3]);
@@ -634,7 +634,7 @@ constexpr Family kFamilies[] = {{"planar_chain", 2, planar_chain},
                                 {"wishbone", 3, wishbone},
                                 {"on_rails", 3, on_rails}};
 
-// Commands that run up to limits, back, and elsewhere.
+// Commands that lead to limits, back from them, and to other postures.
 void draw_commands(RandomMechanism& m, const Draft& draft, Chance& chance) {
   std::vector<double> at, step;
   for (const Draft::Driven& driven : draft.driven()) {

@@ -24,7 +24,7 @@ struct Result {
   Verdict verdict;              // of the first run, or of the first unexpected one
   std::vector<Run> unexpected;  // runs
   std::vector<std::string>
-      notes;  // which strategies were left out and why, and what they were measured against instead
+      notes;  // strategies that were left out, with reasons; the substitute for a missing true motion
   std::optional<double> forward_error, backward_error;  // the worst of all runs
   std::optional<double> condition;                      // of the worst posture
   std::optional<double> bound;                          // forward error that theory allows

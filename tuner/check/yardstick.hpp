@@ -24,8 +24,8 @@ class TrueMotion {
   virtual std::vector<long double> row(std::size_t k, double t) = 0;
   // Row k again by smaller steps, if a trajectory is on another branch.
   virtual std::vector<long double> row_again(std::size_t k, double t) { return row(k, t); }
-  // True if the whole turns of the angle in that column are known in the last row. If not, they are ignored from there
-  // on.
+  // True if the whole turns of the angle in that column are known in the last row. If not, whole turns are ignored from
+  // that row on.
   [[nodiscard]] virtual bool knows_turns(std::size_t) const { return false; }
   // Least divisor for the errors of a derivative of an output at rest (SI units of a scalar without dimension).
   [[nodiscard]] virtual double scale(int derivative) const { return derivative == 0 ? 1 : 0; }
@@ -49,7 +49,7 @@ class Yardstick {
   Yardstick(const Prepared& prepared, std::unique_ptr<TrueMotion> motion);
 
   // Largest error of the outputs and derivatives in the first `rows` rows, defined like ForwardError: max |x - x_true|
-  // over max |x_true| (values: at least one internal unit). Rows that `counts` excludes enter the second maximum only.
+  // over max |x_true| (values: at least one internal unit). Rows that `counts` excludes affect only the divisor.
   // Infinite if a number is not finite, or if no number could be compared; 0 for no rows.
   using Counts = std::function<bool(std::size_t row)>;
   [[nodiscard]] double forward_error(const Trajectory& trajectory, std::size_t rows, const Counts& counts = {});
@@ -63,11 +63,11 @@ class Yardstick {
     std::size_t first, count;
     int derivative;
     double unit;
-    bool angle;                                                         // the value of one that has a sign
+    bool angle;                                                         // true: the value of a signed angle
     std::size_t turns_known = std::numeric_limits<std::size_t>::max();  // an angle: rows
     std::vector<std::pair<std::size_t, double>> angles = {};            // of a sum: items and factors
   };
-  // Whole turns, rad, between the angle of a run and that of a true motion that does not know its turns.
+  // Whole turns, rad, between the angle of a run and that of a true motion whose turns are unknown.
   [[nodiscard]] long double turns(const Item& item, const Trajectory& trajectory, std::size_t row) const;
   [[nodiscard]] Figure compare(const Item& item, const Trajectory& trajectory, std::size_t row) const;
   void add_row(const Trajectory& trajectory);

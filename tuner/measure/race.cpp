@@ -44,7 +44,8 @@ class Race {
       if (round >= rules_.trial_rounds) dismiss();
       if (round >= rules_.least_rounds && settled()) break;
     }
-    // If time was too short for a single round, only the slow runners have a time: keep the others' last block, too.
+    // If the time was too short for a single round, only runners with long calls have a time. The others get the time
+    // of their last block.
     for (Runner& r : runners_) {
       if (r.seconds.empty() && !r.failed && per_call_.contains(&r)) keep(r);
     }

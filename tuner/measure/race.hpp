@@ -1,4 +1,4 @@
-// Races: workloads are measured in turns, in another order in each round, so that other programs of the machine disturb
+// Races: workloads are measured in turns, in a new order in each round, so that other programs of the machine disturb
 // all of them alike. Hopeless workloads leave early and keep the times measured so far.
 #pragma once
 
@@ -27,7 +27,7 @@ struct Runner {
   bool failed = false;               // a call failed: no times
 
   [[nodiscard]] double median() const;  // of one call, s; infinite without a time
-  // Median absolute deviation, s. With two rounds their range, with one round its whole time.
+  // Median absolute deviation, s; with two rounds the range of their times, with one round its whole time.
   [[nodiscard]] double spread() const;
   // Slowness during its blocks: median by the clock over median at the usual pace, both without by_the_clock.
   [[nodiscard]] double slowness() const;

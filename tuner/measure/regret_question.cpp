@@ -90,7 +90,7 @@ std::vector<Strategy> uniform_strategies(const Scene& scene, const Question& q) 
 
 std::vector<Racer> uniform_racers(const Scene& scene, const Question& q, const QuestionOptions& options) {
   std::vector<Racer> racers;
-  std::map<std::string, std::size_t> place;  // by essence: index of the racer, or kFailed
+  std::map<std::string, std::size_t> place;  // index of the racer with this essence(), or kFailed
   for (const Strategy& uniform : uniform_strategies(scene, q)) {
     if (options.instruments.stop()) return racers;
     const std::string strategy = to_string(uniform);
@@ -185,7 +185,7 @@ struct Contest::Impl {
   Question question;
   QuestionOptions options;
   Answer first;                              // answer of the first races
-  std::vector<Racer> racers;                 // of the last race; the last two are the choice again, and the choice
+  std::vector<Racer> racers;                 // of the last race; the last two are the choice of the dispatcher, twice
   std::vector<Finalist> finalists;           // of them
   std::vector<std::vector<double>> seconds;  // passes x racers
 };

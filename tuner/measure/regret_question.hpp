@@ -61,8 +61,8 @@ class Contest {
   [[nodiscard]] static std::optional<Contest> open(const Question& question, const QuestionOptions& options);
 
   // Runs one pass of the last race: the four fastest strategies, the combination of the best strategies of all classes,
-  // and twice the choice of the dispatcher. Simulators are made anew, because the placement of memory does not belong
-  // to a strategy. False if it was stopped, or if the choice was not timed; the pass is then not used.
+  // and the choice of the dispatcher twice. Each pass makes new simulators, because a strategy does not determine where
+  // its memory lies. False if it was stopped, or if the choice was not timed; the pass is then not used.
   [[nodiscard]] bool race();
 
   [[nodiscard]] Answer answer() const;  // from the passes; at least one is needed

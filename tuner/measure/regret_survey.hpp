@@ -10,11 +10,11 @@
 
 namespace assur::measure {
 
-// Questions with sizes between those of the tuner, odd numbers of groups, and mixed classes. Each one is asked with all
-// backends, without `lanes`, and (except the largest) without `lanes` and `klu`.
+// Questions with sizes between those of the tuner, odd numbers of groups, and mixed classes. Each question has three
+// versions: with all backends, without `lanes`, and (except for the largest mechanisms) without `lanes` and `klu`.
 [[nodiscard]] std::vector<Question> regret_questions(int threads);
 
-// The best constant strategy for all questions of one set of backends, like a user would choose by hand: the strategy
+// The best constant strategy for all questions of one set of backends, as a user would choose it by hand: the strategy
 // with the smallest mean regret among those that ran in all questions.
 struct Constant {
   std::string strategy;

@@ -1,4 +1,4 @@
-// The picture of `assur run --plot`, a file of its own.
+// The picture of `assur run --plot`, a separate file.
 #pragma once
 
 #include <string>

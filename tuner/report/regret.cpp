@@ -153,8 +153,7 @@ Section regret_section(const std::vector<Answer>& answers, std::size_t planned) 
       if (a.question.without_text() != set) continue;
       theirs.all.push_back({constant.regrets[i++], item_of(a.question), constant.strategy});
       out.measurements.push_back({item_of(a.question), constant.strategy, "regret of the best constant strategy", "1",
-                                  theirs.all.back().regret,
-                                  "first race of the question, over the fastest in it, less 1"});
+                                  theirs.all.back().regret, "time over that of the fastest in the first race, less 1"});
     }
   }
   std::vector<Choices> everybody = {std::move(ours)};

@@ -56,8 +56,8 @@ struct Section {
 
 // report.json: the same numbers in the format of Google Benchmark, {"context": ..., "benchmarks": [...]}, so that its
 // tools can compare two reports. Times (quantity "seconds ...") are medians: aggregates in ns by the clock, with equal
-// cpu_time. Numbers of other units are counters, named like their quantity, of benchmarks that take no time. `date`:
-// ISO 8601.
+// cpu_time. A number in another unit becomes a benchmark with a time of 0 and a counter, which has the name of the
+// quantity. `date`: ISO 8601.
 [[nodiscard]] output::Json benchmark_json(std::span<const Section> sections, const Machine& machine,
                                           const std::string& date);
 

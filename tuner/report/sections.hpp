@@ -14,7 +14,8 @@
 namespace assur::report {
 
 struct Conditions {
-  // Approximate time limit. The smallest piece of a section is always made; further pieces only if they fit.
+  // Approximate time limit. The smallest piece of a section is always made; further pieces are made only if the time
+  // suffices.
   double seconds = 60;
   bool quick = false;
   int threads = 1;  // budget

@@ -212,7 +212,7 @@ CellResult Campaign::measure_cell(const Cell& cell, Ground& ground, double secon
   std::vector<measure::Runner> runners;
   for (const Entrant& e : entrants) {
     const bool whole = e.kernel == Kernel::step;
-    // Not compared with each other: meetings, widths of an evaluation, and parts of a step.
+    // Meetings, evaluations with several widths, and parts of a step are not compared with each other.
     const int heat = e.kernel == Kernel::meeting    ? 100 + e.strategy.run.threads
                      : e.kernel == Kernel::evaluate ? 200 + e.strategy.solver.lanes
                      : e.packs_of_step > 0          ? 300 + static_cast<int>(runners.size())
@@ -268,7 +268,7 @@ void Campaign::note(const CellResult& result, double n, const std::vector<std::p
     const Sample* own = nullptr;
     for (const Result& r : result.results) {
       if (r.sample.kernel != candidate.kernel) continue;
-      // As in a race, compared only with candidates that need no more groups side by side.
+      // As in a race, a candidate is compared only with candidates that need no more groups side by side.
       if (r.sample.strategy.solver.lanes <= candidate.strategy.solver.lanes)
         leader = std::min(leader, per_lane(r.sample));
       if (r.sample.strategy == candidate.strategy) own = &r.sample;

@@ -19,7 +19,7 @@ namespace assur::tuning {
 struct Result {
   Sample sample;               // the median of all passes
   int rounds = 0;              // timed in the last pass; 0: measured by an interrupted run
-  bool hopeless = false;       // then there are few rounds
+  bool hopeless = false;       // true if it left the race early, with few rounds
   std::vector<Sample> passes;  // one for each time that the cell was measured, the fastest first
 
   explicit Result(Sample first) : sample(first), passes{std::move(first)} {}

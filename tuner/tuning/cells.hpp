@@ -32,7 +32,7 @@ struct Cell {
   double weight = 1;        // share of the time
   std::function<Scene()> scene = nullptr;  // null: random matrices
   Formulation formulation = Formulation::groups;
-  std::int32_t group_class = -1;                     // -1: the class with most groups; of several the largest
+  std::int32_t group_class = -1;                     // -1: the class with the most groups, then the most unknowns
   std::function<Cell(std::int32_t n)> at = nullptr;  // the cell of the family with another size; null: there is none
   int per_row = 0;                                   // random matrices: entries of a column
 };

@@ -8,8 +8,8 @@
 
 namespace assur::tuning {
 
-// At most `most` new cells between neighbouring sizes of measured families; first the cells from which the choices of
-// the model are expected to gain most. Empty if no two neighbours are far enough apart.
+// At most `most` new cells between neighbouring sizes of measured families. The cells come first that are expected to
+// improve the choices of the model most. Empty if no two neighbours are far enough apart.
 [[nodiscard]] std::vector<Cell> propose(const PerformanceModel& model, std::span<const CellResult> cells,
                                         std::size_t most);
 

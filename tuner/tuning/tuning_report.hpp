@@ -31,7 +31,7 @@ struct TuningSummary {
 
 // The fastest candidate of a cell.
 struct Winner {
-  std::string family;              // name of the comparable winners, with the kernel
+  std::string family;              // name of the series of winners that can be compared, with the kernel
   Kernel kernel = Kernel::factor;  // factor: with three solutions
   bool side_by_side = false;       // for sixteen matrices, else for one
   std::int32_t n = 0, groups = 1;

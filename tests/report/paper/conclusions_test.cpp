@@ -60,7 +60,7 @@ TEST(PaperConclusions, HoldForThePaperItself) {
     held += c.verdict == Verdict::holds ? 1 : 0;
     EXPECT_FALSE(c.theirs.empty()) << c.claim;
   }
-  // The printed numbers decide neither the Raspberry Pi, nor figure 3, nor the outlook.
+  // The printed numbers decide neither the conclusions about the Raspberry Pi and figure 3, nor the outlook.
   EXPECT_EQ(held, static_cast<int>(all.size()) - 3);
   EXPECT_NE(about(all, "close to four").theirs.find("3.83"), std::string::npos);
   EXPECT_NE(about(all, "between four and eight").theirs.find("3.83 to 7.98"), std::string::npos);

@@ -22,7 +22,7 @@ struct StandIns {
 // Versions of this library beyond those of the paper: `auto`, and the solver that fills lanes.
 [[nodiscard]] const std::vector<std::string>& ours();
 
-// One thing to run in a cell.
+// A version of a cell with the strategy that is run for it.
 struct Entrant {
   std::string version;
   Split split;
