@@ -294,7 +294,8 @@ Tables read_origins(SQLite::Database& database, Care care) {
          if (machine == tables.machines.end()) return;
          r.run.machine = machine->second.fingerprint();
          const std::uint64_t sum = sum_of(r.run.uid, r.run.machine);
-         tables.runs.insert_or_assign(r.run.id, Checked<RunRow>{std::move(r), sum});
+         const std::int64_t id = r.run.id;
+         tables.runs.insert_or_assign(id, Checked<RunRow>{std::move(r), sum});
        });
   each(
       database, care, "SELECT id, name, version, build FROM library",

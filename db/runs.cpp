@@ -104,7 +104,7 @@ void Store::add(std::int64_t run, std::span<const Sample> samples, double pace) 
     Writer writer(impl_->database);
     for (Sample sample : samples) {
       if (sample.uid.empty()) sample.uid = new_uid();
-      if (!std::isnan(pace)) sample = slowed(std::move(sample), sample.slowness);
+      if (!std::isnan(pace)) sample = slowed(sample, sample.slowness);
       sample.slowness *= pace;
       writer.sample(sample, impl_->library(library_name(sample)), run, uid, machine);
     }

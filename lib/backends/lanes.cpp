@@ -14,7 +14,6 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <memory>
 #include <string>
 #include <utility>
@@ -208,7 +207,8 @@ int LanesSolver::twin(std::span<const double> values, int lane, std::uint32_t am
   for (std::size_t other = 0; other < l; ++other) {
     if ((among >> other & 1u) == 0) continue;
     std::size_t k = 0;
-    while (k < values.size() && std::memcmp(&values[k + other], &values[k + l], sizeof(double)) == 0) k += w;
+    const auto bits = [&](std::size_t i) { return std::bit_cast<std::uint64_t>(values[i]); };
+    while (k < values.size() && bits(k + other) == bits(k + l)) k += w;
     if (k >= values.size()) return static_cast<int>(other);
   }
   return -1;

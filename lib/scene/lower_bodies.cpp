@@ -252,12 +252,14 @@ bool BodyWriter::is_kept(std::initializer_list<std::string_view> names) const {
   for (bool first = true; const std::string_view name : names) {
     const auto found = written_.find(name);
     if (found == written_.end()) return false;
+    if (std::exchange(first, false)) {
+      common = found->second;
+      continue;
+    }
     std::vector<Index> both;
-    if (!first)
-      std::set_intersection(common.begin(), common.end(), found->second.begin(), found->second.end(),
-                            std::back_inserter(both));
-    common = first ? found->second : std::move(both);
-    first = false;
+    std::set_intersection(common.begin(), common.end(), found->second.begin(), found->second.end(),
+                          std::back_inserter(both));
+    common = std::move(both);
   }
   return !common.empty();
 }

@@ -195,7 +195,7 @@ std::optional<Mismatch> mismatch(const System& s, const DriverInput& in, std::sp
   }
   static constexpr const char* kSpace[] = {"x", "y", "z", "psi", "theta", "phi"};
   static constexpr const char* kPlane[] = {"x", "y", "angle"};
-  const auto part = [&](std::size_t k) {
+  const auto part = [&](std::size_t k) {  // NOLINTNEXTLINE(clang-analyzer-core.CallAndMessage): k < has.size()
     return Mismatch{s.dimension == 3 ? kSpace[k] : kPlane[k], has[k], wanted[k], k < idx(s.dimension) ? "m" : "rad"};
   };
   for (std::size_t k = 0; k < idx(s.dimension); ++k) {

@@ -30,7 +30,7 @@ void PagesAhead::take() noexcept {
   const std::uintptr_t end = (from + piece * sizeof(double)) / page * page;
   taken_ += piece;
   if (end <= first) return;
-  [[maybe_unused]] void* const address = reinterpret_cast<void*>(first);
+  [[maybe_unused]] void* const address = reinterpret_cast<void*>(first);  // NOLINT(performance-no-int-to-ptr)
   // If the system lacks this advice, pages are placed one by one at the first write.
 #ifdef MADV_HUGEPAGE
   if (end - first >= kLarge) (void)madvise(address, end - first, MADV_HUGEPAGE);

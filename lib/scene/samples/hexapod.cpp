@@ -8,7 +8,10 @@
 namespace assur::samples {
 namespace {
 
-double azimuth(int k) { return kTurn / 3 * (k / 2) + (k % 2 == 0 ? -0.3 : 0.3); }
+double azimuth(int k) {
+  const int third = k / 2;
+  return kTurn / 3 * third + (k % 2 == 0 ? -0.3 : 0.3);
+}
 
 // Pose of the terminal: it moves up and down, and turns about its own axes.
 struct Poses {

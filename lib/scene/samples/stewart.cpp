@@ -28,7 +28,8 @@ LegShape leg_shape(double azimuth, double terminal_azimuth) {
 std::vector<LegShape> leg_shapes(int legs) {
   std::vector<LegShape> shapes;
   for (int k = 0; k < legs; ++k) {
-    const double pair = kTurn / 3 * (k / 2), side = k % 2 == 0 ? -1 : 1, even = kTurn * k / legs;
+    const int third = k / 2;
+    const double pair = kTurn / 3 * third, side = k % 2 == 0 ? -1 : 1, even = kTurn * k / legs;
     shapes.push_back(legs == 6 ? leg_shape(pair + 0.35 * side, pair + 0.7 * side) : leg_shape(even, even));
   }
   return shapes;
