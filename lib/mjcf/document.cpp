@@ -38,7 +38,7 @@ constexpr Known kKnown[] = {
      "conflict"},
     {"default", "class", ""},
     {"body", "name childclass pos quat axisangle xyaxes zaxis euler mocap", "gravcomp user sleep"},
-    {"worldbody", "", "name childclass pos quat axisangle xyaxes zaxis euler"},
+    {"worldbody", "name childclass", ""},
     {"frame", "name childclass pos quat axisangle xyaxes zaxis euler", ""},
     {"joint", "name class type pos axis ref",
      "group springdamper limited actuatorfrclimited solreflimit solimplimit solreffriction solimpfriction stiffness "

@@ -215,35 +215,43 @@ class Models : public testing::TestWithParam<Case> {};
 
 TEST_P(Models, CloseTheirLoopsInRandomPostures) {
   const Case& c = GetParam();
+  const ImportedModel model = import_model(in_scenes(c.name));
+  std::map<std::string, std::string> driver_of;  // joints
+  std::vector<std::string> drivers;
+  for (const ImportedModel::Driver& d : model.drivers) {
+    for (const ImportedModel::Coordinate& k : model.coordinates) {
+      if (k.name == d.coordinate) driver_of[k.joint] = d.name;
+    }
+    drivers.push_back(d.name);
+  }
+  Simulator s = test::simulator(parse_scene(model.scene).with_time({0, 1, 0.05}), "auto", {}, drivers);
+  const auto site = [&](const std::string& name) -> V3 {
+    return {s.output(name + ".x"), s.output(name + ".y"), s.output(name + ".z")};
+  };
+  const SimulatorState start = s.save();
   std::mt19937 random(20261123);
-  std::size_t rows = 0;
   double worst = 0, farthest = 0;
   for (int posture = 0; posture < 200; ++posture) {
-    ModelOptions options;
+    s.restore(start);
+    std::vector<std::pair<std::string, double>> targets;
     for (const auto& [joint, reach] : c.reach) {
-      const double to = std::uniform_real_distribution(-reach, reach)(random);
-      options.drive.emplace_back(joint, "0," + std::to_string(to));
+      targets.emplace_back(driver_of.at(joint), std::uniform_real_distribution(-reach, reach)(random));
     }
-    const ImportedModel model = import_model(in_scenes(c.name), options);
-    const Scene scene = parse_scene(model.scene).with_time({0, 1, 0.05});
-    const test::Result run = test::run(scene);
-    ASSERT_TRUE(run.report().status.arrived()) << posture << ": " << name(run.report().status.code);
-    const Trajectory& t = run.trajectory;
-    ASSERT_EQ(t.rows(), 21u);
-    for (std::size_t row = 0; row < t.rows(); ++row, ++rows) {
+    for (int step = 1; step <= 20; ++step) {
+      for (const auto& [driver, to] : targets) s.set(driver, to * step / 20, to);
+      const Status status = s.step();
+      ASSERT_TRUE(status.arrived()) << posture << ", " << step << ": " << name(status.code);
       std::map<std::string, double> q;
       for (const ImportedModel::Coordinate& k : model.coordinates) {
-        q[k.joint] = k.start + t(row, t.index(k.name));
-        farthest = std::max(farthest, std::abs(t(row, t.index(k.name))));
+        q[k.joint] = k.start + s.output(k.name);
+        farthest = std::max(farthest, std::abs(s.output(k.name)));
       }
-      const auto site = [&](const std::string& s) -> V3 {
-        return {t(row, t.index(s + ".x")), t(row, t.index(s + ".y")), t(row, t.index(s + ".z"))};
-      };
-      for (const double gap : c.gaps(c.tree.poses(q), site)) worst = std::max(worst, gap);
+      for (const double gap : c.gaps(c.tree.poses(q), site)) {
+        if (!(gap <= worst)) worst = gap;  // also if it is NaN
+      }
     }
   }
   EXPECT_LE(worst, 1e-12);
-  EXPECT_EQ(rows, 200u * 21u);
   EXPECT_GE(farthest, 0.04);  // it moves
   RecordProperty("worst", std::to_string(worst * 1e15) + "e-15");
 }

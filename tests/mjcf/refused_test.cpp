@@ -66,6 +66,7 @@ TEST(RefusedModels, NameTheLineAndTheElement) {
       {arm("<body><freejoint/></body>"), "line 5, <freejoint>: only a body of the world can be free"},
       {arm("<frame><joint/></frame>"),
        "line 5, <joint>: joints inside a <frame> are not read; write them in the body itself"},
+      {"<worldbody pos='0 0 1'/>", "line 2, <worldbody>: there is no attribute 'pos'"},
       {"<worldbody><joint/></worldbody>", "line 2, <joint>: the world has no joints"},
       {arm("<composite/>"),
        "line 5, <composite>: this element makes bodies in a way that is not read; save the model from MuJoCo, which "
