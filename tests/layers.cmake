@@ -2,7 +2,7 @@
 # includes db/. The sources of the core (CORE, relative to lib/) include, directly or indirectly, none of the libraries
 # that the core must not use. lib/CMakeLists.txt lists all sources.
 cmake_minimum_required(VERSION 3.25)
-set(foreign "^#include [<\"](nlohmann|muParser|cs\\.h|btf\\.h|klu\\.h|umfpack|dmumps|suitesparse|SQLite|CLI|boost)")
+set(foreign "^#include [<\"](nlohmann|muParser|cs\\.h|btf\\.h|klu\\.h|umfpack|dmumps|suitesparse|SQLite|CLI|boost|tinyxml2)")
 set(findings "")
 
 # check_order(ROOT folders...): appends to `findings`, and sets `files`. Files in ROOT itself include no folder, unless
@@ -25,7 +25,7 @@ macro(check_order root)
 endmacro()
 
 check_order(${TUNER} measure output pictures check tuning report commands enough_memory.cpp main.cpp)
-check_order(${LIB} parallel scene structure equations backends planning signals group path errors side_by_side
+check_order(${LIB} parallel scene mjcf structure equations backends planning signals group path errors side_by_side
             simulation db)
 
 file(READ ${LIB}/CMakeLists.txt listed)

@@ -88,12 +88,13 @@ TEST(Usage, ReportsWrongArgumentsAsJson) {
 TEST(Usage, HelpFitsEightyColumnsAndNamesEveryOption) {
   const std::vector<std::string> common = {"--json", "--quiet", "--threads", "--db", "--help", "--version"};
   const std::vector<std::pair<std::vector<std::string>, std::vector<std::string>>> cases = {
-      {{"--help"}, {"run", "inspect", "plan", "compare", "backends", "db", "check", "report"}},
+      {{"--help"}, {"run", "inspect", "import", "plan", "compare", "backends", "db", "check", "report"}},
       {{"run", "--help"},
        {"SCENE", "--set", "--start", "--dt", "--steps", "--outputs", "--strategy", "--mode", "--accuracy", "--ensemble",
         "--iterations", "--csv", "--errors", "--animate", "--plot", "--reference", "--pin"}},
       {{"compare", "--help"}, {"SCENE", "--set", "--outputs", "--steps", "--accuracy", "--strategies", "--html"}},
       {{"inspect", "--help"}, {"SCENE", "--set", "--outputs", "--formulation"}},
+      {{"import", "--help"}, {"FILE", "--out", "--key", "--drive"}},
       {{"backends", "--help"}, {}},
       {{"check", "--help"}, {"SCENE", "--set", "--quick", "--case"}},
       {{"report", "--help"}, {"--out", "--quick", "--budget", "--watts", "--peers"}},

@@ -18,7 +18,8 @@ constexpr ThreadBudget kBudget{2};
 std::vector<Scene> shipped() {
   std::vector<Scene> scenes;
   for (const auto& entry : std::filesystem::directory_iterator(std::string(ASSUR_SOURCE_DIR) + "/scenes")) {
-    if (entry.path().filename() != "scene.schema.json") scenes.push_back(read_scene(entry.path()));
+    const std::string name = entry.path().filename();
+    if (name.ends_with(".json") && name != "scene.schema.json") scenes.push_back(read_scene(entry.path()));
   }
   for (const samples::Sample& s : samples::table()) scenes.push_back(sample(s.name));
   for (Scene& scene : scenes) {

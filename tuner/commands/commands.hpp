@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "assur/mjcf.hpp"
 #include "assur/performance.hpp"
 #include "assur/plan.hpp"
 #include "assur/scene.hpp"
@@ -26,6 +27,12 @@ struct Common {
   std::string db;                             // --db FILE: the only tuning database
   Parameters set;                             // --set name=value
   std::vector<std::filesystem::path> tables;  // --tables FOLDER: further folders for tables of scenes
+  ModelOptions model;                         // --key NAME, --drive JOINT=LAW: of a model of MuJoCo
+};
+
+struct ImportOptions {
+  std::string file;  // the model
+  std::string out;   // the scene; empty: not written
 };
 
 struct InspectOptions {
@@ -115,6 +122,11 @@ void refuse_overwriting(const Common& common, const std::vector<std::pair<std::s
 // The same for the tables of a scene, which are known after reading it. To be called before anything is written.
 void refuse_overwriting(const std::vector<std::pair<std::string, std::string>>& outputs, const Scene& scene);
 
+// The SCENE of a command. moves: refuses a model of MuJoCo whose joints are not driven. Throws Error like open_scene()
+// and import_model().
+[[nodiscard]] Scene open(const Common& common, const std::string& scene, const Parameters& set, bool moves);
+
+int import_scene(const Common& common, const ImportOptions& options);
 int inspect(const Common& common, const InspectOptions& options);
 int run(const Common& common, const RunOptions& options);
 int compare(const Common& common, const CompareOptions& options);

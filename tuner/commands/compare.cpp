@@ -25,7 +25,7 @@ constexpr std::int64_t kMostSteps = 1000;  // by default: the reference is slow
 constexpr measure::RaceRules kRules{.seconds = 10, .least_rounds = 15, .most_rounds = 41, .hopeless = 100};
 
 Scene scene_of(const Common& common, const CompareOptions& options) {
-  Scene scene = open_scene(options.scene, common.set, common.tables);
+  Scene scene = open(common, options.scene, common.set, true);
   if (!options.outputs.empty()) scene = scene.with_outputs(options.outputs);
   TimeGrid grid = scene.time();
   const std::int64_t steps = options.steps.value_or(std::min(grid.steps(), kMostSteps));

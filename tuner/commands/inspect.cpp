@@ -16,7 +16,7 @@ StructureOptions asking_for(Formulation formulation) {
 }  // namespace
 
 int inspect(const Common& common, const InspectOptions& options) {
-  Scene scene = open_scene(options.scene, common.set, common.tables);
+  Scene scene = open(common, options.scene, common.set, false);
   if (!options.outputs.empty()) scene = scene.with_outputs(options.outputs);
 
   const Structure structure = analyze(scene, asking_for(options.formulation));

@@ -20,6 +20,14 @@ void take_parameter(Parameters& set, const std::string& text) {
   }
 }
 
+void take_drive(std::vector<std::pair<std::string, std::string>>& drive, const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == 0 || equals == std::string::npos) {
+    throw CLI::ValidationError("--drive", "expects joint=LAW, not \"" + text + "\"");
+  }
+  drive.emplace_back(text.substr(0, equals), text.substr(equals + 1));
+}
+
 void take_accuracies(std::vector<double>& accuracies, const std::string& text) {
   accuracies.clear();
   std::istringstream list(text);

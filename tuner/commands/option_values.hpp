@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "assur/scene.hpp"
@@ -12,6 +13,9 @@ namespace assur::options {
 
 // "name=value" with a finite number.
 void take_parameter(Parameters& set, const std::string& text);
+
+// "joint=LAW"; the law is read with the model.
+void take_drive(std::vector<std::pair<std::string, std::string>>& drive, const std::string& text);
 
 // "1e-4,1e-6": numbers > 0. Returns them without repetitions, the largest first.
 void take_accuracies(std::vector<double>& accuracies, const std::string& text);

@@ -59,10 +59,36 @@ void add_names(CLI::App& app, const std::string& option, std::vector<std::string
       ->type_name("A,B");
 }
 
+// Options of models of MuJoCo.
+void add_model(CLI::App& app, ModelOptions& model) {
+  app.add_option("--key", model.key, "MuJoCo model: start at this keyframe")->type_name("NAME");
+  app.add_option_function<std::vector<std::string>>(
+         "--drive",
+         [&model](const std::vector<std::string>& texts) {
+           for (const std::string& text : texts) take_drive(model.drive, text);
+         },
+         "MuJoCo model: drive a joint, e.g. knee=0,1.5")
+      ->allow_extra_args(false)
+      ->type_name("joint=LAW");
+}
+
 void add_scene(CLI::App& app, Common& common, std::string& scene, std::vector<std::string>& outputs) {
-  app.add_option("SCENE", scene, "Scene file, or sample: stewart, four_bar:64, ...")->required()->type_name("");
+  app.add_option("SCENE", scene, "Scene file, MuJoCo model, or sample: stewart, ...")->required()->type_name("");
   add_names(app, "--outputs", outputs, "Outputs: C, C.velocity, C.vx, angle, ...; or all");
   add_reading(app, common);
+  add_model(app, common.model);
+}
+
+void add_import(CLI::App& app, Invocation& call) {
+  CLI::App& model = *app.add_subcommand("import", "Make a scene of a model in MuJoCo's format");
+  model.add_option("FILE", call.model.file, "The model, a file that ends with .xml")->required()->type_name("");
+  CLI::Option* out = model.add_option("--out", call.model.out, "Write the scene")->type_name("SCENE");
+  add_model(model, call.common.model);
+  add_common(model, call.common);
+  model.callback([&call, out] {
+    if (out->count() > 0 && call.model.out.empty()) throw CLI::ValidationError("--out", "expects a file name");
+    call.chosen = [&call] { return command::import_scene(call.common, call.model); };
+  });
 }
 
 void add_inspect(CLI::App& app, Invocation& call) {
@@ -279,6 +305,7 @@ void add_commands(CLI::App& app, Invocation& call) {
   app.require_subcommand(1);
   add_run(app, call);
   add_inspect(app, call);
+  add_import(app, call);
   add_plan(app, call);
   add_compare(app, call);
   add_backends(app, call);

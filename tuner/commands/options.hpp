@@ -11,6 +11,7 @@ namespace assur::options {
 // The result of parsing for main(): options by command, and the chosen command.
 struct Invocation {
   command::Common common;
+  command::ImportOptions model;
   command::InspectOptions inspect;
   command::RunOptions run;
   command::CompareOptions compare;

@@ -21,7 +21,7 @@ void save(const std::string& file, const Prepared& prepared) {
 }  // namespace
 
 int plan(const Common& common, const PlanOptions& options) {
-  Scene scene = open_scene(options.scene, common.set, common.tables);
+  Scene scene = open(common, options.scene, common.set, true);
   if (!options.outputs.empty()) scene = scene.with_outputs(options.outputs);
   refuse_overwriting(common, {{"--save", options.save}}, {options.scene});
   refuse_overwriting({{"--save", options.save}}, scene);

@@ -51,7 +51,7 @@ std::vector<std::pair<std::string, std::string>> outputs_of(const RunOptions& op
 }
 
 Scene scene_of(const Common& common, const RunOptions& options, const Parameters& set) {
-  Scene scene = open_scene(options.scene, set, common.tables);
+  Scene scene = open(common, options.scene, set, true);
   refuse_overwriting(outputs_of(options), scene);
   if (!options.outputs.empty()) scene = scene.with_outputs(options.outputs);
   if (options.start || options.dt || options.steps) scene = scene.with_time(grid_of(scene.time(), options));
