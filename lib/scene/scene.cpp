@@ -155,7 +155,12 @@ Scene SceneBuilder::finish(bool expanded) {
                          parts->bodies,    parts->constraints, parts->drivers,      parts->measures,
                          outputs_,         parts->warnings,    parts->without_frame};
   if (!expanded) {
-    for (Diagnostic& finding : expand_joints(joint_parts)) found_.push_back(std::move(finding));
+    const auto is_known = [this](const std::string& where) {  // a part that was not read is refused once
+      return std::ranges::any_of(found_, [&](const Diagnostic& d) { return d.where == where; });
+    };
+    std::vector<Diagnostic> more = expand_joints(joint_parts);
+    std::erase_if(more, [&](const Diagnostic& d) { return is_known(d.where); });
+    found_.insert(found_.end(), more.begin(), more.end());
   }
   parts->points.shrink_to_fit();
   parts->constraints.shrink_to_fit();

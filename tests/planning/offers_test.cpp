@@ -1,13 +1,12 @@
 // Offered candidates run; other candidates are refused with the given reason.
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <map>
-#include <set>
 
 #include "assur/assur.hpp"
 #include "backends/backends.hpp"
 #include "scene/samples.hpp"
+#include "scene/shipped_files.hpp"
 
 namespace assur {
 namespace {
@@ -17,10 +16,7 @@ constexpr ThreadBudget kBudget{2};
 // A few steps of every scene of scenes/ and of every sample.
 std::vector<Scene> shipped() {
   std::vector<Scene> scenes;
-  for (const auto& entry : std::filesystem::directory_iterator(std::string(ASSUR_SOURCE_DIR) + "/scenes")) {
-    const std::string name = entry.path().filename();
-    if (name.ends_with(".json") && name != "scene.schema.json") scenes.push_back(read_scene(entry.path()));
-  }
+  for (const auto& file : test::shipped_files()) scenes.push_back(read_scene(file));
   for (const samples::Sample& s : samples::table()) scenes.push_back(sample(s.name));
   for (Scene& scene : scenes) {
     const TimeGrid grid = scene.time();

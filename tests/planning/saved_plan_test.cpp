@@ -6,13 +6,13 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <filesystem>
 #include <functional>
 #include <random>
 #include <sstream>
 
 #include "assur/ensemble.hpp"
 #include "scene/samples.hpp"
+#include "scene/shipped_files.hpp"
 #include "simulation/same_run.hpp"
 
 namespace assur {
@@ -70,10 +70,7 @@ Scene shortened(const Scene& scene, std::int64_t steps) {
 std::vector<std::string> shipped() {
   std::vector<std::string> scenes = {"stewart:legs=22", "stewart:platforms=3", "four_bar:64", "n_four_bar:7"};
   for (const samples::Sample& row : samples::table()) scenes.emplace_back(row.name);
-  for (const auto& file : std::filesystem::directory_iterator(ASSUR_SOURCE_DIR "/scenes")) {
-    const std::string path = file.path().string();
-    if (path.ends_with(".json") && !path.ends_with(".schema.json")) scenes.push_back(path);
-  }
+  for (const auto& file : test::shipped_files()) scenes.push_back(file);
   return scenes;
 }
 
@@ -83,12 +80,18 @@ void expect_to_run_alike(const Prepared& made, const std::string& text) {
   EXPECT_EQ(again.name, made.scene->name());
   EXPECT_TRUE(again.structure->classes == made.structure->classes);
   expect_same_plan(made.plan, again.plan);
-  expect_same_run(run(made), run(again));
+  Prepared original = made;
+  original.reselect = nullptr;  // a saved plan keeps its set of the redundant equations
+  expect_same_run(run(original), run(again));
 }
 
 TEST(SavedPlan, EveryShippedSceneRunsLikeItsOriginal) {
   for (const std::string& text : shipped()) {
     const Scene scene = shortened(open_scene(text), 40);
+    if (test::has_callback(scene)) {  // it cannot be written
+      EXPECT_THROW((void)saved(prepare(scene)), Error);
+      continue;
+    }
     std::vector<PrepareOptions> ways = {{}, {.strategy = "irreducible/lanes:8"}, {.strategy = "groups/eigen:4 3x1"}};
     ways.push_back({.strategy = "groups/" + test::sparse()});
     ways.push_back({.strategy = "irreducible/eigen+float+once+predict=taylor:2"});

@@ -302,7 +302,7 @@ TEST(Json, FindingsAreInDocumentOrder) {
             "scene: /constraints/rod/value: a distance must be > 0, not -1 m\n"
             "scene: /constraints/wrong: an object with one of the keys distance, equal_distance, dot, parallel, "
             "linear, coordinate, "
-            "on_line or on_plane is wanted here, not a number\n"
+            "on_line, on_plane or gear is wanted here, not a number\n"
             "scene: /points/B/at: 2 numbers [x, y] are wanted in a scene of dimension 2, not 1");
 }
 

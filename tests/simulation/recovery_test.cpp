@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <string>
 #include <utility>
 #include <variant>
 #include <vector>
 
 #include "backends/allocations.hpp"
+#include "scene/shipped_files.hpp"
 #include "simulation/delta_robot.hpp"
 #include "simulation/limited.hpp"
 #include "simulation/random_count.hpp"
@@ -95,11 +95,7 @@ std::vector<double> row_of(const Simulator& s) { return {s.outputs().begin(), s.
 
 std::vector<Scene> shipped() {
   std::vector<Scene> all;
-  for (const auto& entry : std::filesystem::directory_iterator(std::string(ASSUR_SOURCE_DIR) + "/scenes")) {
-    if (entry.path().string().find("schema") == std::string::npos && entry.path().extension() == ".json") {
-      all.push_back(read_scene(entry.path()));
-    }
-  }
+  for (const auto& file : test::shipped_files()) all.push_back(read_scene(file));
   for (const std::string text :
        {"n_four_bar:2", "whitworth", "bricard", "parallelograms:2", "rings:legs=2,n=12,terminal=12"}) {
     all.push_back(sample(text));

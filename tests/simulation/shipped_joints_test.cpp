@@ -74,7 +74,7 @@ TEST(ShippedJoints, SarrusMovesStraight) {
 
 // J. E. Baker, Mechanism and Machine Theory 15, 1980. At the cube both angles are a quarter turn.
 TEST(ShippedJoints, BricardFollowsBakersEquation) {
-  const Motion m(shipped("bricard"));
+  const Motion m(shipped("bricard_joints"));
   ASSERT_EQ(m.t.rows(), 401u);
   EXPECT_EQ(m.run.report().status.code, Code::ok);
   for (std::size_t row = 0; row < m.t.rows(); ++row) {
@@ -86,7 +86,7 @@ TEST(ShippedJoints, BricardFollowsBakersEquation) {
 
 TEST(ShippedJoints, BricardEndsAtBothFolds) {
   for (const auto& [low, high, fold] : {std::array{-29.0, 210.1, 210.0}, std::array{-30.1, 209.0, -30.0}}) {
-    const Scene scene = shipped("bricard", {{"low", low}, {"high", high}});
+    const Scene scene = shipped("bricard_joints", {{"low", low}, {"high", high}});
     const Motion m(scene);
     EXPECT_EQ(m.run.report().status.code, Code::limit_reached);
     const std::vector<Event> events = test::events(m.run.report());
@@ -101,7 +101,7 @@ TEST(ShippedJoints, BricardEndsAtBothFolds) {
 }
 
 TEST(ShippedJoints, WhitworthCountsTenTurns) {
-  const Motion m(shipped("whitworth"));
+  const Motion m(shipped("whitworth_joints"));
   ASSERT_EQ(m.t.rows(), 1001u);
   const double crank = 0.3, pivot = 0.15;
   for (std::size_t row = 0; row < m.t.rows(); ++row) {

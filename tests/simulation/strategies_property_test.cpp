@@ -1,8 +1,7 @@
 // All strategies give the same motion of all mechanisms, within bounds from residuals and conditions of postures.
 #include <gtest/gtest.h>
 
-#include <filesystem>
-
+#include "scene/shipped_files.hpp"
 #include "simulation/conditions.hpp"
 #include "simulation/limited.hpp"
 #include "simulation/random_mechanisms.hpp"
@@ -99,9 +98,8 @@ std::vector<std::string> every_kind_of_strategy() {
 
 TEST(Strategies, AllGiveTheSameMotionOfShippedScenes) {
   int moving = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(std::string(ASSUR_SOURCE_DIR) + "/scenes")) {
-    if (entry.path().filename() == "scene.schema.json") continue;
-    const Scene whole = read_scene(entry.path());
+  for (const auto& file : test::shipped_files()) {
+    const Scene whole = read_scene(file);
     const TimeGrid grid = whole.time();
     const Scene scene = whole.with_time({grid.start, grid.start + 10 * grid.step, grid.step});
     if (prepare(scene).structure->groups.empty()) continue;  // nothing moves, so that no strategy solves anything

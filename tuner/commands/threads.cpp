@@ -16,8 +16,8 @@ void check_threads(const Common& common) {
                                                        (machine.processors == 1 ? " processor" : " processors")}});
   }
   if (common.threads > machine.budget().threads && !common.quiet) {
-    std::cerr << "warning: --threads: " << threads << " threads exceed the budget of this machine; " << to_string(machine)
-              << '\n';
+    std::cerr << "warning: --threads: " << threads << " threads exceed the budget of this machine; "
+              << to_string(machine) << '\n';
   }
 }
 
