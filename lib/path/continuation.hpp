@@ -154,7 +154,7 @@ class Continuation {
   [[nodiscard]] bool may_choose_anew(bool asked, double first) const;
   [[nodiscard]] Status at_the_limit(const Status& failed, double target, double t, double first);
   [[nodiscard]] bool turns_back(Singularity here);
-  [[nodiscard]] double first_without_solution(double target, double t);
+  [[nodiscard]] std::pair<double, double> fold_between(double target, double t);
   [[nodiscard]] bool pass(double target, double t, double first);
   [[nodiscard]] bool is_avoided(double h, double first);
   [[nodiscard]] bool pass_by(double reach, double target, double t);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "index.hpp"
@@ -23,6 +24,8 @@ constexpr double kSeen = 1e-7;      // larger least singular values are not expl
 constexpr double kNearer = 1.15;    // ratio of singular values between postures that are compared
 constexpr int kReach = 12;  // the step over a change point reaches 2^12 first shortest steps before and behind it,
 constexpr int kLonger = 8;  // or up to 2^8 times as far
+constexpr double kManyRoundings = 256;  // of the inputs: closer to a fold, residuals do not show if there are solutions
+constexpr double kRoomOfBranch = 4;     // for the way up to a fold
 constexpr int kMoreHalvings = 6;        // of the shortest step, on the way back from a change point
 constexpr double kApart = 1.0 / 16;     // of that reach: the step must end at least so far from the change point
 constexpr double kSureOfBranch = 1e-3;  // largest correction over the distance of the branches
@@ -64,12 +67,12 @@ Status Continuation::at_the_limit(const Status& failed, double target, double t,
   const bool unclear = failed.code == Code::not_converged && found.figure > 0.05;
   if (found.code == Code::branch_unknown && (failed.code == Code::not_finite || unclear)) found = failed;
   const bool passed = found.code == Code::change_point_passed;
-  if (found.code == Code::limit_reached) target = first_without_solution(target, t);
+  double from = passed ? last_before_pass_ : now_, until = passed ? now_ : target;
+  if (found.code == Code::limit_reached) std::tie(from, until) = fold_between(target, t);
   any_turn_ = false;
-  record(
-      {passed ? last_before_pass_ : now_, passed ? now_ : target,
-       structure_.name_of(found.where.is(Place::Kind::group) ? found.where : failed.where), found.code, found.figure},
-      std::abs(t - target));
+  record({from, until, structure_.name_of(found.where.is(Place::Kind::group) ? found.where : failed.where), found.code,
+          found.figure},
+         std::abs(t - until));
   if (!passed) return found;
   shortest_ = first;
   return {};
@@ -164,20 +167,45 @@ void Continuation::record(Event event, double step) {
   report_.events.push_back(std::move(event));
 }
 
-// Steps end a little before a fold, where the ball around the posture shrinks to nothing. The fold lies before the
-// first time at which Newton's method finds no solution.
-double Continuation::first_without_solution(double target, double t) {
+// Times around a fold. Steps end a little before it, where the ball around the posture shrinks to nothing. It lies
+// behind the last time at which Newton's method finds a solution on this branch, and before the first one at which it
+// finds none. On the branch the unknowns turn back like s* - s = y^2. So a line predicts too large a y, from which
+// Newton's method falls to the solution, and the way to it is at most twice that of the line.
+std::pair<double, double> Continuation::fold_between(double target, double t) {
   const double smallest = target - now_;
-  for (int k = 0; k <= kStepHalvings; ++k) {
+  // Just behind a fold, residuals stop falling so low that Newton's method takes them for rounding.
+  const double rounding_left = std::max(kConverged, 2 * last_errors_.position);
+  const auto is_solved = [&](double at) {
+    state_.predict(state_.begin_expansion(at, 1), 0, state_.unknowns());
+    const double farthest = kRoomOfBranch * std::abs(at - now_) * state_.speed();
+    for (double before = kInfinity;;) {
+      StepErrors errors;
+      if (!solve_at(at, Attempt::Branch::anywhere, errors).ok() || !(state_.move() <= farthest)) return false;
+      if (errors.position <= rounding_left) return true;
+      if (falls_slowly(errors.position, before)) return false;
+      before = errors.position;
+    }
+  };
+  double from = now_, until = target;
+  bool ends = false;
+  for (int k = 0; k <= kStepHalvings && !ends; ++k) {
     const double h = std::ldexp(smallest, k);
-    target = std::abs(t - now_) <= std::abs(h) ? t : now_ + h;
-    state_.predict(target);
-    StepErrors errors;
-    const bool exists = solve_at(target, Attempt::Branch::anywhere, errors).ok();
-    if (!exists) break;
+    until = std::abs(t - now_) <= std::abs(h) ? t : now_ + h;
+    ends = !is_solved(until);
+  }
+  if (deadline_passed()) until = t;
+  const double rounding =
+      std::max(kResolved * std::max(std::abs(now_), std::abs(until)), kManyRoundings * state_.time_of_rounding());
+  while (ends && limits_.iterations == 0 && std::abs(until - from) > rounding) {
+    const double middle = from + (until - from) / 2;
+    const bool solved = is_solved(middle);
+    if (deadline_passed()) break;
+    (solved ? from : until) = middle;
   }
   state_.restore();
-  return target;
+  const double room = std::copysign(rounding, smallest);
+  from = std::abs(from - now_) <= rounding ? now_ : from - room;
+  return {from, std::abs(t - until) <= rounding ? t : until + room};
 }
 
 // Passes a change point by the smooth continuation. At a distance d from it a posture is uncertain by eps / d and its

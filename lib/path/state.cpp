@@ -3,7 +3,20 @@
 #include <algorithm>
 #include <cmath>
 
+#include "numbers.hpp"
+
 namespace assur {
+namespace {
+
+double square(double x) { return x * x; }
+
+double length(const double* v, std::size_t begin, std::size_t end) {
+  double sum = 0;
+  for (std::size_t i = begin; i < end; ++i) sum += square(v[i]);
+  return std::sqrt(sum);
+}
+
+}  // namespace
 
 void State::resize(std::size_t first_unknown, std::size_t size, const Predictor& predictor) {
   predictor_ = predictor;
@@ -62,14 +75,15 @@ State::Prediction State::begin_prediction(double t) {
   return out;
 }
 
-State::Prediction State::begin_expansion(double t) {
-  if (levels_ > 2) return begin_prediction(t);
+State::Prediction State::begin_expansion(double t, int derivatives) {
+  if (levels_ > 2 && derivatives == 2) return begin_prediction(t);
   begin();
   const double dt = t - times_.front();
   Prediction out;
   for (const double weight : {1.0, dt, dt * dt / 2}) {
     out.sources[out.count] = ring(out.count).at(last()) + first_unknown_;
     out.weights[out.count++] = weight;
+    if (out.count > derivatives) break;
   }
   return out;
 }
@@ -103,6 +117,20 @@ double State::predicted_move(std::size_t address, std::size_t count) const {
   double largest = 0;
   for (std::size_t i = address; i < address + count; ++i) largest = std::max(largest, std::abs(now[i] - before[i]));
   return largest;
+}
+
+double State::move() const {
+  const double *now = at(0), *before = accepted(0);
+  double sum = 0;
+  for (std::size_t i = first_unknown_; i < size_; ++i) sum += square(now[i] - before[i]);
+  return std::sqrt(sum);
+}
+
+double State::speed() const { return length(accepted(1), first_unknown_, size_); }
+
+double State::time_of_rounding() const {
+  const double rate = length(accepted(1), 0, first_unknown_);
+  return rate > 0 ? kEps * length(accepted(0), 0, first_unknown_) / rate : 0;
 }
 
 void State::accept(double t) {

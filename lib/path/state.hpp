@@ -40,9 +40,9 @@ class State {
     std::int32_t count = 0;
   };
   [[nodiscard]] Prediction begin_prediction(double t);
-  // A prediction by the Taylor series of the last accepted posture; by the predictor if it reads all derivatives
-  // itself.
-  [[nodiscard]] Prediction begin_expansion(double t);
+  // A prediction by the Taylor series of the last accepted posture, up to the first or second derivative; for the
+  // second by the predictor if it reads all derivatives itself.
+  [[nodiscard]] Prediction begin_expansion(double t, int derivatives = 2);
   // A prediction by a polynomial through accepted postures that keep() collected, newest first.
   struct Way {
     std::vector<LaneArray> postures;
@@ -54,6 +54,12 @@ class State {
   [[nodiscard]] std::size_t unknowns() const { return size_ - first_unknown_; }
   // Largest change from the last accepted posture to the prediction, over `count` unknowns from an address on.
   [[nodiscard]] double predicted_move(std::size_t address, std::size_t count) const;
+  // The same from the last accepted posture to the current one, over all unknowns: the length of the way.
+  [[nodiscard]] double move() const;
+  // Length of the rates of the unknowns.
+  [[nodiscard]] double speed() const;
+  // Seconds in which the known coordinates move by their rounding; 0 if they rest.
+  [[nodiscard]] double time_of_rounding() const;
   void accept(double t);
   // Forgets the older postures: the next prediction uses the last accepted one alone.
   void forget();

@@ -96,7 +96,7 @@ TEST(ShippedJoints, BricardEndsAtBothFolds) {
     const double time = ((fold > 0 ? turn : kPi - turn) + std::asin(middle / swing)) / kPi;
     EXPECT_LE(events.back().time, time);
     EXPECT_GE(events.back().until, time);
-    EXPECT_LT(events.back().until - events.back().time, 1e-7);
+    EXPECT_LT(events.back().until - events.back().time, 1e-12);
   }
 }
 
