@@ -1,11 +1,12 @@
 // Includes all headers of assur, the library for the kinematic analysis of multibody systems by group equations.
 #pragma once
 
-#include "assur/backend.hpp"   // IWYU pragma: export
-#include "assur/ensemble.hpp"  // IWYU pragma: export
-#include "assur/law.hpp"       // IWYU pragma: export
-#include "assur/machine.hpp"   // IWYU pragma: export
-#include "assur/mjcf.hpp"      // IWYU pragma: export
+#include "assur/backend.hpp"       // IWYU pragma: export
+#include "assur/ensemble.hpp"      // IWYU pragma: export
+#include "assur/law.hpp"           // IWYU pragma: export
+#include "assur/machine.hpp"       // IWYU pragma: export
+#include "assur/mjcf.hpp"          // IWYU pragma: export
+#include "assur/motion_range.hpp"  // IWYU pragma: export
 #include "assur/performance.hpp"
 #include "assur/plan.hpp"        // IWYU pragma: export
 #include "assur/report.hpp"      // IWYU pragma: export

@@ -209,8 +209,8 @@ struct Callback {
   std::function<void(std::span<const double>, std::span<const double>, std::span<double>)> curvature;
   // Tolerance of the derivatives, >= 0; raise it if they are approximations. Infinite: they are not checked.
   double tolerance = kDerivativeTolerance;
-  // At least 1. If the equations hold again 1/teeth of a turn away, as those of gears: a step turns the drivers by about
-  // 1/teeth rad at most, so that it cannot skip a tooth. Longer steps are divided.
+  // At least 1. If the equations hold again 1/teeth of a turn away, as those of gears: a step turns the drivers by
+  // about 1/teeth rad at most, so that it cannot skip a tooth. Longer steps are divided.
   int teeth = 1;
 };
 
@@ -419,6 +419,10 @@ class Scene {
   // The same mechanism with another time grid. Throws Error (input) if the grid has no whole number of steps, or if a
   // table does not cover it.
   [[nodiscard]] Scene with_time(TimeGrid time) const;
+  // The same mechanism with other laws. law() gets the name of each driver, or of each value of a pose as
+  // Simulator::set() takes them ("pose.x"), and its law; it returns the new law. Throws Error (input) if a table does
+  // not cover the time grid.
+  [[nodiscard]] Scene with_laws(const std::function<Law(const std::string& driver, const Law& before)>& law) const;
 
  private:
   friend class SceneBuilder;

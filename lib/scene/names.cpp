@@ -72,6 +72,12 @@ Where Where::operator/(std::string_view key) const {
 
 Where Where::operator/(std::size_t index) const { return Where(text_ + '/' + std::to_string(index)); }
 
+const char* pose_part(std::size_t part, int dimension) {
+  static constexpr const char* kSpace[] = {"x", "y", "z", "psi", "theta", "phi"};
+  static constexpr const char* kPlane[] = {"x", "y", "angle"};
+  return dimension == 3 ? kSpace[part] : kPlane[part];
+}
+
 bool is_name(std::string_view text) {
   return !text.empty() && is_letter(text.front()) &&
          std::all_of(text.begin(), text.end(), [](char c) { return is_letter(c) || is_digit(c); });

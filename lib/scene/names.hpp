@@ -25,6 +25,9 @@ class Where {
 // [A-Za-z_][A-Za-z0-9_]*
 [[nodiscard]] bool is_name(std::string_view text);
 
+// Name of a value of a pose, as in Simulator::set(): 3D "x", "y", "z", "psi", "theta", "phi"; 2D "x", "y", "angle".
+[[nodiscard]] const char* pose_part(std::size_t part, int dimension);
+
 // The reason why `text` is no valid name: another form, or more than 255 characters; "" if it is valid.
 [[nodiscard]] std::string why_no_name(std::string_view text);
 

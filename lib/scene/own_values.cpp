@@ -6,6 +6,7 @@
 
 #include "index.hpp"
 #include "scene/drive.hpp"
+#include "scene/names.hpp"
 #include "scene/triple.hpp"
 
 namespace assur {
@@ -193,10 +194,8 @@ std::optional<Mismatch> mismatch(const System& s, const DriverInput& in, std::sp
     if (std::abs(off[0]) <= slack * (1 + (a.d.size * e + d * a.e.size) / a.lever())) return {};
     return Mismatch{"angle", has[0], wanted[0], "rad"};
   }
-  static constexpr const char* kSpace[] = {"x", "y", "z", "psi", "theta", "phi"};
-  static constexpr const char* kPlane[] = {"x", "y", "angle"};
   const auto part = [&](std::size_t k) {  // NOLINTNEXTLINE(clang-analyzer-core.CallAndMessage): k < has.size()
-    return Mismatch{s.dimension == 3 ? kSpace[k] : kPlane[k], has[k], wanted[k], k < idx(s.dimension) ? "m" : "rad"};
+    return Mismatch{pose_part(k, s.dimension), has[k], wanted[k], k < idx(s.dimension) ? "m" : "rad"};
   };
   for (std::size_t k = 0; k < idx(s.dimension); ++k) {
     if (!(std::abs(off[k]) <= slack * (s.unit(1) + std::abs(has[k]) + std::abs(wanted[k])))) return part(k);

@@ -85,6 +85,28 @@ Scene Scene::with_time(TimeGrid time) const {
   return scene;
 }
 
+Scene Scene::with_laws(const std::function<Law(const std::string& driver, const Law& before)>& law) const {
+  auto parts = std::make_shared<Parts>(*parts_);
+  for (Driver& driver : parts->drivers) {
+    if (auto* pose = std::get_if<Pose>(&driver.kind)) {
+      std::size_t part = 0;
+      for (auto* laws : {&pose->translation, &pose->rotation}) {
+        for (Law& own : *laws) own = law(driver.name + "." + pose_part(part++, parts->dimension), own);
+      }
+      continue;
+    }
+    std::visit(
+        [&](auto& kind) {
+          if constexpr (requires { kind.law; }) kind.law = law(driver.name, kind.law);
+        },
+        driver.kind);
+  }
+  Scene scene = *this;
+  scene.parts_ = std::move(parts);
+  refuse_if_any(Validation(scene, {}).time());
+  return scene;
+}
+
 SceneBuilder::SceneBuilder(std::string name, int dimension) {
   parts_.name = std::move(name);
   parts_.dimension = dimension;

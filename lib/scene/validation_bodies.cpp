@@ -108,9 +108,10 @@ Triple Validation::base_direction(const Body& body, std::size_t i) const {
 }
 
 void Validation::check_base(const Body& body, const Where& where) {
-  const std::string shapes = dimension() == 3
-                                 ? "an origin with a frame of three vectors, a base of a point and two points or vectors, or an origin alone"
-                                 : "a base of a point and a point or vector, an origin with a frame of one vector, or an origin alone";
+  const std::string shapes =
+      dimension() == 3
+          ? "an origin with a frame of three vectors, a base of a point and two points or vectors, or an origin alone"
+          : "a base of a point and a point or vector, an origin with a frame of one vector, or an origin alone";
   if (body.origin.empty() && body.frame.empty() && body.base.empty()) {
     report(where, "a body needs joints, or " + shapes);
   } else if (!body.base.empty() && (!body.origin.empty() || !body.frame.empty())) {

@@ -74,10 +74,8 @@ Inputs::Inputs(const System& system, const std::vector<std::string>& controlled)
       add_control(name, i, 0);
       continue;
     }
-    static const std::vector<std::string> kSpace = {"x", "y", "z", "psi", "theta", "phi"}, kPlane = {"x", "y", "angle"};
-    const auto& parts = system.dimension == 3 ? kSpace : kPlane;
     for (std::size_t k = 0; k < in.laws.size(); ++k) {
-      add_control(name + "." + parts[k], i, static_cast<int>(k));
+      add_control(name + "." + pose_part(k, system.dimension), i, static_cast<int>(k));
     }
   }
   compile(all_driven(system));

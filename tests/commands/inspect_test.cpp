@@ -2,6 +2,7 @@
 
 #include "assur/structure.hpp"
 #include "commands/command.hpp"
+#include "numbers.hpp"
 #include "output/format.hpp"
 
 namespace assur {
@@ -197,6 +198,22 @@ TEST(Inspect, RefusesUnknownOutputs) {
   EXPECT_EQ(outcome.status, 2);
   EXPECT_EQ(outcome.out, "");
   EXPECT_EQ(outcome.err.rfind("error: /outputs/1: ", 0), 0u) << outcome.err;
+}
+
+TEST(Inspect, ShowsTheRangeOfADriver) {
+  const std::string scene = ASSUR_SOURCE_DIR "/scenes/bricard_joints.json";
+  const Outcome outcome = run_command({"inspect", scene, "--json", "--range"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const auto range = outcome.json()["range"];
+  EXPECT_EQ(range["driver"], "motor");
+  EXPECT_EQ(range["unit"], "rad");
+  EXPECT_EQ(range["low"]["status"], "limit_reached");
+  EXPECT_NEAR(range["low"]["reached"], -30 * kTurn / 360, 1e-12);
+  EXPECT_NEAR(range["high"]["beyond"], 210 * kTurn / 360, 1e-12);
+  const Outcome page = run_command({"inspect", scene, "--range", "motor"});
+  EXPECT_NE(page.out.find("\n    least         -0.523598775598 ± "), std::string::npos) << page.out;
+  EXPECT_NE(page.out.find("\n    greatest      3.66519142919 ± "), std::string::npos) << page.out;
+  EXPECT_EQ(run_command({"inspect", "stewart", "--range", "handle"}).status, 2);
 }
 
 }  // namespace

@@ -89,10 +89,12 @@ TEST(Team, RefusesZeroThreads) {
 TEST(Team, ARunAllocatesNothing) {
   Team team(3);
   std::atomic<int> sum = 0;
+  const auto add_ranks = [&](int rank) noexcept { sum += rank; };
+  team.run(add_ranks);  // threads may allocate when they start
   const auto before = allocations();
-  for (int i = 0; i < 100; ++i) team.run([&](int rank) noexcept { sum += rank; });
+  for (int i = 0; i < 100; ++i) team.run(add_ranks);
   EXPECT_EQ(allocations() - before, 0);
-  EXPECT_EQ(sum, 300);
+  EXPECT_EQ(sum, 303);
 }
 
 // State of a thread in Linux: R is running, S sleeping.

@@ -39,6 +39,8 @@ struct InspectOptions {
   std::string scene;
   std::vector<std::string> outputs;  // empty: those of the scene
   Formulation formulation = Formulation::groups;
+  bool range = false;
+  std::string driver = {};  // whose range is asked for; empty: the only one
 };
 
 struct RunOptions {

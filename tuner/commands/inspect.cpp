@@ -1,5 +1,7 @@
 #include <iostream>
+#include <optional>
 
+#include "assur/motion_range.hpp"
 #include "assur/structure.hpp"
 #include "commands/commands.hpp"
 #include "commands/structure_report.hpp"
@@ -23,11 +25,15 @@ int inspect(const Common& common, const InspectOptions& options) {
   const output::Irreducible split = output::irreducible(options.formulation == Formulation::irreducible
                                                             ? structure
                                                             : analyze(scene, asking_for(Formulation::irreducible)));
+  const auto range = options.range ? std::optional(motion_range(scene, options.driver)) : std::nullopt;
   if (common.json) {
-    output::print(std::cout, to_json(scene, structure, split));
+    output::Json json = to_json(scene, structure, split);
+    if (range) json["range"] = output::to_json(*range);
+    output::print(std::cout, json);
   } else {
     output::Page page(std::cout);
     print(page, scene, structure, split);
+    if (range) output::print(page, *range);
   }
   return kDone;
 }

@@ -102,6 +102,16 @@ void add_inspect(CLI::App& app, Invocation& call) {
           "Use global, groups (default) or irreducible")
       ->check(one_of({"global", "groups", "irreducible"}))
       ->type_name("NAME");
+  inspect
+      .add_option_function<std::string>(
+          "--range",
+          [&call](const std::string& name) {
+            call.inspect.range = true;
+            call.inspect.driver = name;
+          },
+          "Show how far a driver can go both ways")
+      ->expected(0, 1)
+      ->type_name("DRIVER");
   add_common(inspect, call.common);
   inspect.callback([&call] { call.chosen = [&call] { return command::inspect(call.common, call.inspect); }; });
 }

@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "commands/left_out.hpp"
+#include "decimal.hpp"
 #include "index.hpp"
 #include "output/format.hpp"
 #include "output/notes.hpp"
+#include "output/status_text.hpp"
 
 namespace assur::output {
 namespace {
@@ -286,6 +289,31 @@ void print(Page& page, const Scene& scene, const Structure& s, const Irreducible
     print(page, split.left_out, Formulation::irreducible, "");
   }
   print_findings(page, scene, s);
+}
+
+Json to_json(const MotionRange& range) {
+  const auto end = [](const RangeEnd& e) -> Json {
+    return {{"status", name(e.code)},
+            {"reached", e.reached},
+            {"beyond", e.beyond},
+            {"group", e.group.empty() ? Json(nullptr) : Json(e.group)}};
+  };
+  return {{"driver", range.driver}, {"unit", range.unit},      {"start", range.start},
+          {"low", end(range.low)},  {"high", end(range.high)}, {"change_points", range.change_points}};
+}
+
+void print(Page& page, const MotionRange& range) {
+  const auto value = [](double x) { return general(x, 12); };
+  const auto end = [&](const RangeEnd& e) {
+    if (e.code == Code::ok) return value(e.reached) + ": no end up to here";
+    return value(e.reached + (e.beyond - e.reached) / 2) + " ± " + error_figure(std::abs(e.beyond - e.reached) / 2) +
+           (e.group.empty() ? "" : ", group " + e.group) + ": " + explained(e.code);
+  };
+  page.gap();
+  page.fact("range", range.driver + ", now at " + value(range.start) + (range.unit.empty() ? "" : " " + range.unit));
+  page.fact("  least", end(range.low));
+  page.fact("  greatest", end(range.high));
+  for (const double at : range.change_points) page.fact("", "branches cross at " + value(at));
 }
 
 }  // namespace assur::output

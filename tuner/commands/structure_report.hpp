@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 
+#include "assur/motion_range.hpp"
 #include "assur/structure.hpp"
 #include "output/json.hpp"
 #include "output/page.hpp"
@@ -23,5 +24,8 @@ struct Irreducible {
 [[nodiscard]] Json to_json(const Scene& scene, const Structure& s, const Irreducible& split);
 
 void print(Page& page, const Scene& scene, const Structure& s, const Irreducible& split);
+
+[[nodiscard]] Json to_json(const MotionRange& range);
+void print(Page& page, const MotionRange& range);
 
 }  // namespace assur::output

@@ -1,0 +1,39 @@
+// How far one driver can be moved from the start posture, in both directions.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "assur/scene.hpp"
+#include "assur/status.hpp"
+
+namespace assur {
+
+// One end of a range. Values are those of the driver's law, rad or m: for a relative driver and for a coordinate of a
+// joint they count from the posture as written.
+struct RangeEnd {
+  Code code = Code::ok;  // limit_reached: a fold; ok: no end was found; any other: why the motion could not go on
+  // The end lies between both. The mechanism reaches `reached`; if there is no end, both are the value that was asked
+  // for.
+  double reached = 0, beyond = 0;
+  std::string group = {};  // the group that is at its limit; "": none
+};
+
+// The range of one driver, while all other drivers rest at their values at the start.
+struct MotionRange {
+  std::string driver;  // name, or value of a pose ("pose.x")
+  std::string unit;    // "rad", "m", or "" for a component of a vector
+  double start = 0;    // value in the start posture
+  RangeEnd low, high;  // ends below and above it
+  std::vector<double>
+      change_points;  // values at which branches cross, and the smooth continuation was taken; ascending
+};
+
+// Moves one driver both ways from the start posture of the scene, along the branch. farthest: the longest way to each
+// side, rad or m; 0: a whole turn of an angle, 10 times the size of the mechanism for a length. A fold is bracketed to
+// about 1e-12 rad, or 1e-12 of the mechanism's size. Throws Error: input if there is no such driver (a scene with one
+// driver needs no name: ""), or for a `farthest` that is negative or not finite; and like prepare() and Simulator.
+[[nodiscard]] MotionRange motion_range(const Scene& scene, std::string_view driver = {}, double farthest = 0);
+
+}  // namespace assur
