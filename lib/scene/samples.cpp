@@ -127,10 +127,18 @@ const Sample* find(std::string_view name) {
   return row == rows.end() ? nullptr : &*row;
 }
 
+const SceneFile* find_file(std::string_view name) {
+  const auto files = scene_files();
+  const auto file = std::find_if(files.begin(), files.end(), [name](const SceneFile& f) { return f.name == name; });
+  return file == files.end() ? nullptr : &*file;
+}
+
 const Sample& find_or_refuse(std::string_view name) {
   if (const Sample* row = find(name)) return *row;
   std::vector<std::string_view> names;
   for (const Sample& row : table()) names.push_back(row.name);
+  for (const SceneFile& file : scene_files()) names.push_back(file.name);
+  std::sort(names.begin(), names.end());
   const std::string near = suggestion(name, names);
   refuse("there is no sample " + in_quotes(name) + near + (near.empty() ? "; it" : " It") + " should be " +
          one_of(names));
@@ -156,6 +164,40 @@ bool accepts(const Option& option, double value) {
   return option.kind == Option::Kind::real || std::fmod(value, static_cast<double>(option.multiple)) == 0;
 }
 
+// Calls assign(name, value) for each item of "legs=8,omega=2".
+template <class Assign, class Refuse>
+void for_each_option(std::string_view text, const Assign& assign, const Refuse& refuse) {
+  std::vector<std::string_view> seen;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    const std::string_view item = text.substr(begin, end - begin);
+    const std::size_t equals = item.find('=');
+    if (equals == std::string_view::npos) refuse(in_quotes(item) + " should be option=value");
+    const std::string_view name = item.substr(0, equals);
+    if (std::find(seen.begin(), seen.end(), name) != seen.end()) refuse(in_quotes(name) + " is set twice");
+    seen.push_back(name);
+    assign(name, item.substr(equals + 1));
+    begin = end + 1;
+  }
+}
+
+// The text after the colon sets parameters of the file; `set` takes precedence.
+Scene read(const SceneFile& file, std::string_view options, const Parameters& set) {
+  Parameters all = set;
+  const auto refuse_option = [&](const std::string& what) { refuse("sample " + in_quotes(file.name) + ": " + what); };
+  if (!options.empty()) {
+    for_each_option(
+        options.substr(1),
+        [&](std::string_view name, std::string_view text) {
+          const std::optional<double> value = number(text);
+          if (!value) refuse_option(in_quotes(name) + " should be a number, not " + in_quotes(text));
+          all.emplace(name, *value);
+        },
+        refuse_option);
+  }
+  return parse_scene(file.text, std::string(file.name), {}, all);
+}
+
 // One call of a sample, with its options.
 class Request {
  public:
@@ -164,18 +206,9 @@ class Request {
   // Reads the text after the colon: "64", or "legs=8,omega=2".
   void read(std::string_view text) {
     if (!row_.counted.empty() && text.find('=') == std::string_view::npos) return assign(row_.counted, text);
-    std::vector<std::string_view> seen;
-    for (std::size_t begin = 0; begin <= text.size();) {
-      const std::size_t end = std::min(text.find(',', begin), text.size());
-      const std::string_view item = text.substr(begin, end - begin);
-      const std::size_t equals = item.find('=');
-      if (equals == std::string_view::npos) refuse_with_usage(in_quotes(item) + " should be option=value");
-      const std::string_view name = item.substr(0, equals);
-      if (std::find(seen.begin(), seen.end(), name) != seen.end()) refuse_with_usage(in_quotes(name) + " is set twice");
-      seen.push_back(name);
-      assign(name, item.substr(equals + 1));
-      begin = end + 1;
-    }
+    for_each_option(
+        text, [&](std::string_view name, std::string_view value) { assign(name, value); },
+        [&](const std::string& what) { refuse_with_usage(what); });
   }
 
   void set(std::string_view name, double value) {
@@ -253,6 +286,16 @@ std::size_t Values::index(std::string_view option) const {
   return static_cast<std::size_t>(std::find_if(options_.begin(), options_.end(), same) - options_.begin());
 }
 
+std::string SceneFile::summary() const {
+  std::string words;
+  for (std::size_t begin = 0; text.substr(begin, 3) == "// ";) {
+    const std::size_t end = text.find('\n', begin);
+    words.append(words.empty() ? "" : " ").append(text.substr(begin + 3, end - begin - 3));
+    begin = end + 1;
+  }
+  return words.substr(0, std::min({words.find(". "), words.find(": "), words.find(" (")}));
+}
+
 std::span<const Sample> table() {
   static const std::vector<Sample> rows = make_table();
   return rows;
@@ -262,10 +305,16 @@ std::span<const Sample> table() {
 
 namespace assur {
 
-bool is_sample(std::string_view text) { return samples::find(samples::name_of(text)) != nullptr; }
+bool is_sample(std::string_view text) {
+  const std::string_view name = samples::name_of(text);
+  return samples::find(name) != nullptr || samples::find_file(name) != nullptr;
+}
 
 Scene sample(std::string_view text, const Parameters& set) {
   const std::string_view name = samples::name_of(text);
+  if (const samples::SceneFile* file = samples::find_file(name)) {
+    return samples::read(*file, text.substr(name.size()), set);
+  }
   samples::Request request(samples::find_or_refuse(name));
   if (name.size() < text.size()) request.read(text.substr(name.size() + 1));
   for (const auto& [option, value] : set) request.set(option, value);

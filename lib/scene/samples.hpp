@@ -1,9 +1,10 @@
 // Samples: mechanisms named by a text: "stewart", "four_bar:64", "rings:legs=6,n=120,terminal=24". A sample is one row
-// of the table in samples.cpp and one function in samples/.
+// of the table in samples.cpp and one function in samples/, or a file in scenes/, whose text is part of the library.
 #pragma once
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -53,6 +54,16 @@ struct Sample {
 
 // Every sample, in alphabetic order.
 [[nodiscard]] std::span<const Sample> table();
+
+// A scene file of scenes/; its parameters are the options.
+struct SceneFile {
+  std::string_view name, text;
+
+  [[nodiscard]] std::string summary() const;  // the begin of its comment
+};
+
+// Every file in scenes/ whose name is not in table(), in alphabetic order. CMake writes it.
+[[nodiscard]] std::span<const SceneFile> scene_files();
 
 // One function for each row; each definition explains its geometry.
 Scene almost_parallelogram(const Values&);

@@ -54,6 +54,13 @@ TEST(SampleText, NamesAreSortedAndKnown) {
     EXPECT_TRUE(scene.outputs().empty());
     EXPECT_TRUE(scene.warnings().empty());
   }
+  last = {};
+  for (const samples::SceneFile& file : samples::scene_files()) {
+    EXPECT_LT(last, file.name);
+    last = file.name;
+    EXPECT_GT(file.summary().size(), 10U) << file.name;
+    EXPECT_EQ(sample(file.name).name(), file.name);
+  }
   EXPECT_FALSE(is_sample("stewart2"));
   EXPECT_FALSE(is_sample("scenes/stewart.json"));
   EXPECT_FALSE(is_sample(""));
@@ -70,10 +77,30 @@ TEST(SampleText, OptionsAreReadFromTextAndParameters) {
   EXPECT_EQ(sample("hexapod:drive=pose").drivers().size(), 1u);
 }
 
+TEST(SampleText, OptionsOfAFileAreItsParameters) {
+  const auto law = [](const Scene& scene) {
+    return std::visit(
+        [](const auto& kind) {
+          if constexpr (requires { kind.law; }) return kind.law;
+          return Law();
+        },
+        scene.drivers().front().kind);
+  };
+  const std::string file = ASSUR_SOURCE_DIR "/scenes/bricard_joints.json";
+  EXPECT_EQ(law(sample("bricard_joints")), law(read_scene(file)));
+  EXPECT_EQ(law(sample("bricard_joints:low=-20,high=3")), law(read_scene(file, {{"low", -20}, {"high", 3}})));
+  EXPECT_EQ(law(sample("bricard_joints:low=-20", {{"low", -10}})), law(read_scene(file, {{"low", -10}})));
+  EXPECT_EQ(message("bricard_joints:low=x"), "sample 'bricard_joints': 'low' should be a number, not 'x'");
+  EXPECT_EQ(message("bricard_joints:low"), "sample 'bricard_joints': 'low' should be option=value");
+  EXPECT_EQ(message("bricard_joints:"), "sample 'bricard_joints': '' should be option=value");
+  EXPECT_NE(message("bricard_joints:lo=1").find("'lo'"), std::string::npos);
+}
+
 TEST(SampleText, UnknownSample) {
   const std::string all =
-      "almost_parallelogram, andrews, bricard, four_bar, gough, hexapod, n_four_bar, parallelograms, rings, "
-      "slider_crank, stewart or whitworth";
+      "almost_parallelogram, andrews, bennett, bricard, bricard_joints, delta, double_wishbone, excavator, four_bar, "
+      "geared_five_bar, gough, hexa, hexapod, jansen, klann, n_four_bar, parallelograms, peaucellier, rings, sarrus, "
+      "scissor, slider_crank, stewart, three_rps, whitworth or whitworth_joints";
   EXPECT_EQ(message("stwart:legs=8"), "there is no sample 'stwart'; did you mean 'stewart'? It should be " + all);
   EXPECT_EQ(message("bicycle"), "there is no sample 'bicycle'; it should be " + all);
 }

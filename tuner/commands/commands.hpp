@@ -134,6 +134,7 @@ int run(const Common& common, const RunOptions& options);
 int compare(const Common& common, const CompareOptions& options);
 int plan(const Common& common, const PlanOptions& options);
 int backends(const Common& common);
+int samples(const Common& common);
 int db(const Common& common, const DbOptions& options);
 int check(const Common& common, const CheckOptions& options);
 int report(const Common& common, const ReportOptions& options);

@@ -218,6 +218,12 @@ void add_backends(CLI::App& app, Invocation& call) {
   backends.callback([&call] { call.chosen = [&call] { return command::backends(call.common); }; });
 }
 
+void add_samples(CLI::App& app, Invocation& call) {
+  CLI::App& samples = *app.add_subcommand("samples", "List the mechanisms that can be named instead of a file");
+  add_common(samples, call.common);
+  samples.callback([&call] { call.chosen = [&call] { return command::samples(call.common); }; });
+}
+
 // `options`: the question's options, from --run, --machine, --library, --kernel, --all and FILE.
 void add_question(CLI::App& db, Invocation& call, const char* name, const char* help,
                   const std::set<std::string>& options) {
@@ -316,6 +322,7 @@ void add_commands(CLI::App& app, Invocation& call) {
   add_run(app, call);
   add_inspect(app, call);
   add_import(app, call);
+  add_samples(app, call);
   add_plan(app, call);
   add_compare(app, call);
   add_backends(app, call);
