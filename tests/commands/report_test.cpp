@@ -85,7 +85,7 @@ TEST(ReportCommand, WritesPageCsvAndJsonWithTheSameNumbers) {
     if (row.at("origin") == "measured") {
       EXPECT_GT(std::stoi(row.at("repetitions")), 0) << row.at("item");
       EXPECT_NE(row.at("strategy"), "");
-      EXPECT_EQ(row.at("error") != "", has_reference) << row.at("item");
+      EXPECT_TRUE(row.at("error") != "" || !has_reference) << row.at("item");
     }
     if (row.at("section") == "regret" && row.at("strategy") != "best constant")
       regret[row.at("item")][row.at("quantity")] = value;
