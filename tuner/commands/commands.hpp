@@ -39,6 +39,7 @@ struct InspectOptions {
   std::string scene;
   std::vector<std::string> outputs;  // empty: those of the scene
   Formulation formulation = Formulation::groups;
+  bool modes = false;  // shows the assembly modes of all groups instead
 };
 
 struct RunOptions {
