@@ -25,8 +25,8 @@ macro(check_order root)
 endmacro()
 
 check_order(${TUNER} measure output pictures check tuning report commands enough_memory.cpp main.cpp)
-check_order(${LIB} parallel scene mjcf structure equations backends planning signals group path errors side_by_side
-            simulation db)
+check_order(${LIB} parallel scene mjcf structure equations backends planning modes signals group path errors
+            side_by_side simulation db)
 
 file(READ ${LIB}/CMakeLists.txt listed)
 foreach(file IN LISTS files)

@@ -6,6 +6,7 @@
 #include "assur/law.hpp"           // IWYU pragma: export
 #include "assur/machine.hpp"       // IWYU pragma: export
 #include "assur/mjcf.hpp"          // IWYU pragma: export
+#include "assur/modes.hpp"         // IWYU pragma: export
 #include "assur/motion_range.hpp"  // IWYU pragma: export
 #include "assur/performance.hpp"
 #include "assur/plan.hpp"        // IWYU pragma: export

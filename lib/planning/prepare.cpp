@@ -6,6 +6,7 @@
 #include "planning/candidates.hpp"
 #include "planning/counts.hpp"
 #include "planning/dispatcher.hpp"
+#include "planning/prepare_at.hpp"
 #include "planning/throughput.hpp"
 #include "scene/differences.hpp"
 
@@ -100,15 +101,9 @@ std::vector<Diagnostic> wrong_functions(const System& s, const std::vector<doubl
   return contradictions(s, q, time.start, time.start + time.step);
 }
 
-// If a posture is given, redundant equations are chosen at this posture.
-struct Start {
-  std::vector<double> posture;
-  double time = 0;
-};
-
 std::shared_ptr<const Structure> structure_for(const Scene& scene, const PrepareOptions& options,
                                                Formulation formulation, const Predictor& predictor,
-                                               const Start& start) {
+                                               const KnownStart& start) {
   StructureOptions wanted;
   wanted.formulation = formulation;
   wanted.controlled = options.controlled;
@@ -176,7 +171,7 @@ struct Choice {
   Plan plan;
 };
 
-Choice automatic_choice(const Scene& scene, const PrepareOptions& options, const Start& start) {
+Choice automatic_choice(const Scene& scene, const PrepareOptions& options, const KnownStart& start) {
   const std::shared_ptr<const PerformanceModel> model = model_of(options);
   check_names(options.without, backends());
   const Scales scales{*model, backends(), options.without};
@@ -199,7 +194,9 @@ Choice automatic_choice(const Scene& scene, const PrepareOptions& options, const
   return best;
 }
 
-Prepared prepare_at(const Scene& scene, const PrepareOptions& options, Start start) {
+}  // namespace
+
+Prepared prepare_at(const Scene& scene, const PrepareOptions& options, const KnownStart& start) {
   if (options.budget && options.budget->threads < 1) {
     throw Error(Error::Kind::input,
                 "a budget needs at least one thread, not " + std::to_string(options.budget->threads));
@@ -217,7 +214,7 @@ Prepared prepare_at(const Scene& scene, const PrepareOptions& options, Start sta
     choice.structure = structure_for(scene, options, wanted.run.formulation, wanted.run.predictor, start);
     choice.plan = forced_plan(*choice.structure, wanted, options);
   }
-  if (start.posture.empty()) {
+  if (start.is_first) {
     std::vector<Diagnostic> wrong = wrong_functions(*choice.structure->system, choice.structure->start, scene.time());
     if (!wrong.empty()) throw Error(Error::Kind::input, std::move(wrong));
   }
@@ -238,14 +235,12 @@ Prepared prepare_at(const Scene& scene, const PrepareOptions& options, Start sta
   out.plan = std::move(plan);
   if (!choice.structure->redundant.empty()) {
     out.reselect = [scene, options](std::vector<double> at, double t) {
-      return prepare_at(scene, options, {std::move(at), t});
+      return prepare_at(scene, options, {std::move(at), t, false});
     };
   }
   out.structure = std::move(choice.structure);
   return out;
 }
-
-}  // namespace
 
 Prepared prepare(const Scene& scene, const PrepareOptions& options) { return prepare_at(scene, options, {}); }
 

@@ -193,6 +193,62 @@ TEST(Inspect, ShowsLargeScenesByClass) {
   EXPECT_NE(outcome.out.find("\n      0  20,000  B1 "), std::string::npos) << outcome.out;
 }
 
+// The dyad of the four-bar: C is to the left or to the right of the line from B to D.
+TEST(Inspect, ShowsAllModes) {
+  const Scratch scratch;
+  const std::string scene = scratch.file("four_bar.json", R"({"assur": 1, "name": "four_bar", "dimension": 2,
+      "points": {"A": {"at": [0, 0], "fixed": true}, "D": {"at": [2, 0], "fixed": true}, "B": {"at": [0.8, 0]},
+                 "C": {"at": [1.6, 1.2]}},
+      "constraints": {"coupler": {"distance": ["B", "C"], "value": 1}, "rocker": {"distance": ["D", "C"], "value": 1}},
+      "drivers": {"motor": {"angle": ["A", "B"], "law": {"constant": 0}}}})");
+  const Outcome page = run_command({"inspect", scene, "--modes"});
+  EXPECT_EQ(page.status, 0);
+  EXPECT_EQ(page.err, "");
+  const std::vector<std::string> lines = page.lines();
+  ASSERT_EQ(lines.size(), 5u) << page.out;
+  EXPECT_EQ(lines[0], "four_bar, 2D: assembly modes at the start");
+  EXPECT_EQ(lines[2], "  group  mode         residual  condition  unknowns");
+  EXPECT_EQ(lines[3].substr(0, 21), "  C         0  start ");
+  EXPECT_TRUE(lines[3].ends_with("  C = (1.4, 0.8)")) << lines[3];
+  EXPECT_EQ(lines[4].substr(0, 21), "            1        ");
+  EXPECT_TRUE(lines[4].ends_with("  C = (1.4, -0.8)")) << lines[4];
+
+  const auto json = run_command({"inspect", scene, "--modes", "--json"}).json();
+  ASSERT_EQ(json["groups"].size(), 1u);
+  const auto& group = json["groups"][0];
+  EXPECT_EQ(group["group"], "C");
+  EXPECT_EQ(group["unknowns"], (nlohmann::json{"C.x", "C.y"}));
+  EXPECT_EQ(group["start"], 0);
+  EXPECT_EQ(group["complete"], true);
+  EXPECT_EQ(group["paths"], 2);
+  ASSERT_EQ(group["modes"].size(), 2u);
+  EXPECT_NEAR(group["modes"][1]["values"][1], -0.8, 1e-15);
+  EXPECT_LT(group["modes"][1]["residual"], 1e-15);
+  EXPECT_EQ(group["folds"].size(), 0u);
+}
+
+TEST(Inspect, SaysWhyModesAreMissing) {
+  const Outcome large = run_command({"inspect", "gough", "--modes"});
+  EXPECT_EQ(large.status, 0);
+  EXPECT_NE(large.out.find("findings        B1+u+v+w: not computed: it has 12 unknowns; at most 6 can be\n"),
+            std::string::npos)
+      << large.out;
+  const Scratch scratch;
+  const std::string folded = scratch.file("folded.json", R"({"assur": 1, "name": "folded", "dimension": 2,
+      "points": {"A": {"at": [0, 0], "fixed": true}, "D": {"at": [2, 0], "fixed": true}, "P": {"at": [1, 0]}},
+      "constraints": {"rod": {"distance": ["D", "P"], "value": 1}},
+      "drivers": {"cylinder": {"distance": ["A", "P"], "law": {"constant": 1}}}})");
+  const Outcome fold = run_command({"inspect", folded, "--modes", "--json"});
+  EXPECT_EQ(fold.status, 0);
+  const auto group = fold.json()["groups"][0];
+  EXPECT_EQ(group["start"], nullptr);
+  EXPECT_EQ(group["modes"].size(), 0u);
+  EXPECT_EQ(group["multiple"], 2);
+  ASSERT_EQ(group["folds"].size(), 1u);
+  const Outcome page = run_command({"inspect", folded, "--modes"});
+  EXPECT_NE(page.out.find("P: 2 paths end where solutions meet (a fold)"), std::string::npos) << page.out;
+}
+
 TEST(Inspect, RefusesUnknownOutputs) {
   const Outcome outcome = run_command({"inspect", "stewart", "--outputs", "handle1,handel2"});
   EXPECT_EQ(outcome.status, 2);

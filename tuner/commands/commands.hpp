@@ -41,6 +41,7 @@ struct InspectOptions {
   Formulation formulation = Formulation::groups;
   bool range = false;
   std::string driver = {};  // whose range is asked for; empty: the only one
+  bool modes = false;  // shows the assembly modes of all groups instead
 };
 
 struct RunOptions {

@@ -96,12 +96,14 @@ void add_inspect(CLI::App& app, Invocation& call) {
   add_scene(inspect, call.common, call.inspect.scene, call.inspect.outputs);
   static const std::map<std::string, Formulation> kFormulations = {
       {"global", Formulation::global}, {"groups", Formulation::groups}, {"irreducible", Formulation::irreducible}};
-  inspect
-      .add_option_function<std::string>(
-          "--formulation", [&call](const std::string& text) { call.inspect.formulation = kFormulations.at(text); },
-          "Use global, groups (default) or irreducible")
-      ->check(one_of({"global", "groups", "irreducible"}))
-      ->type_name("NAME");
+  CLI::Option* formulation =
+      inspect
+          .add_option_function<std::string>(
+              "--formulation", [&call](const std::string& text) { call.inspect.formulation = kFormulations.at(text); },
+              "Use global, groups (default) or irreducible")
+          ->check(one_of({"global", "groups", "irreducible"}))
+          ->type_name("NAME");
+  inspect.add_flag("--modes", call.inspect.modes, "Show all assembly modes of each group at the start");
   inspect
       .add_option_function<std::string>(
           "--range",
@@ -113,7 +115,12 @@ void add_inspect(CLI::App& app, Invocation& call) {
       ->expected(0, 1)
       ->type_name("DRIVER");
   add_common(inspect, call.common);
-  inspect.callback([&call] { call.chosen = [&call] { return command::inspect(call.common, call.inspect); }; });
+  inspect.callback([&call, formulation] {
+    if (call.inspect.modes && (!call.inspect.outputs.empty() || formulation->count() > 0 || call.inspect.range)) {
+      throw CLI::ValidationError("--modes", "shows all groups; leave out --outputs, --formulation and --range");
+    }
+    call.chosen = [&call] { return command::inspect(call.common, call.inspect); };
+  });
 }
 
 template <class ModeOption>  // Mode or std::optional<Mode>

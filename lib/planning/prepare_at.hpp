@@ -1,0 +1,19 @@
+// prepare() with a start posture that is known already.
+#pragma once
+
+#include <vector>
+
+#include "assur/plan.hpp"
+
+namespace assur {
+
+// The start posture. Redundant equations are chosen there.
+struct KnownStart {
+  std::vector<double> posture;  // all coordinates, internal units; empty: the posture is assembled from the guess
+  double time = 0;              // s
+  bool is_first = true;         // false: the functions of the scene have been checked at another posture
+};
+
+[[nodiscard]] Prepared prepare_at(const Scene& scene, const PrepareOptions& options, const KnownStart& start);
+
+}  // namespace assur
