@@ -165,7 +165,10 @@ class Mechanism {
   }
 
   void make_groups() {
-    group_of_.assign(s_.coordinates.size(), -1);
+    block_of_.assign(s_.coordinates.size(), -1);
+    for (Index b = 0; b < blocks_.size(); ++b) {
+      for (const Index u : blocks_.unknowns_of(b)) block_of_[idx(u)] = b;
+    }
     group_of_block_.assign(idx(blocks_.size()), -1);
     stale_.assign(idx(blocks_.size()), 0);
     for (const Draft& draft : form_groups(s_, blocks_, Formulation::groups)) {
@@ -177,7 +180,6 @@ class Mechanism {
         group_of_block_[idx(b)] = static_cast<Index>(groups_.size());
       }
       std::sort(m.unknowns.begin(), m.unknowns.end());
-      for (const Index u : m.unknowns) group_of_[idx(u)] = static_cast<Index>(groups_.size());
       groups_.push_back(std::move(m));
     }
     is_assembled_.assign(groups_.size(), true);
@@ -350,16 +352,22 @@ class Mechanism {
   // True if q_ solves the equations of the group, but is no posture of the mechanism. Compares only what the group and
   // the groups before it determine.
   [[nodiscard]] bool is_excluded(const Members& m) const {
-    const std::vector<Index> after = later(m.blocks);
-    std::vector<std::uint8_t> own(s_.coordinates.size(), 0), unknown_yet(s_.coordinates.size(), 0);
-    for (const Index u : m.unknowns) own[idx(u)] = 1;
-    for (const Index b : after) {
-      for (const Index u : blocks_.unknowns_of(b)) unknown_yet[idx(u)] = 1;
-    }
+    const auto group = static_cast<Index>(&m - groups_.data());
+    std::vector<std::uint8_t> after;  // blocks; computed when it is needed, for large scenes
+    const auto is_known = [&](Index c) {
+      if (after.empty()) {
+        after.assign(idx(blocks_.size()), 0);
+        for (const Index b : later(m.blocks)) after[idx(b)] = 1;
+      }
+      return block_of_[idx(c)] < 0 || after[idx(block_of_[idx(c)])] == 0;
+    };
     const auto is_judged = [&](const std::vector<Index>& coordinates) {
-      const auto in = [](const std::vector<std::uint8_t>& set) { return [&set](Index c) { return set[idx(c)] != 0; }; };
-      return std::any_of(coordinates.begin(), coordinates.end(), in(own)) &&
-             std::none_of(coordinates.begin(), coordinates.end(), in(unknown_yet));
+      const auto is_own = [&](Index c) {
+        const Index b = block_of_[idx(c)];
+        return b >= 0 && group_of_block_[idx(b)] == group;
+      };
+      return std::any_of(coordinates.begin(), coordinates.end(), is_own) &&
+             std::all_of(coordinates.begin(), coordinates.end(), is_known);
     };
     const auto add_form = [&](Index form, std::vector<Index>& to) {
       for (const Term& t : s_.form(form)) to.push_back(t.coordinate);
@@ -373,7 +381,7 @@ class Mechanism {
       }
     }
     for (const Positive& p : s_.positive) {
-      if (own[idx(p.coordinate)] != 0 && !(q_[idx(p.coordinate)] > 0)) return true;
+      if (is_judged({p.coordinate}) && !(q_[idx(p.coordinate)] > 0)) return true;
     }
     for (const DriverInput& in : s_.inputs) {
       reads.clear();
@@ -401,7 +409,7 @@ class Mechanism {
   std::vector<Index> checks_;  // redundant equations
   std::vector<double> q_;      // all coordinates, internal units
   std::vector<Members> groups_;
-  std::vector<Index> group_of_;        // coordinates -> groups_; -1: known
+  std::vector<Index> block_of_;        // coordinates -> blocks; -1: known
   std::vector<Index> group_of_block_;  // blocks -> groups_
   std::vector<std::uint8_t> stale_;    // blocks: 1 if a block that it reads was moved to another mode
   std::vector<bool> is_assembled_;     // groups_

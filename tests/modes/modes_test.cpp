@@ -408,6 +408,60 @@ TEST(Modes, LaterGroupsFollowAChoice) {
   }
 }
 
+TEST(Modes, ChosenModesHoldInEveryFormulation) {
+  for (const std::string file : {"slider_crank", "three_rps", "excavator"}) {
+    const Scene scene = read_scene(ASSUR_SOURCE_DIR "/scenes/" + file + ".json").with_outputs({"all"});
+    const std::vector<AssemblyModes> all = assembly_modes(scene);
+    const AssemblyModes& m = all.front();
+    ASSERT_GE(m.modes.size(), 2u) << file;
+    for (const std::string strategy : {"auto", "groups/lanes", "global/eigen", "irreducible/eigen"}) {
+      for (std::size_t k = 0; k < std::min<std::size_t>(m.modes.size(), 4); ++k) {
+        Prepared prepared;
+        try {
+          prepared = prepare_in_modes(scene, {{m.group, k}}, {.strategy = strategy});
+        } catch (const Error& e) {  // a later group has no posture in this mode
+          EXPECT_EQ(e.kind(), Error::Kind::numerical) << file << ' ' << e.what();
+          EXPECT_GT(k, 0u) << file << ' ' << e.what();
+          continue;
+        }
+        Simulator simulator(prepared);
+        const Trajectory motion = simulator.run(std::vector<double>{scene.time().start});
+        ASSERT_EQ(motion.rows(), 1u);
+        for (std::size_t j = 0; j < m.unknowns.size(); ++j) {
+          EXPECT_NEAR(motion.last(m.unknowns[j]), m.modes[k].values[j], 1e-13) << file << ' ' << strategy << ' ' << k;
+        }
+      }
+    }
+  }
+}
+
+// E reaches C in the mode of the guess only.
+TEST(Modes, LaterGroupsWithoutAPostureAreNamed) {
+  const Scene scene = SceneBuilder("reach", 2)
+                          .fixed_point("A", {0, 0})
+                          .fixed_point("D", {2, 0})
+                          .fixed_point("F", {1, 3})
+                          .point("C", {1, 1})
+                          .point("E", {2, 2})
+                          .constrain("left", Distance{"A", "C", std::sqrt(2.0)})
+                          .constrain("right", Distance{"D", "C", std::sqrt(2.0)})
+                          .constrain("up", Distance{"C", "E", std::sqrt(2.0)})
+                          .constrain("down", Distance{"F", "E", std::sqrt(2.0)})
+                          .build();
+  EXPECT_EQ(prepare_in_modes(scene, {{"C", 0}, {"E", 1}}).structure->cannot_assemble, "");
+  try {
+    (void)prepare_in_modes(scene, {{"C", 1}});
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind(), Error::Kind::numerical);
+    EXPECT_STREQ(e.what(), "group E cannot be assembled in the chosen modes; choose others");
+  }
+  const std::vector<AssemblyModes> all = assembly_modes(scene, {{"C", 1}});
+  ASSERT_EQ(all.size(), 2u);
+  EXPECT_TRUE(all[1].modes.empty());
+  EXPECT_EQ(all[1].not_real, 2);
+}
+
 // A redundant rod holds in one mode only: the antiparallelogram breaks it.
 TEST(Modes, RedundantEquationsExcludeModes) {
   const AssemblyModes m = assembly_modes(sample("parallelograms:1"), "B1");
