@@ -14,6 +14,7 @@
 #include "decimal.hpp"
 #include "index.hpp"
 #include "scene/gear.hpp"
+#include "scene/levels_of_unknowns.hpp"
 #include "scene/names.hpp"
 #include "scene/triple.hpp"
 
@@ -27,12 +28,20 @@ constexpr double kWellApart = 0.1;       // sine of the angle between the direct
 constexpr double kSomewhatApart = 1e-6;  // and of any base
 
 constexpr int kNobody = -1;
+constexpr Index kLast = std::numeric_limits<Index>::max();
 
 Triple unit(const Triple& a) { return triple::scale(1 / triple::norm(a), a); }
 Triple minus(const Triple& a, const Triple& b) { return triple::subtract(a, b); }
 double sine(const Triple& a, const Triple& b) {
   return triple::norm(triple::cross(a, b)) / (triple::norm(a) * triple::norm(b));
 }
+
+template <class... Visitors>
+struct Overloaded : Visitors... {
+  using Visitors::operator()...;
+};
+template <class... Visitors>
+Overloaded(Visitors...) -> Overloaded<Visitors...>;
 
 // A unit vector perpendicular to an axis and to the coordinate axis that is farthest from it.
 Triple across(const Triple& axis, int dimension) {
@@ -58,6 +67,7 @@ struct Feature {
   Home home = Home::nowhere;
   int solid = kNobody;  // the solid whose member it is; kNobody: it has its own unknowns
   int from = kNobody;   // the solid whose member it was as written
+  Index level = kLast;  // lowest level of the solids that have it in their base
 };
 
 // Bodies that fixed joints connect: one rigid solid.
@@ -65,6 +75,7 @@ struct Solid {
   std::vector<std::size_t> bodies;  // indices; the ground may have none
   bool is_ground = false;
   int based = kNobody;                // the body that has a base of its own
+  Index level = 0;                    // of its unknowns: those of higher levels follow from it
   std::vector<std::size_t> features;  // without repetition
 
   [[nodiscard]] bool is_rigid() const { return is_ground || based >= 0; }
@@ -101,6 +112,7 @@ class Expansion {
     place_slides();
     share_sides();
     place_angles();
+    set_levels();
     for (std::size_t s = 0; s < solids_.size(); ++s) {
       if (solids_[s].is_rigid()) settle(s, own_base(s));
     }
@@ -674,7 +686,8 @@ class Expansion {
 
   // ---- bases
 
-  // Solids with many features come first, because their neighbours use these members.
+  // Solids that can be solved first come first, so that no base consists of members that are solved later. Among these,
+  // solids with many features come first, because their neighbours use these members.
   [[nodiscard]] std::vector<std::size_t> order() const {
     std::vector<std::size_t> all;
     for (std::size_t s = 0; s < solids_.size(); ++s) {
@@ -684,19 +697,154 @@ class Expansion {
       return std::count_if(solids_[s].features.begin(), solids_[s].features.end(),
                            [&](std::size_t f) { return !features_[f].fixed && features_[f].wanted; });
     };
-    std::stable_sort(all.begin(), all.end(), [&](std::size_t a, std::size_t b) { return moving(a) > moving(b); });
+    std::vector<std::pair<Index, std::ptrdiff_t>> key(solids_.size());
+    for (const std::size_t s : all) key[s] = {solids_[s].level, -moving(s)};
+    std::stable_sort(all.begin(), all.end(), [&](std::size_t a, std::size_t b) { return key[a] < key[b]; });
     return all;
   }
 
-  [[nodiscard]] int rank(const Feature& f) const {
-    return f.fixed ? 0 : f.driven ? 1 : f.solid != kNobody ? 2 : f.wanted ? 3 : 4;
+  // Sets the levels of solids, from a graph of their freedoms, first translations, then rotations. Points and vectors that
+  // belong to no solid have freedoms, too. A joint reads those of both its bodies.
+  void set_levels() {
+    const Index along = p_.dimension, turns = in_space() ? 3 : 1;
+    std::vector<std::vector<Index>> equations;
+    std::vector<Index> first(solids_.size()), of_feature(features_.size(), kNobody);
+    Index unknowns = 0;
+    for (std::size_t s = 0; s < solids_.size(); ++s) {
+      first[s] = unknowns;
+      if (!solids_[s].is_ground) unknowns += along + turns;
+      for (const std::size_t f : solids_[s].features) {
+        if (of_feature[f] == kNobody || solids_[s].is_ground) of_feature[f] = static_cast<Index>(s);
+      }
+    }
+    std::map<std::size_t, Index> loose;  // features: first unknown
+    const auto read_solid = [&](std::vector<Index>& reads, int s, bool turns_only) {
+      if (solids_[idx(s)].is_ground) return;
+      for (Index k = turns_only ? along : 0; k < along + turns; ++k) reads.push_back(first[idx(s)] + k);
+    };
+    const auto require = [&](Index count, const std::vector<Index>& reads) {
+      if (!reads.empty()) equations.insert(equations.end(), idx(count), reads);
+    };
+    const auto connect = [&](const Joint& j, Index count, bool turns_only) {
+      const auto [a, b] = bodies_of(j);
+      std::vector<Index> reads;
+      read_solid(reads, solid(a), turns_only), read_solid(reads, solid(b), turns_only);
+      require(count, reads);
+    };
+    for (const Joint& j : p_.joints) {
+      // Equations of translations and rotations in space, in the order of the kinds.
+      static constexpr std::pair<Index, Index> kCounts[] = {{3, 2}, {2, 3}, {2, 2}, {3, 0}, {3, 1}, {1, 2}, {0, 0}};
+      const bool slides = std::holds_alternative<Prismatic>(j.kind), fixes = std::holds_alternative<Fixed>(j.kind);
+      const auto [ways, angles] = in_space() ? kCounts[j.kind.index()]
+                                  : slides   ? std::pair<Index, Index>{1, 1}
+                                  : fixes    ? std::pair<Index, Index>{0, 0}
+                                             : std::pair<Index, Index>{2, 0};
+      connect(j, angles, true), connect(j, ways, false);
+    }
+    // `name`: of a point or vector, also with a coordinate, or the displacement of a joint.
+    const auto read = [&](std::vector<Index>& reads, const std::string& name) {
+      if (const auto j = joint_of_.find(name.substr(0, name.find('.')));
+          j != joint_of_.end() && name.find(".slide.") != std::string::npos) {
+        const auto [a, b] = bodies_of(*j->second);
+        return read_solid(reads, solid(a), false), read_solid(reads, solid(b), false);
+      }
+      const auto found = feature_of_.find(name.substr(0, name.find('.')));
+      if (found == feature_of_.end() || features_[found->second].fixed) return;
+      const Feature& f = features_[found->second];
+      if (const Index s = of_feature[found->second]; s != kNobody) return read_solid(reads, s, !f.is_point);
+      const auto [at, is_new] = loose.emplace(found->second, unknowns);
+      if (is_new) unknowns += along;
+      for (Index k = 0; k < along; ++k) reads.push_back(at->second + k);
+      if (is_new && !f.is_point) require(1, reads);
+    };
+    const auto require_of = [&](Index count, std::initializer_list<const std::string*> names) {
+      std::vector<Index> reads;
+      for (const std::string* name : names) read(reads, *name);
+      require(count, reads);
+    };
+    for (const Constraint& c : p_.constraints) {
+      c.visit(Overloaded{[&](const Distance& k) {
+                           require_of(1, {&k.p, &k.q});
+                         },
+                         [&](const EqualDistance& k) {
+                           require_of(1, {&k.p, &k.q, &k.r, &k.s});
+                         },
+                         [&](const Dot& k) {
+                           require_of(1, {&k.d.first, &k.d.second, &k.e.first, &k.e.second});
+                         },
+                         [&](const Parallel& k) {
+                           require_of(along - 1, {&k.d.first, &k.d.second, &k.e.first, &k.e.second});
+                         },
+                         [&](const Linear& k) {
+                           std::vector<Index> reads;
+                           for (const auto& term : k.terms) read(reads, term.first);
+                           require(along, reads);
+                         },
+                         [&](const FixedCoordinate& k) { require_of(1, {&k.coordinate}); },
+                         [&](const OnLine& k) {
+                           require_of(along - 1, {&k.p, &k.a, &k.d.first, &k.d.second});
+                         },
+                         [&](const OnPlane& k) {
+                           require_of(along - 2, {&k.p, &k.a, &k.d.first, &k.d.second, &k.e.first, &k.e.second});
+                         },
+                         [&](const Gear&) {},  // below
+                         [&](const Callback& k) {
+                           std::vector<Index> reads;
+                           for (const std::string& name : k.coordinates) read(reads, name);
+                           require(k.equations, reads);
+                         }});
+    }
+    for (const Geared& g : geared_) {
+      std::vector<Index> reads;
+      for (const Coordinate& side : g.sides) {
+        const auto [a, b] = bodies_of(*side.joint);
+        read_solid(reads, solid(a), side.is_angle), read_solid(reads, solid(b), side.is_angle);
+      }
+      require(1, reads);
+    }
+    std::set<const Driver*> of_joints;
+    for (const auto& [driver, of] : driven_) {
+      of_joints.insert(driver);
+      connect(*of.joint, 1, of.is_angle);
+    }
+    for (const Driver& d : p_.drivers) {
+      std::visit(Overloaded{[&](const PointAngle& k) {
+                              require_of(1, {&k.a, &k.b});
+                            },
+                            [&](const RelativeAngle& k) {
+                              require_of(1, {&k.d.first, &k.d.second, &k.e.first, &k.e.second});
+                            },
+                            [&](const DrivenDistance& k) {
+                              require_of(1, {&k.a, &k.b});
+                            },
+                            [&](const DrivenCoordinate& k) {
+                              if (of_joints.count(&d) == 0) require_of(1, {&k.coordinate});
+                            },
+                            [&](const Pose& k) {
+                              std::vector<Index> reads;
+                              if (body_of_.count(k.body) != 0) read_solid(reads, solid(k.body), false);
+                              require(along + turns, reads);
+                            }},
+                 d.kind);
+    }
+    const std::vector<Index> level = levels_of_unknowns(unknowns, equations);
+    for (std::size_t s = 0; s < solids_.size(); ++s) {
+      if (solids_[s].is_ground) continue;
+      const auto own = level.begin() + first[s];
+      solids_[s].level = *std::max_element(own, own + along + turns);
+    }
+  }
+
+  [[nodiscard]] static int rank(const Feature& f, Index level) {
+    return f.fixed ? 0 : f.driven ? 1 : f.solid != kNobody || f.level < level ? 2 : f.wanted ? 3 : 4;
   }
 
   void choose_base(std::size_t s) {
     Solid& solid = solids_[s];
     std::vector<std::size_t> all = solid.features;
-    std::stable_sort(all.begin(), all.end(),
-                     [&](std::size_t a, std::size_t b) { return rank(features_[a]) < rank(features_[b]); });
+    std::stable_sort(all.begin(), all.end(), [&](std::size_t a, std::size_t b) {
+      return rank(features_[a], solid.level) < rank(features_[b], solid.level);
+    });
     const auto first = std::find_if(all.begin(), all.end(), [&](std::size_t i) { return features_[i].is_point; });
     Body& body = p_.bodies[solid.bodies.front()];
     if (first == all.end()) {
@@ -749,6 +897,8 @@ class Expansion {
   void settle(std::size_t s, const std::vector<std::size_t>& base) {
     const int self = static_cast<int>(s);
     based_on_[self] = base;
+    const Index level = solids_[s].level;
+    for (const std::size_t i : base) features_[i].level = std::min(features_[i].level, level);
     for (const std::size_t i : solids_[s].features) {
       Feature& f = features_[i];
       if (std::find(base.begin(), base.end(), i) != base.end() || f.solid == self) continue;
@@ -760,7 +910,8 @@ class Expansion {
           continue;
         }
       }
-      if (self != ground_ && !f.fixed && !f.driven && f.solid == kNobody && may_determine(self, i)) {
+      const bool is_free = !f.fixed && !f.driven && f.solid == kNobody && f.level >= level;
+      if (self != ground_ && is_free && may_determine(self, i)) {
         f.solid = self;
       } else {
         ties_.push_back({i, self});
