@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <set>
 #include <string_view>
 #include <unordered_map>
@@ -67,7 +68,7 @@ struct Feature {
   Home home = Home::nowhere;
   int solid = kNobody;  // the solid whose member it is; kNobody: it has its own unknowns
   int from = kNobody;   // the solid whose member it was as written
-  Index level = kLast;  // lowest level of the solids that have it in their base
+  Index level = kLast;  // lowest level of the solids that have it
 };
 
 // Bodies that fixed joints connect: one rigid solid.
@@ -75,10 +76,11 @@ struct Solid {
   std::vector<std::size_t> bodies;  // indices; the ground may have none
   bool is_ground = false;
   int based = kNobody;                // the body that has a base of its own
-  Index level = 0;                    // of its unknowns: those of higher levels follow from it
+  Index level = 0, turn_level = 0;    // of its position and of its rotation: others of higher levels follow from these
   std::vector<std::size_t> features;  // without repetition
 
   [[nodiscard]] bool is_rigid() const { return is_ground || based >= 0; }
+  [[nodiscard]] Index level_of(const Feature& f) const { return f.is_point ? level : turn_level; }
 };
 
 // A joint that slides: a point of the second body on a line or plane of the first one.
@@ -703,16 +705,35 @@ class Expansion {
     return all;
   }
 
-  // Sets the levels of solids, from a graph of their freedoms, first translations, then rotations. Points and vectors that
-  // belong to no solid have freedoms, too. A joint reads those of both its bodies.
+  // Number of rotations in space that anything depends on: fewer than 3 if all features are on one line.
+  [[nodiscard]] Index turns_of(const Solid& s) const {
+    if (s.is_rigid()) return 3;
+    const auto point =
+        std::find_if(s.features.begin(), s.features.end(), [&](std::size_t i) { return features_[i].is_point; });
+    if (point == s.features.end()) return 3;
+    const Triple at = features_[*point].at;
+    std::optional<Triple> along;
+    for (const std::size_t i : s.features) {
+      const Feature& f = features_[i];
+      if (f.is_point && is_same(f.at, at)) continue;
+      const Triple way = f.is_point ? unit(minus(f.at, at)) : f.at;
+      if (!along) along = way;
+      if (!is_on_line(f, at, *along)) return 3;
+    }
+    return along ? 2 : 0;
+  }
+
+  // Sets the levels of solids, from a graph of their freedoms, first translations, then rotations. Points and vectors
+  // that belong to no solid have freedoms, too. A joint reads those of both its bodies.
   void set_levels() {
     const Index along = p_.dimension, turns = in_space() ? 3 : 1;
     std::vector<std::vector<Index>> equations;
-    std::vector<Index> first(solids_.size()), of_feature(features_.size(), kNobody);
+    std::vector<Index> first(solids_.size()), end(solids_.size()), of_feature(features_.size(), kNobody);
     Index unknowns = 0;
     for (std::size_t s = 0; s < solids_.size(); ++s) {
       first[s] = unknowns;
-      if (!solids_[s].is_ground) unknowns += along + turns;
+      if (!solids_[s].is_ground) unknowns += along + (in_space() ? turns_of(solids_[s]) : turns);
+      end[s] = unknowns;
       for (const std::size_t f : solids_[s].features) {
         if (of_feature[f] == kNobody || solids_[s].is_ground) of_feature[f] = static_cast<Index>(s);
       }
@@ -720,7 +741,7 @@ class Expansion {
     std::map<std::size_t, Index> loose;  // features: first unknown
     const auto read_solid = [&](std::vector<Index>& reads, int s, bool turns_only) {
       if (solids_[idx(s)].is_ground) return;
-      for (Index k = turns_only ? along : 0; k < along + turns; ++k) reads.push_back(first[idx(s)] + k);
+      for (Index u = first[idx(s)] + (turns_only ? along : 0); u < end[idx(s)]; ++u) reads.push_back(u);
     };
     const auto require = [&](Index count, const std::vector<Index>& reads) {
       if (!reads.empty()) equations.insert(equations.end(), idx(count), reads);
@@ -735,10 +756,13 @@ class Expansion {
       // Equations of translations and rotations in space, in the order of the kinds.
       static constexpr std::pair<Index, Index> kCounts[] = {{3, 2}, {2, 3}, {2, 2}, {3, 0}, {3, 1}, {1, 2}, {0, 0}};
       const bool slides = std::holds_alternative<Prismatic>(j.kind), fixes = std::holds_alternative<Fixed>(j.kind);
-      const auto [ways, angles] = in_space() ? kCounts[j.kind.index()]
-                                  : slides   ? std::pair<Index, Index>{1, 1}
-                                  : fixes    ? std::pair<Index, Index>{0, 0}
-                                             : std::pair<Index, Index>{2, 0};
+      auto [ways, angles] = in_space() ? kCounts[j.kind.index()]
+                            : slides   ? std::pair<Index, Index>{1, 1}
+                            : fixes    ? std::pair<Index, Index>{0, 0}
+                                       : std::pair<Index, Index>{2, 0};
+      const auto [a, b] = bodies_of(j);
+      const auto is_rod = [&](const std::string& body) { return turns_of(solids_[idx(solid(body))]) < turns; };
+      if (in_space() && slides && (is_rod(a) || is_rod(b))) angles = 2;  // see share_sides()
       connect(j, angles, true), connect(j, ways, false);
     }
     // `name`: of a point or vector, also with a coordinate, or the displacement of a joint.
@@ -830,20 +854,26 @@ class Expansion {
     const std::vector<Index> level = levels_of_unknowns(unknowns, equations);
     for (std::size_t s = 0; s < solids_.size(); ++s) {
       if (solids_[s].is_ground) continue;
-      const auto own = level.begin() + first[s];
-      solids_[s].level = *std::max_element(own, own + along + turns);
+      const auto own = level.begin() + first[s], last = level.begin() + end[s];
+      solids_[s].level = *std::max_element(own, last);
+      solids_[s].turn_level = last == own + along ? 0 : *std::max_element(own + along, last);
+    }
+    for (const Solid& s : solids_) {
+      for (const std::size_t f : s.features)
+        features_[f].level = std::min(features_[f].level, s.level_of(features_[f]));
     }
   }
 
-  [[nodiscard]] static int rank(const Feature& f, Index level) {
-    return f.fixed ? 0 : f.driven ? 1 : f.solid != kNobody || f.level < level ? 2 : f.wanted ? 3 : 4;
+  // Features that are known before the solid come first.
+  [[nodiscard]] static int rank(const Feature& f, const Solid& s) {
+    return f.fixed ? 0 : f.driven ? 1 : f.level < s.level_of(f) ? 2 : f.solid != kNobody ? 3 : f.wanted ? 4 : 5;
   }
 
   void choose_base(std::size_t s) {
     Solid& solid = solids_[s];
     std::vector<std::size_t> all = solid.features;
     std::stable_sort(all.begin(), all.end(), [&](std::size_t a, std::size_t b) {
-      return rank(features_[a], solid.level) < rank(features_[b], solid.level);
+      return rank(features_[a], solid) < rank(features_[b], solid);
     });
     const auto first = std::find_if(all.begin(), all.end(), [&](std::size_t i) { return features_[i].is_point; });
     Body& body = p_.bodies[solid.bodies.front()];
@@ -897,8 +927,6 @@ class Expansion {
   void settle(std::size_t s, const std::vector<std::size_t>& base) {
     const int self = static_cast<int>(s);
     based_on_[self] = base;
-    const Index level = solids_[s].level;
-    for (const std::size_t i : base) features_[i].level = std::min(features_[i].level, level);
     for (const std::size_t i : solids_[s].features) {
       Feature& f = features_[i];
       if (std::find(base.begin(), base.end(), i) != base.end() || f.solid == self) continue;
@@ -910,7 +938,7 @@ class Expansion {
           continue;
         }
       }
-      const bool is_free = !f.fixed && !f.driven && f.solid == kNobody && f.level >= level;
+      const bool is_free = !f.fixed && !f.driven && f.solid == kNobody && f.level >= solids_[s].level_of(f);
       if (self != ground_ && is_free && may_determine(self, i)) {
         f.solid = self;
       } else {

@@ -102,6 +102,7 @@ class JointMechanism : public std::enable_shared_from_this<JointMechanism> {
     std::string name;
     int unit = kNoUnit;
     std::vector<std::pair<std::string, Triple>> tracers = {};
+    bool spins = false;      // it may turn about itself, so that nothing can be attached to it
     bool has_frame = false;  // its own origin and frame, for a driver of its pose
     std::string origin = {};
     std::vector<std::string> frame = {};
@@ -157,7 +158,7 @@ class JointMechanism : public std::enable_shared_from_this<JointMechanism> {
     return solids_.size() - 1;
   }
   std::size_t rod(const Triple& middle) {
-    solids_.push_back({fresh(), units(), {{fresh(), middle}}});
+    solids_.push_back({fresh(), units(), {{fresh(), middle}}, true});
     return solids_.size() - 1;
   }
   std::size_t platform() {
