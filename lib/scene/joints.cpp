@@ -14,6 +14,7 @@
 
 #include "decimal.hpp"
 #include "index.hpp"
+#include "numbers.hpp"
 #include "scene/gear.hpp"
 #include "scene/levels_of_unknowns.hpp"
 #include "scene/names.hpp"
@@ -24,6 +25,7 @@ namespace {
 
 constexpr std::string_view kGround = "ground";
 constexpr double kSame = 1e-9;           // relative: two places or directions are one
+constexpr double kExactly = 16 * kEps;   // the same but for rounding
 constexpr double kSquare = 1e-6;         // largest dot product of the axes of a universal joint, as of frames
 constexpr double kWellApart = 0.1;       // sine of the angle between the directions of a good base
 constexpr double kSomewhatApart = 1e-6;  // and of any base
@@ -112,8 +114,8 @@ class Expansion {
     share_features();
     if (!findings_.empty()) return give_up();
     place_slides();
-    share_sides();
     place_angles();
+    share_sides();
     set_levels();
     for (std::size_t s = 0; s < solids_.size(); ++s) {
       if (solids_[s].is_rigid()) settle(s, own_base(s));
@@ -180,8 +182,12 @@ class Expansion {
       if (root(i) == root(k) && a == b) {
         report(where(j), "both bodies are " + in_quotes(a) + "; a joint connects two different bodies");
       }
-      if (std::holds_alternative<Fixed>(j.kind)) parent[root(i)] = root(k) == count ? count : root(k);
-      if (std::holds_alternative<Fixed>(j.kind) && root(count) != count) parent[count] = count;
+      if (!std::holds_alternative<Fixed>(j.kind)) continue;
+      if (root(i) == count) {  // the ground stays the root of its solid
+        parent[root(k)] = count;
+      } else {
+        parent[root(i)] = root(k);
+      }
     }
     solid_of_.assign(count + 1, kNobody);
     for (std::size_t i = 0; i <= count; ++i) {
@@ -439,14 +445,14 @@ class Expansion {
 
   // ---- sliding
 
-  [[nodiscard]] bool is_same(const Triple& a, const Triple& b) const {
-    return triple::norm(minus(a, b)) <= kSame * std::max(triple::norm(a), triple::norm(b));
+  [[nodiscard]] bool is_same(const Triple& a, const Triple& b, double share = kSame) const {
+    return triple::norm(minus(a, b)) <= share * std::max(triple::norm(a), triple::norm(b));
   }
-  [[nodiscard]] bool is_on_line(const Feature& f, const Triple& at, const Triple& axis) const {
-    if (!f.is_point) return sine(f.at, axis) <= kSame;
+  [[nodiscard]] bool is_on_line(const Feature& f, const Triple& at, const Triple& axis, double share = kSame) const {
+    if (!f.is_point) return sine(f.at, axis) <= share;
     const Triple off = minus(f.at, at);
     return triple::norm(off) == 0 ||
-           triple::norm(triple::cross(off, axis)) <= kSame * std::max(triple::norm(off), triple::norm(f.at));
+           triple::norm(triple::cross(off, axis)) <= share * std::max(triple::norm(off), triple::norm(f.at));
   }
 
   // The sliding point belongs to the second body; takes an existing point if possible.
@@ -484,17 +490,41 @@ class Expansion {
     }
   }
 
-  // A prismatic joint keeps a second direction, unless one of its bodies has only points on one line.
+  // A prismatic joint keeps a second direction, unless nothing depends on it: a body whose features are all on the line
+  // of the joint may turn, if it does not lead the turn of one body to another.
   void share_sides() {
-    for (const Slide& s : slides_) {
-      if (s.turns || !in_space()) continue;
+    std::vector<int> parent(solids_.size());  // joined: rods that turn together
+    std::iota(parent.begin(), parent.end(), 0);
+    const auto root = [&](int i) {
+      while (parent[idx(i)] != i) i = parent[idx(i)] = parent[idx(parent[idx(i)])];
+      return i;
+    };
+    const auto is_rod = [&](const Slide& s, int solid) {
+      const Solid& of = solids_[idx(solid)];
       const Triple axis = features_[s.axis].at, at = features_[s.point].at;
-      const auto off_line = [&](int solid) {
-        const Solid& of = solids_[idx(solid)];
-        return of.is_rigid() || std::any_of(of.features.begin(), of.features.end(),
-                                            [&](std::size_t i) { return !is_on_line(features_[i], at, axis); });
-      };
-      if (!off_line(s.a) || !off_line(s.b)) continue;
+      return !of.is_rigid() && std::all_of(of.features.begin(), of.features.end(),
+                                           [&](std::size_t i) { return is_on_line(features_[i], at, axis); });
+    };
+    const auto keeps_direction = [&](const Slide& s) { return !s.turns && in_space(); };
+    for (const Slide& s : slides_) {
+      if (keeps_direction(s) && is_rod(s, s.a) && is_rod(s, s.b)) parent[idx(root(s.a))] = root(s.b);
+    }
+    std::map<int, std::set<int>> ends;  // of joined rods: the other solids on prismatic joints
+    for (const Slide& s : slides_) {
+      if (!keeps_direction(s)) continue;
+      const bool a = is_rod(s, s.a), b = is_rod(s, s.b);
+      if (a && !b) ends[root(s.a)].insert(s.b);
+      if (b && !a) ends[root(s.b)].insert(s.a);
+    }
+    std::vector<const Slide*> sided;
+    for (const Slide& s : slides_) {
+      if (!keeps_direction(s)) continue;
+      const bool a = is_rod(s, s.a), b = is_rod(s, s.b);
+      if ((!a && !b) || ends[root(a ? s.a : s.b)].size() > 1) sided.push_back(&s);
+    }
+    for (const Slide* const slide : sided) {
+      const Slide& s = *slide;
+      const Triple axis = features_[s.axis].at;
       const auto side = [&](int solid) {
         const auto& of = solids_[idx(solid)].features;
         return std::find_if(of.begin(), of.end(), [&](std::size_t i) {
@@ -931,12 +961,10 @@ class Expansion {
       Feature& f = features_[i];
       if (std::find(base.begin(), base.end(), i) != base.end() || f.solid == self) continue;
       if (self == ground_ && f.fixed) continue;
-      if (rests(base, f)) {
-        if (f.fixed) continue;
-        if (f.solid == kNobody && !f.driven) {
-          f.fixed = true;
-          continue;
-        }
+      if (f.fixed && rests(base, f, kSame)) continue;
+      if (f.solid == kNobody && !f.driven && rests(base, f, kExactly)) {
+        f.fixed = true;
+        continue;
       }
       const bool is_free = !f.fixed && !f.driven && f.solid == kNobody && f.level >= solids_[s].level_of(f);
       if (self != ground_ && is_free && may_determine(self, i)) {
@@ -948,13 +976,13 @@ class Expansion {
   }
 
   // True if the body cannot move this feature: it lies on an axis of the ground.
-  [[nodiscard]] bool rests(const std::vector<std::size_t>& base, const Feature& f) const {
+  [[nodiscard]] bool rests(const std::vector<std::size_t>& base, const Feature& f, double share) const {
     if (base.empty() || !features_[base[0]].fixed) return false;
     const Feature& origin = features_[base[0]];
-    if (f.is_point && is_same(f.at, origin.at)) return true;
+    if (f.is_point && is_same(f.at, origin.at, share)) return true;
     if (base.size() < 2 || !features_[base[1]].fixed) return false;
     const Feature& second = features_[base[1]];
-    return is_on_line(f, origin.at, second.is_point ? unit(minus(second.at, origin.at)) : second.at);
+    return is_on_line(f, origin.at, second.is_point ? unit(minus(second.at, origin.at)) : second.at, share);
   }
 
   // False if a solid that stands on this feature determines, perhaps through others, the base of this solid.
