@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <set>
 #include <string_view>
 #include <unordered_map>
@@ -13,7 +14,9 @@
 
 #include "decimal.hpp"
 #include "index.hpp"
+#include "numbers.hpp"
 #include "scene/gear.hpp"
+#include "scene/levels_of_unknowns.hpp"
 #include "scene/names.hpp"
 #include "scene/triple.hpp"
 
@@ -22,17 +25,26 @@ namespace {
 
 constexpr std::string_view kGround = "ground";
 constexpr double kSame = 1e-9;           // relative: two places or directions are one
+constexpr double kExactly = 16 * kEps;   // the same but for rounding
 constexpr double kSquare = 1e-6;         // largest dot product of the axes of a universal joint, as of frames
 constexpr double kWellApart = 0.1;       // sine of the angle between the directions of a good base
 constexpr double kSomewhatApart = 1e-6;  // and of any base
 
 constexpr int kNobody = -1;
+constexpr Index kLast = std::numeric_limits<Index>::max();
 
 Triple unit(const Triple& a) { return triple::scale(1 / triple::norm(a), a); }
 Triple minus(const Triple& a, const Triple& b) { return triple::subtract(a, b); }
 double sine(const Triple& a, const Triple& b) {
   return triple::norm(triple::cross(a, b)) / (triple::norm(a) * triple::norm(b));
 }
+
+template <class... Visitors>
+struct Overloaded : Visitors... {
+  using Visitors::operator()...;
+};
+template <class... Visitors>
+Overloaded(Visitors...) -> Overloaded<Visitors...>;
 
 // A unit vector perpendicular to an axis and to the coordinate axis that is farthest from it.
 Triple across(const Triple& axis, int dimension) {
@@ -58,6 +70,7 @@ struct Feature {
   Home home = Home::nowhere;
   int solid = kNobody;  // the solid whose member it is; kNobody: it has its own unknowns
   int from = kNobody;   // the solid whose member it was as written
+  Index level = kLast;  // lowest level of the solids that have it
 };
 
 // Bodies that fixed joints connect: one rigid solid.
@@ -65,9 +78,11 @@ struct Solid {
   std::vector<std::size_t> bodies;  // indices; the ground may have none
   bool is_ground = false;
   int based = kNobody;                // the body that has a base of its own
+  Index level = 0, turn_level = 0;    // of its position and of its rotation: others of higher levels follow from these
   std::vector<std::size_t> features;  // without repetition
 
   [[nodiscard]] bool is_rigid() const { return is_ground || based >= 0; }
+  [[nodiscard]] Index level_of(const Feature& f) const { return f.is_point ? level : turn_level; }
 };
 
 // A joint that slides: a point of the second body on a line or plane of the first one.
@@ -99,8 +114,9 @@ class Expansion {
     share_features();
     if (!findings_.empty()) return give_up();
     place_slides();
-    share_sides();
     place_angles();
+    share_sides();
+    set_levels();
     for (std::size_t s = 0; s < solids_.size(); ++s) {
       if (solids_[s].is_rigid()) settle(s, own_base(s));
     }
@@ -166,8 +182,12 @@ class Expansion {
       if (root(i) == root(k) && a == b) {
         report(where(j), "both bodies are " + in_quotes(a) + "; a joint connects two different bodies");
       }
-      if (std::holds_alternative<Fixed>(j.kind)) parent[root(i)] = root(k) == count ? count : root(k);
-      if (std::holds_alternative<Fixed>(j.kind) && root(count) != count) parent[count] = count;
+      if (!std::holds_alternative<Fixed>(j.kind)) continue;
+      if (root(i) == count) {  // the ground stays the root of its solid
+        parent[root(k)] = count;
+      } else {
+        parent[root(i)] = root(k);
+      }
     }
     solid_of_.assign(count + 1, kNobody);
     for (std::size_t i = 0; i <= count; ++i) {
@@ -425,14 +445,14 @@ class Expansion {
 
   // ---- sliding
 
-  [[nodiscard]] bool is_same(const Triple& a, const Triple& b) const {
-    return triple::norm(minus(a, b)) <= kSame * std::max(triple::norm(a), triple::norm(b));
+  [[nodiscard]] bool is_same(const Triple& a, const Triple& b, double share = kSame) const {
+    return triple::norm(minus(a, b)) <= share * std::max(triple::norm(a), triple::norm(b));
   }
-  [[nodiscard]] bool is_on_line(const Feature& f, const Triple& at, const Triple& axis) const {
-    if (!f.is_point) return sine(f.at, axis) <= kSame;
+  [[nodiscard]] bool is_on_line(const Feature& f, const Triple& at, const Triple& axis, double share = kSame) const {
+    if (!f.is_point) return sine(f.at, axis) <= share;
     const Triple off = minus(f.at, at);
     return triple::norm(off) == 0 ||
-           triple::norm(triple::cross(off, axis)) <= kSame * std::max(triple::norm(off), triple::norm(f.at));
+           triple::norm(triple::cross(off, axis)) <= share * std::max(triple::norm(off), triple::norm(f.at));
   }
 
   // The sliding point belongs to the second body; takes an existing point if possible.
@@ -470,17 +490,41 @@ class Expansion {
     }
   }
 
-  // A prismatic joint keeps a second direction, unless one of its bodies has only points on one line.
+  // A prismatic joint keeps a second direction, unless nothing depends on it: a body whose features are all on the line
+  // of the joint may turn, if it does not lead the turn of one body to another.
   void share_sides() {
-    for (const Slide& s : slides_) {
-      if (s.turns || !in_space()) continue;
+    std::vector<int> parent(solids_.size());  // joined: rods that turn together
+    std::iota(parent.begin(), parent.end(), 0);
+    const auto root = [&](int i) {
+      while (parent[idx(i)] != i) i = parent[idx(i)] = parent[idx(parent[idx(i)])];
+      return i;
+    };
+    const auto is_rod = [&](const Slide& s, int solid) {
+      const Solid& of = solids_[idx(solid)];
       const Triple axis = features_[s.axis].at, at = features_[s.point].at;
-      const auto off_line = [&](int solid) {
-        const Solid& of = solids_[idx(solid)];
-        return of.is_rigid() || std::any_of(of.features.begin(), of.features.end(),
-                                            [&](std::size_t i) { return !is_on_line(features_[i], at, axis); });
-      };
-      if (!off_line(s.a) || !off_line(s.b)) continue;
+      return !of.is_rigid() && std::all_of(of.features.begin(), of.features.end(),
+                                           [&](std::size_t i) { return is_on_line(features_[i], at, axis); });
+    };
+    const auto keeps_direction = [&](const Slide& s) { return !s.turns && in_space(); };
+    for (const Slide& s : slides_) {
+      if (keeps_direction(s) && is_rod(s, s.a) && is_rod(s, s.b)) parent[idx(root(s.a))] = root(s.b);
+    }
+    std::map<int, std::set<int>> ends;  // of joined rods: the other solids on prismatic joints
+    for (const Slide& s : slides_) {
+      if (!keeps_direction(s)) continue;
+      const bool a = is_rod(s, s.a), b = is_rod(s, s.b);
+      if (a && !b) ends[root(s.a)].insert(s.b);
+      if (b && !a) ends[root(s.b)].insert(s.a);
+    }
+    std::vector<const Slide*> sided;
+    for (const Slide& s : slides_) {
+      if (!keeps_direction(s)) continue;
+      const bool a = is_rod(s, s.a), b = is_rod(s, s.b);
+      if ((!a && !b) || ends[root(a ? s.a : s.b)].size() > 1) sided.push_back(&s);
+    }
+    for (const Slide* const slide : sided) {
+      const Slide& s = *slide;
+      const Triple axis = features_[s.axis].at;
       const auto side = [&](int solid) {
         const auto& of = solids_[idx(solid)].features;
         return std::find_if(of.begin(), of.end(), [&](std::size_t i) {
@@ -674,7 +718,8 @@ class Expansion {
 
   // ---- bases
 
-  // Solids with many features come first, because their neighbours use these members.
+  // Solids that can be solved first come first, so that no base consists of members that are solved later. Among these,
+  // solids with many features come first, because their neighbours use these members.
   [[nodiscard]] std::vector<std::size_t> order() const {
     std::vector<std::size_t> all;
     for (std::size_t s = 0; s < solids_.size(); ++s) {
@@ -684,19 +729,182 @@ class Expansion {
       return std::count_if(solids_[s].features.begin(), solids_[s].features.end(),
                            [&](std::size_t f) { return !features_[f].fixed && features_[f].wanted; });
     };
-    std::stable_sort(all.begin(), all.end(), [&](std::size_t a, std::size_t b) { return moving(a) > moving(b); });
+    std::vector<std::pair<Index, std::ptrdiff_t>> key(solids_.size());
+    for (const std::size_t s : all) key[s] = {solids_[s].level, -moving(s)};
+    std::stable_sort(all.begin(), all.end(), [&](std::size_t a, std::size_t b) { return key[a] < key[b]; });
     return all;
   }
 
-  [[nodiscard]] int rank(const Feature& f) const {
-    return f.fixed ? 0 : f.driven ? 1 : f.solid != kNobody ? 2 : f.wanted ? 3 : 4;
+  // Number of rotations in space that anything depends on: fewer than 3 if all features are on one line.
+  [[nodiscard]] Index turns_of(const Solid& s) const {
+    if (s.is_rigid()) return 3;
+    const auto point =
+        std::find_if(s.features.begin(), s.features.end(), [&](std::size_t i) { return features_[i].is_point; });
+    if (point == s.features.end()) return 3;
+    const Triple at = features_[*point].at;
+    std::optional<Triple> along;
+    for (const std::size_t i : s.features) {
+      const Feature& f = features_[i];
+      if (f.is_point && is_same(f.at, at)) continue;
+      const Triple way = f.is_point ? unit(minus(f.at, at)) : f.at;
+      if (!along) along = way;
+      if (!is_on_line(f, at, *along)) return 3;
+    }
+    return along ? 2 : 0;
+  }
+
+  // Sets the levels of solids, from a graph of their freedoms, first translations, then rotations. Points and vectors
+  // that belong to no solid have freedoms, too. A joint reads those of both its bodies.
+  void set_levels() {
+    const Index along = p_.dimension, turns = in_space() ? 3 : 1;
+    std::vector<std::vector<Index>> equations;
+    std::vector<Index> first(solids_.size()), end(solids_.size()), of_feature(features_.size(), kNobody);
+    Index unknowns = 0;
+    for (std::size_t s = 0; s < solids_.size(); ++s) {
+      first[s] = unknowns;
+      if (!solids_[s].is_ground) unknowns += along + (in_space() ? turns_of(solids_[s]) : turns);
+      end[s] = unknowns;
+      for (const std::size_t f : solids_[s].features) {
+        if (of_feature[f] == kNobody || solids_[s].is_ground) of_feature[f] = static_cast<Index>(s);
+      }
+    }
+    std::map<std::size_t, Index> loose;  // features: first unknown
+    const auto read_solid = [&](std::vector<Index>& reads, int s, bool turns_only) {
+      if (solids_[idx(s)].is_ground) return;
+      for (Index u = first[idx(s)] + (turns_only ? along : 0); u < end[idx(s)]; ++u) reads.push_back(u);
+    };
+    const auto require = [&](Index count, const std::vector<Index>& reads) {
+      if (!reads.empty()) equations.insert(equations.end(), idx(count), reads);
+    };
+    const auto connect = [&](const Joint& j, Index count, bool turns_only) {
+      const auto [a, b] = bodies_of(j);
+      std::vector<Index> reads;
+      read_solid(reads, solid(a), turns_only), read_solid(reads, solid(b), turns_only);
+      require(count, reads);
+    };
+    for (const Joint& j : p_.joints) {
+      // Equations of translations and rotations in space, in the order of the kinds.
+      static constexpr std::pair<Index, Index> kCounts[] = {{3, 2}, {2, 3}, {2, 2}, {3, 0}, {3, 1}, {1, 2}, {0, 0}};
+      const bool slides = std::holds_alternative<Prismatic>(j.kind), fixes = std::holds_alternative<Fixed>(j.kind);
+      auto [ways, angles] = in_space() ? kCounts[j.kind.index()]
+                            : slides   ? std::pair<Index, Index>{1, 1}
+                            : fixes    ? std::pair<Index, Index>{0, 0}
+                                       : std::pair<Index, Index>{2, 0};
+      const auto [a, b] = bodies_of(j);
+      const auto is_rod = [&](const std::string& body) { return turns_of(solids_[idx(solid(body))]) < turns; };
+      if (in_space() && slides && (is_rod(a) || is_rod(b))) angles = 2;  // see share_sides()
+      connect(j, angles, true), connect(j, ways, false);
+    }
+    // `name`: of a point or vector, also with a coordinate, or the displacement of a joint.
+    const auto read = [&](std::vector<Index>& reads, const std::string& name) {
+      if (const auto j = joint_of_.find(name.substr(0, name.find('.')));
+          j != joint_of_.end() && name.find(".slide.") != std::string::npos) {
+        const auto [a, b] = bodies_of(*j->second);
+        return read_solid(reads, solid(a), false), read_solid(reads, solid(b), false);
+      }
+      const auto found = feature_of_.find(name.substr(0, name.find('.')));
+      if (found == feature_of_.end() || features_[found->second].fixed) return;
+      const Feature& f = features_[found->second];
+      if (const Index s = of_feature[found->second]; s != kNobody) return read_solid(reads, s, !f.is_point);
+      const auto [at, is_new] = loose.emplace(found->second, unknowns);
+      if (is_new) unknowns += along;
+      for (Index k = 0; k < along; ++k) reads.push_back(at->second + k);
+      if (is_new && !f.is_point) require(1, reads);
+    };
+    const auto require_of = [&](Index count, std::initializer_list<const std::string*> names) {
+      std::vector<Index> reads;
+      for (const std::string* name : names) read(reads, *name);
+      require(count, reads);
+    };
+    for (const Constraint& c : p_.constraints) {
+      c.visit(Overloaded{[&](const Distance& k) {
+                           require_of(1, {&k.p, &k.q});
+                         },
+                         [&](const EqualDistance& k) {
+                           require_of(1, {&k.p, &k.q, &k.r, &k.s});
+                         },
+                         [&](const Dot& k) {
+                           require_of(1, {&k.d.first, &k.d.second, &k.e.first, &k.e.second});
+                         },
+                         [&](const Parallel& k) {
+                           require_of(along - 1, {&k.d.first, &k.d.second, &k.e.first, &k.e.second});
+                         },
+                         [&](const Linear& k) {
+                           std::vector<Index> reads;
+                           for (const auto& term : k.terms) read(reads, term.first);
+                           require(along, reads);
+                         },
+                         [&](const FixedCoordinate& k) { require_of(1, {&k.coordinate}); },
+                         [&](const OnLine& k) {
+                           require_of(along - 1, {&k.p, &k.a, &k.d.first, &k.d.second});
+                         },
+                         [&](const OnPlane& k) {
+                           require_of(along - 2, {&k.p, &k.a, &k.d.first, &k.d.second, &k.e.first, &k.e.second});
+                         },
+                         [&](const Gear&) {},  // below
+                         [&](const Callback& k) {
+                           std::vector<Index> reads;
+                           for (const std::string& name : k.coordinates) read(reads, name);
+                           require(k.equations, reads);
+                         }});
+    }
+    for (const Geared& g : geared_) {
+      std::vector<Index> reads;
+      for (const Coordinate& side : g.sides) {
+        const auto [a, b] = bodies_of(*side.joint);
+        read_solid(reads, solid(a), side.is_angle), read_solid(reads, solid(b), side.is_angle);
+      }
+      require(1, reads);
+    }
+    std::set<const Driver*> of_joints;
+    for (const auto& [driver, of] : driven_) {
+      of_joints.insert(driver);
+      connect(*of.joint, 1, of.is_angle);
+    }
+    for (const Driver& d : p_.drivers) {
+      std::visit(Overloaded{[&](const PointAngle& k) {
+                              require_of(1, {&k.a, &k.b});
+                            },
+                            [&](const RelativeAngle& k) {
+                              require_of(1, {&k.d.first, &k.d.second, &k.e.first, &k.e.second});
+                            },
+                            [&](const DrivenDistance& k) {
+                              require_of(1, {&k.a, &k.b});
+                            },
+                            [&](const DrivenCoordinate& k) {
+                              if (of_joints.count(&d) == 0) require_of(1, {&k.coordinate});
+                            },
+                            [&](const Pose& k) {
+                              std::vector<Index> reads;
+                              if (body_of_.count(k.body) != 0) read_solid(reads, solid(k.body), false);
+                              require(along + turns, reads);
+                            }},
+                 d.kind);
+    }
+    const std::vector<Index> level = levels_of_unknowns(unknowns, equations);
+    for (std::size_t s = 0; s < solids_.size(); ++s) {
+      if (solids_[s].is_ground) continue;
+      const auto own = level.begin() + first[s], last = level.begin() + end[s];
+      solids_[s].level = *std::max_element(own, last);
+      solids_[s].turn_level = last == own + along ? 0 : *std::max_element(own + along, last);
+    }
+    for (const Solid& s : solids_) {
+      for (const std::size_t f : s.features)
+        features_[f].level = std::min(features_[f].level, s.level_of(features_[f]));
+    }
+  }
+
+  // Features that are known before the solid come first.
+  [[nodiscard]] static int rank(const Feature& f, const Solid& s) {
+    return f.fixed ? 0 : f.driven ? 1 : f.level < s.level_of(f) ? 2 : f.solid != kNobody ? 3 : f.wanted ? 4 : 5;
   }
 
   void choose_base(std::size_t s) {
     Solid& solid = solids_[s];
     std::vector<std::size_t> all = solid.features;
-    std::stable_sort(all.begin(), all.end(),
-                     [&](std::size_t a, std::size_t b) { return rank(features_[a]) < rank(features_[b]); });
+    std::stable_sort(all.begin(), all.end(), [&](std::size_t a, std::size_t b) {
+      return rank(features_[a], solid) < rank(features_[b], solid);
+    });
     const auto first = std::find_if(all.begin(), all.end(), [&](std::size_t i) { return features_[i].is_point; });
     Body& body = p_.bodies[solid.bodies.front()];
     if (first == all.end()) {
@@ -753,14 +961,13 @@ class Expansion {
       Feature& f = features_[i];
       if (std::find(base.begin(), base.end(), i) != base.end() || f.solid == self) continue;
       if (self == ground_ && f.fixed) continue;
-      if (rests(base, f)) {
-        if (f.fixed) continue;
-        if (f.solid == kNobody && !f.driven) {
-          f.fixed = true;
-          continue;
-        }
+      if (f.fixed && rests(base, f, kSame)) continue;
+      if (f.solid == kNobody && !f.driven && rests(base, f, kExactly)) {
+        f.fixed = true;
+        continue;
       }
-      if (self != ground_ && !f.fixed && !f.driven && f.solid == kNobody && may_determine(self, i)) {
+      const bool is_free = !f.fixed && !f.driven && f.solid == kNobody && f.level >= solids_[s].level_of(f);
+      if (self != ground_ && is_free && may_determine(self, i)) {
         f.solid = self;
       } else {
         ties_.push_back({i, self});
@@ -769,13 +976,13 @@ class Expansion {
   }
 
   // True if the body cannot move this feature: it lies on an axis of the ground.
-  [[nodiscard]] bool rests(const std::vector<std::size_t>& base, const Feature& f) const {
+  [[nodiscard]] bool rests(const std::vector<std::size_t>& base, const Feature& f, double share) const {
     if (base.empty() || !features_[base[0]].fixed) return false;
     const Feature& origin = features_[base[0]];
-    if (f.is_point && is_same(f.at, origin.at)) return true;
+    if (f.is_point && is_same(f.at, origin.at, share)) return true;
     if (base.size() < 2 || !features_[base[1]].fixed) return false;
     const Feature& second = features_[base[1]];
-    return is_on_line(f, origin.at, second.is_point ? unit(minus(second.at, origin.at)) : second.at);
+    return is_on_line(f, origin.at, second.is_point ? unit(minus(second.at, origin.at)) : second.at, share);
   }
 
   // False if a solid that stands on this feature determines, perhaps through others, the base of this solid.
