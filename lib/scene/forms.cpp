@@ -4,9 +4,13 @@
 #include <cmath>
 
 #include "index.hpp"
+#include "numbers.hpp"
 #include "scene/triple.hpp"
 
 namespace assur {
+namespace {
+constexpr double kLocalRounding = 8 * kEps;  // of local coordinates
+}
 
 // A number with its rounding error. Far from the origin, the sum of a fixed point and an offset on its body loses the
 // last digits of the offset, which a difference with another point nearby needs.
@@ -111,7 +115,11 @@ void Forms::append(Terms& terms, Index f, Index factor) {
     } else if (t.coordinate != kOne && cancels()) {
       terms.erase(same);
     } else {
-      same->constant = internal_constant(exact(same->constant) + exact(c));
+      // A coefficient that is only rounding is zero: two members may be at one place of their body.
+      const Exact a = exact(same->constant), b = exact(c), sum = a + b;
+      const bool is_rounding = t.coordinate != kOne &&
+                               std::abs(sum.value) <= kLocalRounding * std::max(std::abs(a.value), std::abs(b.value));
+      same->constant = internal_constant(is_rounding ? Exact{} : sum);
     }
   }
 }

@@ -479,5 +479,22 @@ TEST(Joints, RandomLoopsKeepBodiesRigid) {
   EXPECT_GT(moved, 120);
 }
 
+// The slide cannot move: a hinge joins it to the same arm. Its equations hold whatever the arm does.
+TEST(Joints, ASlideThatRestsOnItsArmTurnsWithIt) {
+  for (const double degrees : {0.0, 15.0, 33.0, 90.0, 141.0}) {
+    SCOPED_TRACE(degrees);
+    const double angle = degrees * kTurn / 360;
+    SceneBuilder builder("locked", 2);
+    builder.add(Body{"arm"}).add(Body{"slide"});
+    builder.joint("base", Revolute{"arm", "ground", Triple{0, 0, 0}});
+    builder.joint("P", Prismatic{"slide", "arm", Triple{std::cos(angle), std::sin(angle), 0}});
+    builder.joint("R", Revolute{"arm", "slide", Triple{0.3, -0.2, 0}});
+    builder.drive("motor", DrivenCoordinate{"base.angle", Law::polynomial({0, kTurn})}).time(0, 1, 0.01);
+    const test::Result run = test::run(builder.build());
+    EXPECT_EQ(run.report().status.code, Code::ok);
+    EXPECT_LE(run.report().error.position, 1e-14);
+  }
+}
+
 }  // namespace
 }  // namespace assur
