@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "index.hpp"
+#include "numbers.hpp"
 #include "scene/drive.hpp"
 #include "scene/names.hpp"
 #include "scene/triple.hpp"
@@ -185,7 +186,8 @@ std::optional<Mismatch> mismatch(const System& s, const DriverInput& in, std::sp
   if (in.kind == Kind::scalar) {
     double size = 0;
     (void)scalar(s, in, q, size);
-    if (std::abs(off[0]) <= slack * (size * s.unit(in.dimension) + std::abs(wanted[0]))) return {};
+    const double rounding = 16 * kEps * s.unit(in.dimension);  // a coordinate may be 0 but for rounding
+    if (std::abs(off[0]) <= slack * (size * s.unit(in.dimension) + std::abs(wanted[0])) + rounding) return {};
     return Mismatch{in.must_not_vanish ? "distance" : "coordinate", has[0], wanted[0], in.dimension == 1 ? "m" : ""};
   }
   if (in.kind == Kind::direction) {

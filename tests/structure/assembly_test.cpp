@@ -210,6 +210,23 @@ TEST(StartNotes, ReportLawsThatDisagreeWithThePosture) {
   }
 }
 
+// A coordinate that another program computed as 0 has the value of its rounding.
+TEST(StartNotes, DoNotReportRounding) {
+  const auto notes = [](double y) {
+    return structure(SceneBuilder("slide", 2)
+                         .fixed_point("A", {-3, 0})
+                         .point("B", {1, y})
+                         .constrain("x", FixedCoordinate{"B.x", 1})
+                         .drive("motor", DrivenCoordinate{"B.y", Law::constant(0)})
+                         .time(0, 1, 0.1)
+                         .build(),
+                     groups)
+        .notes;
+  };
+  EXPECT_EQ(notes(-2e-17).size(), 0u);
+  EXPECT_EQ(notes(1e-12).size(), 1u);
+}
+
 // Two rods are too short. The closest P is between A and B, and both rods are violated equally.
 TEST(ClosestPosture, SharesTheViolationAmongTheConstraints) {
   const Scene scene = SceneBuilder("short", 2)
