@@ -3,14 +3,13 @@
 // solvers.
 #pragma once
 
-#include <Eigen/Dense>
-#include <Eigen/SparseLU>
 #include <array>
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <span>
 #include <vector>
 
 #include "assur/plan.hpp"
+#include "decompositions.hpp"
 #include "scene/system.hpp"
 #include "structure/blocks.hpp"
 #include "structure/dense_block.hpp"

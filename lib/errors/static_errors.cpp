@@ -1,9 +1,9 @@
 #include "errors/static_errors.hpp"
 
-#include <Eigen/SparseLU>
 #include <algorithm>
 #include <cmath>
 
+#include "decompositions.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
 #include "scene/residual_scale.hpp"

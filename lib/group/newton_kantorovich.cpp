@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "decompositions.hpp"
 #include "group/ball.hpp"
 #include "numbers.hpp"
 

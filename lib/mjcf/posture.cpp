@@ -1,11 +1,11 @@
 // Forward kinematics of the tree, and the postures in which its loops close.
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
 
 #include "decimal.hpp"
+#include "decompositions.hpp"
 #include "mjcf/model.hpp"
 
 namespace assur::mjcf {

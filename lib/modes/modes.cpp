@@ -1,13 +1,12 @@
 #include "assur/modes.hpp"
 
-#include <Eigen/LU>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
 #include <optional>
 
+#include "decompositions.hpp"
 #include "index.hpp"
 #include "modes/homotopy.hpp"
 #include "modes/quadratics.hpp"

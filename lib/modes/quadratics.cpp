@@ -1,8 +1,8 @@
 #include "modes/quadratics.hpp"
 
-#include <Eigen/SVD>
 #include <cmath>
 
+#include "decompositions.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
 

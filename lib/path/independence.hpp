@@ -6,12 +6,12 @@
 // 17, 1996).
 #pragma once
 
-#include <Eigen/LU>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "assur/structure.hpp"
+#include "decompositions.hpp"
 #include "scene/system.hpp"
 
 namespace assur {

@@ -1,11 +1,10 @@
 #include "structure/assembly.hpp"
 
-#include <Eigen/SVD>
 #include <Eigen/SparseCholesky>
-#include <Eigen/SparseLU>
 #include <cmath>
 #include <limits>
 
+#include "decompositions.hpp"
 #include "numbers.hpp"
 #include "structure/dense_block.hpp"
 

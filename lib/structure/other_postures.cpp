@@ -1,6 +1,5 @@
 #include "structure/other_postures.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -8,6 +7,7 @@
 #include <random>
 
 #include "decimal.hpp"
+#include "decompositions.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
 #include "structure/assembly.hpp"

@@ -1,9 +1,9 @@
 #include "structure/rank.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <set>
 
+#include "decompositions.hpp"
 #include "numbers.hpp"
 #include "structure/assembly.hpp"
 #include "structure/dense_block.hpp"

@@ -1,6 +1,5 @@
 #include "structure/start.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <iterator>
 #include <numbers>
@@ -11,6 +10,7 @@
 #include <utility>
 
 #include "decimal.hpp"
+#include "decompositions.hpp"
 #include "index.hpp"
 #include "scene/own_values.hpp"
 #include "scene/residual_scale.hpp"

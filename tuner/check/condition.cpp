@@ -1,11 +1,11 @@
 #include "check/condition.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <span>
 #include <vector>
 
+#include "decompositions.hpp"
 #include "scene/system.hpp"
 
 namespace assur {

@@ -1,6 +1,5 @@
 #include "check/matrices.hpp"
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -8,6 +7,7 @@
 
 #include "assur/backend.hpp"
 #include "backends/refined.hpp"
+#include "decompositions.hpp"
 #include "numbers.hpp"
 
 namespace assur::check {

@@ -2,12 +2,12 @@
 // continuation, and long double for the compared rows. It is slow and simple, and the reference of the random search.
 #pragma once
 
-#include <Eigen/Dense>
 #include <functional>
 #include <string>
 #include <vector>
 
 #include "check/plain_equations.hpp"
+#include "decompositions.hpp"
 
 namespace assur::check {
 
