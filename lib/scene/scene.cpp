@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "decimal.hpp"
-#include "scene/joints.hpp"
+#include "scene/joints/joints.hpp"
 #include "scene/names.hpp"
 #include "scene/poses.hpp"
 #include "scene/triple.hpp"

@@ -1,0 +1,162 @@
+#include "scene/joints/expansion.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "decimal.hpp"
+#include "scene/gear.hpp"
+
+namespace assur::joints {
+
+Expansion::Coordinate Expansion::coordinate(const std::string& text, const Where& at) {
+  const std::size_t dot = text.find('.');
+  if (dot == std::string::npos) return {};
+  const std::string name = text.substr(0, dot);
+  const auto found = joint_of_.find(name);
+  if (found == joint_of_.end()) return {};
+  const Joint* const j = found->second;
+  const std::string part = text.substr(dot + 1, text.find('.', dot + 1) - dot - 1);
+  if (part != "angle" && part != "displacement") return {};
+  const bool angle = part == "angle", cylinder = std::holds_alternative<Cylindrical>(j->kind);
+  const bool has = angle ? cylinder || std::holds_alternative<Revolute>(j->kind)
+                         : cylinder || std::holds_alternative<Prismatic>(j->kind);
+  if (!has) {
+    report(at, "joint " + in_quotes(name) + " is " + std::string(kind_of(*j)) + " and has no " + part);
+    return {};
+  }
+  return {j, angle};
+}
+
+void Expansion::read_coordinates() {
+  for (Driver& d : p_.drivers) {
+    if (const auto* c = std::get_if<DrivenCoordinate>(&d.kind)) {
+      const Where here = Where("/drivers") / d.name;
+      const Coordinate of = coordinate(c->coordinate, here / "coordinate");
+      if (of.joint != nullptr) driven_.emplace_back(&d, of);
+    }
+  }
+  for (Measure& m : p_.measures) {
+    if (const auto* c = std::get_if<MeasuredCoordinate>(&m.kind)) {
+      const Coordinate of = coordinate(c->coordinate, Where("/measures") / m.name / "coordinate");
+      if (of.joint != nullptr) measured_.emplace_back(&m, of);
+    }
+  }
+  for (std::size_t c = 0; c < p_.constraints.size(); ++c) {
+    if (const auto* gear = p_.constraints[c].as<Gear>()) read_gear(c, *gear);
+  }
+  for (std::size_t i = 0; i < p_.outputs.size(); ++i) {
+    const Coordinate of = coordinate(p_.outputs[i], Where("/outputs") / i);
+    if (of.joint != nullptr) asked_.insert(of.joint->name + (of.is_angle ? ".angle" : ".displacement"));
+  }
+}
+
+void Expansion::read_gear(std::size_t constraint, const Gear& gear) {
+  const Where here = Where("/constraints") / p_.constraints[constraint].name;
+  Geared g{constraint, {}, gear.ratio};
+  for (std::size_t side = 0; side < 2; ++side) {
+    const std::string& name = side == 0 ? gear.a : gear.b;
+    const std::size_t before = findings_.size();
+    g.sides[side] = coordinate(name, here / "gear" / side);
+    const bool is_part = name.find('.') != name.rfind('.');
+    if (g.sides[side].joint != nullptr && !is_part) continue;
+    if (findings_.size() == before) {
+      report(here / "gear" / side,
+             in_quotes(name) + " is no coordinate of a joint; write JOINT.angle or JOINT.displacement");
+    }
+    return;
+  }
+  if (gear.a == gear.b) return report(here / "gear", "both coordinates are " + in_quotes(gear.a));
+  if (!std::isfinite(gear.ratio) || gear.ratio == 0) {
+    return report(here / "ratio", "the ratio is " + general(gear.ratio, 6) + "; it must be finite and not 0");
+  }
+  if (g.sides[0].is_angle && g.sides[1].is_angle && !whole_ratio(gear.ratio)) {
+    return report(here / "ratio",
+                  "the ratio of two angles is that of whole numbers up to 1000, as of teeth, within "
+                  "1e-9; " +
+                      general(gear.ratio, 10) + " is not");
+  }
+  geared_.push_back(g);
+}
+
+void Expansion::place_angles() {
+  for (const auto& [driver, of] : driven_) {
+    if (of.is_angle) drive_angle(*driver, *of.joint);
+  }
+  for (const auto& [measure, of] : measured_) {
+    if (of.is_angle) between(*of.joint);
+  }
+  for (const Geared& g : geared_) {
+    for (const Coordinate& side : g.sides) {
+      if (side.is_angle) between(*side.joint);
+    }
+  }
+  for (const Joint& j : p_.joints) {
+    if (asked_.count(j.name + ".angle") != 0) between(j);
+  }
+}
+
+void Expansion::drive_angle(const Driver& d, const Joint& j) {
+  const auto* r = std::get_if<Revolute>(&j.kind);
+  const auto [a, b] = bodies_of(j);
+  Solid& turned = solids_[idx(solid(b))];
+  if (r == nullptr || solid(a) != ground_ || turned.is_rigid()) return (void)between(j);
+  const std::size_t centre = point_of(*r, j);
+  const Triple at = features_[centre].at, axis = in_space() ? features_[axis_of_.at(&j)].at : Triple{0, 0, 1};
+  const auto serves = [&](std::size_t i) {
+    const Feature& f = features_[i];
+    return f.is_point && !f.fixed && !f.driven && f.solid == kNobody && !is_same(f.at, at) && !is_on_line(f, at, axis);
+  };
+  auto arm = std::find_if(turned.features.begin(), turned.features.end(), serves);
+  if (arm == turned.features.end()) {
+    put_on(solid(b),
+           add({j.name + ".arm", true, triple::add(at, triple::scale(arm_length(at), across(axis, p_.dimension)))}));
+    arm = turned.features.end() - 1;
+  }
+  features_[*arm].driven = features_[*arm].wanted = true;
+  arms_.emplace(&d, std::pair(centre, *arm));
+}
+
+std::size_t Expansion::point_of(const Revolute& r, const Joint& j) const {
+  const auto* given = std::get_if<std::string>(&r.at);
+  return feature_of_.at(given != nullptr ? *given : j.name);
+}
+
+double Expansion::arm_length(const Triple& at) const {
+  std::vector<double> lengths;
+  for (const Feature& f : features_) {
+    if (f.is_point && !is_same(f.at, at)) lengths.push_back(triple::norm(minus(f.at, at)));
+  }
+  if (lengths.empty()) return 1;
+  std::nth_element(lengths.begin(), lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2), lengths.end());
+  return lengths[lengths.size() / 2];
+}
+
+Triple Expansion::arm_direction(int solid, const Triple& axis) const {
+  const Feature* first = nullptr;
+  for (const std::size_t i : solids_[idx(solid)].features) {
+    const Feature& f = features_[i];
+    if (!f.is_point || !f.wanted) continue;
+    if (first == nullptr) {
+      first = &f;
+      continue;
+    }
+    const Triple way = minus(f.at, first->at), off = minus(way, triple::scale(triple::dot(way, axis), axis));
+    if (triple::norm(off) > kWellApart * triple::norm(way)) return unit(off);
+  }
+  return across(axis, p_.dimension);
+}
+
+void Expansion::between(const Joint& j) {
+  const auto [a, b] = bodies_of(j);
+  if (feature_of_.count(j.name + ".from") != 0) return;
+  const Triple axis = in_space() ? features_[axis_of_.at(&j)].at : Triple{0, 0, 1};
+  const Triple at = arm_direction(solid(b), axis);
+  for (const auto& [body, name] : {std::pair(&a, ".from"), std::pair(&b, ".to")}) {
+    Feature f{j.name + name, false, at};
+    f.wanted = false;
+    share(j, where(j), solid(*body), add(std::move(f)));
+  }
+}
+
+}  // namespace assur::joints

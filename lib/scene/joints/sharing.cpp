@@ -1,0 +1,208 @@
+#include "scene/joints/expansion.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "decimal.hpp"
+
+namespace assur::joints {
+
+std::size_t Expansion::anchor(const Joint& j, std::string_view key, const Anchor& a, bool is_point, std::string name,
+                              std::initializer_list<int> solids) {
+  std::size_t feature = 0;
+  const Where here = where(j) / key;
+  if (const auto* given = std::get_if<std::string>(&a)) {
+    const auto found = feature_of_.find(*given);
+    if (found == feature_of_.end() || features_[found->second].is_point != is_point) {
+      std::vector<std::string_view> names;
+      for (const Feature& f : features_) {
+        if (f.is_point == is_point) names.push_back(f.name);
+      }
+      report(here, std::string("there is no ") + (is_point ? "point " : "unit vector ") + in_quotes(*given) +
+                       known_instead(*given, names));
+      return add({std::move(name), is_point, {1, 0, 0}});
+    }
+    feature = found->second;
+    features_[feature].wanted = true;
+  } else {
+    Triple at = std::get<Triple>(a);
+    if (!triple::is_finite(at)) {
+      report(here, "the coordinates must be finite");
+      at = {1, 0, 0};
+    } else if (!is_point && triple::norm(at) == 0) {
+      report(here, std::string(key == "normal" ? "the normal" : "the axis") +
+                       " is zero or missing; give a direction, e.g. [0, 0, 1]");
+      at = {1, 0, 0};
+    } else if (!in_space() && at[2] != 0) {
+      report(here, "a plane scene has no z; write 0 or leave it out");
+    }
+    feature = add({std::move(name), is_point, is_point ? at : unit(at)});
+  }
+  for (const int s : solids) share(j, here, s, feature);
+  return feature;
+}
+
+void Expansion::share(const Joint& j, const Where& here, int s, std::size_t feature) {
+  Feature& f = features_[feature];
+  if (s == ground_ && !f.fixed && f.home == Feature::Home::scene) {
+    report(here, in_quotes(f.name) + " is not fixed, but joint " + in_quotes(j.name) + " connects it to the ground");
+  }
+  f.fixed = f.fixed || (s == ground_ && f.solid == kNobody);
+  put_on(s, feature);
+  put_there_by_.emplace(std::pair(s, feature), &j);
+}
+
+void Expansion::share_features() {
+  for (const Joint& j : p_.joints) {
+    const auto [a, b] = bodies_of(j);
+    if (body_of_.count(a) + body_of_.count(b) + (a == kGround) + (b == kGround) < 2) continue;
+    const int sa = solid(a), sb = solid(b);
+    if (sa == sb && a != b && !std::holds_alternative<Fixed>(j.kind)) {
+      report(where(j), in_quotes(a) + " and " + in_quotes(b) + " are fixed to each other; remove this joint");
+    }
+    if (sa == sb) continue;
+    const bool for_space = j.kind.index() != 0 && j.kind.index() != 1 && !std::holds_alternative<Fixed>(j.kind);
+    if (!in_space() && for_space) {
+      report(where(j) / kind_of(j),
+             std::string(kind_of(j)) + " joints are for 3D; in the plane there are revolute, prismatic and fixed");
+      continue;
+    }
+    std::visit([&](const auto& kind) { share(j, kind, sa, sb); }, j.kind);
+  }
+}
+
+void Expansion::share(const Joint& j, const Revolute& r, int a, int b) {
+  anchor(j, "at", r.at, true, j.name, {a, b});
+  const auto* axis = std::get_if<Triple>(&r.axis);
+  if (in_space()) {
+    axis_of_[&j] = anchor(j, "axis", r.axis, false, j.name + ".axis", {a, b});
+  } else if (axis == nullptr || *axis != Triple{}) {
+    report(where(j) / "axis", "in the plane every axis is the normal; leave \"axis\" out");
+  }
+}
+
+void Expansion::share(const Joint& j, const Prismatic& r, int a, int b) {
+  axis_of_[&j] = anchor(j, "axis", r.axis, false, j.name + ".axis", {a, b});
+  slides_.push_back({&j, a, b, axis_of_[&j]});
+}
+
+void Expansion::share(const Joint& j, const Cylindrical& r, int a, int b) {
+  axis_of_[&j] = anchor(j, "axis", r.axis, false, j.name + ".axis", {a, b});
+  slides_.push_back({&j, a, b, axis_of_[&j], false, true, &r.at});
+}
+
+void Expansion::share(const Joint& j, const Universal& r, int a, int b) {
+  anchor(j, "at", r.at, true, j.name, {a, b});
+  const std::size_t d = anchor(j, "axes/0", r.axis_a, false, j.name + ".axis_a", {a});
+  const std::size_t e = anchor(j, "axes/1", r.axis_b, false, j.name + ".axis_b", {b});
+  const double cosine = triple::dot(features_[d].at, features_[e].at);
+  if (d == e || !(std::abs(cosine) <= kSquare)) {
+    report(where(j) / "axes",
+           "the axes have the dot product " + general(cosine, 6) + "; those of a universal joint are at right angles");
+  }
+  crossings_.push_back({&j, d, e});
+}
+
+void Expansion::share(const Joint& j, const Planar& r, int a, int b) {
+  const std::size_t n = anchor(j, "normal", r.normal, false, j.name + ".normal", {a, b});
+  slides_.push_back({&j, a, b, n, true, true});
+}
+
+bool Expansion::is_on_line(const Feature& f, const Triple& at, const Triple& axis, double share) const {
+  if (!f.is_point) return sine(f.at, axis) <= share;
+  const Triple off = minus(f.at, at);
+  return triple::norm(off) == 0 ||
+         triple::norm(triple::cross(off, axis)) <= share * std::max(triple::norm(off), triple::norm(f.at));
+}
+
+void Expansion::place_slides() {
+  for (Slide& s : slides_) {
+    const Joint& j = *s.joint;
+    const Triple axis = features_[s.axis].at;
+    Solid& second = solids_[idx(s.b)];
+    std::size_t given = features_.size();
+    Triple at{};
+    if (s.at != nullptr) {
+      given = anchor(j, "at", *s.at, true, j.name, {});
+      at = features_[given].at;
+    }
+    const auto serves = [&](std::size_t i) {
+      const Feature& f = features_[i];
+      return f.is_point && f.wanted && (s.at == nullptr || is_on_line(f, at, axis));
+    };
+    const auto own = std::find_if(second.features.begin(), second.features.end(), serves);
+    if (own != second.features.end()) {
+      s.point = *own;
+    } else {
+      if (s.at == nullptr) {
+        const auto& others = solids_[idx(s.a)].features;
+        const auto point =
+            std::find_if(others.begin(), others.end(), [&](std::size_t i) { return features_[i].is_point; });
+        if (point != others.end()) at = features_[*point].at;
+        given = add({j.name, true, at});
+      }
+      s.point = given;
+      share(j, where(j), s.b, given);
+    }
+    s.origin = add({j.name + ".origin", true, features_[s.point].at});
+    share(j, where(j), s.a, s.origin);
+  }
+}
+
+void Expansion::share_sides() {
+  std::vector<int> parent(solids_.size());  // joined: rods that turn together
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](int i) {
+    while (parent[idx(i)] != i) i = parent[idx(i)] = parent[idx(parent[idx(i)])];
+    return i;
+  };
+  const auto is_rod = [&](const Slide& s, int solid) {
+    const Solid& of = solids_[idx(solid)];
+    const Triple axis = features_[s.axis].at, at = features_[s.point].at;
+    return !of.is_rigid() && std::all_of(of.features.begin(), of.features.end(),
+                                         [&](std::size_t i) { return is_on_line(features_[i], at, axis); });
+  };
+  const auto keeps_direction = [&](const Slide& s) { return !s.turns && in_space(); };
+  for (const Slide& s : slides_) {
+    if (keeps_direction(s) && is_rod(s, s.a) && is_rod(s, s.b)) parent[idx(root(s.a))] = root(s.b);
+  }
+  std::map<int, std::set<int>> ends;  // of joined rods: the other solids on prismatic joints
+  for (const Slide& s : slides_) {
+    if (!keeps_direction(s)) continue;
+    const bool a = is_rod(s, s.a), b = is_rod(s, s.b);
+    if (a && !b) ends[root(s.a)].insert(s.b);
+    if (b && !a) ends[root(s.b)].insert(s.a);
+  }
+  std::vector<const Slide*> sided;
+  for (const Slide& s : slides_) {
+    if (!keeps_direction(s)) continue;
+    const bool a = is_rod(s, s.a), b = is_rod(s, s.b);
+    if ((!a && !b) || ends[root(a ? s.a : s.b)].size() > 1) sided.push_back(&s);
+  }
+  for (const Slide* const slide : sided) {
+    const Slide& s = *slide;
+    const Triple axis = features_[s.axis].at;
+    const auto side = [&](int solid) {
+      const auto& of = solids_[idx(solid)].features;
+      return std::find_if(of.begin(), of.end(), [&](std::size_t i) {
+        const Feature& f = features_[i];
+        const bool may_be_fixed = f.fixed || f.home != Feature::Home::scene;
+        return !f.is_point && f.wanted && may_be_fixed && sine(f.at, axis) > 0.5;
+      });
+    };
+    std::size_t shared = 0;
+    if (const auto one = side(s.a); one != solids_[idx(s.a)].features.end()) {
+      shared = *one;
+    } else if (const auto other = side(s.b); other != solids_[idx(s.b)].features.end()) {
+      shared = *other;
+    } else {
+      shared = add({s.joint->name + ".side", false, across(axis, 3)});
+    }
+    share(*s.joint, where(*s.joint), s.a, shared);
+    share(*s.joint, where(*s.joint), s.b, shared);
+  }
+}
+
+}  // namespace assur::joints

@@ -1,0 +1,176 @@
+#include "scene/joints/expansion.hpp"
+
+#include <utility>
+
+#include "scene/gear.hpp"
+
+namespace assur::joints {
+
+void Expansion::write() {
+  using Home = Feature::Home;
+  std::map<std::string, std::vector<Member>> points, vectors;  // of bodies
+  std::set<std::string> left;                                  // points and vectors that became members
+  const auto give = [&](int s, const Feature& f) {
+    const Solid& solid = solids_[idx(s)];
+    const std::size_t b = solid.based >= 0 ? idx(solid.based) : solid.bodies.front();
+    (f.is_point ? points : vectors)[p_.bodies[b].name].push_back({f.name, f.at, true});
+  };
+  std::set<std::string> still;  // members of bodies without a base that stay members
+  std::set<std::size_t> used;
+  for (const Solid& s : solids_) used.insert(s.features.begin(), s.features.end());
+  for (std::size_t i = 0; i < features_.size(); ++i) {
+    const Feature& f = features_[i];
+    const bool is_member = f.solid != kNobody;
+    if (f.home == Home::ground || used.count(i) == 0) continue;
+    if (is_member && f.home == Home::member && f.from == f.solid) {
+      still.insert(f.name);
+      continue;
+    }
+    if (is_member && f.home == Home::scene) left.insert(f.name);
+    if (is_member) {
+      give(f.solid, f);
+    } else if (f.home != Home::scene) {
+      declare(f);
+    }
+  }
+  const auto fix = [&](auto& items) {
+    for (auto& item : items) {
+      const auto found = feature_of_.find(item.name);
+      if (found != feature_of_.end()) item.fixed = features_[found->second].fixed;
+    }
+  };
+  fix(p_.points), fix(p_.vectors);
+  std::erase_if(p_.points, [&](const Point& p) { return left.count(p.name) != 0; });
+  std::erase_if(p_.vectors, [&](const Vector& v) { return left.count(v.name) != 0; });
+  for (std::size_t t = 0; t < ties_.size(); ++t) tie(t, points, vectors);
+  for (std::size_t s = 0; s < solids_.size(); ++s) set_base(s, still);
+  for (Body& b : p_.bodies) {
+    for (Member& m : points[b.name]) b.points.push_back(std::move(m));
+    for (Member& m : vectors[b.name]) b.vectors.push_back(std::move(m));
+  }
+  std::erase_if(p_.bodies, [&](const Body& b) { return gone_.count(b.name) != 0; });
+  for (const Slide& s : slides_) write(s);
+  for (const auto& [j, d, e] : crossings_) {
+    p_.constraints.push_back({j->name + ".cross", Dot{features_[d].name, features_[e].name, 0.0}});
+  }
+  write_coordinates();
+}
+
+void Expansion::declare(const Feature& f) {
+  if (f.is_point) {
+    p_.points.push_back({f.name, f.at, f.fixed});
+  } else {
+    p_.vectors.push_back({f.name, f.at, f.fixed, true});
+  }
+}
+
+void Expansion::tie(std::size_t t, std::map<std::string, std::vector<Member>>& points,
+                    std::map<std::string, std::vector<Member>>& vectors) {
+  const Feature& f = features_[ties_[t].feature];
+  const Solid& solid = solids_[idx(ties_[t].solid)];
+  const auto by = put_there_by_.find({ties_[t].solid, ties_[t].feature});
+  const std::size_t b = solid.based >= 0 ? idx(solid.based) : solid.bodies.empty() ? 0 : solid.bodies.front();
+  const std::string stem = by != put_there_by_.end() ? by->second->name : p_.bodies[b].name;
+  const std::string copy = stem + ".copy" + std::to_string(t);
+  if (solid.is_ground) {
+    declare({copy, f.is_point, f.at, true});
+  } else {
+    (f.is_point ? points : vectors)[p_.bodies[b].name].push_back({copy, f.at, true});
+  }
+  if (f.is_point) {
+    p_.constraints.push_back({stem + ".meet" + std::to_string(t), Linear{{{f.name, 1}, {copy, -1}}, {}}});
+  } else {
+    p_.constraints.push_back({stem + ".meet" + std::to_string(t), Parallel{f.name, copy}});
+  }
+}
+
+void Expansion::set_base(std::size_t s, const std::set<std::string>& still) {
+  const Solid& solid = solids_[s];
+  if (solid.is_ground) {
+    for (const std::size_t b : solid.bodies) {
+      if (p_.bodies[b].name != kGround) gone_.insert(p_.bodies[b].name);
+    }
+    return;
+  }
+  const Body* based = solid.based >= 0 ? &p_.bodies[idx(solid.based)] : nullptr;
+  std::vector<std::string> base;
+  if (based == nullptr) {
+    for (const std::size_t i : base_.at(s)) base.push_back(features_[i].name);
+  }
+  for (const std::size_t b : solid.bodies) {
+    Body& body = p_.bodies[b];
+    if (has_base(body)) continue;
+    if (based == nullptr) p_.without_frame.push_back(body.name);
+    body.rigid.clear();
+    const auto is_elsewhere = [&](const Member& m) { return still.count(m.name) == 0; };
+    std::erase_if(body.points, is_elsewhere);
+    std::erase_if(body.vectors, is_elsewhere);
+    if (based != nullptr) {
+      body.origin = based->origin, body.frame = based->frame, body.base = based->base;
+    } else if (base.size() > 1) {
+      body.base = base;
+      if (in_space() && base.size() == 2) {
+        p_.warnings.push_back({"/bodies/" + body.name,
+                               "the body may turn about the line through " + in_quotes(base[0]) +
+                                   (features_[base_.at(s)[1]].is_point ? " and " : " along ") + in_quotes(base[1]) +
+                                   "; nothing depends on this turn, and it is not computed"});
+      }
+    } else {
+      gone_.insert(body.name);
+      p_.warnings.push_back({"/bodies/" + body.name, "the body may turn about " + in_quotes(base[0]) +
+                                                         "; nothing depends on this turn, and it is not computed"});
+    }
+  }
+}
+
+void Expansion::write(const Slide& s) {
+  const std::string &point = features_[s.point].name, &origin = features_[s.origin].name,
+                    &axis = features_[s.axis].name;
+  if (s.on_plane) {
+    p_.constraints.push_back({s.joint->name + ".slide", Dot{Direction(origin, point), axis, 0.0}});
+  } else {
+    p_.constraints.push_back({s.joint->name + ".slide", OnLine{point, origin, axis}});
+  }
+}
+
+void Expansion::write_coordinates() {
+  for (const auto& [driver, of] : driven_) {
+    Law law = std::move(std::get<DrivenCoordinate>(driver->kind).law);
+    const std::string& name = of.joint->name;
+    const std::string axis = in_space() ? features_[axis_of_.at(of.joint)].name : "";
+    if (!of.is_angle) {
+      driver->kind = DrivenCoordinate{name + ".slide.lambda", std::move(law)};
+    } else if (const auto arm = arms_.find(driver); arm != arms_.end()) {
+      driver->kind =
+          PointAngle{features_[arm->second.first].name, features_[arm->second.second].name, axis, std::move(law)};
+      driver->relative = driver->sets_difference = true;
+    } else {
+      driver->kind = RelativeAngle{name + ".from", name + ".to", axis, std::move(law)};
+    }
+  }
+  const auto side = [&](const Coordinate& of) {
+    const std::string& name = of.joint->name;
+    if (!of.is_angle) return GearSide{false, {}, {}, {}, name + ".slide.lambda"};
+    return GearSide{true, name + ".from", name + ".to", in_space() ? features_[axis_of_.at(of.joint)].name : "", {}};
+  };
+  for (const Geared& g : geared_) {
+    p_.constraints[g.constraint].kind = gear_equation(side(g.sides[0]), side(g.sides[1]), g.ratio);
+  }
+  const auto measure = [&](const Joint& j, bool is_angle, Measure& out) {
+    const std::string axis = in_space() ? features_[axis_of_.at(&j)].name : "";
+    if (is_angle) {
+      out.kind = AngleBetween{j.name + ".from", j.name + ".to", axis};
+    } else {
+      out.kind = MeasuredCoordinate{j.name + ".slide.lambda"};
+    }
+  };
+  for (const auto& [m, of] : measured_) measure(*of.joint, of.is_angle, *m);
+  for (const Joint& j : p_.joints) {
+    for (const bool is_angle : {true, false}) {
+      const std::string name = j.name + (is_angle ? ".angle" : ".displacement");
+      if (asked_.count(name) != 0) measure(j, is_angle, p_.measures.emplace_back(Measure{name, {}}));
+    }
+  }
+}
+
+}  // namespace assur::joints
