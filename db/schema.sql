@@ -5,24 +5,24 @@
 CREATE TABLE machine (
   id INTEGER PRIMARY KEY,
   fingerprint TEXT NOT NULL UNIQUE,  -- 16 hexadecimal digits over the columns from vendor to numa_nodes
-  vendor TEXT NOT NULL,              -- of the processor, as it calls itself; '' and -1 where it does not
+  vendor TEXT NOT NULL,              -- of the processor; vendor '' and numbers -1: the processor does not tell
   family INTEGER NOT NULL,
   model INTEGER NOT NULL,
   stepping INTEGER NOT NULL,
   name TEXT NOT NULL,
-  instructions TEXT NOT NULL,        -- widest set that assur has code for: 'AVX2', 'AVX3', ...
-  cores INTEGER NOT NULL,            -- physical ones that the affinity mask allowed
-  processors INTEGER NOT NULL,       -- logical ones: more than cores where a core runs two threads
-  quota REAL NOT NULL,               -- processors' time that control groups allowed; 0: no limit
-  caches TEXT NOT NULL,              -- of the first core: level:bytes:cores that share it, with blanks between
+  instructions TEXT NOT NULL,        -- the widest set for which assur has code: 'AVX2', 'AVX3', ...
+  cores INTEGER NOT NULL,            -- physical cores that the affinity mask allowed
+  processors INTEGER NOT NULL,       -- logical processors; more than cores if a core runs two threads
+  quota REAL NOT NULL,               -- number of processors that control groups allowed; 0: no limit
+  caches TEXT NOT NULL,              -- of the first core: level:bytes:cores that share the cache; separated by blanks
   numa_nodes INTEGER NOT NULL,
-  memory INTEGER NOT NULL            -- bytes when it was first seen; not in the fingerprint
+  memory INTEGER NOT NULL            -- bytes when the machine was first seen; not in the fingerprint
 ) STRICT;
 
 CREATE TABLE library (
   id INTEGER PRIMARY KEY,
-  name TEXT NOT NULL,                -- of a backend, or 'assur' for what is no solver's
-  version TEXT NOT NULL,             -- 'OpenBLAS 0.3.21, OpenMP, SkylakeX'; own code: with that of assur
+  name TEXT NOT NULL,                -- name of a backend, or 'assur' for all other code
+  version TEXT NOT NULL,             -- 'OpenBLAS 0.3.21, OpenMP, SkylakeX'; of assur if there is no library
   build TEXT NOT NULL,               -- compiler and kind of build: 'GNU 12.2.0 Release'
   UNIQUE (name, version, build)
 ) STRICT;
@@ -32,68 +32,68 @@ CREATE TABLE tuning_run (
   uid TEXT NOT NULL UNIQUE,          -- 32 hexadecimal digits, drawn at random
   machine INTEGER NOT NULL REFERENCES machine,
   profile TEXT NOT NULL,             -- 'quick', 'standard', 'patient', ...
-  assur TEXT NOT NULL,               -- version that measured
+  assur TEXT NOT NULL,               -- version of assur that measured
   started TEXT NOT NULL,             -- UTC, '2026-11-21T18:04:05Z'
-  threads INTEGER NOT NULL,          -- budget: cores, quota and OMP_NUM_THREADS together
-  load REAL NOT NULL,                -- average of the last minute when it started; -1: not known
+  threads INTEGER NOT NULL,          -- the budget, from cores, quota and OMP_NUM_THREADS
+  load REAL NOT NULL,                -- load average of the minute before the start; -1: not known
   microcode TEXT NOT NULL,
-  process INTEGER NOT NULL,          -- number of the process that works on it, or did last
-  finished TEXT,                     -- UTC; NULL and what follows: not finished, it can be resumed
+  process INTEGER NOT NULL,          -- number of the process that works on this run, or was the last to do so
+  finished TEXT,                     -- UTC; this and the next four columns are NULL until the run is finished
   grade TEXT,                        -- 'good', 'fair', 'noisy'
-  seconds REAL,                      -- that it took
-  coverage REAL,                     -- of what was planned, 0 to 1
+  seconds REAL,                      -- duration of the run
+  coverage REAL,                     -- share of the planned samples that were taken, 0 to 1
   note TEXT,
-  samples INTEGER NOT NULL DEFAULT 0  -- that it has, as the triggers below count them: what is missing was lost
+  samples INTEGER NOT NULL DEFAULT 0  -- counted by the triggers below; if fewer are found, samples were lost
 ) STRICT;
 
-CREATE TABLE shape (                 -- what is solved: the members of assur::Shape
+CREATE TABLE shape (                 -- sizes of a group or matrix: the members of assur::Shape
   id INTEGER PRIMARY KEY,
   n INTEGER NOT NULL,                -- unknowns
   nnz INTEGER NOT NULL,              -- nonzeros of the Jacobian
-  groups INTEGER NOT NULL,           -- of the class
+  groups INTEGER NOT NULL,           -- number of groups of the class
   rhs INTEGER NOT NULL,              -- right-hand sides of one factorisation
   fill INTEGER NOT NULL,             -- nonzeros of L + U with Markowitz pivots; 0: not counted
   operations INTEGER NOT NULL,       -- multiplications of a factorisation
-  depth INTEGER NOT NULL,            -- rows that wait for each other in a solution
-  terms INTEGER NOT NULL,            -- of the equations; 0: a bare matrix
-  pattern TEXT NOT NULL,             -- 16 hexadecimal digits that only equal patterns have
+  depth INTEGER NOT NULL,            -- longest chain of rows that wait for each other in a solution
+  terms INTEGER NOT NULL,            -- number of terms of the equations; 0: a bare matrix
+  pattern TEXT NOT NULL,             -- 16 hexadecimal digits, different for different patterns
   UNIQUE (n, nnz, groups, rhs, fill, operations, depth, terms, pattern)
 ) STRICT;
 
 CREATE TABLE strategy (
   id INTEGER PRIMARY KEY,
-  text TEXT NOT NULL UNIQUE,         -- 'irreducible/lanes:8+once 2x1'; what follows is taken from it, for the views
+  text TEXT NOT NULL UNIQUE,         -- 'irreducible/lanes:8+once 2x1'; the other columns repeat its parts for the views
   backend TEXT NOT NULL,
-  lanes INTEGER NOT NULL,            -- W: instances that one call serves
-  p INTEGER NOT NULL,                -- packs at once
-  q INTEGER NOT NULL                 -- threads within each
+  lanes INTEGER NOT NULL,            -- W: number of instances that one call serves
+  p INTEGER NOT NULL,                -- packs that are solved at once
+  q INTEGER NOT NULL                 -- threads within each pack
 ) STRICT;
 
 CREATE TABLE sample (
   id INTEGER PRIMARY KEY,
-  uid TEXT NOT NULL UNIQUE,          -- 32 hexadecimal digits, drawn at random: the same sample in two databases is one
+  uid TEXT NOT NULL UNIQUE,          -- 32 hexadecimal digits, drawn at random; identifies a sample in all databases
   run INTEGER NOT NULL REFERENCES tuning_run ON DELETE CASCADE,
   library INTEGER NOT NULL REFERENCES library,
   kernel TEXT NOT NULL,              -- 'evaluate', 'factor', 'solve', 'pack', 'meeting', 'step', 'around'
   shape INTEGER NOT NULL REFERENCES shape,
   strategy INTEGER NOT NULL REFERENCES strategy,
-  seconds REAL NOT NULL,             -- median of one call, which serves all lanes, as the clock had it
-  spread REAL NOT NULL,              -- median absolute deviation at one pace, s
+  seconds REAL NOT NULL,             -- median time of one call, which serves all lanes, by the clock
+  spread REAL NOT NULL,              -- median absolute deviation at a constant pace, s
   repetitions INTEGER NOT NULL,
-  backward_error REAL,               -- of the result that was timed, the worst over lanes; NULL: not measured
+  backward_error REAL,               -- of the timed result, largest of all lanes; NULL: not measured
   forward_error REAL,
-  checksum INTEGER NOT NULL,         -- over this row and all that it refers to; one that differs is not believed
-  slowness REAL                      -- of the machine meanwhile: s that a fixed piece of work took; NULL: not known, and
-                                     -- seconds are at what was the usual pace then
+  checksum INTEGER NOT NULL,         -- of this row and all rows that it refers to; if it differs, the row is not used
+  slowness REAL                      -- time of a fixed piece of work at the same moment, s; NULL: not known, and
+                                     -- `seconds` are at the pace that was usual then
 ) STRICT;
 CREATE INDEX sample_of_run ON sample (run);
 
-CREATE TABLE model (                 -- what was learned from the samples; can be made anew from them
+CREATE TABLE model (                 -- results computed from the samples, which can be computed again
   machine INTEGER NOT NULL REFERENCES machine ON DELETE CASCADE,
   name TEXT NOT NULL,
   made TEXT NOT NULL,                -- UTC
-  assur TEXT NOT NULL,               -- version that made it
-  content TEXT NOT NULL,             -- JSON: what was fitted, regret on samples held out
+  assur TEXT NOT NULL,               -- version of assur that computed it
+  content TEXT NOT NULL,             -- JSON: fitted coefficients, and the regret on samples that were not used
   PRIMARY KEY (machine, name)
 ) STRICT;
 

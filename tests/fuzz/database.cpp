@@ -195,16 +195,16 @@ void predict(const PerformanceModel& model) {
     const Shape shape{.n = n, .nnz = 3 * n, .groups = 1, .fill = 5 * n, .operations = 9 * n, .depth = 2 * n};
     for (const char* text : {"groups/eigen", "irreducible/lanes:8"}) {
       const Strategy strategy = parse_strategy(text);
-      require(is_time(model.pack(shape, strategy)), "the time of a pack is a time");
+      require(is_time(model.pack(shape, strategy)), "the time of a pack must be finite and not negative");
       for (const Kernel kernel : {Kernel::evaluate, Kernel::factor, Kernel::solve, Kernel::pack, Kernel::step}) {
-        require(is_time(model.kernel(kernel, shape, strategy)), "the time of a kernel is a time");
+        require(is_time(model.kernel(kernel, shape, strategy)), "the time of a kernel must be finite and not negative");
       }
-      require(!std::isnan(model.backward_error(shape, strategy)), "an error is a number");
+      require(!std::isnan(model.backward_error(shape, strategy)), "an error must be a number");
     }
-    require(is_time(model.around(n)), "the time around packs is a time");
+    require(is_time(model.around(n)), "the time around packs must be finite and not negative");
   }
-  require(is_time(model.meeting(2)), "the time of a meeting is a time");
-  require(model.contention(2, 6) >= 1, "threads hinder each other");
+  require(is_time(model.meeting(2)), "the time of a meeting must be finite and not negative");
+  require(model.contention(2, 6) >= 1, "the factor of contention must be at least 1");
 }
 
 }  // namespace
@@ -226,7 +226,7 @@ bool database(std::string_view bytes) {
   const MachineModel model = db::read_machine_model(files, kHost, db::library_at_hand);
   predict(*model.model);
   (void)accepts([&] { (void)Store(other, Access::write).import_from(file); });
-  require(test::bytes(file) == changed, "who reads changes nothing");
+  require(test::bytes(file) == changed, "reading must not change the file");
   (void)accepts([&] { ask(Store(file, Access::write)); });  // repairs it
   return read;
 }

@@ -20,7 +20,7 @@ void try_law(const Law& law) {
   const auto& spline = std::get<Law::Spline>(law.parts().front());
   for (std::size_t i = 0; i < std::min(spline.time.size(), kMostTried); ++i) {
     const double t = spline.time[i], before = spline.time[i > 0 ? i - 1 : 0];
-    for (const double at : {t, t / 2 + before / 2}) require(is_finite(law(at)), "the law is finite");
+    for (const double at : {t, t / 2 + before / 2}) require(is_finite(law(at)), "the law must be finite");
   }
   for (const double far : {0.0, 1e300, -1e300}) {
     if (law.covers(far)) (void)law(far);

@@ -12,11 +12,12 @@ bool variants(std::string_view bytes) {
   folder.file("variants.csv", std::string(bytes));
   return accepts([&] {
     const std::vector<Parameters> variants = read_variants(folder.root() / "variants.csv");
-    require(!variants.empty(), "there are variants");
+    require(!variants.empty(), "a list of variants must not be empty");
     for (const Parameters& variant : variants) {
-      require(!variant.empty() && variant.size() == variants.front().size(), "each sets the same parameters");
+      require(!variant.empty() && variant.size() == variants.front().size(),
+              "all variants must set the same number of parameters");
       for (const auto& [name, value] : variant) {
-        require(!name.empty() && std::isfinite(value), "each value has a name and is finite");
+        require(!name.empty() && std::isfinite(value), "each value must have a name and be finite");
       }
     }
   });
