@@ -88,12 +88,12 @@ CREATE TABLE sample (
 ) STRICT;
 CREATE INDEX sample_of_run ON sample (run);
 
-CREATE TABLE model (                 -- results computed from the samples, which can be computed again
+CREATE TABLE model (                 -- results of the last tuning run of each profile
   machine INTEGER NOT NULL REFERENCES machine ON DELETE CASCADE,
   name TEXT NOT NULL,
   made TEXT NOT NULL,                -- UTC
   assur TEXT NOT NULL,               -- version of assur that computed it
-  content TEXT NOT NULL,             -- JSON: fitted coefficients, and the regret on samples that were not used
+  content TEXT NOT NULL,             -- JSON: how the run went, and the regret on samples that the fit did not use
   PRIMARY KEY (machine, name)
 ) STRICT;
 
