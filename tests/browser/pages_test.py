@@ -339,7 +339,7 @@ class Animation(Pages):
         # The projection of the page gives the position of B1.
         x, y = self.js("""
             const canvas = document.getElementById('picture'), box = canvas.getBoundingClientRect();
-            const camera = new Camera(motion.box(), motion.dimension);
+            const camera = new Camera(motion.box(allRails()), motion.dimension);
             camera.resize(canvas.clientWidth, canvas.clientHeight);
             const k = motion.points.findIndex(p => p.name === 'B1');
             const [x, y] = camera.project(motion.posture(0).subarray(3 * k, 3 * k + 3));
@@ -353,6 +353,67 @@ class Animation(Pages):
         self.assertIn("group SG_HS1, level 2", text)
         self.move(1, 1)
         self.assertTrue(self.js("await settled(); return document.getElementById('about').hidden"))
+
+    def test_bodies_and_joints_are_drawn_and_named(self):
+        """Sarrus' linkage: a colour for each body, hinges as symbols, names of joints and bodies at the pointer."""
+        self.show("sarrus")
+        x, y, colours, legend, symbols = self.js("""
+            const canvas = document.getElementById('picture'), box = canvas.getBoundingClientRect();
+            const camera = new Camera(motion.box(allRails()), motion.dimension);
+            camera.resize(canvas.clientWidth, canvas.clientHeight);
+            const place = name => {
+              const k = motion.points.findIndex(p => p.name === name);
+              return camera.project(motion.posture(0).subarray(3 * k, 3 * k + 3));
+            };
+            const [px, py] = place('knee_x'), pixel = new Set(), all = data(canvas);
+            for (let i = 0; i < all.length; i += 4) if (all[i + 3] === 255) pixel.add(`${all.slice(i, i + 3)}`);
+            const texts = id => [...document.querySelectorAll(`#${id} li`)].map(e => e.textContent);
+            const drawn = [...document.querySelectorAll('#legend i')].map(e =>
+                pixel.has(getComputedStyle(e).backgroundColor.match(/[0-9]+/g).join(',')));
+            return [box.x + px, box.y + py, drawn, texts('legend'), texts('symbols')]""")
+        self.assertEqual(legend, ["lower_x", "upper_x", "lower_y", "upper_y", "platform"])
+        self.assertEqual(symbols, ["revolute joint"])
+        self.assertEqual(colours, [True] * 5)
+        self.move(round(x), round(y))
+        text = self.js("await settled(); return document.getElementById('about').innerText")
+        self.assertRegex(text, r"^knee_x \(.*\) m\nrevolute joint of lower_x and upper_x\n")
+
+    def test_symbols_are_as_large_as_a_joint(self):
+        """A symbol fills its place with the colour of the paper, on an outline of ink, in every window."""
+        for scene, point in (("slider_crank", "B"), ("bennett", "B"), ("geared_five_bar", "C")):
+            for width in (400, 1280):
+                self.show(scene, width=width)
+                with self.subTest(scene=scene, width=width):
+                    size = self.js(f"""
+                        document.getElementById('names').click();
+                        await settled();
+                        const canvas = document.getElementById('picture');
+                        const camera = new Camera(motion.box(allRails()), motion.dimension);
+                        camera.resize(canvas.clientWidth, canvas.clientHeight);
+                        const k = motion.points.findIndex(p => p.name === '{point}');
+                        const [x, y] = camera.project(motion.posture(0).subarray(3 * k, 3 * k + 3)).map(Math.round);
+                        const all = canvas.getContext('2d').getImageData(x - 12, y - 12, 25, 25).data;
+                        let paper = 0;
+                        for (let i = 0; i < all.length; i += 4) paper += all[i + 3] === 255 && all[i] > 240 && all[i + 1] > 240;
+                        return paper""")
+                    self.assertGreaterEqual(size, 20)  # pixels
+
+    def test_a_slider_and_its_rail_stay_in_the_picture(self):
+        for width in (400, 1280):
+            self.show("whitworth_joints", width=width)
+            outside = self.js("""
+                const canvas = document.getElementById('picture'), rails = allRails();
+                const camera = new Camera(motion.box(rails), motion.dimension);
+                camera.resize(canvas.clientWidth, canvas.clientHeight);
+                let outside = 0;
+                for (let frame = 0; frame < motion.frames; ++frame) {
+                  for (const end of railEnds(rails[0], frame, motion.posture(frame))) {
+                    const [x, y] = camera.project(end);
+                    outside += x < 0 || y < 0 || x > canvas.clientWidth || y > canvas.clientHeight;
+                  }
+                }
+                return [rails.length, outside]""")
+            self.assertEqual(outside, [1, 0])
 
     def test_rods_keep_their_length_from_frame_to_frame(self):
         """The picture has the lengths of the scene: a rod has the same length in the first and the last frame."""

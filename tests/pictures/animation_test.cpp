@@ -16,7 +16,7 @@ struct Shown {
 };
 
 Shown show(const Scene& scene, std::int64_t until = -1) {
-  const Prepared wanted = prepare(scene), all = prepare(with_all_points(scene));
+  const Prepared wanted = prepare(scene), all = prepare(with_all_places(scene));
   Simulator simulator(all);
   const std::int64_t steps = scene.time().steps();
   Animation animation(wanted, all, steps);
@@ -95,11 +95,31 @@ TEST(Animation, PageNeedsNoOtherFiles) {
   EXPECT_EQ(page.find("http"), std::string::npos);
 }
 
-TEST(WithAllPoints, AddsMissingPointsAfterTheRequestedOutputs) {
-  const Scene scene = with_all_points(sample("stewart").with_outputs({"handle1", "B1"}));
-  EXPECT_EQ(scene.outputs().size(), 2 + 13u);
+// The axes of hinges turn with the bodies; the page has them in every frame.
+TEST(Animation, HasTheDirectionsOfTheJoints) {
+  const Scene scene = sample("bennett").with_outputs({"A.angle"});
+  const Shown shown = show(scene);
+  const auto& joints = shown.data["joints"];
+  ASSERT_EQ(joints.size(), 4u);
+  EXPECT_EQ(joints[1]["symbol"], "revolute");
+  EXPECT_EQ(joints[1]["of"], (nlohmann::json{"input", "coupler"}));
+  Simulator simulator(prepare(scene.with_outputs({"B.axis.position", "C.axis.position"})));
+  const Trajectory run = simulator.run();
+  const std::vector<double> ways =
+      unpacked(shown.data["ways"]["text"], shown.data["ways"]["low"], shown.data["ways"]["span"]);
+  const std::size_t frames = shown.data["times"].size();
+  ASSERT_EQ(run.rows(), frames);
+  ASSERT_EQ(ways.size(), frames * 6);  // the axes of A and D rest
+  for (std::size_t f = 0; f < frames; ++f) {
+    for (std::size_t c = 0; c < 6; ++c) EXPECT_NEAR(ways[6 * f + c], run(f, c), 2e-7);
+  }
+}
+
+TEST(WithAllPlaces, AddsMissingPointsAndVectorsAfterTheRequestedOutputs) {
+  const Scene scene = with_all_places(sample("stewart").with_outputs({"handle1", "B1"}));
+  EXPECT_EQ(scene.outputs().size(), 2 + 13u + 3 + 6 * 5);  // u, v, w; e, r, c, d, t of each leg
   EXPECT_EQ(scene.outputs()[0], "handle1");
-  EXPECT_TRUE(with_all_points(sample("stewart")).outputs().empty());  // everything is an output
+  EXPECT_TRUE(with_all_places(sample("stewart")).outputs().empty());  // everything is an output
 }
 
 }  // namespace

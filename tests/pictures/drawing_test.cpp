@@ -61,11 +61,88 @@ TEST(Drawing, DrawsPointsThatTheOutputsDoNotNeed) {
   EXPECT_EQ(links(d).size(), 7u);  // the crank, three couplers, three rockers
 }
 
+// "revolute at B about u", "prismatic slide at C along rail from Q", "spherical J at P of a, b", sorted.
+std::multiset<std::string> joints(const Drawing& d) {
+  static constexpr const char* kNames[] = {"revolute", "prismatic", "cylindrical", "spherical", "universal", "planar"};
+  const auto named = [&](int i) { return d.points.at(static_cast<std::size_t>(i)).name; };
+  std::multiset<std::string> all;
+  for (const Drawing::Joint& j : d.joints) {
+    std::string said = kNames[static_cast<std::size_t>(j.symbol)];
+    if (j.name != named(j.point)) said += " " + j.name;
+    said += " at " + named(j.point);
+    for (const Drawing::Axis& a : j.axes) {
+      if (a.direction < 0) {
+        said += " along " + named(a.from) + "-" + named(a.to);
+        continue;
+      }
+      const Drawing::Direction& way = d.directions.at(static_cast<std::size_t>(a.direction));
+      said += " along " + (way.name.empty() ? std::string(1, "xyz"[way.at[0] == 1   ? 0
+                                                                   : way.at[1] == 1 ? 1
+                                                                                    : 2])
+                                            : way.name);
+    }
+    if (j.origin >= 0) said += " from " + named(j.origin);
+    if (!j.of.empty()) said += " of " + j.of[0] + ", " + j.of[1];
+    all.insert(said);
+  }
+  return all;
+}
+
 TEST(Drawing, ASliderSlidesOnItsRail) {
   const Drawing d = drawing_of(sample("slider_crank"));
-  EXPECT_TRUE(point(d, "C").slides);
-  EXPECT_FALSE(point(d, "B").slides);
-  EXPECT_EQ(links(d), (std::map<std::string, Kind>{{"B-O", Kind::rod}, {"B-C", Kind::rod}, {"C-Q", Kind::rail}}));
+  EXPECT_EQ(links(d), (std::map<std::string, Kind>{{"B-O", Kind::rod}, {"B-C", Kind::rod}}));
+  EXPECT_EQ(joints(d),
+            (std::multiset<std::string>{"revolute at O", "revolute at B", "prismatic slide at C along rail from Q"}));
+}
+
+TEST(Drawing, JointsOfTheSceneHaveTheirAxesAndBodies) {
+  const Drawing d = drawing_of(sample("whitworth_joints"));
+  EXPECT_EQ(joints(d), (std::multiset<std::string>{"revolute at O along O.axis of ground, crank",
+                                                   "revolute at B along B.axis of crank, block",
+                                                   "revolute at Q along Q.axis of ground, link",
+                                                   "prismatic S at B along S.axis from S.origin of link, block"}));
+  ASSERT_EQ(d.bodies.size(), 2u);  // the block is a point
+  EXPECT_EQ(d.bodies[0].name, "crank");
+  EXPECT_EQ(d.bodies[0].points.size(), 2u);
+}
+
+// One of each joint in space, in a chain from the ground.
+TEST(Drawing, EveryJointInSpaceHasItsSymbol) {
+  const Scene scene = SceneBuilder("all", 3)
+                          .add(Body{.name = "a"})
+                          .add(Body{.name = "b"})
+                          .add(Body{.name = "c"})
+                          .add(Body{.name = "d"})
+                          .add(Body{.name = "e", .points = {{"tip", {2, 2, 0}, true}}})
+                          .joint("C", Cylindrical{"ground", "a", Triple{0, 0, 0}, Triple{1, 0, 0}})
+                          .joint("S", Spherical{"a", "b", Triple{1, 0, 0}})
+                          .joint("U", Universal{"b", "c", Triple{1, 1, 0}, Triple{0, 0, 1}, Triple{1, 0, 0}})
+                          .joint("F", Planar{"c", "d", Triple{0, 0, 1}})
+                          .joint("W", Fixed{"d", "e"})
+                          .drive("one", DrivenCoordinate{"C.displacement", Law::polynomial({0, 1})})
+                          .time(0, 0.1, 0.1)
+                          .build();
+  std::set<Drawing::Symbol> symbols;
+  for (const Drawing::Joint& j : drawing_of(scene).joints) symbols.insert(j.symbol);
+  using Symbol = Drawing::Symbol;
+  EXPECT_EQ(symbols, (std::set<Symbol>{Symbol::cylindrical, Symbol::spherical, Symbol::universal, Symbol::planar}));
+}
+
+// Points and equations: rods along a vector at right angles to a fixed one are hinges on the ground; a point with one
+// free coordinate is a slider; arms are bodies, of which no rod is drawn.
+TEST(Drawing, FindsTheJointsOfPointsAndEquations) {
+  const std::multiset<std::string> platform = joints(drawing_of(sample("stewart")));
+  EXPECT_EQ(platform.size(), 18u);
+  for (const std::string k : {"1", "2", "3", "4", "5", "6"}) {
+    EXPECT_EQ(platform.count("revolute at A" + k + " along a" + k), 1u);
+    EXPECT_EQ(platform.count("spherical at B" + k) + platform.count("spherical at P" + k), 2u);
+  }
+  const Drawing lift = drawing_of(sample("scissor"));
+  EXPECT_EQ(joints(lift).count("prismatic at B0 along x"), 1u);
+  EXPECT_EQ(joints(lift).count("revolute at A0"), 1u);
+  EXPECT_EQ(joints(lift).count("revolute at N3"), 1u);  // where two arms cross: M3 = N3
+  ASSERT_EQ(lift.links.size(), 8u);
+  for (const Drawing::Link& l : lift.links) EXPECT_TRUE(l.inside) << l.name;
 }
 
 TEST(Drawing, AConstantActuatorHoldsAPlatformAtRest) {
@@ -101,6 +178,8 @@ TEST(Drawing, DrawsEveryElementThatRelatesPoints) {
                                                 {"B-M", Kind::relation},
                                                 {"B-C", Kind::rod},
                                                 {"C-E", Kind::relation}}));
+  for (const Drawing::Link& l : drawing_of(scene).links)
+    EXPECT_EQ(l.inside, l.name == "square" && l.kind == Kind::relation) << l.name;
 }
 
 }  // namespace

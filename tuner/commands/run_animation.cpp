@@ -36,7 +36,7 @@ std::vector<std::string> about(const Prepared& prepared, const RunOptions& optio
 
 bool write_animation(const Prepared& prepared, const Report& report, PrepareOptions how, const RunOptions& options,
                      std::ostream& page, output::Progress& progress) {
-  const Prepared shown = prepare(pictures::with_all_points(*prepared.scene), step_by_step(std::move(how)));
+  const Prepared shown = prepare(pictures::with_all_places(*prepared.scene), step_by_step(std::move(how)));
   Simulator simulator(shown, limits_of(options));
   const std::int64_t steps = prepared.time.steps();
   pictures::Animation animation(prepared, shown, steps);

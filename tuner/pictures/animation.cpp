@@ -42,22 +42,38 @@ Json solver(int group) {
 }
 
 std::string kind_name(Drawing::Kind kind) {
-  static constexpr std::array kNames = {"rod", "actuator", "rail", "relation"};
+  static constexpr std::array kNames = {"rod", "actuator", "relation"};
   return kNames[static_cast<std::size_t>(kind)];
+}
+
+std::string symbol_name(Drawing::Symbol symbol) {
+  static constexpr std::array kNames = {"revolute", "prismatic", "cylindrical", "spherical", "universal", "planar"};
+  return kNames[static_cast<std::size_t>(symbol)];
+}
+
+Json json(const Drawing::Joint& j) {
+  Json axes = Json::array();
+  for (const Drawing::Axis& a : j.axes) axes.push_back(a.direction >= 0 ? Json{a.direction} : Json{a.from, a.to});
+  return {{"name", j.name}, {"symbol", symbol_name(j.symbol)}, {"point", j.point}, {"axes", axes}, {"origin", j.origin},
+          {"of", j.of}};
 }
 
 }  // namespace
 
-Scene with_all_points(const Scene& scene) {
+Scene with_all_places(const Scene& scene) {
   if (scene.outputs().empty()) return scene;  // computes all outputs
   std::vector<std::string> outputs = scene.outputs();
-  const auto add = [&](const std::string& point) { outputs.push_back(point + ".position"); };
-  for (const assur::Point& p : scene.points()) {
-    if (!p.fixed) add(p.name);
-  }
+  const auto add = [&](const auto& items) {
+    for (const auto& item : items) {
+      if (!item.fixed) outputs.push_back(item.name + ".position");
+    }
+  };
+  add(scene.points());
+  add(scene.vectors());
   for (const Body& b : scene.bodies()) {
-    for (const Member& m : b.points) {
-      if (b.name != "ground") add(m.name);
+    if (b.name == "ground") continue;
+    for (const auto* members : {&b.points, &b.vectors}) {
+      for (const Member& m : *members) outputs.push_back(m.name + ".position");
     }
   }
   return scene.with_outputs(std::move(outputs));
@@ -72,6 +88,11 @@ Animation::Animation(const Prepared& wanted, const Prepared& shown, std::int64_t
       point_columns_.push_back(column.at(drawing_.points[i].name + "." + "xyz"[k]));
     }
   }
+  for (const Drawing::Direction& d : drawing_.directions) {
+    for (int k = 0; k < drawing_.dimension && !d.fixed; ++k) {
+      way_columns_.push_back(column.at(d.name + "." + "xyz"[k]));
+    }
+  }
   // The requested outputs come before the added positions, so they have the same columns here.
   shown_ = quantities(*wanted.structure);
   quantities_ = shown_.size();
@@ -82,7 +103,8 @@ Animation::Animation(const Prepared& wanted, const Prepared& shown, std::int64_t
       value = value_columns_.size() - 1;
     }
   }
-  const auto numbers = static_cast<std::int64_t>(std::max(point_columns_.size(), value_columns_.size()));
+  const auto numbers =
+      static_cast<std::int64_t>(std::max(point_columns_.size() + way_columns_.size(), value_columns_.size()));
   const std::int64_t most = std::clamp<std::int64_t>(kMostNumbers / std::max<std::int64_t>(numbers, 1), 2, kMostFrames);
   stride_ = std::max<std::int64_t>((steps + most - 1) / most, 1);
 }
@@ -98,6 +120,11 @@ Animation::Animation(const Scene& scene, const Structure& refused)
       for (int k = 0; k < item.components; ++k) {
         points_.push_back(form_value<double>(system, item.form[k], *q) * system.unit(1));
       }
+    }
+    for (const Drawing::Direction& d : drawing_.directions) {
+      if (d.fixed) continue;
+      const Item& item = system.item(d.name);
+      for (int k = 0; k < item.components; ++k) ways_.push_back(form_value<double>(system, item.form[k], *q));
     }
   }
   postures_ = {"the guess", "the closest posture"};
@@ -129,6 +156,7 @@ void Animation::keep(const Simulator& simulator) {
   const std::span<const double> now = simulator.outputs();
   times_.push_back(simulator.time());
   for (const std::size_t c : point_columns_) points_.push_back(now[c]);
+  for (const std::size_t c : way_columns_) ways_.push_back(now[c]);
   for (const std::size_t c : value_columns_) values_.push_back(now[c]);
 }
 
@@ -142,15 +170,16 @@ std::string Animation::data() const {
     return at;
   };
   Json groups = Json::array(), points = Json::array(), links = Json::array(), bodies = Json::array(),
-       outputs = Json::array();
+       directions = Json::array(), joints = Json::array(), outputs = Json::array();
+  const auto rounded = [](const Triple& at) { return Json{six_digits(at[0]), six_digits(at[1]), six_digits(at[2])}; };
   for (const Drawing::Group& g : drawing_.groups) groups.push_back({g.name, g.level});
   for (const Drawing::Point& p : drawing_.points) {
     Json& row = points.emplace_back(Json{{"name", p.name}, {"group", solver(p.group)}});
-    if (p.slides) row["slides"] = true;
-    if (points.size() > drawing_.moving)
-      row["at"] = Json{six_digits(p.at[0]), six_digits(p.at[1]), six_digits(p.at[2])};
+    if (points.size() > drawing_.moving) row["at"] = rounded(p.at);
   }
-  for (const Drawing::Link& l : drawing_.links) links.push_back({l.from, l.to, kind_name(l.kind), l.name});
+  for (const Drawing::Direction& d : drawing_.directions) directions.push_back(d.fixed ? rounded(d.at) : Json());
+  for (const Drawing::Link& l : drawing_.links) links.push_back({l.from, l.to, kind_name(l.kind), l.name, l.inside});
+  for (const Drawing::Joint& j : drawing_.joints) joints.push_back(json(j));
   for (const Drawing::Body& b : drawing_.bodies) {
     std::vector<Triple> at;
     for (const int i : b.points) at.push_back(first_place(i));
@@ -170,8 +199,11 @@ std::string Animation::data() const {
               {"points", points},
               {"links", links},
               {"bodies", bodies},
+              {"directions", directions},
+              {"joints", joints},
               {"outputs", outputs},
               {"places", json(packed(points_, dimension))},
+              {"ways", json(packed(ways_, std::max<std::size_t>(way_columns_.size(), 1)))},
               {"values", json(packed(values_, std::max<std::size_t>(value_columns_.size(), 1)))}};
   if (!postures_.empty()) {
     all["postures"] = postures_;

@@ -13,14 +13,14 @@
 
 namespace assur::pictures {
 
-// The same scene, with the positions of all points among its outputs.
-[[nodiscard]] Scene with_all_points(const Scene& scene);
+// The same scene, with the positions of all points and the directions of all vectors among its outputs.
+[[nodiscard]] Scene with_all_places(const Scene& scene);
 
-// Collects the postures of a simulator of with_all_points(scene), step after step.
+// Collects the postures of a simulator of with_all_places(scene), step after step.
 class Animation {
  public:
-  // `wanted` has the outputs to plot; `shown` has all points as well. `steps`: number of steps, of which evenly spaced
-  // ones become frames. Throws like drawing_of().
+  // `wanted` has the outputs to plot; `shown` has all points and vectors as well. `steps`: number of steps, of which
+  // evenly spaced ones become frames. Throws like drawing_of().
   Animation(const Prepared& wanted, const Prepared& shown, std::int64_t steps);
 
   // For a scene whose structure `refused` cannot be assembled: shows the guess and the closest posture, with violated
@@ -47,6 +47,7 @@ class Animation {
   std::vector<Quantity> shown_;             // quantities to plot
   std::size_t quantities_ = 0;              // number of all quantities
   std::vector<std::size_t> point_columns_;  // of the moving points: moving x dimension
+  std::vector<std::size_t> way_columns_;    // of the moving directions: as many x dimension
   std::vector<std::size_t> value_columns_;  // of the shown quantities
   std::int64_t steps_ = 0, stride_ = 1, last_ = 0;
   std::string ended_;                  // a sentence; empty: the motion is complete
@@ -54,6 +55,7 @@ class Animation {
   std::vector<std::string> violated_;  // constraints
   std::vector<double> times_;
   std::vector<double> points_;  // frames x moving x dimension
+  std::vector<double> ways_;    // frames x way_columns_
   std::vector<double> values_;  // frames x value_columns_
 };
 

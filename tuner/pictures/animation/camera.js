@@ -6,8 +6,29 @@ class Camera {
     this.centre = box.low.map((low, k) => (low + box.high[k]) / 2);
     this.radius = Math.hypot(...box.low.map((low, k) => box.high[k] - low)) / 2 || 1;
     this.width = this.height = 1;
-    this.turnTo(-0.9, 0.4);
+    this.turnTo(-0.9, 0.45);
+    if (!this.flat) this.lookAround();
     this.fit();
+  }
+
+  // Chooses a view in which a mechanism in a plane is not seen from its edge: the picture is widest in its narrow way.
+  lookAround() {
+    const spread = () => {
+      const seen = this.box.some.map(p => this.view(p.map((v, k) => v - this.centre[k])));
+      const sum = f => seen.reduce((all, p) => all + f(p), 0) / seen.length;
+      const [x, y] = [sum(p => p[0]), sum(p => p[1])];
+      const [xx, xy, yy] = [sum(p => (p[0] - x) ** 2), sum(p => (p[0] - x) * (p[1] - y)), sum(p => (p[1] - y) ** 2)];
+      return Math.sqrt(Math.max(0, (xx + yy) / 2 - Math.hypot((xx - yy) / 2, xy)));
+    };
+    let [best, most] = [[-0.9, 0.45], 1.15 * spread()];  // another view must be clearly better
+    for (let k = 0; k < 12; ++k) {
+      for (const pitch of [0.25, 0.45, 0.65, 0.9]) {
+        const yaw = -0.9 + k * Math.PI / 6;
+        this.turnTo(yaw, pitch);
+        if (spread() > most * 1.0001) [best, most] = [[yaw, pitch], spread()];
+      }
+    }
+    this.turnTo(...best);
   }
 
   // Azimuth and elevation of the eye, rad.
@@ -42,22 +63,28 @@ class Camera {
     if (untouched) this.fit(); else this.zoom *= factor;
   }
 
-  // Shows the whole box.
+  // Shows the whole motion.
   fit() {
     this.zoom = 1;
     this.x = this.y = 0;
     let [left, right, top, bottom] = [Infinity, -Infinity, Infinity, -Infinity];
-    for (let corner = 0; corner < 8; ++corner) {
-      const [x, y] = this.project([0, 1, 2].map(k => (corner >> k & 1 ? this.box.high : this.box.low)[k]));
+    const floor = [0, 1, 2, 3].map(i => [0, 1, 2].map(k => (i >> k & 1 ? this.box.high : this.box.low)[k]));
+    for (const p of [...floor, ...this.box.some]) {
+      const [x, y] = this.project(p);
       [left, right] = [Math.min(left, x), Math.max(right, x)];
       [top, bottom] = [Math.min(top, y), Math.max(bottom, y)];
     }
-    const margin = 36, least = this.radius / 1e3;
+    const margin = 40, least = this.radius / 1e3;
     this.zoom = Math.min(Math.max(this.width - 2 * margin, 50) / Math.max(right - left, least),
                          Math.max(this.height - 2 * margin, 50) / Math.max(bottom - top, least));
     this.x = this.zoom * (this.width / 2 - (left + right) / 2);
     this.y = this.zoom * (this.height / 2 - (top + bottom) / 2);
     this.fitted = this.zoom;
+  }
+
+  // A vector to the right, upwards and to the eye, without perspective.
+  view(v) {
+    return [this.right, this.up, this.toEye].map(axis => axis[0] * v[0] + axis[1] * v[1] + axis[2] * v[2]);
   }
 
   // x and y of all points, in pixels.

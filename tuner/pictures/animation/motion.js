@@ -22,6 +22,9 @@ motion.unpack = ({low, span, text}) => {
 motion.frames = motion.times.length;
 motion.moving = motion.points.filter(p => !p.at).length;
 motion.places = motion.unpack(motion.places);  // frames x moving x dimension
+let ways = 0;
+motion.directions = motion.directions.map(at => at ? {at} : {column: ways++});
+motion.ways = motion.unpack(motion.ways);  // frames x moving directions x dimension
 motion.width = motion.values.low.length;
 motion.values = motion.unpack(motion.values);  // frames x width
 
@@ -36,17 +39,33 @@ motion.posture = (frame, out = new Float64Array(3 * motion.points.length)) => {
   return out;
 };
 
-// The box around all points over the whole motion.
-motion.box = () => {
-  const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
-  const add = (k, value) => {
+// True if an axis never turns.
+motion.rests = ([first, second]) => second === undefined ? Boolean(motion.directions[first].at)
+                                                         : first >= motion.moving && second >= motion.moving;
+
+// The unit vector of an axis: [direction], or [from, to].
+motion.axis = ([first, second], frame, posture) => {
+  if (second !== undefined) return unit([0, 1, 2].map(k => posture[3 * second + k] - posture[3 * first + k]));
+  const {at, column} = motion.directions[first], {dimension} = motion;
+  if (at) return unit(at);
+  return unit([0, 1, 2].map(k => k < dimension ? motion.ways[(frame * ways + column) * dimension + k] : 0));
+};
+
+// The box around all points and rails over the whole motion, and some of their places.
+motion.box = rails => {
+  const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity], some = [];
+  const add = place => place.forEach((value, k) => {
     low[k] = Math.min(low[k], value);
     high[k] = Math.max(high[k], value);
-  };
-  motion.places.forEach((value, i) => add(i % motion.dimension, value));
-  for (const p of motion.points) if (p.at) p.at.forEach((value, k) => add(k, value));
-  if (motion.dimension === 2) low[2] = high[2] = 0;
-  return {low, high};
+  });
+  const few = Math.ceil(motion.frames / 40);
+  for (let frame = 0; frame < motion.frames; ++frame) {
+    const posture = motion.posture(frame), places = rails.flatMap(rail => railEnds(rail, frame, posture));
+    for (let i = 0; i < posture.length; i += 3) places.push(Array.from(posture.subarray(i, i + 3)));
+    places.forEach(add);
+    if (frame % few === 0 && some.length < 20000) some.push(...places);
+  }
+  return {low, high, some};
 };
 
 // Six digits without trailing zeros.

@@ -2,8 +2,8 @@
 (() => {
   const element = id => document.getElementById(id);
   const canvas = element('picture'), slider = element('frame'), about = element('about');
-  const camera = new Camera(motion.box(), motion.dimension);
-  const picture = new Picture(canvas, camera);
+  const rails = allRails(), camera = new Camera(motion.box(rails), motion.dimension);
+  const picture = new Picture(canvas, camera, rails);
   const last = motion.frames - 1, duration = motion.times[last] - motion.times[0];
   let frame = 0, curves = [], playing = false, clock = 0, before = null, waiting = false, pointer = null;
 
@@ -119,11 +119,15 @@
       if (colour) item.appendChild(document.createElement('i')).style.background = colour;
       item.append(text);
     };
-    const most = 12, byLevel = picture.options.by === 'level';
-    const count = byLevel ? picture.levels : motion.groups.length;
+    const most = 12, byLevel = picture.options.by === 'level', byBody = picture.options.by === 'body';
+    const count = byBody ? motion.bodies.length : byLevel ? picture.levels : motion.groups.length;
     const drawn = new Set(motion.points.map(p => p.group));  // some groups have vectors only
     const noun = (n, what) => `${n.toLocaleString('en')} ${what}${n === 1 ? '' : 's'}`;
-    if (count > most) {
+    if (count > most && byBody) {
+      add('', `${noun(count, 'body')}: point at one to see its name.`.replace('bodys', 'bodies'));
+    } else if (byBody) {
+      motion.bodies.forEach(([name], i) => add(picture.bodyColour[i], name));
+    } else if (count > most) {
       add('', `${noun(motion.groups.length, 'group')} in ${noun(picture.levels, 'level')}: point at a joint to see its group.`);
     } else {
       for (let i = 0; i < count; ++i) {
@@ -132,7 +136,29 @@
     }
     if (motion.violated) add(style('--wrong'), 'violated');
     const others = ['driven', 'at rest'].filter(g => drawn.has(g));
-    if (others.length > 0) add(picture.ink, others.join(', '));
+    if (others.length > 0 && !byBody) add(picture.ink, others.join(', '));
+  }
+
+  // What the symbols in the picture mean.
+  function key() {
+    const list = element('symbols'), drawn = new Set(motion.joints.map(j => j.symbol));
+    list.replaceChildren();
+    if (picture.isLarge) return;
+    const name = {revolute: 'revolute joint', prismatic: 'slider', cylindrical: 'cylindrical joint',
+                  spherical: 'ball joint', universal: 'universal joint', planar: 'planar joint'};
+    const ways = {revolute: camera.flat ? [] : [[0.8, 0, 0.6]], cylindrical: [[0.8, 0, 0.6]], prismatic: [[1, 0, 0]],
+                  universal: [[0.8, 0.6, 0], [-0.6, 0.8, 0]], planar: [[0.3, 0.6, 0.74]]};
+    for (const symbol of Object.keys(name).filter(s => drawn.has(s))) {
+      const item = list.appendChild(document.createElement('li')), icon = item.appendChild(document.createElement('canvas'));
+      icon.className = 'icon';
+      item.append(name[symbol]);
+      fitToScreen(icon);
+      const c = icon.getContext('2d');
+      c.fillStyle = picture.paper;
+      c.strokeStyle = picture.ink;
+      c.lineWidth = 1.4;
+      symbols[symbol](c, [14, 10], 5, v => v, ...(ways[symbol] ?? []));
+    }
   }
 
   function panels() {
@@ -168,6 +194,8 @@
     legend();
     redraw();
   });
+  if (motion.bodies.length > 1) element('colour').add(new Option('by body', 'body'), 0);
+  element('colour').value = picture.options.by;
   for (const option of ['names', 'paths']) {
     element(option).addEventListener('change', e => {
       picture.options[option] = e.target.checked;
@@ -216,14 +244,16 @@
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => {
     picture.recolour();
     legend();
+    key();
     resize();
   });
 
   if (last > 0) speeds();
-  const few = motion.points.length <= 30;
+  const few = motion.points.filter(p => !p.name.includes('.')).length <= 30;
   picture.options.names = element('names').checked = few;
-  picture.options.paths = element('paths').checked = motion.moving <= 40 && last > 0;
+  picture.options.paths = element('paths').checked = picture.traced.length <= 40 && last > 0;
   legend();
+  key();
   panels();
   resize();
   show(0);

@@ -1,31 +1,26 @@
-// Rails at rest, each as long as the path of its slider, and the links that they replace.
-function standingRails() {
-  const rails = [];
-  const onRail = new Set();
-  const minus = (p, q) => p.map((v, k) => v - q[k]), length = p => Math.hypot(...p);
-  motion.links.forEach(([from, to, kind], link) => {
-    if (kind !== 'rail' || from < motion.moving || to >= motion.moving) return;
-    const at = frame => [0, 1, 2].map(k =>
-      k < motion.dimension ? motion.places[(frame * motion.moving + to) * motion.dimension + k] : 0);
-    const farthestFrom = p => {
-      let best = p;
-      for (let frame = 0; frame < motion.frames; ++frame) {
-        if (length(minus(at(frame), p)) > length(minus(best, p))) best = at(frame);
-      }
-      return best;
-    };
-    const one = farthestFrom(at(0)), other = farthestFrom(one);
-    const way = minus(other, one);
-    const isBeside = p => {
-      const q = minus(p, one);
-      const area = [0, 1, 2].map(k => way[(k + 1) % 3] * q[(k + 2) % 3] - way[(k + 2) % 3] * q[(k + 1) % 3]);
-      return length(area) > 1e-4 * length(way) ** 2;
-    };
-    // No rail at rest if its direction turns, or if the point slides on a plane.
-    if (length(way) === 0 || isBeside(motion.points[from].at)) return;
-    for (let frame = 0; frame < motion.frames; ++frame) if (isBeside(at(frame))) return;
-    rails.push([one.map((v, k) => v - 0.15 * way[k]), other.map((v, k) => v + 0.15 * way[k])]);
-    onRail.add(link);
+// The lines of sliders: as long as the motion needs. `standing`: the line is at rest.
+function allRails() {
+  const sliders = motion.joints.filter(j => ['prismatic', 'cylindrical'].includes(j.symbol) && j.axes.length > 0);
+  return sliders.map(joint => {
+    const {point, origin, axes} = joint, standing = (origin < 0 || origin >= motion.moving) && motion.rests(axes[0]);
+    const posture = new Float64Array(3 * motion.points.length);
+    const place = i => [posture[3 * i], posture[3 * i + 1], posture[3 * i + 2]];
+    const start = origin < 0 ? Array.from(motion.posture(0).subarray(3 * point, 3 * point + 3)) : null;
+    let [low, high] = [Infinity, -Infinity];
+    for (let frame = 0; frame < motion.frames; ++frame) {
+      motion.posture(frame, posture);
+      const axis = motion.axis(axes[0], frame, posture), from = start ?? place(origin), to = place(point);
+      const along = axis.reduce((sum, a, k) => sum + a * (to[k] - from[k]), 0);
+      [low, high] = [Math.min(low, along), Math.max(high, along)];
+    }
+    const more = 0.12 * (high - low);
+    return {joint, standing, start, low: low - more, high: high + more};
   });
-  return [rails, onRail];
+}
+
+// Both ends of a rail in a posture, each longer by `more`.
+function railEnds({joint, start, low, high}, frame, posture, more = 0) {
+  const axis = motion.axis(joint.axes[0], frame, posture), {origin} = joint;
+  const from = start ?? Array.from(posture.subarray(3 * origin, 3 * origin + 3));
+  return [low - more, high + more].map(s => from.map((v, k) => v + s * axis[k]));
 }
