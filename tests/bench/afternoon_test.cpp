@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "simulation/run.hpp"
+#include "source_dir.hpp"
 
 namespace assur {
 namespace {

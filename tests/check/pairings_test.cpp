@@ -20,6 +20,7 @@
 #include "simulation/conditions.hpp"
 #include "simulation/random_count.hpp"
 #include "simulation/random_strategy.hpp"
+#include "source_dir.hpp"
 
 namespace assur {
 namespace {

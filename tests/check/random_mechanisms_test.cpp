@@ -9,6 +9,7 @@
 
 #include "check/trial.hpp"
 #include "simulation/random_count.hpp"
+#include "source_dir.hpp"
 
 namespace assur::check {
 namespace {

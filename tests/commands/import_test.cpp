@@ -3,6 +3,7 @@
 
 #include "assur/scene.hpp"
 #include "commands/command.hpp"
+#include "source_dir.hpp"
 
 namespace assur {
 namespace {

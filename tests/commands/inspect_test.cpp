@@ -4,6 +4,7 @@
 #include "commands/command.hpp"
 #include "numbers.hpp"
 #include "output/format.hpp"
+#include "source_dir.hpp"
 
 namespace assur {
 namespace {

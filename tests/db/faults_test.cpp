@@ -12,6 +12,7 @@
 #include "db/samples.hpp"
 #include "parallel/file_tree.hpp"
 #include "parallel/in_a_child.hpp"
+#include "source_dir.hpp"
 
 namespace assur::test {
 namespace {

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "fuzz/targets.hpp"
+#include "source_dir.hpp"
 
 namespace assur::fuzz {
 namespace {

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "fuzz/targets.hpp"
+#include "source_dir.hpp"
 
 namespace assur::fuzz {
 

@@ -11,6 +11,7 @@
 #include "mjcf/files.hpp"
 #include "mjcf/tree.hpp"
 #include "simulation/run.hpp"
+#include "source_dir.hpp"
 
 namespace assur {
 namespace {

@@ -13,6 +13,7 @@
 #include "assur/mjcf.hpp"
 #include "mjcf/tree.hpp"
 #include "simulation/run.hpp"
+#include "source_dir.hpp"
 
 namespace assur {
 namespace {

@@ -10,6 +10,7 @@
 
 #include "assur/mjcf.hpp"
 #include "mjcf/files.hpp"
+#include "source_dir.hpp"
 
 namespace assur {
 namespace {

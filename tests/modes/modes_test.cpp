@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "assur/simulator.hpp"
+#include "source_dir.hpp"
 
 namespace assur {
 namespace {

@@ -13,6 +13,7 @@
 
 #include "assur/backend.hpp"
 #include "assur/status.hpp"
+#include "source_dir.hpp"
 
 namespace assur::test {
 namespace {

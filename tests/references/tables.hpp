@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "references/quad.hpp"
+#include "source_dir.hpp"
 
 namespace assur::references {
 

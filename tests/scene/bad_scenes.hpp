@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "source_dir.hpp"
+
 namespace assur::bad_scenes {
 
 inline const std::filesystem::path kFolder = std::filesystem::path(ASSUR_SOURCE_DIR) / "tests/data/bad_scenes";

@@ -13,6 +13,7 @@
 #include "references/posture.hpp"
 #include "references/stewart.hpp"
 #include "references/tables.hpp"
+#include "source_dir.hpp"
 
 namespace assur {
 namespace {

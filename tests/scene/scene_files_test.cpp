@@ -22,6 +22,7 @@
 #include "scene/kinds.hpp"
 #include "scene/samples.hpp"
 #include "scene/shipped_files.hpp"
+#include "source_dir.hpp"
 
 namespace assur {
 namespace {

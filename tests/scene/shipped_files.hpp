@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "assur/scene.hpp"
+#include "source_dir.hpp"
 
 namespace assur::test {
 

@@ -16,6 +16,7 @@
 #include "simulation/conditions.hpp"
 #include "simulation/limited.hpp"
 #include "simulation/random_mechanisms.hpp"
+#include "source_dir.hpp"
 
 namespace assur {
 namespace {

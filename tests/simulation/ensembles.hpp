@@ -9,6 +9,7 @@
 #include "simulation/conditions.hpp"
 #include "simulation/fan.hpp"
 #include "simulation/limited.hpp"
+#include "source_dir.hpp"
 
 namespace assur::test {
 

@@ -9,6 +9,7 @@
 #include "simulation/random_chains.hpp"
 #include "simulation/random_count.hpp"
 #include "simulation/run.hpp"
+#include "source_dir.hpp"
 
 namespace assur {
 namespace {

@@ -3,6 +3,7 @@
 
 #include "simulation/limited.hpp"
 #include "simulation/run.hpp"
+#include "source_dir.hpp"
 
 namespace assur {
 namespace {

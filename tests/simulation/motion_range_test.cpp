@@ -10,6 +10,7 @@
 #include "numbers.hpp"
 #include "scene/samples.hpp"
 #include "simulation/limited.hpp"
+#include "source_dir.hpp"
 #include "structure/look.hpp"
 
 namespace assur {

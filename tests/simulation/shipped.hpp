@@ -14,6 +14,7 @@
 
 #include "references/posture.hpp"
 #include "simulation/conditions.hpp"
+#include "source_dir.hpp"
 
 namespace assur::test {
 

@@ -10,6 +10,7 @@
 
 #include "run.hpp"
 #include "scene/triple.hpp"
+#include "source_dir.hpp"
 
 namespace assur {
 namespace {
