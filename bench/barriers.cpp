@@ -1,5 +1,5 @@
-// Costs of starting the work of a team and of meeting at its barrier. A level is worth a second thread only if it saves
-// more than these costs. Also with more threads than cores ("crowded"), and pinned to separate cores.
+// Costs of starting the work of a team and of meeting at its barrier, which a second thread must gain back. They are
+// also measured for more threads than cores ("crowded") and for threads that are pinned to separate cores.
 #include <benchmark/benchmark.h>
 
 #include <string>

@@ -1,6 +1,6 @@
-// Every linear solver that can run here, over patterns, sizes and numbers of groups. Timed are one factorisation with
-// three solutions, as in a step of a group, one factorisation, and one solution. The counters are the time for one
-// group, the backward error of the timed results, and the memory that was allocated.
+// Every linear solver that can run here, over patterns, sizes and numbers of groups. Times one factorisation with three
+// solutions (as in a step of a group), one factorisation alone, and one solution alone. The counters are the time for
+// one group, the backward error of the timed results, and the memory that was allocated.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// A checksum over many values, the same on every machine. It finds damage, but does not protect against intent.
+// A checksum over many values, the same on every machine. It finds accidental damage, not deliberate changes.
 #pragma once
 
 #include <cstdint>

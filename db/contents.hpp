@@ -76,14 +76,14 @@ struct Contents {
   Samples samples;
 };
 
-// Reads everything, as of one moment even if other processes write. Throws SQLite::Exception.
+// Reads everything as it is at one moment, even if other processes write meanwhile. Throws SQLite::Exception.
 [[nodiscard]] Contents read_all(SQLite::Database& database, Care care = Care::trusting);
 
 // Converts samples to the form of assur::Sample: times at the usual pace of the machine, slowness relative to it, 1 if
 // unknown. The usual pace follows from all samples of a machine, version and build, so that one wrong sample hardly
 // affects the others.
 void at_usual_pace(Samples& samples, const Tables& tables);
-// Usual time of the fixed work, s. Empty if no sample of this machine (its id), version of assur and build has it.
+// Usual time of the fixed work, s. Empty if it is unknown for this machine (its id), version of assur and build.
 [[nodiscard]] std::optional<double> usual_pace(const Contents& contents, std::int64_t machine, std::string_view assur,
                                                std::string_view build);
 

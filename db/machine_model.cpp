@@ -45,7 +45,7 @@ class Reading {
   std::vector<Sample> samples_of(Source& source, std::int64_t machine);
   void add(std::vector<Sample> found);
   void say_source(const Source& source, std::int64_t machine, Likeness level);
-  const Library& library_of(const std::string& name);  // as it is installed here
+  const Library& library_of(const std::string& name);  // the version installed here
   bool believed(const Library& library);
   void say_counts();
   void say_nothing_fits();
@@ -54,7 +54,7 @@ class Reading {
   const Host& host_;
   const LibraryAtHand& at_hand_;
   std::vector<Source> sources_;
-  std::map<std::string, Library> libraries_;  // as they are installed here, if asked for so far
+  std::map<std::string, Library> libraries_;  // the versions installed here, as far as looked up
   std::vector<Sample> samples_;
   std::unordered_set<std::uint64_t> cells_;  // of earlier files
   std::string source_;

@@ -26,6 +26,6 @@ struct DatabaseFile {
 // True if the file system of a file (which need not exist) is shared by computers, so that processes may share no
 // memory.
 [[nodiscard]] bool is_on_network(const std::filesystem::path& file);
-[[nodiscard]] bool is_network(std::uint64_t file_system);  // by its number, statfs(2)
+[[nodiscard]] bool is_network(std::uint64_t file_system);  // file_system: f_type of statfs(2)
 
 }  // namespace assur::db

@@ -22,7 +22,7 @@ enum class Access : std::uint8_t {
   write,  // makes a missing file, migrates an older schema, and repairs damage
 };
 
-enum class Grade : std::uint8_t { good, fair, noisy };  // of a tuning run, by the scatter of its times
+enum class Grade : std::uint8_t { good, fair, noisy };  // quality of a tuning run: scatter of its times
 
 [[nodiscard]] std::string_view name(Grade grade) noexcept;
 

@@ -1,4 +1,4 @@
-// Dates of what is stored.
+// The time of a record as text.
 #pragma once
 
 #include <array>

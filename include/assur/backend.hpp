@@ -87,8 +87,8 @@ class LinearSolver {
  public:
   virtual ~LinearSolver() = default;
 
-  // Prepares for matrices of this pattern; to be called once, before factorize(). Throws Error (input) if the pattern
-  // is not as described at Pattern, or if the backend does not support this number of lanes.
+  // Prepares for matrices of this pattern; call it once, before factorize(). Returns ok: factorize() reports singular
+  // patterns. Throws Error (input) for a pattern that is not as Pattern describes, or too many or few lanes.
   [[nodiscard]] virtual Status analyze(const Pattern& pattern, int lanes) = 0;
 
   // Factorises one matrix in each lane. values: nnz x lanes, in the order of pattern.row. The status is that of the
@@ -99,7 +99,7 @@ class LinearSolver {
   // Solves with the factors of the last factorize(). b_to_x: n x rhs x lanes, overwritten by the solution; element i of
   // right-hand side r in lane l is b_to_x[(r * n + i) * lanes + l]. Unknowns before first_wanted are not needed: a
   // backend that can stop its back-substitution there leaves them unspecified. A lane whose factorisation failed gets
-  // NaN. Throws Error (input) for another number of right-hand sides.
+  // NaN and keeps its status; a refinement may end as not_converged. Throws Error (input) for another size of b_to_x.
   [[nodiscard]] virtual Status solve(std::span<double> b_to_x, int rhs, Transpose transpose = Transpose::no,
                                      int first_wanted = 0) = 0;
 
@@ -136,8 +136,8 @@ struct Backend {
   bool own_loops = false;     // its inner loops are compiled with assur, so that times change with the version of assur
 };
 
-// All backends that this version knows, including those that were not built, in a fixed order. Needs the library
-// assur::assur.
+// All backends that this version knows, including those that were not built, in a fixed order. Valid until the program
+// ends. Needs the library assur::assur.
 [[nodiscard]] std::span<const Backend> backends();
 
 // The backends of the library assur::core, which are always built: `eigen` and `lanes`.

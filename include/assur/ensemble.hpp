@@ -17,7 +17,7 @@
 namespace assur {
 
 // Results of an ensemble in SI units, contiguous [member][time][output]. Rows that a member did not reach are NaN.
-// Members are counted from 0. Indices are not checked. Copies share the values.
+// Members are counted from 0. Indices are not checked. Copies share the values; spans are valid as long as one exists.
 class EnsembleTrajectory {
  public:
   // Names of the outputs: "C.x", "C.vx", "angle.rate", ...
@@ -56,7 +56,7 @@ void write_csv(std::ostream& out, const EnsembleTrajectory& trajectory);
 
 // Runs the members of an ensemble. Threads may use ensembles as they use simulators: each ensemble serves one thread at
 // a time, and different ensembles share no data that changes. After a fork(), both processes may use those ensembles
-// that were not running.
+// that were not running. References that an ensemble returns are valid until its next run.
 class Ensemble {
  public:
   // The end of one member.
@@ -85,8 +85,8 @@ class Ensemble {
   // Runs all members over the time grid of the first member. The results are bitwise identical for every number of
   // threads; the number of lanes changes their last bits (docs/strategies.md gives the bound). The calling thread calls
   // `observer` (rows done, rows in all; of all members), which may return false to stop. All threads of the plan call
-  // laws and callbacks, and exceptions from them propagate. Throws Error: environment if there is no memory for the
-  // results.
+  // laws and callbacks. Exceptions from them and from the observer propagate. Throws Error (environment) if there is no
+  // memory for the results.
   EnsembleTrajectory run(const Simulator::Observer& observer = {});
   // The same over `times` (s), which begin with the start time. Throws also Error (input) if `times` are empty, begin
   // elsewhere, descend, or are not finite.

@@ -32,8 +32,8 @@ struct Harmonic {
 // this fraction of the largest related derivative (of a Jacobian: the largest entry of the same row).
 inline constexpr double kDerivativeTolerance = 1e-5;
 
-// A function of time, made of parts that are added: Law::constant(1) + Law::harmonics({...}). A law has value
-// semantics; copies share their parts.
+// A function of time, made of parts that are added: Law::constant(1) + Law::harmonics({...}). A law does not
+// change, so any number of threads may use it; copies share their parts.
 class Law {
  public:
   // The part c0 + c1 t + c2 t^2 + ...

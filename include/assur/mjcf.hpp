@@ -1,5 +1,5 @@
-// Models in MJCF, the format of MuJoCo, as scenes. docs/mjcf.md says what is read, and what is left out. The functions
-// in this header need the library assur::assur.
+// Models in MJCF, the format of MuJoCo, as scenes. docs/mjcf.md lists the elements that are read and those that are
+// left out. The functions in this header need the library assur::assur.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@
 
 namespace assur {
 
-// What a model leaves open.
+// Choices that a model leaves open.
 struct ModelOptions {
   std::string key = {};  // name of the keyframe at which the motion starts; "": at the posture of the model (qpos0)
   // Joints and their laws, which count from the start posture, in rad or m: a law of the scene format, the coefficients
@@ -37,13 +37,13 @@ struct ImportedModel {
 
   std::string name;                     // of the model
   std::string scene;                    // the scene as JSON
-  std::size_t bodies = 0;               // that move; bodies of the model without joints are parts of others
+  std::size_t bodies = 0;               // moving bodies; a body without joints is a part of another one
   std::size_t joints = 0;               // of the model
   std::size_t loops = 0;                // closed by connect, weld and joint equalities
   std::vector<Coordinate> coordinates;  // in the order of the model
   std::vector<Driver> drivers;          // of the scene
   std::vector<std::pair<std::string, std::size_t>>
-      left_out;                    // kinds of what means nothing here, and how many there are
+      left_out;                    // kinds of elements without a meaning here, and their numbers
   std::vector<std::string> notes;  // sentences: names that were changed, loops that had to be closed
 };
 

@@ -41,7 +41,7 @@ struct AssemblyModes {
   int multiple = 0;  // paths to solutions that meet others: folds of the group, or postures that are not isolated
   int lost = 0;      // paths whose ends are unknown
   int excluded = 0;  // real solutions at which a redundant equation or a driver's value fails, or axes are left-handed
-  // Real multiple solutions, each once: values of `unknowns`, about six digits. They are no modes.
+  // Real multiple solutions, each once: values of `unknowns`, about six digits. They are not modes.
   std::vector<std::vector<double>> folds;
 
   // True if no mode is missing: the group was computed, and no path was lost.
@@ -62,7 +62,7 @@ struct ModeChoice {
 // equations of functions or gears, have AssemblyModes::why_none. `chosen`: modes of groups; groups that depend on them
 // are assembled anew from their guess, and their modes are counted there. Throws Error: input if the scene is
 // undetermined or a choice is wrong; numerical if the scene has contradictory equations. A start posture that cannot be
-// assembled is no error: AssemblyModes::has_start is false for the group at which it fails.
+// assembled is not an error: AssemblyModes::has_start is false for the group at which it fails.
 [[nodiscard]] std::vector<AssemblyModes> assembly_modes(const Scene& scene, const std::vector<ModeChoice>& chosen = {});
 
 // The modes of one group, given by its name or by a point, vector or scalar that it solves. Throws as above, and Error

@@ -77,7 +77,7 @@ struct Prepared {
   TimeGrid time;                                    // time grid of the scene, the default of a run
   std::shared_ptr<const Structure> structure;       // groups, their order, and the start posture; never null
   Plan plan;                                        // solvers and threads
-  std::span<const Backend> table;                   // where the plan's backends are looked up; must outlive simulators
+  std::span<const Backend> table;                   // has the backends that the plan names; must outlive simulators
   std::vector<std::string> controlled;              // PrepareOptions::controlled
   std::optional<double> start_time = std::nullopt;  // time of structure->start, s; empty: time.start
   // For use inside the library. Prepares the scene again with redundant equations chosen at a posture (all coordinates,

@@ -339,7 +339,7 @@ struct MeasuredCoordinate {
 };
 // A constant plus multiples of other measures, all in one unit.
 struct Combination {
-  std::vector<std::pair<std::string, double>> terms;  // name of a measure that is no combination, factor other than 0
+  std::vector<std::pair<std::string, double>> terms;  // name of a measure other than a Combination, factor, not 0
   double constant = 0;                                // in the unit of the measures
 };
 
@@ -394,7 +394,7 @@ class Scene {
   [[nodiscard]] const std::vector<Vector>& vectors() const { return parts_->vectors; }
   // All bodies. If the base of a body contains members of another body, the other body comes first.
   [[nodiscard]] const std::vector<Body>& bodies() const { return parts_->bodies; }
-  // All joints as written, in the order in which they were added. The other lists hold what replaces them.
+  // All joints as written, in the order in which they were added. The other lists hold the parts that replace them.
   [[nodiscard]] const std::vector<Joint>& joints() const { return parts_->joints; }
   // All constraints, in the order in which they were added; those of joints follow.
   [[nodiscard]] const std::vector<Constraint>& constraints() const { return parts_->constraints; }
@@ -410,7 +410,7 @@ class Scene {
   [[nodiscard]] const TimeGrid& time() const { return time_; }
   // Paths of the CSV files that the laws were read from.
   [[nodiscard]] const std::vector<std::filesystem::path>& tables() const { return parts_->tables; }
-  // Findings that are no errors, e.g. a vector that had to be normalised.
+  // Findings that are not errors, e.g. a vector that had to be normalised.
   [[nodiscard]] const std::vector<Diagnostic>& warnings() const { return parts_->warnings; }
 
   // The same mechanism with other outputs, as SceneBuilder::output() takes them. Throws Error

@@ -59,8 +59,8 @@ struct StepLimits {
   // a test of convergence (the variant tEnd2 of the paper that docs/method.md names): the estimated error shows whether
   // they were enough. 0: as many as convergence needs.
   int iterations = 0;
-  int most_iterations = 12;  // iterations after which the step is halved, at least 1; if their number is not fixed
-  double seconds = 0;        // deadline of one try of a step by the monotonic clock, checked before each pack; 0: none
+  int most_iterations = 12;  // a step is halved if a group needs more; at least 1; for groups whose number is not fixed
+  double seconds = 0;        // s, time limit of one try of a step, checked before each pack: Code::deadline; 0: none
   // Processors to pin threads to, one for each of the P threads (Machine::cores); without effect if P = 1. The calling
   // thread is pinned during a call only. Pinned threads busy-wait within a step, so use dedicated cores; between steps
   // they sleep. Empty: the system places the threads. The constructor throws Error: input for fewer processors than
@@ -124,8 +124,8 @@ class Simulator {
 
   // Moves to time t (s), which may be earlier than time(), and to the targets that were set, by continuation: the step
   // is divided where needed. If it fails, the status gives the reason, and the simulator keeps the last good posture on
-  // the way, at time(); targets are dropped, and controlled drivers rest there. Code::inaccurate is no failure: time t
-  // is reached, and an event gives the estimated error. If t is time(), nothing happens and targets wait; if t is not
+  // the way, at time(); targets are dropped, and controlled drivers rest there. Code::inaccurate is not a failure: time
+  // t is reached, and an event gives the estimated error. If t is time(), nothing happens and targets wait; if t is not
   // finite, the step fails as not_finite. Exceptions from laws and callbacks propagate, and leave the last good posture
   // as well.
   Status step(double t);
@@ -172,8 +172,8 @@ class Simulator {
   // Runs from the start posture over the time grid of the scene. Calls reset() first, so targets are dropped and all
   // drivers follow their laws. Stops at the first failure and returns the rows that were reached; report() has the
   // status. The simulator then stands at the last row, or after a failure at the last good posture, which may be later;
-  // step() may go on from there. Exceptions from laws and callbacks propagate. Throws Error (environment) if there is
-  // no memory for the rows.
+  // step() may go on from there. Exceptions from laws, callbacks and the observer propagate. Throws Error (environment)
+  // if there is no memory for the rows.
   Trajectory run(const Observer& observer = {});
   // The same over `times` (s). It first moves from the start posture to times[0], which may be any time. Equal times
   // give equal rows, and no times give no rows. Throws also Error (input) if they descend or are not finite.

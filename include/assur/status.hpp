@@ -12,7 +12,7 @@ namespace assur {
 
 // One finding about the input.
 struct Diagnostic {
-  std::string where;  // JSON pointer into the scene, e.g. "/constraints/coupler/distance/1"; "": the whole scene
+  std::string where;  // JSON pointer, also if no file was read: "/constraints/coupler/distance/1"; "": the whole scene
   std::string what;   // one sentence: the problem and its remedy
 };
 

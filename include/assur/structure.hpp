@@ -130,7 +130,7 @@ struct Structure {
   // Counts of the whole scene; parts that are left out are included.
   std::int64_t coordinates = 0;  // scalars of points, vectors and auxiliary unknowns
   std::int64_t unknowns = 0;     // coordinates that the equations determine
-  std::int64_t derived = 0;      // scalars of body members, which are no unknowns
+  std::int64_t derived = 0;      // scalars of body members, which are not unknowns
   std::int64_t equations = 0;    // scalar equations, including redundant ones
   std::int64_t eliminated = 0;   // unknowns that presolve eliminated
   // Degrees of freedom without the drivers: unknowns less the rank of all equations but those of the drivers. The rank
@@ -180,7 +180,7 @@ struct StructureOptions {
 
 // Finds the groups of a scene and assembles its start posture. Undetermined scenes and scenes that cannot be assembled
 // are described by `undetermined` and `cannot_assemble`. Throws Error (input) for a wrong scene, e.g. a declared group
-// that is no union of irreducible groups. Needs the library assur::assur.
+// that is not a union of irreducible groups. Needs the library assur::assur.
 [[nodiscard]] Structure analyze(const Scene& scene, const StructureOptions& options = {});
 
 }  // namespace assur

@@ -42,7 +42,7 @@ Factors factor_symbolically(const Pattern& pattern, const std::vector<std::int32
       f.a[i].push_back({j, static_cast<Number>(k)});
     }
   }
-  std::vector<Number> seen(n, 0);  // last row + 1 in which the column was met
+  std::vector<Number> seen(n, 0);  // columns: 1 + the last row that has an entry there
   std::vector<Number> open;        // columns left of the diagonal, a heap with the smallest on top
   for (Number i = 0; i < n; ++i) {
     const auto meet = [&](Number j) {

@@ -21,10 +21,10 @@ namespace assur::lanes {
 
 struct Elimination {
   using Number = std::uint32_t;
-  static constexpr Number kZero = 0xFFFFFFFF;  // as a source: the entry is fill
+  static constexpr Number kZero = 0xFFFFFFFF;  // source of an entry that is fill
 
   Number n = 0, slots = 0;
-  int permutation_sign = 0;  // of rows and columns together
+  int permutation_sign = 0;  // of the row order times that of the column order
 
   // For each row: number of entries of L left of the diagonal, number of entries of U, slot of the first entry of U.
   // Then for each entry (L, the diagonal, U): its source among the nonzeros or kZero, the number of its products, and
@@ -39,7 +39,7 @@ struct Elimination {
 
   // For access to single rows, n each: slot of its reciprocal, first slot of its U, places in `forward` and `backward`.
   std::vector<Number> pivot_slot, upper_slot, forward_row, backward_row;
-  Number square_slot = 0;  // of the squares of row 0 of A
+  Number square_slot = 0;  // slot of the sum of squares of row 0 of A; those of the next rows follow
 
   [[nodiscard]] Number lower_count(std::size_t row) const { return forward[forward_row[row] + 1]; }
   [[nodiscard]] Number upper_count(std::size_t row) const { return backward[backward_row[row] + 2]; }

@@ -48,9 +48,9 @@ class TeamLu {
   DenseIndex n_, panels_, tiles_;
   Block<T> a_{};
   std::int32_t* pivot_ = nullptr;
-  Counter next_;                  // item of the list that is taken next
-  Counter factorized_;            // panels
-  std::vector<Counter> updated_;  // tiles: by how many panels
+  Counter next_;                  // next item of the list
+  Counter factorized_;            // number of factorised panels
+  std::vector<Counter> updated_;  // tiles: number of panels that updated each
   std::atomic<bool> failed_ = false;
 };
 

@@ -19,7 +19,7 @@ class JacobianSolver {
  public:
   // Posture of the current factors.
   enum class Factors : std::uint8_t {
-    earlier,   // of an earlier step; none unless Pack::factored
+    earlier,   // a posture of an earlier step; without Pack::factored there are no factors
     step,      // a posture within this step
     solution,  // the solved posture in the workspace
   };

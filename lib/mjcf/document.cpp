@@ -22,7 +22,7 @@ constexpr std::uintmax_t kLargestModel = 16'000'000;  // bytes, all files togeth
 constexpr int kDeepestInclude = 8;                    // files that include each other
 constexpr std::size_t kDeepest = 100;                 // elements inside each other, as tinyxml2 allows in one file
 
-// The elements whose meaning is understood, with the attributes that count, and those that mean nothing here.
+// The elements that are read, with the attributes that are read and those that are ignored.
 struct Known {
   std::string_view tag;
   std::string_view read;
@@ -336,7 +336,7 @@ std::vector<double> numbers_of(const Node& node, std::string_view name, std::str
     double number = 0;
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
     if (error != std::errc() || end != digits.data() + digits.size() || !std::isfinite(number)) {
-      refuse(node, "the attribute " + in_quotes(name) + " has " + in_quotes(word) + ", which is no finite number");
+      refuse(node, "the attribute " + in_quotes(name) + " has " + in_quotes(word) + ", which is not a finite number");
     }
     numbers.push_back(number);
   }

@@ -32,7 +32,7 @@ struct Document {
   Node root;  // <mujoco>; the elements of other files stand where these are included
 };
 
-// Reads the file and what it includes. Throws Error: environment if the first file cannot be read, input otherwise.
+// Reads the file and its included files. Throws Error: environment if the first file cannot be read, input otherwise.
 [[nodiscard]] Document read_document(const std::filesystem::path& file);
 
 // Values of attributes for elements that do not have them, by class.

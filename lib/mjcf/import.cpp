@@ -54,7 +54,7 @@ Json law_of(const std::string& joint, const std::string& text) {
     const auto [stop, error] = std::from_chars(number.data(), number.data() + number.size(), value);
     if (error != std::errc() || stop != number.data() + number.size() || !std::isfinite(value)) {
       refuse_drive(joint, in_quotes(text) +
-                              " is no law; write coefficients of a polynomial of t, \"0,6.28\", a law of "
+                              " is not a law; write coefficients of a polynomial of t, \"0,6.28\", a law of "
                               "the scene format, {\"constant\": 0}, or free");
     }
     coefficients.push_back(value);

@@ -18,7 +18,7 @@ namespace {
 constexpr std::string_view kTurns[] = {"quat", "axisangle", "xyaxes", "zaxis", "euler"};
 constexpr double kFlat = 1e-10;  // shortest vector that has a direction
 
-// Sections and elements that mean nothing here. What is in none of these lists is refused.
+// Sections and elements that are ignored or read. All others are refused.
 constexpr std::string_view kSections[] = {"option", "size",   "statistic", "visual",     "asset",    "contact",
                                           "sensor", "tendon", "custom",    "deformable", "extension"};
 constexpr std::string_view kRead[] = {"compiler", "default", "worldbody", "equality", "actuator", "keyframe"};
@@ -111,7 +111,7 @@ class Reading {
                  !is_one_of(child.tag, kOthers)) {
         std::vector<std::string_view> all(std::begin(kOthers), std::end(kOthers));
         all.insert(all.end(), {"default", "joint", "site", "equality"});
-        refuse(child, "nothing is known of such defaults" + suggestion(child.tag, all));
+        refuse(child, "there are no defaults of this kind" + suggestion(child.tag, all));
       }
     }
   }
@@ -235,7 +235,7 @@ class Reading {
     return frame;
   }
 
-  // What the element has itself goes before what its class has.
+  // An orientation of the element takes precedence over one of its class.
   Quaterniond turn_of(const Attributes& a) const {
     std::string_view chosen;
     for (const bool own : {true, false}) {
@@ -282,7 +282,7 @@ class Reading {
     return turn.normalized();
   }
 
-  // ---- what refers to bodies, joints and sites
+  // ---- equalities, actuators and keyframes, which refer to bodies, joints and sites
 
   int find(const Node& node, const std::string& kind, const std::string& name) const {
     std::vector<std::string_view> names;
@@ -299,9 +299,8 @@ class Reading {
     if (node.tag != "connect" && node.tag != "weld" && node.tag != "joint") {
       static const std::vector<std::string_view> kAll = {"connect", "weld", "joint"};
       static constexpr std::string_view kOthers[] = {"tendon", "flex", "flexvert", "flexstrain", "distance"};
-      refuse(node, is_one_of(node.tag, kOthers)
-                       ? "equalities of this kind are not read; there are: connect, weld, joint"
-                       : "there is no such equality" + suggestion(node.tag, kAll));
+      refuse(node, is_one_of(node.tag, kOthers) ? "equalities of this kind are not read; connect, weld and joint are"
+                                                : "there is no such equality" + suggestion(node.tag, kAll));
     }
     const Attributes a(node, defaults_, class_of(node, Defaults::kMain));
     if (!a.is_true("active", true)) {
@@ -408,7 +407,7 @@ class Reading {
   }
 
   void read_key(const Node& node) {
-    if (node.tag != "key") refuse(node, "there is no such element; there are: key");
+    if (node.tag != "key") refuse(node, "there is no such element; the only one here is key");
     const std::string name = name_of(node, "key", model_.keys.size());
     const std::string* text = node.find("qpos");
     std::vector<double> q = text == nullptr ? reference(model_) : numbers_of(node, "qpos", *text);

@@ -11,8 +11,8 @@
 namespace assur::mjcf {
 namespace {
 
-constexpr double kRounding = 1e-15;   // relative to the size of the model: nothing is left to close
-constexpr double kClosed = 1e-13;     // as far as loops must close
+constexpr double kRounding = 1e-15;   // gap that is only rounding, relative to the size of the model
+constexpr double kClosed = 1e-13;     // largest gap of a closed loop, relative to the size of the model
 constexpr double kLargestStep = 0.3;  // rad, or sizes of the model
 constexpr int kMostSteps = 200;
 constexpr Eigen::Index kMostFreedoms = 2000;  // the equations of a step are dense
@@ -93,7 +93,7 @@ class Loops {
       if (j.kind == Joint::Kind::free) {
         for (std::size_t k = 0; k < 3; ++k) next[turn++] += by[part++];
       }
-      // Turns are of the world for free bodies, of the body for balls: see add().
+      // A free body turns about axes of the world, a ball about axes of the body: see add().
       const Vector3d vector = by.segment<3>(part);
       const double angle = vector.norm();
       if (angle == 0) continue;

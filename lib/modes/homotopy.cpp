@@ -21,24 +21,24 @@ using Matrix7 = Eigen::Matrix<Complex, Eigen::Dynamic, Eigen::Dynamic, 0, kMost,
 
 constexpr double kFirstStep = 0.05;      // of log t
 constexpr double kLongestStep = 0.5;     // of log t
-constexpr double kShortestStep = 1e-9;   // of log t; shorter ones lose the path
+constexpr double kShortestStep = 1e-9;   // of log t; a path that needs a shorter one is lost
 constexpr int kMostSteps = 20000;        // of a path
 constexpr double kPredicted = 1e-5;      // largest first correction, relative to the point: else the step is repeated
-constexpr double kEasy = 1e-7;           // a smaller one lengthens the step
+constexpr double kEasy = 1e-7;           // a smaller first correction lengthens the step
 constexpr double kCorrected = 1e-11;     // last correction
-constexpr double kRoughest = 1e-8;       // the same where rounding allows no better one
-constexpr double kTested = 0.7;          // of log t, between tests for the end of a path
+constexpr double kRoughest = 1e-8;       // last correction if rounding allows no smaller one
+constexpr double kTested = 0.7;          // change of log t between two tests for the end of a path
 constexpr double kLastLog = -32;         // log t where paths end; double solutions are then 1e-7 from their paths
 constexpr double kLateLog = -12;         // log t below which a path without a further step is near its end
-constexpr double kCertain = 0.25;        // of the Newton-Kantorovich theorem, which needs 0.5
+constexpr double kCertain = 0.25;        // Newton-Kantorovich number of a certain end; the theorem needs 0.5
 constexpr double kFar = 1e-6;            // share of the homogenising coordinate below which a solution is at infinity
 constexpr double kFarEnough = 1e-3;      // the same for a path with a steady exponent, at its last step
-constexpr double kLeastExponent = 0.04;  // of t in the homogenising coordinate of a path to infinity
+constexpr double kLeastExponent = 0.04;  // exponent of t in the homogenising coordinate of a path to infinity
 constexpr double kSteady = 0.1;          // relative change of that exponent
 constexpr int kLongSteady = 4;           // tests in a row with such a change
 constexpr int kMostPasses = 6;
 
-double operator_bound(const Quadratics& s) {  // of the second derivatives
+double operator_bound(const Quadratics& s) {  // a bound of the second derivatives
   double sum = 0;
   for (const Eigen::MatrixXd& q : s.forms) sum += q.squaredNorm();
   return 2 * std::sqrt(sum);
@@ -218,7 +218,7 @@ class Pass {
     }
   }
 
-  // The end of a path that is no simple solution for certain and does not lead to infinity.
+  // The end of a path that does not lead to infinity, and that may not be a simple solution.
   [[nodiscard]] PathEnd finite_end(const Vector7& y, double exponent) const {
     if (std::abs(y[0]) < kFarEnough || exponent > kLeastExponent) return {};
     const Vector7 z = y.tail(m_) / y[0];
@@ -283,7 +283,7 @@ bool agree(const Ends& a, const Ends& b) {
          std::all_of(a.simple.begin(), a.simple.end(), [&](const PathEnd& e) { return b.find(e.z) != nullptr; });
 }
 
-constexpr double kSameMultiple = 1e-4;  // relative; paths end about 1e-7 from a double solution, farther from others
+constexpr double kSameMultiple = 1e-4;  // relative distance; paths end about 1e-7 from a double solution
 
 Solutions described(const Ends& ends, int paths, int lost) {
   Solutions out;

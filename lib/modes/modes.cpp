@@ -220,12 +220,12 @@ class Mechanism {
     }
     for (const Index e : m.equations) {
       if (s_.equations[idx(e)].callback >= 0) {
-        return "has the equation '" + s_.equation_name(e) + "' of a function or a gear, which is no polynomial";
+        return "has the equation '" + s_.equation_name(e) + "' of a function or a gear, which is not a polynomial";
       }
     }
     if (m.unknowns.size() > kMostWithLinear) {
       return "has " + std::to_string(m.unknowns.size()) + " unknowns; at most " + std::to_string(kMostUnknownsOfModes) +
-             " can be computed, and more only with linear equations";
+             " unknowns that linear equations do not give can be treated";
     }
     return "";
   }
@@ -348,8 +348,8 @@ class Mechanism {
     return {x, {in_si(m, x), equations.relative_residual(q_), sigma[0] / sigma[sigma.size() - 1]}};
   }
 
-  // True if q_ solves the equations of the group, but is no posture of the mechanism. Compares only what the group and
-  // the groups before it determine.
+  // True if q_ solves the equations of the group, but is not a posture of the mechanism. Compares only
+  // unknowns of the group and of groups before it.
   [[nodiscard]] bool is_excluded(const Members& m) const {
     const auto group = static_cast<Index>(&m - groups_.data());
     std::vector<std::uint8_t> after;  // blocks; computed when it is needed, for large scenes

@@ -48,7 +48,7 @@ std::vector<Polynomial> expanded(const System& s, std::span<const Index> equatio
       p.a += (ab + ab.transpose()) / 2;
       largest = std::max(largest, ab.cwiseAbs().maxCoeff());
     }
-    // What cancels is no quadratic term.
+    // The remainder of a cancellation is not a quadratic term.
     p.a = (p.a.array().abs() > 64 * kEps * largest).select(p.a, 0.0);
     all.push_back(std::move(p));
   }

@@ -61,7 +61,7 @@ class Independence {
   std::span<const std::int32_t> address_;
   std::vector<Unit> units_;  // in solving order
   std::vector<Row> dropped_;
-  std::vector<Index> unit_of_, place_;      // coordinates: the unit, -1: none; and the column there
+  std::vector<Index> unit_of_, place_;      // coordinates: unit (-1: none), and column in the unit
   std::vector<double> q_, gradient_;        // coordinates
   std::vector<std::uint8_t> seen_;          // coordinates
   std::vector<double> arguments_, slopes_;  // of a callback

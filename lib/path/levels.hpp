@@ -50,8 +50,8 @@ class Levels {
  private:
   // Work between two meetings: several levels for the calling thread, or one level for all threads.
   struct Phase {
-    std::vector<std::int32_t> packs;  // by thread, in the order of their work
-    std::vector<std::int32_t> start;  // threads + 1
+    std::vector<std::int32_t> packs;  // those of thread 0, then of thread 1, ..., each in the order of work
+    std::vector<std::int32_t> start;  // threads + 1: index of the first pack of each thread
 
     [[nodiscard]] std::span<const std::int32_t> of(int rank) const {
       const auto r = static_cast<std::size_t>(rank);

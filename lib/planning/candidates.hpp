@@ -42,7 +42,7 @@ struct Load {
 // first; then one that computes in double.
 void rank(std::vector<Candidate>& candidates, double tie);
 
-// Throws Error (input) if one of the names is no backend.
+// Throws Error (input) if one of the names is not a backend.
 void check_names(std::span<const std::string> without, std::span<const Backend> table);
 
 }  // namespace assur

@@ -189,7 +189,7 @@ Kernel parse_kernel(std::string_view text) {
   }
   std::string known;
   for (const NamedKernel& k : kKernels) known += (known.empty() ? "" : ", ") + std::string(k.name);
-  throw Error(Error::Kind::input, '"' + std::string(text) + "\" is no kernel; there are " + known);
+  throw Error(Error::Kind::input, '"' + std::string(text) + "\" is not a kernel; the kernels are " + known);
 }
 
 std::string_view name(Origin origin) noexcept {

@@ -83,7 +83,7 @@ class PlanReader {
  public:
   static constexpr bool kReads = true;
 
-  // Throws Error (input), like all functions here, that names the place: the text is no saved plan, has another
+  // Throws Error (input), like all functions here, that names the place: the text is not a saved plan, has another
   // version, or was altered.
   explicit PlanReader(std::string text);
 

@@ -34,7 +34,7 @@ class JsonReader {
   JsonReader(const JsonDocument& document, TableFolders tables, const Parameters& set);
 
   // Reads the scene into a builder, with every finding. `name`: used if the scene has none. Throws Error (input) if the
-  // document is no scene at all.
+  // document is not a scene at all.
   [[nodiscard]] SceneBuilder read(const std::string& name);
 
  private:
@@ -52,7 +52,7 @@ class JsonReader {
   // The keys of an object, allowed and misspelt ones.
   class Object {
    public:
-    // Reports unknown keys, and values that are no object.
+    // Reports unknown keys, and values that are not objects.
     Object(JsonReader& reader, const Place& at, const rows::Keys& keys);
     [[nodiscard]] const JsonNode* find(std::string_view key) const { return node_ ? node_->find(key) : nullptr; }
     // Reports a missing key unless it is misspelt. {} in `what` is replaced by the names of the coordinates.

@@ -212,7 +212,7 @@ inline constexpr std::tuple kJoints{
     row<Fixed>(key("fixed", two_bodies<Fixed>())),
 };
 
-// Kinds that are no constraints.
+// Kinds that are not constraints.
 inline constexpr Refused kJointElsewhere{"this is a joint; joints have a section of their own, \"joints\""};
 inline constexpr std::pair<std::string_view, Refused> kNoConstraints[] = {
     {"revolute", kJointElsewhere},  {"prismatic", kJointElsewhere}, {"cylindrical", kJointElsewhere},

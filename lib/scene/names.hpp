@@ -28,7 +28,7 @@ class Where {
 // Name of a value of a pose, as in Simulator::set(): 3D "x", "y", "z", "psi", "theta", "phi"; 2D "x", "y", "angle".
 [[nodiscard]] const char* pose_part(std::size_t part, int dimension);
 
-// The reason why `text` is no valid name: another form, or more than 255 characters; "" if it is valid.
+// The reason why `text` is not a valid name: another form, or more than 255 characters; "" if it is valid.
 [[nodiscard]] std::string why_no_name(std::string_view text);
 
 // The candidate that `word` is most likely a misspelling of, the first one if several are equally near; "" if none is

@@ -33,7 +33,7 @@ struct LaneRun {
   // Posture at the time with index posture_wanted, or at `reached` if the run ends before.
   std::size_t posture_wanted = static_cast<std::size_t>(-1);
   std::vector<double> posture;
-  std::vector<double> outputs;     // at `reached`, if this is no time of the run
+  std::vector<double> outputs;     // at `reached`, if `reached` lies between two times of the run
   std::vector<double> uniqueness;  // at the start, see Tile
 
   [[nodiscard]] double* row(std::size_t k, std::size_t columns) const {

@@ -60,7 +60,7 @@ T divisor_of(MeasureForms::Kind kind, std::span<const Jet<T>> f, int dimension) 
   return T(1);
 }
 
-// Value, rate and acceleration of a measure that is no sum from the jets of its forms (internal units).
+// Value, rate and acceleration of a measure that is not a sum, from the jets of its forms (internal units).
 template <class T>
 Jet<T> evaluate_measure(MeasureForms::Kind kind, std::span<const Jet<T>> f, int dimension) {
   const auto dot = [&](std::size_t a, std::size_t b) {

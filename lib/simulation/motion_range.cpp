@@ -25,7 +25,7 @@ std::string chosen(std::string_view driver, const std::vector<std::string>& name
               names.empty() ? "the scene has no driver, so that nothing has a range"
               : driver.empty()
                   ? "the scene has " + std::to_string(names.size()) + " drivers; name one of them: " + list_of(known)
-                  : in_quotes(driver) + " is no driver" + known_instead(driver, known));
+                  : "there is no driver " + in_quotes(driver) + known_instead(driver, known));
 }
 
 // "rad", "m", or "" for a component of a vector.

@@ -381,7 +381,7 @@ struct Simulator::Impl {
 
   std::shared_ptr<const Prepared> owned;
   const Prepared& prepared;
-  std::shared_ptr<const Prepared> first;  // reset() returns to it: `owned` until other equations are chosen
+  std::shared_ptr<const Prepared> first;  // plan at the start of the run, for reset()
   StepLimits limits;
   Report report;
   const Structure& structure;

@@ -122,7 +122,7 @@ void descend(const DenseBlock& block, std::span<const Index> unknowns, std::vect
 }
 
 // Moves along the direction in which the equations change least. A guess on a line of symmetry leads to a stationary
-// point on that line, which is no solution.
+// point on that line, which is not a solution.
 void leave_saddle(const DenseBlock& block, std::span<const Index> unknowns, std::vector<double>& q) {
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(block.jacobian(q), Eigen::ComputeFullV);
   scatter(unknowns, gather(unknowns, q) + kNudge * svd.matrixV().rightCols(1), q);

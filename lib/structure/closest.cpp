@@ -10,7 +10,7 @@
 namespace assur {
 namespace {
 
-constexpr double kViolated = 1e-6;  // of a typical length, or of 1
+constexpr double kViolated = 1e-6;  // a violation is reported above this: internal units of length, or a number
 
 }  // namespace
 

@@ -19,7 +19,7 @@ struct Draft {
 };
 
 // Puts every block into exactly one group. A declared group has no block if all its coordinates are driven. Throws
-// Error (input) if a declared group is no union of blocks, or if it and another block need each other.
+// Error (input) if a declared group is not a union of blocks, or if it and another block need each other.
 [[nodiscard]] std::vector<Draft> form_groups(const System& system, const Blocks& blocks, Formulation formulation);
 
 }  // namespace assur

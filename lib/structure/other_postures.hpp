@@ -9,7 +9,7 @@
 
 namespace assur {
 
-// Parts of a system that are not regular at the start posture, or not by their structure.
+// Parts of a system that are singular at the start posture or structurally singular.
 struct DoubtfulParts {
   std::vector<Index> equations;  // all equations, including those among known coordinates
   std::vector<Index> kept;       // an independent subset of the equations

@@ -13,7 +13,7 @@ namespace assur {
 struct Problem {
   std::vector<Index> unknowns;
   std::vector<Index> equations;
-  Blocks blocks;          // of these equations and unknowns
+  Blocks blocks;          // irreducible blocks of these equations and unknowns
   std::vector<double> q;  // all coordinates: the guess, then the start posture
   double time = 0;        // of q
   bool is_guess = true;   // true: q is a guess; false: q is a posture already

@@ -73,18 +73,18 @@ constexpr double kLegCondition = 5;
 // 1/2. They propagate to the next loop.
 constexpr double kLoopCondition = 6;
 
-class AfternoonMotion : public testing::TestWithParam<KluOptions> {};
+class RivalMotion : public testing::TestWithParam<KluOptions> {};
 
-TEST_P(AfternoonMotion, StewartAgreesWithTheLibrary) {
+TEST_P(RivalMotion, StewartAgreesWithTheLibrary) {
   expect_within(compare(sample("stewart"), bench::StewartHandles(), 6, GetParam()), kLegCondition, GetParam());
 }
 
-TEST_P(AfternoonMotion, StewartAgreesWithTheFile) {
+TEST_P(RivalMotion, StewartAgreesWithTheFile) {
   const Scene file = read_scene(ASSUR_SOURCE_DIR "/scenes/stewart.json");
   expect_within(compare(file, bench::StewartHandles(), 6, GetParam()), kLegCondition, GetParam());
 }
 
-TEST_P(AfternoonMotion, ChainsAgreeWithTheLibrary) {
+TEST_P(RivalMotion, ChainsAgreeWithTheLibrary) {
   for (const int loops : {1, 10, 100}) {
     SCOPED_TRACE(loops);
     const Scene scene = sample("four_bar:" + std::to_string(loops));
@@ -92,7 +92,7 @@ TEST_P(AfternoonMotion, ChainsAgreeWithTheLibrary) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Klu, AfternoonMotion, testing::Values(KluOptions::defaults, KluOptions::unscaled),
+INSTANTIATE_TEST_SUITE_P(Klu, RivalMotion, testing::Values(KluOptions::defaults, KluOptions::unscaled),
                          [](const auto& test) { return test.param == KluOptions::defaults ? "defaults" : "unscaled"; });
 
 }  // namespace

@@ -85,7 +85,7 @@ TEST(Cases, ReportErrorsOfTheirFile) {
   EXPECT_EQ(message(head + R"("sample": 3, "expected": "pass"})"),
             "f.json: a: a case has a value of the wrong type for \"sample\"");
   EXPECT_EQ(message(head + R"("sample": "s", "sweep": {"x": [1, 2]}, "expected_each": ["pass"]})"),
-            "f.json: a: a case needs as many \"expected_each\" as values in its sweep");
+            "f.json: a: a case needs one entry of \"expected_each\" for each value of its sweep");
 }
 
 }  // namespace

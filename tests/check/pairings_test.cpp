@@ -294,14 +294,14 @@ void expect_alike(const Of& other) {
 
 using Told = std::pair<std::string, std::string>;
 
-TEST(Pairings, Chunks) {
+TEST(Pairings, ChunksMoveLikeThePlainRun) {
   expect_alike([](const Plain& plain, std::uint64_t, Draw& draw) {
     const std::string strategy = in_chunks(draw);
     return Told{strategy, difference(plain, run(plain.scene, strategy))};
   });
 }
 
-TEST(Pairings, Ensembles) {
+TEST(Pairings, MembersMoveLikeThePlainRun) {
   expect_alike([](const Plain& plain, std::uint64_t seed, Draw& draw) {
     const std::string strategy = side_by_side(draw);
     const std::size_t place = draw.below(kMembers);
@@ -310,7 +310,7 @@ TEST(Pairings, Ensembles) {
   });
 }
 
-TEST(Pairings, Outputs) {
+TEST(Pairings, FewOutputsMoveLikeThePlainRun) {
   expect_alike([](const Plain& plain, std::uint64_t, Draw& draw) {
     if (!plain.run.cannot.empty() || plain.run.columns.empty()) return Told{"", ""};
     const std::vector<std::string> wanted = part_of(plain.run, draw);
@@ -321,7 +321,7 @@ TEST(Pairings, Outputs) {
   });
 }
 
-TEST(Pairings, Strategies) {
+TEST(Pairings, EveryStrategyMovesLikeThePlainRun) {
   expect_alike([](const Plain& plain, std::uint64_t, Draw& draw) {
     const std::string strategy = to_string(test::random_strategy(draw));
     return Told{strategy, difference(plain, run(plain.scene, strategy))};

@@ -40,7 +40,7 @@ TEST(Import, WritesTheSceneThatRunTakes) {
   EXPECT_EQ(model.out, file.out);
 }
 
-TEST(Import, SaysWhatItMade) {
+TEST(Import, ListsThePartsOfTheScene) {
   const Outcome outcome = run_command({"import", kModels + "four_bar.xml"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(outcome.out,
@@ -64,7 +64,7 @@ TEST(Import, RunListsTheJointsOfAModelThatNothingDrives) {
   EXPECT_EQ(inspect.json()["mobility"], 1);
 }
 
-TEST(Import, RefusesWhatDoesNotFit) {
+TEST(Import, RefusesWrongFilesAndOptions) {
   const Scratch scratch;
   const std::string model = scratch.file("model.xml", "<mujoco/>"), other = scratch.file("scene.json", "{}");
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {

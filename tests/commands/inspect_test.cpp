@@ -247,7 +247,7 @@ TEST(Inspect, SaysWhyModesAreMissing) {
   EXPECT_EQ(group["multiple"], 2);
   ASSERT_EQ(group["folds"].size(), 1u);
   const Outcome page = run_command({"inspect", folded, "--modes"});
-  EXPECT_NE(page.out.find("P: 2 paths end where solutions meet (a fold)"), std::string::npos) << page.out;
+  EXPECT_NE(page.out.find("P: 2 paths end at multiple solutions (folds)"), std::string::npos) << page.out;
 }
 
 TEST(Inspect, RefusesUnknownOutputs) {

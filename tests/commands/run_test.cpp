@@ -110,7 +110,7 @@ TEST(Run, RefusesAGridWithoutWholeNumberOfSteps) {
     std::vector<std::string> options;
     std::string message;
   };
-  const std::string wanted = " s, which is no whole number from 1; give the number with --steps\n";
+  const std::string wanted = " s, which is not a whole number >= 1; give the number with --steps\n";
   const Case cases[] = {
       {{"--dt", "0.3"}, "--dt: from 0 s to the scene's end at 10 s there are 33.3333 steps of 0.3" + wanted},
       {{"--dt", "20"}, "--dt: from 0 s to the scene's end at 10 s there are 0.5 steps of 20" + wanted},

@@ -25,7 +25,7 @@ TEST(PairedMedians, MissingTurnsCountAsSlow) {
   EXPECT_EQ(all[1], 1);
 }
 
-TEST(Contest, EveryPassCounts) {
+TEST(Contest, CombinesAllPasses) {
   const QuestionOptions quick{.quick = true, .seconds = 0.5};
   std::optional<Contest> contest = Contest::open({"slider_crank", {}, 1}, quick);
   ASSERT_TRUE(contest);

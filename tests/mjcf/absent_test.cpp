@@ -1,4 +1,4 @@
-// A build without tinyxml2 says what is missing.
+// A build without tinyxml2 names the missing package.
 #include <gtest/gtest.h>
 
 #include "assur/mjcf.hpp"

@@ -1,4 +1,4 @@
-// What a model means: postures of its joints, orientations, classes, keyframes, names, drivers.
+// Meaning of a model: postures of its joints, orientations, classes, keyframes, names, drivers.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -96,7 +96,7 @@ TEST_F(Importing, FramesBodiesWithoutJointsAndFromtoPlaceSites) {
   expect_near(written(s, "b"), {1, 1, 2}, 1e-15, "b");
 }
 
-TEST_F(Importing, ClassesGiveWhatElementsLeaveOut) {
+TEST_F(Importing, ClassesGiveMissingAttributes) {
   const std::string text =
       "<default><joint axis='1 0 0'/><default class='slider'><joint type='slide' axis='0 2 0'/>"
       "<default class='low'><joint ref='0.5'/></default></default></default>"
@@ -119,7 +119,7 @@ TEST_F(Importing, ClassesGiveWhatElementsLeaveOut) {
       << model.scene;
 }
 
-// Three joints of one body: those behind turn with those before.
+// Three joints of one body: each joint moves the joints after it.
 TEST_F(Importing, SeveralJointsOfABodyAreAChain) {
   const ImportedModel model = import(
       "<worldbody><body name='b' pos='1 0 0'><joint name='s' type='slide' axis='1 1 0'/>"
@@ -199,8 +199,8 @@ TEST_F(Importing, KeyframesAreTheStart) {
   expect_near({written[0], written[1], written[2]}, at, 1e-15, "ball");
 }
 
-// The posture at a keyframe keeps the shapes of the model: lengths do not take over what the keyframe has too few
-// digits for.
+// The posture at a keyframe keeps the shapes of the model: lengths are those of the model, although the keyframe has
+// fewer digits.
 TEST_F(Importing, KeyframesKeepShapes) {
   const std::string file = ASSUR_SOURCE_DIR "/scenes/mjcf/five_bar.xml";
   const ImportedModel model = import_model(file, {"low", {{"left", "0,0.1"}, {"right", "0,0.1"}}});
@@ -245,14 +245,14 @@ TEST_F(Importing, JointsMoveTogetherByTheirEquation) {
   EXPECT_NEAR(end["a"] - start["a"], 1.5, 1e-14);
 }
 
-TEST_F(Importing, FilesAreIncludedWhereTheyStand) {
+TEST_F(Importing, IncludedFilesReplaceTheirInclude) {
   folder_.write("leg.xml",
                 "<mujocoinclude><body name='leg' pos='0 0 1'><joint name='hip'/><include file='foot.xml'/></body>"
                 "</mujocoinclude>");
   folder_.write("foot.xml", "<mujocoinclude><site name='foot' pos='0 0 -1'/></mujocoinclude>");
   const ImportedModel model = import("<worldbody><include file='leg.xml'/></worldbody>");
   EXPECT_NE(model.scene.find("\"foot\":{\"at\":[0.0,0.0,0.0]}"), std::string::npos) << model.scene;
-  // A mistake is found in its own file.
+  // An error message names the included file that has the mistake.
   folder_.write("foot.xml", "<mujocoinclude>\n<sit name='foot'/></mujocoinclude>");
   try {
     (void)import("<worldbody><include file='leg.xml'/></worldbody>");
@@ -263,7 +263,7 @@ TEST_F(Importing, FilesAreIncludedWhereTheyStand) {
   }
 }
 
-TEST_F(Importing, NamesAreMadeFitAndTold) {
+TEST_F(Importing, InvalidNamesAreChangedAndNoted) {
   const ImportedModel model = import(
       "<worldbody><body name='arm'><joint name='arm'/><site name='left-tip'/><body name='ground'><joint "
       "name='left_tip'/>"
@@ -280,7 +280,7 @@ TEST_F(Importing, NamesAreMadeFitAndTold) {
   EXPECT_EQ(parse_scene(model.scene).bodies().size(), 4u);
 }
 
-TEST_F(Importing, WhatMovesNothingIsLeftOutAndCounted) {
+TEST_F(Importing, IgnoredElementsAreCounted) {
   const ImportedModel model = import(
       "<option timestep='0.001'/><asset><mesh name='m'/><mesh name='n'/></asset><visual/>"
       "<worldbody><light/><geom/><body><freejoint/><inertial/><geom/><geom/><site name='s'/></body>"

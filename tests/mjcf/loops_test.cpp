@@ -31,14 +31,14 @@ using Poses = std::vector<Tree::Pose>;
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr V3 kX = {1, 0, 0}, kY = {0, 1, 0}, kZ = {0, 0, 1}, kO = {0, 0, 0};
 
-// Places of sites in a row.
+// The position of a site in one row, by its name.
 using Place = std::function<V3(const std::string&)>;
 
 struct Case {
   std::string name;
   Tree tree;
-  std::vector<std::pair<std::string, double>> reach;  // of driven joints: how far to either side
-  // Distances that are 0: gaps of loops, and of sites from where the tree has them.
+  std::vector<std::pair<std::string, double>> reach;  // driven joints, with the largest way to either side
+  // Distances that must be 0: the gaps of loops, and from sites to their places in the tree.
   std::function<std::vector<double>(const Poses&, const Place&)> gaps;
 
   friend void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
@@ -74,7 +74,7 @@ Case five_bar() {
   return c;
 }
 
-// How far the sites of a body are from a rigid body with these places.
+// Largest change of a distance between two sites of a body, from the local places of the sites.
 double change_of_shape(const std::vector<V3>& now, const std::vector<V3>& local) {
   double worst = 0;
   for (std::size_t i = 0; i < now.size(); ++i) {
@@ -134,7 +134,7 @@ Case stewart() {
     rods.push_back(c.tree.add(cylinder, {0, 0, 0.4}, kNoTurn, {{"leg_" + n, true, kO, kZ}}));
     c.reach.emplace_back("leg_" + n, 0.05);
   }
-  // Where the rods end, from the posture of the model.
+  // Ends of the rods in the posture of the model.
   const Poses first = c.tree.poses({});
   std::vector<V3> ends;
   for (std::size_t i = 0; i < legs.size(); ++i) {
@@ -261,7 +261,7 @@ INSTANTIATE_TEST_SUITE_P(Shipped, Models, testing::Values(four_bar(), five_bar()
                          [](const auto& one) { return one.param.name; });
 
 // The check above finds a loop that is open.
-TEST(ModelsOfTests, AGapIsSeen) {
+TEST(LoopCheck, FindsAGap) {
   const Case c = four_bar();
   const auto site = [](const std::string&) { return kO; };
   EXPECT_LE(c.gaps(c.tree.poses({}), site)[0], 1e-15);

@@ -1,4 +1,4 @@
-// What is wrong in a model, or not understood, is refused by file, line and name.
+// Wrong or unknown parts of a model are refused with file, line and name.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -53,11 +53,11 @@ TEST(RefusedModels, NameTheLineAndTheElement) {
       {"<default><default><joint/></default></default>", "line 2, <default>: the attribute 'class' is missing"},
       {"<default>\n<default class='a'/>\n<default class='a'/></default>",
        "line 4, <default>: the class 'a' appears twice"},
-      {"<default><jont/></default>", "line 2, <jont>: nothing is known of such defaults; did you mean 'joint'?"},
+      {"<default><jont/></default>", "line 2, <jont>: there are no defaults of this kind; did you mean 'joint'?"},
       {arm("<site name='s' class='big'/>"), "line 5, <site> 's': there is no class 'big'; there are: main"},
       {arm("<joint axis='0 0 0'/>"), "line 5, <joint>: the attribute 'axis' has no direction; its length is 0"},
-      {arm("<joint axis='0 0 1e'/>"), "line 5, <joint>: the attribute 'axis' has '1e', which is no finite number"},
-      {arm("<joint pos='nan 0 0'/>"), "line 5, <joint>: the attribute 'pos' has 'nan', which is no finite number"},
+      {arm("<joint axis='0 0 1e'/>"), "line 5, <joint>: the attribute 'axis' has '1e', which is not a finite number"},
+      {arm("<joint pos='nan 0 0'/>"), "line 5, <joint>: the attribute 'pos' has 'nan', which is not a finite number"},
       {arm("<joint axis='0 1'/>"), "line 5, <joint>: the attribute 'axis' has 2 numbers; 3 are wanted"},
       {arm("<joint ref='0 1'/>"), "line 5, <joint>: the attribute 'ref' has 2 numbers; 1 is wanted"},
       {arm("<joint type='hing'/>"),
@@ -89,7 +89,7 @@ TEST(RefusedModels, NameTheLineAndTheElement) {
       {two + "<equality>\n<connect active='no' body1='arm' anchor='0 0 0'/></equality>",
        "line 8, <connect>: the attribute 'active' is true or false, not 'no'"},
       {two + "<equality>\n<tendon/></equality>",
-       "line 8, <tendon>: equalities of this kind are not read; there are: connect, weld, joint"},
+       "line 8, <tendon>: equalities of this kind are not read; connect, weld and joint are"},
       {two + "<equality>\n<weld body1='arm' torquescale='0'/></equality>",
        "line 8, <weld>: a weld with torquescale=\"0\" keeps a point only; write it as <connect>"},
       {two + "<equality>\n<joint joint1='elbow' joint2='hinge' polycoef='0 1 1 0 0'/></equality>",
@@ -104,7 +104,7 @@ TEST(RefusedModels, NameTheLineAndTheElement) {
        "line 8, <moter>: there is no such actuator; did you mean 'motor'?"},
       {two + "<keyframe>\n<key name='k' qpos='0'/></keyframe>",
        "line 8, <key> 'k': the attribute 'qpos' has 1 numbers; the joints have 2"},
-      {two + "<keyframe>\n<kei/></keyframe>", "line 8, <kei>: there is no such element; there are: key"},
+      {two + "<keyframe>\n<kei/></keyframe>", "line 8, <kei>: there is no such element; the only one here is key"},
       {"<worldbody>\n<body name='arm'><joint/><site name='a' pos='1 0 0'/></body>\n<site name='b' pos='3 0 0'/>"
        "</worldbody><equality>\n<connect name='far' site1='a' site2='b'/></equality>",
        "line 5, <connect> 'far': this loop cannot be closed; in the nearest posture to the start a gap of 2 m is left"},
@@ -127,7 +127,7 @@ TEST(RefusedModels, NameTheLineAndTheElement) {
   }
 }
 
-TEST(RefusedModels, OptionsNameWhatThereIs) {
+TEST(RefusedModels, WrongOptionsListTheChoices) {
   const test::Folder folder;
   const std::string file = folder.write("model.xml", "<mujoco>\n" + arm("") +
                                                          "<actuator><motor joint='hinge'/></actuator>"
@@ -136,7 +136,7 @@ TEST(RefusedModels, OptionsNameWhatThereIs) {
       {{"hom", {}}, "--key: there is no keyframe 'hom'; did you mean 'home'? There are: home"},
       {{"", {{"hing", "0"}}}, "--drive hing: there is no such hinge or slide; did you mean 'hinge'? There are: hinge"},
       {{"", {{"hinge", "fast"}}},
-       "--drive hinge: 'fast' is no law; write coefficients of a polynomial of t, \"0,6.28\", a law of the scene "
+       "--drive hinge: 'fast' is not a law; write coefficients of a polynomial of t, \"0,6.28\", a law of the scene "
        "format, "
        "{\"constant\": 0}, or free"},
       {{"", {{"hinge", "{\"constant\""}}}, "--drive hinge: '{\"constant\"' is not JSON"},
@@ -153,7 +153,7 @@ TEST(RefusedModels, AreBoundedInSizeAndDepth) {
             "line 2: elements are inside each other more than 100 times, the limit");
   EXPECT_EQ(message_of(folder.write("model.xml", "<mujoco>" + std::string(16'000'001, ' ') + "</mujoco>")),
             "the model cannot be read: it is larger than 16 MB, the limit");
-  // Files that are small one by one.
+  // Each file is below the limit, but not both together.
   const std::string half(9'000'000, ' ');
   folder.write("part.xml", "<mujocoinclude>" + half + "</mujocoinclude>");
   EXPECT_EQ(message_of(folder.write("model.xml", "<mujoco>" + half + "<include file='part.xml'/></mujoco>")),
@@ -167,7 +167,7 @@ TEST(RefusedModels, AreBoundedInSizeAndDepth) {
       folder.path("part.xml") + ": line 1, <body>: elements are inside each other more than 100 times, the limit");
 }
 
-TEST(RefusedModels, OtherFiles) {
+TEST(RefusedModels, AreFilesOfOtherKinds) {
   const test::Folder folder;
   EXPECT_EQ(message_of(folder.write("model.xml", "<robot/>")),
             "line 1: a model of MuJoCo begins with <mujoco>, not with <robot>");

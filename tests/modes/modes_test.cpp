@@ -23,7 +23,7 @@ double value(const AssemblyModes& modes, const AssemblyMode& mode, const std::st
   return 0;
 }
 
-// Every path ends somewhere.
+// The ends of all paths add up, and no path is lost.
 void expect_closed_count(const AssemblyModes& m) {
   EXPECT_EQ(static_cast<int>(m.modes.size()) + m.not_real + m.diverged + m.multiple + m.excluded, m.paths) << m.group;
   EXPECT_TRUE(m.complete()) << m.group;
@@ -287,7 +287,7 @@ TEST(Modes, PointOnThreeSpheresHasTwo) {
   }
 }
 
-TEST(Modes, GroupsOfOneMode) {
+TEST(Modes, SomeGroupsHaveOneMode) {
   // Linear equations.
   const Scene linear = SceneBuilder("linear", 2)
                            .fixed_point("A", {1, 2})
@@ -336,7 +336,7 @@ TEST(Modes, DyadAtItsFoldHasNone) {
 }
 
 // Rods that are too short have no posture at all, which is an answer and no failure.
-TEST(Modes, NoPostureIsAnAnswer) {
+TEST(Modes, RodsThatAreTooShortHaveNoMode) {
   const Scene scene = SceneBuilder("short", 2)
                           .fixed_point("A", {0, 0})
                           .fixed_point("D", {2, 0})
@@ -471,7 +471,7 @@ TEST(Modes, RedundantEquationsExcludeModes) {
   EXPECT_TRUE(m.has_start);
 }
 
-TEST(Modes, RefusesWhatItCannotCompute) {
+TEST(Modes, RefusesGroupsThatItCannotCompute) {
   const auto message = [](auto&& call) {
     try {
       call();

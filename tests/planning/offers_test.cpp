@@ -81,12 +81,12 @@ TEST(Offers, RunOrAreRefusedWithTheReasonGiven) {
   }
 }
 
-TEST(Offers, ThroughputOffersRun) {
+TEST(Offers, RunForThroughput) {
   for (const Scene& scene : shipped()) expect_as_offered(scene, {.budget = kBudget, .mode = Mode::throughput});
 }
 
 // Only one backend is available at a time.
-TEST(Offers, OffersOfOneBackendRun) {
+TEST(Offers, RunWithASingleBackend) {
   const Scene scene = sample("stewart:steps=5"), long_enough_for_chunks = sample("stewart:steps=250");
   for (const Backend& backend : backends()) {
     if (!backend.why_not({}, {}).empty()) continue;

@@ -95,7 +95,7 @@ TEST(StrategySpace, HoldsEveryStrategyOnceWithItsShortestText) {
   }
 }
 
-TEST(StrategySpace, PowersOfTwo) {
+TEST(StrategySpace, ListsPowersOfTwo) {
   EXPECT_EQ(powers_of_two(1), std::vector<std::int32_t>{1});
   EXPECT_EQ(powers_of_two(3), (std::vector<std::int32_t>{1, 2}));
   EXPECT_EQ(powers_of_two(16), (std::vector<std::int32_t>{1, 2, 4, 8, 16}));

@@ -50,7 +50,7 @@ void expect_exact(const Scene& scene, double t, const Posture<QuadJet>& closed_f
   expect_satisfied(equations, 20 * epsilon * std::pow(largest / shortest, 2));
 }
 
-TEST(ClosedForm, FourBarChain) {
+TEST(ClosedForm, SatisfiesFourBarChains) {
   const Scene scene = sample("four_bar:20");
   for (const double t : {0.0, 0.123, 0.5, 0.999, 3.7}) expect_exact(scene, t, four_bar_chain(20, t));
 }
@@ -63,7 +63,7 @@ TEST(ClosedForm, FourBarChainStartsAtTheGuess) {
   }
 }
 
-TEST(ClosedForm, NFourBar) {
+TEST(ClosedForm, SatisfiesNFourBar) {
   const Scene scene = sample("n_four_bar:40");
   for (const double t : {0.0, 1.0, 1.5707963267948966, 9.99}) expect_exact(scene, t, n_four_bar(40, t));
 }
@@ -87,7 +87,7 @@ TEST(ClosedForm, AlmostParallelogramStaysOnItsBranch) {
   }
 }
 
-TEST(ClosedForm, SliderCrank) {
+TEST(ClosedForm, SatisfiesTheSliderCrank) {
   for (const double offset : {0.0, 0.05, -0.19}) {
     const Scene scene = sample("slider_crank", {{"offset", offset}});
     for (const double t : {0.0, 0.25, 0.6, 1.0}) expect_exact(scene, t, slider_crank(offset, t));
@@ -96,12 +96,12 @@ TEST(ClosedForm, SliderCrank) {
   for (const double t : {0.0, 0.2, 0.3, 0.7}) expect_exact(equal, t, slider_crank(0, t, 0.2, 0.2001));
 }
 
-TEST(ClosedForm, Parallelograms) {
+TEST(ClosedForm, SatisfiesParallelograms) {
   const Scene scene = sample("parallelograms:5");
   for (const double t : {0.0, 1.0, 9.99}) expect_exact(scene, t, parallelograms(5, t));
 }
 
-TEST(ClosedForm, Stewart) {
+TEST(ClosedForm, SatisfiesTheStewartPlatform) {
   for (const std::string text : {"stewart", "stewart:legs=5,omega=6.3"}) {
     const Scene scene = sample(text);
     for (const double t : {0.0, 1.7, 10.0}) expect_exact(scene, t, stewart(scene, t));

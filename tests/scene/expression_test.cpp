@@ -16,7 +16,7 @@ std::string text(const Findings& findings) {
   return lines;
 }
 
-TEST(Expression, ConstantsAndFunctionsInRad) {
+TEST(Expression, KnowsConstantsAndFunctionsInRad) {
   Expressions expressions;
   EXPECT_EQ(text(expressions.define({})), "");
   EXPECT_EQ(expressions.evaluate("pi").value, std::numbers::pi);
@@ -27,7 +27,7 @@ TEST(Expression, ConstantsAndFunctionsInRad) {
   EXPECT_EQ(expressions.evaluate("1 < 2 ? 3 : 4").value, 3);
 }
 
-TEST(Expression, ParametersInAnyOrder) {
+TEST(Expression, ReadsParametersInAnyOrder) {
   Expressions expressions;
   const auto findings = expressions.define({{"a", "2*b"}, {"b", "c + 0.1"}, {"c", 0.8}});
   EXPECT_EQ(text(findings), "");
@@ -35,7 +35,7 @@ TEST(Expression, ParametersInAnyOrder) {
   EXPECT_EQ(expressions.evaluate("a + b*c").value, 2 * (0.8 + 0.1) + (0.8 + 0.1) * 0.8);
 }
 
-TEST(Expression, LongChainOfParameters) {
+TEST(Expression, FollowsALongChainOfParameters) {
   std::vector<Expressions::Parameter> chain;
   constexpr int kLength = 20000;
   for (int i = 0; i < kLength; ++i) chain.push_back({"p" + std::to_string(i), "p" + std::to_string(i + 1) + " + 1"});
@@ -74,7 +74,7 @@ TEST(Expression, RefusesReservedNames) {
   EXPECT_EQ(expressions.evaluate("pi").value, std::numbers::pi);
 }
 
-TEST(Expression, Errors) {
+TEST(Expression, RefusesInvalidText) {
   Expressions expressions;
   EXPECT_EQ(text(expressions.define({{"crank", 0.8}})), "");
   EXPECT_EQ(expressions.evaluate("crnk").what, "there is no parameter 'crnk'; did you mean 'crank'?");

@@ -54,7 +54,7 @@ constexpr const char* kFourBar = R"({
   "time": {"start": 0, "end": 1, "step": 0.01}
 })";
 
-TEST(Json, ExampleOfTheFormat) {
+TEST(Json, ReadsTheExampleOfTheFormat) {
   const Scene scene = parse_scene(kFourBar);
   EXPECT_EQ(scene.name(), "four_bar");
   EXPECT_EQ(scene.dimension(), 2);
@@ -81,7 +81,7 @@ TEST(Json, ExampleOfTheFormat) {
   EXPECT_TRUE(scene.warnings().empty());
 }
 
-TEST(Json, EveryConstraint) {
+TEST(Json, ReadsEveryConstraint) {
   const Scene scene = parse_scene(space(R"(
     "points": {"A": {"at": [0, 0, 0], "fixed": true}, "B": {"at": [1, 0, 0]}, "C": {"at": [0, 1, 0]}},
     "vectors": {"u": {"at": [1, 0, 0]}, "v": {"at": [0, 1, 0]}},
@@ -119,7 +119,7 @@ TEST(Json, EveryConstraint) {
   EXPECT_EQ(as<OnPlane>(c[10]).e.second, "C");
 }
 
-TEST(Json, LinearValueForEachCoordinateOfThePlane) {
+TEST(Json, LinearHasAValueForEachCoordinateOfThePlane) {
   const Scene scene = parse_scene(plane(R"("points": {"B": {"at": [1, 0]}},
     "constraints": {"c": {"linear": [["B", 1]], "value": 2}})"));
   EXPECT_EQ(as<Linear>(scene.constraints()[0]).value, (Triple{2, 2, 0}));
@@ -156,7 +156,7 @@ TEST(Json, ReportsNormalisedVectorsAndLimitsTheList) {
             "0.948683, v5 0.948683, and 2 more");
 }
 
-TEST(Json, BodiesAndPoses) {
+TEST(Json, ReadsBodiesAndPoses) {
   const Scene scene = parse_scene(space(R"(
     "points": {"O": {"at": [0, 0, 1]}, "Q": {"at": [2, 0, 0]}, "A": {"at": [0, 0, 0]}, "B": {"at": [1, 0, 0]},
                "C": {"at": [0, 1, 0]}},
@@ -191,7 +191,7 @@ TEST(Json, BodiesAndPoses) {
   EXPECT_EQ(scene.groups()[0].unknowns.size(), 4u);
 }
 
-TEST(Json, PoseInThePlane) {
+TEST(Json, ReadsAPoseInThePlane) {
   const Scene scene = parse_scene(plane(R"(
     "points": {"A": {"at": [0, 0]}, "B": {"at": [1, 0]}},
     "bodies": {"bar": {"base": ["A", "B"]}},
@@ -201,7 +201,7 @@ TEST(Json, PoseInThePlane) {
   EXPECT_EQ(as<Pose>(scene.drivers()[0]).rotation[0](0).value, 3);
 }
 
-TEST(Json, DriversAndMeasuresInSpace) {
+TEST(Json, ReadsDriversAndMeasuresInSpace) {
   const Scene scene = parse_scene(space(R"(
     "points": {"A": {"at": [0, 0, 0], "fixed": true}, "B": {"at": [1, 0, 0]}, "C": {"at": [0, 1, 0]},
       "D": {"at": [0, 1, 1]}},
@@ -237,7 +237,7 @@ TEST(Json, AngleOfMembersIsAnAngleOfPoints) {
   EXPECT_EQ(as<AngleBetween>(scene.measures()[0]).d.first, "x");
 }
 
-TEST(Json, Laws) {
+TEST(Json, ReadsLaws) {
   const std::filesystem::path folder = testing::TempDir();
   std::ofstream(folder / "line.csv") << "t, value\r\n# a comment\n0, 1\n\n 1 ,+3\n2,5e0\n";
   std::ofstream(folder / "wave.csv") << "0,0\n1,1\n2,0\n3,-1\n4,0\n";
@@ -317,7 +317,7 @@ TEST(Json, DiagnosticsHoldPointersWithoutTheFile) {
   }
 }
 
-TEST(Json, SmallestScene) {
+TEST(Json, ReadsTheSmallestScene) {
   const Scene scene = parse_scene(plane(R"("points": {})"), "tiny");
   EXPECT_EQ(scene.name(), "tiny");
   EXPECT_EQ(scene.time().steps(), 0);

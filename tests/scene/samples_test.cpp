@@ -97,7 +97,7 @@ TEST(SampleText, OptionsOfAFileAreItsParameters) {
   EXPECT_NE(message("bricard_joints:lo=1").find("'lo'"), std::string::npos);
 }
 
-TEST(SampleText, UnknownSample) {
+TEST(SampleText, RefusesUnknownSamples) {
   const std::string all =
       "almost_parallelogram, andrews, bennett, bricard, bricard_joints, delta, double_wishbone, excavator, four_bar, "
       "geared_five_bar, gough, hexa, hexapod, jansen, klann, n_four_bar, parallelograms, peaucellier, rings, sarrus, "
@@ -106,7 +106,7 @@ TEST(SampleText, UnknownSample) {
   EXPECT_EQ(message("bicycle"), "there is no sample 'bicycle'; it should be " + all);
 }
 
-TEST(SampleText, BadOptions) {
+TEST(SampleText, RefusesBadOptions) {
   const std::string write =
       " Write four_bar:N for loops=N, or four_bar:loops=1,omega=6.283185307179586,step=0.001,"
       "steps=1000 or some of these options";
@@ -130,7 +130,7 @@ TEST(SampleText, RefusesContradictoryOptions) {
       "sample 'bricard': option 'middle' should not be larger than 'swing', because the motion starts at the cube");
 }
 
-TEST(SampleText, BadWordsAndMultiples) {
+TEST(SampleText, RefusesBadWordsAndMultiples) {
   const std::string hexapod = " Write hexapod:drive=pose,omega=1,step=0.01,steps=1000 or some of these options";
   const std::string drive =
       "sample 'hexapod': option 'drive' (driven part; if the legs are driven, the pose is undetermined) should be pose "

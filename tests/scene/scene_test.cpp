@@ -89,7 +89,7 @@ TEST(SceneBuilder, NumbersMustBeFinite) {
             "/time/end: the value is nan; a finite number is wanted");
 }
 
-TEST(SceneBuilder, AThirdCoordinateInThePlane) {
+TEST(SceneBuilder, RefusesAThirdCoordinateInThePlane) {
   SceneBuilder builder("plane", 2);
   builder.point("P", {0, 0, 1}).constrain("sum", Linear{{{"P", 1}}, {0, 0, 2}});
   EXPECT_EQ(findings(builder),
@@ -97,7 +97,7 @@ TEST(SceneBuilder, AThirdCoordinateInThePlane) {
             "/constraints/sum/value/2: a plane scene has no z; write 0 or leave it out");
 }
 
-TEST(SceneBuilder, Dimension) {
+TEST(SceneBuilder, RefusesOtherDimensions) {
   EXPECT_EQ(findings(SceneBuilder("line", 1).point("P", {})), "/dimension: the dimension is 2 or 3, not 1");
 }
 
@@ -150,7 +150,7 @@ TEST(SceneBuilder, MembersOfAFixedBaseAreFixed) {
             "something move");
 }
 
-TEST(SceneBuilder, Callbacks) {
+TEST(SceneBuilder, ChecksCallbacks) {
   const auto residual = [](std::span<const double>, std::span<double>) {};
   const auto curvature = [](std::span<const double>, std::span<const double>, std::span<double>) {};
   SceneBuilder builder = four_bar();
@@ -208,7 +208,7 @@ TEST(TimeGrid, StepsAreMultiplied) {
   EXPECT_EQ(TimeGrid{}.steps(), 0);
 }
 
-TEST(TimeGrid, Checked) {
+TEST(TimeGrid, IsChecked) {
   const auto checked = [](double start, double end, double step) {
     return findings(SceneBuilder("t", 2).time(start, end, step));
   };
@@ -237,7 +237,7 @@ TEST(TimeGrid, Checked) {
             "take times nearer to 0, or longer steps");
 }
 
-TEST(Scene, WithOutputs) {
+TEST(Scene, WithOutputsChecksThem) {
   const Scene scene = four_bar().build();
   const Scene other = scene.with_outputs({"B.velocity", "rocker_angle.rate"});
   EXPECT_EQ(other.outputs().size(), 2u);
@@ -249,7 +249,7 @@ TEST(Scene, WithOutputs) {
             "/outputs/2: 'C' has no part 'speed'; expected position, velocity, acceleration, x, y, vx, vy, ax or ay");
 }
 
-TEST(Scene, WithTime) {
+TEST(Scene, WithTimeChecksTablesAndLengths) {
   SceneBuilder builder("table", 2);
   builder.point("A", {0, 0, 0}).time(0, 1, 0.5);
   builder.drive("push", DrivenCoordinate{"A.x", Law::table({0, 1}, {0, 1})});

@@ -61,7 +61,7 @@ void expect_motion(const Trajectory& trajectory, std::size_t row, double t, cons
   }
 }
 
-TEST(Drivers, PoseInThePlane) {
+TEST(Drivers, PoseMovesABodyInThePlane) {
   const Law x = swing(0.2, 1, 0.1), y = swing(0.1, 2, 0.3, 0.5), angle = swing(1.5, 1.5, 0);
   SceneBuilder builder("pose2", 2);
   builder.point("O", {0.02, 0.53, 0}).vector("u", {1, 0, 0}).fixed_point("G", {-1, 0, 0});
@@ -84,7 +84,7 @@ TEST(Drivers, PoseInThePlane) {
 }
 
 // A wrist: the body T turns and moves; its vector e turns relative to its vector d about its vector a.
-TEST(Drivers, RelativeAngleAboutAMovingAxis) {
+TEST(Drivers, RelativeAngleTurnsAboutAMovingAxis) {
   const Law psi = swing(1, 1, 0), theta = swing(0.8, 1.3, 0.2), relative = Law::polynomial({0.3, 1.5, -0.2});
   SceneBuilder builder("wrist", 3);
   builder.point("O", {0, 0, 0}).vector("u", {1, 0, 0}).vector("v", {0, 1, 0}).vector("w", {0, 0, 1});
@@ -111,7 +111,7 @@ TEST(Drivers, RelativeAngleAboutAMovingAxis) {
 }
 
 // Two links in the plane, the second driven relative to the first.
-TEST(Drivers, RelativeAngleOfTwoLinks) {
+TEST(Drivers, RelativeAngleTurnsTheSecondLink) {
   const Law first = Law::polynomial({0.2, 1}), second = swing(2.5, 1, 0.4);
   SceneBuilder builder("arm", 2);
   builder.fixed_point("A", {0, 0, 0}).point("B", {std::cos(0.2), std::sin(0.2), 0});
@@ -129,7 +129,7 @@ TEST(Drivers, RelativeAngleOfTwoLinks) {
 }
 
 // A flap hinged about x. Its base has three points; members outside their plane need the normal.
-TEST(Bodies, BaseOfThreePointsWithANormal) {
+TEST(Bodies, BaseOfThreePointsHasANormal) {
   const Law angle = swing(2, 1, 0);
   SceneBuilder builder("flap", 3);
   builder.fixed_point("A", {0, 0, 0})
@@ -149,7 +149,7 @@ TEST(Bodies, BaseOfThreePointsWithANormal) {
 }
 
 // The flap with unknowns: a rod connects C to a crank about Q, so that the base is solved for.
-TEST(Bodies, BaseOfThreePointsInAGroup) {
+TEST(Bodies, BaseOfThreePointsIsSolvedInAGroup) {
   const Law angle = swing(-0.5, 1, 1.5707963267948966, 0.5);
   SceneBuilder builder("flap", 3);
   builder.fixed_point("A", {0, 0, 0})
@@ -275,7 +275,7 @@ TEST(Callbacks, ADistanceCallbackEqualsTheConstraint) {
 }
 
 // Two to one: e = (d.x^2 - d.y^2, 2 d.x d.y) turns twice as fast as d.
-TEST(Callbacks, ModelAGear) {
+TEST(Callbacks, CanModelAGear) {
   const Law angle = Law::polynomial({0.1, 2, 0.3});
   Callback gear;
   gear.coordinates = {"D.x", "D.y", "E.x", "E.y"};

@@ -196,7 +196,7 @@ std::string refusal(const std::string& gear) {
   return "accepted";
 }
 
-TEST(Gears, NameWhatIsWrong) {
+TEST(Gears, NameInvalidInput) {
   EXPECT_EQ(refusal(R"({"gear": ["A.angle", "B.angle"], "ratio": -2})"), "accepted");
   EXPECT_EQ(refusal(R"({"gear": ["A.angle", "B.angle"], "ratio": 0})"),
             "scene: /constraints/g/ratio: the ratio is 0; it must be finite and not 0");

@@ -43,7 +43,7 @@ std::vector<std::string> columns_of(const std::vector<std::string>& points, bool
   return all;
 }
 
-TEST(JointsByHand, SliderCrank) {
+TEST(JointsByHand, SliderCrankMovesAlike) {
   const Scene joints = SceneBuilder("joints", 2)
                            .add(Body{.name = "crank"})
                            .add(Body{.name = "rod", .points = {{"M", {0.25, 0.02, 0}, true}}})
@@ -70,7 +70,7 @@ TEST(JointsByHand, SliderCrank) {
 }
 
 // Crank and rocker about skew axes, with a rod with two spherical joints.
-TEST(JointsByHand, SkewCrankAndRocker) {
+TEST(JointsByHand, SkewCrankAndRockerMoveAlike) {
   const Triple A = {0, 0, 0}, B = {0.2, 0, 0}, C = {0.9, 1.1, 0.5}, D = {1, 0.4, -0.1};
   const Triple z = {0, 0, 1}, hinge = triple::cross(triple::subtract(C, D), {0.2, 1, 0});
   const Scene joints = SceneBuilder("joints", 3)
@@ -101,7 +101,7 @@ TEST(JointsByHand, SkewCrankAndRocker) {
 }
 
 // A leg of a Stewart platform on a crank: universal, prismatic and spherical joint, and the distance of its ends.
-TEST(JointsByHand, LegOfAStewartPlatform) {
+TEST(JointsByHand, LegOfAStewartPlatformMovesAlike) {
   const Triple foot = {0.9, -0.4, -1}, hand = {0.5, 0.2, 0.3}, way = triple::subtract(hand, foot);
   const Triple side = triple::cross(way, {0, 0, 1});
   const double length = triple::norm(way);

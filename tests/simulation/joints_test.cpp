@@ -62,7 +62,7 @@ std::size_t unknowns(const Scene& scene) {
   return count;
 }
 
-// ---- measured in the computed postures
+// ---- helpers that measure in the computed postures
 
 Triple place(const Trajectory& t, std::size_t row, const std::string& item, const Scene& scene) {
   for (const Point& p : scene.points()) {
@@ -326,7 +326,7 @@ TEST(Joints, SarrusLinkageMovesStraight) {
 }
 
 // A body with a frame of its own, moved by six struts, each with a universal, a prismatic and a spherical joint.
-TEST(Joints, StewartPlatformWithStruts) {
+TEST(Joints, StewartPlatformMovesOnStruts) {
   SceneBuilder builder("platform", 3);
   builder.point("O", {0, 0, 1}).vector("u", {1, 0, 0}).vector("v", {0, 1, 0}).vector("w", {0, 0, 1});
   Body plate{.name = "plate", .origin = "O", .frame = {"u", "v", "w"}};

@@ -86,13 +86,13 @@ TEST(MotionRange, OfAValueOfAPoseEndsWhereItsRunEnds) {
   }
 }
 
-TEST(MotionRange, NamesTheDriversThatThereAre) {
+TEST(MotionRange, ListsTheDriversIfTheNameIsWrong) {
   const Scene stewart = sample("stewart");
   const auto refusal = [&](const Scene& scene, const std::string& driver, double farthest) {
     return look::error(Error::Kind::input, [&] { (void)motion_range(scene, driver, farthest); });
   };
   EXPECT_NE(refusal(stewart, "", 0).find("6 drivers; name one of them"), std::string::npos);
-  EXPECT_NE(refusal(stewart, "motr", 0).find("'motr' is no driver"), std::string::npos);
+  EXPECT_NE(refusal(stewart, "motr", 0).find("there is no driver 'motr'"), std::string::npos);
   EXPECT_NE(refusal(sample("four_bar"), "", kNan).find("it must be finite"), std::string::npos);
   SceneBuilder still("still", 2);
   still.fixed_point("A", {0, 0}).fixed_point("D", {1, 0}).point("B", {0.5, 0.8});

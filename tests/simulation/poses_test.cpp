@@ -70,7 +70,7 @@ SceneBuilder arm() {
       .time(0, 6, 0.05);
 }
 
-TEST(Poses, OfAnArmInClosedForm) {
+TEST(Poses, FollowTheClosedFormOfAnArm) {
   const Trajectory t = test::run(arm().output("hand").build()).trajectory;
   ASSERT_EQ(t.columns().size(), 19u);
   const Triple z = {0, 0, 1};
@@ -98,7 +98,7 @@ TEST(Poses, HavePartsThatCanBeAskedForAlone) {
   const Scene other = scene.with_outputs({"upper.angular_acceleration", "hand.origin.vx"});
   EXPECT_EQ(test::run(other).trajectory.columns(),
             (std::vector<std::string>{"upper.alphax", "upper.alphay", "upper.alphaz", "hand.origin.vx"}));
-  // The pose of a later question is that of the scene as it was built.
+  // An output that is asked for later has the same pose as one that is asked for at once.
   const Trajectory late = test::run(arm().output("B").build().with_outputs({"hand"})).trajectory;
   const Trajectory early = test::run(arm().output("hand").build()).trajectory;
   ASSERT_EQ(late.columns(), early.columns());
@@ -108,7 +108,7 @@ TEST(Poses, HavePartsThatCanBeAskedForAlone) {
 }
 
 // Local axes of a body with a base of its own are those of its driven pose.
-TEST(Poses, OfADrivenPlatformAreItsLaws) {
+TEST(Poses, EqualTheLawsOfADrivenPlatform) {
   const Scene scene = open_scene("stewart:steps=50").with_outputs({"terminal"});
   const Pose* pose = nullptr;
   for (const Driver& d : scene.drivers()) {
@@ -128,7 +128,7 @@ TEST(Poses, OfADrivenPlatformAreItsLaws) {
   }
 }
 
-TEST(Poses, InThePlaneHaveAnAngleThatCountsTurns) {
+TEST(Poses, CountTurnsInThePlane) {
   const Scene scene = SceneBuilder("crank", 2)
                           .add(Body{.name = "crank"})
                           .joint("A", Revolute{"ground", "crank", Triple{1, 0}})
@@ -160,7 +160,7 @@ TEST(Poses, HaveErrorsLikeOtherOutputs) {
   }
 }
 
-TEST(Poses, NameWhatABodyDoesNotHave) {
+TEST(Poses, RefuseUnknownParts) {
   const auto refusal = [&](const std::string& output) -> std::string {
     try {
       (void)arm().output(output).build();
@@ -178,7 +178,7 @@ TEST(Poses, NameWhatABodyDoesNotHave) {
 
 // ---- joints whose driver a program sets
 
-TEST(JointDrivers, SetsTheAngleOfAJointInThePlane) {
+TEST(JointDrivers, SetTheAngleOfAJointInThePlane) {
   for (const double y : {0.0, 0.1, -3.0}) {
     const Scene scene = SceneBuilder("crank", 2)
                             .add(Body{.name = "crank", .points = {{"P", {0.1, y}, true}}})

@@ -205,7 +205,7 @@ bool add_sliding_triad(JointMechanism& m, const Three& on, bool lines_on_triangl
           beta += w[i] * dot(n[i], lines_on_triangle ? Real{-1} * left(at[i]) : left(p));
           gamma += w[i] * dot(n[i], lines_on_triangle ? p : at[i]);
         }
-        // The sign of the root as written, where c = 1, s = 0: there -s alpha + c beta = root.
+        // The root has its sign as written: at c = 1, s = 0 it is -s alpha + c beta.
         {
           std::array<Place3, 3> n0;
           for (std::size_t i = 0; i < 3; ++i) n0[i] = left(references::unit(exact(axis[i])));

@@ -28,7 +28,7 @@ std::int64_t allocations_of_steps(const Scene& scene, const std::string& strateg
   return allocations_of([&](int k) { return s.step(scene.time().time(k)); });
 }
 
-TEST(Steady, TheCounterCounts) {
+TEST(Steady, TheCounterCountsAllocations) {
   const std::int64_t before = allocations();
   const std::vector<double> memory(100, 1.0);
   EXPECT_EQ(memory.front(), 1.0);

@@ -80,8 +80,8 @@ struct Work {
   [[nodiscard]] std::int64_t solutions_times_unknowns(const Counters& c) const {
     return first * of_first(c) + unknowns * (c.group_solutions - of_first(c));
   }
-  // Solves a + b = all Newton iterations and a * first + b * unknowns = equations evaluated in them for a, the
-  // iterations on the first level.
+  // Returns a, the iterations on the first level. Solves a + b = all Newton iterations and a * first + b * unknowns =
+  // all equations that they evaluate.
   [[nodiscard]] std::int64_t iterations_of_first(const Counters& c) const {
     const std::int64_t in_newton = c.evaluated_equations - solutions_times_unknowns(c);
     const std::int64_t rest = c.newton_iterations * unknowns - in_newton;

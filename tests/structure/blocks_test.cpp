@@ -76,7 +76,7 @@ TEST(Blocks, FollowersOfUndeterminedPartsAreUndetermined) {
   EXPECT_EQ(d.unknowns(d.blocks.unknowns_of(1)), (Names{"T.x", "T.y"}));
 }
 
-TEST(Blocks, EveryBlockFollowsWhatItNeeds) {
+TEST(Blocks, EveryBlockFollowsTheBlocksThatItNeeds) {
   for (const char* name : {"stewart", "andrews", "four_bar:20", "rings:legs=2,n=18,terminal=24"}) {
     const Decomposed d(sample(name));
     const Blocks& b = d.blocks;

@@ -13,7 +13,7 @@ using Sizes = std::vector<int>;
 
 // ---- samples
 
-TEST(Groups, StewartAsDeclared) {
+TEST(Groups, StewartHasItsDeclaredGroups) {
   const Structure s = structure(sample("stewart"), groups);
   ASSERT_EQ(s.groups.size(), 7u);
   EXPECT_EQ(s.levels, 2);
@@ -50,7 +50,7 @@ TEST(Groups, BlocksOfALegFollowEachOther) {
   EXPECT_EQ(block[2], std::set<std::string>{"d1"});
 }
 
-TEST(Groups, StewartGlobal) {
+TEST(Groups, GlobalStewartIsOneGroup) {
   const Structure s = structure(sample("stewart"), global);
   ASSERT_EQ(s.groups.size(), 1u);
   EXPECT_EQ(s.levels, 1);
@@ -59,7 +59,7 @@ TEST(Groups, StewartGlobal) {
 }
 
 // The irreducible formulation ignores declared groups, so the driven pose vanishes. B and r follow from linear rows.
-TEST(Groups, StewartIrreducible) {
+TEST(Groups, IrreducibleStewartHasEighteenGroups) {
   const Structure s = structure(sample("stewart"), irreducible);
   EXPECT_EQ(s.unknowns, 6 * 15);
   EXPECT_EQ(s.eliminated, 6 * 6);
@@ -88,7 +88,7 @@ TEST(Groups, AndrewsIsThreeDyadsOnTwoLevels) {
   }
 }
 
-TEST(Groups, LoopsInSeries) {
+TEST(Groups, LoopsInSeriesHaveALevelEach) {
   const Structure s = structure(sample("four_bar:64"), groups);
   EXPECT_EQ(s.groups.size(), 64u);
   EXPECT_EQ(s.levels, 64);
@@ -121,7 +121,7 @@ TEST(Groups, GoughIsAtRest) {
   EXPECT_EQ(s.left_out.unknowns, 0);
 }
 
-TEST(Groups, MobilityOfTheSamples) {
+TEST(Groups, SamplesHaveTheirMobility) {
   const std::pair<const char*, int> expected[] = {
       {"four_bar", 1}, {"four_bar:64", 1},          {"stewart", 6},
       {"andrews", 1},  {"slider_crank", 1},         {"n_four_bar:40", 1},

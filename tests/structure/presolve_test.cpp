@@ -51,7 +51,7 @@ SceneBuilder plane() {
   return b.time(0, 1, 0.01);
 }
 
-TEST(Presolve, Counts) {
+TEST(Presolve, CountsEliminatedUnknowns) {
   EXPECT_EQ(structure(sample("stewart"), irreducible).eliminated, 36);
   EXPECT_EQ(structure(sample("stewart:legs=10"), irreducible).eliminated, 60);
   EXPECT_EQ(structure(sample("four_bar:7"), irreducible).eliminated, 0);
@@ -60,7 +60,7 @@ TEST(Presolve, Counts) {
 }
 
 // P = C + (0.5, 0.25) leaves no unknowns of P, and its constant moves to the right-hand side.
-TEST(Presolve, ConstantsOnTheRightHandSide) {
+TEST(Presolve, MovesConstantsToTheRightHandSide) {
   const Presolved p(
       plane().point("P", {1, 1, 0}).constrain("offset", Linear{{{"P", 2}, {"C", -2}}, {1, 0.5, 0}}).build());
   EXPECT_EQ(p.eliminated, 2);
@@ -72,7 +72,7 @@ TEST(Presolve, ConstantsOnTheRightHandSide) {
 }
 
 // P1 needs P2, P2 needs P3, and so on, in the worst order for substitution and in the best one.
-TEST(Presolve, AChainOfLinearEquations) {
+TEST(Presolve, EliminatesAChainOfLinearEquations) {
   for (const bool forward : {true, false}) {
     SceneBuilder b = plane();
     const int n = 8;

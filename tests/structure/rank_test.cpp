@@ -160,7 +160,7 @@ TEST(Rank, OnlyAFreePointIsUndetermined) {
 
 // ---- singular starts
 
-TEST(Rank, StartAtAChangePoint) {
+TEST(Rank, ReportsAStartAtAChangePoint) {
   SceneBuilder b("parallelogram", 2);
   b.fixed_point("A0", {0, 0, 0}).fixed_point("A1", {2, 0, 0}).point("B0", {1, 0, 0}).point("B1", {3, 0, 0});
   b.constrain("coupler", Distance{"B0", "B1", 2.0}).constrain("rocker", Distance{"A1", "B1", 1.0});
@@ -173,7 +173,7 @@ TEST(Rank, StartAtAChangePoint) {
   EXPECT_NE(look::notes(s).find("the start posture is singular"), std::string::npos) << look::notes(s);
 }
 
-TEST(Rank, StartAtADeadPoint) {
+TEST(Rank, ReportsAStartAtADeadPoint) {
   SceneBuilder b("slider_crank", 2);
   b.fixed_point("O", {0, 0, 0}).point("B", {0.1, 0, 0}).point("C", {0.4, 0, 0});
   b.constrain("crank", Distance{"O", "B", 0.1}).constrain("rod", Distance{"B", "C", 0.3});

@@ -110,7 +110,7 @@ class Reader {
     const Json each = value<Json>("expected_each");
     if (json_.contains("expected") != each.is_null()) refuse("needs either \"expected\" or \"expected_each\"");
     if (!each.is_null() && each.size() != values.size())
-      refuse("needs as many \"expected_each\" as values in its sweep");
+      refuse("needs one entry of \"expected_each\" for each value of its sweep");
     std::vector<Case> all;
     for (std::size_t i = 0; i < values.size(); ++i) {
       Case one = c;

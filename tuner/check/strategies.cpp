@@ -57,7 +57,7 @@ Demand demand_of(const Scene& scene, Formulation formulation) {
   return demand;
 }
 
-// Seconds of one step, by operation counts; infinite if the backend is no candidate.
+// Seconds of one step, by operation counts; infinite if the backend is not a candidate.
 double seconds_of(const Demand& demand, std::string_view backend) {
   static const auto kNothingKnown = std::make_shared<const PerformanceModel>();
   double sum = 0;

@@ -293,9 +293,9 @@ class Trying {
   // The way of a driver that a program sets: a quintic from the previous value, rate and acceleration (after a failure,
   // at rest) to the value and rate of the command.
   struct Way {
-    Real value, rate, curve;                        // at its begin
-    Real to, to_rate, begins, ends;                 // at its end; times
-    [[nodiscard]] TimeJet<Real> at(Real s) const {  // by s = 0 ... 1
+    Real value, rate, curve;                        // value and its derivatives at its begin
+    Real to, to_rate, begins, ends;                 // value and rate at its end; times of begin and end
+    [[nodiscard]] TimeJet<Real> at(Real s) const {  // s: 0 to 1 over the step; derivatives by s
       const Real h = ends - begins, v = h * rate, a = h * h * curve, w = h * to_rate;
       const Real p = to - value - v - a / 2, q = w - v - a, r = -a;
       const Real c3 = 10 * p - 4 * q + r / 2, c4 = -15 * p + 7 * q - r, c5 = 6 * p - 3 * q + r / 2;

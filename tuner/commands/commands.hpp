@@ -40,8 +40,8 @@ struct InspectOptions {
   std::vector<std::string> outputs;  // empty: those of the scene
   Formulation formulation = Formulation::groups;
   bool range = false;
-  std::string driver = {};  // whose range is asked for; empty: the only one
-  bool modes = false;  // shows the assembly modes of all groups instead
+  std::string driver = {};  // the driver whose range is shown; empty: the only driver
+  bool modes = false;       // shows the assembly modes of all groups instead
 };
 
 struct RunOptions {
@@ -118,7 +118,7 @@ struct ReportOptions {
 void check_threads(const Common& common);
 
 // Throws Error (input) if an output (option, file) is also an input, a tuning database, or another output. "" and "-"
-// are no files.
+// are not files.
 void refuse_overwriting(const Common& common, const std::vector<std::pair<std::string, std::string>>& outputs,
                         const std::vector<std::string>& inputs);
 

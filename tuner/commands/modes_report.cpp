@@ -60,19 +60,19 @@ std::vector<std::string> findings(const AssemblyModes& m) {
   const auto say = [&](const std::string& text) { out.push_back(m.group + ": " + text); };
   if (!m.why_none.empty()) say("not computed: it " + m.why_none);
   if (m.lost > 0) {
-    say("may be incomplete: " + grouped(m.lost) + " of " + counted(m.paths, "path") + " led to no known end");
+    say("may be incomplete: " + grouped(m.lost) + " of " + counted(m.paths, "path") + " ended at unknown places");
   }
   if (m.multiple > 0) {
     std::vector<std::string> at;
     at.reserve(m.folds.size());
     for (const std::vector<double>& fold : m.folds) at.push_back(posture(m.unknowns, fold));
     say(counted(m.multiple, "path") + (m.multiple == 1 ? " ends" : " end") +
-        " where solutions meet (a fold) or are not isolated, which is no mode" +
+        " at multiple solutions (folds) or at solutions that are not isolated, none of which is a mode" +
         (at.empty() ? "; no such place is real for certain" : ": " + listed(at, 4)));
   }
   if (m.excluded > 0) {
     say(counted(m.excluded, "further solution") + (m.excluded == 1 ? " breaks" : " break") +
-        " a redundant equation, the value of a driver or the right hand of axes");
+        " a redundant equation, the value of a driver or the right-handedness of axes");
   }
   return out;
 }

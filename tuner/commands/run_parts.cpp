@@ -30,7 +30,7 @@ TimeGrid grid_of(const TimeGrid& scene, const RunOptions& options) {
                 {{options.dt ? "--dt" : "--start",
                   "from " + output::number(grid.start) + " s to the scene's end at " + output::number(grid.end) +
                       " s there are " + output::number(steps) + " steps of " + output::number(grid.step) +
-                      " s, which is no whole number from 1; give the number with --steps"}});
+                      " s, which is not a whole number >= 1; give the number with --steps"}});
   }
   return grid;
 }

@@ -21,7 +21,7 @@ constexpr double kPrecise = 0.005;    // relative difference of two medians that
 constexpr double kMoment = 1e-3;      // s for which a measured slowness of the machine is valid
 constexpr double kUneven = 1.3;       // cores differ if one takes this many times as long as another
 constexpr int kLooks = 50;            // tries until all cores have the same pace; they mostly take milliseconds
-constexpr double kLargeShare = 0.25;  // share of the whole time; a longer call is made only once
+constexpr double kLargeShare = 0.25;  // a call that takes this share of the whole time, or more, is made only once
 
 class Race {
  public:

@@ -20,9 +20,9 @@ struct Runner {
   double by_the_clock = 0;  // s of one call that the work waits by the clock, independent of the pace
 
   // Results of the race.
-  int calls = 1;                     // of a block
-  std::vector<double> seconds = {};  // rounds: of one call, at the usual pace
-  std::vector<double> raw = {};      // the same by the clock
+  int calls = 1;                     // calls in a block
+  std::vector<double> seconds = {};  // rounds: time of one call, at the usual pace
+  std::vector<double> raw = {};      // rounds: time of one call, by the clock
   bool hopeless = false;             // left early
   bool failed = false;               // a call failed: no times
 

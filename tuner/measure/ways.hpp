@@ -36,7 +36,7 @@ struct Way {
 // Every solver that can run here in every formulation that the scene has, on one thread and on as many as allowed.
 [[nodiscard]] std::vector<Way> solvers(const Scene& scene, ThreadBudget budget);
 
-// One solver with each other knob changed, alone and with fixed iterations.
+// One solver with one setting changed at a time, and each of these with fixed iterations.
 [[nodiscard]] std::vector<Way> variations(const Strategy& solver);
 
 // The solver with fixed iterations only.

@@ -1,4 +1,4 @@
-// Notes: findings that are no errors.
+// Notes: findings that are not errors.
 #pragma once
 
 #include <span>

@@ -148,7 +148,7 @@ void Animation::end(const Simulator& simulator, std::string why) {
   ended_ = "The motion ends early: " + std::move(why);
   if (simulator.time() == times_.back()) return;
   keep(simulator);
-  // The last posture is no step of the motion, and at a fold the derivatives of outputs are unbounded.
+  // The last posture is not a step of the motion, and at a fold the derivatives of outputs are unbounded.
   std::fill(values_.end() - static_cast<std::ptrdiff_t>(value_columns_.size()), values_.end(), kNan);
 }
 

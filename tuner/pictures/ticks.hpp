@@ -11,7 +11,7 @@ struct Ticks {
   std::vector<double> at;  // ascending, from low to high
 };
 
-// About `most` round numbers at most that include [least, greatest]. The range of a single value is widened.
+// About `most` round numbers or fewer, whose range includes [least, greatest]. The range of a single value is widened.
 [[nodiscard]] Ticks linear_ticks(double least, double greatest, int most);
 
 // The same for a logarithmic axis, 0 < least: powers of ten, or 1, 2, 5, 10, ... if those are too few.

@@ -14,8 +14,8 @@ namespace assur::tuning {
 
 class Archive {
  public:
-  // database: empty: stores nothing. Continues the last run of this profile if it is unfinished; else begins a new one.
-  // Throws Error (environment) if the database cannot be written.
+  // Continues the last run of this profile if it is unfinished; else begins a new one. Without a database it stores
+  // nothing. Throws Error (environment) if the database cannot be written.
   Archive(const std::optional<std::filesystem::path>& database, const std::string& profile);
 
   // Stores a cell in one transaction. pace: see Store::add().

@@ -13,10 +13,10 @@
 namespace assur::tuning {
 namespace {
 
-constexpr double kSetupShare = 0.5;    // of a cell's time; later no more candidates are set up
+constexpr double kSetupShare = 0.5;    // share of a cell's time, after which no more candidates are set up
 constexpr double kCrowdBlock = 1e-3;   // s; long compared with the two meetings of the threads in each block
 constexpr double kMostScatter = 0.5;   // relative spread above which a time of Kernel::around is discarded
-constexpr double kLargestShare = 0.2;  // of a cell's time, for the expected setup of one candidate
+constexpr double kLargestShare = 0.2;  // share of a cell's time: most that the setup of one candidate may take
 
 // An error of store(): ends the run, whereas other errors only end a cell.
 struct CannotStore {

@@ -41,12 +41,12 @@ struct Cell {
 [[nodiscard]] std::string to_string(const Cell& cell);
 
 struct Extent {
-  int sizes = 14;                     // of n, from 3 to largest
+  int sizes = 14;                     // number of sizes n from 3 to the largest
   std::int32_t largest = 4000;        // unknowns, sparse
   std::int32_t largest_full = 800;    // unknowns, dense
-  std::int32_t largest_random = 300;  // unknowns, random with few entries in a column, which fill up
+  std::int32_t largest_random = 300;  // unknowns, random with few entries in a column; they have much fill
   std::int32_t most_groups = 10'000;
-  std::int32_t most_unknowns = 60'000;  // groups x n of a cell of packs
+  std::int32_t most_unknowns = 60'000;  // largest groups x n of a cell of packs
   bool held_out = true;
 };
 

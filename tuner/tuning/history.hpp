@@ -14,9 +14,9 @@ class History {
   // Times of one candidate in one cell.
   struct Entry {
     double n = 0;        // unknowns
-    double seconds = 0;  // of a call, for one lane
-    double leader = 0;   // the same of the fastest in the cell
-    double setup = 0;    // s until it could be timed: analysis, first factorisation, verification
+    double seconds = 0;  // time of a call, for one lane
+    double leader = 0;   // such a time of the fastest candidate of the cell
+    double setup = 0;    // time of analysis, first factorisation and verification, s
   };
   void note(const std::string& family, const Candidate& candidate, const Entry& entry);
 
