@@ -11,7 +11,7 @@
 namespace assur::bench {
 namespace {
 
-constexpr double kMostResidual = 1e-14;  // of the equations; Newton's method ends at 8 eps of their terms
+constexpr double kMostResidual = 1e-14;  // a larger one of the equations is wrong; Newton's method ends at 8 eps
 
 void fail(Entry& entry, const std::string& why, bool wrong) {
   entry.failure = why;

@@ -142,7 +142,7 @@ int main(int argc, char** argv) {
   const std::vector<std::string> legs = {"leg1", "leg2", "leg3", "leg4", "leg5", "leg6"};
   assur::Simulator platform(assur::prepare(hexapod(), {.controlled = legs, .budget = assur::ThreadBudget{1}}),
                             {.seconds = kDeadline});
-  const std::size_t z = 2;  // of platform.outputs(): the height of O
+  const std::size_t z = 2;  // index in platform.outputs(): the height of O
   std::vector<Turn> done;
   done.reserve(turns);
 

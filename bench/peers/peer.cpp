@@ -58,7 +58,7 @@ void follow(const std::string& mechanism, const std::string& file, const Peers& 
   const std::size_t colon = mechanism.find(':');
   const int loops = colon == std::string::npos ? 1 : std::stoi(mechanism.substr(colon + 1));
   const auto peer = peers.make(mechanism.substr(0, colon), loops, reference.front());
-  std::vector<Row> found = reference;  // right sizes; the first row remains
+  std::vector<Row> found = reference;  // has the sizes of the reference; its first row stays
   for (std::size_t k = 1; k < found.size(); ++k) {
     for (auto level : {&Row::position, &Row::velocity, &Row::acceleration}) {
       std::fill((found[k].*level).begin(), (found[k].*level).end(), std::nan(""));

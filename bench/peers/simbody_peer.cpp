@@ -13,7 +13,7 @@ namespace {
 
 using namespace SimTK;
 
-constexpr double kAccuracy = 1e-12;  // of the projections, in Simbody's own unit for each equation
+constexpr double kAccuracy = 1e-12;  // accuracy of the projections, in Simbody's own unit for each equation
 
 Vec3 vec3(const Vec& v) { return {v[0], v[1], v[2]}; }
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr DenseIndex kPanel = 24;  // columns eliminated by plain loops; measured on n = 3 to 720
 constexpr DenseIndex kLeaf = 8;    // unknowns of a triangular system solved by plain loops; measured in the same way
-constexpr DenseIndex kTile = 192;  // of a matrix product: two tiles of doubles need 0.6 MB of stack
+constexpr DenseIndex kTile = 192;  // order of a tile of a matrix product: two tiles of doubles need 0.6 MB of stack
 
 template <class T>
 auto map(const Block<T>& b) {

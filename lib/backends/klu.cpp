@@ -89,9 +89,9 @@ class KluSolver final : public LaneByLane {
     std::vector<const double*> l, u;         // values of L and U without their diagonals; new pivots move them
     // n: the largest nonzero of each row when scales were chosen, and of each column when growth was measured
     std::vector<std::uint32_t> of_row, of_column;
-    double limit = kTrustedGrowth;  // of growth, for a refactorisation
+    double limit = kTrustedGrowth;  // largest accepted growth of a refactorisation
     double largest_u = 0;           // of U; rows are scaled, so that the largest entry of A is in [1/4, 2]
-    int permutation_sign = 0;       // of rows and columns together
+    int permutation_sign = 0;       // of the row order times that of the column order
   };
 
   void analyze_lanes(const Pattern& pattern, int lanes) override;

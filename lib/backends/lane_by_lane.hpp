@@ -31,7 +31,7 @@ class LaneByLane : public LinearSolver {
   std::vector<double> values_;  // nnz, of one lane
   std::vector<double> right_;   // n x some right-hand sides, of one lane
   std::vector<Code> code_;      // lanes
-  Status status_;               // of the worst lane
+  Status status_;               // status of the worst lane
 };
 
 }  // namespace assur

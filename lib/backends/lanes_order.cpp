@@ -59,7 +59,7 @@ class Elimination {
     Index row = -1, entry = -1;
     std::int64_t cost = std::numeric_limits<std::int64_t>::max();
     Index level = 0;           // length of the longest chain of pivots before it
-    double ratio = 0;          // to the largest entry of its row, in the worst lane
+    double ratio = 0;          // entry over the largest entry of its row, in the worst lane
     std::uint32_t serves = 0;  // lanes
   };
 

@@ -26,7 +26,7 @@ class Matrix final : public SymmetricSolver {
   Code factorize(std::span<const double> values) override;
   void solve(std::span<double> b_to_x, int rhs) override { solve(b_to_x, rhs, Transpose::no); }
   void solve(std::span<double> b_to_x, int rhs, Transpose transpose);
-  [[nodiscard]] Figures figures() const;        // of the last factorisation, which was ok; no pivot growth
+  [[nodiscard]] Figures figures() const;        // of the last factorisation, which must be ok; pivot_growth is 0
   [[nodiscard]] double reciprocal_condition();  // an estimate from three solutions, unsymmetric only
 
  private:

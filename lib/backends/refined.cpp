@@ -86,7 +86,7 @@ class Refined final : public LinearSolver {
   Goal goal_{};
   Pattern pattern_;
   std::size_t n_ = 0, lanes_ = 0;
-  bool has_double_factors_ = false;  // for the last values
+  bool has_double_factors_ = false;  // true: in_double_ has factors of the last values
   Effort effort_;
 
   std::vector<double> values_;                            // nnz x lanes, of the last factorisation

@@ -23,7 +23,7 @@ constexpr double kCloser = 1.6;    // if the square of a divisor falls by this f
 constexpr double kGrownTwice = 2;  // growth of a condition or a residual that asks for a new measurement
 constexpr double kFaster = 4;      // growth of a rate or an acceleration of a driver that asks for a new measurement
 constexpr double kAtRest = 1e-4;   // a driver rests below this share of the rate that it reaches within a radian
-constexpr double kSlowerThan = 1.0 / 16;  // of the fastest rate: differences among slower ones do not matter
+constexpr double kSlowerThan = 1.0 / 16;  // part of the fastest rate: differences among slower drivers do not matter
 
 }  // namespace
 

@@ -117,7 +117,7 @@ class ErrorEstimate {
   struct Mechanism {
     std::vector<double> unit;              // outputs: SI value of an internal unit
     std::array<double, 3> scale{1, 0, 0};  // 1; fastest rate and largest acceleration of driven coordinates so far
-    std::vector<Size> sizes, largest;      // now, and the largest of the run
+    std::vector<Size> sizes, largest;      // sizes: of the current posture; largest: of the run
     std::vector<double> rounding;          // sizes: the part of the error with random signs
     Figures now;
     double limit = 0;  // larger errors are in doubt
@@ -152,10 +152,10 @@ class ErrorEstimate {
   std::vector<Probe> probes_;                  // the first one carries the residuals
   std::vector<double> slopes_;                 // changes of the outputs along a probe
   std::vector<Mechanism> mechanisms_;          // lanes
-  std::vector<const System*> systems_;         // of the used mechanisms
+  std::vector<const System*> systems_;         // systems of the used mechanisms
   bool static_known_ = true;                   // the probes hold the errors of static coordinates
   std::size_t used_ = 0;                       // number of used mechanisms
-  std::vector<double> omega_;                  // of all packs at the last measurement
+  std::vector<double> omega_;                  // omega of the blocks of all packs at the last measurement
   std::vector<std::uint8_t> regular_;          // packs
   double residual_ = 0;                        // the largest residual of a measured step
   std::int64_t branch_checks_ = 0;

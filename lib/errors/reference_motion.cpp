@@ -22,7 +22,7 @@ constexpr double kQuadConverged = 1e-22;
 constexpr double kConvergedCallback = 1e-10;  // callbacks compute doubles, so smaller residuals are rounding
 constexpr double kQuadHandover = 1e-9;        // correction at which Newton in double hands over to quad,
 constexpr double kStagnated = 1e-6;           // or at which rounding may end it in a badly conditioned block
-constexpr double kQuadContraction = 1.0 / 8;  // of simplified Newton corrections: Kantorovich number <= 1/4
+constexpr double kQuadContraction = 1.0 / 8;  // ratio of simplified Newton corrections: Kantorovich number <= 1/4
 constexpr int kMostCorrections = 24;
 constexpr int kQuadHalvings = 20;
 

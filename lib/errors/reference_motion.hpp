@@ -61,7 +61,7 @@ class ReferenceMotion {
     std::span<const Index> equations, unknowns;
     std::vector<Index> forms;  // each once
     bool moves = true;
-    double tolerance = 0;  // of the last correction of the position
+    double tolerance = 0;  // size of the last correction of the position at which Newton ends
     std::size_t index = 0;
   };
 

@@ -195,7 +195,7 @@ class Reading {
     if (j.has_coordinate()) j.reference = attributes.number("ref", 0) * (j.kind == Joint::Kind::hinge ? unit_ : 1);
     Body& of = model_.bodies[static_cast<std::size_t>(body)];
     if (j.kind == Joint::Kind::free && of.parent != kWorld) {
-      refuse(node, "only a body of the world can be free");
+      refuse(node, "only a body whose parent is the world can be free");
     }
     const auto is_free = [&](int i) { return model_.joints[static_cast<std::size_t>(i)].kind == Joint::Kind::free; };
     if (!of.joints.empty() && (j.kind == Joint::Kind::free || is_free(of.joints.front()))) {

@@ -21,7 +21,7 @@ using Matrix7 = Eigen::Matrix<Complex, Eigen::Dynamic, Eigen::Dynamic, 0, kMost,
 
 constexpr double kFirstStep = 0.05;      // of log t
 constexpr double kLongestStep = 0.5;     // of log t
-constexpr double kShortestStep = 1e-9;   // of log t; a path that needs a shorter one is lost
+constexpr double kShortestStep = 1e-9;   // step of log t; a path that needs a shorter one is lost
 constexpr int kMostSteps = 20000;        // of a path
 constexpr double kPredicted = 1e-5;      // largest first correction, relative to the point: else the step is repeated
 constexpr double kEasy = 1e-7;           // a smaller first correction lengthens the step

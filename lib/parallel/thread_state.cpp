@@ -222,7 +222,7 @@ Pinned::Pinned(int processor) : before_{} {
   }
 }
 
-// Fails if this process has since lost the processors of before; the thread then runs on any that is left.
+// Fails if this process may no longer use the earlier processors; the thread then runs on any that is left.
 Pinned::~Pinned() {
   if (changed_) pthread_setaffinity_np(pthread_self(), sizeof(before_), before_.data());
 }

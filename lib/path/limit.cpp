@@ -24,10 +24,9 @@ constexpr double kSeen = 1e-7;      // larger least singular values are not expl
 constexpr double kNearer = 1.15;    // ratio of singular values between postures that are compared
 constexpr int kReach = 12;  // the step over a change point reaches 2^12 first shortest steps before and behind it,
 constexpr int kLonger = 8;  // or up to 2^8 times as far
-constexpr double kManyRoundings =
-    256;  // roundings of the inputs: closer to a fold, residuals do not show if solutions exist
-constexpr double kRoomOfBranch = 4;  // for the way up to a fold
-constexpr int kMoreHalvings = 6;     // halvings of the shortest step on the way back from a change point
+constexpr double kManyRoundings = 256;  // of the inputs: closer to a fold, residuals do not tell if there are solutions
+constexpr double kRoomOfBranch = 4;     // for the way up to a fold
+constexpr int kMoreHalvings = 6;        // halvings of the shortest step on the way back from a change point
 constexpr double kApart = 1.0 / 16;  // part of that reach: least distance from the change point to the end of the step
 constexpr double kSureOfBranch = 1e-3;  // largest correction over the distance of the branches
 constexpr double kLittleLever = 1e-3;   // a lever below this part of its value at the start is about to vanish

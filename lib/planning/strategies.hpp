@@ -34,7 +34,7 @@ struct StrategySpace {
 // Selection of strategies.
 struct StrategyFilter {
   std::span<const Backend> table;
-  Shape shape = {};  // of the groups; n = 0: any shape
+  Shape shape = {};  // shape of the groups; n = 0: any shape
   std::span<const std::string> without = {};
   // True for strategies that are wanted; empty: all.
   std::function<bool(const Backend&, const Strategy&)> wanted = {};

@@ -22,14 +22,14 @@ constexpr double kSpan = 100;            // time steps in which a motion is expe
 constexpr double kRoundingSteps = 1024;  // every distance is at least this many roundings of the argument
 
 constexpr double kSureUncertainties = 4;  // a derivative is wrong if its error exceeds this many uncertainties
-constexpr double kBlind = 0.1;            // of the difference: a level with more uncertainty cannot decide
+constexpr double kBlind = 0.1;            // part of the difference: a level with more uncertainty cannot decide
 // of the change at the longest distance: larger roughness means that the function has no slope
 constexpr double kCalm = 0.01;
-constexpr double kRounded = 16;      // roundings: smaller differences are not roughness
-constexpr double kConfirms = 0.25;   // of the difference: a level closer to the given derivative confirms it
-constexpr double kFloor = 0.1;       // of the tolerance, relative to the largest other derivative
-constexpr double kDoubt = 0.05;      // of the tolerance: a larger difference in a cheap check asks for a closer one
-constexpr double kAskedAgain = 0.1;  // of the tolerance: largest difference of two results for the same arguments
+constexpr double kRounded = 16;     // roundings: smaller differences are not roughness
+constexpr double kConfirms = 0.25;  // part of the difference: a level closer to the given derivative confirms it
+constexpr double kFloor = 0.1;      // part of the tolerance that applies relative to the largest other derivative
+constexpr double kDoubt = 0.05;     // part of the tolerance: a larger difference in a cheap check asks for a closer one
+constexpr double kAskedAgain = 0.1;  // part of the tolerance: largest difference of two results for the same arguments
 
 // Calls a function of the program at arguments where it may be undefined; an exception gives NaN.
 template <class F>

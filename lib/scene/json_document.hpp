@@ -30,8 +30,8 @@ class JsonNode {
   [[nodiscard]] bool boolean() const { return boolean_; }
   [[nodiscard]] double number() const { return is(Type::number) ? number_ : 0; }
   [[nodiscard]] std::string_view text() const;
-  [[nodiscard]] std::span<const JsonNode> items() const;           // of an array or object
-  [[nodiscard]] std::span<const std::string_view> keys() const;    // of an object, one for each item
+  [[nodiscard]] std::span<const JsonNode> items() const;           // items of an array or object
+  [[nodiscard]] std::span<const std::string_view> keys() const;    // keys of an object, one for each item
   [[nodiscard]] const JsonNode* find(std::string_view key) const;  // null if there is no such key
   [[nodiscard]] std::uint32_t order() const { return order_; }     // position among all nodes of the document
   void place(std::uint32_t order) { order_ = order; }
@@ -40,7 +40,7 @@ class JsonNode {
   Type type_ = Type::null;
   bool boolean_ = false;
   std::uint32_t order_ = 0;
-  std::uint32_t count_ = 0;  // of items or characters
+  std::uint32_t count_ = 0;  // number of items or characters
   union {
     double number_ = 0;
     const char* characters_;

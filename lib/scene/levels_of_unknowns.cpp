@@ -35,7 +35,7 @@ std::vector<Index> levels_of_unknowns(Index unknowns, const std::vector<std::vec
     }
   }
   const auto incidence = owned(cs_di_compress(all.get()));
-  const auto matching = owned(cs_di_maxtrans(incidence.get(), 0));  // of unknowns: their equations, -1: none
+  const auto matching = owned(cs_di_maxtrans(incidence.get(), 0));  // for each unknown its equation, -1: none
   // Unknowns x unknowns: column u has the unknowns of the equation of u.
   const auto pairs = owned(cs_di_spalloc(unknowns, unknowns, unknowns, 1, 1));
   const auto read_by = [&](Index u) -> const std::vector<Index>& {

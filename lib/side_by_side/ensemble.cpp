@@ -159,10 +159,10 @@ struct Ensemble::Impl {
 
   StepLimits limits;
   std::vector<std::string> cannot;   // reason why the member cannot be started; empty: it can
-  std::optional<Prepared> prepared;  // of the first member that can be started
+  std::optional<Prepared> prepared;  // that of the first member that can be started
   std::vector<std::string> columns;  // of all members
   std::vector<std::size_t> in_lanes;
-  std::vector<Variant> variants;  // of the members in lanes
+  std::vector<Variant> variants;  // variants of the members in lanes
   std::map<std::size_t, Prepared> others;
   std::optional<Tiles> tiles;
   Totals totals;

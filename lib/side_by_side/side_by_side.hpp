@@ -27,14 +27,14 @@ struct LaneRun {
   double alone_from = 0;
   ErrorFigures error;  // estimates; residuals only if it ran alone
   std::vector<Event> events;
-  std::vector<std::string> fallbacks;  // of the part that it ran alone
+  std::vector<std::string> fallbacks;  // fallbacks of the part that it ran alone
   std::string cannot;                  // reason why it could not start; "": it started
 
   // Posture at the time with index posture_wanted, or at `reached` if the run ends before.
   std::size_t posture_wanted = static_cast<std::size_t>(-1);
   std::vector<double> posture;
   std::vector<double> outputs;     // at `reached`, if `reached` lies between two times of the run
-  std::vector<double> uniqueness;  // at the start, see Tile
+  std::vector<double> uniqueness;  // see Tile::uniqueness(), at the start
 
   [[nodiscard]] double* row(std::size_t k, std::size_t columns) const {
     return k < split ? rows + k * columns : beyond + (k - split) * columns;

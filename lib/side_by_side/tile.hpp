@@ -139,7 +139,7 @@ class Tile {
   bool alike_ = false;                    // the drivers of all lanes are the same
   std::int64_t attempts_ = 0;
   Counters counters_;
-  Effort effort_;  // of solvers that were replaced
+  Effort effort_;  // effort of solvers that were replaced
   ErrorFigures error_;
   double converged_ = 0;      // residual at which a step counts as solved; 0: as exact as doubles allow
   double left_ = 0;           // largest residual of the last step

@@ -18,7 +18,7 @@ namespace assur {
 // A coordinate that must stay positive, because at 0 its driver drives nothing: a driven distance, or the unknown rho
 // of a relative angle.
 struct Lever {
-  std::int32_t address;  // in a state, of its first lane
+  std::int32_t address;  // address of its first lane in a state
   Index driver;          // into System::drivers
   double start = 0;      // value at the start of the run
 };
@@ -73,7 +73,7 @@ class Inputs {
     std::string name;
     std::size_t input = 0;
     int law = 0;
-    std::int32_t slot = -1;                     // in the program; -1: not needed
+    std::int32_t slot = -1;                     // slot in the drive program; -1: not needed
     bool set = false;                           // true: a target was set; false: the driver follows its law
     bool pending = false;                       // `next` waits for the next step
     bool was_set = false, was_pending = false;  // before the step at hand

@@ -14,8 +14,8 @@
 namespace assur {
 namespace {
 
-constexpr int kSteps = 256;           // to one side; they are divided where needed
-constexpr double kFarthestSize = 10;  // of a length, in sizes of the mechanism
+constexpr int kSteps = 256;           // number of steps to one side; they are divided where needed
+constexpr double kFarthestSize = 10;  // longest way of a length, in sizes of the mechanism
 
 std::string chosen(std::string_view driver, const std::vector<std::string>& names) {
   if (driver.empty() && names.size() == 1) return names.front();

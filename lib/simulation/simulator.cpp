@@ -36,7 +36,7 @@ constexpr double kLoosest = 1e-6;  // largest residual at which an equation coun
 }  // namespace
 
 struct SimulatorState::Impl {
-  std::shared_ptr<const Prepared> first, prepared;  // at the start of the run; with later equations
+  std::shared_ptr<const Prepared> first, prepared;  // at the start of the run; now, perhaps with other equations
   Continuation::Snapshot motion;
   ErrorEstimate::Snapshot estimate;
   std::int64_t branch_checks = 0;
@@ -400,8 +400,8 @@ struct Simulator::Impl {
   // Starts of the last steps that were divided or failed: at a posture with in_one_piece, and at one without.
   std::shared_ptr<Snapshot> inside, divided;
   const Snapshot* began = nullptr;  // the snapshot before the current step, if that was divided
-  Effort earlier_effort;            // of solvers that ran the chunks, or that solved another set
-  ErrorFigures earlier_error;       // of the chunks: estimates
+  Effort earlier_effort;            // effort of solvers that ran the chunks or solved another set
+  ErrorFigures earlier_error;       // estimated errors of the chunks
   std::size_t own_lines = 0;        // lines that report_effort() added at the end of report.fallbacks
   std::int64_t reselections = 0;
   double first_reselection = 0;  // time

@@ -21,8 +21,8 @@ struct Blocks {
   std::vector<Index> needs;              // blocks whose unknowns a block reads
 
   // Structurally over- and underdetermined parts: both empty if every unknown is matched with an equation.
-  std::vector<Index> surplus_equations;  // of the overdetermined part, more equations than unknowns
-  std::vector<Index> surplus_unknowns;   // of the underdetermined part
+  std::vector<Index> surplus_equations;  // equations of the overdetermined part, more than unknowns
+  std::vector<Index> surplus_unknowns;   // unknowns of the underdetermined part
   std::vector<Index> over_unknowns;      // unknowns of the overdetermined part
   std::vector<Index> under_equations;
 

@@ -13,7 +13,7 @@ namespace assur {
 struct Cut {
   // Highest derivative, 0 to 2; -1: not even positions.
   struct Derivatives {
-    int wanted = -1;    // by the outputs, directly or through other groups
+    int wanted = -1;    // highest derivative that the outputs need, directly or through other groups
     int computed = -1;  // including derivatives for the predictor
   };
   std::vector<std::uint8_t> moves;         // coordinates: 0 if the value never changes

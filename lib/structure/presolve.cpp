@@ -8,7 +8,7 @@
 namespace assur {
 namespace {
 
-// of the largest coefficient; then x = sum c_j / c_p q_j amplifies rounding at most by the inverse
+// part of the largest coefficient; then x = sum c_j / c_p q_j amplifies rounding at most by the inverse
 constexpr double kPivotShare = 0.5;
 constexpr std::size_t kLongestForm = 12;  // longer forms would cost more than the unknown that they save
 

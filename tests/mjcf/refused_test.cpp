@@ -64,7 +64,7 @@ TEST(RefusedModels, NameTheLineAndTheElement) {
        "line 5, <joint>: there is no joint type 'hing'; did you mean 'hinge'? There are: hinge, slide, ball, free"},
       {arm("<joint name='hinge'/>"), "line 5, <joint> 'hinge': another joint has this name"},
       {arm("<freejoint/>"), "line 5, <freejoint>: a free body has no other joint"},
-      {arm("<body><freejoint/></body>"), "line 5, <freejoint>: only a body of the world can be free"},
+      {arm("<body><freejoint/></body>"), "line 5, <freejoint>: only a body whose parent is the world can be free"},
       {arm("<frame><joint/></frame>"),
        "line 5, <joint>: joints inside a <frame> are not read; write them in the body itself"},
       {"<worldbody pos='0 0 1'/>", "line 2, <worldbody>: there is no attribute 'pos'"},
@@ -167,7 +167,7 @@ TEST(RefusedModels, AreBoundedInSizeAndDepth) {
       folder.path("part.xml") + ": line 1, <body>: elements are inside each other more than 100 times, the limit");
 }
 
-TEST(RefusedModels, AreFilesOfOtherKinds) {
+TEST(RefusedModels, IncludeFilesOfOtherFormats) {
   const test::Folder folder;
   EXPECT_EQ(message_of(folder.write("model.xml", "<robot/>")),
             "line 1: a model of MuJoCo begins with <mujoco>, not with <robot>");

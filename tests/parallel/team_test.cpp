@@ -283,7 +283,7 @@ TEST_F(ForkedTeam, RestartsInTheChild) {
       return std::all_of(calls, calls + size, [](int c) { return c == 100; });
     };
     EXPECT_EQ(in_a_child([&] { return works() ? 0 : 1; }), 0);
-    EXPECT_EQ(in_a_child([&] { return in_a_child([&] { return works() ? 0 : 1; }); }), 0);  // in a child of a child
+    EXPECT_EQ(in_a_child([&] { return in_a_child([&] { return works() ? 0 : 1; }); }), 0);  // in a child of the child
     EXPECT_TRUE(works());  // the parent keeps its threads
     EXPECT_EQ(threads_of(team), before);
   }

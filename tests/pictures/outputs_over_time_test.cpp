@@ -39,7 +39,7 @@ std::vector<double> heights(const std::string& svg, std::size_t n) {
 
 TEST(OutputsOverTime, HasADiagramForEachQuantityAndACurveForEachComponent) {
   const std::string svg = picture(sample("slider_crank").with_outputs({"rod_angle", "C"}));
-  EXPECT_EQ(count(svg, "<svg "), 1 + 2 * 6u);  // of the file, and of each diagram
+  EXPECT_EQ(count(svg, "<svg "), 1 + 2 * 6u);  // one of the file, two of each diagram
   EXPECT_EQ(count(svg, "<svg "), count(svg, "</svg>"));
   EXPECT_EQ(count(svg, "<path class=\"line"), 3 + 3 * 2u);
   EXPECT_NE(svg.find("rod_angle, acceleration, rad/s²"), std::string::npos);

@@ -133,7 +133,7 @@ TEST(SceneBuilder, MembersArePlacedByTheirBody) {
   EXPECT_EQ(
       findings(builder),
       "/constraints/m/distance: 'above' and 'M' are at the same place, so the omitted value is 0; give a value, or "
-      "share the point");
+      "use a single point");
 }
 
 TEST(SceneBuilder, MembersOfAFixedBaseAreFixed) {

@@ -13,7 +13,7 @@ using test::Result;
 struct Limit {
   std::string name;
   Scene scene;
-  double time;        // of the limit, by a closed form
+  double time;        // time of the limit, by a closed form
   std::string group;  // the group that reaches the limit
 };
 

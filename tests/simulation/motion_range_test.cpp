@@ -35,7 +35,7 @@ TEST(MotionRange, OfAFourBarEndsAtBothFolds) {
   expect_fold(range.low, -std::acos(0.04), 1);
 }
 
-TEST(MotionRange, OfBricardsHingeIsThatOfIFToMM) {
+TEST(MotionRange, OfBricardsHingeEqualsThePublishedRange) {
   const MotionRange range = motion_range(read_scene(ASSUR_SOURCE_DIR "/scenes/bricard_joints.json"), "motor");
   expect_fold(range.low, -30 * kDegree, 1);
   expect_fold(range.high, 210 * kDegree, 4);

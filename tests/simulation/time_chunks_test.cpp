@@ -202,7 +202,7 @@ TEST(TimeChunks, EndAtALimitAsInSequence) {
     SCOPED_TRACE(chunks);
     const Result r = run(scene, text("groups/eigen", 4, chunks));
     expect_the_same_run(in_sequence, r);
-    const bool border_beyond = chunks > 2;  // of two chunks the second begins at 1 s, before the limit
+    const bool border_beyond = chunks > 2;  // with two chunks, the second begins at 1 s, before the limit
     EXPECT_EQ(mentions(r.report().fallbacks, "no chunks: start postures were found only up to t = 1.0"), border_beyond);
     EXPECT_EQ(mentions(r.report().fallbacks, "was run alone"), !border_beyond);
   }

@@ -21,7 +21,7 @@ using look::structure;
 
 struct Poor {
   const char* sample;
-  double size;  // of the perturbation, m
+  double size;  // size of the perturbation, m
 };
 class PoorGuess : public testing::TestWithParam<Poor> {};
 

@@ -186,7 +186,7 @@ TEST(Demand, StaticGroupsAreSolvedOnce) {
   EXPECT_EQ(s.left_out.static_groups, 1);
   ASSERT_EQ(s.static_coordinates.size(), 2u);
   EXPECT_NEAR(look::start(s, "F.x"), 1, 1e-15);
-  EXPECT_NEAR(look::start(s, "F.y"), 0.75, 1e-15);  // by a right triangle with sides 3 : 4 : 5
+  EXPECT_NEAR(look::start(s, "F.y"), 0.75, 1e-15);  // height of a right triangle with sides 3 : 4 : 5
 }
 
 }  // namespace

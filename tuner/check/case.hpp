@@ -30,7 +30,7 @@ struct Case {
   // Exactly one is set: text of a sample or name of a file, a scene in the scene format, name of a maker (makers.hpp),
   // name of a matrix (matrices.hpp).
   std::string text, scene, maker, matrix;
-  Parameters set;                             // of the scene, the maker or the matrix
+  Parameters set;                             // parameters of the scene, the maker or the matrix
   std::vector<std::filesystem::path> tables;  // further folders for tables
   std::optional<TimeGrid> time;
   std::vector<std::string> outputs;

@@ -26,7 +26,7 @@ struct Result {
   std::vector<std::string>
       notes;  // strategies that were left out, with reasons; the substitute for a missing true motion
   std::optional<double> forward_error, backward_error;  // the worst of all runs
-  std::optional<double> condition;                      // of the worst posture
+  std::optional<double> condition;                      // condition of the worst posture
   std::optional<double> bound;                          // forward error that theory allows
   bool interrupted = false;                             // not all strategies were run
 

@@ -8,7 +8,7 @@ namespace assur::measure {
 
 // Disturbances; all 0 on an otherwise idle machine.
 struct Noise {
-  double load = 0;       // of other programs, per processor: average of the minute before
+  double load = 0;       // load by other programs, per processor: average of the minute before
   double stolen = 0;     // share of the processors' time that the hypervisor gave to others
   double disturbed = 0;  // share of the timed blocks during which the system took the processor away
   double uneven = 0;     // share of the blocks of several threads while one core was much slower than another

@@ -188,9 +188,9 @@ class Race {
   const Instruments& with_;
   double end_;
   struct Call {
-    double seconds = 0, raw = 0;  // at the usual pace, and by the clock
+    double seconds = 0, raw = 0;  // time at the usual pace, and by the clock
   };
-  std::map<const Runner*, Call> per_call_;  // of the last block
+  std::map<const Runner*, Call> per_call_;  // times of the last block
   std::vector<double> slowness_;            // measured so far
   double asked_ = 0;                        // s, time of the last measurement of the slowness
   bool switched_ = false;                   // the system interrupted the last block

@@ -26,7 +26,7 @@ struct Runner {
   bool hopeless = false;             // left early
   bool failed = false;               // a call failed: no times
 
-  [[nodiscard]] double median() const;  // of one call, s; infinite without a time
+  [[nodiscard]] double median() const;  // median time of one call, s; infinite without a time
   // Median absolute deviation, s; with two rounds the range of their times, with one round its whole time.
   [[nodiscard]] double spread() const;
   // Slowness during its blocks: median by the clock over median at the usual pace, both without by_the_clock.
@@ -35,7 +35,7 @@ struct Runner {
 
 struct RaceRules {
   double block = 20e-6;  // least duration of a block, s
-  double seconds = 0.5;  // for the whole race, s; a block that has begun is finished
+  double seconds = 0.5;  // duration of the whole race, s; a block that has begun is finished
   int trial_rounds = 3;  // rounds after which hopeless runners leave
   int least_rounds = 7;  // rounds of the others, if time allows
   int most_rounds = 40;  // even if the two best are still close

@@ -34,7 +34,7 @@ struct Answer {
   Question question;
   Finalist chosen, best;
   Finalist again;                         // the chosen plan, prepared again and raced against itself
-  double expected_seconds = 0;            // of a step of the chosen plan
+  double expected_seconds = 0;            // expected time of a step of the chosen plan
   double best_trial_seconds = 0;          // best time in the first race, for comparison with `uniform`
   std::map<std::string, double> uniform;  // seconds of each strategy that is the same for all classes
 

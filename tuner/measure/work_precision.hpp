@@ -52,12 +52,12 @@ struct WorkPrecision {
 };
 
 struct WorkPrecisionOptions {
-  std::vector<double> accuracies;  // to ask for, each > 0
+  std::vector<double> accuracies;  // accuracies to ask for, each > 0
   // Strategies to compare with `auto`, each with every accuracy. Empty: all solvers, and variations of the fastest.
   std::optional<std::vector<Strategy>> strategies = {};
   ThreadBudget budget;
   std::shared_ptr<const PerformanceModel> model = nullptr;  // null: machine_model()
-  RaceRules rules;                                          // of the last race
+  RaceRules rules;                                          // rules of the last race
   std::function<void(std::int64_t done, std::int64_t of)> progress = {};
   Instruments instruments = {};
 };

@@ -16,7 +16,7 @@ class CsvFile {
   // work of an hour. Throws Error (environment), like write().
   explicit CsvFile(const std::string& name);
 
-  // `result`: of a run, anything that write_csv() takes.
+  // `result`: a trajectory of a run or of an ensemble.
   template <class Result>
   void write(const Result& result) {
     if (!file_ && !to_standard_output_) return;

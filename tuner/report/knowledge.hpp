@@ -19,7 +19,7 @@ struct TuningRecord {
   std::string file;  // database
   db::Run run;
   std::vector<Sample> samples;  // in the order in which they were stored
-  db::Answer crossovers;        // of all samples of this machine in the database
+  db::Answer crossovers;        // crossovers of all samples of this machine in the database
 };
 
 struct Knowledge {

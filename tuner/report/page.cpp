@@ -8,7 +8,7 @@ namespace {
 
 using pictures::escaped;
 
-constexpr std::size_t kMostRows = 200;  // of the table of all numbers; the CSV has the rest
+constexpr std::size_t kMostRows = 200;  // rows of the table of all numbers; the CSV has the rest
 
 constexpr std::string_view kStyle = R"(
 html { scroll-behavior: smooth; }

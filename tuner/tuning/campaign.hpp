@@ -49,7 +49,7 @@ struct CampaignOptions {
   double most_for_cell = 5;                      // s, for a cell of weight 1
   measure::RaceRules race;                       // except for its time
   std::function<void(const CellResult&)> store;  // called once for each cell with samples
-  std::vector<Sample> earlier = {};              // of an interrupted run, whose cells are not measured again
+  std::vector<Sample> earlier = {};              // samples of an interrupted run, whose cells are not measured again
   std::function<void(double seconds, const Cell&)> progress = nullptr;  // before each cell
 };
 
@@ -60,7 +60,7 @@ struct CampaignFigures {
   int passes = 1;  // over all cells
   std::int64_t samples = 0;
   measure::RaceFigures race;
-  std::vector<double> slowness;  // of the machine, in each measured cell
+  std::vector<double> slowness;  // slowness of the machine in each measured cell
   double seconds = 0;
   bool interrupted = false;
   std::vector<std::string> failures;  // cells that could not be opened

@@ -16,7 +16,7 @@ constexpr std::int32_t kOffTheGrid[] = {22, 78, 334};
 constexpr std::pair<std::int32_t, std::int32_t> kPacksOffTheGrid[] = {
     {2, 11}, {2, 23}, {22, 5}, {78, 11}, {334, 1}};  // n, groups
 constexpr double kJudges = 2;                        // weight of held-out cells: few cells judge all choices
-constexpr int kEntries = 6;  // in a column of random matrices: more than in mechanisms, fewer than in full ones
+constexpr int kEntries = 6;  // entries in a column of random matrices: more than in mechanisms, fewer than in full ones
 
 std::function<Scene()> named(std::string text) {
   return [text = std::move(text)] { return sample(text); };

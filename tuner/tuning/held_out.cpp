@@ -13,7 +13,7 @@ namespace assur::tuning {
 namespace {
 
 constexpr double kTooScattered = 0.25;  // relative spread above which a time is not used
-constexpr int kSolutions = 3;           // for one factorisation: a Newton step, velocity, acceleration
+constexpr int kSolutions = 3;           // solutions for one factorisation: a Newton step, velocity, acceleration
 
 const Sample* find(const CellResult& cell, Kernel kernel, const Strategy& strategy) {
   for (const Result& r : cell.results) {

@@ -15,7 +15,7 @@ class History {
   struct Entry {
     double n = 0;        // unknowns
     double seconds = 0;  // time of a call, for one lane
-    double leader = 0;   // such a time of the fastest candidate of the cell
+    double leader = 0;   // time of a call of the fastest candidate of the cell
     double setup = 0;    // time of analysis, first factorisation and verification, s
   };
   void note(const std::string& family, const Candidate& candidate, const Entry& entry);

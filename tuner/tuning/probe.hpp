@@ -31,7 +31,7 @@ class Probes {
   [[nodiscard]] const std::map<std::string, std::string>& failed() const { return failed_; }
 
  private:
-  std::map<std::string, std::string> failed_;  // by backend, with "1xQ" for several threads
+  std::map<std::string, std::string> failed_;  // reasons by backend, with "1xQ" for several threads
 };
 
 }  // namespace assur::tuning

@@ -14,7 +14,7 @@ namespace {
 using tuning::Cell;
 using tuning::CellResult;
 
-constexpr int kSolutions = 3;    // for one factorisation, as in a step
+constexpr int kSolutions = 3;    // solutions for one factorisation, as in a step
 constexpr int kSideBySide = 16;  // groups
 constexpr std::size_t kMostFailures = 5;
 

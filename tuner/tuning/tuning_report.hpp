@@ -33,7 +33,7 @@ struct TuningSummary {
 struct Winner {
   std::string family;              // name of the series of winners that can be compared, with the kernel
   Kernel kernel = Kernel::factor;  // factor: with three solutions
-  bool side_by_side = false;       // for sixteen matrices, else for one
+  bool side_by_side = false;       // true: sixteen matrices; false: one
   std::int32_t n = 0, groups = 1;
   std::string strategy;
   double seconds = 0;  // for one matrix or group; step: of the mechanism

@@ -21,7 +21,7 @@ struct Column {
     int table;
     std::string_view version, machine;
   } of;
-  std::vector<Split> splits;  // of the first cells; the last one applies to all further cells
+  std::vector<Split> splits;  // splits of the first cells; the last one applies to all further cells
   std::vector<double> seconds;
   std::vector<double> joules = {};
 };

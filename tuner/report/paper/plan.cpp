@@ -146,7 +146,7 @@ namespace {
 
 constexpr double kPerFlop = 0.5e-9, kPerCopied = 2e-9, kPerUnknown = 0.3e-6;  // s, of a typical processor
 constexpr double kPerEntrant = 0.05, kPerPrepared = 20e-6;                    // s; s for each unknown
-constexpr double kStepsAtLeast = 7;  // for the start posture, the verification and three rounds
+constexpr double kStepsAtLeast = 7;  // steps for the start posture, the verification and three rounds
 
 bool is_dense(const Entrant& e) { return e.version == kGlobalDense || e.version == kDense; }
 

@@ -32,7 +32,7 @@ constexpr int kRoundsOfTheShort = 7;
 constexpr double kSecondsOfTheShort = 2;
 constexpr double kMeterSeconds = 0.25;  // s; the counters change every millisecond
 constexpr double kShareExpected = 0.7;  // share of the time left that is planned, because expected times are uncertain
-constexpr double kRoundsAtLeast = 3;    // of all verified contenders, even beyond the time
+constexpr double kRoundsAtLeast = 3;    // rounds of all verified contenders, even beyond the time
 
 double worst_residual(const ErrorFigures& e) { return std::fmax(e.residual(), kConverged); }
 

@@ -21,7 +21,7 @@ struct PaperOptions {
 };
 
 struct PaperResults {
-  std::vector<PaperTiming> times;  // of all entrants; those that were not run have a reason
+  std::vector<PaperTiming> times;  // times of all entrants; entrants that were not run have a reason
   StandIns stand_ins;
   int threads = 1;
   bool quick = true, interrupted = false;
