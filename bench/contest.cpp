@@ -33,10 +33,10 @@ void check(Entry& entry, const Entry& reference, bool all) {
   const double off = deviation(entry.contender->columns(), of(entry), of(reference));
   if (!(off <= entry.deviation)) entry.deviation = off;
   if (!(off <= entry.bound)) {
-    fail(
-        entry,
-        "WRONG: differs by " + general(off, 2) + " from " + reference.strategy + ", allowed: " + general(entry.bound, 2),
-        true);
+    fail(entry,
+         "WRONG: differs by " + general(off, 2) + " from " + reference.strategy +
+             ", allowed: " + general(entry.bound, 2),
+         true);
   }
 }
 

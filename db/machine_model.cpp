@@ -56,7 +56,7 @@ class Reading {
   std::vector<Source> sources_;
   std::map<std::string, Library> libraries_;  // the versions installed here, as far as looked up
   std::vector<Sample> samples_;
-  std::unordered_set<std::uint64_t> cells_;  // of earlier files
+  std::unordered_set<std::uint64_t> cells_;  // cells that earlier files have
   std::string source_;
   Counts counts_;
   std::vector<std::string> messages_;

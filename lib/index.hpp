@@ -8,7 +8,7 @@ namespace assur {
 
 using Index = std::int32_t;
 
-// As a subscript.
+// The index as a subscript of a container.
 constexpr std::size_t idx(Index i) { return static_cast<std::size_t>(i); }
 
 }  // namespace assur

@@ -71,7 +71,7 @@ class LanesSolver final : public LinearSolver {
   std::vector<double> lane_right_;                 // lanes x kRightSides x n
 
   std::int64_t count_ = 0, last_redone_ = -kRecent, last_renewed_ = 0;  // factorisations
-  std::int64_t patience_ = kRecent;                                     // between two renewals
+  std::int64_t patience_ = kRecent;  // factorisations until the next renewal is allowed
 };
 
 Status LanesSolver::analyze(const Pattern& pattern, int lanes) {

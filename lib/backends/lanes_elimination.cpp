@@ -28,7 +28,7 @@ Factors factor_symbolically(const Pattern& pattern, const std::vector<std::int32
   for (Number k = 0; k < n; ++k) position[static_cast<std::size_t>(row[k])] = k;
   Factors f{std::vector<std::vector<Factors::Entry>>(n), std::vector<std::vector<Number>>(n),
             std::vector<std::vector<Number>>(n)};
-  std::vector<Number> entries(n, 0);  // of each row
+  std::vector<Number> entries(n, 0);  // number of entries of each row
   for (const std::int32_t i : pattern.row) ++entries[position[static_cast<std::size_t>(i)]];
   for (Number i = 0; i < n; ++i) {
     f.a[i].reserve(entries[i]);

@@ -100,7 +100,7 @@ Elimination::Elimination(const Pattern& pattern, std::span<const double> values,
       ratio_(lanes_),
       row_level_(idx(n_)),
       column_level_(idx(n_)) {
-  std::vector<std::size_t> entries(idx(n_), 0);  // of each row
+  std::vector<std::size_t> entries(idx(n_), 0);  // number of entries of each row
   for (const Index i : pattern.row) ++entries[idx(i)];
   for (Index i = 0; i < n_; ++i) {
     const std::size_t most = std::min(2 * entries[idx(i)], idx(n_));  // usually enough for the fill

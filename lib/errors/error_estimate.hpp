@@ -162,7 +162,7 @@ class ErrorEstimate {
   std::int64_t steps_ = 0, interval_ = 0;
   std::int64_t measurements_ = 0;
   std::uint64_t seed_ = 0;
-  double worst_ = 0;  // of all mechanisms
+  double worst_ = 0;  // largest error of all mechanisms at the last measurement
   bool knows_gain_ = false;
   double gain_ = 0;  // largest error of all mechanisms for a unit relative residual
   double left_ = 0;  // largest residual of the steps since the last measurement

@@ -163,7 +163,7 @@ class Reader {
         path.lexically_normal() == first_.lexically_normal()) {
       refuse(self, "the file " + in_quotes(name) + " is included a second time");
     }
-    if (++includes_ > kDeepestInclude) refuse(self, "more than 8 files include each other, the limit");
+    if (++includes_ > kDeepestInclude) refuse(self, "files include each other more than 8 times, the limit");
     const InputFile file = read_input(path, kLargestModel);
     if (!file.why_not.empty()) {
       refuse(self, "the file " + in_quotes(name) + " cannot be read: " + file.why_not +

@@ -19,10 +19,10 @@ constexpr int kMost = static_cast<int>(kMostPolynomials) + 1;
 using Vector7 = Eigen::Matrix<Complex, Eigen::Dynamic, 1, 0, kMost, 1>;
 using Matrix7 = Eigen::Matrix<Complex, Eigen::Dynamic, Eigen::Dynamic, 0, kMost, kMost>;
 
-constexpr double kFirstStep = 0.05;      // of log t
-constexpr double kLongestStep = 0.5;     // of log t
+constexpr double kFirstStep = 0.05;      // first step of log t
+constexpr double kLongestStep = 0.5;     // longest step of log t
 constexpr double kShortestStep = 1e-9;   // step of log t; a path that needs a shorter one is lost
-constexpr int kMostSteps = 20000;        // of a path
+constexpr int kMostSteps = 20000;        // most steps of a path
 constexpr double kPredicted = 1e-5;      // largest first correction, relative to the point: else the step is repeated
 constexpr double kEasy = 1e-7;           // a smaller first correction lengthens the step
 constexpr double kCorrected = 1e-11;     // last correction

@@ -100,7 +100,7 @@ class Team {
   alignas(64) std::atomic<std::uint32_t> working_{0};  // workers that are not done
   alignas(64) std::atomic<std::uint32_t> done_{0};     // advanced by the last worker that is done
   std::vector<Worker> workers_;
-  std::vector<std::exception_ptr> thrown_;  // by each rank
+  std::vector<std::exception_ptr> thrown_;  // exceptions, by rank
   pid_t process_ = 0;                       // the process in which the workers live
 };
 

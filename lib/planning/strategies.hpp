@@ -23,7 +23,7 @@ inline constexpr std::array kTypicalPredictors = {
 // A space: all combinations of these values.
 struct StrategySpace {
   std::vector<Formulation> formulations = {RunSettings{}.formulation};
-  std::vector<std::int32_t> packs = {1};    // P, at once
+  std::vector<std::int32_t> packs = {1};    // P: packs at once
   std::vector<std::int32_t> lanes = {1};    // W
   std::vector<std::int32_t> threads = {1};  // Q, inside the linear algebra
   std::vector<SolverSettings> policies = {

@@ -392,7 +392,7 @@ std::optional<Contradiction> LawCheck::find(const Law::Function& law, double fro
   return worst;
 }
 
-// ---- in words
+// ---- findings as text
 
 CallbackCheck check_of(const System& s, const CallbackBlock& block) {
   CallbackCheck check(block);

@@ -72,7 +72,7 @@ class Forms {
 
   // Known and unknown coordinates.
   [[nodiscard]] bool is_fixed(const Item& item) const;   // constant
-  [[nodiscard]] bool all_known(const Item& item) const;  // fixed or driven
+  [[nodiscard]] bool all_known(const Item& item) const;  // true if all components are fixed or driven
   // The unknown coordinate if the form is a single one; else -1.
   [[nodiscard]] Index own_coordinate(Index form) const;
 

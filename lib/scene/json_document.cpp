@@ -99,7 +99,7 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
   struct Open {
     JsonNode::Type type;
     std::uint32_t order;
-    std::size_t items, keys;  // before this one
+    std::size_t items, keys;  // numbers of items and keys before this array or object
   };
 
   // position: one after the character concerned

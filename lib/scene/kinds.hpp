@@ -220,7 +220,7 @@ inline constexpr std::pair<std::string_view, Refused> kNoConstraints[] = {
 
 // ---- other objects
 
-inline constexpr auto kDriver = row<Driver>(key("relative", slot(&Driver::relative)));  // beside its kind
+inline constexpr auto kDriver = row<Driver>(key("relative", slot(&Driver::relative)));  // keys of every kind
 inline constexpr auto kJoint = row<Joint>();
 inline constexpr auto kConstraint = row<Constraint>();
 inline constexpr auto kMeasure = row<Measure>();

@@ -36,7 +36,8 @@ void Validation::rule(const Distance& c, const Where& where) {
   const Involved &p = involved_[0], &q = involved_[1];
   if (c.value) {
     if (!std::isfinite(*c.value)) return;
-    if (*c.value == 0) report(where / "value", "a distance must be > 0; for two points at one place use a single point");
+    if (*c.value == 0)
+      report(where / "value", "a distance must be > 0; for two points at one place use a single point");
     if (*c.value < 0) report(where / "value", "a distance must be > 0, not " + shortest(*c.value) + " m");
   } else if (p.usable && q.usable && !known_.at_or_below((where / "value").text()) &&
              triple::norm(triple::subtract(p.at, q.at)) == 0) {

@@ -86,7 +86,7 @@ std::vector<Case> growing() {
 }
 
 // The elimination of small whole numbers ends at an exact zero. Exceptions are symmetric solvers, and scaling by
-// numbers that are no powers of 2.
+// numbers that are not powers of 2.
 constexpr double kNoSign = std::numeric_limits<double>::infinity();  // a condition: signs are not tested
 const std::map<std::string_view, Outcome> kInexact = {{"umfpack", Outcome::either},
                                                       {"mumps", Outcome::either},

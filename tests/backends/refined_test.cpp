@@ -141,7 +141,7 @@ TEST(Refined, KeepsStatusSingularAndNotFinite) {
 }
 
 // The last two equations make two unknowns vanish, but the pivots come from other equations, so that rounding errors
-// remain. In the last two rows a componentwise error of 1 is no failure.
+// remain. In the last two rows a componentwise error of 1 is not a failure.
 TEST(Refined, VanishingUnknownsRaiseNoAlarm) {
   Random random(5);
   int errors_of_one = 0;

@@ -19,7 +19,7 @@ TEST(RunPictures, WritesBothPicturesWithoutChangingTheRun) {
   ASSERT_EQ(drawn.status, 0) << drawn.err;
   EXPECT_EQ(drawn.out, plain.out);
   EXPECT_EQ(content(page).find("<!DOCTYPE html>"), 0u);
-  EXPECT_NE(content(page).find("\"name\":\"P6\""), std::string::npos);  // shown, although it is no output
+  EXPECT_NE(content(page).find("\"name\":\"P6\""), std::string::npos);  // shown, although it is not an output
   EXPECT_NE(content(page).find("20 steps of 0.01 s from t = 0 s; strategy auto; assur "), std::string::npos);
   EXPECT_EQ(content(picture).find("<svg xmlns=\"http://www.w3.org/2000/svg\""), 0u);
   EXPECT_NE(content(picture).find("handle2, rate, rad/s"), std::string::npos);

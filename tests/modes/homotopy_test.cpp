@@ -88,7 +88,7 @@ TEST(Homotopy, SendsSurplusPathsToInfinity) {
   }
 }
 
-// x^2 + y^2 = 1 and x = x: a curve of solutions is no list of solutions.
+// x^2 + y^2 = 1 and x = x: a curve of solutions cannot be listed.
 TEST(Homotopy, FindsNoSimpleSolutionOnACurve) {
   Eigen::MatrixXd a = Eigen::MatrixXd::Identity(3, 3);
   a(0, 0) = -1;

@@ -36,7 +36,7 @@ TEST(Counts, ATridiagonalMatrixHasOneProductForEachPivotButOne) {
 }
 
 // Small matrices are eliminated to count, large ones are taken as full. Both have the same numbers.
-TEST(Counts, AFullMatrixHasAThirdOfItsCube) {
+TEST(Counts, AFullMatrixTakesAThirdOfItsCube) {
   for (const std::int64_t n : {3, 12, 24, 25, 400}) {
     const Shape shape = shape_of(band(static_cast<std::int32_t>(n), static_cast<std::int32_t>(n), 400));
     EXPECT_EQ(shape.fill, n * n) << n;

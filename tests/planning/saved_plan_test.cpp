@@ -1,4 +1,4 @@
-// A saved and loaded plan runs bitwise like the original. Files that are no such plans are refused.
+// A saved and loaded plan runs bitwise like the original. Other files are refused.
 #include "assur/saved_plan.hpp"
 
 #include <gtest/gtest.h>

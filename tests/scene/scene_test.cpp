@@ -223,7 +223,7 @@ TEST(TimeGrid, IsChecked) {
       "/time/step: (end - start) / step is 2.5; a whole number of steps is wanted, e.g. to the end 1.2000000000000002");
   EXPECT_EQ(checked(0, 1 + 2e-9, 1).rfind("/time/step: (end - start) / step is 1.000000002", 0), 0u);
   EXPECT_EQ(checked(0, 1 + 0.5e-9, 1), "");
-  // Rounding of times is no error, for any number of steps and any start.
+  // Rounding of times is not an error, for any number of steps and any start.
   EXPECT_EQ(checked(0, 0.001 * 2147483647, 0.001), "");
   EXPECT_EQ(checked(1e9, 1e9 + 0.003, 0.001), "");
   EXPECT_EQ(SceneBuilder("t", 2).time(1e9, 1e9 + 0.003, 0.001).build().time().steps(), 3);
@@ -237,7 +237,7 @@ TEST(TimeGrid, IsChecked) {
             "take times nearer to 0, or longer steps");
 }
 
-TEST(Scene, WithOutputsChecksThem) {
+TEST(Scene, WithOutputsChecksTheOutputs) {
   const Scene scene = four_bar().build();
   const Scene other = scene.with_outputs({"B.velocity", "rocker_angle.rate"});
   EXPECT_EQ(other.outputs().size(), 2u);

@@ -161,7 +161,7 @@ TEST(Parallelogram, PassesItsChangePointsWithPositionsOnly) {
   const std::vector<Event> expected = test::events(whole.report()), events = test::events(r.report());
   ASSERT_EQ(events.size(), expected.size());
   for (std::size_t i = 0; i < events.size(); ++i) EXPECT_EQ(events[i].kind, expected[i].kind);
-  EXPECT_TRUE(std::isnan(r.report().error.velocity));             // velocities are no outputs
+  EXPECT_TRUE(std::isnan(r.report().error.velocity));             // velocities are not outputs
   const double bound = 8 * std::sqrt(2.0) * 2 * 5 * kEps / 1e-3;  // as in PassesItsChangePoints
   const std::size_t x = whole.trajectory.index("B1.x");
   for (std::size_t k = 0; k < r.trajectory.rows(); ++k) {

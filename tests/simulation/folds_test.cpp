@@ -1,4 +1,4 @@
-// A fold is found by evidence that the branch turns back, for every time grid. Growing rates are no such evidence.
+// A fold is found by evidence that the branch turns back, for every time grid. Growing rates do not prove a fold.
 #include <gtest/gtest.h>
 
 #include <algorithm>

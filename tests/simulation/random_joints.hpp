@@ -328,7 +328,7 @@ class JointMechanism : public std::enable_shared_from_this<JointMechanism> {
       for (std::size_t s = 1; s < solids_.size(); ++s) {
         for (const auto& [name, at] : solids_[s].tracers) {
           const Place3 p = f[s].at(at);
-          if (!has_column(name + ".x")) {  // it is no output, because it rests
+          if (!has_column(name + ".x")) {  // not an output, because it rests
             EXPECT_LE(triple::norm(triple::subtract(values(p), at)), 16 * kEps * (size_ + triple::norm(at))) << name;
             continue;
           }

@@ -326,7 +326,7 @@ TEST(ForwardError, HandlesCallbacks) {
   EXPECT_LE(forward_error(prepared, Simulator(prepared).run()).position, 8 * kEps);
 }
 
-// An angle that starts with another number of turns is no error.
+// An angle that starts with another number of turns is not an error.
 TEST(ForwardError, HandlesAnglesOverManyTurns) {
   const Scene scene = sample("andrews").with_outputs({"beta"});
   const TimeGrid grid = scene.time();

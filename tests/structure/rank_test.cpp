@@ -100,7 +100,7 @@ TEST(Rank, NamesATooLongRod) {
   EXPECT_EQ(look::error(Error::Kind::numerical, [&] { (void)prepare(scene); }), s.cannot_assemble);
 }
 
-// Measured lengths agree only up to rounding, which is no contradiction.
+// Measured lengths agree only up to rounding, which is not a contradiction.
 TEST(Rank, RoundingIsNoContradiction) {
   const Structure s = structure(parallelogram(1 + 4e-16).build(), groups);
   EXPECT_EQ(s.cannot_assemble, "");

@@ -72,7 +72,7 @@ TEST(Regret, IgnoresUncertainTimes) {
   for (Result& r : cells.back().results) {
     if (r.sample.strategy.solver.backend == "eigen") r.sample.spread = r.sample.seconds;
   }
-  EXPECT_EQ(regret(model_of(cells), cells).questions, 0u);  // a single candidate is no choice
+  EXPECT_EQ(regret(model_of(cells), cells).questions, 0u);  // a single candidate leaves no choice
 }
 
 TEST(Refinement, ProposesCellsAtTheCrossover) {

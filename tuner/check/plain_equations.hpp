@@ -172,7 +172,7 @@ class PlainEquations {
     Kind kind;
     Ray d, e;
     int a = -1, b = -1, c = -1;  // items
-    int law = -1;                // the first one
+    int law = -1;                // index of its first law
     Real value = 0, radius = 0;
     Triple zero{};  // direction of the angle 0
     std::vector<std::pair<int, double>> terms;
@@ -378,7 +378,7 @@ void PlainEquations::evaluate(const T* x, const Input<T>* in, T* out) const {
         give(of(q.a) - p - T(q.zero[0]) * columns[0] - T(q.zero[1]) * columns[1]);
         break;
       }
-      case Kind::posed_axis: {  // b: which column
+      case Kind::posed_axis: {  // b: column of the rotation
         const int r = q.law + dimension_;
         if (dimension_ == 2) {
           give(of(q.a) - Spatial<T>{in[r].cosine, in[r].sine, zero});

@@ -85,7 +85,7 @@ class Draft {
   void middle(const std::string& m, const std::string& p, const std::string& q);  // m = (p + q) / 2, by `linear`
 
   // Drivers begin in the posture and follow a random law.
-  std::string turn(const std::string& a, const std::string& b, const std::string& axis = "");  // a point's angle
+  std::string turn(const std::string& a, const std::string& b, const std::string& axis = "");  // angle of a point
   std::string turn_between(const Way& d, const Way& e, const std::string& axis = "");
   std::string reach(const std::string& a, const std::string& b, double by);  // a distance, changed by this much
   std::string slide(const std::string& coordinate, double begin, double by, bool length = true);

@@ -64,7 +64,7 @@ class Yardstick {
     int derivative;
     double unit;
     bool angle;                                                         // true: the value of a signed angle
-    std::size_t turns_known = std::numeric_limits<std::size_t>::max();  // an angle: rows
+    std::size_t turns_known = std::numeric_limits<std::size_t>::max();  // of an angle: rows with known whole turns
     std::vector<std::pair<std::size_t, double>> angles = {};            // of a sum: items and factors
   };
   // Whole turns, rad, between the angle of a run and that of a true motion whose turns are unknown.

@@ -17,11 +17,11 @@ struct RunSummary {
   const Prepared& prepared;
   const Report& report;
   Mode mode = Mode::latency;
-  std::string strategy = {};                                     // as asked for
+  std::string strategy = {};                                     // text of the strategy that was asked for
   std::int64_t steps = 0;                                        // finished steps, of all members together
   std::int64_t steps_wanted = 0;                                 // of each member
   double seconds = 0;                                            // duration of the run
-  double prepare_seconds = 0;                                    // of an ensemble
+  double prepare_seconds = 0;                                    // duration of the preparation of an ensemble, s
   std::optional<measure::StepTimes::Figures> step_seconds = {};  // in latency mode; empty without steps
   const Members* members = nullptr;                              // of an ensemble
   std::optional<Certificate> certificate = {};                   // of the run, if asked for

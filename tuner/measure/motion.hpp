@@ -32,7 +32,7 @@ class PackStep final : public Workload {
 
   [[nodiscard]] int lanes() const;
   [[nodiscard]] std::size_t packs() const;
-  [[nodiscard]] const Counters& counters() const;  // of all calls since construction
+  [[nodiscard]] const Counters& counters() const;  // work of all calls since construction
   [[nodiscard]] ErrorFigures error() const;        // largest errors of these calls
 
  private:

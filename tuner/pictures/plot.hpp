@@ -12,7 +12,7 @@ namespace assur::pictures {
 struct Axis {
   std::string title;
   bool logarithmic = false;
-  std::function<std::string(double)> text;  // of a tick
+  std::function<std::string(double)> text;  // text of a tick
 };
 
 struct Point {

@@ -20,7 +20,7 @@ struct Cell {
     packs,    // pack
     crowd,    // pack, while several threads do the same work
     steps,    // step
-    around,   // step and its packs by a few strategies; the difference is around
+    around,   // step and its packs by a few strategies, which give Kernel::around
     meeting,  // meeting
   };
   Kind kind = Kind::matrix;

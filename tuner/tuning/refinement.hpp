@@ -8,7 +8,7 @@
 
 namespace assur::tuning {
 
-// At most `most` new cells between neighbouring sizes of measured families. The cells come first that are expected to
+// At most `most` new cells between neighbouring sizes of measured families. The first cells are expected to
 // improve the choices of the model most. Empty if no two neighbours are far enough apart.
 [[nodiscard]] std::vector<Cell> propose(const PerformanceModel& model, std::span<const CellResult> cells,
                                         std::size_t most);
