@@ -11,7 +11,7 @@ namespace assur::db {
 
 struct Library {
   std::string name;     // id of a backend, or "assur"
-  std::string version;  // "" if it is absent; code of assur: includes the version of assur
+  std::string version;  // "" if it is absent; for code of assur it includes the version of assur
   std::string build;    // compiler and build type
 
   friend bool operator==(const Library&, const Library&) = default;

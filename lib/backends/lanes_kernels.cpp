@@ -168,7 +168,7 @@ HWY_INLINE Alarms factorize_part(const Elimination& p, const double* values, T* 
     of_a.store(row_square);
     for (int i = 0; i < L::kVectors; ++i) {
       const auto of_d = hn::Mul(diagonal.v[i], diagonal.v[i]), of_row = hn::Add(hn::Add(of_l.v[i], of_d), of_u.v[i]);
-      // Strict comparisons, false for NaN: infinities and zero rows raise alarms.
+      // Strict comparisons are false for NaN, so infinities and zero rows raise alarms.
       grown[i] = hn::Or(grown[i], hn::Not(hn::Lt(hn::Mul(hn::Mul(of_row, shrink), largest_u.v[i]), of_a.v[i])));
       small[i] = hn::Or(small[i], hn::Not(hn::Ge(of_d, hn::MulAdd(of_a.v[i], pivot, smallest))));
       largest_u.v[i] = hn::Max(largest_u.v[i], hn::Mul(hn::Mul(of_u.v[i], r.v[i]), r.v[i]));

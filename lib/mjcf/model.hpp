@@ -37,7 +37,7 @@ struct Joint {
   int body = kWorld;
   Vector3d at = Vector3d::Zero(), axis = Vector3d::UnitZ();  // in the body
   double reference = 0;                                      // its value in the posture of the model; rad or m
-  std::size_t first = 0;                                     // of its values in q
+  std::size_t first = 0;                                     // index of its first value in q
 
   [[nodiscard]] bool has_coordinate() const { return kind == Kind::hinge || kind == Kind::slide; }
   [[nodiscard]] std::size_t values() const { return kind == Kind::free ? 7 : kind == Kind::ball ? 4 : 1; }
@@ -57,10 +57,10 @@ struct Site {
   std::string name;
   int body = kWorld;
   Frame frame;            // in the body
-  bool has_frame = true;  // false: only a place
+  bool has_frame = true;  // false: the frame is only a place
 };
 
-// What closes a loop: two frames are one (weld), or their origins (connect), or two joints move together.
+// A loop is closed by two frames that are one (weld) or have one origin (connect), or by joints that move together.
 struct Loop {
   enum class Kind { connect, weld, joint };
   const Node* node = nullptr;

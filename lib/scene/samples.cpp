@@ -111,7 +111,7 @@ std::vector<Sample> make_table() {
        "Whitworth's quick return, tilted in space",
        "",
        {real("pivot", 0.05, -10, 10, "distance of the link's pivot from the crank's axis, m"),
-        word("hinge", {"implied", "stated"}, "equation of the link's hinge; stated, it is redundant"),
+        word("hinge", {"implied", "stated"}, "stated: with the equation of the link's hinge, which is redundant"),
         omega(2 * std::numbers::pi, "speed of the crank, rad/s"), step(0.01), steps(1000)},
        whitworth},
   };

@@ -97,7 +97,7 @@ struct DriverInput {
   // Forms of the driven quantity, for own_values(): a coordinate, the components of a distance, two directions (and in
   // space the axis), or the origin and axes of a body.
   std::vector<Index> own;
-  double zero = 0;              // SI unit: is added to values that a program sets; of a driver with one law
+  double zero = 0;              // SI unit; a driver with one law: added to the value that a program sets
   std::vector<double> written;  // its own values in the posture as written, one for each law, SI units
 };
 

@@ -46,8 +46,8 @@ std::vector<LaneRun> cut(std::span<const double> times, const ChunkGrid& grid, s
   return runs;
 }
 
-// A chunk that did not begin where the one before ended begins again there. If the run was stopped, the chunk has done
-// nothing.
+// If a chunk did not begin where the chunk before it ended, it runs again from there. If the run was stopped, the chunk
+// has done nothing.
 void settle(SideBySide& worker, const LaneRun& before, LaneRun& run, const std::function<bool()>& proceed,
             std::vector<std::string>& fallbacks) {
   if (same_posture(before.posture, run.variant.posture, run.uniqueness)) return;

@@ -178,7 +178,7 @@ Ensemble::~Ensemble() = default;
 
 EnsembleTrajectory Ensemble::run(const Simulator::Observer& observer) {
   const TimeGrid& grid = impl_->prepared->time;
-  check_memory(static_cast<std::size_t>(grid.steps()) + 1, 2);  // the times; run() checks the memory for the values
+  check_memory(static_cast<std::size_t>(grid.steps()) + 1, 2);  // memory of the times; run() checks that of the values
   std::vector<double> times;
   for (std::int64_t k = 0; k <= grid.steps(); ++k) times.push_back(grid.time(k));
   return run(times, observer);

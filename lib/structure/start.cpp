@@ -36,8 +36,8 @@ constexpr std::size_t kLargestNearby = 600;
 constexpr std::size_t kMostRedundantNamed = 12;
 constexpr std::size_t kMostFlips = 8;  // drivers that take the longer way round, one at a time
 
-// A point that moves farther from its guess to the start posture is reported, in internal units. Typical lengths are 1
-// to 2, and guesses by eye are within half of one.
+// A point that moves farther than this from its guess to the start posture is reported; internal units. Typical
+// lengths are 1 to 2, and guesses by eye are within half of a length.
 constexpr double kMovedFar = 0.75;
 
 std::string shortened(double value) { return general(value, 3); }

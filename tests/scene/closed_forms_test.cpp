@@ -76,7 +76,7 @@ TEST(ClosedForm, AlmostParallelogramStaysOnItsBranch) {
       const double t = k / 1000.0;
       const Posture<QuadJet> posture = almost_parallelogram(delta, t);
       expect_exact(scene, t, posture);
-      // The end of the rocker moves continuously, with its velocity.
+      // Position and velocity of the end of the rocker are continuous.
       const QuadJet y = posture.at("B1")[1];
       if (k > 0) {
         EXPECT_NEAR(static_cast<double>(y.value), static_cast<double>(before.value), 0.02);

@@ -19,7 +19,7 @@ class Table {
 
   explicit Table(std::vector<Align> columns) : columns_(std::move(columns)) {}
 
-  // As many cells as columns.
+  // Adds a row with a cell for each column.
   Table& row(std::vector<std::string> cells) {
     rows_.push_back(std::move(cells));
     return *this;
