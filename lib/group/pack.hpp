@@ -34,7 +34,7 @@ struct Pack {
   LaneArray lipschitz;               // equations x W
   LaneArray anchor;                  // for each block the coordinates that it reads x W, where omega was measured
   LaneArray anchor_rates;            // rates at the anchor, same layout
-  LaneArray anchor_time;             // blocks: s; NaN: unknown, or without rates
+  LaneArray anchor_time;             // blocks: time of the anchor, s; NaN: unknown, or without rates
   LaneArray omega;                   // blocks x W
   LaneArray ball_used;               // blocks: part of the ball used at the last posture inside it
   LaneArray swaps;                   // row order of a small step, see SmallLu

@@ -78,7 +78,7 @@ class Levels {
 
   std::vector<Pack>& packs_;
   std::vector<std::unique_ptr<GroupSolver>>& solvers_;              // classes; of the calling thread
-  std::vector<std::vector<std::unique_ptr<GroupSolver>>> helpers_;  // the same of each other thread
+  std::vector<std::vector<std::unique_ptr<GroupSolver>>> helpers_;  // solvers of each other thread
   std::vector<Phase> phases_;
   std::vector<std::int32_t> all_;              // packs
   std::vector<Share> shares_;                  // threads

@@ -114,7 +114,7 @@ struct Known {
   friend bool operator<(const Known& a, const Cell& b) { return a.cell < b; }
 };
 
-// The same with one of its samples, for fitting curves.
+// The figures of a cell with one of its samples, for fitting curves.
 struct Gathered {
   Cell cell;
   const Sample* example;
@@ -223,7 +223,7 @@ struct PerformanceModel::Impl {
     std::map<std::int32_t, Prediction> rests_;
   };
 
-  // The same for the shapes of all packs.
+  // Such times for the shapes of all packs.
   class KernelsOfShapes {
    public:
     explicit KernelsOfShapes(const Impl& model) : model_(model) {}

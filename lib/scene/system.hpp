@@ -98,7 +98,7 @@ struct DriverInput {
   // space the axis), or the origin and axes of a body.
   std::vector<Index> own;
   double zero = 0;              // SI unit; a driver with one law: added to the value that a program sets
-  std::vector<double> written;  // its own values in the posture as written, one for each law, SI units
+  std::vector<double> written;  // values of the driver in the posture as written, one for each law, SI units
 };
 
 // An auxiliary unknown that must be > 0: rho of a relative angle. With rho < 0 the angle is wrong by half a turn.

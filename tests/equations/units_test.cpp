@@ -23,7 +23,7 @@ class Units : public testing::TestWithParam<const char*> {};
 
 TEST_P(Units, PowersOfTwoKeepResultsBitwise) {
   const Scene drawn = sample(GetParam());
-  const Scene scene = references::scaled(drawn, 0);  // built again like the others, which normalises vectors again
+  const Scene scene = references::scaled(drawn, 0);  // built again as well, which normalises vectors
   const System plain = lower(std::make_shared<const Scene>(scene));
   for (const int k : {-20, -1, 3, 20}) {
     const Scene other = references::scaled(drawn, k);

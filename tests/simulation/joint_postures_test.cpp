@@ -276,7 +276,7 @@ TEST(JointPostures, CoaxialJointsLeadTheTurnToTheHand) {
 }
 
 // The ground may be the first or the second body; a welded body rests.
-TEST(JointPostures, FixedToTheGroundInEitherOrder) {
+TEST(JointPostures, FixedHoldsTheHandToTheGround) {
   for (const bool swap : {false, true}) {
     for (const bool more : {false, true}) {
       SceneBuilder b("frame", 2);

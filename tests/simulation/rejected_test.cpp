@@ -43,7 +43,7 @@ TEST(Rejected, AttemptsLeaveNoTrace) {
     const test::Result r = test::run(scene, strategy);
     ASSERT_TRUE(r.report().status.arrived()) << name(r.report().status.code) << " at " << r.report().reached;
     rejected += r.counters().rejected;
-    // Groups that are left out must not influence the others.
+    // Groups that are left out must not influence the other groups.
     const test::Result one = test::run(scene.with_outputs({"E.position"}), strategy);
     ASSERT_TRUE(one.report().status.arrived()) << name(one.report().status.code);
     EXPECT_NEAR(one.trajectory.last("E.x"), r.trajectory.last("E.x"), 2 * 8 * kEps * kCondition * kLargest);

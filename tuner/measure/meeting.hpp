@@ -8,7 +8,7 @@ namespace assur::measure {
 
 class Meeting final : public Workload {
  public:
-  // doubles: numbers that the first thread hands to the others and gets back, in all. Throws Error like Team.
+  // doubles: total of the numbers that the first thread hands to the others and gets back. Throws Error like Team.
   Meeting(int threads, std::int32_t doubles) : numbers_(static_cast<std::size_t>(doubles), 1.0), team_(threads) {}
 
   void get_ready(int) override {

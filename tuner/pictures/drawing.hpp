@@ -26,7 +26,7 @@ struct Drawing {
   struct Direction {
     std::string name;
     bool fixed = false;
-    Triple at = {};  // of a fixed one
+    Triple at = {};  // components of a fixed direction
   };
   // The direction of an axis: a direction, or that from one point to another.
   struct Axis {

@@ -8,8 +8,8 @@
 
 namespace assur::pictures {
 
-// A diagram for each quantity, one below the other, as an SVG file. Of more than kMostDiagrams quantities it has the
-// first ones, and names the others. `why_ended`: reason if the motion ended early, else "".
+// A diagram for each quantity, one below the other, as an SVG file. If there are more than kMostDiagrams quantities,
+// it has the first ones and names the others. `why_ended`: reason if the motion ended early, else "".
 [[nodiscard]] std::string outputs_over_time(const Prepared& prepared, const Trajectory& trajectory,
                                             const std::string& why_ended);
 

@@ -25,7 +25,7 @@ namespace assur::joints {
 
 inline constexpr std::string_view kGround = "ground";
 inline constexpr double kSame = 1e-9;           // relative: two places or directions are one
-inline constexpr double kExactly = 16 * kEps;   // the same but for rounding
+inline constexpr double kExactly = 16 * kEps;   // relative: equal except for rounding
 inline constexpr double kSquare = 1e-6;         // largest dot product of the axes of a universal joint, as of frames
 inline constexpr double kWellApart = 0.1;       // sine of the angle between the directions of a good base
 inline constexpr double kSomewhatApart = 1e-6;  // and of any base
