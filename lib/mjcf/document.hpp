@@ -93,7 +93,7 @@ class Attributes {
 // Numbers of an attribute of the node itself, any count of them.
 [[nodiscard]] std::vector<double> numbers_of(const Node& node, std::string_view name, std::string_view text);
 
-// Refuses attributes of the node, if it is one of those whose meaning is understood, that its kind does not have.
+// Refuses attributes that the kind of the node does not have. Nodes of kinds that are not read may have any.
 void check_attributes(const Node& node);
 
 }  // namespace assur::mjcf

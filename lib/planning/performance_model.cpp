@@ -554,7 +554,7 @@ struct PerformanceModel::Impl {
   std::vector<KernelShape> shapes;       // ascending
   std::vector<Known> known;              // ascending
   std::array<Curves, 3> curve;           // evaluate, factor, solve; by variant
-  std::array<double, 3> speed{1, 1, 1};  // measured over prior, for each
+  std::array<double, 3> speed{1, 1, 1};  // measured over prior time of each of these kernels
   Curves rest;                           // W
   Curves packs;                          // by variant
   std::optional<Curve> around;

@@ -158,7 +158,7 @@ TEST(RefusedModels, AreBoundedInSizeAndDepth) {
   folder.write("part.xml", "<mujocoinclude>" + half + "</mujocoinclude>");
   EXPECT_EQ(message_of(folder.write("model.xml", "<mujoco>" + half + "<include file='part.xml'/></mujoco>")),
             folder.path("part.xml") + ": the files of the model have more than 16 MB, the limit");
-  // Depth over several files.
+  // The limit of depth holds over several files.
   folder.write("part.xml", "<mujocoinclude>" + deep.substr(0, 6 * 60) + end.substr(0, 7 * 60) + "</mujocoinclude>");
   EXPECT_EQ(
       message_of(folder.write("model.xml", "<mujoco><worldbody>" + deep.substr(0, 6 * 60) +

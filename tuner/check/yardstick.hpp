@@ -34,8 +34,8 @@ class TrueMotion {
 // The motion in quadruple precision; null if this build has none. Throws Error (numerical) if it cannot start.
 [[nodiscard]] std::unique_ptr<TrueMotion> reference_motion(const Prepared& prepared);
 
-// The motion by plain equations, which share nothing with those of the library, including redundant ones. Throws Error
-// (numerical) if the start posture violates an equation, or if the angle of a driver differs from its law.
+// The motion by all plain equations, also redundant ones. They share nothing with the equations of the library. Throws
+// Error (numerical) if the start posture violates an equation, or if the angle of a driver differs from its law.
 [[nodiscard]] std::unique_ptr<TrueMotion> plain_motion(const Prepared& prepared);
 
 [[nodiscard]] std::unique_ptr<TrueMotion> known_motion(const Prepared& prepared, ClosedForm closed_form);
