@@ -31,7 +31,7 @@ struct ImportedModel {
   };
   struct Driver {
     std::string name;        // in the scene
-    std::string coordinate;  // of Coordinate::name
+    std::string coordinate;  // Coordinate::name of its joint
     bool controlled = true;  // no law was given: it stands still until a program sets it
   };
 
