@@ -47,6 +47,12 @@ std::string_view name(Code code) noexcept {
       return "deadline";
     case Code::interrupted:
       return "interrupted";
+    case Code::stop_reached:
+      return "stop_reached";
+    case Code::limit_exceeded:
+      return "limit_exceeded";
+    case Code::within_limits:
+      return "within_limits";
     case Code::wrong_function:
       return "wrong_function";
   }

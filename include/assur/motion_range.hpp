@@ -13,11 +13,20 @@ namespace assur {
 // One end of a range. Values are those of the driver's law, rad or m: for a relative driver and for a coordinate of a
 // joint they count from the posture as written.
 struct RangeEnd {
-  Code code = Code::ok;  // limit_reached: a fold; ok: no end was found; any other: why the motion could not go on
+  // limit_reached: a fold; stop_reached: a limit of the scene; ok: no end was found; any other: why the motion could
+  // not go on
+  Code code = Code::ok;
   // The end lies between both. The mechanism reaches `reached`; if there is no end, both are the value that was asked
   // for.
   double reached = 0, beyond = 0;
-  std::string group = {};  // the group that is at its limit; "": none
+  std::string group = {};  // the group that is at its fold, or the quantity that is at its limit; "": none
+};
+
+// A limit that flags, and does not end the range.
+struct PassedLimit {
+  std::string quantity;  // name
+  double at = 0;         // value of the driver
+  bool leaves = true;    // on the way from the start posture, the quantity leaves its limit there; false: it returns
 };
 
 // The range of one driver, while all other drivers rest at their values at the start.
@@ -27,7 +36,8 @@ struct MotionRange {
   double start = 0;    // value in the start posture
   RangeEnd low, high;  // ends below and above it
   std::vector<double>
-      change_points;  // values at which branches cross, and the smooth continuation was taken; ascending
+      change_points;                // values at which branches cross, and the smooth continuation was taken; ascending
+  std::vector<PassedLimit> passed;  // by ascending values of the driver
 };
 
 // Moves one driver both ways from the start posture of the scene, along the branch. farthest: the longest way to each

@@ -85,14 +85,14 @@ struct Event {
   double time = 0;   // s; if the time is known to lie within an interval: its begin
   double until = 0;  // end of that interval, s; equal to `time` if there is no interval
   // Name of the object that the event is about: the group; the driver, if its value is not finite, if it drives nothing
-  // any more, or if its law is wrong; the constraint of a wrong callback; or the redundant equation that no longer
-  // holds. "": none.
+  // any more, or if its law is wrong; the constraint of a wrong callback; the limited quantity; or the redundant
+  // equation that no longer holds. "": none.
   std::string group;
   Code kind = Code::ok;  // type of the event
-  // Size: as Status::figure; for a redundant equation |Phi| / |grad Phi|.
+  // Size: as Status::figure; for a redundant equation |Phi| / |grad Phi|; for a limit the bound, in SI units.
   double figure = 0;
   std::string detail = {};  // the wrong number and the expected one, or further explanation; "": none
-  std::string unit = {};    // unit of the figure: "m" or ""
+  std::string unit = {};    // unit of the figure: "m", "rad", "1", or "" if it is a ratio
 };
 
 // Report of a run, or of single steps: then `status` is that of the last step if it failed, else that of the first

@@ -360,6 +360,22 @@ struct Measure {
   std::variant<AbsoluteAngle, AngleBetween, MeasuredDistance, MeasuredCoordinate, Combination, Orientation> kind;
 };
 
+// A limit of a measure, or of a coordinate of a joint: the smallest and the largest value that it may have. A motion
+// that leaves the limit ends (Code::stop_reached), or goes on with an event (docs/joints.md#limits).
+struct Limit {
+  // What a motion does that leaves the limit.
+  enum class Reaction : std::uint8_t {
+    end,   // it ends, at the last posture within the limit
+    flag,  // it goes on; events tell where it leaves the limit, and where it returns
+  };
+  std::string quantity;  // name of a measure, or "JOINT.angle", "JOINT.displacement"; one limit for each
+  // In the unit of the quantity (rad, m); infinite: no limit on this side. A signed angle is followed through whole
+  // turns; it starts at the law of its driver, else within the limit if a number of whole turns brings it there.
+  double min = -HUGE_VAL, max = HUGE_VAL;
+  Reaction reaction = Reaction::end;
+  std::string driver = {};  // build() sets it: the driver of the coordinate, if one of the joint's drivers has it
+};
+
 // A structural group that the scene declares: a union of irreducible groups.
 struct DeclaredGroup {
   std::string name;                   // for messages and reports
@@ -402,6 +418,8 @@ class Scene {
   [[nodiscard]] const std::vector<Driver>& drivers() const { return parts_->drivers; }
   // All measures, in the order in which they were added.
   [[nodiscard]] const std::vector<Measure>& measures() const { return parts_->measures; }
+  // All limits, in the order in which they were added.
+  [[nodiscard]] const std::vector<Limit>& limits() const { return parts_->limits; }
   // The declared groups.
   [[nodiscard]] const std::vector<DeclaredGroup>& groups() const { return parts_->groups; }
   // The wanted outputs as written; if there are none, everything that moves is computed.
@@ -436,6 +454,7 @@ class Scene {
     std::vector<Constraint> constraints;
     std::vector<Driver> drivers;
     std::vector<Measure> measures;
+    std::vector<Limit> limits;
     std::vector<DeclaredGroup> groups;
     std::vector<std::filesystem::path> tables;
     std::vector<Diagnostic> warnings;
@@ -471,6 +490,7 @@ class SceneBuilder {
   SceneBuilder& add(Constraint constraint);  // adds a constraint
   SceneBuilder& add(Driver driver);          // adds a driver
   SceneBuilder& add(Measure measure);        // adds a measure
+  SceneBuilder& add(Limit limit);            // adds a limit
   SceneBuilder& add(DeclaredGroup group);    // adds a declared group
 
   // Adds a joint, e.g. joint("A", Revolute{"ground", "crank", Triple{0, 0}}).
@@ -493,6 +513,10 @@ class SceneBuilder {
   template <class Kind>
   SceneBuilder& measure(std::string name, Kind kind) {
     return add(Measure{std::move(name), std::move(kind)});
+  }
+  // Adds a limit, e.g. limit("knee.angle", -0.1, 2.2). An infinite number is no limit.
+  SceneBuilder& limit(std::string quantity, double min, double max, Limit::Reaction reaction = Limit::Reaction::end) {
+    return add(Limit{std::move(quantity), min, max, reaction});
   }
   // Reserves memory for this many points and constraints, for large scenes.
   SceneBuilder& reserve(std::size_t points, std::size_t constraints);

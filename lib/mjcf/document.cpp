@@ -32,17 +32,17 @@ constexpr Known kKnown[] = {
     {"mujoco", "model", ""},
     {"mujocoinclude", "", ""},
     {"include", "file", ""},
-    {"compiler", "angle eulerseq coordinate alignfree",
-     "autolimits boundmass boundinertia settotalmass balanceinertia strippath fitaabb fusestatic inertiafromgeom "
+    {"compiler", "angle eulerseq coordinate alignfree autolimits",
+     "boundmass boundinertia settotalmass balanceinertia strippath fitaabb fusestatic inertiafromgeom "
      "exactmeshinertia inertiagrouprange saveinertial assetdir meshdir texturedir discardvisual convexhull usethread "
      "conflict"},
     {"default", "class", ""},
     {"body", "name childclass pos quat axisangle xyaxes zaxis euler mocap", "gravcomp user sleep"},
     {"worldbody", "name childclass", ""},
     {"frame", "name childclass pos quat axisangle xyaxes zaxis euler", ""},
-    {"joint", "name class type pos axis ref",
-     "group springdamper limited actuatorfrclimited solreflimit solimplimit solreffriction solimpfriction stiffness "
-     "range actuatorfrcrange actuatorgravcomp margin springref armature damping frictionloss user"},
+    {"joint", "name class type pos axis ref limited range",
+     "group springdamper actuatorfrclimited solreflimit solimplimit solreffriction solimpfriction stiffness "
+     "actuatorfrcrange actuatorgravcomp margin springref armature damping frictionloss user"},
     {"freejoint", "name", "group align"},
     {"site", "name class pos quat axisangle xyaxes zaxis euler fromto", "type group material size rgba user"},
     {"equality", "class active", "solref solimp"},

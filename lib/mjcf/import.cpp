@@ -220,6 +220,12 @@ class Writer {
         if (j.has_coordinate()) {
           out_.coordinates.push_back({title(i), coordinate(i), q_[j.first], false});
           outputs_.push_back(coordinate(i));
+          if (j.range) {
+            const double start = q_[j.first];
+            limit_items_.push_back(
+                {coordinate(i),
+                 {{"min", (*j.range)[0] - start}, {"max", (*j.range)[1] - start}, {"reaction", "flag"}}});
+          }
         }
         before = after;
       }
@@ -364,7 +370,8 @@ class Writer {
   void finish() {
     std::string& text = out_.scene;
     text = "{\n  \"assur\": 1,\n  \"name\": " + text_of(model_.name) + ",\n  \"dimension\": 3,\n";
-    text += section("bodies", body_items_) + section("joints", joint_items_) + section("drivers", driver_items_);
+    text += section("bodies", body_items_) + section("joints", joint_items_) + section("drivers", driver_items_) +
+            section("limits", limit_items_);
     if (!outputs_.empty()) text += "  \"outputs\": " + text_of(outputs_) + ",\n";
     text += "  \"time\": {\"start\": 0, \"end\": 1, \"step\": 0.01}\n}\n";
     for (const auto& [kind, count] : model_.left_out) left_out_[kind] += count;
@@ -385,7 +392,7 @@ class Writer {
   std::set<std::string> names_ = {"ground"};
   std::map<std::string, std::size_t> next_;                   // number for the next name with this stem
   std::vector<std::string> joints_, sites_, bodies_, loops_;  // names in the scene
-  Items body_items_, joint_items_, driver_items_;
+  Items body_items_, joint_items_, driver_items_, limit_items_;
   std::map<int, Json> law_;  // of driven joints
   Json outputs_ = Json::array();
   std::map<std::string, std::size_t> left_out_;

@@ -89,6 +89,7 @@ class Reading {
     if (is("coordinate", "local", "global") == 2) {
       refuse(node, "global coordinates are not read; MuJoCo itself has given them up: save the model with local ones");
     }
+    if (const int automatic = is("autolimits", "true", "false"); automatic != 0) limits_ranges_ = automatic == 1;
     if (is("alignfree", "false", "true") == 2) {
       refuse(node, "alignfree=\"true\" moves frames to centres of mass, which are not read");
     }
@@ -192,6 +193,7 @@ class Reading {
     if (const auto axis = attributes.numbers<3>("axis"); axis && j.has_coordinate()) {
       j.axis = direction(node, "axis", vector(*axis));
     }
+    read_range(attributes, j);
     if (j.has_coordinate()) j.reference = attributes.number("ref", 0) * (j.kind == Joint::Kind::hinge ? unit_ : 1);
     Body& of = model_.bodies[static_cast<std::size_t>(body)];
     if (j.kind == Joint::Kind::free && of.parent != kWorld) {
@@ -205,6 +207,28 @@ class Reading {
     model_.values += j.values();
     of.joints.push_back(static_cast<int>(model_.joints.size()));
     model_.joints.push_back(std::move(j));
+  }
+
+  // As MuJoCo decides: a joint is limited if it says so, or if it has a range and does not say otherwise.
+  void read_range(const Attributes& attributes, Joint& j) {
+    const Node& node = attributes.node();
+    const std::string* const says = attributes.text("limited");
+    const bool automatic = says == nullptr || *says == "auto";
+    if (!automatic && *says != "true" && *says != "false") {
+      refuse(node, "the attribute 'limited' is true, false or auto, not " + in_quotes(*says));
+    }
+    const auto range = attributes.numbers<2>("range");
+    const bool limited = automatic ? range && limits_ranges_ : *says == "true";
+    if (!limited || j.kind == Joint::Kind::free) return;
+    if (!j.has_coordinate()) {
+      ++model_.left_out["range of a ball joint"];
+      return;
+    }
+    if (!range || !((*range)[0] < (*range)[1])) {
+      refuse(node, "a limited joint needs a range of two numbers, of which the first is the smaller one");
+    }
+    const double unit = j.kind == Joint::Kind::hinge ? unit_ : 1;
+    j.range = {(*range)[0] * unit, (*range)[1] * unit};
   }
 
   void read_site(const Node& node, int body, const Frame& around, std::size_t outer) {
@@ -429,6 +453,7 @@ class Reading {
   Defaults defaults_;
   Posture refer_;  // of the model
   double unit_ = std::numbers::pi / 180;
+  bool limits_ranges_ = true;  // a joint with a range is limited unless it says otherwise
   std::string sequence_ = "xyz";
   std::map<std::string, std::map<std::string, int>> names_ = {{"body", {{"world", kWorld}}}};  // of each kind
   std::set<int> actuated_;                                                                     // joints

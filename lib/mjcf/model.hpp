@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,6 +38,7 @@ struct Joint {
   int body = kWorld;
   Vector3d at = Vector3d::Zero(), axis = Vector3d::UnitZ();  // in the body
   double reference = 0;                                      // its value in the posture of the model; rad or m
+  std::optional<std::array<double, 2>> range;                // of its value, of a hinge or slide; rad or m
   std::size_t first = 0;                                     // index of its first value in q
 
   [[nodiscard]] bool has_coordinate() const { return kind == Kind::hinge || kind == Kind::slide; }

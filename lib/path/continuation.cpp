@@ -40,6 +40,10 @@ Continuation::Continuation(const Prepared& prepared, const StepLimits& limits, R
     if (prepared.reselect) independence_.emplace(system_, structure_, layout_.address);
     if (independence_ && independence_->empty()) independence_.reset();
   }
+  if (!system_.bounds.empty()) {
+    limit_watch_.emplace(system_, layout_.address);
+    follow(limit_watch_->turns());
+  }
   passing_.assign(packs_.size(), 0);
   lacks_rates_ = std::any_of(structure_.classes.begin(), structure_.classes.end(),
                              [](const GroupClass& c) { return c.derivatives == 0 || c.first_wanted > 0; });
@@ -49,6 +53,7 @@ void Continuation::keep_what_is_read(std::vector<std::uint8_t> marked) {
   for (const Pack& pack : packs_) {
     for (const std::int32_t a : pack.inputs) marked[idx(a)] = 1;
   }
+  if (limit_watch_) limit_watch_->mark(marked);
   for (const std::int32_t c : structure_.watch.inputs) marked[idx(layout_.address[idx(c)])] = 1;
   marked.resize(system_.coordinates.size());  // known coordinates lie at their own index
   inputs_.keep(std::move(marked));
@@ -60,12 +65,12 @@ void Continuation::keep_what_is_read(std::vector<std::uint8_t> marked) {
   }
 }
 
-void Continuation::start(double time, const std::vector<double>& posture, const Inputs::Controls* before) {
+void Continuation::start(double time, const std::vector<double>& posture, const Continuation* before) {
   now_ = time;
   selected_at_ = before != nullptr ? time : kNan;
   deadline_ = std::chrono::steady_clock::time_point::max();  // deadlines hold for steps only
   inputs_.reset();
-  if (before != nullptr) inputs_.take(*before);
+  if (before != nullptr) inputs_.take(before->inputs_.controls());
   watched_level_ = 0;
   poor_ = kPoorSet;
   measured_at_ = -1;
@@ -87,9 +92,10 @@ void Continuation::start(double time, const std::vector<double>& posture, const 
                     std::string(name(s.code)) + group +
                     (s.code == Code::singular ? "; the Jacobian is singular there, start elsewhere on the path" : ""));
   }
-  if (turns_ != nullptr) turns_->start(state_.at(0));
+  for (AngleTurns* const turns : turns_) turns->start(state_.at(0));
   turn_guessed_ = false;
   accept(now_, errors);
+  begin_limits(before);
   for (Lever& l : levers_) l.start = state_.at(0)[l.address];
 }
 
@@ -122,7 +128,9 @@ void Continuation::save(Snapshot& into, bool in_step) const {
   into.poor = poor_;
   into.levers = levers_;
   into.angles = inputs_.accepted_angles();
-  if (turns_ != nullptr) turns_->save(into.turns);
+  into.turns.resize(turns_.size());
+  for (std::size_t i = 0; i < turns_.size(); ++i) turns_[i]->save(into.turns[i]);
+  if (limit_watch_) into.limits = limit_watch_->row();
 }
 
 bool Continuation::fits(const Snapshot& from) const {
@@ -148,7 +156,8 @@ void Continuation::restore(const Snapshot& from) {
   measured_at_ = -1;
   levers_ = from.levers;
   inputs_.accept(from.angles);
-  if (turns_ != nullptr) turns_->restore(from.turns);
+  for (std::size_t i = 0; i < turns_.size(); ++i) turns_[i]->restore(from.turns[i]);
+  if (limit_watch_) limit_watch_->restore(from.limits, now_);
   wants_reselection_ = false;
 }
 
@@ -207,8 +216,12 @@ Status Continuation::solve_all(double t, Attempt::Branch branch, StepErrors& err
     if (const Status s = check_watched(t, branch, converged, errors); !s.ok()) return s;
   }
   // The angles of drivers are within the limit of a step here; measured angles may have turned farther.
-  if (turns_ == nullptr || branch != Attempt::Branch::inside) return {};
-  const AngleTurns::Way way = turns_->follow(state_.at(0), t - now_);
+  if (branch != Attempt::Branch::inside) return {};
+  AngleTurns::Way way = AngleTurns::Way::known;
+  for (AngleTurns* const turns : turns_) {
+    const AngleTurns::Way of_these = turns->follow(state_.at(0), t - now_);
+    if (way != AngleTurns::Way::unknown && of_these != AngleTurns::Way::known) way = of_these;
+  }
   return way == AngleTurns::Way::known ? Status{} : turned_unseen(way);
 }
 
@@ -300,7 +313,8 @@ void Continuation::tell(const Status& stopped, double target) {
 void Continuation::accept(double t, const StepErrors& errors) {
   state_.accept(t);
   inputs_.accept();
-  if (turns_ != nullptr) turns_->accept(t - now_);
+  for (AngleTurns* const turns : turns_) turns->accept(t - now_);
+  if (limit_watch_ && !passes_) limit_watch_->accept();
   now_ = t;
   report_.reached = t;
   last_errors_ = errors;
@@ -331,6 +345,7 @@ Status Continuation::step_to(double t, bool may_reselect, Stride& stride) {
     status = advance(t, may_reselect, stride);
   } catch (...) {  // from a law or a callback
     std::fill(passing_.begin(), passing_.end(), 0);
+    passes_ = false;
     tell_before_dividing();
     end_step(Inputs::End::failed);
     throw;
@@ -367,6 +382,7 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
       continue;
     }
     tell_before_dividing();
+    if (s.code == Code::stop_reached) return s;
     if (turned_ > 1) {
       any_turn_ = std::abs(h) <= shortest_ * 1.5;
       if (!any_turn_) stride.set(std::max(std::abs(target - now_) / std::ceil(turned_), shortest_));
@@ -401,7 +417,14 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
       tell(s, target);
       return s;
     }
-    if (const Status found = at_the_limit(s, target, t, first); !found.ok()) return found;
+    const double change = now_;
+    passes_ = true;
+    const Status found = at_the_limit(s, target, t, first);
+    passes_ = false;
+    if (!found.ok()) return found;
+    if (now_ != change) {
+      if (const Status stop = check_limits_passed(change); !stop.ok()) return stop;
+    }
     stride.set(shortest_);
   }
   return {};
@@ -424,7 +447,7 @@ bool Continuation::polish(double converged) {
     return false;
   }
   state_.replace();
-  if (turns_ != nullptr) turns_->accept(0);
+  for (AngleTurns* const turns : turns_) turns->accept(0);
   last_errors_ = errors;
   return true;
 }
@@ -488,9 +511,10 @@ Status Continuation::try_step(double target, Attempt::Branch branch) {
     errors = {};
     s = solve_at(target, branch, errors);
   }
+  if (s.ok() && limit_watch_) s = check_limits(target, errors);
   if (s.ok()) {
     accept(target, errors);
-  } else if (turned_ <= 1) {
+  } else if (turned_ <= 1 && s.code != Code::stop_reached) {
     ++rejected_;
   }
   return s;

@@ -18,6 +18,7 @@
 #include "path/independence.hpp"
 #include "path/layout.hpp"
 #include "path/levels.hpp"
+#include "path/limit_watch.hpp"
 #include "path/state.hpp"
 #include "path/watch.hpp"
 #include "signals/angle_turns.hpp"
@@ -49,15 +50,17 @@ class Continuation {
   Continuation(const Prepared& prepared, const StepLimits& limits, Report& report);
 
   // Signed angles that follow the postures from start() on; must outlive the continuation.
-  void follow(AngleTurns& turns) { turns_ = turns.empty() ? nullptr : &turns; }
+  void follow(AngleTurns& turns) {
+    if (!turns.empty()) turns_.push_back(&turns);
+  }
 
   // Leaves out drivers that neither a computed unknown nor a marked coordinate (by address) depends on.
   void keep_what_is_read(std::vector<std::uint8_t> marked);
 
   // Begins at a posture (all coordinates) and time. Throws Error (numerical) if the equations do not hold there, or if
-  // it has no velocities. before: controls of the continuation that this one replaces; it had other equations of the
-  // same scene.
-  void start(double time, const std::vector<double>& posture, const Inputs::Controls* before = nullptr);
+  // it has no velocities, or if it violates a limit that ends motions. before: the continuation that this one replaces;
+  // it had other equations of the same scene.
+  void start(double time, const std::vector<double>& posture, const Continuation* before = nullptr);
 
   // State that determines the next steps.
   struct Snapshot {
@@ -72,7 +75,8 @@ class Continuation {
     double watched_level = 0, poor = 0;
     std::vector<Lever> levers;
     std::vector<double> angles;  // of the drivers
-    AngleTurns::Snapshot turns;
+    std::vector<AngleTurns::Snapshot> turns;
+    std::vector<double> limits;
   };
   // Allocates no memory if `into` holds a snapshot of the same plan. in_step: the call comes within a step that has not
   // left its first posture; the snapshot is then the state before the step.
@@ -122,6 +126,10 @@ class Continuation {
   // True if an angle of the last step passed so close to a point without direction that its turn is a guess.
   [[nodiscard]] bool turn_guessed() const { return turn_guessed_; }
   [[nodiscard]] const StepErrors& errors() const { return last_errors_; }
+  // The limited quantities, as in Prepared::start_limits.
+  [[nodiscard]] std::vector<double> limited() const {
+    return limit_watch_ ? limit_watch_->values() : std::vector<double>();
+  }
 
   [[nodiscard]] Layout& layout() { return layout_; }
   [[nodiscard]] std::span<Pack> packs() { return packs_; }
@@ -150,6 +158,9 @@ class Continuation {
   void predict(double target);
   void expand();
   [[nodiscard]] Status try_step(double target, Attempt::Branch branch);
+  [[nodiscard]] Status check_limits(double target, StepErrors& errors);
+  [[nodiscard]] Status check_limits_passed(double change);
+  void begin_limits(const Continuation* before);
   [[nodiscard]] Status turned_unseen(AngleTurns::Way way);
   [[nodiscard]] bool may_choose_anew(bool asked, double first) const;
   [[nodiscard]] Status at_the_limit(const Status& failed, double target, double t, double first);
@@ -185,9 +196,11 @@ class Continuation {
   double now_ = 0;
   std::int64_t attempts_ = 0, rejected_ = 0;
   double last_before_pass_ = 0;
-  AngleTurns* turns_ = nullptr;
-  int together_;          // angles_together()
-  bool any_turn_ = true;  // angles take the shorter way, even if they turn far
+  std::optional<LimitWatch> limit_watch_;
+  bool passes_ = false;             // a change point is being passed: limits are checked afterwards
+  std::vector<AngleTurns*> turns_;  // of outputs and limits
+  int together_;                    // angles_together()
+  bool any_turn_ = true;            // angles take the shorter way, even if they turn far
   bool turn_guessed_ = false;
   double turned_ = 0;    // turn of the step that was tried, relative to the largest allowed turn
   double shortest_ = 0;  // length of the shortest attempt at this step, until its failure is examined

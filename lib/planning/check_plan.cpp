@@ -36,6 +36,7 @@ class Check {
     forms();
     items();
     measures();
+    bounds();
     inputs();
     assignments();
     positive();
@@ -122,6 +123,18 @@ class Check {
       for (const MeasureForms::SumTerm& t : m.terms) {
         require(within(t.measure, system_.measures.size()) && !system_.measures[idx(t.measure)].is_sum(), "the terms");
       }
+    }
+  }
+
+  void bounds() {
+    for (std::size_t i = 0; i < system_.bounds.size(); ++i) {
+      part("bounds", i);
+      const Bound& b = system_.bounds[i];
+      require(within(b.measure, system_.measures.size()) && !is_turn(system_.measures[idx(b.measure)].kind),
+              "the measure");
+      require(
+          b.input == -1 || (within(b.input, system_.inputs.size()) && system_.inputs[idx(b.input)].laws.size() == 1),
+          "the driver");
     }
   }
 
@@ -262,10 +275,12 @@ class Check {
 
   void outputs() {
     part("outputs");
-    for (const Output& output : wanted_outputs(system_)) {
-      for (const OutputPart& p : output.parts()) {
-        for (const Index f : p.forms) {
-          for (const Term& t : system_.form(f)) require(is_computed(t.coordinate), "an output");
+    for (const std::vector<Output>& list : {wanted_outputs(system_), limited_outputs(system_)}) {
+      for (const Output& output : list) {
+        for (const OutputPart& p : output.parts()) {
+          for (const Index f : p.forms) {
+            for (const Term& t : system_.form(f)) require(is_computed(t.coordinate), "an output");
+          }
         }
       }
     }

@@ -40,6 +40,7 @@ inline void fields(auto& a, Either<MeasureForms::SumTerm> auto& t) { a(t.measure
 inline void fields(auto& a, Either<MeasureForms> auto& m) {
   a(m.name, m.kind, m.forms, m.dimension, m.terms, m.constant);
 }
+inline void fields(auto& a, Either<Bound> auto& b) { a(b.measure, b.value, b.is_max, b.ends, b.input); }
 inline void fields(auto& a, Either<DriverInput> auto& i) {
   a(i.driver, i.kind, i.first, i.count, i.dimension, i.must_not_vanish, i.laws, i.zero);
 }
@@ -54,6 +55,7 @@ inline void fields(auto& a, Either<System> auto& s) {
   a.label("assignments", s.assignments);
   a.label("items", s.items);
   a.label("measures", s.measures);
+  a.label("bounds", s.bounds);
   a.label("outputs", s.outputs);
   a.label("drivers", s.drivers);
   a.label("inputs", s.inputs);

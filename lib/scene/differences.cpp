@@ -413,7 +413,7 @@ double law_unit(const System& s, const DriverInput& input, std::size_t k) {
 }
 
 int wanted_derivatives(const System& s) {
-  int most = 0;
+  int most = s.bounds.empty() ? 0 : 2;
   for (const Output& o : wanted_outputs(s)) most = std::max(most, o.derivatives());
   return most;
 }

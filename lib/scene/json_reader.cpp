@@ -175,6 +175,14 @@ void JsonReader::read(std::vector<std::pair<std::string, double>>& out, const ro
   }
 }
 
+void JsonReader::read(Limit::Reaction& out, const rows::About&, const Place& at) {
+  const std::string_view text = at.node.text();
+  if (text != "end" && text != "flag") {
+    return note(at.where, "what a motion does at the limit is wanted here: \"end\" or \"flag\"");
+  }
+  out = text == "end" ? Limit::Reaction::end : Limit::Reaction::flag;
+}
+
 // Members of bodies: local coordinates, or an object with ground coordinates.
 void JsonReader::read(std::vector<Member>& out, const rows::About&, const Place& at) {
   const rows::Keys keys = rows::keys_of(rows::kMember);

@@ -92,6 +92,7 @@ class JsonReader {
   void read(std::vector<Member>& out, const rows::About& about, const Place& at);
   void read(Law& out, const rows::About& about, const Place& at);
   void read(std::vector<Law>& out, const rows::About& about, const Place& at);
+  void read(Limit::Reaction& out, const rows::About& about, const Place& at);
 
   // Reads the members that the row names. False if a required one is missing, which is reported.
   template <class Struct, class Row>
@@ -111,6 +112,7 @@ class JsonReader {
     read(out.*slot.member, slot.about, at);
   }
   void put(Combination& out, const rows::Slot<Combination, double>& constant, const Place& at);
+  void put(Limit& out, const rows::Slot<Limit, double>& bound, const Place& at);
   void put(DrivenCoordinate& out, const rows::Slot<DrivenCoordinate, Law>& law, const Place& at);
   template <class Struct, class... Entries>
   void put(Struct& out, const rows::List<Entries...>& list, const Place& at) {
@@ -145,6 +147,7 @@ class JsonReader {
   void read_constraints(const JsonNode* section);
   void read_drivers(const JsonNode* section);
   void read_measures(const JsonNode* section);
+  void read_limits(const JsonNode* section);
   void read_outputs(const JsonNode* section);
   void read_time(const JsonNode* section);
 
@@ -171,7 +174,7 @@ class JsonReader {
   int dimension_ = 0;      // 0: not known
   double angle_unit_ = 1;  // rad
   std::unordered_set<std::string_view> point_names_;
-  std::unordered_set<std::string_view> angle_names_;  // measures of angles
+  std::unordered_set<std::string_view> angle_names_;  // measures of angles, and sums of them
   std::unordered_set<std::string_view> parameter_names_;
   std::unordered_map<std::string, Law> laws_of_tables_;  // by file: many drivers may share one
   SceneBuilder builder_{"", 2};

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -34,7 +35,7 @@ SceneBuilder JsonReader::read(const std::string& name) {
   check_version();
   Object scene(*this, {document_.root, Where()},
                {{"assur", "name", "dimension", "angles", "parameters", "points", "vectors", "bodies", "joints",
-                 "constraints", "drivers", "measures", "groups", "outputs", "time"}});
+                 "constraints", "drivers", "measures", "limits", "groups", "outputs", "time"}});
   if (!scene.is_object()) throw Error(Error::Kind::input, std::move(findings_));
   (void)scene.need("assur", "the version of the format, \"assur\": 1");
   read_dimension(scene);
@@ -55,6 +56,7 @@ SceneBuilder JsonReader::read(const std::string& name) {
   read_constraints(scene.find("constraints"));
   read_drivers(scene.find("drivers"));
   read_measures(scene.find("measures"));
+  read_limits(scene.find("limits"));
   read_items<DeclaredGroup>(scene.find("groups"), Where("/groups"), rows::kGroup);
   read_outputs(scene.find("outputs"));
   read_time(scene.find("time"));
@@ -125,20 +127,45 @@ void JsonReader::read_parameters(const JsonNode* section) {
 }
 
 // Remembers names of points and members, which distinguish an angle of points from one of vectors, and of measured
-// angles.
+// angles and their sums.
 void JsonReader::remember_names(const JsonNode& scene) {
   const auto remember = [&](const JsonNode* points) {
     if (points != nullptr) point_names_.insert(points->keys().begin(), points->keys().end());
   };
   remember(scene.find("points"));
   if (const JsonNode* measures = scene.find("measures"); measures != nullptr) {
+    const auto is_angle = [&](const JsonNode& measure) {
+      const JsonNode* const coordinate = measure.find("coordinate");
+      return measure.find("angle") != nullptr || (coordinate != nullptr && coordinate->text().ends_with(".angle"));
+    };
+    const auto is_sum_of_angles = [&](const JsonNode& measure) {
+      const JsonNode* const sum = measure.find("sum");
+      return sum != nullptr && std::ranges::any_of(sum->items(), [&](const JsonNode& term) {
+               return !term.items().empty() && angle_names_.contains(term.items()[0].text());
+             });
+    };
+    std::vector<std::string_view> sums;
     for (std::size_t i = 0; i < measures->keys().size(); ++i) {
-      if (measures->items()[i].find("angle") != nullptr) angle_names_.insert(measures->keys()[i]);
+      if (is_angle(measures->items()[i])) angle_names_.insert(measures->keys()[i]);
     }
+    for (std::size_t i = 0; i < measures->keys().size(); ++i) {
+      if (is_sum_of_angles(measures->items()[i])) sums.push_back(measures->keys()[i]);
+    }
+    angle_names_.insert(sums.begin(), sums.end());
   }
   const JsonNode* bodies = scene.find("bodies");
   if (bodies == nullptr) return;
   for (const JsonNode& body : bodies->items()) remember(body.find("points"));
+}
+
+void JsonReader::read_limits(const JsonNode* section) {
+  const rows::Keys keys = rows::keys_of(rows::kLimit);
+  each(section, Where("/limits"), [&](const std::string& quantity, const Place& at) {
+    Object object(*this, at, keys);
+    Limit limit{.quantity = quantity};
+    fill(limit, object, rows::kLimit);
+    builder_.add(std::move(limit));
+  });
 }
 
 void JsonReader::read_outputs(const JsonNode* section) {

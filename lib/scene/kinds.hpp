@@ -237,6 +237,8 @@ inline constexpr auto kMember =
 inline constexpr auto kGroup = row<DeclaredGroup>(
     key("unknowns", slot(&DeclaredGroup::unknowns, {Means::text, "B"}), "the names of points and vectors"),
     key("keep", slot(&DeclaredGroup::keep)));
+inline constexpr auto kLimit =
+    row<Limit>(key("min", slot(&Limit::min)), key("max", slot(&Limit::max)), key("reaction", slot(&Limit::reaction)));
 inline constexpr auto kTime = row<TimeGrid>(key("start", slot(&TimeGrid::start), "the first time, s"),
                                             key("end", slot(&TimeGrid::end), "the last time, s"),
                                             key("step", slot(&TimeGrid::step), "the time step, s"));

@@ -137,12 +137,6 @@ void declare_measures(Forms& forms) {
   }
 }
 
-std::string unit_of(const MeasureForms& m) {
-  using K = MeasureForms::Kind;
-  if (m.kind != K::form && m.kind != K::distance && !is_quaternion(m.kind)) return "rad";
-  return m.dimension == 0 ? "1" : m.dimension == 1 ? "m" : "m^" + std::to_string(m.dimension);
-}
-
 // Called after all other measures are declared.
 void declare_sums(System& s) {
   std::unordered_map<std::string_view, Index> measure;
@@ -164,6 +158,23 @@ void declare_sums(System& s) {
     out.kind = unit == "rad" ? MeasureForms::Kind::sum_of_angles : MeasureForms::Kind::sum;
     out.dimension = first.dimension;
     out.constant = sum->constant;
+  }
+}
+
+void declare_limits(System& s) {
+  if (s.scene->limits().empty()) return;
+  std::unordered_map<std::string_view, Index> measure;
+  for (std::size_t i = 0; i < s.measures.size(); ++i) measure.emplace(s.measures[i].name, static_cast<Index>(i));
+  for (const Limit& l : s.scene->limits()) {
+    Bound bound{measure.at(l.quantity), 0, false, l.reaction == Limit::Reaction::end};
+    for (std::size_t i = 0; i < s.inputs.size(); ++i) {
+      if (!l.driver.empty() && s.drivers[idx(s.inputs[i].driver)] == l.driver) bound.input = static_cast<Index>(i);
+    }
+    for (const bool is_max : {false, true}) {
+      bound.is_max = is_max;
+      bound.value = is_max ? l.max : l.min;
+      if (std::isfinite(bound.value)) s.bounds.push_back(bound);
+    }
   }
 }
 
@@ -234,6 +245,7 @@ System lower(std::shared_ptr<const Scene> scene, std::span<const std::string> co
 
   declare_measures(forms);
   declare_sums(forms.system());
+  declare_limits(forms.system());
   drivers.note_own_forms();
   set_driven_guess(forms.system());
   for (Item& item : forms.system().items) item.fixed = forms.is_fixed(item);

@@ -140,6 +140,12 @@ std::vector<Output> wanted_outputs(const System& s) {
   return without_repetition(with_terms(s, std::move(out)));
 }
 
+std::vector<Output> limited_outputs(const System& s) {
+  std::vector<Output> out;
+  for (const Bound& b : s.bounds) out.push_back(of_measure(s.measures[static_cast<std::size_t>(b.measure)]));
+  return without_repetition(with_terms(s, std::move(out)));
+}
+
 void append_columns(const Output& o, std::vector<std::string>& columns) {
   static constexpr const char* kScalar[3] = {"", ".rate", ".acceleration"};
   static constexpr const char* kVector[3] = {".", ".v", ".a"};

@@ -45,6 +45,9 @@ struct AskedPart {
 // names no outputs: everything that is not fixed.
 [[nodiscard]] std::vector<Output> wanted_outputs(const System& system);
 
+// The limited measures with all derivatives; the measures of a sum come before it.
+[[nodiscard]] std::vector<Output> limited_outputs(const System& system);
+
 // Columns of one output in the order value, rate, acceleration: "C.x C.y C.vx ..." or "m m.rate m.acceleration".
 void append_columns(const Output& output, std::vector<std::string>& columns);
 

@@ -140,6 +140,10 @@ SceneBuilder& SceneBuilder::add(Measure measure) {
   parts_.measures.push_back(std::move(measure));
   return *this;
 }
+SceneBuilder& SceneBuilder::add(Limit limit) {
+  parts_.limits.push_back(std::move(limit));
+  return *this;
+}
 SceneBuilder& SceneBuilder::add(DeclaredGroup group) {
   parts_.groups.push_back(std::move(group));
   return *this;
@@ -173,9 +177,9 @@ Scene SceneBuilder::finish(bool expanded) {
   const auto parts = std::make_shared<Scene::Parts>(std::move(parts_));
   expand_poses({parts->dimension, parts->points, parts->vectors, parts->bodies, parts->measures, outputs_,
                 parts->without_frame});
-  JointParts joint_parts{parts->dimension, parts->joints,      parts->points,       parts->vectors,
-                         parts->bodies,    parts->constraints, parts->drivers,      parts->measures,
-                         outputs_,         parts->warnings,    parts->without_frame};
+  JointParts joint_parts{parts->dimension, parts->joints,      parts->points,   parts->vectors,
+                         parts->bodies,    parts->constraints, parts->drivers,  parts->measures,
+                         parts->limits,    outputs_,           parts->warnings, parts->without_frame};
   if (!expanded) {
     const auto is_known = [this](const std::string& where) {  // a part that was not read is refused once
       return std::ranges::any_of(found_, [&](const Diagnostic& d) { return d.where == where; });

@@ -10,6 +10,12 @@
 
 namespace assur {
 
+std::string unit_of(const MeasureForms& m) {
+  using K = MeasureForms::Kind;
+  if (m.kind != K::form && m.kind != K::distance && m.kind != K::sum && !is_quaternion(m.kind)) return "rad";
+  return m.dimension == 0 ? "1" : m.dimension == 1 ? "m" : "m^" + std::to_string(m.dimension);
+}
+
 double System::unit(int power) const { return std::ldexp(1.0, length_exponent * power); }
 
 std::string System::coordinate_name(Index coordinate) const {

@@ -168,10 +168,22 @@ struct MeasureForms {
   [[nodiscard]] bool is_sum() const { return kind == Kind::sum || kind == Kind::sum_of_angles; }
 };
 
+// One bound of a limit.
+struct Bound {
+  Index measure = 0;   // index into System::measures
+  double value = 0;    // SI units
+  bool is_max = true;  // the largest allowed value; false: the smallest one
+  bool ends = true;    // the motion ends there
+  Index input = -1;    // index into System::inputs: the driver of the coordinate of a joint; -1: it is not driven
+};
+
 [[nodiscard]] inline bool is_quaternion(MeasureForms::Kind kind) {
   return kind >= MeasureForms::Kind::quaternion_w && kind <= MeasureForms::Kind::quaternion_z;
 }
 [[nodiscard]] inline bool is_turn(MeasureForms::Kind kind) { return kind >= MeasureForms::Kind::turn_x; }
+
+// "rad", "m", "1", "m^2"
+[[nodiscard]] std::string unit_of(const MeasureForms& measure);
 
 class System {
  public:
@@ -199,6 +211,7 @@ class System {
   std::vector<Frame> frames;
   std::vector<SystemGroup> groups;
   std::vector<MeasureForms> measures;  // of the scene, in its order
+  std::vector<Bound> bounds;           // of the limits of the scene, in their order
   std::vector<Diagnostic> notes;       // e.g. a driver that overrules a guess
 
   [[nodiscard]] std::span<const Term> form(Index f) const {

@@ -17,8 +17,8 @@ std::string text(const Direction& d) {
 }
 
 std::size_t rank_of_section(const std::string& pointer) {
-  static constexpr std::string_view kOrder[] = {"points",   "vectors", "bodies",  "constraints", "drivers",
-                                                "measures", "groups",  "outputs", "time"};
+  static constexpr std::string_view kOrder[] = {"points",   "vectors", "bodies", "constraints", "drivers",
+                                                "measures", "limits",  "groups", "outputs",     "time"};
   const std::string_view section = std::string_view(pointer).substr(0, pointer.find('/', 1));
   const auto found = std::find_if(std::begin(kOrder), std::end(kOrder),
                                   [&](std::string_view name) { return !section.empty() && section.substr(1) == name; });
@@ -54,6 +54,7 @@ std::vector<Diagnostic> Validation::scene() {
   check_constraints();
   check_drivers();
   check_measures();
+  check_limits();
   check_groups();
   check_outputs();
   check_time();

@@ -139,11 +139,13 @@ class Validation {
   void claim(const std::string& what, const Driver& driver, const Where& where);
   void claim_point(const std::string& name, const Driver& driver, const Where& where);
 
-  // measures, groups, outputs (validation_outputs.cpp)
+  // measures, limits, groups, outputs (validation_outputs.cpp)
   void check_measures();
   void rule(const AbsoluteAngle& m, const Where& where);
   void rule(const AngleBetween& m, const Where& where);
   void rule(const Combination& m, const Where& where);
+  void check_limits();
+  void check_limit(const Limit& limit, const Where& where);
   void check_groups();
   void check_unknown(const std::string& name, const Where& where);
   void check_outputs();

@@ -65,6 +65,46 @@ void Validation::rule(const Combination& m, const Where& where) {
   }
 }
 
+// ---- limits
+
+void Validation::check_limits() {
+  std::unordered_map<std::string_view, std::size_t> seen;
+  for (const Limit& limit : scene_.limits()) {
+    const Where where = Where("/limits") / limit.quantity;
+    if (known_.at_or_above(where.text())) continue;
+    if (!seen.emplace(limit.quantity, 0).second)
+      report(where, "there is a limit of it already; give both bounds in one");
+    check_limit(limit, where);
+  }
+}
+
+void Validation::check_limit(const Limit& limit, const Where& where) {
+  if (std::isnan(limit.min) || std::isnan(limit.max)) {
+    report(where / (std::isnan(limit.min) ? "min" : "max"), "the value is nan; a number is wanted");
+  } else if (std::isinf(limit.min) && std::isinf(limit.max)) {
+    report(where, "a limit needs \"min\", \"max\" or both");
+  } else if (!(limit.min < limit.max)) {
+    report(where,
+           "the smallest value, " + shortest(limit.min) + ", is not below the largest one, " + shortest(limit.max));
+  }
+  const Symbol* const symbol = symbols_.find(limit.quantity);
+  if (symbol == nullptr) {
+    const auto is_coordinate = [&](const Joint& j) {  // an error of the joints, reported there, has hidden it
+      return limit.quantity == j.name + ".angle" || limit.quantity == j.name + ".displacement";
+    };
+    if (known_.hides_names() || std::any_of(scene_.joints().begin(), scene_.joints().end(), is_coordinate)) return;
+    report(where, in_quotes(limit.quantity) +
+                      " is no measure and no coordinate of a joint (JOINT.angle or "
+                      "JOINT.displacement)" +
+                      suggestion(limit.quantity, symbols_.names({NameKind::measure})));
+  } else if (symbol->kind != NameKind::measure && !symbol->broken) {
+    report(where, in_quotes(limit.quantity) + " is " + std::string(with_article(symbol->kind)) +
+                      "; a limit is that of a measure or of a coordinate of a joint");
+  } else if (!symbol->broken && std::holds_alternative<Orientation>(scene_.measures()[symbol->index].kind)) {
+    report(where, in_quotes(limit.quantity) + " is a part of the pose of a body; measure an angle for the limit");
+  }
+}
+
 // ---- declared groups
 
 void Validation::check_groups() {

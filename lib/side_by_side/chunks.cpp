@@ -91,6 +91,7 @@ void follow(const LaneRun& before, LaneRun& run, const OutputProgram& outputs, s
 
 std::string no_chunks(const Structure& structure, const StepLimits& limits, std::span<const double> times) {
   if (limits.seconds > 0) return "StepLimits::seconds limits single steps";
+  if (!structure.system->bounds.empty()) return "limits are followed from step to step";
   if (!evenly_spaced(times)) return "the steps are not equally long";
   for (const GroupClass& c : structure.classes) {
     if (!c.quadratic) return "the scene has callbacks, for which start postures of chunks cannot be verified";

@@ -55,6 +55,7 @@ void SideBySide::write_row(int lane, LaneRun& run, std::size_t row) {
   tile_.fill_row(lane, run.row(row, columns().size()));
   run.done = row + 1;
   run.reached = run.times[row];
+  tile_.take_events(lane, run.events);
   if (row == run.posture_wanted) run.posture = tile_.posture(lane);
 }
 
@@ -143,7 +144,10 @@ void SideBySide::run(std::span<LaneRun* const> lanes, const std::function<bool()
     std::vector<Variant> able_at;
     for (std::size_t i = 0; i < together.size(); ++i) {
       Variant here = at[i];
-      if (started) here.posture = tile_.posture(static_cast<int>(i));
+      if (started) {
+        here.posture = tile_.posture(static_cast<int>(i));
+        here.limited = tile_.limited(static_cast<int>(i));
+      }
       here.time = together[i]->times[row];
       if (!stopped_) alone(*together[i], here, row, false, proceed);
       if (together[i]->alone) continue;
@@ -226,6 +230,7 @@ std::optional<Simulator> SideBySide::simulator_of(LaneRun& lane, Variant at) con
   structure->start = std::move(at.posture);
   prepared.structure = structure;
   prepared.start_time = at.time;
+  prepared.start_limits = std::move(at.limited);
   prepared.reselect = at.reselect;
   prepared.plan.run.chunks = prepared.plan.run.threads = 1;
   try {

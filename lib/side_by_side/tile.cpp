@@ -22,6 +22,10 @@ bool same_input(const DriverInput& a, const DriverInput& b) {
          a.dimension == b.dimension && a.must_not_vanish == b.must_not_vanish;
 }
 
+bool same_bound(const Bound& a, const Bound& b) {
+  return a.measure == b.measure && a.is_max == b.is_max && a.ends == b.ends && a.input == b.input;
+}
+
 bool same_assignments(const System& a, const System& b) {
   const auto same_term = [](const Term& x, const Term& y) { return x.coordinate == y.coordinate; };
   return std::equal(a.assignments.begin(), a.assignments.end(), b.assignments.begin(), b.assignments.end(),
@@ -39,6 +43,7 @@ bool same_known(const System& a, const System& b) {
          std::equal(a.coordinates.begin(), a.coordinates.end(), b.coordinates.begin(), b.coordinates.end(),
                     same_coordinate) &&
          std::equal(a.inputs.begin(), a.inputs.end(), b.inputs.begin(), b.inputs.end(), same_input) &&
+         std::equal(a.bounds.begin(), a.bounds.end(), b.bounds.begin(), b.bounds.end(), same_bound) &&
          same_assignments(a, b);
 }
 
@@ -68,6 +73,8 @@ Tile::Tile(const Prepared& prepared, const StepLimits& limits)
   const System& system = *structure_->system;
   watch_.resize(idx(lanes_));
   independence_.resize(idx(lanes_));
+  limit_watch_.resize(idx(lanes_));
+  limit_events_.resize(idx(lanes_));
   all_divisors_.resize(idx(lanes_) * outputs_[0].measures());
   for (std::size_t lane = 0; lane < idx(lanes_); ++lane) {
     divisors_.push_back(all_divisors_.data() + lane * outputs_[0].measures());
@@ -80,6 +87,7 @@ Tile::Tile(const Prepared& prepared, const StepLimits& limits)
     for (const std::int32_t a : pack.inputs) read[idx(a)] = 1;
   }
   outputs_[0].mark(read);
+  if (!system.bounds.empty()) LimitWatch(system, layout_.address).mark(read);
   for (const std::int32_t c : structure_->watch.inputs) read[idx(layout_.address[idx(c)])] = 1;
   for (std::size_t c = 0; c < needed.size(); ++c) {
     needed[c] = layout_.address[c] >= 0 ? read[idx(layout_.address[c])] : std::uint8_t{0};
@@ -116,8 +124,9 @@ Status Tile::start(std::span<const Variant* const> variants) {
   converged_ = kConverged;
   const std::vector<double> times = now_;
   const Status s = solve(times, Attempt::Branch::start);
-  if (s.ok()) accept(times);
-  return s;
+  if (!s.ok()) return s;
+  accept(times);
+  return begin_limits();
 }
 
 void Tile::bind() {
@@ -138,6 +147,7 @@ void Tile::bind() {
     const System& system = *variants_[lane]->system;
     outputs_[lane].bind(system, layout_.address);
     drive_[lane].emplace(system, driven_);
+    if (!system.bounds.empty()) limit_watch_[lane] = std::make_unique<LimitWatch>(system, layout_.address);
     const bool repeats =
         lane > 0 && &system == variants_[0]->system.get() && variants_[lane]->time == variants_[0]->time;
     functions_[lane].reset();
@@ -216,7 +226,8 @@ Status Tile::check_functions(std::span<const double> times) {
 Status Tile::step(std::span<const double> times) {
   if (const Status s = check_functions(times); !s.ok()) return s;
   state_.predict(times[0]);
-  const Status s = solve(times, Attempt::Branch::inside);
+  Status s = solve(times, Attempt::Branch::inside);
+  if (s.ok() && limit_watch_[0]) s = check_limits(times);
   if (!s.ok()) {
     state_.restore();
     return s;
@@ -258,7 +269,8 @@ Status Tile::solve_all(std::span<const double> times, Attempt::Branch branch, St
   }
   if (const Status s = check_watched(times, branch, errors); !s.ok()) return s;
   if (const Status s = check_sets(); !s.ok()) return s;
-  return inside ? follow_angles(times[0] - now_[0]) : begin_angles(times);
+  if (branch == Attempt::Branch::start) return begin_angles(times);
+  return inside ? follow_angles(times[0] - now_[0]) : Status{};
 }
 
 bool Tile::polish() {
@@ -270,7 +282,10 @@ bool Tile::polish() {
     return false;
   }
   state_.replace();
-  for (std::size_t lane = 0; lane < variants_.size(); ++lane) turns_[lane].accept(0);
+  for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
+    turns_[lane].accept(0);
+    if (limit_watch_[lane]) limit_watch_[lane]->turns().accept(0);
+  }
   return true;
 }
 
@@ -364,16 +379,21 @@ Status Tile::check_sets() {
 
 Status Tile::begin_angles(std::span<const double> times) {
   now_.assign(times.begin(), times.end());
-  for (std::size_t lane = 0; lane < variants_.size(); ++lane) turns_[lane].start(state_.at(0) + lane);
+  for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
+    turns_[lane].start(state_.at(0) + lane);
+    if (limit_watch_[lane]) limit_watch_[lane]->turns().start(state_.at(0) + lane);
+  }
   return {};
 }
 
 // Not ok if an angle of some lane turned so far that its sense of rotation is unknown.
 Status Tile::follow_angles(double seconds) {
   Status s;
-  if (turns_[0].empty()) return s;
+  if (turns_[0].empty() && !limit_watch_[0]) return s;
   for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
-    const bool known = turns_[lane].follow(state_.at(0) + lane, seconds) == AngleTurns::Way::known;
+    const double* const q = state_.at(0) + lane;
+    bool known = turns_[lane].follow(q, seconds) == AngleTurns::Way::known;
+    if (limit_watch_[lane]) known = limit_watch_[lane]->turns().follow(q, seconds) == AngleTurns::Way::known && known;
     if (!known) s = {Code::branch_unknown, Place::lane(static_cast<std::int32_t>(lane)), seconds};
   }
   return s;
@@ -391,7 +411,74 @@ void Tile::accept(std::span<const double> times) {
   for (std::size_t lane = 0; lane < variants_.size() && !turns_[0].empty(); ++lane) {
     turns_[lane].accept(times[0] - now_[0]);
   }
+  for (std::size_t lane = 0; lane < variants_.size() && limit_watch_[0]; ++lane) {
+    limit_watch_[lane]->turns().accept(times[0] - now_[0]);
+    limit_watch_[lane]->accept();
+  }
   now_.assign(times.begin(), times.end());
+}
+
+// Not ok if a variant begins outside a limit that ends motions.
+Status Tile::begin_limits() {
+  for (std::size_t lane = 0; lane < variants_.size() && limit_watch_[0]; ++lane) {
+    LimitWatch& watch = *limit_watch_[lane];
+    const Variant& variant = *variants_[lane];
+    limit_events_[lane].clear();
+    watch.start({state_.at(0) + lane, state_.at(1) + lane, state_.at(2) + lane}, now_[lane], variant.limited);
+    if (!variant.limited.empty()) continue;
+    for (const std::size_t bound : watch.violated()) {
+      const LimitWatch::Change outside{bound, true, now_[lane], now_[lane]};
+      if (watch.ends(outside)) return {Code::stop_reached, Place::lane(static_cast<std::int32_t>(lane)), 0};
+      limit_events_[lane].push_back(watch.event(outside));
+    }
+  }
+  return {};
+}
+
+// Like Continuation::check_limits(). A lane whose motion ends must go on alone.
+Status Tile::check_limits(std::span<const double> times) {
+  const auto may_change = [&](std::size_t lane) {
+    return limit_watch_[lane]->may_change({state_.at(0) + lane, state_.at(1) + lane, state_.at(2) + lane}, times[lane]);
+  };
+  std::vector<std::size_t> lanes;
+  for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
+    if (may_change(lane)) lanes.push_back(lane);
+  }
+  if (lanes.empty()) return {};
+  const auto undo = [&] {
+    for (Pack& pack : layout_.packs) pack.undo(attempts_);
+  };
+  undo();
+  std::vector<double> probe(times.size());
+  std::vector<std::vector<Event>> found(variants_.size());
+  for (const std::size_t lane : lanes) {
+    const auto changes = limit_watch_[lane]->changes([&](double t) -> const double* {
+      for (std::size_t i = 0; i < probe.size(); ++i) probe[i] = i == lane ? t : now_[i] + (t - now_[lane]);
+      state_.predict(probe[0]);
+      ++attempts_;
+      StepErrors ignored;
+      const Status s = solve_all(probe, Attempt::Branch::anywhere, ignored);
+      undo();
+      return s.ok() ? state_.at(0) + lane : nullptr;
+    });
+    for (const LimitWatch::Change& c : changes) {
+      if (limit_watch_[lane]->ends(c)) return {Code::stop_reached, Place::lane(static_cast<std::int32_t>(lane)), 0};
+      found[lane].push_back(limit_watch_[lane]->event(c));
+    }
+  }
+  state_.predict(times[0]);
+  if (const Status s = solve(times, Attempt::Branch::inside); !s.ok()) return s;
+  for (std::size_t lane = 0; lane < variants_.size(); ++lane) {
+    (void)may_change(lane);
+    limit_events_[lane].insert(limit_events_[lane].end(), found[lane].begin(), found[lane].end());
+  }
+  return {};
+}
+
+void Tile::take_events(int lane, std::vector<Event>& to) {
+  std::vector<Event>& events = limit_events_[idx(lane)];
+  to.insert(to.end(), events.begin(), events.end());
+  events.clear();
 }
 
 void Tile::fill_row(int lane, double* row) {

@@ -17,6 +17,7 @@
 #include "path/function_check.hpp"
 #include "path/independence.hpp"
 #include "path/layout.hpp"
+#include "path/limit_watch.hpp"
 #include "path/state.hpp"
 #include "path/watch.hpp"
 #include "signals/angle_turns.hpp"
@@ -32,6 +33,7 @@ struct Variant {
   std::vector<double> posture;  // all coordinates, internal units
   double time = 0;
   std::function<Prepared(std::vector<double>, double)> reselect;  // as in Prepared
+  std::vector<double> limited = {};                               // as Prepared::start_limits
 };
 
 // True if one tile can hold both: groups, equations and known coordinates are equal; constants may differ. Callbacks
@@ -66,6 +68,14 @@ class Tile {
 
   // All coordinates of one variant; coordinates that are not computed have the value of the start.
   [[nodiscard]] std::vector<double> posture(int lane) const;
+
+  // The limited quantities of one variant, as in Prepared::start_limits.
+  [[nodiscard]] std::vector<double> limited(int lane) const {
+    const auto& watch = limit_watch_[static_cast<std::size_t>(lane)];
+    return watch ? watch->values() : std::vector<double>();
+  }
+  // Moves the events at limits of one variant to the end of a list.
+  void take_events(int lane, std::vector<Event>& to);
 
   // For every coordinate, a distance within which the solution is unique, from the start posture of the variant or from
   // the last anchor. 0 if unknown.
@@ -108,6 +118,8 @@ class Tile {
   [[nodiscard]] Status check_levers(std::size_t begin, std::size_t end, std::size_t lane, double seconds) const;
   [[nodiscard]] Status begin_angles(std::span<const double> times);
   [[nodiscard]] Status follow_angles(double seconds);
+  [[nodiscard]] Status begin_limits();
+  [[nodiscard]] Status check_limits(std::span<const double> times);
   void accept(std::span<const double> times);
 
   std::shared_ptr<const Structure> structure_;
@@ -126,6 +138,8 @@ class Tile {
   std::vector<std::string> columns_;
   std::vector<OutputProgram> outputs_;                       // lanes
   std::vector<AngleTurns> turns_;                            // lanes
+  std::vector<std::unique_ptr<LimitWatch>> limit_watch_;     // lanes; null if there are no limits
+  std::vector<std::vector<Event>> limit_events_;             // lanes: not taken yet
   std::vector<double> all_divisors_;                         // of the measures, lane after lane
   std::vector<double*> divisors_;                            // lanes: places in all_divisors_
   std::vector<std::optional<Watch>> watch_;                  // lanes

@@ -21,7 +21,7 @@ std::span<const T> share(const std::vector<T>& list, std::size_t part, std::size
 
 }  // namespace
 
-void OutputProgram::bind(const System& s, std::span<const std::int32_t> address) {
+void OutputProgram::bind(const System& s, std::span<const std::int32_t> address, const std::vector<Output>& outputs) {
   dimension_ = s.dimension;
   motions_.clear();
   lines_.clear();
@@ -37,7 +37,7 @@ void OutputProgram::bind(const System& s, std::span<const std::int32_t> address)
   std::map<std::pair<std::string_view, int>, std::int32_t> column_of;  // of measures, if there are sums
   const bool has_sums =
       std::any_of(s.measures.begin(), s.measures.end(), [](const MeasureForms& m) { return m.is_sum(); });
-  for (const Output& o : wanted_outputs(s)) {
+  for (const Output& o : outputs) {
     const auto parts = static_cast<std::int32_t>(o.part_count);
     std::int32_t first[3];  // column of the first part
     for (int d = 0; d < 3; ++d) {

@@ -113,9 +113,15 @@ class OutputProgram {
  public:
   // `address`: coordinates -> index into the state arrays; -1: not available (never read by a needed output).
   OutputProgram(const System& system, std::span<const std::int32_t> address) { bind(system, address); }
+  // The same for other outputs than the wanted ones.
+  OutputProgram(const System& system, std::span<const std::int32_t> address, const std::vector<Output>& outputs) {
+    bind(system, address, outputs);
+  }
 
   // Rebuilds the program for another system; reuses its memory.
-  void bind(const System& system, std::span<const std::int32_t> address);
+  void bind(const System& system, std::span<const std::int32_t> address) {
+    bind(system, address, wanted_outputs(system));
+  }
 
   // Columns of signed angles, which are unwrapped along a run.
   [[nodiscard]] std::vector<std::size_t> angles() const;
@@ -165,6 +171,7 @@ class OutputProgram {
     std::int32_t begin, end;
     std::array<std::int32_t, 3> column;  // -1: not wanted
   };
+  void bind(const System& system, std::span<const std::int32_t> address, const std::vector<Output>& outputs);
   void evaluate_linear(const double* const (&state)[3], double* out, double constant, std::size_t part,
                        std::size_t parts) const;
   void evaluate_forms(const Part& measure, const double* const (&state)[3], Jet<double> (&forms)[9]) const;

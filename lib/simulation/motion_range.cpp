@@ -44,7 +44,7 @@ std::string unit_of(const System& system, std::string_view name) {
 }
 
 // Moves with time, from 0 to `way`.
-RangeEnd end_of(Simulator& simulator, double way, std::vector<double>& change_times) {
+RangeEnd end_of(Simulator& simulator, double way, std::vector<double>& change_times, std::vector<PassedLimit>& passed) {
   simulator.reset();
   Status status;
   for (int k = 1; k <= kSteps && status.arrived(); ++k) status = simulator.step(way * k / kSteps);
@@ -54,6 +54,11 @@ RangeEnd end_of(Simulator& simulator, double way, std::vector<double>& change_ti
   end.beyond = status.arrived() ? end.reached : way;
   for (const Event& e : simulator.report().events) {
     if (e.kind == Code::change_point_passed) change_times.push_back(e.time + (e.until - e.time) / 2);
+    const bool leaves = e.kind == Code::limit_exceeded;
+    if (leaves || e.kind == Code::within_limits) {
+      // A start posture outside is passed once.
+      if (e.time != 0 || e.until != 0 || way > 0) passed.push_back({e.group, e.time + (e.until - e.time) / 2, leaves});
+    }
     if (e.kind != end.code || end.code == Code::ok) continue;
     end.reached = e.time;
     end.beyond = e.until;
@@ -93,8 +98,8 @@ MotionRange motion_range(const Scene& scene, std::string_view driver, double far
                            .with_outputs({});
   Simulator simulator(prepare(moving, {.budget = ThreadBudget{1}}));
   std::vector<double> change_times;
-  out.low = end_of(simulator, -farthest / rate, change_times);
-  out.high = end_of(simulator, farthest / rate, change_times);
+  out.low = end_of(simulator, -farthest / rate, change_times, out.passed);
+  out.high = end_of(simulator, farthest / rate, change_times, out.passed);
   const auto value = [&](double time) { return out.start + rate * time; };
   for (RangeEnd* end : {&out.low, &out.high}) {
     end->reached = value(end->reached);
@@ -102,6 +107,9 @@ MotionRange motion_range(const Scene& scene, std::string_view driver, double far
   }
   for (const double time : change_times) out.change_points.push_back(value(time));
   std::sort(out.change_points.begin(), out.change_points.end());
+  for (PassedLimit& p : out.passed) p.at = value(p.at);
+  std::stable_sort(out.passed.begin(), out.passed.end(),
+                   [](const PassedLimit& a, const PassedLimit& b) { return a.at < b.at; });
   return out;
 }
 

@@ -33,6 +33,9 @@ constexpr double kMargin = 16;
 constexpr int kMostLevels = 8;     // further levels are ignored
 constexpr double kLoosest = 1e-6;  // largest residual at which an equation counts as solved
 
+// A quantity has left or entered its limit: undone with the step.
+bool is_passage(const Event& e) { return e.kind == Code::limit_exceeded || e.kind == Code::within_limits; }
+
 }  // namespace
 
 struct SimulatorState::Impl {
@@ -97,7 +100,7 @@ struct Simulator::Impl {
   // before: the motion up to this posture, with another set of the redundant equations.
   void start(double time, const std::vector<double>& posture, Impl* before = nullptr) {
     clear();
-    motion.start(time, posture, before != nullptr ? &before->motion.inputs().controls() : nullptr);
+    motion.start(time, posture, before != nullptr ? &before->motion : nullptr);
     if (before == nullptr) {
       fill_row();
       judge();
@@ -456,15 +459,23 @@ Status Simulator::step() {
   try {
     const Status status = step(t);
     if (status.arrived()) return status;
+    const auto undone = impl_->report.events.begin() + static_cast<std::ptrdiff_t>(events);
+    impl_->report.events.erase(std::remove_if(undone, impl_->report.events.end(), is_passage),
+                               impl_->report.events.end());
     go_back();
     // Drivers that move towards a limit may overshoot into it before they turn back.
     if (impl_->began == nullptr || status.code == Code::deadline || !impl_->motion.ask_again_from_rest()) return status;
+    const std::size_t failed = impl_->report.events.size();
     impl_->motion.count_rejected_from(0);
     const Status again = go_to(t);
+    std::vector<Event>& all = impl_->report.events;
+    const auto begin = all.begin() + static_cast<std::ptrdiff_t>(events),
+               second = all.begin() + static_cast<std::ptrdiff_t>(failed);
     if (again.arrived()) {
-      impl_->report.events.resize(events);
+      all.erase(begin, second);
       return again;
     }
+    all.erase(second, all.end());
     impl_->report.status = status;
     go_back();
     return status;

@@ -67,19 +67,6 @@ void scatter(std::span<const Index> unknowns, const Eigen::VectorXd& x, std::vec
   for (Eigen::Index i = 0; i < x.size(); ++i) q[static_cast<std::size_t>(unknowns[static_cast<std::size_t>(i)])] = x[i];
 }
 
-void name_worst(const DenseBlock& block, std::span<const Index> equations, const std::vector<double>& q,
-                BlockAssembly& out) {
-  const Eigen::SparseMatrix<double, Eigen::RowMajor> j = block.sparse_jacobian(q);
-  const Eigen::VectorXd phi = block.residuals(q);
-  for (Eigen::Index i = 0; i < block.rows(); ++i) {
-    const double violation = std::abs(phi[i]) / std::max(j.row(i).norm(), std::numeric_limits<double>::min());
-    if (out.worst_equation < 0 || violation > out.violation) {
-      out.worst_equation = equations[static_cast<std::size_t>(i)];
-      out.violation = violation;
-    }
-  }
-}
-
 // Levenberg-Marquardt down to a stationary point of the sum of squares.
 void descend(const DenseBlock& block, std::span<const Index> unknowns, std::vector<double>& q) {
   double mu = 1e-3;
@@ -197,9 +184,8 @@ BlockAssembly assemble(const System& s, std::span<const Index> equations, std::s
       fit(s, equations, unknowns, q, column);
     }
   }
-  if (!out.converged) {
-    name_worst(block, equations, q, out);
-  } else if (!decidable && (first_sign != 0) && fitted) {
+  if (!out.converged) return out;
+  if (!decidable && (first_sign != 0) && fitted) {
     out.mode = BlockAssembly::Mode::not_decidable;
   } else if (!decidable) {
     out.mode = out.singular ? BlockAssembly::Mode::same : BlockAssembly::Mode::not_decidable;

@@ -18,8 +18,6 @@ struct BlockAssembly {
   bool converged = false;
   bool singular = false;  // the Jacobian at the assembled posture is numerically rank-deficient
   Mode mode = Mode::same;
-  Index worst_equation = -1;  // if not converged: the most violated one
-  double violation = 0;       // |Phi| / |grad Phi|, internal units
 };
 
 // Moves the unknowns of one block in q, all others held, until its equations hold: damped Newton with the natural

@@ -93,6 +93,10 @@ Cut cut_to_outputs(const System& s, const Blocks& blocks, const std::vector<Draf
   Cut cut;
   cut.groups.resize(drafts.size());
   std::vector<std::int8_t> need = needed_by_outputs(s, wanted_outputs(s));
+  if (!s.bounds.empty()) {  // limits are also checked between two postures, which needs their derivatives
+    const std::vector<std::int8_t> of_limits = needed_by_outputs(s, limited_outputs(s));
+    for (std::size_t c = 0; c < need.size(); ++c) need[c] = std::max(need[c], of_limits[c]);
+  }
   for (const Draft& d : drafts) {
     if (!d.keep) continue;
     for (const Index b : d.blocks) {

@@ -22,6 +22,7 @@
 #include "structure/freedoms.hpp"
 #include "structure/other_postures.hpp"
 #include "structure/rank.hpp"
+#include "structure/violated.hpp"
 
 namespace assur {
 namespace {
@@ -73,7 +74,7 @@ class Start {
         doubtful_.equations.push_back(e);
         out_.checks.push_back(e);
         out_.redundant.push_back({{s_.equation_name(e)}, s_.equation_name(e)});
-        if (relative_residual(e) > kConsistent) contradiction({s_.equation_name(e)}, relative_residual(e));
+        if (relative_residual(e) > kConsistent) contradiction({s_.equation_name(e)}, relative_residual(e), {&e, 1});
       }
     }
   }
@@ -84,11 +85,11 @@ class Start {
     return scale > 0 ? phi / scale : phi;
   }
 
-  void contradiction(const std::vector<std::string>& names, double by) {
+  void contradiction(const std::vector<std::string>& names, double by, std::span<const Index> equations) {
     if (!out_.cannot_assemble.empty()) return;
     out_.cannot_assemble = "these equations contradict each other: ";
     for (std::size_t i = 0; i < names.size(); ++i) out_.cannot_assemble += (i == 0 ? "'" : ", '") + names[i] + "'";
-    out_.cannot_assemble += " (relative residual " + shortened(by) + ")";
+    out_.cannot_assemble += " (relative residual " + shortened(by) + "); " + most_violated(s_, equations, p_.q);
   }
 
   // Returns the blocks whose Jacobian is rank-deficient at the assembled posture.
@@ -97,7 +98,7 @@ class Start {
     for (Index b = 0; b < p_.blocks.size(); ++b) {
       const BlockAssembly a = assemble(s_, p_.blocks.equations_of(b), p_.blocks.unknowns_of(b), p_.q, column_);
       if (!a.converged) {
-        if (p_.blocks.square()) refuse_block(b, a);
+        if (p_.blocks.square()) refuse_block(b);
         singular.push_back(b);
         continue;
       }
@@ -115,15 +116,10 @@ class Start {
     return singular;
   }
 
-  void refuse_block(Index b, const BlockAssembly& a) {
+  void refuse_block(Index b) {
     if (!out_.cannot_assemble.empty()) return;
-    std::vector<Index> mentioned;
-    s_.mentioned(a.worst_equation, mentioned);
-    const bool is_length =
-        std::any_of(mentioned.begin(), mentioned.end(), [&](Index c) { return s_.coordinates[idx(c)].dimension == 1; });
-    out_.cannot_assemble = "group " + group_or_block_name(s_, p_.blocks, b) + " cannot be assembled: '" +
-                           s_.equation_name(a.worst_equation) + "' is violated most, by " +
-                           (is_length ? shortened(a.violation * s_.unit(1)) + " m" : shortened(a.violation));
+    out_.cannot_assemble = "group " + group_or_block_name(s_, p_.blocks, b) +
+                           " cannot be assembled: " + most_violated(s_, p_.blocks.equations_of(b), p_.q);
   }
 
   // Connected components with a structural surplus or a singular block.
@@ -171,7 +167,7 @@ class Start {
       doubtful_.equations.insert(doubtful_.equations.end(), equations.begin(), equations.end());
       doubtful_.unknowns.insert(doubtful_.unknowns.end(), unknowns.begin(), unknowns.end());
       const auto laws_from = p_.is_guess ? std::optional(p_.time) : std::nullopt;
-      take(study_rank(s_, equations, unknowns, laws_from, p_.q, column_), kept);
+      take(study_rank(s_, equations, unknowns, laws_from, p_.q, column_), equations, kept);
     }
     std::sort(kept.begin(), kept.end());
     p_.equations = std::move(kept);
@@ -179,7 +175,7 @@ class Start {
     if (out_.undetermined.empty() && out_.cannot_assemble.empty()) assemble_blocks();
   }
 
-  void take(const RankStudy& study, std::vector<Index>& kept) {
+  void take(const RankStudy& study, const std::vector<Index>& equations, std::vector<Index>& kept) {
     kept.insert(kept.end(), study.kept.begin(), study.kept.end());
     doubtful_.kept.insert(doubtful_.kept.end(), study.kept.begin(), study.kept.end());
     out_.checks.insert(out_.checks.end(), study.dropped.begin(), study.dropped.end());
@@ -193,7 +189,7 @@ class Start {
       }
       std::sort(names.begin(), names.end());
       names.erase(std::unique(names.begin(), names.end()), names.end());
-      contradiction(names, study.residual);
+      contradiction(names, study.residual, equations);
     }
     if (study.singular_start && study.undetermined.empty()) {
       out_.notes.push_back(
@@ -267,6 +263,9 @@ class DrivenStart {
                                     "the start posture is on another branch"});
       }
     }
+    if (asked.is_guess && !direct.out.cannot_assemble.empty()) {
+      if (std::optional<Attempt> together = attempt_together(asked, described)) direct = std::move(*together);
+    }
     p_ = std::move(direct.problem);
     out_ = std::move(direct.out);
     if (out_.cannot_assemble.empty()) {
@@ -294,6 +293,19 @@ class DrivenStart {
     a.problem.q = q;
     a.doubtful = Start(s_, a.problem, a.out).run();
     return a;
+  }
+
+  // Groups are assembled one after the other, so that a rough guess may take the first ones to a posture in which the
+  // others do not fit. The least-squares posture of all equations does not: tries again from there.
+  std::optional<Attempt> attempt_together(const Problem& asked, const Structure& described) {
+    if (asked.unknowns.empty() || asked.unknowns.size() > kLargestNearby) return std::nullopt;
+    std::vector<Index> all(s_.equations.size());
+    std::iota(all.begin(), all.end(), 0);
+    std::vector<double> q = asked.q;
+    if (fit(s_, all, asked.unknowns, q, column_) > kConsistent) return std::nullopt;
+    Attempt together = attempt(asked, described, q);
+    if (!is_assembled(together.out) || !wrong_driver(together.problem.q).empty()) return std::nullopt;
+    return together;
   }
 
   static bool is_assembled(const Structure& out) { return out.cannot_assemble.empty() && out.undetermined.empty(); }

@@ -1,10 +1,12 @@
 // Meaning of a model: postures of its joints, orientations, classes, keyframes, names, drivers.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "assur/mjcf.hpp"
@@ -94,6 +96,38 @@ TEST_F(Importing, FramesBodiesWithoutJointsAndFromtoPlaceSites) {
       "<site name='b' fromto='0 0 0 2 0 4'/></frame></worldbody>");
   expect_near(written(s, "a"), {0, 2, 0}, 1e-15, "a");
   expect_near(written(s, "b"), {1, 1, 2}, 1e-15, "b");
+}
+
+// Ranges are values of MuJoCo's joints; coordinates of the scene count from the start posture. A joint is limited if it
+// says so, or if it has a range and does not say otherwise.
+TEST_F(Importing, RangesAreLimitsThatFlag) {
+  const std::string inside =
+      "<compiler angle='degree'/><default><default class='small'><joint range='-10 10'/></default></default>"
+      "<worldbody><body><joint name='a' range='-30 60' ref='15'/>"
+      "<body><joint name='b' type='slide' axis='1 0 0' range='-0.2 0.5'/>"
+      "<body><joint name='c' class='small' axis='0 1 0'/><body><joint name='d' range='0 1' limited='false'/>"
+      "<body><joint name='e' type='ball' range='0 40'/><site name='tip' pos='1 0 "
+      "0'/></body></body></body></body></body>"
+      "</worldbody><keyframe><key name='out' qpos='15 0.7 0 0 1 0 0 0'/></keyframe>";
+  const Scene s = scene(inside, {.drive = {{"a", "0"}, {"b", "0"}, {"c", "0"}, {"d", "0"}}});
+  ASSERT_EQ(s.limits().size(), 3u);
+  const auto expect = [&](std::size_t i, const std::string& quantity, double min, double max) {
+    EXPECT_EQ(s.limits()[i].quantity, quantity);
+    EXPECT_NEAR(s.limits()[i].min, min, 1e-15);
+    EXPECT_NEAR(s.limits()[i].max, max, 1e-15);
+    EXPECT_EQ(s.limits()[i].reaction, Limit::Reaction::flag);
+  };
+  expect(0, "a.angle", -45 * kDegree, 45 * kDegree);
+  expect(1, "b.displacement", -0.2, 0.5);
+  expect(2, "c.angle", -10 * kDegree, 10 * kDegree);
+  const ImportedModel model = import(inside);
+  const std::pair<std::string, std::size_t> ball("range of a ball joint", 1);
+  EXPECT_NE(std::find(model.left_out.begin(), model.left_out.end(), ball), model.left_out.end());
+  EXPECT_EQ(scene("<compiler autolimits='false'/><worldbody><body><joint range='0 1'/></body></worldbody>",
+                  {.drive = {{"joint1", "0"}}})
+                .limits()
+                .size(),
+            0u);
 }
 
 TEST_F(Importing, ClassesGiveMissingAttributes) {

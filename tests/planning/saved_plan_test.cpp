@@ -277,9 +277,9 @@ TEST(SavedPlan, RefusesOtherFiles) {
     EXPECT_NE(what.find("not a saved plan"), std::string::npos) << what;
   }
   std::string later = text;
-  later.replace(0, 12, "assur plan 5");
+  later.replace(0, 12, "assur plan 6");
   EXPECT_EQ(kind_of([&] { (void)loaded(later); }, &what), Error::Kind::input);
-  EXPECT_NE(what.find("version 4"), std::string::npos) << what;
+  EXPECT_NE(what.find("version 5"), std::string::npos) << what;
   EXPECT_EQ(kind_of([] { (void)loaded(""); }), Error::Kind::input);
   std::istringstream missing;
   missing.setstate(std::ios::failbit);

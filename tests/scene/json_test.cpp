@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <numbers>
+#include <tuple>
 
 #include "assur/scene.hpp"
 
@@ -224,6 +225,35 @@ TEST(Json, ReadsDriversAndMeasuresInSpace) {
   EXPECT_EQ(as<AngleBetween>(scene.measures()[1]).axis, "");
   EXPECT_EQ(as<MeasuredDistance>(scene.measures()[2]).a, "B");
   EXPECT_EQ(as<MeasuredCoordinate>(scene.measures()[3]).coordinate, "slot.lambda");
+}
+
+// Bounds of angles are in the unit of the angles of the file, those of lengths in m.
+TEST(Json, Limits) {
+  const Scene scene = parse_scene(plane(R"("angles": "deg",
+    "bodies": {"crank": {}, "slider": {}},
+    "joints": {"A": {"revolute": ["ground", "crank"], "at": [0, 0]}, "S": {"prismatic": ["ground", "slider"], "axis": [1, 0]}},
+    "drivers": {"motor": {"coordinate": "A.angle", "law": {"constant": 0}},
+                "cylinder": {"coordinate": "S.displacement", "law": {"constant": 0}}},
+    "measures": {"turn": {"coordinate": "A.angle"}, "sum": {"sum": [["turn", 2]], "constant": 90},
+                 "way": {"coordinate": "S.displacement"}},
+    "parameters": {"most": 45},
+    "limits": {"A.angle": {"min": -90, "max": "=2*most"}, "S.displacement": {"max": 2, "reaction": "end"},
+               "sum": {"max": 180, "reaction": "flag"}, "way": {"min": -3}})"));
+  ASSERT_EQ(scene.limits().size(), 4u);
+  const auto& [angle, displacement, sum, way] =
+      std::tie(scene.limits()[0], scene.limits()[1], scene.limits()[2], scene.limits()[3]);
+  EXPECT_EQ(angle.quantity, "A.angle");
+  EXPECT_DOUBLE_EQ(angle.min, -std::numbers::pi / 2);
+  EXPECT_DOUBLE_EQ(angle.max, std::numbers::pi / 2);
+  EXPECT_EQ(angle.reaction, Limit::Reaction::end);
+  EXPECT_EQ(angle.driver, "motor");
+  EXPECT_EQ(displacement.min, -HUGE_VAL);
+  EXPECT_EQ(displacement.max, 2);
+  EXPECT_EQ(displacement.driver, "cylinder");
+  EXPECT_DOUBLE_EQ(sum.max, std::numbers::pi);
+  EXPECT_EQ(sum.reaction, Limit::Reaction::flag);
+  EXPECT_EQ(way.min, -3);
+  EXPECT_EQ(way.driver, "");
 }
 
 TEST(Json, AngleOfMembersIsAnAngleOfPoints) {

@@ -291,6 +291,7 @@ TEST(SceneSchema, HasTheKeysOfAllRows) {
   expect_object(item("points"), rows::kPoint);
   expect_object(item("vectors"), rows::kVector);
   expect_object(item("bodies"), rows::kBody);
+  expect_object(item("limits"), rows::kLimit);
   expect_object(item("groups"), rows::kGroup);
   expect_object(at(schema.root, {"properties", "time"}), rows::kTime);
 }

@@ -44,8 +44,17 @@ struct InspectOptions {
   bool modes = false;       // shows the assembly modes of all groups instead
 };
 
+// The assembly modes in which a motion starts.
+struct ModeOptions {
+  std::vector<std::pair<std::string, std::size_t>> modes;            // group (empty: the only one), number
+  std::vector<std::pair<std::string, std::vector<double>>> guesses;  // point, place in m
+
+  [[nodiscard]] bool empty() const { return modes.empty() && guesses.empty(); }
+};
+
 struct RunOptions {
   std::string scene;
+  ModeOptions start_modes;
   std::optional<double> start, dt;    // s; empty: those of the scene
   std::optional<std::int64_t> steps;  // empty: up to the end of the scene
   std::vector<std::string> outputs;   // empty: those of the scene

@@ -28,6 +28,34 @@ void take_drive(std::vector<std::pair<std::string, std::string>>& drive, const s
   drive.emplace_back(text.substr(0, equals), text.substr(equals + 1));
 }
 
+void take_mode(std::vector<std::pair<std::string, std::size_t>>& modes, const std::string& text) {
+  const std::size_t equals = text.rfind('=');
+  const std::string number = equals == std::string::npos ? text : text.substr(equals + 1);
+  std::size_t mode = 0;
+  if (equals == 0 || number.empty() || number.find_first_not_of("0123456789") != std::string::npos ||
+      !CLI::detail::lexical_cast(number, mode)) {
+    throw CLI::ValidationError("--start-mode", "expects a number from 0, or GROUP=number, not \"" + text + "\"");
+  }
+  modes.emplace_back(equals == std::string::npos ? "" : text.substr(0, equals), mode);
+}
+
+void take_guess(std::vector<std::pair<std::string, std::vector<double>>>& guesses, const std::string& text) {
+  const auto refuse = [&] {
+    throw CLI::ValidationError("--guess", "expects a point with its place, as C=1.2,0.3, not \"" + text + "\"");
+  };
+  const std::size_t equals = text.find('=');
+  if (equals == 0 || equals == std::string::npos) refuse();
+  std::vector<double> at;
+  std::istringstream list(text.substr(equals + 1) + ",");
+  for (std::string item; std::getline(list, item, ',');) {
+    double value = 0;
+    if (!CLI::detail::lexical_cast(item, value) || !std::isfinite(value)) refuse();
+    at.push_back(value);
+  }
+  if (at.size() != 2 && at.size() != 3) refuse();
+  guesses.emplace_back(text.substr(0, equals), std::move(at));
+}
+
 void take_accuracies(std::vector<double>& accuracies, const std::string& text) {
   accuracies.clear();
   std::istringstream list(text);

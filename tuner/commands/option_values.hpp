@@ -17,6 +17,12 @@ void take_parameter(Parameters& set, const std::string& text);
 // "joint=LAW"; the law is read with the model.
 void take_drive(std::vector<std::pair<std::string, std::string>>& drive, const std::string& text);
 
+// "N" or "GROUP=N" with a whole number from 0.
+void take_mode(std::vector<std::pair<std::string, std::size_t>>& modes, const std::string& text);
+
+// "C=1.2,0.3", two or three finite numbers.
+void take_guess(std::vector<std::pair<std::string, std::vector<double>>>& guesses, const std::string& text);
+
 // "1e-4,1e-6": numbers > 0. Returns them without repetitions, the largest first.
 void take_accuracies(std::vector<double>& accuracies, const std::string& text);
 

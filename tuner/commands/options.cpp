@@ -145,6 +145,22 @@ void add_run(CLI::App& app, Invocation& call) {
   run.add_option("--start", o.start, "First time, s")->check(number(-HUGE_VAL, ""))->type_name("T");
   run.add_option("--dt", o.dt, "Time step, s")->check(number(0, " > 0"))->type_name("S");
   run.add_option("--steps", o.steps, "Number of steps")->check(whole_number(0))->type_name("N");
+  run.add_option_function<std::vector<std::string>>(
+         "--start-mode",
+         [&o](const std::vector<std::string>& texts) {
+           for (const std::string& text : texts) take_mode(o.start_modes.modes, text);
+         },
+         "Start in this mode of a group: 1, or C=1 (see inspect --modes)")
+      ->allow_extra_args(false)
+      ->type_name("[GROUP=]N");
+  run.add_option_function<std::vector<std::string>>(
+         "--guess",
+         [&o](const std::vector<std::string>& texts) {
+           for (const std::string& text : texts) take_guess(o.start_modes.guesses, text);
+         },
+         "Start in the mode that is nearest to this place of a point")
+      ->allow_extra_args(false)
+      ->type_name("C=X,Y");
   run.add_option("--strategy", o.strategy, "Solution strategy: auto (default), groups/klu, ...")->type_name("TEXT");
   add_names(run, "--without", o.without, "Backends that auto leaves out: lanes, klu, ...");
   add_mode(run, o.mode);

@@ -9,6 +9,7 @@
 #include "commands/interrupt.hpp"
 #include "commands/run_parts.hpp"
 #include "commands/run_report.hpp"
+#include "commands/start_modes.hpp"
 #include "output/csv_file.hpp"
 #include "output/progress.hpp"
 #include "output/status_text.hpp"
@@ -27,9 +28,10 @@ Trajectory follow(Simulator& simulator, Progress& progress, measure::StepTimes& 
 }
 
 // With --animate, a scene that cannot be assembled is drawn before the error is reported.
-Prepared prepare_or_show(const Scene& scene, const PrepareOptions& how, const RunOptions& options) {
+Prepared prepare_or_show(const Scene& scene, const PrepareOptions& how, const std::vector<ModeChoice>& modes,
+                         const RunOptions& options) {
   try {
-    return prepare(scene, how);
+    return prepare(scene, how, modes);
   } catch (const Error& error) {
     if (error.kind() == Error::Kind::numerical && !options.animate.empty()) {
       write_refused(scene, how, options.animate);
@@ -51,7 +53,8 @@ int run(const Common& common, const RunOptions& options) {
   const PrepareOptions how = how_of(common, options);
   check_errors(options, how);
   const Scene scene = scene_of(common, options, common.set);
-  const Prepared prepared = prepare_or_show(scene, how, options);
+  const std::vector<ModeChoice> modes = chosen_modes(scene, options.start_modes);
+  const Prepared prepared = prepare_or_show(scene, how, modes, options);
   Simulator simulator(prepared, limits_of(options));
   output::CsvFile csv(options.csv);
   std::optional<output::ErrorsCsv> errors;
@@ -97,7 +100,7 @@ int run(const Common& common, const RunOptions& options) {
   }
   bool all_written = !errors || write_errors(simulator, options, *errors, progress);
   if (animation) {
-    all_written = write_animation(prepared, report, how, options, animation->stream(), progress) && all_written;
+    all_written = write_animation(prepared, report, how, modes, options, animation->stream(), progress) && all_written;
     animation->put();
   }
   const Exit exit = all_written ? exit_of(report.status.code) : kInterrupted;

@@ -6,6 +6,7 @@
 #include "assur/machine.hpp"
 #include "commands/interrupt.hpp"
 #include "commands/run_parts.hpp"
+#include "commands/start_modes.hpp"
 #include "db/libraries.hpp"
 #include "output/format.hpp"
 #include "output/replace_file.hpp"
@@ -34,9 +35,10 @@ std::vector<std::string> about(const Prepared& prepared, const RunOptions& optio
 
 }  // namespace
 
-bool write_animation(const Prepared& prepared, const Report& report, PrepareOptions how, const RunOptions& options,
-                     std::ostream& page, output::Progress& progress) {
-  const Prepared shown = prepare(pictures::with_all_places(*prepared.scene), step_by_step(std::move(how)));
+bool write_animation(const Prepared& prepared, const Report& report, PrepareOptions how,
+                     const std::vector<ModeChoice>& modes, const RunOptions& options, std::ostream& page,
+                     output::Progress& progress) {
+  const Prepared shown = prepare(pictures::with_all_places(*prepared.scene), step_by_step(std::move(how)), modes);
   Simulator simulator(shown, limits_of(options));
   const std::int64_t steps = prepared.time.steps();
   pictures::Animation animation(prepared, shown, steps);

@@ -12,6 +12,7 @@
 #include "commands/members.hpp"
 #include "commands/run_parts.hpp"
 #include "commands/run_report.hpp"
+#include "commands/start_modes.hpp"
 #include "output/csv_file.hpp"
 #include "output/format.hpp"
 #include "output/progress.hpp"
@@ -31,6 +32,9 @@ using output::Progress;
 void check(const RunOptions& options, const PrepareOptions& how) {
   if (how.strategy != "auto" && parse_strategy(how.strategy).run.chunks > 1) {
     refuse("--ensemble", "its members use the lanes and threads; remove +chunks= from the strategy");
+  }
+  if (!options.start_modes.modes.empty()) {
+    refuse("--start-mode", "the modes of each member have numbers of their own; choose them by --guess");
   }
   if (options.reference) refuse("--reference", "it compares a single mechanism; run one member with --set");
   if (options.certify) refuse("--certify", "it certifies a single mechanism; run one member with --set");
@@ -84,7 +88,7 @@ Ensemble prepare_all(const Common& common, const std::vector<Parameters>& varian
         }
         const Scene scene = scene_of(common, options, variants[i]);
         if (first) check_grid(scene.time(), *first);
-        Prepared prepared = prepare(scene, how);
+        Prepared prepared = prepare(scene, how, chosen_modes(scene, options.start_modes));
         if (!first) check_room(prepared, all);
         first = scene.time();
         return prepared;

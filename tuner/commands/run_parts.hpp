@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "assur/modes.hpp"
 #include "assur/plan.hpp"
 #include "assur/simulator.hpp"
 #include "commands/commands.hpp"
@@ -44,7 +45,8 @@ void check_errors(const RunOptions& options, const PrepareOptions& how);
 // Repeats the motion for --animate, step by step and with all points. False if interrupted; the page then shows the
 // motion so far.
 [[nodiscard]] bool write_animation(const Prepared& prepared, const Report& report, PrepareOptions how,
-                                   const RunOptions& options, std::ostream& page, output::Progress& progress);
+                                   const std::vector<ModeChoice>& modes, const RunOptions& options, std::ostream& page,
+                                   output::Progress& progress);
 
 // The page for a scene that cannot be assembled: the guess and the closest posture.
 void write_refused(const Scene& scene, const PrepareOptions& how, const std::string& file);

@@ -10,6 +10,7 @@
 #include "output/format.hpp"
 #include "output/notes.hpp"
 #include "output/status_text.hpp"
+#include "scene/system.hpp"
 
 namespace assur::output {
 namespace {
@@ -51,6 +52,14 @@ std::vector<std::int32_t> block_sizes(const GroupClass& c) {
 
 Json null_if(bool missing, std::int32_t value) { return missing ? Json(nullptr) : Json(value); }
 
+Json to_json(const Limit& l) {
+  const auto bound = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
+  return {{"quantity", l.quantity},
+          {"min", bound(l.min)},
+          {"max", bound(l.max)},
+          {"reaction", l.reaction == Limit::Reaction::end ? "end" : "flag"}};
+}
+
 }  // namespace
 
 Irreducible irreducible(const Structure& s) {
@@ -87,6 +96,8 @@ Json to_json(const Scene& scene, const Structure& s, const Irreducible& split) {
                     : r.kind == Redundancy::Kind::start    ? "start"
                                                            : "unknown");
   }
+  Json limits = Json::array();
+  for (const Limit& l : scene.limits()) limits.push_back(to_json(l));
   Json blocks = Json::array();
   for (const GroupClass& c : s.classes) blocks.push_back(block_sizes(c));
   Json sizes = Json::array();
@@ -105,6 +116,7 @@ Json to_json(const Scene& scene, const Structure& s, const Irreducible& split) {
           {"redundant", std::move(redundant)},
           {"checked", std::move(dropped)},
           {"redundancy", std::move(kinds)},
+          {"limits", std::move(limits)},
           {"groups", std::move(groups)},
           {"levels", s.levels},
           {"classes", s.classes.size()},
@@ -266,7 +278,20 @@ std::string said(const Redundancy& r) {
          "checked, not solved";
 }
 
+// "knee.angle from 0 to 2.2 rad, ends the motion"
+std::string said(const Limit& l, const System& s) {
+  const auto has_name = [&](const MeasureForms& m) { return m.name == l.quantity; };
+  const std::string unit = unit_of(*std::find_if(s.measures.begin(), s.measures.end(), has_name));
+  const std::string of = (std::isfinite(l.min) ? " from " + number(l.min) : "") +
+                         (std::isfinite(l.max) ? (std::isfinite(l.min) ? " to " : " up to ") + number(l.max) : "");
+  return l.quantity + of + (unit == "1" ? "" : " " + unit) +
+         (l.reaction == Limit::Reaction::end ? ", ends the motion" : ", flags");
+}
+
 void print_findings(Page& page, const Scene& scene, const Structure& s) {
+  std::vector<std::string> limits;
+  for (const Limit& l : scene.limits()) limits.push_back(said(l, *s.system));
+  page.list("limits", limits);
   if (!s.undetermined.empty()) page.fact("undetermined", listed(s.undetermined) + ": no equation determines them");
   std::vector<std::string> redundant;
   for (const Redundancy& r : s.redundant) redundant.push_back(said(r));
@@ -298,8 +323,16 @@ Json to_json(const MotionRange& range) {
             {"beyond", e.beyond},
             {"group", e.group.empty() ? Json(nullptr) : Json(e.group)}};
   };
-  return {{"driver", range.driver}, {"unit", range.unit},      {"start", range.start},
-          {"low", end(range.low)},  {"high", end(range.high)}, {"change_points", range.change_points}};
+  Json passed = Json::array();
+  for (const PassedLimit& p : range.passed)
+    passed.push_back({{"limit", p.quantity}, {"at", p.at}, {"leaves", p.leaves}});
+  return {{"driver", range.driver},
+          {"unit", range.unit},
+          {"start", range.start},
+          {"low", end(range.low)},
+          {"high", end(range.high)},
+          {"change_points", range.change_points},
+          {"limits_passed", std::move(passed)}};
 }
 
 void print(Page& page, const MotionRange& range) {
@@ -307,13 +340,17 @@ void print(Page& page, const MotionRange& range) {
   const auto end = [&](const RangeEnd& e) {
     if (e.code == Code::ok) return value(e.reached) + ": no end up to here";
     return value(e.reached + (e.beyond - e.reached) / 2) + " ± " + error_figure(std::abs(e.beyond - e.reached) / 2) +
-           (e.group.empty() ? "" : ", group " + e.group) + ": " + explained(e.code);
+           (e.group.empty() ? "" : (e.code == Code::stop_reached ? ", limit of " : ", group ") + e.group) + ": " +
+           explained(e.code);
   };
   page.gap();
   page.fact("range", range.driver + ", now at " + value(range.start) + (range.unit.empty() ? "" : " " + range.unit));
   page.fact("  least", end(range.low));
   page.fact("  greatest", end(range.high));
   for (const double at : range.change_points) page.fact("", "branches cross at " + value(at));
+  for (const PassedLimit& p : range.passed) {
+    page.fact("", p.quantity + (p.leaves ? " leaves its limit at " : " returns into its limit at ") + value(p.at));
+  }
 }
 
 }  // namespace assur::output

@@ -40,6 +40,12 @@ std::string_view meaning(Code code) {
       return "the step did not finish within its time limit";
     case Code::interrupted:
       return "interrupted";
+    case Code::stop_reached:
+      return "a limit of the scene ends the motion";
+    case Code::limit_exceeded:
+      return "the quantity leaves its limit";
+    case Code::within_limits:
+      return "the quantity returns into its limit";
     case Code::wrong_function:
       return "the derivatives of a law or callback of the program do not match its values";
   }
@@ -66,6 +72,9 @@ std::string why_stopped(const Status& status, const std::vector<Event>& events, 
 std::string place_of(const Event& e) {
   if (e.group.empty()) return "";
   if (e.kind == Code::actuator_zero) return ", driver " + e.group;
+  if (e.kind == Code::stop_reached || e.kind == Code::limit_exceeded || e.kind == Code::within_limits) {
+    return ", limit of " + e.group;
+  }
   if (e.kind != Code::inconsistent) return ", group " + e.group;
   return ", '" + e.group + "' off by " + number(e.figure) + (e.unit.empty() ? "" : " " + e.unit);
 }

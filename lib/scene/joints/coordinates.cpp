@@ -49,6 +49,19 @@ void Expansion::read_coordinates() {
     const Coordinate of = coordinate(p_.outputs[i], Where("/outputs") / i);
     if (of.joint != nullptr) asked_.insert(of.joint->name + (of.is_angle ? ".angle" : ".displacement"));
   }
+  read_limits();
+}
+
+// A limited coordinate is measured; the law of its driver tells its whole turns at the start.
+void Expansion::read_limits() {
+  for (Limit& l : p_.limits) {
+    const Coordinate of = coordinate(l.quantity, Where("/limits") / l.quantity);
+    if (of.joint == nullptr || l.quantity.find('.') != l.quantity.rfind('.')) continue;
+    asked_.insert(l.quantity);
+    for (const auto& [driver, driven] : driven_) {
+      if (driven.joint == of.joint && driven.is_angle == of.is_angle) l.driver = driver->name;
+    }
+  }
 }
 
 void Expansion::read_gear(std::size_t constraint, const Gear& gear) {

@@ -173,6 +173,7 @@ class Expansion {
   };
   void read_coordinates();
   void read_gear(std::size_t constraint, const Gear& gear);
+  void read_limits();
   // A joint of the ground turns an arm: then the driver determines the whole body. Any other angle is one between two
   // directions.
   void place_angles();

@@ -19,6 +19,7 @@ struct JointParts {
   std::vector<Constraint>& constraints;
   std::vector<Driver>& drivers;
   std::vector<Measure>& measures;
+  std::vector<Limit>& limits;
   std::vector<std::string>& outputs;
   std::vector<Diagnostic>& warnings;
   std::vector<std::string>& without_frame;  // receives the names of bodies that had no base
