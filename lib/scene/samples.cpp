@@ -27,6 +27,9 @@ Option real(std::string_view name, double value, double least, double most, std:
 Option word(std::string_view name, std::vector<std::string_view> words, std::string_view meaning) {
   return {name, meaning, 0, Option::Kind::word, 0, 0, 1, std::move(words)};
 }
+Option length(std::string_view name, double value, std::string_view meaning) {
+  return real(name, value, 1e-9, 1e9, meaning);
+}
 Option omega(double value, std::string_view meaning) { return real("omega", value, 1e-9, 1e9, meaning); }
 Option step(double value) { return real("step", value, 1e-12, 1e12, "time step, s"); }
 Option steps(double value) { return count("steps", value, 1, 1e12, "number of time steps"); }
@@ -68,6 +71,19 @@ std::vector<Sample> make_table() {
        {word("drive", {"pose", "legs"}, "driven part; if the legs are driven, the pose is undetermined"),
         omega(1, "speed of the motion, rad/s"), step(0.01), steps(1000)},
        hexapod},
+      {"jansen",
+       "legs of Jansen's walking machine on one crank shaft",
+       "legs",
+       {count("legs", 4, 2, kMany, "number of legs", 2),
+        length("La", 0.38, "distance of the pivots from the shaft, level"), length("Lb", 0.415, "pivot to top"),
+        length("Lc", 0.393, "pivot to knee"), length("Ld", 0.401, "pivot to the rear of the upper triangle"),
+        length("Le", 0.558, "top to the rear of the upper triangle"),
+        length("Lf", 0.394, "rear of the upper triangle to shin"), length("Lg", 0.367, "knee to shin"),
+        length("Lh", 0.657, "shin to foot"), length("Li", 0.49, "knee to foot"), length("Lj", 0.5, "pin to top"),
+        length("Lk", 0.619, "pin to knee"), length("Ll", 0.078, "distance of the pivots below the shaft"),
+        length("Lm", 0.15, "radius of the crank"), omega(std::numbers::pi, "speed of the crank, rad/s")},
+       jansen,
+       [](const Values& v) { return 6 * v["legs"]; }},
       {"n_four_bar",
        "rhombi in series, IFToMM A02 as kinematics",
        "loops",
@@ -92,6 +108,14 @@ std::vector<Sample> make_table() {
         step(0.01), steps(1000)},
        rings,
        [](const Values& v) { return v["legs"] * v["n"] + v["terminal"]; }},
+      {"scissor",
+       "scissor lift, which a cylinder at its foot extends",
+       "stages",
+       {count("stages", 4, 1, kMany, "number of stages"), length("arm", 2, "length of the arms"),
+        length("closed", 1.9, "width at the low end of the stroke"), length("open", 0.8, "width at the high end"),
+        real("time", 10, 1e-9, 1e9, "time of one stroke up and down, s")},
+       scissor,
+       [](const Values& v) { return 4 * v["stages"]; }},
       {"slider_crank",
        "slider-crank, one turn per second",
        "",

@@ -13,6 +13,7 @@
 #include "structure/assembly.hpp"
 #include "structure/dense_block.hpp"
 #include "structure/freedoms.hpp"
+#include "structure/redundant_sets.hpp"
 
 namespace assur {
 namespace {
@@ -348,18 +349,25 @@ class Look {
   std::map<std::size_t, Seen> path_, near_;
 };
 
-std::string amount(const Redundancy& r) { return general(r.violation, 3) + (r.is_length ? " m" : ""); }
+// "'third1'", "3 equations of joints A, B, C".
+std::string subject(const RedundantSet& set) {
+  if (set.checked.size() == 1 && set.named.joints.empty()) return "'" + set.checked[0] + "'";
+  const std::size_t count = set.checked.size();
+  return std::to_string(count) + (count == 1 ? " equation" : " equations") + " of " + set.named.text();
+}
 
-void note(const Redundancy& r, Structure& out) {
-  const std::string time = general(r.time, 6);
-  if (r.kind == Redundancy::Kind::start) {
-    out.notes.push_back({"/", "'" + r.dropped + "' holds at the start posture, but not later: at t = " + time +
-                                  " s it is violated by " + amount(r)});
-  } else if (r.kind == Redundancy::Kind::motion) {
-    out.notes.push_back({"/", "'" + r.dropped +
-                                  "' holds while the drivers follow their laws, but does not follow from the other "
-                                  "equations: it is violated by " +
-                                  amount(r) + " at nearby values of the drivers"});
+void note(const RedundantSet& set, Structure& out) {
+  const bool is_one = set.checked.size() == 1;
+  const std::string amount = general(set.worst.violation, 3) + (set.worst.is_length ? " m" : "");
+  const std::string by = std::string(is_one ? "it is violated by " : "they are violated by up to ") + amount;
+  if (set.kind == Redundancy::Kind::start) {
+    out.notes.push_back({"/", subject(set) + (is_one ? " holds" : " hold") +
+                                  " at the start posture, but not later: at t = " + general(set.worst.time, 6) + " s " +
+                                  by});
+  } else if (set.kind == Redundancy::Kind::motion) {
+    out.notes.push_back({"/", subject(set) + (is_one ? " holds" : " hold") +
+                                  " while the drivers follow their laws, but " + (is_one ? "does" : "do") +
+                                  " not follow from the other equations: " + by + " at nearby values of the drivers"});
   }
 }
 
@@ -392,7 +400,7 @@ void look_at_other_postures(const System& s, const DoubtfulParts& parts, const s
     out.mobility += more.generic;
     out.mobility_at_start += more.at_start;
   }
-  for (const Redundancy& r : out.redundant) note(r, out);
+  for (const RedundantSet& set : redundant_sets(*s.scene, out.redundant)) note(set, out);
 }
 
 }  // namespace assur

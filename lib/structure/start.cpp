@@ -22,6 +22,7 @@
 #include "structure/freedoms.hpp"
 #include "structure/other_postures.hpp"
 #include "structure/rank.hpp"
+#include "structure/redundant_sets.hpp"
 #include "structure/violated.hpp"
 
 namespace assur {
@@ -87,8 +88,16 @@ class Start {
 
   void contradiction(const std::vector<std::string>& names, double by, std::span<const Index> equations) {
     if (!out_.cannot_assemble.empty()) return;
-    out_.cannot_assemble = "these equations contradict each other: ";
-    for (std::size_t i = 0; i < names.size(); ++i) out_.cannot_assemble += (i == 0 ? "'" : ", '") + names[i] + "'";
+    const Named named = in_words_of(*s_.scene, names);
+    const std::string what = named.joints.empty()   ? "equations"
+                             : named.others.empty() ? "joints"
+                                                    : "joints and equations";
+    out_.cannot_assemble = "these " + what + " contradict each other: ";
+    bool is_first = true;
+    for (const auto* list : {&named.joints, &named.others}) {
+      for (const std::string& name : *list)
+        out_.cannot_assemble += (is_first ? "'" : ", '") + name + "'", is_first = false;
+    }
     out_.cannot_assemble += " (relative residual " + shortened(by) + "); " + most_violated(s_, equations, p_.q);
   }
 

@@ -1,6 +1,7 @@
 #include "assur/structure.hpp"
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "index.hpp"
@@ -11,6 +12,7 @@
 #include "structure/grouping.hpp"
 #include "structure/other_postures.hpp"
 #include "structure/presolve.hpp"
+#include "structure/redundant_sets.hpp"
 #include "structure/start.hpp"
 
 namespace assur {
@@ -115,6 +117,20 @@ void close_gaps(Structure& out) {
   out.levels = static_cast<Index>(levels.size());
 }
 
+// Equations of joints are named by the joints of their loops.
+void name_watched(const System& s, const std::vector<Index>& equations, Structure& out) {
+  std::map<std::string, std::string> names;
+  for (const RedundantSet& set : redundant_sets(*s.scene, out.redundant)) {
+    if (set.named.joints.empty()) continue;
+    for (const std::string& checked : set.checked) names.emplace(checked, set.named.text());
+  }
+  for (const Index e : equations) {
+    const std::string name = s.equation_name(e);
+    const auto set = names.find(name);
+    out.watched.push_back({set == names.end() ? name : set->second, is_length(s, e)});
+  }
+}
+
 // Watches the unsolved equations that move and whose coordinates are known.
 void watch_unsolved_equations(const System& s, const Blocks& blocks, const Cut& cut, Structure& out) {
   std::vector<std::uint8_t> available(s.coordinates.size(), 0);
@@ -135,7 +151,7 @@ void watch_unsolved_equations(const System& s, const Blocks& blocks, const Cut& 
       watched.equations.push_back(e);
     }
   }
-  for (const Index e : watched.equations) out.watched.push_back({s.equation_name(e), is_length(s, e)});
+  name_watched(s, watched.equations, out);
   watched.equation_block.assign(watched.equations.size(), 0);
   ClassTable table(s, cut.moves);
   table.classify(watched, out.watch);

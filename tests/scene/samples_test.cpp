@@ -52,7 +52,8 @@ TEST(SampleText, NamesAreSortedAndKnown) {
     EXPECT_TRUE(is_sample(std::string(row.name) + ":anything"));
     const Scene scene = sample(row.name);
     EXPECT_EQ(scene.name(), row.name);
-    EXPECT_TRUE(scene.outputs().empty());
+    const bool is_walker_or_lift = row.name == "jansen" || row.name == "scissor";  // files give their outputs
+    EXPECT_EQ(scene.outputs().empty(), !is_walker_or_lift) << row.name;
     EXPECT_TRUE(scene.warnings().empty());
   }
   last = {};
@@ -100,8 +101,8 @@ TEST(SampleText, OptionsOfAFileAreItsParameters) {
 TEST(SampleText, RefusesUnknownSamples) {
   const std::string all =
       "almost_parallelogram, andrews, bennett, bricard, bricard_joints, delta, double_wishbone, excavator, four_bar, "
-      "geared_five_bar, gough, hexa, hexapod, jansen, klann, n_four_bar, parallelograms, peaucellier, rings, sarrus, "
-      "scissor, slider_crank, stewart, three_rps, whitworth or whitworth_joints";
+      "geared_five_bar, goldberg, gough, hexa, hexapod, jansen, klann, n_four_bar, parallelograms, peaucellier, rings, sarrus, "
+      "scissor, slider_crank, stewart, three_rps, watt, whitworth or whitworth_joints";
   EXPECT_EQ(message("stwart:legs=8"), "there is no sample 'stwart'; did you mean 'stewart'? It should be " + all);
   EXPECT_EQ(message("bicycle"), "there is no sample 'bicycle'; it should be " + all);
 }

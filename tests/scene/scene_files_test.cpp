@@ -196,7 +196,7 @@ TEST(SceneFiles, EqualTheSamplesOfTheirName) {
     expect_same(scene, sample(name));
     ++files;
   }
-  EXPECT_EQ(files, 6);
+  EXPECT_EQ(files, 8);
 }
 
 TEST(SceneFiles, FollowTheirParameters) {
@@ -208,6 +208,8 @@ TEST(SceneFiles, FollowTheirParameters) {
   compare("four_bar", {{"omega", 1}});
   compare("slider_crank", {{"offset", 0.05}, {"crank_length", 0.4}, {"rod_length", 0.7}});
   compare("andrews", {{"xb", 0.03635}, {"omega", 3}});
+  compare("jansen", {{"omega", 2}});
+  compare("scissor", {{"arm", 3}, {"closed", 2.5}, {"open", 0.5}, {"time", 5}});
   compare("almost_parallelogram", {{"delta", 1e-9}, {"step", 0.005}, {"steps", 200}});
 }
 

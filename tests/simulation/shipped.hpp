@@ -10,6 +10,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "references/posture.hpp"
@@ -28,11 +29,12 @@ using Point3 = references::Vec<QuadJet>;
 
 inline QuadJet norm(const Point3& v) { return sqrt(references::dot(v, v)); }
 
-// A scene of scenes/ with its numbers, from which closed forms are computed.
+// A scene with its numbers, from which closed forms are computed: a file of scenes/, or any scene.
 class Shipped {
  public:
   explicit Shipped(const std::string& name)
       : scene_(read_scene(std::string(ASSUR_SOURCE_DIR) + "/scenes/" + name + ".json")) {}
+  explicit Shipped(Scene scene) : scene_(std::move(scene)) {}
 
   [[nodiscard]] const Scene& scene() const { return scene_; }
   // Value of a constraint of a distance, m.

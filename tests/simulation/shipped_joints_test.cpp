@@ -59,6 +59,39 @@ TEST(ShippedJoints, BennettMakesFullTurns) {
   EXPECT_LE(m.residual(), 1e-14);
 }
 
+// M. Goldberg, Transactions of the ASME 65, 1943: two of Bennett's linkages with a common link J C, of length a and
+// twist alpha, which is left out. Angles of Bennett's linkages are those of Denavit and Hartenberg. C stays on the
+// circle that the common link would lead it on, and joint E follows through the angle at J.
+TEST(ShippedJoints, GoldbergMakesFullTurns) {
+  const Motion m(shipped("goldberg"));
+  ASSERT_EQ(m.t.rows(), 401u);
+  EXPECT_EQ(m.run.report().status.code, Code::ok);
+  const double alpha = 0.9, beta = 0.65, gamma = 0.45, a = std::sin(alpha), b = std::sin(beta), c = std::sin(gamma);
+  const double k1 = std::sin((alpha + beta) / 2) / std::sin((alpha - beta) / 2);
+  const double k2 = std::sin((alpha + gamma) / 2) / std::sin((alpha - gamma) / 2);
+  const auto follow = [](double k, double angle) {
+    return 2 * std::atan2(k * std::cos(angle / 2), std::sin(angle / 2));
+  };
+  const double first = follow(k2, follow(k1, 1.2) + kPi);  // joint E in the posture as written
+  for (std::size_t row = 0; row < m.t.rows(); ++row) {
+    const double A = 1.2 + m(row, "A.angle"), J = follow(k1, A), E = follow(k2, J + kPi);
+    EXPECT_NEAR(std::remainder(m(row, "E.angle") - (E - first), 2 * kPi), 0, m.tolerance());
+    const Triple expected[] = {
+        {b + a * std::cos(A), a * std::sin(A) * std::cos(beta), a * std::sin(A) * std::sin(beta)},
+        {-a * std::cos(J), a * std::sin(J), 0},
+        {-c - a * std::cos(E), -a * std::sin(E) * std::cos(gamma), a * std::sin(E) * std::sin(gamma)}};
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::string column = {"BCD"[i], '.', "xyz"[k]};
+        EXPECT_NEAR(m(row, column.c_str()), expected[i][k], m.tolerance()) << column << " in row " << row;
+      }
+    }
+  }
+  EXPECT_NEAR(m(400, "A.angle"), 4 * kPi, 1e-13);
+  EXPECT_NEAR(std::abs(m(400, "E.angle")), 4 * kPi, m.tolerance());  // E makes full turns, too
+  EXPECT_LE(m.residual(), 1e-14);
+}
+
 TEST(ShippedJoints, SarrusMovesStraight) {
   const Motion m(shipped("sarrus"));
   ASSERT_EQ(m.t.rows(), 401u);

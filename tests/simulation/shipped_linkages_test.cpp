@@ -36,6 +36,33 @@ TEST(Shipped, PeaucellierDrawsAStraightLine) {
   });
 }
 
+// One dyad. The middle of the coupler is on Watt's curve: with the middle of the fixed pivots as origin, the distance 2
+// a of the pivots, equal rockers b and the coupler 2 c, r^2 = b^2 - (a sin t +- sqrt(c^2 - a^2 cos^2 t))^2 in polar
+// coordinates (J. D. Lawrence, A Catalog of Special Plane Curves, 1972); t counts from the line of the pivots.
+TEST(Shipped, WattGuidesAPointAlmostStraight) {
+  const Shipped s("watt");
+  test::expect_groups(s.scene(), {{2}}, 1, 1);
+  const Point3 A = s.fixed("A"), D = s.fixed("D"), B0 = s.fixed("B"), C0 = s.fixed("C");
+  const QuadJet left = norm(B0 - A), coupler = norm(C0 - B0), right = norm(C0 - D);
+  const auto at = [&](double t) {
+    const Point3 start = B0 - A;
+    const QuadJet turn = s.law("motor", t);
+    const Point3 B =
+        A + Point3{cos(turn) * start[0] - sin(turn) * start[1], sin(turn) * start[0] + cos(turn) * start[1], QuadJet{}};
+    const Point3 C = meet(D, right, B, coupler);
+    return Expected{{{"B", B}, {"C", C}, {"M", member(B, C, s.local("M"))}}};
+  };
+  test::expect_motion(s.scene(), 1, at);
+  const double a = std::hypot(1, 0.25), b = 1, c = 0.25, slope = std::atan2(-0.25, 1);
+  for (const double t : {0.3, 0.5, 1.2, 3.3}) {
+    const Point3 M = at(t).points.at("M");
+    const double x = double(M[0].value), y = double(M[1].value), r = std::hypot(x, y), angle = std::atan2(y, x) - slope;
+    const double root = std::sqrt(c * c - std::pow(a * std::cos(angle), 2)), sine = a * std::sin(angle);
+    const double one = b * b - std::pow(sine + root, 2), other = b * b - std::pow(sine - root, 2);
+    EXPECT_LE(std::min(std::abs(r * r - one), std::abs(r * r - other)), 1e-12) << t;
+  }
+}
+
 // Two dyads for each leg: the connecting rod with the lower rocker, and the leg with the upper one.
 TEST(Shipped, KlannWalks) {
   const Shipped s("klann");
@@ -57,15 +84,17 @@ TEST(Shipped, KlannWalks) {
   });
 }
 
-// Three dyads for each of four legs, of two kinds: two from the pin and a pivot, the third from both of these.
-TEST(Shipped, JansenWalks) {
-  const Shipped s("jansen");
-  test::expect_groups(s.scene(), {{2, 2, 2, 2, 2, 2, 2, 2}, {2, 2, 2, 2}}, 2, 1);
+// Three dyads for each leg, of two kinds: two from the pin and a pivot, the third from both of these.
+void expect_to_walk(const Shipped& s, int legs) {
+  SCOPED_TRACE(legs);
+  const auto pairs = static_cast<std::size_t>(legs) / 2;
+  test::expect_groups(s.scene(), {std::vector<int>(4 * pairs, 2), std::vector<int>(2 * pairs, 2)}, 2, 1);
   const Point3 O = s.fixed("O");
   test::expect_motion(s.scene(), 4, [&](double t) {
     Expected e;
     e.points["X"] = O + s.length("crank") * heading(s.law("motor", t));
-    for (const std::string pair : {"1", "2"}) {
+    for (std::size_t k = 1; k <= pairs; ++k) {
+      const std::string pair = std::to_string(k);
       const Point3 pin = member(O, e.points["X"], s.local("pin" + pair));
       e.points["pin" + pair] = pin;
       for (const std::string& leg : {"R" + pair, "L" + pair}) {
@@ -86,25 +115,36 @@ TEST(Shipped, JansenWalks) {
   });
 }
 
+TEST(Shipped, JansenWalks) {
+  expect_to_walk(Shipped("jansen"), 4);
+  for (const int legs : {2, 6}) expect_to_walk(Shipped(sample("jansen:legs=" + std::to_string(legs))), legs);
+}
+
 // One group for each stage: one class for the first stage, which stands on the ground, and one for the other stages.
-TEST(Shipped, ScissorLifts) {
-  const Shipped s("scissor");
-  test::expect_groups(s.scene(), {{4}, {4}, {4}, {4}}, 2, 1);
+void expect_to_lift(const Shipped& s, int stages) {
+  SCOPED_TRACE(stages);
+  test::expect_groups(s.scene(), test::Levels(static_cast<std::size_t>(stages), {4}), stages == 1 ? 1 : 2, 1);
   const QuadJet arm = s.length("rising_arm1");
+  const std::string top = "A" + std::to_string(stages);
   test::expect_motion(s.scene(), 1, [&](double t) {
     const QuadJet width = s.law("cylinder", t), rise = sqrt(arm * arm - width * width);
     Expected e;
     e.points["B0"] = {width, QuadJet{}, QuadJet{}};
-    for (int k = 1; k <= 4; ++k) {
+    for (int k = 1; k <= stages; ++k) {
       const std::string n = std::to_string(k);
       e.points["A" + n] = {QuadJet{}, k * rise, QuadJet{}};
       e.points["B" + n] = {width, k * rise, QuadJet{}};
       e.points["M" + n] = e.points["N" + n] = {width / 2, (k - 0.5) * rise, QuadJet{}};
     }
-    e.points["edge"] = e.points["A4"] + s.local("edge");
-    e.measures["height"] = {4 * rise};
+    e.points["edge"] = e.points[top] + s.local("edge");
+    e.measures["height"] = {stages * rise};
     return e;
   });
+}
+
+TEST(Shipped, ScissorLifts) {
+  expect_to_lift(Shipped("scissor"), 4);
+  for (const int stages : {1, 5, 9}) expect_to_lift(Shipped(sample("scissor:" + std::to_string(stages))), stages);
 }
 
 // One dyad each for boom, stick, rocker and bucket, one after the other.

@@ -11,6 +11,7 @@
 #include "output/notes.hpp"
 #include "output/status_text.hpp"
 #include "scene/system.hpp"
+#include "structure/redundant_sets.hpp"
 
 namespace assur::output {
 namespace {
@@ -50,6 +51,11 @@ std::vector<std::int32_t> block_sizes(const GroupClass& c) {
   return sizes;
 }
 
+std::string kind_name(Redundancy::Kind kind) {
+  static constexpr std::array kNames = {"structural", "motion", "start", "unknown"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
+
 Json null_if(bool missing, std::int32_t value) { return missing ? Json(nullptr) : Json(value); }
 
 Json to_json(const Limit& l) {
@@ -85,16 +91,14 @@ Json to_json(const Scene& scene, const Structure& s, const Irreducible& split) {
                       {"class", g.group_class},
                       {"derivatives", g.derivatives}});
   }
-  Json redundant = Json::array();
-  for (const Redundancy& r : s.redundant) redundant.push_back(r.constraints);
-  Json dropped = Json::array();
-  for (const Redundancy& r : s.redundant) dropped.push_back(r.dropped);
-  Json kinds = Json::array();
-  for (const Redundancy& r : s.redundant) {
-    kinds.push_back(r.kind == Redundancy::Kind::structural ? "structural"
-                    : r.kind == Redundancy::Kind::motion   ? "motion"
-                    : r.kind == Redundancy::Kind::start    ? "start"
-                                                           : "unknown");
+  Json redundant = Json::array(), too_many = Json::array(), checked = Json::array(), kinds = Json::array();
+  for (const RedundantSet& set : redundant_sets(scene, s.redundant)) {
+    std::vector<std::string> names = set.named.joints;
+    names.insert(names.end(), set.named.others.begin(), set.named.others.end());
+    redundant.push_back(names);
+    too_many.push_back(set.checked.size());
+    checked.push_back(set.checked);
+    kinds.push_back(kind_name(set.kind));
   }
   Json limits = Json::array();
   for (const Limit& l : scene.limits()) limits.push_back(to_json(l));
@@ -114,7 +118,8 @@ Json to_json(const Scene& scene, const Structure& s, const Irreducible& split) {
           {"mobility_at_start", s.mobility_at_start},
           {"undetermined", s.undetermined},
           {"redundant", std::move(redundant)},
-          {"checked", std::move(dropped)},
+          {"too_many", std::move(too_many)},
+          {"checked", std::move(checked)},
           {"redundancy", std::move(kinds)},
           {"limits", std::move(limits)},
           {"groups", std::move(groups)},
@@ -254,28 +259,22 @@ void print_irreducible(Page& page, const Structure& s, const Irreducible& split)
           : left + "; no linear equation eliminates an unknown");
 }
 
-// "a, b, c: one follows from the others; c is checked, not solved"
-std::string said(const Redundancy& r) {
-  const std::string by = number(r.violation) + (r.is_length ? " m" : "");
-  const bool alone = r.constraints.size() == 1;
-  const std::string between = alone ? r.dropped + ": between known values" : listed(r.constraints);
-  switch (r.kind) {
+// "joints A, B, C, D: 3 equations too many; checked, not solved"
+std::string said(const RedundantSet& set) {
+  const std::string what =
+      set.named.text() + ": " + counted(static_cast<std::int64_t>(set.checked.size()), "equation") + " too many";
+  const std::string by = number(set.worst.violation) + (set.worst.is_length ? " m" : "");
+  switch (set.kind) {
     case Redundancy::Kind::structural:
-      return between + (alone ? "" : ": one follows from the others") + "; " + (alone ? "" : r.dropped + " is ") +
-             "checked, not solved";
+      return what + "; checked, not solved";
     case Redundancy::Kind::motion:
-      return between + ": " + (alone ? "it" : r.dropped) +
-             " holds for these driver laws and is checked, not solved; for other driver values it is violated ("
-             "by " +
-             by + ")";
+      return what + " for these driver laws; checked, not solved; for other driver values violated by " + by;
     case Redundancy::Kind::start:
-      return between + ": " + (alone ? "it" : r.dropped) +
-             " holds only at the start posture: at t = " + number(r.time) + " s it is violated by " + by;
+      return what + " at the start posture only: at t = " + number(set.worst.time) + " s violated by " + by;
     case Redundancy::Kind::unknown:
       break;
   }
-  return between + (alone ? "" : ": dependent at the start posture") + "; " + (alone ? "" : r.dropped + " is ") +
-         "checked, not solved";
+  return what + " at the start posture; checked, not solved";
 }
 
 // "knee.angle from 0 to 2.2 rad, ends the motion"
@@ -294,7 +293,7 @@ void print_findings(Page& page, const Scene& scene, const Structure& s) {
   page.list("limits", limits);
   if (!s.undetermined.empty()) page.fact("undetermined", listed(s.undetermined) + ": no equation determines them");
   std::vector<std::string> redundant;
-  for (const Redundancy& r : s.redundant) redundant.push_back(said(r));
+  for (const RedundantSet& set : redundant_sets(scene, s.redundant)) redundant.push_back(said(set));
   page.list("redundant", redundant);
   if (!s.cannot_assemble.empty()) page.fact("start posture", s.cannot_assemble);
   print_notes(page, scene, s);
