@@ -463,6 +463,37 @@ class Animation(Pages):
         self.assertNotEqual(self.picture(), before)
 
 
+class Picture(Pages):
+    """The SVG of `assur run --picture`."""
+
+    def test_shows_the_whole_motion(self):
+        """At every time, everything that is drawn lies in the picture, and something moves."""
+        for scene in ("whitworth_joints", "jansen", "sarrus", "excavator", "stewart"):
+            page = self.folder / "motion.svg"
+            self.assur("run", scene, "--picture", str(page))
+            svg = page.read_text(encoding="utf-8")
+            self.open(self.write("picture.html", f"<!DOCTYPE html><html><head></head><body>{svg}</body></html>"))
+            outside, places = self.js("""
+                const svg = document.querySelector('svg'), {width, height} = svg.viewBox.baseVal;
+                svg.pauseAnimations();
+                let outside = 0;
+                const places = new Set();
+                for (let k = 0; k < 40; ++k) {
+                  svg.setCurrentTime(k * 0.2);
+                  const box = svg.getBBox();
+                  outside += box.x < 0 || box.y < 0 || box.x + box.width > width || box.y + box.height > height;
+                  places.add([...svg.querySelectorAll('polyline, polygon, g')].map(e => {
+                    const b = e.getBoundingClientRect();
+                    return `${b.x} ${b.y}`;
+                  }).join());
+                }
+                return [outside, places.size]""")
+            with self.subTest(scene=scene):
+                self.assertEqual(outside, 0)
+                self.assertGreater(places, 10)
+                self.assertEqual(self.faults(), [])
+
+
 class Report(Pages):
     """The page of `assur report`."""
 

@@ -70,7 +70,7 @@ TEST(RunPictures, AnimatesEveryStrategy) {
 
 TEST(RunPictures, ReportsUnwritableFilesBeforeTheRun) {
   const Scratch scratch;
-  for (const std::string option : {"--animate", "--plot"}) {
+  for (const std::string option : {"--animate", "--picture", "--plot"}) {
     const Outcome o = run_command({"run", "stewart", option, scratch.file("no_such_folder/file")});
     EXPECT_EQ(o.status, 3);
     EXPECT_EQ(o.out, "");
@@ -82,7 +82,7 @@ TEST(RunPictures, ReportsUnwritableFilesBeforeTheRun) {
 TEST(RunPictures, AreRefusedForEnsembles) {
   const Scratch scratch;
   const std::string speeds = scratch.file("speeds.csv", "omega\n0.5\n1\n");
-  for (const std::string option : {"--animate", "--plot"}) {
+  for (const std::string option : {"--animate", "--picture", "--plot"}) {
     const Outcome o = run_command({"run", "stewart", "--ensemble", speeds, option, scratch.file("file")});
     EXPECT_EQ(o.status, 2);
     EXPECT_NE(o.err.find(option + ": it shows a single mechanism"), std::string::npos) << o.err;

@@ -361,7 +361,7 @@ TEST(Run, OutputsDoNotOverwriteTablesOfTheScene) {
     return "error: " + option + ": " + file + " is an input and would be overwritten; name another file\n";
   };
   for (const std::string& file : {csv, link}) {
-    for (const std::string option : {"--csv", "--errors", "--animate", "--plot"}) {
+    for (const std::string option : {"--csv", "--errors", "--animate", "--picture", "--plot"}) {
       EXPECT_EQ(run_command({"run", scene, option, file}).err, refused(option, file));
     }
     EXPECT_EQ(run_command({"run", scene, "--ensemble", speeds, "--csv", file}).err, refused("--csv", file));
@@ -377,7 +377,7 @@ TEST(Run, OutputsDoNotOverwriteTablesOfTheScene) {
 TEST(Run, OutputsDoNotOverwriteInputs) {
   const Scratch scratch;
   const std::string scene = scratch.file("fold.json", kFold), speeds = scratch.file("speeds.csv", "a\n1\n");
-  for (const std::string option : {"--csv", "--errors", "--animate", "--plot"}) {
+  for (const std::string option : {"--csv", "--errors", "--animate", "--picture", "--plot"}) {
     const Outcome o = run_command({"run", scene, option, scene});
     EXPECT_EQ(o.status, 2);
     EXPECT_EQ(o.err, "error: " + option + ": " + scene + " is an input and would be overwritten; name another file\n");

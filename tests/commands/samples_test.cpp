@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "commands/command.hpp"
+#include "source_dir.hpp"
 
 namespace assur {
 namespace {
@@ -21,6 +22,23 @@ TEST(Samples, ListsSamplesAndFiles) {
   }
   EXPECT_EQ(json["samples"][0]["options"][0]["name"], "delta");
   EXPECT_EQ(json["samples"][0]["options"][0]["default"], 1e-6);
+}
+
+// docs/mechanisms.md shows every sample and every file of scenes/, each in a picture of the program.
+TEST(Samples, HaveTheirPictures) {
+  const std::string docs = std::string(ASSUR_SOURCE_DIR) + "/docs/", page = content(docs + "mechanisms.md");
+  const auto json = run_command({"samples", "--json"}).json();
+  for (const auto& list : {json["samples"], json["files"]}) {
+    for (const auto& row : list) {
+      const std::string name = row["name"], picture = "pictures/" + name + ".svg";
+      EXPECT_NE(page.find("](" + picture + ")"), std::string::npos) << name;
+      EXPECT_NE(page.find("`assur run " + name), std::string::npos) << name;
+      const std::string svg = content(docs + picture);
+      EXPECT_EQ(svg.find("<svg xmlns=\"http://www.w3.org/2000/svg\""), 0u) << name;
+      EXPECT_NE(svg.find("<title>" + name + "</title>"), std::string::npos) << name;
+      EXPECT_LE(svg.size(), 60000u) << name;
+    }
+  }
 }
 
 }  // namespace

@@ -97,7 +97,7 @@ TEST(Usage, HelpFitsEightyColumnsAndNamesEveryOption) {
       {{"--help"}, {"run", "inspect", "import", "plan", "compare", "backends", "db", "check", "report"}},
       {{"run", "--help"},
        {"SCENE", "--set", "--start", "--dt", "--steps", "--outputs", "--strategy", "--mode", "--accuracy", "--ensemble",
-        "--iterations", "--csv", "--errors", "--animate", "--plot", "--reference", "--pin"}},
+        "--iterations", "--csv", "--errors", "--animate", "--picture", "--plot", "--reference", "--pin"}},
       {{"compare", "--help"}, {"SCENE", "--set", "--outputs", "--steps", "--accuracy", "--strategies", "--html"}},
       {{"inspect", "--help"}, {"SCENE", "--set", "--outputs", "--formulation", "--modes"}},
       {{"import", "--help"}, {"FILE", "--out", "--key", "--drive"}},

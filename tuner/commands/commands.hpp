@@ -67,6 +67,7 @@ struct RunOptions {
   std::string csv;                   // "-": standard output; empty: none
   std::string errors;                // CSV with the errors of each group in each step; empty: none
   std::string animate;               // a page on which the mechanism moves; empty: none
+  std::string picture;               // the mechanism in motion, as SVG; empty: none
   std::string plot;                  // the outputs over time, as SVG; empty: none
   bool reference = false;
   bool certify = false;

@@ -175,12 +175,14 @@ void add_run(CLI::App& app, Invocation& call) {
       run.add_option("--errors", o.errors, "Write the errors of each group at each step")->type_name("FILE");
   CLI::Option* animate =
       run.add_option("--animate", o.animate, "Write a page that animates the mechanism")->type_name("F.html");
+  CLI::Option* picture =
+      run.add_option("--picture", o.picture, "Draw the mechanism in motion")->type_name("F.svg");
   CLI::Option* plot = run.add_option("--plot", o.plot, "Plot the outputs over time")->type_name("F.svg");
   run.add_flag("--reference", o.reference, "Compare with a solution in quadruple precision");
   run.add_flag("--certify", o.certify, "Prove bounds for the position errors");
   run.add_flag("--pin", o.pin, "Bind each thread to a core, where it busy-waits");
   add_common(run, call.common);
-  run.callback([&call, files = std::vector<CLI::Option*>{ensemble, csv, errors, animate, plot}] {
+  run.callback([&call, files = std::vector<CLI::Option*>{ensemble, csv, errors, animate, picture, plot}] {
     for (const CLI::Option* file : files) {
       if (file->count() > 0 && file->results().back().empty()) {
         throw CLI::ValidationError(file->get_name(), "expects a file name");

@@ -59,8 +59,9 @@ int run(const Common& common, const RunOptions& options) {
   output::CsvFile csv(options.csv);
   std::optional<output::ErrorsCsv> errors;
   if (!options.errors.empty()) errors.emplace(options.errors);
-  std::optional<output::Replacement> animation, plot;
+  std::optional<output::Replacement> animation, picture, plot;
   if (!options.animate.empty()) animation.emplace("--animate", options.animate);
+  if (!options.picture.empty()) picture.emplace("--picture", options.picture);
   if (!options.plot.empty()) plot.emplace("--plot", options.plot);
 
   const std::int64_t steps = scene.time().steps();
@@ -99,9 +100,13 @@ int run(const Common& common, const RunOptions& options) {
     plot->put();
   }
   bool all_written = !errors || write_errors(simulator, options, *errors, progress);
-  if (animation) {
-    all_written = write_animation(prepared, report, how, modes, options, animation->stream(), progress) && all_written;
-    animation->put();
+  if (animation || picture) {
+    const bool is_whole =
+        write_animation(prepared, report, how, modes, options, animation ? &animation->stream() : nullptr,
+                        picture ? &picture->stream() : nullptr, progress);
+    all_written = is_whole && all_written;
+    if (animation) animation->put();
+    if (picture) picture->put();
   }
   const Exit exit = all_written ? exit_of(report.status.code) : kInterrupted;
   if (exit == kNumerical && !common.json) {

@@ -1,4 +1,4 @@
-// assur run SCENE --animate FILE
+// assur run SCENE --animate FILE --picture FILE
 #include <algorithm>
 #include <optional>
 #include <utility>
@@ -36,8 +36,8 @@ std::vector<std::string> about(const Prepared& prepared, const RunOptions& optio
 }  // namespace
 
 bool write_animation(const Prepared& prepared, const Report& report, PrepareOptions how,
-                     const std::vector<ModeChoice>& modes, const RunOptions& options, std::ostream& page,
-                     output::Progress& progress) {
+                     const std::vector<ModeChoice>& modes, const RunOptions& options, std::ostream* page,
+                     std::ostream* picture, output::Progress& progress) {
   const Prepared shown = prepare(pictures::with_all_places(*prepared.scene), step_by_step(std::move(how)), modes);
   Simulator simulator(shown, limits_of(options));
   const std::int64_t steps = prepared.time.steps();
@@ -64,7 +64,8 @@ bool write_animation(const Prepared& prepared, const Report& report, PrepareOpti
   }
   progress.clear();
   if (!why.empty()) animation.end(simulator, why);
-  page << animation.page(about(prepared, options));
+  if (page != nullptr) *page << animation.page(about(prepared, options));
+  if (picture != nullptr) *picture << animation.picture();
   return !Interrupt::requested();
 }
 

@@ -39,6 +39,7 @@ void check(const RunOptions& options, const PrepareOptions& how) {
   if (options.reference) refuse("--reference", "it compares a single mechanism; run one member with --set");
   if (options.certify) refuse("--certify", "it certifies a single mechanism; run one member with --set");
   if (!options.animate.empty()) refuse("--animate", "it shows a single mechanism; run one member with --set");
+  if (!options.picture.empty()) refuse("--picture", "it shows a single mechanism; run one member with --set");
   if (!options.plot.empty()) refuse("--plot", "it shows a single mechanism; run one member with --set");
 }
 

@@ -12,6 +12,7 @@
 #include "pictures/animation_files.hpp"
 #include "pictures/faces.hpp"
 #include "pictures/html.hpp"
+#include "pictures/moving_picture.hpp"
 #include "pictures/packed.hpp"
 #include "scene/outputs.hpp"
 #include "scene/system.hpp"
@@ -243,6 +244,12 @@ std::string Animation::page(const std::vector<std::string>& about) const {
           "</script>\n<script>\n";
   body.append(animation_script()).append("</script>\n");
   return html_page(name_, animation_style(), body);
+}
+
+std::string Animation::picture() const {
+  Postures postures{&drawing_, times_, points_, ways_};
+  for (const Quantity& q : shown_) postures.outputs.push_back(q.output);
+  return moving_picture(postures, name_);
 }
 
 }  // namespace assur::pictures

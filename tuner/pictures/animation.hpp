@@ -35,6 +35,9 @@ class Animation {
   // The page. `about`: sentences about the computation.
   [[nodiscard]] std::string page(const std::vector<std::string>& about) const;
 
+  // The motion as SVG, see moving_picture.hpp.
+  [[nodiscard]] std::string picture() const;
+
   [[nodiscard]] std::size_t frames() const { return times_.size(); }
 
  private:

@@ -20,7 +20,7 @@ class Camera {
       const [xx, xy, yy] = [sum(p => (p[0] - x) ** 2), sum(p => (p[0] - x) * (p[1] - y)), sum(p => (p[1] - y) ** 2)];
       return Math.sqrt(Math.max(0, (xx + yy) / 2 - Math.hypot((xx - yy) / 2, xy)));
     };
-    let [best, most] = [[-0.9, 0.45], 1.15 * spread()];  // another view must be clearly better
+    let [best, most] = [[-0.9, 0.45], 1.5 * spread()];  // another view must be clearly better
     for (let k = 0; k < 12; ++k) {
       for (const pitch of [0.25, 0.45, 0.65, 0.9]) {
         const yaw = -0.9 + k * Math.PI / 6;
