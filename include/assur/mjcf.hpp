@@ -18,6 +18,8 @@ struct ModelOptions {
   // Joints and their laws, which count from the start posture, in rad or m: a law of the scene format, the coefficients
   // of a polynomial of t ("0,6.28"), or "free" for an actuated joint that is not to be driven.
   std::vector<std::pair<std::string, std::string>> drive = {};
+  // Folders for the tables of these laws, besides that of the model.
+  std::vector<std::filesystem::path> tables = {};
 };
 
 // A scene made of a model.
@@ -36,7 +38,7 @@ struct ImportedModel {
   };
 
   std::string name;                     // of the model
-  std::string scene;                    // the scene as JSON
+  Scene scene;                          // write_scene() writes it as a file
   std::size_t bodies = 0;               // moving bodies; a body without joints is a part of another one
   std::size_t joints = 0;               // of the model
   std::size_t loops = 0;                // closed by connect, weld and joint equalities

@@ -422,7 +422,8 @@ class Scene {
   [[nodiscard]] const std::vector<Limit>& limits() const { return parts_->limits; }
   // The declared groups.
   [[nodiscard]] const std::vector<DeclaredGroup>& groups() const { return parts_->groups; }
-  // The wanted outputs as written; if there are none, everything that moves is computed.
+  // The wanted outputs; members and measures replace those that name a body. If there are none, everything that moves
+  // is computed.
   [[nodiscard]] const std::vector<std::string>& outputs() const { return outputs_; }
   // The time grid.
   [[nodiscard]] const TimeGrid& time() const { return time_; }
@@ -458,10 +459,16 @@ class Scene {
     std::vector<DeclaredGroup> groups;
     std::vector<std::filesystem::path> tables;
     std::vector<Diagnostic> warnings;
-    std::vector<std::string> without_frame;  // names of bodies whose base build() chose
+    // The parts as written, before build() replaces joints and outputs that name bodies; null if it replaced nothing.
+    std::shared_ptr<const Parts> written;
   };
+  // The parts and outputs as written.
+  [[nodiscard]] const Parts& written() const { return parts_->written ? *parts_->written : *parts_; }
+  friend std::string write_scene(const Scene& scene);
+
   std::shared_ptr<const Parts> parts_ = std::make_shared<const Parts>();  // of all copies
   std::vector<std::string> outputs_;
+  std::vector<std::string> written_outputs_;
   TimeGrid time_;
 };
 
@@ -541,8 +548,7 @@ class SceneBuilder {
 
  private:
   friend class Scene;
-  // expanded: joints have been replaced.
-  [[nodiscard]] Scene finish(bool expanded = false);
+  [[nodiscard]] Scene finish();
 
   Scene::Parts parts_;
   std::vector<std::string> outputs_;
@@ -565,6 +571,17 @@ using Parameters = std::map<std::string, double>;
 [[nodiscard]] Scene parse_scene(std::string_view text, const std::string& name = "scene",
                                 const std::filesystem::path& folder = ".", const Parameters& set = {},
                                 const std::vector<std::filesystem::path>& more_folders = {});
+
+// The scene as text in the format of scene files, with joints as they were written: one object a line, sections in the
+// order of docs/scenes.md. Every number is the shortest text that reads back as the same double, so that parse_scene()
+// makes the same scene. Parameters and expressions are replaced by their values, names of tables by the rows; all
+// angles are in rad. Coordinates of joints that only earlier outputs named (Scene::with_outputs) are left out. Throws
+// Error (input) with every finding if the scene has functions of the program, which a file cannot hold: callbacks and
+// laws.
+[[nodiscard]] std::string write_scene(const Scene& scene);
+// Writes this text to a file, which it replaces. Throws Error: input as above, environment if the file cannot be
+// written.
+void write_scene(const Scene& scene, const std::filesystem::path& file);
 
 // Makes a sample mechanism from its text: "stewart", "stewart:legs=22", "four_bar:64", ... `set` sets options, too.
 // Throws Error: input, with a list of the samples or options with their defaults, if a name or value is wrong;

@@ -19,6 +19,8 @@ namespace assur::mjcf {
 namespace {
 
 constexpr std::uintmax_t kLargestModel = 16'000'000;  // bytes, all files together
+constexpr std::size_t kMostElements = 1'000'000;      // of all files together; each takes about 200 bytes
+constexpr double kLargestNumber = 1e100;              // squares of places must be finite
 constexpr int kDeepestInclude = 8;                    // files that include each other
 constexpr std::size_t kDeepest = 100;                 // elements inside each other, as tinyxml2 allows in one file
 
@@ -90,6 +92,16 @@ class Reader {
     const std::string& name = document_.files.back();
     if (size_ > kLargestModel) {
       throw Error(Error::Kind::input, {{"", "the files of the model have more than 16 MB, the limit"}}, name);
+    }
+    // Before the parser takes memory for them.
+    for (std::size_t at = text.find('<'); at != text.npos; at = text.find('<', at + 1)) {
+      const bool begins_element =
+          at + 1 < text.size() && std::string_view("/!?").find(text[at + 1]) == std::string::npos;
+      if (begins_element) ++elements_;
+    }
+    if (elements_ > kMostElements) {
+      throw Error(Error::Kind::input, {{"", "the files of the model have more than 1,000,000 elements, the limit"}},
+                  name);
     }
     const tinyxml2::XMLError error = xml.Parse(text.data(), text.size());
     if (error == tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED) {
@@ -189,6 +201,7 @@ class Reader {
   TableFolders folder_;
   std::size_t file_ = 0;
   std::uintmax_t size_ = 0;
+  std::size_t elements_ = 0;
   int includes_ = 0;
   std::set<std::string> included_;
 };
@@ -259,7 +272,8 @@ void Defaults::add(const Node& top) {
 void Defaults::add(const Node& node, std::size_t of) {
   for (const Node& child : node.children) {
     if (child.tag != "default") {
-      classes_[of].own[child.tag].push_back(&child);
+      auto& own = classes_[of].own[child.tag];
+      for (const auto& [name, value] : child.attributes) own[name] = &value;
       continue;
     }
     const std::string* name = child.find("class");
@@ -281,10 +295,8 @@ std::size_t Defaults::find(const std::string& name, const Node& by) const {
 
 const std::string* Defaults::find(std::size_t of, std::string_view tag, std::string_view attribute) const {
   for (;; of = classes_[of].parent) {
-    if (const auto nodes = classes_[of].own.find(tag); nodes != classes_[of].own.end()) {
-      for (auto node = nodes->second.rbegin(); node != nodes->second.rend(); ++node) {
-        if (const std::string* value = (*node)->find(attribute); value != nullptr) return value;
-      }
+    if (const auto own = classes_[of].own.find(tag); own != classes_[of].own.end()) {
+      if (const auto value = own->second.find(attribute); value != own->second.end()) return value->second;
     }
     if (of == kMain) return nullptr;
   }
@@ -337,6 +349,9 @@ std::vector<double> numbers_of(const Node& node, std::string_view name, std::str
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
     if (error != std::errc() || end != digits.data() + digits.size() || !std::isfinite(number)) {
       refuse(node, "the attribute " + in_quotes(name) + " has " + in_quotes(word) + ", which is not a finite number");
+    }
+    if (std::abs(number) > kLargestNumber) {
+      refuse(node, "the attribute " + in_quotes(name) + " has " + in_quotes(word) + "; the limit is 1e100");
     }
     numbers.push_back(number);
   }

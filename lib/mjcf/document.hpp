@@ -51,7 +51,8 @@ class Defaults {
   struct Class {
     std::string name;
     std::size_t parent;
-    std::map<std::string, std::vector<const Node*>, std::less<>> own;
+    // By tag and attribute; the last of several elements counts.
+    std::map<std::string, std::map<std::string, const std::string*, std::less<>>, std::less<>> own;
   };
   void add(const Node& node, std::size_t of);
 

@@ -1,9 +1,9 @@
-// Writes the scene of a model: bodies and joints as they are, loops as joints, actuated joints as drivers.
+// Builds the scene of a model: bodies and joints as they are, loops as joints, actuated joints as drivers.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <deque>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <string>
 #include <string_view>
@@ -13,6 +13,8 @@
 #include "assur/mjcf.hpp"
 #include "decimal.hpp"
 #include "mjcf/model.hpp"
+#include "scene/json_reader.hpp"
+#include "scene/law_sum.hpp"
 #include "scene/names.hpp"
 
 namespace assur {
@@ -24,7 +26,6 @@ using mjcf::kWorld;
 using mjcf::Loop;
 using mjcf::Model;
 using mjcf::refuse;
-using Json = nlohmann::ordered_json;
 using ModelJoint = mjcf::Joint;
 using JointKind = mjcf::Joint::Kind;
 
@@ -33,20 +34,15 @@ constexpr std::size_t kMostNotes = 20;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-Json triple(const mjcf::Vector3d& v) { return {v.x() + 0.0, v.y() + 0.0, v.z() + 0.0}; }
+Triple triple(const mjcf::Vector3d& v) { return {v.x() + 0.0, v.y() + 0.0, v.z() + 0.0}; }  // no -0
 
 [[noreturn]] void refuse_drive(const std::string& joint, const std::string& what) {
   throw Error(Error::Kind::input, {{"--drive " + excerpt(joint), what}});
 }
 
-// A law of the scene format, from the text of --drive.
-Json law_of(const std::string& joint, const std::string& text) {
-  if (text.starts_with('{') || text.starts_with('[')) {
-    Json law = Json::parse(text, nullptr, false);
-    if (law.is_discarded()) refuse_drive(joint, in_quotes(text) + " is not JSON");
-    return law;
-  }
-  Json coefficients = Json::array();
+// Coefficients of a polynomial.
+Law polynomial_of(const std::string& joint, const std::string& text) {
+  std::vector<double> coefficients;
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t end = std::min(text.find(',', begin), text.size());
     const std::string number = text.substr(begin, end - begin);
@@ -60,52 +56,22 @@ Json law_of(const std::string& joint, const std::string& text) {
     coefficients.push_back(value);
     begin = end + 1;
   }
-  return {{"polynomial", coefficients}};
+  return Law::polynomial(std::move(coefficients));
 }
 
-// The law times a factor; empty if it has a table, which cannot be multiplied.
-Json times(double factor, Json law) {
-  if (law.is_array()) {
-    for (Json& part : law) {
-      part = times(factor, part);
-      if (part.empty()) return {};
-    }
-    return law;
-  }
-  const auto multiply = [&](Json& number) {
-    if (number.is_string() && number.get<std::string>().starts_with('=')) {
-      number = "=" + shortest(factor) + "*(" + number.get<std::string>().substr(1) + ")";
-    } else if (number.is_number()) {
-      number = factor * number.get<double>();
-    }
-  };
-  if (!law.is_object() || law.contains("table")) return {};
-  for (const char* key : {"constant", "offset"}) {
-    if (law.contains(key)) multiply(law[key]);
-  }
-  if (law.contains("polynomial") && law["polynomial"].is_array()) {
-    for (Json& c : law["polynomial"]) multiply(c);
-  }
-  if (law.contains("harmonics") && law["harmonics"].is_array()) {
-    for (Json& term : law["harmonics"]) {
-      if (term.is_object() && term.contains("amplitude")) multiply(term["amplitude"]);
-    }
-  }
-  return law;
-}
-
-class Writer {
+class Importer {
  public:
-  Writer(const Model& model, const ModelOptions& options) : model_(model), options_(options) { out_.name = model.name; }
+  Importer(const Model& model, const ModelOptions& options, const std::filesystem::path& file)
+      : model_(model), options_(options), tables_{file.parent_path(), options.tables}, builder_(model.name, 3) {
+    out_.name = model.name;
+  }
 
-  ImportedModel write() {
+  ImportedModel import() {
     start();
-    now_ = posture(model_, q_);
     name_all();
-    write_bodies();
-    write_joints();
-    write_drivers();
-    write_sites();
+    add_joints();
+    add_drivers();
+    add_bodies();
     finish();
     return std::move(out_);
   }
@@ -131,6 +97,7 @@ class Writer {
       note("closing the loops moved joints by up to " + general(change.size, 3) +
            (name.empty() ? "" : ", " + in_quotes(name) + " the farthest"));
     }
+    now_ = posture(model_, q_);
   }
 
   void note(std::string text) { notes_.push_back(std::move(text)); }
@@ -188,17 +155,10 @@ class Writer {
     return joints_[at(joint)] + (model_.joints[at(joint)].kind == JointKind::hinge ? ".angle" : ".displacement");
   }
 
-  // ---- bodies and joints
-
-  void write_bodies() {
-    for (std::size_t b = 1; b < model_.bodies.size(); ++b) {
-      if (!model_.bodies[b].joints.empty()) body_items_.push_back({bodies_[b], Json::object()});
-    }
-    out_.bodies = body_items_.size();
-  }
+  // ---- joints
 
   // Several joints of one body make a chain of bodies, each of which has one.
-  void write_joints() {
+  void add_joints() {
     for (std::size_t b = 1; b < model_.bodies.size(); ++b) {
       const mjcf::Body& body = model_.bodies[b];
       std::string before = body.parent == kNone ? "" : mover(body.parent);
@@ -209,22 +169,20 @@ class Writer {
         std::string after = bodies_[b];
         if (k + 1 < body.joints.size()) {
           after = free_name("", joints_[at(i)] + "_part", 1);
-          body_items_.push_back({after, Json::object()});
+          parts_.push_back(after);
         }
-        const Json ends = {before, after}, place = triple(now_.anchors[at(i)]), axis = triple(now_.axes[at(i)]);
-        Json item;
-        if (j.kind == JointKind::hinge) item = {{"revolute", ends}, {"at", place}, {"axis", axis}};
-        if (j.kind == JointKind::slide) item = {{"prismatic", ends}, {"axis", axis}};
-        if (j.kind == JointKind::ball) item = {{"spherical", ends}, {"at", place}};
-        joint_items_.push_back({joints_[at(i)], std::move(item)});
+        const Triple place = triple(now_.anchors[at(i)]), axis = triple(now_.axes[at(i)]);
+        const std::string& name = joints_[at(i)];
+        if (j.kind == JointKind::hinge) builder_.joint(name, Revolute{before, after, place, axis});
+        if (j.kind == JointKind::slide) builder_.joint(name, Prismatic{before, after, axis});
+        if (j.kind == JointKind::ball) builder_.joint(name, Spherical{before, after, place});
         if (j.has_coordinate()) {
+          coordinate_of_[i] = out_.coordinates.size();
           out_.coordinates.push_back({title(i), coordinate(i), q_[j.first], false});
-          outputs_.push_back(coordinate(i));
+          builder_.output(coordinate(i));
           if (j.range) {
             const double start = q_[j.first];
-            limit_items_.push_back(
-                {coordinate(i),
-                 {{"min", (*j.range)[0] - start}, {"max", (*j.range)[1] - start}, {"reaction", "flag"}}});
+            builder_.limit(coordinate(i), (*j.range)[0] - start, (*j.range)[1] - start, Limit::Reaction::flag);
           }
         }
         before = after;
@@ -239,12 +197,11 @@ class Writer {
         ++left_out_["equality of parts of one body"];
         continue;
       }
-      const Json ends = {bodies_[at(one)], bodies_[at(other)]};
+      const std::string &a = bodies_[at(one)], &b = bodies_[at(other)];
       if (loop.kind == Loop::Kind::weld) {
-        joint_items_.push_back({loops_[i], {{"fixed", ends}}});
+        builder_.joint(loops_[i], Fixed{a, b});
       } else {
-        joint_items_.push_back(
-            {loops_[i], {{"spherical", ends}, {"at", triple(now_.bodies[at(loop.body1)] * loop.frame1.at)}}});
+        builder_.joint(loops_[i], Spherical{a, b, triple(now_.bodies[at(loop.body1)] * loop.frame1.at)});
       }
     }
     out_.loops = model_.loops.size();
@@ -252,13 +209,25 @@ class Writer {
 
   // ---- drivers
 
-  void drive(int joint, const std::string& name, Json law, bool controlled) {
-    law_[joint] = law;
-    driver_items_.push_back({name, {{"coordinate", coordinate(joint)}, {"law", std::move(law)}}});
-    out_.drivers.push_back({name, coordinate(joint), controlled});
-    for (ImportedModel::Coordinate& c : out_.coordinates) {
-      if (c.name == coordinate(joint)) c.driven = true;
+  // The law of --drive.
+  [[nodiscard]] Law law_of(int joint, const std::string& text) {
+    if (!text.starts_with('{') && !text.starts_with('[')) return polynomial_of(title(joint), text);
+    try {
+      std::vector<std::filesystem::path> files;
+      Law law = parse_law(text, tables_, files);
+      for (std::filesystem::path& file : files) builder_.table(std::move(file));
+      return law;
+    } catch (const Error& error) {
+      const Diagnostic& first = error.diagnostics().front();
+      refuse_drive(title(joint), (first.where.empty() ? "" : first.where + ": ") + first.what);
     }
+  }
+
+  void drive(int joint, const std::string& name, const Law& law, bool controlled) {
+    law_[joint] = law;
+    builder_.drive(name, DrivenCoordinate{coordinate(joint), law});
+    out_.drivers.push_back({name, coordinate(joint), controlled});
+    out_.coordinates[coordinate_of_.at(joint)].driven = true;
   }
 
   int find_joint(const std::string& name) const {
@@ -274,7 +243,7 @@ class Writer {
     refuse_drive(name, "there is no such hinge or slide" + known_instead(name, names));
   }
 
-  void write_drivers() {
+  void add_drivers() {
     std::map<int, std::string> asked;
     for (const auto& [joint, law] : options_.drive) {
       if (!asked.emplace(find_joint(joint), law).second) refuse_drive(joint, "the joint is named twice");
@@ -286,13 +255,12 @@ class Writer {
       if (has_law && law->second == "free") continue;
       const std::string name = actuator.name.empty() ? free_name(joints_[at(actuator.joint)] + "_drive", "drive", i + 1)
                                                      : free_name(actuator.name, "drive", i + 1);
-      drive(actuator.joint, name, has_law ? law_of(title(actuator.joint), law->second) : Json{{"constant", 0}},
-            !has_law);
+      drive(actuator.joint, name, has_law ? law_of(actuator.joint, law->second) : Law::constant(0), !has_law);
     }
     for (const auto& [joint, law] : asked) {
       if (law_.count(joint) != 0) continue;
       if (law != "free") {
-        drive(joint, free_name(joints_[at(joint)] + "_drive", "drive", 1), law_of(title(joint), law), false);
+        drive(joint, free_name(joints_[at(joint)] + "_drive", "drive", 1), law_of(joint, law), false);
       } else if (std::none_of(model_.actuators.begin(), model_.actuators.end(),
                               [&, j = joint](const Actuator& a) { return a.joint == j; })) {
         refuse_drive(title(joint), "the joint has no actuator, so it is free already");
@@ -303,77 +271,69 @@ class Writer {
 
   // Joints that move together: one of the two has a law, the other one follows.
   void couple() {
-    std::vector<std::size_t> open;
+    std::map<int, std::vector<std::size_t>> loops_of;  // of joints
+    std::deque<std::size_t> work;
+    std::set<std::size_t> open;
     for (std::size_t i = 0; i < model_.loops.size(); ++i) {
-      if (model_.loops[i].kind == Loop::Kind::joint) open.push_back(i);
+      const Loop& loop = model_.loops[i];
+      if (loop.kind != Loop::Kind::joint) continue;
+      for (const int joint : {loop.joint1, loop.joint2}) loops_of[joint].push_back(i);
+      work.push_back(i);
+      open.insert(i);
     }
-    for (bool more = true; more;) {
-      more = false;
-      for (std::size_t k = 0; k < open.size(); ++k) {
-        const Loop& loop = model_.loops[open[k]];
-        const bool has1 = law_.count(loop.joint1) != 0, has2 = loop.joint2 == kNone || law_.count(loop.joint2) != 0;
-        if (has1 && has2) {
-          refuse(*loop.node, "both joints have drivers already; drive one of them, the other one follows");
-        }
-        if (!has1 && !has2) continue;
-        if (has1 && loop.factor == 0) refuse(*loop.node, "joint1 has a driver, and the equality holds it still");
-        const int follower = has1 ? loop.joint2 : loop.joint1;
-        const double factor = has1 ? 1 / loop.factor : loop.factor;
-        Json law = loop.joint2 == kNone ? Json{{"constant", 0}} : times(factor, law_[has1 ? loop.joint1 : loop.joint2]);
-        if (law.empty())
-          refuse(*loop.node, "the law that the other joint follows has a table, which cannot be multiplied");
-        drive(follower, loops_[open[k]], std::move(law), false);
-        open.erase(open.begin() + static_cast<std::ptrdiff_t>(k));
-        more = true;
-        break;
+    for (; !work.empty(); work.pop_front()) {
+      const std::size_t i = work.front();
+      const Loop& loop = model_.loops[i];
+      const bool has1 = law_.count(loop.joint1) != 0, has2 = loop.joint2 == kNone || law_.count(loop.joint2) != 0;
+      if ((!has1 && !has2) || open.erase(i) == 0) continue;
+      if (has1 && has2) {
+        refuse(*loop.node, "both joints have drivers already; drive one of them, the other one follows");
       }
+      if (has1 && loop.factor == 0) refuse(*loop.node, "joint1 has a driver, and the equality holds it still");
+      const int follower = has1 ? loop.joint2 : loop.joint1;
+      const double factor = has1 ? 1 / loop.factor : loop.factor;
+      try {
+        drive(follower, loops_[i],
+              loop.joint2 == kNone ? Law::constant(0) : times(factor, law_[has1 ? loop.joint1 : loop.joint2]), false);
+      } catch (const Error&) {
+        refuse(*loop.node, "the law of the other joint times " + general(factor, 6) + " is not finite");
+      }
+      const std::vector<std::size_t>& next = loops_of[follower];
+      work.insert(work.end(), next.begin(), next.end());
     }
     if (open.empty()) return;
-    const Loop& loop = model_.loops[open[0]];
+    const Loop& loop = model_.loops[*open.begin()];
     refuse(*loop.node, "joints that move together are read if one of them is driven; write --drive " +
                            title(loop.joint2) + "=LAW or --drive " + title(loop.joint1) + "=LAW");
   }
 
-  // ---- sites, and the rest
+  // ---- bodies with their sites, and the rest
 
-  void write_sites() {
-    std::map<std::string, Json> points;
+  void add_bodies() {
+    std::map<std::string, std::vector<Member>> points;  // of bodies
     for (std::size_t i = 0; i < model_.sites.size(); ++i) {
       const mjcf::Site& site = model_.sites[i];
       const std::string& body = mover(site.body);
-      points[body][sites_[i]] = {{"at", triple(now_.bodies[at(site.body)] * site.frame.at)}};
-      if (body != "ground") outputs_.push_back(sites_[i]);
+      const bool moves = body != bodies_[kWorld];
+      points[body].push_back({sites_[i], triple(now_.bodies[at(site.body)] * site.frame.at), moves});
+      if (moves) builder_.output(sites_[i]);
     }
-    for (auto& [name, item] : body_items_) {
-      if (const auto own = points.find(name); own != points.end()) item["points"] = own->second;
+    const auto add = [&](const std::string& name) {
+      Body body{name};
+      if (const auto own = points.find(name); own != points.end()) body.points = std::move(own->second);
+      builder_.add(std::move(body));
+    };
+    if (points.count(bodies_[kWorld]) != 0) add(bodies_[kWorld]);
+    for (std::size_t b = 1; b < model_.bodies.size(); ++b) {
+      if (model_.bodies[b].joints.empty()) continue;
+      add(bodies_[b]);
+      ++out_.bodies;
     }
-    if (const auto own = points.find("ground"); own != points.end()) {
-      for (auto& [name, value] : own->second.items()) value = value["at"];
-      body_items_.insert(body_items_.begin(), {"ground", {{"points", own->second}}});
-    }
-  }
-
-  using Items = std::vector<std::pair<std::string, Json>>;
-
-  static std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
-
-  static std::string section(const std::string& name, const Items& items) {
-    if (items.empty()) return "";
-    std::string text = "  \"" + name + "\": {\n";
-    for (std::size_t i = 0; i < items.size(); ++i) {
-      text +=
-          "    " + text_of(items[i].first) + ": " + text_of(items[i].second) + (i + 1 < items.size() ? ",\n" : "\n");
-    }
-    return text + "  },\n";
+    for (const std::string& name : parts_) add(name);
   }
 
   void finish() {
-    std::string& text = out_.scene;
-    text = "{\n  \"assur\": 1,\n  \"name\": " + text_of(model_.name) + ",\n  \"dimension\": 3,\n";
-    text += section("bodies", body_items_) + section("joints", joint_items_) + section("drivers", driver_items_) +
-            section("limits", limit_items_);
-    if (!outputs_.empty()) text += "  \"outputs\": " + text_of(outputs_) + ",\n";
-    text += "  \"time\": {\"start\": 0, \"end\": 1, \"step\": 0.01}\n}\n";
+    out_.scene = std::move(builder_.time(0, 1, 0.01)).build();
     for (const auto& [kind, count] : model_.left_out) left_out_[kind] += count;
     out_.left_out.assign(left_out_.begin(), left_out_.end());
     if (notes_.size() > kMostNotes) {
@@ -386,15 +346,17 @@ class Writer {
 
   const Model& model_;
   const ModelOptions& options_;
+  TableFolders tables_;
+  SceneBuilder builder_;
   ImportedModel out_;
   mjcf::Values q_;
   mjcf::Posture now_;
   std::set<std::string> names_ = {"ground"};
   std::map<std::string, std::size_t> next_;                   // number for the next name with this stem
   std::vector<std::string> joints_, sites_, bodies_, loops_;  // names in the scene
-  Items body_items_, joint_items_, driver_items_, limit_items_;
-  std::map<int, Json> law_;  // of driven joints
-  Json outputs_ = Json::array();
+  std::vector<std::string> parts_;                            // names of bodies between joints of one body
+  std::map<int, std::size_t> coordinate_of_;                  // of joints: index in ImportedModel::coordinates
+  std::map<int, Law> law_;                                    // of driven joints
   std::map<std::string, std::size_t> left_out_;
   std::vector<std::string> notes_;
 };
@@ -404,7 +366,13 @@ class Writer {
 ImportedModel import_model(const std::filesystem::path& file, const ModelOptions& options) {
   const mjcf::Document document = mjcf::read_document(file);
   const Model model = mjcf::read_model(document, file.stem().string());
-  return Writer(model, options).write();
+  try {
+    return Importer(model, options, file).import();
+  } catch (const Error& error) {
+    const std::vector<Diagnostic>& all = error.diagnostics();
+    const bool is_of_scene = all.front().where.starts_with('/');  // of build()
+    throw is_of_scene ? Error(error.kind(), all, file.string()) : error;
+  }
 }
 
 }  // namespace assur

@@ -2,6 +2,7 @@
 #include <filesystem>
 
 #include "assur/mjcf.hpp"
+#include "scene/names.hpp"
 
 namespace assur {
 
@@ -15,7 +16,11 @@ Scene open_scene(const std::string& file_or_sample, const Parameters& set,
       file_or_sample.find('/') != std::string::npos || file.extension() == ".json" || is_model(file);
   if (std::filesystem::exists(file, unused) || (looks_like_file && !is_sample(file_or_sample))) {
     if (!is_model(file)) return read_scene(file, set, more_folders);
-    return parse_scene(import_model(file).scene, file_or_sample, file.parent_path(), set, more_folders);
+    if (!set.empty()) {
+      throw Error(Error::Kind::input, {{"", "a model has no parameters, such as " + in_quotes(set.begin()->first)}},
+                  file_or_sample);
+    }
+    return import_model(file).scene;
   }
   return sample(file_or_sample, set);  // its error lists the samples
 }

@@ -15,7 +15,7 @@ constexpr double kRounding = 1e-15;   // gap that is only rounding, relative to 
 constexpr double kClosed = 1e-13;     // largest gap of a closed loop, relative to the size of the model
 constexpr double kLargestStep = 0.3;  // rad, or sizes of the model
 constexpr int kMostSteps = 200;
-constexpr Eigen::Index kMostFreedoms = 2000;  // the equations of a step are dense
+constexpr Eigen::Index kMostFreedoms = 2000, kMostEquations = 6000;  // the equations of a step are dense
 
 // The equations of all loops, and how they change with the freedoms of the joints.
 class Loops {
@@ -34,7 +34,7 @@ class Loops {
   }
 
   [[nodiscard]] double size() const { return size_; }
-  [[nodiscard]] Eigen::Index freedoms() const { return freedoms_; }
+  [[nodiscard]] bool are_too_many() const { return freedoms_ > kMostFreedoms || rows_ > kMostEquations; }
 
   // Gaps in m; angles count with the size of the model.
   [[nodiscard]] Eigen::VectorXd gaps(const Values& q) const {
@@ -112,7 +112,7 @@ class Loops {
     for (const Loop& l : model_.loops) {
       const Eigen::Index rows = l.kind == Loop::Kind::connect ? 3 : l.kind == Loop::Kind::weld ? 6 : 1;
       const double gap = gaps.segment(row, rows).norm();
-      if (gap > worst.second) worst = {&l, gap};
+      if (!(gap <= worst.second)) worst = {&l, gap};
       row += rows;
     }
     return worst;
@@ -213,10 +213,10 @@ Change close(const Model& model, Values& q) {
   const Values begin = q;
   Eigen::VectorXd gaps = loops.gaps(q);
   for (int step = 0; step < kMostSteps && gaps.lpNorm<Eigen::Infinity>() > kRounding * loops.size(); ++step) {
-    if (loops.freedoms() > kMostFreedoms) {
+    if (loops.are_too_many()) {
       refuse(*loops.widest(gaps).first->node,
-             "this loop is open in the start posture, and the joints have more than 2,000 "
-             "freedoms, the limit for closing loops");
+             "this loop is open in the start posture, and the joints have more than 2,000 freedoms, or the loops more "
+             "than 6,000 equations, the limits for closing loops");
     }
     Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> slopes;
     slopes.setThreshold(1e-10);
@@ -233,7 +233,7 @@ Change close(const Model& model, Values& q) {
     }
     if (!better) break;
   }
-  if (const auto [loop, gap] = loops.widest(gaps); gap > kClosed * loops.size()) {
+  if (const auto [loop, gap] = loops.widest(gaps); !(gap <= kClosed * loops.size())) {
     refuse(*loop->node, "this loop cannot be closed; in the nearest posture to the start a gap of " + general(gap, 3) +
                             " m is left");
   }

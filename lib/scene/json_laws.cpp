@@ -101,6 +101,20 @@ void JsonReader::read(std::vector<Law>& out, const rows::About& about, const Pla
   }
 }
 
+Law JsonReader::read_law(std::vector<std::filesystem::path>& files) {
+  Law law = this->law({document_.root, Where()}, 1);
+  std::erase_if(findings_, [](const Diagnostic& finding) { return finding.what.empty(); });
+  if (!findings_.empty()) throw Error(Error::Kind::input, std::move(findings_));
+  files.insert(files.end(), files_.begin(), files_.end());
+  return law;
+}
+
+Law parse_law(std::string_view text, const TableFolders& tables, std::vector<std::filesystem::path>& files) {
+  const JsonDocument document = parse_json(text);
+  const Parameters none;
+  return JsonReader(document, tables, none).read_law(files);
+}
+
 Law JsonReader::law(const Place& at, double unit) {
   const auto& [node, where] = at;
   if (node.is(Type::array)) {
@@ -174,15 +188,30 @@ Law JsonReader::harmonics(const Place& at, const Object& object, double unit) {
   return Law::harmonics(std::move(terms), offset ? unit * number({*offset, object.where() / "offset"}) : 0);
 }
 
+// The rows of a table in the scene itself.
+Law JsonReader::rows_of_table(const Place& at, const Where& law, bool closes, double unit) {
+  Table table;
+  const std::size_t before = findings_.size();
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    if (!is_list(at[i], 2, "[t, value]")) continue;
+    table.time.push_back(number(at[i][0]));
+    table.value.push_back(unit * number(at[i][1]));
+  }
+  if (findings_.size() == before) return Law::table(std::move(table.time), std::move(table.value), closes);
+  broken(law);
+  return {};
+}
+
 Law JsonReader::table(const Place& at, const Object& object, double unit) {
+  bool closes = false;
+  if (const JsonNode* periodic = object.find("periodic")) read(closes, {}, {*periodic, object.where() / "periodic"});
+  if (at.node.is(Type::array)) return rows_of_table(at, object.where(), closes, unit);
   const std::string name = text(at, "drive.csv");
   if (name.empty()) {
     if (at.node.is(Type::string)) note(at.where, "the name of a CSV file is wanted here");
     broken(object.where());
     return {};
   }
-  bool closes = false;
-  if (const JsonNode* periodic = object.find("periodic")) read(closes, {}, {*periodic, object.where() / "periodic"});
   const std::string key = name + (closes ? " periodic" : "") + (unit == 1 ? "" : " angle");
   if (const auto found = laws_of_tables_.find(key); found != laws_of_tables_.end()) return found->second;
   if (!tables_.has(name)) {
@@ -199,7 +228,7 @@ Law JsonReader::table(const Place& at, const Object& object, double unit) {
   for (double& value : rows.value) value *= unit;
   try {
     Law law = Law::table(std::move(rows.time), std::move(rows.value), closes);
-    builder_.table(tables_.folder / name);
+    files_.push_back(tables_.folder / name);
     return laws_of_tables_[key] = std::move(law);
   } catch (const Error& error) {
     throw Error(Error::Kind::input, excerpt(name) + ": " + error.diagnostics().front().what);

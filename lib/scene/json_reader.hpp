@@ -36,6 +36,8 @@ class JsonReader {
   // Reads the scene into a builder, with every finding. `name`: used if the scene has none. Throws Error (input) if the
   // document is not a scene at all.
   [[nodiscard]] SceneBuilder read(const std::string& name);
+  // Reads a document that is a law. files: receives the paths of its tables. Throws Error (input) with every finding.
+  [[nodiscard]] Law read_law(std::vector<std::filesystem::path>& files);
 
  private:
   using Type = JsonNode::Type;
@@ -165,6 +167,7 @@ class JsonReader {
   Law law(const Place& at, double unit);
   Law harmonics(const Place& at, const Object& object, double unit);
   Law table(const Place& at, const Object& object, double unit);
+  Law rows_of_table(const Place& at, const Where& law, bool closes, double unit);
 
   const JsonDocument& document_;
   TableFolders tables_;
@@ -177,7 +180,12 @@ class JsonReader {
   std::unordered_set<std::string_view> angle_names_;  // measures of angles, and sums of them
   std::unordered_set<std::string_view> parameter_names_;
   std::unordered_map<std::string, Law> laws_of_tables_;  // by file: many drivers may share one
+  std::vector<std::filesystem::path> files_;             // of tables
   SceneBuilder builder_{"", 2};
 };
+
+// A law of the scene format. files: receives the paths of its tables. Throws Error (input) with every finding.
+[[nodiscard]] Law parse_law(std::string_view text, const TableFolders& tables,
+                            std::vector<std::filesystem::path>& files);
 
 }  // namespace assur

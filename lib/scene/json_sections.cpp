@@ -61,6 +61,7 @@ SceneBuilder JsonReader::read(const std::string& name) {
   read_outputs(scene.find("outputs"));
   read_time(scene.find("time"));
 
+  for (std::filesystem::path& file : files_) builder_.table(std::move(file));
   for (Diagnostic& finding : findings_) builder_.diagnose(std::move(finding));
   return std::move(builder_);
 }
@@ -126,13 +127,14 @@ void JsonReader::read_parameters(const JsonNode* section) {
     note(where / finding.parameter, std::move(finding.what));
 }
 
-// Remembers names of points and members, which distinguish an angle of points from one of vectors, and of measured
-// angles and their sums.
+// Remembers names of points, members, and joints (whose bodies share a point of this name), which distinguish an angle
+// of points from one of vectors, and of measured angles and their sums.
 void JsonReader::remember_names(const JsonNode& scene) {
   const auto remember = [&](const JsonNode* points) {
     if (points != nullptr) point_names_.insert(points->keys().begin(), points->keys().end());
   };
   remember(scene.find("points"));
+  remember(scene.find("joints"));
   if (const JsonNode* measures = scene.find("measures"); measures != nullptr) {
     const auto is_angle = [&](const JsonNode& measure) {
       const JsonNode* const coordinate = measure.find("coordinate");

@@ -1,7 +1,7 @@
 // The vocabulary of a scene file: a row for each kind of constraint, driver and measure, and for the other objects. A
-// row has the keys of an object, the meaning of their values, and the members that they set. Reading (json_*.cpp) and
-// the common checks (validation_rows.hpp) follow the rows. A new kind needs a struct in assur/scene.hpp, a row here,
-// its lowering, and a rule() of Validation for conditions beyond the row.
+// row has the keys of an object, the meaning of their values, and the members that they set. Reading (json_*.cpp),
+// writing (json_writer.cpp) and the common checks (validation_rows.hpp) follow the rows. A new kind needs a struct in
+// assur/scene.hpp, a row here, its lowering, and a rule() of Validation for conditions beyond the row.
 #pragma once
 
 #include <algorithm>

@@ -1,7 +1,9 @@
-// The sum of many laws.
+// The sum of many laws, and multiples of a law.
 #pragma once
 
 #include <span>
+#include <variant>
+#include <vector>
 
 #include "assur/law.hpp"
 
@@ -14,6 +16,27 @@ namespace assur {
   if (laws.size() == 1) return laws.front();
   const std::size_t half = laws.size() / 2;
   return sum_of(laws.first(half)) + sum_of(laws.subspan(half));
+}
+
+// The law times a factor; not for functions of the program. Throws Error (input) if a number overflows.
+[[nodiscard]] inline Law times(double factor, const Law& law) {
+  const auto scaled = [&](std::vector<double> numbers) {
+    for (double& x : numbers) x *= factor;
+    return numbers;
+  };
+  std::vector<Law> parts;
+  for (const Law::Part& part : law.parts()) {
+    if (const auto* p = std::get_if<Law::Polynomial>(&part)) {
+      parts.push_back(Law::polynomial(scaled(p->coefficients)));
+    } else if (const auto* h = std::get_if<Law::Harmonics>(&part)) {
+      std::vector<Harmonic> terms = h->terms;
+      for (Harmonic& term : terms) term.amplitude *= factor;
+      parts.push_back(Law::harmonics(std::move(terms), factor * h->offset));
+    } else if (const auto* s = std::get_if<Law::Spline>(&part)) {
+      parts.push_back(Law::table(s->time, scaled(s->value), s->periodic));
+    }
+  }
+  return sum_of(parts);
 }
 
 }  // namespace assur

@@ -182,6 +182,11 @@ void BodyWriter::declare_in_space(const Body& b) {
 // ---- equations
 
 void BodyWriter::write_equations() {
+  const auto& drivers = forms_.scene().drivers();
+  for (std::size_t i = 0; i < drivers.size(); ++i) {
+    const auto* p = std::get_if<Pose>(&drivers[i].kind);
+    if (p != nullptr && !shared_.fixes[i]) posed_.insert(p->body);
+  }
   std::set<std::vector<std::string>> framed;
   const auto& bodies = forms_.scene().bodies();
   for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -206,16 +211,6 @@ void BodyWriter::note_written(const Body& b, Index index) {
   for (const auto* members : {&b.points, &b.vectors}) {
     for (const Member& m : *members) note(m.name);
   }
-}
-
-// True if a driver of the pose writes the equations of the body's base.
-bool BodyWriter::posed_by_equations(const Body& b) const {
-  const auto& drivers = forms_.scene().drivers();
-  for (std::size_t i = 0; i < drivers.size(); ++i) {
-    const auto* p = std::get_if<Pose>(&drivers[i].kind);
-    if (p != nullptr && p->body == b.name && !shared_.fixes[i]) return true;
-  }
-  return false;
 }
 
 void BodyWriter::write_frame(const Body& b, Index index) {

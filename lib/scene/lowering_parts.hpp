@@ -60,7 +60,8 @@ class BodyWriter {
   void declare_in_plane(const Body& body);
   void declare_in_space(const Body& body);
 
-  [[nodiscard]] bool posed_by_equations(const Body& body) const;
+  // True if a driver of the pose writes the equations of the body's base.
+  [[nodiscard]] bool posed_by_equations(const Body& body) const { return posed_.count(body.name) != 0; }
   void write_frame(const Body& body, Index index);
   void write_frame_about(Index source, const Item& fixed, const Item& next, const Item& after);
   [[nodiscard]] bool is_kept(std::initializer_list<std::string_view> names) const;
@@ -72,6 +73,7 @@ class BodyWriter {
   Forms& forms_;
   Shared& shared_;
   std::unordered_map<std::string, double> area_;                    // bodies with a normal
+  std::unordered_set<std::string> posed_;                           // bodies posed by equations
   std::map<std::string, std::vector<Index>, std::less<>> written_;  // bodies whose base or members have this name
 };
 

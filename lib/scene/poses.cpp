@@ -4,6 +4,7 @@
 #include <array>
 #include <string_view>
 #include <unordered_map>
+#include <unordered_set>
 #include <utility>
 
 namespace assur {
@@ -82,39 +83,32 @@ class Poses {
     }
   }
 
-  void add(std::vector<Member>& members, const Body& body, std::string_view name, const Triple& at) const {
+  void add(std::vector<Member>& members, const Body& body, std::string_view name, const Triple& at) {
     std::string full = body.name + std::string(name);
-    const auto is_among = [&](const auto& items) {
-      return std::any_of(items.begin(), items.end(), [&](const auto& item) { return item.name == full; });
-    };
-    // Joints make scene points and vectors of members that rest.
-    if (is_among(members) || is_among(p_.points) || is_among(p_.vectors)) return;
-    const bool has_frame =
-        (!body.origin.empty() || !body.base.empty() || !body.frame.empty()) &&
-        std::find(p_.without_frame.begin(), p_.without_frame.end(), body.name) == p_.without_frame.end();
+    if (!added_.insert(full).second) return;
+    const bool has_frame = !body.origin.empty() || !body.base.empty() || !body.frame.empty();
     members.push_back({std::move(full), at, !has_frame});
   }
 
-  void measure(const Body& body, std::string_view name, Part part) const {
+  void measure(const Body& body, std::string_view name, Part part) {
     std::string full = body.name + std::string(name);
-    const auto is_same = [&](const Measure& m) { return m.name == full; };
-    if (std::any_of(p_.measures.begin(), p_.measures.end(), is_same)) return;
-    p_.measures.push_back({std::move(full), Orientation{body.name, part}});
+    if (added_.insert(full).second) p_.measures.push_back({std::move(full), Orientation{body.name, part}});
   }
 
   PoseParts p_;
   std::unordered_map<std::string_view, Body*> body_of_;
+  std::unordered_set<std::string> added_;  // names
 };
 
 }  // namespace
 
 bool asks_for_pose(const std::vector<Body>& bodies, const std::vector<std::string>& outputs) {
-  return std::any_of(outputs.begin(), outputs.end(), [&](const std::string& text) {
+  std::unordered_set<std::string_view> asked;
+  for (const std::string& text : outputs) {
     const auto [name, part] = split(text);
-    if (!is_pose(part, 2) && !is_pose(part, 3)) return false;
-    return std::any_of(bodies.begin(), bodies.end(),
-                       [&, wanted = name](const Body& b) { return b.name == wanted && b.name != kGround; });
-  });
+    if (name != kGround && (is_pose(part, 2) || is_pose(part, 3))) asked.insert(name);
+  }
+  return std::any_of(bodies.begin(), bodies.end(), [&](const Body& b) { return asked.count(b.name) != 0; });
 }
 
 void expand_poses(PoseParts parts) {

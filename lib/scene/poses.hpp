@@ -12,12 +12,9 @@ namespace assur {
 // The lists of a scene under construction.
 struct PoseParts {
   int dimension;
-  const std::vector<Point>& points;
-  const std::vector<Vector>& vectors;
   std::vector<Body>& bodies;
   std::vector<Measure>& measures;
   std::vector<std::string>& outputs;
-  const std::vector<std::string>& without_frame;  // names of bodies whose base build() chose
 };
 
 // True if an output asks for the pose of a body, or for a part of it.

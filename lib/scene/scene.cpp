@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unordered_set>
 #include <utility>
 
 #include "decimal.hpp"
+#include "numbers.hpp"
 #include "scene/joints/joints.hpp"
 #include "scene/names.hpp"
 #include "scene/poses.hpp"
@@ -14,6 +16,8 @@
 namespace assur {
 namespace {
 
+// The length of a normalised vector may differ from 1 by 3 roundings; it is not changed again.
+constexpr double kRounded = 4 * kEps;
 // Lengths farther than this from 1 are likely typing errors, and are reported.
 constexpr double kNearlyUnit = 1e-6;
 
@@ -26,7 +30,7 @@ struct Normalised {
 
 void normalise(const std::string& name, Triple& at, const Where& where, std::vector<Normalised>& all) {
   const double length = triple::norm(at);
-  if (length == 1) return;
+  if (std::abs(length - 1) <= kRounded) return;
   if (std::abs(length - 1) > kNearlyUnit) all.push_back({name, where.text(), length});
   at = triple::scale(1 / length, at);
 }
@@ -57,6 +61,38 @@ void expand_all(const Scene& scene, std::vector<std::string>& outputs) {
   if (!is_name) outputs.clear();
 }
 
+// The outputs that begin with no name of a measure or member, such as "J.angle" or "B.origin".
+std::vector<std::string> not_there(const Scene& scene, const std::vector<std::string>& outputs) {
+  std::unordered_set<std::string_view> names;
+  for (const Measure& m : scene.measures()) names.insert(m.name);
+  for (const Body& b : scene.bodies()) {
+    for (const Member& m : b.points) names.insert(m.name);
+  }
+  std::vector<std::string> missing;
+  for (const std::string& text : outputs) {
+    const std::size_t dot = text.find('.'), end = dot == text.npos ? dot : text.find('.', dot + 1);
+    if (names.count(std::string_view(text).substr(0, end)) == 0) missing.push_back(text);
+  }
+  return missing;
+}
+
+// The laws of a driver; those of a pose in the order of pose_part().
+std::vector<Law*> laws_of(Driver& driver) {
+  std::vector<Law*> laws;
+  if (auto* pose = std::get_if<Pose>(&driver.kind)) {
+    for (auto* group : {&pose->translation, &pose->rotation}) {
+      for (Law& law : *group) laws.push_back(&law);
+    }
+    return laws;
+  }
+  std::visit(
+      [&](auto& kind) {
+        if constexpr (requires { kind.law; }) laws.push_back(&kind.law);
+      },
+      driver.kind);
+  return laws;
+}
+
 void refuse_if_any(std::vector<Diagnostic> findings) {
   if (!findings.empty()) throw Error(Error::Kind::input, std::move(findings));
 }
@@ -64,17 +100,19 @@ void refuse_if_any(std::vector<Diagnostic> findings) {
 }  // namespace
 
 Scene Scene::with_outputs(std::vector<std::string> outputs) const {
-  if (asks_for_pose(parts_->bodies, outputs)) {
+  if (const auto missing = not_there(*this, outputs);
+      asks_for_pose(parts_->bodies, missing) || asks_for_coordinate(parts_->joints, missing)) {
     SceneBuilder builder(parts_->name, parts_->dimension);
-    builder.parts_ = *parts_;
+    builder.parts_ = written();
     builder.outputs_ = std::move(outputs);
     builder.time_ = time_;
-    return builder.finish(true);
+    return builder.finish();
   }
   Scene scene = *this;
   scene.outputs_ = std::move(outputs);
   refuse_if_any(Validation(scene, {}).outputs());
   expand_all(scene, scene.outputs_);
+  scene.written_outputs_ = scene.outputs_;
   return scene;
 }
 
@@ -87,20 +125,17 @@ Scene Scene::with_time(TimeGrid time) const {
 
 Scene Scene::with_laws(const std::function<Law(const std::string& driver, const Law& before)>& law) const {
   auto parts = std::make_shared<Parts>(*parts_);
-  for (Driver& driver : parts->drivers) {
-    if (auto* pose = std::get_if<Pose>(&driver.kind)) {
-      std::size_t part = 0;
-      for (auto* laws : {&pose->translation, &pose->rotation}) {
-        for (Law& own : *laws) own = law(driver.name + "." + pose_part(part++, parts->dimension), own);
-      }
-      continue;
+  const auto written = parts->written ? std::make_shared<Parts>(*parts->written) : nullptr;
+  for (std::size_t d = 0; d < parts->drivers.size(); ++d) {
+    Driver& driver = parts->drivers[d];
+    const std::vector<Law*> laws = laws_of(driver);
+    const bool is_pose = std::holds_alternative<Pose>(driver.kind);
+    for (std::size_t part = 0; part < laws.size(); ++part) {
+      *laws[part] = law(is_pose ? driver.name + "." + pose_part(part, parts->dimension) : driver.name, *laws[part]);
+      if (written) *laws_of(written->drivers[d])[part] = *laws[part];
     }
-    std::visit(
-        [&](auto& kind) {
-          if constexpr (requires { kind.law; }) kind.law = law(driver.name, kind.law);
-        },
-        driver.kind);
   }
+  parts->written = written;
   Scene scene = *this;
   scene.parts_ = std::move(parts);
   refuse_if_any(Validation(scene, {}).time());
@@ -173,21 +208,18 @@ SceneBuilder& SceneBuilder::diagnose(Diagnostic diagnostic) {
   return *this;
 }
 
-Scene SceneBuilder::finish(bool expanded) {
+Scene SceneBuilder::finish() {
   const auto parts = std::make_shared<Scene::Parts>(std::move(parts_));
-  expand_poses({parts->dimension, parts->points, parts->vectors, parts->bodies, parts->measures, outputs_,
-                parts->without_frame});
+  std::vector<std::string> written_outputs = outputs_;
   JointParts joint_parts{parts->dimension, parts->joints,      parts->points,   parts->vectors,
                          parts->bodies,    parts->constraints, parts->drivers,  parts->measures,
-                         parts->limits,    outputs_,           parts->warnings, parts->without_frame};
-  if (!expanded) {
-    const auto is_known = [this](const std::string& where) {  // a part that was not read is refused once
-      return std::ranges::any_of(found_, [&](const Diagnostic& d) { return d.where == where; });
-    };
-    std::vector<Diagnostic> more = expand_joints(joint_parts);
-    std::erase_if(more, [&](const Diagnostic& d) { return is_known(d.where); });
-    found_.insert(found_.end(), more.begin(), more.end());
+                         parts->limits,    outputs_,           parts->warnings, found_};
+  if (asks_for_pose(parts->bodies, outputs_) || has_joints(joint_parts)) {
+    parts->written = std::make_shared<const Scene::Parts>(*parts);
   }
+  expand_poses({parts->dimension, parts->bodies, parts->measures, outputs_});
+  const std::vector<Diagnostic> refused = expand_joints(joint_parts);
+  found_.insert(found_.end(), refused.begin(), refused.end());
   parts->points.shrink_to_fit();
   parts->constraints.shrink_to_fit();
   Scene scene;
@@ -222,6 +254,7 @@ Scene SceneBuilder::finish(bool expanded) {
     }
   }
   expand_all(scene, scene.outputs_);
+  scene.written_outputs_ = scene.outputs_.empty() ? scene.outputs_ : std::move(written_outputs);
   tell(normalised, parts->warnings);
   return scene;
 }

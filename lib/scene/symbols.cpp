@@ -36,15 +36,17 @@ std::string_view section(NameKind kind) {
 }
 
 Known::Known(const std::vector<Diagnostic>& findings) {
-  for (const Diagnostic& finding : findings) {
-    const std::string& where = finding.where;
-    below_[where] = true;
-    hides_names_ = hides_names_ || defines_names(where);
-    for (std::size_t end = where.rfind('/'); end != std::string::npos && end > 0; end = where.rfind('/', end - 1)) {
-      below_.emplace(where.substr(0, end), false);
-    }
-    below_.emplace("", false);
+  for (const Diagnostic& finding : findings) add(finding);
+}
+
+void Known::add(const Diagnostic& finding) {
+  const std::string& where = finding.where;
+  below_[where] = true;
+  hides_names_ = hides_names_ || defines_names(where);
+  for (std::size_t end = where.rfind('/'); end != std::string::npos && end > 0; end = where.rfind('/', end - 1)) {
+    below_.emplace(where.substr(0, end), false);
   }
+  below_.emplace("", false);
 }
 
 bool Known::at_or_above(std::string_view pointer) const {

@@ -35,6 +35,7 @@ struct Symbol {
 class Known {
  public:
   explicit Known(const std::vector<Diagnostic>& findings);
+  void add(const Diagnostic& finding);
 
   // True if there is a finding at `pointer` or above it.
   [[nodiscard]] bool at_or_above(std::string_view pointer) const;

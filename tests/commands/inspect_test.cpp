@@ -37,6 +37,23 @@ TEST(Inspect, StewartHasTheGroupsOfThePaper) {
   EXPECT_EQ(json["left_out"]["unknowns"], 0);
 }
 
+// The file has the scene with its options; nothing that was read is overwritten.
+TEST(Inspect, WritesTheScene) {
+  const Scratch scratch;
+  const std::string file = scratch.file("written.json"), again = scratch.file("again.json");
+  Outcome outcome = run_command({"inspect", "bennett", "--outputs", "all", "--write", file, "--json"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(outcome.json()["scene"], "bennett");
+  EXPECT_EQ(write_scene(read_scene(file)), write_scene(sample("bennett").with_outputs({"all"})));
+  ASSERT_EQ(run_command({"inspect", file, "--modes", "--write", again}).status, 0);
+  EXPECT_EQ(content(again), content(file));
+  outcome = run_command({"inspect", file, "--write", file});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(outcome.err, "error: --write: " + file + " is an input and would be overwritten; name another file\n");
+  EXPECT_EQ(run_command({"inspect", file, "--write", scratch.file("no/such.json")}).status, 3);
+  EXPECT_EQ(run_command({"inspect", file, "--write", ""}).status, 2);
+}
+
 TEST(Inspect, OutputsReduceTheGroups) {
   const Outcome outcome = run_command({"inspect", "stewart", "--json", "--outputs", "handle1.value,handle2.value"});
   ASSERT_EQ(outcome.status, 0);

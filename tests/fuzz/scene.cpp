@@ -13,6 +13,10 @@ bool scene(std::string_view bytes) {
     require(scene.dimension() == 2 || scene.dimension() == 3, "the dimension of a scene must be 2 or 3");
     require(scene.time().steps() >= 0 && std::isfinite(scene.time().time(scene.time().steps())),
             "times must be finite");
+    const std::string text = write_scene(scene);
+    bool is_same = false;
+    require(accepts([&] { is_same = write_scene(parse_scene(text)) == text; }), "a written scene must be readable");
+    require(is_same, "a scene must be written the same again");
   });
 }
 

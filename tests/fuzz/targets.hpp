@@ -12,6 +12,7 @@
 namespace assur::fuzz {
 
 [[nodiscard]] bool scene(std::string_view bytes);     // a scene file
+[[nodiscard]] bool model(std::string_view bytes);     // a model of MuJoCo, see model.cpp
 [[nodiscard]] bool strategy(std::string_view bytes);  // the text of a strategy
 [[nodiscard]] bool plan(std::string_view bytes);      // a saved plan, whose checksum is made to fit
 [[nodiscard]] bool table(std::string_view bytes);     // a CSV table of a law

@@ -225,7 +225,7 @@ TEST_P(Models, CloseTheirLoopsInRandomPostures) {
     }
     drivers.push_back(d.name);
   }
-  Simulator s = test::simulator(parse_scene(model.scene).with_time({0, 1, 0.05}), "auto", {}, drivers);
+  Simulator s = test::simulator(model.scene.with_time({0, 1, 0.05}), "auto", {}, drivers);
   const auto site = [&](const std::string& name) -> V3 {
     return {s.output(name + ".x"), s.output(name + ".y"), s.output(name + ".z")};
   };

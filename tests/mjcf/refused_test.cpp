@@ -22,7 +22,7 @@ struct Bad {
 
 std::string message_of(const std::filesystem::path& file, const ModelOptions& options = {}) {
   try {
-    (void)parse_scene(import_model(file, options).scene);
+    (void)import_model(file, options);
   } catch (const Error& error) {
     const std::string all = error.what(), front = file.string() + ": ";
     return all.starts_with(front) ? all.substr(front.size()) : all;
@@ -146,7 +146,8 @@ TEST(RefusedModels, WrongOptionsListTheChoices) {
        "--drive hinge: 'fast' is not a law; write coefficients of a polynomial of t, \"0,6.28\", a law of the scene "
        "format, "
        "{\"constant\": 0}, or free"},
-      {{"", {{"hinge", "{\"constant\""}}}, "--drive hinge: '{\"constant\"' is not JSON"},
+      {{"", {{"hinge", "{\"constant\""}}},
+       "--drive hinge: line 1, column 12: not JSON: unexpected end of input; expected ':'"},
       {{"", {{"hinge", "0"}, {"hinge", "1"}}}, "--drive hinge: the joint is named twice"},
   };
   for (const auto& [options, message] : cases) EXPECT_EQ(message_of(file, options), message);
@@ -172,6 +173,67 @@ TEST(RefusedModels, AreBoundedInSizeAndDepth) {
                                                "<include file='part.xml'/>" + end.substr(0, 7 * 60) +
                                                "</worldbody></mujoco>")),
       folder.path("part.xml") + ": line 1, <body>: elements are inside each other more than 100 times, the limit");
+}
+
+// Nesting of defaults and of includes, numbers of elements, and entities.
+TEST(RefusedModels, AreBoundedInWhatTheyExpandTo) {
+  const test::Folder folder;
+  const auto refusal = [&](const std::string& inside) {
+    return message_of(folder.write("model.xml", "<mujoco>\n" + inside + "</mujoco>"));
+  };
+  std::string deep, end;
+  for (int i = 0; i < 120; ++i) deep += "<default class='c" + std::to_string(i) + "'>", end += "</default>";
+  EXPECT_EQ(refusal(deep + end), "line 2: elements are inside each other more than 100 times, the limit");
+  for (int i = 0; i < 9; ++i) {
+    folder.write("part" + std::to_string(i) + ".xml",
+                 "<mujocoinclude><include file='part" + std::to_string(i + 1) + ".xml'/></mujocoinclude>");
+  }
+  EXPECT_EQ(refusal("<include file='part0.xml'/>"),
+            folder.path("part7.xml") + ": line 1, <include>: more than 8 files include each other, the limit");
+  std::string many;
+  for (int i = 0; i < 500'000; ++i) many += "<geom/>";
+  folder.write("part.xml", "<mujocoinclude><body>" + many + "</body></mujocoinclude>");
+  EXPECT_EQ(refusal("<worldbody>" + many + "<include file='part.xml'/></worldbody>"),
+            folder.path("part.xml") + ": the files of the model have more than 1,000,000 elements, the limit");
+  EXPECT_EQ(message_of(folder.write("model.xml",
+                                    "<!DOCTYPE m [<!ENTITY a 'joint'><!ENTITY b '&a;&a;&a;&a;'>]>\n<mujoco><worldbody>"
+                                    "<body><joint type='&b;'/></body></worldbody></mujoco>")),
+            "line 2, <joint>: there is no joint type '&b;'; there are: hinge, slide, ball, free");
+}
+
+TEST(RefusedModels, NumbersAreFiniteAndNotTooLarge) {
+  const test::Folder folder;
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"<joint pos='inf 0 0'/>", "<joint>: the attribute 'pos' has 'inf', which is no finite number"},
+      {"<joint ref='1e999'/>", "<joint>: the attribute 'ref' has '1e999', which is no finite number"},
+      {"<joint axis='0 0 1e200'/>", "<joint>: the attribute 'axis' has '1e200'; the limit is 1e100"},
+      {"<joint axis='0 0 1e-200'/>", "<joint>: the attribute 'axis' has no direction; its length is 0"},
+      {"<site quat='1e-300 0 0 0'/>", "<site>: the attribute 'quat' is 0"},
+      {"<site pos='-1e101 0 0'/>", "<site>: the attribute 'pos' has '-1e101'; the limit is 1e100"}};
+  for (const auto& [inside, message] : cases) {
+    EXPECT_EQ(message_of(folder.write("model.xml", "<mujoco>\n" + arm(inside) + "</mujoco>")), "line 5, " + message);
+  }
+  EXPECT_EQ(message_of(
+                folder.write("model.xml", "<mujoco>\n" + arm("<joint pos='1e99 0 0' axis='1 1e90 0'/>") + "</mujoco>")),
+            "accepted");
+}
+
+// Work grows with the size of a model: many defaults of one class, and long chains of joints that move together.
+TEST(RefusedModels, LongListsAreReadInProportionToTheirLength) {
+  const test::Folder folder;
+  constexpr int kMany = 20'000;
+  std::string defaults, bodies, equalities;
+  for (int i = 0; i < kMany; ++i) {
+    const std::string k = std::to_string(i);
+    defaults += "<joint axis='0 0 1'/>";
+    bodies += "<body><joint name='j" + k + "'/></body>";
+    if (i > 0) equalities = "<joint joint1='j" + k + "' joint2='j" + std::to_string(i - 1) + "'/>" + equalities;
+  }
+  const ImportedModel model =
+      import_model(folder.write("model.xml", "<mujoco><default>" + defaults + "</default><worldbody>" + bodies +
+                                                 "</worldbody><equality>" + equalities + "</equality></mujoco>"),
+                   {"", {{"j0", "0,1"}}, {}});
+  EXPECT_EQ(model.drivers.size(), static_cast<std::size_t>(kMany));
 }
 
 TEST(RefusedModels, IncludeFilesOfOtherFormats) {
@@ -204,7 +266,7 @@ TEST(RefusedModels, DamagedFilesEndWithAnError) {
         }
       }
       try {
-        (void)parse_scene(import_model(folder.write("model.xml", bad)).scene);
+        (void)import_model(folder.write("model.xml", bad));
         ++accepted;
       } catch (const Error& error) {
         EXPECT_NE(std::string(error.what()), "");

@@ -31,8 +31,48 @@ TEST(JointFiles, NameWrongBodies) {
             "scene: /joints/J: both bodies are 'a'; a joint connects two different bodies");
   EXPECT_EQ(with(2, R"("F": {"fixed": ["a", "b"]}, "J": {"revolute": ["a", "b"], "at": [0, 0]})"),
             "scene: /joints/J: 'a' and 'b' are fixed to each other; remove this joint");
-  EXPECT_EQ(refusal(2, R"("bodies": {"a": {}, "b": {}, "c": {}}, "joints": {"J": {"revolute": ["a", "b"], "at": [0, 0]}})"),
-            "scene: /bodies/c: no joint places this body; a body needs a base, joints, or \"rigid\" points");
+  EXPECT_EQ(
+      refusal(2, R"("bodies": {"a": {}, "b": {}, "c": {}}, "joints": {"J": {"revolute": ["a", "b"], "at": [0, 0]}})"),
+      "scene: /bodies/c: no joint places this body; a body needs a base, joints, or \"rigid\" points");
+}
+
+// One mistake has one finding, with the place in the file.
+TEST(JointFiles, NameWrongShapes) {
+  EXPECT_EQ(with(2, R"("J": {"revolute": ["a"], "at": [0, 0]})"),
+            "scene: /joints/J/revolute: 2 items are wanted here, e.g. [\"frame\", \"crank\"], not 1");
+  EXPECT_EQ(with(2, R"("J": {"revolute": ["a", "b", "ground"], "at": [0, 0]})"),
+            "scene: /joints/J/revolute: 2 items are wanted here, e.g. [\"frame\", \"crank\"], not 3");
+  EXPECT_EQ(with(2, R"("J": {"hinge": ["a", "b"], "at": [0, 0]})"),
+            "scene: /joints/J: the kind is missing; expected one of revolute, prismatic, cylindrical, spherical, "
+            "universal, planar or fixed");
+  EXPECT_EQ(with(2, R"("J": {"revolut": ["a", "b"], "at": [0, 0]})"),
+            "scene: /joints/J/revolut: unknown key 'revolut'; did you mean 'revolute'?");
+  EXPECT_EQ(with(2, R"("J": {"revolute": ["a", "b"], "fixed": ["a", "b"], "at": [0, 0]})"),
+            "scene: /joints/J/fixed: both 'revolute' and 'fixed' are given; an item has exactly one kind");
+  EXPECT_EQ(with(2, R"("J": {"revolute": ["a", "b"]})"),
+            "scene: /joints/J/at: this is missing: a place on the axis, [x, y] in the ground as written or the name of "
+            "a point");
+  EXPECT_EQ(with(2, R"("J": {"revolute": ["a", "b"], "at": [0, 0, 0]})"),
+            "scene: /joints/J/at: 2 numbers [x, y] are wanted in a scene of dimension 2, not 3");
+  EXPECT_EQ(with(3, R"("J": {"spherical": ["a", "b"], "at": [0, 0]})"),
+            "scene: /joints/J/at: 3 numbers [x, y, z] are wanted in a scene of dimension 3, not 2");
+  EXPECT_EQ(with(2, R"("J": {"revolute": ["a", "b"], "at": ["=1/0", 0]})"),
+            "scene: /joints/J/at/0: '=1/0' is inf; a finite number is wanted");
+}
+
+TEST(JointFiles, NameWrongPlaces) {
+  const std::string items = R"(, "points": {"P": {"at": [0, 0, 0]}}, "vectors": {"u": {"at": [1, 0, 0]},
+                               "long": {"at": [2, 0, 0], "unit": false}})";
+  EXPECT_EQ(with(3, R"("J": {"spherical": ["a", "b"], "at": "Q"})", items),
+            "scene: /joints/J/at: there is no point 'Q'; there are: P");
+  EXPECT_EQ(with(3, R"("J": {"spherical": ["a", "b"], "at": "u"})", items),
+            "scene: /joints/J/at: 'u' is a vector; a point is wanted here");
+  EXPECT_EQ(with(3, R"("J": {"prismatic": ["a", "b"], "axis": "P"})", items),
+            "scene: /joints/J/axis: 'P' is a point; a unit vector is wanted here");
+  EXPECT_EQ(with(3, R"("J": {"prismatic": ["a", "b"], "axis": "long"})", items),
+            "scene: /joints/J/axis: there is no unit vector 'long'; there are: u");
+  EXPECT_EQ(with(3, R"("J": {"revolute": ["ground", "b"], "at": [0, 0, 0], "axis": "u"})", items),
+            "scene: /joints/J/axis: 'u' is not fixed, but joint 'J' connects it to the ground");
 }
 
 TEST(JointFiles, NameWrongAxes) {
@@ -46,11 +86,33 @@ TEST(JointFiles, NameWrongAxes) {
   EXPECT_EQ(with(3, R"("J": {"universal": ["a", "b"], )" + at + R"("axes": [[1, 0, 0], [1, 1, 0]]})"),
             "scene: /joints/J/axes: the axes have the dot product 0.707107; those of a universal joint are at right "
             "angles");
+  EXPECT_EQ(with(3, R"("J": {"universal": ["a", "b"], )" + at + R"("axes": [[1, 0, 0], [-2, 0, 0]]})"),
+            "scene: /joints/J/axes: the axes are parallel; those of a universal joint are at right angles");
+  EXPECT_EQ(with(3, R"("J": {"universal": ["a", "b"], )" + at + R"("axes": [[0, 0, 0], [1, 0, 0]]})"),
+            "scene: /joints/J/axes/0: the axis is zero or missing; give a direction, e.g. [0, 0, 1]");
+  EXPECT_EQ(with(3, R"("J": {"universal": ["a", "b"], )" + at + R"("axes": [[1, 0, 0]]})"),
+            "scene: /joints/J/axes: 2 items are wanted here, e.g. [\"u\", \"v\"], not 1");
+  EXPECT_EQ(with(3, R"("J": {"cylindrical": ["a", "b"], )" + at + R"("axis": [0, 0, 0]})"),
+            "scene: /joints/J/axis: the axis is zero or missing; give a direction, e.g. [0, 0, 1]");
+  EXPECT_EQ(with(2, R"("J": {"prismatic": ["a", "b"], "axis": [0, 0]})"),
+            "scene: /joints/J/axis: the axis is zero or missing; give a direction, e.g. [0, 0, 1]");
+  EXPECT_EQ(with(3, R"("J": {"planar": ["a", "b"], "normal": [0, 0, 0]})"),
+            "scene: /joints/J/normal: the normal is zero or missing; give a direction, e.g. [0, 0, 1]");
+  EXPECT_EQ(with(3, R"("J": {"revolute": ["a", "b"], )" + at + R"("axis": [0, 1]})"),
+            "scene: /joints/J/axis: 3 numbers [x, y, z] are wanted in a scene of dimension 3, not 2");
+  EXPECT_EQ(with(2, R"("J": {"prismatic": ["a", "b"], "axis": [0, 0, 1]})"),
+            "scene: /joints/J/axis: 2 numbers [x, y] are wanted in a scene of dimension 2, not 3");
   EXPECT_EQ(with(2, R"("J": {"revolute": ["a", "b"], "at": [0, 0], "axis": [0, 1]})"),
             "scene: /joints/J/axis: in the plane every axis is the normal; leave \"axis\" out");
-  EXPECT_EQ(with(2, R"("J": {"spherical": ["a", "b"], "at": [0, 0]})"),
-            "scene: /joints/J/spherical: spherical joints are for 3D; in the plane there are revolute, prismatic and "
-            "fixed");
+  for (const std::string kind : {"spherical", "cylindrical", "universal", "planar"}) {
+    const std::string rest = kind == "planar"      ? R"("normal": [0, 1]})"
+                             : kind == "spherical" ? R"("at": [0, 0]})"
+                             : kind == "universal" ? R"("at": [0, 0], "axes": [[1, 0], [0, 1]]})"
+                                                   : R"("at": [0, 0], "axis": [1, 0]})";
+    EXPECT_EQ(with(2, "\"J\": {\"" + kind + R"(": ["a", "b"], )" + rest),
+              "scene: /joints/J/" + kind + ": " + kind +
+                  " joints are for 3D; in the plane there are revolute, prismatic and fixed");
+  }
 }
 
 TEST(JointFiles, NameWrongCoordinates) {
@@ -60,13 +122,81 @@ TEST(JointFiles, NameWrongCoordinates) {
   };
   const std::string two = joint + R"(, "K": {"revolute": ["a", "b"], "at": [1, 0]})";
   EXPECT_EQ(with(2, two, driven("J.displacement")),
-            "scene: /drivers/m/coordinate: joint 'J' is revolute and has no displacement");
+            "scene: /drivers/m/coordinate: joint 'J' is revolute and has no displacement; it has: angle");
+  EXPECT_EQ(with(2, two, driven("J.angel")),
+            "scene: /drivers/m/coordinate: joint 'J' is revolute and has no angel; it has: angle");
+  EXPECT_EQ(with(2, two, driven("J.angle.rate")),
+            "scene: /drivers/m/coordinate: joint 'J' is revolute and has no angle.rate; it has: angle");
+  EXPECT_EQ(with(2, two, driven("J")),
+            "scene: /drivers/m/coordinate: 'J' is a joint; write one of its coordinates, such as 'J.angle'");
+  EXPECT_EQ(with(2, two, driven("L.angle")),
+            "scene: /drivers/m/coordinate: there is no point, vector or constraint 'L'");
   EXPECT_EQ(with(2, two, driven("J.angle")), "accepted");
+  EXPECT_EQ(with(2, two, R"(, "measures": {"m": {"coordinate": "K.displacement"}})"),
+            "scene: /measures/m/coordinate: joint 'K' is revolute and has no displacement; it has: angle");
+  EXPECT_EQ(with(2, two, R"(, "outputs": ["J", "K.displacement"])"),
+            "scene: /outputs/1: joint 'K' is revolute and has no displacement; it has: angle");
+  EXPECT_EQ(with(2, two, R"(, "constraints": {"g": {"gear": ["J.angle", "K.displacement"], "ratio": 2}})"),
+            "scene: /constraints/g/gear/1: joint 'K' is revolute and has no displacement; it has: angle");
+  EXPECT_EQ(with(2, two, R"(, "constraints": {"g": {"gear": ["J.angle", "b"], "ratio": 2}})"),
+            "scene: /constraints/g/gear/1: 'b' is no coordinate of a joint; write JOINT.angle or JOINT.displacement");
+  EXPECT_EQ(with(2, two, R"(, "constraints": {"g": {"gear": ["J.angle", "J.angle"], "ratio": 2}})"),
+            "scene: /constraints/g/gear: both coordinates are 'J.angle'");
+  EXPECT_EQ(with(2, two, R"(, "drivers": {"m": {"coordinate": "K.angle", "law": {"constant": 0}},
+                             "n": {"coordinate": "K.angle", "law": {"constant": 1}}})"),
+            "scene: /drivers/n/coordinate: 'm' drives 'K.angle' already; use one driver for each motion");
+  const auto only = [&](const std::string& kind, const std::string& rest, const std::string& part) {
+    return with(3, "\"J\": {\"" + kind + R"(": ["ground", "a"], )" + rest + R"(, "K": {"fixed": ["a", "b"]})",
+                driven("J." + part));
+  };
+  const std::string at = R"("at": [0, 0, 0])", axis = R"("axis": [0, 0, 1]})";
+  EXPECT_EQ(only("prismatic", axis, "angle"),
+            "scene: /drivers/m/coordinate: joint 'J' is prismatic and has no angle; it has: displacement");
+  EXPECT_EQ(
+      only("cylindrical", at + ", " + axis, "displacment"),
+      "scene: /drivers/m/coordinate: joint 'J' is cylindrical and has no displacment; it has: angle, displacement");
+  EXPECT_EQ(only("spherical", at + "}", "angle"),
+            "scene: /drivers/m/coordinate: joint 'J' is spherical; only revolute, prismatic and cylindrical joints "
+            "have coordinates");
+}
+
+// Two joints of one pair of bodies may lock them.
+TEST(JointFiles, NameWhatOtherJointsLock) {
+  const std::string locked = R"("J": {"prismatic": ["ground", "a"], "axis": [1, 0]},
+                                "K": {"revolute": ["ground", "a"], "at": [0, 0]}, "L": {"fixed": ["a", "b"]})";
+  const std::string why = "joint 'J' cannot slide, because other joints hold both of its bodies";
+  EXPECT_EQ(with(2, locked), "accepted");
+  EXPECT_EQ(with(2, locked, R"(, "drivers": {"m": {"coordinate": "J.displacement", "law": {"polynomial": [0, 1]}}})"),
+            "scene: /drivers/m/coordinate: " + why);
+  EXPECT_EQ(with(2, locked, R"(, "measures": {"m": {"coordinate": "J.displacement"}})"),
+            "scene: /measures/m/coordinate: " + why);
+  EXPECT_EQ(with(2, locked, R"(, "outputs": ["K", "J.displacement"])"), "scene: /outputs/1: " + why);
+  // A door with two hinges on one axis, of which the second one may slide.
+  EXPECT_EQ(with(3, R"("J": {"cylindrical": ["ground", "a"], "at": [0, 0, 1], "axis": [0, 0, 1]},
+                       "K": {"revolute": ["ground", "a"], "at": [0, 0, 0], "axis": [0, 0, 1]}, "L": {"fixed": ["a", "b"]})",
+                 R"(, "drivers": {"m": {"coordinate": "K.angle", "law": {"polynomial": [0, 1]}}})"),
+            "accepted");
+}
+
+// Many wrong joints cost time in proportion to their number: only the first messages have a suggestion.
+TEST(JointFiles, ManyMistakesAreFoundInTime) {
+  std::string bodies, joints;
+  for (int i = 0; i < 20'000; ++i) {
+    const std::string k = std::to_string(i);
+    bodies += (i == 0 ? "\"b" : ", \"b") + k + "\": {}";
+    joints += (i == 0 ? "\"J" : ", \"J") + k + R"(": {"revolute": ["b)" + k + R"(", "c)" + k + R"("], "at": [0, 0]})";
+  }
+  const std::string refused = refusal(2, "\"bodies\": {" + bodies + "}, \"joints\": {" + joints + "}");
+  EXPECT_TRUE(refused.starts_with("scene: /joints/J0/revolute/1: there is no body 'c0'; did you mean 'b0'?"))
+      << refused.substr(0, 200);
+  EXPECT_TRUE(refused.ends_with("and 19000 more findings")) << refused.substr(refused.size() - 200);
 }
 
 TEST(JointFiles, ShareNamesWithAllKinds) {
   EXPECT_EQ(with(2, R"("a": {"revolute": ["a", "b"], "at": [0, 0]})"),
             "scene: /joints/a: 'a' is the name of something else already; all kinds share one set of names");
+  EXPECT_EQ(with(2, R"("J": {"revolute": ["ground", "a"], "at": [0, 0]})", R"(, "points": {"J": {"at": [0, 0]}})"),
+            "scene: /joints/J: 'J' is the name of something else already; all kinds share one set of names");
   EXPECT_EQ(refusal(2, R"("constraints": {"J": {"revolute": ["a", "b"], "at": [0, 0]}})"),
             "scene: /constraints/J/revolute: this is a joint; joints have a section of their own, \"joints\"");
 }

@@ -42,6 +42,7 @@ struct InspectOptions {
   bool range = false;
   std::string driver = {};  // the driver whose range is shown; empty: the only driver
   bool modes = false;       // shows the assembly modes of all groups instead
+  std::string write = {};   // file for the scene; empty: not written
 };
 
 // The assembly modes in which a motion starts.

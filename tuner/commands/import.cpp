@@ -60,6 +60,12 @@ void print_summary(const ImportedModel& model, const ImportOptions& options) {
   page.fact("scene", options.out.empty() ? "not written; --out FILE writes it" : options.out);
 }
 
+ImportedModel import(const Common& common, const std::string& file) {
+  ModelOptions options = common.model;
+  options.tables = common.tables;
+  return import_model(file, options);
+}
+
 }  // namespace
 
 Scene open(const Common& common, const std::string& scene, const Parameters& set, bool moves) {
@@ -70,7 +76,8 @@ Scene open(const Common& common, const std::string& scene, const Parameters& set
     }
     return open_scene(scene, set, common.tables);
   }
-  const ImportedModel model = import_model(scene, common.model);
+  if (!set.empty()) throw Error(Error::Kind::input, {{"--set", "a model of MuJoCo has no parameters"}}, scene);
+  const ImportedModel model = import(common, scene);
   if (moves && model.drivers.empty()) {
     std::vector<std::string> joints;
     for (const ImportedModel::Coordinate& c : model.coordinates) joints.push_back(c.joint);
@@ -80,7 +87,7 @@ Scene open(const Common& common, const std::string& scene, const Parameters& set
                                           : "; choose with --drive JOINT=LAW among: " + output::listed(joints))}},
                 scene);
   }
-  return parse_scene(model.scene, scene, std::filesystem::path(scene).parent_path(), set, common.tables);
+  return model.scene;
 }
 
 int import_scene(const Common& common, const ImportOptions& options) {
@@ -89,13 +96,11 @@ int import_scene(const Common& common, const ImportOptions& options) {
     throw Error(Error::Kind::input, {{"", "a model of MuJoCo is wanted here, a file that ends with .xml"}},
                 options.file);
   }
-  const ImportedModel model = import_model(options.file, common.model);
-  const std::filesystem::path beside = options.out.empty() ? options.file : options.out;
-  const Scene scene = parse_scene(model.scene, options.file, beside.parent_path(), {}, common.tables);
-  refuse_overwriting({{"--out", options.out}}, scene);
+  const ImportedModel model = import(common, options.file);
+  refuse_overwriting({{"--out", options.out}}, model.scene);
   if (!options.out.empty()) {
     output::Replacement out("--out", options.out);
-    out.stream() << model.scene;
+    out.stream() << write_scene(model.scene);
     out.put();
   }
   if (common.json) {

@@ -9,6 +9,7 @@
 #include "commands/commands.hpp"
 #include "commands/modes_report.hpp"
 #include "commands/structure_report.hpp"
+#include "output/replace_file.hpp"
 
 namespace assur::command {
 namespace {
@@ -17,6 +18,12 @@ StructureOptions asking_for(Formulation formulation) {
   StructureOptions options;
   options.formulation = formulation;
   return options;
+}
+
+void write(const Scene& scene, const std::string& file) {
+  output::Replacement out("--write", file);
+  out.stream() << write_scene(scene);
+  out.put();
 }
 
 // Incomplete answers are numerical failures.
@@ -35,9 +42,12 @@ int inspect_modes(const Common& common, const Scene& scene) {
 }  // namespace
 
 int inspect(const Common& common, const InspectOptions& options) {
+  refuse_overwriting(common, {{"--write", options.write}}, {options.scene});
   Scene scene = open(common, options.scene, common.set, false);
-  if (options.modes) return inspect_modes(common, scene);
+  refuse_overwriting({{"--write", options.write}}, scene);
   if (!options.outputs.empty()) scene = scene.with_outputs(options.outputs);
+  if (!options.write.empty()) write(scene, options.write);
+  if (options.modes) return inspect_modes(common, scene);
 
   const Structure structure = analyze(scene, asking_for(options.formulation));
   const output::Irreducible split = output::irreducible(options.formulation == Formulation::irreducible

@@ -114,8 +114,11 @@ void add_inspect(CLI::App& app, Invocation& call) {
           "Show how far a driver can go both ways")
       ->expected(0, 1)
       ->type_name("DRIVER");
+  CLI::Option* write = inspect.add_option("--write", call.inspect.write, "Write the scene to a file, joints as joints")
+                           ->type_name("FILE");
   add_common(inspect, call.common);
-  inspect.callback([&call, formulation] {
+  inspect.callback([&call, formulation, write] {
+    if (write->count() > 0 && call.inspect.write.empty()) throw CLI::ValidationError("--write", "expects a file name");
     if (call.inspect.modes && (!call.inspect.outputs.empty() || formulation->count() > 0 || call.inspect.range)) {
       throw CLI::ValidationError("--modes", "shows all groups; leave out --outputs, --formulation and --range");
     }

@@ -73,6 +73,7 @@ std::vector<std::size_t> Expansion::own_base(std::size_t s) const {
 void Expansion::settle(std::size_t s, const std::vector<std::size_t>& base) {
   const int self = static_cast<int>(s);
   based_on_[self] = base;
+  stood_on_.insert(base.begin(), base.end());
   for (const std::size_t i : solids_[s].features) {
     Feature& f = features_[i];
     if (std::find(base.begin(), base.end(), i) != base.end() || f.solid == self) continue;
@@ -101,6 +102,7 @@ bool Expansion::rests(const std::vector<std::size_t>& base, const Feature& f, do
 }
 
 bool Expansion::may_determine(int solid, std::size_t feature) const {
+  if (stood_on_.count(feature) == 0) return true;
   std::vector<int> path = {solid};
   std::set<int> seen = {solid};
   while (!path.empty()) {

@@ -8,6 +8,24 @@
 #include "scene/gear.hpp"
 
 namespace assur::joints {
+namespace {
+
+std::vector<std::string_view> coordinates_of(const Joint& j) {
+  if (std::holds_alternative<Cylindrical>(j.kind)) return {"angle", "displacement"};
+  if (std::holds_alternative<Revolute>(j.kind)) return {"angle"};
+  if (std::holds_alternative<Prismatic>(j.kind)) return {"displacement"};
+  return {};
+}
+
+// "joint 'J' is revolute and has no displacement; it has: angle"
+std::string no_such_part(const Joint& j, std::string_view kind, std::string_view part) {
+  const std::string front = "joint " + in_quotes(j.name) + " is " + std::string(kind);
+  const auto parts = coordinates_of(j);
+  if (parts.empty()) return front + "; only revolute, prismatic and cylindrical joints have coordinates";
+  return front + " and has no " + excerpt(part) + "; it has: " + list_of(parts);
+}
+
+}  // namespace
 
 Expansion::Coordinate Expansion::coordinate(const std::string& text, const Where& at) {
   const std::size_t dot = text.find('.');
@@ -18,27 +36,50 @@ Expansion::Coordinate Expansion::coordinate(const std::string& text, const Where
   const Joint* const j = found->second;
   const std::string part = text.substr(dot + 1, text.find('.', dot + 1) - dot - 1);
   if (part != "angle" && part != "displacement") return {};
-  const bool angle = part == "angle", cylinder = std::holds_alternative<Cylindrical>(j->kind);
-  const bool has = angle ? cylinder || std::holds_alternative<Revolute>(j->kind)
-                         : cylinder || std::holds_alternative<Prismatic>(j->kind);
-  if (!has) {
-    report(at, "joint " + in_quotes(name) + " is " + std::string(kind_of(*j)) + " and has no " + part);
+  const auto parts = coordinates_of(*j);
+  if (std::find(parts.begin(), parts.end(), part) == parts.end()) {
+    report(at, no_such_part(*j, kind_of(*j), part));
     return {};
   }
-  return {j, angle};
+  return {j, part == "angle"};
+}
+
+Expansion::Coordinate Expansion::scalar(const std::string& text, const Where& at) {
+  const std::size_t dot = text.find('.');
+  const auto found = joint_of_.find(text.substr(0, dot));
+  if (found == joint_of_.end()) return {};
+  const Joint& j = *found->second;
+  const auto parts = coordinates_of(j);
+  const std::string part = dot == text.npos ? "" : text.substr(dot + 1);
+  const bool is_near = !near_miss(part.substr(0, part.find('.')), {"angle", "displacement"}).empty();
+  if (part.empty() && !parts.empty()) {
+    report(at, in_quotes(text) + " is a joint; write one of its coordinates, such as " +
+                   in_quotes(j.name + "." + std::string(parts[0])));
+  } else if (part.empty() || (is_near && std::find(parts.begin(), parts.end(), part) == parts.end())) {
+    report(at, no_such_part(j, kind_of(j), part));
+  } else {
+    return coordinate(text, at);
+  }
+  return {};
 }
 
 void Expansion::read_coordinates() {
+  std::map<std::pair<const Joint*, bool>, std::string_view> driver_of;
   for (Driver& d : p_.drivers) {
     if (const auto* c = std::get_if<DrivenCoordinate>(&d.kind)) {
-      const Where here = Where("/drivers") / d.name;
-      const Coordinate of = coordinate(c->coordinate, here / "coordinate");
-      if (of.joint != nullptr) driven_.emplace_back(&d, of);
+      const Where here = Where("/drivers") / d.name / "coordinate";
+      const Coordinate of = scalar(c->coordinate, here);
+      if (of.joint == nullptr) continue;
+      if (const auto [first, is_new] = driver_of.emplace(std::pair(of.joint, of.is_angle), d.name); !is_new) {
+        report(here, in_quotes(first->second) + " drives " + in_quotes(c->coordinate) +
+                         " already; use one driver for each motion");
+      }
+      driven_.emplace_back(&d, of);
     }
   }
   for (Measure& m : p_.measures) {
     if (const auto* c = std::get_if<MeasuredCoordinate>(&m.kind)) {
-      const Coordinate of = coordinate(c->coordinate, Where("/measures") / m.name / "coordinate");
+      const Coordinate of = scalar(c->coordinate, Where("/measures") / m.name / "coordinate");
       if (of.joint != nullptr) measured_.emplace_back(&m, of);
     }
   }
@@ -69,14 +110,11 @@ void Expansion::read_gear(std::size_t constraint, const Gear& gear) {
   Geared g{constraint, {}, gear.ratio};
   for (std::size_t side = 0; side < 2; ++side) {
     const std::string& name = side == 0 ? gear.a : gear.b;
-    const std::size_t before = findings_.size();
     g.sides[side] = coordinate(name, here / "gear" / side);
     const bool is_part = name.find('.') != name.rfind('.');
     if (g.sides[side].joint != nullptr && !is_part) continue;
-    if (findings_.size() == before) {
-      report(here / "gear" / side,
-             in_quotes(name) + " is no coordinate of a joint; write JOINT.angle or JOINT.displacement");
-    }
+    report(here / "gear" / side,
+           in_quotes(name) + " is no coordinate of a joint; write JOINT.angle or JOINT.displacement");
     return;
   }
   if (gear.a == gear.b) return report(here / "gear", "both coordinates are " + in_quotes(gear.a));
@@ -137,7 +175,9 @@ std::size_t Expansion::point_of(const Revolute& r, const Joint& j) const {
 
 double Expansion::arm_length(const Triple& at) const {
   std::vector<double> lengths;
-  for (const Feature& f : features_) {
+  const std::size_t stride = features_.size() / kSearched + 1;
+  for (std::size_t i = 0; i < features_.size(); i += stride) {
+    const Feature& f = features_[i];
     if (f.is_point && !is_same(f.at, at)) lengths.push_back(triple::norm(minus(f.at, at)));
   }
   if (lengths.empty()) return 1;
@@ -173,3 +213,18 @@ void Expansion::between(const Joint& j) {
 }
 
 }  // namespace assur::joints
+
+namespace assur {
+
+bool asks_for_coordinate(const std::vector<Joint>& joints, const std::vector<std::string>& outputs) {
+  std::set<std::string_view> asked;
+  for (const std::string_view text : outputs) {
+    const std::size_t dot = text.find('.');
+    if (dot == text.npos) continue;
+    const std::string_view part = text.substr(dot + 1, text.find('.', dot + 1) - dot - 1);
+    if (part == "angle" || part == "displacement") asked.insert(text.substr(0, dot));
+  }
+  return std::any_of(joints.begin(), joints.end(), [&](const Joint& j) { return asked.count(j.name) != 0; });
+}
+
+}  // namespace assur

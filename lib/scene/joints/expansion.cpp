@@ -7,19 +7,13 @@
 namespace assur::joints {
 
 std::vector<Diagnostic> Expansion::run() {
-  const auto has_rigid = [](const Body& b) { return !b.rigid.empty(); };
-  const auto is_gear = [](const Constraint& c) { return c.as<Gear>() != nullptr; };
-  if (p_.joints.empty() && std::none_of(p_.bodies.begin(), p_.bodies.end(), has_rigid) &&
-      std::none_of(p_.constraints.begin(), p_.constraints.end(), is_gear)) {
-    return {};
-  }
-  if (p_.dimension != 2 && p_.dimension != 3) return {};
+  if (!has_joints(p_)) return {};
   index_names();
   make_solids();
   place_features();
   read_coordinates();
   share_features();
-  if (!findings_.empty()) return give_up();
+  if (is_broken_) return give_up();
   place_slides();
   place_angles();
   share_sides();
@@ -28,9 +22,17 @@ std::vector<Diagnostic> Expansion::run() {
     if (solids_[s].is_rigid()) settle(s, own_base(s));
   }
   for (const std::size_t s : order()) choose_base(s);
-  if (!findings_.empty()) return give_up();
+  check_slides();
+  if (is_broken_) return give_up();
   write();
   return {};
+}
+
+void Expansion::report(const Where& at, std::string what) {
+  is_broken_ = true;
+  if (known_.at_or_above(at.text()) || known_.at_or_below(at.text())) return;
+  findings_.push_back({at.text(), std::move(what)});
+  known_.add(findings_.back());
 }
 
 std::vector<Diagnostic> Expansion::give_up() {
@@ -122,10 +124,12 @@ std::size_t Expansion::body(const Joint& j, const std::string& name, std::size_t
   if (const auto found = body_of_.find(name); found != body_of_.end()) return found->second;
   if (name == kGround) return p_.bodies.size();
   std::vector<std::string_view> names;
-  for (const Body& b : p_.bodies) names.push_back(b.name);
-  names.push_back(kGround);
+  if (suggestions_left_ > 0) {
+    for (const Body& b : p_.bodies) names.push_back(b.name);
+    names.push_back(kGround);
+  }
   const std::string_view kind = kind_of(j);
-  report(where(j) / kind / side, "there is no body " + in_quotes(name) + known_instead(name, names));
+  report(where(j) / kind / side, "there is no body " + in_quotes(name) + instead(name, names));
   return std::numeric_limits<std::size_t>::max();
 }
 
@@ -227,6 +231,14 @@ bool Expansion::to_ground(const Body& b, const Member& m, bool is_point, Triple&
 }  // namespace assur::joints
 
 namespace assur {
+
+bool has_joints(const JointParts& parts) {
+  if (parts.dimension != 2 && parts.dimension != 3) return false;
+  const auto has_rigid = [](const Body& b) { return !b.rigid.empty(); };
+  const auto is_gear = [](const Constraint& c) { return c.as<Gear>() != nullptr; };
+  return !parts.joints.empty() || std::any_of(parts.bodies.begin(), parts.bodies.end(), has_rigid) ||
+         std::any_of(parts.constraints.begin(), parts.constraints.end(), is_gear);
+}
 
 std::vector<Diagnostic> expand_joints(JointParts parts) { return joints::Expansion(parts).run(); }
 

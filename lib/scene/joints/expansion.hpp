@@ -19,6 +19,7 @@
 #include "numbers.hpp"
 #include "scene/joints/joints.hpp"
 #include "scene/names.hpp"
+#include "scene/symbols.hpp"
 #include "scene/triple.hpp"
 
 namespace assur::joints {
@@ -29,6 +30,8 @@ inline constexpr double kExactly = 16 * kEps;   // relative: equal except for ro
 inline constexpr double kSquare = 1e-6;         // largest dot product of the axes of a universal joint, as of frames
 inline constexpr double kWellApart = 0.1;       // sine of the angle between the directions of a good base
 inline constexpr double kSomewhatApart = 1e-6;  // and of any base
+
+inline constexpr std::size_t kSearched = 1000;  // features of a body among which one is looked for, or a length sampled
 
 inline constexpr int kNobody = -1;
 inline constexpr Index kLast = std::numeric_limits<Index>::max();
@@ -98,7 +101,7 @@ struct Slide {
 // The steps of expand_joints(), in the order of run(). Each section is a file of this folder.
 class Expansion {
  public:
-  explicit Expansion(JointParts parts) : p_(parts) {}
+  explicit Expansion(JointParts parts) : p_(parts), known_(parts.found) {}
   std::vector<Diagnostic> run();
 
  private:
@@ -106,7 +109,11 @@ class Expansion {
     return b.name == kGround || !b.origin.empty() || !b.base.empty() || !b.frame.empty();
   }
   static Where where(const Joint& j) { return Where("/joints") / j.name; }
-  void report(const Where& at, std::string what) { findings_.push_back({at.text(), std::move(what)}); }
+  // The end of a message about an unknown name. Only the first messages have one: it compares all names.
+  std::string instead(std::string_view word, const std::vector<std::string_view>& names) {
+    return suggestions_left_-- > 0 ? known_instead(word, names) : "";
+  }
+  void report(const Where& at, std::string what);
   [[nodiscard]] bool in_space() const { return p_.dimension == 3; }
   // Bodies without a base must not be reported again.
   std::vector<Diagnostic> give_up();
@@ -135,15 +142,17 @@ class Expansion {
   bool to_ground(const Body& b, const Member& m, bool is_point, Triple& out) const;
 
   // ---- features that joints share (sharing.cpp)
-  // The feature of an anchor, on one or two solids. name: name of a new feature.
-  std::size_t anchor(const Joint& j, std::string_view key, const Anchor& a, bool is_point, std::string name,
+  // The feature of an anchor at a place of the scene, on one or two solids. name: name of a new feature.
+  std::size_t anchor(const Joint& j, const Where& here, const Anchor& a, bool is_point, std::string name,
                      std::initializer_list<int> solids);
   void share(const Joint& j, const Where& here, int s, std::size_t feature);
   void share_features();
   void share(const Joint& j, const Revolute& r, int a, int b);
   void share(const Joint& j, const Prismatic& r, int a, int b);
   void share(const Joint& j, const Cylindrical& r, int a, int b);
-  void share(const Joint& j, const Spherical& r, int a, int b) { anchor(j, "at", r.at, true, j.name, {a, b}); }
+  void share(const Joint& j, const Spherical& r, int a, int b) {
+    anchor(j, where(j) / "at", r.at, true, j.name, {a, b});
+  }
   void share(const Joint& j, const Universal& r, int a, int b);
   void share(const Joint& j, const Planar& r, int a, int b);
   void share(const Joint&, const Fixed&, int, int) {}
@@ -155,6 +164,11 @@ class Expansion {
   [[nodiscard]] bool is_on_line(const Feature& f, const Triple& at, const Triple& axis, double share = kSame) const;
   // The sliding point belongs to the second body; takes an existing point if possible.
   void place_slides();
+  // Reports a driver or measure of a joint that other joints lock.
+  void check_slides();
+  [[nodiscard]] bool is_locked(const Slide& s) const {
+    return features_[s.point].fixed && features_[s.origin].fixed && features_[s.axis].fixed;
+  }
   // A prismatic joint keeps a second direction, unless nothing depends on it: a body whose features are all on the line
   // of the joint may turn, if it does not lead the turn of one body to another.
   void share_sides();
@@ -166,6 +180,8 @@ class Expansion {
   };
   // "J.angle", "J.displacement", also with ".rate" and the like; null joint: the text names no coordinate of a joint.
   Coordinate coordinate(const std::string& text, const Where& at);
+  // The same for drivers and measures, which may also name a coordinate of the point J.
+  Coordinate scalar(const std::string& text, const Where& at);
   struct Geared {
     std::size_t constraint;
     std::array<Coordinate, 2> sides;
@@ -224,7 +240,10 @@ class Expansion {
   void write_coordinates();
 
   JointParts p_;
+  Known known_;
   std::vector<Diagnostic> findings_;
+  bool is_broken_ = false;  // something was or would have been reported
+  int suggestions_left_ = 100;
   std::map<std::string, std::size_t, std::less<>> body_of_;
   std::unordered_map<std::string, const Joint*> joint_of_;
   std::vector<Solid> solids_;
@@ -248,6 +267,7 @@ class Expansion {
   std::map<const Driver*, std::pair<std::size_t, std::size_t>> arms_;  // features: centre, end
   std::map<std::size_t, std::vector<std::size_t>> base_;               // of solids: features
   std::map<int, std::vector<std::size_t>> based_on_;                   // of all settled solids: features
+  std::set<std::size_t> stood_on_;                                     // features of these bases
   std::vector<Tie> ties_;
   std::set<std::string> gone_;  // bodies that have no motion of their own, or none that is computed
 };

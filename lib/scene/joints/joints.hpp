@@ -22,8 +22,14 @@ struct JointParts {
   std::vector<Limit>& limits;
   std::vector<std::string>& outputs;
   std::vector<Diagnostic>& warnings;
-  std::vector<std::string>& without_frame;  // receives the names of bodies that had no base
+  const std::vector<Diagnostic>& found;  // earlier findings; nothing else is reported at, above or below their places
 };
+
+// True if there is something to expand.
+[[nodiscard]] bool has_joints(const JointParts& parts);
+
+// True if an output asks for a coordinate of a joint.
+[[nodiscard]] bool asks_for_coordinate(const std::vector<Joint>& joints, const std::vector<std::string>& outputs);
 
 // Expands all joints, all gears, and all bodies that only joints or `rigid` define. Returns findings; then the lists
 // are as they were, and the findings mark the bodies that have no base.

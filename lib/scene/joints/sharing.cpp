@@ -9,19 +9,21 @@
 
 namespace assur::joints {
 
-std::size_t Expansion::anchor(const Joint& j, std::string_view key, const Anchor& a, bool is_point, std::string name,
+std::size_t Expansion::anchor(const Joint& j, const Where& here, const Anchor& a, bool is_point, std::string name,
                               std::initializer_list<int> solids) {
   std::size_t feature = 0;
-  const Where here = where(j) / key;
   if (const auto* given = std::get_if<std::string>(&a)) {
     const auto found = feature_of_.find(*given);
     if (found == feature_of_.end() || features_[found->second].is_point != is_point) {
+      const std::string wanted = is_point ? "point" : "unit vector";
       std::vector<std::string_view> names;
       for (const Feature& f : features_) {
-        if (f.is_point == is_point) names.push_back(f.name);
+        if (suggestions_left_ > 0 && f.is_point == is_point) names.push_back(f.name);
       }
-      report(here, std::string("there is no ") + (is_point ? "point " : "unit vector ") + in_quotes(*given) +
-                       known_instead(*given, names));
+      report(here,
+             found != feature_of_.end()
+                 ? in_quotes(*given) + (is_point ? " is a vector; a " : " is a point; a ") + wanted + " is wanted here"
+                 : "there is no " + wanted + " " + in_quotes(*given) + instead(*given, names));
       return add({std::move(name), is_point, {1, 0, 0}});
     }
     feature = found->second;
@@ -32,7 +34,7 @@ std::size_t Expansion::anchor(const Joint& j, std::string_view key, const Anchor
       report(here, "the coordinates must be finite");
       at = {1, 0, 0};
     } else if (!is_point && triple::norm(at) == 0) {
-      report(here, std::string(key == "normal" ? "the normal" : "the axis") +
+      report(here, std::string(here.text().ends_with("/normal") ? "the normal" : "the axis") +
                        " is zero or missing; give a direction, e.g. [0, 0, 1]");
       at = {1, 0, 0};
     } else if (!in_space() && at[2] != 0) {
@@ -74,39 +76,41 @@ void Expansion::share_features() {
 }
 
 void Expansion::share(const Joint& j, const Revolute& r, int a, int b) {
-  anchor(j, "at", r.at, true, j.name, {a, b});
+  anchor(j, where(j) / "at", r.at, true, j.name, {a, b});
   const auto* axis = std::get_if<Triple>(&r.axis);
   if (in_space()) {
-    axis_of_[&j] = anchor(j, "axis", r.axis, false, j.name + ".axis", {a, b});
+    axis_of_[&j] = anchor(j, where(j) / "axis", r.axis, false, j.name + ".axis", {a, b});
   } else if (axis == nullptr || *axis != Triple{}) {
     report(where(j) / "axis", "in the plane every axis is the normal; leave \"axis\" out");
   }
 }
 
 void Expansion::share(const Joint& j, const Prismatic& r, int a, int b) {
-  axis_of_[&j] = anchor(j, "axis", r.axis, false, j.name + ".axis", {a, b});
+  axis_of_[&j] = anchor(j, where(j) / "axis", r.axis, false, j.name + ".axis", {a, b});
   slides_.push_back({&j, a, b, axis_of_[&j]});
 }
 
 void Expansion::share(const Joint& j, const Cylindrical& r, int a, int b) {
-  axis_of_[&j] = anchor(j, "axis", r.axis, false, j.name + ".axis", {a, b});
+  axis_of_[&j] = anchor(j, where(j) / "axis", r.axis, false, j.name + ".axis", {a, b});
   slides_.push_back({&j, a, b, axis_of_[&j], false, true, &r.at});
 }
 
 void Expansion::share(const Joint& j, const Universal& r, int a, int b) {
-  anchor(j, "at", r.at, true, j.name, {a, b});
-  const std::size_t d = anchor(j, "axes/0", r.axis_a, false, j.name + ".axis_a", {a});
-  const std::size_t e = anchor(j, "axes/1", r.axis_b, false, j.name + ".axis_b", {b});
+  anchor(j, where(j) / "at", r.at, true, j.name, {a, b});
+  const std::size_t d = anchor(j, where(j) / "axes" / std::size_t{0}, r.axis_a, false, j.name + ".axis_a", {a});
+  const std::size_t e = anchor(j, where(j) / "axes" / std::size_t{1}, r.axis_b, false, j.name + ".axis_b", {b});
   const double cosine = triple::dot(features_[d].at, features_[e].at);
   if (d == e || !(std::abs(cosine) <= kSquare)) {
+    const bool are_parallel = sine(features_[d].at, features_[e].at) <= kSquare;
     report(where(j) / "axes",
-           "the axes have the dot product " + general(cosine, 6) + "; those of a universal joint are at right angles");
+           (are_parallel ? "the axes are parallel" : "the axes have the dot product " + general(cosine, 6)) +
+               "; those of a universal joint are at right angles");
   }
   crossings_.push_back({&j, d, e});
 }
 
 void Expansion::share(const Joint& j, const Planar& r, int a, int b) {
-  const std::size_t n = anchor(j, "normal", r.normal, false, j.name + ".normal", {a, b});
+  const std::size_t n = anchor(j, where(j) / "normal", r.normal, false, j.name + ".normal", {a, b});
   slides_.push_back({&j, a, b, n, true, true});
 }
 
@@ -125,15 +129,17 @@ void Expansion::place_slides() {
     std::size_t given = features_.size();
     Triple at{};
     if (s.at != nullptr) {
-      given = anchor(j, "at", *s.at, true, j.name, {});
+      given = anchor(j, where(j) / "at", *s.at, true, j.name, {});
       at = features_[given].at;
     }
     const auto serves = [&](std::size_t i) {
       const Feature& f = features_[i];
       return f.is_point && f.wanted && (s.at == nullptr || is_on_line(f, at, axis));
     };
-    const auto own = std::find_if(second.features.begin(), second.features.end(), serves);
-    if (own != second.features.end()) {
+    const auto last =
+        second.features.begin() + static_cast<std::ptrdiff_t>(std::min(second.features.size(), kSearched));
+    const auto own = std::find_if(second.features.begin(), last, serves);
+    if (own != last) {
       s.point = *own;
     } else {
       if (s.at == nullptr) {
@@ -148,6 +154,27 @@ void Expansion::place_slides() {
     }
     s.origin = add({j.name + ".origin", true, features_[s.point].at});
     share(j, where(j), s.a, s.origin);
+  }
+}
+
+void Expansion::check_slides() {
+  const auto refuse = [&](const Coordinate& of, const Where& at) {
+    for (const Slide& s : slides_) {
+      if (of.is_angle || s.joint != of.joint || !is_locked(s)) continue;
+      report(at, "joint " + in_quotes(of.joint->name) + " cannot slide, because other joints hold both of its bodies");
+    }
+  };
+  if (std::none_of(slides_.begin(), slides_.end(), [&](const Slide& s) { return is_locked(s); })) return;
+  for (const auto& [d, of] : driven_) refuse(of, Where("/drivers") / d->name / "coordinate");
+  for (const auto& [m, of] : measured_) refuse(of, Where("/measures") / m->name / "coordinate");
+  for (const Geared& g : geared_) {
+    for (std::size_t side = 0; side < 2; ++side) {
+      refuse(g.sides[side], Where("/constraints") / p_.constraints[g.constraint].name / "gear" / side);
+    }
+  }
+  for (std::size_t i = 0; i < p_.outputs.size(); ++i) {
+    const Where at = Where("/outputs") / i;
+    if (const Coordinate of = coordinate(p_.outputs[i], at); of.joint != nullptr) refuse(of, at);
   }
 }
 

@@ -49,8 +49,11 @@ void Expansion::write() {
     for (Member& m : vectors[b.name]) b.vectors.push_back(std::move(m));
   }
   std::erase_if(p_.bodies, [&](const Body& b) { return gone_.count(b.name) != 0; });
-  for (const Slide& s : slides_) write(s);
+  for (const Slide& s : slides_) {
+    if (!is_locked(s)) write(s);
+  }
   for (const auto& [j, d, e] : crossings_) {
+    if (features_[d].fixed && features_[e].fixed) continue;
     p_.constraints.push_back({j->name + ".cross", Dot{features_[d].name, features_[e].name, 0.0}});
   }
   write_coordinates();
@@ -100,7 +103,6 @@ void Expansion::set_base(std::size_t s, const std::set<std::string>& still) {
   for (const std::size_t b : solid.bodies) {
     Body& body = p_.bodies[b];
     if (has_base(body)) continue;
-    if (based == nullptr) p_.without_frame.push_back(body.name);
     body.rigid.clear();
     const auto is_elsewhere = [&](const Member& m) { return still.count(m.name) == 0; };
     std::erase_if(body.points, is_elsewhere);
