@@ -71,8 +71,8 @@ class Ensemble {
 
   // `member` prepares the i-th variant, i = 0, 1, ...; the constructor calls it in this order on the calling thread. An
   // Error of kind input or numerical that it throws becomes the outcome of that member; if no member can be prepared,
-  // the constructor throws the first of these errors. Drivers that are controlled follow their laws. The first member
-  // that can be prepared gives the plan: W members run in the lanes of a pack, and P threads take packs in turn.
+  // the constructor throws the first of these errors. In an ensemble, controlled drivers follow their laws. The first
+  // member that can be prepared gives the plan: W members run in the lanes of a pack, and P threads take packs in turn.
   // Members with another structure or start time run alone. So do members with callbacks, unless they are copies of one
   // Prepared. A member whose outputs differ from those of the first cannot take part. Throws Error: input for no
   // members, for limits as in Simulator, and for a deadline among them; environment if a backend of the plan cannot run

@@ -71,7 +71,7 @@ template <class Kind, class... Keys>
 struct Row {
   using Struct = Kind;
   std::tuple<Keys...> keys;                    // the first one gives the kind
-  std::array<std::string_view, 2> unknowns{};  // of a constraint: "lambda" is NAME.lambda
+  std::array<std::string_view, 2> unknowns{};  // those that a constraint adds: "lambda" is NAME.lambda
   std::string_view not_in_the_plane = {};      // reason why a plane scene cannot have it
 
   [[nodiscard]] constexpr std::string_view name() const { return std::get<0>(keys).name; }

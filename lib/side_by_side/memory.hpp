@@ -9,8 +9,8 @@ namespace assur {
 // Throws Error (environment) if the results need more memory than is free.
 void check_memory(std::size_t rows, std::size_t columns);
 
-// Maps the pages of reserved memory before they are written, 16 MB at once. A page that is mapped by the first write to
-// it takes 1 us, which is much compared with a step.
+// Maps the pages of reserved memory before they are written, 16 MB at once. Mapping a page at the first write to it
+// takes 1 us, often longer than a step.
 class PagesAhead {
  public:
   explicit PagesAhead(const std::vector<double>& room) : begin_(room.data()), capacity_(room.capacity()) {}

@@ -148,7 +148,7 @@ void OutputProgram::arm(std::size_t i, const double* q, double& x, double& y) co
 double OutputProgram::size_of_arm(std::size_t i, const double* q) const {
   const Part& part = parts_[angles_[i]];
   double size = 1;
-  for (std::int32_t f = part.forms_begin; f < part.forms_end; f += dimension_) {  // a vector each
+  for (std::int32_t f = part.forms_begin; f < part.forms_end; f += dimension_) {  // f: first form of each vector
     double largest = 0;
     for (std::int32_t k = f; k < f + dimension_ && k < part.forms_end; ++k) {
       double sum = 0;

@@ -161,7 +161,7 @@ TEST(Ensemble, RefusesInvalidArguments) {
   EXPECT_THROW((void)ensemble(3, four_bar, "groups/nobody"), Error);
 }
 
-TEST(Ensemble, RunsOverOwnTimesRepeatedly) {
+TEST(Ensemble, RunsTwiceOverGivenTimes) {
   Ensemble e = ensemble(5, four_bar);
   const std::vector<double> times = {0, 0.01, 0.01, 0.03, 0.04, 0.04, 0.06};
   const EnsembleTrajectory all = e.run(times);

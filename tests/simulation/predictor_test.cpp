@@ -110,8 +110,8 @@ TEST(Predictor, KeepsTheWeightsOfEqualSteps) {
 }
 
 // Newton's method ends at the same posture for every prediction, up to residuals of 8 eps times the worst condition of
-// the turn. The sine between coupler and rocker is at least 0.44, and the errors of ten loops add up. Rates have the
-// square of the condition.
+// the turn. The sine between coupler and rocker is at least 0.44, and the errors of ten loops add up. The errors
+// of rates grow with the square of the condition.
 TEST(Predictor, DoesNotChangeTheResult) {
   const Scene scene = sample("four_bar:loops=10,step=0.002,steps=500");
   const Result reference = test::run(scene, "groups/eigen");

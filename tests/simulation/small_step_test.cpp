@@ -13,8 +13,8 @@
 namespace assur {
 namespace {
 
-// Both are within 8 eps of the same posture, times the largest condition of a group, 23 (legs of the platform). Rates
-// have the square of the condition.
+// Both are within 8 eps of the same posture, times the largest condition of a group, 23 (legs of the platform). The
+// errors of rates grow with the square of the condition.
 constexpr double kTolerance = 2 * 8 * 23 * 23 * kEps;
 
 struct State {
