@@ -59,7 +59,7 @@ class Mechanism {
     blocks_ = std::move(p.blocks);
     const bool is_singular = !found.undetermined.empty();
     if (is_singular || !found.cannot_assemble.empty()) {
-      // A group without a posture, or at a fold. The equations before any was dropped decide the groups.
+      // A group without a posture, or at a fold. The groups come from all equations, also the dropped ones.
       blocks_ = decompose(s_, solving(), unknowns);
       checks_.clear();
       if (!blocks_.square() && is_singular) {

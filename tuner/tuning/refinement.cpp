@@ -14,8 +14,8 @@ namespace assur::tuning {
 namespace {
 
 constexpr std::size_t kAtOnce = 6;     // cells between two models
-constexpr double kWorthGoingOn = 0.9;  // the mean regret falls if it is below this share of the least one so far ...
-constexpr double kOfNoAccount = 1e-3;  // ... and lower by at least this
+constexpr double kWorthGoingOn = 0.9;  // the mean regret falls if it is below this share of the least one so far
+constexpr double kOfNoAccount = 1e-3;  // and if it is below the least one so far by more than this
 constexpr int kModelsWithoutFall = 3;  // ends after this many models in a row without a fall
 constexpr double kNeighbours = 1.12;   // least ratio of neighbouring sizes
 
