@@ -1,5 +1,6 @@
 // Strategies: ways to solve a scene. Each one has a text form, which parse_strategy() and to_string() convert:
-//   formulation/backend[:W][+float][+refine][+reuse=step|run][+once|+separate][+predict=PREDICTOR][+chunks=C] [PxQ]
+//   formulation/backend[:W][+float][+refine][+reuse=step|run][+once|+separate][+together][+predict=PREDICTOR]
+//   [+chunks=C] [PxQ]
 // with W = 1, 2, 4, 8 or 16 and PREDICTOR = taylor:0..2 | hermite:5 | past:0..5,
 // e.g. "irreducible/klu+once+predict=hermite:5". docs/strategies.md explains each part.
 #pragma once
@@ -57,6 +58,9 @@ struct SolverSettings {
 // Settings for all groups of a run.
 struct RunSettings {
   Formulation formulation = Formulation::groups;  // division of the equations into systems
+  // +together: the groups of all levels are linearised and factorised side by side, and only their coupling runs
+  // through the levels; changes the last bits of the motion
+  bool together = false;
   Predictor predictor = {};                       // extrapolation to the next time
   std::int32_t chunks = 1;   // C: pieces of the time grid that run side by side; changes the last bits of the motion
   std::int32_t threads = 1;  // P: packs that are solved at once; the motion is bitwise identical for every P

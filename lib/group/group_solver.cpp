@@ -78,12 +78,16 @@ bool GroupSolver::small_step(Pack& pack, double* const (&state)[3], const Attemp
   errors = {figures.position, figures.velocity, figures.acceleration};
   pack.keep_use(attempt.number);
   if (BranchGuard::stays_inside(figures.ball_used, pack.ball_used[0])) return true;
+  status = renew_anchor(pack, state, attempt, counters);
+  return true;
+}
+
+Status GroupSolver::renew_anchor(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters) {
   pack.keep_anchor(attempt.number);
   small_step_->choose_pivots(pack, state[0]);
   work_.set_inputs(pack, state[0]);
   work_.evaluate(state[0] + pack.unknowns);
-  status = guard_.check(pack, state, attempt, counters);
-  return true;
+  return guard_.check(pack, state, attempt, counters);
 }
 
 }  // namespace assur

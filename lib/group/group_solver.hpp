@@ -14,6 +14,7 @@
 #include "group/newton_step.hpp"
 #include "group/singularity.hpp"
 #include "group/small_step.hpp"
+#include "group/together_step.hpp"
 #include "group/workspace.hpp"
 
 namespace assur {
@@ -50,6 +51,16 @@ class GroupSolver {
   [[nodiscard]] Singularity diagnose(const Pack& pack, double* const (&state)[3]) {
     return nearest_singularity(work_, guard_.blocks(), pack, state);
   }
+
+  // The step of all groups of the class at once, W of them in a pack. computed: see make_together_step().
+  [[nodiscard]] std::unique_ptr<TogetherStep> together_step(std::span<const std::uint8_t> computed, int lanes) const {
+    return make_together_step(work_.group_class, work_.program, guard_.blocks(), computed, lanes);
+  }
+  // For a pack that another step solved: makes its posture the anchor if the next step may leave the ball. Fails if the
+  // posture is not known to be on the branch.
+  [[nodiscard]] Status renew_anchor(Pack& pack, double* const (&state)[3], const Attempt& attempt, Counters& counters);
+  // Relative residual of a solved pack, as exactly as it can be measured.
+  [[nodiscard]] double residual_of(const Pack& pack, const double* state) { return step_.residual_of(pack, state); }
 
   // ErrorProbe at a solved posture.
   [[nodiscard]] bool perturb(Pack& pack, const double* const (&state)[3], Probes probes, std::uint64_t seed) {

@@ -54,25 +54,43 @@ class Coefficients {
     for (double* zeros : {linear_, linear_magnitude_}) std::fill_n(zeros, N * N * W, 0.0);
   }
 
+  // kMeasure: also the magnitudes, for scales of equations.
+  template <bool kMeasure = true>
   HWY_INLINE void set_inputs(const Pack& pack, const double* state) {
-    k_ = pack.coefficients.data();
-    for (std::int32_t i = 0; i < p_.inputs; ++i) input(pack, i, state).store(at(kValue, N + i));
+    turn_to(pack);
+    for (std::int32_t i = 0; i < p_.inputs; ++i) {
+      input(pack.input_rows.data(), pack.inputs.data(), i, state).store(at(kValue, N + i));
+    }
     for (const Program::Form& f : p_.forms) {
       L total = L::set(0), magnitude = L::set(0);
       const Program::Operand* const end = p_.operands.data() + f.unknowns;
       for (const Program::Operand* o = p_.operands.data() + f.begin; o != end; ++o) {
         const L term = k(o->coefficient) * get(kValue, o->reg);
         total = total + term;
-        magnitude = magnitude + abs(term);
+        if (kMeasure) magnitude = magnitude + abs(term);
       }
       total.store(at(kValue, f.reg));
-      magnitude.store(at(kMagnitude, f.reg));
+      if (kMeasure) magnitude.store(at(kMagnitude, f.reg));
     }
-    set_known();
-    if (!e_.linear.empty()) set_linear();
+    set_known<kMeasure>();
+    if (!e_.linear.empty()) set_linear<kMeasure>();
   }
-  HWY_INLINE void set_rates(const Pack& pack, const double* state) { derive<kRate>(pack, state); }
-  HWY_INLINE void set_accelerations(const Pack& pack, const double* state) { derive<kAcceleration>(pack, state); }
+  HWY_INLINE void set_rates(const InputRow* rows, const std::int32_t* addresses, const double* state) {
+    derive<kRate>(rows, addresses, state);
+  }
+  HWY_INLINE void set_accelerations(const InputRow* rows, const std::int32_t* addresses, const double* state) {
+    derive<kAcceleration>(rows, addresses, state);
+  }
+  HWY_INLINE void set_rates(const Pack& pack, const double* state) {
+    set_rates(pack.input_rows.data(), pack.inputs.data(), state);
+  }
+  HWY_INLINE void set_accelerations(const Pack& pack, const double* state) {
+    set_accelerations(pack.input_rows.data(), pack.inputs.data(), state);
+  }
+  // The next calls are about this pack. set_inputs() includes it.
+  HWY_INLINE void turn_to(const Pack& pack) { k_ = pack.coefficients.data(); }
+  // A coefficient of the program in all lanes.
+  HWY_INLINE L coefficient(std::int32_t i) const { return k(i); }
 
   [[nodiscard]] bool may_vanish() const { return !e_.linear.empty(); }
   HWY_INLINE L s(int i, int j) const { return k(square(i, j).s); }
@@ -116,8 +134,8 @@ class Coefficients {
     for (int i = 0; i < N; ++i) rhs[i] = rhs[i] - L::load(sum + i * W);
   }
 
-  // Largest over the lanes of omega * largest |coordinate - anchor|: see PackKernels.
-  HWY_INLINE double ball_use(const Pack& pack, std::span<const std::int32_t> coordinates, const L (&x)[N]) {
+  // omega * largest |coordinate - anchor|: see PackKernels.
+  HWY_INLINE L ball_use(const Pack& pack, std::span<const std::int32_t> coordinates, const L (&x)[N]) {
     for (int j = 0; j < N; ++j) x[j].store(at(kValue, j));
     L moved = L::set(0), poison = L::set(0);
     const double* anchor = pack.anchor.data();
@@ -127,7 +145,7 @@ class Coefficients {
       poison.add_product(by, L::set(0));
       anchor += W;
     }
-    return (if_positive(moved, moved * L::load(pack.omega.data()), moved) + poison).largest();
+    return if_positive(moved, moved * L::load(pack.omega.data()), moved) + poison;
   }
 
  private:
@@ -138,34 +156,37 @@ class Coefficients {
   HWY_INLINE const Separable::Square& square(int i, int j) const {
     return e_.squares[static_cast<std::size_t>(i * N + j)];
   }
-  HWY_INLINE L input(const Pack& pack, std::int32_t i, const double* state) const {
-    return gather_input<W>(pack.input_rows[static_cast<std::size_t>(i)], pack.inputs.data() + i * W, state);
+  static HWY_INLINE L input(const InputRow* rows, const std::int32_t* addresses, std::int32_t i, const double* state) {
+    return gather_input<W>(rows[i], addresses + i * W, state);
   }
   // Sum of the magnitudes of the terms of a register; of a coordinate, its magnitude.
   HWY_INLINE L magnitude(std::int32_t reg) const {
     return reg > p_.one() ? get(kMagnitude, reg) : abs(get(kValue, reg));
   }
 
+  template <bool kMeasure>
   HWY_INLINE void set_known() {
     for (int i = 0; i < N; ++i) {
       L::set(0).store(known_ + i * W);
-      L::set(0).store(known_magnitude_ + i * W);
+      if (kMeasure) L::set(0).store(known_magnitude_ + i * W);
     }
     for (const Separable::Known& t : e_.known) {
       add(k(t.coefficient) * get(kValue, t.reg), known_ + t.equation * W);
-      add(abs(k(t.coefficient)) * magnitude(t.reg), known_magnitude_ + t.equation * W);
+      if (kMeasure) add(abs(k(t.coefficient)) * magnitude(t.reg), known_magnitude_ + t.equation * W);
     }
   }
+  template <bool kMeasure>
   void set_linear() {
     for (const Separable::Linear& t : e_.linear) {
       const int slot = t.equation * N + t.unknown;
       L::set(0).store(linear_ + slot * W);
-      L::set(0).store(linear_magnitude_ + slot * W);
+      if (kMeasure) L::set(0).store(linear_magnitude_ + slot * W);
     }
     for (const Separable::Linear& t : e_.linear) {
       const int slot = t.equation * N + t.unknown;
       const L factor = k(t.coefficient) * k(t.slope), value = get(kValue, t.reg);
       add(factor * value, linear_ + slot * W);
+      if (!kMeasure) continue;
       // For a factor that is not constant, its own magnitude is added.
       L size = abs(value);
       if (t.reg != p_.one()) size = size + magnitude(t.reg);
@@ -175,8 +196,8 @@ class Coefficients {
 
   // Derivatives of the moving inputs; those of the others stay zero.
   template <Part kPart>
-  HWY_INLINE void derive(const Pack& pack, const double* state) {
-    for (const std::int32_t i : moving_) input(pack, i, state).store(at(kPart, N + i));
+  HWY_INLINE void derive(const InputRow* rows, const std::int32_t* addresses, const double* state) {
+    for (const std::int32_t i : moving_) input(rows, addresses, i, state).store(at(kPart, N + i));
     for (const Program::Form& f : p_.forms) {
       if (f.moving == f.unknowns) continue;
       L total = L::set(0);

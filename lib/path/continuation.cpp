@@ -33,7 +33,8 @@ Continuation::Continuation(const Prepared& prepared, const StepLimits& limits, R
       layout_(lay_out(prepared)),
       packs_(layout_.packs),
       levels_(prepared, layout_, limits.pin_to),
-      together_(angles_together(system_, structure_)) {
+      angles_together_(angles_together(system_, structure_)) {
+  if (prepared.plan.run.together && !packs_.empty()) together_ = std::make_unique<Together>(prepared, layout_);
   state_.resize(layout_.first_unknown, layout_.size, prepared.plan.run.predictor);
   if (!structure_.watch_class.equations.empty()) {
     watch_.emplace(system_, structure_, layout_.address);
@@ -68,6 +69,7 @@ void Continuation::keep_what_is_read(std::vector<std::uint8_t> marked) {
 void Continuation::start(double time, const std::vector<double>& posture, const Continuation* before) {
   now_ = time;
   selected_at_ = before != nullptr ? time : kNan;
+  level_by_level_ = 0;
   deadline_ = std::chrono::steady_clock::time_point::max();  // deadlines hold for steps only
   inputs_.reset();
   if (before != nullptr) inputs_.take(before->inputs_.controls());
@@ -105,6 +107,7 @@ void Continuation::restart_solvers() {
     pack.solver.reset();
     pack.factored = false;
   }
+  forget_guards();
 }
 
 void Continuation::drop_factors() {
@@ -146,6 +149,7 @@ void Continuation::restore(const Snapshot& from) {
   state_.restore();
   inputs_.take(from.controls);
   for (std::size_t p = 0; p < packs_.size(); ++p) packs_[p].restore(from.packs[p]);
+  forget_guards();
   last_errors_ = from.errors;
   converged_ = from.converged;
   report_.reached = now_ = from.time;
@@ -187,6 +191,7 @@ Status Continuation::solve_at(double t, Attempt::Branch branch, StepErrors& erro
   ++attempts_;
   const auto undo = [&] {
     for (Pack& pack : packs_) pack.undo(attempts_);
+    forget_guards();
   };
   try {
     const Status s = solve_all(t, branch, errors);
@@ -205,7 +210,7 @@ Status Continuation::solve_all(double t, Attempt::Branch branch, StepErrors& err
   vanished_ = false;
   turned_ = 0;
   if (const Status s = inputs_.drive(t, q); !s.ok()) return s;
-  if (!any_turn_) turned_ = inputs_.turned(together_);
+  if (!any_turn_) turned_ = inputs_.turned(angles_together_);
   if (turned_ > 1) return {Code::branch_unknown, {}, turned_};
   const double seconds = branch == Attempt::Branch::inside ? t - now_ : 0;
   if (const Status s = check_levers(0, known_levers_, seconds); !s.ok()) return s;
@@ -256,12 +261,30 @@ Status Continuation::solve_packs(double t, Attempt::Branch branch, double conver
     }
     return a;
   };
+  if (inside && together_) {
+    if (solve_together(usual, errors)) return {};
+    ++level_by_level_;
+  }
   // At the start one thread solves the packs in order: the first pack of a class makes the solver that others clone.
   Status s = levels_.solve(
       q, branch == Attempt::Branch::start, attempt, [&] { return deadline_passed(); }, report_.counters, errors,
       failed_pack_);
+  forget_guards();
   if (s.code == Code::deadline) s.figure = limits_.seconds;
   return s;
+}
+
+// Solves the groups of all levels at once. False: the attempt must be solved level after level.
+bool Continuation::solve_together(const Attempt& attempt, StepErrors& errors) {
+  const bool usual = limits_.iterations == 0 && !expands_ &&
+                     std::all_of(passing_.begin(), passing_.end(), [](std::uint8_t passes) { return passes == 0; });
+  if (!usual || deadline_passed()) return false;
+  double* const q[3] = {state_.at(0), state_.at(1), state_.at(2)};
+  return together_->solve(q, attempt, report_.counters, errors);
+}
+
+void Continuation::forget_guards() {
+  if (together_) together_->forget();
 }
 
 // The residual of the watched equations may exceed that of the solved ones. Whether they hold cannot be decided below

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <utility>
@@ -20,6 +21,7 @@
 #include "path/levels.hpp"
 #include "path/limit_watch.hpp"
 #include "path/state.hpp"
+#include "path/together.hpp"
 #include "path/watch.hpp"
 #include "signals/angle_turns.hpp"
 #include "signals/inputs.hpp"
@@ -100,6 +102,10 @@ class Continuation {
   [[nodiscard]] std::int64_t rejected() const { return rejected_; }
   void count_rejected_from(std::int64_t count) { rejected_ = count; }
 
+  // +together: attempts at a step since start() that were solved level after level.
+  [[nodiscard]] std::int64_t level_by_level() const { return level_by_level_; }
+  void count_level_by_level_from(std::int64_t count) { level_by_level_ = count; }
+
   // Moves to time t. If the status is not ok, the last good posture on the way is kept. If reselection of redundant
   // equations is allowed, a step may stop and ask for it by wants_reselection(). Exceptions from laws and callbacks
   // propagate, and keep the last good posture as well.
@@ -148,6 +154,8 @@ class Continuation {
   // left: relative residual of the solved equations.
   [[nodiscard]] Status check_watched(double t, Attempt::Branch branch, double left, StepErrors& errors);
   [[nodiscard]] Status solve_packs(double t, Attempt::Branch branch, double converged, StepErrors& errors);
+  [[nodiscard]] bool solve_together(const Attempt& attempt, StepErrors& errors);
+  void forget_guards();
   [[nodiscard]] Status check_levers(std::size_t begin, std::size_t end, double seconds);
   void tell(const Status& stopped, double target);
   void accept(double t, const StepErrors& errors);
@@ -181,6 +189,7 @@ class Continuation {
   Layout layout_;
   std::vector<Pack>& packs_;
   Levels levels_;
+  std::unique_ptr<Together> together_;  // null without +together
   State state_;
   const State::Way* over_ = nullptr;  // predicts the step over a change point; else null
   bool lacks_rates_ = false;          // the rates of some unknowns are not computed, because they are not wanted
@@ -194,12 +203,12 @@ class Continuation {
   StepErrors last_errors_;             // of the last accepted posture
   std::vector<std::uint8_t> passing_;  // packs: 1 while the pack passes a change point
   double now_ = 0;
-  std::int64_t attempts_ = 0, rejected_ = 0;
+  std::int64_t attempts_ = 0, rejected_ = 0, level_by_level_ = 0;
   double last_before_pass_ = 0;
   std::optional<LimitWatch> limit_watch_;
   bool passes_ = false;             // a change point is being passed: limits are checked afterwards
   std::vector<AngleTurns*> turns_;  // of outputs and limits
-  int together_;                    // angles_together()
+  int angles_together_;             // angles_together()
   bool any_turn_ = true;            // angles take the shorter way, even if they turn far
   bool turn_guessed_ = false;
   double turned_ = 0;    // turn of the step that was tried, relative to the largest allowed turn

@@ -52,6 +52,20 @@ std::vector<InputRow> input_rows(const std::vector<std::int32_t>& addresses, std
 
 }  // namespace
 
+std::vector<InputRow> address_rows(const std::vector<std::int32_t>& addresses, std::size_t lanes) {
+  std::vector<InputRow> rows = input_rows(addresses, addresses.size() / lanes, lanes);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const std::int32_t* at = addresses.data() + i * lanes;
+    for (const auto& [step, kind] :
+         {std::pair(2, InputRow::Kind::every_second), std::pair(3, InputRow::Kind::every_third)}) {
+      bool all = lanes > 1;
+      for (std::size_t l = 1; l < lanes; ++l) all = all && at[l] == at[l - 1] + step;
+      if (all) rows[i].kind = kind;
+    }
+  }
+  return rows;
+}
+
 std::vector<std::unique_ptr<GroupSolver>> make_solvers(const Prepared& prepared, int lanes) {
   std::vector<std::unique_ptr<GroupSolver>> solvers;
   for (Plan::Choice choice : prepared.plan.choices) {
@@ -66,7 +80,8 @@ Layout lay_out(const Prepared& prepared) {
   const Structure& structure = *prepared.structure;
   const System& system = *structure.system;
   Layout out;
-  out.solvers = make_solvers(prepared);
+  const bool together = prepared.plan.run.together;
+  out.solvers = make_solvers(prepared, together ? 1 : 0);
   out.packs = fill_packs(structure, out.solvers);
 
   out.address.assign(system.coordinates.size(), -1);
@@ -75,7 +90,14 @@ Layout lay_out(const Prepared& prepared) {
   }
   for (const std::int32_t c : structure.static_coordinates) out.address[idx(c)] = c;
   out.first_unknown = out.size = lane_place(system.coordinates.size(), idx(kMostLanes));
-  for (Pack& pack : out.packs) {
+  std::vector<std::size_t> order(out.packs.size());
+  std::iota(order.begin(), order.end(), 0);
+  if (together) {
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return out.packs[a].group_class < out.packs[b].group_class; });
+  }
+  for (const std::size_t p : order) {
+    Pack& pack = out.packs[p];
     const GroupSolver& solver = *out.solvers[idx(pack.group_class)];
     const std::size_t w = idx(solver.lanes());
     pack.unknowns = lane_place(out.size, w);
@@ -87,6 +109,7 @@ Layout lay_out(const Prepared& prepared) {
       }
     }
   }
+  if (together) out.size += 2;  // see InputRow
   for (Pack& pack : out.packs) {
     const GroupSolver& solver = *out.solvers[idx(pack.group_class)];
     const std::size_t w = idx(solver.lanes()), count = idx(solver.program().inputs);

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "index.hpp"
+#include "planning/together_rules.hpp"
 #include "scene/outputs.hpp"
 #include "scene/system.hpp"
 
@@ -306,6 +307,8 @@ class Check {
       part("choices", c);
       require(plan.choices[c].group_class == static_cast<Index>(c), "the class");
       require(plan.choices[c].origin <= Origin::prior, "the origin");
+      require(!plan.run.together || why_not_together(structure_, plan.strategy(plan.choices[c])).empty(),
+              "the option together");
     }
   }
   static bool has_text(const Strategy& strategy) {

@@ -108,7 +108,8 @@ inline void fields(auto& a, Either<Plan::Choice> auto& c) {
   }
 }
 inline void fields(auto& a, Either<Plan> auto& p) {
-  a.label("plan", p.run.formulation, p.run.predictor.kind, p.run.predictor.order, p.lanes, p.run.chunks, p.run.threads);
+  a.label("plan", p.run.formulation, p.run.predictor.kind, p.run.predictor.order, p.lanes, p.run.chunks, p.run.threads,
+          p.run.together);
   a.label("level_threads", p.level_threads);
   a.label("accuracy", p.accuracy);
   a.label("expected", p.expected_seconds, p.meeting_seconds, p.reason);

@@ -8,6 +8,7 @@
 #include "planning/dispatcher.hpp"
 #include "planning/prepare_at.hpp"
 #include "planning/throughput.hpp"
+#include "planning/together_rules.hpp"
 #include "scene/differences.hpp"
 
 namespace assur {
@@ -124,6 +125,13 @@ std::shared_ptr<const Structure> structure_for(const Scene& scene, const Prepare
   return structure;
 }
 
+void check_together(const Structure& s, const Strategy& wanted) {
+  const std::string why_not = why_not_together(s, wanted);
+  if (why_not.empty()) return;
+  throw Error(Error::Kind::environment,
+              "strategy " + to_string(wanted) + " cannot run here: " + why_not + "; leave out +together");
+}
+
 // The plan for a strategy text, which holds for every class.
 Plan forced_plan(const Structure& s, const Strategy& wanted, const PrepareOptions& options) {
   Plan plan;
@@ -132,6 +140,7 @@ Plan forced_plan(const Structure& s, const Strategy& wanted, const PrepareOption
   plan.reason = "forced";
   const std::vector<ClassSize> sizes = class_sizes(s);
   check_names(options.without, backends());
+  if (wanted.run.together) check_together(s, wanted);
   for (std::size_t c = 0; c < s.classes.size(); ++c) {
     Plan::Choice choice;
     choice.group_class = static_cast<std::int32_t>(c);
@@ -145,7 +154,7 @@ Plan forced_plan(const Structure& s, const Strategy& wanted, const PrepareOption
     choice.threads = wanted.run.threads;
     choice.reason = "forced";
     // Halves W as long as one pack still holds all groups of a level: further lanes would stay empty.
-    while (choice.solver.lanes / 2 >= sizes[c].side_by_side) choice.solver.lanes /= 2;
+    while (!wanted.run.together && choice.solver.lanes / 2 >= sizes[c].side_by_side) choice.solver.lanes /= 2;
     check_backend(find_backend(backends(), choice.solver.backend), choice, options.without);
     plan.choices.push_back(std::move(choice));
   }

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::string_view kGrammar =
     "global|groups|irreducible/BACKEND[:1|2|4|8|16][+float][+refine][+reuse=step|run][+once|+separate]"
-    "[+predict=taylor:0..2|hermite:5|past:0..5][+chunks=C] [PxQ]";
+    "[+together][+predict=taylor:0..2|hermite:5|past:0..5][+chunks=C] [PxQ]";
 
 constexpr std::array kFormulations = {Formulation::global, Formulation::groups, Formulation::irreducible};
 
@@ -28,7 +28,8 @@ constexpr std::array kPredictors = {PredictorForm{"taylor", Predictor::Kind::tay
                                     PredictorForm{"hermite", Predictor::Kind::hermite, 5, 5},
                                     PredictorForm{"past", Predictor::Kind::past, 0, 5}};
 
-constexpr std::array<std::string_view, 7> kKeys = {"float", "refine", "reuse", "once", "separate", "predict", "chunks"};
+constexpr std::array<std::string_view, 8> kKeys = {"float",    "refine",   "reuse",   "once",
+                                                   "separate", "together", "predict", "chunks"};
 
 std::string quoted(std::string_view text) { return '"' + std::string(text) + '"'; }
 
@@ -124,7 +125,8 @@ class Reader {
     std::size_t index = 0;
     while (index < kKeys.size() && kKeys[index] != key) ++index;
     if (index == kKeys.size())
-      refuse(quoted(option) + " is not an option: use float, refine, reuse, once, separate, predict or chunks");
+      refuse(quoted(option) +
+             " is not an option: use float, refine, reuse, once, separate, together, predict or chunks");
     if (std::exchange(seen[index], true)) refuse("option " + quoted(key) + " is given twice");
 
     const bool wants_value = key == "reuse" || key == "predict" || key == "chunks";
@@ -135,6 +137,7 @@ class Reader {
     if (key == "refine") strategy_.solver.refine = true;
     if (key == "once") strategy_.solver.once = true;
     if (key == "separate") strategy_.solver.separate = true;
+    if (key == "together") strategy_.run.together = true;
     if (key == "reuse") read_reuse(value);
     if (key == "predict") read_predictor(value);
     if (key == "chunks") read_chunks(value);
@@ -190,6 +193,7 @@ std::string to_string(const Strategy& s) {
   if (s.solver.reuse == Reuse::run) text += "+reuse=run";
   if (s.solver.once) text += "+once";
   if (s.solver.separate) text += "+separate";
+  if (s.run.together) text += "+together";
   for (const PredictorForm& form : kPredictors) {
     if (form.kind != s.run.predictor.kind) continue;
     text += "+predict=" + std::string(form.name) + ":" + std::to_string(s.run.predictor.order);

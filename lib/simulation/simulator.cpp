@@ -290,6 +290,7 @@ struct Simulator::Impl {
     divided = std::move(other.divided);
     began = other.began;
     motion.count_rejected_from(other.motion.rejected());
+    motion.count_level_by_level_from(other.motion.level_by_level() + motion.level_by_level());
   }
 
   // Restores the simulator with the equations of that time.
@@ -353,6 +354,7 @@ struct Simulator::Impl {
       report.fallbacks.push_back(std::to_string(count) + what);
       ++own_lines;
     };
+    say(motion.level_by_level(), " attempts at a step solved level after level instead of together");
     say(sum.redone, " factorisations of one lane with its own pivots, because the pivots of the class failed");
     say(sum.renewed, " pivot orders chosen again, because the earlier ones failed repeatedly");
     say(sum.unplanned, " solutions of one lane refined, because the pivots had grown");

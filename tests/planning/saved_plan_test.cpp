@@ -44,6 +44,7 @@ void expect_same_plan(const Plan& a, const Plan& b) {
   EXPECT_EQ(a.run.predictor, b.run.predictor);
   EXPECT_EQ(a.lanes, b.lanes);
   EXPECT_EQ(a.run.chunks, b.run.chunks);
+  EXPECT_EQ(a.run.together, b.run.together);
   EXPECT_EQ(a.run.threads, b.run.threads);
   EXPECT_EQ(a.level_threads, b.level_threads);
   EXPECT_EQ(a.reason, b.reason);

@@ -24,10 +24,11 @@ std::vector<Strategy> every_strategy() {
           for (Reuse reuse : {Reuse::fresh, Reuse::step, Reuse::run})
             for (const Predictor& predictor : predictors)
               for (int chunks : {1, 7})
-                for (auto [p, q] : {std::pair{1, 1}, {3, 1}, {1, 2}, {16, 12}})
-                  all.push_back(
-                      {{formulation, predictor, chunks, p},
-                       {backend, lanes, (flags & 1) != 0, (flags & 2) != 0, reuse, flags / 4 == 1, flags / 4 == 2, q}});
+                for (bool together : {false, true})
+                  for (auto [p, q] : {std::pair{1, 1}, {3, 1}, {1, 2}, {16, 12}})
+                    all.push_back({{formulation, together, predictor, chunks, p},
+                                   {backend, lanes, (flags & 1) != 0, (flags & 2) != 0, reuse, flags / 4 == 1,
+                                    flags / 4 == 2, q}});
   return all;
 }
 
@@ -81,7 +82,7 @@ TEST_P(BadStrategy, IsRefusedWithItsErrorAndTheGrammar) {
   const std::string expected =
       std::string("strategy \"") + text + "\": " + what +
       "; the form is global|groups|irreducible/BACKEND[:1|2|4|8|16][+float][+refine]"
-      "[+reuse=step|run][+once|+separate][+predict=taylor:0..2|hermite:5|past:0..5][+chunks=C] [PxQ]";
+      "[+reuse=step|run][+once|+separate][+together][+predict=taylor:0..2|hermite:5|past:0..5][+chunks=C] [PxQ]";
   try {
     (void)parse_strategy(text);
     FAIL() << "accepted " << text;
@@ -119,10 +120,11 @@ INSTANTIATE_TEST_SUITE_P(
         BadText{"groups/klu:32", "\"32\" is not a number of lanes: use 1, 2, 4, 8 or 16"},
         BadText{"groups/klu:08", "\"08\" is not a number of lanes: use 1, 2, 4, 8 or 16"},
         BadText{"groups/klu+fast",
-                "\"fast\" is not an option: use float, refine, reuse, once, separate, predict or chunks"},
-        BadText{"groups/klu+", "\"\" is not an option: use float, refine, reuse, once, separate, predict or chunks"},
+                "\"fast\" is not an option: use float, refine, reuse, once, separate, together, predict or chunks"},
+        BadText{"groups/klu+",
+                "\"\" is not an option: use float, refine, reuse, once, separate, together, predict or chunks"},
         BadText{"groups/klu++once",
-                "\"\" is not an option: use float, refine, reuse, once, separate, predict or chunks"},
+                "\"\" is not an option: use float, refine, reuse, once, separate, together, predict or chunks"},
         BadText{"groups/klu+once+once", "option \"once\" is given twice"},
         BadText{"groups/klu+reuse=run+reuse=step", "option \"reuse\" is given twice"},
         BadText{"groups/klu+separate=yes", "option \"separate\" takes no value"},

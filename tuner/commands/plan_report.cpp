@@ -63,8 +63,9 @@ void print_classes(Page& page, const PlanSummary& s) {
   table.row({"class", "level", "groups", "unknowns", "strategy", "pack", "origin"});
   for (const Plan::Choice& c : plan.choices) {
     if (idx(c.group_class) == kMostClasses) break;
-    const Strategy shown{{.formulation = plan.run.formulation, .chunks = plan.run.chunks},
-                         c.solver};  // the rest is the same for all
+    const Strategy shown{
+        {.formulation = plan.run.formulation, .together = plan.run.together, .chunks = plan.run.chunks},
+        c.solver};  // the rest is the same for all
     table.row({std::to_string(c.group_class), range_text(levels[idx(c.group_class)]), grouped(c.shape.groups),
                grouped(c.shape.n), to_string(shown), duration(c.expected_seconds), std::string(name(c.origin))});
   }

@@ -1,0 +1,369 @@
+#include "path/together.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "group/step_rules.hpp"
+#include "index.hpp"
+
+namespace assur {
+namespace {
+
+constexpr std::size_t kZeros = kMostLanes;  // numbers at the beginning of each array of a Coupling
+
+}  // namespace
+
+Together::Together(const Prepared& prepared, Layout& layout)
+    : structure_(*prepared.structure), layout_(layout), pack_of_(structure_.groups.size()), chain_(chain_of_loads()) {
+  for (std::size_t p = 0; p < layout.packs.size(); ++p) {
+    pack_of_[idx(layout.packs[p].groups[0])] = static_cast<std::int32_t>(p);
+  }
+  make_steps(prepared);
+  for (Class& c : classes_) fill_packs(c);
+  for (Class& c : classes_) find_parts(c);
+  make_rows();
+  prediction_.resize(layout.size - layout.first_unknown);
+}
+
+// ---- preparation
+
+void Together::make_steps(const Prepared& prepared) {
+  classes_.resize(structure_.classes.size());
+  sources_.resize(layout_.address.size());
+  for (std::size_t g = 0; g < structure_.groups.size(); ++g) {
+    const Group& group = structure_.groups[g];
+    Class& c = classes_[idx(group.group_class)];
+    for (std::size_t i = 0; i < group.unknowns.size(); ++i) {
+      sources_[idx(group.unknowns[i])] = {group.group_class, static_cast<std::int32_t>(c.groups.size()),
+                                          static_cast<std::int32_t>(i)};
+    }
+    c.groups.push_back(static_cast<std::int32_t>(g));
+  }
+  std::size_t unknowns = kZeros, loads = kZeros;
+  for (std::size_t k = 0; k < classes_.size(); ++k) {
+    Class& c = classes_[k];
+    const GroupClass& of = structure_.classes[k];
+    std::vector<std::uint8_t> computed(idx(of.inputs), 0);
+    for (const std::int32_t g : c.groups) {
+      const std::vector<std::int32_t>& inputs = structure_.groups[idx(g)].inputs;
+      for (std::size_t i = 0; i < inputs.size(); ++i) {
+        if (sources_[idx(inputs[i])].of_class >= 0) computed[i] = 1;
+      }
+    }
+    c.lanes = prepared.plan.choices[k].solver.lanes;
+    c.derivatives = of.derivatives;
+    derivatives_ = std::max(derivatives_, c.derivatives);
+    c.solver = layout_.solvers[k].get();
+    c.step = c.solver->together_step(computed, c.lanes);
+    const std::size_t w = idx(c.lanes), groups = (c.groups.size() + w - 1) / w * w;
+    c.places = {unknowns, loads, 0, groups};
+    unknowns += idx(of.n) * groups;
+    loads += idx(c.step->rows()) * groups;
+  }
+  coupling_.own.resize(unknowns);
+  coupling_.change.resize(unknowns);
+  for (LaneArray& column : coupling_.columns) column.resize(unknowns);
+  coupling_.loads.resize(loads);
+}
+
+std::int32_t Together::address(const Source& source) const {
+  if (source.of_class < 0) return 0;
+  const TogetherStep::Places& at = classes_[idx(source.of_class)].places;
+  return static_cast<std::int32_t>(at.unknowns + idx(source.unknown) * at.groups + idx(source.place));
+}
+
+// The source of an entry of a class in one of its groups.
+Together::Source Together::source(const Class& c, std::int32_t group, std::size_t entry) const {
+  return sources_[idx(structure_.groups[idx(group)].inputs[idx(c.step->entries()[entry].input)])];
+}
+
+void Together::fill_packs(Class& c) {
+  const std::size_t w = idx(c.lanes);
+  for (std::size_t first = 0; first < c.groups.size(); first += w) {
+    TogetherPack& to = c.step->packs().emplace_back();
+    Pack& pack = to.pack;
+    to.place = first;
+    pack.group_class = structure_.groups[idx(c.groups[first])].group_class;
+    pack.used = static_cast<std::int32_t>(std::min(w, c.groups.size() - first));
+    pack.groups.assign(c.groups.begin() + static_cast<std::ptrdiff_t>(first),
+                       c.groups.begin() + static_cast<std::ptrdiff_t>(first) + pack.used);
+    const Pack& single = layout_.packs[idx(pack_of_[idx(pack.groups[0])])];
+    pack.coefficients.resize(single.coefficients.size() * w);
+    pack.anchor.resize(single.anchor.size() * w);
+    pack.omega.resize(w);
+    pack.ball_used.resize(w);
+    const std::size_t n = idx(structure_.classes[idx(pack.group_class)].n), inputs = single.inputs.size();
+    to.unknowns.addresses.resize(n * w);
+    pack.inputs.resize(inputs * w);
+    to.known.addresses.resize(inputs * w);
+    for (std::size_t lane = 0; lane < w; ++lane) {
+      const std::int32_t g = pack.groups[lane < pack.groups.size() ? lane : 0];
+      const Pack& one = layout_.packs[idx(pack_of_[idx(g)])];
+      for (std::size_t i = 0; i < one.coefficients.size(); ++i) pack.coefficients[i * w + lane] = one.coefficients[i];
+      for (std::size_t i = 0; i < n; ++i) {
+        to.unknowns.addresses[i * w + lane] = static_cast<std::int32_t>(one.unknowns + i);
+      }
+      for (std::size_t i = 0; i < inputs; ++i) {
+        const bool computed = sources_[idx(structure_.groups[idx(g)].inputs[i])].of_class >= 0;
+        pack.inputs[i * w + lane] = one.inputs[i];
+        to.known.addresses[i * w + lane] = computed ? 0 : one.inputs[i];  // the coordinate `one` has no rates
+      }
+    }
+    to.unknowns.rows = address_rows(to.unknowns.addresses, w);
+    pack.input_rows = address_rows(pack.inputs, w);
+    to.known.rows = address_rows(to.known.addresses, w);
+  }
+}
+
+// Entries of a row that read the same group in every lane become one part.
+void Together::find_parts(Class& c) {
+  const std::span<TogetherStep::Entry> entries = c.step->entries();
+  std::vector<std::int32_t> columns;
+  std::vector<std::vector<Source>> of_parts;  // of the current row: the source of each group
+  for (std::size_t e = 0; e < entries.size(); ++e) {
+    if (e == 0 || entries[e].row != entries[e - 1].row) of_parts.clear();
+    std::vector<Source> reads;
+    for (const std::int32_t g : c.groups) reads.push_back(source(c, g, e));
+    const auto fits = [&](const std::vector<Source>& part) {
+      for (std::size_t g = 0; g < reads.size(); ++g) {
+        const bool both = reads[g].of_class >= 0 && part[g].of_class >= 0;
+        if (both && (reads[g].of_class != part[g].of_class || reads[g].place != part[g].place)) return false;
+      }
+      return true;
+    };
+    const auto part = std::find_if(of_parts.begin(), of_parts.end(), fits);
+    entries[e].part = static_cast<std::int32_t>(part - of_parts.begin());
+    if (part == of_parts.end()) {
+      of_parts.push_back(std::move(reads));
+    } else {
+      for (std::size_t g = 0; g < reads.size(); ++g) {
+        if (reads[g].of_class >= 0) (*part)[g] = reads[g];
+      }
+    }
+  }
+  std::stable_sort(entries.begin(), entries.end(),
+                   [](const auto& a, const auto& b) { return std::pair(a.row, a.part) < std::pair(b.row, b.part); });
+  for (std::size_t e = 0; e < entries.size(); ++e) {
+    const bool begins = e == 0 || entries[e].row != entries[e - 1].row || entries[e].part != entries[e - 1].part;
+    if (begins) columns.push_back(0);
+    for (const std::int32_t g : c.groups) {
+      if (const Source s = source(c, g, e); s.of_class >= 0) {
+        columns.back() = std::max(columns.back(), classes_[idx(s.of_class)].step->rows());
+      }
+    }
+  }
+  const std::size_t w = idx(c.lanes);
+  for (TogetherPack& pack : c.step->packs()) {
+    for (std::size_t e = 0; e < entries.size(); ++e) {
+      for (std::size_t lane = 0; lane < w; ++lane) {
+        const std::size_t l = lane < pack.pack.groups.size() ? lane : 0;
+        pack.sources.addresses.push_back(address(source(c, pack.pack.groups[l], e)));
+      }
+    }
+    pack.sources.rows = address_rows(pack.sources.addresses, w);
+  }
+  c.places.gains = coupling_.gains.size();
+  c.step->place(c.places, columns);
+  coupling_.gains.resize(coupling_.gains.size() + c.step->gains().size() * c.places.groups);
+}
+
+void Together::make_rows() {
+  std::vector<std::size_t> next(classes_.size(), 0);  // place of the next group of each class
+  for (const Group& group : structure_.groups) {
+    const Class& c = classes_[idx(group.group_class)];
+    const std::size_t place = next[idx(group.group_class)]++;
+    const std::span<const TogetherStep::Gain> gains = c.step->gains();
+    for (std::int32_t k = 0; k < c.step->rows(); ++k) {
+      Row row{static_cast<std::int32_t>(c.places.loads + idx(k) * c.places.groups + place),
+              static_cast<std::int32_t>(links_.size()), 0};
+      for (std::size_t j = 0; j < gains.size(); ++j) {
+        if (gains[j].row != k) continue;
+        Source from;
+        for (std::int32_t e = gains[j].begin; e < gains[j].end && from.of_class < 0; ++e) {
+          from = source(c, c.groups[place], idx(e));
+        }
+        if (from.of_class < 0 || gains[j].of >= classes_[idx(from.of_class)].step->rows()) continue;
+        const TogetherStep::Places& of = classes_[idx(from.of_class)].places;
+        links_.push_back({static_cast<std::int32_t>(c.places.gains + j * c.places.groups + place),
+                          static_cast<std::int32_t>(of.loads + idx(gains[j].of) * of.groups + idx(from.place))});
+      }
+      row.end = static_cast<std::int32_t>(links_.size());
+      add_row(row);
+    }
+  }
+  for (const Class& c : classes_) {
+    const std::size_t w = idx(c.lanes), last = c.places.groups - w;
+    for (std::int32_t k = 0; k < c.step->rows(); ++k) {
+      const std::size_t row = c.places.loads + idx(k) * c.places.groups;
+      for (std::size_t place = c.groups.size(); place < c.places.groups; ++place) {
+        idle_.push_back({static_cast<std::int32_t>(row + place), static_cast<std::int32_t>(row + last)});
+      }
+    }
+  }
+}
+
+// Adds a row, or prolongs the chain of the last one.
+void Together::add_row(const Row& row) {
+  if (!rows_.empty() && row.end - row.begin == 1) {
+    Row& before = rows_.back();
+    const Link &link = links_[idx(row.begin)], &first = links_[idx(before.begin)];
+    const std::int32_t last = before.at + before.chain - 1;
+    if (before.end - before.begin == 1 && row.at == last + 1 && link.load == last &&
+        link.gain == first.gain + before.chain) {
+      ++before.chain;
+      return;
+    }
+  }
+  rows_.push_back(row);
+}
+
+// ---- one step
+
+bool Together::solve(double* const (&state)[3], const Attempt& attempt, Counters& counters, StepErrors& errors) {
+  if (!up_to_date_) take();
+  std::copy_n(state[0] + layout_.first_unknown, prediction_.size(), prediction_.begin());
+  TogetherFigures figures{std::max(errors.position, 0.0), std::max(errors.velocity, 0.0),
+                          std::max(errors.acceleration, 0.0)};
+  int iterations = 0;
+  Counters more;
+  bool solved = converge(state, attempt, iterations, figures);
+  if (solved) {
+    derive(state, figures);
+    solved = std::isfinite(figures.position + figures.velocity + figures.acceleration) &&
+             keep_on_branch(state, attempt, more);
+  }
+  if (!solved) {
+    for (Pack& pack : layout_.packs) pack.undo(attempt.number);
+    std::copy(prediction_.begin(), prediction_.end(), state[0] + layout_.first_unknown);
+    forget();
+    return false;
+  }
+  counters += more;
+  count(iterations, counters);
+  if (figures.position > std::max(errors.position, kConverged)) {
+    figures.position = std::max(errors.position, 0.0);
+    for (Class& c : classes_) {
+      for (const std::int32_t g : c.groups) {
+        figures.position =
+            std::max(figures.position, c.solver->residual_of(layout_.packs[idx(pack_of_[idx(g)])], state[0]));
+      }
+    }
+  }
+  errors.position = std::max(errors.position, figures.position);
+  if (derivatives_ > 0) errors.velocity = std::max(errors.velocity, figures.velocity);
+  if (derivatives_ > 1) errors.acceleration = std::max(errors.acceleration, figures.acceleration);
+  return true;
+}
+
+bool Together::converge(double* const (&state)[3], const Attempt& attempt, int& iterations, TogetherFigures& figures) {
+  const double before = figures.position;
+  for (;; ++iterations) {
+    figures.position = before;
+    bool all = true;
+    for (Class& c : classes_) {
+      const TogetherStep::Progress progress =
+          c.step->linearise(state[0], iterations, attempt.converged, coupling_, figures);
+      if (progress == TogetherStep::Progress::failed) return false;
+      all = all && progress == TogetherStep::Progress::solved;
+    }
+    if (all) return true;
+    if (iterations == attempt.most_iterations) return false;
+    for (Class& c : classes_) c.step->couple(coupling_, true);
+    complete_loads();
+    for (Class& c : classes_) c.step->correct(state[0], coupling_);
+  }
+}
+
+void Together::derive(double* const (&state)[3], TogetherFigures& figures) {
+  if (derivatives_ < 1) return;
+  for (Class& c : classes_) c.step->own_rates(state, coupling_);
+  for (Class& c : classes_) c.step->couple(coupling_, true);
+  complete_loads();
+  for (Class& c : classes_) c.step->finish_rates(state, coupling_);
+  for (Class& c : classes_) {
+    c.step->own_accelerations(state, coupling_, figures);
+    if (!std::isfinite(figures.velocity)) return;
+  }
+  if (derivatives_ < 2) return;
+  for (Class& c : classes_) c.step->couple(coupling_, false);
+  complete_loads();
+  for (Class& c : classes_) c.step->finish_accelerations(state, coupling_);
+  for (Class& c : classes_) {
+    c.step->measure_accelerations(coupling_, figures);
+    if (!std::isfinite(figures.acceleration)) return;
+  }
+}
+
+// The recurrence through the levels.
+void Together::complete_loads() {
+  double* const loads = coupling_.loads.data();
+  const double* const gains = coupling_.gains.data();
+  for (const Row& row : rows_) {
+    if (row.end - row.begin == 1) {
+      const Link& link = links_[idx(row.begin)];
+      chain_(gains + link.gain, loads[link.load], row.chain, loads + row.at);
+      continue;
+    }
+    double sum = loads[row.at];
+    for (std::int32_t l = row.begin; l < row.end; ++l) sum += gains[links_[idx(l)].gain] * loads[links_[idx(l)].load];
+    loads[row.at] = sum;
+  }
+  for (const Copy& copy : idle_) loads[copy.to] = loads[copy.from];
+}
+
+bool Together::keep_on_branch(double* const (&state)[3], const Attempt& attempt, Counters& counters) {
+  for (Class& c : classes_) {
+    const std::span<const double> used = c.step->balls_used();
+    const std::size_t w = idx(c.lanes);
+    for (std::size_t place = 0; place < c.groups.size(); ++place) {
+      Pack& pack = layout_.packs[idx(pack_of_[idx(c.groups[place])])];
+      pack.keep_use(attempt.number);
+      if (BranchGuard::stays_inside(used[place], pack.ball_used[0])) {
+        c.step->packs()[place / w].pack.ball_used[place % w] = used[place];
+        continue;
+      }
+      if (!c.solver->renew_anchor(pack, state, attempt, counters).ok()) return false;
+      take_lane(c, place);
+    }
+  }
+  return true;
+}
+
+void Together::count(int iterations, Counters& counters) const {
+  for (const Class& c : classes_) {
+    const auto groups = static_cast<std::int64_t>(c.groups.size());
+    const std::int64_t unknowns = groups * c.solver->program().n;
+    const std::int64_t right_sides = iterations + c.derivatives + (iterations + 1) * c.step->rows();
+    counters.group_solutions += groups;
+    counters.newton_iterations += groups * iterations;
+    counters.evaluated_equations += unknowns * (iterations + 1);
+    counters.factorizations += groups * (iterations + 1);
+    counters.factorized_unknowns += unknowns * (iterations + 1);
+    counters.solved_unknowns += unknowns * right_sides;
+  }
+  counters.most_iterations = std::max<std::int64_t>(counters.most_iterations, iterations);
+}
+
+// Copies the guards of all packs of the layout.
+void Together::take() {
+  for (Class& c : classes_) {
+    for (TogetherPack& to : c.step->packs()) {
+      to.pack.swaps.resize(layout_.packs[idx(pack_of_[idx(to.pack.groups[0])])].swaps.size() * idx(c.lanes));
+    }
+    for (std::size_t place = 0; place < c.places.groups; ++place) take_lane(c, place);
+  }
+  up_to_date_ = true;
+}
+
+// Idle lanes repeat the first lane of their pack.
+void Together::take_lane(Class& c, std::size_t place) {
+  const std::size_t w = idx(c.lanes), lane = place % w;
+  TogetherPack& to = c.step->packs()[place / w];
+  const Pack& from = layout_.packs[idx(pack_of_[idx(to.pack.groups[lane < to.pack.groups.size() ? lane : 0])])];
+  for (std::size_t i = 0; i < from.swaps.size(); ++i) to.pack.swaps[i * w + lane] = from.swaps[i];
+  for (std::size_t i = 0; i < from.anchor.size(); ++i) to.pack.anchor[i * w + lane] = from.anchor[i];
+  to.pack.omega[lane] = from.omega[0];
+  to.pack.ball_used[lane] = from.ball_used[0];
+}
+
+}  // namespace assur

@@ -1,0 +1,91 @@
+// The strategy +together: one step of the groups of all levels at once. The groups are linearised at the prediction and
+// factorised side by side, whatever their levels, and only a linear recurrence over their couplings runs through the
+// levels (group/together_step.hpp). This is Newton's method for the whole block triangular system. The tests of a step
+// are those of single groups: residuals, the first correction and the ball of every group, and its anchor.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "assur/plan.hpp"
+#include "assur/report.hpp"
+#include "group/attempt.hpp"
+#include "group/together_step.hpp"
+#include "path/layout.hpp"
+
+namespace assur {
+
+// The groups of a layout with one lane, by class in packs of several lanes.
+class Together {
+ public:
+  // Both must outlive it. The plan must have RunSettings::together.
+  Together(const Prepared& prepared, Layout& layout);
+
+  // Tries an attempt inside the branch, like Levels::solve(). False: something is unusual; the state then holds the
+  // prediction again, and the packs of the layout are unchanged.
+  [[nodiscard]] bool solve(double* const (&state)[3], const Attempt& attempt, Counters& counters, StepErrors& errors);
+
+  // To be called when the packs of the layout were changed by others.
+  void forget() { up_to_date_ = false; }
+
+ private:
+  // A load of a group and the loads that it depends on.
+  struct Row {
+    std::int32_t at;          // in Coupling::loads
+    std::int32_t begin, end;  // links
+    std::int32_t chain = 1;   // rows from here on, each of which depends on the one before alone, with consecutive
+                              // loads and gains
+  };
+  struct Link {
+    std::int32_t gain, load;  // in Coupling::gains and loads
+  };
+  struct Copy {
+    std::int32_t to, from;  // loads
+  };
+  struct Class {
+    std::unique_ptr<TogetherStep> step;
+    GroupSolver* solver;  // of the layout
+    std::int32_t lanes, derivatives;
+    std::vector<std::int32_t> groups;  // in solving order
+    TogetherStep::Places places;
+  };
+  // The group that computes a coordinate: its class and its place among the groups of the class. -1: none
+  struct Source {
+    std::int32_t of_class = -1, place = -1, unknown = -1;
+  };
+
+  void make_steps(const Prepared& prepared);
+  void fill_packs(Class& c);
+  void find_parts(Class& c);
+  void make_rows();
+  void add_row(const Row& row);
+  [[nodiscard]] std::int32_t address(const Source& source) const;
+  [[nodiscard]] Source source(const Class& c, std::int32_t group, std::size_t entry) const;
+
+  void take();
+  void take_lane(Class& c, std::size_t place);
+  void complete_loads();
+  [[nodiscard]] bool converge(double* const (&state)[3], const Attempt& attempt, int& iterations,
+                              TogetherFigures& figures);
+  void derive(double* const (&state)[3], TogetherFigures& figures);
+  [[nodiscard]] bool keep_on_branch(double* const (&state)[3], const Attempt& attempt, Counters& counters);
+  void count(int iterations, Counters& counters) const;
+
+  const Structure& structure_;
+  Layout& layout_;
+  std::vector<std::int32_t> pack_of_;  // group -> pack of the layout
+  ChainOfLoads chain_;
+  std::vector<Source> sources_;  // coordinates
+  std::vector<Class> classes_;
+  Coupling coupling_;
+  std::vector<Row> rows_;  // in solving order
+  std::vector<Link> links_;
+  std::vector<Copy> idle_;  // lanes
+  int derivatives_ = 0;     // the most of all classes
+  LaneArray prediction_;
+  bool up_to_date_ = false;  // the guards in the packs are those of the layout
+};
+
+}  // namespace assur

@@ -1,0 +1,42 @@
+#include "planning/together_rules.hpp"
+
+#include "equations/program.hpp"
+#include "equations/separable.hpp"
+#include "planning/small_steps.hpp"
+
+namespace assur {
+namespace {
+
+// The steps in registers have the same conditions, see make_small_step().
+std::string why_not(const Structure& s, std::int32_t group_class) {
+  const GroupClass& c = s.classes[static_cast<std::size_t>(group_class)];
+  if (!c.quadratic) return "has an equation that is a function of the program";
+  if (c.n < 2 || c.n > 3) return "has " + std::to_string(c.n) + (c.n == 1 ? " unknown" : " unknowns");
+  if (c.blocks != 1) return "can be divided further";
+  if (c.first_wanted != 0) return "is wanted in part only";
+  if (!separate(compile(c, s.pattern(group_class)), c.input_moves)) return "has products of different unknowns";
+  return "";
+}
+
+}  // namespace
+
+std::string why_not_together(const Structure& structure, const Strategy& strategy) {
+  if (!has_small_steps(strategy.solver)) {
+    return "+together needs the solver lanes without +float, +refine, +reuse, +once and +separate";
+  }
+  if (strategy.solver.lanes != 4 && strategy.solver.lanes != 8) return "+together takes 4 or 8 lanes";
+  if (strategy.run.threads > 1) return "+together runs on one thread";
+  for (std::size_t c = 0; c < structure.classes.size(); ++c) {
+    const std::string reason = why_not(structure, static_cast<std::int32_t>(c));
+    if (reason.empty()) continue;
+    std::string name;
+    for (const Group& g : structure.groups) {
+      if (static_cast<std::size_t>(g.group_class) == c) name = g.name;
+    }
+    return "+together needs groups of 2 or 3 unknowns without products of different unknowns, and group " + name + " " +
+           reason;
+  }
+  return "";
+}
+
+}  // namespace assur
