@@ -101,6 +101,10 @@ void expect_same(const Linear& a, const Linear& b) {
   }
   expect_near(a.value, b.value, kRounding);
 }
+void expect_same(const FixedCoordinate& a, const FixedCoordinate& b) {
+  EXPECT_EQ(a.coordinate, b.coordinate);
+  EXPECT_NEAR(a.value, b.value, kRounding);
+}
 void expect_same(const OnLine& a, const OnLine& b) {
   EXPECT_EQ(a.p + " " + a.a, b.p + " " + b.a);
   expect_same(a.d, b.d);
@@ -108,6 +112,10 @@ void expect_same(const OnLine& a, const OnLine& b) {
 
 void expect_same(const PointAngle& a, const PointAngle& b) {
   EXPECT_EQ(a.a + " " + a.b + " " + a.axis, b.a + " " + b.b + " " + b.axis);
+  expect_same(a.law, b.law);
+}
+void expect_same(const DrivenCoordinate& a, const DrivenCoordinate& b) {
+  EXPECT_EQ(a.coordinate, b.coordinate);
   expect_same(a.law, b.law);
 }
 void expect_same(const DrivenDistance& a, const DrivenDistance& b) {

@@ -77,7 +77,7 @@ Scene chain(int loops, int dimension, const Triple& axis = {0, 0, 1}) {
   return b.time(0, 1, 0.01).build();
 }
 
-TEST(RedundantSets, OfChainsOfParallelogramsAreOneSetOfAnyLength) {
+TEST(RedundantSets, OfChainsOfParallelogramsAreOneSet) {
   for (const int loops : {1, 2, 10, 60}) {
     SCOPED_TRACE(loops);
     const std::vector<RedundantSet> plane = sets_of(chain(loops, 2));

@@ -157,7 +157,7 @@
       c.fillStyle = picture.paper;
       c.strokeStyle = picture.ink;
       c.lineWidth = 1.4;
-      symbols[symbol](c, [14, 10], 5, v => v, ...(ways[symbol] ?? []));
+      symbols[symbol](c, [14, 10], ['planar', 'cylindrical'].includes(symbol) ? 3 : 5, v => v, ...(ways[symbol] ?? []));
     }
   }
 
