@@ -1,7 +1,6 @@
 // The contract of backend.hpp for every backend that runs here: the table of contract_cases.cpp, plain and decorated.
 #include <gtest/gtest.h>
 
-#include <Eigen/LU>
 #include <tuple>
 
 #include "assur/backend.hpp"
@@ -9,6 +8,7 @@
 #include "backends/contract_cases.hpp"
 #include "backends/matrices.hpp"
 #include "backends/refined.hpp"
+#include "decompositions.hpp"
 
 namespace assur::test {
 namespace {

@@ -1,7 +1,6 @@
 // Bounds for the errors of the outputs of a run, by columns, if its equations hold to a relative residual.
 #pragma once
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "decompositions.hpp"
 #include "index.hpp"
 #include "scene/system.hpp"
 #include "signals/output_program.hpp"

@@ -3,11 +3,11 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <random>
 
 #include "assur/plan.hpp"
 #include "assur/simulator.hpp"
+#include "decompositions.hpp"
 #include "equations/evaluator.hpp"
 #include "index.hpp"
 #include "numbers.hpp"

@@ -3,13 +3,13 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <cmath>
 #include <numbers>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "decompositions.hpp"
 #include "references/posture.hpp"
 #include "references/stewart.hpp"
 #include "references/tables.hpp"

@@ -20,7 +20,7 @@ namespace {
 using references::Quad;
 using Exact = boost::multiprecision::cpp_bin_float_100;  // quad has too few digits next to a zero
 constexpr double kTiny = 0x1p-30;
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN(), kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 template <class Test>
 void in_every_instruction_set(const Test& test) {

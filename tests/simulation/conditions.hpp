@@ -1,11 +1,7 @@
 // Bounds on the difference of two runs of one mechanism, from the conditions of its postures.
 #pragma once
 
-#include <gtest/gtest.h>
-
-#include <Eigen/LU>
 #include <algorithm>
-#include <cmath>
 #include <span>
 #include <string>
 #include <vector>
@@ -25,103 +21,30 @@ struct Condition {
   double all = 1;  // max |J^-1| s / largest coordinate
   double own = 1;  // max |J^-1| s / characteristic length, which is smaller than the coordinates far from the origin
 };
-inline Condition both_of(const Structure& structure, std::span<const double> q) {
-  const System& system = *structure.system;
-  std::vector<Eigen::Index> column(system.coordinates.size(), -1);
-  std::vector<Index> equations;
-  Eigen::Index n = 0;
-  for (const Group& g : structure.groups) {
-    for (const std::int32_t u : g.unknowns) column[static_cast<std::size_t>(u)] = n++;
-    equations.insert(equations.end(), g.equations.begin(), g.equations.end());
-  }
-  if (n == 0) return {};
-  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(n, n);
-  Eigen::VectorXd scale(n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Index equation = equations[static_cast<std::size_t>(i)];
-    gradient<double>(system, equation, q, [&](Index c, double v) {
-      if (column[static_cast<std::size_t>(c)] >= 0) jacobian(i, column[static_cast<std::size_t>(c)]) += v;
-    });
-    scale[i] = residual_scale(system, equation, q);
-  }
-  const Eigen::VectorXd open = jacobian.partialPivLu().inverse().cwiseAbs() * scale;
-  double largest = 0;
-  for (const double x : q.subspan(1)) largest = std::max(largest, std::abs(x));
-  const double all = std::max(1.0, open.maxCoeff() / largest);
-  return {all, std::max(all, open.maxCoeff())};  // one internal unit is the characteristic length
-}
+Condition both_of(const Structure& structure, std::span<const double> q);
 inline double condition(const Structure& structure, std::span<const double> q) { return both_of(structure, q).all; }
 
 // Conditions of all rows that a run reaches. Only each `every`-th row is examined; the rows between two examined rows
 // get the larger of their conditions.
-inline std::vector<double> conditions(const Scene& scene, std::span<const double> times, std::size_t every = 1) {
-  Simulator s = simulator(scene, "groups/eigen");
-  std::vector<double> out;
-  for (std::size_t k = 0; k < times.size(); ++k) {
-    if (!s.step(times[k]).arrived()) break;
-    if (k % every != 0 && k + 1 != times.size()) {
-      out.push_back(0);
-      continue;
-    }
-    out.push_back(condition(*s.prepared().structure, posture_of(s)));
-    for (std::size_t j = k; j-- > 0 && out[j] == 0;) out[j] = std::max(out[k], out[k - (k - 1) % every - 1]);
-  }
-  return out;
-}
+std::vector<double> conditions(const Scene& scene, std::span<const double> times, std::size_t every = 1);
 
-inline std::vector<Condition> both_conditions(const Scene& scene, std::span<const double> times) {
-  Simulator s = simulator(scene, "groups/eigen");
-  std::vector<Condition> out;
-  for (const double t : times) {
-    if (!s.step(t).arrived()) break;
-    out.push_back(both_of(*s.prepared().structure, posture_of(s)));
-  }
-  return out;
-}
+std::vector<Condition> both_conditions(const Scene& scene, std::span<const double> times);
 
-inline std::vector<double> grid_of(const Scene& scene) {
-  std::vector<double> times;
-  for (std::int64_t k = 0; k <= scene.time().steps(); ++k) times.push_back(scene.time().time(k));
-  return times;
-}
+std::vector<double> grid_of(const Scene& scene);
 
 // 0 for positions and values of measures, 1 for rates, 2 for accelerations.
-inline int derivative_of(const std::string& column) {
-  const std::string last = column.substr(column.rfind('.') + 1);
-  if (last == "rate" || (last.size() == 2 && last[0] == 'v')) return 1;
-  if (last == "acceleration" || (last.size() == 2 && last[0] == 'a')) return 2;
-  return 0;
-}
+int derivative_of(const std::string& column);
 
 // The largest value, rate and acceleration of all columns of a run; the value is at least 1 rad or 1 m.
 struct Sizes {
   double of[3] = {1, 0, 0};
 };
-inline Sizes sizes(const Trajectory& t) {
-  Sizes s;
-  for (std::size_t c = 0; c < t.columns().size(); ++c) {
-    const int d = derivative_of(t.columns()[c]);
-    for (std::size_t k = 0; k < t.rows(); ++k) s.of[d] = std::max(s.of[d], std::abs(t(k, c)));
-  }
-  return s;
-}
+Sizes sizes(const Trajectory& t);
 
 // Both runs satisfy their equations to a residual r. The condition of the posture amplifies it once for positions,
 // twice for rates and three times for accelerations.
-inline void expect_same_row(std::span<const double> a, const Trajectory& b, std::size_t k, const Sizes& size,
-                            double condition, double residual) {
-  double bound[3] = {2 * residual * condition * size.of[0]};
-  for (int d = 1; d < 3; ++d)
-    bound[d] = 2 * residual * std::pow(condition, d + 1) * std::max(size.of[d], size.of[d - 1]);
-  for (std::size_t c = 0; c < b.columns().size(); ++c) {
-    const int d = derivative_of(b.columns()[c]);
-    const double off = std::abs(a[c] - b(k, c));
-    if (off <= bound[d]) continue;
-    ADD_FAILURE() << b.columns()[c] << " in row " << k << ", t = " << b.times()[k] << ": " << a[c] << " and " << b(k, c)
-                  << " are " << off << " apart, bound " << bound[d];
-    return;
-  }
-}
+void expect_same_row(std::span<const double> a, const Trajectory& b, std::size_t k, const Sizes& size, double condition,
+                     double residual);
 
 // The criterion of convergence, 8 eps, or the reported residuals if they are larger.
 inline double residual_of(const Report& a, const Report& b) {

@@ -2,7 +2,6 @@
 // unit of bodies after the other, each with a closed form or with a motion that was chosen before its drivers.
 #pragma once
 
-#include <Eigen/Dense>
 #include <cmath>
 #include <functional>
 #include <map>

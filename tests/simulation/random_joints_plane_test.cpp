@@ -288,18 +288,17 @@ bool add_driven_triad(JointMechanism& m, const Three& on) {
       [=, &m](long double t, Frames& f) {
         f[T] = test::turned(P[0], {0, 0, 1}, m.value(q[2], t));
         f[T].o = f[T].o + Place3{m.value(q[0], t), m.value(q[1], t), Real{}};
-        Eigen::Matrix3d lines;
+        Triple lines[3];
         double shortest = 1;
         for (std::size_t i = 0; i < 3; ++i) {
           const Place3 a = f[on[i]].at(A[i]), p = f[T].at(P[i]), d = p - a;
           f[K[i]] = f[L[i]] = aligned(exact(P[i]) - exact(A[i]), d);
           f[K[i]].put(exact(A[i]), a), f[L[i]].put(exact(P[i]), p);
           const Place3 u = references::unit(d);
-          lines.row(static_cast<Eigen::Index>(i)) << number(u[0]), number(u[1]),
-              number(area(p - f[T].at(P[0]), u)) / m.size();
+          lines[i] = {number(u[0]), number(u[1]), number(area(p - f[T].at(P[0]), u)) / m.size()};
           shortest = std::min(shortest, number(length_of(d)) / m.size());
         }
-        return std::min(shortest, std::abs(lines.determinant()));
+        return std::min(shortest, std::abs(triple::dot(lines[0], triple::cross(lines[1], lines[2]))));
       },
       0.25);
 }

@@ -2,6 +2,7 @@
 // between them. The motion of each body follows from products of rotations, or from a circle and a sphere.
 #include <gtest/gtest.h>
 
+#include "decompositions.hpp"
 #include "simulation/random_count.hpp"
 #include "simulation/random_joints.hpp"
 
@@ -72,7 +73,7 @@ std::vector<Step> steps_of(JointMechanism& m, char letter, const Triple& at, con
 // The smallest singular value of the screws of a chain of freedoms, with unit length `size`. Frames: of the body before
 // each step.
 double regularity(const std::vector<Step>& steps, const std::vector<Frame>& before, const Place3& centre, double size) {
-  Eigen::Matrix<double, 6, Eigen::Dynamic> screws(6, static_cast<Eigen::Index>(steps.size()));
+  Eigen::MatrixXd screws(6, static_cast<Eigen::Index>(steps.size()));
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const Place3 u = references::unit(before[i].turn(steps[i].axis));
     const Place3 v = steps[i].turns ? cross(before[i].at(steps[i].at) - centre, u) : u;
@@ -271,7 +272,7 @@ bool add_hexapod(JointMechanism& m, const std::vector<std::size_t>& on) {
   return m.keep(
       [=, &m](long double t, Frames& f) {
         for (const Step& s : steps) f[T] = f[T].after(motion_of(m, s, t));
-        Eigen::Matrix<double, 6, 6> lines;
+        Eigen::MatrixXd lines(6, 6);
         double margin = 1;
         for (std::size_t i = 0; i < 6; ++i) {
           margin = std::min(margin, struts[i].place(f, m.size()));
