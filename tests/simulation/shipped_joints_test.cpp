@@ -10,6 +10,7 @@
 
 #include "run.hpp"
 #include "scene/triple.hpp"
+#include "simulation/shipped.hpp"
 #include "source_dir.hpp"
 
 namespace assur {
@@ -90,6 +91,22 @@ TEST(ShippedJoints, GoldbergMakesFullTurns) {
   EXPECT_NEAR(m(400, "A.angle"), 4 * kPi, 1e-13);
   EXPECT_NEAR(std::abs(m(400, "E.angle")), 4 * kPi, m.tolerance());  // E makes full turns, too
   EXPECT_LE(m.residual(), 1e-14);
+}
+
+// Positions, velocities and accelerations of the same closed form, in quad.
+TEST(ShippedJoints, GoldbergsDerivativesFollow) {
+  using references::QuadJet;
+  const test::Shipped s("goldberg");
+  const QuadJet alpha{0.9}, beta{0.65}, gamma{0.45}, a = sin(alpha), b = sin(beta), c = sin(gamma);
+  const QuadJet k1 = sin((alpha + beta) / 2) / sin((alpha - beta) / 2);
+  const QuadJet k2 = sin((alpha + gamma) / 2) / sin((alpha - gamma) / 2);
+  test::expect_motion(s.scene(), 4, [&](double t) {
+    const QuadJet A = s.law("motor", t) + 1.2, J = 2 * atan2(k1 * cos(A / 2), sin(A / 2));
+    const QuadJet E = 2 * atan2(-1 * k2 * sin(J / 2), cos(J / 2));
+    return test::Expected{{{"B", {b + a * cos(A), a * sin(A) * cos(beta), a * sin(A) * sin(beta)}},
+                           {"C", {-1 * a * cos(J), a * sin(J), QuadJet{}}},
+                           {"D", {-1 * c - a * cos(E), -1 * a * sin(E) * cos(gamma), a * sin(E) * sin(gamma)}}}};
+  });
 }
 
 TEST(ShippedJoints, SarrusMovesStraight) {
