@@ -214,7 +214,7 @@ class TogetherStepOf final : public TogetherStep {
 
  private:
   // Of a pack at the current posture.
-  struct Numbers {
+  struct alignas(kLineBytes) Numbers {
     Column x, scale, phi, rate, rhs;
     Matrix u, jacobian;
     L norm;
@@ -375,9 +375,9 @@ class TogetherStepOf final : public TogetherStep {
   std::vector<std::size_t> row_end_;  // coupled row -> end of its entries
   std::vector<Term> terms_;           // of the slopes
   Places places_{};
-  std::vector<Numbers> numbers_;  // packs
-  LaneArray slopes_;              // packs x entries x W: H
-  LaneArray used_;                // packs x W
+  std::vector<Numbers, LineAllocator<Numbers>> numbers_;  // packs
+  LaneArray slopes_;                                      // packs x entries x W: H
+  LaneArray used_;                                        // packs x W
 };
 
 void complete_chain(const double* gains, double before, std::int32_t count, double* loads) {

@@ -201,7 +201,8 @@ TEST(Together, CouplesAGroupToTwoOthers) {
 
 TEST(Together, RepeatsItsMotionAfterGoingBack) {
   const Scene scene = sample("four_bar:20");
-  Simulator s = test::simulator(scene, kTogether);
+  const Prepared prepared = prepare(scene, {kTogether, {}});
+  Simulator s(prepared), other(prepared);
   for (int k = 0; k < 30; ++k) ASSERT_TRUE(s.step().arrived());
   const SimulatorState kept = s.save();
   const auto go = [&] {
@@ -215,7 +216,6 @@ TEST(Together, RepeatsItsMotionAfterGoingBack) {
   const std::vector<double> first = go();
   s.restore(kept);
   EXPECT_EQ(go(), first);
-  Simulator other = test::simulator(scene, kTogether);
   other.restore(kept);
   for (int k = 0; k < 100; ++k) ASSERT_TRUE(other.step().arrived());
   EXPECT_TRUE(std::equal(other.outputs().begin(), other.outputs().end(), first.end() - std::ssize(other.outputs())));
