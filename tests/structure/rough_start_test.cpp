@@ -40,7 +40,8 @@ class Rough {
     std::mt19937 random(1);
     for (int k = 0; k < kTries; ++k) {
       std::vector<double> q = right_;
-      for (const Index u : unknowns_) q[idx(u)] += share * (2.0 * random() / static_cast<double>(random.max()) - 1);
+      for (const Index u : unknowns_)
+        q[idx(u)] += share * (2 * static_cast<double>(random()) / static_cast<double>(random.max()) - 1);
       Structure out;
       q = assembled(q, out);
       if (!out.cannot_assemble.empty() || !out.undetermined.empty()) {
