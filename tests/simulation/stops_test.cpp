@@ -72,6 +72,28 @@ TEST(Stops, EndAMotionWhereTheClosedFormReachesTheBound) {
   }
 }
 
+// Two dyads in a row, whose levels are solved together.
+TEST(Stops, AreTheSameIfLevelsAreSolvedTogether) {
+  SceneBuilder builder("dyads", 2);
+  builder.fixed_point("A", {0, 0}).fixed_point("D", {2, 0}).fixed_point("G", {4, 0});
+  builder.point("B", {0, 0.5}).point("C", {2, 1}).point("F", {4, 1});
+  builder.constrain("coupler", Distance{"B", "C"}).constrain("rocker", Distance{"D", "C"});
+  builder.constrain("link", Distance{"C", "F"}).constrain("lever", Distance{"G", "F"});
+  builder.drive("motor", PointAngle{"A", "B", "", Law::polynomial({kTurn / 4, 1})});
+  builder.measure("height", MeasuredCoordinate{"F.y"}).measure("lean", AbsoluteAngle{"G", "F"});
+  builder.limit("height", 0.99, 2, kFlag).limit("lean", -1, 1.9).output("F").time(0, 3, 0.02);
+  const Scene scene = builder.build();
+  const Report one = test::run(scene, "groups/eigen").report();
+  const Report together = test::run(scene, "irreducible/lanes:4+together").report();
+  EXPECT_EQ(one.status.code, Code::stop_reached);
+  EXPECT_EQ(together.status.code, Code::stop_reached);
+  ASSERT_GE(one.events.size(), 2u);
+  ASSERT_EQ(together.events.size(), one.events.size());
+  for (std::size_t i = 0; i < one.events.size(); ++i) {
+    expect_event(together.events[i], one.events[i].kind, one.events[i].group, one.events[i].time);
+  }
+}
+
 // The limit changes no bit of the rows before it, and nothing without limits.
 TEST(Stops, LeaveTheMotionAsItIs) {
   const test::Result free = test::run(pump().output("S.displacement").build());
