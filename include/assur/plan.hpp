@@ -80,7 +80,7 @@ struct Prepared {
   std::span<const Backend> table;                   // has the backends that the plan names; must outlive simulators
   std::vector<std::string> controlled;              // PrepareOptions::controlled
   std::optional<double> start_time = std::nullopt;  // time of structure->start, s; empty: time.start
-  std::vector<double> start_limits = {};  // for use inside the library: limited quantities at start_time; empty: open
+  std::vector<double> start_limits = {};  // for the library: limited quantities at start_time; empty: not known yet
   // For use inside the library. Prepares the scene again with redundant equations chosen at a posture (all coordinates,
   // internal units) and time. Empty if the scene has no redundant equations, or if load_plan() made this. Throws like
   // prepare().

@@ -363,7 +363,7 @@ struct Measure {
 // A limit of a measure, or of a coordinate of a joint: the smallest and the largest value that it may have. A motion
 // that leaves the limit ends (Code::stop_reached), or goes on with an event (docs/joints.md#limits).
 struct Limit {
-  // What a motion does that leaves the limit.
+  // What happens when a motion leaves the limit.
   enum class Reaction : std::uint8_t {
     end,   // it ends, at the last posture within the limit
     flag,  // it goes on; events tell where it leaves the limit, and where it returns
@@ -574,7 +574,7 @@ using Parameters = std::map<std::string, double>;
 
 // The scene as text in the format of scene files, with joints as they were written: one object a line, sections in the
 // order of docs/scenes.md. Every number is the shortest text that reads back as the same double, so that parse_scene()
-// makes the same scene. Parameters and expressions are replaced by their values, names of tables by the rows; all
+// makes the same scene. Parameters and expressions are replaced by their values, tables in files by rows; all
 // angles are in rad. Coordinates of joints that only earlier outputs named (Scene::with_outputs) are left out. Throws
 // Error (input) with every finding if the scene has functions of the program, which a file cannot hold: callbacks and
 // laws.

@@ -23,14 +23,14 @@
 
 namespace assur {
 
-inline constexpr int kMostCoupledRows = 3;  // equations of a group
+inline constexpr int kMostCoupledRows = 3;  // most coupled equations of a group
 
 // Numbers of the coupled groups of all classes. An array of unknowns has its own addresses: those of a class are
 // [unknown][group]. The first W numbers of every array are zero; they stand for inputs that no group computes.
 struct Coupling {
-  LaneArray own, change;                            // of the unknowns
-  std::array<LaneArray, kMostCoupledRows> columns;  // of the unknowns, for each coupled row of their group
-  LaneArray loads;                                  // of the coupled rows, by class [row][group]
+  LaneArray own, change;                            // changes of the unknowns: alone, and with all loads
+  std::array<LaneArray, kMostCoupledRows> columns;  // change of the unknowns for a load of 1, by coupled row
+  LaneArray loads;                                  // loads of the coupled rows, by class [row][group]
   LaneArray gains;                                  // by class [gain][group]
 };
 
@@ -43,13 +43,13 @@ struct LaneAddresses {
 // W groups of one class on any levels.
 struct TogetherPack {
   Pack pack;               // inputs and coefficients, and by lane the guard of each group; ball_used: W
-  LaneAddresses unknowns;  // in the state
-  LaneAddresses known;     // inputs; those that groups compute lead to a number without rates
-  LaneAddresses sources;   // of the entries, in Coupling::own
-  std::size_t place = 0;   // of its first group among the groups of the class
+  LaneAddresses unknowns;  // addresses of the unknowns in the state
+  LaneAddresses known;     // addresses of the inputs; those that groups compute lead to a number without rates
+  LaneAddresses sources;   // addresses in Coupling::own of the unknowns that the entries read
+  std::size_t place = 0;   // number of its first group among the groups of the class
 };
 
-// Residuals of a step, the largest so far. The passes raise them, and stop at the first that is not finite.
+// The largest residuals of a step so far. The passes raise them, and stop at the first that is not finite.
 struct TogetherFigures {
   double position = 0, velocity = 0, acceleration = 0;
 };
@@ -86,23 +86,23 @@ class TogetherStep {
   // rows of the groups that each part of each row reads, in the order of the entries.
   virtual void place(const Places& places, std::span<const std::int32_t> columns) = 0;
 
-  // Equations, Jacobian, factors, own changes and columns at the current posture. iteration: 0 at the prediction.
-  // solved: every residual is at most `converged`, or only rounding is left. failed: the factorisation, the convergence
-  // or the first correction of a lane is unusual.
+  // Computes equations, Jacobian, factors, own changes and columns at the current posture. iteration: 0 at the
+  // prediction. solved: every residual is at most `converged`, or only rounding is left. failed: the factorisation, the
+  // convergence or the first correction of a lane is unusual.
   [[nodiscard]] virtual Progress linearise(const double* state, int iteration, double converged, Coupling& coupling,
                                            TogetherFigures& figures) = 0;
-  // Loads from the own changes, and the gains. To be called when all classes have their own changes.
+  // Computes the loads from the own changes, and the gains. To be called when all classes have their own changes.
   virtual void couple(Coupling& coupling, bool with_gains) = 0;
   // Moves the unknowns. To be called when all loads are complete.
   virtual void correct(double* state, Coupling& coupling) = 0;
-  // Own rates, from the rates of the inputs that no group computes; then the rates.
+  // Computes the own rates from the rates of the inputs that no group computes; then the rates.
   virtual void own_rates(double* const (&state)[3], Coupling& coupling) = 0;
   virtual void finish_rates(double* const (&state)[3], const Coupling& coupling) = 0;
   // The same for accelerations. own_accelerations() also measures the rates.
   virtual void own_accelerations(double* const (&state)[3], Coupling& coupling, TogetherFigures& figures) = 0;
   virtual void finish_accelerations(double* const (&state)[3], Coupling& coupling) = 0;
   virtual void measure_accelerations(const Coupling& coupling, TogetherFigures& figures) = 0;
-  // Part of its ball that each group used: W for each pack.
+  // The part of its ball that each group used: W numbers for each pack.
   [[nodiscard]] virtual std::span<const double> balls_used() const = 0;
 
  protected:

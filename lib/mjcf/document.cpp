@@ -19,10 +19,10 @@ namespace assur::mjcf {
 namespace {
 
 constexpr std::uintmax_t kLargestModel = 16'000'000;  // bytes, all files together
-constexpr std::size_t kMostElements = 1'000'000;      // of all files together; each takes about 200 bytes
-constexpr double kLargestNumber = 1e100;              // squares of places must be finite
-constexpr int kDeepestInclude = 8;                    // files that include each other
-constexpr std::size_t kDeepest = 100;                 // elements inside each other, as tinyxml2 allows in one file
+constexpr std::size_t kMostElements = 1'000'000;      // most elements of all files together; each takes about 200 bytes
+constexpr double kLargestNumber = 1e100;  // larger numbers are refused, because squares of places must be finite
+constexpr int kDeepestInclude = 8;        // files that include each other
+constexpr std::size_t kDeepest = 100;     // elements inside each other, as tinyxml2 allows in one file
 
 // The elements that are read, with the attributes that are read and those that are ignored.
 struct Known {
@@ -93,7 +93,7 @@ class Reader {
     if (size_ > kLargestModel) {
       throw Error(Error::Kind::input, {{"", "the files of the model have more than 16 MB, the limit"}}, name);
     }
-    // Before the parser takes memory for them.
+    // Elements are counted before the parser takes memory for them.
     for (std::size_t at = text.find('<'); at != text.npos; at = text.find('<', at + 1)) {
       const bool begins_element =
           at + 1 < text.size() && std::string_view("/!?").find(text[at + 1]) == std::string::npos;

@@ -209,7 +209,7 @@ class Importer {
 
   // ---- drivers
 
-  // The law of --drive.
+  // The law that --drive gives a joint.
   [[nodiscard]] Law law_of(int joint, const std::string& text) {
     if (!text.starts_with('{') && !text.starts_with('[')) return polynomial_of(title(joint), text);
     try {
@@ -271,7 +271,7 @@ class Importer {
 
   // Joints that move together: one of the two has a law, the other one follows.
   void couple() {
-    std::map<int, std::vector<std::size_t>> loops_of;  // of joints
+    std::map<int, std::vector<std::size_t>> loops_of;  // loops of each joint
     std::deque<std::size_t> work;
     std::set<std::size_t> open;
     for (std::size_t i = 0; i < model_.loops.size(); ++i) {
@@ -310,7 +310,7 @@ class Importer {
   // ---- bodies with their sites, and the rest
 
   void add_bodies() {
-    std::map<std::string, std::vector<Member>> points;  // of bodies
+    std::map<std::string, std::vector<Member>> points;  // points of each body
     for (std::size_t i = 0; i < model_.sites.size(); ++i) {
       const mjcf::Site& site = model_.sites[i];
       const std::string& body = mover(site.body);
@@ -355,8 +355,8 @@ class Importer {
   std::map<std::string, std::size_t> next_;                   // number for the next name with this stem
   std::vector<std::string> joints_, sites_, bodies_, loops_;  // names in the scene
   std::vector<std::string> parts_;                            // names of bodies between joints of one body
-  std::map<int, std::size_t> coordinate_of_;                  // of joints: index in ImportedModel::coordinates
-  std::map<int, Law> law_;                                    // of driven joints
+  std::map<int, std::size_t> coordinate_of_;                  // index of each joint in ImportedModel::coordinates
+  std::map<int, Law> law_;                                    // laws of driven joints
   std::map<std::string, std::size_t> left_out_;
   std::vector<std::string> notes_;
 };
@@ -370,7 +370,7 @@ ImportedModel import_model(const std::filesystem::path& file, const ModelOptions
     return Importer(model, options, file).import();
   } catch (const Error& error) {
     const std::vector<Diagnostic>& all = error.diagnostics();
-    const bool is_of_scene = all.front().where.starts_with('/');  // of build()
+    const bool is_of_scene = all.front().where.starts_with('/');  // a finding of build()
     throw is_of_scene ? Error(error.kind(), all, file.string()) : error;
   }
 }

@@ -36,9 +36,9 @@ struct Joint {
   std::string name;  // "" if it has none
   Kind kind = Kind::hinge;
   int body = kWorld;
-  Vector3d at = Vector3d::Zero(), axis = Vector3d::UnitZ();  // in the body
+  Vector3d at = Vector3d::Zero(), axis = Vector3d::UnitZ();  // in the frame of the body
   double reference = 0;                                      // its value in the posture of the model; rad or m
-  std::optional<std::array<double, 2>> range;                // of its value, of a hinge or slide; rad or m
+  std::optional<std::array<double, 2>> range;                // smallest and largest value of a hinge or slide; rad or m
   std::size_t first = 0;                                     // index of its first value in q
 
   [[nodiscard]] bool has_coordinate() const { return kind == Kind::hinge || kind == Kind::slide; }
@@ -50,7 +50,7 @@ struct Body {
   const Node* node = nullptr;
   std::string name;
   int parent = kNone;
-  Frame frame;              // in the parent, in the posture of the model
+  Frame frame;              // in the frame of the parent, in the posture of the model
   std::vector<int> joints;  // to the parent, in order
 };
 

@@ -14,8 +14,8 @@ namespace {
 // Rounding of a quantity, relative to its bound, and at least to 1 rad or the typical length: a motion may rest at its
 // limit.
 constexpr double kRounding = 256 * kEps;
-constexpr double kResolved = 16 * kEps;  // of the time: the width of a bracket
-constexpr double kNarrow = 0x1p-26;      // of the step: how exactly an extremum is located
+constexpr double kResolved = 16 * kEps;  // width of a bracket, relative to the time
+constexpr double kNarrow = 0x1p-26;      // error of the place of an extremum, relative to the step
 constexpr int kMostProbes = 200;
 constexpr std::size_t kJet = 3;  // columns of one quantity
 
@@ -197,12 +197,12 @@ std::vector<LimitWatch::Change> LimitWatch::changes(const std::function<const do
   return found;
 }
 
-// Regula falsi that halves the weight of an end that stays twice (Illinois), and bisection if the bracket shrinks too
+// Regula falsi that halves the weight of an end that stays twice (Illinois); bisection if the bracket shrinks too
 // slowly. Each probe keeps half the final width away from both ends, so that the bracket closes from both sides.
 void LimitWatch::bracket(std::size_t bound, double from, double excess_from, double until, double excess_until,
                          const std::function<const double*(double)>& solve, std::vector<Change>& found) {
   const bool leaves = excess_until > 0;
-  // Rounding decides whether there is a change, the bound itself where it is.
+  // A change needs an excess of more than rounding; it happens where the bound itself is passed.
   const double rounding = sides_[bound].rounding;
   excess_from += rounding;
   excess_until += rounding;

@@ -84,12 +84,12 @@ class LimitWatch {
   }
 
   [[nodiscard]] Event event(const Change& change) const;
-  // "A.angle is 1.5 rad, above its largest allowed value 1.2 rad": of a violated bound.
+  // "A.angle is 1.5 rad, above its largest allowed value 1.2 rad": describes a violated bound.
   [[nodiscard]] std::string describe(std::size_t bound) const;
 
  private:
   struct Side {
-    std::size_t column;  // of the value in a row
+    std::size_t column;  // column of the value in a row
     double sign;         // the quantity is outside if sign * (value - bound) > rounding
     double rounding;
   };
@@ -108,10 +108,10 @@ class LimitWatch {
   OutputProgram outputs_;
   AngleTurns turns_;
   std::vector<std::size_t> angles_;  // columns of signed angles
-  std::vector<Side> sides_;          // bounds
+  std::vector<Side> sides_;          // one for each bound
   std::vector<double> no_turns_, divisors_;
   std::vector<double> now_, next_, probe_;  // rows: value, rate and acceleration of each quantity
-  std::vector<double> values_;              // of now_
+  std::vector<double> values_;              // values in now_
   double now_time_ = 0, next_time_ = 0;
 };
 

@@ -17,13 +17,13 @@
 
 namespace assur {
 
-// The groups of a layout with one lane, by class in packs of several lanes.
+// Packs of several lanes for the groups of a layout with one lane, class by class.
 class Together {
  public:
   // Both must outlive it. The plan must have RunSettings::together.
   Together(const Prepared& prepared, Layout& layout);
 
-  // Tries an attempt inside the branch, like Levels::solve(). False: something is unusual; the state then holds the
+  // Makes an attempt inside the branch, like Levels::solve(). False: something is unusual; the state then holds the
   // prediction again, and the packs of the layout are unchanged.
   [[nodiscard]] bool solve(double* const (&state)[3], const Attempt& attempt, Counters& counters, StepErrors& errors);
 
@@ -33,20 +33,20 @@ class Together {
  private:
   // A load of a group and the loads that it depends on.
   struct Row {
-    std::int32_t at;          // in Coupling::loads
+    std::int32_t at;          // index into Coupling::loads
     std::int32_t begin, end;  // links
-    std::int32_t chain = 1;   // rows from here on, each of which depends on the one before alone, with consecutive
+    std::int32_t chain = 1;   // number of rows from here on that depend only on the row before them, with consecutive
                               // loads and gains
   };
   struct Link {
-    std::int32_t gain, load;  // in Coupling::gains and loads
+    std::int32_t gain, load;  // indices into Coupling::gains and loads
   };
   struct Copy {
     std::int32_t to, from;  // loads
   };
   struct Class {
     std::unique_ptr<TogetherStep> step;
-    GroupSolver* solver;  // of the layout
+    GroupSolver* solver;  // solver of the class in the layout
     std::int32_t lanes, derivatives;
     std::vector<std::int32_t> groups;  // in solving order
     TogetherStep::Places places;
@@ -77,13 +77,13 @@ class Together {
   Layout& layout_;
   std::vector<std::int32_t> pack_of_;  // group -> pack of the layout
   ChainOfLoads chain_;
-  std::vector<Source> sources_;  // coordinates
+  std::vector<Source> sources_;  // source of each coordinate
   std::vector<Class> classes_;
   Coupling coupling_;
   std::vector<Row> rows_;  // in solving order
   std::vector<Link> links_;
-  std::vector<Copy> idle_;  // lanes
-  int derivatives_ = 0;     // the most of all classes
+  std::vector<Copy> idle_;  // loads that idle lanes copy
+  int derivatives_ = 0;     // highest derivative of all classes
   LaneArray prediction_;
   bool up_to_date_ = false;  // the guards in the packs are those of the layout
 };

@@ -180,7 +180,7 @@ class JsonReader {
   std::unordered_set<std::string_view> angle_names_;  // measures of angles, and sums of them
   std::unordered_set<std::string_view> parameter_names_;
   std::unordered_map<std::string, Law> laws_of_tables_;  // by file: many drivers may share one
-  std::vector<std::filesystem::path> files_;             // of tables
+  std::vector<std::filesystem::path> files_;             // files of tables
   SceneBuilder builder_{"", 2};
 };
 

@@ -23,11 +23,11 @@
 namespace assur {
 namespace {
 
-constexpr std::size_t kWidth = 120;  // columns
+constexpr std::size_t kWidth = 120;  // columns of a line
 
 // ---- lines
 
-// The entries of an array or object that was written on one line, which ", " separates.
+// The entries of an array or object that was written on one line; ", " separates them.
 std::vector<std::string_view> entries_of(std::string_view text) {
   std::vector<std::string_view> entries;
   int depth = 0;
@@ -51,7 +51,7 @@ std::vector<std::string_view> entries_of(std::string_view text) {
   return entries;
 }
 
-// Appends a value, which begins in the current line of `out`. indent: of this line.
+// Appends a value, which begins in the current line of `out`. indent: that of this line.
 void append_laid_out(std::string& out, std::string_view text, std::size_t indent) {
   const std::size_t column = out.size() - (out.rfind('\n') + 1);
   const bool is_object = text.front() == '{', is_array = text.front() == '[';
@@ -92,7 +92,7 @@ std::string json_text(std::string_view text) {
 // JSON reads -0 as an integer, which has no sign.
 std::string number(double x) { return x == 0 && std::signbit(x) ? "-0.0" : shortest(x); }
 
-// "[a, b]"; text_of: of an entry
+// "[a, b]"; text_of(entry) is the text of an entry
 template <class Items, class TextOf>
 std::string array_of(const Items& items, const TextOf& text_of) {
   std::string text = "[";
@@ -142,7 +142,7 @@ class JsonWriter {
  public:
   explicit JsonWriter(int dimension) : dimension_(dimension) {}
 
-  // items: with names; `fill` appends the keys of one.
+  // Every item has a name; `fill` appends the keys of an item.
   template <class Items, class Fill>
   void section(std::string_view name, const Items& items, const Fill& fill) {
     if (items.empty()) return;
@@ -163,7 +163,7 @@ class JsonWriter {
   {
     section(name, items, [&](const Item& item) { fields(item, row); });
   }
-  // Items of several kinds. own: keys that all of them have.
+  // For items of several kinds. own: the keys that all kinds have.
   template <class Item, class Row>
   void kinds(std::string_view name, const std::vector<Item>& items, const Row& own) {
     section(name, items, [&](const Item& item) {
@@ -298,8 +298,8 @@ class JsonWriter {
 
   int dimension_;
   std::string text_;
-  std::string line_;  // of the current object
-  Where where_;       // of the current item
+  std::string line_;  // text of the current object
+  Where where_;       // place of the current item
   std::vector<Diagnostic> problems_;
 };
 

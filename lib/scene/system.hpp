@@ -161,9 +161,9 @@ struct MeasureForms {
   // form: {f}; distance: {dx, dy(, dz)}; absolute_angle: {dx, dy}; angles: d, e (, axis) components in a row;
   // quaternion and turn: the components of three axes in a row
   std::vector<Index> forms;
-  std::int8_t dimension = 0;   // of the value, power of length
-  std::vector<SumTerm> terms;  // of a sum
-  double constant = 0;         // of a sum, SI units
+  std::int8_t dimension = 0;   // power of length of the value
+  std::vector<SumTerm> terms;  // terms of a sum
+  double constant = 0;         // constant of a sum, SI units
 
   [[nodiscard]] bool is_sum() const { return kind == Kind::sum || kind == Kind::sum_of_angles; }
 };
@@ -210,8 +210,8 @@ class System {
   int teeth = 1;  // most of Callback::teeth
   std::vector<Frame> frames;
   std::vector<SystemGroup> groups;
-  std::vector<MeasureForms> measures;  // of the scene, in its order
-  std::vector<Bound> bounds;           // of the limits of the scene, in their order
+  std::vector<MeasureForms> measures;  // measures of the scene, in its order
+  std::vector<Bound> bounds;           // bounds of the limits of the scene, in their order
   std::vector<Diagnostic> notes;       // e.g. a driver that overrules a guess
 
   [[nodiscard]] std::span<const Term> form(Index f) const {

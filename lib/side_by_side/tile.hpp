@@ -33,7 +33,7 @@ struct Variant {
   std::vector<double> posture;  // all coordinates, internal units
   double time = 0;
   std::function<Prepared(std::vector<double>, double)> reselect;  // as in Prepared
-  std::vector<double> limited = {};                               // as Prepared::start_limits
+  std::vector<double> limited = {};                               // limited quantities, as Prepared::start_limits
 };
 
 // True if one tile can hold both: groups, equations and known coordinates are equal; constants may differ. Callbacks

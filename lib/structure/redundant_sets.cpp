@@ -29,7 +29,7 @@ class Loops {
     }
   }
 
-  // What equations of joints are about: bodies, and joints between other bodies.
+  // The bodies that equations of joints connect, and the joints between other bodies.
   struct Core {
     Names bodies, joints, others;
   };
@@ -60,7 +60,7 @@ class Loops {
     return out;
   }
 
-  // All joints at the bodies of a core, and those that lead on from there to the ground.
+  // All joints at the bodies of a core, and the joints that lead from there to the ground.
   [[nodiscard]] std::vector<std::string> closed(const Core& core) const {
     std::set<std::size_t> edges;
     for (const std::string& b : core.bodies) edges.insert(at_.at(b).begin(), at_.at(b).end());

@@ -1,4 +1,4 @@
-// Redundant equations as people speak of them: one set for all equations that depend on each other, with the number of
+// Redundant equations in sets: one set for all equations that depend on each other, with the number of
 // equations too many, and the joints of the scene that make them.
 #pragma once
 
@@ -19,15 +19,15 @@ struct Named {
   [[nodiscard]] std::string text() const;
 };
 
-// names: of equations as System::equation_name() gives them.
+// names: names of equations as System::equation_name() gives them.
 [[nodiscard]] Named in_words_of(const Scene& scene, const std::vector<std::string>& names);
 
 // Equations that depend on each other. Two dependences belong to one set if they share an equation or, among equations
 // of joints, a body; so the sets do not depend on the choice of the equations that are solved.
 struct RedundantSet {
   Named named;
-  std::vector<std::string> checked;  // names of the equations that are checked instead of solved: as many as too many
-  Redundancy::Kind kind = Redundancy::Kind::unknown;  // of all; dependences of another kind form a set of their own
+  std::vector<std::string> checked;  // names of the equations that are checked, not solved; one for each too many
+  Redundancy::Kind kind = Redundancy::Kind::unknown;  // kind of all dependences in the set
   Redundancy worst;                                   // the dependence with the largest violation
 };
 

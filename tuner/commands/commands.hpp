@@ -27,7 +27,7 @@ struct Common {
   std::string db;                             // --db FILE: the only tuning database
   Parameters set;                             // --set name=value
   std::vector<std::filesystem::path> tables;  // --tables FOLDER: further folders for tables of scenes
-  ModelOptions model;                         // --key NAME, --drive JOINT=LAW: of a model of MuJoCo
+  ModelOptions model;                         // --key NAME, --drive JOINT=LAW, for a model of MuJoCo
 };
 
 struct ImportOptions {

@@ -35,7 +35,7 @@ std::string only_group(const std::vector<AssemblyModes>& all) {
                                     ", as in --start-mode " + names.front() + "=1");
 }
 
-// A choice of one of the options.
+// A choice that one of the two options makes.
 struct Wish {
   std::string option, name;
   const std::size_t* mode;  // --start-mode; null: --guess
@@ -61,7 +61,7 @@ std::vector<ModeChoice> chosen_modes(const Scene& scene, const ModeOptions& opti
     wishes.push_back({"--guess", name, nullptr, &place});
   }
   std::vector<ModeChoice> chosen;
-  // A choice changes the postures of the groups behind, whose modes are then other ones: the first group comes first.
+  // A choice changes the postures, and so the modes, of the groups that depend on it: groups are chosen in their order.
   while (!wishes.empty()) {
     const std::vector<AssemblyModes> all = assembly_modes(scene, chosen);
     for (Wish& wish : wishes) {

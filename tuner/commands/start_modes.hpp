@@ -9,7 +9,7 @@
 namespace assur::command {
 
 // The choices of both options, in solving order. Throws Error: input if a group, a mode or a point does not exist, or
-// if a group is chosen twice; and like assembly_modes().
+// if a group is chosen twice; otherwise as assembly_modes() does.
 [[nodiscard]] std::vector<ModeChoice> chosen_modes(const Scene& scene, const ModeOptions& options);
 
 // prepare(), or prepare_in_modes() if there are choices.

@@ -19,22 +19,22 @@
 namespace assur::pictures {
 namespace {
 
-constexpr double kWidth = 760;                              // pixels
-constexpr std::size_t kMostBytes = 60000;                   // a file in a repository
-constexpr std::array kFrames = {48, 36, 24, 16, 10, 6, 1};  // the most that fit
-constexpr double kShortest = 3, kLongest = 8;               // s, of the animation
-constexpr std::size_t kMany = 150;                          // points; with more there are no symbols
-constexpr std::size_t kOfPath = 120;                        // points of a path
+constexpr double kWidth = 760;                              // width of the picture, pixels
+constexpr std::size_t kMostBytes = 60000;                   // small enough for a file in a repository
+constexpr std::array kFrames = {48, 36, 24, 16, 10, 6, 1};  // numbers of frames to try; the first that fits is taken
+constexpr double kShortest = 3, kLongest = 8;               // duration of the animation, s
+constexpr std::size_t kMany = 150;                          // largest number of points with symbols
+constexpr std::size_t kOfPath = 120;                        // largest number of points of a path
 constexpr std::size_t kMostPaths = 40;
 constexpr std::array<std::string_view, 6> kPalette = {"#0068a5", "#b36b00", "#00805d", "#b0508a", "#c44f00", "#5b5fc7"};
 
 std::string colour(std::size_t i, std::size_t count) {
   if (count <= kPalette.size()) return std::string(kPalette[i]);
-  const double golden = std::fmod(static_cast<double>(i) * 137.508 + 205, 360);  // neighbours differ
+  const double golden = std::fmod(static_cast<double>(i) * 137.508 + 205, 360);  // far apart for neighbours
   return "hsl(" + fixed(golden, 0) + " 60% 40%)";
 }
 
-bool is_made(const std::string& name) { return name.find('.') != std::string::npos; }  // by the program
+bool is_made(const std::string& name) { return name.find('.') != std::string::npos; }  // made by the program
 
 // The places that the picture must show.
 std::vector<Triple> seen(const Postures& p, std::size_t last) {
@@ -87,7 +87,7 @@ class Painter {
     return {p, view, std::move(frames), std::clamp(seconds, kShortest, kLongest)};
   }
 
-  // A share of the picture, but small beside typical links.
+  // The size of symbols: a share of the picture, but small beside typical links.
   [[nodiscard]] double symbol_size() const {
     std::vector<double> lengths;
     const auto add = [&](int a, int b) { lengths.push_back(distance(svg_.at(0, a), svg_.at(0, b))); };
@@ -231,9 +231,9 @@ class Painter {
   const View& view_;
   std::size_t last_;
   MovingSvg svg_;
-  double size_ = 5;  // of symbols, pixels
+  double size_ = 5;  // size of symbols, pixels
   bool by_body_ = false;
-  std::map<std::string, std::string> body_;  // colours
+  std::map<std::string, std::string> body_;  // colours of bodies
 };
 
 }  // namespace

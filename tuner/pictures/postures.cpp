@@ -9,7 +9,7 @@
 namespace assur::pictures {
 namespace {
 
-constexpr double kReturns = 0.03, kLeaves = 0.05;  // of the size: the motion is back, or away
+constexpr double kReturns = 0.03, kLeaves = 0.05;  // distances, relative to the size: the motion is back, or away
 
 Triple unit(const Triple& v) {
   const double size = triple::norm(v);
