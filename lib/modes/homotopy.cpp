@@ -228,9 +228,9 @@ class Pass {
 
   const Quadratics& s_;
   int m_;
-  double bound_;  // of the second derivatives of H(., t), for each t
+  double bound_;  // bound of the second derivatives of H(., t), for each t
   Complex gamma_;
-  std::vector<Complex> roots_;  // of p_i
+  std::vector<Complex> roots_;  // roots of p_i
   Vector7 probe_;               // a random right-hand side
 };
 

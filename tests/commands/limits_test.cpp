@@ -86,7 +86,7 @@ TEST(Limits, LimitsTheNumbersOfStepsAndTimes) {
             "times nearer to 0, or longer steps\n");
 }
 
-TEST(Limits, LimitsGeneratedMechanisms) {
+TEST(Limits, RefuseGeneratedMechanismsThatAreTooLarge) {
 #if defined(ASSUR_ADDRESS_SANITIZER) || defined(ASSUR_THREAD_SANITIZER)
   GTEST_SKIP() << "sanitizers reserve more address space than there is memory";
 #endif

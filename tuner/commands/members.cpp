@@ -6,7 +6,7 @@
 namespace assur::output {
 namespace {
 
-constexpr std::size_t kMostParameters = 4;  // shown for one member
+constexpr std::size_t kMostParameters = 4;  // number of parameters shown for one member
 
 std::string one_line(std::string text) {
   for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos;) text.replace(at, 1, "; ");
