@@ -43,6 +43,9 @@ class SceneDump {
       d.line("measure", m.name, m.kind.index());
       std::visit([&](const auto& k) { d.kind(k); }, m.kind);
     }
+    for (const Limit& l : scene.limits()) {
+      d.line("limit", l.quantity, l.min, l.max, static_cast<int>(l.reaction), l.driver);
+    }
     for (const DeclaredGroup& g : scene.groups()) d.line("group", g.name, g.unknowns, g.keep);
     d.line("outputs", scene.outputs());
     d.line("time", scene.time().start, scene.time().end, scene.time().step);

@@ -231,6 +231,9 @@ TEST(WriteScene, EveryKindReadsBackTheSame) {
   b.measure("m1", AngleBetween{"n", Direction("A", "B"), ""}).measure("m2", AngleBetween{"n", "x", "z"});
   b.measure("m3", MeasuredDistance{"B", "C"}).measure("m4", MeasuredCoordinate{"k9.lambda"});
   b.measure("m5", MeasuredCoordinate{"J3.angle"}).measure("m6", Combination{{{"m1", 2}, {"m2", -1}}, 0.5});
+  b.limit("J1.angle", -0.5, 1.25, Limit::Reaction::flag)
+      .add(Limit{"m3", -HUGE_VAL, 2})
+      .add(Limit{"J3.displacement", 0});
   b.add(DeclaredGroup{"G", {"B", "n", "k9.lambda"}, true});
   b.output("a").output("b.origin").output("c.angular_velocity").output("J3.displacement").output("m6.value");
   const Scene scene = b.time(-1, 1, 0.25).build();
