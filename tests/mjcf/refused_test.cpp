@@ -189,7 +189,7 @@ TEST(RefusedModels, AreBoundedInWhatTheyExpandTo) {
                  "<mujocoinclude><include file='part" + std::to_string(i + 1) + ".xml'/></mujocoinclude>");
   }
   EXPECT_EQ(refusal("<include file='part0.xml'/>"),
-            folder.path("part7.xml") + ": line 1, <include>: more than 8 files include each other, the limit");
+            folder.path("part7.xml") + ": line 1, <include>: files include each other more than 8 times, the limit");
   std::string many;
   for (int i = 0; i < 500'000; ++i) many += "<geom/>";
   folder.write("part.xml", "<mujocoinclude><body>" + many + "</body></mujocoinclude>");
@@ -204,8 +204,8 @@ TEST(RefusedModels, AreBoundedInWhatTheyExpandTo) {
 TEST(RefusedModels, NumbersAreFiniteAndNotTooLarge) {
   const test::Folder folder;
   const std::vector<std::pair<std::string, std::string>> cases = {
-      {"<joint pos='inf 0 0'/>", "<joint>: the attribute 'pos' has 'inf', which is no finite number"},
-      {"<joint ref='1e999'/>", "<joint>: the attribute 'ref' has '1e999', which is no finite number"},
+      {"<joint pos='inf 0 0'/>", "<joint>: the attribute 'pos' has 'inf', which is not a finite number"},
+      {"<joint ref='1e999'/>", "<joint>: the attribute 'ref' has '1e999', which is not a finite number"},
       {"<joint axis='0 0 1e200'/>", "<joint>: the attribute 'axis' has '1e200'; the limit is 1e100"},
       {"<joint axis='0 0 1e-200'/>", "<joint>: the attribute 'axis' has no direction; its length is 0"},
       {"<site quat='1e-300 0 0 0'/>", "<site>: the attribute 'quat' is 0"},
