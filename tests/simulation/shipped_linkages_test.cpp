@@ -43,7 +43,7 @@ TEST(Shipped, WattGuidesAPointAlmostStraight) {
   const Shipped s("watt");
   test::expect_groups(s.scene(), {{2}}, 1, 1);
   const Point3 A = s.fixed("A"), D = s.fixed("D"), B0 = s.fixed("B"), C0 = s.fixed("C");
-  const QuadJet left = norm(B0 - A), coupler = norm(C0 - B0), right = norm(C0 - D);
+  const QuadJet coupler = norm(C0 - B0), right = norm(C0 - D);
   const auto at = [&](double t) {
     const Point3 start = B0 - A;
     const QuadJet turn = s.law("motor", t);
