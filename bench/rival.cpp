@@ -73,7 +73,8 @@ void register_mechanism(const std::string& text, const Scene& scene, const Mecha
   for (const std::string strategy :
        {"irreducible/lanes+predict=hermite:5", "irreducible/lanes+once+predict=hermite:5",
         "irreducible/lanes:8+predict=hermite:5", "irreducible/lanes:8+once+predict=hermite:5",
-        "irreducible/klu+predict=hermite:5", "irreducible/eigen+predict=hermite:5", "global/klu+predict=hermite:5"}) {
+        "irreducible/lanes:8+together+predict=hermite:5", "irreducible/klu+predict=hermite:5",
+        "irreducible/eigen+predict=hermite:5", "global/klu+predict=hermite:5"}) {
     if (!worth_timing(scene, strategy)) continue;
     benchmark::RegisterBenchmark((text + " " + strategy).c_str(), time_steps, scene, strategy);
   }
@@ -88,7 +89,7 @@ void register_all() {
   for (int i = 1; i <= 6; ++i) points.push_back("B" + std::to_string(i));
   const std::string file = ASSUR_SOURCE_DIR "/scenes/stewart.json";
   register_mechanism("stewart", read_scene(file).with_outputs(points), StewartHandles());
-  for (const int loops : {1, 10, 100}) {
+  for (const int loops : {1, 10, 100, 1000}) {
     points.clear();
     for (int i = 1; i <= loops; ++i) points.push_back("B" + std::to_string(i));
     const std::string text = "four_bar:" + std::to_string(loops);
