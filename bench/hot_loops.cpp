@@ -1,15 +1,28 @@
 // Hot loops for counting instructions; arguments: SCENE, STRATEGY and a number of steps. Only run_hot_loop() is counted
-// (instructions.sh names it to callgrind), not the preparation and the first steps.
+// (instructions.sh names it to callgrind), not the preparation and the first steps. SCENE may be "joints=NAME" or
+// "by_hand=NAME", one of the mechanisms of tests/simulation/by_hand.hpp.
 #include <cstdint>
 #include <cstdio>
 #include <exception>
 #include <string>
 
 #include "assur/assur.hpp"
+#include "simulation/by_hand.hpp"
 
 namespace {
 
 constexpr std::int64_t kWarm = 20;  // steps
+
+assur::Scene scene_of(const std::string& text) {
+  const std::string way = text.substr(0, text.find('=')), name = text.substr(text.find('=') + 1);
+  if (way != "joints" && way != "by_hand") return assur::open_scene(text);
+  for (const auto& all : {assur::test::plane_mechanisms_by_hand(), assur::test::space_mechanisms_by_hand()}) {
+    for (const assur::test::WrittenTwice& m : all) {
+      if (m.name == name) return way == "joints" ? m.joints : m.by_hand;
+    }
+  }
+  throw assur::Error(assur::Error::Kind::input, "no mechanism is named " + name);
+}
 
 }  // namespace
 
@@ -28,7 +41,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    const assur::Scene scene = assur::open_scene(argv[1]);
+    const assur::Scene scene = scene_of(argv[1]);
     assur::Simulator simulator(assur::prepare(scene, {argv[2], {}}));
     const std::int64_t steps = std::stoll(argv[3]);
     for (std::int64_t k = 1; k <= kWarm; ++k) {

@@ -16,15 +16,21 @@ trap 'rm -r "$work"' EXIT
 count() {
   if ! valgrind --tool=callgrind --callgrind-out-file="$work/out" --toggle-collect=run_hot_loop \
       "$program" "$1" "$2" "$steps" >"$work/log" 2>&1; then
-    printf '%-14s %-44s cannot run: %s\n' "$1" "$2" "$(grep -v '^==' "$work/log" | head -1 | cut -c1-100)"
+    printf '%-25s %-44s cannot run: %s\n' "$1" "$2" "$(grep -v '^==' "$work/log" | head -1 | cut -c1-100)"
     return
   fi
   total=$(sed -n 's/^\(summary\|totals\): *\([0-9]*\).*/\2/p' "$work/out" | head -1)
-  printf '%-14s %-44s %12d\n' "$1" "$2" $((total / steps))
+  printf '%-25s %-44s %12d\n' "$1" "$2" $((total / steps))
 }
 
-printf '%-14s %-44s %12s\n' scene strategy instructions
+printf '%-25s %-44s %12s\n' scene strategy instructions
 for solver in klu lanes:8 lanes:8+once; do count stewart "groups/$solver+predict=hermite:5"; done
 for solver in eigen lanes:8 lanes:8+once; do count stewart "irreducible/$solver+predict=hermite:5"; done
 for scene in four_bar slider_crank; do count "$scene" "irreducible/lanes+predict=hermite:5"; done
 for solver in eigen klu lanes lanes+once; do count four_bar:100 "irreducible/$solver+predict=hermite:5"; done
+
+# Mechanisms written with joints and by hand.
+for name in four_bar slider_crank watt stephenson quick_return excavator chain rssr rscr rssp hexapod hexapod_inverse \
+    delta delta_translating wishbone spherical; do
+  for way in joints by_hand; do count "$way=$name" auto; done
+done

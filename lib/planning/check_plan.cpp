@@ -6,6 +6,7 @@
 
 #include "index.hpp"
 #include "planning/together_rules.hpp"
+#include "scene/gear.hpp"
 #include "scene/outputs.hpp"
 #include "scene/system.hpp"
 
@@ -41,6 +42,7 @@ class Check {
     inputs();
     assignments();
     positive();
+    gears();
     for (std::size_t c = 0; c < structure_.classes.size(); ++c) {
       part("classes", c);
       equations(structure_.classes[c], structure_.classes[c].n);
@@ -181,6 +183,25 @@ class Check {
     }
   }
 
+  void gears() {
+    part("system");
+    require(1 <= system_.teeth && system_.teeth <= kMostTeeth, "the number of teeth");
+    for (std::size_t i = 0; i < system_.callbacks.size(); ++i) {
+      part("gears", i);
+      const CallbackBlock& block = system_.callbacks[i];
+      std::size_t arguments = 0;
+      const GearNumbers numbers = numbers_of(*block.callback).value_or(GearNumbers{});
+      for (const GearNumbers::Side& side : numbers.sides) {
+        require(side.dimension == system_.dimension || (!side.is_angle && side.dimension == 2), "the dimension");
+        arguments += side.arguments();
+      }
+      require(arguments <= kMostGearArguments && block.coordinates.size() == arguments &&
+                  block.unit.size() == arguments && all_within(block.coordinates, forms_),
+              "the arguments");
+      require(1 <= block.callback->teeth && block.callback->teeth <= system_.teeth, "the number of teeth");
+    }
+  }
+
   // ---- structure
 
   void equations(const GroupClass& c, Index unknowns) {
@@ -193,12 +214,20 @@ class Check {
       require((t.coordinate == -1 || within(t.coordinate, coordinates)) && is_constant(t.constant), "a term");
     }
     for (const GroupClass::Product& p : c.products) {
-      require(within(p.a, forms) && within(p.b, forms) && is_constant(p.constant), "a product");
+      require(within(p.a, forms) && (p.b == -1 || within(p.b, forms)) && is_constant(p.constant), "a product");
     }
     for (const GroupClass::Equation& e : c.equations) {
       require(0 <= e.products_begin && e.products_begin <= e.products_end && idx(e.products_end) <= c.products.size() &&
-                  (e.linear == -1 || within(e.linear, forms)),
+                  (e.linear == -1 || within(e.linear, forms)) &&
+                  (e.callback == -1 || within(e.callback, system_.callbacks.size())),
               "an equation");
+      const bool is_gear = e.callback >= 0;  // its arguments are forms `a` without `b`
+      require(std::all_of(c.products.begin() + e.products_begin, c.products.begin() + e.products_end,
+                          [&](const GroupClass::Product& p) { return (p.b == -1) == is_gear; }),
+              "a product");
+      if (!is_gear) continue;
+      const std::size_t arguments = system_.callbacks[idx(e.callback)].coordinates.size();
+      require(idx(e.products_end - e.products_begin) == arguments && e.linear == -1, "a gear");
     }
   }
 

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "assur/plan.hpp"
 #include "assur/strategy.hpp"
 #include "assur/structure.hpp"
 #include "planning/plan_text.hpp"
+#include "scene/gear.hpp"
 #include "scene/system.hpp"
 
 namespace assur {
@@ -60,13 +62,27 @@ inline void fields(auto& a, Either<System> auto& s) {
   a.label("drivers", s.drivers);
   a.label("inputs", s.inputs);
   a.label("positive", s.positive);
+  a.label("teeth", s.teeth);
+}
+
+// A gear, the only equation with functions that a plan can hold.
+struct SavedGear {
+  std::vector<Index> coordinates;
+  std::vector<double> unit;
+  GearNumbers numbers;
+};
+inline void fields(auto& a, Either<GearNumbers::Side> auto& s) { a(s.is_angle, s.dimension, s.factor); }
+inline void fields(auto& a, Either<SavedGear> auto& g) {
+  a(g.coordinates, g.unit, g.numbers.sides, g.numbers.is_periodic, g.numbers.teeth);
 }
 
 // ---- structure
 
 inline void fields(auto& a, Either<GroupClass::Term> auto& t) { a(t.coordinate, t.constant); }
 inline void fields(auto& a, Either<GroupClass::Product> auto& p) { a(p.a, p.b, p.constant); }
-inline void fields(auto& a, Either<GroupClass::Equation> auto& e) { a(e.products_begin, e.products_end, e.linear); }
+inline void fields(auto& a, Either<GroupClass::Equation> auto& e) {
+  a(e.products_begin, e.products_end, e.linear, e.callback);
+}
 inline void fields(auto& a, Either<GroupClass> auto& c) {
   a(c.n, c.inputs, c.constants, c.blocks, c.derivatives, c.first_wanted);
   a.label("input_moves", c.input_moves);
@@ -76,7 +92,11 @@ inline void fields(auto& a, Either<GroupClass> auto& c) {
   a.label("equations", c.equations);
   a.label("blocks", c.unknown_block, c.equation_block);
   if constexpr (std::remove_reference_t<decltype(a)>::kReads) {
-    for (GroupClass::Equation& e : c.equations) e.callback = -1, e.row = 0;
+    c.quadratic = true;
+    for (GroupClass::Equation& e : c.equations) {
+      e.row = 0;  // a gear has one equation
+      c.quadratic = c.quadratic && e.callback < 0;
+    }
   }
 }
 inline void fields(auto& a, Either<Group> auto& g) {
@@ -118,13 +138,14 @@ inline void fields(auto& a, Either<Plan> auto& p) {
 
 // The whole file.
 inline void fields(auto& a, Either<Prepared> auto& prepared, Either<System> auto& system,
-                   Either<Structure> auto& structure) {
+                   Either<std::vector<SavedGear>> auto& gears, Either<Structure> auto& structure) {
   a.label("scene", prepared.name);
   a.label("time", prepared.time, prepared.start_time);
   a.label("controlled", prepared.controlled);
   fields(a, prepared.plan);
   fields(a, structure);
   fields(a, system);
+  a.label("gears", gears);
 }
 
 }  // namespace assur

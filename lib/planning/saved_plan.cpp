@@ -15,13 +15,13 @@ namespace {
 
 enum class LawPart : std::uint8_t { polynomial, harmonics, table };
 
-// Refuses functions, which no file can hold.
+// Refuses functions, which no file can hold; gears are numbers.
 void refuse_functions(const System& system) {
   const auto refuse = [](const std::string& what, const std::string& instead) {
     throw Error(Error::Kind::input, what + ", which cannot be saved; " + instead);
   };
   for (const Equation& e : system.equations) {
-    if (e.callback < 0) continue;
+    if (e.callback < 0 || numbers_of(*system.callbacks[static_cast<std::size_t>(e.callback)].callback)) continue;
     refuse("constraint '" + system.sources[static_cast<std::size_t>(e.source)].name + "' is a C++ function",
            "prepare the scene in the program that runs it");
   }
@@ -33,6 +33,28 @@ void refuse_functions(const System& system) {
                "make it a table, or a constant for a driver that the program controls");
       }
     }
+  }
+}
+
+std::vector<SavedGear> gears_of(const System& system) {
+  std::vector<SavedGear> gears;
+  for (const CallbackBlock& block : system.callbacks) {
+    gears.push_back({block.coordinates, block.unit, *numbers_of(*block.callback)});
+  }
+  return gears;
+}
+
+// A system with the callbacks of its gears, which no scene owns.
+struct Loaded {
+  System system;
+  std::vector<Callback> callbacks;
+};
+
+void add_gears(Loaded& loaded, const std::vector<SavedGear>& gears) {
+  loaded.callbacks.reserve(gears.size());
+  for (const SavedGear& g : gears) {
+    loaded.callbacks.push_back(gear_of(g.numbers));
+    loaded.system.callbacks.push_back({&loaded.callbacks.back(), g.coordinates, g.unit, -1});
   }
 }
 
@@ -125,7 +147,9 @@ void fields(PlanReader& read, Law& law) {
 void save_plan(std::ostream& out, const Prepared& prepared) {
   refuse_functions(*prepared.structure->system);
   PlanWriter write;
-  fields(write, prepared, *prepared.structure->system, *prepared.structure);
+  const System& system = *prepared.structure->system;
+  const std::vector<SavedGear> gears = gears_of(system);
+  fields(write, prepared, system, gears, *prepared.structure);
   out << write.finish() << std::flush;
   if (!out) throw Error(Error::Kind::environment, "the plan could not be written: is the disk full?");
 }
@@ -137,12 +161,14 @@ Prepared load_plan(std::istream& in, const LoadOptions& options) {
   }
   PlanReader read(text_of_plan(in));
   Prepared prepared;
-  System system;
+  const auto loaded = std::make_shared<Loaded>();
+  std::vector<SavedGear> gears;
   auto structure = std::make_shared<Structure>();
-  fields(read, prepared, system, *structure);
+  fields(read, prepared, loaded->system, gears, *structure);
   read.finish();
-  system.index_names();
-  structure->system = std::make_shared<const System>(std::move(system));
+  loaded->system.index_names();
+  add_gears(*loaded, gears);
+  structure->system = std::shared_ptr<const System>(loaded, &loaded->system);
   prepared.structure = std::move(structure);
   check_plan(prepared);
   check_backends(prepared.plan, options.table);

@@ -5,6 +5,7 @@
 
 #include "index.hpp"
 #include "numbers.hpp"
+#include "scene/residual_scale.hpp"
 #include "scene/triple.hpp"
 
 namespace assur {
@@ -257,10 +258,23 @@ void Forms::equation(Index source, const std::vector<Product>& products, const T
   e.products_begin = static_cast<Index>(s_.products.size());
   s_.products.insert(s_.products.end(), products.begin(), products.end());
   e.products_end = static_cast<Index>(s_.products.size());
-  e.linear = linear.empty() ? -1 : form(linear);
+  e.linear = linear.empty() ? -1 : form(products.empty() ? without_rounding(linear) : linear);
   e.source = source;
   e.row = row_++;
   s_.equations.push_back(e);
+}
+
+// If all coefficients of a linear equation cancelled, its constant is rounding, too, or a contradiction. As a relative
+// residual, rounding would be as large as any contradiction.
+Terms Forms::without_rounding(Terms linear) {
+  const auto value = [&](const Term& t) { return s_.constants[idx(t.constant)]; };
+  for (const Term& t : linear) {
+    if (t.coordinate != kOne && value(t) != 0) return linear;
+  }
+  for (Term& t : linear) {
+    if (t.coordinate == kOne && std::abs(value(t)) <= kConsistent) t.constant = internal_constant({});
+  }
+  return linear;
 }
 
 void Forms::callback_row(Index source, Index callback, Index row) {

@@ -90,6 +90,7 @@ class Forms {
 
  private:
   [[nodiscard]] double scaled(double value, int power) const;
+  Terms without_rounding(Terms linear);
   struct Exact;  // a constant in double-double
   [[nodiscard]] Exact exact(Index constant) const;
   Index internal_constant(const Exact& exact);

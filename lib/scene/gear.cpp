@@ -13,28 +13,18 @@
 namespace assur {
 namespace {
 
-constexpr int kMostTeeth = 1000;
 constexpr double kSameRatio = 1e-9;
-constexpr double kLeastCosine = 0.54;           // about 1 rad: farther off, Newton's method may find another tooth
-using Arguments = std::array<Jet<double>, 18>;  // two angles in space: two directions and an axis each
+constexpr double kLeastCosine = 0.54;  // about 1 rad: farther off, Newton's method may find another tooth
+using Arguments = std::array<Jet<double>, kMostGearArguments>;
 
-// phi = sin(total), or total; total = sum of factor * coordinate.
 struct Equation {
-  struct Side {
-    std::size_t first;  // argument
-    std::size_t dimension;
-    bool is_angle;
-    double factor;
-  };
-  std::vector<Side> sides;
-  bool is_periodic = false;
+  GearNumbers numbers;
 
   // The arguments of an angle: from, to, axis.
   template <class T>
-  static Jet<T> angle(const Side& side, std::span<const Jet<T>> x) {
-    const auto d = [&](std::size_t k) -> const Jet<T>& { return x[side.first + k]; };
-    const std::size_t n = side.dimension;
-    if (n == 2) return atan2(d(0) * d(3) - d(1) * d(2), d(0) * d(2) + d(1) * d(3));
+  static Jet<T> angle(std::span<const Jet<T>> d_of, bool in_space) {
+    const auto d = [&](std::size_t k) -> const Jet<T>& { return d_of[k]; };
+    if (!in_space) return atan2(d(0) * d(3) - d(1) * d(2), d(0) * d(2) + d(1) * d(3));
     const auto across = [&](std::size_t i, std::size_t j) { return d(i) * d(3 + j) - d(j) * d(3 + i); };
     return atan2(d(6) * across(1, 2) + d(7) * across(2, 0) + d(8) * across(0, 1),
                  d(0) * d(3) + d(1) * d(4) + d(2) * d(5));
@@ -43,13 +33,27 @@ struct Equation {
   template <class T>
   [[nodiscard]] Jet<T> operator()(std::span<const Jet<T>> x) const {
     Jet<T> total{};
-    for (const Side& side : sides) {
-      total = total + T(side.factor) * (side.is_angle ? angle<T>(side, x) : x[side.first]);
+    std::size_t first = 0;
+    for (const GearNumbers::Side& side : numbers.sides) {
+      const std::span<const Jet<T>> own = x.subspan(first, side.arguments());
+      total = total + T(side.factor) * (side.is_angle ? angle<T>(own, side.dimension == 3) : own[0]);
+      first += own.size();
     }
-    if (!is_periodic) return total;
+    if (!numbers.is_periodic) return total;
     const CosSin<T> phase = cos_sin(total);
     if (phase.cosine.value < kLeastCosine) return Jet<T>{T(kNan), T(kNan), T(kNan)};
     return phase.sine;
+  }
+};
+
+// A named type, so that numbers_of() recognises it.
+struct Residual {
+  Equation equation;
+
+  void operator()(std::span<const double> x, std::span<double> phi) const {
+    Arguments jets{};
+    for (std::size_t i = 0; i < x.size(); ++i) jets[i].value = x[i];
+    phi[0] = equation(std::span<const Jet<double>>(jets)).value;
   }
 };
 
@@ -74,40 +78,18 @@ std::optional<std::pair<int, int>> whole_ratio(double ratio) {
   return {};
 }
 
-Callback gear_equation(const GearSide& a, const GearSide& b, double ratio) {
+std::optional<GearNumbers> numbers_of(const Callback& callback) {
+  const auto* residual = callback.residual.target<Residual>();
+  return residual != nullptr ? std::optional(residual->equation.numbers) : std::nullopt;
+}
+
+Callback gear_of(const GearNumbers& numbers) {
+  const Equation equation{numbers};
   Callback c;
   c.equations = 1;
-  Equation equation;
-  const auto add = [&](const GearSide& side, double factor) {
-    const std::size_t first = c.coordinates.size();
-    const bool in_space = !side.axis.empty();
-    if (side.is_angle) {
-      for (const std::string* name : {&side.from, &side.to, &side.axis}) {
-        if (name->empty()) continue;
-        for (const char* part : {".x", ".y", ".z"}) {
-          if (part[1] != 'z' || in_space) c.coordinates.push_back(*name + part);
-        }
-      }
-    } else {
-      c.coordinates.push_back(side.displacement);
-    }
-    equation.sides.push_back({first, in_space ? 3U : 2U, side.is_angle, factor});
-  };
-  equation.is_periodic = a.is_angle || b.is_angle;
-  if (a.is_angle && b.is_angle) {
-    const auto [n, m] = whole_ratio(ratio).value_or(std::pair(1, 1));
-    add(a, -n), add(b, m);
-    c.teeth = std::max(std::abs(n), m);
-  } else if (a.is_angle) {
-    add(a, -1), add(b, 1 / ratio);
-  } else {
-    add(a, -ratio), add(b, 1);
-  }
-  c.residual = [equation](std::span<const double> x, std::span<double> phi) {
-    Arguments jets{};
-    for (std::size_t i = 0; i < x.size(); ++i) jets[i].value = x[i];
-    phi[0] = equation(std::span<const Jet<double>>(jets)).value;
-  };
+  c.teeth = numbers.teeth;
+  c.tolerance = kInfinity;
+  c.residual = Residual{equation};
   c.jacobian = [equation](std::span<const double> x, std::span<double> jacobian) {
     Arguments jets{};
     for (std::size_t i = 0; i < x.size(); ++i) jets[i].value = x[i];
@@ -122,6 +104,39 @@ Callback gear_equation(const GearSide& a, const GearSide& b, double ratio) {
     for (std::size_t i = 0; i < x.size(); ++i) jets[i] = {x[i], rate[i], 0};
     curvature[0] = equation(std::span<const Jet<double>>(jets)).acceleration;
   };
+  return c;
+}
+
+Callback gear_equation(const GearSide& a, const GearSide& b, double ratio) {
+  GearNumbers numbers;
+  std::vector<std::string> coordinates;
+  const auto add = [&](const GearSide& side, double factor) {
+    const bool in_space = !side.axis.empty();
+    if (side.is_angle) {
+      for (const std::string* name : {&side.from, &side.to, &side.axis}) {
+        if (name->empty()) continue;
+        for (const char* part : {".x", ".y", ".z"}) {
+          if (part[1] != 'z' || in_space) coordinates.push_back(*name + part);
+        }
+      }
+    } else {
+      coordinates.push_back(side.displacement);
+    }
+    numbers.sides.push_back({side.is_angle, in_space ? 3 : 2, factor});
+  };
+  numbers.is_periodic = a.is_angle || b.is_angle;
+  if (a.is_angle && b.is_angle) {
+    const auto [n, m] = whole_ratio(ratio).value_or(std::pair(1, 1));
+    add(a, -n), add(b, m);
+    numbers.teeth = std::max(std::abs(n), m);
+  } else if (a.is_angle) {
+    add(a, -1), add(b, 1 / ratio);
+  } else {
+    add(a, -ratio), add(b, 1);
+  }
+  Callback c = gear_of(numbers);
+  c.coordinates = std::move(coordinates);
+  c.tolerance = kDerivativeTolerance;
   return c;
 }
 

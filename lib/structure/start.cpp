@@ -20,6 +20,7 @@
 #include "structure/block_names.hpp"
 #include "structure/dense_block.hpp"
 #include "structure/freedoms.hpp"
+#include "structure/idle_parts.hpp"
 #include "structure/other_postures.hpp"
 #include "structure/rank.hpp"
 #include "structure/redundant_sets.hpp"
@@ -54,6 +55,7 @@ class Start {
   DoubtfulParts run() {
     split_equations();
     p_.blocks = decompose(s_, p_.equations, p_.unknowns);
+    leave_out_idle_parts();
     const std::vector<Index> singular = assemble_blocks();
     const bool refused = !out_.cannot_assemble.empty() && p_.blocks.square();
     if (!refused && !(p_.blocks.square() && singular.empty())) study_doubtful_parts(singular);
@@ -78,6 +80,19 @@ class Start {
         if (relative_residual(e) > kConsistent) contradiction({s_.equation_name(e)}, relative_residual(e), {&e, 1});
       }
     }
+  }
+
+  void leave_out_idle_parts() {
+    IdleParts idle = find_idle_parts(s_, p_.blocks);
+    if (idle.unknowns.empty()) return;
+    const auto erase = [](std::vector<Index>& from, const std::vector<Index>& these) {
+      std::erase_if(from, [&](Index i) { return std::binary_search(these.begin(), these.end(), i); });
+    };
+    erase(p_.unknowns, idle.unknowns);
+    erase(p_.equations, idle.equations);
+    p_.blocks = decompose(s_, p_.equations, p_.unknowns);
+    out_.notes.insert(out_.notes.end(), idle.notes.begin(), idle.notes.end());
+    idle_ = std::move(idle.unknowns);
   }
 
   [[nodiscard]] double relative_residual(Index e) const {
@@ -211,6 +226,7 @@ class Start {
   void check_frames() {
     for (const Frame& f : s_.frames) {
       if (!out_.cannot_assemble.empty() || !out_.undetermined.empty()) return;
+      if (is_idle(f)) continue;
       Triple a[3];
       for (std::size_t j = 0; j < 3; ++j) {
         for (std::size_t k = 0; k < 3; ++k) a[j][k] = form_value<double>(s_, s_.items[idx(f.item[j])].form[k], p_.q);
@@ -230,9 +246,17 @@ class Start {
     }
   }
 
+  [[nodiscard]] bool is_idle(const Frame& f) const {
+    return std::any_of(std::begin(f.item), std::end(f.item), [&](Index item) {
+      const Term first = s_.form(s_.items[idx(item)].form[0])[0];
+      return std::binary_search(idle_.begin(), idle_.end(), first.coordinate);
+    });
+  }
+
   const System& s_;
   Problem& p_;
   Structure& out_;
+  std::vector<Index> idle_;  // unknowns that are left out
   DoubtfulParts doubtful_;
   std::vector<Index> column_;  // scratch of DenseBlock
 };

@@ -13,6 +13,7 @@
 #include "structure/other_postures.hpp"
 #include "structure/presolve.hpp"
 #include "structure/redundant_sets.hpp"
+#include "structure/slides.hpp"
 #include "structure/start.hpp"
 
 namespace assur {
@@ -186,6 +187,7 @@ Structure analyze(const Scene& scene, const StructureOptions& options) {
   if (irreducible && out.cannot_assemble.empty()) {
     out.eliminated = presolve(s, p.equations, p.unknowns);
     if (out.eliminated > 0) p.blocks = decompose(s, p.equations, p.unknowns);
+    decouple_slides(s, p.equations, p.unknowns, p.blocks);
   }
 
   std::vector<Draft> drafts = form_groups(s, p.blocks, options.formulation);

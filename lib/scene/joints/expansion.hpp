@@ -74,6 +74,7 @@ struct Feature {
   int solid = kNobody;  // the solid whose member it is; kNobody: it has its own unknowns
   int from = kNobody;   // the solid whose member it was as written
   Index level = kLast;  // lowest level of the solids that have it
+  bool slides = false;  // the direction of a line along which a body slides
 };
 
 // Bodies that fixed joints connect: one rigid solid.

@@ -125,6 +125,7 @@ void Expansion::place_slides() {
   for (Slide& s : slides_) {
     const Joint& j = *s.joint;
     const Triple axis = features_[s.axis].at;
+    features_[s.axis].slides = !s.on_plane;
     Solid& second = solids_[idx(s.b)];
     std::size_t given = features_.size();
     Triple at{};

@@ -1,0 +1,23 @@
+// Parts of a mechanism that may move on their own: a wheel on an axle without a driver, a body that slides freely.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scene/system.hpp"
+#include "structure/blocks.hpp"
+
+namespace assur {
+
+// Unknowns that have more freedoms than equations, and their equations. No output and no driver depends on them.
+struct IdleParts {
+  std::vector<Index> unknowns, equations;  // ascending
+  std::vector<Diagnostic> notes;           // one for each part
+};
+
+// Finds the idle parts among the structurally underdetermined unknowns of `blocks`. The equations of all other unknowns
+// mention none of these, so that idle parts can be left out. Parts that an output or the equation of a driver mentions,
+// or that belong to a declared group, are not idle.
+[[nodiscard]] IdleParts find_idle_parts(const System& system, const Blocks& blocks);
+
+}  // namespace assur

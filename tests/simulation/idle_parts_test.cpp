@@ -1,0 +1,140 @@
+// Parts that may move on their own are left out with a note if nothing depends on them.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numbers>
+#include <string>
+
+#include "assur/structure.hpp"
+#include "run.hpp"
+
+namespace assur {
+namespace {
+
+constexpr double kTurn = 2 * std::numbers::pi;
+const Triple kZ = {0, 0, 1};
+
+// A four-bar with a driven crank; the outputs are the joint C and the angle of the rocker.
+SceneBuilder four_bar(int dimension) {
+  const Anchor axis = dimension == 3 ? Anchor(kZ) : Anchor();
+  SceneBuilder b("four_bar", dimension);
+  for (const char* name : {"crank", "coupler", "rocker"}) b.add(Body{.name = name});
+  b.joint("A", Revolute{"ground", "crank", Triple{0, 0, 0}, axis})
+      .joint("B", Revolute{"crank", "coupler", Triple{0.5, 0, 0}, axis})
+      .joint("C", Revolute{"coupler", "rocker", Triple{1.6, 1.2, 0}, axis})
+      .joint("D", Revolute{"ground", "rocker", Triple{2, 0, 0}, axis})
+      .drive("motor", DrivenCoordinate{"A.angle", Law::polynomial({0, kTurn})})
+      .output("C")
+      .output("D.angle")
+      .time(0, 1, 1.0 / 64);
+  return b;
+}
+
+Member marker(std::string name, const Triple& at) { return {std::move(name), at, true}; }
+
+void expect_left_out(int dimension, const SceneBuilder& with, const std::string& body, const std::string& output) {
+  const Scene scene = with.build();
+  const Structure s = analyze(scene);
+  EXPECT_TRUE(s.undetermined.empty());
+  const auto names = [&](const Diagnostic& note) {
+    return note.what.starts_with("nothing determines the position of") &&
+           note.what.find("'" + body + "'") != std::string::npos;
+  };
+  EXPECT_EQ(std::count_if(s.notes.begin(), s.notes.end(), names), 1);
+  const Structure without = analyze(four_bar(dimension).build());
+  EXPECT_EQ(s.mobility, without.mobility);
+  // in space the coupler carries members beside its plane, with a normal
+  if (dimension == 2) {
+    EXPECT_EQ(s.groups.size(), without.groups.size());
+  }
+  const test::Result motion = test::run(scene);
+  EXPECT_EQ(motion.report().status.code, Code::ok);
+  EXPECT_LE(test::difference(test::run(four_bar(dimension).build()).trajectory, motion.trajectory), 1e-13);
+  EXPECT_FALSE(analyze(SceneBuilder(with).output(output).build()).undetermined.empty());
+  EXPECT_THROW((void)prepare(SceneBuilder(with).output(output).build()), Error);
+}
+
+TEST(IdleParts, WheelOnAPassiveAxle) {
+  for (const int dimension : {2, 3}) {
+    const Anchor axis = dimension == 3 ? Anchor(kZ) : Anchor();
+    SceneBuilder b = four_bar(dimension);
+    b.add(Body{.name = "wheel", .points = {marker("rim", {1, 1, 0})}})
+        .joint("W", Revolute{"coupler", "wheel", Triple{1, 0.7, 0}, axis});
+    expect_left_out(dimension, b, "wheel", "rim");
+    expect_left_out(dimension, b, "wheel", "W.angle");
+  }
+}
+
+TEST(IdleParts, BlockThatSlides) {
+  for (const int dimension : {2, 3}) {
+    SceneBuilder b = four_bar(dimension);
+    b.add(Body{.name = "block", .points = {marker("mark", {1.2, 0.9, 0})}})
+        .joint("S", Prismatic{"coupler", "block", Triple{1, 1, 0}});
+    expect_left_out(dimension, b, "block", "S.displacement");
+  }
+}
+
+TEST(IdleParts, BodiesThatHangOnJointsInSpace) {
+  SceneBuilder sleeve = four_bar(3);
+  sleeve.add(Body{.name = "sleeve", .points = {marker("mark", {1, 0.7, 0.3})}})
+      .joint("S", Cylindrical{"rocker", "sleeve", Triple{1.8, 0.6, 0}, Triple{1, 0, 2}});
+  expect_left_out(3, sleeve, "sleeve", "mark");
+  expect_left_out(3, sleeve, "sleeve", "S.displacement");
+  SceneBuilder pendulum = four_bar(3);
+  pendulum.add(Body{.name = "pendulum", .points = {marker("bob", {1, 0.7, -0.5}), marker("mark", {1.1, 0.7, -0.5})}})
+      .joint("S", Spherical{"coupler", "pendulum", Triple{1, 0.7, 0}});
+  expect_left_out(3, pendulum, "pendulum", "bob");
+  SceneBuilder plate = four_bar(3);
+  plate.add(Body{.name = "plate", .points = {marker("mark", {1.1, 0.7, 0.2})}})
+      .joint("E", Planar{"coupler", "plate", kZ});
+  expect_left_out(3, plate, "plate", "mark");
+  SceneBuilder cross = four_bar(3);
+  cross.add(Body{.name = "shaft", .points = {marker("end", {1, 0.7, 1})}})
+      .joint("U", Universal{"coupler", "shaft", Triple{1, 0.7, 0}, Triple{1, 0, 0}, Triple{0, 1, 0}});
+  expect_left_out(3, cross, "shaft", "end");
+  // a rod with two ball joints and a point beside its line
+  SceneBuilder rod = four_bar(3);
+  rod.add(Body{.name = "rod", .points = {marker("side", {1, 1, 0.5})}})
+      .add(Body{.name = "lever"})
+      .joint("P", Spherical{"coupler", "rod", Triple{1, 0.7, 0.2}})
+      .joint("Q", Spherical{"rod", "lever", Triple{1.5, 1.5, 1}})
+      .joint("R", Revolute{"ground", "lever", Triple{2.5, 1.5, 1}, Triple{0, 1, 0.2}});
+  const Scene scene = rod.output("Q").time(0, 1.0 / 16, 1.0 / 64).build();
+  EXPECT_TRUE(analyze(scene).undetermined.empty());
+  EXPECT_EQ(test::run(scene).report().status.code, Code::ok);
+  EXPECT_THROW((void)prepare(SceneBuilder(rod).output("side").build()), Error);
+}
+
+// A chain of two bodies without a driver.
+TEST(IdleParts, ChainOfBodies) {
+  SceneBuilder b = four_bar(2);
+  b.add(Body{.name = "upper"})
+      .add(Body{.name = "lower", .points = {marker("end", {1, -1, 0})}})
+      .joint("U", Revolute{"coupler", "upper", Triple{1, 0.7, 0}})
+      .joint("L", Revolute{"upper", "lower", Triple{1, -0.2, 0}});
+  expect_left_out(2, b, "upper", "L");
+  expect_left_out(2, b, "lower", "end");
+}
+
+// A driver of an idle part is not left out silently.
+TEST(IdleParts, APartWithADriverIsRefused) {
+  SceneBuilder b = four_bar(2);
+  b.fixed_point("G", {0, 3})
+      .add(Body{.name = "upper"})
+      .add(Body{.name = "lower", .points = {marker("end", {1, -1, 0})}})
+      .joint("U", Revolute{"coupler", "upper", Triple{1, 0.7, 0}})
+      .joint("L", Revolute{"upper", "lower", Triple{1, -0.2, 0}})
+      .drive("rope", DrivenDistance{"G", "end", Law::constant(4.1)});
+  EXPECT_THROW((void)prepare(b.build()), Error);
+}
+
+// Without outputs everything is computed.
+TEST(IdleParts, AllOutputsNeedTheWheel) {
+  SceneBuilder b = four_bar(2);
+  b.add(Body{.name = "wheel", .points = {marker("rim", {1, 1, 0})}})
+      .joint("W", Revolute{"coupler", "wheel", Triple{1, 0.7, 0}});
+  EXPECT_THROW((void)prepare(b.build().with_outputs({"all"})), Error);
+}
+
+}  // namespace
+}  // namespace assur
