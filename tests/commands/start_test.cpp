@@ -11,10 +11,10 @@ namespace {
 
 // Two dyads in a row: C over or under BD, and F over or under CE.
 constexpr const char* kDyads = R"({"assur": 1, "name": "dyads", "dimension": 2,
-  "parameters": {"rocker": 1},
+  "parameters": {"length": 1},
   "points": {"A": {"at": [0, 0], "fixed": true}, "D": {"at": [2, 0], "fixed": true}, "B": {"at": [0.8, 0]},
              "C": {"at": [1.6, 1.2]}, "E": {"at": [3, 0], "fixed": true}, "F": {"at": [2.4, 1]}},
-  "constraints": {"coupler": {"distance": ["B", "C"], "value": 1}, "rocker": {"distance": ["D", "C"], "value": "=rocker"},
+  "constraints": {"coupler": {"distance": ["B", "C"], "value": 1}, "rocker": {"distance": ["D", "C"], "value": "=length"},
                   "link": {"distance": ["C", "F"], "value": 1.2}, "lever": {"distance": ["E", "F"], "value": 1}},
   "drivers": {"motor": {"angle": ["A", "B"], "law": {"polynomial": [0, 0.1]}}},
   "outputs": ["C", "F"], "time": {"start": 0, "end": 0.1, "step": 0.1}})";
@@ -49,7 +49,8 @@ TEST_F(StartModes, AreChosenByNumberAndByAGuess) {
   const std::vector<double> start = row({});
   EXPECT_NEAR(start[0], 1.4, 1e-15);
   EXPECT_NEAR(start[1], 0.8, 1e-15);
-  EXPECT_EQ(row({"--start-mode", "C=0"}), start);
+  const std::vector<double> zero = row({"--start-mode", "C=0"});
+  for (std::size_t k = 0; k < start.size(); ++k) EXPECT_NEAR(zero[k], start[k], 1e-14);
   for (const std::vector<std::string>& below :
        std::vector<std::vector<std::string>>{{"--start-mode", "C=1"}, {"--guess", "C=1.2,-0.5"}}) {
     const std::vector<double> at = row(below);
@@ -67,7 +68,7 @@ TEST_F(StartModes, AreChosenByNumberAndByAGuess) {
 }
 
 TEST_F(StartModes, OfMembersAreChosenByAGuess) {
-  const std::string members = scratch_.file("members.csv", "rocker\n1\n1.1\n");
+  const std::string members = scratch_.file("members.csv", "length\n1\n1.1\n");
   const Outcome outcome =
       run_command({"run", scene_, "--ensemble", members, "--guess", "C=1.4,-1", "--csv", "-", "--quiet"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
