@@ -210,7 +210,7 @@ TEST(Gears, NameInvalidInput) {
             "scene: /constraints/g/gear/1: 'C.angle' is no coordinate of a joint; write JOINT.angle or "
             "JOINT.displacement");
   EXPECT_EQ(refusal(R"({"gear": ["A.angle", "B.displacement"], "ratio": 1})"),
-            "scene: /constraints/g/gear/1: joint 'B' is revolute and has no displacement");
+            "scene: /constraints/g/gear/1: joint 'B' is revolute and has no displacement; it has: angle");
   EXPECT_EQ(refusal(R"({"gear": ["A.angle", "B.angle"]})"),
             "scene: /constraints/g/ratio: this is missing: the motion of the second coordinate by that of the first");
 }
