@@ -96,8 +96,9 @@ TEST(Usage, HelpFitsEightyColumnsAndNamesEveryOption) {
   const std::vector<std::pair<std::vector<std::string>, std::vector<std::string>>> cases = {
       {{"--help"}, {"run", "inspect", "import", "plan", "compare", "backends", "db", "check", "report"}},
       {{"run", "--help"},
-       {"SCENE", "--set", "--start", "--dt", "--steps", "--outputs", "--strategy", "--mode", "--accuracy", "--ensemble",
-        "--iterations", "--csv", "--errors", "--animate", "--picture", "--plot", "--reference", "--pin"}},
+       {"SCENE",    "--set",      "--start",    "--dt",         "--steps",      "--outputs", "--strategy",
+        "--mode",   "--accuracy", "--ensemble", "--iterations", "--start-mode", "--guess",   "--csv",
+        "--errors", "--animate",  "--picture",  "--plot",       "--reference",  "--pin"}},
       {{"compare", "--help"}, {"SCENE", "--set", "--outputs", "--steps", "--accuracy", "--strategies", "--html"}},
       {{"inspect", "--help"}, {"SCENE", "--set", "--outputs", "--formulation", "--modes"}},
       {{"import", "--help"}, {"FILE", "--out", "--key", "--drive"}},

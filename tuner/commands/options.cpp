@@ -153,7 +153,7 @@ void add_run(CLI::App& app, Invocation& call) {
          [&o](const std::vector<std::string>& texts) {
            for (const std::string& text : texts) take_mode(o.start_modes.modes, text);
          },
-         "Start in this mode of a group: 1, or C=1 (see inspect --modes)")
+         "Start in this mode of a group (see inspect --modes)")
       ->allow_extra_args(false)
       ->type_name("[GROUP=]N");
   run.add_option_function<std::vector<std::string>>(
@@ -161,7 +161,7 @@ void add_run(CLI::App& app, Invocation& call) {
          [&o](const std::vector<std::string>& texts) {
            for (const std::string& text : texts) take_guess(o.start_modes.guesses, text);
          },
-         "Start in the mode that is nearest to this place of a point")
+         "Start in the mode nearest to this place of a point")
       ->allow_extra_args(false)
       ->type_name("C=X,Y");
   run.add_option("--strategy", o.strategy, "Solution strategy: auto (default), groups/klu, ...")->type_name("TEXT");
@@ -178,8 +178,7 @@ void add_run(CLI::App& app, Invocation& call) {
       run.add_option("--errors", o.errors, "Write the errors of each group at each step")->type_name("FILE");
   CLI::Option* animate =
       run.add_option("--animate", o.animate, "Write a page that animates the mechanism")->type_name("F.html");
-  CLI::Option* picture =
-      run.add_option("--picture", o.picture, "Draw the mechanism in motion")->type_name("F.svg");
+  CLI::Option* picture = run.add_option("--picture", o.picture, "Draw the mechanism in motion")->type_name("F.svg");
   CLI::Option* plot = run.add_option("--plot", o.plot, "Plot the outputs over time")->type_name("F.svg");
   run.add_flag("--reference", o.reference, "Compare with a solution in quadruple precision");
   run.add_flag("--certify", o.certify, "Prove bounds for the position errors");
