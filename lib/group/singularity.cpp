@@ -9,6 +9,27 @@ namespace {
 
 constexpr double kFold = 30;  // a larger ratio of velocity to input velocity near a singularity indicates a fold
 
+// Norm of the gradient of an equation in one lane, over the unknowns and the inputs that its block reads. A block of
+// one unknown has only one singular value, which is small or large against this norm.
+double norm_of_gradient(Workspace& work, std::int32_t equation, std::span<const std::int32_t> reads, int lane) {
+  const std::size_t w = idx(work.lanes), at = idx(equation) * w + idx(lane);
+  const Pattern& pattern = work.program.pattern;
+  double norm = 0;
+  for (std::size_t k = 0; k < pattern.row.size(); ++k) {
+    if (pattern.row[k] == equation) norm = std::hypot(norm, work.jacobian[k * w + idx(lane)]);
+  }
+  LaneArray rates(work.input_rates.size()), rhs(work.rhs.size());
+  for (const std::int32_t read : reads) {
+    if (read < work.program.n) continue;
+    const std::size_t input = idx(read - work.program.n) * w;
+    std::fill_n(rates.begin() + static_cast<std::ptrdiff_t>(input), w, 1.0);
+    work.evaluator->velocity_rhs(rates.data(), rhs.data());
+    std::fill_n(rates.begin() + static_cast<std::ptrdiff_t>(input), w, 0.0);
+    norm = std::hypot(norm, rhs[at]);
+  }
+  return norm;
+}
+
 }  // namespace
 
 Singularity nearest_singularity(Workspace& work, const BlockConditions& blocks, const Pack& pack,
@@ -47,7 +68,9 @@ Singularity nearest_singularity(Workspace& work, const BlockConditions& blocks, 
       blocks.extract(work.jacobian.data(), b, lane, matrix);
       const Eigen::BDCSVD<Eigen::MatrixXd> svd(Eigen::Map<const Eigen::MatrixXd>(matrix.data(), n, n),
                                                Eigen::ComputeFullU);
-      const double ratio = svd.singularValues()[n - 1] / svd.singularValues()[0];
+      const double largest =
+          n > 1 ? svd.singularValues()[0] : norm_of_gradient(work, blocks.equations(b)[0], blocks.reads(b), lane);
+      const double ratio = svd.singularValues()[n - 1] / largest;
       if (!(ratio < worst.figure)) continue;
       worst = pack.failed(Code::branch_unknown, ratio, lane);
       nearest.block = b;

@@ -76,6 +76,19 @@ TEST(Limit, BracketsTheLimitOfASliderCrank) {
   }
 }
 
+// The group of the slider has one unknown, so that it has only one singular value.
+TEST(Limit, BracketsTheLimitOfASliderWithOneUnknown) {
+  SceneBuilder builder("limited_coordinate", 2);
+  builder.fixed_point("O", {0, 0, 0}).point("B", {0.3, 0, 0}).point("C", {0.5, 0, 0});
+  builder.constrain("crank", Distance{"O", "B", 0.3}).constrain("rod", Distance{"B", "C", 0.2});
+  builder.constrain("slide", FixedCoordinate{"C.y", 0.0});
+  builder.drive("motor", PointAngle{"O", "B", "", Law::polynomial({0, 1})}).time(0, 1, 0.01);
+  const Limit limit{"slider", builder.build(), std::asin(2.0 / 3), "C.x"};
+  for (const std::string formulation : {"global", "groups", "irreducible"}) {
+    for (const std::string& solver : test::solvers()) expect_limit(limit, formulation + "/" + solver);
+  }
+}
+
 // Rates are unbounded at the limit, but the angle is continuous.
 TEST(Limit, IsReachedByAnglesWithoutAJump) {
   const Scene scene = test::limited_four_bar(Law::polynomial({0.5, 1}))
