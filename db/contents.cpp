@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <locale>
+#include <memory>
 #include <optional>
 #include <sstream>
 #include <tuple>
@@ -17,8 +18,53 @@
 namespace assur::db {
 namespace {
 
-using Row = SQLite::Statement;
-using TakeRow = std::function<void(Row&)>;
+// The rows of a query, one after the other. SQLite::Statement makes an object for each column of each row, which takes
+// as long as SQLite takes to read the row.
+class Row {
+ public:
+  Row(SQLite::Database& database, const std::string& select) : database_(database.getHandle()) {
+    sqlite3_stmt* statement = nullptr;
+    check(sqlite3_prepare_v2(database_, select.c_str(), static_cast<int>(select.size()), &statement, nullptr));
+    statement_.reset(statement);
+  }
+  // Moves to the next row; false after the last one.
+  bool next() {
+    const int result = sqlite3_step(statement_.get());
+    if (result != SQLITE_DONE && result != SQLITE_ROW) check(result);
+    return result == SQLITE_ROW;
+  }
+  // Starts again, with another value of the parameter ?1.
+  void restart(std::int64_t value) {
+    sqlite3_reset(statement_.get());  // repeats the error of the last step, which next() has thrown
+    check(sqlite3_bind_int64(statement_.get(), 1, value));
+  }
+
+  [[nodiscard]] bool is_null(int column) const { return sqlite3_column_type(statement_.get(), column) == SQLITE_NULL; }
+  [[nodiscard]] std::int32_t int32(int column) const { return sqlite3_column_int(statement_.get(), column); }
+  [[nodiscard]] std::int64_t int64(int column) const { return sqlite3_column_int64(statement_.get(), column); }
+  [[nodiscard]] double real(int column) const { return sqlite3_column_double(statement_.get(), column); }
+  // Valid until the next row.
+  [[nodiscard]] std::string_view text(int column) const {
+    const unsigned char* const bytes = sqlite3_column_text(statement_.get(), column);
+    if (bytes == nullptr) return {};
+    return {reinterpret_cast<const char*>(bytes),
+            static_cast<std::size_t>(sqlite3_column_bytes(statement_.get(), column))};
+  }
+  [[nodiscard]] std::string string(int column) const { return std::string(text(column)); }
+
+ private:
+  struct Finalize {
+    void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
+  };
+
+  void check(int result) const {
+    if (result != SQLITE_OK) throw SQLite::Exception(database_, result);
+  }
+
+  sqlite3* database_;
+  std::unique_ptr<sqlite3_stmt, Finalize> statement_;
+};
+using TakeRow = std::function<void(const Row&)>;
 
 constexpr std::int64_t kMostReserved = 10'000;    // samples; limits a damaged count
 constexpr std::int64_t kFurthestLookup = 10'000;  // ids beyond the last one seen, if the end of a table is damaged
@@ -28,8 +74,8 @@ constexpr std::int64_t kFurthestLookup = 10'000;  // ids beyond the last one see
 std::int64_t scan(SQLite::Database& database, const std::string& select, const TakeRow& take, bool ascending = true) {
   Row row(database, select);
   for (std::int64_t last = 0;;) {
-    if (!row.executeStep()) return last;
-    const std::int64_t id = row.getColumn(0).getInt64();
+    if (!row.next()) return last;
+    const std::int64_t id = row.int64(0);
     if (ascending && id <= last) throw SQLite::Exception("rows are out of order", SQLITE_CORRUPT);
     last = id;
     take(row);
@@ -48,17 +94,17 @@ void salvage(SQLite::Database& database, const std::string& select, const TakeRo
   };
   bool whole = false;
   attempt([&] {
-    scan(database, select + " ORDER BY id", [&](Row& row) {
+    scan(database, select + " ORDER BY id", [&](const Row& row) {
       take(row);
-      front = row.getColumn(0).getInt64();
+      front = row.int64(0);
     });
     whole = true;
   });
   if (whole) return;
   attempt([&] {
     Row row(database, select + " ORDER BY id DESC");
-    while (row.executeStep()) {
-      const std::int64_t id = row.getColumn(0).getInt64();
+    while (row.next()) {
+      const std::int64_t id = row.int64(0);
       if (id <= front || (back && id >= *back)) break;
       take(row);
       back = id;
@@ -69,9 +115,8 @@ void salvage(SQLite::Database& database, const std::string& select, const TakeRo
     Row row(database, select + " WHERE id = ?1");
     for (std::int64_t id = front + 1; id < end; ++id) {
       attempt([&] {
-        row.tryReset();
-        row.bind(1, id);
-        if (row.executeStep() && row.getColumn(0).getInt64() == id) take(row);
+        row.restart(id);
+        if (row.next() && row.int64(0) == id) take(row);
       });
     }
   });
@@ -91,8 +136,6 @@ void each(SQLite::Database& database, Care care, const std::string& select, cons
   }
 }
 
-std::int32_t integer(Row& row, int column) { return row.getColumn(column).getInt(); }
-
 std::vector<Cache> caches_of(const std::string& text) {
   std::vector<Cache> caches;
   std::istringstream stream(text);
@@ -109,58 +152,58 @@ std::vector<std::int32_t> numbered(std::int64_t cores) {
   return numbers;
 }
 
-Host host_of(Row& row) {
+Host host_of(const Row& row) {
   Host host;
-  host.vendor = row.getColumn(1).getString();
-  host.family = integer(row, 2);
-  host.model = integer(row, 3);
-  host.stepping = integer(row, 4);
-  host.machine.model = row.getColumn(5).getString();
-  host.machine.instructions = row.getColumn(6).getString();
-  host.machine.cores = numbered(row.getColumn(7).getInt64());
-  host.machine.processors = integer(row, 8);
-  host.machine.quota = row.getColumn(9).getDouble();
-  host.machine.caches = caches_of(row.getColumn(10).getString());
-  host.machine.numa_nodes = integer(row, 11);
-  host.memory = row.getColumn(12).getInt64();
+  host.vendor = row.string(1);
+  host.family = row.int32(2);
+  host.model = row.int32(3);
+  host.stepping = row.int32(4);
+  host.machine.model = row.string(5);
+  host.machine.instructions = row.string(6);
+  host.machine.cores = numbered(row.int64(7));
+  host.machine.processors = row.int32(8);
+  host.machine.quota = row.real(9);
+  host.machine.caches = caches_of(row.string(10));
+  host.machine.numa_nodes = row.int32(11);
+  host.memory = row.int64(12);
   return host;
 }
 
-RunRow run_of(Row& row) {
+RunRow run_of(const Row& row) {
   RunRow r;
-  r.run.id = row.getColumn(0).getInt64();
-  r.run.uid = row.getColumn(1).getString();
-  r.machine = row.getColumn(2).getInt64();
-  r.run.profile = row.getColumn(3).getString();
-  r.run.assur = row.getColumn(4).getString();
-  r.run.started = row.getColumn(5).getString();
-  r.run.threads = integer(row, 6);
-  r.run.load = row.getColumn(7).getDouble();
-  r.microcode = row.getColumn(8).getString();
-  r.process = row.getColumn(9).getInt64();
-  r.samples = row.getColumn(15).getInt64();
-  r.run.finished = !row.getColumn(10).isNull();
+  r.run.id = row.int64(0);
+  r.run.uid = row.string(1);
+  r.machine = row.int64(2);
+  r.run.profile = row.string(3);
+  r.run.assur = row.string(4);
+  r.run.started = row.string(5);
+  r.run.threads = row.int32(6);
+  r.run.load = row.real(7);
+  r.microcode = row.string(8);
+  r.process = row.int64(9);
+  r.samples = row.int64(15);
+  r.run.finished = !row.is_null(10);
   if (!r.run.finished) return r;
-  r.finished = row.getColumn(10).getString();
-  r.run.grade = row.getColumn(11).getString();
-  r.run.seconds = row.getColumn(12).getDouble();
-  r.run.coverage = row.getColumn(13).getDouble();
-  r.run.note = row.getColumn(14).getString();
+  r.finished = row.string(10);
+  r.run.grade = row.string(11);
+  r.run.seconds = row.real(12);
+  r.run.coverage = row.real(13);
+  r.run.note = row.string(14);
   return r;
 }
 
-Shape shape_of(Row& row) {
+Shape shape_of(const Row& row) {
   Shape s;
-  s.n = integer(row, 1);
-  s.nnz = integer(row, 2);
-  s.groups = integer(row, 3);
-  s.rhs = integer(row, 4);
-  s.fill = row.getColumn(5).getInt64();
-  s.operations = row.getColumn(6).getInt64();
-  s.depth = row.getColumn(7).getInt64();
-  s.terms = row.getColumn(8).getInt64();
+  s.n = row.int32(1);
+  s.nnz = row.int32(2);
+  s.groups = row.int32(3);
+  s.rhs = row.int32(4);
+  s.fill = row.int64(5);
+  s.operations = row.int64(6);
+  s.depth = row.int64(7);
+  s.terms = row.int64(8);
   // damaged, so its checksum must differ
-  if (!parse_hexadecimal(row.getColumn(9).getText(), s.pattern)) s.pattern = ~s.pattern;
+  if (!parse_hexadecimal(row.text(9), s.pattern)) s.pattern = ~s.pattern;
   return s;
 }
 
@@ -186,7 +229,11 @@ std::optional<Kernel> kernel_of(std::string_view text) {
   }
 }
 
-double or_nan(const SQLite::Column& column) { return column.isNull() ? kNan : column.getDouble(); }
+// NaN if the column is NULL, for which SQLite returns 0.
+double or_nan(const Row& row, int column) {
+  const double value = row.real(column);
+  return value == 0 && row.is_null(column) ? kNan : value;
+}
 
 // Checksum of everything that is stored with a sample; rows that it refers to enter with their checksums.
 std::int64_t sum_of(const Sample& s, std::string_view kernel, std::uint64_t shape, std::uint64_t strategy,
@@ -204,32 +251,31 @@ const Checked<Value>* find(const std::unordered_map<std::int64_t, Checked<Value>
   return found == table.end() ? nullptr : &found->second;
 }
 
-void take_sample(Row& row, const Tables& tables, Samples& samples) {
+void take_sample(const Row& row, const Tables& tables, Samples& samples) {
   SampleRow r;
   Sample& s = r.sample;
-  r.id = row.getColumn(0).getInt64();
-  s.uid = row.getColumn(1).getText();
-  r.run = row.getColumn(2).getInt64();
-  r.library = row.getColumn(3).getInt64();
-  const SQLite::Column kernel = row.getColumn(4);
-  s.seconds = row.getColumn(7).getDouble();
-  s.spread = row.getColumn(8).getDouble();
-  s.repetitions = row.getColumn(9).getInt64();
-  s.backward_error = or_nan(row.getColumn(10));
-  s.forward_error = or_nan(row.getColumn(11));
-  s.slowness = or_nan(row.getColumn(13));
-  const auto* const shape = find(tables.shapes, row.getColumn(5).getInt64());
-  const auto* const strategy = find(tables.strategies, row.getColumn(6).getInt64());
+  r.id = row.int64(0);
+  s.uid = row.text(1);
+  r.run = row.int64(2);
+  r.library = row.int64(3);
+  const std::string_view kernel = row.text(4);
+  s.seconds = row.real(7);
+  s.spread = row.real(8);
+  s.repetitions = row.int64(9);
+  s.backward_error = or_nan(row, 10);
+  s.forward_error = or_nan(row, 11);
+  s.slowness = or_nan(row, 13);
+  const auto* const shape = find(tables.shapes, row.int64(5));
+  const auto* const strategy = find(tables.strategies, row.int64(6));
   const auto* const library = find(tables.libraries, r.library);
   const auto run = tables.runs.find(r.run);
   const bool whole = shape && strategy && library && run != tables.runs.end() &&
-                     sum_of(s, kernel.getText(), shape->sum, strategy->sum, library->sum, run->second.sum) ==
-                         row.getColumn(12).getInt64();
+                     sum_of(s, kernel, shape->sum, strategy->sum, library->sum, run->second.sum) == row.int64(12);
   if (!whole) {
     ++samples.damaged;
     return;
   }
-  const auto kind = kernel_of(kernel.getText());
+  const auto kind = kernel_of(kernel);
   if (!kind || !strategy->value) {
     ++samples.unknown;
     return;
@@ -283,12 +329,12 @@ Tables read_origins(SQLite::Database& database, Care care) {
   each(database, care,
        "SELECT id, vendor, family, model, stepping, name, instructions, cores, processors, quota, caches, numa_nodes, "
        "memory FROM machine",
-       [&](Row& row) { tables.machines[row.getColumn(0).getInt64()] = host_of(row); });
+       [&](const Row& row) { tables.machines[row.int64(0)] = host_of(row); });
   each(database, care,
        "SELECT id, uid, machine, profile, assur, started, threads, load, microcode, process, finished, grade, seconds, "
        "coverage, note, " +
            column_or(database, "tuning_run", "samples", "0") + " FROM tuning_run",
-       [&](Row& row) {
+       [&](const Row& row) {
          RunRow r = run_of(row);
          const auto machine = tables.machines.find(r.machine);
          if (machine == tables.machines.end()) return;
@@ -299,10 +345,10 @@ Tables read_origins(SQLite::Database& database, Care care) {
        });
   each(
       database, care, "SELECT id, name, version, build FROM library",
-      [&](Row& row) {
-        Library library{row.getColumn(1).getString(), row.getColumn(2).getString(), row.getColumn(3).getString()};
+      [&](const Row& row) {
+        Library library{row.string(1), row.string(2), row.string(3)};
         const std::uint64_t sum = sum_of(library);
-        tables.libraries.insert_or_assign(row.getColumn(0).getInt64(), Checked<Library>{std::move(library), sum});
+        tables.libraries.insert_or_assign(row.int64(0), Checked<Library>{std::move(library), sum});
       },
       "sqlite_autoindex_library_1");
   return tables;
@@ -311,16 +357,16 @@ Tables read_origins(SQLite::Database& database, Care care) {
 void read_subjects(SQLite::Database& database, Tables& tables, Care care) {
   each(
       database, care, "SELECT id, n, nnz, groups, rhs, fill, operations, depth, terms, pattern FROM shape",
-      [&](Row& row) {
+      [&](const Row& row) {
         const Shape shape = shape_of(row);
-        tables.shapes.insert_or_assign(row.getColumn(0).getInt64(), Checked<Shape>{shape, checksum(shape)});
+        tables.shapes.insert_or_assign(row.int64(0), Checked<Shape>{shape, checksum(shape)});
       },
       "sqlite_autoindex_shape_1");
   each(
       database, care, "SELECT id, text FROM strategy",
-      [&](Row& row) {
-        const std::string text = row.getColumn(1).getString();
-        tables.strategies.insert_or_assign(row.getColumn(0).getInt64(),
+      [&](const Row& row) {
+        const std::string text = row.string(1);
+        tables.strategies.insert_or_assign(row.int64(0),
                                            Checked<std::optional<Strategy>>{strategy_of(text), sum_of(text)});
       },
       "sqlite_autoindex_strategy_1");
@@ -334,7 +380,7 @@ Tables read_tables(SQLite::Database& database, Care care) {
 
 Samples read_samples(SQLite::Database& database, const Tables& tables, Care care, std::span<const std::int64_t> runs) {
   Samples samples;
-  const TakeRow take = [&](Row& row) { take_sample(row, tables, samples); };
+  const TakeRow take = [&](const Row& row) { take_sample(row, tables, samples); };
   const std::string select =
       "SELECT id, uid, run, library, kernel, shape, strategy, seconds, spread, repetitions, backward_error, "
       "forward_error, checksum, " +
