@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "backends/residual.hpp"
 #include "group/step_rules.hpp"
@@ -18,13 +19,48 @@ namespace assur {
 namespace {
 
 constexpr double kHalfEps = kEps / 2;
+constexpr double kMost = std::numeric_limits<double>::max();
+constexpr std::size_t kVectorLanes = 8;
+
+using Sizes = std::array<double, kVectorLanes>;
+
+// Divides the numbers of some lanes, from `from` on, by the largest of each lane; returns these.
+Sizes to_unit_size(LaneArray& unknowns, LaneArray& inputs, std::size_t from, std::size_t lanes) {
+  Sizes largest{}, inverse{};
+  for (const LaneArray* values : {&unknowns, &inputs}) {
+    for (std::size_t i = from; i < values->size(); i += lanes) {
+      for (std::size_t l = 0; l < kVectorLanes; ++l) largest[l] = std::max(largest[l], std::abs((*values)[i + l]));
+    }
+  }
+  for (std::size_t l = 0; l < kVectorLanes; ++l) inverse[l] = largest[l] > 0 ? std::min(1 / largest[l], kMost) : 0;
+  for (LaneArray* values : {&unknowns, &inputs}) {
+    for (std::size_t i = from; i < values->size(); i += lanes) {
+      for (std::size_t l = 0; l < kVectorLanes; ++l) (*values)[i + l] *= inverse[l];
+    }
+  }
+  return largest;
+}
 
 }  // namespace
 
-ErrorProbe::ErrorProbe(Workspace& work, JacobianSolver& solver, BlockConditions& blocks)
-    : work_(work), solver_(solver), blocks_(blocks) {
-  for (LaneArray* v : {&residual_, &noise_, &tolerance_, &error_, &bent_, &moved_, &whole_}) v->resize(work_.size());
-  for (LaneArray* v : {&input_errors_, &moved_inputs_, &resting_inputs_}) v->resize(work_.inputs.size());
+ErrorProbe::ErrorProbe(const System& system, Workspace& work, JacobianSolver& solver, BlockConditions& blocks)
+    : work_(work),
+      solver_(solver),
+      blocks_(blocks),
+      side_by_side_(std::max<std::size_t>(kVectorLanes / idx(work.lanes), 1)),
+      lanes_(idx(work.lanes)),
+      size_(work.size()),
+      evaluator_(side_by_side_ > 1 ? make_evaluator(system, work.program, static_cast<int>(kVectorLanes)) : nullptr) {
+  for (LaneArray* v : {&residual_, &noise_, &tolerance_, &whole_}) v->resize(size_);
+  for (LaneArray* v : {&rhs_, &error_, &bent_, &moved_, &probe_, &direction_}) v->resize(size_ * side_by_side_);
+  narrow_.resize(work_.inputs.size());
+  for (LaneArray* v : {&input_errors_, &input_direction_, &moved_inputs_, &resting_inputs_}) {
+    v->resize(narrow_.size() * side_by_side_);
+  }
+  if (evaluator_ == nullptr) return;
+  coefficients_.resize((idx(one_coefficient(work.program)) + 1) * lanes_ * side_by_side_);
+  inputs_.resize(input_errors_.size());
+  unknowns_.resize(error_.size());
 }
 
 bool ErrorProbe::perturb(Pack& pack, const double* const (&state)[3], Probes probes, std::uint64_t seed) {
@@ -36,9 +72,14 @@ bool ErrorProbe::perturb(Pack& pack, const double* const (&state)[3], Probes pro
   work_.evaluator->raise_scale(tolerance_.data());
   work_.evaluator->rounding(noise_.data());
   if (!solver_.factorize(pack)) return false;
-
-  const std::size_t size = work_.phi.size();
-  for (std::size_t i = 0; i < size; ++i) work_.phi[i] = -work_.phi[i];
+  if (evaluator_ != nullptr) {
+    repeat(pack.coefficients.data(), coefficients_);
+    repeat(work_.inputs.data(), inputs_);
+    repeat(x, unknowns_);
+    evaluator_->set_inputs(coefficients_.data(), inputs_.data());
+    evaluator_->evaluate(unknowns_.data(), error_.data(), nullptr);
+  }
+  for (std::size_t i = 0; i < size_; ++i) work_.phi[i] = -work_.phi[i];
   round_unknowns(x);
   bool finite = error_of(pack, work_.phi, probes, 0, seed, {});
   if (work_.group_class.derivatives == 0) return finite;
@@ -108,54 +149,86 @@ void ErrorProbe::left_of(const double* y) {
   tolerance_ = noise_;
 }
 
+// The same numbers for each probe.
+void ErrorProbe::repeat(const double* from, LaneArray& to) const {
+  for (double* row = to.data(); row != to.data() + to.size(); from += lanes_) {
+    for (std::size_t k = 0; k < side_by_side_; ++k, row += lanes_) {
+      for (std::size_t l = 0; l < lanes_; ++l) row[l] = from[l];
+    }
+  }
+}
+
+// Gathers the d-th derivative of the probes side by side; the missing ones are zero. unknowns: may be null.
+void ErrorProbe::gather(const Pack& pack, Probes probes, std::size_t d, double* unknowns) {
+  const std::size_t wide = side_by_side_ * lanes_;
+  const auto put = [&](const double* from, std::size_t size, double* to) {
+    for (const double* const end = from + size; from != end; to += wide) {
+      for (std::size_t l = 0; l < lanes_; ++l) to[l] = *from++;
+    }
+  };
+  std::fill(input_errors_.begin(), input_errors_.end(), 0.0);
+  for (std::size_t k = 0; k < probes.size(); ++k) {
+    work_.gather(pack, probes[k].errors[d], narrow_);
+    put(narrow_.data(), narrow_.size(), input_errors_.data() + k * lanes_);
+    if (unknowns != nullptr) put(probes[k].errors[d] + pack.unknowns, size_, unknowns + k * lanes_);
+  }
+}
+
 // Computes the d-th derivative of every probe. left: residual of the equations.
 bool ErrorProbe::error_of(Pack& pack, const LaneArray& left, Probes probes, int derivative, std::uint64_t seed,
                           std::initializer_list<Bend> bends) {
-  bool finite = true;
-  for (std::size_t k = 0; k < probes.size(); ++k) {
-    const auto d = static_cast<std::size_t>(derivative);
-    work_.gather(pack, probes[k].errors[d], input_errors_);
-    work_.evaluator->velocity_rhs(input_errors_.data(), error_.data());
-    for (const Bend& bend : bends) add_bend(pack, probes[k].errors[bend.probe], bend);
-    if (probes[k].cause == Probe::Cause::left) {
-      for (std::size_t i = 0; i < error_.size(); ++i) error_[i] += left[i];
-    } else {
-      RandomSign sign(seed + (pack.unknowns * 3 + d) * probes.size() + k);
-      const LaneArray& size = probes[k].cause == Probe::Cause::rounding ? noise_ : tolerance_;
-      for (std::size_t i = 0; i < error_.size(); ++i) error_[i] += sign() * kSumRounding * size[i];
+  const auto d = static_cast<std::size_t>(derivative);
+  for (std::size_t first = 0; first < probes.size(); first += side_by_side_) {
+    const Probes some = probes.subspan(first, std::min(side_by_side_, probes.size() - first));
+    gather(pack, some, d, nullptr);
+    evaluator().velocity_rhs(input_errors_.data(), error_.data());
+    for (const Bend& bend : bends) add_bend(pack, some, bend);
+    double* e = rhs_.data();
+    for (std::size_t k = 0; k < some.size(); ++k) {
+      const bool is_left = some[k].cause == Probe::Cause::left;
+      RandomSign sign(seed + (pack.unknowns * 3 + d) * probes.size() + first + k);
+      const LaneArray& size = some[k].cause == Probe::Cause::rounding ? noise_ : tolerance_;
+      const double* from = error_.data() + k * lanes_;
+      for (std::size_t i = 0; i < size_; from += side_by_side_ * lanes_) {
+        for (std::size_t l = 0; l < lanes_; ++l, ++i) {
+          *e++ = from[l] + (is_left ? left[i] : sign() * kSumRounding * size[i]);
+        }
+      }
     }
-    if (!solver_.at_hand()->solve(error_, 1).ok()) return false;
-    for (const double e : error_) finite = finite && std::isfinite(e);
-    std::copy(error_.begin(), error_.end(), probes[k].errors[d] + pack.unknowns);
+    const std::span<double> all(rhs_.data(), some.size() * size_);
+    if (!solver_.at_hand()->solve(all, static_cast<int>(some.size())).ok()) return false;
+    for (const double value : all) {
+      if (!std::isfinite(value)) return false;
+    }
+    for (std::size_t k = 0; k < some.size(); ++k) {
+      std::copy_n(all.data() + k * size_, size_, some[k].errors[d] + pack.unknowns);
+    }
   }
-  return finite;
+  return true;
 }
 
 // error_ -= times * Phi''[probe, direction], from the curvatures along the sum and the difference of both. Both are
 // scaled to size 1 in every lane, because their squares may overflow.
-void ErrorProbe::add_bend(const Pack& pack, const double* probe, const Bend& bend) {
-  const std::size_t w = idx(work_.lanes), n = idx(work_.program.n);
-  work_.gather(pack, probe, input_errors_);
-  const auto measure = [&](const double* values, std::size_t count, std::array<double, kMostLanes>& largest) {
-    for (std::size_t i = 0; i < count * w; ++i) largest[i % w] = std::max(largest[i % w], std::abs(values[i]));
-  };
-  std::array<double, kMostLanes> direction{}, error{};
-  measure(bend.direction, n, direction);
-  measure(bend.inputs->data(), idx(work_.program.inputs), direction);
-  measure(probe + pack.unknowns, n, error);
-  measure(input_errors_.data(), idx(work_.program.inputs), error);
-  const auto part = [](double value, double size) { return size > 0 ? value / size : 0; };
+void ErrorProbe::add_bend(const Pack& pack, Probes probes, const Bend& bend) {
+  gather(pack, probes, bend.probe, probe_.data());
+  repeat(bend.direction, direction_);
+  repeat(bend.inputs->data(), input_direction_);
+  const std::size_t wide = side_by_side_ * lanes_;
+  std::array<double, kMostLanes> factor{};
+  for (std::size_t from = 0; from < wide; from += kVectorLanes) {
+    const Sizes of_direction = to_unit_size(direction_, input_direction_, from, wide);
+    const Sizes of_probe = to_unit_size(probe_, input_errors_, from, wide);
+    for (std::size_t l = 0; l < kVectorLanes; ++l) factor[from + l] = of_direction[l] * of_probe[l] * bend.times / 4;
+  }
   for (const double side : {1.0, -1.0}) {
-    for (std::size_t i = 0; i < n * w; ++i) {
-      moved_[i] = part(bend.direction[i], direction[i % w]) + side * part(probe[pack.unknowns + i], error[i % w]);
+    for (std::size_t i = 0; i < moved_.size(); ++i) moved_[i] = direction_[i] + side * probe_[i];
+    for (std::size_t i = 0; i < moved_inputs_.size(); ++i) {
+      moved_inputs_[i] = input_direction_[i] + side * input_errors_[i];
     }
-    for (std::size_t i = 0; i < input_errors_.size(); ++i) {
-      moved_inputs_[i] = part((*bend.inputs)[i], direction[i % w]) + side * part(input_errors_[i], error[i % w]);
-    }
-    work_.evaluator->velocity_rhs(moved_inputs_.data(), bent_.data());
-    work_.evaluator->acceleration_rhs(moved_.data(), resting_inputs_.data(), bent_.data());
-    for (std::size_t i = 0; i < bent_.size(); ++i) {
-      error_[i] += side * bend.times * bent_[i] / 4 * direction[i % w] * error[i % w];
+    evaluator().velocity_rhs(moved_inputs_.data(), bent_.data());
+    evaluator().acceleration_rhs(moved_.data(), resting_inputs_.data(), bent_.data());
+    for (std::size_t i = 0; i < bent_.size(); i += wide) {
+      for (std::size_t l = 0; l < wide; ++l) error_[i + l] += side * bent_[i + l] * factor[l];
     }
   }
 }

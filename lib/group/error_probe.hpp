@@ -5,12 +5,14 @@
 #include <array>
 #include <cstdint>
 #include <initializer_list>
+#include <memory>
 #include <span>
 
 #include "backends/residual.hpp"
 #include "group/branch.hpp"
 #include "group/jacobian_solver.hpp"
 #include "group/workspace.hpp"
+#include "scene/system.hpp"
 
 namespace assur {
 
@@ -31,10 +33,10 @@ struct GroupHealth {
   std::array<double, kMostLanes> residual{}, condition{};
 };
 
-// Probes the packs of one class.
+// Probes the packs of one class. Packs with fewer lanes than a vector take several probes side by side.
 class ErrorProbe {
  public:
-  ErrorProbe(Workspace& work, JacobianSolver& solver, BlockConditions& blocks);
+  ErrorProbe(const System& system, Workspace& work, JacobianSolver& solver, BlockConditions& blocks);
 
   // For each probe, computes the errors of the unknowns, to first order, from the errors of the inputs and from the
   // cause of the probe; `seed` draws the random signs. False if the Jacobian is singular.
@@ -53,18 +55,28 @@ class ErrorProbe {
   [[nodiscard]] PackSystem system() const {
     return {work_.program.pattern, work_.jacobian, work_.lanes, Transpose::no};
   }
+  [[nodiscard]] Evaluator& evaluator() { return evaluator_ != nullptr ? *evaluator_ : *work_.evaluator; }
   [[nodiscard]] const double* solution(const Pack& pack, const double* state, int derivative);
   void left_of(const double* y);
   void round_unknowns(const double* x);
+  void repeat(const double* from, LaneArray& to) const;
+  void gather(const Pack& pack, Probes probes, std::size_t d, double* unknowns);
   [[nodiscard]] bool error_of(Pack& pack, const LaneArray& left, Probes probes, int derivative, std::uint64_t seed,
                               std::initializer_list<Bend> bends);
-  void add_bend(const Pack& pack, const double* probe, const Bend& bend);
+  void add_bend(const Pack& pack, Probes probes, const Bend& bend);
 
   Workspace& work_;
   JacobianSolver& solver_;
   BlockConditions& blocks_;
-  LaneArray residual_, noise_, tolerance_, error_, bent_, moved_, whole_;  // n x W
-  LaneArray input_errors_, moved_inputs_, resting_inputs_;                 // inputs x W
+  const std::size_t side_by_side_;                  // probes in the lanes of evaluator(), each with W lanes
+  const std::size_t lanes_, size_;                  // W, n x W
+  const std::unique_ptr<Evaluator> evaluator_;      // null: the workspace's evaluator, for one probe at a time
+  LaneArray residual_, noise_, tolerance_, whole_;  // n x W
+  LaneArray narrow_;                                // inputs x W
+  LaneArray rhs_;                                   // probes x n x W
+  LaneArray error_, bent_, moved_, direction_, probe_, unknowns_;  // n x probes x W
+  LaneArray coefficients_, inputs_, input_errors_, input_direction_, moved_inputs_,
+      resting_inputs_;  // rows x probes x W
 };
 
 }  // namespace assur

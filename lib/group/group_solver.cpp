@@ -14,7 +14,7 @@ GroupSolver::GroupSolver(const System& system, const Structure& structure, std::
       solver_(work_, choice, table),
       guard_(work_, solver_),
       step_(work_, solver_, guard_, choice.solver),
-      probe_(work_, solver_, guard_.blocks()) {
+      probe_(system, work_, solver_, guard_.blocks()) {
   if (has_small_steps(choice.solver)) {
     small_step_ = make_small_step(work_.group_class, work_.program, guard_.blocks(), work_.lanes);
   }
