@@ -240,7 +240,7 @@ bool Together::solve(double* const (&state)[3], const Attempt& attempt, Counters
   }
   counters += more;
   count(iterations, counters);
-  if (figures.position > std::max(errors.position, kConverged)) {
+  if (figures.position > std::max({errors.position, kConverged, attempt.converged})) {
     figures.position = std::max(errors.position, 0.0);
     for (Class& c : classes_) {
       for (const std::int32_t g : c.groups) {

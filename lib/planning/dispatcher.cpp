@@ -14,6 +14,7 @@
 #include "parallel/team.hpp"
 #include "planning/counts.hpp"
 #include "planning/throughput.hpp"
+#include "planning/together_rules.hpp"
 #include "scene/outputs.hpp"
 
 namespace assur {
@@ -27,6 +28,10 @@ constexpr double kHandedOver = 4;  // doubles handed over for each unknown: its 
 // s for each stored value, if its page exists; measured: 0.23 to 0.39 ns for 393 to 8,640 values, as the time of `assur
 // run` minus that of `assur compare`
 constexpr double kStoring = 0.3e-9;
+// time of a pack of +together relative to the same pack on one level; measured: 3.2 to 3.4 for four_bar:16 to 1000
+// (hot_loops, minus the time around the packs)
+constexpr double kTogether = 3.3;
+constexpr std::int32_t kTogetherLanes = 8;
 constexpr std::int64_t kCurved = 60;  // pieces of work for a distance or an angle among the outputs
 
 // Groups of one class on one level.
@@ -258,6 +263,32 @@ Plan throughput_plan(const std::vector<Shape>& shapes, const Offers& offers, std
   return plan;
 }
 
+// The groups of all levels at once, if they are small enough.
+std::optional<Plan> together_plan(const Structure& s, const std::vector<Shape>& shapes, const Around& around,
+                                  const Scales& scales) {
+  if (std::find(scales.without.begin(), scales.without.end(), kLanes.id) != scales.without.end()) return std::nullopt;
+  Plan plan;
+  plan.run.together = true;
+  plan.lanes = kThroughputLanes;
+  plan.level_threads.assign(idx(s.levels), 1);
+  plan.expected_seconds = around.seconds(1);
+  for (std::size_t c = 0; c < shapes.size(); ++c) {
+    Plan::Choice choice;
+    choice.group_class = static_cast<std::int32_t>(c);
+    choice.shape = shapes[c];
+    choice.reason = "groups of all levels side by side";
+    choice.solver.backend = kLanes.id;
+    choice.solver.lanes = kTogetherLanes;
+    if (!why_not_together(s, plan.strategy(choice)).empty()) return std::nullopt;
+    const Prediction pack = scales.model.pack(choice.shape, plan.strategy(choice));
+    choice.expected_seconds = kTogether * pack.seconds;
+    choice.origin = std::max(pack.origin, Origin::extrapolated);
+    plan.expected_seconds += packs_of({0, 0, choice.shape.groups}, choice) * choice.expected_seconds;
+    plan.choices.push_back(std::move(choice));
+  }
+  return plan;
+}
+
 bool threads_were_measured(const PerformanceModel& model) { return model.meeting(2).origin != Origin::prior; }
 
 // True if the machine was measured, but not with several threads: their gain would be a guess.
@@ -312,7 +343,11 @@ Plan best_latency(const Structure& s, const std::vector<Shape>& shapes, std::int
     if (!best || plan.expected_seconds < best->expected_seconds * (1 - scales.tie)) best = std::move(plan);
   }
   best->reason = threads_reason(*best, allowed, alone, scales.model);
-  return std::move(*best);
+  std::optional<Plan> other = together_plan(s, shapes, around, scales);
+  if (!other || !(other->expected_seconds < best->expected_seconds * (1 - scales.tie))) return std::move(*best);
+  other->reason = "all levels together: expected " + fixed(best->expected_seconds / other->expected_seconds, 1) +
+                  " times as fast as level after level";
+  return std::move(*other);
 }
 
 }  // namespace

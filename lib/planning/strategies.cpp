@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "planning/together_rules.hpp"
+
 namespace assur {
 namespace {
 
@@ -49,7 +51,10 @@ std::vector<Strategy> strategies(const StrategySpace& space, const StrategyFilte
       for (const std::int32_t packs : space.packs) {
         each_solver(space, backend, filter.shape, [&](const SolverSettings& solver) {
           for (const Predictor& predictor : space.predictors) {
-            enter(backend, {{.formulation = formulation, .predictor = predictor, .threads = packs}, solver});
+            Strategy s{{.formulation = formulation, .predictor = predictor, .threads = packs}, solver};
+            enter(backend, s);
+            s.run.together = true;
+            if (space.together && why_not_together(s).empty()) enter(backend, s);
           }
         });
       }

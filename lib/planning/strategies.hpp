@@ -29,6 +29,7 @@ struct StrategySpace {
   std::vector<SolverSettings> policies = {
       {}};  // precision, refinement, reuse, factorisations; other members are ignored
   std::vector<Predictor> predictors = {{}};
+  bool together = false;  // each strategy also with +together, if its settings allow it
 };
 
 // Selection of strategies.

@@ -20,12 +20,17 @@ std::string why_not(const Structure& s, std::int32_t group_class) {
 
 }  // namespace
 
-std::string why_not_together(const Structure& structure, const Strategy& strategy) {
+std::string why_not_together(const Strategy& strategy) {
   if (!has_small_steps(strategy.solver)) {
     return "+together needs the solver lanes without +float, +refine, +reuse, +once and +separate";
   }
   if (strategy.solver.lanes != 4 && strategy.solver.lanes != 8) return "+together takes 4 or 8 lanes";
   if (strategy.run.threads > 1) return "+together runs on one thread";
+  return "";
+}
+
+std::string why_not_together(const Structure& structure, const Strategy& strategy) {
+  if (std::string reason = why_not_together(strategy); !reason.empty()) return reason;
   for (std::size_t c = 0; c < structure.classes.size(); ++c) {
     const std::string reason = why_not(structure, static_cast<std::int32_t>(c));
     if (reason.empty()) continue;

@@ -8,7 +8,9 @@
 
 namespace assur {
 
-// The reason why a strategy with +together cannot solve a structure; "": it can.
+// The reason why +together cannot be used with the other settings of a strategy; "": it can.
+[[nodiscard]] std::string why_not_together(const Strategy& strategy);
+// The same, with the groups of a structure.
 [[nodiscard]] std::string why_not_together(const Structure& structure, const Strategy& strategy);
 
 }  // namespace assur

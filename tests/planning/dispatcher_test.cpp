@@ -52,6 +52,19 @@ TEST(Dispatcher, ChoosesTheFastestStrategyOfTheMachine) {
   for (const Plan::Choice& c : strange.choices) EXPECT_NE(c.solver.backend, "lanes");
 }
 
+TEST(Dispatcher, SolvesTheLevelsOfAChainTogether) {
+  const auto plan_of = [](const std::string& text, std::vector<std::string> without = {}) {
+    return prepare(sample(text), {.budget = ThreadBudget{1}, .model = model(), .without = std::move(without)}).plan;
+  };
+  const Plan chain = plan_of("four_bar:100");
+  EXPECT_TRUE(chain.run.together);
+  EXPECT_EQ(chain.choices.at(0).solver.lanes, 8);
+  EXPECT_NE(chain.reason.find("all levels together"), std::string::npos) << chain.reason;
+  EXPECT_FALSE(plan_of("four_bar:2").run.together);  // one pack of eight would be slower
+  EXPECT_FALSE(plan_of("stewart").run.together);     // one level
+  EXPECT_FALSE(plan_of("four_bar:100", {"lanes"}).run.together);
+}
+
 TEST(Dispatcher, LeavesOutExcludedBackends) {
   const Scene scene = sample("stewart");
   const Plan plan = prepare(scene, {.budget = ThreadBudget{2}, .model = model(), .without = {"lanes"}}).plan;

@@ -9,8 +9,10 @@
 #include "assur/backend.hpp"
 #include "assur/plan.hpp"
 #include "assur/structure.hpp"
+#include "backends/backends.hpp"
 #include "output/format.hpp"
 #include "planning/strategies.hpp"
+#include "planning/together_rules.hpp"
 
 namespace assur::check {
 namespace {
@@ -35,6 +37,7 @@ struct Demand {
   std::vector<Shape> shapes;  // classes
   int side_by_side = 1;       // most groups of a class on one level
   std::int32_t largest = 0;   // unknowns
+  bool together = false;      // +together can solve the groups
 };
 
 Demand demand_of(const Scene& scene, Formulation formulation) {
@@ -54,6 +57,9 @@ Demand demand_of(const Scene& scene, Formulation formulation) {
     demand.shapes.push_back({.n = pattern.n, .nnz = pattern.nnz(), .groups = groups[c], .rhs = 3});
     demand.largest = std::max(demand.largest, pattern.n);
   }
+  const Strategy together{{.formulation = formulation, .together = true},
+                          {.backend = std::string(assur::kLanes.id), .lanes = kLanes}};
+  demand.together = why_not_together(s, together).empty();
   return demand;
 }
 
@@ -89,10 +95,12 @@ class Selector {
     std::string first;
     StrategySpace space;
     space.formulations = {f};
-    if (demand.side_by_side > 1) space.lanes = {1, kLanes};
+    if (demand.side_by_side > 1 || demand.together) space.lanes = {1, kLanes};
+    space.together = demand.together;
     space.policies = policies();
     able.wanted = [&](const Backend& backend, const Strategy& s) {
       if (first.empty()) first = backend.id;
+      if (s.solver.lanes > 1 && !s.run.together && demand.side_by_side == 1) return false;
       const SolverSettings plain{.backend = s.solver.backend, .lanes = s.solver.lanes, .single = s.solver.single};
       const bool alone = first == backend.id && s.solver.lanes == 1 && !s.solver.single;
       return !quick_ || ((s.solver.lanes == 1 || backend.fills_lanes) && (s.solver == plain || alone));

@@ -78,6 +78,7 @@ std::vector<Strategy> uniform_strategies(const Scene& scene, const Question& q) 
   space.lanes = powers_of_two(kMostLanes);
   space.packs = space.threads = powers_of_two(q.threads);
   space.policies = {{}, {.once = true}};
+  space.together = true;
   const auto wanted = [](const Backend& backend, const Strategy& s) {
     const SolverSettings& solver = s.solver;
     if (solver.lanes > 1 && !backend.steady) return false;

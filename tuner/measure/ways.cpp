@@ -7,6 +7,7 @@
 #include "assur/backend.hpp"
 #include "backends/backends.hpp"
 #include "planning/strategies.hpp"
+#include "planning/together_rules.hpp"
 
 namespace assur::measure {
 namespace {
@@ -14,6 +15,15 @@ namespace {
 constexpr std::array kFixed = {1, 2, 3};  // the paper's tEnd2
 constexpr std::int32_t kLanes = 8;        // one width represents all; the dispatcher considers the others
 constexpr std::int32_t kMostDense = 600;  // unknowns
+
+// True if all irreducible groups are small enough for +together.
+bool has_groups_for_together(const Scene& scene) {
+  Strategy s;
+  s.run.together = true;
+  s.solver.backend = assur::kLanes.id;
+  s.solver.lanes = kLanes;
+  return why_not_together(analyze(scene, {}), s).empty();
+}
 
 }  // namespace
 
@@ -37,6 +47,7 @@ std::vector<Way> solvers(const Scene& scene, ThreadBudget budget) {
   StrategySpace space;
   space.formulations = formulations_of(scene);
   space.lanes = {1, kLanes};
+  space.together = has_groups_for_together(scene);
   if (budget.threads > 1) space.packs = space.threads = {1, budget.threads};
   const auto wanted = [](const Backend& backend, const Strategy& s) {
     const bool irreducible = s.run.formulation == Formulation::irreducible;
