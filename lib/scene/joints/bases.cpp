@@ -61,10 +61,9 @@ void Expansion::choose_base(std::size_t s) {
     }
     if (third != all.end()) base.push_back(*third);
   }
-  const auto is_equal = [&](std::size_t i, std::size_t k) {
-    return key(i) == key(k) && features_[i].is_point == features_[k].is_point;
-  };
-  widen(base, all, is_equal);
+  widen(base, all, [&](std::size_t i, std::size_t k) {
+    return features_[i].is_point && features_[k].is_point && key(i) == key(k);
+  });
   settle(s, base);
 }
 
@@ -80,13 +79,13 @@ double Expansion::width(const std::vector<std::size_t>& base) const {
 }
 
 void Expansion::widen(std::vector<std::size_t>& base, const std::vector<std::size_t>& all,
-                      const std::function<bool(std::size_t, std::size_t)>& is_equal) const {
+                      const std::function<bool(std::size_t, std::size_t)>& are_equal) const {
   double widest = width(base);
   for (bool changed = true; changed;) {
     changed = false;
     for (std::size_t k = 0; k < base.size(); ++k) {
       for (const std::size_t i : all) {
-        if (!is_equal(i, base[k]) || std::find(base.begin(), base.end(), i) != base.end()) continue;
+        if (!are_equal(i, base[k]) || std::find(base.begin(), base.end(), i) != base.end()) continue;
         const std::size_t before = std::exchange(base[k], i);
         if (const double other = width(base); other > kWider * widest) {
           widest = other;

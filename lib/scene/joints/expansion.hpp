@@ -221,9 +221,9 @@ class Expansion {
   // How far the features of a base are apart: of three points, the smallest height of their triangle. A base whose
   // points are close to each other makes groups badly conditioned, so that their steps need more tests of the branch.
   [[nodiscard]] double width(const std::vector<std::size_t>& base) const;
-  // Exchanges features of a base for equal ones of the body as long as it gets wider.
+  // Exchanges points of a base for equal ones of the body as long as it gets wider.
   void widen(std::vector<std::size_t>& base, const std::vector<std::size_t>& all,
-             const std::function<bool(std::size_t, std::size_t)>& is_equal) const;
+             const std::function<bool(std::size_t, std::size_t)>& are_equal) const;
   // The base of a body whose base the scene declares.
   [[nodiscard]] std::vector<std::size_t> own_base(std::size_t s) const;
   // The other features of a solid become its members. A feature that is known, or a
