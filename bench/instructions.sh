@@ -30,7 +30,7 @@ for scene in four_bar slider_crank; do count "$scene" "irreducible/lanes+predict
 for solver in eigen klu lanes lanes+once; do count four_bar:100 "irreducible/$solver+predict=hermite:5"; done
 
 # Mechanisms written with joints and by hand.
-for name in four_bar slider_crank watt stephenson quick_return excavator chain rssr rscr rssp hexapod hexapod_inverse \
-    delta delta_translating wishbone spherical; do
+for name in four_bar slider_crank slider_crank_end watt stephenson quick_return excavator chain rssr rscr rssp hexapod \
+    hexapod_inverse delta delta_translating wishbone spherical; do
   for way in joints by_hand; do count "$way=$name" auto; done
 done

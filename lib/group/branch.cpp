@@ -40,14 +40,16 @@ bool invert_dense(double* a, double* out, std::int32_t n) {
       a[j * n + c] /= p;
       out[j * n + c] /= p;
     }
-    for (std::int32_t r = 0; r < n; ++r) {
-      const double f = a[c * n + r];
-      if (r == c || f == 0) continue;
-      for (std::int32_t j = 0; j < n; ++j) {
-        a[j * n + r] -= f * a[j * n + c];
-        out[j * n + r] -= f * out[j * n + c];
-      }
-    }
+    // The columns of a up to c are not needed any more, so that column c can hold the factors of the rows.
+    double* const factor = a + c * n;
+    factor[c] = 0;
+    const auto eliminate = [&](double* column) {
+      const double by = column[c];
+      if (by == 0) return;
+      for (std::int32_t r = 0; r < n; ++r) column[r] -= factor[r] * by;
+    };
+    for (std::int32_t j = c + 1; j < n; ++j) eliminate(a + j * n);
+    for (std::int32_t j = 0; j < n; ++j) eliminate(out + j * n);
   }
   return true;
 }

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "assur/status.hpp"
+#include "group/step_rules.hpp"
 #include "index.hpp"
 #include "numbers.hpp"
 #include "scene/residual_scale.hpp"
@@ -491,9 +492,12 @@ bool Continuation::may_choose_anew(bool asked, double first) const {
   return asked && prepared_.reselect && !(std::abs(now_ - selected_at_) <= kPassed * first);
 }
 
-// Checks once for each anchor: within its ball, conditions change by a bounded factor.
+// Within the ball of an anchor the inverse of the Jacobian, and with it the coefficients, grow at most by the factor
+// 1 / (1 - kBall). So each anchor is checked, or every second one as long as the set stays good until then.
 bool Continuation::set_is_poor() {
-  if (independence_ && measured_at_ != report_.counters.branch_checks) {
+  const std::int64_t anchors = report_.counters.branch_checks - measured_at_;
+  const bool stays_good = std::max(largest_coefficient_, 1.0) <= (1 - kBall) * poor_;
+  if (independence_ && (measured_at_ < 0 || anchors < 0 || anchors > (stays_good ? 1 : 0))) {
     measured_at_ = report_.counters.branch_checks;
     largest_coefficient_ = independence_->largest_coefficient(state_.at(0));
   }

@@ -48,14 +48,19 @@ void list_left_out(const Blocks& blocks, const Cut& cut, Structure& out) {
   }
 }
 
+// Steps of one block with up to three unknowns are done in registers and compute all derivatives. To leave out some of
+// them would cost such steps, and predictions from the derivatives of all unknowns.
+constexpr std::size_t kInRegisters = 3;
+
 // The content of a group that consists of these blocks. Unknowns that are not wanted in the highest derivative come
-// first, unless the predictor reads that derivative of all unknowns.
+// first, unless the predictor reads that derivative of all unknowns, or the group is small.
 GroupContent content(const Blocks& blocks, const std::vector<Index>& solved, const Cut& cut, int derivatives,
                      int predictor_derivatives) {
   GroupContent c;
   c.derivatives = derivatives;
   c.blocks = static_cast<Index>(solved.size());
-  const bool all = derivatives == 0 || predictor_derivatives >= derivatives;
+  const bool is_small = solved.size() == 1 && blocks.unknowns_of(solved[0]).size() <= kInRegisters;
+  const bool all = derivatives == 0 || predictor_derivatives >= derivatives || is_small;
   const auto wanted = [&](Index u) { return all || cut.need[idx(u)] >= derivatives; };
   for (const bool pass : {false, true}) {
     for (std::size_t k = 0; k < solved.size(); ++k) {

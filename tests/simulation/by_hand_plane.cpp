@@ -71,6 +71,28 @@ WrittenTwice slider_crank() {
   return {"slider_crank", joints.build(), by_hand.build()};
 }
 
+// The same with the end of the rod as the only output. By hand, a coordinate of this end is constant.
+WrittenTwice slider_crank_end() {
+  const Triple O = {0, 0}, B = {0.1, 0}, C = {0.4, 0.03};
+  SceneBuilder joints("joints", 2), by_hand("by_hand", 2);
+  joints.add(Body{.name = "crank"})
+      .add(Body{.name = "rod"})
+      .add(Body{.name = "piston"})
+      .joint("O", Revolute{"ground", "crank", O})
+      .joint("B", Revolute{"crank", "rod", B})
+      .joint("C", Revolute{"rod", "piston", C})
+      .joint("S", Prismatic{"ground", "piston", Triple{1, 0, 0}})
+      .drive("motor", DrivenCoordinate{"O.angle", Law::polynomial({0, kTurn})});
+  by_hand.fixed_point("O", O)
+      .point("B", B)
+      .point("C", C)
+      .constrain("rod", Distance{"B", "C"})
+      .constrain("slide", FixedCoordinate{"C.y", C[1]})
+      .drive("motor", PointAngle{"O", "B", "", Law::polynomial({0, kTurn})});
+  for (SceneBuilder* b : {&joints, &by_hand}) b->output("C").time(0, 1, kStep);
+  return {"slider_crank_end", joints.build(), by_hand.build()};
+}
+
 // A four-bar whose rocker has three joints, and a dyad on it.
 WrittenTwice watt() {
   const Triple A = {0, 0}, B = {0.4, 0}, C = {1.5, 1.2}, D = {2, 0}, P = {2.6, 1}, Q = {4, 1.3}, E = {4.2, 0};
@@ -241,7 +263,7 @@ WrittenTwice chain(int loops) {
 }  // namespace
 
 std::vector<WrittenTwice> plane_mechanisms_by_hand() {
-  return {four_bar(), slider_crank(), watt(), stephenson(), quick_return(), excavator(), chain(20)};
+  return {four_bar(), slider_crank(), slider_crank_end(), watt(), stephenson(), quick_return(), excavator(), chain(20)};
 }
 
 }  // namespace assur::test

@@ -1,6 +1,7 @@
 // The same mechanism written with joints, and by hand with points, vectors and constraints, has the same motion.
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <map>
 #include <numbers>
 #include <string>
@@ -17,16 +18,19 @@ namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
 
-void expect_same(const Scene& joints, const Scene& by_hand) {
+// Returns how many balls of uniqueness each of both measures.
+std::pair<std::int64_t, std::int64_t> run_same(const Scene& joints, const Scene& by_hand) {
   const test::Result a = test::run(joints), b = test::run(by_hand);
-  ASSERT_EQ(a.report().status.code, Code::ok);
-  ASSERT_EQ(b.report().status.code, Code::ok);
-  ASSERT_EQ(a.trajectory.rows(), b.trajectory.rows());
-  ASSERT_GT(a.trajectory.rows(), 100u);
+  EXPECT_EQ(a.report().status.code, Code::ok);
+  EXPECT_EQ(b.report().status.code, Code::ok);
+  EXPECT_EQ(a.trajectory.rows(), b.trajectory.rows());
+  EXPECT_GT(a.trajectory.rows(), 100u);
+  if (a.trajectory.rows() != b.trajectory.rows()) return {};
   // One of them may have further columns: the terms of a sum.
   const bool a_has_more = a.trajectory.columns().size() > b.trajectory.columns().size();
   EXPECT_LE(a_has_more ? test::difference(b.trajectory, a.trajectory) : test::difference(a.trajectory, b.trajectory),
             1e-13);
+  return {a.counters().branch_checks, b.counters().branch_checks};
 }
 
 // Unknowns that a step solves.
@@ -38,29 +42,47 @@ Index solved(const Scene& scene) {
 }
 
 // The counts of docs/joints.md: with joints, and by hand with the fewest unknowns.
-const std::map<std::string, std::pair<Index, Index>> kSolved = {{"four_bar", {2, 2}},     {"slider_crank", {3, 3}},
-                                                                {"watt", {4, 4}},         {"stephenson", {4, 4}},
-                                                                {"quick_return", {5, 5}}, {"excavator", {8, 8}},
-                                                                {"chain", {40, 40}},      {"rssr", {3, 3}},
-                                                                {"rscr", {10, 10}},       {"rssp", {4, 4}},
-                                                                {"hexapod", {9, 9}},      {"hexapod_inverse", {6, 0}},
-                                                                {"delta", {9, 3}},        {"delta_translating", {3, 3}},
-                                                                {"wishbone", {12, 12}},   {"spherical", {3, 3}}};
+const std::map<std::string, std::pair<Index, Index>> kSolved = {{"four_bar", {2, 2}},
+                                                                {"slider_crank", {3, 3}},
+                                                                {"slider_crank_end", {3, 1}},
+                                                                {"watt", {4, 4}},
+                                                                {"stephenson", {4, 4}},
+                                                                {"quick_return", {5, 5}},
+                                                                {"excavator", {8, 8}},
+                                                                {"chain", {40, 40}},
+                                                                {"rssr", {3, 3}},
+                                                                {"rscr", {10, 10}},
+                                                                {"rssp", {4, 4}},
+                                                                {"hexapod", {9, 9}},
+                                                                {"hexapod_inverse", {6, 0}},
+                                                                {"delta", {9, 3}},
+                                                                {"delta_translating", {3, 3}},
+                                                                {"wishbone", {12, 12}},
+                                                                {"spherical", {3, 3}}};
+
+// If both writings solve equally many unknowns, the chosen bases are about as well conditioned as those by hand, and a
+// ball lasts about as many steps. (The spherical linkage by hand knows that all axes meet in one point.)
+void compare(const test::WrittenTwice& m) {
+  SCOPED_TRACE(m.name);
+  const auto [with_joints, by_hand] = run_same(m.joints, m.by_hand);
+  const std::pair unknowns(solved(m.joints), solved(m.by_hand));
+  EXPECT_EQ(unknowns, kSolved.at(m.name));
+  EXPECT_TRUE(unknowns.first != unknowns.second || with_joints <= 2 * by_hand) << with_joints << " and " << by_hand;
+}
 
 TEST(JointsByHand, SameMotionAndUnknownsInThePlane) {
-  for (const test::WrittenTwice& m : test::plane_mechanisms_by_hand()) {
-    SCOPED_TRACE(m.name);
-    expect_same(m.joints, m.by_hand);
-    EXPECT_EQ(std::pair(solved(m.joints), solved(m.by_hand)), kSolved.at(m.name));
-  }
+  for (const test::WrittenTwice& m : test::plane_mechanisms_by_hand()) compare(m);
 }
 
 TEST(JointsByHand, SameMotionAndUnknownsInSpace) {
-  for (const test::WrittenTwice& m : test::space_mechanisms_by_hand()) {
-    SCOPED_TRACE(m.name);
-    expect_same(m.joints, m.by_hand);
-    EXPECT_EQ(std::pair(solved(m.joints), solved(m.by_hand)), kSolved.at(m.name));
-  }
+  for (const test::WrittenTwice& m : test::space_mechanisms_by_hand()) compare(m);
+}
+
+// A group of three unknowns solves the displacement as well if no output needs it, so that predictions can use its
+// acceleration.
+TEST(JointsByHand, FewerOutputsKeepThePredictor) {
+  const Prepared p = prepare(sample("slider_crank").with_outputs({"C"}));
+  EXPECT_EQ(p.plan.run.predictor, (Predictor{Predictor::Kind::hermite, 5}));
 }
 
 // A leg of a Stewart platform on a crank: universal, prismatic and spherical joint, and the distance of its ends.
@@ -94,7 +116,7 @@ TEST(JointsByHand, LegOfAStewartPlatform) {
                             .output("length")
                             .time(0, 1, 1.0 / 128)
                             .build();
-  expect_same(joints, by_hand);
+  run_same(joints, by_hand);
 }
 
 }  // namespace

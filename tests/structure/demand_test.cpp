@@ -158,6 +158,16 @@ TEST(Demand, LastBackSubstitutionStopsAtWantedUnknowns) {
   EXPECT_EQ(s.left_out.groups.size(), 5u);
 }
 
+// A group of up to three unknowns is solved in registers, with all derivatives.
+TEST(Demand, SmallGroupsComputeAllDerivatives) {
+  const Structure s = structure(sample("slider_crank").with_outputs({"C"}), irreducible);
+  ASSERT_EQ(s.groups.size(), 1u);
+  const GroupClass& c = look::class_of(s, s.groups[0]);
+  EXPECT_EQ(c.n, 3);
+  EXPECT_EQ(c.derivatives, 2);
+  EXPECT_EQ(c.first_wanted, 0);
+}
+
 TEST(Demand, NothingIsLeftOutWithoutOutputs) {
   for (const char* name : {"stewart", "andrews", "four_bar:3", "slider_crank"}) {
     const Structure s = structure(sample(name), groups);

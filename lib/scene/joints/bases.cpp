@@ -4,6 +4,11 @@
 #include <utility>
 
 namespace assur::joints {
+namespace {
+
+constexpr double kWider = 1.1;  // a base is worth changing if it gets wider by this factor
+
+}  // namespace
 
 std::vector<std::size_t> Expansion::order() const {
   std::vector<std::size_t> all;
@@ -23,8 +28,8 @@ std::vector<std::size_t> Expansion::order() const {
 void Expansion::choose_base(std::size_t s) {
   Solid& solid = solids_[s];
   std::vector<std::size_t> all = solid.features;
-  // Of equal ones, directions of slides come first: if only the ends of a strut determine its direction, the others need
-  // not be solved together with it.
+  // Of equal ones, directions of slides come first: if only the ends of a strut determine its direction, the others
+  // need not be solved together with it.
   const auto key = [&](std::size_t i) { return std::pair(rank(features_[i], solid), features_[i].slides ? 0 : 1); };
   std::stable_sort(all.begin(), all.end(), [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
   const auto first = std::find_if(all.begin(), all.end(), [&](std::size_t i) { return features_[i].is_point; });
@@ -56,7 +61,41 @@ void Expansion::choose_base(std::size_t s) {
     }
     if (third != all.end()) base.push_back(*third);
   }
+  widen(base, all, [&](std::size_t i, std::size_t k) {
+    return features_[i].is_point && features_[k].is_point && key(i) == key(k);
+  });
   settle(s, base);
+}
+
+double Expansion::width(const std::vector<std::size_t>& base) const {
+  const auto way = [&](std::size_t from, std::size_t to) {
+    return features_[base[to]].is_point ? minus(features_[base[to]].at, features_[base[from]].at)
+                                        : features_[base[to]].at;
+  };
+  if (base.size() < 3) return base.size() < 2 ? 0 : triple::norm(way(0, 1));
+  const double area = triple::norm(triple::cross(way(0, 1), way(0, 2)));
+  if (!features_[base[1]].is_point || !features_[base[2]].is_point) return area;
+  return area / std::max({triple::norm(way(0, 1)), triple::norm(way(0, 2)), triple::norm(way(1, 2))});
+}
+
+void Expansion::widen(std::vector<std::size_t>& base, const std::vector<std::size_t>& all,
+                      const std::function<bool(std::size_t, std::size_t)>& are_equal) const {
+  double widest = width(base);
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (std::size_t k = 0; k < base.size(); ++k) {
+      for (const std::size_t i : all) {
+        if (!are_equal(i, base[k]) || std::find(base.begin(), base.end(), i) != base.end()) continue;
+        const std::size_t before = std::exchange(base[k], i);
+        if (const double other = width(base); other > kWider * widest) {
+          widest = other;
+          changed = true;
+        } else {
+          base[k] = before;
+        }
+      }
+    }
+  }
 }
 
 std::vector<std::size_t> Expansion::own_base(std::size_t s) const {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <initializer_list>
 #include <limits>
 #include <map>
@@ -217,6 +218,12 @@ class Expansion {
     return f.fixed ? 0 : f.driven ? 1 : f.level < s.level_of(f) ? 2 : f.solid != kNobody ? 3 : f.wanted ? 4 : 5;
   }
   void choose_base(std::size_t s);
+  // How far the features of a base are apart: of three points, the smallest height of their triangle. A base whose
+  // points are close to each other makes groups badly conditioned, so that their steps need more tests of the branch.
+  [[nodiscard]] double width(const std::vector<std::size_t>& base) const;
+  // Exchanges points of a base for equal ones of the body as long as it gets wider.
+  void widen(std::vector<std::size_t>& base, const std::vector<std::size_t>& all,
+             const std::function<bool(std::size_t, std::size_t)>& are_equal) const;
   // The base of a body whose base the scene declares.
   [[nodiscard]] std::vector<std::size_t> own_base(std::size_t s) const;
   // The other features of a solid become its members. A feature that is known, or a
