@@ -179,8 +179,8 @@ WrittenTwice inverse_hexapod() {
   return {"hexapod_inverse", joints.build(), by_hand.build()};
 }
 
-// Three driven arms, each with two rods to the plate. By hand, and with joints if the plate has an origin but no frame,
-// the plate only translates, and one rod of each arm remains.
+// Three driven arms, each with two rods to the plate. By hand, the plate only translates, and one rod of each arm
+// remains. With joints the plate only translates if it has an origin but no frame; the second rods are then redundant.
 WrittenTwice delta(bool translates) {
   constexpr double kBase = 0.2, kArm = 0.25, kRod = 0.6, kPlate = 0.06, kHalf = 0.04;
   SceneBuilder joints("joints", 3), by_hand("by_hand", 3);
@@ -204,8 +204,8 @@ WrittenTwice delta(bool translates) {
     joints.add(Body{.name = "arm" + k})
         .joint("S" + k, Revolute{"ground", "arm" + k, shoulder, side[i]})
         .drive("motor" + k, DrivenCoordinate{"S" + k + ".angle", law});
-    for (const double half : translates ? std::vector{0.0} : std::vector{-kHalf, kHalf}) {
-      const std::string n = k + (half < 0 ? "L" : half > 0 ? "R" : "");
+    for (const double half : {-kHalf, kHalf}) {
+      const std::string n = k + (half < 0 ? "L" : "R");
       joints.add(Body{.name = "rod" + n})
           .joint("E" + n, Spherical{"arm" + k, "rod" + n, add(elbow[i], scale(half, side[i]))})
           .joint("W" + n, Spherical{"rod" + n, "plate", add(wrist, scale(half, side[i]))});
