@@ -372,7 +372,7 @@ class Animation(Pages):
                 pixel.has(getComputedStyle(e).backgroundColor.match(/[0-9]+/g).join(',')));
             return [box.x + px, box.y + py, drawn, texts('legend'), texts('symbols')]""")
         self.assertEqual(legend, ["lower_x", "upper_x", "lower_y", "upper_y", "platform"])
-        self.assertEqual(symbols, ["revolute joint"])
+        self.assertEqual(symbols, ["revolute joint", "driven joint"])
         self.assertEqual(colours, [True] * 5)
         self.move(round(x), round(y))
         text = self.js("await settled(); return document.getElementById('about').innerText")

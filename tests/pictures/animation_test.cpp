@@ -102,6 +102,8 @@ TEST(Animation, HasTheDirectionsOfTheJoints) {
   const auto& joints = shown.data["joints"];
   ASSERT_EQ(joints.size(), 4u);
   EXPECT_EQ(joints[1]["symbol"], "revolute");
+  EXPECT_EQ(joints[0]["driven"], true);
+  EXPECT_EQ(joints[1]["driven"], false);
   EXPECT_EQ(joints[1]["of"], (nlohmann::json{"input", "coupler"}));
   Simulator simulator(prepare(scene.with_outputs({"B.axis.position", "C.axis.position"})));
   const Trajectory run = simulator.run();

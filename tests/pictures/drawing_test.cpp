@@ -106,6 +106,34 @@ TEST(Drawing, JointsOfTheSceneHaveTheirAxesAndBodies) {
   EXPECT_EQ(d.bodies[0].points.size(), 2u);
 }
 
+std::set<std::string> driven(const Scene& scene) {
+  std::set<std::string> names;
+  for (const Drawing::Joint& j : drawing_of(scene).joints) {
+    if (j.driven) names.insert(j.name);
+  }
+  return names;
+}
+
+TEST(Drawing, DrivenJointsAreMarked) {
+  EXPECT_EQ(driven(sample("slider_crank")), (std::set<std::string>{"O"}));      // the angle of two points
+  EXPECT_EQ(driven(sample("whitworth_joints")), (std::set<std::string>{"O"}));  // a joint of the ground
+  EXPECT_EQ(driven(sample("scissor")), (std::set<std::string>{"B0"}));          // a coordinate of a point
+  EXPECT_EQ(driven(sample("stewart")), (std::set<std::string>{}));              // a pose
+  const Scene moving = SceneBuilder("arm", 2)
+                           .add(Body{.name = "arm"})
+                           .add(Body{.name = "hand"})
+                           .add(Body{.name = "finger"})
+                           .joint("A", Revolute{"ground", "arm", Triple{0, 0}})
+                           .joint("B", Revolute{"arm", "hand", Triple{1, 0}})
+                           .joint("S", Prismatic{"hand", "finger", Triple{1, 1}})
+                           .drive("turn", DrivenCoordinate{"A.angle", Law::polynomial({0, 1})})
+                           .drive("bend", DrivenCoordinate{"B.angle", Law::polynomial({0, 1})})
+                           .drive("reach", DrivenCoordinate{"S.displacement", Law::polynomial({0, 0.1})})
+                           .time(0, 0.1, 0.1)
+                           .build();
+  EXPECT_EQ(driven(moving), (std::set<std::string>{"A", "B", "S"}));
+}
+
 // One of each joint in space, in a chain from the ground.
 TEST(Drawing, EveryJointInSpaceHasItsSymbol) {
   const Scene scene = SceneBuilder("all", 3)

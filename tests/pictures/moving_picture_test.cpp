@@ -65,7 +65,8 @@ TEST(MovingPicture, RodsKeepTheirLengthAndTheMotionCloses) {
     const auto length = [](const Path& p) { return std::hypot(p.at(2) - p.at(0), p.at(3) - p.at(1)); };
     for (const Path& p : frames) EXPECT_NEAR(length(p), length(frames[0]), 0.2);  // tenths of a pixel at each end
   }
-  EXPECT_EQ(count(svg, "<circle class=\"j\""), 4u);
+  EXPECT_EQ(count(svg, "<circle class=\"j\""), 3u);
+  EXPECT_EQ(count(svg, "<circle class=\"j d\""), 1u);  // the motor
 }
 
 // Of ten turns in ten seconds the picture shows one, in a second that is drawn out to three.

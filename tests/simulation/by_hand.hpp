@@ -2,6 +2,7 @@
 // unknowns that were found. Both have the same outputs.
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -16,5 +17,7 @@ struct WrittenTwice {
 
 [[nodiscard]] std::vector<WrittenTwice> plane_mechanisms_by_hand();
 [[nodiscard]] std::vector<WrittenTwice> space_mechanisms_by_hand();
+// Four hinges whose axes meet in one point. away: distances of the hinges from this point, in the order of the loop.
+[[nodiscard]] WrittenTwice spherical_four_bar(const std::array<double, 4>& away);
 
 }  // namespace assur::test

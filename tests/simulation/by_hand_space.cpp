@@ -265,24 +265,26 @@ WrittenTwice wishbone() {
   return {"wishbone", joints.build(), by_hand.build()};
 }
 
-// Four hinges whose axes meet in one point. The joints are away from this point, as in a real linkage.
-WrittenTwice spherical_four_bar() {
+}  // namespace
+
+WrittenTwice spherical_four_bar(const std::array<double, 4>& away) {
   const Triple O = {0, 0, 0}, a = {0, 0, 1}, b = unit({0.4, 0, 1}), c = unit({0.6, 1, 0.6}), d = unit({1, 0.1, 0.35});
+  const Triple A = scale(away[0], a), B = scale(away[1], b), C = scale(away[2], c), D = scale(away[3], d);
   SceneBuilder joints("joints", 3), by_hand("by_hand", 3);
   joints.add(Body{.name = "crank"})
       .add(Body{.name = "coupler"})
       .add(Body{.name = "rocker"})
-      .joint("A", Revolute{"ground", "crank", scale(0.5, a), a})
-      .joint("B", Revolute{"crank", "coupler", b, b})
-      .joint("C", Revolute{"coupler", "rocker", c, c})
-      .joint("D", Revolute{"ground", "rocker", d, d})
+      .joint("A", Revolute{"ground", "crank", A, a})
+      .joint("B", Revolute{"crank", "coupler", B, b})
+      .joint("C", Revolute{"coupler", "rocker", C, c})
+      .joint("D", Revolute{"ground", "rocker", D, d})
       .drive("motor", DrivenCoordinate{"A.angle", Law::polynomial({0, kTurn})});
-  by_hand.fixed_point("A", {0, 0, b[2]})
+  by_hand.fixed_point("A", {0, 0, B[2]})
       .fixed_point("O", O)
       .fixed_vector("a", a)
       .fixed_vector("d", d)
-      .point("B", b)
-      .point("C", c)
+      .point("B", B)
+      .point("C", C)
       .constrain("radius", Distance{"O", "C"})
       .constrain("coupler", Distance{"B", "C"})
       .constrain("rocker", Dot{Direction("O", "C"), "d"})
@@ -291,11 +293,16 @@ WrittenTwice spherical_four_bar() {
   return {"spherical", joints.build(), by_hand.build()};
 }
 
-}  // namespace
-
 std::vector<WrittenTwice> space_mechanisms_by_hand() {
-  return {rssr(),       rscr(),      slider_crank(), forward_hexapod(),   inverse_hexapod(),
-          delta(false), delta(true), wishbone(),     spherical_four_bar()};
+  return {rssr(),
+          rscr(),
+          slider_crank(),
+          forward_hexapod(),
+          inverse_hexapod(),
+          delta(false),
+          delta(true),
+          wishbone(),
+          spherical_four_bar({0.5, 1, 1, 1})};
 }
 
 }  // namespace assur::test

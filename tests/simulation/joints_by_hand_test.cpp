@@ -1,6 +1,7 @@
 // The same mechanism written with joints, and by hand with points, vectors and constraints, has the same motion.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <numbers>
@@ -76,6 +77,16 @@ TEST(JointsByHand, SameMotionAndUnknownsInThePlane) {
 
 TEST(JointsByHand, SameMotionAndUnknownsInSpace) {
   for (const test::WrittenTwice& m : test::space_mechanisms_by_hand()) compare(m);
+}
+
+// Distances of the hinges from the centre change the base of the coupler and the redundant equations, not the motion.
+TEST(JointsByHand, SphericalLinkagesOfAnySize) {
+  for (const std::array<double, 4>& away :
+       {std::array{0.5, 1.0, 1.0, 1.0}, {0.5, 1.3, 0.7, 1.6}, {1.0, 0.8, 1.5, 0.6}, {2.0, 0.6, 0.6, 1.2}}) {
+    SCOPED_TRACE(away[1]);
+    const test::WrittenTwice m = test::spherical_four_bar(away);
+    run_same(m.joints, m.by_hand);
+  }
 }
 
 // A group of three unknowns solves the displacement as well if no output needs it, so that predictions can use its

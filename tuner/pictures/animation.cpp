@@ -55,8 +55,10 @@ std::string symbol_name(Drawing::Symbol symbol) {
 Json json(const Drawing::Joint& j) {
   Json axes = Json::array();
   for (const Drawing::Axis& a : j.axes) axes.push_back(a.direction >= 0 ? Json{a.direction} : Json{a.from, a.to});
-  return {{"name", j.name}, {"symbol", symbol_name(j.symbol)}, {"point", j.point}, {"axes", axes}, {"origin", j.origin},
-          {"of", j.of}};
+  return {{"name", j.name},     {"symbol", symbol_name(j.symbol)},
+          {"point", j.point},   {"axes", axes},
+          {"origin", j.origin}, {"of", j.of},
+          {"driven", j.driven}};
 }
 
 }  // namespace

@@ -61,6 +61,7 @@ class Draughtsman {
       std::visit([&](const auto& kind) { add_joint(j.name, kind); }, j.kind);
     add_sliders();
     add_pins();
+    mark_driven();
     return std::move(out_);
   }
 
@@ -174,14 +175,26 @@ class Draughtsman {
   // An angle driver keeps the distance of its points constant.
   void drive(const std::string& name, const PointAngle& d) {
     link(d.a, d.b, Kind::rod, name);
+    driven_points_.insert(find(d.a));
     if (!d.axis.empty()) hinges_.emplace(find(d.a), direction(d.axis));
   }
+  // A joint between two moving bodies is driven by the angle between its vectors NAME.from and NAME.to; else the angle
+  // is that of two links, which may meet in a point.
   void drive(const std::string& name, const RelativeAngle& d) {
     link(d.d, name);
     link(d.e, name);
+    if (d.d.first.ends_with(".from")) driven_turns_.insert(d.d.first.substr(0, d.d.first.rfind('.')));
+    if (!d.d.is_pair() || !d.e.is_pair()) return;
+    for (const std::string& p : {d.d.first, d.d.second}) {
+      if (p == d.e.first || p == d.e.second) driven_points_.insert(find(p));
+    }
   }
   void drive(const std::string& name, const DrivenDistance& d) { link(d.a, d.b, Kind::actuator, name); }
-  void drive(const std::string&, const DrivenCoordinate&) {}
+  // "S.slide.lambda" of a joint, "slide.lambda" of a constraint, "P.x" of a point.
+  void drive(const std::string&, const DrivenCoordinate& d) {
+    const std::string slide = d.coordinate.substr(0, d.coordinate.rfind('.'));
+    driven_slides_.insert(slide.substr(0, slide.rfind(".slide")));
+  }
   void drive(const std::string&, const Pose&) {}
 
   // ---- bodies
@@ -352,6 +365,16 @@ class Draughtsman {
     if (fixed >= 0 && along >= 0 && out_.directions[idx(along)].fixed) hinges_.emplace(fixed, along);
   }
 
+  void mark_driven() {
+    for (Drawing::Joint& j : out_.joints) {
+      using enum Drawing::Symbol;
+      const bool turns = j.symbol == revolute || j.symbol == cylindrical;
+      const bool slides = j.symbol == prismatic || j.symbol == cylindrical;
+      j.driven = (turns && (driven_points_.count(j.point) != 0 || driven_turns_.count(j.name) != 0)) ||
+                 (slides && driven_slides_.count(j.name) != 0);
+    }
+  }
+
   struct Slide {
     int point = -1, origin = -1;
     std::vector<Drawing::Axis> axes;
@@ -372,6 +395,8 @@ class Draughtsman {
   std::vector<std::string> sliding_;                                // of these: points on lines and planes
   std::vector<std::vector<int>> bodies_at_;                         // of each point
   std::set<int> jointed_;                                           // points
+  std::set<std::string> driven_turns_, driven_slides_;              // names of joints
+  std::set<int> driven_points_;                                     // about which something is driven to turn
 };
 
 }  // namespace

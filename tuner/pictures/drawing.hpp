@@ -54,6 +54,7 @@ struct Drawing {
     std::vector<Axis> axes = {};       // universal: two; planar: the normal, or two directions of the plane
     int origin = -1;                   // prismatic, cylindrical: a point of the line; -1: the first place of `point`
     std::vector<std::string> of = {};  // bodies; empty for a joint of points and equations
+    bool driven = false;               // a driver sets its angle or displacement
   };
 
   int dimension = 2;

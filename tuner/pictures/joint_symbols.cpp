@@ -3,6 +3,8 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include "numbers.hpp"
@@ -23,7 +25,11 @@ std::array<Triple, 2> across(const Triple& axis) {
   return {b, unit(triple::cross(axis, b))};
 }
 
-std::string circle(double radius) { return "<circle class=\"j\" r=\"" + pixels(radius) + "\"/>"; }
+constexpr std::string_view kFree = "class=\"j\"", kDriven = "class=\"j d\"";
+
+std::string circle(double radius, std::string_view look = kFree) {
+  return "<circle " + std::string(look) + " r=\"" + pixels(radius) + "\"/>";
+}
 
 // A ball with the light on its upper left.
 std::string ball(double size) {
@@ -41,12 +47,13 @@ std::string ground(double size) {
 
 class Symbols {
  public:
-  Symbols(MovingSvg& svg, const Drawing::Joint& joint, double size) : svg_(svg), j_(joint), size_(size) {}
+  Symbols(MovingSvg& svg, const Drawing::Joint& joint, double size)
+      : svg_(svg), j_(joint), size_(size), look_(joint.driven ? kDriven : kFree) {}
 
   void draw() {
     if (svg_.postures().rests(j_.point)) svg_.around(j_.point, ground(size_));
     if (j_.symbol == Symbol::spherical) return svg_.around(j_.point, ball(size_));
-    if (j_.axes.empty()) return svg_.around(j_.point, circle(size_));
+    if (j_.axes.empty()) return svg_.around(j_.point, circle(size_, look_));
     if (j_.symbol == Symbol::revolute) return cylinder(1.8);
     if (j_.symbol == Symbol::cylindrical) return cylinder(2.6);
     if (j_.symbol == Symbol::universal) return cross();
@@ -89,8 +96,8 @@ class Symbols {
       const Shape s = shape(f);
       return "M" + off(s.near, s.side, 1) + s.arc + off(s.near, s.side, -1) + s.arc + off(s.near, s.side, 1) + "Z";
     };
-    svg_.element("path", "d", outline, "class=\"j\"");
-    svg_.element("path", "d", disc, "class=\"j\"");
+    svg_.element("path", "d", outline, look_);
+    svg_.element("path", "d", disc, look_);
   }
 
   void cross() {
@@ -133,13 +140,14 @@ class Symbols {
         }
         return pixels(corners);
       };
-      svg_.element("polygon", "points", face, "class=\"j\"");
+      svg_.element("polygon", "points", face, look_);
     }
   }
 
   MovingSvg& svg_;
   const Drawing::Joint& j_;
   double size_;
+  std::string_view look_;
 };
 
 }  // namespace

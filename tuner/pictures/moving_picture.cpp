@@ -67,11 +67,12 @@ class Painter {
     add_paths();
     add_parts();
     const std::string w = pixels(kWidth), h = pixels(view_.height()), line = pixels(std::max(1.2, 0.28 * size_));
+    const bool has_motors = std::any_of(d_.joints.begin(), d_.joints.end(), [](const auto& j) { return j.driven; });
     std::string out = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + w + " " + h + "\" width=\"" + w +
                       "\" height=\"" + h + "\" fill=\"none\" stroke-linecap=\"round\" stroke-linejoin=\"round\">\n";
     out += "<title>" + escaped(title) + "</title>\n<style>.j{fill:#fff;stroke:" + std::string(kInk) +
-           ";stroke-width:" + line + "}</style>\n<rect width=\"" + w + "\" height=\"" + h + "\" rx=\"8\" fill=\"" +
-           std::string(kPaper) + "\"/>\n";
+           ";stroke-width:" + line + "}" + (has_motors ? ".d{fill:" + std::string(kMotor) + "}" : "") +
+           "</style>\n<rect width=\"" + w + "\" height=\"" + h + "\" rx=\"8\" fill=\"" + std::string(kPaper) + "\"/>\n";
     return out + svg_.text() + "</svg>\n";
   }
 

@@ -12,7 +12,8 @@
 namespace assur::pictures {
 
 // Colours of the picture.
-inline constexpr std::string_view kInk = "#1b1f24", kPaper = "#f7f8fa", kFaint = "#7a8490";
+inline constexpr std::string_view kInk = "#1b1f24", kPaper = "#f7f8fa", kFaint = "#7a8490",
+                                  kMotor = "#ffb300";  // fills driven joints
 
 // Tenths of a pixel: "12.3", "12", "1,2", "1,2 3,4".
 [[nodiscard]] std::string pixels(double x);

@@ -238,13 +238,14 @@ class Picture {
     });
   }
 
-  drawJoint({symbol, point, axes}) {
+  drawJoint({symbol, point, axes, driven}) {
     const c = this.context, at = this.at(point);
     const ways = axes.map(a => motion.axis(a, this.frame, this.posture));
     c.fillStyle = this.paper;
     c.strokeStyle = point < motion.moving ? this.pointColour[point] : this.ink;
     c.lineWidth = Math.max(1.2, 0.28 * this.r);
     if (point >= motion.moving) symbols.ground(c, at, this.r);
+    if (driven) c.fillStyle = symbols.motor;
     symbols[symbol](c, at, this.r, v => this.camera.view(v), ...ways);
   }
 

@@ -148,17 +148,20 @@
                   spherical: 'ball joint', universal: 'universal joint', planar: 'planar joint'};
     const ways = {revolute: camera.flat ? [] : [[0.8, 0, 0.6]], cylindrical: [[0.8, 0, 0.6]], prismatic: [[1, 0, 0]],
                   universal: [[0.8, 0.6, 0], [-0.6, 0.8, 0]], planar: [[0.3, 0.6, 0.74]]};
-    for (const symbol of Object.keys(name).filter(s => drawn.has(s))) {
+    const add = (symbol, text, fill) => {
       const item = list.appendChild(document.createElement('li')), icon = item.appendChild(document.createElement('canvas'));
       icon.className = 'icon';
-      item.append(name[symbol]);
+      item.append(text);
       fitToScreen(icon);
       const c = icon.getContext('2d');
-      c.fillStyle = picture.paper;
+      c.fillStyle = fill;
       c.strokeStyle = picture.ink;
       c.lineWidth = 1.4;
       symbols[symbol](c, [14, 10], ['planar', 'cylindrical'].includes(symbol) ? 3 : 5, v => v, ...(ways[symbol] ?? []));
-    }
+    };
+    for (const symbol of Object.keys(name).filter(s => drawn.has(s))) add(symbol, name[symbol], picture.paper);
+    const driven = motion.joints.find(j => j.driven);
+    if (driven) add(driven.symbol, 'driven joint', symbols.motor);
   }
 
   function panels() {

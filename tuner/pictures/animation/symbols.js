@@ -1,6 +1,8 @@
 // Symbols of joints, as engineers draw them. `at` is the place on the screen, `r` the size in pixels, and `view` turns
 // a vector into its picture: to the right, upwards and to the eye, in shares of its length.
 const symbols = {
+  motor: '#ffb300',  // fills driven joints
+
   // A pin that leads to the eye; a hinge from the side is a short cylinder along its axis.
   revolute(c, at, r, view, axis) {
     if (axis) return symbols.cylinder(c, at, r, view(axis), 1.8);

@@ -15,7 +15,7 @@ function whoIsAt(picture, x, y) {
   if (point >= 0) {
     const place = [...picture.posture.subarray(3 * point, 3 * point + motion.dimension)].map(v => digits(v)).join(', ');
     const joint = picture.jointAt[point];
-    const what = joint ? `${joint.symbol} joint${joint.name === motion.points[point].name ? '' : ` ${joint.name}`}` +
+    const what = joint ? `${joint.driven ? 'driven ' : ''}${joint.symbol} joint${joint.name === motion.points[point].name ? '' : ` ${joint.name}`}` +
       `${joint.of.length > 0 ? ` of ${joint.of.join(' and ')}` : ''}\n` : '';
     return `${motion.points[point].name} (${place}) m\n${what}${groupOf(motion.points[point].group)}`;
   }
