@@ -3,13 +3,19 @@
 #include <cmath>
 #include <initializer_list>
 #include <iterator>
+#include <random>
 #include <string_view>
 
 #include "scene/lowering_parts.hpp"
+#include "scene/own_values.hpp"
 
 namespace assur {
 
 namespace {
+
+constexpr unsigned kElsewhere = 3;  // values of the drivers at which quantities are compared
+constexpr double kSpan = 3;         // SI units: the largest of these values
+constexpr double kSameDot = 1e-12;  // relative difference of products that are equal but for rounding
 
 // Local axes of a base with three entries, in ground coordinates in the posture as written.
 std::array<Triple, 3> base_axes(const Forms& forms, const Body& body) {
@@ -259,12 +265,44 @@ bool BodyWriter::is_kept(std::initializer_list<std::string_view> names) const {
   return !common.empty();
 }
 
+// True if no driver changes the dot product of two known directions: compares it at some values of the drivers.
+bool BodyWriter::is_constant(const Direction& d, const Direction& e) {
+  const System& s = forms_.system();
+  if (s.inputs.empty()) return true;
+  for (unsigned i = static_cast<unsigned>(elsewhere_.size()); i < kElsewhere; ++i) {
+    std::mt19937 random(i);
+    std::vector<std::vector<double>> values;
+    for (const DriverInput& in : s.inputs) {
+      for (double& v : values.emplace_back(in.laws.size())) v = kSpan * (static_cast<double>(random()) / 0x1p31 - 1);
+    }
+    drive_by_values(s, values, elsewhere_.emplace_back(s.guess));
+  }
+  const Forms::Components a = forms_.direction(d), b = forms_.direction(e);
+  double least = HUGE_VAL, most = -HUGE_VAL, size = 0;
+  for (const std::vector<double>& q : elsewhere_) {
+    double dot = 0;
+    for (std::size_t k = 0; k < idx(forms_.dimension()); ++k) {
+      const auto value = [&](Index form, double& terms) {
+        for (const Term& t : s.form(form)) terms += std::abs(s.constants[idx(t.constant)] * q[idx(t.coordinate)]);
+        return form_value<double>(s, form, q);
+      };
+      double of_a = 0, of_b = 0;
+      dot += value(a.form[k], of_a) * value(b.form[k], of_b);
+      size = std::max(size, of_a * of_b);
+    }
+    least = std::min(least, dot), most = std::max(most, dot);
+  }
+  return most - least <= kSameDot * size;
+}
+
 void BodyWriter::write_base(const Body& b) {
   const auto known = [&](std::size_t i) { return forms_.all_known(forms_.item(b.base[i])); };
-  // Omits a distance that another body or a constraint has written already.
+  // Omits a distance that another body or a constraint has written already, or that no driver changes.
   const auto keep_distance = [&](const std::string& p, const std::string& q) {
     const Item a = forms_.item(p), c = forms_.item(q);
-    if ((forms_.all_known(a) && forms_.all_known(c)) || is_kept({p, q})) return;
+    if (is_kept({p, q})) return;
+    const Direction side{p, q};
+    if (forms_.all_known(a) && forms_.all_known(c) && is_constant(side, side)) return;
     if (!shared_.distances.insert(pair_key(p, q)).second) return;
     forms_.distance_equation(forms_.source("body " + b.name), a, c,
                              length_of(triple::subtract(forms_.at(p), forms_.at(q))));
@@ -280,7 +318,7 @@ void BodyWriter::write_base(const Body& b) {
       const bool all_known = known(1) && known(2) && (known(0) || (!is_point(1) && !is_point(2)));
       const bool kept =
           is_point(1) || is_point(2) ? is_kept({b.base[0], b.base[1], b.base[2]}) : is_kept({b.base[1], b.base[2]});
-      if (!all_known && !kept) keep_dot(b);
+      if (!kept && !(all_known && is_constant(base_direction(forms_, b, 1), base_direction(forms_, b, 2)))) keep_dot(b);
     }
   }
   if (const auto area = area_.find(b.name); area != area_.end()) write_normal(b, area->second);

@@ -66,6 +66,7 @@ class BodyWriter {
   void write_frame_about(Index source, const Item& fixed, const Item& next, const Item& after);
   [[nodiscard]] bool is_kept(std::initializer_list<std::string_view> names) const;
   void note_written(const Body& body, Index index);
+  [[nodiscard]] bool is_constant(const Direction& d, const Direction& e);
   void write_base(const Body& body);
   void keep_dot(const Body& body);
   void write_normal(const Body& body, double area);
@@ -75,6 +76,7 @@ class BodyWriter {
   std::unordered_map<std::string, double> area_;                    // bodies with a normal
   std::unordered_set<std::string> posed_;                           // bodies posed by equations
   std::map<std::string, std::vector<Index>, std::less<>> written_;  // bodies whose base or members have this name
+  std::vector<std::vector<double>> elsewhere_;                      // known coordinates at other values of the drivers
 };
 
 class ConstraintWriter {

@@ -5,6 +5,8 @@
 #include <map>
 #include <numeric>
 #include <random>
+#include <set>
+#include <string>
 
 #include "decimal.hpp"
 #include "decompositions.hpp"
@@ -17,12 +19,16 @@
 
 namespace assur {
 namespace {
-constexpr double kSolved = 1e-10;    // relative residual of equations that hold
-constexpr double kHolds = 1e-9;      // relative residual of an equation that follows from others
-constexpr double kAround = 0.05;     // rad or internal units: displacement of drivers
-constexpr int kTries = 3;            // random directions, and shorter displacements in each
-constexpr double kPathStride = 0.1;  // largest change of a driven coordinate between postures on the path
-constexpr int kOnPath = 7;           // steps of the grid that are examined
+constexpr double kSolved = 1e-10;        // relative residual of equations that hold
+constexpr double kExact = 1e-12;         // rad or internal units: violation of an equation that holds
+constexpr double kRefused = 4e-12;       // the same, of a mechanism that is refused
+constexpr double kSmall = 1e-5;          // the same: larger violations show that equations restrict the drivers
+constexpr double kRounding = 32 * kEps;  // relative residual of an equation that holds up to rounding
+constexpr double kAround = 0.05;         // rad or internal units: displacement of drivers
+constexpr double kFarthest = 0.4;        // the same, in strides, for small errors of lengths
+constexpr int kTries = 3;                // random directions, and shorter displacements in each
+constexpr double kPathStride = 0.1;      // largest change of a driven coordinate between postures on the path
+constexpr int kOnPath = 7;               // steps of the grid that are examined
 constexpr int kStepsElsewhere = 20;
 constexpr double kNoLongerFalls = 1e-12;     // a residual that no longer falls is rounding
 constexpr double kDependent = 1e-7;          // pivots of rows of length 1; errors of postures are far smaller
@@ -32,7 +38,8 @@ constexpr std::size_t kMostRates = 1 << 24;  // numbers
 // A connected part of the system: equations that share unknowns or drivers.
 struct Part {
   std::vector<Index> equations, kept, unknowns, inputs;
-  std::vector<std::size_t> checks;  // indices into Structure::checks
+  std::vector<std::size_t> checks;                         // indices into Structure::checks
+  std::map<std::size_t, std::vector<std::size_t>> behind;  // checks among known coordinates: inputs behind them
 };
 
 class Union {
@@ -79,7 +86,16 @@ std::vector<Part> connected(const System& s, const DoubtfulParts& all, const std
     const auto part = parts.find(nodes.root(coordinates + i));
     if (part != parts.end()) part->second.inputs.push_back(static_cast<Index>(i));
   }
-  for (std::size_t k = 0; k < checks.size(); ++k) parts[nodes.root(node_of(checks[k]))].checks.push_back(k);
+  for (std::size_t k = 0; k < checks.size(); ++k) {
+    Part& part = parts[nodes.root(node_of(checks[k]))];
+    part.checks.push_back(k);
+    s.mentioned(checks[k], mentioned);
+    const auto is_known = [&](Index c) { return s.coordinates[idx(c)].role != Role::unknown; };
+    if (!std::all_of(mentioned.begin(), mentioned.end(), is_known)) continue;
+    for (const Index c : mentioned) {
+      part.behind[k].insert(part.behind[k].end(), behind[idx(c)].begin(), behind[idx(c)].end());
+    }
+  }
   std::vector<Part> out;
   for (auto& [root, part] : parts) out.push_back(std::move(part));
   return out;
@@ -88,13 +104,14 @@ std::vector<Part> connected(const System& s, const DoubtfulParts& all, const std
 class Look {
  public:
   Look(const System& system, const Part& part, const std::vector<double>& start, double time,
-       const std::vector<Index>& checks, Structure& out)
+       const std::vector<Index>& checks, Structure& out, std::set<std::string>& impossible)
       : s_(system),
         p_(part),
         start_(start),
         time_(time),
         checks_(checks),
         out_(out),
+        impossible_(impossible),
         freedoms_(system, part.inputs),
         column_(system.coordinates.size(), -1) {}
 
@@ -125,22 +142,37 @@ class Look {
     return p_.unknowns.empty() || equations.empty() || fit(s_, equations, p_.unknowns, q, column_) <= kSolved;
   }
 
+  // Violation of an equation by more than rounding.
+  [[nodiscard]] bool is_violated(Index e, const std::vector<double>& q) const {
+    const double phi = std::abs(residual<double>(s_, e, q));
+    return !(phi <= kRounding * std::max(residual_scale(s_, e, q), kLeastScale)) && !(internal(amount(e, q)) <= kExact);
+  }
+
+  // The violation. A slope that nearly vanishes says nothing: then relative to the terms.
+  [[nodiscard]] Violation amount(Index e, const std::vector<double>& q) const {
+    Violation v = violation(s_, e, q);
+    const double phi = std::abs(residual<double>(s_, e, q)) * s_.unit(v.is_length ? 1 : 0);
+    if (phi < kLeastScale * v.by) v.by = std::min(v.by, phi / std::max(residual_scale(s_, e, q), kLeastScale));
+    return v;
+  }
+
   // Solves the kept equations and examines the dropped ones. Where the kept equations are singular, rounding or another
   // branch may violate the dropped ones; then a nearby posture is used where all equations hold.
   bool look_at(std::vector<double>& q, double time, std::map<std::size_t, Seen>& all) {
+    const auto violated = [&](const std::vector<double>& at) { return [&](Index e) { return is_violated(e, at); }; };
     std::vector<double> together = q;
-    if (!solve(p_.kept, q)) return false;
-    const auto is_off = [&](std::size_t k) {
-      const double scale = std::max(residual_scale(s_, checks_[k], q), kLeastScale);
-      return !(std::abs(residual<double>(s_, checks_[k], q)) <= kHolds * scale);
-    };
+    if (!solve(p_.kept, q) || std::any_of(p_.kept.begin(), p_.kept.end(), violated(q))) return false;
+    const auto is_off = [&](std::size_t k) { return is_violated(checks_[k], q); };
     if (std::none_of(p_.checks.begin(), p_.checks.end(), is_off)) return true;
-    if (solve(p_.equations, together)) {
+    if (solve(p_.equations, together) && std::none_of(p_.equations.begin(), p_.equations.end(), violated(together))) {
       q = std::move(together);
       return true;
     }
     for (const std::size_t k : p_.checks) {
-      if (all[k].holds && is_off(k)) all[k] = {false, violation(s_, checks_[k], q), time};
+      if (!is_off(k)) continue;
+      Seen& seen = all[k];
+      const Violation by = amount(checks_[k], q);
+      if (seen.holds || (seen.time == time && by.by > seen.by.by)) seen = {false, by, time};
     }
     return true;
   }
@@ -194,12 +226,32 @@ class Look {
         freedoms_.move(amounts, q);
         if (look_at(q, time_, near_)) {
           any = true;
+          if (shorter == 0) go_farther(amounts, std::move(q));
           break;
         }
         for (double& a : amounts) a /= -8;
       }
     }
     return any;
+  }
+
+  // Errors of a length of 1e-9 show far from the start posture. Another branch may be there: large violations do not
+  // count.
+  void go_farther(std::vector<double> amounts, std::vector<double> q) {
+    for (double at = kAround; 2 * at <= kFarthest; at *= 2) {
+      const std::map<std::size_t, Seen> before = near_;
+      freedoms_.move(amounts, q);
+      if (!look_at(q, time_, near_) || !is_small(near_)) {
+        near_ = before;
+        return;
+      }
+      for (double& a : amounts) a *= 2;
+    }
+  }
+
+  [[nodiscard]] double internal(const Violation& v) const { return v.by / (v.is_length ? s_.unit(1) : 1); }
+  bool is_small(const std::map<std::size_t, Seen>& all) const {
+    return std::all_of(all.begin(), all.end(), [&](const auto& k) { return internal(k.second.by) <= kSmall; });
   }
 
   void judge(std::size_t k, bool on_path, bool near) {
@@ -214,6 +266,16 @@ class Look {
     r.violation = shown.by.by;
     r.is_length = shown.by.is_length;
     r.time = shown.time;
+    const auto inputs = p_.behind.find(k);
+    if (inputs != p_.behind.end() && r.kind != Redundancy::Kind::structural) {
+      std::set<std::string> names(r.constraints.begin(), r.constraints.end());
+      for (const std::size_t i : inputs->second) names.insert("driver " + s_.drivers[idx(s_.inputs[i].driver)]);
+      r.constraints.assign(names.begin(), names.end());
+    }
+    // Errors of lengths show as small violations near the start posture; large ones restrict the drivers.
+    const bool is_error = internal(off.by) > kRefused && internal(off.by) <= kSmall;
+    const bool never_holds = internal(path.by) > kRefused && path.time <= time_ + s_.scene->time().step;
+    if (is_error || never_holds) impossible_.insert(r.dropped);
   }
 
   // ---- freedoms
@@ -344,6 +406,7 @@ class Look {
   double time_;
   const std::vector<Index>& checks_;
   Structure& out_;
+  std::set<std::string>& impossible_;  // names of equations that let the mechanism not move
   Freedoms freedoms_;
   std::vector<Index> column_;  // scratch of DenseBlock
   std::map<std::size_t, Seen> path_, near_;
@@ -356,18 +419,27 @@ std::string subject(const RedundantSet& set) {
   return std::to_string(count) + (count == 1 ? " equation" : " equations") + " of " + set.named.text();
 }
 
-void note(const RedundantSet& set, Structure& out) {
+// Describes equations that do not hold elsewhere, in a note, or refuses the scene.
+void tell(const RedundantSet& set, bool is_impossible, Structure& out) {
   const bool is_one = set.checked.size() == 1;
+  const std::string holds = subject(set) + (is_one ? " holds" : " hold");
   const std::string amount = general(set.worst.violation, 3) + (set.worst.is_length ? " m" : "");
   const std::string by = std::string(is_one ? "it is violated by " : "they are violated by up to ") + amount;
+  std::string what;
   if (set.kind == Redundancy::Kind::start) {
-    out.notes.push_back({"/", subject(set) + (is_one ? " holds" : " hold") +
-                                  " at the start posture, but not later: at t = " + general(set.worst.time, 6) + " s " +
-                                  by});
+    what = holds + " at the start posture, but not later: at t = " + general(set.worst.time, 6) + " s " + by;
+  } else if (is_impossible) {
+    what = holds + " at the start posture, but not at other values of the drivers: " + by;
   } else if (set.kind == Redundancy::Kind::motion) {
-    out.notes.push_back({"/", subject(set) + (is_one ? " holds" : " hold") +
-                                  " while the drivers follow their laws, but " + (is_one ? "does" : "do") +
-                                  " not follow from the other equations: " + by + " at nearby values of the drivers"});
+    what = holds + " while the drivers follow their laws, but " + (is_one ? "does" : "do") +
+           " not follow from the other equations: " + by + " at nearby values of the drivers";
+  } else {
+    return;
+  }
+  if (!is_impossible) {
+    out.notes.push_back({"/", what});
+  } else if (out.cannot_assemble.empty()) {
+    out.cannot_assemble = "the mechanism cannot move: " + what;
   }
 }
 
@@ -395,12 +467,16 @@ void look_at_other_postures(const System& s, const DoubtfulParts& parts, const s
                             Structure& out) {
   const std::int64_t driven = out.mobility;
   out.mobility_at_start = driven;
+  std::set<std::string> impossible;
   for (const Part& part : connected(s, parts, out.checks)) {
-    const Look::Mobility more = Look(s, part, q, time, out.checks, out).run();
+    const Look::Mobility more = Look(s, part, q, time, out.checks, out, impossible).run();
     out.mobility += more.generic;
     out.mobility_at_start += more.at_start;
   }
-  for (const RedundantSet& set : redundant_sets(*s.scene, out.redundant)) note(set, out);
+  for (const RedundantSet& set : redundant_sets(*s.scene, out.redundant)) {
+    const auto is_impossible = [&](const std::string& name) { return impossible.count(name) != 0; };
+    tell(set, std::any_of(set.checked.begin(), set.checked.end(), is_impossible), out);
+  }
 }
 
 }  // namespace assur

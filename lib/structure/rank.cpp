@@ -7,23 +7,22 @@
 #include "numbers.hpp"
 #include "structure/assembly.hpp"
 #include "structure/dense_block.hpp"
+#include "structure/sparse_rank.hpp"
 
 namespace assur {
 namespace {
-constexpr double kNonzero = 1e-8;          // smaller entries of a null vector, relative to the largest, are zero
-constexpr Eigen::Index kLargestQr = 3000;  // larger ones take minutes
+constexpr double kNonzero = 1e-8;            // smaller entries of a null vector, relative to the largest, are zero
+constexpr Eigen::Index kLargestDense = 400;  // rows or columns; larger matrices are factored sparse
 
 constexpr double kMostShare = 1.5;
 constexpr int kMostExchanges = 64;
-constexpr Eigen::Index kLargestSpread = 400;  // each exchange is a dense QR
 
 using Qr = Eigen::ColPivHouseholderQR<Eigen::MatrixXd>;
 
-// Scales rows, then columns, to unit length.
+// Scales rows, then columns, to unit length. Rows that nearly vanish stay small: an equation that only an error of a
+// direction makes is not independent.
 Eigen::MatrixXd scaled(Eigen::MatrixXd j) {
-  for (Eigen::Index i = 0; i < j.rows(); ++i) {
-    if (const double n = j.row(i).norm(); n > 0) j.row(i) /= n;
-  }
+  for (Eigen::Index i = 0; i < j.rows(); ++i) j.row(i) /= std::max(j.row(i).norm(), kLeastScale);
   for (Eigen::Index i = 0; i < j.cols(); ++i) {
     if (const double n = j.col(i).norm(); n > 0) j.col(i) /= n;
   }
@@ -46,7 +45,7 @@ bool counts(const Eigen::VectorXd& c, Eigen::Index i) {
 // Of the rows in `order` the first `rank` are independent. Exchanges rows until the other rows, as combinations of
 // these, have no coefficient above kMostShare (Gu and Eisenstat's strong rank-revealing factorisation).
 void spread(const Eigen::MatrixXd& a, Eigen::Index rank, std::vector<Eigen::Index>& order) {
-  if (rank == 0 || rank == a.rows() || rank > kLargestSpread) return;
+  if (rank == 0 || rank == a.rows()) return;
   for (int exchange = 0; exchange < kMostExchanges; ++exchange) {
     Eigen::MatrixXd kept(a.cols(), rank), others(a.cols(), a.rows() - rank);
     for (Eigen::Index k = 0; k < rank; ++k) kept.col(k) = a.row(order[static_cast<std::size_t>(k)]);
@@ -64,18 +63,50 @@ Eigen::VectorXd combination(const Qr& qr, Eigen::Index k) {
   return qr.matrixR().topLeftCorner(r, r).template triangularView<Eigen::Upper>().solve(qr.matrixR().col(k).head(r));
 }
 
+SparseRows scaled(const Eigen::SparseMatrix<double>& j) {
+  SparseRows rows(j);
+  for (Eigen::Index i = 0; i < rows.rows(); ++i) rows.row(i) /= std::max(rows.row(i).norm(), kLeastScale);
+  Eigen::SparseMatrix<double> columns(rows);
+  for (Eigen::Index i = 0; i < columns.cols(); ++i) {
+    if (const double n = columns.col(i).norm(); n > 0) columns.col(i) /= n;
+  }
+  return SparseRows(columns);
+}
+
+// The same for large parts.
+void study_sparse(const System& s, std::span<const Index> equations, std::span<const Index> unknowns,
+                  const DenseBlock& block, const std::vector<std::vector<double>>& at, RankStudy& out) {
+  std::vector<SparseRows> postures;
+  std::vector<Eigen::Index> rank;
+  std::size_t best = 0;
+  for (const std::vector<double>& posture : at) {
+    postures.push_back(scaled(block.sparse_jacobian(posture)));
+    rank.push_back(rank_of(postures.back()));
+    if (rank.back() > rank[best]) best = rank.size() - 1;
+  }
+  out.rank = static_cast<Index>(rank[best]);
+  out.singular_start = rank[0] < rank[best];
+  const SparseRank found = sparse_rank(s, equations, unknowns, postures, best);
+  const auto equation_at = [&](Eigen::Index k) { return equations[static_cast<std::size_t>(k)]; };
+  for (const Eigen::Index k : found.kept) out.kept.push_back(equation_at(k));
+  std::sort(out.kept.begin(), out.kept.end());
+  for (std::size_t k = 0; k < found.dropped.size(); ++k) {
+    const Index e = equation_at(found.dropped[k]);
+    out.dropped.push_back(e);
+    std::set<std::string> names = {s.equation_name(e)};
+    for (const Eigen::Index row : found.combinations[k]) names.insert(s.equation_name(equation_at(row)));
+    out.redundant.push_back({{names.begin(), names.end()}, s.equation_name(e)});
+  }
+  for (const Eigen::Index k : found.undetermined) out.undetermined.push_back(unknowns[static_cast<std::size_t>(k)]);
+  std::sort(out.undetermined.begin(), out.undetermined.end());
+}
+
 }  // namespace
 
 RankStudy study_rank(const System& s, std::span<const Index> equations, std::span<const Index> unknowns,
                      std::optional<double> laws_from, std::vector<double>& q, std::vector<Index>& column) {
   RankStudy out;
   const DenseBlock block(s, equations, unknowns, column);
-  if (std::max(block.rows(), block.columns()) > kLargestQr) {
-    throw Error(Error::Kind::input, "a part with " + std::to_string(block.columns()) + " unknowns and " +
-                                        std::to_string(block.rows()) +
-                                        " equations is structurally singular, and too large (limit: 3000) to find out "
-                                        "numerically which equations are redundant; split the scene to locate them");
-  }
   if (equations.empty()) {  // unknowns that nothing mentions
     out.undetermined.assign(unknowns.begin(), unknowns.end());
     return out;
@@ -83,14 +114,20 @@ RankStudy study_rank(const System& s, std::span<const Index> equations, std::spa
   out.residual = fit(s, equations, unknowns, q, column);
 
   const TimeGrid& grid = s.scene->time();
-  std::vector<Eigen::MatrixXd> postures = {scaled(block.jacobian(q))};
+  std::vector<std::vector<double>> at = {q};
   std::vector<double> on_path = q;
   for (int step = 1; step <= 7 && grid.step > 0 && laws_from; ++step) {
     if (!drive(s, *laws_from + step * grid.step, on_path.data(), nullptr, nullptr).ok()) break;
     if (fit(s, equations, unknowns, on_path, column) > 1e-10) break;
-    if (step == 3 || step == 7) postures.push_back(scaled(block.jacobian(on_path)));
+    if (step == 3 || step == 7) at.push_back(on_path);
+  }
+  if (std::max(block.rows(), block.columns()) > kLargestDense) {
+    study_sparse(s, equations, unknowns, block, at, out);
+    return out;
   }
 
+  std::vector<Eigen::MatrixXd> postures;
+  for (const std::vector<double>& posture : at) postures.push_back(scaled(block.jacobian(posture)));
   std::size_t best = 0;
   std::vector<Eigen::Index> rank;
   for (std::size_t i = 0; i < postures.size(); ++i) {

@@ -23,7 +23,6 @@ struct RankStudy {
 
 // Examines the posture q, which is fitted to the equations first. If `laws_from` has a time, also examines two later
 // postures of the laws; empty if a program may move the drivers elsewhere.
-// Throws Error (input) if there are more than 3000 equations or unknowns.
 [[nodiscard]] RankStudy study_rank(const System& system, std::span<const Index> equations,
                                    std::span<const Index> unknowns, std::optional<double> laws_from,
                                    std::vector<double>& q, std::vector<Index>& column);

@@ -13,6 +13,7 @@ namespace assur {
 namespace {
 
 constexpr std::string_view kBody = "body ", kGround = "ground";
+constexpr std::size_t kMostNamed = 24;
 
 using Names = std::set<std::string>;
 
@@ -86,13 +87,12 @@ class Loops {
   // The shortest way that avoids these bodies and does not go back along the joints that are known; nothing if there is
   // none.
   void add_way_to_ground(const std::string& from, const Names& avoided, std::set<std::size_t>& edges) const {
-    const std::set<std::size_t> known = edges;
     std::map<std::string, std::size_t> by;  // the joint that led to a body
     std::vector<std::string> reached = {from};
     for (std::size_t i = 0; i < reached.size() && reached[i] != kGround; ++i) {
       for (const std::size_t e : at_.at(reached[i])) {
         const std::string& next = edges_[e].a == reached[i] ? edges_[e].b : edges_[e].a;
-        if (known.count(e) != 0 || next == from || avoided.count(next) != 0 || !by.emplace(next, e).second) continue;
+        if (edges.count(e) != 0 || next == from || avoided.count(next) != 0 || !by.emplace(next, e).second) continue;
         reached.push_back(next);
       }
     }
@@ -115,8 +115,8 @@ Named named(const Loops& loops, const Loops::Core& core) {
 
 std::string joined(const std::vector<std::string>& names) {
   std::string text;
-  for (const std::string& n : names) text += (text.empty() ? "" : ", ") + n;
-  return text;
+  for (std::size_t i = 0; i < std::min(names.size(), kMostNamed); ++i) text += (i == 0 ? "" : ", ") + names[i];
+  return names.size() > kMostNamed ? text + ", ... (" + std::to_string(names.size()) + " in all)" : text;
 }
 
 }  // namespace

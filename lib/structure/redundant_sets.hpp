@@ -15,7 +15,7 @@ struct Named {
   std::vector<std::string> joints;  // the joints of the loops that the equations close, in the order of the scene
   std::vector<std::string> others;  // constraints, drivers and bodies without joints, in alphabetic order
 
-  // "joints A, B, C, D", "joints A, B; rod1".
+  // "joints A, B, C, D", "joints A, B; rod1"; of many names, the first ones and their number.
   [[nodiscard]] std::string text() const;
 };
 

@@ -128,7 +128,8 @@ void name_watched(const System& s, const std::vector<Index>& equations, Structur
   std::map<std::string, std::string> names;
   for (const RedundantSet& set : redundant_sets(*s.scene, out.redundant)) {
     if (set.named.joints.empty()) continue;
-    for (const std::string& checked : set.checked) names.emplace(checked, set.named.text());
+    const std::string text = set.named.text();
+    for (const std::string& checked : set.checked) names.emplace(checked, text);
   }
   for (const Index e : equations) {
     const std::string name = s.equation_name(e);

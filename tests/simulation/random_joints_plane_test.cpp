@@ -368,6 +368,7 @@ TEST(RandomJoints, TreesInThePlaneMoveInClosedForm) {
       const Structure s = analyze(scene.with_outputs({"all"}));
       EXPECT_EQ(s.cannot_assemble, "");
       EXPECT_TRUE(s.undetermined.empty());
+      for (const Redundancy& r : s.redundant) ADD_FAILURE() << "not redundant: " << r.dropped;
       EXPECT_TRUE(s.redundant.empty());
       const std::vector<int> groups = tree.mechanism->groups_of_units(s);
       for (std::size_t u = 0; u < groups.size(); ++u) {

@@ -354,6 +354,7 @@ TEST(RandomJoints, ChainsAndLegsInSpaceMoveAsChosen) {
       const Structure s = analyze(scene.with_outputs({"all"}));
       EXPECT_EQ(s.cannot_assemble, "");
       EXPECT_TRUE(s.undetermined.empty());
+      for (const Redundancy& r : s.redundant) ADD_FAILURE() << "not redundant: " << r.dropped;
       (void)tree.mechanism->groups_of_units(s);
       tree.mechanism->expect_motion(scene);
     } catch (const std::exception& e) {

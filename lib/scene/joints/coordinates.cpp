@@ -154,9 +154,11 @@ void Expansion::drive_angle(const Driver& d, const Joint& j) {
   if (r == nullptr || solid(a) != ground_ || turned.is_rigid()) return (void)between(j);
   const std::size_t centre = point_of(*r, j);
   const Triple at = features_[centre].at, axis = in_space() ? features_[axis_of_.at(&j)].at : Triple{0, 0, 1};
+  // A point near the axis does not serve: the base of the body needs another one, which the arm would determine twice.
   const auto serves = [&](std::size_t i) {
     const Feature& f = features_[i];
-    return f.is_point && !f.fixed && !f.driven && f.solid == kNobody && !is_same(f.at, at) && !is_on_line(f, at, axis);
+    return f.is_point && !f.fixed && !f.driven && f.solid == kNobody && !is_same(f.at, at) &&
+           (!in_space() || sine(minus(f.at, at), axis) > kWellApart);
   };
   auto arm = std::find_if(turned.features.begin(), turned.features.end(), serves);
   if (arm == turned.features.end()) {

@@ -243,6 +243,7 @@ class Expansion {
   };
   void tie(std::size_t t, std::map<std::string, std::vector<Member>>& points,
            std::map<std::string, std::vector<Member>>& vectors);
+  [[nodiscard]] std::size_t companion(const Tie& tie) const;
   void set_base(std::size_t s, const std::set<std::string>& still);
   void write(const Slide& s);
   void write_coordinates();
@@ -277,7 +278,9 @@ class Expansion {
   std::map<int, std::vector<std::size_t>> based_on_;                   // of all settled solids: features
   std::set<std::size_t> stood_on_;                                     // features of these bases
   std::vector<Tie> ties_;
-  std::set<std::string> gone_;  // bodies that have no motion of their own, or none that is computed
+  std::set<std::pair<int, std::size_t>> tied_;    // the same
+  std::map<std::size_t, std::set<int>> keepers_;  // features: solids that keep them in place
+  std::set<std::string> gone_;                    // bodies that have no motion of their own, or none that is computed
 };
 
 }  // namespace assur::joints

@@ -1,5 +1,6 @@
 #include "scene/joints/expansion.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "scene/gear.hpp"
@@ -42,6 +43,13 @@ void Expansion::write() {
   fix(p_.points), fix(p_.vectors);
   std::erase_if(p_.points, [&](const Point& p) { return left.count(p.name) != 0; });
   std::erase_if(p_.vectors, [&](const Vector& v) { return left.count(v.name) != 0; });
+  for (const auto& [s, base] : based_on_) {
+    for (const std::size_t i : base) keepers_[i].insert(s);
+  }
+  for (std::size_t i = 0; i < features_.size(); ++i) {
+    if (features_[i].solid != kNobody) keepers_[i].insert(features_[i].solid);
+  }
+  for (const Tie& t : ties_) tied_.emplace(t.solid, t.feature);
   for (std::size_t t = 0; t < ties_.size(); ++t) tie(t, points, vectors);
   for (std::size_t s = 0; s < solids_.size(); ++s) set_base(s, still);
   for (Body& b : p_.bodies) {
@@ -75,6 +83,17 @@ void Expansion::tie(std::size_t t, std::map<std::string, std::vector<Member>>& p
   const std::size_t b = solid.based >= 0 ? idx(solid.based) : solid.bodies.empty() ? 0 : solid.bodies.front();
   const std::string stem = by != put_there_by_.end() ? by->second->name : p_.bodies[b].name;
   const std::string copy = stem + ".copy" + std::to_string(t);
+  if (const std::size_t g = companion(ties_[t]); g != ties_[t].feature) {
+    const std::string side = stem + ".across" + std::to_string(t);
+    const Triple at = unit(triple::cross(features_[g].at, f.at));
+    if (solid.is_ground) {
+      declare({side, false, at, true});
+    } else {
+      vectors[p_.bodies[b].name].push_back({side, at, true});
+    }
+    p_.constraints.push_back({stem + ".meet" + std::to_string(t), Dot{f.name, side, 0.0}});
+    return;
+  }
   if (solid.is_ground) {
     declare({copy, f.is_point, f.at, true});
   } else {
@@ -85,6 +104,26 @@ void Expansion::tie(std::size_t t, std::map<std::string, std::vector<Member>>& p
   } else {
     p_.constraints.push_back({stem + ".meet" + std::to_string(t), Parallel{f.name, copy}});
   }
+}
+
+// Of the solid's other directions, one that another solid keeps at its angle to the tied one; else the tied one itself.
+std::size_t Expansion::companion(const Tie& tie) const {
+  const std::size_t f = tie.feature;
+  if (!in_space() || features_[f].is_point) return f;
+  const auto keepers = keepers_.find(f);
+  if (keepers == keepers_.end()) return f;
+  const auto keeps = [&](int s, std::size_t g) {
+    const auto found = keepers_.find(g);
+    return s != tie.solid && found != keepers_.end() && found->second.count(s) != 0;
+  };
+  const auto serves = [&](std::size_t g) {
+    return !features_[g].is_point && g != f && tied_.count({tie.solid, g}) == 0 &&
+           sine(features_[g].at, features_[f].at) > kWellApart &&
+           std::any_of(keepers->second.begin(), keepers->second.end(), [&](int s) { return keeps(s, g); });
+  };
+  const auto& all = solids_[idx(tie.solid)].features;
+  const auto found = std::find_if(all.begin(), all.end(), serves);
+  return found != all.end() ? *found : f;
 }
 
 void Expansion::set_base(std::size_t s, const std::set<std::string>& still) {
