@@ -11,10 +11,7 @@
 
 namespace assur {
 namespace {
-constexpr double kNonzero = 1e-8;            // smaller entries of a null vector, relative to the largest, are zero
-constexpr Eigen::Index kLargestDense = 400;  // rows or columns; larger matrices are factored sparse
-
-constexpr double kMostShare = 1.5;
+constexpr Eigen::Index kLargestDenseRank = 400;  // rows or columns; larger matrices are factored sparse
 constexpr int kMostExchanges = 64;
 
 using Qr = Eigen::ColPivHouseholderQR<Eigen::MatrixXd>;
@@ -39,11 +36,11 @@ Qr factor(const Eigen::MatrixXd& a) {
 
 // True if this entry belongs to the null vector whose own entry is 1.
 bool counts(const Eigen::VectorXd& c, Eigen::Index i) {
-  return std::abs(c[i]) > kNonzero * std::max(1.0, c.cwiseAbs().maxCoeff());
+  return std::abs(c[i]) > kLeastOfNullVector * std::max(1.0, c.cwiseAbs().maxCoeff());
 }
 
 // Of the rows in `order` the first `rank` are independent. Exchanges rows until the other rows, as combinations of
-// these, have no coefficient above kMostShare (Gu and Eisenstat's strong rank-revealing factorisation).
+// these, have no coefficient above kMostCoefficient (Gu and Eisenstat's strong rank-revealing factorisation).
 void spread(const Eigen::MatrixXd& a, Eigen::Index rank, std::vector<Eigen::Index>& order) {
   if (rank == 0 || rank == a.rows()) return;
   for (int exchange = 0; exchange < kMostExchanges; ++exchange) {
@@ -52,7 +49,7 @@ void spread(const Eigen::MatrixXd& a, Eigen::Index rank, std::vector<Eigen::Inde
     for (Eigen::Index k = rank; k < a.rows(); ++k) others.col(k - rank) = a.row(order[static_cast<std::size_t>(k)]);
     const Eigen::MatrixXd shares = kept.householderQr().solve(others).cwiseAbs();
     Eigen::Index i = 0, k = 0;
-    if (!(shares.maxCoeff(&i, &k) > kMostShare)) return;
+    if (!(shares.maxCoeff(&i, &k) > kMostCoefficient)) return;
     std::swap(order[static_cast<std::size_t>(i)], order[static_cast<std::size_t>(rank + k)]);
   }
 }
@@ -121,7 +118,7 @@ RankStudy study_rank(const System& s, std::span<const Index> equations, std::spa
     if (fit(s, equations, unknowns, on_path, column) > 1e-10) break;
     if (step == 3 || step == 7) at.push_back(on_path);
   }
-  if (std::max(block.rows(), block.columns()) > kLargestDense) {
+  if (std::max(block.rows(), block.columns()) > kLargestDenseRank) {
     study_sparse(s, equations, unknowns, block, at, out);
     return out;
   }

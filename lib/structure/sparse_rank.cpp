@@ -17,9 +17,7 @@
 namespace assur {
 namespace {
 
-constexpr double kNonzero = 1e-8;           // smaller entries of a null vector are zero
 constexpr double kNegligible = 1e-13;       // smaller remainders of a row of length 1 are rounding
-constexpr double kMostShare = 1.5;          // a combination with larger coefficients exchanges rows
 constexpr std::size_t kLargestBlock = 600;  // unknowns; the factors are dense
 constexpr int kMostRounds = 16;             // of exchanges
 
@@ -209,9 +207,9 @@ bool exchange(Combinations& combinations, SparseRank& out) {
   for (Eigen::Index& dropped : out.dropped) {
     std::vector<Eigen::Index> uses;
     Eigen::Index most = -1;
-    double largest = kMostShare;
+    double largest = kMostCoefficient;
     combinations.express(dropped, [&](Eigen::Index row, double share) {
-      if (std::abs(share) > kNonzero) uses.push_back(row);
+      if (std::abs(share) > kLeastOfNullVector) uses.push_back(row);
       if (std::abs(share) > largest && used.count(row) == 0) largest = std::abs(share), most = row;
     });
     if (most < 0) continue;
@@ -231,7 +229,7 @@ std::vector<Eigen::Index> null_columns(const SparseRows& a) {
     out.insert(order.columns[static_cast<std::size_t>(k)]);
     const Eigen::VectorXd right = Eigen::VectorXd(order.r.col(k)).head(order.rank);
     const Eigen::VectorXd c = leading.triangularView<Eigen::Upper>().solve(right);
-    const double least = kNonzero * std::max(1.0, c.size() == 0 ? 0.0 : c.lpNorm<Eigen::Infinity>());
+    const double least = kLeastOfNullVector * std::max(1.0, c.size() == 0 ? 0.0 : c.lpNorm<Eigen::Infinity>());
     for (Eigen::Index i = 0; i < c.size(); ++i) {
       if (std::abs(c[i]) > least) out.insert(order.columns[static_cast<std::size_t>(i)]);
     }
@@ -276,7 +274,7 @@ SparseRank sparse_rank(const System& s, std::span<const Index> equations, std::s
     combinations.factor(posture);
     for (std::size_t k = 0; k < out.dropped.size(); ++k) {
       combinations.express(out.dropped[k], [&](Eigen::Index row, double share) {
-        if (std::abs(share) > kNonzero) out.combinations[k].push_back(row);
+        if (std::abs(share) > kLeastOfNullVector) out.combinations[k].push_back(row);
       });
     }
   }
