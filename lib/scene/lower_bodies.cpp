@@ -229,8 +229,14 @@ void BodyWriter::write_frame(const Body& b, Index index) {
   for (int j = 0; j < 3; ++j) {
     if (forms_.all_known(axis[j]) && (unknown == 2 || forms_.all_known(axis[kNext[j]]))) known = j;
   }
-  if (unknown == 0 || posed_by_equations(b)) return;
+  if (posed_by_equations(b)) return;
   const Index from = forms_.source("body " + b.name);
+  for (int j = 0; j < 3; ++j) {  // known axes that drivers turn against each other
+    const int k = kNext[j];
+    if (!forms_.all_known(axis[j]) || !forms_.all_known(axis[k]) || is_constant(b.frame[j], b.frame[k])) continue;
+    forms_.orthogonal_equation(from, axis[j].form, axis[k].form);
+  }
+  if (unknown == 0) return;
   if (known >= 0) return write_frame_about(from, axis[known], axis[kNext[known]], axis[kAfter[known]]);
   forms_.unit_equation(from, axis[0]);
   forms_.unit_equation(from, axis[1]);
@@ -265,7 +271,7 @@ bool BodyWriter::is_kept(std::initializer_list<std::string_view> names) const {
   return !common.empty();
 }
 
-// True if no driver changes the dot product of two known directions: compares it at some values of the drivers.
+// Compares the product at some values of the drivers.
 bool BodyWriter::is_constant(const Direction& d, const Direction& e) {
   const System& s = forms_.system();
   if (s.inputs.empty()) return true;

@@ -77,10 +77,11 @@ void declare_groups(Forms& forms, Shared& shared) {
   }
 }
 
-void write_norms(Forms& forms, const Shared& shared) {
+void write_norms(Forms& forms, const Shared& shared, BodyWriter& bodies) {
   for (const Vector& v : forms.scene().vectors()) {
     const Item& item = forms.item(v.name);
-    if (shared.without_norm.count(v.name) != 0 || forms.all_known(item)) continue;
+    if (shared.without_norm.count(v.name) != 0) continue;
+    if (forms.all_known(item) && bodies.is_constant(v.name, v.name)) continue;
     forms.unit_equation(forms.source("|" + v.name + "| = 1"), item);
   }
 }
@@ -239,7 +240,7 @@ System lower(std::shared_ptr<const Scene> scene, std::span<const std::string> co
   drivers.fix_coordinates();
 
   bodies.write_equations();
-  write_norms(forms, shared);
+  write_norms(forms, shared, bodies);
   constraints.write_equations();
   drivers.write_equations();
 

@@ -54,6 +54,9 @@ class BodyWriter {
   void declare_members();
   void write_equations();
 
+  // True if no driver changes the dot product of two known directions. To be called when the inputs are declared.
+  [[nodiscard]] bool is_constant(const Direction& d, const Direction& e);
+
  private:
   void declare_translating(const Body& body);
   void declare_in_frame(const Body& body);
@@ -66,7 +69,6 @@ class BodyWriter {
   void write_frame_about(Index source, const Item& fixed, const Item& next, const Item& after);
   [[nodiscard]] bool is_kept(std::initializer_list<std::string_view> names) const;
   void note_written(const Body& body, Index index);
-  [[nodiscard]] bool is_constant(const Direction& d, const Direction& e);
   void write_base(const Body& body);
   void keep_dot(const Body& body);
   void write_normal(const Body& body, double area);
