@@ -66,6 +66,9 @@ struct StepLimits {
   // they sleep. Empty: the system places the threads. The constructor throws Error: input for fewer processors than
   // threads, environment for a processor that cannot be used.
   std::vector<int> pin_to = {};
+  // Asked between the parts of a divided step, which can be millions for a very fast law. True ends the call with
+  // Code::interrupted. Empty: never.
+  std::function<bool()> stop = {};
 };
 
 // Accuracy of one group at a posture.

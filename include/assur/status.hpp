@@ -56,7 +56,7 @@ enum class Code : std::uint8_t {
   out_of_range,         // a law was asked for a time outside its table
   actuator_zero,        // a driver drives nothing: its distance, or a direction of its angle, has shrunk to zero
   deadline,             // the time allowed for the step ran out
-  interrupted,          // the observer asked to stop
+  interrupted,          // the observer or StepLimits::stop asked to stop
   stop_reached,         // a quantity has reached its limit, and the scene ends the motion there; time is bracketed
   limit_exceeded,       // a quantity has left its limit, and the motion goes on. An Event::kind, never a status
   within_limits,        // the quantity has returned into its limit. An Event::kind, never a status

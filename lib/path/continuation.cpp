@@ -385,7 +385,8 @@ Status Continuation::advance(double t, bool may_reselect, Stride& stride) {
   shortest_ = first;
   approach_.clear();
   int in_a_row = 0;  // attempts that were rejected; from kExpandAfter on the count is kept
-  while (now_ != t) {
+  for (bool is_first = true; now_ != t; is_first = false) {
+    if (!is_first && limits_.stop && limits_.stop()) return {Code::interrupted, {}, now_};
     const double h = std::copysign(std::min(stride.length, std::abs(span)), span);
     const double target = std::abs(t - now_) <= std::abs(h) * 1.0000001 ? t : now_ + h;
     if (in_a_row >= kExpandAfter) expand();

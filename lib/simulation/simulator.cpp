@@ -466,7 +466,8 @@ Status Simulator::step() {
                                impl_->report.events.end());
     go_back();
     // Drivers that move towards a limit may overshoot into it before they turn back.
-    if (impl_->began == nullptr || status.code == Code::deadline || !impl_->motion.ask_again_from_rest()) return status;
+    const bool may_repeat = status.code != Code::deadline && status.code != Code::interrupted;
+    if (impl_->began == nullptr || !may_repeat || !impl_->motion.ask_again_from_rest()) return status;
     const std::size_t failed = impl_->report.events.size();
     impl_->motion.count_rejected_from(0);
     const Status again = go_to(t);

@@ -214,6 +214,29 @@ TEST(Control, DeadlineKeepsTheState) {
   EXPECT_EQ(in_time.time(), 0.01);
 }
 
+TEST(Control, StopsWithinAStepWhenAsked) {
+  // A crank that turns 1e9 times a second: a row of 0.01 s is divided into millions of parts.
+  const Scene scene = sample("four_bar:omega=6e9").with_time({0, 0.01, 0.01});
+  int asked = 0;
+  bool stops = true;
+  Simulator s = test::simulator(scene, "irreducible/lanes", {.stop = [&] { return ++asked > 100 && stops; }});
+  const Status status = s.step(0.01);
+  EXPECT_EQ(status.code, Code::interrupted);
+  EXPECT_EQ(s.report().status.code, Code::interrupted);
+  EXPECT_EQ(asked, 101);
+  EXPECT_GT(s.time(), 0);
+  EXPECT_LT(s.time(), 0.01);
+  stops = false;
+  const double on = s.time() * 1.01;
+  EXPECT_TRUE(s.step(on).ok());  // goes on
+  EXPECT_EQ(s.time(), on);
+
+  asked = 0;
+  Simulator usual = test::simulator(sample("four_bar"), "irreducible/lanes", {.stop = [&] { return ++asked > 0; }});
+  EXPECT_TRUE(usual.step(0.001).ok());  // not divided, so not asked
+  EXPECT_EQ(asked, 0);
+}
+
 TEST(Control, IterationsAreExactBeyondTheFirstLevel) {
   const Scene scene = sample("four_bar:loops=4,step=0.001");
   for (const int n : {1, 2, 5}) {

@@ -83,6 +83,7 @@ PrepareOptions how_of(const Common& common, const RunOptions& options) {
 StepLimits limits_of(const RunOptions& options) {
   StepLimits limits;
   limits.iterations = options.iterations;
+  limits.stop = [] { return Interrupt::requested(); };
   if (options.pin) limits.pin_to = this_machine().cores;
   return limits;
 }
