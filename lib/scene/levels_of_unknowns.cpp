@@ -23,10 +23,17 @@ std::unique_ptr<T, Free> owned(T* p) {
 
 }  // namespace
 
-std::vector<Index> levels_of_unknowns(Index unknowns, const std::vector<std::vector<Index>>& equations) {
+std::vector<Index> levels_of_unknowns(Index unknowns, std::vector<std::vector<Index>> equations) {
   std::vector<Index> levels(idx(unknowns), 0);
   const auto rows = static_cast<Index>(equations.size());
   if (unknowns == 0 || rows == 0) return levels;
+  // In the order of the unknowns: if the drivers of a chain came last, each would look for its unknown along the chain.
+  // If there are more equations than unknowns, the order decides which ones count.
+  if (rows == unknowns) {
+    std::stable_sort(equations.begin(), equations.end(), [](const auto& a, const auto& b) {
+      return *std::max_element(a.begin(), a.end()) < *std::max_element(b.begin(), b.end());
+    });
+  }
   // A column for each equation: cs_maxtrans then finds the equation of each unknown.
   const auto all = owned(cs_di_spalloc(unknowns, rows, unknowns + rows, 1, 1));
   for (Index e = 0; e < rows; ++e) {

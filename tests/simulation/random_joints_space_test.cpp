@@ -1,5 +1,6 @@
 // Random mechanisms in space, written with joints: bodies on driven joints, platforms that move as chosen, and legs
-// between them. The motion of each body follows from products of rotations, or from a circle and a sphere.
+// between them. The motion of each body follows from products of rotations, from a circle and a sphere, or from one
+// equation that is solved here.
 #include <gtest/gtest.h>
 
 #include "decompositions.hpp"
@@ -288,6 +289,51 @@ bool add_hexapod(JointMechanism& m, const std::vector<std::size_t>& on) {
       0.1);
 }
 
+// A driven crank K on a, a cylinder L on a ball at its end, and a rocker M on b with the line of the cylinder: RSCR.
+// The ball keeps its distance from the line, which is an equation for the angle of the rocker. It is solved by Newton's
+// method, in steps from the posture as written.
+bool add_rscr(JointMechanism& m, std::size_t a, std::size_t b) {
+  constexpr int kSteps = 16, kIterations = 8;
+  const Triple foot = m.spot(), axis = m.direction(), ball = m.spot(), on_line = m.spot(), line = m.direction();
+  const Triple hinge = m.spot(), hinge_axis = m.direction();
+  const std::size_t K = m.body(), L = m.body(), M = m.body();
+  const std::size_t crank = m.connect('R', a, K, foot, axis);
+  m.connect('S', K, L, ball), m.connect('C', L, M, on_line, line), m.connect('R', M, b, hinge, hinge_axis);
+  const Step turn{true, foot, axis, m.curve(m.angle())};
+  m.drive(crank, K, true, turn.curve);
+  return m.keep(
+      [=, &m](long double t, Frames& f) {
+        f[K] = f[a].after(motion_of(m, turn, t));
+        const Place3 u = references::unit(exact(line)), n = references::unit(exact(hinge_axis));
+        const Place3 c = exact(on_line), start = exact(ball), end = f[b].turn_back(f[K].at(ball) - f[b].o);
+        const auto across = [&](const Place3& w) { return w - dot(w, u) * u; };
+        const Place3 arm = across(start - c);
+        double margin = number(length_of(arm)) / m.size();
+        Real angle{0}, share{0};
+        Place3 p = start;  // the ball, seen from the rocker
+        for (int k = 1; k <= kSteps && margin > 0; ++k) {
+          const Place3 goal = start + Real{static_cast<long double>(k) / kSteps} * (end - start);
+          for (int i = 0; i < kIterations; ++i) {
+            p = turned(hinge, hinge_axis, Real{0} - angle).at(goal);
+            const Place3 w = across(p - c), way = cross(p - exact(hinge), n);
+            const Real slope = dot(w, way);
+            angle = angle - (dot(w, w) - dot(arm, arm)) / (2 * slope);
+            share = slope / (length_of(w) * length_of(way));
+          }
+          margin = std::min({margin, std::abs(number(share)), number(length_of(p - exact(hinge))) / m.size()});
+          if (!(std::abs(number(dot(p - c, p - c))) < 1e6 * m.size() * m.size())) return 0.0;  // diverged
+        }
+        p = turned(hinge, hinge_axis, Real{0} - angle).at(end);
+        const Place3 w = across(p - c);
+        if (!(std::abs(number(dot(w, w) / dot(arm, arm)) - 1) < 1e-12)) return 0.0;
+        f[M] = f[b].after(turned(hinge, hinge_axis, angle));
+        const Real spin = atan2(dot(cross(u, arm), w), dot(arm, w));
+        f[L] = f[M].after(moved(line, dot(p - start, u))).after(turned(on_line, line, spin));
+        return margin;
+      },
+      0.3);
+}
+
 const TimeGrid kGrid{0, 1, 1.0 / 100};
 
 struct Tree {
@@ -318,7 +364,7 @@ Tree random_tree(Draw& draw) {
     for (int k = 0; k < 6; ++k) on.push_back(earlier());
     std::string kind;
     bool added = false;
-    switch (draw.below(5)) {
+    switch (draw.below(6)) {
       case 0:
         kind = "chain " + chain, added = add_chain(m, earlier(), chain);
         break;
@@ -328,6 +374,9 @@ Tree random_tree(Draw& draw) {
         break;
       case 3:
         kind = "strut", added = add_strut(m, swap ? b : a, swap ? a : b);
+        break;
+      case 4:
+        kind = "RSCR", added = add_rscr(m, swap ? b : a, swap ? a : b);
         break;
       default:
         kind = "hexapod", added = add_hexapod(m, on);
@@ -342,12 +391,13 @@ Tree random_tree(Draw& draw) {
 
 TEST(RandomJoints, ChainsAndLegsInSpaceMoveAsChosen) {
   const int all = test::random_count(40);
-  int found = 0;
+  int found = 0, with_rscr = 0;
   for (std::uint64_t seed = 1; found < all; ++seed) {
     Draw draw(seed);
     const Tree tree = random_tree(draw);
     if (!tree.regular) continue;
     ++found;
+    with_rscr += tree.kinds.find("RSCR") != std::string::npos ? 1 : 0;
     SCOPED_TRACE("seed " + std::to_string(seed) + tree.kinds);
     try {
       const Scene scene = tree.mechanism->write(kGrid);
@@ -361,6 +411,7 @@ TEST(RandomJoints, ChainsAndLegsInSpaceMoveAsChosen) {
       ADD_FAILURE() << e.what();
     }
   }
+  EXPECT_GE(with_rscr, all / 8);
 }
 
 }  // namespace

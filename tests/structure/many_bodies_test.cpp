@@ -21,9 +21,10 @@ namespace {
 // A scene whose items are added in a random order, with names in another one.
 class Shuffled {
  public:
-  explicit Shuffled(int count) : random_(static_cast<unsigned>(count)), names_(static_cast<std::size_t>(count)) {
+  explicit Shuffled(int count, bool in_order = false)
+      : random_(static_cast<unsigned>(count)), names_(static_cast<std::size_t>(count)), in_order_(in_order) {
     for (int i = 0; i < count; ++i) names_[static_cast<std::size_t>(i)] = i;
-    std::shuffle(names_.begin(), names_.end(), random_);
+    if (!in_order) std::shuffle(names_.begin(), names_.end(), random_);
   }
   // All names have the same length, so that they need the same memory.
   std::string name(const char* stem, int i) const {
@@ -41,7 +42,7 @@ class Shuffled {
     });
   }
   Scene build() {
-    std::shuffle(items_.begin(), items_.end(), random_);
+    if (!in_order_) std::shuffle(items_.begin(), items_.end(), random_);
     SceneBuilder b("many", 2);
     for (const auto& add : items_) add(b);
     return std::move(b).build();
@@ -50,12 +51,13 @@ class Shuffled {
  private:
   std::mt19937 random_;
   std::vector<int> names_;
+  bool in_order_;
   std::vector<std::function<void(SceneBuilder&)>> items_;
 };
 
 // Each body is driven about the body before it.
-Scene chain(int bodies) {
-  Shuffled s(bodies);
+Scene chain_in(bool order, int bodies) {
+  Shuffled s(bodies, order);
   for (int i = 0; i < bodies; ++i) {
     s.body(s.name("b", i));
     s.hinge(s.name("J", i), i == 0 ? "ground" : s.name("b", i - 1), s.name("b", i), 0.1 * i, 0.01 * (i % 2));
@@ -63,6 +65,9 @@ Scene chain(int bodies) {
   }
   return s.build();
 }
+
+Scene chain(int bodies) { return chain_in(false, bodies); }
+Scene ordered(int bodies) { return chain_in(true, bodies); }
 
 // A driven hub with driven arms.
 Scene star(int bodies) {
@@ -149,8 +154,9 @@ TEST_P(ManyBodies, AllocateInProportion) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Shapes, ManyBodies,
-                         testing::Values(Shape{"chain", chain, 2, 3, true}, Shape{"star", star, 2, 3, false},
-                                         Shape{"loops", loops, 1, 2, true}, Shape{"wheel", wheel, 1, 2, false}),
+                         testing::Values(Shape{"chain", chain, 2, 3, true}, Shape{"ordered", ordered, 2, 3, true},
+                                         Shape{"star", star, 2, 3, false}, Shape{"loops", loops, 1, 2, true},
+                                         Shape{"wheel", wheel, 1, 2, false}),
                          [](const auto& test) { return std::string(test.param.name); });
 
 }  // namespace

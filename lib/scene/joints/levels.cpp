@@ -151,7 +151,7 @@ void Expansion::set_levels() {
                           }},
                d.kind);
   }
-  const std::vector<Index> level = levels_of_unknowns(unknowns, equations);
+  const std::vector<Index> level = levels_of_unknowns(unknowns, std::move(equations));
   for (std::size_t s = 0; s < solids_.size(); ++s) {
     if (solids_[s].is_ground) continue;
     const auto own = level.begin() + first[s], last = level.begin() + end[s];
